@@ -1,0 +1,118 @@
+#include "capture/lights_file.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <map>
+#include <optional>
+#include <sstream>
+
+#include "surface/atomic_file.h"
+#include "surface/error.h"
+
+namespace tangi {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+std::string_view trimmed(std::string_view text) {
+    const auto blank = [](char c) { return c == ' ' || c == '\t' || c == '\r'; };
+    while (!text.empty() && blank(text.front())) text.remove_prefix(1);
+    while (!text.empty() && blank(text.back())) text.remove_suffix(1);
+    return text;
+}
+
+// Cuts the last blank-separated word off `rest` and returns it.
+std::string_view cut_last_word(std::string_view& rest) {
+    rest = trimmed(rest);
+    const auto blank = rest.find_last_of(" \t");
+    const std::string_view word = blank == std::string_view::npos ? rest : rest.substr(blank + 1);
+    rest = blank == std::string_view::npos ? std::string_view() : trimmed(rest.substr(0, blank));
+    return word;
+}
+
+// A number in the C locale; a decimal comma is read as a point. "nan" and "inf" are numbers here, so that the
+// caller can say more than "not a number".
+std::optional<double> number(std::string_view word) {
+    std::string text(word);
+    std::replace(text.begin(), text.end(), ',', '.');
+    if (text.starts_with('+')) text.erase(0, 1);
+    double value = 0;
+    const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (status != std::errc() || end != text.data() + text.size()) return std::nullopt;
+    return value;
+}
+
+std::optional<long> whole_number(std::string_view word) {
+    long value = 0;
+    const auto [end, status] = std::from_chars(word.data(), word.data() + word.size(), value);
+    if (status != std::errc() || end != word.data() + word.size()) return std::nullopt;
+    return value;
+}
+
+Light parse_line(std::string_view line, const std::string& place) {
+    std::string_view rest = line;
+    glm::dvec3 vector;
+    for (int i = 2; i >= 0; --i) {
+        const std::string_view word = cut_last_word(rest);
+        const auto value = number(word);
+        if (!value) fail("{}: expected 'name x y z', but '{}' is not a number", place, word);
+        vector[i] = *value;
+    }
+    if (rest.empty()) fail("{}: expected 'name x y z', but the photograph's name is missing", place);
+    if (!std::isfinite(vector.x) || !std::isfinite(vector.y) || !std::isfinite(vector.z))
+        fail("{}: the light of '{}' is not finite; give a direction or remove the line", place, rest);
+    const double length = glm::length(vector);
+    if (!(length > 1e-6))
+        fail("{}: the light of '{}' is a zero vector; give a direction or remove the line", place, rest);
+    return distant_light(Vec3(vector / length), std::string(rest));
+}
+
+}  // namespace
+
+LightsFile parse_lights(const std::string& text, const std::string& file_name) {
+    LightsFile result;
+    std::map<std::string, int> line_of;
+    std::optional<long> count;
+    std::istringstream stream(text.starts_with("\xEF\xBB\xBF") ? text.substr(3) : text);
+    int number_of_line = 0;
+    bool first = true;
+    for (std::string raw; std::getline(stream, raw);) {
+        ++number_of_line;
+        const std::string_view line = trimmed(raw);
+        if (line.empty()) continue;
+        if (first) {
+            first = false;
+            count = whole_number(line);
+            if (count) continue;
+            result.warnings.push_back(fmt::format("{}: the first line is not a count of lights", file_name));
+        }
+        const std::string place = fmt::format("{}, line {}", file_name, number_of_line);
+        Light light = parse_line(line, place);
+        const auto [earlier, is_new] = line_of.emplace(light.name, number_of_line);
+        if (!is_new) fail("{}: '{}' has a light in line {} already", place, light.name, earlier->second);
+        result.lights.push_back(std::move(light));
+    }
+    if (result.lights.empty())
+        fail("{}: holds no lights; expected a count, then a line 'name x y z' for each photograph", file_name);
+    if (count && *count != static_cast<long>(result.lights.size()))
+        result.warnings.push_back(fmt::format("{}: its first line says {} lights, but {} follow; all {} are used",
+                                              file_name, *count, result.lights.size(), result.lights.size()));
+    return result;
+}
+
+LightsFile read_lights_file(const fs::path& path) {
+    if (!fs::exists(path)) fail("{}: no such lights file", path.string());
+    return parse_lights(read_text_file(path), path.string());
+}
+
+void write_lights_file(const fs::path& path, std::span<const Light> lights) {
+    std::string text = fmt::format("{}\n", lights.size());
+    for (const Light& light : lights)
+        text += fmt::format("{} {:.6f} {:.6f} {:.6f}\n", light.name, light.direction.x, light.direction.y,
+                            light.direction.z);
+    write_text_file(path, text);
+}
+
+}  // namespace tangi

@@ -1,0 +1,31 @@
+// lights_file.h: .lp files, the RTI community's lists of photographs and light directions.
+//
+//   <count>
+//   <photograph's name> <x> <y> <z>      one line a photograph; x right, y up, z towards the camera
+//
+// As found in the wild: names hold spaces and folders, vectors are not of unit length, blank and trailing lines,
+// tabs, CRLF, a byte-order mark, decimal commas, a count that is wrong or missing. All of that is read.
+#pragma once
+
+#include <filesystem>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "surface/light.h"
+
+namespace tangi {
+
+struct LightsFile {
+    std::vector<Light> lights;          // in the file's order; directions are unit vectors, gains 1
+    std::vector<std::string> warnings;  // a count that disagrees with the lines, …
+};
+
+// Throws Error naming file and line: not a lights file, a zero vector, NaN, a name that occurs twice, no lights.
+LightsFile read_lights_file(const std::filesystem::path& path);
+LightsFile parse_lights(const std::string& text, const std::string& file_name);
+
+// Writes unit directions, 6 decimals, whole or not at all.
+void write_lights_file(const std::filesystem::path& path, std::span<const Light> lights);
+
+}  // namespace tangi

@@ -1,0 +1,100 @@
+#include "capture/photo_file.h"
+
+#include <OpenImageIO/imageio.h>
+
+#include <algorithm>
+#include <array>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include "surface/error.h"
+
+namespace tangi {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+std::string lower_extension(const fs::path& path) {
+    std::string extension = path.extension().string();
+    for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    return extension;
+}
+
+// A JPEG decoder fills what is missing of a truncated file with grey and goes on. Such a file lacks the
+// end-of-image marker (ITU-T T.81, table B.1), which may only be followed by padding.
+void require_complete_jpeg(const fs::path& path) {
+    std::ifstream stream(path, std::ios::binary | std::ios::ate);
+    const auto size = static_cast<std::streamoff>(stream.tellg());
+    constexpr std::streamoff window = 65536;
+    std::string tail(static_cast<std::size_t>(std::min(size, window)), '\0');
+    stream.seekg(size - static_cast<std::streamoff>(tail.size()));
+    stream.read(tail.data(), static_cast<std::streamsize>(tail.size()));
+    if (!stream || tail.find("\xFF\xD9") == std::string::npos)
+        fail("{}: the JPEG file is truncated; copy it again from the camera or the archive", path.string());
+}
+
+}  // namespace
+
+struct PhotoFile::Decoder {
+    std::unique_ptr<OIIO::ImageInput> input;
+    std::vector<float> tile_rows;  // scratch for tiled files
+};
+
+bool is_photo_name(const fs::path& path) {
+    static constexpr std::array<std::string_view, 7> known = {".jpg", ".jpeg", ".png", ".tif",
+                                                              ".tiff", ".exr", ".tga"};
+    return std::find(known.begin(), known.end(), lower_extension(path)) != known.end();
+}
+
+PhotoFile::PhotoFile(fs::path path) : path_(std::move(path)), decoder_(std::make_unique<Decoder>()) {
+    if (!fs::exists(path_)) fail("{}: no such photograph", path_.string());
+    if (fs::is_directory(path_)) fail("{}: is a folder, not a photograph", path_.string());
+    OIIO::ImageSpec config;
+    config.attribute("oiio:UnassociatedAlpha", 1);
+    decoder_->input = OIIO::ImageInput::open(path_.string(), &config);
+    if (!decoder_->input) fail("{}: is not a picture that can be read: {}", path_.string(), OIIO::geterror());
+    const OIIO::ImageSpec& spec = decoder_->input->spec();
+    if (spec.nchannels < 1 || spec.width < 1 || spec.height < 1)
+        fail("{}: holds no pixels", path_.string());
+    const std::string extension = lower_extension(path_);
+    if (extension == ".jpg" || extension == ".jpeg") require_complete_jpeg(path_);
+    header_ = {.width = spec.width,
+               .height = spec.height,
+               .channels = spec.nchannels >= 3 ? 3 : 1,
+               .bits = spec.format.is_floating_point() ? 32 : static_cast<int>(spec.format.basesize()) * 8,
+               .is_float = spec.format.is_floating_point(),
+               .orientation = spec.get_int_attribute("Orientation", 1)};
+}
+
+PhotoFile::~PhotoFile() = default;
+PhotoFile::PhotoFile(PhotoFile&&) noexcept = default;
+PhotoFile& PhotoFile::operator=(PhotoFile&&) noexcept = default;
+
+void PhotoFile::read_rows(int y0, int y1, std::span<float> values) {
+    OIIO::ImageInput& input = *decoder_->input;
+    const OIIO::ImageSpec& spec = input.spec();
+    const auto row = static_cast<std::size_t>(header_.width) * static_cast<std::size_t>(header_.channels);
+    TP_REQUIRE(y0 >= 0 && y0 < y1 && y1 <= header_.height, "rows lie in the picture");
+    TP_REQUIRE(values.size() >= row * static_cast<std::size_t>(y1 - y0), "the buffer holds the rows");
+    bool read = false;
+    if (spec.tile_width == 0) {
+        read = input.read_scanlines(0, 0, spec.y + y0, spec.y + y1, 0, 0, header_.channels,
+                                    OIIO::TypeDesc::FLOAT, values.data());
+    } else {
+        // Whole tiles only: read the rows of tiles that hold the wanted rows, then copy those out.
+        const int th = spec.tile_height;
+        const int t0 = y0 / th * th, t1 = std::min((y1 + th - 1) / th * th, header_.height);
+        decoder_->tile_rows.resize(row * static_cast<std::size_t>(t1 - t0));
+        read = input.read_tiles(0, 0, spec.x, spec.x + spec.width, spec.y + t0, spec.y + t1, 0, 1, 0,
+                                header_.channels, OIIO::TypeDesc::FLOAT, decoder_->tile_rows.data());
+        const auto from = decoder_->tile_rows.begin() + static_cast<std::ptrdiff_t>(row) * (y0 - t0);
+        std::copy_n(from, row * static_cast<std::size_t>(y1 - y0), values.begin());
+    }
+    if (!read)
+        fail("{}: cannot be decoded at rows {} to {}: {}; the file is damaged or truncated", path_.string(), y0, y1 - 1,
+             input.geterror());
+}
+
+}  // namespace tangi

@@ -1,0 +1,32 @@
+// photometric_stereo.h: robust Lambertian photometric stereo (Woodham 1980), the starting point of the Ward fit.
+#pragma once
+
+#include "capture/pixel_samples.h"
+#include "surface/options.h"
+
+namespace tangi {
+
+struct PhotometricStereoOptions {
+    int iterations = 8;            // of reweighting
+    double outlier_scale = 0.08;   // [1] residual, relative to the pixel's brightness, at which a sample weighs half
+
+    static constexpr std::string_view name = "photometric_stereo";
+    template <class Self, class Visit>
+    static void fields(Self& self, Visit&& visit) {
+        visit(FieldInfo{"iterations", 1, 100, "1", "reweighting steps"}, self.iterations);
+        visit(FieldInfo{"outlier_scale", 1e-3, 10, "1", "relative residual at which a sample weighs half"},
+              self.outlier_scale);
+    }
+};
+
+struct LambertEstimate {
+    glm::dvec3 normal{0, 0, 1};  // [unit vector], z > 0
+    glm::dvec3 diffuse{0};       // [1] rho_d per channel; the same in all three for grey photographs
+    bool valid = false;          // false: dark under every light, or fewer than three usable samples
+};
+
+// Fits grey = g . l by least squares, reweighted by Geman & McClure's function so that highlights and shadows count
+// little. Starts from the samples between the quartiles of value / cosine, where neither is common.
+LambertEstimate photometric_stereo(const PixelSamples& samples, const PhotometricStereoOptions& options = {});
+
+}  // namespace tangi

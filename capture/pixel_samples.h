@@ -1,0 +1,28 @@
+// pixel_samples.h: what the photographs say about one pixel, as the per-pixel fits take it.
+#pragma once
+
+#include <glm/vec3.hpp>
+#include <vector>
+
+namespace tangi {
+
+// One pixel under all lights. Vectors are in the surface frame; the viewer is at v = (0, 0, 1).
+struct PixelSamples {
+    int channels = 3;
+    std::vector<glm::dvec3> light;   // [unit vector] to each light, from this pixel
+    std::vector<double> irradiance;  // [photo * channels + channel] white_level * gain: what a matt white would read
+    std::vector<double> value;       // [photo * channels + channel] linear pixel value
+    std::vector<double> sigma;       // same layout: [1] standard deviation expected of value; 0 = leave it out
+
+    int photos() const { return static_cast<int>(light.size()); }
+    void resize(int photo_count, int channel_count) {
+        channels = channel_count;
+        const auto n = static_cast<std::size_t>(photo_count);
+        light.resize(n);
+        irradiance.resize(n * static_cast<std::size_t>(channel_count));
+        value.resize(irradiance.size());
+        sigma.resize(irradiance.size());
+    }
+};
+
+}  // namespace tangi

@@ -1,0 +1,321 @@
+#include "capture/stack.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <sstream>
+
+#include "capture/lights_file.h"
+#include "surface/error.h"
+#include "surface/parallel.h"
+#include "surface/picture_file.h"
+
+namespace tangi {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+std::string lower(std::string text) {
+    for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    return text;
+}
+
+std::string joined(const std::vector<std::string>& names, std::size_t most = 5) {
+    std::string text;
+    for (std::size_t i = 0; i < std::min(names.size(), most); ++i) text += (i ? ", " : "") + names[i];
+    if (names.size() > most) text += fmt::format(" and {} more", names.size() - most);
+    return text;
+}
+
+fs::path find_lights_file(const fs::path& folder) {
+    std::vector<std::string> found;
+    for (const auto& entry : fs::directory_iterator(folder))
+        if (lower(entry.path().extension().string()) == ".lp") found.push_back(entry.path().filename().string());
+    std::sort(found.begin(), found.end());
+    if (found.empty())
+        fail("{}: no lights file (.lp) in this folder; name one with --lights FILE.lp", folder.string());
+    if (found.size() > 1)
+        fail("{}: {} lights files in this folder ({}); choose one with --lights FILE.lp", folder.string(),
+             found.size(), joined(found));
+    return folder / found.front();
+}
+
+// Photographs in a folder, by name.
+std::vector<fs::path> photos_in(const fs::path& folder) {
+    std::vector<fs::path> photos;
+    for (const auto& entry : fs::directory_iterator(folder))
+        if (entry.is_regular_file() && is_photo_name(entry.path()) &&
+            !entry.path().filename().string().starts_with('.'))
+            photos.push_back(entry.path());
+    std::sort(photos.begin(), photos.end());
+    return photos;
+}
+
+// Windows programs write their folders with backslashes.
+fs::path portable(std::string name) {
+    std::replace(name.begin(), name.end(), '\\', '/');
+    return fs::path(name);
+}
+
+// The photograph that a lights file means by `name`, tried from the strictest reading to the loosest.
+std::optional<fs::path> match(const std::string& name, const fs::path& folder, const std::vector<fs::path>& photos) {
+    const fs::path listed = portable(name);
+    std::error_code ignored;
+    if (fs::is_regular_file(folder / listed, ignored)) return folder / listed;
+    std::vector<fs::path> same_stem;
+    for (const fs::path& photo : photos) {
+        if (lower(photo.filename().string()) == lower(listed.filename().string())) return photo;
+        if (lower(photo.stem().string()) == lower(listed.stem().string())) same_stem.push_back(photo);
+    }
+    if (same_stem.size() == 1) return same_stem.front();
+    return std::nullopt;
+}
+
+void match_photos(Stack& stack, const std::vector<Light>& lights, const fs::path& lights_path) {
+    const std::vector<fs::path> photos = photos_in(stack.folder);
+    std::vector<std::string> missing;
+    std::map<fs::path, std::string> used;
+    for (const Light& light : lights) {
+        const auto photo = match(light.name, stack.folder, photos);
+        if (!photo) {
+            missing.push_back(light.name);
+            continue;
+        }
+        const auto [earlier, is_new] = used.emplace(*photo, light.name);
+        if (!is_new)
+            fail("{}: '{}' and '{}' both mean the photograph {}", lights_path.string(), earlier->second, light.name,
+                 photo->string());
+        stack.photos.push_back({*photo, light});
+    }
+    if (stack.photos.empty() && photos.size() == lights.size() && !photos.empty()) {
+        for (std::size_t i = 0; i < photos.size(); ++i) stack.photos.push_back({photos[i], lights[i]});
+        stack.warnings.push_back(
+            fmt::format("{}: none of its names ('{}', …) is a photograph in {}; lights are taken in the order of the "
+                        "file names",
+                        lights_path.string(), lights.front().name, stack.folder.string()));
+        return;
+    }
+    if (!missing.empty())
+        fail("{}: {} of {} listed photographs are not in {}: {}. Put them there, or remove their lines", 
+             lights_path.string(), missing.size(), lights.size(), stack.folder.string(), joined(missing));
+    std::vector<std::string> unlisted;
+    for (const fs::path& photo : photos)
+        if (!used.contains(photo)) unlisted.push_back(photo.filename().string());
+    if (!unlisted.empty())
+        stack.warnings.push_back(fmt::format("{}: {} photographs are not listed in {} and not used: {}",
+                                             stack.folder.string(), unlisted.size(),
+                                             lights_path.filename().string(), joined(unlisted)));
+}
+
+void leave_out_lights_from_below(Stack& stack, const fs::path& lights_path) {
+    std::vector<std::string> below;
+    std::vector<StackPhoto> kept;
+    for (StackPhoto& photo : stack.photos) {
+        if (photo.light.direction.z > 0)
+            kept.push_back(std::move(photo));
+        else
+            below.push_back(fmt::format("{} (z = {:.4f})", photo.light.name, photo.light.direction.z));
+    }
+    stack.photos = std::move(kept);
+    if (below.empty()) return;
+    if (below.size() > stack.photos.size())
+        fail("{}: {} of {} lights come from below the painting (z < 0): {}. z must point towards the camera; if all "
+             "are negative, the file uses the opposite sign",
+             lights_path.string(), below.size(), below.size() + stack.photos.size(), joined(below));
+    stack.warnings.push_back(fmt::format(
+        "{}: left out {} photograph{} lit from below the painting's plane: {}", lights_path.string(), below.size(),
+        below.size() == 1 ? "" : "s", joined(below)));
+}
+
+std::string described(const PhotoHeader& header) {
+    return fmt::format("{} x {}, {}", header.width, header.height, header.channels == 1 ? "grey" : "colour");
+}
+
+// Opens every photograph once, so that the first bad one is named before any work is done.
+void check_headers(Stack& stack) {
+    std::optional<PhotoHeader> first;
+    for (const StackPhoto& photo : stack.photos) {
+        const PhotoHeader header = PhotoFile(photo.path).header();
+        if (!first) first = header;
+        if (header.width != first->width || header.height != first->height)
+            fail("{}: is {}, but {} is {}; all photographs of a stack must have the same size", photo.path.string(),
+                 described(header), stack.photos.front().path.filename().string(), described(*first));
+        if (header.channels != first->channels)
+            fail("{}: is {}, but {} is {}; convert it, or remove it from the lights file", photo.path.string(),
+                 described(header), stack.photos.front().path.filename().string(), described(*first));
+        if (header.bits != first->bits || header.is_float != first->is_float)
+            fail("{}: has {} bits a sample, but {} has {}; all photographs of a stack must be stored alike",
+                 photo.path.string(), header.bits, stack.photos.front().path.filename().string(), first->bits);
+        if (header.orientation != first->orientation)
+            fail("{}: its EXIF orientation is {}, that of {} is {}; turn the photographs alike first",
+                 photo.path.string(), header.orientation, stack.photos.front().path.filename().string(),
+                 first->orientation);
+    }
+    if (first->orientation != 1)
+        stack.warnings.push_back(fmt::format(
+            "{}: the EXIF orientation ({}) is not applied; lights and maps are in the frame of the stored pixels",
+            stack.folder.string(), first->orientation));
+    stack.channels = first->channels;
+    stack.bits = first->bits;
+    stack.crop = {0, 0, first->width, first->height};
+}
+
+void apply_crop(Stack& stack, const Region& crop) {
+    if (crop.empty() || crop.x0 < 0 || crop.y0 < 0 || crop.x1 > stack.crop.x1 || crop.y1 > stack.crop.y1)
+        fail("the crop {},{} to {},{} does not lie in the photographs of {}, which are {} x {}", crop.x0, crop.y0,
+             crop.x1, crop.y1, stack.folder.string(), stack.crop.x1, stack.crop.y1);
+    stack.crop = crop;
+}
+
+void apply_mask(Stack& stack, const fs::path& path, const Region& whole) {
+    const Image<Rgb> picture = read_picture(path);
+    if (picture.region() != whole)
+        fail("{}: the mask is {} x {}, the photographs are {} x {}", path.string(), picture.width(),
+             picture.height(), whole.width(), whole.height());
+    stack.mask = Image<unsigned char>(stack.width(), stack.height());
+    bool any = false;
+    for (int y = 0; y < stack.height(); ++y)
+        for (int x = 0; x < stack.width(); ++x) {
+            const Rgb& value = picture(x + stack.crop.x0, y + stack.crop.y0);
+            const bool keep = std::max({value.r, value.g, value.b}) > 0.5f;
+            stack.mask(x, y) = keep;
+            any = any || keep;
+        }
+    if (!any) fail("{}: the mask leaves nothing of the picture; white marks what is to be fitted", path.string());
+}
+
+}  // namespace
+
+std::vector<Light> Stack::lights() const {
+    std::vector<Light> result;
+    for (const StackPhoto& photo : photos) result.push_back(photo.light);
+    return result;
+}
+
+void hold_out(Stack& stack, const std::string& which) {
+    std::vector<bool> held(stack.photos.size(), false);
+    const auto hold = [&](std::size_t position, const std::string& word) {
+        if (position >= held.size())
+            fail("--hold-out {}: there is no photograph {}; {} has photographs 0 to {}", which, word,
+                 stack.folder.string(), static_cast<long>(held.size()) - 1);
+        held[position] = true;
+    };
+    std::istringstream words(which);
+    for (std::string word; std::getline(words, word, ',');) {
+        const auto number = [&](const std::string& text) -> std::optional<std::size_t> {
+            if (text.empty() || text.size() > 9 || text.find_first_not_of("0123456789") != std::string::npos)
+                return std::nullopt;
+            return std::stoul(text);
+        };
+        const auto colon = word.find(':');
+        const auto start = number(word.substr(0, colon));
+        if (colon != std::string::npos && start) {
+            const auto step = number(word.substr(colon + 1));
+            if (!step || *step == 0) fail("--hold-out {}: '{}' is not START:STEP with a step of at least 1", which, word);
+            hold(*start, word);
+            for (std::size_t i = *start; i < held.size(); i += *step) held[i] = true;
+        } else if (start) {
+            hold(*start, word);
+        } else {
+            const auto named = std::find_if(stack.photos.begin(), stack.photos.end(), [&](const StackPhoto& photo) {
+                return photo.light.name == word || photo.path.filename().string() == word;
+            });
+            hold(static_cast<std::size_t>(named - stack.photos.begin()), word);
+        }
+    }
+    std::vector<StackPhoto> kept;
+    for (std::size_t i = 0; i < held.size(); ++i) (held[i] ? stack.held_out : kept).push_back(stack.photos[i]);
+    stack.photos = std::move(kept);
+}
+
+void require_enough_lights(const std::vector<Light>& lights, const std::string& what) {
+    if (lights.size() < 4)
+        fail("{}: {} usable photographs; at least 4 under different lights are needed", what, lights.size());
+    // The smallest eigenvalue of the scatter of directions is 0 where all lie in one plane with the painting:
+    // then one component of the normals stays unknown. Found as the smallest over a fine sweep of directions.
+    double smallest = 1;
+    for (int i = 0; i <= 90; ++i)
+        for (int j = 0; j < 360; j += 2) {
+            const double tilt = i * M_PI / 180, turn = j * M_PI / 180;
+            const glm::dvec3 axis(std::sin(tilt) * std::cos(turn), std::sin(tilt) * std::sin(turn), std::cos(tilt));
+            double sum = 0;
+            for (const Light& light : lights) sum += std::pow(glm::dot(axis, glm::dvec3(light.direction)), 2);
+            smallest = std::min(smallest, sum / static_cast<double>(lights.size()));
+        }
+    if (smallest < 2e-4)
+        fail("{}: all lights lie in one plane (within {:.1f} degrees), which leaves the relief across it unknown; add "
+             "photographs lit from other sides",
+             what, std::sqrt(std::max(smallest, 0.0)) * 180 / M_PI);
+}
+
+Stack open_stack(const fs::path& folder, const StackOptions& options) {
+    if (!fs::exists(folder)) fail("{}: no such folder", folder.string());
+    if (!fs::is_directory(folder)) fail("{}: is not a folder; give the folder that holds the photographs",
+                                        folder.string());
+    Stack stack;
+    stack.folder = folder;
+    const fs::path lights_path = options.lights_file ? *options.lights_file : find_lights_file(folder);
+    LightsFile lights = read_lights_file(lights_path);
+    stack.warnings = std::move(lights.warnings);
+    match_photos(stack, lights.lights, lights_path);
+    leave_out_lights_from_below(stack, lights_path);
+    check_headers(stack);
+    const Region whole = stack.crop;
+    if (options.crop) apply_crop(stack, *options.crop);
+    if (options.mask_file) apply_mask(stack, *options.mask_file, whole);
+    stack.transfer = options.transfer;
+    return stack;
+}
+
+Band::Band(int photos, int channels, int width, int y0, int y1)
+    : photos_(photos), channels_(channels), width_(width), y0_(y0), y1_(y1),
+      values_(static_cast<std::size_t>(photos) * static_cast<std::size_t>(channels) *
+              static_cast<std::size_t>(y1 - y0) * static_cast<std::size_t>(width)) {}
+
+StackReader::StackReader(const Stack& stack) : stack_(stack) {
+    files_.reserve(stack.photos.size());
+    for (const StackPhoto& photo : stack.photos) files_.emplace_back(photo.path);
+}
+
+int StackReader::rows_for(std::size_t bytes) const {
+    const std::size_t row = sizeof(float) * files_.size() * static_cast<std::size_t>(stack_.channels) *
+                            static_cast<std::size_t>(stack_.width());
+    return std::clamp(static_cast<int>(bytes / row), 1, stack_.height());
+}
+
+Band StackReader::read(int y0, int y1, const Transfer& transfer) {
+    const int photos = static_cast<int>(files_.size()), channels = stack_.channels;
+    const int codes = stack_.bits == 32 ? 0 : 1 << stack_.bits;  // stored values; floats have no table
+    if (!table_transfer_ || *table_transfer_ != transfer) {
+        table_.resize(static_cast<std::size_t>(codes));
+        for (int code = 0; code < codes; ++code)
+            table_[static_cast<std::size_t>(code)] =
+                transfer.decode(static_cast<float>(code) / static_cast<float>(codes - 1));
+        table_transfer_ = transfer;
+    }
+    const float scale = static_cast<float>(codes - 1);
+    const auto decode = [&](float stored) {
+        return codes == 0 ? transfer.decode(stored) : table_[static_cast<std::size_t>(stored * scale + 0.5f)];
+    };
+    Band band(photos, channels, stack_.width(), y0, y1);
+    parallel_for(0, photos, 1, [&](int begin, int end) {
+        std::vector<float> stored;
+        for (int i = begin; i < end; ++i) {
+            PhotoFile& file = files_[static_cast<std::size_t>(i)];
+            const auto row = static_cast<std::size_t>(file.header().width) * static_cast<std::size_t>(channels);
+            stored.resize(row * static_cast<std::size_t>(y1 - y0));
+            file.read_rows(stack_.crop.y0 + y0, stack_.crop.y0 + y1, stored);
+            for (int y = y0; y < y1; ++y) {
+                const float* source = &stored[row * static_cast<std::size_t>(y - y0)] + stack_.crop.x0 * channels;
+                for (int c = 0; c < channels; ++c) {
+                    float* target = band.row(i, c, y);
+                    for (int x = 0; x < stack_.width(); ++x) target[x] = decode(source[x * channels + c]);
+                }
+            }
+        }
+    });
+    return band;
+}
+
+}  // namespace tangi

@@ -1,0 +1,104 @@
+// stack.h: the photographs of one painting under many lights, opened, matched and checked, read band by band.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "capture/photo_file.h"
+#include "surface/colour.h"
+#include "surface/image.h"
+#include "surface/light.h"
+#include "surface/progress.h"
+
+namespace tangi {
+
+struct StackOptions {
+    std::optional<std::filesystem::path> lights_file{};  // the one .lp file of the folder where empty
+    std::optional<Region> crop{};                        // [pixels of the photographs] the part to read
+    std::optional<std::filesystem::path> mask_file{};    // a picture; what is black in it is not fitted
+    std::optional<Transfer> transfer{};                  // estimated from the photographs where empty
+};
+
+// One photograph of a stack and its light.
+struct StackPhoto {
+    std::filesystem::path path;
+    Light light;
+};
+
+// Photographs of one size on disk, and all that is known of them. Pixels are read by StackReader.
+struct Stack {
+    std::filesystem::path folder;
+    std::vector<StackPhoto> photos;     // to fit
+    std::vector<StackPhoto> held_out;   // kept from the fit, to compare with (hold_out)
+    Region crop;                        // in the photographs; (0, 0) of the stack is its corner
+    int channels = 3;                   // 1 or 3, the same in all photographs
+    int bits = 8;                       // as PhotoHeader::bits
+    std::optional<Transfer> transfer{};  // empty until known (estimate_transfer)
+    Image<unsigned char> mask;          // size of the crop, 0 = leave out; empty = everything
+    std::vector<std::string> warnings;  // for the user, each naming the file it is about
+
+    int width() const { return crop.width(); }
+    int height() const { return crop.height(); }
+    std::vector<Light> lights() const;
+};
+
+// Opens the photographs of a folder that the lights file lists; lights are matched by name (path, file name, stem;
+// case does not matter), or by order with a warning where no name at all matches and the numbers agree. Only headers
+// are read. Photographs lit from below the painting's plane are left out with a warning.
+// Throws Error naming the file, the place and the remedy: no such folder, no lights file or several, a listed
+// photograph that is missing, sizes or channels that differ, a crop outside, a mask of another size.
+Stack open_stack(const std::filesystem::path& folder, const StackOptions& options = {});
+
+// Moves photographs from `photos` to `held_out`. `which` is a comma-separated list of positions in the lights file
+// (from 0), names, or START:STEP (every STEP-th from START on): "4:8", "4,12,20", "img_004.jpg".
+// Throws Error where a name or position is not in the stack.
+void hold_out(Stack& stack, const std::string& which);
+
+// Throws Error where photometric stereo has no unique answer: fewer than 4 lights, or all in one plane.
+void require_enough_lights(const std::vector<Light>& lights, const std::string& what);
+
+// Linear light of all photographs in rows y0 <= y < y1 of the stack, planar: [photo][channel][row][column].
+class Band {
+public:
+    Band() = default;
+    Band(int photos, int channels, int width, int y0, int y1);
+
+    int photos() const { return photos_; }
+    int channels() const { return channels_; }
+    int width() const { return width_; }
+    int y0() const { return y0_; }
+    int y1() const { return y1_; }
+    float* row(int photo, int channel, int y) { return &values_[index(photo, channel, y)]; }
+    const float* row(int photo, int channel, int y) const { return &values_[index(photo, channel, y)]; }
+
+private:
+    std::size_t index(int photo, int channel, int y) const {
+        const auto plane = static_cast<std::size_t>(photo * channels_ + channel);
+        return (plane * static_cast<std::size_t>(y1_ - y0_) + static_cast<std::size_t>(y - y0_)) *
+               static_cast<std::size_t>(width_);
+    }
+    int photos_ = 0, channels_ = 0, width_ = 0, y0_ = 0, y1_ = 0;
+    std::vector<float> values_;
+};
+
+// Reads bands of a stack, all photographs side by side. Each photograph is decoded once as long as bands ascend.
+class StackReader {
+public:
+    explicit StackReader(const Stack& stack);  // keeps a reference
+
+    // Linearised by `transfer`; Transfer{} (linear) gives the values as stored. Uses all threads.
+    Band read(int y0, int y1, const Transfer& transfer);
+
+    // Rows a band may have for it to take about `bytes` of memory; at least 1.
+    int rows_for(std::size_t bytes) const;
+
+private:
+    const Stack& stack_;
+    std::vector<PhotoFile> files_;
+    std::vector<float> table_;                 // linear light of each stored code
+    std::optional<Transfer> table_transfer_;   // the curve that table_ was made for
+};
+
+}  // namespace tangi

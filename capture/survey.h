@@ -1,0 +1,44 @@
+// survey.h: one look at all photographs of a stack before the fit: samples, exposure, what is unusable.
+#pragma once
+
+#include <vector>
+
+#include "capture/stack.h"
+
+namespace tangi {
+
+struct SurveyOptions {
+    int samples = 4000;  // pixels to sample, spread evenly over the picture
+};
+
+// Values as stored (encoded, 0..1) of a sample of pixels under every light.
+struct Survey {
+    struct Photo {
+        double mean = 0;          // [1] of all channels, encoded
+        double maximum = 0;       // [1]
+        double clipped = 0;       // [1] part of the values at or above kClipped
+    };
+    std::vector<Photo> photos;
+    int channels = 3;
+    std::vector<glm::ivec2> positions;  // [pixels of the stack] of the samples
+    std::vector<float> values;          // [sample][photo][channel]
+
+    int sample_count() const { return static_cast<int>(positions.size()); }
+    const float* sample(int index) const {
+        return &values[static_cast<std::size_t>(index) * photos.size() * static_cast<std::size_t>(channels)];
+    }
+};
+
+// An encoded value from which on a photograph is taken for clipped: two codes of 8 bits below full scale, since
+// JPEG smears the edge of a clipped area.
+constexpr float kClipped = 253.0f / 255;
+
+// Decodes every photograph once, from top to bottom: so truncated and damaged files are found before the fit.
+// Throws Error naming the file.
+Survey survey(const Stack& stack, const SurveyOptions& options = {}, const Progress& progress = {});
+
+// Takes photographs without light out of the stack and the survey, with a warning that names them: brighter than
+// 2 % nowhere. Throws Error where too few remain.
+void leave_out_black_photos(Stack& stack, Survey& survey);
+
+}  // namespace tangi

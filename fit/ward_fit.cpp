@@ -1,0 +1,146 @@
+#include "fit/ward_fit.h"
+
+#include <ceres/tiny_solver.h>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Core>
+#include <algorithm>
+#include <array>
+
+namespace tangi {
+
+namespace {
+
+// The function that ceres::TinySolver minimises, in unbounded parameters u.
+class WardFunction {
+public:
+    using Scalar = double;
+    enum { NUM_RESIDUALS = Eigen::Dynamic, NUM_PARAMETERS = kWardParameters };
+
+    WardFunction(const WardResiduals& residuals, const WardBounds& bounds)
+        : residuals_(residuals), bounds_(bounds) {}
+    int NumResiduals() const { return residuals_.size(); }
+    bool operator()(const double* u, double* residuals, double* jacobian) const {
+        double derivative[kWardParameters];
+        const WardVector theta = natural_of(u, bounds_, derivative);
+        residuals_.evaluate(theta.data(), residuals, jacobian);
+        if (jacobian) {
+            const int rows = residuals_.size();
+            for (int column = 0; column < kWardParameters; ++column)
+                for (int row = 0; row < rows; ++row) jacobian[column * rows + row] *= derivative[column];
+        }
+        return true;
+    }
+
+private:
+    const WardResiduals& residuals_;
+    WardBounds bounds_;
+};
+
+}  // namespace
+
+using Solver = ceres::TinySolver<WardFunction>;
+
+struct WardFitter::Workspace {
+    Solver solver;
+    Eigen::Matrix<double, Eigen::Dynamic, kWardParameters> jacobian;
+    Eigen::VectorXd residuals;
+};
+
+namespace {
+
+// Start of the lobe: for a few widths, the rho_s that explains what the diffuse estimate leaves over, each with its
+// robust cost; the cheapest wins. Least squares alone is bimodal in alpha.
+void start_lobe(const PixelSamples& s, const WardResiduals& residuals, const WardBounds& bounds, WardVector& theta,
+                Eigen::VectorXd& scratch) {
+    constexpr std::array<double, 5> widths = {0.06, 0.12, 0.2, 0.32, 0.5};
+    double best_cost = std::numeric_limits<double>::infinity();
+    const WardVector diffuse_only = theta;
+    for (const double alpha : widths) {
+        WardVector candidate = diffuse_only;
+        candidate[2] = std::log(alpha);
+        double numerator = 0, denominator = 0;
+        for (int i = 0; i < s.photos(); ++i) {
+            const WardTerms t = ward_terms(candidate.data(), s.light[static_cast<std::size_t>(i)]);
+            for (int c = 0; c < s.channels; ++c) {
+                const auto at = static_cast<std::size_t>(i * s.channels + c);
+                if (!(s.sigma[at] > 0)) continue;
+                const double w = 1 / (s.sigma[at] * s.sigma[at]);
+                const double left = s.value[at] - s.irradiance[at] * candidate[kWardCommon + static_cast<std::size_t>(c)] * t.n_l;
+                const double lobe = s.irradiance[at] * t.lobe;
+                numerator += w * lobe * left;
+                denominator += w * lobe * lobe;
+            }
+        }
+        candidate[3] = denominator > 0 ? std::clamp(numerator / denominator, 0.002, bounds.specular_max) : 0.002;
+        residuals.evaluate(candidate.data(), scratch.data(), nullptr);
+        const double cost = scratch.squaredNorm();
+        if (cost < best_cost) {
+            best_cost = cost;
+            theta = candidate;
+        }
+    }
+}
+
+}  // namespace
+
+WardFitter::WardFitter(const WardFitOptions& options)
+    : options_(options), workspace_(std::make_unique<Workspace>()) {
+    validate(options);
+}
+
+WardFitter::~WardFitter() = default;
+
+WardEstimate WardFitter::fit(const PixelSamples& samples) {
+    WardEstimate estimate;
+    const LambertEstimate start = photometric_stereo(samples);
+    if (!start.valid) return estimate;
+
+    const WardBounds& bounds = options_.bounds;
+    const WardResiduals residuals(samples, options_.prior, options_.robust_scale);
+    Workspace& w = *workspace_;
+    const int rows = residuals.size();
+    w.jacobian.resize(rows, kWardParameters);
+    w.residuals.resize(rows);
+
+    WardVector theta = {-start.normal.x / start.normal.z, -start.normal.y / start.normal.z, options_.prior.ln_alpha,
+                        0.0, start.diffuse[0], start.diffuse[1], start.diffuse[2]};
+    start_lobe(samples, residuals, bounds, theta, w.residuals);
+
+    const WardFunction function(residuals, bounds);
+    const WardVector u0 = unbounded_of(theta, bounds);
+    Eigen::Matrix<double, kWardParameters, 1> u(u0.data());
+    w.solver.options.max_num_iterations = options_.max_iterations;
+    w.solver.options.parameter_tolerance = 1e-5;
+    w.solver.options.gradient_tolerance = 1e-8;
+    w.solver.options.initial_trust_region_radius = 1e3;
+    const Solver::Summary& summary = w.solver.Solve(function, &u);
+    theta = natural_of(u.data(), bounds, nullptr);
+
+    residuals.evaluate(theta.data(), w.residuals.data(), w.jacobian.data());
+    const int parameters = residuals.parameters();
+    int used = 0;
+    for (const double sigma : samples.sigma) used += sigma > 0;
+    const double chi2 = w.residuals.squaredNorm() / std::max(used + 2 - parameters, 1);
+
+    estimate.slope = {theta[0], theta[1]};
+    estimate.roughness = std::exp(theta[2]);
+    estimate.specular = theta[3];
+    for (int c = 0; c < 3; ++c)
+        estimate.diffuse[c] = theta[static_cast<std::size_t>(kWardCommon + (c < samples.channels ? c : 0))];
+    Eigen::MatrixXd information = (w.jacobian.transpose() * w.jacobian).topLeftCorner(parameters, parameters);
+    // A parameter that no sample depends on (n.l <= 0 under every light) has no error; the floor keeps it finite.
+    information.diagonal().array() += 1e-9;
+    const Eigen::MatrixXd covariance =
+        information.ldlt().solve(Eigen::MatrixXd::Identity(parameters, parameters)) * std::max(chi2, 1.0);
+    const auto error_of = [&](int i) { return std::sqrt(std::max(covariance(i, i), 0.0)); };
+    estimate.slope_error = std::sqrt(std::max(covariance(0, 0) + covariance(1, 1), 0.0) / 2);
+    estimate.roughness_error = error_of(2) * estimate.roughness;
+    estimate.specular_error = error_of(3);
+    estimate.rms_residual = std::sqrt(chi2);
+    estimate.converged = summary.status != Solver::HIT_MAX_ITERATIONS;
+    estimate.valid = std::isfinite(estimate.slope.x) && std::isfinite(estimate.slope.y);
+    return estimate;
+}
+
+}  // namespace tangi

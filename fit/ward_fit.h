@@ -1,0 +1,58 @@
+// ward_fit.h: the Ward parameters of one pixel from its samples, by robust, bounded least squares with Ceres.
+#pragma once
+
+#include <glm/vec2.hpp>
+#include <memory>
+
+#include "capture/photometric_stereo.h"
+#include "capture/pixel_samples.h"
+#include "fit/ward_residual.h"
+#include "surface/options.h"
+
+namespace tangi {
+
+struct WardFitOptions {
+    int max_iterations = 30;        // Levenberg-Marquardt steps
+    double robust_scale = 2.5;      // [sigma] residual from which a sample counts less and less (Cauchy)
+    WardBounds bounds = {};
+    WardPrior prior = {};
+
+    static constexpr std::string_view name = "ward_fit";
+    template <class Self, class Visit>
+    static void fields(Self& self, Visit&& visit) {
+        visit(FieldInfo{"max_iterations", 1, 1000, "1", "Levenberg-Marquardt steps a pixel"}, self.max_iterations);
+        visit(FieldInfo{"robust_scale", 0.1, 1000, "sigma", "residual from which a sample counts less"},
+              self.robust_scale);
+    }
+};
+
+// The fit of one pixel. Standard errors are those of the parameters at the solution, from the inverse of J^T J
+// (Gauss-Newton), scaled up where the residuals are larger than expected.
+struct WardEstimate {
+    glm::dvec2 slope{0};         // [1] dz/dx, dz/dy
+    glm::dvec3 diffuse{0};       // [1] rho_d
+    double specular = 0;         // [1] rho_s
+    double roughness = 0.3;      // [1] alpha
+    double slope_error = 0;      // [1] standard error of the slope, root of the mean of both variances
+    double specular_error = 0;   // [1]
+    double roughness_error = 0;  // [1]
+    double rms_residual = 0;     // [sigma] of the robust residuals
+    bool valid = false;          // false: not measurable (see LambertEstimate)
+    bool converged = false;
+};
+
+// Keeps its memory from pixel to pixel: one a thread.
+class WardFitter {
+public:
+    explicit WardFitter(const WardFitOptions& options);
+    ~WardFitter();
+
+    WardEstimate fit(const PixelSamples& samples);
+
+private:
+    struct Workspace;
+    WardFitOptions options_;
+    std::unique_ptr<Workspace> workspace_;
+};
+
+}  // namespace tangi

@@ -1,0 +1,74 @@
+#include "fit/ward_residual.h"
+
+#include <algorithm>
+
+namespace tangi {
+
+void WardResiduals::evaluate(const double* theta, double* residuals, double* jacobian) const {
+    const int channels = samples_.channels, rows = size();
+    if (jacobian) std::fill_n(jacobian, rows * kWardParameters, 0.0);
+    const auto at = [&](int row, int column) -> double& { return jacobian[column * rows + row]; };
+    int row = 0;
+    for (int i = 0; i < samples_.photos(); ++i) {
+        const WardTerms t = ward_terms(theta, samples_.light[static_cast<std::size_t>(i)]);
+        for (int c = 0; c < channels; ++c, ++row) {
+            const auto index = static_cast<std::size_t>(row);
+            residuals[row] = 0;
+            if (!(samples_.sigma[index] > 0)) continue;
+            const double scale = samples_.irradiance[index] / samples_.sigma[index];
+            const double diffuse = theta[kWardCommon + c], specular = theta[3];
+            const double plain = scale * (diffuse * t.n_l + specular * t.lobe) -
+                                 samples_.value[index] / samples_.sigma[index];
+            const RobustValue robust = root_cauchy(plain, robust_scale_);
+            residuals[row] = robust.value;
+            if (!jacobian) continue;
+            const double d = scale * robust.derivative;
+            at(row, 0) = d * (diffuse * t.dn_l[0] + specular * t.dlobe[0]);
+            at(row, 1) = d * (diffuse * t.dn_l[1] + specular * t.dlobe[1]);
+            at(row, 2) = d * specular * t.dlobe[2];
+            at(row, 3) = d * t.lobe;
+            at(row, kWardCommon + c) = d * t.n_l;
+        }
+    }
+    residuals[row] = (theta[2] - prior_.ln_alpha) / prior_.ln_alpha_sigma;
+    residuals[row + 1] = (theta[3] - prior_.specular) / prior_.specular_sigma;
+    if (jacobian) {
+        at(row, 2) = 1 / prior_.ln_alpha_sigma;
+        at(row + 1, 3) = 1 / prior_.specular_sigma;
+    }
+}
+
+void WardResiduals::evaluate_plain(const double* theta, double* residuals) const {
+    for (int i = 0, row = 0; i < samples_.photos(); ++i) {
+        const WardTerms t = ward_terms(theta, samples_.light[static_cast<std::size_t>(i)]);
+        for (int c = 0; c < samples_.channels; ++c, ++row) {
+            const auto at = static_cast<std::size_t>(row);
+            const double model = samples_.irradiance[at] * (theta[kWardCommon + c] * t.n_l + theta[3] * t.lobe);
+            residuals[row] = samples_.sigma[at] > 0 ? (model - samples_.value[at]) / samples_.sigma[at] : 0;
+        }
+    }
+}
+
+WardVector natural_of(const double* u, const WardBounds& bounds, double* derivative) {
+    WardVector theta{};
+    for (int i = 0; i < kWardParameters; ++i) {
+        const auto [low, high] = ward_interval(bounds, i);
+        const double half = (high - low) / 2;
+        theta[static_cast<std::size_t>(i)] = low + half * (1 + std::sin(u[i]));
+        if (derivative) derivative[i] = half * std::cos(u[i]);
+    }
+    return theta;
+}
+
+WardVector unbounded_of(const WardVector& theta, const WardBounds& bounds) {
+    WardVector u{};
+    for (int i = 0; i < kWardParameters; ++i) {
+        const auto [low, high] = ward_interval(bounds, i);
+        // Away from the ends, where the derivative vanishes and the solver would be stuck.
+        const double t = std::clamp(2 * (theta[static_cast<std::size_t>(i)] - low) / (high - low) - 1, -0.9995, 0.9995);
+        u[static_cast<std::size_t>(i)] = std::asin(t);
+    }
+    return u;
+}
+
+}  // namespace tangi

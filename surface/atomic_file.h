@@ -1,0 +1,39 @@
+// atomic_file.h: files that appear whole or not at all (temporary file, fsync, rename).
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+namespace tangi {
+
+// Holds a temporary file beside the target until commit() puts it in the target's place. Destroyed without
+// commit(), it removes the temporary file, and what was at the target before is still there.
+class AtomicFile {
+public:
+    // Creates the temporary file, so that an output that cannot be written is known before hours of work.
+    // Throws Error naming the target where its folder is missing or not writable.
+    explicit AtomicFile(std::filesystem::path target);
+    ~AtomicFile();
+    AtomicFile(const AtomicFile&) = delete;
+    AtomicFile& operator=(const AtomicFile&) = delete;
+
+    // Where to write. It has the target's extension, since libraries choose formats by it.
+    const std::filesystem::path& temporary() const { return temporary_; }
+    const std::filesystem::path& target() const { return target_; }
+
+    void commit();
+
+private:
+    std::filesystem::path target_, temporary_;
+    bool committed_ = false;
+};
+
+// Writes a text file whole or not at all.
+void write_text_file(const std::filesystem::path& path, std::string_view text);
+std::string read_text_file(const std::filesystem::path& path);
+
+// Makes a folder and its parents. Throws Error where that can't be, or where a file has its name.
+void make_folder(const std::filesystem::path& path);
+
+}  // namespace tangi

@@ -1,0 +1,111 @@
+#include "surface/colour.h"
+
+#include <fmt/format.h>
+
+#include <charconv>
+#include <cmath>
+#include <numbers>
+
+namespace tangi {
+
+float Transfer::encode(float linear) const {
+    const float x = linear > 0 ? linear : 0;
+    switch (kind) {
+        case Kind::linear: break;
+        case Kind::srgb: return x <= 0.0031308f ? 12.92f * x : 1.055f * std::pow(x, 1 / 2.4f) - 0.055f;
+        case Kind::gamma: return std::pow(x, static_cast<float>(1 / gamma));
+    }
+    return x;
+}
+
+float Transfer::decode(float encoded) const {
+    const float x = encoded > 0 ? encoded : 0;
+    switch (kind) {
+        case Kind::linear: break;
+        case Kind::srgb: return x <= 0.04045f ? x / 12.92f : std::pow((x + 0.055f) / 1.055f, 2.4f);
+        case Kind::gamma: return std::pow(x, static_cast<float>(gamma));
+    }
+    return x;
+}
+
+Rgb Transfer::encode(const Rgb& linear) const {
+    return {encode(linear.r), encode(linear.g), encode(linear.b)};
+}
+
+std::string Transfer::name() const {
+    switch (kind) {
+        case Kind::linear: break;
+        case Kind::srgb: return "srgb";
+        case Kind::gamma: return fmt::format("gamma {:.4g}", gamma);
+    }
+    return "linear";
+}
+
+std::optional<Transfer> transfer_named(std::string_view name) {
+    if (name == "linear") return Transfer{Transfer::Kind::linear};
+    if (name == "srgb") return Transfer{Transfer::Kind::srgb};
+    if (name.starts_with("gamma")) name.remove_prefix(5);
+    while (name.starts_with(' ')) name.remove_prefix(1);
+    double gamma = 0;
+    const auto [end, status] = std::from_chars(name.data(), name.data() + name.size(), gamma);
+    if (status != std::errc() || end != name.data() + name.size()) return std::nullopt;
+    if (!(gamma >= 0.2 && gamma <= 5)) return std::nullopt;
+    return Transfer{Transfer::Kind::gamma, gamma};
+}
+
+Lab lab_from_linear(const Rgb& c) {
+    // IEC 61966-2-1, divided by the D65 white (0.95047, 1, 1.08883) that its rows add up to.
+    const double x = (0.4124564 * c.r + 0.3575761 * c.g + 0.1804375 * c.b) / 0.95047;
+    const double y = 0.2126729 * c.r + 0.7151522 * c.g + 0.0721750 * c.b;
+    const double z = (0.0193339 * c.r + 0.1191920 * c.g + 0.9503041 * c.b) / 1.08883;
+    const auto f = [](double t) {
+        constexpr double epsilon = 216.0 / 24389, kappa = 24389.0 / 27;
+        return t > epsilon ? std::cbrt(t) : (kappa * t + 16) / 116;
+    };
+    return {116 * f(y) - 16, 500 * (f(x) - f(y)), 200 * (f(y) - f(z))};
+}
+
+double delta_e_2000(const Lab& first, const Lab& second) {
+    constexpr double degree = std::numbers::pi / 180;
+    const auto seventh = [](double c) { return std::sqrt(std::pow(c, 7) / (std::pow(c, 7) + std::pow(25.0, 7))); };
+
+    const double chroma_ab = (std::hypot(first.a, first.b) + std::hypot(second.a, second.b)) / 2;
+    const double g = 0.5 * (1 - seventh(chroma_ab));
+    const double a1 = (1 + g) * first.a, a2 = (1 + g) * second.a;
+    const double c1 = std::hypot(a1, first.b), c2 = std::hypot(a2, second.b);
+    const auto hue_deg = [&](double a, double b) {
+        if (a == 0 && b == 0) return 0.0;
+        const double h = std::atan2(b, a) / degree;
+        return h < 0 ? h + 360 : h;
+    };
+    const double h1 = hue_deg(a1, first.b), h2 = hue_deg(a2, second.b);
+
+    // A 180 degree difference is ambiguous: the tolerance keeps rounding from choosing the other branch.
+    constexpr double tie = 180 + 1e-9;
+    const bool achromatic = c1 * c2 == 0;
+    double hue_difference = h2 - h1;
+    if (hue_difference > tie) hue_difference -= 360;
+    if (hue_difference < -tie) hue_difference += 360;
+    if (achromatic) hue_difference = 0;
+    double hue_mean = h1 + h2;
+    if (!achromatic) {
+        if (std::abs(h1 - h2) > tie) hue_mean += h1 + h2 < 360 ? 360 : -360;
+        hue_mean /= 2;
+    }
+
+    const double delta_l = second.l - first.l, delta_c = c2 - c1;
+    const double delta_h = 2 * std::sqrt(c1 * c2) * std::sin(hue_difference / 2 * degree);
+    const double l_mean = (first.l + second.l) / 2, c_mean = (c1 + c2) / 2;
+    const double t = 1 - 0.17 * std::cos((hue_mean - 30) * degree) + 0.24 * std::cos(2 * hue_mean * degree) +
+                     0.32 * std::cos((3 * hue_mean + 6) * degree) - 0.20 * std::cos((4 * hue_mean - 63) * degree);
+    const double rotation = 30 * std::exp(-std::pow((hue_mean - 275) / 25, 2));
+    const double l50 = (l_mean - 50) * (l_mean - 50);
+    const double s_l = 1 + 0.015 * l50 / std::sqrt(20 + l50);
+    const double s_c = 1 + 0.045 * c_mean;
+    const double s_h = 1 + 0.015 * c_mean * t;
+    const double r_t = -std::sin(2 * rotation * degree) * 2 * seventh(c_mean);
+    const double l = delta_l / s_l, c = delta_c / s_c, h = delta_h / s_h;
+    return std::sqrt(l * l + c * c + h * h + r_t * c * h);
+}
+
+}  // namespace tangi

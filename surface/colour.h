@@ -1,0 +1,43 @@
+// colour.h: transfer curves, CIE colour, colour differences. Linear means scene-referred Rec. 709, white = D65.
+#pragma once
+
+#include <glm/mat3x3.hpp>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "surface/image.h"
+
+namespace tangi {
+
+// How linear light became the numbers in a picture file: encoded = f(linear), both nominally 0..1.
+struct Transfer {
+    enum class Kind { linear, srgb, gamma };
+    Kind kind = Kind::linear;
+    double gamma = 2.2;  // [1] only for Kind::gamma: encoded = linear^(1/gamma)
+
+    float encode(float linear) const;  // negative values encode as 0
+    float decode(float encoded) const;
+    Rgb encode(const Rgb& linear) const;
+    std::string name() const;  // "linear", "srgb", "gamma 2.2"
+
+    friend bool operator==(const Transfer&, const Transfer&) = default;
+};
+
+// Reads "linear", "srgb", "2.2", "gamma 2.2"; nothing for anything else, or for gamma outside [0.2, 5].
+std::optional<Transfer> transfer_named(std::string_view name);
+
+// CIE 1976 L*a*b*, D65, 2 degrees.
+struct Lab {
+    double l = 0, a = 0, b = 0;
+};
+
+Lab lab_from_linear(const Rgb& linear);
+
+// CIEDE2000 with kL = kC = kH = 1 (Sharma, Wu, Dalal 2005, eq. 2 to 22).
+double delta_e_2000(const Lab& first, const Lab& second);
+
+// Relative luminance Y of linear Rec. 709 (IEC 61966-2-1).
+inline float luminance(const Rgb& c) { return 0.2126f * c.r + 0.7152f * c.g + 0.0722f * c.b; }
+
+}  // namespace tangi

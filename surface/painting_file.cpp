@@ -1,0 +1,238 @@
+#include "surface/painting_file.h"
+
+#include <ImfChannelList.h>
+#include <ImfFloatAttribute.h>
+#include <ImfFrameBuffer.h>
+#include <ImfHeader.h>
+#include <ImfInputPart.h>
+#include <ImfIntAttribute.h>
+#include <ImfMultiPartInputFile.h>
+#include <ImfMultiPartOutputFile.h>
+#include <ImfOutputPart.h>
+#include <ImfPartType.h>
+#include <ImfStringAttribute.h>
+#include <ImfThreading.h>
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <functional>
+
+#include "surface/error.h"
+#include "surface/parallel.h"
+#include "surface/photography_json.h"
+
+namespace tangi {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr const char* kDry = "dry";
+constexpr int kRowsAtOnce = 256;
+
+// One channel of the file and where its floats lie in a Surface.
+struct Channel {
+    const char* name;
+    float* base;
+    std::size_t stride;  // [floats] from pixel to pixel
+};
+
+std::array<Channel, 10> channels_of(Surface& s) {
+    float* normal = &s.normal.data()->x;
+    float* diffuse = &s.diffuse.data()->r;
+    return {{{"height", s.height_mm.data(), 1},
+             {"normal.X", normal, 3},
+             {"normal.Y", normal + 1, 3},
+             {"normal.Z", normal + 2, 3},
+             {"diffuse.R", diffuse, 3},
+             {"diffuse.G", diffuse + 1, 3},
+             {"diffuse.B", diffuse + 2, 3},
+             {"specular", s.specular.data(), 1},
+             {"roughness", s.roughness.data(), 1},
+             {"confidence", s.confidence.data(), 1}}};
+}
+
+Imf::FrameBuffer frame_buffer(Surface& s) {
+    Imf::FrameBuffer buffer;
+    for (const Channel& c : channels_of(s)) {
+        const std::size_t x_bytes = c.stride * sizeof(float);
+        buffer.insert(c.name, Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(c.base), x_bytes,
+                                         x_bytes * static_cast<std::size_t>(s.width())));
+    }
+    return buffer;
+}
+
+// OpenEXR swallows what goes wrong while a file is closed. This stream remembers it, so that a disk that fills
+// up with the very last bytes is not taken for success.
+class CheckedStream : public Imf::OStream {
+public:
+    explicit CheckedStream(const fs::path& path)
+        : Imf::OStream(path.c_str()), file_(::open(path.c_str(), O_WRONLY | O_TRUNC | O_CLOEXEC)) {
+        if (file_ < 0) throw std::runtime_error(std::strerror(errno));
+    }
+    ~CheckedStream() override { ::close(file_); }
+    CheckedStream(const CheckedStream&) = delete;
+    CheckedStream& operator=(const CheckedStream&) = delete;
+
+    void write(const char bytes[], int count) override {
+        while (count > 0) {
+            const ssize_t written = ::write(file_, bytes, static_cast<std::size_t>(count));
+            if (written < 0 && errno == EINTR) continue;
+            if (written <= 0) {
+                failure_ = std::strerror(written == 0 ? ENOSPC : errno);
+                throw std::runtime_error(failure_);
+            }
+            bytes += written;
+            count -= static_cast<int>(written);
+        }
+    }
+    std::uint64_t tellp() override { return static_cast<std::uint64_t>(::lseek(file_, 0, SEEK_CUR)); }
+    void seekp(std::uint64_t position) override { ::lseek(file_, static_cast<off_t>(position), SEEK_SET); }
+    const std::string& failure() const { return failure_; }
+
+private:
+    int file_;
+    std::string failure_;
+};
+
+Imf::Header header_of(const Surface& s) {
+    Imf::Header header(s.width(), s.height());
+    header.setName(kDry);
+    header.setType(Imf::SCANLINEIMAGE);
+    header.compression() = Imf::ZIP_COMPRESSION;
+    for (const Channel& c : channels_of(const_cast<Surface&>(s)))  // only the names are read
+        header.channels().insert(c.name, Imf::Channel(Imf::FLOAT));
+    header.insert("mm_per_pixel", Imf::FloatAttribute(static_cast<float>(s.mm_per_pixel)));
+    header.insert("scale_known", Imf::IntAttribute(s.scale_known ? 1 : 0));
+    header.insert("photography", Imf::StringAttribute(to_json(s.photography).dump()));
+    header.insert("provenance", Imf::StringAttribute(s.provenance));
+    header.insert("dry_hash", Imf::StringAttribute(hash_of(s)));
+    return header;
+}
+
+int find_part(const Imf::MultiPartInputFile& file, const std::string& name) {
+    for (int part = 0; part < file.parts(); ++part)
+        if (file.header(part).hasName() && file.header(part).name() == name) return part;
+    return -1;
+}
+
+template <class Attribute, class Value>
+Value attribute(const Imf::Header& header, const char* name, const Value& otherwise) {
+    const auto* found = header.findTypedAttribute<Attribute>(name);
+    return found ? found->value() : otherwise;
+}
+
+Surface read_dry_part(const fs::path& path, const Progress& progress) {
+    Imf::MultiPartInputFile file(path.c_str(), thread_count());
+    const int number = find_part(file, kDry);
+    if (number < 0)
+        fail("{}: is an EXR file, but not a painting: it has no part '{}'. Make one with: tangipaint fit",
+             path.string(), kDry);
+    const Imf::Header& header = file.header(number);
+    const auto& window = header.dataWindow();
+    const int width = window.max.x - window.min.x + 1, height = window.max.y - window.min.y + 1;
+    if (window.min.x != 0 || window.min.y != 0) fail("{}: its data window does not start at 0, 0", path.string());
+
+    Surface s(width, height);
+    for (const Channel& c : channels_of(s))
+        if (!header.channels().findChannel(c.name))
+            fail("{}: part '{}' has no channel '{}'", path.string(), kDry, c.name);
+    Imf::InputPart part(file, number);
+    part.setFrameBuffer(frame_buffer(s));
+    for (int y = 0; y < height; y += kRowsAtOnce) {
+        report(progress, "read painting", y / static_cast<double>(height));
+        part.readPixels(y, std::min(y + kRowsAtOnce, height) - 1);
+    }
+    s.mm_per_pixel = attribute<Imf::FloatAttribute>(header, "mm_per_pixel", 1.0f);
+    if (!(s.mm_per_pixel > 0)) fail("{}: mm_per_pixel = {} is not positive", path.string(), s.mm_per_pixel);
+    s.scale_known = attribute<Imf::IntAttribute>(header, "scale_known", 0) != 0;
+    s.provenance = attribute<Imf::StringAttribute>(header, "provenance", std::string());
+    const std::string photography = attribute<Imf::StringAttribute>(header, "photography", std::string("{}"));
+    s.photography = photography_from_json(nlohmann::json::parse(photography));
+    const std::string stored = attribute<Imf::StringAttribute>(header, "dry_hash", std::string());
+    if (!stored.empty() && stored != hash_of(s))
+        fail("{}: the dry layer is not the one that was saved (hash {} expected, {} found)", path.string(), stored,
+             hash_of(s));
+    return s;
+}
+
+}  // namespace
+
+std::string hash_of(const Surface& s) {
+    // Rows are hashed side by side and their hashes joined in order, so threads don't change the result.
+    constexpr std::uint64_t offset = 0xcbf29ce484222325u, prime = 0x100000001b3u;
+    Image<std::uint64_t> rows(1, s.height(), offset);
+    const auto channels = channels_of(const_cast<Surface&>(s));  // read only
+    parallel_for(0, s.height(), 16, [&](int begin, int end) {
+        for (int y = begin; y < end; ++y) {
+            std::uint64_t hash = offset;
+            for (const Channel& c : channels) {
+                const float* value = c.base + static_cast<std::size_t>(y) * s.width() * c.stride;
+                for (int x = 0; x < s.width(); ++x, value += c.stride) {
+                    std::uint32_t bits = 0;
+                    std::memcpy(&bits, value, sizeof bits);
+                    hash = (hash ^ bits) * prime;
+                }
+            }
+            rows(0, y) = hash;
+        }
+    });
+    std::uint64_t hash = offset;
+    for (const std::uint64_t row : rows.pixels()) hash = (hash ^ row) * prime;
+    return fmt::format("{:016x}", hash);
+}
+
+void write_painting(AtomicFile& file, const Surface& s, const Progress& progress) {
+    require_consistent(s);
+    TP_REQUIRE(s.width() > 0 && s.height() > 0, "a painting has pixels");
+    const std::string target = file.target().string();
+    std::string failure;
+    try {
+        CheckedStream stream(file.temporary());
+        try {
+            const Imf::Header header = header_of(s);
+            Imf::MultiPartOutputFile output(stream, &header, 1, false, thread_count());
+            Imf::OutputPart part(output, 0);
+            part.setFrameBuffer(frame_buffer(const_cast<Surface&>(s)));  // OpenEXR only reads it
+            for (int y = 0; y < s.height(); y += kRowsAtOnce) {
+                report(progress, "write painting", y / static_cast<double>(s.height()));
+                part.writePixels(std::min(kRowsAtOnce, s.height() - y));
+            }
+        } catch (const Cancelled&) {
+            throw;
+        } catch (const std::exception& error) {
+            failure = error.what();
+        }
+        if (!stream.failure().empty()) failure = stream.failure();
+    } catch (const Cancelled&) {
+        throw;
+    } catch (const std::exception& error) {
+        failure = error.what();
+    }
+    if (!failure.empty()) fail("{}: cannot be written: {}", target, failure);
+    file.commit();
+    report(progress, "write painting", 1);
+}
+
+void write_painting(const fs::path& path, const Surface& s, const Progress& progress) {
+    AtomicFile file(path);
+    write_painting(file, s, progress);
+}
+
+Surface read_painting(const fs::path& path, const Progress& progress) {
+    if (!fs::exists(path)) fail("{}: no such file", path.string());
+    try {
+        return read_dry_part(path, progress);
+    } catch (const Error&) {
+        throw;
+    } catch (const Cancelled&) {
+        throw;
+    } catch (const std::exception& error) {  // OpenEXR's and the JSON reader's own
+        fail("{}: is not a painting file, or is damaged: {}", path.string(), error.what());
+    }
+}
+
+}  // namespace tangi

@@ -1,0 +1,30 @@
+// painting_file.h: a painting as one multi-part OpenEXR file; part `dry` holds the fitted Surface.
+//
+// Channels (32-bit float): height [mm], normal.X/Y/Z, diffuse.R/G/B, specular, roughness, confidence.
+// Attributes: mm_per_pixel, scale_known, photography (JSON), provenance (JSON), dry_hash. docs/quantities.md has all.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include "surface/atomic_file.h"
+#include "surface/progress.h"
+#include "surface/surface.h"
+
+namespace tangi {
+
+// Writes whole or not at all. Throws Error naming the file on a full disk, a missing folder, …
+void write_painting(const std::filesystem::path& path, const Surface& surface, const Progress& progress = {});
+
+// The same into a file that was reserved before (see AtomicFile); commits it.
+void write_painting(AtomicFile& file, const Surface& surface, const Progress& progress = {});
+
+// Throws Error naming the file and what is wrong: not an EXR, truncated, no part `dry`, a channel missing,
+// maps whose content no longer has the hash that was stored.
+Surface read_painting(const std::filesystem::path& path, const Progress& progress = {});
+
+// 64-bit FNV-1a over the maps, row by row, as 16 hex digits: proof that a dry layer has not changed.
+std::string hash_of(const Surface& surface);
+
+}  // namespace tangi

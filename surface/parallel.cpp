@@ -1,0 +1,40 @@
+#include "surface/parallel.h"
+
+#include <oneapi/tbb/blocked_range.h>
+#include <oneapi/tbb/global_control.h>
+#include <oneapi/tbb/info.h>
+#include <oneapi/tbb/parallel_for.h>
+
+#include <memory>
+
+namespace tangi {
+
+namespace {
+
+using oneapi::tbb::global_control;
+
+std::unique_ptr<global_control>& limit() {
+    static std::unique_ptr<global_control> control;
+    return control;
+}
+
+}  // namespace
+
+void set_thread_count(int threads) {
+    limit().reset();
+    if (threads > 0)
+        limit() = std::make_unique<global_control>(global_control::max_allowed_parallelism,
+                                                   static_cast<std::size_t>(threads));
+}
+
+int thread_count() {
+    return static_cast<int>(global_control::active_value(global_control::max_allowed_parallelism));
+}
+
+void parallel_for(int begin, int end, int grain, const std::function<void(int, int)>& body) {
+    if (begin >= end) return;
+    oneapi::tbb::parallel_for(oneapi::tbb::blocked_range<int>(begin, end, static_cast<std::size_t>(grain)),
+                              [&](const auto& range) { body(range.begin(), range.end()); });
+}
+
+}  // namespace tangi

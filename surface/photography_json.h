@@ -1,0 +1,15 @@
+// photography_json.h: a Photography (transfer, lights, which photographs were fitted) as JSON and back.
+#pragma once
+
+#include <nlohmann/json.hpp>
+
+#include "surface/surface.h"
+
+namespace tangi {
+
+nlohmann::json to_json(const Photography& photography);
+
+// An empty object gives an empty Photography. Throws Error, or nlohmann's exceptions, where the JSON is not one.
+Photography photography_from_json(const nlohmann::json& json);
+
+}  // namespace tangi

@@ -1,0 +1,81 @@
+#include "surface/picture_file.h"
+
+#include <OpenImageIO/imageio.h>
+
+#include "surface/atomic_file.h"
+#include "surface/error.h"
+
+namespace tangi {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+enum class Depth { eight, sixteen, real };
+
+std::string lower_extension(const fs::path& path) {
+    std::string extension = path.extension().string();
+    for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    return extension;
+}
+
+Depth depth_of(const fs::path& path) {
+    const std::string extension = lower_extension(path);
+    if (extension == ".png" || extension == ".tif" || extension == ".tiff") return Depth::sixteen;
+    if (extension == ".jpg" || extension == ".jpeg") return Depth::eight;
+    if (extension == ".exr") return Depth::real;
+    fail("{}: pictures are written as .png, .tif, .jpg or .exr", path.string());
+}
+
+void write_encoded(const fs::path& path, const Image<Rgb>& encoded, Depth depth, const std::string& colour_space) {
+    AtomicFile file(path);
+    const auto output = OIIO::ImageOutput::create(file.temporary().string());
+    if (!output) fail("{}: no writer for this format: {}", path.string(), OIIO::geterror());
+    OIIO::ImageSpec spec(encoded.width(), encoded.height(), 3,
+                         depth == Depth::real      ? OIIO::TypeDesc::FLOAT
+                         : depth == Depth::sixteen ? OIIO::TypeDesc::UINT16
+                                                   : OIIO::TypeDesc::UINT8);
+    spec.attribute("oiio:ColorSpace", colour_space);
+    spec.attribute("Compression", lower_extension(path).starts_with(".jp") ? "jpeg:95" : "zip");
+    const bool written = output->open(file.temporary().string(), spec) &&
+                         output->write_image(OIIO::TypeDesc::FLOAT, encoded.data());
+    if (!written || !output->close()) fail("{}: cannot be written: {}", path.string(), output->geterror());
+    file.commit();
+}
+
+}  // namespace
+
+void require_picture_format(const fs::path& path) { depth_of(path); }
+
+void write_picture(const fs::path& path, const Image<Rgb>& linear, const Transfer& transfer) {
+    const Depth depth = depth_of(path);
+    if (depth == Depth::real && transfer.kind != Transfer::Kind::linear)
+        fail("{}: EXR files hold linear light; use --encoding linear, or write .png or .tif", path.string());
+    Image<Rgb> encoded(linear.width(), linear.height());
+    for (std::size_t i = 0; i < encoded.size(); ++i) {
+        encoded.pixels()[i] = depth == Depth::real ? linear.pixels()[i] : transfer.encode(linear.pixels()[i]);
+    }
+    write_encoded(path, encoded, depth, transfer.kind == Transfer::Kind::linear ? "Linear" : "sRGB");
+}
+
+void write_picture_8bit(const fs::path& path, const Image<Rgb>& encoded_srgb) {
+    write_encoded(path, encoded_srgb, Depth::eight, "sRGB");
+}
+
+Image<Rgb> read_picture(const fs::path& path) {
+    const auto input = OIIO::ImageInput::open(path.string());
+    if (!input) fail("{}: cannot be read: {}", path.string(), OIIO::geterror());
+    const OIIO::ImageSpec& spec = input->spec();
+    const int channels = std::min(spec.nchannels, 3);
+    std::vector<float> values(static_cast<std::size_t>(spec.width) * spec.height * channels);
+    if (!input->read_image(0, 0, 0, channels, OIIO::TypeDesc::FLOAT, values.data()))
+        fail("{}: cannot be read: {}", path.string(), input->geterror());
+    Image<Rgb> image(spec.width, spec.height);
+    for (std::size_t i = 0; i < image.size(); ++i) {
+        const float* v = &values[i * static_cast<std::size_t>(channels)];
+        image.pixels()[i] = channels == 3 ? Rgb(v[0], v[1], v[2]) : Rgb(v[0]);
+    }
+    return image;
+}
+
+}  // namespace tangi

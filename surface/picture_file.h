@@ -1,0 +1,25 @@
+// picture_file.h: finished pictures to files and back (PNG, TIFF, JPEG, EXR), through OpenImageIO.
+#pragma once
+
+#include <filesystem>
+
+#include "surface/colour.h"
+#include "surface/image.h"
+
+namespace tangi {
+
+// Writes a linear picture, encoded by `transfer`, whole or not at all. The extension chooses the format and depth:
+// .png .tif 16 bit, .jpg 8 bit, .exr 32-bit float. EXR files are linear by definition: `transfer` must be linear,
+// or Error. Throws Error where the file can't be written or the extension is none of these.
+void write_picture(const std::filesystem::path& path, const Image<Rgb>& linear, const Transfer& transfer);
+
+// Writes numbers that are pictures already (0..1, sRGB-encoded), 8 bit: contact sheets, error maps.
+void write_picture_8bit(const std::filesystem::path& path, const Image<Rgb>& encoded_srgb);
+
+// Reads any picture as stored, scaled to 0..1 where it holds integers; grey becomes RGB, alpha is dropped.
+Image<Rgb> read_picture(const std::filesystem::path& path);
+
+// Throws Error where write_picture() would not know the format.
+void require_picture_format(const std::filesystem::path& path);
+
+}  // namespace tangi

@@ -1,0 +1,106 @@
+#include "surface/relight.h"
+
+#include <cmath>
+#include <numbers>
+
+#include "surface/parallel.h"
+
+namespace tangi {
+
+namespace {
+
+constexpr float kPi = std::numbers::pi_v<float>;
+constexpr Vec3 kViewer{0, 0, 1};
+
+float bilinear(const Image<float>& image, float x, float y) {
+    const int x0 = std::min(static_cast<int>(x), image.width() - 2);
+    const int y0 = std::min(static_cast<int>(y), image.height() - 2);
+    const float fx = x - static_cast<float>(x0), fy = y - static_cast<float>(y0);
+    const float top = image(x0, y0) + fx * (image(x0 + 1, y0) - image(x0, y0));
+    const float bottom = image(x0, y0 + 1) + fx * (image(x0 + 1, y0 + 1) - image(x0, y0 + 1));
+    return top + fy * (bottom - top);
+}
+
+// Tangent of the horizon's elevation in direction (dx, dy) [unit, pixels, y down] as seen from a pixel,
+// as far as it matters: marching stops where even the highest point could not rise above `ceiling`.
+float horizon(const Surface& s, int x, int y, float dx, float dy, float highest, float floor) {
+    const float scale = static_cast<float>(s.mm_per_pixel);
+    const float z0 = s.height_mm(x, y);
+    const float right = static_cast<float>(s.width() - 1), bottom = static_cast<float>(s.height() - 1);
+    float best = floor;
+    for (float t = 1;; t += 1) {
+        const float px = static_cast<float>(x) + t * dx, py = static_cast<float>(y) + t * dy;
+        if (px < 0 || py < 0 || px > right || py > bottom) break;
+        if (highest - z0 <= best * t * scale) break;
+        best = std::max(best, (bilinear(s.height_mm, px, py) - z0) / (t * scale));
+    }
+    return best;
+}
+
+}  // namespace
+
+Rgb reflected(const Surface& s, int x, int y, const Vec3& light, WardModel model) {
+    const Vec3& n = s.normal(x, y);
+    const WardAngles<float> angles = ward_angles(n, light, kViewer);
+    if (!(angles.n_l > 0)) return Rgb(0);
+    const float lobe = ward_lobe(model, angles, s.roughness(x, y));
+    return (s.diffuse(x, y) + kPi * s.specular(x, y) * lobe) * angles.n_l;
+}
+
+Image<float> visibility(const Surface& s, const Light& light, double light_radius_deg) {
+    Image<float> visible(s.width(), s.height(), 1.0f);
+    if (s.width() < 2 || s.height() < 2) return visible;
+    const auto heights = s.height_mm.pixels();
+    const float highest = *std::max_element(heights.begin(), heights.end());
+    const float radius = static_cast<float>(light_radius_deg) * kPi / 180;
+    parallel_for(0, s.height(), 8, [&](int begin, int end) {
+        for (int y = begin; y < end; ++y) {
+            for (int x = 0; x < s.width(); ++x) {
+                const Vec3 l = incidence(light, s.point_mm(x, y)).direction;
+                const float across = std::hypot(l.x, l.y);
+                if (across < 1e-6f) continue;  // straight from above: nothing can stand in the way
+                const float elevation = std::atan2(l.z, across);
+                const float floor = std::tan(std::max(elevation - radius, -1.5f));
+                const float tangent = horizon(s, x, y, l.x / across, -l.y / across, highest, floor);
+                if (tangent <= floor) continue;
+                const float covered = radius > 0 ? (std::atan(tangent) - elevation) / radius : 1.0f;
+                if (covered >= 1) {
+                    visible(x, y) = 0;
+                } else {
+                    // Area of the part of a unit disc above the line at height `covered`.
+                    const float area = std::acos(covered) - covered * std::sqrt(1 - covered * covered);
+                    visible(x, y) = std::clamp(area / kPi, 0.0f, 1.0f);
+                }
+            }
+        }
+    });
+    return visible;
+}
+
+Image<Rgb> relight(const Surface& s, std::span<const Light> lights, const RelightOptions& options,
+                   const Progress& progress) {
+    require_consistent(s);
+    validate(options);
+    Image<Rgb> picture(s.width(), s.height());
+    const float ambient = static_cast<float>(options.ambient);
+    for (std::size_t i = 0; i < picture.size(); ++i) picture.pixels()[i] = ambient * s.diffuse.pixels()[i];
+
+    int done = 0;
+    for (const Light& light : lights) {
+        const Image<float> visible =
+            options.cast_shadows ? visibility(s, light, options.light_radius_deg) : Image<float>();
+        parallel_for(0, s.height(), 16, [&](int begin, int end) {
+            for (int y = begin; y < end; ++y) {
+                for (int x = 0; x < s.width(); ++x) {
+                    const Incidence in = incidence(light, s.point_mm(x, y));
+                    const float seen = visible.empty() ? 1.0f : visible(x, y);
+                    picture(x, y) += seen * in.irradiance * reflected(s, x, y, in.direction, options.model);
+                }
+            }
+        });
+        report(progress, "relight", ++done / static_cast<double>(lights.size()));
+    }
+    return picture;
+}
+
+}  // namespace tangi

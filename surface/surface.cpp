@@ -1,0 +1,83 @@
+#include "surface/surface.h"
+
+#include <array>
+#include <glm/mat3x3.hpp>
+#include <glm/matrix.hpp>
+
+#include "surface/error.h"
+
+namespace tangi {
+
+namespace {
+
+// Pixels from the centre of the picture, y up.
+double centred_x(int x, int width) { return x - (width - 1) / 2.0; }
+double centred_y(int y, int height) { return (height - 1) / 2.0 - y; }
+
+}  // namespace
+
+Surface::Surface(int width, int height)
+    : height_mm(width, height),
+      normal(width, height, Vec3(0, 0, 1)),
+      diffuse(width, height, Rgb(0)),
+      specular(width, height),
+      roughness(width, height, 0.3f),
+      confidence(width, height) {}
+
+Vec3 Surface::point_mm(int x, int y) const {
+    return {static_cast<float>(centred_x(x, width()) * mm_per_pixel),
+            static_cast<float>(centred_y(y, height()) * mm_per_pixel), height_mm(x, y)};
+}
+
+void require_consistent(const Surface& s) {
+    const Region region = s.height_mm.region();
+    TP_REQUIRE(s.normal.region() == region && s.diffuse.region() == region && s.specular.region() == region &&
+                   s.roughness.region() == region && s.confidence.region() == region,
+               "all maps of a surface have the same size");
+}
+
+Image<Vec3> normals_of(const Image<float>& height_mm, double mm_per_pixel) {
+    const int width = height_mm.width(), height = height_mm.height();
+    Image<Vec3> normal(width, height);
+    for (int y = 0; y < height; ++y) {
+        const int up = std::max(y - 1, 0), down = std::min(y + 1, height - 1);
+        for (int x = 0; x < width; ++x) {
+            const int left = std::max(x - 1, 0), right = std::min(x + 1, width - 1);
+            const float dx = static_cast<float>(std::max(right - left, 1) * mm_per_pixel);
+            const float dy = static_cast<float>(std::max(down - up, 1) * mm_per_pixel);
+            normal(x, y) = normal_of({(height_mm(right, y) - height_mm(left, y)) / dx,
+                                      (height_mm(x, up) - height_mm(x, down)) / dy});
+        }
+    }
+    return normal;
+}
+
+Plane best_plane(const Image<float>& height_mm, const Image<float>& weight) {
+    const int width = height_mm.width(), height = height_mm.height();
+    glm::dmat3 a(0);
+    glm::dvec3 b(0);
+    for (int y = 0; y < height; ++y) {
+        for (int x = 0; x < width; ++x) {
+            const double w = weight.empty() ? 1.0 : weight(x, y);
+            if (!(w > 0)) continue;
+            const glm::dvec3 basis(centred_x(x, width), centred_y(y, height), 1);
+            a += w * glm::outerProduct(basis, basis);
+            b += w * height_mm(x, y) * basis;
+        }
+    }
+    // A picture of one row or column, or of no measured pixel, determines no tilt: the mean is all there is.
+    if (!(std::abs(glm::determinant(a)) > 1e-9 * a[0][0] * a[1][1] * a[2][2]))
+        return {0, 0, a[2][2] > 0 ? b.z / a[2][2] : 0};
+    const glm::dvec3 plane = glm::inverse(a) * b;
+    return {plane.x, plane.y, plane.z};
+}
+
+void subtract(const Plane& plane, Image<float>& height_mm) {
+    const int width = height_mm.width(), height = height_mm.height();
+    for (int y = 0; y < height; ++y)
+        for (int x = 0; x < width; ++x)
+            height_mm(x, y) -= static_cast<float>(plane.a * centred_x(x, width) +
+                                                  plane.b * centred_y(y, height) + plane.c);
+}
+
+}  // namespace tangi

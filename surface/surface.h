@@ -1,0 +1,74 @@
+// surface.h: the noun of the toolkit: a painting as per-pixel maps of shape and reflectance.
+//
+// Frame: x right, y up, z towards the viewer, origin at the centre of the picture; rows run downwards, so y = -row.
+// docs/quantities.md defines every map: symbol, unit, frame, range.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "surface/colour.h"
+#include "surface/image.h"
+#include "surface/light.h"
+
+namespace tangi {
+
+// How the photographs that a surface was fitted from relate to it, so that relit pictures can be encoded alike:
+//   encoded = transfer(white_level * gain * (pi f cos(theta_i)))
+struct Photography {
+    struct Photo {
+        Light light;         // light.name is the photograph's name
+        bool fitted = true;  // false: held out, the fit never saw it
+    };
+    Transfer transfer;
+    double white_level = 1;  // [1] linear pixel value of a matt white that faces a light of gain 1
+    std::vector<Photo> photos;
+};
+
+// All maps have the same size. A pixel that was not measured has confidence 0, normal (0, 0, 1) and rho_d = 0.
+struct Surface {
+    Image<float> height_mm;   // [mm] above the mean plane of the support
+    Image<Vec3> normal;       // [unit vector], z > 0
+    Image<Rgb> diffuse;       // [1] rho_d, reflectance, linear Rec. 709
+    Image<float> specular;    // [1] rho_s
+    Image<float> roughness;   // [1] alpha, rms slope of the microfacets
+    Image<float> confidence;  // [1] 0 = not measured .. 1 = certain
+
+    double mm_per_pixel = 1;   // [mm] > 0; 1 where unknown
+    bool scale_known = false;  // false: mm_per_pixel is a guess, heights are in pixels
+    Photography photography;   // empty where the surface does not come from photographs
+    std::string provenance;    // JSON: program, version, options, inputs
+
+    Surface() = default;
+    Surface(int width, int height);  // flat, matt, black, not measured
+
+    int width() const { return height_mm.width(); }
+    int height() const { return height_mm.height(); }
+    Vec3 point_mm(int x, int y) const;  // [mm] of a pixel's centre in the surface frame
+};
+
+// Throws ContractError where the maps differ in size.
+void require_consistent(const Surface& surface);
+
+// z-gradient (dz/dx, dz/dy) [1] of a unit normal with z > 0, y up; and back.
+struct Slope {
+    float x = 0, y = 0;
+};
+inline Slope slope_of(const Vec3& n) { return {-n.x / n.z, -n.y / n.z}; }
+inline Vec3 normal_of(const Slope& s) {
+    const float inverse = 1 / std::sqrt(1 + s.x * s.x + s.y * s.y);
+    return {-s.x * inverse, -s.y * inverse, inverse};
+}
+
+// Normals of a height map by central differences, one-sided at the borders (thesis eq. 3.5 to 3.9).
+Image<Vec3> normals_of(const Image<float>& height_mm, double mm_per_pixel);
+
+// z of the plane a x + b y + c [mm] that fits best in the sense of least squares; x, y in pixels from the centre,
+// y up. `weight` may be empty (all alike).
+struct Plane {
+    double a = 0, b = 0, c = 0;
+};
+Plane best_plane(const Image<float>& height_mm, const Image<float>& weight);
+void subtract(const Plane& plane, Image<float>& height_mm);
+
+}  // namespace tangi
