@@ -75,7 +75,8 @@ public:
 
 private:
     std::size_t index(int photo, int channel, int y) const {
-        const auto plane = static_cast<std::size_t>(photo * channels_ + channel);
+        const auto plane = static_cast<std::size_t>(photo) * static_cast<std::size_t>(channels_) +
+                           static_cast<std::size_t>(channel);
         return (plane * static_cast<std::size_t>(y1_ - y0_) + static_cast<std::size_t>(y - y0_)) *
                static_cast<std::size_t>(width_);
     }

@@ -1,11 +1,12 @@
 #include "fit/fit_painting.h"
 
 #include <oneapi/tbb/enumerable_thread_specific.h>
-#include <oneapi/tbb/task_group.h>
 
 #include <algorithm>
-#include <atomic>
+#include <array>
 #include <cmath>
+#include <future>
+#include <mutex>
 
 #include "capture/survey.h"
 #include "surface/error.h"
@@ -17,18 +18,16 @@ namespace {
 
 constexpr std::size_t kBandBytes = 96u << 20;  // one band; two are in memory at a time
 
-// Standard deviation to expect of a linear value v: that of a stored value, carried through the transfer curve, and
-// what the model leaves out of real surfaces.
+// Standard deviation to expect of a linear value: that of a stored value, carried through the transfer curve.
 class NoiseModel {
 public:
-    NoiseModel(const Transfer& transfer, const FitOptions& options) {
+    NoiseModel(const Transfer& transfer, double noise) {
         for (int i = 0; i < kEntries; ++i) {
             const double v = i / double(kEntries - 1);
             const float encoded = transfer.encode(static_cast<float>(v));
-            const float step = static_cast<float>(options.noise);
+            const float step = static_cast<float>(noise);
             const double read = (transfer.decode(encoded + step) - transfer.decode(std::max(encoded - step, 0.0f))) / 2;
-            sigma_[static_cast<std::size_t>(i)] =
-                static_cast<float>(std::hypot(read, options.model_error * v));
+            sigma_[static_cast<std::size_t>(i)] = static_cast<float>(read);
         }
         clipped_ = transfer.decode(kClipped);
     }
@@ -83,11 +82,13 @@ double median(std::vector<float>& values) {
 }
 
 struct Counters {
-    std::atomic<long> fitted = 0, not_converged = 0;
+    long fitted = 0, not_converged = 0;
+    int rows = 0;
+    std::mutex mutex;
 };
 
 void fit_band(const Stack& stack, const Band& band, const Lighting& lighting, const NoiseModel& noise,
-              const FitOptions& options, Surface& surface, Image<float>& residual, Counters& counters) {
+              const FitOptions& options, Surface& surface, Counters& counters, const Progress& progress) {
     oneapi::tbb::enumerable_thread_specific<WardFitter> fitters([&] { return WardFitter(options.ward); });
     parallel_for(band.y0(), band.y1(), 1, [&](int begin, int end) {
         WardFitter& fitter = fitters.local();
@@ -106,13 +107,30 @@ void fit_band(const Stack& stack, const Band& band, const Lighting& lighting, co
                 surface.specular(x, y) = static_cast<float>(e.specular);
                 surface.roughness(x, y) = static_cast<float>(e.roughness);
                 surface.confidence(x, y) = confidence_of(e);
-                // Kept until the height is integrated; saves a map.
+                // Its place until the height is integrated, which saves a map; summarise() reads it.
                 surface.height_mm(x, y) = static_cast<float>(e.rms_residual);
             }
+        const std::lock_guard lock(counters.mutex);
         counters.fitted += fitted;
         counters.not_converged += not_converged;
+        counters.rows += end - begin;
+        report(progress, "fit", counters.rows / static_cast<double>(surface.height()));
     });
-    (void)residual;
+}
+
+void summarise(const Surface& surface, const Counters& counters, FitReport& report) {
+    report.pixels = static_cast<long>(surface.height_mm.size());
+    report.fitted = counters.fitted;
+    report.not_converged = counters.not_converged;
+    std::vector<float> residuals, confidences;
+    const std::size_t step = std::max<std::size_t>(1, surface.height_mm.size() / 1000000);
+    for (std::size_t i = 0; i < surface.height_mm.size(); i += step)
+        if (surface.confidence.pixels()[i] > 0) {
+            residuals.push_back(surface.height_mm.pixels()[i]);
+            confidences.push_back(surface.confidence.pixels()[i]);
+        }
+    report.median_rms_residual = median(residuals);
+    report.median_confidence = median(confidences);
 }
 
 }  // namespace
@@ -136,36 +154,22 @@ FitResult fit_painting(Stack stack, const FitOptions& options, const Progress& p
     for (const StackPhoto& photo : stack.held_out) surface.photography.photos.push_back({photo.light, false});
 
     const Lighting lighting{stack.lights(), options.white_level};
-    const NoiseModel noise(transfer, options);
+    const NoiseModel noise(transfer, options.noise.value_or(stack.bits == 8 ? 0.012 : 0.006));
     StackReader reader(stack);
     const int rows = reader.rows_for(kBandBytes);
     Counters counters;
-    Image<float> none;
     Band next = reader.read(0, std::min(rows, stack.height()), transfer);
     for (int y0 = 0; y0 < stack.height(); y0 += rows) {
-        report(progress, "fit", y0 / static_cast<double>(stack.height()));
         const Band band = std::move(next);
         // The next band is decoded while this one is fitted.
-        oneapi::tbb::task_group decoding;
-        if (band.y1() < stack.height())
-            decoding.run([&] { next = reader.read(band.y1(), std::min(band.y1() + rows, stack.height()), transfer); });
-        fit_band(stack, band, lighting, noise, options, surface, none, counters);
-        decoding.wait();
+        const int y1 = std::min(y0 + rows, stack.height()), y2 = std::min(y1 + rows, stack.height());
+        auto decoded = std::async(std::launch::async, [&, y1, y2] {
+            return y1 < y2 ? reader.read(y1, y2, transfer) : Band();
+        });
+        fit_band(stack, band, lighting, noise, options, surface, counters, progress);
+        next = decoded.get();
     }
-    report(progress, "fit", 1);
-    report_.pixels = static_cast<long>(surface.height_mm.size());
-    report_.fitted = counters.fitted;
-    report_.not_converged = counters.not_converged;
-    std::vector<float> residuals, confidences;
-    const std::size_t step = std::max<std::size_t>(1, surface.height_mm.size() / 1000000);
-    for (std::size_t i = 0; i < surface.height_mm.size(); i += step)
-        if (surface.confidence.pixels()[i] > 0) {
-            residuals.push_back(surface.height_mm.pixels()[i]);
-            confidences.push_back(surface.confidence.pixels()[i]);
-        }
-    report_.median_rms_residual = median(residuals);
-    report_.median_confidence = median(confidences);
-
+    summarise(surface, counters, report_);
     report_.height = integrate_normals(surface.normal, surface.confidence, surface.mm_per_pixel, surface.height_mm,
                                        options.height, progress);
     const Plane plane = best_plane(surface.height_mm, surface.confidence);

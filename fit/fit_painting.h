@@ -15,8 +15,8 @@ namespace tangi {
 struct FitOptions {
     double white_level = 1.0;              // [1] linear value of a matt white facing a light
     std::optional<double> mm_per_pixel{};  // [mm] 1 where unknown
-    double noise = 0.006;                  // [1] standard deviation of a stored value, full scale = 1
-    double model_error = 0.03;             // [1] relative deviation of real surfaces from the model
+    std::optional<double> noise{};         // [1] standard deviation of a stored value, full scale = 1; where empty
+                                           // 0.012 for 8-bit photographs (3 codes: JPEG), 0.006 for deeper ones
     WardFitOptions ward = {};
     HeightOptions height = {};
 
@@ -28,8 +28,6 @@ struct FitOptions {
         visit(FieldInfo{"mm_per_pixel", 1e-6, 1e3, "mm", "size of a pixel on the painting (1 where unknown)"},
               self.mm_per_pixel);
         visit(FieldInfo{"noise", 1e-5, 0.5, "1", "noise of the stored values, full scale = 1"}, self.noise);
-        visit(FieldInfo{"model_error", 0, 1, "1", "relative deviation expected between surfaces and model"},
-              self.model_error);
     }
 };
 

@@ -146,7 +146,21 @@ void v_cycle(std::vector<Grid>& grids, std::size_t level) {
     smooth(g, 2);
 }
 
-void set_up_finest(Grid& g, const Image<Vec3>& normal, const Image<float>& confidence, float mm, float floor) {
+// Mean slope of the measured pixels.
+Slope mean_slope(const Image<Vec3>& normal, const Image<float>& confidence) {
+    const auto mean = [&](auto component) {
+        const double sum = ordered_sum(normal.width(), normal.height(), [&](int x, int y) {
+            return confidence(x, y) > 0 ? double(component(slope_of(normal(x, y)))) : 0.0;
+        });
+        const double count =
+            ordered_sum(normal.width(), normal.height(), [&](int x, int y) { return confidence(x, y) > 0 ? 1.0 : 0.0; });
+        return static_cast<float>(count > 0 ? sum / count : 0);
+    };
+    return {mean([](Slope s) { return s.x; }), mean([](Slope s) { return s.y; })};
+}
+
+void set_up_finest(Grid& g, const Image<Vec3>& normal, const Image<float>& confidence, const Slope& tilt, float mm,
+                   float floor) {
     parallel_for(0, g.height, 16, [&](int begin, int end) {
         for (int y = begin; y < end; ++y)
             for (int x = 0; x < g.width; ++x) {
@@ -157,10 +171,12 @@ void set_up_finest(Grid& g, const Image<Vec3>& normal, const Image<float>& confi
     });
     // b = divergence of weight * gradient. Rows run down, so a step of one row is -1 in y.
     const auto flux_right = [&](int x, int y) {
-        return g.right(x, y) * mm * 0.5f * (slope_of(normal(x, y)).x + slope_of(normal(x + 1, y)).x);
+        const float mean = 0.5f * (slope_of(normal(x, y)).x + slope_of(normal(x + 1, y)).x);
+        return g.right(x, y) * mm * (mean - tilt.x);
     };
     const auto flux_down = [&](int x, int y) {
-        return -g.down(x, y) * mm * 0.5f * (slope_of(normal(x, y)).y + slope_of(normal(x, y + 1)).y);
+        const float mean = 0.5f * (slope_of(normal(x, y)).y + slope_of(normal(x, y + 1)).y);
+        return -g.down(x, y) * mm * (mean - tilt.y);
     };
     parallel_for(0, g.height, 16, [&](int begin, int end) {
         for (int y = begin; y < end; ++y)
@@ -186,7 +202,9 @@ HeightReport integrate_normals(const Image<Vec3>& normal, const Image<float>& co
 
     std::vector<Grid> grids;
     grids.emplace_back(normal.width(), normal.height());
-    set_up_finest(grids[0], normal, confidence, static_cast<float>(mm_per_pixel),
+    // The tilt as a whole is a plane, known in closed form; without it heights are small and floats go further.
+    const Slope tilt = mean_slope(normal, confidence);
+    set_up_finest(grids[0], normal, confidence, tilt, static_cast<float>(mm_per_pixel),
                   static_cast<float>(options.weight_floor));
     while (grids.back().width > 2 || grids.back().height > 2) grids.push_back(coarsened(grids.back()));
     grids[0].z = &height_mm;
@@ -209,13 +227,18 @@ HeightReport integrate_normals(const Image<Vec3>& normal, const Image<float>& co
         Image<float>& finer = *grids[i - 1].z;
         prolong_add(*grids[i].z, finer);
     }
+    result.residual = result.converged ? 0 : 1;
     while (!result.converged && result.cycles < options.max_cycles) {
         report(progress, "height", result.cycles / static_cast<double>(options.max_cycles));
         v_cycle(grids, 0);
         ++result.cycles;
+        const double before = result.residual;
         result.residual = residual_norm(grids[0]) / flat;
-        result.converged = result.residual <= options.tolerance;
+        // Once rounding of z is all that is left, cycles stop helping.
+        const bool at_precision = result.residual < 1e-3 && result.residual > 0.8 * before;
+        result.converged = result.residual <= options.tolerance || at_precision;
     }
+    subtract({-tilt.x * mm_per_pixel, -tilt.y * mm_per_pixel, 0}, height_mm);
     remove_mean(height_mm);
     report(progress, "height", 1);
     return result;

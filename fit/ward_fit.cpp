@@ -6,6 +6,7 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <array>
+#include <glm/geometric.hpp>
 
 namespace tangi {
 
@@ -43,11 +44,26 @@ using Solver = ceres::TinySolver<WardFunction>;
 
 struct WardFitter::Workspace {
     Solver solver;
+    PixelSamples samples;  // with the model's error in sigma
     Eigen::Matrix<double, Eigen::Dynamic, kWardParameters> jacobian;
     Eigen::VectorXd residuals;
 };
 
 namespace {
+
+// What the model leaves out (interreflection, other lobes, shadows) grows with the light that is there. It is taken
+// relative to the matt prediction, not to the value alone: a value in shadow would look certain because it is small.
+void add_model_error(const LambertEstimate& start, double model_error, PixelSamples& s) {
+    for (int i = 0; i < s.photos(); ++i) {
+        const double cosine = std::max(glm::dot(start.normal, s.light[static_cast<std::size_t>(i)]), 0.0);
+        for (int c = 0; c < s.channels; ++c) {
+            const auto at = static_cast<std::size_t>(i * s.channels + c);
+            if (!(s.sigma[at] > 0)) continue;
+            const double matt = start.diffuse[c] * cosine * s.irradiance[at];
+            s.sigma[at] = std::hypot(s.sigma[at], model_error * std::max(matt, s.value[at]));
+        }
+    }
+}
 
 // Start of the lobe: for a few widths, the rho_s that explains what the diffuse estimate leaves over, each with its
 // robust cost; the cheapest wins. Least squares alone is bimodal in alpha.
@@ -91,10 +107,13 @@ WardFitter::WardFitter(const WardFitOptions& options)
 
 WardFitter::~WardFitter() = default;
 
-WardEstimate WardFitter::fit(const PixelSamples& samples) {
+WardEstimate WardFitter::fit(const PixelSamples& given) {
     WardEstimate estimate;
-    const LambertEstimate start = photometric_stereo(samples);
+    const LambertEstimate start = photometric_stereo(given);
     if (!start.valid) return estimate;
+    PixelSamples& samples = workspace_->samples;
+    samples = given;
+    add_model_error(start, options_.model_error, samples);
 
     const WardBounds& bounds = options_.bounds;
     const WardResiduals residuals(samples, options_.prior, options_.robust_scale);
@@ -112,6 +131,7 @@ WardEstimate WardFitter::fit(const PixelSamples& samples) {
     Eigen::Matrix<double, kWardParameters, 1> u(u0.data());
     w.solver.options.max_num_iterations = options_.max_iterations;
     w.solver.options.parameter_tolerance = 1e-5;
+    w.solver.options.function_tolerance = 1e-3;
     w.solver.options.gradient_tolerance = 1e-8;
     w.solver.options.initial_trust_region_radius = 1e3;
     const Solver::Summary& summary = w.solver.Solve(function, &u);

@@ -13,7 +13,8 @@ namespace tangi {
 
 struct WardFitOptions {
     int max_iterations = 30;        // Levenberg-Marquardt steps
-    double robust_scale = 2.5;      // [sigma] residual from which a sample counts less and less (Cauchy)
+    double model_error = 0.05;      // [1] relative deviation of real surfaces from the model
+    double robust_scale = 3;      // [sigma] residual from which a sample counts less and less (Cauchy)
     WardBounds bounds = {};
     WardPrior prior = {};
 
@@ -21,6 +22,8 @@ struct WardFitOptions {
     template <class Self, class Visit>
     static void fields(Self& self, Visit&& visit) {
         visit(FieldInfo{"max_iterations", 1, 1000, "1", "Levenberg-Marquardt steps a pixel"}, self.max_iterations);
+        visit(FieldInfo{"model_error", 0, 1, "1", "relative deviation expected between surfaces and the model"},
+              self.model_error);
         visit(FieldInfo{"robust_scale", 0.1, 1000, "sigma", "residual from which a sample counts less"},
               self.robust_scale);
     }

@@ -36,7 +36,7 @@ std::string Transfer::name() const {
     switch (kind) {
         case Kind::linear: break;
         case Kind::srgb: return "srgb";
-        case Kind::gamma: return fmt::format("gamma {:.4g}", gamma);
+        case Kind::gamma: return fmt::format("gamma {}", gamma);
     }
     return "linear";
 }

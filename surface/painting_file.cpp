@@ -135,6 +135,9 @@ Surface read_dry_part(const fs::path& path, const Progress& progress) {
     const auto& window = header.dataWindow();
     const int width = window.max.x - window.min.x + 1, height = window.max.y - window.min.y + 1;
     if (window.min.x != 0 || window.min.y != 0) fail("{}: its data window does not start at 0, 0", path.string());
+    // Paintings are whole pictures. A damaged size is so found before memory for it is asked for.
+    if (header.displayWindow() != window)
+        fail("{}: part '{}' is {} x {}, but its display window is not", path.string(), kDry, width, height);
 
     Surface s(width, height);
     for (const Channel& c : channels_of(s))
@@ -220,6 +223,14 @@ void write_painting(AtomicFile& file, const Surface& s, const Progress& progress
 void write_painting(const fs::path& path, const Surface& s, const Progress& progress) {
     AtomicFile file(path);
     write_painting(file, s, progress);
+}
+
+bool is_painting(const fs::path& path) {
+    try {
+        return find_part(Imf::MultiPartInputFile(path.c_str()), kDry) >= 0;
+    } catch (const std::exception&) {  // not an EXR file at all
+        return false;
+    }
 }
 
 Surface read_painting(const fs::path& path, const Progress& progress) {

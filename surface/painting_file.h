@@ -24,6 +24,9 @@ void write_painting(AtomicFile& file, const Surface& surface, const Progress& pr
 // maps whose content no longer has the hash that was stored.
 Surface read_painting(const std::filesystem::path& path, const Progress& progress = {});
 
+// True where the file is an EXR with a part `dry`; false for any other file.
+bool is_painting(const std::filesystem::path& path);
+
 // 64-bit FNV-1a over the maps, row by row, as 16 hex digits: proof that a dry layer has not changed.
 std::string hash_of(const Surface& surface);
 

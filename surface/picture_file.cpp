@@ -19,26 +19,31 @@ std::string lower_extension(const fs::path& path) {
     return extension;
 }
 
-Depth depth_of(const fs::path& path) {
+Depth depth_of(const fs::path& path, const PictureStorage& storage = {}) {
+    TP_REQUIRE(storage.bits == 8 || storage.bits == 16, "integer pictures have 8 or 16 bits a sample");
     const std::string extension = lower_extension(path);
-    if (extension == ".png" || extension == ".tif" || extension == ".tiff") return Depth::sixteen;
+    if (extension == ".png" || extension == ".tif" || extension == ".tiff")
+        return storage.bits == 8 ? Depth::eight : Depth::sixteen;
     if (extension == ".jpg" || extension == ".jpeg") return Depth::eight;
     if (extension == ".exr") return Depth::real;
     fail("{}: pictures are written as .png, .tif, .jpg or .exr", path.string());
 }
 
-void write_encoded(const fs::path& path, const Image<Rgb>& encoded, Depth depth, const std::string& colour_space) {
+// `samples` holds width * height * channels numbers, interleaved.
+void write_samples(const fs::path& path, const float* samples, const Region& size, int channels, Depth depth,
+                   const std::string& colour_space, int jpeg_quality = 95) {
     AtomicFile file(path);
     const auto output = OIIO::ImageOutput::create(file.temporary().string());
     if (!output) fail("{}: no writer for this format: {}", path.string(), OIIO::geterror());
-    OIIO::ImageSpec spec(encoded.width(), encoded.height(), 3,
+    OIIO::ImageSpec spec(size.width(), size.height(), channels,
                          depth == Depth::real      ? OIIO::TypeDesc::FLOAT
                          : depth == Depth::sixteen ? OIIO::TypeDesc::UINT16
                                                    : OIIO::TypeDesc::UINT8);
     spec.attribute("oiio:ColorSpace", colour_space);
-    spec.attribute("Compression", lower_extension(path).starts_with(".jp") ? "jpeg:95" : "zip");
+    spec.attribute("Compression",
+                   lower_extension(path).starts_with(".jp") ? fmt::format("jpeg:{}", jpeg_quality) : "zip");
     const bool written = output->open(file.temporary().string(), spec) &&
-                         output->write_image(OIIO::TypeDesc::FLOAT, encoded.data());
+                         output->write_image(OIIO::TypeDesc::FLOAT, samples);
     if (!written || !output->close()) fail("{}: cannot be written: {}", path.string(), output->geterror());
     file.commit();
 }
@@ -47,19 +52,26 @@ void write_encoded(const fs::path& path, const Image<Rgb>& encoded, Depth depth,
 
 void require_picture_format(const fs::path& path) { depth_of(path); }
 
-void write_picture(const fs::path& path, const Image<Rgb>& linear, const Transfer& transfer) {
-    const Depth depth = depth_of(path);
+void write_picture(const fs::path& path, const Image<Rgb>& linear, const Transfer& transfer,
+                   const PictureStorage& storage) {
+    const Depth depth = depth_of(path, storage);
     if (depth == Depth::real && transfer.kind != Transfer::Kind::linear)
         fail("{}: EXR files hold linear light; use --encoding linear, or write .png or .tif", path.string());
     Image<Rgb> encoded(linear.width(), linear.height());
     for (std::size_t i = 0; i < encoded.size(); ++i) {
         encoded.pixels()[i] = depth == Depth::real ? linear.pixels()[i] : transfer.encode(linear.pixels()[i]);
     }
-    write_encoded(path, encoded, depth, transfer.kind == Transfer::Kind::linear ? "Linear" : "sRGB");
+    write_samples(path, &encoded.data()->r, encoded.region(), 3, depth,
+                  transfer.kind == Transfer::Kind::linear ? "Linear" : "sRGB", storage.jpeg_quality);
+}
+
+void write_map(const fs::path& path, const Image<float>& values, const PictureStorage& storage) {
+    write_samples(path, values.data(), values.region(), 1, depth_of(path, storage), "Linear",
+                  storage.jpeg_quality);
 }
 
 void write_picture_8bit(const fs::path& path, const Image<Rgb>& encoded_srgb) {
-    write_encoded(path, encoded_srgb, Depth::eight, "sRGB");
+    write_samples(path, &encoded_srgb.data()->r, encoded_srgb.region(), 3, Depth::eight, "sRGB");
 }
 
 Image<Rgb> read_picture(const fs::path& path) {

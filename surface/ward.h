@@ -38,6 +38,15 @@ struct WardAngles {
 
 namespace detail {
 
+// Smallest cosine that is told from 0: that of float unit vectors is uncertain by 6e-8, and the fourth power of
+// much smaller ones would underflow to 0 / 0.
+constexpr double kGrazing = 1e-8;
+
+template <class T>
+bool is_lit_and_seen(const WardAngles<T>& a) {
+    return a.n_l > T(kGrazing) && a.n_v > T(kGrazing) && a.h_n > T(kGrazing);
+}
+
 // The lobe for exponent e >= 0 and area alpha_x * alpha_y; callers guarantee positive cosines.
 template <class T>
 T ward_lobe(WardModel model, const WardAngles<T>& a, T exponent, T alpha_product) {
@@ -59,7 +68,7 @@ T ward_lobe(WardModel model, const WardAngles<T>& a, T exponent, T alpha_product
 // is below the surface. Finite for alpha >= 1e-4.
 template <class T>
 T ward_lobe(WardModel model, const WardAngles<T>& a, T alpha) {
-    if (!(a.n_l > T(0)) || !(a.n_v > T(0)) || !(a.h_n > T(0))) return T(0);
+    if (!detail::is_lit_and_seen(a)) return T(0);
     const T h_n2 = a.h_n * a.h_n;
     const T sine2 = a.h_h > h_n2 ? a.h_h - h_n2 : T(0);  // rounding can make it negative at the peak
     return detail::ward_lobe(model, a, sine2 / (h_n2 * alpha * alpha), alpha * alpha);
@@ -68,7 +77,7 @@ T ward_lobe(WardModel model, const WardAngles<T>& a, T alpha) {
 // Anisotropic lobe [1/sr]: alpha_x along the tangent, alpha_y along the bitangent.
 template <class T>
 T ward_lobe(WardModel model, const WardAngles<T>& a, T alpha_x, T alpha_y) {
-    if (!(a.n_l > T(0)) || !(a.n_v > T(0)) || !(a.h_n > T(0))) return T(0);
+    if (!detail::is_lit_and_seen(a)) return T(0);
     const T u = a.h_t / alpha_x, v = a.h_b / alpha_y;
     return detail::ward_lobe(model, a, (u * u + v * v) / (a.h_n * a.h_n), alpha_x * alpha_y);
 }

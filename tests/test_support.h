@@ -5,13 +5,20 @@
 #include <gtest/gtest.h>
 #include <stdlib.h>
 
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
 #include <cstdlib>
+#include <cstring>
 #include <filesystem>
+#include <numbers>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "surface/error.h"
 #include "surface/image.h"
+#include "surface/light.h"
 
 namespace tangi {
 
@@ -49,6 +56,81 @@ std::string error_of(Call&& call) {
     }
     ADD_FAILURE() << "threw no Error";
     return {};
+}
+
+// The names in a folder, sorted: to see that nothing was left behind.
+inline std::vector<std::string> names_in(const std::filesystem::path& folder) {
+    std::vector<std::string> names;
+    for (const auto& entry : std::filesystem::directory_iterator(folder))
+        names.push_back(entry.path().filename().string());
+    std::sort(names.begin(), names.end());
+    return names;
+}
+
+// True where no value of the two images differs by more than `tolerance`; NaN differs from everything.
+template <class T>
+testing::AssertionResult images_near(const Image<T>& actual, const Image<T>& expected, double tolerance) {
+    constexpr std::size_t channels = sizeof(T) / sizeof(float);
+    if (actual.region() != expected.region())
+        return testing::AssertionFailure() << actual.width() << " x " << actual.height() << " instead of "
+                                           << expected.width() << " x " << expected.height();
+    std::vector<float> a(actual.size() * channels), b(a.size());
+    std::memcpy(a.data(), actual.data(), a.size() * sizeof(float));
+    std::memcpy(b.data(), expected.data(), b.size() * sizeof(float));
+    for (std::size_t i = 0; i < a.size(); ++i)
+        if (!(std::abs(double(a[i]) - double(b[i])) <= tolerance)) {
+            const int pixel = static_cast<int>(i / channels);
+            return testing::AssertionFailure()
+                   << "first at (" << pixel % actual.width() << ", " << pixel / actual.width() << ") channel "
+                   << i % channels << ": " << a[i] << " instead of " << b[i] << ", tolerance " << tolerance;
+        }
+    return testing::AssertionSuccess();
+}
+
+// True where two images are the same bit for bit.
+template <class T>
+bool images_identical(const Image<T>& first, const Image<T>& second) {
+    return first.region() == second.region() &&
+           std::memcmp(first.data(), second.data(), first.size() * sizeof(T)) == 0;
+}
+
+// The same numbers on every machine and in every run (splitmix64, Steele, Lea, Flood 2014).
+class Random {
+public:
+    explicit Random(std::uint64_t seed) : state_(seed) {}
+
+    double uniform(double low = 0, double high = 1) {
+        std::uint64_t z = (state_ += 0x9E3779B97F4A7C15u);
+        z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9u;
+        z = (z ^ (z >> 27)) * 0x94D049BB133111EBu;
+        return low + (high - low) * static_cast<double>((z ^ (z >> 31)) >> 11) * 0x1p-53;
+    }
+    float real(double low = 0, double high = 1) { return static_cast<float>(uniform(low, high)); }
+    int below(int end) { return static_cast<int>(uniform() * end); }
+    double normal() {  // mean 0, standard deviation 1 (Box and Muller 1958)
+        return std::sqrt(-2 * std::log(1 - uniform())) * std::cos(2 * std::numbers::pi * uniform());
+    }
+    Vec3 direction(double smallest_z) {  // unit vector, even over the cap above smallest_z
+        const double z = uniform(smallest_z, 1), turn = uniform(0, 2 * std::numbers::pi);
+        const double across = std::sqrt(1 - z * z);
+        return Vec3(glm::dvec3(across * std::cos(turn), across * std::sin(turn), z));
+    }
+
+private:
+    std::uint64_t state_;
+};
+
+// Distant lights spread over the sky above `lowest_deg` on a spiral, named photo_000.png and so on.
+inline std::vector<Light> dome_lights(int count, double lowest_deg = 20) {
+    std::vector<Light> lights;
+    const double lowest = std::sin(lowest_deg * std::numbers::pi / 180);
+    for (int i = 0; i < count; ++i) {
+        const double z = lowest + (1 - lowest) * (i + 0.5) / count;
+        const double turn = i * std::numbers::pi * (3 - std::sqrt(5.0)), across = std::sqrt(1 - z * z);
+        lights.push_back(distant_light(Vec3(glm::dvec3(across * std::cos(turn), across * std::sin(turn), z)),
+                                       fmt::format("photo_{:03}.png", i)));
+    }
+    return lights;
 }
 
 // A folder of the data that is too large for the repository: $TANGIPAINT_DATA, or ../shared/data beside the source.

@@ -1,0 +1,11 @@
+#include "cli/command_list.h"
+
+namespace tangi {
+
+const std::vector<Command>& commands() {
+    static const std::vector<Command> table = {fit_command(),  relight_command(),  compare_command(),
+                                               info_command(), generate_command(), demo_command()};
+    return table;
+}
+
+}  // namespace tangi

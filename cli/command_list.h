@@ -1,0 +1,17 @@
+// command_list.h: the commands, one function and one source file each.
+#pragma once
+
+#include <memory>
+
+#include "cli/command.h"
+
+namespace tangi {
+
+Command fit_command();
+Command relight_command();
+Command compare_command();
+Command info_command();
+Command generate_command();
+Command demo_command();
+
+}  // namespace tangi

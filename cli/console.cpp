@@ -1,0 +1,100 @@
+// console.cpp: progress and warnings on stderr, and Ctrl-C.
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <chrono>
+#include <csignal>
+#include <cstdio>
+#include <memory>
+#include <mutex>
+
+#include "cli/command.h"
+
+namespace tangi {
+
+namespace {
+
+std::atomic<bool> stop_wanted = false;
+
+// The first Ctrl-C asks for an orderly stop, a second one kills.
+extern "C" void on_interrupt(int signal) {
+    stop_wanted = true;
+    std::signal(signal, SIG_DFL);
+}
+
+class Console {
+public:
+    bool show(std::string_view stage, double fraction) {
+        using namespace std::chrono;
+        const std::lock_guard lock(mutex_);
+        const auto now = steady_clock::now();
+        const bool new_stage = stage != stage_;
+        if (new_stage) {
+            finish_line();
+            stage_ = stage;
+            started_ = now;
+            shown_ = now;
+        }
+        const auto pause = is_terminal_ ? milliseconds(100) : milliseconds(5000);
+        if (fraction >= 1 || now - shown_ >= pause) {
+            if (now - started_ >= (is_terminal_ ? milliseconds(300) : milliseconds(2000))) draw(fraction, now);
+            shown_ = now;
+        }
+        return !stop_wanted;
+    }
+
+    void say(const std::string& text) {
+        const std::lock_guard lock(mutex_);
+        finish_line();
+        fmt::print(stderr, "{}\n", text);
+    }
+
+    ~Console() { finish_line(); }
+
+private:
+    void draw(double fraction, std::chrono::steady_clock::time_point now) {
+        const double elapsed = std::chrono::duration<double>(now - started_).count();
+        const int percent = static_cast<int>(100 * std::clamp(fraction, 0.0, 1.0));
+        if (!is_terminal_) {
+            fmt::print(stderr, "{}: {} %\n", stage_, percent);
+            return;
+        }
+        const std::string left = fraction > 0.05 && fraction < 1
+                                     ? fmt::format(", {:.0f} s left", elapsed * (1 - fraction) / fraction)
+                                     : "";
+        constexpr int width = 30;
+        const int filled = width * percent / 100;
+        fmt::print(stderr, "\r\033[K{:<15} [{}{}] {:3} %{}", stage_, std::string(filled, '#'),
+                   std::string(width - filled, '.'), percent, left);
+        line_open_ = true;
+    }
+
+    void finish_line() {
+        if (line_open_) fmt::print(stderr, "\n");
+        line_open_ = false;
+    }
+
+    std::mutex mutex_;
+    std::string stage_;
+    std::chrono::steady_clock::time_point started_, shown_;
+    bool line_open_ = false;
+    const bool is_terminal_ = ::isatty(STDERR_FILENO) != 0;
+};
+
+Console& console() {
+    static Console instance;
+    return instance;
+}
+
+}  // namespace
+
+Progress console_progress() {
+    std::signal(SIGINT, on_interrupt);
+    std::signal(SIGTERM, on_interrupt);
+    return [](std::string_view stage, double fraction) { return console().show(stage, fraction); };
+}
+
+void warn(const std::string& text) { console().say("warning: " + text); }
+
+}  // namespace tangi

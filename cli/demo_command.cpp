@@ -1,0 +1,103 @@
+// demo_command.cpp: tangipaint demo: the whole path on the embedded sample, with pictures to look at.
+#include <filesystem>
+
+#include "capture/stack.h"
+#include "cli/arguments.h"
+#include "cli/command_list.h"
+#include "datasets/sample.h"
+#include "fit/compare_page.h"
+#include "fit/contact_sheet.h"
+#include "fit/fit_painting.h"
+#include "surface/atomic_file.h"
+#include "surface/error.h"
+#include "surface/painting_file.h"
+#include "surface/picture_file.h"
+#include "surface/relight.h"
+
+namespace tangi {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+struct DemoArguments {
+    std::string out = "out/demo";
+    bool small = false;
+};
+
+// Lights that no photograph had, for pictures of the relit painting.
+struct NamedLight {
+    const char* file;
+    Vec3 direction;
+};
+constexpr NamedLight kLights[] = {
+    {"relit_raking_left.png", {-0.97f, 0.1f, 0.2f}},
+    {"relit_raking_top.png", {0.1f, 0.97f, 0.22f}},
+    {"relit_gallery.png", {0.2f, 0.45f, 0.87f}},
+};
+
+Stack sample_stack(const std::string& lights, bool small) {
+    StackOptions options;
+    const fs::path folder = sample_folder() / "impasto" / "jpg";
+    options.lights_file = folder / lights;
+    if (small) options.crop = Region{176, 176, 336, 336};
+    Stack stack = open_stack(folder, options);
+    stack.warnings.clear();  // the folder holds both lists; that the other's photographs are not in this one is meant
+    return stack;
+}
+
+nlohmann::json run_demo(const DemoArguments& arguments) {
+    const Progress progress = console_progress();
+    const fs::path out(arguments.out);
+    make_folder(out);
+    FitOptions options;
+    options.mm_per_pixel = 200.0 / 512;  // the sample's README
+    options.white_level = 0.75;
+    FitResult fit = fit_painting(sample_stack("lights.lp", arguments.small), options, progress);
+    fit.surface.provenance =
+        nlohmann::json{{"program", "tangipaint " TP_VERSION}, {"command", "demo"}, {"inputs", "datasets/impasto/jpg"}}
+            .dump();
+    write_painting(out / "painting.exr", fit.surface, progress);
+
+    for (const NamedLight& light : kLights) {
+        const std::vector<Light> lights{distant_light(light.direction)};
+        RelightOptions relight_options;
+        relight_options.cast_shadows = true;
+        write_picture(out / light.file, relight(fit.surface, lights, relight_options), Transfer{Transfer::Kind::srgb});
+    }
+    const Stack held_out = sample_stack("heldout.lp", arguments.small);
+    const CompareReport report = write_comparison(out / "compare", fit.surface, held_out, {}, progress);
+    write_picture_8bit(out / "contact_sheet.png", contact_sheet(fit.surface, held_out, report, {}, progress));
+
+    fmt::print(stderr,
+               "\nThe sample: 48 photographs of a rendered impasto painting, fitted, relit, and compared with {}\n"
+               "photographs under lights that the fit never saw.\n\n"
+               "  held out    {:.1f} dB PSNR, SSIM {:.3f}, Delta E 2000 {:.2f} on average\n"
+               "  fitted      {} of {} pixels, median confidence {:.2f}\n\n"
+               "Look at\n"
+               "  {}   photograph, relit, difference; the maps\n"
+               "  {}   each photograph beside its relit picture, with a slider\n"
+               "  {}   and its siblings: the painting under new lights\n"
+               "  {}   the painting: EXR with height, normals, Ward parameters\n\n",
+               report.held_out.count, report.held_out.psnr_db, report.held_out.ssim, report.held_out.delta_e_2000,
+               fit.report.fitted, fit.report.pixels, fit.report.median_confidence,
+               (out / "contact_sheet.png").string(), (out / "compare" / "compare.html").string(),
+               (out / kLights[0].file).string(), (out / "painting.exr").string());
+    return {{"out", arguments.out},
+            {"held_out", to_json(report)["mean"]["held_out"]},
+            {"fitted_pixels", fit.report.fitted},
+            {"median_confidence", fit.report.median_confidence}};
+}
+
+}  // namespace
+
+Command demo_command() {
+    return {"demo", "fit, relight and compare the embedded sample, and say where to look", [](CLI::App& app) {
+                auto a = std::make_shared<DemoArguments>();
+                app.add_option("--out", a->out, "folder for the results")->capture_default_str();
+                app.add_flag("--small", a->small, "only a part of the sample, for a quick look");
+                return [a] { return run_demo(*a); };
+            }};
+}
+
+}  // namespace tangi

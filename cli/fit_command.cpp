@@ -1,0 +1,106 @@
+// fit_command.cpp: tangipaint fit PHOTOS --out PAINTING.exr
+#include "cli/arguments.h"
+#include "cli/command_list.h"
+#include "fit/fit_painting.h"
+#include "surface/error.h"
+#include "surface/painting_file.h"
+
+namespace tangi {
+
+namespace {
+
+struct FitArguments {
+    PhotosArguments photos;
+    std::string out;
+    FitOptions options;
+};
+
+nlohmann::json provenance_of(const FitArguments& arguments, const Stack& stack) {
+    nlohmann::json inputs = nlohmann::json::array();
+    for (const StackPhoto& photo : stack.photos)
+        inputs.push_back({{"file", photo.path.filename().string()},
+                          {"bytes", std::filesystem::file_size(photo.path)}});
+    nlohmann::json options = to_json(arguments.options);
+    options["ward"] = to_json(arguments.options.ward);
+    options["height"] = to_json(arguments.options.height);
+    const PhotosArguments& p = arguments.photos;
+    options["photos"] = {{"lights", p.lights}, {"transfer", p.transfer}, {"crop", p.crop},
+                         {"mask", p.mask},     {"hold_out", p.hold_out}};
+    return {{"program", "tangipaint " TP_VERSION}, {"command", "fit"}, {"options", options}, {"inputs", inputs}};
+}
+
+// What makes the result doubtful as a whole; empty where nothing does.
+std::vector<std::string> poor_reasons(const FitReport& report) {
+    std::vector<std::string> reasons;
+    const double fitted = static_cast<double>(report.fitted) / static_cast<double>(std::max(report.pixels, 1L));
+    if (report.fitted == 0)
+        reasons.push_back("no pixel could be measured: the photographs are too dark, clipped, or masked out");
+    else if (report.median_confidence < 0.5)
+        reasons.push_back(fmt::format("the median confidence is only {:.2f}: the photographs leave the normals open",
+                                      report.median_confidence));
+    if (fitted > 0 && report.not_converged > report.fitted / 2)
+        reasons.push_back(fmt::format("{} of {} pixels did not converge; try --max-iterations 100",
+                                      report.not_converged, report.fitted));
+    return reasons;
+}
+
+nlohmann::json result_of(const FitResult& fit, const std::string& out) {
+    const FitReport& r = fit.report;
+    nlohmann::json candidates = nlohmann::json::array();
+    for (const auto& candidate : r.transfer.candidates)
+        candidates.push_back({{"transfer", candidate.transfer.name()}, {"residual", candidate.residual}});
+    int fitted_photos = 0, held_out = 0;
+    for (const auto& photo : fit.surface.photography.photos) ++(photo.fitted ? fitted_photos : held_out);
+    return {{"painting", out},
+            {"width", fit.surface.width()},
+            {"height", fit.surface.height()},
+            {"photographs", {{"fitted", fitted_photos}, {"held_out", held_out}}},
+            {"transfer", {{"name", r.transfer.transfer.name()}, {"source", r.transfer.source}, {"tried", candidates}}},
+            {"pixels", {{"all", r.pixels}, {"fitted", r.fitted}, {"not_converged", r.not_converged}}},
+            {"median_confidence", r.median_confidence},
+            {"median_residual_sigma", r.median_rms_residual},
+            {"mm_per_pixel", fit.surface.mm_per_pixel},
+            {"scale_known", fit.surface.scale_known},
+            {"support_tilt_deg", r.support_tilt_deg},
+            {"height_solver", {{"cycles", r.height.cycles}, {"residual", r.height.residual},
+                               {"converged", r.height.converged}}},
+            {"dry_hash", hash_of(fit.surface)}};
+}
+
+nlohmann::json run_fit(const FitArguments& arguments) {
+    const Progress progress = console_progress();
+    if (std::filesystem::path(arguments.out).extension() != ".exr")
+        fail("--out {}: a painting is an .exr file", arguments.out);
+    AtomicFile file(arguments.out);  // before the work: an output that can't be written is known now
+    Stack stack = arguments.photos.open();
+    const nlohmann::json provenance = provenance_of(arguments, stack);
+    FitResult fit = fit_painting(std::move(stack), arguments.options, progress);
+    fit.surface.provenance = provenance.dump();
+    std::vector<std::string> warnings = fit.report.warnings;
+    if (fit.report.support_tilt_deg > 5)
+        warnings.push_back(fmt::format(
+            "the normals tilt by {:.0f} degrees as a whole, as if the painting did not face the camera; if it did, the "
+            "light directions are off by about as much",
+            fit.report.support_tilt_deg));
+    write_painting(file, fit.surface, progress);
+    nlohmann::json result = result_of(fit, arguments.out);
+    result["warnings"] = told(warnings);
+    result["poor"] = poor_reasons(fit.report);
+    return result;
+}
+
+}  // namespace
+
+Command fit_command() {
+    return {"fit", "fit height, normals and Ward parameters to photographs: the main job", [](CLI::App& app) {
+                auto arguments = std::make_shared<FitArguments>();
+                arguments->photos.add_to(app, true);
+                app.add_option("--out", arguments->out, "the painting file to write (.exr)")->required();
+                add_fields(app, arguments->options);
+                add_fields(app, arguments->options.ward);
+                add_fields(app, arguments->options.height);
+                return [arguments] { return run_fit(*arguments); };
+            }};
+}
+
+}  // namespace tangi

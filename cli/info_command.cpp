@@ -1,0 +1,94 @@
+// info_command.cpp: tangipaint info FILE: what a painting file, a photograph or a lights file holds.
+#include <algorithm>
+#include <filesystem>
+
+#include "capture/lights_file.h"
+#include "capture/photo_file.h"
+#include "cli/arguments.h"
+#include "cli/command_list.h"
+#include "surface/error.h"
+#include "surface/painting_file.h"
+
+namespace tangi {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+// Smallest, median and largest of the measured values of a map.
+template <class Value>
+nlohmann::json spread(const Surface& s, const Value& value) {
+    std::vector<float> values;
+    const std::size_t step = std::max<std::size_t>(1, s.height_mm.size() / 1000000);
+    for (std::size_t i = 0; i < s.height_mm.size(); i += step)
+        if (s.confidence.pixels()[i] > 0) values.push_back(value(i));
+    if (values.empty()) return nullptr;
+    std::sort(values.begin(), values.end());
+    return {{"minimum", values.front()}, {"median", values[values.size() / 2]}, {"maximum", values.back()}};
+}
+
+nlohmann::json describe(const Surface& s) {
+    const Photography& p = s.photography;
+    const auto fitted = std::count_if(p.photos.begin(), p.photos.end(), [](const auto& photo) { return photo.fitted; });
+    const auto measured = std::count_if(s.confidence.pixels().begin(), s.confidence.pixels().end(),
+                                        [](float c) { return c > 0; });
+    nlohmann::json provenance = nlohmann::json::parse(s.provenance, nullptr, false);
+    if (provenance.is_discarded()) provenance = s.provenance;
+    return {{"kind", "painting"},
+            {"width", s.width()},
+            {"height", s.height()},
+            {"mm_per_pixel", s.mm_per_pixel},
+            {"scale_known", s.scale_known},
+            {"measured_pixels", measured},
+            {"maps",
+             {{"height_mm", spread(s, [&](std::size_t i) { return s.height_mm.pixels()[i]; })},
+              {"diffuse_luminance", spread(s, [&](std::size_t i) { return luminance(s.diffuse.pixels()[i]); })},
+              {"specular", spread(s, [&](std::size_t i) { return s.specular.pixels()[i]; })},
+              {"roughness", spread(s, [&](std::size_t i) { return s.roughness.pixels()[i]; })},
+              {"confidence", spread(s, [&](std::size_t i) { return s.confidence.pixels()[i]; })}}},
+            {"photographs",
+             {{"transfer", p.transfer.name()},
+              {"white_level", p.white_level},
+              {"fitted", fitted},
+              {"held_out", static_cast<long>(p.photos.size()) - fitted}}},
+            {"dry_hash", hash_of(s)},
+            {"provenance", provenance}};
+}
+
+nlohmann::json describe_lights(const fs::path& path) {
+    const LightsFile file = read_lights_file(path);
+    nlohmann::json lights = nlohmann::json::array();
+    for (const Light& light : file.lights) {
+        const Vec3& d = light.direction;
+        lights.push_back({{"name", light.name},
+                          {"direction", {d.x, d.y, d.z}},
+                          {"elevation_deg", std::asin(std::clamp(d.z, -1.0f, 1.0f)) * 180 / M_PI},
+                          {"azimuth_deg", std::atan2(d.y, d.x) * 180 / M_PI}});
+    }
+    return {{"kind", "lights"}, {"lights", lights}, {"warnings", told(file.warnings)}};
+}
+
+nlohmann::json run_info(const std::string& file) {
+    const fs::path path(file);
+    if (!fs::exists(path)) fail("{}: no such file", file);
+    if (fs::is_directory(path)) fail("{}: is a folder; name a painting (.exr), a lights file (.lp) or a photograph", file);
+    if (path.extension() == ".lp") return describe_lights(path);
+    const bool is_exr = path.extension() == ".exr";
+    if (is_exr && is_painting(path)) return describe(read_painting(path, console_progress()));
+    const PhotoHeader header = PhotoFile(path).header();
+    return {{"kind", "picture"},       {"width", header.width},       {"height", header.height},
+            {"channels", header.channels}, {"bits", header.bits}, {"float", header.is_float},
+            {"orientation", header.orientation}};
+}
+
+}  // namespace
+
+Command info_command() {
+    return {"info", "say what a painting, lights file or photograph holds", [](CLI::App& app) {
+                auto file = std::make_shared<std::string>();
+                app.add_option("FILE", *file, "painting (.exr), lights file (.lp) or photograph")->required();
+                return [file] { return run_info(*file); };
+            }};
+}
+
+}  // namespace tangi

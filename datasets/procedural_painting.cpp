@@ -1,0 +1,223 @@
+#include "datasets/procedural_painting.h"
+
+#include "datasets/composition.h"
+#include "datasets/damage.h"
+#include "surface/parallel.h"
+
+namespace tangi {
+
+using namespace procedural;
+
+namespace {
+
+constexpr float kGroundMm = 0.06f;      // thickness of the ground over the threads
+constexpr float kGroundFilling = 0.3f;  // part of the weave's relief that the ground levels
+
+// Height of a plain weave above its mean plane [mm]. Warp thread i runs upwards at x = (i + 1/2) pitch, weft
+// thread j across at y = (j + 1/2) pitch; at a crossing the warp is on top where i + j is even.
+float weave_height(const PaintingOptions& options, float x_mm, float y_mm) {
+    const float amplitude = static_cast<float>(options.weave_mm);
+    if (amplitude <= 0) return 0;
+    const float pitch = static_cast<float>(options.thread_pitch_mm);
+    const float irregular = static_cast<float>(options.thread_irregularity);
+    const Seed seed = hash(options.seed, 10);
+    const float px = x_mm / pitch, py = y_mm / pitch;
+    // Threads wander as one over many pitches, and each swells and thins along its way.
+    const float u = px + irregular * 0.6f * noise(px / 14, py / 14, hash(seed, 1));
+    const float v = py + irregular * 0.6f * noise(px / 14, py / 14, hash(seed, 2));
+    const float i = std::floor(u), j = std::floor(v);
+    const float across_warp = u - i - 0.5f, across_weft = v - j - 0.5f;  // [pitch] from the thread's middle
+    const float warp_swell = 1 + irregular * 0.3f * noise(i * 7.31f, v / 6, hash(seed, 3));
+    const float weft_swell = 1 + irregular * 0.3f * noise(u / 6, j * 7.31f, hash(seed, 4));
+    const float pi = std::numbers::pi_v<float>;
+    const float warp_wave = 0.5f * std::sin(pi * v) * (static_cast<int>(i) % 2 == 0 ? 1.0f : -1.0f);
+    const float weft_wave = -0.5f * std::sin(pi * u) * (static_cast<int>(j) % 2 == 0 ? 1.0f : -1.0f);
+    const float warp = warp_wave + 0.8f * warp_swell * (1 - 4 * across_warp * across_warp);
+    const float weft = weft_wave + 0.8f * weft_swell * (1 - 4 * across_weft * across_weft);
+    // A soft maximum, since fibres bridge the gap; 0.87 is the mean of the lattice.
+    const float both = std::abs(warp - weft);
+    const float top = std::max(warp, weft) + (both < 0.3f ? (0.3f - both) * (0.3f - both) / 1.2f : 0.0f);
+    return amplitude * (top - 0.87f);
+}
+
+// The painting as a function of a point.
+class Painter {
+public:
+    explicit Painter(const PaintingOptions& options) : Painter(options, compose(options, kGroundMm)) {}
+
+    struct Point {
+        PaintSample paint;
+        DamageCover damage;
+    };
+
+    Point at(float x_mm, float y_mm) const {
+        const float weave = weave_height(options_, x_mm, y_mm);
+        const Seed seed = hash(options_.seed, 20);
+        const float tone =
+            1 + 0.12f * noise(3 * x_mm, 3 * y_mm, seed) + 0.10f * noise(x_mm / 5, y_mm / 5, seed);
+        BareSupport bare;
+        bare.canvas = {.height_mm = weave,
+                       .diffuse = tone * Rgb(0.36f, 0.29f, 0.20f),
+                       .specular = 0.02f,
+                       .roughness = 0.6f};
+        bare.ground = {.height_mm = (1 - kGroundFilling) * weave + kGroundMm +
+                                    0.008f * fractal_noise(x_mm, y_mm, 3, hash(seed, 1)),
+                       .diffuse = (0.7f + 0.3f * tone) * Rgb(0.66f, 0.60f, 0.49f),
+                       .specular = 0.026f,
+                       .roughness = 0.55f};
+        Point point{.paint = bare.ground, .damage = {}};
+        strokes_.apply_all(x_mm, y_mm, point.paint);
+        point.damage = damage_.apply(x_mm, y_mm, bare, point.paint);
+        return point;
+    }
+
+private:
+    Painter(const PaintingOptions& options, std::vector<Stroke> strokes)
+        : options_(options),
+          damage_(options, strokes.empty() ? kGroundMm : strokes.back().level_mm),
+          strokes_(std::move(strokes), static_cast<float>(options.width * options.mm_per_pixel / 2),
+                   static_cast<float>(options.height * options.mm_per_pixel / 2)) {}
+
+    PaintingOptions options_;
+    Damage damage_;
+    StrokeGrid strokes_;
+};
+
+// Samples the painting on a grid `supersampling` times as fine as the pixels.
+class Sampler {
+public:
+    explicit Sampler(const PaintingOptions& options)
+        : o_(options),
+          n_(options.supersampling),
+          painter_(options),
+          truth_(o_.width, o_.height, o_.mm_per_pixel),
+          fine_height_mm_(o_.width * n_ + 2, o_.height * n_ + 2) {}
+
+    // Averages the samples in a row of pixels; keeps their heights.
+    void sample_row(int y) {
+        if (y == 0) sample_border_row(-1);
+        if (y == o_.height - 1) sample_border_row(o_.height * n_);
+        for (int j = y * n_; j < (y + 1) * n_; ++j) {
+            fine(-1, j) = painter_.at(x_mm(-1), y_mm(j)).paint.height_mm;
+            fine(o_.width * n_, j) = painter_.at(x_mm(o_.width * n_), y_mm(j)).paint.height_mm;
+        }
+        for (int x = 0; x < o_.width; ++x) sample_pixel(x, y);
+    }
+
+    // Mean over the pixel of the central differences of the samples, which telescope.
+    void set_normals(int y) {
+        const float two_pixels_mm = static_cast<float>(2 * o_.mm_per_pixel);
+        const int right = n_ - 1, bottom = n_ - 1;
+        for (int x = 0; x < o_.width; ++x) {
+            const int i = x * n_, j = y * n_;
+            Slope sum;
+            for (int k = 0; k < n_; ++k) {
+                sum.x +=
+                    fine(i + right + 1, j + k) + fine(i + right, j + k) - fine(i, j + k) - fine(i - 1, j + k);
+                sum.y += fine(i + k, j - 1) + fine(i + k, j) - fine(i + k, j + bottom) -
+                         fine(i + k, j + bottom + 1);
+            }
+            const float scale = 1 / (static_cast<float>(n_) * two_pixels_mm);
+            truth_.normal(x, y) = normal_of({sum.x * scale, sum.y * scale});
+        }
+    }
+
+    PaintingTruth& truth() { return truth_; }
+
+private:
+    float x_mm(int i) const {
+        return static_cast<float>(((i + 0.5) / n_ - o_.width / 2.0) * o_.mm_per_pixel);
+    }
+    float y_mm(int j) const {
+        return static_cast<float>((o_.height / 2.0 - (j + 0.5) / n_) * o_.mm_per_pixel);
+    }
+    // Samples from (-1, -1) on: a border of one is needed for the slopes.
+    float& fine(int i, int j) { return fine_height_mm_(i + 1, j + 1); }
+
+    void sample_border_row(int j) {
+        for (int i = -1; i <= o_.width * n_; ++i) fine(i, j) = painter_.at(x_mm(i), y_mm(j)).paint.height_mm;
+    }
+
+    void sample_pixel(int x, int y) {
+        PaintSample sum{.height_mm = 0, .diffuse = Rgb(0), .specular = 0, .roughness = 0};
+        DamageCover damage;
+        for (int j = y * n_; j < (y + 1) * n_; ++j)
+            for (int i = x * n_; i < (x + 1) * n_; ++i) {
+                const Painter::Point point = painter_.at(x_mm(i), y_mm(j));
+                fine(i, j) = point.paint.height_mm;
+                sum.height_mm += point.paint.height_mm;
+                sum.diffuse += point.paint.diffuse;
+                sum.specular += point.paint.specular;
+                sum.roughness += point.paint.roughness;
+                damage.loss += point.damage.loss;
+                damage.crack += point.damage.crack;
+                damage.varnish += point.damage.varnish;
+                damage.retouch += point.damage.retouch;
+            }
+        const float part = 1 / static_cast<float>(n_ * n_);
+        truth_.height_mm(x, y) = part * sum.height_mm;
+        truth_.diffuse(x, y) = part * sum.diffuse;
+        truth_.specular(x, y) = part * sum.specular;
+        truth_.roughness(x, y) = part * sum.roughness;
+        const float loss = part * damage.loss, crack = part * damage.crack;
+        truth_.loss(x, y) = loss >= 0.5f;
+        truth_.craquelure(x, y) = crack >= 0.25f;
+        truth_.varnish(x, y) = part * damage.varnish >= 0.5f;
+        truth_.retouch(x, y) = part * damage.retouch >= 0.5f;
+        truth_.valid(x, y) = !(loss > 0.01f && loss < 0.99f) && crack < 0.01f;
+    }
+
+    const PaintingOptions o_;
+    const int n_;
+    const Painter painter_;
+    PaintingTruth truth_;
+    Image<float> fine_height_mm_;
+};
+
+}  // namespace
+
+PaintingTruth::PaintingTruth(int width, int height, double mm)
+    : height_mm(width, height),
+      normal(width, height, Vec3(0, 0, 1)),
+      diffuse(width, height, Rgb(1)),
+      specular(width, height),
+      roughness(width, height, 0.3f),
+      loss(width, height),
+      craquelure(width, height),
+      varnish(width, height),
+      retouch(width, height),
+      valid(width, height, 1),
+      mm_per_pixel(mm) {}
+
+PaintingTruth procedural_painting(const PaintingOptions& options, const Progress& progress) {
+    validate(options);
+    Sampler sampler(options);
+    constexpr int rows_at_once = 64;
+    for (int y = 0; y < options.height; y += rows_at_once) {
+        parallel_for(y, std::min(y + rows_at_once, options.height), 1, [&](int begin, int end) {
+            for (int row = begin; row < end; ++row) sampler.sample_row(row);
+        });
+        report(progress, "painting", std::min(1.0, (y + rows_at_once) / static_cast<double>(options.height)));
+    }
+    parallel_for(0, options.height, 16, [&](int begin, int end) {
+        for (int row = begin; row < end; ++row) sampler.set_normals(row);
+    });
+    return std::move(sampler.truth());
+}
+
+Surface surface_of(const PaintingTruth& truth) {
+    Surface surface;
+    surface.height_mm = truth.height_mm;
+    surface.normal = truth.normal;
+    surface.diffuse = truth.diffuse;
+    surface.specular = truth.specular;
+    surface.roughness = truth.roughness;
+    surface.confidence = Image<float>(truth.width(), truth.height());
+    for (std::size_t i = 0; i < truth.valid.size(); ++i)
+        surface.confidence.pixels()[i] = truth.valid.pixels()[i] ? 1.0f : 0.0f;
+    surface.mm_per_pixel = truth.mm_per_pixel;
+    surface.scale_known = true;
+    return surface;
+}
+
+}  // namespace tangi

@@ -1,0 +1,269 @@
+#include "fit/compare.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "surface/error.h"
+#include "surface/parallel.h"
+#include "surface/relight.h"
+
+namespace tangi {
+
+using nlohmann::json;
+
+namespace {
+
+constexpr int kBandRows = 256;  // decoded at once
+constexpr double kDegree = std::numbers::pi / 180;
+constexpr double kSameLight_deg = 3;  // lights files round their vectors; another light is further off
+
+const Photography::Photo* find_photo(const Photography& photography, const std::string& name) {
+    for (const Photography::Photo& photo : photography.photos)
+        if (photo.light.name == name) return &photo;
+    return nullptr;
+}
+
+double angle_deg(const Vec3& a, const Vec3& b) {
+    return std::acos(std::clamp(static_cast<double>(glm::dot(a, b)), -1.0, 1.0)) / kDegree;
+}
+
+void require_comparable(const Surface& surface, const Stack& stack) {
+    require_consistent(surface);
+    if (surface.photography.photos.empty())
+        fail(
+            "this painting does not come from photographs: it holds no transfer curve and no lights, so it "
+            "cannot be "
+            "compared with {}; make one from them with: tangipaint fit",
+            stack.folder.string());
+    if (surface.width() != stack.width() || surface.height() != stack.height())
+        fail(
+            "{}: the photographs are {} x {}, the painting is {} x {}; give the photographs that it was "
+            "fitted from, "
+            "with the same crop",
+            stack.folder.string(), stack.width(), stack.height(), surface.width(), surface.height());
+    if (stack.photos.empty() && stack.held_out.empty())
+        fail("{}: no photographs to compare with", stack.folder.string());
+}
+
+Mask pixels_to_compare(const Surface& surface, const Stack& stack) {
+    Mask mask = measured(surface.confidence);
+    bool any = false;
+    for (std::size_t i = 0; i < mask.size(); ++i) {
+        if (!stack.mask.empty() && !stack.mask.pixels()[i]) mask.pixels()[i] = 0;
+        any = any || mask.pixels()[i];
+    }
+    if (!any)
+        fail("{}: the painting was measured nowhere that its mask keeps: its confidence is 0",
+             stack.folder.string());
+    return mask;
+}
+
+// The one photograph of a stack, values as stored; grey becomes RGB.
+Image<Rgb> stored_picture(const Stack& stack) {
+    StackReader reader(stack);
+    Image<Rgb> picture(stack.width(), stack.height());
+    for (int y0 = 0; y0 < stack.height(); y0 += kBandRows) {
+        const Band band = reader.read(y0, std::min(y0 + kBandRows, stack.height()), Transfer{});
+        for (int y = y0; y < band.y1(); ++y)
+            for (int c = 0; c < 3; ++c) {
+                const float* row = band.row(0, std::min(c, stack.channels - 1), y);
+                for (int x = 0; x < stack.width(); ++x) picture(x, y)[c] = row[x];
+            }
+    }
+    return picture;
+}
+
+Image<Rgb> decoded(const Image<Rgb>& stored, const Transfer& transfer) {
+    Image<Rgb> linear(stored.width(), stored.height());
+    parallel_for(0, stored.height(), 16, [&](int begin, int end) {
+        for (int y = begin; y < end; ++y)
+            for (int x = 0; x < stored.width(); ++x)
+                for (int c = 0; c < 3; ++c)
+                    linear(x, y)[c] = transfer.decode(std::min(stored(x, y)[c], 1.0f));
+    });
+    return linear;
+}
+
+Image<Rgb> encoded(const Image<Rgb>& linear, const Transfer& transfer, float scale) {
+    Image<Rgb> stored(linear.width(), linear.height());
+    parallel_for(0, linear.height(), 16, [&](int begin, int end) {
+        for (int y = begin; y < end; ++y)
+            for (int x = 0; x < linear.width(); ++x)
+                stored(x, y) = glm::min(transfer.encode(scale * linear(x, y)), Rgb(1));
+    });
+    return stored;
+}
+
+// Files of floats hold linear light whatever the painting was fitted from.
+Transfer encoding_of(const Stack& stack, const Photography& photography, std::vector<std::string>& warnings) {
+    Transfer transfer = photography.transfer;
+    if (stack.bits == 32) transfer = {};
+    if (stack.transfer) transfer = *stack.transfer;
+    if (transfer != photography.transfer)
+        warnings.push_back(
+            fmt::format("{}: compared as {}; the painting was fitted from photographs stored as {}",
+                        stack.folder.string(), transfer.name(), photography.transfer.name()));
+    return transfer;
+}
+
+PhotoComparison described(const StackPhoto& photo, const Photography& photography, CompareReport& report) {
+    PhotoComparison result;
+    result.name = photo.light.name;
+    result.light = as_photographed(photo.light, photography);
+    const Vec3& l = photo.light.direction;
+    result.elevation_deg = std::asin(std::clamp(static_cast<double>(l.z), -1.0, 1.0)) / kDegree;
+    result.azimuth_deg =
+        std::fmod(std::atan2(static_cast<double>(l.y), static_cast<double>(l.x)) / kDegree + 360, 360);
+    const Photography::Photo* known = find_photo(photography, photo.light.name);
+    result.fitted = known && known->fitted;
+    const double off_deg = known ? angle_deg(known->light.direction, l) : 0;
+    if (off_deg > kSameLight_deg)
+        report.warnings.push_back(fmt::format(
+            "{}: its light here is {:.1f} degrees away from the one it was fitted with; this one is used",
+            photo.path.string(), off_deg));
+    return result;
+}
+
+void measure(const ComparedPictures& pictures, Image<float>& delta_e, PhotoComparison& result) {
+    delta_e = delta_e_2000_map(decoded(pictures.photo, pictures.transfer),
+                               decoded(pictures.relit, pictures.transfer));
+    result.psnr_db = std::min(psnr_db(pictures.photo, pictures.relit, pictures.mask), kPsnrCap_db);
+    result.ssim = ssim(pictures.photo, pictures.relit, pictures.mask);
+    result.delta_e_2000 = mean(delta_e, pictures.mask);
+    result.delta_e_2000_p95 = percentile(delta_e, 0.95, pictures.mask);
+    result.bias = mean_difference(pictures.photo, pictures.relit, pictures.mask);
+}
+
+template <class Wanted>
+ComparisonMean mean_of(const std::vector<PhotoComparison>& photos, Wanted&& wanted) {
+    ComparisonMean mean;
+    for (const PhotoComparison& photo : photos) {
+        if (!wanted(photo)) continue;
+        ++mean.count;
+        mean.psnr_db += photo.psnr_db;
+        mean.ssim += photo.ssim;
+        mean.delta_e_2000 += photo.delta_e_2000;
+    }
+    const double n = std::max(mean.count, 1);
+    return {mean.count, mean.psnr_db / n, mean.ssim / n, mean.delta_e_2000 / n};
+}
+
+void summarise(const Stack& stack, int unknown, CompareReport& report) {
+    report.held_out = mean_of(report.photos, [](const PhotoComparison& p) { return !p.fitted; });
+    report.fitted = mean_of(report.photos, [](const PhotoComparison& p) { return p.fitted; });
+    report.all = mean_of(report.photos, [](const PhotoComparison&) { return true; });
+    report.worst =
+        std::min_element(report.photos.begin(), report.photos.end(), [](const auto& a, const auto& b) {
+            return a.psnr_db < b.psnr_db;
+        })->name;
+    if (unknown > 0)
+        report.warnings.push_back(
+            fmt::format("{}: {} of {} photographs are not among those that the painting lists: they count as "
+                        "held out, and their "
+                        "lights as of gain 1",
+                        stack.folder.string(), unknown, report.photos.size()));
+}
+
+// Names come from file systems, where any bytes are allowed; JSON wants UTF-8.
+std::string valid_utf8(const std::string& text) {
+    const std::string quoted = json(text).dump(-1, ' ', false, json::error_handler_t::replace);
+    return json::parse(quoted).get<std::string>();
+}
+
+}  // namespace
+
+CompareReport compare(const Surface& surface, const Stack& photos, const CompareOptions& options,
+                      const Progress& progress, const ComparisonSink& sink) {
+    validate(options);
+    require_comparable(surface, photos);
+    CompareReport report_;
+    report_.width = surface.width();
+    report_.height = surface.height();
+    report_.options = options;
+    report_.warnings = photos.warnings;
+    report_.transfer = encoding_of(photos, surface.photography, report_.warnings);
+    const Mask mask = pixels_to_compare(surface, photos);
+
+    std::vector<StackPhoto> all = photos.photos;
+    all.insert(all.end(), photos.held_out.begin(), photos.held_out.end());
+    Stack one = photos;  // one photograph is open at a time
+    one.held_out.clear();
+    const RelightOptions relighting{.cast_shadows = options.cast_shadows,
+                                    .light_radius_deg = options.light_radius_deg};
+    int unknown = 0;
+    for (std::size_t i = 0; i < all.size(); ++i) {
+        report(progress, "compare", static_cast<double>(i) / static_cast<double>(all.size()));
+        one.photos = {all[i]};
+        unknown += find_photo(surface.photography, all[i].light.name) == nullptr;
+        PhotoComparison result = described(all[i], surface.photography, report_);
+        const Image<Rgb> photo = stored_picture(one);
+        const Image<Rgb> relit = encoded(relight(surface, {&result.light, 1}, relighting), report_.transfer,
+                                         static_cast<float>(surface.photography.white_level));
+        Image<float> delta_e;
+        const ComparedPictures pictures{static_cast<int>(i), result, photo, relit, delta_e, mask,
+                                        report_.transfer};
+        measure(pictures, delta_e, result);
+        if (sink) sink(pictures);
+        report_.photos.push_back(std::move(result));
+    }
+    summarise(photos, unknown, report_);
+    report(progress, "compare", 1);
+    return report_;
+}
+
+json to_json(const CompareReport& report) {
+    json photos = json::array();
+    for (const PhotoComparison& p : report.photos) {
+        const Vec3& l = p.light.direction;
+        photos.push_back({{"name", valid_utf8(p.name)},
+                          {"fitted", p.fitted},
+                          {"light", {l.x, l.y, l.z}},
+                          {"elevation_deg", p.elevation_deg},
+                          {"azimuth_deg", p.azimuth_deg},
+                          {"psnr_db", p.psnr_db},
+                          {"ssim", p.ssim},
+                          {"delta_e_2000", p.delta_e_2000},
+                          {"delta_e_2000_p95", p.delta_e_2000_p95},
+                          {"bias", p.bias}});
+    }
+    const auto mean = [](const ComparisonMean& m) {
+        const auto number = [&](double value) { return m.count > 0 ? json(value) : json(nullptr); };
+        return json{{"count", m.count},
+                    {"psnr_db", number(m.psnr_db)},
+                    {"ssim", number(m.ssim)},
+                    {"delta_e_2000", number(m.delta_e_2000)}};
+    };
+    json warnings = json::array();
+    for (const std::string& warning : report.warnings) warnings.push_back(valid_utf8(warning));
+    return {
+        {"photos", std::move(photos)},
+        {"mean",
+         {{"held_out", mean(report.held_out)}, {"fitted", mean(report.fitted)}, {"all", mean(report.all)}}},
+        {"worst", valid_utf8(report.worst)},
+        {"transfer", report.transfer.name()},
+        {"width", report.width},
+        {"height", report.height},
+        {"options", to_json<CompareOptions>(report.options)},
+        {"warnings", std::move(warnings)}};
+}
+
+Light as_photographed(const Light& light, const Photography& photography) {
+    Light result = light;
+    const Photography::Photo* known = find_photo(photography, light.name);
+    if (!known) return result;
+    result.gain = known->light.gain;
+    if (!result.position_mm && angle_deg(known->light.direction, light.direction) <= kSameLight_deg)
+        result.position_mm = known->light.position_mm;
+    return result;
+}
+
+Image<Rgb> as_photographed(const Image<Rgb>& linear, const Photography& photography) {
+    return encoded(linear, photography.transfer, static_cast<float>(photography.white_level));
+}
+
+Image<Rgb> for_display(const Image<Rgb>& stored, const Transfer& transfer) {
+    return encoded(decoded(stored, transfer), {Transfer::Kind::srgb}, 1);
+}
+
+}  // namespace tangi

@@ -1,0 +1,126 @@
+#include "fit/compare_page.h"
+
+#include "fit/compare_page_html.h"
+#include "fit/false_colour.h"
+#include "surface/atomic_file.h"
+#include "surface/picture_file.h"
+
+namespace tangi {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+namespace {
+
+constexpr int kStops = 17;  // colours from which the page draws its scales
+
+std::string hex(const Rgb& srgb) {
+    const glm::ivec3 c(glm::round(srgb * 255.0f));
+    return fmt::format("#{:02x}{:02x}{:02x}", c.r, c.g, c.b);
+}
+
+json scale_of(ColourMap map) {
+    json stops = json::array();
+    for (int i = 0; i < kStops; ++i) stops.push_back(hex(colour_at(map, i / double(kStops - 1))));
+    return stops;
+}
+
+json legend_of(ColourMap map, const ValueRange& range, const std::string& unit) {
+    json marks = json::array();
+    for (const double value : ticks(range))
+        marks.push_back(
+            {{"at", (value - range.lo) / (range.hi - range.lo)}, {"label", tick_label(value, range)}});
+    return {{"scale", map == ColourMap::sequential ? "sequential" : "diverging"},
+            {"lo", range.lo},
+            {"hi", range.hi},
+            {"unit", unit == "1" ? "" : unit},
+            {"ticks", std::move(marks)}};
+}
+
+// A file name for a photograph that every system and every URL takes; the number makes it unique.
+std::string picture_stem(int index, const std::string& name) {
+    std::string stem;
+    for (const char c : fs::path(name).stem().string())
+        stem +=
+            (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' ? c : '_';
+    return fmt::format("{:03}_{}", index, stem.substr(0, 60));
+}
+
+// Writes the four pictures of a photograph; their paths in the folder.
+json write_pictures(const fs::path& folder, const ComparedPictures& pictures, const Transfer& transfer,
+                    const CompareOptions& options) {
+    const std::string stem = "pictures/" + picture_stem(pictures.index, pictures.result.name);
+    const auto write = [&](const char* what, const Image<Rgb>& picture) {
+        std::string path = fmt::format("{}_{}.jpg", stem, what);
+        write_picture_8bit(folder / path, shrunk(picture, options.picture_size));
+        return path;
+    };
+    const Image<float> error = luma_difference(pictures.photo, pictures.relit);
+    return {{"photo", write("photo", for_display(pictures.photo, transfer))},
+            {"relit", write("relit", for_display(pictures.relit, transfer))},
+            {"error", write("error", map_picture(error, -options.error_range, options.error_range,
+                                                 ColourMap::diverging, pictures.mask))},
+            {"delta_e", write("delta_e", map_picture(pictures.delta_e, 0, options.delta_e_range,
+                                                     ColourMap::sequential, pictures.mask))}};
+}
+
+json write_maps(const fs::path& folder, const Surface& surface, const CompareOptions& options) {
+    json maps = json::array();
+    for (const MapPicture& map : map_pictures(surface, options.picture_size)) {
+        const std::string path = fmt::format("pictures/map_{}.png", map.key);
+        write_picture_8bit(folder / path, map.picture);
+        json entry = {{"key", map.key},
+                      {"title", map.title},
+                      {"symbol", map.symbol},
+                      {"meaning", map.meaning},
+                      {"picture", path}};
+        if (map.range) entry["legend"] = legend_of(ColourMap::sequential, *map.range, map.unit);
+        maps.push_back(std::move(entry));
+    }
+    return maps;
+}
+
+}  // namespace
+
+CompareReport write_comparison(const fs::path& folder, const Surface& surface, const Stack& photos,
+                               const CompareOptions& options, const Progress& progress) {
+    make_folder(folder / "pictures");
+    json files = json::array();
+    const ComparisonSink sink = [&](const ComparedPictures& pictures) {
+        files.push_back(write_pictures(folder, pictures, pictures.transfer, options));
+    };
+    CompareReport report = compare(surface, photos, options, progress, sink);
+    json data = to_json(report);
+    for (std::size_t i = 0; i < files.size(); ++i) data["photos"][i]["pictures"] = files[i];
+    write_text_file(folder / "compare.json", data.dump(2) + "\n");
+
+    data["maps"] = write_maps(folder, surface, options);
+    write_text_file(folder / "compare.html", comparison_page(data));
+    return report;
+}
+
+std::string comparison_page(const json& report) {
+    json data = report;
+    const CompareOptions defaults;
+    const auto option = [&](const char* name, double otherwise) {
+        return report.contains("options") ? report["options"].value(name, otherwise) : otherwise;
+    };
+    const double error = option("error_range", defaults.error_range);
+    const double delta_e = option("delta_e_range", defaults.delta_e_range);
+    data["scales"] = {{"sequential", scale_of(ColourMap::sequential)},
+                      {"diverging", scale_of(ColourMap::diverging)}};
+    data["legends"] = {{"error", legend_of(ColourMap::diverging, {-100 * error, 100 * error}, "%")},
+                       {"delta_e", legend_of(ColourMap::sequential, {0, delta_e}, "ΔE")}};
+
+    // Inside <script>, only "<" could end the text early; JSON lets it be written as an escape.
+    std::string text;
+    for (const char c : data.dump(-1, ' ', false, json::error_handler_t::replace))
+        text += c == '<' ? std::string("\\u003c") : std::string(1, c);
+    std::string page = kComparePageHtml;
+    const std::string mark = "{{report}}";
+    const std::size_t at = page.find(mark);
+    TP_REQUIRE(at != std::string::npos, "the page has a place for its data");
+    return page.replace(at, mark.size(), text);
+}
+
+}  // namespace tangi

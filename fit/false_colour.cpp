@@ -1,0 +1,264 @@
+#include "fit/false_colour.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <opencv2/imgproc.hpp>
+
+#include "surface/error.h"
+#include "surface/parallel.h"
+
+namespace tangi {
+
+namespace {
+
+constexpr int kEntries = 256;
+using Table = std::array<Rgb, kEntries>;
+
+// Linear Rec. 709 from L*, chroma and hue [deg], white D65 (CIE 1976; IEC 61966-2-1 for the matrix).
+glm::dvec3 linear_from_lch(double l, double c, double hue_deg) {
+    const double hue = hue_deg * std::numbers::pi / 180;
+    const double fy = (l + 16) / 116, fx = fy + c * std::cos(hue) / 500, fz = fy - c * std::sin(hue) / 200;
+    const auto inverse = [](double f) {
+        constexpr double epsilon = 6.0 / 29;
+        return f > epsilon ? f * f * f : 3 * epsilon * epsilon * (f - 4.0 / 29);
+    };
+    const double x = 0.95047 * inverse(fx), y = inverse(fy), z = 1.08883 * inverse(fz);
+    return {3.2404542 * x - 1.5371385 * y - 0.4985314 * z, -0.9692660 * x + 1.8760108 * y + 0.0415560 * z,
+            0.0556434 * x - 0.2040259 * y + 1.0572252 * z};
+}
+
+// sRGB of a colour, its chroma lowered as far as the gamut demands.
+Rgb srgb_from_lch(double l, double chroma, double hue_deg) {
+    const auto inside = [&](double c) {
+        const glm::dvec3 rgb = linear_from_lch(l, c, hue_deg);
+        return std::min({rgb.x, rgb.y, rgb.z}) >= -1e-6 && std::max({rgb.x, rgb.y, rgb.z}) <= 1 + 1e-6;
+    };
+    double lo = 0, hi = chroma;
+    for (int i = 0; i < 40 && !inside(hi); ++i) (inside((lo + hi) / 2) ? lo : hi) = (lo + hi) / 2;
+    const Rgb rgb(linear_from_lch(l, inside(hi) ? hi : lo, hue_deg));
+    return glm::clamp(Transfer{Transfer::Kind::srgb}.encode(rgb), 0.0f, 1.0f);
+}
+
+Table make_sequential() {
+    Table table;
+    for (int i = 0; i < kEntries; ++i) {
+        const double t = i / double(kEntries - 1);
+        const double hue = 310 - 210 * std::pow(t, 1.15);  // violet, blue, teal, green, yellow
+        const double chroma = 42 + 34 * std::pow(std::abs(2 * t - 1), 2);  // the ends may glow, teal cannot
+        table[static_cast<std::size_t>(i)] = srgb_from_lch(12 + 80 * t, chroma, hue);
+    }
+    return table;
+}
+
+Table make_diverging() {
+    Table table;
+    for (int i = 0; i < kEntries; ++i) {
+        const double t = 2 * i / double(kEntries - 1) - 1, size = std::abs(t);
+        table[static_cast<std::size_t>(i)] = srgb_from_lch(96 - 58 * size, 68 * size, t < 0 ? 272 : 32);
+    }
+    return table;
+}
+
+const Table& table_of(ColourMap map) {
+    static const Table sequential = make_sequential(), diverging = make_diverging();
+    return map == ColourMap::sequential ? sequential : diverging;
+}
+
+cv::Mat view(const Image<Rgb>& picture) {
+    return {picture.height(), picture.width(), CV_32FC3, const_cast<Rgb*>(picture.data())};
+}
+
+std::string ascii(std::string_view text) {
+    std::string plain;
+    for (const char c : text) {
+        const auto byte = static_cast<unsigned char>(c);
+        if (byte >= 0x20 && byte < 0x7f)
+            plain += c;
+        else if (byte < 0x80 || byte >= 0xc0)  // continuation bytes belong to a character that is already '?'
+            plain += '?';
+    }
+    return plain;
+}
+
+constexpr int kFont = cv::FONT_HERSHEY_DUPLEX;
+constexpr int kSupersampling = 4;
+constexpr double kCapital = 22;  // [pixels] height of the font's capitals at scale 1
+
+int stroke_of(int size) {
+    return std::max(1, static_cast<int>(std::lround(size * kSupersampling / kCapital * 1.3)));
+}
+
+}  // namespace
+
+Rgb colour_at(ColourMap map, double t) {
+    if (std::isnan(t)) return kNoValue;
+    const double position = std::clamp(t, 0.0, 1.0) * (kEntries - 1);
+    const auto i = std::min(static_cast<std::size_t>(position), std::size_t{kEntries - 2});
+    return glm::mix(table_of(map)[i], table_of(map)[i + 1],
+                    static_cast<float>(position - static_cast<double>(i)));
+}
+
+ValueRange robust_range(const Image<float>& values, const Mask& mask, double part) {
+    const double lo = percentile(values, part, mask), hi = percentile(values, 1 - part, mask);
+    if (std::isnan(lo)) return {};
+    const double least = std::max(1e-6, 1e-4 * std::max(std::abs(lo), std::abs(hi)));
+    if (hi - lo < least) return {lo - least, hi + least};
+    return {lo, hi};
+}
+
+Image<Rgb> map_picture(const Image<float>& values, double lo, double hi, ColourMap map, const Mask& mask) {
+    TP_REQUIRE(hi > lo, "the range is not empty");
+    TP_REQUIRE(mask.empty() || mask.region() == values.region(), "the mask has the size of the map");
+    Image<Rgb> picture(values.width(), values.height(), kNoValue);
+    parallel_for(0, values.height(), 32, [&](int begin, int end) {
+        for (int y = begin; y < end; ++y)
+            for (int x = 0; x < values.width(); ++x)
+                if (mask.empty() || mask(x, y))
+                    picture(x, y) = colour_at(map, (values(x, y) - lo) / (hi - lo));
+    });
+    return picture;
+}
+
+Image<Rgb> normal_picture(const Image<Vec3>& normal, const Mask& mask) {
+    Image<Rgb> picture(normal.width(), normal.height(), kNoValue);
+    for (std::size_t i = 0; i < normal.size(); ++i)
+        if (mask.empty() || mask.pixels()[i])
+            picture.pixels()[i] = glm::clamp(0.5f + 0.5f * normal.pixels()[i], 0.0f, 1.0f);
+    return picture;
+}
+
+std::vector<double> ticks(const ValueRange& range, int most) {
+    TP_REQUIRE(range.hi > range.lo && most >= 2, "a range and two ticks at least");
+    const double slack = 1e-9 * (range.hi - range.lo);
+    for (double power = std::pow(10, std::floor(std::log10((range.hi - range.lo) / most)) - 1);; power *= 10)
+        for (const double factor : {1.0, 2.0, 5.0}) {
+            const double step = power * factor;
+            const auto first = std::llround(std::ceil((range.lo - slack) / step));
+            const auto last = std::llround(std::floor((range.hi + slack) / step));
+            if (last - first + 1 > most) continue;
+            std::vector<double> result;
+            for (auto i = first; i <= last; ++i) result.push_back(static_cast<double>(i) * step);
+            return result;
+        }
+}
+
+std::string tick_label(double value, const ValueRange& range) {
+    const int digits = std::clamp(static_cast<int>(std::ceil(1 - std::log10(range.hi - range.lo))), 0, 9);
+    std::string label = fmt::format("{:.{}f}", value, digits);
+    if (label.find('.') != std::string::npos) label.erase(label.find_last_not_of('0') + 1);
+    if (label.ends_with('.')) label.pop_back();
+    return label == "-0" ? "0" : label;
+}
+
+Image<Rgb> legend(ColourMap map, const ValueRange& range, std::string_view unit, int width, int height,
+                  const Rgb& ink, const Rgb& paper) {
+    TP_REQUIRE(width >= 40 && height >= 16, "a legend has room for its labels");
+    Image<Rgb> picture(width, height, paper);
+    const int size = std::max(6, height * 3 / 10), bar = height - 2 * size - 1;
+    const std::string suffix = unit.empty() || unit == "1" ? std::string() : fmt::format(" {}", unit);
+    // Labels are centred on their ticks: the first and the last stand out by half their width, and by the
+    // unit.
+    const int half = std::max(text_width(tick_label(range.lo, range), size),
+                              text_width(tick_label(range.hi, range), size)) /
+                     2;
+    const int left = std::min(half + 2, width / 4),
+              right = std::max(width - half - 2 - text_width(suffix, size), width / 2);
+    for (int y = 0; y < bar; ++y)
+        for (int x = left; x < right; ++x) picture(x, y) = colour_at(map, (x - left + 0.5) / (right - left));
+    const int most = std::max(2, (right - left) / std::max(1, text_width("-0.000", size)));
+    const std::vector<double> at = ticks(range, std::min(most, 7));
+    for (const double value : at) {
+        const double t = (value - range.lo) / (range.hi - range.lo);
+        const int x = std::clamp(left + static_cast<int>(t * (right - left)), left, right - 1);
+        for (int y = bar; y < bar + size / 2; ++y) picture(x, y) = ink;
+        const std::string label = tick_label(value, range);
+        const int start = std::max(0, x - text_width(label, size) / 2);
+        draw_text(picture, value == at.back() ? label + suffix : label, start, bar + size * 3 / 4, size, ink);
+    }
+    return picture;
+}
+
+int text_width(std::string_view text, int size) {
+    int baseline = 0;
+    const std::string plain = ascii(text);
+    return cv::getTextSize(plain, kFont, size * kSupersampling / kCapital, stroke_of(size), &baseline).width /
+           kSupersampling;
+}
+
+void draw_text(Image<Rgb>& picture, std::string_view text, int x, int y, int size, const Rgb& ink) {
+    const std::string plain = ascii(text);
+    if (plain.empty()) return;
+    // Drawn large as coverage, then averaged: the fonts are made of strokes, which look ragged when drawn
+    // small.
+    const int pad = size / 2 + 1, width = text_width(text, size) + 2 * pad, height = 2 * size + 2 * pad;
+    cv::Mat large(height * kSupersampling, width * kSupersampling, CV_32F, cv::Scalar(0)), coverage;
+    cv::putText(large, plain, {pad * kSupersampling, (pad + size) * kSupersampling}, kFont,
+                size * kSupersampling / kCapital, cv::Scalar(1), stroke_of(size), cv::LINE_8);
+    cv::resize(large, coverage, {width, height}, 0, 0, cv::INTER_AREA);
+    for (int v = 0; v < height; ++v)
+        for (int u = 0; u < width; ++u) {
+            const int px = x + u - pad, py = y + v - pad;
+            if (px < 0 || py < 0 || px >= picture.width() || py >= picture.height()) continue;
+            picture(px, py) = glm::mix(picture(px, py), ink, coverage.at<float>(v, u));
+        }
+}
+
+Image<Rgb> resized(const Image<Rgb>& picture, int width, int height) {
+    TP_REQUIRE(!picture.empty() && width > 0 && height > 0, "pictures have pixels");
+    Image<Rgb> result(width, height);
+    cv::Mat target = view(result);
+    cv::resize(view(picture), target, {width, height}, 0, 0,
+               width < picture.width() ? cv::INTER_AREA : cv::INTER_LINEAR);
+    return result;
+}
+
+Image<Rgb> shrunk(const Image<Rgb>& picture, int longest) {
+    const int side = std::max(picture.width(), picture.height());
+    if (side <= longest) return picture;
+    const double scale = static_cast<double>(longest) / side;
+    return resized(picture, std::max(1, static_cast<int>(std::lround(picture.width() * scale))),
+                   std::max(1, static_cast<int>(std::lround(picture.height() * scale))));
+}
+
+std::vector<MapPicture> map_pictures(const Surface& surface, int longest) {
+    const Mask mask = measured(surface.confidence);
+    const auto scalar = [&](const Image<float>& map, const ValueRange& range) {
+        return shrunk(map_picture(map, range.lo, range.hi, ColourMap::sequential, mask), longest);
+    };
+    const bool any =
+        std::any_of(mask.pixels().begin(), mask.pixels().end(), [](unsigned char m) { return m != 0; });
+    const auto range_of = [&](const Image<float>& map) {
+        return any ? robust_range(map, mask) : ValueRange{};
+    };
+    const auto from_zero = [&](const Image<float>& map) {
+        return ValueRange{0, std::max(range_of(map).hi, 1e-3)};
+    };
+    Image<Rgb> diffuse(surface.width(), surface.height(), kNoValue);
+    for (std::size_t i = 0; i < diffuse.size(); ++i)
+        if (mask.pixels()[i])
+            diffuse.pixels()[i] =
+                glm::min(Transfer{Transfer::Kind::srgb}.encode(surface.diffuse.pixels()[i]), Rgb(1));
+
+    const ValueRange height = range_of(surface.height_mm), specular = from_zero(surface.specular);
+    const ValueRange roughness = from_zero(surface.roughness), confidence{0, 1};
+    std::vector<MapPicture> maps;
+    maps.push_back({"height", "Height", "h", "Relief above the mean plane of the support.",
+                    surface.scale_known ? "mm" : "pixels", height, scalar(surface.height_mm, height)});
+    maps.push_back({"normal", "Normals", "n",
+                    "Direction the surface faces: red right, green up, blue to the viewer.", "1",
+                    std::nullopt, shrunk(normal_picture(surface.normal, mask), longest)});
+    maps.push_back({"diffuse", "Diffuse colour", "ρd", "Colour of matt reflection, shown as sRGB.", "1",
+                    std::nullopt, shrunk(diffuse, longest)});
+    maps.push_back({"specular", "Specular", "ρs", "Strength of the gloss.", "1", specular,
+                    scalar(surface.specular, specular)});
+    maps.push_back({"roughness", "Roughness", "α",
+                    "Width of the gloss: small is mirror-like, large is satin.", "1", roughness,
+                    scalar(surface.roughness, roughness)});
+    maps.push_back({"confidence", "Confidence", "", "How certain the fit is: 0 not measured, 1 certain.", "1",
+                    confidence, scalar(surface.confidence, confidence)});
+    return maps;
+}
+
+}  // namespace tangi

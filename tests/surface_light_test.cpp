@@ -1,0 +1,69 @@
+// surface_light_test.cpp: distant and near lights: direction, falloff, unit vectors.
+#include "surface/light.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/test_support.h"
+
+namespace tangi {
+namespace {
+
+TEST(DistantLight, NormalisesItsDirection) {
+    Random random(1);
+    for (int i = 0; i < 100; ++i) {
+        const Vec3 direction = random.direction(-1);
+        const Light light = distant_light(direction * random.real(0.01, 100), "a.jpg");
+        EXPECT_LE(glm::length(light.direction - direction), 1e-6f);
+        EXPECT_EQ(light.name, "a.jpg");
+        EXPECT_FALSE(light.position_mm);
+        EXPECT_EQ(light.gain, Rgb(1));
+    }
+}
+
+TEST(DistantLight, WithoutDirectionBreaksTheContract) {
+    EXPECT_THROW(distant_light({0, 0, 0}), ContractError);
+    EXPECT_THROW(distant_light(Vec3(std::nanf(""))), ContractError);
+    EXPECT_THROW(near_light({0, 0, 0}), ContractError);
+}
+
+TEST(DistantLight, IsTheSameEverywhere) {
+    Light light = distant_light({1, 2, 2});
+    light.gain = {0.5f, 1, 2};
+    const Incidence in = incidence(light, {100, -50, 3});
+    EXPECT_EQ(in.direction, light.direction);
+    EXPECT_EQ(in.irradiance, light.gain);
+}
+
+TEST(NearLight, HasItsGainAtTheOrigin) {
+    Light light = near_light({300, -400, 1200});
+    light.gain = {0.5f, 1, 2};
+    const Incidence in = incidence(light, {0, 0, 0});
+    EXPECT_LE(glm::length(in.direction - Vec3(3 / 13.0f, -4 / 13.0f, 12 / 13.0f)), 1e-6f);
+    EXPECT_LE(glm::length(in.direction - light.direction), 1e-6f);
+    EXPECT_LE(glm::length(in.irradiance - light.gain), 1e-6f);
+}
+
+TEST(NearLight, FallsOffWithTheSquareOfTheDistance) {
+    const Light light = near_light({0, 0, 100});
+    EXPECT_NEAR(incidence(light, {0, 0, 50}).irradiance.g, 4, 1e-5);
+    EXPECT_NEAR(incidence(light, {0, 0, -100}).irradiance.g, 0.25, 1e-6);
+    EXPECT_NEAR(incidence(light, {100, 0, 0}).irradiance.g, 0.5, 1e-6);
+}
+
+TEST(NearLight, IsSeenInAnotherDirectionFromEachPoint) {
+    const Light light = near_light({0, 0, 100});
+    EXPECT_LE(glm::length(incidence(light, {100, 0, 0}).direction - glm::normalize(Vec3(-1, 0, 1))), 1e-6f);
+    EXPECT_LE(glm::length(incidence(light, {0, -100, 0}).direction - glm::normalize(Vec3(0, 1, 1))), 1e-6f);
+    EXPECT_NEAR(glm::length(incidence(light, {33, 44, 5}).direction), 1, 1e-6);
+}
+
+TEST(NearLight, FarAwayIsADistantOne) {
+    const Vec3 direction = glm::normalize(Vec3(1, 1, 2));
+    const Incidence in = incidence(near_light(direction * 1e6f), {100, -100, 0});
+    // 141 mm at 1 km: 1.4e-4 in direction, twice that in strength.
+    EXPECT_LE(glm::length(in.direction - direction), 2e-4f);
+    EXPECT_NEAR(in.irradiance.r, 1, 4e-4);
+}
+
+}  // namespace
+}  // namespace tangi

@@ -1,0 +1,123 @@
+// surface_visibility_test.cpp: cast shadows of relight.h: how long, how soft, and never NaN.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "surface/relight.h"
+#include "tests/test_support.h"
+
+namespace tangi {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180;
+
+// A wall `height_mm` high from column `edge` on, on flat ground.
+Surface with_wall(int width, int edge, float height_mm, double mm_per_pixel) {
+    Surface s(width, 5);
+    s.mm_per_pixel = mm_per_pixel;
+    for (int y = 0; y < s.height(); ++y)
+        for (int x = edge; x < width; ++x) s.height_mm(x, y) = height_mm;
+    return s;
+}
+
+Light from_the_right(double elevation_deg) {
+    return distant_light(Vec3(glm::dvec3(std::cos(elevation_deg * kDegree), 0, std::sin(elevation_deg * kDegree))));
+}
+
+TEST(Visibility, OfAFlatSurfaceIsComplete) {
+    for (const double elevation : {5.0, 45.0, 89.9, 90.0})
+        EXPECT_TRUE(images_near(visibility(Surface(9, 9), from_the_right(elevation), 1), Image<float>(9, 9, 1), 0));
+}
+
+TEST(Visibility, GivesAWallAShadowOfHeightOverTheTangentOfTheElevation) {
+    for (const double mm_per_pixel : {1.0, 0.1})
+        for (const double elevation : {11.0, 20.0, 33.0, 60.0}) {
+            constexpr int edge = 70;
+            const float height_mm = static_cast<float>(12 * mm_per_pixel);
+            const Image<float> visible =
+                visibility(with_wall(100, edge, height_mm, mm_per_pixel), from_the_right(elevation), 0);
+            // A pixel d pixels before the wall is dark where 12 / d > tan(elevation), and the wall's top is lit.
+            const int length = static_cast<int>(std::floor(12 / std::tan(elevation * kDegree)));
+            for (int x = 0; x < 100; ++x)
+                EXPECT_EQ(visible(x, 2), x >= edge - length && x < edge ? 0 : 1)
+                    << "elevation " << elevation << ", column " << x << ", " << mm_per_pixel << " mm/px";
+        }
+}
+
+TEST(Visibility, ThrowsTheShadowAwayFromTheLight) {
+    // A post in the middle: under light from the top of the picture its shadow falls below it, and only there.
+    Surface s(21, 21);
+    s.height_mm(10, 10) = 2.5f;
+    const Image<float> visible = visibility(s, distant_light({0, 1, 1}), 0);
+    for (int y = 0; y < 21; ++y)
+        for (int x = 0; x < 21; ++x)
+            EXPECT_EQ(visible(x, y), x == 10 && (y == 11 || y == 12) ? 0 : 1) << x << ", " << y;
+}
+
+TEST(Visibility, FadesSteadilyThroughThePenumbra) {
+    constexpr int edge = 150;
+    const Image<float> visible = visibility(with_wall(160, edge, 30, 1), from_the_right(25), 8);
+    int partly = 0;
+    for (int x = edge - 1; x > 0; --x) {  // away from the wall
+        EXPECT_GE(visible(x - 1, 2), visible(x, 2)) << x;
+        partly += visible(x, 2) > 0 && visible(x, 2) < 1;
+    }
+    EXPECT_EQ(visible(edge - 1, 2), 0);
+    EXPECT_EQ(visible(0, 2), 1);
+    // From 30 / tan(33 deg) = 46 to 30 / tan(17 deg) = 98 pixels before the wall.
+    EXPECT_NEAR(partly, 52, 1);
+}
+
+TEST(Visibility, IsHalfWhereTheHorizonCutsTheLightsCentre) {
+    // 30 / tan(25 deg) = 64.34: the horizon passes the light's centre between pixels 64 and 65 before the wall.
+    const Image<float> visible = visibility(with_wall(160, 150, 30, 1), from_the_right(25), 8);
+    EXPECT_LT(visible(150 - 64, 2), 0.5);
+    EXPECT_GT(visible(150 - 65, 2), 0.5);
+}
+
+TEST(Visibility, IsSharpenedByASmallerLight) {
+    const auto partly = [](double radius) {
+        const Image<float> visible = visibility(with_wall(160, 150, 30, 1), from_the_right(25), radius);
+        return std::count_if(visible.pixels().begin(), visible.pixels().end(),
+                             [](float v) { return v > 0 && v < 1; });
+    };
+    EXPECT_EQ(partly(0), 0);
+    EXPECT_LT(partly(1), partly(4));
+    EXPECT_LT(partly(4), partly(10));
+}
+
+TEST(Visibility, OfANearLightDependsOnThePlace) {
+    // A lamp 20 mm above the centre, two posts: one far to the left, one far to the right; shadows point outwards.
+    Surface s(61, 3);
+    s.height_mm(10, 1) = s.height_mm(50, 1) = 5;
+    const Image<float> visible = visibility(s, near_light({0, 0, 20}), 0);
+    EXPECT_EQ(visible(8, 1), 0);
+    EXPECT_EQ(visible(52, 1), 0);
+    EXPECT_EQ(visible(12, 1), 1);
+    EXPECT_EQ(visible(48, 1), 1);
+}
+
+TEST(Visibility, IsBetweenZeroAndOneWhereTheHorizonTouchesTheLightsRim) {
+    // Ramps that rise just as steeply as the light's lower rim stands: rounding decides there, and must not give NaN.
+    for (const double radius : {1e-9, 1e-6, 1e-3, 0.25, 5.0, 20.0})
+        for (int i = 1; i < 60; ++i) {
+            const double elevation = 1 + 1.3 * i;
+            Surface s(12, 3);
+            for (int y = 0; y < 3; ++y)
+                for (int x = 0; x < 12; ++x)
+                    s.height_mm(x, y) = static_cast<float>(x * std::tan((elevation - radius) * kDegree));
+            const Image<float> visible = visibility(s, from_the_right(elevation), radius);
+            for (const float v : visible.pixels())
+                ASSERT_TRUE(v >= 0 && v <= 1) << v << " at elevation " << elevation << ", radius " << radius;
+        }
+}
+
+TEST(Visibility, OfAPictureOfOneRowIsComplete) {
+    Surface s(9, 1);
+    s.height_mm(5, 0) = 9;
+    EXPECT_TRUE(images_near(visibility(s, from_the_right(10), 1), Image<float>(9, 1, 1), 0));
+}
+
+}  // namespace
+}  // namespace tangi
