@@ -11,7 +11,7 @@ namespace {
 constexpr float kBristleMm = 0.45f;  // width of a streak
 constexpr float kFilling = 0.4f;     // part of the relief below that a stroke levels
 
-float reach(const Stroke& stroke) { return stroke.length_mm / 2 + 1.2f * stroke.half_width_mm; }
+float reach(const Stroke& stroke) { return stroke.length_mm / 2 + 1.5f * stroke.half_width_mm; }
 
 struct Place {
     float u, v;  // [mm] along the arc from its middle, and to its left
@@ -31,7 +31,7 @@ void apply(const Stroke& stroke, float x_mm, float y_mm, PaintSample& sample) {
     const float dx = x_mm - stroke.x_mm, dy = y_mm - stroke.y_mm;
     if (dx * dx + dy * dy > reach(stroke) * reach(stroke)) return;
     const auto [u, v] = on_arc(stroke, dx, dy);
-    if (std::abs(v) > 1.2f * stroke.half_width_mm) return;
+    if (std::abs(v) > 1.4f * stroke.half_width_mm) return;
     const float s = u + stroke.length_mm / 2;
 
     // Streaks of the bristles: fine across, long along the stroke.
@@ -40,7 +40,8 @@ void apply(const Stroke& stroke, float x_mm, float y_mm, PaintSample& sample) {
     const float bristle = 0.65f * coarse + 0.35f * fine;
 
     // Outline: q = 1 at the rim; round at the start, ragged at the end.
-    const float wobble = noise(s / (2 * stroke.half_width_mm), v > 0 ? 0.5f : 9.5f, hash(stroke.seed, 3));
+    const float side = 0.8f * v / stroke.half_width_mm;  // both sides differ, without a step between them
+    const float wobble = noise(s / (2 * stroke.half_width_mm), side, hash(stroke.seed, 3));
     const float half_width = stroke.half_width_mm * (1 + 0.18f * wobble - 0.25f * u / stroke.length_mm);
     const float half_length = stroke.length_mm / 2 + (u > 0 ? 0.45f : 0.1f) * stroke.half_width_mm * coarse;
     const float cap = (u > 0 ? 1.3f : 0.9f) * half_width;
@@ -54,7 +55,7 @@ void apply(const Stroke& stroke, float x_mm, float y_mm, PaintSample& sample) {
 
     // Paint is pushed aside into a rim, and more of it is left where the brush lifts off.
     const float rim_at = (q - 0.72f) / 0.17f;
-    const float along = 0.6f + 0.6f * noise(s / 3, v > 0 ? 0.5f : 9.5f, hash(stroke.seed, 4));
+    const float along = 0.6f + 0.6f * noise(s / 3, side, hash(stroke.seed, 4));
     const float end = 1 + (u > 0 ? 0.7f : -0.6f) * std::min(beyond, 1.0f);
     const float rim = std::exp(-rim_at * rim_at) * std::max(along, 0.0f) * end;
     const float body = stroke.thickness_mm * (0.75f + 0.75f * bristle);

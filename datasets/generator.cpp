@@ -244,7 +244,9 @@ nlohmann::json to_json(const GeneratorOptions& options) {
 
 Photography photography_of(const PaintingTruth& truth, const GeneratorOptions& o) {
     require_valid(o);
-    Photography photography{.transfer = o.transfer, .white_level = o.white_level, .photos = {}};
+    Photography photography;  // without a model of gains: they are drawn one by one
+    photography.transfer = o.transfer;
+    photography.white_level = o.white_level;
     const auto add = [&](const std::string& stem, int i, const Vec3& l, bool fitted) {
         const std::string name = fmt::format("{}_{:03}{}", stem, i, extension_of(o.format));
         const float width_mm = static_cast<float>(truth.width() * truth.mm_per_pixel);

@@ -54,9 +54,8 @@ struct GeneratorOptions {
     Reflectance reflectance = Reflectance::ggx;
     bool cast_shadows = true;
     double light_radius_deg = 0.25;  // [deg] angular radius of the lights: softness of cast shadows
-    double ambient = 0;  // [1] part of rho_d that shines without any light, in units of white_level
-    double interreflection =
-        0;  // [1] part of the light falling on the picture that comes back from around it
+    double ambient = 0;          // [1] part of rho_d that shines without any light, in units of white_level
+    double interreflection = 0;  // [1] part of the light on the picture that comes back from around it
 
     double white_level = 0.75;           // [1] exposure: see above
     bool sensor_noise = true;            // false: neither noise nor quantisation nor clipping by the ADC

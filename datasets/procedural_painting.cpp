@@ -30,14 +30,13 @@ float weave_height(const PaintingOptions& options, float x_mm, float y_mm) {
     const float warp_swell = 1 + irregular * 0.3f * noise(i * 7.31f, v / 6, hash(seed, 3));
     const float weft_swell = 1 + irregular * 0.3f * noise(u / 6, j * 7.31f, hash(seed, 4));
     const float pi = std::numbers::pi_v<float>;
-    const float warp_wave = 0.5f * std::sin(pi * v) * (static_cast<int>(i) % 2 == 0 ? 1.0f : -1.0f);
-    const float weft_wave = -0.5f * std::sin(pi * u) * (static_cast<int>(j) % 2 == 0 ? 1.0f : -1.0f);
-    const float warp = warp_wave + 0.8f * warp_swell * (1 - 4 * across_warp * across_warp);
-    const float weft = weft_wave + 0.8f * weft_swell * (1 - 4 * across_weft * across_weft);
-    // A soft maximum, since fibres bridge the gap; 0.87 is the mean of the lattice.
-    const float both = std::abs(warp - weft);
-    const float top = std::max(warp, weft) + (both < 0.3f ? (0.3f - both) * (0.3f - both) / 1.2f : 0.0f);
-    return amplitude * (top - 0.87f);
+    const float wave = 0.5f * std::sin(pi * u) * std::sin(pi * v);  // +-1/2 at the crossings
+    const float warp = wave + 0.8f * warp_swell * (1 - 4 * across_warp * across_warp);
+    const float weft = -wave + 0.8f * weft_swell * (1 - 4 * across_weft * across_weft);
+    // A soft maximum, since fibres bridge the gap; 0.80 is the mean of the lattice.
+    const float gap = std::abs(warp - weft);
+    const float top = std::max(warp, weft) + (gap < 0.3f ? (0.3f - gap) * (0.3f - gap) / 1.2f : 0.0f);
+    return amplitude * (top - 0.80f);
 }
 
 // The painting as a function of a point.

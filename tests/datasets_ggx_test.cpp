@@ -46,11 +46,12 @@ double albedo(float alpha, const Vec3& view) {
 TEST(Ggx, ReflectsAtMostTheLightThatArrives) {
     for (const float alpha : {0.1f, 0.3f, 0.6f, 1.0f})
         for (const double angle : {0.0, 0.5, 1.0, 1.4})
-            EXPECT_LE(albedo(alpha, at_angle(angle, 0.3)), 1 + 2e-3) << "alpha " << alpha << ", angle " << angle;
+            EXPECT_LE(albedo(alpha, at_angle(angle, 0.3)), 1 + 2e-3)
+                << "alpha " << alpha << ", angle " << angle;
 }
 
-// Smooth surfaces lose next to nothing. At alpha = 1 the lobe is 1 / (2 pi (n.l + n.v)), so from the front the albedo
-// is the integral of m / (1 + m) over 0..1: the rest bounces more than once.
+// Smooth surfaces lose next to nothing. At alpha = 1 the lobe is 1 / (2 pi (n.l + n.v)), so from the front
+// the albedo is the integral of m / (1 + m) over 0..1: the rest bounces more than once.
 TEST(Ggx, LosesWhatBouncesTwice) {
     EXPECT_GT(albedo(0.1f, kUp), 0.98);
     EXPECT_NEAR(albedo(1, kUp), 1 - std::log(2.0), 1e-3);
