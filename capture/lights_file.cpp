@@ -63,10 +63,11 @@ Light parse_line(std::string_view line, const std::string& place) {
     if (rest.empty()) fail("{}: expected 'name x y z', but the photograph's name is missing", place);
     if (!std::isfinite(vector.x) || !std::isfinite(vector.y) || !std::isfinite(vector.z))
         fail("{}: the light of '{}' is not finite; give a direction or remove the line", place, rest);
-    const double length = glm::length(vector);
-    if (!(length > 1e-6))
+    const double largest = std::max({std::abs(vector.x), std::abs(vector.y), std::abs(vector.z)});
+    if (!(largest > 1e-6))
         fail("{}: the light of '{}' is a zero vector; give a direction or remove the line", place, rest);
-    return distant_light(Vec3(vector / length), std::string(rest));
+    return distant_light(Vec3(vector / largest),
+                         std::string(rest));  // squares of huge numbers would overflow
 }
 
 }  // namespace
@@ -95,10 +96,12 @@ LightsFile parse_lights(const std::string& text, const std::string& file_name) {
         result.lights.push_back(std::move(light));
     }
     if (result.lights.empty())
-        fail("{}: holds no lights; expected a count, then a line 'name x y z' for each photograph", file_name);
+        fail("{}: holds no lights; expected a count, then a line 'name x y z' for each photograph",
+             file_name);
     if (count && *count != static_cast<long>(result.lights.size()))
-        result.warnings.push_back(fmt::format("{}: its first line says {} lights, but {} follow; all {} are used",
-                                              file_name, *count, result.lights.size(), result.lights.size()));
+        result.warnings.push_back(
+            fmt::format("{}: its first line says {} lights, but {} follow; all {} are used", file_name,
+                        *count, result.lights.size(), result.lights.size()));
     return result;
 }
 

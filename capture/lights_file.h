@@ -3,8 +3,9 @@
 //   <count>
 //   <photograph's name> <x> <y> <z>      one line a photograph; x right, y up, z towards the camera
 //
-// As found in the wild: names hold spaces and folders, vectors are not of unit length, blank and trailing lines,
-// tabs, CRLF, a byte-order mark, decimal commas, a count that is wrong or missing. All of that is read.
+// As found in the wild: names hold spaces and folders, vectors are not of unit length, blank and trailing
+// lines, tabs, CRLF, a byte-order mark, decimal commas, a count that is wrong or missing. All of that is
+// read.
 #pragma once
 
 #include <filesystem>
@@ -21,7 +22,8 @@ struct LightsFile {
     std::vector<std::string> warnings;  // a count that disagrees with the lines, …
 };
 
-// Throws Error naming file and line: not a lights file, a zero vector, NaN, a name that occurs twice, no lights.
+// Throws Error naming file and line: not a lights file, a zero vector, NaN, a name that occurs twice, no
+// lights.
 LightsFile read_lights_file(const std::filesystem::path& path);
 LightsFile parse_lights(const std::string& text, const std::string& file_name);
 

@@ -1,9 +1,12 @@
 #include "capture/photo_file.h"
 
 #include <OpenImageIO/imageio.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <array>
+#include <cerrno>
+#include <cstring>
 #include <fstream>
 #include <string>
 #include <vector>
@@ -22,14 +25,30 @@ std::string lower_extension(const fs::path& path) {
     return extension;
 }
 
+// Where the compressed picture starts: at the first start-of-scan marker, behind segments of which one may
+// hold a thumbnail with an end of its own (ITU-T T.81, B.1.1.4). 0 where that cannot be told.
+std::streamoff scan_start(std::ifstream& stream) {
+    for (std::streamoff at = 2;;) {
+        unsigned char marker[4] = {};
+        stream.seekg(at);
+        if (!stream.read(reinterpret_cast<char*>(marker), sizeof marker) || marker[0] != 0xFF) {
+            stream.clear();
+            return 0;
+        }
+        if (marker[1] == 0xDA) return at;
+        at += marker[1] == 0xFF ? 1 : 2 + 256 * marker[2] + marker[3];
+    }
+}
+
 // A JPEG decoder fills what is missing of a truncated file with grey and goes on. Such a file lacks the
 // end-of-image marker (ITU-T T.81, table B.1), which may only be followed by padding.
 void require_complete_jpeg(const fs::path& path) {
-    std::ifstream stream(path, std::ios::binary | std::ios::ate);
-    const auto size = static_cast<std::streamoff>(stream.tellg());
+    std::ifstream stream(path, std::ios::binary);
+    const std::streamoff size = static_cast<std::streamoff>(fs::file_size(path));
     constexpr std::streamoff window = 65536;
-    std::string tail(static_cast<std::size_t>(std::min(size, window)), '\0');
-    stream.seekg(size - static_cast<std::streamoff>(tail.size()));
+    const std::streamoff begin = std::max(scan_start(stream), size - window);
+    std::string tail(static_cast<std::size_t>(size - begin), '\0');
+    stream.seekg(begin);
     stream.read(tail.data(), static_cast<std::streamsize>(tail.size()));
     if (!stream || tail.find("\xFF\xD9") == std::string::npos)
         fail("{}: the JPEG file is truncated; copy it again from the camera or the archive", path.string());
@@ -43,21 +62,22 @@ struct PhotoFile::Decoder {
 };
 
 bool is_photo_name(const fs::path& path) {
-    static constexpr std::array<std::string_view, 7> known = {".jpg", ".jpeg", ".png", ".tif",
-                                                              ".tiff", ".exr", ".tga"};
+    static constexpr std::array<std::string_view, 7> known = {".jpg",  ".jpeg", ".png", ".tif",
+                                                              ".tiff", ".exr",  ".tga"};
     return std::find(known.begin(), known.end(), lower_extension(path)) != known.end();
 }
 
 PhotoFile::PhotoFile(fs::path path) : path_(std::move(path)), decoder_(std::make_unique<Decoder>()) {
     if (!fs::exists(path_)) fail("{}: no such photograph", path_.string());
     if (fs::is_directory(path_)) fail("{}: is a folder, not a photograph", path_.string());
+    if (::access(path_.c_str(), R_OK) != 0)
+        fail("{}: cannot be read: {}", path_.string(), std::strerror(errno));
     OIIO::ImageSpec config;
     config.attribute("oiio:UnassociatedAlpha", 1);
     decoder_->input = OIIO::ImageInput::open(path_.string(), &config);
     if (!decoder_->input) fail("{}: is not a picture that can be read: {}", path_.string(), OIIO::geterror());
     const OIIO::ImageSpec& spec = decoder_->input->spec();
-    if (spec.nchannels < 1 || spec.width < 1 || spec.height < 1)
-        fail("{}: holds no pixels", path_.string());
+    if (spec.nchannels < 1 || spec.width < 1 || spec.height < 1) fail("{}: holds no pixels", path_.string());
     const std::string extension = lower_extension(path_);
     if (extension == ".jpg" || extension == ".jpeg") require_complete_jpeg(path_);
     header_ = {.width = spec.width,
@@ -92,9 +112,10 @@ void PhotoFile::read_rows(int y0, int y1, std::span<float> values) {
         const auto from = decoder_->tile_rows.begin() + static_cast<std::ptrdiff_t>(row) * (y0 - t0);
         std::copy_n(from, row * static_cast<std::size_t>(y1 - y0), values.begin());
     }
-    if (!read)
-        fail("{}: cannot be decoded at rows {} to {}: {}; the file is damaged or truncated", path_.string(), y0, y1 - 1,
-             input.geterror());
+    if (!read ||
+        input.has_error())  // strips of a TIFF file that cannot be read show only there (OpenImageIO 2.4)
+        fail("{}: cannot be decoded at rows {} to {}: {}; the file is damaged or truncated", path_.string(),
+             y0, y1 - 1, input.geterror());
 }
 
 }  // namespace tangi

@@ -10,10 +10,10 @@ namespace tangi {
 // What a photograph's header says.
 struct PhotoHeader {
     int width = 0, height = 0;
-    int channels = 0;         // 1 (grey) or 3; alpha is dropped
-    int bits = 0;             // 8 or 16; 32 for any kind of float
-    bool is_float = false;    // EXR or float TIFF: linear light
-    int orientation = 1;      // EXIF; anything but 1 means that viewers turn the picture
+    int channels = 0;       // 1 (grey) or 3; alpha is dropped
+    int bits = 0;           // 8 or 16; 32 for any kind of float
+    bool is_float = false;  // EXR or float TIFF: linear light
+    int orientation = 1;    // EXIF; anything but 1 means that viewers turn the picture
 };
 
 // JPEG, PNG, TIFF, EXR or TGA, judged by the extension (in any case).

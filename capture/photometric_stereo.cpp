@@ -55,15 +55,17 @@ LambertEstimate photometric_stereo(const PixelSamples& s, const PhotometricStere
             irradiance += s.irradiance[at];
             usable = usable && s.sigma[at] > 0;
         }
-        if (usable) samples.push_back({s.light[static_cast<std::size_t>(i)] * (irradiance / s.channels),
-                                       value / s.channels});
+        if (usable)
+            samples.push_back(
+                {s.light[static_cast<std::size_t>(i)] * (irradiance / s.channels), value / s.channels});
     }
     if (samples.size() < 3) return result;
 
-    // Start: samples whose brightness, as if the surface faced the viewer, is neither that of a highlight nor of a
-    // shadow.
+    // Start: samples whose brightness, as if the surface faced the viewer, is neither that of a highlight nor
+    // of a shadow.
     std::vector<double> brightness;
-    for (const GreySample& sample : samples) brightness.push_back(sample.value / std::max(sample.light.z, 1e-3));
+    for (const GreySample& sample : samples)
+        brightness.push_back(sample.value / std::max(sample.light.z, 1e-3));
     std::vector<double> sorted = brightness;
     std::sort(sorted.begin(), sorted.end());
     const double low = sorted[sorted.size() / 5], high = sorted[sorted.size() - 1 - sorted.size() / 5];
@@ -80,7 +82,8 @@ LambertEstimate photometric_stereo(const PixelSamples& s, const PhotometricStere
         scale = std::max(scale * 0.7, options.outlier_scale * typical);
         for (std::size_t i = 0; i < samples.size(); ++i) {
             const double predicted = glm::dot(*g, samples[i].light);
-            const double r = (samples[i].value - std::max(predicted, 0.0)) / scale;
+            const double r =
+                (samples[i].value - std::max(predicted, 0.0)) / (scale * glm::length(samples[i].light));
             const double w = 1 / (1 + r * r);
             weights[i] = predicted > 0 ? w * w : 1e-4;  // attached shadow: says nothing about g
         }
@@ -98,7 +101,8 @@ LambertEstimate photometric_stereo(const PixelSamples& s, const PhotometricStere
         std::size_t used = 0;
         for (int i = 0; i < s.photos(); ++i) {
             bool usable = true;
-            for (int k = 0; k < s.channels; ++k) usable = usable && s.sigma[static_cast<std::size_t>(i * s.channels + k)] > 0;
+            for (int k = 0; k < s.channels; ++k)
+                usable = usable && s.sigma[static_cast<std::size_t>(i * s.channels + k)] > 0;
             if (!usable) continue;
             const double w = weights[used++];
             const auto at = static_cast<std::size_t>(i * s.channels + c);

@@ -1,4 +1,5 @@
-// photometric_stereo.h: robust Lambertian photometric stereo (Woodham 1980), the starting point of the Ward fit.
+// photometric_stereo.h: robust Lambertian photometric stereo (Woodham 1980), the starting point of the Ward
+// fit.
 #pragma once
 
 #include "capture/pixel_samples.h"
@@ -7,8 +8,9 @@
 namespace tangi {
 
 struct PhotometricStereoOptions {
-    int iterations = 8;            // of reweighting
-    double outlier_scale = 0.08;   // [1] residual, relative to the pixel's brightness, at which a sample weighs half
+    int iterations = 8;  // of reweighting
+    double outlier_scale =
+        0.08;  // [1] residual, relative to the pixel's brightness, at which a sample weighs half
 
     static constexpr std::string_view name = "photometric_stereo";
     template <class Self, class Visit>
@@ -25,8 +27,8 @@ struct LambertEstimate {
     bool valid = false;          // false: dark under every light, or fewer than three usable samples
 };
 
-// Fits grey = g . l by least squares, reweighted by Geman & McClure's function so that highlights and shadows count
-// little. Starts from the samples between the quartiles of value / cosine, where neither is common.
+// Fits grey = g . l by least squares, reweighted by Geman & McClure's function so that highlights and shadows
+// count little. Starts from the samples between the quartiles of value / cosine, where neither is common.
 LambertEstimate photometric_stereo(const PixelSamples& samples, const PhotometricStereoOptions& options = {});
 
 }  // namespace tangi

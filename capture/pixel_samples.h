@@ -9,10 +9,11 @@ namespace tangi {
 // One pixel under all lights. Vectors are in the surface frame; the viewer is at v = (0, 0, 1).
 struct PixelSamples {
     int channels = 3;
-    std::vector<glm::dvec3> light;   // [unit vector] to each light, from this pixel
-    std::vector<double> irradiance;  // [photo * channels + channel] white_level * gain: what a matt white would read
-    std::vector<double> value;       // [photo * channels + channel] linear pixel value
-    std::vector<double> sigma;       // same layout: [1] standard deviation expected of value; 0 = leave it out
+    std::vector<glm::dvec3> light;  // [unit vector] to each light, from this pixel
+    std::vector<double>
+        irradiance;  // [photo * channels + channel] white_level * gain: what a matt white would read
+    std::vector<double> value;  // [photo * channels + channel] linear pixel value
+    std::vector<double> sigma;  // same layout: [1] standard deviation expected of value; 0 = leave it out
 
     int photos() const { return static_cast<int>(light.size()); }
     void resize(int photo_count, int channel_count) {

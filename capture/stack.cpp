@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <glm/mat3x3.hpp>
+#include <glm/matrix.hpp>
 #include <map>
+#include <numbers>
 #include <sstream>
 
 #include "capture/lights_file.h"
@@ -31,7 +34,8 @@ std::string joined(const std::vector<std::string>& names, std::size_t most = 5) 
 fs::path find_lights_file(const fs::path& folder) {
     std::vector<std::string> found;
     for (const auto& entry : fs::directory_iterator(folder))
-        if (lower(entry.path().extension().string()) == ".lp") found.push_back(entry.path().filename().string());
+        if (lower(entry.path().extension().string()) == ".lp")
+            found.push_back(entry.path().filename().string());
     std::sort(found.begin(), found.end());
     if (found.empty())
         fail("{}: no lights file (.lp) in this folder; name one with --lights FILE.lp", folder.string());
@@ -59,7 +63,8 @@ fs::path portable(std::string name) {
 }
 
 // The photograph that a lights file means by `name`, tried from the strictest reading to the loosest.
-std::optional<fs::path> match(const std::string& name, const fs::path& folder, const std::vector<fs::path>& photos) {
+std::optional<fs::path> match(const std::string& name, const fs::path& folder,
+                              const std::vector<fs::path>& photos) {
     const fs::path listed = portable(name);
     std::error_code ignored;
     if (fs::is_regular_file(folder / listed, ignored)) return folder / listed;
@@ -76,32 +81,35 @@ void match_photos(Stack& stack, const std::vector<Light>& lights, const fs::path
     const std::vector<fs::path> photos = photos_in(stack.folder);
     std::vector<std::string> missing;
     std::map<fs::path, std::string> used;
-    for (const Light& light : lights) {
+    for (int number = 0; number < static_cast<int>(lights.size()); ++number) {
+        const Light& light = lights[static_cast<std::size_t>(number)];
         const auto photo = match(light.name, stack.folder, photos);
         if (!photo) {
             missing.push_back(light.name);
             continue;
         }
-        const auto [earlier, is_new] = used.emplace(*photo, light.name);
+        const auto [earlier, is_new] =
+            used.emplace(photo->lexically_normal(), light.name);  // "./name" is "name"
         if (!is_new)
-            fail("{}: '{}' and '{}' both mean the photograph {}", lights_path.string(), earlier->second, light.name,
-                 photo->string());
-        stack.photos.push_back({*photo, light});
+            fail("{}: '{}' and '{}' both mean the photograph {}", lights_path.string(), earlier->second,
+                 light.name, earlier->first.string());
+        stack.photos.push_back({*photo, light, number});
     }
     if (stack.photos.empty() && photos.size() == lights.size() && !photos.empty()) {
-        for (std::size_t i = 0; i < photos.size(); ++i) stack.photos.push_back({photos[i], lights[i]});
-        stack.warnings.push_back(
-            fmt::format("{}: none of its names ('{}', …) is a photograph in {}; lights are taken in the order of the "
-                        "file names",
-                        lights_path.string(), lights.front().name, stack.folder.string()));
+        for (std::size_t i = 0; i < photos.size(); ++i)
+            stack.photos.push_back({photos[i], lights[i], static_cast<int>(i)});
+        stack.warnings.push_back(fmt::format(
+            "{}: none of its names ('{}', …) is a photograph in {}; lights are taken in the order of the "
+            "file names",
+            lights_path.string(), lights.front().name, stack.folder.string()));
         return;
     }
     if (!missing.empty())
-        fail("{}: {} of {} listed photographs are not in {}: {}. Put them there, or remove their lines", 
+        fail("{}: {} of {} listed photographs are not in {}: {}. Put them there, or remove their lines",
              lights_path.string(), missing.size(), lights.size(), stack.folder.string(), joined(missing));
     std::vector<std::string> unlisted;
     for (const fs::path& photo : photos)
-        if (!used.contains(photo)) unlisted.push_back(photo.filename().string());
+        if (!used.contains(photo.lexically_normal())) unlisted.push_back(photo.filename().string());
     if (!unlisted.empty())
         stack.warnings.push_back(fmt::format("{}: {} photographs are not listed in {} and not used: {}",
                                              stack.folder.string(), unlisted.size(),
@@ -120,12 +128,14 @@ void leave_out_lights_from_below(Stack& stack, const fs::path& lights_path) {
     stack.photos = std::move(kept);
     if (below.empty()) return;
     if (below.size() > stack.photos.size())
-        fail("{}: {} of {} lights come from below the painting (z < 0): {}. z must point towards the camera; if all "
-             "are negative, the file uses the opposite sign",
-             lights_path.string(), below.size(), below.size() + stack.photos.size(), joined(below));
-    stack.warnings.push_back(fmt::format(
-        "{}: left out {} photograph{} lit from below the painting's plane: {}", lights_path.string(), below.size(),
-        below.size() == 1 ? "" : "s", joined(below)));
+        fail(
+            "{}: {} of {} lights come from below the painting (z < 0): {}. z must point towards the camera; "
+            "if all "
+            "are negative, the file uses the opposite sign",
+            lights_path.string(), below.size(), below.size() + stack.photos.size(), joined(below));
+    stack.warnings.push_back(
+        fmt::format("{}: left out {} photograph{} lit from below the painting's plane: {}",
+                    lights_path.string(), below.size(), below.size() == 1 ? "" : "s", joined(below)));
 }
 
 std::string described(const PhotoHeader& header) {
@@ -139,23 +149,27 @@ void check_headers(Stack& stack) {
         const PhotoHeader header = PhotoFile(photo.path).header();
         if (!first) first = header;
         if (header.width != first->width || header.height != first->height)
-            fail("{}: is {}, but {} is {}; all photographs of a stack must have the same size", photo.path.string(),
-                 described(header), stack.photos.front().path.filename().string(), described(*first));
+            fail("{}: is {}, but {} is {}; all photographs of a stack must have the same size",
+                 photo.path.string(), described(header), stack.photos.front().path.filename().string(),
+                 described(*first));
         if (header.channels != first->channels)
-            fail("{}: is {}, but {} is {}; convert it, or remove it from the lights file", photo.path.string(),
-                 described(header), stack.photos.front().path.filename().string(), described(*first));
+            fail("{}: is {}, but {} is {}; convert it, or remove it from the lights file",
+                 photo.path.string(), described(header), stack.photos.front().path.filename().string(),
+                 described(*first));
         if (header.bits != first->bits || header.is_float != first->is_float)
             fail("{}: has {} bits a sample, but {} has {}; all photographs of a stack must be stored alike",
-                 photo.path.string(), header.bits, stack.photos.front().path.filename().string(), first->bits);
+                 photo.path.string(), header.bits, stack.photos.front().path.filename().string(),
+                 first->bits);
         if (header.orientation != first->orientation)
             fail("{}: its EXIF orientation is {}, that of {} is {}; turn the photographs alike first",
                  photo.path.string(), header.orientation, stack.photos.front().path.filename().string(),
                  first->orientation);
     }
     if (first->orientation != 1)
-        stack.warnings.push_back(fmt::format(
-            "{}: the EXIF orientation ({}) is not applied; lights and maps are in the frame of the stored pixels",
-            stack.folder.string(), first->orientation));
+        stack.warnings.push_back(
+            fmt::format("{}: the EXIF orientation ({}) is not applied; lights and maps are in the frame of "
+                        "the stored pixels",
+                        stack.folder.string(), first->orientation));
     stack.channels = first->channels;
     stack.bits = first->bits;
     stack.crop = {0, 0, first->width, first->height};
@@ -163,8 +177,8 @@ void check_headers(Stack& stack) {
 
 void apply_crop(Stack& stack, const Region& crop) {
     if (crop.empty() || crop.x0 < 0 || crop.y0 < 0 || crop.x1 > stack.crop.x1 || crop.y1 > stack.crop.y1)
-        fail("the crop {},{} to {},{} does not lie in the photographs of {}, which are {} x {}", crop.x0, crop.y0,
-             crop.x1, crop.y1, stack.folder.string(), stack.crop.x1, stack.crop.y1);
+        fail("the crop {},{} to {},{} does not lie in the photographs of {}, which are {} x {}", crop.x0,
+             crop.y0, crop.x1, crop.y1, stack.folder.string(), stack.crop.x1, stack.crop.y1);
     stack.crop = crop;
 }
 
@@ -182,7 +196,20 @@ void apply_mask(Stack& stack, const fs::path& path, const Region& whole) {
             stack.mask(x, y) = keep;
             any = any || keep;
         }
-    if (!any) fail("{}: the mask leaves nothing of the picture; white marks what is to be fitted", path.string());
+    if (!any)
+        fail("{}: the mask leaves nothing of the picture; white marks what is to be fitted", path.string());
+}
+
+// Smallest eigenvalue of a symmetric matrix (Smith 1961, "Eigenvalues of a symmetric 3 x 3 matrix").
+double smallest_eigenvalue(const glm::dmat3& a) {
+    const double mean = (a[0][0] + a[1][1] + a[2][2]) / 3;
+    const glm::dmat3 rest = a - mean * glm::dmat3(1);
+    double squares = 0;
+    for (int i = 0; i < 3; ++i) squares += glm::dot(rest[i], rest[i]);
+    const double spread = std::sqrt(squares / 6);
+    if (!(spread > 0)) return mean;
+    const double r = std::clamp(glm::determinant((1 / spread) * rest) / 2, -1.0, 1.0);
+    return mean + 2 * spread * std::cos((std::acos(r) + 2 * std::numbers::pi) / 3);
 }
 
 }  // namespace
@@ -194,38 +221,43 @@ std::vector<Light> Stack::lights() const {
 }
 
 void hold_out(Stack& stack, const std::string& which) {
+    if (stack.photos.empty()) fail("--hold-out {}: {} has no photographs", which, stack.folder.string());
     std::vector<bool> held(stack.photos.size(), false);
-    const auto hold = [&](std::size_t position, const std::string& word) {
-        if (position >= held.size())
-            fail("--hold-out {}: there is no photograph {}; {} has photographs 0 to {}", which, word,
-                 stack.folder.string(), static_cast<long>(held.size()) - 1);
-        held[position] = true;
+    const auto hold = [&](const std::string& word, const auto& is_meant) {
+        bool any = false;
+        for (std::size_t i = 0; i < held.size(); ++i)
+            if (is_meant(stack.photos[i])) held[i] = any = true;
+        if (!any)
+            fail("--hold-out {}: there is no photograph {}; {} has photographs {} to {}", which, word,
+                 stack.folder.string(), stack.photos.front().number, stack.photos.back().number);
+    };
+    const auto number = [](const std::string& text) -> std::optional<int> {
+        if (text.empty() || text.size() > 9 || text.find_first_not_of("0123456789") != std::string::npos)
+            return std::nullopt;
+        return std::stoi(text);
     };
     std::istringstream words(which);
     for (std::string word; std::getline(words, word, ',');) {
-        const auto number = [&](const std::string& text) -> std::optional<std::size_t> {
-            if (text.empty() || text.size() > 9 || text.find_first_not_of("0123456789") != std::string::npos)
-                return std::nullopt;
-            return std::stoul(text);
-        };
         const auto colon = word.find(':');
         const auto start = number(word.substr(0, colon));
         if (colon != std::string::npos && start) {
             const auto step = number(word.substr(colon + 1));
-            if (!step || *step == 0) fail("--hold-out {}: '{}' is not START:STEP with a step of at least 1", which, word);
-            hold(*start, word);
-            for (std::size_t i = *start; i < held.size(); i += *step) held[i] = true;
+            if (!step || *step == 0)
+                fail("--hold-out {}: '{}' is not START:STEP with a step of at least 1", which, word);
+            hold(word, [&](const StackPhoto& photo) {
+                return photo.number >= *start && (photo.number - *start) % *step == 0;
+            });
         } else if (start) {
-            hold(*start, word);
+            hold(word, [&](const StackPhoto& photo) { return photo.number == *start; });
         } else {
-            const auto named = std::find_if(stack.photos.begin(), stack.photos.end(), [&](const StackPhoto& photo) {
+            hold(word, [&](const StackPhoto& photo) {
                 return photo.light.name == word || photo.path.filename().string() == word;
             });
-            hold(static_cast<std::size_t>(named - stack.photos.begin()), word);
         }
     }
     std::vector<StackPhoto> kept;
-    for (std::size_t i = 0; i < held.size(); ++i) (held[i] ? stack.held_out : kept).push_back(stack.photos[i]);
+    for (std::size_t i = 0; i < held.size(); ++i)
+        (held[i] ? stack.held_out : kept).push_back(stack.photos[i]);
     stack.photos = std::move(kept);
 }
 
@@ -233,26 +265,23 @@ void require_enough_lights(const std::vector<Light>& lights, const std::string& 
     if (lights.size() < 4)
         fail("{}: {} usable photographs; at least 4 under different lights are needed", what, lights.size());
     // The smallest eigenvalue of the scatter of directions is 0 where all lie in one plane with the painting:
-    // then one component of the normals stays unknown. Found as the smallest over a fine sweep of directions.
-    double smallest = 1;
-    for (int i = 0; i <= 90; ++i)
-        for (int j = 0; j < 360; j += 2) {
-            const double tilt = i * M_PI / 180, turn = j * M_PI / 180;
-            const glm::dvec3 axis(std::sin(tilt) * std::cos(turn), std::sin(tilt) * std::sin(turn), std::cos(tilt));
-            double sum = 0;
-            for (const Light& light : lights) sum += std::pow(glm::dot(axis, glm::dvec3(light.direction)), 2);
-            smallest = std::min(smallest, sum / static_cast<double>(lights.size()));
-        }
+    // then one component of the normals stays unknown.
+    glm::dmat3 scatter(0);
+    for (const Light& light : lights)
+        scatter += glm::outerProduct(glm::dvec3(light.direction), glm::dvec3(light.direction));
+    const double smallest = smallest_eigenvalue(scatter / static_cast<double>(lights.size()));
     if (smallest < 2e-4)
-        fail("{}: all lights lie in one plane (within {:.1f} degrees), which leaves the relief across it unknown; add "
-             "photographs lit from other sides",
-             what, std::sqrt(std::max(smallest, 0.0)) * 180 / M_PI);
+        fail(
+            "{}: all lights lie in one plane (within {:.1f} degrees), which leaves the relief across it "
+            "unknown; add "
+            "photographs lit from other sides",
+            what, std::sqrt(std::max(smallest, 0.0)) * 180 / std::numbers::pi);
 }
 
 Stack open_stack(const fs::path& folder, const StackOptions& options) {
     if (!fs::exists(folder)) fail("{}: no such folder", folder.string());
-    if (!fs::is_directory(folder)) fail("{}: is not a folder; give the folder that holds the photographs",
-                                        folder.string());
+    if (!fs::is_directory(folder))
+        fail("{}: is not a folder; give the folder that holds the photographs", folder.string());
     Stack stack;
     stack.folder = folder;
     const fs::path lights_path = options.lights_file ? *options.lights_file : find_lights_file(folder);
@@ -269,7 +298,11 @@ Stack open_stack(const fs::path& folder, const StackOptions& options) {
 }
 
 Band::Band(int photos, int channels, int width, int y0, int y1)
-    : photos_(photos), channels_(channels), width_(width), y0_(y0), y1_(y1),
+    : photos_(photos),
+      channels_(channels),
+      width_(width),
+      y0_(y0),
+      y1_(y1),
       values_(static_cast<std::size_t>(photos) * static_cast<std::size_t>(channels) *
               static_cast<std::size_t>(y1 - y0) * static_cast<std::size_t>(width)) {}
 
@@ -281,7 +314,8 @@ StackReader::StackReader(const Stack& stack) : stack_(stack) {
 int StackReader::rows_for(std::size_t bytes) const {
     const std::size_t row = sizeof(float) * files_.size() * static_cast<std::size_t>(stack_.channels) *
                             static_cast<std::size_t>(stack_.width());
-    return std::clamp(static_cast<int>(bytes / row), 1, stack_.height());
+    const std::size_t rows = std::min(bytes / row, static_cast<std::size_t>(stack_.height()));
+    return std::max(static_cast<int>(rows), 1);
 }
 
 Band StackReader::read(int y0, int y1, const Transfer& transfer) {
@@ -303,11 +337,13 @@ Band StackReader::read(int y0, int y1, const Transfer& transfer) {
         std::vector<float> stored;
         for (int i = begin; i < end; ++i) {
             PhotoFile& file = files_[static_cast<std::size_t>(i)];
-            const auto row = static_cast<std::size_t>(file.header().width) * static_cast<std::size_t>(channels);
+            const auto row =
+                static_cast<std::size_t>(file.header().width) * static_cast<std::size_t>(channels);
             stored.resize(row * static_cast<std::size_t>(y1 - y0));
             file.read_rows(stack_.crop.y0 + y0, stack_.crop.y0 + y1, stored);
             for (int y = y0; y < y1; ++y) {
-                const float* source = &stored[row * static_cast<std::size_t>(y - y0)] + stack_.crop.x0 * channels;
+                const float* source =
+                    &stored[row * static_cast<std::size_t>(y - y0)] + stack_.crop.x0 * channels;
                 for (int c = 0; c < channels; ++c) {
                     float* target = band.row(i, c, y);
                     for (int x = 0; x < stack_.width(); ++x) target[x] = decode(source[x * channels + c]);

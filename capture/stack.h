@@ -25,35 +25,36 @@ struct StackOptions {
 struct StackPhoto {
     std::filesystem::path path;
     Light light;
+    int number = 0;  // position in the lights file, from 0
 };
 
 // Photographs of one size on disk, and all that is known of them. Pixels are read by StackReader.
 struct Stack {
     std::filesystem::path folder;
-    std::vector<StackPhoto> photos;     // to fit
-    std::vector<StackPhoto> held_out;   // kept from the fit, to compare with (hold_out)
-    Region crop;                        // in the photographs; (0, 0) of the stack is its corner
-    int channels = 3;                   // 1 or 3, the same in all photographs
-    int bits = 8;                       // as PhotoHeader::bits
+    std::vector<StackPhoto> photos;      // to fit
+    std::vector<StackPhoto> held_out;    // kept from the fit, to compare with (hold_out)
+    Region crop;                         // in the photographs; (0, 0) of the stack is its corner
+    int channels = 3;                    // 1 or 3, the same in all photographs
+    int bits = 8;                        // as PhotoHeader::bits
     std::optional<Transfer> transfer{};  // empty until known (estimate_transfer)
-    Image<unsigned char> mask;          // size of the crop, 0 = leave out; empty = everything
-    std::vector<std::string> warnings;  // for the user, each naming the file it is about
+    Image<unsigned char> mask;           // size of the crop, 0 = leave out; empty = everything
+    std::vector<std::string> warnings;   // for the user, each naming the file it is about
 
     int width() const { return crop.width(); }
     int height() const { return crop.height(); }
     std::vector<Light> lights() const;
 };
 
-// Opens the photographs of a folder that the lights file lists; lights are matched by name (path, file name, stem;
-// case does not matter), or by order with a warning where no name at all matches and the numbers agree. Only headers
-// are read. Photographs lit from below the painting's plane are left out with a warning.
-// Throws Error naming the file, the place and the remedy: no such folder, no lights file or several, a listed
+// Opens the photographs of a folder that the lights file lists; lights are matched by name (path, file name,
+// stem; case does not matter), or by order with a warning where no name at all matches and the numbers agree.
+// Only headers are read. Photographs lit from below the painting's plane are left out with a warning. Throws
+// Error naming the file, the place and the remedy: no such folder, no lights file or several, a listed
 // photograph that is missing, sizes or channels that differ, a crop outside, a mask of another size.
 Stack open_stack(const std::filesystem::path& folder, const StackOptions& options = {});
 
-// Moves photographs from `photos` to `held_out`. `which` is a comma-separated list of positions in the lights file
-// (from 0), names, or START:STEP (every STEP-th from START on): "4:8", "4,12,20", "img_004.jpg".
-// Throws Error where a name or position is not in the stack.
+// Moves photographs from `photos` to `held_out`. `which` is a comma-separated list of positions in the lights
+// file (from 0), names, or START:STEP (every STEP-th from START on): "4:8", "4,12,20", "img_004.jpg". Throws
+// Error where a name or position is not in the stack; START:STEP passes over photographs that were left out.
 void hold_out(Stack& stack, const std::string& which);
 
 // Throws Error where photometric stereo has no unique answer: fewer than 4 lights, or all in one plane.
@@ -84,7 +85,8 @@ private:
     std::vector<float> values_;
 };
 
-// Reads bands of a stack, all photographs side by side. Each photograph is decoded once as long as bands ascend.
+// Reads bands of a stack, all photographs side by side. Each photograph is decoded once as long as bands
+// ascend.
 class StackReader {
 public:
     explicit StackReader(const Stack& stack);  // keeps a reference
@@ -98,8 +100,8 @@ public:
 private:
     const Stack& stack_;
     std::vector<PhotoFile> files_;
-    std::vector<float> table_;                 // linear light of each stored code
-    std::optional<Transfer> table_transfer_;   // the curve that table_ was made for
+    std::vector<float> table_;                // linear light of each stored code
+    std::optional<Transfer> table_transfer_;  // the curve that table_ was made for
 };
 
 }  // namespace tangi

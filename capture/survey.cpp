@@ -22,8 +22,8 @@ std::vector<glm::ivec2> sample_positions(const Stack& stack, int wanted) {
     for (int y = 0; y < stack.height(); y += step)
         for (int x = 0; x < stack.width(); x += step) {
             state = state * 1664525u + 1013904223u;
-            const int px = std::min(x + static_cast<int>((state >> 8) % static_cast<unsigned>(step)),
-                                    stack.width() - 1);
+            const int px =
+                std::min(x + static_cast<int>((state >> 8) % static_cast<unsigned>(step)), stack.width() - 1);
             if (stack.mask.empty() || stack.mask(px, y)) positions.emplace_back(px, y);
         }
     return positions;
@@ -102,8 +102,9 @@ void leave_out_black_photos(Stack& stack, Survey& survey) {
             }
     stack.photos = std::move(photos);
     survey = std::move(kept);
-    stack.warnings.push_back(fmt::format("{}: left out {} photograph{} that {} black: {}", stack.folder.string(),
-                                         black, black == 1 ? "" : "s", black == 1 ? "is" : "are", names));
+    stack.warnings.push_back(fmt::format("{}: left out {} photograph{} that {} black: {}",
+                                         stack.folder.string(), black, black == 1 ? "" : "s",
+                                         black == 1 ? "is" : "are", names));
     require_enough_lights(stack.lights(), stack.folder.string());
 }
 

@@ -14,9 +14,9 @@ struct SurveyOptions {
 // Values as stored (encoded, 0..1) of a sample of pixels under every light.
 struct Survey {
     struct Photo {
-        double mean = 0;          // [1] of all channels, encoded
-        double maximum = 0;       // [1]
-        double clipped = 0;       // [1] part of the values at or above kClipped
+        double mean = 0;     // [1] of all channels, encoded
+        double maximum = 0;  // [1]
+        double clipped = 0;  // [1] part of the values at or above kClipped
     };
     std::vector<Photo> photos;
     int channels = 3;
@@ -29,16 +29,16 @@ struct Survey {
     }
 };
 
-// An encoded value from which on a photograph is taken for clipped: two codes of 8 bits below full scale, since
-// JPEG smears the edge of a clipped area.
+// An encoded value from which on a photograph is taken for clipped: two codes of 8 bits below full scale,
+// since JPEG smears the edge of a clipped area.
 constexpr float kClipped = 253.0f / 255;
 
 // Decodes every photograph once, from top to bottom: so truncated and damaged files are found before the fit.
 // Throws Error naming the file.
 Survey survey(const Stack& stack, const SurveyOptions& options = {}, const Progress& progress = {});
 
-// Takes photographs without light out of the stack and the survey, with a warning that names them: brighter than
-// 2 % nowhere. Throws Error where too few remain.
+// Takes photographs without light out of the stack and the survey, with a warning that names them: brighter
+// than 2 % nowhere. Throws Error where too few remain.
 void leave_out_black_photos(Stack& stack, Survey& survey);
 
 }  // namespace tangi

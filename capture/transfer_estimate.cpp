@@ -73,9 +73,9 @@ TransferEstimate estimate_transfer(const Stack& stack, const Survey& survey) {
     for (const Transfer& transfer : {Transfer{Transfer::Kind::linear}, Transfer{Transfer::Kind::srgb},
                                      Transfer{Transfer::Kind::gamma, 2.2}})
         result.candidates.push_back({transfer, residual_of(stack, survey, transfer)});
-    result.transfer =
-        std::min_element(result.candidates.begin(), result.candidates.end(),
-                         [](const auto& a, const auto& b) { return a.residual < b.residual; })->transfer;
+    result.transfer = std::min_element(result.candidates.begin(), result.candidates.end(),
+                                       [](const auto& a, const auto& b) { return a.residual < b.residual; })
+                          ->transfer;
     return result;
 }
 

@@ -34,11 +34,12 @@ std::vector<double> numbers_of(const std::string& text, const std::string& flag,
 void PhotosArguments::add_to(CLI::App& app, bool for_fit) {
     app.add_option("PHOTOS", folder, "folder of photographs, one for each light")->required();
     app.add_option("--lights", lights, "lights file (.lp); where not given, the only one in the folder");
-    if (!for_fit) return;
-    app.add_option("--transfer", transfer, "how the photographs are encoded: auto, linear, srgb, or a gamma such as 2.2")
+    app.add_option("--transfer", transfer,
+                   "how the photographs are encoded: auto, linear, srgb, or a gamma such as 2.2")
         ->capture_default_str();
-    app.add_option("--crop", crop, "fit only a part of the photographs: X,Y,WIDTH,HEIGHT in pixels");
+    app.add_option("--crop", crop, "only a part of the photographs: X,Y,WIDTH,HEIGHT in pixels");
     app.add_option("--mask", mask, "picture of the same size; what is black in it is left out");
+    if (!for_fit) return;
     app.add_option("--hold-out", hold_out,
                    "keep photographs from the fit, to compare with: positions from 0, START:STEP or names, "
                    "separated by commas");

@@ -16,7 +16,14 @@
 
 namespace tangi {
 
-enum ExitCode { kDone = 0, kWorldIsWrong = 1, kUsage = 2, kPoorNumbers = 3, kOurBug = 70, kInterrupted = 130 };
+enum ExitCode {
+    kDone = 0,
+    kWorldIsWrong = 1,
+    kUsage = 2,
+    kPoorNumbers = 3,
+    kOurBug = 70,
+    kInterrupted = 130
+};
 
 // What was typed makes no sense: exit code 2.
 class UsageError : public Error {
@@ -24,8 +31,8 @@ public:
     using Error::Error;
 };
 
-// A command: adds its flags to `app` and gives what to run once they are parsed. The run returns the one JSON result
-// that goes to stdout; a list "poor" in it makes the exit code 3.
+// A command: adds its flags to `app` and gives what to run once they are parsed. The run returns the one JSON
+// result that goes to stdout; a list "poor" in it makes the exit code 3.
 struct Command {
     const char* name;
     const char* summary;
@@ -35,14 +42,15 @@ struct Command {
 // The table of commands, in the order in which help lists them.
 const std::vector<Command>& commands();
 
-// Progress on stderr: a bar where stderr is a terminal, else a line every few seconds. Asks for a stop after Ctrl-C.
+// Progress on stderr: a bar where stderr is a terminal, else a line every few seconds. Asks for a stop after
+// Ctrl-C.
 Progress console_progress();
 
 // Writes a warning to stderr, without disturbing the bar.
 void warn(const std::string& text);
 
-// Flags for the fields of an options struct: --max-iterations for max_iterations. Values outside their interval are
-// usage errors. `wanted` chooses fields by name; all where empty.
+// Flags for the fields of an options struct: --max-iterations for max_iterations. Values outside their
+// interval are usage errors. `wanted` chooses fields by name; all where empty.
 template <class Options>
 void add_fields(CLI::App& app, Options& options, const std::function<bool(std::string_view)>& wanted = {}) {
     Options::fields(options, [&](const FieldInfo& info, auto& value) {

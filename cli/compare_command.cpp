@@ -28,26 +28,27 @@ nlohmann::json run_compare(const CompareArguments& arguments) {
         write_comparison(arguments.out, surface, photos, arguments.options, progress);
     nlohmann::json result = to_json(report);
     result["page"] = (std::filesystem::path(arguments.out) / "compare.html").string();
-    std::vector<std::string> warnings = photos.warnings;
-    warnings.insert(warnings.end(), report.warnings.begin(), report.warnings.end());
-    result["warnings"] = told(warnings);
+    result["warnings"] = told(report.warnings);
     result["poor"] = nlohmann::json::array();
     if (report.all.psnr_db < kPoorPsnr_db)
-        result["poor"].push_back(fmt::format(
-            "the relit pictures differ from the photographs by {:.1f} dB on average; are these the photographs, and "
-            "the lights, of this painting?",
-            report.all.psnr_db));
+        result["poor"].push_back(
+            fmt::format("the relit pictures differ from the photographs by {:.1f} dB on average; are these "
+                        "the photographs, and "
+                        "the lights, of this painting?",
+                        report.all.psnr_db));
     return result;
 }
 
 }  // namespace
 
 Command compare_command() {
-    return {"compare", "compare a painting, relit, with photographs, in numbers and pictures", [](CLI::App& app) {
+    return {"compare", "compare a painting, relit, with photographs, in numbers and pictures",
+            [](CLI::App& app) {
                 auto a = std::make_shared<CompareArguments>();
                 app.add_option("PAINTING", a->painting, "painting file (.exr)")->required();
                 a->photos.add_to(app, false);
-                app.add_option("--out", a->out, "folder for compare.html, compare.json and the pictures")->required();
+                app.add_option("--out", a->out, "folder for compare.html, compare.json and the pictures")
+                    ->required();
                 add_fields(app, a->options);
                 return [a] { return run_compare(*a); };
             }};

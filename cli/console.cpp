@@ -38,7 +38,8 @@ public:
         }
         const auto pause = is_terminal_ ? milliseconds(100) : milliseconds(5000);
         if (fraction >= 1 || now - shown_ >= pause) {
-            if (now - started_ >= (is_terminal_ ? milliseconds(300) : milliseconds(2000))) draw(fraction, now);
+            if (now - started_ >= (is_terminal_ ? milliseconds(300) : milliseconds(2000)))
+                draw(fraction, now);
             shown_ = now;
         }
         return !stop_wanted;

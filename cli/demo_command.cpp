@@ -42,7 +42,8 @@ Stack sample_stack(const std::string& lights, bool small) {
     options.lights_file = folder / lights;
     if (small) options.crop = Region{176, 176, 336, 336};
     Stack stack = open_stack(folder, options);
-    stack.warnings.clear();  // the folder holds both lists; that the other's photographs are not in this one is meant
+    stack.warnings
+        .clear();  // the folder holds both lists; that the other's photographs are not in this one is meant
     return stack;
 }
 
@@ -54,35 +55,39 @@ nlohmann::json run_demo(const DemoArguments& arguments) {
     options.mm_per_pixel = 200.0 / 512;  // the sample's README
     options.white_level = 0.75;
     FitResult fit = fit_painting(sample_stack("lights.lp", arguments.small), options, progress);
-    fit.surface.provenance =
-        nlohmann::json{{"program", "tangipaint " TP_VERSION}, {"command", "demo"}, {"inputs", "datasets/impasto/jpg"}}
-            .dump();
+    fit.surface.provenance = nlohmann::json{
+        {"program", "tangipaint " TP_VERSION},
+        {"command", "demo"},
+        {"inputs",
+         "datasets/impasto/jpg"}}.dump();
     write_painting(out / "painting.exr", fit.surface, progress);
 
     for (const NamedLight& light : kLights) {
         const std::vector<Light> lights{distant_light(light.direction)};
         RelightOptions relight_options;
         relight_options.cast_shadows = true;
-        write_picture(out / light.file, relight(fit.surface, lights, relight_options), Transfer{Transfer::Kind::srgb});
+        write_picture(out / light.file, relight(fit.surface, lights, relight_options),
+                      Transfer{Transfer::Kind::srgb});
     }
     const Stack held_out = sample_stack("heldout.lp", arguments.small);
     const CompareReport report = write_comparison(out / "compare", fit.surface, held_out, {}, progress);
     write_picture_8bit(out / "contact_sheet.png", contact_sheet(fit.surface, held_out, report, {}, progress));
 
-    fmt::print(stderr,
-               "\nThe sample: 48 photographs of a rendered impasto painting, fitted, relit, and compared with {}\n"
-               "photographs under lights that the fit never saw.\n\n"
-               "  held out    {:.1f} dB PSNR, SSIM {:.3f}, Delta E 2000 {:.2f} on average\n"
-               "  fitted      {} of {} pixels, median confidence {:.2f}\n\n"
-               "Look at\n"
-               "  {}   photograph, relit, difference; the maps\n"
-               "  {}   each photograph beside its relit picture, with a slider\n"
-               "  {}   and its siblings: the painting under new lights\n"
-               "  {}   the painting: EXR with height, normals, Ward parameters\n\n",
-               report.held_out.count, report.held_out.psnr_db, report.held_out.ssim, report.held_out.delta_e_2000,
-               fit.report.fitted, fit.report.pixels, fit.report.median_confidence,
-               (out / "contact_sheet.png").string(), (out / "compare" / "compare.html").string(),
-               (out / kLights[0].file).string(), (out / "painting.exr").string());
+    fmt::print(
+        stderr,
+        "\nThe sample: 48 photographs of a rendered impasto painting, fitted, relit, and compared with {}\n"
+        "photographs under lights that the fit never saw.\n\n"
+        "  held out    {:.1f} dB PSNR, SSIM {:.3f}, Delta E 2000 {:.2f} on average\n"
+        "  fitted      {} of {} pixels, median confidence {:.2f}\n\n"
+        "Look at\n"
+        "  {}   photograph, relit, difference; the maps\n"
+        "  {}   each photograph beside its relit picture, with a slider\n"
+        "  {}   and its siblings: the painting under new lights\n"
+        "  {}   the painting: EXR with height, normals, Ward parameters\n\n",
+        report.held_out.count, report.held_out.psnr_db, report.held_out.ssim, report.held_out.delta_e_2000,
+        fit.report.fitted, fit.report.pixels, fit.report.median_confidence,
+        (out / "contact_sheet.png").string(), (out / "compare" / "compare.html").string(),
+        (out / kLights[0].file).string(), (out / "painting.exr").string());
     return {{"out", arguments.out},
             {"held_out", to_json(report)["mean"]["held_out"]},
             {"fitted_pixels", fit.report.fitted},

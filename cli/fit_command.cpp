@@ -18,26 +18,32 @@ struct FitArguments {
 nlohmann::json provenance_of(const FitArguments& arguments, const Stack& stack) {
     nlohmann::json inputs = nlohmann::json::array();
     for (const StackPhoto& photo : stack.photos)
-        inputs.push_back({{"file", photo.path.filename().string()},
-                          {"bytes", std::filesystem::file_size(photo.path)}});
+        inputs.push_back(
+            {{"file", photo.path.filename().string()}, {"bytes", std::filesystem::file_size(photo.path)}});
     nlohmann::json options = to_json(arguments.options);
     options["ward"] = to_json(arguments.options.ward);
     options["height"] = to_json(arguments.options.height);
     const PhotosArguments& p = arguments.photos;
-    options["photos"] = {{"lights", p.lights}, {"transfer", p.transfer}, {"crop", p.crop},
-                         {"mask", p.mask},     {"hold_out", p.hold_out}};
-    return {{"program", "tangipaint " TP_VERSION}, {"command", "fit"}, {"options", options}, {"inputs", inputs}};
+    options["photos"] = {{"lights", p.lights},
+                         {"transfer", p.transfer},
+                         {"crop", p.crop},
+                         {"mask", p.mask},
+                         {"hold_out", p.hold_out}};
+    return {
+        {"program", "tangipaint " TP_VERSION}, {"command", "fit"}, {"options", options}, {"inputs", inputs}};
 }
 
 // What makes the result doubtful as a whole; empty where nothing does.
 std::vector<std::string> poor_reasons(const FitReport& report) {
     std::vector<std::string> reasons;
-    const double fitted = static_cast<double>(report.fitted) / static_cast<double>(std::max(report.pixels, 1L));
+    const double fitted =
+        static_cast<double>(report.fitted) / static_cast<double>(std::max(report.pixels, 1L));
     if (report.fitted == 0)
         reasons.push_back("no pixel could be measured: the photographs are too dark, clipped, or masked out");
     else if (report.median_confidence < 0.5)
-        reasons.push_back(fmt::format("the median confidence is only {:.2f}: the photographs leave the normals open",
-                                      report.median_confidence));
+        reasons.push_back(
+            fmt::format("the median confidence is only {:.2f}: the photographs leave the normals open",
+                        report.median_confidence));
     if (fitted > 0 && report.not_converged > report.fitted / 2)
         reasons.push_back(fmt::format("{} of {} pixels did not converge; try --max-iterations 100",
                                       report.not_converged, report.fitted));
@@ -51,20 +57,22 @@ nlohmann::json result_of(const FitResult& fit, const std::string& out) {
         candidates.push_back({{"transfer", candidate.transfer.name()}, {"residual", candidate.residual}});
     int fitted_photos = 0, held_out = 0;
     for (const auto& photo : fit.surface.photography.photos) ++(photo.fitted ? fitted_photos : held_out);
-    return {{"painting", out},
-            {"width", fit.surface.width()},
-            {"height", fit.surface.height()},
-            {"photographs", {{"fitted", fitted_photos}, {"held_out", held_out}}},
-            {"transfer", {{"name", r.transfer.transfer.name()}, {"source", r.transfer.source}, {"tried", candidates}}},
-            {"pixels", {{"all", r.pixels}, {"fitted", r.fitted}, {"not_converged", r.not_converged}}},
-            {"median_confidence", r.median_confidence},
-            {"median_residual_sigma", r.median_rms_residual},
-            {"mm_per_pixel", fit.surface.mm_per_pixel},
-            {"scale_known", fit.surface.scale_known},
-            {"support_tilt_deg", r.support_tilt_deg},
-            {"height_solver", {{"cycles", r.height.cycles}, {"residual", r.height.residual},
-                               {"converged", r.height.converged}}},
-            {"dry_hash", hash_of(fit.surface)}};
+    return {
+        {"painting", out},
+        {"width", fit.surface.width()},
+        {"height", fit.surface.height()},
+        {"photographs", {{"fitted", fitted_photos}, {"held_out", held_out}}},
+        {"transfer",
+         {{"name", r.transfer.transfer.name()}, {"source", r.transfer.source}, {"tried", candidates}}},
+        {"pixels", {{"all", r.pixels}, {"fitted", r.fitted}, {"not_converged", r.not_converged}}},
+        {"median_confidence", r.median_confidence},
+        {"median_residual_sigma", r.median_rms_residual},
+        {"mm_per_pixel", fit.surface.mm_per_pixel},
+        {"scale_known", fit.surface.scale_known},
+        {"support_tilt_deg", r.support_tilt_deg},
+        {"height_solver",
+         {{"cycles", r.height.cycles}, {"residual", r.height.residual}, {"converged", r.height.converged}}},
+        {"dry_hash", hash_of(fit.surface)}};
 }
 
 nlohmann::json run_fit(const FitArguments& arguments) {
@@ -75,13 +83,15 @@ nlohmann::json run_fit(const FitArguments& arguments) {
     Stack stack = arguments.photos.open();
     const nlohmann::json provenance = provenance_of(arguments, stack);
     FitResult fit = fit_painting(std::move(stack), arguments.options, progress);
-    fit.surface.provenance = provenance.dump();
+    // File names may hold any bytes; JSON holds UTF-8.
+    fit.surface.provenance = provenance.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
     std::vector<std::string> warnings = fit.report.warnings;
     if (fit.report.support_tilt_deg > 5)
-        warnings.push_back(fmt::format(
-            "the normals tilt by {:.0f} degrees as a whole, as if the painting did not face the camera; if it did, the "
-            "light directions are off by about as much",
-            fit.report.support_tilt_deg));
+        warnings.push_back(
+            fmt::format("the normals tilt by {:.0f} degrees as a whole, as if the painting did not face the "
+                        "camera; if it did, the "
+                        "light directions are off by about as much",
+                        fit.report.support_tilt_deg));
     write_painting(file, fit.surface, progress);
     nlohmann::json result = result_of(fit, arguments.out);
     result["warnings"] = told(warnings);

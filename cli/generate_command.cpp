@@ -1,4 +1,5 @@
-// generate_command.cpp: tangipaint generate --out DIR: photographs of a procedural painting, with ground truth.
+// generate_command.cpp: tangipaint generate --out DIR: photographs of a procedural painting, with ground
+// truth.
 #include "cli/command_list.h"
 #include "datasets/generator.h"
 #include "surface/error.h"
@@ -15,7 +16,8 @@ struct GenerateArguments {
 };
 
 template <class Value>
-Value chosen(const std::optional<Value>& value, const char* flag, const std::string& text, const char* allowed) {
+Value chosen(const std::optional<Value>& value, const char* flag, const std::string& text,
+             const char* allowed) {
     if (!value) throw UsageError(fmt::format("{} {}: is not one of {}", flag, text, allowed));
     return *value;
 }
@@ -24,8 +26,10 @@ nlohmann::json run_generate(GenerateArguments a) {
     a.painting.seed = a.photos.seed = a.seed;
     a.photos.reflectance = chosen(reflectance_named(a.reflectance), "--reflectance", a.reflectance,
                                   "ggx, ward_bounded, lambert");
-    a.photos.arrangement = chosen(arrangement_named(a.arrangement), "--arrangement", a.arrangement, "dome, spiral");
-    a.photos.format = chosen(photo_format_named(a.format), "--format", a.format, "png16, png8, jpg, exr, tif");
+    a.photos.arrangement =
+        chosen(arrangement_named(a.arrangement), "--arrangement", a.arrangement, "dome, spiral");
+    a.photos.format =
+        chosen(photo_format_named(a.format), "--format", a.format, "png16, png8, jpg, exr, tif");
     a.photos.transfer = chosen(transfer_named(a.transfer), "--transfer", a.transfer, "linear, srgb, a gamma");
     const Progress progress = console_progress();
     const PaintingTruth truth = procedural_painting(a.painting, progress);
@@ -51,11 +55,16 @@ Command generate_command() {
             [](CLI::App& app) {
                 auto a = std::make_shared<GenerateArguments>();
                 app.add_option("--out", a->out, "folder to write")->required();
-                app.add_option("--seed", a->seed, "another painting for each number")->capture_default_str();
-                app.add_option("--reflectance", a->reflectance, "ggx, ward_bounded or lambert")->capture_default_str();
-                app.add_option("--arrangement", a->arrangement, "of the lights: dome or spiral")->capture_default_str();
+                app.add_option("--seed", a->seed, "another painting for each number")
+                    ->check(CLI::Range(0.0, 9e15))
+                    ->capture_default_str();
+                app.add_option("--reflectance", a->reflectance, "ggx, ward_bounded or lambert")
+                    ->capture_default_str();
+                app.add_option("--arrangement", a->arrangement, "of the lights: dome or spiral")
+                    ->capture_default_str();
                 app.add_option("--format", a->format, "png16, png8, jpg, exr or tif")->capture_default_str();
-                app.add_option("--transfer", a->transfer, "linear, srgb or a gamma such as 2.2")->capture_default_str();
+                app.add_option("--transfer", a->transfer, "linear, srgb or a gamma such as 2.2")
+                    ->capture_default_str();
                 add_fields_but_seed(app, a->painting);
                 add_fields_but_seed(app, a->photos);
                 return [a] { return run_generate(*a); };

@@ -29,30 +29,32 @@ nlohmann::json spread(const Surface& s, const Value& value) {
 
 nlohmann::json describe(const Surface& s) {
     const Photography& p = s.photography;
-    const auto fitted = std::count_if(p.photos.begin(), p.photos.end(), [](const auto& photo) { return photo.fitted; });
+    const auto fitted =
+        std::count_if(p.photos.begin(), p.photos.end(), [](const auto& photo) { return photo.fitted; });
     const auto measured = std::count_if(s.confidence.pixels().begin(), s.confidence.pixels().end(),
                                         [](float c) { return c > 0; });
     nlohmann::json provenance = nlohmann::json::parse(s.provenance, nullptr, false);
     if (provenance.is_discarded()) provenance = s.provenance;
-    return {{"kind", "painting"},
-            {"width", s.width()},
-            {"height", s.height()},
-            {"mm_per_pixel", s.mm_per_pixel},
-            {"scale_known", s.scale_known},
-            {"measured_pixels", measured},
-            {"maps",
-             {{"height_mm", spread(s, [&](std::size_t i) { return s.height_mm.pixels()[i]; })},
-              {"diffuse_luminance", spread(s, [&](std::size_t i) { return luminance(s.diffuse.pixels()[i]); })},
-              {"specular", spread(s, [&](std::size_t i) { return s.specular.pixels()[i]; })},
-              {"roughness", spread(s, [&](std::size_t i) { return s.roughness.pixels()[i]; })},
-              {"confidence", spread(s, [&](std::size_t i) { return s.confidence.pixels()[i]; })}}},
-            {"photographs",
-             {{"transfer", p.transfer.name()},
-              {"white_level", p.white_level},
-              {"fitted", fitted},
-              {"held_out", static_cast<long>(p.photos.size()) - fitted}}},
-            {"dry_hash", hash_of(s)},
-            {"provenance", provenance}};
+    return {
+        {"kind", "painting"},
+        {"width", s.width()},
+        {"height", s.height()},
+        {"mm_per_pixel", s.mm_per_pixel},
+        {"scale_known", s.scale_known},
+        {"measured_pixels", measured},
+        {"maps",
+         {{"height_mm", spread(s, [&](std::size_t i) { return s.height_mm.pixels()[i]; })},
+          {"diffuse_luminance", spread(s, [&](std::size_t i) { return luminance(s.diffuse.pixels()[i]); })},
+          {"specular", spread(s, [&](std::size_t i) { return s.specular.pixels()[i]; })},
+          {"roughness", spread(s, [&](std::size_t i) { return s.roughness.pixels()[i]; })},
+          {"confidence", spread(s, [&](std::size_t i) { return s.confidence.pixels()[i]; })}}},
+        {"photographs",
+         {{"transfer", p.transfer.name()},
+          {"white_level", p.white_level},
+          {"fitted", fitted},
+          {"held_out", static_cast<long>(p.photos.size()) - fitted}}},
+        {"dry_hash", hash_of(s)},
+        {"provenance", provenance}};
 }
 
 nlohmann::json describe_lights(const fs::path& path) {
@@ -71,13 +73,18 @@ nlohmann::json describe_lights(const fs::path& path) {
 nlohmann::json run_info(const std::string& file) {
     const fs::path path(file);
     if (!fs::exists(path)) fail("{}: no such file", file);
-    if (fs::is_directory(path)) fail("{}: is a folder; name a painting (.exr), a lights file (.lp) or a photograph", file);
+    if (fs::is_directory(path))
+        fail("{}: is a folder; name a painting (.exr), a lights file (.lp) or a photograph", file);
     if (path.extension() == ".lp") return describe_lights(path);
     const bool is_exr = path.extension() == ".exr";
     if (is_exr && is_painting(path)) return describe(read_painting(path, console_progress()));
     const PhotoHeader header = PhotoFile(path).header();
-    return {{"kind", "picture"},       {"width", header.width},       {"height", header.height},
-            {"channels", header.channels}, {"bits", header.bits}, {"float", header.is_float},
+    return {{"kind", "picture"},
+            {"width", header.width},
+            {"height", header.height},
+            {"channels", header.channels},
+            {"bits", header.bits},
+            {"float", header.is_float},
             {"orientation", header.orientation}};
 }
 

@@ -3,9 +3,12 @@
 #include <glog/logging.h>
 #include <sys/resource.h>
 
+#include <cerrno>
 #include <chrono>
 #include <csignal>
 #include <cstdio>
+#include <cstring>
+#include <filesystem>
 
 #include "cli/command.h"
 #include "surface/error.h"
@@ -36,8 +39,9 @@ int run(const std::string& name, const std::function<nlohmann::json()>& body) {
         result["command"] = name;
         result["seconds"] = seconds.count();
         result["peak_memory_mb"] = peak_memory_mb();
-        fmt::print("{}\n", result.dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
-        if (std::fflush(stdout) != 0) fail("the result cannot be written to standard output");
+        const std::string text = result.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+        if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() || std::fflush(stdout) != 0)
+            fail("the result cannot be written to standard output: {}", std::strerror(errno));
         if (!result.contains("poor") || result["poor"].empty()) return kDone;
         for (const auto& reason : result["poor"]) warn("poor result: " + reason.get<std::string>());
         return kPoorNumbers;
@@ -50,8 +54,13 @@ int run(const std::string& name, const std::function<nlohmann::json()>& body) {
     } catch (const Error& error) {
         fmt::print(stderr, "tangipaint {}: {}\n", name, error.what());
         return kWorldIsWrong;
+    } catch (
+        const std::filesystem::filesystem_error& error) {  // no permission to look, a name that is too long
+        fmt::print(stderr, "tangipaint {}: {}: {}\n", name, error.path1().string(), error.code().message());
+        return kWorldIsWrong;
     } catch (const std::bad_alloc&) {
-        fmt::print(stderr, "tangipaint {}: not enough memory; try a part of the picture with --crop\n", name);
+        fmt::print(stderr, "tangipaint {}: not enough memory{}\n", name,
+                   name == "fit" ? "; try a part of the picture with --crop" : "");
         return kWorldIsWrong;
     } catch (const std::exception& bug) {
         fmt::print(stderr, "tangipaint {}: internal error, please report it: {}\n", name, bug.what());
@@ -102,7 +111,9 @@ int main(int argc, char** argv) {
     }
     if (help->parsed() || !body) {
         if (topic.empty()) {
-            fmt::print("{}", app.help());
+            // Not app.help(): after `tangipaint help` that would explain the command `help` alone.
+            fmt::print(help->parsed() ? stdout : stderr, "{}",
+                       app.get_formatter()->make_help(&app, app.get_name(), CLI::AppFormatMode::Normal));
             return help->parsed() ? kDone : kUsage;
         }
         try {

@@ -1,4 +1,5 @@
-// relight_command.cpp: tangipaint relight PAINTING.exr --light X,Y,Z --out IMAGE, or --lights FILE.lp --out DIR
+// relight_command.cpp: tangipaint relight PAINTING.exr --light X,Y,Z --out IMAGE, or --lights FILE.lp --out
+// DIR
 #include <algorithm>
 #include <filesystem>
 #include <set>
@@ -36,8 +37,8 @@ Encoding encoding_of(const RelightArguments& arguments, const Surface& surface, 
     if (!arguments.encoding.empty()) {
         const auto transfer = transfer_named(arguments.encoding);
         if (!transfer)
-            throw UsageError(
-                fmt::format("--encoding {}: is not srgb, linear, or a gamma in [0.2, 5]", arguments.encoding));
+            throw UsageError(fmt::format("--encoding {}: is not srgb, linear, or a gamma in [0.2, 5]",
+                                         arguments.encoding));
         return {*transfer, white};
     }
     std::string extension = picture.extension().string();
@@ -54,7 +55,8 @@ void write_relit(const fs::path& path, const Surface& surface, const std::vector
     write_picture(path, picture, encoding.transfer);
 }
 
-nlohmann::json relight_one(const Surface& surface, const RelightArguments& arguments, const Progress& progress) {
+nlohmann::json relight_one(const Surface& surface, const RelightArguments& arguments,
+                           const Progress& progress) {
     require_picture_format(arguments.out);
     std::vector<Light> lights;
     for (const std::string& text : arguments.directions) {
@@ -66,7 +68,8 @@ nlohmann::json relight_one(const Surface& surface, const RelightArguments& argum
     for (const std::string& text : arguments.positions) {
         const Vec3 v = parse_vector(text, "--point-light");
         if (!(v.z > 0))
-            throw UsageError(fmt::format("--point-light {}: z must be positive, in front of the painting", text));
+            throw UsageError(
+                fmt::format("--point-light {}: z must be positive, in front of the painting", text));
         lights.push_back(near_light(v));
     }
     for (Light& light : lights) light.gain = Rgb(static_cast<float>(arguments.gain));
@@ -74,7 +77,8 @@ nlohmann::json relight_one(const Surface& surface, const RelightArguments& argum
     return {{"pictures", {arguments.out}}};
 }
 
-nlohmann::json relight_all(const Surface& surface, const RelightArguments& arguments, const Progress& progress) {
+nlohmann::json relight_all(const Surface& surface, const RelightArguments& arguments,
+                           const Progress& progress) {
     const LightsFile file = read_lights_file(arguments.lights_file);
     nlohmann::json warnings = told(file.warnings);
     std::vector<fs::path> outputs;
@@ -102,9 +106,11 @@ nlohmann::json relight_all(const Surface& surface, const RelightArguments& argum
 nlohmann::json run_relight(RelightArguments arguments) {
     const bool one = !arguments.directions.empty() || !arguments.positions.empty();
     if (one == !arguments.lights_file.empty())
-        throw UsageError("give either lights (--light X,Y,Z, --point-light X,Y,Z) or a lights file (--lights FILE.lp)");
+        throw UsageError(
+            "give either lights (--light X,Y,Z, --point-light X,Y,Z) or a lights file (--lights FILE.lp)");
     const auto model = ward_model_named(arguments.model);
-    if (!model) throw UsageError(fmt::format("--model {}: is not ward1992, duer or bounded", arguments.model));
+    if (!model)
+        throw UsageError(fmt::format("--model {}: is not ward1992, duer or bounded", arguments.model));
     arguments.options.model = *model;
     const Progress progress = console_progress();
     const Surface surface = read_painting(arguments.painting, progress);
@@ -114,29 +120,34 @@ nlohmann::json run_relight(RelightArguments arguments) {
 }  // namespace
 
 Command relight_command() {
-    return {"relight", "show a painting under other lights", [](CLI::App& app) {
-                auto a = std::make_shared<RelightArguments>();
-                a->options.cast_shadows = true;  // as the photographs have them
-                app.add_option("PAINTING", a->painting, "painting file (.exr)")->required();
-                app.add_option("--light", a->directions,
-                               "direction to a distant light: X,Y,Z, x right, y up, z towards the viewer; may be given "
-                               "several times")
-                    ->allow_extra_args(false);
-                app.add_option("--point-light", a->positions,
-                               "position of a near light in mm from the centre: X,Y,Z; may be given several times")
-                    ->allow_extra_args(false);
-                app.add_option("--lights", a->lights_file, "lights file (.lp): one picture for each of its lights");
-                app.add_option("--out", a->out,
-                               "picture to write (.png .tif .jpg .exr); with --lights the folder for the pictures")
-                    ->required();
-                app.add_option("--encoding", a->encoding,
-                               "srgb, linear or a gamma; where not given, as the photographs were (EXR: linear)");
-                app.add_option("--model", a->model, "ward1992, duer or bounded")->capture_default_str();
-                app.add_option("--gain", a->gain, "strength of the lights, 1 = as for the photographs")
-                    ->check(CLI::Range(0.0, 1e4));
-                add_fields(app, a->options);
-                return [a] { return run_relight(*a); };
-            }};
+    return {
+        "relight", "show a painting under other lights", [](CLI::App& app) {
+            auto a = std::make_shared<RelightArguments>();
+            a->options.cast_shadows = true;  // as the photographs have them
+            app.add_option("PAINTING", a->painting, "painting file (.exr)")->required();
+            app.add_option(
+                   "--light", a->directions,
+                   "direction to a distant light: X,Y,Z, x right, y up, z towards the viewer; may be given "
+                   "several times")
+                ->allow_extra_args(false);
+            app.add_option(
+                   "--point-light", a->positions,
+                   "position of a near light in mm from the centre: X,Y,Z; may be given several times")
+                ->allow_extra_args(false);
+            app.add_option("--lights", a->lights_file,
+                           "lights file (.lp): one picture for each of its lights");
+            app.add_option(
+                   "--out", a->out,
+                   "picture to write (.png .tif .jpg .exr); with --lights the folder for the pictures")
+                ->required();
+            app.add_option("--encoding", a->encoding,
+                           "srgb, linear or a gamma; where not given, as the photographs were (EXR: linear)");
+            app.add_option("--model", a->model, "ward1992, duer or bounded")->capture_default_str();
+            app.add_option("--gain", a->gain, "strength of the lights, 1 = as for the photographs")
+                ->check(CLI::Range(0.0, 1e4));
+            add_fields(app, a->options);
+            return [a] { return run_relight(*a); };
+        }};
 }
 
 }  // namespace tangi

@@ -16,17 +16,6 @@ namespace {
 
 constexpr int kBandRows = 256;  // decoded at once
 constexpr double kDegree = std::numbers::pi / 180;
-constexpr double kSameLight_deg = 3;  // lights files round their vectors; another light is further off
-
-const Photography::Photo* find_photo(const Photography& photography, const std::string& name) {
-    for (const Photography::Photo& photo : photography.photos)
-        if (photo.light.name == name) return &photo;
-    return nullptr;
-}
-
-double angle_deg(const Vec3& a, const Vec3& b) {
-    return std::acos(std::clamp(static_cast<double>(glm::dot(a, b)), -1.0, 1.0)) / kDegree;
-}
 
 void require_comparable(const Surface& surface, const Stack& stack) {
     require_consistent(surface);
@@ -107,7 +96,7 @@ Transfer encoding_of(const Stack& stack, const Photography& photography, std::ve
     return transfer;
 }
 
-PhotoComparison described(const StackPhoto& photo, const Photography& photography, CompareReport& report) {
+PhotoComparison described(const StackPhoto& photo, const Photography& photography) {
     PhotoComparison result;
     result.name = photo.light.name;
     result.light = as_photographed(photo.light, photography);
@@ -115,13 +104,8 @@ PhotoComparison described(const StackPhoto& photo, const Photography& photograph
     result.elevation_deg = std::asin(std::clamp(static_cast<double>(l.z), -1.0, 1.0)) / kDegree;
     result.azimuth_deg =
         std::fmod(std::atan2(static_cast<double>(l.y), static_cast<double>(l.x)) / kDegree + 360, 360);
-    const Photography::Photo* known = find_photo(photography, photo.light.name);
+    const Photography::Photo* known = find_photo(photography, photo.light);
     result.fitted = known && known->fitted;
-    const double off_deg = known ? angle_deg(known->light.direction, l) : 0;
-    if (off_deg > kSameLight_deg)
-        report.warnings.push_back(fmt::format(
-            "{}: its light here is {:.1f} degrees away from the one it was fitted with; this one is used",
-            photo.path.string(), off_deg));
     return result;
 }
 
@@ -158,11 +142,10 @@ void summarise(const Stack& stack, int unknown, CompareReport& report) {
             return a.psnr_db < b.psnr_db;
         })->name;
     if (unknown > 0)
-        report.warnings.push_back(
-            fmt::format("{}: {} of {} photographs are not among those that the painting lists: they count as "
-                        "held out, and their "
-                        "lights as of gain 1",
-                        stack.folder.string(), unknown, report.photos.size()));
+        report.warnings.push_back(fmt::format(
+            "{}: {} of {} photographs are not among those that the painting lists, by name and light: "
+            "they count as held out, and their lights as of gain 1",
+            stack.folder.string(), unknown, report.photos.size()));
 }
 
 // Names come from file systems, where any bytes are allowed; JSON wants UTF-8.
@@ -195,8 +178,8 @@ CompareReport compare(const Surface& surface, const Stack& photos, const Compare
     for (std::size_t i = 0; i < all.size(); ++i) {
         report(progress, "compare", static_cast<double>(i) / static_cast<double>(all.size()));
         one.photos = {all[i]};
-        unknown += find_photo(surface.photography, all[i].light.name) == nullptr;
-        PhotoComparison result = described(all[i], surface.photography, report_);
+        unknown += find_photo(surface.photography, all[i].light) == nullptr;
+        PhotoComparison result = described(all[i], surface.photography);
         const Image<Rgb> photo = stored_picture(one);
         const Image<Rgb> relit = encoded(relight(surface, {&result.light, 1}, relighting), report_.transfer,
                                          static_cast<float>(surface.photography.white_level));
@@ -246,16 +229,6 @@ json to_json(const CompareReport& report) {
         {"height", report.height},
         {"options", to_json<CompareOptions>(report.options)},
         {"warnings", std::move(warnings)}};
-}
-
-Light as_photographed(const Light& light, const Photography& photography) {
-    Light result = light;
-    const Photography::Photo* known = find_photo(photography, light.name);
-    if (!known) return result;
-    result.gain = known->light.gain;
-    if (!result.position_mm && angle_deg(known->light.direction, light.direction) <= kSameLight_deg)
-        result.position_mm = known->light.position_mm;
-    return result;
 }
 
 Image<Rgb> as_photographed(const Image<Rgb>& linear, const Photography& photography) {

@@ -101,9 +101,6 @@ CompareReport compare(const Surface& surface, const Stack& photos, const Compare
 // "psnr_db", "ssim", "delta_e_2000"}, "fitted", "all"}, "worst", …}; names are made valid UTF-8.
 nlohmann::json to_json(const CompareReport& report);
 
-// A light with the strength (and the position, if near) that it had in the photograph of its name.
-Light as_photographed(const Light& light, const Photography& photography);
-
 // A picture that relight() made, as the camera would have stored it: transfer(white_level * linear), at
 // most 1.
 Image<Rgb> as_photographed(const Image<Rgb>& linear, const Photography& photography);

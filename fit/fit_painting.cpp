@@ -26,7 +26,8 @@ public:
             const double v = i / double(kEntries - 1);
             const float encoded = transfer.encode(static_cast<float>(v));
             const float step = static_cast<float>(noise);
-            const double read = (transfer.decode(encoded + step) - transfer.decode(std::max(encoded - step, 0.0f))) / 2;
+            const double read =
+                (transfer.decode(encoded + step) - transfer.decode(std::max(encoded - step, 0.0f))) / 2;
             sigma_[static_cast<std::size_t>(i)] = static_cast<float>(read);
         }
         clipped_ = transfer.decode(kClipped);
@@ -52,8 +53,8 @@ struct Lighting {
     double white_level;
 };
 
-void gather(const Band& band, int x, int y, const Vec3& point_mm, const Lighting& lighting, const NoiseModel& noise,
-            PixelSamples& s) {
+void gather(const Band& band, int x, int y, const Vec3& point_mm, const Lighting& lighting,
+            const NoiseModel& noise, PixelSamples& s) {
     s.resize(band.photos(), band.channels());
     std::size_t at = 0;
     for (int i = 0; i < band.photos(); ++i) {
@@ -102,7 +103,8 @@ void fit_band(const Stack& stack, const Band& band, const Lighting& lighting, co
                 if (!e.valid) continue;
                 ++fitted;
                 not_converged += !e.converged;
-                surface.normal(x, y) = normal_of({static_cast<float>(e.slope.x), static_cast<float>(e.slope.y)});
+                surface.normal(x, y) =
+                    normal_of({static_cast<float>(e.slope.x), static_cast<float>(e.slope.y)});
                 surface.diffuse(x, y) = Rgb(e.diffuse);
                 surface.specular(x, y) = static_cast<float>(e.specular);
                 surface.roughness(x, y) = static_cast<float>(e.roughness);
@@ -138,6 +140,9 @@ void summarise(const Surface& surface, const Counters& counters, FitReport& repo
 FitResult fit_painting(Stack stack, const FitOptions& options, const Progress& progress) {
     validate(options);
     require_enough_lights(stack.lights(), stack.folder.string());
+    // Sums are taken in this order, so the order of the lines in a lights file changes no bit of the result.
+    std::sort(stack.photos.begin(), stack.photos.end(),
+              [](const StackPhoto& a, const StackPhoto& b) { return a.path < b.path; });
     Survey surveyed = survey(stack, {}, progress);
     leave_out_black_photos(stack, surveyed);
     FitResult result;
@@ -163,15 +168,14 @@ FitResult fit_painting(Stack stack, const FitOptions& options, const Progress& p
         const Band band = std::move(next);
         // The next band is decoded while this one is fitted.
         const int y1 = std::min(y0 + rows, stack.height()), y2 = std::min(y1 + rows, stack.height());
-        auto decoded = std::async(std::launch::async, [&, y1, y2] {
-            return y1 < y2 ? reader.read(y1, y2, transfer) : Band();
-        });
+        auto decoded = std::async(std::launch::async,
+                                  [&, y1, y2] { return y1 < y2 ? reader.read(y1, y2, transfer) : Band(); });
         fit_band(stack, band, lighting, noise, options, surface, counters, progress);
         next = decoded.get();
     }
     summarise(surface, counters, report_);
-    report_.height = integrate_normals(surface.normal, surface.confidence, surface.mm_per_pixel, surface.height_mm,
-                                       options.height, progress);
+    report_.height = integrate_normals(surface.normal, surface.confidence, surface.mm_per_pixel,
+                                       surface.height_mm, options.height, progress);
     const Plane plane = best_plane(surface.height_mm, surface.confidence);
     subtract(plane, surface.height_mm);
     report_.support_tilt_deg = std::atan(std::hypot(plane.a, plane.b) / surface.mm_per_pixel) * 180 / M_PI;

@@ -15,16 +15,17 @@ namespace tangi {
 struct FitOptions {
     double white_level = 1.0;              // [1] linear value of a matt white facing a light
     std::optional<double> mm_per_pixel{};  // [mm] 1 where unknown
-    std::optional<double> noise{};         // [1] standard deviation of a stored value, full scale = 1; where empty
-                                           // 0.012 for 8-bit photographs (3 codes: JPEG), 0.006 for deeper ones
+    std::optional<double> noise{};  // [1] standard deviation of a stored value, full scale = 1; where empty
+                                    // 0.012 for 8-bit photographs (3 codes: JPEG), 0.006 for deeper ones
     WardFitOptions ward = {};
     HeightOptions height = {};
 
     static constexpr std::string_view name = "fit";
     template <class Self, class Visit>
     static void fields(Self& self, Visit&& visit) {
-        visit(FieldInfo{"white_level", 1e-3, 1e3, "1", "linear pixel value of a matt white that faces a light"},
-              self.white_level);
+        visit(
+            FieldInfo{"white_level", 1e-3, 1e3, "1", "linear pixel value of a matt white that faces a light"},
+            self.white_level);
         visit(FieldInfo{"mm_per_pixel", 1e-6, 1e3, "mm", "size of a pixel on the painting (1 where unknown)"},
               self.mm_per_pixel);
         visit(FieldInfo{"noise", 1e-5, 0.5, "1", "noise of the stored values, full scale = 1"}, self.noise);
@@ -32,13 +33,14 @@ struct FitOptions {
 };
 
 struct FitReport {
-    TransferEstimate transfer;           // how the photographs were linearised, and how that is known
-    long pixels = 0;                     // of the picture
-    long fitted = 0;                     // with a valid estimate
-    long not_converged = 0;              // of those fitted
-    double median_confidence = 0;        // [1] of the fitted pixels
-    double median_rms_residual = 0;      // [sigma] robust; about 1 where noise and model error are as assumed
-    double support_tilt_deg = 0;         // [deg] of the plane taken off the height: doubtful light directions show here
+    TransferEstimate transfer;       // how the photographs were linearised, and how that is known
+    long pixels = 0;                 // of the picture
+    long fitted = 0;                 // with a valid estimate
+    long not_converged = 0;          // of those fitted
+    double median_confidence = 0;    // [1] of the fitted pixels
+    double median_rms_residual = 0;  // [sigma] robust; about 1 where noise and model error are as assumed
+    double support_tilt_deg =
+        0;  // [deg] of the plane taken off the height: doubtful light directions show here
     HeightReport height;
     std::vector<std::string> warnings;
 };

@@ -41,6 +41,7 @@ private:
 }  // namespace
 
 using Solver = ceres::TinySolver<WardFunction>;
+using Matrix = Eigen::Matrix<double, kWardParameters, kWardParameters>;
 
 struct WardFitter::Workspace {
     Solver solver;
@@ -51,8 +52,9 @@ struct WardFitter::Workspace {
 
 namespace {
 
-// What the model leaves out (interreflection, other lobes, shadows) grows with the light that is there. It is taken
-// relative to the matt prediction, not to the value alone: a value in shadow would look certain because it is small.
+// What the model leaves out (interreflection, other lobes, shadows) grows with the light that is there. It is
+// taken relative to the matt prediction, not to the value alone: a value in shadow would look certain because
+// it is small.
 void add_model_error(const LambertEstimate& start, double model_error, PixelSamples& s) {
     for (int i = 0; i < s.photos(); ++i) {
         const double cosine = std::max(glm::dot(start.normal, s.light[static_cast<std::size_t>(i)]), 0.0);
@@ -65,10 +67,10 @@ void add_model_error(const LambertEstimate& start, double model_error, PixelSamp
     }
 }
 
-// Start of the lobe: for a few widths, the rho_s that explains what the diffuse estimate leaves over, each with its
-// robust cost; the cheapest wins. Least squares alone is bimodal in alpha.
-void start_lobe(const PixelSamples& s, const WardResiduals& residuals, const WardBounds& bounds, WardVector& theta,
-                Eigen::VectorXd& scratch) {
+// Start of the lobe: for a few widths, the rho_s that explains what the diffuse estimate leaves over, each
+// with its robust cost; the cheapest wins. Least squares alone is bimodal in alpha.
+void start_lobe(const PixelSamples& s, const WardResiduals& residuals, const WardBounds& bounds,
+                WardVector& theta) {
     constexpr std::array<double, 5> widths = {0.06, 0.12, 0.2, 0.32, 0.5};
     double best_cost = std::numeric_limits<double>::infinity();
     const WardVector diffuse_only = theta;
@@ -82,15 +84,17 @@ void start_lobe(const PixelSamples& s, const WardResiduals& residuals, const War
                 const auto at = static_cast<std::size_t>(i * s.channels + c);
                 if (!(s.sigma[at] > 0)) continue;
                 const double w = 1 / (s.sigma[at] * s.sigma[at]);
-                const double left = s.value[at] - s.irradiance[at] * candidate[kWardCommon + static_cast<std::size_t>(c)] * t.n_l;
+                const double left = s.value[at] - s.irradiance[at] *
+                                                      candidate[kWardCommon + static_cast<std::size_t>(c)] *
+                                                      t.n_l;
                 const double lobe = s.irradiance[at] * t.lobe;
                 numerator += w * lobe * left;
                 denominator += w * lobe * lobe;
             }
         }
-        candidate[3] = denominator > 0 ? std::clamp(numerator / denominator, 0.002, bounds.specular_max) : 0.002;
-        residuals.evaluate(candidate.data(), scratch.data(), nullptr);
-        const double cost = scratch.squaredNorm();
+        candidate[3] =
+            denominator > 0 ? std::clamp(numerator / denominator, 0.002, bounds.specular_max) : 0.002;
+        const double cost = residuals.cost(candidate.data());
         if (cost < best_cost) {
             best_cost = cost;
             theta = candidate;
@@ -122,9 +126,14 @@ WardEstimate WardFitter::fit(const PixelSamples& given) {
     w.jacobian.resize(rows, kWardParameters);
     w.residuals.resize(rows);
 
-    WardVector theta = {-start.normal.x / start.normal.z, -start.normal.y / start.normal.z, options_.prior.ln_alpha,
-                        0.0, start.diffuse[0], start.diffuse[1], start.diffuse[2]};
-    start_lobe(samples, residuals, bounds, theta, w.residuals);
+    WardVector theta = {-start.normal.x / start.normal.z,
+                        -start.normal.y / start.normal.z,
+                        options_.prior.ln_alpha,
+                        0.0,
+                        start.diffuse[0],
+                        start.diffuse[1],
+                        start.diffuse[2]};
+    start_lobe(samples, residuals, bounds, theta);
 
     const WardFunction function(residuals, bounds);
     const WardVector u0 = unbounded_of(theta, bounds);
@@ -148,11 +157,11 @@ WardEstimate WardFitter::fit(const PixelSamples& given) {
     estimate.specular = theta[3];
     for (int c = 0; c < 3; ++c)
         estimate.diffuse[c] = theta[static_cast<std::size_t>(kWardCommon + (c < samples.channels ? c : 0))];
-    Eigen::MatrixXd information = (w.jacobian.transpose() * w.jacobian).topLeftCorner(parameters, parameters);
-    // A parameter that no sample depends on (n.l <= 0 under every light) has no error; the floor keeps it finite.
+    Matrix information = w.jacobian.transpose() * w.jacobian;
+    // A parameter that no sample depends on (n.l <= 0 under every light, a channel that grey photographs do
+    // not have) has no error; the floor keeps it finite.
     information.diagonal().array() += 1e-9;
-    const Eigen::MatrixXd covariance =
-        information.ldlt().solve(Eigen::MatrixXd::Identity(parameters, parameters)) * std::max(chi2, 1.0);
+    const Matrix covariance = information.ldlt().solve(Matrix::Identity()) * std::max(chi2, 1.0);
     const auto error_of = [&](int i) { return std::sqrt(std::max(covariance(i, i), 0.0)); };
     estimate.slope_error = std::sqrt(std::max(covariance(0, 0) + covariance(1, 1), 0.0) / 2);
     estimate.roughness_error = error_of(2) * estimate.roughness;

@@ -12,25 +12,27 @@
 namespace tangi {
 
 struct WardFitOptions {
-    int max_iterations = 30;        // Levenberg-Marquardt steps
-    double model_error = 0.05;      // [1] relative deviation of real surfaces from the model
-    double robust_scale = 3;      // [sigma] residual from which a sample counts less and less (Cauchy)
+    int max_iterations = 30;    // Levenberg-Marquardt steps
+    double model_error = 0.05;  // [1] relative deviation of real surfaces from the model
+    double robust_scale = 3;    // [sigma] residual from which a sample counts less and less (Cauchy)
     WardBounds bounds = {};
     WardPrior prior = {};
 
     static constexpr std::string_view name = "ward_fit";
     template <class Self, class Visit>
     static void fields(Self& self, Visit&& visit) {
-        visit(FieldInfo{"max_iterations", 1, 1000, "1", "Levenberg-Marquardt steps a pixel"}, self.max_iterations);
-        visit(FieldInfo{"model_error", 0, 1, "1", "relative deviation expected between surfaces and the model"},
-              self.model_error);
+        visit(FieldInfo{"max_iterations", 1, 1000, "1", "Levenberg-Marquardt steps a pixel"},
+              self.max_iterations);
+        visit(
+            FieldInfo{"model_error", 0, 1, "1", "relative deviation expected between surfaces and the model"},
+            self.model_error);
         visit(FieldInfo{"robust_scale", 0.1, 1000, "sigma", "residual from which a sample counts less"},
               self.robust_scale);
     }
 };
 
-// The fit of one pixel. Standard errors are those of the parameters at the solution, from the inverse of J^T J
-// (Gauss-Newton), scaled up where the residuals are larger than expected.
+// The fit of one pixel. Standard errors are those of the parameters at the solution, from the inverse of J^T
+// J (Gauss-Newton), scaled up where the residuals are larger than expected.
 struct WardEstimate {
     glm::dvec2 slope{0};         // [1] dz/dx, dz/dy
     glm::dvec3 diffuse{0};       // [1] rho_d

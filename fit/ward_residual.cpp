@@ -17,8 +17,8 @@ void WardResiduals::evaluate(const double* theta, double* residuals, double* jac
             if (!(samples_.sigma[index] > 0)) continue;
             const double scale = samples_.irradiance[index] / samples_.sigma[index];
             const double diffuse = theta[kWardCommon + c], specular = theta[3];
-            const double plain = scale * (diffuse * t.n_l + specular * t.lobe) -
-                                 samples_.value[index] / samples_.sigma[index];
+            const double plain =
+                scale * (diffuse * t.n_l + specular * t.lobe) - samples_.value[index] / samples_.sigma[index];
             const RobustValue robust = root_cauchy(plain, robust_scale_);
             residuals[row] = robust.value;
             if (!jacobian) continue;
@@ -38,15 +38,29 @@ void WardResiduals::evaluate(const double* theta, double* residuals, double* jac
     }
 }
 
-void WardResiduals::evaluate_plain(const double* theta, double* residuals) const {
+double WardResiduals::cost(const double* theta) const {
+    // sum ln(1 + s) = ln prod (1 + s); the product is folded before it can overflow.
+    double product = 1, logarithm = 0;
+    const double inverse_c2 = 1 / (robust_scale_ * robust_scale_);
     for (int i = 0, row = 0; i < samples_.photos(); ++i) {
         const WardTerms t = ward_terms(theta, samples_.light[static_cast<std::size_t>(i)]);
         for (int c = 0; c < samples_.channels; ++c, ++row) {
             const auto at = static_cast<std::size_t>(row);
-            const double model = samples_.irradiance[at] * (theta[kWardCommon + c] * t.n_l + theta[3] * t.lobe);
-            residuals[row] = samples_.sigma[at] > 0 ? (model - samples_.value[at]) / samples_.sigma[at] : 0;
+            if (!(samples_.sigma[at] > 0)) continue;
+            const double model =
+                samples_.irradiance[at] * (theta[kWardCommon + c] * t.n_l + theta[3] * t.lobe);
+            const double r = (model - samples_.value[at]) / samples_.sigma[at];
+            product *= 1 + r * r * inverse_c2;
+            if (product > 1e100) {
+                logarithm += std::log(product);
+                product = 1;
+            }
         }
     }
+    const double alpha = (theta[2] - prior_.ln_alpha) / prior_.ln_alpha_sigma;
+    const double specular = (theta[3] - prior_.specular) / prior_.specular_sigma;
+    return robust_scale_ * robust_scale_ * (logarithm + std::log(product)) + alpha * alpha +
+           specular * specular;
 }
 
 WardVector natural_of(const double* u, const WardBounds& bounds, double* derivative) {
@@ -65,7 +79,8 @@ WardVector unbounded_of(const WardVector& theta, const WardBounds& bounds) {
     for (int i = 0; i < kWardParameters; ++i) {
         const auto [low, high] = ward_interval(bounds, i);
         // Away from the ends, where the derivative vanishes and the solver would be stuck.
-        const double t = std::clamp(2 * (theta[static_cast<std::size_t>(i)] - low) / (high - low) - 1, -0.9995, 0.9995);
+        const double t =
+            std::clamp(2 * (theta[static_cast<std::size_t>(i)] - low) / (high - low) - 1, -0.9995, 0.9995);
         u[static_cast<std::size_t>(i)] = std::asin(t);
     }
     return u;

@@ -43,13 +43,21 @@ AtomicFile::~AtomicFile() {
     if (!committed_) fs::remove(temporary_, ignored);
 }
 
+void AtomicFile::write(std::string_view bytes) {
+    std::ofstream stream(temporary_, std::ios::binary);
+    stream.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+    stream.close();
+    if (!stream) fail("{}: cannot be written: {}", target_.string(), std::strerror(errno));
+}
+
 void AtomicFile::commit() {
     sync_to_disk(temporary_, target_);
     std::error_code status;
     fs::rename(temporary_, target_, status);
     if (status) fail("{}: cannot be put in place: {}", target_.string(), status.message());
     committed_ = true;
-    // The new name is safe only once its folder is; a file system that cannot sync folders is no reason to fail.
+    // The new name is safe only once its folder is; a file system that cannot sync folders is no reason to
+    // fail.
     const fs::path folder = target_.has_parent_path() ? target_.parent_path() : fs::path(".");
     const int handle = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
     if (handle >= 0) {
@@ -60,16 +68,14 @@ void AtomicFile::commit() {
 
 void write_text_file(const fs::path& path, std::string_view text) {
     AtomicFile file(path);
-    std::ofstream stream(file.temporary(), std::ios::binary);
-    stream.write(text.data(), static_cast<std::streamsize>(text.size()));
-    stream.close();
-    if (!stream) fail("{}: cannot be written: {}", path.string(), std::strerror(errno));
+    file.write(text);
     file.commit();
 }
 
 std::string read_text_file(const fs::path& path) {
     std::ifstream stream(path, std::ios::binary);
-    if (!stream || fs::is_directory(path)) fail("{}: cannot be read: {}", path.string(), std::strerror(errno));
+    if (!stream || fs::is_directory(path))
+        fail("{}: cannot be read: {}", path.string(), std::strerror(errno));
     return {std::istreambuf_iterator<char>(stream), {}};
 }
 

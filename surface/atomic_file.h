@@ -22,6 +22,8 @@ public:
     const std::filesystem::path& temporary() const { return temporary_; }
     const std::filesystem::path& target() const { return target_; }
 
+    // Makes `bytes` the content of the temporary file. Throws Error naming the target, as on a full disk.
+    void write(std::string_view bytes);
     void commit();
 
 private:

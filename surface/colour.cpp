@@ -11,9 +11,12 @@ namespace tangi {
 float Transfer::encode(float linear) const {
     const float x = linear > 0 ? linear : 0;
     switch (kind) {
-        case Kind::linear: break;
-        case Kind::srgb: return x <= 0.0031308f ? 12.92f * x : 1.055f * std::pow(x, 1 / 2.4f) - 0.055f;
-        case Kind::gamma: return std::pow(x, static_cast<float>(1 / gamma));
+        case Kind::linear:
+            break;
+        case Kind::srgb:
+            return x <= 0.0031308f ? 12.92f * x : 1.055f * std::pow(x, 1 / 2.4f) - 0.055f;
+        case Kind::gamma:
+            return std::pow(x, static_cast<float>(1 / gamma));
     }
     return x;
 }
@@ -21,9 +24,12 @@ float Transfer::encode(float linear) const {
 float Transfer::decode(float encoded) const {
     const float x = encoded > 0 ? encoded : 0;
     switch (kind) {
-        case Kind::linear: break;
-        case Kind::srgb: return x <= 0.04045f ? x / 12.92f : std::pow((x + 0.055f) / 1.055f, 2.4f);
-        case Kind::gamma: return std::pow(x, static_cast<float>(gamma));
+        case Kind::linear:
+            break;
+        case Kind::srgb:
+            return x <= 0.04045f ? x / 12.92f : std::pow((x + 0.055f) / 1.055f, 2.4f);
+        case Kind::gamma:
+            return std::pow(x, static_cast<float>(gamma));
     }
     return x;
 }
@@ -34,9 +40,12 @@ Rgb Transfer::encode(const Rgb& linear) const {
 
 std::string Transfer::name() const {
     switch (kind) {
-        case Kind::linear: break;
-        case Kind::srgb: return "srgb";
-        case Kind::gamma: return fmt::format("gamma {}", gamma);
+        case Kind::linear:
+            break;
+        case Kind::srgb:
+            return "srgb";
+        case Kind::gamma:
+            return fmt::format("gamma {}", gamma);
     }
     return "linear";
 }
@@ -67,7 +76,9 @@ Lab lab_from_linear(const Rgb& c) {
 
 double delta_e_2000(const Lab& first, const Lab& second) {
     constexpr double degree = std::numbers::pi / 180;
-    const auto seventh = [](double c) { return std::sqrt(std::pow(c, 7) / (std::pow(c, 7) + std::pow(25.0, 7))); };
+    const auto seventh = [](double c) {
+        return std::sqrt(std::pow(c, 7) / (std::pow(c, 7) + std::pow(25.0, 7)));
+    };
 
     const double chroma_ab = (std::hypot(first.a, first.b) + std::hypot(second.a, second.b)) / 2;
     const double g = 0.5 * (1 - seventh(chroma_ab));
@@ -97,7 +108,8 @@ double delta_e_2000(const Lab& first, const Lab& second) {
     const double delta_h = 2 * std::sqrt(c1 * c2) * std::sin(hue_difference / 2 * degree);
     const double l_mean = (first.l + second.l) / 2, c_mean = (c1 + c2) / 2;
     const double t = 1 - 0.17 * std::cos((hue_mean - 30) * degree) + 0.24 * std::cos(2 * hue_mean * degree) +
-                     0.32 * std::cos((3 * hue_mean + 6) * degree) - 0.20 * std::cos((4 * hue_mean - 63) * degree);
+                     0.32 * std::cos((3 * hue_mean + 6) * degree) -
+                     0.20 * std::cos((4 * hue_mean - 63) * degree);
     const double rotation = 30 * std::exp(-std::pow((hue_mean - 275) / 25, 2));
     const double l50 = (l_mean - 50) * (l_mean - 50);
     const double s_l = 1 + 0.015 * l50 / std::sqrt(20 + l50);

@@ -1,4 +1,5 @@
-// colour.h: transfer curves, CIE colour, colour differences. Linear means scene-referred Rec. 709, white = D65.
+// colour.h: transfer curves, CIE colour, colour differences. Linear means scene-referred Rec. 709, white =
+// D65.
 #pragma once
 
 #include <glm/mat3x3.hpp>

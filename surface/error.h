@@ -1,8 +1,9 @@
 // error.h: the three ways in which things go wrong, each with its own type.
 //
 //   Error          the world is wrong (a file, a flag, the data): the message is for the user.  exit code 1
-//   Cancelled      the user asked to stop; nothing half-written stays behind.                     exit code 130
-//   ContractError  our code is wrong: a broken precondition, with file and line.                  exit code 70
+//   Cancelled      the user asked to stop; nothing half-written stays behind.                     exit code
+//   130 ContractError  our code is wrong: a broken precondition, with file and line.                  exit
+//   code 70
 //
 // Numbers that are poor (no convergence, too few lights) are not errors: they are fields of the reports.
 #pragma once
@@ -35,10 +36,11 @@ template <class... Args>
     throw Error(fmt::format(format, std::forward<Args>(args)...));
 }
 
-#define TP_REQUIRE(condition, what)                                                                   \
-    do {                                                                                              \
-        if (!(condition))                                                                             \
-            throw ::tangi::ContractError(fmt::format("{}:{}: {} ({})", __FILE__, __LINE__, what, #condition)); \
+#define TP_REQUIRE(condition, what)                                                   \
+    do {                                                                              \
+        if (!(condition))                                                             \
+            throw ::tangi::ContractError(                                             \
+                fmt::format("{}:{}: {} ({})", __FILE__, __LINE__, what, #condition)); \
     } while (false)
 
 }  // namespace tangi

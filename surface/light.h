@@ -1,6 +1,7 @@
 // light.h: the lights of photographs and of relit pictures.
 #pragma once
 
+#include <cmath>
 #include <glm/geometric.hpp>
 #include <optional>
 #include <string>
@@ -12,13 +13,13 @@ namespace tangi {
 // A distant light, or a near one where position_mm is set. Strength is relative to the exposure: a matt white
 // surface (rho_d = 1) at the centre of the picture that faces the light has the linear value `gain`.
 struct Light {
-    std::string name;                  // the photograph it belongs to, as its lights file names it; may be empty
-    Vec3 direction{0, 0, 1};           // [unit vector] from the surface to the light, seen from the picture's centre
+    std::string name;         // the photograph it belongs to, as its lights file names it; may be empty
+    Vec3 direction{0, 0, 1};  // [unit vector] from the surface to the light, seen from the picture's centre
     std::optional<Vec3> position_mm{};  // [mm] of a near light; direction is its unit vector then
-    Rgb gain{1, 1, 1};                 // [1] > 0
+    Rgb gain{1, 1, 1};                  // [1] > 0
 };
 
-Light distant_light(const Vec3& direction, std::string name = {});   // normalises
+Light distant_light(const Vec3& direction, std::string name = {});  // normalises
 Light near_light(const Vec3& position_mm, std::string name = {});
 
 // Direction to the light and irradiance at a point of the painting, both as seen from there.

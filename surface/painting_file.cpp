@@ -65,8 +65,8 @@ Imf::FrameBuffer frame_buffer(Surface& s) {
     return buffer;
 }
 
-// OpenEXR swallows what goes wrong while a file is closed. This stream remembers it, so that a disk that fills
-// up with the very last bytes is not taken for success.
+// OpenEXR swallows what goes wrong while a file is closed. This stream remembers it, so that a disk that
+// fills up with the very last bytes is not taken for success.
 class CheckedStream : public Imf::OStream {
 public:
     explicit CheckedStream(const fs::path& path)
@@ -98,6 +98,11 @@ private:
     std::string failure_;
 };
 
+// Names of photographs come from file systems, where any bytes are allowed.
+std::string utf8_of(const nlohmann::json& json) {
+    return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
 Imf::Header header_of(const Surface& s) {
     Imf::Header header(s.width(), s.height());
     header.setName(kDry);
@@ -107,7 +112,7 @@ Imf::Header header_of(const Surface& s) {
         header.channels().insert(c.name, Imf::Channel(Imf::FLOAT));
     header.insert("mm_per_pixel", Imf::FloatAttribute(static_cast<float>(s.mm_per_pixel)));
     header.insert("scale_known", Imf::IntAttribute(s.scale_known ? 1 : 0));
-    header.insert("photography", Imf::StringAttribute(to_json(s.photography).dump()));
+    header.insert("photography", Imf::StringAttribute(utf8_of(to_json(s.photography))));
     header.insert("provenance", Imf::StringAttribute(s.provenance));
     header.insert("dry_hash", Imf::StringAttribute(hash_of(s)));
     return header;
@@ -134,7 +139,8 @@ Surface read_dry_part(const fs::path& path, const Progress& progress) {
     const Imf::Header& header = file.header(number);
     const auto& window = header.dataWindow();
     const int width = window.max.x - window.min.x + 1, height = window.max.y - window.min.y + 1;
-    if (window.min.x != 0 || window.min.y != 0) fail("{}: its data window does not start at 0, 0", path.string());
+    if (window.min.x != 0 || window.min.y != 0)
+        fail("{}: its data window does not start at 0, 0", path.string());
     // Paintings are whole pictures. A damaged size is so found before memory for it is asked for.
     if (header.displayWindow() != window)
         fail("{}: part '{}' is {} x {}, but its display window is not", path.string(), kDry, width, height);
@@ -154,11 +160,15 @@ Surface read_dry_part(const fs::path& path, const Progress& progress) {
     s.scale_known = attribute<Imf::IntAttribute>(header, "scale_known", 0) != 0;
     s.provenance = attribute<Imf::StringAttribute>(header, "provenance", std::string());
     const std::string photography = attribute<Imf::StringAttribute>(header, "photography", std::string("{}"));
-    s.photography = photography_from_json(nlohmann::json::parse(photography));
+    try {
+        s.photography = photography_from_json(nlohmann::json::parse(photography));
+    } catch (const std::exception& error) {
+        fail("{}: attribute 'photography': {}", path.string(), error.what());
+    }
     const std::string stored = attribute<Imf::StringAttribute>(header, "dry_hash", std::string());
     if (!stored.empty() && stored != hash_of(s))
-        fail("{}: the dry layer is not the one that was saved (hash {} expected, {} found)", path.string(), stored,
-             hash_of(s));
+        fail("{}: the dry layer is not the one that was saved (hash {} expected, {} found)", path.string(),
+             stored, hash_of(s));
     return s;
 }
 
@@ -216,8 +226,8 @@ void write_painting(AtomicFile& file, const Surface& s, const Progress& progress
         failure = error.what();
     }
     if (!failure.empty()) fail("{}: cannot be written: {}", target, failure);
+    report(progress, "write painting", 1);  // the last chance to stop: what is in place is not taken back
     file.commit();
-    report(progress, "write painting", 1);
 }
 
 void write_painting(const fs::path& path, const Surface& s, const Progress& progress) {
@@ -241,6 +251,8 @@ Surface read_painting(const fs::path& path, const Progress& progress) {
         throw;
     } catch (const Cancelled&) {
         throw;
+    } catch (const std::bad_alloc&) {
+        fail("{}: not enough memory to read it", path.string());
     } catch (const std::exception& error) {  // OpenEXR's and the JSON reader's own
         fail("{}: is not a painting file, or is damaged: {}", path.string(), error.what());
     }

@@ -1,7 +1,8 @@
 // painting_file.h: a painting as one multi-part OpenEXR file; part `dry` holds the fitted Surface.
 //
 // Channels (32-bit float): height [mm], normal.X/Y/Z, diffuse.R/G/B, specular, roughness, confidence.
-// Attributes: mm_per_pixel, scale_known, photography (JSON), provenance (JSON), dry_hash. docs/quantities.md has all.
+// Attributes: mm_per_pixel, scale_known, photography (JSON), provenance (JSON), dry_hash. docs/quantities.md
+// has all.
 #pragma once
 
 #include <filesystem>

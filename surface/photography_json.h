@@ -9,7 +9,8 @@ namespace tangi {
 
 nlohmann::json to_json(const Photography& photography);
 
-// An empty object gives an empty Photography. Throws Error, or nlohmann's exceptions, where the JSON is not one.
+// An empty object gives an empty Photography. Throws Error, or nlohmann's exceptions, where the JSON is not
+// one.
 Photography photography_from_json(const nlohmann::json& json);
 
 }  // namespace tangi

@@ -1,5 +1,6 @@
 #include "surface/picture_file.h"
 
+#include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
 
 #include "surface/atomic_file.h"
@@ -29,6 +30,17 @@ Depth depth_of(const fs::path& path, const PictureStorage& storage = {}) {
     fail("{}: pictures are written as .png, .tif, .jpg or .exr", path.string());
 }
 
+bool is_readable(const fs::path& path) {
+    const auto input = OIIO::ImageInput::open(path.string());
+    if (!input) return false;
+    const OIIO::ImageSpec& spec = input->spec();
+    std::vector<float> row(static_cast<std::size_t>(spec.width) * static_cast<std::size_t>(spec.nchannels));
+    for (int y = 0; y < spec.height; ++y)
+        if (!input->read_scanline(y, 0, OIIO::TypeDesc::FLOAT, row.data()) || input->has_error())
+            return false;
+    return true;
+}
+
 // `samples` holds width * height * channels numbers, interleaved.
 void write_samples(const fs::path& path, const float* samples, const Region& size, int channels, Depth depth,
                    const std::string& colour_space, int jpeg_quality = 95) {
@@ -42,9 +54,18 @@ void write_samples(const fs::path& path, const float* samples, const Region& siz
     spec.attribute("oiio:ColorSpace", colour_space);
     spec.attribute("Compression",
                    lower_extension(path).starts_with(".jp") ? fmt::format("jpeg:{}", jpeg_quality) : "zip");
-    const bool written = output->open(file.temporary().string(), spec) &&
-                         output->write_image(OIIO::TypeDesc::FLOAT, samples);
+    // On a full disk OpenImageIO's writers notice little, and libjpeg ends the process: they write to memory.
+    // All but that of TIFF, which fails there (OpenImageIO 2.4); what it wrote is read back instead.
+    std::vector<unsigned char> bytes;
+    OIIO::Filesystem::IOVecOutput memory(bytes);
+    const bool is_tiff = lower_extension(path).starts_with(".tif");
+    if (!is_tiff) output->set_ioproxy(&memory);
+    const bool written =
+        output->open(file.temporary().string(), spec) && output->write_image(OIIO::TypeDesc::FLOAT, samples);
     if (!written || !output->close()) fail("{}: cannot be written: {}", path.string(), output->geterror());
+    if (is_tiff && !is_readable(file.temporary()))
+        fail("{}: cannot be written: is the disk full?", path.string());
+    if (!is_tiff) file.write({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
     file.commit();
 }
 
@@ -75,12 +96,15 @@ void write_picture_8bit(const fs::path& path, const Image<Rgb>& encoded_srgb) {
 }
 
 Image<Rgb> read_picture(const fs::path& path) {
-    const auto input = OIIO::ImageInput::open(path.string());
+    OIIO::ImageSpec as_stored;
+    as_stored.attribute("oiio:UnassociatedAlpha", 1);
+    const auto input = OIIO::ImageInput::open(path.string(), &as_stored);
     if (!input) fail("{}: cannot be read: {}", path.string(), OIIO::geterror());
     const OIIO::ImageSpec& spec = input->spec();
     const int channels = std::min(spec.nchannels, 3);
     std::vector<float> values(static_cast<std::size_t>(spec.width) * spec.height * channels);
-    if (!input->read_image(0, 0, 0, channels, OIIO::TypeDesc::FLOAT, values.data()))
+    // Strips of a TIFF file that cannot be read show only in has_error() (OpenImageIO 2.4).
+    if (!input->read_image(0, 0, 0, channels, OIIO::TypeDesc::FLOAT, values.data()) || input->has_error())
         fail("{}: cannot be read: {}", path.string(), input->geterror());
     Image<Rgb> image(spec.width, spec.height);
     for (std::size_t i = 0; i < image.size(); ++i) {

@@ -14,14 +14,16 @@ struct PictureStorage {
     int jpeg_quality = 95;  // 1..100
 };
 
-// Writes a linear picture, encoded by `transfer`, whole or not at all. The extension chooses the format and depth:
-// .png .tif as `storage` says, .jpg 8 bit, .exr 32-bit float. EXR files are linear by definition: `transfer` must be
-// linear, or Error. Throws Error where the file can't be written or the extension is none of these.
+// Writes a linear picture, encoded by `transfer`, whole or not at all. The extension chooses the format and
+// depth: .png .tif as `storage` says, .jpg 8 bit, .exr 32-bit float. EXR files are linear by definition:
+// `transfer` must be linear, or Error. Throws Error where the file can't be written or the extension is none
+// of these.
 void write_picture(const std::filesystem::path& path, const Image<Rgb>& linear, const Transfer& transfer,
                    const PictureStorage& storage = {});
 
 // Writes numbers as they are, one channel, in the same formats; integers hold 0..1.
-void write_map(const std::filesystem::path& path, const Image<float>& values, const PictureStorage& storage = {});
+void write_map(const std::filesystem::path& path, const Image<float>& values,
+               const PictureStorage& storage = {});
 
 // Writes numbers that are pictures already (0..1, sRGB-encoded), 8 bit: contact sheets, error maps.
 void write_picture_8bit(const std::filesystem::path& path, const Image<Rgb>& encoded_srgb);

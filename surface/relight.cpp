@@ -64,7 +64,8 @@ Image<float> visibility(const Surface& s, const Light& light, double light_radiu
                 const float tangent = horizon(s, x, y, l.x / across, -l.y / across, highest, floor);
                 if (tangent <= floor) continue;
                 // At least -1: rounding can put a horizon that touches the light's lower rim below it.
-                const float covered = radius > 0 ? std::max((std::atan(tangent) - elevation) / radius, -1.0f) : 1.0f;
+                const float covered =
+                    radius > 0 ? std::max((std::atan(tangent) - elevation) / radius, -1.0f) : 1.0f;
                 if (covered >= 1) {
                     visible(x, y) = 0;
                 } else {

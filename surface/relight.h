@@ -12,23 +12,26 @@ namespace tangi {
 
 struct RelightOptions {
     WardModel model = WardModel::bounded;
-    bool cast_shadows = false;     // march the height map towards each light
+    bool cast_shadows = false;       // march the height map towards each light
     double light_radius_deg = 0.25;  // [deg] angular radius of the lights, for the penumbra of cast shadows
-    double ambient = 0;            // [1] part of rho_d that shines without any light
+    double ambient = 0;              // [1] part of rho_d that shines without any light
 
     static constexpr std::string_view name = "relight";
     template <class Self, class Visit>
     static void fields(Self& self, Visit&& visit) {
         visit(FieldInfo{"cast_shadows", 0, 1, "", "shadows that the relief casts, from the height map"},
               self.cast_shadows);
-        visit(FieldInfo{"light_radius_deg", 0, 45, "deg", "angular radius of the lights (softness of cast shadows)"},
+        visit(FieldInfo{"light_radius_deg", 0, 45, "deg",
+                        "angular radius of the lights (softness of cast shadows)"},
               self.light_radius_deg);
-        visit(FieldInfo{"ambient", 0, 1, "1", "part of the diffuse colour seen without any light"}, self.ambient);
+        visit(FieldInfo{"ambient", 0, 1, "1", "part of the diffuse colour seen without any light"},
+              self.ambient);
     }
 };
 
 // Linear picture, as seen by an orthographic viewer at (0, 0, 1):
-//   value = ambient rho_d + sum over lights of irradiance * visibility * (rho_d + pi rho_s lobe) * max(0, n.l)
+//   value = ambient rho_d + sum over lights of irradiance * visibility * (rho_d + pi rho_s lobe) * max(0,
+//   n.l)
 // so that a matt white facing a light of gain 1 is 1. It is linear in the lights (tested).
 Image<Rgb> relight(const Surface& surface, std::span<const Light> lights, const RelightOptions& options = {},
                    const Progress& progress = {});
@@ -36,8 +39,8 @@ Image<Rgb> relight(const Surface& surface, std::span<const Light> lights, const 
 // One pixel of it: pi f cos(theta) for one light direction, without visibility.
 Rgb reflected(const Surface& surface, int x, int y, const Vec3& light, WardModel model);
 
-// Part of the light, 0..1, that reaches each pixel past the relief. Light from a disc of the given angular radius
-// around each direction; a pixel beyond the picture's border casts no shadow.
+// Part of the light, 0..1, that reaches each pixel past the relief. Light from a disc of the given angular
+// radius around each direction; a pixel beyond the picture's border casts no shadow.
 Image<float> visibility(const Surface& surface, const Light& light, double light_radius_deg);
 
 }  // namespace tangi

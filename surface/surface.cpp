@@ -3,6 +3,7 @@
 #include <array>
 #include <glm/mat3x3.hpp>
 #include <glm/matrix.hpp>
+#include <nlohmann/json.hpp>
 
 #include "surface/error.h"
 
@@ -13,6 +14,12 @@ namespace {
 // Pixels from the centre of the picture, y up.
 double centred_x(int x, int width) { return x - (width - 1) / 2.0; }
 double centred_y(int y, int height) { return (height - 1) / 2.0 - y; }
+
+// Names come from file systems, where any bytes are allowed; what is not UTF-8 in them is lost in a painting
+// file.
+std::string as_stored(const std::string& name) {
+    return nlohmann::json(name).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
 
 }  // namespace
 
@@ -27,6 +34,24 @@ Surface::Surface(int width, int height)
 Vec3 Surface::point_mm(int x, int y) const {
     return {static_cast<float>(centred_x(x, width()) * mm_per_pixel),
             static_cast<float>(centred_y(y, height()) * mm_per_pixel), height_mm(x, y)};
+}
+
+const Photography::Photo* find_photo(const Photography& photography, const Light& light) {
+    constexpr float same_light = 0.9986f;  // cosine of 3 degrees: lights files round their vectors
+    for (const Photography::Photo& photo : photography.photos)
+        if (glm::dot(photo.light.direction, light.direction) >= same_light &&
+            as_stored(photo.light.name) == as_stored(light.name))
+            return &photo;
+    return nullptr;
+}
+
+Light as_photographed(const Light& light, const Photography& photography) {
+    Light result = light;
+    if (const Photography::Photo* photo = find_photo(photography, light)) {
+        result.gain = photo->light.gain;
+        if (!result.position_mm) result.position_mm = photo->light.position_mm;
+    }
+    return result;
 }
 
 void require_consistent(const Surface& s) {
@@ -76,8 +101,8 @@ void subtract(const Plane& plane, Image<float>& height_mm) {
     const int width = height_mm.width(), height = height_mm.height();
     for (int y = 0; y < height; ++y)
         for (int x = 0; x < width; ++x)
-            height_mm(x, y) -= static_cast<float>(plane.a * centred_x(x, width) +
-                                                  plane.b * centred_y(y, height) + plane.c);
+            height_mm(x, y) -=
+                static_cast<float>(plane.a * centred_x(x, width) + plane.b * centred_y(y, height) + plane.c);
 }
 
 }  // namespace tangi

@@ -1,7 +1,7 @@
 // surface.h: the noun of the toolkit: a painting as per-pixel maps of shape and reflectance.
 //
-// Frame: x right, y up, z towards the viewer, origin at the centre of the picture; rows run downwards, so y = -row.
-// docs/quantities.md defines every map: symbol, unit, frame, range.
+// Frame: x right, y up, z towards the viewer, origin at the centre of the picture; rows run downwards, so y =
+// -row. docs/quantities.md defines every map: symbol, unit, frame, range.
 #pragma once
 
 #include <string>
@@ -13,7 +13,8 @@
 
 namespace tangi {
 
-// How the photographs that a surface was fitted from relate to it, so that relit pictures can be encoded alike:
+// How the photographs that a surface was fitted from relate to it, so that relit pictures can be encoded
+// alike:
 //   encoded = transfer(white_level * gain * (pi f cos(theta_i)))
 struct Photography {
     struct Photo {
@@ -25,7 +26,16 @@ struct Photography {
     std::vector<Photo> photos;
 };
 
-// All maps have the same size. A pixel that was not measured has confidence 0, normal (0, 0, 1) and rho_d = 0.
+// The photograph of this name and light, or null. The light counts too, within 3 degrees: photographs of
+// different stacks have the same names (image00.jpg).
+const Photography::Photo* find_photo(const Photography& photography, const Light& light);
+
+// The light with the strength (and the position, if near) that it had in its photograph; as it is where there
+// is none.
+Light as_photographed(const Light& light, const Photography& photography);
+
+// All maps have the same size. A pixel that was not measured has confidence 0, normal (0, 0, 1) and rho_d =
+// 0.
 struct Surface {
     Image<float> height_mm;   // [mm] above the mean plane of the support
     Image<Vec3> normal;       // [unit vector], z > 0
@@ -63,8 +73,8 @@ inline Vec3 normal_of(const Slope& s) {
 // Normals of a height map by central differences, one-sided at the borders (thesis eq. 3.5 to 3.9).
 Image<Vec3> normals_of(const Image<float>& height_mm, double mm_per_pixel);
 
-// z of the plane a x + b y + c [mm] that fits best in the sense of least squares; x, y in pixels from the centre,
-// y up. `weight` may be empty (all alike).
+// z of the plane a x + b y + c [mm] that fits best in the sense of least squares; x, y in pixels from the
+// centre, y up. `weight` may be empty (all alike).
 struct Plane {
     double a = 0, b = 0, c = 0;
 };

@@ -4,9 +4,12 @@ namespace tangi {
 
 std::string_view name_of(WardModel model) {
     switch (model) {
-        case WardModel::ward1992: return "ward1992";
-        case WardModel::duer: return "duer";
-        case WardModel::bounded: break;
+        case WardModel::ward1992:
+            return "ward1992";
+        case WardModel::duer:
+            return "duer";
+        case WardModel::bounded:
+            break;
     }
     return "bounded";
 }

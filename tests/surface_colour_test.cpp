@@ -21,7 +21,8 @@ struct Pair {
     double delta_e;
 };
 
-// Sharma, Wu, Dalal 2005, table 1: pairs 1, 7 (one is grey), 9, 10 (hues 180 degrees apart), 17 (large), 33 (dark).
+// Sharma, Wu, Dalal 2005, table 1: pairs 1, 7 (one is grey), 9, 10 (hues 180 degrees apart), 17 (large), 33
+// (dark).
 const Pair kPublished[] = {
     {{50.0000, 2.6772, -79.7751}, {50.0000, 0.0000, -82.7485}, 2.0425},
     {{50.0000, 0.0000, 0.0000}, {50.0000, -1.0000, 2.0000}, 2.3669},
@@ -90,9 +91,12 @@ TEST(Lab, OfBlackIsZeroAndOfMiddleGreyIs50) {
 
 TEST(Lab, OfThePrimariesAgreesWithCieTables) {
     // sRGB red, green, blue: L* 53.24, 87.73, 32.30 (Lindbloom's calculator, D65).
-    const struct { Rgb colour; Lab lab; } table[] = {{{1, 0, 0}, {53.2408, 80.0925, 67.2032}},
-                                                     {{0, 1, 0}, {87.7347, -86.1827, 83.1793}},
-                                                     {{0, 0, 1}, {32.2970, 79.1875, -107.8602}}};
+    const struct {
+        Rgb colour;
+        Lab lab;
+    } table[] = {{{1, 0, 0}, {53.2408, 80.0925, 67.2032}},
+                 {{0, 1, 0}, {87.7347, -86.1827, 83.1793}},
+                 {{0, 0, 1}, {32.2970, 79.1875, -107.8602}}};
     for (const auto& [colour, lab] : table) {
         const Lab found = lab_from_linear(colour);
         EXPECT_NEAR(found.l, lab.l, 0.01);
@@ -151,14 +155,15 @@ TEST(TransferNamed, ReadsItsGrammar) {
         EXPECT_EQ(transfer_named(name), gamma(2.2)) << name;
     EXPECT_EQ(transfer_named("0.2"), gamma(0.2));
     EXPECT_EQ(transfer_named("5"), gamma(5));
-    for (const char* wrong : {"", "gamma", "gamma ", "sRGB", "linear ", "0.19", "5.01", "-2.2", "nan", "inf", "2.2x",
-                              "2,2", "2.2 ", "rec709", "gamma gamma 2"})
+    for (const char* wrong : {"", "gamma", "gamma ", "sRGB", "linear ", "0.19", "5.01", "-2.2", "nan", "inf",
+                              "2.2x", "2,2", "2.2 ", "rec709", "gamma gamma 2"})
         EXPECT_FALSE(transfer_named(wrong)) << "'" << wrong << "'";
 }
 
 TEST(TransferNamed, RoundTripsEveryName) {
     EXPECT_EQ(gamma(2.2).name(), "gamma 2.2");
-    for (const Transfer& transfer : {kLinear, kSrgb, gamma(2.2), gamma(1.8), gamma(1.0 / 0.45), gamma(2.19995)})
+    for (const Transfer& transfer :
+         {kLinear, kSrgb, gamma(2.2), gamma(1.8), gamma(1.0 / 0.45), gamma(2.19995)})
         EXPECT_EQ(transfer_named(transfer.name()), transfer) << transfer.name();
 }
 

@@ -21,7 +21,8 @@ Surface bumpy(int width, int height, std::uint64_t seed = 1) {
     s.mm_per_pixel = 0.1;
     for (float& z : s.height_mm.pixels()) z = random.real(0, 0.2);
     s.normal = normals_of(s.height_mm, s.mm_per_pixel);
-    for (Rgb& c : s.diffuse.pixels()) c = {random.real(0.1, 0.9), random.real(0.1, 0.9), random.real(0.1, 0.9)};
+    for (Rgb& c : s.diffuse.pixels())
+        c = {random.real(0.1, 0.9), random.real(0.1, 0.9), random.real(0.1, 0.9)};
     for (float& v : s.specular.pixels()) v = random.real(0, 0.1);
     for (float& v : s.roughness.pixels()) v = random.real(0.1, 0.5);
     for (float& v : s.confidence.pixels()) v = 1;
@@ -124,7 +125,8 @@ TEST(Relight, WithoutLightsShowsTheAmbientOnly) {
     for (Rgb& c : expected.pixels()) c *= 0.25f;
     EXPECT_TRUE(images_near(relight(s, {}, {.ambient = 0.25}), expected, 1e-7));
     const Light light = lit_from({1, 1, 1});
-    EXPECT_TRUE(images_near(relight(s, {{light}}, {.ambient = 0.25}), sum(relight(s, {{light}}), expected), 1e-5));
+    EXPECT_TRUE(
+        images_near(relight(s, {{light}}, {.ambient = 0.25}), sum(relight(s, {{light}}), expected), 1e-5));
 }
 
 TEST(Relight, IsDarkWhereTheSurfaceTurnsAway) {

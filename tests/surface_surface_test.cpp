@@ -40,10 +40,12 @@ TEST(Slope, RisesAgainstTheNormalsLean) {
 
 TEST(NormalsOf, APlaneAreItsNormalEverywhere) {
     for (const double mm_per_pixel : {1.0, 0.05, 3.0}) {
-        const auto map = height_map(9, 7, mm_per_pixel, [](double x, double y) { return 0.3 * x - 0.7 * y + 2; });
+        const auto map =
+            height_map(9, 7, mm_per_pixel, [](double x, double y) { return 0.3 * x - 0.7 * y + 2; });
         const Vec3 expected = normal_of({0.3f, -0.7f});
         // Heights up to 20 mm have a rounding of 1e-6, over a distance of two pixels (0.1 mm at least).
-        EXPECT_TRUE(images_near(normals_of(map, mm_per_pixel), Image<Vec3>(9, 7, expected), 5e-6)) << mm_per_pixel;
+        EXPECT_TRUE(images_near(normals_of(map, mm_per_pixel), Image<Vec3>(9, 7, expected), 5e-6))
+            << mm_per_pixel;
     }
 }
 
@@ -51,13 +53,14 @@ TEST(NormalsOf, ASpherePointAwayFromItsCentre) {
     constexpr double radius = 40;  // [mm]
     constexpr int size = 41;
     constexpr double pixel = 0.5;
-    const auto map =
-        height_map(size, size, pixel, [](double x, double y) { return std::sqrt(radius * radius - x * x - y * y); });
+    const auto map = height_map(
+        size, size, pixel, [](double x, double y) { return std::sqrt(radius * radius - x * x - y * y); });
     const Image<Vec3> normals = normals_of(map, pixel);
     for (int y = 1; y < size - 1; ++y)
         for (int x = 1; x < size - 1; ++x) {
             const Vec3 expected = Vec3(glm::dvec3((x - 20) * pixel, (20 - y) * pixel, map(x, y)) / radius);
-            // Central differences err by the third derivative: z''' pixel^2 / 6 < 3 (0.35 / 40^2) 0.25 / 6 < 1e-4.
+            // Central differences err by the third derivative: z''' pixel^2 / 6 < 3 (0.35 / 40^2) 0.25 / 6 <
+            // 1e-4.
             EXPECT_LE(glm::length(normals(x, y) - expected), 1e-4f) << x << ", " << y;
         }
 }
@@ -147,6 +150,39 @@ TEST(Surface, WithMapsOfDifferentSizeBreaksTheContract) {
     Surface s(4, 3);
     s.roughness = Image<float>(3, 4);
     EXPECT_THROW(require_consistent(s), ContractError);
+}
+
+Photography two_photos() {
+    Photography p;
+    Light first = distant_light({0, 0.6f, 0.8f}, "a.jpg"), second = near_light({100, 0, 200}, "b.jpg");
+    first.gain = {1, 2, 3};
+    second.gain = Rgb(0.5f);
+    p.photos = {{first, true}, {second, false}};
+    return p;
+}
+
+TEST(FindPhoto, ComparesNameAndLight) {
+    const Photography p = two_photos();
+    EXPECT_EQ(find_photo(p, distant_light({0, 0.6f, 0.8f}, "a.jpg")), &p.photos[0]);
+    EXPECT_EQ(find_photo(p, distant_light({0, 0.61f, 0.79f}, "a.jpg")), &p.photos[0]);  // 0.8 degrees
+    EXPECT_EQ(find_photo(p, distant_light({0, 0.7f, 0.7f}, "a.jpg")), nullptr);         // 8 degrees
+    EXPECT_EQ(find_photo(p, distant_light({0, 0.6f, 0.8f}, "b.jpg")), nullptr);
+    EXPECT_EQ(find_photo(Photography{}, distant_light({0, 0, 1})), nullptr);
+}
+
+TEST(AsPhotographed, TakesTheLightOfItsPhotograph) {
+    const Photography p = two_photos();
+    EXPECT_EQ(as_photographed(distant_light({0, 0.6f, 0.8f}, "a.jpg"), p).gain, Rgb(1, 2, 3));
+    const Light near = as_photographed(distant_light({1, 0, 2}, "b.jpg"), p);
+    EXPECT_EQ(near.gain, Rgb(0.5f));
+    EXPECT_EQ(near.position_mm, Vec3(100, 0, 200));
+}
+
+TEST(AsPhotographed, LeavesALightThatNoPhotographHadAsItIs) {
+    Light light = distant_light({0, 0.6f, 0.8f}, "new");
+    light.gain = {4, 5, 6};
+    EXPECT_EQ(as_photographed(light, two_photos()).gain, Rgb(4, 5, 6));
+    EXPECT_FALSE(as_photographed(light, two_photos()).position_mm);
 }
 
 }  // namespace

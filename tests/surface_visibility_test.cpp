@@ -22,12 +22,14 @@ Surface with_wall(int width, int edge, float height_mm, double mm_per_pixel) {
 }
 
 Light from_the_right(double elevation_deg) {
-    return distant_light(Vec3(glm::dvec3(std::cos(elevation_deg * kDegree), 0, std::sin(elevation_deg * kDegree))));
+    return distant_light(
+        Vec3(glm::dvec3(std::cos(elevation_deg * kDegree), 0, std::sin(elevation_deg * kDegree))));
 }
 
 TEST(Visibility, OfAFlatSurfaceIsComplete) {
     for (const double elevation : {5.0, 45.0, 89.9, 90.0})
-        EXPECT_TRUE(images_near(visibility(Surface(9, 9), from_the_right(elevation), 1), Image<float>(9, 9, 1), 0));
+        EXPECT_TRUE(
+            images_near(visibility(Surface(9, 9), from_the_right(elevation), 1), Image<float>(9, 9, 1), 0));
 }
 
 TEST(Visibility, GivesAWallAShadowOfHeightOverTheTangentOfTheElevation) {
@@ -37,7 +39,8 @@ TEST(Visibility, GivesAWallAShadowOfHeightOverTheTangentOfTheElevation) {
             const float height_mm = static_cast<float>(12 * mm_per_pixel);
             const Image<float> visible =
                 visibility(with_wall(100, edge, height_mm, mm_per_pixel), from_the_right(elevation), 0);
-            // A pixel d pixels before the wall is dark where 12 / d > tan(elevation), and the wall's top is lit.
+            // A pixel d pixels before the wall is dark where 12 / d > tan(elevation), and the wall's top is
+            // lit.
             const int length = static_cast<int>(std::floor(12 / std::tan(elevation * kDegree)));
             for (int x = 0; x < 100; ++x)
                 EXPECT_EQ(visible(x, 2), x >= edge - length && x < edge ? 0 : 1)
@@ -46,7 +49,8 @@ TEST(Visibility, GivesAWallAShadowOfHeightOverTheTangentOfTheElevation) {
 }
 
 TEST(Visibility, ThrowsTheShadowAwayFromTheLight) {
-    // A post in the middle: under light from the top of the picture its shadow falls below it, and only there.
+    // A post in the middle: under light from the top of the picture its shadow falls below it, and only
+    // there.
     Surface s(21, 21);
     s.height_mm(10, 10) = 2.5f;
     const Image<float> visible = visibility(s, distant_light({0, 1, 1}), 0);
@@ -70,7 +74,8 @@ TEST(Visibility, FadesSteadilyThroughThePenumbra) {
 }
 
 TEST(Visibility, IsHalfWhereTheHorizonCutsTheLightsCentre) {
-    // 30 / tan(25 deg) = 64.34: the horizon passes the light's centre between pixels 64 and 65 before the wall.
+    // 30 / tan(25 deg) = 64.34: the horizon passes the light's centre between pixels 64 and 65 before the
+    // wall.
     const Image<float> visible = visibility(with_wall(160, 150, 30, 1), from_the_right(25), 8);
     EXPECT_LT(visible(150 - 64, 2), 0.5);
     EXPECT_GT(visible(150 - 65, 2), 0.5);
@@ -88,7 +93,8 @@ TEST(Visibility, IsSharpenedByASmallerLight) {
 }
 
 TEST(Visibility, OfANearLightDependsOnThePlace) {
-    // A lamp 20 mm above the centre, two posts: one far to the left, one far to the right; shadows point outwards.
+    // A lamp 20 mm above the centre, two posts: one far to the left, one far to the right; shadows point
+    // outwards.
     Surface s(61, 3);
     s.height_mm(10, 1) = s.height_mm(50, 1) = 5;
     const Image<float> visible = visibility(s, near_light({0, 0, 20}), 0);
@@ -99,7 +105,8 @@ TEST(Visibility, OfANearLightDependsOnThePlace) {
 }
 
 TEST(Visibility, IsBetweenZeroAndOneWhereTheHorizonTouchesTheLightsRim) {
-    // Ramps that rise just as steeply as the light's lower rim stands: rounding decides there, and must not give NaN.
+    // Ramps that rise just as steeply as the light's lower rim stands: rounding decides there, and must not
+    // give NaN.
     for (const double radius : {1e-9, 1e-6, 1e-3, 0.25, 5.0, 20.0})
         for (int i = 1; i < 60; ++i) {
             const double elevation = 1 + 1.3 * i;

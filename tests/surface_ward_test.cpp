@@ -29,8 +29,9 @@ WardAngles<double> angles_between(const DVec3& l, const DVec3& v) {
 }
 
 // Part of the light from `theta_v` that the lobe sends anywhere: the integral of lobe cos(theta_l) over the
-// hemisphere, by the midpoint rule in the half vector's slope, tan(delta) = alpha sqrt(-ln u), where the lobe is
-// smooth for every alpha. The only kink is the horizon of l: N points per axis leave an error of order 1/N.
+// hemisphere, by the midpoint rule in the half vector's slope, tan(delta) = alpha sqrt(-ln u), where the lobe
+// is smooth for every alpha. The only kink is the horizon of l: N points per axis leave an error of order
+// 1/N.
 double albedo(WardModel model, double theta_v, double alpha, int n = 400) {
     const DVec3 v = direction(theta_v, 0);
     double sum = 0;
@@ -81,7 +82,8 @@ TEST(WardLobe, AllModelsReflectEverythingFromASmoothSurfaceAtNormalIncidence) {
 }
 
 TEST(WardLobe, PeaksAtTheMirrorDirectionWithThePublishedValue) {
-    // Ward 1992, eq. 5 at delta = 0, theta_i = theta_r: 1 / (4 pi alpha^2 cos); all three agree at normal incidence.
+    // Ward 1992, eq. 5 at delta = 0, theta_i = theta_r: 1 / (4 pi alpha^2 cos); all three agree at normal
+    // incidence.
     const double alpha = 0.15, theta = 0.6;
     const auto mirror = angles_between(direction(theta, 0), direction(theta, kPi));
     const double expected = 1 / (4 * kPi * alpha * alpha * std::cos(theta));
@@ -100,9 +102,11 @@ TEST(WardLobe, IsReciprocal) {
         const double alpha = random.uniform(0.05, 1), beta = random.uniform(0.05, 1);
         for (const WardModel model : kModels) {
             const double there = ward_lobe(model, angles_between(l, v), alpha);
-            EXPECT_NEAR(ward_lobe(model, angles_between(v, l), alpha), there, 1e-12 * there) << name_of(model);
+            EXPECT_NEAR(ward_lobe(model, angles_between(v, l), alpha), there, 1e-12 * there)
+                << name_of(model);
             const double there2 = ward_lobe(model, angles_between(l, v), alpha, beta);
-            EXPECT_NEAR(ward_lobe(model, angles_between(v, l), alpha, beta), there2, 1e-12 * there2) << name_of(model);
+            EXPECT_NEAR(ward_lobe(model, angles_between(v, l), alpha, beta), there2, 1e-12 * there2)
+                << name_of(model);
         }
     }
 }
@@ -114,15 +118,18 @@ TEST(WardLobe, AnisotropicWithEqualAlphasIsIsotropic) {
         const double alpha = random.uniform(0.02, 1);
         for (const WardModel model : kModels) {
             const double isotropic = ward_lobe(model, angles_between(l, v), alpha);
-            // The exponent, up to 1e7 here, loses its last digits to the difference of squares in one of the two.
-            EXPECT_NEAR(ward_lobe(model, angles_between(l, v), alpha, alpha), isotropic, 1e-8 * isotropic + 1e-290)
+            // The exponent, up to 1e7 here, loses its last digits to the difference of squares in one of the
+            // two.
+            EXPECT_NEAR(ward_lobe(model, angles_between(l, v), alpha, alpha), isotropic,
+                        1e-8 * isotropic + 1e-290)
                 << name_of(model);
         }
     }
 }
 
 TEST(WardLobe, AnisotropicIsWiderAcrossTheBrushHairs) {
-    // alpha_x = 0.3 along x and 0.05 along y: a half vector tilted along x is brighter than one tilted along y.
+    // alpha_x = 0.3 along x and 0.05 along y: a half vector tilted along x is brighter than one tilted along
+    // y.
     for (const WardModel model : kModels)
         EXPECT_GT(ward_lobe(model, angles_between(direction(0.4, 0), {0, 0, 1}), 0.3, 0.05),
                   10 * ward_lobe(model, angles_between(direction(0.4, kPi / 2), {0, 0, 1}), 0.3, 0.05))
@@ -138,9 +145,11 @@ TEST(WardLobe, StaysTheSameWhenTheWholeFrameTurns) {
         const Vec3 t = glm::normalize(glm::cross(n, random.direction(-0.9))), b = glm::cross(n, t);
         const auto turned = [&](const Vec3& a) { return a.x * t + a.y * b + a.z * n; };
         for (const WardModel model : kModels) {
-            const float flat = ward_lobe(model, ward_angles({0, 0, 1}, {1, 0, 0}, {0, 1, 0}, l, v), 0.3f, 0.2f);
+            const float flat =
+                ward_lobe(model, ward_angles({0, 0, 1}, {1, 0, 0}, {0, 1, 0}, l, v), 0.3f, 0.2f);
             const float tilted = ward_lobe(model, ward_angles(n, t, b, turned(l), turned(v)), 0.3f, 0.2f);
-            // Relative error: of each cosine (>= 0.05) about 2e-6, in the exponent times twice its value (< 200).
+            // Relative error: of each cosine (>= 0.05) about 2e-6, in the exponent times twice its value (<
+            // 200).
             EXPECT_NEAR(tilted, flat, 1e-3f * flat + 1e-6f) << name_of(model);
         }
     }
@@ -155,20 +164,23 @@ TEST(WardLobe, IsZeroBelowTheSurface) {
 }
 
 TEST(WardLobe, IsFiniteForEveryRoughnessAndDirectionOfTheThesis) {
-    // Down to the last bits of a float: light, viewer and normal within 1e-7 of grazing, and mirrored exactly.
+    // Down to the last bits of a float: light, viewer and normal within 1e-7 of grazing, and mirrored
+    // exactly.
     const float cosines[] = {1e-37f, 1e-30f, 1e-20f, 1e-10f, 1e-7f, 1e-4f, 0.01f, 0.3f, 0.8f, 1.0f};
     const float alphas[] = {1e-4f, 1e-3f, 0.01f, 0.1f, 1.0f};
     for (const float n_l : cosines)
         for (const float n_v : cosines)
             for (int turn = 0; turn <= 180; turn += 15) {
                 const auto vector = [](float z, double phi) {
-                    return Vec3(direction(std::acos(double(z)), phi).x, direction(std::acos(double(z)), phi).y, z);
+                    return Vec3(direction(std::acos(double(z)), phi).x,
+                                direction(std::acos(double(z)), phi).y, z);
                 };
                 const Vec3 l = vector(n_l, turn * kPi / 180), v = vector(n_v, 0);
                 const WardAngles<float> a = ward_angles({0, 0, 1}, {1, 0, 0}, {0, 1, 0}, l, v);
                 for (const float alpha : alphas)
                     for (const WardModel model : kModels)
-                        for (const float lobe : {ward_lobe(model, a, alpha), ward_lobe(model, a, alpha, 1.0f)}) {
+                        for (const float lobe :
+                             {ward_lobe(model, a, alpha), ward_lobe(model, a, alpha, 1.0f)}) {
                             const float shaded = 0.1f * lobe * n_l;  // rho_s = 0.1, as radiance
                             ASSERT_TRUE(std::isfinite(shaded) && shaded >= 0)
                                 << name_of(model) << ", alpha " << alpha << ", n.l " << n_l << ", n.v " << n_v
@@ -195,7 +207,8 @@ TEST(WardModel, NamesRoundTrip) {
         EXPECT_FALSE(ward_model_named(unknown)) << unknown;
 }
 
-// The fits of 100 measured materials by Ngan, Durand and Matusik 2005; there kd is the BRDF's value, rho_d = pi kd.
+// The fits of 100 measured materials by Ngan, Durand and Matusik 2005; there kd is the BRDF's value, rho_d =
+// pi kd.
 TEST(DataWardMerl, MeasuredMaterialsReflectNoMoreThanTheyReceiveExceptTheFourOfDoubtfulFit) {
     TP_DATA(tables, "tables");
     std::ifstream file(tables / "ward_merl.csv");
@@ -221,7 +234,8 @@ TEST(DataWardMerl, MeasuredMaterialsReflectNoMoreThanTheyReceiveExceptTheFourOfD
     }
     EXPECT_EQ(materials, 100);
     // These are fits to saturated paints and to sugar, whose scattering below the surface no BRDF describes.
-    EXPECT_EQ(too_bright, (std::vector<std::string>{"light-red-paint", "orange-paint", "pink-plastic", "sugar"}));
+    EXPECT_EQ(too_bright,
+              (std::vector<std::string>{"light-red-paint", "orange-paint", "pink-plastic", "sugar"}));
     EXPECT_LE(brightest, 1.32);
 }
 

@@ -1,16 +1,20 @@
-// test_support.h: what the tests share: folders that vanish, image comparison, the data beside the repository.
+// test_support.h: what the tests share: folders that vanish, image comparison, the data beside the
+// repository.
 #pragma once
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <stdlib.h>
+#include <sys/resource.h>
 
 #include <algorithm>
 #include <cmath>
+#include <csignal>
 #include <cstdint>
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
+#include <fstream>
 #include <numbers>
 #include <optional>
 #include <string>
@@ -19,6 +23,14 @@
 #include "surface/error.h"
 #include "surface/image.h"
 #include "surface/light.h"
+#include "surface/picture_file.h"
+
+#ifdef __SANITIZE_ADDRESS__
+// OpenImageIO 2.4 keeps the error message of each reader in a table of the thread, and does not free it.
+extern "C" inline __attribute__((used)) const char* __lsan_default_suppressions() {
+    return "leak:libOpenImageIO";
+}
+#endif
 
 namespace tangi {
 
@@ -66,6 +78,39 @@ inline std::vector<std::string> names_in(const std::filesystem::path& folder) {
     std::sort(names.begin(), names.end());
     return names;
 }
+
+inline void write_bytes(const std::filesystem::path& path, const std::string& bytes) {
+    std::ofstream stream(path, std::ios::binary);
+    stream.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+    stream.close();
+    if (!stream) throw std::runtime_error("test cannot write " + path.string());
+}
+
+inline std::string bytes_of(const std::filesystem::path& path) {
+    std::ifstream stream(path, std::ios::binary);
+    return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+// No file that is written while it lives can grow beyond `bytes`: a disk that fills up.
+class FullDisk {
+public:
+    explicit FullDisk(std::size_t bytes) : handler_(std::signal(SIGXFSZ, SIG_IGN)) {
+        ::getrlimit(RLIMIT_FSIZE, &before_);
+        rlimit limit = before_;
+        limit.rlim_cur = bytes;
+        ::setrlimit(RLIMIT_FSIZE, &limit);
+    }
+    ~FullDisk() {
+        ::setrlimit(RLIMIT_FSIZE, &before_);
+        std::signal(SIGXFSZ, handler_);
+    }
+    FullDisk(const FullDisk&) = delete;
+    FullDisk& operator=(const FullDisk&) = delete;
+
+private:
+    void (*handler_)(int);
+    rlimit before_{};
+};
 
 // True where no value of the two images differs by more than `tolerance`; NaN differs from everything.
 template <class T>
@@ -133,18 +178,42 @@ inline std::vector<Light> dome_lights(int count, double lowest_deg = 20) {
     return lights;
 }
 
-// A folder of the data that is too large for the repository: $TANGIPAINT_DATA, or ../shared/data beside the source.
-// Tests that need it begin with TP_DATA(path, "real/icon"), are named Data*, and are skipped, saying so, without it.
+// A lights file in which lights have the names they have.
+inline void write_lights(const std::filesystem::path& path, const std::vector<Light>& lights) {
+    std::string text = fmt::format("{}\n", lights.size());
+    for (const Light& l : lights)
+        text += fmt::format("{} {} {} {}\n", l.name, l.direction.x, l.direction.y, l.direction.z);
+    write_bytes(path, text);
+}
+
+// A folder of photographs, 8 bit, and its lights.lp: pixel (x, y) of photograph i is colour (i + x, y, 5 i) /
+// 255.
+inline void write_test_stack(const TestDir& dir, const std::vector<Light>& lights, int width = 8,
+                             int height = 6) {
+    for (std::size_t i = 0; i < lights.size(); ++i) {
+        Image<Rgb> photo(width, height);
+        for (int y = 0; y < height; ++y)
+            for (int x = 0; x < width; ++x)
+                photo(x, y) = Rgb(static_cast<float>(i) + x, y, 5 * static_cast<float>(i)) / 255.0f;
+        write_picture_8bit(dir / lights[i].name, photo);
+    }
+    write_lights(dir / "lights.lp", lights);
+}
+
+// A folder of the data that is too large for the repository: $TANGIPAINT_DATA, or ../shared/data beside the
+// source. Tests that need it begin with TP_DATA(path, "real/icon"), are named Data*, and are skipped, saying
+// so, without it.
 inline std::optional<std::filesystem::path> data_folder(const std::string& name) {
     const char* given = std::getenv("TANGIPAINT_DATA");
-    const std::filesystem::path root =
-        given ? std::filesystem::path(given) : std::filesystem::path(TP_SOURCE_DIR) / ".." / "shared" / "data";
+    const std::filesystem::path root = given
+                                           ? std::filesystem::path(given)
+                                           : std::filesystem::path(TP_SOURCE_DIR) / ".." / "shared" / "data";
     if (!std::filesystem::is_directory(root / name)) return std::nullopt;
     return root / name;
 }
 
-#define TP_DATA(variable, name)                                                                 \
-    const auto variable##_found = ::tangi::data_folder(name);                                   \
+#define TP_DATA(variable, name)                                                                       \
+    const auto variable##_found = ::tangi::data_folder(name);                                         \
     if (!variable##_found) GTEST_SKIP() << "skipped: the data folder '" << (name) << "' is not here"; \
     const std::filesystem::path variable = *variable##_found
 

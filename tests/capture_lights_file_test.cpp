@@ -1,0 +1,172 @@
+// capture_lights_file_test.cpp: .lp files as they occur, and what is said of those that are none.
+#include "capture/lights_file.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/test_support.h"
+
+namespace tangi {
+namespace {
+
+using testing::ElementsAre;
+using testing::IsEmpty;
+using testing::StartsWith;
+
+LightsFile parse(const std::string& text) { return parse_lights(text, "x.lp"); }
+
+std::string error_in(const std::string& text) {
+    return error_of([&] { parse(text); });
+}
+
+void expect_light(const Light& light, const std::string& name, const Vec3& direction) {
+    EXPECT_EQ(light.name, name);
+    EXPECT_LE(glm::length(light.direction - glm::normalize(direction)), 1e-6f) << name;
+}
+
+TEST(LightsFile, IsACountAndALineForEachPhotograph) {
+    const LightsFile file = parse("2\na.jpg 0 0 1\nb.jpg 0.6 0 0.8\n");
+    ASSERT_EQ(file.lights.size(), 2u);
+    expect_light(file.lights[0], "a.jpg", {0, 0, 1});
+    expect_light(file.lights[1], "b.jpg", {0.6f, 0, 0.8f});
+    EXPECT_THAT(file.warnings, IsEmpty());
+    EXPECT_EQ(file.lights[0].gain, Rgb(1));
+    EXPECT_FALSE(file.lights[0].position_mm);
+}
+
+TEST(LightsFile, MayHoldNamesWithSpacesNumbersAndFolders) {
+    const LightsFile file =
+        parse("4\nDay 2/photo no 1 .jpg 0 0 1\nC:\\scans\\img 02.tif 1 0 1\n0.5 0.5 0 1 1\né–ü.png 0 1 0\n");
+    ASSERT_EQ(file.lights.size(), 4u);
+    expect_light(file.lights[0], "Day 2/photo no 1 .jpg", {0, 0, 1});
+    expect_light(file.lights[1], "C:\\scans\\img 02.tif", {1, 0, 1});
+    expect_light(file.lights[2], "0.5 0.5", {0, 1, 1});
+    expect_light(file.lights[3], "é–ü.png", {0, 1, 0});
+}
+
+TEST(LightsFile, MayHaveWindowsLineEndsTabsAndAByteOrderMark) {
+    const LightsFile file = parse("\xEF\xBB\xBF 2 \r\na.jpg\t0\t0\t1\r\n\tb.jpg  0.6 \t 0   0.8 \t\r\n");
+    ASSERT_EQ(file.lights.size(), 2u);
+    expect_light(file.lights[0], "a.jpg", {0, 0, 1});
+    expect_light(file.lights[1], "b.jpg", {0.6f, 0, 0.8f});
+    EXPECT_THAT(file.warnings, IsEmpty());
+}
+
+TEST(LightsFile, MayHaveBlankLinesAnywhereAndNoLastLineEnd) {
+    const LightsFile file = parse("\n\n2\n\na.jpg 0 0 1\n  \t\n\nb.jpg 1 0 0\n\n\n");
+    EXPECT_EQ(file.lights.size(), 2u);
+    EXPECT_THAT(file.warnings, IsEmpty());
+    EXPECT_EQ(parse("1\na.jpg 0 0 1").lights.size(), 1u);
+}
+
+TEST(LightsFile, MayHaveDecimalCommasSignsAndExponents) {
+    const LightsFile file = parse("2\na.jpg -0,6 +0,0 0,8\nb.jpg 6e-1 -0.0 8E-1\n");
+    expect_light(file.lights.at(0), "a.jpg", {-0.6f, 0, 0.8f});
+    expect_light(file.lights.at(1), "b.jpg", {0.6f, 0, 0.8f});
+}
+
+TEST(LightsFile, HasItsVectorsNormalisedWhateverTheirLength) {
+    for (const char* length : {"0.001", "0.5", "17", "1e30", "1e200", "1e308"}) {
+        const LightsFile file = parse(fmt::format("1\na.jpg {0} -{0} {0}\n", length));
+        expect_light(file.lights.at(0), "a.jpg", {1, -1, 1});
+    }
+}
+
+TEST(LightsFile, WithoutACountIsReadWithAWarning) {
+    const LightsFile file = parse("a.jpg 0 0 1\nb.jpg 1 0 1\n");
+    EXPECT_EQ(file.lights.size(), 2u);
+    EXPECT_THAT(file.warnings, ElementsAre("x.lp: the first line is not a count of lights"));
+}
+
+TEST(LightsFile, WithAnotherCountThanLinesIsReadWithAWarning) {
+    EXPECT_THAT(parse("3\na.jpg 0 0 1\nb.jpg 1 0 1\n").warnings,
+                ElementsAre("x.lp: its first line says 3 lights, but 2 follow; all 2 are used"));
+    EXPECT_THAT(parse("-1\na.jpg 0 0 1\n").warnings,
+                ElementsAre("x.lp: its first line says -1 lights, but 1 follow; all 1 are used"));
+}
+
+TEST(LightsFile, WithAZeroVectorIsAnError) {
+    EXPECT_EQ(error_in("2\na.jpg 0 0 1\nb.jpg 0 0 -0.0\n"),
+              "x.lp, line 3: the light of 'b.jpg' is a zero vector; give a direction or remove the line");
+}
+
+TEST(LightsFile, WithNanOrInfinityIsAnError) {
+    for (const char* word : {"nan", "NaN", "inf", "-inf", "Infinity"})
+        EXPECT_EQ(error_in(fmt::format("1\n\na.jpg 0 {} 1\n", word)),
+                  "x.lp, line 3: the light of 'a.jpg' is not finite; give a direction or remove the line")
+            << word;
+}
+
+TEST(LightsFile, WithTooFewColumnsIsAnError) {
+    EXPECT_EQ(error_in("1\na.jpg 0 1\n"), "x.lp, line 2: expected 'name x y z', but 'a.jpg' is not a number");
+    EXPECT_EQ(error_in("1\n0 0 1\n"),
+              "x.lp, line 2: expected 'name x y z', but the photograph's name is missing");
+    EXPECT_THAT(error_in("1\na.jpg\n"), StartsWith("x.lp, line 2: expected 'name x y z', but 'a.jpg'"));
+    EXPECT_THAT(error_in("1\n5\n"), StartsWith("x.lp, line 2: expected 'name x y z'"));
+}
+
+TEST(LightsFile, WithTextInsteadOfANumberIsAnError) {
+    EXPECT_EQ(error_in("1\na.jpg 0 up 1\n"), "x.lp, line 2: expected 'name x y z', but 'up' is not a number");
+    EXPECT_EQ(error_in("1\na.jpg 0 0 1;\n"), "x.lp, line 2: expected 'name x y z', but '1;' is not a number");
+    EXPECT_EQ(error_in("1\na.jpg 0 0 0x1\n"),
+              "x.lp, line 2: expected 'name x y z', but '0x1' is not a number");
+    EXPECT_EQ(error_in("16 lights\na.jpg 0 0 1\n"),
+              "x.lp, line 1: expected 'name x y z', but 'lights' is not a number");
+}
+
+TEST(LightsFile, ThatIsEmptyIsAnError) {
+    const char* expected =
+        "x.lp: holds no lights; expected a count, then a line 'name x y z' for each photograph";
+    for (const char* text : {"", "\n\n", "12\n", "\xEF\xBB\xBF", "0\n  \n"})
+        EXPECT_EQ(error_in(text), expected);
+}
+
+TEST(LightsFile, WithANameTwiceIsAnError) {
+    EXPECT_EQ(error_in("3\na.jpg 0 0 1\nb.jpg 1 0 1\na.jpg 0 1 1\n"),
+              "x.lp, line 4: 'a.jpg' has a light in line 2 already");
+}
+
+TEST(LightsFile, ThatIsMissingOrAFolderIsAnError) {
+    const TestDir dir;
+    EXPECT_EQ(error_of([] { read_lights_file("/nowhere/x.lp"); }), "/nowhere/x.lp: no such lights file");
+    EXPECT_THAT(error_of([&] { read_lights_file(dir.path()); }), StartsWith(dir.path().string() + ": "));
+}
+
+TEST(LightsFile, ThatIsAPictureIsAnErrorThatNamesTheLine) {
+    const TestDir dir;
+    write_picture_8bit(dir / "x.png", Image<Rgb>(9, 9, Rgb(0.3f)));
+    EXPECT_THAT(error_of([&] { read_lights_file(dir / "x.png"); }),
+                StartsWith((dir / "x.png").string() + ", line 1: expected 'name x y z', but "));
+}
+
+TEST(LightsFile, RoundTripsWithinItsSixDecimals) {
+    const TestDir dir;
+    std::vector<Light> lights = dome_lights(30, 1);
+    lights[3].name = "folder/a name with 3 spaces";
+    write_lights_file(dir / "x.lp", lights);
+    const LightsFile back = read_lights_file(dir / "x.lp");
+    EXPECT_THAT(back.warnings, IsEmpty());
+    ASSERT_EQ(back.lights.size(), lights.size());
+    for (std::size_t i = 0; i < lights.size(); ++i) {
+        EXPECT_EQ(back.lights[i].name, lights[i].name);
+        EXPECT_LE(glm::length(back.lights[i].direction - lights[i].direction), 2e-6f);
+    }
+    EXPECT_THAT(bytes_of(dir / "x.lp"), StartsWith("30\nphoto_000.png "));
+}
+
+TEST(DataLightsFile, OfEveryStackIsRead) {
+    TP_DATA(real, "real");
+    int files = 0;
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(real)) {
+        if (entry.path().extension() != ".lp") continue;
+        ++files;
+        const LightsFile file = read_lights_file(entry.path());
+        EXPECT_GE(file.lights.size(), 40u) << entry.path();
+        for (const Light& light : file.lights)
+            EXPECT_NEAR(glm::length(light.direction), 1, 1e-6) << light.name;
+    }
+    EXPECT_GE(files, 6);
+}
+
+}  // namespace
+}  // namespace tangi

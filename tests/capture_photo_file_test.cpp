@@ -1,0 +1,290 @@
+// capture_photo_file_test.cpp: every format is read to the values that were stored, in bands of any height.
+#include "capture/photo_file.h"
+
+#include <OpenImageIO/imageio.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/test_support.h"
+
+namespace tangi {
+namespace {
+
+using OIIO::TypeDesc;
+using testing::StartsWith;
+namespace fs = std::filesystem;
+
+constexpr int kWidth = 53, kHeight = 37;  // no multiple of a tile
+
+// Codes of `bits` bits as numbers 0..1, interleaved, so that integers store them without loss.
+std::vector<float> random_codes(int channels, int bits) {
+    Random random(1);
+    const double top = (1 << bits) - 1;
+    std::vector<float> values(static_cast<std::size_t>(kWidth * kHeight * channels));
+    for (float& v : values) v = static_cast<float>(std::round(random.uniform() * top) / top);
+    return values;
+}
+
+void write(const fs::path& path, OIIO::ImageSpec spec, const std::vector<float>& values) {
+    const auto output = OIIO::ImageOutput::create(path.string());
+    ASSERT_TRUE(output && output->open(path.string(), spec)) << OIIO::geterror();
+    ASSERT_TRUE(output->write_image(TypeDesc::FLOAT, values.data()) && output->close()) << output->geterror();
+}
+
+OIIO::ImageSpec spec_of(TypeDesc type, int channels = 3) { return {kWidth, kHeight, channels, type}; }
+
+OIIO::ImageSpec tiled(OIIO::ImageSpec spec, int tile) {
+    spec.tile_width = spec.tile_height = tile;
+    spec.tile_depth = 1;
+    return spec;
+}
+
+std::vector<float> read_in_bands(const fs::path& path, int rows) {
+    PhotoFile file(path);
+    const auto row = static_cast<std::size_t>(file.header().width * file.header().channels);
+    std::vector<float> values(row * static_cast<std::size_t>(file.header().height));
+    for (int y = 0; y < file.header().height; y += rows) {
+        const int end = std::min(y + rows, file.header().height);
+        file.read_rows(y, end, std::span(values).subspan(row * static_cast<std::size_t>(y)));
+    }
+    return values;
+}
+
+void expect_values(const fs::path& path, const std::vector<float>& expected, double tolerance) {
+    const std::vector<float> whole = read_in_bands(path, 1 << 20);
+    ASSERT_EQ(whole.size(), expected.size()) << path;
+    double worst = 0;
+    for (std::size_t i = 0; i < whole.size(); ++i) {
+        const double error = std::abs(double(whole[i]) - double(expected[i]));
+        worst = error <= worst ? worst : error;  // NaN stays
+    }
+    EXPECT_TRUE(worst <= tolerance) << path << ": " << worst;
+    for (const int rows : {1, 2, 7, 16, 36})
+        EXPECT_EQ(read_in_bands(path, rows), whole) << path << ", " << rows;
+
+    // Going back starts over.
+    PhotoFile file(path);
+    const auto row = static_cast<std::size_t>(file.header().width * file.header().channels);
+    std::vector<float> values(row * 3);
+    for (const int y : {20, 3, 34, 0}) {
+        file.read_rows(y, y + 3, values);
+        EXPECT_TRUE(
+            std::equal(values.begin(), values.end(), whole.begin() + static_cast<std::ptrdiff_t>(row) * y))
+            << path << ", row " << y;
+    }
+}
+
+// An uncompressed 24-bit TGA file; rows as in the file, from the bottom up where `bottom_left`.
+void write_tga(const fs::path& path, const std::vector<float>& values, bool bottom_left) {
+    std::string bytes(18, '\0');
+    bytes[2] = 2;  // true colour
+    bytes[12] = kWidth;
+    bytes[14] = kHeight;
+    bytes[16] = 24;
+    bytes[17] = bottom_left ? 0 : 0x20;
+    for (int i = 0; i < kHeight; ++i) {
+        const int y = bottom_left ? kHeight - 1 - i : i;
+        for (int x = 0; x < kWidth; ++x)
+            for (int c = 2; c >= 0; --c)  // blue first
+                bytes += static_cast<char>(
+                    std::lround(values[static_cast<std::size_t>((y * kWidth + x) * 3 + c)] * 255));
+    }
+    write_bytes(path, bytes);
+}
+
+TEST(PhotoFile, ReadsIntegerFormatsWithoutLoss) {
+    const TestDir dir;
+    const struct {
+        const char* name;
+        OIIO::ImageSpec spec;
+        int bits;
+    } formats[] = {{"8.png", spec_of(TypeDesc::UINT8), 8},
+                   {"16.png", spec_of(TypeDesc::UINT16), 16},
+                   {"8.tif", spec_of(TypeDesc::UINT8), 8},
+                   {"16.tif", spec_of(TypeDesc::UINT16), 16},
+                   {"tiled.tif", tiled(spec_of(TypeDesc::UINT16), 16), 16},
+                   {"grey.png", spec_of(TypeDesc::UINT16, 1), 16},
+                   {"grey.tif", spec_of(TypeDesc::UINT8, 1), 8}};
+    for (const auto& [name, spec, bits] : formats) {
+        const std::vector<float> values = random_codes(spec.nchannels, bits);
+        write(dir / name, spec, values);
+        const PhotoHeader header = PhotoFile(dir / name).header();
+        EXPECT_EQ(header.width, kWidth) << name;
+        EXPECT_EQ(header.height, kHeight) << name;
+        EXPECT_EQ(header.channels, spec.nchannels) << name;
+        EXPECT_EQ(header.bits, bits) << name;
+        EXPECT_FALSE(header.is_float) << name;
+        expect_values(dir / name, values, 1e-7);  // one rounding of a float up to 1
+    }
+}
+
+TEST(PhotoFile, ReadsFloatFormatsWithoutLoss) {
+    const TestDir dir;
+    Random random(2);
+    std::vector<float> values(static_cast<std::size_t>(kWidth * kHeight * 3));
+    for (float& v : values) v = static_cast<float>(random.below(2048)) / 128 - 1;  // -1..15, exact in a half
+    OIIO::ImageSpec moved = spec_of(TypeDesc::FLOAT);
+    moved.x = 5;
+    moved.y = -7;
+    const struct {
+        const char* name;
+        OIIO::ImageSpec spec;
+    } formats[] = {{"float.tif", spec_of(TypeDesc::FLOAT)},
+                   {"tiled.tif", tiled(spec_of(TypeDesc::FLOAT), 32)},
+                   {"half.exr", spec_of(TypeDesc::HALF)},
+                   {"float.exr", spec_of(TypeDesc::FLOAT)},
+                   {"tiled.exr", tiled(spec_of(TypeDesc::HALF), 8)},
+                   {"moved.exr", moved}};
+    for (const auto& [name, spec] : formats) {
+        write(dir / name, spec, values);
+        EXPECT_TRUE(PhotoFile(dir / name).header().is_float) << name;
+        EXPECT_EQ(PhotoFile(dir / name).header().bits, 32) << name;
+        expect_values(dir / name, values, 0);
+    }
+}
+
+TEST(PhotoFile, ReadsTgaFromBothOrigins) {
+    const TestDir dir;
+    const std::vector<float> values = random_codes(3, 8);
+    write_tga(dir / "bottom.tga", values, true);
+    write_tga(dir / "top.tga", values, false);
+    for (const char* name : {"bottom.tga", "top.tga"}) {
+        expect_values(dir / name, values, 1e-7);
+        EXPECT_EQ(PhotoFile(dir / name).header().orientation, 1) << name;  // it is turned already
+    }
+}
+
+TEST(PhotoFile, ReadsJpegWithinItsLoss) {
+    const TestDir dir;
+    std::vector<float> values;  // a gentle ramp: quality 95 leaves two or three codes
+    for (int y = 0; y < kHeight; ++y)
+        for (int x = 0; x < kWidth; ++x)
+            values.insert(values.end(), 3, static_cast<float>(0.2 + 0.01 * x + 0.005 * y));
+    OIIO::ImageSpec spec = spec_of(TypeDesc::UINT8);
+    spec.attribute("Compression", "jpeg:95");
+    write(dir / "a.JPG", spec, values);
+    expect_values(dir / "a.JPG", values, 3.0 / 255);
+    EXPECT_EQ(PhotoFile(dir / "a.JPG").header().bits, 8);
+    OIIO::ImageSpec grey = spec_of(TypeDesc::UINT8, 1);
+    write(dir / "grey.jpeg", grey, std::vector<float>(static_cast<std::size_t>(kWidth * kHeight), 0.5f));
+    EXPECT_EQ(PhotoFile(dir / "grey.jpeg").header().channels, 1);
+}
+
+TEST(PhotoFile, DropsAlphaWithoutMultiplyingByIt) {
+    const TestDir dir;
+    std::vector<float> rgba, rgb;
+    for (int i = 0; i < kWidth * kHeight; ++i) {
+        rgba.insert(rgba.end(), {0.2f, 0.4f, 0.8f, 0.5f});  // codes 51, 102, 204
+        rgb.insert(rgb.end(), {0.2f, 0.4f, 0.8f});
+    }
+    OIIO::ImageSpec spec = spec_of(TypeDesc::UINT8, 4);
+    spec.attribute("oiio:UnassociatedAlpha", 1);
+    for (const char* name : {"a.png", "a.tif"}) {
+        write(dir / name, spec, rgba);
+        EXPECT_EQ(PhotoFile(dir / name).header().channels, 3);
+        expect_values(dir / name, rgb, 1e-7);
+    }
+}
+
+TEST(PhotoFile, TellsTheExifOrientation) {
+    const TestDir dir;
+    OIIO::ImageSpec spec = spec_of(TypeDesc::UINT8);
+    spec.attribute("Orientation", 6);
+    write(dir / "a.jpg", spec, random_codes(3, 8));
+    EXPECT_EQ(PhotoFile(dir / "a.jpg").header().orientation, 6);
+    write(dir / "b.jpg", spec_of(TypeDesc::UINT8), random_codes(3, 8));
+    EXPECT_EQ(PhotoFile(dir / "b.jpg").header().orientation, 1);
+}
+
+TEST(PhotoFile, IsToldByItsExtension) {
+    for (const char* name : {"a.jpg", "a.JPEG", "b/c.png", "x.Tif", "x.tiff", "x.exr", "x.TGA"})
+        EXPECT_TRUE(is_photo_name(name)) << name;
+    for (const char* name : {"a.lp", "a.txt", "jpg", "a.jpg.bak", "", "a.cr2x"})
+        EXPECT_FALSE(is_photo_name(name)) << name;
+}
+
+TEST(PhotoFile, ThatIsMissingOrAFolderIsAnError) {
+    const TestDir dir;
+    fs::create_directory(dir / "a.jpg");
+    EXPECT_EQ(error_of([] { PhotoFile("/nowhere/a.jpg"); }), "/nowhere/a.jpg: no such photograph");
+    EXPECT_EQ(error_of([&] { PhotoFile(dir / "a.jpg"); }),
+              (dir / "a.jpg").string() + ": is a folder, not a photograph");
+}
+
+TEST(PhotoFile, ThatIsTextIsAnError) {
+    const TestDir dir;
+    for (const char* name : {"a.jpg", "a.png", "a.tif", "a.exr", "a.tga"})
+        for (const std::string text :
+             {"", "this is no picture, whatever its name says; it is a text file\n"}) {
+            write_bytes(dir / name, text);
+            EXPECT_THAT(error_of([&] { PhotoFile(dir / name); }),
+                        StartsWith((dir / name).string() + ": is not a picture that can be read: "));
+        }
+}
+
+TEST(PhotoFile, OfJpegTruncatedIsAnError) {
+    const TestDir dir;
+    write(dir / "a.jpg", spec_of(TypeDesc::UINT8), random_codes(3, 8));
+    const std::string whole = bytes_of(dir / "a.jpg");
+    for (const double part : {0.5, 0.7, 0.99}) {
+        write_bytes(dir / "cut.jpg",
+                    whole.substr(0, static_cast<std::size_t>(part * static_cast<double>(whole.size()))));
+        EXPECT_EQ(error_of([&] { PhotoFile(dir / "cut.jpg"); }),
+                  (dir / "cut.jpg").string() +
+                      ": the JPEG file is truncated; copy it again from the camera or the archive");
+    }
+    write_bytes(dir / "padded.jpg", whole + std::string(1000, '\0'));  // as some cameras write them
+    EXPECT_NO_THROW(PhotoFile(dir / "padded.jpg"));
+}
+
+TEST(PhotoFile, OfJpegTruncatedIsFoundBehindACompleteThumbnail) {
+    const TestDir dir;
+    write(dir / "a.jpg", spec_of(TypeDesc::UINT8), random_codes(3, 8));
+    const std::string whole = bytes_of(dir / "a.jpg");
+    const std::string thumbnail = whole;  // a whole JPEG with its own end, in a segment of the file
+    std::string segment = "\xFF\xE1";     // APP1
+    segment += static_cast<char>((thumbnail.size() + 2) >> 8);
+    segment += static_cast<char>((thumbnail.size() + 2) & 255);
+    const std::string with_thumbnail = whole.substr(0, 2) + segment + thumbnail + whole.substr(2);
+    write_bytes(dir / "b.jpg", with_thumbnail);
+    EXPECT_NO_THROW(PhotoFile(dir / "b.jpg"));
+    write_bytes(dir / "b.jpg", with_thumbnail.substr(0, with_thumbnail.size() * 7 / 10));
+    EXPECT_THAT(error_of([&] { PhotoFile(dir / "b.jpg"); }),
+                StartsWith((dir / "b.jpg").string() + ": the JPEG file is truncated"));
+}
+
+TEST(PhotoFile, TruncatedIsAnErrorAtTheLatestWhereItsRowsAreRead) {
+    const TestDir dir;
+    const struct {
+        const char* name;
+        OIIO::ImageSpec spec;
+    } formats[] = {{"a.png", spec_of(TypeDesc::UINT8)},
+                   {"a.exr", spec_of(TypeDesc::HALF)},
+                   {"tiled.exr", tiled(spec_of(TypeDesc::HALF), 8)},
+                   {"a.tga", spec_of(TypeDesc::UINT8)},
+                   {"a.tif", spec_of(TypeDesc::UINT8)}};
+    for (const auto& [name, spec] : formats) {
+        write(dir / name, spec, random_codes(3, 8));
+        const std::string whole = bytes_of(dir / name);
+        write_bytes(dir / name, whole.substr(0, whole.size() * 6 / 10));
+        EXPECT_THAT(error_of([&] { read_in_bands(dir / name, 8); }), StartsWith((dir / name).string() + ": "))
+            << name;
+    }
+    EXPECT_THAT(error_of([&] { read_in_bands(dir / "a.png", kHeight); }),
+                StartsWith((dir / "a.png").string() + ": cannot be decoded at rows 0 to 36: "));
+}
+
+TEST(PhotoFile, ReadOutsideItsRowsOrIntoTooLittleBreaksTheContract) {
+    const TestDir dir;
+    write(dir / "a.png", spec_of(TypeDesc::UINT8), random_codes(3, 8));
+    PhotoFile file(dir / "a.png");
+    std::vector<float> row(kWidth * 3);
+    EXPECT_THROW(file.read_rows(-1, 0, row), ContractError);
+    EXPECT_THROW(file.read_rows(kHeight, kHeight + 1, row), ContractError);
+    EXPECT_THROW(file.read_rows(3, 3, row), ContractError);
+    EXPECT_THROW(file.read_rows(0, 2, row), ContractError);
+    EXPECT_NO_THROW(file.read_rows(kHeight - 1, kHeight, row));
+}
+
+}  // namespace
+}  // namespace tangi

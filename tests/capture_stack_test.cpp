@@ -1,0 +1,383 @@
+// capture_stack_test.cpp: photographs are matched to lights, cropped, masked, held out and read in bands.
+#include "capture/stack.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <functional>
+
+#include "surface/parallel.h"
+#include "tests/test_support.h"
+
+namespace tangi {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::Not;
+namespace fs = std::filesystem;
+
+std::vector<std::string> names_of(const std::vector<StackPhoto>& photos) {
+    std::vector<std::string> names;
+    for (const StackPhoto& photo : photos) names.push_back(photo.path.filename().string());
+    return names;
+}
+
+// A test stack whose photographs stay and whose lights file calls them by other names.
+struct Renamed {
+    TestDir dir;
+    std::vector<Light> lights = dome_lights(5);
+
+    explicit Renamed(const std::function<std::string(int)>& listed) {
+        write_test_stack(dir, lights);
+        for (std::size_t i = 0; i < lights.size(); ++i) lights[i].name = listed(static_cast<int>(i));
+        write_lights(dir / "lights.lp", lights);
+    }
+};
+
+void expect_photo_and_light_matched(const Stack& stack, const std::vector<Light>& lights) {
+    ASSERT_EQ(stack.photos.size(), lights.size());
+    for (std::size_t i = 0; i < lights.size(); ++i) {
+        EXPECT_EQ(stack.photos[i].path.filename(), fmt::format("photo_{:03}.png", i));
+        EXPECT_EQ(stack.photos[i].light.name, lights[i].name);
+        EXPECT_LE(glm::length(stack.photos[i].light.direction - lights[i].direction), 1e-6f);
+    }
+}
+
+TEST(OpenStack, ReadsHeadersAndLights) {
+    const TestDir dir;
+    const std::vector<Light> lights = dome_lights(5);
+    write_test_stack(dir, lights, 11, 7);
+    const Stack stack = open_stack(dir.path());
+    expect_photo_and_light_matched(stack, lights);
+    EXPECT_EQ(stack.width(), 11);
+    EXPECT_EQ(stack.height(), 7);
+    EXPECT_EQ(stack.channels, 3);
+    EXPECT_EQ(stack.bits, 8);
+    EXPECT_FALSE(stack.transfer);
+    EXPECT_TRUE(stack.mask.empty());
+    EXPECT_THAT(stack.warnings, IsEmpty());
+    EXPECT_EQ(stack.lights().size(), 5u);
+}
+
+TEST(OpenStack, TakesTheLightsFileThatIsNamed) {
+    const TestDir dir;
+    write_test_stack(dir, dome_lights(5));
+    write_lights(dir / "other.lp",
+                 {distant_light({1, 1, 1}, "photo_002.png"), distant_light({0, 1, 1}, "photo_004.png")});
+    const Stack stack = open_stack(dir.path(), {.lights_file = dir / "other.lp"});
+    EXPECT_THAT(names_of(stack.photos), ElementsAre("photo_002.png", "photo_004.png"));
+    EXPECT_LE(glm::length(stack.photos[0].light.direction - glm::normalize(Vec3(1, 1, 1))), 1e-6f);
+}
+
+TEST(OpenStack, MatchesNamesByStem) {
+    const Renamed r([](int i) { return fmt::format("photo_{:03}.CR2", i); });
+    const Stack stack = open_stack(r.dir.path());
+    expect_photo_and_light_matched(stack, r.lights);
+    EXPECT_THAT(stack.warnings, IsEmpty());
+}
+
+TEST(OpenStack, MatchesNamesInAnyCase) {
+    const Renamed r([](int i) { return fmt::format("PHOTO_{:03}.Png", i); });
+    const Stack stack = open_stack(r.dir.path());
+    expect_photo_and_light_matched(stack, r.lights);
+    EXPECT_THAT(stack.warnings, IsEmpty());
+}
+
+TEST(OpenStack, MatchesNamesWithFoldersInFront) {
+    for (const char* folder :
+         {"./", "jpeg-exports/", "/home/somebody/may 3/", "C:\\Users\\scan\\", "..\\set\\"}) {
+        const Renamed r([&](int i) { return fmt::format("{}photo_{:03}.png", folder, i); });
+        const Stack stack = open_stack(r.dir.path());
+        expect_photo_and_light_matched(stack, r.lights);
+        EXPECT_THAT(stack.warnings, IsEmpty()) << folder;
+    }
+}
+
+TEST(OpenStack, FindsPhotographsInTheFolderThatIsListed) {
+    const TestDir dir;
+    std::vector<Light> lights = dome_lights(4);
+    fs::create_directory(dir / "jpeg");
+    for (Light& light : lights) light.name = "jpeg/" + light.name;
+    write_test_stack(dir, lights);
+    const Stack stack = open_stack(dir.path());
+    ASSERT_EQ(stack.photos.size(), 4u);
+    EXPECT_EQ(stack.photos[1].path, dir / "jpeg/photo_001.png");
+    EXPECT_THAT(stack.warnings, IsEmpty());
+}
+
+TEST(OpenStack, MatchesByOrderWithAWarningWhereNoNameMatches) {
+    const Renamed r([](int i) { return fmt::format("IMG_{}.jpg", 9 - i); });
+    const Stack stack = open_stack(r.dir.path());
+    expect_photo_and_light_matched(stack, r.lights);
+    EXPECT_THAT(
+        stack.warnings,
+        ElementsAre(fmt::format("{0}/lights.lp: none of its names ('IMG_9.jpg', …) is a photograph in {0}; "
+                                "lights are taken in the order of the file names",
+                                r.dir.path().string())));
+}
+
+TEST(OpenStack, WarnsOfPhotographsThatAreNotListed) {
+    const TestDir dir;
+    write_test_stack(dir, dome_lights(5));
+    write_picture_8bit(dir / "chart.png", Image<Rgb>(3, 3, Rgb(1)));
+    write_bytes(dir / ".hidden.png", "no photograph");
+    write_bytes(dir / "notes.txt", "neither");
+    EXPECT_THAT(open_stack(dir.path()).warnings,
+                ElementsAre(dir.path().string() +
+                            ": 1 photographs are not listed in lights.lp and not used: chart.png"));
+}
+
+TEST(OpenStack, PassesOnTheWarningsOfTheLightsFile) {
+    const TestDir dir;
+    write_test_stack(dir, dome_lights(5));
+    const std::string text = bytes_of(dir / "lights.lp");
+    write_bytes(dir / "lights.lp", "6" + text.substr(1));
+    EXPECT_THAT(open_stack(dir.path()).warnings,
+                ElementsAre(HasSubstr("its first line says 6 lights, but 5 follow")));
+}
+
+TEST(OpenStack, LeavesOutALightFromBelowWithAWarning) {
+    const TestDir dir;
+    std::vector<Light> lights = dome_lights(5);
+    lights[1].direction = glm::normalize(Vec3(1, 0, -0.5f));
+    write_test_stack(dir, lights);
+    const Stack stack = open_stack(dir.path());
+    EXPECT_THAT(names_of(stack.photos),
+                ElementsAre("photo_000.png", "photo_002.png", "photo_003.png", "photo_004.png"));
+    EXPECT_THAT(stack.warnings,
+                ElementsAre(dir.path().string() +
+                            "/lights.lp: left out 1 photograph lit from below the painting's plane: "
+                            "photo_001.png (z = -0.4472)"));
+}
+
+TEST(HoldOut, TakesPositionsNamesAndSteps) {
+    const TestDir dir;
+    write_test_stack(dir, dome_lights(12));
+    const auto held = [&](const std::string& which) {
+        Stack stack = open_stack(dir.path());
+        hold_out(stack, which);
+        EXPECT_EQ(stack.photos.size() + stack.held_out.size(), 12u) << which;
+        std::string numbers;
+        for (const std::string& name : names_of(stack.held_out)) numbers += name.substr(7, 2) + " ";
+        for (const std::string& name : names_of(stack.photos))
+            EXPECT_THAT(numbers, Not(HasSubstr(name.substr(7, 2) + " ")));
+        return numbers;
+    };
+    EXPECT_EQ(held("4"), "04 ");
+    EXPECT_EQ(held("11,0,3"), "00 03 11 ");
+    EXPECT_EQ(held("4:8"), "04 ");
+    EXPECT_EQ(held("1:4"), "01 05 09 ");
+    EXPECT_EQ(held("0:1"), "00 01 02 03 04 05 06 07 08 09 10 11 ");
+    EXPECT_EQ(held("photo_007.png"), "07 ");
+    EXPECT_EQ(held("photo_007.png,2,2,0:6"), "00 02 06 07 ");
+    EXPECT_EQ(held(""), "");
+}
+
+TEST(HoldOut, CountsPositionsInTheLightsFileAlsoWhereLightsWereLeftOut) {
+    const TestDir dir;
+    std::vector<Light> lights = dome_lights(12);
+    lights[0].direction.z = -0.2f;
+    lights[6].direction.z = -0.2f;
+    write_test_stack(dir, lights);
+    Stack stack = open_stack(dir.path());
+    hold_out(stack, "4,7");
+    EXPECT_THAT(names_of(stack.held_out), ElementsAre("photo_004.png", "photo_007.png"));
+    stack = open_stack(dir.path());
+    hold_out(stack, "2:4");  // 2, 6 (left out), 10
+    EXPECT_THAT(names_of(stack.held_out), ElementsAre("photo_002.png", "photo_010.png"));
+    EXPECT_EQ(error_of([&] { hold_out(stack, "6"); }),
+              "--hold-out 6: there is no photograph 6; " + dir.path().string() + " has photographs 1 to 11");
+}
+
+TEST(HoldOut, OfWhatIsNotThereIsAnError) {
+    const TestDir dir;
+    write_test_stack(dir, dome_lights(5));
+    Stack stack = open_stack(dir.path());
+    const std::string has = dir.path().string() + " has photographs 0 to 4";
+    EXPECT_EQ(error_of([&] { hold_out(stack, "5"); }), "--hold-out 5: there is no photograph 5; " + has);
+    EXPECT_EQ(error_of([&] { hold_out(stack, "1,7:2"); }),
+              "--hold-out 1,7:2: there is no photograph 7:2; " + has);
+    EXPECT_EQ(error_of([&] { hold_out(stack, "no.png"); }),
+              "--hold-out no.png: there is no photograph no.png; " + has);
+    EXPECT_EQ(error_of([&] { hold_out(stack, "99999999999999999999"); }),
+              "--hold-out 99999999999999999999: there is no photograph 99999999999999999999; " + has);
+    for (const char* wrong : {"1:0", "1:", "1:x", "1:-2"})
+        EXPECT_EQ(error_of([&] { hold_out(stack, wrong); }),
+                  fmt::format("--hold-out {0}: '{0}' is not START:STEP with a step of at least 1", wrong));
+    EXPECT_EQ(stack.photos.size(), 5u);  // untouched
+}
+
+TEST(StackReader, GivesTheSameValuesInBandsOfAnyHeight) {
+    const TestDir dir;
+    write_test_stack(dir, dome_lights(6), 13, 29);
+    const Stack stack = open_stack(dir.path());
+    for (const int rows : {29, 1, 4, 10, 28}) {
+        StackReader reader(stack);
+        for (int y0 = 0; y0 < 29; y0 += rows) {
+            const Band band = reader.read(y0, std::min(y0 + rows, 29), Transfer{});
+            EXPECT_EQ(band.photos(), 6);
+            for (int i = 0; i < 6; ++i)
+                for (int y = band.y0(); y < band.y1(); ++y)
+                    for (int x = 0; x < 13; ++x) {
+                        ASSERT_NEAR(band.row(i, 0, y)[x] * 255, i + x, 1e-4);
+                        ASSERT_NEAR(band.row(i, 1, y)[x] * 255, y, 1e-4);
+                        ASSERT_NEAR(band.row(i, 2, y)[x] * 255, 5 * i, 1e-4);
+                    }
+        }
+    }
+}
+
+TEST(StackReader, ReadsTheCropAndItsMask) {
+    const TestDir dir;
+    write_test_stack(dir, dome_lights(4), 20, 10);
+    Image<Rgb> mask(20, 10, Rgb(1));
+    mask(7, 4) = Rgb(0.4f);     // dark is out
+    mask(8, 4) = {0, 0.6f, 0};  // light in any channel is in
+    fs::create_directory(dir / "masks");
+    write_picture_8bit(dir / "masks/mask.png", mask);
+    const Stack stack =
+        open_stack(dir.path(), {.crop = Region{5, 2, 12, 9}, .mask_file = dir / "masks/mask.png"});
+    EXPECT_EQ(stack.width(), 7);
+    EXPECT_EQ(stack.height(), 7);
+    ASSERT_EQ(stack.mask.region(), (Region{0, 0, 7, 7}));
+    for (int y = 0; y < 7; ++y)
+        for (int x = 0; x < 7; ++x) EXPECT_EQ(stack.mask(x, y) != 0, !(x == 2 && y == 2)) << x << ", " << y;
+    StackReader reader(stack);
+    const Band band = reader.read(1, 4, Transfer{});
+    for (int y = 1; y < 4; ++y)
+        for (int x = 0; x < 7; ++x) {
+            EXPECT_NEAR(band.row(2, 0, y)[x] * 255, 2 + x + 5, 1e-4);
+            EXPECT_NEAR(band.row(2, 1, y)[x] * 255, y + 2, 1e-4);
+        }
+}
+
+TEST(StackReader, LinearisesByTheCurveAskedFor) {
+    const TestDir dir;
+    write_test_stack(dir, dome_lights(4), 200, 3);
+    const Stack stack = open_stack(dir.path());
+    StackReader reader(stack);
+    for (const Transfer& transfer : {Transfer{Transfer::Kind::srgb}, Transfer{Transfer::Kind::gamma, 1.8},
+                                     Transfer{}, Transfer{Transfer::Kind::gamma, 2.4}}) {
+        const Band band = reader.read(0, 3, transfer);
+        for (int x = 0; x < 200; ++x)
+            ASSERT_NEAR(band.row(1, 0, 1)[x], transfer.decode(static_cast<float>(1 + x) / 255), 1e-7)
+                << transfer.name();
+    }
+}
+
+TEST(StackReader, ReadsFloatsAboveOne) {
+    const TestDir dir;
+    std::vector<Light> lights = dome_lights(4);
+    for (Light& light : lights) {
+        light.name.replace(light.name.find(".png"), 4, ".exr");
+        write_picture(dir / light.name, Image<Rgb>(5, 5, Rgb(0.125f, 1, 8)), Transfer{});
+    }
+    write_lights(dir / "lights.lp", lights);
+    const Stack stack = open_stack(dir.path());
+    EXPECT_EQ(stack.bits, 32);
+    StackReader reader(stack);
+    const Band band = reader.read(0, 5, Transfer{});
+    EXPECT_EQ(band.row(3, 0, 4)[4], 0.125f);
+    EXPECT_EQ(band.row(3, 2, 4)[4], 8);
+}
+
+TEST(StackReader, AsksForAsManyRowsAsFitTheMemory) {
+    const TestDir dir;
+    write_test_stack(dir, dome_lights(4), 10, 30);
+    const Stack stack = open_stack(dir.path());
+    const StackReader reader(stack);  // a row: 4 photographs, 3 channels, 10 pixels, 4 bytes
+    EXPECT_EQ(reader.rows_for(480 * 7), 7);
+    EXPECT_EQ(reader.rows_for(480 * 8 - 1), 7);
+    EXPECT_EQ(reader.rows_for(0), 1);
+    EXPECT_EQ(reader.rows_for(std::size_t{1} << 40), 30);
+}
+
+TEST(StackReader, GivesTheSameBitsOnAnyNumberOfThreads) {
+    const TestDir dir;
+    write_test_stack(dir, dome_lights(9), 30, 20);
+    const Stack stack = open_stack(dir.path());
+    const auto values = [&](int threads) {
+        set_thread_count(threads);
+        StackReader reader(stack);
+        const Band band = reader.read(3, 17, {Transfer::Kind::srgb});
+        set_thread_count(0);
+        return std::vector<float>(band.row(0, 0, 3), band.row(8, 2, 16) + 30);
+    };
+    EXPECT_EQ(values(1), values(2));
+}
+
+TEST(RequireEnoughLights, RefusesFewerThanFour) {
+    std::vector<Light> lights = dome_lights(3);
+    EXPECT_EQ(error_of([&] { require_enough_lights(lights, "set"); }),
+              "set: 3 usable photographs; at least 4 under different lights are needed");
+    EXPECT_NO_THROW(require_enough_lights(dome_lights(4), "set"));
+}
+
+TEST(RequireEnoughLights, RefusesLightsInOnePlaneHoweverItIsTurned) {
+    Random random(1);
+    for (int i = 0; i < 300; ++i) {
+        // A plane through the origin that rises from the picture: spanned by an axis in it and one near the
+        // zenith.
+        const double turn = random.uniform(0, std::numbers::pi), tilt = random.uniform(-1, 1);
+        const glm::dvec3 along(std::cos(turn), std::sin(turn), 0);
+        const glm::dvec3 up = glm::normalize(glm::dvec3(-std::sin(turn) * tilt, std::cos(turn) * tilt, 1));
+        std::vector<Light> lights;
+        for (int k = 0; k < 20; ++k) {
+            const double low = (k % 2 ? 1 : -1) * random.uniform(0.8, 1.4);  // mostly raking light
+            lights.push_back(distant_light(Vec3(std::sin(low) * along + std::cos(low) * up)));
+        }
+        EXPECT_THAT(error_of([&] { require_enough_lights(lights, "set"); }),
+                    HasSubstr("set: all lights lie in one plane (within 0.0 degrees)"))
+            << "turned by " << turn << ", tilted by " << tilt;
+    }
+}
+
+TEST(RequireEnoughLights, DrawsTheLineAtAboutOneDegreeOffThePlane) {
+    const auto lights_off_the_plane = [](double degrees) {
+        std::vector<Light> lights;
+        for (int k = 0; k < 12; ++k) {
+            const double low = (k - 5.5) / 5, off = (k / 2 % 2 ? 1 : -1) * degrees * std::numbers::pi / 180;
+            lights.push_back(distant_light(Vec3(
+                glm::dvec3(std::cos(off) * std::sin(low), std::sin(off), std::cos(off) * std::cos(low)))));
+        }
+        return lights;
+    };
+    EXPECT_THAT(error_of([&] { require_enough_lights(lights_off_the_plane(0.5), "set"); }),
+                HasSubstr("in one plane (within 0.5 degrees)"));
+    EXPECT_NO_THROW(require_enough_lights(lights_off_the_plane(1.5), "set"));
+}
+
+TEST(RequireEnoughLights, AcceptsDomesAndRingsOfOneElevation) {
+    for (const double elevation : {10.0, 30.0, 60.0, 80.0}) {
+        std::vector<Light> lights;
+        for (int k = 0; k < 8; ++k) {
+            const double e = elevation * std::numbers::pi / 180, turn = k * std::numbers::pi / 4;
+            lights.push_back(distant_light(
+                Vec3(glm::dvec3(std::cos(e) * std::cos(turn), std::cos(e) * std::sin(turn), std::sin(e)))));
+        }
+        EXPECT_NO_THROW(require_enough_lights(lights, "set")) << elevation;
+    }
+    EXPECT_NO_THROW(require_enough_lights(dome_lights(40), "set"));
+}
+
+TEST(DataStack, OfAllRealSetsOpens) {
+    TP_DATA(real, "real");
+    for (const char* name : {"canvas", "coin", "door", "fresco", "icon", "leaf"}) {
+        const Stack stack = open_stack(real / name);
+        EXPECT_GE(stack.photos.size(), 45u) << name;
+        EXPECT_NO_THROW(require_enough_lights(stack.lights(), name));
+        StackReader reader(stack);
+        const Band band = reader.read(stack.height() / 2, stack.height() / 2 + 1, Transfer{});
+        float brightest = 0;
+        for (int i = 0; i < band.photos(); ++i)
+            for (int x = 0; x < band.width(); ++x)
+                brightest = std::max(brightest, band.row(i, 1, band.y0())[x]);
+        EXPECT_GT(brightest, 0.1f) << name;
+        EXPECT_LE(brightest, 1.0f) << name;
+    }
+}
+
+}  // namespace
+}  // namespace tangi

@@ -1,0 +1,106 @@
+// capture_transfer_estimate_test.cpp: the curve that rendered stacks were stored with is recognised.
+#include "capture/transfer_estimate.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/test_support.h"
+
+namespace tangi {
+namespace {
+
+// Photographs of matt bumps of all colours, with noise, stored with `transfer`.
+void write_matt_stack(const TestDir& dir, const Transfer& transfer, double noise,
+                      const PictureStorage& storage) {
+    constexpr int size = 40;
+    Random random(1);
+    Image<Vec3> normal(size, size);
+    Image<Rgb> diffuse(size, size);
+    for (Vec3& n : normal.pixels()) n = random.direction(0.85);
+    for (Rgb& c : diffuse.pixels()) c = {random.real(0.1, 0.8), random.real(0.1, 0.8), random.real(0.1, 0.8)};
+    const std::vector<Light> lights = dome_lights(24, 25);
+    for (const Light& light : lights) {
+        Image<Rgb> photo(size, size);
+        for (std::size_t i = 0; i < photo.size(); ++i)
+            for (int c = 0; c < 3; ++c)
+                photo.pixels()[i][c] =
+                    diffuse.pixels()[i][c] * std::max(0.0f, glm::dot(normal.pixels()[i], light.direction)) +
+                    static_cast<float>(noise * random.normal());
+        write_picture(dir / light.name, photo, transfer, storage);
+    }
+    write_lights(dir / "lights.lp", lights);
+}
+
+Transfer::Kind estimated_kind(const Transfer& transfer, double noise, const PictureStorage& storage) {
+    const TestDir dir;
+    write_matt_stack(dir, transfer, noise, storage);
+    const Stack stack = open_stack(dir.path());
+    const TransferEstimate e = estimate_transfer(stack, survey(stack));
+    EXPECT_EQ(e.source, "estimated");
+    EXPECT_EQ(e.candidates.size(), 3u);
+    for (const auto& candidate : e.candidates) {
+        EXPECT_TRUE(candidate.residual >= 0) << candidate.transfer.name();
+        if (candidate.transfer == e.transfer) {
+            // Noise and quantisation are all that the right curve leaves: half a code, and noise times the
+            // largest slope of the encoder where the stack has values (5 at 0.02).
+            EXPECT_LE(candidate.residual, 5 * noise + 0.5 / 255);
+        } else {
+            EXPECT_GT(candidate.residual, 0) << candidate.transfer.name();
+        }
+    }
+    return e.transfer.kind;
+}
+
+TEST(TransferEstimate, RecognisesLinearLight) {
+    EXPECT_EQ(estimated_kind({Transfer::Kind::linear}, 0.003, {.bits = 16}), Transfer::Kind::linear);
+    EXPECT_EQ(estimated_kind({Transfer::Kind::linear}, 0.003, {.bits = 8}), Transfer::Kind::linear);
+}
+
+TEST(TransferEstimate, RecognisesSrgb) {
+    EXPECT_EQ(estimated_kind({Transfer::Kind::srgb}, 0.001, {.bits = 16}), Transfer::Kind::srgb);
+    // At 8 bits and more noise it may be taken for its neighbour, gamma 2.2, but not for linear light.
+    EXPECT_NE(estimated_kind({Transfer::Kind::srgb}, 0.003, {.bits = 8}), Transfer::Kind::linear);
+}
+
+TEST(TransferEstimate, RecognisesGamma) {
+    EXPECT_EQ(estimated_kind({Transfer::Kind::gamma, 2.2}, 0.001, {.bits = 16}), Transfer::Kind::gamma);
+    EXPECT_NE(estimated_kind({Transfer::Kind::gamma, 2.2}, 0.003, {.bits = 8}), Transfer::Kind::linear);
+}
+
+TEST(TransferEstimate, TakesTheCurveThatIsGiven) {
+    const TestDir dir;
+    write_test_stack(dir, dome_lights(4));
+    const Transfer given{Transfer::Kind::gamma, 1.8};
+    const Stack stack = open_stack(dir.path(), {.transfer = given});
+    const TransferEstimate e = estimate_transfer(stack, survey(stack));
+    EXPECT_EQ(e.transfer, given);
+    EXPECT_EQ(e.source, "given");
+    EXPECT_TRUE(e.candidates.empty());
+}
+
+TEST(TransferEstimate, TakesFilesOfFloatsForLinear) {
+    const TestDir dir;
+    std::vector<Light> lights = dome_lights(4);
+    for (Light& light : lights) {
+        light.name.replace(light.name.find(".png"), 4, ".exr");
+        write_picture(dir / light.name, Image<Rgb>(5, 5, Rgb(0.5f)), Transfer{});
+    }
+    write_lights(dir / "lights.lp", lights);
+    const Stack stack = open_stack(dir.path());
+    const TransferEstimate e = estimate_transfer(stack, survey(stack));
+    EXPECT_EQ(e.transfer.kind, Transfer::Kind::linear);
+    EXPECT_EQ(e.source, "float file");
+}
+
+TEST(DataTransferEstimate, AgreesWithWhatIsKnownOfTheStacks) {
+    TP_DATA(data, "real");
+    // What shared/data/README.md says of them.
+    const std::pair<const char*, bool> stacks[] = {{"icon", false}, {"fresco", true}, {"canvas", true}};
+    for (const auto& [name, is_linear] : stacks) {
+        const Stack stack = open_stack(data / name);
+        const TransferEstimate e = estimate_transfer(stack, survey(stack));
+        EXPECT_EQ(e.transfer.kind == Transfer::Kind::linear, is_linear) << name << ": " << e.transfer.name();
+    }
+}
+
+}  // namespace
+}  // namespace tangi

@@ -1,0 +1,181 @@
+// What the program promises before any command does its work: help, usage errors, exit codes, where it
+// writes.
+#include "cli_program.h"
+
+namespace tangi {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+
+constexpr const char* kCommands[] = {"fit", "relight", "compare", "info", "generate", "demo"};
+
+TEST(CliHelp, ListsEveryCommandOnStdout) {
+    for (const std::vector<std::string>& asked : {std::vector<std::string>{"help"}, {"--help"}}) {
+        const Finished help = tangipaint(asked);
+        EXPECT_TRUE(ended(help, 0));
+        EXPECT_EQ(help.err, "");
+        for (const char* command : kCommands)
+            EXPECT_THAT(help.out, HasSubstr(std::string("\n  ") + command + " "));
+    }
+}
+
+TEST(CliHelp, ExplainsEachCommandTheSameWayByBothSpellings) {
+    for (const std::string command : kCommands) {
+        const Finished help = tangipaint({"help", command}), flag = tangipaint({command, "--help"});
+        EXPECT_TRUE(ended(help, 0)) << command;
+        EXPECT_TRUE(ended(flag, 0)) << command;
+        EXPECT_THAT(help.out, HasSubstr("Usage: tangipaint " + command));
+        EXPECT_THAT(help.out, HasSubstr("--threads"));
+        EXPECT_EQ(help.out, flag.out);
+    }
+    EXPECT_THAT(tangipaint({"help", "fit"}).out, HasSubstr("--hold-out"));
+}
+
+TEST(CliHelp, SaysItsVersion) {
+    const Finished version = tangipaint({"--version"});
+    EXPECT_TRUE(ended(version, 0));
+    EXPECT_THAT(version.out, testing::MatchesRegex("tangipaint [0-9]+\\.[0-9]+\\.[0-9]+\n"));
+}
+
+TEST(CliUsage, WithoutACommandHelpIsOnStderr) {
+    EXPECT_TRUE(ended(tangipaint({}), 2, {"tangipaint fit PHOTOS --out painting.exr"}));
+}
+
+TEST(CliUsage, UnknownWordsAreNamedWithTheWayToHelp) {
+    EXPECT_TRUE(ended(tangipaint({"fitt"}), 2, {"fitt", "tangipaint help"}));
+    EXPECT_TRUE(ended(tangipaint({"help", "fitt"}), 2, {"there is no command 'fitt'", "tangipaint help"}));
+    EXPECT_TRUE(ended(tangipaint({"fit", "photos", "--out", "a.exr", "--turbo"}), 2, {"--turbo"}));
+    EXPECT_TRUE(ended(tangipaint({"info", "a", "b"}), 2, {"b"}));
+}
+
+TEST(CliUsage, WhatIsMissingIsNamed) {
+    EXPECT_TRUE(ended(tangipaint({"fit"}), 2, {"PHOTOS"}));
+    EXPECT_TRUE(ended(tangipaint({"fit", "photos"}), 2, {"--out"}));
+    EXPECT_TRUE(ended(tangipaint({"compare", "a.exr", "photos"}), 2, {"--out"}));
+    EXPECT_TRUE(ended(tangipaint({"compare", "a.exr", "--out", "dir"}), 2, {"PHOTOS"}));
+    EXPECT_TRUE(ended(tangipaint({"relight", "a.exr", "--light", "0,0,1"}), 2, {"--out"}));
+    EXPECT_TRUE(ended(tangipaint({"info"}), 2, {"FILE"}));
+    EXPECT_TRUE(ended(tangipaint({"generate"}), 2, {"--out"}));
+}
+
+struct WrongFlag {
+    std::vector<std::string> arguments;
+    std::vector<std::string> said;
+};
+
+// The flag, and what it may be, are in the message; no file needs to exist for it.
+const std::vector<WrongFlag>& wrong_flags() {
+    static const std::vector<WrongFlag> all = {
+        WrongFlag{{"fit", "p", "--out", "a.exr", "--threads", "0"}, {"--threads", "range 1 to 1024"}},
+        WrongFlag{{"fit", "p", "--out", "a.exr", "--threads", "two"}, {"--threads", "two"}},
+        WrongFlag{{"fit", "p", "--out", "a.exr", "--max-iterations", "0"},
+                  {"--max-iterations", "0 is not in ["}},
+        WrongFlag{{"fit", "p", "--out", "a.exr", "--white-level", "-1"},
+                  {"--white-level", "-1 is not in [0.001, 1000]"}},
+        WrongFlag{{"fit", "p", "--out", "a.exr", "--white-level", "nan"},
+                  {"--white-level", "nan is not in [0.001, 1000]"}},
+        WrongFlag{{"fit", "p", "--out", "a.exr", "--white-level", "bright"},
+                  {"--white-level", "bright is not in ["}},
+        WrongFlag{{"fit", "p", "--out", "a.exr", "--white-level", "1x"}, {"--white-level", "1x"}},
+        WrongFlag{{"fit", "p", "--out", "a.exr", "--mm-per-pixel", "0"}, {"--mm-per-pixel", "[1e-06, 1000]"}},
+        WrongFlag{{"fit", "p", "--out", "a.exr", "--crop", "1,2,3"}, {"--crop 1,2,3", "X,Y,WIDTH,HEIGHT"}},
+        WrongFlag{{"fit", "p", "--out", "a.exr", "--crop", "0,0,8.5,8"}, {"--crop", "whole numbers"}},
+        WrongFlag{{"fit", "p", "--out", "a.exr", "--crop", "0,0,8,x"}, {"--crop", "'x' is not a number"}},
+        WrongFlag{{"fit", "p", "--out", "a.exr", "--transfer", "log"},
+                  {"--transfer log", "srgb", "[0.2, 5]"}},
+        WrongFlag{{"fit", "p", "--out", "a.exr", "--transfer", "9"}, {"--transfer 9", "[0.2, 5]"}},
+        WrongFlag{{"generate", "--out", "d", "--width", "1"}, {"--width", "1 is not in [2, 32768]"}},
+        WrongFlag{{"generate", "--out", "d", "--seed", "-1"}, {"--seed", "-1"}},
+        WrongFlag{{"generate", "--out", "d", "--format", "gif"}, {"--format gif", "png16"}},
+        WrongFlag{{"generate", "--out", "d", "--reflectance", "phong"}, {"--reflectance phong", "ggx"}},
+        WrongFlag{{"generate", "--out", "d", "--arrangement", "row"}, {"--arrangement row", "spiral"}},
+        WrongFlag{{"generate", "--out", "d", "--transfer", "log"}, {"--transfer log", "srgb"}},
+        WrongFlag{{"compare", "a.exr", "p", "--out", "d", "--picture-size", "1"},
+                  {"--picture-size", "[16, 16384]"}},
+        WrongFlag{{"relight", "a.exr", "--light", "0,0,1", "--out", "a.png", "--gain", "-1"},
+                  {"--gain", "10000"}},
+        WrongFlag{{"relight", "a.exr", "--light", "0,0,1", "--out", "a.png", "--model", "phong"},
+                  {"--model phong", "duer"}},
+        WrongFlag{{"relight", "a.exr", "--light", "0,0,1", "--out", "a.png", "--ambient", "2"},
+                  {"--ambient", "[0, 1]"}},
+        WrongFlag{{"relight", "a.exr", "--out", "a.png"}, {"--light X,Y,Z", "--lights FILE.lp"}},
+        WrongFlag{{"relight", "a.exr", "--out", "a", "--light", "0,0,1", "--lights", "a.lp"}, {"either"}}};
+    return all;
+}
+
+TEST(CliUsage, WrongFlagsAreNamedWithTheirRange) {
+    std::vector<std::vector<std::string>> commands;
+    for (const WrongFlag& wrong : wrong_flags()) commands.push_back(wrong.arguments);
+    const std::vector<Finished> runs = side_by_side(commands);
+    for (std::size_t i = 0; i < runs.size(); ++i)
+        EXPECT_TRUE(ended(runs[i], 2, wrong_flags()[i].said)) << testing::PrintToString(commands[i]);
+}
+
+TEST(CliUsage, WrongVectorsOfRelightAreUsageErrors) {
+    const TinyStack stack;
+    const auto relit = [&](const std::string& flag, const std::string& vector) {
+        return tangipaint({"relight", stack.truth(), flag + "=" + vector, "--out", stack.out("a.png")});
+    };
+    EXPECT_TRUE(ended(relit("--light", "0,0"), 2, {"--light 0,0", "X,Y,Z"}));
+    EXPECT_TRUE(ended(relit("--light", "0,0,up"), 2, {"'up' is not a number"}));
+    EXPECT_TRUE(ended(relit("--light", "0,0,nan"), 2, {"'nan' is not a number"}));
+    EXPECT_TRUE(ended(relit("--light", "0,0,0"), 2, {"--light 0,0,0", "cannot be zero"}));
+    EXPECT_TRUE(ended(relit("--point-light", "10,0,-5"), 2, {"--point-light 10,0,-5", "z must be positive"}));
+    EXPECT_FALSE(std::filesystem::exists(stack.out("a.png")));
+}
+
+TEST(CliContract, OneJsonObjectOnStdoutAndTheRestOnStderr) {
+    const TinyStack stack;
+    stack.change_lights([](auto& lines) { lines[0] = "99"; });  // worth a warning
+    const Finished fit = tangipaint({"fit", stack.path(), "--out", stack.out("a.exr"), "--threads", "2"});
+    ASSERT_TRUE(ended(fit, 0, {"warning: ", "says 99 lights, but 12 follow"}));
+    const nlohmann::json result = fit.json();
+    EXPECT_EQ(result["command"], "fit");
+    EXPECT_EQ(result["painting"], stack.out("a.exr"));
+    EXPECT_GT(result["seconds"], 0);
+    EXPECT_GT(result["peak_memory_mb"], 1);
+    ASSERT_EQ(result["warnings"].size(), 1u);
+    EXPECT_THAT(result["warnings"][0], HasSubstr("says 99 lights"));
+    EXPECT_EQ(leftovers_in(stack.root()), std::vector<std::string>());
+}
+
+TEST(CliContract, PoorNumbersEndWith3AndSayWhich) {
+    const TinyStack stack;
+    Surface wrong(32, 32);  // brighter than any photograph
+    std::fill(wrong.diffuse.pixels().begin(), wrong.diffuse.pixels().end(), Rgb(5));
+    std::fill(wrong.confidence.pixels().begin(), wrong.confidence.pixels().end(), 1.0f);
+    wrong.photography = stack.photography();
+    write_painting(stack.out("wrong.exr"), wrong);
+    const Finished run =
+        tangipaint({"compare", stack.out("wrong.exr"), stack.path(), "--out", stack.out("c")});
+    ASSERT_TRUE(ended(run, 3, {"warning: poor result: ", "dB on average", "the lights, of this painting?"}));
+    ASSERT_EQ(run.json()["poor"].size(), 1u);
+    EXPECT_THAT(run.json()["poor"][0], HasSubstr("dB on average"));
+    EXPECT_TRUE(std::filesystem::exists(stack.out("c") + "/compare.html"));
+}
+
+TEST(CliContract, StdoutThatTakesNothingIsAnError) {
+    const TinyStack stack;
+    Conditions full;
+    full.stdout_to = "/dev/full";
+    // A short result, and one that is longer than any buffer.
+    EXPECT_TRUE(ended(tangipaint({"info", stack.photo(0)}, full), 1, {"standard output"}));
+    EXPECT_TRUE(ended(tangipaint({"compare", stack.truth(), stack.path(), "--out", stack.out("c")}, full), 1,
+                      {"standard output"}));
+}
+
+TEST(CliContract, TooLittleMemoryIsAnErrorThatSaysSo) {
+    const TinyStack stack;
+    Surface large(4000, 4000);
+    large.confidence(0, 0) = 1;
+    write_painting(stack.out("large.exr"), large);
+    Conditions small;
+    small.memory = rlim_t{900} << 20;
+    small.environment = {{"OMP_NUM_THREADS", "1"}, {"OPENBLAS_NUM_THREADS", "1"}};
+    const Finished run = tangipaint({"info", stack.out("large.exr"), "--threads", "1"}, small);
+    EXPECT_TRUE(ended(run, 1, {"not enough memory"}));
+}
+
+}  // namespace
+}  // namespace tangi

@@ -1,0 +1,299 @@
+// What stops a command on its way: Ctrl-C, a kill, a disk that is full, a folder that must not be written.
+#include "cli_program.h"
+
+namespace tangi {
+namespace {
+
+using std::chrono::duration;
+using std::chrono::steady_clock;
+namespace fs = std::filesystem;
+
+// Waits until the program would hear Ctrl-C: it says so in /proc. False where it was done before.
+bool listens(Program& program) {
+    const fs::path status = fmt::format("/proc/{}/status", program.pid());
+    while (program.running()) {
+        const std::string text = bytes_of(status);
+        const auto at = text.find("SigCgt:\t");
+        if (at != std::string::npos &&
+            (std::stoull(text.substr(at + 8, 16), nullptr, 16) & (1u << (SIGINT - 1))))
+            return true;
+        std::this_thread::sleep_for(std::chrono::microseconds(200));
+    }
+    return false;
+}
+
+void sleep_for(double seconds) { std::this_thread::sleep_for(duration<double>(seconds)); }
+
+// Runs a command `times` times and sends it `signal` at moments spread over the time that it takes; calls
+// `check` after each. Returns how often it was stopped.
+int interrupt(const std::vector<std::string>& arguments, int signal, int times,
+              const std::function<void(const Finished&)>& check) {
+    double takes = 0;
+    {
+        Program whole(arguments);
+        EXPECT_TRUE(listens(whole));
+        const auto start = steady_clock::now();
+        const Finished run = whole.wait();
+        takes = duration<double>(steady_clock::now() - start).count();
+        EXPECT_TRUE(ended(run, 0));
+        check(run);
+    }
+    Random random(11);
+    int stopped = 0;
+    for (int i = 0; i < times; ++i) {
+        Program program(arguments);
+        EXPECT_TRUE(listens(program));
+        sleep_for(takes * (i + random.uniform()) / (times + 1));
+        program.signal(signal);
+        const Finished run = program.wait();
+        if (run.code != 0) {
+            ++stopped;
+            EXPECT_TRUE(ended(run, 130, {"stopped at your request; nothing half-written is left"}));
+        }
+        check(run);
+    }
+    return stopped;
+}
+
+void expect_whole_pictures(const fs::path& folder) {
+    if (!fs::exists(folder)) return;
+    for (const std::string& path : everything_in(folder))
+        if (fs::path(path).extension() == ".png") {
+            EXPECT_EQ(read_picture(folder / path).width(), 48) << path;
+        }
+}
+
+TEST(CliInterrupt, FitLeavesTheOldPaintingAndNothingElse) {
+    const TinyStack stack({}, 48);
+    const std::string target = stack.out("a.exr"), old = bytes_of(stack.truth());
+    const std::vector<std::string> fit = {"fit", stack.path(), "--out", target, "--threads", "2"};
+    write_bytes(target, old);
+    const auto before = everything_in(stack.root());
+    const int stopped = interrupt(fit, SIGINT, 7, [&](const Finished& run) {
+        EXPECT_EQ(everything_in(stack.root()), before);
+        EXPECT_EQ(bytes_of(target) == old, run.code != 0);  // the old one, or the new one as a whole
+        EXPECT_TRUE(read_painting(target).width() == 48);
+        write_bytes(target, old);
+    });
+    EXPECT_GE(stopped, 3);
+}
+
+// A long fit stops soon, wherever it is.
+TEST(CliInterrupt, FitOfTheSampleStopsWithinSeconds) {
+    const TestDir dir;
+    const std::string photos = std::string(TP_SOURCE_DIR) + "/datasets/impasto/jpg";
+    for (const auto& [seconds, signal] : {std::pair{0.05, SIGINT}, {0.6, SIGINT}, {1.5, SIGTERM}}) {
+        Program program({"fit", photos, "--lights", photos + "/lights.lp", "--out", (dir / "a.exr").string(),
+                         "--threads", "1"});
+        ASSERT_TRUE(listens(program));
+        sleep_for(seconds);
+        const auto asked = steady_clock::now();
+        program.signal(signal);
+        EXPECT_TRUE(ended(program.wait(), 130, {"stopped at your request"}));
+        EXPECT_LT(duration<double>(steady_clock::now() - asked).count(), 5);
+        EXPECT_EQ(everything_in(dir.path()), std::vector<std::string>());
+    }
+}
+
+TEST(CliInterrupt, CompareLeavesTheOldReportAsItWas) {
+    const TinyStack stack({}, 48);
+    const std::string out = stack.out("c");
+    const std::vector<std::string> compare = {"compare", stack.truth(), stack.path(), "--out", out};
+    // What was there: the report of another painting, and a file of the user's.
+    Surface other = read_painting(stack.truth());
+    for (Rgb& rho : other.diffuse.pixels()) rho *= 0.7f;
+    write_painting(stack.out("other.exr"), other);
+    ASSERT_TRUE(
+        ended(tangipaint({"compare", stack.out("other.exr"), stack.path(), "--out", stack.out("old")}), 0));
+    write_bytes(stack.out("old/pictures/mine.txt"), "mine");
+    const auto contents = [](const fs::path& folder) {
+        std::map<std::string, std::string> all;
+        for (const std::string& path : everything_in(folder))
+            all[path] = path.ends_with('/') ? "" : bytes_of(folder / path);
+        return all;
+    };
+    const auto old = contents(stack.out("old"));
+    const auto put_old = [&] {
+        fs::remove_all(out);
+        fs::copy(stack.out("old"), out, fs::copy_options::recursive);
+    };
+    put_old();
+    const int stopped = interrupt(compare, SIGINT, 5, [&](const Finished& run) {
+        const auto now = contents(out);
+        EXPECT_EQ(now == old, run.code != 0);
+        EXPECT_EQ(now.at("pictures/mine.txt"), "mine");
+        EXPECT_EQ(now.size(), old.size());
+        put_old();
+    });
+    EXPECT_GE(stopped, 2);
+    // and where there was none, there is none
+    const int again = interrupt(compare, SIGINT, 2, [&](const Finished& run) {
+        EXPECT_EQ(fs::exists(out), run.code == 0);
+        fs::remove_all(out);
+    });
+    EXPECT_GE(again, 1);
+}
+
+TEST(CliInterrupt, RelightLeavesWholePictures) {
+    const TinyStack stack({}, 48);
+    const std::string out = stack.out("d");
+    const std::vector<std::string> relight = {"relight",      stack.truth(), "--lights",
+                                              stack.lights(), "--out",       out};
+    const int stopped = interrupt(relight, SIGINT, 5, [&](const Finished& run) {
+        expect_whole_pictures(out);
+        EXPECT_EQ(leftovers_in(stack.root()), std::vector<std::string>());
+        EXPECT_TRUE(run.code != 0 || everything_in(out).size() == 12);
+        fs::remove_all(out);
+    });
+    EXPECT_GE(stopped, 2);
+}
+
+TEST(CliInterrupt, GenerateLeavesWholePhotographsAndNoLightsFile) {
+    const TestDir dir;
+    const std::string out = (dir / "s").string();
+    const std::vector<std::string> generate = {
+        "generate",        "--out", out,        "--width", "48",         "--height", "48",
+        "--supersampling", "1",     "--lights", "40",      "--held-out", "0"};
+    const int stopped = interrupt(generate, SIGINT, 4, [&](const Finished& run) {
+        if (fs::exists(out + "/gt")) fs::remove_all(out + "/gt");
+        expect_whole_pictures(out);
+        EXPECT_EQ(leftovers_in(dir.path()), std::vector<std::string>());
+        EXPECT_EQ(fs::exists(out + "/lights.lp"), run.code == 0);
+        fs::remove_all(out);
+    });
+    EXPECT_GE(stopped, 1);
+}
+
+TEST(CliInterrupt, AKillLeavesTheOldPainting) {
+    const TinyStack stack({}, 48);
+    const std::string target = stack.out("a.exr"), old = bytes_of(stack.truth());
+    write_bytes(target, old);
+    for (const double seconds : {0.0, 0.03, 0.08}) {
+        Program program({"fit", stack.path(), "--out", target, "--threads", "1", "--max-iterations", "1000"});
+        ASSERT_TRUE(listens(program));
+        sleep_for(seconds);
+        program.signal(SIGKILL);
+        const Finished run = program.wait();
+        if (run.code == 0) continue;  // it was faster
+        EXPECT_EQ(run.code, 128 + SIGKILL);
+        EXPECT_TRUE(bytes_of(target) == old);
+    }
+    // What was left behind is in nobody's way.
+    EXPECT_TRUE(ended(tangipaint({"fit", stack.path(), "--out", target}), 0));
+}
+
+// As if the disk had room for `bytes` more in one file.
+Conditions nearly_full(std::uintmax_t bytes) {
+    Conditions conditions;
+    conditions.largest_file = bytes;
+    return conditions;
+}
+
+TEST(CliFullDisk, PaintingsAndPicturesAreWholeOrNot) {
+    const TinyStack stack;
+    const std::vector<std::vector<std::string>> commands = {
+        {"fit", stack.path(), "--out", stack.out("a.exr")},
+        {"relight", stack.truth(), "--light", "1,0,1", "--out", stack.out("a.png")},
+        {"relight", stack.truth(), "--light", "1,0,1", "--out", stack.out("a.jpg")},
+        {"relight", stack.truth(), "--light", "1,0,1", "--out", stack.out("a.tif")},
+        {"relight", stack.truth(), "--light", "1,0,1", "--out", stack.out("b.exr")}};
+    for (const auto& command : commands) {
+        const std::string& target = command.back();
+        SCOPED_TRACE(command.front() + " to " + target);
+        ASSERT_TRUE(ended(tangipaint(command), 0));
+        const std::uintmax_t whole = fs::file_size(target);
+        write_bytes(target, "old");
+        const auto before = everything_in(stack.root());
+        // A part, and all but the last byte, which is written while the file is closed.
+        for (const std::uintmax_t room : {whole / 2, whole - 1}) {
+            const Finished run = tangipaint(command, nearly_full(room));
+            EXPECT_TRUE(ended(run, 1, {target + ": cannot be written"})) << room << " of " << whole;
+            EXPECT_TRUE(bytes_of(target) == "old") << room << " of " << whole;
+            EXPECT_EQ(everything_in(stack.root()), before) << room << " of " << whole;
+        }
+    }
+}
+
+TEST(CliFullDisk, ReportsAndStacksAreWholeOrNot) {
+    const TinyStack stack;
+    const std::string report = stack.out("c"), many = stack.out("d");
+    for (const std::uintmax_t room : {0, 1500, 4000}) {
+        EXPECT_TRUE(
+            ended(tangipaint({"compare", stack.truth(), stack.path(), "--out", report}, nearly_full(room)), 1,
+                  {report + "/", "cannot be written"}))
+            << room;
+        EXPECT_FALSE(fs::exists(report)) << room;
+    }
+    EXPECT_TRUE(ended(
+        tangipaint({"relight", stack.truth(), "--lights", stack.lights(), "--out", many}, nearly_full(1000)),
+        1, {many + "/img_000.png: cannot be written"}));
+    EXPECT_EQ(everything_in(many), std::vector<std::string>());
+    const std::string made = stack.out("s");
+    EXPECT_TRUE(
+        ended(tangipaint({"generate", "--out", made, "--width", "32", "--height", "32"}, nearly_full(1000)),
+              1, {made + "/", "cannot be written"}));
+    EXPECT_FALSE(fs::exists(made + "/lights.lp"));
+    EXPECT_EQ(leftovers_in(stack.root()), std::vector<std::string>());
+}
+
+TEST(CliReadOnly, WhereNothingCanBeWrittenIsKnownBeforeTheWork) {
+    const TinyStack stack;
+    const auto before = everything_in(stack.root());
+    const auto refused = [&](const std::vector<std::string>& command, const std::vector<std::string>& said) {
+        EXPECT_TRUE(ended(tangipaint(command), 1, said)) << testing::PrintToString(command);
+        EXPECT_EQ(everything_in(stack.root()), before);
+    };
+    const std::string in_none = stack.out("none/a.exr"), in_file = stack.photo(0) + "/a.exr",
+                      folder = stack.path();
+    refused({"fit", folder, "--out", in_none}, {in_none + ": there is no folder " + stack.out("none")});
+    refused({"fit", folder, "--out", in_file}, {in_file + ": there is no folder " + stack.photo(0)});
+    refused({"fit", folder, "--out", folder}, {"a painting is an .exr file"});
+    refused({"fit", folder, "--out", stack.out("a.png")}, {"--out", "a painting is an .exr file"});
+    refused({"fit", stack.out("nowhere"), "--out", in_none}, {"there is no folder " + stack.out("none")});
+    refused({"compare", stack.truth(), folder, "--out", stack.photo(0)},
+            {stack.photo(0), "cannot be made a folder"});
+    refused({"compare", stack.truth(), folder, "--out", stack.photo(0) + "/c"},
+            {stack.photo(0) + "/c", "cannot be made a folder"});
+    refused({"relight", stack.truth(), "--lights", stack.lights(), "--out", stack.photo(0)},
+            {"cannot be made a folder"});
+    refused({"generate", "--out", stack.photo(0), "--width", "16", "--height", "16"},
+            {"cannot be made a folder"});
+    refused({"demo", "--small", "--out", stack.photo(0)}, {stack.photo(0), "cannot be made a folder"});
+}
+
+TEST(CliReadOnly, PermissionsAreRespectedAndNamed) {
+    if (::geteuid() == 0 && ::prctl(PR_CAPBSET_READ, 8 /* CAP_SETPCAP */) != 1)
+        GTEST_SKIP() << "skipped: permissions do not bind this user, and it cannot give that up";
+    const TinyStack stack;
+    Conditions bound;
+    bound.bound_by_permissions = true;
+    const fs::path locked = stack.out("locked");
+    fs::create_directory(locked);
+    fs::permissions(locked, fs::perms::owner_read | fs::perms::owner_exec);
+    const auto refused = [&](const std::vector<std::string>& command, const std::vector<std::string>& said) {
+        EXPECT_TRUE(ended(tangipaint(command, bound), 1, said)) << testing::PrintToString(command);
+    };
+    refused({"fit", stack.path(), "--out", locked / "a.exr"},
+            {"locked/a.exr: cannot be written: Permission denied"});
+    refused({"relight", stack.truth(), "--light", "0,0,1", "--out", locked / "a.png"},
+            {"locked/a.png: cannot be written: Permission denied"});
+    refused({"compare", stack.truth(), stack.path(), "--out", locked / "c"},
+            {"locked/c", "Permission denied"});
+    EXPECT_EQ(everything_in(locked), std::vector<std::string>());
+
+    fs::permissions(stack.photo(2), fs::perms::none);
+    refused({"fit", stack.path(), "--out", stack.out("a.exr")},
+            {stack.name(2), "be read", "Permission denied"});
+    fs::permissions(stack.lights(), fs::perms::none);
+    refused({"fit", stack.path(), "--out", stack.out("a.exr")},
+            {"lights.lp: cannot be read: Permission denied"});
+    fs::permissions(stack.truth(), fs::perms::none);
+    refused({"info", stack.truth()}, {"truth.exr", "Permission denied"});
+    fs::permissions(stack.folder(), fs::perms::none);
+    refused({"fit", stack.path(), "--out", stack.out("a.exr")}, {stack.path(), "Permission denied"});
+    fs::permissions(stack.folder(), fs::perms::owner_all);
+    EXPECT_EQ(leftovers_in(stack.root()), std::vector<std::string>());
+}
+
+}  // namespace
+}  // namespace tangi

@@ -1,0 +1,254 @@
+// relight and compare, run as a user would run them, against what the library says.
+#include "capture/lights_file.h"
+#include "capture/photo_file.h"
+#include "cli_program.h"
+#include "surface/relight.h"
+
+namespace tangi {
+namespace {
+
+using testing::HasSubstr;
+namespace fs = std::filesystem;
+
+void use_srgb(GeneratorOptions& options) { options.transfer = Transfer{Transfer::Kind::srgb}; }
+
+// What the picture of a painting must hold: relit, exposed and encoded as its photographs were.
+Image<Rgb> expected_picture(const Surface& s, const std::vector<Light>& lights, const Transfer& transfer,
+                            RelightOptions options = {}) {
+    options.cast_shadows = true;  // the command's default
+    Image<Rgb> picture = relight(s, lights, options);
+    for (Rgb& pixel : picture.pixels())
+        for (int c = 0; c < 3; ++c) {
+            const float value = transfer.encode(pixel[c] * static_cast<float>(s.photography.white_level));
+            pixel[c] = transfer == Transfer{} ? value : std::min(value, 1.0f);
+        }
+    return picture;
+}
+
+TEST(CliRelight, WritesEachFormatAsThePhotographsWereEncoded) {
+    const TinyStack stack(use_srgb);
+    const Surface s = read_painting(stack.truth());
+    const Transfer srgb{Transfer::Kind::srgb};
+    const std::vector<Light> light = {distant_light(Vec3(-0.3f, 0.4f, 1))};
+    const auto relit = [&](const std::string& name, std::vector<std::string> flags = {}) {
+        flags.insert(flags.begin(),
+                     {"relight", stack.truth(), "--light=-0.3,0.4,1", "--out", stack.out(name)});
+        const Finished run = tangipaint(flags);
+        EXPECT_TRUE(ended(run, 0)) << name;
+        EXPECT_EQ(run.json()["pictures"], nlohmann::json::array({stack.out(name)}));
+        return read_picture(stack.out(name));
+    };
+    const Image<Rgb> encoded = expected_picture(s, light, srgb),
+                     linear = expected_picture(s, light, Transfer{});
+    EXPECT_TRUE(images_near(relit("a.png"), encoded, 1.0 / 65535));
+    EXPECT_TRUE(images_near(relit("a.tif"), encoded, 1.0 / 65535));
+    EXPECT_TRUE(images_near(relit("a.exr"), linear, 1e-6));
+    EXPECT_EQ(PhotoFile(stack.out("a.png")).header().bits, 16);
+    EXPECT_EQ(PhotoFile(stack.out("a.tif")).header().bits, 16);
+    EXPECT_TRUE(PhotoFile(stack.out("a.exr")).header().is_float);
+
+    const Image<Rgb> jpeg = relit("a.jpg");  // lossy: right on average
+    double difference = 0;
+    for (std::size_t i = 0; i < jpeg.size(); ++i)
+        difference += std::abs(jpeg.pixels()[i].g - encoded.pixels()[i].g);
+    EXPECT_LT(difference / static_cast<double>(jpeg.size()), 0.02);
+    EXPECT_EQ(PhotoFile(stack.out("a.jpg")).header().bits, 8);
+
+    EXPECT_TRUE(images_near(relit("b.png", {"--encoding", "linear"}), linear, 1.0 / 65535));
+    EXPECT_TRUE(images_near(relit("c.png", {"--encoding", "1.8"}),
+                            expected_picture(s, light, Transfer{Transfer::Kind::gamma, 1.8}), 1.0 / 65535));
+    EXPECT_TRUE(images_near(relit("d.exr", {"--encoding", "linear"}), linear, 1e-6));
+    EXPECT_EQ(leftovers_in(stack.root()), std::vector<std::string>());
+}
+
+TEST(CliRelight, AddsUpLightsNearAndFar) {
+    const TinyStack stack;
+    const Surface s = read_painting(stack.truth());
+    const Finished run = tangipaint({"relight", stack.truth(), "--light", "1,0,1", "--light=-1,0.5,1",
+                                     "--point-light", "4,-3,20", "--gain", "0.5", "--model", "ward1992",
+                                     "--ambient", "0.1", "--out", stack.out("a.exr")});
+    ASSERT_TRUE(ended(run, 0));
+    std::vector<Light> lights = {distant_light({1, 0, 1}), distant_light({-1, 0.5f, 1}),
+                                 near_light({4, -3, 20})};
+    for (Light& light : lights) light.gain = Rgb(0.5f);
+    RelightOptions options;
+    options.model = WardModel::ward1992;
+    options.ambient = 0.1;
+    const Image<Rgb> expected = expected_picture(s, lights, Transfer{}, options);
+    EXPECT_TRUE(images_near(read_picture(stack.out("a.exr")), expected, 1e-5));
+    // and the near light is not just another far one
+    lights[2] = distant_light({4, -3, 20});
+    EXPECT_FALSE(images_near(expected_picture(s, lights, Transfer{}, options), expected, 1e-3));
+}
+
+TEST(CliRelight, CastShadowsCanBeTurnedOff) {
+    const TinyStack stack;
+    const auto relit = [&](const std::string& name, const std::string& flag) {
+        EXPECT_TRUE(ended(
+            tangipaint({"relight", stack.truth(), "--light", "1,0.2,0.15", "--out", stack.out(name), flag}),
+            0));
+        return read_picture(stack.out(name));
+    };
+    const Image<Rgb> with = relit("a.exr", "--cast-shadows"), without = relit("b.exr", "--no-cast-shadows");
+    int darker = 0;
+    for (std::size_t i = 0; i < with.size(); ++i) {
+        EXPECT_LE(with.pixels()[i].g, without.pixels()[i].g + 1e-6f);
+        darker += with.pixels()[i].g < without.pixels()[i].g - 1e-3f;
+    }
+    EXPECT_GT(darker, 20);
+}
+
+TEST(CliRelight, ALightsFileGivesAPictureForEachPhotograph) {
+    const TinyStack stack([](GeneratorOptions& o) {
+        use_srgb(o);
+        o.gain_min = 0.5;
+        o.gain_max = 1.5;
+    });
+    const Surface s = read_painting(stack.truth());
+    const std::string lights = stack.held_out() + "/heldout.lp", out = stack.out("new/relit");
+    const Finished run = tangipaint({"relight", stack.truth(), "--lights", lights, "--out", out});
+    ASSERT_TRUE(ended(run, 0));
+    EXPECT_THAT(everything_in(out), testing::ElementsAre("heldout_000.png", "heldout_001.png"));
+    EXPECT_EQ(run.json()["pictures"].size(), 2u);
+    for (int i = 0; i < 2; ++i) {
+        const fs::path picture = fs::path(out) / fmt::format("heldout_00{}.png", i);
+        EXPECT_EQ(PhotoFile(picture).header().bits, 16);
+        // The light's direction is the file's, its strength that which the painting knows by the name.
+        Light light = read_lights_file(lights).lights[static_cast<std::size_t>(i)];
+        light.gain = s.photography.photos[static_cast<std::size_t>(12 + i)].light.gain;
+        EXPECT_NE(light.gain.r, 1);
+        EXPECT_TRUE(images_near(read_picture(picture), expected_picture(s, {light}, s.photography.transfer),
+                                1.0 / 65535));
+    }
+    // What the fit would give at best, beside the photograph itself: only noise is between them.
+    const Image<Rgb> photo = read_picture(stack.held_out() + "/heldout_000.png");
+    const Image<Rgb> relit = read_picture(fs::path(out) / "heldout_000.png");
+    double difference = 0;
+    for (std::size_t i = 0; i < photo.size(); ++i)
+        difference += std::abs(photo.pixels()[i].g - relit.pixels()[i].g);
+    EXPECT_LT(difference / static_cast<double>(photo.size()), 0.02);
+}
+
+TEST(CliRelight, NamesOfALightsFileMayHoldFoldersAndSpaces) {
+    const TinyStack stack;
+    write_bytes(stack.out("a.lp"), "2\nC:\\Photos\\my door.JPG 0 0 1\nset b/img 2.tif 1 0 1\n");
+    ASSERT_TRUE(ended(
+        tangipaint({"relight", stack.truth(), "--lights", stack.out("a.lp"), "--out", stack.out("d")}), 0));
+    EXPECT_THAT(everything_in(stack.out("d")), testing::ElementsAre("img 2.png", "my door.png"));
+    write_bytes(stack.out("b.lp"), "2\na/img.png 0 0 1\nb/img.tif 1 0 1\n");
+    EXPECT_TRUE(
+        ended(tangipaint({"relight", stack.truth(), "--lights", stack.out("b.lp"), "--out", stack.out("e")}),
+              1, {"b.lp", "two photographs have the stem 'img'"}));
+    EXPECT_FALSE(fs::exists(stack.out("e")));
+}
+
+TEST(CliRelight, WhatCannotBeWrittenIsSaidAndNothingIsLeft) {
+    const TinyStack stack;
+    const auto refused = [&](const std::string& out, const std::vector<std::string>& said,
+                             std::vector<std::string> flags = {}) {
+        flags.insert(flags.begin(), {"relight", stack.truth(), "--light", "0,0,1", "--out", out});
+        EXPECT_TRUE(ended(tangipaint(flags), 1, said)) << out;
+        EXPECT_EQ(leftovers_in(stack.root()), std::vector<std::string>());
+        EXPECT_FALSE(fs::is_regular_file(out));
+    };
+    refused(stack.out("a.gif"), {"a.gif", ".png, .tif, .jpg or .exr"});
+    refused(stack.out("a"), {".png, .tif, .jpg or .exr"});
+    refused(stack.out("a.exr"), {"a.exr", "linear light", "--encoding linear"}, {"--encoding", "srgb"});
+    refused(stack.out("none/a.png"), {"a.png", "there is no folder"});
+    refused(stack.truth() + "/a.png", {"a.png", "there is no folder"});
+    EXPECT_TRUE(ended(tangipaint({"relight", stack.truth(), "--light", "0,0,1", "--out", stack.out("a.png"),
+                                  "--encoding", "log"}),
+                      2, {"--encoding log", "[0.2, 5]"}));
+}
+
+TEST(CliCompare, WritesNumbersForEachPhotographAndAPage) {
+    const TinyStack stack;
+    // Two of the photographs count as held out.
+    Surface s = read_painting(stack.truth());
+    s.photography.photos[3].fitted = s.photography.photos[7].fitted = false;
+    write_painting(stack.out("a.exr"), s);
+    const std::string out = stack.out("new/report");
+    const Finished run = tangipaint({"compare", stack.out("a.exr"), stack.path(), "--out", out});
+    ASSERT_TRUE(ended(run, 0));
+    EXPECT_EQ(run.err, "");
+    const nlohmann::json said = run.json(),
+                         file = nlohmann::json::parse(read_text_file(out + "/compare.json"));
+    EXPECT_EQ(said["page"], out + "/compare.html");
+    EXPECT_EQ(said["mean"], file["mean"]);
+    ASSERT_EQ(file["photos"].size(), 12u);
+    double held_out = 0, fitted = 0;
+    for (int i = 0; i < 12; ++i) {
+        const nlohmann::json& photo = file["photos"][static_cast<std::size_t>(i)];
+        EXPECT_EQ(photo["name"], stack.name(i));
+        EXPECT_EQ(photo["fitted"], i != 3 && i != 7);
+        EXPECT_GT(photo["psnr_db"], 25);  // the truth itself: only noise and shadows' edges differ
+        EXPECT_GT(photo["ssim"], 0.8);
+        EXPECT_LT(photo["delta_e_2000"], 6);
+        (photo["fitted"] ? fitted : held_out) += photo["psnr_db"].get<double>();
+        for (const auto& [what, picture] : photo["pictures"].items())
+            EXPECT_EQ(read_picture(fs::path(out) / picture.get<std::string>()).width(), 32) << what;
+    }
+    EXPECT_EQ(file["mean"]["held_out"]["count"], 2);
+    EXPECT_EQ(file["mean"]["fitted"]["count"], 10);
+    EXPECT_NEAR(file["mean"]["held_out"]["psnr_db"].get<double>(), held_out / 2, 1e-9);
+    EXPECT_NEAR(file["mean"]["fitted"]["psnr_db"].get<double>(), fitted / 10, 1e-9);
+    EXPECT_THAT(read_text_file(out + "/compare.html"), HasSubstr(stack.name(3)));
+    EXPECT_EQ(leftovers_in(stack.root()), std::vector<std::string>());
+}
+
+TEST(CliCompare, ComparesTheCropThatWasFitted) {
+    const TinyStack stack;
+    ASSERT_TRUE(
+        ended(tangipaint({"fit", stack.path(), "--crop", "8,4,20,16", "--out", stack.out("crop.exr")}), 0));
+    const Finished run = tangipaint(
+        {"compare", stack.out("crop.exr"), stack.path(), "--crop", "8,4,20,16", "--out", stack.out("c")});
+    ASSERT_TRUE(ended(run, 0));
+    EXPECT_GT(run.json()["mean"]["all"]["psnr_db"], 30);
+}
+
+TEST(CliCompare, SaysEveryWarningOnce) {
+    const TinyStack stack;
+    stack.change_lights([](auto& lines) { lines[0] = "99"; });
+    const Finished run = tangipaint({"compare", stack.truth(), stack.path(), "--out", stack.out("c")});
+    ASSERT_TRUE(ended(run, 0, {"says 99 lights, but 12 follow"}));
+    ASSERT_EQ(run.json()["warnings"].size(), 1u);
+    const auto first = run.err.find("says 99 lights");
+    EXPECT_EQ(run.err.find("says 99 lights", first + 1), std::string::npos) << run.err;
+}
+
+TEST(CliCompare, PhotographsThePaintingDoesNotKnowCountAsHeldOut) {
+    const TinyStack stack, other([](GeneratorOptions&o) { o.seed = 9; });
+    fs::rename(other.photo(0), other.out("photos/stranger.png"));
+    other.change_lights([&](auto& lines) { lines[1].replace(0, other.name(0).size(), "stranger.png"); });
+    const Finished run = tangipaint({"compare", stack.truth(), other.path(), "--out", stack.out("c")});
+    ASSERT_TRUE(ended(run, 0, {"1 of 12 photographs are not among those", "held out"}));
+    EXPECT_EQ(run.json()["mean"]["held_out"]["count"], 1);
+}
+
+TEST(CliCompare, RefusesWhatCannotBeCompared) {
+    const TinyStack stack;
+    const auto refused = [&](const std::string& painting, const std::string& photos,
+                             const std::vector<std::string>& said) {
+        EXPECT_TRUE(ended(tangipaint({"compare", painting, photos, "--out", stack.out("c")}), 1, said));
+        EXPECT_FALSE(fs::exists(stack.out("c/compare.html")));
+        EXPECT_FALSE(fs::exists(stack.out("c/compare.json")));
+    };
+    Surface bare(32, 32);
+    write_painting(stack.out("bare.exr"), bare);
+    refused(stack.out("bare.exr"), stack.path(), {"does not come from photographs", "tangipaint fit"});
+    Surface small(16, 16);
+    small.photography = stack.photography();
+    write_painting(stack.out("small.exr"), small);
+    refused(stack.out("small.exr"), stack.path(), {"32 x 32", "16 x 16", "with the same crop"});
+    refused(stack.out("none.exr"), stack.path(), {"none.exr: no such file"});
+    refused(stack.truth(), stack.out("nowhere"), {"nowhere: no such folder"});
+    refused(stack.photo(0), stack.path(), {stack.name(0), "is not a painting file"});
+    refused(stack.path() + "/gt/height.exr", stack.path(), {"height.exr", "no part 'dry'", "tangipaint fit"});
+    Surface unmeasured(32, 32);
+    unmeasured.photography = stack.photography();
+    write_painting(stack.out("dark.exr"), unmeasured);
+    refused(stack.out("dark.exr"), stack.path(), {"measured nowhere"});
+}
+
+}  // namespace
+}  // namespace tangi

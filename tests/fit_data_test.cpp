@@ -1,0 +1,162 @@
+// fit_data_test.cpp: the acceptance figures of the fit on stacks beside the repository (see data_folder).
+// Slow: minutes.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <iostream>
+#include <numbers>
+
+#include "fit/compare.h"
+#include "fit/fit_painting.h"
+#include "fit/metrics.h"
+#include "surface/picture_file.h"
+#include "surface/relight.h"
+#include "test_support.h"
+
+namespace tangi {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Into the test's XML report and onto the terminal.
+void record(const std::string& name, double value, const char* unit) {
+    testing::Test::RecordProperty(name, fmt::format("{:.3f}", value));
+    std::cout << fmt::format("[  FIGURE  ] {} {:.3f} {}\n", name, value, unit);
+}
+
+void expect_held_out_psnr(const fs::path& folder, double floor_db) {
+    Stack stack = open_stack(folder);
+    hold_out(stack, "4:8");
+    const FitResult fit = fit_painting(stack);
+    const CompareReport report = compare(fit.surface, stack);
+    const std::string name = folder.filename().string();
+    std::cout << fmt::format(
+        "[  FIGURE  ] {} transfer {}, {} of {} pixels not converged, support tilt {:.1f} deg\n", name,
+        fit.report.transfer.transfer.name(), fit.report.not_converged, fit.report.fitted,
+        fit.report.support_tilt_deg);
+    record(name + "_held_out_psnr_db", report.held_out.psnr_db, "dB");
+    record(name + "_fitted_psnr_db", report.fitted.psnr_db, "dB");
+    record(name + "_held_out_ssim", report.held_out.ssim, "");
+    record(name + "_held_out_delta_e_2000", report.held_out.delta_e_2000, "");
+    EXPECT_GE(report.held_out.psnr_db, floor_db);
+}
+
+TEST(DataRealStacks, DoorReaches31dB) {
+    TP_DATA(folder, "real/door");
+    expect_held_out_psnr(folder, 31);
+}
+
+TEST(DataRealStacks, FrescoReaches29_5dB) {
+    TP_DATA(folder, "real/fresco");
+    expect_held_out_psnr(folder, 29.5);
+}
+
+TEST(DataRealStacks, IconReaches27dB) {
+    TP_DATA(folder, "real/icon");
+    expect_held_out_psnr(folder, 27);
+}
+
+TEST(DataRealStacks, CanvasReaches29_5dB) {
+    TP_DATA(folder, "real/canvas");
+    expect_held_out_psnr(folder, 29.5);
+}
+
+TEST(DataRealStacks, LeafReaches30dB) {
+    TP_DATA(folder, "real/leaf");
+    expect_held_out_psnr(folder, 30);
+}
+
+TEST(DataRealStacks, CoinReaches21_5dB) {
+    TP_DATA(folder, "real/coin");
+    expect_held_out_psnr(folder, 21.5);
+}
+
+double mean_angle_deg(const Image<Vec3>& a, const Image<Vec3>& b, const Mask& mask = {}) {
+    double sum = 0;
+    long count = 0;
+    for (std::size_t i = 0; i < a.size(); ++i) {
+        if (!mask.empty() && !mask.pixels()[i]) continue;
+        const glm::dvec3 u(a.pixels()[i]), v(b.pixels()[i]);
+        sum += std::atan2(glm::length(glm::cross(u, v)), glm::dot(u, v)) * 180 / std::numbers::pi;
+        ++count;
+    }
+    return sum / static_cast<double>(count);
+}
+
+Image<Vec3> normalised(Image<Vec3> normals) {
+    for (Vec3& n : normals.pixels()) n = glm::normalize(n);
+    return normals;
+}
+
+// [dB] of the six held-out photographs, which are linear EXR files, as a camera would have stored them: sRGB.
+double held_out_psnr_db(const Surface& surface, const fs::path& photos) {
+    const Stack stack = open_stack(photos);
+    const Transfer srgb{Transfer::Kind::srgb};
+    double sum = 0;
+    for (const StackPhoto& photo : stack.photos) {
+        const Light light = as_photographed(photo.light, surface.photography);
+        Image<Rgb> relit = relight(surface, {&light, 1}, {.cast_shadows = true});
+        Image<Rgb> taken = read_picture(photo.path);
+        for (Rgb& value : relit.pixels())
+            value = srgb.encode(value * static_cast<float>(surface.photography.white_level));
+        for (Rgb& value : taken.pixels()) value = srgb.encode(value);
+        const double psnr = psnr_db(taken, relit, measured(surface.confidence));
+        std::cout << fmt::format("[  FIGURE  ] impasto {}: {:.2f} dB\n", photo.light.name, psnr);
+        sum += psnr;
+    }
+    return sum / static_cast<double>(stack.photos.size());
+}
+
+TEST(DataImpasto, NormalsHeldOutLightsAndHeightReachTheirFigures) {
+    TP_DATA(folder, "impasto");
+    const FitResult fit = fit_painting(open_stack(folder / "png16"), {.mm_per_pixel = 0.390625});
+    const Surface& s = fit.surface;
+    const Image<Rgb> valid_picture = read_picture(folder / "gt/valid.png");
+    const Image<Rgb> height_picture = read_picture(folder / "gt/height.exr");
+    Mask valid(s.width(), s.height());
+    Image<float> difference(s.width(), s.height()), weight(s.width(), s.height());
+    for (std::size_t i = 0; i < valid.size(); ++i) {
+        valid.pixels()[i] = valid_picture.pixels()[i].r > 0.5f;
+        weight.pixels()[i] = valid.pixels()[i];
+        difference.pixels()[i] = s.height_mm.pixels()[i] - height_picture.pixels()[i].r;
+    }
+    const Image<Vec3> truth = normalised(read_picture(folder / "gt/normal.exr"));
+    const double angle = mean_angle_deg(s.normal, truth, valid);
+    record("impasto_normals_deg", angle, "deg");
+    record("impasto_normals_all_pixels_deg", mean_angle_deg(s.normal, truth), "deg");
+    EXPECT_LE(angle, 1.0);
+
+    const double psnr = held_out_psnr_db(s, folder / "exr");
+    record("impasto_held_out_psnr_db", psnr, "dB");
+    EXPECT_GE(psnr, 33);
+
+    subtract(best_plane(difference, weight), difference);
+    double square = 0, count = 0, square_all = 0;
+    for (std::size_t i = 0; i < valid.size(); ++i) {
+        const double e = difference.pixels()[i];
+        square_all += e * e;
+        if (!valid.pixels()[i]) continue;
+        square += e * e;
+        ++count;
+    }
+    record("impasto_height_mm_rms", std::sqrt(square / count), "mm");
+    record("impasto_height_all_pixels_mm_rms", std::sqrt(square_all / static_cast<double>(valid.size())),
+           "mm");
+    EXPECT_LE(std::sqrt(square / count), 0.15);
+    EXPECT_TRUE(fit.report.height.converged);
+}
+
+TEST(DataSynthCanvas, NormalsOfUniform1AreWithin0_45Degrees) {
+    TP_DATA(folder, "synth_canvas/uniform_1/Dome");
+    const FitResult fit = fit_painting(open_stack(folder));
+    Image<Vec3> truth = read_picture(folder / "normals.png");  // v / 65535, so n = 2 v - 1
+    for (Vec3& n : truth.pixels()) n = glm::normalize(2.0f * n - 1.0f);
+    const double angle = mean_angle_deg(fit.surface.normal, truth);
+    std::cout << "[  FIGURE  ] synth_canvas transfer " << fit.report.transfer.transfer.name() << "\n";
+    record("synth_canvas_uniform_1_normals_deg", angle, "deg");
+    EXPECT_LE(angle, 0.45);
+}
+
+}  // namespace
+}  // namespace tangi

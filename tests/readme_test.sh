@@ -1,0 +1,53 @@
+#!/usr/bin/env bash
+# README stays true: every command of its ```sh fences runs, every file that it links to is there, and so are the
+# scripts that it promises. Usage: readme_test.sh SOURCE_FOLDER PROGRAM
+set -euo pipefail
+source=$1
+program=$2
+failed=0
+
+complain() {
+    echo "FAILED: $*" >&2
+    failed=1
+}
+
+for script in script/bootstrap script/demo script/test .ci/run; do
+    [ -x "$source/$script" ] || complain "$script is not there, or cannot be run"
+    bash -n "$source/$script" || complain "$script: bash cannot read it"
+done
+
+links=$(grep -o '](\([^)]*\))' "$source/README.md" | sed 's/^](//; s/)$//; s/#.*//' | grep -v '^[a-z]*:' | sort -u)
+[ -n "$links" ] || complain "README.md: no links found; has the way they are written changed?"
+for link in $links; do
+    [ -e "$source/$link" ] || complain "README.md links to $link, which is not there"
+done
+
+folder=$(mktemp -d)
+trap 'rm -rf "$folder"' EXIT
+mkdir "$folder/bin" "$folder/home"
+ln -s "$program" "$folder/bin/tangipaint"
+ln -s "$source/datasets" "$folder/home/datasets"
+cd "$folder/home"
+export PATH="$folder/bin:$PATH"
+
+commands=0
+while IFS= read -r line; do
+    [ -n "$line" ] || continue
+    commands=$((commands + 1))
+    echo "+ $line"
+    started=$SECONDS
+    if bash -o pipefail -c "$line" >"$folder/stdout" 2>"$folder/stderr" </dev/null; then
+        echo "  $((SECONDS - started)) s"
+    else
+        complain "README.md: exit code $? from: $line"
+        cat "$folder/stderr" >&2
+    fi
+done < <(awk '/^```sh$/ { inside = 1; next } /^```/ { inside = 0 } inside' "$source/README.md")
+
+[ "$commands" -ge 9 ] || complain "README.md: only $commands commands found; has the way they are written changed?"
+for result in painting.exr raking.png report/compare.html report/compare.json relit/heldout_005.png \
+    eighth/compare.html synthetic/lights.lp synthetic.exr; do
+    [ -s "$result" ] || complain "the commands of README.md did not make $result"
+done
+[ "$failed" -eq 0 ] && echo "README.md: all $commands commands run"
+exit "$failed"

@@ -1,0 +1,319 @@
+// surface_painting_file_test.cpp: paintings go to disk and come back bit for bit, or the Error says why not.
+#include "surface/painting_file.h"
+
+#include <OpenImageIO/imageio.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "surface/parallel.h"
+#include "tests/test_support.h"
+
+namespace tangi {
+namespace {
+
+using testing::HasSubstr;
+using testing::StartsWith;
+
+Surface random_surface(int width, int height, std::uint64_t seed = 1) {
+    Random random(seed);
+    Surface s(width, height);
+    for (std::size_t i = 0; i < s.height_mm.size(); ++i) {
+        s.height_mm.pixels()[i] = random.real(-2, 2);
+        s.normal.pixels()[i] = random.direction(0.1);
+        s.diffuse.pixels()[i] = {random.real(), random.real(), random.real()};
+        s.specular.pixels()[i] = random.real(0, 0.1);
+        s.roughness.pixels()[i] = random.real(0.01, 1);
+        s.confidence.pixels()[i] = random.real();
+    }
+    return s;
+}
+
+void expect_same_maps(const Surface& a, const Surface& b) {
+    EXPECT_TRUE(images_identical(a.height_mm, b.height_mm));
+    EXPECT_TRUE(images_identical(a.normal, b.normal));
+    EXPECT_TRUE(images_identical(a.diffuse, b.diffuse));
+    EXPECT_TRUE(images_identical(a.specular, b.specular));
+    EXPECT_TRUE(images_identical(a.roughness, b.roughness));
+    EXPECT_TRUE(images_identical(a.confidence, b.confidence));
+}
+
+// An EXR file of constant channels, one part for each name.
+void write_exr(const std::filesystem::path& path, const std::vector<std::string>& parts,
+               const std::vector<std::string>& channels) {
+    std::vector<OIIO::ImageSpec> specs;
+    for (const std::string& part : parts) {
+        OIIO::ImageSpec spec(4, 3, static_cast<int>(channels.size()), OIIO::TypeDesc::FLOAT);
+        spec.channelnames = channels;
+        spec.attribute("oiio:subimagename", part);
+        specs.push_back(spec);
+    }
+    const auto output = OIIO::ImageOutput::create(path.string());
+    const std::vector<float> values(12 * channels.size(), 0.5f);
+    ASSERT_TRUE(output->open(path.string(), static_cast<int>(specs.size()), specs.data()));
+    for (std::size_t i = 0; i < specs.size(); ++i) {
+        if (i > 0) {
+            ASSERT_TRUE(output->open(path.string(), specs[i], OIIO::ImageOutput::AppendSubimage));
+        }
+        ASSERT_TRUE(output->write_image(OIIO::TypeDesc::FLOAT, values.data()));
+    }
+    ASSERT_TRUE(output->close());
+}
+
+const std::vector<std::string> kChannels = {"height",    "normal.X",  "normal.Y", "normal.Z",  "diffuse.R",
+                                            "diffuse.G", "diffuse.B", "specular", "roughness", "confidence"};
+
+TEST(PaintingFile, RoundTripsBitForBit) {
+    const TestDir dir;
+    Surface s = random_surface(37, 301);  // more rows than are read at once
+    s.height_mm(0, 0) = -0.0f;
+    s.height_mm(1, 0) = std::numeric_limits<float>::denorm_min();
+    s.height_mm(2, 0) = std::numeric_limits<float>::infinity();
+    s.height_mm(3, 0) = std::nanf("7");
+    s.mm_per_pixel = 0.0625;  // exact in a float, as the file holds it
+    s.scale_known = true;
+    s.provenance = R"({"program": "test", "note": "Größe, \"quoted\"\nsecond line"})";
+    s.photography.transfer = {Transfer::Kind::gamma, 1 / 0.45};
+    s.photography.white_level = 0.1 + 0.2;  // no short decimal
+    Light near = near_light({100.1f, -200.2f, 300.3f}, "photos of may/img 1.jpg");
+    near.gain = {0.1f, 1.7f, 3.3f};
+    s.photography.photos = {{near, true}, {distant_light({0.1f, 0.2f, 0.9f}, "b"), false}};
+
+    write_painting(dir / "a.exr", s);
+    const Surface back = read_painting(dir / "a.exr");
+    expect_same_maps(s, back);
+    EXPECT_EQ(back.mm_per_pixel, s.mm_per_pixel);
+    EXPECT_TRUE(back.scale_known);
+    EXPECT_EQ(back.provenance, s.provenance);
+    EXPECT_EQ(back.photography.transfer, s.photography.transfer);
+    EXPECT_EQ(back.photography.white_level, s.photography.white_level);
+    ASSERT_EQ(back.photography.photos.size(), 2u);
+    for (std::size_t i = 0; i < 2; ++i) {
+        const auto &there = back.photography.photos[i], &here = s.photography.photos[i];
+        EXPECT_EQ(there.light.name, here.light.name);
+        EXPECT_EQ(there.light.direction, here.light.direction);
+        EXPECT_EQ(there.light.position_mm, here.light.position_mm);
+        EXPECT_EQ(there.light.gain, here.light.gain);
+        EXPECT_EQ(there.fitted, here.fitted);
+    }
+    EXPECT_EQ(names_in(dir.path()), std::vector<std::string>{"a.exr"});
+}
+
+TEST(PaintingFile, KeepsAScaleToSevenDigits) {
+    const TestDir dir;
+    Surface s(2, 2);
+    s.mm_per_pixel = 0.059;
+    write_painting(dir / "a.exr", s);
+    EXPECT_NEAR(read_painting(dir / "a.exr").mm_per_pixel, 0.059, 0.059 * 6e-8);  // a float in the file
+    EXPECT_FALSE(read_painting(dir / "a.exr").scale_known);
+}
+
+TEST(PaintingFile, HasTheSameBytesFromAnyNumberOfThreads) {
+    const TestDir dir;
+    const Surface s = random_surface(64, 700);
+    set_thread_count(1);
+    write_painting(dir / "one.exr", s);
+    set_thread_count(2);
+    write_painting(dir / "two.exr", s);
+    set_thread_count(0);
+    EXPECT_TRUE(bytes_of(dir / "one.exr") == bytes_of(dir / "two.exr"));
+}
+
+TEST(PaintingFile, ShowsOiiotoolTheChannelsOfTheDesign) {
+    if (std::system("oiiotool --help > /dev/null 2>&1") != 0)
+        GTEST_SKIP() << "skipped: oiiotool is not installed";
+    const TestDir dir;
+    Surface s = random_surface(6, 4);
+    s.mm_per_pixel = 0.25;
+    write_painting(dir / "a.exr", s);
+    const std::string out = (dir / "info.txt").string();
+    ASSERT_EQ(std::system(fmt::format("oiiotool --info -v {} > {}", (dir / "a.exr").string(), out).c_str()),
+              0);
+    const std::string info = bytes_of(out);
+    EXPECT_THAT(info, HasSubstr("6 x    4, 10 channel, float openexr"));
+    for (const std::string& channel : kChannels) EXPECT_THAT(info, HasSubstr(channel));
+    EXPECT_THAT(info, HasSubstr("mm_per_pixel: 0.25"));
+    EXPECT_THAT(info, HasSubstr("\"dry\""));
+    EXPECT_THAT(info, HasSubstr(fmt::format("dry_hash: \"{}\"", hash_of(s))));
+}
+
+TEST(PaintingFile, FindsTheDryPartAmongOthers) {
+    const TestDir dir;
+    write_exr(dir / "a.exr", {"wet", "dry", "fill"}, kChannels);
+    const Surface s = read_painting(dir / "a.exr");
+    EXPECT_TRUE(images_near(s.normal, Image<Vec3>(4, 3, Vec3(0.5f)), 0));
+    EXPECT_TRUE(is_painting(dir / "a.exr"));
+}
+
+TEST(PaintingFile, ThatIsMissingIsAnError) {
+    EXPECT_EQ(error_of([] { read_painting("/nowhere/a.exr"); }), "/nowhere/a.exr: no such file");
+    EXPECT_FALSE(is_painting("/nowhere/a.exr"));
+}
+
+TEST(PaintingFile, ThatIsNoExrIsAnError) {
+    const TestDir dir;
+    for (const char* content : {"", "v", "\x76\x2f\x31\x01", "This is a text file, not an EXR file.\n"}) {
+        write_bytes(dir / "a.exr", content);
+        EXPECT_THAT(error_of([&] { read_painting(dir / "a.exr"); }),
+                    StartsWith((dir / "a.exr").string() + ": is not a painting file, or is damaged: "));
+        EXPECT_FALSE(is_painting(dir / "a.exr"));
+    }
+    EXPECT_THAT(error_of([&] { read_painting(dir.path()); }), StartsWith(dir.path().string() + ": "));
+}
+
+TEST(PaintingFile, TruncatedAnywhereIsAnError) {
+    const TestDir dir;
+    write_painting(dir / "a.exr", random_surface(9, 40));
+    const std::string whole = bytes_of(dir / "a.exr");
+    for (std::size_t length = 0; length < whole.size(); length += length < 900 ? 13 : 997) {
+        write_bytes(dir / "cut.exr", whole.substr(0, length));
+        EXPECT_THAT(error_of([&] { read_painting(dir / "cut.exr"); }),
+                    StartsWith((dir / "cut.exr").string() + ": is not a painting file, or is damaged: "))
+            << "cut at " << length << " of " << whole.size();
+    }
+    write_bytes(dir / "cut.exr", whole.substr(0, whole.size() - 1));
+    EXPECT_NE(error_of([&] { read_painting(dir / "cut.exr"); }), "");
+}
+
+TEST(PaintingFile, WithoutPartDryIsAnError) {
+    const TestDir dir;
+    write_exr(dir / "a.exr", {"wet"}, kChannels);
+    EXPECT_EQ(error_of([&] { read_painting(dir / "a.exr"); }),
+              (dir / "a.exr").string() +
+                  ": is an EXR file, but not a painting: it has no part 'dry'. Make one with: "
+                  "tangipaint fit");
+    EXPECT_FALSE(is_painting(dir / "a.exr"));
+}
+
+TEST(PaintingFile, WithoutOneOfItsChannelsIsAnError) {
+    const TestDir dir;
+    for (const std::string& missing : kChannels) {
+        std::vector<std::string> channels;
+        for (const std::string& name : kChannels)
+            if (name != missing) channels.push_back(name);
+        write_exr(dir / "a.exr", {"dry"}, channels);
+        EXPECT_EQ(error_of([&] { read_painting(dir / "a.exr"); }),
+                  fmt::format("{}: part 'dry' has no channel '{}'", (dir / "a.exr").string(), missing));
+    }
+}
+
+TEST(PaintingFile, WithAnyBitOfAMapChangedIsAnError) {
+    // One value of one map changed, the file rewritten with the old hash in place of its own.
+    const TestDir dir;
+    const Surface s = random_surface(8, 6);
+    Surface other = s;
+    other.roughness(3, 2) = std::nextafter(other.roughness(3, 2), 2.0f);
+    write_painting(dir / "a.exr", other);
+    std::string bytes = bytes_of(dir / "a.exr");
+    const std::string old_hash = hash_of(s), new_hash = hash_of(other);
+    ASSERT_NE(old_hash, new_hash);
+    bytes.replace(bytes.find(new_hash), new_hash.size(), old_hash);
+    write_bytes(dir / "a.exr", bytes);
+    EXPECT_EQ(error_of([&] { read_painting(dir / "a.exr"); }),
+              fmt::format("{}: the dry layer is not the one that was saved (hash {} expected, {} found)",
+                          (dir / "a.exr").string(), old_hash, new_hash));
+}
+
+TEST(PaintingFile, WithAnyByteDamagedIsAnErrorOrHoldsTheSameMaps) {
+    const TestDir dir;
+    const Surface s = random_surface(6, 5);
+    write_painting(dir / "a.exr", s);
+    const std::string whole = bytes_of(dir / "a.exr");
+    int refused = 0;
+    for (std::size_t at = 0; at < whole.size(); at += at < 900 ? 1 : 37) {  // every byte of the header
+        std::string damaged = whole;
+        damaged[at] = static_cast<char>(damaged[at] ^ (at % 2 ? 1 : -128));
+        write_bytes(dir / "b.exr", damaged);
+        try {
+            expect_same_maps(read_painting(dir / "b.exr"), s);
+        } catch (const Error& error) {
+            ++refused;
+            ASSERT_THAT(error.what(), StartsWith((dir / "b.exr").string() + ": ")) << "byte " << at;
+        }
+    }
+    EXPECT_GT(refused, 450);
+}
+
+TEST(PaintingFile, OnAFullDiskLeavesTheOldFileAndNoTemporary) {
+    const TestDir dir;
+    write_painting(dir / "a.exr", random_surface(30, 40));
+    const std::string old = bytes_of(dir / "a.exr");
+    const Surface next = random_surface(30, 40, 2);
+    write_painting(dir / "b.exr", next);
+    const std::size_t size = std::filesystem::file_size(dir / "b.exr");
+    std::filesystem::remove(dir / "b.exr");
+    for (const std::size_t room : {std::size_t{0}, std::size_t{100}, size / 2, size - 100, size - 1}) {
+        std::string message;
+        {
+            const FullDisk full(room);
+            message = error_of([&] { write_painting(dir / "a.exr", next); });
+        }
+        EXPECT_THAT(message, StartsWith((dir / "a.exr").string() + ": cannot be written: ")) << room;
+        EXPECT_EQ(names_in(dir.path()), std::vector<std::string>{"a.exr"}) << room;
+        EXPECT_TRUE(bytes_of(dir / "a.exr") == old) << room;
+    }
+    const FullDisk just_enough(size);
+    EXPECT_NO_THROW(write_painting(dir / "a.exr", next));
+}
+
+TEST(PaintingFile, CannotGoToAMissingFolderOrOntoAFolder) {
+    const TestDir dir;
+    const std::string target = (dir / "no").string() + "/a.exr";
+    EXPECT_EQ(error_of([&] { write_painting(target, Surface(2, 2)); }),
+              target + ": there is no folder " + (dir / "no").string());
+    EXPECT_EQ(error_of([&] { write_painting(dir.path(), Surface(2, 2)); }),
+              dir.path().string() + ": is a folder; give the name of a file");
+}
+
+TEST(PaintingFile, CancelledInTheMiddleLeavesNothing) {
+    const TestDir dir;
+    const Surface s = random_surface(4, 1000);
+    const auto until_half = [](std::string_view, double fraction) { return fraction < 0.5; };
+    EXPECT_THROW(write_painting(dir / "a.exr", s, until_half), Cancelled);
+    EXPECT_EQ(names_in(dir.path()), std::vector<std::string>{});
+    write_painting(dir / "a.exr", s);
+    EXPECT_THROW(read_painting(dir / "a.exr", until_half), Cancelled);
+}
+
+TEST(PaintingFile, OfNoPixelsBreaksTheContract) {
+    const TestDir dir;
+    EXPECT_THROW(write_painting(dir / "a.exr", Surface()), ContractError);
+    EXPECT_EQ(names_in(dir.path()), std::vector<std::string>{});
+}
+
+TEST(HashOf, ChangesWithEveryMapAndStaysOtherwise) {
+    Surface s = random_surface(20, 33);
+    const std::string hash = hash_of(s);
+    EXPECT_EQ(hash.size(), 16u);
+    const auto changes = [&](float& value) {
+        const float before = value;
+        value = std::nextafter(before, 10.0f);
+        const bool changed = hash_of(s) != hash;
+        value = before;
+        return changed && hash_of(s) == hash;
+    };
+    EXPECT_TRUE(changes(s.height_mm(19, 32)));
+    EXPECT_TRUE(changes(s.normal(0, 0).y));
+    EXPECT_TRUE(changes(s.diffuse(5, 16).b));
+    EXPECT_TRUE(changes(s.specular(1, 1)));
+    EXPECT_TRUE(changes(s.roughness(2, 30)));
+    EXPECT_TRUE(changes(s.confidence(3, 3)));
+    s.mm_per_pixel = 3;
+    s.provenance = "{}";
+    EXPECT_EQ(hash_of(s), hash);
+    set_thread_count(1);
+    EXPECT_EQ(hash_of(s), hash);
+    set_thread_count(0);
+}
+
+TEST(HashOf, SeesRowsThatChangePlaces) {
+    Surface s = random_surface(5, 4);
+    const std::string hash = hash_of(s);
+    for (int x = 0; x < 5; ++x) std::swap(s.specular(x, 1), s.specular(x, 2));
+    EXPECT_NE(hash_of(s), hash);
+}
+
+}  // namespace
+}  // namespace tangi

@@ -1,0 +1,70 @@
+// surface_photography_json_test.cpp: what is known of the photographs as JSON and back, and JSON that is not
+// that.
+#include "surface/photography_json.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/test_support.h"
+
+namespace tangi {
+namespace {
+
+using nlohmann::json;
+
+TEST(PhotographyJson, OfNothingIsEmptyAndBack) {
+    const Photography none = photography_from_json(json::object());
+    EXPECT_TRUE(none.photos.empty());
+    EXPECT_EQ(none.white_level, 1);
+    EXPECT_TRUE(photography_from_json(to_json(Photography{})).photos.empty());
+}
+
+TEST(PhotographyJson, RoundTripsThroughText) {
+    Random random(1);
+    Photography p;
+    p.transfer = {Transfer::Kind::srgb};
+    p.white_level = 0.7234567890123;
+    for (int i = 0; i < 50; ++i) {
+        Light light = i % 2 ? near_light(random.direction(0.1) * 777.0f, fmt::format("ä\\\"{}\n.jpg", i))
+                            : distant_light(random.direction(0.1));
+        light.gain = {random.real(0.1, 3), random.real(0.1, 3), random.real(0.1, 3)};
+        p.photos.push_back({light, i % 3 != 0});
+    }
+    const Photography back = photography_from_json(json::parse(to_json(p).dump()));
+    EXPECT_EQ(back.transfer, p.transfer);
+    EXPECT_EQ(back.white_level, p.white_level);
+    ASSERT_EQ(back.photos.size(), p.photos.size());
+    for (std::size_t i = 0; i < p.photos.size(); ++i) {
+        EXPECT_EQ(back.photos[i].light.name, p.photos[i].light.name);
+        EXPECT_EQ(back.photos[i].light.direction, p.photos[i].light.direction);  // floats survive as doubles
+        EXPECT_EQ(back.photos[i].light.position_mm, p.photos[i].light.position_mm);
+        EXPECT_EQ(back.photos[i].light.gain, p.photos[i].light.gain);
+        EXPECT_EQ(back.photos[i].fitted, p.photos[i].fitted);
+    }
+}
+
+TEST(PhotographyJson, WithAnUnknownTransferIsAnError) {
+    json j = to_json(Photography{});
+    j["transfer"] = "rec709";
+    EXPECT_EQ(error_of([&] { photography_from_json(j); }), "unknown transfer curve 'rec709'");
+}
+
+TEST(PhotographyJson, WithAFieldMissingOrOfAnotherTypeThrows) {
+    Photography one;
+    one.photos = {{distant_light({0, 0, 1}, "a"), true}};
+    for (const char* field : {"transfer", "white_level", "photos"}) {
+        json j = to_json(one);
+        j.erase(field);
+        EXPECT_THROW(photography_from_json(j), json::exception) << field;
+    }
+    for (const char* field : {"name", "direction", "gain", "fitted"}) {
+        json j = to_json(one);
+        j["photos"][0].erase(field);
+        EXPECT_THROW(photography_from_json(j), json::exception) << field;
+        j["photos"][0][field] = json::object();
+        EXPECT_THROW(photography_from_json(j), json::exception) << field;
+    }
+}
+
+}  // namespace
+}  // namespace tangi

@@ -1,0 +1,169 @@
+// surface_picture_file_test.cpp: pictures to files and back, within what their format can hold.
+#include "surface/picture_file.h"
+
+#include <OpenImageIO/imageio.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/test_support.h"
+
+namespace tangi {
+namespace {
+
+using testing::HasSubstr;
+using testing::StartsWith;
+
+constexpr Transfer kLinear{Transfer::Kind::linear};
+constexpr Transfer kSrgb{Transfer::Kind::srgb};
+
+Image<Rgb> random_picture(int width, int height, double low = 0, double high = 1) {
+    Random random(1);
+    Image<Rgb> picture(width, height);
+    for (Rgb& c : picture.pixels())
+        c = {random.real(low, high), random.real(low, high), random.real(low, high)};
+    return picture;
+}
+
+Image<Rgb> encoded(const Image<Rgb>& linear, const Transfer& transfer) {
+    Image<Rgb> result = linear;
+    for (Rgb& c : result.pixels()) c = transfer.encode(c);
+    return result;
+}
+
+// Writes a file of `channels` channels with the given values (0..1) in every pixel.
+void write_constant(const std::filesystem::path& path, const std::vector<float>& values,
+                    bool unassociated = false) {
+    OIIO::ImageSpec spec(3, 2, static_cast<int>(values.size()), OIIO::TypeDesc::UINT16);
+    if (unassociated) spec.attribute("oiio:UnassociatedAlpha", 1);
+    std::vector<float> pixels;
+    for (int i = 0; i < 6; ++i) pixels.insert(pixels.end(), values.begin(), values.end());
+    const auto output = OIIO::ImageOutput::create(path.string());
+    ASSERT_TRUE(output->open(path.string(), spec) &&
+                output->write_image(OIIO::TypeDesc::FLOAT, pixels.data()) && output->close());
+}
+
+TEST(PictureFile, Of16BitsComesBackWithinHalfACode) {
+    const TestDir dir;
+    const Image<Rgb> picture = random_picture(17, 9);
+    for (const Transfer& transfer : {kLinear, kSrgb, Transfer{Transfer::Kind::gamma, 1.8}})
+        for (const char* name : {"a.png", "a.tif", "A.TIFF"}) {
+            write_picture(dir / name, picture, transfer);
+            EXPECT_TRUE(images_near(read_picture(dir / name), encoded(picture, transfer), 0.501 / 65535))
+                << name << ", " << transfer.name();
+        }
+}
+
+TEST(PictureFile, Of8BitsComesBackWithinHalfACode) {
+    const TestDir dir;
+    const Image<Rgb> picture = random_picture(17, 9);
+    write_picture_8bit(dir / "a.png", picture);
+    EXPECT_TRUE(images_near(read_picture(dir / "a.png"), picture, 0.501 / 255));
+    write_picture(dir / "b.png", picture, kSrgb, {.bits = 8});
+    EXPECT_TRUE(images_near(read_picture(dir / "b.png"), encoded(picture, kSrgb), 0.501 / 255));
+    EXPECT_FALSE(images_near(read_picture(dir / "b.png"), encoded(picture, kSrgb), 0.4 / 255));
+}
+
+TEST(PictureFile, OfExrIsExactAlsoBelowZeroAndAboveOne) {
+    const TestDir dir;
+    const Image<Rgb> picture = random_picture(17, 9, -1, 20);
+    write_picture(dir / "a.exr", picture, kLinear);
+    EXPECT_TRUE(images_identical(read_picture(dir / "a.exr"), picture));
+}
+
+TEST(PictureFile, OfJpegComesBackWithinAFewCodes) {
+    const TestDir dir;
+    Image<Rgb> picture(32, 32);  // smooth, so that quality 95 leaves little to see
+    for (int y = 0; y < 32; ++y)
+        for (int x = 0; x < 32; ++x) picture(x, y) = {0.2f + x / 64.0f, 0.5f, 0.9f - y / 64.0f};
+    write_picture(dir / "a.jpg", picture, kLinear);
+    // Colour is halved in resolution: a code of slope (4) and the quantiser's 2 to 3.
+    EXPECT_TRUE(images_near(read_picture(dir / "a.jpg"), picture, 7.0 / 255));
+}
+
+TEST(PictureFile, ClipsWhatItsFormatCannotHold) {
+    const TestDir dir;
+    Image<Rgb> picture(2, 1);
+    picture(0, 0) = {-1, 2, 0.5f};
+    write_picture(dir / "a.png", picture, kLinear);
+    const Rgb back = read_picture(dir / "a.png")(0, 0);
+    EXPECT_EQ(back.r, 0);
+    EXPECT_EQ(back.g, 1);
+    EXPECT_NEAR(back.b, 0.5, 1e-5);
+}
+
+TEST(PictureFile, OfOneChannelIsReadAsGrey) {
+    const TestDir dir;
+    Image<float> map(5, 4);
+    for (std::size_t i = 0; i < map.size(); ++i) map.pixels()[i] = static_cast<float>(i) / 20;
+    Image<Rgb> grey(5, 4);
+    for (std::size_t i = 0; i < map.size(); ++i) grey.pixels()[i] = Rgb(map.pixels()[i]);
+    write_map(dir / "a.png", map);
+    EXPECT_TRUE(images_near(read_picture(dir / "a.png"), grey, 0.501 / 65535));
+    write_map(dir / "a.exr", map);
+    EXPECT_TRUE(images_identical(read_picture(dir / "a.exr"), grey));
+}
+
+TEST(PictureFile, DropsAlphaWithoutMultiplyingByIt) {
+    const TestDir dir;
+    write_constant(dir / "rgba.png", {0.2f, 0.4f, 0.8f, 0.5f}, true);
+    EXPECT_TRUE(images_near(read_picture(dir / "rgba.png"), Image<Rgb>(3, 2, Rgb(0.2f, 0.4f, 0.8f)), 1e-4));
+    write_constant(dir / "ya.png", {0.6f, 0.5f}, true);
+    EXPECT_TRUE(images_near(read_picture(dir / "ya.png"), Image<Rgb>(3, 2, Rgb(0.6f)), 1e-4));
+}
+
+TEST(PictureFile, WithAnUnknownExtensionIsAnError) {
+    const TestDir dir;
+    for (const char* name : {"a.gif", "a", "a.png.bak", ".png"}) {
+        const std::string expected =
+            (dir / name).string() + ": pictures are written as .png, .tif, .jpg or .exr";
+        EXPECT_EQ(error_of([&] { write_picture(dir / name, random_picture(2, 2), kSrgb); }), expected);
+        EXPECT_EQ(error_of([&] { require_picture_format(dir / name); }), expected);
+    }
+    EXPECT_NO_THROW(require_picture_format("somewhere/else.JPG"));
+    EXPECT_EQ(names_in(dir.path()), std::vector<std::string>{});
+}
+
+TEST(PictureFile, OfExrRefusesToBeEncoded) {
+    const TestDir dir;
+    EXPECT_EQ(error_of([&] { write_picture(dir / "a.exr", random_picture(2, 2), kSrgb); }),
+              (dir / "a.exr").string() +
+                  ": EXR files hold linear light; use --encoding linear, or write .png or .tif");
+    EXPECT_EQ(names_in(dir.path()), std::vector<std::string>{});
+}
+
+TEST(PictureFile, OnAFullDiskLeavesTheOldOne) {
+    const TestDir dir;
+    const Image<Rgb> picture = random_picture(60, 50);
+    for (const char* name : {"a.png", "a.tif", "a.exr", "a.jpg"}) {
+        write_picture(dir / name, picture, kLinear);
+        const std::size_t size = std::filesystem::file_size(dir / name);
+        write_bytes(dir / name, "old");
+        for (const std::size_t room : {std::size_t{0}, size / 2, size - 1}) {
+            std::string message;
+            {
+                const FullDisk full(room);
+                message = error_of([&] { write_picture(dir / name, picture, kLinear); });
+            }
+            EXPECT_THAT(message, StartsWith((dir / name).string() + ": cannot be written: ")) << room;
+            EXPECT_TRUE(bytes_of(dir / name) == "old") << name << ", " << room;
+        }
+        std::filesystem::remove(dir / name);
+        EXPECT_EQ(names_in(dir.path()), std::vector<std::string>{}) << name;
+    }
+}
+
+TEST(PictureFile, ThatCannotBeReadIsAnError) {
+    const TestDir dir;
+    EXPECT_THAT(error_of([&] { read_picture(dir / "no.png"); }),
+                StartsWith((dir / "no.png").string() + ": cannot be read: "));
+    write_bytes(dir / "text.png", "this is no picture");
+    EXPECT_THAT(error_of([&] { read_picture(dir / "text.png"); }),
+                StartsWith((dir / "text.png").string() + ": cannot be read: "));
+    write_picture(dir / "a.png", random_picture(64, 64), kLinear);
+    write_bytes(dir / "cut.png", bytes_of(dir / "a.png").substr(0, 9000));
+    EXPECT_THAT(error_of([&] { read_picture(dir / "cut.png"); }),
+                StartsWith((dir / "cut.png").string() + ": cannot be read: "));
+}
+
+}  // namespace
+}  // namespace tangi
