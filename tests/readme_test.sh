@@ -2,8 +2,8 @@
 # README stays true: every command of its ```sh fences runs, every file that it links to is there, and so are the
 # scripts that it promises. Usage: readme_test.sh SOURCE_FOLDER PROGRAM
 set -euo pipefail
-source=$1
-program=$2
+source=$(realpath "$1")
+program=$(realpath "$2")
 failed=0
 
 complain() {
