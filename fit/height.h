@@ -8,9 +8,9 @@
 namespace tangi {
 
 struct HeightOptions {
-    int max_cycles = 60;      // multigrid V-cycles
-    double tolerance = 1e-5;  // [1] residual, relative to that of a flat surface, at which to stop; floats
-                              // may stop it earlier
+    int max_cycles = 60;         // multigrid V-cycles
+    double tolerance = 1e-5;     // [1] residual, relative to that of a flat surface, at which to stop; floats
+                                 // may stop it earlier
     double weight_floor = 1e-3;  // [1] weight of pixels that were not measured: > 0, so that the height is
                                  // determined everywhere
 

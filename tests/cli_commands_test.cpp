@@ -8,7 +8,6 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 namespace fs = std::filesystem;
 
-
 TEST(CliFit, WritesThePaintingThatItDescribes) {
     const TinyStack stack;
     const Finished run = tangipaint({"fit", stack.path(), "--out", stack.out("a.exr"), "--mm-per-pixel",

@@ -154,8 +154,7 @@ TEST(ApplySensor, ClipsAndQuantises) {
     const Image<Rgb> bright = apply_sensor(Image<Rgb>(16, 16, Rgb(3)), {.adc_bits = 8}, 0);
     EXPECT_TRUE(images_identical(bright, Image<Rgb>(16, 16, Rgb(1))));
     const Image<Rgb> grey = apply_sensor(Image<Rgb>(16, 16, Rgb(0.5f)), {.adc_bits = 8}, 0);
-    for (const Rgb& value : grey.pixels())
-        ASSERT_NEAR(value.g * 255, std::round(value.g * 255), 1e-4);
+    for (const Rgb& value : grey.pixels()) ASSERT_NEAR(value.g * 255, std::round(value.g * 255), 1e-4);
 }
 
 TEST(ApplySensor, LeavesLightAloneWhereThereIsNoSensor) {
