@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <future>
+#include <limits>
 #include <mutex>
 
 #include "capture/survey.h"
@@ -21,7 +22,8 @@ constexpr std::size_t kBandBytes = 96u << 20;  // one band; two are in memory at
 // Standard deviation to expect of a linear value: that of a stored value, carried through the transfer curve.
 class NoiseModel {
 public:
-    NoiseModel(const Transfer& transfer, double noise) {
+    // Files of floats do not clip: light beyond 1 is light like any other.
+    NoiseModel(const Transfer& transfer, double noise, bool clips) {
         for (int i = 0; i < kEntries; ++i) {
             const double v = i / double(kEntries - 1);
             const float encoded = transfer.encode(static_cast<float>(v));
@@ -30,7 +32,7 @@ public:
                 (transfer.decode(encoded + step) - transfer.decode(std::max(encoded - step, 0.0f))) / 2;
             sigma_[static_cast<std::size_t>(i)] = static_cast<float>(read);
         }
-        clipped_ = transfer.decode(kClipped);
+        if (clips) clipped_ = transfer.decode(kClipped);
     }
 
     // 0 where the sample is clipped: it only says "at least this".
@@ -45,7 +47,7 @@ public:
 private:
     static constexpr int kEntries = 4096;
     std::array<float, kEntries> sigma_{};
-    float clipped_ = 1;
+    float clipped_ = std::numeric_limits<float>::infinity();
 };
 
 struct Lighting {
@@ -159,7 +161,8 @@ FitResult fit_painting(Stack stack, const FitOptions& options, const Progress& p
     for (const StackPhoto& photo : stack.held_out) surface.photography.photos.push_back({photo.light, false});
 
     const Lighting lighting{stack.lights(), options.white_level};
-    const NoiseModel noise(transfer, options.noise.value_or(stack.bits == 8 ? 0.012 : 0.006));
+    const NoiseModel noise(transfer, options.noise.value_or(stack.bits == 8 ? 0.012 : 0.006),
+                           stack.bits != 32);
     StackReader reader(stack);
     const int rows = reader.rows_for(kBandBytes);
     Counters counters;
