@@ -58,7 +58,7 @@ WardVector start_of(const PixelSamples& s) {
         double numerator = 0, denominator = 0;
         for (std::size_t i = 0; i < s.value.size(); ++i) {
             if (!(s.sigma[i] > 0)) continue;
-            const WardTerms t = ward_terms(theta.data(), s.light[i / 3]);
+            const WardTerms t = ward_terms(theta.data(), s.light[i / 3], s.view);
             const double lobe = s.irradiance[i] * t.lobe / s.sigma[i];
             numerator +=
                 lobe * (s.value[i] - s.irradiance[i] * theta[kWardCommon + i % 3] * t.n_l) / s.sigma[i];

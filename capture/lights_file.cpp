@@ -16,6 +16,26 @@ namespace fs = std::filesystem;
 
 namespace {
 
+// Bytes of the printable letter that `text` begins with, in UTF-8 (RFC 3629, section 4); 0 where it begins
+// with another byte.
+std::size_t letter_length(std::string_view text) {
+    const auto byte = [&](std::size_t i) {
+        return i < text.size() ? static_cast<unsigned char>(text[i]) : 0u;
+    };
+    const unsigned lead = byte(0);
+    if (lead < 0x80) return lead >= 0x20 && lead != 0x7F ? 1 : 0;
+    const std::size_t length = lead >= 0xF0 ? 4 : lead >= 0xE0 ? 3 : 2;
+    unsigned code = lead & (0x7Fu >> length);
+    for (std::size_t i = 1; i < length; ++i) {
+        if ((byte(i) & 0xC0u) != 0x80) return 0;
+        code = code << 6 | (byte(i) & 0x3Fu);
+    }
+    constexpr unsigned smallest[] = {0, 0, 0xA0, 0x800, 0x10000};  // U+0080 to U+009F control terminals
+    const bool is_letter = lead >= 0xC2 && lead <= 0xF4 && code >= smallest[length] && code <= 0x10FFFF &&
+                           !(code >= 0xD800 && code <= 0xDFFF);
+    return is_letter ? length : 0;
+}
+
 std::string_view trimmed(std::string_view text) {
     const auto blank = [](char c) { return c == ' ' || c == '\t' || c == '\r'; };
     while (!text.empty() && blank(text.front())) text.remove_prefix(1);
@@ -32,15 +52,33 @@ std::string_view cut_last_word(std::string_view& rest) {
     return word;
 }
 
+// Text of a file as messages show it: binary files may hold what upsets a terminal, and lines without end.
+std::string shown(std::string_view text) {
+    constexpr std::size_t most = 60;
+    std::string result;
+    for (std::size_t i = 0; i < text.size() && result.size() < most;) {
+        const std::size_t length = letter_length(text.substr(i));
+        if (length > 0)
+            result += text.substr(i, length);
+        else
+            result += fmt::format("\\x{:02x}", static_cast<unsigned char>(text[i]));
+        i += std::max<std::size_t>(length, 1);
+        if (result.size() >= most && i < text.size()) result += "…";
+    }
+    return result;
+}
+
 // A number in the C locale; a decimal comma is read as a point. "nan" and "inf" are numbers here, so that the
-// caller can say more than "not a number".
+// caller can say more than "not a number", and one that no double holds is infinite.
 std::optional<double> number(std::string_view word) {
     std::string text(word);
     std::replace(text.begin(), text.end(), ',', '.');
     if (text.starts_with('+')) text.erase(0, 1);
     double value = 0;
     const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), value);
-    if (status != std::errc() || end != text.data() + text.size()) return std::nullopt;
+    if (end != text.data() + text.size() || status == std::errc::invalid_argument) return std::nullopt;
+    if (status == std::errc::result_out_of_range)
+        return text.find("e-") == std::string::npos && text.find("E-") == std::string::npos ? HUGE_VAL : 0.0;
     return value;
 }
 
@@ -51,21 +89,31 @@ std::optional<long> whole_number(std::string_view word) {
     return value;
 }
 
+// Old programs for the Macintosh end lines with a carriage return alone.
+std::string with_newlines(std::string text) {
+    if (text.find('\n') == std::string::npos) std::replace(text.begin(), text.end(), '\r', '\n');
+    return text;
+}
+
 Light parse_line(std::string_view line, const std::string& place) {
     std::string_view rest = line;
     glm::dvec3 vector;
     for (int i = 2; i >= 0; --i) {
         const std::string_view word = cut_last_word(rest);
         const auto value = number(word);
-        if (!value) fail("{}: expected 'name x y z', but '{}' is not a number", place, word);
+        if (!value) fail("{}: expected 'name x y z', but '{}' is not a number", place, shown(word));
+        if (std::isinf(*value) && word.find_first_of("0123456789") != std::string_view::npos)
+            fail("{}: '{}' is out of range; only the light's direction counts, so give a smaller vector",
+                 place, shown(word));
         vector[i] = *value;
     }
     if (rest.empty()) fail("{}: expected 'name x y z', but the photograph's name is missing", place);
     if (!std::isfinite(vector.x) || !std::isfinite(vector.y) || !std::isfinite(vector.z))
-        fail("{}: the light of '{}' is not finite; give a direction or remove the line", place, rest);
+        fail("{}: the light of '{}' is not finite; give a direction or remove the line", place, shown(rest));
     const double largest = std::max({std::abs(vector.x), std::abs(vector.y), std::abs(vector.z)});
     if (!(largest > 1e-6))
-        fail("{}: the light of '{}' is a zero vector; give a direction or remove the line", place, rest);
+        fail("{}: the light of '{}' is a zero vector; give a direction or remove the line", place,
+             shown(rest));
     return distant_light(Vec3(vector / largest),
                          std::string(rest));  // squares of huge numbers would overflow
 }
@@ -76,7 +124,9 @@ LightsFile parse_lights(const std::string& text, const std::string& file_name) {
     LightsFile result;
     std::map<std::string, int> line_of;
     std::optional<long> count;
-    std::istringstream stream(text.starts_with("\xEF\xBB\xBF") ? text.substr(3) : text);
+    if (text.starts_with("\xFF\xFE") || text.starts_with("\xFE\xFF"))
+        fail("{}: is UTF-16 text; save it as UTF-8", file_name);
+    std::istringstream stream(with_newlines(text.starts_with("\xEF\xBB\xBF") ? text.substr(3) : text));
     int number_of_line = 0;
     bool first = true;
     for (std::string raw; std::getline(stream, raw);) {
@@ -92,7 +142,8 @@ LightsFile parse_lights(const std::string& text, const std::string& file_name) {
         const std::string place = fmt::format("{}, line {}", file_name, number_of_line);
         Light light = parse_line(line, place);
         const auto [earlier, is_new] = line_of.emplace(light.name, number_of_line);
-        if (!is_new) fail("{}: '{}' has a light in line {} already", place, light.name, earlier->second);
+        if (!is_new)
+            fail("{}: '{}' has a light in line {} already", place, shown(light.name), earlier->second);
         result.lights.push_back(std::move(light));
     }
     if (result.lights.empty())
@@ -107,6 +158,7 @@ LightsFile parse_lights(const std::string& text, const std::string& file_name) {
 
 LightsFile read_lights_file(const fs::path& path) {
     if (!fs::exists(path)) fail("{}: no such lights file", path.string());
+    if (fs::is_directory(path)) fail("{}: is a folder; name the lights file (.lp) in it", path.string());
     return parse_lights(read_text_file(path), path.string());
 }
 

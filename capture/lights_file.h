@@ -4,8 +4,8 @@
 //   <photograph's name> <x> <y> <z>      one line a photograph; x right, y up, z towards the camera
 //
 // As found in the wild: names hold spaces and folders, vectors are not of unit length, blank and trailing
-// lines, tabs, CRLF, a byte-order mark, decimal commas, a count that is wrong or missing. All of that is
-// read.
+// lines, tabs, CRLF or CR, a byte-order mark, decimal commas, a count that is wrong or missing. All of that
+// is read.
 #pragma once
 
 #include <filesystem>

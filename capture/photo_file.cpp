@@ -12,18 +12,13 @@
 #include <vector>
 
 #include "surface/error.h"
+#include "surface/picture_file.h"
 
 namespace tangi {
 
 namespace fs = std::filesystem;
 
 namespace {
-
-std::string lower_extension(const fs::path& path) {
-    std::string extension = path.extension().string();
-    for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-    return extension;
-}
 
 // Where the compressed picture starts: at the first start-of-scan marker, behind segments of which one may
 // hold a thumbnail with an end of its own (ITU-T T.81, B.1.1.4). 0 where that cannot be told.
@@ -40,18 +35,34 @@ std::streamoff scan_start(std::ifstream& stream) {
     }
 }
 
+// What a file holds from `begin` on, or in its last 64 KiB where that is less. Empty where it can't be read.
+std::string tail_of(std::ifstream& stream, const fs::path& path, std::streamoff begin) {
+    const std::streamoff size = static_cast<std::streamoff>(fs::file_size(path));
+    constexpr std::streamoff window = 65536;
+    begin = std::max(begin, size - window);
+    std::string tail(static_cast<std::size_t>(size - begin), '\0');
+    stream.seekg(begin);
+    stream.read(tail.data(), static_cast<std::streamsize>(tail.size()));
+    return stream ? tail : std::string();
+}
+
 // A JPEG decoder fills what is missing of a truncated file with grey and goes on. Such a file lacks the
 // end-of-image marker (ITU-T T.81, table B.1), which may only be followed by padding.
 void require_complete_jpeg(const fs::path& path) {
     std::ifstream stream(path, std::ios::binary);
-    const std::streamoff size = static_cast<std::streamoff>(fs::file_size(path));
-    constexpr std::streamoff window = 65536;
-    const std::streamoff begin = std::max(scan_start(stream), size - window);
-    std::string tail(static_cast<std::size_t>(size - begin), '\0');
-    stream.seekg(begin);
-    stream.read(tail.data(), static_cast<std::streamsize>(tail.size()));
-    if (!stream || tail.find("\xFF\xD9") == std::string::npos)
+    const std::streamoff begin = scan_start(stream);
+    if (tail_of(stream, path, begin).find("\xFF\xD9") == std::string::npos)
         fail("{}: the JPEG file is truncated; copy it again from the camera or the archive", path.string());
+}
+
+// A truncated PNG file is found when its last rows are wanted, perhaps after an hour, and libpng writes to
+// stderr then. It lacks the last chunk (ISO/IEC 15948, 11.2.5).
+void require_complete_png(const fs::path& path) {
+    std::ifstream stream(path, std::ios::binary);
+    std::string signature(8, '\0');
+    if (!stream.read(signature.data(), 8) || signature != "\x89PNG\r\n\x1a\n") return;
+    if (tail_of(stream, path, 8).find("IEND\xAE\x42\x60\x82") == std::string::npos)
+        fail("{}: the PNG file is truncated; copy it again from the camera or the archive", path.string());
 }
 
 }  // namespace
@@ -70,13 +81,16 @@ bool is_photo_name(const fs::path& path) {
 PhotoFile::PhotoFile(fs::path path) : path_(std::move(path)), decoder_(std::make_unique<Decoder>()) {
     if (!fs::exists(path_)) fail("{}: no such photograph", path_.string());
     if (fs::is_directory(path_)) fail("{}: is a folder, not a photograph", path_.string());
+    if (!fs::is_regular_file(path_)) fail("{}: is a pipe or a device, not a photograph", path_.string());
     if (::access(path_.c_str(), R_OK) != 0)
         fail("{}: cannot be read: {}", path_.string(), std::strerror(errno));
-    OIIO::ImageSpec config;
+    require_complete_png(path_);
+    OIIO::ImageSpec config, spec;
     config.attribute("oiio:UnassociatedAlpha", 1);
-    decoder_->input = OIIO::ImageInput::open(path_.string(), &config);
+    decoder_->input = OIIO::ImageInput::create(reader_name(path_), false, &config);
     if (!decoder_->input) fail("{}: is not a picture that can be read: {}", path_.string(), OIIO::geterror());
-    const OIIO::ImageSpec& spec = decoder_->input->spec();
+    if (!decoder_->input->open(path_.string(), spec, config))
+        fail("{}: is not a picture that can be read: {}", path_.string(), decoder_->input->geterror());
     if (spec.nchannels < 1 || spec.width < 1 || spec.height < 1) fail("{}: holds no pixels", path_.string());
     const std::string extension = lower_extension(path_);
     if (extension == ".jpg" || extension == ".jpeg") require_complete_jpeg(path_);

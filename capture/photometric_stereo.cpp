@@ -16,16 +16,25 @@ constexpr double kSmallestZ = 0.1;
 
 struct GreySample {
     glm::dvec3 light;  // scaled by the irradiance
+    double ambient;    // likewise
     double value;
 };
 
-std::optional<glm::dvec3> solve(const std::vector<GreySample>& samples, const std::vector<double>& weights) {
+// Matt reflection of g = rho_d n is g.l + ambient |g|; with the normal of the step before, |g| = g.n, and the
+// ambient light is one more light that comes from where the surface faces.
+glm::dvec3 effective_light(const GreySample& sample, const glm::dvec3& normal) {
+    return sample.light + sample.ambient * normal;
+}
+
+std::optional<glm::dvec3> solve(const std::vector<GreySample>& samples, const std::vector<double>& weights,
+                                const glm::dvec3& normal) {
     glm::dmat3 a(0);
     glm::dvec3 b(0);
     double trace = 0;
     for (std::size_t i = 0; i < samples.size(); ++i) {
-        a += weights[i] * glm::outerProduct(samples[i].light, samples[i].light);
-        b += weights[i] * samples[i].value * samples[i].light;
+        const glm::dvec3 light = effective_light(samples[i], normal);
+        a += weights[i] * glm::outerProduct(light, light);
+        b += weights[i] * samples[i].value * light;
     }
     trace = a[0][0] + a[1][1] + a[2][2];
     if (!(trace > 0) || !(glm::determinant(a) > 1e-9 * trace * trace * trace)) return std::nullopt;
@@ -55,9 +64,11 @@ LambertEstimate photometric_stereo(const PixelSamples& s, const PhotometricStere
             irradiance += s.irradiance[at];
             usable = usable && s.sigma[at] > 0;
         }
+        const auto photo = static_cast<std::size_t>(i);
+        irradiance /= s.channels;
         if (usable)
             samples.push_back(
-                {s.light[static_cast<std::size_t>(i)] * (irradiance / s.channels), value / s.channels});
+                {s.light[photo] * irradiance, s.ambient[photo] * irradiance, value / s.channels});
     }
     if (samples.size() < 3) return result;
 
@@ -65,7 +76,7 @@ LambertEstimate photometric_stereo(const PixelSamples& s, const PhotometricStere
     // of a shadow.
     std::vector<double> brightness;
     for (const GreySample& sample : samples)
-        brightness.push_back(sample.value / std::max(sample.light.z, 1e-3));
+        brightness.push_back(sample.value / std::max(sample.light.z + sample.ambient, 1e-3));
     std::vector<double> sorted = brightness;
     std::sort(sorted.begin(), sorted.end());
     const double low = sorted[sorted.size() / 5], high = sorted[sorted.size() - 1 - sorted.size() / 5];
@@ -75,19 +86,22 @@ LambertEstimate photometric_stereo(const PixelSamples& s, const PhotometricStere
     for (std::size_t i = 0; i < samples.size(); ++i)
         weights[i] = brightness[i] >= low && brightness[i] <= high ? 1.0 : 0.01;
 
-    auto g = solve(samples, weights);
+    glm::dvec3 normal(0, 0, 1);
+    auto g = solve(samples, weights, normal);
     if (!g) return result;
     double scale = 4 * options.outlier_scale * typical;  // tightened step by step (graduated non-convexity)
     for (int iteration = 0; iteration < options.iterations; ++iteration) {
         scale = std::max(scale * 0.7, options.outlier_scale * typical);
         for (std::size_t i = 0; i < samples.size(); ++i) {
-            const double predicted = glm::dot(*g, samples[i].light);
-            const double r =
-                (samples[i].value - std::max(predicted, 0.0)) / (scale * glm::length(samples[i].light));
+            const double direct = glm::dot(*g, samples[i].light);
+            const double predicted = std::max(direct, 0.0) + samples[i].ambient * glm::length(*g);
+            const double r = (samples[i].value - predicted) / (scale * glm::length(samples[i].light));
             const double w = 1 / (1 + r * r);
-            weights[i] = predicted > 0 ? w * w : 1e-4;  // attached shadow: says nothing about g
+            weights[i] = direct > 0 ? w * w : 1e-4;  // attached shadow: says next to nothing about g
         }
-        const auto next = solve(samples, weights);
+        const double length = glm::length(*g);
+        if (length > 0) normal = *g / length;
+        const auto next = solve(samples, weights, normal);
         if (!next) break;
         g = next;
     }
@@ -106,8 +120,10 @@ LambertEstimate photometric_stereo(const PixelSamples& s, const PhotometricStere
             if (!usable) continue;
             const double w = weights[used++];
             const auto at = static_cast<std::size_t>(i * s.channels + c);
-            const double cosine = glm::dot(result.normal, s.light[static_cast<std::size_t>(i)]);
-            if (cosine <= 0) continue;
+            const auto photo = static_cast<std::size_t>(i);
+            const double direct = glm::dot(result.normal, s.light[photo]);
+            if (direct <= 0) continue;
+            const double cosine = direct + s.ambient[photo];
             numerator += w * s.value[at] * cosine * s.irradiance[at];
             denominator += w * cosine * cosine * s.irradiance[at] * s.irradiance[at];
         }

@@ -93,11 +93,11 @@ void match_photos(Stack& stack, const std::vector<Light>& lights, const fs::path
         if (!is_new)
             fail("{}: '{}' and '{}' both mean the photograph {}", lights_path.string(), earlier->second,
                  light.name, earlier->first.string());
-        stack.photos.push_back({*photo, light, number});
+        stack.photos.push_back({*photo, light, number, {}});
     }
     if (stack.photos.empty() && photos.size() == lights.size() && !photos.empty()) {
         for (std::size_t i = 0; i < photos.size(); ++i)
-            stack.photos.push_back({photos[i], lights[i], static_cast<int>(i)});
+            stack.photos.push_back({photos[i], lights[i], static_cast<int>(i), {}});
         stack.warnings.push_back(fmt::format(
             "{}: none of its names ('{}', …) is a photograph in {}; lights are taken in the order of the "
             "file names",
@@ -238,6 +238,8 @@ void hold_out(Stack& stack, const std::string& which) {
     };
     std::istringstream words(which);
     for (std::string word; std::getline(words, word, ',');) {
+        word.erase(0, word.find_first_not_of(" \t"));  // "0, 3"
+        word.erase(word.find_last_not_of(" \t") + 1);
         const auto colon = word.find(':');
         const auto start = number(word.substr(0, colon));
         if (colon != std::string::npos && start) {
@@ -295,63 +297,6 @@ Stack open_stack(const fs::path& folder, const StackOptions& options) {
     if (options.mask_file) apply_mask(stack, *options.mask_file, whole);
     stack.transfer = options.transfer;
     return stack;
-}
-
-Band::Band(int photos, int channels, int width, int y0, int y1)
-    : photos_(photos),
-      channels_(channels),
-      width_(width),
-      y0_(y0),
-      y1_(y1),
-      values_(static_cast<std::size_t>(photos) * static_cast<std::size_t>(channels) *
-              static_cast<std::size_t>(y1 - y0) * static_cast<std::size_t>(width)) {}
-
-StackReader::StackReader(const Stack& stack) : stack_(stack) {
-    files_.reserve(stack.photos.size());
-    for (const StackPhoto& photo : stack.photos) files_.emplace_back(photo.path);
-}
-
-int StackReader::rows_for(std::size_t bytes) const {
-    const std::size_t row = sizeof(float) * files_.size() * static_cast<std::size_t>(stack_.channels) *
-                            static_cast<std::size_t>(stack_.width());
-    const std::size_t rows = std::min(bytes / row, static_cast<std::size_t>(stack_.height()));
-    return std::max(static_cast<int>(rows), 1);
-}
-
-Band StackReader::read(int y0, int y1, const Transfer& transfer) {
-    const int photos = static_cast<int>(files_.size()), channels = stack_.channels;
-    const int codes = stack_.bits == 32 ? 0 : 1 << stack_.bits;  // stored values; floats have no table
-    if (!table_transfer_ || *table_transfer_ != transfer) {
-        table_.resize(static_cast<std::size_t>(codes));
-        for (int code = 0; code < codes; ++code)
-            table_[static_cast<std::size_t>(code)] =
-                transfer.decode(static_cast<float>(code) / static_cast<float>(codes - 1));
-        table_transfer_ = transfer;
-    }
-    const float scale = static_cast<float>(codes - 1);
-    const auto decode = [&](float stored) {
-        return codes == 0 ? transfer.decode(stored) : table_[static_cast<std::size_t>(stored * scale + 0.5f)];
-    };
-    Band band(photos, channels, stack_.width(), y0, y1);
-    parallel_for(0, photos, 1, [&](int begin, int end) {
-        std::vector<float> stored;
-        for (int i = begin; i < end; ++i) {
-            PhotoFile& file = files_[static_cast<std::size_t>(i)];
-            const auto row =
-                static_cast<std::size_t>(file.header().width) * static_cast<std::size_t>(channels);
-            stored.resize(row * static_cast<std::size_t>(y1 - y0));
-            file.read_rows(stack_.crop.y0 + y0, stack_.crop.y0 + y1, stored);
-            for (int y = y0; y < y1; ++y) {
-                const float* source =
-                    &stored[row * static_cast<std::size_t>(y - y0)] + stack_.crop.x0 * channels;
-                for (int c = 0; c < channels; ++c) {
-                    float* target = band.row(i, c, y);
-                    for (int x = 0; x < stack_.width(); ++x) target[x] = decode(source[x * channels + c]);
-                }
-            }
-        }
-    });
-    return band;
 }
 
 }  // namespace tangi

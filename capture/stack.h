@@ -8,6 +8,7 @@
 
 #include "capture/photo_file.h"
 #include "surface/colour.h"
+#include "surface/homography.h"
 #include "surface/image.h"
 #include "surface/light.h"
 #include "surface/progress.h"
@@ -26,6 +27,8 @@ struct StackPhoto {
     std::filesystem::path path;
     Light light;
     int number = 0;  // position in the lights file, from 0
+    // Pixel of the stack's reference frame -> pixel of this photograph, both whole; the same where empty.
+    std::optional<Homography> homography{};
 };
 
 // Photographs of one size on disk, and all that is known of them. Pixels are read by StackReader.
@@ -91,15 +94,27 @@ class StackReader {
 public:
     explicit StackReader(const Stack& stack);  // keeps a reference
 
-    // Linearised by `transfer`; Transfer{} (linear) gives the values as stored. Uses all threads.
+    // Linearised by `transfer`; Transfer{} (linear) gives the values as stored. Uses all threads. Photographs
+    // with a homography are resampled (Lanczos 3) in what `transfer` gives: NaN where a pixel lies outside,
+    // and the highest value it is made of where one of its nearest four is clipped.
     Band read(int y0, int y1, const Transfer& transfer);
 
     // Rows a band may have for it to take about `bytes` of memory; at least 1.
     int rows_for(std::size_t bytes) const;
 
 private:
+    // Decoded rows of a photograph that the next band may need again.
+    struct Rows {
+        int y0 = 0, y1 = 0;
+        std::vector<float> values;  // as stored, interleaved
+    };
+    const float* rows_of(std::size_t photo, int y0, int y1);
+    template <class Decode>
+    void resample(std::size_t photo, const Decode& decode, Band& band);
+
     const Stack& stack_;
     std::vector<PhotoFile> files_;
+    std::vector<Rows> rows_;                  // of photographs with a homography
     std::vector<float> table_;                // linear light of each stored code
     std::optional<Transfer> table_transfer_;  // the curve that table_ was made for
 };

@@ -11,7 +11,7 @@ namespace tangi {
 namespace {
 
 constexpr std::size_t kBandBytes = 64u << 20;
-constexpr double kBlack = 0.02;
+constexpr double kBlack = 0.02;  // [1] of full scale
 
 // Pixels on a jittered grid, so that the weave of a canvas is not sampled in step. Rows ascend.
 std::vector<glm::ivec2> sample_positions(const Stack& stack, int wanted) {
@@ -31,7 +31,8 @@ std::vector<glm::ivec2> sample_positions(const Stack& stack, int wanted) {
 
 }  // namespace
 
-Survey survey(const Stack& stack, const SurveyOptions& options, const Progress& progress) {
+Survey survey(const Stack& stack, const SurveyOptions& options, const Progress& progress,
+              const std::function<void(const Band&)>& seen) {
     const int photos = static_cast<int>(stack.photos.size()), channels = stack.channels;
     Survey result;
     result.photos.resize(static_cast<std::size_t>(photos));
@@ -41,11 +42,13 @@ Survey survey(const Stack& stack, const SurveyOptions& options, const Progress& 
 
     StackReader reader(stack);
     const int rows = reader.rows_for(kBandBytes);
+    std::vector<long> missing(static_cast<std::size_t>(photos));
     std::size_t next = 0;
     for (int y0 = 0; y0 < stack.height(); y0 += rows) {
         report(progress, "survey", y0 / static_cast<double>(stack.height()));
         const int y1 = std::min(y0 + rows, stack.height());
         const Band band = reader.read(y0, y1, Transfer{});
+        if (seen) seen(band);
         parallel_for(0, photos, 1, [&](int begin, int end) {
             for (int i = begin; i < end; ++i) {
                 Survey::Photo& photo = result.photos[static_cast<std::size_t>(i)];
@@ -53,6 +56,10 @@ Survey survey(const Stack& stack, const SurveyOptions& options, const Progress& 
                     for (int y = y0; y < y1; ++y) {
                         const float* row = band.row(i, c, y);
                         for (int x = 0; x < stack.width(); ++x) {
+                            if (std::isnan(row[x])) {
+                                ++missing[static_cast<std::size_t>(i)];
+                                continue;
+                            }
                             photo.mean += row[x];
                             photo.maximum = std::max<double>(photo.maximum, row[x]);
                             photo.clipped += row[x] >= kClipped;
@@ -68,9 +75,10 @@ Survey survey(const Stack& stack, const SurveyOptions& options, const Progress& 
         }
     }
     const double count = static_cast<double>(channels) * stack.width() * stack.height();
-    for (Survey::Photo& photo : result.photos) {
-        photo.mean /= count;
-        photo.clipped /= count;
+    for (std::size_t i = 0; i < result.photos.size(); ++i) {
+        const double present = std::max(1.0, count - static_cast<double>(missing[i]));
+        result.photos[i].mean /= present;
+        result.photos[i].clipped /= present;
     }
     report(progress, "survey", 1);
     return result;
@@ -78,11 +86,15 @@ Survey survey(const Stack& stack, const SurveyOptions& options, const Progress& 
 
 void leave_out_black_photos(Stack& stack, Survey& survey) {
     TP_REQUIRE(stack.photos.size() == survey.photos.size(), "the survey is of this stack");
+    // Files of floats have no full scale: what is black is so beside the other photographs.
+    double brightest = 0;
+    for (const Survey::Photo& photo : survey.photos) brightest = std::max(brightest, photo.maximum);
+    const double black_level = stack.bits == 32 ? kBlack * std::min(brightest, 1.0) : kBlack;
     std::string names;
     int black = 0;
     std::vector<bool> keep;
     for (std::size_t i = 0; i < stack.photos.size(); ++i) {
-        keep.push_back(survey.photos[i].maximum >= kBlack);
+        keep.push_back(survey.photos[i].maximum >= black_level);
         if (!keep.back()) names += (black++ ? ", " : "") + stack.photos[i].light.name;
     }
     if (black == 0) return;
@@ -105,6 +117,11 @@ void leave_out_black_photos(Stack& stack, Survey& survey) {
     stack.warnings.push_back(fmt::format("{}: left out {} photograph{} that {} black: {}",
                                          stack.folder.string(), black, black == 1 ? "" : "s",
                                          black == 1 ? "is" : "are", names));
+    if (stack.photos.size() < 4)
+        fail(
+            "{}: {} of {} photographs are black ({}), which leaves {}; at least 4 under different lights are "
+            "needed",
+            stack.folder.string(), black, keep.size(), names, stack.photos.size());
     require_enough_lights(stack.lights(), stack.folder.string());
 }
 

@@ -1,6 +1,7 @@
 // survey.h: one look at all photographs of a stack before the fit: samples, exposure, what is unusable.
 #pragma once
 
+#include <functional>
 #include <vector>
 
 #include "capture/stack.h"
@@ -34,8 +35,10 @@ struct Survey {
 constexpr float kClipped = 253.0f / 255;
 
 // Decodes every photograph once, from top to bottom: so truncated and damaged files are found before the fit.
-// Throws Error naming the file.
-Survey survey(const Stack& stack, const SurveyOptions& options = {}, const Progress& progress = {});
+// `seen`, where given, gets every band as well, as stored. Where a registered photograph does not reach, its
+// values are NaN, and do not count. Throws Error naming the file.
+Survey survey(const Stack& stack, const SurveyOptions& options = {}, const Progress& progress = {},
+              const std::function<void(const Band&)>& seen = {});
 
 // Takes photographs without light out of the stack and the survey, with a warning that names them: brighter
 // than 2 % nowhere. Throws Error where too few remain.

@@ -1,23 +1,28 @@
 #include "capture/transfer_estimate.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <glm/mat3x3.hpp>
+#include <glm/matrix.hpp>
 
 #include "capture/photometric_stereo.h"
+#include "surface/median.h"
 #include "surface/parallel.h"
 
 namespace tangi {
 
 namespace {
 
-constexpr int kSamples = 1500;  // enough: the choice is between a handful of curves
-
-double median(std::vector<double> values) {
-    if (values.empty()) return 0;
-    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    return *middle;
-}
+constexpr int kSamples = 1500;          // enough: the choice is between a handful of curves
+constexpr double kLowestCosine = 0.25;  // [1] below 15 degrees shadows and interreflection rule
+// [1] By which a gamma must fit better than the usual curves: near one of them (linear; 2 to 2.4) it is
+// likely that one, seen through what the model leaves out; between them it is likely another.
+constexpr double kBetterNear = 1.3, kBetterBetween = 1.05;
+constexpr double kRatioScale = 0.1;  // [1] ln ratio from which on a pixel counts less
+constexpr double kDoubtful = 1.02;   // [1] a rival that fits as well but for this is worth a warning
 
 PixelSamples linearised(const Stack& stack, const Survey& survey, int sample, const Transfer& transfer) {
     PixelSamples s;
@@ -35,47 +40,156 @@ PixelSamples linearised(const Stack& stack, const Survey& survey, int sample, co
         s.light[at] = stack.photos[at].light.direction;
         s.irradiance[at] = 1;
         s.value[at] = sum / survey.channels;
-        s.sigma[at] = highest < kClipped ? 1 : 0;
+        s.sigma[at] = highest < kClipped && !std::isnan(sum) ? 1 : 0;
     }
     return s;
 }
 
-// Median deviation from robust matt reflection, in the stored encoding.
-double residual_of(const Stack& stack, const Survey& survey, const Transfer& transfer) {
+// A sample of pixels as one transfer curve would have them, and what photometric stereo makes of it.
+struct MattSample {
+    std::vector<int> index;  // of the survey's samples
+    std::vector<PixelSamples> pixels;
+    std::vector<LambertEstimate> estimates;
+
+    // [1] what a matt surface should show; 0 where it would be in shadow, or nothing is known.
+    double predicted(std::size_t k, std::size_t photo) const {
+        if (!estimates[k].valid || !(pixels[k].sigma[photo] > 0)) return 0;
+        const double cosine = glm::dot(estimates[k].normal, pixels[k].light[photo]);
+        return cosine < kLowestCosine ? 0 : estimates[k].diffuse[0] * cosine;
+    }
+};
+
+MattSample matt_sample(const Stack& stack, const Survey& survey, const Transfer& transfer) {
     const int step = std::max(1, survey.sample_count() / kSamples);
-    const int used = (survey.sample_count() + step - 1) / step;
-    std::vector<std::vector<double>> deviations(static_cast<std::size_t>(used));
-    parallel_for(0, used, 16, [&](int begin, int end) {
-        for (int k = begin; k < end; ++k) {
-            const PixelSamples s = linearised(stack, survey, k * step, transfer);
-            const LambertEstimate e = photometric_stereo(s);
-            if (!e.valid) continue;
-            for (std::size_t i = 0; i < s.light.size(); ++i) {
-                const double cosine = glm::dot(e.normal, s.light[i]);
-                if (!(s.sigma[i] > 0) || cosine < 0.1) continue;
-                const double model = transfer.encode(static_cast<float>(e.diffuse[0] * cosine));
-                deviations[static_cast<std::size_t>(k)].push_back(
-                    std::abs(model - transfer.encode(static_cast<float>(s.value[i]))));
-            }
+    MattSample sample;
+    for (int k = 0; k < survey.sample_count(); k += step) sample.index.push_back(k);
+    sample.pixels.resize(sample.index.size());
+    sample.estimates.resize(sample.index.size());
+    parallel_for(0, static_cast<int>(sample.index.size()), 16, [&](int begin, int end) {
+        for (auto k = static_cast<std::size_t>(begin); k < static_cast<std::size_t>(end); ++k) {
+            sample.pixels[k] = linearised(stack, survey, sample.index[k], transfer);
+            sample.estimates[k] = photometric_stereo(sample.pixels[k]);
         }
     });
-    std::vector<double> all;
-    for (const auto& some : deviations) all.insert(all.end(), some.begin(), some.end());
-    return median(std::move(all));
+    return sample;
+}
+
+// ln of how much more light there is in one photograph than it should be, as a plane over the picture: what
+// lamps of other strength, and near ones, do. Robust (Cauchy): shadows and highlights are no lamps.
+class IlluminationPlane {
+public:
+    IlluminationPlane(const MattSample& sample, std::size_t photo, const Survey& survey, const Stack& stack)
+        : survey_(survey),
+          centre_(stack.width() / 2.0, stack.height() / 2.0),
+          scale_(1.0 / std::max(stack.width(), stack.height())) {
+        std::vector<double> ratios;
+        std::vector<glm::dvec3> terms;
+        for (std::size_t k = 0; k < sample.index.size(); ++k) {
+            const double predicted = sample.predicted(k, photo);
+            if (!(predicted > 1e-6)) continue;
+            ratios.push_back(std::log(std::max(sample.pixels[k].value[photo] / predicted, 1e-3)));
+            terms.push_back(terms_of(sample.index[k]));
+        }
+        plane_ = {median(ratios), 0, 0};
+        for (int iteration = 0; iteration < 6; ++iteration) {
+            glm::dmat3 a(0);
+            glm::dvec3 b(0);
+            for (std::size_t k = 0; k < ratios.size(); ++k) {
+                const double r = (ratios[k] - glm::dot(plane_, terms[k])) / kRatioScale;
+                const double w = 1 / (1 + r * r);
+                a += w * glm::outerProduct(terms[k], terms[k]);
+                b += w * ratios[k] * terms[k];
+            }
+            if (!(std::abs(glm::determinant(a)) > 1e-6)) break;  // too few pixels for a plane
+            plane_ = glm::inverse(a) * b;
+        }
+    }
+
+    double factor(int sample) const { return std::exp(glm::dot(plane_, terms_of(sample))); }
+
+private:
+    glm::dvec3 terms_of(int sample) const {
+        const glm::dvec2 p =
+            (glm::dvec2(survey_.positions[static_cast<std::size_t>(sample)]) - centre_) * scale_;
+        return {1, p.x, p.y};
+    }
+
+    const Survey& survey_;
+    glm::dvec2 centre_;
+    double scale_;
+    glm::dvec3 plane_{0};
+};
+
+// Median deviation from robust matt reflection under lamps of any strength, in the stored encoding.
+double residual_of(const Stack& stack, const Survey& survey, const Transfer& transfer) {
+    const MattSample sample = matt_sample(stack, survey, transfer);
+    std::vector<double> deviations;
+    for (std::size_t photo = 0; photo < stack.photos.size(); ++photo) {
+        const IlluminationPlane plane(sample, photo, survey, stack);
+        for (std::size_t k = 0; k < sample.index.size(); ++k) {
+            const double predicted = sample.predicted(k, photo);
+            if (!(predicted > 0)) continue;
+            const double model = predicted * plane.factor(sample.index[k]);
+            deviations.push_back(
+                std::abs(transfer.encode(static_cast<float>(model)) -
+                         transfer.encode(static_cast<float>(sample.pixels[k].value[photo]))));
+        }
+    }
+    return median(std::move(deviations));
+}
+
+bool is_linear(const Transfer& transfer) { return transfer.kind == Transfer::Kind::linear; }
+
+// The gamma that fits best, from a row of them, then in ever smaller steps, to 0.025.
+TransferEstimate::Candidate best_gamma(const Stack& stack, const Survey& survey) {
+    const auto at = [&](double gamma) {
+        return residual_of(stack, survey, Transfer{Transfer::Kind::gamma, gamma});
+    };
+    constexpr std::array<double, 9> row = {1.0, 1.2, 1.4, 1.6, 1.8, 2.0, 2.2, 2.4, 2.6};
+    std::array<double, row.size()> residual{};
+    for (std::size_t i = 0; i < row.size(); ++i) residual[i] = at(row[i]);
+    const auto best =
+        static_cast<std::size_t>(std::min_element(residual.begin(), residual.end()) - residual.begin());
+    double gamma = row[best], lowest = residual[best];
+    for (double step = 0.1; step > 0.02; step /= 2)
+        for (const double next : {gamma - step, gamma + step})
+            if (const double r = at(next); r < lowest) {
+                gamma = next;
+                lowest = r;
+                break;
+            }
+    return {{Transfer::Kind::gamma, std::round(gamma * 1000) / 1000}, lowest};
 }
 
 }  // namespace
 
 TransferEstimate estimate_transfer(const Stack& stack, const Survey& survey) {
-    if (stack.transfer) return {*stack.transfer, "given", {}};
-    if (stack.bits == 32) return {Transfer{}, "float file", {}};
-    TransferEstimate result{Transfer{}, "estimated", {}};
+    if (stack.transfer) return {*stack.transfer, "given", {}, {}};
+    if (stack.bits == 32) return {Transfer{}, "float file", {}, {}};
+    TransferEstimate result{Transfer{}, "estimated", {}, {}};
     for (const Transfer& transfer : {Transfer{Transfer::Kind::linear}, Transfer{Transfer::Kind::srgb},
                                      Transfer{Transfer::Kind::gamma, 2.2}})
         result.candidates.push_back({transfer, residual_of(stack, survey, transfer)});
-    result.transfer = std::min_element(result.candidates.begin(), result.candidates.end(),
-                                       [](const auto& a, const auto& b) { return a.residual < b.residual; })
-                          ->transfer;
+    std::vector<TransferEstimate::Candidate> ranked = result.candidates;
+    std::sort(ranked.begin(), ranked.end(),
+              [](const auto& a, const auto& b) { return a.residual < b.residual; });
+    result.transfer = ranked[0].transfer;
+    result.candidates.push_back(best_gamma(stack, survey));
+    const TransferEstimate::Candidate& other = result.candidates.back();
+    const bool between = other.transfer.gamma > 1.3 && other.transfer.gamma < 1.95;
+    if (other.residual * (between ? kBetterBetween : kBetterNear) < ranked[0].residual) {
+        result.transfer = other.transfer;
+        return result;
+    }
+    // sRGB and gamma 2.2 differ by little; linear or not makes all the difference.
+    for (const auto& rival : ranked)
+        if (is_linear(rival.transfer) != is_linear(ranked[0].transfer) &&
+            rival.residual < kDoubtful * ranked[0].residual)
+            result.warning = fmt::format(
+                "{}: taken as {}, but {} fits almost as well ({:.4f} against {:.4f}); if you know how the "
+                "photographs are stored, say so with --transfer",
+                stack.folder.string(), result.transfer.name(), rival.transfer.name(), rival.residual,
+                ranked[0].residual);
     return result;
 }
 

@@ -18,13 +18,14 @@ struct TransferEstimate {
         Transfer transfer;
         double residual = 0;
     };
-    std::vector<Candidate> candidates;
+    std::vector<Candidate> candidates;  // linear, sRGB, gamma 2.2, and the gamma that fits best
+    std::string warning;                // empty unless the choice is a close one
 };
 
 // The curve given in stack.transfer; linear for files of floats; else the one of linear, sRGB and gamma 2.2
-// under which the samples agree best with matt reflection, deviations being compared in the stored encoding.
-// Lights are taken to be of equal strength: where they are not, the deviations differ less, but in the same
-// sense.
+// under which the samples agree best with matt reflection, deviations being compared in the stored encoding;
+// another gamma where it fits clearly better than all three. Each photograph may have light of its own
+// strength, which may fall off over the picture: so lamps that differ, or are near, do not pass for a curve.
 TransferEstimate estimate_transfer(const Stack& stack, const Survey& survey);
 
 }  // namespace tangi

@@ -1,5 +1,14 @@
 #include "cli/arguments.h"
 
+#include <unistd.h>
+
+#include <CLI/Validators.hpp>
+#include <algorithm>
+#include <cerrno>
+#include <cmath>
+#include <cstdlib>
+#include <cstring>
+#include <glm/geometric.hpp>
 #include <sstream>
 
 #include "cli/command.h"
@@ -9,20 +18,25 @@ namespace tangi {
 
 namespace {
 
+std::string_view trimmed(std::string_view text) {
+    const auto begin = text.find_first_not_of(" \t");
+    return begin == std::string_view::npos ? ""
+                                           : text.substr(begin, text.find_last_not_of(" \t") - begin + 1);
+}
+
 std::vector<double> numbers_of(const std::string& text, const std::string& flag, std::size_t count,
                                const std::string& form) {
     std::vector<double> numbers;
     std::istringstream stream(text);
-    for (std::string word; std::getline(stream, word, ',');) {
-        std::size_t used = 0;
-        double value = 0;
-        try {
-            value = std::stod(word, &used);
-        } catch (const std::exception&) {
-            used = std::string::npos;
-        }
-        if (used != word.size() || !std::isfinite(value))
+    for (std::string part; std::getline(stream, part, ',');) {
+        const std::string word(trimmed(part));
+        char* end = nullptr;
+        const double value = std::strtod(word.c_str(), &end);
+        const bool is_number = end != word.c_str() && *end == '\0' && !std::isnan(value);
+        // "inf" is no number that somebody means; 1e400 is one that is too large.
+        if (!is_number || (std::isinf(value) && word.find_first_of("0123456789") == std::string::npos))
             throw UsageError(fmt::format("{} {}: '{}' is not a number; expected {}", flag, text, word, form));
+        if (std::isinf(value)) throw UsageError(fmt::format("{} {}: '{}' is out of range", flag, text, word));
         numbers.push_back(value);
     }
     if (numbers.size() != count) throw UsageError(fmt::format("{} {}: expected {}", flag, text, form));
@@ -40,6 +54,11 @@ void PhotosArguments::add_to(CLI::App& app, bool for_fit) {
     app.add_option("--crop", crop, "only a part of the photographs: X,Y,WIDTH,HEIGHT in pixels");
     app.add_option("--mask", mask, "picture of the same size; what is black in it is left out");
     if (!for_fit) return;
+    app.add_option("--register", registration,
+                   "auto: find out whether the camera moved between photographs, and undo it; off: take them "
+                   "as they are")
+        ->check(CLI::IsMember({"auto", "off"}))
+        ->capture_default_str();
     app.add_option("--hold-out", hold_out,
                    "keep photographs from the fit, to compare with: positions from 0, START:STEP or names, "
                    "separated by commas");
@@ -69,8 +88,53 @@ Stack PhotosArguments::open() const {
     return stack;
 }
 
-Vec3 parse_vector(const std::string& text, const std::string& flag) {
+std::vector<std::filesystem::path> PhotosArguments::inputs(const Stack& stack) const {
+    std::vector<std::filesystem::path> files;
+    for (const StackPhoto& photo : stack.photos) files.push_back(photo.path);
+    for (const StackPhoto& photo : stack.held_out) files.push_back(photo.path);
+    if (!lights.empty()) files.push_back(lights);
+    if (!mask.empty()) files.push_back(mask);
+    return files;
+}
+
+void refuse_to_overwrite(const std::filesystem::path& output,
+                         const std::vector<std::filesystem::path>& inputs) {
+    std::error_code missing;  // what is not there cannot be lost
+    for (const std::filesystem::path& input : inputs)
+        if (std::filesystem::equivalent(output, input, missing))
+            fail("--out {}: would overwrite {}, from which it is made; choose another name or folder",
+                 output.string(), input.string());
+}
+
+void require_writable_folder(const std::filesystem::path& folder) {
+    namespace fs = std::filesystem;
+    fs::path there = fs::absolute(folder);
+    while (!fs::exists(there) && there.has_relative_path()) there = there.parent_path();
+    if (fs::is_directory(there) && ::access(there.c_str(), W_OK | X_OK) != 0)
+        fail("--out {}: {} cannot be written: {}", folder.string(), there.string(), std::strerror(errno));
+}
+
+Vec3 parse_direction(const std::string& text, const std::string& flag) {
     const auto n = numbers_of(text, flag, 3, "X,Y,Z");
+    const glm::dvec3 v(n[0], n[1], n[2]);
+    const double largest = std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
+    if (!(largest > 0)) throw UsageError(fmt::format("{} {}: a direction cannot be zero", flag, text));
+    return Vec3(glm::normalize(v / largest));  // squares of huge or tiny numbers would be lost
+}
+
+Vec3 parse_position(const std::string& text, const std::string& flag) {
+    constexpr double nearest_mm = 0.001, farthest_mm = 1e6;  // squares of which a float holds with ease
+    const auto n = numbers_of(text, flag, 3, "X,Y,Z");
+    if (!(n[2] >= nearest_mm))
+        throw UsageError(
+            fmt::format("{} {}: z must be positive, in front of the painting, and at least {} mm", flag, text,
+                        nearest_mm));
+    for (const double x : n)
+        if (std::abs(x) > farthest_mm)
+            throw UsageError(fmt::format(
+                "{} {}: a position lies within {} mm (1 km); for a light farther away give its direction "
+                "with --light",
+                flag, text, farthest_mm));
     return {static_cast<float>(n[0]), static_cast<float>(n[1]), static_cast<float>(n[2])};
 }
 

@@ -13,15 +13,30 @@ namespace tangi {
 
 // Where photographs are and how to read them.
 struct PhotosArguments {
-    std::string folder, lights, transfer = "auto", crop, mask, hold_out;
+    std::string folder, lights, transfer = "auto", crop, mask, hold_out, registration = "off";
 
     void add_to(CLI::App& app, bool for_fit);
     // Throws Error for what is wrong with the folder, UsageError for what is wrong with the flags.
     Stack open() const;
+    // The files that a command with these flags reads: photographs, lights, mask.
+    std::vector<std::filesystem::path> inputs(const Stack& stack) const;
 };
 
-// "1,0,0.5" as three numbers. Throws UsageError naming the flag.
-Vec3 parse_vector(const std::string& text, const std::string& flag);
+// Throws Error, naming the flag --out, where writing `output` would replace one of `inputs`: photographs
+// cannot be taken again.
+void refuse_to_overwrite(const std::filesystem::path& output,
+                         const std::vector<std::filesystem::path>& inputs);
+
+// Throws Error where a folder that is there, or the one that `folder` would be made in, cannot be written.
+void require_writable_folder(const std::filesystem::path& folder);
+
+// "1,0,0.5" as a unit vector, whatever its length. Throws UsageError naming the flag: no three numbers, or
+// all zero.
+Vec3 parse_direction(const std::string& text, const std::string& flag);
+
+// "10,-20,300" as a place [mm] in front of the painting. Throws UsageError naming the flag: no three numbers,
+// a place behind the painting's plane or in it, or one beyond 1 km.
+Vec3 parse_position(const std::string& text, const std::string& flag);
 
 // Prints the warnings and returns them as JSON.
 nlohmann::json told(const std::vector<std::string>& warnings);

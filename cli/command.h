@@ -42,12 +42,31 @@ struct Command {
 // The table of commands, in the order in which help lists them.
 const std::vector<Command>& commands();
 
+// Makes stdin, stdout and stderr safe to use, whatever they are. To be called before anything is opened.
+void prepare_streams();
+
+// Writes to stderr. One that takes nothing (closed, a full disk) is no reason to lose the work: nothing
+// happens then.
+void write_stderr(std::string_view text);
+
 // Progress on stderr: a bar where stderr is a terminal, else a line every few seconds. Asks for a stop after
-// Ctrl-C.
+// Ctrl-C, a kill, or when the terminal is closed.
 Progress console_progress();
 
 // Writes a warning to stderr, without disturbing the bar.
 void warn(const std::string& text);
+
+// A check of a flag: a number from `minimum` to `maximum`. CLI::Range lets NaN pass.
+inline std::function<std::string(const std::string&)> within(double minimum, double maximum) {
+    return [=](const std::string& text) {
+        try {
+            const double x = std::stod(text);
+            if (x >= minimum && x <= maximum) return std::string();
+        } catch (const std::exception&) {  // not a number at all: the same remedy
+        }
+        return fmt::format("{} is not in [{}, {}]", text, minimum, maximum);
+    };
+}
 
 // Flags for the fields of an options struct: --max-iterations for max_iterations. Values outside their
 // interval are usage errors. `wanted` chooses fields by name; all where empty.
@@ -64,14 +83,7 @@ void add_fields(CLI::App& app, Options& options, const std::function<bool(std::s
             auto* option = app.add_option(flag, value, std::string(info.help));
             std::string type = info.unit == "1" || info.unit.empty() ? "NUMBER" : std::string(info.unit);
             option->option_text(type);
-            option->check([info](const std::string& text) {
-                try {
-                    const double x = std::stod(text);
-                    if (x >= info.minimum && x <= info.maximum) return std::string();
-                } catch (const std::exception&) {  // not a number at all: the same remedy
-                }
-                return fmt::format("{} is not in [{}, {}]", text, info.minimum, info.maximum);
-            });
+            option->check(within(info.minimum, info.maximum));
         }
     });
 }

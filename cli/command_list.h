@@ -7,6 +7,7 @@
 
 namespace tangi {
 
+Command calibrate_command();
 Command fit_command();
 Command relight_command();
 Command compare_command();

@@ -9,6 +9,8 @@
 
 namespace tangi {
 
+namespace fs = std::filesystem;
+
 namespace {
 
 struct CompareArguments {
@@ -20,14 +22,30 @@ struct CompareArguments {
 // Below this the relit picture is another picture: wrong lights, another painting, another crop.
 constexpr double kPoorPsnr_db = 15;
 
+// The report must not land on what it is made from.
+void require_place_for_report(const CompareArguments& arguments, const Stack& photos) {
+    const fs::path out = arguments.out, pictures = out / "pictures";
+    std::vector<fs::path> inputs = arguments.photos.inputs(photos);
+    for (const fs::path& input : inputs)
+        if (fs::exists(pictures) && fs::equivalent(fs::absolute(input).parent_path(), pictures))
+            fail(
+                "--out {}: its pictures would be written among the photographs, as {} is one; choose another "
+                "folder",
+                arguments.out, input.string());
+    inputs.emplace_back(arguments.painting);
+    for (const char* file : {"compare.html", "compare.json"}) refuse_to_overwrite(out / file, inputs);
+    require_writable_folder(out);
+}
+
 nlohmann::json run_compare(const CompareArguments& arguments) {
     const Progress progress = console_progress();
     const Surface surface = read_painting(arguments.painting, progress);
     const Stack photos = arguments.photos.open();
+    require_place_for_report(arguments, photos);
     const CompareReport report =
         write_comparison(arguments.out, surface, photos, arguments.options, progress);
     nlohmann::json result = to_json(report);
-    result["page"] = (std::filesystem::path(arguments.out) / "compare.html").string();
+    result["page"] = (fs::path(arguments.out) / "compare.html").string();
     result["warnings"] = told(report.warnings);
     result["poor"] = nlohmann::json::array();
     if (report.all.psnr_db < kPoorPsnr_db)

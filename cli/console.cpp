@@ -1,4 +1,5 @@
 // console.cpp: progress and warnings on stderr, and Ctrl-C.
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -21,6 +22,14 @@ std::atomic<bool> stop_wanted = false;
 extern "C" void on_interrupt(int signal) {
     stop_wanted = true;
     std::signal(signal, SIG_DFL);
+}
+
+// A signal that was ignored when the program started stays so: whoever started it (nohup, a shell's trap)
+// wants it to go on.
+void stop_at(int signal) {
+    struct sigaction now {};
+    if (::sigaction(signal, nullptr, &now) == 0 && now.sa_handler == SIG_IGN) return;
+    std::signal(signal, on_interrupt);
 }
 
 class Console {
@@ -48,7 +57,7 @@ public:
     void say(const std::string& text) {
         const std::lock_guard lock(mutex_);
         finish_line();
-        fmt::print(stderr, "{}\n", text);
+        write_stderr(text + "\n");
     }
 
     ~Console() { finish_line(); }
@@ -58,7 +67,7 @@ private:
         const double elapsed = std::chrono::duration<double>(now - started_).count();
         const int percent = static_cast<int>(100 * std::clamp(fraction, 0.0, 1.0));
         if (!is_terminal_) {
-            fmt::print(stderr, "{}: {} %\n", stage_, percent);
+            write_stderr(fmt::format("{}: {} %\n", stage_, percent));
             return;
         }
         const std::string left = fraction > 0.05 && fraction < 1
@@ -66,13 +75,13 @@ private:
                                      : "";
         constexpr int width = 30;
         const int filled = width * percent / 100;
-        fmt::print(stderr, "\r\033[K{:<15} [{}{}] {:3} %{}", stage_, std::string(filled, '#'),
-                   std::string(width - filled, '.'), percent, left);
+        write_stderr(fmt::format("\r\033[K{:<15} [{}{}] {:3} %{}", stage_, std::string(filled, '#'),
+                                 std::string(width - filled, '.'), percent, left));
         line_open_ = true;
     }
 
     void finish_line() {
-        if (line_open_) fmt::print(stderr, "\n");
+        if (line_open_) write_stderr("\n");
         line_open_ = false;
     }
 
@@ -90,9 +99,20 @@ Console& console() {
 
 }  // namespace
 
+void write_stderr(std::string_view text) { std::fwrite(text.data(), 1, text.size(), stderr); }
+
+void prepare_streams() {
+    // A disk or quota that is full, and a pipe that nobody reads, show as a failed write instead of a signal.
+    std::signal(SIGXFSZ, SIG_IGN);
+    std::signal(SIGPIPE, SIG_IGN);
+    // A stream that was closed (2>&-) would be the number of the next file that is opened, and messages would
+    // end up in a painting. What takes its place refuses to be written, or read.
+    for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
+        if (::fcntl(stream, F_GETFD) < 0) ::open("/dev/null", stream == STDIN_FILENO ? O_WRONLY : O_RDONLY);
+}
+
 Progress console_progress() {
-    std::signal(SIGINT, on_interrupt);
-    std::signal(SIGTERM, on_interrupt);
+    for (const int signal : {SIGINT, SIGTERM, SIGHUP}) stop_at(signal);
     return [](std::string_view stage, double fraction) { return console().show(stage, fraction); };
 }
 

@@ -73,8 +73,7 @@ nlohmann::json run_demo(const DemoArguments& arguments) {
     const CompareReport report = write_comparison(out / "compare", fit.surface, held_out, {}, progress);
     write_picture_8bit(out / "contact_sheet.png", contact_sheet(fit.surface, held_out, report, {}, progress));
 
-    fmt::print(
-        stderr,
+    write_stderr(fmt::format(
         "\nThe sample: 48 photographs of a rendered impasto painting, fitted, relit, and compared with {}\n"
         "photographs under lights that the fit never saw.\n\n"
         "  held out    {:.1f} dB PSNR, SSIM {:.3f}, Delta E 2000 {:.2f} on average\n"
@@ -87,7 +86,7 @@ nlohmann::json run_demo(const DemoArguments& arguments) {
         report.held_out.count, report.held_out.psnr_db, report.held_out.ssim, report.held_out.delta_e_2000,
         fit.report.fitted, fit.report.pixels, fit.report.median_confidence,
         (out / "contact_sheet.png").string(), (out / "compare" / "compare.html").string(),
-        (out / kLights[0].file).string(), (out / "painting.exr").string());
+        (out / kLights[0].file).string(), (out / "painting.exr").string()));
     return {{"out", arguments.out},
             {"held_out", to_json(report)["mean"]["held_out"]},
             {"fitted_pixels", fit.report.fitted},

@@ -4,6 +4,7 @@
 #include "fit/fit_painting.h"
 #include "surface/error.h"
 #include "surface/painting_file.h"
+#include "surface/picture_file.h"
 
 namespace tangi {
 
@@ -21,6 +22,7 @@ nlohmann::json provenance_of(const FitArguments& arguments, const Stack& stack) 
         inputs.push_back(
             {{"file", photo.path.filename().string()}, {"bytes", std::filesystem::file_size(photo.path)}});
     nlohmann::json options = to_json(arguments.options);
+    options["light_calibration"] = to_json(arguments.options.calibration);
     options["ward"] = to_json(arguments.options.ward);
     options["height"] = to_json(arguments.options.height);
     const PhotosArguments& p = arguments.photos;
@@ -28,7 +30,8 @@ nlohmann::json provenance_of(const FitArguments& arguments, const Stack& stack) 
                          {"transfer", p.transfer},
                          {"crop", p.crop},
                          {"mask", p.mask},
-                         {"hold_out", p.hold_out}};
+                         {"hold_out", p.hold_out},
+                         {"register", p.registration}};
     return {
         {"program", "tangipaint " TP_VERSION}, {"command", "fit"}, {"options", options}, {"inputs", inputs}};
 }
@@ -64,6 +67,8 @@ nlohmann::json result_of(const FitResult& fit, const std::string& out) {
         {"photographs", {{"fitted", fitted_photos}, {"held_out", held_out}}},
         {"transfer",
          {{"name", r.transfer.transfer.name()}, {"source", r.transfer.source}, {"tried", candidates}}},
+        {"registration", to_json(r.registration)},
+        {"lights", to_json(r.lights)},
         {"pixels", {{"all", r.pixels}, {"fitted", r.fitted}, {"not_converged", r.not_converged}}},
         {"median_confidence", r.median_confidence},
         {"median_residual_sigma", r.median_rms_residual},
@@ -75,14 +80,26 @@ nlohmann::json result_of(const FitResult& fit, const std::string& out) {
         {"dry_hash", hash_of(fit.surface)}};
 }
 
+// Pictures in the folder of the photographs may be photographs that this lights file does not list; only a
+// painting is replaced there.
+void refuse_to_overwrite_photographs(const FitArguments& arguments, const Stack& stack) {
+    namespace fs = std::filesystem;
+    const fs::path out = arguments.out;
+    refuse_to_overwrite(out, arguments.photos.inputs(stack));
+    if (fs::exists(out) && fs::equivalent(fs::absolute(out).parent_path(), stack.folder) && !is_painting(out))
+        refuse_to_overwrite(out, {stack.folder / out.filename()});
+}
+
 nlohmann::json run_fit(const FitArguments& arguments) {
     const Progress progress = console_progress();
-    if (std::filesystem::path(arguments.out).extension() != ".exr")
-        fail("--out {}: a painting is an .exr file", arguments.out);
+    if (lower_extension(arguments.out) != ".exr") fail("--out {}: a painting is an .exr file", arguments.out);
     AtomicFile file(arguments.out);  // before the work: an output that can't be written is known now
     Stack stack = arguments.photos.open();
+    refuse_to_overwrite_photographs(arguments, stack);
     const nlohmann::json provenance = provenance_of(arguments, stack);
-    FitResult fit = fit_painting(std::move(stack), arguments.options, progress);
+    FitOptions fit_options = arguments.options;
+    fit_options.register_photos = arguments.photos.registration != "off";
+    FitResult fit = fit_painting(std::move(stack), fit_options, progress);
     // File names may hold any bytes; JSON holds UTF-8.
     fit.surface.provenance = provenance.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
     std::vector<std::string> warnings = fit.report.warnings;
@@ -107,6 +124,7 @@ Command fit_command() {
                 arguments->photos.add_to(app, true);
                 app.add_option("--out", arguments->out, "the painting file to write (.exr)")->required();
                 add_fields(app, arguments->options);
+                add_fields(app, arguments->options.calibration);
                 add_fields(app, arguments->options.ward);
                 add_fields(app, arguments->options.height);
                 return [arguments] { return run_fit(*arguments); };

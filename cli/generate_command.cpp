@@ -1,10 +1,15 @@
 // generate_command.cpp: tangipaint generate --out DIR: photographs of a procedural painting, with ground
 // truth.
+#include <filesystem>
+
+#include "capture/photo_file.h"
 #include "cli/command_list.h"
 #include "datasets/generator.h"
 #include "surface/error.h"
 
 namespace tangi {
+
+namespace fs = std::filesystem;
 
 namespace {
 
@@ -22,6 +27,17 @@ Value chosen(const std::optional<Value>& value, const char* flag, const std::str
     return *value;
 }
 
+// Photographs that generate did not make (it writes the truth before them) are not replaced by made-up ones.
+void refuse_to_overwrite_photographs(const fs::path& folder) {
+    if (!fs::is_directory(folder) || fs::exists(folder / "gt" / "truth.exr")) return;
+    for (const auto& entry : fs::directory_iterator(folder)) {
+        const std::string name = entry.path().filename().string();
+        if (name == "lights.lp" || (name.starts_with("img_") && is_photo_name(entry.path())))
+            fail("--out {}: would overwrite {}, which is not a generated stack's; choose another folder",
+                 folder.string(), entry.path().string());
+    }
+}
+
 nlohmann::json run_generate(GenerateArguments a) {
     a.painting.seed = a.photos.seed = a.seed;
     a.photos.reflectance = chosen(reflectance_named(a.reflectance), "--reflectance", a.reflectance,
@@ -31,6 +47,7 @@ nlohmann::json run_generate(GenerateArguments a) {
     a.photos.format =
         chosen(photo_format_named(a.format), "--format", a.format, "png16, png8, jpg, exr, tif");
     a.photos.transfer = chosen(transfer_named(a.transfer), "--transfer", a.transfer, "linear, srgb, a gamma");
+    refuse_to_overwrite_photographs(a.out);
     const Progress progress = console_progress();
     const PaintingTruth truth = procedural_painting(a.painting, progress);
     const Photography photography = write_stack(a.out, truth, a.photos, progress);

@@ -8,6 +8,7 @@
 #include "cli/command_list.h"
 #include "surface/error.h"
 #include "surface/painting_file.h"
+#include "surface/picture_file.h"
 
 namespace tangi {
 
@@ -75,9 +76,10 @@ nlohmann::json run_info(const std::string& file) {
     if (!fs::exists(path)) fail("{}: no such file", file);
     if (fs::is_directory(path))
         fail("{}: is a folder; name a painting (.exr), a lights file (.lp) or a photograph", file);
-    if (path.extension() == ".lp") return describe_lights(path);
-    const bool is_exr = path.extension() == ".exr";
-    if (is_exr && is_painting(path)) return describe(read_painting(path, console_progress()));
+    if (!fs::is_regular_file(path)) fail("{}: is a pipe or a device, not a file", file);
+    const std::string extension = lower_extension(path);
+    if (extension == ".lp") return describe_lights(path);
+    if (extension == ".exr" && is_painting(path)) return describe(read_painting(path, console_progress()));
     const PhotoHeader header = PhotoFile(path).header();
     return {{"kind", "picture"},
             {"width", header.width},

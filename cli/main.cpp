@@ -3,12 +3,13 @@
 #include <glog/logging.h>
 #include <sys/resource.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <chrono>
-#include <csignal>
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
+#include <sstream>
 
 #include "cli/command.h"
 #include "surface/error.h"
@@ -31,50 +32,91 @@ double peak_memory_mb() {
     return static_cast<double>(usage.ru_maxrss) / 1024;
 }
 
+// Throws Error where stdout takes less than all of it.
+void write_stdout(const std::string& text) {
+    if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() || std::fflush(stdout) != 0)
+        fail("the result cannot be written to standard output: {}", std::strerror(errno));
+}
+
+int ended(int code, const std::string& message) {
+    write_stderr(message + "\n");
+    return code;
+}
+
 int run(const std::string& name, const std::function<nlohmann::json()>& body) {
     const auto start = std::chrono::steady_clock::now();
+    const std::string who = "tangipaint " + name + ": ";
     try {
         nlohmann::json result = body();
         const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
         result["command"] = name;
         result["seconds"] = seconds.count();
         result["peak_memory_mb"] = peak_memory_mb();
-        const std::string text = result.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
-        if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() || std::fflush(stdout) != 0)
-            fail("the result cannot be written to standard output: {}", std::strerror(errno));
+        write_stdout(result.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
         if (!result.contains("poor") || result["poor"].empty()) return kDone;
         for (const auto& reason : result["poor"]) warn("poor result: " + reason.get<std::string>());
         return kPoorNumbers;
     } catch (const Cancelled& stop) {
-        fmt::print(stderr, "\ntangipaint {}: {}; nothing half-written is left\n", name, stop.what());
-        return kInterrupted;
+        return ended(kInterrupted, "\n" + who + stop.what() + "; nothing half-written is left");
     } catch (const UsageError& error) {
-        fmt::print(stderr, "tangipaint {}: {}\nSee: tangipaint help {}\n", name, error.what(), name);
-        return kUsage;
+        return ended(kUsage, who + error.what() + "\nSee: tangipaint help " + name);
     } catch (const Error& error) {
-        fmt::print(stderr, "tangipaint {}: {}\n", name, error.what());
-        return kWorldIsWrong;
+        return ended(kWorldIsWrong, who + error.what());
     } catch (
         const std::filesystem::filesystem_error& error) {  // no permission to look, a name that is too long
-        fmt::print(stderr, "tangipaint {}: {}: {}\n", name, error.path1().string(), error.code().message());
-        return kWorldIsWrong;
+        return ended(kWorldIsWrong, who + error.path1().string() + ": " + error.code().message());
     } catch (const std::bad_alloc&) {
-        fmt::print(stderr, "tangipaint {}: not enough memory{}\n", name,
-                   name == "fit" ? "; try a part of the picture with --crop" : "");
-        return kWorldIsWrong;
+        const char* remedy = name == "fit" ? "; try a part of the picture with --crop" : "";
+        return ended(kWorldIsWrong, who + "not enough memory" + remedy);
     } catch (const std::exception& bug) {
-        fmt::print(stderr, "tangipaint {}: internal error, please report it: {}\n", name, bug.what());
-        return kOurBug;
+        return ended(kOurBug, who + "internal error, please report it: " + bug.what());
     }
+}
+
+int show(const std::string& text) {
+    try {
+        write_stdout(text);
+        return kDone;
+    } catch (const Error& error) {
+        return ended(kWorldIsWrong, std::string("tangipaint: ") + error.what());
+    }
+}
+
+// How many letters must be put in, taken out or replaced to turn one word into the other (Levenshtein 1966).
+std::size_t edits(std::string_view from, std::string_view to) {
+    std::vector<std::size_t> row(to.size() + 1);
+    for (std::size_t j = 0; j < row.size(); ++j) row[j] = j;
+    for (std::size_t i = 1; i <= from.size(); ++i) {
+        std::size_t diagonal = row[0];
+        row[0] = i;
+        for (std::size_t j = 1; j < row.size(); ++j) {
+            const std::size_t replaced = diagonal + (from[i - 1] == to[j - 1] ? 0 : 1);
+            diagonal = row[j];
+            row[j] = std::min({replaced, row[j] + 1, row[j - 1] + 1});
+        }
+    }
+    return row.back();
+}
+
+bool is_command(const std::string& word) {
+    return word == "help" || std::any_of(commands().begin(), commands().end(),
+                                         [&](const Command& command) { return word == command.name; });
+}
+
+int no_command(const std::string& word) {
+    const char* nearest = "help";
+    for (const Command& command : commands())
+        if (edits(word, command.name) < edits(word, nearest)) nearest = command.name;
+    const bool is_near = edits(word, nearest) <= std::max<std::size_t>(1, std::strlen(nearest) / 2);
+    return ended(kUsage, fmt::format("tangipaint: there is no command '{}'{}. See: tangipaint help", word,
+                                     is_near ? fmt::format("; did you mean '{}'?", nearest) : ""));
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
+    prepare_streams();
     google::InitGoogleLogging(argv[0]);  // Ceres logs through it; its numbers are in our reports
-    // A disk or quota that is full shows as a failed write, with a message, instead of a signal.
-    std::signal(SIGXFSZ, SIG_IGN);
-    std::signal(SIGPIPE, SIG_IGN);
 
     CLI::App app(kAbout, "tangipaint");
     app.set_version_flag("--version", "tangipaint " TP_VERSION);
@@ -99,31 +141,22 @@ int main(int argc, char** argv) {
     CLI::App* help = app.add_subcommand("help", "show what a command does and takes: tangipaint help fit");
     help->add_option("COMMAND", topic, "the command to explain");
 
+    if (argc > 1 && argv[1][0] != '-' && !is_command(argv[1])) return no_command(argv[1]);
     try {
         app.parse(argc, argv);
-    } catch (const CLI::CallForHelp& call) {
-        return app.exit(call);
-    } catch (const CLI::CallForVersion& call) {
-        return app.exit(call);
-    } catch (const CLI::ParseError& error) {
-        app.exit(error);
-        return kUsage;
+    } catch (const CLI::ParseError& call) {  // for help and version too
+        std::ostringstream out, err;
+        const int code = app.exit(call, out, err);
+        write_stderr(err.str());
+        return code == 0 ? show(out.str()) : kUsage;
     }
-    if (help->parsed() || !body) {
-        if (topic.empty()) {
-            // Not app.help(): after `tangipaint help` that would explain the command `help` alone.
-            fmt::print(help->parsed() ? stdout : stderr, "{}",
-                       app.get_formatter()->make_help(&app, app.get_name(), CLI::AppFormatMode::Normal));
-            return help->parsed() ? kDone : kUsage;
-        }
-        try {
-            fmt::print("{}", app.get_subcommand(topic)->help("tangipaint"));
-            return kDone;
-        } catch (const CLI::OptionNotFound&) {
-            fmt::print(stderr, "tangipaint: there is no command '{}'. See: tangipaint help\n", topic);
-            return kUsage;
-        }
+    if (!topic.empty() && !is_command(topic)) return no_command(topic);
+    if (!topic.empty()) return show(app.get_subcommand(topic)->help("tangipaint"));
+    if (body) {
+        set_thread_count(threads);
+        return run(name, body);
     }
-    set_thread_count(threads);
-    return run(name, body);
+    // Not app.help(): after `tangipaint help` that would explain the command `help` alone.
+    const std::string all = app.get_formatter()->make_help(&app, app.get_name(), CLI::AppFormatMode::Normal);
+    return help->parsed() ? show(all) : ended(kUsage, all);
 }

@@ -41,8 +41,7 @@ Encoding encoding_of(const RelightArguments& arguments, const Surface& surface, 
                                          arguments.encoding));
         return {*transfer, white};
     }
-    std::string extension = picture.extension().string();
-    if (extension == ".exr" || extension == ".EXR") return {Transfer{}, white};
+    if (lower_extension(picture) == ".exr") return {Transfer{}, white};
     if (surface.photography.photos.empty()) return {Transfer{Transfer::Kind::srgb}, white};
     return {surface.photography.transfer, white};
 }
@@ -55,26 +54,53 @@ void write_relit(const fs::path& path, const Surface& surface, const std::vector
     write_picture(path, picture, encoding.transfer);
 }
 
+// A light in the paint has no distance from it: nothing could be said of how bright it is there.
+void require_above_paint(const Surface& surface, const Vec3& light_mm, const std::string& flag) {
+    const Vec3 corner_mm = surface.point_mm(0, 0);
+    const auto pixel = [&](float distance_mm) { return std::round(distance_mm / surface.mm_per_pixel); };
+    const double x = pixel(light_mm.x - corner_mm.x), y = pixel(corner_mm.y - light_mm.y);
+    if (!(x >= 0 && y >= 0 && x < surface.width() && y < surface.height())) return;
+    const float height_mm = surface.height_mm(static_cast<int>(x), static_cast<int>(y));
+    if (!(light_mm.z >= height_mm + 0.001f))
+        throw UsageError(fmt::format(
+            "{}: lies in the painting, which is {:.3f} mm high there; z must be larger", flag, height_mm));
+}
+
 nlohmann::json relight_one(const Surface& surface, const RelightArguments& arguments,
                            const Progress& progress) {
     require_picture_format(arguments.out);
+    refuse_to_overwrite(arguments.out, {arguments.painting});
     std::vector<Light> lights;
-    for (const std::string& text : arguments.directions) {
-        const Vec3 v = parse_vector(text, "--light");
-        if (!(glm::length(v) > 1e-6f))
-            throw UsageError(fmt::format("--light {}: a direction cannot be zero", text));
-        lights.push_back(distant_light(v));
-    }
+    for (const std::string& text : arguments.directions)
+        lights.push_back(distant_light(parse_direction(text, "--light")));
     for (const std::string& text : arguments.positions) {
-        const Vec3 v = parse_vector(text, "--point-light");
-        if (!(v.z > 0))
-            throw UsageError(
-                fmt::format("--point-light {}: z must be positive, in front of the painting", text));
-        lights.push_back(near_light(v));
+        lights.push_back(near_light(parse_position(text, "--point-light")));
+        require_above_paint(surface, *lights.back().position_mm, "--point-light " + text);
     }
     for (Light& light : lights) light.gain = Rgb(static_cast<float>(arguments.gain));
     write_relit(arguments.out, surface, lights, arguments, progress);
     return {{"pictures", {arguments.out}}};
+}
+
+// Windows programs write their folders with backslashes.
+fs::path portable(std::string name) {
+    std::replace(name.begin(), name.end(), '\\', '/');
+    return fs::path(name);
+}
+
+// Where the lights file lies beside its photographs, these have the names of the pictures to be made. One
+// that lies there is a photograph, unless the photograph that the lights file names is another file.
+void refuse_to_overwrite_photograph(const fs::path& output, const fs::path& lights_file, const Light& light) {
+    const fs::path folder = fs::absolute(lights_file).parent_path(), listed = portable(light.name);
+    if (!fs::exists(output)) return;
+    for (const fs::path& named : {folder / listed, folder / listed.filename()}) {
+        std::error_code missing;
+        const bool same_folder =
+            fs::equivalent(fs::absolute(output).parent_path(), named.parent_path(), missing);
+        if (same_folder && (!fs::exists(named) || fs::equivalent(output, named)))
+            fail("--out {}: would overwrite the photograph {}; choose another folder",
+                 output.parent_path().string(), output.string());
+    }
 }
 
 nlohmann::json relight_all(const Surface& surface, const RelightArguments& arguments,
@@ -84,18 +110,19 @@ nlohmann::json relight_all(const Surface& surface, const RelightArguments& argum
     std::vector<fs::path> outputs;
     std::set<fs::path> seen;
     for (const Light& light : file.lights) {
-        std::string name = light.name;
-        std::replace(name.begin(), name.end(), '\\', '/');
-        outputs.push_back(fs::path(arguments.out) / (fs::path(name).stem().string() + ".png"));
+        outputs.push_back(fs::path(arguments.out) / (portable(light.name).stem().string() + ".png"));
         if (!seen.insert(outputs.back()).second)
             fail("{}: two photographs have the stem '{}', so their relit pictures would be one file",
                  arguments.lights_file, outputs.back().stem().string());
+        refuse_to_overwrite(outputs.back(), {arguments.painting, arguments.lights_file});
+        refuse_to_overwrite_photograph(outputs.back(), arguments.lights_file, light);
     }
     make_folder(arguments.out);
     nlohmann::json pictures = nlohmann::json::array();
     for (std::size_t i = 0; i < outputs.size(); ++i) {
         // As strong, and as near, as it was estimated for the photograph of its name.
-        const Light light = as_photographed(file.lights[i], surface.photography);
+        Light light = as_photographed(file.lights[i], surface.photography);
+        light.gain *= static_cast<float>(arguments.gain);
         write_relit(outputs[i], surface, {light}, arguments, {});
         pictures.push_back(outputs[i].string());
         report(progress, "relight", static_cast<double>(i + 1) / static_cast<double>(outputs.size()));
@@ -144,7 +171,7 @@ Command relight_command() {
                            "srgb, linear or a gamma; where not given, as the photographs were (EXR: linear)");
             app.add_option("--model", a->model, "ward1992, duer or bounded")->capture_default_str();
             app.add_option("--gain", a->gain, "strength of the lights, 1 = as for the photographs")
-                ->check(CLI::Range(0.0, 1e4));
+                ->check(within(0, 1e4));
             add_fields(app, a->options);
             return [a] { return run_relight(*a); };
         }};

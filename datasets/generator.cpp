@@ -113,7 +113,8 @@ Vec3 disturbed(const Vec3& direction, double rms_deg, Seed seed) {
 
 // pi f cos(theta), the lobe included.
 Rgb reflected(const Surface& s, int x, int y, const Vec3& light, Reflectance reflectance) {
-    if (reflectance == Reflectance::ward_bounded) return reflected(s, x, y, light, WardModel::bounded);
+    if (reflectance == Reflectance::ward_bounded)
+        return reflected(s, x, y, light, {0, 0, 1}, WardModel::bounded);
     const Vec3& n = s.normal(x, y);
     const float n_l = glm::dot(n, light);
     if (!(n_l > 0)) return Rgb(0);
@@ -311,7 +312,7 @@ Photography write_stack(const fs::path& folder, const PaintingTruth& truth, cons
                                  .jpeg_quality = o.jpeg_quality};
     std::vector<Light> nominal, held_out;
     int done = 0;
-    for (const auto& [light, fitted] : photography.photos) {
+    for (const auto& [light, fitted, homography] : photography.photos) {
         const Image<Rgb> photo = apply_sensor(render(surface, light, o), o, done);
         write_picture((fitted ? folder : held_out_folder) / light.name, photo, o.transfer, storage);
         Light& listed = (fitted ? nominal : held_out).emplace_back(light);

@@ -63,6 +63,17 @@ Image<Rgb> stored_picture(const Stack& stack) {
     return picture;
 }
 
+// A mask less the pixels that a registered photograph does not reach (NaN), which become black.
+Mask without_missing(Mask mask, Image<Rgb>& photo) {
+    for (std::size_t i = 0; i < photo.size(); ++i) {
+        Rgb& value = photo.pixels()[i];
+        if (!std::isnan(value.r + value.g + value.b)) continue;
+        value = Rgb(0);
+        mask.pixels()[i] = 0;
+    }
+    return mask;
+}
+
 Image<Rgb> decoded(const Image<Rgb>& stored, const Transfer& transfer) {
     Image<Rgb> linear(stored.width(), stored.height());
     parallel_for(0, stored.height(), 16, [&](int begin, int end) {
@@ -178,13 +189,17 @@ CompareReport compare(const Surface& surface, const Stack& photos, const Compare
     for (std::size_t i = 0; i < all.size(); ++i) {
         report(progress, "compare", static_cast<double>(i) / static_cast<double>(all.size()));
         one.photos = {all[i]};
-        unknown += find_photo(surface.photography, all[i].light) == nullptr;
+        const Photography::Photo* known = find_photo(surface.photography, all[i].light);
+        unknown += known == nullptr;
+        // As the fit registered it; a photograph that the painting does not know is taken as it is.
+        if (known) one.photos.front().homography = known->homography;
         PhotoComparison result = described(all[i], surface.photography);
-        const Image<Rgb> photo = stored_picture(one);
+        Image<Rgb> photo = stored_picture(one);
+        const Mask present = without_missing(mask, photo);
         const Image<Rgb> relit = encoded(relight(surface, {&result.light, 1}, relighting), report_.transfer,
                                          static_cast<float>(surface.photography.white_level));
         Image<float> delta_e;
-        const ComparedPictures pictures{static_cast<int>(i), result, photo, relit, delta_e, mask,
+        const ComparedPictures pictures{static_cast<int>(i), result, photo, relit, delta_e, present,
                                         report_.transfer};
         measure(pictures, delta_e, result);
         if (sink) sink(pictures);

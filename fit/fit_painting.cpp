@@ -3,14 +3,13 @@
 #include <oneapi/tbb/enumerable_thread_specific.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <future>
-#include <limits>
 #include <mutex>
 
 #include "capture/survey.h"
 #include "surface/error.h"
+#include "surface/median.h"
 #include "surface/parallel.h"
 
 namespace tangi {
@@ -19,69 +18,21 @@ namespace {
 
 constexpr std::size_t kBandBytes = 96u << 20;  // one band; two are in memory at a time
 
-// Standard deviation to expect of a linear value: that of a stored value, carried through the transfer curve.
-class NoiseModel {
-public:
-    // Files of floats do not clip: light beyond 1 is light like any other.
-    NoiseModel(const Transfer& transfer, double noise, bool clips) {
-        for (int i = 0; i < kEntries; ++i) {
-            const double v = i / double(kEntries - 1);
-            const float encoded = transfer.encode(static_cast<float>(v));
-            const float step = static_cast<float>(noise);
-            const double read =
-                (transfer.decode(encoded + step) - transfer.decode(std::max(encoded - step, 0.0f))) / 2;
-            sigma_[static_cast<std::size_t>(i)] = static_cast<float>(read);
-        }
-        if (clips) clipped_ = transfer.decode(kClipped);
-    }
-
-    // 0 where the sample is clipped: it only says "at least this".
-    double sigma(float v) const {
-        if (v >= clipped_) return 0;
-        const float position = std::clamp(v, 0.0f, 1.0f) * (kEntries - 1);
-        const auto i = static_cast<std::size_t>(position);
-        const float t = position - static_cast<float>(i);
-        return sigma_[i] + t * (sigma_[std::min<std::size_t>(i + 1, kEntries - 1)] - sigma_[i]);
-    }
-
-private:
-    static constexpr int kEntries = 4096;
-    std::array<float, kEntries> sigma_{};
-    float clipped_ = std::numeric_limits<float>::infinity();
-};
-
-struct Lighting {
-    std::vector<Light> lights;
-    double white_level;
-};
-
-void gather(const Band& band, int x, int y, const Vec3& point_mm, const Lighting& lighting,
-            const NoiseModel& noise, PixelSamples& s) {
-    s.resize(band.photos(), band.channels());
+// What band and noise model say about one pixel; illuminate() has filled in the rest.
+void gather(const Band& band, int x, int y, const NoiseModel& noise, PixelSamples& s) {
     std::size_t at = 0;
-    for (int i = 0; i < band.photos(); ++i) {
-        const Incidence in = incidence(lighting.lights[static_cast<std::size_t>(i)], point_mm);
-        s.light[static_cast<std::size_t>(i)] = in.direction;
+    for (int i = 0; i < band.photos(); ++i)
         for (int c = 0; c < band.channels(); ++c, ++at) {
             const float value = band.row(i, c, y)[x];
             s.value[at] = value;
-            s.irradiance[at] = lighting.white_level * in.irradiance[c];
             s.sigma[at] = noise.sigma(value);
         }
-    }
 }
 
 // Confidence of a pixel: 1 where the slope is certain, 1/2 where its standard error is 0.1 (about 6 degrees).
 float confidence_of(const WardEstimate& e) {
     const double t = e.slope_error / 0.1;
     return static_cast<float>(1 / (1 + t * t));
-}
-
-double median(std::vector<float>& values) {
-    if (values.empty()) return 0;
-    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    return *middle;
 }
 
 struct Counters {
@@ -100,7 +51,8 @@ void fit_band(const Stack& stack, const Band& band, const Lighting& lighting, co
         for (int y = begin; y < end; ++y)
             for (int x = 0; x < band.width(); ++x) {
                 if (!stack.mask.empty() && !stack.mask(x, y)) continue;
-                gather(band, x, y, surface.point_mm(x, y), lighting, noise, samples);
+                illuminate(lighting, surface.point_mm(x, y), band.channels(), samples);
+                gather(band, x, y, noise, samples);
                 const WardEstimate e = fitter.fit(samples);
                 if (!e.valid) continue;
                 ++fitted;
@@ -122,10 +74,31 @@ void fit_band(const Stack& stack, const Band& band, const Lighting& lighting, co
     });
 }
 
-void summarise(const Surface& surface, const Counters& counters, FitReport& report) {
+// Files of floats have no full scale: their noise is relative to the white level.
+NoiseModel noise_model(const Stack& stack, const Transfer& transfer, const FitOptions& options) {
+    if (stack.bits == 32)
+        return NoiseModel(transfer, options.noise.value_or(0.006 * std::min(options.white_level, 1.0)),
+                          false);
+    return NoiseModel(transfer, options.noise.value_or(stack.bits == 8 ? 0.012 : 0.006), true);
+}
+
+// Held-out photographs get the light that the others make likely.
+void describe_lights(const Stack& stack, const LightCalibration& calibration, Photography& photography) {
+    photography.rig = calibration.lighting.rig;
+    photography.lamps = calibration.lamps;
+    for (std::size_t i = 0; i < stack.photos.size(); ++i)
+        photography.photos.push_back({calibration.lighting.lights[i], true, stack.photos[i].homography});
+    const Photography fitted = photography;
+    for (const StackPhoto& photo : stack.held_out)
+        photography.photos.push_back({as_photographed(photo.light, fitted), false, photo.homography});
+}
+
+void summarise(const Surface& surface, const Counters& counters, double diffuse_max, FitReport& report) {
     report.pixels = static_cast<long>(surface.height_mm.size());
     report.fitted = counters.fitted;
     report.not_converged = counters.not_converged;
+    for (const Rgb& diffuse : surface.diffuse.pixels())
+        report.too_bright += std::max({diffuse.r, diffuse.g, diffuse.b}) > 0.99 * diffuse_max;
     std::vector<float> residuals, confidences;
     const std::size_t step = std::max<std::size_t>(1, surface.height_mm.size() / 1000000);
     for (std::size_t i = 0; i < surface.height_mm.size(); i += step)
@@ -133,8 +106,38 @@ void summarise(const Surface& surface, const Counters& counters, FitReport& repo
             residuals.push_back(surface.height_mm.pixels()[i]);
             confidences.push_back(surface.confidence.pixels()[i]);
         }
-    report.median_rms_residual = median(residuals);
-    report.median_confidence = median(confidences);
+    report.median_rms_residual = median(std::move(residuals));
+    report.median_confidence = median(std::move(confidences));
+}
+
+// Surveys the stack and leaves out black photographs; where asked for, also registers it, and where that
+// moved something, surveys it once more as registered.
+Survey look_over(Stack& stack, bool register_photos, FitReport& report, const Progress& progress) {
+    if (!register_photos) {
+        Survey surveyed = survey(stack, {}, progress);
+        leave_out_black_photos(stack, surveyed);
+        report.transfer = estimate_transfer(stack, surveyed);
+        return surveyed;
+    }
+    const std::vector<StackPhoto> all = stack.photos;
+    PictureCollector collected(stack);
+    Survey surveyed = survey(stack, {}, progress, [&](const Band& band) { collected.add(band); });
+    leave_out_black_photos(stack, surveyed);
+    std::vector<bool> kept;
+    for (const StackPhoto& photo : all)
+        kept.push_back(std::any_of(stack.photos.begin(), stack.photos.end(),
+                                   [&](const StackPhoto& k) { return k.path == photo.path; }));
+    collected.keep(kept);
+    report.transfer = estimate_transfer(stack, surveyed);
+    const std::size_t before = stack.photos.size();
+    report.registration = register_stack(stack, collected, report.transfer.transfer, progress);
+    if (!report.registration.moved && stack.photos.size() == before) return surveyed;
+    require_enough_lights(stack.lights(), stack.folder.string());
+    surveyed = survey(stack, {}, Progress([&](std::string_view, double done) {
+        return !progress || progress("survey as registered", done);
+    }));
+    report.transfer = estimate_transfer(stack, surveyed);
+    return surveyed;
 }
 
 }  // namespace
@@ -145,24 +148,25 @@ FitResult fit_painting(Stack stack, const FitOptions& options, const Progress& p
     // Sums are taken in this order, so the order of the lines in a lights file changes no bit of the result.
     std::sort(stack.photos.begin(), stack.photos.end(),
               [](const StackPhoto& a, const StackPhoto& b) { return a.path < b.path; });
-    Survey surveyed = survey(stack, {}, progress);
-    leave_out_black_photos(stack, surveyed);
     FitResult result;
     FitReport& report_ = result.report;
-    report_.transfer = estimate_transfer(stack, surveyed);
+    const Survey surveyed = look_over(stack, options.register_photos, report_, progress);
+    if (!report_.transfer.warning.empty()) stack.warnings.push_back(report_.transfer.warning);
     const Transfer transfer = report_.transfer.transfer;
 
     result.surface = Surface(stack.width(), stack.height());
     Surface& surface = result.surface;
     surface.mm_per_pixel = options.mm_per_pixel.value_or(1.0);
     surface.scale_known = options.mm_per_pixel.has_value();
-    surface.photography = {.transfer = transfer, .white_level = options.white_level, .photos = {}};
-    for (const StackPhoto& photo : stack.photos) surface.photography.photos.push_back({photo.light, true});
-    for (const StackPhoto& photo : stack.held_out) surface.photography.photos.push_back({photo.light, false});
-
-    const Lighting lighting{stack.lights(), options.white_level};
-    const NoiseModel noise(transfer, options.noise.value_or(stack.bits == 8 ? 0.012 : 0.006),
-                           stack.bits != 32);
+    surface.photography = {.transfer = transfer, .white_level = options.white_level, .photos = {}, .rig = {}};
+    const NoiseModel noise = noise_model(stack, transfer, options);
+    const Lighting given{stack.lights(), {}, options.white_level};
+    report_.lights = options.lights_as_given
+                         ? LightCalibration{.lighting = given, .trials = {}}
+                         : calibrate_lights(stack, surveyed, transfer, noise, given, surface.mm_per_pixel,
+                                            options.ward, options.calibration, progress);
+    const Lighting& lighting = report_.lights.lighting;
+    describe_lights(stack, report_.lights, surface.photography);
     StackReader reader(stack);
     const int rows = reader.rows_for(kBandBytes);
     Counters counters;
@@ -176,12 +180,20 @@ FitResult fit_painting(Stack stack, const FitOptions& options, const Progress& p
         fit_band(stack, band, lighting, noise, options, surface, counters, progress);
         next = decoded.get();
     }
-    summarise(surface, counters, report_);
+    summarise(surface, counters, options.ward.bounds.diffuse_max, report_);
     report_.height = integrate_normals(surface.normal, surface.confidence, surface.mm_per_pixel,
                                        surface.height_mm, options.height, progress);
     const Plane plane = best_plane(surface.height_mm, surface.confidence);
     subtract(plane, surface.height_mm);
     report_.support_tilt_deg = std::atan(std::hypot(plane.a, plane.b) / surface.mm_per_pixel) * 180 / M_PI;
+    if (report_.too_bright > report_.fitted / 20)
+        stack.warnings.push_back(
+            fmt::format("{}: {:.0f} % of the pixels would reflect more than {} times the light that falls on "
+                        "them: the white "
+                        "level {} is too low; give the linear value of a matt white as --white-level",
+                        stack.folder.string(),
+                        100.0 * static_cast<double>(report_.too_bright) / static_cast<double>(report_.fitted),
+                        options.ward.bounds.diffuse_max, options.white_level));
     report_.warnings = stack.warnings;
     return result;
 }

@@ -4,9 +4,11 @@
 #include <string>
 #include <vector>
 
+#include "capture/registration.h"
 #include "capture/stack.h"
 #include "capture/transfer_estimate.h"
 #include "fit/height.h"
+#include "fit/light_calibration.h"
 #include "fit/ward_fit.h"
 #include "surface/surface.h"
 
@@ -17,6 +19,9 @@ struct FitOptions {
     std::optional<double> mm_per_pixel{};  // [mm] 1 where unknown
     std::optional<double> noise{};  // [1] standard deviation of a stored value, full scale = 1; where empty
                                     // 0.012 for 8-bit photographs (3 codes: JPEG), 0.006 for deeper ones
+    bool register_photos = false;   // find out whether the camera moved, and undo it
+    bool lights_as_given = false;   // distant lamps of equal strength, as a lights file describes them
+    LightCalibrationOptions calibration = {};
     WardFitOptions ward = {};
     HeightOptions height = {};
 
@@ -28,15 +33,21 @@ struct FitOptions {
             self.white_level);
         visit(FieldInfo{"mm_per_pixel", 1e-6, 1e3, "mm", "size of a pixel on the painting (1 where unknown)"},
               self.mm_per_pixel);
+        visit(FieldInfo{"lights_as_given", 0, 1, "",
+                        "take the lamps for distant and equally strong, as a lights file describes them"},
+              self.lights_as_given);
         visit(FieldInfo{"noise", 1e-5, 0.5, "1", "noise of the stored values, full scale = 1"}, self.noise);
     }
 };
 
 struct FitReport {
+    Registration registration;       // how far the camera moved; empty where not asked for
     TransferEstimate transfer;       // how the photographs were linearised, and how that is known
+    LightCalibration lights;         // what strengths and distances were found, and whether that helped
     long pixels = 0;                 // of the picture
     long fitted = 0;                 // with a valid estimate
     long not_converged = 0;          // of those fitted
+    long too_bright = 0;             // of those fitted: at the upper bound of rho_d
     double median_confidence = 0;    // [1] of the fitted pixels
     double median_rms_residual = 0;  // [sigma] robust; about 1 where noise and model error are as assumed
     double support_tilt_deg =

@@ -57,7 +57,8 @@ namespace {
 // it is small.
 void add_model_error(const LambertEstimate& start, double model_error, PixelSamples& s) {
     for (int i = 0; i < s.photos(); ++i) {
-        const double cosine = std::max(glm::dot(start.normal, s.light[static_cast<std::size_t>(i)]), 0.0);
+        const auto photo = static_cast<std::size_t>(i);
+        const double cosine = std::max(glm::dot(start.normal, s.light[photo]), 0.0) + s.ambient[photo];
         for (int c = 0; c < s.channels; ++c) {
             const auto at = static_cast<std::size_t>(i * s.channels + c);
             if (!(s.sigma[at] > 0)) continue;
@@ -79,14 +80,14 @@ void start_lobe(const PixelSamples& s, const WardResiduals& residuals, const War
         candidate[2] = std::log(alpha);
         double numerator = 0, denominator = 0;
         for (int i = 0; i < s.photos(); ++i) {
-            const WardTerms t = ward_terms(candidate.data(), s.light[static_cast<std::size_t>(i)]);
+            const WardTerms t = ward_terms(candidate.data(), s.light[static_cast<std::size_t>(i)], s.view);
             for (int c = 0; c < s.channels; ++c) {
                 const auto at = static_cast<std::size_t>(i * s.channels + c);
                 if (!(s.sigma[at] > 0)) continue;
                 const double w = 1 / (s.sigma[at] * s.sigma[at]);
                 const double left = s.value[at] - s.irradiance[at] *
                                                       candidate[kWardCommon + static_cast<std::size_t>(c)] *
-                                                      t.n_l;
+                                                      (t.n_l + s.ambient[static_cast<std::size_t>(i)]);
                 const double lobe = s.irradiance[at] * t.lobe;
                 numerator += w * lobe * left;
                 denominator += w * lobe * lobe;

@@ -73,9 +73,9 @@ void write_text_file(const fs::path& path, std::string_view text) {
 }
 
 std::string read_text_file(const fs::path& path) {
+    if (fs::is_directory(path)) fail("{}: is a folder; give the name of a file", path.string());
     std::ifstream stream(path, std::ios::binary);
-    if (!stream || fs::is_directory(path))
-        fail("{}: cannot be read: {}", path.string(), std::strerror(errno));
+    if (!stream) fail("{}: cannot be read: {}", path.string(), std::strerror(errno));
     return {std::istreambuf_iterator<char>(stream), {}};
 }
 

@@ -1,5 +1,7 @@
 #include "surface/light.h"
 
+#include <cmath>
+
 #include "surface/error.h"
 
 namespace tangi {
@@ -14,6 +16,28 @@ Light near_light(const Vec3& position_mm, std::string name) {
     Light light = distant_light(position_mm, std::move(name));
     light.position_mm = position_mm;
     return light;
+}
+
+namespace {
+
+// Turned about an axis in the plane of the picture, by an angle that grows with the distance from its centre.
+Vec3 bent(const Vec3& v, const Vec3& point_mm, float bend_per_mm) {
+    const float rx = bend_per_mm * point_mm.x, ry = bend_per_mm * point_mm.y;
+    const Vec3 turned(v.x + rx * v.z, v.y + ry * v.z, v.z - rx * v.x - ry * v.y);
+    return turned * (glm::length(v) / glm::length(turned));
+}
+
+}  // namespace
+
+Incidence incidence(const Light& light, const Vec3& point_mm, const Rig& rig) {
+    const bool bends = rig.bend_per_mm != 0;
+    if (!light.position_mm)
+        return {bends ? bent(light.direction, point_mm, rig.bend_per_mm) : light.direction, light.gain};
+    const Vec3 position = bends ? bent(*light.position_mm, point_mm, rig.bend_per_mm) : *light.position_mm;
+    const Vec3 to_light = position - point_mm;
+    const float distance2 = glm::dot(to_light, to_light);
+    const float falloff = glm::dot(position, position) / distance2;
+    return {to_light / std::sqrt(distance2), light.gain * falloff};
 }
 
 }  // namespace tangi

@@ -1,7 +1,6 @@
 // light.h: the lights of photographs and of relit pictures.
 #pragma once
 
-#include <cmath>
 #include <glm/geometric.hpp>
 #include <optional>
 #include <string>
@@ -22,6 +21,22 @@ struct Light {
 Light distant_light(const Vec3& direction, std::string name = {});  // normalises
 Light near_light(const Vec3& position_mm, std::string name = {});
 
+// What all photographs of a stack have in common beside the painting.
+struct Rig {
+    // [1] Light from all around (the room, the dome, the relief itself), as a part of the lamp's: a matt
+    // surface shows rho_d (max(n.l, 0) + ambient).
+    float ambient = 0;
+    // [mm] The camera, on the z axis; far away where empty.
+    std::optional<float> camera_distance_mm{};
+    // [mm] Of lamps whose own position is not known, from the origin; far away where empty.
+    std::optional<float> lamp_distance_mm{};
+    // [1/mm] Directions turn by this angle for each mm from the centre, as if the painting were bent: the
+    // part of the lamps' field of directions that photographs of a matt painting cannot tell from a bulge.
+    float bend_per_mm = 0;
+
+    friend bool operator==(const Rig&, const Rig&) = default;
+};
+
 // Direction to the light and irradiance at a point of the painting, both as seen from there.
 struct Incidence {
     Vec3 direction;  // [unit vector]
@@ -29,12 +44,12 @@ struct Incidence {
 };
 
 // A near light falls off with the inverse square of the distance, and has `gain` at the origin.
-inline Incidence incidence(const Light& light, const Vec3& point_mm) {
-    if (!light.position_mm) return {light.direction, light.gain};
-    const Vec3 to_light = *light.position_mm - point_mm;
-    const float distance2 = glm::dot(to_light, to_light);
-    const float falloff = glm::dot(*light.position_mm, *light.position_mm) / distance2;
-    return {to_light / std::sqrt(distance2), light.gain * falloff};
+Incidence incidence(const Light& light, const Vec3& point_mm, const Rig& rig = {});
+
+// [unit vector] from a point of the painting to the camera.
+inline Vec3 view_direction(const Rig& rig, const Vec3& point_mm) {
+    if (!rig.camera_distance_mm) return {0, 0, 1};
+    return glm::normalize(Vec3(0, 0, *rig.camera_distance_mm) - point_mm);
 }
 
 }  // namespace tangi

@@ -17,8 +17,10 @@
 
 #include <array>
 #include <cerrno>
+#include <cmath>
 #include <cstring>
 #include <functional>
+#include <glm/geometric.hpp>
 
 #include "surface/error.h"
 #include "surface/parallel.h"
@@ -32,6 +34,7 @@ namespace {
 
 constexpr const char* kDry = "dry";
 constexpr int kRowsAtOnce = 256;
+constexpr float kSmallestRoughness = 1e-6f;  // [1] its square divides
 
 // One channel of the file and where its floats lie in a Surface.
 struct Channel {
@@ -130,6 +133,64 @@ Value attribute(const Imf::Header& header, const char* name, const Value& otherw
     return found ? found->value() : otherwise;
 }
 
+// What a pixel must not hold where it was measured; empty where all is well.
+std::string wrong_at(const Surface& s, const std::array<Channel, 10>& channels, std::size_t i) {
+    for (const Channel& c : channels)
+        if (const float value = c.base[i * c.stride]; !std::isfinite(value))
+            return fmt::format("map '{}' holds {}", c.name, value);
+    const float roughness = s.roughness.pixels()[i];
+    if (!(roughness >= kSmallestRoughness))
+        return fmt::format("map 'roughness' holds {}, less than {}", roughness, kSmallestRoughness);
+    const Vec3& normal = s.normal.pixels()[i];
+    if (!(normal.z > 0))
+        return fmt::format("map 'normal' holds ({}, {}, {}), which points away", normal.x, normal.y,
+                           normal.z);
+    if (!(std::abs(glm::length(normal) - 1) <= 0.01f))
+        return fmt::format("map 'normal' holds ({}, {}, {}), which is no unit vector", normal.x, normal.y,
+                           normal.z);
+    return {};
+}
+
+// Other programs write zeros where nothing was measured: what surface.h promises of such pixels.
+void clear_pixel(Surface& s, std::size_t i) {
+    static const Surface unmeasured(1, 1);
+    if (!std::isfinite(s.height_mm.pixels()[i])) s.height_mm.pixels()[i] = unmeasured.height_mm(0, 0);
+    s.normal.pixels()[i] = unmeasured.normal(0, 0);
+    s.diffuse.pixels()[i] = unmeasured.diffuse(0, 0);
+    s.specular.pixels()[i] = unmeasured.specular(0, 0);
+    s.roughness.pixels()[i] = unmeasured.roughness(0, 0);
+    s.confidence.pixels()[i] = unmeasured.confidence(0, 0);
+}
+
+// Maps that another program wrote, or changed, may hold what cannot be relit. Our own come through bit for
+// bit.
+void require_usable(Surface& s, const fs::path& path) {
+    std::vector<std::string> wrong(static_cast<std::size_t>(s.height()));  // the first of each row
+    const auto channels = channels_of(s);
+    parallel_for(0, s.height(), 16, [&](int begin, int end) {
+        for (int y = begin; y < end; ++y)
+            for (int x = 0; x < s.width(); ++x) {
+                const auto i = static_cast<std::size_t>(y) * static_cast<std::size_t>(s.width()) +
+                               static_cast<std::size_t>(x);
+                const std::string what = wrong_at(s, channels, i);
+                Vec3& normal = s.normal.pixels()[i];
+                if (what.empty()) {
+                    // Half floats and resampling shorten normals; a float's rounding is no reason to touch
+                    // them.
+                    if (std::abs(glm::length(normal) - 1) > 1e-5f) normal = glm::normalize(normal);
+                } else if (s.confidence.pixels()[i] <= 0) {
+                    clear_pixel(s, i);
+                } else if (wrong[static_cast<std::size_t>(y)].empty()) {
+                    wrong[static_cast<std::size_t>(y)] = fmt::format("{} at pixel ({}, {})", what, x, y);
+                }
+            }
+    });
+    for (const std::string& what : wrong)
+        if (!what.empty())
+            fail("{}: {}, where confidence is not 0; correct the map, or set confidence to 0 there",
+                 path.string(), what);
+}
+
 Surface read_dry_part(const fs::path& path, const Progress& progress) {
     Imf::MultiPartInputFile file(path.c_str(), thread_count());
     const int number = find_part(file, kDry);
@@ -156,7 +217,8 @@ Surface read_dry_part(const fs::path& path, const Progress& progress) {
         part.readPixels(y, std::min(y + kRowsAtOnce, height) - 1);
     }
     s.mm_per_pixel = attribute<Imf::FloatAttribute>(header, "mm_per_pixel", 1.0f);
-    if (!(s.mm_per_pixel > 0)) fail("{}: mm_per_pixel = {} is not positive", path.string(), s.mm_per_pixel);
+    if (!(s.mm_per_pixel > 0) || !std::isfinite(s.mm_per_pixel))
+        fail("{}: mm_per_pixel = {} is not positive", path.string(), s.mm_per_pixel);
     s.scale_known = attribute<Imf::IntAttribute>(header, "scale_known", 0) != 0;
     s.provenance = attribute<Imf::StringAttribute>(header, "provenance", std::string());
     const std::string photography = attribute<Imf::StringAttribute>(header, "photography", std::string("{}"));
@@ -169,6 +231,7 @@ Surface read_dry_part(const fs::path& path, const Progress& progress) {
     if (!stored.empty() && stored != hash_of(s))
         fail("{}: the dry layer is not the one that was saved (hash {} expected, {} found)", path.string(),
              stored, hash_of(s));
+    require_usable(s, path);
     return s;
 }
 
@@ -245,6 +308,8 @@ bool is_painting(const fs::path& path) {
 
 Surface read_painting(const fs::path& path, const Progress& progress) {
     if (!fs::exists(path)) fail("{}: no such file", path.string());
+    if (fs::is_directory(path)) fail("{}: is a folder, not a painting file", path.string());
+    if (!fs::is_regular_file(path)) fail("{}: is a pipe or a device, not a file", path.string());
     try {
         return read_dry_part(path, progress);
     } catch (const Error&) {

@@ -22,7 +22,9 @@ void write_painting(const std::filesystem::path& path, const Surface& surface, c
 void write_painting(AtomicFile& file, const Surface& surface, const Progress& progress = {});
 
 // Throws Error naming the file and what is wrong: not an EXR, truncated, no part `dry`, a channel missing,
-// maps whose content no longer has the hash that was stored.
+// maps whose content no longer has the hash that was stored, and values that cannot be relit where confidence
+// is not 0: not finite, roughness below 1e-6, normals that are no unit vectors (off by up to 1 % they are
+// normalised). Where confidence is 0 such a pixel becomes one that was not measured (surface.h).
 Surface read_painting(const std::filesystem::path& path, const Progress& progress = {});
 
 // True where the file is an EXR with a part `dry`; false for any other file.

@@ -14,6 +14,22 @@ Vec3 vec3_of(const json& j) { return {j.at(0).get<float>(), j.at(1).get<float>()
 
 }  // namespace
 
+json to_json(const Homography& h) {
+    json rows = json::array();
+    for (int row = 0; row < 3; ++row) rows.push_back({h[0][row], h[1][row], h[2][row]});
+    return rows;
+}
+
+Homography homography_from_json(const json& rows) {
+    Homography h(1);
+    for (std::size_t row = 0; row < 3; ++row)
+        for (std::size_t column = 0; column < 3; ++column) {
+            const double value = rows.at(row).at(column).get<double>();
+            h[static_cast<int>(column)][static_cast<int>(row)] = value;
+        }
+    return h;
+}
+
 json to_json(const Photography& photography) {
     json photos = json::array();
     for (const Photography::Photo& photo : photography.photos) {
@@ -21,12 +37,23 @@ json to_json(const Photography& photography) {
                       {"direction", array_of(photo.light.direction)},
                       {"gain", array_of(photo.light.gain)},
                       {"fitted", photo.fitted}};
+        if (photo.homography) entry["homography"] = to_json(*photo.homography);
         if (photo.light.position_mm) entry["position_mm"] = array_of(*photo.light.position_mm);
         photos.push_back(std::move(entry));
     }
-    return {{"transfer", photography.transfer.name()},
-            {"white_level", photography.white_level},
-            {"photos", std::move(photos)}};
+    const Rig& rig = photography.rig;
+    const auto distance = [](const std::optional<float>& mm) { return mm ? json(*mm) : json(nullptr); };
+    json result = {{"transfer", photography.transfer.name()},
+                   {"white_level", photography.white_level},
+                   {"photos", std::move(photos)},
+                   {"rig",
+                    {{"ambient", rig.ambient},
+                     {"camera_distance_mm", distance(rig.camera_distance_mm)},
+                     {"lamp_distance_mm", distance(rig.lamp_distance_mm)},
+                     {"bend_per_mm", rig.bend_per_mm}}}};
+    if (const auto& lamps = photography.lamps)
+        result["lamps"] = {{"trend", lamps->trend}, {"reach", lamps->reach}, {"shrink", lamps->shrink}};
+    return result;
 }
 
 Photography photography_from_json(const json& j) {
@@ -43,7 +70,24 @@ Photography photography_from_json(const json& j) {
         photo.light.gain = vec3_of(entry.at("gain"));
         if (entry.contains("position_mm")) photo.light.position_mm = vec3_of(entry.at("position_mm"));
         photo.fitted = entry.at("fitted").get<bool>();
+        if (entry.contains("homography")) photo.homography = homography_from_json(entry.at("homography"));
         photography.photos.push_back(std::move(photo));
+    }
+    if (j.contains("rig")) {  // not in files of version 0.1
+        const json& rig = j.at("rig");
+        const auto distance = [&](const char* name) {
+            return rig.at(name).is_null() ? std::nullopt : std::optional(rig.at(name).get<float>());
+        };
+        photography.rig = {.ambient = rig.at("ambient").get<float>(),
+                           .camera_distance_mm = distance("camera_distance_mm"),
+                           .lamp_distance_mm = distance("lamp_distance_mm"),
+                           .bend_per_mm = rig.at("bend_per_mm").get<float>()};
+    }
+    if (j.contains("lamps")) {
+        const json& lamps = j.at("lamps");
+        photography.lamps = {.trend = lamps.at("trend").get<std::array<double, 6>>(),
+                             .reach = lamps.at("reach").get<double>(),
+                             .shrink = lamps.at("shrink").get<double>()};
     }
     return photography;
 }

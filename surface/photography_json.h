@@ -9,6 +9,10 @@ namespace tangi {
 
 nlohmann::json to_json(const Photography& photography);
 
+// Three rows of three numbers.
+nlohmann::json to_json(const Homography& homography);
+Homography homography_from_json(const nlohmann::json& rows);
+
 // An empty object gives an empty Photography. Throws Error, or nlohmann's exceptions, where the JSON is not
 // one.
 Photography photography_from_json(const nlohmann::json& json);

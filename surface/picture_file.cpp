@@ -14,12 +14,6 @@ namespace {
 
 enum class Depth { eight, sixteen, real };
 
-std::string lower_extension(const fs::path& path) {
-    std::string extension = path.extension().string();
-    for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-    return extension;
-}
-
 Depth depth_of(const fs::path& path, const PictureStorage& storage = {}) {
     TP_REQUIRE(storage.bits == 8 || storage.bits == 16, "integer pictures have 8 or 16 bits a sample");
     const std::string extension = lower_extension(path);
@@ -30,10 +24,15 @@ Depth depth_of(const fs::path& path, const PictureStorage& storage = {}) {
     fail("{}: pictures are written as .png, .tif, .jpg or .exr", path.string());
 }
 
+std::string format_of(const fs::path& path) {
+    const std::string extension = lower_extension(path);
+    return extension.empty() ? extension : extension.substr(1);
+}
+
 bool is_readable(const fs::path& path) {
-    const auto input = OIIO::ImageInput::open(path.string());
-    if (!input) return false;
-    const OIIO::ImageSpec& spec = input->spec();
+    const auto input = OIIO::ImageInput::create(reader_name(path));
+    OIIO::ImageSpec spec;
+    if (!input || !input->open(path.string(), spec)) return false;
     std::vector<float> row(static_cast<std::size_t>(spec.width) * static_cast<std::size_t>(spec.nchannels));
     for (int y = 0; y < spec.height; ++y)
         if (!input->read_scanline(y, 0, OIIO::TypeDesc::FLOAT, row.data()) || input->has_error())
@@ -45,7 +44,7 @@ bool is_readable(const fs::path& path) {
 void write_samples(const fs::path& path, const float* samples, const Region& size, int channels, Depth depth,
                    const std::string& colour_space, int jpeg_quality = 95) {
     AtomicFile file(path);
-    const auto output = OIIO::ImageOutput::create(file.temporary().string());
+    const auto output = OIIO::ImageOutput::create(format_of(path));  // a path may hold a '?'
     if (!output) fail("{}: no writer for this format: {}", path.string(), OIIO::geterror());
     OIIO::ImageSpec spec(size.width(), size.height(), channels,
                          depth == Depth::real      ? OIIO::TypeDesc::FLOAT
@@ -70,6 +69,16 @@ void write_samples(const fs::path& path, const float* samples, const Region& siz
 }
 
 }  // namespace
+
+std::string lower_extension(const fs::path& path) {
+    std::string extension = path.extension().string();
+    for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    return extension;
+}
+
+std::string reader_name(const fs::path& path) {
+    return path.string().find('?') == std::string::npos ? path.string() : format_of(path);
+}
 
 void require_picture_format(const fs::path& path) { depth_of(path); }
 
@@ -98,9 +107,11 @@ void write_picture_8bit(const fs::path& path, const Image<Rgb>& encoded_srgb) {
 Image<Rgb> read_picture(const fs::path& path) {
     OIIO::ImageSpec as_stored;
     as_stored.attribute("oiio:UnassociatedAlpha", 1);
-    const auto input = OIIO::ImageInput::open(path.string(), &as_stored);
+    const auto input = OIIO::ImageInput::create(reader_name(path), false, &as_stored);
     if (!input) fail("{}: cannot be read: {}", path.string(), OIIO::geterror());
-    const OIIO::ImageSpec& spec = input->spec();
+    OIIO::ImageSpec spec;
+    if (!input->open(path.string(), spec, as_stored))
+        fail("{}: cannot be read: {}", path.string(), input->geterror());
     const int channels = std::min(spec.nchannels, 3);
     std::vector<float> values(static_cast<std::size_t>(spec.width) * spec.height * channels);
     // Strips of a TIFF file that cannot be read show only in has_error() (OpenImageIO 2.4).

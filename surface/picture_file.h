@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 
 #include "surface/colour.h"
 #include "surface/image.h"
@@ -30,6 +31,13 @@ void write_picture_8bit(const std::filesystem::path& path, const Image<Rgb>& enc
 
 // Reads any picture as stored, scaled to 0..1 where it holds integers; grey becomes RGB, alpha is dropped.
 Image<Rgb> read_picture(const std::filesystem::path& path);
+
+// ".exr" of "A.EXR": formats are told apart by it, in any case.
+std::string lower_extension(const std::filesystem::path& path);
+
+// What to ask OpenImageIO a reader for: the path, so that the content counts too; but where there is a '?' in
+// it, from which on OpenImageIO would read arguments, only the format ("png").
+std::string reader_name(const std::filesystem::path& path);
 
 // Throws Error where write_picture() would not know the format.
 void require_picture_format(const std::filesystem::path& path);

@@ -10,7 +10,6 @@ namespace tangi {
 namespace {
 
 constexpr float kPi = std::numbers::pi_v<float>;
-constexpr Vec3 kViewer{0, 0, 1};
 
 float bilinear(const Image<float>& image, float x, float y) {
     const int x0 = std::min(static_cast<int>(x), image.width() - 2);
@@ -30,7 +29,7 @@ float horizon(const Surface& s, int x, int y, float dx, float dy, float highest,
     float best = floor;
     for (float t = 1;; t += 1) {
         const float px = static_cast<float>(x) + t * dx, py = static_cast<float>(y) + t * dy;
-        if (px < 0 || py < 0 || px > right || py > bottom) break;
+        if (!(px >= 0 && py >= 0 && px <= right && py <= bottom)) break;  // NaN leaves, too
         if (highest - z0 <= best * t * scale) break;
         best = std::max(best, (bilinear(s.height_mm, px, py) - z0) / (t * scale));
     }
@@ -39,9 +38,9 @@ float horizon(const Surface& s, int x, int y, float dx, float dy, float highest,
 
 }  // namespace
 
-Rgb reflected(const Surface& s, int x, int y, const Vec3& light, WardModel model) {
+Rgb reflected(const Surface& s, int x, int y, const Vec3& light, const Vec3& view, WardModel model) {
     const Vec3& n = s.normal(x, y);
-    const WardAngles<float> angles = ward_angles(n, light, kViewer);
+    const WardAngles<float> angles = ward_angles(n, light, view);
     if (!(angles.n_l > 0)) return Rgb(0);
     const float lobe = ward_lobe(model, angles, s.roughness(x, y));
     return (s.diffuse(x, y) + kPi * s.specular(x, y) * lobe) * angles.n_l;
@@ -56,7 +55,7 @@ Image<float> visibility(const Surface& s, const Light& light, double light_radiu
     parallel_for(0, s.height(), 8, [&](int begin, int end) {
         for (int y = begin; y < end; ++y) {
             for (int x = 0; x < s.width(); ++x) {
-                const Vec3 l = incidence(light, s.point_mm(x, y)).direction;
+                const Vec3 l = incidence(light, s.point_mm(x, y), s.photography.rig).direction;
                 const float across = std::hypot(l.x, l.y);
                 if (across < 1e-6f) continue;  // straight from above: nothing can stand in the way
                 const float elevation = std::atan2(l.z, across);
@@ -87,6 +86,7 @@ Image<Rgb> relight(const Surface& s, std::span<const Light> lights, const Religh
     const float ambient = static_cast<float>(options.ambient);
     for (std::size_t i = 0; i < picture.size(); ++i) picture.pixels()[i] = ambient * s.diffuse.pixels()[i];
 
+    const Rig& rig = s.photography.rig;
     int done = 0;
     for (const Light& light : lights) {
         const Image<float> visible =
@@ -94,9 +94,13 @@ Image<Rgb> relight(const Surface& s, std::span<const Light> lights, const Religh
         parallel_for(0, s.height(), 16, [&](int begin, int end) {
             for (int y = begin; y < end; ++y) {
                 for (int x = 0; x < s.width(); ++x) {
-                    const Incidence in = incidence(light, s.point_mm(x, y));
+                    const Vec3 point = s.point_mm(x, y);
+                    const Incidence in = incidence(light, point, rig);
                     const float seen = visible.empty() ? 1.0f : visible(x, y);
-                    picture(x, y) += seen * in.irradiance * reflected(s, x, y, in.direction, options.model);
+                    picture(x, y) +=
+                        in.irradiance *
+                        (seen * reflected(s, x, y, in.direction, view_direction(rig, point), options.model) +
+                         rig.ambient * s.diffuse(x, y));
                 }
             }
         });

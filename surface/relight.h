@@ -1,4 +1,5 @@
-// relight.h: the reference renderer: what a surface looks like from straight ahead, under given lights.
+// relight.h: the reference renderer: what a surface looks like under given lights, from where it was
+// photographed.
 #pragma once
 
 #include <span>
@@ -29,15 +30,16 @@ struct RelightOptions {
     }
 };
 
-// Linear picture, as seen by an orthographic viewer at (0, 0, 1):
-//   value = ambient rho_d + sum over lights of irradiance * visibility * (rho_d + pi rho_s lobe) * max(0,
-//   n.l)
-// so that a matt white facing a light of gain 1 is 1. It is linear in the lights (tested).
+// Linear picture in the frame of the maps, as the camera of surface.photography.rig saw it (from straight
+// ahead where there is none):
+//   value = ambient rho_d + sum over lights of irradiance *
+//           (visibility * (rho_d + pi rho_s lobe) * max(0, n.l) + rig.ambient rho_d)
+// so that a matt white facing a light of gain 1 is 1 + rig.ambient. It is linear in the lights (tested).
 Image<Rgb> relight(const Surface& surface, std::span<const Light> lights, const RelightOptions& options = {},
                    const Progress& progress = {});
 
 // One pixel of it: pi f cos(theta) for one light direction, without visibility.
-Rgb reflected(const Surface& surface, int x, int y, const Vec3& light, WardModel model);
+Rgb reflected(const Surface& surface, int x, int y, const Vec3& light, const Vec3& view, WardModel model);
 
 // Part of the light, 0..1, that reaches each pixel past the relief. Light from a disc of the given angular
 // radius around each direction; a pixel beyond the picture's border casts no shadow.

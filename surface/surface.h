@@ -4,11 +4,14 @@
 // -row. docs/quantities.md defines every map: symbol, unit, frame, range.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "surface/colour.h"
+#include "surface/homography.h"
 #include "surface/image.h"
+#include "surface/lamp_model.h"
 #include "surface/light.h"
 
 namespace tangi {
@@ -20,18 +23,23 @@ struct Photography {
     struct Photo {
         Light light;         // light.name is the photograph's name
         bool fitted = true;  // false: held out, the fit never saw it
+        // Pixel of the reference photograph's frame -> pixel of this photograph, both whole; where the camera
+        // moved.
+        std::optional<Homography> homography{};
     };
     Transfer transfer;
     double white_level = 1;  // [1] linear pixel value of a matt white that faces a light of gain 1
     std::vector<Photo> photos;
+    Rig rig;
+    std::optional<LampModel> lamps{};  // of the fitted photographs; empty where lamps count as equal
 };
 
 // The photograph of this name and light, or null. The light counts too, within 3 degrees: photographs of
 // different stacks have the same names (image00.jpg).
 const Photography::Photo* find_photo(const Photography& photography, const Light& light);
 
-// The light with the strength (and the position, if near) that it had in its photograph; as it is where there
-// is none.
+// The light with the strength (and the position, if near) that it had in its photograph; where there is none,
+// as strong and as near as the lamps that were photographed make likely.
 Light as_photographed(const Light& light, const Photography& photography);
 
 // All maps have the same size. A pixel that was not measured has confidence 0, normal (0, 0, 1) and rho_d =

@@ -52,6 +52,14 @@ TEST(LightsFile, MayHaveWindowsLineEndsTabsAndAByteOrderMark) {
     EXPECT_THAT(file.warnings, IsEmpty());
 }
 
+TEST(LightsFile, MayHaveLinesThatEndWithACarriageReturn) {
+    const LightsFile file = parse("2\ra.jpg 0 0 1\rb.jpg 0.6 0 0.8\r");
+    ASSERT_EQ(file.lights.size(), 2u);
+    expect_light(file.lights[0], "a.jpg", {0, 0, 1});
+    expect_light(file.lights[1], "b.jpg", {0.6f, 0, 0.8f});
+    EXPECT_THAT(file.warnings, IsEmpty());
+}
+
 TEST(LightsFile, MayHaveBlankLinesAnywhereAndNoLastLineEnd) {
     const LightsFile file = parse("\n\n2\n\na.jpg 0 0 1\n  \t\n\nb.jpg 1 0 0\n\n\n");
     EXPECT_EQ(file.lights.size(), 2u);
@@ -105,6 +113,32 @@ TEST(LightsFile, WithTooFewColumnsIsAnError) {
     EXPECT_THAT(error_in("1\n5\n"), StartsWith("x.lp, line 2: expected 'name x y z'"));
 }
 
+TEST(LightsFile, WithANumberThatIsTooLargeIsAnError) {
+    for (const char* word : {"1e400", "-1E+400"})
+        EXPECT_EQ(
+            error_in(fmt::format("1\na.jpg 0 {} 1\n", word)),
+            fmt::format("x.lp, line 2: '{}' is out of range; only the light's direction counts, so give a "
+                        "smaller vector",
+                        word));
+    expect_light(parse("1\na.jpg 0 1e-400 1\n").lights.at(0), "a.jpg", {0, 0, 1});
+}
+
+TEST(LightsFile, ThatIsBinaryIsAnErrorWithoutItsBytes) {
+    using testing::HasSubstr;
+    EXPECT_EQ(error_in(std::string("\xFF\xFE") + std::string("1\0\n\0", 4)),
+              "x.lp: is UTF-16 text; save it as UTF-8");
+    EXPECT_THAT(error_in("1\na.jpg 0 0 \x1b[2J\n"), HasSubstr("but '\\x1b[2J' is not a number"));
+    EXPECT_THAT(error_in("1\na.jpg 0 0 \xC2\x9B\x31\n"), HasSubstr("but '\\xc2\\x9b1' is not a number"));
+    EXPECT_THAT(error_in("1\n\x07é\xE9 0 0 0\n"), HasSubstr("the light of '\\x07é\\xe9' is a zero vector"));
+    EXPECT_THAT(error_in("2\n\x07 0 0 1\n\x07 0 0 1\n"), HasSubstr("'\\x07' has a light in line 2"));
+    Random random(1);
+    std::string bytes = "1\n";
+    for (int i = 0; i < 100000; ++i) bytes += static_cast<char>('\x0b' + random.below(245));
+    const std::string message = error_in(bytes);
+    EXPECT_LT(message.size(), 200u);
+    for (const char c : message) EXPECT_FALSE(static_cast<unsigned char>(c) < 0x20) << message;
+}
+
 TEST(LightsFile, WithTextInsteadOfANumberIsAnError) {
     EXPECT_EQ(error_in("1\na.jpg 0 up 1\n"), "x.lp, line 2: expected 'name x y z', but 'up' is not a number");
     EXPECT_EQ(error_in("1\na.jpg 0 0 1;\n"), "x.lp, line 2: expected 'name x y z', but '1;' is not a number");
@@ -129,7 +163,8 @@ TEST(LightsFile, WithANameTwiceIsAnError) {
 TEST(LightsFile, ThatIsMissingOrAFolderIsAnError) {
     const TestDir dir;
     EXPECT_EQ(error_of([] { read_lights_file("/nowhere/x.lp"); }), "/nowhere/x.lp: no such lights file");
-    EXPECT_THAT(error_of([&] { read_lights_file(dir.path()); }), StartsWith(dir.path().string() + ": "));
+    EXPECT_EQ(error_of([&] { read_lights_file(dir.path()); }),
+              dir.path().string() + ": is a folder; name the lights file (.lp) in it");
 }
 
 TEST(LightsFile, ThatIsAPictureIsAnErrorThatNamesTheLine) {

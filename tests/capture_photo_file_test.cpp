@@ -253,6 +253,42 @@ TEST(PhotoFile, OfJpegTruncatedIsFoundBehindACompleteThumbnail) {
                 StartsWith((dir / "b.jpg").string() + ": the JPEG file is truncated"));
 }
 
+// At once, not when its last rows are wanted.
+TEST(PhotoFile, OfPngTruncatedIsAnError) {
+    const TestDir dir;
+    write(dir / "a.png", spec_of(TypeDesc::UINT16), random_codes(3, 16));
+    const std::string whole = bytes_of(dir / "a.png");
+    for (const std::size_t kept : {whole.size() - 1, whole.size() / 2, std::size_t{40}, std::size_t{8}}) {
+        write_bytes(dir / "b.png", whole.substr(0, kept));
+        EXPECT_EQ(error_of([&] { PhotoFile(dir / "b.png"); }),
+                  (dir / "b.png").string() +
+                      ": the PNG file is truncated; copy it again from the camera or the archive")
+            << kept;
+    }
+    write_bytes(dir / "b.png", whole + std::string(1000, '\0'));  // padding does no harm
+    EXPECT_EQ(PhotoFile(dir / "b.png").header().width, kWidth);
+}
+
+// OpenImageIO would take what follows for arguments, as in an address of the web.
+TEST(PhotoFile, MayHaveAQuestionMarkInItsPath) {
+    const TestDir dir;
+    const fs::path folder = dir / "which? folder&x=1";
+    fs::create_directory(folder);
+    for (const char* extension : {".png", ".tif", ".exr", ".TIFF"}) {
+        const std::vector<float> values = random_codes(3, 8);
+        const fs::path plain = dir / (std::string("plain") + extension);
+        write(plain, spec_of(TypeDesc::UINT8), values);
+        fs::copy_file(plain, folder / (std::string("img 1?") + extension));
+        EXPECT_EQ(read_in_bands(folder / (std::string("img 1?") + extension), 16), read_in_bands(plain, 16))
+            << extension;
+    }
+    write_bytes(folder / "text.png", "this is no picture");
+    EXPECT_THAT(error_of([&] { PhotoFile(folder / "text.png"); }),
+                StartsWith((folder / "text.png").string() + ": is not a picture that can be read: "));
+    EXPECT_THAT(error_of([&] { PhotoFile(folder / "text.png?x"); }),
+                testing::HasSubstr("no such photograph"));
+}
+
 TEST(PhotoFile, TruncatedIsAnErrorAtTheLatestWhereItsRowsAreRead) {
     const TestDir dir;
     const struct {
@@ -270,6 +306,8 @@ TEST(PhotoFile, TruncatedIsAnErrorAtTheLatestWhereItsRowsAreRead) {
         EXPECT_THAT(error_of([&] { read_in_bands(dir / name, 8); }), StartsWith((dir / name).string() + ": "))
             << name;
     }
+    const std::string cut = bytes_of(dir / "a.png");
+    write_bytes(dir / "a.png", cut + std::string("\0\0\0\0IEND\xAE\x42\x60\x82", 12));  // a hole, not the end
     EXPECT_THAT(error_of([&] { read_in_bands(dir / "a.png", kHeight); }),
                 StartsWith((dir / "a.png").string() + ": cannot be decoded at rows 0 to 36: "));
 }

@@ -146,5 +146,24 @@ TEST(PhotometricStereo, GivesUnitNormalsTowardsTheViewerForAnyNumbers) {
     }
 }
 
+TEST(PhotometricStereo, KnowsAmbientLight) {
+    Random random(8);
+    const std::vector<Light> lights = dome_lights(12, 50);
+    for (int i = 0; i < 100; ++i) {
+        const glm::dvec3 n = random_normal(random, 0.8);
+        PixelSamples s = lambertian(lights, n, {0.3, 0.5, 0.7});
+        for (std::size_t photo = 0; photo < s.light.size(); ++photo) {
+            s.ambient[photo] = 0.3;
+            for (std::size_t c = 0; c < 3; ++c)
+                s.value[photo * 3 + c] +=
+                    0.3 * s.irradiance[photo * 3 + c] * (0.3 + 0.2 * static_cast<double>(c));
+        }
+        const LambertEstimate e = photometric_stereo(s, {.iterations = 20});
+        ASSERT_TRUE(e.valid);
+        EXPECT_LE(degrees_between(e.normal, n), 0.01);
+        EXPECT_LE(glm::length(e.diffuse - glm::dvec3(0.3, 0.5, 0.7)), 1e-3);
+    }
+}
+
 }  // namespace
 }  // namespace tangi

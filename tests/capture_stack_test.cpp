@@ -167,6 +167,7 @@ TEST(HoldOut, TakesPositionsNamesAndSteps) {
     };
     EXPECT_EQ(held("4"), "04 ");
     EXPECT_EQ(held("11,0,3"), "00 03 11 ");
+    EXPECT_EQ(held(" 0, 3\t,11 "), "00 03 11 ");
     EXPECT_EQ(held("4:8"), "04 ");
     EXPECT_EQ(held("1:4"), "01 05 09 ");
     EXPECT_EQ(held("0:1"), "00 01 02 03 04 05 06 07 08 09 10 11 ");

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <iostream>
+
 #include "tests/test_support.h"
 
 namespace tangi {
@@ -36,7 +38,7 @@ Transfer::Kind estimated_kind(const Transfer& transfer, double noise, const Pict
     const Stack stack = open_stack(dir.path());
     const TransferEstimate e = estimate_transfer(stack, survey(stack));
     EXPECT_EQ(e.source, "estimated");
-    EXPECT_EQ(e.candidates.size(), 3u);
+    EXPECT_EQ(e.candidates.size(), 4u);
     for (const auto& candidate : e.candidates) {
         EXPECT_TRUE(candidate.residual >= 0) << candidate.transfer.name();
         if (candidate.transfer == e.transfer) {
@@ -99,6 +101,77 @@ TEST(DataTransferEstimate, AgreesWithWhatIsKnownOfTheStacks) {
         const Stack stack = open_stack(data / name);
         const TransferEstimate e = estimate_transfer(stack, survey(stack));
         EXPECT_EQ(e.transfer.kind == Transfer::Kind::linear, is_linear) << name << ": " << e.transfer.name();
+    }
+}
+
+TEST(TransferEstimate, FindsAGammaThatIsNoneOfTheUsual) {
+    for (const double gamma : {1.4, 1.8, 2.8}) {
+        const TestDir dir;
+        write_matt_stack(dir, {Transfer::Kind::gamma, gamma}, 0.002, {.bits = 16});
+        const Stack stack = open_stack(dir.path());
+        const TransferEstimate e = estimate_transfer(stack, survey(stack));
+        EXPECT_EQ(e.transfer.kind, Transfer::Kind::gamma);
+        EXPECT_NEAR(e.transfer.gamma, gamma, 0.04 * gamma);
+        EXPECT_EQ(e.warning, "");
+    }
+}
+
+TEST(TransferEstimate, WarnsWhereLinearAndEncodedFitAlike) {
+    // One grey level: whatever the curve, a flat surface under lights of one elevation looks the same.
+    const TestDir dir;
+    std::vector<Light> lights;
+    for (int i = 0; i < 8; ++i)
+        lights.push_back(distant_light(
+            {static_cast<float>(std::cos(i * 0.785)), static_cast<float>(std::sin(i * 0.785)), 1.0f},
+            fmt::format("{}.png", i)));
+    Random random(4);
+    for (const Light& light : lights) {
+        Image<Rgb> photo(24, 24);
+        for (Rgb& pixel : photo.pixels()) pixel = Rgb(0.4f + 0.002f * random.real(-1, 1));
+        write_picture(dir / light.name, photo, {}, {.bits = 16});
+    }
+    write_lights(dir / "lights.lp", lights);
+    const Stack stack = open_stack(dir.path());
+    const TransferEstimate e = estimate_transfer(stack, survey(stack));
+    EXPECT_NE(e.warning.find("--transfer"), std::string::npos)
+        << e.candidates[0].residual << " " << e.candidates[1].residual;
+}
+
+TEST(DataTransferEstimate, CallsTheRealStacksAsTheyAre) {
+    TP_DATA(folder, "real");
+    for (const char* name : {"door", "fresco", "icon", "canvas", "leaf", "coin"}) {
+        Stack stack = open_stack(folder / name);
+        Survey surveyed = survey(stack);
+        leave_out_black_photos(stack, surveyed);
+        const TransferEstimate e = estimate_transfer(stack, surveyed);
+        EXPECT_EQ(e.transfer.name(), std::string(name) == "icon" ? "gamma 2.2" : "linear") << name;
+    }
+}
+
+TEST(DataTransferEstimate, FindsTheGammaThatAPaintingWasEncodedWith) {
+    TP_DATA(folder, "impasto/png16");
+    const Stack original = open_stack(folder, {.lights_file = folder / "lights.lp"});
+    for (const Transfer& truth : {Transfer{Transfer::Kind::gamma, 1.0}, Transfer{Transfer::Kind::gamma, 1.4},
+                                  Transfer{Transfer::Kind::gamma, 1.8}, Transfer{Transfer::Kind::gamma, 2.2},
+                                  Transfer{Transfer::Kind::srgb}}) {
+        const TestDir dir;
+        std::vector<Light> lights;
+        for (const StackPhoto& photo : original.photos) {
+            lights.push_back(photo.light);
+            lights.back().name = photo.path.stem().string() + ".jpg";
+            write_picture(dir / lights.back().name, read_picture(photo.path), truth, {});
+        }
+        write_lights(dir / "lights.lp", lights);
+        const Stack stack = open_stack(dir.path());
+        const TransferEstimate e = estimate_transfer(stack, survey(stack));
+        std::cout << "[  FIGURE  ] encoded as " << truth.name() << ", found " << e.transfer.name() << "\n";
+        if (truth.kind == Transfer::Kind::srgb) {
+            EXPECT_EQ(e.transfer.kind, truth.kind);
+            continue;
+        }
+        const double gamma = e.transfer.kind == Transfer::Kind::linear ? 1.0 : e.transfer.gamma;
+        EXPECT_NE(e.transfer.kind, Transfer::Kind::srgb);
+        EXPECT_NEAR(gamma, truth.gamma, 0.04 * truth.gamma);
     }
 }
 

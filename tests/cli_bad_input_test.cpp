@@ -204,7 +204,7 @@ TEST(CliBadPhoto, IsBlack) {
     EXPECT_EQ(result["photographs"]["fitted"], 11);
     for (int i = 0; i < 12; ++i) write_picture(stack.photo(i), Image<Rgb>(32, 32), Transfer{});
     fs::remove(stack.out("a.exr"));
-    expect_refused(stack, {"0 usable photographs; at least 4"});
+    expect_refused(stack, {"photographs are black"});
 }
 
 TEST(CliBadPhoto, IsAFolderOrAText) {

@@ -1,4 +1,6 @@
 // fit, info, generate and demo, run as a user would run them.
+#include <sys/stat.h>
+
 #include "cli_program.h"
 
 namespace tangi {
@@ -56,6 +58,7 @@ TEST(CliFit, HoldsOutWhatItIsTold) {
     };
     EXPECT_THAT(held_out("2:4"), ElementsAre(stack.name(2), stack.name(6), stack.name(10)));
     EXPECT_THAT(held_out("5," + stack.name(1)), ElementsAre(stack.name(1), stack.name(5)));
+    EXPECT_THAT(held_out(" 5, 1 "), ElementsAre(stack.name(1), stack.name(5)));
     const auto refused = [&](const std::string& which, const std::string& said) {
         const Finished run =
             tangipaint({"fit", stack.path(), "--out", stack.out("b.exr"), "--hold-out", which});
@@ -125,6 +128,23 @@ TEST(CliFit, LeavesOutWhatTheMaskBlackens) {
     refused(stack.out("none.png"), {"none.png"});
 }
 
+TEST(CliFit, TakesAQuestionMarkInAnyPath) {
+    const TinyStack stack;
+    const std::string folder = stack.out("which? one");
+    fs::rename(stack.folder(), folder);
+    fs::rename(folder + "/img_003.png", folder + "/img_003?.png");
+    std::string lights = read_text_file(folder + "/lights.lp");
+    write_bytes(folder + "/lights.lp", lights.replace(lights.find("img_003"), 7, "img_003?"));
+    ASSERT_TRUE(ended(tangipaint({"fit", folder, "--out", folder + "/a?.exr"}), 0));
+    const std::string held_out = folder + "/heldout";
+    EXPECT_TRUE(
+        ended(tangipaint({"compare", folder + "/a?.exr", held_out, "--out", stack.out("report?")}), 0));
+    EXPECT_TRUE(ended(tangipaint({"relight", folder + "/a?.exr", "--lights", folder + "/lights.lp", "--out",
+                                  stack.out("relit?")}),
+                      0));
+    EXPECT_EQ(read_picture(stack.out("relit?") + "/img_003?.png").width(), 32);
+}
+
 TEST(CliFit, DoesNotDependOnTheNumberOfThreads) {
     const TinyStack stack;
     std::vector<std::string> hashes;
@@ -189,6 +209,26 @@ TEST(CliInfo, SaysWhatLightsAndPicturesHold) {
     const nlohmann::json map = tangipaint({"info", stack.path() + "/gt/height.exr"}).json();
     EXPECT_EQ(map["kind"], "picture");  // an EXR, but no painting
     EXPECT_TRUE(map["float"]);
+}
+
+TEST(CliInfo, TellsFilesApartByExtensionsInAnyCase) {
+    const TinyStack stack;
+    ASSERT_TRUE(ended(tangipaint({"fit", stack.path(), "--out", stack.out("A.EXR")}), 0));
+    EXPECT_EQ(tangipaint({"info", stack.out("A.EXR")}).json()["kind"], "painting");
+    fs::rename(stack.lights(), stack.path() + "/LIGHTS.Lp");
+    EXPECT_EQ(tangipaint({"info", stack.path() + "/LIGHTS.Lp"}).json()["kind"], "lights");
+}
+
+// It would wait for somebody to write into the pipe.
+TEST(CliInfo, RefusesWhatIsNoRegularFile) {
+    const TinyStack stack;
+    for (const std::string name : {"a.exr", "a.lp", "a.png"}) {
+        ASSERT_EQ(::mkfifo(stack.out(name).c_str(), 0600), 0);
+        EXPECT_TRUE(ended(tangipaint({"info", stack.out(name)}), 1, {name + ": is a pipe or a device"}));
+    }
+    EXPECT_TRUE(
+        ended(tangipaint({"relight", stack.out("a.exr"), "--light", "0,0,1", "--out", stack.out("b.png")}), 1,
+              {"a.exr: is a pipe or a device"}));
 }
 
 TEST(CliInfo, RefusesWhatItDoesNotKnow) {

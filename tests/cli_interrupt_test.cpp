@@ -8,14 +8,15 @@ using std::chrono::duration;
 using std::chrono::steady_clock;
 namespace fs = std::filesystem;
 
-// Waits until the program would hear Ctrl-C: it says so in /proc. False where it was done before.
-bool listens(Program& program) {
+// Waits until the program would hear Ctrl-C (or another signal): it says so in /proc. False where it was done
+// before.
+bool listens(Program& program, int signal = SIGINT) {
     const fs::path status = fmt::format("/proc/{}/status", program.pid());
     while (program.running()) {
         const std::string text = bytes_of(status);
         const auto at = text.find("SigCgt:\t");
         if (at != std::string::npos &&
-            (std::stoull(text.substr(at + 8, 16), nullptr, 16) & (1u << (SIGINT - 1))))
+            (std::stoull(text.substr(at + 8, 16), nullptr, 16) & (1u << (signal - 1))))
             return true;
         std::this_thread::sleep_for(std::chrono::microseconds(200));
     }
@@ -82,7 +83,8 @@ TEST(CliInterrupt, FitLeavesTheOldPaintingAndNothingElse) {
 TEST(CliInterrupt, FitOfTheSampleStopsWithinSeconds) {
     const TestDir dir;
     const std::string photos = std::string(TP_SOURCE_DIR) + "/datasets/impasto/jpg";
-    for (const auto& [seconds, signal] : {std::pair{0.05, SIGINT}, {0.6, SIGINT}, {1.5, SIGTERM}}) {
+    for (const auto& [seconds, signal] :
+         {std::pair{0.05, SIGINT}, {0.6, SIGINT}, {1.5, SIGTERM}, {0.6, SIGHUP}}) {
         Program program({"fit", photos, "--lights", photos + "/lights.lp", "--out", (dir / "a.exr").string(),
                          "--threads", "1"});
         ASSERT_TRUE(listens(program));
@@ -93,6 +95,19 @@ TEST(CliInterrupt, FitOfTheSampleStopsWithinSeconds) {
         EXPECT_LT(duration<double>(steady_clock::now() - asked).count(), 5);
         EXPECT_EQ(everything_in(dir.path()), std::vector<std::string>());
     }
+}
+
+// nohup, and a shell that ignores Ctrl-C for what it starts, mean it.
+TEST(CliInterrupt, SignalsThatWereIgnoredStayIgnored) {
+    const TinyStack stack({}, 48);
+    Conditions ignoring;
+    ignoring.ignored_signals = {SIGINT, SIGHUP};
+    Program program({"fit", stack.path(), "--out", stack.out("a.exr"), "--threads", "1"}, ignoring);
+    ASSERT_TRUE(listens(program, SIGTERM));
+    program.signal(SIGHUP);
+    program.signal(SIGINT);
+    EXPECT_TRUE(ended(program.wait(), 0));
+    EXPECT_EQ(read_painting(stack.out("a.exr")).width(), 48);
 }
 
 TEST(CliInterrupt, CompareLeavesTheOldReportAsItWas) {
@@ -278,7 +293,7 @@ TEST(CliReadOnly, PermissionsAreRespectedAndNamed) {
     refused({"relight", stack.truth(), "--light", "0,0,1", "--out", locked / "a.png"},
             {"locked/a.png: cannot be written: Permission denied"});
     refused({"compare", stack.truth(), stack.path(), "--out", locked / "c"},
-            {"locked/c", "Permission denied"});
+            {"--out " + (locked / "c").string() + ": " + locked.string() + " cannot be written: Permission"});
     EXPECT_EQ(everything_in(locked), std::vector<std::string>());
 
     fs::permissions(stack.photo(2), fs::perms::none);

@@ -46,6 +46,10 @@ struct Conditions {
     std::optional<rlim_t> memory{};                    // [bytes] of address space
     bool bound_by_permissions = false;                 // as for anyone else, where the test runs as root
     const char* stdout_to = nullptr;                   // a file instead of the test
+    const char* stderr_to = nullptr;                   // the same
+    bool stderr_is_unread = false;                     // a pipe that nobody reads any more
+    std::vector<int> closed{};                         // file descriptors, as after 2>&-
+    std::vector<int> ignored_signals{};                // as under nohup
     std::chrono::seconds timeout{60};
 };
 
@@ -129,9 +133,16 @@ private:
         }
         if (!c.cwd.empty() && ::chdir(c.cwd.c_str()) != 0) ::_exit(126);
         if (c.stdout_to) out = ::open(c.stdout_to, O_WRONLY);
+        if (c.stderr_to) err = ::open(c.stderr_to, O_WRONLY);
+        if (int unread[2]; c.stderr_is_unread && ::pipe(unread) == 0) {
+            ::close(unread[0]);
+            err = unread[1];
+        }
         ::dup2(out, STDOUT_FILENO);
         ::dup2(err, STDERR_FILENO);
+        for (const int stream : c.closed) ::close(stream);
         ::signal(SIGINT, SIG_DFL);
+        for (const int ignored : c.ignored_signals) ::signal(ignored, SIG_IGN);
         ::execve(argv[0], argv.data(), envp.data());
         ::_exit(127);
     }

@@ -46,6 +46,8 @@ TEST(CliRelight, WritesEachFormatAsThePhotographsWereEncoded) {
     EXPECT_EQ(PhotoFile(stack.out("a.png")).header().bits, 16);
     EXPECT_EQ(PhotoFile(stack.out("a.tif")).header().bits, 16);
     EXPECT_TRUE(PhotoFile(stack.out("a.exr")).header().is_float);
+    EXPECT_TRUE(images_near(relit("B.Exr"), linear, 1e-6));
+    EXPECT_TRUE(images_near(relit("B.PNG"), encoded, 1.0 / 65535));
 
     const Image<Rgb> jpeg = relit("a.jpg");  // lossy: right on average
     double difference = 0;
@@ -79,6 +81,33 @@ TEST(CliRelight, AddsUpLightsNearAndFar) {
     // and the near light is not just another far one
     lights[2] = distant_light({4, -3, 20});
     EXPECT_FALSE(images_near(expected_picture(s, lights, Transfer{}, options), expected, 1e-3));
+}
+
+TEST(CliRelight, OnlyTheDirectionOfADistantLightCounts) {
+    const TinyStack stack;
+    const auto relit = [&](const std::string& light) {
+        EXPECT_TRUE(ended(
+            tangipaint({"relight", stack.truth(), "--light=" + light, "--out", stack.out("a.exr")}), 0));
+        return read_picture(stack.out("a.exr"));
+    };
+    const Image<Rgb> expected = relit("-1,0,1");
+    for (const char* light : {"-1e300,0,1e300", "-3e38,0,3e38", "-1e-300,0,1e-300", "-2, 0 ,2"})
+        EXPECT_TRUE(images_near(relit(light), expected, 1e-6)) << light;
+}
+
+TEST(CliRelight, NearLightsGiveNumbersAnywhereInFrontOfThePainting) {
+    const TinyStack stack;
+    Surface flat = read_painting(stack.truth());
+    for (float& height_mm : flat.height_mm.pixels()) height_mm = 0;
+    write_painting(stack.truth(), flat);
+    for (const char* position : {"0,0,0.001", "1e6,-1e6,0.001", "0,0,1e6"}) {
+        ASSERT_TRUE(ended(tangipaint({"relight", stack.truth(), "--point-light", position, "--gain", "10000",
+                                      "--out", stack.out("a.exr")}),
+                          0));
+        for (const Rgb& pixel : read_picture(stack.out("a.exr")).pixels())
+            ASSERT_TRUE(std::isfinite(pixel.r) && std::isfinite(pixel.g) && std::isfinite(pixel.b))
+                << position;
+    }
 }
 
 TEST(CliRelight, CastShadowsCanBeTurnedOff) {
@@ -127,6 +156,26 @@ TEST(CliRelight, ALightsFileGivesAPictureForEachPhotograph) {
     for (std::size_t i = 0; i < photo.size(); ++i)
         difference += std::abs(photo.pixels()[i].g - relit.pixels()[i].g);
     EXPECT_LT(difference / static_cast<double>(photo.size()), 0.02);
+}
+
+TEST(CliRelight, GainMakesTheLightsOfAFileStronger) {
+    const TinyStack stack([](GeneratorOptions& o) {
+        o.gain_min = 0.2;
+        o.gain_max = 0.4;
+    });
+    const auto relit = [&](const std::string& gain) {
+        const std::string out = stack.out("d" + gain);
+        EXPECT_TRUE(ended(tangipaint({"relight", stack.truth(), "--lights", stack.held_out() + "/heldout.lp",
+                                      "--out", out, "--gain", gain}),
+                          0));
+        return read_picture(out + "/heldout_001.png");
+    };
+    Image<Rgb> halved = relit("1");
+    for (Rgb& pixel : halved.pixels()) {
+        ASSERT_LT(std::max({pixel.r, pixel.g, pixel.b}), 1);  // or it would be cut off, not halved
+        pixel *= 0.5f;
+    }
+    EXPECT_TRUE(images_near(relit("0.5"), halved, 1.0 / 65535));
 }
 
 TEST(CliRelight, NamesOfALightsFileMayHoldFoldersAndSpaces) {

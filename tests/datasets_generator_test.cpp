@@ -50,7 +50,7 @@ TEST(PhotographyOf, SpreadsTheLightsBetweenTheElevationsAllAround) {
             ASSERT_EQ(lights.size(), static_cast<std::size_t>(count));
             ASSERT_EQ(held.size(), 5u);
             glm::dvec3 sum(0);
-            for (const auto& [light, fitted] : photography.photos) {
+            for (const auto& [light, fitted, homography] : photography.photos) {
                 EXPECT_NEAR(glm::length(light.direction), 1, 1e-6);
                 EXPECT_GE(light.direction.z, std::sin(20 * std::numbers::pi / 180) - 1e-6);
                 EXPECT_LE(light.direction.z, std::sin(70 * std::numbers::pi / 180) + 1e-6);

@@ -76,7 +76,7 @@ WardVector start_of(const PixelSamples& s, const WardFitOptions& options) {
         for (std::size_t i = 0; i < s.value.size(); ++i) {
             if (!(s.sigma[i] > 0)) continue;
             const auto channels = static_cast<std::size_t>(s.channels);
-            const WardTerms t = ward_terms(theta.data(), s.light[i / channels]);
+            const WardTerms t = ward_terms(theta.data(), s.light[i / channels], s.view);
             const double lobe = s.irradiance[i] * t.lobe / s.sigma[i];
             const double left = s.value[i] - s.irradiance[i] * theta[kWardCommon + i % channels] * t.n_l;
             numerator += lobe * left / s.sigma[i];

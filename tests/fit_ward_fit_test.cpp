@@ -33,7 +33,7 @@ PixelSamples samples_of(const WardVector& theta, int photos, int channels, doubl
     for (int i = 0; i < photos; ++i) {
         const glm::dvec3 l = glm::normalize(glm::dvec3(lights[static_cast<std::size_t>(i)].direction));
         s.light[static_cast<std::size_t>(i)] = l;
-        const WardTerms t = ward_terms(theta.data(), l);
+        const WardTerms t = ward_terms(theta.data(), l, {0, 0, 1});
         for (int c = 0; c < channels; ++c, ++at) {
             s.irradiance[at] = 0.75;
             s.value[at] =

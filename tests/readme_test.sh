@@ -16,6 +16,11 @@ for script in script/bootstrap script/demo script/test .ci/run; do
     bash -n "$source/$script" || complain "$script: bash cannot read it"
 done
 
+# Whoever asks a script what it does does not want it to build for minutes.
+for script in script/demo script/test; do
+    timeout 10 "$source/$script" --help | grep -q "Usage: $script" || complain "$script --help does not say how to use it"
+done
+
 links=$(grep -o '](\([^)]*\))' "$source/README.md" | sed 's/^](//; s/)$//; s/#.*//' | grep -v '^[a-z]*:' | sort -u)
 [ -n "$links" ] || complain "README.md: no links found; has the way they are written changed?"
 for link in $links; do

@@ -65,5 +65,30 @@ TEST(NearLight, FarAwayIsADistantOne) {
     EXPECT_NEAR(in.irradiance.r, 1, 4e-4);
 }
 
+TEST(Incidence, BendsDirectionsWithTheDistanceFromTheCentre) {
+    const Rig rig{.bend_per_mm = 0.001f};
+    const Light above = distant_light({0, 0, 1});
+    EXPECT_LE(glm::length(incidence(above, {0, 0, 0}, rig).direction - Vec3(0, 0, 1)), 1e-7f);
+    // 50 mm to the right, a turn of 0.05 (to second order) towards +x.
+    EXPECT_NEAR(incidence(above, {50, 0, 0}, rig).direction.x, 0.05, 1e-4);
+    EXPECT_NEAR(incidence(above, {0, -50, 0}, rig).direction.y, -0.05, 1e-4);
+    // All lamps turn alike: angles between them stay, to second order in the turn.
+    Random random(2);
+    for (int i = 0; i < 50; ++i) {
+        const Light a = distant_light(random.direction(0.1)), b = near_light(random.direction(0.1) * 1e6f);
+        const Vec3 point(random.real(-50, 50), random.real(-50, 50), 0);
+        EXPECT_NEAR(glm::dot(incidence(a, point, rig).direction, incidence(b, point, rig).direction),
+                    glm::dot(a.direction, b.direction), 6e-3);
+        EXPECT_NEAR(glm::length(incidence(a, point, rig).direction), 1, 1e-6);
+    }
+}
+
+TEST(ViewDirection, PointsToTheCamera) {
+    EXPECT_EQ(view_direction({}, {100, 50, 3}), Vec3(0, 0, 1));
+    const Rig rig{.camera_distance_mm = 500.0f};
+    EXPECT_LE(glm::length(view_direction(rig, {0, 0, 0}) - Vec3(0, 0, 1)), 1e-7f);
+    EXPECT_LE(glm::length(view_direction(rig, {375, 0, 0}) - Vec3(-0.6f, 0, 0.8f)), 1e-6f);
+}
+
 }  // namespace
 }  // namespace tangi

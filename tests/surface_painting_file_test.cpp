@@ -40,7 +40,7 @@ void expect_same_maps(const Surface& a, const Surface& b) {
     EXPECT_TRUE(images_identical(a.confidence, b.confidence));
 }
 
-// An EXR file of constant channels, one part for each name.
+// An EXR file of constant channels (0.5; the normal is a unit vector), one part for each name.
 void write_exr(const std::filesystem::path& path, const std::vector<std::string>& parts,
                const std::vector<std::string>& channels) {
     std::vector<OIIO::ImageSpec> specs;
@@ -51,7 +51,9 @@ void write_exr(const std::filesystem::path& path, const std::vector<std::string>
         specs.push_back(spec);
     }
     const auto output = OIIO::ImageOutput::create(path.string());
-    const std::vector<float> values(12 * channels.size(), 0.5f);
+    std::vector<float> values(12 * channels.size(), 0.5f);
+    for (std::size_t i = 0; i < values.size(); ++i)
+        if (channels[i % channels.size()] == "normal.Z") values[i] = std::sqrt(0.5f);
     ASSERT_TRUE(output->open(path.string(), static_cast<int>(specs.size()), specs.data()));
     for (std::size_t i = 0; i < specs.size(); ++i) {
         if (i > 0) {
@@ -70,8 +72,9 @@ TEST(PaintingFile, RoundTripsBitForBit) {
     Surface s = random_surface(37, 301);  // more rows than are read at once
     s.height_mm(0, 0) = -0.0f;
     s.height_mm(1, 0) = std::numeric_limits<float>::denorm_min();
-    s.height_mm(2, 0) = std::numeric_limits<float>::infinity();
-    s.height_mm(3, 0) = std::nanf("7");
+    s.height_mm(2, 0) = std::numeric_limits<float>::max();
+    s.height_mm(3, 0) = std::numeric_limits<float>::lowest();
+    s.confidence(4, 0) = 0;   // kept as it is where it can be relit
     s.mm_per_pixel = 0.0625;  // exact in a float, as the file holds it
     s.scale_known = true;
     s.provenance = R"({"program": "test", "note": "Größe, \"quoted\"\nsecond line"})";
@@ -143,7 +146,7 @@ TEST(PaintingFile, FindsTheDryPartAmongOthers) {
     const TestDir dir;
     write_exr(dir / "a.exr", {"wet", "dry", "fill"}, kChannels);
     const Surface s = read_painting(dir / "a.exr");
-    EXPECT_TRUE(images_near(s.normal, Image<Vec3>(4, 3, Vec3(0.5f)), 0));
+    EXPECT_TRUE(images_near(s.normal, Image<Vec3>(4, 3, Vec3(0.5f, 0.5f, std::sqrt(0.5f))), 0));
     EXPECT_TRUE(is_painting(dir / "a.exr"));
 }
 
@@ -214,6 +217,66 @@ TEST(PaintingFile, WithAnyBitOfAMapChangedIsAnError) {
     EXPECT_EQ(error_of([&] { read_painting(dir / "a.exr"); }),
               fmt::format("{}: the dry layer is not the one that was saved (hash {} expected, {} found)",
                           (dir / "a.exr").string(), old_hash, new_hash));
+}
+
+TEST(PaintingFile, ThatCannotBeRelitIsAnErrorThatNamesMapAndPixel) {
+    const TestDir dir;
+    constexpr float nan = std::numeric_limits<float>::quiet_NaN(),
+                    infinite = std::numeric_limits<float>::infinity();
+    const auto error_with = [&](const auto& change) {
+        Surface s = random_surface(8, 6);
+        change(s);
+        write_painting(dir / "a.exr", s);
+        const std::string message = error_of([&] { read_painting(dir / "a.exr"); });
+        EXPECT_THAT(message, StartsWith((dir / "a.exr").string() + ": map '"));
+        EXPECT_THAT(message, HasSubstr("set confidence to 0 there"));
+        return message;
+    };
+    const auto says = [](const std::string& what) { return HasSubstr(what + " at pixel (5, 3)"); };
+    EXPECT_THAT(error_with([&](Surface& s) { s.height_mm(5, 3) = nan; }), HasSubstr("'height' holds nan at"));
+    EXPECT_THAT(error_with([&](Surface& s) { s.normal(5, 3).y = nan; }), says("'normal.Y' holds nan"));
+    EXPECT_THAT(error_with([&](Surface& s) { s.diffuse(5, 3).g = -infinite; }),
+                says("'diffuse.G' holds -inf"));
+    EXPECT_THAT(error_with([&](Surface& s) { s.specular(5, 3) = infinite; }), says("'specular' holds inf"));
+    EXPECT_THAT(error_with([&](Surface& s) { s.roughness(5, 3) = nan; }), says("'roughness' holds nan"));
+    EXPECT_THAT(error_with([&](Surface& s) { s.confidence(5, 3) = nan; }), says("'confidence' holds nan"));
+    for (const float small : {0.0f, -0.2f, 1e-20f})
+        EXPECT_THAT(error_with([&](Surface& s) { s.roughness(5, 3) = small; }),
+                    says(fmt::format("'roughness' holds {}, less than 1e-06", small)));
+    for (const Vec3 vector : {Vec3(0, 0, 1.02f), Vec3(0, 0, 0.98f), Vec3(1e30f, 0, 1e30f)})
+        EXPECT_THAT(error_with([&](Surface& s) { s.normal(5, 3) = vector; }),
+                    says("which is no unit vector"));
+    for (const Vec3 vector : {Vec3(0), Vec3(0, 0, -1), Vec3(1, 0, 0)})
+        EXPECT_THAT(error_with([&](Surface& s) { s.normal(5, 3) = vector; }), says("which points away"));
+    // The first one is named, whichever thread meets its first.
+    EXPECT_THAT(error_with([&](Surface& s) { s.specular(7, 5) = s.specular(5, 3) = s.specular(6, 3) = nan; }),
+                says("'specular' holds nan"));
+}
+
+TEST(PaintingFile, OfAnotherProgramIsReadAsTheDocumentsSay) {
+    const TestDir dir;
+    Surface s = random_surface(8, 6);
+    // Off by the rounding of half floats: normalised.
+    const Vec3 unit = s.normal(1, 1);
+    s.normal(1, 1) = 0.995f * unit;
+    // Zeros, or not even numbers, where nothing was measured: as our own pixels that were not measured.
+    s.confidence(2, 2) = s.confidence(3, 2) = 0;
+    s.normal(2, 2) = Vec3(0);
+    s.roughness(2, 2) = 0;
+    s.height_mm(3, 2) = s.diffuse(3, 2).r = std::numeric_limits<float>::quiet_NaN();
+    write_painting(dir / "a.exr", s);
+    const Surface back = read_painting(dir / "a.exr");
+    EXPECT_LE(glm::length(back.normal(1, 1) - unit), 1e-6f);
+    EXPECT_EQ(back.height_mm(2, 2), s.height_mm(2, 2));
+    EXPECT_EQ(back.height_mm(3, 2), 0);
+    const Surface unmeasured(1, 1);
+    for (const int x : {2, 3}) {
+        EXPECT_EQ(back.normal(x, 2), unmeasured.normal(0, 0));
+        EXPECT_EQ(back.diffuse(x, 2), unmeasured.diffuse(0, 0));
+        EXPECT_EQ(back.specular(x, 2), unmeasured.specular(0, 0));
+        EXPECT_EQ(back.roughness(x, 2), unmeasured.roughness(0, 0));
+        EXPECT_EQ(back.confidence(x, 2), 0);
+    }
 }
 
 TEST(PaintingFile, WithAnyByteDamagedIsAnErrorOrHoldsTheSameMaps) {

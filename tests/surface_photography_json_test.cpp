@@ -28,7 +28,8 @@ TEST(PhotographyJson, RoundTripsThroughText) {
         Light light = i % 2 ? near_light(random.direction(0.1) * 777.0f, fmt::format("ä\\\"{}\n.jpg", i))
                             : distant_light(random.direction(0.1));
         light.gain = {random.real(0.1, 3), random.real(0.1, 3), random.real(0.1, 3)};
-        p.photos.push_back({light, i % 3 != 0});
+        p.photos.push_back({light, i % 3 != 0, {}});
+        if (i % 4 == 1) p.photos.back().homography = Homography(1, 0.1 / 3, 1e-7, -0.2, 1.1, 2e-7, 3.3, -4, 1);
     }
     const Photography back = photography_from_json(json::parse(to_json(p).dump()));
     EXPECT_EQ(back.transfer, p.transfer);
@@ -40,6 +41,7 @@ TEST(PhotographyJson, RoundTripsThroughText) {
         EXPECT_EQ(back.photos[i].light.position_mm, p.photos[i].light.position_mm);
         EXPECT_EQ(back.photos[i].light.gain, p.photos[i].light.gain);
         EXPECT_EQ(back.photos[i].fitted, p.photos[i].fitted);
+        EXPECT_EQ(back.photos[i].homography, p.photos[i].homography);
     }
 }
 
@@ -64,6 +66,23 @@ TEST(PhotographyJson, WithAFieldMissingOrOfAnotherTypeThrows) {
         j["photos"][0][field] = json::object();
         EXPECT_THROW(photography_from_json(j), json::exception) << field;
     }
+}
+
+TEST(PhotographyJson, RoundTripsRigAndLamps) {
+    Photography p;
+    p.rig = {.ambient = 0.0625f, .camera_distance_mm = 612.5f, .lamp_distance_mm = {}, .bend_per_mm = -1e-4f};
+    p.lamps = LampModel{{0.1, 0.2, -0.3, 0.4, 0.5, -0.6}, 0.4, 1e9};
+    const Photography back = photography_from_json(json::parse(to_json(p).dump()));
+    EXPECT_EQ(back.rig, p.rig);
+    EXPECT_EQ(back.lamps, p.lamps);
+}
+
+TEST(PhotographyJson, OfVersion01HasADistantRig) {
+    json j = to_json(Photography{});
+    j.erase("rig");
+    const Photography back = photography_from_json(j);
+    EXPECT_EQ(back.rig, Rig{});
+    EXPECT_FALSE(back.lamps);
 }
 
 }  // namespace

@@ -111,6 +111,29 @@ TEST(PictureFile, DropsAlphaWithoutMultiplyingByIt) {
     EXPECT_TRUE(images_near(read_picture(dir / "ya.png"), Image<Rgb>(3, 2, Rgb(0.6f)), 1e-4));
 }
 
+// OpenImageIO would take what follows for arguments, as in an address of the web.
+TEST(PictureFile, MayHaveAQuestionMarkInItsPath) {
+    const TestDir dir;
+    const std::filesystem::path folder = dir / "which? folder&x=1";
+    std::filesystem::create_directory(folder);
+    const Image<Rgb> picture = random_picture(17, 9);
+    for (const char* name : {"img 1?.png", "img 1?.tif", "img 1?.EXR"}) {
+        write_picture(folder / name, picture, kLinear);
+        EXPECT_TRUE(images_near(read_picture(folder / name), picture, 0.501 / 65535)) << name;
+    }
+    write_picture(folder / "a.jpg", picture, kLinear);
+    EXPECT_EQ(read_picture(folder / "a.jpg").width(), 17);
+    EXPECT_THAT(error_of([&] { read_picture(folder / "no.png"); }),
+                StartsWith((folder / "no.png").string() + ": cannot be read: "));
+    EXPECT_EQ(names_in(folder).size(), 4u);
+}
+
+TEST(PictureFile, ExtensionsAreToldInAnyCase) {
+    EXPECT_EQ(lower_extension("which? folder/A.b.EXR"), ".exr");
+    EXPECT_EQ(lower_extension("a"), "");
+    EXPECT_EQ(lower_extension(".png"), "");
+}
+
 TEST(PictureFile, WithAnUnknownExtensionIsAnError) {
     const TestDir dir;
     for (const char* name : {"a.gif", "a", "a.png.bak", ".png"}) {

@@ -1,0 +1,379 @@
+#include "capture/alignment.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "surface/error.h"
+#include "surface/median.h"
+#include "surface/parallel.h"
+
+namespace tangi {
+
+namespace {
+
+constexpr int kCellSize = 24;         // [pixels of a window] errors are shared inside a cell
+constexpr double kKept = 0.2;         // [1] part of a cell's pixels: those with the strongest edges
+constexpr float kCauchy = 2;          // [scales]
+constexpr double kLeastFree = 0.25;   // [1] smallest 1 - leverage that a residual is divided by
+constexpr double kRidge = 0.02;       // [1] of a pixel's weight: keeps light terms determinate
+constexpr float kLeastScale = 1e-4f;  // [1] contrast
+constexpr int kRounds = 3;            // of reweighting a pixel's fit
+constexpr double kTiedStep = 1.5;     // [1] over-relaxed: it converges by halves
+constexpr double kLeastZ = 0.2;       // [1] lights are taken for no lower than 12 degrees
+constexpr double kMisfitPx = 0.12;    // [pixels] of shift for misfit as large as what fits, light from above
+constexpr double kModelErrors = 1.5;  // [1] times that error, a finer model must move a picture by
+constexpr float kShared = 36;         // pictures, squared, from which on pixels have scales of their own
+constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
+
+// In place: the Cholesky factor of the leading n x n part; false where it has none.
+
+using Three = std::array<double, 3>;
+using Small = std::array<Three, 3>;
+bool factorise(Small& a, std::size_t n) {
+    for (std::size_t i = 0; i < n; ++i)
+        for (std::size_t j = 0; j <= i; ++j) {
+            double sum = a[i][j];
+            for (std::size_t k = 0; k < j; ++k) sum -= a[i][k] * a[j][k];
+            if (i == j && !(sum > 0)) return false;
+            a[i][j] = i == j ? std::sqrt(sum) : sum / a[j][j];
+        }
+    return true;
+}
+
+void solve(const Small& l, std::size_t n, Three& x) {
+    for (std::size_t i = 0; i < n; ++i) {
+        for (std::size_t k = 0; k < i; ++k) x[i] -= l[i][k] * x[k];
+        x[i] /= l[i][i];
+    }
+    for (std::size_t i = n; i-- > 0;) {
+        for (std::size_t k = i + 1; k < n; ++k) x[i] -= l[k][i] * x[k];
+        x[i] /= l[i][i];
+    }
+}
+
+double dot(const Three& a, const Three& b, std::size_t n) {
+    double sum = 0;
+    for (std::size_t k = 0; k < n; ++k) sum += a[k] * b[k];
+    return sum;
+}
+
+}  // namespace
+
+Alignment::Alignment(const MotionFrame& frame, const std::vector<glm::dvec3>& lights,
+                     std::vector<bool> in_model)
+    : pictures(lights.size()), frame_(frame), in_model_(std::move(in_model)), scales_(lights.size(), 1) {
+    TP_REQUIRE(lights.size() == in_model_.size(), "one flag a picture");
+    for (const glm::dvec3& l : lights)
+        terms_of_.push_back({1, l.x / std::max(l.z, kLeastZ), l.y / std::max(l.z, kLeastZ)});
+    terms_ = std::count(in_model_.begin(), in_model_.end(), true) >= kEnoughForRelief ? 3 : 1;
+}
+
+void Alignment::look_at(const std::vector<AlignmentWindow>& windows, int pixels) {
+    windows_ = &windows;
+    pixels_.clear();
+    cells_ = 0;
+    struct Candidate {
+        float strength;
+        Pixel pixel;
+    };
+    std::vector<std::vector<Candidate>> cells;
+    std::size_t candidates = 0;
+    for (std::size_t w = 0; w < windows.size(); ++w) {
+        const AlignmentWindow& window = windows[w];
+        const int width = window.pictures.front().width(), height = window.pictures.front().height();
+        Image<float> strength(width, height);
+        parallel_for(0, height, 4, [&](int begin, int end) {
+            for (int y = begin; y < end; ++y)
+                for (int x = 0; x < width; ++x) {
+                    float dx = 0, dy = 0;
+                    for (std::size_t i = 0; i < pictures.size(); ++i) {
+                        if (!in_model_[i]) continue;
+                        const glm::dvec2 p = window.origin + window.reduction * glm::dvec2(x, y);
+                        const glm::dvec2 q =
+                            (mapped(pictures[i].homography, p) - window.origin) / window.reduction;
+                        float value, gx, gy;
+                        if (!sample_at(window.pictures[i], q, value, gx, gy)) continue;
+                        dx += gx;
+                        dy += gy;
+                    }
+                    strength(x, y) = dx * dx + dy * dy;
+                }
+        });
+        const int columns = (width + kCellSize - 1) / kCellSize, rows = (height + kCellSize - 1) / kCellSize;
+        const std::size_t first = cells.size();
+        cells.resize(first + static_cast<std::size_t>(columns * rows));
+        for (int y = 4; y < height - 4; ++y)
+            for (int x = 4; x < width - 4; ++x) {
+                const auto cell = first + static_cast<std::size_t>((y / kCellSize) * columns + x / kCellSize);
+                cells[cell].push_back({strength(x, y),
+                                       {.window = static_cast<int>(w),
+                                        .cell = static_cast<int>(cell),
+                                        .position = window.origin + window.reduction * glm::dvec2(x, y),
+                                        .scale = 1}});
+                ++candidates;
+            }
+    }
+    cells_ = static_cast<int>(cells.size());
+    const double part = std::min(kKept, pixels / std::max<double>(1, static_cast<double>(candidates)));
+    for (auto& cell : cells) {
+        const auto wanted = static_cast<std::ptrdiff_t>(std::ceil(part * static_cast<double>(cell.size())));
+        std::partial_sort(cell.begin(), cell.begin() + wanted, cell.end(), [](const auto& a, const auto& b) {
+            return a.strength != b.strength                   ? a.strength > b.strength
+                   : a.pixel.position.y != b.pixel.position.y ? a.pixel.position.y < b.pixel.position.y
+                                                              : a.pixel.position.x < b.pixel.position.x;
+        });
+        for (std::ptrdiff_t k = 0; k < wanted; ++k)
+            if (cell[static_cast<std::size_t>(k)].strength > 0)
+                pixels_.push_back(cell[static_cast<std::size_t>(k)].pixel);
+    }
+    samples_.assign(pixels_.size() * pictures.size(), {});
+    std::fill(scales_.begin(), scales_.end(), 1.0f);
+    typical_scale_ = 0.1f;
+}
+
+void Alignment::sample() {
+    parallel_for(0, static_cast<int>(pixels_.size()), 64, [&](int begin, int end) {
+        for (auto k = static_cast<std::size_t>(begin); k < static_cast<std::size_t>(end); ++k) {
+            const Pixel& pixel = pixels_[k];
+            const AlignmentWindow& window = (*windows_)[static_cast<std::size_t>(pixel.window)];
+            for (std::size_t i = 0; i < pictures.size(); ++i) {
+                Sample& s = samples_[k * pictures.size() + i];
+                const glm::dvec2 q =
+                    (mapped(pictures[i].homography, pixel.position) - window.origin) / window.reduction;
+                if (!sample_at(window.pictures[i], q, s.value, s.dx, s.dy)) s.value = kNaN;
+            }
+        }
+    });
+}
+
+// A robust least-squares fit of value and gradient to the terms of the light; each picture's residual is
+// that against a fit without itself.
+void Alignment::predict_pixel(std::size_t k) {
+    const auto n = static_cast<std::size_t>(terms_), count = pictures.size();
+    Sample* s = &samples_[k * count];
+    Pixel& pixel = pixels_[k];
+    Three c{}, cx{}, cy{};
+    Small factor{};
+    std::vector<float> deviations;
+    for (int round = 0; round < kRounds; ++round) {
+        Small a{};
+        Three b{}, bx{}, by{};
+        deviations.clear();
+        for (std::size_t i = 0; i < count; ++i) {
+            s[i].weight = 0;
+            if (std::isnan(s[i].value) || !in_model_[i]) continue;
+            const Three& f = terms_of_[i];
+            float w = 1 / (scales_[i] * scales_[i]);
+            if (round > 0) {
+                const float r = (s[i].value - static_cast<float>(dot(c, f, n))) / scales_[i];
+                deviations.push_back(std::abs(r));
+                const float t = r / (kCauchy * pixel.scale);
+                w /= 1 + t * t;
+            }
+            s[i].weight = w;
+            for (std::size_t p = 0; p < n; ++p) {
+                for (std::size_t q = 0; q <= p; ++q) a[p][q] += w * f[p] * f[q];
+                b[p] += w * f[p] * s[i].value;
+                bx[p] += w * f[p] * s[i].dx;
+                by[p] += w * f[p] * s[i].dy;
+            }
+        }
+        for (std::size_t p = 1; p < n; ++p) a[p][p] += kRidge * a[0][0];
+        if (!(a[0][0] > 0) || !factorise(a, n)) {
+            for (std::size_t i = 0; i < count; ++i) s[i].residual = kNaN;
+            return;
+        }
+        solve(a, n, b), solve(a, n, bx), solve(a, n, by);
+        c = b, cx = bx, cy = by, factor = a;
+        if (deviations.empty()) continue;
+        const float scale = 1.4826f * median(deviations), part = static_cast<float>(deviations.size());
+        pixel.scale =
+            std::max(std::sqrt((part * part * scale * scale + kShared * typical_scale_ * typical_scale_) /
+                               (part * part + kShared)),
+                     kLeastScale);
+    }
+    for (std::size_t i = 0; i < count; ++i) {
+        if (std::isnan(s[i].value)) {
+            s[i].residual = kNaN;
+            continue;
+        }
+        const Three& f = terms_of_[i];
+        Three h = f;
+        solve(factor, n, h);
+        const double free = std::max(kLeastFree, 1 - s[i].weight * dot(h, f, n));
+        s[i].residual = static_cast<float>((s[i].value - dot(c, f, n)) / free);
+        s[i].dx = static_cast<float>(dot(cx, f, n));
+        s[i].dy = static_cast<float>(dot(cy, f, n));
+    }
+    if (n == 3) add_tied_rows(k, factor, c);
+}
+
+// The rows of a motion that is linear in the light's terms, after what the pixel's own terms take up.
+void Alignment::add_tied_rows(std::size_t k, const Small& factor, const Three& c) {
+    const std::size_t count = pictures.size();
+    const Sample* s = &samples_[k * count];
+    const Pixel& pixel = pixels_[k];
+    const double reduction = (*windows_)[static_cast<std::size_t>(pixel.window)].reduction;
+    const auto rows_of = [&](std::size_t i) {
+        const double u = terms_of_[i][1] / reduction, v = terms_of_[i][2] / reduction;
+        return std::array<double, 4>{s[i].dx * u, s[i].dx * v, s[i].dy * u, s[i].dy * v};
+    };
+    std::array<Three, 4> taken_up{};
+    for (std::size_t i = 0; i < count; ++i) {
+        if (!(s[i].weight > 0)) continue;
+        const auto row = rows_of(i);
+        for (std::size_t q = 0; q < 4; ++q)
+            for (std::size_t p = 0; p < 3; ++p) taken_up[q][p] += s[i].weight * terms_of_[i][p] * row[q];
+    }
+    for (Three& t : taken_up) solve(factor, 3, t);
+    for (std::size_t i = 0; i < count; ++i) {
+        if (!(s[i].weight > 0)) continue;
+        const auto row = rows_of(i);
+        MotionVector left{};
+        for (std::size_t q = 0; q < 4; ++q) left[q] = row[q] - dot(taken_up[q], terms_of_[i], 3);
+        tied_[k].add(left, s[i].value - dot(c, terms_of_[i], 3), s[i].weight / (pixel.scale * pixel.scale));
+    }
+}
+
+void Alignment::predict() {
+    tied_.assign(pixels_.size(), {});
+    parallel_for(0, static_cast<int>(pixels_.size()), 64, [&](int begin, int end) {
+        for (int k = begin; k < end; ++k) predict_pixel(static_cast<std::size_t>(k));
+    });
+    parallel_for(0, static_cast<int>(pictures.size()), 1, [&](int begin, int end) {
+        for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
+            std::vector<float> deviations;
+            for (std::size_t k = 0; k < pixels_.size(); ++k) {
+                const float r = samples_[k * pictures.size() + i].residual;
+                if (!std::isnan(r)) deviations.push_back(std::abs(r) / pixels_[k].scale);
+            }
+            if (!deviations.empty())
+                scales_[i] = std::max(1.4826f * median(std::move(deviations)), kLeastScale);
+        }
+    });
+    std::vector<float> of_pixels;
+    for (const Pixel& pixel : pixels_) of_pixels.push_back(pixel.scale);
+    typical_scale_ = median(std::move(of_pixels));
+    const float middle =
+        std::max(median(std::vector<float>(scales_)), 1e-6f);  // relative: pixels have theirs
+    for (float& scale : scales_) scale = std::clamp(scale / middle, 0.2f, 20.0f);
+}
+
+void Alignment::move(std::size_t i, MotionModel largest) {
+    struct Agreement {
+        double product = 0, squares = 0, predicted = 0, weights = 0;
+        double correlation() const { return product / std::sqrt(std::max(squares * predicted, 1e-30)); }
+        void add(double value, double prediction, double weight) {
+            product += weight * value * prediction;
+            squares += weight * value * value;
+            predicted += weight * prediction * prediction;
+            weights += weight;
+        }
+    };
+    std::vector<MotionCell> cells(static_cast<std::size_t>(cells_));
+    std::vector<Agreement> agreements(static_cast<std::size_t>(cells_));
+    Agreement all;
+    for (std::size_t k = 0; k < pixels_.size(); ++k) {
+        const Pixel& pixel = pixels_[k];
+        const Sample& s = samples_[k * pictures.size() + i];
+        if (std::isnan(s.residual)) continue;
+        const float scale = pixel.scale * scales_[i], t = s.residual / (kCauchy * scale);
+        const double weight = 1 / (scale * scale * (1 + t * t));
+        const double reduction = (*windows_)[static_cast<std::size_t>(pixel.window)].reduction;
+        const glm::dvec2 gradient = glm::dvec2(s.dx, s.dy) / reduction;
+        const auto basis = motion_basis(frame_.normalised(pixel.position));
+        MotionVector row;
+        for (std::size_t p = 0; p < kMotion; ++p) row[p] = glm::dot(gradient, basis[p]);
+        cells[static_cast<std::size_t>(pixel.cell)].add(row, s.residual, weight);
+        const double w = 1 / (pixel.scale * pixel.scale);
+        agreements[static_cast<std::size_t>(pixel.cell)].add(s.value, s.value - s.residual, w);
+        all.add(s.value, s.value - s.residual, w);
+    }
+    AlignedPicture& picture = pictures[i];
+    picture.correlation = all.correlation();
+    picture.expected = std::sqrt(all.predicted / std::max(all.weights, 1e-30));
+    const double c = std::clamp(picture.correlation, 0.05, 1.0);
+    picture.model_error_px = kMisfitPx * windows_->front().reduction * std::sqrt(1 - c * c) / c *
+                             std::hypot(1.0, terms_of_[i][1], terms_of_[i][2]);
+    double sum = 0, squares = 0, count = 0;
+    for (const Agreement& agreement : agreements) {
+        if (agreement.squares == 0) continue;
+        const double a = agreement.correlation();
+        sum += a, squares += a * a, count += 1;
+    }
+    const double variance = count > 1 ? (squares - sum * sum / count) / (count - 1) : 0;
+    picture.certainty = variance > 0 ? sum / std::sqrt(count * variance) : 0;
+
+    const MotionVector so_far = motion_of(picture.homography, frame_);
+    picture.last =
+        solve_motion(cells, supported_model(cells, so_far, largest, kModelErrors * picture.model_error_px));
+    picture.covariance = picture.last.covariance;
+}
+
+// Motions linear in the light's terms look like relief to a pixel's fit, which follows them: that part of the
+// pictures' steps says nothing, and is replaced by what the whole stack says.
+void Alignment::replace_tied_part() {
+    tied = {};
+    if (terms_ < 3) return;
+    std::vector<MotionCell> cells(static_cast<std::size_t>(cells_));
+    for (std::size_t k = 0; k < pixels_.size(); ++k) {
+        MotionCell& cell = cells[static_cast<std::size_t>(pixels_[k].cell)];
+        for (std::size_t q = 0; q < cell.normal.size(); ++q) cell.normal[q] += tied_[k].normal[q];
+        for (std::size_t q = 0; q < kMotion; ++q) cell.right[q] += tied_[k].right[q];
+        cell.count += tied_[k].count;
+    }
+    tied = solve_motion(cells, MotionModel::similarity);  // four parameters
+    Small a{};
+    Three x{}, y{};
+    for (std::size_t i = 0; i < pictures.size(); ++i) {
+        if (!in_model_[i]) continue;
+        const Three& f = terms_of_[i];
+        const MotionVector& step = pictures[i].last.motion;
+        for (std::size_t p = 0; p < 3; ++p) {
+            for (std::size_t q = 0; q <= p; ++q) a[p][q] += f[p] * f[q];
+            x[p] += f[p] * step[0];
+            y[p] += f[p] * step[1];
+        }
+    }
+    if (!factorise(a, 3)) return;
+    solve(a, 3, x), solve(a, 3, y);
+    const auto& t = tied.motion;
+    for (std::size_t i = 0; i < pictures.size(); ++i) {
+        if (!in_model_[i]) continue;  // the others' fits did not follow it
+        const Three& f = terms_of_[i];
+        MotionVector& step = pictures[i].last.motion;
+        step[0] += (kTiedStep * t[0] - x[1]) * f[1] + (kTiedStep * t[1] - x[2]) * f[2];
+        step[1] += (kTiedStep * t[2] - y[1]) * f[1] + (kTiedStep * t[3] - y[2]) * f[2];
+    }
+}
+
+void Alignment::apply_steps() {
+    // A step beyond the reach of gradients is shortened, not believed.
+    const double reach = 2 * windows_->front().reduction;
+    for (AlignedPicture& picture : pictures) {
+        MotionVector step = picture.last.motion;
+        const double shorten = std::min(1.0, reach / std::max(rms_displacement(step), 1e-12));
+        for (double& value : step) value *= shorten;
+        // What the data no longer support is taken back.
+        MotionVector kept = motion_of(picture.homography, frame_);
+        const auto parameters = std::max<std::size_t>(static_cast<std::size_t>(picture.last.model), 2);
+        for (std::size_t p = parameters; p < kMotion; ++p) kept[p] = 0;
+        picture.homography = normalised(homography_of(kept, frame_) * homography_of(step, frame_));
+    }
+}
+
+void Alignment::iterate(MotionModel largest, int times) {
+    if (pixels_.empty()) return;
+    for (int round = 0; round < times; ++round) {
+        sample();
+        predict();
+        parallel_for(0, static_cast<int>(pictures.size()), 1, [&](int begin, int end) {
+            for (int i = begin; i < end; ++i) move(static_cast<std::size_t>(i), largest);
+        });
+        replace_tied_part();
+        apply_steps();
+    }
+}
+
+}  // namespace tangi

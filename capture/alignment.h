@@ -1,0 +1,86 @@
+// alignment.h: the motions of many pictures of one thing under different lights, estimated jointly: each
+// picture is laid onto what the others predict under its own light.
+#pragma once
+
+#include <vector>
+
+#include "capture/local_contrast.h"
+#include "capture/motion.h"
+#include "surface/image.h"
+
+namespace tangi {
+
+// One part of all pictures, reduced alike: pixel (x, y) is at origin + reduction * (x, y) of the pictures.
+struct AlignmentWindow {
+    glm::dvec2 origin{0};
+    double reduction = 1;
+    std::vector<Image<float>> pictures;  // one a picture; what local_contrast() makes of them
+};
+
+struct AlignedPicture {
+    Homography homography{1};   // pixel of the joint frame -> pixel of the picture
+    MotionEstimate last;        // of the last step, covariance included
+    MotionMatrix covariance{};  // [pixels^2] of the homography's motion
+    double correlation = 0;     // [1] with its prediction, where there are edges
+    double certainty = 0;       // [standard errors] by which that differs from 0
+    double expected = 0;        // [1] rms contrast of its prediction
+    double model_error_px = 0;  // [pixels] what a prediction this poor may shift it by
+};
+
+class Alignment {
+public:
+    // Pictures from which on relief is told from motion.
+    static constexpr int kEnoughForRelief = 7;
+
+    // `lights` are the directions of each picture's light. Pictures that are not `in_model` are laid onto the
+    // others' predictions without a say in them.
+    Alignment(const MotionFrame& frame, const std::vector<glm::dvec3>& lights, std::vector<bool> in_model);
+
+    std::vector<AlignedPicture> pictures;
+    MotionEstimate tied;  // the last step of the part that is linear in the light: dx/du, dx/dv, dy/du, dy/dv
+
+    // Takes new windows, and chooses the pixels to look at: those with edges in the mean of all pictures.
+    void look_at(const std::vector<AlignmentWindow>& windows, int pixels);
+
+    // Alternates predictions and motions; `largest` bounds the motion of every picture, which the data may
+    // narrow.
+    void iterate(MotionModel largest, int times);
+
+    const std::vector<float>& scales() const { return scales_; }
+
+private:
+    using Three = std::array<double, 3>;
+    using Small = std::array<Three, 3>;
+    struct Pixel {
+        int window = 0, cell = 0;
+        glm::dvec2 position{0};  // of the joint frame
+        float scale = 1;         // of its residuals
+    };
+    struct Sample {
+        float value = 0, dx = 0, dy = 0;  // first the picture's, then the prediction's gradient
+        float residual = 0;               // of the picture against a prediction from the others
+        float weight = 0;
+    };
+
+    void sample();
+    void predict();
+    void predict_pixel(std::size_t k);
+    void add_tied_rows(std::size_t k, const Small& factor, const Three& c);
+    void move(std::size_t picture, MotionModel largest);
+    void replace_tied_part();
+    void apply_steps();
+
+    MotionFrame frame_;
+    std::vector<Three> terms_of_;  // of each picture's light: 1, l.x / l.z, l.y / l.z
+    std::vector<bool> in_model_;
+    int terms_ = 1;  // of these that predict a pixel
+    const std::vector<AlignmentWindow>* windows_ = nullptr;
+    std::vector<Pixel> pixels_;
+    std::vector<Sample> samples_;   // [pixel][picture]
+    std::vector<MotionCell> tied_;  // of each pixel
+    std::vector<float> scales_;     // of each picture's residuals, relative to the pixels'
+    float typical_scale_ = 0.1f;    // median of the pixels'
+    int cells_ = 0;
+};
+
+}  // namespace tangi

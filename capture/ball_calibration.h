@@ -1,0 +1,68 @@
+// ball_calibration.h: the lights of a stack from the balls in its photographs.
+#pragma once
+
+#include <nlohmann/json.hpp>
+
+#include "capture/light_position.h"
+#include "capture/matt_ball.h"
+#include "capture/mirror_ball.h"
+#include "surface/light.h"
+
+namespace tangi {
+
+// What the user knows. Lengths that are not given stay unknown: directions need none of them.
+struct BallCalibrationOptions {
+    std::vector<GivenBall> balls{};          // sought automatically where empty
+    bool matt = false;                       // a matt ball instead of mirror balls
+    bool fixed_camera = false;               // photographs are not registered
+    std::optional<double> ball_radius_mm{};  // of every ball
+    std::optional<double> focal_px{};        // orthographic where neither is given
+    std::optional<double> focal_35mm{};  // [mm] equivalent of a 35-mm camera, by the diagonal (CIPA DCG-001)
+    std::optional<glm::dvec2> principal_px{};  // the picture's centre where empty
+    std::optional<glm::dvec2> origin_px{};  // where the painting's frame has its origin; the picture's centre
+    std::optional<double> camera_distance_mm{};  // from the painting's plane z = 0
+    std::optional<double> ball_height_mm{};  // of a ball's centre above that plane; its radius: it lies on it
+    std::optional<Transfer> transfer{};      // for matt balls
+};
+
+struct CalibratedLight {
+    std::filesystem::path path;
+    std::string name;  // of the photograph
+    std::optional<glm::dvec3>
+        direction{};                 // [unit vector] surface frame, as seen from the origin; empty: left out
+    double direction_sigma_deg = 0;  // standard error
+    std::optional<glm::dvec3> position_mm{};  // surface frame
+    glm::dvec3 position_sigma_mm{0};
+    int balls_used = 0;
+    std::string reason{};  // why it is left out
+};
+
+struct BallCalibration {
+    int width = 0, height = 0;            // of the photographs
+    std::vector<CalibratedLight> lights;  // one a photograph, in the order of the names
+    std::vector<FoundBall> balls;
+    std::vector<std::optional<glm::dvec3>> ball_centres_mm;  // surface frame; empty without a known radius
+    std::vector<std::optional<MattShading>> shadings;        // one a photograph, for a matt ball
+    std::optional<Transfer> matt_transfer{};
+    CameraShakes drifts;
+    BallCamera camera;
+    std::optional<double> ball_radius_mm{};
+    std::optional<glm::dvec3> camera_position_mm{};  // surface frame
+    std::optional<double> mm_per_pixel{};            // at z = 0
+    glm::dvec2 origin_px{0, 0};
+    std::string method;                          // "mirror ball", "mirror balls", "matt ball"
+    double residual_px = 0, residual_sigma = 0;  // of the highlights, where positions were found
+    std::vector<std::string> warnings, poor;
+
+    int calibrated() const;
+    std::vector<Light> usable_lights() const;  // with positions where there are
+};
+
+// Throws Error: no photographs, a damaged one, no ball, options that contradict each other.
+BallCalibration calibrate_from_balls(const std::vector<std::filesystem::path>& paths,
+                                 const BallCalibrationOptions& options, const Progress& progress = {});
+
+// capture.json: see docs/capture.md.
+nlohmann::json to_json(const BallCalibration& calibration);
+
+}  // namespace tangi

@@ -1,0 +1,58 @@
+#include "capture/ball_crops.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "surface/parallel.h"
+
+namespace tangi {
+
+using glm::dvec2;
+
+bool BallCrops::holds(const dvec2& pixel, double margin) const {
+    return pixel.x >= region.x0 + margin && pixel.y >= region.y0 + margin &&
+           pixel.x <= region.x1 - 1 - margin && pixel.y <= region.y1 - 1 - margin;
+}
+
+float BallCrops::value(std::size_t photo, const dvec2& pixel) const {
+    const Image<float>& picture = photos[photo];
+    const double px = pixel.x - region.x0, py = pixel.y - region.y0;
+    const int x = static_cast<int>(std::floor(px)), y = static_cast<int>(std::floor(py));
+    const float u = static_cast<float>(px - x), v = static_cast<float>(py - y);
+    return (1 - v) * ((1 - u) * picture.clamped(x, y) + u * picture.clamped(x + 1, y)) +
+           v * ((1 - u) * picture.clamped(x, y + 1) + u * picture.clamped(x + 1, y + 1));
+}
+
+std::vector<BallCrops> read_ball_crops(std::span<const std::filesystem::path> paths, const GreyPhotos& photos,
+                                       const CameraShakes& drifts, std::span<const BallImage> balls,
+                                       const Progress& progress) {
+    std::vector<BallCrops> crops(balls.size());
+    for (std::size_t b = 0; b < balls.size(); ++b) {
+        const double reach = 1.5 * balls[b].radius_px + 6;
+        const auto bound = [](double value, int end) {
+            return std::clamp(static_cast<int>(std::lround(value)), 0, end);
+        };
+        crops[b] = {.region = {bound(balls[b].centre_px.x - reach, photos.width),
+                               bound(balls[b].centre_px.y - reach, photos.height),
+                               bound(balls[b].centre_px.x + reach, photos.width),
+                               bound(balls[b].centre_px.y + reach, photos.height)},
+                    .photos = std::vector<Image<float>>(paths.size()),
+                    .drift = drifts.photos,
+                    .picture_centre = {(photos.width - 1) / 2.0, (photos.height - 1) / 2.0},
+                    .step = photos.step};
+    }
+    const int count = static_cast<int>(paths.size()), batch = std::max(2, thread_count());
+    for (int first = 0; first < count; first += batch) {
+        report(progress, "balls", first / static_cast<double>(count));
+        parallel_for(first, std::min(first + batch, count), 1, [&](int begin, int end) {
+            for (int i = begin; i < end; ++i)
+                for (BallCrops& crop : crops)
+                    crop.photos[static_cast<std::size_t>(i)] =
+                        read_grey_region(paths[static_cast<std::size_t>(i)], crop.region);
+        });
+    }
+    report(progress, "balls", 1);
+    return crops;
+}
+
+}  // namespace tangi

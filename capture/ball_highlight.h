@@ -1,0 +1,38 @@
+// ball_highlight.h: the reflection of the lamp in a mirror ball, in every photograph.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "capture/ball_crops.h"
+
+namespace tangi {
+
+enum class HighlightState {
+    found,
+    absent,      // nothing on the ball is about as bright as the highlights of the other photographs
+    off_ball,    // the bright spot lies beside the ball, or across its outline
+    ambiguous,   // two spots that are equally bright and large
+    smeared,     // so large, or clipped over so large an area, that its middle means nothing
+    off_picture  // at the picture's border
+};
+
+struct Highlight {
+    HighlightState state = HighlightState::absent;
+    glm::dvec2 place_px{0, 0};  // in the common frame
+    double sigma_px = 0;        // standard error, each coordinate
+    double area_px = 0;
+    float peak = 0;  // [1] as stored
+    bool clipped = false;
+};
+
+// Why a highlight is not used, for the user, in a few words.
+std::string reason_of(const Highlight& highlight);
+
+// One highlight for each photograph: the spot with the brightest pixel on the ball, of what does not stay
+// while the light moves; of clipped spots the largest. Its place is the centroid above half its brightness,
+// where it is clipped that of the clipped area with its soft border.
+std::vector<Highlight> find_highlights(const BallCrops& crops, const BallImage& ball,
+                                       const BallCamera& camera);
+
+}  // namespace tangi

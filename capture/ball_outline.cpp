@@ -1,0 +1,233 @@
+#include "capture/ball_outline.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <glm/mat3x3.hpp>
+#include <glm/matrix.hpp>
+#include <numbers>
+
+#include "surface/parallel.h"
+
+namespace tangi {
+
+using glm::dvec2;
+using glm::dvec3;
+
+namespace {
+
+constexpr double kSample = 0.25;     // [pixels] between samples of a profile
+constexpr double kBounded = 0.15;    // [1 per pixel] slope of the logarithm that one photograph may count for
+constexpr double kClearEdge = 0.06;  // [1 per pixel] mean of those that counts fully
+constexpr double kOutside = 0.8;     // how much an edge beyond the outline counts against it
+constexpr double kNear = 1.25;       // [pixels] from the expected outline, within which its edge is sought
+constexpr double kFaintest = 0.25;   // [1] of the strong edges; fainter ones are left out
+constexpr double kLeastCoverage = 0.2;
+constexpr double kCentreSystematic = 0.1, kRadiusSystematic = 0.4;  // [pixels] of a limb that fades
+
+struct Edge {
+    dvec2 place;
+    dvec2 outwards;
+    double strength = 0;  // [1 per pixel] of the contrast along the profile, mean of all photographs
+};
+
+// Edges along the radius at one angle, mean over the photographs, kSample apart, the middle one at `middle`;
+// empty where it leaves the picture.
+struct Profile {
+    dvec2 middle, outwards;
+    std::vector<double> clear;  // [0..1] of the logarithm, bounded: whether there is an edge, however strong
+    std::vector<double>
+        slope;  // [1 per pixel] relative to the contrast nearby: where it is, unbiased by the logarithm
+
+    double at(double offset) const {
+        const double place = offset / kSample + static_cast<double>(clear.size() / 2);
+        if (place < 0 || place >= static_cast<double>(clear.size()) - 1) return 0;
+        const auto k = static_cast<std::size_t>(place);
+        return clear[k] + (place - static_cast<double>(k)) * (clear[k + 1] - clear[k]);
+    }
+};
+
+Profile profile_along(const BallCrops& crops, const dvec2& middle, const dvec2& outwards, double reach) {
+    Profile profile{middle, outwards, {}, {}};
+    if (!crops.holds(middle + reach * outwards) || !crops.holds(middle - reach * outwards)) return profile;
+    const int half = static_cast<int>(std::ceil(reach / kSample));
+    constexpr std::size_t ends = 10;  // samples on which the contrast nearby rests
+    std::vector<double> values(2 * (static_cast<std::size_t>(half) + ends) + 1);
+    profile.slope.resize(static_cast<std::size_t>(2 * half + 1));
+    profile.clear.resize(profile.slope.size());
+    const double share = 1 / static_cast<double>(crops.photos.size());
+    for (std::size_t photo = 0; photo < crops.photos.size(); ++photo) {
+        for (std::size_t k = 0; k < values.size(); ++k) {
+            const double offset = (static_cast<double>(k) - half - static_cast<double>(ends)) * kSample;
+            values[k] = crops.value(photo, crops.to_photo(photo, middle + offset * outwards));
+        }
+        for (std::size_t k = 0; k < profile.slope.size(); ++k) {
+            const auto here = values.begin() + static_cast<std::ptrdiff_t>(k + ends);
+            const auto [low, high] = std::minmax_element(here - ends, here + ends + 1);
+            const double inner = (here[-2] + here[-3]) / 2, outer = (here[2] + here[3]) / 2;
+            profile.slope[k] += share * std::abs(outer - inner) /
+                                (5 * kSample * (*high - *low + 3.0 * crops.step + 0.02 * *high));
+            const double floor = 2.0 * crops.step + 0.001;
+            const double logarithm = std::abs(std::log((outer + floor) / (inner + floor))) / (5 * kSample);
+            profile.clear[k] += share * std::min(logarithm, kBounded);
+        }
+    }
+    for (double& value : profile.clear) value = std::min(value / kClearEdge, 1.0);
+    return profile;
+}
+
+std::vector<Profile> profiles_around(const BallCrops& crops, const BallImage& ball, const BallCamera& camera,
+                                     double reach) {
+    const int angles = std::clamp(static_cast<int>(2 * std::numbers::pi * ball.radius_px), 72, 360);
+    std::vector<Profile> profiles(static_cast<std::size_t>(angles));
+    parallel_for(0, angles, 8, [&](int begin, int end) {
+        for (int i = begin; i < end; ++i) {
+            const double angle = 2 * std::numbers::pi * (i + 0.5) / angles;
+            profiles[static_cast<std::size_t>(i)] = profile_along(crops, outline_point(ball, camera, angle),
+                                                                  {std::cos(angle), -std::sin(angle)}, reach);
+        }
+    });
+    std::erase_if(profiles, [](const Profile& profile) { return profile.slope.empty(); });
+    return profiles;
+}
+
+// How well the outline moved by `step` (centre, radius) agrees with the profiles; edges outside count against
+// it.
+double agreement(const std::vector<Profile>& profiles, const dvec3& step) {
+    double sum = 0;
+    for (const Profile& profile : profiles) {
+        const double offset = glm::dot(dvec3(profile.outwards, 1), step);
+        double outside = 0;
+        for (const double beyond : {2.0, 3.0, 4.0}) outside += profile.at(offset + beyond) / 3;
+        sum += profile.at(offset) - kOutside * outside;
+    }
+    return sum;
+}
+
+// The step of at most `reach` in each coordinate that agrees best: from a coarse grid to a fine one.
+dvec3 best_step(const std::vector<Profile>& profiles, double reach) {
+    dvec3 best(0);
+    double most = agreement(profiles, best);
+    for (double grid = std::max(0.5, reach / 4); grid > 0.1; grid /= 2) {
+        const int half = grid >= reach / 4 ? static_cast<int>(reach / grid) : 2;
+        const dvec3 middle = best;
+        for (int i = -half; i <= half; ++i)
+            for (int j = -half; j <= half; ++j)
+                for (int k = -half; k <= half; ++k) {
+                    const dvec3 step = middle + grid * dvec3(i, j, k);
+                    const double value = agreement(profiles, step);
+                    if (value > most) {
+                        most = value;
+                        best = step;
+                    }
+                }
+    }
+    return best;
+}
+
+// The peaks of the profiles next to the outline.
+std::vector<Edge> edges_near(const std::vector<Profile>& profiles, const dvec3& step) {
+    std::vector<Edge> edges;
+    std::vector<double> strengths;
+    for (const Profile& profile : profiles) {
+        const double expected = glm::dot(dvec3(profile.outwards, 1), step);
+        const auto half = static_cast<double>(profile.slope.size() / 2);
+        double nearest = kNear;
+        std::optional<Edge> edge;
+        for (std::size_t k = 1; k + 1 < profile.slope.size(); ++k) {
+            const double here = profile.slope[k], before = profile.slope[k - 1], after = profile.slope[k + 1];
+            if (here < before || here < after) continue;
+            const double curvature = before - 2 * here + after;
+            const double at =
+                (static_cast<double>(k) - half + (curvature < 0 ? (before - after) / (2 * curvature) : 0)) *
+                kSample;
+            if (std::abs(at - expected) >= nearest) continue;
+            nearest = std::abs(at - expected);
+            edge = Edge{profile.middle + at * profile.outwards, profile.outwards, here};
+        }
+        if (!edge) continue;
+        edges.push_back(*edge);
+        strengths.push_back(edge->strength);
+    }
+    if (edges.empty()) return edges;
+    const auto strong = strengths.begin() + static_cast<std::ptrdiff_t>(strengths.size() * 4 / 5);
+    std::nth_element(strengths.begin(), strong, strengths.end());
+    std::erase_if(edges, [&](const Edge& edge) { return edge.strength < kFaintest * *strong; });
+    return edges;
+}
+
+double robust_sigma(std::vector<double> values) {
+    for (double& value : values) value = std::abs(value);
+    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+    std::nth_element(values.begin(), middle, values.end());
+    return *middle / 0.6745;
+}
+
+// Fits centre and radius; false where the edges leave them open.
+bool fit(const std::vector<Edge>& edges, const BallCamera& camera, BallOutline& outline, double widest) {
+    BallImage& ball = outline.ball;
+    std::vector<double> residuals(edges.size());
+    for (int iteration = 0; iteration < 30; ++iteration) {
+        for (std::size_t i = 0; i < edges.size(); ++i)
+            residuals[i] = outside_px(ball, camera, edges[i].place);
+        const double sigma = std::clamp(robust_sigma(residuals), 0.05, widest);
+        glm::dmat3 normal(0);
+        dvec3 right(0);
+        double used = 0;
+        outline.edges_px.clear();
+        for (std::size_t i = 0; i < edges.size(); ++i) {
+            const double u = residuals[i] / (4.685 * sigma);
+            if (std::abs(u) >= 1) continue;
+            const double weight = (1 - u * u) * (1 - u * u);
+            const dvec3 slope(edges[i].outwards, 1);  // of where the outline is, by centre and radius
+            normal += weight * glm::outerProduct(slope, slope);
+            right += weight * residuals[i] * slope;
+            used += weight;
+            outline.edges_px.push_back(edges[i].place);
+        }
+        if (used < 8 || !(glm::determinant(normal) > 1e-6 * used * used * used)) return false;
+        const glm::dmat3 inverse = glm::inverse(normal);
+        const dvec3 step = inverse * right;
+        ball.centre_px += dvec2(step);
+        ball.radius_px += step.z;
+        if (!(ball.radius_px > 2)) return false;
+        outline.residual_px = sigma;
+        // Neighbouring edges share their pixels: two or so make one.
+        ball.centre_sigma_px = sigma * std::sqrt(2 * std::max(inverse[0][0], inverse[1][1]));
+        ball.radius_sigma_px = sigma * std::sqrt(2 * inverse[2][2]);
+        if (glm::length(step) < 1e-4) break;
+    }
+    return true;
+}
+
+}  // namespace
+
+std::optional<BallOutline> refine_outline(const BallCrops& crops, const BallImage& start,
+                                          const BallCamera& camera) {
+    BallOutline outline{.ball = start, .edges_px = {}};
+    for (const double part : {0.05, 0.02, 0.01}) {
+        const double reach = std::max(part * start.radius_px, part > 0.04 ? 2.0 : 0.75);
+        const std::vector<Profile> profiles = profiles_around(crops, outline.ball, camera, 2 * reach + 5);
+        if (profiles.size() < 12) return std::nullopt;
+        const dvec3 step = best_step(profiles, reach);
+        const std::vector<Edge> edges = edges_near(profiles, step);
+        outline.ball.centre_px += dvec2(step);
+        outline.ball.radius_px += step.z;
+        if (edges.size() < 12 || !fit(edges, camera, outline, 0.5)) return std::nullopt;
+        const int angles =
+            std::clamp(static_cast<int>(2 * std::numbers::pi * outline.ball.radius_px), 72, 360);
+        outline.coverage = static_cast<double>(outline.edges_px.size()) / angles;
+    }
+    const double moved = glm::length(outline.ball.centre_px - start.centre_px) +
+                         std::abs(outline.ball.radius_px - start.radius_px);
+    // Near its outline a ball's normals turn as the root of the distance from it: a mirror shows there what
+    // lies right behind it, and that changes within a pixel or two. So the steepest place lies a little
+    // inside of the outline, by how much depends on what is mirrored.
+    outline.ball.centre_sigma_px = std::hypot(outline.ball.centre_sigma_px, kCentreSystematic);
+    outline.ball.radius_sigma_px = std::hypot(outline.ball.radius_sigma_px, kRadiusSystematic);
+    if (outline.coverage < kLeastCoverage || moved > std::max(0.25 * start.radius_px, 4.0))
+        return std::nullopt;
+    return outline;
+}
+
+}  // namespace tangi

@@ -1,0 +1,26 @@
+// ball_outline.h: a ball's outline to a fraction of a pixel.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "capture/ball_crops.h"
+
+namespace tangi {
+
+struct BallOutline {
+    BallImage ball;                    // with standard errors
+    std::vector<glm::dvec2> edges_px;  // that were used
+    double coverage = 0;               // [1] part of the outline whose edge was used
+    double residual_px = 0;            // robust standard deviation of the edges from the outline
+};
+
+// Starts from an outline that is right to about 5 % of the radius, or two pixels. The profiles of all
+// photographs along the radius, each taken relative to its own contrast, first vote for an outline as a
+// whole, edges beyond it counting against it; through the edges next to that goes the outline that a ball has
+// for this camera (a circle, an ellipse in perspective), by least squares with Tukey's weights. Nothing where
+// less than a fifth of the outline shows.
+std::optional<BallOutline> refine_outline(const BallCrops& crops, const BallImage& start,
+                                          const BallCamera& camera);
+
+}  // namespace tangi

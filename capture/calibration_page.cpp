@@ -1,0 +1,236 @@
+#include "capture/calibration_page.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <numbers>
+
+#include "capture/lights_file.h"
+#include "surface/atomic_file.h"
+#include "surface/error.h"
+#include "surface/picture_file.h"
+
+namespace tangi {
+
+using glm::dvec2;
+using glm::dvec3;
+
+namespace {
+
+constexpr const char* kStyle =
+    R"(:root{color-scheme:light dark;--paper:#f6f5f2;--card:#fff;--ink:#22211f;--soft:#65625c;
+--line:#dcd9d2;--accent:#0b6b6b;--ring:#c2410c}@media(prefers-color-scheme:dark){:root{--paper:#191918;--card:#232322;
+--ink:#eceae5;--soft:#a5a29a;--line:#3a3936;--accent:#6fc7c3;--ring:#fb923c}}*{box-sizing:border-box}body{margin:0;
+background:var(--paper);color:var(--ink);font:15px/1.5 system-ui,"Segoe UI",Roboto,sans-serif}main{max-width:1180px;
+margin:0 auto;padding:28px}h1{font-size:26px;margin:0 0 4px}h2{font-size:18px;margin:32px 0 10px}.soft{color:var(--soft)}
+.row{display:flex;flex-wrap:wrap;gap:18px}.card{background:var(--card);border:1px solid var(--line);border-radius:10px;
+padding:16px}figure{margin:0}figcaption{font-size:13px;color:var(--soft);max-width:360px}.notes{border-left:3px solid
+var(--ring);padding:2px 0 2px 14px}.notes li{margin:2px 0}.wide{overflow-x:auto}table{border-collapse:collapse;
+font-variant-numeric:tabular-nums}th,td{text-align:right;padding:4px 12px;border-bottom:1px solid var(--line);white-space:nowrap}
+th:first-child,td:first-child{text-align:left}td.why{text-align:left;white-space:normal;color:var(--ring)}th{font-size:13px;
+color:var(--soft);font-weight:600}svg text{fill:var(--ink);font-size:11px})";
+
+std::string escaped(const std::string& text) {
+    std::string result;
+    for (const char c : text) switch (c) {
+            case '&':
+                result += "&amp;";
+                break;
+            case '<':
+                result += "&lt;";
+                break;
+            case '>':
+                result += "&gt;";
+                break;
+            case '"':
+                result += "&quot;";
+                break;
+            default:
+                result += c;
+        }
+    return result;
+}
+
+std::string base64(const std::string& bytes) {
+    constexpr const char* digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    std::string text;
+    for (std::size_t i = 0; i < bytes.size(); i += 3) {
+        unsigned value = 0;
+        for (std::size_t k = 0; k < 3; ++k)
+            value = value << 8 | (i + k < bytes.size() ? static_cast<unsigned char>(bytes[i + k]) : 0u);
+        for (std::size_t k = 0; k < 4; ++k)
+            text += k > bytes.size() - i ? '=' : digits[value >> (18 - 6 * k) & 63];
+    }
+    return text;
+}
+
+// The lights as seen from the camera: the middle is straight above the painting, the rim its plane.
+std::string hemisphere(const BallCalibration& c) {
+    constexpr double middle = 190, radius = 165;
+    std::string svg =
+        "<svg width=\"380\" height=\"380\" viewBox=\"0 0 380 380\" role=\"img\" aria-label=\"directions of "
+        "the lights\">";
+    for (const int elevation : {0, 30, 60}) {
+        const double r = radius * std::cos(elevation * std::numbers::pi / 180);
+        svg += fmt::format(
+            "<circle cx=\"{0}\" cy=\"{0}\" r=\"{1:.1f}\" fill=\"none\" stroke=\"var(--line)\"/>"
+            "<text x=\"{0}\" y=\"{2:.1f}\" text-anchor=\"middle\" opacity=\".6\">{3}°</text>",
+            middle, r, middle + r + 12, elevation);
+    }
+    for (std::size_t i = 0; i < c.lights.size(); ++i) {
+        const CalibratedLight& light = c.lights[i];
+        if (!light.direction) continue;
+        const double x = middle + radius * light.direction->x, y = middle - radius * light.direction->y;
+        const double error = std::max(1.0, radius * light.direction_sigma_deg * std::numbers::pi / 180);
+        svg += fmt::format(
+            "<circle cx=\"{0:.1f}\" cy=\"{1:.1f}\" r=\"{2:.1f}\" fill=\"var(--accent)\" opacity=\".25\"/>"
+            "<circle cx=\"{0:.1f}\" cy=\"{1:.1f}\" r=\"2.5\" fill=\"var(--accent)\"><title>{3}: elevation "
+            "{4:.1f}°, "
+            "± {5:.2f}°</title></circle><text x=\"{6:.1f}\" y=\"{7:.1f}\">{8}</text>",
+            x, y, error, escaped(light.name), std::asin(light.direction->z) * 180 / std::numbers::pi,
+            light.direction_sigma_deg, x + 5, y - 4, i + 1);
+    }
+    return svg + "</svg>";
+}
+
+// A ball with the outline and the highlights that were found, numbered as in the table.
+std::string ball_figure(const BallCalibration& c, std::size_t number, const std::string& url) {
+    const FoundBall& ball = c.balls[number];
+    const Region& r = ball.crops.region;
+    std::string svg = fmt::format(
+        "<figure class=\"card\"><svg width=\"360\" height=\"{:.0f}\" viewBox=\"{} {} {} {}\">"
+        "<image href=\"{}\" x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" preserveAspectRatio=\"none\"/>",
+        360.0 * r.height() / r.width(), r.x0 - 0.5, r.y0 - 0.5, r.width(), r.height(), url, r.x0 - 0.5,
+        r.y0 - 0.5, r.width(), r.height());
+    const double size = r.width() / 360.0;  // pixels for one of the page's
+    svg += fmt::format("<polygon fill=\"none\" stroke=\"#22d3ee\" stroke-width=\"{:.3f}\" points=\"",
+                       1.2 * size);
+    for (int i = 0; i < 120; ++i) {
+        const dvec2 p = outline_point(ball.image, c.camera, 2 * std::numbers::pi * i / 120);
+        svg += fmt::format("{:.2f},{:.2f} ", p.x, p.y);
+    }
+    svg += "\"/>";
+    for (std::size_t i = 0; i < ball.highlights.size(); ++i) {
+        const Highlight& h = ball.highlights[i];
+        if (h.state != HighlightState::found) continue;
+        svg += fmt::format(
+            "<path d=\"M{:.2f} {:.2f}h{:.2f}m{:.2f} {:.2f}v{:.2f}\" stroke=\"#f43f5e\" "
+            "stroke-width=\"{:.3f}\"/><text x=\"{:.2f}\" y=\"{:.2f}\" "
+            "style=\"fill:#facc15;font-size:{:.2f}px\">{}</text>",
+            h.place_px.x - 5 * size, h.place_px.y, 10 * size, -5 * size, -5 * size, 10 * size, 1.2 * size,
+            h.place_px.x + 4 * size, h.place_px.y - 4 * size, 10 * size, i + 1);
+    }
+    const std::string outline =
+        ball.outline_coverage > 0
+            ? fmt::format("outline seen on {:.0f} % of its length, edges ± {:.2f} px",
+                          std::min(100.0, 100 * ball.outline_coverage), ball.outline_residual_px)
+            : "outline taken as given";
+    return svg + fmt::format(
+                     "</svg><figcaption><b>{}</b>: radius {:.2f} ± {:.2f} px, centre ± {:.2f} px; "
+                     "{}{}</figcaption></figure>",
+                     escaped(ball.name), ball.image.radius_px, ball.image.radius_sigma_px,
+                     ball.image.centre_sigma_px, outline,
+                     ball.highlights.empty() ? "" : fmt::format("; {} highlights", ball.highlights_found()));
+}
+
+std::string table(const BallCalibration& c) {
+    const bool positions = std::any_of(c.lights.begin(), c.lights.end(),
+                                       [](const auto& l) { return l.position_mm.has_value(); });
+    std::string html =
+        "<div class=\"wide\"><table><tr><th>photograph</th><th>x</th><th>y</th><th>z</th><th>± deg</th>";
+    if (positions) html += "<th>x mm</th><th>y mm</th><th>z mm</th><th>± mm</th>";
+    html += "<th>balls</th><th>drift px</th></tr>";
+    for (std::size_t i = 0; i < c.lights.size(); ++i) {
+        const CalibratedLight& light = c.lights[i];
+        html += fmt::format("<tr><td>{}&ensp;{}</td>", i + 1, escaped(light.name));
+        if (!light.direction) {
+            html += fmt::format("<td class=\"why\" colspan=\"{}\">left out: {}</td></tr>", positions ? 10 : 6,
+                                escaped(light.reason));
+            continue;
+        }
+        const dvec3& d = *light.direction;
+        html += fmt::format("<td>{:.4f}</td><td>{:.4f}</td><td>{:.4f}</td><td>{:.2f}</td>", d.x, d.y, d.z,
+                            light.direction_sigma_deg);
+        if (light.position_mm)
+            html += fmt::format("<td>{:.1f}</td><td>{:.1f}</td><td>{:.1f}</td><td>{:.1f}</td>",
+                                light.position_mm->x, light.position_mm->y, light.position_mm->z,
+                                glm::length(light.position_sigma_mm));
+        else if (positions)
+            html += "<td colspan=\"4\">distant</td>";
+        const dvec2 drift = c.drifts.photos[i].shift_px;
+        html += fmt::format("<td>{}</td><td>{:.2f}, {:.2f}</td></tr>", light.balls_used, drift.x, drift.y);
+    }
+    return html + "</table></div>";
+}
+
+}  // namespace
+
+CalibrationFiles calibration_files(const std::filesystem::path& lights) {
+    return {lights, lights.parent_path() / "capture.json", lights.parent_path() / "capture.html"};
+}
+
+Image<Rgb> ball_picture(const FoundBall& ball) {
+    const Region& region = ball.crops.region;
+    Image<float> most(region.width(), region.height());
+    for (std::size_t photo = 0; photo < ball.crops.photos.size(); ++photo)
+        for (int y = 0; y < region.height(); ++y)
+            for (int x = 0; x < region.width(); ++x)
+                most(x, y) = std::max(
+                    most(x, y),
+                    ball.crops.value(photo, ball.crops.to_photo(photo, dvec2(x + region.x0, y + region.y0))));
+    Image<Rgb> picture(region.width(), region.height());
+    // Strongly lightened: a ball's outline is dark against a lamp.
+    for (int y = 0; y < region.height(); ++y)
+        for (int x = 0; x < region.width(); ++x)
+            picture(x, y) = Rgb(std::pow(std::clamp(most(x, y), 0.0f, 1.0f), 0.35f));
+    return picture;
+}
+
+std::string calibration_page(const BallCalibration& c, const std::vector<std::string>& ball_urls) {
+    TP_REQUIRE(ball_urls.size() == c.balls.size(), "each ball has a picture");
+    std::string html = fmt::format(
+        "<!doctype html><html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" "
+        "content=\"width=device-width, initial-scale=1\"><title>Light calibration</title><style>{}</style>"
+        "</head><body><main><h1>Light calibration</h1><p class=\"soft\">{} of {} photographs, from {} · "
+        "camera: {}{}</p>",
+        kStyle, c.calibrated(), c.lights.size(), c.method,
+        c.camera.focal_px ? fmt::format("focal length {:.0f} px", *c.camera.focal_px)
+                          : "taken to be far away",
+        c.drifts.moved ? fmt::format(" · it moved by {:.2f} px rms", c.drifts.rms_px) : "");
+    if (c.residual_sigma > 0)
+        html += fmt::format(
+            "<p class=\"soft\">Highlights lie {:.3f} px (rms) from where the lamps should show, {:.1f} times "
+            "what was expected.</p>",
+            c.residual_px, c.residual_sigma);
+    std::vector<std::string> notes = c.poor;
+    notes.insert(notes.end(), c.warnings.begin(), c.warnings.end());
+    if (!notes.empty()) {
+        html += "<h2>To note</h2><ul class=\"notes\">";
+        for (const std::string& note : notes) html += "<li>" + escaped(note) + "</li>";
+        html += "</ul>";
+    }
+    html += "<h2>Lights and balls</h2><div class=\"row\"><figure class=\"card\">" + hemisphere(c) +
+            "<figcaption>Directions as the camera sees them: the middle is straight above, the rim is the "
+            "painting's plane; "
+            "circles are standard errors. Numbers as in the table.</figcaption></figure>";
+    for (std::size_t i = 0; i < c.balls.size(); ++i) html += ball_figure(c, i, ball_urls[i]);
+    return html + "</div><h2>Photographs</h2>" + table(c) + "</main></body></html>\n";
+}
+
+CalibrationFiles write_calibration(const std::filesystem::path& lights, const BallCalibration& calibration) {
+    const CalibrationFiles files = calibration_files(lights);
+    std::vector<std::string> urls;
+    for (const FoundBall& ball : calibration.balls) {
+        const AtomicFile scratch(lights.parent_path() / "capture-ball.jpg");  // never committed: it vanishes
+        write_picture_8bit(scratch.temporary(), ball_picture(ball));
+        urls.push_back("data:image/jpeg;base64," + base64(read_text_file(scratch.temporary())));
+    }
+    write_text_file(
+        files.json,
+        to_json(calibration).dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
+    write_text_file(files.page, calibration_page(calibration, urls));
+    write_lights_file(files.lights, calibration.usable_lights());
+    return files;
+}
+
+}  // namespace tangi

@@ -1,0 +1,221 @@
+#include "capture/camera_shake.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <glm/mat3x3.hpp>
+#include <glm/matrix.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "capture/edge_field.h"
+#include "surface/parallel.h"
+
+namespace tangi {
+
+using glm::dvec2;
+using glm::dvec3;
+
+namespace {
+
+constexpr double kMoved = 0.25;  // [pixels of the reduced photographs] rms from which on a camera moved
+constexpr std::size_t kMostPixels = 60000;
+constexpr float kClear = 0.02f;  // [1 per pixel] mean edge that is worth following
+constexpr int kTurns = 3;        // of the template
+
+struct Directions {  // cosine and sine of twice the edge's direction, times its strength
+    cv::Mat cosine, sine;
+};
+
+Directions directions_of(const Image<float>& photo, float step, double blur) {
+    const EdgeField field = edge_field({&photo, 1}, step);
+    Directions d{cv::Mat(photo.height(), photo.width(), CV_32F),
+                 cv::Mat(photo.height(), photo.width(), CV_32F)};
+    for (int y = 0; y < photo.height(); ++y)
+        for (int x = 0; x < photo.width(); ++x) {
+            d.cosine.at<float>(y, x) = field.tensor(x, y).x - field.tensor(x, y).z;
+            d.sine.at<float>(y, x) = 2 * field.tensor(x, y).y;
+        }
+    for (cv::Mat* m : {&d.cosine, &d.sine}) cv::GaussianBlur(*m, *m, {}, blur, blur, cv::BORDER_REPLICATE);
+    return d;
+}
+
+float sample(const cv::Mat& m, double x, double y) {
+    const int x0 = std::clamp(static_cast<int>(x), 0, m.cols - 2),
+              y0 = std::clamp(static_cast<int>(y), 0, m.rows - 2);
+    const float u = std::clamp(static_cast<float>(x) - static_cast<float>(x0), 0.0f, 1.0f);
+    const float v = std::clamp(static_cast<float>(y) - static_cast<float>(y0), 0.0f, 1.0f);
+    const float *a = m.ptr<float>(y0) + x0, *b = m.ptr<float>(y0 + 1) + x0;
+    return (1 - v) * ((1 - u) * a[0] + u * a[1]) + v * ((1 - u) * b[0] + u * b[1]);
+}
+
+// The template's clearest pixels, with the derivatives of its values by shift and roll.
+struct TemplatePixel {
+    float x, y, value[2];
+    dvec3 slope[2];
+};
+
+std::vector<TemplatePixel> template_pixels(const Directions& mean, const dvec2& centre) {
+    std::vector<std::pair<float, cv::Point>> clear;
+    constexpr int edge = 6;
+    for (int y = edge; y < mean.cosine.rows - edge; ++y)
+        for (int x = edge; x < mean.cosine.cols - edge; ++x) {
+            const float strength = std::hypot(mean.cosine.at<float>(y, x), mean.sine.at<float>(y, x));
+            if (strength > kClear) clear.push_back({strength, {x, y}});
+        }
+    if (clear.size() > kMostPixels) {
+        std::nth_element(clear.begin(), clear.begin() + static_cast<std::ptrdiff_t>(kMostPixels), clear.end(),
+                         [](const auto& a, const auto& b) { return a.first > b.first; });
+        clear.resize(kMostPixels);
+    }
+    std::vector<TemplatePixel> pixels;
+    for (const auto& [strength, at] : clear) {
+        TemplatePixel pixel{static_cast<float>(at.x), static_cast<float>(at.y), {}, {}};
+        const cv::Mat* channels[2] = {&mean.cosine, &mean.sine};
+        for (int c = 0; c < 2; ++c) {
+            const cv::Mat& m = *channels[c];
+            const double gx = (m.at<float>(at.y, at.x + 1) - m.at<float>(at.y, at.x - 1)) / 2.0;
+            const double gy = (m.at<float>(at.y + 1, at.x) - m.at<float>(at.y - 1, at.x)) / 2.0;
+            pixel.value[c] = m.at<float>(at.y, at.x);
+            pixel.slope[c] = {gx, gy, gy * (at.x - centre.x) - gx * (at.y - centre.y)};
+        }
+        pixels.push_back(pixel);
+    }
+    return pixels;
+}
+
+// Moves `drift` until the photograph agrees best with the template.
+void follow(const Directions& photo, const std::vector<TemplatePixel>& pixels, const dvec2& centre,
+            CameraShake& drift) {
+    for (int iteration = 0; iteration < 15; ++iteration) {
+        // The photograph's edges may be stronger or weaker as a whole.
+        double cross = 0, square = 0;
+        std::vector<float> values(2 * pixels.size());
+        for (std::size_t i = 0; i < pixels.size(); ++i) {
+            const dvec2 p = drift.to_photo({pixels[i].x, pixels[i].y}, centre);
+            values[2 * i] = sample(photo.cosine, p.x, p.y);
+            values[2 * i + 1] = sample(photo.sine, p.x, p.y);
+            for (std::size_t c = 0; c < 2; ++c) {
+                cross += static_cast<double>(values[2 * i + c]) * pixels[i].value[c];
+                square += static_cast<double>(pixels[i].value[c]) * pixels[i].value[c];
+            }
+        }
+        const double scale = std::max(cross / std::max(square, 1e-12), 0.05);
+        glm::dmat3 normal(0);
+        dvec3 right(0);
+        double residuals = 0;
+        for (std::size_t i = 0; i < pixels.size(); ++i)
+            for (std::size_t c = 0; c < 2; ++c) {
+                const double r = values[2 * i + c] - scale * pixels[i].value[c];
+                const double weight = 1 / (1 + r * r / (0.03 * 0.03));
+                const dvec3 slope = scale * pixels[i].slope[c];
+                normal += weight * glm::outerProduct(slope, slope);
+                right += weight * r * slope;
+                residuals += weight * r * r;
+            }
+        const double span = std::max(centre.x, centre.y);
+        for (int k = 0; k < 3; ++k) normal[k][k] *= 1 + 1e-9;
+        if (!(glm::determinant(normal) > 1e-12 * span * span)) return;
+        const glm::dmat3 inverse = glm::inverse(normal);
+        const dvec3 step = inverse * right;  // photo(p) = template(p + step): the template moves back
+        drift.shift_px -= dvec2(step);
+        drift.roll_rad -= step.z;
+        // Neighbouring pixels are not independent: the blur makes about ten of them one.
+        drift.sigma_px = std::sqrt(10 * residuals / static_cast<double>(2 * pixels.size()) *
+                                   std::max(inverse[0][0], inverse[1][1]));
+        if (glm::length(dvec2(step)) < 1e-3 && std::abs(step.z) * span < 1e-3) break;
+    }
+}
+
+Directions mean_of(const std::vector<Directions>& all, const std::vector<CameraShake>& drifts,
+                   const dvec2& centre) {
+    Directions mean{cv::Mat::zeros(all[0].cosine.size(), CV_32F),
+                    cv::Mat::zeros(all[0].cosine.size(), CV_32F)};
+    parallel_for(0, mean.cosine.rows, 8, [&](int begin, int end) {
+        for (std::size_t i = 0; i < all.size(); ++i)
+            for (int y = begin; y < end; ++y)
+                for (int x = 0; x < mean.cosine.cols; ++x) {
+                    const dvec2 p = drifts[i].to_photo(dvec2(x, y), centre);
+                    mean.cosine.at<float>(y, x) +=
+                        sample(all[i].cosine, p.x, p.y) / static_cast<float>(all.size());
+                    mean.sine.at<float>(y, x) +=
+                        sample(all[i].sine, p.x, p.y) / static_cast<float>(all.size());
+                }
+    });
+    return mean;
+}
+
+double median(std::vector<double> values) {
+    std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2),
+                     values.end());
+    return values[values.size() / 2];
+}
+
+}  // namespace
+
+dvec2 CameraShake::to_photo(const dvec2& pixel, const dvec2& centre) const {
+    const dvec2 d = pixel - centre;
+    const double c = std::cos(roll_rad), s = std::sin(roll_rad);
+    return centre + dvec2(c * d.x - s * d.y, s * d.x + c * d.y) + shift_px;
+}
+
+dvec2 CameraShake::to_common(const dvec2& pixel, const dvec2& centre) const {
+    const dvec2 d = pixel - shift_px - centre;
+    const double c = std::cos(roll_rad), s = std::sin(roll_rad);
+    return centre + dvec2(c * d.x + s * d.y, -s * d.x + c * d.y);
+}
+
+CameraShakes camera_shakes(const GreyPhotos& photos, const Progress& progress) {
+    const std::size_t count = photos.mean.size();
+    CameraShakes result;
+    result.photos.resize(count);
+    const Image<float>& first = photos.mean.front();
+    if (count < 2 || first.width() < 32 || first.height() < 32) return result;
+    const dvec2 centre((first.width() - 1) / 2.0, (first.height() - 1) / 2.0);
+    for (const double blur : {3.0, 1.0}) {  // from coarse to fine
+        std::vector<Directions> all(count);
+        parallel_for(0, static_cast<int>(count), 1, [&](int begin, int end) {
+            for (int i = begin; i < end; ++i)
+                all[static_cast<std::size_t>(i)] =
+                    directions_of(photos.mean[static_cast<std::size_t>(i)], photos.step, blur);
+        });
+        for (int turn = 0; turn < kTurns; ++turn) {
+            report(progress, "drift", (turn + (blur > 2 ? 0 : kTurns)) / (2.0 * kTurns));
+            const auto pixels = template_pixels(mean_of(all, result.photos, centre), centre);
+            if (pixels.size() < 500) return {.photos = std::vector<CameraShake>(count)};
+            parallel_for(0, static_cast<int>(count), 1, [&](int begin, int end) {
+                for (int i = begin; i < end; ++i)
+                    follow(all[static_cast<std::size_t>(i)], pixels, centre,
+                           result.photos[static_cast<std::size_t>(i)]);
+            });
+            std::vector<double> x, y, roll;
+            for (const CameraShake& d : result.photos) {
+                x.push_back(d.shift_px.x);
+                y.push_back(d.shift_px.y);
+                roll.push_back(d.roll_rad);
+            }
+            for (CameraShake& d : result.photos) {
+                d.shift_px -= dvec2(median(x), median(y));
+                d.roll_rad -= median(roll);
+            }
+        }
+    }
+    double squares = 0;
+    for (const CameraShake& d : result.photos)
+        squares += glm::dot(d.shift_px, d.shift_px) / static_cast<double>(count);
+    result.moved = std::sqrt(squares) > kMoved;
+    result.rms_px = std::sqrt(squares) * photos.reduction;
+    // The first photograph's frame is the common one: a pixel goes there, then to the photograph.
+    const CameraShake reference = result.photos.front();
+    for (CameraShake& d : result.photos) {
+        const dvec2 middle = d.to_photo(reference.to_common(centre, centre), centre);
+        d.roll_rad -= reference.roll_rad;
+        d.shift_px = middle - centre;
+        if (!result.moved) d = {.shift_px = {0, 0}, .roll_rad = 0, .sigma_px = d.sigma_px};
+        d.shift_px *= photos.reduction;  // the reduced picture's centre is the picture's but for half a pixel
+        d.sigma_px *= photos.reduction;
+    }
+    report(progress, "drift", 1);
+    return result;
+}
+
+}  // namespace tangi

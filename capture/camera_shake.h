@@ -1,0 +1,34 @@
+// camera_shake.h: how far the camera moved from photograph to photograph, from edges that stay while the light
+// moves.
+#pragma once
+
+#include <glm/vec2.hpp>
+#include <vector>
+
+#include "capture/grey_photos.h"
+
+namespace tangi {
+
+// Takes a pixel of the common frame (that of the first photograph) to that of one photograph: turned by
+// roll_rad around the picture's centre (from x towards y, y down), then shifted.
+struct CameraShake {
+    glm::dvec2 shift_px{0, 0};
+    double roll_rad = 0;
+    double sigma_px = 0;  // standard error of each coordinate of the shift
+
+    glm::dvec2 to_photo(const glm::dvec2& pixel, const glm::dvec2& centre) const;
+    glm::dvec2 to_common(const glm::dvec2& pixel, const glm::dvec2& centre) const;
+};
+
+struct CameraShakes {
+    std::vector<CameraShake> photos;
+    double rms_px = 0;   // of the shifts from their median, all photographs
+    bool moved = false;  // false: within the noise, or nothing to hold on to; all drifts are zero then
+};
+
+// Least squares between the direction of edges (doubled, so that their sign does not matter) in each
+// photograph and its mean over all (Lucas, Kanade 1981; inverse compositional, Baker, Matthews 2004). Good
+// for drifts of a few pixels of the reduced photographs.
+CameraShakes camera_shakes(const GreyPhotos& photos, const Progress& progress = {});
+
+}  // namespace tangi

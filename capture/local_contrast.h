@@ -1,0 +1,18 @@
+// local_contrast.h: pictures in which the strength of the lamp drops out, and their values between pixels.
+#pragma once
+
+#include <glm/vec2.hpp>
+
+#include "surface/image.h"
+
+namespace tangi {
+
+// (value - local mean) / (local mean + floor), slightly smoothed: the same under lamps of any strength, and
+// where the surface is flat, under lamps from anywhere. Between -1 and 1.
+Image<float> local_contrast(const Image<float>& brightness, double floor);
+
+// Value and gradient at a point, by cubic convolution (Keys 1981); false within a pixel of the border and
+// outside.
+bool sample_at(const Image<float>& image, const glm::dvec2& p, float& value, float& dx, float& dy);
+
+}  // namespace tangi

@@ -1,0 +1,56 @@
+// mirror_ball.h: mirror balls in a stack of photographs: where they are, and where they show the lamp.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "capture/ball_highlight.h"
+#include "capture/ball_outline.h"
+#include "capture/edge_field.h"
+
+namespace tangi {
+
+// Where the user says that a ball is: a circle, or a box around it. Pixels, y down.
+struct GivenBall {
+    glm::dvec2 centre_px{0, 0};
+    double radius_px = 0;  // of a box, half its shorter side
+    bool is_box = false;   // the ball lies in the box, and may be smaller
+    std::string text;      // as the user wrote it, for messages
+};
+
+struct FoundBall {
+    BallImage image;
+    std::string name;  // "ball 1 at (629, 64)", for messages
+    bool given = false;
+    double outline_coverage = 0;  // [1] part of the outline that was measured; 0: taken as given
+    double outline_residual_px = 0;
+    std::vector<Highlight> highlights{};  // one a photograph; empty for matt balls
+    BallCrops crops;
+
+    int highlights_found() const;
+};
+
+struct BallSearch {
+    std::vector<FoundBall> balls;  // from top to bottom
+    std::vector<std::string> warnings;
+};
+
+// Finds mirror balls: a small bright spot that wanders about as the light moves, one a photograph, within a
+// circle of edges that stay. Balls given by the user are sought only where they are given; one that is not
+// there is left out with a warning, and Error says so where no ball is left. Without given balls, no ball at
+// all is an Error too.
+BallSearch find_mirror_balls(std::span<const std::filesystem::path> paths, const GreyPhotos& photos,
+                             const CameraShakes& drifts, const BallCamera& camera,
+                             std::span<const GivenBall> given, const Progress& progress = {});
+
+// The circle near a given ball or box that has edges along it, in the pixels of the whole photographs;
+// nothing where none has.
+std::optional<Circle> circle_near(const EdgeField& field, const GreyPhotos& photos, const GivenBall& given);
+
+// Throws Error where a given ball does not lie in the photographs.
+void require_in_picture(const GivenBall& given, int width, int height);
+
+}  // namespace tangi

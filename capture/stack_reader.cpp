@@ -1,0 +1,189 @@
+// stack_reader.cpp: bands of a stack: decoded, linearised, and resampled where a photograph was registered.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "capture/stack.h"
+#include "capture/survey.h"
+#include "surface/error.h"
+#include "surface/parallel.h"
+
+namespace tangi {
+
+namespace {
+
+constexpr int kLanczos = 3;    // [pixels] half the width of the kernel
+constexpr int kPhases = 1024;  // of a pixel, for which the kernel is tabulated
+
+double sinc(double x) {
+    return std::abs(x) < 1e-9 ? 1 : std::sin(std::numbers::pi * x) / (std::numbers::pi * x);
+}
+
+// Weights of the six neighbours from -2 to 3 at t in [0, 1] (Duchon 1979, "Lanczos filtering in one and two
+// dimensions"), with the sum 1.
+using LanczosTable = std::array<std::array<float, 2 * kLanczos>, kPhases + 1>;
+LanczosTable make_lanczos_table() {
+    LanczosTable table;
+    for (int phase = 0; phase <= kPhases; ++phase) {
+        std::array<double, 2 * kLanczos> w;
+        double sum = 0;
+        for (int i = 0; i < 2 * kLanczos; ++i) {
+            const double x = static_cast<double>(phase) / kPhases - (i + 1 - kLanczos);
+            w[static_cast<std::size_t>(i)] = std::abs(x) < kLanczos ? sinc(x) * sinc(x / kLanczos) : 0;
+            sum += w[static_cast<std::size_t>(i)];
+        }
+        for (std::size_t i = 0; i < w.size(); ++i)
+            table[static_cast<std::size_t>(phase)][i] = static_cast<float>(w[i] / sum);
+    }
+    return table;
+}
+
+void lanczos_weights(double t, float (&w)[2 * kLanczos]) {
+    static const LanczosTable table = make_lanczos_table();
+    const auto& row = table[static_cast<std::size_t>(t * kPhases + 0.5)];
+    std::copy(row.begin(), row.end(), w);
+}
+
+}  // namespace
+
+Band::Band(int photos, int channels, int width, int y0, int y1)
+    : photos_(photos),
+      channels_(channels),
+      width_(width),
+      y0_(y0),
+      y1_(y1),
+      values_(static_cast<std::size_t>(photos) * static_cast<std::size_t>(channels) *
+              static_cast<std::size_t>(y1 - y0) * static_cast<std::size_t>(width)) {}
+
+StackReader::StackReader(const Stack& stack) : stack_(stack), rows_(stack.photos.size()) {
+    files_.reserve(stack.photos.size());
+    for (const StackPhoto& photo : stack.photos) files_.emplace_back(photo.path);
+}
+
+int StackReader::rows_for(std::size_t bytes) const {
+    const std::size_t row = sizeof(float) * files_.size() * static_cast<std::size_t>(stack_.channels) *
+                            static_cast<std::size_t>(stack_.width());
+    const std::size_t rows = std::min(bytes / row, static_cast<std::size_t>(stack_.height()));
+    return std::max(static_cast<int>(rows), 1);
+}
+
+// Rows y0 <= y < y1 of the whole photograph. Those that the band before had are not decoded again.
+const float* StackReader::rows_of(std::size_t photo, int y0, int y1) {
+    PhotoFile& file = files_[photo];
+    Rows& rows = rows_[photo];
+    const auto row =
+        static_cast<std::size_t>(file.header().width) * static_cast<std::size_t>(stack_.channels);
+    if (y0 < rows.y0 || y0 > rows.y1) rows = {y0, y0, {}};
+    rows.values.erase(rows.values.begin(),
+                      rows.values.begin() + static_cast<std::ptrdiff_t>(row) * (y0 - rows.y0));
+    rows.y0 = y0;
+    if (y1 > rows.y1) {
+        rows.values.resize(row * static_cast<std::size_t>(y1 - y0));
+        file.read_rows(rows.y1, y1,
+                       std::span(rows.values).subspan(row * static_cast<std::size_t>(rows.y1 - y0)));
+        rows.y1 = y1;
+    }
+    return rows.values.data();
+}
+
+template <class Decode>
+void StackReader::resample(std::size_t photo, const Decode& decode, Band& band) {
+    const Homography& h = *stack_.photos[photo].homography;
+    const PhotoHeader& header = files_[photo].header();
+    const int channels = stack_.channels, width = header.width, height = header.height;
+    const int x0 = stack_.crop.x0, y0 = stack_.crop.y0 + band.y0(), y1 = stack_.crop.y0 + band.y1();
+    // A homography takes a rectangle to a quadrangle, whose highest and lowest points are corners.
+    double lowest = height, highest = 0;
+    for (const int x : {x0, x0 + band.width() - 1})
+        for (const int y : {y0, y1 - 1}) {
+            const double row = mapped(h, {x, y}).y;
+            lowest = std::min(lowest, row);
+            highest = std::max(highest, row);
+        }
+    const int first = std::clamp(static_cast<int>(std::floor(lowest)) - kLanczos, 0, height - 1);
+    const int last = std::clamp(static_cast<int>(std::floor(highest)) + kLanczos + 2, first + 1, height);
+    const float* stored = rows_of(photo, first, last);
+    const std::size_t stride = static_cast<std::size_t>(width) * static_cast<std::size_t>(channels);
+    std::vector<float> linear(stride * static_cast<std::size_t>(last - first));
+    for (std::size_t i = 0; i < linear.size(); ++i) linear[i] = decode(stored[i]);
+    const float clipped = stack_.bits == 32 ? std::numeric_limits<float>::infinity() : decode(kClipped);
+    const auto at = [&](int x, int y, int c) {
+        const int row = std::clamp(y, first, last - 1) - first;
+        return linear[static_cast<std::size_t>(row) * stride +
+                      static_cast<std::size_t>(std::clamp(x, 0, width - 1) * channels + c)];
+    };
+    float wx[2 * kLanczos], wy[2 * kLanczos];
+    for (int y = band.y0(); y < band.y1(); ++y)
+        for (int x = 0; x < band.width(); ++x) {
+            const glm::dvec2 p = mapped(h, {x0 + x, stack_.crop.y0 + y});
+            const bool inside = p.x >= 0 && p.y >= 0 && p.x <= width - 1 && p.y <= height - 1;
+            const int px = inside ? static_cast<int>(p.x) : 0, py = inside ? static_cast<int>(p.y) : 0;
+            if (inside) lanczos_weights(p.x - px, wx), lanczos_weights(p.y - py, wy);
+            for (int c = 0; c < channels; ++c) {
+                float& target = band.row(static_cast<int>(photo), c, y)[x];
+                if (!inside) {
+                    target = std::numeric_limits<float>::quiet_NaN();
+                    continue;
+                }
+                const float near =
+                    std::max({at(px, py, c), at(px + 1, py, c), at(px, py + 1, c), at(px + 1, py + 1, c)});
+                float sum = 0;
+                for (int j = 0; j < 2 * kLanczos; ++j) {
+                    float row = 0;
+                    for (int i = 0; i < 2 * kLanczos; ++i)
+                        row += wx[i] * at(px + i + 1 - kLanczos, py + j + 1 - kLanczos, c);
+                    sum += wy[j] * row;
+                }
+                target = near >= clipped ? near : std::max(sum, 0.0f);
+            }
+        }
+    // Bands ascend: what the next one may share with this one stays, the rest need not be held.
+    const double next = std::min(mapped(h, {x0, y1}).y, mapped(h, {x0 + band.width() - 1, y1}).y);
+    const int keep = std::clamp(static_cast<int>(std::floor(next)) - kLanczos - 1, first, last);
+    rows_of(photo, keep, keep);
+    rows_[photo].values.shrink_to_fit();
+}
+
+Band StackReader::read(int y0, int y1, const Transfer& transfer) {
+    const int photos = static_cast<int>(files_.size()), channels = stack_.channels;
+    const int codes = stack_.bits == 32 ? 0 : 1 << stack_.bits;  // stored values; floats have no table
+    if (!table_transfer_ || *table_transfer_ != transfer) {
+        table_.resize(static_cast<std::size_t>(codes));
+        for (int code = 0; code < codes; ++code)
+            table_[static_cast<std::size_t>(code)] =
+                transfer.decode(static_cast<float>(code) / static_cast<float>(codes - 1));
+        table_transfer_ = transfer;
+    }
+    const float scale = static_cast<float>(codes - 1);
+    const auto decode = [&](float stored) {
+        return codes == 0 ? transfer.decode(stored) : table_[static_cast<std::size_t>(stored * scale + 0.5f)];
+    };
+    Band band(photos, channels, stack_.width(), y0, y1);
+    parallel_for(0, photos, 1, [&](int begin, int end) {
+        std::vector<float> stored;
+        for (int i = begin; i < end; ++i) {
+            if (stack_.photos[static_cast<std::size_t>(i)].homography) {
+                resample(static_cast<std::size_t>(i), decode, band);
+                continue;
+            }
+            PhotoFile& file = files_[static_cast<std::size_t>(i)];
+            const auto row =
+                static_cast<std::size_t>(file.header().width) * static_cast<std::size_t>(channels);
+            stored.resize(row * static_cast<std::size_t>(y1 - y0));
+            file.read_rows(stack_.crop.y0 + y0, stack_.crop.y0 + y1, stored);
+            for (int y = y0; y < y1; ++y) {
+                const float* source =
+                    &stored[row * static_cast<std::size_t>(y - y0)] + stack_.crop.x0 * channels;
+                for (int c = 0; c < channels; ++c) {
+                    float* target = band.row(i, c, y);
+                    for (int x = 0; x < stack_.width(); ++x) target[x] = decode(source[x * channels + c]);
+                }
+            }
+        }
+    });
+    return band;
+}
+
+}  // namespace tangi

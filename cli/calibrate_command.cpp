@@ -1,0 +1,188 @@
+// calibrate_command.cpp: tangipaint calibrate PHOTOS --out lights.lp
+#include <glm/geometric.hpp>
+
+#include "capture/calibration_page.h"
+#include "cli/arguments.h"
+#include "cli/command_list.h"
+#include "surface/atomic_file.h"
+#include "surface/error.h"
+
+namespace tangi {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+struct CalibrateArguments {
+    std::string folder, out, transfer = "auto", principal, origin;
+    std::vector<std::string> photos, spheres;
+    double ball_radius_mm = 0, focal_px = 0, focal_35mm = 0, camera_distance_mm = 0;
+    std::optional<double> ball_height_mm;
+    bool matt = false, fixed_camera = false;
+};
+
+std::vector<double> numbers_in(const std::string& text, const std::string& flag, const std::string& form) {
+    std::vector<double> numbers;
+    std::istringstream stream(text);
+    for (std::string word; std::getline(stream, word, ',');) {
+        std::size_t used = 0;
+        double value = 0;
+        try {
+            value = std::stod(word, &used);
+        } catch (const std::exception&) {
+            used = std::string::npos;
+        }
+        if (used != word.size() || !std::isfinite(value))
+            throw UsageError(fmt::format("{} {}: '{}' is not a number; expected {}", flag, text, word, form));
+        numbers.push_back(value);
+    }
+    return numbers;
+}
+
+GivenBall ball_of(const std::string& text) {
+    const std::string form = "X,Y,R or a box X0,Y0,X1,Y1 in pixels";
+    const std::vector<double> n = numbers_in(text, "--sphere", form);
+    if (n.size() == 3 && n[2] > 0) return {.centre_px = {n[0], n[1]}, .radius_px = n[2], .text = text};
+    if (n.size() == 4 && n[2] > n[0] && n[3] > n[1])
+        return {.centre_px = {(n[0] + n[2]) / 2, (n[1] + n[3]) / 2},
+                .radius_px = std::min(n[2] - n[0], n[3] - n[1]) / 2,
+                .is_box = true,
+                .text = text};
+    throw UsageError(fmt::format("--sphere {}: expected {}", text, form));
+}
+
+std::optional<glm::dvec2> point_of(const std::string& text, const std::string& flag) {
+    if (text.empty()) return std::nullopt;
+    const std::vector<double> n = numbers_in(text, flag, "X,Y in pixels");
+    if (n.size() != 2) throw UsageError(fmt::format("{} {}: expected X,Y in pixels", flag, text));
+    return glm::dvec2(n[0], n[1]);
+}
+
+std::optional<double> if_given(double value) { return value > 0 ? std::optional(value) : std::nullopt; }
+
+BallCalibrationOptions options_of(const CalibrateArguments& a) {
+    BallCalibrationOptions options{.balls = {},
+                                   .matt = a.matt,
+                                   .fixed_camera = a.fixed_camera,
+                                   .ball_radius_mm = if_given(a.ball_radius_mm),
+                                   .focal_px = if_given(a.focal_px),
+                                   .focal_35mm = if_given(a.focal_35mm),
+                                   .principal_px = point_of(a.principal, "--principal-px"),
+                                   .origin_px = point_of(a.origin, "--origin-px"),
+                                   .camera_distance_mm = if_given(a.camera_distance_mm),
+                                   .ball_height_mm = a.ball_height_mm};
+    for (const std::string& sphere : a.spheres) options.balls.push_back(ball_of(sphere));
+    if (a.transfer != "auto") {
+        options.transfer = transfer_named(a.transfer);
+        if (!options.transfer)
+            throw UsageError(
+                fmt::format("--transfer {}: is not auto, linear, srgb, or a gamma in [0.2, 5]", a.transfer));
+    }
+    return options;
+}
+
+nlohmann::json result_of(const BallCalibration& c, const CalibrationFiles& files) {
+    nlohmann::json balls = nlohmann::json::array(), left_out = nlohmann::json::array();
+    for (const FoundBall& ball : c.balls)
+        balls.push_back({{"name", ball.name},
+                         {"centre_px", {ball.image.centre_px.x, ball.image.centre_px.y}},
+                         {"radius_px", ball.image.radius_px},
+                         {"radius_sigma_px", ball.image.radius_sigma_px}});
+    std::vector<double> sigmas, position_sigmas;
+    int positions = 0;
+    for (const CalibratedLight& light : c.lights) {
+        if (!light.direction) {
+            left_out.push_back(light.name);
+            continue;
+        }
+        sigmas.push_back(light.direction_sigma_deg);
+        if (!light.position_mm) continue;
+        ++positions;
+        position_sigmas.push_back(glm::length(light.position_sigma_mm));
+    }
+    const auto median = [](std::vector<double> values) -> nlohmann::json {
+        if (values.empty()) return nullptr;
+        std::sort(values.begin(), values.end());
+        return values[values.size() / 2];
+    };
+    return {
+        {"lights", files.lights.string()},
+        {"capture", files.json.string()},
+        {"report", files.page.string()},
+        {"method", c.method},
+        {"photographs", {{"all", c.lights.size()}, {"calibrated", c.calibrated()}, {"left_out", left_out}}},
+        {"balls", balls},
+        {"positions", positions},
+        {"median_direction_sigma_deg", median(sigmas)},
+        {"median_position_sigma_mm", median(position_sigmas)},
+        {"camera_moved_rms_px", c.drifts.moved ? c.drifts.rms_px : 0}};
+}
+
+nlohmann::json run_calibrate(const CalibrateArguments& a) {
+    const Progress progress = console_progress();
+    if (fs::path(a.out).extension() != ".lp")
+        throw UsageError(fmt::format("--out {}: a lights file ends in .lp", a.out));
+    if (a.folder.empty() == a.photos.empty())
+        throw UsageError("give either a folder of photographs (PHOTOS) or photographs (--photos A B …)");
+    const BallCalibrationOptions options = options_of(a);
+    { const AtomicFile writable(a.out); }  // before the work: an output that can't be written is known now
+    std::vector<std::string> warnings;
+    std::vector<fs::path> paths;
+    if (!a.folder.empty())
+        paths = pictures_in(a.folder, warnings);
+    else
+        paths.assign(a.photos.begin(), a.photos.end());
+    BallCalibration calibration = calibrate_from_balls(paths, options, progress);
+    calibration.warnings.insert(calibration.warnings.begin(), warnings.begin(), warnings.end());
+    const CalibrationFiles files = write_calibration(a.out, calibration);
+    nlohmann::json result = result_of(calibration, files);
+    result["warnings"] = told(calibration.warnings);
+    result["poor"] = calibration.poor;
+    return result;
+}
+
+}  // namespace
+
+Command calibrate_command() {
+    return {
+        "calibrate", "find where the light came from in each photograph, from mirror or matt balls",
+        [](CLI::App& app) {
+            auto a = std::make_shared<CalibrateArguments>();
+            app.add_option("PHOTOS", a->folder, "folder of photographs, one for each light");
+            app.add_option("--photos", a->photos, "photographs, instead of a folder");
+            app.add_option(
+                   "--out", a->out,
+                   "the lights file to write (.lp); capture.json and capture.html are written beside it")
+                ->required();
+            app.add_option(
+                "--sphere", a->spheres,
+                "where a ball is: X,Y,R or a box X0,Y0,X1,Y1 in pixels from the top left; once for each "
+                "ball; found automatically where not given");
+            app.add_flag("--matt-ball", a->matt, "the ball is matt (grey or white), not a mirror");
+            app.add_option("--ball-radius-mm", a->ball_radius_mm,
+                           "radius of the balls; two balls or more then tell positions")
+                ->check(CLI::PositiveNumber);
+            app.add_option("--focal-px", a->focal_px,
+                           "focal length of the camera in pixels; far away where not given")
+                ->check(CLI::PositiveNumber);
+            app.add_option("--focal-35mm", a->focal_35mm, "its 35-mm equivalent in mm, as in EXIF, instead")
+                ->check(CLI::PositiveNumber);
+            app.add_option("--principal-px", a->principal,
+                           "X,Y where the camera looks straight ahead; the picture's centre");
+            app.add_option("--origin-px", a->origin,
+                           "X,Y where the painting's frame has its origin; the picture's centre");
+            app.add_option("--camera-distance-mm", a->camera_distance_mm,
+                           "from the camera to the painting's plane")
+                ->check(CLI::PositiveNumber);
+            app.add_option("--ball-height-mm", a->ball_height_mm,
+                           "of the balls' centres above the painting's plane; their radius where not given");
+            app.add_flag("--fixed-camera", a->fixed_camera,
+                         "the camera did not move: do not register the photographs");
+            app.add_option("--transfer", a->transfer,
+                           "for a matt ball: auto, linear, srgb, or a gamma such as 2.2")
+                ->capture_default_str();
+            return [a] { return run_calibrate(*a); };
+        }};
+}
+
+}  // namespace tangi

@@ -1,0 +1,40 @@
+// joint_lights.h: the bundle adjustment of light calibration: grey pixels, gains and rig at once, with Ceres.
+#pragma once
+
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
+#include <vector>
+
+namespace tangi {
+
+// Lengths are in picture widths (the longer side), positions from the centre, y up.
+struct JointLights {
+    struct Pixel {
+        glm::dvec2 position{0};
+        glm::dvec2 slope{0};
+        double ln_alpha = -1.6, specular = 0, diffuse = 0;  // start, and result
+    };
+    struct Observation {
+        int pixel, photo;
+        double value;  // [1] linear, relative to the white level
+        double sigma;  // [1] > 0
+    };
+    struct RigParameters {
+        double lamp_nearness = 0;    // [1/width] of the lamps' distance; 0 = far away
+        double ambient = 0;          // [1] as Rig::ambient
+        double camera_nearness = 0;  // [1/width]
+        double bend = 0;             // [1/width] as Rig::bend_per_mm
+    };
+
+    std::vector<glm::dvec3> directions;  // [unit vectors] of the lamps, one a photograph
+    std::vector<Pixel> pixels;
+    std::vector<Observation> observations;
+
+    std::vector<double> log_gains;  // one a photograph: start, and result
+    RigParameters rig;
+
+    // Minimises over pixels and rig, and over the gains where `free_gains`. False where Ceres fails.
+    bool solve(bool free_gains);
+};
+
+}  // namespace tangi

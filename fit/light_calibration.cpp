@@ -1,0 +1,314 @@
+#include "fit/light_calibration.h"
+
+#include <oneapi/tbb/enumerable_thread_specific.h>
+
+#include <algorithm>
+#include <cmath>
+#include <mutex>
+#include <numeric>
+
+#include "fit/joint_lights.h"
+#include "surface/median.h"
+#include "surface/parallel.h"
+
+namespace tangi {
+
+namespace {
+
+constexpr std::array kFreedoms = {LightFreedom::none, LightFreedom::rig, LightFreedom::rig_and_gains};
+constexpr int kFolds = 3;     // trials of each freedom ...
+constexpr int kFoldStep = 6;  // ... with every sixth photograph left out
+constexpr double kModelError = 0.03;
+constexpr double kFar = 0.01;   // [1/width] nearness from which on a distance says something
+constexpr double kBestDb = 60;  // a photograph predicted to a thousandth is predicted
+
+// A stack's sample of pixels, and how it is fitted and predicted under some lighting.
+class Sample {
+public:
+    Sample(const Stack& stack, const Survey& survey, const Transfer& transfer, const NoiseModel& noise,
+           double mm_per_pixel, const WardFitOptions& ward, int wanted)
+        : survey_(survey), transfer_(transfer), noise_(noise), ward_(ward) {
+        width_mm_ = std::max(stack.width(), stack.height()) * mm_per_pixel;
+        const int step = std::max(1, survey.sample_count() / wanted);
+        for (int k = 0; k < survey.sample_count(); k += step) {
+            chosen_.push_back(k);
+            const glm::dvec2 centred(
+                survey.positions[static_cast<std::size_t>(k)].x - (stack.width() - 1) / 2.0,
+                (stack.height() - 1) / 2.0 - survey.positions[static_cast<std::size_t>(k)].y);
+            points_mm_.emplace_back(Vec3(centred * mm_per_pixel, 0));
+        }
+    }
+
+    int size() const { return static_cast<int>(chosen_.size()); }
+    double width_mm() const { return width_mm_; }
+    const Vec3& point_mm(int k) const { return points_mm_[static_cast<std::size_t>(k)]; }
+
+    // Samples of pixel k in these photographs; the lighting has one light for each of them.
+    void gather(int k, const std::vector<int>& photos, const Lighting& lighting, PixelSamples& s) const {
+        illuminate(lighting, point_mm(k), survey_.channels, s);
+        std::size_t at = 0;
+        for (const int photo : photos) {
+            const float* stored = this->stored(k, photo);
+            for (int c = 0; c < survey_.channels; ++c, ++at) {
+                const float value = transfer_.decode(stored[c]);
+                s.value[at] = value;
+                s.sigma[at] = noise_.sigma(value);
+            }
+        }
+    }
+
+    std::vector<WardEstimate> fit(const std::vector<int>& photos, const Lighting& lighting) const {
+        std::vector<WardEstimate> estimates(static_cast<std::size_t>(size()));
+        oneapi::tbb::enumerable_thread_specific<WardFitter> fitters([&] { return WardFitter(ward_); });
+        parallel_for(0, size(), 8, [&](int begin, int end) {
+            PixelSamples samples;
+            for (int k = begin; k < end; ++k) {
+                gather(k, photos, lighting, samples);
+                estimates[static_cast<std::size_t>(k)] = fitters.local().fit(samples);
+            }
+        });
+        return estimates;
+    }
+
+    // [dB] PSNR of one photograph, predicted under this light.
+    double psnr_db(const std::vector<WardEstimate>& estimates, int photo, const Lighting& lighting) const {
+        double squares = 0;
+        long count = 0;
+        PixelSamples s;
+        for (int k = 0; k < size(); ++k) {
+            const WardEstimate& e = estimates[static_cast<std::size_t>(k)];
+            if (!e.valid) continue;
+            illuminate(lighting, point_mm(k), survey_.channels, s);
+            const double theta[kWardCommon] = {e.slope.x, e.slope.y, std::log(e.roughness), e.specular};
+            const WardTerms t = ward_terms(theta, s.light[0], s.view);
+            const float* stored = this->stored(k, photo);
+            if (std::isnan(stored[0])) continue;  // outside a registered photograph
+            for (int c = 0; c < survey_.channels; ++c, ++count) {
+                const double linear = s.irradiance[static_cast<std::size_t>(c)] *
+                                      (e.diffuse[c] * (t.n_l + s.ambient[0]) + e.specular * t.lobe);
+                const double shown = std::min(transfer_.encode(static_cast<float>(linear)), 1.0f);
+                squares += (shown - stored[c]) * (shown - stored[c]);
+            }
+        }
+        if (count == 0 || squares <= 0) return kBestDb;
+        return std::min(-10 * std::log10(squares / static_cast<double>(count)), kBestDb);
+    }
+
+    // The joint problem of these photographs, from the estimates of the pixels. Clipped samples are left out.
+    JointLights joint_problem(const std::vector<int>& photos, const Lighting& lighting,
+                              const std::vector<WardEstimate>& estimates) const {
+        JointLights joint;
+        for (const Light& light : lighting.lights) {
+            joint.directions.emplace_back(light.direction);
+            joint.log_gains.push_back(0);
+        }
+        PixelSamples s;
+        for (int k = 0; k < size(); ++k) {
+            const WardEstimate& e = estimates[static_cast<std::size_t>(k)];
+            if (!e.valid) continue;
+            double diffuse = 0;
+            for (int c = 0; c < survey_.channels; ++c) diffuse += e.diffuse[c] / survey_.channels;
+            const int pixel = static_cast<int>(joint.pixels.size());
+            joint.pixels.push_back({.position = glm::dvec2(point_mm(k)) / width_mm_,
+                                    .slope = e.slope,
+                                    .ln_alpha = std::log(e.roughness),
+                                    .specular = std::max(e.specular, 0.002),
+                                    .diffuse = diffuse});
+            gather(k, photos, lighting, s);
+            for (int i = 0; i < s.photos(); ++i) add_observation(s, i, pixel, joint);
+        }
+        return joint;
+    }
+
+private:
+    const float* stored(int k, int photo) const {
+        return survey_.sample(chosen_[static_cast<std::size_t>(k)]) +
+               static_cast<std::ptrdiff_t>(photo) * survey_.channels;
+    }
+
+    static void add_observation(const PixelSamples& s, int photo, int pixel, JointLights& joint) {
+        double value = 0, variance = 0, irradiance = 0;
+        for (int c = 0; c < s.channels; ++c) {
+            const auto at = static_cast<std::size_t>(photo * s.channels + c);
+            if (!(s.sigma[at] > 0)) return;
+            value += s.value[at] / s.channels;
+            irradiance += s.irradiance[at] / s.channels;
+            variance += s.sigma[at] * s.sigma[at] / s.channels;  // JPEG's noise is shared by the channels
+        }
+        const JointLights::Pixel& p = joint.pixels[static_cast<std::size_t>(pixel)];
+        const glm::dvec3& l = s.light[static_cast<std::size_t>(photo)];
+        const double n_l = std::max(l.z - p.slope.x * l.x - p.slope.y * l.y, 0.0) /
+                           std::sqrt(1 + glm::dot(p.slope, p.slope));
+        const double model_error = kModelError * std::max(p.diffuse * n_l, value / irradiance);
+        joint.observations.push_back(
+            {pixel, photo, value / irradiance, std::hypot(std::sqrt(variance) / irradiance, model_error)});
+    }
+
+    const Survey& survey_;
+    Transfer transfer_;
+    const NoiseModel& noise_;
+    WardFitOptions ward_;
+    double width_mm_ = 1;
+    std::vector<int> chosen_;  // of the survey's samples
+    std::vector<Vec3> points_mm_;
+};
+
+double mean(const std::vector<double>& values) {
+    return std::accumulate(values.begin(), values.end(), 0.0) /
+           static_cast<double>(std::max<std::size_t>(values.size(), 1));
+}
+
+Lighting subset(const Lighting& lighting, const std::vector<int>& photos) {
+    Lighting result{{}, lighting.rig, lighting.white_level};
+    for (const int i : photos) result.lights.push_back(lighting.lights[static_cast<std::size_t>(i)]);
+    return result;
+}
+
+// The lighting of some photographs, calibrated on them.
+LightCalibration calibrated(const Sample& sample, const std::vector<int>& photos, const Lighting& given,
+                            LightFreedom freedom) {
+    LightCalibration result{.lighting = given, .trials = {}};
+    if (freedom == LightFreedom::none) return result;
+    JointLights joint = sample.joint_problem(photos, given, sample.fit(photos, given));
+    if (joint.pixels.empty() || !joint.solve(freedom == LightFreedom::rig_and_gains)) return result;
+
+    result.freedom = freedom;
+    Rig& rig = result.lighting.rig;
+    const auto distance = [&](double nearness) {
+        return nearness > kFar ? std::optional(static_cast<float>(sample.width_mm() / nearness))
+                               : std::nullopt;
+    };
+    rig.ambient = static_cast<float>(joint.rig.ambient);
+    rig.lamp_distance_mm = distance(joint.rig.lamp_nearness);
+    rig.camera_distance_mm = distance(joint.rig.camera_nearness);
+    rig.bend_per_mm = static_cast<float>(joint.rig.bend / sample.width_mm());
+    const double middle = median(joint.log_gains);
+    for (std::size_t i = 0; i < photos.size(); ++i) {
+        Light& light = result.lighting.lights[i];
+        light.gain *= static_cast<float>(std::exp(joint.log_gains[i] - middle));
+        if (rig.lamp_distance_mm) light.position_mm = light.direction * *rig.lamp_distance_mm;
+    }
+    if (freedom == LightFreedom::rig_and_gains) result.lamps = fit_lamp_model(result.lighting.lights);
+    return result;
+}
+
+// [dB] PSNR of the photographs of one fold, predicted from all others.
+std::vector<double> left_out_db(const Sample& sample, const Lighting& given, LightFreedom freedom, int fold) {
+    std::vector<int> used, left_out;
+    for (int i = 0; i < static_cast<int>(given.lights.size()); ++i)
+        (i % kFoldStep == kFoldStep / kFolds * fold ? left_out : used).push_back(i);
+    const LightCalibration c = calibrated(sample, used, subset(given, used), freedom);
+    const std::vector<WardEstimate> estimates = sample.fit(used, c.lighting);
+    std::vector<double> db;
+    for (const int i : left_out) {
+        Lighting one = subset(given, {i});
+        one.rig = c.lighting.rig;
+        Light& light = one.lights.front();
+        if (c.lamps)
+            light.gain *= static_cast<float>(predicted_gain(*c.lamps, c.lighting.lights, light.direction));
+        if (one.rig.lamp_distance_mm) light.position_mm = light.direction * *one.rig.lamp_distance_mm;
+        db.push_back(sample.psnr_db(estimates, i, one));
+    }
+    return db;
+}
+
+std::vector<LightCalibration::Trial> tried(const Sample& sample, const Lighting& given,
+                                           const Progress& progress) {
+    std::array<std::array<std::vector<double>, kFolds>, kFreedoms.size()> db;
+    constexpr int tasks = kFolds * static_cast<int>(kFreedoms.size());
+    std::mutex mutex;
+    int done = 0;
+    parallel_for(0, tasks, 1, [&](int begin, int end) {
+        for (int task = begin; task < end; ++task) {
+            const auto freedom = static_cast<std::size_t>(task / kFolds);
+            const int fold = task % kFolds;
+            std::vector<double> result = left_out_db(sample, given, kFreedoms[freedom], fold);
+            const std::lock_guard lock(mutex);
+            db[freedom][static_cast<std::size_t>(fold)] = std::move(result);
+            report(progress, "lights", ++done / static_cast<double>(tasks + 1));
+        }
+    });
+    std::vector<LightCalibration::Trial> trials;
+    for (std::size_t i = 0; i < kFreedoms.size(); ++i) {
+        trials.push_back({kFreedoms[i], 0, {}});
+        for (const std::vector<double>& fold : db[i])
+            trials.back().photos_db.insert(trials.back().photos_db.end(), fold.begin(), fold.end());
+        trials.back().left_out_db = mean(trials.back().photos_db);
+    }
+    return trials;
+}
+
+// [dB] By how much `a` predicts the same photographs better than `b`, in the median: one photograph whose
+// lamp moved is no reason for or against.
+double gained_db(const LightCalibration::Trial& a, const LightCalibration::Trial& b) {
+    std::vector<double> gained;
+    for (std::size_t i = 0; i < a.photos_db.size(); ++i) gained.push_back(a.photos_db[i] - b.photos_db[i]);
+    return median(std::move(gained));
+}
+
+std::vector<int> all_of(const Stack& stack) {
+    std::vector<int> all(stack.photos.size());
+    std::iota(all.begin(), all.end(), 0);
+    return all;
+}
+
+}  // namespace
+
+std::string_view name_of(LightFreedom freedom) {
+    switch (freedom) {
+        case LightFreedom::none:
+            return "as given";
+        case LightFreedom::rig:
+            return "rig";
+        case LightFreedom::rig_and_gains:
+            break;
+    }
+    return "rig and gains";
+}
+
+nlohmann::json to_json(const LightCalibration& calibration) {
+    using nlohmann::json;
+    const Rig& rig = calibration.lighting.rig;
+    const auto distance = [](const std::optional<float>& mm) { return mm ? json(*mm) : json(nullptr); };
+    json trials = json::object(), gains = json::object();
+    for (const LightCalibration::Trial& trial : calibration.trials)
+        trials[std::string(name_of(trial.freedom))] = trial.left_out_db;
+    if (calibration.lamps)
+        for (const Light& light : calibration.lighting.lights) gains[light.name] = light.gain.g;
+    return {{"calibrated", name_of(calibration.freedom)},
+            {"left_out_db", trials},
+            {"ambient", rig.ambient},
+            {"lamp_distance_mm", distance(rig.lamp_distance_mm)},
+            {"camera_distance_mm", distance(rig.camera_distance_mm)},
+            {"bend_per_mm", rig.bend_per_mm},
+            {"gains", gains}};
+}
+
+LightCalibration calibrate_lights_with(LightFreedom freedom, const Stack& stack, const Survey& survey,
+                                       const Transfer& transfer, const NoiseModel& noise,
+                                       const Lighting& given, double mm_per_pixel, const WardFitOptions& ward,
+                                       const LightCalibrationOptions& options) {
+    validate(options);
+    const Sample sample(stack, survey, transfer, noise, mm_per_pixel, ward, options.samples);
+    return calibrated(sample, all_of(stack), given, freedom);
+}
+
+LightCalibration calibrate_lights(const Stack& stack, const Survey& survey, const Transfer& transfer,
+                                  const NoiseModel& noise, const Lighting& given, double mm_per_pixel,
+                                  const WardFitOptions& ward, const LightCalibrationOptions& options,
+                                  const Progress& progress) {
+    validate(options);
+    if (static_cast<int>(stack.photos.size()) < options.fewest_photos)
+        return {.lighting = given, .trials = {}};
+    const Sample sample(stack, survey, transfer, noise, mm_per_pixel, ward, options.samples);
+    std::vector<LightCalibration::Trial> trials = tried(sample, given, progress);
+    LightCalibration::Trial best = trials.front();
+    for (const LightCalibration::Trial& trial : trials)
+        if (gained_db(trial, best) > options.worth_db) best = trial;
+    LightCalibration result = calibrated(sample, all_of(stack), given, best.freedom);
+    result.trials = std::move(trials);
+    report(progress, "lights", 1);
+    return result;
+}
+
+}  // namespace tangi

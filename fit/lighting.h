@@ -1,0 +1,41 @@
+// lighting.h: what falls on a point of the painting in each photograph, and how certain a pixel's value is:
+// what the per-pixel fits need beside the photographs.
+#pragma once
+
+#include <array>
+#include <limits>
+#include <vector>
+
+#include "capture/pixel_samples.h"
+#include "surface/colour.h"
+#include "surface/light.h"
+
+namespace tangi {
+
+struct Lighting {
+    std::vector<Light> lights;  // one a photograph
+    Rig rig;
+    double white_level = 1;  // [1] linear pixel value of a matt white that faces a light of gain 1
+};
+
+// Sizes the samples of the pixel at a point of the painting for all lights, and fills in all but their values
+// and sigmas.
+void illuminate(const Lighting& lighting, const Vec3& point_mm, int channels, PixelSamples& samples);
+
+// Standard deviation to expect of a linear value: that of a stored value, carried through the transfer curve.
+class NoiseModel {
+public:
+    // `noise` [1]: standard deviation of a stored value, full scale = 1. Files of floats do not clip: light
+    // beyond 1 is light like any other.
+    NoiseModel(const Transfer& transfer, double noise, bool clips);
+
+    // 0 where the sample is clipped (it only says "at least this") or not a number.
+    double sigma(float linear) const;
+
+private:
+    static constexpr int kEntries = 4096;
+    std::array<float, kEntries> sigma_{};
+    float clipped_ = std::numeric_limits<float>::infinity();
+};
+
+}  // namespace tangi

@@ -1,0 +1,118 @@
+#include "surface/lamp_model.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace tangi {
+
+namespace {
+
+using Terms = std::array<double, 6>;
+
+constexpr double kOutlier = 0.1;      // [1] ln gain: leftover from which a lamp counts less for the trend
+constexpr double kTrendSigma = 0.3;   // [1] ln gain: how much of a trend is to be expected
+constexpr double kScoreScale = 0.05;  // [1] ln gain: errors well above count by their number, not their size
+
+Terms terms_of(const Vec3& l) { return {1, l.x, l.y, l.x * l.x, l.x * l.y, l.y * l.y}; }
+
+double dot(const Terms& a, const Terms& b) {
+    double sum = 0;
+    for (std::size_t i = 0; i < a.size(); ++i) sum += a[i] * b[i];
+    return sum;
+}
+
+double log_gain(const Light& light) {
+    return std::log(std::max((light.gain.r + light.gain.g + light.gain.b) / 3.0, 1e-6));
+}
+
+// Solves a x = b for a symmetric positive definite a by Cholesky's decomposition.
+Terms solved(std::array<Terms, 6> a, Terms b) {
+    constexpr std::size_t n = 6;
+    for (std::size_t j = 0; j < n; ++j) {
+        for (std::size_t k = 0; k < j; ++k) a[j][j] -= a[j][k] * a[j][k];
+        a[j][j] = std::sqrt(a[j][j]);
+        for (std::size_t i = j + 1; i < n; ++i) {
+            for (std::size_t k = 0; k < j; ++k) a[i][j] -= a[i][k] * a[j][k];
+            a[i][j] /= a[j][j];
+        }
+    }
+    for (std::size_t i = 0; i < n; ++i) {
+        for (std::size_t k = 0; k < i; ++k) b[i] -= a[i][k] * b[k];
+        b[i] /= a[i][i];
+    }
+    for (std::size_t i = n; i-- > 0;) {
+        for (std::size_t k = i + 1; k < n; ++k) b[i] -= a[k][i] * b[k];
+        b[i] /= a[i][i];
+    }
+    return b;
+}
+
+// `left_out` < 0: none. Without a slope the trend is the robust mean.
+Terms fitted_trend(std::span<const Light> lights, int left_out, bool slopes) {
+    Terms trend{};
+    for (int iteration = 0; iteration < 8; ++iteration) {
+        std::array<Terms, 6> a{};
+        Terms b{};
+        for (std::size_t i = 0; i < a.size(); ++i)
+            a[i][i] = i == 0 ? 1e-9 : (slopes ? kOutlier * kOutlier / (kTrendSigma * kTrendSigma) : 1e12);
+        for (std::size_t i = 0; i < lights.size(); ++i) {
+            if (static_cast<int>(i) == left_out) continue;
+            const Terms t = terms_of(lights[i].direction);
+            const double value = log_gain(lights[i]), r = (value - dot(trend, t)) / kOutlier;
+            const double weight = iteration == 0 ? 1 : 1 / (1 + r * r);
+            for (std::size_t j = 0; j < t.size(); ++j) {
+                for (std::size_t k = 0; k < t.size(); ++k) a[j][k] += weight * t[j] * t[k];
+                b[j] += weight * t[j] * value;
+            }
+        }
+        trend = solved(a, b);
+    }
+    return trend;
+}
+
+double predicted_log_gain(const LampModel& model, std::span<const Light> lights, const Vec3& direction,
+                          int left_out) {
+    double sum = 0, weight = model.shrink;
+    for (std::size_t i = 0; i < lights.size(); ++i) {
+        if (static_cast<int>(i) == left_out) continue;
+        const Vec3 d = lights[i].direction - direction;
+        const double w = std::exp(-glm::dot(d, d) / (2 * model.reach * model.reach));
+        sum += w * (log_gain(lights[i]) - dot(model.trend, terms_of(lights[i].direction)));
+        weight += w;
+    }
+    return dot(model.trend, terms_of(direction)) + sum / weight;
+}
+
+}  // namespace
+
+LampModel fit_lamp_model(std::span<const Light> lights) {
+    if (lights.empty()) return {};
+    struct Candidate {
+        bool slopes;
+        double reach, shrink, score = 0;
+    };
+    std::vector<Candidate> candidates;
+    for (const bool slopes : {false, true})
+        for (const double reach : {0.1, 0.2, 0.4})
+            for (const double shrink : {0.3, 1.0, 3.0, 1e9}) candidates.push_back({slopes, reach, shrink});
+    for (int i = 0; i < static_cast<int>(lights.size()); ++i) {
+        const std::array<Terms, 2> trends = {fitted_trend(lights, i, false), fitted_trend(lights, i, true)};
+        const Light& light = lights[static_cast<std::size_t>(i)];
+        for (Candidate& c : candidates) {
+            const LampModel model{trends[c.slopes], c.reach, c.shrink};
+            const double error =
+                (predicted_log_gain(model, lights, light.direction, i) - log_gain(light)) / kScoreScale;
+            c.score += std::log1p(error * error);
+        }
+    }
+    const Candidate& best = *std::min_element(candidates.begin(), candidates.end(),
+                                              [](const auto& a, const auto& b) { return a.score < b.score; });
+    return {fitted_trend(lights, -1, best.slopes), best.reach, best.shrink};
+}
+
+double predicted_gain(const LampModel& model, std::span<const Light> lights, const Vec3& direction) {
+    return std::exp(predicted_log_gain(model, lights, direction, -1));
+}
+
+}  // namespace tangi

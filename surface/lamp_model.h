@@ -1,0 +1,29 @@
+// lamp_model.h: the strength of a lamp as a smooth function of its direction, to predict lights that no
+// photograph had from those that were photographed.
+#pragma once
+
+#include <array>
+#include <span>
+
+#include "surface/light.h"
+
+namespace tangi {
+
+// ln gain = trend(x, y) + what is left over in photographs lit from nearby, averaged.
+struct LampModel {
+    std::array<double, 6> trend{};  // of 1, x, y, x^2, x y, y^2 of the direction
+    double reach = 0.2;             // [1] distance of directions over which leftovers are alike (Gaussian)
+    double shrink = 1;              // [1] > 0: how many photographs' worth of leftover 0 is averaged in
+
+    friend bool operator==(const LampModel&, const LampModel&) = default;
+};
+
+// The trend robustly, by least squares reweighted with Cauchy's function, slightly pulled to a constant;
+// reach, shrink and whether there is a trend at all such that each light is predicted best from all others
+// (leave-one-out). No lights: gain 1 everywhere.
+LampModel fit_lamp_model(std::span<const Light> photographed);
+
+// [1] Gain of a lamp in this direction; `photographed` as given to fit_lamp_model().
+double predicted_gain(const LampModel& model, std::span<const Light> photographed, const Vec3& direction);
+
+}  // namespace tangi

@@ -1,0 +1,107 @@
+// ball_pictures.h: photographs of balls on a table, rendered for the tests with known lights.
+#pragma once
+
+#include <functional>
+#include <optional>
+
+#include "capture/ball_calibration.h"
+#include "surface/picture_file.h"
+#include "test_support.h"
+
+namespace tangi {
+
+struct BallScene {
+    int width = 300, height = 220;
+    BallCamera camera{{}, {149.5, 109.5}};
+    std::vector<BallImage> balls = {{{140.3, 105.7}, 40, 0, 0}};
+    bool matt = false;
+    double lobe_rad = 0.035;  // roughness of the mirror
+    double strength = 12;     // of the highlight's middle; 1 is clipped
+    double noise = 0.002;
+    Transfer transfer{};
+    glm::dvec2 shift_px{0, 0};  // of the camera
+    std::uint64_t seed = 1;
+
+    // The picture under a distant light, or a near one (camera frame, in the units of
+    // centre_in_radius_units()).
+    Image<float> picture(const glm::dvec3& light, bool near = false) const {
+        Image<float> image(width, height);
+        Random random(seed + static_cast<std::uint64_t>(std::abs(light.x * 1e6)));
+        const double toward = near ? 0.7 : glm::normalize(light).z;
+        for (int y = 0; y < height; ++y)
+            for (int x = 0; x < width; ++x) {
+                double sum = 0;
+                for (int s = 0; s < 16; ++s) {
+                    const glm::dvec2 at(x + (s % 4 - 1.5) / 4, y + (s / 4 - 1.5) / 4);
+                    sum += std::min(1.0, value(at - shift_px, light, near, toward)) / 16;
+                }
+                sum = std::clamp(sum + noise * random.normal(), 0.0, 1.0);
+                image(x, y) = transfer.encode(static_cast<float>(sum));
+            }
+        return image;
+    }
+
+private:
+    double value(const glm::dvec2& at, const glm::dvec3& light, bool near, double toward) const {
+        for (const BallImage& ball : balls) {
+            const auto point = ball_point(ball, camera, at);
+            if (!point) continue;
+            const glm::dvec3 to_light = glm::normalize(near ? light - point->position : light);
+            if (matt) return 0.6 * std::max(0.0, glm::dot(point->normal, to_light));
+            const double cosine =
+                std::max(glm::dot(point->normal, glm::normalize(to_light + point->view)), 1e-3);
+            const double tangent = std::sqrt(1 / (cosine * cosine) - 1) / lobe_rad;
+            return 0.02 + strength / std::pow(1 + tangent * tangent, 2);
+        }
+        // A table with a pattern, so that there is something to register by.
+        const double tile = std::fmod(std::floor(at.x / 23) + std::floor(at.y / 19) + 100, 2.0);
+        return (0.12 + 0.1 * tile) * std::max(toward, 0.1);
+    }
+};
+
+// Directions to distant lights within `cone_deg` of the camera, all around.
+inline std::vector<glm::dvec3> lights_around(int count, double cone_deg = 55) {
+    std::vector<glm::dvec3> lights;
+    for (int i = 0; i < count; ++i) {
+        const double angle = 2.4 * i, tilt = cone_deg * std::numbers::pi / 180 * std::sqrt((i + 0.5) / count);
+        lights.emplace_back(std::sin(tilt) * std::cos(angle), std::sin(tilt) * std::sin(angle),
+                            std::cos(tilt));
+    }
+    return lights;
+}
+
+inline std::string ball_photo_name(int number) { return fmt::format("ball_{:02}.png", number); }
+
+// Writes the scene under each light and returns the paths; `change` may change the scene for a photograph, or
+// paint into its picture.
+using ChangeScene = std::function<void(int photo, BallScene&)>;
+using ChangePicture = std::function<void(int photo, Image<float>&)>;
+inline std::vector<std::filesystem::path> write_ball_photos(const std::filesystem::path& folder,
+                                                            const BallScene& scene,
+                                                            const std::vector<glm::dvec3>& lights,
+                                                            bool near = false, const ChangeScene& change = {},
+                                                            const ChangePicture& paint = {}) {
+    std::vector<std::filesystem::path> paths;
+    for (int i = 0; i < static_cast<int>(lights.size()); ++i) {
+        BallScene changed = scene;
+        if (change) change(i, changed);
+        Image<float> picture = changed.picture(lights[static_cast<std::size_t>(i)], near);
+        if (paint) paint(i, picture);
+        paths.push_back(folder / ball_photo_name(i));
+        write_map(paths.back(), picture);
+    }
+    return paths;
+}
+
+inline double degrees_between(const glm::dvec3& a, const glm::dvec3& b) {
+    return std::atan2(glm::length(glm::cross(a, b)), glm::dot(a, b)) * 180 / std::numbers::pi;
+}
+
+// A bright disc, painted over what is there.
+inline void paint_spot(Image<float>& picture, double x, double y, double radius, float value = 1) {
+    for (int py = 0; py < picture.height(); ++py)
+        for (int px = 0; px < picture.width(); ++px)
+            if (std::hypot(px - x, py - y) < radius) picture(px, py) = value;
+}
+
+}  // namespace tangi

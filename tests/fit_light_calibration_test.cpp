@@ -1,0 +1,139 @@
+// fit_light_calibration_test.cpp: lamps, ambient light and camera are found again in generated stacks, and
+// are left alone where there is nothing to find.
+#include "fit/light_calibration.h"
+
+#include <gtest/gtest.h>
+
+#include <iostream>
+
+#include "datasets/generator.h"
+#include "fit/fit_painting.h"
+#include "surface/median.h"
+#include "surface/parallel.h"
+#include "surface/photography_json.h"
+#include "test_support.h"
+
+namespace tangi {
+namespace {
+
+constexpr double kMmPerPixel = 0.4;
+
+// A stack on disk, opened, and what the generator knows of it.
+struct Scene {
+    TestDir folder;
+    Stack stack;
+    Survey surveyed;
+    Photography truth;
+    explicit Scene(GeneratorOptions options, int size = 160) {
+        options.held_out = 0;
+        const PaintingTruth painting =
+            procedural_painting({.seed = 5, .width = size, .height = size, .mm_per_pixel = kMmPerPixel});
+        write_stack(folder.path(), painting, options);
+        stack = open_stack(folder.path(), {.transfer = Transfer{}});
+        surveyed = survey(stack);
+        truth = photography_from_json(nlohmann::json::parse(bytes_of(folder / "gt/lights.json")));
+    }
+    double width_mm() const { return stack.width() * kMmPerPixel; }
+    LightCalibration calibrated() const {
+        return calibrate_lights(stack, surveyed, Transfer{}, NoiseModel(Transfer{}, 0.006, true),
+                                {stack.lights(), {}, 0.75}, kMmPerPixel, {});
+    }
+};
+
+struct GainErrors {
+    double mean = 0, worst = 0;
+};
+GainErrors gain_errors(const LightCalibration& found, const Photography& truth) {
+    std::vector<double> ratios;
+    for (const Light& light : found.lighting.lights)
+        for (const Photography::Photo& photo : truth.photos)
+            if (photo.light.name == light.name) ratios.push_back(light.gain.g / photo.light.gain.g);
+    EXPECT_EQ(ratios.size(), found.lighting.lights.size());
+    const double scale = median(ratios);
+    GainErrors errors;
+    for (const double ratio : ratios) {
+        const double error = std::abs(ratio / scale - 1);
+        errors.mean += error / static_cast<double>(ratios.size());
+        errors.worst = std::max(errors.worst, error);
+    }
+    return errors;
+}
+
+TEST(LightCalibration, FindsStrengthAndDistanceOfNearLampsThatDifferSevenfold) {
+    for (const Reflectance reflectance : {Reflectance::ggx, Reflectance::lambert}) {
+        const Scene scene(
+            {.lights = 40, .distance = 1.5, .gain_min = 0.3, .gain_max = 2, .reflectance = reflectance});
+        const LightCalibration found = scene.calibrated();
+        const GainErrors errors = gain_errors(found, scene.truth);
+        const double distance = found.lighting.rig.lamp_distance_mm.value_or(0) / scene.width_mm();
+        std::cout << fmt::format(
+            "{}: gains off by {:.2f} % on average, {:.2f} % at most; distance {:.3f} widths\n",
+            name_of(reflectance), 100 * errors.mean, 100 * errors.worst, distance);
+        EXPECT_EQ(found.freedom, LightFreedom::rig_and_gains);
+        EXPECT_LE(errors.mean, 0.03);
+        EXPECT_LE(errors.worst, 0.10);
+        EXPECT_NEAR(distance, 1.5, 0.05);
+    }
+}
+
+TEST(LightCalibration, FindsAmbientLight) {
+    // The generator's interreflection grows with the light's elevation; its ambient light does not.
+    const Scene scene({.lights = 40, .reflectance = Reflectance::ward_bounded, .ambient = 0.1});
+    const LightCalibration found = scene.calibrated();
+    EXPECT_NE(found.freedom, LightFreedom::none);
+    EXPECT_NEAR(found.lighting.rig.ambient, 0.1, 0.02);
+    EXPECT_GT(found.trials[1].left_out_db, found.trials[0].left_out_db + 3);
+}
+
+TEST(LightCalibration, LeavesLightsAloneThatAreRight) {
+    const Scene scene({.lights = 40});
+    const LightCalibration found = scene.calibrated();
+    EXPECT_EQ(found.freedom, LightFreedom::none);
+    EXPECT_EQ(found.lighting.rig, Rig{});
+    for (const Light& light : found.lighting.lights) EXPECT_EQ(light.gain, Rgb(1));
+    EXPECT_EQ(found.trials.size(), 3u);
+}
+
+TEST(LightCalibration, OfAFewPhotographsTakesLightsAsGiven) {
+    const Scene scene({.lights = 8, .gain_min = 0.3, .gain_max = 2}, 64);
+    const LightCalibration found = scene.calibrated();
+    EXPECT_EQ(found.freedom, LightFreedom::none);
+    EXPECT_TRUE(found.trials.empty());
+}
+
+TEST(LightCalibration, HasTheSameBitsOnOneThreadAndOnTwo) {
+    const Scene scene({.lights = 16, .distance = 2, .gain_min = 0.5}, 64);
+    const int before = thread_count();
+    set_thread_count(1);
+    const LightCalibration one = scene.calibrated();
+    set_thread_count(2);
+    const LightCalibration two = scene.calibrated();
+    set_thread_count(before);
+    EXPECT_EQ(to_json(one), to_json(two));
+    EXPECT_EQ(one.lamps, two.lamps);
+}
+
+TEST(FitPainting, WithNearUnequalLampsIsAboutAsGoodAsWithDistantEqualOnes) {
+    TestDir folder;
+    const PaintingTruth truth =
+        procedural_painting({.seed = 5, .width = 128, .height = 128, .mm_per_pixel = kMmPerPixel});
+    write_stack(folder.path(), truth,
+                {.lights = 32, .held_out = 0, .distance = 1.5, .gain_min = 0.5, .gain_max = 1.5});
+    const auto error_deg = [&](const FitOptions& options) {
+        const Surface s = fit_painting(open_stack(folder.path(), {.transfer = Transfer{}}), options).surface;
+        double sum = 0;
+        for (std::size_t i = 0; i < s.normal.size(); ++i)
+            sum += std::acos(std::min(1.0f, glm::dot(s.normal.pixels()[i], truth.normal.pixels()[i])));
+        return sum / static_cast<double>(s.normal.size()) * 180 / std::numbers::pi;
+    };
+    FitOptions options{.white_level = 0.75, .mm_per_pixel = kMmPerPixel};
+    const double calibrated = error_deg(options);
+    options.lights_as_given = true;
+    const double as_given = error_deg(options);
+    std::cout << fmt::format("normals off by {:.2f} deg, lights as given {:.2f}\n", calibrated, as_given);
+    EXPECT_LE(calibrated, 1.6);
+    EXPECT_GE(as_given, 4);
+}
+
+}  // namespace
+}  // namespace tangi

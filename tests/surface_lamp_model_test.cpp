@@ -1,0 +1,97 @@
+// surface_lamp_model_test.cpp: unseen lamps are predicted from those that were photographed.
+#include "surface/lamp_model.h"
+
+#include <gtest/gtest.h>
+
+#include "surface/surface.h"
+#include "tests/test_support.h"
+
+namespace tangi {
+namespace {
+
+template <class Gain>
+std::vector<Light> lamps(int count, Gain&& gain) {
+    std::vector<Light> lights = dome_lights(count);
+    for (Light& light : lights) light.gain = Rgb(static_cast<float>(gain(light.direction)));
+    return lights;
+}
+
+double worst_error(const LampModel& model, const std::vector<Light>& lights, auto&& gain) {
+    Random random(3);
+    double worst = 0;
+    for (int i = 0; i < 200; ++i) {
+        const Vec3 direction = random.direction(0.3);
+        worst = std::max(worst, std::abs(predicted_gain(model, lights, direction) / gain(direction) - 1));
+    }
+    return worst;
+}
+
+TEST(LampModel, OfEqualLampsPredictsTheSame) {
+    const auto gain = [](const Vec3&) { return 0.8; };
+    const std::vector<Light> lights = lamps(40, gain);
+    EXPECT_LE(worst_error(fit_lamp_model(lights), lights, gain), 1e-3);
+}
+
+TEST(LampModel, FollowsASmoothTrend) {
+    const auto gain = [](const Vec3& l) { return std::exp(0.3 * l.x - 0.2 * l.y + 0.4 * l.x * l.x); };
+    const std::vector<Light> lights = lamps(60, gain);
+    EXPECT_LE(worst_error(fit_lamp_model(lights), lights, gain), 0.05);
+}
+
+TEST(LampModel, FollowsWhatNeighboursHaveInCommon) {
+    // A lamp that was nearer on one side of the arc: no quadratic has that shape.
+    const auto gain = [](const Vec3& l) {
+        return 1 + 0.6 * std::exp(-12 * ((l.x - 0.5) * (l.x - 0.5) + l.y * l.y));
+    };
+    const std::vector<Light> lights = lamps(150, gain);
+    const LampModel model = fit_lamp_model(lights);
+    EXPECT_LE(std::abs(predicted_gain(model, lights, glm::normalize(Vec3(0.5, 0.05, 0.8))) /
+                           gain(glm::normalize(Vec3(0.5, 0.05, 0.8))) -
+                       1),
+              0.1);
+    EXPECT_LE(worst_error(model, lights, gain), 0.25);
+}
+
+TEST(LampModel, OfRandomStrengthsPredictsTheMiddleAndNoNeighbour) {
+    Random random(11);
+    const std::vector<Light> lights =
+        lamps(60, [&](const Vec3&) { return std::exp(random.uniform(-0.5, 0.5)); });
+    const LampModel model = fit_lamp_model(lights);
+    for (int i = 0; i < 100; ++i) {
+        const double gain = predicted_gain(model, lights, random.direction(0.3));
+        EXPECT_GE(gain, 0.7);
+        EXPECT_LE(gain, 1.45);
+    }
+}
+
+TEST(LampModel, IsNotBentByALampThatFailed) {
+    int index = 0;
+    const std::vector<Light> lights = lamps(60, [&](const Vec3&) { return index++ == 20 ? 0.1 : 1.0; });
+    const LampModel model = fit_lamp_model(lights);
+    EXPECT_NEAR(predicted_gain(model, lights, -lights[20].direction * Vec3(1, 1, -1)), 1, 0.03);
+}
+
+TEST(LampModel, OfNoLampsIsOne) { EXPECT_EQ(predicted_gain(fit_lamp_model({}), {}, {0, 0, 1}), 1); }
+
+TEST(AsPhotographed, PredictsLampsThatNoPhotographHad) {
+    Photography photography;
+    const auto gain = [](const Vec3& l) { return std::exp(0.3 * l.x); };
+    for (const Light& light : lamps(60, gain)) photography.photos.push_back({light, true});
+    photography.photos.push_back({distant_light({0, 0, 1}, "held out"), false});
+    photography.photos.back().light.gain = Rgb(50);  // must not count
+    photography.lamps = fit_lamp_model(lamps(60, gain));
+    photography.rig.lamp_distance_mm = 700.0f;
+    const Light unseen = as_photographed(distant_light({0.6f, 0, 0.8f}), photography);
+    EXPECT_NEAR(unseen.gain.g, std::exp(0.18), 0.03);
+    ASSERT_TRUE(unseen.position_mm);
+    EXPECT_NEAR(glm::length(*unseen.position_mm), 700, 1e-3);
+}
+
+TEST(AsPhotographed, LeavesLampsAloneWhereNothingIsKnown) {
+    const Light light = as_photographed(distant_light({0.6f, 0, 0.8f}), {});
+    EXPECT_EQ(light.gain, Rgb(1));
+    EXPECT_FALSE(light.position_mm);
+}
+
+}  // namespace
+}  // namespace tangi
