@@ -16,11 +16,10 @@
 #include "fit/height.h"
 #include "fit/ward_fit.h"
 #include "surface/ward.h"
+#include "tests/ward_samples.h"
 
 namespace tangi {
 namespace {
-
-constexpr int kLights = 40;
 
 // WardFitter as the bench runs it: the model's error is in sigma already, so that all solvers see the same
 // samples.
@@ -35,70 +34,16 @@ struct Pixel {
     WardVector start;  // unbounded parameters
 };
 
-double cost_of(const PixelSamples& s, const WardVector& theta) {
-    const WardResiduals residuals(s, options().prior, options().robust_scale);
-    Eigen::VectorXd r(residuals.size());
-    residuals.evaluate(theta.data(), r.data(), nullptr);
-    return r.squaredNorm();
-}
+double cost_of(const PixelSamples& s, const WardVector& theta) { return robust_cost(s, options(), theta); }
 
-// Photometric stereo, then the best of five widths with the rho_s that suits each, as WardFitter starts.
-WardVector start_of(const PixelSamples& s) {
-    const LambertEstimate matt = photometric_stereo(s);
-    WardVector best{};
-    double best_cost = std::numeric_limits<double>::infinity();
-    for (const double alpha : {0.06, 0.12, 0.2, 0.32, 0.5}) {
-        WardVector theta = {-matt.normal.x / matt.normal.z,
-                            -matt.normal.y / matt.normal.z,
-                            std::log(alpha),
-                            0,
-                            matt.diffuse[0],
-                            matt.diffuse[1],
-                            matt.diffuse[2]};
-        double numerator = 0, denominator = 0;
-        for (std::size_t i = 0; i < s.value.size(); ++i) {
-            if (!(s.sigma[i] > 0)) continue;
-            const WardTerms t = ward_terms(theta.data(), s.light[i / 3], s.view);
-            const double lobe = s.irradiance[i] * t.lobe / s.sigma[i];
-            numerator +=
-                lobe * (s.value[i] - s.irradiance[i] * theta[kWardCommon + i % 3] * t.n_l) / s.sigma[i];
-            denominator += lobe * lobe;
-        }
-        theta[3] = denominator > 0 ? std::clamp(numerator / denominator, 0.002, 1.0) : 0.002;
-        const double cost = cost_of(s, theta);
-        if (cost < best_cost) {
-            best_cost = cost;
-            best = theta;
-        }
-    }
-    return unbounded_of(best, options().bounds);
-}
-
-// 64 pixels of a generated painting: GGX, cast shadows, sensor noise, 40 lights, RGB.
+// 64 pixels of a generated painting, started as WardFitter starts.
 const std::vector<Pixel>& pixels() {
     static const std::vector<Pixel> all = [] {
-        const PaintingTruth truth = procedural_painting({.width = 64, .height = 48});
-        GeneratorOptions o;
-        o.lights = kLights;
-        const Photography photography = photography_of(truth, o);
-        std::vector<Pixel> result(64);
-        for (Pixel& pixel : result) pixel.samples.resize(kLights, 3);
-        for (int i = 0; i < kLights; ++i) {
-            const Light& light = photography.photos[static_cast<std::size_t>(i)].light;
-            const Image<Rgb> photo = apply_sensor(render_photo(truth, light, o), o, i);
-            for (std::size_t k = 0; k < result.size(); ++k) {
-                PixelSamples& s = result[k].samples;
-                const Rgb& value = photo.pixels()[k * 48 + 17];
-                s.light[static_cast<std::size_t>(i)] = light.direction;
-                for (int c = 0; c < 3; ++c) {
-                    const auto at = static_cast<std::size_t>(3 * i + c);
-                    s.value[at] = value[c];
-                    s.irradiance[at] = o.white_level;
-                    s.sigma[at] = value[c] > 0.99f ? 0 : std::hypot(0.006, 0.05 * value[c]);
-                }
-            }
+        std::vector<Pixel> result;
+        for (PixelSamples& samples : generated_pixels(64, 3)) {
+            const WardVector start = unbounded_of(start_of(samples, options()), options().bounds);
+            result.push_back({std::move(samples), start});
         }
-        for (Pixel& pixel : result) pixel.start = start_of(pixel.samples);
         return result;
     }();
     return all;

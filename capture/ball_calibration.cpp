@@ -266,7 +266,7 @@ std::vector<Light> BallCalibration::usable_lights() const {
 }
 
 BallCalibration calibrate_from_balls(const std::vector<std::filesystem::path>& paths,
-                                 const BallCalibrationOptions& options, const Progress& progress) {
+                                     const BallCalibrationOptions& options, const Progress& progress) {
     TP_REQUIRE(!paths.empty(), "there are photographs");
     const GreyPhotos photos = read_grey_photos(paths, progress);
     BallCalibration c;

@@ -60,7 +60,7 @@ struct BallCalibration {
 
 // Throws Error: no photographs, a damaged one, no ball, options that contradict each other.
 BallCalibration calibrate_from_balls(const std::vector<std::filesystem::path>& paths,
-                                 const BallCalibrationOptions& options, const Progress& progress = {});
+                                     const BallCalibrationOptions& options, const Progress& progress = {});
 
 // capture.json: see docs/capture.md.
 nlohmann::json to_json(const BallCalibration& calibration);

@@ -16,7 +16,7 @@ namespace tangi {
 struct BallCrops {
     Region region;
     std::vector<Image<float>> photos;
-    std::vector<CameraShake> drift;    // one a photograph
+    std::vector<CameraShake> drift;   // one a photograph
     glm::dvec2 picture_centre{0, 0};  // around which photographs roll
     float step = 1.0f / 255;          // what one code of the file is worth
 

@@ -8,6 +8,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "capture/edge_field.h"
+#include "surface/median.h"
 #include "surface/parallel.h"
 
 namespace tangi {
@@ -142,12 +143,6 @@ Directions mean_of(const std::vector<Directions>& all, const std::vector<CameraS
                 }
     });
     return mean;
-}
-
-double median(std::vector<double> values) {
-    std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2),
-                     values.end());
-    return values[values.size() / 2];
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
-// camera_shake.h: how far the camera moved from photograph to photograph, from edges that stay while the light
-// moves.
+// camera_shake.h: how far the camera moved from photograph to photograph, from edges that stay while the
+// light moves.
 #pragma once
 
 #include <glm/vec2.hpp>

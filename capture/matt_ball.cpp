@@ -152,8 +152,9 @@ std::optional<MattShading> shading_of(const BallCrops& crops, std::size_t photo,
 }
 
 MattBall find_matt_ball(std::span<const std::filesystem::path> paths, const GreyPhotos& photos,
-                        const CameraShakes& drifts, const BallCamera& camera, std::span<const GivenBall> given,
-                        const std::optional<Transfer>& transfer, const Progress& progress) {
+                        const CameraShakes& drifts, const BallCamera& camera,
+                        std::span<const GivenBall> given, const std::optional<Transfer>& transfer,
+                        const Progress& progress) {
     report(progress, "find balls", 0);
     const EdgeField field = edge_field(photos.mean, photos.step);
     std::vector<Circle> circles;

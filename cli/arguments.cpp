@@ -2,7 +2,6 @@
 
 #include <unistd.h>
 
-#include <CLI/Validators.hpp>
 #include <algorithm>
 #include <cerrno>
 #include <cmath>
@@ -45,23 +44,25 @@ std::vector<double> numbers_of(const std::string& text, const std::string& flag,
 
 }  // namespace
 
-void PhotosArguments::add_to(CLI::App& app, bool for_fit) {
-    app.add_option("PHOTOS", folder, "folder of photographs, one for each light")->required();
-    app.add_option("--lights", lights, "lights file (.lp); where not given, the only one in the folder");
-    app.add_option("--transfer", transfer,
-                   "how the photographs are encoded: auto, linear, srgb, or a gamma such as 2.2")
-        ->capture_default_str();
-    app.add_option("--crop", crop, "only a part of the photographs: X,Y,WIDTH,HEIGHT in pixels");
-    app.add_option("--mask", mask, "picture of the same size; what is black in it is left out");
+void PhotosArguments::add_to(Flags& flags, bool for_fit) {
+    flags.option("PHOTOS", folder, "folder of photographs, one for each light").required();
+    flags.option("--lights", lights, "lights file (.lp); where not given, the only one in the folder");
+    flags
+        .option("--transfer", transfer,
+                "how the photographs are encoded: auto, linear, srgb, or a gamma such as 2.2")
+        .show_default();
+    flags.option("--crop", crop, "only a part of the photographs: X,Y,WIDTH,HEIGHT in pixels");
+    flags.option("--mask", mask, "picture of the same size; what is black in it is left out");
     if (!for_fit) return;
-    app.add_option("--register", registration,
-                   "auto: find out whether the camera moved between photographs, and undo it; off: take them "
-                   "as they are")
-        ->check(CLI::IsMember({"auto", "off"}))
-        ->capture_default_str();
-    app.add_option("--hold-out", hold_out,
-                   "keep photographs from the fit, to compare with: positions from 0, START:STEP or names, "
-                   "separated by commas");
+    flags
+        .option("--register", registration,
+                "auto: find out whether the camera moved between photographs, and undo it; off: take them "
+                "as they are")
+        .check(one_of({"auto", "off"}))
+        .show_default();
+    flags.option("--hold-out", hold_out,
+                 "keep photographs from the fit, to compare with: positions from 0, START:STEP or names, "
+                 "separated by commas");
 }
 
 Stack PhotosArguments::open() const {

@@ -1,13 +1,13 @@
 // arguments.h: what several commands take: photographs, regions, lights, encodings.
 #pragma once
 
-#include <CLI/App.hpp>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
 #include "capture/stack.h"
+#include "cli/flags.h"
 
 namespace tangi {
 
@@ -15,7 +15,7 @@ namespace tangi {
 struct PhotosArguments {
     std::string folder, lights, transfer = "auto", crop, mask, hold_out, registration = "off";
 
-    void add_to(CLI::App& app, bool for_fit);
+    void add_to(Flags& flags, bool for_fit);
     // Throws Error for what is wrong with the folder, UsageError for what is wrong with the flags.
     Stack open() const;
     // The files that a command with these flags reads: photographs, lights, mask.

@@ -146,41 +146,45 @@ nlohmann::json run_calibrate(const CalibrateArguments& a) {
 Command calibrate_command() {
     return {
         "calibrate", "find where the light came from in each photograph, from mirror or matt balls",
-        [](CLI::App& app) {
+        [](Flags& flags) {
             auto a = std::make_shared<CalibrateArguments>();
-            app.add_option("PHOTOS", a->folder, "folder of photographs, one for each light");
-            app.add_option("--photos", a->photos, "photographs, instead of a folder");
-            app.add_option(
-                   "--out", a->out,
-                   "the lights file to write (.lp); capture.json and capture.html are written beside it")
-                ->required();
-            app.add_option(
+            flags.option("PHOTOS", a->folder, "folder of photographs, one for each light");
+            flags.option("--photos", a->photos, "photographs, instead of a folder");
+            flags
+                .option("--out", a->out,
+                        "the lights file to write (.lp); capture.json and capture.html are written beside it")
+                .required();
+            flags.option(
                 "--sphere", a->spheres,
                 "where a ball is: X,Y,R or a box X0,Y0,X1,Y1 in pixels from the top left; once for each "
                 "ball; found automatically where not given");
-            app.add_flag("--matt-ball", a->matt, "the ball is matt (grey or white), not a mirror");
-            app.add_option("--ball-radius-mm", a->ball_radius_mm,
-                           "radius of the balls; two balls or more then tell positions")
-                ->check(CLI::PositiveNumber);
-            app.add_option("--focal-px", a->focal_px,
-                           "focal length of the camera in pixels; far away where not given")
-                ->check(CLI::PositiveNumber);
-            app.add_option("--focal-35mm", a->focal_35mm, "its 35-mm equivalent in mm, as in EXIF, instead")
-                ->check(CLI::PositiveNumber);
-            app.add_option("--principal-px", a->principal,
-                           "X,Y where the camera looks straight ahead; the picture's centre");
-            app.add_option("--origin-px", a->origin,
-                           "X,Y where the painting's frame has its origin; the picture's centre");
-            app.add_option("--camera-distance-mm", a->camera_distance_mm,
-                           "from the camera to the painting's plane")
-                ->check(CLI::PositiveNumber);
-            app.add_option("--ball-height-mm", a->ball_height_mm,
-                           "of the balls' centres above the painting's plane; their radius where not given");
-            app.add_flag("--fixed-camera", a->fixed_camera,
-                         "the camera did not move: do not register the photographs");
-            app.add_option("--transfer", a->transfer,
-                           "for a matt ball: auto, linear, srgb, or a gamma such as 2.2")
-                ->capture_default_str();
+            flags.flag("--matt-ball", a->matt, "the ball is matt (grey or white), not a mirror");
+            flags
+                .option("--ball-radius-mm", a->ball_radius_mm,
+                        "radius of the balls; two balls or more then tell positions")
+                .check(positive());
+            flags
+                .option("--focal-px", a->focal_px,
+                        "focal length of the camera in pixels; far away where not given")
+                .check(positive());
+            flags.option("--focal-35mm", a->focal_35mm, "its 35-mm equivalent in mm, as in EXIF, instead")
+                .check(positive());
+            flags.option("--principal-px", a->principal,
+                         "X,Y where the camera looks straight ahead; the picture's centre");
+            flags.option("--origin-px", a->origin,
+                         "X,Y where the painting's frame has its origin; the picture's centre");
+            flags
+                .option("--camera-distance-mm", a->camera_distance_mm,
+                        "from the camera to the painting's plane")
+                .check(positive());
+            flags.option("--ball-height-mm", a->ball_height_mm,
+                         "of the balls' centres above the painting's plane; their radius where not given");
+            flags.flag("--fixed-camera", a->fixed_camera,
+                       "the camera did not move: do not register the photographs");
+            flags
+                .option("--transfer", a->transfer,
+                        "for a matt ball: auto, linear, srgb, or a gamma such as 2.2")
+                .show_default();
             return [a] { return run_calibrate(*a); };
         }};
 }

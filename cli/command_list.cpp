@@ -3,8 +3,8 @@
 namespace tangi {
 
 const std::vector<Command>& commands() {
-    static const std::vector<Command> table = {calibrate_command(), fit_command(),      relight_command(),
-                                               compare_command(),   info_command(),     generate_command(),
+    static const std::vector<Command> table = {calibrate_command(), fit_command(),  relight_command(),
+                                               compare_command(),   info_command(), generate_command(),
                                                demo_command()};
     return table;
 }

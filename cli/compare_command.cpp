@@ -61,13 +61,13 @@ nlohmann::json run_compare(const CompareArguments& arguments) {
 
 Command compare_command() {
     return {"compare", "compare a painting, relit, with photographs, in numbers and pictures",
-            [](CLI::App& app) {
+            [](Flags& flags) {
                 auto a = std::make_shared<CompareArguments>();
-                app.add_option("PAINTING", a->painting, "painting file (.exr)")->required();
-                a->photos.add_to(app, false);
-                app.add_option("--out", a->out, "folder for compare.html, compare.json and the pictures")
-                    ->required();
-                add_fields(app, a->options);
+                flags.option("PAINTING", a->painting, "painting file (.exr)").required();
+                a->photos.add_to(flags, false);
+                flags.option("--out", a->out, "folder for compare.html, compare.json and the pictures")
+                    .required();
+                flags.fields(a->options);
                 return [a] { return run_compare(*a); };
             }};
 }

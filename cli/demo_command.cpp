@@ -96,10 +96,10 @@ nlohmann::json run_demo(const DemoArguments& arguments) {
 }  // namespace
 
 Command demo_command() {
-    return {"demo", "fit, relight and compare the embedded sample, and say where to look", [](CLI::App& app) {
+    return {"demo", "fit, relight and compare the embedded sample, and say where to look", [](Flags& flags) {
                 auto a = std::make_shared<DemoArguments>();
-                app.add_option("--out", a->out, "folder for the results")->capture_default_str();
-                app.add_flag("--small", a->small, "only a part of the sample, for a quick look");
+                flags.option("--out", a->out, "folder for the results").show_default();
+                flags.flag("--small", a->small, "only a part of the sample, for a quick look");
                 return [a] { return run_demo(*a); };
             }};
 }

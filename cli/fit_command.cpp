@@ -26,12 +26,8 @@ nlohmann::json provenance_of(const FitArguments& arguments, const Stack& stack) 
     options["ward"] = to_json(arguments.options.ward);
     options["height"] = to_json(arguments.options.height);
     const PhotosArguments& p = arguments.photos;
-    options["photos"] = {{"lights", p.lights},
-                         {"transfer", p.transfer},
-                         {"crop", p.crop},
-                         {"mask", p.mask},
-                         {"hold_out", p.hold_out},
-                         {"register", p.registration}};
+    options["photos"] = {{"lights", p.lights}, {"transfer", p.transfer}, {"crop", p.crop},
+                         {"mask", p.mask},     {"hold_out", p.hold_out}, {"register", p.registration}};
     return {
         {"program", "tangipaint " TP_VERSION}, {"command", "fit"}, {"options", options}, {"inputs", inputs}};
 }
@@ -119,14 +115,14 @@ nlohmann::json run_fit(const FitArguments& arguments) {
 }  // namespace
 
 Command fit_command() {
-    return {"fit", "fit height, normals and Ward parameters to photographs: the main job", [](CLI::App& app) {
+    return {"fit", "fit height, normals and Ward parameters to photographs: the main job", [](Flags& flags) {
                 auto arguments = std::make_shared<FitArguments>();
-                arguments->photos.add_to(app, true);
-                app.add_option("--out", arguments->out, "the painting file to write (.exr)")->required();
-                add_fields(app, arguments->options);
-                add_fields(app, arguments->options.calibration);
-                add_fields(app, arguments->options.ward);
-                add_fields(app, arguments->options.height);
+                arguments->photos.add_to(flags, true);
+                flags.option("--out", arguments->out, "the painting file to write (.exr)").required();
+                flags.fields(arguments->options);
+                flags.fields(arguments->options.calibration);
+                flags.fields(arguments->options.ward);
+                flags.fields(arguments->options.height);
                 return [arguments] { return run_fit(*arguments); };
             }};
 }

@@ -61,29 +61,26 @@ nlohmann::json run_generate(GenerateArguments a) {
 
 // The seed belongs to painting and photographs alike, so it is one flag.
 template <class Options>
-void add_fields_but_seed(CLI::App& app, Options& options) {
-    add_fields(app, options, [](std::string_view field) { return field != "seed"; });
+void add_fields_but_seed(Flags& flags, Options& options) {
+    flags.fields(options, [](std::string_view field) { return field != "seed"; });
 }
 
 }  // namespace
 
 Command generate_command() {
     return {"generate", "make photographs of a procedural painting, with ground truth, to test with",
-            [](CLI::App& app) {
+            [](Flags& flags) {
                 auto a = std::make_shared<GenerateArguments>();
-                app.add_option("--out", a->out, "folder to write")->required();
-                app.add_option("--seed", a->seed, "another painting for each number")
-                    ->check(CLI::Range(0.0, 9e15))
-                    ->capture_default_str();
-                app.add_option("--reflectance", a->reflectance, "ggx, ward_bounded or lambert")
-                    ->capture_default_str();
-                app.add_option("--arrangement", a->arrangement, "of the lights: dome or spiral")
-                    ->capture_default_str();
-                app.add_option("--format", a->format, "png16, png8, jpg, exr or tif")->capture_default_str();
-                app.add_option("--transfer", a->transfer, "linear, srgb or a gamma such as 2.2")
-                    ->capture_default_str();
-                add_fields_but_seed(app, a->painting);
-                add_fields_but_seed(app, a->photos);
+                flags.option("--out", a->out, "folder to write").required();
+                flags.option("--seed", a->seed, "another painting for each number")
+                    .check(within(0.0, 9e15))
+                    .show_default();
+                flags.option("--reflectance", a->reflectance, "ggx, ward_bounded or lambert").show_default();
+                flags.option("--arrangement", a->arrangement, "of the lights: dome or spiral").show_default();
+                flags.option("--format", a->format, "png16, png8, jpg, exr or tif").show_default();
+                flags.option("--transfer", a->transfer, "linear, srgb or a gamma such as 2.2").show_default();
+                add_fields_but_seed(flags, a->painting);
+                add_fields_but_seed(flags, a->photos);
                 return [a] { return run_generate(*a); };
             }};
 }

@@ -93,9 +93,9 @@ nlohmann::json run_info(const std::string& file) {
 }  // namespace
 
 Command info_command() {
-    return {"info", "say what a painting, lights file or photograph holds", [](CLI::App& app) {
+    return {"info", "say what a painting, lights file or photograph holds", [](Flags& flags) {
                 auto file = std::make_shared<std::string>();
-                app.add_option("FILE", *file, "painting (.exr), lights file (.lp) or photograph")->required();
+                flags.option("FILE", *file, "painting (.exr), lights file (.lp) or photograph").required();
                 return [file] { return run_info(*file); };
             }};
 }

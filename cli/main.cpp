@@ -3,6 +3,9 @@
 #include <glog/logging.h>
 #include <sys/resource.h>
 
+#include <CLI/App.hpp>
+#include <CLI/Config.hpp>
+#include <CLI/Formatter.hpp>
 #include <algorithm>
 #include <cerrno>
 #include <chrono>
@@ -130,8 +133,9 @@ int main(int argc, char** argv) {
     for (const Command& command : commands()) {
         CLI::App* sub = app.add_subcommand(command.name, command.summary);
         sub->add_option("--threads", threads, "threads to use; all cores where not given")
-            ->check(CLI::Range(1, 1024));
-        const auto action = command.set_up(*sub);
+            ->check(within(1, 1024));
+        Flags flags(*sub);
+        const auto action = command.set_up(flags);
         sub->callback([&body, &name, action, n = command.name] {
             body = action;
             name = n;

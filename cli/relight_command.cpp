@@ -148,31 +148,31 @@ nlohmann::json run_relight(RelightArguments arguments) {
 
 Command relight_command() {
     return {
-        "relight", "show a painting under other lights", [](CLI::App& app) {
+        "relight", "show a painting under other lights", [](Flags& flags) {
             auto a = std::make_shared<RelightArguments>();
             a->options.cast_shadows = true;  // as the photographs have them
-            app.add_option("PAINTING", a->painting, "painting file (.exr)")->required();
-            app.add_option(
-                   "--light", a->directions,
-                   "direction to a distant light: X,Y,Z, x right, y up, z towards the viewer; may be given "
-                   "several times")
-                ->allow_extra_args(false);
-            app.add_option(
-                   "--point-light", a->positions,
-                   "position of a near light in mm from the centre: X,Y,Z; may be given several times")
-                ->allow_extra_args(false);
-            app.add_option("--lights", a->lights_file,
-                           "lights file (.lp): one picture for each of its lights");
-            app.add_option(
-                   "--out", a->out,
-                   "picture to write (.png .tif .jpg .exr); with --lights the folder for the pictures")
-                ->required();
-            app.add_option("--encoding", a->encoding,
-                           "srgb, linear or a gamma; where not given, as the photographs were (EXR: linear)");
-            app.add_option("--model", a->model, "ward1992, duer or bounded")->capture_default_str();
-            app.add_option("--gain", a->gain, "strength of the lights, 1 = as for the photographs")
-                ->check(within(0, 1e4));
-            add_fields(app, a->options);
+            flags.option("PAINTING", a->painting, "painting file (.exr)").required();
+            flags
+                .option(
+                    "--light", a->directions,
+                    "direction to a distant light: X,Y,Z, x right, y up, z towards the viewer; may be given "
+                    "several times")
+                .one_value();
+            flags
+                .option("--point-light", a->positions,
+                        "position of a near light in mm from the centre: X,Y,Z; may be given several times")
+                .one_value();
+            flags.option("--lights", a->lights_file, "lights file (.lp): one picture for each of its lights");
+            flags
+                .option("--out", a->out,
+                        "picture to write (.png .tif .jpg .exr); with --lights the folder for the pictures")
+                .required();
+            flags.option("--encoding", a->encoding,
+                         "srgb, linear or a gamma; where not given, as the photographs were (EXR: linear)");
+            flags.option("--model", a->model, "ward1992, duer or bounded").show_default();
+            flags.option("--gain", a->gain, "strength of the lights, 1 = as for the photographs")
+                .check(within(0, 1e4));
+            flags.fields(a->options);
             return [a] { return run_relight(*a); };
         }};
 }

@@ -134,8 +134,8 @@ Survey look_over(Stack& stack, bool register_photos, FitReport& report, const Pr
     if (!report.registration.moved && stack.photos.size() == before) return surveyed;
     require_enough_lights(stack.lights(), stack.folder.string());
     surveyed = survey(stack, {}, Progress([&](std::string_view, double done) {
-        return !progress || progress("survey as registered", done);
-    }));
+                          return !progress || progress("survey as registered", done);
+                      }));
     report.transfer = estimate_transfer(stack, surveyed);
     return surveyed;
 }

@@ -12,8 +12,9 @@ namespace tangi {
 
 namespace {
 
-// What is known before any photograph. Model errors are shared by neighbouring samples: priors on what
-// belongs to photographs weigh as if one sample in ten were independent.
+// What is known before any photograph. Model errors are shared by neighbouring samples, so that the prior on
+// a lamp's own gain weighs as if one sample in kDependent were independent. The priors on what the whole
+// stack shares (the trend of the gains, the camera) stand as they are: all photographs speak against them.
 constexpr double kDependent = 10;     // [1] samples
 constexpr double kStartScale = 20;    // [sigma] at first, so that a lamp three times too strong is no outlier
 constexpr double kRobustScale = 2;    // [sigma] as the pixel fit's

@@ -284,15 +284,6 @@ nlohmann::json to_json(const LightCalibration& calibration) {
             {"gains", gains}};
 }
 
-LightCalibration calibrate_lights_with(LightFreedom freedom, const Stack& stack, const Survey& survey,
-                                       const Transfer& transfer, const NoiseModel& noise,
-                                       const Lighting& given, double mm_per_pixel, const WardFitOptions& ward,
-                                       const LightCalibrationOptions& options) {
-    validate(options);
-    const Sample sample(stack, survey, transfer, noise, mm_per_pixel, ward, options.samples);
-    return calibrated(sample, all_of(stack), given, freedom);
-}
-
 LightCalibration calibrate_lights(const Stack& stack, const Survey& survey, const Transfer& transfer,
                                   const NoiseModel& noise, const Lighting& given, double mm_per_pixel,
                                   const WardFitOptions& ward, const LightCalibrationOptions& options,

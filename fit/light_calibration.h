@@ -73,10 +73,4 @@ LightCalibration calibrate_lights(const Stack& stack, const Survey& survey, cons
 // What was found, for people and scripts: distances in mm, gains by photograph.
 nlohmann::json to_json(const LightCalibration& calibration);
 
-// Calibrates with one freedom, without asking whether it helps.
-LightCalibration calibrate_lights_with(LightFreedom freedom, const Stack& stack, const Survey& survey,
-                                       const Transfer& transfer, const NoiseModel& noise,
-                                       const Lighting& given, double mm_per_pixel, const WardFitOptions& ward,
-                                       const LightCalibrationOptions& options = {});
-
 }  // namespace tangi

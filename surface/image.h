@@ -49,8 +49,9 @@ public:
     std::span<T> row(int y) { return {&pixels_[index(0, y)], static_cast<std::size_t>(width_)}; }
     std::span<const T> row(int y) const { return {&pixels_[index(0, y)], static_cast<std::size_t>(width_)}; }
 
-    std::span<T> pixels() { return pixels_; }
-    std::span<const T> pixels() const { return pixels_; }
+    std::span<T> pixels() & { return pixels_; }
+    std::span<const T> pixels() const& { return pixels_; }
+    void pixels() && = delete;  // a loop over the pixels of a temporary would outlive it
 
     T* data() { return pixels_.data(); }
     const T* data() const { return pixels_.data(); }

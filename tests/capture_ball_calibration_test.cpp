@@ -121,7 +121,8 @@ TEST(MirrorBall, IsMissingWhereOneIsSaidToBe) {
     EXPECT_THAT(error_of([&] { calibrate_from_balls(paths, {.balls = {circle(250, 60, 25)}}); }),
                 AllOf(HasSubstr("--sphere 250,60,25: no mirror ball there"), HasSubstr("0 of 5")));
     // One that is there is used all the same.
-    const BallCalibration c = calibrate_from_balls(paths, {.balls = {circle(250, 60, 25), circle(140, 106, 40)}});
+    const BallCalibration c =
+        calibrate_from_balls(paths, {.balls = {circle(250, 60, 25), circle(140, 106, 40)}});
     EXPECT_EQ(c.calibrated(), 5);
     EXPECT_EQ(c.balls.size(), 1u);
     EXPECT_THAT(c.warnings, Contains(HasSubstr("--sphere 250,60,25: no mirror ball there")));
@@ -219,9 +220,11 @@ TEST(MattBall, TellsDirectionsAndItsTransferCurve) {
 TEST(MattBall, IsNotFoundWhereNothingIsShadedLikeOne) {
     const TestDir dir;
     const auto paths = write_ball_photos(dir.path(), BallScene{}, lights_around(5));
-    EXPECT_THAT(error_of([&] { calibrate_from_balls(paths, {.matt = true}); }), HasSubstr("no matt ball found"));
-    EXPECT_THAT(error_of([&] { calibrate_from_balls(paths, {.balls = {circle(140, 106, 40)}, .matt = true}); }),
-                HasSubstr("no matt ball at --sphere 140,106,40"));
+    EXPECT_THAT(error_of([&] { calibrate_from_balls(paths, {.matt = true}); }),
+                HasSubstr("no matt ball found"));
+    EXPECT_THAT(
+        error_of([&] { calibrate_from_balls(paths, {.balls = {circle(140, 106, 40)}, .matt = true}); }),
+        HasSubstr("no matt ball at --sphere 140,106,40"));
 }
 
 TEST(BallCalibration, RefusesPhotographsOfTwoSizesAndBothFocalLengths) {
@@ -234,6 +237,27 @@ TEST(BallCalibration, RefusesPhotographsOfTwoSizesAndBothFocalLengths) {
                 AllOf(HasSubstr("ball_01.png: is 299 x 220"), HasSubstr("the same size")));
 }
 
+// Mean angle to the lights of the University of Washington, whose photographs are <ball>.<number>.tga.
+double mean_error_deg(const BallCalibration& calibration, const std::filesystem::path& lights,
+                      const std::string& ball) {
+    std::ifstream file(lights);
+    int count = 0;
+    file >> count;
+    double sum = 0;
+    int found = 0;
+    for (int i = 0; i < count; ++i) {
+        dvec3 truth;
+        file >> truth.x >> truth.y >> truth.z;
+        for (const CalibratedLight& light : calibration.lights)
+            if (light.name == fmt::format("{}.{}.tga", ball, i)) {
+                sum += degrees_between(light.direction.value_or(dvec3(0, 0, -1)), truth);
+                ++found;
+            }
+    }
+    EXPECT_EQ(found, count);
+    return sum / count;
+}
+
 // The real balls of the University of Washington, and of the handheld set.
 
 TEST(DataMirrorBall, ChromeAgreesWithItsLights) {
@@ -241,18 +265,7 @@ TEST(DataMirrorBall, ChromeAgreesWithItsLights) {
     std::vector<std::string> warnings;
     const BallCalibration c = calibrate_from_balls(pictures_in(folder / "chrome", warnings), {});
     EXPECT_THAT(warnings, Contains(HasSubstr("mask")));
-    std::ifstream file(folder / "lights.txt");
-    int count = 0;
-    file >> count;
-    double sum = 0;
-    for (int i = 0; i < count; ++i) {
-        dvec3 truth;
-        file >> truth.x >> truth.y >> truth.z;
-        for (const CalibratedLight& light : c.lights)
-            if (light.name == fmt::format("chrome.{}.tga", i))
-                sum += degrees_between(light.direction.value_or(dvec3(0, 0, -1)), truth) / count;
-    }
-    EXPECT_LE(sum, 3.5);
+    EXPECT_LE(mean_error_deg(c, folder / "lights.txt", "chrome"), 3.5);
 }
 
 TEST(DataMattBall, GrayAgreesWithItsLights) {
@@ -260,30 +273,20 @@ TEST(DataMattBall, GrayAgreesWithItsLights) {
     std::vector<std::string> warnings;
     const BallCalibration c = calibrate_from_balls(pictures_in(folder / "gray", warnings), {.matt = true});
     EXPECT_EQ(c.matt_transfer->name(), "linear");
-    std::ifstream file(folder / "lights.txt");
-    int count = 0;
-    file >> count;
-    double sum = 0;
-    for (int i = 0; i < count; ++i) {
-        dvec3 truth;
-        file >> truth.x >> truth.y >> truth.z;
-        for (const CalibratedLight& light : c.lights)
-            if (light.name == fmt::format("gray.{}.tga", i))
-                sum += degrees_between(light.direction.value_or(dvec3(0, 0, -1)), truth) / count;
-    }
-    EXPECT_LE(sum, 4.5);  // lights.txt is itself some 3 degrees from the chrome ball's highlights
+    EXPECT_LE(mean_error_deg(c, folder / "lights.txt", "gray"),
+              4.5);  // lights.txt is itself some 3 degrees from the chrome ball's highlights
 }
 
 TEST(DataMirrorBalls, HandheldLampsAreWhereTheyWere) {
     TP_DATA(folder, "handheld");
     std::vector<std::string> warnings;
     const BallCalibration c = calibrate_from_balls(pictures_in(folder / "png16", warnings),
-                                               {.ball_radius_mm = 12,
-                                                .focal_px = 1408,
-                                                .principal_px = dvec2(351.5, 263.5),
-                                                .origin_px = dvec2(351.5 - 17 * 1408 / 600.0, 263.5),
-                                                .camera_distance_mm = 600,
-                                                .ball_height_mm = 6});
+                                                   {.ball_radius_mm = 12,
+                                                    .focal_px = 1408,
+                                                    .principal_px = dvec2(351.5, 263.5),
+                                                    .origin_px = dvec2(351.5 - 17 * 1408 / 600.0, 263.5),
+                                                    .camera_distance_mm = 600,
+                                                    .ball_height_mm = 6});
     ASSERT_EQ(c.balls.size(), 2u);
     EXPECT_EQ(c.calibrated(), 24);
     const auto truth = nlohmann::json::parse(read_text_file(folder / "gt" / "lights.json"));

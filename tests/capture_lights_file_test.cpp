@@ -24,12 +24,16 @@ void expect_light(const Light& light, const std::string& name, const Vec3& direc
     EXPECT_LE(glm::length(light.direction - glm::normalize(direction)), 1e-6f) << name;
 }
 
-TEST(LightsFile, IsACountAndALineForEachPhotograph) {
-    const LightsFile file = parse("2\na.jpg 0 0 1\nb.jpg 0.6 0 0.8\n");
+void expect_a_and_b(const LightsFile& file) {
     ASSERT_EQ(file.lights.size(), 2u);
     expect_light(file.lights[0], "a.jpg", {0, 0, 1});
     expect_light(file.lights[1], "b.jpg", {0.6f, 0, 0.8f});
     EXPECT_THAT(file.warnings, IsEmpty());
+}
+
+TEST(LightsFile, IsACountAndALineForEachPhotograph) {
+    const LightsFile file = parse("2\na.jpg 0 0 1\nb.jpg 0.6 0 0.8\n");
+    expect_a_and_b(file);
     EXPECT_EQ(file.lights[0].gain, Rgb(1));
     EXPECT_FALSE(file.lights[0].position_mm);
 }
@@ -46,18 +50,12 @@ TEST(LightsFile, MayHoldNamesWithSpacesNumbersAndFolders) {
 
 TEST(LightsFile, MayHaveWindowsLineEndsTabsAndAByteOrderMark) {
     const LightsFile file = parse("\xEF\xBB\xBF 2 \r\na.jpg\t0\t0\t1\r\n\tb.jpg  0.6 \t 0   0.8 \t\r\n");
-    ASSERT_EQ(file.lights.size(), 2u);
-    expect_light(file.lights[0], "a.jpg", {0, 0, 1});
-    expect_light(file.lights[1], "b.jpg", {0.6f, 0, 0.8f});
-    EXPECT_THAT(file.warnings, IsEmpty());
+    expect_a_and_b(file);
 }
 
 TEST(LightsFile, MayHaveLinesThatEndWithACarriageReturn) {
     const LightsFile file = parse("2\ra.jpg 0 0 1\rb.jpg 0.6 0 0.8\r");
-    ASSERT_EQ(file.lights.size(), 2u);
-    expect_light(file.lights[0], "a.jpg", {0, 0, 1});
-    expect_light(file.lights[1], "b.jpg", {0.6f, 0, 0.8f});
-    EXPECT_THAT(file.warnings, IsEmpty());
+    expect_a_and_b(file);
 }
 
 TEST(LightsFile, MayHaveBlankLinesAnywhereAndNoLastLineEnd) {

@@ -104,7 +104,8 @@ TEST(CliRelight, NearLightsGiveNumbersAnywhereInFrontOfThePainting) {
         ASSERT_TRUE(ended(tangipaint({"relight", stack.truth(), "--point-light", position, "--gain", "10000",
                                       "--out", stack.out("a.exr")}),
                           0));
-        for (const Rgb& pixel : read_picture(stack.out("a.exr")).pixels())
+        const Image<Rgb> relit = read_picture(stack.out("a.exr"));
+        for (const Rgb& pixel : relit.pixels())
             ASSERT_TRUE(std::isfinite(pixel.r) && std::isfinite(pixel.g) && std::isfinite(pixel.b))
                 << position;
     }

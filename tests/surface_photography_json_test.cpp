@@ -29,7 +29,8 @@ TEST(PhotographyJson, RoundTripsThroughText) {
                             : distant_light(random.direction(0.1));
         light.gain = {random.real(0.1, 3), random.real(0.1, 3), random.real(0.1, 3)};
         p.photos.push_back({light, i % 3 != 0, {}});
-        if (i % 4 == 1) p.photos.back().homography = Homography(1, 0.1 / 3, 1e-7, -0.2, 1.1, 2e-7, 3.3, -4, 1);
+        if (i % 4 == 1)
+            p.photos.back().homography = Homography(1, 0.1 / 3, 1e-7, -0.2, 1.1, 2e-7, 3.3, -4, 1);
     }
     const Photography back = photography_from_json(json::parse(to_json(p).dump()));
     EXPECT_EQ(back.transfer, p.transfer);

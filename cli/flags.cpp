@@ -1,0 +1,94 @@
+#include "cli/flags.h"
+
+#include <CLI/App.hpp>
+#include <CLI/Config.hpp>
+#include <CLI/Formatter.hpp>
+#include <CLI/Validators.hpp>
+#include <cstdint>
+
+namespace tangi {
+
+FlagCheck within(double minimum, double maximum) {
+    return [=](const std::string& text) {
+        try {
+            const double x = std::stod(text);
+            if (x >= minimum && x <= maximum) return std::string();
+        } catch (const std::exception&) {  // not a number at all: the same remedy
+        }
+        return fmt::format("{} is not in [{}, {}]", text, minimum, maximum);
+    };
+}
+
+FlagCheck positive() {
+    return [](const std::string& text) {
+        try {
+            const double x = std::stod(text);
+            if (x > 0 && std::isfinite(x)) return std::string();
+        } catch (const std::exception&) {
+        }
+        return fmt::format("{} is not a positive number", text);
+    };
+}
+
+FlagCheck one_of(const std::vector<std::string>& words) {
+    return [=](const std::string& text) {
+        if (std::find(words.begin(), words.end(), text) != words.end()) return std::string();
+        return fmt::format("{} is none of {}", text, fmt::join(words, ", "));
+    };
+}
+
+Flag& Flag::required() {
+    option_->required();
+    return *this;
+}
+
+Flag& Flag::check(const FlagCheck& check) {
+    option_->check(check);
+    return *this;
+}
+
+Flag& Flag::show_default() {
+    option_->capture_default_str();
+    return *this;
+}
+
+Flag& Flag::one_value() {
+    option_->allow_extra_args(false);
+    return *this;
+}
+
+Flag& Flag::value_name(std::string text) {
+    option_->option_text(std::move(text));
+    return *this;
+}
+
+template <class T>
+Flag Flags::option(const std::string& name, T& value, const std::string& help) {
+    return Flag(app_.add_option(name, value, help));
+}
+
+template Flag Flags::option(const std::string&, std::string&, const std::string&);
+template Flag Flags::option(const std::string&, std::vector<std::string>&, const std::string&);
+template Flag Flags::option(const std::string&, int&, const std::string&);
+template Flag Flags::option(const std::string&, std::uint64_t&, const std::string&);
+template Flag Flags::option(const std::string&, float&, const std::string&);
+template Flag Flags::option(const std::string&, double&, const std::string&);
+template Flag Flags::option(const std::string&, std::optional<float>&, const std::string&);
+template Flag Flags::option(const std::string&, std::optional<double>&, const std::string&);
+
+Flag Flags::flag(const std::string& names, bool& value, const std::string& help) {
+    return Flag(app_.add_flag(names, value, help));
+}
+
+void Flags::field(const FieldInfo& info, bool& value) {
+    const std::string name = flag_name(info);
+    flag(name + ",!--no-" + name.substr(2), value, std::string(info.help));
+}
+
+std::string Flags::flag_name(const FieldInfo& info) {
+    std::string name = "--" + std::string(info.name);
+    for (char& c : name) c = c == '_' ? '-' : c;
+    return name;
+}
+
+}  // namespace tangi

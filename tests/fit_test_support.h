@@ -1,0 +1,42 @@
+// fit_test_support.h: a small generated stack to fit, and how far its normals are from the truth.
+#pragma once
+
+#include <cmath>
+#include <numbers>
+
+#include "capture/stack.h"
+#include "datasets/generator.h"
+#include "surface/surface.h"
+#include "test_support.h"
+
+namespace tangi {
+
+inline PaintingTruth painting(int width, int height) {
+    return procedural_painting({.seed = 3, .width = width, .height = height, .mm_per_pixel = 0.4});
+}
+
+// Mean angle between the normals where the truth has one surface a pixel.
+inline double mean_normal_error_deg(const Surface& surface, const PaintingTruth& truth) {
+    double sum = 0;
+    int count = 0;
+    for (std::size_t i = 0; i < truth.normal.size(); ++i) {
+        if (!truth.valid.pixels()[i]) continue;
+        const glm::dvec3 a(surface.normal.pixels()[i]), b(truth.normal.pixels()[i]);
+        sum += std::atan2(glm::length(glm::cross(a, b)), glm::dot(a, b)) * 180 / std::numbers::pi;
+        ++count;
+    }
+    return sum / count;
+}
+
+// The small stack that most tests use: 16 lights, linear 16 bit.
+inline constexpr int kWidth = 41, kHeight = 31;
+struct SmallStack {
+    TestDir folder;
+    PaintingTruth truth = painting(kWidth, kHeight);
+    SmallStack() { write_stack(folder.path(), truth, {.lights = 16, .held_out = 0}); }
+    Stack open(const StackOptions& options = {.transfer = Transfer{}}) const {
+        return open_stack(folder.path(), options);
+    }
+};
+
+}  // namespace tangi
