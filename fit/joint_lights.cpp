@@ -4,9 +4,8 @@
 
 #include <array>
 #include <cmath>
-#include <numbers>
 
-#include "surface/ward.h"
+#include "fit/joint_residual.h"
 
 namespace tangi {
 
@@ -25,49 +24,8 @@ constexpr double kFlatness = 0.03;    // [1] slope; robust, so that relief does 
 constexpr double kLnAlpha = -1.6, kLnAlphaSigma = 0.7, kSpecularSigma = 0.2;  // as WardPrior
 constexpr int kIterations = 40;
 
-constexpr int kPixel = 5;  // slope x, slope y, ln alpha, rho_s, rho_d
-constexpr int kRig = 4;    // as RigParameters
+constexpr int kPixel = kJointPixel, kRig = kJointRig;
 constexpr int kTrend = 6;  // 1, x, y, x^2, x y, y^2 of the direction
-
-struct Photometric {
-    glm::dvec3 direction;
-    glm::dvec2 position;
-    double value, sigma;
-
-    template <class T>
-    bool operator()(const T* pixel, const T* log_gain, const T* rig, T* residual) const {
-        using std::exp;
-        using std::sqrt;
-        // The lamp's direction bends with the position, then moves as a near lamp's does (surface/light.h).
-        const T rx = rig[3] * position.x, ry = rig[3] * position.y;
-        T l[3] = {direction.x + rx * direction.z, direction.y + ry * direction.z,
-                  direction.z - rx * direction.x - ry * direction.y};
-        const T unbent = 1.0 / sqrt(l[0] * l[0] + l[1] * l[1] + l[2] * l[2]);
-        l[0] = l[0] * unbent - rig[0] * position.x;
-        l[1] = l[1] * unbent - rig[0] * position.y;
-        l[2] = l[2] * unbent;
-        const T distance2 = l[0] * l[0] + l[1] * l[1] + l[2] * l[2];
-        const T inverse = 1.0 / sqrt(distance2);
-        for (T& component : l) component *= inverse;
-        T v[3] = {-rig[2] * position.x, -rig[2] * position.y, T(1)};
-        const T view = 1.0 / sqrt(v[0] * v[0] + v[1] * v[1] + 1.0);
-        for (T& component : v) component *= view;
-
-        const T &p = pixel[0], &q = pixel[1];
-        const T n_z = 1.0 / sqrt(1.0 + p * p + q * q);
-        WardAngles<T> angles;
-        angles.n_l = n_z * (l[2] - p * l[0] - q * l[1]);
-        angles.n_v = n_z * (v[2] - p * v[0] - q * v[1]);
-        angles.h_n = angles.n_l + angles.n_v;
-        angles.h_h = 2.0 + 2.0 * (l[0] * v[0] + l[1] * v[1] + l[2] * v[2]);
-        T reflected = pixel[4] * rig[1];
-        if (angles.n_l > 0.0)
-            reflected += angles.n_l * (pixel[4] + std::numbers::pi * pixel[3] *
-                                                      ward_lobe(WardModel::bounded, angles, exp(pixel[2])));
-        residual[0] = (exp(log_gain[0]) / distance2 * reflected - value) / sigma;
-        return true;
-    }
-};
 
 struct LobePrior {
     template <class T>
@@ -116,7 +74,7 @@ ceres::CostFunction* cost(Functor functor) {
 
 }  // namespace
 
-bool JointLights::solve(bool free_gains) {
+bool JointLights::solve(bool free_gains, JointStart start) {
     std::vector<std::array<double, kPixel>> x;
     for (const Pixel& p : pixels) x.push_back({p.slope.x, p.slope.y, p.ln_alpha, p.specular, p.diffuse});
     std::array<double, kRig> r = {rig.lamp_nearness, rig.ambient, rig.camera_nearness, rig.bend};
@@ -127,9 +85,9 @@ bool JointLights::solve(bool free_gains) {
     auto* robust = new ceres::LossFunctionWrapper(new ceres::CauchyLoss(kStartScale), ceres::TAKE_OWNERSHIP);
     for (const Observation& o : observations) {
         const auto pixel = static_cast<std::size_t>(o.pixel), photo = static_cast<std::size_t>(o.photo);
-        problem.AddResidualBlock(cost<1, kPixel, 1, kRig>(Photometric{
-                                     directions[photo], pixels[pixel].position, o.value, o.sigma}),
-                                 robust, x[pixel].data(), &log_gains[photo], r.data());
+        problem.AddResidualBlock(
+            new JointResidual(directions[photo], pixels[pixel].position, o.value, o.sigma), robust,
+            x[pixel].data(), &log_gains[photo], r.data());
     }
     auto* flat = new ceres::CauchyLoss(1);
     auto ordering = std::make_shared<ceres::ParameterBlockOrdering>();
@@ -170,14 +128,14 @@ bool JointLights::solve(bool free_gains) {
     options.num_threads = 1;  // sums in a fixed order; callers run several problems at once
     options.logging_type = ceres::SILENT;
     ceres::Solver::Summary summary;
-    if (free_gains) {
+    if (free_gains && start == JointStart::far) {
         options.max_num_iterations = kIterations / 2;
         options.function_tolerance = 1e-3;
         ceres::Solve(options, &problem, &summary);
     }
     robust->Reset(new ceres::CauchyLoss(kRobustScale), ceres::TAKE_OWNERSHIP);
-    options.max_num_iterations = kIterations;
-    options.function_tolerance = 1e-5;
+    options.max_num_iterations = start == JointStart::far ? kIterations : kIterations / 4;
+    options.function_tolerance = start == JointStart::far ? 1e-5 : 1e-4;
     ceres::Solve(options, &problem, &summary);
     if (!summary.IsSolutionUsable()) return false;
 

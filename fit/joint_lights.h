@@ -7,10 +7,15 @@
 
 namespace tangi {
 
+// Where the parameters start: at values that may be far off (a lamp three times as strong), or near the
+// minimum.
+enum class JointStart { far, near };
+
 // Lengths are in picture widths (the longer side), positions from the centre, y up.
 struct JointLights {
     struct Pixel {
         glm::dvec2 position{0};
+        int sample = 0;  // the caller's name for it
         glm::dvec2 slope{0};
         double ln_alpha = -1.6, specular = 0, diffuse = 0;  // start, and result
     };
@@ -34,7 +39,7 @@ struct JointLights {
     RigParameters rig;
 
     // Minimises over pixels and rig, and over the gains where `free_gains`. False where Ceres fails.
-    bool solve(bool free_gains);
+    bool solve(bool free_gains, JointStart start);
 };
 
 }  // namespace tangi

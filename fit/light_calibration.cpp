@@ -94,15 +94,15 @@ public:
         return std::min(-10 * std::log10(squares / static_cast<double>(count)), kBestDb);
     }
 
-    // The joint problem of these photographs, from the estimates of the pixels. Clipped samples are left out.
-    JointLights joint_problem(const std::vector<int>& photos, const Lighting& lighting,
-                              const std::vector<WardEstimate>& estimates) const {
+    // The joint problem of these photographs, started from estimates of the pixels. Clipped samples are left
+    // out.
+    JointLights joint_problem(const std::vector<int>& photos, const Lighting& lighting) const {
         JointLights joint;
         for (const Light& light : lighting.lights) {
             joint.directions.emplace_back(light.direction);
             joint.log_gains.push_back(0);
         }
-        PixelSamples s;
+        const std::vector<WardEstimate> estimates = fit(photos, lighting);
         for (int k = 0; k < size(); ++k) {
             const WardEstimate& e = estimates[static_cast<std::size_t>(k)];
             if (!e.valid) continue;
@@ -110,13 +110,28 @@ public:
             for (int c = 0; c < survey_.channels; ++c) diffuse += e.diffuse[c] / survey_.channels;
             const int pixel = static_cast<int>(joint.pixels.size());
             joint.pixels.push_back({.position = glm::dvec2(point_mm(k)) / width_mm_,
+                                    .sample = k,
                                     .slope = e.slope,
                                     .ln_alpha = std::log(e.roughness),
                                     .specular = std::max(e.specular, 0.002),
                                     .diffuse = diffuse});
-            gather(k, photos, lighting, s);
-            for (int i = 0; i < s.photos(); ++i) add_observation(s, i, pixel, joint);
+            samples_of(k, photos, lighting, pixel, joint);
         }
+        return joint;
+    }
+
+    // The same with some photographs only, started from the solution with all of them.
+    JointLights joint_problem(const std::vector<int>& photos, const Lighting& lighting,
+                              const JointLights& solved) const {
+        JointLights joint;
+        joint.pixels = solved.pixels;
+        joint.rig = solved.rig;
+        for (const int photo : photos) {
+            joint.directions.push_back(solved.directions[static_cast<std::size_t>(photo)]);
+            joint.log_gains.push_back(solved.log_gains[static_cast<std::size_t>(photo)]);
+        }
+        for (std::size_t pixel = 0; pixel < joint.pixels.size(); ++pixel)
+            samples_of(joint.pixels[pixel].sample, photos, lighting, static_cast<int>(pixel), joint);
         return joint;
     }
 
@@ -124,6 +139,13 @@ private:
     const float* stored(int k, int photo) const {
         return survey_.sample(chosen_[static_cast<std::size_t>(k)]) +
                static_cast<std::ptrdiff_t>(photo) * survey_.channels;
+    }
+
+    void samples_of(int k, const std::vector<int>& photos, const Lighting& lighting, int pixel,
+                    JointLights& joint) const {
+        PixelSamples s;
+        gather(k, photos, lighting, s);
+        for (int i = 0; i < s.photos(); ++i) add_observation(s, i, pixel, joint);
     }
 
     static void add_observation(const PixelSamples& s, int photo, int pixel, JointLights& joint) {
@@ -164,15 +186,10 @@ Lighting subset(const Lighting& lighting, const std::vector<int>& photos) {
     return result;
 }
 
-// The lighting of some photographs, calibrated on them.
-LightCalibration calibrated(const Sample& sample, const std::vector<int>& photos, const Lighting& given,
-                            LightFreedom freedom) {
-    LightCalibration result{.lighting = given, .trials = {}};
-    if (freedom == LightFreedom::none) return result;
-    JointLights joint = sample.joint_problem(photos, given, sample.fit(photos, given));
-    if (joint.pixels.empty() || !joint.solve(freedom == LightFreedom::rig_and_gains)) return result;
-
-    result.freedom = freedom;
+// The lighting that a solved joint problem means.
+LightCalibration calibration_of(const Sample& sample, const JointLights& joint, const Lighting& given,
+                                LightFreedom freedom) {
+    LightCalibration result{.lighting = given, .freedom = freedom, .trials = {}};
     Rig& rig = result.lighting.rig;
     const auto distance = [&](double nearness) {
         return nearness > kFar ? std::optional(static_cast<float>(sample.width_mm() / nearness))
@@ -183,7 +200,7 @@ LightCalibration calibrated(const Sample& sample, const std::vector<int>& photos
     rig.camera_distance_mm = distance(joint.rig.camera_nearness);
     rig.bend_per_mm = static_cast<float>(joint.rig.bend / sample.width_mm());
     const double middle = median(joint.log_gains);
-    for (std::size_t i = 0; i < photos.size(); ++i) {
+    for (std::size_t i = 0; i < joint.log_gains.size(); ++i) {
         Light& light = result.lighting.lights[i];
         light.gain *= static_cast<float>(std::exp(joint.log_gains[i] - middle));
         if (rig.lamp_distance_mm) light.position_mm = light.direction * *rig.lamp_distance_mm;
@@ -192,12 +209,29 @@ LightCalibration calibrated(const Sample& sample, const std::vector<int>& photos
     return result;
 }
 
-// [dB] PSNR of the photographs of one fold, predicted from all others.
-std::vector<double> left_out_db(const Sample& sample, const Lighting& given, LightFreedom freedom, int fold) {
+// The joint problem of all photographs, solved with one freedom; nothing where there is nothing to solve.
+std::optional<JointLights> solved(const Sample& sample, const std::vector<int>& photos, const Lighting& given,
+                                  LightFreedom freedom) {
+    if (freedom == LightFreedom::none) return {};
+    JointLights joint = sample.joint_problem(photos, given);
+    if (joint.pixels.empty() || !joint.solve(freedom == LightFreedom::rig_and_gains, JointStart::far))
+        return {};
+    return joint;
+}
+
+// [dB] PSNR of the photographs of one fold, predicted from all others. `all` is the solution with all
+// photographs: where to start, so that the fold's own solution is a few steps away.
+std::vector<double> left_out_db(const Sample& sample, const Lighting& given, LightFreedom freedom,
+                                const std::optional<JointLights>& all, int fold) {
     std::vector<int> used, left_out;
     for (int i = 0; i < static_cast<int>(given.lights.size()); ++i)
         (i % kFoldStep == kFoldStep / kFolds * fold ? left_out : used).push_back(i);
-    const LightCalibration c = calibrated(sample, used, subset(given, used), freedom);
+    LightCalibration c{.lighting = subset(given, used), .trials = {}};
+    if (all) {
+        JointLights joint = sample.joint_problem(used, c.lighting, *all);
+        if (joint.solve(freedom == LightFreedom::rig_and_gains, JointStart::near))
+            c = calibration_of(sample, joint, c.lighting, freedom);
+    }
     const std::vector<WardEstimate> estimates = sample.fit(used, c.lighting);
     std::vector<double> db;
     for (const int i : left_out) {
@@ -212,20 +246,19 @@ std::vector<double> left_out_db(const Sample& sample, const Lighting& given, Lig
     return db;
 }
 
+using Solutions = std::array<std::optional<JointLights>, kFreedoms.size()>;
+
 std::vector<LightCalibration::Trial> tried(const Sample& sample, const Lighting& given,
-                                           const Progress& progress) {
+                                           const Solutions& solutions,
+                                           const std::function<void()>& step_done) {
     std::array<std::array<std::vector<double>, kFolds>, kFreedoms.size()> db;
-    constexpr int tasks = kFolds * static_cast<int>(kFreedoms.size());
-    std::mutex mutex;
-    int done = 0;
-    parallel_for(0, tasks, 1, [&](int begin, int end) {
+    parallel_for(0, kFolds * static_cast<int>(kFreedoms.size()), 1, [&](int begin, int end) {
         for (int task = begin; task < end; ++task) {
             const auto freedom = static_cast<std::size_t>(task / kFolds);
             const int fold = task % kFolds;
-            std::vector<double> result = left_out_db(sample, given, kFreedoms[freedom], fold);
-            const std::lock_guard lock(mutex);
-            db[freedom][static_cast<std::size_t>(fold)] = std::move(result);
-            report(progress, "lights", ++done / static_cast<double>(tasks + 1));
+            db[freedom][static_cast<std::size_t>(fold)] =
+                left_out_db(sample, given, kFreedoms[freedom], solutions[freedom], fold);
+            step_done();
         }
     });
     std::vector<LightCalibration::Trial> trials;
@@ -292,13 +325,28 @@ LightCalibration calibrate_lights(const Stack& stack, const Survey& survey, cons
     if (static_cast<int>(stack.photos.size()) < options.fewest_photos)
         return {.lighting = given, .trials = {}};
     const Sample sample(stack, survey, transfer, noise, mm_per_pixel, ward, options.samples);
-    std::vector<LightCalibration::Trial> trials = tried(sample, given, progress);
-    LightCalibration::Trial best = trials.front();
-    for (const LightCalibration::Trial& trial : trials)
-        if (gained_db(trial, best) > options.worth_db) best = trial;
-    LightCalibration result = calibrated(sample, all_of(stack), given, best.freedom);
+    std::mutex mutex;
+    int done = 0;
+    constexpr int kSteps = static_cast<int>(kFreedoms.size()) * (1 + kFolds);
+    const auto step_done = [&] {
+        const std::lock_guard lock(mutex);
+        report(progress, "lights", ++done / static_cast<double>(kSteps));
+    };
+    Solutions solutions;
+    parallel_for(0, static_cast<int>(kFreedoms.size()), 1, [&](int begin, int end) {
+        for (int i = begin; i < end; ++i) {
+            const auto freedom = static_cast<std::size_t>(i);
+            solutions[freedom] = solved(sample, all_of(stack), given, kFreedoms[freedom]);
+            step_done();
+        }
+    });
+    std::vector<LightCalibration::Trial> trials = tried(sample, given, solutions, step_done);
+    std::size_t best = 0;
+    for (std::size_t i = 1; i < trials.size(); ++i)
+        if (gained_db(trials[i], trials[best]) > options.worth_db) best = i;
+    LightCalibration result{.lighting = given, .trials = {}};
+    if (solutions[best]) result = calibration_of(sample, *solutions[best], given, kFreedoms[best]);
     result.trials = std::move(trials);
-    report(progress, "lights", 1);
     return result;
 }
 

@@ -1,0 +1,98 @@
+#include "fit/joint_residual.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+
+namespace tangi {
+
+using glm::dvec3;
+
+namespace {
+
+// What a sample shows of the light that a unit lamp sends to its pixel, and its derivatives.
+struct Reflected {
+    double n_l = 0, n_v = 0, lobe = 0;                     // lobe is pi times surface/ward.h's
+    double lobe_h_n = 0, lobe_h_h = 0, lobe_ln_alpha = 0;  // d lobe by h.n, h.h, ln alpha
+};
+
+Reflected reflected(const dvec3& n, const dvec3& l, const dvec3& v, double ln_alpha) {
+    Reflected r;
+    r.n_l = std::max(glm::dot(n, l), 0.0);
+    r.n_v = glm::dot(n, v);
+    if (r.n_l <= 0 || r.n_v <= 0) return r;
+    const double h_n = r.n_l + r.n_v, h_h = 2 + 2 * glm::dot(l, v);
+    const double inverse_alpha2 = std::exp(-2 * ln_alpha), inverse_h_n2 = 1 / (h_n * h_n);
+    const double tan2 = std::max(h_h * inverse_h_n2 - 1, 0.0);
+    r.lobe = std::exp(-tan2 * inverse_alpha2) * inverse_alpha2 * h_h * inverse_h_n2 * inverse_h_n2;
+    r.lobe_h_n = r.lobe * (2 * h_h * inverse_h_n2 * inverse_alpha2 - 4) / h_n;
+    r.lobe_h_h = r.lobe * (1 / h_h - inverse_h_n2 * inverse_alpha2);
+    r.lobe_ln_alpha = r.lobe * (2 * tan2 * inverse_alpha2 - 2);
+    return r;
+}
+
+// The derivative of a / |a| along da, times |a|.
+dvec3 across(const dvec3& unit, const dvec3& da) { return da - unit * glm::dot(unit, da); }
+
+}  // namespace
+
+bool JointResidual::Evaluate(const double* const* parameters, double* residual, double** jacobians) const {
+    const double *pixel = parameters[0], *rig = parameters[2];
+    const double p = pixel[0], q = pixel[1], rho_s = pixel[3], rho_d = pixel[4];
+    const double nearness = rig[0], ambient = rig[1], camera = rig[2], bend = rig[3];
+    const dvec3 x(position_, 0);
+
+    // How the direction turns with the bend: towards the border by the part of it that is above the picture.
+    const dvec3 turn(position_ * direction_.z, -glm::dot(position_, glm::dvec2(direction_)));
+    const dvec3 bent = direction_ + bend * turn;
+    const double bent_length = glm::length(bent);
+    const dvec3 e = bent / bent_length;
+    const dvec3 u = e - nearness * x;
+    const double distance2 = glm::dot(u, u), distance = std::sqrt(distance2);
+    const dvec3 l = u / distance;
+    const dvec3 sight = dvec3(0, 0, 1) - camera * x;
+    const double sight_length = glm::length(sight);
+    const dvec3 v = sight / sight_length;
+
+    const double n_z = 1 / std::sqrt(1 + p * p + q * q);
+    const dvec3 n = n_z * dvec3(-p, -q, 1);
+    const Reflected r = reflected(n, l, v, pixel[2]);
+    const double irradiance = std::exp(parameters[1][0]) / distance2;
+    const double shown = rho_d * (r.n_l + ambient) + rho_s * r.lobe * r.n_l;
+    residual[0] = (irradiance * shown - value_) / sigma_;
+    if (!jacobians) return true;
+
+    const double scale = irradiance / sigma_;
+    const bool lit = r.n_l > 0;
+    // d shown by n.l and n.v, with h.n = n.l + n.v, and by h.h = 2 + 2 l.v.
+    const double by_n_l = lit ? rho_d + rho_s * (r.lobe + r.n_l * r.lobe_h_n) : 0;
+    const double by_n_v = rho_s * r.n_l * r.lobe_h_n, by_h_h = rho_s * r.n_l * r.lobe_h_h;
+    if (double* by = jacobians[0]) {
+        const double n_l = glm::dot(n, l), n_v = glm::dot(n, v);
+        const double slope[2] = {p, q};
+        for (int k = 0; k < 2; ++k) {
+            const double dn_l = -n_z * (l[k] + slope[k] * n_z * n_l);
+            const double dn_v = -n_z * (v[k] + slope[k] * n_z * n_v);
+            by[k] = scale * (by_n_l * dn_l + by_n_v * dn_v);
+        }
+        by[2] = scale * rho_s * r.n_l * r.lobe_ln_alpha;
+        by[3] = scale * r.lobe * r.n_l;
+        by[4] = scale * (r.n_l + ambient);
+    }
+    if (jacobians[1]) jacobians[1][0] = scale * shown;
+    if (double* by = jacobians[2]) {
+        const auto along = [&](const dvec3& du) {  // u moves
+            const dvec3 dl = across(l, du) / distance;
+            return scale * (by_n_l * glm::dot(n, dl) + 2 * by_h_h * glm::dot(v, dl) -
+                            2 * shown * glm::dot(u, du) / distance2);
+        };
+        const dvec3 dv = across(v, -x) / sight_length;
+        by[0] = along(-x);
+        by[1] = scale * rho_d;
+        by[2] = scale * (by_n_v * glm::dot(n, dv) + 2 * by_h_h * glm::dot(l, dv));
+        by[3] = along(across(e, turn) / bent_length);
+    }
+    return true;
+}
+
+}  // namespace tangi

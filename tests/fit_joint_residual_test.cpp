@@ -1,0 +1,93 @@
+// fit_joint_residual_test.cpp: the derivatives of the joint problem of pixels, lamps and rig.
+#include "fit/joint_residual.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <numbers>
+
+#include "surface/light.h"
+#include "surface/ward.h"
+#include "test_support.h"
+
+namespace tangi {
+namespace {
+
+constexpr int kSizes[3] = {kJointPixel, 1, kJointRig};
+
+struct Trial {
+    double pixel[kJointPixel], gain[1], rig[kJointRig];
+    glm::dvec3 direction;
+    glm::dvec2 position;
+};
+
+Trial random_trial(Random& random) {
+    return {
+        {random.uniform(-0.6, 0.6), random.uniform(-0.6, 0.6), std::log(random.uniform(0.1, 0.6)),
+         random.uniform(0, 0.5), random.uniform(0, 1)},
+        {random.uniform(-1, 1)},
+        {random.uniform(0, 0.8), random.uniform(0, 0.4), random.uniform(0, 0.8), random.uniform(-0.3, 0.3)},
+        glm::dvec3(random.direction(0.2)),
+        {random.uniform(-0.5, 0.5), random.uniform(-0.5, 0.5)}};
+}
+
+double residual_of(const Trial& t) {
+    const double* blocks[] = {t.pixel, t.gain, t.rig};
+    double residual = 0;
+    EXPECT_TRUE(JointResidual(t.direction, t.position, 0.3, 0.02).Evaluate(blocks, &residual, nullptr));
+    return residual;
+}
+
+TEST(JointResidual, DerivativesAreThoseOfCentralDifferences) {
+    Random random(4);
+    for (int trial = 0; trial < 500; ++trial) {
+        Trial t = random_trial(random);
+        double by_pixel[kJointPixel], by_gain[1], by_rig[kJointRig], residual = 0;
+        double* jacobians[] = {by_pixel, by_gain, by_rig};
+        double* blocks[] = {t.pixel, t.gain, t.rig};
+        const JointResidual cost(t.direction, t.position, 0.3, 0.02);
+        ASSERT_TRUE(cost.Evaluate(blocks, &residual, jacobians));
+        EXPECT_EQ(residual, residual_of(t));
+        for (int block = 0; block < 3; ++block)
+            for (int i = 0; i < kSizes[block]; ++i) {
+                const double at = blocks[block][i], step = 1e-5;
+                blocks[block][i] = at + step;
+                const double above = residual_of(t);
+                blocks[block][i] = at - step;
+                const double below = residual_of(t);
+                blocks[block][i] = at;
+                const double found = jacobians[block][i], numeric = (above - below) / (2 * step);
+                EXPECT_NEAR(found, numeric, 1e-5 * std::max(10.0, std::abs(numeric)))
+                    << "trial " << trial << ", block " << block << ", parameter " << i;
+            }
+    }
+}
+
+// The relit picture and the calibration must mean the same by a rig.
+TEST(JointResidual, IsWhatTheReferenceRendererShows) {
+    Random random(5);
+    constexpr double width_mm = 200;
+    for (int trial = 0; trial < 200; ++trial) {
+        const Trial t = random_trial(random);
+        const Rig rig{.ambient = static_cast<float>(t.rig[1]),
+                      .camera_distance_mm = static_cast<float>(width_mm / t.rig[2]),
+                      .bend_per_mm = static_cast<float>(t.rig[3] / width_mm)};
+        Light light = near_light(Vec3(t.direction) * static_cast<float>(width_mm / t.rig[0]));
+        light.gain = Rgb(static_cast<float>(std::exp(t.gain[0])));
+        const Vec3 point_mm(glm::vec2(t.position) * static_cast<float>(width_mm), 0);
+        const Incidence in = incidence(light, point_mm, rig);
+        const Vec3 normal =
+            glm::normalize(Vec3(-static_cast<float>(t.pixel[0]), -static_cast<float>(t.pixel[1]), 1));
+        const WardAngles<float> a = ward_angles(normal, in.direction, view_direction(rig, point_mm));
+        const double n_l = std::max(a.n_l, 0.0f);
+        const double lobe = ward_lobe(WardModel::bounded, a, static_cast<float>(std::exp(t.pixel[2])));
+        const double shown =
+            in.irradiance.g * (t.pixel[4] * (n_l + t.rig[1]) + t.pixel[3] * std::numbers::pi * lobe * n_l);
+        EXPECT_NEAR(residual_of(t) * 0.02 + 0.3, shown, 2e-4 * std::max(1.0, shown)) << "trial " << trial;
+    }
+}
+
+}  // namespace
+}  // namespace tangi
