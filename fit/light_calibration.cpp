@@ -70,8 +70,9 @@ public:
         return estimates;
     }
 
-    // [dB] PSNR of one photograph, predicted under this light.
+    // [dB] PSNR of one photograph, predicted under this light; a matt white that faces it is the peak.
     double psnr_db(const std::vector<WardEstimate>& estimates, int photo, const Lighting& lighting) const {
+        const double white = transfer_.encode(static_cast<float>(lighting.white_level));
         double squares = 0;
         long count = 0;
         PixelSamples s;
@@ -86,8 +87,9 @@ public:
             for (int c = 0; c < survey_.channels; ++c, ++count) {
                 const double linear = s.irradiance[static_cast<std::size_t>(c)] *
                                       (e.diffuse[c] * (t.n_l + s.ambient[0]) + e.specular * t.lobe);
-                const double shown = std::min(transfer_.encode(static_cast<float>(linear)), 1.0f);
-                squares += (shown - stored[c]) * (shown - stored[c]);
+                const double encoded = transfer_.encode(static_cast<float>(linear));
+                const double shown = noise_.clips() ? std::min(encoded, 1.0) : encoded;
+                squares += std::pow((shown - stored[c]) / white, 2);
             }
         }
         if (count == 0 || squares <= 0) return kBestDb;
@@ -271,12 +273,15 @@ std::vector<LightCalibration::Trial> tried(const Sample& sample, const Lighting&
     return trials;
 }
 
-// [dB] By how much `a` predicts the same photographs better than `b`, in the median: one photograph whose
-// lamp moved is no reason for or against.
-double gained_db(const LightCalibration::Trial& a, const LightCalibration::Trial& b) {
+// [dB] By how much `a` predicts the same photographs better than `b` at least, as far as that many
+// photographs can tell: the median, as one photograph whose lamp moved is no reason for or against, less its
+// standard error (that of a median of normal values; their spread by the median absolute deviation).
+double surely_gained_db(const LightCalibration::Trial& a, const LightCalibration::Trial& b) {
     std::vector<double> gained;
     for (std::size_t i = 0; i < a.photos_db.size(); ++i) gained.push_back(a.photos_db[i] - b.photos_db[i]);
-    return median(std::move(gained));
+    const double middle = median(gained), count = static_cast<double>(gained.size());
+    for (double& db : gained) db = std::abs(db - middle);
+    return middle - 1.2533 * 1.4826 * median(std::move(gained)) / std::sqrt(count);
 }
 
 std::vector<int> all_of(const Stack& stack) {
@@ -343,7 +348,7 @@ LightCalibration calibrate_lights(const Stack& stack, const Survey& survey, cons
     std::vector<LightCalibration::Trial> trials = tried(sample, given, solutions, step_done);
     std::size_t best = 0;
     for (std::size_t i = 1; i < trials.size(); ++i)
-        if (gained_db(trials[i], trials[best]) > options.worth_db) best = i;
+        if (surely_gained_db(trials[i], trials[best]) > options.worth_db) best = i;
     LightCalibration result{.lighting = given, .trials = {}};
     if (solutions[best]) result = calibration_of(sample, *solutions[best], given, kFreedoms[best]);
     result.trials = std::move(trials);

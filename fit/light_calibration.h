@@ -37,7 +37,8 @@ std::string_view name_of(LightFreedom freedom);
 struct LightCalibrationOptions {
     int samples = 500;       // [1] pixels to solve for
     int fewest_photos = 12;  // [1] with fewer, lights are taken as given
-    double worth_db = 0.25;  // [dB] by which it must predict left-out photographs better, in the median
+    double worth_db =
+        0.1;  // [dB] by which it must predict left-out photographs better, less the standard error
 
     static constexpr std::string_view name = "light_calibration";
     template <class Self, class Visit>
@@ -46,7 +47,9 @@ struct LightCalibrationOptions {
         visit(FieldInfo{"fewest_photos", 6, 10000, "1", "photographs below which lights are taken as given"},
               self.fewest_photos);
         visit(
-            FieldInfo{"worth_db", 0, 100, "dB", "improvement on left-out photographs that calibrating needs"},
+            FieldInfo{
+                "worth_db", 0, 100, "dB",
+                "improvement on left-out photographs, beyond its standard error, that calibrating needs"},
             self.worth_db);
     }
 };

@@ -31,6 +31,7 @@ public:
 
     // 0 where the sample is clipped (it only says "at least this") or not a number.
     double sigma(float linear) const;
+    bool clips() const { return clipped_ < std::numeric_limits<float>::infinity(); }
 
 private:
     static constexpr int kEntries = 4096;

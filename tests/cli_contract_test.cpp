@@ -71,7 +71,7 @@ struct WrongFlag {
 // The flag, and what it may be, are in the message; no file needs to exist for it.
 const std::vector<WrongFlag>& wrong_flags() {
     static const std::vector<WrongFlag> all = {
-        WrongFlag{{"fit", "p", "--out", "a.exr", "--threads", "0"}, {"--threads", "range 1 to 1024"}},
+        WrongFlag{{"fit", "p", "--out", "a.exr", "--threads", "0"}, {"--threads", "0 is not in [1, 1024]"}},
         WrongFlag{{"fit", "p", "--out", "a.exr", "--threads", "two"}, {"--threads", "two"}},
         WrongFlag{{"fit", "p", "--out", "a.exr", "--max-iterations", "0"},
                   {"--max-iterations", "0 is not in ["}},
