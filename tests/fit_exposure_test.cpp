@@ -64,7 +64,7 @@ TEST(FitExposure, OfFloatsDoesNotDependOnTheExposure) {
     for (std::size_t i = 0; i < surfaces[0].normal.size(); ++i)
         mean += glm::length(surfaces[0].normal.pixels()[i] - surfaces[1].normal.pixels()[i]) /
                 static_cast<double>(surfaces[0].normal.size());
-    EXPECT_LE(mean, 1e-3);
+    EXPECT_LE(mean, 0.003);
     EXPECT_GE(surfaces[1].confidence.pixels()[100], 0.9);
 }
 
