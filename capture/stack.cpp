@@ -8,6 +8,7 @@
 #include <numbers>
 #include <sstream>
 
+#include "capture/capture_file.h"
 #include "capture/lights_file.h"
 #include "surface/error.h"
 #include "surface/parallel.h"
@@ -200,6 +201,21 @@ void apply_mask(Stack& stack, const fs::path& path, const Region& whole) {
         fail("{}: the mask leaves nothing of the picture; white marks what is to be fitted", path.string());
 }
 
+// Puts what was calibrated into the frame of the crop.
+void apply_capture(Stack& stack, const CaptureFile& capture, const Region& whole, const fs::path& path) {
+    if (capture.width != whole.width() || capture.height != whole.height())
+        fail("{}: was made from photographs of {} x {}, those of {} are {} x {}", path.string(),
+             capture.width, capture.height, stack.folder.string(), whole.width(), whole.height());
+    const CaptureFile seen = seen_from(capture, stack.crop);
+    for (StackPhoto& photo : stack.photos) {
+        const std::string name = photo.light.name;
+        photo.light = seen.lights[static_cast<std::size_t>(photo.number)];
+        photo.light.name = name;
+    }
+    stack.mm_per_pixel = seen.mm_per_pixel;
+    stack.camera_mm = seen.camera_mm;
+}
+
 // Smallest eigenvalue of a symmetric matrix (Smith 1961, "Eigenvalues of a symmetric 3 x 3 matrix").
 double smallest_eigenvalue(const glm::dmat3& a) {
     const double mean = (a[0][0] + a[1][1] + a[2][2]) / 3;
@@ -287,13 +303,21 @@ Stack open_stack(const fs::path& folder, const StackOptions& options) {
     Stack stack;
     stack.folder = folder;
     const fs::path lights_path = options.lights_file ? *options.lights_file : find_lights_file(folder);
-    LightsFile lights = read_lights_file(lights_path);
-    stack.warnings = std::move(lights.warnings);
-    match_photos(stack, lights.lights, lights_path);
+    std::optional<CaptureFile> capture;
+    if (lower_extension(lights_path) == ".json") {
+        capture = read_capture_file(lights_path);
+        stack.warnings = capture->warnings;
+        match_photos(stack, capture->lights, lights_path);
+    } else {
+        LightsFile lights = read_lights_file(lights_path);
+        stack.warnings = std::move(lights.warnings);
+        match_photos(stack, lights.lights, lights_path);
+    }
     leave_out_lights_from_below(stack, lights_path);
     check_headers(stack);
     const Region whole = stack.crop;
     if (options.crop) apply_crop(stack, *options.crop);
+    if (capture) apply_capture(stack, *capture, whole, lights_path);
     if (options.mask_file) apply_mask(stack, *options.mask_file, whole);
     stack.transfer = options.transfer;
     return stack;

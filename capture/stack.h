@@ -16,7 +16,8 @@
 namespace tangi {
 
 struct StackOptions {
-    std::optional<std::filesystem::path> lights_file{};  // the one .lp file of the folder where empty
+    std::optional<std::filesystem::path> lights_file{};  // .lp or capture.json; the one .lp of the folder
+                                                         // where empty
     std::optional<Region> crop{};                        // [pixels of the photographs] the part to read
     std::optional<std::filesystem::path> mask_file{};    // a picture; what is black in it is not fitted
     std::optional<Transfer> transfer{};                  // estimated from the photographs where empty
@@ -40,8 +41,11 @@ struct Stack {
     int channels = 3;                    // 1 or 3, the same in all photographs
     int bits = 8;                        // as PhotoHeader::bits
     std::optional<Transfer> transfer{};  // empty until known (estimate_transfer)
-    Image<unsigned char> mask;           // size of the crop, 0 = leave out; empty = everything
-    std::vector<std::string> warnings;   // for the user, each naming the file it is about
+    // From a capture.json, in the frame of the crop; the lights have positions and gains then.
+    std::optional<double> mm_per_pixel{};
+    std::optional<Vec3> camera_mm{};
+    Image<unsigned char> mask;          // size of the crop, 0 = leave out; empty = everything
+    std::vector<std::string> warnings;  // for the user, each naming the file it is about
 
     int width() const { return crop.width(); }
     int height() const { return crop.height(); }

@@ -46,7 +46,9 @@ std::vector<double> numbers_of(const std::string& text, const std::string& flag,
 
 void PhotosArguments::add_to(Flags& flags, bool for_fit) {
     flags.option("PHOTOS", folder, "folder of photographs, one for each light").required();
-    flags.option("--lights", lights, "lights file (.lp); where not given, the only one in the folder");
+    flags.option(
+        "--lights", lights,
+        "lights file (.lp), or the capture.json of calibrate; where not given, the only .lp in the folder");
     flags
         .option("--transfer", transfer,
                 "how the photographs are encoded: auto, linear, srgb, or a gamma such as 2.2")

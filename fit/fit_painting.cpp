@@ -82,6 +82,15 @@ NoiseModel noise_model(const Stack& stack, const Transfer& transfer, const FitOp
     return NoiseModel(transfer, options.noise.value_or(stack.bits == 8 ? 0.012 : 0.006), true);
 }
 
+Rig rig_of(const Stack& stack) {
+    Rig rig;
+    if (stack.camera_mm) {
+        rig.camera_distance_mm = stack.camera_mm->z;
+        rig.camera_axis_mm = glm::vec2(*stack.camera_mm);
+    }
+    return rig;
+}
+
 // Held-out photographs get the light that the others make likely.
 void describe_lights(const Stack& stack, const LightCalibration& calibration, Photography& photography) {
     photography.rig = calibration.lighting.rig;
@@ -156,11 +165,13 @@ FitResult fit_painting(Stack stack, const FitOptions& options, const Progress& p
 
     result.surface = Surface(stack.width(), stack.height());
     Surface& surface = result.surface;
-    surface.mm_per_pixel = options.mm_per_pixel.value_or(1.0);
-    surface.scale_known = options.mm_per_pixel.has_value();
+    const std::optional<double> mm_per_pixel =
+        options.mm_per_pixel ? options.mm_per_pixel : stack.mm_per_pixel;
+    surface.mm_per_pixel = mm_per_pixel.value_or(1.0);
+    surface.scale_known = mm_per_pixel.has_value();
     surface.photography = {.transfer = transfer, .white_level = options.white_level, .photos = {}, .rig = {}};
     const NoiseModel noise = noise_model(stack, transfer, options);
-    const Lighting given{stack.lights(), {}, options.white_level};
+    const Lighting given{stack.lights(), rig_of(stack), options.white_level};
     report_.lights = options.lights_as_given
                          ? LightCalibration{.lighting = given, .trials = {}}
                          : calibrate_lights(stack, surveyed, transfer, noise, given, surface.mm_per_pixel,

@@ -85,9 +85,9 @@ bool JointLights::solve(bool free_gains, JointStart start) {
     auto* robust = new ceres::LossFunctionWrapper(new ceres::CauchyLoss(kStartScale), ceres::TAKE_OWNERSHIP);
     for (const Observation& o : observations) {
         const auto pixel = static_cast<std::size_t>(o.pixel), photo = static_cast<std::size_t>(o.photo);
-        problem.AddResidualBlock(
-            new JointResidual(directions[photo], pixels[pixel].position, o.value, o.sigma), robust,
-            x[pixel].data(), &log_gains[photo], r.data());
+        problem.AddResidualBlock(new JointResidual({directions[photo], nearer[photo], pixels[pixel].position,
+                                                    camera_axis, o.value, o.sigma}),
+                                 robust, x[pixel].data(), &log_gains[photo], r.data());
     }
     auto* flat = new ceres::CauchyLoss(1);
     auto ordering = std::make_shared<ceres::ParameterBlockOrdering>();
@@ -116,9 +116,14 @@ bool JointLights::solve(bool free_gains, JointStart start) {
                              r.data());
     const std::array<std::array<double, 2>, kRig> bounds = {{{0, 1.2}, {0, 0.6}, {0, 1.2}, {-0.5, 0.5}}};
     for (int i = 0; i < kRig; ++i) {
+        if (i != 1 && (i == 2 ? camera_known : lamps_known)) continue;  // may lie outside, and stays
         problem.SetParameterLowerBound(r.data(), i, bounds[static_cast<std::size_t>(i)][0]);
         problem.SetParameterUpperBound(r.data(), i, bounds[static_cast<std::size_t>(i)][1]);
     }
+    std::vector<int> known;
+    if (lamps_known) known = {0, 3};
+    if (camera_known) known.push_back(2);
+    if (!known.empty()) problem.SetManifold(r.data(), new ceres::SubsetManifold(kRig, known));
     ordering->AddElementToGroup(trend.data(), 1);
     ordering->AddElementToGroup(r.data(), 1);
 

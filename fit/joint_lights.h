@@ -35,8 +35,13 @@ struct JointLights {
     std::vector<Pixel> pixels;
     std::vector<Observation> observations;
 
+    std::vector<double> nearer;  // [1] of each lamp: how many times nearer than rig.lamp_nearness says
+    bool lamps_known = false;    // their nearness is as given, and nothing bends
+    bool camera_known = false;   // its nearness is as given
+    glm::dvec2 camera_axis{0};   // above which the camera is
+
     std::vector<double> log_gains;  // one a photograph: start, and result
-    RigParameters rig;
+    RigParameters rig;              // start, and result
 
     // Minimises over pixels and rig, and over the gains where `free_gains`. False where Ceres fails.
     bool solve(bool free_gains, JointStart start);

@@ -39,18 +39,18 @@ dvec3 across(const dvec3& unit, const dvec3& da) { return da - unit * glm::dot(u
 bool JointResidual::Evaluate(const double* const* parameters, double* residual, double** jacobians) const {
     const double *pixel = parameters[0], *rig = parameters[2];
     const double p = pixel[0], q = pixel[1], rho_s = pixel[3], rho_d = pixel[4];
-    const double nearness = rig[0], ambient = rig[1], camera = rig[2], bend = rig[3];
-    const dvec3 x(position_, 0);
+    const double nearness = rig[0] * s_.nearer, ambient = rig[1], camera = rig[2], bend = rig[3];
+    const dvec3 x(s_.position, 0), from_axis(s_.position - s_.camera_axis, 0);
 
     // How the direction turns with the bend: towards the border by the part of it that is above the picture.
-    const dvec3 turn(position_ * direction_.z, -glm::dot(position_, glm::dvec2(direction_)));
-    const dvec3 bent = direction_ + bend * turn;
+    const dvec3 turn(s_.position * s_.direction.z, -glm::dot(s_.position, glm::dvec2(s_.direction)));
+    const dvec3 bent = s_.direction + bend * turn;
     const double bent_length = glm::length(bent);
     const dvec3 e = bent / bent_length;
     const dvec3 u = e - nearness * x;
     const double distance2 = glm::dot(u, u), distance = std::sqrt(distance2);
     const dvec3 l = u / distance;
-    const dvec3 sight = dvec3(0, 0, 1) - camera * x;
+    const dvec3 sight = dvec3(0, 0, 1) - camera * from_axis;
     const double sight_length = glm::length(sight);
     const dvec3 v = sight / sight_length;
 
@@ -59,10 +59,10 @@ bool JointResidual::Evaluate(const double* const* parameters, double* residual, 
     const Reflected r = reflected(n, l, v, pixel[2]);
     const double irradiance = std::exp(parameters[1][0]) / distance2;
     const double shown = rho_d * (r.n_l + ambient) + rho_s * r.lobe * r.n_l;
-    residual[0] = (irradiance * shown - value_) / sigma_;
+    residual[0] = (irradiance * shown - s_.value) / s_.sigma;
     if (!jacobians) return true;
 
-    const double scale = irradiance / sigma_;
+    const double scale = irradiance / s_.sigma;
     const bool lit = r.n_l > 0;
     // d shown by n.l and n.v, with h.n = n.l + n.v, and by h.h = 2 + 2 l.v.
     const double by_n_l = lit ? rho_d + rho_s * (r.lobe + r.n_l * r.lobe_h_n) : 0;
@@ -86,8 +86,8 @@ bool JointResidual::Evaluate(const double* const* parameters, double* residual, 
             return scale * (by_n_l * glm::dot(n, dl) + 2 * by_h_h * glm::dot(v, dl) -
                             2 * shown * glm::dot(u, du) / distance2);
         };
-        const dvec3 dv = across(v, -x) / sight_length;
-        by[0] = along(-x);
+        const dvec3 dv = across(v, -from_axis) / sight_length;
+        by[0] = along(-s_.nearer * x);
         by[1] = scale * rho_d;
         by[2] = scale * (by_n_v * glm::dot(n, dv) + 2 * by_h_h * glm::dot(l, dv));
         by[3] = along(across(e, turn) / bent_length);

@@ -100,10 +100,7 @@ public:
     // out.
     JointLights joint_problem(const std::vector<int>& photos, const Lighting& lighting) const {
         JointLights joint;
-        for (const Light& light : lighting.lights) {
-            joint.directions.emplace_back(light.direction);
-            joint.log_gains.push_back(0);
-        }
+        describe(lighting, joint);
         const std::vector<WardEstimate> estimates = fit(photos, lighting);
         for (int k = 0; k < size(); ++k) {
             const WardEstimate& e = estimates[static_cast<std::size_t>(k)];
@@ -127,11 +124,10 @@ public:
                               const JointLights& solved) const {
         JointLights joint;
         joint.pixels = solved.pixels;
+        describe(lighting, joint);
         joint.rig = solved.rig;
-        for (const int photo : photos) {
-            joint.directions.push_back(solved.directions[static_cast<std::size_t>(photo)]);
-            joint.log_gains.push_back(solved.log_gains[static_cast<std::size_t>(photo)]);
-        }
+        for (std::size_t i = 0; i < photos.size(); ++i)
+            joint.log_gains[i] = solved.log_gains[static_cast<std::size_t>(photos[i])];
         for (std::size_t pixel = 0; pixel < joint.pixels.size(); ++pixel)
             samples_of(joint.pixels[pixel].sample, photos, lighting, static_cast<int>(pixel), joint);
         return joint;
@@ -143,20 +139,43 @@ private:
                static_cast<std::ptrdiff_t>(photo) * survey_.channels;
     }
 
+    // What is given of the lamps and the camera.
+    void describe(const Lighting& lighting, JointLights& joint) const {
+        joint.lamps_known = !lighting.lights.empty() &&
+                            std::all_of(lighting.lights.begin(), lighting.lights.end(),
+                                        [](const Light& light) { return light.position_mm.has_value(); });
+        for (const Light& light : lighting.lights) {
+            joint.directions.emplace_back(light.direction);
+            joint.nearer.push_back(joint.lamps_known ? width_mm_ / glm::length(*light.position_mm) : 1);
+            joint.log_gains.push_back(0);
+        }
+        if (joint.lamps_known) joint.rig.lamp_nearness = 1;
+        if (lighting.rig.camera_distance_mm) {
+            joint.camera_known = true;
+            joint.rig.camera_nearness = width_mm_ / *lighting.rig.camera_distance_mm;
+            joint.camera_axis = glm::dvec2(lighting.rig.camera_axis_mm) / width_mm_;
+        }
+    }
+
     void samples_of(int k, const std::vector<int>& photos, const Lighting& lighting, int pixel,
                     JointLights& joint) const {
         PixelSamples s;
         gather(k, photos, lighting, s);
-        for (int i = 0; i < s.photos(); ++i) add_observation(s, i, pixel, joint);
+        for (int i = 0; i < s.photos(); ++i) {
+            const Rgb& gain = lighting.lights[static_cast<std::size_t>(i)].gain;
+            add_observation(s, i, lighting.white_level * glm::dvec3(gain), pixel, joint);
+        }
     }
 
-    static void add_observation(const PixelSamples& s, int photo, int pixel, JointLights& joint) {
+    // `white` [1]: linear value of a matt white in the origin that faces the lamp.
+    static void add_observation(const PixelSamples& s, int photo, const glm::dvec3& white, int pixel,
+                                JointLights& joint) {
         double value = 0, variance = 0, irradiance = 0;
         for (int c = 0; c < s.channels; ++c) {
             const auto at = static_cast<std::size_t>(photo * s.channels + c);
             if (!(s.sigma[at] > 0)) return;
             value += s.value[at] / s.channels;
-            irradiance += s.irradiance[at] / s.channels;
+            irradiance += white[c] / s.channels;
             variance += s.sigma[at] * s.sigma[at] / s.channels;  // JPEG's noise is shared by the channels
         }
         const JointLights::Pixel& p = joint.pixels[static_cast<std::size_t>(pixel)];
@@ -198,16 +217,20 @@ LightCalibration calibration_of(const Sample& sample, const JointLights& joint, 
                                : std::nullopt;
     };
     rig.ambient = static_cast<float>(joint.rig.ambient);
-    rig.lamp_distance_mm = distance(joint.rig.lamp_nearness);
-    rig.camera_distance_mm = distance(joint.rig.camera_nearness);
-    rig.bend_per_mm = static_cast<float>(joint.rig.bend / sample.width_mm());
+    if (!joint.lamps_known) {
+        rig.lamp_distance_mm = distance(joint.rig.lamp_nearness);
+        rig.bend_per_mm = static_cast<float>(joint.rig.bend / sample.width_mm());
+    }
+    if (!joint.camera_known) rig.camera_distance_mm = distance(joint.rig.camera_nearness);
     const double middle = median(joint.log_gains);
     for (std::size_t i = 0; i < joint.log_gains.size(); ++i) {
         Light& light = result.lighting.lights[i];
         light.gain *= static_cast<float>(std::exp(joint.log_gains[i] - middle));
         if (rig.lamp_distance_mm) light.position_mm = light.direction * *rig.lamp_distance_mm;
     }
-    if (freedom == LightFreedom::rig_and_gains) result.lamps = fit_lamp_model(result.lighting.lights);
+    // One lamp that was carried around is as strong elsewhere as it was given.
+    if (freedom == LightFreedom::rig_and_gains && !joint.lamps_known)
+        result.lamps = fit_lamp_model(result.lighting.lights);
     return result;
 }
 

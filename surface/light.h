@@ -26,8 +26,10 @@ struct Rig {
     // [1] Light from all around (the room, the dome, the relief itself), as a part of the lamp's: a matt
     // surface shows rho_d (max(n.l, 0) + ambient).
     float ambient = 0;
-    // [mm] The camera, on the z axis; far away where empty.
+    // [mm] The camera's height above the painting's plane; far away where empty.
     std::optional<float> camera_distance_mm{};
+    // [mm] x and y of the camera: where it looks straight down, it sees this point in the picture's middle.
+    glm::vec2 camera_axis_mm{0, 0};
     // [mm] Of lamps whose own position is not known, from the origin; far away where empty.
     std::optional<float> lamp_distance_mm{};
     // [1/mm] Directions turn by this angle for each mm from the centre, as if the painting were bent: the
@@ -49,7 +51,7 @@ Incidence incidence(const Light& light, const Vec3& point_mm, const Rig& rig = {
 // [unit vector] from a point of the painting to the camera.
 inline Vec3 view_direction(const Rig& rig, const Vec3& point_mm) {
     if (!rig.camera_distance_mm) return {0, 0, 1};
-    return glm::normalize(Vec3(0, 0, *rig.camera_distance_mm) - point_mm);
+    return glm::normalize(Vec3(rig.camera_axis_mm, *rig.camera_distance_mm) - point_mm);
 }
 
 }  // namespace tangi

@@ -49,6 +49,7 @@ json to_json(const Photography& photography) {
                    {"rig",
                     {{"ambient", rig.ambient},
                      {"camera_distance_mm", distance(rig.camera_distance_mm)},
+                     {"camera_axis_mm", {rig.camera_axis_mm.x, rig.camera_axis_mm.y}},
                      {"lamp_distance_mm", distance(rig.lamp_distance_mm)},
                      {"bend_per_mm", rig.bend_per_mm}}}};
     if (const auto& lamps = photography.lamps)
@@ -80,8 +81,12 @@ Photography photography_from_json(const json& j) {
         };
         photography.rig = {.ambient = rig.at("ambient").get<float>(),
                            .camera_distance_mm = distance("camera_distance_mm"),
+                           .camera_axis_mm = {},
                            .lamp_distance_mm = distance("lamp_distance_mm"),
                            .bend_per_mm = rig.at("bend_per_mm").get<float>()};
+        if (rig.contains("camera_axis_mm"))
+            photography.rig.camera_axis_mm = {rig["camera_axis_mm"].at(0).get<float>(),
+                                              rig["camera_axis_mm"].at(1).get<float>()};
     }
     if (j.contains("lamps")) {
         const json& lamps = j.at("lamps");

@@ -19,8 +19,7 @@ constexpr int kSizes[3] = {kJointPixel, 1, kJointRig};
 
 struct Trial {
     double pixel[kJointPixel], gain[1], rig[kJointRig];
-    glm::dvec3 direction;
-    glm::dvec2 position;
+    JointSample sample;
 };
 
 Trial random_trial(Random& random) {
@@ -29,14 +28,18 @@ Trial random_trial(Random& random) {
          random.uniform(0, 0.5), random.uniform(0, 1)},
         {random.uniform(-1, 1)},
         {random.uniform(0, 0.8), random.uniform(0, 0.4), random.uniform(0, 0.8), random.uniform(-0.3, 0.3)},
-        glm::dvec3(random.direction(0.2)),
-        {random.uniform(-0.5, 0.5), random.uniform(-0.5, 0.5)}};
+        {.direction = glm::dvec3(random.direction(0.2)),
+         .nearer = random.uniform(0.7, 1.4),
+         .position = {random.uniform(-0.5, 0.5), random.uniform(-0.5, 0.5)},
+         .camera_axis = {random.uniform(-0.2, 0.2), random.uniform(-0.2, 0.2)},
+         .value = 0.3,
+         .sigma = 0.02}};
 }
 
 double residual_of(const Trial& t) {
     const double* blocks[] = {t.pixel, t.gain, t.rig};
     double residual = 0;
-    EXPECT_TRUE(JointResidual(t.direction, t.position, 0.3, 0.02).Evaluate(blocks, &residual, nullptr));
+    EXPECT_TRUE(JointResidual(t.sample).Evaluate(blocks, &residual, nullptr));
     return residual;
 }
 
@@ -47,7 +50,7 @@ TEST(JointResidual, DerivativesAreThoseOfCentralDifferences) {
         double by_pixel[kJointPixel], by_gain[1], by_rig[kJointRig], residual = 0;
         double* jacobians[] = {by_pixel, by_gain, by_rig};
         double* blocks[] = {t.pixel, t.gain, t.rig};
-        const JointResidual cost(t.direction, t.position, 0.3, 0.02);
+        const JointResidual cost(t.sample);
         ASSERT_TRUE(cost.Evaluate(blocks, &residual, jacobians));
         EXPECT_EQ(residual, residual_of(t));
         for (int block = 0; block < 3; ++block)
@@ -73,10 +76,13 @@ TEST(JointResidual, IsWhatTheReferenceRendererShows) {
         const Trial t = random_trial(random);
         const Rig rig{.ambient = static_cast<float>(t.rig[1]),
                       .camera_distance_mm = static_cast<float>(width_mm / t.rig[2]),
+                      .camera_axis_mm = glm::vec2(t.sample.camera_axis * width_mm),
+                      .lamp_distance_mm = {},
                       .bend_per_mm = static_cast<float>(t.rig[3] / width_mm)};
-        Light light = near_light(Vec3(t.direction) * static_cast<float>(width_mm / t.rig[0]));
+        Light light = near_light(Vec3(t.sample.direction) *
+                                 static_cast<float>(width_mm / (t.rig[0] * t.sample.nearer)));
         light.gain = Rgb(static_cast<float>(std::exp(t.gain[0])));
-        const Vec3 point_mm(glm::vec2(t.position) * static_cast<float>(width_mm), 0);
+        const Vec3 point_mm(glm::vec2(t.sample.position) * static_cast<float>(width_mm), 0);
         const Incidence in = incidence(light, point_mm, rig);
         const Vec3 normal =
             glm::normalize(Vec3(-static_cast<float>(t.pixel[0]), -static_cast<float>(t.pixel[1]), 1));

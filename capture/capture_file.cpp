@@ -1,0 +1,155 @@
+#include "capture/capture_file.h"
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <glm/geometric.hpp>
+#include <nlohmann/json.hpp>
+
+#include "surface/error.h"
+#include "surface/median.h"
+
+namespace tangi {
+
+using nlohmann::json;
+
+namespace {
+
+constexpr const char* kFormat = "tangipaint capture 1";
+
+// One number of the file, named as the user finds it there.
+class Field {
+public:
+    Field(const std::string& file, const json& value, std::string name)
+        : file_(file), value_(value), name_(std::move(name)) {}
+
+    Field operator[](const char* key) const {
+        if (!value_.is_object() || !value_.contains(key)) fail("{}: {}.{} is missing", file_, name_, key);
+        return {file_, value_.at(key), name_.empty() ? key : name_ + "." + key};
+    }
+    bool is_null() const { return value_.is_null(); }
+    double number(double minimum, double maximum) const {
+        if (!value_.is_number()) fail("{}: {} is not a number", file_, name_);
+        const double x = value_.get<double>();
+        if (!(x >= minimum && x <= maximum))
+            fail("{}: {} = {} is not in [{}, {}]", file_, name_, x, minimum, maximum);
+        return x;
+    }
+    std::string text() const {
+        if (!value_.is_string()) fail("{}: {} is not a text", file_, name_);
+        return value_.get<std::string>();
+    }
+    std::vector<Field> list() const {
+        if (!value_.is_array()) fail("{}: {} is not a list", file_, name_);
+        std::vector<Field> entries;
+        for (std::size_t i = 0; i < value_.size(); ++i)
+            entries.emplace_back(file_, value_[i], fmt::format("{}[{}]", name_, i));
+        return entries;
+    }
+    Vec3 vec3(double size) const {
+        const std::vector<Field> n = list();
+        if (n.size() != 3) fail("{}: {} has {} numbers, not 3", file_, name_, n.size());
+        return Vec3(n[0].number(-size, size), n[1].number(-size, size), n[2].number(-size, size));
+    }
+
+private:
+    const std::string& file_;
+    const json& value_;
+    std::string name_;
+};
+
+constexpr double kFarthest = 1e6;  // [mm] 1 km
+
+std::optional<Light> light_of(const Field& entry, const std::string& file) {
+    if (entry["direction"].is_null()) return {};  // left out
+    const std::string name = entry["name"].text();
+    if (!entry["position_mm"].is_null()) {
+        const Vec3 position = entry["position_mm"].vec3(kFarthest);
+        if (!(position.z > 0))
+            fail("{}: the lamp of {} is at z = {} mm, below the painting", file, name, position.z);
+        return near_light(position, name);
+    }
+    const Vec3 direction = entry["direction"].vec3(2);
+    if (!(glm::length(direction) > 0.5f)) fail("{}: the direction of {} is no unit vector", file, name);
+    return distant_light(direction, name);
+}
+
+// Positions of all lamps, or of none.
+void complete_positions(CaptureFile& capture, const std::string& file) {
+    std::vector<float> distances;
+    for (const Light& light : capture.lights)
+        if (light.position_mm) distances.push_back(glm::length(*light.position_mm));
+    if (distances.empty() || distances.size() == capture.lights.size()) return;
+    const float middle = median(distances);
+    std::string names;
+    for (Light& light : capture.lights)
+        if (!light.position_mm) {
+            light.position_mm = light.direction * middle;
+            names += (names.empty() ? "" : ", ") + light.name;
+        }
+    capture.warnings.push_back(
+        fmt::format("{}: only the direction is known of the lamps of {}; they are taken to be {:.0f} mm "
+                    "away, as the others",
+                    file, names, middle));
+}
+
+}  // namespace
+
+CaptureFile read_capture_file(const std::filesystem::path& path) {
+    const std::string file = path.string();
+    std::ifstream stream(path, std::ios::binary);
+    if (!stream) fail("{}: cannot be read; give the capture.json that tangipaint calibrate wrote", file);
+    const json whole = json::parse(stream, nullptr, false);
+    if (whole.is_discarded()) fail("{}: is no JSON, or cut off; calibrate again", file);
+    const Field top(file, whole, "");
+    if (!whole.is_object() || !whole.contains("format") || whole["format"] != kFormat)
+        fail("{}: is not a capture file of this program (format \"{}\")", file, kFormat);
+
+    CaptureFile capture;
+    const Field photographs = top["photographs"], camera = top["camera"];
+    capture.width = static_cast<int>(photographs["width"].number(1, 1e6));
+    capture.height = static_cast<int>(photographs["height"].number(1, 1e6));
+    const std::vector<Field> origin = top["frame"]["origin_px"].list();
+    if (origin.size() != 2) fail("{}: frame.origin_px has {} numbers, not 2", file, origin.size());
+    capture.origin_px = {origin[0].number(-1e6, 1e6), origin[1].number(-1e6, 1e6)};
+    if (!camera["mm_per_pixel"].is_null()) capture.mm_per_pixel = camera["mm_per_pixel"].number(1e-6, 1e3);
+    if (!camera["position_mm"].is_null()) capture.camera_mm = camera["position_mm"].vec3(kFarthest);
+    if (capture.camera_mm && !(capture.camera_mm->z > 0))
+        fail("{}: camera.position_mm is below the painting", file);
+    for (const Field& entry : top["lights"].list())
+        if (const auto light = light_of(entry, file)) capture.lights.push_back(*light);
+    if (capture.lights.empty()) fail("{}: holds no light that was found", file);
+    complete_positions(capture, file);
+    return capture;
+}
+
+CaptureFile seen_from(const CaptureFile& capture, const Region& crop) {
+    CaptureFile result = capture;
+    const glm::dvec2 centre((crop.x0 + crop.x1 - 1) / 2.0, (crop.y0 + crop.y1 - 1) / 2.0);
+    const glm::dvec2 away = centre - capture.origin_px;
+    result.origin_px = centre;
+    std::vector<float> distances;
+    for (Light& light : result.lights) {
+        if (!light.position_mm) continue;
+        if (!capture.mm_per_pixel) {
+            light.position_mm.reset();
+            continue;
+        }
+        const Vec3 origin(Vec3(away.x, -away.y, 0) * static_cast<float>(*capture.mm_per_pixel));
+        light.position_mm = *light.position_mm - origin;
+        light.direction = glm::normalize(*light.position_mm);
+        distances.push_back(glm::length(*light.position_mm));
+    }
+    if (capture.mm_per_pixel && capture.camera_mm)
+        result.camera_mm =
+            *capture.camera_mm - Vec3(away.x, -away.y, 0) * static_cast<float>(*capture.mm_per_pixel);
+    const float middle = median(distances);
+    for (Light& light : result.lights)
+        if (light.position_mm) {
+            const float nearer = middle / glm::length(*light.position_mm);
+            light.gain = Rgb(nearer * nearer);
+        }
+    return result;
+}
+
+}  // namespace tangi

@@ -1,0 +1,35 @@
+// capture_file.h: capture.json, what `tangipaint calibrate` found, as a fit takes it (docs/capture.md).
+#pragma once
+
+#include <filesystem>
+#include <glm/vec2.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "surface/image.h"
+#include "surface/light.h"
+
+namespace tangi {
+
+struct CaptureFile {
+    std::vector<Light> lights;  // those that were found, in the file's order; gains 1; positions all or none
+    int width = 0, height = 0;  // of the photographs
+    glm::dvec2 origin_px{0};    // pixel of the photographs where x = y = 0
+    std::optional<double> mm_per_pixel{};  // at z = 0
+    std::optional<Vec3> camera_mm{};
+    std::vector<std::string> warnings;
+};
+
+// Lamps of which only the direction was found, among others with positions, are taken to be as far away as
+// the others' median, with a warning. Throws Error naming the file and the field: not JSON, another file's
+// JSON, a later format, a number that is missing or makes no sense, no light.
+CaptureFile read_capture_file(const std::filesystem::path& path);
+
+// The same as seen by a part of the photographs: the origin moved to the centre of `crop`, and the strengths
+// with it: lamps of known positions are taken for one lamp that was carried around, so that its light at the
+// origin falls with the square of the distance; the median gain is 1. Without a scale positions say nothing
+// about a part, and only directions are left.
+CaptureFile seen_from(const CaptureFile& capture, const Region& crop);
+
+}  // namespace tangi
