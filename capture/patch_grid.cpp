@@ -134,6 +134,7 @@ std::vector<PatchGrid> patch_grids(const std::vector<FlatPatch>& all, int least)
     for (std::size_t seed = 0; seed < patches.size(); ++seed) {
         if (taken[seed]) continue;
         std::optional<PatchGrid> best;
+        double best_edges = 0;
         const std::vector<std::size_t> near = neighbours_of(patches, seed);
         for (const std::size_t j : near)
             for (const std::size_t k : near) {
@@ -141,13 +142,18 @@ std::vector<PatchGrid> patch_grids(const std::vector<FlatPatch>& all, int least)
                 const dvec2 e2 = patches[k].centre_px - patches[seed].centre_px;
                 const double sine = cross(e1, e2) / (glm::length(e1) * glm::length(e2));
                 // The same grid turned by quarters would be found again: e1 more to the right than up or down is enough.
-                if (sine < 0.7 || !alike(glm::length(e1), glm::length(e2)) || e1.x < 0.9 * std::abs(e1.y)) continue;
+                if (sine < 0.78 || !alike(glm::length(e1), glm::length(e2)) || e1.x < 0.9 * std::abs(e1.y)) continue;
                 const Nodes nodes = grown(patches, seed, e1, e2);
                 if (nodes.size() < 6) continue;
                 std::optional<PatchGrid> grid = completed(patches, nodes);
-                if (grid && grid->cells.size() >= static_cast<std::size_t>(least) &&
-                    (!best || grid->cells.size() > best->cells.size()))
+                if (!grid || grid->cells.size() < static_cast<std::size_t>(least)) continue;
+                // Of grids that hold about the same patches, the one with the shortest edges is not sheared.
+                const double edges = glm::length(e1) + glm::length(e2);
+                const std::size_t cells = grid->cells.size(), before = best ? best->cells.size() : 0;
+                if (cells > before + 1 || (cells + 1 >= before && edges < best_edges)) {
                     best = std::move(grid);
+                    best_edges = edges;
+                }
             }
         if (!best) continue;
         for (const PatchGrid::Cell& cell : best->cells)

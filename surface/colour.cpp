@@ -64,7 +64,7 @@ std::optional<Transfer> transfer_named(std::string_view name) {
     return Transfer{Transfer::Kind::gamma, gamma};
 }
 
-Lab lab_from_linear(const Rgb& c) {
+Lab lab_from_linear(const glm::dvec3& c) {
     // IEC 61966-2-1, divided by the D65 white (0.95047, 1, 1.08883) that its rows add up to.
     const double x = (0.4124564 * c.r + 0.3575761 * c.g + 0.1804375 * c.b) / 0.95047;
     const double y = 0.2126729 * c.r + 0.7151522 * c.g + 0.0721750 * c.b;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <glm/mat3x3.hpp>
+#include <glm/vec3.hpp>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -33,7 +34,7 @@ struct Lab {
     double l = 0, a = 0, b = 0;
 };
 
-Lab lab_from_linear(const Rgb& linear);
+Lab lab_from_linear(const glm::dvec3& linear);
 
 // CIEDE2000 with kL = kC = kH = 1 (Sharma, Wu, Dalal 2005, eq. 2 to 22).
 double delta_e_2000(const Lab& first, const Lab& second);
