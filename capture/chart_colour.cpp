@@ -237,13 +237,17 @@ void finish(ColourCorrection& c, const Solution& s, const Solution& balanced, co
             const Used& used) {
     c.before = errors_of(solved(balanced, Free::exposure, c.lights, reference, used), c.lights, reference, used);
     c.after = errors_of(s, c.lights, reference, used);
-    for (std::size_t i = kFirstNeutral; i < kChartPatches - 1; ++i) {
+    for (std::size_t i = 0; i < kChartPatches; ++i) {
+        c.after_flat.patches[i] = -1;
         if (!used[i]) continue;
-        Lab made = lab_from_linear(s.apply(c.lights.even[i]));
-        dvec3 parts = delta_e_2000_parts(made, reference_lab(reference, i));
+        const Lab made = lab_from_linear(s.apply(c.lights.even[i])), aim = reference_lab(reference, i);
+        dvec3 parts = delta_e_2000_parts(made, aim);
+        parts.x = made.l - aim.l;
+        c.after_flat.patches[i] = glm::length(parts);
         parts.x = 0;
-        c.neutral_error = std::max(c.neutral_error, glm::length(parts));
+        if (i >= kFirstNeutral && i < kChartPatches - 1) c.neutral_error = std::max(c.neutral_error, glm::length(parts));
     }
+    summarise(c.after_flat);
     const dvec3 white = s.matrix * dvec3(1);
     const double luminance = 0.2126 * white.r + 0.7152 * white.g + 0.0722 * white.b;
     c.white_balance = Rgb(s.white_balance);

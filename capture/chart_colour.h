@@ -41,6 +41,7 @@ struct ColourCorrection {
 
     ColourErrors before;        // white balance only
     ColourErrors after;
+    ColourErrors after_flat;    // after, with S_L = 1 in CIEDE2000, as Metamorfoze has it
     ColourErrors left_out;      // each patch by the correction solved without it: what to expect of other colours
     double neutral_error = 0;   // largest CIEDE2000 without lightness of patches 19 to 23, after
     double neutral_gain = 0;    // mean CIEDE2000 by which a free matrix would be better
@@ -67,6 +68,7 @@ ColourCorrection correct_colours(std::span<const ChartReading> photos, const Cha
                                  const ColourOptions& options = {});
 
 // For capture.json: see docs/capture.md.
-nlohmann::json to_json(const ColourCorrection& correction);
+nlohmann::json to_json(const ColourCorrection& correction, const ChartReference& reference);
+nlohmann::json to_json(const FoundChart& chart);
 
 }  // namespace tangi

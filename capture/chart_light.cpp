@@ -18,9 +18,10 @@ namespace {
 
 constexpr int kLeastPatches = 9;         // of a photograph, to know its light
 constexpr double kModelError = 0.01;     // [1] relative: what smooth light and one matrix leave of real charts
-constexpr double kFloor = 2e-4;          // [1] of the white patch's reading, below which errors are absolute
+constexpr double kFloor = 1e-3;          // [1] of the white patch's reading, below which errors are absolute
 constexpr double kLossSigmas = 2;        // where Cauchy's function begins to bend
-constexpr double kOutlierSigmas = 8;     // of the brightness
+constexpr double kOutlier = 0.08;        // [1] relative, of the brightness
+constexpr double kOutlierFloor = 0.004;  // [1] of the white patch, beside it: stray light on dark patches
 
 std::array<double, 6> basis_at(int patch) {
     const double x = (patch % kChartColumns + 0.5) / 3 - 1, y = (patch / kChartColumns + 0.5) / 3 - 2.0 / 3;
@@ -78,6 +79,23 @@ double level_of(const ChartReading& photo, const ChartReference& reference) {
         ratios.push_back(std::log(brightness(dvec3(p.mean)) / std::max(1e-3, brightness(dvec3(reference.patches[i].linear)))));
     }
     return median(ratios);
+}
+
+// How bright each patch is in most photographs, against what the model says: charts are not quite what their
+// references say, and that is no shadow. 1 where fewer than three photographs tell.
+std::array<double, kChartPatches> usual_ratios(std::span<const ChartReading> photos, const ChartLights& lights,
+                                               const ChartReference& reference) {
+    std::array<double, kChartPatches> usual;
+    for (std::size_t i = 0; i < kChartPatches; ++i) {
+        std::vector<double> ratios;
+        const double expected = brightness(lights.camera_of_reflectance * dvec3(reference.patches[i].linear));
+        for (std::size_t p = 0; p < photos.size(); ++p)
+            if (lights.lights[p].known && photos[p].patches[i].state == PatchState::good && expected > 0)
+                ratios.push_back(brightness(dvec3(photos[p].patches[i].mean)) /
+                                 (expected * std::exp(lights.lights[p].log_at(static_cast<int>(i)))));
+        usual[i] = ratios.size() < 3 ? 1 : std::clamp(median(ratios), 0.8, 1.25);
+    }
+    return usual;
 }
 
 }  // namespace
@@ -155,6 +173,7 @@ ChartLights fit_chart_lights(std::span<const ChartReading> photos, const ChartRe
     std::array<std::vector<dvec3>, kChartPatches> evened;
     double squares = 0;
     int count = 0;
+    const std::array<double, kChartPatches> usual = usual_ratios(photos, result, reference);
     for (std::size_t p = 0; p < photos.size(); ++p) {
         if (!result.lights[p].known) continue;
         const double white = white_of(photos[p]);
@@ -163,10 +182,9 @@ ChartLights fit_chart_lights(std::span<const ChartReading> photos, const ChartRe
             if (reading.state != PatchState::good) continue;
             const double light = std::exp(result.lights[p].log_at(static_cast<int>(i)));
             const dvec3 expected = light * (m * dvec3(reference.patches[i].linear));
-            const dvec3 sigma = sigma_of(reading, white);
-            // Shadows and highlights change the brightness; what a matrix cannot do is a matter of single channels.
-            const double off = std::abs(brightness(dvec3(reading.mean) - expected)) / brightness(sigma);
-            result.outliers[p][i] = off > kOutlierSigmas;
+            // Shadows and highlights change the brightness; what a matrix cannot do is a matter of channels.
+            const double off = brightness(dvec3(reading.mean)) - usual[i] * brightness(expected);
+            result.outliers[p][i] = std::abs(off) > kOutlier * brightness(expected) + kOutlierFloor * 4 * white;
             if (result.outliers[p][i]) continue;
             evened[i].push_back(dvec3(reading.mean) / light);
             const double relative = brightness(dvec3(reading.mean) - expected) / brightness(expected);
