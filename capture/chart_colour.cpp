@@ -30,8 +30,8 @@ struct Solution {
 
 enum class Free { exposure, neutral, all };
 
-// The numbers that are solved for: nine of exposure * matrix, by rows; or the six off its diagonal, whose rows
-// add up to one, and the exposure's logarithm.
+// The numbers that are solved for: nine of exposure * matrix, by rows; or the six off its diagonal, whose
+// rows add up to one, and the exposure's logarithm.
 std::vector<double> parameters_of(const Solution& s, Free free) {
     std::vector<double> p;
     if (free == Free::all)
@@ -102,10 +102,13 @@ Solution solved(const Solution& start, Free free, const ChartLights& lights, con
     return with_parameters(start, free, parameters.data());
 }
 
-// What makes the greys grey, as the reference has them; of all patches where no grey can be used. The exposure
-// is a first guess.
-Solution white_balanced(const ChartLights& lights, const ChartReference& reference, const Used& used) {
+// What makes the greys as grey as the reference has them; of all patches where no grey can be used. The
+// exposure is a first guess. `neutral`: what makes a perfect grey grey instead, which those of a chart are
+// not quite; the camera's matrix tells how their tint reads.
+Solution white_balanced(const ChartLights& lights, const ChartReference& reference, const Used& used,
+                        bool neutral) {
     std::array<std::vector<double>, 3> ratios;
+    const dvec3 white = lights.camera_of_reflectance * dvec3(1);
     for (const bool greys : {true, false}) {
         if (!ratios[1].empty()) break;
         // The black patch is mostly noise and stray light.
@@ -113,9 +116,10 @@ Solution white_balanced(const ChartLights& lights, const ChartReference& referen
         for (std::size_t i = first; i < last; ++i) {
             const dvec3& c = lights.even[i];
             if (!used[i] || !(std::min({c.r, c.g, c.b}) > 0)) continue;
+            const dvec3 linear(reference.patches[i].linear);
+            const dvec3 aim = neutral ? lights.camera_of_reflectance * linear / white : linear;
             for (int k = 0; k < 3; ++k)
-                ratios[static_cast<std::size_t>(k)].push_back(
-                    std::log(std::max(1e-3, double(reference.patches[i].linear[k])) / c[k]));
+                ratios[static_cast<std::size_t>(k)].push_back(std::log(std::max(1e-3, aim[k]) / c[k]));
         }
     }
     Solution s;
@@ -143,8 +147,8 @@ bool matrix_is_determined(const Solution& balanced, const ChartLights& lights, c
     return count >= kLeastPatches && glm::determinant(moments / count) > kLeastSpread;
 }
 
-// The linear solution, which the other starts from: the inverse of the camera's matrix, its rows made to add up
-// to one.
+// The linear solution, which the other starts from: the inverse of the camera's matrix, its rows made to add
+// up to one.
 Solution linear_solution(const Solution& balanced, const ChartLights& lights) {
     Solution s = balanced;
     const dmat3 inverse = glm::inverse(lights.camera_of_reflectance);
@@ -157,7 +161,8 @@ Solution linear_solution(const Solution& balanced, const ChartLights& lights) {
     return s;
 }
 
-double error_of(const Solution& s, const ChartLights& lights, const ChartReference& reference, std::size_t patch) {
+double error_of(const Solution& s, const ChartLights& lights, const ChartReference& reference,
+                std::size_t patch) {
     return delta_e_2000(lab_from_linear(s.apply(lights.even[patch])), reference_lab(reference, patch));
 }
 
@@ -176,13 +181,15 @@ void summarise(ColourErrors& errors) {
 ColourErrors errors_of(const Solution& s, const ChartLights& lights, const ChartReference& reference,
                        const Used& used) {
     ColourErrors errors;
-    for (std::size_t i = 0; i < kChartPatches; ++i) errors.patches[i] = used[i] ? error_of(s, lights, reference, i) : -1;
+    for (std::size_t i = 0; i < kChartPatches; ++i)
+        errors.patches[i] = used[i] ? error_of(s, lights, reference, i) : -1;
     summarise(errors);
     return errors;
 }
 
-Solution solved_from_scratch(Free free, const ChartLights& lights, const ChartReference& reference, const Used& used) {
-    const Solution balanced = white_balanced(lights, reference, used);
+Solution solved_from_scratch(Free free, const ChartLights& lights, const ChartReference& reference,
+                             const Used& used) {
+    const Solution balanced = white_balanced(lights, reference, used, true);
     const Solution neutral =
         solved(linear_solution(balanced, lights), Free::neutral, lights, reference, used);
     return free == Free::all ? solved(neutral, Free::all, lights, reference, used) : neutral;
@@ -195,8 +202,8 @@ Used used_in(const ChartLights& lights) {
 }
 
 // Each patch by the light and the matrix that were solved without it.
-ColourErrors left_out_errors(std::span<const ChartReading> photos, const ChartReference& reference, int degree,
-                             Free free, const ChartLights& all) {
+ColourErrors left_out_errors(std::span<const ChartReading> photos, const ChartReference& reference,
+                             int degree, Free free, const ChartLights& all) {
     ColourErrors errors;
     errors.patches.fill(-1);
     const Used used = used_in(all);
@@ -209,7 +216,8 @@ ColourErrors left_out_errors(std::span<const ChartReading> photos, const ChartRe
         if (lights.photos[i] == 0) continue;  // the others expect another colour altogether
         Used known = used_in(lights);
         known[i] = false;
-        errors.patches[i] = error_of(solved_from_scratch(free, lights, reference, known), lights, reference, i);
+        errors.patches[i] =
+            error_of(solved_from_scratch(free, lights, reference, known), lights, reference, i);
     }
     summarise(errors);
     return errors;
@@ -217,7 +225,8 @@ ColourErrors left_out_errors(std::span<const ChartReading> photos, const ChartRe
 
 void warn_of_outliers(ColourCorrection& c, std::span<const ChartReading> photos) {
     for (std::size_t p = 0; p < photos.size(); ++p) {
-        const std::string name = photos[p].photo.empty() ? fmt::format("photograph {}", p + 1) : photos[p].photo;
+        const std::string name =
+            photos[p].photo.empty() ? fmt::format("photograph {}", p + 1) : photos[p].photo;
         if (!c.lights.lights[p].known) {
             c.warnings.push_back(fmt::format("{}: only {} patches of the chart can be used; left out", name,
                                              photos[p].good()));
@@ -227,15 +236,17 @@ void warn_of_outliers(ColourCorrection& c, std::span<const ChartReading> photos)
         for (std::size_t i = 0; i < kChartPatches; ++i)
             if (c.lights.outliers[p][i]) numbers += fmt::format("{}{}", numbers.empty() ? "" : ", ", i + 1);
         if (!numbers.empty())
-            c.warnings.push_back(fmt::format("{}: the chart's patch {} does not fit the others: a shadow or a "
-                                             "highlight; left out",
-                                             name, numbers));
+            c.warnings.push_back(
+                fmt::format("{}: the chart's patch {} does not fit the others: a shadow or a "
+                            "highlight; left out",
+                            name, numbers));
     }
 }
 
 void finish(ColourCorrection& c, const Solution& s, const Solution& balanced, const ChartReference& reference,
             const Used& used) {
-    c.before = errors_of(solved(balanced, Free::exposure, c.lights, reference, used), c.lights, reference, used);
+    c.before =
+        errors_of(solved(balanced, Free::exposure, c.lights, reference, used), c.lights, reference, used);
     c.after = errors_of(s, c.lights, reference, used);
     for (std::size_t i = 0; i < kChartPatches; ++i) {
         c.after_flat.patches[i] = -1;
@@ -245,7 +256,8 @@ void finish(ColourCorrection& c, const Solution& s, const Solution& balanced, co
         parts.x = made.l - aim.l;
         c.after_flat.patches[i] = glm::length(parts);
         parts.x = 0;
-        if (i >= kFirstNeutral && i < kChartPatches - 1) c.neutral_error = std::max(c.neutral_error, glm::length(parts));
+        if (i >= kFirstNeutral && i < kChartPatches - 1)
+            c.neutral_error = std::max(c.neutral_error, glm::length(parts));
     }
     summarise(c.after_flat);
     const dvec3 white = s.matrix * dvec3(1);
@@ -259,7 +271,8 @@ void finish(ColourCorrection& c, const Solution& s, const Solution& balanced, co
 ColourCorrection white_balance_only(std::span<const ChartReading> photos, const ChartReference& reference,
                                     ColourCorrection c) {
     ChartLights& lights = c.lights;
-    if (lights.lights.empty() || std::none_of(lights.lights.begin(), lights.lights.end(), [](const auto& l) { return l.known; }))
+    if (lights.lights.empty() ||
+        std::none_of(lights.lights.begin(), lights.lights.end(), [](const auto& l) { return l.known; }))
         for (const ChartReading& photo : photos)
             for (std::size_t i = 0; i < kChartPatches; ++i) {
                 if (photo.patches[i].state != PatchState::good) continue;
@@ -269,12 +282,15 @@ ColourCorrection white_balance_only(std::span<const ChartReading> photos, const 
     const Used used = used_in(lights);
     c.patches_used = static_cast<int>(std::count(used.begin(), used.end(), true));
     if (c.patches_used == 0)
-        fail("no patch of the colour chart can be used in any photograph: all are clipped, in shadow or outside; "
-             "photograph it anew, or leave the chart out");
-    const Solution balanced = white_balanced(lights, reference, used);
-    c.warnings.push_back(fmt::format("{} patches of the colour chart can be used, or their colours are too much alike: "
-                                     "9 different ones are needed for a matrix, so only white balance was solved",
-                                     c.patches_used));
+        fail(
+            "no patch of the colour chart can be used in any photograph: all are clipped, in shadow or "
+            "outside; "
+            "photograph it anew, or leave the chart out");
+    const Solution balanced = white_balanced(lights, reference, used, false);
+    c.warnings.push_back(
+        fmt::format("{} patches of the colour chart can be used, or their colours are too much alike: "
+                    "9 different ones are needed for a matrix, so only white balance was solved",
+                    c.patches_used));
     finish(c, solved(balanced, Free::exposure, lights, reference, used), balanced, reference, used);
     return c;
 }
@@ -310,7 +326,7 @@ ColourCorrection correct_colours(std::span<const ChartReading> photos, const Cha
     for (const int degree : degrees) {
         ChartLights lights = fit_chart_lights(photos, reference, degree, everything);
         const Used used = used_in(lights);
-        if (!matrix_is_determined(white_balanced(lights, reference, used), lights, used)) {
+        if (!matrix_is_determined(white_balanced(lights, reference, used, false), lights, used)) {
             if (first) c.lights = std::move(lights);
             continue;
         }
@@ -329,16 +345,17 @@ ColourCorrection correct_colours(std::span<const ChartReading> photos, const Cha
 
     const Used used = used_in(c.lights);
     c.patches_used = static_cast<int>(std::count(used.begin(), used.end(), true));
-    const Solution balanced = white_balanced(c.lights, reference, used);
+    const Solution balanced = white_balanced(c.lights, reference, used, false);
     Solution s = solved_from_scratch(Free::neutral, c.lights, reference, used);
     const Solution open = solved_from_scratch(Free::all, c.lights, reference, used);
-    c.neutral_gain = errors_of(s, c.lights, reference, used).mean - errors_of(open, c.lights, reference, used).mean;
+    c.neutral_gain =
+        errors_of(s, c.lights, reference, used).mean - errors_of(open, c.lights, reference, used).mean;
     c.neutral_kept = options.keep_neutral_always || c.neutral_gain < options.neutral_cost;
     if (!c.neutral_kept) {
         s = open;
         c.left_out = left_out_errors(photos, reference, c.light_degree, Free::all, c.lights);
-        c.warnings.push_back(fmt::format("greys are not kept exactly grey: that would cost {:.2f} in mean CIEDE2000",
-                                         c.neutral_gain));
+        c.warnings.push_back(fmt::format(
+            "greys are not kept exactly grey: that would cost {:.2f} in mean CIEDE2000", c.neutral_gain));
     }
     finish(c, s, balanced, reference, used);
     return c;

@@ -17,10 +17,12 @@ struct ColourOptions {
     static constexpr std::string_view name = "chart_colour";
     template <class Self, class Visit>
     static void fields(Self& self, Visit&& visit) {
-        visit(FieldInfo{"neutral_cost", 0, 100, "1", "mean CIEDE2000 that exact greys may cost"}, self.neutral_cost);
+        visit(FieldInfo{"neutral_cost", 0, 100, "1", "mean CIEDE2000 that exact greys may cost"},
+              self.neutral_cost);
         visit(FieldInfo{"keep_neutral_always", 0, 1, "", "greys stay grey whatever it costs"},
               self.keep_neutral_always);
-        visit(FieldInfo{"light_degree", 0, 2, "1", "degree of the light's field over the chart, 0: by prediction"},
+        visit(FieldInfo{"light_degree", 0, 2, "1",
+                        "degree of the light's field over the chart, 0: by prediction"},
               self.light_degree);
     }
 };
@@ -39,20 +41,20 @@ struct ColourCorrection {
     bool neutral_kept = true;
     bool matrix_solved = false;  // false: too few patches, white balance only
 
-    ColourErrors before;        // white balance only
+    ColourErrors before;  // white balance only
     ColourErrors after;
-    ColourErrors after_flat;    // after, with S_L = 1 in CIEDE2000, as Metamorfoze has it
-    ColourErrors left_out;      // each patch by the correction solved without it: what to expect of other colours
-    double neutral_error = 0;   // largest CIEDE2000 without lightness of patches 19 to 23, after
-    double neutral_gain = 0;    // mean CIEDE2000 by which a free matrix would be better
+    ColourErrors after_flat;  // after, with S_L = 1 in CIEDE2000, as Metamorfoze has it
+    ColourErrors left_out;  // each patch by the correction solved without it: what to expect of other colours
+    double neutral_error = 0;  // largest CIEDE2000 without lightness of patches 19 to 23, after
+    double neutral_gain = 0;   // mean CIEDE2000 by which a free matrix would be better
     int patches_used = 0;
     int light_degree = 1;
-    double exposure = 1;        // the chart's reflectance = exposure * apply(lights.even)
+    double exposure = 1;  // the chart's reflectance = exposure * apply(lights.even)
     ChartLights lights;
-    std::string reference;      // source of the reference
+    std::string reference;  // source of the reference
     std::vector<std::string> warnings{};
 
-    glm::dmat3 total() const;   // matrix with white balance
+    glm::dmat3 total() const;  // matrix with white balance
     Rgb apply(const Rgb& camera) const { return Rgb(total() * glm::dvec3(camera)); }
 };
 
@@ -61,9 +63,9 @@ Image<Rgb> corrected(const Image<Rgb>& camera, const ColourCorrection& correctio
 
 // Solves the light on the chart together with the camera's colours (chart_light.h), then the matrix that
 // minimises the sum of squared CIEDE2000 over the patches in even light, starting from linear least squares.
-// The matrix keeps greys grey unless a free one is better by options.neutral_cost in the mean. With fewer than
-// 9 patches, or colours that leave the matrix open, only white balance is solved, and a warning says so. Throws
-// Error where not even that can be: no photograph, no good patch.
+// The matrix keeps greys grey unless a free one is better by options.neutral_cost in the mean. With fewer
+// than 9 patches, or colours that leave the matrix open, only white balance is solved, and a warning says so.
+// Throws Error where not even that can be: no photograph, no good patch.
 ColourCorrection correct_colours(std::span<const ChartReading> photos, const ChartReference& reference,
                                  const ColourOptions& options = {});
 

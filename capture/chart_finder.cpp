@@ -4,6 +4,7 @@
 
 #include "capture/chart_order.h"
 #include "capture/patch_grid.h"
+#include "surface/median.h"
 
 namespace tangi {
 
@@ -13,10 +14,11 @@ using glm::dvec3;
 
 namespace {
 
-constexpr int kLeastPatches = 10;    // of 24 that must be seen as flat patches
+constexpr int kLeastPatches = 10;      // of 24 that must be seen as flat patches
 constexpr int kLargestSide_px = 1600;  // larger pictures are reduced first
 
-// Cell coordinates of chart coordinates, for each quarter turn of a window of the grid with its corner at (u, v).
+// Cell coordinates of chart coordinates, for each quarter turn of a window of the grid with its corner at (u,
+// v).
 Homography chart_to_grid(int u, int v, int turn) {
     // By columns: where x and y of the chart go, and the middle of patch 1.
     switch (turn) {
@@ -50,9 +52,10 @@ std::vector<Window> windows_of(const PatchGrid& grid) {
         // A row or column may be missing altogether.
         for (int v = low_v - 2; v <= high_v + 2; ++v)
             for (int u = low_u - 2; u <= high_u + 2; ++u) {
-                const auto inside = std::count_if(grid.cells.begin(), grid.cells.end(), [&](const auto& cell) {
-                    return cell.u >= u && cell.u < u + width && cell.v >= v && cell.v < v + height;
-                });
+                const auto inside =
+                    std::count_if(grid.cells.begin(), grid.cells.end(), [&](const auto& cell) {
+                        return cell.u >= u && cell.u < u + width && cell.v >= v && cell.v < v + height;
+                    });
                 if (inside < kLeastPatches) continue;
                 windows.push_back({u, v, tall, static_cast<int>(inside)});
                 most = std::max(most, static_cast<int>(inside));
@@ -62,31 +65,62 @@ std::vector<Window> windows_of(const PatchGrid& grid) {
     return windows;
 }
 
-// The map through the patches that lie on the chart, and how far they are from it.
+// [px] How far the centroid of a patch's picture is from the picture of its middle: in perspective, its near
+// half is the larger one.
+dvec2 centroid_shift(const Homography& h, const dvec2& cell) {
+    dvec2 sum(0);
+    double total = 0;
+    for (int j = -2; j <= 2; ++j)
+        for (int i = -2; i <= 2; ++i) {
+            const dvec2 p = cell + 0.17 * dvec2(i, j);
+            const double w = (h * dvec3(p, 1)).z, area = 1 / std::abs(w * w * w);  // up to a factor
+            sum += area * mapped(h, p);
+            total += area;
+        }
+    return sum / total - mapped(h, cell);
+}
+
+// The map through the patches that lie on the chart, and how far they are from it. Patches of which a part is
+// missing, in shadow for example, have their middle elsewhere, and are left out.
 void refine(FoundChart& chart, const std::vector<FlatPatch>& patches) {
-    for (int round = 0; round < 2; ++round) {
-        const Homography inverse = glm::inverse(chart.chart_to_picture);
+    double gate_px = 1e9;
+    for (int round = 0; round < 4; ++round) {
+        const Homography before = chart.chart_to_picture, inverse = glm::inverse(before);
         std::vector<dvec2> from, to;
         for (const FlatPatch& patch : patches) {
             const dvec2 place = mapped(inverse, patch.centre_px);
             const dvec2 cell = glm::floor(place) + 0.5;
             if (cell.x < 0 || cell.y < 0 || cell.x > kChartColumns || cell.y > kChartRows) continue;
-            if (glm::length(place - cell) > 0.12) continue;
+            const dvec2 middle = patch.centre_px - centroid_shift(before, cell);
+            if (glm::length(place - cell) > 0.22 || glm::length(middle - mapped(before, cell)) > gate_px)
+                continue;
             from.push_back(cell);
-            to.push_back(patch.centre_px);
+            to.push_back(middle);
         }
         if (from.size() < kLeastPatches) return;
-        const std::optional<Homography> h = homography_through(from, to);
+        const double pitch_px = glm::length(mapped(before, {3.5, 2}) - mapped(before, {2.5, 2}));
+        const double stray_px = round == 0 ? std::max(0.8, 0.03 * pitch_px) : 0;
+        const std::optional<Homography> h = homography_through(from, to, stray_px);
         if (!h) return;
         chart.chart_to_picture = *h;
         chart.patches_seen = static_cast<int>(from.size());
+        std::vector<double> strays;
         double sum = 0;
         for (std::size_t i = 0; i < from.size(); ++i) {
-            const dvec2 stray = mapped(*h, from[i]) - to[i];
-            sum += glm::dot(stray, stray);
+            strays.push_back(glm::length(mapped(*h, from[i]) - to[i]));
+            sum += strays.back() * strays.back();
         }
         chart.grid_residual_px = std::sqrt(sum / static_cast<double>(from.size()));
+        gate_px = 2.5 * median(strays) + 0.15;
     }
+}
+
+// How doubtful a chart is: its colours fit badly, patches are missing, or lie off the grid. A grid that is
+// bent to fit some patches only may still have the right colours at most of its places.
+double doubt(const FoundChart& chart) {
+    const double pitch_px =
+        glm::length(mapped(chart.chart_to_picture, {3.5, 2}) - mapped(chart.chart_to_picture, {2.5, 2}));
+    return chart.misfit + 0.004 * (kChartPatches - chart.patches_seen) + chart.grid_residual_px / pitch_px;
 }
 
 std::vector<FoundChart> charts_in(const Image<Rgb>& linear, const ChartOptions& options) {
@@ -106,7 +140,7 @@ std::vector<FoundChart> charts_in(const Image<Rgb>& linear, const ChartOptions& 
         for (FoundChart& chart : fitting) refine(chart, patches);
         charts.insert(charts.end(), fitting.begin(), fitting.end());
     }
-    std::sort(charts.begin(), charts.end(), [](const auto& a, const auto& b) { return a.misfit < b.misfit; });
+    std::sort(charts.begin(), charts.end(), [](const auto& a, const auto& b) { return doubt(a) < doubt(b); });
     // One chart is there once.
     std::vector<FoundChart> distinct;
     for (const FoundChart& chart : charts) {
@@ -135,8 +169,8 @@ std::optional<FoundChart> find_chart(const Image<Rgb>& linear, const ChartOption
     validate(options);
     const double side = std::max(linear.width(), linear.height());
     std::vector<double> scales = {std::min(1.0, kLargestSide_px / side)};
-    scales.push_back(scales[0] / 2);                  // where patches are noisy or textured
-    if (scales[0] < 1) scales.push_back(1);           // where the chart is small
+    scales.push_back(scales[0] / 2);         // where patches are noisy or textured
+    if (scales[0] < 1) scales.push_back(1);  // where the chart is small
     for (const double scale : scales) {
         std::vector<FoundChart> charts =
             scale < 1 ? charts_in(reduced(linear, scale), options) : charts_in(linear, options);
@@ -152,7 +186,8 @@ std::optional<FoundChart> find_chart(const Image<Rgb>& linear, const ChartOption
         FoundChart& best = charts.front();
         for (std::size_t i = 1; i < charts.size(); ++i)
             best.warnings.push_back(fmt::format(
-                "there are several colour charts: the one at ({:.0f}, {:.0f}) is used, the one at ({:.0f}, {:.0f}) "
+                "there are several colour charts: the one at ({:.0f}, {:.0f}) is used, the one at ({:.0f}, "
+                "{:.0f}) "
                 "is not; give the corners of the one you mean",
                 best.centre_px().x, best.centre_px().y, charts[i].centre_px().x, charts[i].centre_px().y));
         return best;

@@ -16,11 +16,11 @@ using glm::dvec3;
 
 namespace {
 
-constexpr int kLeastPatches = 9;         // of a photograph, to know its light
-constexpr double kModelError = 0.01;     // [1] relative: what smooth light and one matrix leave of real charts
-constexpr double kFloor = 1e-3;          // [1] of the white patch's reading, below which errors are absolute
-constexpr double kLossSigmas = 2;        // where Cauchy's function begins to bend
-constexpr double kOutlier = 0.08;        // [1] relative, of the brightness
+constexpr int kLeastPatches = 9;      // of a photograph, to know its light
+constexpr double kModelError = 0.01;  // [1] relative: what smooth light and one matrix leave of real charts
+constexpr double kFloor = 1e-3;       // [1] of the white patch's reading, below which errors are absolute
+constexpr double kLossSigmas = 2;     // where Cauchy's function begins to bend
+constexpr double kOutlier = 0.08;     // [1] relative, of the brightness
 constexpr double kOutlierFloor = 0.004;  // [1] of the white patch, beside it: stray light on dark patches
 
 std::array<double, 6> basis_at(int patch) {
@@ -65,7 +65,8 @@ dvec3 sigma_of(const PatchReading& reading, double white) {
 double white_of(const ChartReading& photo) {
     double white = 0;
     for (const PatchReading& p : photo.patches)
-        if (p.state == PatchState::good) white = std::max({white, double(p.mean.r), double(p.mean.g), double(p.mean.b)});
+        if (p.state == PatchState::good)
+            white = std::max({white, double(p.mean.r), double(p.mean.g), double(p.mean.b)});
     return white;
 }
 
@@ -76,15 +77,16 @@ double level_of(const ChartReading& photo, const ChartReference& reference) {
     for (std::size_t i = 0; i < kChartPatches; ++i) {
         const PatchReading& p = photo.patches[i];
         if (p.state != PatchState::good || brightness(dvec3(p.mean)) <= 0) continue;
-        ratios.push_back(std::log(brightness(dvec3(p.mean)) / std::max(1e-3, brightness(dvec3(reference.patches[i].linear)))));
+        ratios.push_back(std::log(brightness(dvec3(p.mean)) /
+                                  std::max(1e-3, brightness(dvec3(reference.patches[i].linear)))));
     }
     return median(ratios);
 }
 
 // How bright each patch is in most photographs, against what the model says: charts are not quite what their
 // references say, and that is no shadow. 1 where fewer than three photographs tell.
-std::array<double, kChartPatches> usual_ratios(std::span<const ChartReading> photos, const ChartLights& lights,
-                                               const ChartReference& reference) {
+std::array<double, kChartPatches> usual_ratios(std::span<const ChartReading> photos,
+                                               const ChartLights& lights, const ChartReference& reference) {
     std::array<double, kChartPatches> usual;
     for (std::size_t i = 0; i < kChartPatches; ++i) {
         std::vector<double> ratios;
@@ -107,15 +109,17 @@ double ChartLight::log_at(int patch) const {
     return sum;
 }
 
-ChartLights fit_chart_lights(std::span<const ChartReading> photos, const ChartReference& reference, int degree,
-                             const std::array<bool, kChartPatches>& use, const ChartLights* start) {
+ChartLights fit_chart_lights(std::span<const ChartReading> photos, const ChartReference& reference,
+                             int degree, const std::array<bool, kChartPatches>& use,
+                             const ChartLights* start) {
     TP_REQUIRE(degree == 1 || degree == 2, "light is a plane or a paraboloid");
     ChartLights result;
     result.lights.resize(photos.size());
     result.outliers.assign(photos.size(), {});
     std::array<double, 9> matrix = {1, 0, 0, 0, 1, 0, 0, 0, 1};
     if (start)
-        for (int i = 0; i < 9; ++i) matrix[static_cast<std::size_t>(i)] = start->camera_of_reflectance[i % 3][i / 3];
+        for (int i = 0; i < 9; ++i)
+            matrix[static_cast<std::size_t>(i)] = start->camera_of_reflectance[i % 3][i / 3];
     // Far from the solution everything looks like a shadow: the loss bends late at first.
     ceres::LossFunctionWrapper loss(nullptr, ceres::DO_NOT_TAKE_OWNERSHIP);
     ceres::Problem::Options ownership;
@@ -139,19 +143,17 @@ ChartLights fit_chart_lights(std::span<const ChartReading> photos, const ChartRe
         for (std::size_t i = 0; i < kChartPatches; ++i) {
             if (!usable(photos[p], i)) continue;
             const PatchReading& reading = photos[p].patches[i];
-            problem.AddResidualBlock(
-                new ceres::AutoDiffCostFunction<ReadingError, 3, 6, 9>(
-                    new ReadingError{dvec3(reading.mean), sigma_of(reading, white),
-                                     dvec3(reference.patches[i].linear), basis_at(static_cast<int>(i))}),
-                &loss, light.terms.data(), matrix.data());
+            problem.AddResidualBlock(new ceres::AutoDiffCostFunction<ReadingError, 3, 6, 9>(new ReadingError{
+                                         dvec3(reading.mean), sigma_of(reading, white),
+                                         dvec3(reference.patches[i].linear), basis_at(static_cast<int>(i))}),
+                                     &loss, light.terms.data(), matrix.data());
         }
         // The strength of all lights and of the matrix cannot be told apart: one of them is kept.
         std::vector<int> kept;
         if (!fixed) kept.push_back(0);
         if (degree == 1) kept.insert(kept.end(), {3, 4, 5});
         if (!fixed) fixed = light.terms.data();
-        if (!kept.empty())
-            problem.SetManifold(light.terms.data(), new ceres::SubsetManifold(6, kept));
+        if (!kept.empty()) problem.SetManifold(light.terms.data(), new ceres::SubsetManifold(6, kept));
     }
     if (!fixed) return result;
     ceres::Solver::Options options;
@@ -168,7 +170,8 @@ ChartLights fit_chart_lights(std::span<const ChartReading> photos, const ChartRe
 
     dmat3& m = result.camera_of_reflectance;
     for (int row = 0; row < 3; ++row)
-        for (int column = 0; column < 3; ++column) m[column][row] = matrix[static_cast<std::size_t>(3 * row + column)];
+        for (int column = 0; column < 3; ++column)
+            m[column][row] = matrix[static_cast<std::size_t>(3 * row + column)];
 
     std::array<std::vector<dvec3>, kChartPatches> evened;
     double squares = 0;
@@ -184,7 +187,8 @@ ChartLights fit_chart_lights(std::span<const ChartReading> photos, const ChartRe
             const dvec3 expected = light * (m * dvec3(reference.patches[i].linear));
             // Shadows and highlights change the brightness; what a matrix cannot do is a matter of channels.
             const double off = brightness(dvec3(reading.mean)) - usual[i] * brightness(expected);
-            result.outliers[p][i] = std::abs(off) > kOutlier * brightness(expected) + kOutlierFloor * 4 * white;
+            result.outliers[p][i] =
+                std::abs(off) > kOutlier * brightness(expected) + kOutlierFloor * 4 * white;
             if (result.outliers[p][i]) continue;
             evened[i].push_back(dvec3(reading.mean) / light);
             const double relative = brightness(dvec3(reading.mean) - expected) / brightness(expected);

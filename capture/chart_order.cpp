@@ -17,8 +17,8 @@ using glm::dvec3;
 
 namespace {
 
-constexpr double kDark = 0.02;      // [1] reflectance below which errors count absolutely
-constexpr double kOutlier = 0.06;   // [1] misfit, in cube roots, at which a patch weighs half
+constexpr double kDark = 0.02;     // [1] reflectance below which errors count absolutely
+constexpr double kOutlier = 0.06;  // [1] misfit, in cube roots, at which a patch weighs half
 constexpr int kReweightings = 8;
 
 dvec3 roots(const dvec3& linear) {
@@ -29,7 +29,8 @@ dvec3 roots(const dvec3& linear) {
 double brightness(const dvec3& c) { return 0.2126 * c.r + 0.7152 * c.g + 0.0722 * c.b; }
 
 dvec2 centre_of(std::size_t patch) {
-    return {static_cast<double>(patch % kChartColumns) + 0.5, static_cast<double>(patch / kChartColumns) + 0.5};
+    return {static_cast<double>(patch % kChartColumns) + 0.5,
+            static_cast<double>(patch / kChartColumns) + 0.5};
 }
 
 Homography homography_of(const cv::Mat& m) {
@@ -40,7 +41,8 @@ Homography homography_of(const cv::Mat& m) {
 }
 
 // Weighted least squares of target = matrix * colour.
-dmat3 matrix_between(const ChartColours& colours, const ChartColours& target, const std::array<double, 24>& weight) {
+dmat3 matrix_between(const ChartColours& colours, const ChartColours& target,
+                     const std::array<double, 24>& weight) {
     dmat3 square(0), product(0);
     double trace = 0;
     for (std::size_t i = 0; i < kChartPatches; ++i) {
@@ -139,13 +141,15 @@ Homography homography_between(const ChartCorners& from, const ChartCorners& to) 
     return *h;
 }
 
-std::optional<Homography> homography_through(std::span<const dvec2> from, std::span<const dvec2> to) {
+std::optional<Homography> homography_through(std::span<const dvec2> from, std::span<const dvec2> to,
+                                             double stray) {
     TP_REQUIRE(from.size() == to.size(), "points come in pairs");
     if (from.size() < 4) return std::nullopt;
     std::vector<cv::Point2d> a, b;
     for (const dvec2& p : from) a.emplace_back(p.x, p.y);
     for (const dvec2& p : to) b.emplace_back(p.x, p.y);
-    const cv::Mat m = cv::findHomography(a, b, 0);
+    const cv::Mat m = stray > 0 ? cv::findHomography(a, b, cv::RANSAC, stray, cv::noArray(), 500)
+                                : cv::findHomography(a, b, 0);
     if (m.empty()) return std::nullopt;
     const Homography h = homography_of(m);
     const double size = glm::determinant(h);

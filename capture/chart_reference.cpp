@@ -22,35 +22,35 @@ struct Published {
     Lab lab_d50;
 };
 
-constexpr Published kClassic[kChartPatches] = {
-    {"dark skin", {37.986, 13.555, 14.059}},
-    {"light skin", {65.711, 18.13, 17.81}},
-    {"blue sky", {49.927, -4.88, -21.925}},
-    {"foliage", {43.139, -13.095, 21.905}},
-    {"blue flower", {55.112, 8.844, -25.399}},
-    {"bluish green", {70.719, -33.397, -0.199}},
-    {"orange", {62.661, 36.067, 57.096}},
-    {"purplish blue", {40.02, 10.41, -45.964}},
-    {"moderate red", {51.124, 48.239, 16.248}},
-    {"purple", {30.325, 22.976, -21.587}},
-    {"yellow green", {72.532, -23.709, 57.255}},
-    {"orange yellow", {71.941, 19.363, 67.857}},
-    {"blue", {28.778, 14.179, -50.297}},
-    {"green", {55.261, -38.342, 31.37}},
-    {"red", {42.101, 53.378, 28.19}},
-    {"yellow", {81.733, 4.039, 79.819}},
-    {"magenta", {51.935, 49.986, -14.574}},
-    {"cyan", {51.038, -28.631, -28.638}},
-    {"white 9.5", {96.539, -0.425, 1.186}},
-    {"neutral 8", {81.257, -0.638, -0.335}},
-    {"neutral 6.5", {66.766, -0.734, -0.504}},
-    {"neutral 5", {50.867, -0.153, -0.27}},
-    {"neutral 3.5", {35.656, -0.421, -1.231}},
-    {"black 2", {20.461, -0.079, -0.973}}};
+constexpr Published kClassic[kChartPatches] = {{"dark skin", {37.986, 13.555, 14.059}},
+                                               {"light skin", {65.711, 18.13, 17.81}},
+                                               {"blue sky", {49.927, -4.88, -21.925}},
+                                               {"foliage", {43.139, -13.095, 21.905}},
+                                               {"blue flower", {55.112, 8.844, -25.399}},
+                                               {"bluish green", {70.719, -33.397, -0.199}},
+                                               {"orange", {62.661, 36.067, 57.096}},
+                                               {"purplish blue", {40.02, 10.41, -45.964}},
+                                               {"moderate red", {51.124, 48.239, 16.248}},
+                                               {"purple", {30.325, 22.976, -21.587}},
+                                               {"yellow green", {72.532, -23.709, 57.255}},
+                                               {"orange yellow", {71.941, 19.363, 67.857}},
+                                               {"blue", {28.778, 14.179, -50.297}},
+                                               {"green", {55.261, -38.342, 31.37}},
+                                               {"red", {42.101, 53.378, 28.19}},
+                                               {"yellow", {81.733, 4.039, 79.819}},
+                                               {"magenta", {51.935, 49.986, -14.574}},
+                                               {"cyan", {51.038, -28.631, -28.638}},
+                                               {"white 9.5", {96.539, -0.425, 1.186}},
+                                               {"neutral 8", {81.257, -0.638, -0.335}},
+                                               {"neutral 6.5", {66.766, -0.734, -0.504}},
+                                               {"neutral 5", {50.867, -0.153, -0.27}},
+                                               {"neutral 3.5", {35.656, -0.421, -1.231}},
+                                               {"black 2", {20.461, -0.079, -0.973}}};
 
 std::string text_of(const std::filesystem::path& path) {
     std::ifstream stream(path, std::ios::binary);
-    if (!stream) fail("{}: cannot be read; give a .csv or .json file with the values of the chart", path.string());
+    if (!stream)
+        fail("{}: cannot be read; give a .csv or .json file with the values of the chart", path.string());
     return {std::istreambuf_iterator<char>(stream), {}};
 }
 
@@ -87,11 +87,14 @@ ChartReference read_csv(const std::filesystem::path& path) {
             const bool four = fields.size() == 4 && fields[0] == "name";
             is_lab = four && fields[1] == "L" && fields[2] == "a" && fields[3] == "b";
             if (!is_lab && !(four && fields[1] == "R" && fields[2] == "G" && fields[3] == "B"))
-                fail("{}: begins with '{}'; the first line must be 'name,L,a,b' (D50) or 'name,R,G,B' (linear)",
-                     where, line);
+                fail(
+                    "{}: begins with '{}'; the first line must be 'name,L,a,b' (D50) or 'name,R,G,B' "
+                    "(linear)",
+                    where, line);
             continue;
         }
-        if (fields.size() != 4) fail("{}: has {} fields instead of a name and three numbers", where, fields.size());
+        if (fields.size() != 4)
+            fail("{}: has {} fields instead of a name and three numbers", where, fields.size());
         if (patch == kChartPatches) fail("{}: is a patch too many; the chart has {}", where, kChartPatches);
         double value[3];
         for (std::size_t k = 0; k < 3; ++k) {

@@ -14,8 +14,8 @@ using glm::dvec3;
 
 namespace {
 
-// Where the outer edges of the outer patches lie, in pitches. The gaps between patches differ a little between
-// sizes of the chart; what is read is far from the edges.
+// Where the outer edges of the outer patches lie, in pitches. The gaps between patches differ a little
+// between sizes of the chart; what is read is far from the edges.
 constexpr double kMargin = 0.065;
 constexpr ChartCorners kCorners = {dvec2(kMargin, kMargin), dvec2(kChartColumns - kMargin, kMargin),
                                    dvec2(kChartColumns - kMargin, kChartRows - kMargin),
@@ -35,7 +35,8 @@ struct PatchPixels {
     bool whole = true;  // nothing of it lies outside the picture
 };
 
-PatchPixels pixels_of(const Image<Rgb>& linear, const Homography& chart_to_picture, int patch, double inner_part) {
+PatchPixels pixels_of(const Image<Rgb>& linear, const Homography& chart_to_picture, int patch,
+                      double inner_part) {
     const dvec2 centre(patch % kChartColumns + 0.5, patch / kChartColumns + 0.5);
     const double reach = inner_part * kPatchWidth / 2;
     dvec2 low(1e9), high(-1e9);
@@ -53,19 +54,20 @@ PatchPixels pixels_of(const Image<Rgb>& linear, const Homography& chart_to_pictu
     for (int y = static_cast<int>(std::ceil(low.y)); y <= high.y; ++y)
         for (int x = static_cast<int>(std::ceil(low.x)); x <= high.x; ++x) {
             const dvec2 place = (mapped(inverse, dvec2(x, y)) - centre) / reach;
-            if (std::abs(place.x) <= 1 && std::abs(place.y) <= 1) result.pixels.push_back({place, linear(x, y)});
+            if (std::abs(place.x) <= 1 && std::abs(place.y) <= 1)
+                result.pixels.push_back({place, linear(x, y)});
         }
     return result;
 }
 
-// Brightest less darkest of 3 x 3 cells of a patch, relative to their mean, less what noise makes of it. Light
-// that falls off smoothly makes a few percent of it; the edge of a shadow or highlight much more.
+// Brightest less darkest of 3 x 3 cells of a patch, relative to their mean, less what noise makes of it.
+// Light that falls off smoothly makes a few percent of it; the edge of a shadow or highlight much more.
 double unevenness(const std::vector<PatchPixel>& pixels) {
     std::array<std::vector<double>, 9> cells;
     for (const PatchPixel& p : pixels) {
         const auto third = [](double t) { return std::clamp(static_cast<int>((t + 1) * 1.5), 0, 2); };
-        cells[static_cast<std::size_t>(3 * third(p.place.y) + third(p.place.x))].push_back(p.value.r + p.value.g +
-                                                                                           p.value.b);
+        cells[static_cast<std::size_t>(3 * third(p.place.y) + third(p.place.x))].push_back(
+            p.value.r + p.value.g + p.value.b);
     }
     double low = 1e9, high = -1e9, sum = 0, variance = 0;
     int count = 0;
@@ -147,6 +149,22 @@ ChartCorners chart_corners(const FoundChart& chart) {
     return corners;
 }
 
+Scale scale_from_chart(const FoundChart& chart, const dvec2& pitch_mm) {
+    if (!(pitch_mm.x > 0 && pitch_mm.y > 0))
+        fail("the pitch of the chart's patches is {:g} x {:g} mm; give positive numbers", pitch_mm.x,
+             pitch_mm.y);
+    const Homography plane_to_picture =
+        chart.chart_to_picture * Homography(1 / pitch_mm.x, 0, 0, 0, 1 / pitch_mm.y, 0, 0, 0, 1);
+    const double mm = mm_per_pixel_at(plane_to_picture, chart.centre_px());
+    // Errors of the patches' middles over the grid's extent: the scale is a slope through `patches` points
+    // whose rms distance from the middle is about 2 pitches. Given corners are taken to be good to a pixel.
+    const double pitch_px = (pitch_mm.x + pitch_mm.y) / (2 * mm);
+    const bool given = chart.patches_seen == 0;
+    const double point_px = given ? 1 : std::max(0.1, chart.grid_residual_px);
+    const double points = given ? 4 : chart.patches_seen;
+    return {mm, mm * point_px / (2 * pitch_px * std::sqrt(points)), chart.centre_px(), "chart", {}};
+}
+
 int ChartReading::good() const {
     return static_cast<int>(std::count_if(patches.begin(), patches.end(),
                                           [](const auto& p) { return p.state == PatchState::good; }));
@@ -158,15 +176,17 @@ FoundChart chart_at(const Image<Rgb>& linear, const ChartCorners& corners_px, co
     for (std::size_t i = 0; i < 4; ++i) {
         const dvec2 &a = corners_px[i], &b = corners_px[(i + 1) % 4], &c = corners_px[(i + 2) % 4];
         if (!(a.x >= 0 && a.y >= 0 && a.x <= linear.width() - 1 && a.y <= linear.height() - 1))
-            fail("corner {} of the chart, ({:.1f}, {:.1f}), lies outside the picture of {} x {} pixels", i + 1, a.x,
-                 a.y, linear.width(), linear.height());
+            fail("corner {} of the chart, ({:.1f}, {:.1f}), lies outside the picture of {} x {} pixels",
+                 i + 1, a.x, a.y, linear.width(), linear.height());
         const double turn = cross(b - a, c - b);
         largest = std::max(largest, turn);
         smallest = std::min(smallest, turn);
     }
     if (largest <= 0 || smallest < 0)
-        fail("the chart's corners cross or go round anticlockwise; give them clockwise as seen in the picture, from "
-             "any of them on");
+        fail(
+            "the chart's corners cross or go round anticlockwise; give them clockwise as seen in the "
+            "picture, from "
+            "any of them on");
     if (smallest < 0.1 * largest || smallest < 16 * options.smallest_patch_px)
         fail("the chart's corners lie nearly on a line; give the outer corners of the four corner patches");
 
@@ -180,10 +200,11 @@ FoundChart chart_at(const Image<Rgb>& linear, const ChartCorners& corners_px, co
         if (misfit < best.misfit) best = {map, 0, 0, misfit, {}};
     }
     if (best.misfit > options.worst_misfit)
-        best.warnings.push_back(fmt::format(
-            "the chart at ({:.0f}, {:.0f}), where you gave its corners, does not have the colours of the classic "
-            "chart: its patches are off by {:.2f}, and {:.2f} is the most for a chart",
-            best.centre_px().x, best.centre_px().y, best.misfit, options.worst_misfit));
+        best.warnings.push_back(
+            fmt::format("the chart at ({:.0f}, {:.0f}), where you gave its corners, does not have the "
+                        "colours of the classic "
+                        "chart: its patches are off by {:.2f}, and {:.2f} is the most for a chart",
+                        best.centre_px().x, best.centre_px().y, best.misfit, options.worst_misfit));
     return best;
 }
 
@@ -204,8 +225,8 @@ ChartReading read_chart(const Image<Rgb>& linear, const FoundChart& chart, const
         const char* why = state == PatchState::clipped  ? "is clipped: expose less"
                           : state == PatchState::uneven ? "has the edge of a shadow or a highlight on it"
                                                         : "is not wholly in the picture";
-        reading.warnings.push_back(
-            fmt::format("{}{}the chart's patch {} {}; left out", photo, photo.empty() ? "" : ": ", numbers, why));
+        reading.warnings.push_back(fmt::format("{}{}the chart's patch {} {}; left out", photo,
+                                               photo.empty() ? "" : ": ", numbers, why));
     }
     return reading;
 }

@@ -17,8 +17,8 @@ struct Level {
 struct Standard {
     const char* name;
     const char* source;
-    bool inclusive;       // "at most" rather than "less than"
-    bool flat_lightness;  // CIEDE2000 with S_L = 1
+    bool inclusive;             // "at most" rather than "less than"
+    bool flat_lightness;        // CIEDE2000 with S_L = 1
     std::vector<Level> levels;  // best first
 };
 
@@ -52,7 +52,8 @@ const std::vector<Standard>& standards() {
     return all;
 }
 
-std::vector<ToleranceCheck> checks_of(const Standard& standard, const Level& level, const ColourCorrection& c) {
+std::vector<ToleranceCheck> checks_of(const Standard& standard, const Level& level,
+                                      const ColourCorrection& c) {
     const ColourErrors& errors = standard.flat_lightness ? c.after_flat : c.after;
     std::vector<ToleranceCheck> checks;
     const auto add = [&](const char* quantity, double limit, double value) {
@@ -72,7 +73,8 @@ bool all_kept(const std::vector<ToleranceCheck>& checks) {
 json json_of(const std::vector<ToleranceCheck>& checks) {
     json list = json::array();
     for (const ToleranceCheck& c : checks)
-        list.push_back({{"quantity", c.quantity}, {"limit", c.limit}, {"value", c.value}, {"kept", c.kept()}});
+        list.push_back(
+            {{"quantity", c.quantity}, {"limit", c.limit}, {"value", c.value}, {"kept", c.kept()}});
     return list;
 }
 

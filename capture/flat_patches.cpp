@@ -17,7 +17,8 @@ cv::Mat stretched(const Image<Rgb>& linear) {
         std::vector<float> values;
         values.reserve(linear.size());
         for (const Rgb& c : linear.pixels()) values.push_back(std::isfinite(c[k]) ? c[k] : 0.0f);
-        const auto at = values.begin() + static_cast<std::ptrdiff_t>(0.98 * static_cast<double>(values.size() - 1));
+        const auto at =
+            values.begin() + static_cast<std::ptrdiff_t>(0.98 * static_cast<double>(values.size() - 1));
         std::nth_element(values.begin(), at, values.end());
         const float white = std::max(*at, 1e-9f);
         for (int y = 0; y < linear.height(); ++y)
@@ -53,7 +54,8 @@ bool is_rectangular(const cv::Mat& labels, int label, const cv::Rect& box, doubl
     const double hull_area = cv::contourArea(hull) + around / 2 + 1;
     const cv::RotatedRect rectangle = cv::minAreaRect(hull);
     const double width = rectangle.size.width + 1, height = rectangle.size.height + 1;
-    return area > 0.8 * hull_area && hull_area > 0.68 * width * height && std::max(width, height) < 2.5 * std::min(width, height);
+    return area > 0.8 * hull_area && hull_area > 0.68 * width * height &&
+           std::max(width, height) < 2.5 * std::min(width, height);
 }
 
 }  // namespace
@@ -71,12 +73,15 @@ std::vector<FlatPatch> flat_patches(const Image<Rgb>& linear, double smallest_px
             const double area = boxes.at<int>(label, cv::CC_STAT_AREA);
             if (area < least || area > most) continue;
             const cv::Rect box(boxes.at<int>(label, cv::CC_STAT_LEFT), boxes.at<int>(label, cv::CC_STAT_TOP),
-                               boxes.at<int>(label, cv::CC_STAT_WIDTH), boxes.at<int>(label, cv::CC_STAT_HEIGHT));
+                               boxes.at<int>(label, cv::CC_STAT_WIDTH),
+                               boxes.at<int>(label, cv::CC_STAT_HEIGHT));
             if (area < 0.4 * box.area() || !is_rectangular(labels, label, box, area)) continue;
-            const FlatPatch patch{{middles.at<double>(label, 0), middles.at<double>(label, 1)}, std::sqrt(area)};
+            const FlatPatch patch{{middles.at<double>(label, 0), middles.at<double>(label, 1)},
+                                  std::sqrt(area)};
             // With a higher limit the same patch is a little larger and its middle better known.
             const auto same = std::find_if(found.begin(), found.end(), [&](const FlatPatch& other) {
-                return glm::length(other.centre_px - patch.centre_px) < 0.3 * std::min(patch.width_px, other.width_px);
+                return glm::length(other.centre_px - patch.centre_px) <
+                       0.3 * std::min(patch.width_px, other.width_px);
             });
             if (same == found.end())
                 found.push_back(patch);

@@ -10,7 +10,7 @@ namespace tangi {
 
 struct FlatPatch {
     glm::dvec2 centre_px{0, 0};  // centroid
-    double width_px = 0;         // square root of the area that is flat, one or two pixels less than the patch's
+    double width_px = 0;  // square root of the area that is flat, one or two pixels less than the patch's
 };
 
 // Connected regions in which no pixel differs much from its neighbours, at several limits, that fill a

@@ -16,9 +16,9 @@ using glm::dvec2;
 
 namespace {
 
-constexpr int kReach = 6;             // cells from the first, each way
-constexpr double kStray = 0.25;       // [pitch] from where the next cell is expected
-constexpr double kGridStray = 0.15;   // [pitch] from where the whole grid expects it
+constexpr int kReach = 6;            // cells from the first, each way
+constexpr double kStray = 0.25;      // [pitch] from where the next cell is expected
+constexpr double kGridStray = 0.15;  // [pitch] from where the whole grid expects it
 constexpr std::size_t kNeighbours = 8;
 constexpr std::size_t kMostPatches = 600;
 
@@ -62,7 +62,8 @@ Nodes grown(const std::vector<FlatPatch>& patches, std::size_t seed, const dvec2
         const Node node = nodes.at(at);
         for (const Place& step : {Place(1, 0), Place(-1, 0), Place(0, 1), Place(0, -1)}) {
             const Place next(at.first + step.first, at.second + step.second);
-            if (nodes.contains(next) || std::abs(next.first) > kReach || std::abs(next.second) > kReach) continue;
+            if (nodes.contains(next) || std::abs(next.first) > kReach || std::abs(next.second) > kReach)
+                continue;
             const bool along_u = step.first != 0;
             const double sign = step.first + step.second;
             const dvec2 edge = sign * (along_u ? node.e1 : node.e2);
@@ -116,7 +117,8 @@ std::optional<PatchGrid> completed(const std::vector<FlatPatch>& patches, const 
             const auto [slot, is_new] = best.try_emplace(cell, stray, patch.centre_px);
             if (!is_new && stray < slot->second.first) slot->second = {stray, patch.centre_px};
         }
-        for (const auto& [place, found] : best) grid.cells.push_back({place.first, place.second, found.second});
+        for (const auto& [place, found] : best)
+            grid.cells.push_back({place.first, place.second, found.second});
         if (grid.cells.size() < 6) return std::nullopt;
     }
     return grid;
@@ -127,7 +129,8 @@ std::optional<PatchGrid> completed(const std::vector<FlatPatch>& patches, const 
 std::vector<PatchGrid> patch_grids(const std::vector<FlatPatch>& all, int least) {
     // The largest: a chart is hardly ever the smallest thing in a picture.
     std::vector<FlatPatch> patches = all;
-    std::sort(patches.begin(), patches.end(), [](const auto& a, const auto& b) { return a.width_px > b.width_px; });
+    std::sort(patches.begin(), patches.end(),
+              [](const auto& a, const auto& b) { return a.width_px > b.width_px; });
     if (patches.size() > kMostPatches) patches.resize(kMostPatches);
     std::vector<PatchGrid> grids;
     std::vector<bool> taken(patches.size(), false);
@@ -136,13 +139,16 @@ std::vector<PatchGrid> patch_grids(const std::vector<FlatPatch>& all, int least)
         std::optional<PatchGrid> best;
         double best_edges = 0;
         const std::vector<std::size_t> near = neighbours_of(patches, seed);
-        for (const std::size_t j : near)
-            for (const std::size_t k : near) {
-                const dvec2 e1 = patches[j].centre_px - patches[seed].centre_px;
-                const dvec2 e2 = patches[k].centre_px - patches[seed].centre_px;
-                const double sine = cross(e1, e2) / (glm::length(e1) * glm::length(e2));
-                // The same grid turned by quarters would be found again: e1 more to the right than up or down is enough.
-                if (sine < 0.78 || !alike(glm::length(e1), glm::length(e2)) || e1.x < 0.9 * std::abs(e1.y)) continue;
+        for (std::size_t j = 0; j < near.size(); ++j)
+            for (std::size_t k = 0; k < j; ++k) {
+                dvec2 e1 = patches[near[j]].centre_px - patches[seed].centre_px;
+                dvec2 e2 = patches[near[k]].centre_px - patches[seed].centre_px;
+                const double sine = std::abs(cross(e1, e2)) / (glm::length(e1) * glm::length(e2));
+                if (sine < 0.78 || !alike(glm::length(e1), glm::length(e2))) continue;
+                // The same grid could go eight ways: e1 goes right, and e2 clockwise from it.
+                if (std::abs(e1.x) * glm::length(e2) < std::abs(e2.x) * glm::length(e1)) std::swap(e1, e2);
+                if (e1.x < 0) e1 = -e1;
+                if (cross(e1, e2) < 0) e2 = -e2;
                 const Nodes nodes = grown(patches, seed, e1, e2);
                 if (nodes.size() < 6) continue;
                 std::optional<PatchGrid> grid = completed(patches, nodes);

@@ -81,10 +81,12 @@ Rgb linear_from_lab_d50(const Lab& lab) {
     const auto inverse = [](double f) { return f * f * f > epsilon ? f * f * f : (116 * f - 16) / kappa; };
     const double fy = (lab.l + 16) / 116;
     // The white of ICC.1:2010, 7.2.16.
-    const glm::dvec3 xyz_d50(0.9642 * inverse(fy + lab.a / 500), inverse(fy), 0.8249 * inverse(fy - lab.b / 200));
+    const glm::dvec3 xyz_d50(0.9642 * inverse(fy + lab.a / 500), inverse(fy),
+                             0.8249 * inverse(fy - lab.b / 200));
     // By columns, as glm has them. Cones of Bradford's transform, and both whites in them.
     const glm::dmat3 cones(0.8951, -0.7502, 0.0389, 0.2664, 1.7135, -0.0685, -0.1614, 0.0367, 1.0296);
-    const glm::dvec3 from = cones * glm::dvec3(0.9642, 1, 0.8249), to = cones * glm::dvec3(0.95047, 1, 1.08883);
+    const glm::dvec3 from = cones * glm::dvec3(0.9642, 1, 0.8249),
+                     to = cones * glm::dvec3(0.95047, 1, 1.08883);
     const glm::dvec3 xyz = glm::inverse(cones) * (to / from * (cones * xyz_d50));
     // The inverse of what lab_from_linear() has, so that both agree to the last digit.
     const glm::dmat3 xyz_of_rgb(0.4124564, 0.2126729, 0.0193339, 0.3575761, 0.7151522, 0.1191920, 0.1804375,
