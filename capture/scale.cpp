@@ -37,7 +37,7 @@ void require_convex(const Corners& corners) {
         longest = std::max(longest, glm::length(b - a));
         smallest = std::min(smallest, std::abs(turn));
     }
-    if (smallest < 0.01 * longest * longest)
+    if (smallest <= 0.01 * longest * longest)
         fail("three of the corners lie nearly on a line; give the four corners of the painting");
     if (clockwise == 0)
         fail(
