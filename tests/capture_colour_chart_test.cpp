@@ -274,6 +274,7 @@ TEST(DataColourChart, IsFoundInAllHandheldPhotographs) {
     };
     // The chart lies turned: patches 1 to 6 run down its right side in the picture.
     const ChartCorners reference = {corner(0, 1), corner(5, 2), corner(23, 3), corner(18, 0)};
+    double worst = 0;
     for (std::size_t i = 0; i < 24; ++i) {
         Homography to_reference;
         for (int row = 0; row < 3; ++row)
@@ -285,10 +286,12 @@ TEST(DataColourChart, IsFoundInAllHandheldPhotographs) {
         for (std::size_t k = 0; k < 4; ++k) truth[k] = mapped(glm::inverse(to_reference), reference[k]);
         const auto found = find_chart(read_picture(folder / fmt::format("png16/img_{:03}.png", i)));
         ASSERT_TRUE(found) << i;
-        EXPECT_LT(farthest(chart_corners(*found), truth), 1.2) << i;
+        worst = std::max(worst, farthest(chart_corners(*found), truth));
+        EXPECT_LT(farthest(chart_corners(*found), truth), 0.8) << i;
         EXPECT_LT(found->misfit, 0.03) << i;
         EXPECT_THAT(found->warnings, testing::IsEmpty()) << i;
     }
+    fmt::print("chart of handheld: corners within {:.2f} pixels\n", worst);
 }
 
 }  // namespace
