@@ -4,6 +4,7 @@
 #include <ceres/ceres.h>
 
 #include <glm/matrix.hpp>
+#include <limits>
 
 #include "surface/error.h"
 #include "surface/median.h"
@@ -171,7 +172,10 @@ void summarise(ColourErrors& errors) {
     for (const double e : errors.patches)
         if (e >= 0) sorted.push_back(e);
     std::sort(sorted.begin(), sorted.end());
-    if (sorted.empty()) return;
+    if (sorted.empty()) {
+        errors.mean = errors.maximum = errors.percentile_90 = std::numeric_limits<double>::quiet_NaN();
+        return;
+    }
     const double count = static_cast<double>(sorted.size());
     for (const double e : sorted) errors.mean += e / count;
     errors.maximum = sorted.back();
@@ -207,7 +211,11 @@ ColourErrors left_out_errors(std::span<const ChartReading> photos, const ChartRe
     ColourErrors errors;
     errors.patches.fill(-1);
     const Used used = used_in(all);
-    if (std::count(used.begin(), used.end(), true) <= kLeastPatches) return errors;
+    // Without one of them there would be too few.
+    if (std::count(used.begin(), used.end(), true) <= kLeastPatches) {
+        summarise(errors);
+        return errors;
+    }
     for (std::size_t i = 0; i < kChartPatches; ++i) {
         if (!used[i]) continue;
         Used others = used;
@@ -271,6 +279,8 @@ void finish(ColourCorrection& c, const Solution& s, const Solution& balanced, co
 ColourCorrection white_balance_only(std::span<const ChartReading> photos, const ChartReference& reference,
                                     ColourCorrection c) {
     ChartLights& lights = c.lights;
+    c.left_out.patches.fill(-1);
+    summarise(c.left_out);
     if (lights.lights.empty() ||
         std::none_of(lights.lights.begin(), lights.lights.end(), [](const auto& l) { return l.known; }))
         for (const ChartReading& photo : photos)

@@ -27,7 +27,7 @@ struct ColourOptions {
     }
 };
 
-// CIEDE2000 of each patch; negative where the patch was left out.
+// CIEDE2000 of each patch; negative where the patch was left out. The others are NaN where all were.
 struct ColourErrors {
     std::array<double, kChartPatches> patches{};
     double mean = 0, maximum = 0, percentile_90 = 0;

@@ -9,6 +9,7 @@ using nlohmann::json;
 namespace {
 
 json summary_of(const ColourErrors& errors) {
+    if (!(errors.mean >= 0)) return nullptr;
     return {{"mean", errors.mean}, {"maximum", errors.maximum}, {"percentile_90", errors.percentile_90}};
 }
 
@@ -36,7 +37,7 @@ json to_json(const ColourCorrection& c, const ChartReference& reference) {
                            {"photographs", c.lights.photos[i]},
                            {"before", or_null(c.before.patches[i])},
                            {"after", or_null(c.after.patches[i])},
-                           {"left_out", or_null(c.matrix_solved ? c.left_out.patches[i] : -1)}});
+                           {"left_out", or_null(c.left_out.patches[i])}});
     return {{"reference", c.reference},
             {"white_balance", {c.white_balance.r, c.white_balance.g, c.white_balance.b}},
             {"matrix", to_json(c.matrix)},
@@ -45,7 +46,7 @@ json to_json(const ColourCorrection& c, const ChartReference& reference) {
             {"delta_e_2000",
              {{"before", summary_of(c.before)},
               {"after", summary_of(c.after)},
-              {"left_out", c.matrix_solved ? summary_of(c.left_out) : json(nullptr)},
+              {"left_out", summary_of(c.left_out)},
               {"neutral", c.neutral_error},
               {"neutral_gain", c.neutral_gain}}},
             {"light", {{"degree", c.light_degree}, {"residual", c.lights.residual}}},

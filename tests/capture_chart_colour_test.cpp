@@ -159,6 +159,23 @@ TEST(ChartColour, WithTooFewPatchesIsWhiteBalanceOnly) {
     EXPECT_FALSE(to_json(c, classic_chart()).dump().empty());
 }
 
+TEST(ChartColour, WithJustEnoughPatchesHasAMatrixButNoPrediction) {
+    std::vector<ChartReading> photos = {reading_of(classic_chart(), kTestCamera, kFarLamp)};
+    const std::vector<std::size_t> kept = {0, 2, 5, 12, 13, 14, 15, 19, 21};
+    for (std::size_t i = 0; i < 24; ++i)
+        if (std::find(kept.begin(), kept.end(), i) == kept.end())
+            photos[0].patches[i].state = PatchState::clipped;
+    const ColourCorrection c = correct_colours(photos, classic_chart());
+    EXPECT_TRUE(c.matrix_solved);
+    EXPECT_EQ(c.patches_used, 9);
+    EXPECT_LT(c.after.mean, 0.05);
+    EXPECT_TRUE(std::isnan(c.left_out.mean));
+    EXPECT_EQ(to_json(c, classic_chart())["delta_e_2000"]["left_out"], nullptr);
+    // One more is enough for one.
+    photos[0].patches[8].state = PatchState::good;
+    EXPECT_GE(correct_colours(photos, classic_chart()).left_out.mean, 0);
+}
+
 TEST(ChartColour, OfAGreyCameraIsWhiteBalanceOnly) {
     const dmat3 grey(0.2, 0.2, 0.2, 0.7, 0.7, 0.7, 0.1, 0.1, 0.1);
     const std::vector<ChartReading> photos = {reading_of(classic_chart(), grey, kFarLamp, 0.005)};
