@@ -4,6 +4,8 @@
 
 #include <charconv>
 #include <cmath>
+#include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
 #include <numbers>
 
 namespace tangi {
@@ -62,7 +64,7 @@ std::optional<Transfer> transfer_named(std::string_view name) {
     return Transfer{Transfer::Kind::gamma, gamma};
 }
 
-Lab lab_from_linear(const Rgb& c) {
+Lab lab_from_linear(const glm::dvec3& c) {
     // IEC 61966-2-1, divided by the D65 white (0.95047, 1, 1.08883) that its rows add up to.
     const double x = (0.4124564 * c.r + 0.3575761 * c.g + 0.1804375 * c.b) / 0.95047;
     const double y = 0.2126729 * c.r + 0.7151522 * c.g + 0.0721750 * c.b;
@@ -74,7 +76,29 @@ Lab lab_from_linear(const Rgb& c) {
     return {116 * f(y) - 16, 500 * (f(x) - f(y)), 200 * (f(y) - f(z))};
 }
 
+Rgb linear_from_lab_d50(const Lab& lab) {
+    constexpr double epsilon = 216.0 / 24389, kappa = 24389.0 / 27;
+    const auto inverse = [](double f) { return f * f * f > epsilon ? f * f * f : (116 * f - 16) / kappa; };
+    const double fy = (lab.l + 16) / 116;
+    // The white of ICC.1:2010, 7.2.16.
+    const glm::dvec3 xyz_d50(0.9642 * inverse(fy + lab.a / 500), inverse(fy),
+                             0.8249 * inverse(fy - lab.b / 200));
+    // By columns, as glm has them. Cones of Bradford's transform, and both whites in them.
+    const glm::dmat3 cones(0.8951, -0.7502, 0.0389, 0.2664, 1.7135, -0.0685, -0.1614, 0.0367, 1.0296);
+    const glm::dvec3 from = cones * glm::dvec3(0.9642, 1, 0.8249),
+                     to = cones * glm::dvec3(0.95047, 1, 1.08883);
+    const glm::dvec3 xyz = glm::inverse(cones) * (to / from * (cones * xyz_d50));
+    // The inverse of what lab_from_linear() has, so that both agree to the last digit.
+    const glm::dmat3 xyz_of_rgb(0.4124564, 0.2126729, 0.0193339, 0.3575761, 0.7151522, 0.1191920, 0.1804375,
+                                0.0721750, 0.9503041);
+    return Rgb(glm::inverse(xyz_of_rgb) * xyz);
+}
+
 double delta_e_2000(const Lab& first, const Lab& second) {
+    return glm::length(delta_e_2000_parts(first, second));
+}
+
+glm::dvec3 delta_e_2000_parts(const Lab& first, const Lab& second) {
     constexpr double degree = std::numbers::pi / 180;
     const auto seventh = [](double c) {
         return std::sqrt(std::pow(c, 7) / (std::pow(c, 7) + std::pow(25.0, 7)));
@@ -117,7 +141,8 @@ double delta_e_2000(const Lab& first, const Lab& second) {
     const double s_h = 1 + 0.015 * c_mean * t;
     const double r_t = -std::sin(2 * rotation * degree) * 2 * seventh(c_mean);
     const double l = delta_l / s_l, c = delta_c / s_c, h = delta_h / s_h;
-    return std::sqrt(l * l + c * c + h * h + r_t * c * h);
+    // The same sum of squares as l^2 + c^2 + h^2 + r_t c h; |r_t| < 2.
+    return {l, c + r_t / 2 * h, std::sqrt(1 - r_t * r_t / 4) * h};
 }
 
 }  // namespace tangi

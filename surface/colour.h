@@ -3,6 +3,7 @@
 #pragma once
 
 #include <glm/mat3x3.hpp>
+#include <glm/vec3.hpp>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -33,10 +34,19 @@ struct Lab {
     double l = 0, a = 0, b = 0;
 };
 
-Lab lab_from_linear(const Rgb& linear);
+Lab lab_from_linear(const glm::dvec3& linear);
 
 // CIEDE2000 with kL = kC = kH = 1 (Sharma, Wu, Dalal 2005, eq. 2 to 22).
 double delta_e_2000(const Lab& first, const Lab& second);
+
+// Its three parts, turned so that the difference is their length: they change smoothly where the colours are
+// the same, which the length does not, and so are what least squares takes. The first is lightness alone:
+// without it, the difference is the one in colour only, which tolerances of neutral patches limit.
+glm::dvec3 delta_e_2000_parts(const Lab& first, const Lab& second);
+
+// Linear Rec. 709 of a surface whose L*a*b* is for D50, 2 degrees, as colour charts are published: adapted to
+// D65 by Bradford's matrix (Lam 1985, as in ICC.1:2010, annex E). Not clipped.
+Rgb linear_from_lab_d50(const Lab& lab);
 
 // Relative luminance Y of linear Rec. 709 (IEC 61966-2-1).
 inline float luminance(const Rgb& c) { return 0.2126f * c.r + 0.7152f * c.g + 0.0722f * c.b; }

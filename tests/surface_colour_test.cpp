@@ -54,6 +54,37 @@ TEST(DeltaE2000, HasNoJumpBetweenGreyAndAlmostGrey) {
     EXPECT_NEAR(delta_e_2000(grey, other), delta_e_2000(almost, other), 1e-6);
 }
 
+TEST(DeltaE2000, HasPartsOfWhichTheFirstIsLightness) {
+    Random random(2);
+    for (int i = 0; i < 1000; ++i) {
+        const Lab a{random.uniform(0, 100), random.uniform(-90, 90), random.uniform(-90, 90)};
+        Lab b{random.uniform(0, 100), random.uniform(-90, 90), random.uniform(-90, 90)};
+        const glm::dvec3 parts = delta_e_2000_parts(a, b);
+        EXPECT_NEAR(glm::length(parts), delta_e_2000(a, b), 1e-9);
+        b.l = a.l;
+        EXPECT_EQ(delta_e_2000_parts(a, b).x, 0);
+    }
+}
+
+TEST(LabD50, OfGreyIsGreyOfTheSameLuminance) {
+    for (const double l : {4.0, 20.0, 50.0, 96.5, 100.0}) {
+        const Rgb grey = linear_from_lab_d50({l, 0, 0});
+        EXPECT_NEAR(grey.r, grey.g, 2e-5) << l;
+        EXPECT_NEAR(grey.b, grey.g, 2e-5) << l;
+        EXPECT_NEAR(lab_from_linear(grey).l, l, 1e-3);
+    }
+}
+
+// Lindbloom's D50 matrix of sRGB (Bradford): its red is X 0.4360747, Y 0.2225045, Z 0.0139322.
+TEST(LabD50, OfThePrimaryRedIsThePrimaryRed) {
+    const auto f = [](double t) { return std::cbrt(t); };
+    const double x = 0.4360747 / 0.96422, y = 0.2225045, z = 0.0139322 / 0.82521;
+    const Rgb red = linear_from_lab_d50({116 * f(y) - 16, 500 * (f(x) - f(y)), 200 * (f(y) - f(z))});
+    EXPECT_NEAR(red.r, 1, 5e-4);
+    EXPECT_NEAR(red.g, 0, 5e-4);
+    EXPECT_NEAR(red.b, 0, 5e-4);
+}
+
 TEST(DataDeltaE2000, AgreesWithAll34Pairs) {
     TP_DATA(tables, "tables");
     std::ifstream file(tables / "ciede2000_pairs.csv");

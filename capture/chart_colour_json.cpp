@@ -1,0 +1,58 @@
+// chart_colour_json.cpp: what was found of the chart and its colours, as JSON (docs/capture.md).
+#include "capture/chart_colour.h"
+#include "surface/photography_json.h"
+
+namespace tangi {
+
+using nlohmann::json;
+
+namespace {
+
+json summary_of(const ColourErrors& errors) {
+    if (!(errors.mean >= 0)) return nullptr;
+    return {{"mean", errors.mean}, {"maximum", errors.maximum}, {"percentile_90", errors.percentile_90}};
+}
+
+json or_null(double error) { return error >= 0 ? json(error) : json(nullptr); }
+
+}  // namespace
+
+json to_json(const FoundChart& chart) {
+    json corners = json::array();
+    for (const glm::dvec2& c : chart_corners(chart)) corners.push_back({c.x, c.y});
+    return {{"corners_px", std::move(corners)},
+            {"chart_to_picture", to_json(chart.chart_to_picture)},
+            {"given", chart.patches_seen == 0},
+            {"patches_seen", chart.patches_seen},
+            {"grid_residual_px", chart.grid_residual_px},
+            {"misfit", chart.misfit},
+            {"warnings", chart.warnings}};
+}
+
+json to_json(const ColourCorrection& c, const ChartReference& reference) {
+    json patches = json::array();
+    for (std::size_t i = 0; i < kChartPatches; ++i)
+        patches.push_back({{"number", i + 1},
+                           {"name", reference.patches[i].name},
+                           {"photographs", c.lights.photos[i]},
+                           {"before", or_null(c.before.patches[i])},
+                           {"after", or_null(c.after.patches[i])},
+                           {"left_out", or_null(c.left_out.patches[i])}});
+    return {{"reference", c.reference},
+            {"white_balance", {c.white_balance.r, c.white_balance.g, c.white_balance.b}},
+            {"matrix", to_json(c.matrix)},
+            {"matrix_solved", c.matrix_solved},
+            {"neutral_kept", c.neutral_kept},
+            {"delta_e_2000",
+             {{"before", summary_of(c.before)},
+              {"after", summary_of(c.after)},
+              {"left_out", summary_of(c.left_out)},
+              {"neutral", c.neutral_error},
+              {"neutral_gain", c.neutral_gain}}},
+            {"light", {{"degree", c.light_degree}, {"residual", c.lights.residual}}},
+            {"patches_used", c.patches_used},
+            {"patches", std::move(patches)},
+            {"warnings", c.warnings}};
+}
+
+}  // namespace tangi

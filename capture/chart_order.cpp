@@ -1,0 +1,160 @@
+// chart_order.cpp: the colours' order, and homographies through OpenCV.
+#include "capture/chart_order.h"
+
+#include <glm/matrix.hpp>
+#include <limits>
+#include <opencv2/calib3d.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "surface/error.h"
+#include "surface/median.h"
+
+namespace tangi {
+
+using glm::dmat3;
+using glm::dvec2;
+using glm::dvec3;
+
+namespace {
+
+constexpr double kDark = 0.02;     // [1] reflectance below which errors count absolutely
+constexpr double kOutlier = 0.06;  // [1] misfit, in cube roots, at which a patch weighs half
+constexpr int kReweightings = 8;
+
+dvec3 roots(const dvec3& linear) {
+    return {std::cbrt(std::max(0.0, linear.r)), std::cbrt(std::max(0.0, linear.g)),
+            std::cbrt(std::max(0.0, linear.b))};
+}
+
+double brightness(const dvec3& c) { return 0.2126 * c.r + 0.7152 * c.g + 0.0722 * c.b; }
+
+dvec2 centre_of(std::size_t patch) {
+    return {static_cast<double>(patch % kChartColumns) + 0.5,
+            static_cast<double>(patch / kChartColumns) + 0.5};
+}
+
+Homography homography_of(const cv::Mat& m) {
+    Homography h;
+    for (int row = 0; row < 3; ++row)
+        for (int column = 0; column < 3; ++column) h[column][row] = m.at<double>(row, column);
+    return h;
+}
+
+// Weighted least squares of target = matrix * colour.
+dmat3 matrix_between(const ChartColours& colours, const ChartColours& target,
+                     const std::array<double, 24>& weight) {
+    dmat3 square(0), product(0);
+    double trace = 0;
+    for (std::size_t i = 0; i < kChartPatches; ++i) {
+        if (!(weight[i] > 0)) continue;
+        square += weight[i] * glm::outerProduct(colours[i], colours[i]);
+        product += weight[i] * glm::outerProduct(target[i], colours[i]);
+        trace += weight[i] * glm::dot(colours[i], colours[i]);
+    }
+    // What is grey all over has no matrix; a little of the identity gives it one.
+    return product * glm::inverse(square + dmat3(1e-9 * trace + 1e-30));
+}
+
+// The plane c0 + c1 x + c2 y through values at the patches, by weighted least squares.
+dvec3 plane_through(const std::array<double, 24>& values, const std::array<double, 24>& weight) {
+    dmat3 square(1e-9);
+    dvec3 right(0);
+    for (std::size_t i = 0; i < kChartPatches; ++i) {
+        const dvec3 terms(1, centre_of(i) - dvec2(3, 2));
+        square += weight[i] * glm::outerProduct(terms, terms);
+        right += weight[i] * values[i] * terms;
+    }
+    return glm::inverse(square) * right;
+}
+
+const ChartColours& classic_colours() {
+    static const ChartColours colours = [] {
+        ChartColours c;
+        const ChartReference reference = classic_chart();
+        for (std::size_t i = 0; i < kChartPatches; ++i) c[i] = dvec3(reference.patches[i].linear);
+        return c;
+    }();
+    return colours;
+}
+
+}  // namespace
+
+ChartColours sampled_patches(const Image<Rgb>& linear, const Homography& chart_to_picture) {
+    constexpr int kSide = 7;  // samples along a patch
+    ChartColours colours;
+    for (std::size_t patch = 0; patch < kChartPatches; ++patch) {
+        std::array<std::vector<float>, 3> values;
+        bool inside = true;
+        for (int j = 0; j < kSide && inside; ++j)
+            for (int i = 0; i < kSide && inside; ++i) {
+                const dvec2 place = centre_of(patch) + 0.4 * (dvec2(i, j) / (kSide - 1.0) - 0.5);
+                const dvec2 p = mapped(chart_to_picture, place);
+                inside = p.x >= 0 && p.y >= 0 && p.x <= linear.width() - 1 && p.y <= linear.height() - 1;
+                if (!inside) break;
+                const Rgb& c = linear(static_cast<int>(std::lround(p.x)), static_cast<int>(std::lround(p.y)));
+                for (std::size_t k = 0; k < 3; ++k) values[k].push_back(c[static_cast<int>(k)]);
+            }
+        colours[patch] = inside ? dvec3(median(values[0]), median(values[1]), median(values[2])) : dvec3(-1);
+    }
+    return colours;
+}
+
+double order_misfit(const ChartColours& colours) {
+    const ChartColours& target = classic_colours();
+    std::array<double, 24> weight{}, base{}, light{};
+    int seen = 0;
+    for (std::size_t i = 0; i < kChartPatches; ++i) {
+        const double size = brightness(target[i]) + kDark;
+        base[i] = colours[i].r < 0 ? 0 : 1 / (size * size);
+        seen += base[i] > 0;
+    }
+    if (seen < 12) return std::numeric_limits<double>::infinity();
+    weight = base;
+    ChartColours evened = colours;
+    std::vector<double> misfits;
+    for (int step = 0; step < kReweightings; ++step) {
+        const dmat3 matrix = matrix_between(evened, target, weight);
+        std::array<double, 24> ratio{}, trust{};
+        misfits.clear();
+        for (std::size_t i = 0; i < kChartPatches; ++i) {
+            if (!(base[i] > 0)) continue;
+            const dvec3 fitted = matrix * evened[i];
+            const double misfit = glm::length(roots(fitted) - roots(target[i]));
+            misfits.push_back(misfit);
+            const double robust = 1 / (1 + misfit * misfit / (kOutlier * kOutlier));
+            weight[i] = base[i] * robust;
+            trust[i] = robust;
+            ratio[i] = std::log(std::max(1e-3, brightness(fitted)) / std::max(1e-3, brightness(target[i])));
+        }
+        const dvec3 plane = plane_through(ratio, trust);
+        for (std::size_t i = 0; i < kChartPatches; ++i) {
+            light[i] += glm::dot(plane, dvec3(0, centre_of(i) - dvec2(3, 2)));
+            if (base[i] > 0) evened[i] = colours[i] * std::exp(-std::clamp(light[i], -3.0, 3.0));
+        }
+    }
+    return median(misfits);
+}
+
+Homography homography_between(const ChartCorners& from, const ChartCorners& to) {
+    const std::optional<Homography> h = homography_through(from, to);
+    TP_REQUIRE(h, "three of the points lie on a line");
+    return *h;
+}
+
+std::optional<Homography> homography_through(std::span<const dvec2> from, std::span<const dvec2> to,
+                                             double stray) {
+    TP_REQUIRE(from.size() == to.size(), "points come in pairs");
+    if (from.size() < 4) return std::nullopt;
+    std::vector<cv::Point2d> a, b;
+    for (const dvec2& p : from) a.emplace_back(p.x, p.y);
+    for (const dvec2& p : to) b.emplace_back(p.x, p.y);
+    const cv::Mat m = stray > 0 ? cv::findHomography(a, b, cv::RANSAC, stray, cv::noArray(), 500)
+                                : cv::findHomography(a, b, 0);
+    if (m.empty()) return std::nullopt;
+    const Homography h = homography_of(m);
+    const double size = glm::determinant(h);
+    if (!std::isfinite(size) || std::abs(size) < 1e-12) return std::nullopt;
+    return h;
+}
+
+}  // namespace tangi

@@ -1,0 +1,133 @@
+// lens_file.cpp: through OpenCV's FileStorage and its camera model.
+#include "capture/lens_file.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <opencv2/calib3d.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "surface/error.h"
+#include "surface/picture_file.h"
+
+namespace tangi {
+
+using glm::dvec2;
+
+namespace {
+
+cv::Mat matrix_in(const cv::FileStorage& file, const char* name, const std::filesystem::path& path) {
+    const cv::FileNode node = file[name];
+    if (node.empty())
+        fail("{}: has no {}; is it a calibration file of OpenCV, and whole?", path.string(), name);
+    cv::Mat matrix;
+    node >> matrix;
+    if (matrix.empty() || matrix.channels() != 1) fail("{}: {} is no matrix of numbers", path.string(), name);
+    matrix.convertTo(matrix, CV_64F);
+    for (int i = 0; i < matrix.rows; ++i)
+        for (int j = 0; j < matrix.cols; ++j)
+            if (!std::isfinite(matrix.at<double>(i, j)))
+                fail("{}: {} has a number that is not finite", path.string(), name);
+    return matrix;
+}
+
+int size_in(const cv::FileStorage& file, const char* name, const std::filesystem::path& path) {
+    const cv::FileNode node = file[name];
+    if (node.empty() || !node.isInt() || static_cast<int>(node) < 1)
+        fail("{}: has no {}, or it is not a whole positive number", path.string(), name);
+    return static_cast<int>(node);
+}
+
+cv::Matx33d matrix_of(const Lens& lens) {
+    return {lens.focal_px.x, 0, lens.principal_px.x, 0, lens.focal_px.y, lens.principal_px.y, 0, 0, 1};
+}
+
+// The lens for pictures of another size but the same shape. Centres of pixels are at integers.
+Lens scaled(const Lens& lens, int width, int height) {
+    if (width == lens.width && height == lens.height) return lens;
+    const double sx = static_cast<double>(width) / lens.width, sy = static_cast<double>(height) / lens.height;
+    if (std::abs(sx - sy) > 1.0 / std::min(width, height))
+        fail(
+            "the lens was calibrated with pictures of {} x {} pixels, which are not these of {} x {}, nor "
+            "reduced to "
+            "them; take the calibration of this camera, turned as it was",
+            lens.width, lens.height, width, height);
+    Lens result = lens;
+    result.width = width, result.height = height;
+    result.focal_px = lens.focal_px * dvec2(sx, sy);
+    result.principal_px = (lens.principal_px + 0.5) * dvec2(sx, sy) - 0.5;
+    return result;
+}
+
+Lens lens_in(const cv::FileStorage& file, const std::filesystem::path& path) {
+    const cv::Mat camera = matrix_in(file, "camera_matrix", path);
+    if (camera.rows != 3 || camera.cols != 3)
+        fail("{}: camera_matrix is {} x {} instead of 3 x 3", path.string(), camera.rows, camera.cols);
+    const cv::Mat distortion = matrix_in(file, "distortion_coefficients", path);
+    const std::size_t count = distortion.total();
+    if (count != 4 && count != 5 && count != 8 && count != 12 && count != 14)
+        fail("{}: distortion_coefficients has {} numbers instead of 4, 5, 8, 12 or 14", path.string(), count);
+    Lens lens;
+    lens.width = size_in(file, "image_width", path);
+    lens.height = size_in(file, "image_height", path);
+    lens.focal_px = {camera.at<double>(0, 0), camera.at<double>(1, 1)};
+    lens.principal_px = {camera.at<double>(0, 2), camera.at<double>(1, 2)};
+    const cv::Mat row = distortion.reshape(1, 1);
+    for (int i = 0; i < row.cols; ++i) lens.distortion.push_back(row.at<double>(0, i));
+    if (!(lens.focal_px.x > 0 && lens.focal_px.y > 0))
+        fail("{}: the focal lengths in camera_matrix are {:g} and {:g} pixels", path.string(),
+             lens.focal_px.x, lens.focal_px.y);
+    if (!(lens.principal_px.x > 0 && lens.principal_px.y > 0 && lens.principal_px.x < lens.width &&
+          lens.principal_px.y < lens.height))
+        fail("{}: the principal point ({:.1f}, {:.1f}) in camera_matrix lies outside its pictures of {} x {}",
+             path.string(), lens.principal_px.x, lens.principal_px.y, lens.width, lens.height);
+    return lens;
+}
+
+}  // namespace
+
+Lens read_lens(const std::filesystem::path& path) {
+    const std::string extension = lower_extension(path);
+    if (extension != ".yml" && extension != ".yaml" && extension != ".xml")
+        fail("{}: a lens is read from .yml, .yaml or .xml files of OpenCV's calibration", path.string());
+    // Asked first, since OpenCV writes to the terminal otherwise.
+    if (!std::filesystem::is_regular_file(path)) fail("{}: there is no such file", path.string());
+    try {
+        const cv::FileStorage file(path.string(), cv::FileStorage::READ);
+        if (!file.isOpened()) fail("{}: cannot be read", path.string());
+        return lens_in(file, path);
+    } catch (const cv::Exception& error) {
+        fail("{}: is no whole calibration file of OpenCV ({})", path.string(), error.err);
+    }
+}
+
+Image<glm::vec2> undistortion_map(const Lens& calibrated, int width, int height) {
+    TP_REQUIRE(width > 0 && height > 0, "a picture has pixels");
+    const Lens lens = scaled(calibrated, width, height);
+    Image<glm::vec2> map(width, height);
+    cv::Mat result(height, width, CV_32FC2, map.data()), nothing;
+    cv::initUndistortRectifyMap(matrix_of(lens), lens.distortion, cv::noArray(), matrix_of(lens),
+                                {width, height}, CV_32FC2, result, nothing);
+    TP_REQUIRE(result.data == reinterpret_cast<unsigned char*>(map.data()),
+               "OpenCV fills the map it is given");
+    return map;
+}
+
+Image<Rgb> through_map(const Image<Rgb>& picture, const Image<glm::vec2>& map) {
+    Image<Rgb> result(map.width(), map.height());
+    if (picture.empty() || map.empty()) return result;
+    const cv::Mat from(picture.height(), picture.width(), CV_32FC3, const_cast<Rgb*>(picture.data()));
+    const cv::Mat places(map.height(), map.width(), CV_32FC2, const_cast<glm::vec2*>(map.data()));
+    cv::Mat to(map.height(), map.width(), CV_32FC3, result.data());
+    cv::remap(from, to, places, cv::noArray(), cv::INTER_CUBIC, cv::BORDER_CONSTANT);
+    return result;
+}
+
+dvec2 undistorted(const Lens& lens, const dvec2& place_px) {
+    std::vector<cv::Point2d> from = {{place_px.x, place_px.y}}, to;
+    cv::undistortPoints(from, to, matrix_of(lens), lens.distortion, cv::noArray(), matrix_of(lens),
+                        cv::TermCriteria(cv::TermCriteria::COUNT | cv::TermCriteria::EPS, 100, 1e-10));
+    return {to[0].x, to[0].y};
+}
+
+}  // namespace tangi
