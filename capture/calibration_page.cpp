@@ -186,7 +186,8 @@ Image<Rgb> ball_picture(const FoundBall& ball) {
     return picture;
 }
 
-std::string calibration_page(const BallCalibration& c, const std::vector<std::string>& ball_urls) {
+std::string calibration_page(const BallCalibration& c, const std::vector<std::string>& ball_urls,
+                             const std::optional<ColourCalibration>& colours) {
     TP_REQUIRE(ball_urls.size() == c.balls.size(), "each ball has a picture");
     std::string html = fmt::format(
         "<!doctype html><html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" "
@@ -214,10 +215,13 @@ std::string calibration_page(const BallCalibration& c, const std::vector<std::st
             "painting's plane; "
             "circles are standard errors. Numbers as in the table.</figcaption></figure>";
     for (std::size_t i = 0; i < c.balls.size(); ++i) html += ball_figure(c, i, ball_urls[i]);
-    return html + "</div><h2>Photographs</h2>" + table(c) + "</main></body></html>\n";
+    html += "</div>";
+    if (colours) html += colour_section(*colours);
+    return html + "<h2>Photographs</h2>" + table(c) + "</main></body></html>\n";
 }
 
-CalibrationFiles write_calibration(const std::filesystem::path& lights, const BallCalibration& calibration) {
+CalibrationFiles write_calibration(const std::filesystem::path& lights, const BallCalibration& calibration,
+                                   const std::optional<ColourCalibration>& colours) {
     const CalibrationFiles files = calibration_files(lights);
     std::vector<std::string> urls;
     for (const FoundBall& ball : calibration.balls) {
@@ -225,10 +229,10 @@ CalibrationFiles write_calibration(const std::filesystem::path& lights, const Ba
         write_picture_8bit(scratch.temporary(), ball_picture(ball));
         urls.push_back("data:image/jpeg;base64," + base64(read_text_file(scratch.temporary())));
     }
-    write_text_file(
-        files.json,
-        to_json(calibration).dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
-    write_text_file(files.page, calibration_page(calibration, urls));
+    nlohmann::json capture = to_json(calibration);
+    capture["colour"] = colours ? to_json(*colours) : nlohmann::json(nullptr);
+    write_text_file(files.json, capture.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
+    write_text_file(files.page, calibration_page(calibration, urls, colours));
     write_lights_file(files.lights, calibration.usable_lights());
     return files;
 }

@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "capture/ball_calibration.h"
+#include "capture/colour_calibration.h"
 
 namespace tangi {
 
@@ -17,13 +18,15 @@ CalibrationFiles calibration_files(const std::filesystem::path& lights);
 
 // Each file appears whole or not at all, the lights file last. Throws Error naming the file that cannot be
 // written.
-CalibrationFiles write_calibration(const std::filesystem::path& lights, const BallCalibration& calibration);
+CalibrationFiles write_calibration(const std::filesystem::path& lights, const BallCalibration& calibration,
+                                   const std::optional<ColourCalibration>& colours = {});
 
 // Each ball under all lights at once (the brightest of all photographs), lightened, for the page.
 Image<Rgb> ball_picture(const FoundBall& ball);
 
 // The page: one file, no script, no network. `ball_urls` are the balls' pictures, data: or a path. Whatever
 // names contain, they stay text.
-std::string calibration_page(const BallCalibration& calibration, const std::vector<std::string>& ball_urls);
+std::string calibration_page(const BallCalibration& calibration, const std::vector<std::string>& ball_urls,
+                             const std::optional<ColourCalibration>& colours = {});
 
 }  // namespace tangi

@@ -2,6 +2,7 @@
 #include <glm/geometric.hpp>
 
 #include "capture/calibration_page.h"
+#include "capture/colour_calibration.h"
 #include "cli/arguments.h"
 #include "cli/command_list.h"
 #include "surface/atomic_file.h"
@@ -15,6 +16,8 @@ namespace {
 
 struct CalibrateArguments {
     std::string folder, out, transfer = "auto", principal, origin;
+    std::string chart = "auto", chart_reference;
+    double chart_pitch_mm = 0;
     std::vector<std::string> photos, spheres;
     double ball_radius_mm = 0, focal_px = 0, focal_35mm = 0, camera_distance_mm = 0;
     std::optional<double> ball_height_mm;
@@ -60,6 +63,15 @@ std::optional<glm::dvec2> point_of(const std::string& text, const std::string& f
 
 std::optional<double> if_given(double value) { return value > 0 ? std::optional(value) : std::nullopt; }
 
+std::optional<Transfer> transfer_of(const CalibrateArguments& a) {
+    if (a.transfer == "auto") return {};
+    const std::optional<Transfer> transfer = transfer_named(a.transfer);
+    if (!transfer)
+        throw UsageError(
+            fmt::format("--transfer {}: is not auto, linear, srgb, or a gamma in [0.2, 5]", a.transfer));
+    return transfer;
+}
+
 BallCalibrationOptions options_of(const CalibrateArguments& a) {
     BallCalibrationOptions options{.balls = {},
                                    .matt = a.matt,
@@ -72,12 +84,18 @@ BallCalibrationOptions options_of(const CalibrateArguments& a) {
                                    .camera_distance_mm = if_given(a.camera_distance_mm),
                                    .ball_height_mm = a.ball_height_mm};
     for (const std::string& sphere : a.spheres) options.balls.push_back(ball_of(sphere));
-    if (a.transfer != "auto") {
-        options.transfer = transfer_named(a.transfer);
-        if (!options.transfer)
-            throw UsageError(
-                fmt::format("--transfer {}: is not auto, linear, srgb, or a gamma in [0.2, 5]", a.transfer));
-    }
+    options.transfer = transfer_of(a);
+    return options;
+}
+
+ColourCalibrationOptions colour_options_of(const CalibrateArguments& a) {
+    ColourCalibrationOptions options{.transfer = transfer_of(a), .pitch_mm = if_given(a.chart_pitch_mm)};
+    if (!a.chart_reference.empty()) options.reference = a.chart_reference;
+    if (a.chart == "auto") return options;
+    const std::string form = "auto, off, or the corners X,Y,X,Y,X,Y,X,Y in pixels, in order around the chart";
+    const std::vector<double> n = numbers_in(a.chart, "--chart", form);
+    if (n.size() != 8) throw UsageError(fmt::format("--chart {}: expected {}", a.chart, form));
+    options.corners_px = ChartCorners{{{n[0], n[1]}, {n[2], n[3]}, {n[4], n[5]}, {n[6], n[7]}}};
     return options;
 }
 
@@ -118,6 +136,19 @@ nlohmann::json result_of(const BallCalibration& c, const CalibrationFiles& files
         {"camera_moved_rms_px", c.drifts.moved ? c.drifts.rms_px : 0}};
 }
 
+nlohmann::json summary_of(const ColourCalibration& c) {
+    nlohmann::json levels = nlohmann::json::object();
+    for (const ToleranceResult& t : c.tolerances) levels[t.standard] = t.level.empty() ? "none" : t.level;
+    return {{"chart_in", c.found_in},
+            {"transfer", c.transfer.name()},
+            {"delta_e_2000",
+             {{"white_balance", finite(c.correction.before.mean)},
+              {"corrected", finite(c.correction.after.mean)},
+              {"corrected_maximum", finite(c.correction.after.maximum)},
+              {"left_out", finite(c.correction.left_out.mean)}}},
+            {"levels", levels}};
+}
+
 nlohmann::json run_calibrate(const CalibrateArguments& a) {
     const Progress progress = console_progress();
     if (fs::path(a.out).extension() != ".lp")
@@ -125,6 +156,8 @@ nlohmann::json run_calibrate(const CalibrateArguments& a) {
     if (a.folder.empty() == a.photos.empty())
         throw UsageError("give either a folder of photographs (PHOTOS) or photographs (--photos A B …)");
     const BallCalibrationOptions options = options_of(a);
+    std::optional<ColourCalibrationOptions> colour_options;
+    if (a.chart != "off") colour_options = colour_options_of(a);
     { const AtomicFile writable(a.out); }  // before the work: an output that can't be written is known now
     std::vector<std::string> warnings;
     std::vector<fs::path> paths;
@@ -134,8 +167,14 @@ nlohmann::json run_calibrate(const CalibrateArguments& a) {
         paths.assign(a.photos.begin(), a.photos.end());
     BallCalibration calibration = calibrate_from_balls(paths, options, progress);
     calibration.warnings.insert(calibration.warnings.begin(), warnings.begin(), warnings.end());
-    const CalibrationFiles files = write_calibration(a.out, calibration);
+    std::optional<ColourCalibration> colours;
+    if (colour_options) colours = calibrate_colours(paths, *colour_options, progress);
+    if (colours)
+        calibration.warnings.insert(calibration.warnings.end(), colours->warnings.begin(),
+                                    colours->warnings.end());
+    const CalibrationFiles files = write_calibration(a.out, calibration, colours);
     nlohmann::json result = result_of(calibration, files);
+    result["colour"] = colours ? summary_of(*colours) : nlohmann::json(nullptr);
     result["warnings"] = told(calibration.warnings);
     result["poor"] = calibration.poor;
     return result;
@@ -183,8 +222,22 @@ Command calibrate_command() {
                        "the camera did not move: do not register the photographs");
             flags
                 .option("--transfer", a->transfer,
-                        "for a matt ball: auto, linear, srgb, or a gamma such as 2.2")
+                        "for a matt ball and the chart: auto, linear, srgb, or a gamma such as 2.2")
                 .show_default();
+            flags
+                .option("--chart", a->chart,
+                        "colour chart of 24 patches: auto (sought), off, or its corners X,Y,X,Y,X,Y,X,Y in "
+                        "pixels, in "
+                        "order around it")
+                .show_default();
+            flags.option(
+                "--chart-reference", a->chart_reference,
+                "what the patches should be (.csv or .json); the classic chart's published values where "
+                "not given");
+            flags
+                .option("--chart-pitch-mm", a->chart_pitch_mm,
+                        "from one patch's middle to the next; tells the scale at the chart")
+                .check(positive());
             return [a] { return run_calibrate(*a); };
         }};
 }
