@@ -6,9 +6,11 @@
 #include <set>
 
 #include "capture/exposure_merge.h"
+#include "capture/photo_metadata.h"
 #include "capture/photo_source.h"
 #include "capture/raw_file.h"
 #include "capture/survey.h"
+#include "capture/transfer_metadata.h"
 #include "surface/error.h"
 #include "surface/median.h"
 #include "surface/parallel.h"
@@ -21,7 +23,7 @@ namespace {
 
 constexpr int kRows = 64;                      // at a time
 constexpr int kLookedAt = 5;                   // photographs that checks and brackets read
-constexpr std::size_t kRawBytesPerPixel = 22;  // of memory, while LibRaw decodes
+constexpr std::size_t kRawBytesPerPixel = 28;  // of memory, while LibRaw decodes
 constexpr std::size_t kRawMemory = std::size_t{6} << 30;
 
 bool needs_development(const Stack& stack) {
@@ -46,7 +48,7 @@ std::vector<fs::path> files_of(const StackPhoto& photo) {
 TransferEstimate encoding_of(const Stack& stack, const Progress& progress) {
     if (stack.is_raw) return {Transfer{}, "camera raw", {}, {}};
     if (stack.transfer || stack.bits == 32) return estimate_transfer(stack, Survey{});
-    return estimate_transfer(stack, survey(stack, {}, progress));
+    return decide_transfer(stack, survey(stack, {}, progress));
 }
 
 // Decodes all raws of the stack once. LibRaw holds several copies of a picture, so few are decoded side by
@@ -176,21 +178,29 @@ void relate_exposures(Stack& stack, DevelopReport& report_) {
 // Frames that do not belong to these photographs show in their brightness.
 void check_frames(Stack& stack, const DevelopReport& report_) {
     if (!report_.dark && !report_.ambient) return;
-    double brightest = 0;  // of the photographs, dark frame taken off
-    for (const StackPhoto* photo : some_photos(stack))
-        brightest = std::max(brightest, mean_of(sample_of(stack, photo->path, photo->light)));
+    double brightest = 0,
+           below = 0;  // mean of the brightest photograph, dark frame taken off; part that is 0
+    for (const StackPhoto* photo : some_photos(stack)) {
+        const std::vector<float> sample = sample_of(stack, photo->path, photo->light);
+        const double mean = mean_of(sample);
+        if (mean < brightest) continue;
+        brightest = mean;
+        below = static_cast<double>(std::count(sample.begin(), sample.end(), 0.0f)) /
+                static_cast<double>(std::max<std::size_t>(sample.size(), 1));
+    }
     if (const auto& dark = report_.dark) {
         const std::string name = dark->files.front().string();
-        if (dark->mean >= 0.5 * brightest)
+        if (below > 0.5)
             fail(
-                "{}: the dark frame ({:.4f} of full scale on average) is about as bright as the photographs "
-                "({:.4f} with "
-                "it taken off); it must be taken with the lens covered",
-                name, dark->mean, brightest);
-        if (dark->mean > 0.1 * brightest)
+                "{}: the dark frame ({:.4f} of full scale on average) is brighter than {:.0f} % of the "
+                "brightest "
+                "photograph; it must be taken with the lens covered",
+                name, dark->mean, 100 * below);
+        if (dark->mean > brightest)
             stack.warnings.push_back(fmt::format(
-                "{}: the dark frame has {:.0f} % of the photographs' brightness; was the lens covered?", name,
-                100 * dark->mean / brightest));
+                "{}: the dark frame ({:.4f} of full scale on average) is brighter than what it leaves of the "
+                "photographs ({:.4f}); was the lens covered?",
+                name, dark->mean, brightest));
     }
     if (const auto& ambient = report_.ambient) {
         const std::string name = ambient->files.front().string();
@@ -207,6 +217,22 @@ void check_frames(Stack& stack, const DevelopReport& report_) {
                             "is taken off is noisy",
                             name, 100 * part));
     }
+}
+
+// Exposure of a frame in units of the reference exposure, by EXIF; empty where a file does not tell.
+std::optional<double> relative_exposure(const Stack& stack, const FrameSummary& frame) {
+    const StackPhoto& photo = stack.photos.front();
+    const auto of_frame = exposure_of(read_photo_metadata(frame.files.front()));
+    const auto of_photo = exposure_of(read_photo_metadata(photo.path));
+    if (!of_frame || !of_photo) return std::nullopt;
+    double relative = 1;
+    for (const Exposure& exposure : photo.exposures)
+        if (exposure.path == photo.path) relative = exposure.relative;
+    return *of_frame / *of_photo * relative;
+}
+
+bool is_another(const std::optional<double>& relative) {
+    return relative && std::abs(std::log(*relative)) > std::log(1.1);
 }
 
 // Camera colour -> linear Rec. 709 by what the first photograph says, the same for all.
@@ -250,6 +276,9 @@ DevelopReport develop_stack(Stack& stack, const DevelopRun& run, const Progress&
     report_.developed = true;
     report_.options = stack.develop;
     report_.encoding = encoding_of(stack, progress);
+    if (stack.is_raw && stack.transfer && *stack.transfer != Transfer{})
+        stack.warnings.push_back(fmt::format("{}: camera raw is linear light; --transfer {} is not used",
+                                             stack.folder.string(), stack.transfer->name()));
     if (!report_.encoding.warning.empty()) stack.warnings.push_back(report_.encoding.warning);
 
     const fs::path first = stack.photos.front().path;
@@ -285,6 +314,12 @@ DevelopReport develop_stack(Stack& stack, const DevelopRun& run, const Progress&
     if (const auto& path = stack.develop.dark) {
         AveragedFrame dark = average_frame(*path, "dark frame", context);
         report_.dark = dark.summary;
+        if (const auto relative = relative_exposure(stack, dark.summary);
+            is_another(relative) && !stack.develop.brackets)
+            stack.warnings.push_back(fmt::format(
+                "{}: the dark frame was taken with {:.3g} times the exposure of the photographs, says EXIF; "
+                "its offset may be another",
+                dark.summary.files.front().string(), *relative));
         d.dark = dark.frame;
         report_.scratch_bytes += frame_bytes();
     }
@@ -292,7 +327,13 @@ DevelopReport develop_stack(Stack& stack, const DevelopRun& run, const Progress&
     AveragedFrame ambient;
     if (const auto& path = stack.develop.ambient) {
         ambient = average_frame(*path, "photograph of the ambient light", context);
-        subtract_dark(ambient, d.dark.get(), 1, context);
+        const auto relative = relative_exposure(stack, ambient.summary);
+        if (is_another(relative))
+            stack.warnings.push_back(fmt::format(
+                "{}: the ambient light was taken with {:.3g} times the exposure of the photographs, says "
+                "EXIF, and is scaled accordingly",
+                ambient.summary.files.front().string(), *relative));
+        subtract_dark(ambient, d.dark.get(), is_another(relative) ? *relative : 1, context);
         report_.ambient = ambient.summary;
         report_.scratch_bytes += frame_bytes();
     }

@@ -238,7 +238,7 @@ TEST(Frames, ThatDoNotFitAreErrorsThatNameTheFile) {
 
 TEST(Frames, ThatAreDoubtfulAreWarnedOf) {
     const Scenes scenes;
-    scenes.save("frames/bright.png", [](int, int, int) { return 0.08; });
+    scenes.save("frames/bright.png", [](int, int, int) { return 0.3; });
     Stack stack = scenes.open({.dark = scenes.dir / "frames/bright.png"});
     develop_stack(stack);
     ASSERT_EQ(stack.warnings.size(), 1u);

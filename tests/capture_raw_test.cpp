@@ -158,6 +158,27 @@ TEST(Raw, StackKeepsRawsOrReadsThemAnewWithTheSameResult) {
     EXPECT_NEAR(first.row(0, 1, 12)[3], 0.3, 1e-3);
 }
 
+TEST(Raw, FramesOfAnotherExposureAreToldOfAndAmbientIsScaled) {
+    const RawStack raws;
+    fs::create_directory(raws.dir / "frames");
+    write_dng(raws.dir / "frames/dark.dng", areas(0), {.exposure_s = 0.04});
+    write_dng(raws.dir / "frames/ambient.dng", areas(0.2f), {.exposure_s = 0.04});
+    Stack stack = open_stack(raws.dir.path(), {.develop = {.dark = raws.dir / "frames/dark.dng",
+                                                           .ambient = raws.dir / "frames/ambient.dng",
+                                                           .raw_colour = RawColour::camera}});
+    develop_stack(stack);
+    ASSERT_EQ(stack.warnings.size(), 2u);
+    EXPECT_THAT(stack.warnings[0], AllOf(HasSubstr("dark.dng"), HasSubstr("2 times")));
+    EXPECT_THAT(stack.warnings[1],
+                AllOf(HasSubstr("ambient.dng"), HasSubstr("2 times"), HasSubstr("scaled")));
+    const Band band = StackReader(stack).read(0, kSide, Transfer{});
+    EXPECT_NEAR(band.row(0, 1, 16)[16], 0.3 * 0.9, 1e-3);  // a tenth of the light was ambient
+    for (const char* frame : {"dark.dng", "ambient.dng"}) write_dng(raws.dir / "frames" / frame, areas(0.1f));
+    stack = open_stack(raws.dir.path(), {.develop = {.ambient = raws.dir / "frames/ambient.dng"}});
+    develop_stack(stack);
+    EXPECT_THAT(stack.warnings, IsEmpty());
+}
+
 TEST(Raw, IsTakenBeforeTheJpegThatTheCameraStoredBesideIt) {
     RawStack raws;
     for (Light& light : raws.lights) {
