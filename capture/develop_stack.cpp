@@ -21,9 +21,10 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr int kRows = 64;                      // at a time
-constexpr int kLookedAt = 5;                   // photographs that checks and brackets read
-constexpr std::size_t kRawBytesPerPixel = 28;  // of memory, while LibRaw decodes
+constexpr int kRows = 64;                          // at a time
+constexpr int kLookedAt = 5;                       // photographs that checks and brackets read
+constexpr std::size_t kRawBytesPerPixel = 30;      // of memory, while LibRaw decodes
+constexpr std::size_t kMostRawBytesPerPixel = 60;  // ... by AAHD; DCB takes 45
 constexpr std::size_t kRawMemory = std::size_t{6} << 30;
 
 bool needs_development(const Stack& stack) {
@@ -60,7 +61,9 @@ void decode_raws(const std::vector<fs::path>& files, const PhotoHeader& header, 
         fmt::format("{} developed camera raw{}", files.size(), files.size() == 1 ? "" : "s");
     const auto raws =
         std::make_shared<DevelopedRaws>(static_cast<int>(files.size()), header.height, row, what);
-    const std::size_t bytes = kRawBytesPerPixel * row / 3 * static_cast<std::size_t>(header.height);
+    const bool thrifty = development.demosaic != "AAHD" && development.demosaic != "DCB";
+    const std::size_t bytes = (thrifty ? kRawBytesPerPixel : kMostRawBytesPerPixel) * row / 3 *
+                              static_cast<std::size_t>(header.height);
     const int count = static_cast<int>(files.size());
     const int batch =
         std::clamp(static_cast<int>(kRawMemory / std::max<std::size_t>(bytes, 1)), 1, thread_count());
