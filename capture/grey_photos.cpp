@@ -121,7 +121,7 @@ std::vector<fs::path> pictures_in(const fs::path& folder, std::vector<std::strin
     std::sort(pictures.begin(), pictures.end());
     std::sort(warnings.begin(), warnings.end());
     if (pictures.empty())
-        fail("{}: no photographs (JPEG, PNG, TIFF, EXR or TGA) in this folder", folder.string());
+        fail("{}: no photographs (JPEG, PNG, TIFF, EXR, TGA or camera raw) in this folder", folder.string());
     return pictures;
 }
 

@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "capture/raw_file.h"
 #include "surface/error.h"
 #include "surface/picture_file.h"
 
@@ -70,20 +71,34 @@ void require_complete_png(const fs::path& path) {
 struct PhotoFile::Decoder {
     std::unique_ptr<OIIO::ImageInput> input;
     std::vector<float> tile_rows;  // scratch for tiled files
+    std::string demosaic;
+    std::vector<std::uint16_t> raw;  // a developed camera raw, while its rows are read
 };
 
 bool is_photo_name(const fs::path& path) {
     static constexpr std::array<std::string_view, 7> known = {".jpg",  ".jpeg", ".png", ".tif",
                                                               ".tiff", ".exr",  ".tga"};
-    return std::find(known.begin(), known.end(), lower_extension(path)) != known.end();
+    return std::find(known.begin(), known.end(), lower_extension(path)) != known.end() || is_raw_name(path);
 }
 
-PhotoFile::PhotoFile(fs::path path) : path_(std::move(path)), decoder_(std::make_unique<Decoder>()) {
+PhotoFile::PhotoFile(fs::path path, std::string demosaic)
+    : path_(std::move(path)), decoder_(std::make_unique<Decoder>()) {
     if (!fs::exists(path_)) fail("{}: no such photograph", path_.string());
     if (fs::is_directory(path_)) fail("{}: is a folder, not a photograph", path_.string());
     if (!fs::is_regular_file(path_)) fail("{}: is a pipe or a device, not a photograph", path_.string());
     if (::access(path_.c_str(), R_OK) != 0)
         fail("{}: cannot be read: {}", path_.string(), std::strerror(errno));
+    decoder_->demosaic = std::move(demosaic);
+    if (is_raw_name(path_)) {
+        const RawHeader raw = read_raw_header(path_);
+        header_ = {.width = raw.width,
+                   .height = raw.height,
+                   .channels = 3,
+                   .bits = 16,
+                   .is_raw = true,
+                   .orientation = raw.orientation};
+        return;
+    }
     require_complete_png(path_);
     OIIO::ImageSpec config, spec;
     config.attribute("oiio:UnassociatedAlpha", 1);
@@ -106,12 +121,23 @@ PhotoFile::~PhotoFile() = default;
 PhotoFile::PhotoFile(PhotoFile&&) noexcept = default;
 PhotoFile& PhotoFile::operator=(PhotoFile&&) noexcept = default;
 
+void PhotoFile::read_raw_rows(int y0, int y1, std::span<float> values) {
+    std::vector<std::uint16_t>& raw = decoder_->raw;
+    if (raw.empty()) raw = develop_raw(path_, decoder_->demosaic);
+    const auto row = static_cast<std::size_t>(header_.width) * 3;
+    const auto begin = raw.begin() + static_cast<std::ptrdiff_t>(row) * y0;
+    std::transform(begin, begin + static_cast<std::ptrdiff_t>(row) * (y1 - y0), values.begin(),
+                   [](std::uint16_t code) { return static_cast<float>(code) / 65535; });
+    if (y1 == header_.height) std::vector<std::uint16_t>().swap(raw);
+}
+
 void PhotoFile::read_rows(int y0, int y1, std::span<float> values) {
-    OIIO::ImageInput& input = *decoder_->input;
-    const OIIO::ImageSpec& spec = input.spec();
     const auto row = static_cast<std::size_t>(header_.width) * static_cast<std::size_t>(header_.channels);
     TP_REQUIRE(y0 >= 0 && y0 < y1 && y1 <= header_.height, "rows lie in the picture");
     TP_REQUIRE(values.size() >= row * static_cast<std::size_t>(y1 - y0), "the buffer holds the rows");
+    if (header_.is_raw) return read_raw_rows(y0, y1, values);
+    OIIO::ImageInput& input = *decoder_->input;
+    const OIIO::ImageSpec& spec = input.spec();
     bool read = false;
     if (spec.tile_width == 0) {
         read = input.read_scanlines(0, 0, spec.y + y0, spec.y + y1, 0, 0, header_.channels,

@@ -4,12 +4,15 @@
 #include <cmath>
 #include <glm/mat3x3.hpp>
 #include <glm/matrix.hpp>
+#include <limits>
 #include <map>
 #include <numbers>
 #include <sstream>
 
+#include "capture/brackets.h"
 #include "capture/capture_file.h"
 #include "capture/lights_file.h"
+#include "capture/raw_file.h"
 #include "surface/error.h"
 #include "surface/parallel.h"
 #include "surface/picture_file.h"
@@ -75,15 +78,70 @@ std::optional<fs::path> match(const std::string& name, const fs::path& folder,
         if (lower(photo.stem().string()) == lower(listed.stem().string())) same_stem.push_back(photo);
     }
     if (same_stem.size() == 1) return same_stem.front();
+    // Cameras store a JPEG beside each raw, of the same name.
+    if (std::count_if(same_stem.begin(), same_stem.end(), is_raw_name) == 1)
+        return *std::find_if(same_stem.begin(), same_stem.end(), is_raw_name);
     return std::nullopt;
+}
+
+Brackets brackets_of(const std::optional<std::string>& asked, const fs::path& folder,
+                     const std::vector<fs::path>& photos, const std::vector<Light>& lights) {
+    if (!asked) return {};
+    std::vector<std::string> names;
+    for (const Light& light : lights) names.push_back(light.name);
+    if (*asked == "auto") {
+        Brackets found = find_brackets(photos, names);
+        if (found.empty())
+            fail(
+                "{}: no light has several photographs NAME_1, NAME_2 …; name them so, or list them in a file "
+                "with "
+                "--brackets FILE",
+                folder.string());
+        return found;
+    }
+    Brackets listed = read_brackets(*asked, folder);
+    for (const auto& [name, files] : listed)
+        if (std::find(names.begin(), names.end(), name) == names.end())
+            fail("{}: '{}' is no light of the lights file", *asked, name);
+    return listed;
+}
+
+// Exposures in units of one that is the same for all lights: the median. A bracket's `path` is the photograph
+// nearest to it.
+void relate_to_reference(std::vector<StackPhoto>& photos) {
+    std::vector<double> all;
+    for (const StackPhoto& photo : photos)
+        for (const Exposure& exposure : photo.exposures) all.push_back(exposure.relative);
+    if (all.empty()) return;
+    std::sort(all.begin(), all.end());
+    const double reference = all[(all.size() - 1) / 2];
+    for (StackPhoto& photo : photos) {
+        double nearest = std::numeric_limits<double>::infinity();
+        for (Exposure& exposure : photo.exposures) {
+            exposure.relative /= reference;
+            if (const double off = std::abs(std::log(exposure.relative)); off < nearest) {
+                nearest = off;
+                photo.path = exposure.path;
+            }
+        }
+    }
 }
 
 void match_photos(Stack& stack, const std::vector<Light>& lights, const fs::path& lights_path) {
     const std::vector<fs::path> photos = photos_in(stack.folder);
+    const Brackets brackets = brackets_of(stack.develop.brackets, stack.folder, photos, lights);
     std::vector<std::string> missing;
     std::map<fs::path, std::string> used;
     for (int number = 0; number < static_cast<int>(lights.size()); ++number) {
         const Light& light = lights[static_cast<std::size_t>(number)];
+        const auto bracket = brackets.find(light.name);
+        if (bracket != brackets.end()) {
+            for (const BracketFile& file : bracket->second)
+                used.emplace(file.path.lexically_normal(), light.name);
+            const std::vector<Exposure> exposures = exposures_of(light.name, bracket->second);
+            stack.photos.push_back({exposures.front().path, light, number, {}, exposures});
+            continue;
+        }
         const auto photo = match(light.name, stack.folder, photos);
         if (!photo) {
             missing.push_back(light.name);
@@ -94,11 +152,11 @@ void match_photos(Stack& stack, const std::vector<Light>& lights, const fs::path
         if (!is_new)
             fail("{}: '{}' and '{}' both mean the photograph {}", lights_path.string(), earlier->second,
                  light.name, earlier->first.string());
-        stack.photos.push_back({*photo, light, number, {}});
+        stack.photos.push_back({*photo, light, number, {}, {}});
     }
     if (stack.photos.empty() && photos.size() == lights.size() && !photos.empty()) {
         for (std::size_t i = 0; i < photos.size(); ++i)
-            stack.photos.push_back({photos[i], lights[i], static_cast<int>(i), {}});
+            stack.photos.push_back({photos[i], lights[i], static_cast<int>(i), {}, {}});
         stack.warnings.push_back(fmt::format(
             "{}: none of its names ('{}', …) is a photograph in {}; lights are taken in the order of the "
             "file names",
@@ -108,6 +166,7 @@ void match_photos(Stack& stack, const std::vector<Light>& lights, const fs::path
     if (!missing.empty())
         fail("{}: {} of {} listed photographs are not in {}: {}. Put them there, or remove their lines",
              lights_path.string(), missing.size(), lights.size(), stack.folder.string(), joined(missing));
+    relate_to_reference(stack.photos);
     std::vector<std::string> unlisted;
     for (const fs::path& photo : photos)
         if (!used.contains(photo.lexically_normal())) unlisted.push_back(photo.filename().string());
@@ -143,28 +202,38 @@ std::string described(const PhotoHeader& header) {
     return fmt::format("{} x {}, {}", header.width, header.height, header.channels == 1 ? "grey" : "colour");
 }
 
+std::vector<fs::path> files_of(const std::vector<StackPhoto>& photos) {
+    std::vector<fs::path> files;
+    for (const StackPhoto& photo : photos) {
+        if (photo.exposures.empty()) files.push_back(photo.path);
+        for (const Exposure& exposure : photo.exposures) files.push_back(exposure.path);
+    }
+    return files;
+}
+
 // Opens every photograph once, so that the first bad one is named before any work is done.
 void check_headers(Stack& stack) {
     std::optional<PhotoHeader> first;
-    for (const StackPhoto& photo : stack.photos) {
-        const PhotoHeader header = PhotoFile(photo.path).header();
+    const std::vector<fs::path> files = files_of(stack.photos);
+    for (const fs::path& path : files) {
+        const PhotoHeader header = PhotoFile(path).header();
         if (!first) first = header;
         if (header.width != first->width || header.height != first->height)
-            fail("{}: is {}, but {} is {}; all photographs of a stack must have the same size",
-                 photo.path.string(), described(header), stack.photos.front().path.filename().string(),
-                 described(*first));
+            fail("{}: is {}, but {} is {}; all photographs of a stack must have the same size", path.string(),
+                 described(header), files.front().filename().string(), described(*first));
         if (header.channels != first->channels)
-            fail("{}: is {}, but {} is {}; convert it, or remove it from the lights file",
-                 photo.path.string(), described(header), stack.photos.front().path.filename().string(),
-                 described(*first));
-        if (header.bits != first->bits || header.is_float != first->is_float)
-            fail("{}: has {} bits a sample, but {} has {}; all photographs of a stack must be stored alike",
-                 photo.path.string(), header.bits, stack.photos.front().path.filename().string(),
-                 first->bits);
+            fail("{}: is {}, but {} is {}; convert it, or remove it from the lights file", path.string(),
+                 described(header), files.front().filename().string(), described(*first));
+        if (header.bits != first->bits || header.is_float != first->is_float ||
+            header.is_raw != first->is_raw)
+            fail(
+                "{}: has {} bits a sample{}, but {} has {}{}; all photographs of a stack must be stored "
+                "alike",
+                path.string(), header.bits, header.is_raw ? " (raw)" : "", files.front().filename().string(),
+                first->bits, first->is_raw ? " (raw)" : "");
         if (header.orientation != first->orientation)
             fail("{}: its EXIF orientation is {}, that of {} is {}; turn the photographs alike first",
-                 photo.path.string(), header.orientation, stack.photos.front().path.filename().string(),
-                 first->orientation);
+                 path.string(), header.orientation, files.front().filename().string(), first->orientation);
     }
     if (first->orientation != 1)
         stack.warnings.push_back(
@@ -173,6 +242,7 @@ void check_headers(Stack& stack) {
                         stack.folder.string(), first->orientation));
     stack.channels = first->channels;
     stack.bits = first->bits;
+    stack.is_raw = first->is_raw;
     stack.crop = {0, 0, first->width, first->height};
 }
 
@@ -302,6 +372,7 @@ Stack open_stack(const fs::path& folder, const StackOptions& options) {
         fail("{}: is not a folder; give the folder that holds the photographs", folder.string());
     Stack stack;
     stack.folder = folder;
+    stack.develop = options.develop;
     const fs::path lights_path = options.lights_file ? *options.lights_file : find_lights_file(folder);
     std::optional<CaptureFile> capture;
     if (lower_extension(lights_path) == ".json") {

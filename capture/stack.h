@@ -2,10 +2,12 @@
 #pragma once
 
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "capture/development.h"
 #include "capture/photo_file.h"
 #include "surface/colour.h"
 #include "surface/homography.h"
@@ -21,6 +23,7 @@ struct StackOptions {
     std::optional<Region> crop{};                        // [pixels of the photographs] the part to read
     std::optional<std::filesystem::path> mask_file{};    // a picture; what is black in it is not fitted
     std::optional<Transfer> transfer{};                  // estimated from the photographs where empty
+    DevelopOptions develop{};                            // frames and brackets (development.h)
 };
 
 // One photograph of a stack and its light.
@@ -30,22 +33,29 @@ struct StackPhoto {
     int number = 0;  // position in the lights file, from 0
     // Pixel of the stack's reference frame -> pixel of this photograph, both whole; the same where empty.
     std::optional<Homography> homography{};
+    // More than one where the photograph is a bracket; `path` is then the one nearest to the reference
+    // exposure.
+    std::vector<Exposure> exposures{};
 };
 
-// Photographs of one size on disk, and all that is known of them. Pixels are read by StackReader.
+// Photographs of one size on disk, and all that is known of them. Pixels are read by StackReader. A stack of
+// camera raws, or for which `develop` asks something, is to be developed before it is read (develop_stack).
 struct Stack {
     std::filesystem::path folder;
     std::vector<StackPhoto> photos;      // to fit
     std::vector<StackPhoto> held_out;    // kept from the fit, to compare with (hold_out)
     Region crop;                         // in the photographs; (0, 0) of the stack is its corner
     int channels = 3;                    // 1 or 3, the same in all photographs
-    int bits = 8;                        // as PhotoHeader::bits
+    int bits = 8;                        // as PhotoHeader::bits; 32 once developed: linear light
+    bool is_raw = false;                 // camera raw
     std::optional<Transfer> transfer{};  // empty until known (estimate_transfer)
     // From a capture.json, in the frame of the crop; the lights have positions and gains then.
     std::optional<double> mm_per_pixel{};
     std::optional<Vec3> camera_mm{};
-    Image<unsigned char> mask;          // size of the crop, 0 = leave out; empty = everything
-    std::vector<std::string> warnings;  // for the user, each naming the file it is about
+    Image<unsigned char> mask;           // size of the crop, 0 = leave out; empty = everything
+    std::vector<std::string> warnings;   // for the user, each naming the file it is about
+    DevelopOptions develop{};            // what was asked for
+    std::shared_ptr<const Development> development{};  // how photographs are read; empty: as stored
 
     int width() const { return crop.width(); }
     int height() const { return crop.height(); }
@@ -92,15 +102,21 @@ private:
     std::vector<float> values_;
 };
 
+class PhotoSource;
+
 // Reads bands of a stack, all photographs side by side. Each photograph is decoded once as long as bands
 // ascend.
 class StackReader {
 public:
     explicit StackReader(const Stack& stack);  // keeps a reference
+    ~StackReader();
+    StackReader(const StackReader&) = delete;
+    StackReader& operator=(const StackReader&) = delete;
 
     // Linearised by `transfer`; Transfer{} (linear) gives the values as stored. Uses all threads. Photographs
     // with a homography are resampled (Lanczos 3) in what `transfer` gives: NaN where a pixel lies outside,
-    // and the highest value it is made of where one of its nearest four is clipped.
+    // and the highest value it is made of where one of its nearest four is clipped. Of a developed stack,
+    // clipped values are Development::clipped; else those from kClipped on are.
     Band read(int y0, int y1, const Transfer& transfer);
 
     // Rows a band may have for it to take about `bytes` of memory; at least 1.
@@ -117,7 +133,7 @@ private:
     void resample(std::size_t photo, const Decode& decode, Band& band);
 
     const Stack& stack_;
-    std::vector<PhotoFile> files_;
+    std::vector<PhotoSource> files_;
     std::vector<Rows> rows_;                  // of photographs with a homography
     std::vector<float> table_;                // linear light of each stored code
     std::optional<Transfer> table_transfer_;  // the curve that table_ was made for

@@ -5,6 +5,7 @@
 #include <limits>
 #include <numbers>
 
+#include "capture/photo_source.h"
 #include "capture/stack.h"
 #include "capture/survey.h"
 #include "surface/error.h"
@@ -59,8 +60,10 @@ Band::Band(int photos, int channels, int width, int y0, int y1)
 
 StackReader::StackReader(const Stack& stack) : stack_(stack), rows_(stack.photos.size()) {
     files_.reserve(stack.photos.size());
-    for (const StackPhoto& photo : stack.photos) files_.emplace_back(photo.path);
+    for (const StackPhoto& photo : stack.photos) files_.emplace_back(stack, photo);
 }
+
+StackReader::~StackReader() = default;
 
 int StackReader::rows_for(std::size_t bytes) const {
     const std::size_t row = sizeof(float) * files_.size() * static_cast<std::size_t>(stack_.channels) *
@@ -71,7 +74,7 @@ int StackReader::rows_for(std::size_t bytes) const {
 
 // Rows y0 <= y < y1 of the whole photograph. Those that the band before had are not decoded again.
 const float* StackReader::rows_of(std::size_t photo, int y0, int y1) {
-    PhotoFile& file = files_[photo];
+    PhotoSource& file = files_[photo];
     Rows& rows = rows_[photo];
     const auto row =
         static_cast<std::size_t>(file.header().width) * static_cast<std::size_t>(stack_.channels);
@@ -108,7 +111,9 @@ void StackReader::resample(std::size_t photo, const Decode& decode, Band& band) 
     const std::size_t stride = static_cast<std::size_t>(width) * static_cast<std::size_t>(channels);
     std::vector<float> linear(stride * static_cast<std::size_t>(last - first));
     for (std::size_t i = 0; i < linear.size(); ++i) linear[i] = decode(stored[i]);
-    const float clipped = stack_.bits == 32 ? std::numeric_limits<float>::infinity() : decode(kClipped);
+    const float clipped = stack_.development  ? stack_.development->clipped
+                          : stack_.bits == 32 ? std::numeric_limits<float>::infinity()
+                                              : decode(kClipped);
     const auto at = [&](int x, int y, int c) {
         const int row = std::clamp(y, first, last - 1) - first;
         return linear[static_cast<std::size_t>(row) * stride +
@@ -157,7 +162,10 @@ Band StackReader::read(int y0, int y1, const Transfer& transfer) {
         table_transfer_ = transfer;
     }
     const float scale = static_cast<float>(codes - 1);
+    const bool developed = stack_.development != nullptr;
+    TP_REQUIRE(!developed || transfer == Transfer{}, "developed values are linear already");
     const auto decode = [&](float stored) {
+        if (developed) return stored;  // NaN stays
         return codes == 0 ? transfer.decode(stored) : table_[static_cast<std::size_t>(stored * scale + 0.5f)];
     };
     Band band(photos, channels, stack_.width(), y0, y1);
@@ -168,7 +176,7 @@ Band StackReader::read(int y0, int y1, const Transfer& transfer) {
                 resample(static_cast<std::size_t>(i), decode, band);
                 continue;
             }
-            PhotoFile& file = files_[static_cast<std::size_t>(i)];
+            PhotoSource& file = files_[static_cast<std::size_t>(i)];
             const auto row =
                 static_cast<std::size_t>(file.header().width) * static_cast<std::size_t>(channels);
             stored.resize(row * static_cast<std::size_t>(y1 - y0));

@@ -40,6 +40,7 @@ Survey survey(const Stack& stack, const SurveyOptions& options, const Progress& 
     result.positions = sample_positions(stack, options.samples);
     result.values.resize(result.positions.size() * static_cast<std::size_t>(photos * channels));
 
+    const float clipped = stack.development ? stack.development->clipped : kClipped;
     StackReader reader(stack);
     const int rows = reader.rows_for(kBandBytes);
     std::vector<long> missing(static_cast<std::size_t>(photos));
@@ -62,7 +63,7 @@ Survey survey(const Stack& stack, const SurveyOptions& options, const Progress& 
                             }
                             photo.mean += row[x];
                             photo.maximum = std::max<double>(photo.maximum, row[x]);
-                            photo.clipped += row[x] >= kClipped;
+                            photo.clipped += row[x] >= clipped;
                         }
                     }
             }

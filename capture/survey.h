@@ -17,7 +17,7 @@ struct Survey {
     struct Photo {
         double mean = 0;     // [1] of all channels, encoded
         double maximum = 0;  // [1]
-        double clipped = 0;  // [1] part of the values at or above kClipped
+        double clipped = 0;  // [1] part of the values that are clipped
     };
     std::vector<Photo> photos;
     int channels = 3;

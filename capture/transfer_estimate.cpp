@@ -164,6 +164,7 @@ TransferEstimate::Candidate best_gamma(const Stack& stack, const Survey& survey)
 }  // namespace
 
 TransferEstimate estimate_transfer(const Stack& stack, const Survey& survey) {
+    if (stack.development) return {Transfer{}, "developed, " + stack.development->encoding_source, {}, {}};
     if (stack.transfer) return {*stack.transfer, "given", {}, {}};
     if (stack.bits == 32) return {Transfer{}, "float file", {}, {}};
     TransferEstimate result{Transfer{}, "estimated", {}, {}};

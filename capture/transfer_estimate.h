@@ -11,7 +11,8 @@ namespace tangi {
 
 struct TransferEstimate {
     Transfer transfer;
-    std::string source;  // "given", "float file", "estimated"
+    std::string
+        source;  // "given", "float file", "estimated"; "developed, …": made linear before (develop_stack)
     // Robust residual of matt reflection for each curve tried, in the stored encoding [1]; empty unless
     // estimated.
     struct Candidate {

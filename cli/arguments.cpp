@@ -10,6 +10,7 @@
 #include <glm/geometric.hpp>
 #include <sstream>
 
+#include "capture/raw_file.h"
 #include "cli/command.h"
 #include "surface/error.h"
 
@@ -55,6 +56,27 @@ void PhotosArguments::add_to(Flags& flags, bool for_fit) {
         .show_default();
     flags.option("--crop", crop, "only a part of the photographs: X,Y,WIDTH,HEIGHT in pixels");
     flags.option("--mask", mask, "picture of the same size; what is black in it is left out");
+    flags.option("--dark", dark,
+                 "dark frame to subtract: a picture taken with the lens covered, or a folder of such");
+    flags.option("--flat", flat,
+                 "flat field to divide by: a picture of an even white surface, or a folder of such");
+    flags.option("--ambient", ambient,
+                 "light of the room to subtract: a picture taken with the lamp off, or a folder of such");
+    flags.option(
+        "--brackets", brackets,
+        "merge exposures of the same light: auto, for photographs NAME_1, NAME_2 … of the light NAME, or a "
+        "JSON file {\"NAME\": [\"FILE\", …], …}");
+    flags
+        .option("--raw-demosaic", demosaic,
+                "camera raw: how the colours that a pixel did not measure are filled in")
+        .check(one_of(demosaic_methods()))
+        .show_default();
+    flags
+        .option(
+            "--raw-colour", raw_colour,
+            "camera raw: rec709, by the camera's white balance and matrix; camera, as the sensor sees them")
+        .check(one_of({"rec709", "camera"}))
+        .show_default();
     if (!for_fit) return;
     flags
         .option("--register", registration,
@@ -86,6 +108,12 @@ Stack PhotosArguments::open() const {
             throw UsageError(
                 fmt::format("--transfer {}: is not auto, linear, srgb, or a gamma in [0.2, 5]", transfer));
     }
+    if (!dark.empty()) options.develop.dark = dark;
+    if (!flat.empty()) options.develop.flat = flat;
+    if (!ambient.empty()) options.develop.ambient = ambient;
+    if (!brackets.empty()) options.develop.brackets = brackets;
+    options.develop.demosaic = demosaic;
+    options.develop.raw_colour = raw_colour == "camera" ? RawColour::camera : RawColour::rec709;
     Stack stack = open_stack(folder, options);
     if (!hold_out.empty()) tangi::hold_out(stack, hold_out);
     return stack;
@@ -93,11 +121,38 @@ Stack PhotosArguments::open() const {
 
 std::vector<std::filesystem::path> PhotosArguments::inputs(const Stack& stack) const {
     std::vector<std::filesystem::path> files;
-    for (const StackPhoto& photo : stack.photos) files.push_back(photo.path);
-    for (const StackPhoto& photo : stack.held_out) files.push_back(photo.path);
+    for (const auto* photos : {&stack.photos, &stack.held_out})
+        for (const StackPhoto& photo : *photos) {
+            if (photo.exposures.empty()) files.push_back(photo.path);
+            for (const Exposure& exposure : photo.exposures) files.push_back(exposure.path);
+        }
     if (!lights.empty()) files.push_back(lights);
     if (!mask.empty()) files.push_back(mask);
+    if (!brackets.empty() && brackets != "auto") files.push_back(brackets);
+    for (const std::string& frame : {dark, flat, ambient}) {
+        if (frame.empty()) continue;
+        if (!std::filesystem::is_directory(frame))
+            files.push_back(frame);
+        else
+            for (const auto& entry : std::filesystem::directory_iterator(frame))
+                files.push_back(entry.path());
+    }
     return files;
+}
+
+nlohmann::json PhotosArguments::as_json() const {
+    return {{"lights", lights},
+            {"transfer", transfer},
+            {"crop", crop},
+            {"mask", mask},
+            {"hold_out", hold_out},
+            {"register", registration},
+            {"dark", dark},
+            {"flat", flat},
+            {"ambient", ambient},
+            {"brackets", brackets},
+            {"raw_demosaic", demosaic},
+            {"raw_colour", raw_colour}};
 }
 
 void refuse_to_overwrite(const std::filesystem::path& output,

@@ -14,12 +14,15 @@ namespace tangi {
 // Where photographs are and how to read them.
 struct PhotosArguments {
     std::string folder, lights, transfer = "auto", crop, mask, hold_out, registration = "off";
+    std::string dark, flat, ambient, brackets, demosaic = "AHD", raw_colour = "rec709";
 
     void add_to(Flags& flags, bool for_fit);
     // Throws Error for what is wrong with the folder, UsageError for what is wrong with the flags.
     Stack open() const;
-    // The files that a command with these flags reads: photographs, lights, mask.
+    // The files that a command with these flags reads: photographs, lights, mask, frames, brackets.
     std::vector<std::filesystem::path> inputs(const Stack& stack) const;
+    // As they were given, for provenance.
+    nlohmann::json as_json() const;
 };
 
 // Throws Error, naming the flag --out, where writing `output` would replace one of `inputs`: photographs

@@ -1,4 +1,5 @@
 // fit_command.cpp: tangipaint fit PHOTOS --out PAINTING.exr
+#include "capture/develop_stack.h"
 #include "cli/arguments.h"
 #include "cli/command_list.h"
 #include "fit/fit_painting.h"
@@ -16,20 +17,26 @@ struct FitArguments {
     FitOptions options;
 };
 
-nlohmann::json provenance_of(const FitArguments& arguments, const Stack& stack) {
+nlohmann::json provenance_of(const FitArguments& arguments, const Stack& stack,
+                             const DevelopReport& development) {
     nlohmann::json inputs = nlohmann::json::array();
-    for (const StackPhoto& photo : stack.photos)
-        inputs.push_back(
-            {{"file", photo.path.filename().string()}, {"bytes", std::filesystem::file_size(photo.path)}});
+    const auto add = [&](const std::filesystem::path& path) {
+        inputs.push_back({{"file", path.filename().string()}, {"bytes", std::filesystem::file_size(path)}});
+    };
+    for (const StackPhoto& photo : stack.photos) {
+        if (photo.exposures.empty()) add(photo.path);
+        for (const Exposure& exposure : photo.exposures) add(exposure.path);
+    }
     nlohmann::json options = to_json(arguments.options);
     options["light_calibration"] = to_json(arguments.options.calibration);
     options["ward"] = to_json(arguments.options.ward);
     options["height"] = to_json(arguments.options.height);
-    const PhotosArguments& p = arguments.photos;
-    options["photos"] = {{"lights", p.lights}, {"transfer", p.transfer}, {"crop", p.crop},
-                         {"mask", p.mask},     {"hold_out", p.hold_out}, {"register", p.registration}};
-    return {
-        {"program", "tangipaint " TP_VERSION}, {"command", "fit"}, {"options", options}, {"inputs", inputs}};
+    options["photos"] = arguments.photos.as_json();
+    return {{"program", "tangipaint " TP_VERSION},
+            {"command", "fit"},
+            {"options", options},
+            {"development", to_json(development)},
+            {"inputs", inputs}};
 }
 
 // What makes the result doubtful as a whole; empty where nothing does.
@@ -92,7 +99,8 @@ nlohmann::json run_fit(const FitArguments& arguments) {
     AtomicFile file(arguments.out);  // before the work: an output that can't be written is known now
     Stack stack = arguments.photos.open();
     refuse_to_overwrite_photographs(arguments, stack);
-    const nlohmann::json provenance = provenance_of(arguments, stack);
+    const DevelopReport development = develop_stack(stack, {}, progress);
+    const nlohmann::json provenance = provenance_of(arguments, stack, development);
     FitOptions fit_options = arguments.options;
     fit_options.register_photos = arguments.photos.registration != "off";
     FitResult fit = fit_painting(std::move(stack), fit_options, progress);
@@ -107,6 +115,7 @@ nlohmann::json run_fit(const FitArguments& arguments) {
                         fit.report.support_tilt_deg));
     write_painting(file, fit.surface, progress);
     nlohmann::json result = result_of(fit, arguments.out);
+    result["development"] = to_json(development);
     result["warnings"] = told(warnings);
     result["poor"] = poor_reasons(fit.report);
     return result;

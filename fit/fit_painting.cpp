@@ -8,6 +8,7 @@
 #include <mutex>
 
 #include "capture/survey.h"
+#include "capture/transfer_metadata.h"
 #include "surface/error.h"
 #include "surface/median.h"
 #include "surface/parallel.h"
@@ -76,6 +77,9 @@ void fit_band(const Stack& stack, const Band& band, const Lighting& lighting, co
 
 // Files of floats have no full scale: their noise is relative to the white level.
 NoiseModel noise_model(const Stack& stack, const Transfer& transfer, const FitOptions& options) {
+    if (const Development* d = stack.development.get(); d && d->bits != 32)
+        return NoiseModel(d->encoding, options.noise.value_or(d->bits == 8 ? 0.012 : 0.006), true,
+                          d->clipped);
     if (stack.bits == 32)
         return NoiseModel(transfer, options.noise.value_or(0.006 * std::min(options.white_level, 1.0)),
                           false);
@@ -125,7 +129,7 @@ Survey look_over(Stack& stack, bool register_photos, FitReport& report, const Pr
     if (!register_photos) {
         Survey surveyed = survey(stack, {}, progress);
         leave_out_black_photos(stack, surveyed);
-        report.transfer = estimate_transfer(stack, surveyed);
+        report.transfer = decide_transfer(stack, surveyed);
         return surveyed;
     }
     const std::vector<StackPhoto> all = stack.photos;
@@ -137,7 +141,7 @@ Survey look_over(Stack& stack, bool register_photos, FitReport& report, const Pr
         kept.push_back(std::any_of(stack.photos.begin(), stack.photos.end(),
                                    [&](const StackPhoto& k) { return k.path == photo.path; }));
     collected.keep(kept);
-    report.transfer = estimate_transfer(stack, surveyed);
+    report.transfer = decide_transfer(stack, surveyed);
     const std::size_t before = stack.photos.size();
     report.registration = register_stack(stack, collected, report.transfer.transfer, progress);
     if (!report.registration.moved && stack.photos.size() == before) return surveyed;
@@ -145,7 +149,7 @@ Survey look_over(Stack& stack, bool register_photos, FitReport& report, const Pr
     surveyed = survey(stack, {}, Progress([&](std::string_view, double done) {
                           return !progress || progress("survey as registered", done);
                       }));
-    report.transfer = estimate_transfer(stack, surveyed);
+    report.transfer = decide_transfer(stack, surveyed);
     return surveyed;
 }
 

@@ -19,14 +19,14 @@ void illuminate(const Lighting& lighting, const Vec3& point_mm, int channels, Pi
     }
 }
 
-NoiseModel::NoiseModel(const Transfer& transfer, double noise, bool clips) {
+NoiseModel::NoiseModel(const Transfer& transfer, double noise, bool clips, std::optional<float> clipped) {
     const float step = static_cast<float>(noise);
     for (int i = 0; i < kEntries; ++i) {
         const float encoded = transfer.encode(static_cast<float>(i) / (kEntries - 1));
         sigma_[static_cast<std::size_t>(i)] =
             (transfer.decode(encoded + step) - transfer.decode(std::max(encoded - step, 0.0f))) / 2;
     }
-    if (clips) clipped_ = transfer.decode(kClipped);
+    if (clips) clipped_ = clipped.value_or(transfer.decode(kClipped));
 }
 
 double NoiseModel::sigma(float linear) const {

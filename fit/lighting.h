@@ -4,6 +4,7 @@
 
 #include <array>
 #include <limits>
+#include <optional>
 #include <vector>
 
 #include "capture/pixel_samples.h"
@@ -26,8 +27,11 @@ void illuminate(const Lighting& lighting, const Vec3& point_mm, int channels, Pi
 class NoiseModel {
 public:
     // `noise` [1]: standard deviation of a stored value, full scale = 1. Files of floats do not clip: light
-    // beyond 1 is light like any other.
-    NoiseModel(const Transfer& transfer, double noise, bool clips);
+    // beyond 1 is light like any other. `clipped`: linear value from which on a sample is clipped, where that
+    // is not the transfer curve's kClipped: of stacks that were developed, whose `transfer` is that of the
+    // files. What a flat field multiplies values by, it multiplies their noise by too: this is left out, as
+    // it is the same for all photographs of a pixel and so changes no weight between them.
+    NoiseModel(const Transfer& transfer, double noise, bool clips, std::optional<float> clipped = {});
 
     // 0 where the sample is clipped (it only says "at least this") or not a number.
     double sigma(float linear) const;

@@ -1,0 +1,99 @@
+#include "capture/brackets.h"
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "capture/photo_metadata.h"
+#include "surface/atomic_file.h"
+#include "surface/error.h"
+
+namespace tangi {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+using nlohmann::json;
+
+std::string lower(std::string text) {
+    for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    return text;
+}
+
+BracketFile entry_of(const json& entry, const fs::path& folder, const std::string& where) {
+    BracketFile file;
+    if (entry.is_string()) {
+        file.path = folder / entry.get<std::string>();
+    } else if (entry.is_object() && entry.contains("file") && entry["file"].is_string()) {
+        file.path = folder / entry["file"].get<std::string>();
+        if (entry.contains("exposure")) {
+            const double exposure = entry["exposure"].is_number() ? entry["exposure"].get<double>() : 0;
+            if (!(exposure > 0 && std::isfinite(exposure)))
+                fail("{}: the exposure of {} is not a positive number", where, file.path.filename().string());
+            file.exposure = exposure;
+        }
+    } else {
+        fail("{}: '{}' is neither a file name nor {{\"file\": …, \"exposure\": …}}", where, entry.dump());
+    }
+    if (!fs::is_regular_file(file.path)) fail("{}: there is no photograph {}", where, file.path.string());
+    return file;
+}
+
+}  // namespace
+
+Brackets read_brackets(const fs::path& file, const fs::path& folder) {
+    if (!fs::is_regular_file(file)) fail("{}: no such file of brackets", file.string());
+    const json parsed = json::parse(read_text_file(file), nullptr, false);
+    if (!parsed.is_object()) fail("{}: is not a JSON object {{\"LIGHT\": [\"FILE\", …], …}}", file.string());
+    Brackets brackets;
+    for (const auto& [light, list] : parsed.items()) {
+        const std::string where = fmt::format("{}: '{}'", file.string(), light);
+        if (!list.is_array() || list.empty()) fail("{}: is not a list of photographs", where);
+        for (const json& entry : list) brackets[light].push_back(entry_of(entry, folder, where));
+    }
+    return brackets;
+}
+
+Brackets find_brackets(const std::vector<fs::path>& photos, const std::vector<std::string>& lights) {
+    Brackets brackets;
+    std::map<std::string, std::vector<fs::path>> by_stem;
+    for (const fs::path& photo : photos) {
+        const std::string stem = lower(photo.stem().string());
+        const std::size_t digits = stem.find_last_not_of("0123456789");
+        if (digits == std::string::npos || digits + 1 == stem.size() || digits == 0) continue;
+        if (stem[digits] == '_' || stem[digits] == '-') by_stem[stem.substr(0, digits)].push_back(photo);
+    }
+    for (const std::string& light : lights) {
+        const auto found = by_stem.find(lower(fs::path(light).stem().string()));
+        if (found == by_stem.end() || found->second.size() < 2) continue;
+        for (const fs::path& photo : found->second) brackets[light].push_back({photo, {}});
+    }
+    return brackets;
+}
+
+std::vector<Exposure> exposures_of(const std::string& light, const std::vector<BracketFile>& files) {
+    std::vector<Exposure> exposures;
+    const bool given =
+        std::any_of(files.begin(), files.end(), [](const auto& f) { return f.exposure.has_value(); });
+    for (const BracketFile& file : files) {
+        const auto exposure = given ? file.exposure : exposure_of(read_photo_metadata(file.path));
+        if (!exposure)
+            fail(
+                "{}: its exposure is not known{}, but '{}' has {} photographs; give it in a file of brackets "
+                "as "
+                "{{\"file\": \"{}\", \"exposure\": SECONDS}}",
+                file.path.string(), given ? "" : " (EXIF has none)", light, files.size(),
+                file.path.filename().string());
+        exposures.push_back({file.path, *exposure});
+    }
+    std::sort(exposures.begin(), exposures.end(),
+              [](const Exposure& a, const Exposure& b) { return a.relative < b.relative; });
+    for (std::size_t k = 1; k < exposures.size(); ++k)
+        if (exposures[k].relative < exposures[k - 1].relative * 1.01)
+            fail("{}: has the same exposure as {}; a bracket of '{}' needs different ones",
+                 exposures[k].path.string(), exposures[k - 1].path.filename().string(), light);
+    return exposures;
+}
+
+}  // namespace tangi

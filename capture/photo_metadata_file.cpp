@@ -1,0 +1,87 @@
+// photo_metadata_file.cpp: EXIF, ICC profiles and chunks of PNG files.
+#include <OpenImageIO/imageio.h>
+
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <fstream>
+#include <memory>
+
+#include "capture/photo_metadata.h"
+#include "capture/raw_file.h"
+#include "surface/error.h"
+#include "surface/picture_file.h"
+
+namespace tangi {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+std::uint32_t big_endian(const unsigned char* bytes) {
+    return std::uint32_t{bytes[0]} << 24 | std::uint32_t{bytes[1]} << 16 | std::uint32_t{bytes[2]} << 8 |
+           bytes[3];
+}
+
+// gAMA and sRGB, which OpenImageIO does not tell from its own guess (ISO/IEC 15948, 11.3.3). They precede the
+// pixels.
+void read_png_chunks(const fs::path& path, PhotoMetadata& metadata) {
+    std::ifstream stream(path, std::ios::binary);
+    std::array<unsigned char, 8> head{};
+    const auto read = [&](std::size_t count) {
+        return static_cast<bool>(
+            stream.read(reinterpret_cast<char*>(head.data()), static_cast<std::streamsize>(count)));
+    };
+    if (!read(8) || head[0] != 0x89 || head[1] != 'P') return;
+    while (read(8)) {
+        const std::uint32_t length = big_endian(head.data());
+        const std::string type(reinterpret_cast<const char*>(&head[4]), 4);
+        if (type == "IDAT" || type == "IEND") return;
+        std::streamoff rest = std::streamoff{length} + 4;  // and the checksum
+        if (type == "sRGB") metadata.png_srgb = true;
+        if (type == "gAMA" && length == 4 && read(4)) {
+            rest -= 4;
+            if (const std::uint32_t gamma = big_endian(head.data()); gamma > 0)
+                metadata.png_gamma = gamma / 1e5;
+        }
+        stream.seekg(rest, std::ios::cur);
+    }
+}
+
+std::optional<double> positive_number(const OIIO::ImageSpec& spec, const char* name) {
+    const OIIO::ParamValue* value = spec.find_attribute(name);
+    if (!value) return std::nullopt;
+    const double number = static_cast<double>(value->get_float());
+    return std::isfinite(number) && number > 0 ? std::optional(number) : std::nullopt;
+}
+
+}  // namespace
+
+PhotoMetadata read_photo_metadata(const fs::path& path) {
+    if (!fs::exists(path)) fail("{}: no such photograph", path.string());
+    OIIO::attribute("debug", 0);
+    const auto input = OIIO::ImageInput::create(is_raw_name(path) ? "raw" : reader_name(path));
+    OIIO::ImageSpec spec;
+    if (!input || !input->open(path.string(), spec))
+        fail("{}: is not a picture that can be read: {}", path.string(),
+             input ? input->geterror() : OIIO::geterror());
+    PhotoMetadata metadata;
+    metadata.exposure_s = positive_number(spec, "ExposureTime");
+    metadata.f_number = positive_number(spec, "FNumber");
+    for (const char* name : {"Exif:PhotographicSensitivity", "Exif:ISOSpeedRatings"})
+        if (!metadata.iso) metadata.iso = positive_number(spec, name);
+    if (const OIIO::ParamValue* icc = spec.find_attribute("ICCProfile"))
+        metadata.icc_profile.assign(static_cast<const char*>(icc->data()),
+                                    static_cast<std::size_t>(icc->datasize()));
+    if (const int colour = spec.get_int_attribute("Exif:ColorSpace", 0)) metadata.exif_colour = colour;
+    if (lower_extension(path) == ".png") read_png_chunks(path, metadata);
+    return metadata;
+}
+
+std::optional<double> exposure_of(const PhotoMetadata& m) {
+    if (!m.exposure_s) return std::nullopt;
+    const double f = m.f_number.value_or(1);
+    return *m.exposure_s * m.iso.value_or(100) / 100 / (f * f);
+}
+
+}  // namespace tangi

@@ -1,0 +1,35 @@
+// photo_source.h: one photograph of a stack, read a few rows at a time: as stored, or developed.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "capture/photo_file.h"
+#include "capture/stack.h"
+
+namespace tangi {
+
+class PhotoSource {
+public:
+    // Keeps a reference to the stack. Throws as PhotoFile.
+    PhotoSource(const Stack& stack, const StackPhoto& photo);
+
+    const PhotoHeader& header() const { return files_.front().header(); }
+
+    // As PhotoFile::read_rows(). Of a stack that is developed: linear light (development.h), not below 0;
+    // what is clipped has the value Development::clipped in all channels that it touches, everything else is
+    // less; NaN where the flat field tells nothing.
+    void read_rows(int y0, int y1, std::span<float> values);
+
+private:
+    void read_stored(std::size_t exposure, int y0, int y1, std::span<float> values);
+
+    const Stack& stack_;
+    std::vector<PhotoFile> files_;
+    std::vector<int> raws_;  // in the scratch file; -1 for what is read from its own file
+    std::vector<float> relative_;
+    std::vector<float> stored_, dark_, ambient_, gain_;  // rows
+    std::vector<std::uint16_t> codes_;
+};
+
+}  // namespace tangi
