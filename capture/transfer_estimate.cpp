@@ -33,14 +33,17 @@ PixelSamples linearised(const Stack& stack, const Survey& survey, int sample, co
         const auto at = static_cast<std::size_t>(i);
         double sum = 0;
         float highest = 0;
+        bool measured = true;  // where a registered photograph does not reach, there is no number
         for (int c = 0; c < survey.channels; ++c) {
-            sum += transfer.decode(value[i * survey.channels + c]);
-            highest = std::max(highest, value[i * survey.channels + c]);
+            const float stored = value[i * survey.channels + c];
+            sum += transfer.decode(stored);
+            highest = std::max(highest, stored);
+            measured = measured && !std::isnan(stored);
         }
         s.light[at] = stack.photos[at].light.direction;
         s.irradiance[at] = 1;
         s.value[at] = sum / survey.channels;
-        s.sigma[at] = highest < kClipped && !std::isnan(sum) ? 1 : 0;
+        s.sigma[at] = highest < kClipped && measured ? 1 : 0;
     }
     return s;
 }

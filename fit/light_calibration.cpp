@@ -52,7 +52,8 @@ public:
             for (int c = 0; c < survey_.channels; ++c, ++at) {
                 const float value = transfer_.decode(stored[c]);
                 s.value[at] = value;
-                s.sigma[at] = noise_.sigma(value);
+                // Outside a registered photograph there is nothing, which decodes as black.
+                s.sigma[at] = std::isnan(stored[c]) ? 0 : noise_.sigma(value);
             }
         }
     }
