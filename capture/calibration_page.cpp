@@ -5,6 +5,7 @@
 #include <glm/geometric.hpp>
 #include <numbers>
 
+#include "capture/html_text.h"
 #include "capture/lights_file.h"
 #include "surface/atomic_file.h"
 #include "surface/error.h"
@@ -25,31 +26,10 @@ background:var(--paper);color:var(--ink);font:15px/1.5 system-ui,"Segoe UI",Robo
 margin:0 auto;padding:28px}h1{font-size:26px;margin:0 0 4px}h2{font-size:18px;margin:32px 0 10px}.soft{color:var(--soft)}
 .row{display:flex;flex-wrap:wrap;gap:18px}.card{background:var(--card);border:1px solid var(--line);border-radius:10px;
 padding:16px}figure{margin:0}figcaption{font-size:13px;color:var(--soft);max-width:360px}.notes{border-left:3px solid
-var(--ring);padding:2px 0 2px 14px}.notes li{margin:2px 0}.wide{overflow-x:auto}table{border-collapse:collapse;
+var(--ring);padding:2px 0 2px 30px}.notes li{margin:2px 0}.wide{overflow-x:auto}table{border-collapse:collapse;
 font-variant-numeric:tabular-nums}th,td{text-align:right;padding:4px 12px;border-bottom:1px solid var(--line);white-space:nowrap}
 th:first-child,td:first-child{text-align:left}td.why{text-align:left;white-space:normal;color:var(--ring)}th{font-size:13px;
 color:var(--soft);font-weight:600}svg text{fill:var(--ink);font-size:11px})";
-
-std::string escaped(const std::string& text) {
-    std::string result;
-    for (const char c : text) switch (c) {
-            case '&':
-                result += "&amp;";
-                break;
-            case '<':
-                result += "&lt;";
-                break;
-            case '>':
-                result += "&gt;";
-                break;
-            case '"':
-                result += "&quot;";
-                break;
-            default:
-                result += c;
-        }
-    return result;
-}
 
 std::string base64(const std::string& bytes) {
     constexpr const char* digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";

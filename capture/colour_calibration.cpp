@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include "capture/html_text.h"
 #include "surface/error.h"
 #include "surface/picture_file.h"
 
@@ -145,21 +146,20 @@ std::string colour_section(const ColourCalibration& c) {
         "from the others</p><div class=\"row\"><figure class=\"card\"><svg width=\"372\" height=\"252\" "
         "role=\"img\" "
         "aria-label=\"patches: reference and corrected\">",
-        c.found_in, c.photos.size(), c.transfer.name(), correction.before.mean, correction.after.mean,
-        correction.after.maximum, correction.left_out.mean);
+        escaped(c.found_in), c.photos.size(), c.transfer.name(), correction.before.mean,
+        correction.after.mean, correction.after.maximum, correction.left_out.mean);
     for (int i = 0; i < kChartPatches; ++i) {
         const auto at = static_cast<std::size_t>(i);
         const int x = 6 + 60 * (i % kChartColumns), y = 6 + 60 * (i / kChartColumns);
         const Rgb found =
             static_cast<float>(correction.exposure) * correction.apply(Rgb(correction.lights.even[at]));
+        const double error = correction.after.patches[at];
         html += fmt::format(
-            "<rect x=\"{0}\" y=\"{1}\" width=\"54\" height=\"54\" fill=\"{2}\"/><rect x=\"{3}\" y=\"{4}\" "
-            "width=\"27\" "
-            "height=\"27\" fill=\"{5}\"/>",
-            x, y, css(c.reference.patches[at].linear), x + 14, y + 14, css(found));
-        if (correction.after.patches[at] >= 0)
-            html += fmt::format("<title>{}: {:.2f}</title>", c.reference.patches[at].name,
-                                correction.after.patches[at]);
+            "<g><title>{6}{7}</title><rect x=\"{0}\" y=\"{1}\" width=\"54\" height=\"54\" fill=\"{2}\"/>"
+            "<rect x=\"{3}\" y=\"{4}\" width=\"27\" height=\"27\" fill=\"{5}\"/></g>",
+            x, y, css(c.reference.patches[at].linear), x + 14, y + 14, css(found),
+            escaped(c.reference.patches[at].name),
+            error >= 0 ? fmt::format(": ΔE2000 {:.2f}", error) : ", left out");
     }
     html +=
         "</svg><figcaption>Each patch as it should be; inside, as photographed and "

@@ -52,9 +52,9 @@ struct Stack {
     // From a capture.json, in the frame of the crop; the lights have positions and gains then.
     std::optional<double> mm_per_pixel{};
     std::optional<Vec3> camera_mm{};
-    Image<unsigned char> mask;           // size of the crop, 0 = leave out; empty = everything
-    std::vector<std::string> warnings;   // for the user, each naming the file it is about
-    DevelopOptions develop{};            // what was asked for
+    Image<unsigned char> mask;                         // size of the crop, 0 = leave out; empty = everything
+    std::vector<std::string> warnings;                 // for the user, each naming the file it is about
+    DevelopOptions develop{};                          // what was asked for
     std::shared_ptr<const Development> development{};  // how photographs are read; empty: as stored
 
     int width() const { return crop.width(); }

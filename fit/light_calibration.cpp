@@ -74,6 +74,7 @@ public:
     // [dB] PSNR of one photograph, predicted under this light; a matt white that faces it is the peak.
     double psnr_db(const std::vector<WardEstimate>& estimates, int photo, const Lighting& lighting) const {
         const double white = transfer_.encode(static_cast<float>(lighting.white_level));
+        const float clipped = transfer_.encode(noise_.clipped());
         double squares = 0;
         long count = 0;
         PixelSamples s;
@@ -88,9 +89,8 @@ public:
             for (int c = 0; c < survey_.channels; ++c, ++count) {
                 const double linear = s.irradiance[static_cast<std::size_t>(c)] *
                                       (e.diffuse[c] * (t.n_l + s.ambient[0]) + e.specular * t.lobe);
-                const double encoded = transfer_.encode(static_cast<float>(linear));
-                const double shown = noise_.clips() ? std::min(encoded, 1.0) : encoded;
-                squares += std::pow((shown - stored[c]) / white, 2);
+                const float shown = transfer_.encode(std::min(static_cast<float>(linear), noise_.clipped()));
+                squares += std::pow((shown - std::min(stored[c], clipped)) / white, 2);
             }
         }
         if (count == 0 || squares <= 0) return kBestDb;

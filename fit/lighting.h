@@ -35,7 +35,7 @@ public:
 
     // 0 where the sample is clipped (it only says "at least this") or not a number.
     double sigma(float linear) const;
-    bool clips() const { return clipped_ < std::numeric_limits<float>::infinity(); }
+    float clipped() const { return clipped_; }  // linear value from which on a sample is clipped
 
 private:
     static constexpr int kEntries = 4096;

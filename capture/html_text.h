@@ -1,0 +1,29 @@
+// html_text.h: text that stays text on a page.
+#pragma once
+
+#include <string>
+
+namespace tangi {
+
+inline std::string escaped(const std::string& text) {
+    std::string result;
+    for (const char c : text) switch (c) {
+            case '&':
+                result += "&amp;";
+                break;
+            case '<':
+                result += "&lt;";
+                break;
+            case '>':
+                result += "&gt;";
+                break;
+            case '"':
+                result += "&quot;";
+                break;
+            default:
+                result += c;
+        }
+    return result;
+}
+
+}  // namespace tangi
