@@ -26,6 +26,14 @@ std::string_view trimmed(std::string_view text) {
 
 std::vector<double> numbers_of(const std::string& text, const std::string& flag, std::size_t count,
                                const std::string& form) {
+    std::vector<double> numbers = numbers_in(text, flag, form);
+    if (numbers.size() != count) throw UsageError(fmt::format("{} {}: expected {}", flag, text, form));
+    return numbers;
+}
+
+}  // namespace
+
+std::vector<double> numbers_in(const std::string& text, const std::string& flag, const std::string& form) {
     std::vector<double> numbers;
     std::istringstream stream(text);
     for (std::string part; std::getline(stream, part, ',');) {
@@ -39,11 +47,8 @@ std::vector<double> numbers_of(const std::string& text, const std::string& flag,
         if (std::isinf(value)) throw UsageError(fmt::format("{} {}: '{}' is out of range", flag, text, word));
         numbers.push_back(value);
     }
-    if (numbers.size() != count) throw UsageError(fmt::format("{} {}: expected {}", flag, text, form));
     return numbers;
 }
-
-}  // namespace
 
 void PhotosArguments::add_to(Flags& flags, bool for_fit) {
     flags.option("PHOTOS", folder, "folder of photographs, one for each light").required();

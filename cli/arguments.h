@@ -33,6 +33,10 @@ void refuse_to_overwrite(const std::filesystem::path& output,
 // Throws Error where a folder that is there, or the one that `folder` would be made in, cannot be written.
 void require_writable_folder(const std::filesystem::path& folder);
 
+// "1,2.5,3" as numbers. Throws UsageError naming the flag and what was expected, in the words of `form`: a
+// word that is no number, or one too large.
+std::vector<double> numbers_in(const std::string& text, const std::string& flag, const std::string& form);
+
 // "1,0,0.5" as a unit vector, whatever its length. Throws UsageError naming the flag: no three numbers, or
 // all zero.
 Vec3 parse_direction(const std::string& text, const std::string& flag);

@@ -24,24 +24,6 @@ struct CalibrateArguments {
     bool matt = false, fixed_camera = false;
 };
 
-std::vector<double> numbers_in(const std::string& text, const std::string& flag, const std::string& form) {
-    std::vector<double> numbers;
-    std::istringstream stream(text);
-    for (std::string word; std::getline(stream, word, ',');) {
-        std::size_t used = 0;
-        double value = 0;
-        try {
-            value = std::stod(word, &used);
-        } catch (const std::exception&) {
-            used = std::string::npos;
-        }
-        if (used != word.size() || !std::isfinite(value))
-            throw UsageError(fmt::format("{} {}: '{}' is not a number; expected {}", flag, text, word, form));
-        numbers.push_back(value);
-    }
-    return numbers;
-}
-
 GivenBall ball_of(const std::string& text) {
     const std::string form = "X,Y,R or a box X0,Y0,X1,Y1 in pixels";
     const std::vector<double> n = numbers_in(text, "--sphere", form);
