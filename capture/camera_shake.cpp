@@ -19,9 +19,10 @@ using glm::dvec3;
 namespace {
 
 constexpr double kMoved = 0.25;  // [pixels of the reduced photographs] rms from which on a camera moved
-constexpr std::size_t kMostPixels = 60000;
-constexpr float kClear = 0.02f;  // [1 per pixel] mean edge that is worth following
-constexpr int kTurns = 3;        // of the template
+constexpr std::size_t kMostPixels = 20000;  // for three unknowns
+constexpr float kClear = 0.02f;             // [1 per pixel] mean edge that is worth following
+constexpr int kTurns = 3;                   // of the template, at most
+constexpr double kSettled = 0.01;  // [pixels] change of every shift below which another turn is no use
 
 struct Directions {  // cosine and sine of twice the edge's direction, times its strength
     cv::Mat cosine, sine;
@@ -84,6 +85,25 @@ std::vector<TemplatePixel> template_pixels(const Directions& mean, const dvec2& 
     return pixels;
 }
 
+// CameraShake::to_photo() for many pixels.
+class ToPhoto {
+public:
+    ToPhoto(const CameraShake& drift, const dvec2& centre)
+        : cosine_(std::cos(drift.roll_rad)),
+          sine_(std::sin(drift.roll_rad)),
+          centre_(centre),
+          target_(centre + drift.shift_px) {}
+
+    dvec2 operator()(const dvec2& pixel) const {
+        const dvec2 d = pixel - centre_;
+        return target_ + dvec2(cosine_ * d.x - sine_ * d.y, sine_ * d.x + cosine_ * d.y);
+    }
+
+private:
+    double cosine_, sine_;
+    dvec2 centre_, target_;
+};
+
 // Moves `drift` until the photograph agrees best with the template.
 void follow(const Directions& photo, const std::vector<TemplatePixel>& pixels, const dvec2& centre,
             CameraShake& drift) {
@@ -91,8 +111,9 @@ void follow(const Directions& photo, const std::vector<TemplatePixel>& pixels, c
         // The photograph's edges may be stronger or weaker as a whole.
         double cross = 0, square = 0;
         std::vector<float> values(2 * pixels.size());
+        const ToPhoto to_photo(drift, centre);
         for (std::size_t i = 0; i < pixels.size(); ++i) {
-            const dvec2 p = drift.to_photo({pixels[i].x, pixels[i].y}, centre);
+            const dvec2 p = to_photo({pixels[i].x, pixels[i].y});
             values[2 * i] = sample(photo.cosine, p.x, p.y);
             values[2 * i + 1] = sample(photo.sine, p.x, p.y);
             for (std::size_t c = 0; c < 2; ++c) {
@@ -132,15 +153,17 @@ Directions mean_of(const std::vector<Directions>& all, const std::vector<CameraS
     Directions mean{cv::Mat::zeros(all[0].cosine.size(), CV_32F),
                     cv::Mat::zeros(all[0].cosine.size(), CV_32F)};
     parallel_for(0, mean.cosine.rows, 8, [&](int begin, int end) {
-        for (std::size_t i = 0; i < all.size(); ++i)
+        for (std::size_t i = 0; i < all.size(); ++i) {
+            const ToPhoto to_photo(drifts[i], centre);
             for (int y = begin; y < end; ++y)
                 for (int x = 0; x < mean.cosine.cols; ++x) {
-                    const dvec2 p = drifts[i].to_photo(dvec2(x, y), centre);
+                    const dvec2 p = to_photo(dvec2(x, y));
                     mean.cosine.at<float>(y, x) +=
                         sample(all[i].cosine, p.x, p.y) / static_cast<float>(all.size());
                     mean.sine.at<float>(y, x) +=
                         sample(all[i].sine, p.x, p.y) / static_cast<float>(all.size());
                 }
+        }
     });
     return mean;
 }
@@ -148,9 +171,7 @@ Directions mean_of(const std::vector<Directions>& all, const std::vector<CameraS
 }  // namespace
 
 dvec2 CameraShake::to_photo(const dvec2& pixel, const dvec2& centre) const {
-    const dvec2 d = pixel - centre;
-    const double c = std::cos(roll_rad), s = std::sin(roll_rad);
-    return centre + dvec2(c * d.x - s * d.y, s * d.x + c * d.y) + shift_px;
+    return ToPhoto(*this, centre)(pixel);
 }
 
 dvec2 CameraShake::to_common(const dvec2& pixel, const dvec2& centre) const {
@@ -177,6 +198,7 @@ CameraShakes camera_shakes(const GreyPhotos& photos, const Progress& progress) {
             report(progress, "drift", (turn + (blur > 2 ? 0 : kTurns)) / (2.0 * kTurns));
             const auto pixels = template_pixels(mean_of(all, result.photos, centre), centre);
             if (pixels.size() < 500) return {.photos = std::vector<CameraShake>(count)};
+            const std::vector<CameraShake> before = result.photos;
             parallel_for(0, static_cast<int>(count), 1, [&](int begin, int end) {
                 for (int i = begin; i < end; ++i)
                     follow(all[static_cast<std::size_t>(i)], pixels, centre,
@@ -192,6 +214,10 @@ CameraShakes camera_shakes(const GreyPhotos& photos, const Progress& progress) {
                 d.shift_px -= dvec2(median(x), median(y));
                 d.roll_rad -= median(roll);
             }
+            double change = 0;
+            for (std::size_t i = 0; i < count; ++i)
+                change = std::max(change, glm::length(result.photos[i].shift_px - before[i].shift_px));
+            if (change < kSettled) break;  // another template would be the same
         }
     }
     double squares = 0;

@@ -19,14 +19,15 @@ struct TransferEstimate {
         Transfer transfer;
         double residual = 0;
     };
-    std::vector<Candidate> candidates;  // linear, sRGB, gamma 2.2, and the gamma that fits best
-    std::string warning;                // empty unless the choice is a close one
+    std::vector<Candidate> candidates;  // linear, sRGB, gamma 2.2, the best gamma; a curve where chosen
+    std::string warning;                // empty unless the choice is a close one, or a curve
 };
 
 // The curve given in stack.transfer; linear for files of floats; else the one of linear, sRGB and gamma 2.2
 // under which the samples agree best with matt reflection, deviations being compared in the stored encoding;
-// another gamma where it fits clearly better than all three. Each photograph may have light of its own
-// strength, which may fall off over the picture: so lamps that differ, or are near, do not pass for a curve.
+// another gamma where it fits clearly better than all three, and a smooth curve where that fits far better
+// than any gamma. Each photograph may have light of its own strength, which may fall off over the picture: so
+// lamps that differ, or are near, do not pass for a curve.
 TransferEstimate estimate_transfer(const Stack& stack, const Survey& survey);
 
 }  // namespace tangi

@@ -56,8 +56,10 @@ void PhotosArguments::add_to(Flags& flags, bool for_fit) {
         "--lights", lights,
         "lights file (.lp), or the capture.json of calibrate; where not given, the only .lp in the folder");
     flags
-        .option("--transfer", transfer,
-                "how the photographs are encoded: auto, linear, srgb, or a gamma such as 2.2")
+        .option(
+            "--transfer", transfer,
+            "how the photographs are encoded: auto, linear, srgb, a gamma such as 2.2, or a curve as `fit` "
+            "reports it ('curve 2.2 -0.5 0.1')")
         .show_default();
     flags.option("--crop", crop, "only a part of the photographs: X,Y,WIDTH,HEIGHT in pixels");
     flags.option("--mask", mask, "picture of the same size; what is black in it is left out");
@@ -110,8 +112,9 @@ Stack PhotosArguments::open() const {
     if (transfer != "auto") {
         options.transfer = transfer_named(transfer);
         if (!options.transfer)
-            throw UsageError(
-                fmt::format("--transfer {}: is not auto, linear, srgb, or a gamma in [0.2, 5]", transfer));
+            throw UsageError(fmt::format(
+                "--transfer {}: is not auto, linear, srgb, a gamma in [0.2, 5], or a curve that increases",
+                transfer));
     }
     if (!dark.empty()) options.develop.dark = dark;
     if (!flat.empty()) options.develop.flat = flat;

@@ -13,7 +13,7 @@ namespace tangi {
 
 // Where photographs are and how to read them.
 struct PhotosArguments {
-    std::string folder, lights, transfer = "auto", crop, mask, hold_out, registration = "off";
+    std::string folder, lights, transfer = "auto", crop, mask, hold_out, registration = "auto";
     std::string dark, flat, ambient, brackets, demosaic = "AHD", raw_colour = "rec709";
 
     void add_to(Flags& flags, bool for_fit);

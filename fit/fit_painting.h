@@ -19,7 +19,7 @@ struct FitOptions {
     std::optional<double> mm_per_pixel{};  // [mm] 1 where unknown
     std::optional<double> noise{};  // [1] standard deviation of a stored value, full scale = 1; where empty
                                     // 0.012 for 8-bit photographs (3 codes: JPEG), 0.006 for deeper ones
-    bool register_photos = false;   // find out whether the camera moved, and undo it
+    bool register_photos = true;    // find out whether the camera moved, and undo it
     bool lights_as_given = false;   // distant lamps of equal strength, as a lights file describes them
     LightCalibrationOptions calibration = {};
     WardFitOptions ward = {};

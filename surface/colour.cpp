@@ -2,13 +2,55 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
+#include <limits>
 #include <numbers>
 
 namespace tangi {
+
+namespace {
+
+// ln of the linear value over ln e, of a curve.
+double exponent(const Transfer& t, double e) { return t.gamma + e * (t.bend + e * t.bow); }
+
+double decode_curve(const Transfer& t, double e) {
+    return e <= 0 ? 0 : std::pow(e, exponent(t, std::min(e, 1.0)));
+}
+
+// d ln(linear) / d ln(e); > 0 where the curve increases.
+double log_slope(const Transfer& t, double e) {
+    return e > 0 ? exponent(t, e) + e * std::log(e) * (t.bend + 2 * e * t.bow) : t.gamma;
+}
+
+// Newton in ln e, kept between bounds that bisection would give.
+double encode_curve(const Transfer& t, double linear) {
+    if (linear <= 0) return 0;
+    if (linear >= 1) return std::pow(linear, 1 / exponent(t, 1));
+    const double target = std::log(linear);
+    double low = -std::numeric_limits<double>::infinity(), high = 0, u = target / t.gamma;
+    for (int step = 0; step < 60; ++step) {
+        const double e = std::exp(u), miss = exponent(t, e) * u - target;
+        if (std::abs(miss) < 1e-9) break;
+        (miss > 0 ? high : low) = u;
+        const double next = u - miss / log_slope(t, e);
+        u = next > low && next < high ? next : (std::max(low, 2 * u - 1) + high) / 2;
+    }
+    return std::exp(u);
+}
+
+}  // namespace
+
+bool Transfer::is_increasing() const {
+    if (kind != Kind::curve) return true;
+    constexpr int steps = 512;
+    for (int i = 0; i <= steps; ++i)
+        if (!(log_slope(*this, i / static_cast<double>(steps)) > 0.02)) return false;
+    return true;
+}
 
 float Transfer::encode(float linear) const {
     const float x = linear > 0 ? linear : 0;
@@ -19,6 +61,8 @@ float Transfer::encode(float linear) const {
             return x <= 0.0031308f ? 12.92f * x : 1.055f * std::pow(x, 1 / 2.4f) - 0.055f;
         case Kind::gamma:
             return std::pow(x, static_cast<float>(1 / gamma));
+        case Kind::curve:
+            return static_cast<float>(encode_curve(*this, x));
     }
     return x;
 }
@@ -32,6 +76,8 @@ float Transfer::decode(float encoded) const {
             return x <= 0.04045f ? x / 12.92f : std::pow((x + 0.055f) / 1.055f, 2.4f);
         case Kind::gamma:
             return std::pow(x, static_cast<float>(gamma));
+        case Kind::curve:
+            return static_cast<float>(decode_curve(*this, x));
     }
     return x;
 }
@@ -48,6 +94,8 @@ std::string Transfer::name() const {
             return "srgb";
         case Kind::gamma:
             return fmt::format("gamma {}", gamma);
+        case Kind::curve:
+            return fmt::format("curve {} {} {}", gamma, bend, bow);
     }
     return "linear";
 }
@@ -55,13 +103,20 @@ std::string Transfer::name() const {
 std::optional<Transfer> transfer_named(std::string_view name) {
     if (name == "linear") return Transfer{Transfer::Kind::linear};
     if (name == "srgb") return Transfer{Transfer::Kind::srgb};
-    if (name.starts_with("gamma")) name.remove_prefix(5);
-    while (name.starts_with(' ')) name.remove_prefix(1);
-    double gamma = 0;
-    const auto [end, status] = std::from_chars(name.data(), name.data() + name.size(), gamma);
-    if (status != std::errc() || end != name.data() + name.size()) return std::nullopt;
-    if (!(gamma >= 0.2 && gamma <= 5)) return std::nullopt;
-    return Transfer{Transfer::Kind::gamma, gamma};
+    const bool is_curve = name.starts_with("curve");
+    if (is_curve || name.starts_with("gamma")) name.remove_prefix(5);
+    std::array<double, 3> number{};
+    const std::size_t wanted = is_curve ? 3 : 1;
+    for (std::size_t i = 0; i < wanted; ++i) {
+        while (name.starts_with(' ')) name.remove_prefix(1);
+        const auto [end, status] = std::from_chars(name.data(), name.data() + name.size(), number[i]);
+        if (status != std::errc()) return std::nullopt;
+        name.remove_prefix(static_cast<std::size_t>(end - name.data()));
+    }
+    if (!name.empty() || !(number[0] >= 0.2 && number[0] <= 5)) return std::nullopt;
+    if (!is_curve) return Transfer{Transfer::Kind::gamma, number[0]};
+    const Transfer curve{Transfer::Kind::curve, number[0], number[1], number[2]};
+    return curve.is_increasing() ? std::optional(curve) : std::nullopt;
 }
 
 Lab lab_from_linear(const glm::dvec3& c) {

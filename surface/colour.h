@@ -14,19 +14,25 @@ namespace tangi {
 
 // How linear light became the numbers in a picture file: encoded = f(linear), both nominally 0..1.
 struct Transfer {
-    enum class Kind { linear, srgb, gamma };
+    enum class Kind { linear, srgb, gamma, curve };
     Kind kind = Kind::linear;
-    double gamma = 2.2;  // [1] only for Kind::gamma: encoded = linear^(1/gamma)
+    double gamma = 2.2;  // [1] for Kind::gamma: encoded = linear^(1/gamma); for Kind::curve, see below
+    // Kind::curve, the smooth curve of cameras with a tone of their own: linear = e^(gamma + bend e + bow
+    // e^2), e = encoded, 0 at 0 and 1 at 1 (Ng, Chang, Tsui 2007: generalised gamma). Beyond 1 it goes on as
+    // the power that it has there. Must increase: is_increasing().
+    double bend = 0, bow = 0;
 
     float encode(float linear) const;  // negative values encode as 0
     float decode(float encoded) const;
     Rgb encode(const Rgb& linear) const;
-    std::string name() const;  // "linear", "srgb", "gamma 2.2"
+    std::string name() const;    // "linear", "srgb", "gamma 2.2", "curve 2.2 -0.5 0.1" (gamma, bend, bow)
+    bool is_increasing() const;  // and so has an inverse
 
     friend bool operator==(const Transfer&, const Transfer&) = default;
 };
 
-// Reads "linear", "srgb", "2.2", "gamma 2.2"; nothing for anything else, or for gamma outside [0.2, 5].
+// Reads "linear", "srgb", "2.2", "gamma 2.2", "curve 2.2 -0.5 0.1"; nothing for anything else, for gamma
+// outside [0.2, 5], or for a curve that does not increase.
 std::optional<Transfer> transfer_named(std::string_view name);
 
 // CIE 1976 L*a*b*, D65, 2 degrees.

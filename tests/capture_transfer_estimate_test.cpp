@@ -116,6 +116,33 @@ TEST(TransferEstimate, FindsAGammaThatIsNoneOfTheUsual) {
     }
 }
 
+// Largest difference of decoded values after the best common factor, which light strength takes up.
+double difference_up_to_scale(const Transfer& a, const Transfer& b) {
+    double ab = 0, bb = 0, largest = 0;
+    for (int i = 1; i <= 100; ++i) {
+        const double x = a.decode(i / 100.0f), y = b.decode(i / 100.0f);
+        ab += x * y;
+        bb += y * y;
+    }
+    for (int i = 1; i <= 100; ++i)
+        largest = std::max(largest, std::abs(a.decode(i / 100.0f) - ab / bb * b.decode(i / 100.0f)));
+    return largest;
+}
+
+TEST(TransferEstimate, FindsAToneCurve) {
+    for (const Transfer& truth :
+         {Transfer{Transfer::Kind::curve, 1.4, 0, 3.4}, Transfer{Transfer::Kind::curve, 0.8, 2.5, 0}}) {
+        const TestDir dir;
+        write_matt_stack(dir, truth, 0.002, {.bits = 16});
+        const Stack stack = open_stack(dir.path());
+        const TransferEstimate e = estimate_transfer(stack, survey(stack));
+        EXPECT_EQ(e.transfer.kind, Transfer::Kind::curve)
+            << truth.name() << ": " << e.transfer.name() << " " << e.candidates.back().residual;
+        EXPECT_LT(difference_up_to_scale(truth, e.transfer), 0.03) << e.transfer.name();
+        EXPECT_NE(e.warning.find("tone curve"), std::string::npos);
+    }
+}
+
 TEST(TransferEstimate, WarnsWhereLinearAndEncodedFitAlike) {
     // One grey level: whatever the curve, a flat surface under lights of one elevation looks the same.
     const TestDir dir;

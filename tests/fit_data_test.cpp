@@ -167,7 +167,7 @@ TEST(DataHandheld, PaintingOfAHandheldLampReachesItsFigures) {
     const CalibrationFiles files = write_calibration(out / "lights.lp", balls);
     Stack stack = open_stack(folder / "png16", {.lights_file = files.json});
     stack.transfer = Transfer{};
-    const FitResult fit = fit_painting(std::move(stack), {.white_level = 0.75, .register_photos = true});
+    const FitResult fit = fit_painting(std::move(stack), {.white_level = 0.75});
     EXPECT_NEAR(fit.surface.mm_per_pixel, 600.0 / 1408, 0.003 * 600 / 1408);
     const TruthErrors errors = errors_against(folder / "gt", fit.surface);
     record("handheld_normals_deg", errors.normals_deg, "deg");

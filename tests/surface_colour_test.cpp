@@ -15,6 +15,7 @@ namespace {
 constexpr Transfer kLinear{Transfer::Kind::linear};
 constexpr Transfer kSrgb{Transfer::Kind::srgb};
 Transfer gamma(double value) { return {Transfer::Kind::gamma, value}; }
+Transfer curve(double gamma, double bend, double bow) { return {Transfer::Kind::curve, gamma, bend, bow}; }
 
 struct Pair {
     Lab first, second;
@@ -137,8 +138,9 @@ TEST(Lab, OfThePrimariesAgreesWithCieTables) {
 }
 
 TEST(Transfer, DecodesWhatItEncoded) {
-    for (const Transfer& transfer : {kLinear, kSrgb, gamma(0.45), gamma(1), gamma(1.8), gamma(2.2), gamma(5)})
-        for (int i = 0; i <= 1000; ++i) {
+    for (const Transfer& transfer : {kLinear, kSrgb, gamma(0.45), gamma(1), gamma(1.8), gamma(2.2), gamma(5),
+                                     curve(2.2, 0, 0), curve(1.6, 1.2, -0.5), curve(2.6, -1, 0.4)})
+        for (int i = 0; i <= 1500; ++i) {
             const float linear = static_cast<float>(i) / 1000;
             // Rounding of the encoded float, 6e-8, times the slope of the decoder, at most its gamma.
             EXPECT_NEAR(transfer.decode(transfer.encode(linear)), linear, 1e-6) << transfer.name();
@@ -146,7 +148,7 @@ TEST(Transfer, DecodesWhatItEncoded) {
 }
 
 TEST(Transfer, KeepsBlackAndWhiteAndRises) {
-    for (const Transfer& transfer : {kLinear, kSrgb, gamma(1.8), gamma(2.2)}) {
+    for (const Transfer& transfer : {kLinear, kSrgb, gamma(1.8), gamma(2.2), curve(1.6, 1.2, -0.5)}) {
         EXPECT_EQ(transfer.encode(0.0f), 0) << transfer.name();
         EXPECT_NEAR(transfer.encode(1.0f), 1, 1e-6) << transfer.name();
         for (int i = 0; i < 1000; ++i)
@@ -155,12 +157,25 @@ TEST(Transfer, KeepsBlackAndWhiteAndRises) {
 }
 
 TEST(Transfer, EncodesNegativeLightAndNanAsBlack) {
-    for (const Transfer& transfer : {kLinear, kSrgb, gamma(2.2)}) {
+    for (const Transfer& transfer : {kLinear, kSrgb, gamma(2.2), curve(1.6, 1.2, -0.5)}) {
         EXPECT_EQ(transfer.encode(-0.5f), 0) << transfer.name();
         EXPECT_EQ(transfer.decode(-0.5f), 0) << transfer.name();
         EXPECT_EQ(transfer.encode(std::nanf("")), 0) << transfer.name();
         EXPECT_EQ(transfer.decode(std::nanf("")), 0) << transfer.name();
     }
+}
+
+TEST(Transfer, ACurveWithoutBendIsAGamma) {
+    for (const float x : {0.001f, 0.2f, 0.7f, 1.0f, 1.8f}) {
+        EXPECT_NEAR(curve(2.2, 0, 0).encode(x), gamma(2.2).encode(x), 1e-6);
+        EXPECT_NEAR(curve(2.2, 0, 0).decode(x), gamma(2.2).decode(x), 1e-6);
+    }
+}
+
+TEST(Transfer, KnowsWhereACurveTurnsBack) {
+    EXPECT_TRUE(curve(2.2, -0.5, 0.2).is_increasing());
+    EXPECT_FALSE(curve(1, -3, 1).is_increasing());
+    EXPECT_FALSE(curve(1, 8, 0).is_increasing());  // ln e < 0: a steep rise of the exponent makes a dip
 }
 
 TEST(Transfer, OfSrgbHasItsLandmarks) {
@@ -186,15 +201,33 @@ TEST(TransferNamed, ReadsItsGrammar) {
         EXPECT_EQ(transfer_named(name), gamma(2.2)) << name;
     EXPECT_EQ(transfer_named("0.2"), gamma(0.2));
     EXPECT_EQ(transfer_named("5"), gamma(5));
-    for (const char* wrong : {"", "gamma", "gamma ", "sRGB", "linear ", "0.19", "5.01", "-2.2", "nan", "inf",
-                              "2.2x", "2,2", "2.2 ", "rec709", "gamma gamma 2"})
+    for (const char* wrong : {"",
+                              "gamma",
+                              "gamma ",
+                              "sRGB",
+                              "linear ",
+                              "0.19",
+                              "5.01",
+                              "-2.2",
+                              "nan",
+                              "inf",
+                              "2.2x",
+                              "2,2",
+                              "2.2 ",
+                              "rec709",
+                              "gamma gamma 2",
+                              "curve 2.2",
+                              "curve 2.2 1 nan",
+                              "curve 1 -3 1",
+                              "curve 2.2 0 0 0",
+                              "2.2 0 0"})
         EXPECT_FALSE(transfer_named(wrong)) << "'" << wrong << "'";
 }
 
 TEST(TransferNamed, RoundTripsEveryName) {
     EXPECT_EQ(gamma(2.2).name(), "gamma 2.2");
     for (const Transfer& transfer :
-         {kLinear, kSrgb, gamma(2.2), gamma(1.8), gamma(1.0 / 0.45), gamma(2.19995)})
+         {kLinear, kSrgb, gamma(2.2), gamma(1.8), gamma(1.0 / 0.45), gamma(2.19995), curve(2.2, -0.5, 0.1)})
         EXPECT_EQ(transfer_named(transfer.name()), transfer) << transfer.name();
 }
 
