@@ -21,7 +21,7 @@ constexpr int kSamples = 1500;          // enough: the choice is between a handf
 constexpr double kLowestCosine = 0.25;  // [1] below 15 degrees shadows and interreflection rule
 // [1] By which a gamma must fit better than the usual curves: near one of them (linear; 2 to 2.4) it is
 // likely that one, seen through what the model leaves out; between them it is likely another.
-constexpr double kBetterNear = 1.3, kBetterBetween = 1.05;
+constexpr double kBetterNear = 1.3, kBetterBetween = 1.08;
 // A smooth curve of three numbers is believed only where it fits better than any of one number by this, and
 // down to the noise: gloss and interreflection bend what they are seen through as well (real/coin: 1.46 times
 // better, but 3 codes off; it is linear).

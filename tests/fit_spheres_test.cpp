@@ -1,0 +1,91 @@
+// fit_spheres_test.cpp: real photographs of a grey ball and of a rock, by the lamps that a mirror ball shows.
+#include <gtest/gtest.h>
+
+#include <glm/geometric.hpp>
+#include <iostream>
+
+#include "capture/calibration_page.h"
+#include "fit/compare.h"
+#include "fit/fit_painting.h"
+#include "surface/picture_file.h"
+#include "tests/test_support.h"
+
+namespace tangi {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Lamps of the chrome ball, found without a hint, for the photographs of another object under the same lamps.
+fs::path lights_for(const fs::path& spheres, const std::string& object, const TestDir& out) {
+    std::vector<std::string> warnings;
+    const BallCalibration balls = calibrate_from_balls(pictures_in(spheres / "chrome", warnings), {});
+    std::vector<Light> lights;
+    for (const CalibratedLight& light : balls.lights) {
+        if (!light.direction) continue;
+        const std::string number = light.name.substr(light.name.find('.'));  // chrome.3.tga
+        lights.push_back(distant_light(Vec3(*light.direction), object + number));
+    }
+    write_lights(out / (object + ".lp"), lights);
+    return out / (object + ".lp");
+}
+
+Stack object_stack(const fs::path& spheres, const std::string& object, const TestDir& out) {
+    return open_stack(spheres / object, {.lights_file = lights_for(spheres, object, out),
+                                         .mask_file = spheres / object / (object + ".mask.tga")});
+}
+
+TEST(DataSpheres, NormalsOfTheGreyBallAreWithin4Degrees) {
+    TP_DATA(folder, "spheres");
+    const TestDir out;
+    Stack stack = object_stack(folder, "gray", out);
+    const Image<std::uint8_t> mask = stack.mask;
+    const FitResult fit = fit_painting(std::move(stack));
+    EXPECT_EQ(fit.report.transfer.transfer.name(), "linear");
+    EXPECT_FALSE(fit.report.registration.moved);
+    int x0 = mask.width(), x1 = 0, y0 = mask.height(), y1 = 0;
+    for (int y = 0; y < mask.height(); ++y)
+        for (int x = 0; x < mask.width(); ++x)
+            if (mask(x, y)) {
+                x0 = std::min(x0, x), x1 = std::max(x1, x);
+                y0 = std::min(y0, y), y1 = std::max(y1, y);
+            }
+    const glm::dvec2 centre((x0 + x1) / 2.0, (y0 + y1) / 2.0);
+    const double radius = (x1 - x0 + y1 - y0 + 2) / 4.0;
+    double sum = 0;
+    int count = 0;
+    for (int y = y0; y <= y1; ++y)
+        for (int x = x0; x <= x1; ++x) {
+            const glm::dvec2 at = (glm::dvec2(x, y) - centre) / radius;
+            const double square = glm::dot(at, at);
+            // Beyond 72 degrees too few of the twelve lamps reach.
+            if (square > 0.95 * 0.95 || !(fit.surface.confidence(x, y) > 0)) continue;
+            const glm::dvec3 truth(at.x, -at.y, std::sqrt(1 - square));
+            sum += std::acos(std::min(1.0, glm::dot(truth, glm::dvec3(fit.surface.normal(x, y)))));
+            ++count;
+        }
+    const double degrees = sum / count * 180 / M_PI;
+    std::cout << "[  FIGURE  ] normals of the grey ball " << degrees << " deg, " << count
+              << " pixels of a ball of " << radius << " px\n";
+    EXPECT_GT(count, 0.8 * M_PI * 0.95 * 0.95 * radius * radius);
+    EXPECT_LE(degrees, 4.0);
+}
+
+TEST(DataSpheres, TheRockFits) {
+    TP_DATA(folder, "spheres");
+    const TestDir out;
+    const Stack stack = object_stack(folder, "rock", out);
+    const FitResult fit = fit_painting(stack);
+    EXPECT_EQ(fit.report.transfer.transfer.name(), "linear");
+    const double fitted = static_cast<double>(fit.report.fitted);
+    long inside = 0;
+    for (const auto m : stack.mask.pixels()) inside += m != 0;
+    EXPECT_GT(fitted, 0.99 * static_cast<double>(inside));
+    EXPECT_LT(static_cast<double>(fit.report.not_converged), 0.05 * fitted);
+    const CompareReport report = compare(fit.surface, stack);
+    std::cout << "[  FIGURE  ] rock " << report.fitted.psnr_db << " dB, tilt " << fit.report.support_tilt_deg
+              << " deg\n";
+    EXPECT_GT(report.fitted.psnr_db, 33);
+}
+
+}  // namespace
+}  // namespace tangi
