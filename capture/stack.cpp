@@ -50,12 +50,11 @@ fs::path find_lights_file(const fs::path& folder) {
     std::sort(found.begin(), found.end());
     if (found.empty())
         fail(
-            "{}: no lights file (.lp, .dome or .relight) in this folder; name one with --lights FILE.lp, or "
+            "{0}: no lights file (.lp, .dome or .relight) in this folder; name one with --lights FILE.lp, or "
             "make "
-            "one: from a mirror ball in the photographs, tangipaint calibrate {} --out {}/lights.lp; without "
-            "one, "
-            "the same with --uncalibrated",
-            folder.string(), folder.string(), folder.string());
+            "one from the photographs: tangipaint calibrate {0} --out {0}/lights.lp --uncalibrated (without "
+            "--uncalibrated where they show a mirror ball)",
+            folder.string());
     if (found.size() > 1)
         fail("{}: {} lights files in this folder ({}); choose one with --lights FILE.lp", folder.string(),
              found.size(), joined(found));

@@ -87,12 +87,6 @@ std::optional<JointLights> solved(const LightSample& sample, const std::vector<i
     if (model == LightModel{}) return {};
     JointLights joint = sample.joint_problem(photos, given);
     if (joint.pixels.empty() || !joint.solve(freedom_of(model), JointStart::far)) return {};
-    // Once more with errors to expect that go with the strengths found: those of a lamp that was taken to be
-    // three times as strong are three times too wide, and let half-shadows count as light.
-    if (model.lamps == LightFreedom::rig_and_gains) {
-        JointLights again = sample.joint_problem(photos, given, joint);
-        if (again.solve(freedom_of(model), JointStart::near)) joint = std::move(again);
-    }
     double squares = 0;
     for (const glm::dvec2& turn : joint.turns) squares += glm::dot(turn, turn);
     const double rms_deg = std::sqrt(squares / static_cast<double>(photos.size())) * 180 / std::numbers::pi;

@@ -29,9 +29,7 @@ void add_observation(const PixelSamples& s, int photo, const glm::dvec3& white, 
     const glm::dvec3& l = s.light[static_cast<std::size_t>(photo)];
     const double n_l =
         std::max(l.z - p.slope.x * l.x - p.slope.y * l.y, 0.0) / std::sqrt(1 + glm::dot(p.slope, p.slope));
-    const double model_error =
-        kModelError * std::max(p.diffuse * n_l * std::exp(joint.log_gains[static_cast<std::size_t>(photo)]),
-                               value / irradiance);
+    const double model_error = kModelError * std::max(p.diffuse * n_l, value / irradiance);
     joint.observations.push_back(
         {pixel, photo, value / irradiance, std::hypot(std::sqrt(variance) / irradiance, model_error)});
 }

@@ -53,9 +53,8 @@ TEST_F(BadStack, WithoutALightsFile) {
     EXPECT_THAT(error(),
                 testing::StartsWith(folder + ": no lights file (.lp, .dome or .relight) in this folder; "
                                              "name one with --lights FILE.lp"));
-    EXPECT_THAT(error(),
-                testing::HasSubstr("tangipaint calibrate " + folder + " --out " + folder + "/lights.lp"));
-    EXPECT_THAT(error(), testing::EndsWith("the same with --uncalibrated"));
+    EXPECT_THAT(error(), testing::HasSubstr(": tangipaint calibrate " + folder + " --out " + folder +
+                                            "/lights.lp --uncalibrated ("));
     EXPECT_EQ(error({.lights_file = dir / "lights.lp"}), path("lights.lp") + ": no such lights file");
 }
 

@@ -70,8 +70,8 @@ TEST(LightCalibration, FindsStrengthAndDistanceOfNearLampsThatDifferSevenfold) {
             "{}: gains off by {:.2f} % on average, {:.2f} % at most; distance {:.3f} widths\n",
             name_of(reflectance), 100 * errors.mean, 100 * errors.worst, distance);
         EXPECT_EQ(found.model.lamps, LightFreedom::rig_and_gains);
-        EXPECT_LE(errors.mean, 0.03);
-        EXPECT_LE(errors.worst, 0.10);
+        EXPECT_LE(errors.mean, 0.012);
+        EXPECT_LE(errors.worst, 0.045);
         EXPECT_NEAR(distance, 1.5, 0.05);
     }
 }
@@ -91,7 +91,7 @@ TEST(LightCalibration, LeavesLightsAloneThatAreRight) {
     EXPECT_EQ(found.model.lamps, LightFreedom::none);
     EXPECT_EQ(found.lighting.rig, Rig{});
     for (const Light& light : found.lighting.lights) EXPECT_EQ(light.gain, Rgb(1));
-    EXPECT_EQ(found.trials.size(), 5u);
+    EXPECT_EQ(found.trials.size(), 3u);  // directions that are right are not tried
 }
 
 TEST(LightCalibration, OfAFewPhotographsTakesLightsAsGiven) {
