@@ -167,7 +167,7 @@ Image<Rgb> ball_picture(const FoundBall& ball) {
 }
 
 std::string calibration_page(const BallCalibration& c, const std::vector<std::string>& ball_urls,
-                             const std::optional<ColourCalibration>& colours) {
+                             const std::optional<ColourCalibration>& colours, const std::string& section) {
     TP_REQUIRE(ball_urls.size() == c.balls.size(), "each ball has a picture");
     std::string html = fmt::format(
         "<!doctype html><html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" "
@@ -196,23 +196,27 @@ std::string calibration_page(const BallCalibration& c, const std::vector<std::st
             "circles are standard errors. Numbers as in the table.</figcaption></figure>";
     for (std::size_t i = 0; i < c.balls.size(); ++i) html += ball_figure(c, i, ball_urls[i]);
     html += "</div>";
+    html += section;
     if (colours) html += colour_section(*colours);
     return html + "<h2>Photographs</h2>" + table(c) + "</main></body></html>\n";
 }
 
+std::string picture_url(const Image<Rgb>& picture, const std::filesystem::path& scratch) {
+    const AtomicFile file(scratch.parent_path() / "capture-picture.jpg");  // never committed: it vanishes
+    write_picture_8bit(file.temporary(), picture);
+    return "data:image/jpeg;base64," + base64(read_text_file(file.temporary()));
+}
+
 CalibrationFiles write_calibration(const std::filesystem::path& lights, const BallCalibration& calibration,
-                                   const std::optional<ColourCalibration>& colours) {
+                                   const std::optional<ColourCalibration>& colours,
+                                   const std::string& section) {
     const CalibrationFiles files = calibration_files(lights);
     std::vector<std::string> urls;
-    for (const FoundBall& ball : calibration.balls) {
-        const AtomicFile scratch(lights.parent_path() / "capture-ball.jpg");  // never committed: it vanishes
-        write_picture_8bit(scratch.temporary(), ball_picture(ball));
-        urls.push_back("data:image/jpeg;base64," + base64(read_text_file(scratch.temporary())));
-    }
+    for (const FoundBall& ball : calibration.balls) urls.push_back(picture_url(ball_picture(ball), lights));
     nlohmann::json capture = to_json(calibration);
     capture["colour"] = colours ? to_json(*colours) : nlohmann::json(nullptr);
     write_text_file(files.json, capture.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
-    write_text_file(files.page, calibration_page(calibration, urls, colours));
+    write_text_file(files.page, calibration_page(calibration, urls, colours, section));
     write_lights_file(files.lights, calibration.usable_lights());
     return files;
 }

@@ -187,7 +187,7 @@ BallSearch find_mirror_balls(std::span<const std::filesystem::path> paths, const
         for (const std::string& warning : search.warnings) tried += " " + warning + ".";
         fail(
             "{}: no mirror ball found in the {} photographs.{} Give balls with --sphere X,Y,R (pixels from "
-            "the top left)",
+            "the top left), or add --uncalibrated: lights from the photographs of a nearly flat object alone",
             paths.front().parent_path().string(), paths.size(), tried);
     }
     std::stable_sort(search.balls.begin(), search.balls.end(),

@@ -11,8 +11,10 @@
 
 #include "capture/brackets.h"
 #include "capture/capture_file.h"
+#include "capture/dome_file.h"
 #include "capture/lights_file.h"
 #include "capture/raw_file.h"
+#include "capture/relight_file.h"
 #include "surface/error.h"
 #include "surface/parallel.h"
 #include "surface/picture_file.h"
@@ -35,14 +37,24 @@ std::string joined(const std::vector<std::string>& names, std::size_t most = 5) 
     return text;
 }
 
+// The one .lp of a folder; the one project of another program (.relight, .dome) where there is none.
 fs::path find_lights_file(const fs::path& folder) {
-    std::vector<std::string> found;
-    for (const auto& entry : fs::directory_iterator(folder))
-        if (lower(entry.path().extension().string()) == ".lp")
-            found.push_back(entry.path().filename().string());
+    std::vector<std::string> found, of_others;
+    for (const auto& entry : fs::directory_iterator(folder)) {
+        const std::string extension = lower(entry.path().extension().string());
+        if (extension == ".lp") found.push_back(entry.path().filename().string());
+        if (extension == ".dome" || extension == ".relight")
+            of_others.push_back(entry.path().filename().string());
+    }
+    if (found.empty()) found = std::move(of_others);
     std::sort(found.begin(), found.end());
     if (found.empty())
-        fail("{}: no lights file (.lp) in this folder; name one with --lights FILE.lp", folder.string());
+        fail(
+            "{0}: no lights file (.lp, .dome or .relight) in this folder; name one with --lights FILE.lp, or "
+            "make "
+            "one from the photographs: tangipaint calibrate {0} --out {0}/lights.lp --uncalibrated (without "
+            "--uncalibrated where they show a mirror ball)",
+            folder.string());
     if (found.size() > 1)
         fail("{}: {} lights files in this folder ({}); choose one with --lights FILE.lp", folder.string(),
              found.size(), joined(found));
@@ -157,12 +169,26 @@ void match_photos(Stack& stack, const std::vector<Light>& lights, const fs::path
     if (stack.photos.empty() && photos.size() == lights.size() && !photos.empty()) {
         for (std::size_t i = 0; i < photos.size(); ++i)
             stack.photos.push_back({photos[i], lights[i], static_cast<int>(i), {}, {}});
+        if (lights.front().name.empty()) {
+            for (StackPhoto& photo : stack.photos) photo.light.name = photo.path.filename().string();
+            stack.warnings.push_back(fmt::format(
+                "{}: does not name photographs; its lights are taken in the order of the file names in "
+                "{}",
+                lights_path.string(), stack.folder.string()));
+            return;
+        }
         stack.warnings.push_back(fmt::format(
             "{}: none of its names ('{}', …) is a photograph in {}; lights are taken in the order of the "
             "file names",
             lights_path.string(), lights.front().name, stack.folder.string()));
         return;
     }
+    if (lights.front().name.empty())
+        fail(
+            "{}: has {} lights and does not name photographs, of which there are {} in {}; leave as many "
+            "there, in "
+            "the order of the lights",
+            lights_path.string(), lights.size(), photos.size(), stack.folder.string());
     if (!missing.empty())
         fail("{}: {} of {} listed photographs are not in {}: {}. Put them there, or remove their lines",
              lights_path.string(), missing.size(), lights.size(), stack.folder.string(), joined(missing));
@@ -286,6 +312,46 @@ void apply_capture(Stack& stack, const CaptureFile& capture, const Region& whole
     stack.camera_mm = seen.camera_mm;
 }
 
+// What a lights file of any kind says; `capture` where that is more than directions. Its size is 0 where it
+// goes with photographs of any size.
+struct ReadLights {
+    std::vector<Light> lights;
+    std::optional<CaptureFile> capture;
+    std::optional<double> picture_width_mm;
+    std::vector<std::string> warnings;
+};
+
+ReadLights read_lights(const fs::path& path) {
+    const std::string extension = lower_extension(path);
+    if (extension == ".json") {
+        CaptureFile found = read_capture_file(path);
+        return {found.lights, found, {}, found.warnings};
+    }
+    CaptureFile capture;
+    if (extension == ".dome") {
+        DomeFile dome = read_dome_file(path);
+        capture.lights = dome.lights;
+        return {dome.lights, capture, dome.picture_width_mm, std::move(dome.warnings)};
+    }
+    if (extension == ".relight") {
+        RelightFile project = read_relight_file(path);
+        capture.lights = project.lights;
+        capture.mm_per_pixel = project.mm_per_pixel;
+        return {project.lights, capture, project.picture_width_mm, std::move(project.warnings)};
+    }
+    LightsFile lights = read_lights_file(path);
+    return {std::move(lights.lights), {}, {}, std::move(lights.warnings)};
+}
+
+// Puts the origin into the middle of the photographs of a file that goes with any size.
+void fit_to_photographs(ReadLights& read, const Region& whole) {
+    if (!read.capture || read.capture->width > 0) return;
+    CaptureFile& capture = *read.capture;
+    capture.width = whole.width(), capture.height = whole.height();
+    capture.origin_px = {(whole.width() - 1) / 2.0, (whole.height() - 1) / 2.0};
+    if (read.picture_width_mm) capture.mm_per_pixel = *read.picture_width_mm / whole.width();
+}
+
 // Smallest eigenvalue of a symmetric matrix (Smith 1961, "Eigenvalues of a symmetric 3 x 3 matrix").
 double smallest_eigenvalue(const glm::dmat3& a) {
     const double mean = (a[0][0] + a[1][1] + a[2][2]) / 3;
@@ -374,21 +440,15 @@ Stack open_stack(const fs::path& folder, const StackOptions& options) {
     stack.folder = folder;
     stack.develop = options.develop;
     const fs::path lights_path = options.lights_file ? *options.lights_file : find_lights_file(folder);
-    std::optional<CaptureFile> capture;
-    if (lower_extension(lights_path) == ".json") {
-        capture = read_capture_file(lights_path);
-        stack.warnings = capture->warnings;
-        match_photos(stack, capture->lights, lights_path);
-    } else {
-        LightsFile lights = read_lights_file(lights_path);
-        stack.warnings = std::move(lights.warnings);
-        match_photos(stack, lights.lights, lights_path);
-    }
+    ReadLights read = read_lights(lights_path);
+    stack.warnings = read.warnings;
+    match_photos(stack, read.lights, lights_path);
     leave_out_lights_from_below(stack, lights_path);
     check_headers(stack);
     const Region whole = stack.crop;
     if (options.crop) apply_crop(stack, *options.crop);
-    if (capture) apply_capture(stack, *capture, whole, lights_path);
+    fit_to_photographs(read, whole);
+    if (read.capture) apply_capture(stack, *read.capture, whole, lights_path);
     if (options.mask_file) apply_mask(stack, *options.mask_file, whole);
     stack.transfer = options.transfer;
     return stack;

@@ -18,12 +18,13 @@
 namespace tangi {
 
 struct StackOptions {
-    std::optional<std::filesystem::path> lights_file{};  // .lp or capture.json; the one .lp of the folder
-                                                         // where empty
-    std::optional<Region> crop{};                        // [pixels of the photographs] the part to read
-    std::optional<std::filesystem::path> mask_file{};    // a picture; what is black in it is not fitted
-    std::optional<Transfer> transfer{};                  // estimated from the photographs where empty
-    DevelopOptions develop{};                            // frames and brackets (development.h)
+    // .lp, .dome, .relight or capture.json; where empty, the one .lp of the folder, else the one of the
+    // others.
+    std::optional<std::filesystem::path> lights_file{};
+    std::optional<Region> crop{};                      // [pixels of the photographs] the part to read
+    std::optional<std::filesystem::path> mask_file{};  // a picture; what is black in it is not fitted
+    std::optional<Transfer> transfer{};                // estimated from the photographs where empty
+    DevelopOptions develop{};                          // frames and brackets (development.h)
 };
 
 // One photograph of a stack and its light.
@@ -49,7 +50,8 @@ struct Stack {
     int bits = 8;                        // as PhotoHeader::bits; 32 once developed: linear light
     bool is_raw = false;                 // camera raw
     std::optional<Transfer> transfer{};  // empty until known (estimate_transfer)
-    // From a capture.json, in the frame of the crop; the lights have positions and gains then.
+    // From a capture.json, .dome or .relight, in the frame of the crop; the lights have positions and gains
+    // then.
     std::optional<double> mm_per_pixel{};
     std::optional<Vec3> camera_mm{};
     Image<unsigned char> mask;                         // size of the crop, 0 = leave out; empty = everything

@@ -3,6 +3,7 @@
 
 #include "capture/calibration_page.h"
 #include "capture/colour_calibration.h"
+#include "capture/uncalibrated_report.h"
 #include "cli/arguments.h"
 #include "cli/command_list.h"
 #include "surface/atomic_file.h"
@@ -21,7 +22,7 @@ struct CalibrateArguments {
     std::vector<std::string> photos, spheres;
     double ball_radius_mm = 0, focal_px = 0, focal_35mm = 0, camera_distance_mm = 0;
     std::optional<double> ball_height_mm;
-    bool matt = false, fixed_camera = false;
+    bool matt = false, fixed_camera = false, uncalibrated = false, inverted = false;
 };
 
 GivenBall ball_of(const std::string& text) {
@@ -131,12 +132,36 @@ nlohmann::json summary_of(const ColourCalibration& c) {
             {"levels", levels}};
 }
 
+nlohmann::json run_uncalibrated(const CalibrateArguments& a, const std::vector<fs::path>& paths,
+                                const std::vector<std::string>& warnings) {
+    UncalibratedStack stack = calibrate_uncalibrated(
+        paths, {.inverted = a.inverted, .transfer = transfer_of(a)}, console_progress());
+    std::vector<std::string>& told_too = stack.calibration.warnings;
+    told_too.insert(told_too.begin(), warnings.begin(), warnings.end());
+    nlohmann::json result = result_of(stack.calibration, write_uncalibrated(a.out, stack));
+    result["uncalibrated"] = {{"inverted", a.inverted},
+                              {"transfer", stack.transfer.name()},
+                              {"strength_scatter", finite(stack.found.strength_scatter)},
+                              {"residual", finite(stack.found.residual)},
+                              {"explained", finite(stack.found.explained)},
+                              {"curl", finite(stack.found.curl)},
+                              {"falloff", finite(stack.found.falloff)},
+                              {"convexity", finite(stack.found.convexity)}};
+    result["colour"] = nullptr;
+    result["warnings"] = told(stack.calibration.warnings);
+    result["poor"] = stack.calibration.poor;
+    return result;
+}
+
 nlohmann::json run_calibrate(const CalibrateArguments& a) {
     const Progress progress = console_progress();
     if (fs::path(a.out).extension() != ".lp")
         throw UsageError(fmt::format("--out {}: a lights file ends in .lp", a.out));
     if (a.folder.empty() == a.photos.empty())
         throw UsageError("give either a folder of photographs (PHOTOS) or photographs (--photos A B …)");
+    if (a.inverted && !a.uncalibrated) throw UsageError("--inverted: goes with --uncalibrated");
+    if (a.uncalibrated && (a.matt || !a.spheres.empty()))
+        throw UsageError("--uncalibrated: takes no ball; leave out --sphere and --matt-ball");
     const BallCalibrationOptions options = options_of(a);
     std::optional<ColourCalibrationOptions> colour_options;
     if (a.chart != "off") colour_options = colour_options_of(a);
@@ -147,6 +172,7 @@ nlohmann::json run_calibrate(const CalibrateArguments& a) {
         paths = pictures_in(a.folder, warnings);
     else
         paths.assign(a.photos.begin(), a.photos.end());
+    if (a.uncalibrated) return run_uncalibrated(a, paths, warnings);
     BallCalibration calibration = calibrate_from_balls(paths, options, progress);
     calibration.warnings.insert(calibration.warnings.begin(), warnings.begin(), warnings.end());
     std::optional<ColourCalibration> colours;
@@ -200,6 +226,11 @@ Command calibrate_command() {
                 .check(positive());
             flags.option("--ball-height-mm", a->ball_height_mm,
                          "of the balls' centres above the painting's plane; their radius where not given");
+            flags.flag("--uncalibrated", a->uncalibrated,
+                       "find the lights from the photographs of a nearly flat object alone, without balls");
+            flags.flag(
+                "--inverted", a->inverted,
+                "with --uncalibrated: the other reading of the relief, hills for valleys (see the report)");
             flags.flag("--fixed-camera", a->fixed_camera,
                        "the camera did not move: do not register the photographs");
             flags

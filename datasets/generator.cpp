@@ -312,7 +312,7 @@ Photography write_stack(const fs::path& folder, const PaintingTruth& truth, cons
                                  .jpeg_quality = o.jpeg_quality};
     std::vector<Light> nominal, held_out;
     int done = 0;
-    for (const auto& [light, fitted, homography] : photography.photos) {
+    for (const auto& [light, fitted, homography, found_otherwise] : photography.photos) {
         const Image<Rgb> photo = apply_sensor(render(surface, light, o), o, done);
         write_picture((fitted ? folder : held_out_folder) / light.name, photo, o.transfer, storage);
         Light& listed = (fitted ? nominal : held_out).emplace_back(light);

@@ -99,11 +99,20 @@ Rig rig_of(const Stack& stack) {
 void describe_lights(const Stack& stack, const LightCalibration& calibration, Photography& photography) {
     photography.rig = calibration.lighting.rig;
     photography.lamps = calibration.lamps;
+    const auto add = [&](const Light& light, bool fitted, const StackPhoto& photo) {
+        photography.photos.push_back({light, fitted, photo.homography});
+        if (light.direction != photo.light.direction)
+            photography.photos.back().listed_direction = photo.light.direction;
+    };
     for (std::size_t i = 0; i < stack.photos.size(); ++i)
-        photography.photos.push_back({calibration.lighting.lights[i], true, stack.photos[i].homography});
+        add(calibration.lighting.lights[i], true, stack.photos[i]);
     const Photography fitted = photography;
-    for (const StackPhoto& photo : stack.held_out)
-        photography.photos.push_back({as_photographed(photo.light, fitted), false, photo.homography});
+    for (const StackPhoto& photo : stack.held_out) {
+        Light light = photo.light;
+        light.direction = corrected_direction(calibration, light.direction);
+        if (light.position_mm) light.position_mm = light.direction * glm::length(*light.position_mm);
+        add(as_photographed(light, fitted), false, photo);
+    }
 }
 
 void summarise(const Surface& surface, const Counters& counters, double diffuse_max, FitReport& report) {
@@ -177,10 +186,12 @@ FitResult fit_painting(Stack stack, const FitOptions& options, const Progress& p
     const NoiseModel noise = noise_model(stack, transfer, options);
     const Lighting given{stack.lights(), rig_of(stack), options.white_level};
     report_.lights = options.lights_as_given
-                         ? LightCalibration{.lighting = given, .trials = {}}
+                         ? LightCalibration{.lighting = given}
                          : calibrate_lights(stack, surveyed, transfer, noise, given, surface.mm_per_pixel,
                                             options.ward, options.calibration, progress);
     const Lighting& lighting = report_.lights.lighting;
+    if (std::string warning = warning_of(report_.lights, stack.folder.string()); !warning.empty())
+        stack.warnings.push_back(std::move(warning));
     describe_lights(stack, report_.lights, surface.photography);
     StackReader reader(stack);
     const int rows = reader.rows_for(kBandBytes);

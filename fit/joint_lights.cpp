@@ -4,154 +4,235 @@
 
 #include <array>
 #include <cmath>
+#include <numbers>
 
+#include "fit/joint_priors.h"
 #include "fit/joint_residual.h"
 
 namespace tangi {
 
 namespace {
 
-// What is known before any photograph. Model errors are shared by neighbouring samples, so that the prior on
-// a lamp's own gain weighs as if one sample in kDependent were independent. The priors on what the whole
-// stack shares (the trend of the gains, the camera) stand as they are: all photographs speak against them.
+// What is known before any photograph. Model errors are shared by neighbouring samples, so that the priors on
+// a lamp's own gain and direction weigh as if one sample in kDependent were independent. The priors on what
+// the whole stack shares (the trends, the camera) stand as they are: all photographs speak against them.
 constexpr double kDependent = 10;     // [1] samples
 constexpr double kStartScale = 20;    // [sigma] at first, so that a lamp three times too strong is no outlier
 constexpr double kRobustScale = 2;    // [sigma] as the pixel fit's
 constexpr double kGainSigma = 0.05;   // [1] ln gain, about its smooth trend
 constexpr double kTrendSigma = 0.2;   // [1] ln gain
+constexpr double kFieldSigma = 0.05;  // [rad] rms of each mode of a smooth field of turns
+constexpr double kTurnSigma = 0.1;    // [rad] of a lamp's own turn
+constexpr double kNoTurn = 0.001;     // [rad] what stands for none of its own
 constexpr double kCameraSigma = 0.5;  // [1/width]
-constexpr double kFlatness = 0.03;    // [1] slope; robust, so that relief does not count
-constexpr double kLnAlpha = -1.6, kLnAlphaSigma = 0.7, kSpecularSigma = 0.2;  // as WardPrior
 constexpr int kIterations = 40;
 
-constexpr int kPixel = kJointPixel, kRig = kJointRig;
-constexpr int kTrend = 6;  // 1, x, y, x^2, x y, y^2 of the direction
-
-struct LobePrior {
-    template <class T>
-    bool operator()(const T* pixel, T* residual) const {
-        residual[0] = (pixel[2] - kLnAlpha) / kLnAlphaSigma;
-        residual[1] = pixel[3] / kSpecularSigma;
-        return true;
-    }
-};
-
-struct FlatnessPrior {
-    template <class T>
-    bool operator()(const T* pixel, T* residual) const {
-        residual[0] = pixel[0] / kFlatness;
-        residual[1] = pixel[1] / kFlatness;
-        return true;
-    }
-};
-
-struct GainPrior {
-    glm::dvec3 l;
-    double weight;
-    template <class T>
-    bool operator()(const T* log_gain, const T* trend, T* residual) const {
-        residual[0] = (log_gain[0] - trend[0] - trend[1] * l.x - trend[2] * l.y - trend[3] * l.x * l.x -
-                       trend[4] * l.x * l.y - trend[5] * l.y * l.y) *
-                      weight;
-        return true;
-    }
-};
-
-template <int size>
-struct Weighted {  // residuals weight * parameter
-    std::array<double, size> weight;
-    template <class T>
-    bool operator()(const T* parameter, T* residual) const {
-        for (int i = 0; i < size; ++i) residual[i] = weight[static_cast<std::size_t>(i)] * parameter[i];
-        return true;
-    }
-};
+constexpr int kPixel = kJointPixel, kRig = kJointRig, kTurn = kJointTurn;
 
 template <int residuals, int... blocks, class Functor>
 ceres::CostFunction* cost(Functor functor) {
     return new ceres::AutoDiffCostFunction<Functor, residuals, blocks...>(new Functor(functor));
 }
 
+// The parameters, as Ceres takes them, and the problem they are in. They lie side by side, as Ceres orders
+// blocks by their address, and so its sums.
+class Blocks {
+public:
+    Blocks(const JointLights& joint, const JointFreedom& freedom)
+        : freedom_(freedom),
+          prior_weight_(std::sqrt(std::max(1.0, static_cast<double>(joint.pixels.size()) / kDependent))),
+          photos_(joint.directions.size()) {
+        if (freedom.directions != DirectionFreedom::listed && freedom.pixels)
+            directions = DirectionField(joint.directions, !freedom.gains);
+        pixels_ = joint.pixels.size();
+        values_.reserve(kPixel * pixels_ + (1 + kTurn) * photos_ + kJointTrend + kRig + field_size());
+        for (const JointLights::Pixel& p : joint.pixels)
+            values_.insert(values_.end(), {p.slope.x, p.slope.y, p.ln_alpha, p.specular, p.diffuse});
+        values_.insert(values_.end(), joint.log_gains.begin(), joint.log_gains.end());
+        for (const glm::dvec2& turn : joint.turns) values_.insert(values_.end(), {turn.x, turn.y});
+        values_.resize(values_.size() + kJointTrend);
+        values_.insert(values_.end(), {joint.rig.lamp_nearness, joint.rig.ambient, joint.rig.camera_nearness,
+                                       joint.rig.bend});
+        values_.resize(values_.size() + field_size());
+        add_observations(joint);
+        add_pixels();
+        add_gains(joint);
+        add_turns(joint);
+        add_rig(joint);
+    }
+
+    DirectionField directions;
+    std::size_t field_size() const { return static_cast<std::size_t>(directions.modes()); }
+    double* pixel(std::size_t i) { return &values_[kPixel * i]; }
+    double* log_gain(std::size_t i) { return &values_[kPixel * pixels_ + i]; }
+    double* turn(std::size_t i) { return log_gain(photos_) + kTurn * i; }
+    double* trend() { return turn(photos_); }
+    double* rig() { return trend() + kJointTrend; }
+    double* field() { return rig() + kRig; }
+
+    bool solve(JointStart start) {
+        ceres::Solver::Options options;
+        options.linear_solver_type = ceres::DENSE_SCHUR;  // pixels are eliminated first
+        options.linear_solver_ordering = ordering_;
+        options.num_threads = 1;  // sums in a fixed order; callers run several problems at once
+        options.logging_type = ceres::SILENT;
+        ceres::Solver::Summary summary;
+        if (start == JointStart::far && freedom_.gains) {
+            options.max_num_iterations = kIterations / 2;
+            options.function_tolerance = 1e-3;
+            ceres::Solve(options, &problem_, &summary);
+        }
+        robust_->Reset(new ceres::CauchyLoss(kRobustScale), ceres::TAKE_OWNERSHIP);
+        options.max_num_iterations = start == JointStart::far ? kIterations : kIterations / 4;
+        options.function_tolerance = start == JointStart::far ? 1e-5 : 1e-4;
+        ceres::Solve(options, &problem_, &summary);
+        return summary.IsSolutionUsable();
+    }
+
+    // [deg] of each direction, in rms of its two components; empty where the problem leaves them open.
+    std::vector<double> direction_sigma_deg() {
+        robust_->Reset(new ceres::CauchyLoss(kRobustScale), ceres::TAKE_OWNERSHIP);
+        std::vector<std::pair<const double*, const double*>> wanted;
+        for (std::size_t i = 0; i < photos_; ++i) wanted.emplace_back(turn(i), turn(i));
+        ceres::Covariance::Options options;
+        options.num_threads = 1;
+        ceres::Covariance covariance(options);
+        if (!covariance.Compute(wanted, &problem_)) return {};
+        std::vector<double> sigmas;
+        for (std::size_t i = 0; i < photos_; ++i) {
+            std::array<double, kTurn * kTurn> c{};
+            covariance.GetCovarianceBlock(turn(i), turn(i), c.data());
+            sigmas.push_back(std::sqrt(kDependent * (c[0] + c[3]) / 2) * 180 / std::numbers::pi);
+        }
+        return sigmas;
+    }
+
+private:
+    void add_observations(const JointLights& joint) {
+        for (const JointLights::Observation& o : joint.observations) {
+            const auto at = static_cast<std::size_t>(o.pixel), photo = static_cast<std::size_t>(o.photo);
+            problem_.AddResidualBlock(
+                new JointResidual({joint.directions[photo], joint.nearer[photo], joint.pixels[at].position,
+                                   joint.camera_axis, o.value, o.sigma}),
+                robust_, pixel(at), log_gain(photo), rig(), turn(photo));
+        }
+    }
+
+    void add_pixels() {
+        auto* flat = new ceres::CauchyLoss(1);
+        for (std::size_t i = 0; i < pixels_; ++i) {
+            double* block = pixel(i);
+            problem_.AddResidualBlock(cost<2, kPixel>(LobePrior{}), nullptr, block);
+            problem_.AddResidualBlock(cost<2, kPixel>(FlatnessPrior{}), flat, block);
+            problem_.SetParameterLowerBound(block, 2, std::log(0.03));
+            problem_.SetParameterUpperBound(block, 2, std::log(0.7));
+            problem_.SetParameterLowerBound(block, 3, 0);
+            problem_.SetParameterLowerBound(block, 4, 0);
+            if (!freedom_.pixels) problem_.SetParameterBlockConstant(block);
+            ordering_->AddElementToGroup(block, 0);
+        }
+    }
+
+    void add_gains(const JointLights& joint) {
+        auto* outlying = new ceres::CauchyLoss(2 * prior_weight_);
+        for (std::size_t i = 0; i < photos_; ++i) {
+            problem_.AddResidualBlock(
+                cost<1, 1, kJointTrend>(GainPrior{joint.directions[i], prior_weight_ / kGainSigma}), outlying,
+                log_gain(i), trend());
+            if (!freedom_.gains) problem_.SetParameterBlockConstant(log_gain(i));
+            ordering_->AddElementToGroup(log_gain(i), 1);
+        }
+        // The trend's constant only follows the albedo: strength is relative.
+        const double t = 1 / kTrendSigma;
+        problem_.AddResidualBlock(cost<kJointTrend, kJointTrend>(Weighted<kJointTrend>{{1e4, t, t, t, t, t}}),
+                                  nullptr, trend());
+        ordering_->AddElementToGroup(trend(), 1);
+    }
+
+    void add_turns(const JointLights& joint) {
+        for (std::size_t i = 0; i < photos_; ++i) {
+            ordering_->AddElementToGroup(turn(i), 1);
+            if (freedom_.directions == DirectionFreedom::listed) problem_.SetParameterBlockConstant(turn(i));
+        }
+        if (freedom_.directions == DirectionFreedom::listed) return;
+        if (!freedom_.pixels) {
+            for (std::size_t i = 0; i < photos_; ++i)
+                problem_.AddResidualBlock(new PullToZero(kTurn, prior_weight_ / kTurnSigma), nullptr,
+                                          turn(i));
+            return;
+        }
+        const bool own = freedom_.directions == DirectionFreedom::own;
+        const double weight = prior_weight_ / (own ? kTurnSigma : kNoTurn);
+        auto* outlying = own ? new ceres::CauchyLoss(2 * prior_weight_) : nullptr;
+        std::vector<std::vector<glm::dvec2>> untold;
+        std::vector<double*> all;
+        for (std::size_t i = 0; i < photos_; ++i) {
+            problem_.AddResidualBlock(new TurnPrior(directions.at(joint.directions[i]), weight), outlying,
+                                      turn(i), field());
+            untold.push_back(directions.untold(joint.directions[i]));
+            all.push_back(turn(i));
+        }
+        if (own) problem_.AddResidualBlock(new MotionPrior(std::move(untold)), nullptr, all);
+        problem_.AddResidualBlock(new PullToZero(directions.modes(), 1 / kFieldSigma), nullptr, field());
+        ordering_->AddElementToGroup(field(), 1);
+    }
+
+    void add_rig(const JointLights& joint) {
+        problem_.AddResidualBlock(cost<kRig, kRig>(Weighted<kRig>{{0, 0, 1 / kCameraSigma, 0}}), nullptr,
+                                  rig());
+        ordering_->AddElementToGroup(rig(), 1);
+        const std::array<std::array<double, 2>, kRig> bounds = {{{0, 1.2}, {0, 0.6}, {0, 1.2}, {-0.5, 0.5}}};
+        for (int i = 0; i < kRig; ++i) {
+            if (i != 1 && (i == 2 ? joint.camera_known : joint.lamps_known))
+                continue;  // may lie outside, and stays
+            problem_.SetParameterLowerBound(rig(), i, bounds[static_cast<std::size_t>(i)][0]);
+            problem_.SetParameterUpperBound(rig(), i, bounds[static_cast<std::size_t>(i)][1]);
+        }
+        std::vector<int> known;
+        if (joint.lamps_known) known = {0, 3};
+        if (joint.camera_known) known.push_back(2);
+        if (!freedom_.rig)
+            problem_.SetParameterBlockConstant(rig());
+        else if (!known.empty())
+            problem_.SetManifold(rig(), new ceres::SubsetManifold(kRig, known));
+    }
+
+    JointFreedom freedom_;
+    double prior_weight_;
+    std::size_t photos_, pixels_ = 0;
+    std::vector<double> values_;
+    ceres::Problem problem_;  // owns costs and losses; a loss may be shared
+    ceres::LossFunctionWrapper* robust_ =
+        new ceres::LossFunctionWrapper(new ceres::CauchyLoss(kStartScale), ceres::TAKE_OWNERSHIP);
+    std::shared_ptr<ceres::ParameterBlockOrdering> ordering_ =
+        std::make_shared<ceres::ParameterBlockOrdering>();
+};
+
 }  // namespace
 
-bool JointLights::solve(bool free_gains, JointStart start) {
-    std::vector<std::array<double, kPixel>> x;
-    for (const Pixel& p : pixels) x.push_back({p.slope.x, p.slope.y, p.ln_alpha, p.specular, p.diffuse});
-    std::array<double, kRig> r = {rig.lamp_nearness, rig.ambient, rig.camera_nearness, rig.bend};
-    std::array<double, kTrend> trend{};
-    const double weight = std::sqrt(std::max(1.0, static_cast<double>(pixels.size()) / kDependent));
-
-    ceres::Problem problem;  // owns costs and losses; a loss may be shared
-    auto* robust = new ceres::LossFunctionWrapper(new ceres::CauchyLoss(kStartScale), ceres::TAKE_OWNERSHIP);
-    for (const Observation& o : observations) {
-        const auto pixel = static_cast<std::size_t>(o.pixel), photo = static_cast<std::size_t>(o.photo);
-        problem.AddResidualBlock(new JointResidual({directions[photo], nearer[photo], pixels[pixel].position,
-                                                    camera_axis, o.value, o.sigma}),
-                                 robust, x[pixel].data(), &log_gains[photo], r.data());
+bool JointLights::solve(const JointFreedom& freedom, JointStart start) {
+    Blocks blocks(*this, freedom);
+    if (!blocks.solve(start)) return false;
+    for (std::size_t i = 0; i < pixels.size(); ++i) {
+        const double* x = blocks.pixel(i);
+        pixels[i].slope = {x[0], x[1]};
+        pixels[i].ln_alpha = x[2];
+        pixels[i].specular = x[3];
+        pixels[i].diffuse = x[4];
     }
-    auto* flat = new ceres::CauchyLoss(1);
-    auto ordering = std::make_shared<ceres::ParameterBlockOrdering>();
-    for (auto& pixel : x) {
-        double* block = pixel.data();
-        problem.AddResidualBlock(cost<2, kPixel>(LobePrior{}), nullptr, block);
-        problem.AddResidualBlock(cost<2, kPixel>(FlatnessPrior{}), flat, block);
-        problem.SetParameterLowerBound(block, 2, std::log(0.03));
-        problem.SetParameterUpperBound(block, 2, std::log(0.7));
-        problem.SetParameterLowerBound(block, 3, 0);
-        problem.SetParameterLowerBound(block, 4, 0);
-        ordering->AddElementToGroup(block, 0);
+    for (std::size_t i = 0; i < directions.size(); ++i) {
+        log_gains[i] = *blocks.log_gain(i);
+        turns[i] = {blocks.turn(i)[0], blocks.turn(i)[1]};
     }
-    auto* outlying = new ceres::CauchyLoss(2 * weight);
-    for (std::size_t i = 0; i < log_gains.size(); ++i) {
-        problem.AddResidualBlock(cost<1, 1, kTrend>(GainPrior{directions[i], weight / kGainSigma}), outlying,
-                                 &log_gains[i], trend.data());
-        if (!free_gains) problem.SetParameterBlockConstant(&log_gains[i]);
-        ordering->AddElementToGroup(&log_gains[i], 1);
-    }
-    // The trend's constant only follows the albedo: strength is relative.
-    const double t = 1 / kTrendSigma;
-    problem.AddResidualBlock(cost<kTrend, kTrend>(Weighted<kTrend>{{1e4, t, t, t, t, t}}), nullptr,
-                             trend.data());
-    problem.AddResidualBlock(cost<kRig, kRig>(Weighted<kRig>{{0, 0, 1 / kCameraSigma, 0}}), nullptr,
-                             r.data());
-    const std::array<std::array<double, 2>, kRig> bounds = {{{0, 1.2}, {0, 0.6}, {0, 1.2}, {-0.5, 0.5}}};
-    for (int i = 0; i < kRig; ++i) {
-        if (i != 1 && (i == 2 ? camera_known : lamps_known)) continue;  // may lie outside, and stays
-        problem.SetParameterLowerBound(r.data(), i, bounds[static_cast<std::size_t>(i)][0]);
-        problem.SetParameterUpperBound(r.data(), i, bounds[static_cast<std::size_t>(i)][1]);
-    }
-    std::vector<int> known;
-    if (lamps_known) known = {0, 3};
-    if (camera_known) known.push_back(2);
-    if (!known.empty()) problem.SetManifold(r.data(), new ceres::SubsetManifold(kRig, known));
-    ordering->AddElementToGroup(trend.data(), 1);
-    ordering->AddElementToGroup(r.data(), 1);
-
-    ceres::Solver::Options options;
-    options.linear_solver_type = ceres::DENSE_SCHUR;  // pixels are eliminated first
-    options.linear_solver_ordering = ordering;
-    options.num_threads = 1;  // sums in a fixed order; callers run several problems at once
-    options.logging_type = ceres::SILENT;
-    ceres::Solver::Summary summary;
-    if (free_gains && start == JointStart::far) {
-        options.max_num_iterations = kIterations / 2;
-        options.function_tolerance = 1e-3;
-        ceres::Solve(options, &problem, &summary);
-    }
-    robust->Reset(new ceres::CauchyLoss(kRobustScale), ceres::TAKE_OWNERSHIP);
-    options.max_num_iterations = start == JointStart::far ? kIterations : kIterations / 4;
-    options.function_tolerance = start == JointStart::far ? 1e-5 : 1e-4;
-    ceres::Solve(options, &problem, &summary);
-    if (!summary.IsSolutionUsable()) return false;
-
-    for (std::size_t i = 0; i < x.size(); ++i) {
-        pixels[i].slope = {x[i][0], x[i][1]};
-        pixels[i].ln_alpha = x[i][2];
-        pixels[i].specular = x[i][3];
-        pixels[i].diffuse = x[i][4];
-    }
-    rig = {r[0], r[1], r[2], r[3]};
+    rig = {blocks.rig()[0], blocks.rig()[1], blocks.rig()[2], blocks.rig()[3]};
+    field = blocks.directions;
+    coefficients.assign(blocks.field(), blocks.field() + blocks.field_size());
     return true;
+}
+
+std::vector<double> JointLights::direction_sigma_deg(const JointFreedom& freedom) const {
+    if (freedom.directions == DirectionFreedom::listed) return {};
+    return Blocks(*this, freedom).direction_sigma_deg();
 }
 
 }  // namespace tangi

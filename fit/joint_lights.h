@@ -1,15 +1,34 @@
-// joint_lights.h: the bundle adjustment of light calibration: grey pixels, gains and rig at once, with Ceres.
+// joint_lights.h: the bundle adjustment of light calibration: grey pixels, gains, directions and rig at once,
+// with Ceres.
 #pragma once
 
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 #include <vector>
 
+#include "fit/direction_field.h"
+
 namespace tangi {
 
 // Where the parameters start: at values that may be far off (a lamp three times as strong), or near the
 // minimum.
 enum class JointStart { far, near };
+
+// How the lamps' directions may differ from those listed.
+enum class DirectionFreedom {
+    listed,  // not at all
+    smooth,  // they turn by a smooth field of few numbers over direction
+    own,     // and each lamp by a few degrees of its own
+};
+
+// What the problem may move.
+struct JointFreedom {
+    bool rig = true;    // else it stays as it is given
+    bool gains = true;  // else they do
+    DirectionFreedom directions = DirectionFreedom::listed;
+    // Else the pixels stay too, and each lamp stands alone: its own turn is only kept small.
+    bool pixels = true;
+};
 
 // Lengths are in picture widths (the longer side), positions from the centre, y up.
 struct JointLights {
@@ -41,10 +60,18 @@ struct JointLights {
     glm::dvec2 camera_axis{0};   // above which the camera is
 
     std::vector<double> log_gains;  // one a photograph: start, and result
-    RigParameters rig;              // start, and result
+    std::vector<glm::dvec2>
+        turns;             // of the directions (direction_field.h): start, and result; one a photograph
+    RigParameters rig;     // start, and result
+    DirectionField field;  // result: of the smooth part of the turns ...
+    std::vector<double> coefficients;  // ... by these; none where directions are listed
 
-    // Minimises over pixels and rig, and over the gains where `free_gains`. False where Ceres fails.
-    bool solve(bool free_gains, JointStart start);
+    // Minimises. False where Ceres fails.
+    bool solve(const JointFreedom& freedom, JointStart start);
+
+    // [deg] Standard error of each direction of a solved problem, across it, in rms of its two components;
+    // empty where it can't be told.
+    std::vector<double> direction_sigma_deg(const JointFreedom& freedom) const;
 };
 
 }  // namespace tangi

@@ -42,9 +42,17 @@ bool JointResidual::Evaluate(const double* const* parameters, double* residual, 
     const double nearness = rig[0] * s_.nearer, ambient = rig[1], camera = rig[2], bend = rig[3];
     const dvec3 x(s_.position, 0), from_axis(s_.position - s_.camera_axis, 0);
 
+    const double* turn_by = parameters[3];
+    const dvec3 off = s_.direction + turn_by[0] * frame_.a + turn_by[1] * frame_.b;
+    const double off_length = glm::length(off);
+    const dvec3 direction = off / off_length;
+
     // How the direction turns with the bend: towards the border by the part of it that is above the picture.
-    const dvec3 turn(s_.position * s_.direction.z, -glm::dot(s_.position, glm::dvec2(s_.direction)));
-    const dvec3 bent = s_.direction + bend * turn;
+    const auto turning = [&](const dvec3& d) {
+        return dvec3(s_.position * d.z, -glm::dot(s_.position, glm::dvec2(d)));
+    };
+    const dvec3 turn = turning(direction);
+    const dvec3 bent = direction + bend * turn;
     const double bent_length = glm::length(bent);
     const dvec3 e = bent / bent_length;
     const dvec3 u = e - nearness * x;
@@ -80,12 +88,17 @@ bool JointResidual::Evaluate(const double* const* parameters, double* residual, 
         by[4] = scale * (r.n_l + ambient);
     }
     if (jacobians[1]) jacobians[1][0] = scale * shown;
+    const auto along = [&](const dvec3& du) {  // u moves
+        const dvec3 dl = across(l, du) / distance;
+        return scale * (by_n_l * glm::dot(n, dl) + 2 * by_h_h * glm::dot(v, dl) -
+                        2 * shown * glm::dot(u, du) / distance2);
+    };
+    if (double* by = jacobians[3])
+        for (int k = 0; k < kJointTurn; ++k) {
+            const dvec3 dd = across(direction, k == 0 ? frame_.a : frame_.b) / off_length;
+            by[k] = along(across(e, dd + bend * turning(dd)) / bent_length);
+        }
     if (double* by = jacobians[2]) {
-        const auto along = [&](const dvec3& du) {  // u moves
-            const dvec3 dl = across(l, du) / distance;
-            return scale * (by_n_l * glm::dot(n, dl) + 2 * by_h_h * glm::dot(v, dl) -
-                            2 * shown * glm::dot(u, du) / distance2);
-        };
         const dvec3 dv = across(v, -from_axis) / sight_length;
         by[0] = along(-s_.nearer * x);
         by[1] = scale * rho_d;

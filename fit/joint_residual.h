@@ -2,9 +2,10 @@
 // derivatives.
 //
 // Lengths are in picture widths, positions from the picture's centre. With d the lamp's given direction, s
-// how much nearer it is than the others, x the pixel's position, a that of the camera, the rig's bend b, the
-// lamps' nearness m and the camera's nearness c:
-//   e  = d turned by b x (first order), unit;   u = e - m s (x, 0)        towards the lamp
+// how much nearer it is than the others, t its turn (direction_field.h), x the pixel's position, a that of
+// the camera, the rig's bend b, the lamps' nearness m and the camera's nearness c:
+//   d' = d + t.x a + t.y b, unit
+//   e  = d' turned by b x (first order), unit;   u = e - m s (x, 0)        towards the lamp
 //   l  = u / |u|;   v = unit of (c (a - x), 1)                            towards the camera
 //   model = exp(g) / |u|^2 (rho_d (max(n.l, 0) + k) + rho_s pi lobe(alpha) max(n.l, 0))
 // with g the lamp's ln gain, k the ambient light and the bounded lobe of surface/ward.h. Residual
@@ -16,10 +17,13 @@
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 
+#include "fit/direction_field.h"
+
 namespace tangi {
 
 constexpr int kJointPixel = 5;  // slope x, slope y, ln alpha, rho_s, rho_d
 constexpr int kJointRig = 4;    // lamp nearness, ambient, camera nearness, bend
+constexpr int kJointTurn = 2;   // x and y of the turn of the lamp's direction
 
 struct JointSample {
     glm::dvec3 direction{0, 0, 1};  // d
@@ -30,15 +34,16 @@ struct JointSample {
     double sigma = 1;               // [1] > 0
 };
 
-class JointResidual final : public ceres::SizedCostFunction<1, kJointPixel, 1, kJointRig> {
+class JointResidual final : public ceres::SizedCostFunction<1, kJointPixel, 1, kJointRig, kJointTurn> {
 public:
-    explicit JointResidual(const JointSample& sample) : s_(sample) {}
+    explicit JointResidual(const JointSample& sample) : s_(sample), frame_(tangent_frame(sample.direction)) {}
 
-    // parameters: pixel, ln gain, rig.
+    // parameters: pixel, ln gain, rig, turn.
     bool Evaluate(const double* const* parameters, double* residual, double** jacobians) const override;
 
 private:
     JointSample s_;
+    TangentFrame frame_;
 };
 
 }  // namespace tangi

@@ -19,6 +19,7 @@
 #include <vector>
 
 #include "capture/survey.h"
+#include "fit/joint_lights.h"
 #include "fit/lighting.h"
 #include "fit/ward_fit.h"
 #include "surface/lamp_model.h"
@@ -32,7 +33,15 @@ enum class LightFreedom {
     rig,            // ambient light, distances of lamps and camera
     rig_and_gains,  // and a strength for each lamp
 };
-std::string_view name_of(LightFreedom freedom);
+
+// One way to explain the photographs.
+struct LightModel {
+    LightFreedom lamps = LightFreedom::none;
+    DirectionFreedom directions = DirectionFreedom::listed;
+
+    friend bool operator==(const LightModel&, const LightModel&) = default;
+};
+std::string name_of(const LightModel& model);
 
 struct LightCalibrationOptions {
     int samples = 500;       // [1] pixels to solve for
@@ -56,14 +65,25 @@ struct LightCalibrationOptions {
 
 struct LightCalibration {
     struct Trial {
-        LightFreedom freedom;
+        LightModel model;
         double left_out_db = 0;         // [dB] mean PSNR of photographs left out in turn, on the sample
         std::vector<double> photos_db;  // [dB] of each of them, the same photographs in all trials
+        // [dB] Of each of them on every second pixel, once strength and direction, as far as the model gives
+        // each lamp its own, are found again from the others.
+        std::vector<double> located_db;
     };
     Lighting lighting;                 // lights in the order of stack.photos
     std::optional<LampModel> lamps{};  // where gains were found
-    LightFreedom freedom = LightFreedom::none;
-    std::vector<Trial> trials;  // empty where there were too few photographs to try
+    LightModel model{};
+    // Where directions were corrected: of lighting.lights.
+    struct Turn {
+        double changed_deg = 0;  // from the listed direction
+        double sigma_deg = 0;    // standard error of the direction; 0 where it can't be told
+    };
+    std::vector<Turn> turns{};
+    DirectionField field{};              // what turns a direction that no photograph had ...
+    std::vector<double> coefficients{};  // ... by these
+    std::vector<Trial> trials{};         // empty where there were too few photographs to try
 };
 
 // The photographs' lights as the fit should take them. `given` has the lights of stack.photos; the survey is
@@ -72,6 +92,12 @@ LightCalibration calibrate_lights(const Stack& stack, const Survey& survey, cons
                                   const NoiseModel& noise, const Lighting& given, double mm_per_pixel,
                                   const WardFitOptions& ward, const LightCalibrationOptions& options = {},
                                   const Progress& progress = {});
+
+// The direction of a lamp that no photograph had, given one of the lights file.
+Vec3 corrected_direction(const LightCalibration& calibration, const Vec3& listed);
+
+// Names the lamps whose directions were corrected by more than 5 degrees; empty where there are none.
+std::string warning_of(const LightCalibration& calibration, const std::string& folder);
 
 // What was found, for people and scripts: distances in mm, gains by photograph.
 nlohmann::json to_json(const LightCalibration& calibration);

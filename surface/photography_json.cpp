@@ -39,6 +39,7 @@ json to_json(const Photography& photography) {
                       {"fitted", photo.fitted}};
         if (photo.homography) entry["homography"] = to_json(*photo.homography);
         if (photo.light.position_mm) entry["position_mm"] = array_of(*photo.light.position_mm);
+        if (photo.listed_direction) entry["listed_direction"] = array_of(*photo.listed_direction);
         photos.push_back(std::move(entry));
     }
     const Rig& rig = photography.rig;
@@ -70,6 +71,8 @@ Photography photography_from_json(const json& j) {
         photo.light.direction = vec3_of(entry.at("direction"));
         photo.light.gain = vec3_of(entry.at("gain"));
         if (entry.contains("position_mm")) photo.light.position_mm = vec3_of(entry.at("position_mm"));
+        if (entry.contains("listed_direction"))
+            photo.listed_direction = vec3_of(entry.at("listed_direction"));
         photo.fitted = entry.at("fitted").get<bool>();
         if (entry.contains("homography")) photo.homography = homography_from_json(entry.at("homography"));
         photography.photos.push_back(std::move(photo));

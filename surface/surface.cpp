@@ -39,7 +39,9 @@ Vec3 Surface::point_mm(int x, int y) const {
 const Photography::Photo* find_photo(const Photography& photography, const Light& light) {
     constexpr float same_light = 0.9986f;  // cosine of 3 degrees: lights files round their vectors
     for (const Photography::Photo& photo : photography.photos)
-        if (glm::dot(photo.light.direction, light.direction) >= same_light &&
+        if (std::max(glm::dot(photo.light.direction, light.direction),
+                     glm::dot(photo.listed_direction.value_or(photo.light.direction), light.direction)) >=
+                same_light &&
             as_stored(photo.light.name) == as_stored(light.name))
             return &photo;
     return nullptr;
@@ -49,7 +51,10 @@ Light as_photographed(const Light& light, const Photography& photography) {
     Light result = light;
     if (const Photography::Photo* photo = find_photo(photography, light)) {
         result.gain = photo->light.gain;
-        if (!result.position_mm) result.position_mm = photo->light.position_mm;
+        if (!result.position_mm) {
+            if (photo->listed_direction) result.direction = photo->light.direction;
+            result.position_mm = photo->light.position_mm;
+        }
         return result;
     }
     if (photography.lamps) {

@@ -26,6 +26,8 @@ struct Photography {
         // Pixel of the reference photograph's frame -> pixel of this photograph, both whole; where the camera
         // moved.
         std::optional<Homography> homography{};
+        // [unit vector] As the lights file says, where light.direction is a correction of it.
+        std::optional<Vec3> listed_direction{};
     };
     Transfer transfer;
     double white_level = 1;  // [1] linear pixel value of a matt white that faces a light of gain 1
@@ -34,11 +36,12 @@ struct Photography {
     std::optional<LampModel> lamps{};  // of the fitted photographs; empty where lamps count as equal
 };
 
-// The photograph of this name and light, or null. The light counts too, within 3 degrees: photographs of
-// different stacks have the same names (image00.jpg).
+// The photograph of this name and light, or null. The light counts too, within 3 degrees of what the fit
+// found or of what its lights file said: photographs of different stacks have the same names (image00.jpg).
 const Photography::Photo* find_photo(const Photography& photography, const Light& light);
 
-// The light with the strength (and the position, if near) that it had in its photograph; where there is none,
+// The light with the strength (and, unless it has a position, with direction and position) that it had in its
+// photograph; where there is none,
 // as strong and as near as the lamps that were photographed make likely.
 Light as_photographed(const Light& light, const Photography& photography);
 

@@ -50,7 +50,11 @@ TEST_F(BadStack, WithoutAFolder) {
 
 TEST_F(BadStack, WithoutALightsFile) {
     fs::remove(dir / "lights.lp");
-    EXPECT_EQ(error(), folder + ": no lights file (.lp) in this folder; name one with --lights FILE.lp");
+    EXPECT_THAT(error(),
+                testing::StartsWith(folder + ": no lights file (.lp, .dome or .relight) in this folder; "
+                                             "name one with --lights FILE.lp"));
+    EXPECT_THAT(error(), testing::HasSubstr(": tangipaint calibrate " + folder + " --out " + folder +
+                                            "/lights.lp --uncalibrated ("));
     EXPECT_EQ(error({.lights_file = dir / "lights.lp"}), path("lights.lp") + ": no such lights file");
 }
 

@@ -43,7 +43,7 @@ TEST(CliBadFolder, DoesNotExist) {
 TEST(CliBadFolder, HasNoLightsFile) {
     const TinyStack stack;
     fs::rename(stack.lights(), stack.out("lights.txt"));
-    expect_refused(stack, {stack.path(), "no lights file (.lp)", "--lights FILE.lp"});
+    expect_refused(stack, {stack.path(), "no lights file (.lp", "--lights FILE.lp"});
     expect_refused(stack, {"gone.lp: no such lights file"}, {"--lights", stack.out("gone.lp")});
 }
 

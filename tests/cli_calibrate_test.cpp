@@ -39,6 +39,39 @@ TEST(CliCalibrate, WritesLightsACaptureFileAndAPage) {
               (std::vector<std::string>{"capture.html", "capture.json", "lights.lp", "photos"}));
 }
 
+TEST(CliCalibrate, FindsLightsOfWhichNothingIsWrittenDown) {
+    const TestDir dir;
+    const std::string photos = (dir / "photos").string(), out = (dir / "photos/lights.lp").string();
+    ASSERT_TRUE(ended(tangipaint({"generate", "--out", photos, "--width", "48", "--height", "48", "--lights",
+                                  "16", "--held-out", "0", "--reflectance", "lambert"}),
+                      0));
+    const LightsFile right = read_lights_file(out);
+    std::filesystem::remove(out);
+    const std::string command = "tangipaint calibrate " + photos + " --out " + out + " --uncalibrated";
+    EXPECT_TRUE(ended(tangipaint({"fit", photos, "--out", (dir / "p.exr").string()}), 1, {command}));
+    const std::vector<std::string> words = {"calibrate",      photos,       "--out", out,
+                                            "--uncalibrated", "--transfer", "linear"};
+    const Finished run = tangipaint(words);
+    ASSERT_TRUE(run.code == 0 || run.code == 3) << run.err;
+    EXPECT_EQ(run.json()["method"], "uncalibrated");
+    EXPECT_EQ(run.json()["uncalibrated"]["transfer"], "linear");
+    const LightsFile found = read_lights_file(out);
+    ASSERT_EQ(found.lights.size(), right.lights.size());
+    EXPECT_THAT(bytes_of(dir / "photos/capture.html"), HasSubstr("The other reading"));
+    EXPECT_EQ(nlohmann::json::parse(bytes_of(dir / "photos/capture.json"))["method"], "uncalibrated");
+
+    std::vector<std::string> inverted = words;
+    inverted.push_back("--inverted");
+    const Finished again = tangipaint(inverted);
+    ASSERT_TRUE(again.code == 0 || again.code == 3) << again.err;
+    const LightsFile other = read_lights_file(out);
+    for (std::size_t i = 0; i < right.lights.size(); ++i) {
+        const Vec3 &a = found.lights[i].direction, &b = other.lights[i].direction;
+        EXPECT_LE(glm::length(Vec3(-a.x, -a.y, a.z) - b), 1e-5f);
+        EXPECT_EQ(found.lights[i].name, right.lights[i].name);
+    }
+}
+
 TEST(CliCalibrate, RefusesWhatMakesNoSense) {
     const TestDir dir;
     const auto paths = write_ball_photos(dir.path(), BallScene{}, lights_around(3));
@@ -57,6 +90,12 @@ TEST(CliCalibrate, RefusesWhatMakesNoSense) {
                       {"--sphere 250,60,25: no mirror ball there"}));
     EXPECT_TRUE(
         ended(tangipaint({"calibrate", (dir / "gone").string(), "--out", out}), 1, {"gone: no such folder"}));
+    EXPECT_TRUE(ended(tangipaint({"calibrate", folder, "--out", out, "--inverted"}), 2,
+                      {"--inverted: goes with --uncalibrated"}));
+    EXPECT_TRUE(ended(tangipaint({"calibrate", folder, "--out", out, "--uncalibrated", "--matt-ball"}), 2,
+                      {"--uncalibrated: takes no ball"}));
+    EXPECT_TRUE(ended(tangipaint({"calibrate", folder, "--out", out, "--uncalibrated"}), 1,
+                      {folder, "3 photographs", "at least 8"}));
     EXPECT_EQ(names_in(dir.path()).size(), 3u);
 }
 

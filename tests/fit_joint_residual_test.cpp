@@ -15,10 +15,10 @@
 namespace tangi {
 namespace {
 
-constexpr int kSizes[3] = {kJointPixel, 1, kJointRig};
+constexpr int kBlocks = 4, kSizes[kBlocks] = {kJointPixel, 1, kJointRig, kJointTurn};
 
 struct Trial {
-    double pixel[kJointPixel], gain[1], rig[kJointRig];
+    double pixel[kJointPixel], gain[1], rig[kJointRig], turn[kJointTurn];
     JointSample sample;
 };
 
@@ -28,6 +28,7 @@ Trial random_trial(Random& random) {
          random.uniform(0, 0.5), random.uniform(0, 1)},
         {random.uniform(-1, 1)},
         {random.uniform(0, 0.8), random.uniform(0, 0.4), random.uniform(0, 0.8), random.uniform(-0.3, 0.3)},
+        {random.uniform(-0.2, 0.2), random.uniform(-0.2, 0.2)},
         {.direction = glm::dvec3(random.direction(0.2)),
          .nearer = random.uniform(0.7, 1.4),
          .position = {random.uniform(-0.5, 0.5), random.uniform(-0.5, 0.5)},
@@ -37,7 +38,7 @@ Trial random_trial(Random& random) {
 }
 
 double residual_of(const Trial& t) {
-    const double* blocks[] = {t.pixel, t.gain, t.rig};
+    const double* blocks[] = {t.pixel, t.gain, t.rig, t.turn};
     double residual = 0;
     EXPECT_TRUE(JointResidual(t.sample).Evaluate(blocks, &residual, nullptr));
     return residual;
@@ -47,13 +48,13 @@ TEST(JointResidual, DerivativesAreThoseOfCentralDifferences) {
     Random random(4);
     for (int trial = 0; trial < 500; ++trial) {
         Trial t = random_trial(random);
-        double by_pixel[kJointPixel], by_gain[1], by_rig[kJointRig], residual = 0;
-        double* jacobians[] = {by_pixel, by_gain, by_rig};
-        double* blocks[] = {t.pixel, t.gain, t.rig};
+        double by_pixel[kJointPixel], by_gain[1], by_rig[kJointRig], by_turn[kJointTurn], residual = 0;
+        double* jacobians[] = {by_pixel, by_gain, by_rig, by_turn};
+        double* blocks[] = {t.pixel, t.gain, t.rig, t.turn};
         const JointResidual cost(t.sample);
         ASSERT_TRUE(cost.Evaluate(blocks, &residual, jacobians));
         EXPECT_EQ(residual, residual_of(t));
-        for (int block = 0; block < 3; ++block)
+        for (int block = 0; block < kBlocks; ++block)
             for (int i = 0; i < kSizes[block]; ++i) {
                 const double at = blocks[block][i], step = 1e-5;
                 blocks[block][i] = at + step;
@@ -79,7 +80,7 @@ TEST(JointResidual, IsWhatTheReferenceRendererShows) {
                       .camera_axis_mm = glm::vec2(t.sample.camera_axis * width_mm),
                       .lamp_distance_mm = {},
                       .bend_per_mm = static_cast<float>(t.rig[3] / width_mm)};
-        Light light = near_light(Vec3(t.sample.direction) *
+        Light light = near_light(Vec3(turned(t.sample.direction, {t.turn[0], t.turn[1]})) *
                                  static_cast<float>(width_mm / (t.rig[0] * t.sample.nearer)));
         light.gain = Rgb(static_cast<float>(std::exp(t.gain[0])));
         const Vec3 point_mm(glm::vec2(t.sample.position) * static_cast<float>(width_mm), 0);

@@ -29,6 +29,7 @@ TEST(PhotographyJson, RoundTripsThroughText) {
                             : distant_light(random.direction(0.1));
         light.gain = {random.real(0.1, 3), random.real(0.1, 3), random.real(0.1, 3)};
         p.photos.push_back({light, i % 3 != 0, {}});
+        if (i % 5 == 2) p.photos.back().listed_direction = random.direction(0.1);
         if (i % 4 == 1)
             p.photos.back().homography = Homography(1, 0.1 / 3, 1e-7, -0.2, 1.1, 2e-7, 3.3, -4, 1);
     }
@@ -43,6 +44,7 @@ TEST(PhotographyJson, RoundTripsThroughText) {
         EXPECT_EQ(back.photos[i].light.gain, p.photos[i].light.gain);
         EXPECT_EQ(back.photos[i].fitted, p.photos[i].fitted);
         EXPECT_EQ(back.photos[i].homography, p.photos[i].homography);
+        EXPECT_EQ(back.photos[i].listed_direction, p.photos[i].listed_direction);
     }
 }
 

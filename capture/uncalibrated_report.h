@@ -1,0 +1,36 @@
+// uncalibrated_report.h: lights of which nothing is written down, from photographs on disk to files
+// (uncalibrated.h).
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <vector>
+
+#include "capture/calibration_page.h"
+#include "capture/uncalibrated.h"
+#include "surface/colour.h"
+
+namespace tangi {
+
+struct UncalibratedStackOptions {
+    bool inverted = false;               // the other reading
+    std::optional<Transfer> transfer{};  // as the photographs' metadata say where empty, else linear
+};
+
+struct UncalibratedStack {
+    BallCalibration calibration;  // without balls; its method is "uncalibrated"
+    UncalibratedLights found;     // of the photographs that are not left out
+    Transfer transfer;
+};
+
+// Reads the photographs small. Black ones are left out. Throws Error as uncalibrated_lights(), naming the
+// folder, and for photographs that cannot be read.
+UncalibratedStack calibrate_uncalibrated(const std::vector<std::filesystem::path>& paths,
+                                         const UncalibratedStackOptions& options = {},
+                                         const Progress& progress = {});
+
+// As write_calibration(); the page shows the relief in both readings, side by side.
+CalibrationFiles write_uncalibrated(const std::filesystem::path& lights, const UncalibratedStack& stack,
+                                    const std::optional<ColourCalibration>& colours = {});
+
+}  // namespace tangi

@@ -1,0 +1,136 @@
+// joint_priors.h: what the joint problem of pixels, lamps and rig takes for likely before any photograph, as
+// cost functions.
+#pragma once
+
+#include <ceres/ceres.h>
+
+#include <algorithm>
+#include <array>
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
+#include <utility>
+#include <vector>
+
+#include "fit/joint_residual.h"
+
+namespace tangi {
+
+constexpr int kJointTrend = 6;  // of ln gains: 1, x, y, x^2, x y, y^2 of the direction
+
+struct LobePrior {
+    static constexpr double kLnAlpha = -1.6, kLnAlphaSigma = 0.7, kSpecularSigma = 0.2;  // as WardPrior
+    template <class T>
+    bool operator()(const T* pixel, T* residual) const {
+        residual[0] = (pixel[2] - kLnAlpha) / kLnAlphaSigma;
+        residual[1] = pixel[3] / kSpecularSigma;
+        return true;
+    }
+};
+
+struct FlatnessPrior {
+    static constexpr double kFlatness = 0.03;  // [1] slope; robust, so that relief does not count
+    template <class T>
+    bool operator()(const T* pixel, T* residual) const {
+        residual[0] = pixel[0] / kFlatness;
+        residual[1] = pixel[1] / kFlatness;
+        return true;
+    }
+};
+
+struct GainPrior {
+    glm::dvec3 l;
+    double weight;
+    template <class T>
+    bool operator()(const T* log_gain, const T* trend, T* residual) const {
+        residual[0] = (log_gain[0] - trend[0] - trend[1] * l.x - trend[2] * l.y - trend[3] * l.x * l.x -
+                       trend[4] * l.x * l.y - trend[5] * l.y * l.y) *
+                      weight;
+        return true;
+    }
+};
+
+template <int size>
+struct Weighted {  // residuals weight * parameter
+    std::array<double, size> weight;
+    template <class T>
+    bool operator()(const T* parameter, T* residual) const {
+        for (int i = 0; i < size; ++i) residual[i] = weight[static_cast<std::size_t>(i)] * parameter[i];
+        return true;
+    }
+};
+
+// Residuals weight * parameter, of a block of any size.
+class PullToZero final : public ceres::CostFunction {
+public:
+    PullToZero(int size, double weight) : weight_(weight) {
+        set_num_residuals(size);
+        mutable_parameter_block_sizes()->push_back(size);
+    }
+    bool Evaluate(const double* const* parameters, double* residuals, double** jacobians) const override {
+        const int size = num_residuals();
+        for (int i = 0; i < size; ++i) {
+            residuals[i] = weight_ * parameters[0][i];
+            if (jacobians && jacobians[0])
+                for (int j = 0; j < size; ++j) jacobians[0][i * size + j] = i == j ? weight_ : 0;
+        }
+        return true;
+    }
+
+private:
+    double weight_;
+};
+
+// A lamp's own turn: what the smooth field (its `modes` at the lamp, by their coefficients) leaves of it.
+class TurnPrior final : public ceres::CostFunction {
+public:
+    TurnPrior(std::vector<glm::dvec2> modes, double weight) : modes_(std::move(modes)), weight_(weight) {
+        set_num_residuals(kJointTurn);
+        *mutable_parameter_block_sizes() = {kJointTurn, static_cast<int>(modes_.size())};
+    }
+    bool Evaluate(const double* const* parameters, double* residuals, double** jacobians) const override {
+        const std::size_t count = modes_.size();
+        for (int i = 0; i < kJointTurn; ++i) {
+            residuals[i] = weight_ * parameters[0][i];
+            for (std::size_t k = 0; k < count; ++k) residuals[i] -= weight_ * modes_[k][i] * parameters[1][k];
+            if (jacobians && jacobians[0])
+                for (int j = 0; j < kJointTurn; ++j) jacobians[0][i * kJointTurn + j] = i == j ? weight_ : 0;
+            if (jacobians && jacobians[1])
+                for (std::size_t k = 0; k < count; ++k)
+                    jacobians[1][static_cast<std::size_t>(i) * count + k] = -weight_ * modes_[k][i];
+        }
+        return true;
+    }
+
+private:
+    std::vector<glm::dvec2> modes_;
+    double weight_;
+};
+
+// Keeps at zero what all turns together have of the motions that photographs cannot tell: `untold` of each
+// lamp (DirectionField::untold).
+class MotionPrior final : public ceres::CostFunction {
+public:
+    explicit MotionPrior(std::vector<std::vector<glm::dvec2>> untold) : untold_(std::move(untold)) {
+        set_num_residuals(static_cast<int>(untold_.front().size()));
+        mutable_parameter_block_sizes()->assign(untold_.size(), kJointTurn);
+    }
+    bool Evaluate(const double* const* parameters, double* residuals, double** jacobians) const override {
+        const double weight = kExactly / static_cast<double>(untold_.size());
+        std::fill(residuals, residuals + num_residuals(), 0);
+        for (std::size_t lamp = 0; lamp < untold_.size(); ++lamp)
+            for (std::size_t m = 0; m < untold_[lamp].size(); ++m)
+                for (int i = 0; i < kJointTurn; ++i) {
+                    const double by = weight * untold_[lamp][m][i];
+                    residuals[m] += by * parameters[lamp][i];
+                    if (jacobians && jacobians[lamp])
+                        jacobians[lamp][m * kJointTurn + static_cast<std::size_t>(i)] = by;
+                }
+        return true;
+    }
+
+private:
+    static constexpr double kExactly = 1e6;  // [1/rad]
+    std::vector<std::vector<glm::dvec2>> untold_;
+};
+
+}  // namespace tangi

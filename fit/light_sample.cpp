@@ -1,0 +1,206 @@
+#include "fit/light_sample.h"
+
+#include <oneapi/tbb/enumerable_thread_specific.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "surface/parallel.h"
+
+namespace tangi {
+
+namespace {
+
+constexpr double kModelError = 0.03;
+constexpr double kBestDb = 60;  // a photograph predicted to a thousandth is predicted
+
+// `white` [1]: linear value of a matt white in the origin that faces the lamp.
+void add_observation(const PixelSamples& s, int photo, const glm::dvec3& white, int pixel,
+                     JointLights& joint) {
+    double value = 0, variance = 0, irradiance = 0;
+    for (int c = 0; c < s.channels; ++c) {
+        const auto at = static_cast<std::size_t>(photo * s.channels + c);
+        if (!(s.sigma[at] > 0)) return;
+        value += s.value[at] / s.channels;
+        irradiance += white[c] / s.channels;
+        variance += s.sigma[at] * s.sigma[at] / s.channels;  // JPEG's noise is shared by the channels
+    }
+    const JointLights::Pixel& p = joint.pixels[static_cast<std::size_t>(pixel)];
+    const glm::dvec3& l = s.light[static_cast<std::size_t>(photo)];
+    const double n_l =
+        std::max(l.z - p.slope.x * l.x - p.slope.y * l.y, 0.0) / std::sqrt(1 + glm::dot(p.slope, p.slope));
+    const double model_error = kModelError * std::max(p.diffuse * n_l, value / irradiance);
+    joint.observations.push_back(
+        {pixel, photo, value / irradiance, std::hypot(std::sqrt(variance) / irradiance, model_error)});
+}
+
+// A smooth field has said what it can of a single lamp.
+DirectionFreedom of_its_own(DirectionFreedom directions) {
+    return directions == DirectionFreedom::own ? directions : DirectionFreedom::listed;
+}
+
+}  // namespace
+
+LightSample::LightSample(const Stack& stack, const Survey& survey, const Transfer& transfer,
+                         const NoiseModel& noise, double mm_per_pixel, const WardFitOptions& ward, int wanted)
+    : survey_(survey), transfer_(transfer), noise_(noise), ward_(ward) {
+    width_mm_ = std::max(stack.width(), stack.height()) * mm_per_pixel;
+    const int step = std::max(1, survey.sample_count() / wanted);
+    for (int k = 0; k < survey.sample_count(); k += step) {
+        chosen_.push_back(k);
+        const glm::dvec2 centred(
+            survey.positions[static_cast<std::size_t>(k)].x - (stack.width() - 1) / 2.0,
+            (stack.height() - 1) / 2.0 - survey.positions[static_cast<std::size_t>(k)].y);
+        points_mm_.emplace_back(Vec3(centred * mm_per_pixel, 0));
+    }
+}
+
+// Samples of pixel k in these photographs; the lighting has one light for each of them.
+void LightSample::gather(int k, const std::vector<int>& photos, const Lighting& lighting,
+                         PixelSamples& s) const {
+    illuminate(lighting, point_mm(k), survey_.channels, s);
+    std::size_t at = 0;
+    for (const int photo : photos) {
+        const float* stored = this->stored(k, photo);
+        for (int c = 0; c < survey_.channels; ++c, ++at) {
+            const float value = transfer_.decode(stored[c]);
+            s.value[at] = value;
+            // Outside a registered photograph there is nothing, which decodes as black.
+            s.sigma[at] = std::isnan(stored[c]) ? 0 : noise_.sigma(value);
+        }
+    }
+}
+
+std::vector<WardEstimate> LightSample::fit(const std::vector<int>& photos, const Lighting& lighting) const {
+    std::vector<WardEstimate> estimates(static_cast<std::size_t>(size()));
+    oneapi::tbb::enumerable_thread_specific<WardFitter> fitters([&] { return WardFitter(ward_); });
+    parallel_for(0, size(), 8, [&](int begin, int end) {
+        PixelSamples samples;
+        for (int k = begin; k < end; ++k) {
+            gather(k, photos, lighting, samples);
+            estimates[static_cast<std::size_t>(k)] = fitters.local().fit(samples);
+        }
+    });
+    return estimates;
+}
+
+double LightSample::psnr_db(const std::vector<WardEstimate>& estimates, int photo, const Lighting& lighting,
+                            int from, int step) const {
+    const double white = transfer_.encode(static_cast<float>(lighting.white_level));
+    const float clipped = transfer_.encode(noise_.clipped());
+    double squares = 0;
+    long count = 0;
+    PixelSamples s;
+    for (int k = from; k < size(); k += step) {
+        const WardEstimate& e = estimates[static_cast<std::size_t>(k)];
+        if (!e.valid) continue;
+        illuminate(lighting, point_mm(k), survey_.channels, s);
+        const double theta[kWardCommon] = {e.slope.x, e.slope.y, std::log(e.roughness), e.specular};
+        const WardTerms t = ward_terms(theta, s.light[0], s.view);
+        const float* stored = this->stored(k, photo);
+        if (std::isnan(stored[0])) continue;  // outside a registered photograph
+        for (int c = 0; c < survey_.channels; ++c, ++count) {
+            const double linear = s.irradiance[static_cast<std::size_t>(c)] *
+                                  (e.diffuse[c] * (t.n_l + s.ambient[0]) + e.specular * t.lobe);
+            const float shown = transfer_.encode(std::min(static_cast<float>(linear), noise_.clipped()));
+            squares += std::pow((shown - std::min(stored[c], clipped)) / white, 2);
+        }
+    }
+    if (count == 0 || squares <= 0) return kBestDb;
+    return std::min(-10 * std::log10(squares / static_cast<double>(count)), kBestDb);
+}
+
+void LightSample::add_pixel(int k, const WardEstimate& e, const std::vector<int>& photos,
+                            const Lighting& lighting, JointLights& joint) const {
+    if (!e.valid) return;
+    double diffuse = 0;
+    for (int c = 0; c < survey_.channels; ++c) diffuse += e.diffuse[c] / survey_.channels;
+    const int pixel = static_cast<int>(joint.pixels.size());
+    joint.pixels.push_back({.position = glm::dvec2(point_mm(k)) / width_mm_,
+                            .sample = k,
+                            .slope = e.slope,
+                            .ln_alpha = std::log(e.roughness),
+                            .specular = std::max(e.specular, 0.002),
+                            .diffuse = diffuse});
+    add_samples(k, photos, lighting, pixel, joint);
+}
+
+JointLights LightSample::joint_problem(const std::vector<int>& photos, const Lighting& lighting) const {
+    JointLights joint;
+    describe(lighting, joint);
+    const std::vector<WardEstimate> estimates = fit(photos, lighting);
+    for (int k = 0; k < size(); ++k)
+        add_pixel(k, estimates[static_cast<std::size_t>(k)], photos, lighting, joint);
+    return joint;
+}
+
+Lighting LightSample::located(const std::vector<WardEstimate>& estimates, int photo, const Lighting& lighting,
+                              const JointFreedom& freedom) const {
+    JointLights joint;
+    describe(lighting, joint);
+    joint.rig.ambient = lighting.rig.ambient;
+    joint.rig.bend = lighting.rig.bend_per_mm * width_mm_;
+    for (int k = 0; k < size(); k += 2)
+        add_pixel(k, estimates[static_cast<std::size_t>(k)], {photo}, lighting, joint);
+    Lighting result = lighting;
+    const JointFreedom of_lamp{
+        .rig = false, .gains = freedom.gains, .directions = of_its_own(freedom.directions), .pixels = false};
+    const bool fixed = !freedom.gains && freedom.directions != DirectionFreedom::own;
+    if (fixed || joint.observations.empty() || !joint.solve(of_lamp, JointStart::far)) return result;
+    Light& light = result.lights.front();
+    light.gain *= static_cast<float>(std::exp(joint.log_gains.front()));
+    light.direction = Vec3(turned(joint.directions.front(), joint.turns.front()));
+    if (light.position_mm) light.position_mm = light.direction * glm::length(*light.position_mm);
+    return result;
+}
+
+JointLights LightSample::joint_problem(const std::vector<int>& photos, const Lighting& lighting,
+                                       const JointLights& solved) const {
+    JointLights joint;
+    joint.pixels = solved.pixels;
+    describe(lighting, joint);
+    joint.rig = solved.rig;
+    for (std::size_t i = 0; i < photos.size(); ++i) {
+        joint.log_gains[i] = solved.log_gains[static_cast<std::size_t>(photos[i])];
+        joint.turns[i] = solved.turns[static_cast<std::size_t>(photos[i])];
+    }
+    for (std::size_t pixel = 0; pixel < joint.pixels.size(); ++pixel)
+        add_samples(joint.pixels[pixel].sample, photos, lighting, static_cast<int>(pixel), joint);
+    return joint;
+}
+
+const float* LightSample::stored(int k, int photo) const {
+    return survey_.sample(chosen_[static_cast<std::size_t>(k)]) +
+           static_cast<std::ptrdiff_t>(photo) * survey_.channels;
+}
+
+// What is given of the lamps and the camera.
+void LightSample::describe(const Lighting& lighting, JointLights& joint) const {
+    joint.lamps_known = !lighting.lights.empty() &&
+                        std::all_of(lighting.lights.begin(), lighting.lights.end(),
+                                    [](const Light& light) { return light.position_mm.has_value(); });
+    for (const Light& light : lighting.lights) {
+        joint.directions.emplace_back(light.direction);
+        joint.nearer.push_back(joint.lamps_known ? width_mm_ / glm::length(*light.position_mm) : 1);
+        joint.log_gains.push_back(0);
+        joint.turns.emplace_back(0);
+    }
+    if (joint.lamps_known) joint.rig.lamp_nearness = 1;
+    if (lighting.rig.camera_distance_mm) {
+        joint.camera_known = true;
+        joint.rig.camera_nearness = width_mm_ / *lighting.rig.camera_distance_mm;
+        joint.camera_axis = glm::dvec2(lighting.rig.camera_axis_mm) / width_mm_;
+    }
+}
+
+void LightSample::add_samples(int k, const std::vector<int>& photos, const Lighting& lighting, int pixel,
+                              JointLights& joint) const {
+    PixelSamples s;
+    gather(k, photos, lighting, s);
+    for (int i = 0; i < s.photos(); ++i) {
+        const Rgb& gain = lighting.lights[static_cast<std::size_t>(i)].gain;
+        add_observation(s, i, lighting.white_level * glm::dvec3(gain), pixel, joint);
+    }
+}
+
+}  // namespace tangi

@@ -1,0 +1,63 @@
+// light_sample.h: a stack's sample of pixels, and how it is fitted and predicted under some lighting: what
+// light calibration works on.
+#pragma once
+
+#include <vector>
+
+#include "capture/survey.h"
+#include "fit/joint_lights.h"
+#include "fit/lighting.h"
+#include "fit/ward_fit.h"
+
+namespace tangi {
+
+class LightSample {
+public:
+    // About `wanted` pixels of the survey, which is of the stack. Keeps references to survey and noise.
+    LightSample(const Stack& stack, const Survey& survey, const Transfer& transfer, const NoiseModel& noise,
+                double mm_per_pixel, const WardFitOptions& ward, int wanted);
+
+    int size() const { return static_cast<int>(chosen_.size()); }
+    double width_mm() const { return width_mm_; }  // of the picture's longer side
+
+    // The pixels fitted to these photographs; the lighting has one light for each of them.
+    std::vector<WardEstimate> fit(const std::vector<int>& photos, const Lighting& lighting) const;
+
+    // [dB] PSNR of one photograph, predicted under this light; a matt white that faces it is the peak. Pixels
+    // `from`, `from` + `step`, …
+    double psnr_db(const std::vector<WardEstimate>& estimates, int photo, const Lighting& lighting,
+                   int from = 0, int step = 1) const;
+
+    // The light of one photograph as its even pixels show it, the pixels being what they are; moves what the
+    // freedom says of gain and direction.
+    Lighting located(const std::vector<WardEstimate>& estimates, int photo, const Lighting& lighting,
+                     const JointFreedom& freedom) const;
+
+    // The joint problem of these photographs, started from estimates of the pixels. Clipped samples are left
+    // out.
+    JointLights joint_problem(const std::vector<int>& photos, const Lighting& lighting) const;
+
+    // The same with some photographs only, started from the solution with all of them.
+    JointLights joint_problem(const std::vector<int>& photos, const Lighting& lighting,
+                              const JointLights& solved) const;
+
+private:
+    const Vec3& point_mm(int k) const { return points_mm_[static_cast<std::size_t>(k)]; }
+    const float* stored(int k, int photo) const;
+    void gather(int k, const std::vector<int>& photos, const Lighting& lighting, PixelSamples& s) const;
+    void add_pixel(int k, const WardEstimate& estimate, const std::vector<int>& photos,
+                   const Lighting& lighting, JointLights& joint) const;
+    void describe(const Lighting& lighting, JointLights& joint) const;
+    void add_samples(int k, const std::vector<int>& photos, const Lighting& lighting, int pixel,
+                     JointLights& joint) const;
+
+    const Survey& survey_;
+    Transfer transfer_;
+    const NoiseModel& noise_;
+    WardFitOptions ward_;
+    double width_mm_ = 1;
+    std::vector<int> chosen_;  // of the survey's samples
+    std::vector<Vec3> points_mm_;
+};
+
+}  // namespace tangi

@@ -1,0 +1,191 @@
+// fit_light_directions_test.cpp: lamps whose directions a lights file gets wrong.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <Eigen/QR>
+#include <iostream>
+#include <numbers>
+
+#include "capture/lights_file.h"
+#include "datasets/generator.h"
+#include "fit/direction_field.h"
+#include "fit/light_calibration.h"
+#include "surface/photography_json.h"
+#include "test_support.h"
+
+namespace tangi {
+namespace {
+
+constexpr double kMmPerPixel = 0.4, kDegree = std::numbers::pi / 180;
+
+double angle_deg(const glm::dvec3& a, const glm::dvec3& b) {
+    return std::atan2(glm::length(glm::cross(a, b)), glm::dot(a, b)) / kDegree;
+}
+
+// [deg] Mean over the lamps.
+double told_error_deg(const std::vector<glm::dvec3>& found, const std::vector<glm::dvec3>& right,
+                      bool strengths_known) {
+    const DirectionField field(right, strengths_known);
+    const auto motions = static_cast<Eigen::Index>(field.untold({0, 0, 1}).size());
+    const auto rows = static_cast<Eigen::Index>(2 * right.size());
+    Eigen::MatrixXd motion(rows, motions);
+    Eigen::VectorXd error(rows);
+    for (std::size_t i = 0; i < right.size(); ++i) {
+        const TangentFrame frame = tangent_frame(right[i]);
+        const auto row = static_cast<Eigen::Index>(2 * i);
+        const double along = glm::dot(found[i], right[i]);
+        error[row] = glm::dot(found[i], frame.a) / along;
+        error[row + 1] = glm::dot(found[i], frame.b) / along;
+        const std::vector<glm::dvec2> untold = field.untold(right[i]);
+        for (Eigen::Index k = 0; k < motions; ++k) {
+            motion(row, k) = untold[static_cast<std::size_t>(k)].x;
+            motion(row + 1, k) = untold[static_cast<std::size_t>(k)].y;
+        }
+    }
+    error -= motion * motion.colPivHouseholderQr().solve(error);
+    double sum = 0;
+    for (Eigen::Index i = 0; i < rows; i += 2) sum += std::hypot(error[i], error[i + 1]);
+    return sum / static_cast<double>(right.size()) / kDegree;
+}
+
+struct Errors {
+    double before = 0, after = 0;  // [deg] mean
+};
+
+struct WrongLights {
+    TestDir folder;
+    Stack stack;
+    Photography truth;
+    LightCalibration found;
+    // `error` of a true direction, as a turn.
+    WrongLights(GeneratorOptions options, const std::function<glm::dvec2(const glm::dvec3&)>& error) {
+        options.held_out = 0;
+        const PaintingTruth painting =
+            procedural_painting({.seed = 5, .width = 80, .height = 80, .mm_per_pixel = kMmPerPixel});
+        write_stack(folder.path(), painting, options);
+        truth = photography_from_json(nlohmann::json::parse(bytes_of(folder / "gt/lights.json")));
+        if (error) {
+            std::vector<Light> listed;
+            for (const Photography::Photo& photo : truth.photos) {
+                listed.push_back(photo.light);
+                const glm::dvec3 d(photo.light.direction);
+                listed.back().direction = Vec3(turned(d, error(d)));
+            }
+            write_lights_file(folder / "lights.lp", listed);
+        }
+        stack = open_stack(folder.path(), {.transfer = Transfer{}});
+        found = calibrate_lights(stack, survey(stack), Transfer{}, NoiseModel(Transfer{}, 0.006, true),
+                                 {stack.lights(), {}, 0.75}, kMmPerPixel, {}, {.samples = 250});
+        for (const auto& trial : found.trials)
+            std::cout << fmt::format("{}: {:.2f} dB; ", name_of(trial.model), trial.left_out_db);
+        const Errors e = errors();
+        std::cout << fmt::format("\n{}: {:.2f} deg before, {:.2f} after\n", name_of(found.model), e.before,
+                                 e.after);
+    }
+    // Of the directions, without what all of them have of the motions that photographs cannot tell.
+    Errors errors() const {
+        std::vector<glm::dvec3> listed, after, right;
+        for (std::size_t i = 0; i < stack.photos.size(); ++i) {
+            listed.emplace_back(stack.photos[i].light.direction);
+            after.emplace_back(found.lighting.lights[i].direction);
+            for (const Photography::Photo& photo : truth.photos)
+                if (photo.light.name == stack.photos[i].light.name) right.emplace_back(photo.light.direction);
+        }
+        const bool strengths_known = found.model.lamps != LightFreedom::rig_and_gains;
+        return {told_error_deg(listed, right, strengths_known),
+                told_error_deg(after, right, strengths_known)};
+    }
+};
+
+std::vector<glm::dvec3> some_lamps() {
+    Random random(3);
+    std::vector<glm::dvec3> lamps;
+    for (int i = 0; i < 30; ++i) lamps.emplace_back(random.direction(0.2));
+    return lamps;
+}
+
+TEST(DirectionField, TurnsBySmallAngles) {
+    for (const glm::dvec3& d : some_lamps()) {
+        const TangentFrame frame = tangent_frame(d);
+        EXPECT_NEAR(glm::length(frame.a), 1, 1e-6);
+        EXPECT_NEAR(glm::dot(frame.a, frame.b), 0, 1e-6);
+        EXPECT_NEAR(glm::dot(frame.a, d), 0, 1e-6);
+        EXPECT_NEAR(glm::dot(glm::cross(frame.a, frame.b), d), 1, 1e-6);
+        EXPECT_NEAR(angle_deg(turned(d, {0.03, 0.04}), d), std::atan(0.05) / kDegree, 1e-5);
+    }
+}
+
+TEST(DirectionField, HasNothingOfWhatPhotographsCannotTell) {
+    const std::vector<glm::dvec3> lamps = some_lamps();
+    for (const bool strengths_known : {false, true}) {
+        const DirectionField field(lamps, strengths_known);
+        ASSERT_GE(field.modes(), 3);
+        const auto modes = static_cast<std::size_t>(field.modes());
+        const std::size_t motions = field.untold(lamps[0]).size();
+        EXPECT_EQ(motions, strengths_known ? 3u : 8u);
+        for (std::size_t k = 0; k < modes; ++k) {
+            std::vector<double> products(modes), along(motions);
+            for (const glm::dvec3& d : lamps) {
+                const auto turns = field.at(d), untold = field.untold(d);
+                for (std::size_t i = 0; i < modes; ++i)
+                    products[i] += glm::dot(turns[k], turns[i]) / static_cast<double>(lamps.size());
+                for (std::size_t i = 0; i < motions; ++i) along[i] += glm::dot(turns[k], untold[i]);
+            }
+            for (std::size_t i = 0; i < modes; ++i) EXPECT_NEAR(products[i], i == k ? 1 : 0, 1e-6);
+            for (const double part : along) EXPECT_NEAR(part, 0, 1e-3);
+        }
+    }
+}
+
+// A turn of all lamps together is a motion that photographs cannot tell.
+TEST(DirectionField, KnowsRotationsForWhatTheyAre) {
+    const glm::dvec3 omega(0.001, -0.002, 0.003);
+    for (const glm::dvec3& d : some_lamps()) {
+        const std::vector<glm::dvec2> untold = DirectionField({d}, true).untold(d);
+        const glm::dvec2 t = omega.x * untold[0] + omega.y * untold[1] + omega.z * untold[2];
+        EXPECT_LE(glm::length(turned(d, t) - glm::normalize(d + glm::cross(omega, d))), 1e-6);
+    }
+}
+
+TEST(LightDirections, RandomErrorsOfThreeDegreesAreFound) {
+    const WrongLights lights({.lights = 36, .nominal_direction_error_deg = 3}, {});
+    EXPECT_EQ(lights.found.model.directions, DirectionFreedom::own);
+    EXPECT_GE(lights.errors().before, 2);
+    EXPECT_LE(lights.errors().after, 0.9);
+    // Each lamp's standard error is of the size of its error.
+    double sigmas = 0, changes = 0;
+    ASSERT_EQ(lights.found.turns.size(), lights.stack.photos.size());
+    for (const LightCalibration::Turn& turn : lights.found.turns) {
+        EXPECT_GT(turn.sigma_deg, 0);
+        sigmas += turn.sigma_deg / static_cast<double>(lights.found.turns.size());
+        changes += turn.changed_deg / static_cast<double>(lights.found.turns.size());
+    }
+    EXPECT_LE(sigmas, 2);
+    EXPECT_NEAR(changes, 2.2, 1);
+    const nlohmann::json json = to_json(lights.found);
+    EXPECT_EQ(json["calibrated"], "as given, own directions");
+    EXPECT_EQ(json["directions"].size(), lights.found.turns.size());
+}
+
+TEST(LightDirections, AFieldOfErrorsIsFound) {
+    // Lamps are tilted the more the further they are to the right.
+    const WrongLights lights({.lights = 36}, [](const glm::dvec3& d) {
+        return glm::dvec2(6 * kDegree * d.y * d.y, 6 * kDegree * d.x * d.y);
+    });
+    EXPECT_NE(lights.found.model.directions, DirectionFreedom::listed);
+    EXPECT_GE(lights.errors().before, 2);
+    EXPECT_LE(lights.errors().after, 0.6);
+    // And so does a lamp that no photograph had.
+    const Vec3 listed = glm::normalize(Vec3(0.3f, 0.5f, 0.7f));
+    EXPECT_GE(angle_deg(glm::dvec3(corrected_direction(lights.found, listed)), glm::dvec3(listed)), 0.2);
+    EXPECT_THAT(warning_of(lights.found, "folder"),
+                testing::AnyOf("", testing::HasSubstr("folder: the photographs")));
+}
+
+TEST(LightDirections, ThatAreRightAreLeftAlone) {
+    const WrongLights lights({.lights = 36}, {});
+    EXPECT_EQ(lights.found.model.directions, DirectionFreedom::listed);
+}
+
+}  // namespace
+}  // namespace tangi
