@@ -7,6 +7,7 @@
 #include <limits>
 #include <map>
 #include <numbers>
+#include <set>
 #include <sstream>
 
 #include "capture/brackets.h"
@@ -248,21 +249,27 @@ void check_headers(Stack& stack) {
 
 void apply_crop(Stack& stack, const Region& crop) {
     if (crop.empty() || crop.x0 < 0 || crop.y0 < 0 || crop.x1 > stack.crop.x1 || crop.y1 > stack.crop.y1)
-        fail("the crop {},{} to {},{} does not lie in the photographs of {}, which are {} x {}", crop.x0,
-             crop.y0, crop.x1, crop.y1, stack.folder.string(), stack.crop.x1, stack.crop.y1);
+        fail("the crop {},{} to {},{} does not lie in the {} of {}, which are {} x {}", crop.x0, crop.y0,
+             crop.x1, crop.y1, stack.geometry ? "rectified photographs" : "photographs",
+             stack.folder.string(), stack.crop.x1, stack.crop.y1);
     stack.crop = crop;
 }
 
-void apply_mask(Stack& stack, const fs::path& path, const Region& whole) {
+// The mask is a picture like a photograph; where these are resampled, so is it.
+void apply_mask(Stack& stack, const fs::path& path, const Region& photo) {
     const Image<Rgb> picture = read_picture(path);
-    if (picture.region() != whole)
+    if (picture.region() != photo)
         fail("{}: the mask is {} x {}, the photographs are {} x {}", path.string(), picture.width(),
-             picture.height(), whole.width(), whole.height());
+             picture.height(), photo.width(), photo.height());
     stack.mask = Image<unsigned char>(stack.width(), stack.height());
     bool any = false;
     for (int y = 0; y < stack.height(); ++y)
         for (int x = 0; x < stack.width(); ++x) {
-            const Rgb& value = picture(x + stack.crop.x0, y + stack.crop.y0);
+            glm::dvec2 place(x + stack.crop.x0, y + stack.crop.y0);
+            if (stack.geometry) place = glm::round(stack.geometry->place_in_photo(place));
+            if (!(place.x >= 0 && place.y >= 0 && place.x < picture.width() && place.y < picture.height()))
+                continue;
+            const Rgb& value = picture(static_cast<int>(place.x), static_cast<int>(place.y));
             const bool keep = std::max({value.r, value.g, value.b}) > 0.5f;
             stack.mask(x, y) = keep;
             any = any || keep;
@@ -271,12 +278,48 @@ void apply_mask(Stack& stack, const fs::path& path, const Region& whole) {
         fail("{}: the mask leaves nothing of the picture; white marks what is to be fitted", path.string());
 }
 
-// Puts what was calibrated into the frame of the crop.
-void apply_capture(Stack& stack, const CaptureFile& capture, const Region& whole, const fs::path& path) {
-    if (capture.width != whole.width() || capture.height != whole.height())
+void apply_colour(Stack& stack, const CaptureColour& colour, bool transfer_given, const fs::path& path) {
+    if (stack.channels == 1) {
+        stack.warnings.push_back(
+            fmt::format("{}: its colours are not used, since the photographs of {} are grey", path.string(),
+                        stack.folder.string()));
+        return;
+    }
+    const bool rec709 = stack.develop.raw_colour == RawColour::rec709;
+    if (stack.is_raw && rec709 != colour.raw_rec709)
+        fail("{}: its colour chart was read from raws with --raw-colour {}; give the same", path.string(),
+             colour.raw_rec709 ? "rec709" : "camera");
+    const DevelopOptions& develop = stack.develop;
+    std::vector<std::string> here;
+    if (develop.dark) here.emplace_back("dark");
+    if (develop.flat) here.emplace_back("flat");
+    if (develop.ambient) here.emplace_back("ambient");
+    if (develop.brackets) here.emplace_back("brackets");
+    if (here != colour.developed_with)
+        stack.warnings.push_back(fmt::format(
+            "{}: its colour chart was read with {}, the photographs are read with {}; where that changes "
+            "colours, they are off: give the same to calibrate",
+            path.string(), colour.developed_with.empty() ? "no frames" : "--" + joined(colour.developed_with),
+            here.empty() ? "no frames" : "--" + joined(here)));
+    stack.colour = colour;
+    if (transfer_given || stack.is_raw || stack.bits == 32) return;
+    stack.transfer = colour.transfer;
+    stack.transfer_of_chart = true;
+}
+
+// Makes the stack the picture that the capture file describes.
+void apply_geometry(Stack& stack, const CaptureFile& capture, const fs::path& path) {
+    if (capture.width != stack.crop.width() || capture.height != stack.crop.height())
         fail("{}: was made from photographs of {} x {}, those of {} are {} x {}", path.string(),
-             capture.width, capture.height, stack.folder.string(), whole.width(), whole.height());
-    const CaptureFile seen = seen_from(capture, stack.crop);
+             capture.width, capture.height, stack.folder.string(), stack.crop.width(), stack.crop.height());
+    if (!capture.geometry) return;
+    stack.geometry = capture.geometry;
+    stack.crop = {0, 0, capture.geometry->width, capture.geometry->height};
+}
+
+// Puts what was calibrated into the frame of the crop.
+void apply_capture(Stack& stack, const CaptureFile& capture) {
+    const CaptureFile seen = seen_from(in_picture(capture), stack.crop);
     for (StackPhoto& photo : stack.photos) {
         const std::string name = photo.light.name;
         photo.light = seen.lights[static_cast<std::size_t>(photo.number)];
@@ -366,6 +409,52 @@ void require_enough_lights(const std::vector<Light>& lights, const std::string& 
             what, std::sqrt(std::max(smallest, 0.0)) * 180 / std::numbers::pi);
 }
 
+Stack open_photographs(const std::vector<fs::path>& paths, const StackOptions& options) {
+    TP_REQUIRE(!paths.empty(), "there are photographs");
+    Stack stack;
+    stack.folder = paths.front().parent_path();
+    stack.develop = options.develop;
+    stack.transfer = options.transfer;
+    Brackets brackets;
+    if (options.develop.brackets == "auto") {
+        std::vector<std::string> names;
+        for (const fs::path& path : paths) {
+            std::string name = path.stem().string();
+            name.erase(name.find_last_not_of("0123456789") + 1);
+            if (name.size() > 1 && (name.back() == '_' || name.back() == '-')) {
+                name.pop_back();
+                if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+            }
+        }
+        brackets = find_brackets(paths, names);
+        if (brackets.empty())
+            fail(
+                "{}: no light has several photographs NAME_1, NAME_2 …; name them so, or list them in a file "
+                "with --brackets FILE",
+                stack.folder.string());
+    } else if (options.develop.brackets) {
+        brackets = read_brackets(*options.develop.brackets, stack.folder);
+    }
+    std::set<fs::path> in_brackets;
+    const auto add = [&](const fs::path& path, const std::string& name, std::vector<Exposure> exposures) {
+        stack.photos.push_back({path,
+                                distant_light({0, 0, 1}, name),
+                                static_cast<int>(stack.photos.size()),
+                                {},
+                                std::move(exposures)});
+    };
+    for (const auto& [name, files] : brackets) {
+        for (const BracketFile& file : files) in_brackets.insert(file.path.lexically_normal());
+        const std::vector<Exposure> exposures = exposures_of(name, files);
+        add(exposures.front().path, name, exposures);
+    }
+    for (const fs::path& path : paths)
+        if (!in_brackets.contains(path.lexically_normal())) add(path, path.filename().string(), {});
+    relate_to_reference(stack.photos);
+    check_headers(stack);
+    return stack;
+}
+
 Stack open_stack(const fs::path& folder, const StackOptions& options) {
     if (!fs::exists(folder)) fail("{}: no such folder", folder.string());
     if (!fs::is_directory(folder))
@@ -373,24 +462,44 @@ Stack open_stack(const fs::path& folder, const StackOptions& options) {
     Stack stack;
     stack.folder = folder;
     stack.develop = options.develop;
-    const fs::path lights_path = options.lights_file ? *options.lights_file : find_lights_file(folder);
     std::optional<CaptureFile> capture;
+    fs::path capture_path = options.capture_file.value_or(fs::path());
+    if (options.capture_file) capture = read_capture_file(capture_path);
+    fs::path lights_path;
+    if (options.lights_file)
+        lights_path = *options.lights_file;
+    else
+        lights_path = capture && !capture->lights.empty() ? capture_path : find_lights_file(folder);
     if (lower_extension(lights_path) == ".json") {
-        capture = read_capture_file(lights_path);
-        stack.warnings = capture->warnings;
+        if (!capture || lights_path != capture_path) {
+            if (capture)
+                fail("{} and {}: give one capture file, and a lights file (.lp) beside it",
+                     lights_path.string(), capture_path.string());
+            capture = read_capture_file(lights_path);
+            capture_path = lights_path;
+        }
+        if (capture->lights.empty())
+            fail("{}: holds no light; give a lights file beside it: --lights FILE.lp --capture {}",
+                 lights_path.string(), lights_path.string());
         match_photos(stack, capture->lights, lights_path);
     } else {
         LightsFile lights = read_lights_file(lights_path);
         stack.warnings = std::move(lights.warnings);
         match_photos(stack, lights.lights, lights_path);
+        if (capture) capture->lights = std::move(lights.lights);
     }
+    if (capture)
+        stack.warnings.insert(stack.warnings.end(), capture->warnings.begin(), capture->warnings.end());
     leave_out_lights_from_below(stack, lights_path);
     check_headers(stack);
-    const Region whole = stack.crop;
+    const Region photo = stack.crop;
+    if (capture) apply_geometry(stack, *capture, capture_path);
     if (options.crop) apply_crop(stack, *options.crop);
-    if (capture) apply_capture(stack, *capture, whole, lights_path);
-    if (options.mask_file) apply_mask(stack, *options.mask_file, whole);
     stack.transfer = options.transfer;
+    if (capture) apply_capture(stack, *capture);
+    if (capture && capture->colour)
+        apply_colour(stack, *capture->colour, options.transfer.has_value(), capture_path);
+    if (options.mask_file) apply_mask(stack, *options.mask_file, photo);
     return stack;
 }
 
