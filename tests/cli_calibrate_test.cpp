@@ -46,7 +46,7 @@ TEST(CliCalibrate, RefusesWhatMakesNoSense) {
     EXPECT_TRUE(ended(tangipaint({"calibrate", folder}), 2, {"--out"}));
     EXPECT_TRUE(ended(tangipaint({"calibrate", "--out", out}), 2, {"PHOTOS"}));
     EXPECT_TRUE(
-        ended(tangipaint({"calibrate", folder, "--out", (dir / "a.txt").string()}), 2, {"ends in .lp"}));
+        ended(tangipaint({"calibrate", folder, "--out", (dir / "a.txt").string()}), 2, {"ends in .lp, a capture file in .json"}));
     EXPECT_TRUE(ended(tangipaint({"calibrate", folder, "--out", out, "--sphere", "1,2"}), 2,
                       {"--sphere 1,2: expected X,Y,R"}));
     EXPECT_TRUE(ended(tangipaint({"calibrate", folder, "--out", out, "--sphere", "1,2,x"}), 2,
