@@ -18,6 +18,7 @@ namespace {
 constexpr double kDegrees = 180 / std::numbers::pi;
 constexpr double kFarthest = 0.5;       // [1] standard error / distance from which on a position is none
 constexpr double kWorstDirection = 10;  // [deg] standard error from which on a light is left out
+constexpr double kMostBelow = 0.1;      // [1] of a ball's highlights that may come from behind the painting
 constexpr double kPoorDirection = 3;    // [deg] median standard error that makes the result poor
 
 BallCamera camera_of(const BallCalibrationOptions& options, int width, int height) {
@@ -206,6 +207,22 @@ void positions_from_balls(BallCalibration& c, const BallCalibrationOptions& opti
     if (!result.converged) c.poor.push_back("the lamps' positions did not converge");
 }
 
+// What is no ball, or has another outline, shows bright spots anywhere; lamps stand before the painting, and
+// so within 0.71 radii of a ball's middle.
+void doubt(BallCalibration& c, const FoundBall& ball) {
+    int below = 0;
+    for (const Highlight& highlight : ball.highlights) {
+        if (highlight.state != HighlightState::found) continue;
+        const auto point = ball_point(ball.image, c.camera, highlight.place_px);
+        below += point && !(point->mirrored().z > 0);
+    }
+    if (below >= 2 && below > kMostBelow * ball.highlights_found())
+        c.poor.push_back(fmt::format(
+            "{}: {} of {} highlights would come from lamps behind the painting; is it a mirror ball, "
+            "and is that its outline?",
+            ball.name, below, ball.highlights_found()));
+}
+
 // Outline and highlights where an ideal camera would have seen them. A ball is small against the picture: the
 // distortion moves and enlarges it.
 void undistort(FoundBall& ball, const Lens& lens) {
@@ -231,6 +248,7 @@ void calibrate_mirror(BallCalibration& c, const PhotoSet& set, const GreyPhotos&
     c.balls = std::move(search.balls);
     c.warnings.insert(c.warnings.end(), search.warnings.begin(), search.warnings.end());
     c.method = c.balls.size() > 1 ? "mirror balls" : "mirror ball";
+    for (const FoundBall& ball : c.balls) doubt(c, ball);
     // Balls are told in the photographs' own pixels, whatever lights are found from.
     std::vector<std::pair<BallImage, std::vector<Highlight>>> seen;
     for (FoundBall& ball : c.balls) {

@@ -14,6 +14,10 @@
 
 namespace tangi {
 
+// [1] Mean CIEDE2000 of a chart's patches from which on what was read is no chart, or in no light for it: far
+// beyond what the loosest guidelines allow.
+constexpr double kWorstChart = 10;
+
 struct CaptureColour {
     // Linear Rec. 709 in the light of the lamps -> linear channels of the photographs, white balance
     // included. The luminance of white stays: to_camera (1, 1, 1) has 1 for green.
@@ -23,6 +27,7 @@ struct CaptureColour {
     // What the photographs had been developed with: of "dark", "flat", "ambient", "brackets".
     std::vector<std::string> developed_with{};
     double delta_e_2000 = -1;  // [1] mean over patches, each by the matrix without it; negative: not known
+    double misfit = 0;         // [1] mean CIEDE2000 of the patches by the matrix
 
     // Where the chart lies in the photographs (chart coordinates, colour_chart.h), and what its patches are.
     struct Chart {

@@ -135,7 +135,8 @@ CaptureColour colour_of(const Field& colour, const std::string& file) {
         }
         if (known) result.chart = chart;
     }
-    const Field left_out = correction["delta_e_2000"]["left_out"];
+    const Field errors = correction["delta_e_2000"], left_out = errors["left_out"];
+    if (errors.has("after")) result.misfit = errors["after"]["mean"].number(0, 1e3);
     if (!left_out.is_null()) result.delta_e_2000 = left_out["mean"].number(0, 1e3);
     return result;
 }

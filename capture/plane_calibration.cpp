@@ -20,9 +20,10 @@ using nlohmann::json;
 namespace {
 
 constexpr double kDegrees = 180 / std::numbers::pi;
-constexpr int kSoughtIn = 3;             // photographs, before all are looked through for markers
-constexpr double kPointSigma_px = 1;     // of corners that people point at
-constexpr double kMostEnlarged = 4;      // [1] area of the picture by that of the photographs
+constexpr int kSoughtIn = 3;          // photographs, before all are looked through for markers
+constexpr double kPointSigma_px = 1;  // of corners that people point at
+constexpr double kMostEnlarged = 4;   // [1] area of the picture by that of the photographs
+constexpr double kDoubtfulTilt_deg = 1;
 constexpr double kDisagree = 3;          // [sigma] from which on two scales are said to disagree
 constexpr double kDisagreeLeast = 0.01;  // [1] and by which part at least
 
@@ -238,6 +239,12 @@ void find_pose(const SeenPlane& plane, const std::optional<double>& mm_per_unit,
     g.turn = pose.turn;
     c.tilt_deg = pose.tilt_deg;
     c.tilt_sigma_deg = tilt_sigma(plane, *c.focal_px, c.principal_px);
+    if (c.tilt_sigma_deg > kDoubtfulTilt_deg)
+        c.warnings.push_back(
+            fmt::format("by the {} the painting's plane is tilted by {:.1f} degrees, and that is uncertain "
+                        "by {:.1f}: markers far "
+                        "apart, or the painting's corners, would tell it better",
+                        plane.by, *c.tilt_deg, c.tilt_sigma_deg));
     if (mm_per_unit) g.camera_mm = pose.camera * *mm_per_unit;
     if (std::abs(std::log(pose.stretch)) > 0.05)
         c.warnings.push_back(fmt::format(

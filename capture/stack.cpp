@@ -285,6 +285,13 @@ void apply_colour(Stack& stack, const CaptureColour& colour, bool transfer_given
                         stack.folder.string()));
         return;
     }
+    if (colour.misfit > kWorstChart) {
+        stack.warnings.push_back(fmt::format(
+            "{}: its colours are not used, since they are off by {:.1f} (mean CIEDE2000 of the chart): "
+            "is it a colour chart, and in the lamps' light?",
+            path.string(), colour.misfit));
+        return;
+    }
     const bool rec709 = stack.develop.raw_colour == RawColour::rec709;
     if (stack.is_raw && rec709 != colour.raw_rec709)
         fail("{}: its colour chart was read from raws with --raw-colour {}; give the same", path.string(),

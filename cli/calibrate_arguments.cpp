@@ -1,5 +1,6 @@
 #include "cli/calibrate_arguments.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "cli/command.h"
@@ -144,6 +145,10 @@ PlaneOptions CalibrateArguments::plane_options(int width, int height) const {
     if (marker_dictionary != "auto") {
         if (!options.marker_mm)
             throw UsageError("--marker-dictionary: give the side of the markers as well (--marker-mm)");
+        const std::vector<std::string> known = marker_dictionaries();
+        if (std::find(known.begin(), known.end(), marker_dictionary) == known.end())
+            throw UsageError(fmt::format("--marker-dictionary {}: is none of auto, {}", marker_dictionary,
+                                         fmt::join(known, ", ")));
         options.dictionary = marker_dictionary;
     }
     if (const auto n =

@@ -202,6 +202,11 @@ nlohmann::json run_calibrate(const CalibrateArguments& a) {
     };
     if (chart) add(chart->warnings);
     if (calibration.plane) add(calibration.plane->warnings);
+    if (chart && chart->correction.after.mean > kWorstChart)
+        lights.poor.push_back(
+            fmt::format("the colour chart's patches are off by {:.1f} (mean CIEDE2000); is it a "
+                        "chart, and in the lamps' light? The fit will not use it",
+                        chart->correction.after.mean));
     const CalibrationFiles files = write_calibration(a.out, calibration);
     nlohmann::json result = result_of(lights, files);
     result["colour"] = chart ? summary_of(*chart) : nlohmann::json(nullptr);

@@ -190,6 +190,30 @@ TEST(ChartColours, TheChartsCurveIsUsedUnlessOneIsGiven) {
     EXPECT_EQ(open_stack(photographed.dir.path(), options).transfer, Transfer{});
 }
 
+TEST(ChartColours, AChartThatIsNoneIsNotUsed) {
+    const Photographed photographed;
+    json capture = capture_of(camera());
+    capture["colour"]["correction"]["delta_e_2000"]["after"] = {{"mean", 23.4}};
+    write_bytes(photographed.dir / "capture.json", capture.dump());
+    const Stack stack = photographed.open(true);
+    EXPECT_FALSE(stack.colour);
+    EXPECT_THAT(stack.warnings, testing::Contains(HasSubstr("off by 23.4")));
+}
+
+// Grey photographs have no colours to correct; frames and raws must have been read alike.
+TEST(ChartColours, OfOtherPhotographsAreNotUsedOrWarnedOf) {
+    const Photographed photographed;
+    json capture = capture_of(camera());
+    capture["development"] = {{"dark", {{"files", {"dark.png"}}}}, {"flat", nullptr}};
+    write_bytes(photographed.dir / "capture.json", capture.dump());
+    EXPECT_THAT(photographed.open(true).warnings, testing::Contains(HasSubstr("was read with --dark")));
+    for (const Light& light : dome_lights(14, 25))
+        write_map(photographed.dir / light.name, Image<float>(kWidth, kHeight, 0.5f));
+    const Stack grey = photographed.open(true);
+    EXPECT_FALSE(grey.colour);
+    EXPECT_THAT(grey.warnings, testing::Contains(HasSubstr("are grey")));
+}
+
 TEST(ChartColours, RefusesAMatrixThatIsNone) {
     const Photographed photographed;
     const auto refusal = [&](const char* pointer, const json& value) {
