@@ -4,6 +4,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <numbers>
+#include <tuple>
 
 #include "surface/error.h"
 
@@ -17,6 +18,7 @@ namespace {
 constexpr double kDegrees = 180 / std::numbers::pi;
 constexpr double kFarthest = 0.5;       // [1] standard error / distance from which on a position is none
 constexpr double kWorstDirection = 10;  // [deg] standard error from which on a light is left out
+constexpr double kMostBelow = 0.1;      // [1] of a ball's highlights that may come from behind the painting
 constexpr double kPoorDirection = 3;    // [deg] median standard error that makes the result poor
 
 BallCamera camera_of(const BallCalibrationOptions& options, int width, int height) {
@@ -205,16 +207,58 @@ void positions_from_balls(BallCalibration& c, const BallCalibrationOptions& opti
     if (!result.converged) c.poor.push_back("the lamps' positions did not converge");
 }
 
-void calibrate_mirror(BallCalibration& c, const std::vector<std::filesystem::path>& paths,
-                      const GreyPhotos& photos, const BallCalibrationOptions& options,
-                      const Progress& progress) {
-    BallSearch search = find_mirror_balls(paths, photos, c.drifts, c.camera, options.balls, progress);
+// What is no ball, or has another outline, shows bright spots anywhere; lamps stand before the painting, and
+// so within 0.71 radii of a ball's middle.
+void doubt(BallCalibration& c, const FoundBall& ball) {
+    int below = 0;
+    for (const Highlight& highlight : ball.highlights) {
+        if (highlight.state != HighlightState::found) continue;
+        const auto point = ball_point(ball.image, c.camera, highlight.place_px);
+        below += point && !(point->mirrored().z > 0);
+    }
+    if (below >= 2 && below > kMostBelow * ball.highlights_found())
+        c.poor.push_back(fmt::format(
+            "{}: {} of {} highlights would come from lamps behind the painting; is it a mirror ball, "
+            "and is that its outline?",
+            ball.name, below, ball.highlights_found()));
+}
+
+// Outline and highlights where an ideal camera would have seen them. A ball is small against the picture: the
+// distortion moves and enlarges it.
+void undistort(FoundBall& ball, const Lens& lens) {
+    constexpr double step = 0.5;
+    const dvec2 at = ball.image.centre_px;
+    const dvec2 across = undistorted(lens, at + dvec2(step, 0)) - undistorted(lens, at - dvec2(step, 0));
+    const dvec2 down = undistorted(lens, at + dvec2(0, step)) - undistorted(lens, at - dvec2(0, step));
+    const double scale = std::sqrt(std::abs(across.x * down.y - across.y * down.x)) / (2 * step);
+    ball.image.centre_px = undistorted(lens, at);
+    ball.image.radius_px *= scale;
+    ball.image.centre_sigma_px *= scale;
+    ball.image.radius_sigma_px *= scale;
+    for (Highlight& highlight : ball.highlights) {
+        if (highlight.state != HighlightState::found) continue;
+        highlight.place_px = undistorted(lens, highlight.place_px);
+        highlight.sigma_px *= scale;
+    }
+}
+
+void calibrate_mirror(BallCalibration& c, const PhotoSet& set, const GreyPhotos& photos,
+                      const BallCalibrationOptions& options, const Progress& progress) {
+    BallSearch search = find_mirror_balls(set, photos, c.drifts, c.camera, options.balls, progress);
     c.balls = std::move(search.balls);
     c.warnings.insert(c.warnings.end(), search.warnings.begin(), search.warnings.end());
     c.method = c.balls.size() > 1 ? "mirror balls" : "mirror ball";
+    for (const FoundBall& ball : c.balls) doubt(c, ball);
+    // Balls are told in the photographs' own pixels, whatever lights are found from.
+    std::vector<std::pair<BallImage, std::vector<Highlight>>> seen;
+    for (FoundBall& ball : c.balls) {
+        seen.emplace_back(ball.image, ball.highlights);
+        if (options.lens) undistort(ball, *options.lens);
+    }
     directions_from_balls(c);
     report(progress, "positions", 0);
     if (c.balls.size() > 1) positions_from_balls(c, options);
+    for (std::size_t i = 0; i < seen.size(); ++i) std::tie(c.balls[i].image, c.balls[i].highlights) = seen[i];
     report(progress, "positions", 1);
     if (c.balls.size() == 1 && options.ball_radius_mm)
         c.warnings.push_back("one ball tells directions, not positions; --ball-radius-mm says nothing here");
@@ -226,11 +270,10 @@ void calibrate_mirror(BallCalibration& c, const std::vector<std::filesystem::pat
                         c.residual_px, c.residual_sigma));
 }
 
-void calibrate_matt(BallCalibration& c, const std::vector<std::filesystem::path>& paths,
-                    const GreyPhotos& photos, const BallCalibrationOptions& options,
-                    const Progress& progress) {
+void calibrate_matt(BallCalibration& c, const PhotoSet& set, const GreyPhotos& photos,
+                    const BallCalibrationOptions& options, const Progress& progress) {
     MattBall matt =
-        find_matt_ball(paths, photos, c.drifts, c.camera, options.balls, options.transfer, progress);
+        find_matt_ball(set, photos, c.drifts, c.camera, options.balls, options.transfer, progress);
     c.method = "matt ball";
     c.matt_transfer = matt.transfer;
     c.warnings.insert(c.warnings.end(), matt.warnings.begin(), matt.warnings.end());
@@ -265,18 +308,37 @@ std::vector<Light> BallCalibration::usable_lights() const {
     return result;
 }
 
-BallCalibration calibrate_from_balls(const std::vector<std::filesystem::path>& paths,
-                                     const BallCalibrationOptions& options, const Progress& progress) {
-    TP_REQUIRE(!paths.empty(), "there are photographs");
-    const GreyPhotos photos = read_grey_photos(paths, progress);
+BallCalibration without_balls(const PhotoSet& set, const BallCalibrationOptions& options) {
+    BallCalibration c;
+    const PhotoHeader header = set.open(0).header();
+    c.width = header.width;
+    c.height = header.height;
+    c.camera = camera_of(options, c.width, c.height);
+    c.origin_px = options.origin_px.value_or(dvec2((c.width - 1) / 2.0, (c.height - 1) / 2.0));
+    for (std::size_t i = 0; i < set.size(); ++i)
+        c.lights.push_back({.path = set.path(i), .name = set.name(i), .reason = "no ball was looked for"});
+    c.drifts.photos.resize(set.size());
+    c.method = "none";
+    if (c.camera.focal_px && options.camera_distance_mm) {
+        c.mm_per_pixel = *options.camera_distance_mm / *c.camera.focal_px;
+        const dvec2 axis = (c.camera.principal_px - c.origin_px) * dvec2(1, -1) * *c.mm_per_pixel;
+        c.camera_position_mm = dvec3(axis, *options.camera_distance_mm);
+    }
+    return c;
+}
+
+BallCalibration calibrate_from_balls(const PhotoSet& set, const BallCalibrationOptions& options,
+                                     const Progress& progress) {
+    const GreyPhotos photos = read_grey_photos(set, progress);
     BallCalibration c;
     c.width = photos.width;
     c.height = photos.height;
     c.camera = camera_of(options, c.width, c.height);
     c.ball_radius_mm = options.ball_radius_mm;
     c.origin_px = options.origin_px.value_or(dvec2((c.width - 1) / 2.0, (c.height - 1) / 2.0));
-    for (const auto& path : paths) c.lights.push_back({.path = path, .name = path.filename().string()});
-    c.drifts.photos.resize(paths.size());
+    for (std::size_t i = 0; i < set.size(); ++i)
+        c.lights.push_back({.path = set.path(i), .name = set.name(i)});
+    c.drifts.photos.resize(set.size());
     if (!options.fixed_camera) c.drifts = camera_shakes(photos, progress);
     if (c.drifts.moved)
         c.warnings.push_back(
@@ -284,11 +346,11 @@ BallCalibration calibrate_from_balls(const std::vector<std::filesystem::path>& p
                         "highlights are corrected for it",
                         c.drifts.rms_px));
     if (options.matt)
-        calibrate_matt(c, paths, photos, options, progress);
+        calibrate_matt(c, set, photos, options, progress);
     else
-        calibrate_mirror(c, paths, photos, options, progress);
+        calibrate_mirror(c, set, photos, options, progress);
     if (c.calibrated() == 0)
-        fail("{}: the ball{} in the photographs tell{} no light: {}", paths.front().parent_path().string(),
+        fail("{}: the ball{} in the photographs tell{} no light: {}", set.folder().string(),
              c.balls.size() > 1 ? "s" : "", c.balls.size() > 1 ? "" : "s", c.lights.front().reason);
     std::vector<double> sigmas;
     for (const CalibratedLight& light : c.lights)
@@ -296,8 +358,8 @@ BallCalibration calibrate_from_balls(const std::vector<std::filesystem::path>& p
     if (median_of(sigmas) > kPoorDirection)
         c.poor.push_back(
             fmt::format("the directions are uncertain by {:.1f} degrees (median)", median_of(sigmas)));
-    if (2 * c.calibrated() < static_cast<int>(paths.size()))
-        c.poor.push_back(fmt::format("only {} of {} photographs have a light", c.calibrated(), paths.size()));
+    if (2 * c.calibrated() < static_cast<int>(set.size()))
+        c.poor.push_back(fmt::format("only {} of {} photographs have a light", c.calibrated(), set.size()));
     return c;
 }
 

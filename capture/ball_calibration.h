@@ -3,6 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "capture/lens_file.h"
 #include "capture/light_position.h"
 #include "capture/matt_ball.h"
 #include "capture/mirror_ball.h"
@@ -23,6 +24,7 @@ struct BallCalibrationOptions {
     std::optional<double> camera_distance_mm{};  // from the painting's plane z = 0
     std::optional<double> ball_height_mm{};  // of a ball's centre above that plane; its radius: it lies on it
     std::optional<Transfer> transfer{};      // for matt balls
+    std::optional<Lens> lens{};              // whose distortion is undone, of mirror balls
 };
 
 struct CalibratedLight {
@@ -50,7 +52,7 @@ struct BallCalibration {
     std::optional<glm::dvec3> camera_position_mm{};  // surface frame
     std::optional<double> mm_per_pixel{};            // at z = 0
     glm::dvec2 origin_px{0, 0};
-    std::string method;                          // "mirror ball", "mirror balls", "matt ball"
+    std::string method;                          // "mirror ball", "mirror balls", "matt ball", "none"
     double residual_px = 0, residual_sigma = 0;  // of the highlights, where positions were found
     std::vector<std::string> warnings, poor;
 
@@ -58,9 +60,12 @@ struct BallCalibration {
     std::vector<Light> usable_lights() const;  // with positions where there are
 };
 
-// Throws Error: no photographs, a damaged one, no ball, options that contradict each other.
-BallCalibration calibrate_from_balls(const std::vector<std::filesystem::path>& paths,
-                                     const BallCalibrationOptions& options, const Progress& progress = {});
+// What is known of the photographs where no ball is in them: all lights are left out.
+BallCalibration without_balls(const PhotoSet& photos, const BallCalibrationOptions& options);
+
+// Throws NoBallError; Error: no photographs, a damaged one, no light, options that contradict each other.
+BallCalibration calibrate_from_balls(const PhotoSet& photos, const BallCalibrationOptions& options,
+                                     const Progress& progress = {});
 
 // capture.json: see docs/capture.md.
 nlohmann::json to_json(const BallCalibration& calibration);

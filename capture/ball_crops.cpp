@@ -23,7 +23,7 @@ float BallCrops::value(std::size_t photo, const dvec2& pixel) const {
            v * ((1 - u) * picture.clamped(x, y + 1) + u * picture.clamped(x + 1, y + 1));
 }
 
-std::vector<BallCrops> read_ball_crops(std::span<const std::filesystem::path> paths, const GreyPhotos& photos,
+std::vector<BallCrops> read_ball_crops(const PhotoSet& set, const GreyPhotos& photos,
                                        const CameraShakes& drifts, std::span<const BallImage> balls,
                                        const Progress& progress) {
     std::vector<BallCrops> crops(balls.size());
@@ -36,19 +36,19 @@ std::vector<BallCrops> read_ball_crops(std::span<const std::filesystem::path> pa
                                bound(balls[b].centre_px.y - reach, photos.height),
                                bound(balls[b].centre_px.x + reach, photos.width),
                                bound(balls[b].centre_px.y + reach, photos.height)},
-                    .photos = std::vector<Image<float>>(paths.size()),
+                    .photos = std::vector<Image<float>>(set.size()),
                     .drift = drifts.photos,
                     .picture_centre = {(photos.width - 1) / 2.0, (photos.height - 1) / 2.0},
                     .step = photos.step};
     }
-    const int count = static_cast<int>(paths.size()), batch = std::max(2, thread_count());
+    const int count = static_cast<int>(set.size()), batch = std::max(2, thread_count());
     for (int first = 0; first < count; first += batch) {
         report(progress, "balls", first / static_cast<double>(count));
         parallel_for(first, std::min(first + batch, count), 1, [&](int begin, int end) {
             for (int i = begin; i < end; ++i)
                 for (BallCrops& crop : crops)
                     crop.photos[static_cast<std::size_t>(i)] =
-                        read_grey_region(paths[static_cast<std::size_t>(i)], crop.region);
+                        read_grey_region(set, static_cast<std::size_t>(i), crop.region);
         });
     }
     report(progress, "balls", 1);

@@ -1,13 +1,13 @@
 // ball_crops.h: the surroundings of one ball in all photographs, full size, in one frame.
 #pragma once
 
-#include <filesystem>
 #include <glm/vec2.hpp>
 #include <span>
 #include <vector>
 
 #include "capture/ball_geometry.h"
 #include "capture/camera_shake.h"
+#include "capture/photo_set.h"
 #include "surface/image.h"
 
 namespace tangi {
@@ -32,7 +32,7 @@ struct BallCrops {
 };
 
 // Reads 1.5 radii around each circle (y down). Throws Error as read_grey_region().
-std::vector<BallCrops> read_ball_crops(std::span<const std::filesystem::path> paths, const GreyPhotos& photos,
+std::vector<BallCrops> read_ball_crops(const PhotoSet& set, const GreyPhotos& photos,
                                        const CameraShakes& drifts, std::span<const BallImage> balls,
                                        const Progress& progress = {});
 

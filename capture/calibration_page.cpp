@@ -3,12 +3,14 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <map>
 #include <numbers>
 
 #include "capture/html_text.h"
 #include "capture/lights_file.h"
 #include "surface/atomic_file.h"
 #include "surface/error.h"
+#include "surface/median.h"
 #include "surface/picture_file.h"
 
 namespace tangi {
@@ -113,40 +115,136 @@ std::string ball_figure(const BallCalibration& c, std::size_t number, const std:
                      ball.highlights.empty() ? "" : fmt::format("; {} highlights", ball.highlights_found()));
 }
 
-std::string table(const BallCalibration& c) {
+// Strength of the light on the chart in each photograph, in units of their median; empty where not known.
+std::map<std::string, double> strengths_of(const std::optional<ColourCalibration>& colours) {
+    std::map<std::string, double> strengths;
+    std::vector<double> all;
+    for (std::size_t i = 0; colours && i < colours->correction.lights.lights.size(); ++i) {
+        const ChartLight& light = colours->correction.lights.lights[i];
+        if (!light.known || i >= colours->photos.size()) continue;
+        strengths[colours->photos[i]] = std::exp(light.terms[0]);
+        all.push_back(strengths[colours->photos[i]]);
+    }
+    if (all.empty()) return strengths;
+    const double middle = median(all);
+    for (auto& [name, strength] : strengths) strength /= middle;
+    return strengths;
+}
+
+std::string with_error(double value, double sigma) {
+    // As many digits as the error has two of.
+    const int digits = sigma > 0 ? std::clamp(1 - static_cast<int>(std::floor(std::log10(sigma))), 0, 9) : 4;
+    return fmt::format("{:.{}f} ± {:.{}f}", value, digits, sigma, digits);
+}
+
+std::string direction_cells(const CalibratedLight& light, bool positions) {
+    if (!light.direction)
+        return fmt::format("<td class=\"why\" colspan=\"{}\">left out: {}</td>", positions ? 9 : 5,
+                           escaped(light.reason));
+    const dvec3& d = *light.direction;
+    std::string html = fmt::format("<td>{:.4f}</td><td>{:.4f}</td><td>{:.4f}</td><td>{:.2f}</td>", d.x, d.y,
+                                   d.z, light.direction_sigma_deg);
+    if (light.position_mm)
+        html +=
+            fmt::format("<td>{:.1f}</td><td>{:.1f}</td><td>{:.1f}</td><td>{:.1f}</td>", light.position_mm->x,
+                        light.position_mm->y, light.position_mm->z, glm::length(light.position_sigma_mm));
+    else if (positions)
+        html += "<td colspan=\"4\">distant</td>";
+    return html + fmt::format("<td>{}</td>", light.balls_used);
+}
+
+// One line a photograph: its light, how strong that was on the chart, and how the camera had moved.
+std::string table(const Calibration& calibration) {
+    const BallCalibration& c = calibration.lights;
+    const bool lights = !c.balls.empty(), moved = lights && c.drifts.moved;
     const bool positions = std::any_of(c.lights.begin(), c.lights.end(),
                                        [](const auto& l) { return l.position_mm.has_value(); });
-    std::string html =
-        "<div class=\"wide\"><table><tr><th>photograph</th><th>x</th><th>y</th><th>z</th><th>± deg</th>";
+    const std::map<std::string, double> strengths = strengths_of(calibration.colours);
+    std::string html = "<div class=\"wide\"><table><tr><th>photograph</th>";
+    if (lights) html += "<th>x</th><th>y</th><th>z</th><th>± deg</th>";
     if (positions) html += "<th>x mm</th><th>y mm</th><th>z mm</th><th>± mm</th>";
-    html += "<th>balls</th><th>drift px</th></tr>";
+    if (lights) html += "<th>balls</th>";
+    if (!strengths.empty()) html += "<th>light on the chart</th>";
+    if (moved) html += "<th>drift px</th><th>± px</th><th>roll mrad</th>";
+    html += "</tr>";
     for (std::size_t i = 0; i < c.lights.size(); ++i) {
         const CalibratedLight& light = c.lights[i];
         html += fmt::format("<tr><td>{}&ensp;{}</td>", i + 1, escaped(light.name));
-        if (!light.direction) {
-            html += fmt::format("<td class=\"why\" colspan=\"{}\">left out: {}</td></tr>", positions ? 10 : 6,
-                                escaped(light.reason));
-            continue;
+        if (lights) html += direction_cells(light, positions);
+        if (!strengths.empty()) {
+            const auto found = strengths.find(light.name);
+            html += found == strengths.end()
+                        ? "<td>–</td>"
+                        : fmt::format(
+                              "<td>{}</td>",
+                              with_error(found->second,
+                                         found->second * calibration.colours->correction.lights.residual));
         }
-        const dvec3& d = *light.direction;
-        html += fmt::format("<td>{:.4f}</td><td>{:.4f}</td><td>{:.4f}</td><td>{:.2f}</td>", d.x, d.y, d.z,
-                            light.direction_sigma_deg);
-        if (light.position_mm)
-            html += fmt::format("<td>{:.1f}</td><td>{:.1f}</td><td>{:.1f}</td><td>{:.1f}</td>",
-                                light.position_mm->x, light.position_mm->y, light.position_mm->z,
-                                glm::length(light.position_sigma_mm));
-        else if (positions)
-            html += "<td colspan=\"4\">distant</td>";
-        const dvec2 drift = c.drifts.photos[i].shift_px;
-        html += fmt::format("<td>{}</td><td>{:.2f}, {:.2f}</td></tr>", light.balls_used, drift.x, drift.y);
+        if (moved) {
+            const CameraShake& drift = c.drifts.photos[i];
+            html += fmt::format("<td>{:.2f}, {:.2f}</td><td>{:.2f}</td><td>{:.2f}</td>", drift.shift_px.x,
+                                drift.shift_px.y, drift.sigma_px, 1000 * drift.roll_rad);
+        }
+        html += "</tr>";
     }
     return html + "</table></div>";
 }
 
+// Scale, markers, lens, rectification: what the picture that is fitted will be.
+std::string plane_section(const PlaneCalibration& c) {
+    std::string html = "<h2>Scale and plane</h2><div class=\"row\">";
+    if (!c.scales.empty()) {
+        html +=
+            "<div class=\"card wide\"><table><tr><th>scale by</th><th>mm per pixel</th><th>± %</th><th>at "
+            "pixel</th></tr>";
+        for (const Scale& scale : c.scales)
+            html += fmt::format(
+                "<tr><td>{}{}</td><td>{}</td><td>{:.2f}</td><td>{}</td></tr>", escaped(scale.method),
+                &scale == &c.scales.front() ? " (used)" : "", with_error(scale.mm_per_pixel, scale.sigma),
+                100 * scale.sigma / scale.mm_per_pixel,
+                scale.method == "ppi" ? "everywhere"
+                                      : fmt::format("{:.0f}, {:.0f}", scale.place_px.x, scale.place_px.y));
+        html += "</table></div>";
+    }
+    html += "<div class=\"card\">";
+    if (!c.markers.markers.empty()) {
+        std::string ids;
+        for (const Marker& marker : c.markers.markers)
+            ids += fmt::format("{}{}", ids.empty() ? "" : ", ", marker.id);
+        html += fmt::format(
+            "<p>{} markers of {} in {} (numbers {}); their corners fit one plane to {:.2f} px.</p>",
+            c.markers.markers.size(), c.markers.dictionary, escaped(c.markers_in), ids, c.marker_residual_px);
+    }
+    if (c.geometry) {
+        const PictureGeometry& g = *c.geometry;
+        if (g.lens) html += "<p>The lens's distortion is undone, by its calibration file.</p>";
+        html += c.rectified_by.empty() ? "<p>Not rectified.</p>"
+                                       : fmt::format("<p>Rectified by the {}.</p>", c.rectified_by);
+        if (c.tilt_deg)
+            html +=
+                fmt::format("<p>The camera looked on the painting's plane from {}° beside its normal.</p>",
+                            with_error(*c.tilt_deg, c.tilt_sigma_deg));
+        html += fmt::format(
+            "<p>The picture is {} × {} pixels{}. {:.1f} % of the photographs lie outside it; {:.1f} % of it "
+            "the "
+            "photographs do not show.</p>",
+            g.width, g.height, g.mm_per_pixel ? fmt::format(", {:.5f} mm each", *g.mm_per_pixel) : "",
+            100 * c.photo_outside, 100 * c.picture_outside);
+    } else {
+        html += "<p>Photographs are taken as they are: neither rectified nor undistorted.</p>";
+    }
+    return html + "</div></div>";
+}
+
 }  // namespace
 
-CalibrationFiles calibration_files(const std::filesystem::path& lights) {
-    return {lights, lights.parent_path() / "capture.json", lights.parent_path() / "capture.html"};
+CalibrationFiles calibration_files(const std::filesystem::path& out) {
+    if (lower_extension(out) != ".json")
+        return {out, out.parent_path() / "capture.json", out.parent_path() / "capture.html"};
+    CalibrationFiles files{out, out, out};
+    files.lights.replace_extension(".lp");
+    files.page.replace_extension(".html");
+    return files;
 }
 
 Image<Rgb> ball_picture(const FoundBall& ball) {
@@ -166,15 +264,18 @@ Image<Rgb> ball_picture(const FoundBall& ball) {
     return picture;
 }
 
-std::string calibration_page(const BallCalibration& c, const std::vector<std::string>& ball_urls,
-                             const std::optional<ColourCalibration>& colours, const std::string& section) {
+std::string calibration_page(const Calibration& calibration, const std::vector<std::string>& ball_urls) {
+    const BallCalibration& c = calibration.lights;
+    const std::optional<ColourCalibration>& colours = calibration.colours;
     TP_REQUIRE(ball_urls.size() == c.balls.size(), "each ball has a picture");
     std::string html = fmt::format(
         "<!doctype html><html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" "
-        "content=\"width=device-width, initial-scale=1\"><title>Light calibration</title><style>{}</style>"
-        "</head><body><main><h1>Light calibration</h1><p class=\"soft\">{} of {} photographs, from {} · "
-        "camera: {}{}</p>",
-        kStyle, c.calibrated(), c.lights.size(), c.method,
+        "content=\"width=device-width, initial-scale=1\"><title>Calibration</title><style>{}</style>"
+        "</head><body><main><h1>Calibration</h1><p class=\"soft\">{} · camera: {}{}</p>",
+        kStyle,
+        c.balls.empty() ? fmt::format("{} photographs, no lights", c.lights.size())
+                        : fmt::format("Lights of {} of {} photographs, from {}", c.calibrated(),
+                                      c.lights.size(), c.method),
         c.camera.focal_px ? fmt::format("focal length {:.0f} px", *c.camera.focal_px)
                           : "taken to be far away",
         c.drifts.moved ? fmt::format(" · it moved by {:.2f} px rms", c.drifts.rms_px) : "");
@@ -190,15 +291,29 @@ std::string calibration_page(const BallCalibration& c, const std::vector<std::st
         for (const std::string& note : notes) html += "<li>" + escaped(note) + "</li>";
         html += "</ul>";
     }
-    html += "<h2>Lights and balls</h2><div class=\"row\"><figure class=\"card\">" + hemisphere(c) +
+    if (!c.balls.empty()) {
+        html +=
+            "<h2>Lights and balls</h2><div class=\"row\"><figure class=\"card\">" + hemisphere(c) +
             "<figcaption>Directions as the camera sees them: the middle is straight above, the rim is the "
-            "painting's plane; "
-            "circles are standard errors. Numbers as in the table.</figcaption></figure>";
-    for (std::size_t i = 0; i < c.balls.size(); ++i) html += ball_figure(c, i, ball_urls[i]);
-    html += "</div>";
-    html += section;
+            "painting's plane; circles are standard errors. Numbers as in the table.</figcaption></figure>";
+        for (std::size_t i = 0; i < c.balls.size(); ++i) html += ball_figure(c, i, ball_urls[i]);
+        html += "</div>";
+    }
+    html += calibration.section;
+    if (calibration.plane) html += plane_section(*calibration.plane);
     if (colours) html += colour_section(*colours);
-    return html + "<h2>Photographs</h2>" + table(c) + "</main></body></html>\n";
+    html += "<h2>Photographs</h2>";
+    if (colours)
+        html += fmt::format(
+            "<p class=\"soft\">Stored as {} ({}). The light on the chart is in units of its "
+            "median; its error is the chart's misfit.</p>",
+            colours->transfer.name(), colours->transfer_source);
+    else if (c.matt_transfer)
+        html += fmt::format("<p class=\"soft\">Taken as {}.</p>", c.matt_transfer->name());
+    if (c.drifts.moved)
+        html +=
+            "<p class=\"soft\">Drift is from the first photograph; roll is around the picture's centre.</p>";
+    return html + table(calibration) + "</main></body></html>\n";
 }
 
 std::string picture_url(const Image<Rgb>& picture, const std::filesystem::path& scratch) {
@@ -207,17 +322,30 @@ std::string picture_url(const Image<Rgb>& picture, const std::filesystem::path& 
     return "data:image/jpeg;base64," + base64(read_text_file(file.temporary()));
 }
 
-CalibrationFiles write_calibration(const std::filesystem::path& lights, const BallCalibration& calibration,
-                                   const std::optional<ColourCalibration>& colours,
-                                   const std::string& section) {
-    const CalibrationFiles files = calibration_files(lights);
+nlohmann::json to_json(const Calibration& calibration) {
+    nlohmann::json capture = to_json(calibration.lights);
+    capture["colour"] = nullptr;
+    if (calibration.colours) {
+        capture["colour"] = to_json(*calibration.colours);
+        capture["colour"]["raw_colour"] =
+            calibration.raw_colour.empty() ? nlohmann::json(nullptr) : nlohmann::json(calibration.raw_colour);
+    }
+    for (const char* part : {"scale", "scales", "markers", "geometry"}) capture[part] = nullptr;
+    if (calibration.plane) capture.update(to_json(*calibration.plane));
+    capture["development"] = calibration.development;
+    return capture;
+}
+
+CalibrationFiles write_calibration(const std::filesystem::path& out, const Calibration& calibration) {
+    const CalibrationFiles files = calibration_files(out);
     std::vector<std::string> urls;
-    for (const FoundBall& ball : calibration.balls) urls.push_back(picture_url(ball_picture(ball), lights));
-    nlohmann::json capture = to_json(calibration);
-    capture["colour"] = colours ? to_json(*colours) : nlohmann::json(nullptr);
+    for (const FoundBall& ball : calibration.lights.balls)
+        urls.push_back(picture_url(ball_picture(ball), out));
+    const nlohmann::json capture = to_json(calibration);
     write_text_file(files.json, capture.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
-    write_text_file(files.page, calibration_page(calibration, urls, colours, section));
-    write_lights_file(files.lights, calibration.usable_lights());
+    write_text_file(files.page, calibration_page(calibration, urls));
+    const std::vector<Light> lights = calibration.lights.usable_lights();
+    if (!lights.empty()) write_lights_file(files.lights, lights);
     return files;
 }
 

@@ -1,4 +1,4 @@
-// calibration_page.h: a light calibration as files: lights.lp, capture.json for programs, capture.html for
+// calibration_page.h: a calibration as files: lights.lp, capture.json for programs, capture.html for
 // people.
 #pragma once
 
@@ -6,6 +6,7 @@
 
 #include "capture/ball_calibration.h"
 #include "capture/colour_calibration.h"
+#include "capture/plane_calibration.h"
 
 namespace tangi {
 
@@ -13,15 +14,27 @@ struct CalibrationFiles {
     std::filesystem::path lights, json, page;
 };
 
-// Where write_calibration() writes: the lights file, and capture.json and capture.html beside it.
-CalibrationFiles calibration_files(const std::filesystem::path& lights);
+// Where write_calibration() writes. `out` is either the lights file (.lp), with capture.json and capture.html
+// beside it, or the capture file (.json), with a page and a lights file of the same name beside it.
+CalibrationFiles calibration_files(const std::filesystem::path& out);
 
-// Each file appears whole or not at all, the lights file last. Throws Error naming the file that cannot be
-// written.
-// `section` is HTML that the page shows after its lights.
-CalibrationFiles write_calibration(const std::filesystem::path& lights, const BallCalibration& calibration,
-                                   const std::optional<ColourCalibration>& colours = {},
-                                   const std::string& section = {});
+// All that was found. Without balls only the size of the photographs, the camera and the frame are used of
+// `lights`.
+struct Calibration {
+    BallCalibration lights;
+    std::optional<ColourCalibration> colours{};
+    std::optional<PlaneCalibration> plane{};
+    nlohmann::json development = nullptr;  // to_json(DevelopReport)
+    std::string raw_colour{};              // "camera", "rec709"; empty for files that are no raws
+    std::string section{};                 // HTML that the page shows after the lights
+};
+
+// Each file appears whole or not at all, the lights file last, and only where there is a light. Throws Error
+// naming the file that cannot be written.
+CalibrationFiles write_calibration(const std::filesystem::path& out, const Calibration& calibration);
+
+// The whole capture.json: see docs/capture.md.
+nlohmann::json to_json(const Calibration& calibration);
 
 // A picture, 0..1, as the page takes it: data:image/jpeg. `scratch` is beside which file it may be written
 // for a moment.
@@ -32,8 +45,6 @@ Image<Rgb> ball_picture(const FoundBall& ball);
 
 // The page: one file, no script, no network. `ball_urls` are the balls' pictures, data: or a path. Whatever
 // names contain, they stay text.
-std::string calibration_page(const BallCalibration& calibration, const std::vector<std::string>& ball_urls,
-                             const std::optional<ColourCalibration>& colours = {},
-                             const std::string& section = {});
+std::string calibration_page(const Calibration& calibration, const std::vector<std::string>& ball_urls);
 
 }  // namespace tangi

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <fstream>
 #include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
 #include <nlohmann/json.hpp>
 
 #include "surface/error.h"
@@ -27,6 +28,9 @@ public:
         if (!value_.is_object() || !value_.contains(key)) fail("{}: {}.{} is missing", file_, name_, key);
         return {file_, value_.at(key), name_.empty() ? key : name_ + "." + key};
     }
+    bool has(const char* key) const {
+        return value_.is_object() && value_.contains(key) && !value_[key].is_null();
+    }
     bool is_null() const { return value_.is_null(); }
     double number(double minimum, double maximum) const {
         if (!value_.is_number()) fail("{}: {} is not a number", file_, name_);
@@ -46,10 +50,16 @@ public:
             entries.emplace_back(file_, value_[i], fmt::format("{}[{}]", name_, i));
         return entries;
     }
-    Vec3 vec3(double size) const {
+    glm::dvec3 dvec3(double size) const {
         const std::vector<Field> n = list();
         if (n.size() != 3) fail("{}: {} has {} numbers, not 3", file_, name_, n.size());
-        return Vec3(n[0].number(-size, size), n[1].number(-size, size), n[2].number(-size, size));
+        return {n[0].number(-size, size), n[1].number(-size, size), n[2].number(-size, size)};
+    }
+    Vec3 vec3(double size) const { return Vec3(dvec3(size)); }
+    glm::dmat3 mat3(double size) const {  // a list of rows
+        const std::vector<Field> rows = list();
+        if (rows.size() != 3) fail("{}: {} has {} rows, not 3", file_, name_, rows.size());
+        return glm::transpose(glm::dmat3(rows[0].dvec3(size), rows[1].dvec3(size), rows[2].dvec3(size)));
     }
 
 private:
@@ -93,6 +103,44 @@ void complete_positions(CaptureFile& capture, const std::string& file) {
                     file, names, middle));
 }
 
+// White balance and matrix of the chart; with the reading's own words for what was not solved.
+CaptureColour colour_of(const Field& colour, const std::string& file) {
+    CaptureColour result;
+    const Field correction = colour["correction"];
+    const glm::dvec3 balance = correction["white_balance"].dvec3(1e3);
+    if (!(std::min({balance.r, balance.g, balance.b}) > 1e-3))
+        fail("{}: colour.correction.white_balance is not positive", file);
+    const glm::dmat3 matrix = correction["matrix"].mat3(1e3);
+    const glm::dmat3 total = matrix * glm::dmat3(balance.r, 0, 0, 0, balance.g, 0, 0, 0, balance.b);
+    if (!(std::abs(glm::determinant(total)) > 1e-6))
+        fail("{}: colour.correction.matrix has no inverse", file);
+    result.to_camera = glm::inverse(total);
+    const glm::dvec3 lamp = result.lamp();
+    if (!(std::min({lamp.r, lamp.g, lamp.b}) > 0))
+        fail("{}: by colour.correction, white would be dark in a channel", file);
+    const std::string name = colour["transfer"]["name"].text();
+    const std::optional<Transfer> transfer = transfer_named(name);
+    if (!transfer) fail("{}: colour.transfer.name is '{}', which is no transfer curve", file, name);
+    result.transfer = *transfer;
+    if (colour.has("raw_colour")) result.raw_rec709 = colour["raw_colour"].text() == "rec709";
+    if (colour["chart"].has("chart_to_picture") && correction.has("patches")) {
+        CaptureColour::Chart chart{colour["chart"]["chart_to_picture"].mat3(1e9), {}};
+        const std::vector<Field> patches = correction["patches"].list();
+        if (patches.size() != chart.reference.size())
+            fail("{}: colour.correction.patches has {} entries, not 24", file, patches.size());
+        bool known = true;  // files of version 0.1 do not say
+        for (std::size_t n = 0; n < patches.size() && known; ++n) {
+            known = patches[n].has("reference");
+            if (known) chart.reference[n] = Rgb(patches[n]["reference"].dvec3(10));
+        }
+        if (known) result.chart = chart;
+    }
+    const Field errors = correction["delta_e_2000"], left_out = errors["left_out"];
+    if (errors.has("after")) result.misfit = errors["after"]["mean"].number(0, 1e3);
+    if (!left_out.is_null()) result.delta_e_2000 = left_out["mean"].number(0, 1e3);
+    return result;
+}
+
 }  // namespace
 
 CaptureFile read_capture_file(const std::filesystem::path& path) {
@@ -118,9 +166,57 @@ CaptureFile read_capture_file(const std::filesystem::path& path) {
         fail("{}: camera.position_mm is below the painting", file);
     for (const Field& entry : top["lights"].list())
         if (const auto light = light_of(entry, file)) capture.lights.push_back(*light);
-    if (capture.lights.empty()) fail("{}: holds no light that was found", file);
     complete_positions(capture, file);
+    // Files of version 0.1 have neither.
+    if (whole.contains("colour") && !whole["colour"].is_null())
+        capture.colour = colour_of(top["colour"], file);
+    if (whole.contains("geometry") && !whole["geometry"].is_null()) {
+        try {
+            capture.geometry = geometry_from_json(whole["geometry"]);
+        } catch (const std::exception& error) {
+            fail("{}: {}; calibrate again", file, error.what());
+        }
+        if (capture.geometry->photo_width != capture.width ||
+            capture.geometry->photo_height != capture.height)
+            fail("{}: geometry.photograph_px is not the size of its photographs", file);
+    }
+    if (capture.colour && whole.contains("development") && whole["development"].is_object())
+        for (const char* what : {"dark", "flat", "ambient", "brackets"})
+            if (const json& used = whole["development"].value(what, json(nullptr)); !used.empty())
+                capture.colour->developed_with.emplace_back(what);
+    if (whole.contains("scale") && !whole["scale"].is_null())
+        capture.mm_per_pixel = top["scale"]["mm_per_pixel"].number(1e-6, 1e3);
     return capture;
+}
+
+CaptureFile in_picture(const CaptureFile& capture) {
+    if (!capture.geometry) return capture;
+    const PictureGeometry& geometry = *capture.geometry;
+    CaptureFile result = capture;
+    result.width = geometry.width;
+    result.height = geometry.height;
+    const glm::dvec2 centre((geometry.width - 1) / 2.0, (geometry.height - 1) / 2.0);
+    if (!geometry.rectification) return result;  // undistorted: the frame stays
+    result.origin_px = centre;
+    if (geometry.mm_per_pixel) result.mm_per_pixel = geometry.mm_per_pixel;
+    result.camera_mm.reset();
+    if (geometry.camera_mm) result.camera_mm = Vec3(*geometry.camera_mm);
+    // Where the picture's origin lies in the photographs' frame. In perspective the camera is the same point
+    // in both; seen from far away, what is above a point stays above it.
+    std::optional<glm::dvec3> origin;
+    if (capture.camera_mm && geometry.camera_mm) {
+        origin = glm::dvec3(*capture.camera_mm) - glm::transpose(geometry.turn) * *geometry.camera_mm;
+    } else if (capture.mm_per_pixel && !capture.camera_mm) {
+        const glm::dvec2 away = geometry.place_in_photo(centre) - capture.origin_px;
+        origin = *capture.mm_per_pixel * glm::dvec3(away.x, -away.y, 0);
+    }
+    for (Light& light : result.lights) {
+        if (light.position_mm && origin)
+            light = near_light(Vec3(geometry.turn * (glm::dvec3(*light.position_mm) - *origin)), light.name);
+        else
+            light = distant_light(Vec3(geometry.turn * glm::dvec3(light.direction)), light.name);
+    }
+    return result;
 }
 
 CaptureFile seen_from(const CaptureFile& capture, const Region& crop) {

@@ -7,24 +7,35 @@
 #include <string>
 #include <vector>
 
+#include "capture/capture_colour.h"
+#include "capture/picture_geometry.h"
 #include "surface/image.h"
 #include "surface/light.h"
 
 namespace tangi {
 
+// Lights and camera are in the frame of the photographs, as if the camera looked straight down on the
+// painting, until in_picture() carries them into the one of the picture that is fitted.
 struct CaptureFile {
-    std::vector<Light> lights;  // those that were found, in the file's order; gains 1; positions all or none
+    std::vector<Light> lights;  // those that were found, in the file's order; gains 1; positions all or none;
+                                // none where no ball was looked for
     int width = 0, height = 0;  // of the photographs
     glm::dvec2 origin_px{0};    // pixel of the photographs where x = y = 0
     std::optional<double> mm_per_pixel{};  // at z = 0
     std::optional<Vec3> camera_mm{};
+    std::optional<CaptureColour> colour{};      // of a chart
+    std::optional<PictureGeometry> geometry{};  // of a lens or a rectification
     std::vector<std::string> warnings;
 };
 
 // Lamps of which only the direction was found, among others with positions, are taken to be as far away as
 // the others' median, with a warning. Throws Error naming the file and the field: not JSON, another file's
-// JSON, a later format, a number that is missing or makes no sense, no light.
+// JSON, a later format, a number that is missing or makes no sense.
 CaptureFile read_capture_file(const std::filesystem::path& path);
+
+// The same in the frame of the picture that its geometry makes of the photographs: size, origin (the
+// picture's centre), scale, camera and lights. As it is where there is no geometry.
+CaptureFile in_picture(const CaptureFile& capture);
 
 // The same as seen by a part of the photographs: the origin moved to the centre of `crop`, and the strengths
 // with it: lamps of known positions are taken for one lamp that was carried around, so that its light at the

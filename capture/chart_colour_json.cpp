@@ -32,12 +32,15 @@ json to_json(const FoundChart& chart) {
 json to_json(const ColourCorrection& c, const ChartReference& reference) {
     json patches = json::array();
     for (std::size_t i = 0; i < kChartPatches; ++i)
-        patches.push_back({{"number", i + 1},
-                           {"name", reference.patches[i].name},
-                           {"photographs", c.lights.photos[i]},
-                           {"before", or_null(c.before.patches[i])},
-                           {"after", or_null(c.after.patches[i])},
-                           {"left_out", or_null(c.left_out.patches[i])}});
+        patches.push_back(
+            {{"number", i + 1},
+             {"name", reference.patches[i].name},
+             {"reference",
+              {reference.patches[i].linear.r, reference.patches[i].linear.g, reference.patches[i].linear.b}},
+             {"photographs", c.lights.photos[i]},
+             {"before", or_null(c.before.patches[i])},
+             {"after", or_null(c.after.patches[i])},
+             {"left_out", or_null(c.left_out.patches[i])}});
     return {{"reference", c.reference},
             {"white_balance", {c.white_balance.r, c.white_balance.g, c.white_balance.b}},
             {"matrix", to_json(c.matrix)},

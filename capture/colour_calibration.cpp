@@ -4,6 +4,7 @@
 #include <array>
 
 #include "capture/html_text.h"
+#include "capture/transfer_metadata.h"
 #include "surface/error.h"
 #include "surface/picture_file.h"
 
@@ -15,39 +16,12 @@ namespace {
 
 constexpr int kSoughtIn = 3;  // photographs
 
-Image<Rgb> decoded(const Image<Rgb>& stored, const Transfer& transfer) {
-    Image<Rgb> linear = stored;
-    for (Rgb& pixel : linear.pixels())
-        for (int c = 0; c < 3; ++c) pixel[c] = transfer.decode(pixel[c]);
-    return linear;
-}
-
-double brightness(const Image<Rgb>& stored) {
-    double sum = 0;
-    for (const Rgb& pixel : stored.pixels()) sum += pixel.g;
-    return sum / static_cast<double>(std::max<std::size_t>(stored.size(), 1));
-}
-
-std::vector<fs::path> spread(const std::vector<fs::path>& paths, int most) {
-    if (static_cast<int>(paths.size()) <= most) return paths;
-    std::vector<fs::path> chosen;
-    for (int i = 0; i < most; ++i)
-        chosen.push_back(paths[static_cast<std::size_t>(i) * paths.size() / static_cast<std::size_t>(most)]);
+// At most so many of the numbers from 0 on, evenly.
+std::vector<std::size_t> spread(std::size_t count, int most) {
+    const auto wanted = std::min(count, static_cast<std::size_t>(most));
+    std::vector<std::size_t> chosen;
+    for (std::size_t i = 0; i < wanted; ++i) chosen.push_back(i * count / wanted);
     return chosen;
-}
-
-// The paths from the brightest photograph to the darkest.
-std::vector<fs::path> by_brightness(const std::vector<fs::path>& paths, const Progress& progress) {
-    std::vector<std::pair<double, fs::path>> order;
-    for (const fs::path& path : paths) {
-        order.emplace_back(-brightness(read_picture(path)), path);
-        report(progress, "chart: brightness",
-               static_cast<double>(order.size()) / static_cast<double>(paths.size()));
-    }
-    std::sort(order.begin(), order.end());
-    std::vector<fs::path> sorted;
-    for (const auto& [dark, path] : order) sorted.push_back(path);
-    return sorted;
 }
 
 // The colours as one transfer curve makes them.
@@ -58,58 +32,80 @@ struct Attempt {
 
 }  // namespace
 
-std::optional<ColourCalibration> calibrate_colours(const std::vector<fs::path>& paths,
+std::optional<ColourCalibration> calibrate_colours(const PhotoSet& photos,
                                                    const ColourCalibrationOptions& options,
                                                    const Progress& progress) {
     ColourCalibration result;
     result.reference = options.reference ? read_chart_reference(*options.reference) : classic_chart();
-    const std::vector<fs::path> chosen = spread(paths, options.most_photos);
-    const std::vector<fs::path> bright = by_brightness(chosen, progress);
-
     // Finding needs flat patches and the order of their colours, which any of the curves leaves.
     const Transfer any = options.transfer.value_or(Transfer{});
+    const std::vector<std::size_t> bright = photos.brightest_first("chart: brightness", progress);
     bool found = false;
-    for (int i = 0; i < std::min(kSoughtIn, static_cast<int>(bright.size())) && !found; ++i) {
-        const fs::path& path = bright[static_cast<std::size_t>(i)];
-        const Image<Rgb> linear = decoded(read_picture(path), any);
+    for (std::size_t i = 0; i < std::min<std::size_t>(kSoughtIn, bright.size()) && !found; ++i) {
+        const Image<Rgb> linear = photos.linear(bright[i], any);
         std::optional<FoundChart> chart =
             options.corners_px ? chart_at(linear, *options.corners_px) : find_chart(linear);
         if (!chart) continue;
         found = true;
         result.chart = std::move(*chart);
-        result.found_in = path.filename().string();
+        result.found_in = photos.name(bright[i]);
     }
     if (!found) return {};
 
     std::vector<Attempt> attempts;
-    if (options.transfer)
+    std::string stated;  // where the file says bindingly how it is stored: then the first attempt counts
+    const PhotoHeader header = photos.open(0).header();
+    if (photos.developed() || header.is_raw || header.is_float) {
+        attempts.push_back({Transfer{}, {}});  // linear already
+    } else if (options.transfer) {
         attempts.push_back({*options.transfer, {}});
-    else
+    } else {
+        const auto metadata = transfer_of_metadata(read_photo_metadata(photos.path(0)));
+        if (metadata && metadata->binding && metadata->transfer) {
+            stated = metadata->source;
+            attempts.push_back({*metadata->transfer, {}});
+        }
         for (const char* name : {"linear", "srgb", "2.2"}) attempts.push_back({*transfer_named(name), {}});
-    for (const fs::path& path : chosen) {
-        const Image<Rgb> stored = read_picture(path);
-        result.photos.push_back(path.filename().string());
+    }
+    const std::vector<std::size_t> chosen = spread(photos.size(), options.most_photos);
+    for (const std::size_t photo : chosen) {
+        result.photos.push_back(photos.name(photo));
         for (Attempt& attempt : attempts)
             attempt.readings.push_back(
-                read_chart(decoded(stored, attempt.transfer), result.chart, result.photos.back()));
+                read_chart(photos.linear(photo, attempt.transfer), result.chart, result.photos.back()));
         report(progress, "chart",
                static_cast<double>(result.photos.size()) / static_cast<double>(chosen.size() + 1));
     }
     const Attempt* best = nullptr;
     for (const Attempt& attempt : attempts) {
         ColourCorrection correction = correct_colours(attempt.readings, result.reference);
-        if (best && !(correction.after.mean < result.correction.after.mean)) continue;
+        const double now = correction.after.mean, before = result.correction.after.mean;
+        if (best && !stated.empty()) {
+            if (now < 0.5 * before - 0.25)
+                result.warnings.push_back(
+                    fmt::format("{}: its {} says {}, but the colour chart fits {} far better (mean CIEDE2000 "
+                                "{:.2f} instead "
+                                "of {:.2f}); if that is right, say so with --transfer",
+                                photos.path(0).string(), stated, best->transfer.name(),
+                                attempt.transfer.name(), now, before));
+            continue;
+        }
+        if (best && !(now < before)) continue;
         best = &attempt;
         result.correction = std::move(correction);
     }
-    result.transfer = best->transfer;
-    result.transfer_source = options.transfer ? "given" : "chart";
+    result.transfer = photos.encoding().value_or(best->transfer);
+    result.transfer_source = !stated.empty()       ? stated
+                             : attempts.size() > 1 ? "chart"
+                             : options.transfer    ? "given"
+                                                   : "linear file";
     result.tolerances = judge_colours(result.correction);
     if (options.pitch_mm) result.scale = scale_from_chart(result.chart, glm::dvec2(*options.pitch_mm));
     const auto add = [&](const std::vector<std::string>& notes) {
         result.warnings.insert(result.warnings.end(), notes.begin(), notes.end());
     };
-    add(result.chart.warnings);
+    for (const std::string& note : result.chart.warnings)
+        result.warnings.push_back(fmt::format("{}: {}", result.found_in, note));
     for (const ChartReading& reading : best->readings) add(reading.warnings);
     add(result.correction.warnings);
     if (result.scale) add(result.scale->warnings);

@@ -9,6 +9,7 @@
 
 #include "capture/chart_colour.h"
 #include "capture/colour_tolerance.h"
+#include "capture/photo_set.h"
 #include "surface/colour.h"
 #include "surface/progress.h"
 
@@ -39,7 +40,7 @@ struct ColourCalibration {
 // Looks for the chart in the brightest photographs, then reads it in all of them (one in memory at a time) at
 // the same place. Nothing where there is no chart and none was said to be there. Throws Error: corners that
 // hold no chart, a damaged photograph or reference file.
-std::optional<ColourCalibration> calibrate_colours(const std::vector<std::filesystem::path>& paths,
+std::optional<ColourCalibration> calibrate_colours(const PhotoSet& photos,
                                                    const ColourCalibrationOptions& options,
                                                    const Progress& progress = {});
 

@@ -84,17 +84,19 @@ std::vector<float> sample_of(const Stack& stack, const fs::path& file, const Lig
     PhotoSource source(stack, {file, light, 0, {}, {{file, 1.0}}});
     const PhotoHeader& header = source.header();
     const auto channels = static_cast<std::size_t>(header.channels);
+    // The frames and exposures are those of the photographs, whatever picture is made of them.
+    const Region part = stack.geometry ? Region{0, 0, header.width, header.height} : stack.crop;
     const std::size_t row = static_cast<std::size_t>(header.width) * channels;
     const int step =
-        std::max(1, static_cast<int>(std::sqrt(static_cast<double>(stack.width()) * stack.height() / 20000)));
+        std::max(1, static_cast<int>(std::sqrt(static_cast<double>(part.width()) * part.height() / 20000)));
     std::vector<float> rows, sample;
-    for (int y0 = 0; y0 < stack.crop.y1; y0 += kRows) {
+    for (int y0 = 0; y0 < part.y1; y0 += kRows) {
         const int y1 = std::min(y0 + kRows, header.height);
         rows.resize(row * static_cast<std::size_t>(y1 - y0));
         source.read_rows(y0, y1, rows);
-        for (int y = std::max(y0, stack.crop.y0); y < std::min(y1, stack.crop.y1); ++y)
-            for (int x = stack.crop.x0; x < stack.crop.x1; x += step) {
-                if ((y - stack.crop.y0) % step != 0) break;
+        for (int y = std::max(y0, part.y0); y < std::min(y1, part.y1); ++y)
+            for (int x = part.x0; x < part.x1; x += step) {
+                if ((y - part.y0) % step != 0) break;
                 const float* value =
                     &rows[row * static_cast<std::size_t>(y - y0) + static_cast<std::size_t>(x) * channels];
                 float sum = 0;

@@ -17,7 +17,7 @@ float mean_of_channels(const float* value, int channels) {
     return channels == 1 ? value[0] : (value[0] + value[1] + value[2]) / 3;
 }
 
-void read_reduced(PhotoFile& file, int reduction, Image<float>& mean, Image<float>* brightest) {
+void read_reduced(PhotoSet::Reader& file, int reduction, Image<float>& mean, Image<float>* brightest) {
     const PhotoHeader& header = file.header();
     const int rows = std::max(1, 64 / reduction) * reduction;
     const auto row = static_cast<std::size_t>(header.width) * static_cast<std::size_t>(header.channels);
@@ -43,32 +43,32 @@ void read_reduced(PhotoFile& file, int reduction, Image<float>& mean, Image<floa
 
 }  // namespace
 
-GreyPhotos read_grey_photos(std::span<const fs::path> paths, const Progress& progress,
-                            std::size_t most_values) {
+GreyPhotos read_grey_photos(const PhotoSet& set, const Progress& progress, std::size_t most_values) {
     GreyPhotos photos;
-    std::vector<PhotoFile> files;
-    for (const fs::path& path : paths) {
-        files.emplace_back(path);
+    std::vector<PhotoSet::Reader> files;
+    for (std::size_t i = 0; i < set.size(); ++i) {
+        files.emplace_back(set, i);
         const PhotoHeader& header = files.back().header();
         if (files.size() == 1) {
             photos.width = header.width;
             photos.height = header.height;
-            photos.step = header.is_float ? 1e-4f : 1.0f / static_cast<float>((1 << header.bits) - 1);
+            photos.step = set.developed() || header.is_float
+                              ? 1e-4f
+                              : 1.0f / static_cast<float>((1 << header.bits) - 1);
         }
         if (header.width != photos.width || header.height != photos.height)
             fail("{}: is {} x {}, but {} is {} x {}; all photographs of a stack must have the same size",
-                 path.string(), header.width, header.height, paths.front().filename().string(), photos.width,
-                 photos.height);
+                 set.path(i).string(), header.width, header.height, set.path(0).filename().string(),
+                 photos.width, photos.height);
     }
-    const double values =
-        static_cast<double>(photos.width) * photos.height * static_cast<double>(paths.size());
+    const double values = static_cast<double>(photos.width) * photos.height * static_cast<double>(set.size());
     photos.reduction =
         std::max(1, static_cast<int>(std::ceil(std::sqrt(values / static_cast<double>(most_values)))));
     const int width = photos.width / photos.reduction, height = photos.height / photos.reduction;
-    if (width < 1 || height < 1) fail("{}: is too small", paths.front().string());
-    photos.mean.assign(paths.size(), Image<float>(width, height));
-    if (photos.reduction > 1) photos.brightest.assign(paths.size(), Image<float>(width, height));
-    const int count = static_cast<int>(paths.size()), batch = std::max(2, thread_count());
+    if (width < 1 || height < 1) fail("{}: is too small", set.path(0).string());
+    photos.mean.assign(set.size(), Image<float>(width, height));
+    if (photos.reduction > 1) photos.brightest.assign(set.size(), Image<float>(width, height));
+    const int count = static_cast<int>(set.size()), batch = std::max(2, thread_count());
     for (int first = 0; first < count; first += batch) {
         report(progress, "read", first / static_cast<double>(count));
         parallel_for(first, std::min(first + batch, count), 1, [&](int begin, int end) {
@@ -83,8 +83,8 @@ GreyPhotos read_grey_photos(std::span<const fs::path> paths, const Progress& pro
     return photos;
 }
 
-Image<float> read_grey_region(const fs::path& path, const Region& region) {
-    PhotoFile file(path);
+Image<float> read_grey_region(const PhotoSet& set, std::size_t photo, const Region& region) {
+    PhotoSet::Reader file = set.open(photo);
     const PhotoHeader& header = file.header();
     TP_REQUIRE(region.x0 >= 0 && region.y0 >= 0 && region.x1 <= header.width && region.y1 <= header.height,
                "the region lies in the photograph");

@@ -6,13 +6,14 @@
 #include <string>
 #include <vector>
 
+#include "capture/photo_set.h"
 #include "surface/image.h"
 #include "surface/progress.h"
 
 namespace tangi {
 
-// All photographs of a stack, grey (mean of the channels, 0..1 as stored), reduced so that all fit into
-// memory. Pixel (x, y) of a reduced picture is the square of reduction^2 pixels from (reduction * x,
+// All photographs of a stack, grey (mean of the channels, 0..1 as the set has them), reduced so that all fit
+// into memory. Pixel (x, y) of a reduced picture is the square of reduction^2 pixels from (reduction * x,
 // reduction * y) on.
 struct GreyPhotos {
     int width = 0, height = 0;  // of the photographs
@@ -31,11 +32,11 @@ struct GreyPhotos {
 
 // Throws Error naming the file: not a picture, damaged, another size than the first. `most_values` bounds the
 // memory: pixels of all reduced pictures together.
-GreyPhotos read_grey_photos(std::span<const std::filesystem::path> paths, const Progress& progress = {},
+GreyPhotos read_grey_photos(const PhotoSet& set, const Progress& progress = {},
                             std::size_t most_values = std::size_t{40} << 20);
 
 // A region of one photograph in full size, grey.
-Image<float> read_grey_region(const std::filesystem::path& path, const Region& region);
+Image<float> read_grey_region(const PhotoSet& set, std::size_t photo, const Region& region);
 
 // The pictures in a folder in the order of their names. Pictures whose name says `mask` are left out and
 // named in `warnings`. Throws Error where there is no such folder, or no picture in it.

@@ -42,23 +42,6 @@ cv::Matx33d matrix_of(const Lens& lens) {
     return {lens.focal_px.x, 0, lens.principal_px.x, 0, lens.focal_px.y, lens.principal_px.y, 0, 0, 1};
 }
 
-// The lens for pictures of another size but the same shape. Centres of pixels are at integers.
-Lens scaled(const Lens& lens, int width, int height) {
-    if (width == lens.width && height == lens.height) return lens;
-    const double sx = static_cast<double>(width) / lens.width, sy = static_cast<double>(height) / lens.height;
-    if (std::abs(sx - sy) > 1.0 / std::min(width, height))
-        fail(
-            "the lens was calibrated with pictures of {} x {} pixels, which are not these of {} x {}, nor "
-            "reduced to "
-            "them; take the calibration of this camera, turned as it was",
-            lens.width, lens.height, width, height);
-    Lens result = lens;
-    result.width = width, result.height = height;
-    result.focal_px = lens.focal_px * dvec2(sx, sy);
-    result.principal_px = (lens.principal_px + 0.5) * dvec2(sx, sy) - 0.5;
-    return result;
-}
-
 Lens lens_in(const cv::FileStorage& file, const std::filesystem::path& path) {
     const cv::Mat camera = matrix_in(file, "camera_matrix", path);
     if (camera.rows != 3 || camera.cols != 3)
@@ -101,9 +84,25 @@ Lens read_lens(const std::filesystem::path& path) {
     }
 }
 
+Lens lens_for(const Lens& lens, int width, int height) {
+    if (width == lens.width && height == lens.height) return lens;
+    const double sx = static_cast<double>(width) / lens.width, sy = static_cast<double>(height) / lens.height;
+    if (std::abs(sx - sy) > 1.0 / std::min(width, height))
+        fail(
+            "the lens was calibrated with pictures of {} x {} pixels, which are not these of {} x {}, nor "
+            "reduced to "
+            "them; take the calibration of this camera, turned as it was",
+            lens.width, lens.height, width, height);
+    Lens result = lens;  // centres of pixels are at integers
+    result.width = width, result.height = height;
+    result.focal_px = lens.focal_px * dvec2(sx, sy);
+    result.principal_px = (lens.principal_px + 0.5) * dvec2(sx, sy) - 0.5;
+    return result;
+}
+
 Image<glm::vec2> undistortion_map(const Lens& calibrated, int width, int height) {
     TP_REQUIRE(width > 0 && height > 0, "a picture has pixels");
-    const Lens lens = scaled(calibrated, width, height);
+    const Lens lens = lens_for(calibrated, width, height);
     Image<glm::vec2> map(width, height);
     cv::Mat result(height, width, CV_32FC2, map.data()), nothing;
     cv::initUndistortRectifyMap(matrix_of(lens), lens.distortion, cv::noArray(), matrix_of(lens),
@@ -128,6 +127,25 @@ dvec2 undistorted(const Lens& lens, const dvec2& place_px) {
     cv::undistortPoints(from, to, matrix_of(lens), lens.distortion, cv::noArray(), matrix_of(lens),
                         cv::TermCriteria(cv::TermCriteria::COUNT | cv::TermCriteria::EPS, 100, 1e-10));
     return {to[0].x, to[0].y};
+}
+
+// Our own, since it is called for every pixel of every photograph (OpenCV's documentation of calib3d has the
+// formulas).
+dvec2 distorted(const Lens& lens, const dvec2& place_px) {
+    const auto k = [&](std::size_t i) { return i < lens.distortion.size() ? lens.distortion[i] : 0.0; };
+    const dvec2 p = (place_px - lens.principal_px) / lens.focal_px;
+    const double r2 = p.x * p.x + p.y * p.y, r4 = r2 * r2;
+    const double radial =
+        (1 + r2 * (k(0) + r2 * (k(1) + r2 * k(4)))) / (1 + r2 * (k(5) + r2 * (k(6) + r2 * k(7))));
+    dvec2 q(p.x * radial + 2 * k(2) * p.x * p.y + k(3) * (r2 + 2 * p.x * p.x) + k(8) * r2 + k(9) * r4,
+            p.y * radial + k(2) * (r2 + 2 * p.y * p.y) + 2 * k(3) * p.x * p.y + k(10) * r2 + k(11) * r4);
+    if (k(12) != 0 || k(13) != 0) {  // the sensor is tilted
+        const double cx = std::cos(k(12)), sx = std::sin(k(12)), cy = std::cos(k(13)), sy = std::sin(k(13));
+        const double z = sy * q.x - cy * sx * q.y + cy * cx;
+        const dvec2 turned(cy * q.x + sy * sx * q.y - sy * cx, cx * q.y + sx);
+        q = dvec2(cy * cx * turned.x + sy * cx * z, cy * cx * turned.y - sx * z) / z;
+    }
+    return q * lens.focal_px + lens.principal_px;
 }
 
 }  // namespace tangi

@@ -21,6 +21,9 @@ struct Lens {
 // what is missing or wrong in it.
 Lens read_lens(const std::filesystem::path& path);
 
+// The lens for photographs that are the calibrated ones enlarged or reduced; Error for another shape.
+Lens lens_for(const Lens& lens, int width, int height);
+
 // For each pixel of the undistorted picture, the pixel of the photograph that is seen there; of the same
 // size, with the same camera matrix. Photographs that are the calibrated ones enlarged or reduced are allowed
 // for; Error for another shape.
@@ -29,7 +32,9 @@ Image<glm::vec2> undistortion_map(const Lens& lens, int width, int height);
 // The picture through such a map, bicubic; black where it has nothing.
 Image<Rgb> through_map(const Image<Rgb>& picture, const Image<glm::vec2>& map);
 
-// [px] Where a point of a photograph lies in the undistorted picture of that size.
+// [px] Where a point of a photograph lies in the undistorted picture of that size, and the reverse. The lens
+// is for photographs of that size.
 glm::dvec2 undistorted(const Lens& lens, const glm::dvec2& place_px);
+glm::dvec2 distorted(const Lens& lens, const glm::dvec2& place_px);
 
 }  // namespace tangi

@@ -151,10 +151,9 @@ std::optional<MattShading> shading_of(const BallCrops& crops, std::size_t photo,
     return shading;
 }
 
-MattBall find_matt_ball(std::span<const std::filesystem::path> paths, const GreyPhotos& photos,
-                        const CameraShakes& drifts, const BallCamera& camera,
-                        std::span<const GivenBall> given, const std::optional<Transfer>& transfer,
-                        const Progress& progress) {
+MattBall find_matt_ball(const PhotoSet& set, const GreyPhotos& photos, const CameraShakes& drifts,
+                        const BallCamera& camera, std::span<const GivenBall> given,
+                        const std::optional<Transfer>& transfer, const Progress& progress) {
     report(progress, "find balls", 0);
     const EdgeField field = edge_field(photos.mean, photos.step);
     std::vector<Circle> circles;
@@ -176,7 +175,7 @@ MattBall find_matt_ball(std::span<const std::filesystem::path> paths, const Grey
     for (const Circle& circle : circles)
         images.push_back(
             {circle.centre_px, circle.radius_px, 0.02 * circle.radius_px, 0.02 * circle.radius_px});
-    std::vector<BallCrops> crops = read_ball_crops(paths, photos, drifts, images, progress);
+    std::vector<BallCrops> crops = read_ball_crops(set, photos, drifts, images, progress);
     std::vector<Transfer> curves = {Transfer{}, {Transfer::Kind::srgb}, {Transfer::Kind::gamma, 2.2}};
     if (transfer) curves = {*transfer};
     double best_score = -1;
@@ -200,7 +199,7 @@ MattBall find_matt_ball(std::span<const std::filesystem::path> paths, const Grey
             candidate.transfer = curve;
             candidate.photos = std::move(shadings);
         }
-        if (2 * quality.shaded < static_cast<int>(paths.size()) || quality.residual > kLargestResidual)
+        if (2 * quality.shaded < static_cast<int>(set.size()) || quality.residual > kLargestResidual)
             continue;
         // Of circles that shade alike the one with the clearest outline; a part of a ball shades as well as
         // all of it.
@@ -214,7 +213,7 @@ MattBall find_matt_ball(std::span<const std::filesystem::path> paths, const Grey
         fail(
             "{}: no matt ball {} whose shading fits a lamp's; give it with --sphere X,Y,R (pixels from the "
             "top left)",
-            paths.front().parent_path().string(), given.empty() ? "found" : "at --sphere " + given[0].text);
+            set.folder().string(), given.empty() ? "found" : "at --sphere " + given[0].text);
     const dvec2 at = best.ball.image.centre_px;
     best.ball.name = fmt::format("matt ball at ({:.0f}, {:.0f})", at.x, at.y);
     for (const GivenBall& more : given.subspan(std::min<std::size_t>(1, given.size())))

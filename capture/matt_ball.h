@@ -33,9 +33,8 @@ struct MattBall {
 
 // Finds the ball where it is given, or else the circle in the picture whose shading fits best. Throws Error
 // where there is none.
-MattBall find_matt_ball(std::span<const std::filesystem::path> paths, const GreyPhotos& photos,
-                        const CameraShakes& drifts, const BallCamera& camera,
-                        std::span<const GivenBall> given, const std::optional<Transfer>& transfer,
-                        const Progress& progress = {});
+MattBall find_matt_ball(const PhotoSet& set, const GreyPhotos& photos, const CameraShakes& drifts,
+                        const BallCamera& camera, std::span<const GivenBall> given,
+                        const std::optional<Transfer>& transfer, const Progress& progress = {});
 
 }  // namespace tangi

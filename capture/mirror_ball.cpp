@@ -155,9 +155,9 @@ std::optional<Circle> circle_near(const EdgeField& field, const GreyPhotos& phot
     return in_full(circles.front(), photos);
 }
 
-BallSearch find_mirror_balls(std::span<const std::filesystem::path> paths, const GreyPhotos& photos,
-                             const CameraShakes& drifts, const BallCamera& camera,
-                             std::span<const GivenBall> given, const Progress& progress) {
+BallSearch find_mirror_balls(const PhotoSet& set, const GreyPhotos& photos, const CameraShakes& drifts,
+                             const BallCamera& camera, std::span<const GivenBall> given,
+                             const Progress& progress) {
     report(progress, "find balls", 0);
     const EdgeField field = edge_field(photos.mean, photos.step);
     report(progress, "find balls", 0.5);
@@ -166,9 +166,9 @@ BallSearch find_mirror_balls(std::span<const std::filesystem::path> paths, const
     report(progress, "find balls", 1);
     std::vector<BallImage> images;
     for (const Candidate& candidate : candidates) images.push_back(candidate.image);
-    std::vector<BallCrops> crops = read_ball_crops(paths, photos, drifts, images, progress);
+    std::vector<BallCrops> crops = read_ball_crops(set, photos, drifts, images, progress);
     BallSearch search;
-    const double count = static_cast<double>(paths.size());
+    const double count = static_cast<double>(set.size());
     for (std::size_t i = 0; i < candidates.size(); ++i) {
         FoundBall ball = measured(candidates[i], std::move(crops[i]), camera, search.warnings);
         const int found = ball.highlights_found();
@@ -179,16 +179,18 @@ BallSearch find_mirror_balls(std::span<const std::filesystem::path> paths, const
             search.warnings.push_back(
                 fmt::format("--sphere {}: no mirror ball there: only {} of {} photographs show a highlight "
                             "on it; left out",
-                            candidates[i].given->text, found, paths.size()));
+                            candidates[i].given->text, found, set.size()));
         }
     }
     if (search.balls.empty()) {
         std::string tried;
         for (const std::string& warning : search.warnings) tried += " " + warning + ".";
-        fail(
+        const std::string message = fmt::format(
             "{}: no mirror ball found in the {} photographs.{} Give balls with --sphere X,Y,R (pixels from "
             "the top left), or add --uncalibrated: lights from the photographs of a nearly flat object alone",
-            paths.front().parent_path().string(), paths.size(), tried);
+            set.folder().string(), set.size(), tried);
+        if (given.empty()) throw NoBallError(message);
+        throw Error(message);
     }
     std::stable_sort(search.balls.begin(), search.balls.end(),
                      [](const auto& a, const auto& b) { return a.image.centre_px.y < b.image.centre_px.y; });

@@ -10,6 +10,7 @@
 #include "capture/ball_highlight.h"
 #include "capture/ball_outline.h"
 #include "capture/edge_field.h"
+#include "surface/error.h"
 
 namespace tangi {
 
@@ -33,6 +34,12 @@ struct FoundBall {
     int highlights_found() const;
 };
 
+// No ball was found where none was said to be.
+class NoBallError : public Error {
+public:
+    using Error::Error;
+};
+
 struct BallSearch {
     std::vector<FoundBall> balls;  // from top to bottom
     std::vector<std::string> warnings;
@@ -42,9 +49,9 @@ struct BallSearch {
 // circle of edges that stay. Balls given by the user are sought only where they are given; one that is not
 // there is left out with a warning, and Error says so where no ball is left. Without given balls, no ball at
 // all is an Error too.
-BallSearch find_mirror_balls(std::span<const std::filesystem::path> paths, const GreyPhotos& photos,
-                             const CameraShakes& drifts, const BallCamera& camera,
-                             std::span<const GivenBall> given, const Progress& progress = {});
+BallSearch find_mirror_balls(const PhotoSet& set, const GreyPhotos& photos, const CameraShakes& drifts,
+                             const BallCamera& camera, std::span<const GivenBall> given,
+                             const Progress& progress = {});
 
 // The circle near a given ball or box that has edges along it, in the pixels of the whole photographs;
 // nothing where none has.

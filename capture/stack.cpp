@@ -7,14 +7,13 @@
 #include <limits>
 #include <map>
 #include <numbers>
+#include <set>
 #include <sstream>
 
 #include "capture/brackets.h"
-#include "capture/capture_file.h"
-#include "capture/dome_file.h"
 #include "capture/lights_file.h"
 #include "capture/raw_file.h"
-#include "capture/relight_file.h"
+#include "capture/stack_calibration.h"
 #include "surface/error.h"
 #include "surface/parallel.h"
 #include "surface/picture_file.h"
@@ -28,37 +27,6 @@ namespace {
 std::string lower(std::string text) {
     for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
     return text;
-}
-
-std::string joined(const std::vector<std::string>& names, std::size_t most = 5) {
-    std::string text;
-    for (std::size_t i = 0; i < std::min(names.size(), most); ++i) text += (i ? ", " : "") + names[i];
-    if (names.size() > most) text += fmt::format(" and {} more", names.size() - most);
-    return text;
-}
-
-// The one .lp of a folder; the one project of another program (.relight, .dome) where there is none.
-fs::path find_lights_file(const fs::path& folder) {
-    std::vector<std::string> found, of_others;
-    for (const auto& entry : fs::directory_iterator(folder)) {
-        const std::string extension = lower(entry.path().extension().string());
-        if (extension == ".lp") found.push_back(entry.path().filename().string());
-        if (extension == ".dome" || extension == ".relight")
-            of_others.push_back(entry.path().filename().string());
-    }
-    if (found.empty()) found = std::move(of_others);
-    std::sort(found.begin(), found.end());
-    if (found.empty())
-        fail(
-            "{0}: no lights file (.lp, .dome or .relight) in this folder; name one with --lights FILE.lp, or "
-            "make "
-            "one from the photographs: tangipaint calibrate {0} --out {0}/lights.lp --uncalibrated (without "
-            "--uncalibrated where they show a mirror ball)",
-            folder.string());
-    if (found.size() > 1)
-        fail("{}: {} lights files in this folder ({}); choose one with --lights FILE.lp", folder.string(),
-             found.size(), joined(found));
-    return folder / found.front();
 }
 
 // Photographs in a folder, by name.
@@ -274,82 +242,33 @@ void check_headers(Stack& stack) {
 
 void apply_crop(Stack& stack, const Region& crop) {
     if (crop.empty() || crop.x0 < 0 || crop.y0 < 0 || crop.x1 > stack.crop.x1 || crop.y1 > stack.crop.y1)
-        fail("the crop {},{} to {},{} does not lie in the photographs of {}, which are {} x {}", crop.x0,
-             crop.y0, crop.x1, crop.y1, stack.folder.string(), stack.crop.x1, stack.crop.y1);
+        fail("the crop {},{} to {},{} does not lie in the {} of {}, which are {} x {}", crop.x0, crop.y0,
+             crop.x1, crop.y1, stack.geometry ? "rectified photographs" : "photographs",
+             stack.folder.string(), stack.crop.x1, stack.crop.y1);
     stack.crop = crop;
 }
 
-void apply_mask(Stack& stack, const fs::path& path, const Region& whole) {
+// The mask is a picture like a photograph; where these are resampled, so is it.
+void apply_mask(Stack& stack, const fs::path& path, const Region& photo) {
     const Image<Rgb> picture = read_picture(path);
-    if (picture.region() != whole)
+    if (picture.region() != photo)
         fail("{}: the mask is {} x {}, the photographs are {} x {}", path.string(), picture.width(),
-             picture.height(), whole.width(), whole.height());
+             picture.height(), photo.width(), photo.height());
     stack.mask = Image<unsigned char>(stack.width(), stack.height());
     bool any = false;
     for (int y = 0; y < stack.height(); ++y)
         for (int x = 0; x < stack.width(); ++x) {
-            const Rgb& value = picture(x + stack.crop.x0, y + stack.crop.y0);
+            glm::dvec2 place(x + stack.crop.x0, y + stack.crop.y0);
+            if (stack.geometry) place = glm::round(stack.geometry->place_in_photo(place));
+            if (!(place.x >= 0 && place.y >= 0 && place.x < picture.width() && place.y < picture.height()))
+                continue;
+            const Rgb& value = picture(static_cast<int>(place.x), static_cast<int>(place.y));
             const bool keep = std::max({value.r, value.g, value.b}) > 0.5f;
             stack.mask(x, y) = keep;
             any = any || keep;
         }
     if (!any)
         fail("{}: the mask leaves nothing of the picture; white marks what is to be fitted", path.string());
-}
-
-// Puts what was calibrated into the frame of the crop.
-void apply_capture(Stack& stack, const CaptureFile& capture, const Region& whole, const fs::path& path) {
-    if (capture.width != whole.width() || capture.height != whole.height())
-        fail("{}: was made from photographs of {} x {}, those of {} are {} x {}", path.string(),
-             capture.width, capture.height, stack.folder.string(), whole.width(), whole.height());
-    const CaptureFile seen = seen_from(capture, stack.crop);
-    for (StackPhoto& photo : stack.photos) {
-        const std::string name = photo.light.name;
-        photo.light = seen.lights[static_cast<std::size_t>(photo.number)];
-        photo.light.name = name;
-    }
-    stack.mm_per_pixel = seen.mm_per_pixel;
-    stack.camera_mm = seen.camera_mm;
-}
-
-// What a lights file of any kind says; `capture` where that is more than directions. Its size is 0 where it
-// goes with photographs of any size.
-struct ReadLights {
-    std::vector<Light> lights;
-    std::optional<CaptureFile> capture;
-    std::optional<double> picture_width_mm;
-    std::vector<std::string> warnings;
-};
-
-ReadLights read_lights(const fs::path& path) {
-    const std::string extension = lower_extension(path);
-    if (extension == ".json") {
-        CaptureFile found = read_capture_file(path);
-        return {found.lights, found, {}, found.warnings};
-    }
-    CaptureFile capture;
-    if (extension == ".dome") {
-        DomeFile dome = read_dome_file(path);
-        capture.lights = dome.lights;
-        return {dome.lights, capture, dome.picture_width_mm, std::move(dome.warnings)};
-    }
-    if (extension == ".relight") {
-        RelightFile project = read_relight_file(path);
-        capture.lights = project.lights;
-        capture.mm_per_pixel = project.mm_per_pixel;
-        return {project.lights, capture, project.picture_width_mm, std::move(project.warnings)};
-    }
-    LightsFile lights = read_lights_file(path);
-    return {std::move(lights.lights), {}, {}, std::move(lights.warnings)};
-}
-
-// Puts the origin into the middle of the photographs of a file that goes with any size.
-void fit_to_photographs(ReadLights& read, const Region& whole) {
-    if (!read.capture || read.capture->width > 0) return;
-    CaptureFile& capture = *read.capture;
-    capture.width = whole.width(), capture.height = whole.height();
-    capture.origin_px = {(whole.width() - 1) / 2.0, (whole.height() - 1) / 2.0};
-    if (read.picture_width_mm) capture.mm_per_pixel = *read.picture_width_mm / whole.width();
 }
 
 // Smallest eigenvalue of a symmetric matrix (Smith 1961, "Eigenvalues of a symmetric 3 x 3 matrix").
@@ -432,6 +351,52 @@ void require_enough_lights(const std::vector<Light>& lights, const std::string& 
             what, std::sqrt(std::max(smallest, 0.0)) * 180 / std::numbers::pi);
 }
 
+Stack open_photographs(const std::vector<fs::path>& paths, const StackOptions& options) {
+    TP_REQUIRE(!paths.empty(), "there are photographs");
+    Stack stack;
+    stack.folder = paths.front().parent_path();
+    stack.develop = options.develop;
+    stack.transfer = options.transfer;
+    Brackets brackets;
+    if (options.develop.brackets == "auto") {
+        std::vector<std::string> names;
+        for (const fs::path& path : paths) {
+            std::string name = path.stem().string();
+            name.erase(name.find_last_not_of("0123456789") + 1);
+            if (name.size() > 1 && (name.back() == '_' || name.back() == '-')) {
+                name.pop_back();
+                if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+            }
+        }
+        brackets = find_brackets(paths, names);
+        if (brackets.empty())
+            fail(
+                "{}: no light has several photographs NAME_1, NAME_2 …; name them so, or list them in a file "
+                "with --brackets FILE",
+                stack.folder.string());
+    } else if (options.develop.brackets) {
+        brackets = read_brackets(*options.develop.brackets, stack.folder);
+    }
+    std::set<fs::path> in_brackets;
+    const auto add = [&](const fs::path& path, const std::string& name, std::vector<Exposure> exposures) {
+        stack.photos.push_back({path,
+                                distant_light({0, 0, 1}, name),
+                                static_cast<int>(stack.photos.size()),
+                                {},
+                                std::move(exposures)});
+    };
+    for (const auto& [name, files] : brackets) {
+        for (const BracketFile& file : files) in_brackets.insert(file.path.lexically_normal());
+        const std::vector<Exposure> exposures = exposures_of(name, files);
+        add(exposures.front().path, name, exposures);
+    }
+    for (const fs::path& path : paths)
+        if (!in_brackets.contains(path.lexically_normal())) add(path, path.filename().string(), {});
+    relate_to_reference(stack.photos);
+    check_headers(stack);
+    return stack;
+}
+
 Stack open_stack(const fs::path& folder, const StackOptions& options) {
     if (!fs::exists(folder)) fail("{}: no such folder", folder.string());
     if (!fs::is_directory(folder))
@@ -439,18 +404,17 @@ Stack open_stack(const fs::path& folder, const StackOptions& options) {
     Stack stack;
     stack.folder = folder;
     stack.develop = options.develop;
-    const fs::path lights_path = options.lights_file ? *options.lights_file : find_lights_file(folder);
-    ReadLights read = read_lights(lights_path);
-    stack.warnings = read.warnings;
-    match_photos(stack, read.lights, lights_path);
-    leave_out_lights_from_below(stack, lights_path);
+    StackCalibration calibration = read_stack_calibration(folder, options);
+    stack.warnings = calibration.warnings;
+    match_photos(stack, calibration.lights, calibration.lights_path);
+    leave_out_lights_from_below(stack, calibration.lights_path);
     check_headers(stack);
-    const Region whole = stack.crop;
+    const Region photo = stack.crop;
+    apply_geometry(stack, calibration);
     if (options.crop) apply_crop(stack, *options.crop);
-    fit_to_photographs(read, whole);
-    if (read.capture) apply_capture(stack, *read.capture, whole, lights_path);
-    if (options.mask_file) apply_mask(stack, *options.mask_file, whole);
     stack.transfer = options.transfer;
+    apply_calibration(stack, calibration);
+    if (options.mask_file) apply_mask(stack, *options.mask_file, photo);
     return stack;
 }
 

@@ -7,8 +7,10 @@
 #include <string>
 #include <vector>
 
+#include "capture/capture_colour.h"
 #include "capture/development.h"
 #include "capture/photo_file.h"
+#include "capture/picture_geometry.h"
 #include "surface/colour.h"
 #include "surface/homography.h"
 #include "surface/image.h"
@@ -21,8 +23,11 @@ struct StackOptions {
     // .lp, .dome, .relight or capture.json; where empty, the one .lp of the folder, else the one of the
     // others.
     std::optional<std::filesystem::path> lights_file{};
-    std::optional<Region> crop{};                      // [pixels of the photographs] the part to read
-    std::optional<std::filesystem::path> mask_file{};  // a picture; what is black in it is not fitted
+    // A capture.json of which all but its lights is used; lights then come from lights_file.
+    std::optional<std::filesystem::path> capture_file{};
+    std::optional<Region> crop{};                      // [pixels of the whole picture] the part to read
+    std::optional<std::filesystem::path> mask_file{};  // a picture like a photograph; what is black is not
+                                                       // fitted
     std::optional<Transfer> transfer{};                // estimated from the photographs where empty
     DevelopOptions develop{};                          // frames and brackets (development.h)
 };
@@ -32,7 +37,8 @@ struct StackPhoto {
     std::filesystem::path path;
     Light light;
     int number = 0;  // position in the lights file, from 0
-    // Pixel of the stack's reference frame -> pixel of this photograph, both whole; the same where empty.
+    // Pixel of the stack's reference frame -> pixel of this photograph, both whole, and without the lens's
+    // distortion and rectified alike where the stack has a geometry; the same where empty.
     std::optional<Homography> homography{};
     // More than one where the photograph is a bracket; `path` is then the one nearest to the reference
     // exposure.
@@ -43,9 +49,11 @@ struct StackPhoto {
 // camera raws, or for which `develop` asks something, is to be developed before it is read (develop_stack).
 struct Stack {
     std::filesystem::path folder;
-    std::vector<StackPhoto> photos;      // to fit
-    std::vector<StackPhoto> held_out;    // kept from the fit, to compare with (hold_out)
-    Region crop;                         // in the photographs; (0, 0) of the stack is its corner
+    std::vector<StackPhoto> photos;    // to fit
+    std::vector<StackPhoto> held_out;  // kept from the fit, to compare with (hold_out)
+    Region crop;                       // in the whole picture; (0, 0) of the stack is its corner
+    // The whole picture, where that is not the photographs as they are: undistorted, rectified.
+    std::optional<PictureGeometry> geometry{};
     int channels = 3;                    // 1 or 3, the same in all photographs
     int bits = 8;                        // as PhotoHeader::bits; 32 once developed: linear light
     bool is_raw = false;                 // camera raw
@@ -54,6 +62,8 @@ struct Stack {
     // then.
     std::optional<double> mm_per_pixel{};
     std::optional<Vec3> camera_mm{};
+    std::optional<CaptureColour> colour{};             // of the chart in it
+    bool transfer_of_chart = false;                    // `transfer` is the one that this chart fits
     Image<unsigned char> mask;                         // size of the crop, 0 = leave out; empty = everything
     std::vector<std::string> warnings;                 // for the user, each naming the file it is about
     DevelopOptions develop{};                          // what was asked for
@@ -70,6 +80,10 @@ struct Stack {
 // Error naming the file, the place and the remedy: no such folder, no lights file or several, a listed
 // photograph that is missing, sizes or channels that differ, a crop outside, a mask of another size.
 Stack open_stack(const std::filesystem::path& folder, const StackOptions& options = {});
+
+// Photographs whose lights are not known yet, in the order given; all lights are (0, 0, 1). Brackets "auto"
+// are photographs NAME_1, NAME_2 …, as in brackets.h. Only headers are read. Throws Error as open_stack().
+Stack open_photographs(const std::vector<std::filesystem::path>& paths, const StackOptions& options = {});
 
 // Moves photographs from `photos` to `held_out`. `which` is a comma-separated list of positions in the lights
 // file (from 0), names, or START:STEP (every STEP-th from START on): "4:8", "4,12,20", "img_004.jpg". Throws
@@ -116,9 +130,10 @@ public:
     StackReader& operator=(const StackReader&) = delete;
 
     // Linearised by `transfer`; Transfer{} (linear) gives the values as stored. Uses all threads. Photographs
-    // with a homography are resampled (Lanczos 3) in what `transfer` gives: NaN where a pixel lies outside,
-    // and the highest value it is made of where one of its nearest four is clipped. Of a developed stack,
-    // clipped values are Development::clipped; else those from kClipped on are.
+    // with a homography, and all of a stack with a geometry, are resampled (Lanczos 3) in what `transfer`
+    // gives: NaN where a pixel lies outside, and the highest value it is made of where one of its nearest
+    // four is clipped. Of a developed stack, clipped values are Development::clipped; else those from
+    // kClipped on are.
     Band read(int y0, int y1, const Transfer& transfer);
 
     // Rows a band may have for it to take about `bytes` of memory; at least 1.
@@ -136,7 +151,7 @@ private:
 
     const Stack& stack_;
     std::vector<PhotoSource> files_;
-    std::vector<Rows> rows_;                  // of photographs with a homography
+    std::vector<Rows> rows_;                  // of photographs that are resampled
     std::vector<float> table_;                // linear light of each stored code
     std::optional<Transfer> table_transfer_;  // the curve that table_ was made for
 };

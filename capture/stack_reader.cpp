@@ -93,18 +93,27 @@ const float* StackReader::rows_of(std::size_t photo, int y0, int y1) {
 
 template <class Decode>
 void StackReader::resample(std::size_t photo, const Decode& decode, Band& band) {
-    const Homography& h = *stack_.photos[photo].homography;
+    const Homography h = stack_.photos[photo].homography.value_or(Homography(1));
+    const auto place = [&](double x, double y) {
+        const glm::dvec2 pixel = mapped(h, {x, y});
+        return stack_.geometry ? stack_.geometry->place_in_photo(pixel) : pixel;
+    };
     const PhotoHeader& header = files_[photo].header();
     const int channels = stack_.channels, width = header.width, height = header.height;
     const int x0 = stack_.crop.x0, y0 = stack_.crop.y0 + band.y0(), y1 = stack_.crop.y0 + band.y1();
-    // A homography takes a rectangle to a quadrangle, whose highest and lowest points are corners.
+    // What is highest and lowest lies on the band's border: of a homography at its corners, of a lens
+    // anywhere.
     double lowest = height, highest = 0;
-    for (const int x : {x0, x0 + band.width() - 1})
-        for (const int y : {y0, y1 - 1}) {
-            const double row = mapped(h, {x, y}).y;
-            lowest = std::min(lowest, row);
-            highest = std::max(highest, row);
-        }
+    const auto reach = [&](double x, double y) {
+        const double row = place(x, y).y;
+        lowest = std::min(lowest, row);
+        highest = std::max(highest, row);
+    };
+    const bool bends = stack_.geometry && stack_.geometry->lens;
+    for (int x = x0; x < x0 + band.width(); x += bends ? 1 : std::max(band.width() - 1, 1))
+        reach(x, y0), reach(x, y1 - 1);
+    for (int y = y0; y < y1; y += bends ? 1 : std::max(y1 - y0 - 1, 1))
+        reach(x0, y), reach(x0 + band.width() - 1, y);
     const int first = std::clamp(static_cast<int>(std::floor(lowest)) - kLanczos, 0, height - 1);
     const int last = std::clamp(static_cast<int>(std::floor(highest)) + kLanczos + 2, first + 1, height);
     const float* stored = rows_of(photo, first, last);
@@ -122,7 +131,7 @@ void StackReader::resample(std::size_t photo, const Decode& decode, Band& band) 
     float wx[2 * kLanczos], wy[2 * kLanczos];
     for (int y = band.y0(); y < band.y1(); ++y)
         for (int x = 0; x < band.width(); ++x) {
-            const glm::dvec2 p = mapped(h, {x0 + x, stack_.crop.y0 + y});
+            const glm::dvec2 p = place(x0 + x, stack_.crop.y0 + y);
             const bool inside = p.x >= 0 && p.y >= 0 && p.x <= width - 1 && p.y <= height - 1;
             const int px = inside ? static_cast<int>(p.x) : 0, py = inside ? static_cast<int>(p.y) : 0;
             if (inside) lanczos_weights(p.x - px, wx), lanczos_weights(p.y - py, wy);
@@ -145,7 +154,9 @@ void StackReader::resample(std::size_t photo, const Decode& decode, Band& band) 
             }
         }
     // Bands ascend: what the next one may share with this one stays, the rest need not be held.
-    const double next = std::min(mapped(h, {x0, y1}).y, mapped(h, {x0 + band.width() - 1, y1}).y);
+    double next = std::min(place(x0, y1).y, place(x0 + band.width() - 1, y1).y);
+    if (bends)
+        for (int x = x0; x < x0 + band.width(); ++x) next = std::min(next, place(x, y1).y);
     const int keep = std::clamp(static_cast<int>(std::floor(next)) - kLanczos - 1, first, last);
     rows_of(photo, keep, keep);
     rows_[photo].values.shrink_to_fit();
@@ -172,7 +183,7 @@ Band StackReader::read(int y0, int y1, const Transfer& transfer) {
     parallel_for(0, photos, 1, [&](int begin, int end) {
         std::vector<float> stored;
         for (int i = begin; i < end; ++i) {
-            if (stack_.photos[static_cast<std::size_t>(i)].homography) {
+            if (stack_.geometry || stack_.photos[static_cast<std::size_t>(i)].homography) {
                 resample(static_cast<std::size_t>(i), decode, band);
                 continue;
             }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "capture/calibration_page.h"
 #include "capture/grey_photos.h"
 #include "capture/photo_metadata.h"
 #include "capture/survey.h"
@@ -17,15 +18,16 @@ namespace {
 constexpr std::size_t kPixels = 128 * 128;  // of a reduced picture
 constexpr float kBlack = 0.02f;             // [1] as stored: brighter nowhere
 
-Transfer transfer_for(const std::vector<fs::path>& paths, const UncalibratedStackOptions& options,
+Transfer transfer_for(const PhotoSet& set, const UncalibratedStackOptions& options,
                       std::vector<std::string>& warnings) {
+    if (set.developed()) return {};
     if (options.transfer) return *options.transfer;
-    if (const auto stated = transfer_of_metadata(read_photo_metadata(paths.front()));
+    if (const auto stated = transfer_of_metadata(read_photo_metadata(set.path(0)));
         stated && stated->transfer)
         return *stated->transfer;
     warnings.push_back(fmt::format(
         "{}: does not say how it is encoded; taken to be linear light, give --transfer if it is not",
-        paths.front().parent_path().string()));
+        set.folder().string()));
     return {};
 }
 
@@ -41,23 +43,22 @@ std::string figure(const Image<glm::vec2>& slopes, const fs::path& scratch, cons
 
 }  // namespace
 
-UncalibratedStack calibrate_uncalibrated(const std::vector<fs::path>& paths,
-                                         const UncalibratedStackOptions& options, const Progress& progress) {
-    if (paths.empty()) fail("no photographs");
+UncalibratedStack calibrate_uncalibrated(const PhotoSet& set, const UncalibratedStackOptions& options,
+                                         const Progress& progress) {
     UncalibratedStack result;
     BallCalibration& c = result.calibration;
-    const GreyPhotos photos = read_grey_photos(paths, progress, paths.size() * kPixels);
-    result.transfer = transfer_for(paths, options, c.warnings);
+    const GreyPhotos photos = read_grey_photos(set, progress, set.size() * kPixels);
+    result.transfer = transfer_for(set, options, c.warnings);
     c.method = "uncalibrated";
     c.width = photos.width, c.height = photos.height;
     c.origin_px = {(photos.width - 1) / 2.0, (photos.height - 1) / 2.0};
     c.camera.principal_px = c.origin_px;
-    c.drifts.photos.resize(paths.size());
+    c.drifts.photos.resize(set.size());
     std::vector<Image<float>> pictures;
-    for (std::size_t i = 0; i < paths.size(); ++i) {
+    for (std::size_t i = 0; i < set.size(); ++i) {
         CalibratedLight& light = c.lights.emplace_back();
-        light.path = paths[i];
-        light.name = paths[i].filename().string();
+        light.path = set.path(i);
+        light.name = set.name(i);
         const auto stored = photos.mean[i].pixels();
         if (*std::max_element(stored.begin(), stored.end()) < kBlack) {
             light.reason = "black";
@@ -66,7 +67,7 @@ UncalibratedStack calibrate_uncalibrated(const std::vector<fs::path>& paths,
         Image<float>& picture = pictures.emplace_back(photos.mean[i]);
         for (float& value : picture.pixels()) value = result.transfer.decode(value);
     }
-    const std::string folder = paths.front().parent_path().string();
+    const std::string folder = set.folder().string();
     try {
         // Where one pixel of a square is clipped, its mean is a little below that.
         result.found = uncalibrated_lights(pictures, result.transfer.decode(kClipped),
@@ -84,19 +85,15 @@ UncalibratedStack calibrate_uncalibrated(const std::vector<fs::path>& paths,
     return result;
 }
 
-CalibrationFiles write_uncalibrated(const fs::path& lights, const UncalibratedStack& stack,
-                                    const std::optional<ColourCalibration>& colours) {
-    Image<glm::vec2> other = stack.found.slopes;
+std::string readings_section(const UncalibratedLights& found, const fs::path& scratch) {
+    Image<glm::vec2> other = found.slopes;
     for (glm::vec2& slope : other.pixels()) slope = -slope;
-    const std::string section =
-        "<h2>Hills or valleys</h2><p>No photograph tells a relief from its inverse under lights on the other "
-        "side. "
-        "If the second picture is right, calibrate again with <code>--inverted</code> added, or without it "
-        "if it "
-        "was given. Both are drawn as if lit from the top left.</p><div class=\"row\">" +
-        figure(stack.found.slopes, lights, "<b>As written to the lights file</b>") +
-        figure(other, lights, "<b>The other reading</b>") + "</div>";
-    return write_calibration(lights, stack.calibration, colours, section);
+    return "<h2>Hills or valleys</h2><p>No photograph tells a relief from its inverse under lights on the "
+           "other side. If the second picture is right, calibrate again with <code>--inverted</code> added, "
+           "or "
+           "without it if it was given. Both are drawn as if lit from the top left.</p><div class=\"row\">" +
+           figure(found.slopes, scratch, "<b>As written to the lights file</b>") +
+           figure(other, scratch, "<b>The other reading</b>") + "</div>";
 }
 
 }  // namespace tangi

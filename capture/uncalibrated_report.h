@@ -4,9 +4,10 @@
 
 #include <filesystem>
 #include <optional>
-#include <vector>
+#include <string>
 
-#include "capture/calibration_page.h"
+#include "capture/ball_calibration.h"
+#include "capture/photo_set.h"
 #include "capture/uncalibrated.h"
 #include "surface/colour.h"
 
@@ -25,12 +26,10 @@ struct UncalibratedStack {
 
 // Reads the photographs small. Black ones are left out. Throws Error as uncalibrated_lights(), naming the
 // folder, and for photographs that cannot be read.
-UncalibratedStack calibrate_uncalibrated(const std::vector<std::filesystem::path>& paths,
-                                         const UncalibratedStackOptions& options = {},
+UncalibratedStack calibrate_uncalibrated(const PhotoSet& set, const UncalibratedStackOptions& options = {},
                                          const Progress& progress = {});
 
-// As write_calibration(); the page shows the relief in both readings, side by side.
-CalibrationFiles write_uncalibrated(const std::filesystem::path& lights, const UncalibratedStack& stack,
-                                    const std::optional<ColourCalibration>& colours = {});
+// HTML for Calibration::section: the relief in both readings, side by side. `scratch` as for picture_url().
+std::string readings_section(const UncalibratedLights& found, const std::filesystem::path& scratch);
 
 }  // namespace tangi

@@ -50,19 +50,7 @@ std::vector<double> numbers_in(const std::string& text, const std::string& flag,
     return numbers;
 }
 
-void PhotosArguments::add_to(Flags& flags, bool for_fit) {
-    flags.option("PHOTOS", folder, "folder of photographs, one for each light").required();
-    flags.option(
-        "--lights", lights,
-        "lights file (.lp), or the capture.json of calibrate; where not given, the only .lp in the folder");
-    flags
-        .option(
-            "--transfer", transfer,
-            "how the photographs are encoded: auto, linear, srgb, a gamma such as 2.2, or a curve as `fit` "
-            "reports it ('curve 2.2 -0.5 0.1')")
-        .show_default();
-    flags.option("--crop", crop, "only a part of the photographs: X,Y,WIDTH,HEIGHT in pixels");
-    flags.option("--mask", mask, "picture of the same size; what is black in it is left out");
+void DevelopArguments::add_to(Flags& flags) {
     flags.option("--dark", dark,
                  "dark frame to subtract: a picture taken with the lens covered, or a folder of such");
     flags.option("--flat", flat,
@@ -84,6 +72,64 @@ void PhotosArguments::add_to(Flags& flags, bool for_fit) {
             "camera raw: rec709, by the camera's white balance and matrix; camera, as the sensor sees them")
         .check(one_of({"rec709", "camera"}))
         .show_default();
+}
+
+DevelopOptions DevelopArguments::options() const {
+    DevelopOptions options;
+    if (!dark.empty()) options.dark = dark;
+    if (!flat.empty()) options.flat = flat;
+    if (!ambient.empty()) options.ambient = ambient;
+    if (!brackets.empty()) options.brackets = brackets;
+    options.demosaic = demosaic;
+    options.raw_colour = raw_colour == "camera" ? RawColour::camera : RawColour::rec709;
+    return options;
+}
+
+std::vector<std::filesystem::path> DevelopArguments::inputs() const {
+    std::vector<std::filesystem::path> files;
+    if (!brackets.empty() && brackets != "auto") files.push_back(brackets);
+    for (const std::string& frame : {dark, flat, ambient}) {
+        if (frame.empty()) continue;
+        if (!std::filesystem::is_directory(frame))
+            files.push_back(frame);
+        else
+            for (const auto& entry : std::filesystem::directory_iterator(frame))
+                files.push_back(entry.path());
+    }
+    return files;
+}
+
+std::optional<Transfer> parse_transfer(const std::string& text) {
+    if (text == "auto") return {};
+    const std::optional<Transfer> transfer = transfer_named(text);
+    if (!transfer)
+        throw UsageError(fmt::format(
+            "--transfer {}: is not auto, linear, srgb, a gamma in [0.2, 5], or a curve that increases",
+            text));
+    return transfer;
+}
+
+void PhotosArguments::add_to(Flags& flags, bool for_fit) {
+    flags.option("PHOTOS", folder, "folder of photographs, one for each light").required();
+    flags.option(
+        "--lights", lights,
+        "lights file (.lp), or the capture.json of calibrate; where not given, the only .lp in the folder");
+    flags.option(
+        "--capture", capture,
+        "capture.json of calibrate: colours, scale, lens, rectification, and the lights unless --lights "
+        "tells them");
+    flags
+        .option(
+            "--transfer", transfer,
+            "how the photographs are encoded: auto, linear, srgb, a gamma such as 2.2, or a curve as `fit` "
+            "reports it ('curve 2.2 -0.5 0.1')")
+        .show_default();
+    flags.option(
+        "--crop", crop,
+        "only a part of the photographs: X,Y,WIDTH,HEIGHT in pixels, of the rectified picture where a "
+        "capture file rectifies");
+    flags.option("--mask", mask, "picture of the photographs' size; what is black in it is left out");
+    develop.add_to(flags);
     if (!for_fit) return;
     flags
         .option("--register", registration,
@@ -99,6 +145,7 @@ void PhotosArguments::add_to(Flags& flags, bool for_fit) {
 Stack PhotosArguments::open() const {
     StackOptions options;
     if (!lights.empty()) options.lights_file = lights;
+    if (!capture.empty()) options.capture_file = capture;
     if (!mask.empty()) options.mask_file = mask;
     if (!crop.empty()) {
         const auto n = numbers_of(crop, "--crop", 4, "X,Y,WIDTH,HEIGHT");
@@ -109,19 +156,8 @@ Stack PhotosArguments::open() const {
         };
         options.crop = Region{pixel(n[0]), pixel(n[1]), pixel(n[0]) + pixel(n[2]), pixel(n[1]) + pixel(n[3])};
     }
-    if (transfer != "auto") {
-        options.transfer = transfer_named(transfer);
-        if (!options.transfer)
-            throw UsageError(fmt::format(
-                "--transfer {}: is not auto, linear, srgb, a gamma in [0.2, 5], or a curve that increases",
-                transfer));
-    }
-    if (!dark.empty()) options.develop.dark = dark;
-    if (!flat.empty()) options.develop.flat = flat;
-    if (!ambient.empty()) options.develop.ambient = ambient;
-    if (!brackets.empty()) options.develop.brackets = brackets;
-    options.develop.demosaic = demosaic;
-    options.develop.raw_colour = raw_colour == "camera" ? RawColour::camera : RawColour::rec709;
+    options.transfer = parse_transfer(transfer);
+    options.develop = develop.options();
     Stack stack = open_stack(folder, options);
     if (!hold_out.empty()) tangi::hold_out(stack, hold_out);
     return stack;
@@ -135,32 +171,26 @@ std::vector<std::filesystem::path> PhotosArguments::inputs(const Stack& stack) c
             for (const Exposure& exposure : photo.exposures) files.push_back(exposure.path);
         }
     if (!lights.empty()) files.push_back(lights);
+    if (!capture.empty()) files.push_back(capture);
     if (!mask.empty()) files.push_back(mask);
-    if (!brackets.empty() && brackets != "auto") files.push_back(brackets);
-    for (const std::string& frame : {dark, flat, ambient}) {
-        if (frame.empty()) continue;
-        if (!std::filesystem::is_directory(frame))
-            files.push_back(frame);
-        else
-            for (const auto& entry : std::filesystem::directory_iterator(frame))
-                files.push_back(entry.path());
-    }
+    for (const std::filesystem::path& file : develop.inputs()) files.push_back(file);
     return files;
 }
 
 nlohmann::json PhotosArguments::as_json() const {
     return {{"lights", lights},
+            {"capture", capture},
             {"transfer", transfer},
             {"crop", crop},
             {"mask", mask},
             {"hold_out", hold_out},
             {"register", registration},
-            {"dark", dark},
-            {"flat", flat},
-            {"ambient", ambient},
-            {"brackets", brackets},
-            {"raw_demosaic", demosaic},
-            {"raw_colour", raw_colour}};
+            {"dark", develop.dark},
+            {"flat", develop.flat},
+            {"ambient", develop.ambient},
+            {"brackets", develop.brackets},
+            {"raw_demosaic", develop.demosaic},
+            {"raw_colour", develop.raw_colour}};
 }
 
 void refuse_to_overwrite(const std::filesystem::path& output,

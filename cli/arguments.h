@@ -11,10 +11,22 @@
 
 namespace tangi {
 
+// How photographs become linear light.
+struct DevelopArguments {
+    std::string dark, flat, ambient, brackets, demosaic = "AHD", raw_colour = "rec709";
+
+    void add_to(Flags& flags);
+    DevelopOptions options() const;
+    std::vector<std::filesystem::path> inputs() const;  // the files that they name
+    bool asks_anything() const {
+        return !dark.empty() || !flat.empty() || !ambient.empty() || !brackets.empty();
+    }
+};
+
 // Where photographs are and how to read them.
 struct PhotosArguments {
-    std::string folder, lights, transfer = "auto", crop, mask, hold_out, registration = "auto";
-    std::string dark, flat, ambient, brackets, demosaic = "AHD", raw_colour = "rec709";
+    std::string folder, lights, capture, transfer = "auto", crop, mask, hold_out, registration = "auto";
+    DevelopArguments develop;
 
     void add_to(Flags& flags, bool for_fit);
     // Throws Error for what is wrong with the folder, UsageError for what is wrong with the flags.
@@ -32,6 +44,9 @@ void refuse_to_overwrite(const std::filesystem::path& output,
 
 // Throws Error where a folder that is there, or the one that `folder` would be made in, cannot be written.
 void require_writable_folder(const std::filesystem::path& folder);
+
+// "auto" as nothing, anything else as a curve. Throws UsageError naming the flag --transfer.
+std::optional<Transfer> parse_transfer(const std::string& text);
 
 // "1,2.5,3" as numbers. Throws UsageError naming the flag and what was expected, in the words of `form`: a
 // word that is no number, or one too large.

@@ -1,86 +1,22 @@
 // calibrate_command.cpp: tangipaint calibrate PHOTOS --out lights.lp
+#include <climits>
 #include <glm/geometric.hpp>
 
 #include "capture/calibration_page.h"
-#include "capture/colour_calibration.h"
+#include "capture/develop_stack.h"
+#include "capture/transfer_metadata.h"
 #include "capture/uncalibrated_report.h"
-#include "cli/arguments.h"
+#include "cli/calibrate_arguments.h"
 #include "cli/command_list.h"
 #include "surface/atomic_file.h"
 #include "surface/error.h"
+#include "surface/picture_file.h"
 
 namespace tangi {
 
 namespace fs = std::filesystem;
 
 namespace {
-
-struct CalibrateArguments {
-    std::string folder, out, transfer = "auto", principal, origin;
-    std::string chart = "auto", chart_reference;
-    double chart_pitch_mm = 0;
-    std::vector<std::string> photos, spheres;
-    double ball_radius_mm = 0, focal_px = 0, focal_35mm = 0, camera_distance_mm = 0;
-    std::optional<double> ball_height_mm;
-    bool matt = false, fixed_camera = false, uncalibrated = false, inverted = false;
-};
-
-GivenBall ball_of(const std::string& text) {
-    const std::string form = "X,Y,R or a box X0,Y0,X1,Y1 in pixels";
-    const std::vector<double> n = numbers_in(text, "--sphere", form);
-    if (n.size() == 3 && n[2] > 0) return {.centre_px = {n[0], n[1]}, .radius_px = n[2], .text = text};
-    if (n.size() == 4 && n[2] > n[0] && n[3] > n[1])
-        return {.centre_px = {(n[0] + n[2]) / 2, (n[1] + n[3]) / 2},
-                .radius_px = std::min(n[2] - n[0], n[3] - n[1]) / 2,
-                .is_box = true,
-                .text = text};
-    throw UsageError(fmt::format("--sphere {}: expected {}", text, form));
-}
-
-std::optional<glm::dvec2> point_of(const std::string& text, const std::string& flag) {
-    if (text.empty()) return std::nullopt;
-    const std::vector<double> n = numbers_in(text, flag, "X,Y in pixels");
-    if (n.size() != 2) throw UsageError(fmt::format("{} {}: expected X,Y in pixels", flag, text));
-    return glm::dvec2(n[0], n[1]);
-}
-
-std::optional<double> if_given(double value) { return value > 0 ? std::optional(value) : std::nullopt; }
-
-std::optional<Transfer> transfer_of(const CalibrateArguments& a) {
-    if (a.transfer == "auto") return {};
-    const std::optional<Transfer> transfer = transfer_named(a.transfer);
-    if (!transfer)
-        throw UsageError(
-            fmt::format("--transfer {}: is not auto, linear, srgb, or a gamma in [0.2, 5]", a.transfer));
-    return transfer;
-}
-
-BallCalibrationOptions options_of(const CalibrateArguments& a) {
-    BallCalibrationOptions options{.balls = {},
-                                   .matt = a.matt,
-                                   .fixed_camera = a.fixed_camera,
-                                   .ball_radius_mm = if_given(a.ball_radius_mm),
-                                   .focal_px = if_given(a.focal_px),
-                                   .focal_35mm = if_given(a.focal_35mm),
-                                   .principal_px = point_of(a.principal, "--principal-px"),
-                                   .origin_px = point_of(a.origin, "--origin-px"),
-                                   .camera_distance_mm = if_given(a.camera_distance_mm),
-                                   .ball_height_mm = a.ball_height_mm};
-    for (const std::string& sphere : a.spheres) options.balls.push_back(ball_of(sphere));
-    options.transfer = transfer_of(a);
-    return options;
-}
-
-ColourCalibrationOptions colour_options_of(const CalibrateArguments& a) {
-    ColourCalibrationOptions options{.transfer = transfer_of(a), .pitch_mm = if_given(a.chart_pitch_mm)};
-    if (!a.chart_reference.empty()) options.reference = a.chart_reference;
-    if (a.chart == "auto") return options;
-    const std::string form = "auto, off, or the corners X,Y,X,Y,X,Y,X,Y in pixels, in order around the chart";
-    const std::vector<double> n = numbers_in(a.chart, "--chart", form);
-    if (n.size() != 8) throw UsageError(fmt::format("--chart {}: expected {}", a.chart, form));
-    options.corners_px = ChartCorners{{{n[0], n[1]}, {n[2], n[3]}, {n[4], n[5]}, {n[6], n[7]}}};
-    return options;
-}
 
 nlohmann::json result_of(const BallCalibration& c, const CalibrationFiles& files) {
     nlohmann::json balls = nlohmann::json::array(), left_out = nlohmann::json::array();
@@ -107,7 +43,7 @@ nlohmann::json result_of(const BallCalibration& c, const CalibrationFiles& files
         return values[values.size() / 2];
     };
     return {
-        {"lights", files.lights.string()},
+        {"lights", c.calibrated() > 0 ? nlohmann::json(files.lights.string()) : nlohmann::json(nullptr)},
         {"capture", files.json.string()},
         {"report", files.page.string()},
         {"method", c.method},
@@ -132,127 +68,196 @@ nlohmann::json summary_of(const ColourCalibration& c) {
             {"levels", levels}};
 }
 
-nlohmann::json run_uncalibrated(const CalibrateArguments& a, const std::vector<fs::path>& paths,
-                                const std::vector<std::string>& warnings) {
-    UncalibratedStack stack = calibrate_uncalibrated(
-        paths, {.inverted = a.inverted, .transfer = transfer_of(a)}, console_progress());
-    std::vector<std::string>& told_too = stack.calibration.warnings;
-    told_too.insert(told_too.begin(), warnings.begin(), warnings.end());
-    nlohmann::json result = result_of(stack.calibration, write_uncalibrated(a.out, stack));
-    result["uncalibrated"] = {{"inverted", a.inverted},
-                              {"transfer", stack.transfer.name()},
-                              {"strength_scatter", finite(stack.found.strength_scatter)},
-                              {"residual", finite(stack.found.residual)},
-                              {"explained", finite(stack.found.explained)},
-                              {"curl", finite(stack.found.curl)},
-                              {"falloff", finite(stack.found.falloff)},
-                              {"convexity", finite(stack.found.convexity)}};
-    result["colour"] = nullptr;
-    result["warnings"] = told(stack.calibration.warnings);
-    result["poor"] = stack.calibration.poor;
+nlohmann::json summary_of(const PlaneCalibration& c) {
+    nlohmann::json result = {{"scale", nullptr}, {"picture", nullptr}};
+    if (const auto scale = c.scale())
+        result["scale"] = {
+            {"mm_per_pixel", scale->mm_per_pixel}, {"sigma", scale->sigma}, {"method", scale->method}};
+    if (!c.geometry) return result;
+    const PictureGeometry& g = *c.geometry;
+    const auto or_null = [](const std::optional<double>& value) {
+        return value ? nlohmann::json(*value) : nlohmann::json(nullptr);
+    };
+    result["picture"] = {
+        {"width", g.width},
+        {"height", g.height},
+        {"mm_per_pixel", or_null(g.rectification ? g.mm_per_pixel
+                                 : c.scale()     ? std::optional(c.scale()->mm_per_pixel)
+                                                 : std::nullopt)},
+        {"undistorted", g.lens.has_value()},
+        {"rectified_by", c.rectified_by.empty() ? nlohmann::json(nullptr) : nlohmann::json(c.rectified_by)},
+        {"tilt_deg", or_null(c.tilt_deg)},
+        {"tilt_sigma_deg", c.tilt_deg ? nlohmann::json(c.tilt_sigma_deg) : nlohmann::json(nullptr)},
+        {"photograph_outside", c.photo_outside},
+        {"picture_outside", c.picture_outside}};
     return result;
+}
+
+// The photographs that can be opened; calibration is safe without the others.
+std::vector<fs::path> readable(const std::vector<fs::path>& paths, std::vector<std::string>& warnings) {
+    std::vector<fs::path> good;
+    std::string first;
+    for (const fs::path& path : paths) {
+        try {
+            const PhotoFile opened(path);
+            good.push_back(path);
+        } catch (const Error& error) {
+            if (first.empty()) first = error.what();
+            warnings.push_back(fmt::format("{}; left out", error.what()));
+        }
+    }
+    if (good.empty()) throw Error(first);
+    return good;
+}
+
+// The photographs, developed where that is asked for or they are raws.
+PhotoSet photographs(const CalibrateArguments& a, const std::vector<fs::path>& paths,
+                     Calibration& calibration, std::vector<std::string>& warnings, const Progress& progress) {
+    StackOptions options;
+    options.transfer = parse_transfer(a.transfer);
+    options.develop = a.develop.options();
+    Stack stack = open_photographs(paths, options);
+    if (a.develop.asks_anything() && !stack.is_raw && stack.bits != 32 && !stack.transfer) {
+        // Frames are subtracted from light, and no light is known yet to tell the curve by.
+        const auto stated = transfer_of_metadata(read_photo_metadata(paths.front()));
+        if (!stated || !stated->binding || !stated->transfer)
+            throw UsageError(
+                "--dark, --flat, --ambient and --brackets need to know how the photographs are encoded: give "
+                "--transfer linear, srgb or a gamma");
+        stack.transfer = stated->transfer;
+    }
+    const DevelopReport report = develop_stack(stack, {}, progress);
+    calibration.development = to_json(report);
+    if (stack.is_raw) calibration.raw_colour = a.develop.raw_colour;
+    warnings.insert(warnings.end(), stack.warnings.begin(), stack.warnings.end());
+    return PhotoSet(std::move(stack));
+}
+
+// What the scale and the lens say of the camera, where the user did not.
+void add_camera(const PlaneCalibration& plane, BallCalibrationOptions& options) {
+    constexpr double kStraight_deg = 2;  // beyond, the picture's middle is no measure of the distance
+    if (!options.focal_px && !options.focal_35mm) options.focal_px = plane.focal_px;
+    if (!options.principal_px && plane.geometry && plane.geometry->lens)
+        options.principal_px = plane.principal_px;
+    if (plane.geometry) options.lens = plane.geometry->lens;
+    const std::optional<Scale> scale = plane.scale();
+    if (!scale || !plane.focal_px || options.camera_distance_mm) return;
+    if (plane.tilt_deg.value_or(0) > kStraight_deg) return;
+    options.camera_distance_mm = *plane.focal_px * scale->mm_per_pixel;
+}
+
+// The balls; none where they are not wanted, or not there and something else was found.
+BallCalibration balls_of(const CalibrateArguments& a, const PhotoSet& photos,
+                         const BallCalibrationOptions& options, bool something_else,
+                         const Progress& progress) {
+    if (a.no_balls) return without_balls(photos, options);
+    try {
+        return calibrate_from_balls(photos, options, progress);
+    } catch (const NoBallError& error) {
+        if (!something_else) throw;
+        BallCalibration none = without_balls(photos, options);
+        none.warnings.push_back(fmt::format(
+            "{}; the rest is written without lights: --no-balls says that there are none", error.what()));
+        return none;
+    }
+}
+
+// Lights from the photographs alone, and what the result says of them.
+nlohmann::json find_uncalibrated(const CalibrateArguments& a, const PhotoSet& photos,
+                                 Calibration& calibration, const Progress& progress) {
+    std::optional<Transfer> transfer = parse_transfer(a.transfer);
+    if (!transfer && calibration.colours) transfer = calibration.colours->transfer;
+    const UncalibratedStack stack =
+        calibrate_uncalibrated(photos, {.inverted = a.inverted, .transfer = transfer}, progress);
+    calibration.lights = stack.calibration;
+    calibration.section = readings_section(stack.found, a.out);
+    return {{"inverted", a.inverted},
+            {"transfer", stack.transfer.name()},
+            {"strength_scatter", finite(stack.found.strength_scatter)},
+            {"residual", finite(stack.found.residual)},
+            {"explained", finite(stack.found.explained)},
+            {"curl", finite(stack.found.curl)},
+            {"falloff", finite(stack.found.falloff)},
+            {"convexity", finite(stack.found.convexity)}};
 }
 
 nlohmann::json run_calibrate(const CalibrateArguments& a) {
     const Progress progress = console_progress();
-    if (fs::path(a.out).extension() != ".lp")
-        throw UsageError(fmt::format("--out {}: a lights file ends in .lp", a.out));
+    const std::string extension = lower_extension(a.out);
+    if (extension != ".lp" && extension != ".json")
+        throw UsageError(fmt::format("--out {}: a lights file ends in .lp, a capture file in .json", a.out));
     if (a.folder.empty() == a.photos.empty())
         throw UsageError("give either a folder of photographs (PHOTOS) or photographs (--photos A B …)");
     if (a.inverted && !a.uncalibrated) throw UsageError("--inverted: goes with --uncalibrated");
-    if (a.uncalibrated && (a.matt || !a.spheres.empty()))
-        throw UsageError("--uncalibrated: takes no ball; leave out --sphere and --matt-ball");
-    const BallCalibrationOptions options = options_of(a);
-    std::optional<ColourCalibrationOptions> colour_options;
-    if (a.chart != "off") colour_options = colour_options_of(a);
-    { const AtomicFile writable(a.out); }  // before the work: an output that can't be written is known now
+    if (a.uncalibrated && (a.matt || a.no_balls || !a.spheres.empty()))
+        throw UsageError("--uncalibrated: takes no ball; leave out --sphere, --matt-ball and --no-balls");
+    BallCalibrationOptions ball_options = a.ball_options();
+    const std::optional<ColourCalibrationOptions> colour_options = a.colour_options();
+    (void)a.plane_options(INT_MAX, INT_MAX);  // flags that make no sense are known before the work
+    { const AtomicFile writable(a.out); }     // and an output that can't be written
     std::vector<std::string> warnings;
     std::vector<fs::path> paths;
     if (!a.folder.empty())
         paths = pictures_in(a.folder, warnings);
     else
         paths.assign(a.photos.begin(), a.photos.end());
-    if (a.uncalibrated) return run_uncalibrated(a, paths, warnings);
-    BallCalibration calibration = calibrate_from_balls(paths, options, progress);
-    calibration.warnings.insert(calibration.warnings.begin(), warnings.begin(), warnings.end());
-    std::optional<ColourCalibration> colours;
-    if (colour_options) colours = calibrate_colours(paths, *colour_options, progress);
-    if (colours)
-        calibration.warnings.insert(calibration.warnings.end(), colours->warnings.begin(),
-                                    colours->warnings.end());
-    const CalibrationFiles files = write_calibration(a.out, calibration, colours);
-    nlohmann::json result = result_of(calibration, files);
-    result["colour"] = colours ? summary_of(*colours) : nlohmann::json(nullptr);
-    result["warnings"] = told(calibration.warnings);
-    result["poor"] = calibration.poor;
+    paths = readable(paths, warnings);
+    for (const fs::path& output : {calibration_files(a.out).lights, calibration_files(a.out).json})
+        refuse_to_overwrite(output, a.develop.inputs());
+    Calibration calibration;
+    const PhotoSet photos = photographs(a, paths, calibration, warnings, progress);
+    const PhotoHeader header = photos.open(0).header();
+    const PlaneOptions plane_options = a.plane_options(header.width, header.height);
+    if (colour_options) calibration.colours = calibrate_colours(photos, *colour_options, progress);
+    const ColourCalibration* chart = calibration.colours ? &*calibration.colours : nullptr;
+    if (plane_options.asks_anything() || (chart && chart->scale)) {
+        calibration.plane = calibrate_plane(photos, plane_options, chart, progress);
+        add_camera(*calibration.plane, ball_options);
+    }
+    if (a.no_balls && !calibration.plane && !chart)
+        fail("{}: no colour chart is found, and --no-balls leaves nothing else to look for",
+             photos.folder().string());
+    nlohmann::json uncalibrated;
+    if (a.uncalibrated)
+        uncalibrated = find_uncalibrated(a, photos, calibration, progress);
+    else
+        calibration.lights = balls_of(a, photos, ball_options, calibration.plane || chart, progress);
+    BallCalibration& lights = calibration.lights;
+    lights.warnings.insert(lights.warnings.begin(), warnings.begin(), warnings.end());
+    const auto add = [&](const std::vector<std::string>& more) {
+        lights.warnings.insert(lights.warnings.end(), more.begin(), more.end());
+    };
+    if (chart) add(chart->warnings);
+    if (calibration.plane) add(calibration.plane->warnings);
+    if (chart && chart->correction.after.mean > kWorstChart)
+        lights.poor.push_back(
+            fmt::format("the colour chart's patches are off by {:.1f} (mean CIEDE2000); is it a "
+                        "chart, and in the lamps' light? The fit will not use it",
+                        chart->correction.after.mean));
+    const CalibrationFiles files = write_calibration(a.out, calibration);
+    nlohmann::json result = result_of(lights, files);
+    if (a.uncalibrated) result["uncalibrated"] = uncalibrated;
+    result["colour"] = chart ? summary_of(*chart) : nlohmann::json(nullptr);
+    const nlohmann::json plane =
+        calibration.plane ? summary_of(*calibration.plane) : nlohmann::json::object();
+    result["scale"] = plane.value("scale", nlohmann::json(nullptr));
+    result["picture"] = plane.value("picture", nlohmann::json(nullptr));
+    result["development"] = calibration.development;
+    result["warnings"] = told(lights.warnings);
+    result["poor"] = lights.poor;
     return result;
 }
 
 }  // namespace
 
 Command calibrate_command() {
-    return {
-        "calibrate", "find where the light came from in each photograph, from mirror or matt balls",
-        [](Flags& flags) {
-            auto a = std::make_shared<CalibrateArguments>();
-            flags.option("PHOTOS", a->folder, "folder of photographs, one for each light");
-            flags.option("--photos", a->photos, "photographs, instead of a folder");
-            flags
-                .option("--out", a->out,
-                        "the lights file to write (.lp); capture.json and capture.html are written beside it")
-                .required();
-            flags.option(
-                "--sphere", a->spheres,
-                "where a ball is: X,Y,R or a box X0,Y0,X1,Y1 in pixels from the top left; once for each "
-                "ball; found automatically where not given");
-            flags.flag("--matt-ball", a->matt, "the ball is matt (grey or white), not a mirror");
-            flags
-                .option("--ball-radius-mm", a->ball_radius_mm,
-                        "radius of the balls; two balls or more then tell positions")
-                .check(positive());
-            flags
-                .option("--focal-px", a->focal_px,
-                        "focal length of the camera in pixels; far away where not given")
-                .check(positive());
-            flags.option("--focal-35mm", a->focal_35mm, "its 35-mm equivalent in mm, as in EXIF, instead")
-                .check(positive());
-            flags.option("--principal-px", a->principal,
-                         "X,Y where the camera looks straight ahead; the picture's centre");
-            flags.option("--origin-px", a->origin,
-                         "X,Y where the painting's frame has its origin; the picture's centre");
-            flags
-                .option("--camera-distance-mm", a->camera_distance_mm,
-                        "from the camera to the painting's plane")
-                .check(positive());
-            flags.option("--ball-height-mm", a->ball_height_mm,
-                         "of the balls' centres above the painting's plane; their radius where not given");
-            flags.flag("--uncalibrated", a->uncalibrated,
-                       "find the lights from the photographs of a nearly flat object alone, without balls");
-            flags.flag(
-                "--inverted", a->inverted,
-                "with --uncalibrated: the other reading of the relief, hills for valleys (see the report)");
-            flags.flag("--fixed-camera", a->fixed_camera,
-                       "the camera did not move: do not register the photographs");
-            flags
-                .option("--transfer", a->transfer,
-                        "for a matt ball and the chart: auto, linear, srgb, or a gamma such as 2.2")
-                .show_default();
-            flags
-                .option("--chart", a->chart,
-                        "colour chart of 24 patches: auto (sought), off, or its corners X,Y,X,Y,X,Y,X,Y in "
-                        "pixels, in "
-                        "order around it")
-                .show_default();
-            flags.option(
-                "--chart-reference", a->chart_reference,
-                "what the patches should be (.csv or .json); the classic chart's published values where "
-                "not given");
-            flags
-                .option("--chart-pitch-mm", a->chart_pitch_mm,
-                        "from one patch's middle to the next; tells the scale at the chart")
-                .check(positive());
-            return [a] { return run_calibrate(*a); };
-        }};
+    return {"calibrate",
+            "find lights from balls, colours from a chart, scale and plane from markers or corners",
+            [](Flags& flags) {
+                auto a = std::make_shared<CalibrateArguments>();
+                a->add_to(flags);
+                return [a] { return run_calibrate(*a); };
+            }};
 }
 
 }  // namespace tangi

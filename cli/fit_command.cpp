@@ -56,6 +56,20 @@ std::vector<std::string> poor_reasons(const FitReport& report) {
     return reasons;
 }
 
+nlohmann::json colour_of(const FitResult& fit) {
+    const ColourReport& colour = fit.report.colour;
+    const auto known = [](bool is, double value) {
+        return is ? nlohmann::json(value) : nlohmann::json(nullptr);
+    };
+    return {{"corrected", colour.corrected},
+            {"chart_delta_e_2000", known(colour.delta_e_2000 >= 0, colour.delta_e_2000)},
+            {"clamped_pixels", colour.clamped},
+            {"patches", colour.patches},
+            {"patches_delta_e_2000", known(colour.patches_delta_e > 0, colour.patches_delta_e)},
+            {"white_level", fit.surface.photography.white_level},
+            {"white_by_chart", colour.white_by_chart}};
+}
+
 nlohmann::json result_of(const FitResult& fit, const std::string& out) {
     const FitReport& r = fit.report;
     nlohmann::json candidates = nlohmann::json::array();
@@ -70,6 +84,7 @@ nlohmann::json result_of(const FitResult& fit, const std::string& out) {
         {"photographs", {{"fitted", fitted_photos}, {"held_out", held_out}}},
         {"transfer",
          {{"name", r.transfer.transfer.name()}, {"source", r.transfer.source}, {"tried", candidates}}},
+        {"colour", colour_of(fit)},
         {"registration", to_json(r.registration)},
         {"lights", to_json(r.lights)},
         {"pixels", {{"all", r.pixels}, {"fitted", r.fitted}, {"not_converged", r.not_converged}}},

@@ -62,12 +62,12 @@ int run(const std::string& name, const std::function<nlohmann::json()>& body) {
     } catch (const Cancelled& stop) {
         return ended(kInterrupted, "\n" + who + stop.what() + "; nothing half-written is left");
     } catch (const UsageError& error) {
-        return ended(kUsage, who + error.what() + "\nSee: tangipaint help " + name);
+        return ended(kUsage, who + printable(error.what()) + "\nSee: tangipaint help " + name);
     } catch (const Error& error) {
-        return ended(kWorldIsWrong, who + error.what());
+        return ended(kWorldIsWrong, who + printable(error.what()));
     } catch (
         const std::filesystem::filesystem_error& error) {  // no permission to look, a name that is too long
-        return ended(kWorldIsWrong, who + error.path1().string() + ": " + error.code().message());
+        return ended(kWorldIsWrong, who + printable(error.path1().string()) + ": " + error.code().message());
     } catch (const std::bad_alloc&) {
         const char* remedy = name == "fit" ? "; try a part of the picture with --crop" : "";
         return ended(kWorldIsWrong, who + "not enough memory" + remedy);

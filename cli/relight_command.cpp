@@ -4,10 +4,10 @@
 #include <filesystem>
 #include <set>
 
+#include "capture/capture_file.h"
 #include "capture/lights_file.h"
 #include "cli/arguments.h"
 #include "cli/command_list.h"
-#include "fit/compare.h"
 #include "surface/atomic_file.h"
 #include "surface/error.h"
 #include "surface/painting_file.h"
@@ -29,28 +29,31 @@ struct RelightArguments {
 
 struct Encoding {
     Transfer transfer;
-    float exposure = 1;  // multiplies the linear picture
+    bool as_camera_sees = false;  // in the photographs' channels; else linear Rec. 709
 };
 
 Encoding encoding_of(const RelightArguments& arguments, const Surface& surface, const fs::path& picture) {
-    const float white = static_cast<float>(surface.photography.white_level);
     if (!arguments.encoding.empty()) {
         const auto transfer = transfer_named(arguments.encoding);
         if (!transfer)
             throw UsageError(fmt::format("--encoding {}: is not srgb, linear, or a gamma in [0.2, 5]",
                                          arguments.encoding));
-        return {*transfer, white};
+        return {*transfer};
     }
-    if (lower_extension(picture) == ".exr") return {Transfer{}, white};
-    if (surface.photography.photos.empty()) return {Transfer{Transfer::Kind::srgb}, white};
-    return {surface.photography.transfer, white};
+    if (lower_extension(picture) == ".exr") return {Transfer{}};
+    if (surface.photography.photos.empty()) return {Transfer{Transfer::Kind::srgb}};
+    return {surface.photography.transfer, true};
 }
 
 void write_relit(const fs::path& path, const Surface& surface, const std::vector<Light>& lights,
                  const RelightArguments& arguments, const Progress& progress) {
     const Encoding encoding = encoding_of(arguments, surface, path);
+    const Photography& photography = surface.photography;
     Image<Rgb> picture = relight(surface, lights, arguments.options, progress);
-    for (Rgb& pixel : picture.pixels()) pixel *= encoding.exposure;
+    glm::mat3 exposure(static_cast<float>(photography.white_level));
+    if (encoding.as_camera_sees && photography.to_camera)
+        exposure = exposure * glm::mat3(*photography.to_camera);
+    for (Rgb& pixel : picture.pixels()) pixel = exposure * pixel;
     write_picture(path, picture, encoding.transfer);
 }
 
@@ -103,9 +106,17 @@ void refuse_to_overwrite_photograph(const fs::path& output, const fs::path& ligh
     }
 }
 
+// Of a lights file; of a capture file in the frame of the picture that it describes.
+LightsFile lights_in(const fs::path& path) {
+    if (lower_extension(path) != ".json") return read_lights_file(path);
+    const CaptureFile capture = in_picture(read_capture_file(path));
+    if (capture.lights.empty()) fail("{}: holds no light", path.string());
+    return {capture.lights, capture.warnings};
+}
+
 nlohmann::json relight_all(const Surface& surface, const RelightArguments& arguments,
                            const Progress& progress) {
-    const LightsFile file = read_lights_file(arguments.lights_file);
+    const LightsFile file = lights_in(arguments.lights_file);
     nlohmann::json warnings = told(file.warnings);
     std::vector<fs::path> outputs;
     std::set<fs::path> seen;
@@ -162,7 +173,8 @@ Command relight_command() {
                 .option("--point-light", a->positions,
                         "position of a near light in mm from the centre: X,Y,Z; may be given several times")
                 .one_value();
-            flags.option("--lights", a->lights_file, "lights file (.lp): one picture for each of its lights");
+            flags.option("--lights", a->lights_file,
+                         "lights file (.lp) or capture.json: one picture for each of its lights");
             flags
                 .option("--out", a->out,
                         "picture to write (.png .tif .jpg .exr); with --lights the folder for the pictures")

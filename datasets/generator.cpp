@@ -312,11 +312,12 @@ Photography write_stack(const fs::path& folder, const PaintingTruth& truth, cons
                                  .jpeg_quality = o.jpeg_quality};
     std::vector<Light> nominal, held_out;
     int done = 0;
-    for (const auto& [light, fitted, homography, found_otherwise] : photography.photos) {
-        const Image<Rgb> photo = apply_sensor(render(surface, light, o), o, done);
-        write_picture((fitted ? folder : held_out_folder) / light.name, photo, o.transfer, storage);
-        Light& listed = (fitted ? nominal : held_out).emplace_back(light);
-        if (fitted)
+    for (const Photography::Photo& photo : photography.photos) {
+        const Light& light = photo.light;
+        const Image<Rgb> picture = apply_sensor(render(surface, light, o), o, done);
+        write_picture((photo.fitted ? folder : held_out_folder) / light.name, picture, o.transfer, storage);
+        Light& listed = (photo.fitted ? nominal : held_out).emplace_back(light);
+        if (photo.fitted)
             listed.direction =
                 disturbed(light.direction, o.nominal_direction_error_deg,
                           hash(hash(o.seed, for_directions), static_cast<std::uint64_t>(done)));

@@ -29,7 +29,7 @@ void require_comparable(const Surface& surface, const Stack& stack) {
         fail(
             "{}: the photographs are {} x {}, the painting is {} x {}; give the photographs that it was "
             "fitted from, "
-            "with the same crop",
+            "with the same crop and capture file",
             stack.folder.string(), stack.width(), stack.height(), surface.width(), surface.height());
     if (stack.photos.empty() && stack.held_out.empty())
         fail("{}: no photographs to compare with", stack.folder.string());
@@ -85,14 +85,26 @@ Image<Rgb> decoded(const Image<Rgb>& stored, const Transfer& transfer) {
     return linear;
 }
 
-Image<Rgb> encoded(const Image<Rgb>& linear, const Transfer& transfer, float scale) {
+Image<Rgb> encoded(const Image<Rgb>& linear, const Transfer& transfer, const glm::mat3& colour) {
     Image<Rgb> stored(linear.width(), linear.height());
     parallel_for(0, linear.height(), 16, [&](int begin, int end) {
         for (int y = begin; y < end; ++y)
             for (int x = 0; x < linear.width(); ++x)
-                stored(x, y) = glm::min(transfer.encode(scale * linear(x, y)), Rgb(1));
+                stored(x, y) = glm::min(transfer.encode(colour * linear(x, y)), Rgb(1));
     });
     return stored;
+}
+
+// Multiplies every colour.
+Image<Rgb> recoloured(Image<Rgb> linear, const glm::mat3& colour) {
+    for (Rgb& value : linear.pixels()) value = colour * value;
+    return linear;
+}
+
+// What a camera with these channels saw of radiance in linear Rec. 709.
+glm::mat3 exposure_of(const Photography& photography) {
+    return static_cast<float>(photography.white_level) *
+           glm::mat3(photography.to_camera.value_or(glm::dmat3(1)));
 }
 
 // Files of floats hold linear light whatever the painting was fitted from.
@@ -121,8 +133,8 @@ PhotoComparison described(const StackPhoto& photo, const Photography& photograph
 }
 
 void measure(const ComparedPictures& pictures, Image<float>& delta_e, PhotoComparison& result) {
-    delta_e = delta_e_2000_map(decoded(pictures.photo, pictures.transfer),
-                               decoded(pictures.relit, pictures.transfer));
+    delta_e = delta_e_2000_map(recoloured(decoded(pictures.photo, pictures.transfer), pictures.from_camera),
+                               recoloured(decoded(pictures.relit, pictures.transfer), pictures.from_camera));
     result.psnr_db = std::min(psnr_db(pictures.photo, pictures.relit, pictures.mask), kPsnrCap_db);
     result.ssim = ssim(pictures.photo, pictures.relit, pictures.mask);
     result.delta_e_2000 = mean(delta_e, pictures.mask);
@@ -197,10 +209,16 @@ CompareReport compare(const Surface& surface, const Stack& photos, const Compare
         Image<Rgb> photo = stored_picture(one);
         const Mask present = without_missing(mask, photo);
         const Image<Rgb> relit = encoded(relight(surface, {&result.light, 1}, relighting), report_.transfer,
-                                         static_cast<float>(surface.photography.white_level));
+                                         exposure_of(surface.photography));
         Image<float> delta_e;
-        const ComparedPictures pictures{static_cast<int>(i), result, photo, relit, delta_e, present,
-                                        report_.transfer};
+        const ComparedPictures pictures{static_cast<int>(i),
+                                        result,
+                                        photo,
+                                        relit,
+                                        delta_e,
+                                        present,
+                                        report_.transfer,
+                                        glm::mat3(from_camera(surface.photography))};
         measure(pictures, delta_e, result);
         if (sink) sink(pictures);
         report_.photos.push_back(std::move(result));
@@ -247,11 +265,11 @@ json to_json(const CompareReport& report) {
 }
 
 Image<Rgb> as_photographed(const Image<Rgb>& linear, const Photography& photography) {
-    return encoded(linear, photography.transfer, static_cast<float>(photography.white_level));
+    return encoded(linear, photography.transfer, exposure_of(photography));
 }
 
-Image<Rgb> for_display(const Image<Rgb>& stored, const Transfer& transfer) {
-    return encoded(decoded(stored, transfer), {Transfer::Kind::srgb}, 1);
+Image<Rgb> for_display(const Image<Rgb>& stored, const ComparedPictures& pictures) {
+    return encoded(decoded(stored, pictures.transfer), {Transfer::Kind::srgb}, pictures.from_camera);
 }
 
 }  // namespace tangi

@@ -3,7 +3,7 @@
 //
 // Photographs and relit pictures are compared as stored (encoded by the photographs' own transfer curve,
 // 0..1), since that is what the camera delivered; colour differences alone are computed from linear light, as
-// CIE defines them.
+// CIE defines them: colorimetric where a colour chart told how the camera sees (Photography::to_camera).
 #pragma once
 
 #include <functional>
@@ -85,6 +85,7 @@ struct ComparedPictures {
     const Image<float>& delta_e;  // [1] CIEDE2000
     const Mask& mask;             // pixels that were compared
     const Transfer& transfer;     // how both pictures are encoded
+    glm::mat3 from_camera{1};     // their linear channels -> linear Rec. 709
 };
 using ComparisonSink = std::function<void(const ComparedPictures&)>;
 
@@ -101,11 +102,11 @@ CompareReport compare(const Surface& surface, const Stack& photos, const Compare
 // "psnr_db", "ssim", "delta_e_2000"}, "fitted", "all"}, "worst", …}; names are made valid UTF-8.
 nlohmann::json to_json(const CompareReport& report);
 
-// A picture that relight() made, as the camera would have stored it: transfer(white_level * linear), at
-// most 1.
+// A picture that relight() made, as the camera would have stored it: transfer(white_level * to_camera *
+// linear), at most 1.
 Image<Rgb> as_photographed(const Image<Rgb>& linear, const Photography& photography);
 
-// A stored picture for people to look at: sRGB-encoded.
-Image<Rgb> for_display(const Image<Rgb>& stored, const Transfer& transfer);
+// One of the stored pictures for people to look at: sRGB, with true colours where the chart told them.
+Image<Rgb> for_display(const Image<Rgb>& stored, const ComparedPictures& pictures);
 
 }  // namespace tangi

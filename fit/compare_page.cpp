@@ -49,8 +49,7 @@ std::string picture_stem(int index, const std::string& name) {
 }
 
 // Writes the four pictures of a photograph; their paths in the folder.
-json write_pictures(const fs::path& folder, const ComparedPictures& pictures, const Transfer& transfer,
-                    const CompareOptions& options) {
+json write_pictures(const fs::path& folder, const ComparedPictures& pictures, const CompareOptions& options) {
     const std::string stem = "pictures/" + picture_stem(pictures.index, pictures.result.name);
     const auto write = [&](const char* what, const Image<Rgb>& picture) {
         std::string path = fmt::format("{}_{}.jpg", stem, what);
@@ -58,8 +57,8 @@ json write_pictures(const fs::path& folder, const ComparedPictures& pictures, co
         return path;
     };
     const Image<float> error = luma_difference(pictures.photo, pictures.relit);
-    return {{"photo", write("photo", for_display(pictures.photo, transfer))},
-            {"relit", write("relit", for_display(pictures.relit, transfer))},
+    return {{"photo", write("photo", for_display(pictures.photo, pictures))},
+            {"relit", write("relit", for_display(pictures.relit, pictures))},
             {"error", write("error", map_picture(error, -options.error_range, options.error_range,
                                                  ColourMap::diverging, pictures.mask))},
             {"delta_e", write("delta_e", map_picture(pictures.delta_e, 0, options.delta_e_range,
@@ -120,7 +119,7 @@ CompareReport write_comparison(const fs::path& folder, const Surface& surface, c
     NewPictures place(folder);
     json files = json::array();
     const ComparisonSink sink = [&](const ComparedPictures& pictures) {
-        files.push_back(write_pictures(place.folder(), pictures, pictures.transfer, options));
+        files.push_back(write_pictures(place.folder(), pictures, options));
     };
     CompareReport report = compare(surface, photos, options, progress, sink);
     json data = to_json(report);

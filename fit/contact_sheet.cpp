@@ -117,9 +117,9 @@ void add_photo(Sheet& sheet, const ComparedPictures& pictures, const CompareOpti
                     options.error_range, ColourMap::diverging, pictures.mask);
     sheet.row(
         {{fmt::format("Photograph, light {:.0f} deg up, from {:.0f} deg", p.elevation_deg, p.azimuth_deg), "",
-          for_display(pictures.photo, pictures.transfer), std::nullopt},
+          for_display(pictures.photo, pictures), std::nullopt},
          {fmt::format("Relit: PSNR {:.1f} dB, SSIM {:.3f}, dE2000 {:.1f}", p.psnr_db, p.ssim, p.delta_e_2000),
-          "", for_display(pictures.relit, pictures.transfer), std::nullopt},
+          "", for_display(pictures.relit, pictures), std::nullopt},
          {"Relit - photograph, brightness", "", error,
           sheet.legend_for(ColourMap::diverging, percent, "%")}});
 }

@@ -81,8 +81,8 @@ NoiseModel noise_model(const Stack& stack, const Transfer& transfer, const FitOp
         return NoiseModel(d->encoding, options.noise.value_or(d->bits == 8 ? 0.012 : 0.006), true,
                           d->clipped);
     if (stack.bits == 32)
-        return NoiseModel(transfer, options.noise.value_or(0.006 * std::min(options.white_level, 1.0)),
-                          false);
+        return NoiseModel(
+            transfer, options.noise.value_or(0.006 * std::min(options.white_level.value_or(1), 1.0)), false);
     return NoiseModel(transfer, options.noise.value_or(stack.bits == 8 ? 0.012 : 0.006), true);
 }
 
@@ -173,6 +173,8 @@ FitResult fit_painting(Stack stack, const FitOptions& options, const Progress& p
     FitResult result;
     FitReport& report_ = result.report;
     const Survey surveyed = look_over(stack, options.register_photos, report_, progress);
+    if (stack.transfer_of_chart && report_.transfer.source == "given")
+        report_.transfer.source = "colour chart";
     if (!report_.transfer.warning.empty()) stack.warnings.push_back(report_.transfer.warning);
     const Transfer transfer = report_.transfer.transfer;
 
@@ -182,14 +184,23 @@ FitResult fit_painting(Stack stack, const FitOptions& options, const Progress& p
         options.mm_per_pixel ? options.mm_per_pixel : stack.mm_per_pixel;
     surface.mm_per_pixel = mm_per_pixel.value_or(1.0);
     surface.scale_known = mm_per_pixel.has_value();
-    surface.photography = {.transfer = transfer, .white_level = options.white_level, .photos = {}, .rig = {}};
+    surface.photography = {.transfer = transfer,
+                           .white_level = options.white_level.value_or(1),
+                           .photos = {},
+                           .rig = {},
+                           .lamps = {},
+                           .to_camera = {}};
     const NoiseModel noise = noise_model(stack, transfer, options);
-    const Lighting given{stack.lights(), rig_of(stack), options.white_level};
+    const Lighting given{stack.lights(), rig_of(stack), surface.photography.white_level};
     report_.lights = options.lights_as_given
                          ? LightCalibration{.lighting = given}
                          : calibrate_lights(stack, surveyed, transfer, noise, given, surface.mm_per_pixel,
                                             options.ward, options.calibration, progress);
-    const Lighting& lighting = report_.lights.lighting;
+    std::optional<double> white;
+    if (!options.white_level)
+        white = white_level_by_chart(stack, transfer, report_.lights.lighting, surface.mm_per_pixel);
+    if (white) surface.photography.white_level = report_.lights.lighting.white_level = *white;
+    const Lighting lighting = as_camera_sees(report_.lights.lighting, stack);
     if (std::string warning = warning_of(report_.lights, stack.folder.string()); !warning.empty())
         stack.warnings.push_back(std::move(warning));
     describe_lights(stack, report_.lights, surface.photography);
@@ -207,6 +218,8 @@ FitResult fit_painting(Stack stack, const FitOptions& options, const Progress& p
         next = decoded.get();
     }
     summarise(surface, counters, options.ward.bounds.diffuse_max, report_);
+    report_.colour = correct_colours(stack, surface);
+    report_.colour.white_by_chart = white.has_value();
     report_.height = integrate_normals(surface.normal, surface.confidence, surface.mm_per_pixel,
                                        surface.height_mm, options.height, progress);
     const Plane plane = best_plane(surface.height_mm, surface.confidence);
@@ -219,7 +232,7 @@ FitResult fit_painting(Stack stack, const FitOptions& options, const Progress& p
                         "level {} is too low; give the linear value of a matt white as --white-level",
                         stack.folder.string(),
                         100.0 * static_cast<double>(report_.too_bright) / static_cast<double>(report_.fitted),
-                        options.ward.bounds.diffuse_max, options.white_level));
+                        options.ward.bounds.diffuse_max, lighting.white_level));
     report_.warnings = stack.warnings;
     return result;
 }

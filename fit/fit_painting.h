@@ -7,6 +7,7 @@
 #include "capture/registration.h"
 #include "capture/stack.h"
 #include "capture/transfer_estimate.h"
+#include "fit/chart_colours.h"
 #include "fit/height.h"
 #include "fit/light_calibration.h"
 #include "fit/ward_fit.h"
@@ -15,7 +16,8 @@
 namespace tangi {
 
 struct FitOptions {
-    double white_level = 1.0;              // [1] linear value of a matt white facing a light
+    // [1] linear value of a matt white facing a light; where empty, what a chart in the picture says, or 1
+    std::optional<double> white_level{};
     std::optional<double> mm_per_pixel{};  // [mm] 1 where unknown
     std::optional<double> noise{};  // [1] standard deviation of a stored value, full scale = 1; where empty
                                     // 0.012 for 8-bit photographs (3 codes: JPEG), 0.006 for deeper ones
@@ -41,9 +43,10 @@ struct FitOptions {
 };
 
 struct FitReport {
-    Registration registration;       // how far the camera moved; empty where not asked for
-    TransferEstimate transfer;       // how the photographs were linearised, and how that is known
-    LightCalibration lights;         // what strengths and distances were found, and whether that helped
+    Registration registration;  // how far the camera moved; empty where not asked for
+    TransferEstimate transfer;  // how the photographs were linearised, and how that is known
+    LightCalibration lights;    // what strengths and distances were found, and whether that helped
+    ColourReport colour;
     long pixels = 0;                 // of the picture
     long fitted = 0;                 // with a valid estimate
     long not_converged = 0;          // of those fitted

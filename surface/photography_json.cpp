@@ -1,5 +1,8 @@
 #include "surface/photography_json.h"
 
+#include <cmath>
+#include <glm/matrix.hpp>
+
 #include "surface/error.h"
 
 namespace tangi {
@@ -53,6 +56,7 @@ json to_json(const Photography& photography) {
                      {"camera_axis_mm", {rig.camera_axis_mm.x, rig.camera_axis_mm.y}},
                      {"lamp_distance_mm", distance(rig.lamp_distance_mm)},
                      {"bend_per_mm", rig.bend_per_mm}}}};
+    if (photography.to_camera) result["to_camera"] = to_json(*photography.to_camera);
     if (const auto& lamps = photography.lamps)
         result["lamps"] = {{"trend", lamps->trend}, {"reach", lamps->reach}, {"shrink", lamps->shrink}};
     return result;
@@ -90,6 +94,11 @@ Photography photography_from_json(const json& j) {
         if (rig.contains("camera_axis_mm"))
             photography.rig.camera_axis_mm = {rig["camera_axis_mm"].at(0).get<float>(),
                                               rig["camera_axis_mm"].at(1).get<float>()};
+    }
+    if (j.contains("to_camera")) {
+        photography.to_camera = homography_from_json(j.at("to_camera"));
+        const double size = glm::determinant(*photography.to_camera);
+        if (!(std::abs(size) > 1e-9 && std::abs(size) < 1e9)) fail("to_camera has no inverse");
     }
     if (j.contains("lamps")) {
         const json& lamps = j.at("lamps");

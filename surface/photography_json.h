@@ -9,7 +9,7 @@ namespace tangi {
 
 nlohmann::json to_json(const Photography& photography);
 
-// Three rows of three numbers.
+// Three rows of three numbers; of any 3 x 3 matrix.
 nlohmann::json to_json(const Homography& homography);
 Homography homography_from_json(const nlohmann::json& rows);
 

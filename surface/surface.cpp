@@ -36,6 +36,10 @@ Vec3 Surface::point_mm(int x, int y) const {
             static_cast<float>(centred_y(y, height()) * mm_per_pixel), height_mm(x, y)};
 }
 
+glm::dmat3 from_camera(const Photography& photography) {
+    return photography.to_camera ? glm::inverse(*photography.to_camera) : glm::dmat3(1);
+}
+
 const Photography::Photo* find_photo(const Photography& photography, const Light& light) {
     constexpr float same_light = 0.9986f;  // cosine of 3 degrees: lights files round their vectors
     for (const Photography::Photo& photo : photography.photos)

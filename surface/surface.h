@@ -18,7 +18,7 @@ namespace tangi {
 
 // How the photographs that a surface was fitted from relate to it, so that relit pictures can be encoded
 // alike:
-//   encoded = transfer(white_level * gain * (pi f cos(theta_i)))
+//   encoded = transfer(white_level * gain * to_camera (pi f cos(theta_i)))
 struct Photography {
     struct Photo {
         Light light;         // light.name is the photograph's name
@@ -34,7 +34,13 @@ struct Photography {
     std::vector<Photo> photos;
     Rig rig;
     std::optional<LampModel> lamps{};  // of the fitted photographs; empty where lamps count as equal
+    // Linear Rec. 709 -> the photographs' linear channels, white balance included, where a colour chart told;
+    // the same where empty.
+    std::optional<glm::dmat3> to_camera{};
 };
+
+// [linear, Rec. 709] of what the photographs' channels saw: the inverse of to_camera, 1 where there is none.
+glm::dmat3 from_camera(const Photography& photography);
 
 // The photograph of this name and light, or null. The light counts too, within 3 degrees of what the fit
 // found or of what its lights file said: photographs of different stacks have the same names (image00.jpg).

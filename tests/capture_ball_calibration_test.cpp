@@ -131,6 +131,21 @@ TEST(MirrorBall, IsMissingWhereOneIsSaidToBe) {
         HasSubstr("--sphere 900,60,25: its centre does not lie in the photographs, which are 300 x 220"));
 }
 
+// Something round with glossy spots all over it is not one, and the result says that it is doubtful.
+TEST(MirrorBall, IsDoubtedWhereItsHighlightsComeFromBehindThePainting) {
+    const TestDir dir;
+    BallScene scene;
+    scene.strength = 0;
+    const auto paths = write_ball_photos(
+        dir.path(), scene, lights_around(12), false, {}, [](int photo, Image<float>& picture) {
+            const double angle = 2.4 * photo, radius = 36 * std::sqrt((photo + 0.5) / 12);
+            paint_spot(picture, 140.3 + radius * std::cos(angle), 105.7 + radius * std::sin(angle), 2.5,
+                       0.8f);
+        });
+    const BallCalibration c = calibrate_from_balls(paths, {.balls = {circle(140, 106, 40)}});
+    EXPECT_THAT(c.poor, testing::Contains(HasSubstr("lamps behind the painting")));
+}
+
 TEST(MirrorBall, IsNotFoundInPhotographsWithoutOne) {
     const TestDir dir;
     BallScene empty;

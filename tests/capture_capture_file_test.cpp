@@ -82,7 +82,7 @@ TEST(CaptureFile, SaysWhatIsWrongWithIt) {
     EXPECT_THAT(with("/camera/position_mm", {0, 0, -5}), HasSubstr("below the painting"));
     EXPECT_THAT(with("/lights/1/position_mm", {1, 2}), HasSubstr("lights[1].position_mm has 2 numbers"));
     EXPECT_THAT(with("/lights/1/position_mm", {1, 2, -3}), HasSubstr("img_001.png"));
-    EXPECT_THAT(with("/lights", json::array()), HasSubstr("no light"));
+    EXPECT_THAT(with("/geometry", json::object()), HasSubstr("calibrate again"));
     json j = capture_json();
     j["lights"][0].erase("name");
     EXPECT_THAT(refusal(j), HasSubstr("lights[0].name is missing"));

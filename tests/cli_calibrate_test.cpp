@@ -1,6 +1,7 @@
 // tangipaint calibrate, run as a user would.
 #include "ball_pictures.h"
 #include "capture/lights_file.h"
+#include "chart_pictures.h"
 #include "cli_program.h"
 
 namespace tangi {
@@ -78,8 +79,8 @@ TEST(CliCalibrate, RefusesWhatMakesNoSense) {
     const std::string folder = dir.path().string(), out = (dir / "a.lp").string();
     EXPECT_TRUE(ended(tangipaint({"calibrate", folder}), 2, {"--out"}));
     EXPECT_TRUE(ended(tangipaint({"calibrate", "--out", out}), 2, {"PHOTOS"}));
-    EXPECT_TRUE(
-        ended(tangipaint({"calibrate", folder, "--out", (dir / "a.txt").string()}), 2, {"ends in .lp"}));
+    EXPECT_TRUE(ended(tangipaint({"calibrate", folder, "--out", (dir / "a.txt").string()}), 2,
+                      {"ends in .lp, a capture file in .json"}));
     EXPECT_TRUE(ended(tangipaint({"calibrate", folder, "--out", out, "--sphere", "1,2"}), 2,
                       {"--sphere 1,2: expected X,Y,R"}));
     EXPECT_TRUE(ended(tangipaint({"calibrate", folder, "--out", out, "--sphere", "1,2,x"}), 2,
@@ -97,6 +98,59 @@ TEST(CliCalibrate, RefusesWhatMakesNoSense) {
     EXPECT_TRUE(ended(tangipaint({"calibrate", folder, "--out", out, "--uncalibrated"}), 1,
                       {folder, "3 photographs", "at least 8"}));
     EXPECT_EQ(names_in(dir.path()).size(), 3u);
+}
+
+// A stack of a chart without balls: what else is asked for goes without lights.
+TEST(CliCalibrate, FindsScaleAndColoursWithoutBalls) {
+    const TestDir dir;
+    std::filesystem::create_directory(dir / "photos");
+    for (int i = 0; i < 4; ++i) {
+        Image<Rgb> photo(400, 300, Rgb(0.3f));
+        draw_chart(photo, chart_map(turned_corners({200, 150}, 300, 3)), classic_chart());
+        for (Rgb& value : photo.pixels()) value *= 0.5f + 0.1f * static_cast<float>(i);
+        add_noise(photo, 0.005, 0.001, static_cast<std::uint64_t>(i) + 1);
+        write_picture(dir / "photos" / fmt::format("p_{}.png", i), photo, Transfer{});
+    }
+    write_bytes(dir / "photos" / "p_9.nef", "no raw");
+    const std::string photos = (dir / "photos").string();
+    const std::vector<std::string> all = {"calibrate", photos,       "--out",      (dir / "c.json").string(),
+                                          "--ppi",     "300",        "--transfer", "linear",
+                                          "--rectify", "--focal-px", "600"};
+    const Finished run = tangipaint(all);
+    ASSERT_TRUE(ended(
+        run, 0, {"p_9.nef: is not a camera raw", "left out", "no mirror ball found", "without lights"}));
+    const auto result = run.json();
+    EXPECT_TRUE(result["lights"].is_null());
+    EXPECT_EQ(result["scale"]["method"], "ppi");
+    EXPECT_EQ(result["picture"]["rectified_by"], "chart");
+    EXPECT_LT(result["colour"]["delta_e_2000"]["corrected"], 1.5);
+    EXPECT_EQ(names_in(dir.path()), (std::vector<std::string>{"c.html", "c.json", "photos"}));
+    const std::string page = bytes_of(dir / "c.html");
+    for (const char* part :
+         {"no lights", "Scale and plane", "Rectified by the chart", "ppi (used)", "ΔE2000"})
+        EXPECT_THAT(page, HasSubstr(part));
+    EXPECT_TRUE(ended(
+        tangipaint({"calibrate", photos, "--out", (dir / "d.json").string(), "--no-balls", "--chart", "off"}),
+        1, {"nothing else to look for"}));
+    const std::string out = (dir / "d.json").string();
+    EXPECT_TRUE(ended(tangipaint({"calibrate", photos, "--out", out, "--no-balls", "--chart", "off"}), 1,
+                      {"nothing else to look for"}));
+    EXPECT_TRUE(ended(
+        tangipaint({"calibrate", photos, "--out", out, "--marker-mm", "20", "--marker-dictionary", "9x9"}), 2,
+        {"--marker-dictionary 9x9: is none of auto, 4x4_50"}));
+    // These say "sRGB", as everything does: that does not count.
+    write_picture_8bit(dir / "a.png", Image<Rgb>(40, 30, Rgb(0.5f)));
+    const std::string plain = (dir / "a.png").string();
+    EXPECT_TRUE(ended(tangipaint({"calibrate", "--photos", plain, "--out", out, "--dark", plain}), 2,
+                      {"give --transfer"}));
+    EXPECT_FALSE(std::filesystem::exists(dir / "d.json"));
+}
+
+TEST(CliCalibrate, ControlCharactersInNamesAreShownEscaped) {
+    const TestDir dir;
+    const Finished run =
+        tangipaint({"calibrate", (dir / "a\x1b[31mb\nc\xc2\x9b").string(), "--out", (dir / "a.lp").string()});
+    EXPECT_TRUE(ended(run, 1, {"a\\x1b[31mb\\nc\\u009b: no such folder"}));
 }
 
 }  // namespace

@@ -50,11 +50,12 @@ TEST(PhotographyOf, SpreadsTheLightsBetweenTheElevationsAllAround) {
             ASSERT_EQ(lights.size(), static_cast<std::size_t>(count));
             ASSERT_EQ(held.size(), 5u);
             glm::dvec3 sum(0);
-            for (const auto& [light, fitted, homography] : photography.photos) {
+            for (const Photography::Photo& photo : photography.photos) {
+                const Light& light = photo.light;
                 EXPECT_NEAR(glm::length(light.direction), 1, 1e-6);
                 EXPECT_GE(light.direction.z, std::sin(20 * std::numbers::pi / 180) - 1e-6);
                 EXPECT_LE(light.direction.z, std::sin(70 * std::numbers::pi / 180) + 1e-6);
-                if (fitted) sum += light.direction;
+                if (photo.fitted) sum += light.direction;
             }
             sum /= static_cast<double>(count);
             if (count >= 48) {

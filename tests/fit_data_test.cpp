@@ -3,8 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <fstream>
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <iostream>
+#include <nlohmann/json.hpp>
 #include <numbers>
 
 #include "capture/calibration_page.h"
@@ -156,6 +159,30 @@ TEST(DataImpasto, NormalsHeldOutLightsAndHeightReachTheirFigures) {
     EXPECT_GE(psnr, 33);
 }
 
+// Mean CIEDE2000 of rho_d in the chart's patches, at the places that the scene says.
+double chart_delta_e(const fs::path& props, const Surface& s) {
+    const nlohmann::json chart = nlohmann::json::parse(std::ifstream(props)).at("chart");
+    double sum = 0;
+    for (const nlohmann::json& patch : chart) {
+        const auto corner = [&](std::size_t k) {
+            const nlohmann::json& c = patch.at("px_ref_corners_tl_tr_br_bl").at(k);
+            return glm::dvec2(c.at(0).get<double>(), c.at(1).get<double>());
+        };
+        const glm::dvec2 low = glm::mix(corner(0), corner(2), 0.25),
+                         high = glm::mix(corner(0), corner(2), 0.75);
+        Rgb mean(0);
+        int count = 0;
+        for (int y = static_cast<int>(std::ceil(low.y)); y <= high.y; ++y)
+            for (int x = static_cast<int>(std::ceil(low.x)); x <= high.x; ++x, ++count)
+                mean += s.diffuse(x, y);
+        const auto& linear = patch.at("linear");
+        sum += delta_e_2000(lab_from_linear(glm::dvec3(mean / static_cast<float>(count))),
+                            lab_from_linear({linear.at(0).get<double>(), linear.at(1).get<double>(),
+                                             linear.at(2).get<double>()}));
+    }
+    return sum / static_cast<double>(chart.size());
+}
+
 // Nothing of the ground truth goes in: lamps from the two balls, the camera's shake from the photographs.
 TEST(DataHandheld, PaintingOfAHandheldLampReachesItsFigures) {
     TP_DATA(folder, "handheld");
@@ -164,16 +191,37 @@ TEST(DataHandheld, PaintingOfAHandheldLampReachesItsFigures) {
     const BallCalibration balls = calibrate_from_balls(
         pictures_in(folder / "png16", warnings),
         {.ball_radius_mm = 12, .focal_px = 1408, .camera_distance_mm = 600, .ball_height_mm = 6});
-    const CalibrationFiles files = write_calibration(out / "lights.lp", balls);
+    const CalibrationFiles files = write_calibration(
+        out / "lights.lp", {.lights = balls,
+                            .colours = calibrate_colours(pictures_in(folder / "png16", warnings),
+                                                         {.reference = folder / "chart_reference.json"})});
     Stack stack = open_stack(folder / "png16", {.lights_file = files.json});
-    stack.transfer = Transfer{};
-    const FitResult fit = fit_painting(std::move(stack), {.white_level = 0.75});
+    EXPECT_EQ(stack.transfer, Transfer{});  // by the chart
+    const FitResult fit = fit_painting(std::move(stack));
     EXPECT_NEAR(fit.surface.mm_per_pixel, 600.0 / 1408, 0.003 * 600 / 1408);
     const TruthErrors errors = errors_against(folder / "gt", fit.surface);
     record("handheld_normals_deg", errors.normals_deg, "deg");
     record("handheld_height_mm_rms", errors.height_mm_rms, "mm");
     EXPECT_LE(errors.normals_deg, 2.5);
     EXPECT_LE(errors.height_mm_rms, 0.25);
+
+    // The chart's patches where the scene had them, and all of the painting, against the true reflectance.
+    const double patches = chart_delta_e(folder / "gt" / "props.json", fit.surface);
+    record("handheld_chart_delta_e_2000", patches, "1");
+    record("handheld_chart_delta_e_2000_by_the_fit", fit.report.colour.patches_delta_e, "1");
+    EXPECT_LE(patches, 1.5);
+    EXPECT_NEAR(fit.report.colour.patches_delta_e, patches, 0.3);
+    const Image<Rgb> albedo = read_picture(folder / "gt" / "albedo.exr");
+    const Image<Rgb> valid = read_picture(folder / "gt" / "valid.png");
+    double sum = 0, count = 0;
+    for (std::size_t i = 0; i < albedo.size(); ++i) {
+        if (!(valid.pixels()[i].r > 0.5f)) continue;
+        sum += delta_e_2000(lab_from_linear(glm::dvec3(fit.surface.diffuse.pixels()[i])),
+                            lab_from_linear(glm::dvec3(albedo.pixels()[i])));
+        ++count;
+    }
+    record("handheld_painting_delta_e_2000", sum / count, "1");
+    EXPECT_LE(sum / count, 5);
 }
 
 TEST(DataSynthCanvas, NormalsOfUniform1AreWithin0_45Degrees) {

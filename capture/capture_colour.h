@@ -1,0 +1,48 @@
+// capture_colour.h: how the photographs' channels relate to linear Rec. 709, as a colour chart in them told.
+#pragma once
+
+#include <array>
+#include <glm/mat3x3.hpp>
+#include <glm/matrix.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "capture/chart_reference.h"
+#include "surface/colour.h"
+#include "surface/homography.h"
+
+namespace tangi {
+
+// [1] Mean CIEDE2000 of a chart's patches from which on what was read is no chart, or in no light for it: far
+// beyond what the loosest guidelines allow.
+constexpr double kWorstChart = 10;
+
+struct CaptureColour {
+    // Linear Rec. 709 in the light of the lamps -> linear channels of the photographs, white balance
+    // included. The luminance of white stays: to_camera (1, 1, 1) has 1 for green.
+    glm::dmat3 to_camera{1};
+    Transfer transfer;        // that the photographs were linearised by when the chart was read
+    bool raw_rec709 = false;  // of camera raws, developed to Rec. 709 before; else as the sensor sees
+    // What the photographs had been developed with: of "dark", "flat", "ambient", "brackets".
+    std::vector<std::string> developed_with{};
+    double delta_e_2000 = -1;  // [1] mean over patches, each by the matrix without it; negative: not known
+    double misfit = 0;         // [1] mean CIEDE2000 of the patches by the matrix
+
+    // Where the chart lies in the photographs (chart coordinates, colour_chart.h), and what its patches are.
+    struct Chart {
+        Homography to_photo{1};
+        std::array<Rgb, kChartPatches> reference{};
+    };
+    std::optional<Chart> chart{};
+
+    // What the lamps' light looks like to the camera: the colour of highlights.
+    glm::dvec3 lamp() const { return to_camera * glm::dvec3(1); }
+    // From channels that were divided by lamp() to linear Rec. 709. Keeps white.
+    glm::dmat3 from_balanced() const {
+        const glm::dvec3 white = lamp();
+        return glm::inverse(to_camera) * glm::dmat3(white.r, 0, 0, 0, white.g, 0, 0, 0, white.b);
+    }
+};
+
+}  // namespace tangi

@@ -1,0 +1,67 @@
+#include "capture/photo_set.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "surface/error.h"
+
+namespace tangi {
+
+PhotoSet::PhotoSet(const std::vector<std::filesystem::path>& paths) {
+    TP_REQUIRE(!paths.empty(), "there are photographs");
+    for (const std::filesystem::path& path : paths)
+        stack_.photos.push_back({path,
+                                 distant_light({0, 0, 1}, path.filename().string()),
+                                 static_cast<int>(stack_.photos.size()),
+                                 {},
+                                 {}});
+}
+
+void PhotoSet::Reader::read_rows(int y0, int y1, std::span<float> values) {
+    source_.read_rows(y0, y1, values);
+    const Development* d = set_.stack_.development.get();
+    if (!d || !std::isfinite(d->clipped)) return;
+    const std::size_t count = static_cast<std::size_t>(y1 - y0) * static_cast<std::size_t>(header().width) *
+                              static_cast<std::size_t>(header().channels);
+    // What the flat field tells nothing about is as unknown as what is clipped.
+    for (float& value : values.first(count)) value = std::isnan(value) ? 1.0f : value / d->clipped;
+}
+
+Image<Rgb> PhotoSet::linear(std::size_t photo, const Transfer& transfer) const {
+    constexpr int kRows = 256;
+    Reader reader = open(photo);
+    const PhotoHeader& header = reader.header();
+    const bool is_linear = developed() || header.is_raw || header.is_float;
+    Image<Rgb> picture(header.width, header.height);
+    const auto channels = static_cast<std::size_t>(header.channels);
+    std::vector<float> values(static_cast<std::size_t>(header.width) * channels * kRows);
+    for (int y0 = 0; y0 < header.height; y0 += kRows) {
+        const int y1 = std::min(y0 + kRows, header.height);
+        reader.read_rows(y0, y1, values);
+        const float* value = values.data();
+        for (int y = y0; y < y1; ++y)
+            for (int x = 0; x < header.width; ++x, value += channels)
+                for (std::size_t c = 0; c < 3; ++c) {
+                    const float stored = value[std::min(c, channels - 1)];
+                    picture(x, y)[static_cast<int>(c)] = is_linear ? stored : transfer.decode(stored);
+                }
+    }
+    return picture;
+}
+
+std::vector<std::size_t> PhotoSet::brightest_first(const std::string& what, const Progress& progress) const {
+    std::vector<std::pair<double, std::size_t>> order;
+    for (std::size_t photo = 0; photo < size(); ++photo) {
+        report(progress, what, static_cast<double>(photo) / static_cast<double>(size()));
+        const Image<Rgb> picture = linear(photo, Transfer{});
+        double sum = 0;
+        for (const Rgb& pixel : picture.pixels()) sum += std::isfinite(pixel.g) ? pixel.g : 0;
+        order.emplace_back(-sum / static_cast<double>(picture.size()), photo);
+    }
+    std::sort(order.begin(), order.end());
+    std::vector<std::size_t> sorted;
+    for (const auto& [dark, photo] : order) sorted.push_back(photo);
+    return sorted;
+}
+
+}  // namespace tangi

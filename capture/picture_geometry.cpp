@@ -1,0 +1,89 @@
+#include "capture/picture_geometry.h"
+
+#include <glm/matrix.hpp>
+
+#include "surface/error.h"
+#include "surface/photography_json.h"
+
+namespace tangi {
+
+using glm::dvec2;
+using nlohmann::json;
+
+dvec2 PictureGeometry::place_in_photo(const dvec2& pixel) const {
+    const dvec2 place = rectification ? mapped(*rectification, pixel) : pixel;
+    return lens ? distorted(*lens, place) : place;
+}
+
+dvec2 PictureGeometry::place_in_picture(const dvec2& photo_px) const {
+    const dvec2 place = lens ? undistorted(*lens, photo_px) : photo_px;
+    return rectification ? mapped(glm::inverse(*rectification), place) : place;
+}
+
+namespace {
+
+json pair_of(const dvec2& v) { return {v.x, v.y}; }
+dvec2 pair_from(const json& j) { return {j.at(0).get<double>(), j.at(1).get<double>()}; }
+
+int pixels_of(const json& j) {
+    const int pixels = j.get<int>();
+    if (pixels < 1 || pixels > 65535) fail("geometry: {} pixels is no size of a picture", pixels);
+    return pixels;
+}
+
+Lens lens_from(const json& j, int width, int height) {
+    Lens lens{width, height, pair_from(j.at("focal_px")), pair_from(j.at("principal_px")),
+              j.at("distortion").get<std::vector<double>>()};
+    if (!(lens.focal_px.x > 0 && lens.focal_px.y > 0)) fail("geometry.lens.focal_px is not positive");
+    return lens;
+}
+
+}  // namespace
+
+json to_json(const PictureGeometry& g) {
+    json lens = nullptr, camera = nullptr;
+    if (g.lens)
+        lens = {{"focal_px", pair_of(g.lens->focal_px)},
+                {"principal_px", pair_of(g.lens->principal_px)},
+                {"distortion", g.lens->distortion}};
+    if (g.camera_mm) camera = {g.camera_mm->x, g.camera_mm->y, g.camera_mm->z};
+    return {{"photograph_px", {g.photo_width, g.photo_height}},
+            {"picture_px", {g.width, g.height}},
+            {"lens", std::move(lens)},
+            {"rectification", g.rectification ? to_json(*g.rectification) : json(nullptr)},
+            {"mm_per_pixel", g.mm_per_pixel ? json(*g.mm_per_pixel) : json(nullptr)},
+            {"turn", to_json(g.turn)},
+            {"camera_mm", std::move(camera)}};
+}
+
+PictureGeometry geometry_from_json(const json& j) {
+    PictureGeometry g;
+    g.photo_width = pixels_of(j.at("photograph_px").at(0));
+    g.photo_height = pixels_of(j.at("photograph_px").at(1));
+    g.width = pixels_of(j.at("picture_px").at(0));
+    g.height = pixels_of(j.at("picture_px").at(1));
+    if (!j.at("lens").is_null()) g.lens = lens_from(j.at("lens"), g.photo_width, g.photo_height);
+    if (!j.at("rectification").is_null()) {
+        g.rectification = homography_from_json(j.at("rectification"));
+        if (!(std::abs(glm::determinant(*g.rectification)) > 0))
+            fail("geometry.rectification has no inverse");
+    }
+    if (!j.at("mm_per_pixel").is_null()) {
+        g.mm_per_pixel = j.at("mm_per_pixel").get<double>();
+        if (!(*g.mm_per_pixel >= 1e-6 && *g.mm_per_pixel <= 1e3))
+            fail("geometry.mm_per_pixel = {} is not in [1e-06, 1000]", *g.mm_per_pixel);
+    }
+    g.turn = homography_from_json(j.at("turn"));
+    const glm::dmat3 should_be_one = glm::transpose(g.turn) * g.turn;
+    for (int c = 0; c < 3; ++c)
+        for (int r = 0; r < 3; ++r)
+            if (!(std::abs(should_be_one[c][r] - (c == r)) < 1e-6)) fail("geometry.turn is no rotation");
+    if (!j.at("camera_mm").is_null()) {
+        const json& mm = j.at("camera_mm");
+        g.camera_mm = {mm.at(0).get<double>(), mm.at(1).get<double>(), mm.at(2).get<double>()};
+        if (!(g.camera_mm->z > 0)) fail("geometry.camera_mm is below the painting");
+    }
+    return g;
+}
+
+}  // namespace tangi

@@ -1,0 +1,398 @@
+#include "capture/plane_calibration.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
+#include <numbers>
+
+#include "capture/chart_order.h"
+#include "surface/error.h"
+#include "surface/photography_json.h"
+
+namespace tangi {
+
+using glm::dmat3;
+using glm::dvec2;
+using glm::dvec3;
+using nlohmann::json;
+
+namespace {
+
+constexpr double kDegrees = 180 / std::numbers::pi;
+constexpr int kSoughtIn = 3;          // photographs, before all are looked through for markers
+constexpr double kPointSigma_px = 1;  // of corners that people point at
+constexpr double kMostEnlarged = 4;   // [1] area of the picture by that of the photographs
+constexpr double kDoubtfulTilt_deg = 1;
+constexpr double kDisagree = 3;          // [sigma] from which on two scales are said to disagree
+constexpr double kDisagreeLeast = 0.01;  // [1] and by which part at least
+
+// A plane in the undistorted photographs, in mm or, of a chart of unknown size, in its pitch.
+struct SeenPlane {
+    Homography to_picture{1};
+    bool in_mm = true;
+    double point_sigma_px = kPointSigma_px;
+    std::array<dvec2, 4> places_px{};  // that it was told by
+    std::string by;
+};
+
+dvec2 without_lens(const std::optional<Lens>& lens, const dvec2& place_px) {
+    return lens ? undistorted(*lens, place_px) : place_px;
+}
+
+template <std::size_t n>
+std::array<dvec2, n> without_lens(const std::optional<Lens>& lens, std::array<dvec2, n> places_px) {
+    for (dvec2& place : places_px) place = without_lens(lens, place);
+    return places_px;
+}
+
+// The photograph with the most markers of the brightest few; of all where these show none.
+void look_for_markers(const PhotoSet& photos, const PlaneOptions& options, PlaneCalibration& c,
+                      const Progress& progress) {
+    const Transfer transfer = options.transfer.value_or(Transfer{Transfer::Kind::srgb});
+    const std::vector<std::size_t> bright = photos.brightest_first("markers: brightness", progress);
+    std::optional<std::string> dictionary = options.dictionary;
+    for (std::size_t i = 0; i < bright.size(); ++i) {
+        report(progress, "markers", static_cast<double>(i) / static_cast<double>(bright.size()));
+        if (i >= kSoughtIn && !c.markers.markers.empty()) break;
+        MarkerSearch found;
+        try {
+            found = find_markers(photos.linear(bright[i], transfer), dictionary);
+        } catch (const Error& error) {
+            fail("{}: {}", photos.path(bright[i]).string(), error.what());
+        }
+        if (found.markers.size() <= c.markers.markers.size()) continue;
+        dictionary = found.dictionary;
+        c.markers = std::move(found);
+        c.markers_in = photos.name(bright[i]);
+    }
+    report(progress, "markers", 1);
+    if (c.markers.markers.empty())
+        fail(
+            "{}: no ArUco marker is found in the {} photographs; leave --marker-mm out, or photograph the "
+            "markers whole, in focus and with a white border",
+            photos.folder().string(), photos.size());
+    for (const std::string& warning : c.markers.warnings)
+        c.warnings.push_back(fmt::format("{}: {}", c.markers_in, warning));
+}
+
+// The box of points, as corners from the top left on.
+Corners box_of(const std::vector<Marker>& markers) {
+    dvec2 low(1e300), high(-1e300);
+    for (const Marker& marker : markers)
+        for (const dvec2& corner : marker.corners_px)
+            low = glm::min(low, corner), high = glm::max(high, corner);
+    return {low, dvec2(high.x, low.y), high, dvec2(low.x, high.y)};
+}
+
+void add_scale(PlaneCalibration& c, Scale scale) {
+    c.warnings.insert(c.warnings.end(), scale.warnings.begin(), scale.warnings.end());
+    c.scales.push_back(std::move(scale));
+}
+
+// The most certain first; those that contradict it are named.
+void rank_scales(PlaneCalibration& c) {
+    std::stable_sort(c.scales.begin(), c.scales.end(), [](const Scale& a, const Scale& b) {
+        return a.sigma / a.mm_per_pixel < b.sigma / b.mm_per_pixel;
+    });
+    for (std::size_t i = 1; i < c.scales.size(); ++i) {
+        const Scale &a = c.scales[0], &b = c.scales[i];
+        const double off = b.mm_per_pixel / a.mm_per_pixel - 1;
+        const double sigma = std::hypot(a.sigma / a.mm_per_pixel, b.sigma / b.mm_per_pixel);
+        // In perspective the scale differs from place to place; a picture that is rectified allows for it.
+        if (std::abs(off) > std::max(kDisagreeLeast, kDisagree * sigma) && !c.geometry)
+            c.warnings.push_back(
+                fmt::format("the scale by {} is {:.5g} mm per pixel, that by {} {:.5g}: {:.1f} % more; the "
+                            "former is used. "
+                            "Check the lengths, and that both lie in the painting's plane",
+                            a.method, a.mm_per_pixel, b.method, b.mm_per_pixel, 100 * off));
+    }
+}
+
+// What is to be rectified by: the painting's corners, else markers, else the chart.
+SeenPlane plane_to_rectify(const std::optional<MarkerPlane>& markers, const std::vector<Marker>& seen_markers,
+                           const ColourCalibration* chart, const std::optional<Lens>& lens) {
+    if (markers)
+        return {markers->plane_to_picture, true, std::max(markers->residual_px, 0.05), box_of(seen_markers),
+                "markers"};
+    if (!chart)
+        fail(
+            "--rectify: by what? Give the painting's corners and size (--corners, --painting-mm), the side "
+            "of "
+            "ArUco markers in the photographs (--marker-mm), or photograph a colour chart");
+    const ChartCorners corners = without_lens(lens, chart_corners(chart->chart));
+    const ChartCorners places{{{0, 4}, {6, 4}, {6, 0}, {0, 0}}};
+    return {homography_between(places, corners), false, std::max(chart->chart.grid_residual_px, 0.2), corners,
+            "chart"};
+}
+
+// The whole photograph without perspective, not turned: what is level in its middle stays level.
+struct Upright {
+    Homography picture_to_photo{1};
+    int width = 0, height = 0;
+    double pitch = 1;  // of a pixel, in the plane's unit
+};
+Upright upright(const SeenPlane& plane, int width, int height) {
+    const Homography to_plane = glm::inverse(plane.to_picture);
+    const dvec2 centre((width - 1) / 2.0, (height - 1) / 2.0);
+    const std::array<dvec2, 4> photo = {dvec2(0, 0), dvec2(width - 1, 0), dvec2(width - 1, height - 1),
+                                        dvec2(0, height - 1)};
+    const double side = (to_plane * dvec3(centre, 1)).z;
+    for (const dvec2& corner : photo)
+        if (!((to_plane * dvec3(corner, 1)).z * side > 0.05 * side * side))
+            fail(
+                "--rectify: by the {} the painting's plane is seen from so far aside that it reaches its "
+                "horizon in the photographs; give --corners and --painting-mm",
+                plane.by);
+    const dvec2 along = mapped(to_plane, centre + dvec2(1, 0)) - mapped(to_plane, centre);
+    const dvec2 x = glm::normalize(along), y(-x.y, x.x);
+    dvec2 low(1e300), high(-1e300);
+    double finest = mm_per_pixel_at(plane.to_picture, centre);
+    const double middle = finest;
+    for (const dvec2& corner : photo) {
+        const dvec2 p = mapped(to_plane, corner), q(glm::dot(p, x), glm::dot(p, y));
+        low = glm::min(low, q), high = glm::max(high, q);
+        finest = std::min(finest, mm_per_pixel_at(plane.to_picture, corner));
+    }
+    // As fine as the photographs where they are finest, unless that makes the picture far larger.
+    const dvec2 size = high - low;
+    const double area = kMostEnlarged * width * height;
+    double pitch = finest;
+    if (size.x * size.y / (pitch * pitch) > area) pitch = middle;
+    if (size.x * size.y / (pitch * pitch) > area || std::max(size.x, size.y) / pitch > 60000)
+        fail(
+            "--rectify: the photographs are taken from so far aside that a picture of all they show would "
+            "have "
+            "{:.0f} x {:.0f} pixels; give --corners and --painting-mm",
+            size.x / pitch, size.y / pitch);
+    Upright result;
+    result.pitch = pitch;
+    result.width = static_cast<int>(std::floor(size.x / pitch)) + 1;
+    result.height = static_cast<int>(std::floor(size.y / pitch)) + 1;
+    const Homography to_turned(pitch, 0, 0, 0, -pitch, 0, low.x, high.y, 1);
+    const Homography to_the_plane(x.x, x.y, 0, y.x, y.y, 0, 0, 0, 1);
+    result.picture_to_photo = normalised(plane.to_picture * to_the_plane * to_turned);
+    return result;
+}
+
+// Parts that one of the two does not show, by a grid.
+void measure_outside(const PictureGeometry& g, PlaneCalibration& c) {
+    constexpr int n = 100;
+    const auto inside = [](const dvec2& p, int width, int height) {
+        return p.x > -0.5 && p.y > -0.5 && p.x < width - 0.5 && p.y < height - 0.5;
+    };
+    int photo = 0, picture = 0;
+    for (int j = 0; j < n; ++j)
+        for (int i = 0; i < n; ++i) {
+            const dvec2 at((i + 0.5) / n, (j + 0.5) / n);
+            photo += !inside(g.place_in_picture(at * dvec2(g.photo_width, g.photo_height) - 0.5), g.width,
+                             g.height);
+            picture +=
+                !inside(g.place_in_photo(at * dvec2(g.width, g.height) - 0.5), g.photo_width, g.photo_height);
+        }
+    c.photo_outside = photo / static_cast<double>(n * n);
+    c.picture_outside = picture / static_cast<double>(n * n);
+}
+
+// By differences, for points that are known to point_sigma_px.
+double tilt_sigma(const SeenPlane& plane, double focal_px, const dvec2& principal_px) {
+    ChartCorners on_plane{};
+    const Homography to_plane = glm::inverse(plane.to_picture);
+    for (std::size_t i = 0; i < 4; ++i) on_plane[i] = mapped(to_plane, plane.places_px[i]);
+    const auto tilt = [&](const std::array<dvec2, 4>& places) {
+        const PlanePose pose = pose_of(homography_between(on_plane, places), focal_px, principal_px);
+        return dvec2(pose.turn[0].z, pose.turn[1].z);  // of the plane's normal in the camera's frame
+    };
+    const dvec2 middle = tilt(plane.places_px);
+    double variance = 0;
+    for (std::size_t i = 0; i < 4; ++i)
+        for (int k = 0; k < 2; ++k) {
+            std::array<dvec2, 4> moved = plane.places_px;
+            moved[i][k] += 0.1;
+            const dvec2 slope = (tilt(moved) - middle) / 0.1;
+            variance += glm::dot(slope, slope) / 2 * plane.point_sigma_px * plane.point_sigma_px;
+        }
+    return std::sqrt(variance) * kDegrees;
+}
+
+// How the camera stands over the picture's plane, where the focal length is known.
+void find_pose(const SeenPlane& plane, const std::optional<double>& mm_per_unit, PictureGeometry& g,
+               PlaneCalibration& c) {
+    const Homography to_plane = glm::inverse(plane.to_picture);
+    const dvec2 centre((g.width - 1) / 2.0, (g.height - 1) / 2.0), right = centre + dvec2(1, 0);
+    const dvec2 origin = mapped(to_plane, mapped(*g.rectification, centre));
+    const dvec2 x = glm::normalize(mapped(to_plane, mapped(*g.rectification, right)) - origin);
+    const Homography from_picture_frame(x.x, x.y, 0, -x.y, x.x, 0, origin.x, origin.y, 1);
+    const Homography frame_to_photo = plane.to_picture * from_picture_frame;
+    if (!c.focal_px) {
+        // Seen from far away: only the turn in the plane is known.
+        const dvec2 level = mapped(frame_to_photo, {1e-3, 0}) - mapped(frame_to_photo, {0, 0});
+        const dvec2 d = glm::normalize(dvec2(level.x, -level.y));
+        g.turn = dmat3(d.x, -d.y, 0, d.y, d.x, 0, 0, 0, 1);
+        c.warnings.push_back(
+            "rectified without a focal length: the lights' directions cannot be carried from the camera's to "
+            "the "
+            "painting's frame where the camera looks from aside; give --focal-px, --focal-35mm or --lens");
+        return;
+    }
+    const PlanePose pose = pose_of(frame_to_photo, *c.focal_px, c.principal_px);
+    g.turn = pose.turn;
+    c.tilt_deg = pose.tilt_deg;
+    c.tilt_sigma_deg = tilt_sigma(plane, *c.focal_px, c.principal_px);
+    if (c.tilt_sigma_deg > kDoubtfulTilt_deg)
+        c.warnings.push_back(
+            fmt::format("by the {} the painting's plane is tilted by {:.1f} degrees, and that is uncertain "
+                        "by {:.1f}: markers far "
+                        "apart, or the painting's corners, would tell it better",
+                        plane.by, *c.tilt_deg, c.tilt_sigma_deg));
+    if (mm_per_unit) g.camera_mm = pose.camera * *mm_per_unit;
+    if (std::abs(std::log(pose.stretch)) > 0.05)
+        c.warnings.push_back(fmt::format(
+            "by the {} and the focal length of {:.0f} pixels the painting looks {:.0f} % too {}: check "
+            "its size and the focal length",
+            plane.by, *c.focal_px, 100 * std::abs(pose.stretch - 1), pose.stretch > 1 ? "wide" : "high"));
+}
+
+// [mm] what the plane's unit is, by the most certain scale.
+std::optional<double> unit_mm(const SeenPlane& plane, const PlaneCalibration& c,
+                              const std::optional<Lens>& lens) {
+    if (plane.in_mm) return 1.0;
+    if (c.scales.empty()) return {};
+    const Scale& scale = c.scales.front();
+    dvec2 place = without_lens(lens, scale.place_px);
+    if (scale.method == "ppi") place = dvec2((c.width - 1) / 2.0, (c.height - 1) / 2.0);
+    return scale.mm_per_pixel / mm_per_pixel_at(plane.to_picture, place);
+}
+
+void rectify(const PlaneOptions& options, const std::optional<MarkerPlane>& markers,
+             const std::vector<Marker>& seen_markers, const ColourCalibration* chart, PictureGeometry& g,
+             PlaneCalibration& c) {
+    SeenPlane plane;
+    std::optional<double> unit;
+    if (options.corners_px) {
+        const Corners corners = without_lens(g.lens, *options.corners_px);
+        std::optional<dvec2> size = options.painting_mm;
+        if (!size && markers) size = size_on_plane(*markers, corners);
+        if (!size)
+            fail(
+                "--corners: how large is the painting? Give --painting-mm WIDTH,HEIGHT, or the side of "
+                "markers "
+                "in the photographs (--marker-mm)");
+        const Rectification r = rectification(corners, size->x, size->y);
+        plane = {glm::inverse(r.picture_to_plane_mm), true, kPointSigma_px, corners, "corners"};
+        g.rectification = r.output_to_picture;
+        g.width = r.width, g.height = r.height;
+        g.mm_per_pixel = r.mm_per_pixel;
+        unit = 1.0;
+    } else {
+        plane = plane_to_rectify(markers, seen_markers, chart, g.lens);
+        const Upright picture = upright(plane, g.photo_width, g.photo_height);
+        g.rectification = picture.picture_to_photo;
+        g.width = picture.width, g.height = picture.height;
+        unit = unit_mm(plane, c, g.lens);
+        if (unit) g.mm_per_pixel = picture.pitch * *unit;
+    }
+    c.rectified_by = plane.by;
+    find_pose(plane, unit, g, c);
+}
+
+}  // namespace
+
+PlanePose pose_of(const Homography& plane_to_picture, double focal_px, const dvec2& principal_px) {
+    // To the camera's frame with y up and z away from the scene: K^-1, then both turned round.
+    const dmat3 k_inverse(1 / focal_px, 0, 0, 0, -1 / focal_px, 0, -principal_px.x / focal_px,
+                          principal_px.y / focal_px, -1);
+    dmat3 h = k_inverse * plane_to_picture;
+    if (h[2].z > 0) h = -h;  // the plane lies before the camera
+    const double across = glm::length(h[0]), up = glm::length(h[1]);
+    // The two unit vectors at right angles that are nearest to the columns.
+    const dvec3 a = h[0] / across, b = h[1] / up;
+    const dvec3 sum = glm::normalize(a + b), difference = glm::normalize(a - b);
+    const dvec3 x = (sum + difference) / std::numbers::sqrt2, y = (sum - difference) / std::numbers::sqrt2;
+    const dmat3 plane_to_camera(x, y, glm::cross(x, y));
+    const dvec3 origin = h[2] * (2 / (across + up));
+    PlanePose pose;
+    pose.turn = glm::transpose(plane_to_camera);
+    pose.camera = -(pose.turn * origin);
+    if (!(pose.camera.z > 0))
+        fail("--rectify: the painting's plane is seen from behind; are its corners mirrored?");
+    pose.tilt_deg = std::acos(std::clamp(plane_to_camera[2].z, -1.0, 1.0)) * kDegrees;
+    pose.stretch = across / up;
+    return pose;
+}
+
+PlaneCalibration calibrate_plane(const PhotoSet& photos, const PlaneOptions& options,
+                                 const ColourCalibration* chart, const Progress& progress) {
+    PlaneCalibration c;
+    const PhotoHeader header = photos.open(0).header();
+    c.width = header.width, c.height = header.height;
+    PictureGeometry g{.photo_width = c.width, .photo_height = c.height, .width = c.width, .height = c.height};
+    if (options.lens) {
+        try {
+            g.lens = lens_for(read_lens(*options.lens), c.width, c.height);
+        } catch (const Error& error) {
+            const std::string what = error.what(), file = options.lens->string();
+            fail("{}{}", what.starts_with(file) ? "" : file + ": ", what);
+        }
+    }
+    c.focal_px = options.focal_px;
+    c.principal_px = options.principal_px.value_or(dvec2((c.width - 1) / 2.0, (c.height - 1) / 2.0));
+    if (g.lens) {
+        if (!c.focal_px) c.focal_px = (g.lens->focal_px.x + g.lens->focal_px.y) / 2;
+        if (!options.principal_px) c.principal_px = g.lens->principal_px;
+    }
+    std::optional<MarkerPlane> markers;
+    std::vector<Marker> seen_markers;
+    if (options.marker_mm) {
+        look_for_markers(photos, options, c, progress);
+        seen_markers = c.markers.markers;
+        for (Marker& marker : seen_markers) marker.corners_px = without_lens(g.lens, marker.corners_px);
+        markers = marker_plane(seen_markers, *options.marker_mm);
+        c.marker_residual_px = markers->residual_px;
+        add_scale(c, markers->scale);
+    }
+    if (options.bar)
+        add_scale(c, scale_from_bar(without_lens(g.lens, options.bar->first_px),
+                                    without_lens(g.lens, options.bar->last_px), options.bar->length_mm));
+    if (options.pixels_per_inch) add_scale(c, scale_from_ppi(*options.pixels_per_inch));
+    if (options.corners_px && options.painting_mm)
+        add_scale(c, scale_from_corners(without_lens(g.lens, *options.corners_px), options.painting_mm->x,
+                                        options.painting_mm->y));
+    if (chart && chart->scale) c.scales.push_back(*chart->scale);
+    if (options.rectify || g.lens) {
+        rank_scales(c);  // a chart of unknown size is told by the best of them
+        if (options.rectify) rectify(options, markers, seen_markers, chart, g, c);
+        measure_outside(g, c);
+        c.geometry = g;
+    }
+    rank_scales(c);
+    return c;
+}
+
+json to_json(const PlaneCalibration& c) {
+    json markers = json::array(), scales = json::array(), geometry = nullptr;
+    for (const Marker& marker : c.markers.markers) {
+        json corners = json::array();
+        for (const dvec2& corner : marker.corners_px) corners.push_back({corner.x, corner.y});
+        markers.push_back({{"id", marker.id}, {"corners_px", std::move(corners)}});
+    }
+    for (const Scale& scale : c.scales) scales.push_back(to_json(scale));
+    if (c.geometry) {
+        geometry = to_json(*c.geometry);
+        geometry["rectified_by"] = c.rectified_by.empty() ? json(nullptr) : json(c.rectified_by);
+        geometry["tilt_deg"] = c.tilt_deg ? json(*c.tilt_deg) : json(nullptr);
+        geometry["tilt_sigma_deg"] = c.tilt_deg ? json(c.tilt_sigma_deg) : json(nullptr);
+        geometry["photograph_outside"] = c.photo_outside;
+        geometry["picture_outside"] = c.picture_outside;
+    }
+    return {{"scale", c.scales.empty() ? json(nullptr) : scales.front()},
+            {"scales", std::move(scales)},
+            {"markers",
+             {{"dictionary", c.markers.dictionary},
+              {"found_in", c.markers_in},
+              {"residual_px", c.marker_residual_px},
+              {"found", std::move(markers)}}},
+            {"geometry", std::move(geometry)}};
+}
+
+}  // namespace tangi

@@ -1,0 +1,188 @@
+#include "capture/stack_calibration.h"
+
+#include <algorithm>
+
+#include "capture/dome_file.h"
+#include "capture/lights_file.h"
+#include "capture/relight_file.h"
+#include "surface/error.h"
+#include "surface/picture_file.h"
+
+namespace tangi {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+// The one .lp of a folder; the one project of another program (.relight, .dome) where there is none.
+fs::path find_lights_file(const fs::path& folder) {
+    std::vector<std::string> found, of_others;
+    for (const auto& entry : fs::directory_iterator(folder)) {
+        const std::string extension = lower_extension(entry.path());
+        if (extension == ".lp") found.push_back(entry.path().filename().string());
+        if (extension == ".dome" || extension == ".relight")
+            of_others.push_back(entry.path().filename().string());
+    }
+    if (found.empty()) found = std::move(of_others);
+    std::sort(found.begin(), found.end());
+    if (found.empty())
+        fail(
+            "{0}: no lights file (.lp, .dome or .relight) in this folder; name one with --lights FILE.lp, or "
+            "make "
+            "one from the photographs: tangipaint calibrate {0} --out {0}/lights.lp --uncalibrated (without "
+            "--uncalibrated where they show a mirror ball)",
+            folder.string());
+    if (found.size() > 1)
+        fail("{}: {} lights files in this folder ({}); choose one with --lights FILE.lp", folder.string(),
+             found.size(), joined(found));
+    return folder / found.front();
+}
+
+void apply_colour(Stack& stack, const CaptureColour& colour, const fs::path& path) {
+    if (stack.channels == 1) {
+        stack.warnings.push_back(
+            fmt::format("{}: its colours are not used, since the photographs of {} are grey", path.string(),
+                        stack.folder.string()));
+        return;
+    }
+    if (colour.misfit > kWorstChart) {
+        stack.warnings.push_back(fmt::format(
+            "{}: its colours are not used, since they are off by {:.1f} (mean CIEDE2000 of the chart): "
+            "is it a colour chart, and in the lamps' light?",
+            path.string(), colour.misfit));
+        return;
+    }
+    const bool rec709 = stack.develop.raw_colour == RawColour::rec709;
+    if (stack.is_raw && rec709 != colour.raw_rec709)
+        fail("{}: its colour chart was read from raws with --raw-colour {}; give the same", path.string(),
+             colour.raw_rec709 ? "rec709" : "camera");
+    const DevelopOptions& develop = stack.develop;
+    std::vector<std::string> here;
+    if (develop.dark) here.emplace_back("dark");
+    if (develop.flat) here.emplace_back("flat");
+    if (develop.ambient) here.emplace_back("ambient");
+    if (develop.brackets) here.emplace_back("brackets");
+    if (here != colour.developed_with)
+        stack.warnings.push_back(fmt::format(
+            "{}: its colour chart was read with {}, the photographs are read with {}; where that changes "
+            "colours, they are off: give the same to calibrate",
+            path.string(), colour.developed_with.empty() ? "no frames" : "--" + joined(colour.developed_with),
+            here.empty() ? "no frames" : "--" + joined(here)));
+    stack.colour = colour;
+    if (stack.transfer || stack.is_raw || stack.bits == 32) return;
+    stack.transfer = colour.transfer;
+    stack.transfer_of_chart = true;
+}
+
+// Puts what was calibrated into the frame of the crop.
+void apply_lights(Stack& stack, const CaptureFile& capture) {
+    const CaptureFile seen = seen_from(in_picture(capture), stack.crop);
+    for (StackPhoto& photo : stack.photos) {
+        const std::string name = photo.light.name;
+        photo.light = seen.lights[static_cast<std::size_t>(photo.number)];
+        photo.light.name = name;
+    }
+    stack.mm_per_pixel = seen.mm_per_pixel;
+    stack.camera_mm = seen.camera_mm;
+}
+
+// Of a lights file of any kind but capture.json.
+StackCalibration read_lights(const fs::path& path) {
+    StackCalibration read{.lights = {}, .lights_path = path};
+    const std::string extension = lower_extension(path);
+    if (extension == ".dome") {
+        DomeFile dome = read_dome_file(path);
+        read.lights = std::move(dome.lights);
+        read.capture.emplace();
+        read.picture_width_mm = dome.picture_width_mm;
+        read.warnings = std::move(dome.warnings);
+    } else if (extension == ".relight") {
+        RelightFile project = read_relight_file(path);
+        read.lights = std::move(project.lights);
+        read.capture.emplace().mm_per_pixel = project.mm_per_pixel;
+        read.picture_width_mm = project.picture_width_mm;
+        read.warnings = std::move(project.warnings);
+    } else {
+        LightsFile lights = read_lights_file(path);
+        read.lights = std::move(lights.lights);
+        read.warnings = std::move(lights.warnings);
+    }
+    if (read.capture) read.capture->lights = read.lights, read.capture_path = path;
+    return read;
+}
+
+// Positions of one file have no place in the frame of another.
+std::vector<Light> directions_of(const std::vector<Light>& lights) {
+    std::vector<Light> result;
+    for (const Light& light : lights) result.push_back(distant_light(light.direction, light.name));
+    return result;
+}
+
+}  // namespace
+
+std::string joined(const std::vector<std::string>& names, std::size_t most) {
+    std::string text;
+    for (std::size_t i = 0; i < std::min(names.size(), most); ++i) text += (i ? ", " : "") + names[i];
+    if (names.size() > most) text += fmt::format(" and {} more", names.size() - most);
+    return text;
+}
+
+StackCalibration read_stack_calibration(const fs::path& folder, const StackOptions& options) {
+    std::optional<CaptureFile> capture;
+    if (options.capture_file) capture = read_capture_file(*options.capture_file);
+    fs::path lights_path;
+    if (options.lights_file)
+        lights_path = *options.lights_file;
+    else
+        lights_path = capture && !capture->lights.empty() ? *options.capture_file : find_lights_file(folder);
+    if (lower_extension(lights_path) != ".json") {
+        StackCalibration read = read_lights(lights_path);
+        if (!capture) return read;
+        capture->lights = read.lights = directions_of(read.lights);
+        read.warnings.insert(read.warnings.end(), capture->warnings.begin(), capture->warnings.end());
+        read.capture = std::move(capture);
+        read.capture_path = *options.capture_file;
+        read.picture_width_mm.reset();
+        return read;
+    }
+    if (capture && lights_path != *options.capture_file)
+        fail("{} and {}: give one capture file, and a lights file (.lp) beside it", lights_path.string(),
+             options.capture_file->string());
+    if (!capture) capture = read_capture_file(lights_path);
+    if (capture->lights.empty())
+        fail("{0}: holds no light; give a lights file beside it: --lights FILE.lp --capture {0}",
+             lights_path.string());
+    StackCalibration read{.lights = capture->lights, .lights_path = lights_path};
+    read.warnings = capture->warnings;
+    read.capture_path = lights_path;
+    read.capture = std::move(capture);
+    return read;
+}
+
+void apply_geometry(Stack& stack, StackCalibration& calibration) {
+    if (!calibration.capture) return;
+    CaptureFile& capture = *calibration.capture;
+    const Region whole = stack.crop;
+    if (capture.width == 0) {
+        capture.width = whole.width(), capture.height = whole.height();
+        capture.origin_px = {(whole.width() - 1) / 2.0, (whole.height() - 1) / 2.0};
+        if (calibration.picture_width_mm)
+            capture.mm_per_pixel = *calibration.picture_width_mm / whole.width();
+    }
+    if (capture.width != whole.width() || capture.height != whole.height())
+        fail("{}: was made from photographs of {} x {}, those of {} are {} x {}",
+             calibration.capture_path.string(), capture.width, capture.height, stack.folder.string(),
+             whole.width(), whole.height());
+    if (!capture.geometry) return;
+    stack.geometry = capture.geometry;
+    stack.crop = {0, 0, capture.geometry->width, capture.geometry->height};
+}
+
+void apply_calibration(Stack& stack, const StackCalibration& calibration) {
+    if (!calibration.capture) return;
+    apply_lights(stack, *calibration.capture);
+    if (calibration.capture->colour)
+        apply_colour(stack, *calibration.capture->colour, calibration.capture_path);
+}
+
+}  // namespace tangi

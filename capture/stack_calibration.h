@@ -1,0 +1,39 @@
+// stack_calibration.h: what lights files and capture files say of a stack of photographs.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "capture/capture_file.h"
+#include "capture/stack.h"
+
+namespace tangi {
+
+// What the files of a stack tell, before it is known which photographs there are.
+struct StackCalibration {
+    std::vector<Light> lights;  // in the order of their file
+    std::filesystem::path lights_path;
+    // All but directions: a capture file's, or a .dome's or .relight's, which have no size (0) until
+    // apply_geometry() gives them that of the photographs.
+    std::optional<CaptureFile> capture{};
+    std::filesystem::path capture_path{};
+    std::optional<double> picture_width_mm{};  // of a .dome or .relight
+    std::vector<std::string> warnings{};
+};
+
+// The files that `options` name; else the one lights file of the folder. Throws Error naming file and place.
+StackCalibration read_stack_calibration(const std::filesystem::path& folder, const StackOptions& options);
+
+// Makes the stack the picture that the capture file describes. Throws Error where it was made from
+// photographs of another size.
+void apply_geometry(Stack& stack, StackCalibration& calibration);
+
+// Puts lights, camera, scale and colours into the stack, its crop being known.
+void apply_calibration(Stack& stack, const StackCalibration& calibration);
+
+// Names for a message: the first few, and how many more.
+std::string joined(const std::vector<std::string>& names, std::size_t most = 5);
+
+}  // namespace tangi

@@ -1,0 +1,194 @@
+#include "cli/calibrate_arguments.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "cli/command.h"
+
+namespace tangi {
+
+namespace {
+
+GivenBall ball_of(const std::string& text) {
+    const std::string form = "X,Y,R or a box X0,Y0,X1,Y1 in pixels";
+    const std::vector<double> n = numbers_in(text, "--sphere", form);
+    if (n.size() == 3 && n[2] > 0) return {.centre_px = {n[0], n[1]}, .radius_px = n[2], .text = text};
+    if (n.size() == 4 && n[2] > n[0] && n[3] > n[1])
+        return {.centre_px = {(n[0] + n[2]) / 2, (n[1] + n[3]) / 2},
+                .radius_px = std::min(n[2] - n[0], n[3] - n[1]) / 2,
+                .is_box = true,
+                .text = text};
+    throw UsageError(fmt::format("--sphere {}: expected {}", text, form));
+}
+
+// So many numbers; nothing where the flag was not given.
+std::optional<std::vector<double>> numbers_of(const std::string& text, const std::string& flag,
+                                              std::size_t count, const std::string& form) {
+    if (text.empty()) return {};
+    std::vector<double> n = numbers_in(text, flag, form);
+    if (n.size() != count) throw UsageError(fmt::format("{} {}: expected {}", flag, text, form));
+    return n;
+}
+
+std::optional<glm::dvec2> point_of(const std::string& text, const std::string& flag) {
+    const auto n = numbers_of(text, flag, 2, "X,Y in pixels");
+    return n ? std::optional(glm::dvec2((*n)[0], (*n)[1])) : std::nullopt;
+}
+
+Corners corners_of(const std::vector<double>& n) {
+    return {{{n[0], n[1]}, {n[2], n[3]}, {n[4], n[5]}, {n[6], n[7]}}};
+}
+
+std::optional<double> if_given(double value) { return value > 0 ? std::optional(value) : std::nullopt; }
+
+}  // namespace
+
+void CalibrateArguments::add_to(Flags& flags) {
+    flags.option("PHOTOS", folder, "folder of photographs, one for each light");
+    flags.option("--photos", photos, "photographs, instead of a folder");
+    flags
+        .option(
+            "--out", out,
+            "the lights file to write (.lp), with capture.json and capture.html beside it; or the capture "
+            "file (.json), with a page and a lights file of its name")
+        .required();
+    flags.option("--sphere", spheres,
+                 "where a ball is: X,Y,R or a box X0,Y0,X1,Y1 in pixels from the top left; once for each "
+                 "ball; found automatically where not given");
+    flags.flag("--matt-ball", matt, "the ball is matt (grey or white), not a mirror");
+    flags.flag("--no-balls", no_balls, "look for no balls: only colours, scale, lens and plane");
+    flags
+        .option("--ball-radius-mm", ball_radius_mm,
+                "radius of the balls; two balls or more then tell positions")
+        .check(positive());
+    flags.option("--focal-px", focal_px, "focal length of the camera in pixels; far away where not given")
+        .check(positive());
+    flags.option("--focal-35mm", focal_35mm, "its 35-mm equivalent in mm, as in EXIF, instead")
+        .check(positive());
+    flags.option("--principal-px", principal,
+                 "X,Y where the camera looks straight ahead; the picture's centre");
+    flags.option("--origin-px", origin,
+                 "X,Y where the painting's frame has its origin; the picture's centre");
+    flags.option("--camera-distance-mm", camera_distance_mm, "from the camera to the painting's plane")
+        .check(positive());
+    flags.option("--ball-height-mm", ball_height_mm,
+                 "of the balls' centres above the painting's plane; their radius where not given");
+    flags.flag("--uncalibrated", uncalibrated,
+               "find the lights from the photographs of a nearly flat object alone, without balls");
+    flags.flag("--inverted", inverted,
+               "with --uncalibrated: the other reading of the relief, hills for valleys (see the report)");
+    flags.flag("--fixed-camera", fixed_camera, "the camera did not move: do not register the photographs");
+    flags
+        .option("--transfer", transfer,
+                "how the photographs are encoded: auto, linear, srgb, or a gamma such as 2.2")
+        .show_default();
+    flags
+        .option(
+            "--chart", chart,
+            "colour chart of 24 patches: auto (sought), off, or its corners X,Y,X,Y,X,Y,X,Y in pixels, in "
+            "order around it")
+        .show_default();
+    flags.option("--chart-reference", chart_reference,
+                 "what the patches should be (.csv or .json); the classic chart's published values where "
+                 "not given");
+    flags
+        .option("--chart-pitch-mm", chart_pitch_mm,
+                "from one patch's middle to the next; tells the scale at the chart")
+        .check(positive());
+    flags
+        .option("--marker-mm", marker_mm,
+                "side of the ArUco markers in the photographs; they are found and tell the scale")
+        .check(positive());
+    flags.option("--marker-dictionary", marker_dictionary, "of the markers, such as 4x4_50; auto: found out")
+        .show_default();
+    flags.option("--scale-bar", scale_bar, "X,Y,X,Y,MM: the ends of a scale bar in pixels, and its length");
+    flags.option("--ppi", ppi, "pixels per inch of photographs that were scanned").check(positive());
+    flags.option("--corners", corners,
+                 "X,Y,X,Y,X,Y,X,Y: the painting's corners in pixels, from its top left clockwise");
+    flags.option("--painting-mm", painting_mm, "WIDTH,HEIGHT of the painting, with --corners");
+    flags.flag("--rectify", rectify,
+               "make the fit's picture upright: by --corners, else by the markers, else by the chart");
+    flags.option("--lens", lens, "calibration file of OpenCV (.yml, .xml), to undo the lens's distortion");
+    develop.add_to(flags);
+}
+
+BallCalibrationOptions CalibrateArguments::ball_options() const {
+    BallCalibrationOptions options{.balls = {},
+                                   .matt = matt,
+                                   .fixed_camera = fixed_camera,
+                                   .ball_radius_mm = if_given(ball_radius_mm),
+                                   .focal_px = if_given(focal_px),
+                                   .focal_35mm = if_given(focal_35mm),
+                                   .principal_px = point_of(principal, "--principal-px"),
+                                   .origin_px = point_of(origin, "--origin-px"),
+                                   .camera_distance_mm = if_given(camera_distance_mm),
+                                   .ball_height_mm = ball_height_mm};
+    if (no_balls && (matt || !spheres.empty() || ball_radius_mm > 0))
+        throw UsageError("--no-balls, and a ball is described: give one or the other");
+    for (const std::string& sphere : spheres) options.balls.push_back(ball_of(sphere));
+    options.transfer = parse_transfer(transfer);
+    return options;
+}
+
+std::optional<ColourCalibrationOptions> CalibrateArguments::colour_options() const {
+    if (chart == "off") return {};
+    ColourCalibrationOptions options{.transfer = parse_transfer(transfer),
+                                     .pitch_mm = if_given(chart_pitch_mm)};
+    if (!chart_reference.empty()) options.reference = chart_reference;
+    if (chart == "auto") return options;
+    const auto n =
+        numbers_of(chart, "--chart", 8,
+                   "auto, off, or the corners X,Y,X,Y,X,Y,X,Y in pixels, in order around the chart");
+    options.corners_px = corners_of(*n);
+    return options;
+}
+
+PlaneOptions CalibrateArguments::plane_options(int width, int height) const {
+    PlaneOptions options;
+    options.marker_mm = if_given(marker_mm);
+    if (marker_dictionary != "auto") {
+        if (!options.marker_mm)
+            throw UsageError("--marker-dictionary: give the side of the markers as well (--marker-mm)");
+        const std::vector<std::string> known = marker_dictionaries();
+        if (std::find(known.begin(), known.end(), marker_dictionary) == known.end())
+            throw UsageError(fmt::format("--marker-dictionary {}: is none of auto, {}", marker_dictionary,
+                                         fmt::join(known, ", ")));
+        options.dictionary = marker_dictionary;
+    }
+    if (const auto n =
+            numbers_of(scale_bar, "--scale-bar", 5, "X,Y,X,Y,MM: two points in pixels and a length"))
+        options.bar = ScaleBar{{(*n)[0], (*n)[1]}, {(*n)[2], (*n)[3]}, (*n)[4]};
+    options.pixels_per_inch = if_given(ppi);
+    if (const auto n =
+            numbers_of(corners, "--corners", 8, "X,Y,X,Y,X,Y,X,Y in pixels, from the top left clockwise"))
+        options.corners_px = corners_of(*n);
+    if (const auto n = numbers_of(painting_mm, "--painting-mm", 2, "WIDTH,HEIGHT in mm"))
+        options.painting_mm = glm::dvec2((*n)[0], (*n)[1]);
+    if (options.painting_mm && !options.corners_px)
+        throw UsageError("--painting-mm: where is the painting? Give its corners (--corners)");
+    if (options.corners_px && !options.painting_mm && !options.marker_mm)
+        throw UsageError(
+            "--corners: how large is the painting? Give --painting-mm, or --marker-mm of markers");
+    for (const glm::dvec2& corner : options.corners_px.value_or(Corners{}))
+        if (corner.x < -0.5 || corner.y < -0.5 || corner.x > width - 0.5 || corner.y > height - 0.5)
+            throw UsageError(
+                fmt::format("--corners {}: ({:g}, {:g}) does not lie in the photographs, which are "
+                            "{} x {}",
+                            corners, corner.x, corner.y, width, height));
+    if (options.bar)
+        for (const glm::dvec2& end : {options.bar->first_px, options.bar->last_px})
+            if (end.x < -0.5 || end.y < -0.5 || end.x > width - 0.5 || end.y > height - 0.5)
+                throw UsageError(
+                    fmt::format("--scale-bar {}: ({:g}, {:g}) does not lie in the photographs, "
+                                "which are {} x {}",
+                                scale_bar, end.x, end.y, width, height));
+    options.rectify = rectify;
+    if (!lens.empty()) options.lens = lens;
+    options.focal_px = if_given(focal_px);
+    if (focal_35mm > 0) options.focal_px = focal_35mm / std::hypot(36.0, 24.0) * std::hypot(width, height);
+    options.principal_px = point_of(principal, "--principal-px");
+    options.transfer = parse_transfer(transfer);
+    return options;
+}
+
+}  // namespace tangi

@@ -1,0 +1,39 @@
+// calibrate_arguments.h: what tangipaint calibrate can be told, and what that means.
+#pragma once
+
+#include "capture/ball_calibration.h"
+#include "capture/colour_calibration.h"
+#include "capture/plane_calibration.h"
+#include "cli/arguments.h"
+
+namespace tangi {
+
+struct CalibrateArguments {
+    std::string folder, out, transfer = "auto";
+    std::vector<std::string> photos;
+    DevelopArguments develop;
+    // balls and camera
+    std::vector<std::string> spheres;
+    std::string principal, origin;
+    double ball_radius_mm = 0, focal_px = 0, focal_35mm = 0, camera_distance_mm = 0;
+    std::optional<double> ball_height_mm;
+    bool matt = false, no_balls = false, fixed_camera = false;
+    // no balls, but a nearly flat object
+    bool uncalibrated = false, inverted = false;
+    // chart
+    std::string chart = "auto", chart_reference;
+    double chart_pitch_mm = 0;
+    // scale and plane
+    double marker_mm = 0, ppi = 0;
+    std::string marker_dictionary = "auto", scale_bar, corners, painting_mm, lens;
+    bool rectify = false;
+
+    void add_to(Flags& flags);
+
+    // All throw UsageError naming the flag.
+    BallCalibrationOptions ball_options() const;
+    std::optional<ColourCalibrationOptions> colour_options() const;  // none: --chart off
+    PlaneOptions plane_options(int width, int height) const;         // of the photographs
+};
+
+}  // namespace tangi

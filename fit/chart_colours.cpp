@@ -1,0 +1,149 @@
+#include "fit/chart_colours.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "capture/survey.h"
+#include "surface/median.h"
+
+namespace tangi {
+
+namespace {
+
+constexpr int kFewestPatches = 9;    // in the picture, for the chart to say anything
+constexpr double kInner = 0.5;       // [1] of a patch's width that is read
+constexpr int kGrid = 9;             // places across it
+constexpr double kLowest = 0.2;      // [1] sine of a lamp's elevation, below which it tells no brightness
+constexpr int kLargestSide = 20000;  // [px] of the chart's surroundings
+constexpr double kDarkest = 0.03;    // [1] luminance from which on a patch tells brightness
+
+using Patches = std::array<std::optional<Rgb>, kChartPatches>;
+
+// [px of the whole picture] One of the places at which a patch is read.
+glm::dvec2 place_in_picture(const Stack& stack, const CaptureColour::Chart& chart, int patch, int i) {
+    const glm::dvec2 in_patch(i % kGrid / (kGrid - 1.0) - 0.5, i / kGrid / (kGrid - 1.0) - 0.5);
+    const glm::dvec2 middle(patch % kChartColumns + 0.5, patch / kChartColumns + 0.5);
+    const glm::dvec2 place = mapped(chart.to_photo, middle + kInner * in_patch);
+    return stack.geometry ? stack.geometry->place_in_picture(place) : place;
+}
+
+// Mean rho_d of each patch that lies wholly in the picture and was measured.
+Patches patches_of(const Stack& stack, const CaptureColour::Chart& chart, const Surface& surface) {
+    Patches patches;
+    for (int n = 0; n < kChartPatches; ++n) {
+        Rgb sum(0);
+        bool whole = true;
+        for (int i = 0; i < kGrid * kGrid && whole; ++i) {
+            const glm::dvec2 place = place_in_picture(stack, chart, n, i);
+            const int x = static_cast<int>(std::lround(place.x)) - stack.crop.x0;
+            const int y = static_cast<int>(std::lround(place.y)) - stack.crop.y0;
+            whole = x >= 0 && y >= 0 && x < surface.width() && y < surface.height() &&
+                    surface.confidence(x, y) > 0;
+            if (whole) sum += surface.diffuse(x, y);
+        }
+        if (whole) patches[static_cast<std::size_t>(n)] = sum / static_cast<float>(kGrid * kGrid);
+    }
+    return patches;
+}
+
+void compare_with_chart(const CaptureColour::Chart& chart, const Patches& patches, ColourReport& report) {
+    for (std::size_t n = 0; n < patches.size(); ++n) {
+        if (!patches[n]) continue;
+        ++report.patches;
+        report.patches_delta_e += delta_e_2000(lab_from_linear(glm::dvec3(*patches[n])),
+                                               lab_from_linear(glm::dvec3(chart.reference[n])));
+    }
+    report.patches_delta_e /= std::max(report.patches, 1);
+}
+
+// The part of the whole picture around the chart, which may reach beyond it where photographs are resampled.
+Region around_chart(const Stack& stack, const CaptureColour::Chart& chart) {
+    glm::dvec2 low(1e9), high(-1e9);
+    for (int n = 0; n < kChartPatches; ++n)
+        for (int i = 0; i < kGrid * kGrid; ++i) {
+            const glm::dvec2 place = place_in_picture(stack, chart, n, i);
+            low = glm::min(low, place), high = glm::max(high, place);
+        }
+    return {static_cast<int>(std::floor(low.x)), static_cast<int>(std::floor(low.y)),
+            static_cast<int>(std::ceil(high.x)) + 1, static_cast<int>(std::ceil(high.y)) + 1};
+}
+
+}  // namespace
+
+Lighting as_camera_sees(Lighting lighting, const Stack& stack) {
+    if (stack.colour)
+        for (Light& light : lighting.lights) light.gain *= Rgb(stack.colour->lamp());
+    return lighting;
+}
+
+std::optional<double> white_level_by_chart(const Stack& stack, const Transfer& transfer,
+                                           const Lighting& lighting, double mm_per_pixel) {
+    if (!stack.colour || !stack.colour->chart) return {};
+    const CaptureColour::Chart& chart = *stack.colour->chart;
+    Stack part = stack;
+    part.crop = around_chart(stack, chart);
+    const bool resampled = stack.geometry || std::any_of(stack.photos.begin(), stack.photos.end(),
+                                                         [](const StackPhoto& p) { return p.homography; });
+    if (part.crop.width() > kLargestSide || part.crop.height() > kLargestSide) return {};
+    if (!resampled && (part.crop.x0 < 0 || part.crop.y0 < 0)) return {};
+    StackReader reader(part);
+    const Band band = reader.read(0, part.height(), transfer);
+    const float clipped = stack.development  ? stack.development->clipped
+                          : stack.bits == 32 ? std::numeric_limits<float>::infinity()
+                                             : transfer.decode(kClipped);
+    const glm::dvec2 centre((stack.crop.x0 + stack.crop.x1 - 1) / 2.0,
+                            (stack.crop.y0 + stack.crop.y1 - 1) / 2.0);
+    const glm::dmat3 from_camera = glm::inverse(stack.colour->to_camera);
+    std::vector<double> levels;
+    int patches = 0;
+    for (int n = 0; n < kChartPatches; ++n) {
+        const double right = luminance(chart.reference[static_cast<std::size_t>(n)]);
+        if (right < kDarkest) continue;
+        const std::size_t before = levels.size();
+        for (int i = 0; i < band.photos(); ++i) {
+            glm::dvec3 sum(0);
+            double light = 0;
+            for (int k = 0; k < kGrid * kGrid; ++k) {
+                const glm::dvec2 place = place_in_picture(stack, chart, n, k);
+                const int x = static_cast<int>(std::lround(place.x)) - part.crop.x0;
+                const int y = static_cast<int>(std::lround(place.y)) - part.crop.y0;
+                for (int c = 0; c < 3; ++c) {
+                    const float value = band.row(i, c, y)[x];
+                    sum[c] += value < clipped ? static_cast<double>(value) : NAN;
+                }
+                const glm::dvec2 mm = (place - centre) * glm::dvec2(mm_per_pixel, -mm_per_pixel);
+                const Incidence in =
+                    incidence(lighting.lights[static_cast<std::size_t>(i)],
+                              Vec3(static_cast<float>(mm.x), static_cast<float>(mm.y), 0), lighting.rig);
+                light += in.direction.z > kLowest ? in.irradiance.g * (in.direction.z + lighting.rig.ambient)
+                                                  : NAN;
+            }
+            const double level = luminance(Rgb(from_camera * sum)) / (light * right);
+            if (level > 0) levels.push_back(level);  // NaN is not
+        }
+        patches += levels.size() > before;
+    }
+    if (patches < kFewestPatches) return {};
+    return median(std::move(levels));
+}
+
+ColourReport correct_colours(const Stack& stack, Surface& surface) {
+    ColourReport report;
+    if (!stack.colour) return report;
+    const glm::mat3 matrix(stack.colour->from_balanced());
+    for (Rgb& diffuse : surface.diffuse.pixels()) {
+        const Rgb corrected = matrix * diffuse;
+        diffuse = glm::max(corrected, Rgb(0));
+        report.clamped += diffuse != corrected;
+    }
+    surface.photography.to_camera = stack.colour->to_camera;
+    report.corrected = true;
+    report.delta_e_2000 = stack.colour->delta_e_2000;
+    if (const auto& chart = stack.colour->chart)
+        compare_with_chart(*chart, patches_of(stack, *chart, surface), report);
+    return report;
+}
+
+}  // namespace tangi
