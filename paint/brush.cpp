@@ -1,0 +1,288 @@
+#include "paint/brush.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "paint/transfer.h"
+#include "surface/error.h"
+#include "surface/noise.h"
+
+namespace tangi {
+
+namespace {
+
+using procedural::hash;
+using procedural::uniform;
+
+constexpr int kMargin = 4;          // [pixels] around the contact for paint that is pushed out of it
+constexpr float kLightest = 0.15f;  // part of the dome that the lightest touch flattens
+
+// 0 in the middle of the tip, 1 at its rim; u and v in half extents.
+float dome_of(const std::string& shape, float u, float v, std::uint64_t seed) {
+    const float rho2 = u * u + v * v;
+    if (shape == "flat") return std::pow(std::abs(u), 10.0f) + v * v;
+    if (shape == "filbert") return std::pow(std::abs(u), 3.0f) + v * v;
+    if (shape == "knife") return std::pow(std::abs(u), 16.0f) + std::pow(std::abs(v), 4.0f);
+    if (shape == "fan") {  // an arc of tufts
+        const float along = v + 1.6f * (u * u - 0.4f);
+        return std::pow(std::abs(u), 10.0f) + along * along;
+    }
+    if (shape == "rag")  // folds
+        return rho2 * (1 + 0.5f * procedural::fractal_noise(2.5f * u, 2.5f * v, 3, hash(seed, 77)));
+    return rho2;
+}
+
+// The bristles around a point: each cell of a grid holds one, off its middle by up to half a cell.
+struct Bristle {
+    float shorter;     // [1] 0 = the longest
+    float distance;    // [cells] to the nearest
+    std::uint64_t id;  // of the nearest
+};
+
+Bristle bristle_at(float u, float v, std::uint64_t seed) {
+    const int cu = static_cast<int>(std::floor(u)), cv = static_cast<int>(std::floor(v));
+    float envelope = 10, best = 10;
+    std::uint64_t nearest = 0;
+    for (int j = cv - 1; j <= cv + 1; ++j)
+        for (int i = cu - 1; i <= cu + 1; ++i) {
+            const std::uint64_t h = hash(seed, i, j);
+            const float du = static_cast<float>(i) + uniform(hash(h, 1)) - u;
+            const float dv = static_cast<float>(j) + uniform(hash(h, 2)) - v;
+            const float distance2 = du * du + dv * dv;
+            // Most bristles are a little shorter than the longest, some much.
+            const float length = uniform(hash(h, 3));
+            const float shorter = 0.75f * length * std::sqrt(length);
+            envelope = std::min(envelope, shorter + 0.6f * distance2);
+            if (distance2 < best) best = distance2, nearest = h;
+        }
+    return {envelope, std::sqrt(best), nearest};
+}
+
+}  // namespace
+
+Brush::Brush(const BrushSettings& settings, double mm_per_pixel, std::uint64_t seed)
+    : settings_(settings), mm_per_pixel_(mm_per_pixel), seed_(seed) {
+    validate(settings);
+    TP_REQUIRE(mm_per_pixel > 0, "pixels have a size");
+    half_width_px_ = std::max(settings.size_mm / mm_per_pixel / 2, 0.75);
+    half_thickness_px_ = std::max(half_width_px_ * settings.thickness, 0.75);
+    if (settings.shape == "fan") half_thickness_px_ *= 1;
+    const double widest = (1 + settings.splay) * std::hypot(half_width_px_, half_thickness_px_);
+    if (widest > 2000)
+        fail("a brush of {} mm is {} pixels wide here; at most 2800 can be painted with", settings.size_mm,
+             std::lround(2 * half_width_px_));
+    disc_ = static_cast<int>(std::ceil(widest)) + 2;
+    half_ = disc_ + kMargin + 2;
+    total_.assign(static_cast<std::size_t>(grid_size()) * static_cast<std::size_t>(grid_size()), 0.0f);
+    make_texture(seed);
+}
+
+void Brush::make_texture(std::uint64_t seed) {
+    texture_half_u_ = static_cast<int>(std::ceil(half_width_px_)) + 2;
+    texture_half_v_ = static_cast<int>(std::ceil(half_thickness_px_)) + 2;
+    const int width = 2 * texture_half_u_ + 1, height = 2 * texture_half_v_ + 1;
+    texture_.resize(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
+    // Bristles thinner than two pixels cannot be told apart.
+    const double cell_px = std::max(settings_.bristle_mm / mm_per_pixel_, 2.0);
+    for (int v = -texture_half_v_; v <= texture_half_v_; ++v)
+        for (int u = -texture_half_u_; u <= texture_half_u_; ++u) {
+            const auto fu = static_cast<float>(u), fv = static_cast<float>(v);
+            const auto a = static_cast<float>(half_width_px_), b = static_cast<float>(half_thickness_px_);
+            const auto cell = static_cast<float>(cell_px);
+            const Bristle fine = bristle_at(fu / cell, fv / cell, hash(seed, 1));
+            const Bristle tuft = bristle_at(fu / (4 * cell), fv / (4 * cell), hash(seed, 2));  // they stick together
+            texture_[static_cast<std::size_t>((v + texture_half_v_) * width + u + texture_half_u_)] = {
+                dome_of(settings_.shape, fu / a, fv / b, seed),
+                std::min(0.55f * fine.shorter + 0.7f * tuft.shorter, 1.5f)};
+        }
+}
+
+Brush::Texel Brush::texel(float u, float v) const {
+    const float x = u + static_cast<float>(texture_half_u_), y = v + static_cast<float>(texture_half_v_);
+    const int width = 2 * texture_half_u_ + 1, height = 2 * texture_half_v_ + 1;
+    if (!(x >= 0 && y >= 0 && x < static_cast<float>(width - 1) && y < static_cast<float>(height - 1)))
+        return {1e3f, 0};
+    const int ix = static_cast<int>(x), iy = static_cast<int>(y);
+    const float fx = x - static_cast<float>(ix), fy = y - static_cast<float>(iy);
+    const Texel* t = &texture_[static_cast<std::size_t>(iy * width + ix)];
+    const auto blend = [&](float Texel::*field) {
+        const float top = t[0].*field + (t[1].*field - t[0].*field) * fx;
+        const float bottom = t[width].*field + (t[width + 1].*field - t[width].*field) * fx;
+        return top + (bottom - top) * fy;
+    };
+    return {blend(&Texel::dome), blend(&Texel::tip)};
+}
+
+float Brush::fresh_load(int u, int v) const {
+    const float widening = 1 + static_cast<float>(settings_.splay);
+    const auto fu = static_cast<float>(u) / widening, fv = static_cast<float>(v) / widening;
+    const Texel t = texel(fu, fv);
+    if (t.dome >= 1) return 0;
+    const float cell = static_cast<float>(std::max(settings_.bristle_mm / mm_per_pixel_, 2.0));
+    const Bristle fine = bristle_at(fu / cell, fv / cell, hash(seed_, 1));
+    const Bristle tuft = bristle_at(fu / (4 * cell), fv / (4 * cell), hash(seed_, 2));
+    const float luck = 0.4f * uniform(hash(fine.id, 9)) + 0.6f * uniform(hash(tuft.id, 9));
+    return static_cast<float>(settings_.load_mm) * (1 - 0.3f * t.dome) *
+           (1 - static_cast<float>(settings_.load_variation) * luck);
+}
+
+void Brush::cell_of(int u, int v, float rotation_rad, int& x, int& y) const {
+    // Quarter turns are exact; what is left of the angle is within 45 degrees, where shears are small.
+    const double quarter = std::numbers::pi / 2;
+    const int quarters = static_cast<int>(std::lround(rotation_rad / quarter));
+    const double rest = rotation_rad - quarters * quarter;
+    x = u, y = v;
+    for (int turn = ((quarters % 4) + 4) % 4; turn > 0; --turn) {
+        const int old = x;
+        x = -y;
+        y = old;
+    }
+    const double a = -std::tan(rest / 2), b = std::sin(rest);
+    x += static_cast<int>(std::lround(a * y));
+    y += static_cast<int>(std::lround(b * x));
+    x += static_cast<int>(std::lround(a * y));
+}
+
+void Brush::turn_to(float rotation_rad) {
+    const float step = 1.0f / static_cast<float>(disc_);  // one pixel at the rim
+    const float wanted = std::round(rotation_rad / step) * step;
+    if (wanted == rotation_rad_) return;
+    const int size = grid_size();
+    std::vector<std::pair<int, int>> moves;
+    for (int v = -disc_; v <= disc_; ++v)
+        for (int u = -disc_; u <= disc_; ++u) {
+            if (u * u + v * v > disc_ * disc_) continue;
+            int x0, y0, x1, y1;
+            cell_of(u, v, rotation_rad_, x0, y0);
+            cell_of(u, v, wanted, x1, y1);
+            moves.emplace_back((y0 + half_) * size + x0 + half_, (y1 + half_) * size + x1 + half_);
+        }
+    std::vector<float> turned(total_.size());
+    const auto turn = [&](std::vector<float>& plane) {
+        std::fill(turned.begin(), turned.end(), 0.0f);
+        for (const auto& [from, to] : moves) turned[static_cast<std::size_t>(to)] = plane[static_cast<std::size_t>(from)];
+        std::swap(plane, turned);
+    };
+    for (auto& plane : loads_) turn(plane);
+    turn(total_);
+    rotation_rad_ = wanted;
+}
+
+float* Brush::load_plane(IngredientId ingredient) {
+    const auto found = std::lower_bound(ids_.begin(), ids_.end(), ingredient);
+    const auto number = found - ids_.begin();
+    if (found == ids_.end() || *found != ingredient) {
+        ids_.insert(found, ingredient);
+        loads_.insert(loads_.begin() + number, std::vector<float>(total_.size(), 0.0f));
+    }
+    return loads_[static_cast<std::size_t>(number)].data();
+}
+
+void Brush::sum_loads() {
+    std::fill(total_.begin(), total_.end(), 0.0f);
+    for (const auto& plane : loads_)
+        for (std::size_t i = 0; i < plane.size(); ++i) total_[i] += plane[i];
+}
+
+void Brush::clean() {
+    ids_.clear();
+    loads_.clear();
+    std::fill(total_.begin(), total_.end(), 0.0f);
+}
+
+void Brush::load(const std::vector<Portion>& recipe, double amount, bool keep) {
+    double parts = 0;
+    for (const Portion& portion : recipe) parts += portion.part;
+    if (!(parts > 0)) fail("a brush is loaded with parts of paint that sum to {}", parts);
+    if (!keep) clean();
+    for (const Portion& portion : recipe) load_plane(portion.ingredient);
+    const int size = grid_size();
+    for (int v = -disc_; v <= disc_; ++v)
+        for (int u = -disc_; u <= disc_; ++u) {
+            if (u * u + v * v > disc_ * disc_) continue;
+            int x, y;
+            cell_of(u, v, rotation_rad_, x, y);
+            const auto i = static_cast<std::size_t>((y + half_) * size + x + half_);
+            const float room = fresh_load(u, v) * static_cast<float>(amount) - total_[i];
+            if (!(room > 0)) continue;
+            for (const Portion& portion : recipe)
+                load_plane(portion.ingredient)[i] += room * static_cast<float>(portion.part / parts);
+        }
+    sum_loads();
+}
+
+void Brush::take_over(const Brush& other) {
+    clean();
+    double on_other = 0, here = 0;
+    for (const float mm : other.total_) on_other += mm;
+    if (!(on_other > 0)) return;
+    const double area = other.mm_per_pixel_ * other.mm_per_pixel_ / (mm_per_pixel_ * mm_per_pixel_);
+    std::vector<Portion> recipe;
+    for (std::size_t i = 0; i < other.ids_.size(); ++i) {
+        double sum = 0;
+        for (const float mm : other.loads_[i]) sum += mm;
+        if (sum > 0) recipe.push_back({other.ids_[i], sum});
+    }
+    load(recipe, 1);
+    for (const float mm : total_) here += mm;
+    const double scale = here > 0 ? on_other * area / here : 0;
+    if (!(scale > 0)) return clean();
+    load(recipe, scale);
+}
+
+std::vector<double> Brush::volumes_mm3(std::size_t ingredients) const {
+    std::vector<double> sums(ingredients, 0.0);
+    for (std::size_t i = 0; i < ids_.size(); ++i) {
+        TP_REQUIRE(ids_[i] < ingredients, "the brush's ingredients are those that are counted");
+        for (const float mm : loads_[i]) sums[ids_[i]] += mm;
+        sums[ids_[i]] *= mm_per_pixel_ * mm_per_pixel_;
+    }
+    return sums;
+}
+
+void Brush::contact_centre(const Dab& dab, double& x, double& y) const {
+    const double trail = settings_.bend * half_width_px_ * (0.3 + 0.7 * dab.pressure);
+    x = dab.x - trail * (dab.dx + dab.tilt_x);
+    y = dab.y - trail * (dab.dy + dab.tilt_y);
+}
+
+void Brush::reach_px(const Dab& dab, int& half_x, int& half_y) const {
+    const double widening = 1 + settings_.splay * dab.pressure;
+    const double a = widening * half_width_px_, b = widening * half_thickness_px_;
+    const double c = std::abs(std::cos(dab.rotation_rad)), s = std::abs(std::sin(dab.rotation_rad));
+    half_x = std::min(static_cast<int>(std::ceil(a * c + b * s)) + kMargin, half_);
+    half_y = std::min(static_cast<int>(std::ceil(a * s + b * c)) + kMargin, half_);
+}
+
+double Brush::contact_length_px(const Dab& dab) const {
+    const double along = dab.dx * std::cos(dab.rotation_rad) + dab.dy * std::sin(dab.rotation_rad);
+    return 2 * std::sqrt(half_width_px_ * half_width_px_ * along * along +
+                         half_thickness_px_ * half_thickness_px_ * (1 - along * along));
+}
+
+void Brush::underside_mm(const Dab& dab, int x0, int y0, int width, int height, float* out) const {
+    double cx, cy;
+    contact_centre(dab, cx, cy);
+    const float c = std::cos(dab.rotation_rad), s = std::sin(dab.rotation_rad);
+    const float narrowing = 1 / (1 + static_cast<float>(settings_.splay) * dab.pressure);
+    const float touched = kLightest + (1 - kLightest) * dab.pressure;
+    const auto depth = static_cast<float>(settings_.depth_mm), groove = static_cast<float>(settings_.groove_mm);
+    const float gap = static_cast<float>(settings_.gap_mm) * (1 - 0.5f * dab.pressure);
+    // The leading edge is higher; tilt lifts the side that the handle leans away from.
+    const float per_px = depth / static_cast<float>(half_width_px_);
+    const float lift_x = per_px * (static_cast<float>(settings_.lift) * dab.dx - dab.tilt_x);
+    const float lift_y = per_px * (static_cast<float>(settings_.lift) * dab.dy - dab.tilt_y);
+    for (int y = 0; y < height; ++y)
+        for (int x = 0; x < width; ++x) {
+            const auto px = static_cast<float>(x0 + x - cx), py = static_cast<float>(y0 + y - cy);
+            const Texel t = texel((px * c + py * s) * narrowing, (py * c - px * s) * narrowing);
+            float& b = out[static_cast<std::size_t>(y) * static_cast<std::size_t>(width) +
+                           static_cast<std::size_t>(x)];
+            b = t.dome >= 1 ? kOutside
+                            : gap + groove * t.tip + 2 * depth * std::max(t.dome - touched, 0.0f) +
+                                  std::max(px * lift_x + py * lift_y, 0.0f);
+        }
+}
+
+}  // namespace tangi

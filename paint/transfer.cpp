@@ -1,0 +1,191 @@
+#include "paint/transfer.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "surface/parallel.h"
+
+// The kernels are compiled for AVX2 too and chosen when the program starts. Without fused multiply-add (this file
+// is compiled with -ffp-contract=off), so every processor gives the same bits.
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__)
+#define TP_VECTOR_CLONES __attribute__((target_clones("avx2", "default")))
+#else
+#define TP_VECTOR_CLONES
+#endif
+
+namespace tangi {
+
+namespace {
+
+constexpr int kParallelPixels = 128 * 128;  // smaller boxes are done before a second thread wakes up
+constexpr float kTiny = 1e-9f;              // [mm] keeps 0 / 0 away
+
+// Part of the load that is given, and part of the paint on the canvas that is taken.
+TP_VECTOR_CLONES
+void exchange_row(int n, const TransferRates& r, const float* __restrict underside,
+                  const float* __restrict relief, const float* __restrict grain, const float* __restrict total,
+                  const float* __restrict load, float* __restrict give, float* __restrict take) {
+    const float deposit = r.deposit, pickup = r.pickup, film = r.film_mm, reach0 = r.reach_mm,
+                reach1 = r.load_reach;
+    for (int x = 0; x < n; ++x) {
+        const float reach = reach0 + reach1 * load[x];
+        const float room = underside[x] - (relief[x] + total[x]);
+        const float contact = std::min(std::max((reach - room) / reach, 0.0f), 1.0f) * grain[x];
+        give[x] = deposit * contact;
+        take[x] = pickup * contact * std::max(total[x] - film, 0.0f) / (total[x] + kTiny);
+    }
+}
+
+TP_VECTOR_CLONES
+void apply_row(int n, const float* __restrict give, const float* __restrict take, float* __restrict paint,
+               float* __restrict load, float* __restrict total, float* __restrict load_total) {
+    for (int x = 0; x < n; ++x) {
+        const float moved = give[x] * load[x] - take[x] * paint[x];
+        paint[x] += moved;
+        load[x] -= moved;
+        total[x] += paint[x];
+        load_total[x] += load[x];
+    }
+}
+
+// Parts of a pixel's paint that leave it to the left, right, up and down: at most all of it.
+struct Outflow {
+    float *left, *right, *up, *down;
+};
+
+TP_VECTOR_CLONES
+void outflow_row(int n, const TransferRates& r, float dx, float dy, const float* __restrict underside,
+                 std::size_t underside_stride, const float* __restrict relief, const float* __restrict total,
+                 const float* __restrict grain, std::size_t stride, const Outflow& out) {
+    const float film = r.film_mm, push = r.push, spread = r.spread, yield = r.yield_mm, flow = r.flow;
+    float *__restrict left = out.left, *__restrict right = out.right, *__restrict up = out.up,
+                      *__restrict down = out.down;
+    const float *b_up = underside - underside_stride, *b_down = underside + underside_stride;
+    const float *z_up = relief - stride, *z_down = relief + stride, *w_up = total - stride,
+                *w_down = total + stride, *g_up = grain - stride, *g_down = grain + stride;
+    for (int x = 1; x < n - 1; ++x) {
+        const float w = total[x], top = relief[x] + w;
+        // Steps that are too steep: paint flows down them.
+        const float over = flow / (w + kTiny);
+        float l = std::min(std::max(top - (relief[x - 1] + total[x - 1]) - yield, 0.0f), w) * over;
+        float rr = std::min(std::max(top - (relief[x + 1] + total[x + 1]) - yield, 0.0f), w) * over;
+        float u = std::min(std::max(top - (z_up[x] + w_up[x]) - yield, 0.0f), w) * over;
+        float d = std::min(std::max(top - (z_down[x] + w_down[x]) - yield, 0.0f), w) * over;
+        // What the bristles push: along the motion, and to where they press less.
+        const float excess = std::min(std::max(top - underside[x], 0.0f), std::max(w - film, 0.0f));
+        const float pushed = push * excess / (w + kTiny) * (1 - (l + rr + u + d));
+        const float gx = std::min(std::max((underside[x + 1] - underside[x - 1]) * 4.0f, -1.0f), 1.0f);
+        const float gy = std::min(std::max((b_down[x] - b_up[x]) * 4.0f, -1.0f), 1.0f);
+        const float vx = dx + spread * gx, vy = dy + spread * gy;
+        const float scale = pushed / std::max(std::abs(vx) + std::abs(vy), 1.0f);
+        l += std::max(-vx, 0.0f) * scale;
+        rr += std::max(vx, 0.0f) * scale;
+        u += std::max(-vy, 0.0f) * scale;
+        d += std::max(vy, 0.0f) * scale;
+        // Nothing leaves the canvas.
+        left[x] = grain[x - 1] > 0 ? l : 0.0f;
+        right[x] = grain[x + 1] > 0 ? rr : 0.0f;
+        up[x] = g_up[x] > 0 ? u : 0.0f;
+        down[x] = g_down[x] > 0 ? d : 0.0f;
+    }
+}
+
+// One row of one ingredient after the flow; `old` is the row before, `above` the one above it before.
+TP_VECTOR_CLONES
+void advect_row(int n, const float* __restrict old, const float* __restrict above, const float* __restrict below,
+                const float* __restrict left, const float* __restrict right, const float* __restrict up,
+                const float* __restrict down, std::size_t stride, float* __restrict paint) {
+    const float *down_above = down - stride, *up_below = up + stride;
+    for (int x = 0; x < n; ++x) {
+        const float stays = old[x] - old[x] * (left[x] + right[x] + up[x] + down[x]);
+        paint[x] = stays + old[x - 1] * right[x - 1] + old[x + 1] * left[x + 1] + above[x] * down_above[x] +
+                   below[x] * up_below[x];
+    }
+}
+
+TP_VECTOR_CLONES
+void add_row(int n, const float* __restrict paint, float* __restrict total) {
+    for (int x = 0; x < n; ++x) total[x] += paint[x];
+}
+
+void for_rows(const StepBox& box, int begin, int end, const std::function<void(int, int)>& body) {
+    if (box.width * box.height < kParallelPixels)
+        body(begin, end);
+    else
+        parallel_for(begin, end, 32, body);
+}
+
+std::size_t at(int y, std::size_t stride) { return static_cast<std::size_t>(y) * stride; }
+
+}  // namespace
+
+void exchange(const StepBox& box, const TransferRates& rates, StepScratch& scratch) {
+    const auto n = static_cast<std::size_t>(box.width);
+    scratch.planes.resize(std::max(scratch.planes.size(), 2 * n * static_cast<std::size_t>(box.height)));
+    for_rows(box, 0, box.height, [&](int begin, int end) {
+        for (int y = begin; y < end; ++y) {
+            float* give = scratch.planes.data() + at(y, 2 * n);
+            float* take = give + n;
+            float* total = box.total_mm + at(y, box.canvas_stride);
+            float* load_total = box.load_total_mm + at(y, box.load_stride);
+            exchange_row(box.width, rates, box.underside_mm + at(y, box.underside_stride),
+                         box.relief_mm + at(y, box.canvas_stride), box.grain + at(y, box.canvas_stride), total,
+                         load_total, give, take);
+            std::fill_n(total, n, 0.0f);
+            std::fill_n(load_total, n, 0.0f);
+            for (std::size_t i = 0; i < box.paint.size(); ++i)
+                apply_row(box.width, give, take, box.paint[i] + at(y, box.canvas_stride),
+                          box.load[i] + at(y, box.load_stride), total, load_total);
+        }
+    });
+}
+
+void push(const StepBox& box, const TransferRates& rates, float dx, float dy, StepScratch& scratch) {
+    if (box.width < 3 || box.height < 3) return;
+    const std::size_t stride = static_cast<std::size_t>(box.width) + 2;  // a column of zeros on either side
+    const std::size_t plane = stride * static_cast<std::size_t>(box.height + 2);
+    scratch.planes.resize(std::max(scratch.planes.size(), 4 * plane));
+    float* base = scratch.planes.data();
+    std::fill_n(base, 4 * plane, 0.0f);
+    const auto row_of = [&](int direction, int y) {
+        return base + static_cast<std::size_t>(direction) * plane + at(y + 1, stride) + 1;
+    };
+    for_rows(box, 1, box.height - 1, [&](int begin, int end) {
+        for (int y = begin; y < end; ++y)
+            outflow_row(box.width, rates, dx, dy, box.underside_mm + at(y, box.underside_stride),
+                        box.underside_stride, box.relief_mm + at(y, box.canvas_stride),
+                        box.total_mm + at(y, box.canvas_stride), box.grain + at(y, box.canvas_stride),
+                        box.canvas_stride, {row_of(0, y), row_of(1, y), row_of(2, y), row_of(3, y)});
+    });
+    // Ingredients do not depend on each other. Rows are replaced from top to bottom; what they were is kept until
+    // the next row is done.
+    const std::size_t line = stride;
+    scratch.rows.assign(2 * line * std::max<std::size_t>(box.paint.size(), 1), 0.0f);
+    const auto move_ingredient = [&](std::size_t i) {
+        float* above = scratch.rows.data() + 2 * line * i + 1;
+        float* old = above + line;
+        for (int y = 0; y < box.height; ++y) {
+            float* paint = box.paint[i] + at(y, box.canvas_stride);
+            std::copy_n(paint, box.width, old);
+            const float* below = y + 1 < box.height ? paint + box.canvas_stride : paint;  // times 0 at the end
+            advect_row(box.width, old, above, below, row_of(0, y), row_of(1, y), row_of(2, y), row_of(3, y),
+                       stride, paint);
+            std::swap(above, old);
+        }
+    };
+    if (box.width * box.height < kParallelPixels)
+        for (std::size_t i = 0; i < box.paint.size(); ++i) move_ingredient(i);
+    else
+        parallel_for(0, static_cast<int>(box.paint.size()), 1, [&](int begin, int end) {
+            for (int i = begin; i < end; ++i) move_ingredient(static_cast<std::size_t>(i));
+        });
+    for_rows(box, 0, box.height, [&](int begin, int end) {
+        for (int y = begin; y < end; ++y) {
+            float* total = box.total_mm + at(y, box.canvas_stride);
+            std::fill_n(total, box.width, 0.0f);
+            for (const float* paint : box.paint) add_row(box.width, paint + at(y, box.canvas_stride), total);
+        }
+    });
+}
+
+}  // namespace tangi
