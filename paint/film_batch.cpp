@@ -6,12 +6,13 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <cstring>
 
 #include "paint/kubelka_munk.h"
 #include "surface/error.h"
 
 #if defined(__GNUC__) && !defined(__clang__) && defined(__x86_64__) && !defined(__SANITIZE_ADDRESS__)
-#define TP_VECTOR_CLONES __attribute__((target_clones("arch=skylake-avx512", "arch=haswell", "default")))
+#define TP_VECTOR_CLONES __attribute__((target_clones("avx512f", "avx2", "default")))
 #else
 #define TP_VECTOR_CLONES
 #endif
@@ -23,8 +24,13 @@ namespace {
 
 constexpr std::size_t kBlock = 32;  // pixels
 using Lanes = std::array<float, kBlock>;
+constexpr std::size_t kWide = 16;
+using Wide = float __attribute__((vector_size(kWide * sizeof(float))));  // as many registers as it takes
 
 // exp(x) - 1 to rounding, for 0 <= x <= 60.
+TP_INLINE float smaller(float a, float b) { return a < b ? a : b; }
+TP_INLINE float larger(float a, float b) { return a > b ? a : b; }
+
 TP_INLINE float expm1_of(float x) {
     const int n = static_cast<int>(x * 1.44269504f + 0.5f);
     const float whole = static_cast<float>(n);
@@ -38,14 +44,14 @@ TP_INLINE float expm1_of(float x) {
 // One band of one pixel: film_look(), with its three divisions made two; `dry` need not lie in [0, 1].
 TP_INLINE float look_of(float k, float s, float dry, float k2) {
     constexpr float kThick = 1e5f;
-    const float kx = std::min(std::max(k, 0.0f), kThick), sx = std::min(std::max(s, 0.0f), kThick);
-    const float below = std::min(std::max(dry, 0.0f), 1.0f);
-    const float u = std::sqrt(kx * (kx + 2 * sx));
+    const float kx = smaller(larger(k, 0.0f), kThick), sx = smaller(larger(s, 0.0f), kThick);
+    const float below = smaller(larger(dry, 0.0f), 1.0f);
+    const float u = __builtin_sqrtf(kx * (kx + 2 * sx));
     const float whole = kx + sx + u + 1e-12f;
-    const float x = std::min(2 * u + 1e-20f, 60.0f);
+    const float x = smaller(2 * u + 1e-20f, 60.0f);
     const float expm1_x = expm1_of(x);
     const float h = (1 - k2) + k2 * below;  // inside_of(below) = below / h
-    const float film = std::max(whole * h - sx * below, 0.0f) * expm1_x;
+    const float film = larger(whole * h - sx * below, 0.0f) * expm1_x;
     const float inverse = 1 / (whole * (film + x * h));
     const float inside = (sx * film + below * x * whole) * inverse;
     const float shows = x * h * whole * inverse;  // the share of what is below
@@ -77,15 +83,18 @@ struct Block {
         }
     }
 
+    // Sums stay in registers over all pigments: the compiler does not see by itself that they can.
     TP_INLINE void mix(const Spectrum* k, const Spectrum* s, std::size_t band) {
-        kx.fill(0), sx.fill(0);
-        for (std::size_t j = 0; j < present.size(); ++j) {
-            const float* volume = volumes[j].data();
-            const float k_band = k[present[j]][band], s_band = s[present[j]][band];
-            for (std::size_t i = 0; i < kBlock; ++i) {
-                kx[i] += volume[i] * k_band;
-                sx[i] += volume[i] * s_band;
+        for (std::size_t i = 0; i < kBlock; i += kWide) {
+            Wide k_sum{}, s_sum{};
+            for (std::size_t j = 0; j < present.size(); ++j) {
+                Wide volume;
+                std::memcpy(&volume, volumes[j].data() + i, sizeof volume);
+                k_sum += volume * k[present[j]][band];
+                s_sum += volume * s[present[j]][band];
             }
+            std::memcpy(kx.data() + i, &k_sum, sizeof k_sum);
+            std::memcpy(sx.data() + i, &s_sum, sizeof s_sum);
         }
     }
 };
