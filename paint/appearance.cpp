@@ -44,7 +44,9 @@ public:
             }
     }
     bool any() const { return any_; }
-    float operator()(int x, int y) const { return values_(x - region_.x0 + kBorder, y - region_.y0 + kBorder); }
+    float operator()(int x, int y) const {
+        return values_(x - region_.x0 + kBorder, y - region_.y0 + kBorder);
+    }
 
 private:
     Region region_;
@@ -148,7 +150,8 @@ void update_appearance(const Canvas& canvas, std::span<const TileIndex> tiles, S
     std::mutex reporting;
     int done = 0;
     parallel_for(0, static_cast<int>(all.size()), 1, [&](int begin, int end) {
-        for (int i = begin; i < end; ++i) update_tile(canvas, all[static_cast<std::size_t>(i)], surface, options);
+        for (int i = begin; i < end; ++i)
+            update_tile(canvas, all[static_cast<std::size_t>(i)], surface, options);
         const std::lock_guard lock(reporting);
         done += end - begin;
         report(progress, "blend layers", done / static_cast<double>(all.size()));

@@ -91,7 +91,8 @@ void Brush::make_texture(std::uint64_t seed) {
             const auto a = static_cast<float>(half_width_px_), b = static_cast<float>(half_thickness_px_);
             const auto cell = static_cast<float>(cell_px);
             const Bristle fine = bristle_at(fu / cell, fv / cell, hash(seed, 1));
-            const Bristle tuft = bristle_at(fu / (4 * cell), fv / (4 * cell), hash(seed, 2));  // they stick together
+            const Bristle tuft =
+                bristle_at(fu / (4 * cell), fv / (4 * cell), hash(seed, 2));  // they stick together
             texture_[static_cast<std::size_t>((v + texture_half_v_) * width + u + texture_half_u_)] = {
                 dome_of(settings_.shape, fu / a, fv / b, seed),
                 std::min(0.55f * fine.shorter + 0.7f * tuft.shorter, 1.5f)};
@@ -161,7 +162,8 @@ void Brush::turn_to(float rotation_rad) {
     std::vector<float> turned(total_.size());
     const auto turn = [&](std::vector<float>& plane) {
         std::fill(turned.begin(), turned.end(), 0.0f);
-        for (const auto& [from, to] : moves) turned[static_cast<std::size_t>(to)] = plane[static_cast<std::size_t>(from)];
+        for (const auto& [from, to] : moves)
+            turned[static_cast<std::size_t>(to)] = plane[static_cast<std::size_t>(from)];
         std::swap(plane, turned);
     };
     for (auto& plane : loads_) turn(plane);
@@ -267,7 +269,8 @@ void Brush::underside_mm(const Dab& dab, int x0, int y0, int width, int height, 
     const float c = std::cos(dab.rotation_rad), s = std::sin(dab.rotation_rad);
     const float narrowing = 1 / (1 + static_cast<float>(settings_.splay) * dab.pressure);
     const float touched = kLightest + (1 - kLightest) * dab.pressure;
-    const auto depth = static_cast<float>(settings_.depth_mm), groove = static_cast<float>(settings_.groove_mm);
+    const auto depth = static_cast<float>(settings_.depth_mm),
+               groove = static_cast<float>(settings_.groove_mm);
     const float gap = static_cast<float>(settings_.gap_mm) * (1 - 0.5f * dab.pressure);
     // The leading edge is higher; tilt lifts the side that the handle leans away from.
     const float per_px = depth / static_cast<float>(half_width_px_);

@@ -1,4 +1,5 @@
-// brush.h: a brush in the hand: its bristles, the paint on each of them, and where they are while it is moved.
+// brush.h: a brush in the hand: its bristles, the paint on each of them, and where they are while it is
+// moved.
 //
 // Loads lie on a grid of the canvas's pixels that moves with the brush. When the brush turns, its cells are
 // permuted (rotation by three shears, each a shift of whole pixels: Paeth 1986, "A fast algorithm for general
@@ -15,11 +16,12 @@ namespace tangi {
 
 // One place of the brush on its way, in pixels of the canvas (y down).
 struct Dab {
-    double x = 0, y = 0;       // [pixels] of the handle's axis; pixel centres are whole numbers
-    float pressure = 0.5f;     // [1] 0..1
-    float rotation_rad = 0;    // of the brush's width against the x axis, towards y (clockwise as seen)
-    float tilt_x = 0, tilt_y = 0;  // [1] sine of the handle's tilt from the normal, towards x and y; length < 1
-    float dx = 1, dy = 0;      // unit vector of the motion; 0, 0 where it stands
+    double x = 0, y = 0;     // [pixels] of the handle's axis; pixel centres are whole numbers
+    float pressure = 0.5f;   // [1] 0..1
+    float rotation_rad = 0;  // of the brush's width against the x axis, towards y (clockwise as seen)
+    float tilt_x = 0,
+          tilt_y = 0;      // [1] sine of the handle's tilt from the normal, towards x and y; length < 1
+    float dx = 1, dy = 0;  // unit vector of the motion; 0, 0 where it stands
 };
 
 class Brush {
@@ -28,8 +30,8 @@ public:
 
     const BrushSettings& settings() const { return settings_; }
 
-    // Puts paint of this recipe on the bristles; `amount` 1 is a full load. With `keep`, what is on them stays and
-    // is filled up. Throws Error where the parts of the recipe do not sum to more than 0.
+    // Puts paint of this recipe on the bristles; `amount` 1 is a full load. With `keep`, what is on them
+    // stays and is filled up. Throws Error where the parts of the recipe do not sum to more than 0.
     void load(const std::vector<Portion>& recipe, double amount, bool keep = false);
     void clean();
     // Takes over what is on another brush, evenly: for a brush that was not cleaned between strokes.
@@ -52,8 +54,8 @@ public:
     // The underside [mm] of the bristles over a box of pixels around (x0, y0), row-major.
     void underside_mm(const Dab& dab, int x0, int y0, int width, int height, float* out) const;
 
-    // The load of an ingredient; made where there is none. The grid has grid_size() columns and rows, its middle
-    // cell belongs to the pixel nearest to the contact's centre.
+    // The load of an ingredient; made where there is none. The grid has grid_size() columns and rows, its
+    // middle cell belongs to the pixel nearest to the contact's centre.
     float* load_plane(IngredientId ingredient);
     float* load_total() { return total_.data(); }
     int grid_size() const { return 2 * half_ + 1; }

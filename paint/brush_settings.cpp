@@ -124,7 +124,8 @@ template <class T>
 void read_field(const nlohmann::json& value, const std::string& where, std::string_view field, T& into) {
     const bool fits = std::is_same_v<T, bool> ? value.is_boolean() : value.is_number();
     if (!fits)
-        fail("{}: '{}' is {}, not {}", where, field, value.dump(), std::is_same_v<T, bool> ? "true or false" : "a number");
+        fail("{}: '{}' is {}, not {}", where, field, value.dump(),
+             std::is_same_v<T, bool> ? "true or false" : "a number");
     into = value.get<T>();
 }
 
@@ -150,7 +151,8 @@ BrushSettings brush_from_json(const nlohmann::json& json, const std::string& whe
         if (key == "shape") {
             const auto is_it = [&](const char* shape) { return value == shape; };
             if (std::none_of(kShapes.begin(), kShapes.end(), is_it))
-                fail("{}: 'shape' is {}, not one of round, flat, filbert, fan, knife, rag", where, value.dump());
+                fail("{}: 'shape' is {}, not one of round, flat, filbert, fan, knife, rag", where,
+                     value.dump());
             settings.shape = value.get<std::string>();
             continue;
         }
@@ -188,7 +190,8 @@ std::map<std::string, BrushSettings> read_brush_presets(const std::filesystem::p
         fail("{}: has no object \"brushes\"", path.string());
     auto presets = brush_presets();
     for (const auto& [key, value] : json["brushes"].items())
-        presets[key] = brush_from_json(value, fmt::format("{}: brush '{}'", path.string(), key), brush_presets());
+        presets[key] =
+            brush_from_json(value, fmt::format("{}: brush '{}'", path.string(), key), brush_presets());
     return presets;
 }
 

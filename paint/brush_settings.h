@@ -40,7 +40,8 @@ struct BrushSettings {
     static void fields(Self& self, Visit&& visit) {
         visit(FieldInfo{"size_mm", 0.01, 1000, "mm", "width of the contact at full pressure"}, self.size_mm);
         visit(FieldInfo{"thickness", 0.02, 4, "1", "its other extent over the width"}, self.thickness);
-        visit(FieldInfo{"load_mm", 0, 20, "mm", "paint on a freshly loaded brush, over its area"}, self.load_mm);
+        visit(FieldInfo{"load_mm", 0, 20, "mm", "paint on a freshly loaded brush, over its area"},
+              self.load_mm);
         visit(FieldInfo{"load_variation", 0, 1, "1", "how much the load differs between bristles"},
               self.load_variation);
         visit(FieldInfo{"deposit", 0, 20, "1", "rate at which load is given, over one length of contact"},
@@ -58,7 +59,8 @@ struct BrushSettings {
         visit(FieldInfo{"bend", 0, 1, "1", "how far the tip trails behind, over the size"}, self.bend);
         visit(FieldInfo{"lift", 0, 2, "1", "height of the leading edge over the depth"}, self.lift);
         visit(FieldInfo{"film_mm", 0, 1, "mm", "paint that always stays"}, self.film_mm);
-        visit(FieldInfo{"reach_mm", 0.001, 10, "mm", "gap that bristles without paint bridge"}, self.reach_mm);
+        visit(FieldInfo{"reach_mm", 0.001, 10, "mm", "gap that bristles without paint bridge"},
+              self.reach_mm);
         visit(FieldInfo{"load_reach", 0, 2, "1", "further gap for each mm of load"}, self.load_reach);
         visit(FieldInfo{"grain", 0, 1, "1", "random variation of the transfer"}, self.grain);
         visit(FieldInfo{"yield_slope", 0.01, 20, "1", "slope that wet paint holds"}, self.yield_slope);
@@ -70,14 +72,15 @@ struct BrushSettings {
 // them: smudge, scrape, eraser.
 const std::map<std::string, BrushSettings>& brush_presets();
 
-// Settings from JSON: {"preset": "flat", "size_mm": 12, ...}; fields that are not given are the preset's, or the
-// defaults. Throws Error that names `where` and the field: unknown, of the wrong kind, outside its interval.
+// Settings from JSON: {"preset": "flat", "size_mm": 12, ...}; fields that are not given are the preset's, or
+// the defaults. Throws Error that names `where` and the field: unknown, of the wrong kind, outside its
+// interval.
 BrushSettings brush_from_json(const nlohmann::json& json, const std::string& where,
                               const std::map<std::string, BrushSettings>& presets = brush_presets());
 nlohmann::json brush_to_json(const BrushSettings& settings);
 
-// A presets file: {"tangipaint": "brushes", "version": 1, "brushes": {"name": {...}, ...}}, and the program's own
-// presets where it has none of the same name. Throws Error naming the file and the brush.
+// A presets file: {"tangipaint": "brushes", "version": 1, "brushes": {"name": {...}, ...}}, and the program's
+// own presets where it has none of the same name. Throws Error naming the file and the brush.
 std::map<std::string, BrushSettings> read_brush_presets(const std::filesystem::path& path);
 
 }  // namespace tangi

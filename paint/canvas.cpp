@@ -48,7 +48,8 @@ std::span<float> writable_plane(PaintTile& tile, IngredientId id) {
 }  // namespace
 
 Canvas::Canvas(std::shared_ptr<const Surface> dry) : dry_(std::move(dry)) {
-    TP_REQUIRE(dry_ && dry_->width() > 0 && dry_->height() > 0, "a canvas is painted on a surface with pixels");
+    TP_REQUIRE(dry_ && dry_->width() > 0 && dry_->height() > 0,
+               "a canvas is painted on a surface with pixels");
     wet_ = PaintLayer(width(), height());
 }
 
@@ -96,10 +97,10 @@ std::size_t Canvas::bytes() const {
 
 Recipe recipe_at(const Canvas& canvas, double x, double y, double radius_px) {
     const double radius = std::max(radius_px, 0.5);
-    const Region box =
-        intersection({static_cast<int>(std::floor(x - radius)), static_cast<int>(std::floor(y - radius)),
-                      static_cast<int>(std::ceil(x + radius)) + 1, static_cast<int>(std::ceil(y + radius)) + 1},
-                     canvas.region());
+    const Region box = intersection(
+        {static_cast<int>(std::floor(x - radius)), static_cast<int>(std::floor(y - radius)),
+         static_cast<int>(std::ceil(x + radius)) + 1, static_cast<int>(std::ceil(y + radius)) + 1},
+        canvas.region());
     std::vector<double> sums(canvas.ingredients().size(), 0.0);
     double total = 0;
     int pixels = 0;
@@ -146,7 +147,8 @@ void dry(Canvas& canvas, const std::string& name, const Region& wanted, double p
                         source[i] -= moved;
                     }
             }
-            if (std::all_of(from.thickness_mm.begin(), from.thickness_mm.end(), [](float v) { return v == 0; }))
+            if (std::all_of(from.thickness_mm.begin(), from.thickness_mm.end(),
+                            [](float v) { return v == 0; }))
                 wet.set_tile(at, nullptr);
             canvas.mark_dirty(at);
         }
@@ -154,8 +156,8 @@ void dry(Canvas& canvas, const std::string& name, const Region& wanted, double p
 
 void lift_off(Canvas& canvas, const std::string& name) {
     auto& layers = canvas.writable_dried();
-    const auto found =
-        std::find_if(layers.begin(), layers.end(), [&](const DriedLayer& layer) { return layer.name == name; });
+    const auto found = std::find_if(layers.begin(), layers.end(),
+                                    [&](const DriedLayer& layer) { return layer.name == name; });
     if (found == layers.end()) {
         std::string names;
         for (const DriedLayer& layer : layers) names += (names.empty() ? "" : ", ") + layer.name;

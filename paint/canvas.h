@@ -1,7 +1,7 @@
 // canvas.h: what is painted on: a dry surface that never changes, layers of dried paint, and wet paint.
 //
-// Pixels are those of the dry surface: row 0 at the top. Heights add: what a brush meets is the dry surface plus
-// the dried layers plus the wet paint.
+// Pixels are those of the dry surface: row 0 at the top. Heights add: what a brush meets is the dry surface
+// plus the dried layers plus the wet paint.
 #pragma once
 
 #include <memory>

@@ -15,8 +15,8 @@ public:
     // Beyond `budget_bytes` of tiles, the oldest actions can no longer be undone.
     explicit History(std::size_t budget_bytes = std::size_t(1) << 30) : budget_bytes_(budget_bytes) {}
 
-    // Between these two, everything that changes on the canvas is one action. What was undone before cannot be
-    // redone after it.
+    // Between these two, everything that changes on the canvas is one action. What was undone before cannot
+    // be redone after it.
     void begin(const Canvas& canvas);
     void end(const Canvas& canvas);
 

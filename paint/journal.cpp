@@ -22,7 +22,9 @@ const char* const kFirstLine = R"({"tangipaint": "strokes", "version": 1})";
 // The fields of one event. Each is asked for by name; those that nobody asked for are mistakes.
 class Fields {
 public:
-    Fields(const json& object, const std::string& where) : object_(object), where_(where) { asked_.insert("event"); }
+    Fields(const json& object, const std::string& where) : object_(object), where_(where) {
+        asked_.insert("event");
+    }
 
     const json* find(const char* name) {
         asked_.insert(name);
@@ -36,7 +38,8 @@ public:
         if (!value->is_number()) fail("{}: '{}' is {}, not a number", where_, name, value->dump());
         return value->get<double>();
     }
-    double number_within(const char* name, double minimum, double maximum, std::optional<double> otherwise = {}) {
+    double number_within(const char* name, double minimum, double maximum,
+                         std::optional<double> otherwise = {}) {
         const double value = number(name, otherwise);
         if (!(value >= minimum && value <= maximum))
             fail("{}: '{}' = {} is outside [{}, {}]", where_, name, value, minimum, maximum);
@@ -50,7 +53,8 @@ public:
     }
     void end() const {
         for (const auto& [key, value] : object_.items())
-            if (!asked_.contains(key)) fail("{}: has a field '{}' that this event does not have", where_, key);
+            if (!asked_.contains(key))
+                fail("{}: has a field '{}' that this event does not have", where_, key);
     }
 
 private:
@@ -70,7 +74,8 @@ Event stroke_from(Fields& fields, const std::string& where) {
     StrokeEvent event;
     if (const json* brush = fields.find("brush")) event.brush = brush_from_json(*brush, where);
     if (const json* paint = fields.find("paint")) {
-        if (!paint->is_object()) fail("{}: 'paint' is {}, not an object of names and parts", where, paint->dump());
+        if (!paint->is_object())
+            fail("{}: 'paint' is {}, not an object of names and parts", where, paint->dump());
         for (const auto& [name, part] : paint->items()) {
             if (!part.is_number() || !(part.get<double>() > 0) || !(part.get<double>() <= 1e6))
                 fail("{}: 'paint' has {} parts of {}; a part is a number above 0", where, part.dump(), name);
@@ -123,7 +128,9 @@ struct ToJson {
     json operator()(const EndEvent&) const { return {{"event", "end"}}; }
     json operator()(const UndoEvent&) const { return {{"event", "undo"}}; }
     json operator()(const RedoEvent&) const { return {{"event", "redo"}}; }
-    json operator()(const DryEvent& e) const { return {{"event", "dry"}, {"layer", e.layer}, {"part", e.part}}; }
+    json operator()(const DryEvent& e) const {
+        return {{"event", "dry"}, {"layer", e.layer}, {"part", e.part}};
+    }
     json operator()(const LiftEvent& e) const { return {{"event", "lift"}, {"layer", e.layer}}; }
 };
 
@@ -132,7 +139,8 @@ void require_header(const std::string& line, const std::string& path) {
     if (header.is_discarded() || !header.is_object() || header.value("tangipaint", json()) != "strokes")
         fail("{}:1: is not a journal of strokes; its first line must be {}", path, kFirstLine);
     if (header.value("version", json()) != 1)
-        fail("{}:1: has version {}, but this program reads version 1", path, header.value("version", json()).dump());
+        fail("{}:1: has version {}, but this program reads version 1", path,
+             header.value("version", json()).dump());
 }
 
 }  // namespace
@@ -159,7 +167,8 @@ Event event_from_json(const json& object, const std::string& where) {
     else if (kind == "lift")
         event = LiftEvent{fields.text("layer")};
     else
-        fail("{}: there is no event {}; there are: stroke, point, end, undo, redo, dry, lift", where, kind.dump());
+        fail("{}: there is no event {}; there are: stroke, point, end, undo, redo, dry, lift", where,
+             kind.dump());
     fields.end();
     return event;
 }
@@ -225,7 +234,8 @@ void JournalWriter::write(std::string_view text) {
     while (!text.empty()) {
         const ssize_t written = ::write(file_, text.data(), text.size());
         if (written < 0 && errno == EINTR) continue;
-        if (written <= 0) fail("{}: cannot be written: {}", path_.string(), std::strerror(written == 0 ? ENOSPC : errno));
+        if (written <= 0)
+            fail("{}: cannot be written: {}", path_.string(), std::strerror(written == 0 ? ENOSPC : errno));
         text.remove_prefix(static_cast<std::size_t>(written));
     }
 }

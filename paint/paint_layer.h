@@ -1,9 +1,9 @@
 // paint_layer.h: paint on a canvas as volumes of its ingredients, in sparse tiles that are copied on write.
 //
-// A tile holds one plane for each ingredient that occurs in it: the thickness [mm] which that ingredient alone
-// would have, that is its volume over the pixel's area. The thickness of the paint is their sum, its recipe their
-// ratio, so that mixing is bookkeeping and every volume can be counted again. Tiles without paint take no memory,
-// and a copy of a layer shares all tiles with it, which makes undo cheap.
+// A tile holds one plane for each ingredient that occurs in it: the thickness [mm] which that ingredient
+// alone would have, that is its volume over the pixel's area. The thickness of the paint is their sum, its
+// recipe their ratio, so that mixing is bookkeeping and every volume can be counted again. Tiles without
+// paint take no memory, and a copy of a layer shares all tiles with it, which makes undo cheap.
 #pragma once
 
 #include <cstdint>
@@ -78,8 +78,8 @@ private:
     std::vector<TilePtr> tiles_;
 };
 
-// Volume [mm^3] of each ingredient on the whole layer: count of ingredients, pixels of mm_per_pixel. Summed in
-// double in a fixed order.
+// Volume [mm^3] of each ingredient on the whole layer: count of ingredients, pixels of mm_per_pixel. Summed
+// in double in a fixed order.
 std::vector<double> volumes_mm3(const PaintLayer& layer, std::size_t ingredients, double mm_per_pixel);
 
 // True where both hold the same bits everywhere.

@@ -17,7 +17,9 @@ Region intersection(const Region& a, const Region& b) {
 
 // Mean over 2 * radius + 1 values around each, of which those beyond the ends count as the ends.
 void box_mean(const float* in, std::size_t in_step, float* out, std::size_t out_step, int count, int radius) {
-    const auto value = [&](int i) { return in[static_cast<std::size_t>(std::clamp(i, 0, count - 1)) * in_step]; };
+    const auto value = [&](int i) {
+        return in[static_cast<std::size_t>(std::clamp(i, 0, count - 1)) * in_step];
+    };
     double sum = 0;
     for (int i = -radius; i <= radius; ++i) sum += value(i);
     for (int i = 0; i < count; ++i) {
@@ -64,9 +66,9 @@ PaintWindow::PaintWindow(const Canvas& canvas, const Region& region, std::vector
 }
 
 void PaintWindow::find_relief(const Canvas& canvas, int ride_px) {
-    const Region wide = intersection({on_canvas_.x0 - ride_px, on_canvas_.y0 - ride_px, on_canvas_.x1 + ride_px,
-                                      on_canvas_.y1 + ride_px},
-                                     canvas.region());
+    const Region wide = intersection(
+        {on_canvas_.x0 - ride_px, on_canvas_.y0 - ride_px, on_canvas_.x1 + ride_px, on_canvas_.y1 + ride_px},
+        canvas.region());
     const auto stride = static_cast<std::size_t>(wide.width());
     std::vector<float> height(stride * static_cast<std::size_t>(wide.height()), 0.0f), mean(height.size());
     canvas.relief_mm(wide, height.data(), stride);

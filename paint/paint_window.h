@@ -1,4 +1,5 @@
-// paint_window.h: a part of the canvas as whole rows, on which steps of a brush work; what changes is put back.
+// paint_window.h: a part of the canvas as whole rows, on which steps of a brush work; what changes is put
+// back.
 #pragma once
 
 #include <cstdint>
@@ -9,15 +10,16 @@
 
 namespace tangi {
 
-// The wet paint of a region, its support and the grain of the transfer. The paint is taken out of the tiles and
-// put back when the steps are done: in between this is the paint, not a copy of it to pick up from.
+// The wet paint of a region, its support and the grain of the transfer. The paint is taken out of the tiles
+// and put back when the steps are done: in between this is the paint, not a copy of it to pick up from.
 class PaintWindow {
 public:
-    // `region` may reach beyond the canvas; pixels there have grain 0 and neither take nor give paint. `ingredients`
-    // are those that will come from a brush; those of the canvas are added. `ride_px`: half the side of the square
-    // over which a brush follows the relief. `grain`: variation of the transfer (1 = none to double).
-    PaintWindow(const Canvas& canvas, const Region& region, std::vector<IngredientId> ingredients, int ride_px,
-                double grain, std::uint64_t seed);
+    // `region` may reach beyond the canvas; pixels there have grain 0 and neither take nor give paint.
+    // `ingredients` are those that will come from a brush; those of the canvas are added. `ride_px`: half the
+    // side of the square over which a brush follows the relief. `grain`: variation of the transfer (1 = none
+    // to double).
+    PaintWindow(const Canvas& canvas, const Region& region, std::vector<IngredientId> ingredients,
+                int ride_px, double grain, std::uint64_t seed);
 
     const Region& region() const { return region_; }
     const std::vector<IngredientId>& ingredients() const { return ingredients_; }

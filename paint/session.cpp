@@ -15,8 +15,10 @@ void Session::begin(const StrokeEvent& event) {
     finish();
     std::vector<Portion> recipe;
     for (const auto& [name, part] : event.paint) recipe.push_back({canvas_.add(palette_.at(name)), part});
-    // The bristles are the brush's own: another seed, or another stroke with a washed brush, grows other ones.
-    auto brush = std::make_unique<Brush>(event.brush, canvas_.mm_per_pixel(), procedural::hash(event.seed, 1));
+    // The bristles are the brush's own: another seed, or another stroke with a washed brush, grows other
+    // ones.
+    auto brush =
+        std::make_unique<Brush>(event.brush, canvas_.mm_per_pixel(), procedural::hash(event.seed, 1));
     if (event.start != BrushStart::clean && brush_) brush->take_over(*brush_);
     if (event.start != BrushStart::same && !recipe.empty())
         brush->load(recipe, event.load, event.start == BrushStart::dirty);
@@ -56,7 +58,8 @@ void Session::apply(const Event& event) {
         history_.end(canvas_);
     } else if (const auto* lift = std::get_if<LiftEvent>(&event)) {
         const auto& layers = canvas_.dried();
-        const bool known = std::any_of(layers.begin(), layers.end(), [&](const auto& l) { return l.name == lift->layer; });
+        const bool known =
+            std::any_of(layers.begin(), layers.end(), [&](const auto& l) { return l.name == lift->layer; });
         if (known) history_.begin(canvas_);
         lift_off(canvas_, lift->layer);
         history_.end(canvas_);

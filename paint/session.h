@@ -1,4 +1,5 @@
-// session.h: a sitting at a canvas: events go in, paint changes. The window and replay() feed the same events.
+// session.h: a sitting at a canvas: events go in, paint changes. The window and replay() feed the same
+// events.
 #pragma once
 
 #include <memory>
@@ -14,7 +15,8 @@ namespace tangi {
 
 class Session {
 public:
-    Session(std::shared_ptr<const Surface> dry, Palette palette, std::size_t undo_bytes = std::size_t(1) << 30);
+    Session(std::shared_ptr<const Surface> dry, Palette palette,
+            std::size_t undo_bytes = std::size_t(1) << 30);
     Session(Canvas canvas, Palette palette, std::size_t undo_bytes = std::size_t(1) << 30);
 
     // Throws Error on what makes no sense here: a point without a stroke, a paint that the palette has not. A

@@ -27,7 +27,8 @@ double unwrapped(double angle, double reference) {
 
 TransferRates rates_of(const BrushSettings& s, double length_px, double step_px, double mm_per_pixel) {
     const auto rate = [&](double over_contact) {
-        return std::min(static_cast<float>(1 - std::exp(-over_contact * step_px / length_px)), kPerStepAtMost);
+        return std::min(static_cast<float>(1 - std::exp(-over_contact * step_px / length_px)),
+                        kPerStepAtMost);
     };
     TransferRates r;
     r.deposit = rate(s.deposit);
@@ -71,9 +72,8 @@ void one_step(PaintWindow& window, Brush& brush, const Dab& dab, const Region& b
     step.underside_stride = static_cast<std::size_t>(width);
     window.attach(step, box.x0, box.y0);
     step.load_stride = static_cast<std::size_t>(brush.grid_size());
-    const std::size_t corner =
-        static_cast<std::size_t>(brush.grid_half() - height / 2) * step.load_stride +
-        static_cast<std::size_t>(brush.grid_half() - width / 2);
+    const std::size_t corner = static_cast<std::size_t>(brush.grid_half() - height / 2) * step.load_stride +
+                               static_cast<std::size_t>(brush.grid_half() - width / 2);
     for (const IngredientId id : window.ingredients()) brush.load_plane(id);
     for (const IngredientId id : window.ingredients()) step.load.push_back(brush.load_plane(id) + corner);
     step.load_total_mm = brush.load_total() + corner;
@@ -111,9 +111,12 @@ double paint_dabs(Canvas& canvas, Brush& brush, const std::vector<Dab>& dabs, do
     return pixels;
 }
 
-PathPoint catmull_rom(const PathPoint& a, const PathPoint& b, const PathPoint& c, const PathPoint& d, double u) {
+PathPoint catmull_rom(const PathPoint& a, const PathPoint& b, const PathPoint& c, const PathPoint& d,
+                      double u) {
     // Barry and Goldman's pyramid (1988), knots spaced by the root of the distance.
-    const auto knot = [](const PathPoint& p, const PathPoint& q) { return std::sqrt(std::max(length(q - p), 1e-9)); };
+    const auto knot = [](const PathPoint& p, const PathPoint& q) {
+        return std::sqrt(std::max(length(q - p), 1e-9));
+    };
     const double t0 = 0, t1 = t0 + knot(a, b), t2 = t1 + knot(b, c), t3 = t2 + knot(c, d);
     const double t = mix(t1, t2, u);
     const auto blend = [t](const PathPoint& p, double tp, const PathPoint& q, double tq) {
@@ -133,7 +136,8 @@ Stroke::Knot Stroke::knot_of(const StrokePoint& p) {
     if (!finite) fail("a stroke's point ({}, {}) mm, {} deg is not finite", p.x_mm, p.y_mm, p.rotation_deg);
     if (!(p.pressure >= 0 && p.pressure <= 1)) fail("pressure = {} is outside [0, 1]", p.pressure);
     if (!(std::hypot(p.tilt_x, p.tilt_y) <= 1)) fail("tilt = ({}, {}) is longer than 1", p.tilt_x, p.tilt_y);
-    if (!(p.time_s >= last_time_s_)) fail("time = {} s lies before that of the point before, {} s", p.time_s, last_time_s_);
+    if (!(p.time_s >= last_time_s_))
+        fail("time = {} s lies before that of the point before, {} s", p.time_s, last_time_s_);
     last_time_s_ = p.time_s;
     const double mm = canvas_.mm_per_pixel();
     Knot knot;
@@ -199,7 +203,8 @@ void Stroke::finish() {
 
 void Stroke::segment(const Knot& a, const Knot& b, const Knot& c, const Knot& d) {
     // Ends have no neighbour: the mirrored one makes the curve leave them straight.
-    const PathPoint before = &a == &b ? b.at - (c.at - b.at) : a.at, after = &c == &d ? c.at + (c.at - b.at) : d.at;
+    const PathPoint before = &a == &b ? b.at - (c.at - b.at) : a.at,
+                    after = &c == &d ? c.at + (c.at - b.at) : d.at;
     const int pieces = std::max(8, static_cast<int>(length(c.at - b.at) * 2));
     PathPoint from = b.at;
     for (int i = 1; i <= pieces; ++i) {
@@ -218,7 +223,8 @@ void Stroke::segment(const Knot& a, const Knot& b, const Knot& c, const Knot& d)
     }
 }
 
-void Stroke::step_to(const Knot& b, const Knot& c, double u, const PathPoint& at, const PathPoint& direction) {
+void Stroke::step_to(const Knot& b, const Knot& c, double u, const PathPoint& at,
+                     const PathPoint& direction) {
     Dab dab;
     dab.x = at.x;
     dab.y = at.y;

@@ -1,8 +1,8 @@
 // stroke.h: from timed points of a pen or mouse to steps of a brush on the canvas.
 //
-// The path is a centripetal Catmull-Rom spline (Yuksel, Schaefer, Keyser 2011, "Parameterization and applications
-// of Catmull-Rom curves": it has neither cusps nor loops within a segment), resampled by arc length. Points are
-// taken one by one, so that painting live and replaying give the same bits.
+// The path is a centripetal Catmull-Rom spline (Yuksel, Schaefer, Keyser 2011, "Parameterization and
+// applications of Catmull-Rom curves": it has neither cusps nor loops within a segment), resampled by arc
+// length. Points are taken one by one, so that painting live and replaying give the same bits.
 #pragma once
 
 #include <optional>
@@ -16,25 +16,26 @@ namespace tangi {
 
 // One sample of the pen, in the surface frame: mm from the centre of the picture, x right, y up.
 struct StrokePoint {
-    double time_s = 0;        // since the start of the stroke; never decreasing
+    double time_s = 0;  // since the start of the stroke; never decreasing
     double x_mm = 0, y_mm = 0;
-    double pressure = 0.5;    // [1] 0..1
+    double pressure = 0.5;          // [1] 0..1
     double tilt_x = 0, tilt_y = 0;  // [1] sine of the handle's tilt towards x and y; length <= 1
-    double rotation_deg = 0;  // of the brush's width against the x axis, counter-clockwise
+    double rotation_deg = 0;        // of the brush's width against the x axis, counter-clockwise
 };
 
 // Points nearer to the end of a slack string do not move the brush: smooths a shaky hand.
 struct StrokeOptions {
-    double stabiliser_mm = 0;    // length of the string; 0 = none
-    double pressure_gamma = 1;   // pressure is raised to this power
-    double spacing_px = 1;       // [pixels] of arc length between steps, at most 1
+    double stabiliser_mm = 0;   // length of the string; 0 = none
+    double pressure_gamma = 1;  // pressure is raised to this power
+    double spacing_px = 1;      // [pixels] of arc length between steps, at most 1
 
     static constexpr std::string_view name = "stroke";
     template <class Self, class Visit>
     static void fields(Self& self, Visit&& visit) {
         visit(FieldInfo{"stabiliser_mm", 0, 100, "mm", "length of the string that smooths a shaky hand"},
               self.stabiliser_mm);
-        visit(FieldInfo{"pressure_gamma", 0.1, 10, "1", "pressure is raised to this power"}, self.pressure_gamma);
+        visit(FieldInfo{"pressure_gamma", 0.1, 10, "1", "pressure is raised to this power"},
+              self.pressure_gamma);
         visit(FieldInfo{"spacing_px", 0.25, 1, "1", "arc length between steps, in pixels"}, self.spacing_px);
     }
 };
@@ -44,15 +45,16 @@ struct StrokeOptions {
 struct PathPoint {
     double x = 0, y = 0;
 };
-PathPoint catmull_rom(const PathPoint& a, const PathPoint& b, const PathPoint& c, const PathPoint& d, double u);
+PathPoint catmull_rom(const PathPoint& a, const PathPoint& b, const PathPoint& c, const PathPoint& d,
+                      double u);
 
 // One stroke: brush and canvas must outlive it.
 class Stroke {
 public:
     Stroke(Canvas& canvas, Brush& brush, const StrokeOptions& options, std::uint64_t seed);
 
-    // Takes the next point; the canvas changes up to the point before it. Throws Error on values outside their
-    // range.
+    // Takes the next point; the canvas changes up to the point before it. Throws Error on values outside
+    // their range.
     void add(const StrokePoint& point);
     // Paints what is left. A stroke of a single point is a dab.
     void finish();
@@ -77,7 +79,7 @@ private:
     std::uint64_t seed_;
     std::vector<Knot> knots_;  // the last four at most
     std::optional<PathPoint> string_end_;
-    double left_px_ = 0;       // of arc length until the next step
+    double left_px_ = 0;  // of arc length until the next step
     std::optional<float> heading_rad_;
     std::vector<Dab> dabs_;
     StepScratch scratch_;
@@ -90,7 +92,7 @@ private:
 
 // Applies steps of a brush in order. What Stroke does with its dabs; for tests and benchmarks.
 // Returns the number of pixels under the brush, summed over the steps.
-double paint_dabs(Canvas& canvas, Brush& brush, const std::vector<Dab>& dabs, double spacing_px, std::uint64_t seed,
-                  StepScratch& scratch);
+double paint_dabs(Canvas& canvas, Brush& brush, const std::vector<Dab>& dabs, double spacing_px,
+                  std::uint64_t seed, StepScratch& scratch);
 
 }  // namespace tangi

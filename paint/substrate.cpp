@@ -39,7 +39,8 @@ float tiled_noise(float x, float y, int columns, int rows, Seed seed) {
     const auto value = [&](int cx, int cy) {
         return uniform(hash(seed, wrapped(cx, columns), wrapped(cy, rows)), -1, 1);
     };
-    return mix(mix(value(ix, iy), value(ix + 1, iy), fx), mix(value(ix, iy + 1), value(ix + 1, iy + 1), fx), fy);
+    return mix(mix(value(ix, iy), value(ix + 1, iy), fx), mix(value(ix, iy + 1), value(ix + 1, iy + 1), fx),
+               fy);
 }
 
 // What a pixel of a substrate is; height before its mean is taken off.
@@ -49,7 +50,8 @@ struct Spot {
     float specular = 0.01f, roughness = 0.4f;
 };
 
-// The size of the piece, as procedures need it: noise of features of a given size that repeats with the piece.
+// The size of the piece, as procedures need it: noise of features of a given size that repeats with the
+// piece.
 struct Piece {
     float width_mm, height_mm;
     Seed seed;
@@ -70,17 +72,17 @@ struct Piece {
 };
 
 struct Weave {
-    float pitch_mm;     // between threads
-    float thread;       // [1] width of a thread over the pitch
-    float relief_mm;    // of a thread's crossings
-    float irregular;    // [1] how much threads differ and wander
+    float pitch_mm;   // between threads
+    float thread;     // [1] width of a thread over the pitch
+    float relief_mm;  // of a thread's crossings
+    float irregular;  // [1] how much threads differ and wander
     Rgb thread_colour, hole_colour;
-    float ground_mm;    // priming that fills the valleys; 0 = none
+    float ground_mm;  // priming that fills the valleys; 0 = none
     Rgb ground_colour;
 };
 
-// Plain weave: each thread goes over and under the ones across in turn. The height of one set of threads, `across`
-// and `along` them in mm.
+// Plain weave: each thread goes over and under the ones across in turn. The height of one set of threads,
+// `across` and `along` them in mm.
 struct Thread {
     float height;  // [1] -1.. about 1.6, in units of the relief
     float inside;  // [1] 1 in the middle, 0 at the thread's rim and beyond
@@ -94,9 +96,11 @@ Thread thread_at(const Weave& w, const Piece& piece, float across, float along, 
     const int crossings = std::max(2, 2 * static_cast<int>(std::lround(along_size / w.pitch_mm / 2)));
     const Seed which = warp ? 11 : 12;
     const auto slow = [&](int thread, float features, Seed salt) {  // varies along each thread by itself
-        const int cells = std::max(1, static_cast<int>(std::lround(static_cast<float>(crossings) / features)));
+        const int cells =
+            std::max(1, static_cast<int>(std::lround(static_cast<float>(crossings) / features)));
         const float at = along / along_size * static_cast<float>(cells);
-        return tiled_noise(static_cast<float>(thread), at, threads, cells, hash(hash(piece.seed, which), salt));
+        return tiled_noise(static_cast<float>(thread), at, threads, cells,
+                           hash(hash(piece.seed, which), salt));
     };
     const float position = across / across_size * static_cast<float>(threads);
     Thread best{-2, 0, 0};
@@ -105,13 +109,15 @@ Thread thread_at(const Weave& w, const Piece& piece, float across, float along, 
         const int number = wrapped(k, threads);
         const float wander = w.irregular * (0.22f * slow(number, 6, 1) + 0.1f * slow(number, 2, 2));
         const float slub = std::max(slow(number, 14, 3), 0.0f);
-        const float width = w.thread * (1 + w.irregular * (0.25f * slow(number, 5, 4) + 0.7f * slub * slub * slub));
+        const float width =
+            w.thread * (1 + w.irregular * (0.25f * slow(number, 5, 4) + 0.7f * slub * slub * slub));
         const float d = (position - (static_cast<float>(k) + 0.5f + wander)) / (0.5f * width);
         if (std::abs(d) >= 1) continue;
         const float phase = along / along_size * static_cast<float>(crossings) + static_cast<float>(number) +
                             (warp ? 0.0f : 1.0f);
         const float over = std::cos(std::numbers::pi_v<float> * (phase - 0.5f));
-        const float height = 0.75f * over + 0.8f * std::sqrt(1 - d * d) - 0.4f + 0.25f * (width / w.thread - 1);
+        const float height =
+            0.75f * over + 0.8f * std::sqrt(1 - d * d) - 0.4f + 0.25f * (width / w.thread - 1);
         if (height > best.height) best = {height, 1 - d * d, number};
     }
     return best;
@@ -128,7 +134,8 @@ Spot weave_at(const Weave& w, const Piece& piece, float x, float y) {
     const float f = w.pitch_mm * 0.16f;
     const float fibres = on_warp ? piece.noise(x, y, f, 5 * f, 21) : piece.noise(x, y, 5 * f, f, 22);
     float z = hole ? -1.0f : top.height + 0.10f * fibres;
-    const float tone = 1 + 0.10f * fibres + 0.12f * w.irregular * uniform(hash(piece.seed, top.number, on_warp), -1, 1) +
+    const float tone = 1 + 0.10f * fibres +
+                       0.12f * w.irregular * uniform(hash(piece.seed, top.number, on_warp), -1, 1) +
                        0.05f * piece.fractal(x, y, 20, 2, 23);
     const float depth = smooth_step(-1.0f, 0.5f, z);  // light that is lost between the threads
     spot.colour = (hole ? w.hole_colour : w.thread_colour * tone) * (0.55f + 0.45f * depth);
@@ -149,9 +156,11 @@ Spot panel_at(const Piece& piece, float x, float y) {
     // Growth rings cut lengthwise: bands along x that wander slowly, and pores.
     const float bend = 6 * piece.noise(x, y, 90, 30, 31) + 1.2f * piece.noise(x, y, 30, 8, 32);
     const int bands = std::max(1, static_cast<int>(std::lround(piece.height_mm / 3.2f)));
-    const float ring = 0.5f + 0.5f * std::sin(2 * std::numbers::pi_v<float> *
-                                              ((y / piece.height_mm) * static_cast<float>(bands) + bend / 3.2f));
-    const float pores = std::max(piece.noise(x, y, 4, 0.25f, 33), 0.0f), fine = piece.noise(x, y, 6, 0.5f, 34);
+    const float ring =
+        0.5f + 0.5f * std::sin(2 * std::numbers::pi_v<float> *
+                               ((y / piece.height_mm) * static_cast<float>(bands) + bend / 3.2f));
+    const float pores = std::max(piece.noise(x, y, 4, 0.25f, 33), 0.0f),
+                fine = piece.noise(x, y, 6, 0.5f, 34);
     Spot spot;
     spot.height_mm = 0.012f * ring - 0.03f * pores * pores + 0.006f * fine;
     spot.colour = glm::mix(Rgb(0.42f, 0.25f, 0.12f), Rgb(0.24f, 0.125f, 0.055f), ring * ring) *
@@ -164,7 +173,8 @@ Spot panel_at(const Piece& piece, float x, float y) {
 Spot gesso_at(const Piece& piece, float x, float y) {
     // Two coats, crosswise; the upper one shows most.
     const float warp = 2.5f * piece.noise(x, y, 25, 25, 41);
-    const float lower = piece.noise(x + warp, y, 0.9f, 26, 42), upper = piece.noise(x, y + warp, 34, 0.8f, 43);
+    const float lower = piece.noise(x + warp, y, 0.9f, 26, 42),
+                upper = piece.noise(x, y + warp, 34, 0.8f, 43);
     const float tooth = piece.fractal(x, y, 0.7f, 2, 44);
     Spot spot;
     spot.height_mm = 0.012f * lower + 0.026f * upper + 0.010f * tooth;
@@ -188,12 +198,18 @@ Spot paper_at(const Piece& piece, float x, float y) {
 }
 
 Spot spot_at(SubstrateKind kind, const Piece& piece, float x, float y) {
-    static const Weave duck{0.62f, 0.96f, 0.075f, 0.35f, Rgb(0.72f, 0.68f, 0.58f), Rgb(0.3f, 0.27f, 0.22f), 0.03f,
+    static const Weave duck{0.62f,
+                            0.96f,
+                            0.075f,
+                            0.35f,
+                            Rgb(0.72f, 0.68f, 0.58f),
+                            Rgb(0.3f, 0.27f, 0.22f),
+                            0.03f,
                             Rgb(0.84f, 0.83f, 0.79f)};
-    static const Weave linen{0.68f, 0.94f, 0.085f, 1.0f, Rgb(0.37f, 0.29f, 0.195f), Rgb(0.10f, 0.075f, 0.05f), 0,
-                             Rgb(0)};
-    static const Weave burlap{1.9f, 0.72f, 0.24f, 1.2f, Rgb(0.36f, 0.245f, 0.13f), Rgb(0.035f, 0.025f, 0.015f), 0,
-                              Rgb(0)};
+    static const Weave linen{0.68f, 0.94f, 0.085f, 1.0f, Rgb(0.37f, 0.29f, 0.195f), Rgb(0.10f, 0.075f, 0.05f),
+                             0,     Rgb(0)};
+    static const Weave burlap{
+        1.9f, 0.72f, 0.24f, 1.2f, Rgb(0.36f, 0.245f, 0.13f), Rgb(0.035f, 0.025f, 0.015f), 0, Rgb(0)};
     switch (kind) {
         case SubstrateKind::canvas:
             return weave_at(duck, piece, x, y);
@@ -247,8 +263,10 @@ Surface make_substrate(SubstrateKind kind, const SubstrateOptions& options, cons
     const double columns = std::round(options.width_mm / options.pixel_mm),
                  rows = std::round(options.height_mm / options.pixel_mm);
     if (!(columns >= 8 && rows >= 8 && columns <= 65536 && rows <= 65536))
-        fail("a substrate of {} x {} mm with pixels of {} mm has {} x {} pixels; 8 to 65536 a side can be made",
-             options.width_mm, options.height_mm, options.pixel_mm, columns, rows);
+        fail(
+            "a substrate of {} x {} mm with pixels of {} mm has {} x {} pixels; 8 to 65536 a side can be "
+            "made",
+            options.width_mm, options.height_mm, options.pixel_mm, columns, rows);
     Surface s(static_cast<int>(columns), static_cast<int>(rows));
     s.mm_per_pixel = options.pixel_mm;
     s.scale_known = true;

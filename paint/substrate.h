@@ -40,8 +40,8 @@ struct SubstrateOptions {
     }
 };
 
-// A piece of the substrate; its left border continues its right one, and its top the bottom, so it can be laid side
-// by side. Relief has mean 0. Throws Error for fewer than 8 or more than 65536 pixels a side.
+// A piece of the substrate; its left border continues its right one, and its top the bottom, so it can be
+// laid side by side. Relief has mean 0. Throws Error for fewer than 8 or more than 65536 pixels a side.
 Surface make_substrate(SubstrateKind kind, const SubstrateOptions& options, const Progress& progress = {});
 
 }  // namespace tangi

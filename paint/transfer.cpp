@@ -5,8 +5,8 @@
 
 #include "surface/parallel.h"
 
-// The kernels are compiled for AVX2 too and chosen when the program starts. Without fused multiply-add (this file
-// is compiled with -ffp-contract=off), so every processor gives the same bits.
+// The kernels are compiled for AVX2 too and chosen when the program starts. Without fused multiply-add (this
+// file is compiled with -ffp-contract=off), so every processor gives the same bits.
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__)
 #define TP_VECTOR_CLONES __attribute__((target_clones("avx2", "default")))
 #else
@@ -23,8 +23,9 @@ constexpr float kTiny = 1e-9f;              // [mm] keeps 0 / 0 away
 // Part of the load that is given, and part of the paint on the canvas that is taken.
 TP_VECTOR_CLONES
 void exchange_row(int n, const TransferRates& r, const float* __restrict underside,
-                  const float* __restrict relief, const float* __restrict grain, const float* __restrict total,
-                  const float* __restrict load, float* __restrict give, float* __restrict take) {
+                  const float* __restrict relief, const float* __restrict grain,
+                  const float* __restrict total, const float* __restrict load, float* __restrict give,
+                  float* __restrict take) {
     const float deposit = r.deposit, pickup = r.pickup, film = r.film_mm, reach0 = r.reach_mm,
                 reach1 = r.load_reach;
     for (int x = 0; x < n; ++x) {
@@ -58,8 +59,7 @@ void outflow_row(int n, const TransferRates& r, float dx, float dy, const float*
                  std::size_t underside_stride, const float* __restrict relief, const float* __restrict total,
                  const float* __restrict grain, std::size_t stride, const Outflow& out) {
     const float film = r.film_mm, push = r.push, spread = r.spread, yield = r.yield_mm, flow = r.flow;
-    float *__restrict left = out.left, *__restrict right = out.right, *__restrict up = out.up,
-                      *__restrict down = out.down;
+    float* __restrict left = out.left, * __restrict right = out.right, * __restrict up = out.up, * __restrict down = out.down;
     const float *b_up = underside - underside_stride, *b_down = underside + underside_stride;
     const float *z_up = relief - stride, *z_down = relief + stride, *w_up = total - stride,
                 *w_down = total + stride, *g_up = grain - stride, *g_down = grain + stride;
@@ -92,9 +92,10 @@ void outflow_row(int n, const TransferRates& r, float dx, float dy, const float*
 
 // One row of one ingredient after the flow; `old` is the row before, `above` the one above it before.
 TP_VECTOR_CLONES
-void advect_row(int n, const float* __restrict old, const float* __restrict above, const float* __restrict below,
-                const float* __restrict left, const float* __restrict right, const float* __restrict up,
-                const float* __restrict down, std::size_t stride, float* __restrict paint) {
+void advect_row(int n, const float* __restrict old, const float* __restrict above,
+                const float* __restrict below, const float* __restrict left, const float* __restrict right,
+                const float* __restrict up, const float* __restrict down, std::size_t stride,
+                float* __restrict paint) {
     const float *down_above = down - stride, *up_below = up + stride;
     for (int x = 0; x < n; ++x) {
         const float stays = old[x] - old[x] * (left[x] + right[x] + up[x] + down[x]);
@@ -129,8 +130,8 @@ void exchange(const StepBox& box, const TransferRates& rates, StepScratch& scrat
             float* total = box.total_mm + at(y, box.canvas_stride);
             float* load_total = box.load_total_mm + at(y, box.load_stride);
             exchange_row(box.width, rates, box.underside_mm + at(y, box.underside_stride),
-                         box.relief_mm + at(y, box.canvas_stride), box.grain + at(y, box.canvas_stride), total,
-                         load_total, give, take);
+                         box.relief_mm + at(y, box.canvas_stride), box.grain + at(y, box.canvas_stride),
+                         total, load_total, give, take);
             std::fill_n(total, n, 0.0f);
             std::fill_n(load_total, n, 0.0f);
             for (std::size_t i = 0; i < box.paint.size(); ++i)
@@ -157,8 +158,8 @@ void push(const StepBox& box, const TransferRates& rates, float dx, float dy, St
                         box.total_mm + at(y, box.canvas_stride), box.grain + at(y, box.canvas_stride),
                         box.canvas_stride, {row_of(0, y), row_of(1, y), row_of(2, y), row_of(3, y)});
     });
-    // Ingredients do not depend on each other. Rows are replaced from top to bottom; what they were is kept until
-    // the next row is done.
+    // Ingredients do not depend on each other. Rows are replaced from top to bottom; what they were is kept
+    // until the next row is done.
     const std::size_t line = stride;
     scratch.rows.assign(2 * line * std::max<std::size_t>(box.paint.size(), 1), 0.0f);
     const auto move_ingredient = [&](std::size_t i) {
@@ -167,7 +168,8 @@ void push(const StepBox& box, const TransferRates& rates, float dx, float dy, St
         for (int y = 0; y < box.height; ++y) {
             float* paint = box.paint[i] + at(y, box.canvas_stride);
             std::copy_n(paint, box.width, old);
-            const float* below = y + 1 < box.height ? paint + box.canvas_stride : paint;  // times 0 at the end
+            const float* below =
+                y + 1 < box.height ? paint + box.canvas_stride : paint;  // times 0 at the end
             advect_row(box.width, old, above, below, row_of(0, y), row_of(1, y), row_of(2, y), row_of(3, y),
                        stride, paint);
             std::swap(above, old);

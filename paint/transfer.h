@@ -1,11 +1,11 @@
 // transfer.h: how paint goes between bristles and canvas, and how bristles push it, for one step of a brush.
 //
-// Thicknesses [mm] are volumes over a pixel's area, here on the canvas (W) and on the brush (L) alike. For each
-// pixel one function gives how much goes each way; both sides are changed by that same amount, so each
-// ingredient's volume is conserved to rounding (thesis algorithm 3, corrected as DESIGN section 5 says; both ways
-// at once as in Baxter, Wendt, Lin 2004, "IMPaSTo: a realistic, interactive model for paint", section 5.2).
-// Pushing is a conservative upwind advection: paint above the bristles' underside moves to the four neighbours,
-// never more than there is, which is stable for any step (ibid., section 4).
+// Thicknesses [mm] are volumes over a pixel's area, here on the canvas (W) and on the brush (L) alike. For
+// each pixel one function gives how much goes each way; both sides are changed by that same amount, so each
+// ingredient's volume is conserved to rounding (thesis algorithm 3, corrected as DESIGN section 5 says; both
+// ways at once as in Baxter, Wendt, Lin 2004, "IMPaSTo: a realistic, interactive model for paint",
+// section 5.2). Pushing is a conservative upwind advection: paint above the bristles' underside moves to the
+// four neighbours, never more than there is, which is stable for any step (ibid., section 4).
 #pragma once
 
 #include <cstddef>
@@ -26,17 +26,18 @@ struct TransferRates {
     float flow = 0;        // [1] part of what is more that flows in one step, 0..0.2
 };
 
-// The box of pixels that one step changes. Rows of `width` floats; row y of a plane begins at plane + y * stride.
-// The outermost ring receives paint but gives none.
+// The box of pixels that one step changes. Rows of `width` floats; row y of a plane begins at plane + y *
+// stride. The outermost ring receives paint but gives none.
 struct StepBox {
     int width = 0, height = 0;
-    const float* underside_mm = nullptr;  // of the bristles above the relief's mean; kOutside where there is none
+    const float* underside_mm =
+        nullptr;  // of the bristles above the relief's mean; kOutside where there is none
     std::size_t underside_stride = 0;
     const float* relief_mm = nullptr;  // of what is dry, above its local mean
     const float* grain = nullptr;      // [1] random factor of the transfer, about 1; 0 off the canvas
     float* total_mm = nullptr;         // W, sum of `paint`
     std::size_t canvas_stride = 0;
-    std::vector<float*> paint;  // W of each ingredient
+    std::vector<float*> paint;       // W of each ingredient
     float* load_total_mm = nullptr;  // L, sum of `load`
     std::size_t load_stride = 0;
     std::vector<float*> load;  // L of each ingredient, in the same order

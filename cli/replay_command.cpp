@@ -1,0 +1,94 @@
+// replay_command.cpp: tangipaint replay [PAINTING.exr | --substrate NAME] STROKES.jsonl --out OUT.exr
+#include <chrono>
+#include <filesystem>
+
+#include "cli/arguments.h"
+#include "cli/command_list.h"
+#include "paint/appearance.h"
+#include "paint/session.h"
+#include "paint/substrate.h"
+#include "surface/error.h"
+#include "surface/painting_file.h"
+
+namespace tangi {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+struct ReplayArguments {
+    std::vector<std::string> files;
+    std::string out, substrate, palette, flat;
+    SubstrateOptions piece;
+};
+
+std::shared_ptr<const Surface> dry_surface(const ReplayArguments& a, const Progress& progress) {
+    if (a.substrate.empty()) return std::make_shared<Surface>(read_painting(a.files.front(), progress));
+    const auto kind = substrate_named(a.substrate);
+    if (!kind)
+        throw UsageError(
+            fmt::format("--substrate {}: is not one of {}", a.substrate, fmt::join(substrate_names(), ", ")));
+    return std::make_shared<Surface>(make_substrate(*kind, a.piece, progress));
+}
+
+nlohmann::json run_replay(const ReplayArguments& a) {
+    const std::size_t expected = a.substrate.empty() ? 2 : 1;
+    if (a.files.size() != expected)
+        throw UsageError(
+            a.substrate.empty()
+                ? "give a painting to paint on and a journal: replay PAINTING.exr STROKES.jsonl; or a "
+                  "substrate: replay --substrate linen STROKES.jsonl"
+                : "with --substrate, give the journal only: replay --substrate linen STROKES.jsonl");
+    const std::string& strokes = a.files.back();
+    std::vector<fs::path> inputs(a.files.begin(), a.files.end());
+    if (!a.palette.empty()) inputs.emplace_back(a.palette);
+    refuse_to_overwrite(a.out, inputs);
+    const Progress progress = console_progress();
+    const Journal journal = read_journal(strokes);
+    const nlohmann::json warnings = told(journal.warnings);
+    AtomicFile out(a.out);  // that it can be written is known before the work
+    Session session(dry_surface(a, progress),
+                    a.palette.empty() ? artist_acrylics() : read_palette(a.palette));
+    const std::string dry_hash = hash_of(session.canvas().dry());
+    const auto start = std::chrono::steady_clock::now();
+    replay(session, journal, progress);
+    const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
+    const Canvas& canvas = session.canvas();
+    Surface look = appearance(canvas, {}, progress);
+    write_painting(out, look, progress);
+
+    nlohmann::json volumes = nlohmann::json::object();
+    const auto mm3 = canvas.volumes_mm3();
+    for (std::size_t i = 0; i < mm3.size(); ++i) volumes[canvas.ingredients()[i].name] = mm3[i];
+    return {{"painting", a.out},
+            {"width", canvas.width()},
+            {"height", canvas.height()},
+            {"mm_per_pixel", canvas.mm_per_pixel()},
+            {"strokes", session.totals().strokes},
+            {"points", session.totals().points},
+            {"steps", session.totals().steps},
+            {"bristle_pixels", session.totals().bristle_pixels},
+            {"seconds", seconds.count()},
+            {"volumes_mm3", volumes},
+            {"dry_hash", dry_hash},
+            {"warnings", warnings}};
+}
+
+}  // namespace
+
+Command replay_command() {
+    return {
+        "replay", "paint the strokes of a journal on a painting or a substrate", [](Flags& flags) {
+            auto a = std::make_shared<ReplayArguments>();
+            flags.option("FILES", a->files, "[PAINTING.exr] STROKES.jsonl: what to paint on, and the journal")
+                .required();
+            flags.option("--out", a->out, "painting file to write (.exr)").required();
+            flags.option("--substrate", a->substrate,
+                         "paint on a new canvas, linen, burlap, panel, gesso or paper instead of a painting");
+            flags.option("--palette", a->palette, "palette file (.json) with the paints that strokes name");
+            flags.fields(a->piece);
+            return [a] { return run_replay(*a); };
+        }};
+}
+
+}  // namespace tangi
