@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "paint/bristle_rows.h"
 #include "paint/transfer.h"
 #include "surface/error.h"
 #include "surface/noise.h"
@@ -82,37 +83,32 @@ void Brush::make_texture(std::uint64_t seed) {
     texture_half_u_ = static_cast<int>(std::ceil(half_width_px_)) + 2;
     texture_half_v_ = static_cast<int>(std::ceil(half_thickness_px_)) + 2;
     const int width = 2 * texture_half_u_ + 1, height = 2 * texture_half_v_ + 1;
-    texture_.resize(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
+    const auto texels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+    dome_.assign(texels, kOutside);
+    tip_.assign(texels, 0.0f);
     // Bristles thinner than two pixels cannot be told apart.
     const double cell_px = std::max(settings_.bristle_mm / mm_per_pixel_, 2.0);
-    for (int v = -texture_half_v_; v <= texture_half_v_; ++v)
-        for (int u = -texture_half_u_; u <= texture_half_u_; ++u) {
+    for (int v = 1 - texture_half_v_; v < texture_half_v_; ++v)
+        for (int u = 1 - texture_half_u_; u < texture_half_u_; ++u) {
             const auto fu = static_cast<float>(u), fv = static_cast<float>(v);
             const auto a = static_cast<float>(half_width_px_), b = static_cast<float>(half_thickness_px_);
             const auto cell = static_cast<float>(cell_px);
             const Bristle fine = bristle_at(fu / cell, fv / cell, hash(seed, 1));
             const Bristle tuft =
                 bristle_at(fu / (4 * cell), fv / (4 * cell), hash(seed, 2));  // they stick together
-            texture_[static_cast<std::size_t>((v + texture_half_v_) * width + u + texture_half_u_)] = {
-                dome_of(settings_.shape, fu / a, fv / b, seed),
-                std::min(0.55f * fine.shorter + 0.7f * tuft.shorter, 1.5f)};
+            const auto i = static_cast<std::size_t>((v + texture_half_v_) * width + u + texture_half_u_);
+            dome_[i] = dome_of(settings_.shape, fu / a, fv / b, seed);
+            tip_[i] = std::min(0.55f * fine.shorter + 0.7f * tuft.shorter, 1.5f);
         }
 }
 
 Brush::Texel Brush::texel(float u, float v) const {
-    const float x = u + static_cast<float>(texture_half_u_), y = v + static_cast<float>(texture_half_v_);
+    const int x = static_cast<int>(std::lround(u)) + texture_half_u_;
+    const int y = static_cast<int>(std::lround(v)) + texture_half_v_;
     const int width = 2 * texture_half_u_ + 1, height = 2 * texture_half_v_ + 1;
-    if (!(x >= 0 && y >= 0 && x < static_cast<float>(width - 1) && y < static_cast<float>(height - 1)))
-        return {1e3f, 0};
-    const int ix = static_cast<int>(x), iy = static_cast<int>(y);
-    const float fx = x - static_cast<float>(ix), fy = y - static_cast<float>(iy);
-    const Texel* t = &texture_[static_cast<std::size_t>(iy * width + ix)];
-    const auto blend = [&](float Texel::*field) {
-        const float top = t[0].*field + (t[1].*field - t[0].*field) * fx;
-        const float bottom = t[width].*field + (t[width + 1].*field - t[width].*field) * fx;
-        return top + (bottom - top) * fy;
-    };
-    return {blend(&Texel::dome), blend(&Texel::tip)};
+    if (x < 0 || y < 0 || x >= width || y >= height) return {kOutside, 0};
+    const auto i = static_cast<std::size_t>(y * width + x);
+    return {dome_[i], tip_[i]};
 }
 
 float Brush::fresh_load(int u, int v) const {
@@ -271,21 +267,28 @@ void Brush::underside_mm(const Dab& dab, int x0, int y0, int width, int height, 
     const float touched = kLightest + (1 - kLightest) * dab.pressure;
     const auto depth = static_cast<float>(settings_.depth_mm),
                groove = static_cast<float>(settings_.groove_mm);
-    const float gap = static_cast<float>(settings_.gap_mm) * (1 - 0.5f * dab.pressure);
+    const float gap = static_cast<float>(settings_.gap_mm) * (1 - 0.7f * dab.pressure);
     // The leading edge is higher; tilt lifts the side that the handle leans away from.
     const float per_px = depth / static_cast<float>(half_width_px_);
     const float lift_x = per_px * (static_cast<float>(settings_.lift) * dab.dx - dab.tilt_x);
     const float lift_y = per_px * (static_cast<float>(settings_.lift) * dab.dy - dab.tilt_y);
-    for (int y = 0; y < height; ++y)
-        for (int x = 0; x < width; ++x) {
-            const auto px = static_cast<float>(x0 + x - cx), py = static_cast<float>(y0 + y - cy);
-            const Texel t = texel((px * c + py * s) * narrowing, (py * c - px * s) * narrowing);
-            float& b = out[static_cast<std::size_t>(y) * static_cast<std::size_t>(width) +
-                           static_cast<std::size_t>(x)];
-            b = t.dome >= 1 ? kOutside
-                            : gap + groove * t.tip + 2 * depth * std::max(t.dome - touched, 0.0f) +
-                                  std::max(px * lift_x + py * lift_y, 0.0f);
-        }
+    const TipMaps maps{dome_.data(), tip_.data(), 2 * texture_half_u_ + 1, 2 * texture_half_v_ + 1};
+    UndersideRow row{};
+    row.du = c * narrowing;
+    row.dv = -s * narrowing;
+    row.dlift_mm = lift_x;
+    row.gap_mm = gap;
+    row.groove_mm = groove;
+    row.rise_mm = 2 * depth;
+    row.touched = touched;
+    const auto px = static_cast<float>(x0 - cx);
+    for (int y = 0; y < height; ++y) {
+        const auto py = static_cast<float>(y0 + y - cy);
+        row.u = (px * c + py * s) * narrowing + static_cast<float>(texture_half_u_);
+        row.v = (py * c - px * s) * narrowing + static_cast<float>(texture_half_v_);
+        row.lift_mm = px * lift_x + py * lift_y;
+        underside_row(width, maps, row, out + static_cast<std::size_t>(y) * static_cast<std::size_t>(width));
+    }
 }
 
 }  // namespace tangi

@@ -79,7 +79,7 @@ private:
     int disc_ = 0, half_ = 0;  // radius of the cells that turn, and half the grid
     float rotation_rad_ = 0;   // as the loads lie
     int texture_half_u_ = 0, texture_half_v_ = 0;
-    std::vector<Texel> texture_;
+    std::vector<float> dome_, tip_;  // Texel, as maps
     std::vector<IngredientId> ids_;
     std::vector<std::vector<float>> loads_;
     std::vector<float> total_;

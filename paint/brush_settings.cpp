@@ -34,11 +34,10 @@ std::map<std::string, BrushSettings> make_presets() {
     fan.shape = "fan";
     fan.size_mm = 22;
     fan.thickness = 0.16;
-    fan.load_mm = 0.5;
+    fan.load_mm = 1.0;
     fan.load_variation = 0.8;
-    fan.groove_mm = 0.6;
+    fan.groove_mm = 0.4;
     fan.bristle_mm = 0.9;
-    fan.reach_mm = 0.03;
     all["fan"] = fan;
 
     // A blade: no bristles, hardly any room under it, and what it meets goes where it goes.
@@ -48,11 +47,11 @@ std::map<std::string, BrushSettings> make_presets() {
     knife.thickness = 0.25;
     knife.load_mm = 4;
     knife.load_variation = 0.1;
-    knife.deposit = 0.35;
+    knife.deposit = 0.5;
     knife.pickup = 0.25;
     knife.push = 0.95;
     knife.spread = 0.3;
-    knife.gap_mm = 0.5;
+    knife.gap_mm = 0.35;
     knife.groove_mm = 0.03;
     knife.bristle_mm = 2;
     knife.depth_mm = 1.5;

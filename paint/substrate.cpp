@@ -117,7 +117,7 @@ Thread thread_at(const Weave& w, const Piece& piece, float across, float along, 
                             (warp ? 0.0f : 1.0f);
         const float over = std::cos(std::numbers::pi_v<float> * (phase - 0.5f));
         const float height =
-            0.75f * over + 0.8f * std::sqrt(1 - d * d) - 0.4f + 0.25f * (width / w.thread - 1);
+            0.75f * over + 0.8f * (1 - d * d) - 0.4f + 0.25f * (width / w.thread - 1);
         if (height > best.height) best = {height, 1 - d * d, number};
     }
     return best;
@@ -133,7 +133,7 @@ Spot weave_at(const Weave& w, const Piece& piece, float x, float y) {
     // Fibres run along their thread.
     const float f = w.pitch_mm * 0.16f;
     const float fibres = on_warp ? piece.noise(x, y, f, 5 * f, 21) : piece.noise(x, y, 5 * f, f, 22);
-    float z = hole ? -1.0f : top.height + 0.10f * fibres;
+    float z = hole ? -0.6f : top.height + 0.10f * fibres;
     const float tone = 1 + 0.10f * fibres +
                        0.12f * w.irregular * uniform(hash(piece.seed, top.number, on_warp), -1, 1) +
                        0.05f * piece.fractal(x, y, 20, 2, 23);
@@ -206,7 +206,7 @@ Spot spot_at(SubstrateKind kind, const Piece& piece, float x, float y) {
                             Rgb(0.3f, 0.27f, 0.22f),
                             0.03f,
                             Rgb(0.84f, 0.83f, 0.79f)};
-    static const Weave linen{0.68f, 0.94f, 0.085f, 1.0f, Rgb(0.37f, 0.29f, 0.195f), Rgb(0.10f, 0.075f, 0.05f),
+    static const Weave linen{0.68f, 1.02f, 0.075f, 1.0f, Rgb(0.37f, 0.29f, 0.195f), Rgb(0.10f, 0.075f, 0.05f),
                              0,     Rgb(0)};
     static const Weave burlap{
         1.9f, 0.72f, 0.24f, 1.2f, Rgb(0.36f, 0.245f, 0.13f), Rgb(0.035f, 0.025f, 0.015f), 0, Rgb(0)};

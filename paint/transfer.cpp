@@ -3,15 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "paint/vector_clones.h"
 #include "surface/parallel.h"
-
-// The kernels are compiled for AVX2 too and chosen when the program starts. Without fused multiply-add (this
-// file is compiled with -ffp-contract=off), so every processor gives the same bits.
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__)
-#define TP_VECTOR_CLONES __attribute__((target_clones("avx2", "default")))
-#else
-#define TP_VECTOR_CLONES
-#endif
 
 namespace tangi {
 
