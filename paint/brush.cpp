@@ -60,6 +60,42 @@ Bristle bristle_at(float u, float v, std::uint64_t seed) {
     return {envelope, std::sqrt(best), nearest};
 }
 
+// The turned rectangle or ellipse around the bristles, as rows cut it.
+struct Outline {
+    double a, b;  // [pixels] half extents
+    double c, s;  // cosine and sine of the rotation
+    bool ellipse;
+
+    // Columns of a row `py` pixels below the middle that begins at `px` from it.
+    RowSpan across(double py, double px, int width) const {
+        double low = -1e9, high = 1e9;
+        if (ellipse) {
+            // (x c + y s)^2 / a^2 + (y c - x s)^2 / b^2 = 1 as a quadratic in x.
+            const double p = c * c / (a * a) + s * s / (b * b), q = py * c * s * (1 / (a * a) - 1 / (b * b));
+            const double r = py * py * (s * s / (a * a) + c * c / (b * b)) - 1, root2 = q * q - p * r;
+            if (!(root2 >= 0)) return {0, 0};
+            low = (-q - std::sqrt(root2)) / p;
+            high = (-q + std::sqrt(root2)) / p;
+        } else {
+            const auto cut = [&](double slope, double offset, double half) {  // |slope x + offset| <= half
+                if (std::abs(slope) < 1e-9) {
+                    if (std::abs(offset) > half) high = -1e9;
+                    return;
+                }
+                const double one = (-half - offset) / slope, other = (half - offset) / slope;
+                low = std::max(low, std::min(one, other));
+                high = std::min(high, std::max(one, other));
+            };
+            cut(c, py * s, a);
+            cut(-s, py * c, b);
+        }
+        if (!(high >= low)) return {0, 0};
+        const double begin = std::clamp(std::floor(low - px), 0.0, static_cast<double>(width));
+        const double end = std::clamp(std::ceil(high - px) + 1, 0.0, static_cast<double>(width));
+        return {static_cast<int>(begin), static_cast<int>(end)};
+    }
+};
+
 }  // namespace
 
 Brush::Brush(const BrushSettings& settings, double mm_per_pixel, std::uint64_t seed)
@@ -259,7 +295,8 @@ double Brush::contact_length_px(const Dab& dab) const {
                          half_thickness_px_ * half_thickness_px_ * (1 - along * along));
 }
 
-void Brush::underside_mm(const Dab& dab, int x0, int y0, int width, int height, float* out) const {
+void Brush::underside_mm(const Dab& dab, int x0, int y0, int width, int height, float* out,
+                         std::vector<RowSpan>& spans) const {
     double cx, cy;
     contact_centre(dab, cx, cy);
     const float c = std::cos(dab.rotation_rad), s = std::sin(dab.rotation_rad);
@@ -281,13 +318,21 @@ void Brush::underside_mm(const Dab& dab, int x0, int y0, int width, int height, 
     row.groove_mm = groove;
     row.rise_mm = 2 * depth;
     row.touched = touched;
-    const auto px = static_cast<float>(x0 - cx);
+    const Outline outline{(half_width_px_ + 1) / narrowing, (half_thickness_px_ + 1) / narrowing, c, s,
+                          settings_.shape == "round"};
+    spans.resize(static_cast<std::size_t>(height));
     for (int y = 0; y < height; ++y) {
-        const auto py = static_cast<float>(y0 + y - cy);
-        row.u = (px * c + py * s) * narrowing + static_cast<float>(texture_half_u_);
-        row.v = (py * c - px * s) * narrowing + static_cast<float>(texture_half_v_);
-        row.lift_mm = px * lift_x + py * lift_y;
-        underside_row(width, maps, row, out + static_cast<std::size_t>(y) * static_cast<std::size_t>(width));
+        const double py = y0 + y - cy;
+        RowSpan& span = spans[static_cast<std::size_t>(y)];
+        span = outline.across(py, x0 - cx, width);
+        float* to = out + static_cast<std::size_t>(y) * static_cast<std::size_t>(width);
+        std::fill_n(to, width, kOutside);
+        if (span.end <= span.begin) continue;
+        const auto dx = static_cast<float>(x0 + span.begin - cx), dy = static_cast<float>(py);
+        row.u = (dx * c + dy * s) * narrowing + static_cast<float>(texture_half_u_);
+        row.v = (dy * c - dx * s) * narrowing + static_cast<float>(texture_half_v_);
+        row.lift_mm = dx * lift_x + dy * lift_y;
+        underside_row(span.end - span.begin, maps, row, to + span.begin);
     }
 }
 

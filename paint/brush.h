@@ -11,6 +11,7 @@
 
 #include "paint/brush_settings.h"
 #include "paint/canvas.h"
+#include "paint/transfer.h"
 
 namespace tangi {
 
@@ -51,8 +52,10 @@ public:
     // Turns the loads with the brush.
     void turn_to(float rotation_rad);
 
-    // The underside [mm] of the bristles over a box of pixels around (x0, y0), row-major.
-    void underside_mm(const Dab& dab, int x0, int y0, int width, int height, float* out) const;
+    // The underside [mm] of the bristles over a box of pixels whose first is (x0, y0), row-major; kOutside
+    // where there are none. Row y has bristles at columns spans[y].begin <= x < spans[y].end at most.
+    void underside_mm(const Dab& dab, int x0, int y0, int width, int height, float* out,
+                      std::vector<RowSpan>& spans) const;
 
     // The load of an ingredient; made where there is none. The grid has grid_size() columns and rows, its
     // middle cell belongs to the pixel nearest to the contact's centre.

@@ -57,15 +57,15 @@ Region united(const Region& a, const Region& b) {
     return {std::min(a.x0, b.x0), std::min(a.y0, b.y0), std::max(a.x1, b.x1), std::max(a.y1, b.y1)};
 }
 
-void one_step(PaintWindow& window, Brush& brush, const Dab& dab, const Region& box, double step_px,
-              double mm_per_pixel, std::vector<float>& underside, StepScratch& scratch) {
+// Pixels under the brush.
+double one_step(PaintWindow& window, Brush& brush, const Dab& dab, const Region& box, double step_px,
+                double mm_per_pixel, std::vector<float>& underside, StepScratch& scratch) {
     const BrushSettings& settings = brush.settings();
     brush.turn_to(dab.rotation_rad);
     const int width = box.width(), height = box.height();
     underside.resize(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
-    brush.underside_mm(dab, box.x0, box.y0, width, height, underside.data());
-
     StepBox step;
+    brush.underside_mm(dab, box.x0, box.y0, width, height, underside.data(), step.bristles);
     step.width = width;
     step.height = height;
     step.underside_mm = underside.data();
@@ -81,6 +81,9 @@ void one_step(PaintWindow& window, Brush& brush, const Dab& dab, const Region& b
     const TransferRates rates = rates_of(settings, brush.contact_length_px(dab), step_px, mm_per_pixel);
     exchange(step, rates, scratch);
     push(step, rates, dab.dx, dab.dy, scratch);
+    double pixels = 0;
+    for (const RowSpan& span : step.bristles) pixels += span.end - span.begin;
+    return pixels;
 }
 
 }  // namespace
@@ -102,8 +105,8 @@ double paint_dabs(Canvas& canvas, Brush& brush, const std::vector<Dab>& dabs, do
         PaintWindow window(canvas, window_region, brush.ingredients(), ride, brush.settings().grain, seed);
         for (std::size_t i = begin; i < end; ++i) {
             const Region box = box_of(brush, dabs[i]);
-            one_step(window, brush, dabs[i], box, spacing_px, canvas.mm_per_pixel(), underside, scratch);
-            pixels += static_cast<double>(box.width()) * box.height();
+            pixels +=
+                one_step(window, brush, dabs[i], box, spacing_px, canvas.mm_per_pixel(), underside, scratch);
         }
         window.store(canvas);
         begin = end;

@@ -56,7 +56,7 @@ void outflow_row(int n, const TransferRates& r, float dx, float dy, const float*
     const float *b_up = underside - underside_stride, *b_down = underside + underside_stride;
     const float *z_up = relief - stride, *z_down = relief + stride, *w_up = total - stride,
                 *w_down = total + stride, *g_up = grain - stride, *g_down = grain + stride;
-    for (int x = 1; x < n - 1; ++x) {
+    for (int x = 0; x < n; ++x) {
         const float w = total[x], top = relief[x] + w;
         // Steps that are too steep: paint flows down them.
         const float over = flow / (w + kTiny);
@@ -118,21 +118,58 @@ void exchange(const StepBox& box, const TransferRates& rates, StepScratch& scrat
     scratch.planes.resize(std::max(scratch.planes.size(), 2 * n * static_cast<std::size_t>(box.height)));
     for_rows(box, 0, box.height, [&](int begin, int end) {
         for (int y = begin; y < end; ++y) {
+            const RowSpan span = box.bristles[static_cast<std::size_t>(y)];
+            const int count = span.end - span.begin;
+            if (count <= 0) continue;
             float* give = scratch.planes.data() + at(y, 2 * n);
             float* take = give + n;
-            float* total = box.total_mm + at(y, box.canvas_stride);
-            float* load_total = box.load_total_mm + at(y, box.load_stride);
-            exchange_row(box.width, rates, box.underside_mm + at(y, box.underside_stride),
-                         box.relief_mm + at(y, box.canvas_stride), box.grain + at(y, box.canvas_stride),
-                         total, load_total, give, take);
-            std::fill_n(total, n, 0.0f);
-            std::fill_n(load_total, n, 0.0f);
+            const std::size_t canvas = at(y, box.canvas_stride) + static_cast<std::size_t>(span.begin);
+            const std::size_t load = at(y, box.load_stride) + static_cast<std::size_t>(span.begin);
+            float *total = box.total_mm + canvas, *load_total = box.load_total_mm + load;
+            exchange_row(
+                count, rates,
+                box.underside_mm + at(y, box.underside_stride) + static_cast<std::size_t>(span.begin),
+                box.relief_mm + canvas, box.grain + canvas, total, load_total, give, take);
+            std::fill_n(total, count, 0.0f);
+            std::fill_n(load_total, count, 0.0f);
             for (std::size_t i = 0; i < box.paint.size(); ++i)
-                apply_row(box.width, give, take, box.paint[i] + at(y, box.canvas_stride),
-                          box.load[i] + at(y, box.load_stride), total, load_total);
+                apply_row(count, give, take, box.paint[i] + canvas, box.load[i] + load, total, load_total);
         }
     });
 }
+
+namespace {
+
+// Where paint may flow: beside the bristles of the rows around, within the ring.
+void find_flowing(const StepBox& box, std::vector<RowSpan>& flowing) {
+    flowing.assign(static_cast<std::size_t>(box.height), {0, 0});
+    for (int y = 1; y < box.height - 1; ++y) {
+        RowSpan all{box.width, 0};
+        for (int k = std::max(y - kFlowMargin, 0); k <= std::min(y + kFlowMargin, box.height - 1); ++k) {
+            const RowSpan span = box.bristles[static_cast<std::size_t>(k)];
+            if (span.end <= span.begin) continue;
+            all.begin = std::min(all.begin, span.begin);
+            all.end = std::max(all.end, span.end);
+        }
+        if (all.end > all.begin)
+            flowing[static_cast<std::size_t>(y)] = {std::max(all.begin - kFlowMargin, 1),
+                                                    std::min(all.end + kFlowMargin, box.width - 1)};
+    }
+}
+
+// What a row's paint can come from and go to: its own flow and that of the rows beside it.
+RowSpan touched_by(const std::vector<RowSpan>& flowing, int y) {
+    RowSpan all{1 << 30, 0};
+    for (int k = std::max(y - 1, 0); k <= std::min(y + 1, static_cast<int>(flowing.size()) - 1); ++k) {
+        const RowSpan span = flowing[static_cast<std::size_t>(k)];
+        if (span.end <= span.begin) continue;
+        all.begin = std::min(all.begin, span.begin - 1);
+        all.end = std::max(all.end, span.end + 1);
+    }
+    return all;
+}
+
+}  // namespace
 
 void push(const StepBox& box, const TransferRates& rates, float dx, float dy, StepScratch& scratch) {
     if (box.width < 3 || box.height < 3) return;
@@ -144,12 +181,19 @@ void push(const StepBox& box, const TransferRates& rates, float dx, float dy, St
     const auto row_of = [&](int direction, int y) {
         return base + static_cast<std::size_t>(direction) * plane + at(y + 1, stride) + 1;
     };
+    find_flowing(box, scratch.flowing);
     for_rows(box, 1, box.height - 1, [&](int begin, int end) {
-        for (int y = begin; y < end; ++y)
-            outflow_row(box.width, rates, dx, dy, box.underside_mm + at(y, box.underside_stride),
-                        box.underside_stride, box.relief_mm + at(y, box.canvas_stride),
-                        box.total_mm + at(y, box.canvas_stride), box.grain + at(y, box.canvas_stride),
-                        box.canvas_stride, {row_of(0, y), row_of(1, y), row_of(2, y), row_of(3, y)});
+        for (int y = begin; y < end; ++y) {
+            const RowSpan span = scratch.flowing[static_cast<std::size_t>(y)];
+            if (span.end <= span.begin) continue;
+            const auto first = static_cast<std::size_t>(span.begin);
+            const std::size_t canvas = at(y, box.canvas_stride) + first;
+            outflow_row(
+                span.end - span.begin, rates, dx, dy, box.underside_mm + at(y, box.underside_stride) + first,
+                box.underside_stride, box.relief_mm + canvas, box.total_mm + canvas, box.grain + canvas,
+                box.canvas_stride,
+                {row_of(0, y) + first, row_of(1, y) + first, row_of(2, y) + first, row_of(3, y) + first});
+        }
     });
     // Ingredients do not depend on each other. Rows are replaced from top to bottom; what they were is kept
     // until the next row is done.
@@ -159,12 +203,17 @@ void push(const StepBox& box, const TransferRates& rates, float dx, float dy, St
         float* above = scratch.rows.data() + 2 * line * i + 1;
         float* old = above + line;
         for (int y = 0; y < box.height; ++y) {
+            const RowSpan span = touched_by(scratch.flowing, y);
             float* paint = box.paint[i] + at(y, box.canvas_stride);
             std::copy_n(paint, box.width, old);
-            const float* below =
-                y + 1 < box.height ? paint + box.canvas_stride : paint;  // times 0 at the end
-            advect_row(box.width, old, above, below, row_of(0, y), row_of(1, y), row_of(2, y), row_of(3, y),
-                       stride, paint);
+            if (span.end > span.begin) {
+                const auto first = static_cast<std::size_t>(span.begin);
+                const float* below =
+                    y + 1 < box.height ? paint + box.canvas_stride : paint;  // times 0 at the end
+                advect_row(span.end - span.begin, old + first, above + first, below + first,
+                           row_of(0, y) + first, row_of(1, y) + first, row_of(2, y) + first,
+                           row_of(3, y) + first, stride, paint + first);
+            }
             std::swap(above, old);
         }
     };
@@ -176,9 +225,12 @@ void push(const StepBox& box, const TransferRates& rates, float dx, float dy, St
         });
     for_rows(box, 0, box.height, [&](int begin, int end) {
         for (int y = begin; y < end; ++y) {
-            float* total = box.total_mm + at(y, box.canvas_stride);
-            std::fill_n(total, box.width, 0.0f);
-            for (const float* paint : box.paint) add_row(box.width, paint + at(y, box.canvas_stride), total);
+            const RowSpan span = touched_by(scratch.flowing, y);
+            if (span.end <= span.begin) continue;
+            const std::size_t canvas = at(y, box.canvas_stride) + static_cast<std::size_t>(span.begin);
+            float* total = box.total_mm + canvas;
+            std::fill_n(total, span.end - span.begin, 0.0f);
+            for (const float* paint : box.paint) add_row(span.end - span.begin, paint + canvas, total);
         }
     });
 }

@@ -26,6 +26,11 @@ struct TransferRates {
     float flow = 0;        // [1] part of what is more that flows in one step, 0..0.2
 };
 
+// Columns begin <= x < end of a row.
+struct RowSpan {
+    int begin = 0, end = 0;
+};
+
 // The box of pixels that one step changes. Rows of `width` floats; row y of a plane begins at plane + y *
 // stride. The outermost ring receives paint but gives none.
 struct StepBox {
@@ -33,6 +38,7 @@ struct StepBox {
     const float* underside_mm =
         nullptr;  // of the bristles above the relief's mean; kOutside where there is none
     std::size_t underside_stride = 0;
+    std::vector<RowSpan> bristles;     // of each row: outside of it underside_mm is kOutside
     const float* relief_mm = nullptr;  // of what is dry, above its local mean
     const float* grain = nullptr;      // [1] random factor of the transfer, about 1; 0 off the canvas
     float* total_mm = nullptr;         // W, sum of `paint`
@@ -43,11 +49,13 @@ struct StepBox {
     std::vector<float*> load;  // L of each ingredient, in the same order
 };
 
+constexpr int kFlowMargin = 3;    // [pixels]
 constexpr float kOutside = 1e3f;  // [mm] underside where no bristle is
 
 // Memory that steps reuse.
 struct StepScratch {
     std::vector<float> planes, rows;
+    std::vector<RowSpan> flowing;
 };
 
 // Both ways at once between bristles and canvas.
