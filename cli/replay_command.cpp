@@ -4,7 +4,7 @@
 
 #include "cli/arguments.h"
 #include "cli/command_list.h"
-#include "paint/appearance.h"
+#include "paint/canvas_file.h"
 #include "paint/session.h"
 #include "paint/substrate.h"
 #include "surface/error.h"
@@ -18,17 +18,17 @@ namespace {
 
 struct ReplayArguments {
     std::vector<std::string> files;
-    std::string out, substrate, palette, flat;
+    std::string out, substrate, palette;
     SubstrateOptions piece;
 };
 
-std::shared_ptr<const Surface> dry_surface(const ReplayArguments& a, const Progress& progress) {
-    if (a.substrate.empty()) return std::make_shared<Surface>(read_painting(a.files.front(), progress));
+Canvas canvas_of(const ReplayArguments& a, const Progress& progress) {
+    if (a.substrate.empty()) return read_canvas(a.files.front(), progress);
     const auto kind = substrate_named(a.substrate);
     if (!kind)
         throw UsageError(
             fmt::format("--substrate {}: is not one of {}", a.substrate, fmt::join(substrate_names(), ", ")));
-    return std::make_shared<Surface>(make_substrate(*kind, a.piece, progress));
+    return Canvas(std::make_shared<Surface>(make_substrate(*kind, a.piece, progress)));
 }
 
 nlohmann::json run_replay(const ReplayArguments& a) {
@@ -47,15 +47,13 @@ nlohmann::json run_replay(const ReplayArguments& a) {
     const Journal journal = read_journal(strokes);
     const nlohmann::json warnings = told(journal.warnings);
     AtomicFile out(a.out);  // that it can be written is known before the work
-    Session session(dry_surface(a, progress),
-                    a.palette.empty() ? artist_acrylics() : read_palette(a.palette));
+    Session session(canvas_of(a, progress), a.palette.empty() ? artist_acrylics() : read_palette(a.palette));
     const std::string dry_hash = hash_of(session.canvas().dry());
     const auto start = std::chrono::steady_clock::now();
     replay(session, journal, progress);
     const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
     const Canvas& canvas = session.canvas();
-    Surface look = appearance(canvas, {}, progress);
-    write_painting(out, look, progress);
+    write_canvas(out, canvas, progress);
 
     nlohmann::json volumes = nlohmann::json::object();
     const auto mm3 = canvas.volumes_mm3();

@@ -1,6 +1,7 @@
 #include "paint/paint_layer.h"
 
 #include <algorithm>
+#include <cstring>
 
 #include "surface/error.h"
 
@@ -93,13 +94,24 @@ std::vector<double> volumes_mm3(const PaintLayer& layer, std::size_t ingredients
 
 bool identical(const PaintLayer& a, const PaintLayer& b) {
     if (a.width() != b.width() || a.height() != b.height()) return false;
+    const auto same_plane = [](const PaintLayer::TilePtr& first, const PaintLayer::TilePtr& second,
+                               IngredientId id) {
+        const auto one = first ? first->plane(id) : std::span<const float>();
+        const auto other = second ? second->plane(id) : std::span<const float>();
+        const auto is_zero = [](float v) { return v == 0; };
+        if (one.empty() || other.empty())
+            return std::all_of(one.begin(), one.end(), is_zero) &&
+                   std::all_of(other.begin(), other.end(), is_zero);
+        return std::memcmp(one.data(), other.data(), one.size_bytes()) == 0;
+    };
     for (int y = 0; y < a.rows(); ++y)
         for (int x = 0; x < a.columns(); ++x) {
             const auto &first = a.tile({x, y}), &second = b.tile({x, y});
             if (first == second) continue;
-            if (!first || !second || first->ingredients != second->ingredients ||
-                first->thickness_mm != second->thickness_mm)
-                return false;
+            for (const auto& tile : {first, second})
+                if (tile)
+                    for (const IngredientId id : tile->ingredients)
+                        if (!same_plane(first, second, id)) return false;
         }
     return true;
 }

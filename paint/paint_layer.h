@@ -82,7 +82,7 @@ private:
 // in double in a fixed order.
 std::vector<double> volumes_mm3(const PaintLayer& layer, std::size_t ingredients, double mm_per_pixel);
 
-// True where both hold the same bits everywhere.
+// True where both hold the same bits everywhere; an ingredient that a tile has not is 0.
 bool identical(const PaintLayer& a, const PaintLayer& b);
 
 }  // namespace tangi

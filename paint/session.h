@@ -19,6 +19,9 @@ public:
             std::size_t undo_bytes = std::size_t(1) << 30);
     Session(Canvas canvas, Palette palette, std::size_t undo_bytes = std::size_t(1) << 30);
 
+    Session(const Session&) = delete;  // a stroke under way refers to the canvas
+    Session& operator=(const Session&) = delete;
+
     // Throws Error on what makes no sense here: a point without a stroke, a paint that the palette has not. A
     // stroke that begins while another is not over ends that one.
     void apply(const Event& event);
