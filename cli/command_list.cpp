@@ -5,7 +5,7 @@ namespace tangi {
 const std::vector<Command>& commands() {
     static const std::vector<Command> table = {calibrate_command(), fit_command(),  relight_command(),
                                                compare_command(),   info_command(), generate_command(),
-                                               demo_command()};
+                                               palette_command(),   demo_command()};
     return table;
 }
 

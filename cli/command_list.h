@@ -13,6 +13,7 @@ Command relight_command();
 Command compare_command();
 Command info_command();
 Command generate_command();
+Command palette_command();
 Command demo_command();
 
 }  // namespace tangi
