@@ -122,10 +122,11 @@ Image<Rgb> card_of(const Pigment& paint, const Pigment& white, Illuminant illumi
     const auto px = [&](double part) { return static_cast<int>(std::lround(part * size)); };
     write_text(picture, paint.name + (paint.approximate() ? " (approx.)" : ""), px(0.05), px(0.095),
                0.045 * size, px(0.9));
-    const double ends[] = {0, options.thickest_mm / 2, options.thickest_mm};
-    for (int i = 0; i < 3; ++i)
-        write_text(picture, fmt::format("{:.3g}{}", ends[i], i == 2 ? " mm" : ""),
-                   px(static_cast<double>(kDrawdown.x0) + 0.385 * i), px(0.765), 0.033 * size, px(0.13));
+    const std::pair<double, double> marks[] = {
+        {0, 0.075}, {0.5, 0.46}, {1, 0.78}};  // part of the thickest, place
+    for (const auto& [part, place] : marks)
+        write_text(picture, fmt::format("{:.3g}{}", part * options.thickest_mm, part == 1 ? " mm" : ""),
+                   px(place), px(0.765), 0.033 * size, px(0.17));
     return picture;
 }
 

@@ -1,4 +1,5 @@
-// spectrum_tables.h: numbers of spectrum.cpp. docs/paint.md says how they were found.
+// spectrum_tables.h: numbers of spectrum.cpp, made by script/paint_tables. docs/paint.md says how they were
+// found.
 #pragma once
 
 #include "paint/spectrum.h"
@@ -43,10 +44,10 @@ inline constexpr std::array<std::array<Spectrum, 3>, kIlluminants> kXyzWeights =
 // Reflectance of linear Rec. 709 red, green and blue. They add up to 1 at every band and lie in [0, 1].
 inline constexpr std::array<Spectrum, 3> kRgbBasis = {
     {{{0.0183498f, 0.0329829f, 0.0000000f, 0.0000000f, 0.0000000f, 0.0000000f, 0.0000000f, 0.0000000f,
-       0.1857368f, 0.7578688f, 1.0000000f, 1.0000000f}},
-     {{0.0000000f, 0.0000000f, 0.0953892f, 0.7276878f, 0.8925785f, 1.0000000f, 1.0000000f, 1.0000000f,
-       0.7535272f, 0.2290450f, 0.0000000f, 0.0000000f}},
-     {{0.9816502f, 0.9670171f, 0.9046108f, 0.2723122f, 0.1074215f, 0.0000000f, 0.0000000f, 0.0000000f,
-       0.0607361f, 0.0130862f, 0.0000000f, 0.0000000f}}}};
+       0.1857368f, 0.7578685f, 1.0000000f, 1.0000000f}},
+     {{0.0000000f, 0.0000000f, 0.0953892f, 0.7276878f, 0.8925784f, 1.0000000f, 1.0000000f, 1.0000000f,
+       0.7535272f, 0.2290453f, 0.0000000f, 0.0000000f}},
+     {{0.9816502f, 0.9670171f, 0.9046108f, 0.2723122f, 0.1074216f, 0.0000000f, 0.0000000f, 0.0000000f,
+       0.0607360f, 0.0130862f, 0.0000000f, 0.0000000f}}}};
 
 }  // namespace tangi
