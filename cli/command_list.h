@@ -14,6 +14,7 @@ Command compare_command();
 Command replay_command();
 Command info_command();
 Command generate_command();
+Command palette_command();
 Command demo_command();
 
 }  // namespace tangi

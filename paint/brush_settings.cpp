@@ -180,8 +180,8 @@ nlohmann::json brush_to_json(const BrushSettings& settings) {
 std::map<std::string, BrushSettings> read_brush_presets(const std::filesystem::path& path) {
     const auto json = nlohmann::json::parse(read_text_file(path), nullptr, false);
     if (json.is_discarded()) fail("{}: is not JSON", path.string());
-    if (!json.is_object() || json.value("tangipaint", nlohmann::json()) != "brushes")
-        fail("{}: is not a file of brushes; it must have \"tangipaint\": \"brushes\"", path.string());
+    if (!json.is_object() || json.value("format", nlohmann::json()) != "tangipaint brushes")
+        fail("{}: is not a file of brushes; it must have \"format\": \"tangipaint brushes\"", path.string());
     if (json.value("version", nlohmann::json()) != 1)
         fail("{}: has version {}, but this program reads version 1", path.string(),
              json.value("version", nlohmann::json()).dump());

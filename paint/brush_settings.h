@@ -79,7 +79,7 @@ BrushSettings brush_from_json(const nlohmann::json& json, const std::string& whe
                               const std::map<std::string, BrushSettings>& presets = brush_presets());
 nlohmann::json brush_to_json(const BrushSettings& settings);
 
-// A presets file: {"tangipaint": "brushes", "version": 1, "brushes": {"name": {...}, ...}}, and the program's
+// A presets file: {"format": "tangipaint brushes", "version": 1, "brushes": {"name": {...}, ...}}, and the program's
 // own presets where it has none of the same name. Throws Error naming the file and the brush.
 std::map<std::string, BrushSettings> read_brush_presets(const std::filesystem::path& path);
 

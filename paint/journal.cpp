@@ -17,7 +17,7 @@ namespace {
 
 using nlohmann::json;
 
-const char* const kFirstLine = R"({"tangipaint": "strokes", "version": 1})";
+const char* const kFirstLine = R"({"format": "tangipaint strokes", "version": 1})";
 
 // The fields of one event. Each is asked for by name; those that nobody asked for are mistakes.
 class Fields {
@@ -136,7 +136,7 @@ struct ToJson {
 
 void require_header(const std::string& line, const std::string& path) {
     const json header = json::parse(line, nullptr, false);
-    if (header.is_discarded() || !header.is_object() || header.value("tangipaint", json()) != "strokes")
+    if (header.is_discarded() || !header.is_object() || header.value("format", json()) != "tangipaint strokes")
         fail("{}:1: is not a journal of strokes; its first line must be {}", path, kFirstLine);
     if (header.value("version", json()) != 1)
         fail("{}:1: has version {}, but this program reads version 1", path,

@@ -1,6 +1,6 @@
 // journal.h: the record of a painting: one JSON object a line, append-only (docs/paint.md: the format).
 //
-// The first line is {"tangipaint": "strokes", "version": 1}; then one event a line, in the order in which
+// The first line is {"format": "tangipaint strokes", "version": 1}; then one event a line, in the order in which
 // they happened. A line that a crash cut short is left out with a warning; all before it count.
 #pragma once
 

@@ -268,7 +268,7 @@ Surface make_substrate(SubstrateKind kind, const SubstrateOptions& options, cons
             "made",
             options.width_mm, options.height_mm, options.pixel_mm, columns, rows);
     Surface s(static_cast<int>(columns), static_cast<int>(rows));
-    s.mm_per_pixel = options.pixel_mm;
+    s.mm_per_pixel = static_cast<float>(options.pixel_mm);  // as files keep it
     s.scale_known = true;
     const auto mm = static_cast<float>(options.pixel_mm);
     const Piece piece{static_cast<float>(s.width()) * mm, static_cast<float>(s.height()) * mm, options.seed};
