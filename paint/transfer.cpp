@@ -42,20 +42,36 @@ void apply_row(int n, const float* __restrict give, const float* __restrict take
     }
 }
 
-// Parts of a pixel's paint that leave it to the left, right, up and down: at most all of it.
+// Parts of a pixel's paint that leave it to the left, right, up, down, and to the diagonal neighbour ahead:
+// at most all of it.
 struct Outflow {
-    float *left, *right, *up, *down;
+    float *left, *right, *up, *down, *ahead;
 };
 
+// The motion as shares of the neighbours ahead: a step of one pixel, bilinear, so equally fast in any
+// direction.
+struct Motion {
+    int sx, sy;            // signs: the diagonal neighbour ahead is at (x + sx, y + sy)
+    float x, y, diagonal;  // [1] shares
+};
+
+Motion motion_along(float dx, float dy) {
+    const float ax = std::min(std::abs(dx), 1.0f), ay = std::min(std::abs(dy), 1.0f);
+    return {dx < 0 ? -1 : 1, dy < 0 ? -1 : 1, ax * (1 - ay), ay * (1 - ax), ax * ay};
+}
+
 TP_VECTOR_CLONES
-void outflow_row(int n, const TransferRates& r, float dx, float dy, const float* __restrict underside,
+void outflow_row(int n, const TransferRates& r, const Motion& m, const float* __restrict underside,
                  std::size_t underside_stride, const float* __restrict relief, const float* __restrict total,
                  const float* __restrict grain, std::size_t stride, const Outflow& out) {
     const float film = r.film_mm, push = r.push, spread = r.spread, yield = r.yield_mm, flow = r.flow;
-    float* __restrict left = out.left, * __restrict right = out.right, * __restrict up = out.up, * __restrict down = out.down;
+    float* __restrict left = out.left, * __restrict right = out.right, * __restrict up = out.up, * __restrict down = out.down, * __restrict ahead = out.ahead;
     const float *b_up = underside - underside_stride, *b_down = underside + underside_stride;
     const float *z_up = relief - stride, *z_down = relief + stride, *w_up = total - stride,
                 *w_down = total + stride, *g_up = grain - stride, *g_down = grain + stride;
+    const float* g_ahead = (m.sy < 0 ? g_up : g_down) + m.sx;
+    const float to_left = m.sx < 0 ? m.x : 0, to_right = m.sx < 0 ? 0 : m.x, to_up = m.sy < 0 ? m.y : 0,
+                to_down = m.sy < 0 ? 0 : m.y, diagonal = m.diagonal;
     for (int x = 0; x < n; ++x) {
         const float w = total[x], top = relief[x] + w;
         // Steps that are too steep: paint flows down them.
@@ -67,33 +83,37 @@ void outflow_row(int n, const TransferRates& r, float dx, float dy, const float*
         // What the bristles push: along the motion, and to where they press less.
         const float excess = std::min(std::max(top - underside[x], 0.0f), std::max(w - film, 0.0f));
         const float pushed = push * excess / (w + kTiny) * (1 - (l + rr + u + d));
-        const float gx = std::min(std::max((underside[x + 1] - underside[x - 1]) * 4.0f, -1.0f), 1.0f);
-        const float gy = std::min(std::max((b_down[x] - b_up[x]) * 4.0f, -1.0f), 1.0f);
-        const float vx = dx + spread * gx, vy = dy + spread * gy;
-        const float scale = pushed / std::max(std::abs(vx) + std::abs(vy), 1.0f);
-        l += std::max(-vx, 0.0f) * scale;
-        rr += std::max(vx, 0.0f) * scale;
-        u += std::max(-vy, 0.0f) * scale;
-        d += std::max(vy, 0.0f) * scale;
+        const float gx =
+            spread * std::min(std::max((underside[x + 1] - underside[x - 1]) * 4.0f, -1.0f), 1.0f);
+        const float gy = spread * std::min(std::max((b_down[x] - b_up[x]) * 4.0f, -1.0f), 1.0f);
+        const float scale = pushed / (1 + std::abs(gx) + std::abs(gy));
+        l += (to_left + std::max(-gx, 0.0f)) * scale;
+        rr += (to_right + std::max(gx, 0.0f)) * scale;
+        u += (to_up + std::max(-gy, 0.0f)) * scale;
+        d += (to_down + std::max(gy, 0.0f)) * scale;
         // Nothing leaves the canvas.
         left[x] = grain[x - 1] > 0 ? l : 0.0f;
         right[x] = grain[x + 1] > 0 ? rr : 0.0f;
         up[x] = g_up[x] > 0 ? u : 0.0f;
         down[x] = g_down[x] > 0 ? d : 0.0f;
+        ahead[x] = g_ahead[x] > 0 ? diagonal * scale : 0.0f;
     }
 }
 
-// One row of one ingredient after the flow; `old` is the row before, `above` the one above it before.
+// One row of one ingredient after the flow; `old` is the row before, `above` and `below` those beside it
+// before. `flow` is of this row, its planes' rows are `stride` apart.
 TP_VECTOR_CLONES
-void advect_row(int n, const float* __restrict old, const float* __restrict above,
-                const float* __restrict below, const float* __restrict left, const float* __restrict right,
-                const float* __restrict up, const float* __restrict down, std::size_t stride,
+void advect_row(int n, const Motion& m, const float* __restrict old, const float* __restrict above,
+                const float* __restrict below, const Outflow& flow, std::size_t stride,
                 float* __restrict paint) {
+    const float *left = flow.left, *right = flow.right, *up = flow.up, *down = flow.down, *ahead = flow.ahead;
     const float *down_above = down - stride, *up_below = up + stride;
+    const float* behind = (m.sy < 0 ? below : above) - m.sx;
+    const float* from_behind = (m.sy < 0 ? ahead + stride : ahead - stride) - m.sx;
     for (int x = 0; x < n; ++x) {
-        const float stays = old[x] - old[x] * (left[x] + right[x] + up[x] + down[x]);
+        const float stays = old[x] - old[x] * (left[x] + right[x] + up[x] + down[x] + ahead[x]);
         paint[x] = stays + old[x - 1] * right[x - 1] + old[x + 1] * left[x + 1] + above[x] * down_above[x] +
-                   below[x] * up_below[x];
+                   below[x] * up_below[x] + behind[x] * from_behind[x];
     }
 }
 
@@ -175,12 +195,14 @@ void push(const StepBox& box, const TransferRates& rates, float dx, float dy, St
     if (box.width < 3 || box.height < 3) return;
     const std::size_t stride = static_cast<std::size_t>(box.width) + 2;  // a column of zeros on either side
     const std::size_t plane = stride * static_cast<std::size_t>(box.height + 2);
-    scratch.planes.resize(std::max(scratch.planes.size(), 4 * plane));
+    scratch.planes.resize(std::max(scratch.planes.size(), 5 * plane));
     float* base = scratch.planes.data();
-    std::fill_n(base, 4 * plane, 0.0f);
-    const auto row_of = [&](int direction, int y) {
-        return base + static_cast<std::size_t>(direction) * plane + at(y + 1, stride) + 1;
+    std::fill_n(base, 5 * plane, 0.0f);
+    const auto flow_from = [&](int y, std::size_t x) {
+        float* first = base + at(y + 1, stride) + 1 + x;
+        return Outflow{first, first + plane, first + 2 * plane, first + 3 * plane, first + 4 * plane};
     };
+    const Motion motion = motion_along(dx, dy);
     find_flowing(box, scratch.flowing);
     for_rows(box, 1, box.height - 1, [&](int begin, int end) {
         for (int y = begin; y < end; ++y) {
@@ -188,11 +210,10 @@ void push(const StepBox& box, const TransferRates& rates, float dx, float dy, St
             if (span.end <= span.begin) continue;
             const auto first = static_cast<std::size_t>(span.begin);
             const std::size_t canvas = at(y, box.canvas_stride) + first;
-            outflow_row(
-                span.end - span.begin, rates, dx, dy, box.underside_mm + at(y, box.underside_stride) + first,
-                box.underside_stride, box.relief_mm + canvas, box.total_mm + canvas, box.grain + canvas,
-                box.canvas_stride,
-                {row_of(0, y) + first, row_of(1, y) + first, row_of(2, y) + first, row_of(3, y) + first});
+            outflow_row(span.end - span.begin, rates, motion,
+                        box.underside_mm + at(y, box.underside_stride) + first, box.underside_stride,
+                        box.relief_mm + canvas, box.total_mm + canvas, box.grain + canvas, box.canvas_stride,
+                        flow_from(y, first));
         }
     });
     // Ingredients do not depend on each other. Rows are replaced from top to bottom; what they were is kept
@@ -210,9 +231,8 @@ void push(const StepBox& box, const TransferRates& rates, float dx, float dy, St
                 const auto first = static_cast<std::size_t>(span.begin);
                 const float* below =
                     y + 1 < box.height ? paint + box.canvas_stride : paint;  // times 0 at the end
-                advect_row(span.end - span.begin, old + first, above + first, below + first,
-                           row_of(0, y) + first, row_of(1, y) + first, row_of(2, y) + first,
-                           row_of(3, y) + first, stride, paint + first);
+                advect_row(span.end - span.begin, motion, old + first, above + first, below + first,
+                           flow_from(y, first), stride, paint + first);
             }
             std::swap(above, old);
         }
