@@ -230,7 +230,7 @@ void push(const StepBox& box, const TransferRates& rates, float dx, float dy, St
             if (span.end > span.begin) {
                 const auto first = static_cast<std::size_t>(span.begin);
                 const float* below =
-                    y + 1 < box.height ? paint + box.canvas_stride : paint;  // times 0 at the end
+                    y + 1 < box.height ? paint + box.canvas_stride : old;  // times 0 at the end
                 advect_row(span.end - span.begin, motion, old + first, above + first, below + first,
                            flow_from(y, first), stride, paint + first);
             }
