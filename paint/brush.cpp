@@ -60,6 +60,37 @@ Bristle bristle_at(float u, float v, std::uint64_t seed) {
     return {envelope, std::sqrt(best), nearest};
 }
 
+// Where the cells of a brush lie when it is turned: each cell has another place, and none is lost.
+class Turn {
+public:
+    Turn(float rotation_rad, int disc) : reach_(2 * disc + 2) {
+        // Quarter turns are exact; what is left of the angle is within 45 degrees, where shears are small.
+        const double quarter = std::numbers::pi / 2;
+        const long quarters = std::lround(rotation_rad / quarter);
+        const double rest = rotation_rad - static_cast<double>(quarters) * quarter;
+        quarters_ = static_cast<int>(((quarters % 4) + 4) % 4);
+        for (int i = -reach_; i <= reach_; ++i) {
+            across_.push_back(static_cast<int>(std::lround(-std::tan(rest / 2) * i)));
+            down_.push_back(static_cast<int>(std::lround(std::sin(rest) * i)));
+        }
+    }
+    void place(int u, int v, int& x, int& y) const {
+        x = u, y = v;
+        for (int turn = quarters_; turn > 0; --turn) {
+            const int old = x;
+            x = -y;
+            y = old;
+        }
+        x += across_[static_cast<std::size_t>(y + reach_)];
+        y += down_[static_cast<std::size_t>(x + reach_)];
+        x += across_[static_cast<std::size_t>(y + reach_)];
+    }
+
+private:
+    int reach_, quarters_;
+    std::vector<int> across_, down_;  // shifts of rows and columns
+};
+
 // The turned rectangle or ellipse around the bristles, as rows cut it.
 struct Outline {
     double a, b;  // [pixels] half extents
@@ -160,35 +191,19 @@ float Brush::fresh_load(int u, int v) const {
            (1 - static_cast<float>(settings_.load_variation) * luck);
 }
 
-void Brush::cell_of(int u, int v, float rotation_rad, int& x, int& y) const {
-    // Quarter turns are exact; what is left of the angle is within 45 degrees, where shears are small.
-    const double quarter = std::numbers::pi / 2;
-    const int quarters = static_cast<int>(std::lround(rotation_rad / quarter));
-    const double rest = rotation_rad - quarters * quarter;
-    x = u, y = v;
-    for (int turn = ((quarters % 4) + 4) % 4; turn > 0; --turn) {
-        const int old = x;
-        x = -y;
-        y = old;
-    }
-    const double a = -std::tan(rest / 2), b = std::sin(rest);
-    x += static_cast<int>(std::lround(a * y));
-    y += static_cast<int>(std::lround(b * x));
-    x += static_cast<int>(std::lround(a * y));
-}
-
 void Brush::turn_to(float rotation_rad) {
     const float step = 1.0f / static_cast<float>(disc_);  // one pixel at the rim
     const float wanted = std::round(rotation_rad / step) * step;
     if (wanted == rotation_rad_) return;
     const int size = grid_size();
+    const Turn before(rotation_rad_, disc_), after(wanted, disc_);
     std::vector<std::pair<int, int>> moves;
     for (int v = -disc_; v <= disc_; ++v)
         for (int u = -disc_; u <= disc_; ++u) {
             if (u * u + v * v > disc_ * disc_) continue;
             int x0, y0, x1, y1;
-            cell_of(u, v, rotation_rad_, x0, y0);
-            cell_of(u, v, wanted, x1, y1);
+            before.place(u, v, x0, y0);
+            after.place(u, v, x1, y1);
             moves.emplace_back((y0 + half_) * size + x0 + half_, (y1 + half_) * size + x1 + half_);
         }
     std::vector<float> turned(total_.size());
@@ -232,11 +247,12 @@ void Brush::load(const std::vector<Portion>& recipe, double amount, bool keep) {
     if (!keep) clean();
     for (const Portion& portion : recipe) load_plane(portion.ingredient);
     const int size = grid_size();
+    const Turn turn(rotation_rad_, disc_);
     for (int v = -disc_; v <= disc_; ++v)
         for (int u = -disc_; u <= disc_; ++u) {
             if (u * u + v * v > disc_ * disc_) continue;
             int x, y;
-            cell_of(u, v, rotation_rad_, x, y);
+            turn.place(u, v, x, y);
             const auto i = static_cast<std::size_t>((y + half_) * size + x + half_);
             const float room = fresh_load(u, v) * static_cast<float>(amount) - total_[i];
             if (!(room > 0)) continue;

@@ -73,7 +73,6 @@ private:
     Texel texel(float u, float v) const;  // u, v in pixels from the middle, along width and thickness
     float fresh_load(int u, int v) const;
     void sum_loads();
-    void cell_of(int u, int v, float rotation_rad, int& x, int& y) const;
 
     BrushSettings settings_;
     double mm_per_pixel_;

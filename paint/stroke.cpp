@@ -202,6 +202,30 @@ void Stroke::finish() {
         segment(before, knots_[n - 2], last, last);
     }
     paint();
+    if (last_) relax(*last_);
+}
+
+// Where the brush is lifted off, paint that was just sheared is thinner than paint at rest: the prints of
+// single bristles run together, and it comes to rest less steep.
+void Stroke::relax(const Dab& last) {
+    constexpr int steps = 24;
+    constexpr float part_of_yield = 0.3f;
+    const Region box = box_of(brush_, last);
+    PaintWindow window(canvas_, box, {}, 2, 0, seed_);
+    const int width = box.width(), height = box.height();
+    StepBox step;
+    step.width = width;
+    step.height = height;
+    underside_.resize(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
+    brush_.underside_mm(last, box.x0, box.y0, width, height, underside_.data(), step.bristles);
+    std::fill(underside_.begin(), underside_.end(), kOutside);  // the bristles are gone
+    step.underside_mm = underside_.data();
+    step.underside_stride = static_cast<std::size_t>(width);
+    window.attach(step, box.x0, box.y0);
+    TransferRates rates = rates_of(brush_.settings(), 1, 0, canvas_.mm_per_pixel());
+    rates.yield_mm *= part_of_yield;
+    for (int i = 0; i < steps; ++i) push(step, rates, 0, 0, scratch_);
+    window.store(canvas_);
 }
 
 void Stroke::segment(const Knot& a, const Knot& b, const Knot& c, const Knot& d) {
@@ -254,6 +278,7 @@ void Stroke::paint() {
     if (dabs_.empty()) return;
     bristle_pixels_ += paint_dabs(canvas_, brush_, dabs_, options_.spacing_px, seed_, scratch_);
     steps_ += static_cast<int>(dabs_.size());
+    last_ = dabs_.back();
     dabs_.clear();
 }
 

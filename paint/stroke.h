@@ -72,6 +72,7 @@ private:
     void segment(const Knot& a, const Knot& b, const Knot& c, const Knot& d);
     void step_to(const Knot& b, const Knot& c, double u, const PathPoint& at, const PathPoint& direction);
     void paint();
+    void relax(const Dab& last);
 
     Canvas& canvas_;
     Brush& brush_;
@@ -82,6 +83,7 @@ private:
     double left_px_ = 0;  // of arc length until the next step
     std::optional<float> heading_rad_;
     std::vector<Dab> dabs_;
+    std::optional<Dab> last_;
     StepScratch scratch_;
     std::vector<float> underside_;
     double bristle_pixels_ = 0;
