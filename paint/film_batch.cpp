@@ -2,7 +2,8 @@
 //
 // Loops run over a block of pixels, band by band, without a branch, so that the compiler turns them into
 // vector instructions. CMakeLists.txt gives this file the flags for it; x86 processors choose at run time
-// between what every one of them has and AVX2 or AVX-512.
+// between what every one of them has and AVX2 or AVX-512. Products and sums are not fused, so all of them
+// give the same bits.
 #include <algorithm>
 #include <bit>
 #include <cmath>
