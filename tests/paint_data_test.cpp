@@ -35,6 +35,14 @@ Table table_of(const std::filesystem::path& path) {
     return table;
 }
 
+// The model of a white LED in docs/paint.md.
+double warm_led(double nm) {
+    const auto bell = [nm](double middle, double below, double above) {
+        return std::exp(-0.5 * std::pow((nm - middle) / (nm < middle ? below : above), 2));
+    };
+    return 0.5626 * bell(452, 9, 13) + bell(587.7, 48, 66);
+}
+
 // XYZ of 38 samples under an illuminant of the table: by 5 nm, reflectance interpolated linearly and constant
 // outside; Y of white is 1.
 struct Observer {
@@ -47,7 +55,8 @@ struct Observer {
         double white = 0;
         for (int c = 0; c < 3; ++c) weights[c].assign(kSamples, 0);
         for (std::size_t i = 0; i < lamps.at("wavelength_nm").size(); ++i) {
-            const double nm = lamps.at("wavelength_nm")[i], power = lamps.at(lamp)[i];
+            const double nm = lamps.at("wavelength_nm")[i],
+                         power = lamp == "LED" ? warm_led(nm) : lamps.at(lamp)[i];
             const double position = (std::clamp(nm, 380.0, 750.0) - 380) / 10;
             const auto below = std::min(static_cast<std::size_t>(position), kSamples - 2);
             const double t = position - static_cast<double>(below);
@@ -127,6 +136,7 @@ TEST(DataTwelveBands, AreAsGoodAsThirtyEight) {
     } limits[] = {{Illuminant::d65, "D65", 0.2, 1.3},
                   {Illuminant::d50, "D50", 0.21, 1.5},
                   {Illuminant::a, "A", 0.22, 2.0},
+                  {Illuminant::warm_led, "LED", 0.28, 2.0},
                   // Its lines are narrower than the distance of the bands.
                   {Illuminant::f11, "F11", 0.35, 4.0}};
     for (const auto& limit : limits) {
