@@ -1,5 +1,7 @@
 // palette_command.cpp: tangipaint palette [FILE] [--out CARDS.png]: what the paints of a palette are and look
 // like.
+#include <filesystem>
+
 #include "cli/arguments.h"
 #include "cli/command_list.h"
 #include "paint/drawdown.h"
@@ -8,6 +10,8 @@
 #include "surface/picture_file.h"
 
 namespace tangi {
+
+namespace fs = std::filesystem;
 
 namespace {
 
@@ -30,12 +34,20 @@ nlohmann::json described(const Pigment& paint, Illuminant illuminant) {
             {"source", paint.source}};
 }
 
+void refuse_to_save_over(const fs::path& palette, const std::vector<fs::path>& others) {
+    std::error_code missing;
+    for (const fs::path& other : others)
+        if (palette == other || fs::equivalent(palette, other, missing))
+            fail("--save {}: is the file of {} too; choose another name", palette.string(),
+                 &other == &others[0] ? "the palette that is read" : "--out");
+}
+
 nlohmann::json run_palette(const PaletteArguments& a) {
     const auto illuminant = illuminant_named(a.illuminant);
     if (!illuminant)
         throw UsageError(fmt::format("--illuminant {}: is not A, D50, D65, F11 or LED", a.illuminant));
-    for (const std::string& output : {a.out, a.save})
-        if (!output.empty() && !a.file.empty()) refuse_to_overwrite(output, {a.file});
+    if (!a.file.empty() && !a.out.empty()) refuse_to_overwrite(a.out, {a.file});
+    if (!a.save.empty()) refuse_to_save_over(a.save, {a.file, a.out});
     if (!a.out.empty()) require_picture_format(a.out);
     const Progress progress = console_progress();
     const Palette palette = a.file.empty() ? artist_acrylics() : read_palette(a.file);

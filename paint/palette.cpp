@@ -76,7 +76,7 @@ struct Place {
 };
 
 std::vector<double> wavelengths_at(const Place& place) {
-    const std::vector<double> nm = place.numbers(300, 900);
+    std::vector<double> nm = place.numbers(300, 900);
     if (nm.size() < 2)
         place.refuse("needs wavelengths from {} nm to {} nm", kBand_nm.front(), kBand_nm.back());
     for (std::size_t i = 1; i < nm.size(); ++i)
@@ -125,9 +125,8 @@ Rgb linear_at(const Place& place) {
                          text.find_first_not_of("0123456789abcdefABCDEF", 1) == std::string::npos;
         if (!hex)
             place.refuse("'{}' is no colour; write \"#rrggbb\" or [red, green, blue] from 0 to 255", text);
-        for (int c = 0; c < 3; ++c)
-            encoded[c] = static_cast<float>(
-                std::stoi(text.substr(static_cast<std::size_t>(1 + 2 * c), 2), nullptr, 16));
+        const int rgb = std::stoi(text.substr(1), nullptr, 16);
+        encoded = Rgb(rgb >> 16, rgb >> 8 & 255, rgb & 255);
     } else {
         const std::vector<double> numbers = place.numbers(0, 255);
         if (numbers.size() != 3) place.refuse("has {} numbers; a colour has three", numbers.size());

@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <glm/common.hpp>
+
 #include "paint/palette.h"
 #include "tests/test_support.h"
 
@@ -229,6 +231,34 @@ TEST(ThesisModel, MixesAbsorbancesOfThreeChannels) {
     EXPECT_NEAR(thesis_mixture_srgb({&black, 1}, {equal, 1}).r, 1 / 255.0, 1e-5);
     EXPECT_EQ(thesis_mixture_srgb({&yellow, 1}, nothing), yellow);
     EXPECT_THROW(thesis_mixture_srgb(both, nothing), ContractError);
+}
+
+// How far the thesis's model is from the spectral one: mixtures of two paints and white.
+TEST(ThesisModel, IsFarFromTheSpectralOne) {
+    const auto& paints = artist_acrylics().paints;
+    const Transfer srgb{Transfer::Kind::srgb};
+    Random random(5);
+    double mean = 0;
+    constexpr int kMixtures = 1000;
+    for (int i = 0; i < kMixtures; ++i) {
+        const Pigment chosen[] = {paints[0], paints[static_cast<std::size_t>(1 + random.below(18))],
+                                  paints[static_cast<std::size_t>(1 + random.below(18))]};
+        std::vector<float> parts;
+        std::vector<Rgb> colours;
+        for (const Pigment& paint : chosen) {
+            parts.push_back(static_cast<float>(-std::log(1 - random.uniform())));
+            colours.push_back(
+                srgb.encode(glm::clamp(to_linear_rgb(opaque_look({paint.k, paint.s})), Rgb(0), Rgb(1))));
+        }
+        const Rgb thesis = thesis_mixture_srgb(colours, parts);
+        const Rgb linear(srgb.decode(thesis.r), srgb.decode(thesis.g), srgb.decode(thesis.b));
+        // What a screen can show of the spectral one, so that only mixing is compared.
+        const Rgb spectral = glm::clamp(to_linear_rgb(opaque_look(mix(chosen, parts))), Rgb(0), Rgb(1));
+        mean += delta_e_2000(lab_from_linear(linear), lab_from_linear(spectral)) / kMixtures;
+    }
+    fmt::print("thesis model against the spectral one: mean dE2000 {:.1f}\n", mean);
+    EXPECT_GT(mean, 5);
+    EXPECT_LT(mean, 40);
 }
 
 }  // namespace

@@ -165,6 +165,35 @@ TEST(Palettes, SayWhatIsWrongAndWhere) {
                 << text;
 }
 
+TEST(Palettes, ThatAreDamagedAreReadOrRefusedWithTheirName) {
+    const std::string whole = palette_text(artist_acrylics());
+    Random random(1);
+    int refused = 0;
+    for (int i = 0; i < 300; ++i) {
+        std::string damaged = whole;
+        if (i % 3 == 0)
+            damaged.resize(static_cast<std::size_t>(random.below(static_cast<int>(whole.size()))));
+        for (int k = 0; k < 3 && !damaged.empty(); ++k) {
+            const auto at = static_cast<std::size_t>(random.below(static_cast<int>(damaged.size())));
+            if (i % 3 == 1)
+                damaged[at] = static_cast<char>(random.below(256));
+            else if (i % 3 == 2)
+                damaged.erase(at, 1 + static_cast<std::size_t>(random.below(20)));
+        }
+        try {
+            for (const Pigment& paint : parse_palette(damaged, "x.json").paints)
+                for (std::size_t band = 0; band < kBands; ++band) {
+                    ASSERT_GE(paint.k[band], 0);
+                    ASSERT_GE(paint.s[band], 0);
+                }
+        } catch (const Error& error) {  // and nothing else
+            ++refused;
+            EXPECT_THAT(error.what(), HasSubstr("x.json"));
+        }
+    }
+    EXPECT_GT(refused, 100);
+}
+
 TEST(Palettes, ThatAreNoFilesAreNamed) {
     const TestDir dir;
     EXPECT_THAT(error_of([&] { read_palette(dir / "none.json"); }), HasSubstr("none.json"));
