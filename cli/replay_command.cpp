@@ -19,11 +19,12 @@ namespace {
 struct ReplayArguments {
     std::vector<std::string> files;
     std::string out, substrate, palette;
+    std::optional<double> mm_per_pixel;
     SubstrateOptions piece;
 };
 
 Canvas canvas_of(const ReplayArguments& a, const Progress& progress) {
-    if (a.substrate.empty()) return read_canvas(a.files.front(), progress);
+    if (a.substrate.empty()) return read_canvas(a.files.front(), progress, a.mm_per_pixel);
     const auto kind = substrate_named(a.substrate);
     if (!kind)
         throw UsageError(
@@ -39,6 +40,8 @@ nlohmann::json run_replay(const ReplayArguments& a) {
                 ? "give a painting to paint on and a journal: replay PAINTING.exr STROKES.jsonl; or a "
                   "substrate: replay --substrate linen STROKES.jsonl"
                 : "with --substrate, give the journal only: replay --substrate linen STROKES.jsonl");
+    if (!a.substrate.empty() && a.mm_per_pixel)
+        throw UsageError("--mm-per-pixel is of a painting; the pixels of a substrate are --pixel-mm");
     const std::string& strokes = a.files.back();
     std::vector<fs::path> inputs(a.files.begin(), a.files.end());
     if (!a.palette.empty()) inputs.emplace_back(a.palette);
@@ -84,6 +87,10 @@ Command replay_command() {
             flags.option("--substrate", a->substrate,
                          "paint on a new canvas, linen, burlap, panel, gesso or paper instead of a painting");
             flags.option("--palette", a->palette, "palette file (.json) with the paints that strokes name");
+            flags
+                .option("--mm-per-pixel", a->mm_per_pixel,
+                        "size of the painting's pixels where the file does not say")
+                .check(within(1e-4, 1e3));
             flags.fields(a->piece);
             return [a] { return run_replay(*a); };
         }};

@@ -81,6 +81,7 @@ void lay_film(const PaintTile& tile, const std::vector<Pigment>& pigments, const
 void update_tile(const Canvas& canvas, TileIndex at, Surface& s, const AppearanceOptions& options) {
     const auto layers = layers_of(canvas);
     const Surface& dry = canvas.dry();
+    const auto unit_mm = static_cast<float>(canvas.height_unit_mm());
     const Region region = canvas.wet().region_of(at);
     const Thickness thickness(layers, region, canvas.region());
     const auto painted = [&](const PaintLayer* layer) { return layer->tile(at) != nullptr; };
@@ -114,7 +115,7 @@ void update_tile(const Canvas& canvas, TileIndex at, Surface& s, const Appearanc
         for (int x = region.x0; x < region.x1; ++x) {
             const float mm = thickness(x, y);
             const Slope added = slope_at(thickness, x, y, canvas.region(), canvas.mm_per_pixel());
-            s.height_mm(x, y) = dry.height_mm(x, y) + mm;
+            s.height_mm(x, y) = dry.height_mm(x, y) + mm / unit_mm;
             s.normal(x, y) = dry.normal(x, y);
             if (added.x != 0 || added.y != 0) {
                 const Slope below = slope_of(dry.normal(x, y));

@@ -47,9 +47,15 @@ std::span<float> writable_plane(PaintTile& tile, IngredientId id) {
 
 }  // namespace
 
-Canvas::Canvas(std::shared_ptr<const Surface> dry) : dry_(std::move(dry)) {
+Canvas::Canvas(std::shared_ptr<const Surface> dry, std::optional<double> mm_per_pixel)
+    : dry_(std::move(dry)) {
     TP_REQUIRE(dry_ && dry_->width() > 0 && dry_->height() > 0,
                "a canvas is painted on a surface with pixels");
+    mm_per_pixel_ = mm_per_pixel.value_or(dry_->mm_per_pixel);
+    if (!(mm_per_pixel_ > 0) || !std::isfinite(mm_per_pixel_))
+        fail("a canvas's pixels have a size above 0, not {} mm", mm_per_pixel_);
+    if (dry_->scale_known && mm_per_pixel_ != dry_->mm_per_pixel)
+        fail("the painting's pixels are known to be {} mm, not {} mm", dry_->mm_per_pixel, mm_per_pixel_);
     wet_ = PaintLayer(width(), height());
 }
 
@@ -72,10 +78,12 @@ std::vector<TileIndex> Canvas::take_dirty() {
 
 void Canvas::relief_mm(const Region& region, float* out, std::size_t stride) const {
     TP_REQUIRE(intersection(region, this->region()) == region, "the region lies on the canvas");
+    const auto unit_mm = static_cast<float>(height_unit_mm());
     for (int y = region.y0; y < region.y1; ++y) {
         float* to = out + static_cast<std::size_t>(y - region.y0) * stride;
         const auto from = dry_->height_mm.row(y);
-        for (int x = region.x0; x < region.x1; ++x) to[x - region.x0] += from[static_cast<std::size_t>(x)];
+        for (int x = region.x0; x < region.x1; ++x)
+            to[x - region.x0] += from[static_cast<std::size_t>(x)] * unit_mm;
     }
     for (const DriedLayer& layer : dried_) add_thickness(layer.paint, region, out, stride);
 }

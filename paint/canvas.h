@@ -5,6 +5,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
@@ -28,15 +29,19 @@ struct DriedLayer {
 
 class Canvas {
 public:
-    // Throws ContractError where there is no surface or it has no pixels.
-    explicit Canvas(std::shared_ptr<const Surface> dry);
+    // `mm_per_pixel` gives a scale to a surface that has none; without it, such a pixel counts as one mm.
+    // Throws ContractError where there is no surface or it has no pixels, Error where its scale is known to
+    // be another.
+    explicit Canvas(std::shared_ptr<const Surface> dry, std::optional<double> mm_per_pixel = {});
 
     const Surface& dry() const { return *dry_; }
     const std::shared_ptr<const Surface>& dry_shared() const { return dry_; }
     int width() const { return dry_->width(); }
     int height() const { return dry_->height(); }
     Region region() const { return dry_->height_mm.region(); }
-    double mm_per_pixel() const { return dry_->mm_per_pixel; }
+    double mm_per_pixel() const { return mm_per_pixel_; }
+    // [mm] that one unit of the dry surface's height is: 1, or a pixel where the surface's scale is unknown.
+    double height_unit_mm() const { return mm_per_pixel_ / dry_->mm_per_pixel; }
 
     // The number of this paint, which is added where it is new: another name, colour or gloss. Throws Error
     // beyond 65535.
@@ -65,6 +70,7 @@ public:
 
 private:
     std::shared_ptr<const Surface> dry_;
+    double mm_per_pixel_ = 1;
     std::vector<Pigment> ingredients_;
     PaintLayer wet_;
     std::vector<DriedLayer> dried_;

@@ -146,6 +146,17 @@ PaintLayer read_layer(const fs::path& path, const PartInfo& info, const Canvas& 
     return layer;
 }
 
+// The scale that a painting of unknown scale was painted on with.
+std::optional<double> scale_of(const PartInfo& wet, const fs::path& path) {
+    const auto found = wet.attributes.find("paint_mm_per_pixel");
+    if (found == wet.attributes.end()) return {};
+    const json value = json::parse(found->second, nullptr, false);
+    if (!value.is_number() || !(value.get<double>() > 0))
+        fail("{}: attribute 'paint_mm_per_pixel' of part 'wet' is '{}', not a size above 0", path.string(),
+             found->second);
+    return value.get<double>();
+}
+
 const PartInfo* find(const std::vector<PartInfo>& parts, const std::string& name) {
     for (const PartInfo& part : parts)
         if (part.name == name) return &part;
@@ -161,6 +172,8 @@ void write_canvas(AtomicFile& file, const Canvas& canvas, const Progress& progre
         json list = json::array();
         for (const Pigment& pigment : canvas.ingredients()) list.push_back(to_json(pigment));
         parts.back().info.attributes["ingredients"] = list.dump();
+        if (canvas.mm_per_pixel() != canvas.dry().mm_per_pixel)  // the dry part says that it does not know
+            parts.back().info.attributes["paint_mm_per_pixel"] = fmt::format("{}", canvas.mm_per_pixel());
         for (std::size_t i = 0; i < canvas.dried().size(); ++i) {
             parts.push_back(part_of(kDried + std::to_string(i), canvas.dried()[i].paint));
             parts.back().info.attributes["layer"] = canvas.dried()[i].name;
@@ -174,10 +187,19 @@ void write_canvas(const fs::path& path, const Canvas& canvas, const Progress& pr
     write_canvas(file, canvas, progress);
 }
 
-Canvas read_canvas(const fs::path& path, const Progress& progress) {
-    Canvas canvas(std::make_shared<Surface>(read_painting(path, progress)));
+Canvas read_canvas(const fs::path& path, const Progress& progress, std::optional<double> mm_per_pixel) {
+    const auto dry = std::make_shared<Surface>(read_painting(path, progress));
     const std::vector<PartInfo> parts = painting_parts(path);
     const PartInfo* wet = find(parts, kWet);
+    if (const auto stored = wet ? scale_of(*wet, path) : std::nullopt) {
+        if (mm_per_pixel && *mm_per_pixel != *stored)
+            fail("{}: was painted on with pixels of {} mm, not {} mm", path.string(), *stored, *mm_per_pixel);
+        mm_per_pixel = stored;
+    }
+    if (mm_per_pixel && dry->scale_known && *mm_per_pixel != dry->mm_per_pixel)
+        fail("{}: its pixels are known to be {} mm, not {} mm", path.string(), dry->mm_per_pixel,
+             *mm_per_pixel);
+    Canvas canvas(dry, mm_per_pixel);
     if (!wet) return canvas;
     try {
         const auto text = wet->attributes.find("ingredients");

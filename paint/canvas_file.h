@@ -8,6 +8,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 
 #include "paint/canvas.h"
 #include "surface/atomic_file.h"
@@ -19,10 +20,12 @@ namespace tangi {
 void write_canvas(AtomicFile& file, const Canvas& canvas, const Progress& progress = {});
 void write_canvas(const std::filesystem::path& path, const Canvas& canvas, const Progress& progress = {});
 
-// The canvas with all its paint, bit for bit; one that was never painted on has none. Throws Error naming the
-// file, the part and the place: not a painting, damaged, volumes that are negative or not finite, unknown
-// ingredients.
-Canvas read_canvas(const std::filesystem::path& path, const Progress& progress = {});
+// The canvas with all its paint, bit for bit (`mm_per_pixel`: the scale where the painting's is unknown,
+// canvas.h; kept in the attribute `paint_mm_per_pixel`); one that was never painted on has none. Throws Error
+// naming the file, the part and the place: not a painting, damaged, volumes that are negative or not finite,
+// unknown ingredients.
+Canvas read_canvas(const std::filesystem::path& path, const Progress& progress = {},
+                   std::optional<double> mm_per_pixel = {});
 
 // What the painting looks like with its paint (appearance.h); one that was never painted on as
 // read_painting().

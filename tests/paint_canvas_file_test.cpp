@@ -61,6 +61,25 @@ TEST(CanvasFile, TheDryPartIsStillAPainting) {
     EXPECT_TRUE(images_identical(read_painted(dir / "b.exr").diffuse, bare.dry().diffuse));
 }
 
+TEST(CanvasFile, RemembersTheScaleThatAPaintingWasGiven) {
+    const TestDir dir;
+    auto surface = flat_surface(64, 64);
+    surface->scale_known = false;
+    surface->mm_per_pixel = 1;
+    Canvas canvas(surface, 0.1);
+    PaintTile tile;
+    tile.ingredients = {add_paint(canvas, "Titanium White")};
+    tile.thickness_mm.assign(PaintTile::kPixels, 0.05f);
+    canvas.writable_wet().set_tile({0, 0}, std::make_shared<PaintTile>(tile));
+    write_canvas(dir / "a.exr", canvas);
+    const Canvas again = read_canvas(dir / "a.exr");
+    EXPECT_EQ(again.mm_per_pixel(), 0.1);
+    EXPECT_FALSE(again.dry().scale_known);
+    EXPECT_NEAR(read_painted(dir / "a.exr").height_mm(9, 9), 0.5f, 1e-6);  // in pixels, like the dry part
+    EXPECT_THAT(error_of([&] { read_canvas(dir / "a.exr", {}, 0.2); }),
+                AllOf(HasSubstr("a.exr"), HasSubstr("0.1 mm")));
+}
+
 TEST(CanvasFile, AFullDiskLeavesWhatWasThere) {
     const TestDir dir;
     write_bytes(dir / "a.exr", "old");

@@ -32,6 +32,20 @@ TEST(Canvas, KnowsEachPaintOnce) {
     EXPECT_EQ(canvas.add(glossy), 2);
 }
 
+TEST(Canvas, GivesAScaleToASurfaceThatHasNone) {
+    auto surface = flat_surface(32, 32);
+    EXPECT_THAT(error_of([&] { Canvas(surface, 0.1); }), HasSubstr("0.25 mm, not 0.1 mm"));
+    surface->scale_known = false;
+    surface->mm_per_pixel = 1;
+    surface->height_mm(3, 4) = 2;  // pixels
+    const Canvas canvas(surface, 0.1);
+    EXPECT_EQ(canvas.mm_per_pixel(), 0.1);
+    float height = 0;
+    canvas.relief_mm({3, 4, 4, 5}, &height, 1);
+    EXPECT_FLOAT_EQ(height, 0.2f);
+    EXPECT_THAT(error_of([&] { Canvas(surface, -1.0); }), HasSubstr("-1"));
+}
+
 TEST(Canvas, RecipesCanBeReadBack) {
     const Canvas canvas = painted();
     const Recipe recipe = recipe_at(canvas, 64, 48, 3);
