@@ -18,7 +18,7 @@ namespace {
 
 struct ReplayArguments {
     std::vector<std::string> files;
-    std::string out, substrate, palette;
+    std::string out, substrate, palette, brushes;
     std::optional<double> mm_per_pixel;
     SubstrateOptions piece;
 };
@@ -44,10 +44,12 @@ nlohmann::json run_replay(const ReplayArguments& a) {
         throw UsageError("--mm-per-pixel is of a painting; the pixels of a substrate are --pixel-mm");
     const std::string& strokes = a.files.back();
     std::vector<fs::path> inputs(a.files.begin(), a.files.end());
-    if (!a.palette.empty()) inputs.emplace_back(a.palette);
+    for (const std::string& file : {a.palette, a.brushes})
+        if (!file.empty()) inputs.emplace_back(file);
     refuse_to_overwrite(a.out, inputs);
     const Progress progress = console_progress();
-    const Journal journal = read_journal(strokes);
+    const Journal journal =
+        read_journal(strokes, a.brushes.empty() ? brush_presets() : read_brush_presets(a.brushes));
     const nlohmann::json warnings = told(journal.warnings);
     AtomicFile out(a.out);  // that it can be written is known before the work
     Session session(canvas_of(a, progress), a.palette.empty() ? artist_acrylics() : read_palette(a.palette));
@@ -87,6 +89,8 @@ Command replay_command() {
             flags.option("--substrate", a->substrate,
                          "paint on a new canvas, linen, burlap, panel, gesso or paper instead of a painting");
             flags.option("--palette", a->palette, "palette file (.json) with the paints that strokes name");
+            flags.option("--brushes", a->brushes,
+                         "presets file (.json) with further brushes that strokes name");
             flags
                 .option("--mm-per-pixel", a->mm_per_pixel,
                         "size of the painting's pixels where the file does not say")

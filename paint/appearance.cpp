@@ -24,34 +24,21 @@ std::vector<const PaintLayer*> layers_of(const Canvas& canvas) {
     return layers;
 }
 
-float thickness_mm(const std::vector<const PaintLayer*>& layers, int x, int y) {
-    float sum = 0;
-    for (const PaintLayer* layer : layers) sum += layer->thickness_mm(x, y);
-    return sum;
-}
-
-// The thickness of all layers in a tile and one pixel around it; pixels beyond the canvas are as its border.
+// The thickness of all layers in a tile and one pixel around it, as far as the canvas goes.
 class Thickness {
 public:
-    Thickness(const std::vector<const PaintLayer*>& layers, const Region& region, const Region& canvas)
-        : region_(region), values_(region.width() + 2 * kBorder, region.height() + 2 * kBorder) {
-        for (int y = 0; y < values_.height(); ++y)
-            for (int x = 0; x < values_.width(); ++x) {
-                const int cx = std::clamp(region.x0 + x - kBorder, canvas.x0, canvas.x1 - 1);
-                const int cy = std::clamp(region.y0 + y - kBorder, canvas.y0, canvas.y1 - 1);
-                values_(x, y) = tangi::thickness_mm(layers, cx, cy);
-                any_ = any_ || values_(x, y) > 0;
-            }
+    Thickness(const std::vector<const PaintLayer*>& layers, const Region& tile, const Region& canvas)
+        : region_{std::max(tile.x0 - kBorder, canvas.x0), std::max(tile.y0 - kBorder, canvas.y0),
+                  std::min(tile.x1 + kBorder, canvas.x1), std::min(tile.y1 + kBorder, canvas.y1)},
+          values_(region_.width(), region_.height()) {
+        for (const PaintLayer* layer : layers)
+            layer->add_thickness_mm(region_, values_.data(), static_cast<std::size_t>(region_.width()));
     }
-    bool any() const { return any_; }
-    float operator()(int x, int y) const {
-        return values_(x - region_.x0 + kBorder, y - region_.y0 + kBorder);
-    }
+    float operator()(int x, int y) const { return values_(x - region_.x0, y - region_.y0); }
 
 private:
     Region region_;
     Image<float> values_;
-    bool any_ = false;
 };
 
 // Central differences; one-sided at the canvas's border, as normals_of() has them.
@@ -78,12 +65,28 @@ void lay_film(const PaintTile& tile, const std::vector<Pigment>& pigments, const
     std::swap(below, above);
 }
 
-void update_tile(const Canvas& canvas, TileIndex at, Surface& s, const AppearanceOptions& options) {
+// The normals of a tile: all that paint in the tiles beside it changes.
+void update_normals(const Canvas& canvas, const Thickness& thickness, const Region& region, Surface& s) {
+    const Surface& dry = canvas.dry();
+    for (int y = region.y0; y < region.y1; ++y)
+        for (int x = region.x0; x < region.x1; ++x) {
+            const Slope added = slope_at(thickness, x, y, canvas.region(), canvas.mm_per_pixel());
+            s.normal(x, y) = dry.normal(x, y);
+            if (added.x == 0 && added.y == 0) continue;
+            const Slope below = slope_of(dry.normal(x, y));
+            s.normal(x, y) = normal_of({below.x + added.x, below.y + added.y});
+        }
+}
+
+void update_tile(const Canvas& canvas, TileIndex at, bool normals_only, Surface& s,
+                 const AppearanceOptions& options) {
     const auto layers = layers_of(canvas);
     const Surface& dry = canvas.dry();
     const auto unit_mm = static_cast<float>(canvas.height_unit_mm());
     const Region region = canvas.wet().region_of(at);
     const Thickness thickness(layers, region, canvas.region());
+    update_normals(canvas, thickness, region, s);
+    if (normals_only) return;
     const auto painted = [&](const PaintLayer* layer) { return layer->tile(at) != nullptr; };
     const bool any_layer = std::any_of(layers.begin(), layers.end(), painted);
 
@@ -114,13 +117,7 @@ void update_tile(const Canvas& canvas, TileIndex at, Surface& s, const Appearanc
     for (int y = region.y0; y < region.y1; ++y)
         for (int x = region.x0; x < region.x1; ++x) {
             const float mm = thickness(x, y);
-            const Slope added = slope_at(thickness, x, y, canvas.region(), canvas.mm_per_pixel());
             s.height_mm(x, y) = dry.height_mm(x, y) + mm / unit_mm;
-            s.normal(x, y) = dry.normal(x, y);
-            if (added.x != 0 || added.y != 0) {
-                const Slope below = slope_of(dry.normal(x, y));
-                s.normal(x, y) = normal_of({below.x + added.x, below.y + added.y});
-            }
             s.diffuse(x, y) = dry.diffuse(x, y);
             s.specular(x, y) = dry.specular(x, y);
             s.roughness(x, y) = dry.roughness(x, y);
@@ -142,6 +139,7 @@ void update_appearance(const Canvas& canvas, std::span<const TileIndex> tiles, S
                        const AppearanceOptions& options, const Progress& progress) {
     validate(options);
     TP_REQUIRE(surface.height_mm.region() == canvas.region(), "the surface is this canvas's");
+    const std::set<TileIndex> changed(tiles.begin(), tiles.end());
     std::set<TileIndex> wanted;
     for (const TileIndex tile : tiles)
         for (int y = std::max(tile.y - 1, 0); y <= std::min(tile.y + 1, canvas.wet().rows() - 1); ++y)
@@ -151,8 +149,10 @@ void update_appearance(const Canvas& canvas, std::span<const TileIndex> tiles, S
     std::mutex reporting;
     int done = 0;
     parallel_for(0, static_cast<int>(all.size()), 1, [&](int begin, int end) {
-        for (int i = begin; i < end; ++i)
-            update_tile(canvas, all[static_cast<std::size_t>(i)], surface, options);
+        for (int i = begin; i < end; ++i) {
+            const TileIndex tile = all[static_cast<std::size_t>(i)];
+            update_tile(canvas, tile, !changed.contains(tile), surface, options);
+        }
         const std::lock_guard lock(reporting);
         done += end - begin;
         report(progress, "blend layers", done / static_cast<double>(all.size()));

@@ -15,23 +15,6 @@ Region intersection(const Region& a, const Region& b) {
     return {std::max(a.x0, b.x0), std::max(a.y0, b.y0), std::min(a.x1, b.x1), std::min(a.y1, b.y1)};
 }
 
-// Adds the thickness of a layer's paint to `out`, which covers `region`.
-void add_thickness(const PaintLayer& layer, const Region& region, float* out, std::size_t stride) {
-    for (int ty = region.y0 / kSize; ty * kSize < region.y1; ++ty)
-        for (int tx = region.x0 / kSize; tx * kSize < region.x1; ++tx) {
-            const auto& tile = layer.tile({tx, ty});
-            if (!tile) continue;
-            const Region part = intersection(region, layer.region_of({tx, ty}));
-            for (std::size_t plane = 0; plane < tile->ingredients.size(); ++plane)
-                for (int y = part.y0; y < part.y1; ++y) {
-                    const float* from = tile->thickness_mm.data() + plane * PaintTile::kPixels +
-                                        static_cast<std::size_t>((y - ty * kSize) * kSize);
-                    float* to = out + static_cast<std::size_t>(y - region.y0) * stride;
-                    for (int x = part.x0; x < part.x1; ++x) to[x - region.x0] += from[x - tx * kSize];
-                }
-        }
-}
-
 // The plane of an ingredient, made where the tile has none.
 std::span<float> writable_plane(PaintTile& tile, IngredientId id) {
     const auto at = std::lower_bound(tile.ingredients.begin(), tile.ingredients.end(), id);
@@ -85,7 +68,7 @@ void Canvas::relief_mm(const Region& region, float* out, std::size_t stride) con
         for (int x = region.x0; x < region.x1; ++x)
             to[x - region.x0] += from[static_cast<std::size_t>(x)] * unit_mm;
     }
-    for (const DriedLayer& layer : dried_) add_thickness(layer.paint, region, out, stride);
+    for (const DriedLayer& layer : dried_) layer.paint.add_thickness_mm(region, out, stride);
 }
 
 std::vector<double> Canvas::volumes_mm3() const {

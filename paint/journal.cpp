@@ -70,9 +70,10 @@ BrushStart start_of(const json* value, const std::string& where) {
     fail("{}: 'start' is {}, not clean, dirty or same", where, value->dump());
 }
 
-Event stroke_from(Fields& fields, const std::string& where) {
+Event stroke_from(Fields& fields, const std::string& where,
+                  const std::map<std::string, BrushSettings>& presets) {
     StrokeEvent event;
-    if (const json* brush = fields.find("brush")) event.brush = brush_from_json(*brush, where);
+    if (const json* brush = fields.find("brush")) event.brush = brush_from_json(*brush, where, presets);
     if (const json* paint = fields.find("paint")) {
         if (!paint->is_object())
             fail("{}: 'paint' is {}, not an object of names and parts", where, paint->dump());
@@ -136,7 +137,8 @@ struct ToJson {
 
 void require_header(const std::string& line, const std::string& path) {
     const json header = json::parse(line, nullptr, false);
-    if (header.is_discarded() || !header.is_object() || header.value("format", json()) != "tangipaint strokes")
+    if (header.is_discarded() || !header.is_object() ||
+        header.value("format", json()) != "tangipaint strokes")
         fail("{}:1: is not a journal of strokes; its first line must be {}", path, kFirstLine);
     if (header.value("version", json()) != 1)
         fail("{}:1: has version {}, but this program reads version 1", path,
@@ -147,13 +149,14 @@ void require_header(const std::string& line, const std::string& path) {
 
 json to_json(const Event& event) { return std::visit(ToJson{}, event); }
 
-Event event_from_json(const json& object, const std::string& where) {
+Event event_from_json(const json& object, const std::string& where,
+                      const std::map<std::string, BrushSettings>& presets) {
     if (!object.is_object()) fail("{}: an event is a JSON object, not {}", where, object.dump());
     const json kind = object.value("event", json());
     Fields fields(object, where);
     Event event;
     if (kind == "stroke")
-        event = stroke_from(fields, where);
+        event = stroke_from(fields, where, presets);
     else if (kind == "point")
         event = point_from(fields);
     else if (kind == "end")
@@ -173,7 +176,7 @@ Event event_from_json(const json& object, const std::string& where) {
     return event;
 }
 
-Journal read_journal(const std::filesystem::path& path) {
+Journal read_journal(const std::filesystem::path& path, const std::map<std::string, BrushSettings>& presets) {
     const std::string text = read_text_file(path);
     Journal journal;
     journal.source = path.string();
@@ -195,7 +198,7 @@ Journal read_journal(const std::filesystem::path& path) {
             journal.warnings.push_back(where + ": the last line is cut short, as by a crash; it is left out");
             break;
         }
-        journal.entries.push_back({line, event_from_json(object, where)});
+        journal.entries.push_back({line, event_from_json(object, where, presets)});
     }
     if (line == 0) fail("{}: is empty; its first line must be {}", path.string(), kFirstLine);
     return journal;

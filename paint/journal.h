@@ -1,7 +1,7 @@
 // journal.h: the record of a painting: one JSON object a line, append-only (docs/paint.md: the format).
 //
-// The first line is {"format": "tangipaint strokes", "version": 1}; then one event a line, in the order in which
-// they happened. A line that a crash cut short is left out with a warning; all before it count.
+// The first line is {"format": "tangipaint strokes", "version": 1}; then one event a line, in the order in
+// which they happened. A line that a crash cut short is left out with a warning; all before it count.
 #pragma once
 
 #include <filesystem>
@@ -56,11 +56,14 @@ struct Journal {
 };
 
 nlohmann::json to_json(const Event& event);
-// Throws Error that names `where`: not an object, an unknown event, field or brush, values of the wrong kind.
-Event event_from_json(const nlohmann::json& json, const std::string& where);
+// `presets`: those that strokes name. Throws Error that names `where`: not an object, an unknown event, field
+// or brush, values of the wrong kind.
+Event event_from_json(const nlohmann::json& json, const std::string& where,
+                      const std::map<std::string, BrushSettings>& presets = brush_presets());
 
 // Throws Error naming file and line; a last line without its end is left out with a warning.
-Journal read_journal(const std::filesystem::path& path);
+Journal read_journal(const std::filesystem::path& path,
+                     const std::map<std::string, BrushSettings>& presets = brush_presets());
 
 // Appends events to a file, whole lines at once; what was written survives the program's death.
 class JournalWriter {

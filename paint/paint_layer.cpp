@@ -65,6 +65,25 @@ float PaintLayer::thickness_mm(int x, int y) const {
     return sum;
 }
 
+void PaintLayer::add_thickness_mm(const Region& region, float* out, std::size_t stride) const {
+    for (int ty = region.y0 / kSize; ty * kSize < region.y1; ++ty)
+        for (int tx = region.x0 / kSize; tx * kSize < region.x1; ++tx) {
+            const TilePtr& at = tile({tx, ty});
+            if (!at) continue;
+            const Region whole = region_of({tx, ty});
+            const int x0 = std::max(region.x0, whole.x0), x1 = std::min(region.x1, whole.x1);
+            const int y0 = std::max(region.y0, whole.y0), y1 = std::min(region.y1, whole.y1);
+            for (std::size_t plane = 0; plane < at->ingredients.size(); ++plane)
+                for (int y = y0; y < y1; ++y) {
+                    const float* from = at->thickness_mm.data() + plane * PaintTile::kPixels +
+                                        static_cast<std::size_t>((y - whole.y0) * kSize + x0 - whole.x0);
+                    float* to = out + static_cast<std::size_t>(y - region.y0) * stride +
+                                static_cast<std::size_t>(x0 - region.x0);
+                    for (int x = 0; x < x1 - x0; ++x) to[x] += from[x];
+                }
+        }
+}
+
 std::size_t PaintLayer::bytes() const {
     std::size_t sum = sizeof *this + tiles_.capacity() * sizeof(TilePtr);
     for (const TilePtr& tile : tiles_)

@@ -62,6 +62,9 @@ public:
     float thickness_mm(int x, int y, IngredientId ingredient) const;
     float thickness_mm(int x, int y) const;
 
+    // Adds the thickness [mm] of all paint in `region`, which lies on the canvas, to `out`, row by row.
+    void add_thickness_mm(const Region& region, float* out, std::size_t stride) const;
+
     // Memory of the tiles and of the table of them.
     std::size_t bytes() const;
 

@@ -83,6 +83,20 @@ TEST(CliReplay, PaintsOnAPaintingAndGoesOn) {
     EXPECT_EQ(bytes_of(f.path("b.exr")), bytes_of(f.path("d.exr")));
 }
 
+TEST(CliReplay, TakesBrushesOfTheUsers) {
+    const Folder f;
+    write_bytes(f.dir / "b.json",
+                R"({"format": "tangipaint brushes", "version": 1, "brushes": {"broom": {"size_mm": 7}}})");
+    const std::string stroke =
+        "{\"event\": \"stroke\", \"brush\": {\"preset\": \"broom\"}, \"paint\": {\"Bone Black\": 1}}\n"
+        "{\"event\": \"point\", \"x\": 0, \"y\": 0}\n";
+    EXPECT_TRUE(ended(f.replay(kHeader + stroke, {"--brushes", f.path("b.json")}), 0));
+    EXPECT_TRUE(ended(f.replay(kHeader + stroke), 1, {"a.jsonl:2", "broom", "filbert"}));
+    write_bytes(f.dir / "b.json", "{}");
+    EXPECT_TRUE(ended(f.replay(kHeader + stroke, {"--brushes", f.path("b.json")}), 1,
+                      {"b.json", "tangipaint brushes"}));
+}
+
 TEST(CliReplay, TornJournalsArePaintedWithAWarning) {
     const Folder f;
     const Finished run = f.replay(kHeader + kStroke + "{\"event\": \"stro");
