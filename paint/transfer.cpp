@@ -219,18 +219,20 @@ void push(const StepBox& box, const TransferRates& rates, float dx, float dy, St
     // Ingredients do not depend on each other. Rows are replaced from top to bottom; what they were is kept
     // until the next row is done.
     const std::size_t line = stride;
-    scratch.rows.assign(2 * line * std::max<std::size_t>(box.paint.size(), 1), 0.0f);
+    scratch.rows.assign(3 * line * std::max<std::size_t>(box.paint.size(), 1), 0.0f);
     const auto move_ingredient = [&](std::size_t i) {
-        float* above = scratch.rows.data() + 2 * line * i + 1;
-        float* old = above + line;
+        float* above = scratch.rows.data() + 3 * line * i + 1;
+        float *old = above + line, *last = above + 2 * line;
         for (int y = 0; y < box.height; ++y) {
             const RowSpan span = touched_by(scratch.flowing, y);
             float* paint = box.paint[i] + at(y, box.canvas_stride);
             std::copy_n(paint, box.width, old);
             if (span.end > span.begin) {
                 const auto first = static_cast<std::size_t>(span.begin);
-                const float* below =
-                    y + 1 < box.height ? paint + box.canvas_stride : old;  // times 0 at the end
+                // A row beside it is looked at one pixel beyond its ends, where nothing flows: the last one,
+                // which may end with its plane, needs a copy, and the one after that is not there.
+                const float* below = y + 1 < box.height ? paint + box.canvas_stride : old;
+                if (y + 2 == box.height) below = std::copy_n(below, box.width, last) - box.width;
                 advect_row(span.end - span.begin, motion, old + first, above + first, below + first,
                            flow_from(y, first), stride, paint + first);
             }

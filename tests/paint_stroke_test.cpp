@@ -210,8 +210,8 @@ TEST(Stroke, TurningItTurnsTheResult) {
         const Image<float> turned = painted(degrees);
         const double turn = degrees * std::numbers::pi / 180, c = std::cos(turn), s = std::sin(turn);
         double difference = 0, size = 0, sum = 0, sum_straight = 0;
-        for (int y = 20; y < 140; ++y)
-            for (int x = 20; x < 140; ++x) {
+        for (int y = 30; y < 130; ++y)
+            for (int x = 30; x < 130; ++x) {
                 const double dx = x - 79.5, dy = 79.5 - y, tx = c * dx - s * dy + 79.5,
                              ty = 79.5 - (s * dx + c * dy);
                 const int ix = static_cast<int>(tx), iy = static_cast<int>(ty);
