@@ -208,8 +208,11 @@ void Stroke::finish() {
 // Where the brush is lifted off, paint that was just sheared is thinner than paint at rest: the prints of
 // single bristles run together, and it comes to rest less steep.
 void Stroke::relax(const Dab& last) {
-    constexpr int steps = 24;
-    constexpr float part_of_yield = 0.3f;
+    // Flow spreads with the root of the steps: enough of them for neighbouring bristles, within a frame's
+    // time.
+    const double bristle_px = brush_.settings().bristle_mm / canvas_.mm_per_pixel();
+    const int steps = static_cast<int>(std::clamp(8 * bristle_px * bristle_px, 12.0, 64.0));
+    constexpr float part_of_yield = 0.15f;
     const Region box = box_of(brush_, last);
     PaintWindow window(canvas_, box, {}, 2, 0, seed_);
     const int width = box.width(), height = box.height();
