@@ -27,7 +27,7 @@ struct BrushSettings {
     double depth_mm = 0.8;         // from the tip's rim to its middle: what pressure flattens
     double splay = 0.15;           // [1] widening at full pressure
     double bend = 0.2;             // [1] how far the tip trails behind the handle, over the size
-    double lift = 0.15;             // [1] how much higher the leading edge is, over the depth
+    double lift = 0.15;            // [1] how much higher the leading edge is, over the depth
     double film_mm = 0.006;        // paint that always stays
     double reach_mm = 0.06;        // gap that bristles without paint still bridge
     double load_reach = 0.25;      // [1] further gap for each mm of load
@@ -79,8 +79,8 @@ BrushSettings brush_from_json(const nlohmann::json& json, const std::string& whe
                               const std::map<std::string, BrushSettings>& presets = brush_presets());
 nlohmann::json brush_to_json(const BrushSettings& settings);
 
-// A presets file: {"format": "tangipaint brushes", "version": 1, "brushes": {"name": {...}, ...}}, and the program's
-// own presets where it has none of the same name. Throws Error naming the file and the brush.
+// A presets file: {"format": "tangipaint brushes", "version": 1, "brushes": {"name": {...}, ...}}, and the
+// program's own presets where it has none of the same name. Throws Error naming the file and the brush.
 std::map<std::string, BrushSettings> read_brush_presets(const std::filesystem::path& path);
 
 }  // namespace tangi

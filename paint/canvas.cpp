@@ -15,19 +15,6 @@ Region intersection(const Region& a, const Region& b) {
     return {std::max(a.x0, b.x0), std::max(a.y0, b.y0), std::min(a.x1, b.x1), std::min(a.y1, b.y1)};
 }
 
-// The plane of an ingredient, made where the tile has none.
-std::span<float> writable_plane(PaintTile& tile, IngredientId id) {
-    const auto at = std::lower_bound(tile.ingredients.begin(), tile.ingredients.end(), id);
-    const auto number = static_cast<std::size_t>(at - tile.ingredients.begin());
-    const auto offset = number * PaintTile::kPixels;
-    if (at == tile.ingredients.end() || *at != id) {
-        tile.ingredients.insert(at, id);
-        tile.thickness_mm.insert(tile.thickness_mm.begin() + static_cast<std::ptrdiff_t>(offset),
-                                 PaintTile::kPixels, 0.0f);
-    }
-    return std::span(tile.thickness_mm).subspan(offset, PaintTile::kPixels);
-}
-
 }  // namespace
 
 Canvas::Canvas(std::shared_ptr<const Surface> dry, std::optional<double> mm_per_pixel)
@@ -129,7 +116,7 @@ void dry(Canvas& canvas, const std::string& name, const Region& wanted, double p
             const Region inside = intersection(region, wet.region_of(at));
             PaintTile &from = wet.writable(at), &to = dried.writable(at);
             for (const IngredientId id : from.ingredients) {
-                const std::span<float> source = writable_plane(from, id), target = writable_plane(to, id);
+                const std::span<float> source = from.writable_plane(id), target = to.writable_plane(id);
                 for (int y = inside.y0; y < inside.y1; ++y)
                     for (int x = inside.x0; x < inside.x1; ++x) {
                         const auto i = static_cast<std::size_t>((y - ty * kSize) * kSize + x - tx * kSize);

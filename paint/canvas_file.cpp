@@ -102,14 +102,8 @@ void put_row(PaintLayer& layer, IngredientId id, int y, const float* row) {
         const float* from = row + region.x0;
         if (std::all_of(from, from + region.width(), [](float v) { return v == 0; })) continue;
         PaintTile& tile = layer.writable(at);
-        const auto place = std::lower_bound(tile.ingredients.begin(), tile.ingredients.end(), id);
-        const auto offset = (place - tile.ingredients.begin()) * PaintTile::kPixels;
-        if (place == tile.ingredients.end() || *place != id) {
-            tile.ingredients.insert(place, id);
-            tile.thickness_mm.insert(tile.thickness_mm.begin() + offset, PaintTile::kPixels, 0.0f);
-        }
         std::copy_n(from, region.width(),
-                    tile.thickness_mm.data() + offset + static_cast<std::ptrdiff_t>((y - region.y0) * kSize));
+                    tile.writable_plane(id).data() + static_cast<std::size_t>((y - region.y0) * kSize));
     }
 }
 

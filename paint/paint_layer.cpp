@@ -22,6 +22,16 @@ std::span<const float> PaintTile::plane(IngredientId ingredient) const {
     return std::span(thickness_mm).subspan(number * kPixels, kPixels);
 }
 
+std::span<float> PaintTile::writable_plane(IngredientId ingredient) {
+    const auto at = std::lower_bound(ingredients.begin(), ingredients.end(), ingredient);
+    const auto offset = (at - ingredients.begin()) * kPixels;
+    if (at == ingredients.end() || *at != ingredient) {
+        ingredients.insert(at, ingredient);
+        thickness_mm.insert(thickness_mm.begin() + offset, kPixels, 0.0f);
+    }
+    return std::span(thickness_mm).subspan(static_cast<std::size_t>(offset), kPixels);
+}
+
 PaintLayer::PaintLayer(int width, int height)
     : width_(width),
       height_(height),

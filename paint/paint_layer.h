@@ -26,6 +26,8 @@ struct PaintTile {
 
     // The plane of an ingredient, or an empty span where the tile has none of it.
     std::span<const float> plane(IngredientId ingredient) const;
+    // The plane to write to; made, full of 0, where the tile has none. Other planes may move.
+    std::span<float> writable_plane(IngredientId ingredient);
     std::size_t bytes() const { return sizeof(PaintTile) + thickness_mm.capacity() * sizeof(float); }
 };
 

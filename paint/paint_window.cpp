@@ -150,15 +150,9 @@ void PaintWindow::store(Canvas& canvas) const {
         PaintTile& tile = wet.writable(at);
         for (const std::size_t i : occurring) {
             const IngredientId id = ingredients_[i];
-            const auto place = std::lower_bound(tile.ingredients.begin(), tile.ingredients.end(), id);
-            const auto offset = (place - tile.ingredients.begin()) * PaintTile::kPixels;
-            if (place == tile.ingredients.end() || *place != id) {
-                tile.ingredients.insert(place, id);
-                tile.thickness_mm.insert(tile.thickness_mm.begin() + offset, PaintTile::kPixels, 0.0f);
-            }
+            float* plane = tile.writable_plane(id).data();
             for (int y = part.y0; y < part.y1; ++y)
-                std::memcpy(tile.thickness_mm.data() + offset + in_tile(part.x0, y),
-                            paint_[i].data() + index(part.x0, y), row_bytes);
+                std::memcpy(plane + in_tile(part.x0, y), paint_[i].data() + index(part.x0, y), row_bytes);
         }
         canvas.mark_dirty(at);
     });
