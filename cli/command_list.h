@@ -11,8 +11,10 @@ Command calibrate_command();
 Command fit_command();
 Command relight_command();
 Command compare_command();
+Command replay_command();
 Command info_command();
 Command generate_command();
+Command palette_command();
 Command demo_command();
 
 }  // namespace tangi

@@ -6,6 +6,7 @@
 #include "capture/photo_file.h"
 #include "cli/arguments.h"
 #include "cli/command_list.h"
+#include "paint/canvas_file.h"
 #include "surface/error.h"
 #include "surface/painting_file.h"
 #include "surface/picture_file.h"
@@ -58,6 +59,30 @@ nlohmann::json describe(const Surface& s) {
         {"provenance", provenance}};
 }
 
+// Wet paint and dried layers, from the bottom up: how much of what they hold.
+nlohmann::json describe_paint(const Canvas& canvas) {
+    const auto layer = [&](const std::string& name, const PaintLayer& paint) {
+        nlohmann::json volumes = nlohmann::json::object();
+        const auto mm3 = volumes_mm3(paint, canvas.ingredients().size(), canvas.mm_per_pixel());
+        for (std::size_t i = 0; i < mm3.size(); ++i)
+            if (mm3[i] > 0) {
+                nlohmann::json& sum = volumes[canvas.ingredients()[i].name];
+                sum = (sum.is_null() ? 0.0 : sum.get<double>()) + mm3[i];
+            }
+        return nlohmann::json{{"layer", name}, {"volumes_mm3", volumes}};
+    };
+    nlohmann::json layers = nlohmann::json::array();
+    for (const DriedLayer& dried : canvas.dried()) layers.push_back(layer(dried.name, dried.paint));
+    if (!canvas.wet().empty()) layers.push_back(layer("wet", canvas.wet()));
+    return layers;
+}
+
+nlohmann::json describe(const Canvas& canvas) {
+    nlohmann::json json = describe(canvas.dry());
+    json["paint"] = describe_paint(canvas);
+    return json;
+}
+
 nlohmann::json describe_lights(const fs::path& path) {
     const LightsFile file = read_lights_file(path);
     nlohmann::json lights = nlohmann::json::array();
@@ -79,7 +104,7 @@ nlohmann::json run_info(const std::string& file) {
     if (!fs::is_regular_file(path)) fail("{}: is a pipe or a device, not a file", file);
     const std::string extension = lower_extension(path);
     if (extension == ".lp") return describe_lights(path);
-    if (extension == ".exr" && is_painting(path)) return describe(read_painting(path, console_progress()));
+    if (extension == ".exr" && is_painting(path)) return describe(read_canvas(path, console_progress()));
     const PhotoHeader header = PhotoFile(path).header();
     return {{"kind", "picture"},
             {"width", header.width},

@@ -8,6 +8,7 @@
 #include "capture/lights_file.h"
 #include "cli/arguments.h"
 #include "cli/command_list.h"
+#include "paint/canvas_file.h"
 #include "surface/atomic_file.h"
 #include "surface/error.h"
 #include "surface/painting_file.h"
@@ -151,7 +152,7 @@ nlohmann::json run_relight(RelightArguments arguments) {
         throw UsageError(fmt::format("--model {}: is not ward1992, duer or bounded", arguments.model));
     arguments.options.model = *model;
     const Progress progress = console_progress();
-    const Surface surface = read_painting(arguments.painting, progress);
+    const Surface surface = read_painted(arguments.painting, progress);
     return one ? relight_one(surface, arguments, progress) : relight_all(surface, arguments, progress);
 }
 

@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-#include "datasets/noise.h"
+#include "surface/noise.h"
 #include "surface/image.h"
 
 namespace tangi::procedural {

@@ -5,7 +5,7 @@
 
 #include "capture/lights_file.h"
 #include "datasets/ggx.h"
-#include "datasets/noise.h"
+#include "surface/noise.h"
 #include "surface/atomic_file.h"
 #include "surface/painting_file.h"
 #include "surface/parallel.h"

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <glm/geometric.hpp>
+#include <glm/vec2.hpp>
 #include <optional>
 #include <string>
 

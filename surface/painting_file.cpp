@@ -23,6 +23,7 @@
 #include <glm/geometric.hpp>
 
 #include "surface/error.h"
+#include "surface/painting_parts.h"
 #include "surface/parallel.h"
 #include "surface/photography_json.h"
 
@@ -119,6 +120,42 @@ Imf::Header header_of(const Surface& s) {
     header.insert("provenance", Imf::StringAttribute(s.provenance));
     header.insert("dry_hash", Imf::StringAttribute(hash_of(s)));
     return header;
+}
+
+Imf::Header header_of(const PartInfo& info) {
+    Imf::Header header(info.width, info.height);
+    header.setName(info.name);
+    header.setType(Imf::SCANLINEIMAGE);
+    header.compression() = Imf::ZIP_COMPRESSION;
+    for (const std::string& channel : info.channels)
+        header.channels().insert(channel, Imf::Channel(Imf::FLOAT));
+    for (const auto& [name, text] : info.attributes) header.insert(name, Imf::StringAttribute(text));
+    return header;
+}
+
+void write_part(Imf::MultiPartOutputFile& output, int number, const PartToWrite& part,
+                const Progress& progress) {
+    constexpr int rows_at_once = 64;
+    Imf::OutputPart target(output, number);
+    const PartInfo& info = part.info;
+    const auto band = static_cast<std::size_t>(info.width) * rows_at_once;
+    std::vector<float> values(band * info.channels.size());
+    std::vector<float*> planes;
+    for (std::size_t c = 0; c < info.channels.size(); ++c) planes.push_back(values.data() + c * band);
+    for (int y = 0; y < info.height; y += rows_at_once) {
+        report(progress, "write paint", y / static_cast<double>(info.height));
+        const int end = std::min(y + rows_at_once, info.height);
+        std::fill(values.begin(), values.end(), 0.0f);
+        part.fill(y, end, planes);
+        Imf::FrameBuffer buffer;
+        for (std::size_t c = 0; c < planes.size(); ++c)
+            buffer.insert(
+                info.channels[c],
+                Imf::Slice::Make(Imf::FLOAT, planes[c], Imath::V2i(0, y), info.width, end - y, sizeof(float),
+                                 static_cast<std::size_t>(info.width) * sizeof(float)));
+        target.setFrameBuffer(buffer);
+        target.writePixels(end - y);
+    }
 }
 
 int find_part(const Imf::MultiPartInputFile& file, const std::string& name) {
@@ -262,6 +299,11 @@ std::string hash_of(const Surface& s) {
 }
 
 void write_painting(AtomicFile& file, const Surface& s, const Progress& progress) {
+    write_painting(file, s, {}, progress);
+}
+
+void write_painting(AtomicFile& file, const Surface& s, std::span<const PartToWrite> parts,
+                    const Progress& progress) {
     require_consistent(s);
     TP_REQUIRE(s.width() > 0 && s.height() > 0, "a painting has pixels");
     const std::string target = file.target().string();
@@ -269,14 +311,18 @@ void write_painting(AtomicFile& file, const Surface& s, const Progress& progress
     try {
         CheckedStream stream(file.temporary());
         try {
-            const Imf::Header header = header_of(s);
-            Imf::MultiPartOutputFile output(stream, &header, 1, false, thread_count());
+            std::vector<Imf::Header> headers = {header_of(s)};
+            for (const PartToWrite& further : parts) headers.push_back(header_of(further.info));
+            Imf::MultiPartOutputFile output(stream, headers.data(), static_cast<int>(headers.size()), false,
+                                            thread_count());
             Imf::OutputPart part(output, 0);
             part.setFrameBuffer(frame_buffer(const_cast<Surface&>(s)));  // OpenEXR only reads it
             for (int y = 0; y < s.height(); y += kRowsAtOnce) {
                 report(progress, "write painting", y / static_cast<double>(s.height()));
                 part.writePixels(std::min(kRowsAtOnce, s.height() - y));
             }
+            for (std::size_t i = 0; i < parts.size(); ++i)
+                write_part(output, static_cast<int>(i) + 1, parts[i], progress);
         } catch (const Cancelled&) {
             throw;
         } catch (const std::exception& error) {

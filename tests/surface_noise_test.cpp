@@ -1,5 +1,5 @@
-// datasets_noise_test.cpp: hashed randomness has the distributions it promises.
-#include "datasets/noise.h"
+// surface_noise_test.cpp: hashed randomness has the distributions it promises.
+#include "surface/noise.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "datasets/noise.h"
+#include "surface/noise.h"
 
 #include <algorithm>
 

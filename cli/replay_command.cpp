@@ -1,0 +1,103 @@
+// replay_command.cpp: tangipaint replay [PAINTING.exr | --substrate NAME] STROKES.jsonl --out OUT.exr
+#include <chrono>
+#include <filesystem>
+
+#include "cli/arguments.h"
+#include "cli/command_list.h"
+#include "paint/canvas_file.h"
+#include "paint/session.h"
+#include "paint/substrate.h"
+#include "surface/error.h"
+#include "surface/painting_file.h"
+
+namespace tangi {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+struct ReplayArguments {
+    std::vector<std::string> files;
+    std::string out, substrate, palette, brushes;
+    std::optional<double> mm_per_pixel;
+    SubstrateOptions piece;
+};
+
+Canvas canvas_of(const ReplayArguments& a, const Progress& progress) {
+    if (a.substrate.empty()) return read_canvas(a.files.front(), progress, a.mm_per_pixel);
+    const auto kind = substrate_named(a.substrate);
+    if (!kind)
+        throw UsageError(
+            fmt::format("--substrate {}: is not one of {}", a.substrate, fmt::join(substrate_names(), ", ")));
+    return Canvas(std::make_shared<Surface>(make_substrate(*kind, a.piece, progress)));
+}
+
+nlohmann::json run_replay(const ReplayArguments& a) {
+    const std::size_t expected = a.substrate.empty() ? 2 : 1;
+    if (a.files.size() != expected)
+        throw UsageError(
+            a.substrate.empty()
+                ? "give a painting to paint on and a journal: replay PAINTING.exr STROKES.jsonl; or a "
+                  "substrate: replay --substrate linen STROKES.jsonl"
+                : "with --substrate, give the journal only: replay --substrate linen STROKES.jsonl");
+    if (!a.substrate.empty() && a.mm_per_pixel)
+        throw UsageError("--mm-per-pixel is of a painting; the pixels of a substrate are --pixel-mm");
+    const std::string& strokes = a.files.back();
+    std::vector<fs::path> inputs(a.files.begin(), a.files.end());
+    for (const std::string& file : {a.palette, a.brushes})
+        if (!file.empty()) inputs.emplace_back(file);
+    refuse_to_overwrite(a.out, inputs);
+    const Progress progress = console_progress();
+    const Journal journal =
+        read_journal(strokes, a.brushes.empty() ? brush_presets() : read_brush_presets(a.brushes));
+    const nlohmann::json warnings = told(journal.warnings);
+    AtomicFile out(a.out);  // that it can be written is known before the work
+    Session session(canvas_of(a, progress), a.palette.empty() ? artist_acrylics() : read_palette(a.palette));
+    const std::string dry_hash = hash_of(session.canvas().dry());
+    const auto start = std::chrono::steady_clock::now();
+    replay(session, journal, progress);
+    const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
+    const Canvas& canvas = session.canvas();
+    write_canvas(out, canvas, progress);
+
+    nlohmann::json volumes = nlohmann::json::object();
+    const auto mm3 = canvas.volumes_mm3();
+    for (std::size_t i = 0; i < mm3.size(); ++i) volumes[canvas.ingredients()[i].name] = mm3[i];
+    return {{"painting", a.out},
+            {"width", canvas.width()},
+            {"height", canvas.height()},
+            {"mm_per_pixel", canvas.mm_per_pixel()},
+            {"strokes", session.totals().strokes},
+            {"points", session.totals().points},
+            {"steps", session.totals().steps},
+            {"bristle_pixels", session.totals().bristle_pixels},
+            {"seconds", seconds.count()},
+            {"volumes_mm3", volumes},
+            {"dry_hash", dry_hash},
+            {"warnings", warnings}};
+}
+
+}  // namespace
+
+Command replay_command() {
+    return {
+        "replay", "paint the strokes of a journal on a painting or a substrate", [](Flags& flags) {
+            auto a = std::make_shared<ReplayArguments>();
+            flags.option("FILES", a->files, "[PAINTING.exr] STROKES.jsonl: what to paint on, and the journal")
+                .required();
+            flags.option("--out", a->out, "painting file to write (.exr)").required();
+            flags.option("--substrate", a->substrate,
+                         "paint on a new canvas, linen, burlap, panel, gesso or paper instead of a painting");
+            flags.option("--palette", a->palette, "palette file (.json) with the paints that strokes name");
+            flags.option("--brushes", a->brushes,
+                         "presets file (.json) with further brushes that strokes name");
+            flags
+                .option("--mm-per-pixel", a->mm_per_pixel,
+                        "size of the painting's pixels where the file does not say")
+                .check(within(1e-4, 1e3));
+            flags.fields(a->piece);
+            return [a] { return run_replay(*a); };
+        }};
+}
+
+}  // namespace tangi

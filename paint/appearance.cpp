@@ -1,0 +1,172 @@
+#include "paint/appearance.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <mutex>
+#include <set>
+
+#include "paint/kubelka_munk.h"
+#include "surface/parallel.h"
+
+namespace tangi {
+
+namespace {
+
+constexpr int kSize = PaintTile::kSize;
+constexpr int kBorder = 1;  // [pixels] that slopes look beyond a tile
+
+// All paint of the canvas, from the bottom up.
+std::vector<const PaintLayer*> layers_of(const Canvas& canvas) {
+    std::vector<const PaintLayer*> layers;
+    for (const DriedLayer& layer : canvas.dried()) layers.push_back(&layer.paint);
+    layers.push_back(&canvas.wet());
+    return layers;
+}
+
+// The thickness of all layers in a tile and one pixel around it, as far as the canvas goes.
+class Thickness {
+public:
+    Thickness(const std::vector<const PaintLayer*>& layers, const Region& tile, const Region& canvas)
+        : region_{std::max(tile.x0 - kBorder, canvas.x0), std::max(tile.y0 - kBorder, canvas.y0),
+                  std::min(tile.x1 + kBorder, canvas.x1), std::min(tile.y1 + kBorder, canvas.y1)},
+          values_(region_.width(), region_.height()) {
+        for (const PaintLayer* layer : layers)
+            layer->add_thickness_mm(region_, values_.data(), static_cast<std::size_t>(region_.width()));
+    }
+    float operator()(int x, int y) const { return values_(x - region_.x0, y - region_.y0); }
+
+private:
+    Region region_;
+    Image<float> values_;
+};
+
+// Central differences; one-sided at the canvas's border, as normals_of() has them.
+Slope slope_at(const Thickness& t, int x, int y, const Region& canvas, double mm_per_pixel) {
+    const int left = std::max(x - 1, canvas.x0), right = std::min(x + 1, canvas.x1 - 1);
+    const int up = std::max(y - 1, canvas.y0), down = std::min(y + 1, canvas.y1 - 1);
+    const auto mm = static_cast<float>(mm_per_pixel);
+    return {(t(right, y) - t(left, y)) / (static_cast<float>(std::max(right - left, 1)) * mm),
+            (t(x, up) - t(x, down)) / (static_cast<float>(std::max(down - up, 1)) * mm)};
+}
+
+// Films of one tile of one layer over the colours that lie below, in place.
+void lay_film(const PaintTile& tile, const std::vector<Pigment>& pigments, const AppearanceOptions& options,
+              std::vector<Spectrum>& below) {
+    std::vector<Pigment> used;
+    std::vector<std::span<const float>> planes;
+    for (const IngredientId id : tile.ingredients) {
+        used.push_back(pigments[id]);
+        planes.push_back(tile.plane(id));
+    }
+    const FilmBatch films(used, options.illuminant);
+    std::vector<Spectrum> above(below.size());
+    films.look(planes, below, above);
+    std::swap(below, above);
+}
+
+// The normals of a tile: all that paint in the tiles beside it changes.
+void update_normals(const Canvas& canvas, const Thickness& thickness, const Region& region, Surface& s) {
+    const Surface& dry = canvas.dry();
+    for (int y = region.y0; y < region.y1; ++y)
+        for (int x = region.x0; x < region.x1; ++x) {
+            const Slope added = slope_at(thickness, x, y, canvas.region(), canvas.mm_per_pixel());
+            s.normal(x, y) = dry.normal(x, y);
+            if (added.x == 0 && added.y == 0) continue;
+            const Slope below = slope_of(dry.normal(x, y));
+            s.normal(x, y) = normal_of({below.x + added.x, below.y + added.y});
+        }
+}
+
+void update_tile(const Canvas& canvas, TileIndex at, bool normals_only, Surface& s,
+                 const AppearanceOptions& options) {
+    const auto layers = layers_of(canvas);
+    const Surface& dry = canvas.dry();
+    const auto unit_mm = static_cast<float>(canvas.height_unit_mm());
+    const Region region = canvas.wet().region_of(at);
+    const Thickness thickness(layers, region, canvas.region());
+    update_normals(canvas, thickness, region, s);
+    if (normals_only) return;
+    const auto painted = [&](const PaintLayer* layer) { return layer->tile(at) != nullptr; };
+    const bool any_layer = std::any_of(layers.begin(), layers.end(), painted);
+
+    // Colours, and the volume-weighted gloss.
+    std::vector<Spectrum> look;
+    std::vector<float> specular, roughness;
+    if (any_layer) {
+        look.resize(PaintTile::kPixels);
+        specular.assign(PaintTile::kPixels, 0.0f);
+        roughness.assign(PaintTile::kPixels, 0.0f);
+        for (int y = region.y0; y < region.y1; ++y)
+            for (int x = region.x0; x < region.x1; ++x)
+                look[static_cast<std::size_t>((y - region.y0) * kSize + x - region.x0)] =
+                    reflectance_of_rgb(dry.diffuse(x, y));
+        for (const PaintLayer* layer : layers)
+            if (const auto& tile = layer->tile(at)) {
+                lay_film(*tile, canvas.ingredients(), options, look);
+                for (const IngredientId id : tile->ingredients) {
+                    const Pigment& pigment = canvas.ingredients()[id];
+                    const auto plane = tile->plane(id);
+                    for (std::size_t i = 0; i < plane.size(); ++i) {
+                        specular[i] += plane[i] * pigment.specular;
+                        roughness[i] += plane[i] * pigment.roughness;
+                    }
+                }
+            }
+    }
+    for (int y = region.y0; y < region.y1; ++y)
+        for (int x = region.x0; x < region.x1; ++x) {
+            const float mm = thickness(x, y);
+            s.height_mm(x, y) = dry.height_mm(x, y) + mm / unit_mm;
+            s.diffuse(x, y) = dry.diffuse(x, y);
+            s.specular(x, y) = dry.specular(x, y);
+            s.roughness(x, y) = dry.roughness(x, y);
+            s.confidence(x, y) = dry.confidence(x, y);
+            if (!(mm > 0)) continue;
+            const auto i = static_cast<std::size_t>((y - region.y0) * kSize + x - region.x0);
+            const float covered = 1 - std::exp(-mm / static_cast<float>(options.covering_mm));
+            // What a reflectance cannot hold (rho_d beyond 1) is covered like the rest.
+            s.diffuse(x, y) = glm::max(to_linear_rgb(look[i], options.illuminant), Rgb(0));
+            s.specular(x, y) += covered * (specular[i] / mm - s.specular(x, y));
+            s.roughness(x, y) += covered * (roughness[i] / mm - s.roughness(x, y));
+            s.confidence(x, y) = std::max(s.confidence(x, y), covered);
+        }
+}
+
+}  // namespace
+
+void update_appearance(const Canvas& canvas, std::span<const TileIndex> tiles, Surface& surface,
+                       const AppearanceOptions& options, const Progress& progress) {
+    validate(options);
+    TP_REQUIRE(surface.height_mm.region() == canvas.region(), "the surface is this canvas's");
+    const std::set<TileIndex> changed(tiles.begin(), tiles.end());
+    std::set<TileIndex> wanted;
+    for (const TileIndex tile : tiles)
+        for (int y = std::max(tile.y - 1, 0); y <= std::min(tile.y + 1, canvas.wet().rows() - 1); ++y)
+            for (int x = std::max(tile.x - 1, 0); x <= std::min(tile.x + 1, canvas.wet().columns() - 1); ++x)
+                wanted.insert({x, y});
+    const std::vector<TileIndex> all(wanted.begin(), wanted.end());
+    std::mutex reporting;
+    int done = 0;
+    parallel_for(0, static_cast<int>(all.size()), 1, [&](int begin, int end) {
+        for (int i = begin; i < end; ++i) {
+            const TileIndex tile = all[static_cast<std::size_t>(i)];
+            update_tile(canvas, tile, !changed.contains(tile), surface, options);
+        }
+        const std::lock_guard lock(reporting);
+        done += end - begin;
+        report(progress, "blend layers", done / static_cast<double>(all.size()));
+    });
+}
+
+Surface appearance(const Canvas& canvas, const AppearanceOptions& options, const Progress& progress) {
+    Surface surface = canvas.dry();
+    std::set<TileIndex> painted;
+    for (const PaintLayer* layer : layers_of(canvas))
+        for (const TileIndex tile : layer->painted()) painted.insert(tile);
+    const std::vector<TileIndex> tiles(painted.begin(), painted.end());
+    update_appearance(canvas, tiles, surface, options, progress);
+    return surface;
+}
+
+}  // namespace tangi

@@ -1,0 +1,41 @@
+// appearance.h: a painted canvas as a Surface that can be relit: wet film over dried layers over the dry
+// surface.
+//
+// Colour: Kubelka-Munk films, one over the other (kubelka_munk.h). Shape: heights add, and so do slopes
+// (DESIGN section 3): slope = slope of the dry normal + gradient of the paint's thickness, so that detail
+// finer than the fitted height survives. Gloss: that of the paints, by volume, where they cover.
+#pragma once
+
+#include <span>
+
+#include "paint/canvas.h"
+#include "paint/spectrum.h"
+#include "surface/options.h"
+#include "surface/progress.h"
+#include "surface/surface.h"
+
+namespace tangi {
+
+struct AppearanceOptions {
+    Illuminant illuminant = Illuminant::d65;
+    double covering_mm = 0.01;  // thickness at which paint's skin hides 63 % of the gloss below
+
+    static constexpr std::string_view name = "appearance";
+    template <class Self, class Visit>
+    static void fields(Self& self, Visit&& visit) {
+        visit(
+            FieldInfo{"covering_mm", 1e-5, 10, "mm", "paint of this thickness hides 63 % of the gloss below"},
+            self.covering_mm);
+    }
+};
+
+// The whole canvas. Where there is no paint, the dry surface comes out bit for bit.
+Surface appearance(const Canvas& canvas, const AppearanceOptions& options = {},
+                   const Progress& progress = {});
+
+// Brings a surface that appearance() made up to date, where these tiles have changed. Tiles beside them are
+// touched too: slopes reach one pixel far.
+void update_appearance(const Canvas& canvas, std::span<const TileIndex> tiles, Surface& surface,
+                       const AppearanceOptions& options = {}, const Progress& progress = {});
+
+}  // namespace tangi

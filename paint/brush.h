@@ -1,0 +1,90 @@
+// brush.h: a brush in the hand: its bristles, the paint on each of them, and where they are while it is
+// moved.
+//
+// Loads lie on a grid of the canvas's pixels that moves with the brush. When the brush turns, its cells are
+// permuted (rotation by three shears, each a shift of whole pixels: Paeth 1986, "A fast algorithm for general
+// raster rotation"), so turning neither blurs the paint nor loses any.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "paint/brush_settings.h"
+#include "paint/canvas.h"
+#include "paint/transfer.h"
+
+namespace tangi {
+
+// One place of the brush on its way, in pixels of the canvas (y down).
+struct Dab {
+    double x = 0, y = 0;     // [pixels] of the handle's axis; pixel centres are whole numbers
+    float pressure = 0.5f;   // [1] 0..1
+    float rotation_rad = 0;  // of the brush's width against the x axis, towards y (clockwise as seen)
+    float tilt_x = 0,
+          tilt_y = 0;      // [1] sine of the handle's tilt from the normal, towards x and y; length < 1
+    float dx = 1, dy = 0;  // unit vector of the motion; 0, 0 where it stands
+};
+
+class Brush {
+public:
+    Brush(const BrushSettings& settings, double mm_per_pixel, std::uint64_t seed);
+
+    const BrushSettings& settings() const { return settings_; }
+
+    // Puts paint of this recipe on the bristles; `amount` 1 is a full load. With `keep`, what is on them
+    // stays and is filled up. Throws Error where the parts of the recipe do not sum to more than 0.
+    void load(const std::vector<Portion>& recipe, double amount, bool keep = false);
+    void clean();
+    // Takes over what is on another brush, evenly: for a brush that was not cleaned between strokes.
+    void take_over(const Brush& other);
+
+    // Volume [mm^3] on the bristles, for each of `ingredients`.
+    std::vector<double> volumes_mm3(std::size_t ingredients) const;
+    const std::vector<IngredientId>& ingredients() const { return ids_; }
+
+    // Where the middle of the contact is for this dab: the tip trails behind the handle.
+    void contact_centre(const Dab& dab, double& x, double& y) const;
+    // Half extents [pixels] of the box that a dab can change, along x and y, with a margin for pushed paint.
+    void reach_px(const Dab& dab, int& half_x, int& half_y) const;
+    // Length [pixels] of the contact along the motion.
+    double contact_length_px(const Dab& dab) const;
+
+    // Turns the loads with the brush.
+    void turn_to(float rotation_rad);
+
+    // The underside [mm] of the bristles over a box of pixels whose first is (x0, y0), row-major; kOutside
+    // where there are none. Row y has bristles at columns spans[y].begin <= x < spans[y].end at most.
+    void underside_mm(const Dab& dab, int x0, int y0, int width, int height, float* out,
+                      std::vector<RowSpan>& spans) const;
+
+    // The load of an ingredient; made where there is none. The grid has grid_size() columns and rows, its
+    // middle cell belongs to the pixel nearest to the contact's centre.
+    float* load_plane(IngredientId ingredient);
+    float* load_total() { return total_.data(); }
+    int grid_size() const { return 2 * half_ + 1; }
+    int grid_half() const { return half_; }
+
+private:
+    struct Texel {
+        float dome;  // [1] 0 in the middle of the tip, 1 at its rim
+        float tip;   // [1] how much shorter the nearest bristle is, 0..1, and the gaps between bristles
+    };
+    void make_texture(std::uint64_t seed);
+    Texel texel(float u, float v) const;  // u, v in pixels from the middle, along width and thickness
+    float fresh_load(int u, int v) const;
+    void sum_loads();
+
+    BrushSettings settings_;
+    double mm_per_pixel_;
+    std::uint64_t seed_;
+    double half_width_px_, half_thickness_px_;
+    int disc_ = 0, half_ = 0;  // radius of the cells that turn, and half the grid
+    float rotation_rad_ = 0;   // as the loads lie
+    int texture_half_u_ = 0, texture_half_v_ = 0;
+    std::vector<float> dome_, tip_;  // Texel, as maps
+    std::vector<IngredientId> ids_;
+    std::vector<std::vector<float>> loads_;
+    std::vector<float> total_;
+};
+
+}  // namespace tangi

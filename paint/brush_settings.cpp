@@ -1,0 +1,197 @@
+#include "paint/brush_settings.h"
+
+#include <array>
+
+#include "surface/atomic_file.h"
+#include "surface/error.h"
+
+namespace tangi {
+
+namespace {
+
+constexpr std::array<const char*, 6> kShapes = {"round", "flat", "filbert", "fan", "knife", "rag"};
+
+std::map<std::string, BrushSettings> make_presets() {
+    std::map<std::string, BrushSettings> all;
+    BrushSettings round;
+    all["round"] = round;
+
+    BrushSettings flat = round;
+    flat.shape = "flat";
+    flat.size_mm = 12;
+    flat.thickness = 0.35;
+    flat.follow = true;
+    flat.bend = 0.1;
+    all["flat"] = flat;
+
+    BrushSettings filbert = flat;
+    filbert.shape = "filbert";
+    filbert.size_mm = 10;
+    filbert.thickness = 0.45;
+    all["filbert"] = filbert;
+
+    BrushSettings fan = flat;
+    fan.shape = "fan";
+    fan.size_mm = 22;
+    fan.thickness = 0.16;
+    fan.load_mm = 1.0;
+    fan.load_variation = 0.8;
+    fan.groove_mm = 0.4;
+    fan.bristle_mm = 0.9;
+    all["fan"] = fan;
+
+    // A blade: no bristles, hardly any room under it, and what it meets goes where it goes.
+    BrushSettings knife = flat;
+    knife.shape = "knife";
+    knife.size_mm = 18;
+    knife.thickness = 0.25;
+    knife.load_mm = 4;
+    knife.load_variation = 0.1;
+    knife.deposit = 0.5;
+    knife.pickup = 0.25;
+    knife.push = 0.95;
+    knife.spread = 0.3;
+    knife.gap_mm = 0.35;
+    knife.groove_mm = 0.03;
+    knife.bristle_mm = 2;
+    knife.depth_mm = 1.5;
+    knife.splay = 0;
+    knife.bend = 0;
+    knife.lift = 0.9;
+    knife.film_mm = 0.004;
+    knife.grain = 0.1;
+    all["knife"] = knife;
+
+    // Cloth: takes much, gives little, touches the crests.
+    BrushSettings rag = round;
+    rag.shape = "rag";
+    rag.size_mm = 25;
+    rag.load_mm = 0;
+    rag.deposit = 0.1;
+    rag.pickup = 2.5;
+    rag.push = 0.15;
+    rag.gap_mm = 0.01;
+    rag.groove_mm = 0.12;
+    rag.bristle_mm = 1.5;
+    rag.depth_mm = 0.5;
+    rag.bend = 0;
+    rag.lift = 0;
+    rag.film_mm = 0.003;
+    rag.grain = 0.5;
+    all["rag"] = rag;
+
+    BrushSettings smudge = round;
+    smudge.load_mm = 0;
+    smudge.deposit = 1.2;
+    smudge.pickup = 1.2;
+    smudge.push = 0.8;
+    smudge.groove_mm = 0.08;
+    all["smudge"] = smudge;
+
+    BrushSettings scrape = knife;
+    scrape.load_mm = 0;
+    scrape.deposit = 0.02;
+    scrape.pickup = 3;
+    scrape.gap_mm = 0.004;
+    scrape.groove_mm = 0.005;
+    scrape.film_mm = 0.002;
+    all["scrape"] = scrape;
+
+    // Takes all wet paint away; it is emptied after each stroke like any other brush.
+    BrushSettings eraser = rag;
+    eraser.shape = "round";
+    eraser.size_mm = 10;
+    eraser.deposit = 0;
+    eraser.pickup = 20;
+    eraser.push = 0;
+    eraser.gap_mm = 0;
+    eraser.groove_mm = 0;
+    eraser.film_mm = 0;
+    eraser.grain = 0;
+    eraser.reach_mm = 1;
+    all["eraser"] = eraser;
+    return all;
+}
+
+std::string listed(const std::map<std::string, BrushSettings>& presets) {
+    std::string names;
+    for (const auto& [key, unused] : presets) names += (names.empty() ? "" : ", ") + key;
+    return names;
+}
+
+template <class T>
+void read_field(const nlohmann::json& value, const std::string& where, std::string_view field, T& into) {
+    const bool fits = std::is_same_v<T, bool> ? value.is_boolean() : value.is_number();
+    if (!fits)
+        fail("{}: '{}' is {}, not {}", where, field, value.dump(),
+             std::is_same_v<T, bool> ? "true or false" : "a number");
+    into = value.get<T>();
+}
+
+}  // namespace
+
+const std::map<std::string, BrushSettings>& brush_presets() {
+    static const auto presets = make_presets();
+    return presets;
+}
+
+BrushSettings brush_from_json(const nlohmann::json& json, const std::string& where,
+                              const std::map<std::string, BrushSettings>& presets) {
+    if (!json.is_object()) fail("{}: a brush is a JSON object, not {}", where, json.dump());
+    BrushSettings settings;
+    if (const auto preset = json.find("preset"); preset != json.end()) {
+        const auto found = preset->is_string() ? presets.find(preset->get<std::string>()) : presets.end();
+        if (found == presets.end())
+            fail("{}: there is no brush preset {}; there are: {}", where, preset->dump(), listed(presets));
+        settings = found->second;
+    }
+    for (const auto& [key, value] : json.items()) {
+        if (key == "preset") continue;
+        if (key == "shape") {
+            const auto is_it = [&](const char* shape) { return value == shape; };
+            if (std::none_of(kShapes.begin(), kShapes.end(), is_it))
+                fail("{}: 'shape' is {}, not one of round, flat, filbert, fan, knife, rag", where,
+                     value.dump());
+            settings.shape = value.get<std::string>();
+            continue;
+        }
+        bool known = false;
+        BrushSettings::fields(settings, [&](const FieldInfo& info, auto& field) {
+            if (info.name != key) return;
+            known = true;
+            read_field(value, where, info.name, field);
+        });
+        if (!known) fail("{}: a brush has no setting '{}'", where, key);
+    }
+    try {
+        validate(settings);
+    } catch (const Error& error) {
+        fail("{}: {}", where, error.what());
+    }
+    return settings;
+}
+
+nlohmann::json brush_to_json(const BrushSettings& settings) {
+    nlohmann::json json = to_json(settings);
+    json["shape"] = settings.shape;
+    return json;
+}
+
+std::map<std::string, BrushSettings> read_brush_presets(const std::filesystem::path& path) {
+    const auto json = nlohmann::json::parse(read_text_file(path), nullptr, false);
+    if (json.is_discarded()) fail("{}: is not JSON", path.string());
+    if (!json.is_object() || json.value("format", nlohmann::json()) != "tangipaint brushes")
+        fail("{}: is not a file of brushes; it must have \"format\": \"tangipaint brushes\"", path.string());
+    if (json.value("version", nlohmann::json()) != 1)
+        fail("{}: has version {}, but this program reads version 1", path.string(),
+             json.value("version", nlohmann::json()).dump());
+    if (!json.contains("brushes") || !json["brushes"].is_object())
+        fail("{}: has no object \"brushes\"", path.string());
+    auto presets = brush_presets();
+    for (const auto& [key, value] : json["brushes"].items())
+        presets[key] =
+            brush_from_json(value, fmt::format("{}: brush '{}'", path.string(), key), brush_presets());
+    return presets;
+}
+
+}  // namespace tangi

@@ -1,0 +1,148 @@
+#include "paint/canvas.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "surface/error.h"
+
+namespace tangi {
+
+namespace {
+
+constexpr int kSize = PaintTile::kSize;
+
+Region intersection(const Region& a, const Region& b) {
+    return {std::max(a.x0, b.x0), std::max(a.y0, b.y0), std::min(a.x1, b.x1), std::min(a.y1, b.y1)};
+}
+
+}  // namespace
+
+Canvas::Canvas(std::shared_ptr<const Surface> dry, std::optional<double> mm_per_pixel)
+    : dry_(std::move(dry)) {
+    TP_REQUIRE(dry_ && dry_->width() > 0 && dry_->height() > 0,
+               "a canvas is painted on a surface with pixels");
+    mm_per_pixel_ = mm_per_pixel.value_or(dry_->mm_per_pixel);
+    if (!(mm_per_pixel_ > 0) || !std::isfinite(mm_per_pixel_))
+        fail("a canvas's pixels have a size above 0, not {} mm", mm_per_pixel_);
+    if (dry_->scale_known && mm_per_pixel_ != dry_->mm_per_pixel)
+        fail("the painting's pixels are known to be {} mm, not {} mm", dry_->mm_per_pixel, mm_per_pixel_);
+    wet_ = PaintLayer(width(), height());
+}
+
+IngredientId Canvas::add(const Pigment& ingredient) {
+    const auto found = std::find_if(ingredients_.begin(), ingredients_.end(), [&](const Pigment& p) {
+        return p.name == ingredient.name && p.k == ingredient.k && p.s == ingredient.s &&
+               p.specular == ingredient.specular && p.roughness == ingredient.roughness;
+    });
+    if (found != ingredients_.end()) return static_cast<IngredientId>(found - ingredients_.begin());
+    if (ingredients_.size() > 65535) fail("a canvas holds at most 65536 different paints");
+    ingredients_.push_back(ingredient);
+    return static_cast<IngredientId>(ingredients_.size() - 1);
+}
+
+std::vector<TileIndex> Canvas::take_dirty() {
+    std::vector<TileIndex> tiles(dirty_.begin(), dirty_.end());
+    dirty_.clear();
+    return tiles;
+}
+
+void Canvas::relief_mm(const Region& region, float* out, std::size_t stride) const {
+    TP_REQUIRE(intersection(region, this->region()) == region, "the region lies on the canvas");
+    const auto unit_mm = static_cast<float>(height_unit_mm());
+    for (int y = region.y0; y < region.y1; ++y) {
+        float* to = out + static_cast<std::size_t>(y - region.y0) * stride;
+        const auto from = dry_->height_mm.row(y);
+        for (int x = region.x0; x < region.x1; ++x)
+            to[x - region.x0] += from[static_cast<std::size_t>(x)] * unit_mm;
+    }
+    for (const DriedLayer& layer : dried_) layer.paint.add_thickness_mm(region, out, stride);
+}
+
+std::vector<double> Canvas::volumes_mm3() const {
+    std::vector<double> sums = tangi::volumes_mm3(wet_, ingredients_.size(), mm_per_pixel());
+    for (const DriedLayer& layer : dried_) {
+        const auto more = tangi::volumes_mm3(layer.paint, ingredients_.size(), mm_per_pixel());
+        for (std::size_t i = 0; i < sums.size(); ++i) sums[i] += more[i];
+    }
+    return sums;
+}
+
+std::size_t Canvas::bytes() const {
+    std::size_t sum = sizeof *this + wet_.bytes();
+    for (const DriedLayer& layer : dried_) sum += layer.paint.bytes();
+    return sum;
+}
+
+Recipe recipe_at(const Canvas& canvas, double x, double y, double radius_px) {
+    const double radius = std::max(radius_px, 0.5);
+    const Region box = intersection(
+        {static_cast<int>(std::floor(x - radius)), static_cast<int>(std::floor(y - radius)),
+         static_cast<int>(std::ceil(x + radius)) + 1, static_cast<int>(std::ceil(y + radius)) + 1},
+        canvas.region());
+    std::vector<double> sums(canvas.ingredients().size(), 0.0);
+    double total = 0;
+    int pixels = 0;
+    for (int py = box.y0; py < box.y1; ++py)
+        for (int px = box.x0; px < box.x1; ++px) {
+            if ((px - x) * (px - x) + (py - y) * (py - y) > radius * radius) continue;
+            ++pixels;
+            for (std::size_t id = 0; id < sums.size(); ++id) {
+                const double mm = canvas.wet().thickness_mm(px, py, static_cast<IngredientId>(id));
+                sums[id] += mm;
+                total += mm;
+            }
+        }
+    Recipe recipe;
+    if (total <= 0) return recipe;
+    recipe.thickness_mm = total / pixels;
+    for (std::size_t id = 0; id < sums.size(); ++id)
+        if (sums[id] > 0) recipe.portions.push_back({static_cast<IngredientId>(id), sums[id] / total});
+    return recipe;
+}
+
+void dry(Canvas& canvas, const std::string& name, const Region& wanted, double part) {
+    if (!(part > 0 && part <= 1)) fail("drying: part = {} is outside (0, 1]", part);
+    const Region region = intersection(wanted, canvas.region());
+    if (region.empty()) return;
+    auto& layers = canvas.writable_dried();
+    if (layers.empty() || layers.back().name != name)
+        layers.push_back({name, PaintLayer(canvas.width(), canvas.height())});
+    PaintLayer &dried = layers.back().paint, &wet = canvas.writable_wet();
+    const auto fraction = static_cast<float>(part);
+    for (int ty = region.y0 / kSize; ty * kSize < region.y1; ++ty)
+        for (int tx = region.x0 / kSize; tx * kSize < region.x1; ++tx) {
+            const TileIndex at{tx, ty};
+            if (!wet.tile(at)) continue;
+            const Region inside = intersection(region, wet.region_of(at));
+            PaintTile &from = wet.writable(at), &to = dried.writable(at);
+            for (const IngredientId id : from.ingredients) {
+                const std::span<float> source = from.writable_plane(id), target = to.writable_plane(id);
+                for (int y = inside.y0; y < inside.y1; ++y)
+                    for (int x = inside.x0; x < inside.x1; ++x) {
+                        const auto i = static_cast<std::size_t>((y - ty * kSize) * kSize + x - tx * kSize);
+                        const float moved = fraction == 1 ? source[i] : source[i] * fraction;
+                        target[i] += moved;
+                        source[i] -= moved;
+                    }
+            }
+            if (std::all_of(from.thickness_mm.begin(), from.thickness_mm.end(),
+                            [](float v) { return v == 0; }))
+                wet.set_tile(at, nullptr);
+            canvas.mark_dirty(at);
+        }
+}
+
+void lift_off(Canvas& canvas, const std::string& name) {
+    auto& layers = canvas.writable_dried();
+    const auto found = std::find_if(layers.begin(), layers.end(),
+                                    [&](const DriedLayer& layer) { return layer.name == name; });
+    if (found == layers.end()) {
+        std::string names;
+        for (const DriedLayer& layer : layers) names += (names.empty() ? "" : ", ") + layer.name;
+        fail("there is no dried layer '{}'; there are: {}", name, names.empty() ? "none" : names);
+    }
+    for (const TileIndex at : found->paint.painted()) canvas.mark_dirty(at);
+    layers.erase(found);
+}
+
+}  // namespace tangi

@@ -1,0 +1,94 @@
+// canvas.h: what is painted on: a dry surface that never changes, layers of dried paint, and wet paint.
+//
+// Pixels are those of the dry surface: row 0 at the top. Heights add: what a brush meets is the dry surface
+// plus the dried layers plus the wet paint.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "paint/paint_layer.h"
+#include "paint/pigment.h"
+#include "surface/surface.h"
+
+namespace tangi {
+
+// A part of a recipe; the parts of a recipe count by their ratio.
+struct Portion {
+    IngredientId ingredient = 0;
+    double part = 1;
+};
+
+struct DriedLayer {
+    std::string name;
+    PaintLayer paint;
+};
+
+class Canvas {
+public:
+    // `mm_per_pixel` gives a scale to a surface that has none; without it, such a pixel counts as one mm.
+    // Throws ContractError where there is no surface or it has no pixels, Error where its scale is known to
+    // be another.
+    explicit Canvas(std::shared_ptr<const Surface> dry, std::optional<double> mm_per_pixel = {});
+
+    const Surface& dry() const { return *dry_; }
+    const std::shared_ptr<const Surface>& dry_shared() const { return dry_; }
+    int width() const { return dry_->width(); }
+    int height() const { return dry_->height(); }
+    Region region() const { return dry_->height_mm.region(); }
+    double mm_per_pixel() const { return mm_per_pixel_; }
+    // [mm] that one unit of the dry surface's height is: 1, or a pixel where the surface's scale is unknown.
+    double height_unit_mm() const { return mm_per_pixel_ / dry_->mm_per_pixel; }
+
+    // The number of this paint, which is added where it is new: another name, colour or gloss. Throws Error
+    // beyond 65535.
+    IngredientId add(const Pigment& ingredient);
+    const std::vector<Pigment>& ingredients() const { return ingredients_; }
+
+    const PaintLayer& wet() const { return wet_; }
+    const std::vector<DriedLayer>& dried() const { return dried_; }
+
+    // To write to: tiles must be marked as dirty by who writes.
+    PaintLayer& writable_wet() { return wet_; }
+    std::vector<DriedLayer>& writable_dried() { return dried_; }
+
+    void mark_dirty(TileIndex tile) { dirty_.insert(tile); }
+    // Tiles that changed since the last call.
+    std::vector<TileIndex> take_dirty();
+
+    // Adds to `out`, row by row, the height [mm] of what is dry in `region`, which lies on the canvas.
+    void relief_mm(const Region& region, float* out, std::size_t stride) const;
+
+    // Volume [mm^3] of each ingredient, in wet paint and dried layers together.
+    std::vector<double> volumes_mm3() const;
+
+    // Memory beyond the dry surface.
+    std::size_t bytes() const;
+
+private:
+    std::shared_ptr<const Surface> dry_;
+    double mm_per_pixel_ = 1;
+    std::vector<Pigment> ingredients_;
+    PaintLayer wet_;
+    std::vector<DriedLayer> dried_;
+    std::set<TileIndex> dirty_;
+};
+
+// What a spot is made of: the ingredients of the wet paint within a circle.
+struct Recipe {
+    std::vector<Portion> portions;  // parts sum to 1; empty where there is no paint
+    double thickness_mm = 0;        // mean over the circle
+};
+Recipe recipe_at(const Canvas& canvas, double x, double y, double radius_px);
+
+// Turns a part of the wet paint (0..1], everywhere in `region`, into dry paint: a layer of its own with this
+// name, on top of those there are, or the topmost where that has the name already. Volume is conserved.
+void dry(Canvas& canvas, const std::string& name, const Region& region, double part = 1);
+
+// Takes a dried layer off again. Throws Error where there is none of this name.
+void lift_off(Canvas& canvas, const std::string& name);
+
+}  // namespace tangi

@@ -1,0 +1,34 @@
+// canvas_file.h: a painted canvas as a painting file: part `dry` as it was, `wet`, and `dried.0`, `dried.1`,
+// …
+//
+// Paint parts have a channel `volume.NNNNN` [mm^3/mm^2 = mm] for each ingredient that occurs in them, NNNNN
+// its number in the attribute `ingredients` of part `wet`: a JSON list of name, k, s (12 bands, 1/mm),
+// specular, roughness. Dried parts have their layer's name in the attribute `layer`; they lie on each other
+// in the order of their numbers.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+
+#include "paint/canvas.h"
+#include "surface/atomic_file.h"
+#include "surface/progress.h"
+
+namespace tangi {
+
+// Whole or not at all. Throws Error naming the file where it cannot be written.
+void write_canvas(AtomicFile& file, const Canvas& canvas, const Progress& progress = {});
+void write_canvas(const std::filesystem::path& path, const Canvas& canvas, const Progress& progress = {});
+
+// The canvas with all its paint, bit for bit (`mm_per_pixel`: the scale where the painting's is unknown,
+// canvas.h; kept in the attribute `paint_mm_per_pixel`); one that was never painted on has none. Throws Error
+// naming the file, the part and the place: not a painting, damaged, volumes that are negative or not finite,
+// unknown ingredients.
+Canvas read_canvas(const std::filesystem::path& path, const Progress& progress = {},
+                   std::optional<double> mm_per_pixel = {});
+
+// What the painting looks like with its paint (appearance.h); one that was never painted on as
+// read_painting().
+Surface read_painted(const std::filesystem::path& path, const Progress& progress = {});
+
+}  // namespace tangi

@@ -1,0 +1,183 @@
+// film_batch.cpp: films over a dry layer for many pixels: the inner loop of showing wet paint.
+//
+// Loops run over a block of pixels, band by band, without a branch, so that the compiler turns them into
+// vector instructions. CMakeLists.txt gives this file the flags for it; x86 processors choose at run time
+// between what every one of them has and AVX2 or AVX-512. Products and sums are not fused, so all of them
+// give the same bits.
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstring>
+
+#include "paint/kubelka_munk.h"
+#include "surface/error.h"
+
+#if defined(__GNUC__) && !defined(__clang__) && defined(__x86_64__) && !defined(__SANITIZE_ADDRESS__)
+#define TP_VECTOR_CLONES __attribute__((target_clones("avx512f", "avx2", "default")))
+#else
+#define TP_VECTOR_CLONES
+#endif
+#define TP_INLINE inline __attribute__((always_inline))
+
+namespace tangi {
+
+namespace {
+
+constexpr std::size_t kBlock = 32;  // pixels
+using Lanes = std::array<float, kBlock>;
+constexpr std::size_t kWide = 16;
+using Wide = float __attribute__((vector_size(kWide * sizeof(float))));  // as many registers as it takes
+
+// exp(x) - 1 to rounding, for 0 <= x <= 60.
+TP_INLINE float smaller(float a, float b) { return a < b ? a : b; }
+TP_INLINE float larger(float a, float b) { return a > b ? a : b; }
+
+TP_INLINE float expm1_of(float x) {
+    const float halves = x * 1.44269504f + 0.5f;  // x is not negative: cutting off rounds
+    const int n = static_cast<int>(halves);
+    const float whole = static_cast<float>(n);
+    const float r = (x - whole * 0.693359375f) + whole * 2.12194440e-4f;
+    const float tail =
+        0.5f + r * (1.0f / 6 + r * (1.0f / 24 + r * (1.0f / 120 + r * (1.0f / 720 + r / 5040))));
+    const float power = std::bit_cast<float>((n + 127) << 23);
+    return power * (r + r * r * tail) + (power - 1);
+}
+
+// One band of one pixel: film_look(), with its three divisions made two; `dry` need not lie in [0, 1].
+TP_INLINE float look_of(float k, float s, float dry, float k2) {
+    constexpr float kThick = 1e5f;
+    const float kx = smaller(larger(k, 0.0f), kThick), sx = smaller(larger(s, 0.0f), kThick);
+    const float below = smaller(larger(dry, 0.0f), 1.0f);
+    const float u = __builtin_sqrtf(kx * (kx + 2 * sx));
+    const float whole = kx + sx + u + 1e-12f;
+    const float x = smaller(2 * u + 1e-20f, 60.0f);
+    const float expm1_x = expm1_of(x);
+    const float h = (1 - k2) + k2 * below;  // inside_of(below) = below / h
+    const float film = larger(whole * h - sx * below, 0.0f) * expm1_x;
+    const float inverse = 1 / (whole * (film + x * h));
+    const float inside = (sx * film + below * x * whole) * inverse;
+    const float shows = x * h * whole * inverse;  // the share of what is below
+    return (1 - k2) * inside / (1 - k2 * inside) + shows * (dry - below);
+}
+
+// The part of the volumes that one block needs: pigments that occur in it, padded with nothing.
+struct Block {
+    std::vector<std::size_t> present;
+    std::vector<Lanes> volumes;
+    Lanes kx, sx;
+
+    explicit Block(std::size_t pigments) { present.reserve(pigments), volumes.resize(pigments); }
+
+    TP_INLINE void load(std::span<const std::span<const float>> planes, std::size_t first,
+                        std::size_t count) {
+        present.clear();
+        for (std::size_t p = 0; p < planes.size(); ++p) {
+            const float* from = planes[p].data() + first;
+            Lanes& to = volumes[present.size()];
+            float most = 0;
+            for (std::size_t i = 0; i < count; ++i) {
+                to[i] = from[i];
+                most = std::max(most, from[i]);
+            }
+            if (!(most > 0)) continue;
+            for (std::size_t i = count; i < kBlock; ++i) to[i] = 0;
+            present.push_back(p);
+        }
+    }
+
+    // Sums stay in registers over all pigments: the compiler does not see by itself that they can.
+    TP_INLINE void mix(const Spectrum* k, const Spectrum* s, std::size_t band) {
+        for (std::size_t i = 0; i < kBlock; i += kWide) {
+            Wide k_sum{}, s_sum{};
+            for (std::size_t j = 0; j < present.size(); ++j) {
+                Wide volume;
+                std::memcpy(&volume, volumes[j].data() + i, sizeof volume);
+                k_sum += volume * k[present[j]][band];
+                s_sum += volume * s[present[j]][band];
+            }
+            std::memcpy(kx.data() + i, &k_sum, sizeof k_sum);
+            std::memcpy(sx.data() + i, &s_sum, sizeof s_sum);
+        }
+    }
+};
+
+TP_VECTOR_CLONES
+void look_rgb(std::span<const std::span<const float>> volumes, std::span<const Rgb> dry,
+              std::span<Rgb> colour, const Spectrum* k, const Spectrum* s,
+              const std::array<Spectrum, 3>& weights, float k2) {
+    const std::array<Spectrum, 3>& basis = rgb_basis();
+    Block block(volumes.size());
+    Lanes below[3], sum[3];
+    for (std::size_t first = 0; first < dry.size(); first += kBlock) {
+        const std::size_t count = std::min(kBlock, dry.size() - first);
+        block.load(volumes, first, count);
+        for (std::size_t i = 0; i < kBlock; ++i) {
+            const Rgb& pixel = dry[first + std::min(i, count - 1)];
+            below[0][i] = pixel.r, below[1][i] = pixel.g, below[2][i] = pixel.b;
+        }
+        for (Lanes& lanes : sum) lanes.fill(0);
+        for (std::size_t band = 0; band < kBands; ++band) {
+            block.mix(k, s, band);
+            for (std::size_t i = 0; i < kBlock; ++i) {
+                const float look = look_of(block.kx[i], block.sx[i],
+                                           below[0][i] * basis[0][band] + below[1][i] * basis[1][band] +
+                                               below[2][i] * basis[2][band],
+                                           k2);
+                sum[0][i] += weights[0][band] * look;
+                sum[1][i] += weights[1][band] * look;
+                sum[2][i] += weights[2][band] * look;
+            }
+        }
+        for (std::size_t i = 0; i < count; ++i) colour[first + i] = Rgb(sum[0][i], sum[1][i], sum[2][i]);
+    }
+}
+
+TP_VECTOR_CLONES
+void look_spectra(std::span<const std::span<const float>> volumes, std::span<const Spectrum> dry,
+                  std::span<Spectrum> reflectance, const Spectrum* k, const Spectrum* s, float k2) {
+    Block block(volumes.size());
+    Lanes below, look;
+    for (std::size_t first = 0; first < dry.size(); first += kBlock) {
+        const std::size_t count = std::min(kBlock, dry.size() - first);
+        block.load(volumes, first, count);
+        for (std::size_t band = 0; band < kBands; ++band) {
+            block.mix(k, s, band);
+            for (std::size_t i = 0; i < kBlock; ++i) below[i] = dry[first + std::min(i, count - 1)][band];
+            for (std::size_t i = 0; i < kBlock; ++i)
+                look[i] = look_of(block.kx[i], block.sx[i], below[i], k2);
+            for (std::size_t i = 0; i < count; ++i) reflectance[first + i][band] = look[i];
+        }
+    }
+}
+
+void require_sizes(std::span<const std::span<const float>> volumes, std::size_t pigments, std::size_t dry,
+                   std::size_t out) {
+    TP_REQUIRE(volumes.size() == pigments, "one plane of volumes a pigment");
+    TP_REQUIRE(dry == out, "as many pixels come out as there are below");
+    for (const auto& plane : volumes) TP_REQUIRE(plane.size() == dry, "volumes for every pixel");
+}
+
+}  // namespace
+
+FilmBatch::FilmBatch(std::span<const Pigment> pigments, Illuminant illuminant, float k2)
+    : weights_(rgb_weights(illuminant)), k2_(k2) {
+    TP_REQUIRE(k2 >= 0 && k2 < 1, "k2 is in [0, 1)");
+    for (const Pigment& pigment : pigments) {
+        k_.push_back(pigment.k);
+        s_.push_back(pigment.s);
+    }
+}
+
+void FilmBatch::look(std::span<const std::span<const float>> volumes_mm, std::span<const Rgb> dry,
+                     std::span<Rgb> colour) const {
+    require_sizes(volumes_mm, k_.size(), dry.size(), colour.size());
+    look_rgb(volumes_mm, dry, colour, k_.data(), s_.data(), weights_, k2_);
+}
+
+void FilmBatch::look(std::span<const std::span<const float>> volumes_mm, std::span<const Spectrum> dry,
+                     std::span<Spectrum> reflectance) const {
+    require_sizes(volumes_mm, k_.size(), dry.size(), reflectance.size());
+    look_spectra(volumes_mm, dry, reflectance, k_.data(), s_.data(), k2_);
+}
+
+}  // namespace tangi

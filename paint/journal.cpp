@@ -1,0 +1,246 @@
+#include "paint/journal.h"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <limits>
+#include <set>
+
+#include "surface/atomic_file.h"
+#include "surface/error.h"
+
+namespace tangi {
+
+namespace {
+
+using nlohmann::json;
+
+const char* const kFirstLine = R"({"format": "tangipaint strokes", "version": 1})";
+
+// The fields of one event. Each is asked for by name; those that nobody asked for are mistakes.
+class Fields {
+public:
+    Fields(const json& object, const std::string& where) : object_(object), where_(where) {
+        asked_.insert("event");
+    }
+
+    const json* find(const char* name) {
+        asked_.insert(name);
+        const auto found = object_.find(name);
+        return found == object_.end() ? nullptr : &*found;
+    }
+    double number(const char* name, std::optional<double> otherwise = {}) {
+        const json* value = find(name);
+        if (!value && otherwise) return *otherwise;
+        if (!value) fail("{}: has no '{}'", where_, name);
+        if (!value->is_number()) fail("{}: '{}' is {}, not a number", where_, name, value->dump());
+        return value->get<double>();
+    }
+    double number_within(const char* name, double minimum, double maximum,
+                         std::optional<double> otherwise = {}) {
+        const double value = number(name, otherwise);
+        if (!(value >= minimum && value <= maximum))
+            fail("{}: '{}' = {} is outside [{}, {}]", where_, name, value, minimum, maximum);
+        return value;
+    }
+    std::string text(const char* name) {
+        const json* value = find(name);
+        if (!value || !value->is_string() || value->get<std::string>().empty())
+            fail("{}: '{}' must be a text that is not empty", where_, name);
+        return value->get<std::string>();
+    }
+    void end() const {
+        for (const auto& [key, value] : object_.items())
+            if (!asked_.contains(key))
+                fail("{}: has a field '{}' that this event does not have", where_, key);
+    }
+
+private:
+    const json& object_;
+    const std::string& where_;
+    std::set<std::string> asked_;
+};
+
+BrushStart start_of(const json* value, const std::string& where) {
+    if (!value || *value == "clean") return BrushStart::clean;
+    if (*value == "dirty") return BrushStart::dirty;
+    if (*value == "same") return BrushStart::same;
+    fail("{}: 'start' is {}, not clean, dirty or same", where, value->dump());
+}
+
+Event stroke_from(Fields& fields, const std::string& where,
+                  const std::map<std::string, BrushSettings>& presets) {
+    StrokeEvent event;
+    if (const json* brush = fields.find("brush")) event.brush = brush_from_json(*brush, where, presets);
+    if (const json* paint = fields.find("paint")) {
+        if (!paint->is_object())
+            fail("{}: 'paint' is {}, not an object of names and parts", where, paint->dump());
+        for (const auto& [name, part] : paint->items()) {
+            if (!part.is_number() || !(part.get<double>() > 0) || !(part.get<double>() <= 1e6))
+                fail("{}: 'paint' has {} parts of {}; a part is a number above 0", where, part.dump(), name);
+            event.paint.emplace_back(name, part.get<double>());
+        }
+    }
+    event.load = fields.number_within("load", 0, 10, 1);
+    event.start = start_of(fields.find("start"), where);
+    event.options.stabiliser_mm = fields.number_within("stabiliser_mm", 0, 100, 0);
+    event.options.pressure_gamma = fields.number_within("pressure_gamma", 0.1, 10, 1);
+    event.seed = static_cast<std::uint64_t>(fields.number_within("seed", 0, 9e15, 0));
+    return event;
+}
+
+Event point_from(Fields& fields) {
+    constexpr double most = 1e6;  // [mm] any canvas is smaller
+    StrokePoint p;
+    p.time_s = fields.number_within("t", 0, 1e9, 0);
+    p.x_mm = fields.number_within("x", -most, most);
+    p.y_mm = fields.number_within("y", -most, most);
+    p.pressure = fields.number_within("p", 0, 1, 0.5);
+    p.tilt_x = fields.number_within("tx", -1, 1, 0);
+    p.tilt_y = fields.number_within("ty", -1, 1, 0);
+    p.rotation_deg = fields.number_within("r", -1e5, 1e5, 0);
+    return PointEvent{p};
+}
+
+struct ToJson {
+    json operator()(const StrokeEvent& e) const {
+        json paint = json::object();
+        for (const auto& [name, part] : e.paint) paint[name] = part;
+        static constexpr const char* starts[] = {"clean", "dirty", "same"};
+        return {{"event", "stroke"},
+                {"brush", brush_to_json(e.brush)},
+                {"paint", paint},
+                {"load", e.load},
+                {"start", starts[static_cast<int>(e.start)]},
+                {"stabiliser_mm", e.options.stabiliser_mm},
+                {"pressure_gamma", e.options.pressure_gamma},
+                {"seed", e.seed}};
+    }
+    json operator()(const PointEvent& e) const {
+        const StrokePoint& p = e.point;
+        json result = {{"event", "point"}, {"t", p.time_s}, {"x", p.x_mm}, {"y", p.y_mm}, {"p", p.pressure}};
+        if (p.tilt_x != 0) result["tx"] = p.tilt_x;
+        if (p.tilt_y != 0) result["ty"] = p.tilt_y;
+        if (p.rotation_deg != 0) result["r"] = p.rotation_deg;
+        return result;
+    }
+    json operator()(const EndEvent&) const { return {{"event", "end"}}; }
+    json operator()(const UndoEvent&) const { return {{"event", "undo"}}; }
+    json operator()(const RedoEvent&) const { return {{"event", "redo"}}; }
+    json operator()(const DryEvent& e) const {
+        return {{"event", "dry"}, {"layer", e.layer}, {"part", e.part}};
+    }
+    json operator()(const LiftEvent& e) const { return {{"event", "lift"}, {"layer", e.layer}}; }
+};
+
+void require_header(const std::string& line, const std::string& path) {
+    const json header = json::parse(line, nullptr, false);
+    if (header.is_discarded() || !header.is_object() ||
+        header.value("format", json()) != "tangipaint strokes")
+        fail("{}:1: is not a journal of strokes; its first line must be {}", path, kFirstLine);
+    if (header.value("version", json()) != 1)
+        fail("{}:1: has version {}, but this program reads version 1", path,
+             header.value("version", json()).dump());
+}
+
+}  // namespace
+
+json to_json(const Event& event) { return std::visit(ToJson{}, event); }
+
+Event event_from_json(const json& object, const std::string& where,
+                      const std::map<std::string, BrushSettings>& presets) {
+    if (!object.is_object()) fail("{}: an event is a JSON object, not {}", where, object.dump());
+    const json kind = object.value("event", json());
+    Fields fields(object, where);
+    Event event;
+    if (kind == "stroke")
+        event = stroke_from(fields, where, presets);
+    else if (kind == "point")
+        event = point_from(fields);
+    else if (kind == "end")
+        event = EndEvent{};
+    else if (kind == "undo")
+        event = UndoEvent{};
+    else if (kind == "redo")
+        event = RedoEvent{};
+    else if (kind == "dry")
+        event = DryEvent{fields.text("layer"), fields.number_within("part", 1e-6, 1, 1)};
+    else if (kind == "lift")
+        event = LiftEvent{fields.text("layer")};
+    else
+        fail("{}: there is no event {}; there are: stroke, point, end, undo, redo, dry, lift", where,
+             kind.dump());
+    fields.end();
+    return event;
+}
+
+Journal read_journal(const std::filesystem::path& path, const std::map<std::string, BrushSettings>& presets) {
+    const std::string text = read_text_file(path);
+    Journal journal;
+    journal.source = path.string();
+    int line = 0;
+    for (std::size_t begin = 0; begin < text.size();) {
+        const std::size_t newline = text.find('\n', begin);
+        const bool whole = newline != std::string::npos;
+        const std::string content = text.substr(begin, whole ? newline - begin : std::string::npos);
+        begin = whole ? newline + 1 : text.size();
+        const std::string where = fmt::format("{}:{}", path.string(), ++line);
+        if (content.find_first_not_of(" \t\r") == std::string::npos) continue;
+        if (line == 1) {
+            require_header(content, path.string());
+            continue;
+        }
+        const json object = json::parse(content, nullptr, false);
+        if (object.is_discarded()) {
+            if (whole) fail("{}: is not JSON; one event is one line", where);
+            journal.warnings.push_back(where + ": the last line is cut short, as by a crash; it is left out");
+            break;
+        }
+        journal.entries.push_back({line, event_from_json(object, where, presets)});
+    }
+    if (line == 0) fail("{}: is empty; its first line must be {}", path.string(), kFirstLine);
+    return journal;
+}
+
+JournalWriter::JournalWriter(const std::filesystem::path& path) : path_(path) {
+    file_ = ::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+    if (file_ < 0) fail("{}: cannot be written: {}", path.string(), std::strerror(errno));
+    try {
+        const std::string text = read_text_file(path);
+        if (text.empty()) {
+            write(std::string(kFirstLine) + "\n");
+        } else {
+            require_header(text.substr(0, text.find('\n')), path.string());
+            const auto end = text.rfind('\n');
+            const auto length = static_cast<off_t>(end == std::string::npos ? 0 : end + 1);
+            if (::ftruncate(file_, length) != 0 || ::lseek(file_, 0, SEEK_END) < 0)
+                fail("{}: cannot be written: {}", path.string(), std::strerror(errno));
+            if (length == 0) write(std::string(kFirstLine) + "\n");
+        }
+    } catch (...) {
+        ::close(file_);
+        throw;
+    }
+}
+
+JournalWriter::~JournalWriter() { ::close(file_); }
+
+void JournalWriter::append(const Event& event) { write(to_json(event).dump() + "\n"); }
+
+void JournalWriter::sync() {
+    if (::fdatasync(file_) != 0) fail("{}: cannot be written: {}", path_.string(), std::strerror(errno));
+}
+
+void JournalWriter::write(std::string_view text) {
+    while (!text.empty()) {
+        const ssize_t written = ::write(file_, text.data(), text.size());
+        if (written < 0 && errno == EINTR) continue;
+        if (written <= 0)
+            fail("{}: cannot be written: {}", path_.string(), std::strerror(written == 0 ? ENOSPC : errno));
+        text.remove_prefix(static_cast<std::size_t>(written));
+    }
+}
+
+}  // namespace tangi

@@ -1,0 +1,88 @@
+// journal.h: the record of a painting: one JSON object a line, append-only (docs/paint.md: the format).
+//
+// The first line is {"format": "tangipaint strokes", "version": 1}; then one event a line, in the order in
+// which they happened. A line that a crash cut short is left out with a warning; all before it count.
+#pragma once
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "paint/brush_settings.h"
+#include "paint/stroke.h"
+
+namespace tangi {
+
+enum class BrushStart {
+    clean,  // washed, then loaded
+    dirty,  // what is on it stays and is filled up
+    same    // goes on with what is on it
+};
+
+// {"event": "stroke", "brush": {"preset": "flat", "size_mm": 12}, "paint": {"Titanium White": 3, ...}, ...}
+struct StrokeEvent {
+    BrushSettings brush;
+    std::vector<std::pair<std::string, double>> paint;  // name in the palette, part; empty: none is loaded
+    double load = 1;                                    // [1] of a full brush
+    BrushStart start = BrushStart::clean;
+    StrokeOptions options;
+    std::uint64_t seed = 0;
+};
+struct PointEvent {  // {"event": "point", "t": 0.1, "x": 3, "y": -4, "p": 0.5}: [s], [mm], [1]
+    StrokePoint point;
+};
+struct EndEvent {};   // {"event": "end"}: the brush leaves the canvas
+struct UndoEvent {};  // {"event": "undo"}
+struct RedoEvent {};
+struct DryEvent {  // {"event": "dry", "layer": "first sitting", "part": 1}
+    std::string layer;
+    double part = 1;
+};
+struct LiftEvent {  // {"event": "lift", "layer": "first sitting"}
+    std::string layer;
+};
+using Event = std::variant<StrokeEvent, PointEvent, EndEvent, UndoEvent, RedoEvent, DryEvent, LiftEvent>;
+
+struct Journal {
+    struct Entry {
+        int line = 0;  // of the file, from 1
+        Event event;
+    };
+    std::string source;  // the file's name, for errors
+    std::vector<Entry> entries;
+    std::vector<std::string> warnings;
+};
+
+nlohmann::json to_json(const Event& event);
+// `presets`: those that strokes name. Throws Error that names `where`: not an object, an unknown event, field
+// or brush, values of the wrong kind.
+Event event_from_json(const nlohmann::json& json, const std::string& where,
+                      const std::map<std::string, BrushSettings>& presets = brush_presets());
+
+// Throws Error naming file and line; a last line without its end is left out with a warning.
+Journal read_journal(const std::filesystem::path& path,
+                     const std::map<std::string, BrushSettings>& presets = brush_presets());
+
+// Appends events to a file, whole lines at once; what was written survives the program's death.
+class JournalWriter {
+public:
+    // Makes the file with its first line, or goes on with one that is there (cutting off a torn last line).
+    // Throws Error naming the file where it cannot be written, or is something else.
+    explicit JournalWriter(const std::filesystem::path& path);
+    ~JournalWriter();
+    JournalWriter(const JournalWriter&) = delete;
+    JournalWriter& operator=(const JournalWriter&) = delete;
+
+    void append(const Event& event);
+    // Makes sure that it survives a crash of the machine too. Call once a second.
+    void sync();
+
+private:
+    void write(std::string_view text);
+    std::filesystem::path path_;
+    int file_ = -1;
+};
+
+}  // namespace tangi

@@ -1,0 +1,161 @@
+#include "paint/paint_window.h"
+
+#include <algorithm>
+#include <cstring>
+
+#include "surface/noise.h"
+
+namespace tangi {
+
+namespace {
+
+constexpr int kSize = PaintTile::kSize;
+
+Region intersection(const Region& a, const Region& b) {
+    return {std::max(a.x0, b.x0), std::max(a.y0, b.y0), std::min(a.x1, b.x1), std::min(a.y1, b.y1)};
+}
+
+// Mean over 2 * radius + 1 values around each, of which those beyond the ends count as the ends.
+void box_mean(const float* in, std::size_t in_step, float* out, std::size_t out_step, int count, int radius) {
+    const auto value = [&](int i) {
+        return in[static_cast<std::size_t>(std::clamp(i, 0, count - 1)) * in_step];
+    };
+    double sum = 0;
+    for (int i = -radius; i <= radius; ++i) sum += value(i);
+    for (int i = 0; i < count; ++i) {
+        out[static_cast<std::size_t>(i) * out_step] = static_cast<float>(sum / (2 * radius + 1));
+        sum += static_cast<double>(value(i + radius + 1)) - static_cast<double>(value(i - radius));
+    }
+}
+
+// Calls body(tile, part of the region in it) for all tiles of a region that lies on the canvas.
+template <class Body>
+void for_tiles(const Region& region, const PaintLayer& layer, const Body& body) {
+    for (int ty = region.y0 / kSize; ty * kSize < region.y1; ++ty)
+        for (int tx = region.x0 / kSize; tx * kSize < region.x1; ++tx)
+            body(TileIndex{tx, ty}, intersection(region, layer.region_of({tx, ty})));
+}
+
+std::size_t in_tile(int x, int y) { return static_cast<std::size_t>((y % kSize) * kSize + x % kSize); }
+
+}  // namespace
+
+PaintWindow::PaintWindow(const Canvas& canvas, const Region& region, std::vector<IngredientId> ingredients,
+                         int ride_px, double grain, std::uint64_t seed)
+    : region_(region),
+      on_canvas_(intersection(region, canvas.region())),
+      stride_(static_cast<std::size_t>(region.width())),
+      ingredients_(std::move(ingredients)) {
+    if (on_canvas_.empty()) on_canvas_ = {};
+    const auto pixels = stride_ * static_cast<std::size_t>(region.height());
+    total_.assign(pixels, 0.0f);
+    relief_.assign(pixels, 0.0f);
+    grain_.assign(pixels, 0.0f);
+    if (!on_canvas_.empty())
+        for_tiles(on_canvas_, canvas.wet(), [&](TileIndex at, const Region&) {
+            if (const auto& tile = canvas.wet().tile(at))
+                ingredients_.insert(ingredients_.end(), tile->ingredients.begin(), tile->ingredients.end());
+        });
+    std::sort(ingredients_.begin(), ingredients_.end());
+    ingredients_.erase(std::unique(ingredients_.begin(), ingredients_.end()), ingredients_.end());
+    paint_.assign(ingredients_.size(), std::vector<float>(pixels, 0.0f));
+    if (on_canvas_.empty()) return;
+    find_relief(canvas, ride_px);
+    find_grain(grain, seed);
+    take_paint(canvas.wet());
+}
+
+void PaintWindow::find_relief(const Canvas& canvas, int ride_px) {
+    const Region wide = intersection(
+        {on_canvas_.x0 - ride_px, on_canvas_.y0 - ride_px, on_canvas_.x1 + ride_px, on_canvas_.y1 + ride_px},
+        canvas.region());
+    const auto stride = static_cast<std::size_t>(wide.width());
+    std::vector<float> height(stride * static_cast<std::size_t>(wide.height()), 0.0f), mean(height.size());
+    canvas.relief_mm(wide, height.data(), stride);
+    for (int y = 0; y < wide.height(); ++y) {
+        const std::size_t row = static_cast<std::size_t>(y) * stride;
+        box_mean(height.data() + row, 1, mean.data() + row, 1, wide.width(), ride_px);
+    }
+    std::vector<float> column(static_cast<std::size_t>(wide.height()));
+    for (int x = on_canvas_.x0; x < on_canvas_.x1; ++x) {
+        const auto offset = static_cast<std::size_t>(x - wide.x0);
+        box_mean(mean.data() + offset, stride, column.data(), 1, wide.height(), ride_px);
+        for (int y = on_canvas_.y0; y < on_canvas_.y1; ++y) {
+            const auto row = static_cast<std::size_t>(y - wide.y0);
+            relief_[index(x, y)] = height[row * stride + offset] - column[row];
+        }
+    }
+}
+
+void PaintWindow::find_grain(double grain, std::uint64_t seed) {
+    using procedural::hash;
+    using procedural::uniform;
+    const auto amount = static_cast<float>(grain);
+    for (int y = on_canvas_.y0; y < on_canvas_.y1; ++y)
+        for (int x = on_canvas_.x0; x < on_canvas_.x1; ++x) {
+            const float fine = uniform(hash(seed, x, y)), coarse = uniform(hash(~seed, x / 3, y / 3));
+            grain_[index(x, y)] = std::max(1 + amount * (fine + coarse - 1), 0.01f);
+        }
+}
+
+void PaintWindow::take_paint(const PaintLayer& wet) {
+    for_tiles(on_canvas_, wet, [&](TileIndex at, const Region& part) {
+        const auto& tile = wet.tile(at);
+        if (!tile) return;
+        for (std::size_t i = 0; i < ingredients_.size(); ++i) {
+            const auto plane = tile->plane(ingredients_[i]);
+            if (plane.empty()) continue;
+            for (int y = part.y0; y < part.y1; ++y) {
+                const float* from = plane.data() + in_tile(part.x0, y);
+                float *to = paint_[i].data() + index(part.x0, y), *sum = total_.data() + index(part.x0, y);
+                for (int x = 0; x < part.width(); ++x) {
+                    to[x] = from[x];
+                    sum[x] += from[x];
+                }
+            }
+        }
+    });
+}
+
+void PaintWindow::attach(StepBox& box, int x0, int y0) {
+    const std::size_t at = index(x0, y0);
+    box.relief_mm = relief_.data() + at;
+    box.grain = grain_.data() + at;
+    box.total_mm = total_.data() + at;
+    box.canvas_stride = stride_;
+    box.paint.clear();
+    for (auto& plane : paint_) box.paint.push_back(plane.data() + at);
+}
+
+void PaintWindow::store(Canvas& canvas) const {
+    if (on_canvas_.empty()) return;
+    PaintLayer& wet = canvas.writable_wet();
+    for_tiles(on_canvas_, wet, [&](TileIndex at, const Region& part) {
+        const auto row_bytes = static_cast<std::size_t>(part.width()) * sizeof(float);
+        std::vector<std::size_t> occurring;  // of this window's ingredients, in this tile
+        bool changed = false;
+        for (std::size_t i = 0; i < ingredients_.size(); ++i) {
+            const auto old = wet.tile(at) ? wet.tile(at)->plane(ingredients_[i]) : std::span<const float>();
+            bool any = !old.empty();
+            for (int y = part.y0; y < part.y1 && !(any && changed); ++y) {
+                const float* row = paint_[i].data() + index(part.x0, y);
+                if (!old.empty())
+                    changed = changed || std::memcmp(row, old.data() + in_tile(part.x0, y), row_bytes) != 0;
+                else if (std::any_of(row, row + part.width(), [](float v) { return v != 0; }))
+                    any = changed = true;
+            }
+            if (any) occurring.push_back(i);
+        }
+        if (!changed) return;
+        PaintTile& tile = wet.writable(at);
+        for (const std::size_t i : occurring) {
+            const IngredientId id = ingredients_[i];
+            float* plane = tile.writable_plane(id).data();
+            for (int y = part.y0; y < part.y1; ++y)
+                std::memcpy(plane + in_tile(part.x0, y), paint_[i].data() + index(part.x0, y), row_bytes);
+        }
+        canvas.mark_dirty(at);
+    });
+}
+
+}  // namespace tangi

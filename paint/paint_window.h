@@ -1,0 +1,48 @@
+// paint_window.h: a part of the canvas as whole rows, on which steps of a brush work; what changes is put
+// back.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "paint/canvas.h"
+#include "paint/transfer.h"
+
+namespace tangi {
+
+// The wet paint of a region, its support and the grain of the transfer. The paint is taken out of the tiles
+// and put back when the steps are done: in between this is the paint, not a copy of it to pick up from.
+class PaintWindow {
+public:
+    // `region` may reach beyond the canvas; pixels there have grain 0 and neither take nor give paint.
+    // `ingredients` are those that will come from a brush; those of the canvas are added. `ride_px`: half the
+    // side of the square over which a brush follows the relief. `grain`: variation of the transfer (1 = none
+    // to double).
+    PaintWindow(const Canvas& canvas, const Region& region, std::vector<IngredientId> ingredients,
+                int ride_px, double grain, std::uint64_t seed);
+
+    const Region& region() const { return region_; }
+    const std::vector<IngredientId>& ingredients() const { return ingredients_; }
+
+    // Points the box's canvas side at the part of the window that begins at pixel (x0, y0) of the canvas.
+    void attach(StepBox& box, int x0, int y0);
+
+    // Puts the paint back into the tiles and marks those that changed as dirty.
+    void store(Canvas& canvas) const;
+
+private:
+    std::size_t index(int x, int y) const {
+        return static_cast<std::size_t>(y - region_.y0) * stride_ + static_cast<std::size_t>(x - region_.x0);
+    }
+    void find_relief(const Canvas& canvas, int ride_px);
+    void find_grain(double grain, std::uint64_t seed);
+    void take_paint(const PaintLayer& wet);
+
+    Region region_, on_canvas_;
+    std::size_t stride_ = 0;
+    std::vector<IngredientId> ingredients_;
+    std::vector<std::vector<float>> paint_;
+    std::vector<float> total_, relief_, grain_;
+};
+
+}  // namespace tangi

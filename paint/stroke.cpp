@@ -1,0 +1,288 @@
+#include "paint/stroke.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "paint/paint_window.h"
+#include "surface/error.h"
+
+namespace tangi {
+
+namespace {
+
+constexpr float kPerStepAtMost = 0.5f;  // of load or paint in one step: TransferRates
+
+double length(const PathPoint& p) { return std::hypot(p.x, p.y); }
+PathPoint operator-(const PathPoint& a, const PathPoint& b) { return {a.x - b.x, a.y - b.y}; }
+PathPoint operator+(const PathPoint& a, const PathPoint& b) { return {a.x + b.x, a.y + b.y}; }
+PathPoint operator*(double s, const PathPoint& p) { return {s * p.x, s * p.y}; }
+
+double mix(double a, double b, double t) { return a + (b - a) * t; }
+
+// The angle nearest to `reference` that is the same direction as `angle`.
+double unwrapped(double angle, double reference) {
+    return reference + std::remainder(angle - reference, 2 * std::numbers::pi);
+}
+
+TransferRates rates_of(const BrushSettings& s, double length_px, double step_px, double mm_per_pixel) {
+    const auto rate = [&](double over_contact) {
+        return std::min(static_cast<float>(1 - std::exp(-over_contact * step_px / length_px)),
+                        kPerStepAtMost);
+    };
+    TransferRates r;
+    r.deposit = rate(s.deposit);
+    r.pickup = rate(s.pickup);
+    r.push = static_cast<float>(s.push);
+    r.film_mm = static_cast<float>(s.film_mm);
+    r.reach_mm = static_cast<float>(s.reach_mm);
+    r.load_reach = static_cast<float>(s.load_reach);
+    r.spread = static_cast<float>(s.spread);
+    r.yield_mm = static_cast<float>(s.yield_slope * mm_per_pixel);
+    r.flow = 0.15f;
+    return r;
+}
+
+Region box_of(const Brush& brush, const Dab& dab) {
+    double cx, cy;
+    int half_x, half_y;
+    brush.contact_centre(dab, cx, cy);
+    brush.reach_px(dab, half_x, half_y);
+    const int x = static_cast<int>(std::lround(cx)), y = static_cast<int>(std::lround(cy));
+    return {x - half_x, y - half_y, x + half_x + 1, y + half_y + 1};
+}
+
+Region united(const Region& a, const Region& b) {
+    if (a.empty()) return b;
+    return {std::min(a.x0, b.x0), std::min(a.y0, b.y0), std::max(a.x1, b.x1), std::max(a.y1, b.y1)};
+}
+
+// Pixels under the brush.
+double one_step(PaintWindow& window, Brush& brush, const Dab& dab, const Region& box, double step_px,
+                double mm_per_pixel, std::vector<float>& underside, StepScratch& scratch) {
+    const BrushSettings& settings = brush.settings();
+    brush.turn_to(dab.rotation_rad);
+    const int width = box.width(), height = box.height();
+    underside.resize(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
+    StepBox step;
+    brush.underside_mm(dab, box.x0, box.y0, width, height, underside.data(), step.bristles);
+    step.width = width;
+    step.height = height;
+    step.underside_mm = underside.data();
+    step.underside_stride = static_cast<std::size_t>(width);
+    window.attach(step, box.x0, box.y0);
+    step.load_stride = static_cast<std::size_t>(brush.grid_size());
+    const std::size_t corner = static_cast<std::size_t>(brush.grid_half() - height / 2) * step.load_stride +
+                               static_cast<std::size_t>(brush.grid_half() - width / 2);
+    for (const IngredientId id : window.ingredients()) brush.load_plane(id);
+    for (const IngredientId id : window.ingredients()) step.load.push_back(brush.load_plane(id) + corner);
+    step.load_total_mm = brush.load_total() + corner;
+
+    const TransferRates rates = rates_of(settings, brush.contact_length_px(dab), step_px, mm_per_pixel);
+    exchange(step, rates, scratch);
+    push(step, rates, dab.dx, dab.dy, scratch);
+    double pixels = 0;
+    for (const RowSpan& span : step.bristles) pixels += span.end - span.begin;
+    return pixels;
+}
+
+}  // namespace
+
+double paint_dabs(Canvas& canvas, Brush& brush, const std::vector<Dab>& dabs, double spacing_px,
+                  std::uint64_t seed, StepScratch& scratch) {
+    double pixels = 0;
+    std::vector<float> underside;
+    // Windows as large as some steps take; dividing the steps otherwise would not change the result.
+    for (std::size_t begin = 0; begin < dabs.size();) {
+        Region window_region{};
+        std::size_t end = begin;
+        for (; end < dabs.size() && end < begin + 64; ++end) {
+            const Region box = box_of(brush, dabs[end]), all = united(window_region, box);
+            if (end > begin && (all.width() > box.width() + 96 || all.height() > box.height() + 96)) break;
+            window_region = all;
+        }
+        const int ride = std::max(static_cast<int>(brush.settings().size_mm / canvas.mm_per_pixel() / 4), 2);
+        PaintWindow window(canvas, window_region, brush.ingredients(), ride, brush.settings().grain, seed);
+        for (std::size_t i = begin; i < end; ++i) {
+            const Region box = box_of(brush, dabs[i]);
+            pixels +=
+                one_step(window, brush, dabs[i], box, spacing_px, canvas.mm_per_pixel(), underside, scratch);
+        }
+        window.store(canvas);
+        begin = end;
+    }
+    return pixels;
+}
+
+PathPoint catmull_rom(const PathPoint& a, const PathPoint& b, const PathPoint& c, const PathPoint& d,
+                      double u) {
+    // Barry and Goldman's pyramid (1988), knots spaced by the root of the distance.
+    const auto knot = [](const PathPoint& p, const PathPoint& q) {
+        return std::sqrt(std::max(length(q - p), 1e-9));
+    };
+    const double t0 = 0, t1 = t0 + knot(a, b), t2 = t1 + knot(b, c), t3 = t2 + knot(c, d);
+    const double t = mix(t1, t2, u);
+    const auto blend = [t](const PathPoint& p, double tp, const PathPoint& q, double tq) {
+        return ((tq - t) / (tq - tp)) * p + ((t - tp) / (tq - tp)) * q;
+    };
+    const PathPoint a1 = blend(a, t0, b, t1), a2 = blend(b, t1, c, t2), a3 = blend(c, t2, d, t3);
+    return blend(blend(a1, t0, a2, t2), t1, blend(a2, t1, a3, t3), t2);
+}
+
+Stroke::Stroke(Canvas& canvas, Brush& brush, const StrokeOptions& options, std::uint64_t seed)
+    : canvas_(canvas), brush_(brush), options_(options), seed_(seed) {
+    validate(options);
+}
+
+Stroke::Knot Stroke::knot_of(const StrokePoint& p) {
+    const bool finite = std::isfinite(p.x_mm) && std::isfinite(p.y_mm) && std::isfinite(p.rotation_deg);
+    if (!finite) fail("a stroke's point ({}, {}) mm, {} deg is not finite", p.x_mm, p.y_mm, p.rotation_deg);
+    if (!(p.pressure >= 0 && p.pressure <= 1)) fail("pressure = {} is outside [0, 1]", p.pressure);
+    if (!(std::hypot(p.tilt_x, p.tilt_y) <= 1)) fail("tilt = ({}, {}) is longer than 1", p.tilt_x, p.tilt_y);
+    if (!(p.time_s >= last_time_s_))
+        fail("time = {} s lies before that of the point before, {} s", p.time_s, last_time_s_);
+    last_time_s_ = p.time_s;
+    const double mm = canvas_.mm_per_pixel();
+    Knot knot;
+    knot.at = {p.x_mm / mm + (canvas_.width() - 1) / 2.0, (canvas_.height() - 1) / 2.0 - p.y_mm / mm};
+    // A point far away is a mistake, and the way to it would take for ever.
+    const double far = 4.0 * (canvas_.width() + canvas_.height()) + 4000;
+    if (length(knot.at) > far) fail("the point ({}, {}) mm is far from the canvas", p.x_mm, p.y_mm);
+    knot.pressure = std::pow(p.pressure, options_.pressure_gamma);
+    knot.tilt_x = p.tilt_x;
+    knot.tilt_y = -p.tilt_y;
+    knot.rotation_rad = -p.rotation_deg * std::numbers::pi / 180;
+    return knot;
+}
+
+void Stroke::add(const StrokePoint& point) {
+    TP_REQUIRE(!finished_, "a finished stroke takes no points");
+    Knot knot = knot_of(point);
+    if (options_.stabiliser_mm > 0) {
+        const double string = options_.stabiliser_mm / canvas_.mm_per_pixel();
+        if (!string_end_) string_end_ = knot.at;
+        const PathPoint pull = knot.at - *string_end_;
+        if (length(pull) > string) string_end_ = *string_end_ + (1 - string / length(pull)) * pull;
+        knot.at = *string_end_;
+    }
+    if (!knots_.empty()) {
+        knot.rotation_rad = unwrapped(knot.rotation_rad, knots_.back().rotation_rad);
+        if (length(knot.at - knots_.back().at) < 0.01) {  // where it stands, only the pressure may grow
+            knots_.back().pressure = std::max(knots_.back().pressure, knot.pressure);
+            return;
+        }
+    }
+    knots_.push_back(knot);
+    if (knots_.size() == 3) segment(knots_[0], knots_[0], knots_[1], knots_[2]);
+    if (knots_.size() == 4) {
+        segment(knots_[0], knots_[1], knots_[2], knots_[3]);
+        knots_.erase(knots_.begin());
+    }
+    paint();
+}
+
+void Stroke::finish() {
+    if (finished_) return;
+    finished_ = true;
+    const std::size_t n = knots_.size();
+    if (n == 1) {
+        Dab dab;
+        dab.x = knots_[0].at.x;
+        dab.y = knots_[0].at.y;
+        dab.pressure = static_cast<float>(knots_[0].pressure);
+        dab.rotation_rad = static_cast<float>(knots_[0].rotation_rad);
+        dab.tilt_x = static_cast<float>(knots_[0].tilt_x);
+        dab.tilt_y = static_cast<float>(knots_[0].tilt_y);
+        dab.dx = dab.dy = 0;
+        // A dab rests for as long as a stroke takes to pass by.
+        const int rest = static_cast<int>(std::lround(brush_.contact_length_px(dab) / 4)) + 1;
+        dabs_.assign(static_cast<std::size_t>(rest), dab);
+    } else if (n >= 2) {
+        const Knot &before = n >= 3 ? knots_[n - 3] : knots_[n - 2], &last = knots_[n - 1];
+        segment(before, knots_[n - 2], last, last);
+    }
+    paint();
+    if (last_) relax(*last_);
+}
+
+// Where the brush is lifted off, paint that was just sheared is thinner than paint at rest: the prints of
+// single bristles run together, and it comes to rest less steep.
+void Stroke::relax(const Dab& last) {
+    // Flow spreads with the root of the steps: enough of them for neighbouring bristles, within a frame's
+    // time.
+    const double bristle_px = brush_.settings().bristle_mm / canvas_.mm_per_pixel();
+    const int steps = static_cast<int>(std::clamp(8 * bristle_px * bristle_px, 12.0, 64.0));
+    constexpr float part_of_yield = 0.15f;
+    const Region box = box_of(brush_, last);
+    PaintWindow window(canvas_, box, {}, 2, 0, seed_);
+    const int width = box.width(), height = box.height();
+    StepBox step;
+    step.width = width;
+    step.height = height;
+    underside_.resize(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
+    brush_.underside_mm(last, box.x0, box.y0, width, height, underside_.data(), step.bristles);
+    std::fill(underside_.begin(), underside_.end(), kOutside);  // the bristles are gone
+    step.underside_mm = underside_.data();
+    step.underside_stride = static_cast<std::size_t>(width);
+    window.attach(step, box.x0, box.y0);
+    TransferRates rates = rates_of(brush_.settings(), 1, 0, canvas_.mm_per_pixel());
+    rates.yield_mm *= part_of_yield;
+    for (int i = 0; i < steps; ++i) push(step, rates, 0, 0, scratch_);
+    window.store(canvas_);
+}
+
+void Stroke::segment(const Knot& a, const Knot& b, const Knot& c, const Knot& d) {
+    // Ends have no neighbour: the mirrored one makes the curve leave them straight.
+    const PathPoint before = &a == &b ? b.at - (c.at - b.at) : a.at,
+                    after = &c == &d ? c.at + (c.at - b.at) : d.at;
+    const int pieces = std::max(8, static_cast<int>(length(c.at - b.at) * 2));
+    PathPoint from = b.at;
+    for (int i = 1; i <= pieces; ++i) {
+        const double u = static_cast<double>(i) / pieces;
+        const PathPoint to = catmull_rom(before, b.at, c.at, after, u), way = to - from;
+        const double along = length(way);
+        if (along < 1e-12) continue;
+        double done = 0;
+        while (left_px_ <= along - done) {
+            done += left_px_;
+            left_px_ = options_.spacing_px;
+            step_to(b, c, (i - 1 + done / along) / pieces, from + (done / along) * way, (1 / along) * way);
+        }
+        left_px_ -= along - done;
+        from = to;
+    }
+}
+
+void Stroke::step_to(const Knot& b, const Knot& c, double u, const PathPoint& at,
+                     const PathPoint& direction) {
+    Dab dab;
+    dab.x = at.x;
+    dab.y = at.y;
+    dab.pressure = static_cast<float>(mix(b.pressure, c.pressure, u));
+    dab.tilt_x = static_cast<float>(mix(b.tilt_x, c.tilt_x, u));
+    dab.tilt_y = static_cast<float>(mix(b.tilt_y, c.tilt_y, u));
+    dab.dx = static_cast<float>(direction.x);
+    dab.dy = static_cast<float>(direction.y);
+    double rotation = mix(b.rotation_rad, c.rotation_rad, u);
+    if (brush_.settings().follow) {
+        // The hand turns the width across the stroke, not at once.
+        const double heading = std::atan2(direction.y, direction.x) + std::numbers::pi / 2;
+        if (!heading_rad_) heading_rad_ = static_cast<float>(heading);
+        const double wanted = unwrapped(heading, *heading_rad_);
+        const double lag_px = std::max(4.0, brush_.settings().size_mm / canvas_.mm_per_pixel() / 4);
+        *heading_rad_ += static_cast<float>((wanted - *heading_rad_) * options_.spacing_px / lag_px);
+        rotation += *heading_rad_;
+    }
+    dab.rotation_rad = static_cast<float>(rotation);
+    dabs_.push_back(dab);
+}
+
+void Stroke::paint() {
+    if (dabs_.empty()) return;
+    bristle_pixels_ += paint_dabs(canvas_, brush_, dabs_, options_.spacing_px, seed_, scratch_);
+    steps_ += static_cast<int>(dabs_.size());
+    last_ = dabs_.back();
+    dabs_.clear();
+}
+
+}  // namespace tangi

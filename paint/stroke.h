@@ -1,0 +1,100 @@
+// stroke.h: from timed points of a pen or mouse to steps of a brush on the canvas.
+//
+// The path is a centripetal Catmull-Rom spline (Yuksel, Schaefer, Keyser 2011, "Parameterization and
+// applications of Catmull-Rom curves": it has neither cusps nor loops within a segment), resampled by arc
+// length. Points are taken one by one, so that painting live and replaying give the same bits.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "paint/brush.h"
+#include "paint/canvas.h"
+#include "paint/transfer.h"
+
+namespace tangi {
+
+// One sample of the pen, in the surface frame: mm from the centre of the picture, x right, y up.
+struct StrokePoint {
+    double time_s = 0;  // since the start of the stroke; never decreasing
+    double x_mm = 0, y_mm = 0;
+    double pressure = 0.5;          // [1] 0..1
+    double tilt_x = 0, tilt_y = 0;  // [1] sine of the handle's tilt towards x and y; length <= 1
+    double rotation_deg = 0;        // of the brush's width against the x axis, counter-clockwise
+};
+
+// Points nearer to the end of a slack string do not move the brush: smooths a shaky hand.
+struct StrokeOptions {
+    double stabiliser_mm = 0;   // length of the string; 0 = none
+    double pressure_gamma = 1;  // pressure is raised to this power
+    double spacing_px = 1;      // [pixels] of arc length between steps, at most 1
+
+    static constexpr std::string_view name = "stroke";
+    template <class Self, class Visit>
+    static void fields(Self& self, Visit&& visit) {
+        visit(FieldInfo{"stabiliser_mm", 0, 100, "mm", "length of the string that smooths a shaky hand"},
+              self.stabiliser_mm);
+        visit(FieldInfo{"pressure_gamma", 0.1, 10, "1", "pressure is raised to this power"},
+              self.pressure_gamma);
+        visit(FieldInfo{"spacing_px", 0.25, 1, "1", "arc length between steps, in pixels"}, self.spacing_px);
+    }
+};
+
+// The centripetal Catmull-Rom point between b and c at u in 0..1, of any values that can be added and scaled;
+// `distance` gives the length between two of them.
+struct PathPoint {
+    double x = 0, y = 0;
+};
+PathPoint catmull_rom(const PathPoint& a, const PathPoint& b, const PathPoint& c, const PathPoint& d,
+                      double u);
+
+// One stroke: brush and canvas must outlive it.
+class Stroke {
+public:
+    Stroke(Canvas& canvas, Brush& brush, const StrokeOptions& options, std::uint64_t seed);
+
+    // Takes the next point; the canvas changes up to the point before it. Throws Error on values outside
+    // their range.
+    void add(const StrokePoint& point);
+    // Paints what is left. A stroke of a single point is a dab.
+    void finish();
+
+    // Pixels under the brush, summed over all steps: the measure of work.
+    double bristle_pixels() const { return bristle_pixels_; }
+    int steps() const { return steps_; }
+
+private:
+    struct Knot {
+        PathPoint at;  // [pixels], y down
+        double pressure, tilt_x, tilt_y, rotation_rad;
+    };
+    Knot knot_of(const StrokePoint& point);
+    void segment(const Knot& a, const Knot& b, const Knot& c, const Knot& d);
+    void step_to(const Knot& b, const Knot& c, double u, const PathPoint& at, const PathPoint& direction);
+    void paint();
+    void relax(const Dab& last);
+
+    Canvas& canvas_;
+    Brush& brush_;
+    StrokeOptions options_;
+    std::uint64_t seed_;
+    std::vector<Knot> knots_;  // the last four at most
+    std::optional<PathPoint> string_end_;
+    double left_px_ = 0;  // of arc length until the next step
+    std::optional<float> heading_rad_;
+    std::vector<Dab> dabs_;
+    std::optional<Dab> last_;
+    StepScratch scratch_;
+    std::vector<float> underside_;
+    double bristle_pixels_ = 0;
+    int steps_ = 0;
+    double last_time_s_ = 0;
+    bool finished_ = false;
+};
+
+// Applies steps of a brush in order. What Stroke does with its dabs; for tests and benchmarks.
+// Returns the number of pixels under the brush, summed over the steps.
+double paint_dabs(Canvas& canvas, Brush& brush, const std::vector<Dab>& dabs, double spacing_px,
+                  std::uint64_t seed, StepScratch& scratch);
+
+}  // namespace tangi

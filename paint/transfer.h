@@ -1,0 +1,68 @@
+// transfer.h: how paint goes between bristles and canvas, and how bristles push it, for one step of a brush.
+//
+// Thicknesses [mm] are volumes over a pixel's area, here on the canvas (W) and on the brush (L) alike. For
+// each pixel one function gives how much goes each way; both sides are changed by that same amount, so each
+// ingredient's volume is conserved to rounding (thesis algorithm 3, corrected as DESIGN section 5 says; both
+// ways at once as in Baxter, Wendt, Lin 2004, "IMPaSTo: a realistic, interactive model for paint",
+// section 5.2). Pushing is a conservative upwind advection: paint above the bristles' underside moves to the
+// four neighbours, never more than there is, which is stable for any step (ibid., section 4).
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+namespace tangi {
+
+// Rates for one step of the brush, which is one pixel long at most.
+struct TransferRates {
+    float deposit = 0;     // [1] part of a bristle's load that goes to the canvas in full contact, 0..0.5
+    float pickup = 0;      // [1] part of the canvas's paint above the film that goes to the bristle, 0..0.5
+    float push = 0;        // [1] part of the paint above the underside that moves on, 0..1
+    float film_mm = 0;     // [mm] paint that always stays on the canvas
+    float reach_mm = 0;    // [mm] > 0: gap that a bristle without paint still bridges
+    float load_reach = 0;  // [1] further gap for each mm of load: wet paint bridges what is dry
+    float spread = 0;      // [1] how much of the pushing goes towards where the brush presses less, 0..1
+    float yield_mm = 0;    // [mm] step between neighbours that paint holds; more of it flows down
+    float flow = 0;        // [1] part of what is more that flows in one step, 0..0.2
+};
+
+// Columns begin <= x < end of a row.
+struct RowSpan {
+    int begin = 0, end = 0;
+};
+
+// The box of pixels that one step changes. Rows of `width` floats; row y of a plane begins at plane + y *
+// stride. The outermost ring receives paint but gives none.
+struct StepBox {
+    int width = 0, height = 0;
+    const float* underside_mm =
+        nullptr;  // of the bristles above the relief's mean; kOutside where there is none
+    std::size_t underside_stride = 0;
+    std::vector<RowSpan> bristles;     // of each row: outside of it underside_mm is kOutside
+    const float* relief_mm = nullptr;  // of what is dry, above its local mean
+    const float* grain = nullptr;      // [1] random factor of the transfer, about 1; 0 off the canvas
+    float* total_mm = nullptr;         // W, sum of `paint`
+    std::size_t canvas_stride = 0;
+    std::vector<float*> paint;       // W of each ingredient
+    float* load_total_mm = nullptr;  // L, sum of `load`
+    std::size_t load_stride = 0;
+    std::vector<float*> load;  // L of each ingredient, in the same order
+};
+
+constexpr int kFlowMargin = 3;    // [pixels]
+constexpr float kOutside = 1e3f;  // [mm] underside where no bristle is
+
+// Memory that steps reuse.
+struct StepScratch {
+    std::vector<float> planes, rows;
+    std::vector<RowSpan> flowing;
+};
+
+// Both ways at once between bristles and canvas.
+void exchange(const StepBox& box, const TransferRates& rates, StepScratch& scratch);
+
+// Moves what is above the underside, along the unit vector (dx, dy) in pixels, y down, and sideways, and lets
+// steps steeper than the yield flow down.
+void push(const StepBox& box, const TransferRates& rates, float dx, float dy, StepScratch& scratch);
+
+}  // namespace tangi

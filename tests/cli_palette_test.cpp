@@ -1,0 +1,43 @@
+// tangipaint palette, run as a user would run it.
+#include "cli_program.h"
+
+namespace tangi {
+namespace {
+
+using testing::HasSubstr;
+
+TEST(CliPalette, DescribesThePaintsAndDrawsThem) {
+    const TestDir dir;
+    const Finished run = tangipaint({"palette", "--out", (dir / "cards.png").string(), "--save",
+                                     (dir / "p.json").string(), "--card-px", "120", "--illuminant", "a"});
+    ASSERT_TRUE(ended(run, 0));
+    const nlohmann::json said = run.json();
+    EXPECT_EQ(said["illuminant"], "A");
+    ASSERT_EQ(said["paints"].size(), 19u);
+    EXPECT_EQ(said["paints"][0]["name"], "Titanium White");
+    EXPECT_FALSE(said["paints"][0]["approximate"].get<bool>());
+    EXPECT_GT(said["paints"][0]["lab"][0].get<double>(), 95);
+    EXPECT_EQ(read_picture(dir / "cards.png").width(), 4 * 123 + 3);
+    // What was saved is the same palette.
+    const Finished again = tangipaint({"palette", (dir / "p.json").string(), "--illuminant", "A"});
+    ASSERT_TRUE(ended(again, 0));
+    EXPECT_EQ(again.json()["paints"], said["paints"]);
+}
+
+TEST(CliPalette, SaysWhatIsWrong) {
+    const TestDir dir;
+    const std::string bad = (dir / "bad.json").string();
+    write_bytes(
+        bad,
+        R"({"format": "tangipaint palette", "version": 1, "name": "x", "paints": [{"name": "y", "srgb": "red"}]})");
+    EXPECT_TRUE(ended(tangipaint({"palette", bad}), 1, {bad, "/paints/0/srgb", "'red' is no colour"}));
+    EXPECT_TRUE(ended(tangipaint({"palette", (dir / "none.json").string()}), 1, {"none.json"}));
+    EXPECT_TRUE(ended(tangipaint({"palette", "--illuminant", "moon"}), 2, {"--illuminant moon", "D65"}));
+    EXPECT_TRUE(ended(tangipaint({"palette", "--out", (dir / "cards.gif").string()}), 1, {"cards.gif"}));
+    EXPECT_TRUE(
+        ended(tangipaint({"palette", bad, "--save", bad}), 1, {"--save", bad, "the palette that is read"}));
+    EXPECT_EQ(names_in(dir.path()), std::vector<std::string>{"bad.json"});
+}
+
+}  // namespace
+}  // namespace tangi

@@ -1,0 +1,135 @@
+// replay, run as a user would run it.
+#include "cli_program.h"
+
+namespace tangi {
+namespace {
+
+using testing::HasSubstr;
+
+const std::string kHeader = "{\"format\": \"tangipaint strokes\", \"version\": 1}\n";
+const std::string kStroke =
+    "{\"event\": \"stroke\", \"brush\": {\"preset\": \"flat\", \"size_mm\": 4}, \"paint\": {\"Pyrrole Red\": "
+    "1}, \"seed\": 3}\n"
+    "{\"event\": \"point\", \"t\": 0, \"x\": -6, \"y\": 0}\n{\"event\": \"point\", \"t\": 0.1, \"x\": 6, "
+    "\"y\": 1}\n"
+    "{\"event\": \"end\"}\n";
+
+struct Folder {
+    TestDir dir;
+    std::string path(const std::string& name) const { return (dir / name).string(); }
+    std::string journal(const std::string& text, const std::string& name = "a.jsonl") const {
+        write_bytes(dir / name, text);
+        return path(name);
+    }
+    // Paints the text of a journal on a piece of linen of 20 x 15 mm.
+    Finished replay(const std::string& text, std::vector<std::string> flags = {}) const {
+        std::vector<std::string> arguments = {"replay", "--substrate", "linen", "--width-mm",
+                                              "20",     "--height-mm", "15",    "--pixel-mm",
+                                              "0.25",   journal(text), "--out", path("a.exr")};
+        arguments.insert(arguments.end(), flags.begin(), flags.end());
+        return tangipaint(arguments);
+    }
+};
+
+double redness(const Image<Rgb>& picture) {
+    double sum = 0;
+    for (int y = 28; y < 32; ++y)
+        for (int x = 30; x < 50; ++x) sum += picture(x, y).r / (picture(x, y).g + 0.01) / 80;
+    return sum;
+}
+
+TEST(CliReplay, PaintsOnASubstrateThatInfoAndRelightShow) {
+    const Folder f;
+    const Finished run = f.replay(kHeader + kStroke);
+    ASSERT_TRUE(ended(run, 0));
+    const nlohmann::json said = run.json();
+    EXPECT_EQ(said["width"], 80);
+    EXPECT_EQ(said["height"], 60);
+    EXPECT_EQ(said["strokes"], 1);
+    EXPECT_EQ(said["points"], 2);
+    EXPECT_GT(said["volumes_mm3"]["Pyrrole Red"], 1);
+
+    const Finished info = tangipaint({"info", f.path("a.exr")});
+    ASSERT_TRUE(ended(info, 0));
+    const nlohmann::json paint = info.json()["paint"];
+    ASSERT_EQ(paint.size(), 1u);
+    EXPECT_EQ(paint[0]["layer"], "wet");
+    EXPECT_NEAR(paint[0]["volumes_mm3"]["Pyrrole Red"].get<double>(),
+                said["volumes_mm3"]["Pyrrole Red"].get<double>(), 1e-3);
+    EXPECT_EQ(info.json()["dry_hash"], said["dry_hash"]);
+
+    ASSERT_TRUE(
+        ended(tangipaint({"relight", f.path("a.exr"), "--light=0,0,1", "--out", f.path("a.png")}), 0));
+    ASSERT_TRUE(ended(f.replay(kHeader), 0));  // no stroke
+    ASSERT_TRUE(
+        ended(tangipaint({"relight", f.path("a.exr"), "--light=0,0,1", "--out", f.path("b.png")}), 0));
+    EXPECT_GT(redness(read_picture(f.path("a.png"))), 2 * redness(read_picture(f.path("b.png"))));
+}
+
+TEST(CliReplay, PaintsOnAPaintingAndGoesOn) {
+    const Folder f;
+    ASSERT_TRUE(ended(f.replay(kHeader), 0));
+    const std::string strokes =
+        f.journal(kHeader + kStroke + "{\"event\": \"dry\", \"layer\": \"one\"}\n" + kStroke);
+    const Finished first = tangipaint({"replay", f.path("a.exr"), strokes, "--out", f.path("b.exr")});
+    ASSERT_TRUE(ended(first, 0));
+    const Finished second = tangipaint({"replay", f.path("b.exr"), strokes, "--out", f.path("c.exr")});
+    ASSERT_TRUE(ended(second, 0));
+    EXPECT_EQ(first.json()["dry_hash"], second.json()["dry_hash"]);
+    EXPECT_GT(second.json()["volumes_mm3"]["Pyrrole Red"].get<double>(),
+              1.5 * first.json()["volumes_mm3"]["Pyrrole Red"].get<double>());
+    // The same strokes on the same painting are the same file.
+    ASSERT_TRUE(ended(tangipaint({"replay", f.path("a.exr"), strokes, "--out", f.path("d.exr")}), 0));
+    EXPECT_EQ(bytes_of(f.path("b.exr")), bytes_of(f.path("d.exr")));
+}
+
+TEST(CliReplay, TakesBrushesOfTheUsers) {
+    const Folder f;
+    write_bytes(f.dir / "b.json",
+                R"({"format": "tangipaint brushes", "version": 1, "brushes": {"broom": {"size_mm": 7}}})");
+    const std::string stroke =
+        "{\"event\": \"stroke\", \"brush\": {\"preset\": \"broom\"}, \"paint\": {\"Bone Black\": 1}}\n"
+        "{\"event\": \"point\", \"x\": 0, \"y\": 0}\n";
+    EXPECT_TRUE(ended(f.replay(kHeader + stroke, {"--brushes", f.path("b.json")}), 0));
+    EXPECT_TRUE(ended(f.replay(kHeader + stroke), 1, {"a.jsonl:2", "broom", "filbert"}));
+    write_bytes(f.dir / "b.json", "{}");
+    EXPECT_TRUE(ended(f.replay(kHeader + stroke, {"--brushes", f.path("b.json")}), 1,
+                      {"b.json", "tangipaint brushes"}));
+}
+
+TEST(CliReplay, TornJournalsArePaintedWithAWarning) {
+    const Folder f;
+    const Finished run = f.replay(kHeader + kStroke + "{\"event\": \"stro");
+    ASSERT_TRUE(ended(run, 0, {"a.jsonl:6", "cut short"}));
+    EXPECT_EQ(run.json()["strokes"], 1);
+}
+
+TEST(CliReplay, RefusesWhatIsWrongAndLeavesNothing) {
+    const Folder f;
+    const auto refused = [&](const Finished& run, int code, const std::vector<std::string>& words) {
+        EXPECT_TRUE(ended(run, code, words));
+        EXPECT_EQ(names_in(f.dir.path()), std::vector<std::string>{"a.jsonl"});
+    };
+    refused(f.replay("nonsense\n"), 1, {"a.jsonl:1", "not a journal"});
+    refused(f.replay(kHeader + "{\"event\": \"fly\"}\n"), 1, {"a.jsonl:2", "\"fly\""});
+    refused(f.replay(kHeader + "{\"event\": \"stroke\", \"paint\": {\"Mauve\": 1}}\n"), 1,
+            {"a.jsonl:2", "Mauve"});
+    refused(f.replay(kHeader, {"--palette", f.path("none.json")}), 1, {"none.json"});
+    const std::string journal = f.journal(kHeader);
+    refused(tangipaint({"replay", journal, "--out", f.path("a.exr")}), 2, {"--substrate"});
+    refused(tangipaint({"replay", "--substrate", "silk", journal, "--out", f.path("a.exr")}), 2,
+            {"silk", "burlap"});
+    refused(tangipaint({"replay", "--substrate", "linen", "x.exr", journal, "--out", f.path("a.exr")}), 2,
+            {"journal only"});
+    refused(tangipaint({"replay", f.path("gone.exr"), journal, "--out", f.path("a.exr")}), 1,
+            {"gone.exr: no such file"});
+    refused(tangipaint({"replay", "--substrate", "linen", journal, "--out", journal}), 1,
+            {"a.jsonl", "overwrite"});
+    refused(
+        tangipaint({"replay", "--substrate", "linen", "--pixel-mm", "0", journal, "--out", f.path("a.exr")}),
+        2, {"--pixel-mm"});
+    EXPECT_EQ(bytes_of(journal), kHeader);
+}
+
+}  // namespace
+}  // namespace tangi

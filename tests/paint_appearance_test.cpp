@@ -1,0 +1,109 @@
+// paint_appearance_test.cpp: painted canvases as surfaces: colour, slopes, gloss, and what stays untouched.
+#include "paint/appearance.h"
+
+#include <gtest/gtest.h>
+
+#include "paint/kubelka_munk.h"
+#include "tests/paint_support.h"
+#include "tests/test_support.h"
+
+namespace tangi {
+namespace {
+
+// A canvas with a film of even thickness on its left half.
+Canvas half_covered(const std::string& paint, float mm) {
+    Canvas canvas = flat_canvas(128, 64);
+    const auto id = add_paint(canvas, paint);
+    PaintTile tile;
+    tile.ingredients = {id};
+    tile.thickness_mm.assign(PaintTile::kPixels, mm);
+    canvas.writable_wet().set_tile({0, 0}, std::make_shared<PaintTile>(tile));
+    return canvas;
+}
+
+TEST(Appearance, IsTheDrySurfaceWhereThereIsNoPaint) {
+    const Canvas empty = flat_canvas();
+    const Surface same = appearance(empty);
+    EXPECT_TRUE(images_identical(same.diffuse, empty.dry().diffuse));
+    EXPECT_TRUE(images_identical(same.normal, empty.dry().normal));
+    const Canvas half = half_covered("Bone Black", 0.1f);
+    const Surface s = appearance(half);
+    EXPECT_EQ(s.diffuse(100, 30), half.dry().diffuse(100, 30));
+    EXPECT_EQ(s.height_mm(100, 30), 0);
+    EXPECT_NE(s.diffuse(30, 30), half.dry().diffuse(30, 30));
+}
+
+TEST(Appearance, HidesWithThicknessAsKubelkaAndMunkSay) {
+    const Pigment& white = artist_acrylics().at("Titanium White");
+    for (const float mm : {0.01f, 0.03f, 0.1f, 1.0f}) {
+        const Canvas canvas = half_covered("Titanium White", mm);
+        const Rgb expected = to_linear_rgb(
+            film_look({white.k, white.s}, mm, reflectance_of_rgb(canvas.dry().diffuse(10, 10))));
+        const Rgb found = appearance(canvas).diffuse(10, 10);
+        for (int c = 0; c < 3; ++c) EXPECT_NEAR(found[c], expected[c], 2e-4) << mm;
+    }
+}
+
+TEST(Appearance, SlopesAndHeightsAdd) {
+    auto surface = flat_surface(128, 64);
+    for (Vec3& n : surface->normal.pixels()) n = normal_of({0.3f, -0.1f});  // finer than the height knows
+    Canvas canvas(surface);
+    const auto id = add_paint(canvas, "Titanium White");
+    PaintTile tile;
+    tile.ingredients = {id};
+    tile.thickness_mm.resize(PaintTile::kPixels);
+    for (int y = 0; y < 64; ++y)
+        for (int x = 0; x < 64; ++x)
+            tile.thickness_mm[static_cast<std::size_t>(y * 64 + x)] =
+                0.1f + 0.02f * static_cast<float>(x) + 0.01f * static_cast<float>(y);
+    canvas.writable_wet().set_tile({0, 0}, std::make_shared<PaintTile>(tile));
+    const Surface s = appearance(canvas);
+    const Slope slope = slope_of(s.normal(20, 20));
+    EXPECT_NEAR(slope.x, 0.3 + 0.02 / kTestPixel, 1e-4);
+    EXPECT_NEAR(slope.y, -0.1 - 0.01 / kTestPixel, 1e-4);  // rows run downwards
+    EXPECT_NEAR(s.height_mm(20, 20), 0.1f + 0.4f + 0.2f, 1e-5);
+    EXPECT_LT(slope_of(s.normal(64, 20)).x, 0.3f - 1);  // the paint's edge, seen from the tile beside
+}
+
+TEST(Appearance, GlossIsThePaintsWhereItCovers) {
+    const Canvas thick = half_covered("Titanium White", 0.2f), thin = half_covered("Titanium White", 0.0005f);
+    const Pigment& white = artist_acrylics().at("Titanium White");
+    EXPECT_NEAR(appearance(thick).specular(9, 9), white.specular, 1e-5);
+    EXPECT_NEAR(appearance(thick).roughness(9, 9), white.roughness, 1e-5);
+    EXPECT_NEAR(appearance(thin).roughness(9, 9), thin.dry().roughness(9, 9), 0.02);
+}
+
+TEST(Appearance, LayersLieOnEachOther) {
+    Canvas canvas = half_covered("Pyrrole Red", 0.05f);
+    dry(canvas, "under", canvas.region());
+    const Rgb red = appearance(canvas).diffuse(9, 9);
+    const auto id = add_paint(canvas, "Titanium White");
+    PaintTile tile;
+    tile.ingredients = {id};
+    tile.thickness_mm.assign(PaintTile::kPixels, 0.005f);
+    canvas.writable_wet().set_tile({0, 0}, std::make_shared<PaintTile>(tile));
+    const Rgb veiled = appearance(canvas).diffuse(9, 9);
+    EXPECT_GT(veiled.b, red.b + 0.02f);
+    EXPECT_GT(veiled.r, veiled.b + 0.1f);  // the red shines through
+    EXPECT_NEAR(appearance(canvas).height_mm(9, 9), 0.055f, 1e-6);
+}
+
+TEST(Appearance, UpdatingChangedTilesIsAsGoodAsAll) {
+    Canvas canvas = flat_canvas(200, 150);
+    const auto blue = add_paint(canvas, "Ultramarine Blue");
+    Surface kept = appearance(canvas);
+    for (int i = 0; i < 3; ++i) {
+        Brush brush(brush_presets().at("round"), kTestPixel, 1);
+        brush.load({{blue, 1}}, 1);
+        stroke(canvas, brush, {-15, i * 5.0 - 5}, {10, 5});
+        const auto dirty = canvas.take_dirty();
+        update_appearance(canvas, dirty, kept);
+    }
+    const Surface whole = appearance(canvas);
+    EXPECT_TRUE(images_identical(kept.diffuse, whole.diffuse));
+    EXPECT_TRUE(images_identical(kept.normal, whole.normal));
+    EXPECT_TRUE(images_identical(kept.height_mm, whole.height_mm));
+}
+
+}  // namespace
+}  // namespace tangi

@@ -1,0 +1,68 @@
+// paint_brush_settings_test.cpp: presets, and what is wrong with those of users.
+#include "paint/brush_settings.h"
+
+#include <gmock/gmock.h>
+
+#include "tests/test_support.h"
+
+namespace tangi {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+TEST(BrushSettings, PresetsAreValidAndDiffer) {
+    for (const auto& [name, settings] : brush_presets()) EXPECT_NO_THROW(validate(settings)) << name;
+    for (const char* name : {"round", "flat", "filbert", "fan", "knife", "rag", "smudge", "scrape", "eraser"})
+        EXPECT_TRUE(brush_presets().contains(name)) << name;
+    EXPECT_EQ(brush_presets().at("smudge").load_mm, 0);
+}
+
+TEST(BrushSettings, ComeBackFromJson) {
+    for (const auto& [name, settings] : brush_presets()) {
+        const auto json = brush_to_json(settings);
+        EXPECT_EQ(brush_to_json(brush_from_json(json, "test")), json) << name;
+    }
+    const BrushSettings s = brush_from_json({{"preset", "flat"}, {"size_mm", 31}}, "test");
+    EXPECT_EQ(s.shape, "flat");
+    EXPECT_EQ(s.size_mm, 31);
+    EXPECT_TRUE(s.follow);
+}
+
+TEST(BrushSettings, ErrorsNameThePlaceAndTheField) {
+    const auto error = [](const nlohmann::json& json) {
+        return error_of([&] { brush_from_json(json, "here:3"); });
+    };
+    EXPECT_THAT(error({{"sise_mm", 3}}), AllOf(HasSubstr("here:3"), HasSubstr("sise_mm")));
+    EXPECT_THAT(error({{"size_mm", "big"}}),
+                AllOf(HasSubstr("size_mm"), HasSubstr("\"big\""), HasSubstr("number")));
+    EXPECT_THAT(error({{"size_mm", -1}}), AllOf(HasSubstr("here:3"), HasSubstr("size_mm"), HasSubstr("-1")));
+    EXPECT_THAT(error({{"follow", 1}}), HasSubstr("true or false"));
+    EXPECT_THAT(error({{"shape", "square"}}), AllOf(HasSubstr("square"), HasSubstr("filbert")));
+    EXPECT_THAT(error({{"preset", "broom"}}), AllOf(HasSubstr("broom"), HasSubstr("knife")));
+    EXPECT_THAT(error(nlohmann::json::array()), HasSubstr("object"));
+}
+
+TEST(BrushSettings, FilesAddToThePresets) {
+    const TestDir dir;
+    write_bytes(dir / "a.json", R"({"format": "tangipaint brushes", "version": 1,
+                                    "brushes": {"broom": {"preset": "fan", "size_mm": 60}}})");
+    const auto presets = read_brush_presets(dir / "a.json");
+    EXPECT_EQ(presets.at("broom").size_mm, 60);
+    EXPECT_EQ(presets.at("broom").shape, "fan");
+    EXPECT_EQ(presets.size(), brush_presets().size() + 1);
+
+    const auto error = [&](const std::string& text) {
+        write_bytes(dir / "b.json", text);
+        return error_of([&] { read_brush_presets(dir / "b.json"); });
+    };
+    EXPECT_THAT(error("{"), AllOf(HasSubstr("b.json"), HasSubstr("not JSON")));
+    EXPECT_THAT(error("{}"), AllOf(HasSubstr("b.json"), HasSubstr("tangipaint brushes")));
+    EXPECT_THAT(error(R"({"format": "tangipaint brushes", "version": 9})"), HasSubstr("version 9"));
+    EXPECT_THAT(error(R"({"format": "tangipaint brushes", "version": 1})"), HasSubstr("\"brushes\""));
+    EXPECT_THAT(error(R"({"format": "tangipaint brushes", "version": 1, "brushes": {"x": {"gap_mm": 99}}})"),
+                AllOf(HasSubstr("'x'"), HasSubstr("gap_mm")));
+}
+
+}  // namespace
+}  // namespace tangi

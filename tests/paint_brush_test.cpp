@@ -1,0 +1,171 @@
+// paint_brush_test.cpp: bristles, loads, and turning without loss.
+#include "paint/brush.h"
+
+#include <gtest/gtest.h>
+
+#include <numeric>
+
+#include "tests/paint_support.h"
+#include "tests/test_support.h"
+
+namespace tangi {
+namespace {
+
+double total(const Brush& brush) {
+    const auto volumes = brush.volumes_mm3(3);
+    return std::accumulate(volumes.begin(), volumes.end(), 0.0);
+}
+
+std::vector<float> underside(const Brush& brush, const Dab& dab, int half,
+                             std::vector<RowSpan>* spans = nullptr) {
+    std::vector<float> out(static_cast<std::size_t>((2 * half + 1) * (2 * half + 1)));
+    std::vector<RowSpan> rows;
+    brush.underside_mm(dab, -half, -half, 2 * half + 1, 2 * half + 1, out.data(), rows);
+    if (spans) *spans = rows;
+    return out;
+}
+
+int touching(const std::vector<float>& underside, float below_mm = 0.5f) {
+    return static_cast<int>(
+        std::count_if(underside.begin(), underside.end(), [&](float b) { return b < below_mm; }));
+}
+
+TEST(Brush, HoldsItsRecipe) {
+    Brush brush(brush_presets().at("round"), kTestPixel, 1);
+    brush.load({{0, 3}, {2, 1}}, 1);
+    const auto volumes = brush.volumes_mm3(3);
+    EXPECT_NEAR(volumes[0] / volumes[2], 3, 1e-4);
+    EXPECT_EQ(volumes[1], 0);
+    const double full = total(brush);
+    EXPECT_GT(full, 20);  // [mm^3] a loaded brush of 8 mm
+    brush.load({{0, 1}}, 0.25);
+    EXPECT_NEAR(total(brush), full / 4, full * 1e-4);
+    brush.clean();
+    EXPECT_EQ(total(brush), 0);
+    EXPECT_THROW(brush.load({}, 1), Error);
+}
+
+TEST(Brush, ADirtyBrushIsFilledUpAndKeepsWhatItHad) {
+    Brush brush(even_brush(), kTestPixel, 1);
+    brush.load({{0, 1}}, 0.5);
+    const double half = total(brush);
+    brush.load({{1, 1}}, 1, true);
+    const auto volumes = brush.volumes_mm3(3);
+    EXPECT_NEAR(volumes[0], half, 1e-3);
+    EXPECT_NEAR(volumes[1], half, 1e-3);
+    Brush other(even_brush(8), kTestPixel, 2);
+    other.take_over(brush);
+    const auto taken = other.volumes_mm3(3);
+    EXPECT_NEAR(taken[0], half, half * 1e-4);
+    EXPECT_NEAR(taken[1], half, half * 1e-4);
+}
+
+TEST(Brush, BristlesDifferInLoadAndLength) {
+    Brush brush(brush_presets().at("round"), kTestPixel, 1);
+    brush.load({{0, 1}}, 1);
+    const float* load = brush.load_total();
+    const int size = brush.grid_size(), middle = brush.grid_half();
+    float low = 1e9f, high = 0;
+    for (int x = middle - 8; x <= middle + 8; ++x) {
+        low = std::min(low, load[middle * size + x]);
+        high = std::max(high, load[middle * size + x]);
+    }
+    EXPECT_GT(high, 1.05f * low);
+    Dab dab;
+    dab.dx = 0;
+    dab.pressure = 1;
+    const auto one = underside(brush, dab, 8),
+               other = underside(Brush(brush.settings(), kTestPixel, 2), dab, 8);
+    EXPECT_GT(*std::max_element(one.begin(), one.end()), *std::min_element(one.begin(), one.end()) + 0.02f);
+    EXPECT_NE(one, other);
+}
+
+TEST(Brush, TurningIsAPermutationThatIsUndone) {
+    Brush brush(brush_presets().at("flat"), kTestPixel, 3);
+    brush.load({{0, 1}, {1, 2}}, 1);
+    const int cells = brush.grid_size() * brush.grid_size();
+    const std::vector<float> before(brush.load_total(), brush.load_total() + cells);
+    for (const double degrees : {7.0, 45.0, 46.0, 91.0, 180.0, 333.0, 700.0, -50.0}) {
+        brush.turn_to(static_cast<float>(degrees * std::numbers::pi / 180));
+        std::vector<float> now(brush.load_total(), brush.load_total() + cells), sorted = before;
+        std::sort(now.begin(), now.end());
+        std::sort(sorted.begin(), sorted.end());
+        EXPECT_EQ(now, sorted) << degrees;  // the same cells in other places
+    }
+    brush.turn_to(0);
+    EXPECT_EQ(before, std::vector<float>(brush.load_total(), brush.load_total() + cells));
+}
+
+TEST(Brush, LoadsTurnTheWayTheBristlesDo) {
+    BrushSettings settings = even_brush(20);
+    settings.shape = "flat";
+    settings.thickness = 0.2;
+    for (const double degrees : {0.0, 30.0, 90.0, 135.0}) {
+        Brush brush(settings, kTestPixel, 3);
+        brush.load({{0, 1}}, 1);
+        Dab dab;
+        dab.dx = dab.dy = 0;
+        dab.pressure = 1;
+        dab.rotation_rad = static_cast<float>(degrees * std::numbers::pi / 180);
+        brush.turn_to(dab.rotation_rad);
+        const int half = brush.grid_half();
+        const auto b = underside(brush, dab, half);
+        int loaded = 0, both = 0;
+        for (std::size_t i = 0; i < b.size(); ++i)
+            if (brush.load_total()[i] > 0) ++loaded, both += b[i] < kOutside;
+        EXPECT_GT(loaded, 500) << degrees;
+        EXPECT_GT(both, 0.9 * loaded) << degrees;
+    }
+}
+
+TEST(Brush, PressureWidensTheContact) {
+    const Brush brush(brush_presets().at("round"), kTestPixel, 1);
+    int before = 0;
+    for (const float pressure : {0.0f, 0.3f, 0.6f, 1.0f}) {
+        Dab dab;
+        dab.dx = 0;
+        dab.pressure = pressure;
+        const int now = touching(underside(brush, dab, brush.grid_half()));
+        EXPECT_GT(now, before) << pressure;
+        before = now;
+    }
+    const double area_px = std::numbers::pi * std::pow(8 / kTestPixel / 2, 2);
+    EXPECT_NEAR(before, area_px * 1.15 * 1.15, 0.15 * area_px);
+}
+
+TEST(Brush, RowSpansHoldAllBristles) {
+    for (const char* preset : {"round", "flat", "filbert", "fan", "knife", "rag"})
+        for (const double degrees : {0.0, 20.0, 90.0, 200.0}) {
+            const Brush brush(brush_presets().at(preset), kTestPixel, 1);
+            Dab dab;
+            dab.pressure = 0.7f;
+            dab.rotation_rad = static_cast<float>(degrees * std::numbers::pi / 180);
+            std::vector<RowSpan> spans;
+            const int half = brush.grid_half(), width = 2 * half + 1;
+            const auto b = underside(brush, dab, half, &spans);
+            // The box that reach_px() gives holds all of them too, with its margin.
+            int half_x, half_y;
+            brush.reach_px(dab, half_x, half_y);
+            double cx, cy;
+            brush.contact_centre(dab, cx, cy);
+            int inside = 0;
+            for (int y = 0; y < width; ++y)
+                for (int x = 0; x < width; ++x) {
+                    if (b[static_cast<std::size_t>(y * width + x)] >= kOutside) continue;
+                    ++inside;
+                    EXPECT_GE(x, spans[static_cast<std::size_t>(y)].begin);
+                    EXPECT_LT(x, spans[static_cast<std::size_t>(y)].end);
+                    EXPECT_LT(std::abs(x - half - cx), half_x) << preset << degrees;
+                    EXPECT_LT(std::abs(y - half - cy), half_y) << preset << degrees;
+                }
+            EXPECT_GT(inside, 100) << preset;
+        }
+}
+
+TEST(Brush, RefusesWhatIsTooWide) {
+    BrushSettings settings = even_brush(999);
+    EXPECT_NE(error_of([&] { Brush(settings, 0.05, 1); }).find("999 mm"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace tangi

@@ -1,0 +1,110 @@
+// paint_canvas_test.cpp: recipes, drying, lifting off, dirty tiles.
+#include "paint/canvas.h"
+
+#include <gmock/gmock.h>
+
+#include "tests/paint_support.h"
+#include "tests/test_support.h"
+
+namespace tangi {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+// A canvas with a stroke of three parts white and one blue.
+Canvas painted() {
+    Canvas canvas = flat_canvas();
+    const auto white = add_paint(canvas, "Titanium White"), blue = add_paint(canvas, "Ultramarine Blue");
+    Brush brush(even_brush(), kTestPixel, 1);
+    brush.load({{white, 3}, {blue, 1}}, 1);
+    stroke(canvas, brush, {-10, 0}, {10, 0});
+    return canvas;
+}
+
+TEST(Canvas, KnowsEachPaintOnce) {
+    Canvas canvas = flat_canvas();
+    EXPECT_EQ(add_paint(canvas, "Titanium White"), 0);
+    EXPECT_EQ(add_paint(canvas, "Bone Black"), 1);
+    EXPECT_EQ(add_paint(canvas, "Titanium White"), 0);
+    Pigment glossy = artist_acrylics().at("Titanium White");
+    glossy.roughness = 0.05f;
+    EXPECT_EQ(canvas.add(glossy), 2);
+}
+
+TEST(Canvas, GivesAScaleToASurfaceThatHasNone) {
+    auto surface = flat_surface(32, 32);
+    EXPECT_THAT(error_of([&] { Canvas(surface, 0.1); }), HasSubstr("0.25 mm, not 0.1 mm"));
+    surface->scale_known = false;
+    surface->mm_per_pixel = 1;
+    surface->height_mm(3, 4) = 2;  // pixels
+    const Canvas canvas(surface, 0.1);
+    EXPECT_EQ(canvas.mm_per_pixel(), 0.1);
+    float height = 0;
+    canvas.relief_mm({3, 4, 4, 5}, &height, 1);
+    EXPECT_FLOAT_EQ(height, 0.2f);
+    EXPECT_THAT(error_of([&] { Canvas(surface, -1.0); }), HasSubstr("-1"));
+}
+
+TEST(Canvas, RecipesCanBeReadBack) {
+    const Canvas canvas = painted();
+    const Recipe recipe = recipe_at(canvas, 64, 48, 3);
+    ASSERT_EQ(recipe.portions.size(), 2u);
+    EXPECT_NEAR(recipe.portions[0].part, 0.75, 1e-5);
+    EXPECT_NEAR(recipe.portions[1].part, 0.25, 1e-5);
+    EXPECT_GT(recipe.thickness_mm, 0.02);
+    EXPECT_TRUE(recipe_at(canvas, 5, 5, 3).portions.empty());
+    EXPECT_TRUE(recipe_at(canvas, -50, 5, 3).portions.empty());
+}
+
+TEST(Canvas, DryingMovesPaintAndKeepsItsVolume) {
+    Canvas canvas = painted();
+    const auto before = canvas.volumes_mm3();
+    const float mm = canvas.wet().thickness_mm(64, 48);
+    dry(canvas, "first", canvas.region(), 0.25);
+    EXPECT_NEAR(canvas.wet().thickness_mm(64, 48), 0.75f * mm, 1e-6);
+    EXPECT_NEAR(canvas.dried()[0].paint.thickness_mm(64, 48), 0.25f * mm, 1e-6);
+    dry(canvas, "first", canvas.region());
+    EXPECT_EQ(canvas.dried().size(), 1u);  // one layer by that name
+    EXPECT_TRUE(canvas.wet().empty());
+    for (std::size_t i = 0; i < before.size(); ++i) EXPECT_NEAR(canvas.volumes_mm3()[i] / before[i], 1, 1e-6);
+    EXPECT_THAT(error_of([&] { dry(canvas, "x", canvas.region(), 0); }), HasSubstr("part = 0"));
+}
+
+TEST(Canvas, DriesARegionOnly) {
+    Canvas canvas = painted();
+    const float mm = canvas.wet().thickness_mm(64, 48);
+    dry(canvas, "left", {0, 0, 60, 96});
+    EXPECT_EQ(canvas.wet().thickness_mm(59, 48), 0);
+    EXPECT_EQ(canvas.wet().thickness_mm(64, 48), mm);
+    EXPECT_GT(canvas.dried()[0].paint.thickness_mm(59, 48), 0);
+    EXPECT_EQ(canvas.dried()[0].paint.thickness_mm(60, 48), 0);
+}
+
+TEST(Canvas, DriedLayersAreReliefAndCanBeLiftedOff) {
+    Canvas canvas = painted();
+    dry(canvas, "first", canvas.region());
+    float height = 0;
+    canvas.relief_mm({64, 48, 65, 49}, &height, 1);
+    EXPECT_GT(height, 0.02f);
+    EXPECT_THAT(error_of([&] { lift_off(canvas, "second"); }),
+                testing::AllOf(HasSubstr("second"), HasSubstr("first")));
+    lift_off(canvas, "first");
+    height = 0;
+    canvas.relief_mm({64, 48, 65, 49}, &height, 1);
+    EXPECT_EQ(height, 0);
+}
+
+TEST(Canvas, TellsWhichTilesChanged) {
+    Canvas canvas = flat_canvas(256, 128);
+    const auto white = add_paint(canvas, "Titanium White");
+    Brush brush(even_brush(2), kTestPixel, 1);
+    brush.load({{white, 1}}, 1);
+    stroke(canvas, brush, {-28, 10}, {-24, 10});  // pixels 15 to 31 of row 23
+    EXPECT_THAT(canvas.take_dirty(), ElementsAre(TileIndex{0, 0}));
+    EXPECT_TRUE(canvas.take_dirty().empty());
+    EXPECT_LT(canvas.bytes(), 100000u);  // one tile of one ingredient
+}
+
+}  // namespace
+}  // namespace tangi

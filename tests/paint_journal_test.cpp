@@ -1,0 +1,131 @@
+// paint_journal_test.cpp: journals come back as they were written, whatever happens to the file's end.
+#include "paint/journal.h"
+
+#include <gmock/gmock.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "tests/test_support.h"
+
+namespace tangi {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+const std::string kHeader = "{\"format\": \"tangipaint strokes\", \"version\": 1}\n";
+
+std::vector<Event> some_events() {
+    StrokeEvent stroke;
+    stroke.brush = brush_presets().at("filbert");
+    stroke.brush.size_mm = 0.1 + 0.2;  // not a short decimal
+    stroke.paint = {{"Bone Black", 1}, {"Titanium White", 2.5}};
+    stroke.load = 0.7;
+    stroke.start = BrushStart::dirty;
+    stroke.options.stabiliser_mm = 2;
+    stroke.seed = 8000000000000001;
+    StrokePoint point;
+    point.time_s = 1.0 / 3;
+    point.x_mm = -1e-7;
+    point.y_mm = 12.345678901234567;
+    point.pressure = 0.1;
+    point.tilt_y = -0.2;
+    point.rotation_deg = 77;
+    return {stroke,      PointEvent{point},        EndEvent{},    UndoEvent{},
+            RedoEvent{}, DryEvent{"a \"b\"", 0.5}, LiftEvent{"é"}};
+}
+
+TEST(Journal, ComesBackBitForBit) {
+    const TestDir dir;
+    {
+        JournalWriter writer(dir / "a.jsonl");
+        for (const Event& event : some_events()) writer.append(event);
+        writer.sync();
+    }
+    const Journal journal = read_journal(dir / "a.jsonl");
+    ASSERT_EQ(journal.entries.size(), some_events().size());
+    EXPECT_TRUE(journal.warnings.empty());
+    for (std::size_t i = 0; i < journal.entries.size(); ++i) {
+        EXPECT_EQ(journal.entries[i].line, static_cast<int>(i) + 2);
+        EXPECT_EQ(to_json(journal.entries[i].event), to_json(some_events()[i]));
+    }
+    const auto& point = std::get<PointEvent>(journal.entries[1].event).point;
+    EXPECT_EQ(point.y_mm, 12.345678901234567);
+    EXPECT_EQ(std::get<StrokeEvent>(journal.entries[0].event).seed, 8000000000000001u);
+}
+
+TEST(Journal, GoesOnWithAFileAndMendsATornLine) {
+    const TestDir dir;
+    write_bytes(dir / "a.jsonl", kHeader + "{\"event\": \"undo\"}\n{\"event\": \"re");
+    const Journal torn = read_journal(dir / "a.jsonl");
+    EXPECT_EQ(torn.entries.size(), 1u);
+    ASSERT_EQ(torn.warnings.size(), 1u);
+    EXPECT_THAT(torn.warnings[0], AllOf(HasSubstr("a.jsonl:3"), HasSubstr("cut short")));
+    {
+        JournalWriter writer(dir / "a.jsonl");
+        writer.append(EndEvent{});
+    }
+    const Journal mended = read_journal(dir / "a.jsonl");
+    EXPECT_EQ(mended.entries.size(), 2u);
+    EXPECT_TRUE(mended.warnings.empty());
+}
+
+TEST(Journal, SurvivesItsWritersDeath) {
+    const TestDir dir;
+    const auto path = dir / "a.jsonl";
+    for (int round = 0; round < 10; ++round) {
+        int pipe_ends[2];
+        ASSERT_EQ(::pipe(pipe_ends), 0);
+        const pid_t child = ::fork();
+        if (child == 0) {
+            JournalWriter writer(path);
+            for (int i = 0;; ++i) {
+                writer.append(PointEvent{{i * 1.0, 1, 2, 0.5, 0, 0, 0}});
+                if (i == 20 * round && ::write(pipe_ends[1], "x", 1) != 1) ::_exit(1);
+            }
+        }
+        char ready;
+        ASSERT_EQ(::read(pipe_ends[0], &ready, 1), 1);
+        ::kill(child, SIGKILL);
+        ::waitpid(child, nullptr, 0);
+        ::close(pipe_ends[0]);
+        ::close(pipe_ends[1]);
+        const Journal journal = read_journal(path);
+        EXPECT_GT(journal.entries.size(), static_cast<std::size_t>(20 * round)) << round;
+        EXPECT_LE(journal.warnings.size(), 1u);
+    }
+}
+
+TEST(Journal, ErrorsNameFileAndLine) {
+    const TestDir dir;
+    const auto error = [&](const std::string& text) {
+        write_bytes(dir / "bad.jsonl", text);
+        return error_of([&] { read_journal(dir / "bad.jsonl"); });
+    };
+    EXPECT_THAT(error(""), AllOf(HasSubstr("bad.jsonl"), HasSubstr("empty")));
+    EXPECT_THAT(error("hello\n"), AllOf(HasSubstr("bad.jsonl:1"), HasSubstr("not a journal")));
+    EXPECT_THAT(error("{\"format\": \"tangipaint strokes\", \"version\": 2}\n"), HasSubstr("version 2"));
+    EXPECT_THAT(error(kHeader + "\n{\"event\": }\n"), AllOf(HasSubstr("bad.jsonl:3"), HasSubstr("not JSON")));
+    EXPECT_THAT(error(kHeader + "[]\n"), AllOf(HasSubstr("bad.jsonl:2"), HasSubstr("object")));
+    EXPECT_THAT(error(kHeader + "{\"event\": \"jump\"}\n"),
+                AllOf(HasSubstr("\"jump\""), HasSubstr("stroke")));
+    EXPECT_THAT(error(kHeader + "{\"event\": \"point\", \"x\": 1}\n"),
+                AllOf(HasSubstr(":2"), HasSubstr("'y'")));
+    EXPECT_THAT(error(kHeader + "{\"event\": \"point\", \"x\": 1, \"y\": 1, \"p\": 2}\n"),
+                HasSubstr("'p' = 2"));
+    EXPECT_THAT(error(kHeader + "{\"event\": \"point\", \"x\": 1, \"y\": \"a\"}\n"),
+                HasSubstr("not a number"));
+    EXPECT_THAT(error(kHeader + "{\"event\": \"end\", \"now\": 1}\n"), HasSubstr("'now'"));
+    EXPECT_THAT(error(kHeader + "{\"event\": \"stroke\", \"paint\": {\"a\": 0}}\n"), HasSubstr("parts of a"));
+    EXPECT_THAT(error(kHeader + "{\"event\": \"stroke\", \"start\": \"wet\"}\n"), HasSubstr("'start'"));
+    EXPECT_THAT(error(kHeader + "{\"event\": \"stroke\", \"brush\": {\"sise\": 1}}\n"), HasSubstr("'sise'"));
+    EXPECT_THAT(error(kHeader + "{\"event\": \"dry\"}\n"), HasSubstr("'layer'"));
+    EXPECT_THAT(error_of([&] { read_journal(dir / "none.jsonl"); }), HasSubstr("none.jsonl"));
+    write_bytes(dir / "bad.jsonl", "something else\n");
+    EXPECT_THAT(error_of([&] { JournalWriter(dir / "bad.jsonl"); }), HasSubstr("not a journal"));
+    EXPECT_EQ(bytes_of(dir / "bad.jsonl"), "something else\n");
+}
+
+}  // namespace
+}  // namespace tangi

@@ -1,0 +1,126 @@
+// paint_session_test.cpp: events become paint; journals replay to the same bits.
+#include "paint/session.h"
+
+#include <gmock/gmock.h>
+
+#include "surface/parallel.h"
+#include "tests/paint_support.h"
+#include "tests/test_support.h"
+
+namespace tangi {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+StrokeEvent stroke_of(const std::string& preset, const std::string& paint, std::uint64_t seed) {
+    StrokeEvent event;
+    event.brush = brush_presets().at(preset);
+    event.brush.size_mm = 6;
+    if (!paint.empty()) event.paint = {{paint, 1}};
+    event.seed = seed;
+    return event;
+}
+
+Event point(double t, double x, double y) { return PointEvent{{t, x, y, 0.6, 0, 0, 0}}; }
+
+std::vector<Event> a_little_picture() {
+    std::vector<Event> events;
+    const auto line = [&](StrokeEvent stroke, double y, double slope) {
+        events.push_back(std::move(stroke));
+        for (int i = 0; i <= 10; ++i) events.push_back(point(i * 0.02, 2.0 * i - 10, y + slope * i));
+        events.push_back(EndEvent{});
+    };
+    line(stroke_of("flat", "Titanium White", 1), 5, 0);
+    line(stroke_of("round", "Ultramarine Blue", 2), -5, 1);
+    events.push_back(UndoEvent{});
+    events.push_back(RedoEvent{});
+    events.push_back(DryEvent{"under", 0.5});
+    line(stroke_of("filbert", "Pyrrole Red", 3), 0, 0.2);
+    StrokeEvent dirty = stroke_of("filbert", "Titanium White", 4);
+    dirty.start = BrushStart::dirty;
+    line(dirty, 3, -0.5);
+    line(stroke_of("smudge", "", 5), 0, 0);
+    return events;
+}
+
+TEST(Session, AJournalReplaysToTheSameBitsOnAnyNumberOfThreads) {
+    const TestDir dir;
+    Session live(flat_surface(128, 96), artist_acrylics());
+    {
+        JournalWriter writer(dir / "a.jsonl");
+        for (const Event& event : a_little_picture()) {
+            live.apply(event);
+            writer.append(event);
+        }
+        live.finish();
+    }
+    EXPECT_EQ(live.totals().strokes, 5);
+    for (const int threads : {1, 3}) {
+        set_thread_count(threads);
+        Session again(flat_surface(128, 96), artist_acrylics());
+        replay(again, read_journal(dir / "a.jsonl"));
+        EXPECT_TRUE(identical(live.canvas().wet(), again.canvas().wet())) << threads;
+        ASSERT_EQ(again.canvas().dried().size(), 1u);
+        EXPECT_TRUE(identical(live.canvas().dried()[0].paint, again.canvas().dried()[0].paint));
+    }
+    set_thread_count(0);
+}
+
+TEST(Session, UndoneStrokesLeaveNothing) {
+    Session session(flat_surface(128, 96), artist_acrylics());
+    session.apply(stroke_of("round", "Bone Black", 1));
+    session.apply(point(0, -5, 0));
+    session.apply(point(0.1, 5, 0));
+    session.apply(UndoEvent{});  // ends the stroke first
+    EXPECT_TRUE(session.canvas().wet().empty());
+    session.apply(RedoEvent{});
+    EXPECT_FALSE(session.canvas().wet().empty());
+}
+
+TEST(Session, ADirtyBrushCarriesTheLastPaint) {
+    const auto black_on_canvas = [](BrushStart start) {
+        Session session(flat_surface(128, 96), artist_acrylics());
+        session.apply(stroke_of("round", "Bone Black", 1));
+        session.apply(point(0, -12, 8));
+        session.apply(point(0.1, 12, 8));
+        session.apply(EndEvent{});
+        const double before = session.canvas().volumes_mm3()[0];
+        StrokeEvent white = stroke_of("round", "Titanium White", 2);
+        white.start = start;
+        session.apply(white);
+        session.apply(point(0, -12, -8));
+        session.apply(point(0.1, 12, -8));
+        session.finish();
+        return session.canvas().volumes_mm3()[0] - before;
+    };
+    EXPECT_NEAR(black_on_canvas(BrushStart::clean), 0, 1e-6);
+    EXPECT_GT(black_on_canvas(BrushStart::dirty), 0.01);
+}
+
+TEST(Session, MistakesNameTheLine) {
+    const TestDir dir;
+    const auto error = [&](const std::string& events) {
+        write_bytes(dir / "a.jsonl", "{\"format\": \"tangipaint strokes\", \"version\": 1}\n" + events);
+        Session session(flat_surface(32, 32), artist_acrylics());
+        return error_of([&] { replay(session, read_journal(dir / "a.jsonl")); });
+    };
+    EXPECT_THAT(error("{\"event\": \"point\", \"x\": 1, \"y\": 1}\n"),
+                AllOf(HasSubstr("a.jsonl:2"), HasSubstr("stroke")));
+    EXPECT_THAT(error("{\"event\": \"undo\"}\n"),
+                AllOf(HasSubstr("a.jsonl:2"), HasSubstr("nothing to undo")));
+    EXPECT_THAT(error("{\"event\": \"redo\"}\n"), HasSubstr("nothing to redo"));
+    EXPECT_THAT(error("{\"event\": \"lift\", \"layer\": \"x\"}\n"), HasSubstr("'x'"));
+    EXPECT_THAT(error("\n{\"event\": \"stroke\", \"paint\": {\"Vantablack\": 1}}\n"),
+                AllOf(HasSubstr("a.jsonl:3"), HasSubstr("Vantablack"), HasSubstr("Bone Black")));
+}
+
+TEST(Session, ReplayCanBeStopped) {
+    Session session(flat_surface(32, 32), artist_acrylics());
+    Journal journal;
+    journal.entries = {{2, stroke_of("round", "Bone Black", 1)}, {3, point(0, 0, 0)}};
+    EXPECT_THROW(replay(session, journal, [](std::string_view, double) { return false; }), Cancelled);
+}
+
+}  // namespace
+}  // namespace tangi

@@ -1,0 +1,105 @@
+// paint_substrate_test.cpp: supports are seamless, level, in mm, and made of what they say.
+#include "paint/substrate.h"
+
+#include <gmock/gmock.h>
+
+#include "surface/parallel.h"
+#include "tests/test_support.h"
+
+namespace tangi {
+namespace {
+
+using testing::HasSubstr;
+
+constexpr SubstrateKind kKinds[] = {SubstrateKind::canvas, SubstrateKind::linen, SubstrateKind::burlap,
+                                    SubstrateKind::panel,  SubstrateKind::gesso, SubstrateKind::paper};
+
+SubstrateOptions small() {
+    SubstrateOptions options;
+    options.width_mm = 24;
+    options.height_mm = 18;
+    options.pixel_mm = 0.15;
+    return options;
+}
+
+// Root mean square of the step from a column to the next.
+double step(const Surface& s, int from, int to) {
+    double sum = 0;
+    for (int y = 0; y < s.height(); ++y) sum += std::pow(s.height_mm(to, y) - s.height_mm(from, y), 2);
+    return std::sqrt(sum / s.height());
+}
+
+TEST(Substrate, BordersMatchLikeAnyTwoColumns) {
+    for (const SubstrateKind kind : kKinds) {
+        const Surface s = make_substrate(kind, small());
+        double largest = 0;
+        for (int x = 0; x + 1 < s.width(); ++x) largest = std::max(largest, step(s, x, x + 1));
+        EXPECT_LE(step(s, s.width() - 1, 0), 1.05 * largest) << name_of(kind);
+        EXPECT_GT(largest, 0) << name_of(kind);
+    }
+}
+
+TEST(Substrate, CanBeRelitAndIsLevel) {
+    for (const SubstrateKind kind : kKinds) {
+        const Surface s = make_substrate(kind, small());
+        require_consistent(s);
+        EXPECT_EQ(s.width(), 160) << name_of(kind);
+        EXPECT_TRUE(s.scale_known);
+        double sum = 0, squares = 0;
+        for (const float z : s.height_mm.pixels()) sum += z, squares += z * z;
+        const double rms = std::sqrt(squares / static_cast<double>(s.height_mm.size()));
+        EXPECT_NEAR(sum / static_cast<double>(s.height_mm.size()), 0, 1e-5) << name_of(kind);
+        EXPECT_GT(rms, 0.003) << name_of(kind);
+        EXPECT_LT(rms, 0.4) << name_of(kind);
+        for (const Rgb& c : s.diffuse.pixels()) {
+            ASSERT_GE(std::min({c.r, c.g, c.b}), 0) << name_of(kind);
+            ASSERT_LE(std::max({c.r, c.g, c.b}), 1) << name_of(kind);
+        }
+    }
+}
+
+TEST(Substrate, ThreadsRepeatAtTheirPitch) {
+    SubstrateOptions options = small();
+    options.width_mm = 68;  // 100 threads of 0.68 mm
+    const Surface s = make_substrate(SubstrateKind::linen, options);
+    // Plain weave is alike two threads on, and opposite one thread on.
+    const auto correlation = [&](double shift_mm) {
+        const int shift = static_cast<int>(std::lround(shift_mm / options.pixel_mm));
+        double both = 0, own = 0;
+        for (int y = 0; y < s.height(); ++y)
+            for (int x = 0; x + shift < s.width(); ++x) {
+                both += s.height_mm(x, y) * s.height_mm(x + shift, y);
+                own += s.height_mm(x, y) * s.height_mm(x, y);
+            }
+        return both / own;
+    };
+    EXPECT_GT(correlation(2 * 0.68), 0.15);
+    EXPECT_GT(correlation(2 * 0.68), correlation(0.68) + 0.1);
+}
+
+TEST(Substrate, IsTheSameOnAnyNumberOfThreadsAndDiffersBySeed) {
+    SubstrateOptions options = small();
+    set_thread_count(1);
+    const Surface one = make_substrate(SubstrateKind::burlap, options);
+    set_thread_count(3);
+    const Surface three = make_substrate(SubstrateKind::burlap, options);
+    set_thread_count(0);
+    options.seed = 2;
+    const Surface other = make_substrate(SubstrateKind::burlap, options);
+    EXPECT_TRUE(images_identical(one.height_mm, three.height_mm));
+    EXPECT_TRUE(images_identical(one.diffuse, three.diffuse));
+    EXPECT_FALSE(images_identical(one.height_mm, other.height_mm));
+}
+
+TEST(Substrate, RefusesSizesThatCannotBe) {
+    SubstrateOptions options = small();
+    options.pixel_mm = 10;
+    EXPECT_THAT(error_of([&] { make_substrate(SubstrateKind::linen, options); }), HasSubstr("2 x 2 pixels"));
+    options.pixel_mm = -1;
+    EXPECT_THAT(error_of([&] { make_substrate(SubstrateKind::linen, options); }), HasSubstr("pixel_mm"));
+    EXPECT_FALSE(substrate_named("silk"));
+    for (const std::string& name : substrate_names()) EXPECT_EQ(name_of(*substrate_named(name)), name);
+}
+
+}  // namespace
+}  // namespace tangi

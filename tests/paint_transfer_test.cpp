@@ -1,0 +1,179 @@
+// paint_transfer_test.cpp: what one step does to paint: nothing is lost, nothing is negative, nothing comes
+// from nowhere.
+#include "paint/transfer.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/test_support.h"
+
+namespace tangi {
+namespace {
+
+// A box of random paint, loads, relief and underside.
+struct RandomBox {
+    static constexpr int kWidth = 37, kHeight = 23, kIngredients = 3;
+    std::vector<float> underside, relief, grain, total, load_total;
+    std::vector<std::vector<float>> paint, load;
+    StepBox box;
+
+    explicit RandomBox(std::uint64_t seed) {
+        Random random(seed);
+        constexpr std::size_t pixels = kWidth * kHeight;
+        const auto plane = [&](double low, double high) {
+            std::vector<float> values(pixels);
+            for (float& v : values) v = random.real(low, high);
+            return values;
+        };
+        underside = plane(0, 0.3);
+        relief = plane(-0.1, 0.1);
+        grain = plane(0.5, 1.5);
+        total.assign(pixels, 0);
+        load_total.assign(pixels, 0);
+        for (int i = 0; i < kIngredients; ++i) {
+            paint.push_back(plane(0, 0.2));
+            load.push_back(plane(0, 1));
+            for (std::size_t p = 0; p < pixels; ++p) {
+                if (random.uniform() < 0.3) paint.back()[p] = 0;
+                total[p] += paint.back()[p];
+                load_total[p] += load.back()[p];
+            }
+        }
+        box.width = kWidth;
+        box.height = kHeight;
+        box.underside_mm = underside.data();
+        box.underside_stride = box.canvas_stride = box.load_stride = kWidth;
+        box.bristles.assign(kHeight, {0, kWidth});
+        box.relief_mm = relief.data();
+        box.grain = grain.data();
+        box.total_mm = total.data();
+        box.load_total_mm = load_total.data();
+        for (auto& p : paint) box.paint.push_back(p.data());
+        for (auto& l : load) box.load.push_back(l.data());
+    }
+
+    double sum(int ingredient) const {
+        double sum = 0;
+        for (const float v : paint[static_cast<std::size_t>(ingredient)]) sum += v;
+        for (const float v : load[static_cast<std::size_t>(ingredient)]) sum += v;
+        return sum;
+    }
+    float smallest() const {
+        float smallest = 0;
+        for (const auto* planes : {&paint, &load})
+            for (const auto& plane : *planes)
+                smallest = std::min(smallest, *std::min_element(plane.begin(), plane.end()));
+        return smallest;
+    }
+};
+
+TransferRates some_rates() {
+    TransferRates r;
+    r.deposit = 0.1f;
+    r.pickup = 0.2f;
+    r.push = 0.9f;
+    r.film_mm = 0.01f;
+    r.reach_mm = 0.05f;
+    r.load_reach = 0.2f;
+    r.spread = 0.6f;
+    r.yield_mm = 0.05f;
+    r.flow = 0.2f;
+    return r;
+}
+
+TEST(Transfer, ConservesEachIngredientOverManySteps) {
+    RandomBox b(1);
+    StepScratch scratch;
+    double before[RandomBox::kIngredients];
+    for (int i = 0; i < RandomBox::kIngredients; ++i) before[i] = b.sum(i);
+    for (int step = 0; step < 300; ++step) {
+        exchange(b.box, some_rates(), scratch);
+        const double turn = step * 0.37;
+        push(b.box, some_rates(), static_cast<float>(std::cos(turn)), static_cast<float>(std::sin(turn)),
+             scratch);
+    }
+    for (int i = 0; i < RandomBox::kIngredients; ++i) EXPECT_NEAR(b.sum(i) / before[i], 1, 1e-5) << i;
+    EXPECT_GE(b.smallest(), -1e-9f);
+}
+
+TEST(Transfer, MovesPaintBothWaysAtOnce) {
+    RandomBox b(2);
+    // The brush holds only the first ingredient, the canvas only the second.
+    for (int i = 0; i < RandomBox::kIngredients; ++i) {
+        std::fill(b.paint[static_cast<std::size_t>(i)].begin(), b.paint[static_cast<std::size_t>(i)].end(),
+                  i == 1 ? 0.1f : 0);
+        std::fill(b.load[static_cast<std::size_t>(i)].begin(), b.load[static_cast<std::size_t>(i)].end(),
+                  i == 0 ? 0.5f : 0);
+    }
+    std::fill(b.total.begin(), b.total.end(), 0.1f);
+    std::fill(b.load_total.begin(), b.load_total.end(), 0.5f);
+    StepScratch scratch;
+    exchange(b.box, some_rates(), scratch);
+    const std::size_t middle = 11 * RandomBox::kWidth + 18;
+    EXPECT_GT(b.paint[0][middle], 0);
+    EXPECT_GT(b.load[1][middle], 0);
+    EXPECT_FLOAT_EQ(b.paint[2][middle], 0);
+    EXPECT_FLOAT_EQ(b.paint[0][middle] + b.load[0][middle], 0.5f);
+    EXPECT_FLOAT_EQ(b.paint[1][middle] + b.load[1][middle], 0.1f);
+}
+
+TEST(Transfer, LeavesAFilm) {
+    RandomBox b(3);
+    StepScratch scratch;
+    TransferRates rates = some_rates();
+    rates.deposit = 0;
+    rates.reach_mm = 10;
+    for (auto& load : b.load) std::fill(load.begin(), load.end(), 0.0f);
+    std::fill(b.load_total.begin(), b.load_total.end(), 0.0f);
+    const std::vector<float> before = b.total;
+    for (int step = 0; step < 400; ++step) exchange(b.box, rates, scratch);
+    for (std::size_t i = 0; i < before.size(); ++i) {
+        if (before[i] > 0.02f) {
+            EXPECT_NEAR(b.total[i], 0.01f, 0.002f) << i;
+        }
+        EXPECT_GE(b.total[i], std::min(before[i], 0.0099f)) << i;
+    }
+}
+
+TEST(Transfer, PushesPaintAheadAndKeepsItOnTheCanvas) {
+    RandomBox b(4);
+    std::fill(b.relief.begin(), b.relief.end(), 0.0f);
+    for (auto& plane : b.paint) std::fill(plane.begin(), plane.end(), 0.0f);
+    std::fill(b.total.begin(), b.total.end(), 0.0f);
+    const std::size_t middle = 11 * RandomBox::kWidth + 18;
+    b.paint[0][middle] = b.total[middle] = 0.4f;
+    std::fill(b.underside.begin(), b.underside.end(), 0.1f);
+    b.grain[middle + 1] = 0;  // the canvas ends there
+    TransferRates rates = some_rates();
+    rates.yield_mm = 10;
+    StepScratch scratch;
+    push(b.box, rates, 1, 0, scratch);
+    EXPECT_EQ(b.paint[0][middle + 1], 0);
+    EXPECT_EQ(b.paint[0][middle], 0.4f);
+    push(b.box, rates, 0, 1, scratch);
+    EXPECT_NEAR(b.paint[0][middle + RandomBox::kWidth], 0.9f * 0.3f, 1e-5);
+    EXPECT_NEAR(b.paint[0][middle], 0.4f - 0.9f * 0.3f, 1e-5);
+}
+
+TEST(Transfer, SteepStepsFlowDownAndStop) {
+    RandomBox b(5);
+    std::fill(b.relief.begin(), b.relief.end(), 0.0f);
+    std::fill(b.underside.begin(), b.underside.end(), kOutside);
+    std::fill(b.grain.begin(), b.grain.end(), 1.0f);
+    for (auto& plane : b.paint) std::fill(plane.begin(), plane.end(), 0.0f);
+    std::fill(b.total.begin(), b.total.end(), 0.0f);
+    const std::size_t middle = 11 * RandomBox::kWidth + 18;
+    b.paint[0][middle] = b.total[middle] = 1;
+    StepScratch scratch;
+    for (int step = 0; step < 400; ++step) push(b.box, some_rates(), 1, 0, scratch);
+    for (int y = 1; y + 1 < RandomBox::kHeight; ++y)
+        for (int x = 1; x + 1 < RandomBox::kWidth; ++x) {
+            const auto i = static_cast<std::size_t>(y * RandomBox::kWidth + x);
+            EXPECT_LE(std::abs(b.total[i] - b.total[i + 1]), 0.0501f) << x << ' ' << y;
+            EXPECT_LE(std::abs(b.total[i] - b.total[i + RandomBox::kWidth]), 0.0501f) << x << ' ' << y;
+        }
+    EXPECT_GT(b.total[middle], 0.05f);  // it holds its shape: no water
+    EXPECT_NEAR(b.total[middle - 1], b.total[middle + 1], 1e-6);
+}
+
+}  // namespace
+}  // namespace tangi

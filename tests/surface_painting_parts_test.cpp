@@ -1,0 +1,88 @@
+// surface_painting_parts_test.cpp: parts beside `dry` come back as they were.
+#include "surface/painting_parts.h"
+
+#include <gmock/gmock.h>
+
+#include "surface/painting_file.h"
+#include "tests/test_support.h"
+
+namespace tangi {
+namespace {
+
+using testing::AllOf;
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+constexpr int kWidth = 70, kHeight = 150;  // more than two bands of rows
+
+float value_at(int channel, int x, int y) { return static_cast<float>(channel * 100000 + y * 100 + x) / 7; }
+
+void write_two_parts(const std::filesystem::path& path) {
+    std::vector<PartToWrite> parts(2);
+    parts[0].info = {"one", kWidth, kHeight, {"a", "b.x"}, {{"said", "some \"text\""}}};
+    parts[0].fill = [](int y0, int y1, std::span<float* const> planes) {
+        for (int c = 0; c < 2; ++c)
+            for (int y = y0; y < y1; ++y)
+                for (int x = 0; x < kWidth; ++x)
+                    planes[static_cast<std::size_t>(c)][(y - y0) * kWidth + x] = value_at(c, x, y);
+    };
+    parts[1].info = {"two", kWidth, kHeight, {"c"}, {}};
+    parts[1].fill = [](int, int, std::span<float* const>) {};  // 0 everywhere
+    AtomicFile file(path);
+    write_painting(file, Surface(kWidth, kHeight), parts);
+}
+
+TEST(PaintingParts, ComeBackBitForBit) {
+    const TestDir dir;
+    write_two_parts(dir / "a.exr");
+    const auto parts = painting_parts(dir / "a.exr");
+    ASSERT_EQ(parts.size(), 2u);
+    EXPECT_EQ(parts[0].name, "one");
+    EXPECT_THAT(parts[0].channels, ElementsAre("a", "b.x"));
+    EXPECT_EQ(parts[0].attributes.at("said"), "some \"text\"");
+    EXPECT_EQ(parts[1].width, kWidth);
+    int next = 0;
+    read_painting_part(dir / "a.exr", parts[0], [&](int y0, int y1, std::span<const float* const> planes) {
+        EXPECT_EQ(y0, next);
+        next = y1;
+        for (int c = 0; c < 2; ++c)
+            for (int y = y0; y < y1; ++y)
+                for (int x = 0; x < kWidth; ++x)
+                    ASSERT_EQ(planes[static_cast<std::size_t>(c)][(y - y0) * kWidth + x], value_at(c, x, y))
+                        << x << ' ' << y;
+    });
+    EXPECT_EQ(next, kHeight);
+    read_painting_part(dir / "a.exr", parts[1],
+                       [&](int, int, std::span<const float* const> planes) { EXPECT_EQ(planes[0][5], 0); });
+    EXPECT_EQ(read_painting(dir / "a.exr").width(), kWidth);  // the dry part is what it always was
+}
+
+TEST(PaintingParts, APaintingWithoutThemHasNone) {
+    const TestDir dir;
+    write_painting(dir / "a.exr", Surface(8, 6));
+    EXPECT_TRUE(painting_parts(dir / "a.exr").empty());
+}
+
+TEST(PaintingParts, ErrorsNameTheFile) {
+    const TestDir dir;
+    write_two_parts(dir / "a.exr");
+    const auto ignore = [](int, int, std::span<const float* const>) {};
+    EXPECT_THAT(error_of([&] { painting_parts(dir / "none.exr"); }), HasSubstr("none.exr: no such file"));
+    EXPECT_THAT(error_of([&] {
+                    read_painting_part(dir / "a.exr", {"three", 1, 1, {}, {}}, ignore);
+                }),
+                AllOf(HasSubstr("a.exr"), HasSubstr("'three'")));
+    write_bytes(dir / "text.exr", "hello");
+    EXPECT_THAT(error_of([&] { painting_parts(dir / "text.exr"); }),
+                HasSubstr("text.exr: is not a painting file"));
+    const std::string bytes = bytes_of(dir / "a.exr");
+    write_bytes(dir / "cut.exr", bytes.substr(0, bytes.size() - 40));
+    const PartInfo last = painting_parts(dir / "a.exr").at(1);
+    EXPECT_THAT(error_of([&] { read_painting_part(dir / "cut.exr", last, ignore); }), HasSubstr("cut.exr"));
+    EXPECT_THROW(
+        read_painting_part(dir / "a.exr", last, ignore, [](std::string_view, double) { return false; }),
+        Cancelled);
+}
+
+}  // namespace
+}  // namespace tangi
