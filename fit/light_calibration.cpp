@@ -22,6 +22,10 @@ constexpr double kDoubtful_deg = 5;  // [deg] a correction that the user is told
 // A smooth correction is believed where lamps turned by so many standard errors: less, and it takes up what
 // the model leaves out (synth_canvas, whose directions are right: 2.6; leaf: 4.7).
 constexpr double kSureTurns = 3;
+// [dB] By which directions of their own must explain photographs better: two unknowns a lamp take up some of
+// what the model leaves out, and lamps that no photograph had don't share them (real/canvas lost 3.7 dB at
+// 0.1).
+constexpr double kOwnWorth_db = 1.5;
 constexpr double kFar = 0.01;  // [1/width] nearness from which on a distance says something
 
 double mean(const std::vector<double>& values) {
@@ -194,7 +198,7 @@ bool is_better(const LightCalibration::Trial& a, const LightCalibration::Trial& 
     if (predicted.median_db - predicted.sigma_db > worth_db) return true;
     if (a.model.directions != DirectionFreedom::own) return false;
     const Gain located = gain(a.located_db, b.located_db);
-    return located.median_db - located.sigma_db > worth_db &&
+    return located.median_db - located.sigma_db > kOwnWorth_db &&
            predicted.median_db > -std::min(predicted.sigma_db, worth_db);
 }
 
