@@ -8,8 +8,8 @@
 #include <span>
 #include <vector>
 
-#include "surface/noise.h"
 #include "surface/image.h"
+#include "surface/noise.h"
 
 namespace tangi::procedural {
 

@@ -5,8 +5,8 @@
 
 #include "capture/lights_file.h"
 #include "datasets/ggx.h"
-#include "surface/noise.h"
 #include "surface/atomic_file.h"
+#include "surface/noise.h"
 #include "surface/painting_file.h"
 #include "surface/parallel.h"
 #include "surface/photography_json.h"

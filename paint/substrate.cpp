@@ -116,8 +116,7 @@ Thread thread_at(const Weave& w, const Piece& piece, float across, float along, 
         const float phase = along / along_size * static_cast<float>(crossings) + static_cast<float>(number) +
                             (warp ? 0.0f : 1.0f);
         const float over = std::cos(std::numbers::pi_v<float> * (phase - 0.5f));
-        const float height =
-            0.75f * over + 0.8f * (1 - d * d) - 0.4f + 0.25f * (width / w.thread - 1);
+        const float height = 0.75f * over + 0.8f * (1 - d * d) - 0.4f + 0.25f * (width / w.thread - 1);
         if (height > best.height) best = {height, 1 - d * d, number};
     }
     return best;
