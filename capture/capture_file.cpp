@@ -7,6 +7,7 @@
 #include <glm/matrix.hpp>
 #include <nlohmann/json.hpp>
 
+#include "capture/json_field.h"
 #include "surface/error.h"
 #include "surface/median.h"
 
@@ -18,68 +19,30 @@ namespace {
 
 constexpr const char* kFormat = "tangipaint capture 1";
 
-// One number of the file, named as the user finds it there.
-class Field {
-public:
-    Field(const std::string& file, const json& value, std::string name)
-        : file_(file), value_(value), name_(std::move(name)) {}
+glm::dvec3 dvec3(const JsonField& field, double size) {
+    const std::vector<JsonField> n = field.list();
+    if (n.size() != 3) fail("{}: {} has {} numbers, not 3", field.file(), field.path(), n.size());
+    return {n[0].number(-size, size), n[1].number(-size, size), n[2].number(-size, size)};
+}
 
-    Field operator[](const char* key) const {
-        if (!value_.is_object() || !value_.contains(key)) fail("{}: {}.{} is missing", file_, name_, key);
-        return {file_, value_.at(key), name_.empty() ? key : name_ + "." + key};
-    }
-    bool has(const char* key) const {
-        return value_.is_object() && value_.contains(key) && !value_[key].is_null();
-    }
-    bool is_null() const { return value_.is_null(); }
-    double number(double minimum, double maximum) const {
-        if (!value_.is_number()) fail("{}: {} is not a number", file_, name_);
-        const double x = value_.get<double>();
-        if (!(x >= minimum && x <= maximum))
-            fail("{}: {} = {} is not in [{}, {}]", file_, name_, x, minimum, maximum);
-        return x;
-    }
-    std::string text() const {
-        if (!value_.is_string()) fail("{}: {} is not a text", file_, name_);
-        return value_.get<std::string>();
-    }
-    std::vector<Field> list() const {
-        if (!value_.is_array()) fail("{}: {} is not a list", file_, name_);
-        std::vector<Field> entries;
-        for (std::size_t i = 0; i < value_.size(); ++i)
-            entries.emplace_back(file_, value_[i], fmt::format("{}[{}]", name_, i));
-        return entries;
-    }
-    glm::dvec3 dvec3(double size) const {
-        const std::vector<Field> n = list();
-        if (n.size() != 3) fail("{}: {} has {} numbers, not 3", file_, name_, n.size());
-        return {n[0].number(-size, size), n[1].number(-size, size), n[2].number(-size, size)};
-    }
-    Vec3 vec3(double size) const { return Vec3(dvec3(size)); }
-    glm::dmat3 mat3(double size) const {  // a list of rows
-        const std::vector<Field> rows = list();
-        if (rows.size() != 3) fail("{}: {} has {} rows, not 3", file_, name_, rows.size());
-        return glm::transpose(glm::dmat3(rows[0].dvec3(size), rows[1].dvec3(size), rows[2].dvec3(size)));
-    }
-
-private:
-    const std::string& file_;
-    const json& value_;
-    std::string name_;
-};
+glm::dmat3 mat3(const JsonField& field, double size) {  // a list of rows
+    const std::vector<JsonField> rows = field.list();
+    if (rows.size() != 3) fail("{}: {} has {} rows, not 3", field.file(), field.path(), rows.size());
+    return glm::transpose(glm::dmat3(dvec3(rows[0], size), dvec3(rows[1], size), dvec3(rows[2], size)));
+}
 
 constexpr double kFarthest = 1e6;  // [mm] 1 km
 
-std::optional<Light> light_of(const Field& entry, const std::string& file) {
+std::optional<Light> light_of(const JsonField& entry, const std::string& file) {
     if (entry["direction"].is_null()) return {};  // left out
     const std::string name = entry["name"].text();
     if (!entry["position_mm"].is_null()) {
-        const Vec3 position = entry["position_mm"].vec3(kFarthest);
+        const Vec3 position = Vec3(dvec3(entry["position_mm"], kFarthest));
         if (!(position.z > 0))
             fail("{}: the lamp of {} is at z = {} mm, below the painting", file, name, position.z);
         return near_light(position, name);
     }
-    const Vec3 direction = entry["direction"].vec3(2);
+    const Vec3 direction = Vec3(dvec3(entry["direction"], 2));
     if (!(glm::length(direction) > 0.5f)) fail("{}: the direction of {} is no unit vector", file, name);
     return distant_light(direction, name);
 }
@@ -104,13 +67,13 @@ void complete_positions(CaptureFile& capture, const std::string& file) {
 }
 
 // White balance and matrix of the chart; with the reading's own words for what was not solved.
-CaptureColour colour_of(const Field& colour, const std::string& file) {
+CaptureColour colour_of(const JsonField& colour, const std::string& file) {
     CaptureColour result;
-    const Field correction = colour["correction"];
-    const glm::dvec3 balance = correction["white_balance"].dvec3(1e3);
+    const JsonField correction = colour["correction"];
+    const glm::dvec3 balance = dvec3(correction["white_balance"], 1e3);
     if (!(std::min({balance.r, balance.g, balance.b}) > 1e-3))
         fail("{}: colour.correction.white_balance is not positive", file);
-    const glm::dmat3 matrix = correction["matrix"].mat3(1e3);
+    const glm::dmat3 matrix = mat3(correction["matrix"], 1e3);
     const glm::dmat3 total = matrix * glm::dmat3(balance.r, 0, 0, 0, balance.g, 0, 0, 0, balance.b);
     if (!(std::abs(glm::determinant(total)) > 1e-6))
         fail("{}: colour.correction.matrix has no inverse", file);
@@ -124,18 +87,18 @@ CaptureColour colour_of(const Field& colour, const std::string& file) {
     result.transfer = *transfer;
     if (colour.has("raw_colour")) result.raw_rec709 = colour["raw_colour"].text() == "rec709";
     if (colour["chart"].has("chart_to_picture") && correction.has("patches")) {
-        CaptureColour::Chart chart{colour["chart"]["chart_to_picture"].mat3(1e9), {}};
-        const std::vector<Field> patches = correction["patches"].list();
+        CaptureColour::Chart chart{mat3(colour["chart"]["chart_to_picture"], 1e9), {}};
+        const std::vector<JsonField> patches = correction["patches"].list();
         if (patches.size() != chart.reference.size())
             fail("{}: colour.correction.patches has {} entries, not 24", file, patches.size());
         bool known = true;  // files of version 0.1 do not say
         for (std::size_t n = 0; n < patches.size() && known; ++n) {
             known = patches[n].has("reference");
-            if (known) chart.reference[n] = Rgb(patches[n]["reference"].dvec3(10));
+            if (known) chart.reference[n] = Rgb(dvec3(patches[n]["reference"], 10));
         }
         if (known) result.chart = chart;
     }
-    const Field errors = correction["delta_e_2000"], left_out = errors["left_out"];
+    const JsonField errors = correction["delta_e_2000"], left_out = errors["left_out"];
     if (errors.has("after")) result.misfit = errors["after"]["mean"].number(0, 1e3);
     if (!left_out.is_null()) result.delta_e_2000 = left_out["mean"].number(0, 1e3);
     return result;
@@ -149,22 +112,22 @@ CaptureFile read_capture_file(const std::filesystem::path& path) {
     if (!stream) fail("{}: cannot be read; give the capture.json that tangipaint calibrate wrote", file);
     const json whole = json::parse(stream, nullptr, false);
     if (whole.is_discarded()) fail("{}: is no JSON, or cut off; calibrate again", file);
-    const Field top(file, whole, "");
+    const JsonField top(file, whole, "");
     if (!whole.is_object() || !whole.contains("format") || whole["format"] != kFormat)
         fail("{}: is not a capture file of this program (format \"{}\")", file, kFormat);
 
     CaptureFile capture;
-    const Field photographs = top["photographs"], camera = top["camera"];
+    const JsonField photographs = top["photographs"], camera = top["camera"];
     capture.width = static_cast<int>(photographs["width"].number(1, 1e6));
     capture.height = static_cast<int>(photographs["height"].number(1, 1e6));
-    const std::vector<Field> origin = top["frame"]["origin_px"].list();
+    const std::vector<JsonField> origin = top["frame"]["origin_px"].list();
     if (origin.size() != 2) fail("{}: frame.origin_px has {} numbers, not 2", file, origin.size());
     capture.origin_px = {origin[0].number(-1e6, 1e6), origin[1].number(-1e6, 1e6)};
     if (!camera["mm_per_pixel"].is_null()) capture.mm_per_pixel = camera["mm_per_pixel"].number(1e-6, 1e3);
-    if (!camera["position_mm"].is_null()) capture.camera_mm = camera["position_mm"].vec3(kFarthest);
+    if (!camera["position_mm"].is_null()) capture.camera_mm = Vec3(dvec3(camera["position_mm"], kFarthest));
     if (capture.camera_mm && !(capture.camera_mm->z > 0))
         fail("{}: camera.position_mm is below the painting", file);
-    for (const Field& entry : top["lights"].list())
+    for (const JsonField& entry : top["lights"].list())
         if (const auto light = light_of(entry, file)) capture.lights.push_back(*light);
     complete_positions(capture, file);
     // Files of version 0.1 have neither.

@@ -22,14 +22,22 @@ public:
     bool has(const char* key) const {
         return value_.is_object() && value_.contains(key) && !value_.at(key).is_null();
     }
+    // A value that is null is there, and only is_null() takes it.
     JsonField operator[](const char* key) const {
         const std::string path = path_.empty() ? key : path_ + "." + key;
-        if (!has(key)) fail("{}: {} is missing", file_, path);
+        if (!value_.is_object() || !value_.contains(key)) fail("{}: {} is missing", file_, path);
         return {file_, value_.at(key), path};
     }
+    bool is_null() const { return value_.is_null(); }
     double number() const {
         if (!value_.is_number()) fail("{}: {} is not a number", file_, path_);
         return value_.get<double>();
+    }
+    double number(double minimum, double maximum) const {
+        const double x = number();
+        if (!(x >= minimum && x <= maximum))
+            fail("{}: {} = {} is not in [{}, {}]", file_, path_, x, minimum, maximum);
+        return x;
     }
     bool truth() const {
         if (!value_.is_boolean()) fail("{}: {} is neither true nor false", file_, path_);

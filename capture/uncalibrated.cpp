@@ -11,6 +11,7 @@
 #include <glm/geometric.hpp>
 #include <numbers>
 
+#include "capture/relative_shading.h"
 #include "surface/error.h"
 #include "surface/median.h"
 
@@ -25,144 +26,9 @@ using Eigen::VectorXd;
 namespace {
 
 constexpr std::size_t kFewestPhotos = 8;
-constexpr int kIterations = 12;
-constexpr double kRobust = 2;                            // [robust sigma] of Cauchy's weights
 constexpr double kStrengthScale = 0.15;                  // [1] ln strength by which lamps differ at ease
 constexpr double kMiddlingSigma = 0.2;                   // [1] of l.xy / l.z
 constexpr double kFalloffTells = 0.6, kCurlTells = 0.3;  // [1] as UncalibratedLights has them
-constexpr double kDarkest = 0.02;                        // [1] of a pixel's median: a cast shadow
-
-// ln of (value / albedo / level): one column a photograph, one row a pixel; weight 0 where it is not known.
-struct Shading {
-    int width = 0, height = 0;
-    MatrixXd value, weight;
-    VectorXd log_level;  // of the photographs
-    MatrixXd falloff;    // [photos x 2] how ln of the light grows to the right and upwards, a picture width
-};
-
-double scale_of(const VectorXd& residual, const VectorXd& weight) {
-    std::vector<double> sizes;
-    for (Index i = 0; i < residual.size(); ++i)
-        if (weight[i] > 0) sizes.push_back(std::abs(residual[i]));
-    return std::max(1.4826 * median(std::move(sizes)), 1e-4);
-}
-
-// The smooth part of one photograph: a polynomial of the second degree over the picture, robustly.
-void flatten(Shading& s, Index photo) {
-    constexpr Index terms = 6;
-    const Index pixels = s.value.rows();
-    MatrixXd basis(pixels, terms);
-    for (Index i = 0; i < pixels; ++i) {
-        const double x = static_cast<double>(i % s.width) / s.width - 0.5;
-        const double y = static_cast<double>(i / s.width) / s.height - 0.5;
-        basis.row(i) << 1, x, y, x * x, x * y, y * y;
-    }
-    VectorXd weight = s.weight.col(photo), field = VectorXd::Zero(terms);
-    for (int iteration = 0; iteration < 6; ++iteration) {
-        const MatrixXd weighted = basis.transpose() * weight.asDiagonal();
-        MatrixXd normal = weighted * basis;
-        normal.diagonal().array() += 1e-9;
-        field = normal.ldlt().solve(weighted * s.value.col(photo));
-        const VectorXd residual = s.value.col(photo) - basis * field;
-        const double scale = kRobust * scale_of(residual, s.weight.col(photo));
-        weight = s.weight.col(photo).array() / (1 + (residual / scale).array().square());
-    }
-    // The level is the mean over the picture of what the polynomial says.
-    s.log_level[photo] = (basis * field).mean();
-    s.value.col(photo) -= basis * field;
-    const double longer = std::max(s.width, s.height);
-    s.falloff.row(photo) << field[1] * longer / s.width, -field[2] * longer / s.height;
-}
-
-Shading shading_of(const std::vector<Image<float>>& pictures, float clipped) {
-    Shading s{.width = pictures.front().width(),
-              .height = pictures.front().height(),
-              .value = {},
-              .weight = {},
-              .log_level = VectorXd::Zero(static_cast<Index>(pictures.size())),
-              .falloff = MatrixXd::Zero(static_cast<Index>(pictures.size()), 2)};
-    const auto pixels = static_cast<Index>(pictures.front().size()),
-               photos = static_cast<Index>(pictures.size());
-    s.value = MatrixXd::Zero(pixels, photos);
-    s.weight = MatrixXd::Zero(pixels, photos);
-    std::vector<float> levels;
-    for (const Image<float>& picture : pictures)
-        levels.push_back(
-            std::max(median(std::vector<float>(picture.pixels().begin(), picture.pixels().end())), 1e-6f));
-    std::vector<float> values;
-    for (Index i = 0; i < pixels; ++i) {
-        values.clear();
-        for (std::size_t j = 0; j < pictures.size(); ++j) {
-            const float value = pictures[j].pixels()[static_cast<std::size_t>(i)];
-            if (value > 0 && value < clipped) values.push_back(value / levels[j]);
-        }
-        if (values.size() < pictures.size() / 2) continue;
-        const float albedo = median(values);
-        if (!(albedo > 0)) continue;
-        for (Index j = 0; j < photos; ++j) {
-            const float value = pictures[static_cast<std::size_t>(j)].pixels()[static_cast<std::size_t>(i)];
-            const double ratio = static_cast<double>(value) / albedo;
-            if (!(value > 0 && value < clipped) || ratio < kDarkest * levels[static_cast<std::size_t>(j)])
-                continue;
-            s.value(i, j) = std::log(ratio);
-            s.weight(i, j) = 1;
-        }
-    }
-    for (Index j = 0; j < photos; ++j) flatten(s, j);
-    s.value = (s.weight.array() > 0).select(s.value.array().exp() - 1, 0.0).matrix();  // relative to flat
-    return s;
-}
-
-// value ~ left right^T, both of two columns, robustly: least squares for one side and the other in turn.
-struct Factors {
-    MatrixXd left, right;  // [pixels x 2], [photos x 2]
-    double residual = 0, explained = 0;
-};
-
-void solve_side(const MatrixXd& value, const MatrixXd& weight, const MatrixXd& other, MatrixXd& side) {
-    for (Index i = 0; i < value.rows(); ++i) {
-        Matrix2d normal = Matrix2d::Identity() * 1e-6;
-        Vector2d right = Vector2d::Zero();
-        for (Index j = 0; j < value.cols(); ++j) {
-            const double w = weight(i, j);
-            if (!(w > 0)) continue;
-            const Vector2d row = other.row(j).transpose();
-            normal += w * row * row.transpose();
-            right += w * value(i, j) * row;
-        }
-        side.row(i) = normal.ldlt().solve(right).transpose();
-    }
-}
-
-Factors factored(const Shading& s, const Progress& progress) {
-    Factors f;
-    const MatrixXd squares = s.value.transpose() * s.value;
-    const Eigen::SelfAdjointEigenSolver<MatrixXd> start(squares);
-    f.right = start.eigenvectors().rightCols(2) * std::sqrt(static_cast<double>(s.value.cols()));
-    f.left = MatrixXd::Zero(s.value.rows(), 2);
-    MatrixXd weight = s.weight;
-    const MatrixXd value_t = s.value.transpose();
-    VectorXd scales(s.value.cols());
-    for (int iteration = 0; iteration < kIterations; ++iteration) {
-        report(progress, "lights", iteration / static_cast<double>(kIterations));
-        solve_side(s.value, weight, f.right, f.left);
-        const MatrixXd weight_t = weight.transpose();
-        solve_side(value_t, weight_t, f.left, f.right);
-        const MatrixXd residual = s.value - f.left * f.right.transpose();
-        for (Index j = 0; j < s.value.cols(); ++j) {
-            // Each photograph has its own noise: shadows and highlights are more under low lights.
-            const double scale = scales[j] = scale_of(residual.col(j), s.weight.col(j));
-            weight.col(j) =
-                (s.weight.col(j).array() / (1 + (residual.col(j) / (kRobust * scale)).array().square())) *
-                (0.0025 / (0.0025 + scale * scale));
-        }
-    }
-    const MatrixXd residual = s.value - f.left * f.right.transpose();
-    f.residual = median(std::vector<double>(scales.data(), scales.data() + scales.size())) / 1.4826;
-    const double all = (weight.array() * s.value.array().square()).sum();
-    f.explained = all > 0 ? 1 - (weight.array() * residual.array().square()).sum() / all : 0;
-    return f;
-}
 
 // What takes the factors r of the photographs to l.xy / l.z, but for a rotation and a mirror image: g r +
 // shift, g upper triangular.
@@ -355,11 +221,11 @@ void add_warnings(UncalibratedLights& result) {
 UncalibratedLights uncalibrated_lights(const std::vector<Image<float>>& pictures, float clipped,
                                        const UncalibratedOptions& options, const Progress& progress) {
     require_usable(pictures);
-    const Shading shading = shading_of(pictures, clipped);
+    const RelativeShading shading = shading_of(pictures, clipped);
     const double known = shading.weight.sum() / static_cast<double>(shading.weight.size());
     if (known < 0.2)
         fail("only {:.0f} % of the pixels are lit and not clipped; the lights can't be told", 100 * known);
-    const Factors factors = factored(shading, progress);
+    const ShadingFactors factors = factored(shading, progress);
     if (!(factors.left.array().square().mean() * factors.right.array().square().mean() > 1e-7))
         fail("the photographs show no relief, from which alone the lights could be told");
 

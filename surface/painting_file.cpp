@@ -23,6 +23,7 @@
 #include <glm/geometric.hpp>
 
 #include "surface/error.h"
+#include "surface/painting_errors.h"
 #include "surface/painting_parts.h"
 #include "surface/parallel.h"
 #include "surface/photography_json.h"
@@ -353,20 +354,7 @@ bool is_painting(const fs::path& path) {
 }
 
 Surface read_painting(const fs::path& path, const Progress& progress) {
-    if (!fs::exists(path)) fail("{}: no such file", path.string());
-    if (fs::is_directory(path)) fail("{}: is a folder, not a painting file", path.string());
-    if (!fs::is_regular_file(path)) fail("{}: is a pipe or a device, not a file", path.string());
-    try {
-        return read_dry_part(path, progress);
-    } catch (const Error&) {
-        throw;
-    } catch (const Cancelled&) {
-        throw;
-    } catch (const std::bad_alloc&) {
-        fail("{}: not enough memory to read it", path.string());
-    } catch (const std::exception& error) {  // OpenEXR's and the JSON reader's own
-        fail("{}: is not a painting file, or is damaged: {}", path.string(), error.what());
-    }
+    return reading_painting(path, [&] { return read_dry_part(path, progress); });
 }
 
 }  // namespace tangi

@@ -6,6 +6,7 @@
 #include <ImfStringAttribute.h>
 
 #include "surface/error.h"
+#include "surface/painting_errors.h"
 #include "surface/painting_file.h"
 #include "surface/painting_parts.h"
 #include "surface/parallel.h"
@@ -32,27 +33,10 @@ PartInfo info_of(const Imf::Header& header) {
     return info;
 }
 
-// Runs `body`; what OpenEXR throws becomes an Error that names the file.
-template <class Body>
-auto with_errors(const fs::path& path, const Body& body) {
-    try {
-        return body();
-    } catch (const Error&) {
-        throw;
-    } catch (const Cancelled&) {
-        throw;
-    } catch (const std::bad_alloc&) {
-        fail("{}: not enough memory to read it", path.string());
-    } catch (const std::exception& error) {
-        fail("{}: is not a painting file, or is damaged: {}", path.string(), error.what());
-    }
-}
-
 }  // namespace
 
 std::vector<PartInfo> painting_parts(const fs::path& path) {
-    if (!fs::exists(path)) fail("{}: no such file", path.string());
-    return with_errors(path, [&] {
+    return reading_painting(path, [&] {
         const Imf::MultiPartInputFile file(path.c_str());
         std::vector<PartInfo> parts;
         for (int part = 0; part < file.parts(); ++part)
@@ -65,7 +49,7 @@ std::vector<PartInfo> painting_parts(const fs::path& path) {
 void read_painting_part(const fs::path& path, const PartInfo& info,
                         const std::function<void(int, int, std::span<const float* const>)>& take,
                         const Progress& progress) {
-    with_errors(path, [&] {
+    reading_painting(path, [&] {
         Imf::MultiPartInputFile file(path.c_str(), thread_count());
         int number = 0;
         while (number < file.parts() &&

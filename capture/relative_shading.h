@@ -1,0 +1,34 @@
+// relative_shading.h: what lamps make of a nearly flat object beside its own brightness, and the two factors
+// of it.
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "surface/image.h"
+#include "surface/progress.h"
+
+namespace tangi {
+
+// value / (albedo * level of the photograph * what varies slowly over it) - 1: one column a photograph, one
+// row a pixel; weight 0 where it is not known.
+struct RelativeShading {
+    int width = 0, height = 0;
+    Eigen::MatrixXd value, weight;
+    Eigen::VectorXd log_level;  // of the photographs
+    Eigen::MatrixXd
+        falloff;  // [photos x 2] how ln of the light grows to the right and upwards, a picture width
+};
+
+// value ~ left right^T, both of two columns, robustly: least squares for one side and the other in turn.
+struct ShadingFactors {
+    Eigen::MatrixXd left, right;  // [pixels x 2], [photos x 2]
+    double residual = 0, explained = 0;
+};
+
+// Pictures in linear light, of one size; `clipped` is the value from which on they are.
+RelativeShading shading_of(const std::vector<Image<float>>& pictures, float clipped);
+
+ShadingFactors factored(const RelativeShading& shading, const Progress& progress = {});
+
+}  // namespace tangi
