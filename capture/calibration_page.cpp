@@ -8,6 +8,7 @@
 
 #include "capture/html_text.h"
 #include "capture/lights_file.h"
+#include "capture/page_parts.h"
 #include "surface/atomic_file.h"
 #include "surface/error.h"
 #include "surface/median.h"
@@ -20,59 +21,11 @@ using glm::dvec3;
 
 namespace {
 
-constexpr const char* kStyle =
-    R"(:root{color-scheme:light dark;--paper:#f6f5f2;--card:#fff;--ink:#22211f;--soft:#65625c;
---line:#dcd9d2;--accent:#0b6b6b;--ring:#c2410c}@media(prefers-color-scheme:dark){:root{--paper:#191918;--card:#232322;
---ink:#eceae5;--soft:#a5a29a;--line:#3a3936;--accent:#6fc7c3;--ring:#fb923c}}*{box-sizing:border-box}body{margin:0;
-background:var(--paper);color:var(--ink);font:15px/1.5 system-ui,"Segoe UI",Roboto,sans-serif}main{max-width:1180px;
-margin:0 auto;padding:28px}h1{font-size:26px;margin:0 0 4px}h2{font-size:18px;margin:32px 0 10px}.soft{color:var(--soft)}
-.row{display:flex;flex-wrap:wrap;gap:18px}.card{background:var(--card);border:1px solid var(--line);border-radius:10px;
-padding:16px}figure{margin:0}figcaption{font-size:13px;color:var(--soft);max-width:360px}.notes{border-left:3px solid
-var(--ring);padding:2px 0 2px 30px}.notes li{margin:2px 0}.wide{overflow-x:auto}table{border-collapse:collapse;
-font-variant-numeric:tabular-nums}th,td{text-align:right;padding:4px 12px;border-bottom:1px solid var(--line);white-space:nowrap}
-th:first-child,td:first-child{text-align:left}td.why{text-align:left;white-space:normal;color:var(--ring)}th{font-size:13px;
-color:var(--soft);font-weight:600}svg text{fill:var(--ink);font-size:11px})";
-
-std::string base64(const std::string& bytes) {
-    constexpr const char* digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    std::string text;
-    for (std::size_t i = 0; i < bytes.size(); i += 3) {
-        unsigned value = 0;
-        for (std::size_t k = 0; k < 3; ++k)
-            value = value << 8 | (i + k < bytes.size() ? static_cast<unsigned char>(bytes[i + k]) : 0u);
-        for (std::size_t k = 0; k < 4; ++k)
-            text += k > bytes.size() - i ? '=' : digits[value >> (18 - 6 * k) & 63];
-    }
-    return text;
-}
-
-// The lights as seen from the camera: the middle is straight above the painting, the rim its plane.
-std::string hemisphere(const BallCalibration& c) {
-    constexpr double middle = 190, radius = 165;
-    std::string svg =
-        "<svg width=\"380\" height=\"380\" viewBox=\"0 0 380 380\" role=\"img\" aria-label=\"directions of "
-        "the lights\">";
-    for (const int elevation : {0, 30, 60}) {
-        const double r = radius * std::cos(elevation * std::numbers::pi / 180);
-        svg += fmt::format(
-            "<circle cx=\"{0}\" cy=\"{0}\" r=\"{1:.1f}\" fill=\"none\" stroke=\"var(--line)\"/>"
-            "<text x=\"{0}\" y=\"{2:.1f}\" text-anchor=\"middle\" opacity=\".6\">{3}°</text>",
-            middle, r, middle + r + 12, elevation);
-    }
-    for (std::size_t i = 0; i < c.lights.size(); ++i) {
-        const CalibratedLight& light = c.lights[i];
-        if (!light.direction) continue;
-        const double x = middle + radius * light.direction->x, y = middle - radius * light.direction->y;
-        const double error = std::max(1.0, radius * light.direction_sigma_deg * std::numbers::pi / 180);
-        svg += fmt::format(
-            "<circle cx=\"{0:.1f}\" cy=\"{1:.1f}\" r=\"{2:.1f}\" fill=\"var(--accent)\" opacity=\".25\"/>"
-            "<circle cx=\"{0:.1f}\" cy=\"{1:.1f}\" r=\"2.5\" fill=\"var(--accent)\"><title>{3}: elevation "
-            "{4:.1f}°, "
-            "± {5:.2f}°</title></circle><text x=\"{6:.1f}\" y=\"{7:.1f}\">{8}</text>",
-            x, y, error, escaped(light.name), std::asin(light.direction->z) * 180 / std::numbers::pi,
-            light.direction_sigma_deg, x + 5, y - 4, i + 1);
-    }
-    return svg + "</svg>";
+std::vector<HemisphereLight> shown(const BallCalibration& c) {
+    std::vector<HemisphereLight> lights;
+    for (const CalibratedLight& light : c.lights)
+        lights.push_back({light.name, light.direction, light.direction_sigma_deg, {}});
+    return lights;
 }
 
 // A ball with the outline and the highlights that were found, numbered as in the table.
@@ -129,12 +82,6 @@ std::map<std::string, double> strengths_of(const std::optional<ColourCalibration
     const double middle = median(all);
     for (auto& [name, strength] : strengths) strength /= middle;
     return strengths;
-}
-
-std::string with_error(double value, double sigma) {
-    // As many digits as the error has two of.
-    const int digits = sigma > 0 ? std::clamp(1 - static_cast<int>(std::floor(std::log10(sigma))), 0, 9) : 4;
-    return fmt::format("{:.{}f} ± {:.{}f}", value, digits, sigma, digits);
 }
 
 std::string direction_cells(const CalibratedLight& light, bool positions) {
@@ -268,17 +215,14 @@ std::string calibration_page(const Calibration& calibration, const std::vector<s
     const BallCalibration& c = calibration.lights;
     const std::optional<ColourCalibration>& colours = calibration.colours;
     TP_REQUIRE(ball_urls.size() == c.balls.size(), "each ball has a picture");
-    std::string html = fmt::format(
-        "<!doctype html><html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" "
-        "content=\"width=device-width, initial-scale=1\"><title>Calibration</title><style>{}</style>"
-        "</head><body><main><h1>Calibration</h1><p class=\"soft\">{} · camera: {}{}</p>",
-        kStyle,
-        c.balls.empty() ? fmt::format("{} photographs, no lights", c.lights.size())
-                        : fmt::format("Lights of {} of {} photographs, from {}", c.calibrated(),
-                                      c.lights.size(), c.method),
-        c.camera.focal_px ? fmt::format("focal length {:.0f} px", *c.camera.focal_px)
-                          : "taken to be far away",
-        c.drifts.moved ? fmt::format(" · it moved by {:.2f} px rms", c.drifts.rms_px) : "");
+    std::string html = page_head("Calibration");
+    html += fmt::format("<p class=\"soft\">{} · camera: {}{}</p>",
+                        c.balls.empty() ? fmt::format("{} photographs, no lights", c.lights.size())
+                                        : fmt::format("Lights of {} of {} photographs, from {}",
+                                                      c.calibrated(), c.lights.size(), c.method),
+                        c.camera.focal_px ? fmt::format("focal length {:.0f} px", *c.camera.focal_px)
+                                          : "taken to be far away",
+                        c.drifts.moved ? fmt::format(" · it moved by {:.2f} px rms", c.drifts.rms_px) : "");
     if (c.residual_sigma > 0)
         html += fmt::format(
             "<p class=\"soft\">Highlights lie {:.3f} px (rms) from where the lamps should show, {:.1f} times "
@@ -293,7 +237,7 @@ std::string calibration_page(const Calibration& calibration, const std::vector<s
     }
     if (!c.balls.empty()) {
         html +=
-            "<h2>Lights and balls</h2><div class=\"row\"><figure class=\"card\">" + hemisphere(c) +
+            "<h2>Lights and balls</h2><div class=\"row\"><figure class=\"card\">" + hemisphere(shown(c)) +
             "<figcaption>Directions as the camera sees them: the middle is straight above, the rim is the "
             "painting's plane; circles are standard errors. Numbers as in the table.</figcaption></figure>";
         for (std::size_t i = 0; i < c.balls.size(); ++i) html += ball_figure(c, i, ball_urls[i]);
@@ -314,12 +258,6 @@ std::string calibration_page(const Calibration& calibration, const std::vector<s
         html +=
             "<p class=\"soft\">Drift is from the first photograph; roll is around the picture's centre.</p>";
     return html + table(calibration) + "</main></body></html>\n";
-}
-
-std::string picture_url(const Image<Rgb>& picture, const std::filesystem::path& scratch) {
-    const AtomicFile file(scratch.parent_path() / "capture-picture.jpg");  // never committed: it vanishes
-    write_picture_8bit(file.temporary(), picture);
-    return "data:image/jpeg;base64," + base64(read_text_file(file.temporary()));
 }
 
 nlohmann::json to_json(const Calibration& calibration) {

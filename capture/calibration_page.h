@@ -36,10 +36,6 @@ CalibrationFiles write_calibration(const std::filesystem::path& out, const Calib
 // The whole capture.json: see docs/capture.md.
 nlohmann::json to_json(const Calibration& calibration);
 
-// A picture, 0..1, as the page takes it: data:image/jpeg. `scratch` is beside which file it may be written
-// for a moment.
-std::string picture_url(const Image<Rgb>& picture, const std::filesystem::path& scratch);
-
 // Each ball under all lights at once (the brightest of all photographs), lightened, for the page.
 Image<Rgb> ball_picture(const FoundBall& ball);
 

@@ -19,6 +19,7 @@ namespace {
 
 constexpr int kIterations = 12;
 constexpr double kRobust = 2;      // [robust sigma] of Cauchy's weights
+constexpr double kTame = 3;        // [robust sigma] of the values that the factors start from
 constexpr double kDarkest = 0.02;  // [1] of a pixel's median: a cast shadow
 
 double scale_of(const VectorXd& residual, const VectorXd& weight) {
@@ -113,8 +114,13 @@ RelativeShading shading_of(const std::vector<Image<float>>& pictures, float clip
 
 ShadingFactors factored(const RelativeShading& s, const Progress& progress) {
     ShadingFactors f;
-    const MatrixXd squares = s.value.transpose() * s.value;
-    const Eigen::SelfAdjointEigenSolver<MatrixXd> start(squares);
+    // Highlights and shadows are an order stronger than relief: untamed, they would be the factors.
+    MatrixXd tame = s.value;
+    for (Index j = 0; j < tame.cols(); ++j) {
+        const double most = kTame * scale_of(s.value.col(j), s.weight.col(j));
+        tame.col(j) = tame.col(j).cwiseMax(-most).cwiseMin(most);
+    }
+    const Eigen::SelfAdjointEigenSolver<MatrixXd> start(MatrixXd(tame.transpose() * tame));
     f.right = start.eigenvectors().rightCols(2) * std::sqrt(static_cast<double>(s.value.cols()));
     f.left = MatrixXd::Zero(s.value.rows(), 2);
     MatrixXd weight = s.weight;

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "capture/calibration_page.h"
 #include "capture/grey_photos.h"
+#include "capture/page_parts.h"
 #include "capture/photo_metadata.h"
 #include "capture/survey.h"
 #include "capture/transfer_metadata.h"

@@ -2,6 +2,7 @@
 #include "capture/develop_stack.h"
 #include "cli/arguments.h"
 #include "cli/command_list.h"
+#include "fit/fit_page.h"
 #include "fit/fit_painting.h"
 #include "surface/error.h"
 #include "surface/painting_file.h"
@@ -13,7 +14,7 @@ namespace {
 
 struct FitArguments {
     PhotosArguments photos;
-    std::string out;
+    std::string out, report;
     FitOptions options;
 };
 
@@ -111,7 +112,11 @@ void refuse_to_overwrite_photographs(const FitArguments& arguments, const Stack&
 nlohmann::json run_fit(const FitArguments& arguments) {
     const Progress progress = console_progress();
     if (lower_extension(arguments.out) != ".exr") fail("--out {}: a painting is an .exr file", arguments.out);
+    if (!arguments.report.empty() && lower_extension(arguments.report) != ".html")
+        throw UsageError(fmt::format("--report {}: a page is an .html file", arguments.report));
     AtomicFile file(arguments.out);  // before the work: an output that can't be written is known now
+    std::optional<AtomicFile> page;
+    if (!arguments.report.empty()) page.emplace(arguments.report);
     Stack stack = arguments.photos.open();
     refuse_to_overwrite_photographs(arguments, stack);
     const DevelopReport development = develop_stack(stack, {}, progress);
@@ -129,6 +134,11 @@ nlohmann::json run_fit(const FitArguments& arguments) {
                         "light directions are off by about as much",
                         fit.report.support_tilt_deg));
     write_painting(file, fit.surface, progress);
+    if (page) {
+        fit.report.warnings = warnings;
+        page->write(fit_page(fit, std::filesystem::path(arguments.out).filename().string(), page->target()));
+        page->commit();
+    }
     nlohmann::json result = result_of(fit, arguments.out);
     result["development"] = to_json(development);
     result["warnings"] = told(warnings);
@@ -143,6 +153,8 @@ Command fit_command() {
                 auto arguments = std::make_shared<FitArguments>();
                 arguments->photos.add_to(flags, true);
                 flags.option("--out", arguments->out, "the painting file to write (.exr)").required();
+                flags.option("--report", arguments->report,
+                             "also write a page on how the photographs were understood (.html)");
                 flags.fields(arguments->options);
                 flags.fields(arguments->options.calibration);
                 flags.fields(arguments->options.ward);

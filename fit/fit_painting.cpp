@@ -204,6 +204,8 @@ FitResult fit_painting(Stack stack, const FitOptions& options, const Progress& p
     if (std::string warning = warning_of(report_.lights, stack.folder.string()); !warning.empty())
         stack.warnings.push_back(std::move(warning));
     describe_lights(stack, report_.lights, surface.photography);
+    report_.misfit =
+        light_misfit(stack, surveyed, transfer, noise, lighting, surface.mm_per_pixel, options.ward);
     StackReader reader(stack);
     const int rows = reader.rows_for(kBandBytes);
     Counters counters;

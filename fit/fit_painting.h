@@ -10,6 +10,7 @@
 #include "fit/chart_colours.h"
 #include "fit/height.h"
 #include "fit/light_calibration.h"
+#include "fit/light_misfit.h"
 #include "fit/ward_fit.h"
 #include "surface/surface.h"
 
@@ -46,6 +47,7 @@ struct FitReport {
     Registration registration;  // how far the camera moved; empty where not asked for
     TransferEstimate transfer;  // how the photographs were linearised, and how that is known
     LightCalibration lights;    // what strengths and distances were found, and whether that helped
+    LightMisfit misfit;         // of a sample, after the lights were calibrated
     ColourReport colour;
     long pixels = 0;                 // of the picture
     long fitted = 0;                 // with a valid estimate

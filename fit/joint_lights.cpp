@@ -90,25 +90,61 @@ public:
         return summary.IsSolutionUsable();
     }
 
-    // [deg] of each direction, in rms of its two components; empty where the problem leaves them open.
-    std::vector<double> direction_sigma_deg() {
+    JointLights::Errors errors() {
         robust_->Reset(new ceres::CauchyLoss(kRobustScale), ceres::TAKE_OWNERSHIP);
+        // Only ratios of gains are known, and where all are far from the trend nothing else holds the whole.
+        if (freedom_.gains) problem_.SetParameterBlockConstant(log_gain(0));
         std::vector<std::pair<const double*, const double*>> wanted;
-        for (std::size_t i = 0; i < photos_; ++i) wanted.emplace_back(turn(i), turn(i));
+        const bool directed = freedom_.directions != DirectionFreedom::listed;
+        for (std::size_t i = 0; i < photos_; ++i) {
+            if (directed) wanted.emplace_back(turn(i), turn(i));
+            for (std::size_t j = i; freedom_.gains && j < photos_; ++j)
+                wanted.emplace_back(log_gain(i), log_gain(j));
+        }
+        if (freedom_.rig) wanted.emplace_back(rig(), rig());
         ceres::Covariance::Options options;
         options.num_threads = 1;
         ceres::Covariance covariance(options);
-        if (!covariance.Compute(wanted, &problem_)) return {};
-        std::vector<double> sigmas;
-        for (std::size_t i = 0; i < photos_; ++i) {
+        JointLights::Errors errors;
+        if (wanted.empty() || !covariance.Compute(wanted, &problem_)) return errors;
+        const auto sigma = [](double variance) { return std::sqrt(std::max(kDependent * variance, 0.0)); };
+        for (std::size_t i = 0; directed && i < photos_; ++i) {
             std::array<double, kTurn * kTurn> c{};
             covariance.GetCovarianceBlock(turn(i), turn(i), c.data());
-            sigmas.push_back(std::sqrt(kDependent * (c[0] + c[3]) / 2) * 180 / std::numbers::pi);
+            errors.direction_deg.push_back(sigma((c[0] + c[3]) / 2) * 180 / std::numbers::pi);
         }
-        return sigmas;
+        if (freedom_.gains) errors.log_gains = gain_errors(covariance, sigma);
+        if (freedom_.rig) {
+            std::array<double, kRig * kRig> c{};
+            covariance.GetCovarianceBlock(rig(), rig(), c.data());
+            errors.rig = {sigma(c[0]), sigma(c[5]), sigma(c[10]), sigma(c[15])};
+        }
+        return errors;
     }
 
 private:
+    template <class Sigma>
+    std::vector<double> gain_errors(const ceres::Covariance& covariance, const Sigma& sigma) {
+        std::vector<double> c(photos_ * photos_), row_means(photos_);
+        double mean = 0;
+        const auto n = static_cast<double>(photos_);
+        for (std::size_t i = 0; i < photos_; ++i)
+            for (std::size_t j = i; j < photos_; ++j) {
+                double value = 0;
+                covariance.GetCovarianceBlock(log_gain(i), log_gain(j), &value);
+                c[i * photos_ + j] = c[j * photos_ + i] = value;
+            }
+        for (std::size_t i = 0; i < photos_; ++i)
+            for (std::size_t j = 0; j < photos_; ++j) {
+                row_means[i] += c[i * photos_ + j] / n;
+                mean += c[i * photos_ + j] / (n * n);
+            }
+        std::vector<double> errors;
+        for (std::size_t i = 0; i < photos_; ++i)
+            errors.push_back(sigma(c[i * photos_ + i] - 2 * row_means[i] + mean));
+        return errors;
+    }
+
     void add_observations(const JointLights& joint) {
         for (const JointLights::Observation& o : joint.observations) {
             const auto at = static_cast<std::size_t>(o.pixel), photo = static_cast<std::size_t>(o.photo);
@@ -135,8 +171,8 @@ private:
     }
 
     void add_gains(const JointLights& joint) {
-        // A lamp far from the trend must not be drawn to it at all: with Cauchy's loss, which never lets go, a
-        // weak lamp at 15 degrees came out 4 % too strong.
+        // A lamp far from the trend must not be drawn to it at all: with Cauchy's loss, which never lets go,
+        // a weak lamp at 15 degrees came out 4 % too strong.
         auto* outlying = new ceres::TukeyLoss(kBiweight * prior_weight_);
         for (std::size_t i = 0; i < photos_; ++i) {
             problem_.AddResidualBlock(
@@ -233,9 +269,8 @@ bool JointLights::solve(const JointFreedom& freedom, JointStart start) {
     return true;
 }
 
-std::vector<double> JointLights::direction_sigma_deg(const JointFreedom& freedom) const {
-    if (freedom.directions == DirectionFreedom::listed) return {};
-    return Blocks(*this, freedom).direction_sigma_deg();
+JointLights::Errors JointLights::errors(const JointFreedom& freedom) const {
+    return Blocks(*this, freedom).errors();
 }
 
 }  // namespace tangi

@@ -4,6 +4,7 @@
 
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
+#include <optional>
 #include <vector>
 
 #include "fit/direction_field.h"
@@ -69,9 +70,14 @@ struct JointLights {
     // Minimises. False where Ceres fails.
     bool solve(const JointFreedom& freedom, JointStart start);
 
-    // [deg] Standard error of each direction of a solved problem, across it, in rms of its two components;
-    // empty where it can't be told.
-    std::vector<double> direction_sigma_deg(const JointFreedom& freedom) const;
+    // Standard errors (68 %) of what a solved problem moved; empty what it did not, and all where the
+    // photographs leave something open.
+    struct Errors {
+        std::vector<double> log_gains;       // [1] of each, less the mean of all
+        std::vector<double> direction_deg;   // of each, across it, in rms of its two components
+        std::optional<RigParameters> rig{};  // 0: stays as given, or is at a bound
+    };
+    Errors errors(const JointFreedom& freedom) const;
 };
 
 }  // namespace tangi

@@ -26,6 +26,10 @@ constexpr double kSureTurns = 3;
 // what the model leaves out, and lamps that no photograph had don't share them (real/canvas lost 3.7 dB at
 // 0.1).
 constexpr double kOwnWorth_db = 1.5;
+constexpr double kGainsWorth_db = 0.75;  // [dB] likewise by strengths of their own: one unknown a lamp
+// Fewer photographs don't tell a lamp's direction from what the model leaves out: of 16 lamps whose
+// directions were right, some were "corrected" by 5 degrees.
+constexpr std::size_t kFewestForDirections = 24;
 constexpr double kFar = 0.01;  // [1/width] nearness from which on a distance says something
 
 double mean(const std::vector<double>& values) {
@@ -191,14 +195,16 @@ Gain gain(const std::vector<double>& a, const std::vector<double>& b) {
 }
 
 // Whether `a` explains photographs better than `b` for sure: predicts those left out better; or, where each
-// lamp has a direction of its own, which those left out don't share in, explains them better once they are
-// given theirs, and predicts them no worse.
+// lamp has a strength or a direction of its own, which those left out don't share in, explains them better
+// once they are given theirs, and predicts them no worse.
 bool is_better(const LightCalibration::Trial& a, const LightCalibration::Trial& b, double worth_db) {
     const Gain predicted = gain(a.photos_db, b.photos_db);
     if (predicted.median_db - predicted.sigma_db > worth_db) return true;
-    if (a.model.directions != DirectionFreedom::own) return false;
+    const bool directions = a.model.directions == DirectionFreedom::own;
+    const bool gains = a.model.lamps == LightFreedom::rig_and_gains && b.model.lamps != a.model.lamps;
+    if (!directions && !gains) return false;
     const Gain located = gain(a.located_db, b.located_db);
-    return located.median_db - located.sigma_db > kOwnWorth_db &&
+    return located.median_db - located.sigma_db > (directions ? kOwnWorth_db : kGainsWorth_db) &&
            predicted.median_db > -std::min(predicted.sigma_db, worth_db);
 }
 
@@ -211,6 +217,19 @@ double turns_in_sigmas(const LightCalibration& calibration) {
         ++count;
     }
     return count > 0 ? std::sqrt(squares / count) : 0;
+}
+
+void add_errors(const JointLights& solution, LightCalibration& c) {
+    const JointLights::Errors errors = solution.errors(freedom_of(c.model));
+    for (std::size_t i = 0; i < errors.direction_deg.size(); ++i)
+        c.turns[i].sigma_deg = errors.direction_deg[i];
+    c.gain_sigma = errors.log_gains;
+    if (!errors.rig) return;
+    const auto relative = [](double sigma, double nearness) {
+        return nearness > kFar ? sigma / nearness : 0;
+    };
+    c.rig_sigma = {errors.rig->ambient, relative(errors.rig->lamp_nearness, solution.rig.lamp_nearness),
+                   relative(errors.rig->camera_nearness, solution.rig.camera_nearness)};
 }
 
 std::vector<int> all_of(const Stack& stack) {
@@ -253,7 +272,13 @@ nlohmann::json to_json(const LightCalibration& calibration) {
     using nlohmann::json;
     const Rig& rig = calibration.lighting.rig;
     const auto distance = [](const std::optional<float>& mm) { return mm ? json(*mm) : json(nullptr); };
-    json trials = json::object(), gains = json::object(), turns = json::object();
+    json trials = json::object(), gains = json::object(), turns = json::object(), sigmas = json::object();
+    for (std::size_t i = 0; i < calibration.gain_sigma.size(); ++i)
+        sigmas[calibration.lighting.lights[i].name] = calibration.gain_sigma[i];
+    // A relative error of a distance, in mm.
+    const auto error = [](const std::optional<float>& mm, double relative) {
+        return mm && relative > 0 ? json(*mm * relative) : json(nullptr);
+    };
     for (const LightCalibration::Trial& trial : calibration.trials)
         trials[name_of(trial.model)] = trial.left_out_db;
     if (calibration.lamps)
@@ -267,6 +292,12 @@ nlohmann::json to_json(const LightCalibration& calibration) {
             {"lamp_distance_mm", distance(rig.lamp_distance_mm)},
             {"camera_distance_mm", distance(rig.camera_distance_mm)},
             {"bend_per_mm", rig.bend_per_mm},
+            {"sigma",
+             {{"ambient",
+               calibration.rig_sigma.ambient > 0 ? json(calibration.rig_sigma.ambient) : json(nullptr)},
+              {"lamp_distance_mm", error(rig.lamp_distance_mm, calibration.rig_sigma.lamp_distance)},
+              {"camera_distance_mm", error(rig.camera_distance_mm, calibration.rig_sigma.camera_distance)},
+              {"gains", sigmas}}},
             {"gains", gains},
             {"directions", turns}};
 }
@@ -300,12 +331,12 @@ LightCalibration calibrate_lights(const Stack& stack, const Survey& survey, cons
     attempt({{LightFreedom::none}, {LightFreedom::rig}, {LightFreedom::rig_and_gains}});
     const std::size_t listed = best;
     const LightFreedom lamps = all[best].trial.model.lamps;
-    attempt({{lamps, DirectionFreedom::smooth}, {lamps, DirectionFreedom::own}});
+    if (stack.photos.size() >= kFewestForDirections)
+        attempt({{lamps, DirectionFreedom::smooth}, {lamps, DirectionFreedom::own}});
     const auto calibrated = [&](const Tried& one) {
         if (!one.solution) return LightCalibration{.lighting = given};
         LightCalibration c = calibration_of(sample, *one.solution, given, one.trial.model);
-        const std::vector<double> sigmas = one.solution->direction_sigma_deg(freedom_of(c.model));
-        for (std::size_t i = 0; i < sigmas.size(); ++i) c.turns[i].sigma_deg = sigmas[i];
+        add_errors(*one.solution, c);
         return c;
     };
     LightCalibration result = calibrated(all[best]);

@@ -81,6 +81,12 @@ struct LightCalibration {
         double sigma_deg = 0;    // standard error of the direction; 0 where it can't be told
     };
     std::vector<Turn> turns{};
+    // Standard errors (68 %), empty and 0 where nothing was found or it can't be told.
+    std::vector<double> gain_sigma{};  // [1] relative, of lighting.lights, less what all have in common
+    struct RigSigma {
+        double ambient = 0;                             // [1]
+        double lamp_distance = 0, camera_distance = 0;  // [1] relative
+    } rig_sigma{};
     DirectionField field{};              // what turns a direction that no photograph had ...
     std::vector<double> coefficients{};  // ... by these
     std::vector<Trial> trials{};         // empty where there were too few photographs to try

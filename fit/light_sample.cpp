@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "surface/parallel.h"
 
@@ -52,6 +53,7 @@ LightSample::LightSample(const Stack& stack, const Survey& survey, const Transfe
             survey.positions[static_cast<std::size_t>(k)].x - (stack.width() - 1) / 2.0,
             (stack.height() - 1) / 2.0 - survey.positions[static_cast<std::size_t>(k)].y);
         points_mm_.emplace_back(Vec3(centred * mm_per_pixel, 0));
+        places_px_.emplace_back(survey.positions[static_cast<std::size_t>(k)]);
     }
 }
 
@@ -108,6 +110,29 @@ double LightSample::psnr_db(const std::vector<WardEstimate>& estimates, int phot
     }
     if (count == 0 || squares <= 0) return kBestDb;
     return std::min(-10 * std::log10(squares / static_cast<double>(count)), kBestDb);
+}
+
+std::vector<float> LightSample::log_ratios(const std::vector<WardEstimate>& estimates, int photo,
+                                           const Lighting& lighting) const {
+    constexpr double kDark = 0.02;  // [1] of the white level: noise, and shadows
+    std::vector<float> ratios;
+    PixelSamples s;
+    for (int k = 0; k < size(); ++k) {
+        ratios.push_back(std::numeric_limits<float>::quiet_NaN());
+        const WardEstimate& e = estimates[static_cast<std::size_t>(k)];
+        const int channel = survey_.channels / 2;
+        const float stored = this->stored(k, photo)[channel];
+        if (!e.valid || std::isnan(stored)) continue;
+        illuminate(lighting, point_mm(k), survey_.channels, s);
+        const double theta[kWardCommon] = {e.slope.x, e.slope.y, std::log(e.roughness), e.specular};
+        const WardTerms t = ward_terms(theta, s.light[0], s.view);
+        const double predicted = s.irradiance[static_cast<std::size_t>(channel)] *
+                                 (e.diffuse[channel] * (t.n_l + s.ambient[0]) + e.specular * t.lobe);
+        const double measured = transfer_.decode(stored), dark = kDark * lighting.white_level;
+        if (measured >= noise_.clipped() || measured < dark || predicted < dark) continue;
+        ratios.back() = static_cast<float>(std::log(measured / predicted));
+    }
+    return ratios;
 }
 
 void LightSample::add_pixel(int k, const WardEstimate& e, const std::vector<int>& photos,

@@ -28,6 +28,14 @@ public:
     double psnr_db(const std::vector<WardEstimate>& estimates, int photo, const Lighting& lighting,
                    int from = 0, int step = 1) const;
 
+    // [1] ln(measured / predicted) of each pixel's green, or grey, in one photograph, under this light; NaN
+    // where the photograph is clipped, dark or not there, or the pixel is not measurable.
+    std::vector<float> log_ratios(const std::vector<WardEstimate>& estimates, int photo,
+                                  const Lighting& lighting) const;
+
+    // [pixels] of the picture, where pixel k is
+    glm::vec2 place_px(int k) const { return places_px_[static_cast<std::size_t>(k)]; }
+
     // The light of one photograph as its even pixels show it, the pixels being what they are; moves what the
     // freedom says of gain and direction.
     Lighting located(const std::vector<WardEstimate>& estimates, int photo, const Lighting& lighting,
@@ -58,6 +66,7 @@ private:
     double width_mm_ = 1;
     std::vector<int> chosen_;  // of the survey's samples
     std::vector<Vec3> points_mm_;
+    std::vector<glm::vec2> places_px_;
 };
 
 }  // namespace tangi

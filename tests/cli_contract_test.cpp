@@ -174,6 +174,18 @@ TEST(CliContract, PoorNumbersEndWith3AndSayWhich) {
     EXPECT_TRUE(std::filesystem::exists(stack.out("c") + "/compare.html"));
 }
 
+TEST(CliContract, AFitsPageIsWrittenWhereAskedFor) {
+    const TinyStack stack;
+    ASSERT_TRUE(
+        ended(tangipaint({"fit", stack.path(), "--out", stack.out("a.exr"), "--report", stack.out("a.txt")}),
+              2, {"--report", "a.txt: a page is an .html file"}));
+    EXPECT_FALSE(std::filesystem::exists(stack.out("a.exr")));
+    ASSERT_TRUE(
+        ended(tangipaint({"fit", stack.path(), "--out", stack.out("a.exr"), "--report", stack.out("a.html")}),
+              0, {}));
+    EXPECT_THAT(bytes_of(stack.out("a.html")), HasSubstr("<title>a.exr</title>"));
+}
+
 TEST(CliContract, StdoutThatTakesNothingIsAnError) {
     const TinyStack stack;
     Conditions full;

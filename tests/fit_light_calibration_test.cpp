@@ -41,7 +41,8 @@ struct Scene {
 };
 
 struct GainErrors {
-    double mean = 0, worst = 0;
+    double mean = 0, worst = 0;  // relative
+    double rms_in_sigmas = 0;    // of the errors, in units of what is stated
 };
 GainErrors gain_errors(const LightCalibration& found, const Photography& truth) {
     std::vector<double> ratios;
@@ -51,11 +52,14 @@ GainErrors gain_errors(const LightCalibration& found, const Photography& truth) 
     EXPECT_EQ(ratios.size(), found.lighting.lights.size());
     const double scale = median(ratios);
     GainErrors errors;
-    for (const double ratio : ratios) {
-        const double error = std::abs(ratio / scale - 1);
+    EXPECT_EQ(found.gain_sigma.size(), ratios.size());
+    for (std::size_t i = 0; i < ratios.size(); ++i) {
+        const double error = std::abs(ratios[i] / scale - 1);
         errors.mean += error / static_cast<double>(ratios.size());
         errors.worst = std::max(errors.worst, error);
+        errors.rms_in_sigmas += std::pow(error / found.gain_sigma[i], 2) / static_cast<double>(ratios.size());
     }
+    errors.rms_in_sigmas = std::sqrt(errors.rms_in_sigmas);
     return errors;
 }
 
@@ -67,8 +71,11 @@ TEST(LightCalibration, FindsStrengthAndDistanceOfNearLampsThatDifferSevenfold) {
         const GainErrors errors = gain_errors(found, scene.truth);
         const double distance = found.lighting.rig.lamp_distance_mm.value_or(0) / scene.width_mm();
         std::cout << fmt::format(
-            "{}: gains off by {:.2f} % on average, {:.2f} % at most; distance {:.3f} widths\n",
-            name_of(reflectance), 100 * errors.mean, 100 * errors.worst, distance);
+            "{}: gains off by {:.2f} % on average, {:.2f} % at most, {:.2f} of the stated errors; distance "
+            "{:.3f} "
+            "widths ± {:.3f}\n",
+            name_of(reflectance), 100 * errors.mean, 100 * errors.worst, errors.rms_in_sigmas, distance,
+            distance * found.rig_sigma.lamp_distance);
         EXPECT_EQ(found.model.lamps, LightFreedom::rig_and_gains);
         EXPECT_LE(errors.mean, 0.012);
         EXPECT_LE(errors.worst, 0.03);
