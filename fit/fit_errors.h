@@ -2,6 +2,7 @@
 #pragma once
 
 #include "surface/image.h"
+#include "surface/painting_parts.h"
 
 namespace tangi {
 
@@ -18,5 +19,12 @@ struct FitErrors {
     FitErrors(int width, int height)
         : slope(width, height), diffuse(width, height), specular(width, height), roughness(width, height) {}
 };
+
+// The part `errors` of a painting file: channels diffuse, roughness, slope, specular. Refers to `errors`,
+// which must live until it is written.
+PartToWrite part_of(const FitErrors& errors);
+
+// Throws Error: no such part, or other channels in it.
+FitErrors read_errors(const std::filesystem::path& painting, const Progress& progress = {});
 
 }  // namespace tangi

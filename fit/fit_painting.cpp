@@ -10,6 +10,7 @@
 #include "capture/survey.h"
 #include "capture/transfer_metadata.h"
 #include "fit/lobe_prior.h"
+#include "fit/shot_order.h"
 #include "surface/error.h"
 #include "surface/median.h"
 #include "surface/parallel.h"
@@ -201,11 +202,20 @@ void describe_lights(const Stack& stack, const LightCalibration& calibration, Ph
     for (std::size_t i = 0; i < stack.photos.size(); ++i)
         add(calibration.lighting.lights[i], true, stack.photos[i]);
     const Photography fitted = photography;
+    const std::vector<Light>& lights = calibration.lighting.lights;  // in the order of their paths
+    const ShotOrder order = photography.lamps ? fit_shot_order(*photography.lamps, lights) : ShotOrder{};
     for (const StackPhoto& photo : stack.held_out) {
         Light light = photo.light;
         light.direction = corrected_direction(calibration, light.direction);
         if (light.position_mm) light.position_mm = light.direction * glm::length(*light.position_mm);
-        add(as_photographed(light, fitted), false, photo);
+        Light photographed = as_photographed(light, fitted);
+        if (photography.lamps) {
+            const auto before = std::count_if(stack.photos.begin(), stack.photos.end(),
+                                              [&](const StackPhoto& p) { return p.path < photo.path; });
+            photographed.gain = Rgb(static_cast<float>(predicted_gain(
+                order, *photography.lamps, lights, light.direction, static_cast<int>(before))));
+        }
+        add(photographed, false, photo);
     }
 }
 
@@ -293,7 +303,9 @@ FitResult fit_painting(Stack stack, const FitOptions& options, const Progress& p
     fit_bands(stack, transfer, lighting, noise, options, nullptr, result, progress);
     if (options.refine) {
         integrate_normals(surface.normal, surface.confidence, surface.mm_per_pixel, surface.height_mm,
-                          options.height, progress);
+                          options.height, Progress([&](std::string_view, double done) {
+                              return !progress || progress("first height", done);
+                          }));
         subtract(best_plane(surface.height_mm, surface.confidence), surface.height_mm);
         const FirstPass first = look_back(surface, result.errors, options.ward.prior);
         fit_bands(stack, transfer, lighting, noise, options, &first, result, progress);

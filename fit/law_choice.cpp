@@ -10,9 +10,9 @@ namespace {
 
 constexpr std::size_t kFewestPhotos = 12;
 constexpr int kFolds = 4;  // trials, each with every fourth photograph left out
-constexpr std::array kHazes = {0.3, 0.6};
+constexpr std::array kHazes = {0.3, 0.6, 0.85};
 constexpr std::array kRoughnesses = {0.15, 0.3, 0.5, 0.8};
-constexpr double kSure = 2;  // [sigma]
+constexpr double kSure = 1;  // [sigma]
 constexpr double kTrials = 1 + kHazes.size() + kRoughnesses.size();
 
 Lighting subset(const Lighting& lighting, const std::vector<int>& photos) {
@@ -79,7 +79,19 @@ LawChoice choose_law(const LightSample& sample, const Lighting& lighting, const 
     };
     search(&ReflectanceLaw::haze, kHazes);
     search(&ReflectanceLaw::diffuse_roughness, kRoughnesses);
+    report(progress, "reflectance", 1);
     return choice;
+}
+
+nlohmann::json to_json(const LawChoice& choice) {
+    nlohmann::json trials = nlohmann::json::array();
+    for (const LawChoice::Trial& trial : choice.trials)
+        trials.push_back({{"diffuse_roughness", trial.law.diffuse_roughness},
+                          {"haze", trial.law.haze},
+                          {"psnr_db", trial.left_out_db}});
+    return {{"diffuse_roughness", choice.law.diffuse_roughness},
+            {"haze", choice.law.haze},
+            {"left_out_db", trials}};
 }
 
 }  // namespace tangi

@@ -2,6 +2,7 @@
 // (surface/ward.h), decided by how well left-out photographs are predicted.
 #pragma once
 
+#include <nlohmann/json.hpp>
 #include <vector>
 
 #include "fit/light_sample.h"
@@ -19,8 +20,11 @@ struct LawChoice {
 };
 
 // `lighting` has one light for each photograph of the sample's stack. Haze and then diffuse roughness are
-// only believed where they predict photographs better by more than twice the standard error, else they are 0,
+// only believed where they predict photographs better by more than its standard error, else they are 0,
 // as they are with fewer than 12 photographs. Deterministic for any number of threads.
 LawChoice choose_law(const LightSample& sample, const Lighting& lighting, const Progress& progress = {});
+
+// {"diffuse_roughness", "haze", "left_out_db": [{"diffuse_roughness", "haze", "psnr_db"}, …]}
+nlohmann::json to_json(const LawChoice& choice);
 
 }  // namespace tangi

@@ -1,6 +1,7 @@
 #include "surface/painting_file.h"
 
 #include <ImfChannelList.h>
+#include <ImfDoubleAttribute.h>
 #include <ImfFloatAttribute.h>
 #include <ImfFrameBuffer.h>
 #include <ImfHeader.h>
@@ -118,7 +119,7 @@ Imf::Header header_of(const Surface& s) {
     header.insert("mm_per_pixel", Imf::FloatAttribute(static_cast<float>(s.mm_per_pixel)));
     for (const auto& [name, value] :
          {std::pair("diffuse_roughness", s.law.diffuse_roughness), {"haze", s.law.haze}})
-        if (value != 0) header.insert(name, Imf::FloatAttribute(static_cast<float>(value)));
+        if (value != 0) header.insert(name, Imf::DoubleAttribute(value));
     header.insert("scale_known", Imf::IntAttribute(s.scale_known ? 1 : 0));
     header.insert("photography", Imf::StringAttribute(utf8_of(to_json(s.photography))));
     header.insert("provenance", Imf::StringAttribute(s.provenance));
@@ -260,8 +261,8 @@ Surface read_dry_part(const fs::path& path, const Progress& progress) {
     s.mm_per_pixel = attribute<Imf::FloatAttribute>(header, "mm_per_pixel", 1.0f);
     if (!(s.mm_per_pixel > 0) || !std::isfinite(s.mm_per_pixel))
         fail("{}: mm_per_pixel = {} is not positive", path.string(), s.mm_per_pixel);
-    s.law.diffuse_roughness = attribute<Imf::FloatAttribute>(header, "diffuse_roughness", 0.0f);
-    s.law.haze = attribute<Imf::FloatAttribute>(header, "haze", 0.0f);
+    s.law.diffuse_roughness = attribute<Imf::DoubleAttribute>(header, "diffuse_roughness", 0.0);
+    s.law.haze = attribute<Imf::DoubleAttribute>(header, "haze", 0.0);
     for (const auto& [name, value] :
          {std::pair("diffuse_roughness", s.law.diffuse_roughness), {"haze", s.law.haze}})
         if (!(value >= 0 && value <= 1)) fail("{}: {} = {} is not from 0 to 1", path.string(), name, value);

@@ -93,7 +93,7 @@ TEST(FitPainting, LeavesOutWhatTheMaskLeavesOut) {
         for (int x = 10; x < 25; ++x) mask(x, y) = 0;
     write_map(small.folder / "mask.tif", mask, {.bits = 8});
     // The lamps are calibrated on other samples where a part is left out.
-    const FitOptions options{.lights_as_given = true};
+    const FitOptions options{.lights_as_given = true, .refine = false};
     const FitResult fit =
         fit_painting(small.open({.mask_file = small.folder / "mask.tif", .transfer = Transfer{}}), options);
     const FitResult whole = fit_painting(small.open(), options);
@@ -114,7 +114,8 @@ TEST(FitPainting, LeavesOutWhatTheMaskLeavesOut) {
 
 TEST(FitPainting, ACropIsTheCropOfTheWholeBitForBit) {
     const SmallStack small;
-    const FitOptions options{.lights_as_given = true};  // else they are calibrated on the crop's samples
+    // Else lamps are calibrated on the crop's samples, and pixels look at neighbours.
+    const FitOptions options{.lights_as_given = true, .refine = false};
     const FitResult whole = fit_painting(small.open(), options);
     const FitResult crop =
         fit_painting(small.open({.crop = Region{7, 3, 32, 29}, .transfer = Transfer{}}), options);
