@@ -88,6 +88,7 @@ nlohmann::json result_of(const FitResult& fit, const std::string& out) {
         {"colour", colour_of(fit)},
         {"registration", to_json(r.registration)},
         {"lights", to_json(r.lights)},
+        {"law", to_json(r.law)},
         {"pixels", {{"all", r.pixels}, {"fitted", r.fitted}, {"not_converged", r.not_converged}}},
         {"median_confidence", r.median_confidence},
         {"median_residual_sigma", r.median_rms_residual},
@@ -133,7 +134,8 @@ nlohmann::json run_fit(const FitArguments& arguments) {
                         "camera; if it did, the "
                         "light directions are off by about as much",
                         fit.report.support_tilt_deg));
-    write_painting(file, fit.surface, progress);
+    const PartToWrite errors = part_of(fit.errors);
+    write_painting(file, fit.surface, {&errors, 1}, progress);
     if (page) {
         fit.report.warnings = warnings;
         page->write(fit_page(fit, std::filesystem::path(arguments.out).filename().string(), page->target()));

@@ -43,6 +43,8 @@ nlohmann::json describe(const Surface& s) {
         {"height", s.height()},
         {"mm_per_pixel", s.mm_per_pixel},
         {"scale_known", s.scale_known},
+        {"diffuse_roughness", s.law.diffuse_roughness},
+        {"haze", s.law.haze},
         {"measured_pixels", measured},
         {"maps",
          {{"height_mm", spread(s, [&](std::size_t i) { return s.height_mm.pixels()[i]; })},

@@ -21,17 +21,18 @@ public:
     double width_mm() const { return width_mm_; }  // of the picture's longer side
 
     // The pixels fitted to these photographs; the lighting has one light for each of them.
-    std::vector<WardEstimate> fit(const std::vector<int>& photos, const Lighting& lighting) const;
+    std::vector<WardEstimate> fit(const std::vector<int>& photos, const Lighting& lighting,
+                                  const ReflectanceLaw& law = {}) const;
 
     // [dB] PSNR of one photograph, predicted under this light; a matt white that faces it is the peak. Pixels
     // `from`, `from` + `step`, …
     double psnr_db(const std::vector<WardEstimate>& estimates, int photo, const Lighting& lighting,
-                   int from = 0, int step = 1) const;
+                   int from = 0, int step = 1, const ReflectanceLaw& law = {}) const;
 
     // [1] ln(measured / predicted) of each pixel's green, or grey, in one photograph, under this light; NaN
     // where the photograph is clipped, dark or not there, or the pixel is not measurable.
     std::vector<float> log_ratios(const std::vector<WardEstimate>& estimates, int photo,
-                                  const Lighting& lighting) const;
+                                  const Lighting& lighting, const ReflectanceLaw& law = {}) const;
 
     // [pixels] of the picture, where pixel k is
     glm::vec2 place_px(int k) const { return places_px_[static_cast<std::size_t>(k)]; }

@@ -10,6 +10,7 @@
 #include <glm/geometric.hpp>
 #include <numbers>
 
+#include "surface/relight.h"
 #include "surface/ward.h"
 #include "test_support.h"
 
@@ -232,6 +233,41 @@ TEST(WardResiduals, CostIsTheSumOfTheirSquares) {
     }
 }
 
+TEST(WardResiduals, DerivativesHoldForEveryLaw) {
+    Random random(11);
+    for (int trial = 0; trial < 100; ++trial) {
+        const PixelSamples samples = random_samples(random, 12, 3);
+        const ReflectanceLaw law{.diffuse_roughness = random.uniform(0, 1), .haze = random.uniform(0, 1)};
+        const WardResiduals residuals(samples, {}, kRobustScale, law);
+        // A light as far from the normal as the camera, to 1e-6, would be at a kink; none of these is.
+        EXPECT_LT(worst_difference(residuals, random_parameters(random)), kDifferenceError) << trial;
+    }
+}
+
+TEST(WardResiduals, ClippedValuesAreLowerBounds) {
+    Random random(12);
+    int below = 0, above = 0;
+    for (int trial = 0; trial < 50; ++trial) {
+        PixelSamples samples = random_samples(random, 8, 3);
+        PixelSamples clipped = samples;
+        for (double& sigma : clipped.sigma) sigma = -sigma;
+        const WardVector theta = random_parameters(random);
+        const WardResiduals plain(samples, {}, kRobustScale), bounds(clipped, {}, kRobustScale);
+        const Evaluation a = evaluated(plain, theta), b = evaluated(bounds, theta);
+        double sum = 0;
+        for (std::size_t i = 0; i < a.residuals.size(); ++i) {
+            sum += b.residuals[i] * b.residuals[i];
+            if (i >= samples.value.size()) continue;  // the priors
+            (a.residuals[i] < 0 ? below : above) += 1;
+            EXPECT_EQ(b.residuals[i], std::min(a.residuals[i], 0.0));
+        }
+        EXPECT_NEAR(bounds.cost(theta.data()), sum, 1e-10 * sum);
+        EXPECT_LT(worst_difference(bounds, theta), kDifferenceError) << trial;
+    }
+    EXPECT_GT(below, 100);
+    EXPECT_GT(above, 100);
+}
+
 TEST(WardResiduals, SamplesOfSigmaZeroSayNothing) {
     Random random(7);
     PixelSamples samples = random_samples(random, 6, 3);
@@ -260,7 +296,7 @@ TEST(WardTerms, AgreeWithTheBoundedLobeOfTheSurfaceModule) {
         const double expected = std::numbers::pi * std::max(angles.n_l, 0.0) *
                                 ward_lobe(WardModel::bounded, angles, std::exp(theta[2]));
         const WardTerms t = ward_terms(theta.data(), l, v);
-        EXPECT_NEAR(t.n_l, std::max(angles.n_l, 0.0), 1e-12);
+        EXPECT_NEAR(t.matt, std::max(angles.n_l, 0.0), 1e-12);
         // tan^2 is the difference of two numbers near 1, so it is off by some 1e-16, its quotient by alpha^2
         // by 1e-12.
         EXPECT_NEAR(t.lobe, expected, 1e-10 * (1 + expected));
@@ -269,6 +305,28 @@ TEST(WardTerms, AgreeWithTheBoundedLobeOfTheSurfaceModule) {
     }
     EXPECT_GT(below, 100);  // both sides of the terminator and the peak have been seen
     EXPECT_GT(bright, 100);
+}
+
+// What the fit predicts is what the renderer shows.
+TEST(WardTerms, AgreeWithTheRendererForEveryLaw) {
+    Random random(13);
+    for (int trial = 0; trial < 500; ++trial) {
+        const WardVector theta = random_parameters(random, 0.08);
+        Surface s(1, 1);
+        s.law = {.diffuse_roughness = random.uniform(0, 1), .haze = random.uniform(0, 1)};
+        s.normal(0, 0) = Vec3(normal_at(theta));
+        s.diffuse(0, 0) = Rgb(theta[4], theta[5], theta[6]);
+        s.specular(0, 0) = static_cast<float>(theta[3]);
+        s.roughness(0, 0) = static_cast<float>(std::exp(theta[2]));
+        const Vec3 l = random.direction(0.02), v = random.direction(0.9);
+        const WardTerms t =
+            ward_terms(theta.data(), glm::normalize(glm::dvec3(l)), glm::normalize(glm::dvec3(v)), s.law);
+        const Rgb shown = reflected(s, 0, 0, l, v, WardModel::bounded);
+        if (glm::dot(s.normal(0, 0), v) < 1e-3f) continue;  // not seen
+        for (int c = 0; c < 3; ++c)
+            EXPECT_NEAR(shown[c], theta[4 + static_cast<std::size_t>(c)] * t.matt + theta[3] * t.lobe,
+                        2e-4 * (1 + shown[c]));
+    }
 }
 
 TEST(RootCauchy, IsTheIdentityAtZero) {

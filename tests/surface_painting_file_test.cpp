@@ -77,6 +77,7 @@ TEST(PaintingFile, RoundTripsBitForBit) {
     s.confidence(4, 0) = 0;   // kept as it is where it can be relit
     s.mm_per_pixel = 0.0625;  // exact in a float, as the file holds it
     s.scale_known = true;
+    s.law = {.diffuse_roughness = 0.3, .haze = 0.6};
     s.provenance = R"({"program": "test", "note": "Größe, \"quoted\"\nsecond line"})";
     s.photography.transfer = {Transfer::Kind::gamma, 1 / 0.45};
     s.photography.white_level = 0.1 + 0.2;  // no short decimal
@@ -89,6 +90,7 @@ TEST(PaintingFile, RoundTripsBitForBit) {
     expect_same_maps(s, back);
     EXPECT_EQ(back.mm_per_pixel, s.mm_per_pixel);
     EXPECT_TRUE(back.scale_known);
+    EXPECT_EQ(back.law, s.law);
     EXPECT_EQ(back.provenance, s.provenance);
     EXPECT_EQ(back.photography.transfer, s.photography.transfer);
     EXPECT_EQ(back.photography.white_level, s.photography.white_level);
@@ -102,6 +104,15 @@ TEST(PaintingFile, RoundTripsBitForBit) {
         EXPECT_EQ(there.fitted, here.fitted);
     }
     EXPECT_EQ(names_in(dir.path()), std::vector<std::string>{"a.exr"});
+}
+
+TEST(PaintingFile, RefusesALawThatIsNone) {
+    const TestDir dir;
+    Surface s(2, 2);
+    s.law.haze = 1.5;
+    write_painting(dir / "a.exr", s);
+    EXPECT_EQ(error_of([&] { read_painting(dir / "a.exr"); }),
+              (dir / "a.exr").string() + ": haze = 1.5 is not from 0 to 1");
 }
 
 TEST(PaintingFile, KeepsAScaleToSevenDigits) {

@@ -1,0 +1,81 @@
+// fit_law_choice_test.cpp: the law that a painting's photographs follow is found, and none where there is
+// none.
+#include "fit/law_choice.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "fit/fit_painting.h"
+#include "surface/picture_file.h"
+#include "surface/relight.h"
+#include "tests/test_support.h"
+
+namespace tangi {
+namespace {
+
+constexpr int kSize = 20;
+
+// Waves of semi-gloss paint that follow this law, seen under 30 lamps.
+Surface waves(const ReflectanceLaw& law) {
+    Surface s(kSize, kSize);
+    s.law = law;
+    Random random(9);
+    for (int y = 0; y < kSize; ++y)
+        for (int x = 0; x < kSize; ++x) {
+            s.normal(x, y) = normal_of({static_cast<float>(0.7 * std::sin(0.9 * x + 0.3)),
+                                        static_cast<float>(0.7 * std::cos(0.7 * y))});
+            s.diffuse(x, y) = Rgb(0.5f, 0.4f, 0.3f) * static_cast<float>(random.uniform(0.8, 1.2));
+            s.specular(x, y) = 0.06f;
+            s.roughness(x, y) = 0.15f;
+            s.confidence(x, y) = 1;
+        }
+    return s;
+}
+
+FitResult fitted(const ReflectanceLaw& law, const FitOptions& options = {.refine = false}) {
+    const TestDir folder;
+    const Surface truth = waves(law);
+    std::vector<Light> lights = dome_lights(30, 25);
+    Random random(10);
+    for (std::size_t i = 0; i < lights.size(); ++i) {
+        lights[i].name = fmt::format("photo{:02}.tif", i);
+        Image<Rgb> picture = relight(truth, {&lights[i], 1});
+        for (Rgb& value : picture.pixels())
+            for (int c = 0; c < 3; ++c)
+                value[c] = std::clamp(value[c] + 0.001f * static_cast<float>(random.normal()), 0.0f, 1.0f);
+        write_picture(folder / lights[i].name, picture, {}, {.bits = 16});
+    }
+    write_lights(folder / "lights.lp", lights);
+    FitOptions given = options;
+    given.register_photos = false;
+    return fit_painting(open_stack(folder.path(), {.transfer = Transfer{}}), given);
+}
+
+TEST(LawChoice, FindsNoneWhereLambertAndOneLobeAreTrue) {
+    const LawChoice choice = fitted({}).report.law;
+    EXPECT_EQ(choice.law, ReflectanceLaw{});
+    EXPECT_GE(choice.trials.size(), 3u);
+}
+
+TEST(LawChoice, FindsRoughDiffuseReflection) {
+    const FitResult fit = fitted({.diffuse_roughness = 0.5});
+    EXPECT_NEAR(fit.report.law.law.diffuse_roughness, 0.5, 0.21);
+    EXPECT_EQ(fit.report.law.law.haze, 0);
+    EXPECT_EQ(fit.surface.law, fit.report.law.law);
+}
+
+TEST(LawChoice, FindsHaze) {
+    const LawChoice choice = fitted({.haze = 0.6}).report.law;
+    EXPECT_EQ(choice.law.haze, 0.6);
+    EXPECT_LE(choice.law.diffuse_roughness, 0.15);
+}
+
+TEST(LawChoice, LeavesWhatIsGiven) {
+    const FitResult fit = fitted({.haze = 0.6}, {.diffuse_roughness = 0.3, .haze = 0.1, .refine = false});
+    EXPECT_EQ(fit.surface.law, (ReflectanceLaw{.diffuse_roughness = 0.3, .haze = 0.1}));
+    EXPECT_TRUE(fit.report.law.trials.empty());
+}
+
+}  // namespace
+}  // namespace tangi
