@@ -11,7 +11,7 @@ namespace tangi {
 namespace {
 
 // Of 16 lanes, those that must still be moving for a step to be worth it; with fewer they wait for others.
-constexpr int kFewest = 10;
+constexpr int kFewest = 9;
 
 }  // namespace
 
@@ -60,19 +60,29 @@ void WardSlots::resize(int photo_count, int channel_count) {
     pixel.fill(-1);
 }
 
-void WardSlots::copy_lane(int to, const WardSlots& from, int lane) {
-    const auto copy = [&](WardLane& target_lane, const WardLane& source) { target_lane[to] = source[lane]; };
-    for (std::size_t i = 0; i < view.size(); ++i) copy(view[i], from.view[i]);
-    for (std::size_t i = 0; i < light.size(); ++i)
-        for (std::size_t k = 0; k < 4; ++k) copy(light[i][k], from.light[i][k]);
-    for (std::size_t i = 0; i < weight.size(); ++i) copy(weight[i], from.weight[i]), copy(target[i], from.target[i]);
-    for (std::size_t i = 0; i < theta.size(); ++i) copy(theta[i], from.theta[i]);
+void WardSlots::copy_lanes(int to, const WardSlots& from, std::span<const int> lanes) {
+    // Row by row, since a row is a line of the cache.
+    const auto copy = [&](WardLane& target_row, const WardLane& source) {
+        int k = to;
+        for (const int lane : lanes) target_row[k++] = source[lane];
+    };
+    const auto copy_all = [&](auto& target_rows, const auto& source) {
+        for (std::size_t i = 0; i < source.size(); ++i) copy(target_rows[i], source[i]);
+    };
+    copy_all(view, from.view);
+    for (std::size_t i = 0; i < light.size(); ++i) copy_all(light[i], from.light[i]);
+    copy_all(weight, from.weight);
+    copy_all(target, from.target);
+    copy_all(theta, from.theta);
+    copy_all(system, from.system);
     for (const auto member :
          {&WardSlots::prior_ln_alpha, &WardSlots::prior_specular, &WardSlots::prior_ln_alpha_weight,
           &WardSlots::prior_specular_weight, &WardSlots::damping, &WardSlots::damping_growth, &WardSlots::used,
-          &WardSlots::iterations, &WardSlots::alive, &WardSlots::valid, &WardSlots::converged})
+          &WardSlots::iterations, &WardSlots::alive, &WardSlots::resumed, &WardSlots::valid,
+          &WardSlots::converged})
         copy(this->*member, from.*member);
-    pixel[static_cast<std::size_t>(to)] = from.pixel[static_cast<std::size_t>(lane)];
+    for (const int lane : lanes)
+        pixel[static_cast<std::size_t>(to++)] = from.pixel[static_cast<std::size_t>(lane)];
 }
 
 WardBatchFitter::WardBatchFitter(const WardFitOptions& options) : options_(options) {
@@ -116,19 +126,14 @@ void WardBatchFitter::deliver(const WardSlots& slots, int lane) {
         !s.converged || !finite || std::abs(s.theta[0]) >= bound || std::abs(s.theta[1]) >= bound;
 }
 
-void WardBatchFitter::wait(const WardSlots& slots, int lane) {
-    waiting_.copy_lane(waiting_count_++, slots, lane);
-    if (waiting_count_ < kWardLanes) return;
-    run_ward_slots(waiting_, options_, kFewest);
-    waiting_count_ = 0;
-    for (int k = 0; k < kWardLanes; ++k) {
-        if (waiting_.alive[k] > 0) {
-            if (waiting_count_ != k) waiting_.copy_lane(waiting_count_, waiting_, k);
-            ++waiting_count_;
-        } else {
-            deliver(waiting_, k);
-        }
-    }
+std::vector<int> WardBatchFitter::deliver_finished(const WardSlots& slots) {
+    std::vector<int> alive;
+    for (int lane = 0; lane < kWardLanes; ++lane)
+        if (slots.alive[lane] > 0)
+            alive.push_back(lane);
+        else
+            deliver(slots, lane);
+    return alive;
 }
 
 void WardBatchFitter::fit(const WardBatch& batch) {
@@ -137,11 +142,19 @@ void WardBatchFitter::fit(const WardBatch& batch) {
     current_.pixel = batch.pixel;
     start_ward_batch(batch, options_, scratch_, current_);
     run_ward_slots(current_, options_, kFewest);
-    for (int lane = 0; lane < kWardLanes; ++lane)
-        if (current_.alive[lane] > 0)
-            wait(current_, lane);
-        else
-            deliver(current_, lane);
+    const std::vector<int> alive = deliver_finished(current_);
+    for (std::span<const int> left = alive; !left.empty();) {
+        const std::size_t n =
+            std::min(left.size(), static_cast<std::size_t>(kWardLanes - waiting_count_));
+        waiting_.copy_lanes(waiting_count_, current_, left.first(n));
+        waiting_count_ += static_cast<int>(n);
+        left = left.subspan(n);
+        if (waiting_count_ < kWardLanes) break;
+        run_ward_slots(waiting_, options_, kFewest);
+        const std::vector<int> still = deliver_finished(waiting_);
+        waiting_.copy_lanes(0, waiting_, still);  // upwards: none is overwritten before it is read
+        waiting_count_ = static_cast<int>(still.size());
+    }
 }
 
 void WardBatchFitter::finish() {

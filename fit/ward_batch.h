@@ -6,6 +6,7 @@
 #pragma once
 
 #include <array>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -69,11 +70,14 @@ struct WardSlots {
     WardLane prior_ln_alpha, prior_specular, prior_ln_alpha_weight, prior_specular_weight;
     std::array<WardLane, kWardParameters> theta;
     WardLane damping, damping_growth, cost, used, iterations, alive;  // alive: 1 where not finished
+    WardLane resumed;  // 1 where `system` is that of theta
+    std::array<WardLane, 33> system;  // cost, gradient and J^T J, as the kernel lays them out
     WardLane valid, converged, slope_variance, ln_alpha_variance, specular_variance;
     std::array<int, kWardLanes> pixel{};
 
     void resize(int photo_count, int channel_count);
-    void copy_lane(int to, const WardSlots& from, int lane);
+    // Lanes `to`, to + 1 … become these of `from`, which may be this where all of them are `to` or later.
+    void copy_lanes(int to, const WardSlots& from, std::span<const int> lanes);
 };
 
 // Memory of photometric stereo and of the lobe's start.
@@ -94,12 +98,11 @@ public:
     const std::vector<WardSolution>& solutions() const { return solutions_; }
 
 private:
-    void run(WardSlots& slots, int fewest);
     void deliver(const WardSlots& slots, int lane);
-    void wait(const WardSlots& slots, int lane);
+    std::vector<int> deliver_finished(const WardSlots& slots);  // returns the lanes that are not
 
     WardFitOptions options_;
-    WardSlots current_, waiting_, next_;
+    WardSlots current_, waiting_;
     int waiting_count_ = 0;
     WardScratch scratch_;
     std::vector<WardSolution> solutions_;

@@ -9,7 +9,7 @@
 #include <cmath>
 
 // Sets between these give no speed that is worth compiling them.
-#define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_SSE4 | HWY_AVX3_DL)
+#define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_AVX3_DL)
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "fit/ward_kernel.cpp"
 #include <hwy/foreach_target.h>
@@ -28,6 +28,17 @@ struct System {
     V gradient[4 + C];
     V cost;
 };
+
+// All numbers of it, with their places in WardSlots::system.
+template <int C, class Visit>
+HWY_INLINE void each(System<C>& system, const Visit& visit) {
+    int k = 0;
+    for (V& v : system.common) visit(v, k++);
+    for (auto& row : system.diffuse)
+        for (V& v : row) visit(v, k++);
+    for (V& v : system.gradient) visit(v, k++);
+    visit(system.cost, k);
+}
 
 template <int C>
 struct Point {
@@ -73,81 +84,132 @@ HWY_INLINE void residuals_of(const V (&weight)[C], const V (&target)[C], const V
     }
 }
 
+// What a block of photographs leaves between the steps of evaluate(): few enough to stay in the nearest cache.
+constexpr int kBlock = 16;
 template <int C>
-HWY_INLINE void add_photo(const Terms& t, const V (&square)[C], const V (&linear)[C], const V* diffuse, V specular,
-                          System<C>& sum) {
-    // Columns: p, q: rho_c dmatt + rho_s dlobe; ln alpha: rho_s dlobe; rho_s: lobe; rho_c: matt.
-    const V g0 = hn::Mul(specular, t.dlobe[0]), g1 = hn::Mul(specular, t.dlobe[1]);
-    const V g2 = hn::Mul(specular, t.dlobe[2]);
-    V one = square[0], first = hn::Mul(square[0], diffuse[0]), second = hn::Mul(first, diffuse[0]);
-    V r_one = linear[0], r_first = hn::Mul(linear[0], diffuse[0]);
-    for (int c = 1; c < C; ++c) {
-        const V weighted = hn::Mul(square[c], diffuse[c]);
-        one = hn::Add(one, square[c]);
-        first = hn::Add(first, weighted);
-        second = fma(weighted, diffuse[c], second);
-        r_one = hn::Add(r_one, linear[c]);
-        r_first = fma(linear[c], diffuse[c], r_first);
+struct Block {
+    Terms terms[kBlock];
+    V square[kBlock][C], linear[kBlock][C];
+};
+
+// The sums over the common parameters. Columns of J: p, q: rho_c dmatt + rho_s dlobe; ln alpha: rho_s dlobe;
+// rho_s: lobe; rho_c: matt.
+template <int C>
+HWY_INLINE void add_common(const Block<C>& block, int n, const V* diffuse, V specular, System<C>& sum) {
+    V h[10], g[4];
+    for (int i = 0; i < 10; ++i) h[i] = sum.common[i];
+    for (int i = 0; i < 4; ++i) g[i] = sum.gradient[i];
+    for (int i = 0; i < n; ++i) {
+        const Terms& t = block.terms[i];
+        const V *square = block.square[i], *linear = block.linear[i];
+        const V g0 = hn::Mul(specular, t.dlobe[0]), g1 = hn::Mul(specular, t.dlobe[1]);
+        const V g2 = hn::Mul(specular, t.dlobe[2]);
+        V one = square[0], first = hn::Mul(square[0], diffuse[0]), second = hn::Mul(first, diffuse[0]);
+        V r_one = linear[0], r_first = hn::Mul(linear[0], diffuse[0]);
+        for (int c = 1; c < C; ++c) {
+            const V weighted = hn::Mul(square[c], diffuse[c]);
+            one = hn::Add(one, square[c]);
+            first = hn::Add(first, weighted);
+            second = fma(weighted, diffuse[c], second);
+            r_one = hn::Add(r_one, linear[c]);
+            r_first = fma(linear[c], diffuse[c], r_first);
+        }
+        // Sums over the channels of weight * column p (q), split in what multiplies dmatt and what the rest.
+        const V p_matt = fma(second, t.dmatt[0], hn::Mul(first, g0));
+        const V q_matt = fma(second, t.dmatt[1], hn::Mul(first, g1));
+        const V p_rest = fma(first, t.dmatt[0], hn::Mul(one, g0));
+        const V q_rest = fma(first, t.dmatt[1], hn::Mul(one, g1));
+        const V a_rest = hn::Mul(one, g2), s_rest = hn::Mul(one, t.lobe);
+        h[0] = fma(p_matt, t.dmatt[0], fma(p_rest, g0, h[0]));
+        h[1] = fma(p_matt, t.dmatt[1], fma(p_rest, g1, h[1]));
+        h[2] = fma(p_rest, g2, h[2]);
+        h[3] = fma(p_rest, t.lobe, h[3]);
+        h[4] = fma(q_matt, t.dmatt[1], fma(q_rest, g1, h[4]));
+        h[5] = fma(q_rest, g2, h[5]);
+        h[6] = fma(q_rest, t.lobe, h[6]);
+        h[7] = fma(a_rest, g2, h[7]);
+        h[8] = fma(a_rest, t.lobe, h[8]);
+        h[9] = fma(s_rest, t.lobe, h[9]);
+        g[0] = fma(r_first, t.dmatt[0], fma(r_one, g0, g[0]));
+        g[1] = fma(r_first, t.dmatt[1], fma(r_one, g1, g[1]));
+        g[2] = fma(r_one, g2, g[2]);
+        g[3] = fma(r_one, t.lobe, g[3]);
     }
-    // Sums over the channels of weight * column p (q), split in what multiplies dmatt and what the rest.
-    const V p_matt = fma(second, t.dmatt[0], hn::Mul(first, g0)), p_rest = fma(first, t.dmatt[0], hn::Mul(one, g0));
-    const V q_matt = fma(second, t.dmatt[1], hn::Mul(first, g1)), q_rest = fma(first, t.dmatt[1], hn::Mul(one, g1));
-    const V a_rest = hn::Mul(one, g2), s_rest = hn::Mul(one, t.lobe);
-    sum.common[0] = fma(p_matt, t.dmatt[0], fma(p_rest, g0, sum.common[0]));
-    sum.common[1] = fma(p_matt, t.dmatt[1], fma(p_rest, g1, sum.common[1]));
-    sum.common[2] = fma(p_rest, g2, sum.common[2]);
-    sum.common[3] = fma(p_rest, t.lobe, sum.common[3]);
-    sum.common[4] = fma(q_matt, t.dmatt[1], fma(q_rest, g1, sum.common[4]));
-    sum.common[5] = fma(q_rest, g2, sum.common[5]);
-    sum.common[6] = fma(q_rest, t.lobe, sum.common[6]);
-    sum.common[7] = fma(a_rest, g2, sum.common[7]);
-    sum.common[8] = fma(a_rest, t.lobe, sum.common[8]);
-    sum.common[9] = fma(s_rest, t.lobe, sum.common[9]);
-    sum.gradient[0] = fma(r_first, t.dmatt[0], fma(r_one, g0, sum.gradient[0]));
-    sum.gradient[1] = fma(r_first, t.dmatt[1], fma(r_one, g1, sum.gradient[1]));
-    sum.gradient[2] = fma(r_one, g2, sum.gradient[2]);
-    sum.gradient[3] = fma(r_one, t.lobe, sum.gradient[3]);
-    for (int c = 0; c < C; ++c) {
-        const V matt = hn::Mul(square[c], t.matt);
-        V* h = sum.diffuse[c];
-        h[0] = fma(matt, fma(diffuse[c], t.dmatt[0], g0), h[0]);
-        h[1] = fma(matt, fma(diffuse[c], t.dmatt[1], g1), h[1]);
-        h[2] = fma(matt, g2, h[2]);
-        h[3] = fma(matt, t.lobe, h[3]);
-        h[4] = fma(matt, t.matt, h[4]);
-        sum.gradient[4 + c] = fma(linear[c], t.matt, sum.gradient[4 + c]);
-    }
+    for (int i = 0; i < 10; ++i) sum.common[i] = h[i];
+    for (int i = 0; i < 4; ++i) sum.gradient[i] = g[i];
 }
 
+// The sums of channel c with the common parameters: rho_s times the lobe's derivatives is left to the end.
+template <int C>
+HWY_INLINE void add_channel(const Block<C>& block, int n, int c, V (&h)[7], V& gradient) {
+    V a[7], g = gradient;
+    for (int i = 0; i < 7; ++i) a[i] = h[i];
+    for (int i = 0; i < n; ++i) {
+        const Terms& t = block.terms[i];
+        const V matt = hn::Mul(block.square[i][c], t.matt);
+        a[0] = fma(matt, t.dmatt[0], a[0]);
+        a[1] = fma(matt, t.dmatt[1], a[1]);
+        a[2] = fma(matt, t.dlobe[0], a[2]);
+        a[3] = fma(matt, t.dlobe[1], a[3]);
+        a[4] = fma(matt, t.dlobe[2], a[4]);
+        a[5] = fma(matt, t.lobe, a[5]);
+        a[6] = fma(matt, t.matt, a[6]);
+        g = fma(block.linear[i][c], t.matt, g);
+    }
+    for (int i = 0; i < 7; ++i) h[i] = a[i];
+    gradient = g;
+}
+
+// In blocks, and each block in steps with few sums each: one loop over all of it would have more sums than
+// there are registers, and a chain of dependent operations too long to overlap with the next photograph's.
 template <int C>
 HWY_NOINLINE void evaluate(const WardSlots& s, int at, const Point<C>& point, System<C>& sum) {
     const V zero = hn::Zero(Floats());
+    V channel[C][7];
     for (V& v : sum.common) v = zero;
-    for (auto& row : sum.diffuse)
-        for (V& v : row) v = zero;
     for (V& v : sum.gradient) v = zero;
+    for (auto& row : channel)
+        for (V& v : row) v = zero;
     const V vx = load(s.view[0], at), vy = load(s.view[1], at), vz = load(s.view[2], at);
     const Facing f = facing(point.theta[0], point.theta[1], vx, vy, vz);
     const V ln_alpha = point.theta[2], specular = point.theta[3];
-    const V* diffuse = point.theta + 4;
+    V diffuse[C];
+    for (int c = 0; c < C; ++c) diffuse[c] = point.theta[4 + c];
     const V alpha = exp_negative(ln_alpha);  // bounds keep it below 1
     const V inverse_alpha2 = hn::Div(all(1), hn::Mul(alpha, alpha));
     LogProduct product = empty_product();
-    for (int i = 0; i < s.photos; ++i) {
-        const auto& light = s.light[static_cast<std::size_t>(i)];
-        const V lx = load(light[0], at), ly = load(light[1], at), lz = load(light[2], at);
-        // h.h of h = l + v, both unit vectors.
-        const V l_v = fma(lx, vx, fma(ly, vy, hn::Mul(lz, vz)));
-        const Terms t = ward_terms(f, inverse_alpha2, lx, ly, lz, load(light[3], at), fma(l_v, all(2), all(2)));
-        V weight[C], target[C], square[C], linear[C], factor;
-        for (int c = 0; c < C; ++c) {
-            const auto index = static_cast<std::size_t>(i * C + c);
-            weight[c] = load(s.weight[index], at);
-            target[c] = load(s.target[index], at);
+    Block<C> block;
+    for (int first = 0; first < s.photos; first += kBlock) {
+        const int n = std::min(kBlock, s.photos - first);
+        for (int i = 0; i < n; ++i) {
+            const auto& light = s.light[static_cast<std::size_t>(first + i)];
+            const V lx = load(light[0], at), ly = load(light[1], at), lz = load(light[2], at);
+            // h.h of h = l + v, both unit vectors.
+            const V l_v = fma(lx, vx, fma(ly, vy, hn::Mul(lz, vz)));
+            block.terms[i] =
+                ward_terms(f, inverse_alpha2, lx, ly, lz, load(light[3], at), fma(l_v, all(2), all(2)));
         }
-        residuals_of<C>(weight, target, diffuse, t.matt, hn::Mul(specular, t.lobe), square, linear, factor);
-        multiply(product, factor);
-        add_photo<C>(t, square, linear, diffuse, specular, sum);
+        for (int i = 0; i < n; ++i) {
+            V weight[C], target[C], factor;
+            for (int c = 0; c < C; ++c) {
+                const auto index = static_cast<std::size_t>((first + i) * C + c);
+                weight[c] = load(s.weight[index], at);
+                target[c] = load(s.target[index], at);
+            }
+            residuals_of<C>(weight, target, diffuse, block.terms[i].matt,
+                            hn::Mul(specular, block.terms[i].lobe), block.square[i], block.linear[i], factor);
+            multiply(product, factor);
+        }
+        add_common<C>(block, n, diffuse, specular, sum);
+        for (int c = 0; c < C; ++c) add_channel<C>(block, n, c, channel[c], sum.gradient[4 + c]);
+    }
+    for (int c = 0; c < C; ++c) {
+        V* h = sum.diffuse[c];
+        h[0] = fma(diffuse[c], channel[c][0], hn::Mul(specular, channel[c][2]));
+        h[1] = fma(diffuse[c], channel[c][1], hn::Mul(specular, channel[c][3]));
+        h[2] = hn::Mul(specular, channel[c][4]);
+        h[3] = channel[c][5];
+        h[4] = channel[c][6];
     }
     const V a_weight = load(s.prior_ln_alpha_weight, at), s_weight = load(s.prior_specular_weight, at);
     const V a_off = hn::Sub(ln_alpha, load(s.prior_ln_alpha, at));
@@ -300,7 +362,11 @@ HWY_INLINE void run(WardSlots& s, const WardFitOptions& options, int at, int few
     const V most = all(static_cast<float>(options.max_iterations));
     M alive = hn::Gt(load(s.alive, at), zero);
     System<C> system, trial;
-    evaluate<C>(s, at, point, system);
+    const bool fresh = hn::AllTrue(d, hn::Eq(load(s.resumed, at), zero));
+    if (fresh)
+        evaluate<C>(s, at, point, system);
+    else
+        each<C>(system, [&](V& v, int k) HWY_ATTR { v = load(s.system[static_cast<std::size_t>(k)], at); });
     while (!hn::AllFalse(d, alive) && static_cast<int>(hn::CountTrue(d, alive)) >= fewest) {
         V step[4 + C];
         const V falls = step_of<C>(system, point, limits, damping, step);
@@ -330,6 +396,8 @@ HWY_INLINE void run(WardSlots& s, const WardFitOptions& options, int at, int few
         alive = hn::AndNot(hn::Or(hn::Or(small, stuck), hn::Ge(iterations, most)), alive);
     }
     for (int i = 0; i < 4 + C; ++i) store(point.theta[i], s.theta[static_cast<std::size_t>(i)], at);
+    each<C>(system, [&](V& v, int k) HWY_ATTR { store(v, s.system[static_cast<std::size_t>(k)], at); });
+    store(one, s.resumed, at);
     V variance[3];
     variances<C>(system, variance);
     store(damping, s.damping, at);

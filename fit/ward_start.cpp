@@ -7,7 +7,7 @@
 #include "capture/photometric_stereo.h"
 #include "fit/ward_kernel.h"
 
-#define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_SSE4 | HWY_AVX3_DL)
+#define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_AVX3_DL)
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "fit/ward_start.cpp"
 #include <hwy/foreach_target.h>
@@ -52,26 +52,33 @@ HWY_INLINE void sort_keys(Grey* grey, int n, int at) {
                     if (i / (2 * p) == (i + k) / (2 * p)) compare_exchange(grey[i].key, grey[i + k].key, at);
 }
 
-// Least squares g of weight * (g . (light + ambient * normal) - value)^2; keeps g where there is no unique one.
-HWY_INLINE M solve(const Grey* grey, int n, int at, const Vector& normal, Vector& g) {
+// Sums of the normal equations of g . (light + ambient * normal) = value.
+struct Moments {
+    V xx, xy, xz, yy, yz, zz, bx, by, bz;
+};
+HWY_INLINE Moments no_moments() {
     const V zero = hn::Zero(Floats());
-    V xx = zero, xy = zero, xz = zero, yy = zero, yz = zero, zz = zero, bx = zero, by = zero, bz = zero;
-    for (int i = 0; i < n; ++i) {
-        const Grey& s = grey[i];
-        const V ambient = load(s.ambient, at), w = load(s.weight, at);
-        const Vector l = {fma(ambient, normal.x, load(s.x, at)), fma(ambient, normal.y, load(s.y, at)),
-                          fma(ambient, normal.z, load(s.z, at))};
-        const V wx = hn::Mul(w, l.x), wy = hn::Mul(w, l.y), wz = hn::Mul(w, l.z), value = load(s.value, at);
-        xx = fma(wx, l.x, xx);
-        xy = fma(wx, l.y, xy);
-        xz = fma(wx, l.z, xz);
-        yy = fma(wy, l.y, yy);
-        yz = fma(wy, l.z, yz);
-        zz = fma(wz, l.z, zz);
-        bx = fma(wx, value, bx);
-        by = fma(wy, value, by);
-        bz = fma(wz, value, bz);
-    }
+    return {zero, zero, zero, zero, zero, zero, zero, zero, zero};
+}
+HWY_INLINE void add(Moments& m, V weight, const Vector& light, V ambient, V value, const Vector& normal) {
+    const V x = fma(ambient, normal.x, light.x), y = fma(ambient, normal.y, light.y);
+    const V z = fma(ambient, normal.z, light.z);
+    const V wx = hn::Mul(weight, x), wy = hn::Mul(weight, y), wz = hn::Mul(weight, z);
+    m.xx = fma(wx, x, m.xx);
+    m.xy = fma(wx, y, m.xy);
+    m.xz = fma(wx, z, m.xz);
+    m.yy = fma(wy, y, m.yy);
+    m.yz = fma(wy, z, m.yz);
+    m.zz = fma(wz, z, m.zz);
+    m.bx = fma(wx, value, m.bx);
+    m.by = fma(wy, value, m.by);
+    m.bz = fma(wz, value, m.bz);
+}
+
+// Where there is no unique g, it stays what it is.
+HWY_INLINE M solve(const Moments& m, Vector& g) {
+    const V zero = hn::Zero(Floats());
+    V xx = m.xx, xy = m.xy, xz = m.xz, yy = m.yy, yz = m.yz, zz = m.zz, bx = m.bx, by = m.by, bz = m.bz;
     // By cofactors, scaled to a trace of 1 so that cubes stay in range.
     const V trace = hn::Add(hn::Add(xx, yy), zz);
     const V scale = hn::Div(all(1), choose(hn::Gt(trace, zero), trace, all(1)));
@@ -139,15 +146,20 @@ HWY_INLINE M stereo(Grey* grey, int n, V count, int at, Vector& normal) {
     }
     const V lowest = load(low, at), highest = load(high, at), middle = load(typical, at);
     M valid = hn::And(hn::Ge(count, all(3)), hn::Gt(middle, all(1e-5f)));
-    for (int i = 0; i < n; ++i) {
-        const V brightness = load(grey[i].weight, at);
-        const M between = hn::And(hn::Ge(brightness, lowest), hn::Le(brightness, highest));
-        store(choose(between, all(1), all(0.01f)), grey[i].weight, at);
-    }
     const V zero = hn::Zero(d);
     normal = {zero, zero, all(1)};
     Vector g = normal;
-    valid = hn::And(valid, solve(grey, n, at, normal, g));
+    Moments start = no_moments();
+    for (int i = 0; i < n; ++i) {
+        Grey& s = grey[i];
+        const V brightness = load(s.weight, at);
+        const M between = hn::And(hn::Ge(brightness, lowest), hn::Le(brightness, highest));
+        const V weight = choose(between, all(1), all(0.01f));
+        store(weight, s.weight, at);
+        add(start, weight, {load(s.x, at), load(s.y, at), load(s.z, at)}, load(s.ambient, at), load(s.value, at),
+            normal);
+    }
+    valid = hn::And(valid, solve(start, g));
     const PhotometricStereoOptions options;
     const auto outlier = static_cast<float>(options.outlier_scale);
     const V smallest = hn::Mul(middle, all(outlier));
@@ -157,21 +169,24 @@ HWY_INLINE M stereo(Grey* grey, int n, V count, int at, Vector& normal) {
         scale = hn::Max(hn::Mul(scale, all(0.7f)), smallest);
         const V length = hn::Sqrt(dot(g, g));
         const V tightness = hn::Div(all(1), hn::Max(hn::Mul(scale, scale), all(1e-30f)));
+        const V inverse = hn::Div(all(1), hn::Max(length, all(1e-30f)));
+        const Vector facing_g = {hn::Mul(g.x, inverse), hn::Mul(g.y, inverse), hn::Mul(g.z, inverse)};
+        const Vector before = g;
+        Moments sums = no_moments();
         for (int i = 0; i < n; ++i) {
             Grey& s = grey[i];
-            const V direct = dot(g, {load(s.x, at), load(s.y, at), load(s.z, at)});
-            const V predicted = fma(load(s.ambient, at), length, hn::Max(direct, zero));
-            const V off = hn::Sub(load(s.value, at), predicted);
-            const V w = hn::Div(all(1), fma(hn::Mul(off, off), hn::Mul(load(s.inverse2, at), tightness), all(1)));
+            const Vector light = {load(s.x, at), load(s.y, at), load(s.z, at)};
+            const V direct = dot(before, light), ambient = load(s.ambient, at), value = load(s.value, at);
+            const V off = hn::Sub(value, fma(ambient, length, hn::Max(direct, zero)));
+            const V w = hn::Div(
+                all(1), fma(hn::Mul(off, off), hn::Mul(load(s.inverse2, at), tightness), all(1)));
             const V weight = choose(hn::Gt(direct, zero), hn::Mul(w, w), all(1e-4f));
             store(choose(going, weight, load(s.weight, at)), s.weight, at);
+            add(sums, weight, light, ambient, value, facing_g);
         }
-        const V inverse = hn::Div(all(1), hn::Max(length, all(1e-30f)));
-        Vector facing_g = {hn::Mul(g.x, inverse), hn::Mul(g.y, inverse), hn::Mul(g.z, inverse)};
-        Vector next = g;
-        const M unique = solve(grey, n, at, facing_g, next);
+        const M unique = solve(sums, g);
         going = hn::And(going, unique);
-        g = {choose(going, next.x, g.x), choose(going, next.y, g.y), choose(going, next.z, g.z)};
+        g = {choose(going, g.x, before.x), choose(going, g.y, before.y), choose(going, g.z, before.z)};
     }
     const V length = hn::Sqrt(dot(g, g));
     valid = hn::And(valid, hn::Gt(length, all(1e-6f)));
@@ -240,8 +255,8 @@ HWY_INLINE V weigh(const WardBatch& b, const WardFitOptions& options, const Vect
             const V value = keep(some, load(b.value[index], at));
             const V matt = hn::Mul(hn::Mul(diffuse[c], cosine), irradiance);
             const V left_out = hn::Mul(model_error, hn::Max(matt, value));
-            const V total = hn::Sqrt(fma(sigma, sigma, hn::Mul(left_out, left_out)));
-            const V weight = keep(some, hn::Div(inverse_scale, choose(some, total, all(1))));
+            const V total2 = choose(some, fma(sigma, sigma, hn::Mul(left_out, left_out)), all(1));
+            const V weight = keep(some, hn::Mul(inverse_scale, inverse_root(total2)));
             store(hn::Mul(weight, irradiance), slots.weight[index], at);
             store(hn::Mul(weight, value), slots.target[index], at);
             used = hn::Add(used, keep(some, all(1)));
@@ -361,6 +376,7 @@ HWY_INLINE void start(const WardBatch& b, const WardFitOptions& options, Grey* g
     store(all(1e-3f), slots.damping, at);
     store(all(2), slots.damping_growth, at);
     store(hn::Zero(Floats()), slots.iterations, at);
+    store(hn::Zero(Floats()), slots.resumed, at);
     store(hn::Zero(Floats()), slots.converged, at);
 }
 

@@ -32,15 +32,13 @@ HWY_INLINE V fnma(V a, V b, V c) { return hn::NegMulAdd(a, b, c); }  // c - a b
 HWY_INLINE V keep(M m, V v) { return hn::IfThenElseZero(m, v); }
 HWY_INLINE V choose(M m, V yes, V no) { return hn::IfThenElse(m, yes, no); }
 
-// exp(x) for x <= 0, within 2e-7 of it; 0 below -87. Cody & Waite's reduction by multiples of ln 2, then
-// Taylor's series on [-0.35, 0.35].
+// exp(x) for x <= 0, within 3e-7 of it; 0 below -36, where squares would no longer be normal numbers. Cody &
+// Waite's reduction by multiples of ln 2, then Taylor's series on [-0.35, 0.35].
 HWY_INLINE V exp_negative(V x) {
-    const V in_range = hn::Max(x, all(-87.0f));
-    const V n = hn::Round(hn::Mul(in_range, all(1.44269504f)));
-    V r = fnma(n, all(0.693145752f), in_range);
+    const V n = hn::Round(hn::Mul(x, all(1.44269504f)));
+    V r = fnma(n, all(0.693145752f), x);
     r = fnma(n, all(1.42860677e-6f), r);
-    V p = all(1.0f / 5040);
-    p = fma(p, r, all(1.0f / 720));
+    V p = all(1.0f / 720);
     p = fma(p, r, all(1.0f / 120));
     p = fma(p, r, all(1.0f / 24));
     p = fma(p, r, all(1.0f / 6));
@@ -49,7 +47,17 @@ HWY_INLINE V exp_negative(V x) {
     p = fma(p, r, all(1));
     const auto exponent = hn::ShiftLeft<23>(hn::ConvertTo(Ints(), n));
     const V value = hn::BitCast(Floats(), hn::Add(hn::BitCast(Ints(), p), exponent));
-    return keep(hn::Gt(x, all(-87.0f)), value);
+    return keep(hn::Gt(x, all(-36.0f)), value);
+}
+
+// 1 / sqrt(x) for normal x > 0, within 3e-7 of it: an estimate from the bits of x, then Newton's steps (the
+// processors' own estimates differ from one to another).
+HWY_INLINE V inverse_root(V x) {
+    const auto bits = hn::Sub(hn::Set(Ints(), 0x5f375a86), hn::ShiftRight<1>(hn::BitCast(Ints(), x)));
+    V y = hn::BitCast(Floats(), bits);
+    const V half = hn::Mul(x, all(0.5f));
+    for (int i = 0; i < 3; ++i) y = hn::Mul(y, fnma(hn::Mul(half, y), y, all(1.5f)));
+    return y;
 }
 
 // ln(x) for normal x >= 1, within 3e-7 of ln(x) + 1: the series of atanh on [1/sqrt 2, sqrt 2].
@@ -109,7 +117,7 @@ HWY_INLINE Geometry geometry(const Facing& f, V lx, V ly, V lz, V h_h) {
     const V half = hn::Add(along, f.view_n);
     const V zero = hn::Zero(Floats());
     Geometry g;
-    g.lit = hn::And(hn::Gt(along, zero), hn::And(hn::Gt(half, zero), hn::Gt(f.view_n, zero)));
+    g.lit = hn::And(hn::Gt(along, zero), hn::And(hn::Gt(half, all(1e-4f)), hn::Gt(f.view_n, zero)));
     g.n_l = keep(g.lit, hn::Mul(along, f.inverse));
     g.h_n = hn::Mul(choose(g.lit, half, all(1)), f.inverse);
     g.inverse_h_n = hn::Div(all(1), g.h_n);
