@@ -22,16 +22,22 @@ void WardBatch::resize(int photo_count, int channel_count, const WardPrior& prio
     const auto n = static_cast<std::size_t>(photo_count), m = n * static_cast<std::size_t>(channel_count);
     light.resize(n);
     ambient.resize(n);
+    visible.resize(n);
+    for (WardLane& part : visible) part.at.fill(1);
     irradiance.resize(m);
     value.resize(m);
     sigma.assign(m, WardLane());
     pixel.fill(-1);
-    prior_ln_alpha.at.fill(static_cast<float>(prior.ln_alpha));
-    prior_specular.at.fill(static_cast<float>(prior.specular));
-    prior_ln_alpha_sigma.at.fill(static_cast<float>(prior.ln_alpha_sigma));
-    prior_specular_sigma.at.fill(static_cast<float>(prior.specular_sigma));
+    for (int lane = 0; lane < kWardLanes; ++lane) set_prior(lane, prior);
     view[2].at.fill(1);
     for (auto& l : light) l[2].at.fill(1);
+}
+
+void WardBatch::set_prior(int lane, const WardPrior& prior) {
+    prior_ln_alpha[lane] = static_cast<float>(prior.ln_alpha);
+    prior_specular[lane] = static_cast<float>(prior.specular);
+    prior_ln_alpha_sigma[lane] = static_cast<float>(prior.ln_alpha_sigma);
+    prior_specular_sigma[lane] = static_cast<float>(prior.specular_sigma);
 }
 
 void WardBatch::set(int lane, int name, const PixelSamples& s) {
@@ -42,6 +48,7 @@ void WardBatch::set(int lane, int name, const PixelSamples& s) {
         for (int k = 0; k < 3; ++k)
             light[i][static_cast<std::size_t>(k)][lane] = static_cast<float>(s.light[i][k]);
         ambient[i][lane] = static_cast<float>(s.ambient[i]);
+        visible[i][lane] = static_cast<float>(s.visible[i]);
     }
     for (std::size_t i = 0; i < value.size(); ++i) {
         irradiance[i][lane] = static_cast<float>(s.irradiance[i]);
@@ -116,6 +123,7 @@ void WardBatchFitter::deliver(const WardSlots& slots, int lane) {
     s.slope_error = error(slots.slope_variance);
     s.ln_alpha_error = error(slots.ln_alpha_variance);
     s.specular_error = error(slots.specular_variance);
+    s.diffuse_error = error(slots.diffuse_variance);
     s.iterations = static_cast<int>(slots.iterations[lane]);
     s.converged = slots.converged[lane] > 0;
     const bool finite = std::isfinite(s.cost) && std::isfinite(s.theta[0]) && std::isfinite(s.theta[1]) &&
@@ -174,6 +182,7 @@ WardEstimate WardSolution::estimate(int channels) const {
     for (int c = 0; c < 3; ++c) e.diffuse[c] = theta[static_cast<std::size_t>(kWardCommon + (c < channels ? c : 0))];
     e.slope_error = slope_error;
     e.specular_error = specular_error;
+    e.diffuse_error = diffuse_error;
     e.roughness_error = ln_alpha_error * e.roughness;
     e.rms_residual = std::sqrt(static_cast<double>(chi2));
     e.converged = converged;

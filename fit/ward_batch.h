@@ -32,7 +32,7 @@ struct WardBatch {
     int photos = 0, channels = 3;
     std::array<WardLane, 3> view;                   // [unit vector] to the camera
     std::vector<std::array<WardLane, 3>> light;     // [photo] unit vector
-    std::vector<WardLane> ambient;                  // [photo] as in PixelSamples
+    std::vector<WardLane> ambient, visible;         // [photo] as in PixelSamples
     std::vector<WardLane> irradiance, value, sigma; // [photo * channels + channel] as in PixelSamples
     WardLane prior_ln_alpha, prior_specular;        // WardPrior's
     WardLane prior_ln_alpha_sigma, prior_specular_sigma;
@@ -42,6 +42,7 @@ struct WardBatch {
     void resize(int photo_count, int channel_count, const WardPrior& prior);
     // Puts a pixel into an empty lane.
     void set(int lane, int name, const PixelSamples& samples);
+    void set_prior(int lane, const WardPrior& prior);
 };
 
 // Result of one lane. Natural parameters as in ward_residual.h.
@@ -50,6 +51,7 @@ struct WardSolution {
     float slope_error = 0;      // [1] as in WardEstimate, like the next two
     float specular_error = 0;   // [1]
     float ln_alpha_error = 0;   // [1] of ln alpha
+    float diffuse_error = 0;    // [1] as in WardEstimate
     float cost = 0;             // sum of the squares of the robust residuals, priors included
     float chi2 = 0;             // [1] cost per degree of freedom
     int iterations = 0;         // evaluations of residuals and derivatives
@@ -72,7 +74,7 @@ struct WardSlots {
     WardLane damping, damping_growth, cost, used, iterations, alive;  // alive: 1 where not finished
     WardLane resumed;  // 1 where `system` is that of theta
     std::array<WardLane, 33> system;  // cost, gradient and J^T J, as the kernel lays them out
-    WardLane valid, converged, slope_variance, ln_alpha_variance, specular_variance;
+    WardLane valid, converged, slope_variance, ln_alpha_variance, specular_variance, diffuse_variance;
     std::array<int, kWardLanes> pixel{};
 
     void resize(int photo_count, int channel_count);

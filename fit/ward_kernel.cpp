@@ -61,8 +61,14 @@ template <int C>
 HWY_INLINE void residuals_of(const V (&weight)[C], const V (&target)[C], const V* diffuse, V matt, V gloss,
                              V (&square)[C], V (&linear)[C], V& product) {
     V r[C], s[C];
+    // A negative weight is that of a clipped value, a lower bound: as long as the model is above, it says nothing.
+    const V zero = hn::Zero(Floats());
+    V counted[C];
     for (int c = 0; c < C; ++c) {
-        r[c] = hn::MulSub(weight[c], fma(diffuse[c], matt, gloss), target[c]);
+        const V off = hn::MulSub(weight[c], fma(diffuse[c], matt, gloss), target[c]);
+        const M silent = hn::And(hn::Lt(weight[c], zero), hn::Le(off, zero));
+        r[c] = hn::IfThenZeroElse(silent, off);
+        counted[c] = hn::IfThenZeroElse(silent, weight[c]);
         s[c] = hn::Min(fma(r[c], r[c], all(1)), all(1e12f));
     }
     // One division for all channels.
@@ -79,8 +85,8 @@ HWY_INLINE void residuals_of(const V (&weight)[C], const V (&target)[C], const V
         w[0] = hn::Div(all(1), s[0]);
     }
     for (int c = 0; c < C; ++c) {
-        square[c] = hn::Mul(hn::Mul(weight[c], weight[c]), curvature_weight(w[c]));
-        linear[c] = hn::Mul(hn::Mul(weight[c], r[c]), w[c]);
+        square[c] = hn::Mul(hn::Mul(counted[c], counted[c]), curvature_weight(w[c]));
+        linear[c] = hn::Mul(hn::Mul(counted[c], r[c]), w[c]);
     }
 }
 
@@ -163,7 +169,7 @@ HWY_INLINE void add_channel(const Block<C>& block, int n, int c, V (&h)[7], V& g
 // In blocks, and each block in steps with few sums each: one loop over all of it would have more sums than
 // there are registers, and a chain of dependent operations too long to overlap with the next photograph's.
 template <int C>
-HWY_NOINLINE void evaluate(const WardSlots& s, int at, const Point<C>& point, System<C>& sum) {
+HWY_NOINLINE void evaluate(const WardSlots& s, const Law& law, int at, const Point<C>& point, System<C>& sum) {
     const V zero = hn::Zero(Floats());
     V channel[C][7];
     for (V& v : sum.common) v = zero;
@@ -184,10 +190,9 @@ HWY_NOINLINE void evaluate(const WardSlots& s, int at, const Point<C>& point, Sy
         for (int i = 0; i < n; ++i) {
             const auto& light = s.light[static_cast<std::size_t>(first + i)];
             const V lx = load(light[0], at), ly = load(light[1], at), lz = load(light[2], at);
-            // h.h of h = l + v, both unit vectors.
             const V l_v = fma(lx, vx, fma(ly, vy, hn::Mul(lz, vz)));
             block.terms[i] =
-                ward_terms(f, inverse_alpha2, lx, ly, lz, load(light[3], at), fma(l_v, all(2), all(2)));
+                ward_terms(law, f, inverse_alpha2, lx, ly, lz, load(light[3], at), l_v);
         }
         for (int i = 0; i < n; ++i) {
             V weight[C], target[C], factor;
@@ -304,9 +309,10 @@ HWY_INLINE V step_of(const System<C>& h, const Point<C>& point, const Limits<C>&
     return falls;
 }
 
-// Variances of the common parameters from the inverse of J^T J: of the mean of both slopes, ln alpha, rho_s.
+// Variances of the common parameters from the inverse of J^T J: of the mean of both slopes, ln alpha, rho_s,
+// and of the mean of the diffuse channels.
 template <int C>
-HWY_INLINE void variances(const System<C>& h, V (&out)[3]) {
+HWY_INLINE void variances(const System<C>& h, V (&out)[4]) {
     V a[4][4];
     for (int i = 0; i < 4; ++i) {
         for (int j = 0; j < i; ++j) a[i][j] = h.common[kAt[i][j]];
@@ -330,6 +336,16 @@ HWY_INLINE void variances(const System<C>& h, V (&out)[3]) {
     out[0] = hn::Mul(all(0.5f), hn::Add(diagonal[0], diagonal[1]));
     out[1] = diagonal[2];
     out[2] = diagonal[3];
+    out[3] = hn::Zero(Floats());
+    for (int c = 0; c < C; ++c) {
+        const V inverse = hn::Div(all(1), hn::Add(h.diffuse[c][4], all(kTiny)));
+        V x[4], sum = inverse;
+        for (int i = 0; i < 4; ++i) x[i] = h.diffuse[c][i];
+        back_substitute(factors, x);
+        for (int i = 0; i < 4; ++i)
+            sum = fma(hn::Mul(hn::Mul(x[i], h.diffuse[c][i]), inverse), inverse, sum);
+        out[3] = fma(sum, all(1.0f / C), out[3]);
+    }
 }
 
 template <int C>
@@ -361,10 +377,11 @@ HWY_INLINE void run(WardSlots& s, const WardFitOptions& options, int at, int few
     V iterations = load(s.iterations, at), converged = load(s.converged, at);
     const V most = all(static_cast<float>(options.max_iterations));
     M alive = hn::Gt(load(s.alive, at), zero);
+    const Law law = law_of(options.law);
     System<C> system, trial;
     const bool fresh = hn::AllTrue(d, hn::Eq(load(s.resumed, at), zero));
     if (fresh)
-        evaluate<C>(s, at, point, system);
+        evaluate<C>(s, law, at, point, system);
     else
         each<C>(system, [&](V& v, int k) HWY_ATTR { v = load(s.system[static_cast<std::size_t>(k)], at); });
     while (!hn::AllFalse(d, alive) && static_cast<int>(hn::CountTrue(d, alive)) >= fewest) {
@@ -378,7 +395,7 @@ HWY_INLINE void run(WardSlots& s, const WardFitOptions& options, int at, int few
         Point<C> next;
         for (int i = 0; i < 4 + C; ++i)
             next.theta[i] = hn::Min(hn::Max(hn::Add(point.theta[i], step[i]), limits.low[i]), limits.high[i]);
-        evaluate<C>(s, at, next, trial);
+        evaluate<C>(s, law, at, next, trial);
         const V change = hn::Sub(system.cost, trial.cost);
         const M better = hn::And(alive, hn::Gt(change, zero)), worse = hn::AndNot(better, alive);
         // Nielsen's factor 1 - (2 rho - 1)^3 of an accepted step.
@@ -398,7 +415,7 @@ HWY_INLINE void run(WardSlots& s, const WardFitOptions& options, int at, int few
     for (int i = 0; i < 4 + C; ++i) store(point.theta[i], s.theta[static_cast<std::size_t>(i)], at);
     each<C>(system, [&](V& v, int k) HWY_ATTR { store(v, s.system[static_cast<std::size_t>(k)], at); });
     store(one, s.resumed, at);
-    V variance[3];
+    V variance[4];
     variances<C>(system, variance);
     store(damping, s.damping, at);
     store(growth, s.damping_growth, at);
@@ -409,6 +426,7 @@ HWY_INLINE void run(WardSlots& s, const WardFitOptions& options, int at, int few
     store(variance[0], s.slope_variance, at);
     store(variance[1], s.ln_alpha_variance, at);
     store(variance[2], s.specular_variance, at);
+    store(variance[3], s.diffuse_variance, at);
 }
 
 void RunSlots(WardSlots& slots, const WardFitOptions& options, int fewest) {

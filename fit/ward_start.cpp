@@ -231,7 +231,7 @@ HWY_INLINE void diffuse_of(const WardBatch& b, const Grey* grey, const Vector& n
 }
 
 // Light, weights and targets of the iteration; what the model leaves out is taken relative to the matt
-// prediction (add_model_error() of ward_fit.cpp says why).
+// prediction (add_model_error() of ward_fit.cpp says why). Weights of clipped values are negative.
 template <int C>
 HWY_INLINE V weigh(const WardBatch& b, const WardFitOptions& options, const Vector& normal, const V (&diffuse)[C],
                    int at, WardSlots& slots) {
@@ -243,6 +243,7 @@ HWY_INLINE V weigh(const WardBatch& b, const WardFitOptions& options, const Vect
         const auto photo = static_cast<std::size_t>(i);
         const Vector l = {load(b.light[photo][0], at), load(b.light[photo][1], at), load(b.light[photo][2], at)};
         const V ambient = load(b.ambient[photo], at);
+        const V hidden = hn::Sub(all(1), load(b.visible[photo], at));
         store(l.x, slots.light[photo][0], at);
         store(l.y, slots.light[photo][1], at);
         store(l.z, slots.light[photo][2], at);
@@ -251,15 +252,17 @@ HWY_INLINE V weigh(const WardBatch& b, const WardFitOptions& options, const Vect
         for (int c = 0; c < C; ++c) {
             const auto index = static_cast<std::size_t>(i * C + c);
             const V sigma = load(b.sigma[index], at), irradiance = load(b.irradiance[index], at);
-            const M some = hn::Gt(sigma, zero);
+            const M some = hn::Ne(sigma, zero);
             const V value = keep(some, load(b.value[index], at));
             const V matt = hn::Mul(hn::Mul(diffuse[c], cosine), irradiance);
             const V left_out = hn::Mul(model_error, hn::Max(matt, value));
-            const V total2 = choose(some, fma(sigma, sigma, hn::Mul(left_out, left_out)), all(1));
-            const V weight = keep(some, hn::Mul(inverse_scale, inverse_root(total2)));
+            const V shadow = hn::Mul(hidden, matt);
+            const V variance = fma(sigma, sigma, fma(left_out, left_out, hn::Mul(shadow, shadow)));
+            const V root = hn::Mul(inverse_scale, inverse_root(choose(some, variance, all(1))));
+            const V weight = keep(some, hn::CopySign(root, sigma));
             store(hn::Mul(weight, irradiance), slots.weight[index], at);
             store(hn::Mul(weight, value), slots.target[index], at);
-            used = hn::Add(used, keep(some, all(1)));
+            used = hn::Add(used, keep(hn::Gt(sigma, zero), all(1)));
         }
     }
     return used;
@@ -273,6 +276,7 @@ HWY_INLINE void start_lobe(const WardSlots& s, const WardFitOptions& options, co
     const V zero = hn::Zero(Floats());
     const V vx = load(s.view[0], at), vy = load(s.view[1], at), vz = load(s.view[2], at);
     const Facing f = facing(load(s.theta[0], at), load(s.theta[1], at), vx, vy, vz);
+    const Law law = law_of(options.law);
     V numerator[kWidths], denominator[kWidths];
     for (int k = 0; k < kWidths; ++k) numerator[k] = denominator[k] = zero;
     for (int i = 0; i < s.photos; ++i) {
@@ -280,19 +284,24 @@ HWY_INLINE void start_lobe(const WardSlots& s, const WardFitOptions& options, co
         const V lx = load(light[0], at), ly = load(light[1], at), lz = load(light[2], at);
         const V l_v = fma(lx, vx, fma(ly, vy, hn::Mul(lz, vz)));
         const Geometry g = geometry(f, lx, ly, lz, fma(l_v, all(2), all(2)));
-        const V matt = hn::Add(g.n_l, load(light[3], at)), shape = hn::Mul(g.shape, g.n_l);
+        V direct = g.n_l;
+        if (law.rough) direct = keep(g.lit, rough_diffuse(law, g.n_l, hn::Mul(f.view_n, f.inverse), l_v).value);
+        const V matt = hn::Add(direct, load(light[3], at)), shape = hn::Mul(g.shape, g.n_l);
         store(matt, grey[i].key, at);
         V left = zero, square = zero;  // sums over the channels of weight * residual, weight^2
         for (int c = 0; c < C; ++c) {
             const auto index = static_cast<std::size_t>(i * C + c);
             const V weight = load(s.weight[index], at);
-            left = fma(weight, fnma(hn::Mul(weight, diffuse[c]), matt, load(s.target[index], at)), left);
-            square = fma(weight, weight, square);
+            const V over = fnma(hn::Mul(weight, diffuse[c]), matt, load(s.target[index], at));
+            const V counted =
+                hn::IfThenZeroElse(hn::And(hn::Lt(weight, zero), hn::Ge(over, zero)), weight);
+            left = fma(counted, over, left);
+            square = fma(counted, counted, square);
         }
         for (int k = 0; k < kWidths; ++k) {
             const float alpha = kWidth[static_cast<std::size_t>(k)], inverse2 = 1 / (alpha * alpha);
-            const V lobe =
-                hn::Mul(exp_negative(hn::Mul(g.tan2, all(-inverse2))), hn::Mul(shape, all(inverse2)));
+            const Gaussians gauss = gaussians(law, g.tan2, all(inverse2));
+            const V lobe = hn::Mul(law.hazy ? hn::Add(gauss.core, gauss.haze) : gauss.core, shape);
             store(lobe, grey[i].reuse[k], at);
             numerator[k] = fma(lobe, left, numerator[k]);
             denominator[k] = fma(hn::Mul(lobe, lobe), square, denominator[k]);
@@ -319,7 +328,9 @@ HWY_INLINE void start_lobe(const WardSlots& s, const WardFitOptions& options, co
             const V gloss = hn::Mul(candidate[k], load(grey[i].reuse[k], at));
             V factor = all(1);
             for (int c = 0; c < C; ++c) {
-                const V r = fma(weight[c], gloss, off[c]);
+                const V plain = fma(weight[c], gloss, off[c]);
+                const V r = hn::IfThenZeroElse(
+                    hn::And(hn::Lt(weight[c], zero), hn::Le(plain, zero)), plain);
                 factor = hn::Mul(factor, hn::Min(fma(r, r, all(1)), all(1e12f)));
             }
             multiply(product[k], factor);

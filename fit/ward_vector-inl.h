@@ -10,6 +10,7 @@
 #include <hwy/highway.h>
 
 #include <cstdint>
+#include <numbers>
 
 #include "fit/ward_batch.h"
 
@@ -128,31 +129,94 @@ HWY_INLINE Geometry geometry(const Facing& f, V lx, V ly, V lz, V h_h) {
     return g;
 }
 
+// The reflectance law of surface/ward.h on all lanes.
+struct Law {
+    bool rough, hazy;
+    V roughness, scale;  // of the diffuse reflection, as rough_diffuse() has them
+    V core, haze;        // parts of the lobe
+};
+HWY_INLINE Law law_of(const ReflectanceLaw& law) {
+    const auto roughness = static_cast<float>(law.diffuse_roughness), haze = static_cast<float>(law.haze);
+    const float scale = 1 / (1 + (0.5f - 2 / (3 * std::numbers::pi_v<float>)) * roughness);
+    return {roughness > 0, haze > 0, all(roughness), all(scale), all(1 - haze), all(haze)};
+}
+
+// rough_diffuse() of surface/diffuse.h; of any use only where the light is above the surface.
+struct Diffuse {
+    V value, by_n_l, by_n_v;
+};
+HWY_INLINE Diffuse rough_diffuse(const Law& law, V n_l, V n_v, V l_v) {
+    const V zero = hn::Zero(Floats()), one = all(1);
+    const V s = fnma(n_l, n_v, l_v);
+    const M above = hn::Gt(s, zero), steep = hn::Gt(n_l, n_v);
+    const V inverse = hn::Div(one, hn::Max(hn::Max(n_l, n_v), all(1e-3f)));
+    const V falls = hn::Neg(hn::Mul(hn::Mul(l_v, inverse), inverse));
+    const V ratio = choose(above, hn::Mul(s, inverse), s);
+    const V by_n_l = choose(above, choose(steep, falls, all(-1)), hn::Neg(n_v));
+    const V by_n_v = choose(above, choose(steep, all(-1), falls), hn::Neg(n_l));
+    const V rough_n_l = hn::Mul(law.roughness, n_l);
+    return {hn::Mul(hn::Mul(n_l, law.scale), fma(law.roughness, ratio, one)),
+            hn::Mul(law.scale, fma(law.roughness, ratio, fma(rough_n_l, by_n_l, one))),
+            hn::Mul(hn::Mul(law.scale, rough_n_l), by_n_v)};
+}
+
+// The Gaussians of lobe and haze times their parts, before `shape`. The haze is twice as wide, so that its
+// exponential is the fourth root of the core's.
+static_assert(kHazeWidth == 2);
+struct Gaussians {
+    V core, haze;  // haze: of any use only where there is some
+};
+HWY_INLINE Gaussians gaussians(const Law& law, V tan2, V inverse_alpha2) {
+    const V exponent = hn::Neg(hn::Mul(tan2, inverse_alpha2));
+    if (!law.hazy) return {hn::Mul(exp_negative(exponent), inverse_alpha2), inverse_alpha2};
+    const V root = exp_negative(hn::Mul(exponent, all(0.25f)));
+    // Its fourth power is 0 below exp(-36) too.
+    const V square = keep(hn::Gt(root, all(1.2341e-4f)), hn::Mul(root, root));
+    return {hn::Mul(hn::Mul(hn::Mul(square, square), inverse_alpha2), law.core),
+            hn::Mul(hn::Mul(root, hn::Mul(inverse_alpha2, all(0.25f))), law.haze)};
+}
+
 // ward_terms() of ward_residual.h: the model but for rho_d and rho_s, and its derivatives by slope x, slope y
 // and (the lobe only) ln alpha.
 struct Terms {
     V matt, lobe;
     V dmatt[2], dlobe[3];
 };
-HWY_INLINE Terms ward_terms(const Facing& f, V inverse_alpha2, V lx, V ly, V lz, V ambient, V h_h) {
-    const Geometry g = geometry(f, lx, ly, lz, h_h);
-    const V gauss = hn::Mul(exp_negative(hn::Neg(hn::Mul(g.tan2, inverse_alpha2))), inverse_alpha2);
-    const V lobe = hn::Mul(gauss, g.shape);
-    const V by_h_n = hn::Mul(hn::Mul(lobe, g.inverse_h_n),
-                             hn::MulSub(hn::Add(g.ratio, g.ratio), inverse_alpha2, all(4)));
-    const V weighted = hn::Mul(by_h_n, g.n_l);
+HWY_INLINE Terms ward_terms(const Law& law, const Facing& f, V inverse_alpha2, V lx, V ly, V lz, V ambient, V l_v) {
+    const Geometry g = geometry(f, lx, ly, lz, fma(l_v, all(2), all(2)));
+    const Gaussians gauss = gaussians(law, g.tan2, inverse_alpha2);
+    const V ratio2 = hn::Add(g.ratio, g.ratio);
+    V lobe = hn::Mul(gauss.core, g.shape);
+    V by_h_n = hn::Mul(lobe, hn::MulSub(ratio2, inverse_alpha2, all(4)));
+    V by_ln_alpha = hn::Mul(lobe, hn::MulSub(g.tan2, inverse_alpha2, all(1)));
+    if (law.hazy) {
+        const V wide = hn::Mul(gauss.haze, g.shape), inverse_width2 = hn::Mul(inverse_alpha2, all(0.25f));
+        lobe = hn::Add(lobe, wide);
+        by_h_n = fma(wide, hn::MulSub(ratio2, inverse_width2, all(4)), by_h_n);
+        by_ln_alpha = fma(wide, hn::MulSub(g.tan2, inverse_width2, all(1)), by_ln_alpha);
+    }
+    const V weighted = hn::Mul(hn::Mul(by_h_n, g.inverse_h_n), g.n_l);
     const V inverse = keep(g.lit, f.inverse), inverse2 = hn::Mul(f.inverse, f.inverse);
     const V slope[2] = {hn::Mul(f.p, inverse2), hn::Mul(f.q, inverse2)};
     const V lateral[2] = {lx, ly}, half[2] = {hn::Add(lx, f.view_x), hn::Add(ly, f.view_y)};
     Terms t;
-    t.matt = hn::Add(g.n_l, ambient);
     t.lobe = hn::Mul(lobe, g.n_l);
     for (int i = 0; i < 2; ++i) {
         t.dmatt[i] = hn::Neg(fma(lateral[i], inverse, hn::Mul(g.n_l, slope[i])));
         const V dh_n = hn::Neg(fma(half[i], f.inverse, hn::Mul(g.h_n, slope[i])));
         t.dlobe[i] = fma(weighted, dh_n, hn::Mul(lobe, t.dmatt[i]));
     }
-    t.dlobe[2] = hn::Mul(hn::Add(t.lobe, t.lobe), hn::MulSub(g.tan2, inverse_alpha2, all(1)));
+    t.matt = hn::Add(g.n_l, ambient);
+    if (law.rough) {
+        const Diffuse d = rough_diffuse(law, g.n_l, hn::Mul(f.view_n, f.inverse), l_v);
+        t.matt = hn::Add(keep(g.lit, d.value), ambient);
+        for (int i = 0; i < 2; ++i) {
+            const V dn_v = hn::Neg(fma(i == 0 ? f.view_x : f.view_y, f.inverse,
+                                       hn::Mul(hn::Mul(f.view_n, f.inverse), slope[i])));
+            t.dmatt[i] = keep(g.lit, fma(d.by_n_l, t.dmatt[i], hn::Mul(d.by_n_v, dn_v)));
+        }
+    }
+    t.dlobe[2] = hn::Mul(hn::Add(by_ln_alpha, by_ln_alpha), g.n_l);
     return t;
 }
 
