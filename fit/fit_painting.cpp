@@ -9,9 +9,11 @@
 
 #include "capture/survey.h"
 #include "capture/transfer_metadata.h"
+#include "fit/lobe_prior.h"
 #include "surface/error.h"
 #include "surface/median.h"
 #include "surface/parallel.h"
+#include "surface/relight.h"
 
 namespace tangi {
 
@@ -39,12 +41,68 @@ float confidence_of(const WardEstimate& e) {
 struct Counters {
     long fitted = 0, not_converged = 0;
     int rows = 0;
+    std::vector<float> rms_residuals;  // [sigma] of every so many-th pixel; < 0 where it was not fitted
     std::mutex mutex;
 };
 
+constexpr std::size_t kRmsResiduals = 1000000;
+std::size_t rms_step(const Surface& s) {
+    return std::max<std::size_t>(1, s.height_mm.size() / kRmsResiduals);
+}
+
+// What the first pass leaves to the second.
+struct FirstPass {
+    struct Prior {
+        float ln_alpha, ln_alpha_sigma, specular, specular_sigma;
+    };
+    Image<Prior> priors;
+    float highest_mm = 0;
+
+    WardPrior prior(int x, int y) const {
+        const Prior& p = priors(x, y);
+        return {p.ln_alpha, p.ln_alpha_sigma, p.specular, p.specular_sigma};
+    }
+};
+
+FirstPass look_back(const Surface& surface, const FitErrors& errors, const WardPrior& general) {
+    FirstPass result{Image<FirstPass::Prior>(surface.width(), surface.height())};
+    parallel_for(0, surface.height(), 4, [&](int begin, int end) {
+        for (int y = begin; y < end; ++y)
+            for (int x = 0; x < surface.width(); ++x) {
+                const WardPrior p = lobe_prior_at(surface, errors, general, x, y);
+                result.priors(x, y) = {static_cast<float>(p.ln_alpha), static_cast<float>(p.ln_alpha_sigma),
+                                       static_cast<float>(p.specular), static_cast<float>(p.specular_sigma)};
+            }
+    });
+    const auto heights = surface.height_mm.pixels();
+    result.highest_mm = *std::max_element(heights.begin(), heights.end());
+    return result;
+}
+
+constexpr float kLightRadius_rad = 0.25f * static_cast<float>(M_PI) / 180;
+
+void store(const WardEstimate& e, int x, int y, FitResult& result) {
+    Surface& surface = result.surface;
+    surface.normal(x, y) = normal_of({static_cast<float>(e.slope.x), static_cast<float>(e.slope.y)});
+    surface.diffuse(x, y) = Rgb(e.diffuse);
+    surface.specular(x, y) = static_cast<float>(e.specular);
+    surface.roughness(x, y) = static_cast<float>(e.roughness);
+    surface.confidence(x, y) = confidence_of(e);
+    result.errors.slope(x, y) = static_cast<float>(e.slope_error);
+    result.errors.diffuse(x, y) = static_cast<float>(e.diffuse_error);
+    result.errors.specular(x, y) = static_cast<float>(e.specular_error);
+    result.errors.roughness(x, y) = static_cast<float>(e.roughness_error);
+}
+
+// `first`: null in the first pass.
 void fit_band(const Stack& stack, const Band& band, const Lighting& lighting, const NoiseModel& noise,
-              const FitOptions& options, Surface& surface, Counters& counters, const Progress& progress) {
-    oneapi::tbb::enumerable_thread_specific<WardFitter> fitters([&] { return WardFitter(options.ward); });
+              const FitOptions& options, const FirstPass* first, FitResult& result, Counters& counters,
+              const Progress& progress) {
+    const Surface& surface = result.surface;
+    WardFitOptions ward = options.ward;
+    ward.law = surface.law;
+    const bool shadows = first && surface.width() > 1 && surface.height() > 1;
+    oneapi::tbb::enumerable_thread_specific<WardFitter> fitters([&] { return WardFitter(ward); });
     parallel_for(band.y0(), band.y1(), 1, [&](int begin, int end) {
         WardFitter& fitter = fitters.local();
         PixelSamples samples;
@@ -54,25 +112,61 @@ void fit_band(const Stack& stack, const Band& band, const Lighting& lighting, co
                 if (!stack.mask.empty() && !stack.mask(x, y)) continue;
                 illuminate(lighting, surface.point_mm(x, y), band.channels(), samples);
                 gather(band, x, y, noise, samples);
-                const WardEstimate e = fitter.fit(samples);
+                for (std::size_t i = 0; shadows && i < samples.light.size(); ++i)
+                    samples.visible[i] = visible_part(surface, x, y, Vec3(samples.light[i]),
+                                                      first->highest_mm, kLightRadius_rad);
+                const WardEstimate e = first ? fitter.fit(samples, first->prior(x, y)) : fitter.fit(samples);
                 if (!e.valid) continue;
                 ++fitted;
                 not_converged += !e.converged;
-                surface.normal(x, y) =
-                    normal_of({static_cast<float>(e.slope.x), static_cast<float>(e.slope.y)});
-                surface.diffuse(x, y) = Rgb(e.diffuse);
-                surface.specular(x, y) = static_cast<float>(e.specular);
-                surface.roughness(x, y) = static_cast<float>(e.roughness);
-                surface.confidence(x, y) = confidence_of(e);
-                // Its place until the height is integrated, which saves a map; summarise() reads it.
-                surface.height_mm(x, y) = static_cast<float>(e.rms_residual);
+                store(e, x, y, result);
+                const std::size_t index =
+                    static_cast<std::size_t>(y) * static_cast<std::size_t>(surface.width()) +
+                    static_cast<std::size_t>(x);
+                if (index % rms_step(surface) == 0)
+                    counters.rms_residuals[index / rms_step(surface)] = static_cast<float>(e.rms_residual);
             }
         const std::lock_guard lock(counters.mutex);
         counters.fitted += fitted;
         counters.not_converged += not_converged;
         counters.rows += end - begin;
-        report(progress, "fit", counters.rows / static_cast<double>(surface.height()));
+        report(progress, first ? "refine" : "fit", counters.rows / static_cast<double>(surface.height()));
     });
+}
+
+void summarise(const Surface& surface, Counters& counters, double diffuse_max, FitReport& report) {
+    report.pixels = static_cast<long>(surface.height_mm.size());
+    report.fitted = counters.fitted;
+    report.not_converged = counters.not_converged;
+    report.too_bright = 0;
+    for (const Rgb& diffuse : surface.diffuse.pixels())
+        report.too_bright += std::max({diffuse.r, diffuse.g, diffuse.b}) > 0.99 * diffuse_max;
+    std::erase_if(counters.rms_residuals, [](float rms) { return rms < 0; });
+    std::vector<float> confidences;
+    for (std::size_t i = 0; i < surface.height_mm.size(); i += rms_step(surface))
+        if (surface.confidence.pixels()[i] > 0) confidences.push_back(surface.confidence.pixels()[i]);
+    report.median_rms_residual = median(std::move(counters.rms_residuals));
+    report.median_confidence = median(std::move(confidences));
+}
+
+// One pass over the photographs; the next band is decoded while this one is fitted.
+void fit_bands(const Stack& stack, const Transfer& transfer, const Lighting& lighting,
+               const NoiseModel& noise, const FitOptions& options, const FirstPass* first, FitResult& result,
+               const Progress& progress) {
+    Counters counters;
+    counters.rms_residuals.assign((result.surface.height_mm.size() - 1) / rms_step(result.surface) + 1, -1);
+    StackReader reader(stack);
+    const int rows = reader.rows_for(kBandBytes);
+    Band next = reader.read(0, std::min(rows, stack.height()), transfer);
+    for (int y0 = 0; y0 < stack.height(); y0 += rows) {
+        const Band band = std::move(next);
+        const int y1 = std::min(y0 + rows, stack.height()), y2 = std::min(y1 + rows, stack.height());
+        auto decoded = std::async(std::launch::async,
+                                  [&, y1, y2] { return y1 < y2 ? reader.read(y1, y2, transfer) : Band(); });
+        fit_band(stack, band, lighting, noise, options, first, result, counters, progress);
+        next = decoded.get();
+    }
+    summarise(result.surface, counters, options.ward.bounds.diffuse_max, result.report);
 }
 
 // Files of floats have no full scale: their noise is relative to the white level.
@@ -113,23 +207,6 @@ void describe_lights(const Stack& stack, const LightCalibration& calibration, Ph
         if (light.position_mm) light.position_mm = light.direction * glm::length(*light.position_mm);
         add(as_photographed(light, fitted), false, photo);
     }
-}
-
-void summarise(const Surface& surface, const Counters& counters, double diffuse_max, FitReport& report) {
-    report.pixels = static_cast<long>(surface.height_mm.size());
-    report.fitted = counters.fitted;
-    report.not_converged = counters.not_converged;
-    for (const Rgb& diffuse : surface.diffuse.pixels())
-        report.too_bright += std::max({diffuse.r, diffuse.g, diffuse.b}) > 0.99 * diffuse_max;
-    std::vector<float> residuals, confidences;
-    const std::size_t step = std::max<std::size_t>(1, surface.height_mm.size() / 1000000);
-    for (std::size_t i = 0; i < surface.height_mm.size(); i += step)
-        if (surface.confidence.pixels()[i] > 0) {
-            residuals.push_back(surface.height_mm.pixels()[i]);
-            confidences.push_back(surface.confidence.pixels()[i]);
-        }
-    report.median_rms_residual = median(std::move(residuals));
-    report.median_confidence = median(std::move(confidences));
 }
 
 // Surveys the stack and leaves out black photographs; where asked for, also registers it, and where that
@@ -204,20 +281,23 @@ FitResult fit_painting(Stack stack, const FitOptions& options, const Progress& p
     if (std::string warning = warning_of(report_.lights, stack.folder.string()); !warning.empty())
         stack.warnings.push_back(std::move(warning));
     describe_lights(stack, report_.lights, surface.photography);
-    StackReader reader(stack);
-    const int rows = reader.rows_for(kBandBytes);
-    Counters counters;
-    Band next = reader.read(0, std::min(rows, stack.height()), transfer);
-    for (int y0 = 0; y0 < stack.height(); y0 += rows) {
-        const Band band = std::move(next);
-        // The next band is decoded while this one is fitted.
-        const int y1 = std::min(y0 + rows, stack.height()), y2 = std::min(y1 + rows, stack.height());
-        auto decoded = std::async(std::launch::async,
-                                  [&, y1, y2] { return y1 < y2 ? reader.read(y1, y2, transfer) : Band(); });
-        fit_band(stack, band, lighting, noise, options, surface, counters, progress);
-        next = decoded.get();
+    const bool law_is_open = !options.diffuse_roughness || !options.haze;
+    if (law_is_open && !options.lights_as_given)
+        report_.law = choose_law(LightSample(stack, surveyed, transfer, noise, surface.mm_per_pixel,
+                                             options.ward, options.calibration.samples),
+                                 lighting, progress);
+    surface.law = report_.law.law = {
+        .diffuse_roughness = options.diffuse_roughness.value_or(report_.law.law.diffuse_roughness),
+        .haze = options.haze.value_or(report_.law.law.haze)};
+    result.errors = FitErrors(stack.width(), stack.height());
+    fit_bands(stack, transfer, lighting, noise, options, nullptr, result, progress);
+    if (options.refine) {
+        integrate_normals(surface.normal, surface.confidence, surface.mm_per_pixel, surface.height_mm,
+                          options.height, progress);
+        subtract(best_plane(surface.height_mm, surface.confidence), surface.height_mm);
+        const FirstPass first = look_back(surface, result.errors, options.ward.prior);
+        fit_bands(stack, transfer, lighting, noise, options, &first, result, progress);
     }
-    summarise(surface, counters, options.ward.bounds.diffuse_max, report_);
     report_.colour = correct_colours(stack, surface);
     report_.colour.white_by_chart = white.has_value();
     report_.height = integrate_normals(surface.normal, surface.confidence, surface.mm_per_pixel,

@@ -8,7 +8,9 @@
 #include "capture/stack.h"
 #include "capture/transfer_estimate.h"
 #include "fit/chart_colours.h"
+#include "fit/fit_errors.h"
 #include "fit/height.h"
+#include "fit/law_choice.h"
 #include "fit/light_calibration.h"
 #include "fit/ward_fit.h"
 #include "surface/surface.h"
@@ -23,6 +25,9 @@ struct FitOptions {
                                     // 0.012 for 8-bit photographs (3 codes: JPEG), 0.006 for deeper ones
     bool register_photos = true;    // find out whether the camera moved, and undo it
     bool lights_as_given = false;   // distant lamps of equal strength, as a lights file describes them
+    // Of the whole painting; where empty, what predicts left-out photographs best.
+    std::optional<double> diffuse_roughness{}, haze{};
+    bool refine = true;  // fit twice: the second time with neighbours' lobes and cast shadows known
     LightCalibrationOptions calibration = {};
     WardFitOptions ward = {};
     HeightOptions height = {};
@@ -38,6 +43,17 @@ struct FitOptions {
         visit(FieldInfo{"lights_as_given", 0, 1, "",
                         "take the lamps for distant and equally strong, as a lights file describes them"},
               self.lights_as_given);
+        visit(
+            FieldInfo{"diffuse_roughness", 0, 1, "1",
+                      "roughness of the diffuse reflection (0: Lambert's law; else the photographs decide)"},
+            self.diffuse_roughness);
+        visit(
+            FieldInfo{"haze", 0, 1, "1",
+                      "part of the lobe in a wider one, of the whole painting (else the photographs decide)"},
+            self.haze);
+        visit(FieldInfo{"refine", 0, 1, "",
+                        "fit twice: the second time with the lobes of neighbours and cast shadows known"},
+              self.refine);
         visit(FieldInfo{"noise", 1e-5, 0.5, "1", "noise of the stored values, full scale = 1"}, self.noise);
     }
 };
@@ -46,6 +62,7 @@ struct FitReport {
     Registration registration;  // how far the camera moved; empty where not asked for
     TransferEstimate transfer;  // how the photographs were linearised, and how that is known
     LightCalibration lights;    // what strengths and distances were found, and whether that helped
+    LawChoice law;              // of the whole painting, and how it is known
     ColourReport colour;
     long pixels = 0;                 // of the picture
     long fitted = 0;                 // with a valid estimate
@@ -61,12 +78,14 @@ struct FitReport {
 
 struct FitResult {
     Surface surface;
+    FitErrors errors;
     FitReport report;
 };
 
 // Surveys the stack, linearises, fits every pixel in bands (so that memory does not depend on the number of
-// photographs) and integrates the height. Deterministic for any number of threads.
-// Throws Error on what the photographs make impossible; Cancelled where progress asks for it.
+// photographs) and integrates the height; then, to refine, all pixels once more, each with what its
+// neighbours say about its lobe and with the shadows that the relief casts. Deterministic for any number of
+// threads. Throws Error on what the photographs make impossible; Cancelled where progress asks for it.
 FitResult fit_painting(Stack stack, const FitOptions& options = {}, const Progress& progress = {});
 
 }  // namespace tangi

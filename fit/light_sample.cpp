@@ -71,9 +71,12 @@ void LightSample::gather(int k, const std::vector<int>& photos, const Lighting& 
     }
 }
 
-std::vector<WardEstimate> LightSample::fit(const std::vector<int>& photos, const Lighting& lighting) const {
+std::vector<WardEstimate> LightSample::fit(const std::vector<int>& photos, const Lighting& lighting,
+                                           const ReflectanceLaw& law) const {
+    WardFitOptions options = ward_;
+    options.law = law;
     std::vector<WardEstimate> estimates(static_cast<std::size_t>(size()));
-    oneapi::tbb::enumerable_thread_specific<WardFitter> fitters([&] { return WardFitter(ward_); });
+    oneapi::tbb::enumerable_thread_specific<WardFitter> fitters([&] { return WardFitter(options); });
     parallel_for(0, size(), 8, [&](int begin, int end) {
         PixelSamples samples;
         for (int k = begin; k < end; ++k) {
@@ -85,7 +88,7 @@ std::vector<WardEstimate> LightSample::fit(const std::vector<int>& photos, const
 }
 
 double LightSample::psnr_db(const std::vector<WardEstimate>& estimates, int photo, const Lighting& lighting,
-                            int from, int step) const {
+                            int from, int step, const ReflectanceLaw& law) const {
     const double white = transfer_.encode(static_cast<float>(lighting.white_level));
     const float clipped = transfer_.encode(noise_.clipped());
     double squares = 0;
@@ -96,12 +99,12 @@ double LightSample::psnr_db(const std::vector<WardEstimate>& estimates, int phot
         if (!e.valid) continue;
         illuminate(lighting, point_mm(k), survey_.channels, s);
         const double theta[kWardCommon] = {e.slope.x, e.slope.y, std::log(e.roughness), e.specular};
-        const WardTerms t = ward_terms(theta, s.light[0], s.view);
+        const WardTerms t = ward_terms(theta, s.light[0], s.view, law);
         const float* stored = this->stored(k, photo);
         if (std::isnan(stored[0])) continue;  // outside a registered photograph
         for (int c = 0; c < survey_.channels; ++c, ++count) {
             const double linear = s.irradiance[static_cast<std::size_t>(c)] *
-                                  (e.diffuse[c] * (t.n_l + s.ambient[0]) + e.specular * t.lobe);
+                                  (e.diffuse[c] * (t.matt + s.ambient[0]) + e.specular * t.lobe);
             const float shown = transfer_.encode(std::min(static_cast<float>(linear), noise_.clipped()));
             squares += std::pow((shown - std::min(stored[c], clipped)) / white, 2);
         }

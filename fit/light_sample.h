@@ -21,12 +21,13 @@ public:
     double width_mm() const { return width_mm_; }  // of the picture's longer side
 
     // The pixels fitted to these photographs; the lighting has one light for each of them.
-    std::vector<WardEstimate> fit(const std::vector<int>& photos, const Lighting& lighting) const;
+    std::vector<WardEstimate> fit(const std::vector<int>& photos, const Lighting& lighting,
+                                  const ReflectanceLaw& law = {}) const;
 
     // [dB] PSNR of one photograph, predicted under this light; a matt white that faces it is the peak. Pixels
     // `from`, `from` + `step`, …
     double psnr_db(const std::vector<WardEstimate>& estimates, int photo, const Lighting& lighting,
-                   int from = 0, int step = 1) const;
+                   int from = 0, int step = 1, const ReflectanceLaw& law = {}) const;
 
     // The light of one photograph as its even pixels show it, the pixels being what they are; moves what the
     // freedom says of gain and direction.

@@ -30,11 +30,12 @@ NoiseModel::NoiseModel(const Transfer& transfer, double noise, bool clips, std::
 }
 
 double NoiseModel::sigma(float linear) const {
-    if (!(linear < clipped_)) return 0;
+    if (std::isnan(linear)) return 0;
     const float position = std::clamp(linear, 0.0f, 1.0f) * (kEntries - 1);
     const auto i = static_cast<std::size_t>(position);
     const float t = position - static_cast<float>(i);
-    return sigma_[i] + t * (sigma_[std::min<std::size_t>(i + 1, kEntries - 1)] - sigma_[i]);
+    const float sigma = sigma_[i] + t * (sigma_[std::min<std::size_t>(i + 1, kEntries - 1)] - sigma_[i]);
+    return linear < clipped_ ? sigma : -sigma;
 }
 
 }  // namespace tangi

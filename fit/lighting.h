@@ -33,7 +33,7 @@ public:
     // it is the same for all photographs of a pixel and so changes no weight between them.
     NoiseModel(const Transfer& transfer, double noise, bool clips, std::optional<float> clipped = {});
 
-    // 0 where the sample is clipped (it only says "at least this") or not a number.
+    // Negative where the sample is clipped (it only says "at least this"); 0 where it is not a number.
     double sigma(float linear) const;
     float clipped() const { return clipped_; }  // linear value from which on a sample is clipped
 

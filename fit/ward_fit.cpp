@@ -61,9 +61,11 @@ void add_model_error(const LambertEstimate& start, double model_error, PixelSamp
         const double cosine = std::max(glm::dot(start.normal, s.light[photo]), 0.0) + s.ambient[photo];
         for (int c = 0; c < s.channels; ++c) {
             const auto at = static_cast<std::size_t>(i * s.channels + c);
-            if (!(s.sigma[at] > 0)) continue;
+            if (s.sigma[at] == 0) continue;
             const double matt = start.diffuse[c] * cosine * s.irradiance[at];
-            s.sigma[at] = std::hypot(s.sigma[at], model_error * std::max(matt, s.value[at]));
+            const double shadow = (1 - s.visible[photo]) * matt;
+            const double sigma = std::hypot(s.sigma[at], model_error * std::max(matt, s.value[at]), shadow);
+            s.sigma[at] = std::copysign(sigma, s.sigma[at]);
         }
     }
 }
@@ -71,7 +73,7 @@ void add_model_error(const LambertEstimate& start, double model_error, PixelSamp
 // Start of the lobe: for a few widths, the rho_s that explains what the diffuse estimate leaves over, each
 // with its robust cost; the cheapest wins. Least squares alone is bimodal in alpha.
 void start_lobe(const PixelSamples& s, const WardResiduals& residuals, const WardBounds& bounds,
-                WardVector& theta) {
+                const ReflectanceLaw& law, WardVector& theta) {
     constexpr std::array<double, 5> widths = {0.06, 0.12, 0.2, 0.32, 0.5};
     double best_cost = std::numeric_limits<double>::infinity();
     const WardVector diffuse_only = theta;
@@ -80,14 +82,16 @@ void start_lobe(const PixelSamples& s, const WardResiduals& residuals, const War
         candidate[2] = std::log(alpha);
         double numerator = 0, denominator = 0;
         for (int i = 0; i < s.photos(); ++i) {
-            const WardTerms t = ward_terms(candidate.data(), s.light[static_cast<std::size_t>(i)], s.view);
+            const WardTerms t =
+                ward_terms(candidate.data(), s.light[static_cast<std::size_t>(i)], s.view, law);
             for (int c = 0; c < s.channels; ++c) {
                 const auto at = static_cast<std::size_t>(i * s.channels + c);
-                if (!(s.sigma[at] > 0)) continue;
+                if (s.sigma[at] == 0) continue;
                 const double w = 1 / (s.sigma[at] * s.sigma[at]);
                 const double left = s.value[at] - s.irradiance[at] *
                                                       candidate[kWardCommon + static_cast<std::size_t>(c)] *
-                                                      (t.n_l + s.ambient[static_cast<std::size_t>(i)]);
+                                                      (t.matt + s.ambient[static_cast<std::size_t>(i)]);
+                if (s.sigma[at] < 0 && left <= 0) continue;
                 const double lobe = s.irradiance[at] * t.lobe;
                 numerator += w * lobe * left;
                 denominator += w * lobe * lobe;
@@ -112,7 +116,9 @@ WardFitter::WardFitter(const WardFitOptions& options)
 
 WardFitter::~WardFitter() = default;
 
-WardEstimate WardFitter::fit(const PixelSamples& given) {
+WardEstimate WardFitter::fit(const PixelSamples& given) { return fit(given, options_.prior); }
+
+WardEstimate WardFitter::fit(const PixelSamples& given, const WardPrior& prior) {
     WardEstimate estimate;
     const LambertEstimate start = photometric_stereo(given);
     if (!start.valid) return estimate;
@@ -121,7 +127,7 @@ WardEstimate WardFitter::fit(const PixelSamples& given) {
     add_model_error(start, options_.model_error, samples);
 
     const WardBounds& bounds = options_.bounds;
-    const WardResiduals residuals(samples, options_.prior, options_.robust_scale);
+    const WardResiduals residuals(samples, prior, options_.robust_scale, options_.law);
     Workspace& w = *workspace_;
     const int rows = residuals.size();
     w.jacobian.resize(rows, kWardParameters);
@@ -129,12 +135,12 @@ WardEstimate WardFitter::fit(const PixelSamples& given) {
 
     WardVector theta = {-start.normal.x / start.normal.z,
                         -start.normal.y / start.normal.z,
-                        options_.prior.ln_alpha,
+                        prior.ln_alpha,
                         0.0,
                         start.diffuse[0],
                         start.diffuse[1],
                         start.diffuse[2]};
-    start_lobe(samples, residuals, bounds, theta);
+    start_lobe(samples, residuals, bounds, options_.law, theta);
 
     const WardFunction function(residuals, bounds);
     const WardVector u0 = unbounded_of(theta, bounds);
@@ -165,6 +171,10 @@ WardEstimate WardFitter::fit(const PixelSamples& given) {
     const Matrix covariance = information.ldlt().solve(Matrix::Identity()) * std::max(chi2, 1.0);
     const auto error_of = [&](int i) { return std::sqrt(std::max(covariance(i, i), 0.0)); };
     estimate.slope_error = std::sqrt(std::max(covariance(0, 0) + covariance(1, 1), 0.0) / 2);
+    double diffuse_variance = 0;
+    for (int c = 0; c < samples.channels; ++c)
+        diffuse_variance += std::max(covariance(kWardCommon + c, kWardCommon + c), 0.0) / samples.channels;
+    estimate.diffuse_error = std::sqrt(diffuse_variance);
     estimate.roughness_error = error_of(2) * estimate.roughness;
     estimate.specular_error = error_of(3);
     estimate.rms_residual = std::sqrt(chi2);

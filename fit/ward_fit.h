@@ -15,6 +15,7 @@ struct WardFitOptions {
     int max_iterations = 30;    // Levenberg-Marquardt steps
     double model_error = 0.05;  // [1] relative deviation of real surfaces from the model
     double robust_scale = 3;    // [sigma] residual from which a sample counts less and less (Cauchy)
+    ReflectanceLaw law = {};
     WardBounds bounds = {};
     WardPrior prior = {};
 
@@ -38,6 +39,7 @@ struct WardEstimate {
     glm::dvec3 diffuse{0};       // [1] rho_d
     double specular = 0;         // [1] rho_s
     double roughness = 0.3;      // [1] alpha
+    double diffuse_error = 0;    // [1] standard error of rho_d, root of the mean variance of the channels
     double slope_error = 0;      // [1] standard error of the slope, root of the mean of both variances
     double specular_error = 0;   // [1]
     double roughness_error = 0;  // [1]
@@ -52,7 +54,8 @@ public:
     explicit WardFitter(const WardFitOptions& options);
     ~WardFitter();
 
-    WardEstimate fit(const PixelSamples& samples);
+    WardEstimate fit(const PixelSamples& samples);  // with the prior of the options
+    WardEstimate fit(const PixelSamples& samples, const WardPrior& prior);
 
 private:
     struct Workspace;

@@ -10,22 +10,24 @@ void WardResiduals::evaluate(const double* theta, double* residuals, double* jac
     const auto at = [&](int row, int column) -> double& { return jacobian[column * rows + row]; };
     int row = 0;
     for (int i = 0; i < samples_.photos(); ++i) {
-        const WardTerms t = ward_terms(theta, samples_.light[static_cast<std::size_t>(i)], samples_.view);
-        const double matt = t.n_l + samples_.ambient[static_cast<std::size_t>(i)];
+        const WardTerms t =
+            ward_terms(theta, samples_.light[static_cast<std::size_t>(i)], samples_.view, law_);
+        const double matt = t.matt + samples_.ambient[static_cast<std::size_t>(i)];
         for (int c = 0; c < channels; ++c, ++row) {
             const auto index = static_cast<std::size_t>(row);
             residuals[row] = 0;
-            if (!(samples_.sigma[index] > 0)) continue;
-            const double scale = samples_.irradiance[index] / samples_.sigma[index];
+            if (samples_.sigma[index] == 0) continue;
+            const double sigma = std::abs(samples_.sigma[index]);
+            const double scale = samples_.irradiance[index] / sigma;
             const double diffuse = theta[kWardCommon + c], specular = theta[3];
-            const double plain =
-                scale * (diffuse * matt + specular * t.lobe) - samples_.value[index] / samples_.sigma[index];
+            const double plain = scale * (diffuse * matt + specular * t.lobe) - samples_.value[index] / sigma;
+            if (samples_.sigma[index] < 0 && plain >= 0) continue;
             const RobustValue robust = root_cauchy(plain, robust_scale_);
             residuals[row] = robust.value;
             if (!jacobian) continue;
             const double d = scale * robust.derivative;
-            at(row, 0) = d * (diffuse * t.dn_l[0] + specular * t.dlobe[0]);
-            at(row, 1) = d * (diffuse * t.dn_l[1] + specular * t.dlobe[1]);
+            at(row, 0) = d * (diffuse * t.dmatt[0] + specular * t.dlobe[0]);
+            at(row, 1) = d * (diffuse * t.dmatt[1] + specular * t.dlobe[1]);
             at(row, 2) = d * specular * t.dlobe[2];
             at(row, 3) = d * t.lobe;
             at(row, kWardCommon + c) = d * matt;
@@ -44,14 +46,16 @@ double WardResiduals::cost(const double* theta) const {
     double product = 1, logarithm = 0;
     const double inverse_c2 = 1 / (robust_scale_ * robust_scale_);
     for (int i = 0, row = 0; i < samples_.photos(); ++i) {
-        const WardTerms t = ward_terms(theta, samples_.light[static_cast<std::size_t>(i)], samples_.view);
-        const double matt = t.n_l + samples_.ambient[static_cast<std::size_t>(i)];
+        const WardTerms t =
+            ward_terms(theta, samples_.light[static_cast<std::size_t>(i)], samples_.view, law_);
+        const double matt = t.matt + samples_.ambient[static_cast<std::size_t>(i)];
         for (int c = 0; c < samples_.channels; ++c, ++row) {
             const auto at = static_cast<std::size_t>(row);
-            if (!(samples_.sigma[at] > 0)) continue;
+            if (samples_.sigma[at] == 0) continue;
             const double model =
                 samples_.irradiance[at] * (theta[kWardCommon + c] * matt + theta[3] * t.lobe);
-            const double r = (model - samples_.value[at]) / samples_.sigma[at];
+            const double r = (model - samples_.value[at]) / std::abs(samples_.sigma[at]);
+            if (samples_.sigma[at] < 0 && r >= 0) continue;
             product *= 1 + r * r * inverse_c2;
             if (product > 1e100) {
                 logarithm += std::log(product);

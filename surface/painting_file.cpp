@@ -116,6 +116,9 @@ Imf::Header header_of(const Surface& s) {
     for (const Channel& c : channels_of(const_cast<Surface&>(s)))  // only the names are read
         header.channels().insert(c.name, Imf::Channel(Imf::FLOAT));
     header.insert("mm_per_pixel", Imf::FloatAttribute(static_cast<float>(s.mm_per_pixel)));
+    for (const auto& [name, value] :
+         {std::pair("diffuse_roughness", s.law.diffuse_roughness), {"haze", s.law.haze}})
+        if (value != 0) header.insert(name, Imf::FloatAttribute(static_cast<float>(value)));
     header.insert("scale_known", Imf::IntAttribute(s.scale_known ? 1 : 0));
     header.insert("photography", Imf::StringAttribute(utf8_of(to_json(s.photography))));
     header.insert("provenance", Imf::StringAttribute(s.provenance));
@@ -257,6 +260,11 @@ Surface read_dry_part(const fs::path& path, const Progress& progress) {
     s.mm_per_pixel = attribute<Imf::FloatAttribute>(header, "mm_per_pixel", 1.0f);
     if (!(s.mm_per_pixel > 0) || !std::isfinite(s.mm_per_pixel))
         fail("{}: mm_per_pixel = {} is not positive", path.string(), s.mm_per_pixel);
+    s.law.diffuse_roughness = attribute<Imf::FloatAttribute>(header, "diffuse_roughness", 0.0f);
+    s.law.haze = attribute<Imf::FloatAttribute>(header, "haze", 0.0f);
+    for (const auto& [name, value] :
+         {std::pair("diffuse_roughness", s.law.diffuse_roughness), {"haze", s.law.haze}})
+        if (!(value >= 0 && value <= 1)) fail("{}: {} = {} is not from 0 to 1", path.string(), name, value);
     s.scale_known = attribute<Imf::IntAttribute>(header, "scale_known", 0) != 0;
     s.provenance = attribute<Imf::StringAttribute>(header, "provenance", std::string());
     const std::string photography = attribute<Imf::StringAttribute>(header, "photography", std::string("{}"));

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "surface/diffuse.h"
 #include "surface/parallel.h"
 
 namespace tangi {
@@ -42,8 +43,28 @@ Rgb reflected(const Surface& s, int x, int y, const Vec3& light, const Vec3& vie
     const Vec3& n = s.normal(x, y);
     const WardAngles<float> angles = ward_angles(n, light, view);
     if (!(angles.n_l > 0)) return Rgb(0);
-    const float lobe = ward_lobe(model, angles, s.roughness(x, y));
-    return (s.diffuse(x, y) + kPi * s.specular(x, y) * lobe) * angles.n_l;
+    const float lobe = hazy_lobe(model, angles, s.roughness(x, y), static_cast<float>(s.law.haze));
+    const auto diffuse_roughness = static_cast<float>(s.law.diffuse_roughness);
+    const float matt =
+        angles.n_v > 0 ? rough_diffuse(angles.n_l, angles.n_v, angles.h_h / 2 - 1, diffuse_roughness).value
+                       : angles.n_l;
+    return s.diffuse(x, y) * matt + kPi * s.specular(x, y) * lobe * angles.n_l;
+}
+
+float visible_part(const Surface& s, int x, int y, const Vec3& l, float highest_mm, float light_radius_rad) {
+    const float across = std::hypot(l.x, l.y);
+    if (across < 1e-6f) return 1;  // straight from above: nothing can stand in the way
+    const float elevation = std::atan2(l.z, across);
+    const float floor = std::tan(std::max(elevation - light_radius_rad, -1.5f));
+    const float tangent = horizon(s, x, y, l.x / across, -l.y / across, highest_mm, floor);
+    if (tangent <= floor) return 1;
+    // At least -1: rounding can put a horizon that touches the light's lower rim below it.
+    const float covered =
+        light_radius_rad > 0 ? std::max((std::atan(tangent) - elevation) / light_radius_rad, -1.0f) : 1.0f;
+    if (covered >= 1) return 0;
+    // Area of the part of a unit disc above the line at height `covered`.
+    const float area = std::acos(covered) - covered * std::sqrt(1 - covered * covered);
+    return std::clamp(area / kPi, 0.0f, 1.0f);
 }
 
 Image<float> visibility(const Surface& s, const Light& light, double light_radius_deg) {
@@ -56,22 +77,7 @@ Image<float> visibility(const Surface& s, const Light& light, double light_radiu
         for (int y = begin; y < end; ++y) {
             for (int x = 0; x < s.width(); ++x) {
                 const Vec3 l = incidence(light, s.point_mm(x, y), s.photography.rig).direction;
-                const float across = std::hypot(l.x, l.y);
-                if (across < 1e-6f) continue;  // straight from above: nothing can stand in the way
-                const float elevation = std::atan2(l.z, across);
-                const float floor = std::tan(std::max(elevation - radius, -1.5f));
-                const float tangent = horizon(s, x, y, l.x / across, -l.y / across, highest, floor);
-                if (tangent <= floor) continue;
-                // At least -1: rounding can put a horizon that touches the light's lower rim below it.
-                const float covered =
-                    radius > 0 ? std::max((std::atan(tangent) - elevation) / radius, -1.0f) : 1.0f;
-                if (covered >= 1) {
-                    visible(x, y) = 0;
-                } else {
-                    // Area of the part of a unit disc above the line at height `covered`.
-                    const float area = std::acos(covered) - covered * std::sqrt(1 - covered * covered);
-                    visible(x, y) = std::clamp(area / kPi, 0.0f, 1.0f);
-                }
+                visible(x, y) = visible_part(s, x, y, l, highest, radius);
             }
         }
     });

@@ -33,13 +33,20 @@ struct RelightOptions {
 // Linear picture in the frame of the maps, as the camera of surface.photography.rig saw it (from straight
 // ahead where there is none):
 //   value = ambient rho_d + sum over lights of irradiance *
-//           (visibility * (rho_d + pi rho_s lobe) * max(0, n.l) + rig.ambient rho_d)
-// so that a matt white facing a light of gain 1 is 1 + rig.ambient. It is linear in the lights (tested).
+//           (visibility * (rho_d D + pi rho_s lobe max(0, n.l)) + rig.ambient rho_d)
+// with D of diffuse.h, max(0, n.l) where surface.law.diffuse_roughness is 0: then a matt white facing a light
+// of gain 1 is 1 + rig.ambient. It is linear in the lights (tested).
 Image<Rgb> relight(const Surface& surface, std::span<const Light> lights, const RelightOptions& options = {},
                    const Progress& progress = {});
 
 // One pixel of it: pi f cos(theta) for one light direction, without visibility.
 Rgb reflected(const Surface& surface, int x, int y, const Vec3& light, const Vec3& view, WardModel model);
+
+// Part, 0..1, of a light of this angular radius in this direction [unit vector] that reaches a pixel past the
+// relief, of which `highest_mm` is the highest point. Surfaces of one row or column cast no shadows: do not
+// ask.
+float visible_part(const Surface& surface, int x, int y, const Vec3& direction, float highest_mm,
+                   float light_radius_rad);
 
 // Part of the light, 0..1, that reaches each pixel past the relief. Light from a disc of the given angular
 // radius around each direction; a pixel beyond the picture's border casts no shadow.

@@ -13,6 +13,7 @@
 #include "surface/image.h"
 #include "surface/lamp_model.h"
 #include "surface/light.h"
+#include "surface/ward.h"
 
 namespace tangi {
 
@@ -61,6 +62,7 @@ struct Surface {
     Image<float> roughness;   // [1] alpha, rms slope of the microfacets
     Image<float> confidence;  // [1] 0 = not measured .. 1 = certain
 
+    ReflectanceLaw law;        // of the whole painting
     double mm_per_pixel = 1;   // [mm] > 0; 1 where unknown
     bool scale_known = false;  // false: mm_per_pixel is a guess, heights are in pixels
     Photography photography;   // empty where the surface does not come from photographs

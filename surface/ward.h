@@ -87,6 +87,24 @@ T ward_lobe(WardModel model, const WardAngles<T>& a, T alpha_x, T alpha_y) {
     return detail::ward_lobe(model, a, (u * u + v * v) / (a.h_n * a.h_n), alpha_x * alpha_y);
 }
 
+// What all pixels of a painting share of its reflectance, beside the lobes of their own.
+struct ReflectanceLaw {
+    double diffuse_roughness = 0;  // [1] 0 (Lambert's law) .. 1: sigma of surface/diffuse.h
+    // [1] 0 .. 1: part of rho_s that is in a wider lobe of kHazeWidth alpha. Varnish and oil paint have a
+    // bright core and a faint wide halo, which no single Gaussian has (Ngan, Durand & Matusik 2005, sec. 4).
+    double haze = 0;
+
+    friend bool operator==(const ReflectanceLaw&, const ReflectanceLaw&) = default;
+};
+constexpr double kHazeWidth = 2;  // [1]
+
+// The isotropic lobe and its haze: at most rho_s in all, as each part is.
+template <class T>
+T hazy_lobe(WardModel model, const WardAngles<T>& a, T alpha, T haze) {
+    const T core = ward_lobe(model, a, alpha);
+    return haze > 0 ? (1 - haze) * core + haze * ward_lobe(model, a, T(kHazeWidth) * alpha) : core;
+}
+
 // The angles between unit vectors n, l, v.
 inline WardAngles<float> ward_angles(const Vec3& n, const Vec3& l, const Vec3& v) {
     const Vec3 h = l + v;

@@ -37,7 +37,7 @@ PixelSamples samples_of(const WardVector& theta, int photos, int channels, doubl
         for (int c = 0; c < channels; ++c, ++at) {
             s.irradiance[at] = 0.75;
             s.value[at] =
-                0.75 * (theta[static_cast<std::size_t>(kWardCommon + c)] * t.n_l + theta[3] * t.lobe);
+                0.75 * (theta[static_cast<std::size_t>(kWardCommon + c)] * t.matt + theta[3] * t.lobe);
             s.sigma[at] = sigma;
         }
     }

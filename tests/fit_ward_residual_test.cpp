@@ -260,7 +260,7 @@ TEST(WardTerms, AgreeWithTheBoundedLobeOfTheSurfaceModule) {
         const double expected = std::numbers::pi * std::max(angles.n_l, 0.0) *
                                 ward_lobe(WardModel::bounded, angles, std::exp(theta[2]));
         const WardTerms t = ward_terms(theta.data(), l, v);
-        EXPECT_NEAR(t.n_l, std::max(angles.n_l, 0.0), 1e-12);
+        EXPECT_NEAR(t.matt, std::max(angles.n_l, 0.0), 1e-12);
         // tan^2 is the difference of two numbers near 1, so it is off by some 1e-16, its quotient by alpha^2
         // by 1e-12.
         EXPECT_NEAR(t.lobe, expected, 1e-10 * (1 + expected));

@@ -43,7 +43,7 @@ inline WardVector start_of(const PixelSamples& s, const WardFitOptions& options)
             const auto channels = static_cast<std::size_t>(s.channels);
             const WardTerms t = ward_terms(theta.data(), s.light[i / channels], s.view);
             const double lobe = s.irradiance[i] * t.lobe / s.sigma[i];
-            const double left = s.value[i] - s.irradiance[i] * theta[kWardCommon + i % channels] * t.n_l;
+            const double left = s.value[i] - s.irradiance[i] * theta[kWardCommon + i % channels] * t.matt;
             numerator += lobe * left / s.sigma[i];
             denominator += lobe * lobe;
         }

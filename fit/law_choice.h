@@ -1,0 +1,26 @@
+// law_choice.h: how rough the diffuse reflection of a painting is and how much haze its lobes have
+// (surface/ward.h), decided by how well left-out photographs are predicted.
+#pragma once
+
+#include <vector>
+
+#include "fit/light_sample.h"
+
+namespace tangi {
+
+struct LawChoice {
+    ReflectanceLaw law;
+    // [dB] Mean PSNR of photographs left out in turn, on the sample, for each law that was tried.
+    struct Trial {
+        ReflectanceLaw law;
+        double left_out_db;
+    };
+    std::vector<Trial> trials{};  // empty where it was given, or where there were too few photographs to try
+};
+
+// `lighting` has one light for each photograph of the sample's stack. Haze and then diffuse roughness are
+// only believed where they predict photographs better by more than twice the standard error, else they are 0,
+// as they are with fewer than 12 photographs. Deterministic for any number of threads.
+LawChoice choose_law(const LightSample& sample, const Lighting& lighting, const Progress& progress = {});
+
+}  // namespace tangi
