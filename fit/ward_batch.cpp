@@ -84,8 +84,8 @@ void WardSlots::copy_lanes(int to, const WardSlots& from, std::span<const int> l
     copy_all(system, from.system);
     for (const auto member :
          {&WardSlots::prior_ln_alpha, &WardSlots::prior_specular, &WardSlots::prior_ln_alpha_weight,
-          &WardSlots::prior_specular_weight, &WardSlots::damping, &WardSlots::damping_growth, &WardSlots::used,
-          &WardSlots::iterations, &WardSlots::alive, &WardSlots::resumed, &WardSlots::valid,
+          &WardSlots::prior_specular_weight, &WardSlots::damping, &WardSlots::damping_growth,
+          &WardSlots::used, &WardSlots::iterations, &WardSlots::alive, &WardSlots::resumed, &WardSlots::valid,
           &WardSlots::converged})
         copy(this->*member, from.*member);
     for (const int lane : lanes)
@@ -107,7 +107,7 @@ void WardBatchFitter::deliver(const WardSlots& slots, int lane) {
     if (name < 0) return;
     WardSolution& s = solutions_[static_cast<std::size_t>(name)];
     s.valid = slots.valid[lane] > 0;
-    if (!s.valid) return;
+    if (!s.valid) return;  // too dark, or too few samples: Ceres would not fit it either
     for (std::size_t i = 0; i < s.theta.size(); ++i) {
         const std::size_t last = static_cast<std::size_t>(kWardCommon + slots.channels) - 1;
         s.theta[i] = slots.theta[std::min(i, last)][lane];
@@ -130,8 +130,7 @@ void WardBatchFitter::deliver(const WardSlots& slots, int lane) {
                         std::isfinite(s.slope_error);
     s.valid = std::isfinite(s.theta[0]) && std::isfinite(s.theta[1]);
     const auto bound = static_cast<float>(options_.bounds.slope);
-    s.doubtful =
-        !s.converged || !finite || std::abs(s.theta[0]) >= bound || std::abs(s.theta[1]) >= bound;
+    s.doubtful = !s.converged || !finite || std::abs(s.theta[0]) >= bound || std::abs(s.theta[1]) >= bound;
 }
 
 std::vector<int> WardBatchFitter::deliver_finished(const WardSlots& slots) {
@@ -152,8 +151,7 @@ void WardBatchFitter::fit(const WardBatch& batch) {
     run_ward_slots(current_, options_, kFewest);
     const std::vector<int> alive = deliver_finished(current_);
     for (std::span<const int> left = alive; !left.empty();) {
-        const std::size_t n =
-            std::min(left.size(), static_cast<std::size_t>(kWardLanes - waiting_count_));
+        const std::size_t n = std::min(left.size(), static_cast<std::size_t>(kWardLanes - waiting_count_));
         waiting_.copy_lanes(waiting_count_, current_, left.first(n));
         waiting_count_ += static_cast<int>(n);
         left = left.subspan(n);
@@ -179,7 +177,8 @@ WardEstimate WardSolution::estimate(int channels) const {
     e.slope = {theta[0], theta[1]};
     e.roughness = std::exp(static_cast<double>(theta[2]));
     e.specular = theta[3];
-    for (int c = 0; c < 3; ++c) e.diffuse[c] = theta[static_cast<std::size_t>(kWardCommon + (c < channels ? c : 0))];
+    for (int c = 0; c < 3; ++c)
+        e.diffuse[c] = theta[static_cast<std::size_t>(kWardCommon + (c < channels ? c : 0))];
     e.slope_error = slope_error;
     e.specular_error = specular_error;
     e.diffuse_error = diffuse_error;

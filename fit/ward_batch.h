@@ -30,13 +30,14 @@ struct alignas(64) WardLane {
 // Samples of up to 16 pixels under the same lights; a lane that no pixel has is one whose sigmas are 0.
 struct WardBatch {
     int photos = 0, channels = 3;
-    std::array<WardLane, 3> view;                   // [unit vector] to the camera
-    std::vector<std::array<WardLane, 3>> light;     // [photo] unit vector
-    std::vector<WardLane> ambient, visible;         // [photo] as in PixelSamples
-    std::vector<WardLane> irradiance, value, sigma; // [photo * channels + channel] as in PixelSamples
-    WardLane prior_ln_alpha, prior_specular;        // WardPrior's
+    std::array<WardLane, 3> view;                    // [unit vector] to the camera
+    std::vector<std::array<WardLane, 3>> light;      // [photo] unit vector
+    std::vector<WardLane> ambient, visible;          // [photo] as in PixelSamples
+    std::vector<WardLane> irradiance, value, sigma;  // [photo * channels + channel] as in PixelSamples
+    WardLane prior_ln_alpha, prior_specular;         // WardPrior's
     WardLane prior_ln_alpha_sigma, prior_specular_sigma;
-    std::array<int, kWardLanes> pixel{};  // the caller's name of the pixel, from 0; -1 where the lane is empty
+    std::array<int, kWardLanes>
+        pixel{};  // the caller's name of the pixel, from 0; -1 where the lane is empty
 
     // Empties all lanes. Priors become `prior`.
     void resize(int photo_count, int channel_count, const WardPrior& prior);
@@ -48,16 +49,16 @@ struct WardBatch {
 // Result of one lane. Natural parameters as in ward_residual.h.
 struct WardSolution {
     std::array<float, kWardParameters> theta{};
-    float slope_error = 0;      // [1] as in WardEstimate, like the next two
-    float specular_error = 0;   // [1]
-    float ln_alpha_error = 0;   // [1] of ln alpha
-    float diffuse_error = 0;    // [1] as in WardEstimate
-    float cost = 0;             // sum of the squares of the robust residuals, priors included
-    float chi2 = 0;             // [1] cost per degree of freedom
-    int iterations = 0;         // evaluations of residuals and derivatives
-    bool valid = false;         // as in WardEstimate
+    float slope_error = 0;     // [1] as in WardEstimate, like the next two
+    float specular_error = 0;  // [1]
+    float ln_alpha_error = 0;  // [1] of ln alpha
+    float diffuse_error = 0;   // [1] as in WardEstimate
+    float cost = 0;            // sum of the squares of the robust residuals, priors included
+    float chi2 = 0;            // [1] cost per degree of freedom
+    int iterations = 0;        // evaluations of residuals and derivatives
+    bool valid = false;        // as in WardEstimate
     bool converged = false;
-    bool doubtful = false;      // not converged, not a number, or a slope at its bound: for Ceres to look at
+    bool doubtful = false;  // not converged, not a number, or a slope at its bound: for Ceres to look at
 
     WardEstimate estimate(int channels) const;
 };
@@ -72,7 +73,7 @@ struct WardSlots {
     WardLane prior_ln_alpha, prior_specular, prior_ln_alpha_weight, prior_specular_weight;
     std::array<WardLane, kWardParameters> theta;
     WardLane damping, damping_growth, cost, used, iterations, alive;  // alive: 1 where not finished
-    WardLane resumed;  // 1 where `system` is that of theta
+    WardLane resumed;                                                 // 1 where `system` is that of theta
     std::array<WardLane, 33> system;  // cost, gradient and J^T J, as the kernel lays them out
     WardLane valid, converged, slope_variance, ln_alpha_variance, specular_variance, diffuse_variance;
     std::array<int, kWardLanes> pixel{};
@@ -110,9 +111,9 @@ private:
     std::vector<WardSolution> solutions_;
 };
 
-// Instruction sets that the kernel can use on this machine, best first, and which one it uses from now on (for
-// tests and benchmarks; not while a fit runs). Sets with fused multiplication (AVX2, AVX-512, NEON) give the
-// same bits; others differ by rounding.
+// Instruction sets that the kernel can use on this machine, best first, and which one it uses from now on
+// (for tests and benchmarks; not while a fit runs). Sets with fused multiplication (AVX2, AVX-512, NEON) give
+// the same bits; others differ by rounding.
 std::vector<std::string> ward_instruction_sets();
 void use_ward_instruction_set(const std::string& name);  // empty: the best again
 

@@ -23,8 +23,8 @@ namespace HWY_NAMESPACE {
 // The upper triangle of J^T J and J^T r at a point; rows p, q, ln alpha, rho_s, then one a channel.
 template <int C>
 struct System {
-    V common[10];      // pp pq pa ps qq qa qs aa as ss
-    V diffuse[C][5];   // of each channel with p, q, a, s, and with itself
+    V common[10];     // pp pq pa ps qq qa qs aa as ss
+    V diffuse[C][5];  // of each channel with p, q, a, s, and with itself
     V gradient[4 + C];
     V cost;
 };
@@ -61,7 +61,8 @@ template <int C>
 HWY_INLINE void residuals_of(const V (&weight)[C], const V (&target)[C], const V* diffuse, V matt, V gloss,
                              V (&square)[C], V (&linear)[C], V& product) {
     V r[C], s[C];
-    // A negative weight is that of a clipped value, a lower bound: as long as the model is above, it says nothing.
+    // A negative weight is that of a clipped value, a lower bound: as long as the model is above, it says
+    // nothing.
     const V zero = hn::Zero(Floats());
     V counted[C];
     for (int c = 0; c < C; ++c) {
@@ -90,7 +91,8 @@ HWY_INLINE void residuals_of(const V (&weight)[C], const V (&target)[C], const V
     }
 }
 
-// What a block of photographs leaves between the steps of evaluate(): few enough to stay in the nearest cache.
+// What a block of photographs leaves between the steps of evaluate(): few enough to stay in the nearest
+// cache.
 constexpr int kBlock = 16;
 template <int C>
 struct Block {
@@ -169,7 +171,8 @@ HWY_INLINE void add_channel(const Block<C>& block, int n, int c, V (&h)[7], V& g
 // In blocks, and each block in steps with few sums each: one loop over all of it would have more sums than
 // there are registers, and a chain of dependent operations too long to overlap with the next photograph's.
 template <int C>
-HWY_NOINLINE void evaluate(const WardSlots& s, const Law& law, int at, const Point<C>& point, System<C>& sum) {
+HWY_NOINLINE void evaluate(const WardSlots& s, const Law& law, int at, const Point<C>& point,
+                           System<C>& sum) {
     const V zero = hn::Zero(Floats());
     V channel[C][7];
     for (V& v : sum.common) v = zero;
@@ -191,8 +194,7 @@ HWY_NOINLINE void evaluate(const WardSlots& s, const Law& law, int at, const Poi
             const auto& light = s.light[static_cast<std::size_t>(first + i)];
             const V lx = load(light[0], at), ly = load(light[1], at), lz = load(light[2], at);
             const V l_v = fma(lx, vx, fma(ly, vy, hn::Mul(lz, vz)));
-            block.terms[i] =
-                ward_terms(law, f, inverse_alpha2, lx, ly, lz, load(light[3], at), l_v);
+            block.terms[i] = ward_terms(law, f, inverse_alpha2, lx, ly, lz, load(light[3], at), l_v);
         }
         for (int i = 0; i < n; ++i) {
             V weight[C], target[C], factor;
@@ -223,8 +225,7 @@ HWY_NOINLINE void evaluate(const WardSlots& s, const Law& law, int at, const Poi
     sum.common[9] = hn::Add(sum.common[9], s_weight);
     sum.gradient[2] = fma(a_weight, a_off, sum.gradient[2]);
     sum.gradient[3] = fma(s_weight, s_off, sum.gradient[3]);
-    sum.cost = fma(hn::Mul(a_weight, a_off), a_off,
-                   fma(hn::Mul(s_weight, s_off), s_off, logarithm(product)));
+    sum.cost = fma(hn::Mul(a_weight, a_off), a_off, fma(hn::Mul(s_weight, s_off), s_off, logarithm(product)));
 }
 
 // Position in System::common.
@@ -303,7 +304,8 @@ HWY_INLINE V step_of(const System<C>& h, const Point<C>& point, const Limits<C>&
     }
     V falls = zero;
     for (int i = 0; i < 4 + C; ++i) {
-        const V diagonal = i < 4 ? h.common[kAt[std::min(i, 3)][std::min(i, 3)]] : h.diffuse[std::max(i - 4, 0)][4];
+        const V diagonal =
+            i < 4 ? h.common[kAt[std::min(i, 3)][std::min(i, 3)]] : h.diffuse[std::max(i - 4, 0)][4];
         falls = fma(step[i], hn::MulSub(hn::Mul(damping, diagonal), step[i], gradient[i]), falls);
     }
     return falls;
@@ -342,8 +344,7 @@ HWY_INLINE void variances(const System<C>& h, V (&out)[4]) {
         V x[4], sum = inverse;
         for (int i = 0; i < 4; ++i) x[i] = h.diffuse[c][i];
         back_substitute(factors, x);
-        for (int i = 0; i < 4; ++i)
-            sum = fma(hn::Mul(hn::Mul(x[i], h.diffuse[c][i]), inverse), inverse, sum);
+        for (int i = 0; i < 4; ++i) sum = fma(hn::Mul(hn::Mul(x[i], h.diffuse[c][i]), inverse), inverse, sum);
         out[3] = fma(sum, all(1.0f / C), out[3]);
     }
 }
@@ -357,8 +358,8 @@ HWY_INLINE void take(M accepted, const System<C>& from, System<C>& to) {
     to.cost = choose(accepted, from.cost, to.cost);
 }
 
-// One register's worth of lanes from `at` on. Nielsen's damping (Madsen, Nielsen & Tingleff 2004, "Methods for
-// non-linear least squares problems", algorithm 3.16), as TinySolver has it.
+// One register's worth of lanes from `at` on. Nielsen's damping (Madsen, Nielsen & Tingleff 2004, "Methods
+// for non-linear least squares problems", algorithm 3.16), as TinySolver has it.
 template <int C>
 HWY_INLINE void run(WardSlots& s, const WardFitOptions& options, int at, int fewest) {
     const Floats d;
@@ -401,7 +402,8 @@ HWY_INLINE void run(WardSlots& s, const WardFitOptions& options, int at, int few
         // Nielsen's factor 1 - (2 rho - 1)^3 of an accepted step.
         const V rho = hn::Min(hn::Div(change, hn::Max(falls, all(1e-20f))), all(2));
         const V t = hn::Sub(hn::Add(rho, rho), one);
-        const V eased = hn::Max(hn::Mul(damping, hn::Max(all(1.0f / 3), fnma(hn::Mul(t, t), t, one))), all(1e-7f));
+        const V eased =
+            hn::Max(hn::Mul(damping, hn::Max(all(1.0f / 3), fnma(hn::Mul(t, t), t, one))), all(1e-7f));
         damping = choose(better, eased, choose(worse, hn::Mul(damping, growth), damping));
         growth = choose(better, all(2), choose(worse, hn::Add(growth, growth), growth));
         iterations = hn::Add(iterations, keep(alive, one));
@@ -456,7 +458,8 @@ void run_ward_slots(WardSlots& slots, const WardFitOptions& options, int fewest)
 
 std::vector<std::string> ward_instruction_sets() {
     std::vector<std::string> names;
-    for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) names.push_back(hwy::TargetName(target));
+    for (const std::int64_t target : hwy::SupportedAndGeneratedTargets())
+        names.push_back(hwy::TargetName(target));
     return names;
 }
 

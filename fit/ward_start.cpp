@@ -156,8 +156,8 @@ HWY_INLINE M stereo(Grey* grey, int n, V count, int at, Vector& normal) {
         const M between = hn::And(hn::Ge(brightness, lowest), hn::Le(brightness, highest));
         const V weight = choose(between, all(1), all(0.01f));
         store(weight, s.weight, at);
-        add(start, weight, {load(s.x, at), load(s.y, at), load(s.z, at)}, load(s.ambient, at), load(s.value, at),
-            normal);
+        add(start, weight, {load(s.x, at), load(s.y, at), load(s.z, at)}, load(s.ambient, at),
+            load(s.value, at), normal);
     }
     valid = hn::And(valid, solve(start, g));
     const PhotometricStereoOptions options;
@@ -178,8 +178,8 @@ HWY_INLINE M stereo(Grey* grey, int n, V count, int at, Vector& normal) {
             const Vector light = {load(s.x, at), load(s.y, at), load(s.z, at)};
             const V direct = dot(before, light), ambient = load(s.ambient, at), value = load(s.value, at);
             const V off = hn::Sub(value, fma(ambient, length, hn::Max(direct, zero)));
-            const V w = hn::Div(
-                all(1), fma(hn::Mul(off, off), hn::Mul(load(s.inverse2, at), tightness), all(1)));
+            const V w =
+                hn::Div(all(1), fma(hn::Mul(off, off), hn::Mul(load(s.inverse2, at), tightness), all(1)));
             const V weight = choose(hn::Gt(direct, zero), hn::Mul(w, w), all(1e-4f));
             store(choose(going, weight, load(s.weight, at)), s.weight, at);
             add(sums, weight, light, ambient, value, facing_g);
@@ -195,8 +195,8 @@ HWY_INLINE M stereo(Grey* grey, int n, V count, int at, Vector& normal) {
     // Steeper than can be seen: turned up to the steepest.
     const V across = hn::Sqrt(fma(normal.x, normal.x, hn::Mul(normal.y, normal.y)));
     const M steep = hn::And(valid, hn::Lt(normal.z, all(kSmallestZ))), flat = hn::Lt(across, all(1e-12f));
-    const V turn = choose(steep, hn::Div(all(std::sqrt(1 - kSmallestZ * kSmallestZ)), choose(flat, all(1), across)),
-                          all(1));
+    const V turn = choose(
+        steep, hn::Div(all(std::sqrt(1 - kSmallestZ * kSmallestZ)), choose(flat, all(1), across)), all(1));
     normal = {hn::Mul(normal.x, turn), hn::Mul(normal.y, turn),
               choose(steep, choose(flat, all(1), all(kSmallestZ)), normal.z)};
     const M known = valid;
@@ -206,7 +206,8 @@ HWY_INLINE M stereo(Grey* grey, int n, V count, int at, Vector& normal) {
 
 // The albedo of each channel that explains the samples under the normal, as stereo() weighed them.
 template <int C>
-HWY_INLINE void diffuse_of(const WardBatch& b, const Grey* grey, const Vector& normal, int at, V (&diffuse)[C]) {
+HWY_INLINE void diffuse_of(const WardBatch& b, const Grey* grey, const Vector& normal, int at,
+                           V (&diffuse)[C]) {
     const V zero = hn::Zero(Floats());
     V numerator[C], denominator[C];
     for (int c = 0; c < C; ++c) numerator[c] = denominator[c] = zero;
@@ -233,15 +234,16 @@ HWY_INLINE void diffuse_of(const WardBatch& b, const Grey* grey, const Vector& n
 // Light, weights and targets of the iteration; what the model leaves out is taken relative to the matt
 // prediction (add_model_error() of ward_fit.cpp says why). Weights of clipped values are negative.
 template <int C>
-HWY_INLINE V weigh(const WardBatch& b, const WardFitOptions& options, const Vector& normal, const V (&diffuse)[C],
-                   int at, WardSlots& slots) {
+HWY_INLINE V weigh(const WardBatch& b, const WardFitOptions& options, const Vector& normal,
+                   const V (&diffuse)[C], int at, WardSlots& slots) {
     const V zero = hn::Zero(Floats());
     const V model_error = all(static_cast<float>(options.model_error));
     const V inverse_scale = all(1 / static_cast<float>(options.robust_scale));
     V used = zero;
     for (int i = 0; i < b.photos; ++i) {
         const auto photo = static_cast<std::size_t>(i);
-        const Vector l = {load(b.light[photo][0], at), load(b.light[photo][1], at), load(b.light[photo][2], at)};
+        const Vector l = {load(b.light[photo][0], at), load(b.light[photo][1], at),
+                          load(b.light[photo][2], at)};
         const V ambient = load(b.ambient[photo], at);
         const V hidden = hn::Sub(all(1), load(b.visible[photo], at));
         store(l.x, slots.light[photo][0], at);
@@ -252,8 +254,9 @@ HWY_INLINE V weigh(const WardBatch& b, const WardFitOptions& options, const Vect
         for (int c = 0; c < C; ++c) {
             const auto index = static_cast<std::size_t>(i * C + c);
             const V sigma = load(b.sigma[index], at), irradiance = load(b.irradiance[index], at);
-            const M some = hn::Ne(sigma, zero);
-            const V value = keep(some, load(b.value[index], at));
+            const V given = load(b.value[index], at);
+            const M some = hn::And(hn::Ne(sigma, zero), hn::Lt(hn::Abs(given), all(1e30f)));
+            const V value = keep(some, given);
             const V matt = hn::Mul(hn::Mul(diffuse[c], cosine), irradiance);
             const V left_out = hn::Mul(model_error, hn::Max(matt, value));
             const V shadow = hn::Mul(hidden, matt);
@@ -271,8 +274,8 @@ HWY_INLINE V weigh(const WardBatch& b, const WardFitOptions& options, const Vect
 // For each of five widths the rho_s that explains what the matt estimate leaves over, and its robust cost;
 // the cheapest wins. Least squares alone has two minima in alpha.
 template <int C>
-HWY_INLINE void start_lobe(const WardSlots& s, const WardFitOptions& options, const V (&diffuse)[C], Grey* grey,
-                           int at, V& ln_alpha, V& specular) {
+HWY_INLINE void start_lobe(const WardSlots& s, const WardFitOptions& options, const V (&diffuse)[C],
+                           Grey* grey, int at, V& ln_alpha, V& specular) {
     const V zero = hn::Zero(Floats());
     const V vx = load(s.view[0], at), vy = load(s.view[1], at), vz = load(s.view[2], at);
     const Facing f = facing(load(s.theta[0], at), load(s.theta[1], at), vx, vy, vz);
@@ -285,7 +288,8 @@ HWY_INLINE void start_lobe(const WardSlots& s, const WardFitOptions& options, co
         const V l_v = fma(lx, vx, fma(ly, vy, hn::Mul(lz, vz)));
         const Geometry g = geometry(f, lx, ly, lz, fma(l_v, all(2), all(2)));
         V direct = g.n_l;
-        if (law.rough) direct = keep(g.lit, rough_diffuse(law, g.n_l, hn::Mul(f.view_n, f.inverse), l_v).value);
+        if (law.rough)
+            direct = keep(g.lit, rough_diffuse(law, g.n_l, hn::Mul(f.view_n, f.inverse), l_v).value);
         const V matt = hn::Add(direct, load(light[3], at)), shape = hn::Mul(g.shape, g.n_l);
         store(matt, grey[i].key, at);
         V left = zero, square = zero;  // sums over the channels of weight * residual, weight^2
@@ -293,8 +297,7 @@ HWY_INLINE void start_lobe(const WardSlots& s, const WardFitOptions& options, co
             const auto index = static_cast<std::size_t>(i * C + c);
             const V weight = load(s.weight[index], at);
             const V over = fnma(hn::Mul(weight, diffuse[c]), matt, load(s.target[index], at));
-            const V counted =
-                hn::IfThenZeroElse(hn::And(hn::Lt(weight, zero), hn::Ge(over, zero)), weight);
+            const V counted = hn::IfThenZeroElse(hn::And(hn::Lt(weight, zero), hn::Ge(over, zero)), weight);
             left = fma(counted, over, left);
             square = fma(counted, counted, square);
         }
@@ -329,8 +332,7 @@ HWY_INLINE void start_lobe(const WardSlots& s, const WardFitOptions& options, co
             V factor = all(1);
             for (int c = 0; c < C; ++c) {
                 const V plain = fma(weight[c], gloss, off[c]);
-                const V r = hn::IfThenZeroElse(
-                    hn::And(hn::Lt(weight[c], zero), hn::Le(plain, zero)), plain);
+                const V r = hn::IfThenZeroElse(hn::And(hn::Lt(weight[c], zero), hn::Le(plain, zero)), plain);
                 factor = hn::Mul(factor, hn::Min(fma(r, r, all(1)), all(1e12f)));
             }
             multiply(product[k], factor);
@@ -344,8 +346,8 @@ HWY_INLINE void start_lobe(const WardSlots& s, const WardFitOptions& options, co
     for (int k = 0; k < kWidths; ++k) {
         const float ln_width = std::log(kWidth[static_cast<std::size_t>(k)]);
         const V a_off = hn::Sub(all(ln_width), a_middle), s_off = hn::Sub(candidate[k], s_middle);
-        const V cost = fma(hn::Mul(a_weight, a_off), a_off,
-                           fma(hn::Mul(s_weight, s_off), s_off, logarithm(product[k])));
+        const V cost =
+            fma(hn::Mul(a_weight, a_off), a_off, fma(hn::Mul(s_weight, s_off), s_off, logarithm(product[k])));
         const M better = hn::Lt(cost, best);
         best = choose(better, cost, best);
         ln_alpha = choose(better, all(ln_width), ln_alpha);
@@ -354,7 +356,8 @@ HWY_INLINE void start_lobe(const WardSlots& s, const WardFitOptions& options, co
 }
 
 template <int C>
-HWY_INLINE void start(const WardBatch& b, const WardFitOptions& options, Grey* grey, int at, WardSlots& slots) {
+HWY_INLINE void start(const WardBatch& b, const WardFitOptions& options, Grey* grey, int at,
+                      WardSlots& slots) {
     Vector normal;
     const V count = make_grey<C>(b, grey, at);
     const M valid = stereo(grey, b.photos, count, at, normal);
@@ -378,8 +381,8 @@ HWY_INLINE void start(const WardBatch& b, const WardFitOptions& options, Grey* g
     for (int i = 0; i < kWardCommon + C; ++i) {
         const auto [low, high] = ward_interval(options.bounds, i);
         WardLane& theta = slots.theta[static_cast<std::size_t>(i)];
-        store(hn::Min(hn::Max(load(theta, at), all(static_cast<float>(low))), all(static_cast<float>(high))), theta,
-              at);
+        store(hn::Min(hn::Max(load(theta, at), all(static_cast<float>(low))), all(static_cast<float>(high))),
+              theta, at);
     }
     store(used, slots.used, at);
     store(keep(valid, all(1)), slots.valid, at);

@@ -86,8 +86,8 @@ HWY_INLINE LogProduct empty_product() { return {all(1), hn::Zero(Ints())}; }
 HWY_INLINE void multiply(LogProduct& product, V factor) {
     const auto bits = hn::BitCast(Ints(), hn::Mul(product.mantissa, factor));
     product.exponent = hn::Add(product.exponent, hn::Sub(hn::ShiftRight<23>(bits), hn::Set(Ints(), 127)));
-    product.mantissa = hn::BitCast(
-        Floats(), hn::Or(hn::And(bits, hn::Set(Ints(), 0x7fffff)), hn::Set(Ints(), 0x3f800000)));
+    product.mantissa =
+        hn::BitCast(Floats(), hn::Or(hn::And(bits, hn::Set(Ints(), 0x7fffff)), hn::Set(Ints(), 0x3f800000)));
 }
 HWY_INLINE V logarithm(const LogProduct& product) {
     return fma(hn::ConvertTo(Floats(), product.exponent), all(0.693147181f), log_of(product.mantissa));
@@ -96,7 +96,7 @@ HWY_INLINE V logarithm(const LogProduct& product) {
 // What a slope and a view mean, before any light.
 struct Facing {
     V p, q;
-    V length2, inverse;  // of (-p, -q, 1): squared, 1 / length
+    V length2, inverse;        // of (-p, -q, 1): squared, 1 / length
     V view_x, view_y, view_n;  // view_n: v . (-p, -q, 1)
 };
 HWY_INLINE Facing facing(V p, V q, V vx, V vy, V vz) {
@@ -106,12 +106,12 @@ HWY_INLINE Facing facing(V p, V q, V vx, V vy, V vz) {
 
 // Where light is: both cosines, and the lobe but for its Gaussian.
 struct Geometry {
-    M lit;      // light, viewer and half vector are above the surface
-    V n_l;      // 0 where not lit
+    M lit;               // light, viewer and half vector are above the surface
+    V n_l;               // 0 where not lit
     V h_n, inverse_h_n;  // h . n, not 0
-    V tan2;     // of the angle between h and n
-    V shape;    // h.h / (h.n)^4
-    V ratio;    // h.h / (h.n)^2
+    V tan2;              // of the angle between h and n
+    V shape;             // h.h / (h.n)^4
+    V ratio;             // h.h / (h.n)^2
 };
 HWY_INLINE Geometry geometry(const Facing& f, V lx, V ly, V lz, V h_h) {
     const V along = fnma(f.p, lx, fnma(f.q, ly, lz));
@@ -182,7 +182,8 @@ struct Terms {
     V matt, lobe;
     V dmatt[2], dlobe[3];
 };
-HWY_INLINE Terms ward_terms(const Law& law, const Facing& f, V inverse_alpha2, V lx, V ly, V lz, V ambient, V l_v) {
+HWY_INLINE Terms ward_terms(const Law& law, const Facing& f, V inverse_alpha2, V lx, V ly, V lz, V ambient,
+                            V l_v) {
     const Geometry g = geometry(f, lx, ly, lz, fma(l_v, all(2), all(2)));
     const Gaussians gauss = gaussians(law, g.tan2, inverse_alpha2);
     const V ratio2 = hn::Add(g.ratio, g.ratio);
