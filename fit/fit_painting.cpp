@@ -100,7 +100,9 @@ void fit_band(const Stack& stack, const Band& band, const Lighting& lighting, co
         };
     oneapi::tbb::enumerable_thread_specific<RowFitter> fitters(
         [&] { return RowFitter(ward, options.solver, lighting, noise, band.channels()); });
-    parallel_for(band.y0(), band.y1(), 1, [&](int begin, int end) {
+    // Enough pixels at once to keep registers full; with Ceres alone a row takes long enough.
+    const int rows = options.solver == Solver::batch ? std::max(1, 4096 / band.width()) : 1;
+    parallel_for(band.y0(), band.y1(), rows, [&](int begin, int end) {
         long fitted = 0, not_converged = 0;
         fitters.local().fit(
             band, begin, end, stack.mask, surface, known, [&](int x, int y, const WardEstimate& e) {

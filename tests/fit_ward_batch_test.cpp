@@ -48,7 +48,7 @@ protected:
 };
 using WardBatchFit = WardBatch_;
 INSTANTIATE_TEST_SUITE_P(Sets, WardBatchFit, testing::ValuesIn(ward_instruction_sets()),
-                         [](const auto& info) { return info.param; });
+                         [](const auto& set) { return set.param; });
 
 void expect_agreement(const std::vector<PixelSamples>& pixels, const WardFitOptions& options) {
     const std::vector<WardSolution> solutions = in_batches(pixels, options);
