@@ -1,5 +1,6 @@
-// fit_bench.cpp: how long a pixel takes in WardFitter and in Ceres' other solvers on the same residuals, and
-// how long height integration takes. One thread for the pixels, all for the height.
+// fit_bench.cpp: how long a pixel takes in batches, in WardFitter and in Ceres' other solvers on the same
+// residuals, and how long height integration takes. One thread for the pixels but where it says two, all for
+// the height.
 #include <benchmark/benchmark.h>
 #include <ceres/ceres.h>
 #include <ceres/tiny_solver.h>
@@ -14,7 +15,10 @@
 
 #include "datasets/generator.h"
 #include "fit/height.h"
+#include "fit/ward_batch.h"
 #include "fit/ward_fit.h"
+#include "fit/ward_kernel.h"
+#include "surface/parallel.h"
 #include "surface/ward.h"
 #include "tests/ward_samples.h"
 
@@ -219,11 +223,76 @@ void photometric_stereo_alone(benchmark::State& state) {
     });
 }
 
+// Batches of the same pixels again and again, in another order each time, as many as a few rows of a picture
+// have.
+constexpr int kRounds = 32;
+const std::vector<WardBatch>& batches() {
+    static const std::vector<WardBatch> all = [] {
+        const std::vector<Pixel>& some = pixels();
+        const int count = static_cast<int>(some.size());
+        std::vector<WardBatch> result(static_cast<std::size_t>(kRounds * count / kWardLanes));
+        for (int k = 0; k < kRounds * count; ++k) {
+            WardBatch& batch = result[static_cast<std::size_t>(k / kWardLanes)];
+            const PixelSamples& s = some[static_cast<std::size_t>((k * 5 + k / count * 3) % count)].samples;
+            if (k % kWardLanes == 0) batch.resize(s.photos(), s.channels, options().prior);
+            batch.set(k % kWardLanes, k, s);
+        }
+        return result;
+    }();
+    return all;
+}
+
+double fit_batches(WardBatchFitter& fitter) {
+    const int count = static_cast<int>(batches().size()) * kWardLanes;
+    fitter.start(count);
+    for (const WardBatch& batch : batches()) fitter.fit(batch);
+    fitter.finish();
+    double cost = 0;
+    for (const WardSolution& s : fitter.solutions()) cost += s.cost / count;
+    return cost;
+}
+
+// Start, errors and all; an iteration is a pixel.
+void ward_batches(benchmark::State& state, const std::string& set) {
+    use_ward_instruction_set(set);
+    WardBatchFitter fitter(options());
+    const int count = static_cast<int>(batches().size()) * kWardLanes;
+    double cost = 0;
+    while (state.KeepRunningBatch(count)) cost = fit_batches(fitter);
+    state.counters["cost"] = cost;
+    use_ward_instruction_set("");
+}
+
+// Both threads fit all batches; an iteration is a pixel of one of them. By the clock: on two idle cores it
+// takes as long as one thread does.
+void ward_batches_2_threads(benchmark::State& state) {
+    WardBatchFitter fitters[2] = {WardBatchFitter(options()), WardBatchFitter(options())};
+    const int count = static_cast<int>(batches().size()) * kWardLanes;
+    set_thread_count(2);
+    while (state.KeepRunningBatch(2 * count))
+        parallel_for(0, 2, 1, [&](int begin, int end) {
+            for (int k = begin; k < end; ++k) benchmark::DoNotOptimize(fit_batches(fitters[k]));
+        });
+    set_thread_count(0);
+}
+
+// Only what comes before the first step.
+void ward_batches_start(benchmark::State& state) {
+    WardScratch scratch;
+    WardSlots slots;
+    slots.resize(batches()[0].photos, batches()[0].channels);
+    const int count = static_cast<int>(batches().size()) * kWardLanes;
+    while (state.KeepRunningBatch(count))
+        for (const WardBatch& batch : batches()) start_ward_batch(batch, options(), scratch, slots);
+}
+
 BENCHMARK(ceres_problem_autodiff)->Unit(benchmark::kMicrosecond);
 BENCHMARK(tiny_solver_autodiff)->Unit(benchmark::kMicrosecond);
 BENCHMARK(tiny_solver_analytic)->Unit(benchmark::kMicrosecond);
 BENCHMARK(ward_fitter)->Unit(benchmark::kMicrosecond);
 BENCHMARK(photometric_stereo_alone)->Unit(benchmark::kMicrosecond);
+BENCHMARK(ward_batches_start)->Unit(benchmark::kMicrosecond);
+BENCHMARK(ward_batches_2_threads)->Unit(benchmark::kMicrosecond)->UseRealTime();
 
 // Relief of 12 pixels' wavelength on a bulge over the whole picture, heights in pixels.
 void height(benchmark::State& state) {
@@ -271,9 +340,10 @@ public:
             if (a != time_.end() && b != time_.end())
                 std::printf("ratio %s / %s = %.2f\n", what, to, a->second / b->second);
         };
+        const std::string best = "ward_batches/" + ward_instruction_sets().front();
         for (const char* what :
-             {"ceres_problem_autodiff", "tiny_solver_autodiff", "ward_fitter", "photometric_stereo_alone"})
-            ratio(what, "tiny_solver_analytic");
+             {"ceres_problem_autodiff", "tiny_solver_autodiff", "tiny_solver_analytic", "ward_fitter"})
+            ratio(what, best.c_str());
     }
 
 private:
@@ -286,6 +356,9 @@ private:
 int main(int argc, char** argv) {
     benchmark::Initialize(&argc, argv);
     if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
+    for (const std::string& set : tangi::ward_instruction_sets())
+        benchmark::RegisterBenchmark(("ward_batches/" + set).c_str(), tangi::ward_batches, set)
+            ->Unit(benchmark::kMicrosecond);
     tangi::RatioReporter reporter;
     benchmark::RunSpecifiedBenchmarks(&reporter);
     reporter.print_ratios();

@@ -14,7 +14,7 @@ namespace {
 
 struct FitArguments {
     PhotosArguments photos;
-    std::string out, report;
+    std::string out, report, solver = "batch";
     FitOptions options;
 };
 
@@ -32,6 +32,7 @@ nlohmann::json provenance_of(const FitArguments& arguments, const Stack& stack,
     options["light_calibration"] = to_json(arguments.options.calibration);
     options["ward"] = to_json(arguments.options.ward);
     options["height"] = to_json(arguments.options.height);
+    options["solver"] = arguments.solver;
     options["photos"] = arguments.photos.as_json();
     return {{"program", "tangipaint " TP_VERSION},
             {"command", "fit"},
@@ -90,6 +91,13 @@ nlohmann::json result_of(const FitResult& fit, const std::string& out) {
         {"lights", to_json(r.lights)},
         {"law", to_json(r.law)},
         {"pixels", {{"all", r.pixels}, {"fitted", r.fitted}, {"not_converged", r.not_converged}}},
+        {"solver_agreement",
+         {{"compared", r.solvers.compared},
+          {"cost_within_1_percent", r.solvers.cost_agrees},
+          {"else_batch_cheaper", r.solvers.cheaper},
+          {"slope_within_0.01", r.solvers.slope_agrees},
+          {"doubtful", r.solvers.doubtful},
+          {"polished", r.solvers.polished}}},
         {"median_confidence", r.median_confidence},
         {"median_residual_sigma", r.median_rms_residual},
         {"mm_per_pixel", fit.surface.mm_per_pixel},
@@ -123,6 +131,7 @@ nlohmann::json run_fit(const FitArguments& arguments) {
     const DevelopReport development = develop_stack(stack, {}, progress);
     const nlohmann::json provenance = provenance_of(arguments, stack, development);
     FitOptions fit_options = arguments.options;
+    fit_options.solver = arguments.solver == "ceres" ? Solver::ceres : Solver::batch;
     fit_options.register_photos = arguments.photos.registration != "off";
     FitResult fit = fit_painting(std::move(stack), fit_options, progress);
     // File names may hold any bytes; JSON holds UTF-8.
@@ -157,6 +166,11 @@ Command fit_command() {
                 flags.option("--out", arguments->out, "the painting file to write (.exr)").required();
                 flags.option("--report", arguments->report,
                              "also write a page on how the photographs were understood (.html)");
+                flags
+                    .option("--solver", arguments->solver,
+                            "batch: many pixels at once, checked and polished by Ceres; ceres: Ceres alone, "
+                            "some fifty times slower")
+                    .check(one_of({"batch", "ceres"}));
                 flags.fields(arguments->options);
                 flags.fields(arguments->options.calibration);
                 flags.fields(arguments->options.ward);

@@ -25,17 +25,6 @@ namespace {
 constexpr double kTrusted = 1;
 constexpr std::size_t kBandBytes = 96u << 20;  // one band; two are in memory at a time
 
-// What band and noise model say about one pixel; illuminate() has filled in the rest.
-void gather(const Band& band, int x, int y, const NoiseModel& noise, PixelSamples& s) {
-    std::size_t at = 0;
-    for (int i = 0; i < band.photos(); ++i)
-        for (int c = 0; c < band.channels(); ++c, ++at) {
-            const float value = band.row(i, c, y)[x];
-            s.value[at] = value;
-            s.sigma[at] = noise.sigma(value);
-        }
-}
-
 // Confidence of a pixel: 1 where the slope is certain, 1/2 where its standard error is 0.1 (about 6 degrees).
 float confidence_of(const WardEstimate& e) {
     const double t = e.slope_error / 0.1;
@@ -46,6 +35,7 @@ struct Counters {
     long fitted = 0, not_converged = 0;
     int rows = 0;
     std::vector<float> rms_residuals;  // [sigma] of every so many-th pixel; < 0 where it was not fitted
+    SolverAgreement solvers;
     std::mutex mutex;
 };
 
@@ -106,21 +96,20 @@ void fit_band(const Stack& stack, const Band& band, const Lighting& lighting, co
     WardFitOptions ward = options.ward;
     ward.law = surface.law;
     const bool shadows = first && surface.width() > 1 && surface.height() > 1;
-    oneapi::tbb::enumerable_thread_specific<WardFitter> fitters([&] { return WardFitter(ward); });
-    parallel_for(band.y0(), band.y1(), 1, [&](int begin, int end) {
-        WardFitter& fitter = fitters.local();
-        PixelSamples samples;
+    PixelKnowledge known;
+    if (first) known.prior = [&](int x, int y) { return first->prior(x, y); };
+    if (shadows)
+        known.visible = [&](int x, int y, const Vec3& light) {
+            return visible_part(surface, x, y, light, first->highest_mm, kLightRadius_rad);
+        };
+    oneapi::tbb::enumerable_thread_specific<RowFitter> fitters(
+        [&] { return RowFitter(ward, options.solver, lighting, noise, band.channels()); });
+    // Enough pixels at once to keep registers full; with Ceres alone a row takes long enough.
+    const int rows = options.solver == Solver::batch ? std::max(1, 4096 / band.width()) : 1;
+    parallel_for(band.y0(), band.y1(), rows, [&](int begin, int end) {
         long fitted = 0, not_converged = 0;
-        for (int y = begin; y < end; ++y)
-            for (int x = 0; x < band.width(); ++x) {
-                if (!stack.mask.empty() && !stack.mask(x, y)) continue;
-                illuminate(lighting, surface.point_mm(x, y), band.channels(), samples);
-                gather(band, x, y, noise, samples);
-                for (std::size_t i = 0; shadows && i < samples.light.size(); ++i)
-                    samples.visible[i] = visible_part(surface, x, y, Vec3(samples.light[i]),
-                                                      first->highest_mm, kLightRadius_rad);
-                const WardEstimate e = first ? fitter.fit(samples, first->prior(x, y)) : fitter.fit(samples);
-                if (!e.valid) continue;
+        fitters.local().fit(
+            band, begin, end, stack.mask, surface, known, [&](int x, int y, const WardEstimate& e) {
                 ++fitted;
                 not_converged += !e.converged;
                 store(e, x, y, result);
@@ -129,19 +118,21 @@ void fit_band(const Stack& stack, const Band& band, const Lighting& lighting, co
                     static_cast<std::size_t>(x);
                 if (index % rms_step(surface) == 0)
                     counters.rms_residuals[index / rms_step(surface)] = static_cast<float>(e.rms_residual);
-            }
+            });
         const std::lock_guard lock(counters.mutex);
         counters.fitted += fitted;
         counters.not_converged += not_converged;
         counters.rows += end - begin;
         report(progress, first ? "refine" : "fit", counters.rows / static_cast<double>(surface.height()));
     });
+    for (const RowFitter& fitter : fitters) counters.solvers += fitter.agreement();
 }
 
 void summarise(const Surface& surface, Counters& counters, double diffuse_max, FitReport& report) {
     report.pixels = static_cast<long>(surface.height_mm.size());
     report.fitted = counters.fitted;
     report.not_converged = counters.not_converged;
+    report.solvers = counters.solvers;
     report.too_bright = 0;
     for (const Rgb& diffuse : surface.diffuse.pixels())
         report.too_bright += std::max({diffuse.r, diffuse.g, diffuse.b}) > 0.99 * diffuse_max;

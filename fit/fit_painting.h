@@ -13,6 +13,7 @@
 #include "fit/law_choice.h"
 #include "fit/light_calibration.h"
 #include "fit/light_misfit.h"
+#include "fit/row_fitter.h"
 #include "fit/ward_fit.h"
 #include "surface/surface.h"
 
@@ -28,6 +29,7 @@ struct FitOptions {
     bool lights_as_given = false;   // distant lamps of equal strength, as a lights file describes them
     // Of the whole painting; where empty, what predicts left-out photographs best.
     std::optional<double> diffuse_roughness{}, haze{};
+    Solver solver = Solver::batch;
     bool refine = true;  // fit twice: the second time with neighbours' lobes and cast shadows known
     LightCalibrationOptions calibration = {};
     WardFitOptions ward = {};
@@ -69,6 +71,7 @@ struct FitReport {
     long pixels = 0;                 // of the picture
     long fitted = 0;                 // with a valid estimate
     long not_converged = 0;          // of those fitted
+    SolverAgreement solvers;         // how the batched kernel compares with Ceres, in the last pass
     long too_bright = 0;             // of those fitted: at the upper bound of rho_d
     double median_confidence = 0;    // [1] of the fitted pixels
     double median_rms_residual = 0;  // [sigma] robust; about 1 where noise and model error are as assumed

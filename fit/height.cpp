@@ -284,13 +284,19 @@ HeightReport integrate_normals(const Image<Vec3>& normal, const Image<float>& co
         *grids[i - 1].z = grids[i - 1].step;
     }
     result.residual = result.converged ? 0 : 1;
+    double before = std::numeric_limits<double>::infinity();
     while (!result.converged && result.cycles < options.max_cycles) {
         report(progress, "height", result.cycles / static_cast<double>(options.max_cycles));
         v_cycle(grids, 0);
         ++result.cycles;
         const double left = residual_norm(grids[0]);
         result.residual = left / flat;
-        result.converged = result.residual <= options.tolerance || left <= rounding_norm(grids[0]);
+        // A residual like that of rounding is not rounding yet while it falls: long waves are the last to come
+        // right and show least in it.
+        const double rounding = rounding_norm(grids[0]);
+        result.converged = result.residual <= options.tolerance || left <= 0.3 * rounding ||
+                           (left <= rounding && left > 0.5 * before);
+        before = left;
     }
     subtract({-tilt.x * mm_per_pixel, -tilt.y * mm_per_pixel, 0}, height_mm);
     remove_mean(height_mm);

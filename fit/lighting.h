@@ -5,6 +5,7 @@
 #include <array>
 #include <limits>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "capture/pixel_samples.h"
@@ -36,6 +37,8 @@ public:
     // Negative where the sample is clipped (it only says "at least this"); 0 where it is not a number.
     double sigma(float linear) const;
     float clipped() const { return clipped_; }  // linear value from which on a sample is clipped
+    // |sigma| of values from 0 to 1, evenly spaced; between them sigma is linear.
+    std::span<const float> table() const { return sigma_; }
 
 private:
     static constexpr int kEntries = 4096;

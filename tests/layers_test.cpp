@@ -67,6 +67,7 @@ const std::vector<PackageRule> kPackages = {
      Where::anywhere},
     {"ImGui", {"imgui"}, {"imgui", "ImGui::"}, {"viewer"}, Where::anywhere},
     {"TBB", {"tbb/", "oneapi/tbb"}, {"TBB::"}, kBelowCli, Where::sources},
+    {"Highway", {"hwy/"}, {"${HWY_LIBRARY}"}, {"fit"}, Where::anywhere},
 };
 
 bool contains(const Names& names, const std::string& name) {

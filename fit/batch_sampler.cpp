@@ -1,0 +1,164 @@
+#include "fit/batch_sampler.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "surface/error.h"
+
+// As in ward_kernel.cpp.
+#define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_AVX3_DL)
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "fit/batch_sampler.cpp"
+#include <hwy/foreach_target.h>
+
+#include "fit/ward_vector-inl.h"
+
+#ifndef TANGI_BATCH_SAMPLER_ONCE
+#define TANGI_BATCH_SAMPLER_ONCE
+namespace tangi {
+
+// Where the lanes' pixels are, and what the lamps are like.
+struct BatchScene {
+    const std::vector<BatchLamp>* lamps;
+    const Rig* rig;
+    WardLane x, y, z;  // [mm]
+};
+
+}  // namespace tangi
+#endif
+
+HWY_BEFORE_NAMESPACE();
+namespace tangi {
+namespace HWY_NAMESPACE {
+
+// As bent() of surface/light.cpp.
+HWY_INLINE void bend(V rx, V ry, V length2, V& x, V& y, V& z) {
+    const V turned_x = fma(rx, z, x), turned_y = fma(ry, z, y), turned_z = fnma(rx, x, fnma(ry, y, z));
+    const V turned2 = fma(turned_x, turned_x, fma(turned_y, turned_y, hn::Mul(turned_z, turned_z)));
+    const V scale = hn::Sqrt(hn::Div(length2, turned2));
+    x = hn::Mul(turned_x, scale);
+    y = hn::Mul(turned_y, scale);
+    z = hn::Mul(turned_z, scale);
+}
+
+void Illuminate(const BatchScene& scene, WardBatch& b) {
+    const Rig& rig = *scene.rig;
+    const auto channels = static_cast<std::size_t>(b.channels);
+    for (int at = 0; at < kWardLanes; at += static_cast<int>(hn::Lanes(Floats()))) {
+        const V x = load(scene.x, at), y = load(scene.y, at), z = load(scene.z, at);
+        V vx = hn::Zero(Floats()), vy = vx, vz = all(1);
+        if (rig.camera_distance_mm) {
+            vx = hn::Sub(all(rig.camera_axis_mm.x), x);
+            vy = hn::Sub(all(rig.camera_axis_mm.y), y);
+            vz = hn::Sub(all(*rig.camera_distance_mm), z);
+            const V inverse = hn::Div(all(1), hn::Sqrt(fma(vx, vx, fma(vy, vy, hn::Mul(vz, vz)))));
+            vx = hn::Mul(vx, inverse);
+            vy = hn::Mul(vy, inverse);
+            vz = hn::Mul(vz, inverse);
+        }
+        store(vx, b.view[0], at);
+        store(vy, b.view[1], at);
+        store(vz, b.view[2], at);
+        const V rx = hn::Mul(all(rig.bend_per_mm), x), ry = hn::Mul(all(rig.bend_per_mm), y);
+        for (std::size_t i = 0; i < scene.lamps->size(); ++i) {
+            const BatchLamp& lamp = (*scene.lamps)[i];
+            V lx = all(lamp.at.x), ly = all(lamp.at.y), lz = all(lamp.at.z), falloff = all(1);
+            if (rig.bend_per_mm != 0) bend(rx, ry, all(lamp.length2), lx, ly, lz);
+            if (lamp.near) {
+                lx = hn::Sub(lx, x);
+                ly = hn::Sub(ly, y);
+                lz = hn::Sub(lz, z);
+                const V distance2 = fma(lx, lx, fma(ly, ly, hn::Mul(lz, lz)));
+                falloff = hn::Div(all(lamp.length2), distance2);
+                const V inverse = hn::Div(all(1), hn::Sqrt(distance2));
+                lx = hn::Mul(lx, inverse);
+                ly = hn::Mul(ly, inverse);
+                lz = hn::Mul(lz, inverse);
+            }
+            store(lx, b.light[i][0], at);
+            store(ly, b.light[i][1], at);
+            store(lz, b.light[i][2], at);
+            store(all(rig.ambient), b.ambient[i], at);
+            store(all(1), b.visible[i], at);
+            for (std::size_t c = 0; c < channels; ++c)
+                store(hn::Mul(falloff, all(lamp.irradiance[static_cast<int>(c)])),
+                      b.irradiance[i * channels + c], at);
+        }
+    }
+}
+
+// NoiseModel::sigma() of all values; 0 in lanes from `count` on.
+void Doubt(const NoiseModel& noise, int count, WardBatch& b) {
+    const std::span<const float> table = noise.table();
+    const float* entries = table.data();
+    const int last = static_cast<int>(table.size()) - 1;
+    const V zero = hn::Zero(Floats()), top = all(static_cast<float>(last)), clipped = all(noise.clipped());
+    const Ints ints;
+    for (int at = 0; at < kWardLanes; at += static_cast<int>(hn::Lanes(Floats()))) {
+        const M used = hn::Lt(hn::Iota(Floats(), static_cast<float>(at)), all(static_cast<float>(count)));
+        for (std::size_t k = 0; k < b.value.size(); ++k) {
+            const V value = load(b.value[k], at);
+            const M known = hn::And(used, hn::Eq(value, value));
+            const V position = hn::Mul(hn::Min(hn::Max(keep(known, value), zero), all(1)), top);
+            const auto i = hn::ConvertTo(ints, position);
+            const V t = hn::Sub(position, hn::ConvertTo(Floats(), i));
+            const V low = hn::GatherIndex(Floats(), entries, i);
+            const V high = hn::GatherIndex(Floats(), entries,
+                                           hn::Min(hn::Add(i, hn::Set(ints, 1)), hn::Set(ints, last)));
+            const V sigma = fma(t, hn::Sub(high, low), low);
+            store(keep(known, choose(hn::Lt(value, clipped), sigma, hn::Neg(sigma))), b.sigma[k], at);
+        }
+    }
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace tangi
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace tangi {
+
+HWY_EXPORT(Illuminate);
+HWY_EXPORT(Doubt);
+
+BatchSampler::BatchSampler(const Lighting& lighting, const NoiseModel& noise, const WardPrior& prior,
+                           int channels)
+    : rig_(lighting.rig), noise_(noise), prior_(prior), channels_(channels) {
+    for (const Light& light : lighting.lights) {
+        BatchLamp lamp{.irradiance = light.gain * static_cast<float>(lighting.white_level)};
+        lamp.near = light.position_mm.has_value();
+        lamp.at = lamp.near ? *light.position_mm : light.direction;
+        lamp.length2 = glm::dot(lamp.at, lamp.at);
+        lamps_.push_back(lamp);
+    }
+}
+
+void BatchSampler::fill(const Band& band, const Surface& surface, int x0, int y, int count, int first_name,
+                        WardBatch& batch) const {
+    TP_REQUIRE(count > 0 && count <= kWardLanes && x0 + count <= band.width(), "pixels of the band");
+    TP_REQUIRE(band.photos() == static_cast<int>(lamps_.size()) && band.channels() == channels_,
+               "a band of the photographs that have these lamps");
+    if (batch.photos != band.photos() || batch.channels != channels_ || batch.value.empty())
+        batch.resize(band.photos(), channels_, prior_);
+    BatchScene scene{&lamps_, &rig_, {}, {}, {}};
+    for (int lane = 0; lane < kWardLanes; ++lane) {
+        const Vec3 point = surface.point_mm(x0 + std::min(lane, count - 1), y);
+        scene.x[lane] = point.x;
+        scene.y[lane] = point.y;
+        scene.z[lane] = point.z;
+        batch.pixel[static_cast<std::size_t>(lane)] = lane < count ? first_name + lane : -1;
+        batch.set_prior(lane, prior_);
+    }
+    HWY_DYNAMIC_DISPATCH(Illuminate)(scene, batch);
+    std::size_t k = 0;
+    for (int i = 0; i < band.photos(); ++i)
+        for (int c = 0; c < channels_; ++c, ++k) {
+            const float* row = band.row(i, c, y) + x0;
+            std::copy(row, row + count, batch.value[k].data());
+            std::fill(batch.value[k].data() + count, batch.value[k].data() + kWardLanes, 0.0f);
+        }
+    HWY_DYNAMIC_DISPATCH(Doubt)(noise_, count, batch);
+}
+
+}  // namespace tangi
+#endif

@@ -1,0 +1,133 @@
+#include "fit/row_fitter.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace tangi {
+
+namespace {
+
+// Pixels that batches are fed before the last of them are waited for: few enough to stay in memory's nearer
+// half, many enough that registers are full nearly all the time.
+constexpr int kPixelsAtOnce = 8192;
+constexpr double kSampleSize = 512;
+
+}  // namespace
+
+SolverAgreement& SolverAgreement::operator+=(const SolverAgreement& other) {
+    compared += other.compared;
+    cost_agrees += other.cost_agrees;
+    cheaper += other.cheaper;
+    slope_agrees += other.slope_agrees;
+    doubtful += other.doubtful;
+    polished += other.polished;
+    return *this;
+}
+
+bool is_compared(int x, int y, int width, int height) {
+    const double area = static_cast<double>(width) * height;
+    const int step = std::max(4, static_cast<int>(std::sqrt(area / kSampleSize)));
+    return x % step == step / 2 && y % step == step / 2;
+}
+
+RowFitter::RowFitter(const WardFitOptions& options, Solver solver, const Lighting& lighting,
+                     const NoiseModel& noise, int channels)
+    : solver_(solver),
+      lighting_(lighting),
+      noise_(noise),
+      sampler_(lighting, noise, options.prior, channels),
+      ceres_(options),
+      batches_(options),
+      prior_(options.prior) {}
+
+WardEstimate RowFitter::by_ceres(const Band& band, int x, int y, const Surface& surface,
+                                 const PixelKnowledge& known) {
+    illuminate(lighting_, surface.point_mm(x, y), band.channels(), samples_);
+    std::size_t at = 0;
+    for (int i = 0; i < band.photos(); ++i)
+        for (int c = 0; c < band.channels(); ++c, ++at) {
+            const float value = band.row(i, c, y)[x];
+            samples_.value[at] = value;
+            samples_.sigma[at] = noise_.sigma(value);
+        }
+    for (std::size_t i = 0; known.visible && i < samples_.light.size(); ++i)
+        samples_.visible[i] = known.visible(x, y, Vec3(samples_.light[i]));
+    return ceres_.fit(samples_, known.prior ? known.prior(x, y) : prior_);
+}
+
+void RowFitter::start_row(const Band& band, int y, int first_name, const Image<unsigned char>& mask,
+                          const Surface& surface, const PixelKnowledge& known) {
+    for (int x0 = 0; x0 < band.width(); x0 += kWardLanes) {
+        const int count = std::min(kWardLanes, band.width() - x0);
+        const auto masked = [&](int lane) { return !mask.empty() && !mask(x0 + lane, y); };
+        int left_out = 0;
+        for (int lane = 0; lane < count; ++lane) left_out += masked(lane);
+        if (left_out == count) continue;
+        sampler_.fill(band, surface, x0, y, count, first_name + x0, batch_);
+        for (int lane = 0; lane < count; ++lane) {
+            if (masked(lane)) {
+                batch_.pixel[static_cast<std::size_t>(lane)] = -1;
+                continue;
+            }
+            if (known.prior) batch_.set_prior(lane, known.prior(x0 + lane, y));
+            for (std::size_t i = 0; known.visible && i < batch_.light.size(); ++i) {
+                const auto& l = batch_.light[i];
+                batch_.visible[i][lane] = known.visible(x0 + lane, y, {l[0][lane], l[1][lane], l[2][lane]});
+            }
+        }
+        batches_.fit(batch_);
+    }
+}
+
+void RowFitter::fit(const Band& band, int y0, int y1, const Image<unsigned char>& mask,
+                    const Surface& surface, const PixelKnowledge& known,
+                    const std::function<void(int x, int y, const WardEstimate&)>& done) {
+    const int width = band.width();
+    if (solver_ == Solver::ceres) {
+        for (int y = y0; y < y1; ++y)
+            for (int x = 0; x < width; ++x) {
+                if (!mask.empty() && !mask(x, y)) continue;
+                const WardEstimate e = by_ceres(band, x, y, surface, known);
+                if (e.valid) done(x, y, e);
+            }
+        return;
+    }
+    const int rows = std::max(1, kPixelsAtOnce / width);
+    for (int first = y0; first < y1; first += rows) {
+        const int last = std::min(first + rows, y1);
+        batches_.start((last - first) * width);
+        for (int y = first; y < last; ++y) start_row(band, y, (y - first) * width, mask, surface, known);
+        batches_.finish();
+        for (int y = first; y < last; ++y)
+            for (int x = 0; x < width; ++x) {
+                const auto name = static_cast<std::size_t>((y - first) * width + x);
+                const WardSolution& solution = batches_.solutions()[name];
+                if (!solution.valid && !solution.doubtful) continue;
+                WardEstimate e = solution.estimate(band.channels());
+                const bool compared = is_compared(x, y, surface.width(), surface.height());
+                if (solution.doubtful || compared) {
+                    const WardEstimate other = by_ceres(band, x, y, surface, known);
+                    const double ratio = e.rms_residual * e.rms_residual /
+                                         std::max(other.rms_residual * other.rms_residual, 1e-12);
+                    if (compared && e.valid && other.valid) {
+                        const bool agrees = std::abs(ratio - 1) <= 0.01;
+                        ++agreement_.compared;
+                        agreement_.cost_agrees += agrees;
+                        agreement_.cheaper += !agrees && ratio < 1;
+                        agreement_.slope_agrees += glm::length(e.slope - other.slope) <= 0.01;
+                    }
+                    if (solution.doubtful) {
+                        ++agreement_.doubtful;
+                        // Not a number is not below anything.
+                        if (other.valid && !(e.valid && ratio <= 1)) {
+                            ++agreement_.polished;
+                            e = other;
+                        }
+                    }
+                }
+                if (e.valid) done(x, y, e);
+            }
+    }
+}
+
+}  // namespace tangi

@@ -1,0 +1,72 @@
+// row_fitter.h: the Ward fit of rows of pixels: in batches, with Ceres for what the batches leave in doubt
+// and for a sample by which both are compared; or with Ceres alone.
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include "fit/batch_sampler.h"
+#include "fit/lighting.h"
+#include "fit/ward_batch.h"
+#include "fit/ward_fit.h"
+
+namespace tangi {
+
+enum class Solver {
+    batch,  // many pixels at once, in floats; Ceres polishes and checks
+    ceres,  // one pixel after the other, in doubles
+};
+
+// How batches and Ceres compare on pixels that both fitted.
+struct SolverAgreement {
+    long compared = 0;
+    long cost_agrees = 0;   // final costs within 1 %
+    long cheaper = 0;       // of the others: the batch's is lower
+    long slope_agrees = 0;  // slopes within 0.01, about half a degree
+    long doubtful = 0;      // pixels of the whole picture that batches left in doubt: fitted by Ceres
+    long polished = 0;      // of those: Ceres' result was taken
+
+    SolverAgreement& operator+=(const SolverAgreement& other);
+};
+
+// Whether a pixel is of the sample that Ceres fits as well: about 512 of a picture, at most every 16th.
+bool is_compared(int x, int y, int width, int height);
+
+// What is known of a pixel beside its samples; empty functions where nothing is.
+struct PixelKnowledge {
+    std::function<WardPrior(int x, int y)> prior;
+    std::function<float(int x, int y, const Vec3& light)> visible;  // part of a lamp that reaches the pixel
+};
+
+// Keeps its memory; one a thread. Keeps references to lighting and noise.
+class RowFitter {
+public:
+    RowFitter(const WardFitOptions& options, Solver solver, const Lighting& lighting, const NoiseModel& noise,
+              int channels);
+
+    // Fits rows y0 <= y < y1 of the band and calls `done` for each pixel that the mask (empty: all) has and
+    // that could be fitted. A pixel's estimate does not depend on which rows it is fitted with.
+    void fit(const Band& band, int y0, int y1, const Image<unsigned char>& mask, const Surface& surface,
+             const PixelKnowledge& known, const std::function<void(int x, int y, const WardEstimate&)>& done);
+
+    const SolverAgreement& agreement() const { return agreement_; }
+
+private:
+    WardEstimate by_ceres(const Band& band, int x, int y, const Surface& surface,
+                          const PixelKnowledge& known);
+    void start_row(const Band& band, int y, int first_name, const Image<unsigned char>& mask,
+                   const Surface& surface, const PixelKnowledge& known);
+
+    Solver solver_;
+    const Lighting& lighting_;
+    const NoiseModel& noise_;
+    BatchSampler sampler_;
+    WardFitter ceres_;
+    WardBatchFitter batches_;
+    WardBatch batch_;
+    PixelSamples samples_;
+    WardPrior prior_;
+    SolverAgreement agreement_;
+};
+
+}  // namespace tangi

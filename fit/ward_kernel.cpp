@@ -1,0 +1,474 @@
+// ward_kernel.cpp: Levenberg-Marquardt on the lanes of vector registers: run_ward_slots().
+//
+// Costs, gradients and J^T J are in units of the robust scale squared. Channels share the derivatives of
+// matt reflection and lobe, so the ten sums over the common parameters are taken once a light, not once a
+// channel; the block of the diffuse channels is diagonal and eliminated first.
+#include "fit/ward_kernel.h"
+
+#include <algorithm>
+#include <cmath>
+
+// Sets between these give no speed that is worth compiling them.
+#define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_AVX3_DL)
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "fit/ward_kernel.cpp"
+#include <hwy/foreach_target.h>
+
+#include "fit/ward_vector-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace tangi {
+namespace HWY_NAMESPACE {
+
+// The upper triangle of J^T J and J^T r at a point; rows p, q, ln alpha, rho_s, then one a channel.
+template <int C>
+struct System {
+    V common[10];     // pp pq pa ps qq qa qs aa as ss
+    V diffuse[C][5];  // of each channel with p, q, a, s, and with itself
+    V gradient[4 + C];
+    V cost;
+};
+
+// All numbers of it, with their places in WardSlots::system.
+template <int C, class Visit>
+HWY_INLINE void each(System<C>& system, const Visit& visit) {
+    int k = 0;
+    for (V& v : system.common) visit(v, k++);
+    for (auto& row : system.diffuse)
+        for (V& v : row) visit(v, k++);
+    for (V& v : system.gradient) visit(v, k++);
+    visit(system.cost, k);
+}
+
+template <int C>
+struct Point {
+    V theta[4 + C];
+};
+
+// Weight of a squared derivative in J^T J of the root of Cauchy's loss (root_cauchy() of ward_residual.h),
+// w (1 - w) / -ln w with w = 1 / (1 + s), within 0.0023 on [0, 1]; it only steers steps and errors.
+HWY_INLINE V curvature_weight(V w) {
+    V p = all(0.168562f);
+    p = fma(p, w, all(-0.515448f));
+    p = fma(p, w, all(1.036022f));
+    p = fma(p, w, all(0.310864f));
+    return hn::Mul(p, w);
+}
+
+// Residuals of one photograph, all channels: weights of squares and of residuals. `product` becomes that of
+// 1 + s, which is all the cost needs.
+template <int C>
+HWY_INLINE void residuals_of(const V (&weight)[C], const V (&target)[C], const V* diffuse, V matt, V gloss,
+                             V (&square)[C], V (&linear)[C], V& product) {
+    V r[C], s[C];
+    // A negative weight is that of a clipped value, a lower bound: as long as the model is above, it says
+    // nothing.
+    const V zero = hn::Zero(Floats());
+    V counted[C];
+    for (int c = 0; c < C; ++c) {
+        const V off = hn::MulSub(weight[c], fma(diffuse[c], matt, gloss), target[c]);
+        const M silent = hn::And(hn::Lt(weight[c], zero), hn::Le(off, zero));
+        r[c] = hn::IfThenZeroElse(silent, off);
+        counted[c] = hn::IfThenZeroElse(silent, weight[c]);
+        s[c] = hn::Min(fma(r[c], r[c], all(1)), all(1e12f));
+    }
+    // One division for all channels.
+    V w[C];
+    if constexpr (C == 3) {
+        const V first = hn::Mul(s[0], s[1]), last = hn::Mul(s[1], s[2]);
+        product = hn::Mul(first, s[2]);
+        const V inverse = hn::Div(all(1), product);
+        w[0] = hn::Mul(last, inverse);
+        w[1] = hn::Mul(hn::Mul(s[0], s[2]), inverse);
+        w[2] = hn::Mul(first, inverse);
+    } else {
+        product = s[0];
+        w[0] = hn::Div(all(1), s[0]);
+    }
+    for (int c = 0; c < C; ++c) {
+        square[c] = hn::Mul(hn::Mul(counted[c], counted[c]), curvature_weight(w[c]));
+        linear[c] = hn::Mul(hn::Mul(counted[c], r[c]), w[c]);
+    }
+}
+
+// What a block of photographs leaves between the steps of evaluate(): few enough to stay in the nearest
+// cache.
+constexpr int kBlock = 16;
+template <int C>
+struct Block {
+    Terms terms[kBlock];
+    V square[kBlock][C], linear[kBlock][C];
+};
+
+// The sums over the common parameters. Columns of J: p, q: rho_c dmatt + rho_s dlobe; ln alpha: rho_s dlobe;
+// rho_s: lobe; rho_c: matt.
+template <int C>
+HWY_INLINE void add_common(const Block<C>& block, int n, const V* diffuse, V specular, System<C>& sum) {
+    V h[10], g[4];
+    for (int i = 0; i < 10; ++i) h[i] = sum.common[i];
+    for (int i = 0; i < 4; ++i) g[i] = sum.gradient[i];
+    for (int i = 0; i < n; ++i) {
+        const Terms& t = block.terms[i];
+        const V *square = block.square[i], *linear = block.linear[i];
+        const V g0 = hn::Mul(specular, t.dlobe[0]), g1 = hn::Mul(specular, t.dlobe[1]);
+        const V g2 = hn::Mul(specular, t.dlobe[2]);
+        V one = square[0], first = hn::Mul(square[0], diffuse[0]), second = hn::Mul(first, diffuse[0]);
+        V r_one = linear[0], r_first = hn::Mul(linear[0], diffuse[0]);
+        for (int c = 1; c < C; ++c) {
+            const V weighted = hn::Mul(square[c], diffuse[c]);
+            one = hn::Add(one, square[c]);
+            first = hn::Add(first, weighted);
+            second = fma(weighted, diffuse[c], second);
+            r_one = hn::Add(r_one, linear[c]);
+            r_first = fma(linear[c], diffuse[c], r_first);
+        }
+        // Sums over the channels of weight * column p (q), split in what multiplies dmatt and what the rest.
+        const V p_matt = fma(second, t.dmatt[0], hn::Mul(first, g0));
+        const V q_matt = fma(second, t.dmatt[1], hn::Mul(first, g1));
+        const V p_rest = fma(first, t.dmatt[0], hn::Mul(one, g0));
+        const V q_rest = fma(first, t.dmatt[1], hn::Mul(one, g1));
+        const V a_rest = hn::Mul(one, g2), s_rest = hn::Mul(one, t.lobe);
+        h[0] = fma(p_matt, t.dmatt[0], fma(p_rest, g0, h[0]));
+        h[1] = fma(p_matt, t.dmatt[1], fma(p_rest, g1, h[1]));
+        h[2] = fma(p_rest, g2, h[2]);
+        h[3] = fma(p_rest, t.lobe, h[3]);
+        h[4] = fma(q_matt, t.dmatt[1], fma(q_rest, g1, h[4]));
+        h[5] = fma(q_rest, g2, h[5]);
+        h[6] = fma(q_rest, t.lobe, h[6]);
+        h[7] = fma(a_rest, g2, h[7]);
+        h[8] = fma(a_rest, t.lobe, h[8]);
+        h[9] = fma(s_rest, t.lobe, h[9]);
+        g[0] = fma(r_first, t.dmatt[0], fma(r_one, g0, g[0]));
+        g[1] = fma(r_first, t.dmatt[1], fma(r_one, g1, g[1]));
+        g[2] = fma(r_one, g2, g[2]);
+        g[3] = fma(r_one, t.lobe, g[3]);
+    }
+    for (int i = 0; i < 10; ++i) sum.common[i] = h[i];
+    for (int i = 0; i < 4; ++i) sum.gradient[i] = g[i];
+}
+
+// The sums of channel c with the common parameters: rho_s times the lobe's derivatives is left to the end.
+template <int C>
+HWY_INLINE void add_channel(const Block<C>& block, int n, int c, V (&h)[7], V& gradient) {
+    V a[7], g = gradient;
+    for (int i = 0; i < 7; ++i) a[i] = h[i];
+    for (int i = 0; i < n; ++i) {
+        const Terms& t = block.terms[i];
+        const V matt = hn::Mul(block.square[i][c], t.matt);
+        a[0] = fma(matt, t.dmatt[0], a[0]);
+        a[1] = fma(matt, t.dmatt[1], a[1]);
+        a[2] = fma(matt, t.dlobe[0], a[2]);
+        a[3] = fma(matt, t.dlobe[1], a[3]);
+        a[4] = fma(matt, t.dlobe[2], a[4]);
+        a[5] = fma(matt, t.lobe, a[5]);
+        a[6] = fma(matt, t.matt, a[6]);
+        g = fma(block.linear[i][c], t.matt, g);
+    }
+    for (int i = 0; i < 7; ++i) h[i] = a[i];
+    gradient = g;
+}
+
+// In blocks, and each block in steps with few sums each: one loop over all of it would have more sums than
+// there are registers, and a chain of dependent operations too long to overlap with the next photograph's.
+template <int C>
+HWY_NOINLINE void evaluate(const WardSlots& s, const Law& law, int at, const Point<C>& point,
+                           System<C>& sum) {
+    const V zero = hn::Zero(Floats());
+    V channel[C][7];
+    for (V& v : sum.common) v = zero;
+    for (V& v : sum.gradient) v = zero;
+    for (auto& row : channel)
+        for (V& v : row) v = zero;
+    const V vx = load(s.view[0], at), vy = load(s.view[1], at), vz = load(s.view[2], at);
+    const Facing f = facing(point.theta[0], point.theta[1], vx, vy, vz);
+    const V ln_alpha = point.theta[2], specular = point.theta[3];
+    V diffuse[C];
+    for (int c = 0; c < C; ++c) diffuse[c] = point.theta[4 + c];
+    const V alpha = exp_negative(ln_alpha);  // bounds keep it below 1
+    const V inverse_alpha2 = hn::Div(all(1), hn::Mul(alpha, alpha));
+    LogProduct product = empty_product();
+    Block<C> block;
+    for (int first = 0; first < s.photos; first += kBlock) {
+        const int n = std::min(kBlock, s.photos - first);
+        for (int i = 0; i < n; ++i) {
+            const auto& light = s.light[static_cast<std::size_t>(first + i)];
+            const V lx = load(light[0], at), ly = load(light[1], at), lz = load(light[2], at);
+            const V l_v = fma(lx, vx, fma(ly, vy, hn::Mul(lz, vz)));
+            block.terms[i] = ward_terms(law, f, inverse_alpha2, lx, ly, lz, load(light[3], at), l_v);
+        }
+        for (int i = 0; i < n; ++i) {
+            V weight[C], target[C], factor;
+            for (int c = 0; c < C; ++c) {
+                const auto index = static_cast<std::size_t>((first + i) * C + c);
+                weight[c] = load(s.weight[index], at);
+                target[c] = load(s.target[index], at);
+            }
+            residuals_of<C>(weight, target, diffuse, block.terms[i].matt,
+                            hn::Mul(specular, block.terms[i].lobe), block.square[i], block.linear[i], factor);
+            multiply(product, factor);
+        }
+        add_common<C>(block, n, diffuse, specular, sum);
+        for (int c = 0; c < C; ++c) add_channel<C>(block, n, c, channel[c], sum.gradient[4 + c]);
+    }
+    for (int c = 0; c < C; ++c) {
+        V* h = sum.diffuse[c];
+        h[0] = fma(diffuse[c], channel[c][0], hn::Mul(specular, channel[c][2]));
+        h[1] = fma(diffuse[c], channel[c][1], hn::Mul(specular, channel[c][3]));
+        h[2] = hn::Mul(specular, channel[c][4]);
+        h[3] = channel[c][5];
+        h[4] = channel[c][6];
+    }
+    const V a_weight = load(s.prior_ln_alpha_weight, at), s_weight = load(s.prior_specular_weight, at);
+    const V a_off = hn::Sub(ln_alpha, load(s.prior_ln_alpha, at));
+    const V s_off = hn::Sub(specular, load(s.prior_specular, at));
+    sum.common[7] = hn::Add(sum.common[7], a_weight);
+    sum.common[9] = hn::Add(sum.common[9], s_weight);
+    sum.gradient[2] = fma(a_weight, a_off, sum.gradient[2]);
+    sum.gradient[3] = fma(s_weight, s_off, sum.gradient[3]);
+    sum.cost = fma(hn::Mul(a_weight, a_off), a_off, fma(hn::Mul(s_weight, s_off), s_off, logarithm(product)));
+}
+
+// Position in System::common.
+constexpr int kAt[4][4] = {{0, 1, 2, 3}, {1, 4, 5, 6}, {2, 5, 7, 8}, {3, 6, 8, 9}};
+constexpr float kTiny = 1e-10f;  // keeps a parameter that nothing depends on from dividing by 0
+
+// The common parameters' system once the channels are eliminated, and its factors L D L^T.
+struct Factors {
+    V l[4][4], d[4];
+};
+HWY_INLINE void factorise(V (&a)[4][4], Factors& f) {
+    for (int j = 0; j < 4; ++j) {
+        V d = a[j][j];
+        for (int k = 0; k < j; ++k) d = fnma(hn::Mul(f.l[j][k], f.l[j][k]), f.d[k], d);
+        // Rounding can leave nothing of a pivot, or less.
+        f.d[j] = hn::Max(d, fma(a[j][j], all(1e-6f), all(kTiny)));
+        const V inverse = hn::Div(all(1), f.d[j]);
+        for (int i = j + 1; i < 4; ++i) {
+            V sum = a[i][j];
+            for (int k = 0; k < j; ++k) sum = fnma(hn::Mul(f.l[i][k], f.l[j][k]), f.d[k], sum);
+            f.l[i][j] = hn::Mul(sum, inverse);
+        }
+    }
+}
+HWY_INLINE void back_substitute(const Factors& f, V (&x)[4]) {
+    for (int i = 1; i < 4; ++i)
+        for (int k = 0; k < i; ++k) x[i] = fnma(f.l[i][k], x[k], x[i]);
+    for (int i = 0; i < 4; ++i) x[i] = hn::Div(x[i], f.d[i]);
+    for (int i = 2; i >= 0; --i)
+        for (int k = i + 1; k < 4; ++k) x[i] = fnma(f.l[k][i], x[k], x[i]);
+}
+
+template <int C>
+struct Limits {
+    V low[4 + C], high[4 + C];
+};
+
+// The damped step, 0 for parameters at a bound that the gradient pushes them over; returns by how much the
+// quadratic model falls.
+template <int C>
+HWY_INLINE V step_of(const System<C>& h, const Point<C>& point, const Limits<C>& limits, V damping,
+                     V (&step)[4 + C]) {
+    const V zero = hn::Zero(Floats());
+    V open[4 + C], gradient[4 + C];  // open: 1 where a parameter may move
+    for (int i = 0; i < 4 + C; ++i) {
+        const M stuck = hn::Or(hn::And(hn::Le(point.theta[i], limits.low[i]), hn::Gt(h.gradient[i], zero)),
+                               hn::And(hn::Ge(point.theta[i], limits.high[i]), hn::Lt(h.gradient[i], zero)));
+        open[i] = hn::IfThenZeroElse(stuck, all(1));
+        gradient[i] = hn::Mul(open[i], h.gradient[i]);
+    }
+    const V more = hn::Add(all(1), damping);
+    V a[4][4], x[4];
+    for (int i = 0; i < 4; ++i) {
+        x[i] = hn::Neg(gradient[i]);
+        for (int j = 0; j < i; ++j) a[i][j] = hn::Mul(hn::Mul(open[i], open[j]), h.common[kAt[i][j]]);
+        a[i][i] = fma(h.common[kAt[i][i]], more, all(kTiny));
+    }
+    V inverse[C], row[C][4];
+    for (int c = 0; c < C; ++c) {
+        inverse[c] = hn::Div(all(1), fma(h.diffuse[c][4], more, all(kTiny)));
+        for (int i = 0; i < 4; ++i) row[c][i] = hn::Mul(hn::Mul(open[4 + c], open[i]), h.diffuse[c][i]);
+        for (int i = 0; i < 4; ++i) {
+            const V scaled = hn::Mul(row[c][i], inverse[c]);
+            x[i] = fma(scaled, gradient[4 + c], x[i]);
+            for (int j = 0; j <= i; ++j) a[i][j] = fnma(scaled, row[c][j], a[i][j]);
+        }
+    }
+    Factors factors;
+    factorise(a, factors);
+    back_substitute(factors, x);
+    for (int i = 0; i < 4; ++i) step[i] = hn::Mul(open[i], x[i]);
+    for (int c = 0; c < C; ++c) {
+        V sum = gradient[4 + c];
+        for (int i = 0; i < 4; ++i) sum = fma(row[c][i], step[i], sum);
+        step[4 + c] = hn::Neg(hn::Mul(sum, inverse[c]));
+    }
+    V falls = zero;
+    for (int i = 0; i < 4 + C; ++i) {
+        const V diagonal =
+            i < 4 ? h.common[kAt[std::min(i, 3)][std::min(i, 3)]] : h.diffuse[std::max(i - 4, 0)][4];
+        falls = fma(step[i], hn::MulSub(hn::Mul(damping, diagonal), step[i], gradient[i]), falls);
+    }
+    return falls;
+}
+
+// Variances of the common parameters from the inverse of J^T J: of the mean of both slopes, ln alpha, rho_s,
+// and of the mean of the diffuse channels.
+template <int C>
+HWY_INLINE void variances(const System<C>& h, V (&out)[4]) {
+    V a[4][4];
+    for (int i = 0; i < 4; ++i) {
+        for (int j = 0; j < i; ++j) a[i][j] = h.common[kAt[i][j]];
+        a[i][i] = hn::Add(h.common[kAt[i][i]], all(kTiny));
+    }
+    for (int c = 0; c < C; ++c) {
+        const V inverse = hn::Div(all(1), hn::Add(h.diffuse[c][4], all(kTiny)));
+        for (int i = 0; i < 4; ++i)
+            for (int j = 0; j <= i; ++j)
+                a[i][j] = fnma(hn::Mul(h.diffuse[c][i], inverse), h.diffuse[c][j], a[i][j]);
+    }
+    Factors factors;
+    factorise(a, factors);
+    V diagonal[4];
+    for (int k = 0; k < 4; ++k) {
+        V x[4] = {hn::Zero(Floats()), hn::Zero(Floats()), hn::Zero(Floats()), hn::Zero(Floats())};
+        x[k] = all(1);
+        back_substitute(factors, x);
+        diagonal[k] = x[k];
+    }
+    out[0] = hn::Mul(all(0.5f), hn::Add(diagonal[0], diagonal[1]));
+    out[1] = diagonal[2];
+    out[2] = diagonal[3];
+    out[3] = hn::Zero(Floats());
+    for (int c = 0; c < C; ++c) {
+        const V inverse = hn::Div(all(1), hn::Add(h.diffuse[c][4], all(kTiny)));
+        V x[4], sum = inverse;
+        for (int i = 0; i < 4; ++i) x[i] = h.diffuse[c][i];
+        back_substitute(factors, x);
+        for (int i = 0; i < 4; ++i) sum = fma(hn::Mul(hn::Mul(x[i], h.diffuse[c][i]), inverse), inverse, sum);
+        out[3] = fma(sum, all(1.0f / C), out[3]);
+    }
+}
+
+template <int C>
+HWY_INLINE void take(M accepted, const System<C>& from, System<C>& to) {
+    for (int i = 0; i < 10; ++i) to.common[i] = choose(accepted, from.common[i], to.common[i]);
+    for (int c = 0; c < C; ++c)
+        for (int i = 0; i < 5; ++i) to.diffuse[c][i] = choose(accepted, from.diffuse[c][i], to.diffuse[c][i]);
+    for (int i = 0; i < 4 + C; ++i) to.gradient[i] = choose(accepted, from.gradient[i], to.gradient[i]);
+    to.cost = choose(accepted, from.cost, to.cost);
+}
+
+// One register's worth of lanes from `at` on. Nielsen's damping (Madsen, Nielsen & Tingleff 2004, "Methods
+// for non-linear least squares problems", algorithm 3.16), as TinySolver has it.
+template <int C>
+HWY_INLINE void run(WardSlots& s, const WardFitOptions& options, int at, int fewest) {
+    const Floats d;
+    const V zero = hn::Zero(d), one = all(1);
+    Point<C> point;
+    Limits<C> limits;
+    for (int i = 0; i < 4 + C; ++i) {
+        point.theta[i] = load(s.theta[static_cast<std::size_t>(i)], at);
+        const auto [low, high] = ward_interval(options.bounds, i);
+        limits.low[i] = all(static_cast<float>(low));
+        limits.high[i] = all(static_cast<float>(high));
+    }
+    const auto scale = static_cast<float>(options.robust_scale);
+    const V enough = all(1e-3f / (scale * scale));  // fall of the cost that is not worth a step
+    V damping = load(s.damping, at), growth = load(s.damping_growth, at);
+    V iterations = load(s.iterations, at), converged = load(s.converged, at);
+    const V most = all(static_cast<float>(options.max_iterations));
+    M alive = hn::Gt(load(s.alive, at), zero);
+    const Law law = law_of(options.law);
+    System<C> system, trial;
+    const bool fresh = hn::AllTrue(d, hn::Eq(load(s.resumed, at), zero));
+    if (fresh)
+        evaluate<C>(s, law, at, point, system);
+    else
+        each<C>(system, [&](V& v, int k) HWY_ATTR { v = load(s.system[static_cast<std::size_t>(k)], at); });
+    while (!hn::AllFalse(d, alive) && static_cast<int>(hn::CountTrue(d, alive)) >= fewest) {
+        V step[4 + C];
+        const V falls = step_of<C>(system, point, limits, damping, step);
+        // NaN counts as done: such lanes are never converged.
+        const M done = hn::AndNot(hn::Gt(falls, enough), alive);
+        converged = choose(hn::And(done, hn::Ge(falls, zero)), one, converged);
+        alive = hn::AndNot(done, alive);
+        if (hn::AllFalse(d, alive)) break;
+        Point<C> next;
+        for (int i = 0; i < 4 + C; ++i)
+            next.theta[i] = hn::Min(hn::Max(hn::Add(point.theta[i], step[i]), limits.low[i]), limits.high[i]);
+        evaluate<C>(s, law, at, next, trial);
+        const V change = hn::Sub(system.cost, trial.cost);
+        const M better = hn::And(alive, hn::Gt(change, zero)), worse = hn::AndNot(better, alive);
+        // Nielsen's factor 1 - (2 rho - 1)^3 of an accepted step.
+        const V rho = hn::Min(hn::Div(change, hn::Max(falls, all(1e-20f))), all(2));
+        const V t = hn::Sub(hn::Add(rho, rho), one);
+        const V eased =
+            hn::Max(hn::Mul(damping, hn::Max(all(1.0f / 3), fnma(hn::Mul(t, t), t, one))), all(1e-7f));
+        damping = choose(better, eased, choose(worse, hn::Mul(damping, growth), damping));
+        growth = choose(better, all(2), choose(worse, hn::Add(growth, growth), growth));
+        iterations = hn::Add(iterations, keep(alive, one));
+        for (int i = 0; i < 4 + C; ++i) point.theta[i] = choose(better, next.theta[i], point.theta[i]);
+        take<C>(better, trial, system);
+        const M small = hn::And(better, hn::Lt(change, enough));
+        const M stuck = hn::And(worse, hn::Gt(damping, all(1e8f)));
+        converged = choose(hn::Or(small, stuck), one, converged);
+        alive = hn::AndNot(hn::Or(hn::Or(small, stuck), hn::Ge(iterations, most)), alive);
+    }
+    for (int i = 0; i < 4 + C; ++i) store(point.theta[i], s.theta[static_cast<std::size_t>(i)], at);
+    each<C>(system, [&](V& v, int k) HWY_ATTR { store(v, s.system[static_cast<std::size_t>(k)], at); });
+    store(one, s.resumed, at);
+    V variance[4];
+    variances<C>(system, variance);
+    store(damping, s.damping, at);
+    store(growth, s.damping_growth, at);
+    store(iterations, s.iterations, at);
+    store(converged, s.converged, at);
+    store(keep(alive, one), s.alive, at);
+    store(system.cost, s.cost, at);
+    store(variance[0], s.slope_variance, at);
+    store(variance[1], s.ln_alpha_variance, at);
+    store(variance[2], s.specular_variance, at);
+    store(variance[3], s.diffuse_variance, at);
+}
+
+void RunSlots(WardSlots& slots, const WardFitOptions& options, int fewest) {
+    const int lanes = static_cast<int>(hn::Lanes(Floats()));
+    for (int at = 0; at < kWardLanes; at += lanes) {
+        // Of 16 lanes; narrower registers stop at their part of it.
+        const int part = (fewest * lanes + kWardLanes - 1) / kWardLanes;
+        if (slots.channels == 3)
+            run<3>(slots, options, at, part);
+        else
+            run<1>(slots, options, at, part);
+    }
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace tangi
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace tangi {
+
+HWY_EXPORT(RunSlots);
+
+void run_ward_slots(WardSlots& slots, const WardFitOptions& options, int fewest) {
+    HWY_DYNAMIC_DISPATCH(RunSlots)(slots, options, fewest);
+}
+
+std::vector<std::string> ward_instruction_sets() {
+    std::vector<std::string> names;
+    for (const std::int64_t target : hwy::SupportedAndGeneratedTargets())
+        names.push_back(hwy::TargetName(target));
+    return names;
+}
+
+void use_ward_instruction_set(const std::string& name) {
+    hwy::SetSupportedTargetsForTest(0);
+    for (const std::int64_t target : hwy::SupportedAndGeneratedTargets())
+        if (name == hwy::TargetName(target)) hwy::SetSupportedTargetsForTest(target);
+    hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+}
+
+}  // namespace tangi
+#endif

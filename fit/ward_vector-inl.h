@@ -1,0 +1,228 @@
+// ward_vector-inl.h: the model of ward_residual.h on the lanes of vector registers. Included once for each
+// instruction set by ward_kernel.cpp (Google Highway's foreach_target).
+#if defined(TANGI_WARD_VECTOR_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef TANGI_WARD_VECTOR_INL_H
+#undef TANGI_WARD_VECTOR_INL_H
+#else
+#define TANGI_WARD_VECTOR_INL_H
+#endif
+
+#include <hwy/highway.h>
+
+#include <cstdint>
+#include <numbers>
+
+#include "fit/ward_batch.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace tangi {
+namespace HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+using Floats = hn::CappedTag<float, kWardLanes>;
+using Ints = hn::RebindToSigned<Floats>;
+using V = hn::Vec<Floats>;
+using M = hn::Mask<Floats>;
+
+HWY_INLINE V all(float value) { return hn::Set(Floats(), value); }
+HWY_INLINE V load(const WardLane& lane, int at) { return hn::Load(Floats(), lane.data() + at); }
+HWY_INLINE void store(V v, WardLane& lane, int at) { hn::Store(v, Floats(), lane.data() + at); }
+HWY_INLINE V fma(V a, V b, V c) { return hn::MulAdd(a, b, c); }      // a b + c
+HWY_INLINE V fnma(V a, V b, V c) { return hn::NegMulAdd(a, b, c); }  // c - a b
+HWY_INLINE V keep(M m, V v) { return hn::IfThenElseZero(m, v); }
+HWY_INLINE V choose(M m, V yes, V no) { return hn::IfThenElse(m, yes, no); }
+
+// exp(x) for x <= 0, within 3e-7 of it; 0 below -36, where squares would no longer be normal numbers. Cody &
+// Waite's reduction by multiples of ln 2, then Taylor's series on [-0.35, 0.35].
+HWY_INLINE V exp_negative(V x) {
+    const V n = hn::Round(hn::Mul(x, all(1.44269504f)));
+    V r = fnma(n, all(0.693145752f), x);
+    r = fnma(n, all(1.42860677e-6f), r);
+    V p = all(1.0f / 720);
+    p = fma(p, r, all(1.0f / 120));
+    p = fma(p, r, all(1.0f / 24));
+    p = fma(p, r, all(1.0f / 6));
+    p = fma(p, r, all(0.5f));
+    p = fma(p, r, all(1));
+    p = fma(p, r, all(1));
+    const auto exponent = hn::ShiftLeft<23>(hn::ConvertTo(Ints(), n));
+    const V value = hn::BitCast(Floats(), hn::Add(hn::BitCast(Ints(), p), exponent));
+    return keep(hn::Gt(x, all(-36.0f)), value);
+}
+
+// 1 / sqrt(x) for normal x > 0, within 3e-7 of it: an estimate from the bits of x, then Newton's steps (the
+// processors' own estimates differ from one to another).
+HWY_INLINE V inverse_root(V x) {
+    const auto bits = hn::Sub(hn::Set(Ints(), 0x5f375a86), hn::ShiftRight<1>(hn::BitCast(Ints(), x)));
+    V y = hn::BitCast(Floats(), bits);
+    const V half = hn::Mul(x, all(0.5f));
+    for (int i = 0; i < 3; ++i) y = hn::Mul(y, fnma(hn::Mul(half, y), y, all(1.5f)));
+    return y;
+}
+
+// ln(x) for normal x >= 1, within 3e-7 of ln(x) + 1: the series of atanh on [1/sqrt 2, sqrt 2].
+HWY_INLINE V log_of(V x) {
+    const auto bits = hn::BitCast(Ints(), x);
+    const auto shifted = hn::Sub(bits, hn::Set(Ints(), 0x3f3504f3));
+    const auto exponent = hn::ShiftRight<23>(shifted);
+    const V m = hn::BitCast(Floats(), hn::Sub(bits, hn::ShiftLeft<23>(exponent)));
+    const V t = hn::Div(hn::Sub(m, all(1)), hn::Add(m, all(1)));
+    const V t2 = hn::Mul(t, t);
+    V p = all(2.0f / 9);
+    p = fma(p, t2, all(2.0f / 7));
+    p = fma(p, t2, all(2.0f / 5));
+    p = fma(p, t2, all(2.0f / 3));
+    p = fma(p, t2, all(2));
+    return fma(hn::ConvertTo(Floats(), exponent), all(0.693147181f), hn::Mul(p, t));
+}
+
+// Product of many factors from 1 to 1e36, without overflow; its logarithm.
+struct LogProduct {
+    V mantissa;  // in [1, 2)
+    hn::Vec<Ints> exponent;
+};
+HWY_INLINE LogProduct empty_product() { return {all(1), hn::Zero(Ints())}; }
+HWY_INLINE void multiply(LogProduct& product, V factor) {
+    const auto bits = hn::BitCast(Ints(), hn::Mul(product.mantissa, factor));
+    product.exponent = hn::Add(product.exponent, hn::Sub(hn::ShiftRight<23>(bits), hn::Set(Ints(), 127)));
+    product.mantissa =
+        hn::BitCast(Floats(), hn::Or(hn::And(bits, hn::Set(Ints(), 0x7fffff)), hn::Set(Ints(), 0x3f800000)));
+}
+HWY_INLINE V logarithm(const LogProduct& product) {
+    return fma(hn::ConvertTo(Floats(), product.exponent), all(0.693147181f), log_of(product.mantissa));
+}
+
+// What a slope and a view mean, before any light.
+struct Facing {
+    V p, q;
+    V length2, inverse;        // of (-p, -q, 1): squared, 1 / length
+    V view_x, view_y, view_n;  // view_n: v . (-p, -q, 1)
+};
+HWY_INLINE Facing facing(V p, V q, V vx, V vy, V vz) {
+    const V length2 = fma(p, p, fma(q, q, all(1)));
+    return {p, q, length2, hn::Div(all(1), hn::Sqrt(length2)), vx, vy, fnma(p, vx, fnma(q, vy, vz))};
+}
+
+// Where light is: both cosines, and the lobe but for its Gaussian.
+struct Geometry {
+    M lit;               // light, viewer and half vector are above the surface
+    V n_l;               // 0 where not lit
+    V h_n, inverse_h_n;  // h . n, not 0
+    V tan2;              // of the angle between h and n
+    V shape;             // h.h / (h.n)^4
+    V ratio;             // h.h / (h.n)^2
+};
+HWY_INLINE Geometry geometry(const Facing& f, V lx, V ly, V lz, V h_h) {
+    const V along = fnma(f.p, lx, fnma(f.q, ly, lz));
+    const V half = hn::Add(along, f.view_n);
+    const V zero = hn::Zero(Floats());
+    Geometry g;
+    g.lit = hn::And(hn::Gt(along, zero), hn::And(hn::Gt(half, all(1e-4f)), hn::Gt(f.view_n, zero)));
+    g.n_l = keep(g.lit, hn::Mul(along, f.inverse));
+    g.h_n = hn::Mul(choose(g.lit, half, all(1)), f.inverse);
+    g.inverse_h_n = hn::Div(all(1), g.h_n);
+    const V inverse2 = hn::Mul(g.inverse_h_n, g.inverse_h_n);
+    g.ratio = hn::Mul(h_h, inverse2);
+    g.tan2 = hn::Max(hn::Sub(g.ratio, all(1)), zero);
+    g.shape = hn::Mul(g.ratio, inverse2);
+    return g;
+}
+
+// The reflectance law of surface/ward.h on all lanes.
+struct Law {
+    bool rough, hazy;
+    V roughness, scale;  // of the diffuse reflection, as rough_diffuse() has them
+    V core, haze;        // parts of the lobe
+};
+HWY_INLINE Law law_of(const ReflectanceLaw& law) {
+    const auto roughness = static_cast<float>(law.diffuse_roughness), haze = static_cast<float>(law.haze);
+    const float scale = 1 / (1 + (0.5f - 2 / (3 * std::numbers::pi_v<float>)) * roughness);
+    return {roughness > 0, haze > 0, all(roughness), all(scale), all(1 - haze), all(haze)};
+}
+
+// rough_diffuse() of surface/diffuse.h; of any use only where the light is above the surface.
+struct Diffuse {
+    V value, by_n_l, by_n_v;
+};
+HWY_INLINE Diffuse rough_diffuse(const Law& law, V n_l, V n_v, V l_v) {
+    const V zero = hn::Zero(Floats()), one = all(1);
+    const V s = fnma(n_l, n_v, l_v);
+    const M above = hn::Gt(s, zero), steep = hn::Gt(n_l, n_v);
+    const V inverse = hn::Div(one, hn::Max(hn::Max(n_l, n_v), all(1e-3f)));
+    const V falls = hn::Neg(hn::Mul(hn::Mul(l_v, inverse), inverse));
+    const V ratio = choose(above, hn::Mul(s, inverse), s);
+    const V by_n_l = choose(above, choose(steep, falls, all(-1)), hn::Neg(n_v));
+    const V by_n_v = choose(above, choose(steep, all(-1), falls), hn::Neg(n_l));
+    const V rough_n_l = hn::Mul(law.roughness, n_l);
+    return {hn::Mul(hn::Mul(n_l, law.scale), fma(law.roughness, ratio, one)),
+            hn::Mul(law.scale, fma(law.roughness, ratio, fma(rough_n_l, by_n_l, one))),
+            hn::Mul(hn::Mul(law.scale, rough_n_l), by_n_v)};
+}
+
+// The Gaussians of lobe and haze times their parts, before `shape`. The haze is twice as wide, so that its
+// exponential is the fourth root of the core's.
+static_assert(kHazeWidth == 2);
+struct Gaussians {
+    V core, haze;  // haze: of any use only where there is some
+};
+HWY_INLINE Gaussians gaussians(const Law& law, V tan2, V inverse_alpha2) {
+    const V exponent = hn::Neg(hn::Mul(tan2, inverse_alpha2));
+    if (!law.hazy) return {hn::Mul(exp_negative(exponent), inverse_alpha2), inverse_alpha2};
+    const V root = exp_negative(hn::Mul(exponent, all(0.25f)));
+    // Its fourth power is 0 below exp(-36) too.
+    const V square = keep(hn::Gt(root, all(1.2341e-4f)), hn::Mul(root, root));
+    return {hn::Mul(hn::Mul(hn::Mul(square, square), inverse_alpha2), law.core),
+            hn::Mul(hn::Mul(root, hn::Mul(inverse_alpha2, all(0.25f))), law.haze)};
+}
+
+// ward_terms() of ward_residual.h: the model but for rho_d and rho_s, and its derivatives by slope x, slope y
+// and (the lobe only) ln alpha.
+struct Terms {
+    V matt, lobe;
+    V dmatt[2], dlobe[3];
+};
+HWY_INLINE Terms ward_terms(const Law& law, const Facing& f, V inverse_alpha2, V lx, V ly, V lz, V ambient,
+                            V l_v) {
+    const Geometry g = geometry(f, lx, ly, lz, fma(l_v, all(2), all(2)));
+    const Gaussians gauss = gaussians(law, g.tan2, inverse_alpha2);
+    const V ratio2 = hn::Add(g.ratio, g.ratio);
+    V lobe = hn::Mul(gauss.core, g.shape);
+    V by_h_n = hn::Mul(lobe, hn::MulSub(ratio2, inverse_alpha2, all(4)));
+    V by_ln_alpha = hn::Mul(lobe, hn::MulSub(g.tan2, inverse_alpha2, all(1)));
+    if (law.hazy) {
+        const V wide = hn::Mul(gauss.haze, g.shape), inverse_width2 = hn::Mul(inverse_alpha2, all(0.25f));
+        lobe = hn::Add(lobe, wide);
+        by_h_n = fma(wide, hn::MulSub(ratio2, inverse_width2, all(4)), by_h_n);
+        by_ln_alpha = fma(wide, hn::MulSub(g.tan2, inverse_width2, all(1)), by_ln_alpha);
+    }
+    const V weighted = hn::Mul(hn::Mul(by_h_n, g.inverse_h_n), g.n_l);
+    const V inverse = keep(g.lit, f.inverse), inverse2 = hn::Mul(f.inverse, f.inverse);
+    const V slope[2] = {hn::Mul(f.p, inverse2), hn::Mul(f.q, inverse2)};
+    const V lateral[2] = {lx, ly}, half[2] = {hn::Add(lx, f.view_x), hn::Add(ly, f.view_y)};
+    Terms t;
+    t.lobe = hn::Mul(lobe, g.n_l);
+    for (int i = 0; i < 2; ++i) {
+        t.dmatt[i] = hn::Neg(fma(lateral[i], inverse, hn::Mul(g.n_l, slope[i])));
+        const V dh_n = hn::Neg(fma(half[i], f.inverse, hn::Mul(g.h_n, slope[i])));
+        t.dlobe[i] = fma(weighted, dh_n, hn::Mul(lobe, t.dmatt[i]));
+    }
+    t.matt = hn::Add(g.n_l, ambient);
+    if (law.rough) {
+        const Diffuse d = rough_diffuse(law, g.n_l, hn::Mul(f.view_n, f.inverse), l_v);
+        t.matt = hn::Add(keep(g.lit, d.value), ambient);
+        for (int i = 0; i < 2; ++i) {
+            const V dn_v = hn::Neg(fma(i == 0 ? f.view_x : f.view_y, f.inverse,
+                                       hn::Mul(hn::Mul(f.view_n, f.inverse), slope[i])));
+            t.dmatt[i] = keep(g.lit, fma(d.by_n_l, t.dmatt[i], hn::Mul(d.by_n_v, dn_v)));
+        }
+    }
+    t.dlobe[2] = hn::Mul(hn::Add(by_ln_alpha, by_ln_alpha), g.n_l);
+    return t;
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace tangi
+HWY_AFTER_NAMESPACE();
+
+#endif
