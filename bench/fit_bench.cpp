@@ -263,8 +263,8 @@ void ward_batches(benchmark::State& state, const std::string& set) {
     use_ward_instruction_set("");
 }
 
-// Both threads fit all batches; an iteration is a pixel of one of them. By the clock: on two idle cores it
-// takes as long as one thread does.
+// Both threads fit all batches; an iteration is a pixel. By the clock: on two idle cores it takes half of
+// what one thread does.
 void ward_batches_2_threads(benchmark::State& state) {
     WardBatchFitter fitters[2] = {WardBatchFitter(options()), WardBatchFitter(options())};
     const int count = static_cast<int>(batches().size()) * kWardLanes;
