@@ -58,8 +58,8 @@ nlohmann::json run_compare(const CompareArguments& arguments) {
     // Each photograph is read once, from top to bottom: raws need no copy on disk.
     const DevelopReport development = develop_stack(photos, {.keep_raws = false}, progress);
     if (!development.developed && arguments.photos.transfer == "auto") photos.transfer.reset();
-    const CompareReport report =
-        write_comparison(arguments.out, surface, photos, arguments.options, progress);
+    const CompareReport report = write_comparison(arguments.out, surface, photos, arguments.options, progress,
+                                                  read_faithful(arguments.painting, surface, progress));
     nlohmann::json result = to_json(report);
     result["development"] = to_json(development);
     result["page"] = (fs::path(arguments.out) / "compare.html").string();

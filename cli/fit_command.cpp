@@ -2,10 +2,12 @@
 #include "capture/develop_stack.h"
 #include "cli/arguments.h"
 #include "cli/command_list.h"
+#include "fit/faithful_fit.h"
 #include "fit/fit_page.h"
 #include "fit/fit_painting.h"
 #include "surface/error.h"
 #include "surface/painting_file.h"
+#include "surface/painting_parts.h"
 #include "surface/picture_file.h"
 
 namespace tangi {
@@ -16,6 +18,8 @@ struct FitArguments {
     PhotosArguments photos;
     std::string out, report, solver = "batch";
     FitOptions options;
+    bool faithful = false;
+    FaithfulOptions faithful_options;
 };
 
 nlohmann::json provenance_of(const FitArguments& arguments, const Stack& stack,
@@ -33,6 +37,7 @@ nlohmann::json provenance_of(const FitArguments& arguments, const Stack& stack,
     options["ward"] = to_json(arguments.options.ward);
     options["height"] = to_json(arguments.options.height);
     options["solver"] = arguments.solver;
+    if (arguments.faithful) options["faithful"] = to_json(arguments.faithful_options);
     options["photos"] = arguments.photos.as_json();
     return {{"program", "tangipaint " TP_VERSION},
             {"command", "fit"},
@@ -133,7 +138,7 @@ nlohmann::json run_fit(const FitArguments& arguments) {
     FitOptions fit_options = arguments.options;
     fit_options.solver = arguments.solver == "ceres" ? Solver::ceres : Solver::batch;
     fit_options.register_photos = arguments.photos.registration != "off";
-    FitResult fit = fit_painting(std::move(stack), fit_options, progress);
+    FitResult fit = fit_painting(stack, fit_options, progress);
     // File names may hold any bytes; JSON holds UTF-8.
     fit.surface.provenance = provenance.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
     std::vector<std::string> warnings = fit.report.warnings;
@@ -143,14 +148,23 @@ nlohmann::json run_fit(const FitArguments& arguments) {
                         "camera; if it did, the "
                         "light directions are off by about as much",
                         fit.report.support_tilt_deg));
-    const PartToWrite errors = part_of(fit.errors);
-    write_painting(file, fit.surface, {&errors, 1}, progress);
+    FaithfulFit faithful;
+    if (arguments.faithful) faithful = fit_faithful(fit.surface, stack, arguments.faithful_options, progress);
+    std::vector<PartToWrite> parts = {part_of(fit.errors)};
+    if (!faithful.residual.empty()) parts.push_back(part_of(faithful.residual));
+    if (arguments.faithful && !faithful.report.used)
+        warnings.push_back(
+            "--faithful: a residual predicts photographs that were left out no better than the surface "
+            "alone, "
+            "so none is stored");
+    write_painting(file, fit.surface, parts, progress);
     if (page) {
         fit.report.warnings = warnings;
         page->write(fit_page(fit, std::filesystem::path(arguments.out).filename().string(), page->target()));
         page->commit();
     }
     nlohmann::json result = result_of(fit, arguments.out);
+    if (arguments.faithful) result["faithful"] = to_json(faithful.report);
     result["development"] = to_json(development);
     result["warnings"] = told(warnings);
     result["poor"] = poor_reasons(fit.report);
@@ -175,6 +189,9 @@ Command fit_command() {
                 flags.fields(arguments->options.calibration);
                 flags.fields(arguments->options.ward);
                 flags.fields(arguments->options.height);
+                flags.flag("--faithful", arguments->faithful,
+                           "also store what the photographs show beyond the surface, for relight --faithful");
+                flags.fields(arguments->faithful_options);
                 return [arguments] { return run_fit(*arguments); };
             }};
 }

@@ -8,9 +8,11 @@
 #include "capture/lights_file.h"
 #include "cli/arguments.h"
 #include "cli/command_list.h"
+#include "paint/appearance.h"
 #include "paint/canvas_file.h"
 #include "surface/atomic_file.h"
 #include "surface/error.h"
+#include "surface/faithful.h"
 #include "surface/painting_file.h"
 #include "surface/picture_file.h"
 #include "surface/relight.h"
@@ -25,8 +27,37 @@ struct RelightArguments {
     std::string painting, out, lights_file, encoding, model = "bounded";
     std::vector<std::string> directions, positions;
     double gain = 1;
+    bool faithful = false;
     RelightOptions options;
 };
+
+// A painting with its paint, and what --faithful adds where none lies.
+struct Painting {
+    Canvas canvas;
+    Surface surface;
+    FaithfulResidual residual;  // empty without --faithful
+    Image<float> bare;
+};
+
+Painting read_all(const RelightArguments& arguments, const Progress& progress) {
+    Canvas canvas = read_canvas(arguments.painting, progress);
+    FaithfulResidual residual;
+    if (arguments.faithful) {
+        residual = read_faithful(arguments.painting, canvas.dry(), progress);
+        if (residual.empty())
+            fail("{}: has no part 'faithful'; make it with: tangipaint fit --faithful", arguments.painting);
+        const RelightOptions& o = arguments.options;
+        if (!o.cast_shadows || o.model != WardModel::bounded ||
+            o.light_radius_deg != residual.light_radius_deg)
+            throw UsageError(
+                fmt::format("--faithful: was fitted with --cast-shadows, --model bounded and "
+                            "--light-radius-deg {}, and is no residual of anything else",
+                            residual.light_radius_deg));
+    }
+    Surface surface = canvas.ingredients().empty() ? canvas.dry() : appearance(canvas, {}, progress);
+    Image<float> bare = arguments.faithful ? bare_part(canvas) : Image<float>();
+    return {std::move(canvas), std::move(surface), std::move(residual), std::move(bare)};
+}
 
 struct Encoding {
     Transfer transfer;
@@ -46,11 +77,13 @@ Encoding encoding_of(const RelightArguments& arguments, const Surface& surface, 
     return {surface.photography.transfer, true};
 }
 
-void write_relit(const fs::path& path, const Surface& surface, const std::vector<Light>& lights,
+void write_relit(const fs::path& path, const Painting& painting, const std::vector<Light>& lights,
                  const RelightArguments& arguments, const Progress& progress) {
+    const Surface& surface = painting.surface;
     const Encoding encoding = encoding_of(arguments, surface, path);
     const Photography& photography = surface.photography;
     Image<Rgb> picture = relight(surface, lights, arguments.options, progress);
+    add_residual(painting.residual, painting.canvas.dry(), lights, painting.bare, picture);
     glm::mat3 exposure(static_cast<float>(photography.white_level));
     if (encoding.as_camera_sees && photography.to_camera)
         exposure = exposure * glm::mat3(*photography.to_camera);
@@ -70,7 +103,7 @@ void require_above_paint(const Surface& surface, const Vec3& light_mm, const std
             "{}: lies in the painting, which is {:.3f} mm high there; z must be larger", flag, height_mm));
 }
 
-nlohmann::json relight_one(const Surface& surface, const RelightArguments& arguments,
+nlohmann::json relight_one(const Painting& painting, const RelightArguments& arguments,
                            const Progress& progress) {
     require_picture_format(arguments.out);
     refuse_to_overwrite(arguments.out, {arguments.painting});
@@ -79,10 +112,10 @@ nlohmann::json relight_one(const Surface& surface, const RelightArguments& argum
         lights.push_back(distant_light(parse_direction(text, "--light")));
     for (const std::string& text : arguments.positions) {
         lights.push_back(near_light(parse_position(text, "--point-light")));
-        require_above_paint(surface, *lights.back().position_mm, "--point-light " + text);
+        require_above_paint(painting.surface, *lights.back().position_mm, "--point-light " + text);
     }
     for (Light& light : lights) light.gain = Rgb(static_cast<float>(arguments.gain));
-    write_relit(arguments.out, surface, lights, arguments, progress);
+    write_relit(arguments.out, painting, lights, arguments, progress);
     return {{"pictures", {arguments.out}}};
 }
 
@@ -115,7 +148,7 @@ LightsFile lights_in(const fs::path& path) {
     return {capture.lights, capture.warnings};
 }
 
-nlohmann::json relight_all(const Surface& surface, const RelightArguments& arguments,
+nlohmann::json relight_all(const Painting& painting, const RelightArguments& arguments,
                            const Progress& progress) {
     const LightsFile file = lights_in(arguments.lights_file);
     nlohmann::json warnings = told(file.warnings);
@@ -133,9 +166,9 @@ nlohmann::json relight_all(const Surface& surface, const RelightArguments& argum
     nlohmann::json pictures = nlohmann::json::array();
     for (std::size_t i = 0; i < outputs.size(); ++i) {
         // As strong, and as near, as it was estimated for the photograph of its name.
-        Light light = as_photographed(file.lights[i], surface.photography);
+        Light light = as_photographed(file.lights[i], painting.surface.photography);
         light.gain *= static_cast<float>(arguments.gain);
-        write_relit(outputs[i], surface, {light}, arguments, {});
+        write_relit(outputs[i], painting, {light}, arguments, {});
         pictures.push_back(outputs[i].string());
         report(progress, "relight", static_cast<double>(i + 1) / static_cast<double>(outputs.size()));
     }
@@ -152,8 +185,8 @@ nlohmann::json run_relight(RelightArguments arguments) {
         throw UsageError(fmt::format("--model {}: is not ward1992, duer or bounded", arguments.model));
     arguments.options.model = *model;
     const Progress progress = console_progress();
-    const Surface surface = read_painted(arguments.painting, progress);
-    return one ? relight_one(surface, arguments, progress) : relight_all(surface, arguments, progress);
+    const Painting painting = read_all(arguments, progress);
+    return one ? relight_one(painting, arguments, progress) : relight_all(painting, arguments, progress);
 }
 
 }  // namespace
@@ -185,6 +218,9 @@ Command relight_command() {
             flags.option("--model", a->model, "ward1992, duer or bounded").show_default();
             flags.option("--gain", a->gain, "strength of the lights, 1 = as for the photographs")
                 .check(within(0, 1e4));
+            flags.flag(
+                "--faithful", a->faithful,
+                "add what the photographs showed beyond the surface, where no paint lies (fit --faithful)");
             flags.fields(a->options);
             return [a] { return run_relight(*a); };
         }};

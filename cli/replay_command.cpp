@@ -8,6 +8,7 @@
 #include "paint/session.h"
 #include "paint/substrate.h"
 #include "surface/error.h"
+#include "surface/faithful.h"
 #include "surface/painting_file.h"
 
 namespace tangi {
@@ -58,7 +59,11 @@ nlohmann::json run_replay(const ReplayArguments& a) {
     replay(session, journal, progress);
     const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
     const Canvas& canvas = session.canvas();
-    write_canvas(out, canvas, progress);
+    FaithfulResidual residual;  // goes with the dry layer, which painting does not change
+    if (a.substrate.empty()) residual = read_faithful(a.files.front(), canvas.dry(), progress);
+    std::vector<PartToWrite> further;
+    if (!residual.empty()) further.push_back(part_of(residual));
+    write_canvas(out, canvas, progress, further);
 
     nlohmann::json volumes = nlohmann::json::object();
     const auto mm3 = canvas.volumes_mm3();

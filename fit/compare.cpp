@@ -151,9 +151,12 @@ ComparisonMean mean_of(const std::vector<PhotoComparison>& photos, Wanted&& want
         mean.psnr_db += photo.psnr_db;
         mean.ssim += photo.ssim;
         mean.delta_e_2000 += photo.delta_e_2000;
+        if (photo.faithful_psnr_db)
+            mean.faithful_psnr_db = mean.faithful_psnr_db.value_or(0) + *photo.faithful_psnr_db;
     }
     const double n = std::max(mean.count, 1);
-    return {mean.count, mean.psnr_db / n, mean.ssim / n, mean.delta_e_2000 / n};
+    if (mean.faithful_psnr_db) *mean.faithful_psnr_db /= n;
+    return {mean.count, mean.psnr_db / n, mean.ssim / n, mean.delta_e_2000 / n, mean.faithful_psnr_db};
 }
 
 void summarise(const Stack& stack, int unknown, CompareReport& report) {
@@ -180,7 +183,8 @@ std::string valid_utf8(const std::string& text) {
 }  // namespace
 
 CompareReport compare(const Surface& surface, const Stack& photos, const CompareOptions& options,
-                      const Progress& progress, const ComparisonSink& sink) {
+                      const Progress& progress, const ComparisonSink& sink,
+                      const FaithfulResidual& residual) {
     validate(options);
     require_comparable(surface, photos);
     CompareReport report_;
@@ -208,8 +212,13 @@ CompareReport compare(const Surface& surface, const Stack& photos, const Compare
         PhotoComparison result = described(all[i], surface.photography);
         Image<Rgb> photo = stored_picture(one);
         const Mask present = without_missing(mask, photo);
-        const Image<Rgb> relit = encoded(relight(surface, {&result.light, 1}, relighting), report_.transfer,
-                                         exposure_of(surface.photography));
+        Image<Rgb> linear = relight(surface, {&result.light, 1}, relighting);
+        const Image<Rgb> relit = encoded(linear, report_.transfer, exposure_of(surface.photography));
+        if (!residual.empty()) {
+            add_residual(residual, surface, {&result.light, 1}, {}, linear);
+            const Image<Rgb> faithful = encoded(linear, report_.transfer, exposure_of(surface.photography));
+            result.faithful_psnr_db = std::min(psnr_db(photo, faithful, present), kPsnrCap_db);
+        }
         Image<float> delta_e;
         const ComparedPictures pictures{static_cast<int>(i),
                                         result,
@@ -242,13 +251,16 @@ json to_json(const CompareReport& report) {
                           {"delta_e_2000", p.delta_e_2000},
                           {"delta_e_2000_p95", p.delta_e_2000_p95},
                           {"bias", p.bias}});
+        if (p.faithful_psnr_db) photos.back()["faithful_psnr_db"] = *p.faithful_psnr_db;
     }
     const auto mean = [](const ComparisonMean& m) {
         const auto number = [&](double value) { return m.count > 0 ? json(value) : json(nullptr); };
-        return json{{"count", m.count},
-                    {"psnr_db", number(m.psnr_db)},
-                    {"ssim", number(m.ssim)},
-                    {"delta_e_2000", number(m.delta_e_2000)}};
+        json means = {{"count", m.count},
+                      {"psnr_db", number(m.psnr_db)},
+                      {"ssim", number(m.ssim)},
+                      {"delta_e_2000", number(m.delta_e_2000)}};
+        if (m.faithful_psnr_db) means["faithful_psnr_db"] = *m.faithful_psnr_db;
+        return means;
     };
     json warnings = json::array();
     for (const std::string& warning : report.warnings) warnings.push_back(valid_utf8(warning));

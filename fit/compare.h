@@ -13,6 +13,7 @@
 
 #include "capture/stack.h"
 #include "fit/metrics.h"
+#include "surface/faithful.h"
 #include "surface/options.h"
 #include "surface/progress.h"
 #include "surface/surface.h"
@@ -49,14 +50,15 @@ struct CompareOptions {
 
 struct PhotoComparison {
     std::string name;
-    Light light;                  // what the photograph was relit with
-    double elevation_deg = 90;    // [deg] of the light above the picture plane
-    double azimuth_deg = 0;       // [deg] 0..360, from x (right) towards y (up)
-    bool fitted = false;          // false: held out, the fit never saw it
-    double psnr_db = 0;           // [dB] at most kPsnrCap_db
-    double ssim = 0;              // [1] -1..1
-    double delta_e_2000 = 0;      // [1] mean over the pixels
-    double delta_e_2000_p95 = 0;  // [1] 95 % of the pixels differ by no more
+    Light light;                               // what the photograph was relit with
+    double elevation_deg = 90;                 // [deg] of the light above the picture plane
+    double azimuth_deg = 0;                    // [deg] 0..360, from x (right) towards y (up)
+    bool fitted = false;                       // false: held out, the fit never saw it
+    double psnr_db = 0;                        // [dB] at most kPsnrCap_db
+    std::optional<double> faithful_psnr_db{};  // [dB] relit with the painting's residual, where it has one
+    double ssim = 0;                           // [1] -1..1
+    double delta_e_2000 = 0;                   // [1] mean over the pixels
+    double delta_e_2000_p95 = 0;               // [1] 95 % of the pixels differ by no more
     double bias = 0;  // [1] mean of relit - photograph, as stored: > 0 where the relit picture is too bright
 };
 
@@ -64,6 +66,7 @@ struct PhotoComparison {
 struct ComparisonMean {
     int count = 0;
     double psnr_db = 0, ssim = 0, delta_e_2000 = 0;
+    std::optional<double> faithful_psnr_db{};
 };
 
 struct CompareReport {
@@ -92,11 +95,13 @@ using ComparisonSink = std::function<void(const ComparedPictures&)>;
 // Relights the surface at the light of each photograph of the stack, held out or not, and compares. Whether
 // the fit saw a photograph, and the strength of its light, is looked up in surface.photography by name; a
 // photograph that is not listed there counts as held out and as lit with gain 1, and a warning says so.
-// Pixels of confidence 0, and those that the stack's mask leaves out, do not count. One photograph is in
-// memory at a time. Throws Error: the surface does not come from photographs, nothing in it was measured,
-// sizes that differ; Cancelled.
+// Where a residual is given, PSNR is also that of the pictures that add_residual() makes of the relit ones;
+// all else is of the surface alone. Pixels of confidence 0, and those that the stack's mask leaves out, do
+// not count. One photograph is in memory at a time. Throws Error: the surface does not come from photographs,
+// nothing in it was measured, sizes that differ; Cancelled.
 CompareReport compare(const Surface& surface, const Stack& photos, const CompareOptions& options = {},
-                      const Progress& progress = {}, const ComparisonSink& sink = {});
+                      const Progress& progress = {}, const ComparisonSink& sink = {},
+                      const FaithfulResidual& residual = {});
 
 // {"photos": [{"name", "fitted", "light": [x, y, z], "elevation_deg", …}], "mean": {"held_out": {"count",
 // "psnr_db", "ssim", "delta_e_2000"}, "fitted", "all"}, "worst", …}; names are made valid UTF-8.

@@ -115,13 +115,14 @@ private:
 }  // namespace
 
 CompareReport write_comparison(const fs::path& folder, const Surface& surface, const Stack& photos,
-                               const CompareOptions& options, const Progress& progress) {
+                               const CompareOptions& options, const Progress& progress,
+                               const FaithfulResidual& residual) {
     NewPictures place(folder);
     json files = json::array();
     const ComparisonSink sink = [&](const ComparedPictures& pictures) {
         files.push_back(write_pictures(place.folder(), pictures, options));
     };
-    CompareReport report = compare(surface, photos, options, progress, sink);
+    CompareReport report = compare(surface, photos, options, progress, sink, residual);
     json data = to_json(report);
     for (std::size_t i = 0; i < files.size(); ++i) data["photos"][i]["pictures"] = files[i];
     AtomicFile numbers(folder / "compare.json"), page(folder / "compare.html");

@@ -38,8 +38,9 @@ function summary() {
   const main = held.count ? held : fitted, what = held.count ? 'held out' : 'fitted';
   const card = (title, key, show, unit, meaning) => make('div', {class: 'card'}, make('h3', {}, title),
     make('div', {class: 'big num'}, show(main[key]), ' ', make('small', {}, unit + what)),
-    make('dl', {class: 'num'}, ...[['fitted', fitted], ['all', report.mean.all]].filter(([n]) => n !== what).map(([name, mean]) =>
-      make('div', {}, make('dt', {}, name + ' '), make('dd', {}, show(mean[key]))))),
+    make('dl', {class: 'num'}, ...[['fitted', fitted[key]], ['all', report.mean.all[key]]].filter(([n]) => n !== what)
+      .concat(key in main && `faithful_${key}` in main ? [['faithful mode, ' + what, main[`faithful_${key}`]]] : []).map(([name, value]) =>
+      make('div', {}, make('dt', {}, name + ' '), make('dd', {}, show(value))))),
     make('div', {class: 'soft small'}, meaning));
   at('metrics').append(
     card('PSNR, mean', 'psnr_db', psnr, 'dB · ', 'Size of the error in all. More is better: 30 dB is an error of 3 % of full scale, 40 dB of 1 %.'),

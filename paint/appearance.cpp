@@ -159,6 +159,16 @@ void update_appearance(const Canvas& canvas, std::span<const TileIndex> tiles, S
     });
 }
 
+Image<float> bare_part(const Canvas& canvas, const AppearanceOptions& options) {
+    validate(options);
+    if (canvas.ingredients().empty()) return {};
+    Image<float> part(canvas.width(), canvas.height());
+    for (const PaintLayer* layer : layers_of(canvas))
+        layer->add_thickness_mm(part.region(), part.data(), static_cast<std::size_t>(part.width()));
+    for (float& mm : part.pixels()) mm = std::exp(-mm / static_cast<float>(options.covering_mm));
+    return part;
+}
+
 Surface appearance(const Canvas& canvas, const AppearanceOptions& options, const Progress& progress) {
     Surface surface = canvas.dry();
     std::set<TileIndex> painted;

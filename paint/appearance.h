@@ -33,6 +33,10 @@ struct AppearanceOptions {
 Surface appearance(const Canvas& canvas, const AppearanceOptions& options = {},
                    const Progress& progress = {});
 
+// [1] Part of each pixel, 0..1, that no paint covers: what is left there of what photographs showed beyond
+// the dry surface (surface/faithful.h). Empty where nothing was painted.
+Image<float> bare_part(const Canvas& canvas, const AppearanceOptions& options = {});
+
 // Brings a surface that appearance() made up to date, where these tiles have changed. Tiles beside them are
 // touched too: slopes reach one pixel far.
 void update_appearance(const Canvas& canvas, std::span<const TileIndex> tiles, Surface& surface,

@@ -159,7 +159,8 @@ const PartInfo* find(const std::vector<PartInfo>& parts, const std::string& name
 
 }  // namespace
 
-void write_canvas(AtomicFile& file, const Canvas& canvas, const Progress& progress) {
+void write_canvas(AtomicFile& file, const Canvas& canvas, const Progress& progress,
+                  std::span<const PartToWrite> further) {
     std::vector<PartToWrite> parts;
     if (!canvas.ingredients().empty()) {
         parts.push_back(part_of(kWet, canvas.wet()));
@@ -173,6 +174,7 @@ void write_canvas(AtomicFile& file, const Canvas& canvas, const Progress& progre
             parts.back().info.attributes["layer"] = canvas.dried()[i].name;
         }
     }
+    parts.insert(parts.end(), further.begin(), further.end());
     write_painting(file, canvas.dry(), parts, progress);
 }
 

@@ -12,12 +12,15 @@
 
 #include "paint/canvas.h"
 #include "surface/atomic_file.h"
+#include "surface/painting_parts.h"
 #include "surface/progress.h"
 
 namespace tangi {
 
-// Whole or not at all. Throws Error naming the file where it cannot be written.
-void write_canvas(AtomicFile& file, const Canvas& canvas, const Progress& progress = {});
+// Whole or not at all; `further` parts, of other modules, come after those of the paint. Throws Error naming
+// the file where it cannot be written.
+void write_canvas(AtomicFile& file, const Canvas& canvas, const Progress& progress = {},
+                  std::span<const PartToWrite> further = {});
 void write_canvas(const std::filesystem::path& path, const Canvas& canvas, const Progress& progress = {});
 
 // The canvas with all its paint, bit for bit (`mm_per_pixel`: the scale where the painting's is unknown,

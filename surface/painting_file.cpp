@@ -14,6 +14,7 @@
 #include <ImfStringAttribute.h>
 #include <ImfThreading.h>
 #include <fcntl.h>
+#include <half.h>
 #include <unistd.h>
 
 #include <array>
@@ -133,7 +134,7 @@ Imf::Header header_of(const PartInfo& info) {
     header.setType(Imf::SCANLINEIMAGE);
     header.compression() = Imf::ZIP_COMPRESSION;
     for (const std::string& channel : info.channels)
-        header.channels().insert(channel, Imf::Channel(Imf::FLOAT));
+        header.channels().insert(channel, Imf::Channel(info.half ? Imf::HALF : Imf::FLOAT));
     for (const auto& [name, text] : info.attributes) header.insert(name, Imf::StringAttribute(text));
     return header;
 }
@@ -145,6 +146,7 @@ void write_part(Imf::MultiPartOutputFile& output, int number, const PartToWrite&
     const PartInfo& info = part.info;
     const auto band = static_cast<std::size_t>(info.width) * rows_at_once;
     std::vector<float> values(band * info.channels.size());
+    std::vector<half> halves(info.half ? values.size() : 0);
     std::vector<float*> planes;
     for (std::size_t c = 0; c < info.channels.size(); ++c) planes.push_back(values.data() + c * band);
     for (int y = 0; y < info.height; y += rows_at_once) {
@@ -152,12 +154,17 @@ void write_part(Imf::MultiPartOutputFile& output, int number, const PartToWrite&
         const int end = std::min(y + rows_at_once, info.height);
         std::fill(values.begin(), values.end(), 0.0f);
         part.fill(y, end, planes);
+        if (info.half)
+            std::transform(values.begin(), values.end(), halves.begin(), [](float v) { return half(v); });
         Imf::FrameBuffer buffer;
-        for (std::size_t c = 0; c < planes.size(); ++c)
-            buffer.insert(
-                info.channels[c],
-                Imf::Slice::Make(Imf::FLOAT, planes[c], Imath::V2i(0, y), info.width, end - y, sizeof(float),
-                                 static_cast<std::size_t>(info.width) * sizeof(float)));
+        const std::size_t size = info.half ? sizeof(half) : sizeof(float);
+        for (std::size_t c = 0; c < planes.size(); ++c) {
+            const void* plane = planes[c];
+            if (info.half) plane = &halves[c * band];
+            buffer.insert(info.channels[c], Imf::Slice::Make(info.half ? Imf::HALF : Imf::FLOAT, plane,
+                                                             Imath::V2i(0, y), info.width, end - y, size,
+                                                             static_cast<std::size_t>(info.width) * size));
+        }
         target.setFrameBuffer(buffer);
         target.writePixels(end - y);
     }

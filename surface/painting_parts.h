@@ -1,8 +1,8 @@
 // painting_parts.h: the parts of a painting file beside `dry`: maps of its size that other modules keep
 // there.
 //
-// Channels are 32-bit float, attributes are text. Which parts there are, and what they mean, their modules
-// say (docs/quantities.md).
+// Channels are 32-bit float, or 16-bit where a part says so; attributes are text. Which parts there are, and
+// what they mean, their modules say (docs/quantities.md).
 #pragma once
 
 #include <filesystem>
@@ -23,6 +23,7 @@ struct PartInfo {
     int width = 0, height = 0;
     std::vector<std::string> channels;              // in the order of their names
     std::map<std::string, std::string> attributes;  // text only
+    bool half = false;                              // channels of 16-bit floats
 };
 
 // A part to write: its channels must be in the order of their names.

@@ -26,7 +26,7 @@ PartInfo info_of(const Imf::Header& header) {
     info.width = window.max.x - window.min.x + 1;
     info.height = window.max.y - window.min.y + 1;
     for (auto c = header.channels().begin(); c != header.channels().end(); ++c)
-        info.channels.emplace_back(c.name());
+        info.channels.emplace_back(c.name()), info.half = c.channel().type == Imf::HALF;
     for (auto a = header.begin(); a != header.end(); ++a)
         if (const auto* text = dynamic_cast<const Imf::StringAttribute*>(&a.attribute()))
             info.attributes[a.name()] = text->value();

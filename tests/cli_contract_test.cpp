@@ -8,8 +8,8 @@ namespace {
 using testing::HasSubstr;
 using testing::Not;
 
-constexpr const char* kCommands[] = {"calibrate", "fit",      "relight", "compare",
-                                     "info",      "generate", "palette", "demo"};
+constexpr const char* kCommands[] = {"calibrate", "fit",  "relight",  "compare", "import", "export",
+                                     "replay",    "info", "generate", "palette", "demo"};
 
 TEST(CliHelp, ListsEveryCommandOnStdout) {
     for (const std::vector<std::string>& asked : {std::vector<std::string>{"help"}, {"--help"}}) {

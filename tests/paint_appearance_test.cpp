@@ -33,6 +33,14 @@ TEST(Appearance, IsTheDrySurfaceWhereThereIsNoPaint) {
     EXPECT_NE(s.diffuse(30, 30), half.dry().diffuse(30, 30));
 }
 
+TEST(Appearance, BarePartFallsWithThickness) {
+    EXPECT_TRUE(bare_part(flat_canvas()).empty());
+    const Canvas half = half_covered("Bone Black", 0.02f);
+    const Image<float> bare = bare_part(half, {.covering_mm = 0.01});
+    EXPECT_EQ(bare(100, 30), 1);
+    EXPECT_NEAR(bare(30, 30), std::exp(-2.0f), 1e-6);
+}
+
 TEST(Appearance, HidesWithThicknessAsKubelkaAndMunkSay) {
     const Pigment& white = artist_acrylics().at("Titanium White");
     for (const float mm : {0.01f, 0.03f, 0.1f, 1.0f}) {

@@ -1,0 +1,96 @@
+// fidelity_bench.cpp: how well held-out photographs are predicted: PTM and HSH by least squares a channel in
+// floats, the Ward fit, and the Ward fit in faithful mode, as a table.
+//   fidelity_bench [--hold-out WHICH] STACK[=TEST]...
+// Of a STACK alone, the photographs WHICH (default 4:8: 4, 12, 20, …) are held out; with =TEST all of STACK
+// are fitted, and those of the folder TEST predicted.
+#include <fmt/format.h>
+#include <glog/logging.h>
+
+#include <chrono>
+#include <cstdio>
+
+#include "fit/compare.h"
+#include "fit/faithful_fit.h"
+#include "fit/fit_painting.h"
+#include "fit/metrics.h"
+#include "fit/rti.h"
+#include "surface/error.h"
+#include "surface/picture_file.h"
+
+namespace tangi {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point start) {
+    return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+// [dB] mean over the photographs, all pixels, values as stored.
+double psnr_of(const RtiImage& image, const std::vector<StackPhoto>& photos) {
+    double sum = 0;
+    for (const StackPhoto& photo : photos)
+        sum += psnr_db(read_picture(photo.path), evaluate(image, photo.light.direction));
+    return sum / static_cast<double>(photos.size());
+}
+
+void print_row(const std::string& argument, const std::string& which) {
+    const std::size_t split = argument.find('=');
+    Stack stack = open_stack(argument.substr(0, split)), test = stack;
+    if (split == std::string::npos) {
+        hold_out(stack, which);
+        test = stack;
+        test.photos = stack.held_out;
+        test.held_out.clear();
+    } else {
+        test = open_stack(argument.substr(split + 1));
+    }
+    // Files of floats are linear light, and what RTI viewers show is not.
+    const bool comparable = test.bits != 32;
+    const auto rti = [&](RtiBasis basis) {
+        return comparable ? fmt::format("{:.2f}", psnr_of(fit_rti(stack, basis), test.photos))
+                          : std::string("–");
+    };
+    const std::string ptm = rti(RtiBasis::ptm), hsh = rti(RtiBasis::hsh9);
+    Clock::time_point start = Clock::now();
+    const FitResult fit = fit_painting(stack);
+    const double fit_s = seconds_since(start);
+    start = Clock::now();
+    const FaithfulFit faithful = fit_faithful(fit.surface, stack);
+    const double faithful_s = seconds_since(start);
+    const CompareReport report = compare(fit.surface, test, {}, {}, {}, faithful.residual);
+    const double ward = report.all.psnr_db;
+    std::printf("| %s | %s | %s | %.2f | %.2f | %d | %.0f | %.0f |\n", argument.c_str(), ptm.c_str(),
+                hsh.c_str(), ward, report.all.faithful_psnr_db.value_or(ward),
+                faithful.report.terms + 2 * faithful.report.colour_terms, fit_s, faithful_s);
+    std::fflush(stdout);
+}
+
+int run(int count, char** arguments) {
+    std::string which = "4:8";
+    std::puts("| stack | PTM 6 | HSH 9 | Ward | faithful | its coefficients | fit s | faithful s |");
+    std::puts("|---|---|---|---|---|---|---|---|");
+    for (int i = 1; i < count; ++i) {
+        const std::string argument = arguments[i];
+        if (argument == "--hold-out" && i + 1 < count) {
+            which = arguments[++i];
+            continue;
+        }
+        print_row(argument, which);
+    }
+    return 0;
+}
+
+}  // namespace
+}  // namespace tangi
+
+int main(int count, char** arguments) {
+    google::InitGoogleLogging(arguments[0]);
+    FLAGS_minloglevel = 3;
+    try {
+        return tangi::run(count, arguments);
+    } catch (const std::exception& error) {
+        fmt::print(stderr, "fidelity_bench: {}\n", error.what());
+        return 1;
+    }
+}

@@ -1,0 +1,107 @@
+// export_command.cpp: tangipaint export PAINTING.exr --to FORMAT --out PATH
+#include <filesystem>
+
+#include "cli/arguments.h"
+#include "cli/command_list.h"
+#include "fit/export_maps.h"
+#include "fit/rti_file.h"
+#include "paint/canvas_file.h"
+#include "surface/error.h"
+#include "surface/picture_file.h"
+
+namespace tangi {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+struct ExportArguments {
+    std::string painting, out, to, photos, lights;
+    int terms = 9, directions = 80;
+    bool lrgb = false;
+};
+
+RtiBasis basis_of(const ExportArguments& a) {
+    if (a.to == "ptm") return RtiBasis::ptm;
+    for (const RtiBasis basis : {RtiBasis::hsh4, RtiBasis::hsh9, RtiBasis::hsh16})
+        if (terms_of(basis) == a.terms) return basis;
+    throw UsageError(fmt::format("--terms {}: .rti files have 4, 9 or 16 terms", a.terms));
+}
+
+nlohmann::json export_rti(const ExportArguments& a, const Surface& surface, const Progress& progress) {
+    const RtiBasis basis = basis_of(a);
+    if (a.lrgb && a.to != "ptm") throw UsageError("--lrgb: is a way to write .ptm files only");
+    if (lower_extension(a.out) != "." + a.to) fail("--out {}: --to {} writes a .{} file", a.out, a.to, a.to);
+    std::vector<fs::path> inputs = {a.painting};
+    std::optional<Stack> stack;
+    if (!a.photos.empty()) {
+        StackOptions options;
+        if (!a.lights.empty()) options.lights_file = a.lights;
+        stack = open_stack(a.photos, options);
+        for (const StackPhoto& photo : stack->photos) inputs.push_back(photo.path);
+        if (stack->is_raw) fail("{}: camera raw cannot be exported; leave out --photos", a.photos);
+        // As the fit registered them; those that it did not see have no part.
+        std::erase_if(stack->photos, [&](StackPhoto& photo) {
+            const Photography::Photo* known = find_photo(surface.photography, photo.light);
+            if (known) photo.homography = known->homography;
+            return !known || !known->fitted;
+        });
+    }
+    refuse_to_overwrite(a.out, inputs);
+    AtomicFile file(a.out);
+    const RtiImage image = stack ? fit_rti(*stack, basis, a.lrgb, progress)
+                                 : rti_of(surface, basis, a.lrgb, {Transfer::Kind::srgb},
+                                          {.directions = a.directions}, progress);
+    write_rti_file(file, image, progress);
+    return {{"files", {a.out}},
+            {"basis", name_of(basis)},
+            {"lrgb", a.lrgb},
+            {"from", stack ? "photographs" : "painting"},
+            {"lights", stack ? static_cast<int>(stack->photos.size()) : a.directions}};
+}
+
+nlohmann::json run_export(const ExportArguments& a) {
+    const Progress progress = console_progress();
+    const bool rti = a.to == "ptm" || a.to == "rti";
+    if (!rti && !a.photos.empty())
+        throw UsageError(fmt::format("--photos: only ptm and rti are made of photographs, {} is not", a.to));
+    const Surface surface = read_painted(a.painting, progress);
+    if (rti) return export_rti(a, surface, progress);
+    require_writable_folder(a.out);
+    for (const char* name :
+         {"height.exr", "normal.exr", "diffuse.exr", "specular.exr", "roughness.exr", "confidence.exr"})
+        refuse_to_overwrite(fs::path(a.out) / name, {a.painting});
+    nlohmann::json files = nlohmann::json::array();
+    for (const fs::path& path :
+         a.to == "maps" ? write_maps(a.out, surface, progress) : write_openlime(a.out, surface, progress))
+        files.push_back(path.string());
+    return {{"files", files}};
+}
+
+}  // namespace
+
+Command export_command() {
+    return {
+        "export", "write a painting for other programs: RTI viewers, OpenLIME, maps", [](Flags& flags) {
+            auto a = std::make_shared<ExportArguments>();
+            flags.option("PAINTING", a->painting, "painting file (.exr)").required();
+            flags
+                .option("--to", a->to,
+                        "ptm, rti (harmonics), maps (EXR) or openlime (kd, ks, normals, gloss)")
+                .required()
+                .check(one_of({"ptm", "rti", "maps", "openlime"}));
+            flags.option("--out", a->out, "file to write (.ptm, .rti), or folder for the maps").required();
+            flags.option("--photos", a->photos,
+                         "ptm, rti: fit the photographs in this folder instead of the painting relit");
+            flags.option("--lights", a->lights, "lights file of these photographs");
+            flags.option("--terms", a->terms, "rti: harmonics, 4, 9 or 16").show_default();
+            flags.flag("--lrgb", a->lrgb,
+                       "ptm: one colour a pixel and the brightness by light, in half the size");
+            flags.option("--directions", a->directions, "ptm, rti: lights to relight the painting from")
+                .check(within(20, 1000))
+                .show_default();
+            return [a] { return run_export(*a); };
+        }};
+}
+
+}  // namespace tangi

@@ -1,0 +1,97 @@
+// import_command.cpp: tangipaint import [FOLDER] --out PAINTING.exr
+#include <array>
+#include <filesystem>
+
+#include "cli/arguments.h"
+#include "cli/command_list.h"
+#include "fit/import_maps.h"
+#include "surface/error.h"
+#include "surface/painting_file.h"
+#include "surface/picture_file.h"
+
+namespace tangi {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+struct ImportArguments {
+    std::string folder, out, diffuse, specular, normals, gloss, roughness, height;
+    ImportOptions options;
+};
+
+nlohmann::json run_import(const ImportArguments& a) {
+    const Progress progress = console_progress();
+    if (lower_extension(a.out) != ".exr") fail("--out {}: a painting is an .exr file", a.out);
+    MapFiles files;
+    if (!a.folder.empty()) files = find_maps(a.folder);
+    const std::array<std::tuple<const char*, const std::string*, std::optional<fs::path>*>, 6> given = {
+        {{"diffuse", &a.diffuse, &files.diffuse},
+         {"specular", &a.specular, &files.specular},
+         {"normals", &a.normals, &files.normals},
+         {"gloss", &a.gloss, &files.gloss},
+         {"roughness", &a.roughness, &files.roughness},
+         {"height", &a.height, &files.height}}};
+    nlohmann::json maps = nlohmann::json::object();
+    for (const auto& [name, text, file] : given) {
+        if (!text->empty()) *file = *text;
+        if (!*file) continue;
+        if (!fs::is_regular_file(**file)) fail("{}: no such file", (*file)->string());
+        refuse_to_overwrite(a.out, {**file});
+        maps[name] = (*file)->string();
+    }
+    AtomicFile out(a.out);
+    ImportReport report;
+    Surface surface = import_maps(files, a.options, report, progress);
+    nlohmann::json options = to_json(a.options);
+    surface.provenance = nlohmann::json{
+        {"program", "tangipaint " TP_VERSION},
+        {"command", "import"},
+        {"options", options},
+        {"maps", maps}}.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+    write_painting(out, surface, progress);
+    nlohmann::json poor = nlohmann::json::array();
+    if (!report.height.converged)
+        poor.push_back("the height did not converge; its low frequencies are doubtful");
+    return {{"painting", a.out},
+            {"width", surface.width()},
+            {"height", surface.height()},
+            {"maps", maps},
+            {"pixels", {{"all", report.pixels}, {"measured", report.measured}}},
+            {"mm_per_pixel", surface.mm_per_pixel},
+            {"scale_known", surface.scale_known},
+            {"median_tilt_deg", report.median_tilt_deg},
+            {"support_tilt_deg", report.support_tilt_deg},
+            {"height_solver",
+             {{"cycles", report.height.cycles},
+              {"residual", report.height.residual},
+              {"converged", report.height.converged}}},
+            {"dry_hash", hash_of(surface)},
+            {"warnings", told(report.warnings)},
+            {"poor", poor}};
+}
+
+}  // namespace
+
+Command import_command() {
+    return {
+        "import", "make a painting of published maps: Ward maps, or albedo, normals and height",
+        [](Flags& flags) {
+            auto a = std::make_shared<ImportArguments>();
+            flags.option(
+                "MAPS", a->folder,
+                "folder whose maps are found by name: kd or albedo, ks, normals, gloss, roughness, height");
+            flags.option("--out", a->out, "painting file to write (.exr)").required();
+            flags.option("--diffuse", a->diffuse, "diffuse map (kd, albedo)");
+            flags.option("--specular", a->specular, "specular map (ks)");
+            flags.option("--normals", a->normals, "normal map, n = 2 c - 1; EXR: n");
+            flags.option("--gloss", a->gloss, "gloss map (see --alpha-min, --alpha-max)");
+            flags.option("--roughness", a->roughness, "roughness map, Ward's alpha");
+            flags.option("--height", a->height,
+                         "height map; integrated from the normals where there is none");
+            flags.fields(a->options);
+            return [a] { return run_import(*a); };
+        }};
+}
+
+}  // namespace tangi

@@ -1,0 +1,407 @@
+#include "fit/faithful_fit.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Core>
+#include <Eigen/Eigenvalues>
+#include <array>
+#include <cmath>
+#include <glm/matrix.hpp>
+#include <limits>
+
+#include "capture/survey.h"
+#include "surface/error.h"
+#include "surface/painting_file.h"
+#include "surface/parallel.h"
+#include "surface/relight.h"
+
+namespace tangi {
+
+namespace {
+
+using Matrix = Eigen::MatrixXd;
+using Kernel = FaithfulResidual::Kernel;
+
+constexpr int kBandRows = 256;
+constexpr std::size_t kKeptBytes = 256u << 20;  // of residual pictures
+constexpr std::size_t kFewestPhotos = 8;
+constexpr double kEnergyKept = 0.998;  // [1] of the predicted residual's, by the terms that are kept
+
+// The photographs that were fitted, each as a stack of its own, and their light as the fit found it.
+struct FittedPhoto {
+    Stack stack;
+    Light light;
+};
+
+std::vector<FittedPhoto> fitted_photos(const Surface& surface, const Stack& stack) {
+    std::vector<FittedPhoto> photos;
+    for (const StackPhoto& photo : stack.photos) {
+        const Photography::Photo* known = find_photo(surface.photography, photo.light);
+        if (!known || !known->fitted) continue;
+        photos.push_back({stack, as_photographed(photo.light, surface.photography)});
+        Stack& one = photos.back().stack;
+        one.held_out.clear();
+        one.photos = {photo};
+        one.photos.front().homography = known->homography;
+    }
+    std::sort(photos.begin(), photos.end(), [](const FittedPhoto& a, const FittedPhoto& b) {
+        return a.stack.photos.front().path < b.stack.photos.front().path;
+    });
+    return photos;
+}
+
+// Colours between the surface and what the camera saw.
+struct Colours {
+    glm::mat3 to_photo{1};  // linear Rec. 709 of relight() -> linear values of the photograph
+    glm::mat3 from_photo{1};
+    Transfer transfer;
+    float clipped = std::numeric_limits<float>::infinity();  // linear value of the photograph
+};
+
+Colours colours_of(const Surface& surface, const Stack& stack) {
+    const Photography& p = surface.photography;
+    Colours colours;
+    colours.to_photo = static_cast<float>(p.white_level) * glm::mat3(p.to_camera.value_or(glm::dmat3(1)));
+    colours.from_photo = glm::inverse(colours.to_photo);
+    colours.transfer = p.transfer;
+    if (stack.development) {
+        colours.clipped = stack.development->clipped;
+    } else if (stack.bits != 32) {
+        colours.clipped = p.transfer.decode(kClipped);
+    }
+    return colours;
+}
+
+// Linear values of one photograph; NaN where it does not reach. Grey becomes RGB.
+Image<Rgb> linear_picture(const Stack& one, const Transfer& transfer) {
+    StackReader reader(one);
+    Image<Rgb> picture(one.width(), one.height());
+    for (int y0 = 0; y0 < one.height(); y0 += kBandRows) {
+        const Band band =
+            reader.read(y0, std::min(y0 + kBandRows, one.height()), one.development ? Transfer{} : transfer);
+        for (int y = y0; y < band.y1(); ++y)
+            for (int c = 0; c < 3; ++c) {
+                const float* row = band.row(0, std::min(c, one.channels - 1), y);
+                for (int x = 0; x < one.width(); ++x) picture(x, y)[c] = row[x];
+            }
+    }
+    return picture;
+}
+
+// A photograph less the surface relit, per irradiance, in the frame of the pixel's colour; and, where asked
+// for, both at the samples.
+struct Sampled {
+    std::vector<Rgb> stored;      // encoded; NaN where the photograph does not reach
+    std::vector<Rgb> relit;       // linear, of the photograph
+    std::vector<Rgb> irradiance;  // [1]
+};
+Image<Vec3> residual_of(const Surface& surface, const FittedPhoto& photo, const Colours& colours,
+                        std::span<const glm::ivec2> samples, Sampled* sampled) {
+    const Image<Rgb> taken = linear_picture(photo.stack, colours.transfer);
+    const Image<Rgb> relit = relight(surface, {&photo.light, 1}, {.cast_shadows = true});
+    Image<Vec3> residual(surface.width(), surface.height(), Vec3(0));
+    parallel_for(0, surface.height(), 16, [&](int begin, int end) {
+        for (int y = begin; y < end; ++y)
+            for (int x = 0; x < surface.width(); ++x) {
+                if (!(surface.confidence(x, y) > 0)) continue;
+                const Rgb value = taken(x, y), predicted = colours.to_photo * relit(x, y);
+                if (std::isnan(value.r + value.g + value.b)) continue;
+                Rgb left = value - predicted;
+                for (int c = 0; c < 3; ++c)
+                    if (value[c] >= colours.clipped) left[c] = std::max(left[c], 0.0f);
+                const Rgb irradiance =
+                    incidence(photo.light, surface.point_mm(x, y), surface.photography.rig).irradiance;
+                const Rgb reflected = colours.from_photo * left / irradiance;
+                residual(x, y) = glm::transpose(colour_frame(surface.diffuse(x, y))) * reflected;
+            }
+    });
+    if (sampled)
+        for (const glm::ivec2& at : samples) {
+            sampled->stored.push_back(taken(at.x, at.y));
+            for (int c = 0; c < 3; ++c)
+                if (float& v = sampled->stored.back()[c]; !std::isnan(v))
+                    v = colours.transfer.encode(std::min(v, 1.0f));
+            sampled->relit.push_back(colours.to_photo * relit(at.x, at.y));
+            sampled->irradiance.push_back(
+                incidence(photo.light, surface.point_mm(at.x, at.y), surface.photography.rig).irradiance);
+        }
+    return residual;
+}
+
+// Measured pixels spread evenly over the picture.
+std::vector<glm::ivec2> sample_positions(const Surface& surface, int count) {
+    std::vector<glm::ivec2> measured;
+    const double step = std::max(std::sqrt(static_cast<double>(surface.height_mm.size()) / count), 1.0);
+    for (double y = step / 2; y < surface.height(); y += step)
+        for (double x = step / 2; x < surface.width(); x += step)
+            if (const glm::ivec2 at(x, y); surface.confidence(at.x, at.y) > 0) measured.push_back(at);
+    return measured;
+}
+
+// Everything that the choice of the kernel needs: residuals [photograph][3 sample + component], and the
+// samples.
+struct Samples {
+    Matrix residual;
+    std::vector<Sampled> photos;
+    std::vector<glm::mat3> to_rgb;  // of each sample: the pixel's colour frame
+};
+
+// [dB] PSNR of one photograph's samples, the surface alone or with a residual.
+template <class Residual>
+double psnr_with(const Samples& s, const Colours& colours, std::size_t photo, Residual&& residual) {
+    const Sampled& p = s.photos[photo];
+    double sum = 0;
+    long count = 0;
+    for (std::size_t j = 0; j < p.stored.size(); ++j) {
+        if (std::isnan(p.stored[j].r + p.stored[j].g + p.stored[j].b)) continue;
+        const Rgb value = p.relit[j] + colours.to_photo * (p.irradiance[j] * (s.to_rgb[j] * residual(j)));
+        for (int c = 0; c < 3; ++c, ++count) {
+            const double e =
+                std::min(colours.transfer.encode(std::max(value[c], 0.0f)), 1.0f) - p.stored[j][c];
+            sum += e * e;
+        }
+    }
+    return -10 * std::log10(std::max(sum / static_cast<double>(std::max(count, 1L)), 1e-10));
+}
+
+Matrix kernel_matrix(const std::vector<Vec3>& directions, Kernel kernel, double reach) {
+    const auto n = static_cast<Eigen::Index>(directions.size());
+    Matrix k(n, n);
+    for (Eigen::Index i = 0; i < n; ++i)
+        for (Eigen::Index j = 0; j < n; ++j)
+            k(i, j) = kernel_at(kernel, reach,
+                                glm::length(glm::dvec3(directions[static_cast<std::size_t>(i)]) -
+                                            glm::dvec3(directions[static_cast<std::size_t>(j)])));
+    return k;
+}
+
+// Of what the best kernel gains, a kernel of less reach may gain less: it says less of lights far from all
+// that were photographed.
+constexpr double kLocalShare = 0.15;
+
+struct Choice {
+    Kernel kernel = Kernel::gaussian;
+    double reach = 0.3, ridge = 1;
+    std::vector<double> photos_db;  // [dB] of each photograph, predicted from the others
+    double mean_db = -1e9;
+};
+
+Matrix inverse_of(const Matrix& kernel, double ridge) {
+    const auto n = kernel.rows();
+    return (kernel + ridge * Matrix::Identity(n, n)).llt().solve(Matrix::Identity(n, n));
+}
+
+Choice choose_kernel(const Samples& s, const Colours& colours, const std::vector<Vec3>& directions,
+                     const Progress& progress) {
+    constexpr std::array reaches = {0.1, 0.15, 0.22, 0.32, 0.46, 0.7, 1.0, 1.5};
+    constexpr std::array ridges = {0.01, 0.03, 0.1, 0.3, 1.0, 3.0};
+    std::vector<Choice> all;
+    for (const Kernel kernel : {Kernel::gaussian, Kernel::matern})
+        for (std::size_t r = 0; r < reaches.size(); ++r) {
+            report(progress, "residual",
+                   0.4 + 0.1 * ((kernel == Kernel::matern) + static_cast<double>(r) / reaches.size()) / 2);
+            const Matrix k = kernel_matrix(directions, kernel, reaches[r]);
+            std::vector<Choice> choices(ridges.size());
+            parallel_for(0, static_cast<int>(ridges.size()), 1, [&](int begin, int end) {
+                for (int at = begin; at < end; ++at) {
+                    const double ridge = ridges[static_cast<std::size_t>(at)];
+                    const Matrix inverse = inverse_of(k, ridge);
+                    const Matrix left = inverse * s.residual;
+                    Choice& choice = choices[static_cast<std::size_t>(at)];
+                    choice = {kernel, reaches[r], ridge, {}, 0};
+                    for (std::size_t i = 0; i < s.photos.size(); ++i) {
+                        const auto row = static_cast<Eigen::Index>(i);
+                        const double diagonal = inverse(row, row);
+                        const auto from_others = [&](std::size_t j) {
+                            const auto column = static_cast<Eigen::Index>(3 * j);
+                            const auto value = [&](Eigen::Index c) {
+                                return static_cast<float>(s.residual(row, column + c) -
+                                                          left(row, column + c) / diagonal);
+                            };
+                            return Vec3(value(0), value(1), value(2));
+                        };
+                        choice.photos_db.push_back(psnr_with(s, colours, i, from_others));
+                        choice.mean_db += choice.photos_db.back() / static_cast<double>(s.photos.size());
+                    }
+                }
+            });
+            std::move(choices.begin(), choices.end(), std::back_inserter(all));
+        }
+    const auto less = [](const Choice& a, const Choice& b) { return a.mean_db < b.mean_db; };
+    const double most_db = std::max_element(all.begin(), all.end(), less)->mean_db;
+    double surface_db = 0;
+    for (std::size_t i = 0; i < s.photos.size(); ++i)
+        surface_db += psnr_with(s, colours, i, [](std::size_t) { return Vec3(0); }) /
+                      static_cast<double>(s.photos.size());
+    const double enough_db = most_db - kLocalShare * std::max(most_db - surface_db, 0.0);
+    std::erase_if(all, [&](const Choice& c) { return c.mean_db < enough_db; });
+    return *std::min_element(all.begin(), all.end(), [](const Choice& a, const Choice& b) {
+        return std::pair(a.reach, -a.mean_db) < std::pair(b.reach, -b.mean_db);
+    });
+}
+
+// Principal components [photograph][term] of what the regression predicts at the photographs.
+Matrix components_of(const Matrix& predicted, int most) {
+    const Eigen::SelfAdjointEigenSolver<Matrix> solver(predicted * predicted.transpose());
+    const Eigen::VectorXd energy = solver.eigenvalues().cwiseMax(0).reverse();
+    double kept = 0;
+    int terms = 0;
+    while (terms < std::min<int>(most, static_cast<int>(energy.size())) && kept < kEnergyKept * energy.sum())
+        kept += energy[terms++];
+    Matrix components = solver.eigenvectors().rowwise().reverse().leftCols(terms);
+    for (Eigen::Index t = 0; t < components.cols(); ++t) {  // their sign is arbitrary
+        Eigen::Index largest = 0;
+        components.col(t).cwiseAbs().maxCoeff(&largest);
+        if (components(largest, t) < 0) components.col(t) *= -1;
+    }
+    return components;
+}
+
+// Columns of the samples' residuals along (component 0) or across (1 and 2) the pixel's colour.
+Matrix columns_of(const Matrix& residual, bool along) {
+    const auto samples = residual.cols() / 3;
+    Matrix result(residual.rows(), along ? samples : 2 * samples);
+    for (Eigen::Index j = 0; j < samples; ++j)
+        if (along) {
+            result.col(j) = residual.col(3 * j);
+        } else {
+            result.col(2 * j) = residual.col(3 * j + 1);
+            result.col(2 * j + 1) = residual.col(3 * j + 2);
+        }
+    return result;
+}
+
+FaithfulResidual::Weights rows_of(const Matrix& m) {
+    FaithfulResidual::Weights rows;
+    for (Eigen::Index t = 0; t < m.rows(); ++t) {
+        rows.emplace_back();
+        for (Eigen::Index i = 0; i < m.cols(); ++i) rows.back().push_back(m(t, i));
+    }
+    return rows;
+}
+
+void accumulate(const Image<Vec3>& residual, const Matrix& along, const Matrix& across, Eigen::Index photo,
+                FaithfulResidual& result) {
+    parallel_for(0, residual.height(), 8, [&](int begin, int end) {
+        for (int y = begin; y < end; ++y) {
+            const auto from = residual.row(y);
+            const auto add = [&](Image<float>& map, double weight, int component) {
+                const float w = static_cast<float>(weight);
+                const auto to = map.row(y);
+                for (std::size_t x = 0; x < from.size(); ++x) to[x] += w * from[x][component];
+            };
+            for (std::size_t t = 0; t < result.brightness.size(); ++t)
+                add(result.brightness[t], along(photo, static_cast<Eigen::Index>(t)), 0);
+            for (std::size_t t = 0; t < result.colour.size(); ++t)
+                add(result.colour[t], across(photo, static_cast<Eigen::Index>(t / 2)),
+                    1 + static_cast<int>(t % 2));
+        }
+    });
+}
+
+void compare_with(const Choice& choice, const Samples& s, const Colours& colours,
+                  const FaithfulOptions& options, FaithfulReport& report_) {
+    const double n = static_cast<double>(s.photos.size());
+    double sum = 0, square = 0;
+    for (std::size_t i = 0; i < s.photos.size(); ++i) {
+        const double alone = psnr_with(s, colours, i, [](std::size_t) { return Vec3(0); });
+        const double gain = choice.photos_db[i] - alone;
+        report_.surface_db += alone / n;
+        sum += gain;
+        square += gain * gain;
+    }
+    report_.kernel = choice.kernel;
+    report_.reach = choice.reach;
+    report_.ridge = choice.ridge;
+    report_.left_out_db = choice.mean_db;
+    report_.gain_error_db = std::sqrt(std::max(square / n - sum * sum / (n * n), 0.0) / std::max(n - 1, 1.0));
+    report_.used = sum / n - report_.gain_error_db > options.faithful_worth_db;
+}
+
+}  // namespace
+
+FaithfulFit fit_faithful(const Surface& surface, const Stack& stack, const FaithfulOptions& options,
+                         const Progress& progress) {
+    validate(options);
+    require_consistent(surface);
+    if (surface.width() != stack.width() || surface.height() != stack.height())
+        fail(
+            "{}: the photographs are {} x {}, the painting is {} x {}; give the photographs that it was "
+            "fitted from",
+            stack.folder.string(), stack.width(), stack.height(), surface.width(), surface.height());
+    const std::vector<FittedPhoto> photos = fitted_photos(surface, stack);
+    if (photos.size() < kFewestPhotos)
+        fail(
+            "{}: {} photographs are too few for a residual over the light's direction, which needs {}; fit "
+            "without "
+            "--faithful",
+            stack.folder.string(), photos.size(), kFewestPhotos);
+    FaithfulFit result;
+    const Colours colours = colours_of(surface, stack);
+    const std::vector<glm::ivec2> positions = sample_positions(surface, options.faithful_samples);
+    if (positions.empty()) return result;
+
+    Samples samples;
+    samples.residual.resize(static_cast<Eigen::Index>(photos.size()),
+                            static_cast<Eigen::Index>(3 * positions.size()));
+    for (const glm::ivec2& at : positions)
+        samples.to_rgb.push_back(colour_frame(surface.diffuse(at.x, at.y)));
+    const bool keep = photos.size() * surface.height_mm.size() * sizeof(Vec3) <= kKeptBytes;
+    std::vector<Image<Vec3>> kept;
+    std::vector<Vec3> directions;
+    for (std::size_t i = 0; i < photos.size(); ++i) {
+        Sampled& sampled = samples.photos.emplace_back();
+        Image<Vec3> residual = residual_of(surface, photos[i], colours, positions, &sampled);
+        for (std::size_t j = 0; j < positions.size(); ++j)
+            for (int c = 0; c < 3; ++c)
+                samples.residual(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(3 * j) + c) =
+                    residual(positions[j].x, positions[j].y)[c];
+        directions.push_back(photos[i].light.direction);
+        if (keep) kept.push_back(std::move(residual));
+        report(progress, "residual", 0.4 * static_cast<double>(i + 1) / static_cast<double>(photos.size()));
+    }
+    const Choice choice = choose_kernel(samples, colours, directions, progress);
+    compare_with(choice, samples, colours, options, result.report);
+    if (!result.report.used) return result;
+
+    const Matrix kernel = kernel_matrix(directions, choice.kernel, choice.reach);
+    const Matrix inverse = inverse_of(kernel, choice.ridge);
+    const Matrix predicted = kernel * inverse * samples.residual;
+    const Matrix along = components_of(columns_of(predicted, true), options.faithful_terms);
+    const Matrix across = components_of(columns_of(predicted, false), options.faithful_colour_terms);
+    FaithfulResidual& residual = result.residual;
+    residual.kernel = choice.kernel;
+    residual.reach = choice.reach;
+    residual.light_radius_deg = RelightOptions{}.light_radius_deg;
+    residual.directions = directions;
+    residual.brightness_weights = rows_of(along.transpose() * inverse);
+    residual.colour_weights = rows_of(across.transpose() * inverse);
+    residual.brightness.assign(static_cast<std::size_t>(along.cols()),
+                               Image<float>(surface.width(), surface.height()));
+    residual.colour.assign(static_cast<std::size_t>(2 * across.cols()),
+                           Image<float>(surface.width(), surface.height()));
+    for (std::size_t i = 0; i < photos.size(); ++i) {
+        accumulate(keep ? kept[i] : residual_of(surface, photos[i], colours, {}, nullptr), along, across,
+                   static_cast<Eigen::Index>(i), residual);
+        report(progress, "residual",
+               0.5 + 0.5 * static_cast<double>(i + 1) / static_cast<double>(photos.size()));
+    }
+    residual.dry_hash = hash_of(surface);
+    result.report.terms = static_cast<int>(along.cols());
+    result.report.colour_terms = static_cast<int>(across.cols());
+    return result;
+}
+
+nlohmann::json to_json(const FaithfulReport& report) {
+    return {{"used", report.used},
+            {"kernel", name_of(report.kernel)},
+            {"reach", report.reach},
+            {"ridge", report.ridge},
+            {"surface_db", report.surface_db},
+            {"left_out_db", report.left_out_db},
+            {"gain_error_db", report.gain_error_db},
+            {"terms", report.terms},
+            {"colour_terms", report.colour_terms},
+            {"coefficients", report.terms + 2 * report.colour_terms}};
+}
+
+}  // namespace tangi

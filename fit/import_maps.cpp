@@ -1,0 +1,184 @@
+#include "fit/import_maps.h"
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <numbers>
+
+#include "surface/error.h"
+#include "surface/median.h"
+#include "surface/parallel.h"
+#include "surface/picture_file.h"
+
+namespace tangi {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr float kLowestZ = 0.05f;  // [1] of a normal: about 3 degrees above the horizon
+constexpr float kUnglossy = 0.3f;  // [1] roughness where no map says, and nothing is specular
+
+// What comes behind the last '-', '_', '.' or space of a name, in lower case, without "map" at its end.
+std::string last_word(const fs::path& path) {
+    std::string stem = path.stem().string();
+    std::transform(stem.begin(), stem.end(), stem.begin(), [](unsigned char c) { return std::tolower(c); });
+    if (const auto at = stem.find_last_of("-_. "); at != std::string::npos) stem = stem.substr(at + 1);
+    if (stem.size() > 3 && stem.ends_with("map")) stem.resize(stem.size() - 3);
+    return stem;
+}
+
+bool is_one_of(const std::string& word, std::initializer_list<const char*> words) {
+    return std::find(words.begin(), words.end(), word) != words.end();
+}
+
+std::optional<fs::path>* map_named(MapFiles& files, const std::string& word) {
+    if (is_one_of(word, {"kd", "diffuse", "albedo", "basecolor", "basecolour"})) return &files.diffuse;
+    if (is_one_of(word, {"ks", "specular"})) return &files.specular;
+    if (is_one_of(word, {"no", "normal", "normals"})) return &files.normals;
+    if (is_one_of(word, {"gl", "gloss"})) return &files.gloss;
+    if (is_one_of(word, {"roughness", "alpha"})) return &files.roughness;
+    if (is_one_of(word, {"height", "displacement"})) return &files.height;
+    return nullptr;
+}
+
+// A map of the surface's size, which the first one decides.
+Image<Rgb> read_map(const fs::path& path, Surface& s, const fs::path& first) {
+    Image<Rgb> map = read_picture(path);
+    if (s.height_mm.empty()) s = Surface(map.width(), map.height());
+    if (map.width() != s.width() || map.height() != s.height())
+        fail("{}: is {} x {} pixels, but {} is {} x {}; maps of one painting have one size", path.string(),
+             map.width(), map.height(), first.string(), s.width(), s.height());
+    for (int y = 0; y < map.height(); ++y)
+        for (int x = 0; x < map.width(); ++x)
+            if (const Rgb& v = map(x, y); !std::isfinite(v.r + v.g + v.b))
+                fail("{}: holds a value that is no number, at pixel ({}, {})", path.string(), x, y);
+    return map;
+}
+
+void take_normals(const Image<Rgb>& map, const fs::path& path, bool y_down, Surface& s,
+                  ImportReport& report_) {
+    const bool stored_as_is = lower_extension(path) == ".exr";  // floats hold -1..1
+    std::vector<float> tilts;
+    const std::size_t step = std::max<std::size_t>(map.size() / 100000, 1);
+    for (std::size_t i = 0; i < map.size(); ++i) {
+        Vec3 n = stored_as_is ? map.pixels()[i] : 2.0f * map.pixels()[i] - 1.0f;
+        if (y_down) n.y = -n.y;
+        const float length = glm::length(n);
+        s.confidence.pixels()[i] = 0;
+        if (length < 0.5f) continue;
+        n /= length;
+        if (i % step == 0) tilts.push_back(std::acos(std::clamp(n.z, -1.0f, 1.0f)));
+        n.z = std::max(n.z, kLowestZ);
+        s.normal.pixels()[i] = glm::normalize(n);
+        s.confidence.pixels()[i] = 1;
+        ++report_.measured;
+    }
+    report_.median_tilt_deg = median(std::move(tilts)) * 180 / std::numbers::pi;
+    if (report_.measured == 0)
+        fail("{}: holds no normal: n = 2 c - 1 is shorter than 0.5 everywhere", path.string());
+    if (report_.median_tilt_deg > 45)
+        report_.warnings.push_back(fmt::format(
+            "{}: half of its normals tilt by more than {:.0f} degrees; is it a normal map of the picture "
+            "plane, with z in blue?",
+            path.string(), report_.median_tilt_deg));
+}
+
+void take_height(const Image<Rgb>& map, const fs::path& path, const ImportOptions& options, Surface& s) {
+    const float scale = lower_extension(path) == ".exr" ? 1.0f : static_cast<float>(options.height_range_mm);
+    for (std::size_t i = 0; i < map.size(); ++i) s.height_mm.pixels()[i] = scale * map.pixels()[i].r;
+}
+
+void take_roughness(const MapFiles& files, const ImportOptions& options, const fs::path& first, Surface& s) {
+    if (files.roughness) {
+        const Image<Rgb> map = read_map(*files.roughness, s, first);
+        for (std::size_t i = 0; i < map.size(); ++i)
+            s.roughness.pixels()[i] = std::clamp(map.pixels()[i].r, 1e-3f, 1.0f);
+        return;
+    }
+    if (!files.gloss) {
+        for (float& roughness : s.roughness.pixels()) roughness = kUnglossy;
+        return;
+    }
+    const Image<Rgb> map = read_map(*files.gloss, s, first);
+    const double m = 1 - std::pow(options.alpha_max, 0.25), most = 1 - std::pow(options.alpha_min, 0.25);
+    for (std::size_t i = 0; i < map.size(); ++i) {
+        const double root = 1 - std::clamp(map.pixels()[i].r, 0.0f, 1.0f) * (most - m) - m;
+        s.roughness.pixels()[i] = static_cast<float>(root * root * root * root);
+    }
+}
+
+}  // namespace
+
+MapFiles find_maps(const fs::path& folder) {
+    if (!fs::is_directory(folder)) fail("{}: no such folder", folder.string());
+    std::vector<fs::path> paths;
+    for (const auto& entry : fs::directory_iterator(folder))
+        if (entry.is_regular_file() &&
+            is_one_of(lower_extension(entry.path()), {".jpg", ".jpeg", ".png", ".tif", ".tiff", ".exr"}))
+            paths.push_back(entry.path());
+    std::sort(paths.begin(), paths.end());
+    MapFiles files;
+    for (const fs::path& path : paths) {
+        std::optional<fs::path>* const map = map_named(files, last_word(path));
+        if (!map) continue;
+        if (*map)
+            fail("{} and {}: both seem to be the same map; name the one to take with a flag",
+                 (*map)->string(), path.string());
+        *map = path;
+    }
+    return files;
+}
+
+Surface import_maps(const MapFiles& files, const ImportOptions& options, ImportReport& report_,
+                    const Progress& progress) {
+    validate(options);
+    if (!(options.alpha_min < options.alpha_max)) fail("import.alpha_min must be less than import.alpha_max");
+    if (!files.diffuse)
+        fail("no diffuse map: give a folder with kd, diffuse or albedo in it, or --diffuse FILE");
+    if (!files.normals && !files.height)
+        fail("{}: comes with neither normals nor height; give --normals FILE or --height FILE",
+             files.diffuse->string());
+    const fs::path& first = *files.diffuse;
+    Surface s;
+    const Transfer transfer{options.diffuse_srgb ? Transfer::Kind::srgb : Transfer::Kind::linear};
+    report(progress, "read maps", 0);
+    {
+        const Image<Rgb> map = read_map(first, s, first);
+        for (std::size_t i = 0; i < map.size(); ++i)
+            for (int c = 0; c < 3; ++c)
+                s.diffuse.pixels()[i][c] = transfer.decode(std::max(map.pixels()[i][c], 0.0f));
+    }
+    s.mm_per_pixel = options.mm_per_pixel.value_or(1);
+    s.scale_known = options.mm_per_pixel.has_value();
+    report_.pixels = static_cast<long>(s.height_mm.size());
+    report(progress, "read maps", 0.2);
+    if (files.specular) {
+        const Image<Rgb> map = read_map(*files.specular, s, first);
+        for (std::size_t i = 0; i < map.size(); ++i)
+            s.specular.pixels()[i] = std::max(luminance(map.pixels()[i]), 0.0f);
+    }
+    report(progress, "read maps", 0.4);
+    take_roughness(files, options, first, s);
+    report(progress, "read maps", 0.6);
+    if (files.height) take_height(read_map(*files.height, s, first), *files.height, options, s);
+    report(progress, "read maps", 0.8);
+    if (files.normals) {
+        take_normals(read_map(*files.normals, s, first), *files.normals, options.normals_y_down, s, report_);
+    } else {
+        s.normal = normals_of(s.height_mm, s.mm_per_pixel);
+        for (float& confidence : s.confidence.pixels()) confidence = 1;
+        report_.measured = report_.pixels;
+    }
+    report_.height.converged = true;
+    if (!files.height)
+        report_.height = integrate_normals(s.normal, s.confidence, s.mm_per_pixel, s.height_mm, {}, progress);
+    const Plane plane = best_plane(s.height_mm, s.confidence);
+    subtract(plane, s.height_mm);
+    report_.support_tilt_deg =
+        std::atan(std::hypot(plane.a, plane.b) / s.mm_per_pixel) * 180 / std::numbers::pi;
+    return s;
+}
+
+}  // namespace tangi

@@ -1,0 +1,70 @@
+// import_maps.h: maps that other programs made (Ward maps as OpenLIME shows them; albedo, normals, height) to
+// a Surface.
+//
+// Ward maps: f = kd / pi + ks lobe, kd and ks linear 0..1; normals n = 2 c - 1, x right, y up; gloss g with
+//     alpha = (1 - g (M - m) - m)^4,   m = 1 - alpha_max^(1/4),   M = 1 - alpha_min^(1/4)
+// (OpenLIME's ShaderBRDF, whose alphaLimits travel beside the maps). A specular colour becomes its luminance.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "fit/height.h"
+#include "surface/options.h"
+#include "surface/progress.h"
+#include "surface/surface.h"
+
+namespace tangi {
+
+// Pictures of one size; grey ones are fine for all but normals.
+struct MapFiles {
+    std::optional<std::filesystem::path> diffuse, specular, normals, gloss, roughness, height;
+};
+
+// The maps in a folder by their names, in any case: kd, diffuse, albedo, basecolor (also as NAME-kdmap,
+// NAME_kd); ks, specular; no, nomap, normal, normals; gl, glmap, gloss; roughness, alpha; height,
+// displacement. Throws Error where two files claim to be the same map.
+MapFiles find_maps(const std::filesystem::path& folder);
+
+struct ImportOptions {
+    std::optional<double> mm_per_pixel{};
+    double alpha_min = 0.01, alpha_max = 0.5;  // [1] what gloss 1 and 0 stand for
+    bool normals_y_down = false;               // green grows downwards (DirectX)
+    bool diffuse_srgb = false;                 // the diffuse map is sRGB-encoded
+    double height_range_mm = 1;  // [mm] from 0 to full scale of an integer height map; EXR is in mm
+
+    static constexpr std::string_view name = "import";
+    template <class Self, class Visit>
+    static void fields(Self& self, Visit&& visit) {
+        visit(FieldInfo{"mm_per_pixel", 1e-6, 1e3, "mm", "size of a pixel on the painting (1 where unknown)"},
+              self.mm_per_pixel);
+        visit(FieldInfo{"alpha_min", 1e-3, 1, "1", "roughness that gloss 1 stands for"}, self.alpha_min);
+        visit(FieldInfo{"alpha_max", 1e-3, 1, "1", "roughness that gloss 0 stands for"}, self.alpha_max);
+        visit(FieldInfo{"normals_y_down", 0, 1, "", "green of the normal map grows downwards"},
+              self.normals_y_down);
+        visit(FieldInfo{"diffuse_srgb", 0, 1, "", "the diffuse map is sRGB-encoded, not linear"},
+              self.diffuse_srgb);
+        visit(FieldInfo{"height_range_mm", 1e-6, 1e4, "mm",
+                        "height of full scale over 0 in an integer height map"},
+              self.height_range_mm);
+    }
+};
+
+struct ImportReport {
+    long pixels = 0, measured = 0;  // measured: with a normal
+    double median_tilt_deg = 0;     // [deg] of the normals before anything is done to them
+    double support_tilt_deg = 0;    // [deg] of the plane taken off the height
+    HeightReport height;            // of the integration; converged where a height map was given
+    std::vector<std::string> warnings;
+};
+
+// One map is in memory at a time beside the surface. Normals of a length under 0.5 say that nothing was
+// measured; those that point away are bent up to the horizon. Without normals, they are those of the height;
+// without height, it is integrated from them. Throws Error naming the file: neither diffuse map, nor normals
+// or height; sizes that differ; values that are no numbers.
+Surface import_maps(const MapFiles& files, const ImportOptions& options, ImportReport& report,
+                    const Progress& progress = {});
+
+}  // namespace tangi

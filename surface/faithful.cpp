@@ -1,0 +1,211 @@
+#include "surface/faithful.h"
+
+#include <cmath>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <nlohmann/json.hpp>
+
+#include "surface/error.h"
+#include "surface/painting_file.h"
+#include "surface/parallel.h"
+
+namespace tangi {
+
+using nlohmann::json;
+
+namespace {
+
+constexpr const char* kPart = "faithful";
+
+std::string channel_of(const char* kind, std::size_t term) { return fmt::format("{}.{:03}", kind, term); }
+
+// Names in the order of their text: brightness.000 …, colour.000.S, colour.000.T, …
+std::vector<std::string> channels_of(const FaithfulResidual& r) {
+    std::vector<std::string> names;
+    for (std::size_t t = 0; t < r.brightness.size(); ++t) names.push_back(channel_of("brightness", t));
+    for (std::size_t t = 0; t < r.colour.size(); ++t)
+        names.push_back(channel_of("colour", t / 2) + (t % 2 ? ".T" : ".S"));
+    return names;
+}
+
+const Image<float>& map_of(const FaithfulResidual& r, std::size_t channel) {
+    return channel < r.brightness.size() ? r.brightness[channel] : r.colour[channel - r.brightness.size()];
+}
+
+json model_of(const FaithfulResidual& r) {
+    json directions = json::array();
+    for (const Vec3& d : r.directions) directions.push_back({d.x, d.y, d.z});
+    return {{"kernel", name_of(r.kernel)},
+            {"reach", r.reach},
+            {"light_radius_deg", r.light_radius_deg},
+            {"directions", directions},
+            {"brightness", r.brightness_weights},
+            {"colour", r.colour_weights}};
+}
+
+// What the attribute says; throws what the JSON reader throws, or runtime_error.
+FaithfulResidual from_model(const json& model) {
+    FaithfulResidual r;
+    const std::string kernel = model.at("kernel").get<std::string>();
+    if (kernel == name_of(FaithfulResidual::Kernel::matern)) {
+        r.kernel = FaithfulResidual::Kernel::matern;
+    } else if (kernel != name_of(FaithfulResidual::Kernel::gaussian)) {
+        throw std::runtime_error("its kernel is '" + kernel + "'");
+    }
+    r.reach = model.at("reach").get<double>();
+    r.light_radius_deg = model.at("light_radius_deg").get<double>();
+    if (!(r.reach > 0) || !(r.light_radius_deg >= 0 && r.light_radius_deg <= 45))
+        throw std::runtime_error("reach or light_radius_deg is out of range");
+    for (const json& d : model.at("directions"))
+        r.directions.push_back(Vec3(d.at(0).get<float>(), d.at(1).get<float>(), d.at(2).get<float>()));
+    r.brightness_weights = model.at("brightness").get<FaithfulResidual::Weights>();
+    r.colour_weights = model.at("colour").get<FaithfulResidual::Weights>();
+    for (const auto* weights : {&r.brightness_weights, &r.colour_weights})
+        for (const std::vector<double>& row : *weights)
+            if (row.size() != r.directions.size())
+                throw std::runtime_error("weights and directions differ in number");
+    return r;
+}
+
+}  // namespace
+
+double kernel_at(FaithfulResidual::Kernel kernel, double reach, double distance) {
+    const double d = distance / reach;
+    if (kernel == FaithfulResidual::Kernel::gaussian) return std::exp(-d * d / 2);
+    return (1 + std::sqrt(3.0) * d) * std::exp(-std::sqrt(3.0) * d);
+}
+
+std::string name_of(FaithfulResidual::Kernel kernel) {
+    return kernel == FaithfulResidual::Kernel::gaussian ? "gaussian" : "matern";
+}
+
+std::vector<double> weights_at(const FaithfulResidual& residual, const FaithfulResidual::Weights& weights,
+                               const Vec3& direction) {
+    std::vector<double> kernel, result(weights.size());
+    for (const Vec3& photographed : residual.directions)
+        kernel.push_back(kernel_at(residual.kernel, residual.reach,
+                                   glm::length(glm::dvec3(direction) - glm::dvec3(photographed))));
+    for (std::size_t t = 0; t < weights.size(); ++t)
+        for (std::size_t i = 0; i < kernel.size(); ++i) result[t] += weights[t][i] * kernel[i];
+    return result;
+}
+
+glm::mat3 colour_frame(const Rgb& diffuse) {
+    const float length = glm::length(diffuse);
+    const Vec3 u = length > 1e-6f ? diffuse / length : Vec3(1 / std::sqrt(3.0f));
+    // Reflectances are positive, so none points along red less green.
+    const Vec3 across(std::sqrt(0.5f), -std::sqrt(0.5f), 0);
+    const Vec3 e1 = glm::normalize(across - u * glm::dot(u, across));
+    return {u, e1, glm::cross(u, e1)};
+}
+
+void add_residual(const FaithfulResidual& residual, const Surface& dry, std::span<const Light> lights,
+                  const Image<float>& bare, Image<Rgb>& picture) {
+    if (residual.empty()) return;
+    TP_REQUIRE(picture.region() == dry.height_mm.region() &&
+                   residual.brightness.front().region() == picture.region() &&
+                   (bare.empty() || bare.region() == picture.region()),
+               "picture, painting and residual have one size");
+    const int width = picture.width();
+    for (const Light& light : lights) {
+        const auto b = weights_at(residual, residual.brightness_weights, light.direction);
+        const auto c = weights_at(residual, residual.colour_weights, light.direction);
+        parallel_for(0, picture.height(), 8, [&](int begin, int end) {
+            std::vector<Vec3> row(static_cast<std::size_t>(width));  // along u, e1, e2
+            for (int y = begin; y < end; ++y) {
+                std::fill(row.begin(), row.end(), Vec3(0));
+                const auto add = [&](const Image<float>& map, double weight, int component) {
+                    const float w = static_cast<float>(weight);
+                    const auto values = map.row(y);
+                    for (std::size_t x = 0; x < row.size(); ++x) row[x][component] += w * values[x];
+                };
+                for (std::size_t t = 0; t < b.size(); ++t) add(residual.brightness[t], b[t], 0);
+                for (std::size_t t = 0; t < c.size(); ++t) {
+                    add(residual.colour[2 * t], c[t], 1);
+                    add(residual.colour[2 * t + 1], c[t], 2);
+                }
+                for (int x = 0; x < width; ++x) {
+                    const Incidence in = incidence(light, dry.point_mm(x, y), dry.photography.rig);
+                    const Rgb value = colour_frame(dry.diffuse(x, y)) * row[static_cast<std::size_t>(x)];
+                    picture(x, y) += (bare.empty() ? 1.0f : bare(x, y)) * in.irradiance * value;
+                }
+            }
+        });
+    }
+    for (Rgb& value : picture.pixels()) value = glm::max(value, Rgb(0));
+}
+
+PartToWrite part_of(const FaithfulResidual& residual) {
+    TP_REQUIRE(!residual.empty(), "an empty residual is no part");
+    PartToWrite part;
+    const Image<float>& first = residual.brightness.front();
+    part.info = {kPart, first.width(), first.height(), channels_of(residual), {}};
+    part.info.half = true;
+    part.info.attributes = {{"model", model_of(residual).dump()}, {"dry_hash", residual.dry_hash}};
+    part.fill = [&residual](int y0, int y1, std::span<float* const> planes) {
+        for (std::size_t c = 0; c < planes.size(); ++c)
+            for (int y = y0; y < y1; ++y) {
+                const auto row = map_of(residual, c).row(y);
+                std::copy(row.begin(), row.end(), planes[c] + static_cast<std::size_t>(y - y0) * row.size());
+            }
+    };
+    return part;
+}
+
+FaithfulResidual read_faithful(const std::filesystem::path& path, const Surface& dry,
+                               const Progress& progress) {
+    const std::vector<PartInfo> parts = painting_parts(path);
+    const auto found =
+        std::find_if(parts.begin(), parts.end(), [](const PartInfo& p) { return p.name == kPart; });
+    if (found == parts.end()) return {};
+    const auto text = [&](const std::string& name) {
+        const auto attribute = found->attributes.find(name);
+        if (attribute == found->attributes.end())
+            fail("{}: part '{}' has no attribute '{}'; fit again with --faithful", path.string(), kPart,
+                 name);
+        return attribute->second;
+    };
+    FaithfulResidual r;
+    try {
+        r = from_model(json::parse(text("model")));
+    } catch (const Error&) {
+        throw;
+    } catch (const std::exception& error) {
+        fail("{}: part '{}', attribute 'model': {}; fit again with --faithful", path.string(), kPart,
+             error.what());
+    }
+    r.dry_hash = text("dry_hash");
+    if (found->width != dry.width() || found->height != dry.height())
+        fail("{}: part '{}' is {} x {}, but the painting is {} x {}", path.string(), kPart, found->width,
+             found->height, dry.width(), dry.height());
+    if (r.dry_hash != hash_of(dry))
+        fail("{}: part '{}' belongs to another dry layer (hash {}); fit again with --faithful", path.string(),
+             kPart, r.dry_hash);
+    r.brightness.resize(r.brightness_weights.size());
+    r.colour.resize(2 * r.colour_weights.size());
+    if (r.empty() || channels_of(r) != found->channels)
+        fail("{}: part '{}' does not have the channels that its model names; fit again with --faithful",
+             path.string(), kPart);
+    for (auto* maps : {&r.brightness, &r.colour})
+        for (Image<float>& map : *maps) map = Image<float>(dry.width(), dry.height());
+    read_painting_part(
+        path, *found,
+        [&](int y0, int y1, std::span<const float* const> planes) {
+            for (std::size_t c = 0; c < planes.size(); ++c)
+                for (int y = y0; y < y1; ++y) {
+                    const auto row = const_cast<Image<float>&>(map_of(r, c)).row(y);
+                    std::copy_n(planes[c] + static_cast<std::size_t>(y - y0) * row.size(), row.size(),
+                                row.begin());
+                    for (std::size_t x = 0; x < row.size(); ++x)
+                        if (!std::isfinite(row[x]))
+                            fail(
+                                "{}: part '{}', channel '{}' holds {} at pixel ({}, {}); fit again with "
+                                "--faithful",
+                                path.string(), kPart, found->channels[c], row[x], x, y);
+                }
+        },
+        progress);
+    return r;
+}
+
+}  // namespace tangi

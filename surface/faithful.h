@@ -1,0 +1,64 @@
+// faithful.h: what photographs show beyond the fitted surface, as a residual over the direction of the light:
+// a few coefficients a pixel, kept in part `faithful` of the painting file.
+//
+// The residual at a light of direction l, in units of its irradiance, is
+//     sum over t of b_t(l) B_t u  +  sum over t of c_t(l) (S_t e1 + T_t e2)
+//     b_t(l) = sum over photographs i of weights[t][i] k(|l - l_i|)
+// with u the unit vector along the pixel's rho_d and e1, e2 across it: what is left over mostly has the
+// colour of the paint. It fades to nothing away from the lights that were photographed, and is 0 where
+// nothing was measured.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "surface/painting_parts.h"
+#include "surface/surface.h"
+
+namespace tangi {
+
+struct FaithfulResidual {
+    // k: exp(-d^2 / 2 reach^2), or (1 + a) exp(-a), a = sqrt(3) d / reach (Matern, nu = 3/2)
+    enum class Kernel { gaussian, matern };
+    // Terms that share their functions of the direction.
+    using Weights = std::vector<std::vector<double>>;  // [term][photograph]
+
+    Kernel kernel = Kernel::gaussian;
+    double reach = 0.3;              // [1] distance of unit vectors over which residuals are alike
+    double light_radius_deg = 0.25;  // [deg] of the cast shadows that the residual was taken from
+    std::vector<Vec3> directions;    // [unit vector] of the photographs
+    Weights brightness_weights, colour_weights;
+    std::vector<Image<float>> brightness;  // [1] B_t
+    std::vector<Image<float>> colour;      // [1] S_0, T_0, S_1, T_1, ...
+    std::string dry_hash;                  // of the dry layer that it belongs to
+
+    bool empty() const { return brightness.empty(); }
+};
+
+double kernel_at(FaithfulResidual::Kernel kernel, double reach, double distance);
+std::string name_of(FaithfulResidual::Kernel kernel);
+
+// Values of the functions b_t or c_t at a direction.
+std::vector<double> weights_at(const FaithfulResidual& residual, const FaithfulResidual::Weights& weights,
+                               const Vec3& direction);
+
+// u, e1, e2 of a pixel: orthonormal; (1, 1, 1) where rho_d is 0.
+glm::mat3 colour_frame(const Rgb& diffuse);
+
+// Adds the residual to a picture of `dry` that relight() made under these lights with cast shadows; `bare`,
+// where not empty, is the part of each pixel, 0..1, that no paint covers. No value becomes less than 0.
+void add_residual(const FaithfulResidual& residual, const Surface& dry, std::span<const Light> lights,
+                  const Image<float>& bare, Image<Rgb>& picture);
+
+// The part `faithful`, to write with write_painting(): it refers to the residual. Half floats.
+PartToWrite part_of(const FaithfulResidual& residual);
+
+// Of a painting file; empty where it has none. Throws Error naming the file and the part: damaged, of another
+// size, of another dry layer than `dry`, values that are not finite.
+FaithfulResidual read_faithful(const std::filesystem::path& path, const Surface& dry,
+                               const Progress& progress = {});
+
+}  // namespace tangi

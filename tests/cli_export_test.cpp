@@ -1,0 +1,113 @@
+// export, import and faithful mode, run as a user would run them.
+#include "cli_program.h"
+#include "fit/metrics.h"
+#include "fit/rti_file.h"
+#include "surface/faithful.h"
+
+namespace tangi {
+namespace {
+
+TEST(CliExport, PtmAndRtiOfAPaintingAndOfItsPhotographsAreReadBack) {
+    const TinyStack stack;
+    const auto runs =
+        side_by_side({{"export", stack.truth(), "--to", "ptm", "--out", stack.out("a.ptm")},
+                      {"export", stack.truth(), "--to", "ptm", "--lrgb", "--out", stack.out("b.ptm")},
+                      {"export", stack.truth(), "--to", "rti", "--terms", "16", "--out", stack.out("c.rti")},
+                      {"export", stack.truth(), "--to", "rti", "--photos", stack.path(), "--terms", "4",
+                       "--out", stack.out("d.rti")}});
+    for (const Finished& run : runs) ASSERT_TRUE(ended(run, 0));
+    EXPECT_EQ(runs[3].json()["from"], "photographs");
+    EXPECT_EQ(runs[3].json()["lights"], 12);
+    EXPECT_LT(std::filesystem::file_size(stack.out("b.ptm")), std::filesystem::file_size(stack.out("a.ptm")));
+    ASSERT_TRUE(ended(tangipaint({"relight", stack.truth(), "--light", "0.3,0.2,0.9", "--encoding", "srgb",
+                                  "--out", stack.out("relit.png")}),
+                      0));
+    const Image<Rgb> relit = read_picture(stack.out("relit.png"));
+    for (const char* file : {"a.ptm", "c.rti"})
+        EXPECT_GT(
+            psnr_db(evaluate(read_rti_file(stack.out(file)), glm::normalize(Vec3(0.3f, 0.2f, 0.9f))), relit),
+            24)
+            << file;
+}
+
+TEST(CliExport, MapsGoOutAndComeBack) {
+    const TinyStack stack;
+    ASSERT_TRUE(ended(tangipaint({"export", stack.truth(), "--to", "maps", "--out", stack.out("maps")}), 0));
+    ASSERT_TRUE(
+        ended(tangipaint({"export", stack.truth(), "--to", "openlime", "--out", stack.out("lime")}), 0));
+    ASSERT_TRUE(ended(
+        tangipaint({"import", stack.out("maps"), "--mm-per-pixel", "0.5", "--out", stack.out("a.exr")}), 0));
+    const Surface truth = read_painting(stack.truth()), back = read_painting(stack.out("a.exr"));
+    EXPECT_TRUE(images_near(back.diffuse, truth.diffuse, 1e-6));
+    EXPECT_TRUE(images_near(back.normal, truth.normal, 1e-5));
+    const Finished lime =
+        tangipaint({"import", stack.out("lime"), "--diffuse-srgb", "--out", stack.out("b.exr")});
+    ASSERT_TRUE(ended(lime, 0));
+    EXPECT_EQ(lime.json()["scale_known"], false);
+    EXPECT_TRUE(images_near(read_painting(stack.out("b.exr")).diffuse, truth.diffuse, 0.01));
+    EXPECT_TRUE(ended(tangipaint({"info", stack.out("b.exr")}), 0));
+}
+
+TEST(CliExport, WhatMakesNoSenseIsRefused) {
+    const TinyStack stack;
+    const auto run = [&](std::vector<std::string> words) { return tangipaint(words); };
+    EXPECT_TRUE(
+        ended(run({"export", stack.truth(), "--to", "rti", "--terms", "7", "--out", stack.out("a.rti")}), 2,
+              {"4, 9 or 16"}));
+    EXPECT_TRUE(ended(run({"export", stack.truth(), "--to", "rti", "--lrgb", "--out", stack.out("a.rti")}), 2,
+                      {"--lrgb"}));
+    EXPECT_TRUE(ended(
+        run({"export", stack.truth(), "--to", "maps", "--photos", stack.path(), "--out", stack.out("m")}), 2,
+        {"--photos"}));
+    EXPECT_TRUE(
+        ended(run({"export", stack.truth(), "--to", "ptm", "--out", stack.out("a.jpg")}), 1, {".ptm"}));
+    EXPECT_TRUE(ended(run({"export", stack.truth(), "--to", "rti", "--terms", "16", "--photos", stack.path(),
+                           "--out", stack.out("a.rti")}),
+                      1, {"12 photographs are too few"}));
+    EXPECT_TRUE(ended(run({"import", stack.path(), "--out", stack.out("a.exr")}), 1, {"no diffuse map"}));
+    EXPECT_TRUE(ended(run({"import", "--diffuse", stack.photo(0), "--normals", stack.out("none.png"), "--out",
+                           stack.out("a.exr")}),
+                      1, {"none.png: no such file"}));
+    EXPECT_TRUE(
+        ended(run({"relight", stack.truth(), "--faithful", "--light", "0,0,1", "--out", stack.out("a.png")}),
+              1, {"has no part 'faithful'", "fit --faithful"}));
+    EXPECT_TRUE(leftovers_in(stack.root()).empty());
+}
+
+TEST(CliFaithful, IsFittedRelitComparedAndKeptUnderPaint) {
+    const TinyStack stack([](GeneratorOptions& o) { o.lights = 24; });
+    // Further light in every photograph, smooth over its direction, that no surface under one lamp explains.
+    for (int i = 0; i < 24; ++i) {
+        Image<Rgb> photo = read_picture(stack.photo(i));
+        const Vec3 l = stack.photography().photos[static_cast<std::size_t>(i)].light.direction;
+        for (int y = 0; y < photo.height(); ++y)
+            for (int x = 0; x < photo.width(); ++x)
+                photo(x, y) += Rgb(0.06f * (1 + std::sin(0.8f * static_cast<float>(x)) * l.x * l.x -
+                                            std::cos(0.9f * static_cast<float>(y)) * l.x * l.y));
+        write_picture(stack.photo(i), photo, Transfer{});
+    }
+    const Finished fit = tangipaint({"fit", stack.path(), "--faithful", "--transfer", "linear", "--register",
+                                     "off", "--lights-as-given", "--out", stack.out("a.exr")});
+    ASSERT_TRUE(fit.code == 0 || fit.code == 3) << fit.err;
+    ASSERT_EQ(fit.json()["faithful"]["used"], true) << fit.out;
+    const Finished compare = tangipaint(
+        {"compare", stack.out("a.exr"), stack.path(), "--transfer", "linear", "--out", stack.out("report")});
+    ASSERT_TRUE(compare.code == 0 || compare.code == 3) << compare.err;
+    const nlohmann::json mean = compare.json()["mean"]["fitted"];
+    EXPECT_GT(mean["faithful_psnr_db"].get<double>(), mean["psnr_db"].get<double>() + 1);
+    EXPECT_TRUE(compare.json()["photos"][0].contains("faithful_psnr_db"));
+    const auto relit = [&](const std::string& painting, std::vector<std::string> more) {
+        std::vector<std::string> words = {"relight", stack.out(painting), "--light", "0.5,0.3,0.8",
+                                          "--out",   stack.out("r.exr")};
+        words.insert(words.end(), more.begin(), more.end());
+        EXPECT_TRUE(ended(tangipaint(words), 0));
+        return read_picture(stack.out("r.exr"));
+    };
+    EXPECT_FALSE(images_near(relit("a.exr", {"--faithful"}), relit("a.exr", {}), 1e-3));
+    EXPECT_TRUE(ended(tangipaint({"relight", stack.out("a.exr"), "--faithful", "--no-cast-shadows", "--light",
+                                  "0,0,1", "--out", stack.out("x.png")}),
+                      2, {"--faithful", "--cast-shadows"}));
+}
+
+}  // namespace
+}  // namespace tangi

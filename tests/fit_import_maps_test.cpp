@@ -1,0 +1,160 @@
+#include "fit/import_maps.h"
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "fit/export_maps.h"
+#include "fit_test_support.h"
+#include "surface/atomic_file.h"
+#include "surface/picture_file.h"
+
+namespace tangi {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+
+// A wavy surface, of which one corner was not measured.
+Surface example_surface() {
+    Surface s(48, 40);
+    s.mm_per_pixel = 0.5;
+    s.scale_known = true;
+    for (int y = 0; y < s.height(); ++y)
+        for (int x = 0; x < s.width(); ++x) {
+            s.height_mm(x, y) =
+                0.4f * std::sin(0.4f * static_cast<float>(x)) * std::cos(0.3f * static_cast<float>(y));
+            s.diffuse(x, y) = Rgb(0.2f + 0.01f * static_cast<float>(x), 0.5f, 0.7f);
+            s.specular(x, y) = 0.1f;
+            s.roughness(x, y) = 0.1f + 0.01f * static_cast<float>(y);
+            s.confidence(x, y) = 1;
+        }
+    subtract(best_plane(s.height_mm, s.confidence), s.height_mm);
+    s.normal = normals_of(s.height_mm, s.mm_per_pixel);
+    return s;
+}
+
+double rms(const Image<float>& a, const Image<float>& b) {
+    double sum = 0;
+    for (std::size_t i = 0; i < a.size(); ++i) sum += std::pow(a.pixels()[i] - b.pixels()[i], 2);
+    return std::sqrt(sum / static_cast<double>(a.size()));
+}
+
+TEST(ImportMaps, ExportedMapsComeBack) {
+    const TestDir dir;
+    const Surface s = example_surface();
+    EXPECT_EQ(write_maps(dir.path(), s).size(), 7u);
+    ImportReport report;
+    const Surface back = import_maps(find_maps(dir.path()), {.mm_per_pixel = 0.5}, report);
+    EXPECT_EQ(report.measured, 48 * 40);
+    EXPECT_TRUE(back.scale_known);
+    EXPECT_TRUE(images_near(back.height_mm, s.height_mm, 1e-5));
+    EXPECT_TRUE(images_near(back.normal, s.normal, 1e-5));
+    EXPECT_TRUE(images_near(back.diffuse, s.diffuse, 1e-6));
+    EXPECT_TRUE(images_near(back.specular, s.specular, 1e-6));
+    EXPECT_TRUE(images_near(back.roughness, s.roughness, 1e-6));
+}
+
+TEST(ImportMaps, HeightIsIntegratedFromNormals) {
+    const TestDir dir;
+    const Surface s = example_surface();
+    write_maps(dir.path(), s);
+    fs::remove(dir / "height.exr");
+    ImportReport report;
+    const Surface back = import_maps(find_maps(dir.path()), {.mm_per_pixel = 0.5}, report);
+    EXPECT_TRUE(report.height.converged);
+    EXPECT_LT(rms(back.height_mm, s.height_mm), 0.03 * 0.4);
+    EXPECT_TRUE(images_near(back.normal, s.normal, 1e-5));
+}
+
+TEST(ImportMaps, OpenLimeMapsComeBackToEightBits) {
+    const TestDir dir;
+    Surface s = example_surface();
+    s.confidence(3, 2) = 0;
+    write_openlime(dir.path(), s);
+    const auto brdf = nlohmann::json::parse(read_text_file(dir / "brdf.json"));
+    EXPECT_NEAR(brdf["alphaLimits"][0].get<double>(), 0.1, 1e-6);
+    EXPECT_NEAR(brdf["alphaLimits"][1].get<double>(), 0.49, 1e-6);
+    EXPECT_EQ(brdf["colorspaces"]["kd"], "srgb");
+    ImportReport report;
+    const Surface back = import_maps(find_maps(dir.path()),
+                                     {.mm_per_pixel = 0.5,
+                                      .alpha_min = brdf["alphaLimits"][0],
+                                      .alpha_max = brdf["alphaLimits"][1],
+                                      .diffuse_srgb = true},
+                                     report);
+    EXPECT_EQ(report.measured, 48 * 40 - 1);
+    EXPECT_EQ(back.confidence(3, 2), 0);
+    EXPECT_TRUE(images_near(back.diffuse, s.diffuse, 0.006));
+    EXPECT_TRUE(images_near(back.specular, s.specular, 0.003));
+    EXPECT_TRUE(images_near(back.roughness, s.roughness, 0.004));
+    for (std::size_t i = 0; i < s.normal.size(); ++i)
+        if (back.confidence.pixels()[i] > 0) {
+            EXPECT_GT(glm::dot(back.normal.pixels()[i], s.normal.pixels()[i]), std::cos(0.01f));
+        }
+    EXPECT_LT(rms(back.height_mm, s.height_mm), 0.05 * 0.4);
+}
+
+TEST(ImportMaps, NamesAreFoundAndConventionsAreFollowed) {
+    const TestDir dir;
+    const Surface s = example_surface();
+    Image<Rgb> flipped = s.normal, lighter = s.diffuse;
+    for (Rgb& n : flipped.pixels()) n = Rgb(n.x, -n.y, n.z) * 0.5f + 0.5f;
+    write_picture(dir / "Still Life-NoMap.png", flipped, Transfer{});
+    write_picture(dir / "Still Life-Albedo.tif", lighter, {Transfer::Kind::srgb});
+    write_text_file(dir / "notes.txt", "x");
+    const MapFiles files = find_maps(dir.path());
+    EXPECT_EQ(files.normals, dir / "Still Life-NoMap.png");
+    EXPECT_EQ(files.diffuse, dir / "Still Life-Albedo.tif");
+    EXPECT_FALSE(files.gloss || files.specular || files.height || files.roughness);
+    ImportReport report;
+    const Surface back =
+        import_maps(files, {.mm_per_pixel = 0.5, .normals_y_down = true, .diffuse_srgb = true}, report);
+    EXPECT_TRUE(images_near(back.normal, s.normal, 2e-4));
+    EXPECT_TRUE(images_near(back.diffuse, s.diffuse, 2e-4));
+    EXPECT_EQ(back.specular(1, 1), 0);
+
+    write_map(dir / "bump_height.png", Image<float>(48, 40, 0.5f));
+    MapFiles heights = find_maps(dir.path());
+    heights.normals.reset();
+    const Surface flat = import_maps(heights, {}, report);
+    EXPECT_TRUE(images_near(flat.normal, Image<Vec3>(48, 40, Vec3(0, 0, 1)), 1e-6));
+}
+
+TEST(ImportMaps, BadMapsAreErrors) {
+    const TestDir dir;
+    const Surface s = example_surface();
+    write_maps(dir.path(), s);
+    ImportReport report;
+    const auto error = [&](const MapFiles& files) {
+        return error_of([&] { import_maps(files, {}, report); });
+    };
+    MapFiles files = find_maps(dir.path());
+    files.diffuse.reset();
+    EXPECT_THAT(error(files), HasSubstr("no diffuse map"));
+    files = find_maps(dir.path());
+    files.normals.reset();
+    files.height.reset();
+    EXPECT_THAT(error(files), HasSubstr("neither normals nor height"));
+    files = find_maps(dir.path());
+    write_map(dir / "small.png", Image<float>(4, 4));
+    files.roughness = dir / "small.png";
+    EXPECT_THAT(error(files), HasSubstr("small.png: is 4 x 4 pixels"));
+    files = find_maps(dir.path());
+    write_picture(dir / "grey.png", Image<Rgb>(48, 40, Rgb(0.5f)), Transfer{});
+    files.normals = dir / "grey.png";
+    EXPECT_THAT(error(files), HasSubstr("holds no normal"));
+    Image<float> broken = s.height_mm;
+    broken(7, 9) = std::numeric_limits<float>::quiet_NaN();
+    write_map(dir / "height.exr", broken);
+    EXPECT_THAT(error(find_maps(dir.path())),
+                HasSubstr("height.exr: holds a value that is no number, at pixel (7, 9)"));
+    write_map(dir / "gloss.png", Image<float>(48, 40));
+    write_map(dir / "a_gl.png", Image<float>(48, 40));
+    EXPECT_THAT(error_of([&] { find_maps(dir.path()); }), HasSubstr("the same map"));
+    EXPECT_THAT(error_of([&] { find_maps(dir / "none"); }), HasSubstr("no such folder"));
+}
+
+}  // namespace
+}  // namespace tangi
