@@ -11,6 +11,7 @@ Command calibrate_command();
 Command fit_command();
 Command relight_command();
 Command compare_command();
+Command paint_command();
 Command replay_command();
 Command info_command();
 Command generate_command();

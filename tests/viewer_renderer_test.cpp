@@ -34,7 +34,8 @@ TEST_F(RendererTest, EqualsTheReferenceInAllModels) {
 
 TEST_F(RendererTest, EqualsTheReferenceWithTheRigOfThePhotographs) {
     Surface s = painted_surface(140, 90);
-    s.photography.rig = {.ambient = 0.15f, .camera_distance_mm = 30.0f, .camera_axis_mm = {2, -1}, .bend_per_mm = 0.004f};
+    s.photography.rig = {
+        .ambient = 0.15f, .camera_distance_mm = 30.0f, .camera_axis_mm = {2, -1}, .bend_per_mm = 0.004f};
     const auto gl = by_gl(s, some_lights(), {});
     EXPECT_GE(part_within(gl, relight(s, some_lights(), {}), 1), 0.999);
     s.photography.rig = {};
@@ -87,7 +88,8 @@ TEST_F(RendererTest, LevelsOfDetailKeepGloss) {
         }
         Surface flat = s;
         for (Vec3& n : flat.normal.pixels()) n = {0, 0, 1};
-        most_without = std::max(most_without, std::abs(mean_luminance(relight(flat, scene.lights)) / near - 1));
+        most_without =
+            std::max(most_without, std::abs(mean_luminance(relight(flat, scene.lights)) / near - 1));
     }
     EXPECT_GT(most_without, 0.4) << "without the spread of the normals in the lobe it would not";
 }
@@ -104,7 +106,8 @@ TEST_F(RendererTest, UploadsWhatChangedAndNothingElse) {
     const auto bytes = renderer_->uploaded_bytes() - before;
     EXPECT_GE(bytes, 20u * 20u * sizeof(Texel));
     EXPECT_LE(bytes, 20u * 20u * sizeof(Texel) * 2);
-    EXPECT_GE(part_within(relight_with(*renderer_, s, some_lights(), {}), relight(s, some_lights(), {}), 1), 0.999);
+    EXPECT_GE(part_within(relight_with(*renderer_, s, some_lights(), {}), relight(s, some_lights(), {}), 1),
+              0.999);
     // Levels of detail, too: as those of a surface that is packed anew.
     const TexelTiles anew(s, tiles_.range(), tiles_.tile_bits());
     for (int level = 0; level <= anew.tile_bits(); ++level)

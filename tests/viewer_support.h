@@ -49,8 +49,9 @@ inline Surface painted_surface(int width, int height, std::uint64_t seed = 1) {
     s.scale_known = true;
     for (int y = 0; y < height; ++y)
         for (int x = 0; x < width; ++x)
-            s.height_mm(x, y) = 0.3f * std::sin(0.21f * static_cast<float>(x)) * std::cos(0.17f * static_cast<float>(y)) +
-                                static_cast<float>(random.real(0, 0.03));
+            s.height_mm(x, y) =
+                0.3f * std::sin(0.21f * static_cast<float>(x)) * std::cos(0.17f * static_cast<float>(y)) +
+                static_cast<float>(random.real(0, 0.03));
     s.normal = normals_of(s.height_mm, s.mm_per_pixel);
     for (Rgb& c : s.diffuse.pixels())
         c = {random.real(0.02, 0.9), random.real(0.02, 0.9), random.real(0.02, 0.9)};

@@ -46,7 +46,8 @@ TEST(TexelTiles, LevelsAreMeansOfWhatIsThere) {
     const TexelTiles tiles(s, range_of(s), 7);
     ASSERT_EQ(tiles.columns(), 2);
     ASSERT_EQ(tiles.rows(), 2);
-    // The lower right tile holds 72 x 2 pixels: its last level is their mean, not darkened by what is not there.
+    // The lower right tile holds 72 x 2 pixels: its last level is their mean, not darkened by what is not
+    // there.
     glm::dvec3 sum(0);
     for (int y = 128; y < 130; ++y)
         for (int x = 128; x < 200; ++x) sum += glm::dvec3(s.diffuse(x, y));
@@ -60,7 +61,8 @@ TEST(TexelTiles, SpreadOfSlopesBecomesRoughness) {
     Random random(7);
     double sum2 = 0;
     for (Vec3& n : s.normal.pixels()) {
-        const Slope slope{static_cast<float>(random.real(-0.2, 0.2)), static_cast<float>(random.real(-0.2, 0.2))};
+        const Slope slope{static_cast<float>(random.real(-0.2, 0.2)),
+                          static_cast<float>(random.real(-0.2, 0.2))};
         sum2 += slope.x * slope.x + slope.y * slope.y;
         n = normal_of(slope);
     }

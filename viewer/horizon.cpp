@@ -20,17 +20,19 @@ std::uint8_t code_of(float tangent) {
 }
 
 float between(const Image<float>& z, float x, float y) {
-    const int x0 = std::min(static_cast<int>(x), z.width() - 2), y0 = std::min(static_cast<int>(y), z.height() - 2);
+    const int x0 = std::min(static_cast<int>(x), z.width() - 2),
+              y0 = std::min(static_cast<int>(y), z.height() - 2);
     const float fx = x - static_cast<float>(x0), fy = y - static_cast<float>(y0);
     const float top = z(x0, y0) + fx * (z(x0 + 1, y0) - z(x0, y0));
     const float bottom = z(x0, y0 + 1) + fx * (z(x0 + 1, y0 + 1) - z(x0, y0 + 1));
     return top + fy * (bottom - top);
 }
 
-// Tangent of the horizon's elevation towards (dx, dy) [unit, texels, y down]. Steps grow with the distance: far
-// relief is seen under small angles.
+// Tangent of the horizon's elevation towards (dx, dy) [unit, texels, y down]. Steps grow with the distance:
+// far relief is seen under small angles.
 float horizon(const Image<float>& z, int x, int y, float dx, float dy, float highest, float mm) {
-    const float here = z(x, y), right = static_cast<float>(z.width() - 1), bottom = static_cast<float>(z.height() - 1);
+    const float here = z(x, y), right = static_cast<float>(z.width() - 1),
+                bottom = static_cast<float>(z.height() - 1);
     float best = kLowest;
     for (float t = 1; highest - here > best * t * mm; t += std::max(1.0f, t / 16)) {
         const float px = static_cast<float>(x) + t * dx, py = static_cast<float>(y) + t * dy;
@@ -43,10 +45,10 @@ float horizon(const Image<float>& z, int x, int y, float dx, float dy, float hig
 }  // namespace
 
 double HorizonMap::elevation_deg(int x, int y, int azimuth) const {
-    const std::size_t at = (static_cast<std::size_t>(azimuth) * static_cast<std::size_t>(height) +
-                            static_cast<std::size_t>(y)) *
-                               static_cast<std::size_t>(width) +
-                           static_cast<std::size_t>(x);
+    const std::size_t at =
+        (static_cast<std::size_t>(azimuth) * static_cast<std::size_t>(height) + static_cast<std::size_t>(y)) *
+            static_cast<std::size_t>(width) +
+        static_cast<std::size_t>(x);
     const double part = values[at] / 255.0;
     return part * part * 90;
 }

@@ -1,7 +1,7 @@
 // horizon.h: how high the relief stands around each place, for cast shadows that keep up with the hand.
 //
-// Max 1988, "Horizon mapping": for each place and 16 azimuths, the elevation of the horizon. A shader looks one
-// up instead of marching over the heights for every light.
+// Max 1988, "Horizon mapping": for each place and 16 azimuths, the elevation of the horizon. A shader looks
+// one up instead of marching over the heights for every light.
 #pragma once
 
 #include <cstdint>

@@ -47,24 +47,24 @@ enum class Shadows {
 
 struct Scene {
     std::vector<Light> lights{};  // in the surface's frame; at most 8
-    Rig rig{};                  // its ambient light and bend; its camera is not used
+    Rig rig{};                    // its ambient light and bend; its camera is not used
     WardModel model = WardModel::bounded;
     Shadows shadows = Shadows::none;
     double light_radius_deg = 0.25;
     double ambient = 0;
-    glm::mat3 exposure{1};      // of the linear picture
-    float shoulder = 0;         // [1] part of the scale up to white that is bent; 0 = clips at white
-    Rgb background{0.02f};      // [linear]
+    glm::mat3 exposure{1};  // of the linear picture
+    float shoulder = 0;     // [1] part of the scale up to white that is bent; 0 = clips at white
+    Rgb background{0.02f};  // [linear]
     LookMode mode = LookMode::painting;
-    float strength = 1;         // of the modes that enhance
-    float sharpness = 40;       // exponent of the enhanced gloss; coarseness [levels] of unsharp normals
+    float strength = 1;    // of the modes that enhance
+    float sharpness = 40;  // exponent of the enhanced gloss; coarseness [levels] of unsharp normals
     float lowest_mm = 0, highest_mm = 1;  // of the height's false colours
 };
 
 inline constexpr std::size_t kMostLights = 8;
 
-// Where a picture is taken from: `to_painting` gives the pixel of the painting (times the third component) for
-// a place on the picture (x right, y up from its lower left corner, 1).
+// Where a picture is taken from: `to_painting` gives the pixel of the painting (times the third component)
+// for a place on the picture (x right, y up from its lower left corner, 1).
 struct Shot {
     int width = 0, height = 0;
     glm::mat3 to_painting{1};

@@ -5,8 +5,8 @@
 #include <glm/gtc/type_ptr.hpp>
 #include <numbers>
 
-#include "viewer/shaders.h"
 #include "surface/error.h"
+#include "viewer/shaders.h"
 
 namespace tangi {
 
@@ -55,7 +55,8 @@ private:
 Shot pixel_by_pixel(const Surface& s) {
     Shot shot{.width = s.width(), .height = s.height()};
     // Centres of the picture's pixels are halves, those of the painting's are whole.
-    shot.to_painting = glm::mat3(Vec3(1, 0, 0), Vec3(0, -1, 0), Vec3(-0.5f, static_cast<float>(s.height()) - 0.5f, 1));
+    shot.to_painting =
+        glm::mat3(Vec3(1, 0, 0), Vec3(0, -1, 0), Vec3(-0.5f, static_cast<float>(s.height()) - 0.5f, 1));
     return shot;
 }
 
@@ -68,9 +69,9 @@ std::vector<TexelPatch> patches_of(const TexelTiles& tiles, const Region& region
             const auto texels = tiles.level(tile, level);
             const int bits = tiles.tile_bits() - level;
             for (int y = patch.region.y0; y < patch.region.y1; ++y) {
-                const auto row = texels.subspan((static_cast<std::size_t>(y) << bits) +
-                                                    static_cast<std::size_t>(patch.region.x0),
-                                                static_cast<std::size_t>(patch.region.width()));
+                const auto row = texels.subspan(
+                    (static_cast<std::size_t>(y) << bits) + static_cast<std::size_t>(patch.region.x0),
+                    static_cast<std::size_t>(patch.region.width()));
                 patch.texels.insert(patch.texels.end(), row.begin(), row.end());
             }
             patches.push_back(std::move(patch));
@@ -136,8 +137,8 @@ void Renderer::set_horizon(const HorizonMap& map) {
     glTexParameteri(GL_TEXTURE_3D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
     glTexParameteri(GL_TEXTURE_3D, GL_TEXTURE_WRAP_R, GL_REPEAT);
     glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
-    glTexImage3D(GL_TEXTURE_3D, 0, GL_R8, map.width, map.height, HorizonMap::kAzimuths, 0, GL_RED, GL_UNSIGNED_BYTE,
-                 map.values.data());
+    glTexImage3D(GL_TEXTURE_3D, 0, GL_R8, map.width, map.height, HorizonMap::kAzimuths, 0, GL_RED,
+                 GL_UNSIGNED_BYTE, map.values.data());
     glPixelStorei(GL_UNPACK_ALIGNMENT, 4);
     uploaded_bytes_ += map.values.size();
     check("for cast shadows");
@@ -177,7 +178,8 @@ void Renderer::draw(const Scene& scene, const Shot& shot, GLuint target, bool li
     std::vector<glm::vec4> lights;
     std::vector<glm::vec3> gains;
     for (const Light& light : scene.lights) {
-        lights.push_back(light.position_mm ? glm::vec4(*light.position_mm, 1) : glm::vec4(light.direction, 0));
+        lights.push_back(light.position_mm ? glm::vec4(*light.position_mm, 1)
+                                           : glm::vec4(light.direction, 0));
         gains.push_back(light.gain);
     }
     if (lights.empty()) {
@@ -220,7 +222,8 @@ Image<Rgb> Renderer::read(const gl::Target& target) const {
     glReadPixels(0, 0, target.width(), target.height(), GL_RGB, GL_FLOAT, picture.data());
     check("to read the picture");
     for (int y = 0; y < picture.height() / 2; ++y)
-        std::swap_ranges(picture.row(y).begin(), picture.row(y).end(), picture.row(picture.height() - 1 - y).begin());
+        std::swap_ranges(picture.row(y).begin(), picture.row(y).end(),
+                         picture.row(picture.height() - 1 - y).begin());
     return picture;
 }
 
@@ -229,14 +232,14 @@ Image<Rgb> relight_with(Renderer& renderer, const Surface& surface, const std::v
     require_consistent(surface);
     validate(options);
     if (lights.size() > kMostLights)
-        fail("{} lights at once are more than the {} that the graphics shader takes", lights.size(), kMostLights);
+        fail("{} lights at once are more than the {} that the graphics shader takes", lights.size(),
+             kMostLights);
     Scene scene{.lights = lights, .rig = surface.photography.rig, .model = options.model};
     scene.shadows = options.cast_shadows ? Shadows::marched : Shadows::none;
     scene.light_radius_deg = options.light_radius_deg;
     scene.ambient = options.ambient;
     Shot shot = pixel_by_pixel(surface);
-    if (scene.rig.camera_distance_mm)
-        shot.eye = {scene.rig.camera_axis_mm, *scene.rig.camera_distance_mm, 1};
+    if (scene.rig.camera_distance_mm) shot.eye = {scene.rig.camera_axis_mm, *scene.rig.camera_distance_mm, 1};
     const gl::Target target(shot.width, shot.height, true);
     renderer.draw(scene, shot, target.framebuffer(), true);
     return renderer.read(target);

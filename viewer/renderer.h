@@ -28,7 +28,8 @@ class Renderer {
 public:
     Renderer();
 
-    // How large a picture this driver holds: tile_bits for TexelTiles. Throws Error for one that is too large.
+    // How large a picture this driver holds: tile_bits for TexelTiles. Throws Error for one that is too
+    // large.
     int tile_bits(int width, int height) const;
 
     // Replaces the painting. Throws Error where the device has not the memory.
@@ -56,8 +57,8 @@ private:
     std::size_t uploaded_bytes_ = 0;
 };
 
-// The picture that relight() gives, drawn by OpenGL; the same to 1/255 of white on 99.9 % of the pixels. At most
-// 8 lights. Needs a current context.
+// The picture that relight() gives, drawn by OpenGL; the same to 1/255 of white on 99.9 % of the pixels. At
+// most 8 lights. Needs a current context.
 Image<Rgb> relight_with(Renderer& renderer, const Surface& surface, const std::vector<Light>& lights,
                         const RelightOptions& options);
 

@@ -30,8 +30,7 @@ TexelRange range_of(const Surface& s, float paint_mm) {
         low = std::min(low, z);
         high = std::max(high, z);
     }
-    for (const Rgb& c : s.diffuse.pixels())
-        range.diffuse_max = std::max({range.diffuse_max, c.r, c.g, c.b});
+    for (const Rgb& c : s.diffuse.pixels()) range.diffuse_max = std::max({range.diffuse_max, c.r, c.g, c.b});
     for (const float v : s.specular.pixels()) range.specular_max = std::max(range.specular_max, v);
     // A few wild pixels must not take the bits of all others.
     range.diffuse_max = std::min(range.diffuse_max, 16.0f);
@@ -145,8 +144,9 @@ void TexelTiles::make_level(int tile, int level, const Region& r) {
                 for (int i = 0; i < 2; ++i) {
                     const int sx = 2 * x + i, sy = 2 * y + j;
                     if (sx >= there.x1 || sy >= there.y1) continue;
-                    const Material m = unpack(
-                        source[(static_cast<std::size_t>(sy) << bits) + static_cast<std::size_t>(sx)], range_);
+                    const Material m =
+                        unpack(source[(static_cast<std::size_t>(sy) << bits) + static_cast<std::size_t>(sx)],
+                               range_);
                     const Slope slope = slope_of(m.normal);
                     const float weight = m.specular + 1e-6f;
                     mean.normal += m.normal;
@@ -179,15 +179,19 @@ void TexelTiles::make_level(int tile, int level, const Region& r) {
 
 int tile_bits_for(int width, int height, int most, int max_bits) {
     const auto count = [&](int bits) {
-        const auto along = [&](int length) { return (static_cast<long long>(length) + (1LL << bits) - 1) >> bits; };
+        const auto along = [&](int length) {
+            return (static_cast<long long>(length) + (1LL << bits) - 1) >> bits;
+        };
         return along(width) * along(height);
     };
     int bits = std::min(7, max_bits);
     // Few large tiles for small pictures as well: levels of detail end at one texel a tile.
     while (bits < max_bits && (count(bits) > most || count(bits) > 64)) ++bits;
     if (count(bits) > most)
-        fail("a painting of {} x {} pixels is larger than this graphics driver can hold ({} tiles of {} pixels)",
-             width, height, most, 1 << bits);
+        fail(
+            "a painting of {} x {} pixels is larger than this graphics driver can hold ({} tiles of {} "
+            "pixels)",
+            width, height, most, 1 << bits);
     return bits;
 }
 

@@ -65,7 +65,8 @@ std::vector<EGLDisplay> candidates() {
                                                             devices[static_cast<std::size_t>(i)], nullptr));
     }
     if (platforms && epoxy_has_egl_extension(EGL_NO_DISPLAY, "EGL_MESA_platform_surfaceless"))
-        displays.push_back(eglGetPlatformDisplayEXT(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, nullptr));
+        displays.push_back(
+            eglGetPlatformDisplayEXT(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, nullptr));
     return displays;
 }
 
@@ -75,15 +76,17 @@ HeadlessContext::HeadlessContext() : impl_(std::make_unique<Impl>()) {
     // libepoxy ends the program where a library is missing.
     for (const char* library : {"libEGL.so.1", "libGL.so.1"})
         if (!::dlopen(library, RTLD_LAZY | RTLD_LOCAL))
-            fail("OpenGL without a window needs {}, which is not installed (Debian: libegl1 libgl1)", library);
+            fail("OpenGL without a window needs {}, which is not installed (Debian: libegl1 libgl1)",
+                 library);
     for (const EGLDisplay display : candidates())
         if (impl_->open(display)) {
             const auto* name = reinterpret_cast<const char*>(glGetString(GL_RENDERER));
             renderer_ = name ? name : "";
             return;
         }
-    fail("no graphics card and no software renderer here draws OpenGL 3.3 without a window (Debian: "
-         "libgl1-mesa-dri)");
+    fail(
+        "no graphics card and no software renderer here draws OpenGL 3.3 without a window (Debian: "
+        "libgl1-mesa-dri)");
 }
 
 HeadlessContext::~HeadlessContext() = default;
