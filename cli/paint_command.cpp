@@ -62,18 +62,18 @@ nlohmann::json run_paint(const PaintArguments& a) {
     set_size(setup, a.size);
     setup.file_is_new = !a.substrate.empty();
     setup.file = !setup.file_is_new ? fs::path(a.painting) : a.out.empty() ? untitled() : fs::path(a.out);
-    setup.stop_wanted = [progress] { return !progress("window", 0); };
+    setup.stop_wanted = interrupted;
+    const fs::path file = setup.file;
     const WindowResult result = run_window(std::move(setup), progress);
-    return {
-        {"painting", fs::exists(setup.file) ? nlohmann::json(setup.file.string()) : nlohmann::json(nullptr)},
-        {"strokes", result.strokes},
-        {"saves", result.saves},
-        {"unsaved", result.unsaved},
-        {"frames", result.frames},
-        {"tilt_deg", {result.tilt_deg.x, result.tilt_deg.y}},
-        {"light_deg", {result.light_azimuth_deg, result.light_elevation_deg}},
-        {"uploaded_bytes", result.uploaded_bytes},
-        {"drawn_by", result.drawn_by}};
+    return {{"painting", fs::exists(file) ? nlohmann::json(file.string()) : nlohmann::json(nullptr)},
+            {"strokes", result.strokes},
+            {"saves", result.saves},
+            {"unsaved", result.unsaved},
+            {"frames", result.frames},
+            {"tilt_deg", {result.tilt_deg.x, result.tilt_deg.y}},
+            {"light_deg", {result.light_azimuth_deg, result.light_elevation_deg}},
+            {"uploaded_bytes", result.uploaded_bytes},
+            {"drawn_by", result.drawn_by}};
 }
 
 }  // namespace

@@ -14,6 +14,7 @@
 #include "surface/painting_file.h"
 #include "surface/picture_file.h"
 #include "surface/relight.h"
+#include "viewer/gpu_relight.h"
 
 namespace tangi {
 
@@ -25,6 +26,7 @@ struct RelightArguments {
     std::string painting, out, lights_file, encoding, model = "bounded";
     std::vector<std::string> directions, positions;
     double gain = 1;
+    bool gpu = false;
     RelightOptions options;
 };
 
@@ -46,11 +48,44 @@ Encoding encoding_of(const RelightArguments& arguments, const Surface& surface, 
     return {surface.photography.transfer, true};
 }
 
+// Pictures of one surface: by the reference renderer, or with --gpu by OpenGL as far as that goes.
+class Relighter {
+public:
+    Relighter(const Surface& surface, const RelightArguments& arguments)
+        : surface_(surface), options_(arguments.options) {
+        if (arguments.gpu) by_gpu([&] { gpu_.emplace(surface); });
+    }
+
+    Image<Rgb> picture(const std::vector<Light>& lights, const Progress& progress) {
+        Image<Rgb> picture;
+        if (gpu_ && by_gpu([&] { picture = gpu_->relight(lights, options_); })) return picture;
+        return relight(surface_, lights, options_, progress);
+    }
+    std::string drawn_by() const { return gpu_ ? gpu_->device() : "reference renderer"; }
+
+private:
+    // False, with a note, where OpenGL cannot.
+    bool by_gpu(const std::function<void()>& action) {
+        try {
+            action();
+            return true;
+        } catch (const Error& error) {
+            gpu_.reset();
+            warn(fmt::format("--gpu: {}; the reference renderer draws instead", error.what()));
+            return false;
+        }
+    }
+
+    const Surface& surface_;
+    RelightOptions options_;
+    std::optional<GpuRelight> gpu_;
+};
+
 void write_relit(const fs::path& path, const Surface& surface, const std::vector<Light>& lights,
-                 const RelightArguments& arguments, const Progress& progress) {
+                 const RelightArguments& arguments, Relighter& relighter, const Progress& progress) {
     const Encoding encoding = encoding_of(arguments, surface, path);
     const Photography& photography = surface.photography;
-    Image<Rgb> picture = relight(surface, lights, arguments.options, progress);
+    Image<Rgb> picture = relighter.picture(lights, progress);
     glm::mat3 exposure(static_cast<float>(photography.white_level));
     if (encoding.as_camera_sees && photography.to_camera)
         exposure = exposure * glm::mat3(*photography.to_camera);
@@ -82,8 +117,9 @@ nlohmann::json relight_one(const Surface& surface, const RelightArguments& argum
         require_above_paint(surface, *lights.back().position_mm, "--point-light " + text);
     }
     for (Light& light : lights) light.gain = Rgb(static_cast<float>(arguments.gain));
-    write_relit(arguments.out, surface, lights, arguments, progress);
-    return {{"pictures", {arguments.out}}};
+    Relighter relighter(surface, arguments);
+    write_relit(arguments.out, surface, lights, arguments, relighter, progress);
+    return {{"pictures", {arguments.out}}, {"drawn_by", relighter.drawn_by()}};
 }
 
 // Windows programs write their folders with backslashes.
@@ -130,16 +166,17 @@ nlohmann::json relight_all(const Surface& surface, const RelightArguments& argum
         refuse_to_overwrite_photograph(outputs.back(), arguments.lights_file, light);
     }
     make_folder(arguments.out);
+    Relighter relighter(surface, arguments);
     nlohmann::json pictures = nlohmann::json::array();
     for (std::size_t i = 0; i < outputs.size(); ++i) {
         // As strong, and as near, as it was estimated for the photograph of its name.
         Light light = as_photographed(file.lights[i], surface.photography);
         light.gain *= static_cast<float>(arguments.gain);
-        write_relit(outputs[i], surface, {light}, arguments, {});
+        write_relit(outputs[i], surface, {light}, arguments, relighter, {});
         pictures.push_back(outputs[i].string());
         report(progress, "relight", static_cast<double>(i + 1) / static_cast<double>(outputs.size()));
     }
-    return {{"pictures", pictures}, {"warnings", warnings}};
+    return {{"pictures", pictures}, {"warnings", warnings}, {"drawn_by", relighter.drawn_by()}};
 }
 
 nlohmann::json run_relight(RelightArguments arguments) {
@@ -185,6 +222,8 @@ Command relight_command() {
             flags.option("--model", a->model, "ward1992, duer or bounded").show_default();
             flags.option("--gain", a->gain, "strength of the lights, 1 = as for the photographs")
                 .check(within(0, 1e4));
+            flags.flag("--gpu", a->gpu,
+                       "draw with OpenGL, without a window; where that cannot be, as without it");
             flags.fields(a->options);
             return [a] { return run_relight(*a); };
         }};

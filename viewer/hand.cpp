@@ -22,8 +22,8 @@ StrokePoint Hand::point(double time_s) const {
     placement().to_painting(cursor_, at);
     StrokePoint point;
     point.time_s = std::max(0.0, time_s - stroke_began_s_);
-    point.x_mm = (at.x - (state_.painting.width - 1) / 2.0) * state_.mm_per_pixel;
-    point.y_mm = ((state_.painting.height - 1) / 2.0 - at.y) * state_.mm_per_pixel;
+    point.x_mm = (at.x - (state_.painting.width - 1) / 2.0) * state_.stroke_mm_per_pixel;
+    point.y_mm = ((state_.painting.height - 1) / 2.0 - at.y) * state_.stroke_mm_per_pixel;
     point.pressure = state_.pressure;
     return point;
 }
@@ -185,6 +185,15 @@ void Hand::key(const InputEvent& event) {
         if (event.code == tool.key) state_.tool = tool.tool;
     Angles& light = state_.lamps[state_.lamp].angles;
     switch (event.code) {
+        case GLFW_KEY_ENTER:
+            if (state_.closing)
+                state_.ask.save = state_.ask.close = true;
+            else if (state_.left_over_strokes > 0)
+                state_.ask.recover = true;
+            break;
+        case GLFW_KEY_ESCAPE:
+            state_.closing = false;
+            break;
         case GLFW_KEY_F:
             state_.ask.fit = true;
             break;

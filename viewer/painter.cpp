@@ -19,7 +19,7 @@ constexpr auto kBeforeShowing = std::chrono::milliseconds(25);  // of painting, 
 Painter::Painter(Setup setup, std::function<void()> wake, const Progress& progress)
     : session_(std::move(setup.canvas), std::move(setup.palette)),
       surface_(appearance(session_.canvas(), {}, progress)),
-      mm_per_pixel_(surface_.mm_per_pixel),
+      mm_per_pixel_(session_.canvas().mm_per_pixel()),
       record_(sitting_files(setup.file)),
       file_is_new_(setup.file_is_new),
       wake_(std::move(wake)) {

@@ -61,6 +61,7 @@ public:
 
     const Surface& surface() const { return surface_; }  // only before start()
     const TexelRange& range() const { return range_; }
+    // [mm] Of strokes and brushes; that of the surface where its scale is known.
     double mm_per_pixel() const { return mm_per_pixel_; }
     const std::filesystem::path& file() const { return record_.files().painting; }
 

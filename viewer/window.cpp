@@ -147,6 +147,7 @@ private:
     bool frame();
     void news();
     void requests();
+    void loupe(const Scene& scene);
     void animate(double seconds);
     void draw(bool moved);
     void snapshot();
@@ -167,6 +168,7 @@ private:
     WindowState state_;
     Hand hand_;
     Picture picture_;
+    gl::Target loupe_;
     std::optional<Journal> left_over_;
     std::deque<TexelPatch> patches_;
     Extent screen_{1, 1}, window_size_{1, 1};
@@ -192,6 +194,7 @@ App::App(WindowSetup setup, const Progress& progress)
     state_.title = setup.file.filename().string();
     state_.painting = {surface.width(), surface.height()};
     state_.mm_per_pixel = surface.mm_per_pixel;
+    state_.stroke_mm_per_pixel = painter_.mm_per_pixel();
     state_.scale_known = surface.scale_known;
     state_.palette = setup.palette;
     if (!setup.brushes.empty()) state_.brushes = setup.brushes;
@@ -330,6 +333,27 @@ void App::animate(double seconds) {
     if (now_s_ > state_.message_until_s) state_.message.clear();
 }
 
+// What is under the cursor, four times as large.
+void App::loupe(const Scene& scene) {
+    glm::dvec2 at;
+    if (!state_.loupe || !hand_.over_canvas() || !placement().to_painting(hand_.cursor(), at)) return;
+    constexpr int kSide = 240;
+    constexpr double kLarger = 4;
+    if (!loupe_.width()) loupe_ = gl::Target(kSide, kSide, false);
+    View view = state_.view;
+    view.centre_px = at;
+    view.zoom *= kLarger;
+    const Placement place(view, state_.tilt, state_.flat, state_.painting, {kSide, kSide},
+                          state_.mm_per_pixel);
+    renderer_.draw(scene, place.shot(1, true), loupe_.framebuffer());
+    const int x = static_cast<int>(left_ + hand_.cursor().x) - kSide / 2;
+    const int y = window_size_.height - static_cast<int>(hand_.cursor().y) - kSide / 2;
+    glBindFramebuffer(GL_READ_FRAMEBUFFER, loupe_.framebuffer());
+    glBindFramebuffer(GL_DRAW_FRAMEBUFFER, 0);
+    glBlitFramebuffer(0, 0, kSide, kSide, x, y, x + kSide, y + kSide, GL_COLOR_BUFFER_BIT, GL_NEAREST);
+    glBindFramebuffer(GL_FRAMEBUFFER, 0);
+}
+
 void App::draw(bool moved) {
     glBindFramebuffer(GL_FRAMEBUFFER, 0);
     glViewport(0, 0, window_size_.width, window_size_.height);
@@ -340,6 +364,7 @@ void App::draw(bool moved) {
         picture_.draw(renderer_, scene_of(state_, place), place, screen_, moved || (dirty_ && hand_.holds()));
     dirty_ = false;
     picture_.show(static_cast<int>(left_), window_size_.height);
+    loupe(scene_of(state_, place));
     ImGui_ImplOpenGL3_NewFrame();
     ImGui_ImplGlfw_NewFrame();
     ImGui::NewFrame();

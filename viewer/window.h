@@ -3,9 +3,11 @@
 
 #include <filesystem>
 #include <functional>
-#include <optional>
+#include <glm/vec2.hpp>
+#include <map>
 #include <string>
 
+#include "paint/brush_settings.h"
 #include "paint/canvas.h"
 #include "paint/palette.h"
 #include "surface/progress.h"
@@ -16,10 +18,10 @@ struct WindowSetup {
     Canvas canvas;
     Palette palette;
     std::map<std::string, BrushSettings> brushes;
-    std::filesystem::path file;  // what is opened, or where a new canvas is to be saved
+    std::filesystem::path file{};  // what is opened, or where a new canvas is to be saved
     bool file_is_new = false;
-    int width = 1280, height = 800;     // [pixels] of the window
-    std::function<bool()> stop_wanted;  // asked between frames: Ctrl-C, a kill
+    int width = 1280, height = 800;       // [pixels] of the window
+    std::function<bool()> stop_wanted{};  // asked between frames: Ctrl-C, a kill
 };
 
 struct WindowResult {

@@ -47,7 +47,8 @@ struct WindowState {
     // The painting, as opened.
     std::string title;
     Extent painting;
-    double mm_per_pixel = 1;
+    double mm_per_pixel = 1;         // of its heights
+    double stroke_mm_per_pixel = 1;  // of strokes and brushes: where no scale is known, one can be given
     bool scale_known = false;
     float lowest_mm = 0, highest_mm = 1;
 

@@ -21,19 +21,19 @@ void file(WindowState& s) {
                         s.scale_known ? "mm" : "px (scale unknown)");
     if (s.left_over_strokes > 0) {
         ImGui::TextColored({1, 0.8f, 0.3f, 1}, "A sitting ended without saving.");
-        if (ImGui::Button(fmt::format("Recover {} strokes", s.left_over_strokes).c_str()))
+        if (ImGui::Button(fmt::format("Recover {} strokes (Enter)", s.left_over_strokes).c_str()))
             s.ask.recover = true;
         ImGui::SameLine();
         if (ImGui::Button("Put aside")) s.ask.discard = true;
     }
     if (s.closing) {
         ImGui::TextColored({1, 0.8f, 0.3f, 1}, "There are strokes that are not saved.");
-        if (ImGui::Button("Save and close")) s.ask.save = s.ask.close = true;
+        if (ImGui::Button("Save and close (Enter)")) s.ask.save = s.ask.close = true;
         ImGui::SameLine();
         if (ImGui::Button("Close")) s.ask.close_unsaved = true;
         tip("The strokes stay in the journal: next time they can be recovered");
         ImGui::SameLine();
-        if (ImGui::Button("Go on")) s.closing = false;
+        if (ImGui::Button("Go on (Esc)")) s.closing = false;
     }
     if (ImGui::Button("Save")) s.ask.save = true;
     tip("Ctrl+S");

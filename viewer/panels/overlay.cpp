@@ -19,7 +19,7 @@ ImVec2 in_window(const glm::dvec2& screen, float left) {
 void brush_outline(const WindowState& s, const Placement& placement, const glm::dvec2& cursor, float left) {
     glm::dvec2 centre;
     if (!placement.to_painting(cursor, centre)) return;
-    const double radius = s.brush.size_mm / 2 / s.mm_per_pixel;
+    const double radius = s.brush.size_mm / 2 / s.stroke_mm_per_pixel;
     std::vector<ImVec2> points;
     for (int i = 0; i < 40; ++i) {
         const double a = 2 * std::numbers::pi * i / 40;
