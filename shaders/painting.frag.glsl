@@ -18,11 +18,11 @@ float encode(float v) {
     return v <= 0.0031308 ? 12.92 * max(v, 0.0) : 1.055 * pow(v, 1.0 / 2.4) - 0.055;
 }
 
-// Straight up to the shoulder, then bent towards 1 with the same slope: 1 - (1 - s) exp(-(v - s) / (1 - s)).
+// Straight up to the shoulder s, then bent towards 1 with the same slope: 1 - (1 - s)^2 / (1 - 2 s + v).
 vec3 toned(vec3 v) {
     if (u_shoulder <= 0.0) return v;
     float s = 1.0 - u_shoulder;
-    vec3 bent_down = 1.0 - (1.0 - s) * exp(-(max(v, s) - s) / (1.0 - s));
+    vec3 bent_down = 1.0 - u_shoulder * u_shoulder / (max(v, s) + (1.0 - 2.0 * s));
     return mix(v, bent_down, step(vec3(s), v));
 }
 

@@ -93,23 +93,24 @@ public:
         return sum / (static_cast<double>(region.width()) * region.height());
     }
 
-    // The picture once it has not changed for half a second.
+    // The picture once it has not changed for two seconds: a busy machine draws slowly.
     Image<Rgb> settled() const {
-        Image<Rgb> last = picture();
-        int same = 0;
+        const std::filesystem::path file = folder_ / "Xvfb_screen0";
+        std::string last = bytes_of(file);
+        auto since = std::chrono::steady_clock::now();
         until([&] {
-            std::this_thread::sleep_for(std::chrono::milliseconds(100));
-            Image<Rgb> next = picture();
-            same = difference(last, next, next.region()) == 0 ? same + 1 : 0;
+            std::this_thread::sleep_for(std::chrono::milliseconds(150));
+            std::string next = bytes_of(file);
+            if (next != last) since = std::chrono::steady_clock::now();
             last = std::move(next);
-            return same >= 5;
+            return std::chrono::steady_clock::now() - since >= std::chrono::seconds(2);
         });
-        return last;
+        return picture();
     }
 
-    // Waits for something, half a minute at most.
+    // Waits for something, a minute at most.
     static bool until(const std::function<bool()>& done) {
-        const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(30);
+        const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(60);
         while (std::chrono::steady_clock::now() < end) {
             if (done()) return true;
             std::this_thread::sleep_for(std::chrono::milliseconds(20));

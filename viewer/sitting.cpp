@@ -1,5 +1,7 @@
 #include "viewer/sitting.h"
 
+#include <fmt/format.h>
+
 #include "surface/atomic_file.h"
 
 namespace tangi {
@@ -53,7 +55,12 @@ void SittingRecord::discard() {
     writer_.reset();
     if (!fs::exists(files_.unsaved)) return;
     fs::path kept = files_.painting;
-    fs::rename(files_.unsaved, kept.replace_extension(".discarded.jsonl"));
+    kept.replace_extension(".discarded.jsonl");
+    for (int i = 2; fs::exists(kept); ++i) {
+        kept = files_.painting;
+        kept.replace_extension(fmt::format(".discarded-{}.jsonl", i));
+    }
+    fs::rename(files_.unsaved, kept);
 }
 
 }  // namespace tangi

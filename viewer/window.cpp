@@ -148,6 +148,7 @@ private:
     void news();
     void requests();
     void loupe(const Scene& scene);
+    void find_left_over(const std::filesystem::path& file);
     void animate(double seconds);
     void draw(bool moved);
     void snapshot();
@@ -205,15 +206,24 @@ App::App(WindowSetup setup, const Progress& progress)
     TexelTiles tiles(surface, painter_.range(), renderer_.tile_bits(surface.width(), surface.height()));
     renderer_.set_painting(tiles, surface.mm_per_pixel);
     first_bytes_ = renderer_.uploaded_bytes();
-    left_over_ = left_over(sitting_files(setup.file));
-    if (left_over_)
-        state_.left_over_strokes = static_cast<int>(std::count_if(
-            left_over_->entries.begin(), left_over_->entries.end(),
-            [](const Journal::Entry& e) { return std::holds_alternative<StrokeEvent>(e.event); }));
+    find_left_over(setup.file);
     painter_.start(std::move(tiles));
     painter_.make_horizon();
     const auto* name = reinterpret_cast<const char*>(glGetString(GL_RENDERER));
     result_.drawn_by = name ? name : "";
+}
+
+void App::find_left_over(const std::filesystem::path& file) {
+    try {
+        left_over_ = left_over(sitting_files(file));
+    } catch (const Error& error) {
+        say(error.what());  // one can look at the painting all the same
+    }
+    if (!left_over_) return;
+    const auto strokes = std::count_if(
+        left_over_->entries.begin(), left_over_->entries.end(),
+        [](const Journal::Entry& entry) { return std::holds_alternative<StrokeEvent>(entry.event); });
+    state_.left_over_strokes = std::max(1, static_cast<int>(strokes));
 }
 
 void App::say(const std::string& text) {

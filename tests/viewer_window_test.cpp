@@ -1,5 +1,5 @@
-// window_test.cpp: the real window, driven by a pointer and a keyboard: tilt, light, paint, undo, save,
-// crash.
+// viewer_window_test.cpp: the real window, driven by a pointer and a keyboard: tilt, light, paint, undo,
+// save, crash.
 #include "paint/canvas_file.h"
 #include "paint/journal.h"
 #include "viewer_support.h"
@@ -173,6 +173,44 @@ TEST(NoWindow, MistypedIsAUsageError) {
                                                   {"paint", "--substrate", "glass"},
                                                   {"paint", "--substrate", "linen", "--size", "big"}})
         EXPECT_EQ(Program(words).wait().code, 2);
+}
+
+// Relit by the program with these further words; what it said on stdout and stderr.
+std::pair<Image<Rgb>, Finished> relit(const TestDir& folder, const std::string& name,
+                                      std::vector<std::string> words, const Conditions& conditions = {}) {
+    words.insert(words.begin(), {"relight", (folder / "a.exr").string(), "--light=-1,0.4,0.5",
+                                 "--point-light=4,5,9", "--out", (folder / name).string()});
+    Finished done = Program(words, conditions).wait();
+    EXPECT_EQ(done.code, 0) << done.err;
+    return {read_picture(folder / name), done};
+}
+
+TEST(RelightGpu, DrawsTheSamePicture) {
+    try {
+        gl::HeadlessContext();
+    } catch (const Error& error) {
+        GTEST_SKIP() << "no OpenGL here: " << error.what();
+    }
+    TestDir folder;
+    write_painting(folder / "a.exr", small_painting());
+    const auto [reference, by_reference] = relit(folder, "r.exr", {});
+    const auto [drawn, by_gl] = relit(folder, "g.exr", {"--gpu"});
+    EXPECT_GE(part_within(drawn, reference, 1), 0.999);
+    EXPECT_EQ(by_reference.json()["drawn_by"], "reference renderer");
+    EXPECT_NE(by_gl.json()["drawn_by"], "reference renderer");
+}
+
+TEST(RelightGpu, FallsBackWithANote) {
+    TestDir folder;
+    write_painting(folder / "a.exr", small_painting());
+    Conditions bare;
+    bare.environment = {{"__EGL_VENDOR_LIBRARY_DIRS", "/nowhere"}, {"LIBGL_DRIVERS_PATH", "/nowhere"}};
+    const auto [reference, by_reference] = relit(folder, "r.exr", {});
+    const auto [fallen, done] = relit(folder, "g.exr", {"--gpu"}, bare);
+    EXPECT_TRUE(images_near(fallen, reference, 0));
+    EXPECT_THAT(done.err, testing::HasSubstr("warning: --gpu: "));
+    EXPECT_THAT(done.err, testing::HasSubstr("the reference renderer draws instead"));
+    EXPECT_EQ(done.json()["drawn_by"], "reference renderer");
 }
 
 }  // namespace
