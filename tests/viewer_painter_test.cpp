@@ -3,6 +3,7 @@
 
 #include "paint/canvas_file.h"
 #include "paint_support.h"
+#include "surface/painting_file.h"
 #include "viewer_support.h"
 
 namespace tangi {
@@ -76,10 +77,11 @@ TEST_F(PainterTest, UndoBringsTheOldTexelsBack) {
     const PainterNews news = settle();
     EXPECT_EQ(news.state.undone, 1);
     EXPECT_TRUE(news.state.can_redo);
-    for (const TexelPatch& patch : news.patches)
-        if (patch.level == 0)
-            for (const Texel& texel : patch.texels)
-                EXPECT_NEAR(unpack(texel, painter_->range()).diffuse.r, 0.5f, 0.01f);
+    for (const TexelPatch& patch : news.patches) {
+        if (patch.level > 0) continue;
+        for (const Texel& texel : patch.texels)
+            ASSERT_NEAR(unpack(texel, painter_->range()).diffuse.r, 0.5f, 0.01f);
+    }
 }
 
 TEST_F(PainterTest, RecordsBeforeItPaintsAndPutsAwayWhenSaved) {
@@ -140,18 +142,18 @@ TEST_F(PainterTest, AFullDiskLosesNothing) {
     stroke();
     settle();
     {
-        const FullDisk disk(20000);
+        const FullDisk disk(2000);
         painter_->save();
         const PainterNews news = settle();
         EXPECT_THAT(news.messages, testing::ElementsAre(testing::HasSubstr("a.exr")));
         EXPECT_TRUE(news.state.unsaved);
         EXPECT_EQ(news.state.saves, 0);
     }
-    EXPECT_EQ(bytes_of(file_), before);
+    EXPECT_TRUE(bytes_of(file_) == before);
     EXPECT_TRUE(fs::exists(folder_ / "a.unsaved.jsonl"));
     painter_->save();
     EXPECT_FALSE(settle().state.unsaved);
-    EXPECT_NE(bytes_of(file_), before);
+    EXPECT_TRUE(bytes_of(file_) != before);
 }
 
 TEST_F(PainterTest, WhereNothingCanBeRecordedOneIsTold) {
