@@ -61,25 +61,24 @@ TEST_F(Window, TiltsLightsPaintsUndoesAndSaves) {
     start();
     const auto upright = screen_->settled();
     screen_->drag(3, {kMiddleX, kMiddleY}, {kMiddleX + 90, kMiddleY + 40});
-    const auto tilted = screen_->settled();
-    EXPECT_GT(Screen::difference(upright, tilted, kCanvas), 0.02);
+    EXPECT_TRUE(screen_->becomes_different(upright, kCanvas, 0.02)) << "tilted";
+    screen_->settled();
     screen_->key("r");
-    EXPECT_LT(Screen::difference(upright, screen_->settled(), kCanvas), 0.004) << "straightened";
+    EXPECT_TRUE(screen_->becomes_alike(upright, kCanvas, 0.004)) << "straightened";
     screen_->key("l");
     screen_->drag(1, {kMiddleX, kMiddleY}, {kMiddleX + 300, kMiddleY + 20});
+    EXPECT_TRUE(screen_->becomes_different(upright, kCanvas, 0.02)) << "lit from elsewhere";
     const auto raking = screen_->settled();
-    EXPECT_GT(Screen::difference(upright, raking, kCanvas), 0.02);
 
+    const Region stroke{kMiddleX - 60, kMiddleY, kMiddleX + 60, kMiddleY + 30}, elsewhere{320, 500, 700, 600};
     paint_a_stroke();
+    EXPECT_TRUE(screen_->becomes_different(raking, stroke, 0.08)) << "painted";
     const auto painted = screen_->settled();
-    const Region stroke{kMiddleX - 60, kMiddleY, kMiddleX + 60, kMiddleY + 30};
-    EXPECT_GT(Screen::difference(raking, painted, stroke), 0.08);
-    const Region elsewhere{320, 500, 700, 600};
     EXPECT_LT(Screen::difference(raking, painted, elsewhere), 0.01);
     screen_->key("ctrl+z");
-    EXPECT_LT(Screen::difference(raking, screen_->settled(), stroke), 0.02) << "undone";
+    EXPECT_TRUE(screen_->becomes_alike(raking, stroke, 0.02)) << "undone";
     screen_->key("ctrl+y");
-    EXPECT_LT(Screen::difference(painted, screen_->settled(), stroke), 0.02) << "redone";
+    EXPECT_TRUE(screen_->becomes_alike(painted, stroke, 0.02)) << "redone";
 
     screen_->key("ctrl+s");
     screen_->settled();
@@ -107,9 +106,9 @@ TEST_F(Window, StrokesOfACrashAreRecovered) {
     program_->wait();
     EXPECT_TRUE(fs::exists(folder_ / "small.unsaved.jsonl"));
     start();
-    EXPECT_LT(Screen::difference(bare, screen_->settled(), kCanvas), 0.01) << "not before one asks for it";
+    EXPECT_TRUE(screen_->becomes_alike(bare, kCanvas, 0.01)) << "not before one asks for it";
     screen_->key("Return");
-    EXPECT_LT(Screen::difference(painted, screen_->settled(), kCanvas), 0.01);
+    EXPECT_TRUE(screen_->becomes_alike(painted, kCanvas, 0.01));
     screen_->key("ctrl+s");
     screen_->settled();
     EXPECT_EQ(close().json()["saves"], 1);
@@ -148,10 +147,11 @@ TEST_F(Window, AsksBeforeItLosesStrokes) {
 TEST_F(Window, ResizedToNothingGoesOn) {
     start();
     screen_->x({"search", "--name", "TangiPaint", "windowsize", "1", "1"});
-    std::this_thread::sleep_for(std::chrono::milliseconds(300));
+    EXPECT_TRUE(Screen::until([&] { return glm::length(screen_->picture()(kMiddleX, kMiddleY)) < 0.05f; }))
+        << "gone";
     screen_->x({"search", "--name", "TangiPaint", "windowsize", "1000", "700"});
-    screen_->settled();
-    EXPECT_GT(glm::length(screen_->picture()(kMiddleX, kMiddleY)), 0.1f);
+    EXPECT_TRUE(Screen::until([&] { return glm::length(screen_->picture()(kMiddleX, kMiddleY)) > 0.1f; }))
+        << "back";
     EXPECT_EQ(close().code, 0);
 }
 

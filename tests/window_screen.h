@@ -93,7 +93,7 @@ public:
         return sum / (static_cast<double>(region.width()) * region.height());
     }
 
-    // The picture once it has not changed for two seconds: a busy machine draws slowly.
+    // The picture once it has not changed for three seconds: a busy machine draws slowly.
     Image<Rgb> settled() const {
         const std::filesystem::path file = folder_ / "Xvfb_screen0";
         std::string last = bytes_of(file);
@@ -103,9 +103,17 @@ public:
             std::string next = bytes_of(file);
             if (next != last) since = std::chrono::steady_clock::now();
             last = std::move(next);
-            return std::chrono::steady_clock::now() - since >= std::chrono::seconds(2);
+            return std::chrono::steady_clock::now() - since >= std::chrono::seconds(3);
         });
         return picture();
+    }
+
+    // Waits until a region is this different from a picture, at least or at most.
+    bool becomes_different(const Image<Rgb>& from, const Region& region, double by) const {
+        return until([&] { return difference(from, picture(), region) > by; });
+    }
+    bool becomes_alike(const Image<Rgb>& from, const Region& region, double within) const {
+        return until([&] { return difference(from, picture(), region) < within; });
     }
 
     // Waits for something, a minute at most.

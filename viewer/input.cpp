@@ -20,6 +20,9 @@ glm::dvec2 cursor_of(GLFWwindow* window) {
 
 Input::Input(GLFWwindow* window) : window_(window) {
     glfwSetWindowUserPointer(window, this);
+    // Uncovered, or another size: what is shown must be drawn again.
+    glfwSetWindowRefreshCallback(window, [](GLFWwindow* w) { of(w)->woken_ = true; });
+    glfwSetFramebufferSizeCallback(window, [](GLFWwindow* w, int, int) { of(w)->woken_ = true; });
     glfwSetCursorPosCallback(window, [](GLFWwindow* w, double x, double y) {
         of(w)->put({InputEvent::Kind::move, glfwGetTime(), {x, y}, 0, 0});
     });

@@ -148,6 +148,7 @@ private:
     void news();
     void requests();
     void loupe(const Scene& scene);
+    void warm_up();
     void find_left_over(const std::filesystem::path& file);
     void animate(double seconds);
     void draw(bool moved);
@@ -207,10 +208,26 @@ App::App(WindowSetup setup, const Progress& progress)
     renderer_.set_painting(tiles, surface.mm_per_pixel);
     first_bytes_ = renderer_.uploaded_bytes();
     find_left_over(setup.file);
+    warm_up();
     painter_.start(std::move(tiles));
     painter_.make_horizon();
     const auto* name = reinterpret_cast<const char*>(glGetString(GL_RENDERER));
     result_.drawn_by = name ? name : "";
+}
+
+// Drivers compile when something is drawn for the first time, which takes a software renderer half a second:
+// now, and not when the hand first moves.
+void App::warm_up() {
+    HorizonMap nothing{1, 1, {}};
+    nothing.values.assign(HorizonMap::kAzimuths, 0);
+    renderer_.set_horizon(nothing);  // until the painter has made one
+    const gl::Target target(16, 16, false);
+    for (const bool smooth : {false, true}) {
+        Shot shot = placement().shot(1, smooth);
+        shot.width = shot.height = 16;
+        renderer_.draw(scene_of(state_, placement()), shot, target.framebuffer());
+    }
+    glFinish();
 }
 
 void App::find_left_over(const std::filesystem::path& file) {
@@ -409,8 +426,10 @@ bool App::frame() {
     news();
     animate(std::min(now_s_ - before, 0.1));
     if (window_size_.width <= static_cast<int>(left_) || window_size_.height <= 0 ||
-        glfwGetWindowAttrib(window_.handle(), GLFW_ICONIFIED))
-        return false;  // nothing to be seen
+        glfwGetWindowAttrib(window_.handle(), GLFW_ICONIFIED)) {
+        settle_ = kFramesAfterwards;  // when it comes back
+        return false;                 // nothing to be seen
+    }
 
     // What the picture depends on; strokes and light alike.
     const Placement place = placement();
