@@ -190,6 +190,7 @@ TEST_F(PainterTest, WhatMakesNoSenseIsSaidAndNothingElse) {
     painter_->send(UndoEvent{});
     const PainterNews news = settle();
     EXPECT_THAT(news.messages, testing::ElementsAre("there is nothing to undo"));
+    EXPECT_FALSE(fs::exists(folder_ / "a.unsaved.jsonl")) << "a replay would stumble over it";
 }
 
 TEST(Sitting, SavedJournalsAreNotRecoveredTwice) {

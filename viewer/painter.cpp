@@ -148,6 +148,13 @@ void Painter::apply(const Event& event, bool recorded) {
         write_canvas(file(), session_.canvas());
         file_is_new_ = false;
     }
+    // Nothing is recorded that a replay would stumble over.
+    if (std::holds_alternative<UndoEvent>(event) || std::holds_alternative<RedoEvent>(event)) {
+        session_.finish();
+        const bool undo = std::holds_alternative<UndoEvent>(event);
+        if (undo ? !session_.history().can_undo() : !session_.history().can_redo())
+            fail("there is nothing to {}", undo ? "undo" : "redo");
+    }
     if (!recorded) try {
             record_.append(event);
         } catch (const Error& error) {

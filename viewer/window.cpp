@@ -177,9 +177,8 @@ private:
     double left_ = 0, now_s_ = 0, horizon_due_s_ = 0, moved_s_ = -1;
     std::string seen_;  // the scene and placement of the last picture
     int settle_ = kFramesAfterwards;
-    bool dirty_ = true, close_when_saved_ = false, fitted_ = false;
+    bool dirty_ = true, close_when_saved_ = false, close_unsaved_ = false, fitted_ = false;
     std::size_t first_bytes_ = 0;
-    int saves_before_ = 0;
     WindowResult result_;
 };
 
@@ -280,8 +279,9 @@ void App::news() {
 }
 
 void App::snapshot() {
-    gl::Target target(picture_.target().width(), picture_.target().height(), false);
-    renderer_.draw(scene_of(state_, placement()), placement().shot(1, true), target.framebuffer());
+    const Shot shot = placement().shot(1, true);
+    const gl::Target target(shot.width, shot.height, false);
+    renderer_.draw(scene_of(state_, placement()), shot, target.framebuffer());
     std::filesystem::path path = painter_.file();
     for (int i = 1;; ++i) {
         path.replace_filename(fmt::format("{}-{}.png", painter_.file().stem().string(), i));
@@ -322,27 +322,22 @@ void App::requests() {
     if (ask.snapshot) snapshot();
     if (ask.save && !blocked) {
         hand_.let_go();
-        saves_before_ = state_.painter.saves;
         painter_.save();
     }
     if (ask.close && ask.save) close_when_saved_ = true;
     if (ask.close || ask.close_unsaved) glfwSetWindowShouldClose(window_.handle(), GLFW_TRUE);
-    if (ask.close_unsaved) state_.painter.unsaved = false, state_.closing = true;
+    if (ask.close_unsaved) close_unsaved_ = true;
 }
 
 // What to do about a window that is to be closed: true where it may.
 bool App::closing() {
     if (!glfwWindowShouldClose(window_.handle())) return false;
     hand_.let_go();  // in mid-stroke: the stroke ends here
-    if (close_when_saved_) {
-        painter_.wait();
-        state_.painter = painter_.fetch().state;
+    if (close_unsaved_) return true;
+    if (close_when_saved_ || !state_.closing) {
         close_when_saved_ = false;
-    } else if (!state_.closing) {
         painter_.wait();
-        PainterNews news = painter_.fetch();
-        state_.painter = news.state;
-        for (TexelPatch& patch : news.patches) patches_.push_back(std::move(patch));
+        news();  // what became of it, and messages
     }
     if (!state_.painter.unsaved) return true;
     state_.closing = true;  // asks
