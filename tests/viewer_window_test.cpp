@@ -15,6 +15,7 @@ constexpr int kMiddleX = 650, kMiddleY = 350;
 
 Surface small_painting() {
     Surface s = painted_surface(160, 120);
+    s.mm_per_pixel = 0.5;  // a brush of 12 mm is much smaller than the painting
     for (int y = 0; y < s.height(); ++y)
         for (int x = 0; x < s.width(); ++x)
             s.diffuse(x, y) = {0.6f, 0.5f + 0.001f * static_cast<float>(x), 0.4f};
