@@ -49,6 +49,9 @@ void write_stderr(std::string_view text);
 // Ctrl-C, a kill, or when the terminal is closed.
 Progress console_progress();
 
+// True once a stop was asked for, in the same ways; console_progress() must have been called.
+bool interrupted();
+
 // Text with what file names may hold: control characters become \n, \t, \xHH, \uHHHH, so that they do not
 // move the cursor, colour the terminal or look like another message.
 std::string printable(std::string_view text);

@@ -13,6 +13,7 @@ Command relight_command();
 Command compare_command();
 Command import_command();
 Command export_command();
+Command paint_command();
 Command replay_command();
 Command info_command();
 Command generate_command();

@@ -138,6 +138,8 @@ Progress console_progress() {
     return [](std::string_view stage, double fraction) { return console().show(stage, fraction); };
 }
 
+bool interrupted() { return stop_wanted; }
+
 void warn(const std::string& text) { console().say("warning: " + printable(text)); }
 
 }  // namespace tangi

@@ -16,6 +16,7 @@
 #include "surface/painting_file.h"
 #include "surface/picture_file.h"
 #include "surface/relight.h"
+#include "viewer/gpu_relight.h"
 
 namespace tangi {
 
@@ -27,7 +28,7 @@ struct RelightArguments {
     std::string painting, out, lights_file, encoding, model = "bounded";
     std::vector<std::string> directions, positions;
     double gain = 1;
-    bool faithful = false;
+    bool faithful = false, gpu = false;
     RelightOptions options;
 };
 
@@ -77,13 +78,46 @@ Encoding encoding_of(const RelightArguments& arguments, const Surface& surface, 
     return {surface.photography.transfer, true};
 }
 
-void write_relit(const fs::path& path, const Painting& painting, const std::vector<Light>& lights,
-                 const RelightArguments& arguments, const Progress& progress) {
-    const Surface& surface = painting.surface;
+// Pictures of one painting: by the reference renderer, or with --gpu by OpenGL as far as that goes.
+class Relighter {
+public:
+    Relighter(const Painting& painting, const RelightArguments& arguments)
+        : painting_(painting), options_(arguments.options) {
+        if (arguments.gpu) by_gpu([&] { gpu_.emplace(painting.surface); });
+    }
+
+    Image<Rgb> picture(const std::vector<Light>& lights, const Progress& progress) {
+        Image<Rgb> picture;
+        if (!gpu_ || !by_gpu([&] { picture = gpu_->relight(lights, options_); }))
+            picture = relight(painting_.surface, lights, options_, progress);
+        add_residual(painting_.residual, painting_.canvas.dry(), lights, painting_.bare, picture);
+        return picture;
+    }
+    std::string drawn_by() const { return gpu_ ? gpu_->device() : "reference renderer"; }
+
+private:
+    // False, with a note, where OpenGL cannot.
+    bool by_gpu(const std::function<void()>& action) {
+        try {
+            action();
+            return true;
+        } catch (const Error& error) {
+            gpu_.reset();
+            warn(fmt::format("--gpu: {}; the reference renderer draws instead", error.what()));
+            return false;
+        }
+    }
+
+    const Painting& painting_;
+    RelightOptions options_;
+    std::optional<GpuRelight> gpu_;
+};
+
+void write_relit(const fs::path& path, const Surface& surface, const std::vector<Light>& lights,
+                 const RelightArguments& arguments, Relighter& relighter, const Progress& progress) {
     const Encoding encoding = encoding_of(arguments, surface, path);
     const Photography& photography = surface.photography;
-    Image<Rgb> picture = relight(surface, lights, arguments.options, progress);
-    add_residual(painting.residual, painting.canvas.dry(), lights, painting.bare, picture);
+    Image<Rgb> picture = relighter.picture(lights, progress);
     glm::mat3 exposure(static_cast<float>(photography.white_level));
     if (encoding.as_camera_sees && photography.to_camera)
         exposure = exposure * glm::mat3(*photography.to_camera);
@@ -115,8 +149,9 @@ nlohmann::json relight_one(const Painting& painting, const RelightArguments& arg
         require_above_paint(painting.surface, *lights.back().position_mm, "--point-light " + text);
     }
     for (Light& light : lights) light.gain = Rgb(static_cast<float>(arguments.gain));
-    write_relit(arguments.out, painting, lights, arguments, progress);
-    return {{"pictures", {arguments.out}}};
+    Relighter relighter(painting, arguments);
+    write_relit(arguments.out, painting.surface, lights, arguments, relighter, progress);
+    return {{"pictures", {arguments.out}}, {"drawn_by", relighter.drawn_by()}};
 }
 
 // Windows programs write their folders with backslashes.
@@ -163,16 +198,17 @@ nlohmann::json relight_all(const Painting& painting, const RelightArguments& arg
         refuse_to_overwrite_photograph(outputs.back(), arguments.lights_file, light);
     }
     make_folder(arguments.out);
+    Relighter relighter(painting, arguments);
     nlohmann::json pictures = nlohmann::json::array();
     for (std::size_t i = 0; i < outputs.size(); ++i) {
         // As strong, and as near, as it was estimated for the photograph of its name.
         Light light = as_photographed(file.lights[i], painting.surface.photography);
         light.gain *= static_cast<float>(arguments.gain);
-        write_relit(outputs[i], painting, {light}, arguments, {});
+        write_relit(outputs[i], painting.surface, {light}, arguments, relighter, {});
         pictures.push_back(outputs[i].string());
         report(progress, "relight", static_cast<double>(i + 1) / static_cast<double>(outputs.size()));
     }
-    return {{"pictures", pictures}, {"warnings", warnings}};
+    return {{"pictures", pictures}, {"warnings", warnings}, {"drawn_by", relighter.drawn_by()}};
 }
 
 nlohmann::json run_relight(RelightArguments arguments) {
@@ -221,6 +257,8 @@ Command relight_command() {
             flags.flag(
                 "--faithful", a->faithful,
                 "add what the photographs showed beyond the surface, where no paint lies (fit --faithful)");
+            flags.flag("--gpu", a->gpu,
+                       "draw with OpenGL, without a window; where that cannot be, as without it");
             flags.fields(a->options);
             return [a] { return run_relight(*a); };
         }};

@@ -62,10 +62,10 @@ const std::vector<PackageRule> kPackages = {
     {"GLFW", {"GLFW/"}, {"glfw"}, {"viewer"}, Where::anywhere},
     {"OpenGL",
      {"GL/", "GLES", "EGL/", "glad/", "epoxy/"},
-     {"OpenGL::", "GLEW::"},
+     {"OpenGL::", "GLEW::", "PkgConfig::epoxy"},
      {"viewer"},
      Where::anywhere},
-    {"ImGui", {"imgui"}, {"imgui", "ImGui::"}, {"viewer"}, Where::anywhere},
+    {"ImGui", {"imgui", "backends/imgui"}, {"imgui", "ImGui::", "PkgConfig::imgui"}, {"viewer"}, Where::anywhere},
     {"TBB", {"tbb/", "oneapi/tbb"}, {"TBB::"}, kBelowCli, Where::sources},
     {"Highway", {"hwy/"}, {"${HWY_LIBRARY}"}, {"fit"}, Where::anywhere},
 };

@@ -1,0 +1,103 @@
+// paint_command.cpp: tangipaint paint [PAINTING.exr | --substrate NAME]: the window
+#include <filesystem>
+
+#include "cli/arguments.h"
+#include "cli/command_list.h"
+#include "paint/canvas_file.h"
+#include "paint/substrate.h"
+#include "surface/error.h"
+#include "viewer/window.h"
+
+namespace tangi {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+struct PaintArguments {
+    std::string painting, out, substrate, palette, brushes, size = "1280x800";
+    std::optional<double> mm_per_pixel;
+    SubstrateOptions piece;
+};
+
+void set_size(WindowSetup& setup, const std::string& text) {
+    int end = 0;
+    if (std::sscanf(text.c_str(), "%dx%d%n", &setup.width, &setup.height, &end) != 2 ||
+        static_cast<std::size_t>(end) != text.size() || setup.width < 1 || setup.height < 1 ||
+        setup.width > 16384 || setup.height > 16384)
+        throw UsageError(fmt::format("--size {}: is not a width and a height in pixels, as 1280x800", text));
+}
+
+// Where a new canvas is saved if nothing is said: untitled-1.exr, or the next that is free.
+fs::path untitled() {
+    for (int i = 1;; ++i) {
+        const fs::path path = fmt::format("untitled-{}.exr", i);
+        if (!fs::exists(path)) return path;
+    }
+}
+
+Canvas canvas_of(const PaintArguments& a, const Progress& progress) {
+    if (a.substrate.empty()) return read_canvas(a.painting, progress, a.mm_per_pixel);
+    const auto kind = substrate_named(a.substrate);
+    if (!kind)
+        throw UsageError(
+            fmt::format("--substrate {}: is not one of {}", a.substrate, fmt::join(substrate_names(), ", ")));
+    return Canvas(std::make_shared<Surface>(make_substrate(*kind, a.piece, progress)));
+}
+
+nlohmann::json run_paint(const PaintArguments& a) {
+    if (a.painting.empty() == a.substrate.empty())
+        throw UsageError("give a painting, paint PAINTING.exr, or a new canvas, paint --substrate linen");
+    if (!a.substrate.empty() && a.mm_per_pixel)
+        throw UsageError("--mm-per-pixel is of a painting; the pixels of a substrate are --pixel-mm");
+    if (a.substrate.empty() && !a.out.empty())
+        throw UsageError(
+            "--out is of a new canvas; a painting is saved where it is (copy it first to keep it as it was)");
+    if (!a.out.empty() && fs::exists(a.out))
+        fail("--out {}: exists already; open it with: paint {}", a.out, a.out);
+    const Progress progress = console_progress();
+    WindowSetup setup{.canvas = canvas_of(a, progress),
+                      .palette = a.palette.empty() ? artist_acrylics() : read_palette(a.palette),
+                      .brushes = a.brushes.empty() ? brush_presets() : read_brush_presets(a.brushes)};
+    set_size(setup, a.size);
+    setup.file_is_new = !a.substrate.empty();
+    setup.file = !setup.file_is_new ? fs::path(a.painting) : a.out.empty() ? untitled() : fs::path(a.out);
+    setup.stop_wanted = interrupted;
+    const fs::path file = setup.file;
+    const WindowResult result = run_window(std::move(setup), progress);
+    return {{"painting", fs::exists(file) ? nlohmann::json(file.string()) : nlohmann::json(nullptr)},
+            {"strokes", result.strokes},
+            {"saves", result.saves},
+            {"unsaved", result.unsaved},
+            {"frames", result.frames},
+            {"tilt_deg", {result.tilt_deg.x, result.tilt_deg.y}},
+            {"light_deg", {result.light_azimuth_deg, result.light_elevation_deg}},
+            {"uploaded_bytes", result.uploaded_bytes},
+            {"drawn_by", result.drawn_by}};
+}
+
+}  // namespace
+
+Command paint_command() {
+    return {"paint", "hold a painting, tilt it, light it and paint on it: the window", [](Flags& flags) {
+                auto a = std::make_shared<PaintArguments>();
+                flags.option("PAINTING", a->painting,
+                             "painting file (.exr); saved in place, its dry layer never changes");
+                flags.option(
+                    "--substrate", a->substrate,
+                    "paint on a new canvas, linen, burlap, panel, gesso or paper instead of a painting");
+                flags.option("--out", a->out,
+                             "where a new canvas is saved (.exr); untitled-1.exr where not given");
+                flags.option("--palette", a->palette, "palette file (.json)");
+                flags.option("--brushes", a->brushes, "presets file (.json) with further brushes");
+                flags
+                    .option("--mm-per-pixel", a->mm_per_pixel,
+                            "size of the painting's pixels where the file does not say")
+                    .check(within(1e-4, 1e3));
+                flags.option("--size", a->size, "of the window in pixels").show_default();
+                flags.fields(a->piece);
+                return [a] { return run_paint(*a); };
+            }};
+}
+
+}  // namespace tangi

@@ -1,0 +1,28 @@
+#include "viewer/gpu_relight.h"
+
+#include "viewer/gl/headless.h"
+#include "viewer/renderer.h"
+
+namespace tangi {
+
+struct GpuRelight::Impl {
+    gl::HeadlessContext context;
+    Renderer renderer;
+    const Surface* surface = nullptr;
+};
+
+GpuRelight::GpuRelight(const Surface& surface) : impl_(std::make_unique<Impl>()) {
+    impl_->surface = &surface;
+    const int bits = impl_->renderer.tile_bits(surface.width(), surface.height());
+    impl_->renderer.set_painting(TexelTiles(surface, range_of(surface), bits), surface.mm_per_pixel);
+}
+
+GpuRelight::~GpuRelight() = default;
+
+Image<Rgb> GpuRelight::relight(const std::vector<Light>& lights, const RelightOptions& options) {
+    return relight_with(impl_->renderer, *impl_->surface, lights, options);
+}
+
+const std::string& GpuRelight::device() const { return impl_->context.renderer(); }
+
+}  // namespace tangi

@@ -1,0 +1,47 @@
+// hand.h: what mouse and keys do to the window's state and to the painting. No OpenGL.
+#pragma once
+
+#include <cstdint>
+
+#include "viewer/input.h"
+#include "viewer/window_state.h"
+
+namespace tangi {
+
+class Hand {
+public:
+    Hand(WindowState& state, Painter& painter) : state_(state), painter_(painter) {}
+
+    // One event. `left`: where the canvas area begins [pixels of the window]; `panels_busy`: the panels take
+    // it.
+    void take(const InputEvent& event, Extent screen, double left, bool panels_busy, bool typing);
+    // The button is up, whatever the window system said: it lost the pointer, or closes.
+    void let_go();
+
+    const glm::dvec2& cursor() const { return cursor_; }  // [pixels of the canvas area]
+    bool over_canvas() const { return over_canvas_; }
+    bool holds() const { return drag_ != Drag::none; }
+    bool panels_wanted() const { return panels_; }
+
+private:
+    enum class Drag { none, tilt, light, pan, paint, size, ruler, panel };
+
+    void press(const InputEvent& event);
+    void move(const InputEvent& event);
+    void key(const InputEvent& event);
+    void control_key(int key, bool shift);
+    Placement placement() const;
+    StrokePoint point(double time_s) const;
+
+    WindowState& state_;
+    Painter& painter_;
+    Extent screen_;
+    glm::dvec2 cursor_{0}, last_{0};
+    bool over_canvas_ = false, panels_ = true, space_ = false;
+    Drag drag_ = Drag::none;
+    int button_ = 0;
+    double last_time_s_ = 0, stroke_began_s_ = 0;
+    std::uint64_t seed_ = 0;
+};
+
+}  // namespace tangi

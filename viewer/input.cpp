@@ -1,0 +1,54 @@
+#include "viewer/input.h"
+
+#include <GLFW/glfw3.h>
+
+#include <utility>
+
+namespace tangi {
+
+namespace {
+
+Input* of(GLFWwindow* window) { return static_cast<Input*>(glfwGetWindowUserPointer(window)); }
+
+glm::dvec2 cursor_of(GLFWwindow* window) {
+    glm::dvec2 at;
+    glfwGetCursorPos(window, &at.x, &at.y);
+    return at;
+}
+
+}  // namespace
+
+Input::Input(GLFWwindow* window) : window_(window) {
+    glfwSetWindowUserPointer(window, this);
+    // Uncovered, or another size: what is shown must be drawn again.
+    glfwSetWindowRefreshCallback(window, [](GLFWwindow* w) { of(w)->woken_ = true; });
+    glfwSetFramebufferSizeCallback(window, [](GLFWwindow* w, int, int) { of(w)->woken_ = true; });
+    glfwSetCursorPosCallback(window, [](GLFWwindow* w, double x, double y) {
+        of(w)->put({InputEvent::Kind::move, glfwGetTime(), {x, y}, 0, 0});
+    });
+    glfwSetMouseButtonCallback(window, [](GLFWwindow* w, int button, int action, int mods) {
+        of(w)->put({action == GLFW_PRESS ? InputEvent::Kind::press : InputEvent::Kind::release, glfwGetTime(),
+                    cursor_of(w), button, mods});
+    });
+    glfwSetScrollCallback(window, [](GLFWwindow* w, double, double y) {
+        of(w)->put({InputEvent::Kind::wheel, glfwGetTime(), {0, y}, 0, 0});
+    });
+    glfwSetKeyCallback(window, [](GLFWwindow* w, int key, int, int action, int mods) {
+        if (action != GLFW_RELEASE)
+            of(w)->put({InputEvent::Kind::key, glfwGetTime(), cursor_of(w), key, mods});
+    });
+}
+
+Input::~Input() { glfwSetWindowUserPointer(window_, nullptr); }
+
+void Input::put(InputEvent event) {
+    woken_ = true;
+    events_.push_back(event);
+}
+
+std::deque<InputEvent> Input::take() {
+    woken_ = false;
+    return std::exchange(events_, {});
+}
+
+}  // namespace tangi

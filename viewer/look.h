@@ -1,0 +1,79 @@
+// look.h: how a painting is looked at: its lights, and what of it is shown.
+#pragma once
+
+#include <array>
+#include <glm/mat3x3.hpp>
+#include <string_view>
+#include <vector>
+
+#include "surface/relight.h"
+
+namespace tangi {
+
+// As MODE in shaders/painting.frag.glsl.
+enum class LookMode {
+    painting,
+    specular_enhancement,  // Malzbender et al. 2001: matt colour down, an even sharp gloss everywhere
+    diffuse_gain,          // the same: shading falls off more steeply
+    unsharp_normals,
+    height,  // false colours from here on
+    roughness,
+    specular,
+    confidence,
+    normals,
+    diffuse
+};
+
+struct LookName {
+    LookMode mode;
+    const char* name;
+};
+inline constexpr std::array<LookName, 10> kLooks = {{{LookMode::painting, "Painting"},
+                                                     {LookMode::specular_enhancement, "Specular enhancement"},
+                                                     {LookMode::diffuse_gain, "Diffuse gain"},
+                                                     {LookMode::unsharp_normals, "Unsharp normals"},
+                                                     {LookMode::height, "Height"},
+                                                     {LookMode::roughness, "Roughness (alpha)"},
+                                                     {LookMode::specular, "Specular (rho s)"},
+                                                     {LookMode::confidence, "Confidence"},
+                                                     {LookMode::normals, "Normals"},
+                                                     {LookMode::diffuse, "Diffuse colour (rho d)"}}};
+
+enum class Shadows {
+    none,
+    horizon,  // from a map made beforehand: fast
+    marched   // exactly as surface/relight.h, a step a pixel: slow
+};
+
+struct Scene {
+    std::vector<Light> lights{};  // in the surface's frame; at most 8
+    Rig rig{};                    // its ambient light and bend; its camera is not used
+    WardModel model = WardModel::bounded;
+    Shadows shadows = Shadows::none;
+    double light_radius_deg = 0.25;
+    double ambient = 0;
+    glm::mat3 exposure{1};  // of the linear picture
+    float shoulder = 0;     // [1] part of the scale up to white that is bent; 0 = clips at white
+    Rgb background{0.02f};  // [linear]
+    LookMode mode = LookMode::painting;
+    float strength = 1;    // of the modes that enhance
+    float sharpness = 40;  // exponent of the enhanced gloss; coarseness [levels] of unsharp normals
+    float lowest_mm = 0, highest_mm = 1;  // of the height's false colours
+};
+
+inline constexpr std::size_t kMostLights = 8;
+
+// Where a picture is taken from: `to_painting` gives the pixel of the painting (times the third component)
+// for a place on the picture (x right, y up from its lower left corner, 1).
+struct Shot {
+    int width = 0, height = 0;
+    glm::mat3 to_painting{1};
+    glm::vec4 eye{0, 0, 1, 0};  // direction to the viewer, 0; or the viewer's place [mm], 1; surface frame
+    int level = 0;              // of detail: texels of 2^level pixels
+    bool smooth = false;        // between the four nearest texels; else the nearest
+};
+
+// Each pixel of the painting as one of the picture, from straight ahead.
+Shot pixel_by_pixel(const Surface& surface);
+
+}  // namespace tangi

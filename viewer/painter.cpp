@@ -1,0 +1,263 @@
+#include "viewer/painter.h"
+
+#include <chrono>
+
+#include "paint/appearance.h"
+#include "paint/canvas_file.h"
+#include "surface/error.h"
+
+namespace tangi {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+constexpr float kPaintRoom_mm = 20;                             // what can stand on a painting
+constexpr auto kBeforeShowing = std::chrono::milliseconds(25);  // of painting, at most
+
+}  // namespace
+
+Painter::Painter(Setup setup, std::function<void()> wake, const Progress& progress)
+    : session_(std::move(setup.canvas), std::move(setup.palette)),
+      surface_(appearance(session_.canvas(), {}, progress)),
+      mm_per_pixel_(session_.canvas().mm_per_pixel()),
+      record_(sitting_files(setup.file)),
+      file_is_new_(setup.file_is_new),
+      wake_(std::move(wake)) {
+    range_ = range_of(surface_, kPaintRoom_mm / static_cast<float>(session_.canvas().height_unit_mm()));
+    session_.canvas().take_dirty();
+    for (const DriedLayer& layer : session_.canvas().dried()) own_.layers.push_back(layer.name);
+    news_.state = own_;
+}
+
+Painter::~Painter() {
+    {
+        const std::lock_guard lock(mutex_);
+        stop_ = true;
+    }
+    something_.notify_all();
+    horizon_stop_ = true;
+    if (thread_.joinable()) thread_.join();
+    if (horizon_thread_.joinable()) horizon_thread_.join();
+}
+
+void Painter::start(TexelTiles tiles) {
+    tiles_ = std::move(tiles);
+    thread_ = std::thread([this] { work(); });
+}
+
+void Painter::post(std::function<void()> job) {
+    {
+        const std::lock_guard lock(mutex_);
+        jobs_.push_back(std::move(job));
+    }
+    something_.notify_one();
+}
+
+void Painter::wait() {
+    std::unique_lock lock(mutex_);
+    idle_.wait(lock, [&] { return jobs_.empty() && !busy_; });
+}
+
+PainterNews Painter::fetch() {
+    const std::lock_guard lock(mutex_);
+    PainterNews news = std::move(news_);
+    news_ = {};
+    news_.state = news.state;
+    news.state.waiting = jobs_.size();
+    return news;
+}
+
+void Painter::say(std::string text) {
+    const std::lock_guard lock(mutex_);
+    news_.messages.push_back(std::move(text));
+}
+
+void Painter::guarded(const std::function<void()>& action) {
+    try {
+        action();
+    } catch (const std::exception& error) {
+        say(error.what());
+    }
+}
+
+void Painter::work() {
+    auto shown = Clock::now(), synced = shown;
+    bool changed = false;
+    for (;;) {
+        std::function<void()> job;
+        {
+            std::unique_lock lock(mutex_);
+            busy_ = changed;
+            if (jobs_.empty() && !busy_) idle_.notify_all();
+            if (!changed)
+                something_.wait_for(lock, std::chrono::seconds(1), [&] { return stop_ || !jobs_.empty(); });
+            if (!jobs_.empty()) {
+                job = std::move(jobs_.front());
+                jobs_.pop_front();
+                busy_ = true;
+            } else if (stop_ && !changed) {
+                break;
+            }
+        }
+        if (job) {
+            guarded(job);
+            changed = true;
+        }
+        if (changed && (!job || Clock::now() - shown >= kBeforeShowing)) {
+            guarded([&] { show_changes(); });
+            shown = Clock::now();
+            changed = false;
+        }
+        if (Clock::now() - synced >= std::chrono::seconds(1)) {
+            guarded([&] { record_.sync(); });
+            synced = Clock::now();
+        }
+    }
+    guarded([&] {
+        session_.finish();
+        record_.sync();
+    });
+}
+
+// Texels of what was painted since the last time.
+void Painter::show_changes() {
+    const std::vector<TileIndex> dirty = session_.canvas().take_dirty();
+    update_appearance(session_.canvas(), dirty, surface_);
+    std::vector<TexelPatch> patches;
+    for (const TileIndex tile : dirty) {
+        Region region = session_.canvas().wet().region_of(tile);
+        region = {region.x0 - 1, region.y0 - 1, region.x1 + 1, region.y1 + 1};  // slopes look a pixel far
+        tiles_.update(surface_, region);
+        for (TexelPatch& patch : patches_of(tiles_, region)) patches.push_back(std::move(patch));
+    }
+    own_.can_undo = session_.history().can_undo();
+    own_.can_redo = session_.history().can_redo();
+    own_.strokes = session_.totals().strokes;
+    own_.layers.clear();
+    for (const DriedLayer& layer : session_.canvas().dried()) own_.layers.push_back(layer.name);
+    {
+        const std::lock_guard lock(mutex_);
+        for (TexelPatch& patch : patches) news_.patches.push_back(std::move(patch));
+        news_.state = own_;
+    }
+    wake_();
+}
+
+void Painter::apply(const Event& event, bool recorded) {
+    if (file_is_new_) {
+        write_canvas(file(), session_.canvas());
+        file_is_new_ = false;
+    }
+    // Nothing is recorded that a replay would stumble over.
+    if (std::holds_alternative<UndoEvent>(event) || std::holds_alternative<RedoEvent>(event)) {
+        session_.finish();
+        const bool undo = std::holds_alternative<UndoEvent>(event);
+        if (undo ? !session_.history().can_undo() : !session_.history().can_redo())
+            fail("there is nothing to {}", undo ? "undo" : "redo");
+    }
+    if (!recorded) try {
+            record_.append(event);
+        } catch (const Error& error) {
+            // Painting goes on; but the painter must know that only saving keeps it.
+            if (!told_of_journal_)
+                say(fmt::format("{}; strokes are not recorded: save before you end", error.what()));
+            told_of_journal_ = true;
+        }
+    own_.unsaved = true;
+    session_.apply(event);
+    if (std::holds_alternative<UndoEvent>(event)) ++own_.undone;
+    if (std::holds_alternative<RedoEvent>(event)) --own_.undone;
+}
+
+void Painter::send(Event event) {
+    post([this, event = std::move(event)] { apply(event, false); });
+}
+
+void Painter::recover(Journal journal) {
+    post([this, journal = std::move(journal)] {
+        for (const Journal::Entry& entry : journal.entries) guarded([&] { apply(entry.event, true); });
+        session_.finish();
+        say(fmt::format("recovered {} strokes", session_.totals().strokes));
+    });
+}
+
+void Painter::discard() {
+    post([this] {
+        record_.discard();
+        own_.unsaved = false;
+    });
+}
+
+void Painter::write() {
+    session_.finish();
+    write_canvas(file(), session_.canvas());
+    file_is_new_ = false;
+    own_.unsaved = false;
+    ++own_.saves;
+    say(fmt::format("saved {}", file().filename().string()));
+    record_.put_away();
+}
+
+void Painter::save() {
+    post([this] {
+        own_.saving = true;
+        {
+            const std::lock_guard lock(mutex_);
+            news_.state.saving = true;
+        }
+        wake_();
+        guarded([&] { write(); });
+        own_.saving = false;
+    });
+}
+
+Probe Painter::look_at(int x, int y, double radius_px) const {
+    Probe probe{x, y, material_at(surface_, x, y), 0, {}};
+    const Recipe recipe = recipe_at(session_.canvas(), x, y, radius_px);
+    probe.paint_mm = recipe.thickness_mm;
+    for (const Portion& portion : recipe.portions)
+        probe.recipe.emplace_back(session_.canvas().ingredients()[portion.ingredient].name, portion.part);
+    return probe;
+}
+
+void Painter::probe(int x, int y) {
+    post([this, x, y] {
+        if (x < 0 || y < 0 || x >= surface_.width() || y >= surface_.height()) return;
+        Probe probe = look_at(x, y, 0.5);
+        const std::lock_guard lock(mutex_);
+        news_.probe = std::move(probe);
+    });
+}
+
+void Painter::pick(double x, double y, double radius_px) {
+    post([this, x, y, radius_px] {
+        const int px = static_cast<int>(std::lround(x)), py = static_cast<int>(std::lround(y));
+        if (px < 0 || py < 0 || px >= surface_.width() || py >= surface_.height()) return;
+        Probe picked = look_at(px, py, std::max(radius_px, 0.5));
+        const std::lock_guard lock(mutex_);
+        news_.picked = std::move(picked);
+    });
+}
+
+// The heights are copied here; the map, which takes seconds, is made beside.
+void Painter::make_horizon() {
+    post([this] {
+        horizon_stop_ = true;
+        if (horizon_thread_.joinable()) horizon_thread_.join();
+        horizon_stop_ = false;
+        CoarseHeights heights = coarse_heights(surface_.height_mm, surface_.mm_per_pixel);
+        horizon_thread_ = std::thread([this, heights = std::move(heights)] {
+            try {
+                HorizonMap map =
+                    horizon_map(heights, [this](std::string_view, double) { return !horizon_stop_; });
+                const std::lock_guard lock(mutex_);
+                news_.horizon = std::move(map);
+            } catch (const Cancelled&) {
+                return;
+            }
+            wake_();
+        });
+    });
+}
+
+}  // namespace tangi

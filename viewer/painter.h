@@ -1,0 +1,113 @@
+// painter.h: the painting engine on a thread of its own, so that looking never waits for painting.
+//
+// The window sends events; the painter records them (sitting.h), applies them to the canvas, and makes texels
+// of what has changed, which the window fetches and uploads.
+#pragma once
+
+#include <atomic>
+#include <condition_variable>
+#include <deque>
+#include <filesystem>
+#include <functional>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "paint/session.h"
+#include "viewer/horizon.h"
+#include "viewer/renderer.h"
+#include "viewer/sitting.h"
+#include "viewer/texels.h"
+
+namespace tangi {
+
+// What is at a place: all maps of its pixel, and the paint of the wet layer there.
+struct Probe {
+    int x = 0, y = 0;
+    Material material;
+    double paint_mm = 0;
+    std::vector<std::pair<std::string, double>> recipe;  // of paints, parts that sum to 1
+};
+
+struct PainterState {
+    bool can_undo = false, can_redo = false, unsaved = false, saving = false;
+    int strokes = 0, undone = 0, saves = 0;
+    std::vector<std::string> layers;  // dried, from the bottom up
+    std::size_t waiting = 0;          // events not painted yet
+};
+
+// What has happened since it was last fetched.
+struct PainterNews {
+    std::vector<TexelPatch> patches;
+    std::optional<HorizonMap> horizon;
+    std::optional<Probe> probe, picked;
+    std::vector<std::string> messages;  // errors, and what was done
+    PainterState state;
+};
+
+class Painter {
+public:
+    struct Setup {
+        Canvas canvas;
+        Palette palette;
+        std::filesystem::path file;  // where it is saved, and beside which its journal lies
+        bool file_is_new = false;    // it is written before the first stroke, so that strokes have a ground
+    };
+    // `wake` is called from the painter's thread when there is news.
+    Painter(Setup setup, std::function<void()> wake, const Progress& progress = {});
+    ~Painter();  // finishes what was sent
+
+    const Surface& surface() const { return surface_; }  // only before start()
+    const TexelRange& range() const { return range_; }
+    // [mm] Of strokes and brushes; that of the surface where its scale is known.
+    double mm_per_pixel() const { return mm_per_pixel_; }
+    const std::filesystem::path& file() const { return record_.files().painting; }
+
+    // Hands over the tiles that were made of surface().
+    void start(TexelTiles tiles);
+
+    void send(Event event);
+    void recover(Journal journal);  // paints what a crash left; it is in the journal already
+    void discard();                 // puts the journal of unsaved strokes aside
+    void save();
+    void probe(int x, int y);
+    void pick(double x, double y, double radius_px);
+    void make_horizon();
+
+    PainterNews fetch();
+    void wait();  // until everything that was sent is done
+
+private:
+    void work();
+    void post(std::function<void()> job);
+    void apply(const Event& event, bool recorded);
+    void show_changes();
+    void say(std::string text);
+    void guarded(const std::function<void()>& action);
+    void write();
+    Probe look_at(int x, int y, double radius_px) const;
+
+    // The painter's thread only, once it runs.
+    Session session_;
+    Surface surface_;
+    TexelTiles tiles_;
+    TexelRange range_;
+    double mm_per_pixel_;
+    SittingRecord record_;
+    bool file_is_new_, told_of_journal_ = false;
+    PainterState own_;
+
+    std::mutex mutex_;
+    std::condition_variable something_, idle_;
+    std::deque<std::function<void()>> jobs_;
+    PainterNews news_;
+    bool stop_ = false, busy_ = false;
+
+    std::function<void()> wake_;
+    std::atomic<bool> horizon_stop_ = false;
+    std::thread thread_, horizon_thread_;
+};
+
+}  // namespace tangi

@@ -1,0 +1,137 @@
+// column.cpp: the column of panels at the window's left, and File, Tools and Canvas.
+#include <fmt/format.h>
+#include <imgui.h>
+
+#include "viewer/panels/panels.h"
+
+namespace tangi::panels {
+
+namespace {
+
+void tip(const char* text) {
+    if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", text);
+}
+
+}  // namespace
+
+void file(WindowState& s) {
+    ImGui::TextUnformatted(fmt::format("{}{}", s.title, s.painter.unsaved ? " *" : "").c_str());
+    ImGui::TextDisabled("%d x %d pixels, %.1f x %.1f %s", s.painting.width, s.painting.height,
+                        s.painting.width * s.mm_per_pixel, s.painting.height * s.mm_per_pixel,
+                        s.scale_known ? "mm" : "px (scale unknown)");
+    if (s.left_over_strokes > 0) {
+        ImGui::TextColored({1, 0.8f, 0.3f, 1}, "A sitting ended without saving.");
+        if (ImGui::Button(fmt::format("Recover {} strokes (Enter)", s.left_over_strokes).c_str()))
+            s.ask.recover = true;
+        ImGui::SameLine();
+        if (ImGui::Button("Put aside")) s.ask.discard = true;
+    }
+    if (s.closing) {
+        ImGui::TextColored({1, 0.8f, 0.3f, 1}, "There are strokes that are not saved.");
+        if (ImGui::Button("Save and close (Enter)")) s.ask.save = s.ask.close = true;
+        ImGui::SameLine();
+        if (ImGui::Button("Close")) s.ask.close_unsaved = true;
+        tip("The strokes stay in the journal: next time they can be recovered");
+        ImGui::SameLine();
+        if (ImGui::Button("Go on (Esc)")) s.closing = false;
+    }
+    if (ImGui::Button("Save")) s.ask.save = true;
+    tip("Ctrl+S");
+    ImGui::SameLine();
+    if (ImGui::Button("Snapshot")) s.ask.snapshot = true;
+    tip("F12: what is seen, as a PNG beside the painting");
+    ImGui::SameLine();
+    if (ImGui::Button("Keys")) s.help = !s.help;
+    tip("F1");
+}
+
+void tools(WindowState& s) {
+    int i = 0;
+    for (const ToolName& tool : kTools) {
+        if (i++ % 3) ImGui::SameLine();
+        if (ImGui::RadioButton(fmt::format("{} ({})", tool.name, tool.key).c_str(), s.tool == tool.tool))
+            s.tool = tool.tool;
+        tip(tool.help);
+    }
+    if (ImGui::Button("Fit (F)")) s.ask.fit = true;
+    ImGui::SameLine();
+    if (ImGui::Button("1:1 (1)")) s.ask.one_to_one = true;
+    ImGui::SameLine();
+    if (ImGui::Button("Straighten (R)")) s.ask.straighten = true;
+    ImGui::Checkbox("Flat: the screen tilts, not the picture", &s.flat);
+    auto turn = static_cast<float>(s.view.turn_deg);
+    if (ImGui::SliderFloat("Turn", &turn, -180, 180, "%.0f deg")) s.view.turn_deg = turn;
+    float tilt[2] = {static_cast<float>(s.tilt.angle_deg.x), static_cast<float>(s.tilt.angle_deg.y)};
+    if (ImGui::SliderFloat2("Tilt", tilt, -static_cast<float>(Tilt::kMost_deg),
+                            static_cast<float>(Tilt::kMost_deg), "%.0f deg"))
+        s.tilt = Tilt{.angle_deg = {tilt[0], tilt[1]}};
+}
+
+void canvas(WindowState& s) {
+    if (ImGui::Button("Undo") && s.painter.can_undo) s.ask.undo = true;
+    tip("Ctrl+Z");
+    ImGui::SameLine();
+    if (ImGui::Button("Redo") && s.painter.can_redo) s.ask.redo = true;
+    tip("Ctrl+Y");
+    ImGui::SameLine();
+    if (ImGui::Button("Dry")) s.ask.dry = true;
+    tip("D: all wet paint becomes a dry layer");
+    ImGui::TextDisabled("%d strokes, %zu dried layers", s.painter.strokes, s.painter.layers.size());
+    for (const std::string& layer : s.painter.layers) {
+        ImGui::PushID(layer.c_str());
+        if (ImGui::SmallButton("Lift off")) s.ask.lift = layer;
+        tip("Takes this layer of dried paint away; can be undone");
+        ImGui::SameLine();
+        ImGui::TextUnformatted(layer.c_str());
+        ImGui::PopID();
+    }
+}
+
+void column(WindowState& s, float height) {
+    ImGui::SetNextWindowPos({0, 0});
+    ImGui::SetNextWindowSize({kWidth, height});
+    ImGui::Begin("column", nullptr,
+                 ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove |
+                     ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoSavedSettings);
+    const auto section = [](const char* name, bool open) {
+        return ImGui::CollapsingHeader(name, open ? ImGuiTreeNodeFlags_DefaultOpen : 0);
+    };
+    ImGui::PushItemWidth(-90);
+    if (section("File", true)) file(s);
+    if (section("Tools", true)) tools(s);
+    if (section("Light", true)) light(s);
+    if (section("Look", false)) look(s);
+    if (section("Paint", true)) brush(s);
+    if (section("Palette", true)) palette(s);
+    if (section("Canvas", true)) canvas(s);
+    ImGui::PopItemWidth();
+    ImGui::End();
+}
+
+void help(WindowState& s) {
+    if (!s.help) return;
+    ImGui::SetNextWindowPos({kWidth + 20, 20}, ImGuiCond_Appearing);
+    if (ImGui::Begin("Keys", &s.help, ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoSavedSettings)) {
+        for (const ToolName& tool : kTools) ImGui::Text("%c  %s: %s", tool.key, tool.name, tool.help);
+        ImGui::Separator();
+        ImGui::TextUnformatted(
+            "wheel             zoom to the cursor\n"
+            "right button      tilt, with any tool\n"
+            "middle button     move the painting, with any tool (or Space and drag)\n"
+            "arrows            light: azimuth and elevation\n"
+            "F, 1, R           fit; one pixel to one; straighten\n"
+            ", .               turn by 15 degrees\n"
+            "S                 shadows\n"
+            "O                 loupe\n"
+            "[ ]               smaller, larger brush\n"
+            "D                 dry the wet paint\n"
+            "Ctrl+Z, Ctrl+Y    undo, redo\n"
+            "Ctrl+S            save\n"
+            "F12               snapshot\n"
+            "Tab               hide the panels\n"
+            "Ctrl+Q            close");
+    }
+    ImGui::End();
+}
+
+}  // namespace tangi::panels

@@ -1,0 +1,117 @@
+// looking.cpp: the panels Light and Look.
+#include <fmt/format.h>
+#include <imgui.h>
+
+#include <cmath>
+
+#include "viewer/panels/panels.h"
+
+namespace tangi::panels {
+
+namespace {
+
+// The dome from above: drag the lamp.
+void dome(WindowState& s) {
+    constexpr float kRadius = 62;
+    const ImVec2 corner = ImGui::GetCursorScreenPos();
+    const ImVec2 centre(corner.x + kRadius + 2, corner.y + kRadius + 2);
+    ImGui::InvisibleButton("dome", {2 * kRadius + 4, 2 * kRadius + 4});
+    if (ImGui::IsItemActive()) {
+        const ImVec2 mouse = ImGui::GetIO().MousePos;
+        s.lamps[s.lamp].angles = light_at({(mouse.x - centre.x) / kRadius, (centre.y - mouse.y) / kRadius});
+        s.sweeping = false;
+    }
+    ImDrawList* draw = ImGui::GetWindowDrawList();
+    draw->AddCircleFilled(centre, kRadius, IM_COL32(40, 40, 44, 255), 64);
+    for (const double elevation : {0.0, 30.0, 60.0})
+        draw->AddCircle(centre, kRadius * static_cast<float>(std::cos(elevation * 3.14159265 / 180)),
+                        IM_COL32(90, 90, 96, 255), 64);
+    for (std::size_t i = 0; i < s.lamps.size(); ++i) {
+        const glm::dvec2 at = place_of(s.lamps[i].angles);
+        const ImVec2 spot(centre.x + kRadius * static_cast<float>(at.x),
+                          centre.y - kRadius * static_cast<float>(at.y));
+        const int shade = s.lamps[i].on ? 255 : 110;
+        draw->AddCircleFilled(spot, i == s.lamp ? 7.0f : 5.0f,
+                              IM_COL32(shade, shade * 220 / 255, shade / 2, 255));
+    }
+}
+
+void presets(Lamp& lamp) {
+    struct Preset {
+        const char* name;
+        double azimuth_deg, elevation_deg;
+    };
+    constexpr Preset kPresets[] = {{"Raking left 10", 180, 10}, {"Raking right 10", 0, 10},
+                                   {"Raking top 10", 90, 10},   {"Raking left 25", 180, 25},
+                                   {"Gallery 45", 90, 45},      {"Straight on", 90, 90}};
+    if (!ImGui::BeginCombo("Presets", "choose")) return;
+    for (const Preset& preset : kPresets)
+        if (ImGui::Selectable(
+                fmt::format("{} ({:.0f}, {:.0f} deg)", preset.name, preset.azimuth_deg, preset.elevation_deg)
+                    .c_str()))
+            lamp.angles = {preset.azimuth_deg, preset.elevation_deg};
+    ImGui::EndCombo();
+}
+
+}  // namespace
+
+void light(WindowState& s) {
+    dome(s);
+    ImGui::SameLine();
+    ImGui::BeginGroup();
+    for (std::size_t i = 0; i < s.lamps.size(); ++i)
+        if (ImGui::RadioButton(fmt::format("Lamp {}", i + 1).c_str(), s.lamp == i)) s.lamp = i;
+    if (s.lamps.size() < 4 && ImGui::SmallButton("Add a lamp")) {
+        s.lamps.push_back({.angles = {-45, 30}, .gain = 0.4f});
+        s.lamp = s.lamps.size() - 1;
+    }
+    if (s.lamps.size() > 1 && ImGui::SmallButton("Remove")) {
+        s.lamps.erase(s.lamps.begin() + static_cast<std::ptrdiff_t>(s.lamp));
+        s.lamp = std::min(s.lamp, s.lamps.size() - 1);
+    }
+    ImGui::Checkbox("Sweep", &s.sweeping);
+    ImGui::EndGroup();
+    Lamp& lamp = s.lamps[s.lamp];
+    auto azimuth = static_cast<float>(lamp.angles.azimuth_deg),
+         elevation = static_cast<float>(lamp.angles.elevation_deg);
+    if (ImGui::SliderFloat("Azimuth", &azimuth, -180, 180, "%.1f deg")) lamp.angles.azimuth_deg = azimuth;
+    if (ImGui::SliderFloat("Elevation", &elevation, 2, 90, "%.1f deg")) lamp.angles.elevation_deg = elevation;
+    presets(lamp);
+    ImGui::SliderFloat("Strength", &lamp.gain, 0, 4, "%.2f");
+    ImGui::Checkbox("On", &lamp.on);
+    ImGui::SameLine();
+    ImGui::Checkbox("Near", &lamp.near);
+    if (lamp.near) ImGui::SliderFloat("Distance", &lamp.distance, 0.2f, 5, "%.2f widths");
+    ImGui::SameLine();
+    ImGui::Checkbox("Shadows (S)", &s.shadows);
+    if (s.shadows) ImGui::SliderFloat("Softness", &s.light_radius_deg, 0, 15, "%.1f deg");
+    ImGui::SliderFloat("Ambient", &s.ambient, 0, 0.5f, "%.2f");
+}
+
+void look(WindowState& s) {
+    const auto name_of_mode = [&] {
+        for (const LookName& look : kLooks)
+            if (look.mode == s.mode) return look.name;
+        return "";
+    };
+    if (ImGui::BeginCombo("Show", name_of_mode())) {
+        for (const LookName& look : kLooks)
+            if (ImGui::Selectable(look.name, look.mode == s.mode)) s.mode = look.mode;
+        ImGui::EndCombo();
+    }
+    if (s.mode == LookMode::specular_enhancement || s.mode == LookMode::diffuse_gain ||
+        s.mode == LookMode::unsharp_normals)
+        ImGui::SliderFloat("Effect", &s.strength, 0, 1, "%.2f");
+    if (s.mode == LookMode::specular_enhancement)
+        ImGui::SliderFloat("Sharpness", &s.sharpness, 2, 200, "%.0f");
+    if (s.mode == LookMode::height) ImGui::DragFloatRange2("Heights", &s.lowest_mm, &s.highest_mm, 0.005f);
+    ImGui::SliderFloat("Exposure", &s.exposure_stops, -4, 4, "%.1f stops");
+    ImGui::SliderFloat("Shoulder", &s.shoulder, 0, 0.9f, "%.2f");
+    int model = static_cast<int>(s.model);
+    if (ImGui::Combo("Ward", &model, "1992\0Duer\0bounded\0")) s.model = static_cast<WardModel>(model);
+    ImGui::Checkbox("Probe", &s.probing);
+    ImGui::SameLine();
+    ImGui::Checkbox("Loupe (O)", &s.loupe);
+}
+
+}  // namespace tangi::panels

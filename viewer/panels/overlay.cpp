@@ -1,0 +1,93 @@
+// overlay.cpp: what lies over the painting: the brush's outline, the ruler, the probe, the status line.
+#include <fmt/format.h>
+#include <imgui.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "surface/colour.h"
+#include "viewer/panels/panels.h"
+
+namespace tangi::panels {
+
+namespace {
+
+ImVec2 in_window(const glm::dvec2& screen, float left) {
+    return {static_cast<float>(screen.x) + left, static_cast<float>(screen.y)};
+}
+
+void brush_outline(const WindowState& s, const Placement& placement, const glm::dvec2& cursor, float left) {
+    glm::dvec2 centre;
+    if (!placement.to_painting(cursor, centre)) return;
+    const double radius = s.brush.size_mm / 2 / s.stroke_mm_per_pixel;
+    std::vector<ImVec2> points;
+    for (int i = 0; i < 40; ++i) {
+        const double a = 2 * std::numbers::pi * i / 40;
+        points.push_back(in_window(
+            placement.to_screen(centre + radius * glm::dvec2(std::cos(a), s.brush.thickness * std::sin(a))),
+            left));
+    }
+    ImDrawList* draw = ImGui::GetBackgroundDrawList();
+    draw->AddPolyline(points.data(), 40, IM_COL32(0, 0, 0, 180), ImDrawFlags_Closed, 2.5f);
+    draw->AddPolyline(points.data(), 40, IM_COL32(255, 255, 255, 220), ImDrawFlags_Closed, 1);
+}
+
+void ruler(const WindowState& s, const Placement& placement, float left) {
+    if (!s.ruler) return;
+    const auto& [from, to] = *s.ruler;
+    const ImVec2 a = in_window(placement.to_screen(from), left), b = in_window(placement.to_screen(to), left);
+    ImDrawList* draw = ImGui::GetBackgroundDrawList();
+    draw->AddLine(a, b, IM_COL32(0, 0, 0, 200), 4);
+    draw->AddLine(a, b, IM_COL32(255, 230, 90, 255), 2);
+    const double pixels = glm::length(to - from);
+    const std::string text = s.scale_known ? fmt::format("{:.2f} mm", pixels * s.mm_per_pixel)
+                                           : fmt::format("{:.1f} px (scale unknown)", pixels);
+    draw->AddText({b.x + 8, b.y + 8}, IM_COL32(255, 230, 90, 255), text.c_str());
+}
+
+void probe(const WindowState& s) {
+    if (!s.probing || !s.probe) return;
+    const Probe& p = *s.probe;
+    const Material& m = p.material;
+    const Lab lab = lab_from_linear(glm::dvec3(m.diffuse));
+    std::string text = fmt::format(
+        "pixel {} {}\nrho d {:.3f} {:.3f} {:.3f}\nLab {:.1f} {:.1f} {:.1f}\nrho s {:.3f}  alpha "
+        "{:.3f}\nnormal {:.3f} {:.3f} "
+        "{:.3f}\nheight {:.3f} {}\nconfidence {:.2f}",
+        p.x, p.y, m.diffuse.r, m.diffuse.g, m.diffuse.b, lab.l, lab.a, lab.b, m.specular, m.roughness,
+        m.normal.x, m.normal.y, m.normal.z, m.height_mm, s.scale_known ? "mm" : "px", m.confidence);
+    if (p.paint_mm > 0) {
+        text += fmt::format("\nwet paint {:.3f} mm", p.paint_mm);
+        for (const auto& [name, part] : p.recipe)
+            if (part > 0.01) text += fmt::format("\n  {:.0f} % {}", 100 * part, name);
+    }
+    const ImVec2 size = ImGui::CalcTextSize(text.c_str()), window = ImGui::GetIO().DisplaySize;
+    const ImVec2 at(window.x - size.x - 16, 12);
+    ImDrawList* draw = ImGui::GetBackgroundDrawList();
+    draw->AddRectFilled({at.x - 8, at.y - 6}, {at.x + size.x + 8, at.y + size.y + 6}, IM_COL32(0, 0, 0, 170),
+                        4);
+    draw->AddText(at, IM_COL32(230, 230, 230, 255), text.c_str());
+}
+
+}  // namespace
+
+void overlay(WindowState& s, const Placement& placement, Extent screen, const glm::dvec2& cursor,
+             bool cursor_over) {
+    const float left = ImGui::GetIO().DisplaySize.x - static_cast<float>(screen.width);
+    if (cursor_over && s.tool == Tool::paint) brush_outline(s, placement, cursor, left);
+    ruler(s, placement, left);
+    probe(s);
+    const Lamp& lamp = s.lamps[s.lamp];
+    std::string status = fmt::format("{:.0f} %   tilt {:.0f} {:.0f}   light {:.0f} {:.0f} deg",
+                                     100 * s.view.zoom, s.tilt.angle_deg.x, s.tilt.angle_deg.y,
+                                     lamp.angles.azimuth_deg, lamp.angles.elevation_deg);
+    if (s.painter.saving) status += "   saving ...";
+    if (s.painter.waiting > 20) status += "   painting ...";
+    if (!s.message.empty()) status += "   " + s.message;
+    const float y = static_cast<float>(screen.height) - 22;
+    ImDrawList* draw = ImGui::GetBackgroundDrawList();
+    draw->AddRectFilled({left, y}, {left + static_cast<float>(screen.width), y + 22}, IM_COL32(0, 0, 0, 150));
+    draw->AddText({left + 8, y + 4}, IM_COL32(220, 220, 220, 255), status.c_str());
+}
+
+}  // namespace tangi::panels

@@ -1,0 +1,66 @@
+#include "viewer/sitting.h"
+
+#include <fmt/format.h>
+
+#include "surface/atomic_file.h"
+
+namespace tangi {
+
+namespace fs = std::filesystem;
+
+SittingFiles sitting_files(const fs::path& painting) {
+    const auto beside = [&](const char* ending) {
+        fs::path path = painting;
+        return path.replace_extension(ending);
+    };
+    return {painting, beside(".unsaved.jsonl"), beside(".strokes.jsonl")};
+}
+
+std::optional<Journal> left_over(const SittingFiles& files) {
+    if (!fs::exists(files.unsaved)) return {};
+    if (fs::exists(files.painting) &&
+        fs::last_write_time(files.unsaved) < fs::last_write_time(files.painting))
+        return {};
+    Journal journal = read_journal(files.unsaved);
+    if (journal.entries.empty()) return {};
+    return journal;
+}
+
+void SittingRecord::append(const Event& event) {
+    if (!writer_) writer_ = std::make_unique<JournalWriter>(files_.unsaved);
+    writer_->append(event);
+}
+
+void SittingRecord::sync() {
+    if (writer_) writer_->sync();
+}
+
+void SittingRecord::put_away() {
+    writer_.reset();
+    if (!fs::exists(files_.unsaved)) return;
+    if (!fs::exists(files_.record)) {
+        fs::rename(files_.unsaved, files_.record);
+        return;
+    }
+    std::string all = read_text_file(files_.record);
+    if (!all.empty() && all.back() != '\n') all += '\n';
+    const std::string more = read_text_file(files_.unsaved);
+    const auto first_line = more.find('\n');  // the format's name
+    if (first_line != std::string::npos) all += more.substr(first_line + 1);
+    write_text_file(files_.record, all);
+    fs::remove(files_.unsaved);
+}
+
+void SittingRecord::discard() {
+    writer_.reset();
+    if (!fs::exists(files_.unsaved)) return;
+    fs::path kept = files_.painting;
+    kept.replace_extension(".discarded.jsonl");
+    for (int i = 2; fs::exists(kept); ++i) {
+        kept = files_.painting;
+        kept.replace_extension(fmt::format(".discarded-{}.jsonl", i));
+    }
+    fs::rename(files_.unsaved, kept);
+}
+
+}  // namespace tangi

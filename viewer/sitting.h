@@ -1,0 +1,45 @@
+// sitting.h: the record of a sitting that was not saved yet, and what a crash left of one.
+//
+// Beside x.exr: x.unsaved.jsonl, the journal of what was done since the painting was saved; x.strokes.jsonl,
+// of all that was done before. Saving moves the one to the end of the other.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+
+#include "paint/journal.h"
+
+namespace tangi {
+
+struct SittingFiles {
+    std::filesystem::path painting, unsaved, record;
+};
+SittingFiles sitting_files(const std::filesystem::path& painting);
+
+// Strokes that were not saved: the journal is there, holds events and is not older than the painting (one
+// that is older was saved, but its program died before it could put it away).
+std::optional<Journal> left_over(const SittingFiles& files);
+
+class SittingRecord {
+public:
+    explicit SittingRecord(SittingFiles files) : files_(std::move(files)) {}
+
+    const SittingFiles& files() const { return files_; }
+    // Throws Error where it cannot be written; the event was not recorded then.
+    void append(const Event& event);
+    void sync();
+    bool empty() const { return !writer_; }
+    // After the painting was saved: to the end of the record.
+    void put_away();
+    // The user does not want it: kept under another name, x.discarded.jsonl.
+    void discard();
+    // The painting has another name from now on, and what was recorded so far has been saved there.
+    void go_on_with(const SittingFiles& files) { files_ = files; }
+
+private:
+    SittingFiles files_;
+    std::unique_ptr<JournalWriter> writer_;
+};
+
+}  // namespace tangi

@@ -1,0 +1,130 @@
+#include "viewer/view.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
+#include <numbers>
+
+namespace tangi {
+
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180;
+constexpr double kEyeHeights = 3;  // distance of the eye in heights of the screen
+constexpr double kMargin = 0.95;   // of the screen that a fitted painting takes
+constexpr double kLowest_deg = 2;
+
+// Right and up [pixels of the painting, turned] of a vector on the screen.
+glm::dvec2 unturned(const View& view, const glm::dvec2& screen) {
+    const double a = view.turn_deg * kDegree, x = screen.x, y = -screen.y;
+    return {(std::cos(a) * x + std::sin(a) * y) / view.zoom,
+            -(-std::sin(a) * x + std::cos(a) * y) / view.zoom};
+}
+
+}  // namespace
+
+View fitted(Extent painting, Extent screen, double turn_deg) {
+    const double a = turn_deg * kDegree, c = std::abs(std::cos(a)), s = std::abs(std::sin(a));
+    const double width = c * painting.width + s * painting.height,
+                 height = s * painting.width + c * painting.height;
+    View view{{(painting.width - 1) / 2.0, (painting.height - 1) / 2.0}, 1, turn_deg};
+    if (screen.width > 0 && screen.height > 0 && width > 0 && height > 0)
+        view.zoom = std::clamp(kMargin * std::min(screen.width / width, screen.height / height),
+                               View::kSmallest, View::kLargest);
+    return view;
+}
+
+View zoomed(View view, double factor, const glm::dvec2& cursor, Extent screen) {
+    const glm::dvec2 from_middle = cursor - 0.5 * glm::dvec2(screen.width, screen.height);
+    const glm::dvec2 under = view.centre_px + unturned(view, from_middle);
+    view.zoom = std::clamp(view.zoom * factor, View::kSmallest, View::kLargest);
+    view.centre_px = under - unturned(view, from_middle);
+    return view;
+}
+
+View panned(View view, const glm::dvec2& by) {
+    view.centre_px -= unturned(view, by);
+    return view;
+}
+
+View turned(View view, double by_deg) {
+    view.turn_deg = std::remainder(view.turn_deg + by_deg, 360.0);
+    return view;
+}
+
+Placement::Placement(const View& view, const Tilt& tilt, bool flat, Extent painting, Extent screen,
+                     double mm_per_pixel)
+    : screen_(screen), zoom_(view.zoom) {
+    const glm::dmat3 turn = rotation_z(view.turn_deg * kDegree), hand = tilt.rotation();
+    const glm::dmat3 seen = flat ? glm::dmat3(1) : hand;
+    const double distance = kEyeHeights * std::max(screen.height, 1);  // [pixels of the screen]
+    // Painting -> plane through the middle of the screen, in its pixels, y up. Columns.
+    const double z = view.zoom;
+    const glm::dmat3 plane =
+        turn * glm::dmat3({z, 0, 0}, {0, -z, 0}, {-z * view.centre_px.x, z * view.centre_px.y, 1});
+    const glm::dmat3 projected({distance * seen[0].x, distance * seen[0].y, -seen[0].z},
+                               {distance * seen[1].x, distance * seen[1].y, -seen[1].z}, {0, 0, distance});
+    const glm::dmat3 screened({1, 0, 0}, {0, -1, 0}, {screen.width / 2.0, screen.height / 2.0, 1});
+    screen_from_painting_ = screened * projected * plane;
+    painting_from_screen_ = glm::inverse(screen_from_painting_);
+    orientation_ = glm::transpose(hand * turn);
+    const glm::dvec3 eye = glm::transpose(seen * turn) * glm::dvec3(0, 0, distance / z * mm_per_pixel);
+    const glm::dvec2 middle((painting.width - 1) / 2.0, (painting.height - 1) / 2.0);
+    const glm::dvec2 centre = (view.centre_px - middle) * mm_per_pixel;
+    eye_ = {eye.x + centre.x, eye.y - centre.y, eye.z, 1};
+}
+
+bool Placement::to_painting(const glm::dvec2& screen, glm::dvec2& painting) const {
+    const glm::dvec3 q = painting_from_screen_ * glm::dvec3(screen, 1);
+    if (!(q.z > 0)) return false;
+    painting = glm::dvec2(q) / q.z;
+    return true;
+}
+
+glm::dvec2 Placement::to_screen(const glm::dvec2& painting) const {
+    const glm::dvec3 q = screen_from_painting_ * glm::dvec3(painting, 1);
+    return glm::dvec2(q) / q.z;
+}
+
+Vec3 Placement::in_surface(const Vec3& direction) const { return Vec3(orientation_ * glm::dvec3(direction)); }
+
+Shot Placement::shot(double scale, bool smooth) const {
+    Shot shot;
+    shot.width = std::max(1, static_cast<int>(std::lround(screen_.width * scale)));
+    shot.height = std::max(1, static_cast<int>(std::lround(screen_.height * scale)));
+    const double x = static_cast<double>(screen_.width) / shot.width,
+                 y = static_cast<double>(screen_.height) / shot.height;
+    const glm::dmat3 screen_from_shot({x, 0, 0}, {0, -y, 0}, {0, static_cast<double>(screen_.height), 1});
+    glm::dmat3 to_painting = painting_from_screen_ * screen_from_shot;
+    // Pixels of the screen have their centres at halves, as those of the shot.
+    to_painting /= to_painting[2].z == 0 ? 1.0 : std::abs(to_painting[2].z);
+    shot.to_painting = glm::mat3(to_painting);
+    shot.eye = glm::vec4(eye_);
+    shot.level = std::max(0, static_cast<int>(std::lround(std::log2(std::max(1.0, x / zoom_)))));
+    shot.smooth = smooth;
+    return shot;
+}
+
+Vec3 direction_of(double azimuth_deg, double elevation_deg) {
+    const double a = azimuth_deg * kDegree, e = elevation_deg * kDegree;
+    return Vec3(glm::dvec3(std::cos(a) * std::cos(e), std::sin(a) * std::cos(e), std::sin(e)));
+}
+
+Angles angles_of(const Vec3& d) {
+    const double across = std::hypot(d.x, d.y);
+    return {across > 0 ? std::atan2(d.y, d.x) / kDegree : 0, std::atan2(d.z, across) / kDegree};
+}
+
+Angles light_at(const glm::dvec2& place) {
+    const double radius = std::min(glm::length(place), 1.0);
+    const double azimuth = radius > 0 ? std::atan2(place.y, place.x) / kDegree : 0;
+    return {azimuth, std::max(std::acos(radius) / kDegree, kLowest_deg)};
+}
+
+glm::dvec2 place_of(const Angles& light) {
+    const Vec3 d = direction_of(light.azimuth_deg, light.elevation_deg);
+    return {d.x, d.y};
+}
+
+}  // namespace tangi

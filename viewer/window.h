@@ -1,0 +1,40 @@
+// window.h: the window: hold a painting, tilt it, light it, paint on it.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <glm/vec2.hpp>
+#include <map>
+#include <string>
+
+#include "paint/brush_settings.h"
+#include "paint/canvas.h"
+#include "paint/palette.h"
+#include "surface/progress.h"
+
+namespace tangi {
+
+struct WindowSetup {
+    Canvas canvas;
+    Palette palette;
+    std::map<std::string, BrushSettings> brushes;
+    std::filesystem::path file{};  // what is opened, or where a new canvas is to be saved
+    bool file_is_new = false;
+    int width = 1280, height = 800;       // [pixels] of the window
+    std::function<bool()> stop_wanted{};  // asked between frames: Ctrl-C, a kill
+};
+
+struct WindowResult {
+    int strokes = 0, saves = 0;
+    bool unsaved = false;  // strokes are in the journal and not in the painting
+    long frames = 0;
+    glm::dvec2 tilt_deg{0};
+    double light_azimuth_deg = 0, light_elevation_deg = 0;
+    std::size_t uploaded_bytes = 0;  // after the painting itself
+    std::string drawn_by;
+};
+
+// Shows the window until it is closed. Throws Error where there is no display or no OpenGL 3.3.
+WindowResult run_window(WindowSetup setup, const Progress& progress = {});
+
+}  // namespace tangi

@@ -1,0 +1,102 @@
+#include "viewer/window_state.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "paint/kubelka_munk.h"
+
+namespace tangi {
+
+namespace {
+
+constexpr float kThick_mm = 1;
+
+Rgb thick_film(const std::vector<Pigment>& paints, const std::vector<float>& parts) {
+    float sum = 0;
+    for (const float part : parts) sum += part;
+    std::vector<float> volumes;
+    for (const float part : parts) volumes.push_back(kThick_mm * part / sum);
+    std::vector<std::span<const float>> planes;
+    for (const float& volume : volumes) planes.emplace_back(&volume, 1);
+    const Rgb below(0.5f);
+    Rgb colour;
+    FilmBatch(paints).look(planes, std::span<const Rgb>(&below, 1), std::span<Rgb>(&colour, 1));
+    return glm::clamp(colour, 0.0f, 1.0f);
+}
+
+}  // namespace
+
+WindowState::WindowState() : palette(artist_acrylics()), brushes(brush_presets()) {
+    use_brush("flat");
+    for (const Pigment& paint : palette.paints)
+        paint_colours.push_back(Transfer{Transfer::Kind::srgb}.encode(thick_film({paint}, {1})));
+    if (!palette.paints.empty()) mix[palette.paints.front().name] = 1;
+}
+
+void WindowState::use_brush(const std::string& name) {
+    const auto found = brushes.find(name);
+    if (found == brushes.end()) return;
+    // The size stays the hand's choice where it was made.
+    brush_name = name;
+    brush = found->second;
+}
+
+Rgb WindowState::mixed_colour() const {
+    std::vector<Pigment> paints;
+    std::vector<float> parts;
+    for (const auto& [name, part] : mix)
+        if (part > 0) {
+            paints.push_back(palette.at(name));
+            parts.push_back(part);
+        }
+    return paints.empty() ? Rgb(0) : thick_film(paints, parts);
+}
+
+StrokeEvent WindowState::stroke(std::uint64_t seed) const {
+    StrokeEvent event;
+    event.brush = brush;
+    if (brush.load_mm > 0)
+        for (const auto& [name, part] : mix)
+            if (part > 0) event.paint.emplace_back(name, part);
+    event.start = dirty_brush ? BrushStart::dirty : BrushStart::clean;
+    event.options.stabiliser_mm = stabiliser_mm;
+    event.seed = seed;
+    return event;
+}
+
+void WindowState::take_up(const Probe& picked) {
+    std::map<std::string, float> found;
+    for (const auto& [name, part] : picked.recipe)
+        if (palette.find(name) >= 0 && part > 0.005) found[name] = static_cast<float>(part);
+    if (!found.empty()) mix = std::move(found);
+}
+
+Scene scene_of(const WindowState& state, const Placement& placement) {
+    Scene scene;
+    for (const Lamp& lamp : state.lamps) {
+        if (!lamp.on || scene.lights.size() == kMostLights) continue;
+        const Vec3 direction =
+            placement.in_surface(direction_of(lamp.angles.azimuth_deg, lamp.angles.elevation_deg));
+        Light light = distant_light(direction);
+        if (lamp.near)
+            light = near_light(direction *
+                               static_cast<float>(lamp.distance * state.painting.width * state.mm_per_pixel));
+        light.gain = Rgb(lamp.gain);
+        scene.lights.push_back(light);
+    }
+    scene.model = state.model;
+    scene.shadows = state.shadows ? Shadows::horizon : Shadows::none;
+    scene.light_radius_deg = state.light_radius_deg;
+    scene.ambient = state.ambient;
+    scene.exposure = glm::mat3(std::exp2(state.exposure_stops));
+    scene.shoulder = state.shoulder;
+    scene.mode = state.mode;
+    scene.strength =
+        state.mode == LookMode::specular_enhancement ? std::min(state.strength, 1.0f) : 3 * state.strength;
+    scene.sharpness = state.mode == LookMode::unsharp_normals ? 3 : state.sharpness;
+    scene.lowest_mm = state.lowest_mm;
+    scene.highest_mm = state.highest_mm;
+    return scene;
+}
+
+}  // namespace tangi
