@@ -323,8 +323,10 @@ TEST(FitPainting, MirroredPhotographsGiveMirroredMaps) {
     const SmallStack small;
     const TestDir folder;
     write_mirrored(small.open(), folder);
-    const Surface expected = fit_painting(small.open()).surface;
-    const Surface actual = fit_painting(open_stack(folder.path(), {.transfer = Transfer{}})).surface;
+    // One pass: the second one's shadows follow the height, which is solved to 1e-3 only.
+    const FitOptions once{.refine = false};
+    const Surface expected = fit_painting(small.open(), once).surface;
+    const Surface actual = fit_painting(open_stack(folder.path(), {.transfer = Transfer{}}), once).surface;
     // The per-pixel fit takes mirrored steps: rounding only (see fit_ward_fit_test.cpp). The height's solver
     // stops at a residual of 1e-5 of relief of some pixels.
     for (int y = 0; y < kHeight; ++y)
