@@ -1,7 +1,7 @@
 // painting.frag.glsl: what a painting looks like under its lights, or one of its maps. Values as relight() in
 // surface/relight.h:
 //   value = ambient rho_d + sum over lights of irradiance *
-//           (visibility (rho_d + pi rho_s lobe) max(0, n.l) + rig_ambient rho_d)
+//           (visibility (rho_d D + pi rho_s lobe max(0, n.l)) + rig_ambient rho_d),   D: surface/diffuse.h
 // MODE: as LookMode in viewer/look.h. OUTPUT: 0 linear, 1 sRGB.
 
 uniform mat3 u_to_painting;   // gl_FragCoord.xy, 1 -> pixel of the painting times its third component
@@ -44,8 +44,8 @@ vec3 lit(Material m, vec2 at) {
         float n_l = dot(m.normal, in_light.direction);
         vec3 reflected = vec3(0.0);
         if (n_l > 0.0) {
-            float lobe = pi_ward_lobe(m.normal, in_light.direction, v, n_l, m.roughness);
-            vec3 diffuse = m.diffuse;
+            float lobe = pi_hazy_lobe(m.normal, in_light.direction, v, n_l, m.roughness);
+            vec3 diffuse = m.diffuse * (matt_reflection(m.normal, in_light.direction, v, n_l) / n_l);
             float gloss = m.specular * lobe;
 #if MODE == 1  // specular enhancement: Malzbender et al. 2001: matt colour down, an even sharp gloss everywhere
             vec3 h = normalize(in_light.direction + v);

@@ -42,6 +42,22 @@ TEST_F(RendererTest, EqualsTheReferenceWithTheRigOfThePhotographs) {
     EXPECT_LT(part_within(gl, relight(s, some_lights(), {}), 1), 0.5) << "the rig matters here";
 }
 
+TEST_F(RendererTest, EqualsTheReferenceUnderARoughAndHazyLaw) {
+    Surface s = painted_surface(140, 90);
+    s.law = {.diffuse_roughness = 0.6, .haze = 0.3};
+    for (const WardModel model : {WardModel::ward1992, WardModel::bounded}) {
+        const auto gl = by_gl(s, some_lights(), {.model = model});
+        EXPECT_GE(part_within(gl, relight(s, some_lights(), {.model = model}), 1), 0.999) << name_of(model);
+        for (const ReflectanceLaw& other :
+             {ReflectanceLaw{.haze = 0.3}, ReflectanceLaw{.diffuse_roughness = 0.6}}) {
+            Surface differs = s;
+            differs.law = other;
+            EXPECT_LT(part_within(gl, relight(differs, some_lights(), {.model = model}), 1), 0.95)
+                << "both numbers matter here";
+        }
+    }
+}
+
 TEST_F(RendererTest, EqualsTheReferenceWithCastShadows) {
     const Surface s = painted_surface(130, 100);
     RelightOptions options{.cast_shadows = true, .light_radius_deg = 2};

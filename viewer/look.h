@@ -47,6 +47,7 @@ enum class Shadows {
 
 struct Scene {
     std::vector<Light> lights{};  // in the surface's frame; at most 8
+    ReflectanceLaw law{};         // of the painting
     Rig rig{};                    // its ambient light and bend; its camera is not used
     WardModel model = WardModel::bounded;
     Shadows shadows = Shadows::none;

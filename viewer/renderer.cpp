@@ -33,6 +33,7 @@ public:
     void set(const char* name, int v) const { glUniform1i(at(name), v); }
     void set(const char* name, float v) const { glUniform1f(at(name), v); }
     void set(const char* name, int x, int y) const { glUniform2i(at(name), x, y); }
+    void set(const char* name, const glm::vec2& v) const { glUniform2fv(at(name), 1, glm::value_ptr(v)); }
     void set(const char* name, const glm::vec3& v) const { glUniform3fv(at(name), 1, glm::value_ptr(v)); }
     void set(const char* name, const glm::vec4& v) const { glUniform4fv(at(name), 1, glm::value_ptr(v)); }
     void set(const char* name, const glm::mat3& m) const {
@@ -148,11 +149,12 @@ const gl::Program& Renderer::program_for(const Scene& scene, const Shot& shot, b
     Shadows shadows = scene.shadows;
     if (width_ < 2 || height_ < 2 || (shadows == Shadows::horizon && !horizon_)) shadows = Shadows::none;
     const std::string definitions = fmt::format(
-        "#define WARD_MODEL {}\n#define FILTER {}\n#define LIGHTS {}\n#define BENDS {}\n#define SHADOWS {}\n"
+        "#define WARD_MODEL {}\n#define LAW {}\n#define FILTER {}\n#define LIGHTS {}\n#define BENDS "
+        "{}\n#define SHADOWS {}\n"
         "#define MODE {}\n#define OUTPUT {}\n",
-        static_cast<int>(scene.model), shot.smooth ? 1 : 0, std::max<std::size_t>(scene.lights.size(), 1),
-        scene.rig.bend_per_mm != 0 ? 1 : 0, static_cast<int>(shadows), static_cast<int>(scene.mode),
-        linear ? 0 : 1);
+        static_cast<int>(scene.model), scene.law == ReflectanceLaw{} ? 0 : 1, shot.smooth ? 1 : 0,
+        std::max<std::size_t>(scene.lights.size(), 1), scene.rig.bend_per_mm != 0 ? 1 : 0,
+        static_cast<int>(shadows), static_cast<int>(scene.mode), linear ? 0 : 1);
     auto& program = programs_[definitions];
     if (!program)
         program = gl::make_program(fmt::format("{}{}", kDesktop, kPaintingVertexShader),
@@ -198,6 +200,7 @@ void Renderer::draw(const Scene& scene, const Shot& shot, GLuint target, bool li
     u.set("u_mm_per_pixel", static_cast<float>(mm_per_pixel_));
     u.set("u_light", lights);
     u.set("u_gain", gains);
+    u.set("u_law", glm::vec2(scene.law.diffuse_roughness, scene.law.haze));
     u.set("u_bend", scene.rig.bend_per_mm);
     u.set("u_light_radius", static_cast<float>(scene.light_radius_deg * std::numbers::pi / 180));
     u.set("u_highest", range_.height_max_mm);
@@ -234,7 +237,7 @@ Image<Rgb> relight_with(Renderer& renderer, const Surface& surface, const std::v
     if (lights.size() > kMostLights)
         fail("{} lights at once are more than the {} that the graphics shader takes", lights.size(),
              kMostLights);
-    Scene scene{.lights = lights, .rig = surface.photography.rig, .model = options.model};
+    Scene scene{.lights = lights, .law = surface.law, .rig = surface.photography.rig, .model = options.model};
     scene.shadows = options.cast_shadows ? Shadows::marched : Shadows::none;
     scene.light_radius_deg = options.light_radius_deg;
     scene.ambient = options.ambient;

@@ -13,7 +13,9 @@
 
 #include "surface/error.h"
 #include "surface/picture_file.h"
+#include "viewer/desktop.h"
 #include "viewer/hand.h"
+#include "viewer/live_picture.h"
 #include "viewer/panels/panels.h"
 
 namespace tangi {
@@ -25,118 +27,6 @@ constexpr double kSweep_deg_per_s = 40;
 constexpr double kHorizonPause_s = 0.4;  // after the last change, before shadows are made again
 constexpr double kFrame_s = 1 / 60.0;
 constexpr std::size_t kUploadBytes = std::size_t(8) << 20;  // in one frame
-
-std::string glfw_reason() {
-    const char* text = nullptr;
-    glfwGetError(&text);
-    return text ? text : "unknown reason";
-}
-
-class Glfw {
-public:
-    Glfw() {
-        if (!glfwInit())
-            fail(
-                "no window can be opened: {}; a display is needed (DISPLAY or WAYLAND_DISPLAY); without one, "
-                "use "
-                "`relight`",
-                glfw_reason());
-    }
-    ~Glfw() { glfwTerminate(); }
-    Glfw(const Glfw&) = delete;
-    Glfw& operator=(const Glfw&) = delete;
-};
-
-class Window {
-public:
-    explicit Window(WindowSetup& setup) {
-        glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
-        glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 3);
-        glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
-        glfwWindowHint(GLFW_OPENGL_FORWARD_COMPAT, GLFW_TRUE);
-        const std::string title = fmt::format("{} - TangiPaint", setup.file.filename().string());
-        handle_ = glfwCreateWindow(setup.width, setup.height, title.c_str(), nullptr, nullptr);
-        if (!handle_)
-            fail(
-                "no window with OpenGL 3.3 can be opened: {}; a graphics driver is needed (Debian: "
-                "libgl1-mesa-dri "
-                "draws without a graphics card); `relight` works without one",
-                glfw_reason());
-        glfwMakeContextCurrent(handle_);
-        glfwSwapInterval(1);
-    }
-    ~Window() { glfwDestroyWindow(handle_); }
-    Window(const Window&) = delete;
-    Window& operator=(const Window&) = delete;
-    GLFWwindow* handle() const { return handle_; }
-
-private:
-    GLFWwindow* handle_ = nullptr;
-};
-
-class Panels {
-public:
-    explicit Panels(GLFWwindow* window) {
-        ImGui::CreateContext();
-        ImGui::GetIO().IniFilename = nullptr;
-        ImGui::StyleColorsDark();
-        ImGui_ImplGlfw_InitForOpenGL(window, true);
-        ImGui_ImplOpenGL3_Init("#version 330 core");
-    }
-    ~Panels() {
-        ImGui_ImplOpenGL3_Shutdown();
-        ImGui_ImplGlfw_Shutdown();
-        ImGui::DestroyContext();
-    }
-    Panels(const Panels&) = delete;
-    Panels& operator=(const Panels&) = delete;
-};
-
-// The picture of the canvas area: drawn again only where something in it has changed, coarser while it moves
-// on a slow machine.
-class Picture {
-public:
-    // True where it was drawn, so that one knows whether it is as fine as it can be.
-    void draw(Renderer& renderer, const Scene& scene, const Placement& placement, Extent screen,
-              bool moving) {
-        const double scale = moving ? scale_ : 1.0;
-        const Shot shot = placement.shot(scale, !moving);
-        if (target_.width() != shot.width || target_.height() != shot.height)
-            target_ = gl::Target(shot.width, shot.height, false);
-        const double start = glfwGetTime();
-        renderer.draw(scene, shot, target_.framebuffer());
-        glFinish();
-        const double seconds = glfwGetTime() - start;
-        if (moving && warm_) adapt(seconds);
-        warm_ = moving;  // the first frame compiles, or comes after a pause
-        fine_ = !moving;
-        screen_ = screen;
-    }
-    bool fine() const { return fine_; }
-
-    void show(int left, int window_height) const {
-        glBindFramebuffer(GL_READ_FRAMEBUFFER, target_.framebuffer());
-        glBindFramebuffer(GL_DRAW_FRAMEBUFFER, 0);
-        glBlitFramebuffer(0, 0, target_.width(), target_.height(), left, window_height - screen_.height,
-                          left + screen_.width, window_height, GL_COLOR_BUFFER_BIT,
-                          target_.width() == screen_.width ? GL_NEAREST : GL_LINEAR);
-        glBindFramebuffer(GL_FRAMEBUFFER, 0);
-    }
-    const gl::Target& target() const { return target_; }
-
-private:
-    void adapt(double seconds) {
-        if (seconds > 0.9 * kFrame_s)
-            scale_ = std::max(scale_ * std::clamp(std::sqrt(0.7 * kFrame_s / seconds), 0.6, 0.97), 0.25);
-        else if (seconds < 0.4 * kFrame_s)
-            scale_ = std::min(scale_ * 1.05, 1.0);
-    }
-
-    gl::Target target_;
-    Extent screen_;
-    double scale_ = 1;
-    bool fine_ = false, warm_ = false;
-};
 
 class App {
 public:
@@ -162,14 +52,14 @@ private:
 
     std::function<bool()> stop_wanted_;
     Glfw glfw_;
-    Window window_;
+    DesktopWindow window_;
     Input input_;
-    Panels panels_;
+    PanelContext panels_;
     Renderer renderer_;
     Painter painter_;
     WindowState state_;
     Hand hand_;
-    Picture picture_;
+    LivePicture picture_;
     gl::Target loupe_;
     std::optional<Journal> left_over_;
     std::deque<TexelPatch> patches_;
@@ -184,7 +74,7 @@ private:
 
 App::App(WindowSetup setup, const Progress& progress)
     : stop_wanted_(std::move(setup.stop_wanted)),
-      window_(setup),
+      window_(fmt::format("{} - TangiPaint", setup.file.filename().string()), setup.width, setup.height),
       input_(window_.handle()),
       panels_(window_.handle()),
       painter_(
@@ -197,6 +87,7 @@ App::App(WindowSetup setup, const Progress& progress)
     state_.mm_per_pixel = surface.mm_per_pixel;
     state_.stroke_mm_per_pixel = painter_.mm_per_pixel();
     state_.scale_known = surface.scale_known;
+    state_.law = surface.law;
     state_.palette = setup.palette;
     if (!setup.brushes.empty()) state_.brushes = setup.brushes;
     const auto [low, high] =

@@ -84,6 +84,7 @@ Scene scene_of(const WindowState& state, const Placement& placement) {
         light.gain = Rgb(lamp.gain);
         scene.lights.push_back(light);
     }
+    scene.law = state.law;
     scene.model = state.model;
     scene.shadows = state.shadows ? Shadows::horizon : Shadows::none;
     scene.light_radius_deg = state.light_radius_deg;

@@ -50,6 +50,7 @@ struct WindowState {
     double mm_per_pixel = 1;         // of its heights
     double stroke_mm_per_pixel = 1;  // of strokes and brushes: where no scale is known, one can be given
     bool scale_known = false;
+    ReflectanceLaw law{};
     float lowest_mm = 0, highest_mm = 1;
 
     // Looking.

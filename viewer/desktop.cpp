@@ -1,0 +1,65 @@
+#include "viewer/desktop.h"
+
+// GLFW must not bring another loader's headers.
+#define GLFW_INCLUDE_NONE
+#include <GLFW/glfw3.h>
+#include <backends/imgui_impl_glfw.h>
+#include <backends/imgui_impl_opengl3.h>
+#include <imgui.h>
+
+#include "surface/error.h"
+
+namespace tangi {
+
+namespace {
+
+std::string glfw_reason() {
+    const char* text = nullptr;
+    glfwGetError(&text);
+    return text ? text : "unknown reason";
+}
+
+}  // namespace
+
+Glfw::Glfw() {
+    if (!glfwInit())
+        fail(
+            "no window can be opened: {}; a display is needed (DISPLAY or WAYLAND_DISPLAY); without one, use "
+            "`relight`",
+            glfw_reason());
+}
+
+Glfw::~Glfw() { glfwTerminate(); }
+
+DesktopWindow::DesktopWindow(const std::string& title, int width, int height) {
+    glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
+    glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 3);
+    glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
+    glfwWindowHint(GLFW_OPENGL_FORWARD_COMPAT, GLFW_TRUE);
+    handle_ = glfwCreateWindow(width, height, title.c_str(), nullptr, nullptr);
+    if (!handle_)
+        fail(
+            "no window with OpenGL 3.3 can be opened: {}; a graphics driver is needed (Debian: "
+            "libgl1-mesa-dri draws without a graphics card); `relight` works without one",
+            glfw_reason());
+    glfwMakeContextCurrent(handle_);
+    glfwSwapInterval(1);
+}
+
+DesktopWindow::~DesktopWindow() { glfwDestroyWindow(handle_); }
+
+PanelContext::PanelContext(GLFWwindow* window) {
+    ImGui::CreateContext();
+    ImGui::GetIO().IniFilename = nullptr;
+    ImGui::StyleColorsDark();
+    ImGui_ImplGlfw_InitForOpenGL(window, true);
+    ImGui_ImplOpenGL3_Init("#version 330 core");
+}
+
+PanelContext::~PanelContext() {
+    ImGui_ImplOpenGL3_Shutdown();
+    ImGui_ImplGlfw_Shutdown();
+    ImGui::DestroyContext();
+}
+
+}  // namespace tangi

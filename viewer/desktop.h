@@ -1,0 +1,42 @@
+// desktop.h: GLFW, a window with OpenGL 3.3 and Dear ImGui in it, as long as the objects live.
+#pragma once
+
+#include <string>
+
+struct GLFWwindow;
+
+namespace tangi {
+
+// Throws Error where there is no display.
+class Glfw {
+public:
+    Glfw();
+    ~Glfw();
+    Glfw(const Glfw&) = delete;
+    Glfw& operator=(const Glfw&) = delete;
+};
+
+// Its context is current. Throws Error where there is no OpenGL 3.3.
+class DesktopWindow {
+public:
+    DesktopWindow(const std::string& title, int width, int height);
+    ~DesktopWindow();
+    DesktopWindow(const DesktopWindow&) = delete;
+    DesktopWindow& operator=(const DesktopWindow&) = delete;
+
+    GLFWwindow* handle() const { return handle_; }
+
+private:
+    GLFWwindow* handle_ = nullptr;
+};
+
+// Panels take the window's events that its own callbacks, set before, pass on.
+class PanelContext {
+public:
+    explicit PanelContext(GLFWwindow* window);
+    ~PanelContext();
+    PanelContext(const PanelContext&) = delete;
+    PanelContext& operator=(const PanelContext&) = delete;
+};
+
+}  // namespace tangi
