@@ -26,7 +26,9 @@ constexpr double kSureTurns = 3;
 // what the model leaves out, and lamps that no photograph had don't share them (real/canvas lost 3.7 dB at
 // 0.1).
 constexpr double kOwnWorth_db = 1.5;
-constexpr double kGainsWorth_db = 0.75;  // [dB] likewise by strengths of their own: one unknown a lamp
+// [dB] Likewise by strengths of their own: one unknown a lamp. They are looked at last, since lamps of wrong
+// direction seem to be of wrong strength.
+constexpr double kGainsWorth_db = 0.75;
 // Fewer photographs don't tell a lamp's direction from what the model leaves out: of 16 lamps whose
 // directions were right, some were "corrected" by 5 degrees.
 constexpr std::size_t kFewestForDirections = 24;
@@ -194,18 +196,20 @@ Gain gain(const std::vector<double>& a, const std::vector<double>& b) {
     return {middle, 1.2533 * 1.4826 * median(std::move(gained)) / std::sqrt(count)};
 }
 
-// Whether `a` explains photographs better than `b` for sure: predicts those left out better; or, where each
-// lamp has a strength or a direction of its own, which those left out don't share in, explains them better
-// once they are given theirs, and predicts them no worse.
+// Whether `a`, which gives each lamp something of its own that those left out don't share in, explains
+// photographs better than `b` once their lamps are located, and predicts them no worse.
+bool explains_better(const LightCalibration::Trial& a, const LightCalibration::Trial& b, double explained_db,
+                     double worth_db) {
+    const Gain predicted = gain(a.photos_db, b.photos_db), located = gain(a.located_db, b.located_db);
+    return located.median_db - located.sigma_db > explained_db &&
+           predicted.median_db > -std::min(predicted.sigma_db, worth_db);
+}
+
+// Whether `a` predicts photographs better than `b` for sure; directions of their own need only explain them.
 bool is_better(const LightCalibration::Trial& a, const LightCalibration::Trial& b, double worth_db) {
     const Gain predicted = gain(a.photos_db, b.photos_db);
     if (predicted.median_db - predicted.sigma_db > worth_db) return true;
-    const bool directions = a.model.directions == DirectionFreedom::own;
-    const bool gains = a.model.lamps == LightFreedom::rig_and_gains && b.model.lamps != a.model.lamps;
-    if (!directions && !gains) return false;
-    const Gain located = gain(a.located_db, b.located_db);
-    return located.median_db - located.sigma_db > (directions ? kOwnWorth_db : kGainsWorth_db) &&
-           predicted.median_db > -std::min(predicted.sigma_db, worth_db);
+    return a.model.directions == DirectionFreedom::own && explains_better(a, b, kOwnWorth_db, worth_db);
 }
 
 // Root mean square over the lamps of how far they turned, in standard errors.
@@ -311,7 +315,7 @@ LightCalibration calibrate_lights(const Stack& stack, const Survey& survey, cons
     const LightSample sample(stack, survey, transfer, noise, mm_per_pixel, ward, options.samples);
     std::mutex mutex;
     int done = 0;
-    constexpr int kSteps = 5 * (1 + kFolds);
+    constexpr int kSteps = 6 * (1 + kFolds);  // at most
     const auto step_done = [&] {
         const std::lock_guard lock(mutex);
         report(progress, "lights", ++done / static_cast<double>(kSteps));
@@ -339,9 +343,20 @@ LightCalibration calibrate_lights(const Stack& stack, const Survey& survey, cons
         add_errors(*one.solution, c);
         return c;
     };
+    if (all[best].trial.model.directions == DirectionFreedom::smooth &&
+        turns_in_sigmas(calibrated(all[best])) < kSureTurns)
+        best = listed;
+    if (all[best].trial.model.lamps != LightFreedom::rig_and_gains) {
+        const LightModel wanted{LightFreedom::rig_and_gains, all[best].trial.model.directions};
+        const auto is_wanted = [&](const Tried& one) { return one.trial.model == wanted; };
+        const std::size_t before = best;
+        if (std::none_of(all.begin(), all.end(), is_wanted)) attempt({wanted});
+        const auto found = std::find_if(all.begin(), all.end(), is_wanted);
+        if (best == before && found != all.end() &&
+            explains_better(found->trial, all[best].trial, kGainsWorth_db, options.worth_db))
+            best = static_cast<std::size_t>(found - all.begin());
+    }
     LightCalibration result = calibrated(all[best]);
-    if (result.model.directions == DirectionFreedom::smooth && turns_in_sigmas(result) < kSureTurns)
-        result = calibrated(all[listed]);
     for (Tried& one : all) result.trials.push_back(std::move(one.trial));
     return result;
 }

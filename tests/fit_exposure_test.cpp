@@ -51,21 +51,29 @@ void write_scaled(const fs::path& folder, const Stack& stack, float scale) {
     write_lights(folder / "lights.lp", lights);
 }
 
-TEST(FitExposure, OfFloatsDoesNotDependOnTheExposure) {
+// [1] Mean distance of the normals that are fitted to the same photographs at two exposures.
+double difference_of_exposures(FitOptions options) {
     const SmallStack small;
     std::vector<Surface> surfaces;
     for (const float scale : {1.0f, 0.01f}) {
         const TestDir folder;
         write_scaled(folder.path(), small.open(), scale);
-        const FitOptions options{.white_level = 0.75 * scale, .lights_as_given = true};
+        options.white_level = 0.75 * scale;
         surfaces.push_back(fit_painting(open_stack(folder.path()), options).surface);
     }
+    EXPECT_GE(surfaces[1].confidence.pixels()[100], 0.9);
     double mean = 0;
     for (std::size_t i = 0; i < surfaces[0].normal.size(); ++i)
         mean += glm::length(surfaces[0].normal.pixels()[i] - surfaces[1].normal.pixels()[i]) /
                 static_cast<double>(surfaces[0].normal.size());
-    EXPECT_LE(mean, 0.003);
-    EXPECT_GE(surfaces[1].confidence.pixels()[100], 0.9);
+    return mean;
+}
+
+TEST(FitExposure, OfFloatsDoesNotDependOnTheExposure) {
+    EXPECT_LE(difference_of_exposures({.lights_as_given = true, .refine = false}), 0.003);
+    EXPECT_LE(difference_of_exposures({.lights_as_given = true, .solver = Solver::ceres}), 0.003);
+    // What differs by rounding in the first pass is magnified by the thresholds of the second.
+    EXPECT_LE(difference_of_exposures({.lights_as_given = true}), 0.005);
 }
 
 TEST(FitExposure, SaysThatTheWhiteLevelIsTooLow) {
