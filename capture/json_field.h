@@ -22,7 +22,7 @@ public:
     bool has(const char* key) const {
         return value_.is_object() && value_.contains(key) && !value_.at(key).is_null();
     }
-    // A value that is null is there, and only is_null() takes it.
+    // A value that is null is there; is_null() takes it, to the others it is missing.
     JsonField operator[](const char* key) const {
         const std::string path = path_.empty() ? key : path_ + "." + key;
         if (!value_.is_object() || !value_.contains(key)) fail("{}: {} is missing", file_, path);
@@ -30,7 +30,7 @@ public:
     }
     bool is_null() const { return value_.is_null(); }
     double number() const {
-        if (!value_.is_number()) fail("{}: {} is not a number", file_, path_);
+        if (!value_.is_number()) fail_as("not a number");
         return value_.get<double>();
     }
     double number(double minimum, double maximum) const {
@@ -40,15 +40,15 @@ public:
         return x;
     }
     bool truth() const {
-        if (!value_.is_boolean()) fail("{}: {} is neither true nor false", file_, path_);
+        if (!value_.is_boolean()) fail_as("neither true nor false");
         return value_.get<bool>();
     }
     std::string text() const {
-        if (!value_.is_string()) fail("{}: {} is not a text", file_, path_);
+        if (!value_.is_string()) fail_as("not a text");
         return value_.get<std::string>();
     }
     std::vector<JsonField> list() const {
-        if (!value_.is_array()) fail("{}: {} is not a list", file_, path_);
+        if (!value_.is_array()) fail_as("not a list");
         std::vector<JsonField> entries;
         for (std::size_t i = 0; i < value_.size(); ++i)
             entries.emplace_back(file_, value_[i], fmt::format("{}[{}]", path_, i));
@@ -57,6 +57,10 @@ public:
     bool is_list() const { return value_.is_array(); }
 
 private:
+    [[noreturn]] void fail_as(const char* what) const {
+        fail("{}: {} is {}", file_, path_, is_null() ? "missing" : what);
+    }
+
     const std::string& file_;
     const nlohmann::json& value_;
     std::string path_;
