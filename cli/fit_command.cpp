@@ -183,7 +183,7 @@ Command fit_command() {
                 flags
                     .option("--solver", arguments->solver,
                             "batch: many pixels at once, checked and polished by Ceres; ceres: Ceres alone, "
-                            "some fifty times slower")
+                            "some fifty times slower a pixel")
                     .check(one_of({"batch", "ceres"}));
                 flags.fields(arguments->options);
                 flags.fields(arguments->options.calibration);

@@ -5,8 +5,8 @@
 
 #include "surface/error.h"
 
-// As in ward_kernel.cpp.
-#define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_AVX3_DL)
+#include "fit/ward_targets.h"  // before Highway
+
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "fit/batch_sampler.cpp"
 #include <hwy/foreach_target.h>

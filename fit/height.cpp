@@ -291,8 +291,8 @@ HeightReport integrate_normals(const Image<Vec3>& normal, const Image<float>& co
         ++result.cycles;
         const double left = residual_norm(grids[0]);
         result.residual = left / flat;
-        // A residual like that of rounding is not rounding yet while it falls: long waves are the last to come
-        // right and show least in it.
+        // A residual like that of rounding is not rounding yet while it falls: long waves are the last to
+        // come right and show least in it.
         const double rounding = rounding_norm(grids[0]);
         result.converged = result.residual <= options.tolerance || left <= 0.3 * rounding ||
                            (left <= rounding && left > 0.5 * before);

@@ -8,8 +8,8 @@
 #include <algorithm>
 #include <cmath>
 
-// Sets between these give no speed that is worth compiling them.
-#define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_AVX3_DL)
+#include "fit/ward_targets.h"  // before Highway
+
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "fit/ward_kernel.cpp"
 #include <hwy/foreach_target.h>

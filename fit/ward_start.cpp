@@ -7,7 +7,8 @@
 #include "capture/photometric_stereo.h"
 #include "fit/ward_kernel.h"
 
-#define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_AVX3_DL)
+#include "fit/ward_targets.h"  // before Highway
+
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "fit/ward_start.cpp"
 #include <hwy/foreach_target.h>

@@ -162,12 +162,10 @@ void expect_order_of_roughness(const fs::path& truth, const FitResult& fit) {
                      retouch = read_picture(truth / "retouch.png");
     const auto in = [](const Image<Rgb>& mask, std::size_t i) { return mask.pixels()[i].r > 0.9f; };
     const auto out = [](const Image<Rgb>& mask, std::size_t i) { return mask.pixels()[i].r < 0.1f; };
-    const double glossy = median_roughness(fit, [&](std::size_t i) {
-        return in(varnish, i) && out(retouch, i) && out(loss, i);
-    });
-    const double oil = median_roughness(fit, [&](std::size_t i) {
-        return out(varnish, i) && out(retouch, i) && out(loss, i);
-    });
+    const double glossy = median_roughness(
+        fit, [&](std::size_t i) { return in(varnish, i) && out(retouch, i) && out(loss, i); });
+    const double oil = median_roughness(
+        fit, [&](std::size_t i) { return out(varnish, i) && out(retouch, i) && out(loss, i); });
     const double matt = median_roughness(fit, [&](std::size_t i) { return in(retouch, i); });
     record("impasto_roughness_varnish", glossy, "1");
     record("impasto_roughness_oil", oil, "1");

@@ -35,8 +35,8 @@ Stack object_stack(const fs::path& spheres, const std::string& object, const Tes
 }
 
 // The ball is not matt as Lambert's: light by cosine is 20 % more at 80 degrees than below 50, by all lamps,
-// so that even least squares on its own outline gives 4.3 to 5 degrees. Until the fit knows rough diffuse
-// reflection, this is what it reaches; 4 is what it should.
+// so that even least squares on its own outline gives 4.3 to 5 degrees. Rough diffuse reflection as the fit
+// chooses it does not mend that: this is what it reaches; 4 is what it should.
 TEST(DataSpheres, NormalsOfTheGreyBallAreWithin5_8Degrees) {
     TP_DATA(folder, "spheres");
     const TestDir out;

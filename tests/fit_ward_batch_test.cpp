@@ -48,12 +48,11 @@ double cost_at(const PixelSamples& s, const WardFitOptions& options, const WardE
 }
 
 // Runs a test on every instruction set.
-class WardBatch_ : public testing::TestWithParam<std::string> {
+class WardBatchFit : public testing::TestWithParam<std::string> {
 protected:
     void SetUp() override { use_ward_instruction_set(GetParam()); }
     void TearDown() override { use_ward_instruction_set(""); }
 };
-using WardBatchFit = WardBatch_;
 INSTANTIATE_TEST_SUITE_P(Sets, WardBatchFit, testing::ValuesIn(ward_instruction_sets()),
                          [](const auto& set) { return set.param; });
 

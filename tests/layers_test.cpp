@@ -65,7 +65,11 @@ const std::vector<PackageRule> kPackages = {
      {"OpenGL::", "GLEW::", "PkgConfig::epoxy"},
      {"viewer"},
      Where::anywhere},
-    {"ImGui", {"imgui", "backends/imgui"}, {"imgui", "ImGui::", "PkgConfig::imgui"}, {"viewer"}, Where::anywhere},
+    {"ImGui",
+     {"imgui", "backends/imgui"},
+     {"imgui", "ImGui::", "PkgConfig::imgui"},
+     {"viewer"},
+     Where::anywhere},
     {"TBB", {"tbb/", "oneapi/tbb"}, {"TBB::"}, kBelowCli, Where::sources},
     {"Highway", {"hwy/"}, {"${HWY_LIBRARY}"}, {"fit"}, Where::anywhere},
 };

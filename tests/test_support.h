@@ -26,8 +26,8 @@
 #include "surface/picture_file.h"
 
 #ifdef __SANITIZE_ADDRESS__
-// OpenImageIO 2.4 keeps the error message of each reader in a table of the thread, and does not free it. Graphics
-// drivers keep what they have compiled.
+// OpenImageIO 2.4 keeps the error message of each reader in a table of the thread, and does not free it.
+// Graphics drivers keep what they have compiled.
 extern "C" inline __attribute__((used)) const char* __lsan_default_suppressions() {
     return "leak:libOpenImageIO\nleak:libEGL\nleak:libGL\nleak:_dri.so\nleak:libLLVM\nleak:libepoxy\n";
 }

@@ -6,6 +6,16 @@ namespace tangi::gl {
 
 namespace {
 
+// What the driver says of a shader or a program.
+template <class Get>
+std::string log_of(Get get, GLuint id) {
+    std::string log(4096, '\0');
+    GLsizei size = 0;
+    get(id, static_cast<GLsizei>(log.size()), &size, log.data());
+    log.resize(static_cast<std::size_t>(size));
+    return log;
+}
+
 Shader compiled(GLenum kind, std::string_view text) {
     Shader shader(glCreateShader(kind));
     const char* begin = text.data();
@@ -15,11 +25,8 @@ Shader compiled(GLenum kind, std::string_view text) {
     GLint done = 0;
     glGetShaderiv(shader.id(), GL_COMPILE_STATUS, &done);
     if (!done) {
-        std::string log(4096, '\0');
-        GLsizei size = 0;
-        glGetShaderInfoLog(shader.id(), static_cast<GLsizei>(log.size()), &size, log.data());
-        log.resize(static_cast<std::size_t>(size));
-        throw ContractError(fmt::format("a shader does not compile:\n{}", log));
+        throw ContractError(
+            fmt::format("a shader does not compile:\n{}", log_of(glGetShaderInfoLog, shader.id())));
     }
     return shader;
 }
@@ -53,11 +60,8 @@ Program make_program(std::string_view vertex, std::string_view fragment) {
     GLint done = 0;
     glGetProgramiv(program.id(), GL_LINK_STATUS, &done);
     if (!done) {
-        std::string log(4096, '\0');
-        GLsizei size = 0;
-        glGetProgramInfoLog(program.id(), static_cast<GLsizei>(log.size()), &size, log.data());
-        log.resize(static_cast<std::size_t>(size));
-        throw ContractError(fmt::format("a shader does not link:\n{}", log));
+        throw ContractError(
+            fmt::format("a shader does not link:\n{}", log_of(glGetProgramInfoLog, program.id())));
     }
     return program;
 }
