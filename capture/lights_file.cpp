@@ -95,7 +95,7 @@ std::string with_newlines(std::string text) {
     return text;
 }
 
-Light parse_line(std::string_view line, const std::string& place) {
+Light parse_line(std::string_view line, const std::string& place, double& length) {
     std::string_view rest = line;
     glm::dvec3 vector;
     for (int i = 2; i >= 0; --i) {
@@ -114,8 +114,8 @@ Light parse_line(std::string_view line, const std::string& place) {
     if (!(largest > 1e-6))
         fail("{}: the light of '{}' is a zero vector; give a direction or remove the line", place,
              shown(rest));
-    return distant_light(Vec3(vector / largest),
-                         std::string(rest));  // squares of huge numbers would overflow
+    length = largest * glm::length(vector / largest);  // squares of huge numbers would overflow
+    return distant_light(Vec3(vector / largest), std::string(rest));
 }
 
 }  // namespace
@@ -140,11 +140,13 @@ LightsFile parse_lights(const std::string& text, const std::string& file_name) {
             result.warnings.push_back(fmt::format("{}: the first line is not a count of lights", file_name));
         }
         const std::string place = fmt::format("{}, line {}", file_name, number_of_line);
-        Light light = parse_line(line, place);
+        double length = 0;
+        Light light = parse_line(line, place, length);
         const auto [earlier, is_new] = line_of.emplace(light.name, number_of_line);
         if (!is_new)
             fail("{}: '{}' has a light in line {} already", place, shown(light.name), earlier->second);
         result.lights.push_back(std::move(light));
+        result.lengths.push_back(length);
     }
     if (result.lights.empty())
         fail("{}: holds no lights; expected a count, then a line 'name x y z' for each photograph",

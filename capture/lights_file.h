@@ -5,7 +5,7 @@
 //
 // As found in the wild: names hold spaces and folders, vectors are not of unit length, blank and trailing
 // lines, tabs, CRLF or CR, a byte-order mark, decimal commas, a count that is wrong or missing. All of that
-// is read.
+// is read. Some hold positions instead of directions, in whatever unit.
 #pragma once
 
 #include <filesystem>
@@ -20,6 +20,7 @@ namespace tangi {
 struct LightsFile {
     std::vector<Light> lights;          // in the file's order; directions are unit vectors, gains 1
     std::vector<std::string> warnings;  // a count that disagrees with the lines, …
+    std::vector<double> lengths{};      // of the vectors: distances, where these are positions
 };
 
 // Throws Error naming file and line: not a lights file, a zero vector, NaN, a name that occurs twice, no

@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "capture/chart_order.h"
+#include "capture/plane_pose.h"
 #include "surface/error.h"
 #include "surface/photography_json.h"
 
@@ -264,12 +265,30 @@ std::optional<double> unit_mm(const SeenPlane& plane, const PlaneCalibration& c,
     return scale.mm_per_pixel / mm_per_pixel_at(plane.to_picture, place);
 }
 
+// The plane of the earlier painting's pixels, in mm where its scale is known, else in pixels.
+SeenPlane plane_of(const EarlierPainting& earlier, const PlaneCalibration& c) {
+    const double width = earlier.brightness.width() - 1, height = earlier.brightness.height() - 1;
+    const double mm = earlier.mm_per_pixel.value_or(1);
+    const Homography to_pixels(1 / mm, 0, 0, 0, -1 / mm, 0, width / 2, height / 2, 1);
+    SeenPlane plane{c.earlier->to_photo * to_pixels, true, c.earlier->error_px, {}, "painting"};
+    const Corners corners = {dvec2(0, 0), dvec2(width, 0), dvec2(width, height), dvec2(0, height)};
+    for (std::size_t i = 0; i < 4; ++i) plane.places_px[i] = mapped(c.earlier->to_photo, corners[i]);
+    return plane;
+}
+
 void rectify(const PlaneOptions& options, const std::optional<MarkerPlane>& markers,
              const std::vector<Marker>& seen_markers, const ColourCalibration* chart, PictureGeometry& g,
              PlaneCalibration& c) {
     SeenPlane plane;
     std::optional<double> unit;
-    if (options.corners_px) {
+    if (options.earlier) {
+        const EarlierPainting& earlier = *options.earlier;
+        plane = plane_of(earlier, c);
+        g.rectification = c.earlier->to_photo;
+        g.width = earlier.brightness.width(), g.height = earlier.brightness.height();
+        g.mm_per_pixel = earlier.mm_per_pixel;
+        unit = earlier.mm_per_pixel ? std::optional(1.0) : std::nullopt;
+    } else if (options.corners_px) {
         const Corners corners = without_lens(g.lens, *options.corners_px);
         std::optional<dvec2> size = options.painting_mm;
         if (!size && markers) size = size_on_plane(*markers, corners);
@@ -297,29 +316,6 @@ void rectify(const PlaneOptions& options, const std::optional<MarkerPlane>& mark
 }
 
 }  // namespace
-
-PlanePose pose_of(const Homography& plane_to_picture, double focal_px, const dvec2& principal_px) {
-    // To the camera's frame with y up and z away from the scene: K^-1, then both turned round.
-    const dmat3 k_inverse(1 / focal_px, 0, 0, 0, -1 / focal_px, 0, -principal_px.x / focal_px,
-                          principal_px.y / focal_px, -1);
-    dmat3 h = k_inverse * plane_to_picture;
-    if (h[2].z > 0) h = -h;  // the plane lies before the camera
-    const double across = glm::length(h[0]), up = glm::length(h[1]);
-    // The two unit vectors at right angles that are nearest to the columns.
-    const dvec3 a = h[0] / across, b = h[1] / up;
-    const dvec3 sum = glm::normalize(a + b), difference = glm::normalize(a - b);
-    const dvec3 x = (sum + difference) / std::numbers::sqrt2, y = (sum - difference) / std::numbers::sqrt2;
-    const dmat3 plane_to_camera(x, y, glm::cross(x, y));
-    const dvec3 origin = h[2] * (2 / (across + up));
-    PlanePose pose;
-    pose.turn = glm::transpose(plane_to_camera);
-    pose.camera = -(pose.turn * origin);
-    if (!(pose.camera.z > 0))
-        fail("--rectify: the painting's plane is seen from behind; are its corners mirrored?");
-    pose.tilt_deg = std::acos(std::clamp(plane_to_camera[2].z, -1.0, 1.0)) * kDegrees;
-    pose.stretch = across / up;
-    return pose;
-}
 
 PlaneCalibration calibrate_plane(const PhotoSet& photos, const PlaneOptions& options,
                                  const ColourCalibration* chart, const Progress& progress) {
@@ -359,9 +355,14 @@ PlaneCalibration calibrate_plane(const PhotoSet& photos, const PlaneOptions& opt
         add_scale(c, scale_from_corners(without_lens(g.lens, *options.corners_px), options.painting_mm->x,
                                         options.painting_mm->y));
     if (chart && chart->scale) c.scales.push_back(*chart->scale);
-    if (options.rectify || g.lens) {
+    if (options.earlier) {
+        c.earlier = find_painting(photos, *options.earlier, g.lens,
+                                  options.transfer.value_or(Transfer{Transfer::Kind::srgb}), progress);
+        if (options.earlier->mm_per_pixel) add_scale(c, scale_from(*options.earlier, *c.earlier));
+    }
+    if (options.rectify || options.earlier || g.lens) {
         rank_scales(c);  // a chart of unknown size is told by the best of them
-        if (options.rectify) rectify(options, markers, seen_markers, chart, g, c);
+        if (options.rectify || options.earlier) rectify(options, markers, seen_markers, chart, g, c);
         measure_outside(g, c);
         c.geometry = g;
     }
@@ -382,6 +383,7 @@ json to_json(const PlaneCalibration& c) {
         geometry["rectified_by"] = c.rectified_by.empty() ? json(nullptr) : json(c.rectified_by);
         geometry["tilt_deg"] = c.tilt_deg ? json(*c.tilt_deg) : json(nullptr);
         geometry["tilt_sigma_deg"] = c.tilt_deg ? json(c.tilt_sigma_deg) : json(nullptr);
+        geometry["aligned_sigma_px"] = c.earlier ? json(c.earlier->error_px) : json(nullptr);
         geometry["photograph_outside"] = c.photo_outside;
         geometry["picture_outside"] = c.picture_outside;
     }

@@ -2,7 +2,8 @@
 // upright pictures of them.
 //
 // What tells it: a scale bar, the resolution, ArUco markers, the painting's corners and size, the pitch of a
-// colour chart. All lie in the painting's plane. Pixels and the plane's frame are those of scale.h.
+// colour chart, the painting itself as it was fitted before. All lie in the painting's plane. Pixels and the
+// plane's frame are those of scale.h.
 #pragma once
 
 #include <filesystem>
@@ -12,6 +13,7 @@
 #include <vector>
 
 #include "capture/colour_calibration.h"
+#include "capture/earlier_painting.h"
 #include "capture/markers.h"
 #include "capture/picture_geometry.h"
 #include "surface/progress.h"
@@ -31,13 +33,14 @@ struct PlaneOptions {
     std::optional<Corners> corners_px{};      // of the painting
     std::optional<glm::dvec2> painting_mm{};  // its width and height
     bool rectify = false;
+    std::optional<EarlierPainting> earlier{};  // what the picture is to lie on, pixel by pixel
     std::optional<std::filesystem::path> lens{};
     std::optional<double> focal_px{};  // that of the lens where empty
     std::optional<glm::dvec2> principal_px{};
     std::optional<Transfer> transfer{};  // how photographs are decoded to look for markers; sRGB where empty
 
     bool asks_anything() const {
-        return bar || pixels_per_inch || marker_mm || corners_px || rectify || lens;
+        return bar || pixels_per_inch || marker_mm || corners_px || rectify || earlier || lens;
     }
 };
 
@@ -46,9 +49,10 @@ struct PlaneCalibration {
     MarkerSearch markers;
     std::string markers_in;  // name of the photograph
     double marker_residual_px = 0;
+    std::optional<FoundPainting> earlier{};
     std::vector<Scale> scales;  // all that was told; the first is the one used, the most certain
     std::optional<PictureGeometry> geometry{};
-    std::string rectified_by;          // "corners", "markers", "chart"; empty: not rectified
+    std::string rectified_by;          // "corners", "markers", "chart", "painting"; empty: not rectified
     std::optional<double> tilt_deg{};  // of the painting's plane against the camera's, where known
     double tilt_sigma_deg = 0;         // standard error
     double photo_outside = 0;          // [1] part of the photographs that is not in the picture
@@ -67,16 +71,6 @@ struct PlaneCalibration {
 // that is seen from too far aside.
 PlaneCalibration calibrate_plane(const PhotoSet& photos, const PlaneOptions& options,
                                  const ColourCalibration* chart, const Progress& progress = {});
-
-// The camera over a plane that is seen through a homography (plane, y up -> undistorted pixels), by focal
-// length in pixels: Zhang 2000, "A flexible new technique for camera calibration", section 3.1.
-struct PlanePose {
-    glm::dmat3 turn{1};    // camera's frame (x right, y up, z away from the scene) -> the plane's
-    glm::dvec3 camera{0};  // in the plane's frame and unit
-    double tilt_deg = 0;   // between the camera's axis and the plane's normal
-    double stretch = 1;    // [1] by which the plane looks longer across than down: 1 where all fits
-};
-PlanePose pose_of(const Homography& plane_to_picture, double focal_px, const glm::dvec2& principal_px);
 
 // For capture.json: see docs/capture.md.
 nlohmann::json to_json(const PlaneCalibration& plane);

@@ -20,7 +20,7 @@ struct Scale {
     double mm_per_pixel = 0;
     double sigma = 0;           // standard error of it
     glm::dvec2 place_px{0, 0};  // where it holds
-    std::string method;         // "scale bar", "ppi", "corners", "markers", "chart"
+    std::string method;         // "scale bar", "ppi", "corners", "markers", "chart", "painting"
     std::vector<std::string> warnings{};
 };
 

@@ -23,6 +23,8 @@ struct StackOptions {
     // .lp, .dome, .relight or capture.json; where empty, the one .lp of the folder, else the one of the
     // others.
     std::optional<std::filesystem::path> lights_file{};
+    // The vectors of an .lp are positions in mm from the picture's centre, not directions.
+    bool lights_in_mm = false;
     // A capture.json of which all but its lights is used; lights then come from lights_file.
     std::optional<std::filesystem::path> capture_file{};
     std::optional<Region> crop{};                      // [pixels of the whole picture] the part to read

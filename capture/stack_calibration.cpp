@@ -86,10 +86,36 @@ void apply_lights(Stack& stack, const CaptureFile& capture) {
     stack.camera_mm = seen.camera_mm;
 }
 
+// Lengths that differ by more than rounding make positions of what passes for directions.
+constexpr double kLengthsDiffer = 1.05;
+
+void read_lp(const fs::path& path, bool in_mm, StackCalibration& read) {
+    LightsFile file = read_lights_file(path);
+    read.lights = std::move(file.lights);
+    read.warnings = std::move(file.warnings);
+    const auto [shortest, longest] = std::minmax_element(file.lengths.begin(), file.lengths.end());
+    if (in_mm) {
+        for (std::size_t i = 0; i < read.lights.size(); ++i)
+            read.lights[i] = near_light(read.lights[i].direction * static_cast<float>(file.lengths[i]),
+                                        read.lights[i].name);
+    } else if (*longest > kLengthsDiffer * *shortest) {
+        read.warnings.push_back(fmt::format(
+            "{}: its vectors have lengths from {:.4g} to {:.4g}, and are taken for directions; if they are "
+            "the lamps' positions in mm from the picture's centre, say --lights-mm",
+            path.string(), *shortest, *longest));
+    }
+}
+
+[[noreturn]] void refuse_lights_in_mm(const fs::path& path) {
+    fail("{}: --lights-mm is about the vectors of an .lp; this file says itself what its lights are",
+         path.string());
+}
+
 // Of a lights file of any kind but capture.json.
-StackCalibration read_lights(const fs::path& path) {
+StackCalibration read_lights(const fs::path& path, bool in_mm) {
     StackCalibration read{.lights = {}, .lights_path = path};
     const std::string extension = lower_extension(path);
+    if (in_mm && (extension == ".dome" || extension == ".relight")) refuse_lights_in_mm(path);
     if (extension == ".dome") {
         DomeFile dome = read_dome_file(path);
         read.lights = std::move(dome.lights);
@@ -103,9 +129,7 @@ StackCalibration read_lights(const fs::path& path) {
         read.picture_width_mm = project.picture_width_mm;
         read.warnings = std::move(project.warnings);
     } else {
-        LightsFile lights = read_lights_file(path);
-        read.lights = std::move(lights.lights);
-        read.warnings = std::move(lights.warnings);
+        read_lp(path, in_mm, read);
     }
     if (read.capture) read.capture->lights = read.lights, read.capture_path = path;
     return read;
@@ -136,15 +160,24 @@ StackCalibration read_stack_calibration(const fs::path& folder, const StackOptio
     else
         lights_path = capture && !capture->lights.empty() ? *options.capture_file : find_lights_file(folder);
     if (lower_extension(lights_path) != ".json") {
-        StackCalibration read = read_lights(lights_path);
+        StackCalibration read = read_lights(lights_path, options.lights_in_mm);
+        if (options.lights_in_mm && !(capture && capture->mm_per_pixel))
+            fail(
+                "{}: positions in mm need to know how large a pixel is; measure it (tangipaint calibrate {} "
+                "--out "
+                "scale.json --no-balls --ppi …, --scale-bar, --marker-mm or --corners) and give --capture "
+                "scale.json",
+                lights_path.string(), folder.string());
         if (!capture) return read;
-        capture->lights = read.lights = directions_of(read.lights);
+        if (!options.lights_in_mm) read.lights = directions_of(read.lights);
+        capture->lights = read.lights;
         read.warnings.insert(read.warnings.end(), capture->warnings.begin(), capture->warnings.end());
         read.capture = std::move(capture);
         read.capture_path = *options.capture_file;
         read.picture_width_mm.reset();
         return read;
     }
+    if (options.lights_in_mm) refuse_lights_in_mm(lights_path);
     if (capture && lights_path != *options.capture_file)
         fail("{} and {}: give one capture file, and a lights file (.lp) beside it", lights_path.string(),
              options.capture_file->string());

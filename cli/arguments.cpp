@@ -114,6 +114,10 @@ void PhotosArguments::add_to(Flags& flags, bool for_fit) {
     flags.option(
         "--lights", lights,
         "lights file (.lp), or the capture.json of calibrate; where not given, the only .lp in the folder");
+    flags.flag(
+        "--lights-mm", lights_mm,
+        "the vectors of the .lp are the lamps' positions in mm from the picture's centre (x right, y up, "
+        "z towards the camera), not directions; --capture tells the scale");
     flags.option(
         "--capture", capture,
         "capture.json of calibrate: colours, scale, lens, rectification, and the lights unless --lights "
@@ -145,6 +149,7 @@ void PhotosArguments::add_to(Flags& flags, bool for_fit) {
 Stack PhotosArguments::open() const {
     StackOptions options;
     if (!lights.empty()) options.lights_file = lights;
+    options.lights_in_mm = lights_mm;
     if (!capture.empty()) options.capture_file = capture;
     if (!mask.empty()) options.mask_file = mask;
     if (!crop.empty()) {
@@ -179,6 +184,7 @@ std::vector<std::filesystem::path> PhotosArguments::inputs(const Stack& stack) c
 
 nlohmann::json PhotosArguments::as_json() const {
     return {{"lights", lights},
+            {"lights_mm", lights_mm},
             {"capture", capture},
             {"transfer", transfer},
             {"crop", crop},

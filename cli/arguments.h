@@ -26,6 +26,7 @@ struct DevelopArguments {
 // Where photographs are and how to read them.
 struct PhotosArguments {
     std::string folder, lights, capture, transfer = "auto", crop, mask, hold_out, registration = "auto";
+    bool lights_mm = false;
     DevelopArguments develop;
 
     void add_to(Flags& flags, bool for_fit);

@@ -108,6 +108,9 @@ void CalibrateArguments::add_to(Flags& flags) {
     flags.option("--painting-mm", painting_mm, "WIDTH,HEIGHT of the painting, with --corners");
     flags.flag("--rectify", rectify,
                "make the fit's picture upright: by --corners, else by the markers, else by the chart");
+    flags.option("--align-to", align_to,
+                 "painting file of an earlier state, such as before treatment: the fit's picture is to lie "
+                 "on it, pixel by pixel");
     flags.option("--lens", lens, "calibration file of OpenCV (.yml, .xml), to undo the lens's distortion");
     develop.add_to(flags);
 }
@@ -183,6 +186,9 @@ PlaneOptions CalibrateArguments::plane_options(int width, int height) const {
                                 "which are {} x {}",
                                 scale_bar, end.x, end.y, width, height));
     options.rectify = rectify;
+    if (!align_to.empty() && (rectify || options.corners_px))
+        throw UsageError(
+            "--align-to: makes the picture that the painting has; leave out --rectify and --corners");
     if (!lens.empty()) options.lens = lens;
     options.focal_px = if_given(focal_px);
     if (focal_35mm > 0) options.focal_px = focal_35mm / std::hypot(36.0, 24.0) * std::hypot(width, height);

@@ -25,7 +25,7 @@ struct CalibrateArguments {
     double chart_pitch_mm = 0;
     // scale and plane
     double marker_mm = 0, ppi = 0;
-    std::string marker_dictionary = "auto", scale_bar, corners, painting_mm, lens;
+    std::string marker_dictionary = "auto", scale_bar, corners, painting_mm, lens, align_to;
     bool rectify = false;
 
     void add_to(Flags& flags);

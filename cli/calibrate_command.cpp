@@ -10,6 +10,7 @@
 #include "cli/command_list.h"
 #include "surface/atomic_file.h"
 #include "surface/error.h"
+#include "surface/painting_file.h"
 #include "surface/picture_file.h"
 
 namespace tangi {
@@ -88,6 +89,7 @@ nlohmann::json summary_of(const PlaneCalibration& c) {
         {"rectified_by", c.rectified_by.empty() ? nlohmann::json(nullptr) : nlohmann::json(c.rectified_by)},
         {"tilt_deg", or_null(c.tilt_deg)},
         {"tilt_sigma_deg", c.tilt_deg ? nlohmann::json(c.tilt_sigma_deg) : nlohmann::json(nullptr)},
+        {"aligned_sigma_px", c.earlier ? nlohmann::json(c.earlier->error_px) : nlohmann::json(nullptr)},
         {"photograph_outside", c.photo_outside},
         {"picture_outside", c.picture_outside}};
     return result;
@@ -204,10 +206,13 @@ nlohmann::json run_calibrate(const CalibrateArguments& a) {
     paths = readable(paths, warnings);
     for (const fs::path& output : {calibration_files(a.out).lights, calibration_files(a.out).json})
         refuse_to_overwrite(output, a.develop.inputs());
+    std::optional<EarlierPainting> earlier;
+    if (!a.align_to.empty()) earlier = earlier_painting(read_painting(a.align_to, progress));
     Calibration calibration;
     const PhotoSet photos = photographs(a, paths, calibration, warnings, progress);
     const PhotoHeader header = photos.open(0).header();
-    const PlaneOptions plane_options = a.plane_options(header.width, header.height);
+    PlaneOptions plane_options = a.plane_options(header.width, header.height);
+    plane_options.earlier = std::move(earlier);
     if (colour_options) calibration.colours = calibrate_colours(photos, *colour_options, progress);
     const ColourCalibration* chart = calibration.colours ? &*calibration.colours : nullptr;
     if (plane_options.asks_anything() || (chart && chart->scale)) {

@@ -140,5 +140,31 @@ TEST(CaptureFile, AStackIsOpenedWithIt) {
     }
 }
 
+// As programs for domes write it: where the lamps are, instead of unit vectors.
+TEST(CaptureFile, TellsTheScaleForALightsFileWithPositions) {
+    const TestDir folder;
+    write_stack(folder.path(), procedural_painting({.width = 41, .height = 31}),
+                {.lights = 4, .held_out = 0});
+    const auto lp = folder / "lights.lp";
+    write_bytes(
+        lp, "4\nimg_000.png 0 0 400\nimg_001.png 300 0 400\nimg_002.png -200 0 210\nimg_003.png 0 150 200\n");
+    const auto capture = written(folder, capture_json());
+    const Stack plain = open_stack(folder.path(), {.lights_file = lp});
+    EXPECT_THAT(plain.warnings,
+                testing::ElementsAre(testing::AllOf(HasSubstr("from 250 to 500"), HasSubstr("--lights-mm"))));
+    EXPECT_FALSE(plain.photos[1].light.position_mm);
+    const Stack near = open_stack(
+        folder.path(),
+        {.lights_file = lp, .lights_in_mm = true, .capture_file = capture, .crop = Region{20, 10, 41, 31}});
+    EXPECT_THAT(near.warnings, IsEmpty());
+    ASSERT_EQ(near.photos.size(), 4u);
+    EXPECT_EQ(near.photos[1].light.position_mm, Vec3(295, 2.5f, 400));
+    EXPECT_EQ(near.mm_per_pixel, 0.5);
+    EXPECT_THAT(error_of([&] { open_stack(folder.path(), {.lights_file = lp, .lights_in_mm = true}); }),
+                testing::AllOf(HasSubstr("lights.lp"), HasSubstr("how large a pixel is")));
+    EXPECT_THAT(error_of([&] { open_stack(folder.path(), {.lights_file = capture, .lights_in_mm = true}); }),
+                HasSubstr("capture.json: --lights-mm"));
+}
+
 }  // namespace
 }  // namespace tangi

@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 
 #include "capture/capture_file.h"
+#include "capture/plane_pose.h"
 #include "marker_pictures.h"
 
 namespace tangi {

@@ -3,6 +3,8 @@
 #include "capture/lights_file.h"
 #include "chart_pictures.h"
 #include "cli_program.h"
+#include "surface/median.h"
+#include "surface/painting_file.h"
 
 namespace tangi {
 namespace {
@@ -144,6 +146,59 @@ TEST(CliCalibrate, FindsScaleAndColoursWithoutBalls) {
     EXPECT_TRUE(ended(tangipaint({"calibrate", "--photos", plain, "--out", out, "--dark", plain}), 2,
                       {"give --transfer"}));
     EXPECT_FALSE(std::filesystem::exists(dir / "d.json"));
+}
+
+TEST(CliCalibrate, TellsOfTwoCharts) {
+    const TestDir dir;
+    Image<Rgb> photo(640, 300, Rgb(0.3f));
+    draw_chart(photo, chart_map(turned_corners({160, 150}, 240, 3)), classic_chart());
+    draw_chart(photo, chart_map(turned_corners({480, 150}, 240, -2)), classic_chart());
+    add_noise(photo, 0.005, 0.001, 1);
+    write_picture(dir / "charts.png", photo, Transfer{});
+    const std::string charts = (dir / "charts.png").string(), out = (dir / "c.json").string();
+    EXPECT_TRUE(ended(
+        tangipaint({"calibrate", "--photos", charts, "--out", out, "--no-balls", "--transfer", "linear"}), 0,
+        {"charts.png: there are several colour charts", "(160, 150) is used", "(480, 150) is not"}));
+}
+
+// A painting as it was, and photographs of it later: turned by a quarter, and cut off.
+TEST(CliCalibrate, LaysPhotographsOnAnEarlierPainting) {
+    const TestDir dir;
+    const std::string photos = (dir / "photos").string(), before = (dir / "before.exr").string();
+    const std::string later = (dir / "later").string(), after = (dir / "after.exr").string();
+    const std::string capture = (dir / "after.json").string();
+    ASSERT_TRUE(ended(tangipaint({"generate", "--out", photos, "--width", "200", "--height", "170",
+                                  "--lights", "8", "--held-out", "0", "--mm-per-pixel", "0.25"}),
+                      0));
+    ASSERT_TRUE(ended(tangipaint({"fit", photos, "--out", before, "--no-refine"}), 0));
+    std::filesystem::create_directory(later);
+    LightsFile lights = read_lights_file(photos + "/lights.lp");
+    for (Light& light : lights.lights) {
+        const Image<Rgb> photo = read_picture(photos + "/" + light.name);
+        Image<Rgb> turned(photo.height(), photo.width() - 10);
+        for (int y = 0; y < turned.height(); ++y)
+            for (int x = 0; x < turned.width(); ++x) turned(x, y) = photo(photo.width() - 1 - y, x);
+        write_picture(later + "/" + light.name, turned, {Transfer::Kind::srgb});
+        light.direction = {-light.direction.y, light.direction.x, light.direction.z};
+    }
+    write_lights_file(later + "/lights.lp", lights.lights);
+    EXPECT_TRUE(ended(
+        tangipaint({"calibrate", later, "--out", capture, "--no-balls", "--align-to", before, "--rectify"}),
+        2, {"--align-to"}));
+    const Finished run = tangipaint({"calibrate", later, "--out", capture, "--no-balls", "--chart", "off",
+                                     "--transfer", "srgb", "--align-to", before});
+    ASSERT_TRUE(ended(run, 0));
+    EXPECT_EQ(run.json()["picture"]["rectified_by"], "painting");
+    EXPECT_LT(run.json()["picture"]["aligned_sigma_px"], 0.2);
+    ASSERT_TRUE(ended(tangipaint({"fit", later, "--capture", capture, "--out", after, "--no-refine"}), 0));
+    const Surface then = read_painting(before), now = read_painting(after);
+    ASSERT_EQ(now.width(), then.width());
+    ASSERT_EQ(now.height(), then.height());
+    std::vector<double> angles;
+    for (int y = 10; y < now.height() - 10; ++y)
+        for (int x = 20; x < now.width() - 10; ++x)
+            angles.push_back(degrees_between(glm::dvec3(then.normal(x, y)), glm::dvec3(now.normal(x, y))));
+    EXPECT_LT(median(angles), 1);
 }
 
 TEST(CliCalibrate, ControlCharactersInNamesAreShownEscaped) {
