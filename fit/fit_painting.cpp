@@ -47,35 +47,13 @@ std::size_t rms_step(const Surface& s) {
 
 // What the first pass leaves to the second.
 struct FirstPass {
-    struct Prior {
-        float ln_alpha, ln_alpha_sigma, specular, specular_sigma;
-    };
-    Image<Prior> priors;
-    float highest_mm = 0;
+    LobePriors priors;
+    CastShadows shadows;
 
-    WardPrior prior(int x, int y) const {
-        const Prior& p = priors(x, y);
-        return {p.ln_alpha, p.ln_alpha_sigma, p.specular, p.specular_sigma};
-    }
+    FirstPass(const Surface& surface, const FitErrors& errors, const WardPrior& general)
+        : priors(surface, errors, general),
+          shadows(surface.height_mm, surface.mm_per_pixel, RelightOptions{}.light_radius_deg) {}
 };
-
-FirstPass look_back(const Surface& surface, const FitErrors& errors, const WardPrior& general) {
-    FirstPass result{Image<FirstPass::Prior>(surface.width(), surface.height())};
-    parallel_for(0, surface.height(), 4, [&](int begin, int end) {
-        for (int y = begin; y < end; ++y)
-            for (int x = 0; x < surface.width(); ++x) {
-                const WardPrior p = lobe_prior_at(surface, errors, general, x, y);
-                result.priors(x, y) = {static_cast<float>(p.ln_alpha), static_cast<float>(p.ln_alpha_sigma),
-                                       static_cast<float>(p.specular), static_cast<float>(p.specular_sigma)};
-            }
-    });
-    const auto heights = surface.height_mm.pixels();
-    result.highest_mm = *std::max_element(heights.begin(), heights.end());
-    return result;
-}
-
-// The lamps that relight() takes.
-constexpr float kLightRadius_rad = static_cast<float>(RelightOptions{}.light_radius_deg * M_PI / 180);
 
 void store(const WardEstimate& e, int x, int y, FitResult& result) {
     Surface& surface = result.surface;
@@ -97,13 +75,11 @@ void fit_band(const Stack& stack, const Band& band, const Lighting& lighting, co
     const Surface& surface = result.surface;
     WardFitOptions ward = options.ward;
     ward.law = surface.law;
-    const bool shadows = first && surface.width() > 1 && surface.height() > 1;
     PixelKnowledge known;
-    if (first) known.prior = [&](int x, int y) { return first->prior(x, y); };
-    if (shadows)
-        known.visible = [&](int x, int y, const Vec3& light) {
-            return visible_part(surface, x, y, light, first->highest_mm, kLightRadius_rad);
-        };
+    if (first) {
+        known.prior = [&](int x, int y) { return first->priors.at(x, y); };
+        known.shadows = &first->shadows;
+    }
     oneapi::tbb::enumerable_thread_specific<RowFitter> fitters(
         [&] { return RowFitter(ward, options.solver, lighting, noise, band.channels()); });
     // Enough pixels at once to keep registers full; with Ceres alone a row takes long enough.
@@ -148,7 +124,7 @@ void summarise(const Surface& surface, Counters& counters, double diffuse_max, F
 
 // One pass over the photographs; the next band is decoded while this one is fitted.
 void fit_bands(const Stack& stack, const Transfer& transfer, const Lighting& lighting,
-               const NoiseModel& noise, const FitOptions& options, const FirstPass* first, FitResult& result,
+               const NoiseModel& noise, const FitOptions& options, FirstPass* first, FitResult& result,
                const Progress& progress) {
     Counters counters;
     counters.rms_residuals.assign((result.surface.height_mm.size() - 1) / rms_step(result.surface) + 1, -1);
@@ -160,6 +136,7 @@ void fit_bands(const Stack& stack, const Transfer& transfer, const Lighting& lig
         const int y1 = std::min(y0 + rows, stack.height()), y2 = std::min(y1 + rows, stack.height());
         auto decoded = std::async(std::launch::async,
                                   [&, y1, y2] { return y1 < y2 ? reader.read(y1, y2, transfer) : Band(); });
+        if (first) first->priors.advance(y0, y1);
         fit_band(stack, band, lighting, noise, options, first, result, counters, progress);
         next = decoded.get();
     }
@@ -312,7 +289,7 @@ FitResult fit_painting(Stack stack, const FitOptions& options, const Progress& p
                               return !progress || progress("first height", done);
                           }));
         subtract(best_plane(surface.height_mm, surface.confidence), surface.height_mm);
-        const FirstPass first = look_back(surface, result.errors, options.ward.prior);
+        FirstPass first(surface, result.errors, options.ward.prior);
         fit_bands(stack, transfer, lighting, noise, options, &first, result, progress);
     }
     report_.colour = correct_colours(stack, surface);
