@@ -45,6 +45,14 @@ std::size_t rms_step(const Surface& s) {
     return std::max<std::size_t>(1, s.height_mm.size() / kRmsResiduals);
 }
 
+// [sigma] of the second pass. Cauchy's loss has 95 % of the efficiency of least squares where its scale is
+// 2.385 times that of the residuals (Holland & Welsch 1977, "Robust regression using iteratively reweighted
+// least-squares"), which the first pass shows; a wider one lets light from other relief and mixed pixels tilt
+// normals. What sigma says is to be expected is no outlier.
+double robust_scale_after(double rms_residual, double first) {
+    return std::min(std::max(2.385 * rms_residual, 1.0), first);
+}
+
 // What the first pass leaves to the second.
 struct FirstPass {
     LobePriors priors;
@@ -290,7 +298,9 @@ FitResult fit_painting(Stack stack, const FitOptions& options, const Progress& p
                           }));
         subtract(best_plane(surface.height_mm, surface.confidence), surface.height_mm);
         FirstPass first(surface, result.errors, options.ward.prior);
-        fit_bands(stack, transfer, lighting, noise, options, &first, result, progress);
+        FitOptions second = options;
+        second.ward.robust_scale = robust_scale_after(report_.median_rms_residual, options.ward.robust_scale);
+        fit_bands(stack, transfer, lighting, noise, second, &first, result, progress);
     }
     report_.colour = correct_colours(stack, surface);
     report_.colour.white_by_chart = white.has_value();
