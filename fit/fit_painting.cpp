@@ -48,9 +48,10 @@ std::size_t rms_step(const Surface& s) {
 // [sigma] of the second pass. Cauchy's loss has 95 % of the efficiency of least squares where its scale is
 // 2.385 times that of the residuals (Holland & Welsch 1977, "Robust regression using iteratively reweighted
 // least-squares"), which the first pass shows; a wider one lets light from other relief and mixed pixels tilt
-// normals. What sigma says is to be expected is no outlier.
+// normals. At least 2: with 1, impasto's normals gain another 0.03 degrees, but lobes that are a little off
+// count as outliers, too, and held-out photographs of canvas are predicted 0.1 dB worse.
 double robust_scale_after(double rms_residual, double first) {
-    return std::min(std::max(2.385 * rms_residual, 1.0), first);
+    return std::min(std::max(2.385 * rms_residual, 2.0), first);
 }
 
 // What the first pass leaves to the second.
