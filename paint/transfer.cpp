@@ -198,16 +198,32 @@ void push(const StepBox& box, const TransferRates& rates, float dx, float dy, St
     const std::size_t plane = stride * static_cast<std::size_t>(box.height + 2);
     scratch.planes.resize(std::max(scratch.planes.size(), 5 * plane));
     float* base = scratch.planes.data();
-    std::fill_n(base, 5 * plane, 0.0f);
     const auto flow_from = [&](int y, std::size_t x) {
         float* first = base + at(y + 1, stride) + 1 + x;
         return Outflow{first, first + plane, first + 2 * plane, first + 3 * plane, first + 4 * plane};
     };
     const Motion motion = motion_along(dx, dy);
     find_flowing(box, scratch.flowing);
-    for_rows(box, 1, box.height - 1, [&](int begin, int end) {
+    std::vector<RowSpan>& touched = scratch.touched;
+    touched.resize(static_cast<std::size_t>(box.height));
+    for (int y = 0; y < box.height; ++y)
+        touched[static_cast<std::size_t>(y)] = touched_by(scratch.flowing, y);
+    // Where nothing flows but neighbours look: flows are 0 there.
+    const auto clear_around = [&](int y, RowSpan flowing) {
+        const RowSpan looked_at = touched_by(touched, y);
+        if (looked_at.end <= looked_at.begin) return;
+        if (flowing.end <= flowing.begin) flowing = {looked_at.begin, looked_at.begin};
+        float* first = base + at(y + 1, stride) + 1;
+        for (int k = 0; k < 5; ++k, first += plane) {
+            std::fill(first + looked_at.begin, first + flowing.begin, 0.0f);
+            std::fill(first + flowing.end, first + looked_at.end, 0.0f);
+        }
+    };
+    for_rows(box, -1, box.height + 1, [&](int begin, int end) {
         for (int y = begin; y < end; ++y) {
-            const RowSpan span = scratch.flowing[static_cast<std::size_t>(y)];
+            const bool inside = y >= 0 && y < box.height;
+            const RowSpan span = inside ? scratch.flowing[static_cast<std::size_t>(y)] : RowSpan{0, 0};
+            clear_around(y, span);
             if (span.end <= span.begin) continue;
             const auto first = static_cast<std::size_t>(span.begin);
             const std::size_t canvas = at(y, box.canvas_stride) + first;
@@ -225,7 +241,7 @@ void push(const StepBox& box, const TransferRates& rates, float dx, float dy, St
         float* above = scratch.rows.data() + 3 * line * i + 1;
         float *old = above + line, *last = above + 2 * line;
         for (int y = 0; y < box.height; ++y) {
-            const RowSpan span = touched_by(scratch.flowing, y);
+            const RowSpan span = touched[static_cast<std::size_t>(y)];
             float* paint = box.paint[i] + at(y, box.canvas_stride);
             std::copy_n(paint, box.width, old);
             if (span.end > span.begin) {
@@ -248,7 +264,7 @@ void push(const StepBox& box, const TransferRates& rates, float dx, float dy, St
         });
     for_rows(box, 0, box.height, [&](int begin, int end) {
         for (int y = begin; y < end; ++y) {
-            const RowSpan span = touched_by(scratch.flowing, y);
+            const RowSpan span = touched[static_cast<std::size_t>(y)];
             if (span.end <= span.begin) continue;
             const std::size_t canvas = at(y, box.canvas_stride) + static_cast<std::size_t>(span.begin);
             float* total = box.total_mm + canvas;

@@ -56,7 +56,7 @@ constexpr float kOutside = 1e3f;  // [mm] underside where no bristle is
 // Memory that steps reuse.
 struct StepScratch {
     std::vector<float> planes, rows;
-    std::vector<RowSpan> flowing;
+    std::vector<RowSpan> flowing, touched;
 };
 
 // Both ways at once between bristles and canvas.
