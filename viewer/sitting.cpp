@@ -27,7 +27,12 @@ std::optional<Journal> left_over(const SittingFiles& files) {
 }
 
 void SittingRecord::append(const Event& event) {
-    if (!writer_) writer_ = std::make_unique<JournalWriter>(files_.unsaved);
+    if (!writer_) {
+        // What was saved by a program that died before it could put the journal away must not be recovered
+        // together with what follows.
+        if (fs::exists(files_.unsaved) && !left_over(files_)) move_to_record(true);
+        writer_ = std::make_unique<JournalWriter>(files_.unsaved);
+    }
     writer_->append(event);
 }
 
@@ -37,7 +42,10 @@ void SittingRecord::sync() {
 
 void SittingRecord::put_away() {
     writer_.reset();
-    if (!fs::exists(files_.unsaved)) return;
+    if (fs::exists(files_.unsaved)) move_to_record(false);
+}
+
+void SittingRecord::move_to_record(bool maybe_there) {
     if (!fs::exists(files_.record)) {
         fs::rename(files_.unsaved, files_.record);
         return;
@@ -46,8 +54,8 @@ void SittingRecord::put_away() {
     if (!all.empty() && all.back() != '\n') all += '\n';
     const std::string more = read_text_file(files_.unsaved);
     const auto first_line = more.find('\n');  // the format's name
-    if (first_line != std::string::npos) all += more.substr(first_line + 1);
-    write_text_file(files_.record, all);
+    const std::string events = first_line == std::string::npos ? std::string() : more.substr(first_line + 1);
+    if (!maybe_there || !all.ends_with(events)) write_text_file(files_.record, all + events);
     fs::remove(files_.unsaved);
 }
 

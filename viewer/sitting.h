@@ -38,6 +38,9 @@ public:
     void go_on_with(const SittingFiles& files) { files_ = files; }
 
 private:
+    // `maybe_there`: it may be at the record's end already.
+    void move_to_record(bool maybe_there);
+
     SittingFiles files_;
     std::unique_ptr<JournalWriter> writer_;
 };
