@@ -3,8 +3,8 @@
 
 #include "cli/arguments.h"
 #include "cli/command_list.h"
+#include "cli/substrate_arguments.h"
 #include "paint/canvas_file.h"
-#include "paint/substrate.h"
 #include "surface/error.h"
 #include "viewer/window.h"
 
@@ -15,9 +15,9 @@ namespace fs = std::filesystem;
 namespace {
 
 struct PaintArguments {
-    std::string painting, out, substrate, palette, brushes, size = "1280x800";
+    std::string painting, out, palette, brushes, size = "1280x800";
     std::optional<double> mm_per_pixel;
-    SubstrateOptions piece;
+    SubstrateArguments substrate;
 };
 
 void set_size(WindowSetup& setup, const std::string& text) {
@@ -37,20 +37,16 @@ fs::path untitled() {
 }
 
 Canvas canvas_of(const PaintArguments& a, const Progress& progress) {
-    if (a.substrate.empty()) return read_canvas(a.painting, progress, a.mm_per_pixel);
-    const auto kind = substrate_named(a.substrate);
-    if (!kind)
-        throw UsageError(
-            fmt::format("--substrate {}: is not one of {}", a.substrate, fmt::join(substrate_names(), ", ")));
-    return Canvas(std::make_shared<Surface>(make_substrate(*kind, a.piece, progress)));
+    if (!a.substrate.given()) return read_canvas(a.painting, progress, a.mm_per_pixel);
+    return Canvas(std::make_shared<Surface>(a.substrate.make(progress)));
 }
 
 nlohmann::json run_paint(const PaintArguments& a) {
-    if (a.painting.empty() == a.substrate.empty())
+    if (a.painting.empty() != a.substrate.given())
         throw UsageError("give a painting, paint PAINTING.exr, or a new canvas, paint --substrate linen");
-    if (!a.substrate.empty() && a.mm_per_pixel)
+    if (a.substrate.given() && a.mm_per_pixel)
         throw UsageError("--mm-per-pixel is of a painting; the pixels of a substrate are --pixel-mm");
-    if (a.substrate.empty() && !a.out.empty())
+    if (!a.substrate.given() && !a.out.empty())
         throw UsageError(
             "--out is of a new canvas; a painting is saved where it is (copy it first to keep it as it was)");
     if (!a.out.empty() && fs::exists(a.out))
@@ -60,7 +56,7 @@ nlohmann::json run_paint(const PaintArguments& a) {
                       .palette = a.palette.empty() ? artist_acrylics() : read_palette(a.palette),
                       .brushes = a.brushes.empty() ? brush_presets() : read_brush_presets(a.brushes)};
     set_size(setup, a.size);
-    setup.file_is_new = !a.substrate.empty();
+    setup.file_is_new = a.substrate.given();
     setup.file = !setup.file_is_new ? fs::path(a.painting) : a.out.empty() ? untitled() : fs::path(a.out);
     setup.stop_wanted = interrupted;
     const fs::path file = setup.file;
@@ -83,9 +79,7 @@ Command paint_command() {
                 auto a = std::make_shared<PaintArguments>();
                 flags.option("PAINTING", a->painting,
                              "painting file (.exr); saved in place, its dry layer never changes");
-                flags.option(
-                    "--substrate", a->substrate,
-                    "paint on a new canvas, linen, burlap, panel, gesso or paper instead of a painting");
+                a->substrate.add_to(flags);
                 flags.option("--out", a->out,
                              "where a new canvas is saved (.exr); untitled-1.exr where not given");
                 flags.option("--palette", a->palette, "palette file (.json)");
@@ -95,7 +89,6 @@ Command paint_command() {
                             "size of the painting's pixels where the file does not say")
                     .check(within(1e-4, 1e3));
                 flags.option("--size", a->size, "of the window in pixels").show_default();
-                flags.fields(a->piece);
                 return [a] { return run_paint(*a); };
             }};
 }

@@ -141,7 +141,8 @@ void Session::apply(const Event& event) {
     }
 }
 
-void replay(Session& session, const Journal& journal, const Progress& progress) {
+void replay(Session& session, const Journal& journal, const Progress& progress,
+            const std::function<void(const Event&)>& after) {
     const auto count = static_cast<double>(journal.entries.size());
     std::size_t last_undo = 0;
     for (std::size_t i = 0; i < journal.entries.size(); ++i)
@@ -159,6 +160,7 @@ void replay(Session& session, const Journal& journal, const Progress& progress) 
         } catch (const Error& error) {
             fail("{}:{}: {}", journal.source, journal.entries[i].line, error.what());
         }
+        if (after) after(journal.entries[i].event);
     }
     session.finish();
     report(progress, "replay strokes", 1);

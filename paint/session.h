@@ -75,6 +75,8 @@ private:
 
 // All events of a journal. Errors name its file and line. What comes after the last undo and redo in it is
 // not kept to be undone.
-void replay(Session& session, const Journal& journal, const Progress& progress = {});
+// `after` is called after each event.
+void replay(Session& session, const Journal& journal, const Progress& progress = {},
+            const std::function<void(const Event&)>& after = {});
 
 }  // namespace tangi

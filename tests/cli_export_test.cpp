@@ -48,6 +48,25 @@ TEST(CliExport, MapsGoOutAndComeBack) {
     EXPECT_TRUE(ended(tangipaint({"info", stack.out("b.exr")}), 0));
 }
 
+TEST(CliExport, LayersAndOpenRasterOfAPaintedPicture) {
+    const TinyStack stack;
+    const std::string journal = stack.out("a.jsonl"), painted = stack.out("painted.exr");
+    write_bytes(
+        journal,
+        "{\"format\": \"tangipaint strokes\", \"version\": 1}\n"
+        "{\"event\": \"pile\", \"on\": \"painting\", \"paint\": {\"Bone Black\": 1}, \"x\": 0, \"y\": 0, "
+        "\"size_mm\": 20}\n{\"event\": \"dry\", \"layer\": \"a/b\", \"part\": 0.5}\n");
+    ASSERT_TRUE(ended(tangipaint({"replay", stack.truth(), journal, "--out", painted}), 0));
+    ASSERT_TRUE(ended(tangipaint({"export", painted, "--to", "ora", "--out", stack.out("a.ora")}), 0));
+    EXPECT_EQ(bytes_of(stack.out("a.ora")).substr(38, 16), "image/openraster");
+    ASSERT_TRUE(ended(tangipaint({"export", painted, "--to", "layers", "--out", stack.out("layers")}), 0));
+    for (const char* file : {"dry/normal.exr", "1-a_b/colour.png", "1-a_b/thickness_mm.exr",
+                             "2-wet/00000-Bone Black_mm.exr", "painted/height.exr"})
+        EXPECT_TRUE(std::filesystem::exists(stack.out("layers/" + std::string(file)))) << file;
+    EXPECT_TRUE(
+        ended(tangipaint({"export", painted, "--to", "ora", "--out", stack.out("a.png")}), 1, {".ora"}));
+}
+
 TEST(CliExport, WhatMakesNoSenseIsRefused) {
     const TinyStack stack;
     const auto run = [&](std::vector<std::string> words) { return tangipaint(words); };

@@ -58,6 +58,7 @@ const std::vector<PackageRule> kPackages = {
      {"OpenEXR::", "Imath::"},
      kBelowCli,
      Where::file_sources},
+    {"libzip", {"zip.h"}, {"PkgConfig::libzip"}, {"paint"}, Where::file_sources},
     {"lcms2", {"lcms2"}, {"${LCMS2_LIBRARY}"}, {"capture"}, Where::sources},
     {"GLFW", {"GLFW/"}, {"glfw"}, {"viewer"}, Where::anywhere},
     {"OpenGL",
