@@ -191,6 +191,7 @@ void Painter::discard() {
 
 void Painter::write() {
     session_.finish();
+    record_.let_time_pass();
     write_canvas(file(), session_.canvas());
     file_is_new_ = false;
     own_.unsaved = false;

@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <chrono>
+#include <thread>
+
 #include "surface/atomic_file.h"
 
 namespace tangi {
@@ -40,6 +43,12 @@ void SittingRecord::sync() {
     if (writer_) writer_->sync();
 }
 
+void SittingRecord::let_time_pass() const {
+    std::error_code none;
+    const auto last = fs::last_write_time(files_.unsaved, none);
+    if (!none) std::this_thread::sleep_until(last + std::chrono::milliseconds(20));
+}
+
 void SittingRecord::put_away() {
     writer_.reset();
     if (fs::exists(files_.unsaved)) move_to_record(false);
@@ -52,7 +61,8 @@ void SittingRecord::move_to_record(bool maybe_there) {
     }
     std::string all = read_text_file(files_.record);
     if (!all.empty() && all.back() != '\n') all += '\n';
-    const std::string more = read_text_file(files_.unsaved);
+    std::string more = read_text_file(files_.unsaved);
+    more.resize(more.rfind('\n') + 1);  // a torn line counts for nothing
     const auto first_line = more.find('\n');  // the format's name
     const std::string events = first_line == std::string::npos ? std::string() : more.substr(first_line + 1);
     if (!maybe_there || !all.ends_with(events)) write_text_file(files_.record, all + events);

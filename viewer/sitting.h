@@ -29,6 +29,9 @@ public:
     // Throws Error where it cannot be written; the event was not recorded then.
     void append(const Event& event);
     void sync();
+    // Before the painting is saved, which must be seen to be younger than the journal: waits until the clock
+    // of the file system, which ticks every 10 ms at worst, has gone on.
+    void let_time_pass() const;
     bool empty() const { return !writer_; }
     // After the painting was saved: to the end of the record.
     void put_away();
