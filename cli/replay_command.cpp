@@ -20,7 +20,7 @@ namespace {
 
 struct ReplayArguments {
     std::vector<std::string> files;
-    std::string out, palette, brushes;
+    std::string out, board, palette, brushes;
     std::optional<double> mm_per_pixel;
     SubstrateArguments substrate;
     TimeLapseArguments frames;
@@ -47,6 +47,7 @@ nlohmann::json run_replay(const ReplayArguments& a) {
         if (!file.empty()) inputs.emplace_back(file);
     for (const fs::path& file : a.substrate.inputs()) inputs.push_back(file);
     refuse_to_overwrite(a.out, inputs);
+    if (!a.board.empty()) refuse_to_overwrite(a.board, inputs);
     const Progress progress = console_progress();
     const Journal journal =
         read_journal(strokes, a.brushes.empty() ? brush_presets() : read_brush_presets(a.brushes));
@@ -68,6 +69,10 @@ nlohmann::json run_replay(const ReplayArguments& a) {
     std::vector<PartToWrite> further;
     if (!residual.empty()) further.push_back(part_of(residual));
     write_canvas(out, canvas, progress, further);
+    if (!a.board.empty()) {
+        if (!session.board()) fail("--board {}: nothing was done on the palette", a.board);
+        write_canvas(a.board, *session.board(), progress);
+    }
 
     nlohmann::json volumes = nlohmann::json::object();
     const auto mm3 = canvas.volumes_mm3();
@@ -99,6 +104,8 @@ Command replay_command() {
             flags.option("FILES", a->files, "[PAINTING.exr] STROKES.jsonl: what to paint on, and the journal")
                 .required();
             flags.option("--out", a->out, "painting file to write (.exr)").required();
+            flags.option("--board", a->board,
+                         "painting file for the palette with what was mixed on it (.exr)");
             a->substrate.add_to(flags);
             a->frames.add_to(flags);
             flags.option("--palette", a->palette, "palette file (.json) with the paints that strokes name");

@@ -176,6 +176,12 @@ TEST(CliReplay, MixesOnThePaletteAndShowsHowItCameIntoBeing) {
     EXPECT_LT(run.json()["volumes_mm3"]["Pyrrole Red"], 20);
     EXPECT_EQ(run.json()["frames"], 3);  // bare, on the way, finished
     EXPECT_EQ(read_picture(f.dir / "frames" / "frame-00001.png").width(), 80);
+    ASSERT_TRUE(ended(f.replay(mixing, {"--board", f.path("board.exr")}), 0));
+    const double all = std::numbers::pi / 8 * 8 * 8 * 1.5, painted = run.json()["volumes_mm3"]["Pyrrole Red"];
+    const Finished board = tangipaint({"info", f.path("board.exr")});
+    EXPECT_LT(board.json()["paint"][0]["volumes_mm3"]["Pyrrole Red"], all - painted + 0.1);
+    EXPECT_TRUE(
+        ended(f.replay(kHeader + kStroke, {"--board", f.path("b.exr")}), 1, {"--board", "nothing was"}));
     EXPECT_GT(redness(read_picture(f.dir / "frames" / "frame-00003.png")),
               1.5 * redness(read_picture(f.dir / "frames" / "frame-00001.png")));
     EXPECT_TRUE(
