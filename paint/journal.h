@@ -44,7 +44,8 @@ struct RedoEvent {};
 struct DryEvent {  // {"event": "dry", "layer": "first sitting", "part": 1}
     std::string layer;
     double part = 1;
-    CanvasPart where = WholeCanvas{};  // "circle": {"x": 3, "y": 4, "radius_mm": 10} or "polygon": [[x, y], ...]
+    CanvasPart where =
+        WholeCanvas{};  // "circle": {"x": 3, "y": 4, "radius_mm": 10} or "polygon": [[x, y], ...]
 };
 struct LiftEvent {  // {"event": "lift", "layer": "first sitting"}
     std::string layer;

@@ -62,7 +62,7 @@ void SittingRecord::move_to_record(bool maybe_there) {
     std::string all = read_text_file(files_.record);
     if (!all.empty() && all.back() != '\n') all += '\n';
     std::string more = read_text_file(files_.unsaved);
-    more.resize(more.rfind('\n') + 1);  // a torn line counts for nothing
+    more.resize(more.rfind('\n') + 1);        // a torn line counts for nothing
     const auto first_line = more.find('\n');  // the format's name
     const std::string events = first_line == std::string::npos ? std::string() : more.substr(first_line + 1);
     if (!maybe_there || !all.ends_with(events)) write_text_file(files_.record, all + events);
