@@ -33,7 +33,10 @@ void SittingRecord::append(const Event& event) {
     if (!writer_) {
         // What was saved by a program that died before it could put the journal away must not be recovered
         // together with what follows.
-        if (fs::exists(files_.unsaved) && !left_over(files_)) move_to_record(true);
+        if (fs::is_regular_file(files_.unsaved) && !left_over(files_)) {
+            read_journal(files_.unsaved);  // it is one
+            move_to_record(true);
+        }
         writer_ = std::make_unique<JournalWriter>(files_.unsaved);
     }
     writer_->append(event);
