@@ -183,6 +183,31 @@ void write_canvas(const fs::path& path, const Canvas& canvas, const Progress& pr
     write_canvas(file, canvas, progress);
 }
 
+std::vector<PartToWrite> parts_beside_paint(const fs::path& path, const Progress& progress) {
+    std::vector<PartToWrite> kept;
+    for (const PartInfo& info : painting_parts(path)) {
+        if (info.name == kWet || info.name.starts_with(kDried)) continue;
+        auto planes = std::make_shared<std::vector<Image<float>>>(info.channels.size(),
+                                                                  Image<float>(info.width, info.height));
+        read_painting_part(
+            path, info,
+            [&](int y0, int y1, std::span<const float* const> rows) {
+                for (std::size_t c = 0; c < rows.size(); ++c)
+                    std::copy_n(rows[c], static_cast<std::ptrdiff_t>(y1 - y0) * info.width,
+                                (*planes)[c].row(y0).data());
+            },
+            progress);
+        kept.push_back({info, [planes](int y0, int y1, std::span<float* const> rows) {
+                            for (std::size_t c = 0; c < rows.size(); ++c) {
+                                const Image<float>& plane = (*planes)[c];
+                                std::copy_n(plane.row(y0).data(),
+                                            static_cast<std::ptrdiff_t>(y1 - y0) * plane.width(), rows[c]);
+                            }
+                        }});
+    }
+    return kept;
+}
+
 Canvas read_canvas(const fs::path& path, const Progress& progress, std::optional<double> mm_per_pixel) {
     const auto dry = std::make_shared<Surface>(read_painting(path, progress));
     const std::vector<PartInfo> parts = painting_parts(path);

@@ -65,6 +65,7 @@ const std::vector<PackageRule> kPackages = {
      {"OpenGL::", "GLEW::", "PkgConfig::epoxy"},
      {"viewer"},
      Where::anywhere},
+    {"X11", {"X11/"}, {"X11::"}, {"viewer"}, Where::sources},
     {"ImGui",
      {"imgui", "backends/imgui"},
      {"imgui", "ImGui::", "PkgConfig::imgui"},

@@ -2,6 +2,7 @@
 
 #include <GLFW/glfw3.h>
 
+#include <algorithm>
 #include <utility>
 
 namespace tangi {
@@ -37,6 +38,10 @@ Input::Input(GLFWwindow* window) : window_(window) {
         if (action != GLFW_RELEASE)
             of(w)->put({InputEvent::Kind::key, glfwGetTime(), cursor_of(w), key, mods});
     });
+    glfwSetDropCallback(window, [](GLFWwindow* w, int count, const char** paths) {
+        of(w)->woken_ = true;
+        of(w)->dropped_.insert(of(w)->dropped_.end(), paths, paths + count);
+    });
 }
 
 Input::~Input() { glfwSetWindowUserPointer(window_, nullptr); }
@@ -48,7 +53,22 @@ void Input::put(InputEvent event) {
 
 std::deque<InputEvent> Input::take() {
     woken_ = false;
+    const PenNews pens = pens_.take();
+    const auto moves = [](const InputEvent& event) {
+        return event.kind == InputEvent::Kind::move || event.kind == InputEvent::Kind::press;
+    };
+    if (!pens.samples.empty() || pens.down) {
+        const auto count = static_cast<std::size_t>(std::count_if(events_.begin(), events_.end(), moves));
+        std::size_t i = 0;
+        for (InputEvent& event : events_)
+            if (moves(event))
+                event.pen = pens.samples.empty() ? pen_ : sample_of(pens.samples, i++, count);
+        if (!pens.samples.empty()) pen_ = pens.samples.back();
+    }
+    if (pens.lost) events_.push_back({InputEvent::Kind::lost, glfwGetTime(), cursor_of(window_), 0, 0});
     return std::exchange(events_, {});
 }
+
+std::vector<std::filesystem::path> Input::take_dropped() { return std::exchange(dropped_, {}); }
 
 }  // namespace tangi

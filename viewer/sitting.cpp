@@ -8,6 +8,33 @@ namespace tangi {
 
 namespace fs = std::filesystem;
 
+namespace {
+
+// The events of two journals as the text of one.
+std::string joined(const fs::path& first, const fs::path& second) {
+    if (!fs::exists(second)) return fs::exists(first) ? read_text_file(first) : "";
+    if (!fs::exists(first)) return read_text_file(second);
+    std::string all = read_text_file(first);
+    if (!all.empty() && all.back() != '\n') all += '\n';
+    const std::string more = read_text_file(second);
+    const auto first_line = more.find('\n');  // the format's name
+    if (first_line != std::string::npos) all += more.substr(first_line + 1);
+    return all;
+}
+
+void put_aside(const SittingFiles& files) {
+    if (!fs::exists(files.unsaved)) return;
+    fs::path kept = files.painting;
+    kept.replace_extension(".discarded.jsonl");
+    for (int i = 2; fs::exists(kept); ++i) {
+        kept = files.painting;
+        kept.replace_extension(fmt::format(".discarded-{}.jsonl", i));
+    }
+    fs::rename(files.unsaved, kept);
+}
+
+}  // namespace
+
 SittingFiles sitting_files(const fs::path& painting) {
     const auto beside = [&](const char* ending) {
         fs::path path = painting;
@@ -42,25 +69,25 @@ void SittingRecord::put_away() {
         fs::rename(files_.unsaved, files_.record);
         return;
     }
-    std::string all = read_text_file(files_.record);
-    if (!all.empty() && all.back() != '\n') all += '\n';
-    const std::string more = read_text_file(files_.unsaved);
-    const auto first_line = more.find('\n');  // the format's name
-    if (first_line != std::string::npos) all += more.substr(first_line + 1);
-    write_text_file(files_.record, all);
+    write_text_file(files_.record, joined(files_.record, files_.unsaved));
     fs::remove(files_.unsaved);
 }
 
 void SittingRecord::discard() {
     writer_.reset();
-    if (!fs::exists(files_.unsaved)) return;
-    fs::path kept = files_.painting;
-    kept.replace_extension(".discarded.jsonl");
-    for (int i = 2; fs::exists(kept); ++i) {
-        kept = files_.painting;
-        kept.replace_extension(fmt::format(".discarded-{}.jsonl", i));
-    }
-    fs::rename(files_.unsaved, kept);
+    put_aside(files_);
+}
+
+void SittingRecord::move_to(const SittingFiles& files) {
+    writer_.reset();
+    put_aside(files);
+    const std::string all = joined(files_.record, files_.unsaved);
+    if (!all.empty())
+        write_text_file(files.record, all);
+    else
+        fs::remove(files.record);
+    fs::remove(files_.unsaved);
+    files_ = files;
 }
 
 }  // namespace tangi

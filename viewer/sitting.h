@@ -34,8 +34,9 @@ public:
     void put_away();
     // The user does not want it: kept under another name, x.discarded.jsonl.
     void discard();
-    // The painting has another name from now on, and what was recorded so far has been saved there.
-    void go_on_with(const SittingFiles& files) { files_ = files; }
+    // After the painting was saved under another name, which it has from now on: its record is what was
+    // recorded so far. A journal that another painting of that name left is put aside, as by discard().
+    void move_to(const SittingFiles& files);
 
 private:
     SittingFiles files_;

@@ -64,11 +64,31 @@ StrokeEvent WindowState::stroke(std::uint64_t seed) const {
     return event;
 }
 
+StrokeEvent WindowState::erasing_stroke(std::uint64_t seed) const {
+    StrokeEvent event = stroke(seed);
+    const auto eraser = brushes.find("eraser");
+    if (eraser == brushes.end()) return event;
+    event.brush = eraser->second;
+    event.brush.size_mm = brush.size_mm;
+    event.paint.clear();
+    event.start = BrushStart::clean;
+    return event;
+}
+
 void WindowState::take_up(const Probe& picked) {
     std::map<std::string, float> found;
     for (const auto& [name, part] : picked.recipe)
         if (palette.find(name) >= 0 && part > 0.005) found[name] = static_cast<float>(part);
     if (!found.empty()) mix = std::move(found);
+}
+
+Extent pane(const WindowState& state, Extent screen) {
+    return {state.comparing.aside() ? std::max(screen.width / 2, 1) : screen.width, screen.height};
+}
+
+Placement placement_of(const WindowState& state, Extent screen) {
+    const Tilt& tilt = state.comparing.on ? Tilt{} : state.tilt;
+    return Placement(state.view, tilt, state.flat, state.painting, pane(state, screen), state.mm_per_pixel);
 }
 
 Scene scene_of(const WindowState& state, const Placement& placement) {
