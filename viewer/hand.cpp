@@ -309,6 +309,9 @@ void Hand::act(Action action) {
         case Action::previous_photo:
             ask.step_photo = -1;
             break;
+        case Action::report:
+            ask.report_dialog = state_.comparing.news.book != nullptr;
+            break;
         case Action::open:
             ask.open_dialog = true;
             break;

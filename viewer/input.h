@@ -42,7 +42,8 @@ private:
     std::deque<InputEvent> events_;
     std::vector<std::filesystem::path> dropped_;
     PenDevices pens_;
-    PenSample pen_;  // the last one
+    PenSample pen_;     // the last one
+    glm::dvec2 at_{0};  // where the pointer was at the last event: when this is handled, it may be elsewhere
     bool woken_ = true;
 };
 

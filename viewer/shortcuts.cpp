@@ -97,6 +97,7 @@ const std::vector<Shortcut>& shortcuts() {
         {compare_way, "compare-way", "V", "side by side, wipe, blink, difference, colour difference"},
         {next_photo, "next-photo", "PageDown", "next photograph"},
         {previous_photo, "previous-photo", "PageUp", "previous photograph"},
+        {report, "report", "Ctrl+R", "report of the comparison with all photographs"},
         {open, "open", "Ctrl+O", "open"},
         {save, "save", "Ctrl+S", "save"},
         {save_as, "save-as", "Ctrl+Shift+S", "save under another name"},

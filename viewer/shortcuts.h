@@ -19,7 +19,7 @@ enum class Action {
     fit, one_to_one, straighten, turn_left, turn_right,
     light_left, light_right, light_up, light_down, shadows, loupe,
     brush_smaller, brush_larger, dry, undo, redo,
-    compare, compare_way, next_photo, previous_photo,
+    compare, compare_way, next_photo, previous_photo, report,
     open, save, save_as, snapshot, panels, help, close
 };
 

@@ -21,6 +21,7 @@ namespace {
 
 constexpr double kSweep_deg_per_s = 40;
 constexpr double kFrame_s = 1 / 60.0;
+constexpr double kProgress_s = 0.2;  // between two pictures of how far something is
 
 }  // namespace
 
@@ -29,6 +30,7 @@ WindowApp::WindowApp(WindowSetup setup, const Progress& progress)
       window_(fmt::format("{} - TangiPaint", setup.file.filename().string()), setup.width, setup.height),
       input_(window_.handle()),
       panels_(window_.handle()) {
+    state_.scale = panels_.scale();
     state_.palette = setup.palette;
     if (!setup.brushes.empty()) state_.brushes = setup.brushes;
     const auto wake = [] { glfwPostEmptyEvent(); };
@@ -147,7 +149,7 @@ bool WindowApp::frame() {
     const bool woken = input_.woken();
     const std::deque<InputEvent> events = input_.take();
     glfwGetFramebufferSize(window_.handle(), &window_size_.width, &window_size_.height);
-    left_ = hand_->panels_wanted() ? panels::kWidth : 0;
+    left_ = hand_->panels_wanted() ? panels::width(state_) : 0;
     const Extent screen{window_size_.width - static_cast<int>(left_), window_size_.height};
     const bool resized = screen.width != screen_.width || screen.height != screen_.height;
     if (screen.width > 0 && screen.height > 0) screen_ = screen;
@@ -159,7 +161,12 @@ bool WindowApp::frame() {
     for (const InputEvent& event : events)
         hand_->take(event, screen_, left_, panels_busy, dialog_ || ImGui::GetIO().WantTextInput);
     take_dropped();
-    if (desk_->look()) settle_ = std::max(settle_, 1);
+    progress_due_ |= desk_->look();
+    if (progress_due_ && now_s_ - progress_s_ > kProgress_s) {
+        settle_ = std::max(settle_, 1);
+        progress_s_ = now_s_;
+        progress_due_ = false;
+    }
     requests();
     news();
     if (auto opened = desk_->opened()) show(std::move(*opened), false);

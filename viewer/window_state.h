@@ -123,6 +123,7 @@ struct WindowState {
     std::optional<RegionStatistics> statistics;              // of it
     double frame_ms = 0;
     bool help = false;
+    float scale = 1;  // [1] of the panels: 2 on a screen of twice the usual density
     Keys keys;
     std::vector<std::string> pens;
 
@@ -140,7 +141,8 @@ struct WindowState {
              dry = false, snapshot = false, recover = false, discard = false, close = false,
              close_unsaved = false;
         bool stop_job = false, stop_report = false, open_dialog = false, save_dialog = false,
-             photos_dialog = false, fit_dialog = false, report_dialog = false, put_photos_away = false;
+             photos_dialog = false,
+             fit_dialog = false, report_dialog = false, put_photos_away = false;
         int step_photo = 0;
         std::optional<int> photo;
         std::filesystem::path open, save_as, photos, fit_folder, report;

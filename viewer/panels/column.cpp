@@ -24,7 +24,7 @@ void recent(WindowState& s) {
 void job(WindowState& s) {
     if (!s.job) return;
     ImGui::TextUnformatted(s.job_title.c_str());
-    ImGui::ProgressBar(static_cast<float>(s.job->fraction), {-60, 0}, s.job->stage.c_str());
+    ImGui::ProgressBar(static_cast<float>(s.job->fraction), {-60 * s.scale, 0}, s.job->stage.c_str());
     ImGui::SameLine();
     if (s.job->stopping)
         ImGui::TextDisabled("stops");
@@ -145,14 +145,14 @@ void canvas(WindowState& s) {
 
 void column(WindowState& s, float height) {
     ImGui::SetNextWindowPos({0, 0});
-    ImGui::SetNextWindowSize({kWidth, height});
+    ImGui::SetNextWindowSize({width(s), height});
     ImGui::Begin("column", nullptr,
                  ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove |
                      ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoSavedSettings);
     const auto section = [](const char* name, bool open) {
         return ImGui::CollapsingHeader(name, open ? ImGuiTreeNodeFlags_DefaultOpen : 0);
     };
-    ImGui::PushItemWidth(-90);
+    ImGui::PushItemWidth(-90 * s.scale);
     if (section("File", true)) file(s);
     if (section("Photographs", s.comparing.loaded)) photographs(s);
     if (section("Tools", true)) tools(s);
@@ -167,7 +167,7 @@ void column(WindowState& s, float height) {
 
 void help(WindowState& s) {
     if (!s.help) return;
-    ImGui::SetNextWindowPos({kWidth + 20, 20}, ImGuiCond_Appearing);
+    ImGui::SetNextWindowPos({width(s) + 20, 20}, ImGuiCond_Appearing);
     if (ImGui::Begin("Keys", &s.help, ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoSavedSettings)) {
         for (const Shortcut& shortcut : shortcuts())
             ImGui::Text("%-20s %s", s.keys.text(shortcut.action).c_str(), shortcut.help);

@@ -125,11 +125,14 @@ void photographs(WindowState& s) {
     else
         ImGui::TextDisabled("Region tool (%s): numbers of a part", s.keys.text(Action::tool_region).c_str());
     if (c.news.reporting) {
-        ImGui::ProgressBar(static_cast<float>(c.news.fraction), {-60, 0}, "report");
+        ImGui::ProgressBar(static_cast<float>(c.news.fraction), {-60 * s.scale, 0}, "report");
         ImGui::SameLine();
         if (ImGui::Button("Stop")) s.ask.stop_report = true;
-    } else if (ImGui::Button("Report ...")) {
-        s.ask.report_dialog = true;
+    } else {
+        if (ImGui::Button("Report ...")) s.ask.report_dialog = true;
+        if (ImGui::IsItemHovered())
+            ImGui::SetTooltip("%s: compare.html, compare.json and pictures of all photographs",
+                              s.keys.text(Action::report).c_str());
     }
 }
 

@@ -44,7 +44,7 @@ void palette(WindowState& s) {
         if (i % kColumns) ImGui::SameLine(0, 3);
         ImGui::PushID(static_cast<int>(i));
         if (ImGui::ColorButton("paint", as_colour(s.paint_colours[i]), ImGuiColorEditFlags_NoTooltip,
-                               {26, 26})) {
+                               {26 * s.scale, 26 * s.scale})) {
             if (!ImGui::GetIO().KeyShift) s.mix.clear();
             s.mix[paint.name] += 1;
             s.tool = Tool::paint;
@@ -55,14 +55,14 @@ void palette(WindowState& s) {
         ImGui::PopID();
     }
     ImGui::ColorButton("mixture", as_colour(Transfer{Transfer::Kind::srgb}.encode(s.mixed_colour())),
-                       ImGuiColorEditFlags_NoTooltip, {kWidth - 30, 24});
+                       ImGuiColorEditFlags_NoTooltip, {width(s) - 30 * s.scale, 24 * s.scale});
     if (ImGui::IsItemHovered()) ImGui::SetTooltip("the mixture, laid on thickly");
     std::string gone;
     for (auto& [name, part] : s.mix) {
         ImGui::PushID(name.c_str());
         if (ImGui::SmallButton("x") && s.mix.size() > 1) gone = name;
         ImGui::SameLine();
-        ImGui::PushItemWidth(80);
+        ImGui::PushItemWidth(80 * s.scale);
         ImGui::SliderFloat("##part", &part, 0, 4, "%.2f");
         ImGui::PopItemWidth();
         ImGui::SameLine();

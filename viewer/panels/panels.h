@@ -5,7 +5,8 @@
 
 namespace tangi::panels {
 
-inline constexpr float kWidth = 300;  // [pixels] of the column at the left
+// [pixels] of the column at the left.
+inline float width(const WindowState& state) { return 300 * state.scale; }
 
 // The column: File, Photographs, Tools, Light, Look, Paint, Palette, Canvas.
 void column(WindowState& state, float height);
