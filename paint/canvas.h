@@ -10,11 +10,15 @@
 #include <string>
 #include <vector>
 
+#include "paint/canvas_part.h"
 #include "paint/paint_layer.h"
 #include "paint/pigment.h"
 #include "surface/surface.h"
 
 namespace tangi {
+
+// Which canvas of a sitting something happens on.
+enum class Place { painting, palette };
 
 // A part of a recipe; the parts of a recipe count by their ratio.
 struct Portion {
@@ -84,9 +88,10 @@ struct Recipe {
 };
 Recipe recipe_at(const Canvas& canvas, double x, double y, double radius_px);
 
-// Turns a part of the wet paint (0..1], everywhere in `region`, into dry paint: a layer of its own with this
-// name, on top of those there are, or the topmost where that has the name already. Volume is conserved.
-void dry(Canvas& canvas, const std::string& name, const Region& region, double part = 1);
+// Turns a share of the wet paint (0..1] within `where` into dry paint: a layer of its own with this name, on
+// top of those there are, or the topmost where that has the name already. Volume is conserved. Where there is
+// no wet paint, nothing changes.
+void dry(Canvas& canvas, const std::string& name, const CanvasPart& where = {}, double share = 1);
 
 // Takes a dried layer off again. Throws Error where there is none of this name.
 void lift_off(Canvas& canvas, const std::string& name);

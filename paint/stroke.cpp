@@ -34,6 +34,7 @@ TransferRates rates_of(const BrushSettings& s, double length_px, double step_px,
     r.deposit = rate(s.deposit);
     r.pickup = rate(s.pickup);
     r.push = static_cast<float>(s.push);
+    r.hold_mm = static_cast<float>(s.hold_mm);
     r.film_mm = static_cast<float>(s.film_mm);
     r.reach_mm = static_cast<float>(s.reach_mm);
     r.load_reach = static_cast<float>(s.load_reach);

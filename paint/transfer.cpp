@@ -20,13 +20,14 @@ void exchange_row(int n, const TransferRates& r, const float* __restrict undersi
                   const float* __restrict total, const float* __restrict load, float* __restrict give,
                   float* __restrict take) {
     const float deposit = r.deposit, pickup = r.pickup, film = r.film_mm, reach0 = r.reach_mm,
-                reach1 = r.load_reach;
+                reach1 = r.load_reach, per_half = 2 / r.hold_mm;
     for (int x = 0; x < n; ++x) {
         const float reach = reach0 + reach1 * load[x];
         const float room = underside[x] - (relief[x] + total[x]);
         const float contact = std::min(std::max((reach - room) / reach, 0.0f), 1.0f) * grain[x];
         give[x] = deposit * contact;
-        take[x] = pickup * contact * std::max(total[x] - film, 0.0f) / (total[x] + kTiny);
+        const float thirst = std::min(std::max(2 - per_half * load[x], 0.0f), 1.0f);
+        take[x] = pickup * thirst * contact * std::max(total[x] - film, 0.0f) / (total[x] + kTiny);
     }
 }
 

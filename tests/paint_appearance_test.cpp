@@ -83,7 +83,7 @@ TEST(Appearance, GlossIsThePaintsWhereItCovers) {
 
 TEST(Appearance, LayersLieOnEachOther) {
     Canvas canvas = half_covered("Pyrrole Red", 0.05f);
-    dry(canvas, "under", canvas.region());
+    dry(canvas, "under");
     const Rgb red = appearance(canvas).diffuse(9, 9);
     const auto id = add_paint(canvas, "Titanium White");
     PaintTile tile;
