@@ -4,6 +4,7 @@
 #include "paint/canvas_file.h"
 #include "paint_support.h"
 #include "surface/painting_file.h"
+#include "surface/painting_parts.h"
 #include "viewer_support.h"
 
 namespace tangi {
@@ -208,6 +209,99 @@ TEST(Sitting, SavedJournalsAreNotRecoveredTwice) {
     record.discard();
     EXPECT_FALSE(left_over(files));
     EXPECT_THAT(names_in(folder.path()), testing::ElementsAre("a.discarded.jsonl", "a.exr"));
+}
+
+TEST_F(PainterTest, SavingKeepsWhatOtherModulesHaveInTheFile) {
+    const auto surface = flat_surface(200, 150);
+    PartToWrite part{{"errors", 200, 150, {"a", "b"}, {{"note", "of the fit"}}, false},
+                     [](int y0, int y1, std::span<float* const> planes) {
+                         for (int y = y0; y < y1; ++y)
+                             for (int x = 0; x < 200; ++x)
+                                 planes[1][static_cast<std::size_t>((y - y0) * 200 + x)] =
+                                     static_cast<float>(1000 * y + x);
+                     }};
+    {
+        AtomicFile file(file_);
+        write_painting(file, *surface, {&part, 1});
+    }
+    open();
+    for (int time = 0; time < 2; ++time) {
+        stroke();
+        painter_->save();
+        settle();
+        const auto parts = painting_parts(file_);
+        const auto kept = std::find_if(parts.begin(), parts.end(), [](const auto& p) { return p.name == "errors"; });
+        ASSERT_NE(kept, parts.end());
+        EXPECT_EQ(kept->attributes.at("note"), "of the fit");
+        int wrong = 0;
+        read_painting_part(file_, *kept, [&](int y0, int y1, std::span<const float* const> planes) {
+            for (int y = y0; y < y1; ++y)
+                for (int x = 0; x < 200; ++x) {
+                    const auto at = static_cast<std::size_t>((y - y0) * 200 + x);
+                    wrong += planes[0][at] != 0 || planes[1][at] != static_cast<float>(1000 * y + x);
+                }
+        });
+        EXPECT_EQ(wrong, 0);
+    }
+}
+
+TEST_F(PainterTest, SavedUnderAnotherNameTheRecordGoesAlong) {
+    write_painting(file_, *flat_surface(200, 150));
+    const std::string before = bytes_of(file_);
+    open();
+    stroke(0);
+    const fs::path other = folder_ / "b.exr";
+    write_bytes(folder_ / "b.unsaved.jsonl", "of another painting of this name");
+    painter_->save_as(other);
+    stroke(5);
+    const PainterNews news = settle();
+    EXPECT_EQ(painter_->file(), other);
+    EXPECT_TRUE(news.state.unsaved);
+    EXPECT_EQ(bytes_of(file_), before) << "the first file stays as it was";
+    EXPECT_FALSE(fs::exists(folder_ / "a.unsaved.jsonl"));
+    EXPECT_EQ(bytes_of(folder_ / "b.discarded.jsonl"), "of another painting of this name");
+    const auto strokes = [&](const char* file) {
+        const auto entries = read_journal(folder_ / file).entries;
+        return std::count_if(entries.begin(), entries.end(), [](const auto& entry) {
+            return std::holds_alternative<StrokeEvent>(entry.event);
+        });
+    };
+    EXPECT_EQ(strokes("b.strokes.jsonl"), 1);
+    EXPECT_EQ(strokes("b.unsaved.jsonl"), 1);
+    painter_->save();
+    settle();
+    EXPECT_EQ(strokes("b.strokes.jsonl"), 2);
+}
+
+TEST_F(PainterTest, ThePaletteIsShownWhereItChanges) {
+    write_painting(file_, *flat_surface(200, 150));
+    open();
+    EXPECT_FALSE(settle().state.has_board);
+    PaletteEvent lay_out;
+    lay_out.paints = {"Titanium White", "Ultramarine Blue"};
+    painter_->send(lay_out);
+    PainterNews news = settle();
+    EXPECT_THAT(news.messages, testing::IsEmpty());
+    ASSERT_TRUE(news.state.has_board);
+    ASSERT_EQ(news.board.size(), 1u) << "the whole of it, first";
+    EXPECT_EQ(news.board[0].region, (Region{0, 0, news.board[0].width, news.board[0].height}));
+    const auto blue = std::count_if(news.board[0].srgb.begin(), news.board[0].srgb.end(),
+                                    [](const auto& c) { return c.b > c.r + 40; });
+    EXPECT_GT(blue, 100) << "the pile is seen";
+    const std::size_t whole = news.board[0].srgb.size();
+    StrokeEvent event;
+    event.brush = even_brush();
+    event.on = Place::palette;
+    event.start = BrushStart::same;
+    painter_->send(event);
+    for (int i = 0; i <= 5; ++i) painter_->send(PointEvent{{.time_s = 0.01 * i, .x_mm = i - 3.0, .y_mm = 0}});
+    painter_->send(EndEvent{});
+    news = settle();
+    EXPECT_THAT(news.messages, testing::IsEmpty());
+    EXPECT_THAT(news.patches, testing::IsEmpty()) << "the painting has not changed";
+    std::size_t changed = 0;
+    for (const BoardPatch& patch : news.board) changed += patch.srgb.size();
+    EXPECT_LT(changed, whole);
 }
 
 }  // namespace

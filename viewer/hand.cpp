@@ -22,14 +22,41 @@ StrokePoint Hand::point(double time_s) const {
     point.time_s = std::max(0.0, time_s - stroke_began_s_);
     point.x_mm = (at.x - (state_.painting.width - 1) / 2.0) * state_.stroke_mm_per_pixel;
     point.y_mm = ((state_.painting.height - 1) / 2.0 - at.y) * state_.stroke_mm_per_pixel;
-    point.pressure = state_.pressure;
-    if (pen_) {
-        point.pressure = pen_->pressure;
-        point.tilt_x = pen_->tilt_x;
-        point.tilt_y = pen_->tilt_y;
-        point.rotation_deg = pen_->rotation_deg;
-    }
+    hold(point);
     return point;
+}
+
+// As the pen is held; a mouse has a slider for it.
+void Hand::hold(StrokePoint& point) const {
+    point.pressure = state_.pressure;
+    if (!pen_) return;
+    point.pressure = pen_->pressure;
+    point.tilt_x = pen_->tilt_x;
+    point.tilt_y = pen_->tilt_y;
+    point.rotation_deg = pen_->rotation_deg;
+}
+
+// [mm] from the middle of the palette.
+StrokePoint Hand::board_point(const InputEvent& event) const {
+    const BoardState& board = state_.board;
+    const auto& [x0, y0, x1, y1] = board.rect;
+    StrokePoint point;
+    point.time_s = std::max(0.0, event.time_s - stroke_began_s_);
+    const double mm = board.size.width * state_.stroke_mm_per_pixel / std::max(x1 - x0, 1.0f);
+    point.x_mm = (event.at.x - (x0 + x1) / 2) * mm;
+    point.y_mm = ((y0 + y1) / 2 - event.at.y) * mm;
+    hold(point);
+    return point;
+}
+
+void Hand::begin_board_stroke(const InputEvent& event) {
+    drag_ = Drag::panel;
+    if (state_.left_over_strokes > 0 || event.code != GLFW_MOUSE_BUTTON_LEFT) return;
+    drag_ = Drag::board;
+    stroke_began_s_ = event.time_s;
+    seed_ = std::random_device{}();
+    painter_.send(state_.board_stroke(seed_));
+    painter_.send(PointEvent{board_point(event)});
 }
 
 void Hand::take(const InputEvent& event, Extent screen, double left, bool panels_busy, bool typing) {
@@ -51,7 +78,9 @@ void Hand::take(const InputEvent& event, Extent screen, double left, bool panels
         case InputEvent::Kind::press:
             follow();
             if (drag_ != Drag::none) break;  // a second button changes nothing
-            if (!over_canvas_ || panels_busy)
+            if (state_.board.has(event.at))
+                begin_board_stroke(event);
+            else if (!over_canvas_ || panels_busy)
                 drag_ = Drag::panel;
             else
                 press(event);
@@ -169,6 +198,9 @@ void Hand::move(const InputEvent& event) {
         case Drag::paint:
             painter_.send(PointEvent{point(event.time_s)});
             break;
+        case Drag::board:
+            if (state_.board.rect[2] > 0) painter_.send(PointEvent{board_point(event)});
+            break;
         case Drag::size:
             state_.brush.size_mm = std::clamp(state_.brush.size_mm * std::exp(by.x / 150), 0.1, 500.0);
             break;
@@ -208,7 +240,7 @@ void Hand::move(const InputEvent& event) {
 }
 
 void Hand::let_go() {
-    if (drag_ == Drag::paint) painter_.send(EndEvent{});
+    if (drag_ == Drag::paint || drag_ == Drag::board) painter_.send(EndEvent{});
     if (drag_ == Drag::ruler && state_.ruler) painter_.profile(state_.ruler->first, state_.ruler->second);
     if (drag_ == Drag::region && state_.region) painter_.statistics(*state_.region);
     drag_ = Drag::none;

@@ -24,7 +24,7 @@ public:
     bool panels_wanted() const { return panels_; }
 
 private:
-    enum class Drag { none, tilt, light, pan, paint, size, ruler, region, divider, panel };
+    enum class Drag { none, tilt, light, pan, paint, size, ruler, region, divider, board, panel };
 
     void press(const InputEvent& event);
     void move(const InputEvent& event);
@@ -35,6 +35,9 @@ private:
     bool begin_stroke(const InputEvent& event, bool on_painting);
     Placement placement() const;
     StrokePoint point(double time_s) const;
+    void hold(StrokePoint& point) const;
+    StrokePoint board_point(const InputEvent& event) const;
+    void begin_board_stroke(const InputEvent& event);
 
     WindowState& state_;
     Painter& painter_;

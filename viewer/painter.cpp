@@ -137,6 +137,7 @@ void Painter::show_changes() {
         tiles_.update(surface_, region);
         for (TexelPatch& patch : patches_of(tiles_, region)) patches.push_back(std::move(patch));
     }
+    show_board();
     own_.can_undo = session_.history().can_undo();
     own_.can_redo = session_.history().can_redo();
     own_.strokes = session_.totals().strokes;
@@ -148,6 +149,28 @@ void Painter::show_changes() {
         news_.state = own_;
     }
     wake_();
+}
+
+// The palette: the whole of it when it is new, then what has changed.
+void Painter::show_board() {
+    Canvas* board = session_.board();
+    own_.has_board = board != nullptr;
+    if (!board) return;
+    const std::vector<TileIndex> dirty = board->take_dirty();
+    std::vector<BoardPatch> patches;
+    if (!board_) {
+        board_ = appearance(*board);
+        patches.push_back(board_patch(*board_, board->region()));
+    } else {
+        update_appearance(*board, dirty, *board_);
+        for (const TileIndex tile : dirty) {
+            const Region all = board->region(), r = board->wet().region_of(tile);
+            patches.push_back(board_patch(*board_, {std::max(r.x0 - 1, 0), std::max(r.y0 - 1, 0),
+                                                    std::min(r.x1 + 1, all.x1), std::min(r.y1 + 1, all.y1)}));
+        }
+    }
+    const std::lock_guard lock(mutex_);
+    for (BoardPatch& patch : patches) news_.board.push_back(std::move(patch));
 }
 
 void Painter::apply(const Event& event, bool recorded) {

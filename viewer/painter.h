@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "paint/session.h"
+#include "viewer/board_picture.h"
 #include "viewer/horizon.h"
 #include "viewer/measure.h"
 #include "viewer/renderer.h"
@@ -33,7 +34,7 @@ struct Probe {
 };
 
 struct PainterState {
-    bool can_undo = false, can_redo = false, unsaved = false, saving = false;
+    bool can_undo = false, can_redo = false, unsaved = false, saving = false, has_board = false;
     int strokes = 0, undone = 0, saves = 0;
     std::vector<std::string> layers;  // dried, from the bottom up
     std::size_t waiting = 0;          // events not painted yet
@@ -42,6 +43,7 @@ struct PainterState {
 // What has happened since it was last fetched.
 struct PainterNews {
     std::vector<TexelPatch> patches;
+    std::vector<BoardPatch> board;
     std::optional<HorizonMap> horizon;
     std::optional<Probe> probe, picked;
     std::optional<HeightProfile> profile;
@@ -91,6 +93,7 @@ private:
     void post(std::function<void()> job);
     void apply(const Event& event, bool recorded);
     void show_changes();
+    void show_board();
     void say(std::string text);
     void guarded(const std::function<void()>& action);
     void write(const std::filesystem::path& to);
@@ -99,6 +102,7 @@ private:
     // The painter's thread only, once it runs.
     Session session_;
     Surface surface_;
+    std::optional<Surface> board_;  // what the palette looks like
     TexelTiles tiles_;
     TexelRange range_;
     double mm_per_pixel_;

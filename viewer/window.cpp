@@ -132,6 +132,7 @@ void WindowApp::draw(bool moved) {
     if (compares) panels::held_photo(state_, held_.left(), held_.right(), screen_);
     if (hand_->panels_wanted()) panels::column(state_, static_cast<float>(window_size_.height));
     panels::measurements(state_);
+    panels::board(state_);
     panels::help(state_);
     if (dialog_ && !dialog_->draw()) dialog_.reset();
     panels::overlay(state_, place, screen_, hand_->cursor(), hand_->over_canvas());
@@ -155,7 +156,7 @@ bool WindowApp::frame() {
     if (screen.width > 0 && screen.height > 0) screen_ = screen;
     if (!fitted_) state_.view = fitted(state_.painting, pane(state_, screen_));
     fitted_ = true;
-    const bool floating = state_.help || dialog_ || state_.profile || state_.statistics;
+    const bool floating = state_.help || dialog_ || state_.profile || state_.statistics || state_.board.open;
     const bool panels_busy = ImGui::IsPopupOpen(nullptr, ImGuiPopupFlags_AnyPopup) ||
                              (floating && ImGui::GetIO().WantCaptureMouse);
     for (const InputEvent& event : events)

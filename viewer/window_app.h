@@ -40,6 +40,8 @@ private:
     void animate(double seconds);
     void draw(bool moved);
     void snapshot();
+    void take_board(const std::vector<BoardPatch>& patches);
+    void board_requests(const WindowState::Requests& ask);
     void say(const std::string& text);
     bool closing();
     Placement placement() const { return placement_of(state_, screen_); }
@@ -57,6 +59,7 @@ private:
     std::optional<panels::FileDialog> dialog_;
     LivePicture picture_;
     HeldPictures held_;
+    gl::Texture board_;
     gl::Target loupe_;
     std::optional<Journal> left_over_;
     std::deque<TexelPatch> patches_;

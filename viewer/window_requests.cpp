@@ -53,6 +53,8 @@ void WindowApp::show(OpenedPainting opened, bool is_first) {
     state_.closing = false;
     left_over_.reset();
     held_.clear();
+    board_ = gl::Texture();
+    state_.board = {};
     glfwSetWindowTitle(window_.handle(), fmt::format("{} - TangiPaint", state_.title).c_str());
     const std::size_t before = renderer_.uploaded_bytes();
     renderer_.set_painting(opened.tiles, surface.mm_per_pixel);
@@ -90,6 +92,42 @@ void WindowApp::find_left_over(const std::filesystem::path& file) {
     state_.left_over_strokes = std::max(1, static_cast<int>(strokes));
 }
 
+void WindowApp::take_board(const std::vector<BoardPatch>& patches) {
+    for (const BoardPatch& patch : patches) {
+        const Region& r = patch.region;
+        if (!board_) {
+            board_ = gl::make_texture();
+            state_.board.size = {patch.width, patch.height};
+            state_.board.texture = board_.id();
+            glBindTexture(GL_TEXTURE_2D, board_.id());
+            glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
+            glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+            glTexImage2D(GL_TEXTURE_2D, 0, GL_RGB8, patch.width, patch.height, 0, GL_RGB, GL_UNSIGNED_BYTE,
+                         nullptr);
+        }
+        glBindTexture(GL_TEXTURE_2D, board_.id());
+        glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
+        glTexSubImage2D(GL_TEXTURE_2D, 0, r.x0, r.y0, r.width(), r.height(), GL_RGB, GL_UNSIGNED_BYTE,
+                        patch.srgb.data());
+        glPixelStorei(GL_UNPACK_ALIGNMENT, 4);
+    }
+    if (!patches.empty()) settle_ = std::max(settle_, 1);
+}
+
+void WindowApp::board_requests(const WindowState::Requests& ask) {
+    if (ask.lay_out || ask.wipe_board) {
+        PaletteEvent event;
+        event.all_paints = ask.lay_out;
+        painter_->send(event);
+    }
+    if (!ask.squeeze) return;
+    PileEvent pile;
+    for (const auto& [name, part] : state_.mix)
+        if (part > 0) pile.paint.emplace_back(name, part);
+    pile.finish = state_.finish;
+    painter_->send(pile);
+}
+
 void WindowApp::news() {
     PainterNews news = painter_->fetch();
     if (news.state.saves != state_.painter.saves) desk_->remember(painter_->file());
@@ -100,6 +138,7 @@ void WindowApp::news() {
         glfwSetWindowTitle(window_.handle(), fmt::format("{} - TangiPaint", name).c_str());
     }
     for (TexelPatch& patch : news.patches) patches_.push_back(std::move(patch));
+    take_board(news.board);
     std::size_t bytes = 0;
     while (!patches_.empty() && bytes < kUploadBytes) {
         bytes += patches_.front().texels.size() * sizeof(Texel);
@@ -208,6 +247,7 @@ void WindowApp::requests() {
     if (ask.dry && !blocked)
         painter_->send(DryEvent{fmt::format("layer {}", state_.painter.layers.size() + 1), 1});
     if (!ask.lift.empty() && !blocked) painter_->send(LiftEvent{ask.lift});
+    if (!blocked) board_requests(ask);
     if (ask.recover && left_over_) {
         painter_->recover(std::move(*left_over_));
         left_over_.reset();

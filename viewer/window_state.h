@@ -72,6 +72,20 @@ struct Comparing {
     bool aside() const { return shows() && way == CompareWay::aside; }
 };
 
+// The palette that paints are mixed on, as it lies on the screen.
+struct BoardState {
+    bool open = false;
+    Extent size{};               // [pixels of the palette]
+    unsigned texture = 0;        // OpenGL's name of its picture
+    std::array<float, 4> rect{}; // [pixels of the window] x0, y0, x1, y1; all 0 where it is not seen
+    bool in_hand = false;        // strokes go on with what the brush took up there
+    bool wash = false;           // before the next stroke on it
+
+    bool has(const glm::dvec2& at) const {
+        return at.x >= rect[0] && at.y >= rect[1] && at.x < rect[2] && at.y < rect[3];
+    }
+};
+
 struct WindowState {
     WindowState();
 
@@ -108,6 +122,8 @@ struct WindowState {
     float pressure = 0.6f, stabiliser_mm = 0;
     bool dirty_brush = false;
     std::map<std::string, float> mix;  // parts of paints on the brush
+    PaintFinish finish;                // of the mixture
+    BoardState board;
     std::vector<Rgb> paint_colours;    // [sRGB] of the palette's paints, opaque
 
     // What the painter told, and the user.
@@ -143,6 +159,7 @@ struct WindowState {
         bool stop_job = false, stop_report = false, open_dialog = false, save_dialog = false,
              photos_dialog = false,
              fit_dialog = false, report_dialog = false, put_photos_away = false;
+        bool lay_out = false, wipe_board = false, squeeze = false;
         int step_photo = 0;
         std::optional<int> photo;
         std::filesystem::path open, save_as, photos, fit_folder, report;
@@ -152,7 +169,10 @@ struct WindowState {
     void use_brush(const std::string& name);
     // The mixture on the brush as linear Rec. 709, laid on thickly.
     Rgb mixed_colour() const;
+    // rho_s and alpha of the mixture: those that were chosen, else of its paints, by their parts.
+    glm::dvec2 mixed_gloss() const;
     StrokeEvent stroke(std::uint64_t seed) const;
+    StrokeEvent board_stroke(std::uint64_t seed);  // on the palette; washes the brush where that was asked for
     StrokeEvent erasing_stroke(std::uint64_t seed) const;  // of the brush `eraser`, as large as the one in use
     void take_up(const Probe& picked);
 };

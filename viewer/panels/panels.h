@@ -28,6 +28,9 @@ void overlay(WindowState& state, const Placement& placement, Extent screen, cons
 // state.comparing says.
 void held_photo(const WindowState& state, unsigned photo, unsigned relit, Extent screen);
 
+// The palette that paints are mixed on, in a window of its own.
+void board(WindowState& state);
+
 // Windows with the height along the ruler and statistics of the region, where there are such.
 void measurements(WindowState& state);
 
