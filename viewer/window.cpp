@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 
 #include "surface/error.h"
 #include "viewer/panels/panels.h"
@@ -183,7 +184,9 @@ bool WindowApp::frame() {
     const Placement place = placement();
     const Scene scene = scene_of(state_, place);
     const Shot shot = place.shot(1, true);
-    std::string seen(reinterpret_cast<const char*>(&shot), sizeof shot);
+    // Up to its last member (always the same): what comes after that is padding, which is never the same.
+    constexpr std::size_t kShotBytes = offsetof(Shot, smooth);
+    std::string seen(reinterpret_cast<const char*>(&shot), kShotBytes);
     for (const Light& light : scene.lights)
         seen += fmt::format("{} {} {} {} {}", light.direction.x, light.direction.y, light.direction.z,
                             light.gain.r, light.position_mm ? light.position_mm->z : 0);
@@ -193,7 +196,7 @@ bool WindowApp::frame() {
                         scene.sharpness, scene.lowest_mm, scene.highest_mm);
     const Comparing& comparing = state_.comparing;
     if (comparing.shows())
-        seen = fmt::format("{} {} {} {} {}", seen.substr(0, sizeof shot),
+        seen = fmt::format("{} {} {} {} {}", seen.substr(0, kShotBytes),
                            static_cast<const void*>(comparing.news.held.get()), static_cast<int>(comparing.way),
                            comparing.divider, comparing.blink_photo);
     const bool moved = seen != seen_;

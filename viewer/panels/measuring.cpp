@@ -18,7 +18,7 @@ void profile(WindowState& s) {
     ImGui::Text("%.2f %s long, heights from %.3f to %.3f %s", length, unit, static_cast<double>(*low),
                 static_cast<double>(*high), unit);
     ImGui::PlotLines("##heights", p.height_mm.data(), static_cast<int>(p.height_mm.size()), 0, nullptr, *low,
-                     std::max(*high, *low + 1e-6f), {-1, 110});
+                     std::max(*high, *low + 1e-6f), {ImGui::GetContentRegionAvail().x, 110 * s.scale});
     if (ImGui::Button("Copy as CSV")) ImGui::SetClipboardText(csv_of(p).c_str());
 }
 
@@ -47,7 +47,7 @@ void measurements(WindowState& s) {
     const auto begin = [&](const char* name, float from_bottom, bool& open) {
         const ImVec2 size = ImGui::GetIO().DisplaySize;
         ImGui::SetNextWindowPos({size.x - 12, size.y - from_bottom}, ImGuiCond_Appearing, {1, 1});
-        ImGui::SetNextWindowSize({400, 0});
+        ImGui::SetNextWindowSize({400 * s.scale, 0});
         ImGui::Begin(name, &open, ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoSavedSettings |
                                       ImGuiWindowFlags_NoFocusOnAppearing);
     };
@@ -60,7 +60,7 @@ void measurements(WindowState& s) {
     }
     if (s.statistics && s.region) {
         bool open = true;
-        begin("Region", s.profile ? 250 : 40, open);
+        begin("Region", s.profile ? 40 + 210 * s.scale : 40, open);
         statistics(s);
         ImGui::End();
         if (!open) {
