@@ -50,14 +50,14 @@ Stack open_as_fitted(PhotosArguments arguments, const Surface& surface) {
     if (arguments.mask.empty()) arguments.mask = fitted.mask;
     if (!arguments.lights.empty() || !arguments.capture.empty() ||
         (fitted.lights.empty() && fitted.capture.empty()))
-        return arguments.open();
+        return arguments.open_usable();
     try {
-        return arguments.open();  // of lights, what lies in the folder comes first
+        return arguments.open_usable();  // of lights, what lies in the folder comes first
     } catch (const Error& error) {
         arguments.lights = fitted.lights;
         arguments.capture = fitted.capture;
         try {
-            return arguments.open();
+            return arguments.open_usable();
         } catch (const Error&) {
             throw error;
         }

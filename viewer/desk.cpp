@@ -28,11 +28,16 @@ Desk::Desk(WindowState& state, Setup setup) : state_(state), setup_(std::move(se
     state_.recent = recent_paintings(setup_.settings);
 }
 
-void Desk::shows(const Painter& painter) {
-    comparison_.reset();
-    measured_.reset();
-    lit_ = -1;
+// Looking does not wait for the photograph that is being measured.
+void Desk::put_photos_away() {
     state_.comparing = {};
+    lit_ = -1;
+    if (comparison_) put_away_ = std::async(std::launch::async, [old = std::move(comparison_)] {});
+}
+
+void Desk::shows(const Painter& painter) {
+    put_photos_away();
+    measured_.reset();
     if (fs::exists(painter.file())) remember(painter.file());
 }
 
@@ -75,9 +80,7 @@ void Desk::fit(const fs::path& folder) {
 }
 
 void Desk::hold_photos(const fs::path& folder, const Painter& painter) {
-    comparison_.reset();  // waits for it, before the next one wants the processor
-    lit_ = -1;
-    state_.comparing = {};
+    put_photos_away();
     state_.comparing.loaded = state_.comparing.on = true;
     state_.comparing.folder = folder.string();
     comparison_ = std::make_unique<Comparison>(
@@ -113,8 +116,7 @@ void Desk::take(const WindowState::Requests& ask, const Painter& painter) {
     if (!ask.photos.empty() && setup_.workshop.open_photos) hold_photos(ask.photos, painter);
     if (!comparison_) return;
     if (ask.put_photos_away) {
-        comparison_.reset();
-        state_.comparing = {};
+        put_photos_away();
         return;
     }
     if (ask.photo) turn_to(*ask.photo);
@@ -150,8 +152,7 @@ bool Desk::look() {
     Comparison::News news = comparison_->fetch();
     for (const std::string& message : news.messages) setup_.say(message);
     if (news.failed) {
-        comparison_.reset();
-        state_.comparing = {};
+        put_photos_away();
         return true;
     }
     state_.comparing.news = std::move(news);

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <functional>
+#include <future>
 #include <memory>
 #include <optional>
 
@@ -51,6 +52,7 @@ private:
     void fit(const std::filesystem::path& folder);
     void step(int by);
     void turn_to(int index);
+    void put_photos_away();
     void start(std::string title, std::function<void(const Progress&)> work);
 
     WindowState& state_;
@@ -59,6 +61,7 @@ private:
     std::optional<std::pair<std::filesystem::path, std::string>> fitted_;  // the same
     std::unique_ptr<Job> job_;
     std::unique_ptr<Comparison> comparison_;
+    std::future<void> put_away_;  // one that still measures a photograph that nobody wants any more
     std::optional<Region> measured_;
     bool worked_ = false;
     int lit_ = -1;  // the photograph at whose lamp the painting is lit

@@ -55,9 +55,11 @@ void dropped(WindowState& s) {
 
 void file(WindowState& s) {
     ImGui::TextUnformatted(fmt::format("{}{}", s.title, s.painter.unsaved ? " *" : "").c_str());
-    ImGui::TextDisabled("%d x %d pixels, %.1f x %.1f %s", s.painting.width, s.painting.height,
-                        s.painting.width * s.mm_per_pixel, s.painting.height * s.mm_per_pixel,
-                        s.scale_known ? "mm" : "px (scale unknown)");
+    if (s.scale_known)
+        ImGui::TextDisabled("%d x %d pixels, %.1f x %.1f mm", s.painting.width, s.painting.height,
+                            s.painting.width * s.mm_per_pixel, s.painting.height * s.mm_per_pixel);
+    else
+        ImGui::TextDisabled("%d x %d pixels, scale unknown", s.painting.width, s.painting.height);
     if (s.left_over_strokes > 0) {
         ImGui::TextColored({1, 0.8f, 0.3f, 1}, "A sitting ended without saving.");
         if (ImGui::Button(fmt::format("Recover {} strokes (Enter)", s.left_over_strokes).c_str()))
@@ -114,7 +116,7 @@ void tools(WindowState& s) {
     if (ImGui::Button("1:1 (1)")) s.ask.one_to_one = true;
     ImGui::SameLine();
     if (ImGui::Button("Straighten (R)")) s.ask.straighten = true;
-    ImGui::Checkbox("Flat: the screen tilts, not the picture", &s.flat);
+    ImGui::Checkbox("Flat: the screen tilts", &s.flat);
     auto turn = static_cast<float>(s.view.turn_deg);
     if (ImGui::SliderFloat("Turn", &turn, -180, 180, "%.0f deg")) s.view.turn_deg = turn;
     float tilt[2] = {static_cast<float>(s.tilt.angle_deg.x), static_cast<float>(s.tilt.angle_deg.y)};
@@ -154,7 +156,11 @@ void column(WindowState& s, float height) {
     };
     ImGui::PushItemWidth(-90 * s.scale);
     if (section("File", true)) file(s);
-    if (section("Photographs", s.comparing.loaded)) photographs(s);
+    // Unfolded when there are photographs, however they came.
+    bool* unfolded = ImGui::GetStateStorage()->GetBoolRef(ImGui::GetID("photographs are there"));
+    if (s.comparing.loaded && !*unfolded) ImGui::SetNextItemOpen(true);
+    *unfolded = s.comparing.loaded;
+    if (section("Photographs", false)) photographs(s);
     if (section("Tools", true)) tools(s);
     if (section("Light", true)) light(s);
     if (section("Look", false)) look(s);

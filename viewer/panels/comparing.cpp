@@ -107,6 +107,18 @@ void photographs(WindowState& s) {
     ImGui::SameLine();
     if (ImGui::SmallButton("Put away")) s.ask.put_photos_away = true;
     list(s);
+    if (const auto& warnings = c.news.book->warnings(); !warnings.empty()) {
+        ImGui::TextDisabled("%zu warnings (?)", warnings.size());
+        if (ImGui::IsItemHovered()) {
+            std::string all;
+            for (const std::string& warning : warnings) all += warning + "\n";
+            ImGui::BeginTooltip();
+            ImGui::PushTextWrapPos(500 * s.scale);
+            ImGui::TextUnformatted(all.c_str());
+            ImGui::PopTextWrapPos();
+            ImGui::EndTooltip();
+        }
+    }
     if (ImGui::ArrowButton("previous", ImGuiDir_Left)) s.ask.step_photo = -1;
     ImGui::SameLine();
     if (ImGui::ArrowButton("next", ImGuiDir_Right)) s.ask.step_photo = 1;
