@@ -111,7 +111,7 @@ void WindowApp::take_board(const std::vector<BoardPatch>& patches) {
                         patch.srgb.data());
         glPixelStorei(GL_UNPACK_ALIGNMENT, 4);
     }
-    if (!patches.empty()) settle_ = std::max(settle_, 1);
+    if (!patches.empty()) settle_ = kFramesAfterwards;
 }
 
 void WindowApp::board_requests(const WindowState::Requests& ask) {

@@ -108,7 +108,12 @@ bool FileDialog::draw() {
     focus_ = false;
     ImGui::PushItemWidth(-1);
     const char* hint = wants_ == Wants::folder ? "this folder, or the name of one" : "name, or a whole path";
-    if (ImGui::InputTextWithHint("##name", hint, &typed_, ImGuiInputTextFlags_EnterReturnsTrue)) {
+    bool entered = ImGui::InputTextWithHint("##name", hint, &typed_, ImGuiInputTextFlags_EnterReturnsTrue);
+    // Also where the name has lost the keyboard, as after a complaint.
+    if (!entered && !ImGui::IsItemActive())
+        for (const ImGuiKey key : {ImGuiKey_Enter, ImGuiKey_KeyPadEnter})
+            entered |= ImGui::IsKeyPressed(ImGui::GetKeyIndex(key), false);
+    if (entered) {
         done = accept();
         focus_ = !done;
     }
