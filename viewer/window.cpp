@@ -160,8 +160,13 @@ bool WindowApp::frame() {
     const bool floating = state_.help || dialog_ || state_.profile || state_.statistics || state_.board.open;
     const bool panels_busy = ImGui::IsPopupOpen(nullptr, ImGuiPopupFlags_AnyPopup) ||
                              (floating && ImGui::GetIO().WantCaptureMouse);
-    for (const InputEvent& event : events)
+    for (const InputEvent& event : events) {
+        if (dialog_ && event.kind == InputEvent::Kind::key) {
+            if (event.code == GLFW_KEY_ENTER || event.code == GLFW_KEY_KP_ENTER) dialog_->enter();
+            if (event.code == GLFW_KEY_ESCAPE) dialog_->escape();
+        }
         hand_->take(event, screen_, left_, panels_busy, dialog_ || ImGui::GetIO().WantTextInput);
+    }
     take_dropped();
     progress_due_ |= desk_->look();
     if (progress_due_ && now_s_ - progress_s_ > kProgress_s) {

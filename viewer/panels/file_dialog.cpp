@@ -5,6 +5,7 @@
 #include <imgui_stdlib.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "surface/picture_file.h"
 
@@ -108,12 +109,8 @@ bool FileDialog::draw() {
     focus_ = false;
     ImGui::PushItemWidth(-1);
     const char* hint = wants_ == Wants::folder ? "this folder, or the name of one" : "name, or a whole path";
-    bool entered = ImGui::InputTextWithHint("##name", hint, &typed_, ImGuiInputTextFlags_EnterReturnsTrue);
-    // Also where the name has lost the keyboard, as after a complaint.
-    if (!entered && !ImGui::IsItemActive())
-        for (const ImGuiKey key : {ImGuiKey_Enter, ImGuiKey_KeyPadEnter})
-            entered |= ImGui::IsKeyPressed(ImGui::GetKeyIndex(key), false);
-    if (entered) {
+    ImGui::InputTextWithHint("##name", hint, &typed_);
+    if (std::exchange(entered_, false)) {
         done = accept();
         focus_ = !done;
     }
@@ -121,7 +118,7 @@ bool FileDialog::draw() {
     const char* verb = wants_ == Wants::new_file ? "Save" : wants_ == Wants::folder ? "Choose" : "Open";
     if (ImGui::Button(verb)) done = accept();
     ImGui::SameLine();
-    if (ImGui::Button("Cancel") || ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_Escape))) open = false;
+    if (ImGui::Button("Cancel") || given_up_) open = false;
     ImGui::SameLine();
     ImGui::TextColored({1, 0.7f, 0.3f, 1}, "%s", complaint_.c_str());
     ImGui::End();

@@ -18,7 +18,11 @@ public:
     FileDialog(std::string title, Wants wants, std::string ending, const std::filesystem::path& start,
                std::function<void(const std::filesystem::path&)> chosen);
 
-    // False once it is over: chosen, or given up (Escape).
+    // Keys that Dear ImGui 1.86 does not see where they are let go before the next frame.
+    void enter() { entered_ = true; }
+    void escape() { given_up_ = true; }
+
+    // False once it is over: chosen, or given up.
     bool draw();
 
     // What choosing `typed` in `folder` means: an existing file, a folder, a new file with its ending; or why
@@ -41,7 +45,7 @@ private:
     std::vector<std::string> folders_, files_;
     std::function<void(const std::filesystem::path&)> chosen_;
     std::string overwrites_;  // was asked about
-    bool focus_ = true;
+    bool focus_ = true, entered_ = false, given_up_ = false;
 };
 
 }  // namespace tangi::panels
