@@ -188,11 +188,11 @@ TEST_F(Window, HoldsPhotographsAgainstThePainting) {
     screen_->settled();
     screen_->key("ctrl+r");
     screen_->settled();
-    screen_->type((folder_ / "report").string());  // not there: it is said so, and the dialog stays
+    screen_->enter((folder_ / "report").string());  // not there: it is said so, and the dialog stays
     screen_->settled();
     EXPECT_FALSE(fs::exists(folder_ / "report"));
     fs::create_directory(folder_ / "report");
-    screen_->type("");
+    screen_->enter("");
     const fs::path page = folder_ / "report" / "compare.html";
     EXPECT_TRUE(Screen::until([&] { return fs::exists(page); }));
     const auto report = nlohmann::json::parse(bytes_of(folder_ / "report" / "compare.json"));
@@ -202,7 +202,7 @@ TEST_F(Window, HoldsPhotographsAgainstThePainting) {
     screen_->key("ctrl+shift+s");
     screen_->settled();
     screen_->x({"key", "ctrl+a"});
-    screen_->type((folder_ / "copy.exr").string());
+    screen_->enter((folder_ / "copy.exr").string());
     EXPECT_TRUE(Screen::until([&] { return fs::exists(folder_ / "copy.exr"); }));
     screen_->settled();
     EXPECT_EQ(close().json()["painting"], (folder_ / "copy.exr").string()) << "it has that name from then on";
@@ -218,7 +218,7 @@ TEST_F(Window, OpensAnotherPainting) {
     screen_->settled();
     screen_->key("ctrl+o");
     screen_->settled();
-    screen_->type((folder_ / "blue.exr").string());
+    screen_->enter((folder_ / "blue.exr").string());
     screen_->settled();
     EXPECT_EQ(read_canvas(painting_).wet().empty(), true);
     screen_->key("Return");  // save what is not saved, and open

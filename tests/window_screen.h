@@ -48,7 +48,10 @@ public:
     }
     void key(const std::string& name) const { x({"key", name}); }
     // Into what has the keyboard, and Enter.
-    void type(const std::string& text) const { x({"type", "--delay", "20", text + "\n"}); }
+    void enter(const std::string& text) const {
+        if (!text.empty()) x({"type", "--delay", "20", text});
+        key("Return");
+    }
     void drag(int button, std::pair<int, int> from, std::pair<int, int> to) const {
         const std::string b = std::to_string(button);
         std::vector<std::string> words = {"mousemove", std::to_string(from.first),
