@@ -43,7 +43,8 @@ nlohmann::json run_compare(const CompareArguments& arguments) {
     const Surface surface = read_painting(arguments.painting, progress);
     Stack photos = arguments.photos.open();
     require_place_for_report(arguments, photos);
-    const auto [stack, development] = photos_to_compare(std::move(photos), arguments.photos, surface, progress);
+    const auto [stack, development] =
+        photos_to_compare(std::move(photos), arguments.photos, surface, progress);
     const CompareReport report = write_comparison(arguments.out, surface, stack, arguments.options, progress,
                                                   read_faithful(arguments.painting, surface, progress));
     nlohmann::json result = to_json(report);

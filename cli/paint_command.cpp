@@ -92,7 +92,8 @@ nlohmann::json run_paint(const PaintArguments& a) {
     setup.photos = a.photos.folder;
     setup.settings = settings_folder();
     const WindowResult result = run_window(std::move(setup), progress);
-    return {{"painting", fs::exists(result.file) ? nlohmann::json(result.file.string()) : nlohmann::json(nullptr)},
+    return {{"painting",
+             fs::exists(result.file) ? nlohmann::json(result.file.string()) : nlohmann::json(nullptr)},
             {"strokes", result.strokes},
             {"saves", result.saves},
             {"unsaved", result.unsaved},
@@ -106,30 +107,29 @@ nlohmann::json run_paint(const PaintArguments& a) {
 }  // namespace
 
 Command paint_command() {
-    return {"paint", "hold a painting, tilt it, light it and paint on it: the window", [](Flags& flags) {
-                auto a = std::make_shared<PaintArguments>();
-                flags.option("PAINTING", a->painting,
-                             "painting file (.exr); saved in place, its dry layer never changes");
-                flags.option(
-                    "--substrate", a->substrate,
-                    "paint on a new canvas, linen, burlap, panel, gesso or paper instead of a painting");
-                flags.option("--out", a->out,
-                             "where a new canvas is saved (.exr); untitled-1.exr where not given");
-                flags.option("--photos", a->photos.folder,
-                             "folder of photographs to hold against the painting");
-                flags.option("--lights", a->photos.lights,
-                             "their lights file (.lp); where not given, the only one in the folder");
-                flags.option("--capture", a->photos.capture, "their capture.json");
-                flags.option("--palette", a->palette, "palette file (.json)");
-                flags.option("--brushes", a->brushes, "presets file (.json) with further brushes");
-                flags
-                    .option("--mm-per-pixel", a->mm_per_pixel,
-                            "size of the painting's pixels where the file does not say")
-                    .check(within(1e-4, 1e3));
-                flags.option("--size", a->size, "of the window in pixels").show_default();
-                flags.fields(a->piece);
-                return [a] { return run_paint(*a); };
-            }};
+    return {
+        "paint", "hold a painting, tilt it, light it and paint on it: the window", [](Flags& flags) {
+            auto a = std::make_shared<PaintArguments>();
+            flags.option("PAINTING", a->painting,
+                         "painting file (.exr); saved in place, its dry layer never changes");
+            flags.option("--substrate", a->substrate,
+                         "paint on a new canvas, linen, burlap, panel, gesso or paper instead of a painting");
+            flags.option("--out", a->out,
+                         "where a new canvas is saved (.exr); untitled-1.exr where not given");
+            flags.option("--photos", a->photos.folder, "folder of photographs to hold against the painting");
+            flags.option("--lights", a->photos.lights,
+                         "their lights file (.lp); where not given, the only one in the folder");
+            flags.option("--capture", a->photos.capture, "their capture.json");
+            flags.option("--palette", a->palette, "palette file (.json)");
+            flags.option("--brushes", a->brushes, "presets file (.json) with further brushes");
+            flags
+                .option("--mm-per-pixel", a->mm_per_pixel,
+                        "size of the painting's pixels where the file does not say")
+                .check(within(1e-4, 1e3));
+            flags.option("--size", a->size, "of the window in pixels").show_default();
+            flags.fields(a->piece);
+            return [a] { return run_paint(*a); };
+        }};
 }
 
 }  // namespace tangi

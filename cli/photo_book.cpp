@@ -72,10 +72,9 @@ ColourScale scale_of(ColourMap map, double lowest, double highest) {
 }
 
 HeldPhoto::Picture in_8_bits(const Image<Rgb>& picture, int reduced) {
-    const Image<Rgb> shown =
-        reduced == 1 ? picture
-                     : resized(picture, (picture.width() + reduced - 1) / reduced,
-                               (picture.height() + reduced - 1) / reduced);
+    const Image<Rgb> shown = reduced == 1 ? picture
+                                          : resized(picture, (picture.width() + reduced - 1) / reduced,
+                                                    (picture.height() + reduced - 1) / reduced);
     HeldPhoto::Picture bytes(shown.width(), shown.height());
     for (std::size_t i = 0; i < shown.size(); ++i)
         bytes.pixels()[i] = glm::u8vec3(glm::round(glm::clamp(shown.pixels()[i], 0.0f, 1.0f) * 255.0f));
@@ -176,7 +175,8 @@ public:
             const bool out =
                 std::find(left_out.begin(), left_out.end(), static_cast<int>(i)) != left_out.end();
             if (out)
-                stack.warnings.push_back(fmt::format("{}: left out: it cannot be read", all_[i].path.string()));
+                stack.warnings.push_back(
+                    fmt::format("{}: left out: it cannot be read", all_[i].path.string()));
             else
                 stack.photos.push_back(all_[i]);
         }

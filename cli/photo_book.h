@@ -1,4 +1,5 @@
-// photo_book.h: photographs as `compare` reads them, and as the book that the window holds against a painting.
+// photo_book.h: photographs as `compare` reads them, and as the book that the window holds against a
+// painting.
 #pragma once
 
 #include <memory>

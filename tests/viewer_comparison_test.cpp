@@ -17,7 +17,8 @@ namespace {
 class Book : public PhotoBook {
 public:
     explicit Book(std::atomic<int>& reads, std::size_t bytes = 1000) : reads_(reads), bytes_(bytes) {
-        for (int i = 0; i < 5; ++i) entries_.push_back({fmt::format("{}.png", i), distant_light({0, 0, 1}), i > 0});
+        for (int i = 0; i < 5; ++i)
+            entries_.push_back({fmt::format("{}.png", i), distant_light({0, 0, 1}), i > 0});
     }
     const std::vector<Entry>& entries() const override { return entries_; }
     const std::vector<std::string>& warnings() const override { return warnings_; }
@@ -57,7 +58,8 @@ class ComparisonTest : public testing::Test {
 protected:
     void open(std::size_t bytes = 1000) {
         comparison_ = std::make_unique<Comparison>(
-            "photos", [this, bytes](const Progress&) { return std::make_unique<Book>(reads_, bytes); }, [] {});
+            "photos", [this, bytes](const Progress&) { return std::make_unique<Book>(reads_, bytes); },
+            [] {});
     }
     // What there is once this is so; ten seconds at most.
     Comparison::News once(const std::function<bool(const Comparison::News&)>& so) {
@@ -150,22 +152,24 @@ TEST_F(ComparisonTest, AReportStops) {
 
 TEST_F(ComparisonTest, AFolderThatCannotBeOpenedSaysWhy) {
     comparison_ = std::make_unique<Comparison>(
-        "photos", [](const Progress&) -> std::unique_ptr<PhotoBook> { fail("photos: no lights file"); }, [] {});
+        "photos", [](const Progress&) -> std::unique_ptr<PhotoBook> { fail("photos: no lights file"); },
+        [] {});
     once([](const auto& n) { return n.failed; });
     EXPECT_THAT(messages_, testing::ElementsAre("photos: no lights file"));
 }
 
 TEST(Job, StopsWhenAsked) {
     std::atomic<bool> began = false;
-    Job job("a long one",
-            [&](const Progress& progress) {
-                for (;;) {
-                    report(progress, "stage", 0.5);
-                    began = true;
-                    std::this_thread::sleep_for(std::chrono::milliseconds(1));
-                }
-            },
-            [] {});
+    Job job(
+        "a long one",
+        [&](const Progress& progress) {
+            for (;;) {
+                report(progress, "stage", 0.5);
+                began = true;
+                std::this_thread::sleep_for(std::chrono::milliseconds(1));
+            }
+        },
+        [] {});
     while (!began) std::this_thread::yield();
     EXPECT_EQ(job.state().stage, "stage");
     job.stop();
@@ -175,7 +179,8 @@ TEST(Job, StopsWhenAsked) {
 }
 
 TEST(Job, TellsWhyItFailed) {
-    Job job("a bad one", [](const Progress&) { fail("the disk is full"); }, [] {});
+    Job job(
+        "a bad one", [](const Progress&) { fail("the disk is full"); }, [] {});
     while (!job.state().over) std::this_thread::yield();
     EXPECT_EQ(job.state().error, "the disk is full");
     EXPECT_FALSE(job.state().cancelled);

@@ -35,7 +35,8 @@ TEST(HeightProfile, EndsWhereThePaintingDoes) {
     const HeightProfile p = height_profile(s, {-100, 10}, {100, 10});
     EXPECT_DOUBLE_EQ(p.from_px.x, -0.5);
     EXPECT_DOUBLE_EQ(p.to_px.x, 39.5);
-    EXPECT_NEAR(static_cast<double>(p.height_mm.size() - 1) * p.step_mm, 20, 1e-9) << "as wide as the painting";
+    EXPECT_NEAR(static_cast<double>(p.height_mm.size() - 1) * p.step_mm, 20, 1e-9)
+        << "as wide as the painting";
     EXPECT_THAT(height_profile(s, {-100, -50}, {100, -50}).height_mm, testing::IsEmpty());
     EXPECT_THAT(height_profile(s, {200, 0}, {300, 20}).height_mm, testing::IsEmpty());
     EXPECT_EQ(height_profile(s, {5, 5}, {5, 5}).height_mm.size(), 0u) << "a click is no line";

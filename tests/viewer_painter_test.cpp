@@ -230,7 +230,8 @@ TEST_F(PainterTest, SavingKeepsWhatOtherModulesHaveInTheFile) {
         painter_->save();
         settle();
         const auto parts = painting_parts(file_);
-        const auto kept = std::find_if(parts.begin(), parts.end(), [](const auto& p) { return p.name == "errors"; });
+        const auto kept =
+            std::find_if(parts.begin(), parts.end(), [](const auto& p) { return p.name == "errors"; });
         ASSERT_NE(kept, parts.end());
         EXPECT_EQ(kept->attributes.at("note"), "of the fit");
         int wrong = 0;

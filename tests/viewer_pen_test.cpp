@@ -12,15 +12,19 @@ namespace {
 
 // As the drivers for Wacom tablets describe a pen.
 std::vector<PenAxis> axes(double pressure, double tilt_x_deg, double tilt_y_deg, double wheel = 0) {
-    return {{0, "Abs X", 0, 44704, 100},           {1, "Abs Y", 0, 27940, 100},
-            {2, "Abs Pressure", 0, 2048, pressure}, {3, "Abs Tilt X", -64, 63, tilt_x_deg},
-            {4, "Abs Tilt Y", -64, 63, tilt_y_deg}, {5, "Abs Wheel", -900, 900, wheel}};
+    return {{0, "Abs X", 0, 44704, 100},
+            {1, "Abs Y", 0, 27940, 100},
+            {2, "Abs Pressure", 0, 2048, pressure},
+            {3, "Abs Tilt X", -64, 63, tilt_x_deg},
+            {4, "Abs Tilt Y", -64, 63, tilt_y_deg},
+            {5, "Abs Wheel", -900, 900, wheel}};
 }
 
 TEST(Pen, IsWhatPresses) {
     EXPECT_TRUE(is_pen(axes(0, 0, 0)));
     EXPECT_FALSE(is_pen({{0, "Rel X", -1, -1, 0}, {1, "Rel Y", -1, -1, 0}})) << "a mouse";
-    EXPECT_FALSE(is_pen({{0, "Abs MT Position X", 0, 100, 0}, {1, "Abs MT Pressure", 0, 100, 0}})) << "a touch screen";
+    EXPECT_FALSE(is_pen({{0, "Abs MT Position X", 0, 100, 0}, {1, "Abs MT Pressure", 0, 100, 0}}))
+        << "a touch screen";
     EXPECT_FALSE(is_pen({{0, "Abs X", 0, 9, 0}, {1, "Abs Y", 0, 9, 0}, {2, "Abs Pressure", 0, 0, 0}}))
         << "an axis without a range";
     EXPECT_TRUE(is_eraser("Wacom Intuos Pro M Pen eraser"));

@@ -33,7 +33,8 @@ TEST(Shortcuts, ChordsAreReadAsTheyAreWritten) {
         EXPECT_EQ(name_of(*chord), text);
     }
     EXPECT_EQ(chord_named("ctrl+pageup"), (Chord{GLFW_KEY_PAGE_UP, GLFW_MOD_CONTROL}));
-    for (const char* text : {"", "Hyper+A", "AB", "F26", "Ctrl+", "\xc3\xa4"}) EXPECT_FALSE(chord_named(text)) << text;
+    for (const char* text : {"", "Hyper+A", "AB", "F26", "Ctrl+", "\xc3\xa4"})
+        EXPECT_FALSE(chord_named(text)) << text;
 }
 
 TEST(Shortcuts, TheFileChangesThem) {
@@ -85,7 +86,8 @@ TEST(Settings, RecentPaintingsAreThoseThatAreThere) {
     fs::remove(folder / "11.exr");
     std::vector<std::string> names;
     for (const fs::path& painting : recent_paintings(settings)) names.push_back(painting.filename().string());
-    EXPECT_THAT(names, testing::ElementsAre("3.exr", "10.exr", "9.exr", "8.exr", "7.exr", "6.exr", "5.exr", "4.exr", "2.exr"));
+    EXPECT_THAT(names, testing::ElementsAre("3.exr", "10.exr", "9.exr", "8.exr", "7.exr", "6.exr", "5.exr",
+                                            "4.exr", "2.exr"));
     write_text_file(settings / "recent.json", "{nonsense");
     EXPECT_THAT(recent_paintings(settings), testing::IsEmpty());
 }

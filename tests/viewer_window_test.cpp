@@ -157,7 +157,8 @@ fs::path photographs_of(Surface& painting, const fs::path& folder) {
         photography.photos.push_back({.light = light, .fitted = i != 3});
         const Image<Rgb> picture = relight(painting, {&light, 1}, {.cast_shadows = true});
         write_picture(folder / light.name, picture, photography.transfer);
-        lights += fmt::format("{} {} {} {}\n", light.name, light.direction.x, light.direction.y, light.direction.z);
+        lights +=
+            fmt::format("{} {} {} {}\n", light.name, light.direction.x, light.direction.y, light.direction.z);
     }
     write_bytes(folder / "lights.lp", lights);
     const std::string whole = bytes_of(folder / "1.png");

@@ -18,7 +18,8 @@ constexpr float kAround = 0.15f;  // part of the light that comes from all aroun
 Rgb seen(const Surface& surface, int x, int y) {
     static const Vec3 lamp = glm::normalize(Vec3(-0.45f, 0.45f, 0.76f));
     const Rgb lit = reflected(surface, x, y, lamp, {0, 0, 1}, WardModel::bounded);
-    return glm::clamp(Transfer{Transfer::Kind::srgb}.encode(lit + kAround * surface.diffuse(x, y)), 0.0f, 1.0f);
+    return glm::clamp(Transfer{Transfer::Kind::srgb}.encode(lit + kAround * surface.diffuse(x, y)), 0.0f,
+                      1.0f);
 }
 
 }  // namespace

@@ -42,7 +42,7 @@ public:
         int wanted = 0;
         bool busy = false;     // with what is wanted
         bool working = false;  // at all
-        std::string stage;   // of what takes long
+        std::string stage;     // of what takes long
         double fraction = 0;
         std::map<int, std::string> broken;  // photographs that cannot be read, and why
         struct Part {
@@ -50,7 +50,7 @@ public:
             Region region;
             Likeness likeness;
         };
-        std::optional<Part> part;           // the region that was measured last
+        std::optional<Part> part;  // the region that was measured last
         bool reporting = false;
         std::vector<std::string> messages;  // since the last call
         bool failed = false;                // the book cannot be opened: the messages say why

@@ -64,8 +64,8 @@ void Desk::open(const fs::path& file) {
         Painter::Setup setup{read_canvas(file, progress), setup_.palette, file, false};
         opened.painter = std::make_unique<Painter>(std::move(setup), setup_.wake, progress);
         const Surface& surface = opened.painter->surface();
-        opened.tiles = TexelTiles(surface, opened.painter->range(),
-                                  setup_.tile_bits(surface.width(), surface.height()));
+        opened.tiles =
+            TexelTiles(surface, opened.painter->range(), setup_.tile_bits(surface.width(), surface.height()));
         opened.file = file;
         opened_ = std::move(opened);
     });
@@ -73,10 +73,11 @@ void Desk::open(const fs::path& file) {
 
 void Desk::fit(const fs::path& folder) {
     const fs::path out = place_for_fit(folder);
-    start(fmt::format("fitting {}", folder.filename().string()), [this, folder, out](const Progress& progress) {
-        std::string said = setup_.workshop.fit(folder, out, progress);
-        fitted_ = {out, std::move(said)};
-    });
+    start(fmt::format("fitting {}", folder.filename().string()),
+          [this, folder, out](const Progress& progress) {
+              std::string said = setup_.workshop.fit(folder, out, progress);
+              fitted_ = {out, std::move(said)};
+          });
 }
 
 void Desk::hold_photos(const fs::path& folder, const Painter& painter) {

@@ -57,7 +57,7 @@ private:
 
     WindowState& state_;
     Setup setup_;
-    std::optional<OpenedPainting> opened_;                 // by the job, while it runs; ours once it is over
+    std::optional<OpenedPainting> opened_;  // by the job, while it runs; ours once it is over
     std::optional<std::pair<std::filesystem::path, std::string>> fitted_;  // the same
     std::unique_ptr<Job> job_;
     std::unique_ptr<Comparison> comparison_;

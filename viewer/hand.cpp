@@ -299,8 +299,8 @@ void Hand::look_act(Action action) {
             if (!state_.comparing.loaded) state_.ask.photos_dialog = true;
             break;
         case Action::compare_way:
-            state_.comparing.way = static_cast<CompareWay>((static_cast<std::size_t>(state_.comparing.way) + 1) %
-                                                           kCompareWays.size());
+            state_.comparing.way = static_cast<CompareWay>(
+                (static_cast<std::size_t>(state_.comparing.way) + 1) % kCompareWays.size());
             break;
         default:
             break;

@@ -31,8 +31,7 @@ Input::Input(GLFWwindow* window) : window_(window) {
         of(w)->put({InputEvent::Kind::wheel, glfwGetTime(), {0, y}, 0, 0});
     });
     glfwSetKeyCallback(window, [](GLFWwindow* w, int key, int, int action, int mods) {
-        if (action != GLFW_RELEASE)
-            of(w)->put({InputEvent::Kind::key, glfwGetTime(), of(w)->at_, key, mods});
+        if (action != GLFW_RELEASE) of(w)->put({InputEvent::Kind::key, glfwGetTime(), of(w)->at_, key, mods});
     });
     glfwSetDropCallback(window, [](GLFWwindow* w, int count, const char** paths) {
         of(w)->woken_ = true;
@@ -57,8 +56,7 @@ std::deque<InputEvent> Input::take() {
         const auto count = static_cast<std::size_t>(std::count_if(events_.begin(), events_.end(), moves));
         std::size_t i = 0;
         for (InputEvent& event : events_)
-            if (moves(event))
-                event.pen = pens.samples.empty() ? pen_ : sample_of(pens.samples, i++, count);
+            if (moves(event)) event.pen = pens.samples.empty() ? pen_ : sample_of(pens.samples, i++, count);
         if (!pens.samples.empty()) pen_ = pens.samples.back();
     }
     if (pens.lost) events_.push_back({InputEvent::Kind::lost, glfwGetTime(), at_, 0, 0});

@@ -14,7 +14,14 @@ struct GLFWwindow;
 namespace tangi {
 
 struct InputEvent {
-    enum class Kind { move, press, release, wheel, key, lost } kind = Kind::move;  // lost: a pen that was down
+    enum class Kind {
+        move,
+        press,
+        release,
+        wheel,
+        key,
+        lost
+    } kind = Kind::move;  // lost: a pen that was down
     double time_s = 0;
     glm::dvec2 at{0};  // [pixels of the window]; wheel: how far
     int code = 0;      // button or key, as GLFW numbers them

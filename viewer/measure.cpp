@@ -69,7 +69,8 @@ std::string csv_of(const HeightProfile& profile) {
     const char* unit = profile.scale_known ? "mm" : "px";
     std::string text = fmt::format("distance_{},height_{}\n", unit, unit);
     for (std::size_t i = 0; i < profile.height_mm.size(); ++i)
-        text += fmt::format("{:.6g},{:.6g}\n", static_cast<double>(i) * profile.step_mm, profile.height_mm[i]);
+        text +=
+            fmt::format("{:.6g},{:.6g}\n", static_cast<double>(i) * profile.step_mm, profile.height_mm[i]);
     return text;
 }
 

@@ -31,10 +31,10 @@ struct MeanAndSpread {
 struct RegionStatistics {
     Region region;
     std::size_t pixels = 0;
-    Lab lab_of_mean;        // D65, of the mean rho_d
+    Lab lab_of_mean;           // D65, of the mean rho_d
     double colour_spread = 0;  // [1] mean CIEDE2000 of the pixels to that
     MeanAndSpread specular, roughness, height_mm, confidence;
-    double rms_slope = 0;   // [1] of the normals, less their mean
+    double rms_slope = 0;  // [1] of the normals, less their mean
 };
 RegionStatistics statistics_of(const Surface& surface, const Region& region);
 

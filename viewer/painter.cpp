@@ -225,8 +225,7 @@ void Painter::write(const std::filesystem::path& to) {
     AtomicFile file(to);
     std::vector<PartToWrite> further;
     // What other modules keep in the file stays: it belongs to the dry layer, which does not change.
-    if (!file_is_new_ && std::filesystem::exists(from))
-        guarded([&] { further = parts_beside_paint(from); });
+    if (!file_is_new_ && std::filesystem::exists(from)) guarded([&] { further = parts_beside_paint(from); });
     write_canvas(file, session_.canvas(), {}, further);
     file_is_new_ = false;
     own_.unsaved = false;

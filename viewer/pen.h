@@ -14,16 +14,17 @@ namespace tangi {
 
 // One moment of a pen.
 struct PenSample {
-    double pressure = 0;             // [1] 0..1
-    double tilt_x = 0, tilt_y = 0;   // [1] sine of the handle's tilt to the right and up; length <= 1
-    double rotation_deg = 0;         // of the barrel, counter-clockwise
-    bool eraser = false;             // the other end
+    double pressure = 0;            // [1] 0..1
+    double tilt_x = 0, tilt_y = 0;  // [1] sine of the handle's tilt to the right and up; length <= 1
+    double rotation_deg = 0;        // of the barrel, counter-clockwise
+    bool eraser = false;            // the other end
 };
 
 // A valuator of an input device, as XInput 2 describes it.
 struct PenAxis {
     int number = 0;
-    std::string label;  // "Abs Pressure", "Abs Tilt X", "Abs Tilt Y", "Abs Rotary Z", "Abs Wheel"; others are ignored
+    std::string
+        label;  // "Abs Pressure", "Abs Tilt X", "Abs Tilt Y", "Abs Rotary Z", "Abs Wheel"; others are ignored
     double lowest = 0, highest = 1;
     double value = 0;
 };

@@ -29,8 +29,8 @@ struct HeldPhoto {
     Picture photo, relit, difference, delta_e;
     int reduced = 1;  // pixels of the painting for one of the pictures, along each side
     Likeness whole;
-    std::size_t bytes = 0;                              // of memory
-    std::function<Likeness(const Region&)> measure{};   // in a region of the painting, at full size
+    std::size_t bytes = 0;                             // of memory
+    std::function<Likeness(const Region&)> measure{};  // in a region of the painting, at full size
 };
 
 // Colours of a map of differences, evenly spaced from its lowest value to its highest.
@@ -50,8 +50,9 @@ public:
 
     virtual const std::vector<Entry>& entries() const = 0;
     virtual const std::vector<std::string>& warnings() const = 0;
-    virtual const ColourScale& difference_scale() const = 0;  // [1] brightness, as stored; > 0: relit is brighter
-    virtual const ColourScale& delta_e_scale() const = 0;     // [1] CIEDE2000
+    virtual const ColourScale& difference_scale()
+        const = 0;  // [1] brightness, as stored; > 0: relit is brighter
+    virtual const ColourScale& delta_e_scale() const = 0;  // [1] CIEDE2000
 
     // Reads a photograph, relights the painting, measures. Throws Error where it cannot be read; Cancelled.
     virtual HeldPhoto hold(int index, const Progress& progress) const = 0;

@@ -15,12 +15,41 @@
 namespace tangi {
 
 enum class Action {
-    tool_tilt, tool_light, tool_pan, tool_paint, tool_pick, tool_ruler, tool_region,
-    fit, one_to_one, straighten, turn_left, turn_right,
-    light_left, light_right, light_up, light_down, shadows, loupe,
-    brush_smaller, brush_larger, dry, undo, redo,
-    compare, compare_way, next_photo, previous_photo, report,
-    open, save, save_as, snapshot, panels, help, close
+    tool_tilt,
+    tool_light,
+    tool_pan,
+    tool_paint,
+    tool_pick,
+    tool_ruler,
+    tool_region,
+    fit,
+    one_to_one,
+    straighten,
+    turn_left,
+    turn_right,
+    light_left,
+    light_right,
+    light_up,
+    light_down,
+    shadows,
+    loupe,
+    brush_smaller,
+    brush_larger,
+    dry,
+    undo,
+    redo,
+    compare,
+    compare_way,
+    next_photo,
+    previous_photo,
+    report,
+    open,
+    save,
+    save_as,
+    snapshot,
+    panels,
+    help,
+    close
 };
 
 struct Shortcut {

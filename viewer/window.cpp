@@ -40,10 +40,11 @@ WindowApp::WindowApp(WindowSetup setup, const Progress& progress)
                                       [this](const std::string& text) { say(text); }});
     OpenedPainting opened;
     opened.painter = std::make_unique<Painter>(
-        Painter::Setup{std::move(setup.canvas), setup.palette, setup.file, setup.file_is_new}, wake, progress);
+        Painter::Setup{std::move(setup.canvas), setup.palette, setup.file, setup.file_is_new}, wake,
+        progress);
     const Surface& surface = opened.painter->surface();
-    opened.tiles = TexelTiles(surface, opened.painter->range(),
-                              renderer_.tile_bits(surface.width(), surface.height()));
+    opened.tiles =
+        TexelTiles(surface, opened.painter->range(), renderer_.tile_bits(surface.width(), surface.height()));
     opened.file = setup.file;
     show(std::move(opened), true);
     const auto* name = reinterpret_cast<const char*>(glGetString(GL_RENDERER));
@@ -202,8 +203,8 @@ bool WindowApp::frame() {
     const Comparing& comparing = state_.comparing;
     if (comparing.shows())
         seen = fmt::format("{} {} {} {} {}", seen.substr(0, kShotBytes),
-                           static_cast<const void*>(comparing.news.held.get()), static_cast<int>(comparing.way),
-                           comparing.divider, comparing.blink_photo);
+                           static_cast<const void*>(comparing.news.held.get()),
+                           static_cast<int>(comparing.way), comparing.divider, comparing.blink_photo);
     const bool moved = seen != seen_;
     seen_ = std::move(seen);
     if (moved) moved_s_ = now_s_;

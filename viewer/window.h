@@ -21,10 +21,10 @@ struct WindowSetup {
     std::map<std::string, BrushSettings> brushes;
     std::filesystem::path file{};  // what is opened, or where a new canvas is to be saved
     bool file_is_new = false;
-    int width = 1280, height = 800;       // [pixels] of the window
+    int width = 1280, height = 800;  // [pixels] of the window
     Workshop workshop{};
-    std::filesystem::path photos{};    // a folder of photographs to hold against it at once
-    std::filesystem::path settings{};  // folder of keys.json and recent.json; empty: there is none
+    std::filesystem::path photos{};       // a folder of photographs to hold against it at once
+    std::filesystem::path settings{};     // folder of keys.json and recent.json; empty: there is none
     std::function<bool()> stop_wanted{};  // asked between frames: Ctrl-C, a kill
 };
 

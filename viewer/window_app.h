@@ -65,7 +65,7 @@ private:
     std::deque<TexelPatch> patches_;
     Extent screen_{1, 1}, window_size_{1, 1};
     double left_ = 0, now_s_ = 0, horizon_due_s_ = 0, moved_s_ = -1, progress_s_ = 0;
-    std::string seen_;  // the scene and placement of the last picture
+    std::string seen_;                // the scene and placement of the last picture
     int settle_ = kFramesAfterwards;  // frames to be drawn
     bool progress_due_ = false;
     bool dirty_ = true, close_when_saved_ = false, close_unsaved_ = false, fitted_ = false;

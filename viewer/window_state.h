@@ -75,11 +75,11 @@ struct Comparing {
 // The palette that paints are mixed on, as it lies on the screen.
 struct BoardState {
     bool open = false;
-    Extent size{};               // [pixels of the palette]
-    unsigned texture = 0;        // OpenGL's name of its picture
-    std::array<float, 4> rect{}; // [pixels of the window] x0, y0, x1, y1; all 0 where it is not seen
-    bool in_hand = false;        // strokes go on with what the brush took up there
-    bool wash = false;           // before the next stroke on it
+    Extent size{};                // [pixels of the palette]
+    unsigned texture = 0;         // OpenGL's name of its picture
+    std::array<float, 4> rect{};  // [pixels of the window] x0, y0, x1, y1; all 0 where it is not seen
+    bool in_hand = false;         // strokes go on with what the brush took up there
+    bool wash = false;            // before the next stroke on it
 
     bool has(const glm::dvec2& at) const {
         return at.x >= rect[0] && at.y >= rect[1] && at.x < rect[2] && at.y < rect[3];
@@ -124,7 +124,7 @@ struct WindowState {
     std::map<std::string, float> mix;  // parts of paints on the brush
     PaintFinish finish;                // of the mixture
     BoardState board;
-    std::vector<Rgb> paint_colours;    // [sRGB] of the palette's paints, opaque
+    std::vector<Rgb> paint_colours;  // [sRGB] of the palette's paints, opaque
 
     // What the painter told, and the user.
     PainterState painter;
@@ -148,7 +148,7 @@ struct WindowState {
     std::optional<Job::State> job;  // that runs
     std::string job_title;
     std::vector<std::filesystem::path> recent;
-    std::filesystem::path dropped;  // a folder: compare or fit?
+    std::filesystem::path dropped;    // a folder: compare or fit?
     std::filesystem::path open_next;  // once it is decided what becomes of strokes that are not saved
 
     // What the panels ask for; the window does it and clears them.
@@ -157,8 +157,7 @@ struct WindowState {
              dry = false, snapshot = false, recover = false, discard = false, close = false,
              close_unsaved = false;
         bool stop_job = false, stop_report = false, open_dialog = false, save_dialog = false,
-             photos_dialog = false,
-             fit_dialog = false, report_dialog = false, put_photos_away = false;
+             photos_dialog = false, fit_dialog = false, report_dialog = false, put_photos_away = false;
         bool lay_out = false, wipe_board = false, squeeze = false;
         int step_photo = 0;
         std::optional<int> photo;
@@ -172,8 +171,10 @@ struct WindowState {
     // rho_s and alpha of the mixture: those that were chosen, else of its paints, by their parts.
     glm::dvec2 mixed_gloss() const;
     StrokeEvent stroke(std::uint64_t seed) const;
-    StrokeEvent board_stroke(std::uint64_t seed);  // on the palette; washes the brush where that was asked for
-    StrokeEvent erasing_stroke(std::uint64_t seed) const;  // of the brush `eraser`, as large as the one in use
+    StrokeEvent board_stroke(
+        std::uint64_t seed);  // on the palette; washes the brush where that was asked for
+    StrokeEvent erasing_stroke(
+        std::uint64_t seed) const;  // of the brush `eraser`, as large as the one in use
     void take_up(const Probe& picked);
 };
 

@@ -71,12 +71,13 @@ void file(WindowState& s) {
         ImGui::TextColored({1, 0.8f, 0.3f, 1}, "There are strokes that are not saved.");
         if (!s.open_next.empty())
             ImGui::TextUnformatted(("To open: " + s.open_next.filename().string()).c_str());
-        if (ImGui::Button("Save and close (Enter)")) s.ask.save = s.ask.close = true;
+        const bool opens = !s.open_next.empty();
+        if (ImGui::Button(opens ? "Save and open (Enter)" : "Save and close (Enter)"))
+            s.ask.save = s.ask.close = true;
         ImGui::SameLine();
-        if (ImGui::Button("Close")) s.ask.close_unsaved = true;
+        if (ImGui::Button(opens ? "Open" : "Close")) s.ask.close_unsaved = true;
         tip("The strokes stay in the journal: next time they can be recovered");
-        ImGui::SameLine();
-        if (ImGui::Button("Go on (Esc)")) {
+        if (ImGui::Button("Go on painting (Esc)")) {
             s.closing = false;
             s.open_next.clear();
         }

@@ -28,8 +28,8 @@ void picture(ImDrawList* draw, unsigned texture, const Placement& place, const E
     };
     const double right = painting.width - 0.5, bottom = painting.height - 0.5;
     draw->PushClipRect({from, 0}, {to, ImGui::GetIO().DisplaySize.y}, true);
-    draw->AddImageQuad(reinterpret_cast<ImTextureID>(static_cast<std::uintptr_t>(texture)), corner(-0.5, -0.5),
-                       corner(right, -0.5), corner(right, bottom), corner(-0.5, bottom));
+    draw->AddImageQuad(reinterpret_cast<ImTextureID>(static_cast<std::uintptr_t>(texture)),
+                       corner(-0.5, -0.5), corner(right, -0.5), corner(right, bottom), corner(-0.5, bottom));
     draw->PopClipRect();
 }
 
@@ -40,8 +40,9 @@ void legend(ImDrawList* draw, const ColourScale& scale, const std::string& unit,
     for (std::size_t i = 0; i < scale.colours_srgb.size(); ++i) {
         const Rgb c = 255.0f * scale.colours_srgb[i];
         const float x = at.x + kWide * static_cast<float>(i) / count;
-        draw->AddRectFilled({x, at.y}, {x + kWide / count + 0.5f, at.y + kHigh},
-                            IM_COL32(static_cast<int>(c.r), static_cast<int>(c.g), static_cast<int>(c.b), 255));
+        draw->AddRectFilled(
+            {x, at.y}, {x + kWide / count + 0.5f, at.y + kHigh},
+            IM_COL32(static_cast<int>(c.r), static_cast<int>(c.g), static_cast<int>(c.b), 255));
     }
     const bool is_signed = scale.lowest < 0;
     const std::string begin = fmt::format("{:.0f}", scale.lowest);

@@ -48,8 +48,9 @@ void measurements(WindowState& s) {
         const ImVec2 size = ImGui::GetIO().DisplaySize;
         ImGui::SetNextWindowPos({size.x - 12, size.y - from_bottom}, ImGuiCond_Appearing, {1, 1});
         ImGui::SetNextWindowSize({400 * s.scale, 0});
-        ImGui::Begin(name, &open, ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoSavedSettings |
-                                      ImGuiWindowFlags_NoFocusOnAppearing);
+        ImGui::Begin(name, &open,
+                     ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoSavedSettings |
+                         ImGuiWindowFlags_NoFocusOnAppearing);
     };
     if (s.profile && s.profile->height_mm.size() >= 2) {
         bool open = true;

@@ -49,8 +49,8 @@ void region(const WindowState& s, const Placement& placement, float left) {
     if (!s.region) return;
     const Region& r = *s.region;
     std::vector<ImVec2> points;
-    for (const glm::dvec2 corner : {glm::dvec2(r.x0, r.y0), glm::dvec2(r.x1, r.y0), glm::dvec2(r.x1, r.y1),
-                                    glm::dvec2(r.x0, r.y1)})
+    for (const glm::dvec2 corner :
+         {glm::dvec2(r.x0, r.y0), glm::dvec2(r.x1, r.y0), glm::dvec2(r.x1, r.y1), glm::dvec2(r.x0, r.y1)})
         points.push_back(in_window(placement.to_screen(corner - 0.5), left));
     ImDrawList* draw = ImGui::GetBackgroundDrawList();
     draw->AddPolyline(points.data(), 4, IM_COL32(0, 0, 0, 200), ImDrawFlags_Closed, 3);
