@@ -6,7 +6,9 @@ const std::vector<Command>& commands() {
     static const std::vector<Command> table = {calibrate_command(), fit_command(),     relight_command(),
                                                compare_command(),   paint_command(),   replay_command(),
                                                import_command(),    export_command(),  info_command(),
-                                               generate_command(),  palette_command(), demo_command()};
+                                               generate_command(),  palette_command(), demo_command(),
+                                               damage_command(),    fill_command(),    varnish_command(),
+                                               treatment_command()};
     return table;
 }
 

@@ -19,5 +19,9 @@ Command info_command();
 Command generate_command();
 Command palette_command();
 Command demo_command();
+Command damage_command();
+Command fill_command();
+Command varnish_command();
+Command treatment_command();
 
 }  // namespace tangi

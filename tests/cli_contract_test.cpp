@@ -9,7 +9,8 @@ using testing::HasSubstr;
 using testing::Not;
 
 constexpr const char* kCommands[] = {"calibrate", "fit",  "relight",  "compare", "import", "export",
-                                     "replay",    "info", "generate", "palette", "demo"};
+                                     "replay",    "info", "generate", "palette", "demo",
+                                     "damage",    "fill", "varnish",  "treatment"};
 
 TEST(CliHelp, ListsEveryCommandOnStdout) {
     for (const std::vector<std::string>& asked : {std::vector<std::string>{"help"}, {"--help"}}) {
