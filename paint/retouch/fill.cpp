@@ -1,6 +1,7 @@
 #include "paint/retouch/fill.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
@@ -17,9 +18,9 @@ constexpr int kSize = PaintTile::kSize;
 // One region of a loss with what is around it, as pictures of their own.
 struct Patch {
     Region box;
-    Mask unknown;            // the region and its rim
-    Image<float> height_mm;  // what is there
-    Image<float> level_mm;   // what the fill is to reach
+    Mask unknown;                          // the region and its rim
+    Image<float> level_mm;                 // what the fill is to reach
+    std::vector<std::array<int, 2>> ring;  // pixels of the canvas around, which tell the level
 };
 
 // How far relief may be taken from: another place, or none.
@@ -29,23 +30,20 @@ struct Shift {
 };
 
 struct Search {
-    const Image<float>& height_mm;  // of the whole canvas
-    const Image<float>& detail_mm;  // its fine relief
+    const Image<float>& detail_mm;  // the fine relief of the whole canvas
     const Mask& usable;             // where relief may come from
 };
 
 // The place nearby whose relief fits the ring around the patch best: least mean squared difference of the
-// fine relief on `ring`, pixels of the canvas of which half must be usable there, and all of the patch's.
-Shift best_shift(const Patch& patch, const std::vector<std::array<int, 2>>& ring, const Search& s, int reach,
-                 std::uint64_t seed) {
+// fine relief on the ring, of which half must be usable there, and all of the patch.
+Shift best_shift(const Patch& patch, const Search& s, int reach) {
     std::vector<std::array<int, 2>> inside;  // some of the patch's pixels, to see that they are usable
     for (int y = 0; y < patch.unknown.height(); ++y)
         for (int x = 0; x < patch.unknown.width(); ++x)
             if (patch.unknown(x, y) > 0.5f) inside.push_back({patch.box.x0 + x, patch.box.y0 + y});
     std::vector<std::array<int, 2>> some;
-    const std::size_t step = std::max<std::size_t>(ring.size() / 400, 1);
-    for (std::size_t i = procedural::hash(seed, 0) % step; i < ring.size(); i += step)
-        some.push_back(ring[i]);
+    const std::size_t step = std::max<std::size_t>(patch.ring.size() / 400, 1);
+    for (std::size_t i = 0; i < patch.ring.size(); i += step) some.push_back(patch.ring[i]);
     const auto usable = [&](int x, int y) {
         return x >= 0 && y >= 0 && x < s.usable.width() && y < s.usable.height() && s.usable(x, y) > 0.5f;
     };
@@ -84,11 +82,10 @@ Image<float> fine_relief(const Image<float>& height_mm, double sigma_px) {
     return detail;
 }
 
-// Level and relief: the membrane through the rim, and of another place what differs from its own membrane.
-void find_level(Patch& patch, const Shift& shift, const Image<float>& source_mm) {
-    patch.level_mm = patch.height_mm;
-    solve_membrane(patch.level_mm, patch.unknown);
-    if (!shift.found) return;
+// What of another place differs from its own membrane, which has the same rim as the patch; it grows over
+// `ramp_px` from the rim, so that the fill is flush where no thread has to go on.
+void add_relief(Patch& patch, const Shift& shift, const Image<float>& source_mm, const Image<float>& depth_px,
+                double ramp_px) {
     Image<float> there(patch.box.width(), patch.box.height());
     for (int y = 0; y < there.height(); ++y)
         for (int x = 0; x < there.width(); ++x)
@@ -97,7 +94,55 @@ void find_level(Patch& patch, const Shift& shift, const Image<float>& source_mm)
     solve_membrane(membrane, patch.unknown);
     for (int y = 0; y < there.height(); ++y)
         for (int x = 0; x < there.width(); ++x)
-            if (patch.unknown(x, y) > 0.5f) patch.level_mm(x, y) += there(x, y) - membrane(x, y);
+            if (patch.unknown(x, y) > 0.5f) {
+                const float depth = depth_px(patch.box.x0 + x, patch.box.y0 + y);
+                const float part = procedural::smooth_step(0, static_cast<float>(ramp_px), depth);
+                patch.level_mm(x, y) += part * (there(x, y) - membrane(x, y));
+            }
+}
+
+// A region of a loss, its rim and a ring around it, with the level as a membrane through the ring.
+Patch patch_of(const Region& own, const Image<float>& relief_mm, const Mask& wide, const Mask& intact,
+               const Image<float>& depth_px, int rim_px, int ring_px) {
+    const int margin = rim_px + ring_px + 2;
+    Patch patch;
+    patch.box = {std::max(own.x0 - margin, 0), std::max(own.y0 - margin, 0),
+                 std::min(own.x1 + margin, wide.width()), std::min(own.y1 + margin, wide.height())};
+    patch.unknown = Mask(patch.box.width(), patch.box.height());
+    patch.level_mm = Image<float>(patch.box.width(), patch.box.height());
+    for (int y = patch.box.y0; y < patch.box.y1; ++y)
+        for (int x = patch.box.x0; x < patch.box.x1; ++x) {
+            patch.level_mm(x - patch.box.x0, y - patch.box.y0) = relief_mm(x, y);
+            // Other damage around tells no level either.
+            const bool known = wide(x, y) <= 0.5f && (intact.empty() || intact(x, y) > 0.5f);
+            patch.unknown(x - patch.box.x0, y - patch.box.y0) = known ? 0.0f : 1.0f;
+            if (known && -depth_px(x, y) <= static_cast<float>(ring_px)) patch.ring.push_back({x, y});
+        }
+    if (patch.ring.size() < 8)
+        fail("the loss at pixel ({}, {}) has nothing intact around it to take its level from", own.x0,
+             own.y0);
+    solve_membrane(patch.level_mm, patch.unknown);
+    return patch;
+}
+
+// [mm] rms of the steps from the outermost pixels of the regions to the nearest ones past the rim.
+double border_rms_mm(const Image<float>& filled_mm, const Mask& loss, const Mask& wide, int past_px) {
+    double steps = 0, count = 0;
+    for (int y = 0; y < loss.height(); ++y)
+        for (int x = 0; x < loss.width(); ++x) {
+            if (!(loss(x, y) > 0.5f)) continue;
+            constexpr std::array<std::array<int, 2>, 4> sides = {{{1, 0}, {-1, 0}, {0, 1}, {0, -1}}};
+            for (const auto& [dx, dy] : sides) {
+                const int nx = x + dx, ny = y + dy, ox = x + past_px * dx, oy = y + past_px * dy;
+                if (ox < 0 || oy < 0 || ox >= loss.width() || oy >= loss.height() || loss(nx, ny) > 0.5f ||
+                    wide(ox, oy) > 0.5f)
+                    continue;
+                const auto step = static_cast<double>(filled_mm(x, y) - filled_mm(ox, oy));
+                steps += step * step;
+                count += 1;
+            }
+        }
+    return count > 0 ? std::sqrt(steps / count) : 0;
 }
 
 Pigment clear_resin(const VarnishOptions& o) {
@@ -165,82 +210,65 @@ FillReport lay_fill(Canvas& canvas, const std::string& name, const Mask& loss, c
     const Image<float> relief = relief_of(canvas);
     const double rim_px = std::max(options.rim_mm / mm, 1.5);
     const Mask wide = dilated(loss, rim_px);
-    const Mask usable =
-        intact.empty() ? without(Mask(loss.width(), loss.height(), 1.0f), wide) : without(intact, wide);
+    const Image<float> depth_px = distance_inside_px(wide);
     const bool weave = texture == FillTexture::weave;
     const double fine_px = weave ? std::max(options.weave_mm / mm, 1.0) : std::max(2 / mm, 4.0);
-    const Image<float> detail =
-        texture == FillTexture::smooth ? Image<float>() : fine_relief(relief, fine_px);
-    const int ring_px = static_cast<int>(std::ceil(weave ? 3 * fine_px : 3 + rim_px));
+    const int rim = static_cast<int>(std::ceil(rim_px));
+    const int ring_px = weave ? static_cast<int>(std::ceil(3 * fine_px)) : 3 + rim;
 
-    Image<float> thickness(canvas.width(), canvas.height());
-    FillReport report_;
-    report_.regions = static_cast<int>(regions.regions.size());
-    double steps = 0, edge = 0;
-    const Image<float> depth = distance_inside_px(wide);
-    for (std::size_t i = 0; i < regions.regions.size(); ++i) {
-        report(progress, "fill", static_cast<double>(i) / static_cast<double>(regions.regions.size()));
+    // First the level everywhere, so that no step of a loss is taken for relief.
+    std::vector<Patch> patches;
+    Image<float> levelled = relief;
+    for (const MaskRegion& region : regions.regions) {
+        report(progress, "fill",
+               0.5 * static_cast<double>(patches.size()) / static_cast<double>(regions.regions.size()));
+        patches.push_back(patch_of(region.box, relief, wide, intact, depth_px, rim, ring_px));
+        const Patch& patch = patches.back();
+        for (int y = patch.box.y0; y < patch.box.y1; ++y)
+            for (int x = patch.box.x0; x < patch.box.x1; ++x)
+                if (wide(x, y) > 0.5f) levelled(x, y) = patch.level_mm(x - patch.box.x0, y - patch.box.y0);
+    }
+    if (texture != FillTexture::smooth) {
+        const Mask everywhere(loss.width(), loss.height(), 1.0f);
+        const Mask usable = without(intact.empty() ? everywhere : intact, wide);
+        const Image<float> detail = fine_relief(levelled, fine_px);
+        const int reach = static_cast<int>(std::ceil(std::min(options.search_mm / mm, 400.0)));
+        for (std::size_t i = 0; i < patches.size(); ++i) {
+            report(progress, "fill",
+                   0.5 + 0.5 * static_cast<double>(i) / static_cast<double>(patches.size()));
+            const Shift shift = best_shift(patches[i], {detail, usable}, reach);
+            if (shift.found)
+                add_relief(patches[i], shift, weave ? detail : levelled, depth_px,
+                           weave ? 1e-3 : rim_px + 1.5 / mm);
+        }
+    }
+
+    FillReport result;
+    result.regions = static_cast<int>(patches.size());
+    result.area_mm2 = area_of(loss, mm).mm2;
+    Image<float> thickness(canvas.width(), canvas.height()), filled = relief;
+    for (std::size_t i = 0; i < patches.size(); ++i) {
         const Region& own = regions.regions[i].box;
-        const int margin = static_cast<int>(std::ceil(rim_px)) + ring_px + 2;
-        Patch patch;
-        patch.box = {std::max(own.x0 - margin, 0), std::max(own.y0 - margin, 0),
-                     std::min(own.x1 + margin, loss.width()), std::min(own.y1 + margin, loss.height())};
-        patch.unknown = Mask(patch.box.width(), patch.box.height());
-        patch.height_mm = Image<float>(patch.box.width(), patch.box.height());
-        std::vector<std::array<int, 2>> ring;
-        for (int y = patch.box.y0; y < patch.box.y1; ++y)
-            for (int x = patch.box.x0; x < patch.box.x1; ++x) {
-                patch.height_mm(x - patch.box.x0, y - patch.box.y0) = relief(x, y);
-                // Other damage around tells no level either.
-                const bool known = wide(x, y) <= 0.5f && (intact.empty() || intact(x, y) > 0.5f);
-                patch.unknown(x - patch.box.x0, y - patch.box.y0) = known ? 0.0f : 1.0f;
-                if (known && -depth(x, y) <= static_cast<float>(ring_px)) ring.push_back({x, y});
-            }
-        if (ring.size() < 8)
-            fail("the loss at pixel ({}, {}) has nothing intact around it to take its level from", own.x0,
-                 own.y0);
-        Shift shift;
-        if (texture != FillTexture::smooth)
-            shift = best_shift(patch, ring, {relief, detail, usable},
-                               static_cast<int>(std::ceil(std::min(options.search_mm / mm, 400.0))), i);
-        find_level(patch, shift, weave ? detail : relief);
-        for (int y = patch.box.y0; y < patch.box.y1; ++y)
-            for (int x = patch.box.x0; x < patch.box.x1; ++x) {
-                if (regions.number(x, y) != static_cast<int>(i) + 1) continue;
-                const float level = patch.level_mm(x - patch.box.x0, y - patch.box.y0);
-                const float wanted = level + static_cast<float>(options.offset_mm) - relief(x, y);
-                report_.not_reached += wanted < 0 ? 1 : 0;
-                thickness(x, y) = std::max(wanted, 0.0f);
-                report_.deepest_mm = std::max(report_.deepest_mm, static_cast<double>(thickness(x, y)));
-            }
-        // From the outermost pixels of the fill to the nearest ones past the rim.
-        const int far = static_cast<int>(std::ceil(rim_px)) + 1;
         for (int y = own.y0; y < own.y1; ++y)
             for (int x = own.x0; x < own.x1; ++x) {
                 if (regions.number(x, y) != static_cast<int>(i) + 1) continue;
-                const std::array<std::array<int, 2>, 4> sides = {{{1, 0}, {-1, 0}, {0, 1}, {0, -1}}};
-                for (const auto& [dx, dy] : sides) {
-                    const int nx = x + dx, ny = y + dy, ox = x + far * dx, oy = y + far * dy;
-                    if (nx < 0 || ny < 0 || nx >= loss.width() || ny >= loss.height() || loss(nx, ny) > 0.5f)
-                        continue;
-                    if (ox < 0 || oy < 0 || ox >= loss.width() || oy >= loss.height() || wide(ox, oy) > 0.5f)
-                        continue;
-                    const auto step = static_cast<double>(relief(x, y) + thickness(x, y) - relief(ox, oy));
-                    steps += step * step;
-                    edge += 1;
-                }
+                const float level = patches[i].level_mm(x - patches[i].box.x0, y - patches[i].box.y0);
+                const float wanted = level + static_cast<float>(options.offset_mm) - relief(x, y);
+                result.not_reached += wanted < 0 ? 1 : 0;
+                thickness(x, y) = std::max(wanted, 0.0f);
+                filled(x, y) += thickness(x, y);
+                result.deepest_mm = std::max(result.deepest_mm, static_cast<double>(thickness(x, y)));
+                result.volume_mm3 += static_cast<double>(thickness(x, y)) * mm * mm;
             }
     }
-    for (const float t : thickness.pixels()) report_.volume_mm3 += static_cast<double>(t) * mm * mm;
-    report_.area_mm2 = area_of(loss, mm).mm2;
-    report_.border_rms_mm = edge > 0 ? std::sqrt(steps / edge) : 0;
+    result.border_rms_mm = border_rms_mm(filled, loss, wide, rim + 1);
     Pigment body =
         pigment_of_rgb(fmt::format("fill ({:.3g}, {:.3g}, {:.3g})", colour.r, colour.g, colour.b), colour);
     body.specular = static_cast<float>(options.specular);
     body.roughness = static_cast<float>(options.roughness);
     add_layer(canvas, name, body, thickness, true);
     report(progress, "fill", 1);
-    return report_;
+    return result;
 }
 
 void lay_varnish(Canvas& canvas, const std::string& name, const Mask& area, const VarnishOptions& options) {

@@ -36,10 +36,14 @@ Image<Rgb> in_grey(const Surface& surface) {
 
 void tint(Rgb& pixel, const Rgb& colour, float part) { pixel += 0.75f * part * (colour - pixel); }
 
+// A line of text that ends within the picture.
 void write_text(Image<Rgb>& picture, const std::string& text, int x, int y, double height_px) {
     cv::Mat canvas = matrix_of(picture);
-    cv::putText(canvas, text, {x, y}, cv::FONT_HERSHEY_SIMPLEX, height_px / 22, cv::Scalar(0.1, 0.1, 0.1),
-                std::max(1, static_cast<int>(height_px / 14)), cv::LINE_AA);
+    int base = 0;
+    const int width = cv::getTextSize(text, cv::FONT_HERSHEY_SIMPLEX, height_px / 22, 1, &base).width;
+    const double fits = std::min(1.0, static_cast<double>(picture.width() - x - 4) / std::max(width, 1));
+    cv::putText(canvas, text, {x, y}, cv::FONT_HERSHEY_SIMPLEX, fits * height_px / 22,
+                cv::Scalar(0.1, 0.1, 0.1), std::max(1, static_cast<int>(height_px / 14)), cv::LINE_AA);
 }
 
 }  // namespace
@@ -91,23 +95,25 @@ Image<Rgb> additions_picture(const Canvas& canvas, const std::vector<TreatmentLa
                              const Mask& belongs) {
     constexpr Rgb fill(0, 0.62f, 0.45f), varnish(0.94f, 0.89f, 0.26f), retouch(0, 0.45f, 0.7f),
         beside(0.84f, 0.1f, 0.1f);
-    Image<Rgb> picture = in_grey(canvas.dry());
+    // What counts most is seen: retouches, then fills, then varnish.
+    Mask filled(canvas.width(), canvas.height()), retouched = filled, varnished = filled;
     for (const DriedLayer& layer : canvas.dried()) {
         const auto about = std::find_if(layers.begin(), layers.end(),
                                         [&](const TreatmentLayer& l) { return l.name == layer.name; });
         const LayerRole role = about == layers.end() ? LayerRole::retouch : about->role;
-        const Mask where = additions(layer.paint);
-        for (int y = 0; y < picture.height(); ++y)
-            for (int x = 0; x < picture.width(); ++x) {
-                if (!(where(x, y) > 0)) continue;
-                if (role == LayerRole::fill)
-                    tint(picture(x, y), fill, 1);
-                else if (role != LayerRole::retouch)
-                    tint(picture(x, y), varnish, 0.4f);
-                else
-                    tint(picture(x, y), belongs(x, y) > 0 ? retouch : beside, 1);
-            }
+        Mask& all = role == LayerRole::fill ? filled : role == LayerRole::retouch ? retouched : varnished;
+        all = united(all, additions(layer.paint));
     }
+    Image<Rgb> picture = in_grey(canvas.dry());
+    for (int y = 0; y < picture.height(); ++y)
+        for (int x = 0; x < picture.width(); ++x) {
+            if (retouched(x, y) > 0)
+                tint(picture(x, y), belongs(x, y) > 0 ? retouch : beside, 1);
+            else if (filled(x, y) > 0)
+                tint(picture(x, y), fill, 1);
+            else
+                tint(picture(x, y), varnish, 0.4f * varnished(x, y));
+        }
     return picture;
 }
 

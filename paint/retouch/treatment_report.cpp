@@ -23,8 +23,8 @@ constexpr const char* kPrintStyle =
     "<style>@page{size:A4;margin:16mm}@media print{:root{--paper:#fff;--card:#fff;--ink:#000;--soft:#444;"
     "--line:#bbb}body{font-size:10pt}main{padding:0;max-width:none}h2{break-after:avoid}figure,tr{"
     "break-inside:avoid}.wide{overflow:visible}td{white-space:normal;overflow-wrap:anywhere}}figure img{"
-    "max-width:100%;height:auto}code{font-size:11px;overflow-wrap:anywhere}td.text{text-align:left;"
-    "white-space:normal}</style>";
+    "max-width:100%;height:auto}code{font-size:11px;overflow-wrap:anywhere}td.text,th.text{text-align:left;"
+    "white-space:normal;overflow-wrap:anywhere;vertical-align:top}</style>";
 
 std::string figure(const Image<Rgb>& picture, const std::string& caption, const fs::path& scratch) {
     return fmt::format(
@@ -43,6 +43,7 @@ std::string code(const std::string& text) { return "<code>" + escaped(text) + "<
 
 // "texture: surroundings; options: …" of a log's parameters.
 std::string in_words(const json& value) {
+    if (value.is_number_float()) return fmt::format("{:.4g}", value.get<double>());
     if (!value.is_object()) return value.is_string() ? value.get<std::string>() : value.dump();
     std::string text;
     for (const auto& [key, part] : value.items()) {
@@ -119,6 +120,19 @@ std::string states(const Canvas& canvas, const std::vector<TreatmentLayer>& laye
         html += "</div>";
     }
     return html;
+}
+
+// The photographs that the maps come from, by their lights.
+std::string photographs(const Surface& original) {
+    std::vector<HemisphereLight> lights;
+    for (const Photography::Photo& photo : original.photography.photos)
+        lights.push_back({photo.light.name, glm::dvec3(photo.light.direction), 0, {}});
+    if (lights.empty()) return "";
+    return fmt::format(
+        "<div class=\"row\"><figure class=\"card\">{}<figcaption>Light directions of the {} "
+        "photographs that the maps were fitted from; the middle is straight above the "
+        "painting</figcaption></figure></div>",
+        hemisphere(lights), lights.size());
 }
 
 std::string measures(const Treatment& t, const Canvas& canvas, const fs::path& scratch) {
@@ -230,7 +244,8 @@ std::vector<fs::path> write_treatment_report(const Treatment& t, const fs::path&
     std::string page = page_head("Treatment of " + t.log().entries().front().content.value("painting", ""));
     page += kPrintStyle;
     page += identification(t, tool) + condition(t, canvas.dry(), html) +
-            states(canvas, t.layers(), html, progress) + measures(t, canvas, html) + log_table(t.log());
+            states(canvas, t.layers(), html, progress) + photographs(canvas.dry()) +
+            measures(t, canvas, html) + log_table(t.log());
     page += "</main></body></html>\n";
     write_text_file(html, page);
 
