@@ -95,23 +95,35 @@ json retouch(Treatment& treatment, const TreatmentArguments& a, const Progress& 
         std::replace(file.begin(), file.end(), ' ', '_');
         step.files["strokes/" + file + ".jsonl"] = read_text_file(a.strokes);
     }
-    if (canvas.wet().empty())
+    // What was dried in the window is a retouch too.
+    const std::vector<TreatmentLayer> logged = treatment.layers();
+    for (const DriedLayer& layer : canvas.dried())
+        if (std::none_of(logged.begin(), logged.end(), [&](const auto& l) { return l.name == layer.name; }))
+            step.added.emplace_back(layer.name, LayerRole::retouch);
+    if (canvas.wet().empty() && step.added.empty())
         fail("{}: nothing was painted within the area",
              a.strokes.empty() ? treatment.painting().string() : a.strokes);
-    dry(canvas, name, canvas.region());
-    const PaintLayer& layer = canvas.dried().back().paint;
-    json paints = json::object();
-    const auto volumes = volumes_mm3(layer, canvas.ingredients().size(), canvas.mm_per_pixel());
-    for (std::size_t i = 0; i < volumes.size(); ++i)
-        if (volumes[i] > 0) paints[canvas.ingredients()[i].name] = volumes[i];
-    step.results = {{"layer", name},
-                    {"area_cm2", area_of(additions(layer), treatment.mm_per_pixel()).mm2 / 100},
-                    {"volumes_mm3", paints},
-                    {"on_original", to_json(on_original(layer, area, treatment.mm_per_pixel()))}};
+    if (!canvas.wet().empty()) {
+        dry(canvas, name, canvas.region());
+        step.added.emplace_back(name, LayerRole::retouch);
+    }
+    json laid = json::array();
+    for (const auto& [added, role] : step.added) {
+        const auto layer = std::find_if(canvas.dried().begin(), canvas.dried().end(),
+                                        [&added = added](const DriedLayer& l) { return l.name == added; });
+        json paints = json::object();
+        const auto volumes = volumes_mm3(layer->paint, canvas.ingredients().size(), canvas.mm_per_pixel());
+        for (std::size_t i = 0; i < volumes.size(); ++i)
+            if (volumes[i] > 0) paints[canvas.ingredients()[i].name] = volumes[i];
+        laid.push_back({{"layer", added},
+                        {"area_cm2", area_of(additions(layer->paint), treatment.mm_per_pixel()).mm2 / 100},
+                        {"volumes_mm3", paints},
+                        {"on_original", to_json(on_original(layer->paint, area, treatment.mm_per_pixel()))}});
+    }
+    step.results = {{"retouches", laid}};
     step.results.update(painted);
     step.masks[name] = area;
     step.canvas = &canvas;
-    step.added = {{name, LayerRole::retouch}};
     treatment.record(step, a.author.author(), progress);
     return step.results;
 }

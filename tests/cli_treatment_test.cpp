@@ -4,7 +4,7 @@
 namespace tangi {
 namespace {
 
-constexpr const char* kSquare = "-8,-8;8,-8;8,8;-8,8";  // [mm], of a painting of 32 x 32 pixels of 1 mm
+constexpr const char* kSquare = "-2,-2;2,-2;2,2;-2,2";  // [mm], of a painting of 8 x 8 mm
 
 class CliTreatment : public testing::Test {
 protected:
@@ -25,7 +25,7 @@ TEST_F(CliTreatment, GoesFromDamageToReportAndBack) {
     EXPECT_EQ(drawn.json()["damage"][0]["class"], "loss_to_ground");
     EXPECT_EQ(drawn.json()["damage"][0]["count"], 1);
     ASSERT_TRUE(ended(
-        damage({"--class", "loss_to_ground", "--edit", "remove", "--polygon", "-8,-8;0,-8;0,8;-8,8"}), 0));
+        damage({"--class", "loss_to_ground", "--edit", "remove", "--polygon", "-2,-2;0,-2;0,2;-2,2"}), 0));
     const nlohmann::json half = tangipaint({"treatment", "status", treatment()}).json();
     EXPECT_NEAR(half["damage"][0]["area_cm2"].get<double>(),
                 drawn.json()["damage"][0]["area_cm2"].get<double>() / 2, 1e-6);
@@ -34,15 +34,15 @@ TEST_F(CliTreatment, GoesFromDamageToReportAndBack) {
     ASSERT_TRUE(ended(tangipaint({"varnish", treatment(), "--isolating"}), 0));
     write_text_file(stack_.out("s.jsonl"),
                     "{\"format\": \"tangipaint strokes\", \"version\": 1}\n"
-                    "{\"event\": \"stroke\", \"brush\": {\"preset\": \"flat\", \"size_mm\": 6}, \"paint\": "
+                    "{\"event\": \"stroke\", \"brush\": {\"preset\": \"flat\", \"size_mm\": 2}, \"paint\": "
                     "{\"Titanium White\": 1}}\n"
-                    "{\"event\": \"point\", \"t\": 0, \"x\": -14, \"y\": 0}\n"
-                    "{\"event\": \"point\", \"t\": 1, \"x\": 14, \"y\": 0}\n{\"event\": \"end\"}\n");
+                    "{\"event\": \"point\", \"t\": 0, \"x\": -3.5, \"y\": 0}\n"
+                    "{\"event\": \"point\", \"t\": 1, \"x\": 3.5, \"y\": 0}\n{\"event\": \"end\"}\n");
     const Finished retouched = tangipaint({"treatment", "retouch", treatment(), "--strokes",
                                            stack_.out("s.jsonl"), "--class", "loss_to_ground"});
     ASSERT_TRUE(ended(retouched, 0));
-    EXPECT_EQ(retouched.json()["on_original"]["pixels"], 0);
-    EXPECT_GT(retouched.json()["area_cm2"].get<double>(), 0);
+    EXPECT_EQ(retouched.json()["retouches"][0]["on_original"]["pixels"], 0);
+    EXPECT_GT(retouched.json()["retouches"][0]["area_cm2"].get<double>(), 0);
     ASSERT_TRUE(ended(tangipaint({"varnish", treatment()}), 0));
     EXPECT_TRUE(ended(tangipaint({"treatment", "show", treatment(), "--out", stack_.out("after.png")}), 0));
     EXPECT_TRUE(ended(tangipaint({"treatment", "additions", treatment(), "--out", stack_.out("a.png")}), 0));
@@ -56,6 +56,33 @@ TEST_F(CliTreatment, GoesFromDamageToReportAndBack) {
     const Finished removed = tangipaint({"treatment", "remove", treatment(), "--all"});
     ASSERT_TRUE(ended(removed, 0));
     EXPECT_EQ(removed.json()["identical_to_original"], true);
+}
+
+TEST_F(CliTreatment, PaintThatTheWindowLeftBecomesARetouch) {
+    draw();
+    EXPECT_TRUE(ended(tangipaint({"treatment", "retouch", treatment()}), 1, {"nothing was painted"}));
+    // As the window saves it: on the treatment's painting, without a mask, one sitting dried, one wet.
+    write_text_file(stack_.out("s.jsonl"),
+                    "{\"format\": \"tangipaint strokes\", \"version\": 1}\n"
+                    "{\"event\": \"stroke\", \"brush\": {\"preset\": \"flat\", \"size_mm\": 1}, \"paint\": "
+                    "{\"Titanium White\": 1}}\n"
+                    "{\"event\": \"point\", \"t\": 0, \"x\": -3.5, \"y\": 0}\n"
+                    "{\"event\": \"point\", \"t\": 1, \"x\": 3.5, \"y\": 0}\n{\"event\": \"end\"}\n"
+                    "{\"event\": \"dry\", \"layer\": \"Monday\"}\n"
+                    "{\"event\": \"stroke\", \"brush\": {\"preset\": \"flat\", \"size_mm\": 1}, \"paint\": "
+                    "{\"Titanium White\": 1}}\n"
+                    "{\"event\": \"point\", \"t\": 0, \"x\": -1, \"y\": 1}\n{\"event\": \"end\"}\n");
+    const std::string painting = treatment() + "/painting.exr", painted = stack_.out("painted.exr");
+    ASSERT_TRUE(ended(tangipaint({"replay", painting, stack_.out("s.jsonl"), "--out", painted}), 0));
+    std::filesystem::rename(painted, painting);
+    EXPECT_TRUE(
+        ended(tangipaint({"varnish", treatment()}), 1, {"'Monday' that the log does not know", "retouch"}));
+    const Finished run = tangipaint({"treatment", "retouch", treatment(), "--class", "loss_to_ground"});
+    ASSERT_TRUE(ended(run, 0));
+    ASSERT_EQ(run.json()["retouches"].size(), 2u);
+    EXPECT_GT(run.json()["retouches"][0]["on_original"]["pixels"].get<int>(), 20);
+    EXPECT_EQ(run.json()["retouches"][1]["layer"], "retouch 1");
+    EXPECT_TRUE(ended(tangipaint({"treatment", "check", treatment()}), 0));
 }
 
 TEST_F(CliTreatment, AnEditedLogStopsEveryCommand) {

@@ -254,7 +254,10 @@ void Treatment::record(const TreatmentStep& step, const Author& author, const Pr
         for (const DriedLayer& layer : step.canvas->dried()) {  // in their order on the canvas
             const auto about = std::find_if(all.begin(), all.end(),
                                             [&](const TreatmentLayer& l) { return l.name == layer.name; });
-            TP_REQUIRE(about != all.end(), "a layer of a treatment has a role");
+            if (about == all.end())
+                fail("{}: has a layer '{}' that the log does not know; tangipaint treatment retouch takes in "
+                     "what was painted in the window",
+                     painting().string(), layer.name);
             entry["layers"].push_back(
                 to_json({layer.name, about->role, sha256_of(*step.canvas, layer.paint)}));
             ++known;

@@ -1,4 +1,6 @@
 // treatment_annotations.cpp: damage maps for other programs: W3C Web Annotations, IIIF Presentation 3.
+#include <algorithm>
+
 #include "paint/retouch/treatment_report.h"
 
 namespace tangi {

@@ -1,5 +1,8 @@
 #include "paint/retouch/treatment_report.h"
 
+#include <algorithm>
+#include <cmath>
+
 #include "paint/appearance.h"
 #include "paint/retouch/damage_suggestion.h"
 #include "paint/retouch/treatment_picture.h"
