@@ -71,7 +71,8 @@ TEST_F(CliTreatment, PaintThatTheWindowLeftBecomesARetouch) {
                     "{\"event\": \"dry\", \"layer\": \"Monday\"}\n"
                     "{\"event\": \"stroke\", \"brush\": {\"preset\": \"flat\", \"size_mm\": 1}, \"paint\": "
                     "{\"Titanium White\": 1}}\n"
-                    "{\"event\": \"point\", \"t\": 0, \"x\": -1, \"y\": 1}\n{\"event\": \"end\"}\n");
+                    "{\"event\": \"point\", \"t\": 0, \"x\": -1.5, \"y\": 1}\n"
+                    "{\"event\": \"point\", \"t\": 1, \"x\": 1.5, \"y\": 1}\n{\"event\": \"end\"}\n");
     const std::string painting = treatment() + "/painting.exr", painted = stack_.out("painted.exr");
     ASSERT_TRUE(ended(tangipaint({"replay", painting, stack_.out("s.jsonl"), "--out", painted}), 0));
     std::filesystem::rename(painted, painting);

@@ -96,6 +96,7 @@ TEST_F(Report, DamageIsOnAnIiifCanvasAsWebAnnotations) {
 TEST_F(Report, PicturesShowDamageAndAdditions) {
     const Treatment treatment = Treatment::open(folder());
     const Canvas canvas = treatment.read_canvas();
+    EXPECT_TRUE(canvas.dried().at(0).levels);  // through the file
     const Image<Rgb> damage = damage_picture(treatment, canvas.dry());
     EXPECT_GT(damage.height(), 60);                        // the legend is below
     EXPECT_GT(damage(45, 30).r - damage(45, 30).b, 0.3f);  // orange

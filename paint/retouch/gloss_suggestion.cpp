@@ -110,6 +110,7 @@ GlossSuggestion suggest_gloss(const Surface& surface, double mm_per_pixel, const
             const double against_rim = glossier ? 1 / patch.roughness_ratio
                                                 : std::max(patch.roughness_ratio, 1 / patch.specular_ratio);
             if (against_rim < std::sqrt(options.contrast)) continue;  // it fades out: no patch
+            if (!glossier && patch.roughness_ratio < 0.9) continue;   // alpha says the contrary
             const auto to_full = [&](int v) { return static_cast<int>(std::lround(v / factor)); };
             const int x = stats.at<int>(i, cv::CC_STAT_LEFT), y = stats.at<int>(i, cv::CC_STAT_TOP);
             patch.box = {to_full(x), to_full(y), to_full(x + stats.at<int>(i, cv::CC_STAT_WIDTH)),
