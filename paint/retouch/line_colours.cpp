@@ -1,0 +1,221 @@
+#include "paint/retouch/line_colours.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "paint/drawdown.h"
+#include "paint/kubelka_munk.h"
+#include "paint/retouch/juxtaposition.h"
+#include "surface/error.h"
+
+namespace tangi {
+
+namespace {
+
+constexpr int kSweeps = 6;
+
+// The paints by themselves, and let down with white in easy measures.
+std::vector<Pile> pure_piles(const Palette& palette, const Spectrum& below, double thickness_mm) {
+    const int white = palette.find(white_of(palette).name);
+    std::vector<Pile> piles;
+    for (int paint = 0; paint < static_cast<int>(palette.paints.size()); ++paint)
+        for (const int measures : {0, 1, 3, 8}) {
+            if (measures > 0 && (paint == white || white < 0)) continue;
+            Pile pile;
+            if (measures == 0)
+                pile.steps = {{paint, 0, 1}};
+            else
+                pile.steps = {{white, 0, 1}, {paint, measures, 1}};
+            pile.mixture = mixture_of(pile.steps);
+            std::vector<Pigment> pigments;
+            std::vector<float> volumes;
+            for (std::size_t i = 0; i < static_cast<std::size_t>(pile.mixture.count); ++i) {
+                pigments.push_back(palette.paints[static_cast<std::size_t>(pile.mixture.paints[i])]);
+                volumes.push_back(static_cast<float>(pile.mixture.volumes[i]));
+            }
+            pile.look = film_look(mix(pigments, volumes), static_cast<float>(thickness_mm), below);
+            piles.push_back(pile);
+        }
+    return piles;
+}
+
+struct MarkPixels {
+    std::vector<std::pair<int, int>> pixels;
+    glm::dvec3 target{0};  // sum of XYZ
+    int group = 0;
+};
+
+// Sums of the error of XYZ in overlapping squares, each `step` pixels from the next and twice as wide.
+class Errors {
+public:
+    Errors(int width, int height, int step)
+        : step_(step),
+          columns_(width / step + 2),
+          rows_(height / step + 2),
+          sums_(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_), glm::dvec3(0)) {}
+
+    void add(int x, int y, const glm::dvec3& error) {
+        for (int v = y / step_; v <= y / step_ + 1; ++v)
+            for (int u = x / step_; u <= x / step_ + 1; ++u) sums_[at(u, v)] += error;
+    }
+    // Squares that a mark touches, with its pixels in each.
+    std::vector<std::pair<std::size_t, int>> touched(const MarkPixels& mark) const {
+        std::map<std::size_t, int> counts;
+        for (const auto& [x, y] : mark.pixels)
+            for (int v = y / step_; v <= y / step_ + 1; ++v)
+                for (int u = x / step_; u <= x / step_ + 1; ++u) ++counts[at(u, v)];
+        return {counts.begin(), counts.end()};
+    }
+    glm::dvec3& operator[](std::size_t square) { return sums_[square]; }
+
+private:
+    std::size_t at(int u, int v) const {
+        return static_cast<std::size_t>(v) * static_cast<std::size_t>(columns_) + static_cast<std::size_t>(u);
+    }
+    int step_, columns_, rows_;
+    std::vector<glm::dvec3> sums_;
+};
+
+}  // namespace
+
+LineColours line_colours(const Image<int>& owner, const Mask& mask, const Image<Rgb>& target,
+                         const std::vector<Rgb>& groups, const Palette& palette, const Spectrum& below,
+                         double thickness_mm, const std::vector<Illuminant>& lamps, double blur_px) {
+    TP_REQUIRE(owner.region() == mask.region() && target.region() == mask.region(), "of the same region");
+    TP_REQUIRE(!groups.empty(), "a group of colours");
+    const auto xyz = [](const Spectrum& s) { return xyz_of(s, Illuminant::d65); };
+    int count = 0, bare = 0, painted = 0;
+    for (std::size_t i = 0; i < owner.size(); ++i) {
+        if (mask.pixels()[i] < 0.5f) continue;
+        ++(owner.pixels()[i] < 0 ? bare : painted);
+        count = std::max(count, owner.pixels()[i] + 1);
+    }
+    if (painted == 0)
+        fail(
+            "retouch: no line lies in the mask: it is narrower than a pixel, or than --pitch-mm; give a "
+            "finer "
+            "--pitch-mm");
+    const double bare_share = bare / static_cast<double>(bare + painted);
+
+    // Pure colours of each group.
+    const std::vector<Pile> offered = pure_piles(palette, below, thickness_mm);
+    std::vector<Spectrum> looks;
+    for (const Pile& pile : offered) looks.push_back(pile.look);
+    LineColours result;
+    std::vector<std::vector<int>> piles_of_group;
+    std::map<int, int> number_of_offered;
+    for (const Rgb& group : groups) {
+        const Spectrum wanted = reflectance_of_rgb(group);
+        const Juxtaposition pure = juxtapose(looks, wanted, lamps, below, bare_share);
+        piles_of_group.emplace_back();
+        for (const int look : pure.looks) {
+            const auto [at, added] =
+                number_of_offered.try_emplace(look, static_cast<int>(result.piles.size()));
+            if (added) {
+                result.piles.push_back(offered[static_cast<std::size_t>(look)]);
+                result.piles.back().target = wanted;
+            }
+            piles_of_group.back().push_back(at->second);
+        }
+    }
+
+    // Marks, and what is wanted where they are.
+    std::vector<MarkPixels> marks(static_cast<std::size_t>(count));
+    Errors errors(mask.width(), mask.height(), std::max(static_cast<int>(blur_px / 2), 1));
+    const glm::dvec3 below_xyz = xyz(below);
+    for (int y = 0; y < mask.height(); ++y)
+        for (int x = 0; x < mask.width(); ++x) {
+            if (mask(x, y) < 0.5f) continue;
+            const glm::dvec3 wanted = xyz(reflectance_of_rgb(target(x, y)));
+            if (owner(x, y) < 0) {
+                errors.add(x, y, below_xyz - wanted);
+                continue;
+            }
+            MarkPixels& mark = marks[static_cast<std::size_t>(owner(x, y))];
+            mark.pixels.emplace_back(x, y);
+            mark.target += wanted;
+            errors.add(x, y, -wanted);
+        }
+    std::vector<glm::dvec3> group_xyz, pile_xyz;
+    for (const Rgb& group : groups) group_xyz.push_back(xyz(reflectance_of_rgb(group)));
+    for (const Pile& pile : result.piles) pile_xyz.push_back(xyz(pile.look));
+    std::vector<std::vector<std::pair<std::size_t, int>>> squares;
+    for (MarkPixels& mark : marks) {
+        squares.push_back(errors.touched(mark));
+        const glm::dvec3 mean = mark.target / std::max(static_cast<double>(mark.pixels.size()), 1.0);
+        for (int g = 1; g < static_cast<int>(groups.size()); ++g)
+            if (glm::length(group_xyz[static_cast<std::size_t>(g)] - mean) <
+                glm::length(group_xyz[static_cast<std::size_t>(mark.group)] - mean))
+                mark.group = g;
+    }
+    std::vector<int> chosen(marks.size(), -1);
+    bool changed = true;
+    for (int sweep = 0; sweep < kSweeps && changed; ++sweep) {
+        changed = false;
+        for (std::size_t m = 0; m < marks.size(); ++m) {
+            if (marks[m].pixels.empty()) continue;
+            const int before = chosen[m];
+            if (before >= 0)
+                for (const auto& [square, pixels] : squares[m])
+                    errors[square] -=
+                        static_cast<double>(pixels) * pile_xyz[static_cast<std::size_t>(before)];
+            double least = 1e300;
+            for (const int pile : piles_of_group[static_cast<std::size_t>(marks[m].group)]) {
+                double energy = 0;
+                for (const auto& [square, pixels] : squares[m]) {
+                    const glm::dvec3 e = errors[square] + static_cast<double>(pixels) *
+                                                              pile_xyz[static_cast<std::size_t>(pile)];
+                    energy += glm::dot(e, e);
+                }
+                if (energy < least) least = energy, chosen[m] = pile;
+            }
+            for (const auto& [square, pixels] : squares[m])
+                errors[square] += static_cast<double>(pixels) * pile_xyz[static_cast<std::size_t>(chosen[m])];
+            changed = changed || chosen[m] != before;
+        }
+    }
+    result.pile = Image<int>(mask.width(), mask.height(), -1);
+    for (std::size_t i = 0; i < owner.size(); ++i)
+        if (owner.pixels()[i] >= 0)
+            result.pile.pixels()[i] = chosen[static_cast<std::size_t>(owner.pixels()[i])];
+    return result;
+}
+
+FusedDifference::FusedDifference(const Mask& mask, int cell_px) : cell_px_(std::max(cell_px, 1)) {
+    TP_REQUIRE(!mask.empty(), "a mask");
+}
+
+void FusedDifference::add(int x, int y, const Spectrum& look, const Spectrum& target) {
+    Cell& cell = cells_[{y / cell_px_, x / cell_px_}];
+    for (std::size_t band = 0; band < kBands; ++band) {
+        cell.look[band] += static_cast<double>(look[band]);
+        cell.target[band] += static_cast<double>(target[band]);
+    }
+    ++cell.pixels;
+}
+
+std::array<double, kIlluminants> FusedDifference::means() const {
+    std::array<double, kIlluminants> sums{};
+    double weights = 0;
+    // Small masks have no whole cell: then what there is counts.
+    int largest = 0;
+    for (const auto& [at, cell] : cells_) largest = std::max(largest, cell.pixels);
+    for (const auto& [at, cell] : cells_) {
+        if (2 * cell.pixels < std::min(largest, cell_px_ * cell_px_)) continue;
+        Spectrum look, target;
+        for (std::size_t band = 0; band < kBands; ++band) {
+            look[band] = static_cast<float>(cell.look[band] / cell.pixels);
+            target[band] = static_cast<float>(cell.target[band] / cell.pixels);
+        }
+        for (std::size_t lamp = 0; lamp < kIlluminants; ++lamp) {
+            const auto light = static_cast<Illuminant>(lamp);
+            sums[lamp] += cell.pixels * delta_e_2000(lab_under(look, light), lab_under(target, light));
+        }
+        weights += cell.pixels;
+    }
+    for (double& sum : sums) sum /= std::max(weights, 1.0);
+    return sums;
+}
+
+}  // namespace tangi
