@@ -46,6 +46,14 @@ std::vector<TileIndex> Canvas::take_dirty() {
     return tiles;
 }
 
+void Canvas::confine(std::shared_ptr<const Image<float>> mask) {
+    TP_REQUIRE(!mask || mask->region() == region(), "a mask has the size of its canvas");
+    if (mask)
+        for (const float part : mask->pixels())
+            if (!(part >= 0 && part <= 1)) fail("a mask holds {}; coverage is 0 to 1", part);
+    mask_ = std::move(mask);
+}
+
 void Canvas::relief_mm(const Region& region, float* out, std::size_t stride) const {
     TP_REQUIRE(intersection(region, this->region()) == region, "the region lies on the canvas");
     const auto unit_mm = static_cast<float>(height_unit_mm());

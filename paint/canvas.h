@@ -59,6 +59,12 @@ public:
     // Tiles that changed since the last call.
     std::vector<TileIndex> take_dirty();
 
+    // Confines brushes: where `mask` (one number a pixel, the canvas's size) is 0 they neither give nor take
+    // nor push paint, where it is below 1 the less of it. Empty: brushes work everywhere, as at first. Goes
+    // with the sitting, not with the file. Throws ContractError for another size, Error outside [0, 1].
+    void confine(std::shared_ptr<const Image<float>> mask);
+    const std::shared_ptr<const Image<float>>& mask() const { return mask_; }
+
     // Adds to `out`, row by row, the height [mm] of what is dry in `region`, which lies on the canvas.
     void relief_mm(const Region& region, float* out, std::size_t stride) const;
 
@@ -75,6 +81,7 @@ private:
     PaintLayer wet_;
     std::vector<DriedLayer> dried_;
     std::set<TileIndex> dirty_;
+    std::shared_ptr<const Image<float>> mask_;
 };
 
 // What a spot is made of: the ingredients of the wet paint within a circle.

@@ -73,7 +73,8 @@ void outflow_row(int n, const TransferRates& r, const Motion& m, const float* __
     const float to_left = m.sx < 0 ? m.x : 0, to_right = m.sx < 0 ? 0 : m.x, to_up = m.sy < 0 ? m.y : 0,
                 to_down = m.sy < 0 ? 0 : m.y, diagonal = m.diagonal;
     for (int x = 0; x < n; ++x) {
-        const float w = total[x], top = relief[x] + w;
+        // What lies where brushes may not work stays there.
+        const float w = grain[x] > 0 ? total[x] : 0.0f, top = relief[x] + total[x];
         // Steps that are too steep: paint flows down them.
         const float over = flow / (w + kTiny);
         float l = std::min(std::max(top - (relief[x - 1] + total[x - 1]) - yield, 0.0f), w) * over;

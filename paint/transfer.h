@@ -40,7 +40,7 @@ struct StepBox {
     std::size_t underside_stride = 0;
     std::vector<RowSpan> bristles;     // of each row: outside of it underside_mm is kOutside
     const float* relief_mm = nullptr;  // of what is dry, above its local mean
-    const float* grain = nullptr;      // [1] random factor of the transfer, about 1; 0 off the canvas
+    const float* grain = nullptr;      // [1] random factor of the transfer, about 1; 0 where no brush works
     float* total_mm = nullptr;         // W, sum of `paint`
     std::size_t canvas_stride = 0;
     std::vector<float*> paint;       // W of each ingredient
