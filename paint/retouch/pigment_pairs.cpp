@@ -1,11 +1,10 @@
 #include "paint/retouch/pigment_pairs.h"
 
 #include <algorithm>
-#include <fstream>
-#include <iterator>
 #include <nlohmann/json.hpp>
 
 #include "paint/retouch/pigment_pairs_json.h"
+#include "surface/atomic_file.h"
 #include "surface/error.h"
 
 namespace tangi {
@@ -85,10 +84,7 @@ std::vector<PigmentPair> parse_pigment_pairs(std::string_view text, const std::s
 }
 
 std::vector<PigmentPair> read_pigment_pairs(const std::filesystem::path& path) {
-    std::ifstream stream(path, std::ios::binary);
-    if (!stream) fail("{}: cannot be read", path.string());
-    const std::string text{std::istreambuf_iterator<char>(stream), {}};
-    return parse_pigment_pairs(text, path.string());
+    return parse_pigment_pairs(read_text_file(path), path.string());
 }
 
 std::string_view usual_pigment_pairs_text() { return kPigmentPairsJson; }
