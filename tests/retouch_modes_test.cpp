@@ -15,21 +15,22 @@ namespace tangi {
 namespace {
 
 constexpr double kPixel = 0.2;  // [mm]
+constexpr int kWide = 200, kHigh = 160;
 
 // A painting that goes from ochre to green from left to right, with a white loss in its middle.
 struct Damaged {
-    std::shared_ptr<Surface> surface = std::make_shared<Surface>(120, 100);
-    Mask loss{120, 100};
+    std::shared_ptr<Surface> surface = std::make_shared<Surface>(kWide, kHigh);
+    Mask loss{kWide, kHigh};
 
     Damaged() {
         surface->mm_per_pixel = kPixel;
         surface->scale_known = true;
-        for (int y = 0; y < 100; ++y)
-            for (int x = 0; x < 120; ++x) {
-                const float t = static_cast<float>(x) / 119;
+        for (int y = 0; y < kHigh; ++y)
+            for (int x = 0; x < kWide; ++x) {
+                const float t = static_cast<float>(x) / (kWide - 1);
                 surface->diffuse(x, y) = Rgb(0.35f, 0.22f, 0.08f) * (1 - t) + Rgb(0.12f, 0.25f, 0.10f) * t;
                 surface->confidence(x, y) = 1;
-                if (std::hypot(x - 60.0, y - 50.0) > 28) continue;
+                if (std::hypot(x - kWide / 2.0, y - kHigh / 2.0) > 50) continue;
                 loss(x, y) = 1;
                 surface->diffuse(x, y) = Rgb(0.7f, 0.68f, 0.62f);
             }
@@ -79,10 +80,10 @@ TEST(Retouch, MimeticLooksLikeItsSurroundings) {
     const Surface seen = appearance(canvas);
     double sum = 0;
     int count = 0;
-    for (int y = 0; y < 100; ++y)
-        for (int x = 0; x < 120; ++x) {
+    for (int y = 0; y < kHigh; ++y)
+        for (int x = 0; x < kWide; ++x) {
             if (!(damaged.loss(x, y) > 0)) continue;
-            const float t = static_cast<float>(x) / 119;
+            const float t = static_cast<float>(x) / (kWide - 1);
             const Rgb truth = Rgb(0.35f, 0.22f, 0.08f) * (1 - t) + Rgb(0.12f, 0.25f, 0.10f) * t;
             sum += delta_e_2000(lab_from_linear(truth), lab_from_linear(seen.diffuse(x, y)));
             ++count;
@@ -98,7 +99,7 @@ TEST(Retouch, LinesFuseToTheColourTheyStandFor) {
         const RetouchReport report = laid(canvas, damaged, mode);
         EXPECT_GE(report.piles.size(), 2u) << name_of(mode);
         EXPECT_GT(report.marks, 10) << name_of(mode);
-        EXPECT_LT(report.delta_e_mean[static_cast<std::size_t>(Illuminant::d65)], 3) << name_of(mode);
+        EXPECT_LT(report.delta_e_mean[static_cast<std::size_t>(Illuminant::d65)], 4) << name_of(mode);
     }
 }
 
@@ -117,7 +118,7 @@ TEST(Retouch, SaysWhatIsWrong) {
     const Damaged damaged;
     Canvas canvas = damaged.canvas();
     EXPECT_NE(error_of([&] {
-                  lay_retouch(canvas, artist_acrylics(), Mask(120, 100), {}, RetouchMode::mimetic, "r");
+                  lay_retouch(canvas, artist_acrylics(), Mask(kWide, kHigh), {}, RetouchMode::mimetic, "r");
               }).find("mask is empty"),
               std::string::npos);
     RetouchOptions fine;
@@ -128,7 +129,8 @@ TEST(Retouch, SaysWhatIsWrong) {
               }).find("finer than the painting's pixels of 0.2 mm"),
               std::string::npos);
     EXPECT_NE(error_of([&] {
-                  lay_retouch(canvas, artist_acrylics(), Mask(120, 100, 1), {}, RetouchMode::mimetic, "r");
+                  lay_retouch(canvas, artist_acrylics(), Mask(kWide, kHigh, 1), {}, RetouchMode::mimetic,
+                              "r");
               }).find("covers the whole picture"),
               std::string::npos);
     EXPECT_TRUE(canvas.dried().empty());
@@ -198,13 +200,13 @@ TEST(Inpainting, OfEveryKindFillsTheHoleOnly) {
     for (const Inpainting method : {Inpainting::membrane, Inpainting::telea, Inpainting::navier_stokes}) {
         Image<Rgb> colours = damaged.surface->diffuse;
         inpaint_into(colours, damaged.loss, method);
-        for (int y = 0; y < 100; ++y)
-            for (int x = 0; x < 120; ++x) {
+        for (int y = 0; y < kHigh; ++y)
+            for (int x = 0; x < kWide; ++x) {
                 if (!(damaged.loss(x, y) > 0)) {
                     ASSERT_EQ(colours(x, y), damaged.surface->diffuse(x, y));
                     continue;
                 }
-                const float t = static_cast<float>(x) / 119;
+                const float t = static_cast<float>(x) / (kWide - 1);
                 const Rgb truth = Rgb(0.35f, 0.22f, 0.08f) * (1 - t) + Rgb(0.12f, 0.25f, 0.10f) * t;
                 ASSERT_LT(delta_e_2000(lab_from_linear(truth), lab_from_linear(colours(x, y))), 12)
                     << name_of(method) << " " << x << " " << y;
@@ -215,16 +217,17 @@ TEST(Inpainting, OfEveryKindFillsTheHoleOnly) {
 TEST(Surroundings, TellTheCommonestColour) {
     Damaged damaged;
     // A fifth of the surroundings is dark dirt, which the mode is not drawn to, as a mean would be.
-    for (int y = 0; y < 100; ++y)
-        for (int x = 0; x < 120; ++x)
+    for (int y = 0; y < kHigh; ++y)
+        for (int x = 0; x < kWide; ++x)
             damaged.surface->diffuse(x, y) = (x * 7 + y * 13) % 5 == 0 ? Rgb(0.01f) : Rgb(0.3f, 0.2f, 0.1f);
     const Annulus round = annulus_of(*damaged.surface, damaged.loss, {});
     EXPECT_LT(delta_e_2000(lab_from_linear(round.mode), lab_from_linear({0.3f, 0.2f, 0.1f})), 0.5);
     EXPECT_LT(round.spread, 0.5);
     EXPECT_GT(round.pixels, 1000);
-    EXPECT_NE(
-        error_of([&] { annulus_of(*damaged.surface, damaged.loss, Mask(120, 100, 1)); }).find("--annulus-mm"),
-        std::string::npos);
+    EXPECT_NE(error_of([&] {
+                  annulus_of(*damaged.surface, damaged.loss, Mask(kWide, kHigh, 1));
+              }).find("--annulus-mm"),
+              std::string::npos);
 }
 
 TEST(Juxtaposition, MixesByArea) {
@@ -308,7 +311,12 @@ Fusion fusion_of_bars(int pitch_px) {
     Image<Rgb> bars(240, 120), grey(240, 120, Rgb(0.25f));
     for (int y = 0; y < 120; ++y)
         for (int x = 0; x < 240; ++x) bars(x, y) = Rgb(x % pitch_px < pitch_px / 2 ? 0.4f : 0.1f);
-    return fusion_of(bars, grey, Mask(240, 120, 1), pitch_px, 0.25, {});
+    Mask mask(240, 120);
+    for (int y = 20; y < 100; ++y)
+        for (int x = 20; x < 220; ++x) mask(x, y) = 1;
+    for (std::size_t i = 0; i < mask.size(); ++i)
+        if (!(mask.pixels()[i] > 0)) bars.pixels()[i] = grey.pixels()[i];
+    return fusion_of(bars, grey, mask, pitch_px, 0.25, {});
 }
 
 TEST(Eye, FusesLinesFartherOffWhereTheyAreWider) {

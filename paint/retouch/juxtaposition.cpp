@@ -10,8 +10,10 @@ namespace tangi {
 
 namespace {
 
-constexpr std::size_t kKept = 200;  // sets of looks that are compared exactly
-constexpr double kAlike = 0.5;      // CIEDE2000 that nobody sees at a distance
+constexpr std::size_t kKept = 1500;  // sets of looks that are compared exactly
+constexpr double kColourPart =
+    0.5;                        // of differences in colour: they fuse from nearer than those in lightness
+constexpr double kAlike = 0.5;  // CIEDE2000 that nobody sees at a distance
 
 struct Judged {
     const SubsetFit* fit;
@@ -54,16 +56,18 @@ Juxtaposition juxtapose(std::span<const Spectrum> looks, const Spectrum& target,
     for (const SubsetFit& fit : fits) {
         Spectrum mean;
         for (std::size_t band = 0; band < kBands; ++band) mean[band] = (1 - painted) * bare[band];
-        double lightness[kMostPaints], middle = 0, contrast = 0;
+        glm::dvec3 each[kMostPaints], middle(0);
+        double contrast = 0;
         for (std::size_t i = 0; i < static_cast<std::size_t>(fit.count); ++i) {
             const Spectrum& look = looks[static_cast<std::size_t>(fit.columns[i])];
             for (std::size_t band = 0; band < kBands; ++band)
                 mean[band] += painted * static_cast<float>(fit.weights[i]) * look[band];
-            lightness[i] = lab_under(look).l;
-            middle += fit.weights[i] * lightness[i];
+            const Lab lab = lab_under(look);
+            each[i] = {lab.l, kColourPart * lab.a, kColourPart * lab.b};
+            middle += fit.weights[i] * each[i];
         }
         for (std::size_t i = 0; i < static_cast<std::size_t>(fit.count); ++i)
-            contrast += fit.weights[i] * (lightness[i] - middle) * (lightness[i] - middle);
+            contrast += fit.weights[i] * glm::dot(each[i] - middle, each[i] - middle);
         double worst = 0;
         for (const Illuminant lamp : lamps)
             worst = std::max(worst, delta_e_2000(lab_under(mean, lamp), lab_under(target, lamp)));

@@ -40,10 +40,16 @@ std::vector<Pile> pure_piles(const Palette& palette, const Spectrum& below, doub
     return piles;
 }
 
-struct MarkPixels {
-    std::vector<std::pair<int, int>> pixels;
-    glm::dvec3 target{0};  // sum of XYZ
-    int group = 0;
+// A mark's pixels and the sum of XYZ that is wanted there: in all, and in each square that it touches.
+struct Share {
+    int pixels = 0;
+    glm::dvec3 target{0};
+    glm::dvec3 error(const glm::dvec3& pile) const { return static_cast<double>(pixels) * pile - target; }
+};
+struct MarkShares {
+    Share whole;
+    std::map<std::size_t, Share> by_square;
+    std::size_t group = 0;
 };
 
 // Sums of the error of XYZ in overlapping squares, each `step` pixels from the next and twice as wide.
@@ -56,16 +62,12 @@ public:
           sums_(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_), glm::dvec3(0)) {}
 
     void add(int x, int y, const glm::dvec3& error) {
-        for (int v = y / step_; v <= y / step_ + 1; ++v)
-            for (int u = x / step_; u <= x / step_ + 1; ++u) sums_[at(u, v)] += error;
+        for (const std::size_t square : squares_of(x, y)) sums_[square] += error;
     }
-    // Squares that a mark touches, with its pixels in each.
-    std::vector<std::pair<std::size_t, int>> touched(const MarkPixels& mark) const {
-        std::map<std::size_t, int> counts;
-        for (const auto& [x, y] : mark.pixels)
-            for (int v = y / step_; v <= y / step_ + 1; ++v)
-                for (int u = x / step_; u <= x / step_ + 1; ++u) ++counts[at(u, v)];
-        return {counts.begin(), counts.end()};
+    // The squares that a pixel lies in.
+    std::array<std::size_t, 4> squares_of(int x, int y) const {
+        const int u = x / step_, v = y / step_;
+        return {at(u, v), at(u + 1, v), at(u, v + 1), at(u + 1, v + 1)};
     }
     glm::dvec3& operator[](std::size_t square) { return sums_[square]; }
 
@@ -77,13 +79,36 @@ private:
     std::vector<glm::dvec3> sums_;
 };
 
+// A pile for every mark, each in its group's shares of the area, spread evenly over the marks as they come.
+std::vector<int> by_shares(const std::vector<MarkShares>& marks,
+                           const std::vector<std::vector<std::pair<int, double>>>& piles_of_group) {
+    std::vector<int> chosen(marks.size(), piles_of_group[0][0].first);
+    std::vector<double> area(piles_of_group.size());
+    std::vector<std::vector<double>> painted;
+    for (const auto& piles : piles_of_group) painted.emplace_back(piles.size());
+    for (std::size_t m = 0; m < marks.size(); ++m) {
+        const std::size_t g = marks[m].group;
+        area[g] += marks[m].whole.pixels;
+        std::size_t most = 0;
+        const auto missing = [&](std::size_t i) {
+            return piles_of_group[g][i].second * area[g] - painted[g][i];
+        };
+        for (std::size_t i = 1; i < painted[g].size(); ++i)
+            if (missing(i) > missing(most)) most = i;
+        painted[g][most] += marks[m].whole.pixels;
+        chosen[m] = piles_of_group[g][most].first;
+    }
+    return chosen;
+}
+
 }  // namespace
 
 LineColours line_colours(const Image<int>& owner, const Mask& mask, const Image<Rgb>& target,
-                         const std::vector<Rgb>& groups, const Palette& palette, const Spectrum& below,
-                         double thickness_mm, const std::vector<Illuminant>& lamps, double blur_px) {
+                         const std::vector<Rgb>& groups, const std::vector<Pile>& gaps,
+                         const Palette& palette, const Spectrum& below, double thickness_mm,
+                         const std::vector<Illuminant>& lamps, double blur_px) {
     TP_REQUIRE(owner.region() == mask.region() && target.region() == mask.region(), "of the same region");
-    TP_REQUIRE(!groups.empty(), "a group of colours");
+    TP_REQUIRE(!groups.empty() && (gaps.empty() || gaps.size() == groups.size()), "a group of colours");
     const auto xyz = [](const Spectrum& s) { return xyz_of(s, Illuminant::d65); };
     int count = 0, bare = 0, painted = 0;
     for (std::size_t i = 0; i < owner.size(); ++i) {
@@ -92,10 +117,7 @@ LineColours line_colours(const Image<int>& owner, const Mask& mask, const Image<
         count = std::max(count, owner.pixels()[i] + 1);
     }
     if (painted == 0)
-        fail(
-            "retouch: no line lies in the mask: it is narrower than a pixel, or than --pitch-mm; give a "
-            "finer "
-            "--pitch-mm");
+        fail("retouch: no line lies in the mask, which is narrower than --pitch-mm; give a finer one");
     const double bare_share = bare / static_cast<double>(bare + painted);
 
     // Pure colours of each group.
@@ -103,79 +125,85 @@ LineColours line_colours(const Image<int>& owner, const Mask& mask, const Image<
     std::vector<Spectrum> looks;
     for (const Pile& pile : offered) looks.push_back(pile.look);
     LineColours result;
-    std::vector<std::vector<int>> piles_of_group;
+    result.piles = gaps;
+    std::vector<std::vector<std::pair<int, double>>> piles_of_group;  // with their shares
     std::map<int, int> number_of_offered;
-    for (const Rgb& group : groups) {
-        const Spectrum wanted = reflectance_of_rgb(group);
-        const Juxtaposition pure = juxtapose(looks, wanted, lamps, below, bare_share);
+    for (std::size_t group = 0; group < groups.size(); ++group) {
+        const Spectrum wanted = reflectance_of_rgb(groups[group]);
+        const Juxtaposition pure =
+            juxtapose(looks, wanted, lamps, gaps.empty() ? below : gaps[group].look, bare_share);
         piles_of_group.emplace_back();
-        for (const int look : pure.looks) {
+        for (std::size_t i = 0; i < pure.looks.size(); ++i) {
+            const int look = pure.looks[i];
             const auto [at, added] =
                 number_of_offered.try_emplace(look, static_cast<int>(result.piles.size()));
             if (added) {
                 result.piles.push_back(offered[static_cast<std::size_t>(look)]);
                 result.piles.back().target = wanted;
             }
-            piles_of_group.back().push_back(at->second);
+            piles_of_group.back().emplace_back(at->second, pure.shares[i]);
         }
     }
 
     // Marks, and what is wanted where they are.
-    std::vector<MarkPixels> marks(static_cast<std::size_t>(count));
+    std::vector<MarkShares> marks(static_cast<std::size_t>(count));
     Errors errors(mask.width(), mask.height(), std::max(static_cast<int>(blur_px / 2), 1));
+    std::vector<glm::dvec3> group_xyz, pile_xyz;
+    for (const Rgb& group : groups) group_xyz.push_back(xyz(reflectance_of_rgb(group)));
+    for (const Pile& pile : result.piles) pile_xyz.push_back(xyz(pile.look));
+    const auto group_of = [&](const glm::dvec3& wanted) {
+        std::size_t best = 0;
+        for (std::size_t g = 1; g < group_xyz.size(); ++g)
+            if (glm::length(group_xyz[g] - wanted) < glm::length(group_xyz[best] - wanted)) best = g;
+        return best;
+    };
+    result.pile = Image<int>(mask.width(), mask.height(), -1);
     const glm::dvec3 below_xyz = xyz(below);
     for (int y = 0; y < mask.height(); ++y)
         for (int x = 0; x < mask.width(); ++x) {
             if (mask(x, y) < 0.5f) continue;
             const glm::dvec3 wanted = xyz(reflectance_of_rgb(target(x, y)));
             if (owner(x, y) < 0) {
-                errors.add(x, y, below_xyz - wanted);
+                if (!gaps.empty()) result.pile(x, y) = static_cast<int>(group_of(wanted));
+                errors.add(x, y, (gaps.empty() ? below_xyz : pile_xyz[group_of(wanted)]) - wanted);
                 continue;
             }
-            MarkPixels& mark = marks[static_cast<std::size_t>(owner(x, y))];
-            mark.pixels.emplace_back(x, y);
-            mark.target += wanted;
-            errors.add(x, y, -wanted);
+            MarkShares& mark = marks[static_cast<std::size_t>(owner(x, y))];
+            ++mark.whole.pixels, mark.whole.target += wanted;
+            for (const std::size_t square : errors.squares_of(x, y)) {
+                Share& share = mark.by_square[square];
+                ++share.pixels, share.target += wanted;
+            }
         }
-    std::vector<glm::dvec3> group_xyz, pile_xyz;
-    for (const Rgb& group : groups) group_xyz.push_back(xyz(reflectance_of_rgb(group)));
-    for (const Pile& pile : result.piles) pile_xyz.push_back(xyz(pile.look));
-    std::vector<std::vector<std::pair<std::size_t, int>>> squares;
-    for (MarkPixels& mark : marks) {
-        squares.push_back(errors.touched(mark));
-        const glm::dvec3 mean = mark.target / std::max(static_cast<double>(mark.pixels.size()), 1.0);
-        for (int g = 1; g < static_cast<int>(groups.size()); ++g)
-            if (glm::length(group_xyz[static_cast<std::size_t>(g)] - mean) <
-                glm::length(group_xyz[static_cast<std::size_t>(mark.group)] - mean))
-                mark.group = g;
-    }
-    std::vector<int> chosen(marks.size(), -1);
+    for (MarkShares& mark : marks)
+        mark.group = group_of(mark.whole.target / std::max(static_cast<double>(mark.whole.pixels), 1.0));
+    std::vector<int> chosen = by_shares(marks, piles_of_group);
+    for (std::size_t m = 0; m < marks.size(); ++m)
+        for (const auto& [square, share] : marks[m].by_square)
+            errors[square] += share.error(pile_xyz[static_cast<std::size_t>(chosen[m])]);
     bool changed = true;
     for (int sweep = 0; sweep < kSweeps && changed; ++sweep) {
         changed = false;
         for (std::size_t m = 0; m < marks.size(); ++m) {
-            if (marks[m].pixels.empty()) continue;
+            if (marks[m].whole.pixels == 0) continue;
             const int before = chosen[m];
-            if (before >= 0)
-                for (const auto& [square, pixels] : squares[m])
-                    errors[square] -=
-                        static_cast<double>(pixels) * pile_xyz[static_cast<std::size_t>(before)];
+            for (const auto& [square, share] : marks[m].by_square)
+                errors[square] -= share.error(pile_xyz[static_cast<std::size_t>(before)]);
             double least = 1e300;
-            for (const int pile : piles_of_group[static_cast<std::size_t>(marks[m].group)]) {
+            for (const auto& [pile, share_of_area] : piles_of_group[marks[m].group]) {
                 double energy = 0;
-                for (const auto& [square, pixels] : squares[m]) {
-                    const glm::dvec3 e = errors[square] + static_cast<double>(pixels) *
-                                                              pile_xyz[static_cast<std::size_t>(pile)];
+                for (const auto& [square, share] : marks[m].by_square) {
+                    const glm::dvec3 e =
+                        errors[square] + share.error(pile_xyz[static_cast<std::size_t>(pile)]);
                     energy += glm::dot(e, e);
                 }
                 if (energy < least) least = energy, chosen[m] = pile;
             }
-            for (const auto& [square, pixels] : squares[m])
-                errors[square] += static_cast<double>(pixels) * pile_xyz[static_cast<std::size_t>(chosen[m])];
+            for (const auto& [square, share] : marks[m].by_square)
+                errors[square] += share.error(pile_xyz[static_cast<std::size_t>(chosen[m])]);
             changed = changed || chosen[m] != before;
         }
     }
-    result.pile = Image<int>(mask.width(), mask.height(), -1);
     for (std::size_t i = 0; i < owner.size(); ++i)
         if (owner.pixels()[i] >= 0)
             result.pile.pixels()[i] = chosen[static_cast<std::size_t>(owner.pixels()[i])];

@@ -15,7 +15,8 @@ namespace {
 
 constexpr std::array<std::string_view, 6> kNames = {"mimetic",     "tratteggio", "selection",
                                                     "abstraction", "dotting",    "neutral"};
-constexpr int kBlends = 8;  // steps from one pile to another
+constexpr int kBlends = 8;           // steps from one pile to another
+constexpr double kFusedPitches = 6;  // over which lines and dots are to have the right mean
 
 double square(double v) { return v * v; }
 double distance2(const Lab& a, const Lab& b) {
@@ -329,10 +330,13 @@ RetouchReport lay_retouch(Canvas& canvas, const Palette& palette, const Mask& ma
         const std::vector<Mark> marks = marks_of(mode, loss, g, dilated(hole, 1));
         result.marks = static_cast<int>(marks.size());
         const Image<int> owner = rasterised(marks, loss.mask, g.width_px);
-        const auto groups = groups_of(targets_inside(loss), std::max(options.piles / 3, 1));
+        const auto groups = groups_of(targets_inside(loss), std::max(options.piles / 2, 1));
         report(progress, "choose pure colours", 0);
-        auto of_lines = line_colours(owner, loss.mask, loss.target, groups, palette, loss.below,
-                                     options.thickness_mm, options.match.lamps, 2 * g.pitch_px);
+        std::vector<Pile> gaps;
+        for (std::size_t i = 0; i < groups.size() && !options.bare_gaps; ++i)
+            gaps.push_back(pile_for(groups[i], loss, palette, options));
+        auto of_lines = line_colours(owner, loss.mask, loss.target, groups, gaps, palette, loss.below,
+                                     options.thickness_mm, options.match.lamps, kFusedPitches * g.pitch_px);
         result.piles = std::move(of_lines.piles);
         chosen = std::move(of_lines.pile);
         colours = colours_of(result.piles, false, palette, loss, options.thickness_mm);
@@ -341,7 +345,8 @@ RetouchReport lay_retouch(Canvas& canvas, const Palette& palette, const Mask& ma
     report(progress, "lay paint", 0);
     Layer laid(canvas, palette);
     const double pixel_mm2 = square(loss.mm_per_pixel);
-    const int cell = lines ? static_cast<int>(4 * std::round(result.pitch_mm / loss.mm_per_pixel)) : 1;
+    const int cell =
+        lines ? static_cast<int>(kFusedPitches * std::round(result.pitch_mm / loss.mm_per_pixel)) : 1;
     FusedDifference difference(loss.mask, cell);
     for (int y = 0; y < loss.mask.height(); ++y)
         for (int x = 0; x < loss.mask.width(); ++x) {

@@ -1,7 +1,8 @@
 // modes.h: a retouch laid inside a mask: as paint of measured recipes, in the ways that conservators retouch.
 //
 // mimetic      colours of the surroundings carried on into the loss, from a few piles and mixtures of two
-// tratteggio   vertical lines of pure colours whose mean is that colour (Brandi 1963: rigatino)
+// tratteggio   vertical lines of pure colours whose mean is that colour (Brandi 1963: rigatino); between them
+//              one recipe of that colour, or what lies there
 // selection    such lines along the form of the surroundings (selezione cromatica: Baldini 1978)
 // abstraction  lines in crossing directions, of the mean colour of the surroundings (astrazione: Baldini
 // 1978) dotting      dots of pure colours neutral      one toned-down colour
@@ -28,9 +29,10 @@ std::optional<RetouchMode> retouch_mode_named(std::string_view name);
 
 struct RetouchOptions {
     double thickness_mm = 0.05;
-    double pitch_mm = 1, width_mm = 0.6, length_mm = 10;
+    double pitch_mm = 1, width_mm = 0.6, length_mm = 5;
     int piles = 6;
     double neutral_chroma = 0.4, neutral_lightness = -3;
+    bool bare_gaps = false;
     int seed = 1;
     Inpainting inpainting = Inpainting::membrane;
     AnnulusOptions annulus;
@@ -49,6 +51,10 @@ struct RetouchOptions {
         visit(FieldInfo{"neutral_lightness", -50, 50, "1",
                         "lightness L* of the neutral tone above the surroundings'"},
               self.neutral_lightness);
+        visit(
+            FieldInfo{"bare_gaps", 0, 1, "",
+                      "leave what is between lines or dots as it is, instead of in the surroundings' colour"},
+            self.bare_gaps);
         visit(FieldInfo{"seed", 0, 1e9, "1", "another number gives other lines and dots"}, self.seed);
     }
 };
@@ -69,7 +75,7 @@ struct RetouchReport {
     int marks = 0;
     double pitch_mm = 0, width_mm = 0;  // as laid: whole pixels
     // CIEDE2000 from the colour that was aimed at, under each lamp, in the order of Illuminant: pixel by
-    // pixel, or, of lines and dots, the means over 4 x 4 pitches.
+    // pixel, or, of lines and dots, the means over 6 x 6 pitches.
     std::array<double, kIlluminants> delta_e_mean{};
     Image<Rgb> target;  // linear Rec. 709 under D65, in `region`
     Region region;      // the part of the painting that was looked at

@@ -189,12 +189,16 @@ void inpaint_into(Image<float>& values, const Mask& hole, Inpainting method, dou
     cv::Mat mask(hole.height(), hole.width(), CV_8U);
     for (int y = 0; y < hole.height(); ++y)
         for (int x = 0; x < hole.width(); ++x) mask.at<unsigned char>(y, x) = inside(hole(x, y)) ? 255 : 0;
-    cv::Mat filled;
-    cv::inpaint(matrix_of(values), mask, filled, radius_px,
+    // OpenCV rounds as if values were grey levels: on a scale of many levels that does not matter.
+    const auto [low, high] = std::minmax_element(values.pixels().begin(), values.pixels().end());
+    const float base = *low, scale = 60000 / std::max(*high - *low, 1e-20f);
+    cv::Mat levels, filled;
+    matrix_of(values).convertTo(levels, CV_32F, scale, -base * scale);
+    cv::inpaint(levels, mask, filled, radius_px,
                 method == Inpainting::telea ? cv::INPAINT_TELEA : cv::INPAINT_NS);
     for (int y = 0; y < hole.height(); ++y)
         for (int x = 0; x < hole.width(); ++x)
-            if (inside(hole(x, y))) values(x, y) = filled.at<float>(y, x);
+            if (inside(hole(x, y))) values(x, y) = filled.at<float>(y, x) / scale + base;
 }
 
 void inpaint_into(Image<Rgb>& colours, const Mask& hole, Inpainting method, double radius_px) {

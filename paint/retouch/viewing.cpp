@@ -171,8 +171,14 @@ Fusion fusion_of(const Image<Rgb>& retouched, const Image<Rgb>& target, const Ma
                  double mm_per_pixel, const ViewingOptions& options, double farthest_m) {
     TP_REQUIRE(retouched.region() == mask.region() && target.region() == mask.region(), "of the same size");
     const Image<Rgb> mean = means_over(retouched, mask, pitch_px);
+    // Near the border, means are of half a pattern: what is seen of it there does not count.
+    Mask counted = distance_inside_px(mask);
+    float deepest = 1e-3f;
+    for (float& v : counted.pixels())
+        v = std::clamp(v / (3 * static_cast<float>(pitch_px)), 0.0f, 1.0f), deepest = std::max(deepest, v);
+    for (float& v : counted.pixels()) v /= deepest;
     const auto seen = [&](double distance_m) {
-        return visible_contrast(retouched, mean, mask, mm_per_pixel, distance_m, options);
+        return visible_contrast(retouched, mean, counted, mm_per_pixel, distance_m, options);
     };
     Fusion fusion;
     // Sensitivity falls with frequency only beyond its peak: coming from afar, the first distance where the
