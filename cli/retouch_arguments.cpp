@@ -5,7 +5,6 @@
 #include <sstream>
 
 #include "cli/command.h"
-#include "paint/retouch/modes.h"
 
 namespace tangi {
 
@@ -19,7 +18,7 @@ void PaintBoxArguments::add_to(Flags& flags) {
         .check(one_of({"worst", "mean"}))
         .show_default();
     flags.option("--pairs", pairs,
-                 "list of pigments that are kept apart (.json, docs/retouching.md); a built-in one without");
+                 "list of pigments that are kept apart (.json, docs/colour-matching.md); a built-in one without");
     flags.flag("--avoid-pairs", avoid_pairs,
                "leave out recipes with such a pair; without, they are warned of");
 }

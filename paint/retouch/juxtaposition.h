@@ -15,9 +15,9 @@ struct Juxtaposition {
 };
 
 // The few of `looks` whose mean by area, which is what the eye sees from far enough (Talbot-Plateau), comes
-// nearest to the target under all lamps; of those that are as near (within CIEDE2000 0.5), the ones that
-// differ least from each other, in lightness most of all, which keeps lines apart longest. `bare_share` of
-// the area stays as `bare`. Throws ContractError without looks or lamps, or for a share outside of [0, 1).
+// near to the target under all lamps, and which differ little from it themselves, in lightness most of all:
+// that is what keeps lines apart longest. `bare_share` of the area stays as `bare`. Throws ContractError
+// without looks or lamps, or for a share outside of [0, 1).
 Juxtaposition juxtapose(std::span<const Spectrum> looks, const Spectrum& target,
                         std::span<const Illuminant> lamps, const Spectrum& bare, double bare_share);
 

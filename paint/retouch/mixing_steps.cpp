@@ -125,4 +125,17 @@ Mixture mixture_of(const std::vector<MixingStep>& steps) {
     return m;
 }
 
+std::string text_of(const std::vector<MixingStep>& steps, const std::vector<Pigment>& paints) {
+    std::string text;
+    for (std::size_t i = 0; i < steps.size(); ++i) {
+        const std::string& name = paints[static_cast<std::size_t>(steps[i].paint)].name;
+        if (i == 0)
+            text = steps.size() > 1 ? fmt::format("{} {}", steps[1].so_far, name) : name;
+        else
+            text += fmt::format("{}{} {}", i == 1 ? " + " : fmt::format("; {} of it + ", steps[i].so_far),
+                                steps[i].added, name);
+    }
+    return text;
+}
+
 }  // namespace tangi

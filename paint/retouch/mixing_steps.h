@@ -6,6 +6,7 @@
 #pragma once
 
 #include <array>
+#include <string>
 #include <vector>
 
 #include "paint/retouch/film_match.h"
@@ -32,5 +33,8 @@ std::vector<MeasuredMixture> measurable_near(const Mixture& ideal, const FilmMat
 
 // Volumes that steps lead to.
 Mixture mixture_of(const std::vector<MixingStep>& steps);
+
+// "8 Titanium White + 1 Cobalt Blue; 20 of it + 1 Bone Black"
+std::string text_of(const std::vector<MixingStep>& steps, const std::vector<Pigment>& paints);
 
 }  // namespace tangi

@@ -90,7 +90,4 @@ RetouchReport lay_retouch(Canvas& canvas, const Palette& palette, const Mask& ma
                           RetouchMode mode, const std::string& layer, const RetouchOptions& options = {},
                           const Progress& progress = {});
 
-// "8 Titanium White + 1 Cobalt Blue; 20 of it + 1 Bone Black"
-std::string text_of(const std::vector<MixingStep>& steps, const std::vector<Pigment>& paints);
-
 }  // namespace tangi
