@@ -25,7 +25,8 @@ namespace {
 
 constexpr double kPoor = 5;       // CIEDE2000 that nobody would call a match
 constexpr double kMetameric = 1;  // index from which on a match is warned of
-constexpr double kVisible_m = 1;  // CIEDE2000 of mixtures that count as a colour's
+constexpr double kVisible = 1;    // CIEDE2000 of mixtures that count as having a colour
+constexpr double kVaried = 5;     // CIEDE2000 of surroundings that no single recipe matches
 
 struct MatchArguments {
     std::string spectrum, lab, srgb, xyz, painting, mask, damaged, under = "D65", below, swatch, save_pairs;
@@ -79,7 +80,7 @@ glm::dvec3 xyz_wanted(const MatchArguments& a, Illuminant lamp) {
 
 Wanted of_colour(const glm::dvec3& xyz, Illuminant lamp, const PaintBox& box, const MatchOptions& options) {
     Wanted wanted;
-    const auto likely = likely_spectrum(box.palette.paints, xyz, lamp, options, kVisible_m);
+    const auto likely = likely_spectrum(box.palette.paints, xyz, lamp, options, kVisible);
     wanted.reflectance = likely ? likely->reflectance : smooth_spectrum(xyz, lamp);
     wanted.described = {{"spectrum", likely ? "likely: of the mixtures with this colour"
                                             : "smooth: no mixture "
@@ -110,6 +111,11 @@ Wanted of_painting(const MatchArguments& a, const PaintBox& box, const MatchOpti
                                         {"spread_delta_e_2000", round.spread},
                                         {"specular", round.specular},
                                         {"roughness", round.roughness}};
+    if (round.spread > kVaried)
+        warn(fmt::format(
+            "beside the mask, colours vary by CIEDE2000 {:.0f}: the commonest is matched; a narrower "
+            "--annulus-mm or a mask of a part of the loss gives the colour of one place",
+            round.spread));
     wanted.gloss = Gloss{round.specular, round.roughness, xyz.y};
     Rgb sum(0);
     float weights = 0;

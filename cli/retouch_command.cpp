@@ -19,6 +19,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
+constexpr double kPoor = 5;  // CIEDE2000 that nobody would call a match
+
 struct RetouchArguments {
     std::string painting, mask, damaged, mode = "mimetic", out, layer, inpainting = "membrane", preview;
     std::string treatment, who;
@@ -136,6 +138,13 @@ nlohmann::json run_retouch(RetouchArguments a) {
         result["lines"].update(
             as_json(fusion_of(views.retouched, views.target, views.mask,
                               report.pitch_mm / canvas.mm_per_pixel(), canvas.mm_per_pixel(), a.viewing)));
+    for (const Illuminant lamp : a.options.match.lamps)
+        if (const double off = report.delta_e_mean[static_cast<std::size_t>(lamp)]; off > kPoor)
+            result["poor"].push_back(
+                fmt::format("under {} the retouch is off by CIEDE2000 {:.1f} on average: these paints, so "
+                            "thin, over this "
+                            "ground, do not give the colour",
+                            name_of(lamp), off));
     if (!a.preview.empty()) {
         const bool linear = lower_extension(a.preview) == ".exr";
         write_picture(a.preview, seen_from(views.retouched, canvas.mm_per_pixel(), a.distance_m),

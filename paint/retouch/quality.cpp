@@ -10,6 +10,7 @@
 #include "paint/retouch/matrix.h"
 #include "paint/retouch/treatment.h"
 #include "surface/error.h"
+#include "surface/parallel.h"
 
 namespace tangi {
 
@@ -191,9 +192,12 @@ void compare_relief_and_gloss(const Cut& cut, const Surface& seen, double height
 Image<Rgb> look_under(const Canvas& canvas, Illuminant lamp, const Progress& progress) {
     Image<Rgb> look = appearance(canvas, {.illuminant = lamp}, progress).diffuse;
     const Mask painted = additions(canvas);
-    for (std::size_t i = 0; i < look.size(); ++i)
-        if (!(painted.pixels()[i] > 0) && lamp != Illuminant::d65)
-            look.pixels()[i] = to_linear_rgb(reflectance_of_rgb(look.pixels()[i]), lamp);
+    if (lamp == Illuminant::d65) return look;
+    parallel_for(0, look.height(), 16, [&](int begin, int end) {
+        for (int y = begin; y < end; ++y)
+            for (int x = 0; x < look.width(); ++x)
+                if (!(painted(x, y) > 0)) look(x, y) = to_linear_rgb(reflectance_of_rgb(look(x, y)), lamp);
+    });
     return look;
 }
 
