@@ -25,6 +25,9 @@ struct Portion {
 struct DriedLayer {
     std::string name;
     PaintLayer paint;
+    // A body with a surface of its own, as a fill: what the dry normals show beyond the dry height does not
+    // come through where it is thick.
+    bool levels = false;
 };
 
 class Canvas {

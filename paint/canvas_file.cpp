@@ -172,6 +172,7 @@ void write_canvas(AtomicFile& file, const Canvas& canvas, const Progress& progre
         for (std::size_t i = 0; i < canvas.dried().size(); ++i) {
             parts.push_back(part_of(kDried + std::to_string(i), canvas.dried()[i].paint));
             parts.back().info.attributes["layer"] = canvas.dried()[i].name;
+            if (canvas.dried()[i].levels) parts.back().info.attributes["levels"] = "yes";
         }
     }
     parts.insert(parts.end(), further.begin(), further.end());
@@ -210,7 +211,8 @@ Canvas read_canvas(const fs::path& path, const Progress& progress, std::optional
     for (int i = 0; const PartInfo* part = find(parts, kDried + std::to_string(i)); ++i) {
         const auto layer = part->attributes.find("layer");
         canvas.writable_dried().push_back({layer == part->attributes.end() ? part->name : layer->second,
-                                           read_layer(path, *part, canvas, progress)});
+                                           read_layer(path, *part, canvas, progress),
+                                           part->attributes.contains("levels")});
     }
     return canvas;
 }

@@ -3,8 +3,8 @@
 //
 // Paint parts have a channel `volume.NNNNN` [mm^3/mm^2 = mm] for each ingredient that occurs in them, NNNNN
 // its number in the attribute `ingredients` of part `wet`: a JSON list of name, k, s (12 bands, 1/mm),
-// specular, roughness. Dried parts have their layer's name in the attribute `layer`; they lie on each other
-// in the order of their numbers.
+// specular, roughness. Dried parts have their layer's name in the attribute `layer`, and `levels` where it
+// does (canvas.h); they lie on each other in the order of their numbers.
 #pragma once
 
 #include <filesystem>
