@@ -176,6 +176,24 @@ TEST(Match, GivesFewerPaintsWhereTheyDoAsWell) {
         EXPECT_LE(r.mixture.count, 2);
 }
 
+TEST(Match, FindsItsPaintsInALargeBox) {
+    // 19 paints and 38 that resemble them: more than all sets of four could be made of.
+    std::vector<Pigment> box = artist_acrylics().paints;
+    for (const float more : {1.3f, 1.7f})
+        for (int i = 0; i < 19; ++i) {
+            Pigment other = box[static_cast<std::size_t>(i)];
+            other.name += fmt::format(" x {}", more);
+            for (std::size_t band = 0; band < kBands; ++band)
+                other.k[band] *= more * (1 + 0.2f * static_cast<float>(band % 3));
+            box.push_back(other);
+        }
+    const std::vector<Pigment> two = {box[20], box[50]};
+    const Spectrum target = opaque_look(mix(two, std::vector<float>{3, 1}));
+    MatchOptions options;
+    options.lamps = {Illuminant::d65, Illuminant::a};
+    EXPECT_LT(match_spectrum(box, target, options).recipes[0].error, 0.2);
+}
+
 TEST(Match, SaysWhatIsWrong) {
     const std::vector<Pigment> box = small_box();
     MatchOptions options;

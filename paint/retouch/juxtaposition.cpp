@@ -10,12 +10,34 @@ namespace tangi {
 
 namespace {
 
+constexpr int kMostLooks = 60;      // of which all sets of four are looked at
 constexpr std::size_t kKept = 200;  // sets of looks that are compared exactly
 // Squares of L*a*b* by which looks differ from the target, against squares of CIEDE2000 by which their mean
-// does: 25 beside it on average are worth 1.
-constexpr double kContrastPart = 1.0 / 625;
+// does: 15 beside it on average are worth 1.
+constexpr double kContrastPart = 1.0 / 225;
 constexpr double kColourPart =
     0.5;  // of differences in colour: they fuse from nearer than those in lightness
+
+// The best sets of four; of many looks, only those count that do best in pairs.
+std::vector<SubsetFit> best_of(const std::vector<double>& gram, int n) {
+    if (n <= kMostLooks) return best_subsets(gram, n, kMostPaints, kKept);
+    std::vector<int> chosen;
+    for (const SubsetFit& pair : best_subsets(gram, n, 2, static_cast<std::size_t>(n * (n + 1) / 2)))
+        for (int i = 0; i < pair.count && static_cast<int>(chosen.size()) < kMostLooks; ++i) {
+            const int look = pair.columns[static_cast<std::size_t>(i)];
+            if (std::find(chosen.begin(), chosen.end(), look) == chosen.end()) chosen.push_back(look);
+        }
+    std::vector<double> part;
+    for (const int i : chosen)
+        for (const int j : chosen) part.push_back(gram[static_cast<std::size_t>(i * n + j)]);
+    auto fits = best_subsets(part, static_cast<int>(chosen.size()), kMostPaints, kKept);
+    for (SubsetFit& fit : fits)
+        for (int i = 0; i < fit.count; ++i) {
+            int& look = fit.columns[static_cast<std::size_t>(i)];
+            look = chosen[static_cast<std::size_t>(look)];
+        }
+    return fits;
+}
 
 }  // namespace
 
@@ -61,7 +83,7 @@ Juxtaposition juxtapose(std::span<const Spectrum> looks, const Spectrum& target,
             for (std::size_t r = 0; r < columns[i].size(); ++r)
                 gram[i * n + j] += columns[i][r] * columns[j][r];
         }
-    const auto fits = best_subsets(gram, static_cast<int>(n), kMostPaints, kKept);
+    const auto fits = best_of(gram, static_cast<int>(n));
     TP_REQUIRE(!fits.empty(), "each look alone is a set");
     const SubsetFit* best = nullptr;
     double least = 1e300, delta_e = 0;

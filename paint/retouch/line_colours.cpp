@@ -15,18 +15,30 @@ namespace {
 
 constexpr int kSweeps = 6;
 
-// The paints by themselves, and let down with white in easy measures.
+// The paints by themselves, and let down with white and with black (the paint nearest to it) in
+// easy measures.
 std::vector<Pile> pure_piles(const Palette& palette, const Spectrum& below, double thickness_mm) {
     const int white = palette.find(white_of(palette).name);
+    int black = 0;
+    const auto from_black = [&](int paint) {
+        const Pigment& p = palette.paints[static_cast<std::size_t>(paint)];
+        const Lab lab = lab_under(opaque_look({p.k, p.s}));
+        return std::hypot(lab.l, lab.a, lab.b);
+    };
+    for (int paint = 1; paint < static_cast<int>(palette.paints.size()); ++paint)
+        if (from_black(paint) < from_black(black)) black = paint;
+    // How many measures of what go with one of the paint, or with how many.
+    const std::array<std::array<int, 3>, 6> ways = {
+        {{-1, 0, 1}, {white, 1, 1}, {white, 3, 1}, {white, 8, 1}, {black, 1, 3}, {black, 1, 1}}};
     std::vector<Pile> piles;
     for (int paint = 0; paint < static_cast<int>(palette.paints.size()); ++paint)
-        for (const int measures : {0, 1, 3, 8}) {
-            if (measures > 0 && (paint == white || white < 0)) continue;
+        for (const auto& [other, of_other, of_paint] : ways) {
+            if (of_other > 0 && (other < 0 || paint == other)) continue;
             Pile pile;
-            if (measures == 0)
+            if (of_other == 0)
                 pile.steps = {{paint, 0, 1}};
             else
-                pile.steps = {{white, 0, 1}, {paint, measures, 1}};
+                pile.steps = {{other, 0, 1}, {paint, of_other, of_paint}};
             pile.mixture = mixture_of(pile.steps);
             std::vector<Pigment> pigments;
             std::vector<float> volumes;
