@@ -22,5 +22,9 @@ Command match_command();
 Command retouch_command();
 Command quality_command();
 Command demo_command();
+Command damage_command();
+Command fill_command();
+Command varnish_command();
+Command treatment_command();
 
 }  // namespace tangi

@@ -4,6 +4,7 @@
 #include "cli/arguments.h"
 #include "cli/command_list.h"
 #include "cli/retouch_arguments.h"
+#include "cli/treatment_arguments.h"
 #include "paint/appearance.h"
 #include "paint/canvas_file.h"
 #include "paint/retouch/modes.h"
@@ -22,8 +23,10 @@ namespace {
 constexpr double kPoor = 5;  // CIEDE2000 that nobody would call a match
 
 struct RetouchArguments {
-    std::string painting, mask, damaged, mode = "mimetic", out, layer, inpainting = "membrane", preview;
-    std::string treatment, who;
+    std::string painting, damaged, mode = "mimetic", out, layer, inpainting = "membrane", preview;
+    std::string treatment;
+    AuthorArguments author;
+    AreaArguments area;
     std::optional<double> mm_per_pixel;
     double distance_m = 2;
     PaintBoxArguments box;
@@ -34,15 +37,23 @@ struct RetouchArguments {
 // Colours carried on by more than a membrane are a guess of what was there, and named so.
 std::string layer_name(const RetouchArguments& a, const Canvas& canvas) {
     if (!a.layer.empty()) return a.layer;
-    const std::string what = a.inpainting == "membrane"
-                                 ? fmt::format("retouch: {}", a.mode)
-                                 : fmt::format("proposal by {}: {}", a.inpainting, a.mode);
+    const std::string what = a.inpainting == "membrane" ? fmt::format("retouch {}", a.mode)
+                                                        : fmt::format("proposal {} {}", a.inpainting, a.mode);
     for (int number = 1;; ++number) {
         const std::string name = fmt::format("{} {}", what, number);
         const auto& dried = canvas.dried();
         if (std::none_of(dried.begin(), dried.end(), [&](const auto& d) { return d.name == name; }))
             return name;
     }
+}
+
+// Where paint may lie.
+Mask area_of(const RetouchArguments& a, const std::optional<Treatment>& treatment, const Canvas& canvas) {
+    if (treatment) return a.area.area(*treatment);
+    Mask all(canvas.width(), canvas.height());
+    for (const std::string& file : a.area.masks)
+        all = united(all, read_mask(file, canvas.width(), canvas.height()));
+    return all;
 }
 
 nlohmann::json as_json(const Fusion& fusion) {
@@ -99,9 +110,13 @@ void require_sound(const RetouchArguments& a) {
             "give a painting and where to write it: retouch PAINTING.exr --out OUT.exr; or --treatment");
     if (!a.treatment.empty() && !(a.painting.empty() && a.out.empty()))
         throw UsageError("--treatment holds its painting; leave out PAINTING.exr and --out");
+    if (a.area.empty()) throw UsageError("say where to retouch: --mask FILE");
+    if (a.treatment.empty() && a.area.masks.empty())
+        throw UsageError("--class and --polygon are of a treatment; give --mask, or --treatment");
     std::vector<fs::path> inputs = a.box.inputs();
-    for (const std::string& file : {a.painting, a.mask, a.damaged})
+    for (const std::string& file : {a.painting, a.damaged})
         if (!file.empty()) inputs.emplace_back(file);
+    for (const fs::path& file : a.area.inputs()) inputs.push_back(file);
     if (!a.out.empty()) refuse_to_overwrite(a.out, inputs);
     if (a.preview.empty()) return;
     refuse_to_overwrite(a.preview, inputs);
@@ -119,16 +134,17 @@ nlohmann::json run_retouch(RetouchArguments a) {
     if (a.treatment.empty())
         out.emplace(a.out);  // that it can be written is known before the work
     else
-        treatment = Treatment::open(a.treatment);
+        treatment = open_treatment(a.treatment);
     Canvas canvas =
         treatment ? treatment->read_canvas(progress) : read_canvas(a.painting, progress, a.mm_per_pixel);
     const std::string hash = sha256_of(canvas.dry());
-    const Mask mask = read_mask(a.mask, canvas.width(), canvas.height());
-    const Mask damaged = a.damaged.empty() ? Mask() : read_mask(a.damaged, canvas.width(), canvas.height());
+    const Mask mask = area_of(a, treatment, canvas);
+    Mask spoilt = a.damaged.empty() ? Mask() : read_mask(a.damaged, canvas.width(), canvas.height());
+    if (treatment) spoilt = spoilt.empty() ? damaged(*treatment) : united(spoilt, damaged(*treatment));
     const std::string layer = treatment && a.layer.empty() && a.inpainting == "membrane"
                                   ? treatment->new_layer_name(LayerRole::retouch)
                                   : layer_name(a, canvas);
-    const RetouchReport report = lay_retouch(canvas, box.palette, mask, damaged, *retouch_mode_named(a.mode),
+    const RetouchReport report = lay_retouch(canvas, box.palette, mask, spoilt, *retouch_mode_named(a.mode),
                                              layer, a.options, progress);
     const Views views = views_of(canvas, mask, report, progress);
     nlohmann::json result = described(report, box);
@@ -154,20 +170,18 @@ nlohmann::json run_retouch(RetouchArguments a) {
     if (treatment) {
         nlohmann::json parameters = to_json(a.options);
         parameters["mode"] = a.mode, parameters["inpainting"] = a.inpainting;
+        parameters["area"] = a.area.as_json();
         parameters["palette"] = box.palette.name, parameters["lamps"] = a.box.lamps,
         parameters["goal"] = a.box.goal;
-        TreatmentStep step{a.inpainting == "membrane" ? "retouch" : "propose",
-                           parameters,
-                           result,
-                           {},
-                           {},
-                           {},
-                           &canvas,
-                           {{layer, LayerRole::retouch}}};
+        TreatmentStep step;
+        step.action = a.inpainting == "membrane" ? "retouch" : "propose";
+        step.parameters = parameters, step.results = result;
+        step.masks = {{layer, mask}};
+        step.canvas = &canvas, step.added = {{layer, LayerRole::retouch}};
         step.inputs = a.box.inputs();
-        step.inputs.emplace_back(a.mask);
+        for (const fs::path& file : a.area.inputs()) step.inputs.push_back(file);
         if (!a.damaged.empty()) step.inputs.emplace_back(a.damaged);
-        treatment->record(step, {a.who, "tangipaint " TP_VERSION}, progress);
+        treatment->record(step, a.author.author(), progress);
         result["treatment"] = a.treatment;
     } else {
         FaithfulResidual residual = read_faithful(a.painting, canvas.dry(), progress);
@@ -187,7 +201,7 @@ Command retouch_command() {
         [](Flags& flags) {
             auto a = std::make_shared<RetouchArguments>();
             flags.option("PAINTING", a->painting, "painting file (.exr)");
-            flags.option("--mask", a->mask, "picture, white where paint may lie").required();
+            a->area.add_to(flags, "where paint may lie");
             flags.option("--mode", a->mode, "mimetic, tratteggio, selection, abstraction, dotting or neutral")
                 .check(one_of({"mimetic", "tratteggio", "selection", "abstraction", "dotting", "neutral"}))
                 .show_default();
@@ -204,7 +218,7 @@ Command retouch_command() {
             flags.option("--treatment", a->treatment,
                          "treatment to retouch and log in (docs/retouching.md), instead of PAINTING.exr "
                          "and --out");
-            flags.option("--who", a->who, "who does it, for the treatment's log");
+            a->author.add_to(flags);
             flags.option("--preview", a->preview,
                          "picture to write (.png .tif .jpg .exr): the retouch as the eye has it from "
                          "--distance-m");

@@ -14,7 +14,7 @@ namespace tangi {
 namespace {
 
 constexpr int kSize = PaintTile::kSize;
-constexpr int kBorder = 1;  // [pixels] that slopes look beyond a tile
+constexpr int kBorder = 1;             // [pixels] that slopes look beyond a tile
 constexpr float kLevelled_mm = 0.02f;  // of a layer that levels lets 37 % of the detail below through
 
 // All paint of the canvas, from the bottom up.

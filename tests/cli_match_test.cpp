@@ -100,7 +100,7 @@ TEST(CliRetouch, LaysARetouchThatQualityJudges) {
         {"retouch", loss.path("p.exr"), "--mask", loss.path("m.png"), "--out", loss.path("r.exr")});
     ASSERT_TRUE(ended(run, 0));
     const nlohmann::json said = run.json();
-    EXPECT_EQ(said["layer"], "retouch: mimetic 1");
+    EXPECT_EQ(said["layer"], "retouch mimetic 1");
     EXPECT_EQ(said["on_original"]["pixels"], 0);
     EXPECT_GE(said["piles"].size(), 1u);
     const Finished after = tangipaint(
@@ -117,7 +117,7 @@ TEST(CliRetouch, LaysARetouchThatQualityJudges) {
         tangipaint({"retouch", loss.path("p.exr"), "--mask", loss.path("m.png"), "--mode", "tratteggio",
                     "--out", loss.path("t.exr"), "--preview", loss.path("t.png"), "--inpainting", "telea"});
     ASSERT_TRUE(ended(lines, 0));
-    EXPECT_EQ(lines.json()["layer"], "proposal by telea: tratteggio 1");
+    EXPECT_EQ(lines.json()["layer"], "proposal telea tratteggio 1");
     EXPECT_GT(lines.json()["lines"]["distance_m"], 0.5);
     EXPECT_LT(lines.json()["lines"]["delta_e_2000_there"], lines.json()["lines"]["delta_e_2000_at_0.3_m"]);
     EXPECT_GT(read_picture(loss.dir / "t.png").width(), 36);

@@ -65,8 +65,7 @@ TEST(DamageSuggestion, FindsNoLossInAPaintingWithoutAny) {
 }
 
 TEST(DamageSuggestion, FindsTheCraquelure) {
-    const CraquelureSuggestion cracks =
-        suggest_craquelure(surface_of(painting()), painting().mm_per_pixel);
+    const CraquelureSuggestion cracks = suggest_craquelure(surface_of(painting()), painting().mm_per_pixel);
     EXPECT_GT(f1(cracks.mask, mask_of(painting().craquelure), 2), 0.6);
     const CraquelureMeasure truth = measure_lines(mask_of(painting().craquelure), painting().mm_per_pixel);
     EXPECT_NEAR(cracks.measure.length_mm, truth.length_mm, 0.3 * truth.length_mm);

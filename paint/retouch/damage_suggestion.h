@@ -76,14 +76,14 @@ Mask skeleton_of(const Mask& mask);
 
 // Patches that are glossier or matter than what is around them: varnish, overpaint, wear.
 struct GlossOptions {
-    double smallest_mm2 = 25;
+    double smallest_patch_mm2 = 25;
     double contrast = 1.5;  // of the highlight's width or strength, at least
 
     static constexpr std::string_view name = "gloss";
     template <class Self, class Visit>
     static void fields(Self& self, Visit&& visit) {
-        visit(FieldInfo{"smallest_mm2", 0, 1e6, "mm2", "patches of less area are left out"},
-              self.smallest_mm2);
+        visit(FieldInfo{"smallest_patch_mm2", 0, 1e6, "mm2", "patches of less area are left out"},
+              self.smallest_patch_mm2);
         visit(FieldInfo{"contrast", 1.05, 100, "1",
                         "by how much alpha or rho_s of a patch differs from its surroundings, as a factor"},
               self.contrast);

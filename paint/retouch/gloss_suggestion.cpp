@@ -95,7 +95,7 @@ GlossSuggestion suggest_gloss(const Surface& surface, double mm_per_pixel, const
         cv::Mat kept = cv::Mat::zeros(patches.size(), CV_8U);
         for (int i = 1; i < count; ++i) {
             const double mm2 = stats.at<int>(i, cv::CC_STAT_AREA) * pixel_mm2;
-            if (mm2 < options.smallest_mm2) continue;
+            if (mm2 < options.smallest_patch_mm2) continue;
             const cv::Mat inside = numbers == i;
             cv::Mat grown;
             cv::dilate(inside, grown, disc(8));

@@ -6,6 +6,7 @@
 #include <opencv2/imgproc.hpp>
 #include <opencv2/photo.hpp>
 
+#include "paint/retouch/fill.h"
 #include "paint/retouch/matrix.h"
 #include "surface/error.h"
 #include "surface/median.h"
@@ -15,7 +16,6 @@ namespace tangi {
 namespace {
 
 constexpr double kModeBandwidth = 4;  // [L*a*b*] of the mean shift
-constexpr int kSweeps = 24;           // of a level of the membrane
 constexpr std::array<std::string_view, 3> kNames = {"membrane", "telea", "navier-stokes"};
 
 bool inside(float coverage) { return coverage >= 0.5f; }
@@ -43,69 +43,6 @@ Rgb mode_of(const std::vector<Rgb>& colours, const Rgb& start) {
         at = next;
     }
     return mode;
-}
-
-// One level of the membrane: values with the weight of what is known.
-struct Level {
-    Image<float> values;
-    Image<char> free;
-};
-
-Level half(const Level& fine) {
-    const int w = (fine.values.width() + 1) / 2, h = (fine.values.height() + 1) / 2;
-    Level coarse{Image<float>(w, h), Image<char>(w, h)};
-    for (int y = 0; y < h; ++y)
-        for (int x = 0; x < w; ++x) {
-            float sum = 0;
-            int known = 0;
-            for (int v = 2 * y; v < std::min(2 * y + 2, fine.values.height()); ++v)
-                for (int u = 2 * x; u < std::min(2 * x + 2, fine.values.width()); ++u)
-                    if (!fine.free(u, v)) sum += fine.values(u, v), ++known;
-            coarse.free(x, y) = known == 0;
-            if (known) coarse.values(x, y) = sum / static_cast<float>(known);
-        }
-    return coarse;
-}
-
-// Gauss-Seidel with over-relaxation, red before black, on the free pixels.
-void relax(Level& level, int sweeps) {
-    const int w = level.values.width(), h = level.values.height();
-    for (int sweep = 0; sweep < 2 * sweeps; ++sweep)
-        for (int y = 0; y < h; ++y)
-            for (int x = (y + sweep) % 2; x < w; x += 2) {
-                if (!level.free(x, y)) continue;
-                float sum = 0;
-                int count = 0;
-                const auto add = [&](int u, int v) {
-                    if (u >= 0 && v >= 0 && u < w && v < h) sum += level.values(u, v), ++count;
-                };
-                add(x - 1, y), add(x + 1, y), add(x, y - 1), add(x, y + 1);
-                if (count == 0) continue;
-                float& value = level.values(x, y);
-                value += 1.5f * (sum / static_cast<float>(count) - value);
-            }
-}
-
-void fill(Level& level) {
-    if (std::none_of(level.free.pixels().begin(), level.free.pixels().end(), [](char f) { return f; }))
-        return;
-    if (level.values.width() > 1 || level.values.height() > 1) {
-        Level coarse = half(level);
-        fill(coarse);
-        // Linear between the coarse pixels' centres, so that relaxing finds no steps.
-        for (int y = 0; y < level.values.height(); ++y)
-            for (int x = 0; x < level.values.width(); ++x) {
-                if (!level.free(x, y)) continue;
-                const float u = (static_cast<float>(x) - 0.5f) / 2, v = (static_cast<float>(y) - 0.5f) / 2;
-                const int u0 = static_cast<int>(std::floor(u)), v0 = static_cast<int>(std::floor(v));
-                const float a = u - static_cast<float>(u0), b = v - static_cast<float>(v0);
-                level.values(x, y) = (1 - b) * ((1 - a) * coarse.values.clamped(u0, v0) +
-                                                a * coarse.values.clamped(u0 + 1, v0)) +
-                                     b * ((1 - a) * coarse.values.clamped(u0, v0 + 1) +
-                                          a * coarse.values.clamped(u0 + 1, v0 + 1));
-            }
-    }
-    relax(level, kSweeps);
 }
 
 }  // namespace
@@ -174,13 +111,12 @@ std::optional<Inpainting> inpainting_named(std::string_view name) {
 
 void membrane_into(Image<float>& values, const Mask& hole) {
     TP_REQUIRE(values.region() == hole.region(), "the mask has the size of the picture");
-    Level level{values, Image<char>(hole.width(), hole.height())};
-    for (std::size_t i = 0; i < hole.size(); ++i) level.free.pixels()[i] = inside(hole.pixels()[i]);
-    const auto free = level.free.pixels();
-    if (std::none_of(free.begin(), free.end(), [](char f) { return f == 0; }))
+    if (std::all_of(hole.pixels().begin(), hole.pixels().end(), inside))
         fail("inpainting: the mask covers the whole picture; nothing is left to go on from");
-    fill(level);
-    values = std::move(level.values);
+    Mask unknown(hole.width(), hole.height());
+    for (std::size_t i = 0; i < hole.size(); ++i)
+        unknown.pixels()[i] = inside(hole.pixels()[i]) ? 1.0f : 0.0f;
+    solve_membrane(values, unknown);
 }
 
 void inpaint_into(Image<float>& values, const Mask& hole, Inpainting method, double radius_px) {

@@ -52,9 +52,8 @@ enum class Inpainting {
 std::string_view name_of(Inpainting method);
 std::optional<Inpainting> inpainting_named(std::string_view name);
 
-// Replaces values where `hole` is 1/2 and more by the solution of Laplace's equation with those around it as
-// they are, no flux across the picture's border; by cascading from coarse to fine. Throws ContractError where
-// sizes differ, Error where the hole is all there is.
+// Replaces values where `hole` is 1/2 and more by a membrane (solve_membrane() of fill.h). Throws
+// ContractError where sizes differ, Error where the hole is all there is.
 void membrane_into(Image<float>& values, const Mask& hole);
 
 // The same by another method; radius_px: how far Telea and Navier-Stokes look around.

@@ -1,10 +1,10 @@
-#include "capture/page_parts.h"
+#include "surface/page_parts.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
-#include "capture/html_text.h"
+#include "surface/html_text.h"
 #include "surface/atomic_file.h"
 #include "surface/error.h"
 #include "surface/picture_file.h"
@@ -91,7 +91,7 @@ std::string with_error(double value, double sigma) {
 }
 
 std::string picture_url(const Image<Rgb>& picture, const std::filesystem::path& scratch) {
-    const AtomicFile file(scratch.parent_path() / "capture-picture.jpg");  // never committed: it vanishes
+    const AtomicFile file(scratch.parent_path() / "page-picture.jpg");  // never committed: it vanishes
     write_picture_8bit(file.temporary(), picture);
     return "data:image/jpeg;base64," + base64(read_text_file(file.temporary()));
 }
