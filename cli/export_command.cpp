@@ -8,6 +8,7 @@
 #include "paint/canvas_file.h"
 #include "surface/error.h"
 #include "surface/picture_file.h"
+#include "viewer/web_page.h"
 
 namespace tangi {
 
@@ -19,6 +20,8 @@ struct ExportArguments {
     std::string painting, out, to, photos, lights;
     int terms = 9, directions = 80;
     bool lrgb = false;
+    WebWords words;
+    WebOptions web;
 };
 
 RtiBasis basis_of(const ExportArguments& a) {
@@ -60,6 +63,22 @@ nlohmann::json export_rti(const ExportArguments& a, const Surface& surface, cons
             {"lights", stack ? static_cast<int>(stack->photos.size()) : a.directions}};
 }
 
+nlohmann::json export_web(const ExportArguments& a, const Surface& surface, const Progress& progress) {
+    const fs::path page =
+        lower_extension(a.out) == ".html" ? fs::path(a.out) : fs::path(a.out) / "index.html";
+    refuse_to_overwrite(page, {a.painting});
+    WebWords words = a.words;
+    if (words.title.empty()) words.title = fs::path(a.painting).stem().string();
+    const WebReport report = write_web_page(a.out, surface, words, a.web, progress);
+    nlohmann::json files = nlohmann::json::array();
+    for (const fs::path& path : report.files) files.push_back(path.string());
+    return {{"files", files},
+            {"levels", report.levels},
+            {"tiles", report.tiles},
+            {"bytes", report.bytes},
+            {"first_picture_bytes", report.first_bytes}};
+}
+
 nlohmann::json run_export(const ExportArguments& a) {
     const Progress progress = console_progress();
     const bool rti = a.to == "ptm" || a.to == "rti";
@@ -67,6 +86,7 @@ nlohmann::json run_export(const ExportArguments& a) {
         throw UsageError(fmt::format("--photos: only ptm and rti are made of photographs, {} is not", a.to));
     const Surface surface = read_painted(a.painting, progress);
     if (rti) return export_rti(a, surface, progress);
+    if (a.to == "web") return export_web(a, surface, progress);
     require_writable_folder(a.out);
     for (const char* name :
          {"height.exr", "normal.exr", "diffuse.exr", "specular.exr", "roughness.exr", "confidence.exr"})
@@ -82,15 +102,19 @@ nlohmann::json run_export(const ExportArguments& a) {
 
 Command export_command() {
     return {
-        "export", "write a painting for other programs: RTI viewers, OpenLIME, maps", [](Flags& flags) {
+        "export", "write a painting for others: a web page, RTI viewers, OpenLIME, maps", [](Flags& flags) {
             auto a = std::make_shared<ExportArguments>();
             flags.option("PAINTING", a->painting, "painting file (.exr)").required();
             flags
                 .option("--to", a->to,
-                        "ptm, rti (harmonics), maps (EXR) or openlime (kd, ks, normals, gloss)")
+                        "web (a page), ptm, rti (harmonics), maps (EXR) or openlime (kd, ks, normals, gloss)")
                 .required()
-                .check(one_of({"ptm", "rti", "maps", "openlime"}));
-            flags.option("--out", a->out, "file to write (.ptm, .rti), or folder for the maps").required();
+                .check(one_of({"web", "ptm", "rti", "maps", "openlime"}));
+            flags
+                .option(
+                    "--out", a->out,
+                    "file to write (.ptm, .rti; .html for a page of one file), or folder for maps or a page")
+                .required();
             flags.option("--photos", a->photos,
                          "ptm, rti: fit the photographs in this folder instead of the painting relit");
             flags.option("--lights", a->lights, "lights file of these photographs");
@@ -100,6 +124,11 @@ Command export_command() {
             flags.option("--directions", a->directions, "ptm, rti: lights to relight the painting from")
                 .check(within(20, 1000))
                 .show_default();
+            flags.option("--title", a->words.title,
+                         "web: the painting's name; that of its file where not given");
+            flags.option("--credit", a->words.credit,
+                         "web: artist, year, owner, licence: a line below the name");
+            flags.fields(a->web);
             return [a] { return run_export(*a); };
         }};
 }

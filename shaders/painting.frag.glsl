@@ -64,7 +64,7 @@ vec3 lit(Material m, vec2 at) {
 vec3 looked_at(vec2 at) {
     Material m = material_at(at);
 #if MODE == 3  // unsharp masking of the normals
-    int coarse = min(u_level + int(u_look.y), u_tile_bits);
+    int coarse = min(u_level + int(u_look.y), u_last_level);
     m.normal = normalize(m.normal + u_look.x * (m.normal - smooth_material(at, coarse).normal));
 #elif MODE == 4
     return false_colour((m.height - u_look.z) / max(u_look.w - u_look.z, 1e-9));

@@ -1,11 +1,11 @@
 // surface.glsl: the maps of a surface, packed into one texel of 128 bits as viewer/texels.h describes, in square tiles:
-// the layers of an array texture, each with its own levels of detail.
+// the layers of an array texture.
+// PAGED: 0 every layer has its own levels of detail; 1 layers hold the tiles, of any level, that a page has fetched.
 
 uniform highp usampler2DArray u_texels;
-uniform ivec2 u_size;        // [pixels] of the painting
-uniform int u_tile_bits;     // tiles have 2^bits pixels a side
-uniform int u_tile_columns;
-uniform int u_level;         // level of detail: texels of 2^level pixels
+uniform ivec2 u_size;      // [pixels] of the painting
+uniform int u_level;       // level of detail: texels of 2^level pixels
+uniform int u_last_level;  // the coarsest
 uniform vec4 u_range;        // largest rho_d, largest rho_s; lowest height [mm], heights' range [mm]
 
 struct Material {
@@ -17,14 +17,33 @@ struct Material {
     float confidence;  // [1]
 };
 
+ivec2 size_at(int level) { return (u_size + ((1 << level) - 1)) >> level; }
+
+#if PAGED == 1
+uniform highp usampler2D u_pages;  // 1024 wide; of each tile: layer (11 bits) and level of the finest that covers it
+uniform int u_first_page[32];      // of each level: where its tiles begin, row by row
+
+const int kPageBits = 8;
+
+uvec4 texel_at(ivec2 at, int level) {
+    ivec2 tile = at >> kPageBits;
+    int columns = (size_at(level).x + (1 << kPageBits) - 1) >> kPageBits;
+    int page = u_first_page[level] + tile.y * columns + tile.x;
+    uint found = texelFetch(u_pages, ivec2(page & 1023, page >> 10), 0).r;
+    ivec2 place = at >> (int(found >> 11) - level);
+    return texelFetch(u_texels, ivec3(place & ((1 << kPageBits) - 1), int(found & 2047u)), 0);
+}
+#else
+uniform int u_tile_bits;  // tiles have 2^bits pixels a side
+uniform int u_tile_columns;
+
 uvec4 texel_at(ivec2 at, int level) {
     int bits = u_tile_bits - level;
     ivec2 tile = at >> bits;
     ivec2 inside = at - (tile << bits);
     return texelFetch(u_texels, ivec3(inside, tile.y * u_tile_columns + tile.x), level);
 }
-
-ivec2 size_at(int level) { return (u_size + ((1 << level) - 1)) >> level; }
+#endif
 
 vec2 halves(uint bits) { return vec2(float(bits & 0xffffu), float(bits >> 16)) * (1.0 / 65535.0); }
 

@@ -48,6 +48,22 @@ TEST(CliExport, MapsGoOutAndComeBack) {
     EXPECT_TRUE(ended(tangipaint({"info", stack.out("b.exr")}), 0));
 }
 
+TEST(CliExport, AWebPageIsAFolderOrOneFile) {
+    const TinyStack stack;
+    const auto runs = side_by_side(
+        {{"export", stack.truth(), "--to", "web", "--out", stack.out("page"), "--title", "A <painting>"},
+         {"export", stack.truth(), "--to", "web", "--shadow-side", "0", "--out", stack.out("page.html")}});
+    for (const Finished& run : runs) ASSERT_TRUE(ended(run, 0));
+    EXPECT_EQ(runs[0].json()["files"].size(), 2u);
+    EXPECT_NE(read_text_file(stack.out("page/index.html")).find("A \\u003cpainting>"), std::string::npos);
+    EXPECT_TRUE(std::filesystem::exists(stack.out("page/parts/0/0_0.js")));
+    EXPECT_FALSE(std::filesystem::exists(stack.out("parts")));
+    EXPECT_EQ(runs[1].json()["bytes"], std::filesystem::file_size(stack.out("page.html")));
+    EXPECT_TRUE(ended(tangipaint({"export", stack.truth(), "--to", "web", "--largest-page-mb", "9999",
+                                  "--out", stack.out("page.html")}),
+                      2, {"--largest-page-mb"}));
+}
+
 TEST(CliExport, WhatMakesNoSenseIsRefused) {
     const TinyStack stack;
     const auto run = [&](std::vector<std::string> words) { return tangipaint(words); };

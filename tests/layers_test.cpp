@@ -70,6 +70,7 @@ const std::vector<PackageRule> kPackages = {
      {"imgui", "ImGui::", "PkgConfig::imgui"},
      {"viewer"},
      Where::anywhere},
+    {"zlib", {"zlib.h"}, {"ZLIB::"}, {"viewer"}, Where::sources},
     {"TBB", {"tbb/", "oneapi/tbb"}, {"TBB::"}, kBelowCli, Where::sources},
     {"Highway", {"hwy/"}, {"${HWY_LIBRARY}"}, {"fit"}, Where::anywhere},
 };

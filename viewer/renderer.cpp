@@ -149,7 +149,8 @@ const gl::Program& Renderer::program_for(const Scene& scene, const Shot& shot, b
     Shadows shadows = scene.shadows;
     if (width_ < 2 || height_ < 2 || (shadows == Shadows::horizon && !horizon_)) shadows = Shadows::none;
     const std::string definitions = fmt::format(
-        "#define WARD_MODEL {}\n#define LAW {}\n#define FILTER {}\n#define LIGHTS {}\n#define BENDS "
+        "#define PAGED 0\n#define WARD_MODEL {}\n#define LAW {}\n#define FILTER {}\n#define LIGHTS "
+        "{}\n#define BENDS "
         "{}\n#define SHADOWS {}\n"
         "#define MODE {}\n#define OUTPUT {}\n",
         static_cast<int>(scene.model), scene.law == ReflectanceLaw{} ? 0 : 1, shot.smooth ? 1 : 0,
@@ -194,6 +195,7 @@ void Renderer::draw(const Scene& scene, const Shot& shot, GLuint target, bool li
     u.set("u_size", width_, height_);
     u.set("u_tile_bits", bits_);
     u.set("u_tile_columns", columns_);
+    u.set("u_last_level", bits_);
     u.set("u_level", std::clamp(shot.level, 0, bits_));
     u.set("u_range", glm::vec4(range_.diffuse_max, range_.specular_max, range_.height_min_mm,
                                range_.height_max_mm - range_.height_min_mm));
