@@ -1,6 +1,7 @@
 // light.glsl: where light comes from, and what of it the relief keeps off; mirrors surface/light.cpp and relight.cpp.
-// LIGHTS: their number; BENDS: 1 where the rig's directions turn over the picture; SHADOWS: 0 none, 1 horizon map,
-// 2 marched over the heights as surface/relight.cpp does.
+// LIGHTS: their number; NEAR: 1 where some are near; BENDS: 1 where the rig's directions turn over the picture;
+// SHADOWS: 0 none, 1 horizon map, 2 marched over the heights as surface/relight.cpp does.
+// Software renderers go through both sides of every branch: what is the same for all pixels is decided beforehand.
 
 uniform float u_mm_per_pixel;
 uniform vec4 u_light[LIGHTS];  // direction [unit vector], 0; or position [mm], 1
@@ -9,6 +10,7 @@ uniform float u_bend;               // [1/mm]
 uniform float u_light_radius;       // [rad]
 uniform float u_highest;            // [mm]
 uniform mediump sampler3D u_horizon;  // [1] elevation of the horizon: value^2 * pi/2; x, y, azimuth
+uniform vec2 u_place[LIGHTS];         // of far lights: azimuth [turns], elevation [rad]
 
 struct Incoming {
     vec3 direction;  // [unit vector]
@@ -32,15 +34,27 @@ vec3 bent(vec3 v, vec3 point) {
 
 Incoming incoming(int i, vec3 point) {
     vec3 place = bent(u_light[i].xyz, point);
-    if (u_light[i].w == 0.0) return Incoming(place, u_gain[i]);
-    vec3 to_light = place - point;
+#if NEAR == 1
+    vec3 to_light = u_light[i].w == 0.0 ? place : place - point;
     float distance2 = dot(to_light, to_light);
     return Incoming(to_light * inversesqrt(distance2), u_gain[i] * (dot(place, place) / distance2));
+#else
+    return Incoming(place, u_gain[i]);
+#endif
 }
 
 const float kPi = 3.14159265358979;
 
-// Part of a disc of u_light_radius around `elevation` that stands above the horizon [rad].
+#if SHADOWS == 1
+// Part of a disc of u_light_radius around `elevation` that stands above the horizon [rad]: the odd polynomial with the
+// slope of the true area in the middle and 0 at the rims, wrong by 0.008 at most.
+float above(float horizon, float elevation) {
+    float covered = clamp((horizon - elevation) / max(u_light_radius, 1e-4), -1.0, 1.0);
+    float covered2 = covered * covered;
+    return 0.5 - covered * (0.63662 - covered2 * (0.02324 + 0.11338 * covered2));
+}
+#elif SHADOWS == 2
+// The same, exactly.
 float above(float horizon, float elevation) {
     if (u_light_radius <= 0.0) return horizon < elevation ? 1.0 : 0.0;
     float covered = max((horizon - elevation) / u_light_radius, -1.0);
@@ -48,7 +62,6 @@ float above(float horizon, float elevation) {
     return clamp((acos(covered) - covered * sqrt(max(1.0 - covered * covered, 0.0))) / kPi, 0.0, 1.0);
 }
 
-#if SHADOWS == 2
 float height_between(vec2 at) {
     ivec2 i = min(ivec2(at), u_size - 2);
     vec2 f = at - vec2(i);
@@ -58,19 +71,24 @@ float height_between(vec2 at) {
 }
 #endif
 
-float visibility(vec2 at, float height, vec3 light) {
+// Of light i, which comes from `light`.
+float visibility(int i, vec2 at, float height, vec3 light) {
 #if SHADOWS == 0
     return 1.0;
+#elif SHADOWS == 1
+#if NEAR == 1 || BENDS == 1
+    float across = length(light.xy);
+    vec2 place = vec2(across > 1e-6 ? atan(light.y, light.x) / (2.0 * kPi) : 0.0, atan(light.z, across));
+#else
+    vec2 place = u_place[i];
+#endif
+    vec2 uv = (at + 0.5) / vec2(u_size);
+    float root = texture(u_horizon, vec3(uv, place.x + 0.5 / 16.0)).r;
+    return above(root * root * (0.5 * kPi), place.y);
 #else
     float across = length(light.xy);
     if (across < 1e-6) return 1.0;
     float elevation = atan(light.z, across);
-#if SHADOWS == 1
-    float azimuth = atan(light.y, light.x) / (2.0 * kPi);
-    vec2 uv = (at + 0.5) / vec2(u_size);
-    float root = texture(u_horizon, vec3(uv, azimuth + 0.5 / 16.0)).r;
-    return above(root * root * (0.5 * kPi), elevation);
-#else
     vec2 step_px = vec2(light.x, -light.y) / across;
     float floor_tangent = tan(max(elevation - u_light_radius, -1.5));
     float best = floor_tangent;
@@ -82,6 +100,5 @@ float visibility(vec2 at, float height, vec3 light) {
     }
     if (best <= floor_tangent) return 1.0;
     return above(atan(best), elevation);
-#endif
 #endif
 }

@@ -2,10 +2,10 @@
 // surface/relight.h:
 //   value = ambient rho_d + sum over lights of irradiance *
 //           (visibility (rho_d D + pi rho_s lobe max(0, n.l)) + rig_ambient rho_d),   D: surface/diffuse.h
-// MODE: as LookMode in viewer/look.h. OUTPUT: 0 linear, 1 sRGB.
+// MODE: as LookMode in viewer/look.h. EYE: 1 where the viewer has a place. OUTPUT: 0 linear, 1 sRGB.
 
 uniform mat3 u_to_painting;   // gl_FragCoord.xy, 1 -> pixel of the painting times its third component
-uniform vec4 u_eye;           // direction to the viewer [unit vector], 0; or the viewer's place [mm], 1
+uniform vec4 u_eye;           // direction to the viewer [unit vector]; EYE == 1: place [mm]
 uniform float u_ambient, u_rig_ambient;
 uniform mat3 u_exposure;      // of the linear picture
 uniform float u_shoulder;     // [1] 0: clips at white; else where the tone curve leaves the straight line
@@ -37,7 +37,11 @@ vec3 false_colour(float t) {
 
 vec3 lit(Material m, vec2 at) {
     vec3 point = point_mm(at, m.height);
-    vec3 v = u_eye.w == 0.0 ? u_eye.xyz : normalize(u_eye.xyz - point);
+#if EYE == 1
+    vec3 v = normalize(u_eye.xyz - point);
+#else
+    vec3 v = u_eye.xyz;
+#endif
     vec3 sum = u_ambient * m.diffuse;
     for (int i = 0; i < LIGHTS; ++i) {
         Incoming in_light = incoming(i, point);
@@ -45,7 +49,7 @@ vec3 lit(Material m, vec2 at) {
         vec3 reflected = vec3(0.0);
         if (n_l > 0.0) {
             float lobe = pi_hazy_lobe(m.normal, in_light.direction, v, n_l, m.roughness);
-            vec3 diffuse = m.diffuse * (matt_reflection(m.normal, in_light.direction, v, n_l) / n_l);
+            vec3 diffuse = m.diffuse * matt_reflection(m.normal, in_light.direction, v, n_l);
             float gloss = m.specular * lobe;
 #if MODE == 1  // specular enhancement: Malzbender et al. 2001: matt colour down, an even sharp gloss everywhere
             vec3 h = normalize(in_light.direction + v);
@@ -54,7 +58,7 @@ vec3 lit(Material m, vec2 at) {
 #elif MODE == 2  // diffuse gain: the fall-off from the brightest direction is steeper
             diffuse *= max(1.0 - u_look.x * (1.0 - n_l), 0.0) / max(n_l, 0.02);
 #endif
-            reflected = visibility(at, m.height, in_light.direction) * (diffuse + gloss) * n_l;
+            reflected = visibility(i, at, m.height, in_light.direction) * (diffuse + gloss) * n_l;
         }
         sum += in_light.irradiance * (reflected + u_rig_ambient * m.diffuse);
     }

@@ -71,9 +71,9 @@ class Drawing {
       gl.clear(gl.COLOR_BUFFER_BIT);
       return;
     }
-    const shadows = scene.shadows && this.horizon ? 1 : 0, [roughness, haze] = data.law;
+    const [x, y, z] = scene.light, shadows = scene.shadows && this.horizon ? 1 : 0, [roughness, haze] = data.law;
     const definitions = Object.entries({PAGED: 1, WARD_MODEL: 2, LAW: roughness || haze ? 1 : 0, FILTER: shot.smooth ? 1 : 0,
-      LIGHTS: 1, BENDS: 0, SHADOWS: shadows, MODE: scene.look, OUTPUT: 1}).map(([name, value]) => `#define ${name} ${value}\n`).join('');
+      LIGHTS: 1, NEAR: 0, BENDS: 0, SHADOWS: shadows, EYE: 1, MODE: scene.look, OUTPUT: 1}).map(([name, value]) => `#define ${name} ${value}\n`).join('');
     const {program, at} = this.program(definitions);
     gl.useProgram(program);
     tiles.bind(0, 2);
@@ -88,8 +88,9 @@ class Drawing {
     gl.uniform1i(at('u_level'), shot.level);
     gl.uniform4fv(at('u_range'), data.range);
     gl.uniform1f(at('u_mm_per_pixel'), data.mm_per_pixel);
-    gl.uniform4fv(at('u_light'), [...scene.light, 0]);
+    gl.uniform4fv(at('u_light'), [x, y, z, 0]);
     gl.uniform3fv(at('u_gain'), [1, 1, 1]);
+    gl.uniform2fv(at('u_place'), [Math.atan2(y, x) / (2 * Math.PI), Math.asin(clamp(z, -1, 1))]);
     gl.uniform2fv(at('u_law'), data.law);
     gl.uniform1f(at('u_light_radius'), 1.5 * degree);
     gl.uniformMatrix3fv(at('u_to_painting'), false, shot.matrix);
