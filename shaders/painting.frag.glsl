@@ -4,14 +4,6 @@
 //           (visibility (rho_d D + pi rho_s lobe max(0, n.l)) + rig_ambient rho_d),   D: surface/diffuse.h
 // MODE: as LookMode in viewer/look.h. EYE: 1 where the viewer has a place. OUTPUT: 0 linear, 1 sRGB.
 
-uniform mat3 u_to_painting;   // gl_FragCoord.xy, 1 -> pixel of the painting times its third component
-uniform vec4 u_eye;           // direction to the viewer [unit vector]; EYE == 1: place [mm]
-uniform float u_ambient, u_rig_ambient;
-uniform mat3 u_exposure;      // of the linear picture
-uniform float u_shoulder;     // [1] 0: clips at white; else where the tone curve leaves the straight line
-uniform vec3 u_background;    // [linear]
-uniform vec4 u_look;          // strengths of the mode; heights' false colour: lowest, highest [mm]
-
 out vec4 o_colour;
 
 float encode(float v) {
@@ -20,9 +12,9 @@ float encode(float v) {
 
 // Straight up to the shoulder s, then bent towards 1 with the same slope: 1 - (1 - s)^2 / (1 - 2 s + v).
 vec3 toned(vec3 v) {
-    if (u_shoulder <= 0.0) return v;
-    float s = 1.0 - u_shoulder;
-    vec3 bent_down = 1.0 - u_shoulder * u_shoulder / (max(v, s) + (1.0 - 2.0 * s));
+    if (v_exposure0.w <= 0.0) return v;
+    float s = 1.0 - v_exposure0.w;
+    vec3 bent_down = 1.0 - v_exposure0.w * v_exposure0.w / (max(v, s) + (1.0 - 2.0 * s));
     return mix(v, bent_down, step(vec3(s), v));
 }
 
@@ -38,11 +30,11 @@ vec3 false_colour(float t) {
 vec3 lit(Material m, vec2 at) {
     vec3 point = point_mm(at, m.height);
 #if EYE == 1
-    vec3 v = normalize(u_eye.xyz - point);
+    vec3 v = normalize(v_eye.xyz - point);
 #else
-    vec3 v = u_eye.xyz;
+    vec3 v = v_eye.xyz;
 #endif
-    vec3 sum = u_ambient * m.diffuse;
+    vec3 sum = v_column1.w * m.diffuse;
     for (int i = 0; i < LIGHTS; ++i) {
         Incoming in_light = incoming(i, point);
         float n_l = dot(m.normal, in_light.direction);
@@ -53,25 +45,27 @@ vec3 lit(Material m, vec2 at) {
             float gloss = m.specular * lobe;
 #if MODE == 1  // specular enhancement: Malzbender et al. 2001: matt colour down, an even sharp gloss everywhere
             vec3 h = normalize(in_light.direction + v);
-            diffuse *= 1.0 - u_look.x;
-            gloss = u_look.x * pow(max(dot(h, m.normal), 0.0), u_look.y) / max(n_l, 0.05);
+            diffuse *= 1.0 - v_look.x;
+            gloss = v_look.x * pow(max(dot(h, m.normal), 0.0), v_look.y) / max(n_l, 0.05);
 #elif MODE == 2  // diffuse gain: the fall-off from the brightest direction is steeper
-            diffuse *= max(1.0 - u_look.x * (1.0 - n_l), 0.0) / max(n_l, 0.02);
+            diffuse *= max(1.0 - v_look.x * (1.0 - n_l), 0.0) / max(n_l, 0.02);
 #endif
             reflected = visibility(i, at, m.height, in_light.direction) * (diffuse + gloss) * n_l;
         }
-        sum += in_light.irradiance * (reflected + u_rig_ambient * m.diffuse);
+        sum += in_light.irradiance * (reflected + v_column2.w * m.diffuse);
     }
     return sum;
 }
 
+vec3 exposed(vec3 v) { return mat3(v_exposure0.xyz, v_exposure1.xyz, v_exposure2.xyz) * v; }
+
 vec3 looked_at(vec2 at) {
     Material m = material_at(at);
 #if MODE == 3  // unsharp masking of the normals
-    int coarse = min(u_level + int(u_look.y), u_last_level);
-    m.normal = normalize(m.normal + u_look.x * (m.normal - smooth_material(at, coarse).normal));
+    int coarse = min(v_size.z + int(v_look.y), v_size.w);
+    m.normal = normalize(m.normal + v_look.x * (m.normal - smooth_material(at, coarse).normal));
 #elif MODE == 4
-    return false_colour((m.height - u_look.z) / max(u_look.w - u_look.z, 1e-9));
+    return false_colour((m.height - v_look.z) / max(v_look.w - v_look.z, 1e-9));
 #elif MODE == 5
     return false_colour(log2(m.roughness / 0.02) / 6.0);
 #elif MODE == 6
@@ -82,16 +76,16 @@ vec3 looked_at(vec2 at) {
     vec3 n = 0.5 * m.normal + 0.5;
     return pow(n, vec3(2.2));
 #elif MODE == 9
-    return u_exposure * m.diffuse;
+    return exposed(m.diffuse);
 #endif
-    return u_exposure * lit(m, at);
+    return exposed(lit(m, at));
 }
 
 void main() {
-    vec3 q = u_to_painting * vec3(gl_FragCoord.xy, 1.0);
+    vec3 q = mat3(v_column0.xyz, v_column1.xyz, v_column2.xyz) * vec3(gl_FragCoord.xy, 1.0);
     vec2 at = q.xy / q.z;
-    vec3 colour = u_background;
-    vec2 last = vec2(u_size) - 0.5;
+    vec3 colour = v_background.xyz;
+    vec2 last = vec2(v_size.xy) - 0.5;
     if (q.z > 0.0 && at.x >= -0.5 && at.y >= -0.5 && at.x < last.x && at.y < last.y) {
 #if MODE >= 4
         colour = looked_at(at);

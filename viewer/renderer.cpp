@@ -171,7 +171,7 @@ const gl::Program& Renderer::program_for(const Scene& scene, const Shot& shot, b
     define("OUTPUT", linear ? 0 : 1);
     auto& program = programs_[definitions];
     if (!program)
-        program = gl::make_program(fmt::format("{}{}", kDesktop, kPaintingVertexShader),
+        program = gl::make_program(fmt::format("{}{}{}", kDesktop, definitions, kPaintingVertexShader),
                                    fmt::format("{}{}{}", kDesktop, definitions, kPaintingFragmentShader));
     return program;
 }

@@ -47,7 +47,7 @@ class Drawing {
     let found = this.programs.get(definitions);
     if (found) return found;
     const {gl} = this, program = gl.createProgram();
-    const parts = [this.shader(gl.VERTEX_SHADER, data.vertex_shader), this.shader(gl.FRAGMENT_SHADER, definitions + data.fragment_shader)];
+    const parts = [this.shader(gl.VERTEX_SHADER, definitions + data.vertex_shader), this.shader(gl.FRAGMENT_SHADER, definitions + data.fragment_shader)];
     for (const shader of parts) gl.attachShader(program, shader);
     gl.linkProgram(program);
     if (!gl.getProgramParameter(program, gl.LINK_STATUS))
