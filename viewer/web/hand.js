@@ -38,9 +38,11 @@ class Hand {
     this.pointers.set(event.pointerId, at);
     this.last = performance.now();
     if (this.pointers.size > 1) {
+      if (this.drag === 'light') state.light = this.before;  // the first finger did not mean it
       this.drag = 'pinch';
       return;
     }
+    this.before = state.light;
     this.drag = event.button === 2 ? 'tilt' : event.button === 1 || this.space ? 'pan' : state.tool;
     state.tilt = {...state.tilt, vx: 0, vy: 0, returning: false};
     if (this.drag === 'light') this.aim(at);
