@@ -28,7 +28,8 @@ inline std::string browser_program() {
 
 class Browser {
 public:
-    explicit Browser(const std::filesystem::path& scratch) : scratch_(scratch) {
+    explicit Browser(const std::filesystem::path& scratch, const char* flag = "--hide-scrollbars")
+        : scratch_(scratch) {
         int to[2], from[2];
         if (::pipe2(to, O_CLOEXEC) != 0 || ::pipe2(from, O_CLOEXEC) != 0) throw std::runtime_error("pipe2");
         const std::string program = browser_program(),
@@ -43,7 +44,7 @@ public:
             for (const int fd : {0, 1, 2}) ::dup2(nothing, fd);
             ::execl(program.c_str(), program.c_str(), "--headless", "--no-sandbox", "--use-gl=angle",
                     "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--force-color-profile=srgb",
-                    "--disable-background-networking", "--remote-debugging-pipe", profile.c_str(),
+                    "--disable-background-networking", "--remote-debugging-pipe", profile.c_str(), flag,
                     "about:blank", static_cast<char*>(nullptr));
             ::_exit(127);
         }

@@ -105,6 +105,38 @@ TEST_F(WebPageInABrowser, FollowsTheHand) {
     EXPECT_EQ(browser_->errors, "");
 }
 
+TEST_F(WebPageInABrowser, SaysWhatTheBrowserLacks) {
+    write_web_page(scratch_ / "page.html", painted_surface(kWidth, kHeight), {});
+    browser_.emplace(scratch_.path(), "--disable-3d-apis");
+    browser_->open("file://" + (scratch_ / "page.html").string(), kScreenWidth, kScreenHeight);
+    EXPECT_TRUE(
+        browser_->becomes_true("!document.getElementById('failed').hidden && /WebGL "
+                               "2/.test(document.getElementById('failed').innerText)"));
+    EXPECT_EQ(browser_->errors, "");
+}
+
+// A tile that is missing is told and tried again; coarser ones stand in.
+TEST_F(WebPageInABrowser, ShowsWhatThereIs) {
+    const Surface s = painted_surface(kWidth, kHeight);
+    write_web_page(scratch_ / "page", s, {});
+    fs::rename(scratch_ / "page/parts/0/1_0.js", scratch_ / "kept.js");
+    open(url_of(scratch_ / "page/index.html", 130, 60));
+    EXPECT_TRUE(
+        browser_->becomes_true("/0.1_0 could not/.test(document.getElementById('said').textContent)"));
+    const auto agreement = [&] {
+        return part_within(middle_of(browser_->screenshot()), reference(s, 130, 60), 1.5);
+    };
+    EXPECT_GT(agreement(), 0.8);
+    EXPECT_LT(agreement(), 0.9);
+    fs::rename(scratch_ / "kept.js", scratch_ / "page/parts/0/1_0.js");
+    bool whole = false;
+    for (int i = 0; i < 100 && !whole; ++i) {
+        std::this_thread::sleep_for(std::chrono::milliseconds(200));
+        whole = agreement() > 0.999;
+    }
+    EXPECT_TRUE(whole);
+}
+
 TEST(WebPage, IsPublishedAsAWhole) {
     const TestDir dir;
     const Surface s = painted_surface(300, 40), smaller = painted_surface(30, 40);

@@ -9,14 +9,14 @@ precision highp usampler2DArray;
 `;
 
 class Drawing {
-  constructor(canvas, layers, changed) {
+  constructor(canvas, layers, changed, failed) {
     this.gl = canvas.getContext('webgl2', {alpha: false, antialias: false, depth: false, stencil: false, powerPreference: 'high-performance'});
     if (!this.gl || typeof DecompressionStream === 'undefined') throw new Error('WebGL 2 is missing');
     this.programs = new Map();
     this.changed = changed;
-    this.tiles = new Tiles(this.gl, layers, changed);
+    this.tiles = new Tiles(this.gl, layers, changed, failed);
     this.gl.bindVertexArray(this.gl.createVertexArray());
-    this.loadHorizon();
+    this.loadHorizon().catch(() => failed('horizon'));
   }
   // The map of horizons comes when the picture is there.
   async loadHorizon() {

@@ -89,7 +89,7 @@ function frame(now) {
 }
 function ask() {
   clearTimeout(drawing?.rest);
-  if (wanted) return;
+  if (wanted || !drawing) return;
   wanted = true;
   requestAnimationFrame(frame);
 }
@@ -198,7 +198,8 @@ try {
   document.body.classList.toggle('bare', !state.ui);
   // Twice what the screen shows at once, in megabytes: a tile has one.
   const pixels = canvas.clientWidth * canvas.clientHeight * Math.min(devicePixelRatio || 1, 3) ** 2;
-  drawing = new Drawing(canvas, clamp(Math.round(5 * pixels / tileSide ** 2) + 24, 64, 512), ask);
+  drawing = new Drawing(canvas, clamp(Math.round(5 * pixels / tileSide ** 2) + 24, 64, 512), ask,
+    name => { at('said').textContent = `${name} could not be loaded; it is tried again.`; });
   setUp();
 } catch (error) {
   document.body.classList.add('failed');

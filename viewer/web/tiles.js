@@ -50,12 +50,12 @@ function unpackTile(bytes, width, height) {
   return words;
 }
 
-const tileBits = 8, tileSide = 1 << tileBits, tableWidth = 1024, fetchesAtOnce = 6;
+const tileBits = 8, tileSide = 1 << tileBits, tableWidth = 1024, fetchesAtOnce = 6, secondsToRetry = 5;
 
 class Tiles {
-  // `layers`: tiles that are kept. `changed` is called when one has come.
-  constructor(gl, layers, changed) {
-    Object.assign(this, {gl, changed, frame: 0, loading: new Set(), failed: new Set(), resident: new Map(), wanted: []});
+  // `layers`: tiles that are kept. `changed` is called when one has come, `missed` with the name of one that has not.
+  constructor(gl, layers, changed, missed) {
+    Object.assign(this, {gl, changed, missed, frame: 0, loading: new Set(), failed: new Set(), resident: new Map(), wanted: []});
     let first = 0;
     this.levels = Array.from({length: data.levels}, (_, level) => {
       const width = Math.ceil(data.width / 2 ** level), height = Math.ceil(data.height / 2 ** level);
@@ -123,6 +123,11 @@ class Tiles {
       part(tile.name).then(bytes => this.take(tile, bytes)).catch(error => {
         this.failed.add(tile.name);
         console.warn(error.message);
+        this.missed(tile.name);
+        setTimeout(() => {
+          this.failed.delete(tile.name);
+          this.changed();
+        }, secondsToRetry * 1000);
       }).finally(() => {
         this.loading.delete(tile.name);
         this.load();
