@@ -84,6 +84,8 @@ nlohmann::json run_export(const ExportArguments& a) {
     const bool rti = a.to == "ptm" || a.to == "rti";
     if (!rti && !a.photos.empty())
         throw UsageError(fmt::format("--photos: only ptm and rti are made of photographs, {} is not", a.to));
+    if (a.to != "web" && !(a.words.title.empty() && a.words.credit.empty()))
+        throw UsageError(fmt::format("--title, --credit: only a web page says them, {} does not", a.to));
     const Surface surface = read_painted(a.painting, progress);
     if (rti) return export_rti(a, surface, progress);
     if (a.to == "web") return export_web(a, surface, progress);

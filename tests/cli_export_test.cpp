@@ -76,6 +76,9 @@ TEST(CliExport, WhatMakesNoSenseIsRefused) {
         run({"export", stack.truth(), "--to", "maps", "--photos", stack.path(), "--out", stack.out("m")}), 2,
         {"--photos"}));
     EXPECT_TRUE(
+        ended(run({"export", stack.truth(), "--to", "maps", "--title", "Storm", "--out", stack.out("m")}), 2,
+              {"--title"}));
+    EXPECT_TRUE(
         ended(run({"export", stack.truth(), "--to", "ptm", "--out", stack.out("a.jpg")}), 1, {".ptm"}));
     EXPECT_TRUE(ended(run({"export", stack.truth(), "--to", "rti", "--terms", "16", "--photos", stack.path(),
                            "--out", stack.out("a.rti")}),
