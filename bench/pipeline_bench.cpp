@@ -1,10 +1,14 @@
-// pipeline_bench.cpp: a whole fit against merely decoding its photographs: pipeline_bench PHOTOS [LIGHTS].
-// Seconds by the clock and of the processor; the latter count where a machine is shared.
+// pipeline_bench.cpp: a whole fit, stage by stage, against merely decoding its photographs:
+// pipeline_bench PHOTOS [LIGHTS]. Seconds by the clock and of the processor; the latter count where a machine
+// is shared. Memory is the most that the program has had so far.
 #include <fmt/format.h>
+#include <sys/resource.h>
 
 #include <chrono>
 #include <ctime>
 #include <exception>
+#include <mutex>
+#include <string>
 
 #include "fit/fit_painting.h"
 
@@ -24,6 +28,38 @@ Seconds timed(const Work& work) {
     const std::chrono::duration<double> clock = std::chrono::steady_clock::now() - start;
     return {clock.count(), static_cast<double>(std::clock() - before) / CLOCKS_PER_SEC};
 }
+
+// Prints each stage of a fit once it has ended.
+class Stages {
+public:
+    Progress progress() {
+        return Progress([this](std::string_view stage, double) {
+            const std::lock_guard lock(mutex_);
+            if (stage == stage_) return true;
+            end();
+            stage_ = stage;
+            return true;
+        });
+    }
+    void end() {
+        const std::chrono::duration<double> clock = std::chrono::steady_clock::now() - start_;
+        rusage usage{};
+        getrusage(RUSAGE_SELF, &usage);
+        if (!stage_.empty())
+            fmt::print("  {:<26} {:8.2f} s {:8.2f} s of the processor   {:6.1f} MB\n", stage_, clock.count(),
+                       static_cast<double>(std::clock() - before_) / CLOCKS_PER_SEC,
+                       static_cast<double>(usage.ru_maxrss) * 1024 / 1e6);
+        stage_.clear();
+        start_ = std::chrono::steady_clock::now();
+        before_ = std::clock();
+    }
+
+private:
+    std::mutex mutex_;
+    std::string stage_;
+    std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+    std::clock_t before_ = std::clock();
+};
 
 void print(const char* what, const Seconds& t, const Seconds& decoding) {
     fmt::print("{:<28} {:8.2f} s {:8.2f} s of the processor   {:5.2f} x decoding\n", what, t.clock,
@@ -52,7 +88,12 @@ void run(const char* folder, const char* lights) {
         "  {} of {} compared with Ceres agree in cost within 1 %; {} of {} pixels doubtful, {} polished\n",
         last.solvers.cost_agrees, last.solvers.compared, last.solvers.doubtful, last.fitted,
         last.solvers.polished);
-    print("fit as users run it", timed([&] { last = fit_painting(stack).report; }), decoding);
+    Stages stages;
+    const Seconds whole = timed([&] {
+        last = fit_painting(stack, {}, stages.progress()).report;
+        stages.end();
+    });
+    print("fit as users run it", whole, decoding);
     fmt::print(
         "  {} of {} compared with Ceres agree in cost within 1 %; {} of {} pixels doubtful, {} polished\n",
         last.solvers.cost_agrees, last.solvers.compared, last.solvers.doubtful, last.fitted,

@@ -6,9 +6,9 @@
 #include <map>
 #include <numbers>
 
-#include "capture/html_text.h"
+#include "surface/html_text.h"
 #include "capture/lights_file.h"
-#include "capture/page_parts.h"
+#include "surface/page_parts.h"
 #include "surface/atomic_file.h"
 #include "surface/error.h"
 #include "surface/median.h"

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <array>
 
-#include "capture/html_text.h"
+#include "surface/html_text.h"
 #include "capture/transfer_metadata.h"
 #include "surface/error.h"
 #include "surface/picture_file.h"

@@ -4,11 +4,11 @@
 #include <unistd.h>
 
 #include <cerrno>
-#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 
 #include "surface/error.h"
+#include "surface/nameless_file.h"
 
 namespace tangi {
 
@@ -21,26 +21,11 @@ std::string in_words(std::uint64_t bytes) {
     return fmt::format("{:.1f} GB", static_cast<double>(bytes) / 1e9);
 }
 
-int open_nameless(const std::string& folder) {
-    const int file = ::open(folder.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0600);
-    if (file >= 0) return file;
-    // Some network file systems have no nameless files: there the name is gone a moment later.
-    std::string pattern = folder + "/tangipaint-XXXXXX";
-    const int named = ::mkostemp(pattern.data(), O_CLOEXEC);
-    if (named >= 0) ::unlink(pattern.c_str());
-    return named;
-}
-
-std::string folder_for_scratch() {
-    const char* given = std::getenv("TMPDIR");
-    return given && *given ? given : "/tmp";
-}
-
 }  // namespace
 
 ScratchFile::ScratchFile(std::uint64_t bytes, std::string what)
     : folder_(folder_for_scratch()), what_(std::move(what)), size_(bytes) {
-    file_ = open_nameless(folder_);
+    file_ = open_nameless_file(folder_);
     if (file_ < 0)
         fail("{}: no temporary file can be made there for {}: {}; name another folder in TMPDIR", folder_,
              what_, std::strerror(errno));
@@ -61,30 +46,17 @@ ScratchFile::~ScratchFile() { ::close(file_); }
 
 void ScratchFile::write(std::uint64_t offset, std::span<const std::byte> bytes) {
     TP_REQUIRE(offset + bytes.size() <= size_, "the part lies in the file");
-    while (!bytes.empty()) {
-        const ssize_t done = ::pwrite(file_, bytes.data(), bytes.size(), static_cast<off_t>(offset));
-        if (done < 0 && errno == EINTR) continue;
-        if (done <= 0)
-            fail(
-                "{}: the temporary file for {} cannot be written: {}; make room, or name another folder in "
-                "TMPDIR",
-                folder_, what_, std::strerror(errno));
-        bytes = bytes.subspan(static_cast<std::size_t>(done));
-        offset += static_cast<std::uint64_t>(done);
-    }
+    if (const int trouble = write_at(file_, offset, bytes))
+        fail(
+            "{}: the temporary file for {} cannot be written: {}; make room, or name another folder in "
+            "TMPDIR",
+            folder_, what_, std::strerror(trouble));
 }
 
 void ScratchFile::read(std::uint64_t offset, std::span<std::byte> bytes) const {
     TP_REQUIRE(offset + bytes.size() <= size_, "the part lies in the file");
-    while (!bytes.empty()) {
-        const ssize_t done = ::pread(file_, bytes.data(), bytes.size(), static_cast<off_t>(offset));
-        if (done < 0 && errno == EINTR) continue;
-        if (done <= 0)
-            fail("{}: the temporary file for {} cannot be read back: {}", folder_, what_,
-                 done < 0 ? std::strerror(errno) : "it ends too early");
-        bytes = bytes.subspan(static_cast<std::size_t>(done));
-        offset += static_cast<std::uint64_t>(done);
-    }
+    if (const int trouble = read_at(file_, offset, bytes))
+        fail("{}: the temporary file for {} cannot be read back: {}", folder_, what_, std::strerror(trouble));
 }
 
 }  // namespace tangi

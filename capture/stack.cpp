@@ -13,6 +13,7 @@
 #include "capture/lights_file.h"
 #include "capture/raw_file.h"
 #include "capture/stack_calibration.h"
+#include "capture/usable_stack.h"
 #include "surface/error.h"
 #include "surface/parallel.h"
 #include "surface/picture_file.h"
@@ -204,6 +205,21 @@ std::vector<fs::path> files_of(const std::vector<StackPhoto>& photos) {
     return files;
 }
 
+void leave_out_damaged(Stack& stack) {
+    std::string first;
+    std::erase_if(stack.photos, [&](const StackPhoto& photo) {
+        for (const fs::path& path : files_of({photo})) try {
+                PhotoFile(path).header();
+            } catch (const Error& error) {
+                if (first.empty()) first = error.what();
+                stack.warnings.push_back(fmt::format("left out: {}", error.what()));
+                return true;
+            }
+        return false;
+    });
+    if (stack.photos.empty() && !first.empty()) throw Error(first);
+}
+
 // Opens every photograph once, so that the first bad one is named before any work is done.
 void check_headers(Stack& stack) {
     std::optional<PhotoHeader> first;
@@ -353,7 +369,9 @@ Stack open_photographs(const std::vector<fs::path>& paths, const StackOptions& o
     return stack;
 }
 
-Stack open_stack(const fs::path& folder, const StackOptions& options) {
+namespace {
+
+Stack opened(const fs::path& folder, const StackOptions& options, bool all_or_none) {
     if (!fs::exists(folder)) fail("{}: no such folder", folder.string());
     if (!fs::is_directory(folder))
         fail("{}: is not a folder; give the folder that holds the photographs", folder.string());
@@ -364,6 +382,7 @@ Stack open_stack(const fs::path& folder, const StackOptions& options) {
     stack.warnings = calibration.warnings;
     match_photos(stack, calibration.lights, calibration.lights_path);
     leave_out_lights_from_below(stack, calibration.lights_path);
+    if (!all_or_none) leave_out_damaged(stack);
     check_headers(stack);
     const Region photo = stack.crop;
     apply_geometry(stack, calibration);
@@ -372,6 +391,16 @@ Stack open_stack(const fs::path& folder, const StackOptions& options) {
     apply_calibration(stack, calibration);
     if (options.mask_file) apply_mask(stack, *options.mask_file, photo);
     return stack;
+}
+
+}  // namespace
+
+Stack open_stack(const fs::path& folder, const StackOptions& options) {
+    return opened(folder, options, true);
+}
+
+Stack open_usable_stack(const fs::path& folder, const StackOptions& options) {
+    return opened(folder, options, false);
 }
 
 }  // namespace tangi

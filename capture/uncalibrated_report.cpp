@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "capture/grey_photos.h"
-#include "capture/page_parts.h"
+#include "surface/page_parts.h"
 #include "capture/photo_metadata.h"
 #include "capture/survey.h"
 #include "capture/transfer_metadata.h"

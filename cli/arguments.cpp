@@ -11,6 +11,7 @@
 #include <sstream>
 
 #include "capture/raw_file.h"
+#include "capture/usable_stack.h"
 #include "cli/command.h"
 #include "surface/error.h"
 
@@ -146,7 +147,7 @@ void PhotosArguments::add_to(Flags& flags, bool for_fit) {
                  "separated by commas");
 }
 
-Stack PhotosArguments::open() const {
+StackOptions PhotosArguments::options() const {
     StackOptions options;
     if (!lights.empty()) options.lights_file = lights;
     options.lights_in_mm = lights_mm;
@@ -163,7 +164,13 @@ Stack PhotosArguments::open() const {
     }
     options.transfer = parse_transfer(transfer);
     options.develop = develop.options();
-    Stack stack = open_stack(folder, options);
+    return options;
+}
+
+Stack PhotosArguments::open_usable() const { return open_usable_stack(folder, options()); }
+
+Stack PhotosArguments::open() const {
+    Stack stack = open_stack(folder, options());
     if (!hold_out.empty()) tangi::hold_out(stack, hold_out);
     return stack;
 }

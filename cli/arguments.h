@@ -32,10 +32,15 @@ struct PhotosArguments {
     void add_to(Flags& flags, bool for_fit);
     // Throws Error for what is wrong with the folder, UsageError for what is wrong with the flags.
     Stack open() const;
+    // The same without photographs that are damaged (capture/usable_stack.h).
+    Stack open_usable() const;
     // The files that a command with these flags reads: photographs, lights, mask, frames, brackets.
     std::vector<std::filesystem::path> inputs(const Stack& stack) const;
     // As they were given, for provenance.
     nlohmann::json as_json() const;
+
+private:
+    StackOptions options() const;
 };
 
 // Throws Error, naming the flag --out, where writing `output` would replace one of `inputs`: photographs

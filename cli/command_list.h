@@ -18,6 +18,13 @@ Command replay_command();
 Command info_command();
 Command generate_command();
 Command palette_command();
+Command match_command();
+Command retouch_command();
+Command quality_command();
 Command demo_command();
+Command damage_command();
+Command fill_command();
+Command varnish_command();
+Command treatment_command();
 
 }  // namespace tangi

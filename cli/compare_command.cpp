@@ -1,9 +1,9 @@
 // compare_command.cpp: tangipaint compare PAINTING.exr PHOTOS --out DIR
 #include <filesystem>
 
-#include "capture/develop_stack.h"
 #include "cli/arguments.h"
 #include "cli/command_list.h"
+#include "cli/photo_book.h"
 #include "fit/compare_page.h"
 #include "surface/error.h"
 #include "surface/painting_file.h"
@@ -38,27 +38,14 @@ void require_place_for_report(const CompareArguments& arguments, const Stack& ph
     require_writable_folder(out);
 }
 
-// How the files were encoded that the painting was fitted from, where they were developed first: their light
-// must be found in the same way again.
-std::optional<Transfer> encoding_fitted(const Surface& surface) {
-    const nlohmann::json provenance = nlohmann::json::parse(surface.provenance, nullptr, false);
-    if (!provenance.is_object() || !provenance.contains("development")) return std::nullopt;
-    const nlohmann::json& development = provenance["development"];
-    if (!development.is_object() || !development.contains("encoding") || !development["encoding"].is_string())
-        return std::nullopt;
-    return transfer_named(development["encoding"].get<std::string>());
-}
-
 nlohmann::json run_compare(const CompareArguments& arguments) {
     const Progress progress = console_progress();
     const Surface surface = read_painting(arguments.painting, progress);
     Stack photos = arguments.photos.open();
     require_place_for_report(arguments, photos);
-    if (!photos.transfer) photos.transfer = encoding_fitted(surface);
-    // Each photograph is read once, from top to bottom: raws need no copy on disk.
-    const DevelopReport development = develop_stack(photos, {.keep_raws = false}, progress);
-    if (!development.developed && arguments.photos.transfer == "auto") photos.transfer.reset();
-    const CompareReport report = write_comparison(arguments.out, surface, photos, arguments.options, progress,
+    const auto [stack, development] =
+        photos_to_compare(std::move(photos), arguments.photos, surface, progress);
+    const CompareReport report = write_comparison(arguments.out, surface, stack, arguments.options, progress,
                                                   read_faithful(arguments.painting, surface, progress));
     nlohmann::json result = to_json(report);
     result["development"] = to_json(development);

@@ -6,8 +6,12 @@
 #include "fit/export_maps.h"
 #include "fit/rti_file.h"
 #include "paint/canvas_file.h"
+#include "paint/layer_pictures.h"
+#include "paint/ora_file.h"
 #include "surface/error.h"
 #include "surface/picture_file.h"
+#include "surface/png_bytes.h"
+#include "viewer/web_page.h"
 
 namespace tangi {
 
@@ -19,6 +23,8 @@ struct ExportArguments {
     std::string painting, out, to, photos, lights;
     int terms = 9, directions = 80;
     bool lrgb = false;
+    WebWords words;
+    WebOptions web;
 };
 
 RtiBasis basis_of(const ExportArguments& a) {
@@ -60,13 +66,87 @@ nlohmann::json export_rti(const ExportArguments& a, const Surface& surface, cons
             {"lights", stack ? static_cast<int>(stack->photos.size()) : a.directions}};
 }
 
+std::string file_name_of(const std::string& layer) {
+    std::string name = layer;
+    for (char& c : name)
+        if (c == '/' || static_cast<unsigned char>(c) < ' ') c = '_';
+    return name;
+}
+
+// A folder with the dry surface's maps, each layer of paint, and the maps of it all.
+nlohmann::json export_layers(const ExportArguments& a, const Canvas& canvas, const Progress& progress) {
+    require_writable_folder(a.out);
+    nlohmann::json files = nlohmann::json::array();
+    const fs::path out = a.out;
+    const auto add = [&](const fs::path& path) { files.push_back(path.string()); };
+    for (const fs::path& path : write_maps(out / "dry", canvas.dry(), progress)) add(path);
+    const std::vector<LayerPicture> layers = layer_pictures(canvas, {}, progress);
+    for (std::size_t i = 1; i < layers.size(); ++i) {
+        const fs::path folder = out / fmt::format("{}-{}", i, file_name_of(layers[i].name));
+        make_folder(folder);
+        AtomicFile colour(folder / "colour.png");
+        colour.write(png_bytes(layers[i].srgb, layers[i].alpha, 16));
+        colour.commit();
+        add(colour.target());
+        write_map(folder / "thickness_mm.exr", layers[i].thickness_mm);
+        add(folder / "thickness_mm.exr");
+    }
+    const auto put_volumes = [&](const fs::path& folder, const PaintLayer& paint) {
+        for (std::size_t id = 0; id < canvas.ingredients().size(); ++id) {
+            const Image<float> mm = thickness_mm_of(paint, static_cast<IngredientId>(id));
+            if (std::ranges::all_of(mm.pixels(), [](float v) { return v == 0; })) continue;
+            const fs::path path =
+                folder / fmt::format("{:05}-{}_mm.exr", id, file_name_of(canvas.ingredients()[id].name));
+            write_map(path, mm);
+            add(path);
+        }
+    };
+    std::size_t number = 0;
+    for (const DriedLayer& dried : canvas.dried())
+        if (!dried.paint.empty())
+            put_volumes(out / fmt::format("{}-{}", ++number, file_name_of(dried.name)), dried.paint);
+    if (!canvas.wet().empty()) put_volumes(out / fmt::format("{}-wet", ++number), canvas.wet());
+    for (const fs::path& path : write_maps(out / "painted", appearance(canvas, {}, progress), progress))
+        add(path);
+    return {{"files", files}};
+}
+
+nlohmann::json export_ora(const ExportArguments& a, const Canvas& canvas, const Progress& progress) {
+    if (lower_extension(a.out) != ".ora") fail("--out {}: --to ora writes an .ora file", a.out);
+    refuse_to_overwrite(a.out, {a.painting});
+    AtomicFile file(a.out);
+    write_ora(file, canvas, progress);
+    return {{"files", {a.out}}};
+}
+
+nlohmann::json export_web(const ExportArguments& a, const Surface& surface, const Progress& progress) {
+    const fs::path page =
+        lower_extension(a.out) == ".html" ? fs::path(a.out) : fs::path(a.out) / "index.html";
+    refuse_to_overwrite(page, {a.painting});
+    WebWords words = a.words;
+    if (words.title.empty()) words.title = fs::path(a.painting).stem().string();
+    const WebReport report = write_web_page(a.out, surface, words, a.web, progress);
+    nlohmann::json files = nlohmann::json::array();
+    for (const fs::path& path : report.files) files.push_back(path.string());
+    return {{"files", files},
+            {"levels", report.levels},
+            {"tiles", report.tiles},
+            {"bytes", report.bytes},
+            {"first_picture_bytes", report.first_bytes}};
+}
+
 nlohmann::json run_export(const ExportArguments& a) {
     const Progress progress = console_progress();
     const bool rti = a.to == "ptm" || a.to == "rti";
     if (!rti && !a.photos.empty())
         throw UsageError(fmt::format("--photos: only ptm and rti are made of photographs, {} is not", a.to));
+    if (a.to != "web" && !(a.words.title.empty() && a.words.credit.empty()))
+        throw UsageError(fmt::format("--title, --credit: only a web page says them, {} does not", a.to));
+    if (a.to == "ora") return export_ora(a, read_canvas(a.painting, progress), progress);
+    if (a.to == "layers") return export_layers(a, read_canvas(a.painting, progress), progress);
     const Surface surface = read_painted(a.painting, progress);
     if (rti) return export_rti(a, surface, progress);
+    if (a.to == "web") return export_web(a, surface, progress);
     require_writable_folder(a.out);
     for (const char* name :
          {"height.exr", "normal.exr", "diffuse.exr", "specular.exr", "roughness.exr", "confidence.exr"})
@@ -81,27 +161,37 @@ nlohmann::json run_export(const ExportArguments& a) {
 }  // namespace
 
 Command export_command() {
-    return {
-        "export", "write a painting for other programs: RTI viewers, OpenLIME, maps", [](Flags& flags) {
-            auto a = std::make_shared<ExportArguments>();
-            flags.option("PAINTING", a->painting, "painting file (.exr)").required();
-            flags
-                .option("--to", a->to,
-                        "ptm, rti (harmonics), maps (EXR) or openlime (kd, ks, normals, gloss)")
-                .required()
-                .check(one_of({"ptm", "rti", "maps", "openlime"}));
-            flags.option("--out", a->out, "file to write (.ptm, .rti), or folder for the maps").required();
-            flags.option("--photos", a->photos,
-                         "ptm, rti: fit the photographs in this folder instead of the painting relit");
-            flags.option("--lights", a->lights, "lights file of these photographs");
-            flags.option("--terms", a->terms, "rti: harmonics, 4, 9 or 16").show_default();
-            flags.flag("--lrgb", a->lrgb,
-                       "ptm: one colour a pixel and the brightness by light, in half the size");
-            flags.option("--directions", a->directions, "ptm, rti: lights to relight the painting from")
-                .check(within(20, 1000))
-                .show_default();
-            return [a] { return run_export(*a); };
-        }};
+    return {"export", "write a painting for others: a web page, RTI viewers, OpenLIME, OpenRaster, maps",
+            [](Flags& flags) {
+                auto a = std::make_shared<ExportArguments>();
+                flags.option("PAINTING", a->painting, "painting file (.exr)").required();
+                flags
+                    .option("--to", a->to,
+                            "web (a page), ptm, rti (harmonics), maps (EXR), openlime (kd, ks, normals, gloss), "
+                            "layers (maps of each layer of paint) or ora (OpenRaster, for Krita, GIMP, MyPaint)")
+                    .required()
+                    .check(one_of({"web", "ptm", "rti", "maps", "openlime", "layers", "ora"}));
+                flags
+                    .option("--out", a->out,
+                            "file to write (.ptm, .rti, .ora; .html for a page of one file), or folder for maps "
+                            "or a page")
+                    .required();
+                flags.option("--photos", a->photos,
+                             "ptm, rti: fit the photographs in this folder instead of the painting relit");
+                flags.option("--lights", a->lights, "lights file of these photographs");
+                flags.option("--terms", a->terms, "rti: harmonics, 4, 9 or 16").show_default();
+                flags.flag("--lrgb", a->lrgb,
+                           "ptm: one colour a pixel and the brightness by light, in half the size");
+                flags.option("--directions", a->directions, "ptm, rti: lights to relight the painting from")
+                    .check(within(20, 1000))
+                    .show_default();
+                flags.option("--title", a->words.title,
+                             "web: the painting's name; that of its file where not given");
+                flags.option("--credit", a->words.credit,
+                             "web: artist, year, owner, licence: a line below the name");
+                flags.fields(a->web);
+                return [a] { return run_export(*a); };
+            }};
 }
 
 }  // namespace tangi

@@ -2,6 +2,7 @@
 #include "capture/develop_stack.h"
 #include "cli/arguments.h"
 #include "cli/command_list.h"
+#include "cli/fit_folder.h"
 #include "fit/faithful_fit.h"
 #include "fit/fit_page.h"
 #include "fit/fit_painting.h"
@@ -123,8 +124,7 @@ void refuse_to_overwrite_photographs(const FitArguments& arguments, const Stack&
         refuse_to_overwrite(out, {stack.folder / out.filename()});
 }
 
-nlohmann::json run_fit(const FitArguments& arguments) {
-    const Progress progress = console_progress();
+nlohmann::json run_fit(const FitArguments& arguments, const Progress& progress) {
     if (lower_extension(arguments.out) != ".exr") fail("--out {}: a painting is an .exr file", arguments.out);
     if (!arguments.report.empty() && lower_extension(arguments.report) != ".html")
         throw UsageError(fmt::format("--report {}: a page is an .html file", arguments.report));
@@ -173,6 +173,14 @@ nlohmann::json run_fit(const FitArguments& arguments) {
 
 }  // namespace
 
+nlohmann::json fit_folder(const std::filesystem::path& folder, const std::filesystem::path& out,
+                          const Progress& progress) {
+    FitArguments arguments;
+    arguments.photos.folder = folder;
+    arguments.out = out;
+    return run_fit(arguments, progress);
+}
+
 Command fit_command() {
     return {"fit", "fit height, normals and Ward parameters to photographs: the main job", [](Flags& flags) {
                 auto arguments = std::make_shared<FitArguments>();
@@ -192,7 +200,7 @@ Command fit_command() {
                 flags.flag("--faithful", arguments->faithful,
                            "also store what the photographs show beyond the surface, for relight --faithful");
                 flags.fields(arguments->faithful_options);
-                return [arguments] { return run_fit(*arguments); };
+                return [arguments] { return run_fit(*arguments, console_progress()); };
             }};
 }
 

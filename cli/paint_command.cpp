@@ -3,9 +3,12 @@
 
 #include "cli/arguments.h"
 #include "cli/command_list.h"
+#include "cli/fit_folder.h"
+#include "cli/photo_book.h"
+#include "cli/substrate_arguments.h"
 #include "paint/canvas_file.h"
-#include "paint/substrate.h"
 #include "surface/error.h"
+#include "viewer/settings.h"
 #include "viewer/window.h"
 
 namespace tangi {
@@ -15,9 +18,10 @@ namespace fs = std::filesystem;
 namespace {
 
 struct PaintArguments {
-    std::string painting, out, substrate, palette, brushes, size = "1280x800";
+    std::string painting, out, palette, brushes, size = "1280x800";
     std::optional<double> mm_per_pixel;
-    SubstrateOptions piece;
+    SubstrateArguments substrate;
+    PhotosArguments photos;
 };
 
 void set_size(WindowSetup& setup, const std::string& text) {
@@ -37,22 +41,39 @@ fs::path untitled() {
 }
 
 Canvas canvas_of(const PaintArguments& a, const Progress& progress) {
-    if (a.substrate.empty()) return read_canvas(a.painting, progress, a.mm_per_pixel);
-    const auto kind = substrate_named(a.substrate);
-    if (!kind)
-        throw UsageError(
-            fmt::format("--substrate {}: is not one of {}", a.substrate, fmt::join(substrate_names(), ", ")));
-    return Canvas(std::make_shared<Surface>(make_substrate(*kind, a.piece, progress)));
+    if (!a.substrate.given()) return read_canvas(a.painting, progress, a.mm_per_pixel);
+    return Canvas(std::make_shared<Surface>(a.substrate.make(progress)));
+}
+
+Workshop workshop_of(const PaintArguments& a) {
+    Workshop workshop;
+    workshop.open_photos = [photos = a.photos](const fs::path& folder, std::shared_ptr<const Surface> dry,
+                                               const fs::path& painting, const Progress& progress) {
+        // What was said of photographs is of the folder that was named with it.
+        PhotosArguments arguments = folder == fs::path(photos.folder) ? photos : PhotosArguments();
+        arguments.folder = folder;
+        return open_photo_book(arguments, std::move(dry), painting, progress);
+    };
+    workshop.fit = [](const fs::path& folder, const fs::path& out, const Progress& progress) {
+        const nlohmann::json result = fit_folder(folder, out, progress);
+        const auto& reasons = result["poor"].empty() ? result["warnings"] : result["poor"];
+        return reasons.empty() ? std::string() : reasons.front().get<std::string>();
+    };
+    return workshop;
 }
 
 nlohmann::json run_paint(const PaintArguments& a) {
-    if (a.painting.empty() == a.substrate.empty())
+    if (a.painting.empty() != a.substrate.given())
         throw UsageError("give a painting, paint PAINTING.exr, or a new canvas, paint --substrate linen");
-    if (!a.substrate.empty() && a.mm_per_pixel)
+    if (a.substrate.given() && a.mm_per_pixel)
         throw UsageError("--mm-per-pixel is of a painting; the pixels of a substrate are --pixel-mm");
-    if (a.substrate.empty() && !a.out.empty())
+    if (!a.substrate.given() && !a.out.empty())
         throw UsageError(
             "--out is of a new canvas; a painting is saved where it is (copy it first to keep it as it was)");
+    if (a.photos.folder.empty() && (!a.photos.lights.empty() || !a.photos.capture.empty()))
+        throw UsageError("--lights and --capture are of photographs: give their folder with --photos");
+    if (!a.photos.folder.empty() && !fs::is_directory(a.photos.folder))
+        fail("--photos {}: is not a folder; give the folder that holds the photographs", a.photos.folder);
     if (!a.out.empty() && fs::exists(a.out))
         fail("--out {}: exists already; open it with: paint {}", a.out, a.out);
     const Progress progress = console_progress();
@@ -60,12 +81,15 @@ nlohmann::json run_paint(const PaintArguments& a) {
                       .palette = a.palette.empty() ? artist_acrylics() : read_palette(a.palette),
                       .brushes = a.brushes.empty() ? brush_presets() : read_brush_presets(a.brushes)};
     set_size(setup, a.size);
-    setup.file_is_new = !a.substrate.empty();
+    setup.file_is_new = a.substrate.given();
     setup.file = !setup.file_is_new ? fs::path(a.painting) : a.out.empty() ? untitled() : fs::path(a.out);
     setup.stop_wanted = interrupted;
-    const fs::path file = setup.file;
+    setup.workshop = workshop_of(a);
+    setup.photos = a.photos.folder;
+    setup.settings = settings_folder();
     const WindowResult result = run_window(std::move(setup), progress);
-    return {{"painting", fs::exists(file) ? nlohmann::json(file.string()) : nlohmann::json(nullptr)},
+    return {{"painting",
+             fs::exists(result.file) ? nlohmann::json(result.file.string()) : nlohmann::json(nullptr)},
             {"strokes", result.strokes},
             {"saves", result.saves},
             {"unsaved", result.unsaved},
@@ -83,11 +107,14 @@ Command paint_command() {
                 auto a = std::make_shared<PaintArguments>();
                 flags.option("PAINTING", a->painting,
                              "painting file (.exr); saved in place, its dry layer never changes");
-                flags.option(
-                    "--substrate", a->substrate,
-                    "paint on a new canvas, linen, burlap, panel, gesso or paper instead of a painting");
+                a->substrate.add_to(flags);
                 flags.option("--out", a->out,
                              "where a new canvas is saved (.exr); untitled-1.exr where not given");
+                flags.option("--photos", a->photos.folder,
+                             "folder of photographs to hold against the painting");
+                flags.option("--lights", a->photos.lights,
+                             "their lights file (.lp); where not given, the only one in the folder");
+                flags.option("--capture", a->photos.capture, "their capture.json");
                 flags.option("--palette", a->palette, "palette file (.json)");
                 flags.option("--brushes", a->brushes, "presets file (.json) with further brushes");
                 flags
@@ -95,7 +122,6 @@ Command paint_command() {
                             "size of the painting's pixels where the file does not say")
                     .check(within(1e-4, 1e3));
                 flags.option("--size", a->size, "of the window in pixels").show_default();
-                flags.fields(a->piece);
                 return [a] { return run_paint(*a); };
             }};
 }

@@ -4,9 +4,10 @@
 
 #include "cli/arguments.h"
 #include "cli/command_list.h"
+#include "cli/substrate_arguments.h"
+#include "cli/time_lapse.h"
 #include "paint/canvas_file.h"
 #include "paint/session.h"
-#include "paint/substrate.h"
 #include "surface/error.h"
 #include "surface/faithful.h"
 #include "surface/painting_file.h"
@@ -19,35 +20,34 @@ namespace {
 
 struct ReplayArguments {
     std::vector<std::string> files;
-    std::string out, substrate, palette, brushes;
+    std::string out, board, palette, brushes;
     std::optional<double> mm_per_pixel;
-    SubstrateOptions piece;
+    SubstrateArguments substrate;
+    TimeLapseArguments frames;
 };
 
 Canvas canvas_of(const ReplayArguments& a, const Progress& progress) {
-    if (a.substrate.empty()) return read_canvas(a.files.front(), progress, a.mm_per_pixel);
-    const auto kind = substrate_named(a.substrate);
-    if (!kind)
-        throw UsageError(
-            fmt::format("--substrate {}: is not one of {}", a.substrate, fmt::join(substrate_names(), ", ")));
-    return Canvas(std::make_shared<Surface>(make_substrate(*kind, a.piece, progress)));
+    if (!a.substrate.given()) return read_canvas(a.files.front(), progress, a.mm_per_pixel);
+    return Canvas(std::make_shared<Surface>(a.substrate.make(progress)));
 }
 
 nlohmann::json run_replay(const ReplayArguments& a) {
-    const std::size_t expected = a.substrate.empty() ? 2 : 1;
+    const std::size_t expected = !a.substrate.given() ? 2 : 1;
     if (a.files.size() != expected)
         throw UsageError(
-            a.substrate.empty()
+            !a.substrate.given()
                 ? "give a painting to paint on and a journal: replay PAINTING.exr STROKES.jsonl; or a "
                   "substrate: replay --substrate linen STROKES.jsonl"
                 : "with --substrate, give the journal only: replay --substrate linen STROKES.jsonl");
-    if (!a.substrate.empty() && a.mm_per_pixel)
+    if (a.substrate.given() && a.mm_per_pixel)
         throw UsageError("--mm-per-pixel is of a painting; the pixels of a substrate are --pixel-mm");
     const std::string& strokes = a.files.back();
     std::vector<fs::path> inputs(a.files.begin(), a.files.end());
     for (const std::string& file : {a.palette, a.brushes})
         if (!file.empty()) inputs.emplace_back(file);
+    for (const fs::path& file : a.substrate.inputs()) inputs.push_back(file);
     refuse_to_overwrite(a.out, inputs);
+    if (!a.board.empty()) refuse_to_overwrite(a.board, inputs);
     const Progress progress = console_progress();
     const Journal journal =
         read_journal(strokes, a.brushes.empty() ? brush_presets() : read_brush_presets(a.brushes));
@@ -56,18 +56,30 @@ nlohmann::json run_replay(const ReplayArguments& a) {
     Session session(canvas_of(a, progress), a.palette.empty() ? artist_acrylics() : read_palette(a.palette));
     const std::string dry_hash = hash_of(session.canvas().dry());
     const auto start = std::chrono::steady_clock::now();
-    replay(session, journal, progress);
+    std::optional<TimeLapse> frames;
+    if (!a.frames.folder.empty()) frames.emplace(a.frames, session);
+    replay(session, journal, progress, [&](const Event& event) {
+        if (frames) frames->after(event);
+    });
+    if (frames) frames->finish();
     const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
     const Canvas& canvas = session.canvas();
     FaithfulResidual residual;  // goes with the dry layer, which painting does not change
-    if (a.substrate.empty()) residual = read_faithful(a.files.front(), canvas.dry(), progress);
+    if (!a.substrate.given()) residual = read_faithful(a.files.front(), canvas.dry(), progress);
     std::vector<PartToWrite> further;
     if (!residual.empty()) further.push_back(part_of(residual));
     write_canvas(out, canvas, progress, further);
+    if (!a.board.empty()) {
+        if (!session.board()) fail("--board {}: nothing was done on the palette", a.board);
+        write_canvas(a.board, *session.board(), progress);
+    }
 
     nlohmann::json volumes = nlohmann::json::object();
     const auto mm3 = canvas.volumes_mm3();
-    for (std::size_t i = 0; i < mm3.size(); ++i) volumes[canvas.ingredients()[i].name] = mm3[i];
+    for (std::size_t i = 0; i < mm3.size(); ++i) {  // a paint with two finishes is two ingredients
+        nlohmann::json& sum = volumes[canvas.ingredients()[i].name];
+        sum = (sum.is_null() ? 0.0 : sum.get<double>()) + mm3[i];
+    }
     return {{"painting", a.out},
             {"width", canvas.width()},
             {"height", canvas.height()},
@@ -79,6 +91,7 @@ nlohmann::json run_replay(const ReplayArguments& a) {
             {"seconds", seconds.count()},
             {"volumes_mm3", volumes},
             {"dry_hash", dry_hash},
+            {"frames", frames ? frames->frames() : 0},
             {"warnings", warnings}};
 }
 
@@ -91,8 +104,10 @@ Command replay_command() {
             flags.option("FILES", a->files, "[PAINTING.exr] STROKES.jsonl: what to paint on, and the journal")
                 .required();
             flags.option("--out", a->out, "painting file to write (.exr)").required();
-            flags.option("--substrate", a->substrate,
-                         "paint on a new canvas, linen, burlap, panel, gesso or paper instead of a painting");
+            flags.option("--board", a->board,
+                         "painting file for the palette with what was mixed on it (.exr)");
+            a->substrate.add_to(flags);
+            a->frames.add_to(flags);
             flags.option("--palette", a->palette, "palette file (.json) with the paints that strokes name");
             flags.option("--brushes", a->brushes,
                          "presets file (.json) with further brushes that strokes name");
@@ -100,7 +115,6 @@ Command replay_command() {
                 .option("--mm-per-pixel", a->mm_per_pixel,
                         "size of the painting's pixels where the file does not say")
                 .check(within(1e-4, 1e3));
-            flags.fields(a->piece);
             return [a] { return run_replay(*a); };
         }};
 }

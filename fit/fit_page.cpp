@@ -5,8 +5,8 @@
 #include <map>
 #include <numbers>
 
-#include "capture/html_text.h"
-#include "capture/page_parts.h"
+#include "surface/html_text.h"
+#include "surface/page_parts.h"
 #include "fit/false_colour.h"
 
 namespace tangi {

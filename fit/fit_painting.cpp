@@ -45,37 +45,24 @@ std::size_t rms_step(const Surface& s) {
     return std::max<std::size_t>(1, s.height_mm.size() / kRmsResiduals);
 }
 
-// What the first pass leaves to the second.
-struct FirstPass {
-    struct Prior {
-        float ln_alpha, ln_alpha_sigma, specular, specular_sigma;
-    };
-    Image<Prior> priors;
-    float highest_mm = 0;
-
-    WardPrior prior(int x, int y) const {
-        const Prior& p = priors(x, y);
-        return {p.ln_alpha, p.ln_alpha_sigma, p.specular, p.specular_sigma};
-    }
-};
-
-FirstPass look_back(const Surface& surface, const FitErrors& errors, const WardPrior& general) {
-    FirstPass result{Image<FirstPass::Prior>(surface.width(), surface.height())};
-    parallel_for(0, surface.height(), 4, [&](int begin, int end) {
-        for (int y = begin; y < end; ++y)
-            for (int x = 0; x < surface.width(); ++x) {
-                const WardPrior p = lobe_prior_at(surface, errors, general, x, y);
-                result.priors(x, y) = {static_cast<float>(p.ln_alpha), static_cast<float>(p.ln_alpha_sigma),
-                                       static_cast<float>(p.specular), static_cast<float>(p.specular_sigma)};
-            }
-    });
-    const auto heights = surface.height_mm.pixels();
-    result.highest_mm = *std::max_element(heights.begin(), heights.end());
-    return result;
+// [sigma] of the second pass. Cauchy's loss has 95 % of the efficiency of least squares where its scale is
+// 2.385 times that of the residuals (Holland & Welsch 1977, "Robust regression using iteratively reweighted
+// least-squares"), which the first pass shows; a wider one lets light from other relief and mixed pixels tilt
+// normals. At least 2: with 1, impasto's normals gain another 0.03 degrees, but lobes that are a little off
+// count as outliers, too, and held-out photographs of canvas are predicted 0.1 dB worse.
+double robust_scale_after(double rms_residual, double first) {
+    return std::min(std::max(2.385 * rms_residual, 2.0), first);
 }
 
-// The lamps that relight() takes.
-constexpr float kLightRadius_rad = static_cast<float>(RelightOptions{}.light_radius_deg * M_PI / 180);
+// What the first pass leaves to the second.
+struct FirstPass {
+    LobePriors priors;
+    CastShadows shadows;
+
+    FirstPass(const Surface& surface, const FitErrors& errors, const WardPrior& general)
+        : priors(surface, errors, general),
+          shadows(surface.height_mm, surface.mm_per_pixel, RelightOptions{}.light_radius_deg) {}
+};
 
 void store(const WardEstimate& e, int x, int y, FitResult& result) {
     Surface& surface = result.surface;
@@ -97,13 +84,11 @@ void fit_band(const Stack& stack, const Band& band, const Lighting& lighting, co
     const Surface& surface = result.surface;
     WardFitOptions ward = options.ward;
     ward.law = surface.law;
-    const bool shadows = first && surface.width() > 1 && surface.height() > 1;
     PixelKnowledge known;
-    if (first) known.prior = [&](int x, int y) { return first->prior(x, y); };
-    if (shadows)
-        known.visible = [&](int x, int y, const Vec3& light) {
-            return visible_part(surface, x, y, light, first->highest_mm, kLightRadius_rad);
-        };
+    if (first) {
+        known.prior = [&](int x, int y) { return first->priors.at(x, y); };
+        known.shadows = &first->shadows;
+    }
     oneapi::tbb::enumerable_thread_specific<RowFitter> fitters(
         [&] { return RowFitter(ward, options.solver, lighting, noise, band.channels()); });
     // Enough pixels at once to keep registers full; with Ceres alone a row takes long enough.
@@ -148,7 +133,7 @@ void summarise(const Surface& surface, Counters& counters, double diffuse_max, F
 
 // One pass over the photographs; the next band is decoded while this one is fitted.
 void fit_bands(const Stack& stack, const Transfer& transfer, const Lighting& lighting,
-               const NoiseModel& noise, const FitOptions& options, const FirstPass* first, FitResult& result,
+               const NoiseModel& noise, const FitOptions& options, FirstPass* first, FitResult& result,
                const Progress& progress) {
     Counters counters;
     counters.rms_residuals.assign((result.surface.height_mm.size() - 1) / rms_step(result.surface) + 1, -1);
@@ -160,6 +145,7 @@ void fit_bands(const Stack& stack, const Transfer& transfer, const Lighting& lig
         const int y1 = std::min(y0 + rows, stack.height()), y2 = std::min(y1 + rows, stack.height());
         auto decoded = std::async(std::launch::async,
                                   [&, y1, y2] { return y1 < y2 ? reader.read(y1, y2, transfer) : Band(); });
+        if (first) first->priors.advance(y0, y1);
         fit_band(stack, band, lighting, noise, options, first, result, counters, progress);
         next = decoded.get();
     }
@@ -312,8 +298,10 @@ FitResult fit_painting(Stack stack, const FitOptions& options, const Progress& p
                               return !progress || progress("first height", done);
                           }));
         subtract(best_plane(surface.height_mm, surface.confidence), surface.height_mm);
-        const FirstPass first = look_back(surface, result.errors, options.ward.prior);
-        fit_bands(stack, transfer, lighting, noise, options, &first, result, progress);
+        FirstPass first(surface, result.errors, options.ward.prior);
+        FitOptions second = options;
+        second.ward.robust_scale = robust_scale_after(report_.median_rms_residual, options.ward.robust_scale);
+        fit_bands(stack, transfer, lighting, noise, second, &first, result, progress);
     }
     report_.colour = correct_colours(stack, surface);
     report_.colour.white_by_chart = white.has_value();

@@ -250,7 +250,8 @@ HeightReport integrate_normals(const Image<Vec3>& normal, const Image<float>& co
     TP_REQUIRE(normal.region() == confidence.region(), "normals and confidence have one size");
     TP_REQUIRE(normal.size() > 0 && mm_per_pixel > 0, "there are pixels, of a positive size");
     validate(options);
-    height_mm = Image<float>(normal.width(), normal.height());
+    if (height_mm.region() != normal.region()) height_mm = Image<float>(normal.width(), normal.height());
+    std::fill(height_mm.pixels().begin(), height_mm.pixels().end(), 0.0f);
 
     std::vector<Grid> grids;
     grids.emplace_back(normal.width(), normal.height());

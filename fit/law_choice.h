@@ -20,8 +20,9 @@ struct LawChoice {
 };
 
 // `lighting` has one light for each photograph of the sample's stack. Haze and then diffuse roughness are
-// only believed where they predict photographs better by more than its standard error, else they are 0,
-// as they are with fewer than 12 photographs. Deterministic for any number of threads.
+// only believed where they predict photographs better by 0.1 dB more than its standard error (twice that for
+// roughness), the noise to expect of stored values counted as part of every error; else they are 0, as they
+// are with fewer than 12 photographs. Deterministic for any number of threads.
 LawChoice choose_law(const LightSample& sample, const Lighting& lighting, const Progress& progress = {});
 
 // {"diffuse_roughness", "haze", "left_out_db": [{"diffuse_roughness", "haze", "psnr_db"}, …]}

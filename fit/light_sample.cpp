@@ -115,6 +115,10 @@ double LightSample::psnr_db(const std::vector<WardEstimate>& estimates, int phot
     return std::min(-10 * std::log10(squares / static_cast<double>(count)), kBestDb);
 }
 
+double LightSample::noise_db(double white_level) const {
+    return -20 * std::log10(noise_.stored() / transfer_.encode(static_cast<float>(white_level)));
+}
+
 std::vector<float> LightSample::log_ratios(const std::vector<WardEstimate>& estimates, int photo,
                                            const Lighting& lighting, const ReflectanceLaw& law) const {
     constexpr double kDark = 0.02;  // [1] of the white level: noise, and shadows

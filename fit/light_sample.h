@@ -29,6 +29,9 @@ public:
     double psnr_db(const std::vector<WardEstimate>& estimates, int photo, const Lighting& lighting,
                    int from = 0, int step = 1, const ReflectanceLaw& law = {}) const;
 
+    // [dB] That PSNR of a perfect prediction: what the noise to expect of a stored value leaves.
+    double noise_db(double white_level) const;
+
     // [1] ln(measured / predicted) of each pixel's green, or grey, in one photograph, under this light; NaN
     // where the photograph is clipped, dark or not there, or the pixel is not measurable.
     std::vector<float> log_ratios(const std::vector<WardEstimate>& estimates, int photo,

@@ -19,7 +19,8 @@ void illuminate(const Lighting& lighting, const Vec3& point_mm, int channels, Pi
     }
 }
 
-NoiseModel::NoiseModel(const Transfer& transfer, double noise, bool clips, std::optional<float> clipped) {
+NoiseModel::NoiseModel(const Transfer& transfer, double noise, bool clips, std::optional<float> clipped)
+    : stored_(noise) {
     const float step = static_cast<float>(noise);
     for (int i = 0; i < kEntries; ++i) {
         const float encoded = transfer.encode(static_cast<float>(i) / (kEntries - 1));

@@ -37,11 +37,13 @@ public:
     // Negative where the sample is clipped (it only says "at least this"); 0 where it is not a number.
     double sigma(float linear) const;
     float clipped() const { return clipped_; }  // linear value from which on a sample is clipped
+    double stored() const { return stored_; }   // [1] of a stored value, full scale = 1
     // |sigma| of values from 0 to 1, evenly spaced; between them sigma is linear.
     std::span<const float> table() const { return sigma_; }
 
 private:
     static constexpr int kEntries = 4096;
+    double stored_;
     std::array<float, kEntries> sigma_{};
     float clipped_ = std::numeric_limits<float>::infinity();
 };

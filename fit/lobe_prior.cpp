@@ -3,59 +3,143 @@
 #include <algorithm>
 #include <cmath>
 
+#include "surface/error.h"
+#include "surface/parallel.h"
+
 namespace tangi {
 
 namespace {
 
 constexpr int kStep = 2;                  // [pixels] between neighbours that are asked
-constexpr double kColour = 0.15;          // [1] difference, relative to the brightness, of another material
-constexpr double kColourFloor = 0.02;     // [1] ... and what noise makes of dark colours
-constexpr double kLnAlphaSpread = 0.15;   // [1] within one material, at least
-constexpr double kSpecularSpread = 0.01;  // [1] likewise
-constexpr double kSpecularPart = 0.1;     // [1] of rho_s, likewise
+constexpr float kColour = 0.15f;          // [1] difference, relative to the brightness, of another material
+constexpr float kColourFloor = 0.02f;     // [1] ... and what noise makes of dark colours
+constexpr float kLnAlphaSpread = 0.15f;   // [1] within one material, at least
+constexpr float kSpecularSpread = 0.01f;  // [1] likewise
+constexpr float kSpecularPart = 0.1f;     // [1] of rho_s, likewise
 
-// Weighted mean and variance of what neighbours have, started from one pseudo-neighbour.
-struct Moments {
-    double weight, sum, squares;
-    Moments(double value, double sigma, double by)
-        : weight(by / (sigma * sigma)), sum(weight * value), squares(weight * value * value) {}
-    void add(double value, double w) {
-        weight += w;
-        sum += w * value;
-        squares += w * value * value;
+float square(float v) { return v * v; }
+
+// What pixels of a row say, with columns beyond both ends that say nothing: the loops over neighbours have no
+// special cases and can be vectorised.
+struct Row {
+    std::vector<float> red, green, blue, ln_alpha, ln_alpha_weight, specular, specular_weight;
+
+    Row() = default;
+    Row(const Surface& s, const FitErrors& errors, int y) {
+        const auto size = static_cast<std::size_t>(s.width() + 2 * kLobeReach);
+        for (std::vector<float>* values :
+             {&red, &green, &blue, &ln_alpha, &ln_alpha_weight, &specular, &specular_weight})
+            values->assign(size, 0.0f);
+        for (int x = 0; x < s.width(); ++x) {
+            const auto at = static_cast<std::size_t>(x + kLobeReach);
+            const Rgb& colour = s.diffuse(x, y);
+            red[at] = colour.r;
+            green[at] = colour.g;
+            blue[at] = colour.b;
+            if (!(s.confidence(x, y) > 0)) continue;
+            const float alpha = s.roughness(x, y), rho = s.specular(x, y);
+            ln_alpha[at] = std::log(alpha);
+            ln_alpha_weight[at] = 1 / (square(errors.roughness(x, y) / alpha) + square(kLnAlphaSpread));
+            specular[at] = rho;
+            specular_weight[at] =
+                1 / (square(errors.specular(x, y)) + square(kSpecularSpread) + square(kSpecularPart * rho));
+        }
     }
-    double mean() const { return sum / weight; }
-    double variance() const { return std::max(squares / weight - mean() * mean(), 0.0); }
 };
+
+// Weighted sums of what neighbours have, for each pixel of a row.
+struct Moments {
+    std::vector<float> weight, sum, squares;
+    // Starts with one pseudo-neighbour.
+    Moments(std::size_t size, double value, double sigma)
+        : weight(size, static_cast<float>(1 / (sigma * sigma))),
+          sum(size, static_cast<float>(value / (sigma * sigma))),
+          squares(size, static_cast<float>(value * value / (sigma * sigma))) {}
+    float mean(std::size_t i) const { return sum[i] / weight[i]; }
+    float variance(std::size_t i) const { return std::max(squares[i] / weight[i] - square(mean(i)), 0.0f); }
+};
+
+// 1 / distance^2 at which another colour is another material, of each pixel of a row.
+std::vector<float> inverse_scales2(const Row& row, std::size_t width) {
+    std::vector<float> result(width);
+    for (std::size_t x = 0; x < width; ++x) {
+        const std::size_t at = x + kLobeReach;
+        const float brightness = (row.red[at] + row.green[at] + row.blue[at]) / 3;
+        result[x] = 1 / (3 * square(2 * (kColour * brightness + kColourFloor)));
+    }
+    return result;
+}
+
+// Adds what `row` has `shift` columns to the right of each pixel of `own`. How alike two colours are falls
+// from 1 to 0 by Tukey's biweight, which near 1 is a Gaussian.
+void add_neighbours(const Row& own, const Row& row, int shift, const std::vector<float>& inverse_scale2,
+                    Moments& ln_alpha, Moments& specular) {
+    const std::size_t size = inverse_scale2.size();
+    const float *r = own.red.data() + kLobeReach, *g = own.green.data() + kLobeReach,
+                *b = own.blue.data() + kLobeReach;
+    const std::ptrdiff_t at = kLobeReach + shift;
+    const float *nr = row.red.data() + at, *ng = row.green.data() + at, *nb = row.blue.data() + at;
+    const float *a = row.ln_alpha.data() + at, *aw = row.ln_alpha_weight.data() + at;
+    const float *s = row.specular.data() + at, *sw = row.specular_weight.data() + at;
+    for (std::size_t i = 0; i < size; ++i) {
+        const float distance2 = square(nr[i] - r[i]) + square(ng[i] - g[i]) + square(nb[i] - b[i]);
+        const float alike = square(std::max(1 - distance2 * inverse_scale2[i], 0.0f));
+        const float wa = alike * aw[i], ws = alike * sw[i];
+        ln_alpha.weight[i] += wa;
+        ln_alpha.sum[i] += wa * a[i];
+        ln_alpha.squares[i] += wa * a[i] * a[i];
+        specular.weight[i] += ws;
+        specular.sum[i] += ws * s[i];
+        specular.squares[i] += ws * s[i] * s[i];
+    }
+}
 
 }  // namespace
 
-WardPrior lobe_prior_at(const Surface& s, const FitErrors& errors, const WardPrior& general, int x, int y) {
-    const Rgb& colour = s.diffuse(x, y);
-    const double scale = kColour * (colour.r + colour.g + colour.b) / 3 + kColourFloor;
-    Moments ln_alpha(general.ln_alpha, general.ln_alpha_sigma, 1),
-        specular(general.specular, general.specular_sigma, 1);
-    for (int v = y - kLobeReach; v <= y + kLobeReach; v += kStep)
-        for (int u = x - kLobeReach; u <= x + kLobeReach; u += kStep) {
-            if ((u == x && v == y) || u < 0 || v < 0 || u >= s.width() || v >= s.height()) continue;
-            if (!(s.confidence(u, v) > 0)) continue;
-            const Rgb d = s.diffuse(u, v) - colour;
-            const double alike = std::exp(-glm::dot(d, d) / 3 / (2 * scale * scale));
-            if (alike < 1e-3) continue;
-            const double alpha = s.roughness(u, v), rho = s.specular(u, v);
-            const double alpha_error = errors.roughness(u, v) / alpha, rho_error = errors.specular(u, v);
-            ln_alpha.add(std::log(alpha),
-                         alike / (alpha_error * alpha_error + kLnAlphaSpread * kLnAlphaSpread));
-            specular.add(rho, alike / (rho_error * rho_error + kSpecularSpread * kSpecularSpread +
-                                       kSpecularPart * kSpecularPart * rho * rho));
+void LobePriors::advance(int y0, int y1) {
+    TP_REQUIRE(y0 >= first_ && y0 <= end_ && y0 <= y1 && y1 <= surface_.height(), "rows in their order");
+    const auto width = static_cast<std::size_t>(surface_.width());
+    const auto offset_of = [&](int y) { return static_cast<std::size_t>(y - first_) * width; };
+    priors_.erase(priors_.begin(), priors_.begin() + static_cast<std::ptrdiff_t>(offset_of(y0)));
+    first_ = y0;
+    // Rows whose neighbours are about to be overwritten have to be found before.
+    const int begin = end_;
+    end_ = std::max(end_, std::min(y1 + kLobeReach, surface_.height()));
+    priors_.resize(offset_of(end_));
+    const int top = std::max(begin - kLobeReach, 0), bottom = std::min(end_ + kLobeReach, surface_.height());
+    std::vector<Row> rows(static_cast<std::size_t>(bottom - top));
+    parallel_for(top, bottom, 16, [&](int from, int to) {
+        for (int y = from; y < to; ++y) rows[static_cast<std::size_t>(y - top)] = Row(surface_, errors_, y);
+    });
+    parallel_for(begin, end_, 4, [&](int from, int to) {
+        for (int y = from; y < to; ++y) {
+            const Row& own = rows[static_cast<std::size_t>(y - top)];
+            const std::vector<float> inverse_scale2 = inverse_scales2(own, width);
+            Moments ln_alpha(width, general_.ln_alpha, general_.ln_alpha_sigma),
+                specular(width, general_.specular, general_.specular_sigma);
+            for (int v = y - kLobeReach; v <= y + kLobeReach; v += kStep) {
+                if (v < 0 || v >= surface_.height()) continue;
+                for (int shift = -kLobeReach; shift <= kLobeReach; shift += kStep)
+                    if (v != y || shift != 0)
+                        add_neighbours(own, rows[static_cast<std::size_t>(v - top)], shift, inverse_scale2,
+                                       ln_alpha, specular);
+            }
+            Prior* prior = &priors_[offset_of(y)];
+            for (std::size_t x = 0; x < width; ++x)
+                prior[x] = {ln_alpha.mean(x), std::sqrt(ln_alpha.variance(x) + square(kLnAlphaSpread)),
+                            specular.mean(x),
+                            std::sqrt(specular.variance(x) + square(kSpecularSpread) +
+                                      square(kSpecularPart * specular.mean(x)))};
         }
-    WardPrior prior;
-    prior.ln_alpha = ln_alpha.mean();
-    prior.ln_alpha_sigma = std::hypot(std::sqrt(ln_alpha.variance()), kLnAlphaSpread);
-    prior.specular = specular.mean();
-    prior.specular_sigma =
-        std::hypot(std::sqrt(specular.variance()), kSpecularSpread, kSpecularPart * prior.specular);
-    return prior;
+    });
+}
+
+WardPrior LobePriors::at(int x, int y) const {
+    TP_REQUIRE(y >= first_ && y < end_, "a row that is known");
+    const Prior& p =
+        priors_[static_cast<std::size_t>(y - first_) * static_cast<std::size_t>(surface_.width()) +
+                static_cast<std::size_t>(x)];
+    return {p.ln_alpha, p.ln_alpha_sigma, p.specular, p.specular_sigma};
 }
 
 }  // namespace tangi

@@ -6,6 +6,8 @@
 // materials are those of the neighbourhood, found by colour.
 #pragma once
 
+#include <vector>
+
 #include "fit/fit_errors.h"
 #include "fit/ward_residual.h"
 #include "surface/surface.h"
@@ -14,10 +16,33 @@ namespace tangi {
 
 constexpr int kLobeReach = 6;  // [pixels] how far neighbours are asked
 
-// The prior of a pixel's ln alpha and rho_s: mean and spread of what the neighbours within kLobeReach pixels
-// have, weighted by how certain they are and how alike in colour; drawn to `general`, which is all there is
-// where no neighbour is alike. The pixel itself has no say in it.
-WardPrior lobe_prior_at(const Surface& surface, const FitErrors& errors, const WardPrior& general, int x,
-                        int y);
+// The prior of each pixel's ln alpha and rho_s: mean and spread of what the neighbours within kLobeReach
+// pixels have, weighted by how certain they are and how alike in colour; drawn to `general`, which is all
+// there is where no neighbour is alike. The pixel itself has no say in it.
+//
+// Rows are gone through from top to bottom and may be overwritten once they have been used: what is kept is
+// memory for a few rows. References to surface and errors are kept.
+class LobePriors {
+public:
+    LobePriors(const Surface& surface, const FitErrors& errors, const WardPrior& general)
+        : surface_(surface), errors_(errors), general_(general) {}
+
+    // From now on at() knows rows y0 <= y < y1, and of the surface rows y < y1 may be overwritten. y0 must be
+    // what y1 was before, 0 at first.
+    void advance(int y0, int y1);
+
+    WardPrior at(int x, int y) const;
+
+private:
+    struct Prior {
+        float ln_alpha, ln_alpha_sigma, specular, specular_sigma;
+    };
+
+    const Surface& surface_;
+    const FitErrors& errors_;
+    WardPrior general_;
+    int first_ = 0, end_ = 0;    // rows that are known
+    std::vector<Prior> priors_;  // of rows first_ <= y < end_
+};
 
 }  // namespace tangi

@@ -50,9 +50,27 @@ WardEstimate RowFitter::by_ceres(const Band& band, int x, int y, const Surface& 
             samples_.value[at] = value;
             samples_.sigma[at] = noise_.sigma(value);
         }
-    for (std::size_t i = 0; known.visible && i < samples_.light.size(); ++i)
-        samples_.visible[i] = known.visible(x, y, Vec3(samples_.light[i]));
+    for (std::size_t i = 0; known.shadows && i < samples_.light.size(); ++i)
+        samples_.visible[i] = known.shadows->visible_part(x, y, Vec3(samples_.light[i]));
     return ceres_.fit(samples_, known.prior ? known.prior(x, y) : prior_);
+}
+
+// What the relief leaves of the lamps on the lanes of the batch. Most lamps are above any horizon, which is
+// cheap to see.
+void RowFitter::shade(const CastShadows& shadows, int x0, int y, int count) {
+    WardLane steepest;
+    for (int lane = 0; lane < count; ++lane) steepest[lane] = shadows.steepest_horizon(x0 + lane, y);
+    for (std::size_t i = 0; i < batch_.light.size(); ++i) {
+        const auto& [lx, ly, lz] = batch_.light[i];
+        WardLane clear;
+        for (int lane = 0; lane < kWardLanes; ++lane) {
+            const float across = std::sqrt(lx[lane] * lx[lane] + ly[lane] * ly[lane]);
+            clear[lane] = shadows.clears(steepest[lane], across, lz[lane]);
+        }
+        for (int lane = 0; lane < count; ++lane)
+            if (clear[lane] == 0)
+                batch_.visible[i][lane] = shadows.visible_part(x0 + lane, y, {lx[lane], ly[lane], lz[lane]});
+    }
 }
 
 void RowFitter::start_row(const Band& band, int y, int first_name, const Image<unsigned char>& mask,
@@ -70,11 +88,8 @@ void RowFitter::start_row(const Band& band, int y, int first_name, const Image<u
                 continue;
             }
             if (known.prior) batch_.set_prior(lane, known.prior(x0 + lane, y));
-            for (std::size_t i = 0; known.visible && i < batch_.light.size(); ++i) {
-                const auto& l = batch_.light[i];
-                batch_.visible[i][lane] = known.visible(x0 + lane, y, {l[0][lane], l[1][lane], l[2][lane]});
-            }
         }
+        if (known.shadows) shade(*known.shadows, x0, y, count);
         batches_.fit(batch_);
     }
 }

@@ -9,6 +9,7 @@
 #include "fit/lighting.h"
 #include "fit/ward_batch.h"
 #include "fit/ward_fit.h"
+#include "surface/cast_shadows.h"
 
 namespace tangi {
 
@@ -32,10 +33,10 @@ struct SolverAgreement {
 // Whether a pixel is of the sample that Ceres fits as well: about 512 of a picture, at most every 16th.
 bool is_compared(int x, int y, int width, int height);
 
-// What is known of a pixel beside its samples; empty functions where nothing is.
+// What is known of a pixel beside its samples; empty where nothing is.
 struct PixelKnowledge {
     std::function<WardPrior(int x, int y)> prior;
-    std::function<float(int x, int y, const Vec3& light)> visible;  // part of a lamp that reaches the pixel
+    const CastShadows* shadows = nullptr;  // of the relief
 };
 
 // Keeps its memory; one a thread. Keeps references to lighting and noise.
@@ -56,6 +57,7 @@ private:
                           const PixelKnowledge& known);
     void start_row(const Band& band, int y, int first_name, const Image<unsigned char>& mask,
                    const Surface& surface, const PixelKnowledge& known);
+    void shade(const CastShadows& shadows, int x0, int y, int count);
 
     Solver solver_;
     const Lighting& lighting_;

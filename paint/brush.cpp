@@ -281,6 +281,20 @@ void Brush::take_over(const Brush& other) {
     load(recipe, scale);
 }
 
+void Brush::renumber(const std::vector<IngredientId>& number) {
+    std::vector<std::pair<IngredientId, std::vector<float>>> planes;
+    for (std::size_t i = 0; i < ids_.size(); ++i) {
+        TP_REQUIRE(ids_[i] < number.size(), "each paint of the brush has a number");
+        planes.emplace_back(number[ids_[i]], std::move(loads_[i]));
+    }
+    std::sort(planes.begin(), planes.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+    for (std::size_t i = 0; i < planes.size(); ++i) {
+        TP_REQUIRE(i == 0 || planes[i - 1].first != planes[i].first, "paints that differ have two numbers");
+        ids_[i] = planes[i].first;
+        loads_[i] = std::move(planes[i].second);
+    }
+}
+
 std::vector<double> Brush::volumes_mm3(std::size_t ingredients) const {
     std::vector<double> sums(ingredients, 0.0);
     for (std::size_t i = 0; i < ids_.size(); ++i) {

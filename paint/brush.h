@@ -37,6 +37,9 @@ public:
     void clean();
     // Takes over what is on another brush, evenly: for a brush that was not cleaned between strokes.
     void take_over(const Brush& other);
+    // For a brush that goes to another canvas, where its paints have other numbers: number[i] is the one
+    // there of the paint that is i here.
+    void renumber(const std::vector<IngredientId>& number);
 
     // Volume [mm^3] on the bristles, for each of `ingredients`.
     std::vector<double> volumes_mm3(std::size_t ingredients) const;

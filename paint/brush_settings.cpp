@@ -35,6 +35,7 @@ std::map<std::string, BrushSettings> make_presets() {
     fan.size_mm = 22;
     fan.thickness = 0.16;
     fan.load_mm = 1.0;
+    fan.hold_mm = 3;
     fan.load_variation = 0.8;
     fan.groove_mm = 0.4;
     fan.bristle_mm = 0.9;
@@ -46,6 +47,7 @@ std::map<std::string, BrushSettings> make_presets() {
     knife.size_mm = 18;
     knife.thickness = 0.25;
     knife.load_mm = 4;
+    knife.hold_mm = 12;
     knife.load_variation = 0.1;
     knife.deposit = 0.5;
     knife.pickup = 0.25;
@@ -90,6 +92,7 @@ std::map<std::string, BrushSettings> make_presets() {
 
     BrushSettings scrape = knife;
     scrape.load_mm = 0;
+    scrape.hold_mm = 100;
     scrape.deposit = 0.02;
     scrape.pickup = 3;
     scrape.gap_mm = 0.004;
@@ -101,6 +104,7 @@ std::map<std::string, BrushSettings> make_presets() {
     BrushSettings eraser = rag;
     eraser.shape = "round";
     eraser.size_mm = 10;
+    eraser.hold_mm = 1000;
     eraser.deposit = 0;
     eraser.pickup = 20;
     eraser.push = 0;

@@ -12,10 +12,11 @@
 namespace tangi {
 
 struct BrushSettings {
-    std::string shape = "round";   // round, flat, filbert, fan, knife, rag
-    double size_mm = 8;            // width of the contact at full pressure
-    double thickness = 1;          // [1] its other extent over the width
-    double load_mm = 2.5;          // paint over the area of the contact, when freshly loaded
+    std::string shape = "round";  // round, flat, filbert, fan, knife, rag
+    double size_mm = 8;           // width of the contact at full pressure
+    double thickness = 1;         // [1] its other extent over the width
+    double load_mm = 2.5;         // paint over the area of the contact, when freshly loaded
+    double hold_mm = 8;           // paint that the bristles hold at most; they are slow to take the last half
     double load_variation = 0.35;  // [1] how much the load differs between bristles
     double deposit = 0.35;         // [1] part of the load given over one length of the contact
     double pickup = 1.0;           // [1] part of the wet paint taken over the same length, as a rate
@@ -42,6 +43,8 @@ struct BrushSettings {
         visit(FieldInfo{"thickness", 0.02, 4, "1", "its other extent over the width"}, self.thickness);
         visit(FieldInfo{"load_mm", 0, 20, "mm", "paint on a freshly loaded brush, over its area"},
               self.load_mm);
+        visit(FieldInfo{"hold_mm", 0.01, 1000, "mm", "paint that the bristles hold at most, over the area"},
+              self.hold_mm);
         visit(FieldInfo{"load_variation", 0, 1, "1", "how much the load differs between bristles"},
               self.load_variation);
         visit(FieldInfo{"deposit", 0, 20, "1", "rate at which load is given, over one length of contact"},
@@ -66,6 +69,7 @@ struct BrushSettings {
         visit(FieldInfo{"yield_slope", 0.01, 20, "1", "slope that wet paint holds"}, self.yield_slope);
         visit(FieldInfo{"follow", 0, 1, "", "turns with the stroke"}, self.follow);
     }
+    friend bool operator==(const BrushSettings&, const BrushSettings&) = default;
 };
 
 // The tools that come with the program, by name: round, flat, filbert, fan, knife, rag, and what is done with

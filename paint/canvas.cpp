@@ -46,6 +46,14 @@ std::vector<TileIndex> Canvas::take_dirty() {
     return tiles;
 }
 
+void Canvas::confine(std::shared_ptr<const Image<float>> mask) {
+    TP_REQUIRE(!mask || mask->region() == region(), "a mask has the size of its canvas");
+    if (mask)
+        for (const float part : mask->pixels())
+            if (!(part >= 0 && part <= 1)) fail("a mask holds {}; coverage is 0 to 1", part);
+    mask_ = std::move(mask);
+}
+
 void Canvas::relief_mm(const Region& region, float* out, std::size_t stride) const {
     TP_REQUIRE(intersection(region, this->region()) == region, "the region lies on the canvas");
     const auto unit_mm = static_cast<float>(height_unit_mm());
@@ -100,36 +108,41 @@ Recipe recipe_at(const Canvas& canvas, double x, double y, double radius_px) {
     return recipe;
 }
 
-void dry(Canvas& canvas, const std::string& name, const Region& wanted, double part) {
-    if (!(part > 0 && part <= 1)) fail("drying: part = {} is outside (0, 1]", part);
-    const Region region = intersection(wanted, canvas.region());
-    if (region.empty()) return;
+void dry(Canvas& canvas, const std::string& name, const CanvasPart& where, double share) {
+    if (!(share > 0 && share <= 1)) fail("drying: part = {} is outside (0, 1]", share);
+    const auto rows = rows_of(where, canvas.width(), canvas.height(), canvas.mm_per_pixel());
+    PaintLayer &wet = canvas.writable_wet(), *dried = nullptr;
     auto& layers = canvas.writable_dried();
-    if (layers.empty() || layers.back().name != name)
-        layers.push_back({name, PaintLayer(canvas.width(), canvas.height())});
-    PaintLayer &dried = layers.back().paint, &wet = canvas.writable_wet();
-    const auto fraction = static_cast<float>(part);
-    for (int ty = region.y0 / kSize; ty * kSize < region.y1; ++ty)
-        for (int tx = region.x0 / kSize; tx * kSize < region.x1; ++tx) {
-            const TileIndex at{tx, ty};
-            if (!wet.tile(at)) continue;
-            const Region inside = intersection(region, wet.region_of(at));
-            PaintTile &from = wet.writable(at), &to = dried.writable(at);
-            for (const IngredientId id : from.ingredients) {
-                const std::span<float> source = from.writable_plane(id), target = to.writable_plane(id);
-                for (int y = inside.y0; y < inside.y1; ++y)
-                    for (int x = inside.x0; x < inside.x1; ++x) {
-                        const auto i = static_cast<std::size_t>((y - ty * kSize) * kSize + x - tx * kSize);
-                        const float moved = fraction == 1 ? source[i] : source[i] * fraction;
-                        target[i] += moved;
-                        source[i] -= moved;
-                    }
+    const auto fraction = static_cast<float>(share);
+    for (const TileIndex at : canvas.wet().painted()) {
+        const Region tile = wet.region_of(at);
+        std::vector<std::pair<std::size_t, std::size_t>> runs;  // pixels of the tile
+        for (int y = tile.y0; y < tile.y1; ++y)
+            for (const RowSpan& span : rows[static_cast<std::size_t>(y)]) {
+                const int x0 = std::max(span.begin, tile.x0), x1 = std::min(span.end, tile.x1);
+                const auto first = static_cast<std::size_t>((y - tile.y0) * kSize + x0 - tile.x0);
+                if (x1 > x0) runs.emplace_back(first, first + static_cast<std::size_t>(x1 - x0));
             }
-            if (std::all_of(from.thickness_mm.begin(), from.thickness_mm.end(),
-                            [](float v) { return v == 0; }))
-                wet.set_tile(at, nullptr);
-            canvas.mark_dirty(at);
+        if (runs.empty()) continue;
+        if (!dried) {
+            if (layers.empty() || layers.back().name != name)
+                layers.push_back({name, PaintLayer(canvas.width(), canvas.height())});
+            dried = &layers.back().paint;
         }
+        PaintTile &from = wet.writable(at), &to = dried->writable(at);
+        for (const IngredientId id : from.ingredients) {
+            const std::span<float> source = from.writable_plane(id), target = to.writable_plane(id);
+            for (const auto& [begin, end] : runs)
+                for (std::size_t i = begin; i < end; ++i) {
+                    const float moved = fraction == 1 ? source[i] : source[i] * fraction;
+                    target[i] += moved;
+                    source[i] -= moved;
+                }
+        }
+        if (std::all_of(from.thickness_mm.begin(), from.thickness_mm.end(), [](float v) { return v == 0; }))
+            wet.set_tile(at, nullptr);
+        canvas.mark_dirty(at);
+    }
 }
 
 void lift_off(Canvas& canvas, const std::string& name) {

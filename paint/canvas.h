@@ -10,11 +10,15 @@
 #include <string>
 #include <vector>
 
+#include "paint/canvas_part.h"
 #include "paint/paint_layer.h"
 #include "paint/pigment.h"
 #include "surface/surface.h"
 
 namespace tangi {
+
+// Which canvas of a sitting something happens on.
+enum class Place { painting, palette };
 
 // A part of a recipe; the parts of a recipe count by their ratio.
 struct Portion {
@@ -25,6 +29,9 @@ struct Portion {
 struct DriedLayer {
     std::string name;
     PaintLayer paint;
+    // A body with a surface of its own, as a fill: what the dry normals show beyond the dry height does not
+    // come through where it is thick.
+    bool levels = false;
 };
 
 class Canvas {
@@ -59,6 +66,12 @@ public:
     // Tiles that changed since the last call.
     std::vector<TileIndex> take_dirty();
 
+    // Confines brushes: where `mask` (one number a pixel, the canvas's size) is 0 they neither give nor take
+    // nor push paint, where it is below 1 the less of it. Empty: brushes work everywhere, as at first. Goes
+    // with the sitting, not with the file. Throws ContractError for another size, Error outside [0, 1].
+    void confine(std::shared_ptr<const Image<float>> mask);
+    const std::shared_ptr<const Image<float>>& mask() const { return mask_; }
+
     // Adds to `out`, row by row, the height [mm] of what is dry in `region`, which lies on the canvas.
     void relief_mm(const Region& region, float* out, std::size_t stride) const;
 
@@ -75,6 +88,7 @@ private:
     PaintLayer wet_;
     std::vector<DriedLayer> dried_;
     std::set<TileIndex> dirty_;
+    std::shared_ptr<const Image<float>> mask_;
 };
 
 // What a spot is made of: the ingredients of the wet paint within a circle.
@@ -84,9 +98,10 @@ struct Recipe {
 };
 Recipe recipe_at(const Canvas& canvas, double x, double y, double radius_px);
 
-// Turns a part of the wet paint (0..1], everywhere in `region`, into dry paint: a layer of its own with this
-// name, on top of those there are, or the topmost where that has the name already. Volume is conserved.
-void dry(Canvas& canvas, const std::string& name, const Region& region, double part = 1);
+// Turns a share of the wet paint (0..1] within `where` into dry paint: a layer of its own with this name, on
+// top of those there are, or the topmost where that has the name already. Volume is conserved. Where there is
+// no wet paint, nothing changes.
+void dry(Canvas& canvas, const std::string& name, const CanvasPart& where = {}, double share = 1);
 
 // Takes a dried layer off again. Throws Error where there is none of this name.
 void lift_off(Canvas& canvas, const std::string& name);

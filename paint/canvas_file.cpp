@@ -172,6 +172,7 @@ void write_canvas(AtomicFile& file, const Canvas& canvas, const Progress& progre
         for (std::size_t i = 0; i < canvas.dried().size(); ++i) {
             parts.push_back(part_of(kDried + std::to_string(i), canvas.dried()[i].paint));
             parts.back().info.attributes["layer"] = canvas.dried()[i].name;
+            if (canvas.dried()[i].levels) parts.back().info.attributes["levels"] = "yes";
         }
     }
     parts.insert(parts.end(), further.begin(), further.end());
@@ -181,6 +182,31 @@ void write_canvas(AtomicFile& file, const Canvas& canvas, const Progress& progre
 void write_canvas(const fs::path& path, const Canvas& canvas, const Progress& progress) {
     AtomicFile file(path);
     write_canvas(file, canvas, progress);
+}
+
+std::vector<PartToWrite> parts_beside_paint(const fs::path& path, const Progress& progress) {
+    std::vector<PartToWrite> kept;
+    for (const PartInfo& info : painting_parts(path)) {
+        if (info.name == kWet || info.name.starts_with(kDried)) continue;
+        auto planes = std::make_shared<std::vector<Image<float>>>(info.channels.size(),
+                                                                  Image<float>(info.width, info.height));
+        read_painting_part(
+            path, info,
+            [&](int y0, int y1, std::span<const float* const> rows) {
+                for (std::size_t c = 0; c < rows.size(); ++c)
+                    std::copy_n(rows[c], static_cast<std::ptrdiff_t>(y1 - y0) * info.width,
+                                (*planes)[c].row(y0).data());
+            },
+            progress);
+        kept.push_back({info, [planes](int y0, int y1, std::span<float* const> rows) {
+                            for (std::size_t c = 0; c < rows.size(); ++c) {
+                                const Image<float>& plane = (*planes)[c];
+                                std::copy_n(plane.row(y0).data(),
+                                            static_cast<std::ptrdiff_t>(y1 - y0) * plane.width(), rows[c]);
+                            }
+                        }});
+    }
+    return kept;
 }
 
 Canvas read_canvas(const fs::path& path, const Progress& progress, std::optional<double> mm_per_pixel) {
@@ -210,7 +236,8 @@ Canvas read_canvas(const fs::path& path, const Progress& progress, std::optional
     for (int i = 0; const PartInfo* part = find(parts, kDried + std::to_string(i)); ++i) {
         const auto layer = part->attributes.find("layer");
         canvas.writable_dried().push_back({layer == part->attributes.end() ? part->name : layer->second,
-                                           read_layer(path, *part, canvas, progress)});
+                                           read_layer(path, *part, canvas, progress),
+                                           part->attributes.contains("levels")});
     }
     return canvas;
 }

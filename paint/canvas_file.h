@@ -3,12 +3,13 @@
 //
 // Paint parts have a channel `volume.NNNNN` [mm^3/mm^2 = mm] for each ingredient that occurs in them, NNNNN
 // its number in the attribute `ingredients` of part `wet`: a JSON list of name, k, s (12 bands, 1/mm),
-// specular, roughness. Dried parts have their layer's name in the attribute `layer`; they lie on each other
-// in the order of their numbers.
+// specular, roughness. Dried parts have their layer's name in the attribute `layer`, and `levels` where it
+// does (canvas.h); they lie on each other in the order of their numbers.
 #pragma once
 
 #include <filesystem>
 #include <optional>
+#include <vector>
 
 #include "paint/canvas.h"
 #include "surface/atomic_file.h"
@@ -22,6 +23,11 @@ namespace tangi {
 void write_canvas(AtomicFile& file, const Canvas& canvas, const Progress& progress = {},
                   std::span<const PartToWrite> further = {});
 void write_canvas(const std::filesystem::path& path, const Canvas& canvas, const Progress& progress = {});
+
+// What a painting file holds beside dry surface and paint (parts of other modules: standard errors, the
+// residual of faithful mode), read into memory, to be written again with the canvas. Throws Error as
+// read_painting_part().
+std::vector<PartToWrite> parts_beside_paint(const std::filesystem::path& path, const Progress& progress = {});
 
 // The canvas with all its paint, bit for bit (`mm_per_pixel`: the scale where the painting's is unknown,
 // canvas.h; kept in the attribute `paint_mm_per_pixel`); one that was never painted on has none. Throws Error

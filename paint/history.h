@@ -4,46 +4,87 @@
 #include <cstddef>
 #include <deque>
 #include <optional>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "paint/canvas.h"
+#include "paint/tile_store.h"
 
 namespace tangi {
 
 class History {
 public:
-    // Beyond `budget_bytes` of tiles, the oldest actions can no longer be undone.
+    // Beyond `budget_bytes` of memory, the tiles of the oldest actions go to a temporary file. Only where the
+    // disk has no room for that can they no longer be undone: take_warning() says so.
     explicit History(std::size_t budget_bytes = std::size_t(1) << 30) : budget_bytes_(budget_bytes) {}
+    History(const History&) = delete;
+    History& operator=(const History&) = delete;
 
-    // Between these two, everything that changes on the canvas is one action. What was undone before cannot
-    // be redone after it.
-    void begin(const Canvas& canvas);
+    // Between these two, everything that changes on the canvas is one action, and it changes at no other
+    // time. What was undone before cannot be redone after it.
+    void begin(const Canvas& canvas, Place place = Place::painting);
     void end(const Canvas& canvas);
+    // Instead of end(): brings the canvas back to what it was, and nothing was done.
+    void abandon(Canvas& canvas);
 
     bool can_undo() const { return done_ > 0; }
     bool can_redo() const { return done_ < actions_.size(); }
+    // Which canvas undo() and redo() are to be given. There must be something to undo or redo.
+    Place place_to_undo() const;
+    Place place_to_redo() const;
     // False where there is nothing to undo or redo. Tiles come back bit for bit and are marked as dirty.
+    // Throws Error, and changes nothing, where they are on disk and it fails.
     bool undo(Canvas& canvas);
     bool redo(Canvas& canvas);
 
-    std::size_t bytes() const;
+    // What was done so far can no longer be undone.
+    void forget();
+
+    std::size_t bytes() const;  // of memory
+    std::uint64_t bytes_on_disk() const { return store_.bytes(); }
+    // What the user should know, once; empty where nothing.
+    std::string take_warning() { return std::exchange(warning_, {}); }
 
 private:
+    // A tile in memory or on disk; neither where there is none.
+    struct Kept {
+        PaintLayer::TilePtr tile;
+        std::shared_ptr<const StoredTile> stored;
+    };
     struct Change {
         TileIndex at;
-        PaintLayer::TilePtr before, after;
+        Kept before, after;
+    };
+    // A layer of dried paint that came, went or changed: the one with this number.
+    struct LayerChange {
+        std::size_t number = 0;
+        std::string name;
+        bool was = false, is = false;
+        std::vector<Change> tiles;
     };
     struct Action {
+        Place place = Place::painting;
         std::vector<Change> wet;
-        // Layers of dried paint; they share their tiles, so two copies take little.
-        std::optional<std::vector<DriedLayer>> dried_before, dried_after;
-        std::size_t bytes = 0;  // of the tiles that only this action holds on to
+        std::vector<LayerChange> dried;
+        std::size_t bytes = 0;  // of memory that goes with it
     };
-    static void restore_dried(Canvas& canvas, const std::vector<DriedLayer>& layers);
+    using Tiles = std::vector<std::pair<TileIndex, PaintLayer::TilePtr>>;
+
+    static std::vector<Change> changes(const PaintLayer& before, const PaintLayer& after);
+    static std::vector<LayerChange> changes(const std::vector<DriedLayer>& before,
+                                            const std::vector<DriedLayer>& after);
+    void restore(Canvas& canvas, const Action& action, bool forwards);
+    void store(Action& action);
+    void keep_to_budget();
 
     std::size_t budget_bytes_;
+    TileStore store_;
+    std::string warning_;
+    bool warned_ = false;
+    Place place_ = Place::painting;  // of the action under way
     std::optional<PaintLayer> wet_before_;
-    std::optional<std::vector<DriedLayer>> dried_before_;
+    std::vector<DriedLayer> dried_before_;
     std::deque<Action> actions_;
     std::size_t done_ = 0;  // actions_[0 .. done_) are on the canvas
 };

@@ -70,19 +70,115 @@ BrushStart start_of(const json* value, const std::string& where) {
     fail("{}: 'start' is {}, not clean, dirty or same", where, value->dump());
 }
 
+PaintParts paint_from(Fields& fields, const std::string& where) {
+    PaintParts parts;
+    const json* paint = fields.find("paint");
+    if (!paint) return parts;
+    if (!paint->is_object())
+        fail("{}: 'paint' is {}, not an object of names and parts", where, paint->dump());
+    for (const auto& [name, part] : paint->items()) {
+        if (!part.is_number() || !(part.get<double>() > 0) || !(part.get<double>() <= 1e6))
+            fail("{}: 'paint' has {} parts of {}; a part is a number above 0", where, part.dump(), name);
+        parts.emplace_back(name, part.get<double>());
+    }
+    return parts;
+}
+
+PaintFinish finish_from(Fields& fields) {
+    PaintFinish finish;
+    PaintFinish::fields(finish, [&](const FieldInfo& info, auto& value) {
+        const std::string name(info.name);
+        if (fields.find(name.c_str())) value = fields.number_within(name.c_str(), info.minimum, info.maximum);
+    });
+    return finish;
+}
+
+Place place_from(Fields& fields, const std::string& where, Place otherwise) {
+    const json* value = fields.find("on");
+    if (!value) return otherwise;
+    if (*value == "painting") return Place::painting;
+    if (*value == "palette") return Place::palette;
+    fail("{}: 'on' is {}, not painting or palette", where, value->dump());
+}
+
+constexpr double kFarthest_mm = 1e6;  // any canvas is smaller
+
+PointMm corner_from(const json& value, const std::string& where) {
+    const bool pair = value.is_array() && value.size() == 2 && value[0].is_number() && value[1].is_number();
+    if (!pair) fail("{}: 'polygon' has a corner {}, not [x, y] in mm", where, value.dump());
+    const PointMm corner{value[0].get<double>(), value[1].get<double>()};
+    if (!(std::abs(corner.x) <= kFarthest_mm && std::abs(corner.y) <= kFarthest_mm))
+        fail("{}: 'polygon' has a corner {} beyond {} mm", where, value.dump(), kFarthest_mm);
+    return corner;
+}
+
+CanvasPart part_from(Fields& fields, const std::string& where) {
+    const json *circle = fields.find("circle"), *polygon = fields.find("polygon");
+    if (circle && polygon) fail("{}: has both 'circle' and 'polygon'; give one", where);
+    if (circle) {
+        if (!circle->is_object()) fail("{}: 'circle' is {}, not an object", where, circle->dump());
+        const std::string inside = where + ": 'circle'";
+        Fields of(*circle, inside);
+        CirclePart result;
+        result.centre = {of.number_within("x", -kFarthest_mm, kFarthest_mm),
+                         of.number_within("y", -kFarthest_mm, kFarthest_mm)};
+        result.radius_mm = of.number_within("radius_mm", 1e-3, kFarthest_mm);
+        of.end();
+        return result;
+    }
+    if (!polygon) return WholeCanvas{};
+    if (!polygon->is_array() || polygon->size() < 3 || polygon->size() > 10000)
+        fail("{}: 'polygon' must be a list of 3 to 10000 corners [x, y]", where);
+    PolygonPart result;
+    for (const json& corner : *polygon) result.corners.push_back(corner_from(corner, where));
+    return result;
+}
+
+Event dry_from(Fields& fields, const std::string& where) {
+    DryEvent event;
+    event.layer = fields.text("layer");
+    event.part = fields.number_within("part", 1e-6, 1, 1);
+    event.where = part_from(fields, where);
+    return event;
+}
+
+Event pile_from(Fields& fields, const std::string& where) {
+    PileEvent event;
+    event.on = place_from(fields, where, event.on);
+    event.paint = paint_from(fields, where);
+    if (event.paint.empty()) fail("{}: a pile needs 'paint'", where);
+    event.finish = finish_from(fields);
+    event.at = {fields.number_within("x", -kFarthest_mm, kFarthest_mm),
+                fields.number_within("y", -kFarthest_mm, kFarthest_mm)};
+    event.size_mm = fields.number_within("size_mm", 0.1, 1000, event.size_mm);
+    event.height_mm = fields.number_within("height_mm", 1e-3, 50, event.height_mm);
+    return event;
+}
+
+Event palette_from(Fields& fields, const std::string& where) {
+    PaletteEvent event;
+    if (fields.find("width_mm")) event.width_mm = fields.number_within("width_mm", 0.1, 1e5);
+    if (fields.find("height_mm")) event.height_mm = fields.number_within("height_mm", 0.1, 1e5);
+    if (event.width_mm.has_value() != event.height_mm.has_value())
+        fail("{}: 'width_mm' and 'height_mm' belong together", where);
+    if (const json* paints = fields.find("paints")) {
+        event.all_paints = *paints == "all";
+        const bool names = paints->is_array() && std::all_of(paints->begin(), paints->end(),
+                                                             [](auto& name) { return name.is_string(); });
+        if (!event.all_paints && !names)
+            fail("{}: 'paints' is {}, not a list of names or \"all\"", where, paints->dump());
+        if (names) event.paints = paints->get<std::vector<std::string>>();
+    }
+    return event;
+}
+
 Event stroke_from(Fields& fields, const std::string& where,
                   const std::map<std::string, BrushSettings>& presets) {
     StrokeEvent event;
     if (const json* brush = fields.find("brush")) event.brush = brush_from_json(*brush, where, presets);
-    if (const json* paint = fields.find("paint")) {
-        if (!paint->is_object())
-            fail("{}: 'paint' is {}, not an object of names and parts", where, paint->dump());
-        for (const auto& [name, part] : paint->items()) {
-            if (!part.is_number() || !(part.get<double>() > 0) || !(part.get<double>() <= 1e6))
-                fail("{}: 'paint' has {} parts of {}; a part is a number above 0", where, part.dump(), name);
-            event.paint.emplace_back(name, part.get<double>());
-        }
-    }
+    event.on = place_from(fields, where, event.on);
+    event.paint = paint_from(fields, where);
+    event.finish = finish_from(fields);
     event.load = fields.number_within("load", 0, 10, 1);
     event.start = start_of(fields.find("start"), where);
     event.options.stabiliser_mm = fields.number_within("stabiliser_mm", 0, 100, 0);
@@ -92,11 +188,10 @@ Event stroke_from(Fields& fields, const std::string& where,
 }
 
 Event point_from(Fields& fields) {
-    constexpr double most = 1e6;  // [mm] any canvas is smaller
     StrokePoint p;
     p.time_s = fields.number_within("t", 0, 1e9, 0);
-    p.x_mm = fields.number_within("x", -most, most);
-    p.y_mm = fields.number_within("y", -most, most);
+    p.x_mm = fields.number_within("x", -kFarthest_mm, kFarthest_mm);
+    p.y_mm = fields.number_within("y", -kFarthest_mm, kFarthest_mm);
     p.pressure = fields.number_within("p", 0, 1, 0.5);
     p.tilt_x = fields.number_within("tx", -1, 1, 0);
     p.tilt_y = fields.number_within("ty", -1, 1, 0);
@@ -104,19 +199,39 @@ Event point_from(Fields& fields) {
     return PointEvent{p};
 }
 
+json parts_json(const PaintParts& parts) {
+    json paint = json::object();
+    for (const auto& [name, part] : parts) paint[name] = part;
+    return paint;
+}
+
+void put_finish(const PaintFinish& finish, json& into) {
+    if (finish.specular) into["specular"] = *finish.specular;
+    if (finish.roughness) into["roughness"] = *finish.roughness;
+    if (finish.medium != 0) into["medium"] = finish.medium;
+}
+
+void put_part(const CanvasPart& part, json& into) {
+    if (const auto* circle = std::get_if<CirclePart>(&part))
+        into["circle"] = {{"x", circle->centre.x}, {"y", circle->centre.y}, {"radius_mm", circle->radius_mm}};
+    if (const auto* polygon = std::get_if<PolygonPart>(&part))
+        for (const PointMm& corner : polygon->corners) into["polygon"].push_back({corner.x, corner.y});
+}
+
 struct ToJson {
     json operator()(const StrokeEvent& e) const {
-        json paint = json::object();
-        for (const auto& [name, part] : e.paint) paint[name] = part;
         static constexpr const char* starts[] = {"clean", "dirty", "same"};
-        return {{"event", "stroke"},
-                {"brush", brush_to_json(e.brush)},
-                {"paint", paint},
-                {"load", e.load},
-                {"start", starts[static_cast<int>(e.start)]},
-                {"stabiliser_mm", e.options.stabiliser_mm},
-                {"pressure_gamma", e.options.pressure_gamma},
-                {"seed", e.seed}};
+        json result = {{"event", "stroke"},
+                       {"brush", brush_to_json(e.brush)},
+                       {"paint", parts_json(e.paint)},
+                       {"load", e.load},
+                       {"start", starts[static_cast<int>(e.start)]},
+                       {"stabiliser_mm", e.options.stabiliser_mm},
+                       {"pressure_gamma", e.options.pressure_gamma},
+                       {"seed", e.seed}};
+        if (e.on == Place::palette) result["on"] = "palette";
+        put_finish(e.finish, result);
+        return result;
     }
     json operator()(const PointEvent& e) const {
         const StrokePoint& p = e.point;
@@ -130,9 +245,28 @@ struct ToJson {
     json operator()(const UndoEvent&) const { return {{"event", "undo"}}; }
     json operator()(const RedoEvent&) const { return {{"event", "redo"}}; }
     json operator()(const DryEvent& e) const {
-        return {{"event", "dry"}, {"layer", e.layer}, {"part", e.part}};
+        json result = {{"event", "dry"}, {"layer", e.layer}, {"part", e.part}};
+        put_part(e.where, result);
+        return result;
     }
     json operator()(const LiftEvent& e) const { return {{"event", "lift"}, {"layer", e.layer}}; }
+    json operator()(const PileEvent& e) const {
+        json result = {{"event", "pile"}, {"paint", parts_json(e.paint)}, {"x", e.at.x},
+                       {"y", e.at.y},     {"size_mm", e.size_mm},         {"height_mm", e.height_mm}};
+        if (e.on == Place::painting) result["on"] = "painting";
+        put_finish(e.finish, result);
+        return result;
+    }
+    json operator()(const PaletteEvent& e) const {
+        json result = {{"event", "palette"}};
+        if (e.width_mm) result["width_mm"] = *e.width_mm;
+        if (e.height_mm) result["height_mm"] = *e.height_mm;
+        if (e.all_paints)
+            result["paints"] = "all";
+        else if (!e.paints.empty())
+            result["paints"] = e.paints;
+        return result;
+    }
 };
 
 void require_header(const std::string& line, const std::string& path) {
@@ -166,12 +300,16 @@ Event event_from_json(const json& object, const std::string& where,
     else if (kind == "redo")
         event = RedoEvent{};
     else if (kind == "dry")
-        event = DryEvent{fields.text("layer"), fields.number_within("part", 1e-6, 1, 1)};
+        event = dry_from(fields, where);
     else if (kind == "lift")
         event = LiftEvent{fields.text("layer")};
+    else if (kind == "pile")
+        event = pile_from(fields, where);
+    else if (kind == "palette")
+        event = palette_from(fields, where);
     else
-        fail("{}: there is no event {}; there are: stroke, point, end, undo, redo, dry, lift", where,
-             kind.dump());
+        fail("{}: there is no event {}; there are: stroke, point, end, undo, redo, dry, lift, pile, palette",
+             where, kind.dump());
     fields.end();
     return event;
 }

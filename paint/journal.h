@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "paint/brush_settings.h"
+#include "paint/pigment.h"
 #include "paint/stroke.h"
 
 namespace tangi {
@@ -21,11 +22,15 @@ enum class BrushStart {
     same    // goes on with what is on it
 };
 
+using PaintParts = std::vector<std::pair<std::string, double>>;  // name in the palette, part
+
 // {"event": "stroke", "brush": {"preset": "flat", "size_mm": 12}, "paint": {"Titanium White": 3, ...}, ...}
 struct StrokeEvent {
     BrushSettings brush;
-    std::vector<std::pair<std::string, double>> paint;  // name in the palette, part; empty: none is loaded
-    double load = 1;                                    // [1] of a full brush
+    Place on = Place::painting;
+    PaintParts paint;    // empty: none is loaded
+    PaintFinish finish;  // of the paint that is loaded
+    double load = 1;     // [1] of a full brush
     BrushStart start = BrushStart::clean;
     StrokeOptions options;
     std::uint64_t seed = 0;
@@ -39,11 +44,30 @@ struct RedoEvent {};
 struct DryEvent {  // {"event": "dry", "layer": "first sitting", "part": 1}
     std::string layer;
     double part = 1;
+    CanvasPart where =
+        WholeCanvas{};  // "circle": {"x": 3, "y": 4, "radius_mm": 10} or "polygon": [[x, y], ...]
 };
 struct LiftEvent {  // {"event": "lift", "layer": "first sitting"}
     std::string layer;
 };
-using Event = std::variant<StrokeEvent, PointEvent, EndEvent, UndoEvent, RedoEvent, DryEvent, LiftEvent>;
+// A pile of paint, as squeezed from a tube: a dome.
+// {"event": "pile", "paint": {"Titanium White": 1}, "x": -80, "y": 60, "size_mm": 20, "height_mm": 1.5}
+struct PileEvent {
+    Place on = Place::palette;
+    PaintParts paint;
+    PaintFinish finish;
+    PointMm at;                            // its middle
+    double size_mm = 20, height_mm = 1.5;  // width, and height in the middle
+};
+// The palette wiped clean, and piles of paints laid out along its rim (mixing_board.h).
+// {"event": "palette", "width_mm": 200, "height_mm": 150, "paints": ["Titanium White", "Bone Black"]}
+struct PaletteEvent {
+    std::optional<double> width_mm, height_mm;  // before it is used first; its size does not change
+    std::vector<std::string> paints;
+    bool all_paints = false;  // "paints": "all": those of the palette file, in its order
+};
+using Event = std::variant<StrokeEvent, PointEvent, EndEvent, UndoEvent, RedoEvent, DryEvent, LiftEvent,
+                           PileEvent, PaletteEvent>;
 
 struct Journal {
     struct Entry {

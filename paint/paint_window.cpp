@@ -61,7 +61,7 @@ PaintWindow::PaintWindow(const Canvas& canvas, const Region& region, std::vector
     paint_.assign(ingredients_.size(), std::vector<float>(pixels, 0.0f));
     if (on_canvas_.empty()) return;
     find_relief(canvas, ride_px);
-    find_grain(grain, seed);
+    find_grain(canvas, grain, seed);
     take_paint(canvas.wet());
 }
 
@@ -87,14 +87,15 @@ void PaintWindow::find_relief(const Canvas& canvas, int ride_px) {
     }
 }
 
-void PaintWindow::find_grain(double grain, std::uint64_t seed) {
+void PaintWindow::find_grain(const Canvas& canvas, double grain, std::uint64_t seed) {
     using procedural::hash;
     using procedural::uniform;
     const auto amount = static_cast<float>(grain);
     for (int y = on_canvas_.y0; y < on_canvas_.y1; ++y)
         for (int x = on_canvas_.x0; x < on_canvas_.x1; ++x) {
             const float fine = uniform(hash(seed, x, y)), coarse = uniform(hash(~seed, x / 3, y / 3));
-            grain_[index(x, y)] = std::max(1 + amount * (fine + coarse - 1), 0.01f);
+            const float part = canvas.mask() ? (*canvas.mask())(x, y) : 1.0f;
+            grain_[index(x, y)] = std::max(1 + amount * (fine + coarse - 1), 0.01f) * part;
         }
 }
 

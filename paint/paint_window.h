@@ -14,7 +14,8 @@ namespace tangi {
 // and put back when the steps are done: in between this is the paint, not a copy of it to pick up from.
 class PaintWindow {
 public:
-    // `region` may reach beyond the canvas; pixels there have grain 0 and neither take nor give paint.
+    // `region` may reach beyond the canvas; pixels there, and where the canvas's mask is 0, have
+    // grain 0 and neither take nor give paint.
     // `ingredients` are those that will come from a brush; those of the canvas are added. `ride_px`: half the
     // side of the square over which a brush follows the relief. `grain`: variation of the transfer (1 = none
     // to double).
@@ -35,7 +36,7 @@ private:
         return static_cast<std::size_t>(y - region_.y0) * stride_ + static_cast<std::size_t>(x - region_.x0);
     }
     void find_relief(const Canvas& canvas, int ride_px);
-    void find_grain(double grain, std::uint64_t seed);
+    void find_grain(const Canvas& canvas, double grain, std::uint64_t seed);
     void take_paint(const PaintLayer& wet);
 
     Region region_, on_canvas_;

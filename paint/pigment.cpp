@@ -167,6 +167,18 @@ Pigment pigment_of_rgb(std::string name, const Rgb& linear, float hiding_mm) {
     return pigment;
 }
 
+Pigment finished(Pigment paint, const PaintFinish& finish) {
+    validate(finish);
+    if (finish.specular) paint.specular = static_cast<float>(*finish.specular);
+    if (finish.roughness) paint.roughness = static_cast<float>(*finish.roughness);
+    if (finish.medium > 0) {
+        const auto left = static_cast<float>(1 - finish.medium);
+        for (float& k : paint.k) k *= left;
+        for (float& s : paint.s) s *= left;
+    }
+    return paint;
+}
+
 double contrast_ratio(const Pigment& pigment, float thickness_mm, Illuminant illuminant) {
     return luminance_over(pigment, thickness_mm, 0.01f, illuminant) /
            luminance_over(pigment, thickness_mm, 0.80f, illuminant);

@@ -1,10 +1,12 @@
 // pigment.h: a paint as the paint model sees it: how it absorbs and scatters, and how we know.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <string_view>
 
 #include "paint/spectrum.h"
+#include "surface/options.h"
 
 namespace tangi {
 
@@ -30,6 +32,26 @@ struct Pigment {
     // Looks right by itself, but mixtures and thin films are a guess.
     bool approximate() const { return origin == PigmentOrigin::masstone || origin == PigmentOrigin::colour; }
 };
+
+// What a painter does to a paint before it goes on the brush.
+struct PaintFinish {
+    std::optional<double> specular, roughness;  // [1] rho_s and alpha instead of the paint's own
+    double medium = 0;  // [1] part of clear medium, by volume: 0 as from the tube, 0.9 a glaze
+
+    static constexpr std::string_view name = "paint";
+    template <class Self, class Visit>
+    static void fields(Self& self, Visit&& visit) {
+        visit(FieldInfo{"specular", 0, 1, "1", "Ward's rho_s of the dry film"}, self.specular);
+        visit(FieldInfo{"roughness", 0.001, 1, "1", "Ward's alpha: 0.05 is glossy, 0.5 matte"},
+              self.roughness);
+        visit(FieldInfo{"medium", 0, 0.99, "1", "part of clear medium, by volume"}, self.medium);
+    }
+    friend bool operator==(const PaintFinish&, const PaintFinish&) = default;
+};
+
+// The paint with this finish. Medium neither absorbs nor scatters: K and S are those of what is left (Duncan
+// 1940, as in mixtures). Throws Error where the finish is out of its range.
+Pigment finished(Pigment paint, const PaintFinish& finish);
 
 // Films of this thickness hide: over black, they are 98 % as bright as over white (ISO 6504). Default for
 // paints of which no more is known than their colour; titanium white needs about as much (docs/paint.md).

@@ -1,5 +1,6 @@
 #include "paint/session.h"
 
+#include "paint/mixing_board.h"
 #include "surface/error.h"
 #include "surface/noise.h"
 
@@ -11,22 +12,96 @@ Session::Session(std::shared_ptr<const Surface> dry, Palette palette, std::size_
 Session::Session(Canvas canvas, Palette palette, std::size_t undo_bytes)
     : canvas_(std::move(canvas)), palette_(std::move(palette)), history_(undo_bytes) {}
 
-void Session::begin(const StrokeEvent& event) {
-    finish();
+Canvas& Session::on(Place place) {
+    if (place == Place::painting) return canvas_;
+    const double mm = canvas_.mm_per_pixel();
+    if (!board_) board_.emplace(make_board(default_board_size(mm), mm));
+    return *board_;
+}
+
+std::vector<Portion> Session::recipe_of(Canvas& canvas, PaintParts paint, const PaintFinish& finish) const {
+    // As a journal has them, where names are in order: replayed, paints have the same numbers.
+    std::sort(paint.begin(), paint.end());
     std::vector<Portion> recipe;
-    for (const auto& [name, part] : event.paint) recipe.push_back({canvas_.add(palette_.at(name)), part});
-    // The bristles are the brush's own: another seed, or another stroke with a washed brush, grows other
-    // ones.
+    for (const auto& [name, part] : paint)
+        recipe.push_back({canvas.add(finished(palette_.at(name), finish)), part});
+    return recipe;
+}
+
+// The brush for a stroke, with what is on it.
+void Session::take_brush(const StrokeEvent& event, Canvas& canvas) {
+    if (event.start != BrushStart::clean && brush_) {
+        if (brush_place_ != event.on) {
+            const auto& paints = on(brush_place_).ingredients();
+            std::vector<IngredientId> number(paints.size());
+            for (const IngredientId id : brush_->ingredients()) number[id] = canvas.add(paints[id]);
+            brush_->renumber(number);
+            brush_place_ = event.on;
+        }
+        // The same brush goes on with what is on each of its bristles.
+        if (brush_->settings() == event.brush) return;
+    }
+    // The bristles are the brush's own: another seed grows other ones.
     auto brush =
         std::make_unique<Brush>(event.brush, canvas_.mm_per_pixel(), procedural::hash(event.seed, 1));
     if (event.start != BrushStart::clean && brush_) brush->take_over(*brush_);
-    if (event.start != BrushStart::same && !recipe.empty())
-        brush->load(recipe, event.load, event.start == BrushStart::dirty);
-    stroke_.reset();
     brush_ = std::move(brush);
-    history_.begin(canvas_);
-    stroke_.emplace(canvas_, *brush_, event.options, procedural::hash(event.seed, 2));
+    brush_place_ = event.on;
+}
+
+void Session::begin(const StrokeEvent& event) {
+    Canvas& canvas = on(event.on);
+    const std::vector<Portion> recipe = recipe_of(canvas, event.paint, event.finish);
+    take_brush(event, canvas);
+    if (event.start != BrushStart::same && !recipe.empty())
+        brush_->load(recipe, event.load, event.start == BrushStart::dirty);
+    history_.begin(canvas, event.on);
+    stroke_place_ = event.on;
+    stroke_.emplace(canvas, *brush_, event.options, procedural::hash(event.seed, 2));
     ++totals_.strokes;
+}
+
+// One action of the history. Where it ends by an error, nothing has changed.
+void Session::act(Place place, const std::function<void(Canvas&)>& action) {
+    Canvas& canvas = on(place);
+    history_.begin(canvas, place);
+    try {
+        action(canvas);
+    } catch (...) {
+        history_.abandon(canvas);
+        throw;
+    }
+    history_.end(canvas);
+}
+
+void Session::lay(const PileEvent& event) {
+    act(event.on, [&](Canvas& canvas) {
+        lay_pile(canvas, recipe_of(canvas, event.paint, event.finish), event.at, event.size_mm,
+                 event.height_mm);
+    });
+}
+
+void Session::lay_out(const PaletteEvent& event) {
+    const double mm = canvas_.mm_per_pixel();
+    std::vector<std::string> paints = event.paints;
+    if (event.all_paints)
+        for (const Pigment& paint : palette_.paints) paints.push_back(paint.name);
+    for (const std::string& paint : paints)
+        palette_.at(paint);  // that there are all, before anything is done
+    if (event.width_mm && event.height_mm) {
+        Canvas wanted = make_board({*event.width_mm, *event.height_mm}, mm);
+        if (!board_)
+            board_.emplace(std::move(wanted));
+        else if (board_->region() != wanted.region())
+            fail("the palette is {} x {} mm already; its size is chosen before it is used",
+                 board_->width() * mm, board_->height() * mm);
+    }
+    act(Place::palette, [&](Canvas& board) {
+        wipe(board);
+        if (paints.empty()) return;
+        for (const PileEvent& pile : laid_out(paints, {board.width() * mm, board.height() * mm}))
+            lay_pile(board, recipe_of(board, pile.paint, pile.finish), pile.at, pile.size_mm, pile.height_mm);
+    });
 }
 
 void Session::finish() {
@@ -35,7 +110,7 @@ void Session::finish() {
     totals_.steps += stroke_->steps();
     totals_.bristle_pixels += stroke_->bristle_pixels();
     stroke_.reset();
-    history_.end(canvas_);
+    history_.end(on(stroke_place_));
 }
 
 void Session::apply(const Event& event) {
@@ -49,32 +124,43 @@ void Session::apply(const Event& event) {
     if (const auto* stroke = std::get_if<StrokeEvent>(&event)) {
         begin(*stroke);
     } else if (std::holds_alternative<UndoEvent>(event)) {
-        if (!history_.undo(canvas_)) fail("there is nothing to undo");
+        if (!history_.can_undo()) fail("there is nothing to undo");
+        history_.undo(on(history_.place_to_undo()));
     } else if (std::holds_alternative<RedoEvent>(event)) {
-        if (!history_.redo(canvas_)) fail("there is nothing to redo");
+        if (!history_.can_redo()) fail("there is nothing to redo");
+        history_.redo(on(history_.place_to_redo()));
     } else if (const auto* drying = std::get_if<DryEvent>(&event)) {
-        history_.begin(canvas_);
-        dry(canvas_, drying->layer, canvas_.region(), drying->part);
-        history_.end(canvas_);
+        act(Place::painting,
+            [&](Canvas& canvas) { dry(canvas, drying->layer, drying->where, drying->part); });
     } else if (const auto* lift = std::get_if<LiftEvent>(&event)) {
-        const auto& layers = canvas_.dried();
-        const bool known =
-            std::any_of(layers.begin(), layers.end(), [&](const auto& l) { return l.name == lift->layer; });
-        if (known) history_.begin(canvas_);
-        lift_off(canvas_, lift->layer);
-        history_.end(canvas_);
+        act(Place::painting, [&](Canvas& canvas) { lift_off(canvas, lift->layer); });
+    } else if (const auto* pile = std::get_if<PileEvent>(&event)) {
+        lay(*pile);
+    } else if (const auto* palette = std::get_if<PaletteEvent>(&event)) {
+        lay_out(*palette);
     }
 }
 
-void replay(Session& session, const Journal& journal, const Progress& progress) {
+void replay(Session& session, const Journal& journal, const Progress& progress,
+            const std::function<void(const Event&)>& after) {
     const auto count = static_cast<double>(journal.entries.size());
+    std::size_t last_undo = 0;
+    for (std::size_t i = 0; i < journal.entries.size(); ++i)
+        if (std::holds_alternative<UndoEvent>(journal.entries[i].event) ||
+            std::holds_alternative<RedoEvent>(journal.entries[i].event))
+            last_undo = i + 1;
     for (std::size_t i = 0; i < journal.entries.size(); ++i) {
         report(progress, "replay strokes", static_cast<double>(i) / count);
         try {
+            if (i >= last_undo && std::holds_alternative<StrokeEvent>(journal.entries[i].event)) {
+                session.finish();
+                session.forget_history();
+            }
             session.apply(journal.entries[i].event);
         } catch (const Error& error) {
             fail("{}:{}: {}", journal.source, journal.entries[i].line, error.what());
         }
+        if (after) after(journal.entries[i].event);
     }
     session.finish();
     report(progress, "replay strokes", 1);

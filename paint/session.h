@@ -2,6 +2,7 @@
 // events.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <optional>
 
@@ -30,8 +31,21 @@ public:
 
     const Canvas& canvas() const { return canvas_; }
     Canvas& canvas() { return canvas_; }
+    // The palette that paints are mixed on (mixing_board.h); null until an event uses it.
+    const Canvas* board() const { return board_ ? &*board_ : nullptr; }
+    Canvas* board() { return board_ ? &*board_ : nullptr; }
+    const Palette& palette() const { return palette_; }
+
+    // Undo and redo take what was done last, on the painting or on the palette. They do not change what is on
+    // the brush.
     const History& history() const { return history_; }
+    void forget_history() { history_.forget(); }
+    // What the user should know, once, such as that the disk has no room for undo; empty where nothing.
+    std::string take_warning() { return history_.take_warning(); }
+    // What is in the hand, null before the first stroke, and where it was used last: its paints have the
+    // numbers of that canvas's ingredients.
     const Brush* brush() const { return brush_.get(); }
+    Place brush_place() const { return brush_place_; }
 
     // What was done so far.
     struct Totals {
@@ -41,17 +55,28 @@ public:
     const Totals& totals() const { return totals_; }
 
 private:
+    Canvas& on(Place place);
+    std::vector<Portion> recipe_of(Canvas& canvas, PaintParts paint, const PaintFinish& finish) const;
+    void take_brush(const StrokeEvent& event, Canvas& canvas);
     void begin(const StrokeEvent& event);
+    void act(Place place, const std::function<void(Canvas&)>& action);
+    void lay(const PileEvent& event);
+    void lay_out(const PaletteEvent& event);
 
     Canvas canvas_;
+    std::optional<Canvas> board_;
     Palette palette_;
     History history_;
     std::unique_ptr<Brush> brush_;
+    Place brush_place_ = Place::painting, stroke_place_ = Place::painting;
     std::optional<Stroke> stroke_;
     Totals totals_;
 };
 
-// All events of a journal. Errors name its file and line.
-void replay(Session& session, const Journal& journal, const Progress& progress = {});
+// All events of a journal. Errors name its file and line. What comes after the last undo and redo in it is
+// not kept to be undone.
+// `after` is called after each event.
+void replay(Session& session, const Journal& journal, const Progress& progress = {},
+            const std::function<void(const Event&)>& after = {});
 
 }  // namespace tangi

@@ -34,6 +34,7 @@ TransferRates rates_of(const BrushSettings& s, double length_px, double step_px,
     r.deposit = rate(s.deposit);
     r.pickup = rate(s.pickup);
     r.push = static_cast<float>(s.push);
+    r.hold_mm = static_cast<float>(s.hold_mm);
     r.film_mm = static_cast<float>(s.film_mm);
     r.reach_mm = static_cast<float>(s.reach_mm);
     r.load_reach = static_cast<float>(s.load_reach);
@@ -59,12 +60,11 @@ Region united(const Region& a, const Region& b) {
 
 // Pixels under the brush.
 double one_step(PaintWindow& window, Brush& brush, const Dab& dab, const Region& box, double step_px,
-                double mm_per_pixel, std::vector<float>& underside, StepScratch& scratch) {
+                double mm_per_pixel, std::vector<float>& underside, StepBox& step, StepScratch& scratch) {
     const BrushSettings& settings = brush.settings();
     brush.turn_to(dab.rotation_rad);
     const int width = box.width(), height = box.height();
     underside.resize(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
-    StepBox step;
     brush.underside_mm(dab, box.x0, box.y0, width, height, underside.data(), step.bristles);
     step.width = width;
     step.height = height;
@@ -75,6 +75,7 @@ double one_step(PaintWindow& window, Brush& brush, const Dab& dab, const Region&
     const std::size_t corner = static_cast<std::size_t>(brush.grid_half() - height / 2) * step.load_stride +
                                static_cast<std::size_t>(brush.grid_half() - width / 2);
     for (const IngredientId id : window.ingredients()) brush.load_plane(id);
+    step.load.clear();
     for (const IngredientId id : window.ingredients()) step.load.push_back(brush.load_plane(id) + corner);
     step.load_total_mm = brush.load_total() + corner;
 
@@ -92,6 +93,7 @@ double paint_dabs(Canvas& canvas, Brush& brush, const std::vector<Dab>& dabs, do
                   std::uint64_t seed, StepScratch& scratch) {
     double pixels = 0;
     std::vector<float> underside;
+    StepBox step;
     // Windows as large as some steps take; dividing the steps otherwise would not change the result.
     for (std::size_t begin = 0; begin < dabs.size();) {
         Region window_region{};
@@ -105,8 +107,8 @@ double paint_dabs(Canvas& canvas, Brush& brush, const std::vector<Dab>& dabs, do
         PaintWindow window(canvas, window_region, brush.ingredients(), ride, brush.settings().grain, seed);
         for (std::size_t i = begin; i < end; ++i) {
             const Region box = box_of(brush, dabs[i]);
-            pixels +=
-                one_step(window, brush, dabs[i], box, spacing_px, canvas.mm_per_pixel(), underside, scratch);
+            pixels += one_step(window, brush, dabs[i], box, spacing_px, canvas.mm_per_pixel(), underside,
+                               step, scratch);
         }
         window.store(canvas);
         begin = end;

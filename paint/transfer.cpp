@@ -20,13 +20,14 @@ void exchange_row(int n, const TransferRates& r, const float* __restrict undersi
                   const float* __restrict total, const float* __restrict load, float* __restrict give,
                   float* __restrict take) {
     const float deposit = r.deposit, pickup = r.pickup, film = r.film_mm, reach0 = r.reach_mm,
-                reach1 = r.load_reach;
+                reach1 = r.load_reach, per_half = 2 / r.hold_mm;
     for (int x = 0; x < n; ++x) {
         const float reach = reach0 + reach1 * load[x];
         const float room = underside[x] - (relief[x] + total[x]);
         const float contact = std::min(std::max((reach - room) / reach, 0.0f), 1.0f) * grain[x];
         give[x] = deposit * contact;
-        take[x] = pickup * contact * std::max(total[x] - film, 0.0f) / (total[x] + kTiny);
+        const float thirst = std::min(std::max(2 - per_half * load[x], 0.0f), 1.0f);
+        take[x] = pickup * thirst * contact * std::max(total[x] - film, 0.0f) / (total[x] + kTiny);
     }
 }
 
@@ -73,7 +74,8 @@ void outflow_row(int n, const TransferRates& r, const Motion& m, const float* __
     const float to_left = m.sx < 0 ? m.x : 0, to_right = m.sx < 0 ? 0 : m.x, to_up = m.sy < 0 ? m.y : 0,
                 to_down = m.sy < 0 ? 0 : m.y, diagonal = m.diagonal;
     for (int x = 0; x < n; ++x) {
-        const float w = total[x], top = relief[x] + w;
+        // What lies where brushes may not work stays there.
+        const float w = grain[x] > 0 ? total[x] : 0.0f, top = relief[x] + total[x];
         // Steps that are too steep: paint flows down them.
         const float over = flow / (w + kTiny);
         float l = std::min(std::max(top - (relief[x - 1] + total[x - 1]) - yield, 0.0f), w) * over;
@@ -197,16 +199,32 @@ void push(const StepBox& box, const TransferRates& rates, float dx, float dy, St
     const std::size_t plane = stride * static_cast<std::size_t>(box.height + 2);
     scratch.planes.resize(std::max(scratch.planes.size(), 5 * plane));
     float* base = scratch.planes.data();
-    std::fill_n(base, 5 * plane, 0.0f);
     const auto flow_from = [&](int y, std::size_t x) {
         float* first = base + at(y + 1, stride) + 1 + x;
         return Outflow{first, first + plane, first + 2 * plane, first + 3 * plane, first + 4 * plane};
     };
     const Motion motion = motion_along(dx, dy);
     find_flowing(box, scratch.flowing);
-    for_rows(box, 1, box.height - 1, [&](int begin, int end) {
+    std::vector<RowSpan>& touched = scratch.touched;
+    touched.resize(static_cast<std::size_t>(box.height));
+    for (int y = 0; y < box.height; ++y)
+        touched[static_cast<std::size_t>(y)] = touched_by(scratch.flowing, y);
+    // Where nothing flows but neighbours look: flows are 0 there.
+    const auto clear_around = [&](int y, RowSpan flowing) {
+        const RowSpan looked_at = touched_by(touched, y);
+        if (looked_at.end <= looked_at.begin) return;
+        if (flowing.end <= flowing.begin) flowing = {looked_at.begin, looked_at.begin};
+        float* first = base + at(y + 1, stride) + 1;
+        for (int k = 0; k < 5; ++k, first += plane) {
+            std::fill(first + looked_at.begin, first + flowing.begin, 0.0f);
+            std::fill(first + flowing.end, first + looked_at.end, 0.0f);
+        }
+    };
+    for_rows(box, -1, box.height + 1, [&](int begin, int end) {
         for (int y = begin; y < end; ++y) {
-            const RowSpan span = scratch.flowing[static_cast<std::size_t>(y)];
+            const bool inside = y >= 0 && y < box.height;
+            const RowSpan span = inside ? scratch.flowing[static_cast<std::size_t>(y)] : RowSpan{0, 0};
+            clear_around(y, span);
             if (span.end <= span.begin) continue;
             const auto first = static_cast<std::size_t>(span.begin);
             const std::size_t canvas = at(y, box.canvas_stride) + first;
@@ -224,7 +242,7 @@ void push(const StepBox& box, const TransferRates& rates, float dx, float dy, St
         float* above = scratch.rows.data() + 3 * line * i + 1;
         float *old = above + line, *last = above + 2 * line;
         for (int y = 0; y < box.height; ++y) {
-            const RowSpan span = touched_by(scratch.flowing, y);
+            const RowSpan span = touched[static_cast<std::size_t>(y)];
             float* paint = box.paint[i] + at(y, box.canvas_stride);
             std::copy_n(paint, box.width, old);
             if (span.end > span.begin) {
@@ -247,7 +265,7 @@ void push(const StepBox& box, const TransferRates& rates, float dx, float dy, St
         });
     for_rows(box, 0, box.height, [&](int begin, int end) {
         for (int y = begin; y < end; ++y) {
-            const RowSpan span = touched_by(scratch.flowing, y);
+            const RowSpan span = touched[static_cast<std::size_t>(y)];
             if (span.end <= span.begin) continue;
             const std::size_t canvas = at(y, box.canvas_stride) + static_cast<std::size_t>(span.begin);
             float* total = box.total_mm + canvas;

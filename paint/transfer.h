@@ -18,6 +18,7 @@ struct TransferRates {
     float deposit = 0;     // [1] part of a bristle's load that goes to the canvas in full contact, 0..0.5
     float pickup = 0;      // [1] part of the canvas's paint above the film that goes to the bristle, 0..0.5
     float push = 0;        // [1] part of the paint above the underside that moves on, 0..1
+    float hold_mm = 1e9f;  // [mm] > 0: load of which bristles take no more; from half of it on they take less
     float film_mm = 0;     // [mm] paint that always stays on the canvas
     float reach_mm = 0;    // [mm] > 0: gap that a bristle without paint still bridges
     float load_reach = 0;  // [1] further gap for each mm of load: wet paint bridges what is dry
@@ -40,7 +41,7 @@ struct StepBox {
     std::size_t underside_stride = 0;
     std::vector<RowSpan> bristles;     // of each row: outside of it underside_mm is kOutside
     const float* relief_mm = nullptr;  // of what is dry, above its local mean
-    const float* grain = nullptr;      // [1] random factor of the transfer, about 1; 0 off the canvas
+    const float* grain = nullptr;      // [1] random factor of the transfer, about 1; 0 where no brush works
     float* total_mm = nullptr;         // W, sum of `paint`
     std::size_t canvas_stride = 0;
     std::vector<float*> paint;       // W of each ingredient
@@ -55,7 +56,7 @@ constexpr float kOutside = 1e3f;  // [mm] underside where no bristle is
 // Memory that steps reuse.
 struct StepScratch {
     std::vector<float> planes, rows;
-    std::vector<RowSpan> flowing;
+    std::vector<RowSpan> flowing, touched;
 };
 
 // Both ways at once between bristles and canvas.

@@ -1,14 +1,16 @@
 // light.glsl: where light comes from, and what of it the relief keeps off; mirrors surface/light.cpp and relight.cpp.
-// LIGHTS: their number; BENDS: 1 where the rig's directions turn over the picture; SHADOWS: 0 none, 1 horizon map,
-// 2 marched over the heights as surface/relight.cpp does.
+// LIGHTS: their number; NEAR: 1 where some are near; BENDS: 1 where the rig's directions turn over the picture;
+// SHADOWS: 0 none, 1 horizon map, 2 marched over the heights as surface/relight.cpp does.
+// Software renderers go through both sides of every branch: what is the same for all pixels is decided beforehand.
 
-uniform float u_mm_per_pixel;
 uniform vec4 u_light[LIGHTS];  // direction [unit vector], 0; or position [mm], 1
 uniform vec3 u_gain[LIGHTS];
-uniform float u_bend;               // [1/mm]
-uniform float u_light_radius;       // [rad]
-uniform float u_highest;            // [mm]
+uniform vec2 u_place[LIGHTS];  // of far lights: azimuth [turns], elevation [rad]
 uniform mediump sampler3D u_horizon;  // [1] elevation of the horizon: value^2 * pi/2; x, y, azimuth
+
+vec4 light(int i) { return i == 0 ? v_lamp : u_light[i]; }
+vec3 gain(int i) { return i == 0 ? v_lamp_gain.xyz : u_gain[i]; }
+vec2 place(int i) { return i == 0 ? vec2(v_lamp_gain.w, v_rest.y) : u_place[i]; }
 
 struct Incoming {
     vec3 direction;  // [unit vector]
@@ -16,13 +18,13 @@ struct Incoming {
 };
 
 vec3 point_mm(vec2 at, float height) {
-    vec2 centred = at - 0.5 * vec2(u_size - 1);
-    return vec3(centred.x * u_mm_per_pixel, -centred.y * u_mm_per_pixel, height);
+    vec2 centred = at - 0.5 * vec2(v_size.xy - 1);
+    return vec3(centred.x * v_column0.w, -centred.y * v_column0.w, height);
 }
 
 vec3 bent(vec3 v, vec3 point) {
 #if BENDS == 1
-    vec2 r = u_bend * point.xy;
+    vec2 r = v_exposure2.w * point.xy;
     vec3 turned = vec3(v.xy + r * v.z, v.z - dot(r, v.xy));
     return turned * (length(v) / length(turned));
 #else
@@ -31,26 +33,38 @@ vec3 bent(vec3 v, vec3 point) {
 }
 
 Incoming incoming(int i, vec3 point) {
-    vec3 place = bent(u_light[i].xyz, point);
-    if (u_light[i].w == 0.0) return Incoming(place, u_gain[i]);
-    vec3 to_light = place - point;
+    vec4 lamp = light(i);
+    vec3 from = bent(lamp.xyz, point);
+#if NEAR == 1
+    vec3 to_light = lamp.w == 0.0 ? from : from - point;
     float distance2 = dot(to_light, to_light);
-    return Incoming(to_light * inversesqrt(distance2), u_gain[i] * (dot(place, place) / distance2));
+    return Incoming(to_light * inversesqrt(distance2), gain(i) * (dot(from, from) / distance2));
+#else
+    return Incoming(from, gain(i));
+#endif
 }
 
 const float kPi = 3.14159265358979;
 
-// Part of a disc of u_light_radius around `elevation` that stands above the horizon [rad].
+#if SHADOWS == 1
+// Part of a disc of v_exposure1.w around `elevation` that stands above the horizon [rad]: the odd polynomial with the
+// slope of the true area in the middle and 0 at the rims, wrong by 0.008 at most.
 float above(float horizon, float elevation) {
-    if (u_light_radius <= 0.0) return horizon < elevation ? 1.0 : 0.0;
-    float covered = max((horizon - elevation) / u_light_radius, -1.0);
+    float covered = clamp((horizon - elevation) / max(v_exposure1.w, 1e-4), -1.0, 1.0);
+    float covered2 = covered * covered;
+    return 0.5 - covered * (0.63662 - covered2 * (0.02324 + 0.11338 * covered2));
+}
+#elif SHADOWS == 2
+// The same, exactly.
+float above(float horizon, float elevation) {
+    if (v_exposure1.w <= 0.0) return horizon < elevation ? 1.0 : 0.0;
+    float covered = max((horizon - elevation) / v_exposure1.w, -1.0);
     if (covered >= 1.0) return 0.0;
     return clamp((acos(covered) - covered * sqrt(max(1.0 - covered * covered, 0.0))) / kPi, 0.0, 1.0);
 }
 
-#if SHADOWS == 2
 float height_between(vec2 at) {
-    ivec2 i = min(ivec2(at), u_size - 2);
+    ivec2 i = min(ivec2(at), v_size.xy - 2);
     vec2 f = at - vec2(i);
     float a = height_in(texel_at(i, 0)), b = height_in(texel_at(i + ivec2(1, 0), 0));
     float c = height_in(texel_at(i + ivec2(0, 1), 0)), d = height_in(texel_at(i + 1, 0));
@@ -58,30 +72,34 @@ float height_between(vec2 at) {
 }
 #endif
 
-float visibility(vec2 at, float height, vec3 light) {
+// Of light i, which comes from `direction`.
+float visibility(int i, vec2 at, float height, vec3 direction) {
 #if SHADOWS == 0
     return 1.0;
+#elif SHADOWS == 1
+#if NEAR == 1 || BENDS == 1
+    float across = length(direction.xy);
+    vec2 from = vec2(across > 1e-6 ? atan(direction.y, direction.x) / (2.0 * kPi) : 0.0, atan(direction.z, across));
 #else
-    float across = length(light.xy);
+    vec2 from = place(i);
+#endif
+    vec2 uv = (at + 0.5) / vec2(v_size.xy);
+    float root = texture(u_horizon, vec3(uv, from.x + 0.5 / 16.0)).r;
+    return above(root * root * (0.5 * kPi), from.y);
+#else
+    float across = length(direction.xy);
     if (across < 1e-6) return 1.0;
-    float elevation = atan(light.z, across);
-#if SHADOWS == 1
-    float azimuth = atan(light.y, light.x) / (2.0 * kPi);
-    vec2 uv = (at + 0.5) / vec2(u_size);
-    float root = texture(u_horizon, vec3(uv, azimuth + 0.5 / 16.0)).r;
-    return above(root * root * (0.5 * kPi), elevation);
-#else
-    vec2 step_px = vec2(light.x, -light.y) / across;
-    float floor_tangent = tan(max(elevation - u_light_radius, -1.5));
+    float elevation = atan(direction.z, across);
+    vec2 step_px = vec2(direction.x, -direction.y) / across;
+    float floor_tangent = tan(max(elevation - v_exposure1.w, -1.5));
     float best = floor_tangent;
-    float room = u_highest - height;
-    for (float t = 1.0; room > best * t * u_mm_per_pixel; t += 1.0) {
+    float room = v_eye.w - height;
+    for (float t = 1.0; room > best * t * v_column0.w; t += 1.0) {
         vec2 p = at + t * step_px;
-        if (p.x < 0.0 || p.y < 0.0 || p.x > float(u_size.x - 1) || p.y > float(u_size.y - 1)) break;
-        best = max(best, (height_between(p) - height) / (t * u_mm_per_pixel));
+        if (p.x < 0.0 || p.y < 0.0 || p.x > float(v_size.xy.x - 1) || p.y > float(v_size.xy.y - 1)) break;
+        best = max(best, (height_between(p) - height) / (t * v_column0.w));
     }
     if (best <= floor_tangent) return 1.0;
     return above(atan(best), elevation);
-#endif
 #endif
 }

@@ -2,15 +2,7 @@
 // surface/relight.h:
 //   value = ambient rho_d + sum over lights of irradiance *
 //           (visibility (rho_d D + pi rho_s lobe max(0, n.l)) + rig_ambient rho_d),   D: surface/diffuse.h
-// MODE: as LookMode in viewer/look.h. OUTPUT: 0 linear, 1 sRGB.
-
-uniform mat3 u_to_painting;   // gl_FragCoord.xy, 1 -> pixel of the painting times its third component
-uniform vec4 u_eye;           // direction to the viewer [unit vector], 0; or the viewer's place [mm], 1
-uniform float u_ambient, u_rig_ambient;
-uniform mat3 u_exposure;      // of the linear picture
-uniform float u_shoulder;     // [1] 0: clips at white; else where the tone curve leaves the straight line
-uniform vec3 u_background;    // [linear]
-uniform vec4 u_look;          // strengths of the mode; heights' false colour: lowest, highest [mm]
+// MODE: as LookMode in viewer/look.h. EYE: 1 where the viewer has a place. OUTPUT: 0 linear, 1 sRGB.
 
 out vec4 o_colour;
 
@@ -20,9 +12,9 @@ float encode(float v) {
 
 // Straight up to the shoulder s, then bent towards 1 with the same slope: 1 - (1 - s)^2 / (1 - 2 s + v).
 vec3 toned(vec3 v) {
-    if (u_shoulder <= 0.0) return v;
-    float s = 1.0 - u_shoulder;
-    vec3 bent_down = 1.0 - u_shoulder * u_shoulder / (max(v, s) + (1.0 - 2.0 * s));
+    if (v_exposure0.w <= 0.0) return v;
+    float s = 1.0 - v_exposure0.w;
+    vec3 bent_down = 1.0 - v_exposure0.w * v_exposure0.w / (max(v, s) + (1.0 - 2.0 * s));
     return mix(v, bent_down, step(vec3(s), v));
 }
 
@@ -37,37 +29,43 @@ vec3 false_colour(float t) {
 
 vec3 lit(Material m, vec2 at) {
     vec3 point = point_mm(at, m.height);
-    vec3 v = u_eye.w == 0.0 ? u_eye.xyz : normalize(u_eye.xyz - point);
-    vec3 sum = u_ambient * m.diffuse;
+#if EYE == 1
+    vec3 v = normalize(v_eye.xyz - point);
+#else
+    vec3 v = v_eye.xyz;
+#endif
+    vec3 sum = v_column1.w * m.diffuse;
     for (int i = 0; i < LIGHTS; ++i) {
         Incoming in_light = incoming(i, point);
         float n_l = dot(m.normal, in_light.direction);
         vec3 reflected = vec3(0.0);
         if (n_l > 0.0) {
             float lobe = pi_hazy_lobe(m.normal, in_light.direction, v, n_l, m.roughness);
-            vec3 diffuse = m.diffuse * (matt_reflection(m.normal, in_light.direction, v, n_l) / n_l);
+            vec3 diffuse = m.diffuse * matt_reflection(m.normal, in_light.direction, v, n_l);
             float gloss = m.specular * lobe;
 #if MODE == 1  // specular enhancement: Malzbender et al. 2001: matt colour down, an even sharp gloss everywhere
             vec3 h = normalize(in_light.direction + v);
-            diffuse *= 1.0 - u_look.x;
-            gloss = u_look.x * pow(max(dot(h, m.normal), 0.0), u_look.y) / max(n_l, 0.05);
+            diffuse *= 1.0 - v_look.x;
+            gloss = v_look.x * pow(max(dot(h, m.normal), 0.0), v_look.y) / max(n_l, 0.05);
 #elif MODE == 2  // diffuse gain: the fall-off from the brightest direction is steeper
-            diffuse *= max(1.0 - u_look.x * (1.0 - n_l), 0.0) / max(n_l, 0.02);
+            diffuse *= max(1.0 - v_look.x * (1.0 - n_l), 0.0) / max(n_l, 0.02);
 #endif
-            reflected = visibility(at, m.height, in_light.direction) * (diffuse + gloss) * n_l;
+            reflected = visibility(i, at, m.height, in_light.direction) * (diffuse + gloss) * n_l;
         }
-        sum += in_light.irradiance * (reflected + u_rig_ambient * m.diffuse);
+        sum += in_light.irradiance * (reflected + v_column2.w * m.diffuse);
     }
     return sum;
 }
 
+vec3 exposed(vec3 v) { return mat3(v_exposure0.xyz, v_exposure1.xyz, v_exposure2.xyz) * v; }
+
 vec3 looked_at(vec2 at) {
     Material m = material_at(at);
 #if MODE == 3  // unsharp masking of the normals
-    int coarse = min(u_level + int(u_look.y), u_tile_bits);
-    m.normal = normalize(m.normal + u_look.x * (m.normal - smooth_material(at, coarse).normal));
+    int coarse = min(v_size.z + int(v_look.y), v_size.w);
+    m.normal = normalize(m.normal + v_look.x * (m.normal - smooth_material(at, coarse).normal));
 #elif MODE == 4
-    return false_colour((m.height - u_look.z) / max(u_look.w - u_look.z, 1e-9));
+    return false_colour((m.height - v_look.z) / max(v_look.w - v_look.z, 1e-9));
 #elif MODE == 5
     return false_colour(log2(m.roughness / 0.02) / 6.0);
 #elif MODE == 6
@@ -78,16 +76,16 @@ vec3 looked_at(vec2 at) {
     vec3 n = 0.5 * m.normal + 0.5;
     return pow(n, vec3(2.2));
 #elif MODE == 9
-    return u_exposure * m.diffuse;
+    return exposed(m.diffuse);
 #endif
-    return u_exposure * lit(m, at);
+    return exposed(lit(m, at));
 }
 
 void main() {
-    vec3 q = u_to_painting * vec3(gl_FragCoord.xy, 1.0);
+    vec3 q = mat3(v_column0.xyz, v_column1.xyz, v_column2.xyz) * vec3(gl_FragCoord.xy, 1.0);
     vec2 at = q.xy / q.z;
-    vec3 colour = u_background;
-    vec2 last = vec2(u_size) - 0.5;
+    vec3 colour = v_background.xyz;
+    vec2 last = vec2(v_size.xy) - 0.5;
     if (q.z > 0.0 && at.x >= -0.5 && at.y >= -0.5 && at.x < last.x && at.y < last.y) {
 #if MODE >= 4
         colour = looked_at(at);

@@ -1,6 +1,43 @@
-// painting.vert.glsl: one triangle over the whole picture.
+// painting.vert.glsl: one triangle over the whole picture, and what all of its pixels have in common (picture.glsl).
+
+uniform mat3 u_to_painting;  // gl_FragCoord.xy, 1 -> pixel of the painting times its third component
+uniform mat3 u_exposure;     // of the linear picture
+uniform vec4 u_eye;          // direction to the viewer [unit vector]; EYE == 1: place [mm]
+uniform float u_ambient, u_rig_ambient;
+uniform float u_shoulder;    // [1] 0: clips at white; else where the tone curve leaves the straight line
+uniform vec3 u_background;   // [linear]
+uniform vec4 u_look;         // strengths of the mode; heights' false colour: lowest, highest [mm]
+uniform vec2 u_law;          // diffuse roughness [1], haze [1]
+uniform float u_mm_per_pixel;
+uniform float u_bend;          // [1/mm]
+uniform float u_light_radius;  // [rad]
+uniform float u_highest;       // [mm]
+uniform vec4 u_light[LIGHTS];  // direction [unit vector], 0; or position [mm], 1
+uniform vec3 u_gain[LIGHTS];
+uniform vec2 u_place[LIGHTS];  // of far lights: azimuth [turns], elevation [rad]
+uniform ivec2 u_size;          // [pixels] of the painting
+uniform int u_level;           // of detail: texels of 2^level pixels
+uniform int u_last_level;      // the coarsest
+uniform int u_tile_bits;       // tiles have 2^bits pixels a side
+uniform int u_tile_columns;
+uniform vec4 u_range;          // largest rho_d, largest rho_s; lowest height [mm], heights' range [mm]
 
 void main() {
+    v_column0 = vec4(u_to_painting[0], u_mm_per_pixel);
+    v_column1 = vec4(u_to_painting[1], u_ambient);
+    v_column2 = vec4(u_to_painting[2], u_rig_ambient);
+    v_exposure0 = vec4(u_exposure[0], u_shoulder);
+    v_exposure1 = vec4(u_exposure[1], u_light_radius);
+    v_exposure2 = vec4(u_exposure[2], u_bend);
+    v_eye = vec4(u_eye.xyz, u_highest);
+    v_range = u_range;
+    v_background = vec4(u_background, u_law.x);
+    v_look = u_look;
+    v_lamp = u_light[0];
+    v_lamp_gain = vec4(u_gain[0], u_place[0].x);
+    v_rest = vec2(u_law.y, u_place[0].y);
+    v_size = ivec4(u_size, u_level, u_last_level);
+    v_tiles = ivec2(u_tile_bits, u_tile_columns);
     vec2 corner = vec2(float(gl_VertexID & 1) * 4.0 - 1.0, float(gl_VertexID >> 1) * 4.0 - 1.0);
     gl_Position = vec4(corner, 0.0, 1.0);
 }

@@ -1,12 +1,8 @@
 // surface.glsl: the maps of a surface, packed into one texel of 128 bits as viewer/texels.h describes, in square tiles:
-// the layers of an array texture, each with its own levels of detail.
+// the layers of an array texture.
+// PAGED: 0 every layer has its own levels of detail; 1 layers hold the tiles, of any level, that a page has fetched.
 
 uniform highp usampler2DArray u_texels;
-uniform ivec2 u_size;        // [pixels] of the painting
-uniform int u_tile_bits;     // tiles have 2^bits pixels a side
-uniform int u_tile_columns;
-uniform int u_level;         // level of detail: texels of 2^level pixels
-uniform vec4 u_range;        // largest rho_d, largest rho_s; lowest height [mm], heights' range [mm]
 
 struct Material {
     vec3 normal;       // [unit vector]
@@ -17,18 +13,34 @@ struct Material {
     float confidence;  // [1]
 };
 
+ivec2 size_at(int level) { return (v_size.xy + ((1 << level) - 1)) >> level; }
+
+#if PAGED == 1
+uniform highp usampler2D u_pages;  // 1024 wide; of each tile: layer (11 bits) and level of the finest that covers it
+uniform int u_first_page[32];      // of each level: where its tiles begin, row by row
+
+const int kPageBits = 8;
+
 uvec4 texel_at(ivec2 at, int level) {
-    int bits = u_tile_bits - level;
+    ivec2 tile = at >> kPageBits;
+    int columns = (size_at(level).x + (1 << kPageBits) - 1) >> kPageBits;
+    int page = u_first_page[level] + tile.y * columns + tile.x;
+    uint found = texelFetch(u_pages, ivec2(page & 1023, page >> 10), 0).r;
+    ivec2 place = at >> (int(found >> 11) - level);
+    return texelFetch(u_texels, ivec3(place & ((1 << kPageBits) - 1), int(found & 2047u)), 0);
+}
+#else
+uvec4 texel_at(ivec2 at, int level) {
+    int bits = v_tiles.x - level;
     ivec2 tile = at >> bits;
     ivec2 inside = at - (tile << bits);
-    return texelFetch(u_texels, ivec3(inside, tile.y * u_tile_columns + tile.x), level);
+    return texelFetch(u_texels, ivec3(inside, tile.y * v_tiles.y + tile.x), level);
 }
-
-ivec2 size_at(int level) { return (u_size + ((1 << level) - 1)) >> level; }
+#endif
 
 vec2 halves(uint bits) { return vec2(float(bits & 0xffffu), float(bits >> 16)) * (1.0 / 65535.0); }
 
-float height_in(uvec4 texel) { return u_range.z + u_range.w * float(texel.w >> 8) * (1.0 / 16777215.0); }
+float height_in(uvec4 texel) { return v_range.z + v_range.w * float(texel.w >> 8) * (1.0 / 16777215.0); }
 
 Material unpack(uvec4 texel) {
     Material m;
@@ -38,9 +50,9 @@ Material unpack(uvec4 texel) {
     m.normal = normalize(vec3(xy, 1.0 - abs(xy.x) - abs(xy.y)));
     vec3 root = vec3(float(texel.y & 0x7ffu), float((texel.y >> 11) & 0x7ffu), float(texel.y >> 22)) *
                 vec3(1.0 / 2047.0, 1.0 / 2047.0, 1.0 / 1023.0);
-    m.diffuse = u_range.x * root * root;
+    m.diffuse = v_range.x * root * root;
     vec2 gloss = halves(texel.z);
-    m.specular = u_range.y * gloss.x * gloss.x;
+    m.specular = v_range.y * gloss.x * gloss.x;
     m.roughness = exp2(20.0 * gloss.y - 14.0);
     m.height = height_in(texel);
     m.confidence = float(texel.w & 0xffu) * (1.0 / 255.0);
@@ -74,7 +86,7 @@ Material smooth_material(vec2 at, int level) {
 }
 
 #if FILTER == 1
-Material material_at(vec2 at) { return smooth_material(at, u_level); }
+Material material_at(vec2 at) { return smooth_material(at, v_size.z); }
 #else
-Material material_at(vec2 at) { return nearest_material(at, u_level); }
+Material material_at(vec2 at) { return nearest_material(at, v_size.z); }
 #endif

@@ -5,6 +5,7 @@
 
 #include "surface/atomic_file.h"
 #include "surface/error.h"
+#include "surface/icc_profile.h"
 
 namespace tangi {
 
@@ -42,7 +43,7 @@ bool is_readable(const fs::path& path) {
 
 // `samples` holds width * height * channels numbers, interleaved.
 void write_samples(const fs::path& path, const float* samples, const Region& size, int channels, Depth depth,
-                   const std::string& colour_space, int jpeg_quality = 95) {
+                   const std::string& colour_space, int jpeg_quality = 95, bool is_srgb = false) {
     AtomicFile file(path);
     const auto output = OIIO::ImageOutput::create(format_of(path));  // a path may hold a '?'
     if (!output) fail("{}: no writer for this format: {}", path.string(), OIIO::geterror());
@@ -51,6 +52,11 @@ void write_samples(const fs::path& path, const float* samples, const Region& siz
                          : depth == Depth::sixteen ? OIIO::TypeDesc::UINT16
                                                    : OIIO::TypeDesc::UINT8);
     spec.attribute("oiio:ColorSpace", colour_space);
+    if (is_srgb) {
+        const std::string profile = srgb_icc_profile();
+        spec.attribute("ICCProfile", OIIO::TypeDesc(OIIO::TypeDesc::UINT8, static_cast<int>(profile.size())),
+                       profile.data());
+    }
     spec.attribute("Compression",
                    lower_extension(path).starts_with(".jp") ? fmt::format("jpeg:{}", jpeg_quality) : "zip");
     // On a full disk OpenImageIO's writers notice little, and libjpeg ends the process: they write to memory.
@@ -92,7 +98,8 @@ void write_picture(const fs::path& path, const Image<Rgb>& linear, const Transfe
         encoded.pixels()[i] = depth == Depth::real ? linear.pixels()[i] : transfer.encode(linear.pixels()[i]);
     }
     write_samples(path, &encoded.data()->r, encoded.region(), 3, depth,
-                  transfer.kind == Transfer::Kind::linear ? "Linear" : "sRGB", storage.jpeg_quality);
+                  transfer.kind == Transfer::Kind::linear ? "Linear" : "sRGB", storage.jpeg_quality,
+                  transfer.kind == Transfer::Kind::srgb);
 }
 
 void write_map(const fs::path& path, const Image<float>& values, const PictureStorage& storage) {
@@ -101,7 +108,7 @@ void write_map(const fs::path& path, const Image<float>& values, const PictureSt
 }
 
 void write_picture_8bit(const fs::path& path, const Image<Rgb>& encoded_srgb) {
-    write_samples(path, &encoded_srgb.data()->r, encoded_srgb.region(), 3, Depth::eight, "sRGB");
+    write_samples(path, &encoded_srgb.data()->r, encoded_srgb.region(), 3, Depth::eight, "sRGB", 95, true);
 }
 
 Image<Rgb> read_picture(const fs::path& path) {

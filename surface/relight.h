@@ -42,14 +42,8 @@ Image<Rgb> relight(const Surface& surface, std::span<const Light> lights, const 
 // One pixel of it: pi f cos(theta) for one light direction, without visibility.
 Rgb reflected(const Surface& surface, int x, int y, const Vec3& light, const Vec3& view, WardModel model);
 
-// Part, 0..1, of a light of this angular radius in this direction [unit vector] that reaches a pixel past the
-// relief, of which `highest_mm` is the highest point. Surfaces of one row or column cast no shadows: do not
-// ask.
-float visible_part(const Surface& surface, int x, int y, const Vec3& direction, float highest_mm,
-                   float light_radius_rad);
-
-// Part of the light, 0..1, that reaches each pixel past the relief. Light from a disc of the given angular
-// radius around each direction; a pixel beyond the picture's border casts no shadow.
+// Part of the light, 0..1, that reaches each pixel past the relief (cast_shadows.h). Light from a disc of the
+// given angular radius around each direction.
 Image<float> visibility(const Surface& surface, const Light& light, double light_radius_deg);
 
 }  // namespace tangi

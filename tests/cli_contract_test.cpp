@@ -8,8 +8,9 @@ namespace {
 using testing::HasSubstr;
 using testing::Not;
 
-constexpr const char* kCommands[] = {"calibrate", "fit",  "relight",  "compare", "import", "export",
-                                     "replay",    "info", "generate", "palette", "demo"};
+constexpr const char* kCommands[] = {"calibrate", "fit",     "relight",   "compare", "import",  "export",
+                                     "replay",    "info",    "generate",  "palette", "demo",    "damage",
+                                     "fill",      "varnish", "treatment", "match",   "retouch", "quality"};
 
 TEST(CliHelp, ListsEveryCommandOnStdout) {
     for (const std::vector<std::string>& asked : {std::vector<std::string>{"help"}, {"--help"}}) {

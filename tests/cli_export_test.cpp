@@ -48,6 +48,41 @@ TEST(CliExport, MapsGoOutAndComeBack) {
     EXPECT_TRUE(ended(tangipaint({"info", stack.out("b.exr")}), 0));
 }
 
+TEST(CliExport, LayersAndOpenRasterOfAPaintedPicture) {
+    const TinyStack stack;
+    const std::string journal = stack.out("a.jsonl"), painted = stack.out("painted.exr");
+    write_bytes(
+        journal,
+        "{\"format\": \"tangipaint strokes\", \"version\": 1}\n"
+        "{\"event\": \"pile\", \"on\": \"painting\", \"paint\": {\"Bone Black\": 1}, \"x\": 0, \"y\": 0, "
+        "\"size_mm\": 20}\n{\"event\": \"dry\", \"layer\": \"a/b\", \"part\": 0.5}\n");
+    ASSERT_TRUE(ended(tangipaint({"replay", stack.truth(), journal, "--out", painted}), 0));
+    ASSERT_TRUE(ended(tangipaint({"export", painted, "--to", "ora", "--out", stack.out("a.ora")}), 0));
+    EXPECT_EQ(bytes_of(stack.out("a.ora")).substr(38, 16), "image/openraster");
+    ASSERT_TRUE(ended(tangipaint({"export", painted, "--to", "layers", "--out", stack.out("layers")}), 0));
+    for (const char* file : {"dry/normal.exr", "1-a_b/colour.png", "1-a_b/thickness_mm.exr",
+                             "2-wet/00000-Bone Black_mm.exr", "painted/height.exr"})
+        EXPECT_TRUE(std::filesystem::exists(stack.out("layers/" + std::string(file)))) << file;
+    EXPECT_TRUE(
+        ended(tangipaint({"export", painted, "--to", "ora", "--out", stack.out("a.png")}), 1, {".ora"}));
+}
+
+TEST(CliExport, AWebPageIsAFolderOrOneFile) {
+    const TinyStack stack;
+    const auto runs = side_by_side(
+        {{"export", stack.truth(), "--to", "web", "--out", stack.out("page"), "--title", "A <painting>"},
+         {"export", stack.truth(), "--to", "web", "--shadow-side", "0", "--out", stack.out("page.html")}});
+    for (const Finished& run : runs) ASSERT_TRUE(ended(run, 0));
+    EXPECT_EQ(runs[0].json()["files"].size(), 2u);
+    EXPECT_NE(read_text_file(stack.out("page/index.html")).find("A \\u003cpainting>"), std::string::npos);
+    EXPECT_TRUE(std::filesystem::exists(stack.out("page/parts/0/0_0.js")));
+    EXPECT_FALSE(std::filesystem::exists(stack.out("parts")));
+    EXPECT_EQ(runs[1].json()["bytes"], std::filesystem::file_size(stack.out("page.html")));
+    EXPECT_TRUE(ended(tangipaint({"export", stack.truth(), "--to", "web", "--largest-page-mb", "9999",
+                                  "--out", stack.out("page.html")}),
+                      2, {"--largest-page-mb"}));
+}
+
 TEST(CliExport, WhatMakesNoSenseIsRefused) {
     const TinyStack stack;
     const auto run = [&](std::vector<std::string> words) { return tangipaint(words); };
@@ -59,6 +94,9 @@ TEST(CliExport, WhatMakesNoSenseIsRefused) {
     EXPECT_TRUE(ended(
         run({"export", stack.truth(), "--to", "maps", "--photos", stack.path(), "--out", stack.out("m")}), 2,
         {"--photos"}));
+    EXPECT_TRUE(
+        ended(run({"export", stack.truth(), "--to", "maps", "--title", "Storm", "--out", stack.out("m")}), 2,
+              {"--title"}));
     EXPECT_TRUE(
         ended(run({"export", stack.truth(), "--to", "ptm", "--out", stack.out("a.jpg")}), 1, {".ptm"}));
     EXPECT_TRUE(ended(run({"export", stack.truth(), "--to", "rti", "--terms", "16", "--photos", stack.path(),

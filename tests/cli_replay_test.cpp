@@ -131,5 +131,62 @@ TEST(CliReplay, RefusesWhatIsWrongAndLeavesNothing) {
     EXPECT_EQ(bytes_of(journal), kHeader);
 }
 
+TEST(CliReplay, PaintsOnAPictureAndKeepsItUnderAName) {
+    const Folder f;
+    Image<Rgb> stripes(60, 40);
+    for (int y = 0; y < 40; ++y)
+        for (int x = 0; x < 60; ++x) stripes(x, y) = Rgb(x / 10 % 2 ? 0.6f : 0.2f);
+    write_picture(f.dir / "cloth.png", stripes, {Transfer::Kind::srgb});
+    const Conditions home{.environment = {{"XDG_DATA_HOME", f.path("data")}}};
+    const auto replay = [&](std::vector<std::string> flags) {
+        std::vector<std::string> all = {"replay", f.journal(kHeader + kStroke), "--out", f.path("a.exr")};
+        all.insert(all.end(), flags.begin(), flags.end());
+        return tangipaint(all, home);
+    };
+    ASSERT_TRUE(ended(replay({"--substrate", f.path("cloth.png"), "--pixel-mm", "0.5", "--relief-mm", "0.3",
+                              "--keep-substrate", "my cloth"}),
+                      0));
+    const Surface dry = read_painting(f.path("a.exr"));
+    EXPECT_EQ(dry.mm_per_pixel, 0.5);
+    EXPECT_NEAR(dry.diffuse(15, 20).g, 0.6, 0.001);
+    EXPECT_NEAR(dry.height_mm(15, 20) - dry.height_mm(5, 20), 0.3, 1e-4);
+    ASSERT_TRUE(ended(replay({"--substrate", "my cloth"}), 0));
+    EXPECT_TRUE(images_near(read_painting(f.path("a.exr")).height_mm, dry.height_mm, 0));
+    ASSERT_TRUE(ended(replay({"--substrate", f.path("cloth.png"), "--height-from", "none"}), 0));
+    EXPECT_EQ(read_painting(f.path("a.exr")).height_mm(15, 20), 0);
+    EXPECT_TRUE(ended(replay({"--substrate", "velvet"}), 2, {"velvet", "linen", "my cloth"}));
+    EXPECT_TRUE(ended(replay({"--substrate", f.path("none.png")}), 1, {"none.png"}));
+    EXPECT_TRUE(
+        ended(replay({"--substrate", f.path("cloth.png"), "--keep-substrate", "linen"}), 1, {"linen"}));
+}
+
+TEST(CliReplay, MixesOnThePaletteAndShowsHowItCameIntoBeing) {
+    const Folder f;
+    const std::string points =
+        "{\"event\": \"point\", \"t\": 0, \"x\": -6, \"y\": 0}\n{\"event\": \"point\", \"t\": 3, \"x\": 6, "
+        "\"y\": 1}\n";
+    const std::string mixing =
+        kHeader +
+        "{\"event\": \"pile\", \"paint\": {\"Pyrrole Red\": 1}, \"x\": 0, \"y\": 0, \"size_mm\": 8}\n"
+        "{\"event\": \"stroke\", \"on\": \"palette\", \"brush\": {\"size_mm\": 4}}\n" +
+        points + "{\"event\": \"stroke\", \"brush\": {\"size_mm\": 4}, \"start\": \"same\"}\n" + points;
+    const Finished run = f.replay(mixing, {"--frames", f.path("frames"), "--every", "1"});
+    ASSERT_TRUE(ended(run, 0));
+    EXPECT_GT(run.json()["volumes_mm3"]["Pyrrole Red"], 0.1);  // what came to the painting
+    EXPECT_LT(run.json()["volumes_mm3"]["Pyrrole Red"], 20);
+    EXPECT_EQ(run.json()["frames"], 3);  // bare, on the way, finished
+    EXPECT_EQ(read_picture(f.dir / "frames" / "frame-00001.png").width(), 80);
+    ASSERT_TRUE(ended(f.replay(mixing, {"--board", f.path("board.exr")}), 0));
+    const double all = std::numbers::pi / 8 * 8 * 8 * 1.5, painted = run.json()["volumes_mm3"]["Pyrrole Red"];
+    const Finished board = tangipaint({"info", f.path("board.exr")});
+    EXPECT_LT(board.json()["paint"][0]["volumes_mm3"]["Pyrrole Red"], all - painted + 0.1);
+    EXPECT_TRUE(
+        ended(f.replay(kHeader + kStroke, {"--board", f.path("b.exr")}), 1, {"--board", "nothing was"}));
+    EXPECT_GT(redness(read_picture(f.dir / "frames" / "frame-00003.png")),
+              1.5 * redness(read_picture(f.dir / "frames" / "frame-00001.png")));
+    EXPECT_TRUE(
+        ended(f.replay(mixing, {"--frames", f.path("frames")}), 1, {"--frames", "has frames already"}));
+}
+
 }  // namespace
 }  // namespace tangi

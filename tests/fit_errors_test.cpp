@@ -81,8 +81,8 @@ TEST(FitErrors, AreStoredWithThePainting) {
     Surface s(7, 80);
     FitErrors errors(7, 80);
     Random random(3);
-    for (Image<float>* map : {&errors.slope, &errors.diffuse, &errors.specular, &errors.roughness})
-        for (float& value : map->pixels()) value = random.real();
+    for (Image<HalfError>* map : {&errors.slope, &errors.diffuse, &errors.specular, &errors.roughness})
+        for (HalfError& value : map->pixels()) value = random.real();
     {
         AtomicFile file(dir / "a.exr");
         const PartToWrite part = part_of(errors);

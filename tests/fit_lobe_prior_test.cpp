@@ -33,15 +33,21 @@ struct TwoPaints {
     }
 };
 
+WardPrior prior_at(const Surface& surface, const FitErrors& errors, const WardPrior& general, int x, int y) {
+    LobePriors priors(surface, errors, general);
+    priors.advance(0, surface.height());
+    return priors.at(x, y);
+}
+
 TEST(LobePrior, IsThatOfTheNeighboursOfTheSameColour) {
     const TwoPaints paints(0.2, 0.01);
     for (const int x : {9, 10, 11}) {  // beside the border
-        const WardPrior p = lobe_prior_at(paints.surface, paints.errors, {}, x, 12);
+        const WardPrior p = prior_at(paints.surface, paints.errors, {}, x, 12);
         EXPECT_NEAR(p.ln_alpha, std::log(0.1), 0.12);
         EXPECT_NEAR(p.specular, 0.08, 0.006);
     }
     for (const int x : {12, 13, 14}) {
-        const WardPrior p = lobe_prior_at(paints.surface, paints.errors, {}, x, 12);
+        const WardPrior p = prior_at(paints.surface, paints.errors, {}, x, 12);
         EXPECT_NEAR(p.ln_alpha, std::log(0.4), 0.12);
         EXPECT_NEAR(p.specular, 0.02, 0.006);
     }
@@ -49,8 +55,8 @@ TEST(LobePrior, IsThatOfTheNeighboursOfTheSameColour) {
 
 TEST(LobePrior, IsWeakerWhereNeighboursDiffer) {
     const TwoPaints alike(0.05, 0.003), different(0.5, 0.05);
-    const WardPrior a = lobe_prior_at(alike.surface, alike.errors, {}, 5, 12),
-                    b = lobe_prior_at(different.surface, different.errors, {}, 5, 12);
+    const WardPrior a = prior_at(alike.surface, alike.errors, {}, 5, 12),
+                    b = prior_at(different.surface, different.errors, {}, 5, 12);
     EXPECT_LT(a.ln_alpha_sigma, 0.25);
     EXPECT_GT(b.ln_alpha_sigma, 0.35);
     EXPECT_GT(b.specular_sigma, 2 * a.specular_sigma);
@@ -65,7 +71,7 @@ TEST(LobePrior, ListensToThosePixelsThatKnow) {
             paints.surface.specular(x, y) = 0.5f;
             paints.errors.specular(x, y) = 0.4f;
         }
-    const WardPrior p = lobe_prior_at(paints.surface, paints.errors, {}, 6, 12);
+    const WardPrior p = prior_at(paints.surface, paints.errors, {}, 6, 12);
     EXPECT_NEAR(p.ln_alpha, std::log(0.1), 0.15);
     EXPECT_NEAR(p.specular, 0.08, 0.01);
 }
@@ -74,22 +80,47 @@ TEST(LobePrior, IsTheGeneralOneWhereNoNeighbourIsAlike) {
     TwoPaints paints(0.05, 0.003);
     const WardPrior general;
     paints.surface.diffuse(6, 6) = Rgb(0.1f, 0.9f, 0.1f);
-    WardPrior p = lobe_prior_at(paints.surface, paints.errors, general, 6, 6);
-    EXPECT_NEAR(p.ln_alpha, general.ln_alpha, 1e-9);
-    EXPECT_NEAR(p.specular, general.specular, 1e-9);
+    WardPrior p = prior_at(paints.surface, paints.errors, general, 6, 6);
+    EXPECT_NEAR(p.ln_alpha, general.ln_alpha, 1e-6);
+    EXPECT_NEAR(p.specular, general.specular, 1e-6);
     for (float& confidence : paints.surface.confidence.pixels()) confidence = 0;
-    p = lobe_prior_at(paints.surface, paints.errors, general, 3, 12);
-    EXPECT_NEAR(p.ln_alpha, general.ln_alpha, 1e-9);
+    p = prior_at(paints.surface, paints.errors, general, 3, 12);
+    EXPECT_NEAR(p.ln_alpha, general.ln_alpha, 1e-6);
 }
 
 TEST(LobePrior, DoesNotHearThePixelItself) {
     TwoPaints paints(0.05, 0.003);
-    const WardPrior before = lobe_prior_at(paints.surface, paints.errors, {}, 6, 12);
+    const WardPrior before = prior_at(paints.surface, paints.errors, {}, 6, 12);
     paints.surface.roughness(6, 12) = 0.7f;
     paints.surface.specular(6, 12) = 1;
-    const WardPrior after = lobe_prior_at(paints.surface, paints.errors, {}, 6, 12);
+    const WardPrior after = prior_at(paints.surface, paints.errors, {}, 6, 12);
     EXPECT_EQ(before.ln_alpha, after.ln_alpha);
     EXPECT_EQ(before.specular, after.specular);
+}
+
+TEST(LobePrior, IsTheSameWhereRowsAreOverwrittenOnceTheyWereUsed) {
+    const TwoPaints paints(0.2, 0.01);
+    LobePriors whole(paints.surface, paints.errors, {});
+    whole.advance(0, kSize);
+    for (const int rows : {1, 5, 7, 20}) {
+        TwoPaints used = paints;
+        LobePriors priors(used.surface, used.errors, {});
+        for (int y0 = 0; y0 < kSize; y0 += rows) {
+            const int y1 = std::min(y0 + rows, kSize);
+            priors.advance(y0, y1);
+            for (int y = y0; y < y1; ++y)
+                for (int x = 0; x < kSize; ++x) {
+                    const WardPrior expected = whole.at(x, y), p = priors.at(x, y);
+                    ASSERT_EQ(p.ln_alpha, expected.ln_alpha) << x << ", " << y << ", " << rows << " at once";
+                    ASSERT_EQ(p.ln_alpha_sigma, expected.ln_alpha_sigma);
+                    ASSERT_EQ(p.specular, expected.specular);
+                    ASSERT_EQ(p.specular_sigma, expected.specular_sigma);
+                    used.surface.roughness(x, y) = used.surface.specular(x, y) = 0.5f;
+                    used.surface.diffuse(x, y) = Rgb(0.9f);
+                    used.errors.specular(x, y) = 1;
+                }
+        }
+    }
 }
 
 }  // namespace

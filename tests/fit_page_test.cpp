@@ -5,7 +5,7 @@
 
 #include <limits>
 
-#include "capture/page_parts.h"
+#include "surface/page_parts.h"
 #include "datasets/generator.h"
 #include "fit_test_support.h"
 

@@ -104,11 +104,18 @@ TEST(RowFitter, HandsOnWhatIsKnownOfAPixel) {
     Scene scene;
     PixelKnowledge known;
     known.prior = [](int x, int) { return WardPrior{x % 2 ? -1.2 : -2.0, 0.1, 0.05, 0.02}; };
-    known.visible = [](int, int y, const Vec3& light) { return light.x > 0 && y % 2 ? 0.3f : 1.0f; };
+    Image<float> height_mm(scene.surface.width(), scene.surface.height());
+    for (int y = 0; y < height_mm.height(); ++y) height_mm(9, y) = 0.5f;  // a ridge, twice as high as wide
+    const CastShadows shadows(height_mm, scene.surface.mm_per_pixel, 0.25);
+    known.shadows = &shadows;
     const Fitted told = scene.fit(Solver::batch, 1000, {}, known);
     expect_alike(told, scene.fit(Solver::ceres, 1000, {}, known), 0.95);
     const Fitted untold = scene.fit(Solver::batch);
     EXPECT_NE(told.at({5, 5}).roughness, untold.at({5, 5}).roughness);
+    known.prior = nullptr;
+    const Fitted shaded = scene.fit(Solver::batch, 1000, {}, known);
+    EXPECT_NE(shaded.at({8, 5}).slope, untold.at({8, 5}).slope);
+    EXPECT_EQ(shaded.at({9, 5}).slope, untold.at({9, 5}).slope);  // on the ridge, above all
 }
 
 TEST(IsCompared, SpreadsAboutFiveHundredPixelsOverAnyPicture) {

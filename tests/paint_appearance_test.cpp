@@ -73,6 +73,24 @@ TEST(Appearance, SlopesAndHeightsAdd) {
     EXPECT_LT(slope_of(s.normal(64, 20)).x, 0.3f - 1);  // the paint's edge, seen from the tile beside
 }
 
+TEST(Appearance, TheBorderIsNoRougherThanTheInside) {
+    // Bristle marks across the picture's border, and a plane, whose slope is known there too.
+    Canvas canvas = flat_canvas(65, 66);
+    const auto id = add_paint(canvas, "Titanium White");
+    PaintLayer& wet = canvas.writable_wet();
+    for (int y = 0; y < 66; ++y)
+        for (int x = 0; x < 65; ++x)
+            wet.writable({x / 64, y / 64})
+                .writable_plane(id)[static_cast<std::size_t>(y % 64 * 64 + x % 64)] =
+                0.2f + 0.01f * static_cast<float>(x) + 0.1f * static_cast<float>((x + y) % 2);
+    const Surface s = appearance(canvas);
+    for (int y = 0; y < 66; ++y)
+        for (int x = 0; x < 65; ++x) {
+            ASSERT_NEAR(slope_of(s.normal(x, y)).x, 0.01 / kTestPixel, 1e-3) << x << ' ' << y;
+            ASSERT_NEAR(slope_of(s.normal(x, y)).y, 0, 1e-3) << x << ' ' << y;
+        }
+}
+
 TEST(Appearance, GlossIsThePaintsWhereItCovers) {
     const Canvas thick = half_covered("Titanium White", 0.2f), thin = half_covered("Titanium White", 0.0005f);
     const Pigment& white = artist_acrylics().at("Titanium White");
@@ -83,7 +101,7 @@ TEST(Appearance, GlossIsThePaintsWhereItCovers) {
 
 TEST(Appearance, LayersLieOnEachOther) {
     Canvas canvas = half_covered("Pyrrole Red", 0.05f);
-    dry(canvas, "under", canvas.region());
+    dry(canvas, "under");
     const Rgb red = appearance(canvas).diffuse(9, 9);
     const auto id = add_paint(canvas, "Titanium White");
     PaintTile tile;

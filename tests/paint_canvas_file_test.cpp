@@ -21,7 +21,7 @@ Canvas painted() {
     Brush brush(brush_presets().at("flat"), kTestPixel, 1);
     brush.load({{white, 3}, {red, 1}}, 1);
     stroke(canvas, brush, {-15, 0}, {15, 4});
-    dry(canvas, "under, \"first\"", canvas.region());
+    dry(canvas, "under, \"first\"");
     brush.load({{red, 1}}, 1);
     stroke(canvas, brush, {-15, 4}, {15, -4});
     return canvas;

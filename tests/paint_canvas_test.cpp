@@ -61,20 +61,20 @@ TEST(Canvas, DryingMovesPaintAndKeepsItsVolume) {
     Canvas canvas = painted();
     const auto before = canvas.volumes_mm3();
     const float mm = canvas.wet().thickness_mm(64, 48);
-    dry(canvas, "first", canvas.region(), 0.25);
+    dry(canvas, "first", {}, 0.25);
     EXPECT_NEAR(canvas.wet().thickness_mm(64, 48), 0.75f * mm, 1e-6);
     EXPECT_NEAR(canvas.dried()[0].paint.thickness_mm(64, 48), 0.25f * mm, 1e-6);
-    dry(canvas, "first", canvas.region());
+    dry(canvas, "first");
     EXPECT_EQ(canvas.dried().size(), 1u);  // one layer by that name
     EXPECT_TRUE(canvas.wet().empty());
     for (std::size_t i = 0; i < before.size(); ++i) EXPECT_NEAR(canvas.volumes_mm3()[i] / before[i], 1, 1e-6);
-    EXPECT_THAT(error_of([&] { dry(canvas, "x", canvas.region(), 0); }), HasSubstr("part = 0"));
+    EXPECT_THAT(error_of([&] { dry(canvas, "x", {}, 0); }), HasSubstr("part = 0"));
 }
 
 TEST(Canvas, DriesARegionOnly) {
     Canvas canvas = painted();
     const float mm = canvas.wet().thickness_mm(64, 48);
-    dry(canvas, "left", {0, 0, 60, 96});
+    dry(canvas, "left", Polygon{{{-16, 12}, {-1, 12}, {-1, -12}, {-16, -12}}});  // 60 columns
     EXPECT_EQ(canvas.wet().thickness_mm(59, 48), 0);
     EXPECT_EQ(canvas.wet().thickness_mm(64, 48), mm);
     EXPECT_GT(canvas.dried()[0].paint.thickness_mm(59, 48), 0);
@@ -83,7 +83,7 @@ TEST(Canvas, DriesARegionOnly) {
 
 TEST(Canvas, DriedLayersAreReliefAndCanBeLiftedOff) {
     Canvas canvas = painted();
-    dry(canvas, "first", canvas.region());
+    dry(canvas, "first");
     float height = 0;
     canvas.relief_mm({64, 48, 65, 49}, &height, 1);
     EXPECT_GT(height, 0.02f);

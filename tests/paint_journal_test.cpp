@@ -32,8 +32,38 @@ std::vector<Event> some_events() {
     point.pressure = 0.1;
     point.tilt_y = -0.2;
     point.rotation_deg = 77;
-    return {stroke,      PointEvent{point},        EndEvent{},    UndoEvent{},
-            RedoEvent{}, DryEvent{"a \"b\"", 0.5}, LiftEvent{"é"}};
+    StrokeEvent mixing = stroke;
+    mixing.on = Place::palette;
+    mixing.start = BrushStart::same;
+    mixing.finish = {.specular = 0.1, .roughness = 1.0 / 3, .medium = 0.25};
+    PileEvent pile;
+    pile.paint = {{"Bone Black", 0.1}};
+    pile.at = {-1.0 / 3, 7};
+    pile.finish.roughness = 0.2;
+    PileEvent squeezed = pile;
+    squeezed.on = Place::painting;
+    squeezed.height_mm = 0.1;
+    PaletteEvent palette;
+    palette.width_mm = 120;
+    palette.height_mm = 1e2 / 3;
+    palette.paints = {"Bone Black", "Titanium White"};
+    PaletteEvent all;
+    all.all_paints = true;
+    return {stroke,
+            PointEvent{point},
+            EndEvent{},
+            UndoEvent{},
+            RedoEvent{},
+            DryEvent{"a \"b\"", 0.5},
+            DryEvent{"c", 1, CirclePart{{1.0 / 3, -2}, 12}},
+            DryEvent{"c", 1, PolygonPart{{{0, 0}, {1, 0.1}, {0, 1e-9}}}},
+            LiftEvent{"é"},
+            mixing,
+            pile,
+            squeezed,
+            palette,
+            all,
+            PaletteEvent{}};
 }
 
 TEST(Journal, ComesBackBitForBit) {
@@ -121,6 +151,20 @@ TEST(Journal, ErrorsNameFileAndLine) {
     EXPECT_THAT(error(kHeader + "{\"event\": \"stroke\", \"start\": \"wet\"}\n"), HasSubstr("'start'"));
     EXPECT_THAT(error(kHeader + "{\"event\": \"stroke\", \"brush\": {\"sise\": 1}}\n"), HasSubstr("'sise'"));
     EXPECT_THAT(error(kHeader + "{\"event\": \"dry\"}\n"), HasSubstr("'layer'"));
+    const auto dry = [&](const std::string& part) {
+        return error(kHeader + "{\"event\": \"dry\", \"layer\": \"a\", " + part + "}\n");
+    };
+    EXPECT_THAT(dry("\"circle\": {\"x\": 1, \"y\": 2}"), AllOf(HasSubstr(":2"), HasSubstr("'radius_mm'")));
+    EXPECT_THAT(dry("\"circle\": {\"x\": 1, \"y\": 2, \"radius_mm\": 3, \"z\": 1}"), HasSubstr("'z'"));
+    EXPECT_THAT(dry("\"polygon\": [[0, 0], [1, 1]]"), HasSubstr("3 to 10000"));
+    EXPECT_THAT(dry("\"polygon\": [[0, 0], [1, 1], [2]]"), HasSubstr("[2]"));
+    EXPECT_THAT(dry("\"circle\": {}, \"polygon\": []"), HasSubstr("both"));
+    EXPECT_THAT(error(kHeader + "{\"event\": \"stroke\", \"on\": \"wall\"}\n"),
+                HasSubstr("'on' is \"wall\""));
+    EXPECT_THAT(error(kHeader + "{\"event\": \"stroke\", \"roughness\": 3}\n"), HasSubstr("'roughness' = 3"));
+    EXPECT_THAT(error(kHeader + "{\"event\": \"pile\", \"x\": 1, \"y\": 1}\n"), HasSubstr("'paint'"));
+    EXPECT_THAT(error(kHeader + "{\"event\": \"palette\", \"width_mm\": 10}\n"), HasSubstr("'height_mm'"));
+    EXPECT_THAT(error(kHeader + "{\"event\": \"palette\", \"paints\": [1]}\n"), HasSubstr("'paints'"));
     EXPECT_THAT(error_of([&] { read_journal(dir / "none.jsonl"); }), HasSubstr("none.jsonl"));
     write_bytes(dir / "bad.jsonl", "something else\n");
     EXPECT_THAT(error_of([&] { JournalWriter(dir / "bad.jsonl"); }), HasSubstr("not a journal"));

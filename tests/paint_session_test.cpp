@@ -67,6 +67,41 @@ TEST(Session, AJournalReplaysToTheSameBitsOnAnyNumberOfThreads) {
     set_thread_count(0);
 }
 
+TEST(Session, BrushesStopAtTheMask) {
+    // The same strokes on a canvas that is painted already, with and without a mask: beside the mask, nothing
+    // changes, not even by paint that is pushed or flows, and nothing is lost.
+    const auto width = 128, height = 96;
+    auto mask = std::make_shared<Image<float>>(width, height);
+    for (int y = 30; y < 60; ++y)
+        for (int x = 50; x < 80; ++x) (*mask)(x, y) = 1;
+    Session session(flat_surface(width, height), artist_acrylics());
+    for (const Event& event : a_little_picture()) session.apply(event);
+    session.finish();
+    const PaintLayer before = session.canvas().wet();
+    const double volume_before = session.canvas().volumes_mm3()[0];
+    session.canvas().confine(mask);
+    StrokeEvent wide = stroke_of("flat", "Bone Black", 9);
+    wide.brush.size_mm = 12;
+    for (StrokeEvent stroke : {wide, stroke_of("smudge", "", 10), stroke_of("knife", "Bone Black", 11)}) {
+        session.apply(stroke);
+        for (int i = 0; i <= 10; ++i) session.apply(point(i * 0.02, 3.0 * i - 15, 1.0 * i - 5));
+        session.apply(EndEvent{});
+    }
+    const PaintLayer& after = session.canvas().wet();
+    int changed = 0;
+    for (int y = 0; y < height; ++y)
+        for (int x = 0; x < width; ++x) {
+            const bool same = before.thickness_mm(x, y) == after.thickness_mm(x, y);
+            ASSERT_TRUE(same || (*mask)(x, y) > 0) << x << " " << y;
+            changed += same ? 0 : 1;
+        }
+    EXPECT_GT(changed, 500);
+    EXPECT_GT(volume_before, 0);
+    EXPECT_THROW(session.canvas().confine(std::make_shared<Image<float>>(3, 3)), ContractError);
+    EXPECT_THAT([&] { session.canvas().confine(std::make_shared<Image<float>>(width, height, 2.0f)); },
+                testing::ThrowsMessage<Error>(HasSubstr("a mask holds 2")));
+}
+
 TEST(Session, UndoneStrokesLeaveNothing) {
     Session session(flat_surface(128, 96), artist_acrylics());
     session.apply(stroke_of("round", "Bone Black", 1));

@@ -57,7 +57,7 @@ TEST(Stroke, ACleanBrushStaysCleanOnDryPaint) {
     Brush loaded(even_brush(), kTestPixel, 1);
     loaded.load({{red, 1}}, 1);
     stroke(canvas, loaded, {-10, 0}, {10, 0});
-    dry(canvas, "first", canvas.region());
+    dry(canvas, "first");
     Brush clean(brush_presets().at("smudge"), kTestPixel, 2);
     stroke(canvas, clean, {-10, 0}, {10, 0});
     EXPECT_EQ(clean.volumes_mm3(1)[0], 0);
@@ -277,7 +277,7 @@ TEST(Stroke, NeverTouchesTheDrySurface) {
     Brush brush(brush_presets().at("knife"), kTestPixel, 4);
     brush.load({{red, 1}}, 1);
     stroke(canvas, brush, {-10, 0}, {10, 0}, 1);
-    dry(canvas, "first", canvas.region());
+    dry(canvas, "first");
     EXPECT_EQ(hash_of(canvas.dry()), before);
 }
 

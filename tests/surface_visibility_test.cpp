@@ -2,8 +2,11 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <glm/geometric.hpp>
+#include <limits>
 #include <numbers>
 
+#include "surface/cast_shadows.h"
 #include "surface/relight.h"
 #include "tests/test_support.h"
 
@@ -118,6 +121,82 @@ TEST(Visibility, IsBetweenZeroAndOneWhereTheHorizonTouchesTheLightsRim) {
             for (const float v : visible.pixels())
                 ASSERT_TRUE(v >= 0 && v <= 1) << v << " at elevation " << elevation << ", radius " << radius;
         }
+}
+
+// Hills of many sizes and a needle, so that stretches of all lengths can be skipped and must not be.
+Image<float> hills(int width, int height) {
+    Random random(3);
+    Image<float> z(width, height);
+    for (float size = 2; size < 100; size *= 2.3f) {
+        const double a = random.uniform(0, 6), b = random.uniform(0, 6);
+        for (int y = 0; y < height; ++y)
+            for (int x = 0; x < width; ++x)
+                z(x, y) += static_cast<float>(0.12 * size * std::sin(x / size + a) * std::cos(y / size + b));
+    }
+    z(width / 3, height / 2) += 40;
+    return z;
+}
+
+// visible_part() as cast_shadows.h defines it, step by step and in doubles.
+double marched(const Image<float>& z, int x, int y, const glm::dvec3& l, double mm_per_pixel, double radius) {
+    const double across = std::hypot(l.x, l.y), elevation = std::atan2(l.z, across);
+    double tangent = std::tan(elevation - radius);
+    for (double t = 1;; t += 1) {
+        const double px = x + t * l.x / across, py = y - t * l.y / across;
+        if (!(px >= 0 && py >= 0 && px <= z.width() - 1 && py <= z.height() - 1)) break;
+        const int x0 = std::min(static_cast<int>(px), z.width() - 2);
+        const int y0 = std::min(static_cast<int>(py), z.height() - 2);
+        const double fx = px - x0, fy = py - y0;
+        const double there = (1 - fy) * ((1 - fx) * z(x0, y0) + fx * z(x0 + 1, y0)) +
+                             fy * ((1 - fx) * z(x0, y0 + 1) + fx * z(x0 + 1, y0 + 1));
+        tangent = std::max(tangent, (there - z(x, y)) / (t * mm_per_pixel));
+    }
+    const double covered = std::clamp((std::atan(tangent) - elevation) / radius, -1.0, 1.0);
+    return (std::acos(covered) - covered * std::sqrt(1 - covered * covered)) / std::numbers::pi;
+}
+
+TEST(CastShadows, AreThoseOfAMarchOverEveryPixel) {
+    Random random(8);
+    for (const auto& [width, height] : {std::pair{150, 97}, {64, 64}, {5, 30}, {2, 2}}) {
+        const Image<float> z = hills(width, height);
+        const double mm_per_pixel = 0.7, radius_deg = 1.5;
+        const CastShadows shadows(z, mm_per_pixel, radius_deg);
+        int partly = 0, dark = 0, clear_at_sight = 0;
+        for (int i = 0; i < 3000; ++i) {
+            const int x = std::min(static_cast<int>(random.uniform(0, width)), width - 1);
+            const int y = std::min(static_cast<int>(random.uniform(0, height)), height - 1);
+            const double azimuth = random.uniform(0, 2 * std::numbers::pi);
+            const double elevation = random.uniform(0, 80) * kDegree;
+            const glm::dvec3 l(std::cos(elevation) * std::cos(azimuth),
+                               std::cos(elevation) * std::sin(azimuth), std::sin(elevation));
+            const double expected = marched(z, x, y, l, mm_per_pixel, radius_deg * kDegree);
+            // Floats know a height of 40 mm to 4e-6 mm, which is 1e-4 of the penumbra next to it.
+            ASSERT_NEAR(shadows.visible_part(x, y, Vec3(l)), expected, 1e-3)
+                << x << ", " << y << " of " << width << " x " << height;
+            const float across = static_cast<float>(std::cos(elevation));
+            if (shadows.clears(shadows.steepest_horizon(x, y), across, static_cast<float>(l.z))) {
+                ++clear_at_sight;
+                ASSERT_EQ(shadows.visible_part(x, y, Vec3(l)), 1);
+            }
+            partly += expected > 0.01 && expected < 0.99;
+            dark += expected < 0.01;
+        }
+        if (width < 10) continue;
+        EXPECT_GT(partly, 30);
+        EXPECT_GT(dark, 150);
+        EXPECT_GT(clear_at_sight, 30);
+    }
+}
+
+TEST(CastShadows, OfWhatIsNotANumberAreNone) {
+    Image<float> z(40, 40);
+    z(20, 20) = std::numeric_limits<float>::quiet_NaN();
+    z(30, 20) = 5;
+    const CastShadows shadows(z, 1, 0);
+    EXPECT_EQ(shadows.visible_part(20, 20, glm::normalize(Vec3(1, 0, 0.1f))), 1);
+    EXPECT_EQ(shadows.visible_part(15, 20, glm::normalize(Vec3(1, 0, 0.5f))), 1);
+    EXPECT_EQ(shadows.visible_part(25, 20, glm::normalize(Vec3(1, 0, 0.5f))), 0);
+    EXPECT_FALSE(shadows.clears(shadows.steepest_horizon(20, 20), 0.1f, 0.9f));
 }
 
 TEST(Visibility, OfAPictureOfOneRowIsComplete) {

@@ -2,6 +2,7 @@
 // save, crash.
 #include "paint/canvas_file.h"
 #include "paint/journal.h"
+#include "surface/relight.h"
 #include "viewer_support.h"
 #include "window_screen.h"
 
@@ -31,11 +32,11 @@ protected:
         write_painting(painting_, small_painting());
     }
 
-    void start() {
-        program_ = std::make_unique<Program>(
-            std::vector<std::string>{"paint", painting_.string(), "--size",
-                                     fmt::format("{}x{}", Screen::kWidth, Screen::kHeight)},
-            screen_->conditions());
+    void start(const std::vector<std::string>& further = {}) {
+        std::vector<std::string> words = {"paint", painting_.string(), "--size",
+                                          fmt::format("{}x{}", Screen::kWidth, Screen::kHeight)};
+        words.insert(words.end(), further.begin(), further.end());
+        program_ = std::make_unique<Program>(words, screen_->conditions());
         const bool shown = Screen::until([&] {
             const auto p = screen_->picture();
             return !program_->running() || glm::length(p(kMiddleX, kMiddleY)) > 0.3f;
@@ -143,6 +144,99 @@ TEST_F(Window, AsksBeforeItLosesStrokes) {
     const Finished done = program_->wait();
     EXPECT_EQ(done.json()["saves"], 1);
     EXPECT_FALSE(read_canvas(painting_).wet().empty());
+}
+
+// Photographs of a painting, as it would be relit, with a lights file; the second one is damaged.
+fs::path photographs_of(Surface& painting, const fs::path& folder) {
+    fs::create_directory(folder);
+    Photography& photography = painting.photography;
+    photography.transfer = {Transfer::Kind::srgb};
+    std::string lights = "4\n";
+    for (int i = 0; i < 4; ++i) {
+        const Light light = distant_light({i - 1.5f, 0.5f, 1}, fmt::format("{}.png", i));
+        photography.photos.push_back({.light = light, .fitted = i != 3});
+        const Image<Rgb> picture = relight(painting, {&light, 1}, {.cast_shadows = true});
+        write_picture(folder / light.name, picture, photography.transfer);
+        lights +=
+            fmt::format("{} {} {} {}\n", light.name, light.direction.x, light.direction.y, light.direction.z);
+    }
+    write_bytes(folder / "lights.lp", lights);
+    const std::string whole = bytes_of(folder / "1.png");
+    write_bytes(folder / "1.png", whole.substr(0, whole.size() / 2));
+    return folder;
+}
+
+TEST_F(Window, HoldsPhotographsAgainstThePainting) {
+    Surface painting = small_painting();
+    const fs::path photos = photographs_of(painting, folder_ / "photos");
+    write_painting(painting_, painting);
+    start({"--photos", photos.string()});
+    const auto wiped = screen_->settled();
+    // Both halves are the painting under the photograph's lamp: their difference is grey, and no colour.
+    screen_->x({"key", "v", "key", "v"});  // blink, difference
+    EXPECT_TRUE(screen_->becomes_different(wiped, kCanvas, 0.05));
+    const auto difference = screen_->settled();
+    const Rgb none = difference(kMiddleX, kMiddleY);
+    EXPECT_NEAR(none.r, none.g, 0.03);
+    EXPECT_NEAR(none.g, none.b, 0.03);
+    EXPECT_GT(none.g, 0.8) << "the diverging scale's middle";
+    screen_->x({"key", "v", "key", "v", "key", "v"});  // colour difference, side by side, wipe
+    EXPECT_TRUE(screen_->becomes_alike(wiped, kCanvas, 0.01));
+    screen_->key("Next");  // past the damaged one
+    EXPECT_TRUE(screen_->becomes_different(wiped, kCanvas, 0.01)) << "another photograph";
+    screen_->x({"key", "g"});
+    screen_->drag(1, {kMiddleX - 100, kMiddleY - 50}, {kMiddleX, kMiddleY + 50});
+    screen_->settled();
+    screen_->key("ctrl+r");
+    screen_->settled();
+    screen_->enter((folder_ / "report").string());  // not there: it is said so, and the dialog stays
+    screen_->settled();
+    EXPECT_FALSE(fs::exists(folder_ / "report"));
+    fs::create_directory(folder_ / "report");
+    screen_->enter("");
+    const fs::path page = folder_ / "report" / "compare.html";
+    EXPECT_TRUE(Screen::until([&] { return fs::exists(page); }));
+    const auto report = nlohmann::json::parse(bytes_of(folder_ / "report" / "compare.json"));
+    ASSERT_EQ(report["photos"].size(), 3u) << "the damaged one is left out";
+    for (const auto& photo : report["photos"]) EXPECT_GT(photo["psnr_db"], 40.0) << photo["name"];
+
+    screen_->key("ctrl+shift+s");
+    screen_->settled();
+    screen_->x({"key", "ctrl+a"});
+    screen_->enter((folder_ / "copy.exr").string());
+    EXPECT_TRUE(Screen::until([&] { return fs::exists(folder_ / "copy.exr"); }));
+    screen_->settled();
+    EXPECT_EQ(close().json()["painting"], (folder_ / "copy.exr").string()) << "it has that name from then on";
+    EXPECT_EQ(hash_of(read_painting(folder_ / "copy.exr")), hash_of(painting));
+}
+
+TEST_F(Window, OpensAnotherPainting) {
+    Surface other = small_painting();
+    for (Rgb& c : other.diffuse.pixels()) c = {0.1f, 0.2f, 0.7f};
+    write_painting(folder_ / "blue.exr", other);
+    start();
+    paint_a_stroke();
+    screen_->settled();
+    screen_->key("ctrl+o");
+    screen_->settled();
+    screen_->enter((folder_ / "blue.exr").string());
+    screen_->settled();
+    EXPECT_EQ(read_canvas(painting_).wet().empty(), true);
+    screen_->key("Return");  // save what is not saved, and open
+    EXPECT_TRUE(Screen::until([&] {
+        const Rgb c = screen_->picture()(kMiddleX, kMiddleY - 100);
+        return c.b > 1.5f * c.r;
+    })) << "the blue one is shown";
+    EXPECT_FALSE(read_canvas(painting_).wet().empty()) << "and the first was saved";
+    paint_a_stroke();
+    screen_->settled();
+    screen_->key("ctrl+s");
+    screen_->settled();
+    const auto json = close().json();
+    EXPECT_EQ(json["painting"], (folder_ / "blue.exr").string());
+    EXPECT_EQ(json["strokes"], 2);
+    EXPECT_EQ(json["saves"], 2);
+    EXPECT_FALSE(read_canvas(folder_ / "blue.exr").wet().empty());
 }
 
 TEST_F(Window, ResizedToNothingGoesOn) {

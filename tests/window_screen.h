@@ -35,7 +35,8 @@ public:
         Conditions c;
         c.environment = {{"DISPLAY", fmt::format(":{}", number_)},
                          {"LIBGL_ALWAYS_SOFTWARE", "1"},
-                         {"WAYLAND_DISPLAY", ""}};
+                         {"WAYLAND_DISPLAY", ""},
+                         {"XDG_CONFIG_HOME", (folder_.path() / "config").string()}};
         c.timeout = std::chrono::seconds(120);
         return c;
     }
@@ -46,6 +47,11 @@ public:
         EXPECT_EQ(done.code, 0) << done.err;
     }
     void key(const std::string& name) const { x({"key", name}); }
+    // Into what has the keyboard, and Enter.
+    void enter(const std::string& text) const {
+        if (!text.empty()) x({"type", "--delay", "20", text});
+        key("Return");
+    }
     void drag(int button, std::pair<int, int> from, std::pair<int, int> to) const {
         const std::string b = std::to_string(button);
         std::vector<std::string> words = {"mousemove", std::to_string(from.first),

@@ -7,6 +7,9 @@
 #include <backends/imgui_impl_opengl3.h>
 #include <imgui.h>
 
+#include <algorithm>
+#include <cmath>
+
 #include "surface/error.h"
 
 namespace tangi {
@@ -52,6 +55,13 @@ PanelContext::PanelContext(GLFWwindow* window) {
     ImGui::CreateContext();
     ImGui::GetIO().IniFilename = nullptr;
     ImGui::StyleColorsDark();
+    float x = 1, y = 1;
+    glfwGetWindowContentScale(window, &x, &y);
+    scale_ = std::clamp(std::max(x, y), 1.0f, 4.0f);
+    ImGui::GetStyle().ScaleAllSizes(scale_);
+    ImFontConfig font;
+    font.SizePixels = std::floor(13 * scale_);
+    ImGui::GetIO().Fonts->AddFontDefault(&font);
     ImGui_ImplGlfw_InitForOpenGL(window, true);
     ImGui_ImplOpenGL3_Init("#version 330 core");
 }

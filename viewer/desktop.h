@@ -30,13 +30,18 @@ private:
     GLFWwindow* handle_ = nullptr;
 };
 
-// Panels take the window's events that its own callbacks, set before, pass on.
+// Panels take the window's events that its own callbacks, set before, pass on. They are as large as the
+// screen's density asks for.
 class PanelContext {
 public:
     explicit PanelContext(GLFWwindow* window);
     ~PanelContext();
+    float scale() const { return scale_; }  // [1] against a screen of the usual density
     PanelContext(const PanelContext&) = delete;
     PanelContext& operator=(const PanelContext&) = delete;
+
+private:
+    float scale_ = 1;
 };
 
 }  // namespace tangi

@@ -13,9 +13,7 @@ constexpr double kZoomPerNotch = 1.15, kLightStep_deg = 3, kTurn_deg = 15;
 
 }  // namespace
 
-Placement Hand::placement() const {
-    return Placement(state_.view, state_.tilt, state_.flat, state_.painting, screen_, state_.mm_per_pixel);
-}
+Placement Hand::placement() const { return placement_of(state_, screen_); }
 
 StrokePoint Hand::point(double time_s) const {
     glm::dvec2 at(0);
@@ -24,16 +22,53 @@ StrokePoint Hand::point(double time_s) const {
     point.time_s = std::max(0.0, time_s - stroke_began_s_);
     point.x_mm = (at.x - (state_.painting.width - 1) / 2.0) * state_.stroke_mm_per_pixel;
     point.y_mm = ((state_.painting.height - 1) / 2.0 - at.y) * state_.stroke_mm_per_pixel;
-    point.pressure = state_.pressure;
+    hold(point);
     return point;
+}
+
+// As the pen is held; a mouse has a slider for it.
+void Hand::hold(StrokePoint& point) const {
+    point.pressure = state_.pressure;
+    if (!pen_) return;
+    point.pressure = pen_->pressure;
+    point.tilt_x = pen_->tilt_x;
+    point.tilt_y = pen_->tilt_y;
+    point.rotation_deg = pen_->rotation_deg;
+}
+
+// [mm] from the middle of the palette.
+StrokePoint Hand::board_point(const InputEvent& event) const {
+    const BoardState& board = state_.board;
+    const auto& [x0, y0, x1, y1] = board.rect;
+    StrokePoint point;
+    point.time_s = std::max(0.0, event.time_s - stroke_began_s_);
+    const double mm = board.size.width * state_.stroke_mm_per_pixel / std::max(x1 - x0, 1.0f);
+    point.x_mm = (event.at.x - (x0 + x1) / 2) * mm;
+    point.y_mm = ((y0 + y1) / 2 - event.at.y) * mm;
+    hold(point);
+    return point;
+}
+
+void Hand::begin_board_stroke(const InputEvent& event) {
+    drag_ = Drag::panel;
+    if (state_.left_over_strokes > 0 || event.code != GLFW_MOUSE_BUTTON_LEFT) return;
+    drag_ = Drag::board;
+    stroke_began_s_ = event.time_s;
+    seed_ = std::random_device{}();
+    painter_.send(state_.board_stroke(seed_));
+    painter_.send(PointEvent{board_point(event)});
 }
 
 void Hand::take(const InputEvent& event, Extent screen, double left, bool panels_busy, bool typing) {
     screen_ = screen;
     const auto follow = [&] {
         cursor_ = event.at - glm::dvec2(left, 0);
+        pen_ = event.pen;
         over_canvas_ =
             cursor_.x >= 0 && cursor_.y >= 0 && cursor_.x < screen.width && cursor_.y < screen.height;
+        // Beside a photograph, both halves show the same part of the painting.
+        const Extent half = pane(state_, screen);
+        if (half.width < screen.width && cursor_.x >= half.width) cursor_.x -= half.width;
     };
     switch (event.kind) {
         case InputEvent::Kind::move:
@@ -43,7 +78,9 @@ void Hand::take(const InputEvent& event, Extent screen, double left, bool panels
         case InputEvent::Kind::press:
             follow();
             if (drag_ != Drag::none) break;  // a second button changes nothing
-            if (!over_canvas_ || panels_busy)
+            if (state_.board.has(event.at))
+                begin_board_stroke(event);
+            else if (!over_canvas_ || panels_busy)
                 drag_ = Drag::panel;
             else
                 press(event);
@@ -59,43 +96,50 @@ void Hand::take(const InputEvent& event, Extent screen, double left, bool panels
             break;
         case InputEvent::Kind::wheel:
             if (over_canvas_ && !panels_busy)
-                state_.view = zoomed(state_.view, std::pow(kZoomPerNotch, event.at.y), cursor_, screen);
+                state_.view =
+                    zoomed(state_.view, std::pow(kZoomPerNotch, event.at.y), cursor_, pane(state_, screen));
             break;
         case InputEvent::Kind::key:
             if (!typing) key(event);
             break;
+        case InputEvent::Kind::lost:
+            let_go();
+            break;
     }
+}
+
+Hand::Drag Hand::drag_for(const InputEvent& event) const {
+    if (event.code == GLFW_MOUSE_BUTTON_MIDDLE || space_) return Drag::pan;
+    const bool compares = state_.comparing.on;  // nothing tilts then, and nothing is lit or painted
+    const bool wipes = state_.comparing.shows() && state_.comparing.way == CompareWay::wipe;
+    const Drag otherwise = wipes ? Drag::divider : Drag::pan;
+    if (event.code == GLFW_MOUSE_BUTTON_RIGHT) return compares ? otherwise : Drag::tilt;
+    if (pen_ && pen_->eraser) return compares ? otherwise : Drag::paint;
+    switch (state_.tool) {
+        case Tool::tilt:
+            return compares ? otherwise : Drag::tilt;
+        case Tool::light:
+            return compares ? otherwise : Drag::light;
+        case Tool::paint:
+            if (compares) return otherwise;
+            return event.mods & GLFW_MOD_SHIFT ? Drag::size : Drag::paint;
+        case Tool::pan:
+            return Drag::pan;
+        case Tool::pick:
+            return Drag::panel;
+        case Tool::ruler:
+            return Drag::ruler;
+        case Tool::region:
+            return Drag::region;
+    }
+    return Drag::panel;
 }
 
 void Hand::press(const InputEvent& event) {
     last_ = cursor_;
     last_time_s_ = event.time_s;
-    if (event.code == GLFW_MOUSE_BUTTON_RIGHT) {
-        drag_ = Drag::tilt;
-    } else if (event.code == GLFW_MOUSE_BUTTON_MIDDLE || space_) {
-        drag_ = Drag::pan;
-        space_ = false;
-    } else {
-        switch (state_.tool) {
-            case Tool::tilt:
-                drag_ = Drag::tilt;
-                break;
-            case Tool::light:
-                drag_ = Drag::light;
-                break;
-            case Tool::pan:
-                drag_ = Drag::pan;
-                break;
-            case Tool::paint:
-                drag_ = event.mods & GLFW_MOD_SHIFT ? Drag::size : Drag::paint;
-                break;
-            case Tool::pick:
-                break;
-            case Tool::ruler:
-                drag_ = Drag::ruler;
-                break;
-        }
-    }
+    drag_ = drag_for(event);
+    if (drag_ == Drag::pan) space_ = false;
     glm::dvec2 at;
     const bool hit = placement().to_painting(cursor_, at);
     const bool picks = event.code == GLFW_MOUSE_BUTTON_LEFT &&
@@ -106,20 +150,31 @@ void Hand::press(const InputEvent& event) {
         return;
     }
     if (drag_ == Drag::tilt) state_.tilt = held(state_.tilt);
-    if (drag_ == Drag::ruler) state_.ruler = {at, at};
-    if (drag_ == Drag::light) move(event);
-    if (drag_ != Drag::paint) return;
-    if (!hit || state_.left_over_strokes > 0) {
+    if (drag_ == Drag::ruler) {
+        state_.ruler = {at, at};
+        state_.profile.reset();
+    }
+    if (drag_ == Drag::region) {
+        corner_ = at;
+        state_.region.reset();
+        state_.statistics.reset();
+    }
+    if (drag_ == Drag::light || drag_ == Drag::divider) move(event);
+    if (drag_ == Drag::paint && !begin_stroke(event, hit)) drag_ = Drag::panel;
+}
+
+bool Hand::begin_stroke(const InputEvent& event, bool on_painting) {
+    if (!on_painting || state_.left_over_strokes > 0) {
         if (state_.left_over_strokes > 0)
             state_.message = "first recover or put aside the strokes of the last sitting";
         state_.message_until_s = event.time_s + 5;
-        drag_ = Drag::panel;
-        return;
+        return false;
     }
     stroke_began_s_ = event.time_s;
     seed_ = std::random_device{}();  // bristles differ from stroke to stroke; the journal has the seed
-    painter_.send(state_.stroke(seed_));
+    painter_.send(pen_ && pen_->eraser ? state_.erasing_stroke(seed_) : state_.stroke(seed_));
     painter_.send(PointEvent{point(event.time_s)});
+    return true;
 }
 
 void Hand::move(const InputEvent& event) {
@@ -143,9 +198,29 @@ void Hand::move(const InputEvent& event) {
         case Drag::paint:
             painter_.send(PointEvent{point(event.time_s)});
             break;
+        case Drag::board:
+            if (state_.board.rect[2] > 0) painter_.send(PointEvent{board_point(event)});
+            break;
         case Drag::size:
             state_.brush.size_mm = std::clamp(state_.brush.size_mm * std::exp(by.x / 150), 0.1, 500.0);
             break;
+        case Drag::divider:
+            state_.comparing.divider =
+                std::clamp(static_cast<float>(cursor_.x / std::max(screen_.width, 1)), 0.0f, 1.0f);
+            break;
+        case Drag::region: {
+            glm::dvec2 at;
+            if (!placement().to_painting(cursor_, at)) break;
+            const auto pixel = [](double v, int size) {
+                return std::clamp(static_cast<int>(std::floor(v + 0.5)), 0, size);
+            };
+            const Region region{pixel(std::min(corner_.x, at.x), state_.painting.width),
+                                pixel(std::min(corner_.y, at.y), state_.painting.height),
+                                pixel(std::max(corner_.x, at.x) + 1, state_.painting.width),
+                                pixel(std::max(corner_.y, at.y) + 1, state_.painting.height)};
+            if (!region.empty()) state_.region = region;
+            break;
+        }
         case Drag::ruler: {
             glm::dvec2 at;
             if (state_.ruler && placement().to_painting(cursor_, at)) state_.ruler->second = at;
@@ -165,88 +240,130 @@ void Hand::move(const InputEvent& event) {
 }
 
 void Hand::let_go() {
-    if (drag_ == Drag::paint) painter_.send(EndEvent{});
+    if (drag_ == Drag::paint || drag_ == Drag::board) painter_.send(EndEvent{});
+    if (drag_ == Drag::ruler && state_.ruler) painter_.profile(state_.ruler->first, state_.ruler->second);
+    if (drag_ == Drag::region && state_.region) painter_.statistics(*state_.region);
     drag_ = Drag::none;
 }
 
-void Hand::control_key(int key, bool shift) {
-    if (key == GLFW_KEY_Z) (shift ? state_.ask.redo : state_.ask.undo) = true;
-    if (key == GLFW_KEY_Y) state_.ask.redo = true;
-    if (key == GLFW_KEY_S) state_.ask.save = true;
-    if (key == GLFW_KEY_Q) state_.ask.close = true;
+void Hand::key(const InputEvent& event) {
+    if (event.code == GLFW_KEY_ENTER) {
+        if (state_.closing)
+            state_.ask.save = state_.ask.close = true;
+        else if (state_.left_over_strokes > 0)
+            state_.ask.recover = true;
+    }
+    if (event.code == GLFW_KEY_ESCAPE) {
+        state_.closing = false;
+        state_.open_next.clear();
+    }
+    if (event.code == GLFW_KEY_SPACE) space_ = true;
+    const std::optional<Action> action = state_.keys.action(event.code, event.mods);
+    if (!action) return;
+    for (const ToolName& tool : kTools)
+        if (tool.action == *action) state_.tool = tool.tool;
+    look_act(*action);
+    act(*action);
 }
 
-void Hand::key(const InputEvent& event) {
-    if (event.mods & GLFW_MOD_CONTROL) {
-        control_key(event.code, event.mods & GLFW_MOD_SHIFT);
-        return;
-    }
-    for (const ToolName& tool : kTools)
-        if (event.code == tool.key) state_.tool = tool.tool;
+// What changes how the painting is seen.
+void Hand::look_act(Action action) {
     Angles& light = state_.lamps[state_.lamp].angles;
-    switch (event.code) {
-        case GLFW_KEY_ENTER:
-            if (state_.closing)
-                state_.ask.save = state_.ask.close = true;
-            else if (state_.left_over_strokes > 0)
-                state_.ask.recover = true;
-            break;
-        case GLFW_KEY_ESCAPE:
-            state_.closing = false;
-            break;
-        case GLFW_KEY_F:
-            state_.ask.fit = true;
-            break;
-        case GLFW_KEY_1:
-            state_.ask.one_to_one = true;
-            break;
-        case GLFW_KEY_R:
-            state_.ask.straighten = true;
-            break;
-        case GLFW_KEY_D:
-            state_.ask.dry = true;
-            break;
-        case GLFW_KEY_S:
+    switch (action) {
+        case Action::shadows:
             state_.shadows = !state_.shadows;
             break;
-        case GLFW_KEY_O:
+        case Action::loupe:
             state_.loupe = !state_.loupe;
             break;
-        case GLFW_KEY_F1:
-            state_.help = !state_.help;
-            break;
-        case GLFW_KEY_F12:
-            state_.ask.snapshot = true;
-            break;
-        case GLFW_KEY_TAB:
-            panels_ = !panels_;
-            break;
-        case GLFW_KEY_SPACE:
-            space_ = true;
-            break;
-        case GLFW_KEY_COMMA:
+        case Action::turn_left:
             state_.view = turned(state_.view, kTurn_deg);
             break;
-        case GLFW_KEY_PERIOD:
+        case Action::turn_right:
             state_.view = turned(state_.view, -kTurn_deg);
             break;
-        case GLFW_KEY_LEFT_BRACKET:
-            state_.brush.size_mm = std::max(state_.brush.size_mm / 1.15, 0.1);
-            break;
-        case GLFW_KEY_RIGHT_BRACKET:
-            state_.brush.size_mm = std::min(state_.brush.size_mm * 1.15, 500.0);
-            break;
-        case GLFW_KEY_LEFT:
+        case Action::light_left:
             light.azimuth_deg = std::remainder(light.azimuth_deg + kLightStep_deg, 360.0);
             break;
-        case GLFW_KEY_RIGHT:
+        case Action::light_right:
             light.azimuth_deg = std::remainder(light.azimuth_deg - kLightStep_deg, 360.0);
             break;
-        case GLFW_KEY_UP:
+        case Action::light_up:
             light.elevation_deg = std::min(light.elevation_deg + kLightStep_deg, 90.0);
             break;
-        case GLFW_KEY_DOWN:
+        case Action::light_down:
             light.elevation_deg = std::max(light.elevation_deg - kLightStep_deg, 2.0);
+            break;
+        case Action::compare:
+            state_.comparing.on = state_.comparing.loaded && !state_.comparing.on;
+            if (!state_.comparing.loaded) state_.ask.photos_dialog = true;
+            break;
+        case Action::compare_way:
+            state_.comparing.way = static_cast<CompareWay>(
+                (static_cast<std::size_t>(state_.comparing.way) + 1) % kCompareWays.size());
+            break;
+        default:
+            break;
+    }
+}
+
+// What is asked of the window and the painter, and the brush.
+void Hand::act(Action action) {
+    WindowState::Requests& ask = state_.ask;
+    switch (action) {
+        case Action::fit:
+            ask.fit = true;
+            break;
+        case Action::one_to_one:
+            ask.one_to_one = true;
+            break;
+        case Action::straighten:
+            ask.straighten = true;
+            break;
+        case Action::dry:
+            ask.dry = true;
+            break;
+        case Action::undo:
+            ask.undo = true;
+            break;
+        case Action::redo:
+            ask.redo = true;
+            break;
+        case Action::brush_smaller:
+            state_.brush.size_mm = std::max(state_.brush.size_mm / 1.15, 0.1);
+            break;
+        case Action::brush_larger:
+            state_.brush.size_mm = std::min(state_.brush.size_mm * 1.15, 500.0);
+            break;
+        case Action::next_photo:
+            ask.step_photo = 1;
+            break;
+        case Action::previous_photo:
+            ask.step_photo = -1;
+            break;
+        case Action::report:
+            ask.report_dialog = state_.comparing.news.book != nullptr;
+            break;
+        case Action::open:
+            ask.open_dialog = true;
+            break;
+        case Action::save:
+            ask.save = true;
+            break;
+        case Action::save_as:
+            ask.save_dialog = true;
+            break;
+        case Action::snapshot:
+            ask.snapshot = true;
+            break;
+        case Action::panels:
+            panels_ = !panels_;
+            break;
+        case Action::help:
+            state_.help = !state_.help;
+            break;
+        case Action::close:
+            ask.close = true;
             break;
         default:
             break;

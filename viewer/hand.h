@@ -24,14 +24,20 @@ public:
     bool panels_wanted() const { return panels_; }
 
 private:
-    enum class Drag { none, tilt, light, pan, paint, size, ruler, panel };
+    enum class Drag { none, tilt, light, pan, paint, size, ruler, region, divider, board, panel };
 
     void press(const InputEvent& event);
     void move(const InputEvent& event);
     void key(const InputEvent& event);
-    void control_key(int key, bool shift);
+    void act(Action action);
+    void look_act(Action action);
+    Drag drag_for(const InputEvent& event) const;
+    bool begin_stroke(const InputEvent& event, bool on_painting);
     Placement placement() const;
     StrokePoint point(double time_s) const;
+    void hold(StrokePoint& point) const;
+    StrokePoint board_point(const InputEvent& event) const;
+    void begin_board_stroke(const InputEvent& event);
 
     WindowState& state_;
     Painter& painter_;
@@ -40,6 +46,8 @@ private:
     bool over_canvas_ = false, panels_ = true, space_ = false;
     Drag drag_ = Drag::none;
     int button_ = 0;
+    std::optional<PenSample> pen_;  // that moves the pointer
+    glm::dvec2 corner_{0};          // [pixels of the painting] where a region began
     double last_time_s_ = 0, stroke_began_s_ = 0;
     std::uint64_t seed_ = 0;
 };

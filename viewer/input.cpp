@@ -2,6 +2,7 @@
 
 #include <GLFW/glfw3.h>
 
+#include <algorithm>
 #include <utility>
 
 namespace tangi {
@@ -10,32 +11,31 @@ namespace {
 
 Input* of(GLFWwindow* window) { return static_cast<Input*>(glfwGetWindowUserPointer(window)); }
 
-glm::dvec2 cursor_of(GLFWwindow* window) {
-    glm::dvec2 at;
-    glfwGetCursorPos(window, &at.x, &at.y);
-    return at;
-}
-
 }  // namespace
 
 Input::Input(GLFWwindow* window) : window_(window) {
     glfwSetWindowUserPointer(window, this);
+    glfwGetCursorPos(window, &at_.x, &at_.y);
     // Uncovered, or another size: what is shown must be drawn again.
     glfwSetWindowRefreshCallback(window, [](GLFWwindow* w) { of(w)->woken_ = true; });
     glfwSetFramebufferSizeCallback(window, [](GLFWwindow* w, int, int) { of(w)->woken_ = true; });
     glfwSetCursorPosCallback(window, [](GLFWwindow* w, double x, double y) {
+        of(w)->at_ = {x, y};
         of(w)->put({InputEvent::Kind::move, glfwGetTime(), {x, y}, 0, 0});
     });
     glfwSetMouseButtonCallback(window, [](GLFWwindow* w, int button, int action, int mods) {
         of(w)->put({action == GLFW_PRESS ? InputEvent::Kind::press : InputEvent::Kind::release, glfwGetTime(),
-                    cursor_of(w), button, mods});
+                    of(w)->at_, button, mods});
     });
     glfwSetScrollCallback(window, [](GLFWwindow* w, double, double y) {
         of(w)->put({InputEvent::Kind::wheel, glfwGetTime(), {0, y}, 0, 0});
     });
     glfwSetKeyCallback(window, [](GLFWwindow* w, int key, int, int action, int mods) {
-        if (action != GLFW_RELEASE)
-            of(w)->put({InputEvent::Kind::key, glfwGetTime(), cursor_of(w), key, mods});
+        if (action != GLFW_RELEASE) of(w)->put({InputEvent::Kind::key, glfwGetTime(), of(w)->at_, key, mods});
+    });
+    glfwSetDropCallback(window, [](GLFWwindow* w, int count, const char** paths) {
+        of(w)->woken_ = true;
+        of(w)->dropped_.insert(of(w)->dropped_.end(), paths, paths + count);
     });
 }
 
@@ -48,7 +48,21 @@ void Input::put(InputEvent event) {
 
 std::deque<InputEvent> Input::take() {
     woken_ = false;
+    const PenNews pens = pens_.take();
+    const auto moves = [](const InputEvent& event) {
+        return event.kind == InputEvent::Kind::move || event.kind == InputEvent::Kind::press;
+    };
+    if (!pens.samples.empty() || pens.down) {
+        const auto count = static_cast<std::size_t>(std::count_if(events_.begin(), events_.end(), moves));
+        std::size_t i = 0;
+        for (InputEvent& event : events_)
+            if (moves(event)) event.pen = pens.samples.empty() ? pen_ : sample_of(pens.samples, i++, count);
+        if (!pens.samples.empty()) pen_ = pens.samples.back();
+    }
+    if (pens.lost) events_.push_back({InputEvent::Kind::lost, glfwGetTime(), at_, 0, 0});
     return std::exchange(events_, {});
 }
+
+std::vector<std::filesystem::path> Input::take_dropped() { return std::exchange(dropped_, {}); }
 
 }  // namespace tangi

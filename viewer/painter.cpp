@@ -20,8 +20,10 @@ Painter::Painter(Setup setup, std::function<void()> wake, const Progress& progre
     : session_(std::move(setup.canvas), std::move(setup.palette)),
       surface_(appearance(session_.canvas(), {}, progress)),
       mm_per_pixel_(session_.canvas().mm_per_pixel()),
+      dry_(session_.canvas().dry_shared()),
       record_(sitting_files(setup.file)),
       file_is_new_(setup.file_is_new),
+      file_(setup.file),
       wake_(std::move(wake)) {
     range_ = range_of(surface_, kPaintRoom_mm / static_cast<float>(session_.canvas().height_unit_mm()));
     session_.canvas().take_dirty();
@@ -38,6 +40,11 @@ Painter::~Painter() {
     horizon_stop_ = true;
     if (thread_.joinable()) thread_.join();
     if (horizon_thread_.joinable()) horizon_thread_.join();
+}
+
+std::filesystem::path Painter::file() const {
+    const std::lock_guard lock(mutex_);
+    return file_;
 }
 
 void Painter::start(TexelTiles tiles) {
@@ -126,10 +133,12 @@ void Painter::show_changes() {
     std::vector<TexelPatch> patches;
     for (const TileIndex tile : dirty) {
         Region region = session_.canvas().wet().region_of(tile);
-        region = {region.x0 - 1, region.y0 - 1, region.x1 + 1, region.y1 + 1};  // slopes look a pixel far
+        // Slopes look two pixels far at most.
+        region = {region.x0 - 2, region.y0 - 2, region.x1 + 2, region.y1 + 2};
         tiles_.update(surface_, region);
         for (TexelPatch& patch : patches_of(tiles_, region)) patches.push_back(std::move(patch));
     }
+    show_board();
     own_.can_undo = session_.history().can_undo();
     own_.can_redo = session_.history().can_redo();
     own_.strokes = session_.totals().strokes;
@@ -143,9 +152,31 @@ void Painter::show_changes() {
     wake_();
 }
 
+// The palette: the whole of it when it is new, then what has changed.
+void Painter::show_board() {
+    Canvas* board = session_.board();
+    own_.has_board = board != nullptr;
+    if (!board) return;
+    const std::vector<TileIndex> dirty = board->take_dirty();
+    std::vector<BoardPatch> patches;
+    if (!board_) {
+        board_ = appearance(*board);
+        patches.push_back(board_patch(*board_, board->region()));
+    } else {
+        update_appearance(*board, dirty, *board_);
+        for (const TileIndex tile : dirty) {
+            const Region all = board->region(), r = board->wet().region_of(tile);
+            patches.push_back(board_patch(*board_, {std::max(r.x0 - 1, 0), std::max(r.y0 - 1, 0),
+                                                    std::min(r.x1 + 1, all.x1), std::min(r.y1 + 1, all.y1)}));
+        }
+    }
+    const std::lock_guard lock(mutex_);
+    for (BoardPatch& patch : patches) news_.board.push_back(std::move(patch));
+}
+
 void Painter::apply(const Event& event, bool recorded) {
     if (file_is_new_) {
-        write_canvas(file(), session_.canvas());
+        write_canvas(record_.files().painting, session_.canvas());
         file_is_new_ = false;
     }
     // Nothing is recorded that a replay would stumble over.
@@ -165,6 +196,7 @@ void Painter::apply(const Event& event, bool recorded) {
         }
     own_.unsaved = true;
     session_.apply(event);
+    if (std::string warning = session_.take_warning(); !warning.empty()) say(std::move(warning));
     if (std::holds_alternative<UndoEvent>(event)) ++own_.undone;
     if (std::holds_alternative<RedoEvent>(event)) --own_.undone;
 }
@@ -188,25 +220,38 @@ void Painter::discard() {
     });
 }
 
-void Painter::write() {
+void Painter::write(const std::filesystem::path& to) {
+    const std::filesystem::path& from = record_.files().painting;
     session_.finish();
-    write_canvas(file(), session_.canvas());
+    record_.let_time_pass();
+    AtomicFile file(to);
+    std::vector<PartToWrite> further;
+    // What other modules keep in the file stays: it belongs to the dry layer, which does not change.
+    if (!file_is_new_ && std::filesystem::exists(from)) guarded([&] { further = parts_beside_paint(from); });
+    write_canvas(file, session_.canvas(), {}, further);
     file_is_new_ = false;
     own_.unsaved = false;
     ++own_.saves;
-    say(fmt::format("saved {}", file().filename().string()));
-    record_.put_away();
+    say(fmt::format("saved {}", to.filename().string()));
+    if (to == from)
+        record_.put_away();
+    else
+        record_.move_to(sitting_files(to));
+    const std::lock_guard lock(mutex_);
+    file_ = to;
 }
 
-void Painter::save() {
-    post([this] {
+void Painter::save() { save_as({}); }
+
+void Painter::save_as(const std::filesystem::path& to) {
+    post([this, to] {
         own_.saving = true;
         {
             const std::lock_guard lock(mutex_);
             news_.state.saving = true;
         }
         wake_();
-        guarded([&] { write(); });
+        guarded([&] { write(to.empty() ? record_.files().painting : to); });
         own_.saving = false;
     });
 }
@@ -236,6 +281,22 @@ void Painter::pick(double x, double y, double radius_px) {
         Probe picked = look_at(px, py, std::max(radius_px, 0.5));
         const std::lock_guard lock(mutex_);
         news_.picked = std::move(picked);
+    });
+}
+
+void Painter::profile(const glm::dvec2& from_px, const glm::dvec2& to_px) {
+    post([this, from_px, to_px] {
+        HeightProfile profile = height_profile(surface_, from_px, to_px);
+        const std::lock_guard lock(mutex_);
+        news_.profile = std::move(profile);
+    });
+}
+
+void Painter::statistics(const Region& region) {
+    post([this, region] {
+        const RegionStatistics statistics = statistics_of(surface_, region);
+        const std::lock_guard lock(mutex_);
+        news_.statistics = statistics;
     });
 }
 

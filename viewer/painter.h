@@ -16,7 +16,9 @@
 #include <vector>
 
 #include "paint/session.h"
+#include "viewer/board_picture.h"
 #include "viewer/horizon.h"
+#include "viewer/measure.h"
 #include "viewer/renderer.h"
 #include "viewer/sitting.h"
 #include "viewer/texels.h"
@@ -32,7 +34,7 @@ struct Probe {
 };
 
 struct PainterState {
-    bool can_undo = false, can_redo = false, unsaved = false, saving = false;
+    bool can_undo = false, can_redo = false, unsaved = false, saving = false, has_board = false;
     int strokes = 0, undone = 0, saves = 0;
     std::vector<std::string> layers;  // dried, from the bottom up
     std::size_t waiting = 0;          // events not painted yet
@@ -41,8 +43,11 @@ struct PainterState {
 // What has happened since it was last fetched.
 struct PainterNews {
     std::vector<TexelPatch> patches;
+    std::vector<BoardPatch> board;
     std::optional<HorizonMap> horizon;
     std::optional<Probe> probe, picked;
+    std::optional<HeightProfile> profile;
+    std::optional<RegionStatistics> statistics;
     std::vector<std::string> messages;  // errors, and what was done
     PainterState state;
 };
@@ -63,7 +68,8 @@ public:
     const TexelRange& range() const { return range_; }
     // [mm] Of strokes and brushes; that of the surface where its scale is known.
     double mm_per_pixel() const { return mm_per_pixel_; }
-    const std::filesystem::path& file() const { return record_.files().painting; }
+    std::filesystem::path file() const;
+    const std::shared_ptr<const Surface>& dry() const { return dry_; }
 
     // Hands over the tiles that were made of surface().
     void start(TexelTiles tiles);
@@ -72,8 +78,11 @@ public:
     void recover(Journal journal);  // paints what a crash left; it is in the journal already
     void discard();                 // puts the journal of unsaved strokes aside
     void save();
+    void save_as(const std::filesystem::path& file);  // and it has this name from then on
     void probe(int x, int y);
     void pick(double x, double y, double radius_px);
+    void profile(const glm::dvec2& from_px, const glm::dvec2& to_px);
+    void statistics(const Region& region);
     void make_horizon();
 
     PainterNews fetch();
@@ -84,22 +93,26 @@ private:
     void post(std::function<void()> job);
     void apply(const Event& event, bool recorded);
     void show_changes();
+    void show_board();
     void say(std::string text);
     void guarded(const std::function<void()>& action);
-    void write();
+    void write(const std::filesystem::path& to);
     Probe look_at(int x, int y, double radius_px) const;
 
     // The painter's thread only, once it runs.
     Session session_;
     Surface surface_;
+    std::optional<Surface> board_;  // what the palette looks like
     TexelTiles tiles_;
     TexelRange range_;
     double mm_per_pixel_;
+    std::shared_ptr<const Surface> dry_;
     SittingRecord record_;
     bool file_is_new_, told_of_journal_ = false;
     PainterState own_;
 
-    std::mutex mutex_;
+    mutable std::mutex mutex_;
+    std::filesystem::path file_;  // as record_ has it, for other threads
     std::condition_variable something_, idle_;
     std::deque<std::function<void()>> jobs_;
     PainterNews news_;

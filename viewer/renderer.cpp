@@ -7,6 +7,7 @@
 
 #include "surface/error.h"
 #include "viewer/shaders.h"
+#include "viewer/view.h"
 
 namespace tangi {
 
@@ -38,6 +39,9 @@ public:
     void set(const char* name, const glm::vec4& v) const { glUniform4fv(at(name), 1, glm::value_ptr(v)); }
     void set(const char* name, const glm::mat3& m) const {
         glUniformMatrix3fv(at(name), 1, GL_FALSE, glm::value_ptr(m));
+    }
+    void set(const char* name, const std::vector<glm::vec2>& v) const {
+        glUniform2fv(at(name), static_cast<GLsizei>(v.size()), glm::value_ptr(v.front()));
     }
     void set(const char* name, const std::vector<glm::vec4>& v) const {
         glUniform4fv(at(name), static_cast<GLsizei>(v.size()), glm::value_ptr(v.front()));
@@ -148,16 +152,26 @@ void Renderer::set_horizon(const HorizonMap& map) {
 const gl::Program& Renderer::program_for(const Scene& scene, const Shot& shot, bool linear) {
     Shadows shadows = scene.shadows;
     if (width_ < 2 || height_ < 2 || (shadows == Shadows::horizon && !horizon_)) shadows = Shadows::none;
-    const std::string definitions = fmt::format(
-        "#define WARD_MODEL {}\n#define LAW {}\n#define FILTER {}\n#define LIGHTS {}\n#define BENDS "
-        "{}\n#define SHADOWS {}\n"
-        "#define MODE {}\n#define OUTPUT {}\n",
-        static_cast<int>(scene.model), scene.law == ReflectanceLaw{} ? 0 : 1, shot.smooth ? 1 : 0,
-        std::max<std::size_t>(scene.lights.size(), 1), scene.rig.bend_per_mm != 0 ? 1 : 0,
-        static_cast<int>(shadows), static_cast<int>(scene.mode), linear ? 0 : 1);
+    const bool near = std::any_of(scene.lights.begin(), scene.lights.end(),
+                                  [](const Light& light) { return light.position_mm.has_value(); });
+    std::string definitions;
+    const auto define = [&](const char* name, int value) {
+        definitions += fmt::format("#define {} {}\n", name, value);
+    };
+    define("PAGED", 0);
+    define("WARD_MODEL", static_cast<int>(scene.model));
+    define("LAW", scene.law == ReflectanceLaw{} ? 0 : 1);
+    define("FILTER", shot.smooth ? 1 : 0);
+    define("LIGHTS", static_cast<int>(std::max<std::size_t>(scene.lights.size(), 1)));
+    define("NEAR", near ? 1 : 0);
+    define("BENDS", scene.rig.bend_per_mm != 0 ? 1 : 0);
+    define("SHADOWS", static_cast<int>(shadows));
+    define("EYE", shot.eye.w == 0 ? 0 : 1);
+    define("MODE", static_cast<int>(scene.mode));
+    define("OUTPUT", linear ? 0 : 1);
     auto& program = programs_[definitions];
     if (!program)
-        program = gl::make_program(fmt::format("{}{}", kDesktop, kPaintingVertexShader),
+        program = gl::make_program(fmt::format("{}{}{}", kDesktop, definitions, kPaintingVertexShader),
                                    fmt::format("{}{}{}", kDesktop, definitions, kPaintingFragmentShader));
     return program;
 }
@@ -179,14 +193,18 @@ void Renderer::draw(const Scene& scene, const Shot& shot, GLuint target, bool li
 
     std::vector<glm::vec4> lights;
     std::vector<glm::vec3> gains;
+    std::vector<glm::vec2> places;
     for (const Light& light : scene.lights) {
         lights.push_back(light.position_mm ? glm::vec4(*light.position_mm, 1)
                                            : glm::vec4(light.direction, 0));
         gains.push_back(light.gain);
+        const Angles angles = angles_of(light.direction);
+        places.emplace_back(angles.azimuth_deg / 360, angles.elevation_deg * std::numbers::pi / 180);
     }
     if (lights.empty()) {
         lights.emplace_back(0, 0, 1, 0);
         gains.emplace_back(0);
+        places.emplace_back(0);
     }
     const Uniforms u(program.id());
     u.set("u_texels", 0);
@@ -194,12 +212,14 @@ void Renderer::draw(const Scene& scene, const Shot& shot, GLuint target, bool li
     u.set("u_size", width_, height_);
     u.set("u_tile_bits", bits_);
     u.set("u_tile_columns", columns_);
+    u.set("u_last_level", bits_);
     u.set("u_level", std::clamp(shot.level, 0, bits_));
     u.set("u_range", glm::vec4(range_.diffuse_max, range_.specular_max, range_.height_min_mm,
                                range_.height_max_mm - range_.height_min_mm));
     u.set("u_mm_per_pixel", static_cast<float>(mm_per_pixel_));
     u.set("u_light", lights);
     u.set("u_gain", gains);
+    u.set("u_place", places);
     u.set("u_law", glm::vec2(scene.law.diffuse_roughness, scene.law.haze));
     u.set("u_bend", scene.rig.bend_per_mm);
     u.set("u_light_radius", static_cast<float>(scene.light_radius_deg * std::numbers::pi / 180));

@@ -29,15 +29,22 @@ public:
     // Throws Error where it cannot be written; the event was not recorded then.
     void append(const Event& event);
     void sync();
+    // Before the painting is saved, which must be seen to be younger than the journal: waits until the clock
+    // of the file system, which ticks every 10 ms at worst, has gone on.
+    void let_time_pass() const;
     bool empty() const { return !writer_; }
     // After the painting was saved: to the end of the record.
     void put_away();
     // The user does not want it: kept under another name, x.discarded.jsonl.
     void discard();
-    // The painting has another name from now on, and what was recorded so far has been saved there.
-    void go_on_with(const SittingFiles& files) { files_ = files; }
+    // After the painting was saved under another name, which it has from now on: its record is what was
+    // recorded so far. A journal that another painting of that name left is put aside, as by discard().
+    void move_to(const SittingFiles& files);
 
 private:
+    // `maybe_there`: it may be at the record's end already.
+    void move_to_record(bool maybe_there);
+
     SittingFiles files_;
     std::unique_ptr<JournalWriter> writer_;
 };

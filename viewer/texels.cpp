@@ -12,7 +12,8 @@ namespace {
 
 std::uint32_t code(float value, std::uint32_t largest) {
     const auto top = static_cast<float>(largest);
-    return static_cast<std::uint32_t>(std::lround(std::clamp(value, 0.0f, 1.0f) * top));
+    // Not lround(), a call for each of millions.
+    return static_cast<std::uint32_t>(std::clamp(value, 0.0f, 1.0f) * top + 0.5f);
 }
 
 float value(std::uint32_t code, std::uint32_t largest) {
@@ -48,7 +49,7 @@ Texel pack(const Material& m, const TexelRange& r) {
     const float height = (m.height_mm - r.height_min_mm) / (r.height_max_mm - r.height_min_mm);
     // Heights need all 24 bits: in double, since a float has no more.
     const auto z = static_cast<std::uint32_t>(
-        std::llround(std::clamp<double>(height, 0.0, 1.0) * static_cast<double>(kHeightCodes)));
+        std::clamp<double>(height, 0.0, 1.0) * static_cast<double>(kHeightCodes) + 0.5);
     return {code(0.5f + 0.5f * (n.x + n.y), 65535) | code(0.5f + 0.5f * (n.x - n.y), 65535) << 16,
             code(rho(m.diffuse.r), 2047) | code(rho(m.diffuse.g), 2047) << 11 |
                 code(rho(m.diffuse.b), 1023) << 22,

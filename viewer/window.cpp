@@ -10,104 +10,56 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 
 #include "surface/error.h"
-#include "surface/picture_file.h"
-#include "viewer/desktop.h"
-#include "viewer/hand.h"
-#include "viewer/live_picture.h"
 #include "viewer/panels/panels.h"
+#include "viewer/window_app.h"
 
 namespace tangi {
 
 namespace {
 
-constexpr int kFramesAfterwards = 3;  // panels need some to settle
 constexpr double kSweep_deg_per_s = 40;
-constexpr double kHorizonPause_s = 0.4;  // after the last change, before shadows are made again
 constexpr double kFrame_s = 1 / 60.0;
-constexpr std::size_t kUploadBytes = std::size_t(8) << 20;  // in one frame
+constexpr double kProgress_s = 0.2;  // between two pictures of how far something is
 
-class App {
-public:
-    App(WindowSetup setup, const Progress& progress);
-    WindowResult run();
+}  // namespace
 
-private:
-    bool frame();
-    void news();
-    void requests();
-    void loupe(const Scene& scene);
-    void warm_up();
-    void find_left_over(const std::filesystem::path& file);
-    void animate(double seconds);
-    void draw(bool moved);
-    void snapshot();
-    void say(const std::string& text);
-    bool closing();
-    Placement placement() const {
-        return Placement(state_.view, state_.tilt, state_.flat, state_.painting, screen_,
-                         state_.mm_per_pixel);
-    }
-
-    std::function<bool()> stop_wanted_;
-    Glfw glfw_;
-    DesktopWindow window_;
-    Input input_;
-    PanelContext panels_;
-    Renderer renderer_;
-    Painter painter_;
-    WindowState state_;
-    Hand hand_;
-    LivePicture picture_;
-    gl::Target loupe_;
-    std::optional<Journal> left_over_;
-    std::deque<TexelPatch> patches_;
-    Extent screen_{1, 1}, window_size_{1, 1};
-    double left_ = 0, now_s_ = 0, horizon_due_s_ = 0, moved_s_ = -1;
-    std::string seen_;  // the scene and placement of the last picture
-    int settle_ = kFramesAfterwards;
-    bool dirty_ = true, close_when_saved_ = false, close_unsaved_ = false, fitted_ = false;
-    std::size_t first_bytes_ = 0;
-    WindowResult result_;
-};
-
-App::App(WindowSetup setup, const Progress& progress)
+WindowApp::WindowApp(WindowSetup setup, const Progress& progress)
     : stop_wanted_(std::move(setup.stop_wanted)),
       window_(fmt::format("{} - TangiPaint", setup.file.filename().string()), setup.width, setup.height),
       input_(window_.handle()),
-      panels_(window_.handle()),
-      painter_(
-          {std::move(setup.canvas), setup.palette, setup.file, setup.file_is_new},
-          [] { glfwPostEmptyEvent(); }, progress),
-      hand_(state_, painter_) {
-    const Surface& surface = painter_.surface();
-    state_.title = setup.file.filename().string();
-    state_.painting = {surface.width(), surface.height()};
-    state_.mm_per_pixel = surface.mm_per_pixel;
-    state_.stroke_mm_per_pixel = painter_.mm_per_pixel();
-    state_.scale_known = surface.scale_known;
-    state_.law = surface.law;
+      panels_(window_.handle()) {
+    state_.scale = panels_.scale();
     state_.palette = setup.palette;
     if (!setup.brushes.empty()) state_.brushes = setup.brushes;
-    const auto [low, high] =
-        std::minmax_element(surface.height_mm.pixels().begin(), surface.height_mm.pixels().end());
-    state_.lowest_mm = *low;
-    state_.highest_mm = *high;
-    TexelTiles tiles(surface, painter_.range(), renderer_.tile_bits(surface.width(), surface.height()));
-    renderer_.set_painting(tiles, surface.mm_per_pixel);
-    first_bytes_ = renderer_.uploaded_bytes();
-    find_left_over(setup.file);
-    warm_up();
-    painter_.start(std::move(tiles));
-    painter_.make_horizon();
+    const auto wake = [] { glfwPostEmptyEvent(); };
+    desk_.emplace(state_, Desk::Setup{std::move(setup.workshop), setup.palette, setup.settings,
+                                      [this](int w, int h) { return renderer_.tile_bits(w, h); }, wake,
+                                      [this](const std::string& text) { say(text); }});
+    OpenedPainting opened;
+    opened.painter = std::make_unique<Painter>(
+        Painter::Setup{std::move(setup.canvas), setup.palette, setup.file, setup.file_is_new}, wake,
+        progress);
+    const Surface& surface = opened.painter->surface();
+    opened.tiles =
+        TexelTiles(surface, opened.painter->range(), renderer_.tile_bits(surface.width(), surface.height()));
+    opened.file = setup.file;
+    show(std::move(opened), true);
     const auto* name = reinterpret_cast<const char*>(glGetString(GL_RENDERER));
     result_.drawn_by = name ? name : "";
+    if (!setup.photos.empty()) desk_->hold_photos(setup.photos, *painter_);
+    try {
+        if (!setup.settings.empty()) state_.keys = Keys::read(setup.settings / "keys.json");
+    } catch (const Error& error) {
+        say(error.what());  // the usual keys, then
+    }
 }
 
 // Drivers compile when something is drawn for the first time, which takes a software renderer half a second:
 // now, and not when the hand first moves.
-void App::warm_up() {
+void WindowApp::warm_up() {
     HorizonMap nothing{1, 1, {}};
     nothing.values.assign(HorizonMap::kAzimuths, 0);
     renderer_.set_horizon(nothing);  // until the painter has made one
@@ -120,136 +72,28 @@ void App::warm_up() {
     glFinish();
 }
 
-void App::find_left_over(const std::filesystem::path& file) {
-    try {
-        left_over_ = left_over(sitting_files(file));
-    } catch (const Error& error) {
-        say(error.what());  // one can look at the painting all the same
-    }
-    if (!left_over_) return;
-    const auto strokes = std::count_if(
-        left_over_->entries.begin(), left_over_->entries.end(),
-        [](const Journal::Entry& entry) { return std::holds_alternative<StrokeEvent>(entry.event); });
-    state_.left_over_strokes = std::max(1, static_cast<int>(strokes));
-}
-
-void App::say(const std::string& text) {
+void WindowApp::say(const std::string& text) {
     state_.message = text;
     state_.message_until_s = now_s_ + 8;
     settle_ = kFramesAfterwards;
 }
 
-void App::news() {
-    PainterNews news = painter_.fetch();
-    state_.painter = news.state;
-    for (TexelPatch& patch : news.patches) patches_.push_back(std::move(patch));
-    std::size_t bytes = 0;
-    while (!patches_.empty() && bytes < kUploadBytes) {
-        bytes += patches_.front().texels.size() * sizeof(Texel);
-        renderer_.upload(patches_.front());
-        patches_.pop_front();
-    }
-    if (bytes > 0) {
-        dirty_ = true;
-        horizon_due_s_ = now_s_ + kHorizonPause_s;
-    }
-    if (news.horizon) {
-        renderer_.set_horizon(*news.horizon);
-        dirty_ = true;
-    }
-    if (news.probe) state_.probe = news.probe;
-    if (news.picked) {
-        state_.take_up(*news.picked);
-        state_.tool = Tool::paint;
-    }
-    for (const std::string& message : news.messages) say(message);
-    if (horizon_due_s_ > 0 && now_s_ >= horizon_due_s_ && !hand_.holds() && patches_.empty()) {
-        horizon_due_s_ = 0;
-        painter_.make_horizon();
-    }
-}
-
-void App::snapshot() {
-    const Shot shot = placement().shot(1, true);
-    const gl::Target target(shot.width, shot.height, false);
-    renderer_.draw(scene_of(state_, placement()), shot, target.framebuffer());
-    std::filesystem::path path = painter_.file();
-    for (int i = 1;; ++i) {
-        path.replace_filename(fmt::format("{}-{}.png", painter_.file().stem().string(), i));
-        if (!std::filesystem::exists(path)) break;
-    }
-    try {
-        write_picture_8bit(path, renderer_.read(target));
-        say("wrote " + path.filename().string());
-    } catch (const Error& error) {
-        say(error.what());
-    }
-}
-
-void App::requests() {
-    WindowState::Requests ask = std::exchange(state_.ask, {});
-    if (ask.fit) state_.view = fitted(state_.painting, screen_, state_.view.turn_deg);
-    if (ask.one_to_one) state_.view.zoom = 1;
-    if (ask.straighten) {
-        state_.tilt = sent_back(state_.tilt);
-        state_.view = turned(state_.view, -state_.view.turn_deg);
-    }
-    const bool blocked = state_.left_over_strokes > 0;
-    if (ask.undo && state_.painter.can_undo && !blocked) painter_.send(UndoEvent{});
-    if (ask.redo && state_.painter.can_redo && !blocked) painter_.send(RedoEvent{});
-    if (ask.dry && !blocked)
-        painter_.send(DryEvent{fmt::format("layer {}", state_.painter.layers.size() + 1), 1});
-    if (!ask.lift.empty() && !blocked) painter_.send(LiftEvent{ask.lift});
-    if (ask.recover && left_over_) {
-        painter_.recover(std::move(*left_over_));
-        left_over_.reset();
-        state_.left_over_strokes = 0;
-    }
-    if (ask.discard) {
-        painter_.discard();
-        left_over_.reset();
-        state_.left_over_strokes = 0;
-    }
-    if (ask.snapshot) snapshot();
-    if (ask.save && !blocked) {
-        hand_.let_go();
-        painter_.save();
-    }
-    if (ask.close && ask.save) close_when_saved_ = true;
-    if (ask.close || ask.close_unsaved) glfwSetWindowShouldClose(window_.handle(), GLFW_TRUE);
-    if (ask.close_unsaved) close_unsaved_ = true;
-}
-
-// What to do about a window that is to be closed: true where it may.
-bool App::closing() {
-    if (!glfwWindowShouldClose(window_.handle())) return false;
-    hand_.let_go();  // in mid-stroke: the stroke ends here
-    if (close_unsaved_) return true;
-    if (close_when_saved_ || !state_.closing) {
-        close_when_saved_ = false;
-        painter_.wait();
-        news();  // what became of it, and messages
-    }
-    if (!state_.painter.unsaved) return true;
-    state_.closing = true;  // asks
-    glfwSetWindowShouldClose(window_.handle(), GLFW_FALSE);
-    settle_ = kFramesAfterwards;
-    return false;
-}
-
-void App::animate(double seconds) {
-    if (!hand_.holds()) state_.tilt = advanced(state_.tilt, seconds);
+void WindowApp::animate(double seconds) {
+    if (!hand_->holds()) state_.tilt = advanced(state_.tilt, seconds);
     if (state_.sweeping) {
         Angles& light = state_.lamps[state_.lamp].angles;
         light.azimuth_deg = std::remainder(light.azimuth_deg + kSweep_deg_per_s * seconds, 360.0);
     }
+    Comparing& comparing = state_.comparing;
+    comparing.blink_photo = std::fmod(now_s_, 2 * comparing.blink_s) < comparing.blink_s;
+    if (comparing.way != CompareWay::blink) comparing.blink_photo = false;
     if (now_s_ > state_.message_until_s) state_.message.clear();
 }
 
 // What is under the cursor, four times as large.
-void App::loupe(const Scene& scene) {
+void WindowApp::loupe(const Scene& scene) {
     glm::dvec2 at;
-    if (!state_.loupe || !hand_.over_canvas() || !placement().to_painting(hand_.cursor(), at)) return;
+    if (!state_.loupe || !hand_->over_canvas() || !placement().to_painting(hand_->cursor(), at)) return;
     constexpr int kSide = 240;
     constexpr double kLarger = 4;
     if (!loupe_.width()) loupe_ = gl::Target(kSide, kSide, false);
@@ -259,31 +103,41 @@ void App::loupe(const Scene& scene) {
     const Placement place(view, state_.tilt, state_.flat, state_.painting, {kSide, kSide},
                           state_.mm_per_pixel);
     renderer_.draw(scene, place.shot(1, true), loupe_.framebuffer());
-    const int x = static_cast<int>(left_ + hand_.cursor().x) - kSide / 2;
-    const int y = window_size_.height - static_cast<int>(hand_.cursor().y) - kSide / 2;
+    const int x = static_cast<int>(left_ + hand_->cursor().x) - kSide / 2;
+    const int y = window_size_.height - static_cast<int>(hand_->cursor().y) - kSide / 2;
     glBindFramebuffer(GL_READ_FRAMEBUFFER, loupe_.framebuffer());
     glBindFramebuffer(GL_DRAW_FRAMEBUFFER, 0);
     glBlitFramebuffer(0, 0, kSide, kSide, x, y, x + kSide, y + kSide, GL_COLOR_BUFFER_BIT, GL_NEAREST);
     glBindFramebuffer(GL_FRAMEBUFFER, 0);
 }
 
-void App::draw(bool moved) {
+void WindowApp::draw(bool moved) {
     glBindFramebuffer(GL_FRAMEBUFFER, 0);
     glViewport(0, 0, window_size_.width, window_size_.height);
     glClearColor(0.15f, 0.15f, 0.16f, 1);
     glClear(GL_COLOR_BUFFER_BIT);
     const Placement place = placement();
-    if (moved || dirty_ || !picture_.fine())
-        picture_.draw(renderer_, scene_of(state_, place), place, screen_, moved || (dirty_ && hand_.holds()));
+    const bool compares = state_.comparing.shows();
+    if (compares) {
+        held_.show(state_.comparing);
+    } else {
+        if (moved || dirty_ || !picture_.fine())
+            picture_.draw(renderer_, scene_of(state_, place), place, screen_,
+                          moved || (dirty_ && hand_->holds()));
+        picture_.show(static_cast<int>(left_), window_size_.height);
+        loupe(scene_of(state_, place));
+    }
     dirty_ = false;
-    picture_.show(static_cast<int>(left_), window_size_.height);
-    loupe(scene_of(state_, place));
     ImGui_ImplOpenGL3_NewFrame();
     ImGui_ImplGlfw_NewFrame();
     ImGui::NewFrame();
-    if (hand_.panels_wanted()) panels::column(state_, static_cast<float>(window_size_.height));
+    if (compares) panels::held_photo(state_, held_.left(), held_.right(), screen_);
+    if (hand_->panels_wanted()) panels::column(state_, static_cast<float>(window_size_.height));
+    panels::measurements(state_);
+    panels::board(state_);
     panels::help(state_);
-    panels::overlay(state_, place, screen_, hand_.cursor(), hand_.over_canvas());
+    if (dialog_ && !dialog_->draw()) dialog_.reset();
+    panels::overlay(state_, place, screen_, hand_->cursor(), hand_->over_canvas());
     ImGui::Render();
     glViewport(0, 0, window_size_.width, window_size_.height);
     ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
@@ -292,24 +146,39 @@ void App::draw(bool moved) {
 }
 
 // True while there is something to do.
-bool App::frame() {
+bool WindowApp::frame() {
     const double before = now_s_;
     now_s_ = glfwGetTime();
     const bool woken = input_.woken();
     const std::deque<InputEvent> events = input_.take();
     glfwGetFramebufferSize(window_.handle(), &window_size_.width, &window_size_.height);
-    left_ = hand_.panels_wanted() ? panels::kWidth : 0;
+    left_ = hand_->panels_wanted() ? panels::width(state_) : 0;
     const Extent screen{window_size_.width - static_cast<int>(left_), window_size_.height};
     const bool resized = screen.width != screen_.width || screen.height != screen_.height;
     if (screen.width > 0 && screen.height > 0) screen_ = screen;
-    if (!fitted_) state_.view = fitted(state_.painting, screen_);
+    if (!fitted_) state_.view = fitted(state_.painting, pane(state_, screen_));
     fitted_ = true;
+    const bool floating = state_.help || dialog_ || state_.profile || state_.statistics || state_.board.open;
     const bool panels_busy = ImGui::IsPopupOpen(nullptr, ImGuiPopupFlags_AnyPopup) ||
-                             (state_.help && ImGui::GetIO().WantCaptureMouse);
-    for (const InputEvent& event : events)
-        hand_.take(event, screen_, left_, panels_busy, ImGui::GetIO().WantTextInput);
+                             (floating && ImGui::GetIO().WantCaptureMouse);
+    for (const InputEvent& event : events) {
+        if (dialog_ && event.kind == InputEvent::Kind::key) {
+            if (event.code == GLFW_KEY_ENTER || event.code == GLFW_KEY_KP_ENTER) dialog_->enter();
+            if (event.code == GLFW_KEY_ESCAPE) dialog_->escape();
+        }
+        hand_->take(event, screen_, left_, panels_busy, dialog_ || ImGui::GetIO().WantTextInput);
+    }
+    take_dropped();
+    progress_due_ |= desk_->look();
+    if (progress_due_ && now_s_ - progress_s_ > kProgress_s) {
+        settle_ = std::max(settle_, 1);
+        progress_s_ = now_s_;
+        progress_due_ = false;
+    }
     requests();
     news();
+    if (auto opened = desk_->opened()) show(std::move(*opened), false);
+    if (state_.help) state_.pens = input_.pens();
     animate(std::min(now_s_ - before, 0.1));
     if (window_size_.width <= static_cast<int>(left_) || window_size_.height <= 0 ||
         glfwGetWindowAttrib(window_.handle(), GLFW_ICONIFIED)) {
@@ -321,7 +190,9 @@ bool App::frame() {
     const Placement place = placement();
     const Scene scene = scene_of(state_, place);
     const Shot shot = place.shot(1, true);
-    std::string seen(reinterpret_cast<const char*>(&shot), sizeof shot);
+    // Up to its last member (always the same): what comes after that is padding, which is never the same.
+    constexpr std::size_t kShotBytes = offsetof(Shot, smooth);
+    std::string seen(reinterpret_cast<const char*>(&shot), kShotBytes);
     for (const Light& light : scene.lights)
         seen += fmt::format("{} {} {} {} {}", light.direction.x, light.direction.y, light.direction.z,
                             light.gain.r, light.position_mm ? light.position_mm->z : 0);
@@ -329,22 +200,28 @@ bool App::frame() {
                         static_cast<int>(scene.shadows), scene.light_radius_deg, scene.ambient,
                         scene.exposure[0][0], scene.shoulder, static_cast<int>(scene.mode), scene.strength,
                         scene.sharpness, scene.lowest_mm, scene.highest_mm);
+    const Comparing& comparing = state_.comparing;
+    if (comparing.shows())
+        seen = fmt::format("{} {} {} {} {}", seen.substr(0, kShotBytes),
+                           static_cast<const void*>(comparing.news.held.get()),
+                           static_cast<int>(comparing.way), comparing.divider, comparing.blink_photo);
     const bool moved = seen != seen_;
     seen_ = std::move(seen);
     if (moved) moved_s_ = now_s_;
     if (woken || moved || dirty_ || resized) settle_ = kFramesAfterwards;
-    const bool rests = now_s_ - moved_s_ > 0.15;
-    if (settle_ > 0 || !patches_.empty() || (rests && !picture_.fine())) {
+    const bool rests = now_s_ - moved_s_ > 0.15, fine = comparing.shows() || picture_.fine();
+    if (settle_ > 0 || !patches_.empty() || (rests && !fine)) {
         // Fine pictures wait until the hand rests.
-        if (moved || dirty_ || picture_.fine() || rests) {
-            draw(moved || (!rests && !picture_.fine()));
+        if (moved || dirty_ || fine || rests) {
+            draw(moved || (!rests && !fine));
             --settle_;
         }
     }
-    return state_.tilt.moves() || state_.sweeping || settle_ > 0 || !patches_.empty() || !picture_.fine();
+    return state_.tilt.moves() || state_.sweeping || settle_ > 0 || !patches_.empty() || !fine ||
+           (comparing.shows() && comparing.way == CompareWay::blink);
 }
 
-WindowResult App::run() {
+WindowResult WindowApp::run() {
     bool busy = true;
     for (;;) {
         if (busy)
@@ -360,12 +237,8 @@ WindowResult App::run() {
             if (left > 0) glfwWaitEventsTimeout(left);
         }
     }
-    hand_.let_go();
-    painter_.wait();
-    const PainterState last = painter_.fetch().state;
-    result_.strokes = last.strokes;
-    result_.saves = last.saves;
-    result_.unsaved = last.unsaved;
+    hand_->let_go();
+    tally();
     result_.tilt_deg = state_.tilt.angle_deg;
     result_.light_azimuth_deg = state_.lamps.front().angles.azimuth_deg;
     result_.light_elevation_deg = state_.lamps.front().angles.elevation_deg;
@@ -373,10 +246,8 @@ WindowResult App::run() {
     return result_;
 }
 
-}  // namespace
-
 WindowResult run_window(WindowSetup setup, const Progress& progress) {
-    return App(std::move(setup), progress).run();
+    return WindowApp(std::move(setup), progress).run();
 }
 
 }  // namespace tangi

@@ -11,6 +11,7 @@
 #include "paint/canvas.h"
 #include "paint/palette.h"
 #include "surface/progress.h"
+#include "viewer/workshop.h"
 
 namespace tangi {
 
@@ -20,11 +21,15 @@ struct WindowSetup {
     std::map<std::string, BrushSettings> brushes;
     std::filesystem::path file{};  // what is opened, or where a new canvas is to be saved
     bool file_is_new = false;
-    int width = 1280, height = 800;       // [pixels] of the window
+    int width = 1280, height = 800;  // [pixels] of the window
+    Workshop workshop{};
+    std::filesystem::path photos{};       // a folder of photographs to hold against it at once
+    std::filesystem::path settings{};     // folder of keys.json and recent.json; empty: there is none
     std::function<bool()> stop_wanted{};  // asked between frames: Ctrl-C, a kill
 };
 
 struct WindowResult {
+    std::filesystem::path file;  // the painting that was shown last; counts are of all that were
     int strokes = 0, saves = 0;
     bool unsaved = false;  // strokes are in the journal and not in the painting
     long frames = 0;

@@ -46,21 +46,62 @@ Rgb WindowState::mixed_colour() const {
     std::vector<float> parts;
     for (const auto& [name, part] : mix)
         if (part > 0) {
-            paints.push_back(palette.at(name));
+            paints.push_back(finished(palette.at(name), finish));
             parts.push_back(part);
         }
     return paints.empty() ? Rgb(0) : thick_film(paints, parts);
 }
 
+glm::dvec2 WindowState::mixed_gloss() const {
+    double specular = 0, roughness = 0, sum = 0;
+    for (const auto& [name, part] : mix) {
+        const Pigment& paint = palette.at(name);
+        specular += part * paint.specular;
+        roughness += part * paint.roughness;
+        sum += part;
+    }
+    if (sum <= 0) return {finish.specular.value_or(0), finish.roughness.value_or(1)};
+    return {finish.specular.value_or(specular / sum), finish.roughness.value_or(roughness / sum)};
+}
+
 StrokeEvent WindowState::stroke(std::uint64_t seed) const {
     StrokeEvent event;
     event.brush = brush;
-    if (brush.load_mm > 0)
-        for (const auto& [name, part] : mix)
-            if (part > 0) event.paint.emplace_back(name, part);
-    event.start = dirty_brush ? BrushStart::dirty : BrushStart::clean;
+    if (board.in_hand) {
+        event.start = BrushStart::same;
+    } else {
+        if (brush.load_mm > 0)
+            for (const auto& [name, part] : mix)
+                if (part > 0) event.paint.emplace_back(name, part);
+        event.finish = finish;
+        event.start = dirty_brush ? BrushStart::dirty : BrushStart::clean;
+    }
     event.options.stabiliser_mm = stabiliser_mm;
     event.seed = seed;
+    return event;
+}
+
+StrokeEvent WindowState::board_stroke(std::uint64_t seed) {
+    // A brush that was loaded from the mixture brings that along.
+    StrokeEvent event = stroke(seed);
+    event.on = Place::palette;
+    event.paint.clear();
+    event.finish = {};
+    event.start = board.wash ? BrushStart::clean : BrushStart::same;
+    board.wash = false;
+    board.in_hand = true;
+    return event;
+}
+
+StrokeEvent WindowState::erasing_stroke(std::uint64_t seed) const {
+    StrokeEvent event = stroke(seed);
+    const auto eraser = brushes.find("eraser");
+    if (eraser == brushes.end()) return event;
+    event.brush = eraser->second;
+    event.brush.size_mm = brush.size_mm;
+    event.paint.clear();
+    event.finish = {};
+    event.start = BrushStart::clean;
     return event;
 }
 
@@ -68,7 +109,18 @@ void WindowState::take_up(const Probe& picked) {
     std::map<std::string, float> found;
     for (const auto& [name, part] : picked.recipe)
         if (palette.find(name) >= 0 && part > 0.005) found[name] = static_cast<float>(part);
-    if (!found.empty()) mix = std::move(found);
+    if (found.empty()) return;
+    mix = std::move(found);
+    board.in_hand = false;
+}
+
+Extent pane(const WindowState& state, Extent screen) {
+    return {state.comparing.aside() ? std::max(screen.width / 2, 1) : screen.width, screen.height};
+}
+
+Placement placement_of(const WindowState& state, Extent screen) {
+    const Tilt& tilt = state.comparing.on ? Tilt{} : state.tilt;
+    return Placement(state.view, tilt, state.flat, state.painting, pane(state, screen), state.mm_per_pixel);
 }
 
 Scene scene_of(const WindowState& state, const Placement& placement) {

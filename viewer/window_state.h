@@ -10,28 +10,30 @@
 #include "paint/brush_settings.h"
 #include "paint/journal.h"
 #include "paint/palette.h"
+#include "viewer/comparison.h"
+#include "viewer/job.h"
 #include "viewer/look.h"
 #include "viewer/painter.h"
+#include "viewer/shortcuts.h"
 #include "viewer/tilt.h"
 #include "viewer/view.h"
 
 namespace tangi {
 
-enum class Tool { tilt, light, pan, paint, pick, ruler };
+enum class Tool { tilt, light, pan, paint, pick, ruler, region };
 
 struct ToolName {
     Tool tool;
     const char* name;
-    char key;
-    const char* help;
+    Action action;
 };
-inline constexpr std::array<ToolName, 6> kTools = {
-    {{Tool::tilt, "Tilt", 'T', "drag: tilt the painting; the light stays (right button: with any tool)"},
-     {Tool::light, "Light", 'L', "drag: move the light, as on a dome over the painting"},
-     {Tool::pan, "Pan", 'H', "drag: move the painting (middle button: with any tool)"},
-     {Tool::paint, "Paint", 'B', "drag: paint; Alt-click: take a paint up; Shift-drag: brush size"},
-     {Tool::pick, "Pick", 'I', "click: mix what lies there"},
-     {Tool::ruler, "Ruler", 'M', "drag: measure"}}};
+inline constexpr std::array<ToolName, 7> kTools = {{{Tool::tilt, "Tilt", Action::tool_tilt},
+                                                    {Tool::light, "Light", Action::tool_light},
+                                                    {Tool::pan, "Pan", Action::tool_pan},
+                                                    {Tool::paint, "Paint", Action::tool_paint},
+                                                    {Tool::pick, "Pick", Action::tool_pick},
+                                                    {Tool::ruler, "Ruler", Action::tool_ruler},
+                                                    {Tool::region, "Region", Action::tool_region}}};
 
 struct Lamp {
     Angles angles{135, 50};
@@ -39,6 +41,49 @@ struct Lamp {
     bool on = true;
     bool near = false;      // at a distance, instead of far away
     float distance = 1.5f;  // in widths of the painting
+};
+
+// How a photograph and the relit painting are shown.
+enum class CompareWay { aside, wipe, blink, difference, delta_e };
+
+struct CompareWayName {
+    CompareWay way;
+    const char* name;
+};
+inline constexpr std::array<CompareWayName, 5> kCompareWays = {{{CompareWay::aside, "Side by side"},
+                                                                {CompareWay::wipe, "Wipe"},
+                                                                {CompareWay::blink, "Blink"},
+                                                                {CompareWay::difference, "Difference"},
+                                                                {CompareWay::delta_e, "Colour difference"}}};
+
+// Photographs that are held against the painting.
+struct Comparing {
+    bool loaded = false;  // a folder of photographs is there
+    bool on = false;      // and shown
+    std::string folder;
+    Comparison::News news;
+    CompareWay way = CompareWay::wipe;
+    float divider = 0.5f;      // [1] of the screen's width: the photograph is left of it
+    bool blink_photo = false;  // what is shown at this moment
+    float blink_s = 0.6f;
+
+    // A photograph is on the screen, instead of the painting under its lamps.
+    bool shows() const { return on && news.held; }
+    bool aside() const { return shows() && way == CompareWay::aside; }
+};
+
+// The palette that paints are mixed on, as it lies on the screen.
+struct BoardState {
+    bool open = false;
+    Extent size{};                // [pixels of the palette]
+    unsigned texture = 0;         // OpenGL's name of its picture
+    std::array<float, 4> rect{};  // [pixels of the window] x0, y0, x1, y1; all 0 where it is not seen
+    bool in_hand = false;         // strokes go on with what the brush took up there
+    bool wash = false;            // before the next stroke on it
+
+    bool has(const glm::dvec2& at) const {
+        return at.x >= rect[0] && at.y >= rect[1] && at.x < rect[2] && at.y < rect[3];
+    }
 };
 
 struct WindowState {
@@ -52,6 +97,7 @@ struct WindowState {
     bool scale_known = false;
     ReflectanceLaw law{};
     float lowest_mm = 0, highest_mm = 1;
+    bool from_photographs = false;  // and so can be compared with them
 
     // Looking.
     View view;
@@ -76,7 +122,9 @@ struct WindowState {
     float pressure = 0.6f, stabiliser_mm = 0;
     bool dirty_brush = false;
     std::map<std::string, float> mix;  // parts of paints on the brush
-    std::vector<Rgb> paint_colours;    // [sRGB] of the palette's paints, opaque
+    PaintFinish finish;                // of the mixture
+    BoardState board;
+    std::vector<Rgb> paint_colours;  // [sRGB] of the palette's paints, opaque
 
     // What the painter told, and the user.
     PainterState painter;
@@ -86,23 +134,54 @@ struct WindowState {
     int left_over_strokes = 0;                               // that a crash left: recover or discard
     bool closing = false;                                    // with unsaved strokes: asked what to do
     std::optional<std::pair<glm::dvec2, glm::dvec2>> ruler;  // [pixels of the painting]
+    std::optional<HeightProfile> profile;                    // along it
+    std::optional<Region> region;                            // that was chosen
+    std::optional<RegionStatistics> statistics;              // of it
     double frame_ms = 0;
     bool help = false;
+    float scale = 1;  // [1] of the panels: 2 on a screen of twice the usual density
+    Keys keys;
+    std::vector<std::string> pens;
+
+    // Beside the painting.
+    Comparing comparing;
+    std::optional<Job::State> job;  // that runs
+    std::string job_title;
+    std::vector<std::filesystem::path> recent;
+    std::filesystem::path dropped;    // a folder: compare or fit?
+    std::filesystem::path open_next;  // once it is decided what becomes of strokes that are not saved
 
     // What the panels ask for; the window does it and clears them.
     struct Requests {
         bool fit = false, one_to_one = false, straighten = false, undo = false, redo = false, save = false,
              dry = false, snapshot = false, recover = false, discard = false, close = false,
              close_unsaved = false;
+        bool stop_job = false, stop_report = false, open_dialog = false, save_dialog = false,
+             photos_dialog = false, fit_dialog = false, report_dialog = false, put_photos_away = false;
+        bool lay_out = false, wipe_board = false, squeeze = false;
+        int step_photo = 0;
+        std::optional<int> photo;
+        std::filesystem::path open, save_as, photos, fit_folder, report;
         std::string lift;  // name of a layer
     } ask;
 
     void use_brush(const std::string& name);
     // The mixture on the brush as linear Rec. 709, laid on thickly.
     Rgb mixed_colour() const;
+    // rho_s and alpha of the mixture: those that were chosen, else of its paints, by their parts.
+    glm::dvec2 mixed_gloss() const;
     StrokeEvent stroke(std::uint64_t seed) const;
+    StrokeEvent board_stroke(
+        std::uint64_t seed);  // on the palette; washes the brush where that was asked for
+    StrokeEvent erasing_stroke(
+        std::uint64_t seed) const;  // of the brush `eraser`, as large as the one in use
     void take_up(const Probe& picked);
 };
+
+// What of the screen the painting is placed in: the half, where it stands beside a photograph.
+Extent pane(const WindowState& state, Extent screen);
+// Where the painting lies there. Photographs were taken from straight ahead: it is not tilted beside one.
+Placement placement_of(const WindowState& state, Extent screen);
 
 // The lamps and settings as the renderer takes them.
 Scene scene_of(const WindowState& state, const Placement& placement);

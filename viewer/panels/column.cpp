@@ -8,17 +8,58 @@ namespace tangi::panels {
 
 namespace {
 
-void tip(const char* text) {
-    if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", text);
+void tip(const std::string& text) {
+    if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", text.c_str());
+}
+
+void recent(WindowState& s) {
+    if (s.recent.empty() || !ImGui::BeginCombo("Recent", "open again")) return;
+    for (const std::filesystem::path& painting : s.recent) {
+        if (ImGui::Selectable(painting.filename().string().c_str())) s.ask.open = painting;
+        tip(painting.string());
+    }
+    ImGui::EndCombo();
+}
+
+void job(WindowState& s) {
+    if (!s.job) return;
+    ImGui::TextUnformatted(s.job_title.c_str());
+    ImGui::ProgressBar(static_cast<float>(s.job->fraction), {-60 * s.scale, 0}, s.job->stage.c_str());
+    ImGui::SameLine();
+    if (s.job->stopping)
+        ImGui::TextDisabled("stops");
+    else if (ImGui::Button("Stop"))
+        s.ask.stop_job = true;
+}
+
+// A folder that was dropped on the window.
+void dropped(WindowState& s) {
+    if (s.dropped.empty()) return;
+    ImGui::TextColored({1, 0.8f, 0.3f, 1}, "Photographs in %s:", s.dropped.filename().string().c_str());
+    bool done = false;
+    if (s.from_photographs && ImGui::Button("Compare")) {
+        s.ask.photos = s.dropped;
+        done = true;
+    }
+    if (s.from_photographs) ImGui::SameLine();
+    if (ImGui::Button("Fit a painting")) {
+        s.ask.fit_folder = s.dropped;
+        done = true;
+    }
+    ImGui::SameLine();
+    if (ImGui::Button("Nothing")) done = true;
+    if (done) s.dropped.clear();
 }
 
 }  // namespace
 
 void file(WindowState& s) {
     ImGui::TextUnformatted(fmt::format("{}{}", s.title, s.painter.unsaved ? " *" : "").c_str());
-    ImGui::TextDisabled("%d x %d pixels, %.1f x %.1f %s", s.painting.width, s.painting.height,
-                        s.painting.width * s.mm_per_pixel, s.painting.height * s.mm_per_pixel,
-                        s.scale_known ? "mm" : "px (scale unknown)");
+    if (s.scale_known)
+        ImGui::TextDisabled("%d x %d pixels, %.1f x %.1f mm", s.painting.width, s.painting.height,
+                            s.painting.width * s.mm_per_pixel, s.painting.height * s.mm_per_pixel);
+    else
+        ImGui::TextDisabled("%d x %d pixels, scale unknown", s.painting.width, s.painting.height);
     if (s.left_over_strokes > 0) {
         ImGui::TextColored({1, 0.8f, 0.3f, 1}, "A sitting ended without saving.");
         if (ImGui::Button(fmt::format("Recover {} strokes (Enter)", s.left_over_strokes).c_str()))
@@ -28,37 +69,55 @@ void file(WindowState& s) {
     }
     if (s.closing) {
         ImGui::TextColored({1, 0.8f, 0.3f, 1}, "There are strokes that are not saved.");
-        if (ImGui::Button("Save and close (Enter)")) s.ask.save = s.ask.close = true;
+        if (!s.open_next.empty())
+            ImGui::TextUnformatted(("To open: " + s.open_next.filename().string()).c_str());
+        const bool opens = !s.open_next.empty();
+        if (ImGui::Button(opens ? "Save and open (Enter)" : "Save and close (Enter)"))
+            s.ask.save = s.ask.close = true;
         ImGui::SameLine();
-        if (ImGui::Button("Close")) s.ask.close_unsaved = true;
+        if (ImGui::Button(opens ? "Open" : "Close")) s.ask.close_unsaved = true;
         tip("The strokes stay in the journal: next time they can be recovered");
-        ImGui::SameLine();
-        if (ImGui::Button("Go on (Esc)")) s.closing = false;
+        if (ImGui::Button("Go on painting (Esc)")) {
+            s.closing = false;
+            s.open_next.clear();
+        }
     }
-    if (ImGui::Button("Save")) s.ask.save = true;
-    tip("Ctrl+S");
+    if (ImGui::Button("Open ...")) s.ask.open_dialog = true;
+    tip(s.keys.text(Action::open));
     ImGui::SameLine();
-    if (ImGui::Button("Snapshot")) s.ask.snapshot = true;
-    tip("F12: what is seen, as a PNG beside the painting");
+    if (ImGui::Button("Save")) s.ask.save = true;
+    tip(s.keys.text(Action::save));
+    ImGui::SameLine();
+    if (ImGui::Button("Save as ...")) s.ask.save_dialog = true;
+    tip(s.keys.text(Action::save_as));
     ImGui::SameLine();
     if (ImGui::Button("Keys")) s.help = !s.help;
-    tip("F1");
+    tip(s.keys.text(Action::help));
+    if (ImGui::Button("Snapshot")) s.ask.snapshot = true;
+    tip(s.keys.text(Action::snapshot) + ": what is seen, as a PNG beside the painting");
+    ImGui::SameLine();
+    if (ImGui::Button("Fit photographs ...")) s.ask.fit_dialog = true;
+    tip("Makes a painting of a folder of photographs and a lights file");
+    recent(s);
+    job(s);
+    dropped(s);
 }
 
 void tools(WindowState& s) {
     int i = 0;
     for (const ToolName& tool : kTools) {
         if (i++ % 3) ImGui::SameLine();
-        if (ImGui::RadioButton(fmt::format("{} ({})", tool.name, tool.key).c_str(), s.tool == tool.tool))
+        if (ImGui::RadioButton(fmt::format("{} ({})", tool.name, s.keys.text(tool.action)).c_str(),
+                               s.tool == tool.tool))
             s.tool = tool.tool;
-        tip(tool.help);
+        tip(help_of(tool.action));
     }
     if (ImGui::Button("Fit (F)")) s.ask.fit = true;
     ImGui::SameLine();
     if (ImGui::Button("1:1 (1)")) s.ask.one_to_one = true;
     ImGui::SameLine();
     if (ImGui::Button("Straighten (R)")) s.ask.straighten = true;
-    ImGui::Checkbox("Flat: the screen tilts, not the picture", &s.flat);
+    ImGui::Checkbox("Flat: the screen tilts", &s.flat);
     auto turn = static_cast<float>(s.view.turn_deg);
     if (ImGui::SliderFloat("Turn", &turn, -180, 180, "%.0f deg")) s.view.turn_deg = turn;
     float tilt[2] = {static_cast<float>(s.tilt.angle_deg.x), static_cast<float>(s.tilt.angle_deg.y)};
@@ -89,15 +148,20 @@ void canvas(WindowState& s) {
 
 void column(WindowState& s, float height) {
     ImGui::SetNextWindowPos({0, 0});
-    ImGui::SetNextWindowSize({kWidth, height});
+    ImGui::SetNextWindowSize({width(s), height});
     ImGui::Begin("column", nullptr,
                  ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove |
                      ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoSavedSettings);
     const auto section = [](const char* name, bool open) {
         return ImGui::CollapsingHeader(name, open ? ImGuiTreeNodeFlags_DefaultOpen : 0);
     };
-    ImGui::PushItemWidth(-90);
+    ImGui::PushItemWidth(-90 * s.scale);
     if (section("File", true)) file(s);
+    // Unfolded when there are photographs, however they came.
+    bool* unfolded = ImGui::GetStateStorage()->GetBoolRef(ImGui::GetID("photographs are there"));
+    if (s.comparing.loaded && !*unfolded) ImGui::SetNextItemOpen(true);
+    *unfolded = s.comparing.loaded;
+    if (section("Photographs", false)) photographs(s);
     if (section("Tools", true)) tools(s);
     if (section("Light", true)) light(s);
     if (section("Look", false)) look(s);
@@ -110,26 +174,17 @@ void column(WindowState& s, float height) {
 
 void help(WindowState& s) {
     if (!s.help) return;
-    ImGui::SetNextWindowPos({kWidth + 20, 20}, ImGuiCond_Appearing);
+    ImGui::SetNextWindowPos({width(s) + 20, 20}, ImGuiCond_Appearing);
     if (ImGui::Begin("Keys", &s.help, ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoSavedSettings)) {
-        for (const ToolName& tool : kTools) ImGui::Text("%c  %s: %s", tool.key, tool.name, tool.help);
+        for (const Shortcut& shortcut : shortcuts())
+            ImGui::Text("%-20s %s", s.keys.text(shortcut.action).c_str(), shortcut.help);
         ImGui::Separator();
         ImGui::TextUnformatted(
-            "wheel             zoom to the cursor\n"
-            "right button      tilt, with any tool\n"
-            "middle button     move the painting, with any tool (or Space and drag)\n"
-            "arrows            light: azimuth and elevation\n"
-            "F, 1, R           fit; one pixel to one; straighten\n"
-            ", .               turn by 15 degrees\n"
-            "S                 shadows\n"
-            "O                 loupe\n"
-            "[ ]               smaller, larger brush\n"
-            "D                 dry the wet paint\n"
-            "Ctrl+Z, Ctrl+Y    undo, redo\n"
-            "Ctrl+S            save\n"
-            "F12               snapshot\n"
-            "Tab               hide the panels\n"
-            "Ctrl+Q            close");
+            "wheel                zoom to the cursor\n"
+            "right button         tilt, with any tool\n"
+            "middle button        move the painting, with any tool (or Space and drag)");
+        for (const std::string& pen : s.pens) ImGui::Text("pen                  %s", pen.c_str());
+        ImGui::TextDisabled("keys.json in the settings folder changes keys: docs/window.md");
     }
     ImGui::End();
 }

@@ -12,24 +12,24 @@ namespace {
 
 // The dome from above: drag the lamp.
 void dome(WindowState& s) {
-    constexpr float kRadius = 62;
+    const float radius = 62 * s.scale;
     const ImVec2 corner = ImGui::GetCursorScreenPos();
-    const ImVec2 centre(corner.x + kRadius + 2, corner.y + kRadius + 2);
-    ImGui::InvisibleButton("dome", {2 * kRadius + 4, 2 * kRadius + 4});
+    const ImVec2 centre(corner.x + radius + 2, corner.y + radius + 2);
+    ImGui::InvisibleButton("dome", {2 * radius + 4, 2 * radius + 4});
     if (ImGui::IsItemActive()) {
         const ImVec2 mouse = ImGui::GetIO().MousePos;
-        s.lamps[s.lamp].angles = light_at({(mouse.x - centre.x) / kRadius, (centre.y - mouse.y) / kRadius});
+        s.lamps[s.lamp].angles = light_at({(mouse.x - centre.x) / radius, (centre.y - mouse.y) / radius});
         s.sweeping = false;
     }
     ImDrawList* draw = ImGui::GetWindowDrawList();
-    draw->AddCircleFilled(centre, kRadius, IM_COL32(40, 40, 44, 255), 64);
+    draw->AddCircleFilled(centre, radius, IM_COL32(40, 40, 44, 255), 64);
     for (const double elevation : {0.0, 30.0, 60.0})
-        draw->AddCircle(centre, kRadius * static_cast<float>(std::cos(elevation * 3.14159265 / 180)),
+        draw->AddCircle(centre, radius * static_cast<float>(std::cos(elevation * 3.14159265 / 180)),
                         IM_COL32(90, 90, 96, 255), 64);
     for (std::size_t i = 0; i < s.lamps.size(); ++i) {
         const glm::dvec2 at = place_of(s.lamps[i].angles);
-        const ImVec2 spot(centre.x + kRadius * static_cast<float>(at.x),
-                          centre.y - kRadius * static_cast<float>(at.y));
+        const ImVec2 spot(centre.x + radius * static_cast<float>(at.x),
+                          centre.y - radius * static_cast<float>(at.y));
         const int shade = s.lamps[i].on ? 255 : 110;
         draw->AddCircleFilled(spot, i == s.lamp ? 7.0f : 5.0f,
                               IM_COL32(shade, shade * 220 / 255, shade / 2, 255));

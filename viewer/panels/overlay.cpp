@@ -45,6 +45,29 @@ void ruler(const WindowState& s, const Placement& placement, float left) {
     draw->AddText({b.x + 8, b.y + 8}, IM_COL32(255, 230, 90, 255), text.c_str());
 }
 
+void region(const WindowState& s, const Placement& placement, float left) {
+    if (!s.region) return;
+    const Region& r = *s.region;
+    std::vector<ImVec2> points;
+    for (const glm::dvec2 corner :
+         {glm::dvec2(r.x0, r.y0), glm::dvec2(r.x1, r.y0), glm::dvec2(r.x1, r.y1), glm::dvec2(r.x0, r.y1)})
+        points.push_back(in_window(placement.to_screen(corner - 0.5), left));
+    ImDrawList* draw = ImGui::GetBackgroundDrawList();
+    draw->AddPolyline(points.data(), 4, IM_COL32(0, 0, 0, 200), ImDrawFlags_Closed, 3);
+    draw->AddPolyline(points.data(), 4, IM_COL32(120, 220, 255, 255), ImDrawFlags_Closed, 1.5f);
+}
+
+// What the window says, as long as it may be, over the status line.
+void message(const std::string& text, float left, float width, float bottom) {
+    if (text.empty()) return;
+    const float wrap = width - 16;
+    const ImVec2 size = ImGui::CalcTextSize(text.c_str(), nullptr, false, wrap);
+    ImDrawList* draw = ImGui::GetBackgroundDrawList();
+    draw->AddRectFilled({left, bottom - size.y - 8}, {left + width, bottom}, IM_COL32(0, 0, 0, 190));
+    draw->AddText(ImGui::GetFont(), ImGui::GetFontSize(), {left + 8, bottom - size.y - 4},
+                  IM_COL32(255, 225, 150, 255), text.c_str(), nullptr, wrap);
+}
+
 void probe(const WindowState& s) {
     if (!s.probing || !s.probe) return;
     const Probe& p = *s.probe;
@@ -74,20 +97,25 @@ void probe(const WindowState& s) {
 void overlay(WindowState& s, const Placement& placement, Extent screen, const glm::dvec2& cursor,
              bool cursor_over) {
     const float left = ImGui::GetIO().DisplaySize.x - static_cast<float>(screen.width);
-    if (cursor_over && s.tool == Tool::paint) brush_outline(s, placement, cursor, left);
-    ruler(s, placement, left);
-    probe(s);
+    if (cursor_over && s.tool == Tool::paint && !s.comparing.on) brush_outline(s, placement, cursor, left);
+    const auto half = static_cast<float>(pane(s, screen).width);
+    for (const float at : {left, left + half}) {
+        if (at > left && !s.comparing.aside()) break;
+        ruler(s, placement, at);
+        region(s, placement, at);
+    }
+    if (!s.comparing.on) probe(s);
     const Lamp& lamp = s.lamps[s.lamp];
     std::string status = fmt::format("{:.0f} %   tilt {:.0f} {:.0f}   light {:.0f} {:.0f} deg",
                                      100 * s.view.zoom, s.tilt.angle_deg.x, s.tilt.angle_deg.y,
                                      lamp.angles.azimuth_deg, lamp.angles.elevation_deg);
     if (s.painter.saving) status += "   saving ...";
     if (s.painter.waiting > 20) status += "   painting ...";
-    if (!s.message.empty()) status += "   " + s.message;
     const float y = static_cast<float>(screen.height) - 22;
     ImDrawList* draw = ImGui::GetBackgroundDrawList();
     draw->AddRectFilled({left, y}, {left + static_cast<float>(screen.width), y + 22}, IM_COL32(0, 0, 0, 150));
     draw->AddText({left + 8, y + 4}, IM_COL32(220, 220, 220, 255), status.c_str());
+    message(s.message, left, static_cast<float>(screen.width), y);
 }
 
 }  // namespace tangi::panels

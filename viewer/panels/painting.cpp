@@ -2,9 +2,36 @@
 #include <fmt/format.h>
 #include <imgui.h>
 
+#include <algorithm>
+#include <cmath>
+
+#include "viewer/board_picture.h"
 #include "viewer/panels/panels.h"
 
 namespace tangi::panels {
+
+namespace {
+
+// Values in steps: each is a paint of its own to the canvas.
+bool stepped(const char* label, double& value, float low, float high, float step, const char* format) {
+    auto v = static_cast<float>(value);
+    if (!ImGui::SliderFloat(label, &v, low, high, format)) return false;
+    value = std::clamp(std::round(v / step) * step, low, high);
+    return true;
+}
+
+void finish(WindowState& s) {
+    if (!ImGui::TreeNode("Gloss and medium")) return;
+    const glm::dvec2 gloss = s.mixed_gloss();
+    double specular = gloss.x, roughness = gloss.y;
+    if (stepped("rho s", specular, 0, 0.2f, 0.01f, "%.2f")) s.finish.specular = specular;
+    if (stepped("alpha", roughness, 0.05f, 0.6f, 0.05f, "%.2f")) s.finish.roughness = roughness;
+    stepped("Medium", s.finish.medium, 0, 0.9f, 0.1f, "%.1f");
+    if (ImGui::SmallButton("As from the tube")) s.finish = {};
+    ImGui::TreePop();
+}
+
+}  // namespace
 
 void brush(WindowState& s) {
     if (ImGui::BeginCombo("Brush", s.brush_name.c_str())) {
@@ -44,8 +71,9 @@ void palette(WindowState& s) {
         if (i % kColumns) ImGui::SameLine(0, 3);
         ImGui::PushID(static_cast<int>(i));
         if (ImGui::ColorButton("paint", as_colour(s.paint_colours[i]), ImGuiColorEditFlags_NoTooltip,
-                               {26, 26})) {
+                               {26 * s.scale, 26 * s.scale})) {
             if (!ImGui::GetIO().KeyShift) s.mix.clear();
+            s.board.in_hand = false;
             s.mix[paint.name] += 1;
             s.tool = Tool::paint;
         }
@@ -54,15 +82,26 @@ void palette(WindowState& s) {
                               paint.approximate() ? " (approximate)" : "");
         ImGui::PopID();
     }
-    ImGui::ColorButton("mixture", as_colour(Transfer{Transfer::Kind::srgb}.encode(s.mixed_colour())),
-                       ImGuiColorEditFlags_NoTooltip, {kWidth - 30, 24});
-    if (ImGui::IsItemHovered()) ImGui::SetTooltip("the mixture, laid on thickly");
+    const ImVec2 size(width(s) - 30 * s.scale, 24 * s.scale), at = ImGui::GetCursorScreenPos();
+    ImGui::Dummy(size);
+    if (ImGui::IsItemHovered()) ImGui::SetTooltip("the mixture, laid on thickly over an edge, under a lamp");
+    constexpr int kStrips = 70;
+    const glm::dvec2 gloss = s.mixed_gloss();
+    const std::vector<Rgb> strip = gloss_strip(s.mixed_colour(), gloss.x, gloss.y, kStrips);
+    for (int i = 0; i < kStrips; ++i) {
+        const float x = at.x + size.x * static_cast<float>(i) / kStrips;
+        ImGui::GetWindowDrawList()->AddRectFilled(
+            {x, at.y}, {x + size.x / kStrips + 0.5f, at.y + size.y},
+            ImGui::ColorConvertFloat4ToU32(as_colour(strip[static_cast<std::size_t>(i)])));
+    }
+    ImGui::Checkbox("Mixing palette", &s.board.open);
+    finish(s);
     std::string gone;
     for (auto& [name, part] : s.mix) {
         ImGui::PushID(name.c_str());
         if (ImGui::SmallButton("x") && s.mix.size() > 1) gone = name;
         ImGui::SameLine();
-        ImGui::PushItemWidth(80);
+        ImGui::PushItemWidth(80 * s.scale);
         ImGui::SliderFloat("##part", &part, 0, 4, "%.2f");
         ImGui::PopItemWidth();
         ImGui::SameLine();

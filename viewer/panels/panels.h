@@ -5,12 +5,14 @@
 
 namespace tangi::panels {
 
-inline constexpr float kWidth = 300;  // [pixels] of the column at the left
+// [pixels] of the column at the left.
+inline float width(const WindowState& state) { return 300 * state.scale; }
 
-// The column: File, Tools, Light, Look, Paint, Palette, Canvas.
+// The column: File, Photographs, Tools, Light, Look, Paint, Palette, Canvas.
 void column(WindowState& state, float height);
 
 void file(WindowState& state);
+void photographs(WindowState& state);
 void tools(WindowState& state);
 void light(WindowState& state);
 void look(WindowState& state);
@@ -21,6 +23,16 @@ void canvas(WindowState& state);
 // Over the painting: ruler, brush outline, probe, status. `origin`: the canvas area's corner in the window.
 void overlay(WindowState& state, const Placement& placement, Extent screen, const glm::dvec2& cursor,
              bool cursor_over);
+
+// Instead of the painting: a photograph and the painting relit as the textures hold them, as
+// state.comparing says.
+void held_photo(const WindowState& state, unsigned photo, unsigned relit, Extent screen);
+
+// The palette that paints are mixed on, in a window of its own.
+void board(WindowState& state);
+
+// Windows with the height along the ruler and statistics of the region, where there are such.
+void measurements(WindowState& state);
 
 // Keys and what they do.
 void help(WindowState& state);

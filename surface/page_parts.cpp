@@ -1,11 +1,12 @@
-#include "capture/page_parts.h"
+#include "surface/page_parts.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
-#include "capture/html_text.h"
+#include "surface/html_text.h"
 #include "surface/atomic_file.h"
+#include "surface/base64.h"
 #include "surface/error.h"
 #include "surface/picture_file.h"
 
@@ -25,19 +26,6 @@ var(--ring);padding:2px 0 2px 30px}.notes li{margin:2px 0}.wide{overflow-x:auto}
 font-variant-numeric:tabular-nums}th,td{text-align:right;padding:4px 12px;border-bottom:1px solid var(--line);white-space:nowrap}
 th:first-child,td:first-child{text-align:left}td.why{text-align:left;white-space:normal;color:var(--ring)}th{font-size:13px;
 color:var(--soft);font-weight:600}svg text{fill:var(--ink);font-size:11px})";
-
-std::string base64(const std::string& bytes) {
-    constexpr const char* digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    std::string text;
-    for (std::size_t i = 0; i < bytes.size(); i += 3) {
-        unsigned value = 0;
-        for (std::size_t k = 0; k < 3; ++k)
-            value = value << 8 | (i + k < bytes.size() ? static_cast<unsigned char>(bytes[i + k]) : 0u);
-        for (std::size_t k = 0; k < 4; ++k)
-            text += k > bytes.size() - i ? '=' : digits[value >> (18 - 6 * k) & 63];
-    }
-    return text;
-}
 
 }  // namespace
 
@@ -91,7 +79,7 @@ std::string with_error(double value, double sigma) {
 }
 
 std::string picture_url(const Image<Rgb>& picture, const std::filesystem::path& scratch) {
-    const AtomicFile file(scratch.parent_path() / "capture-picture.jpg");  // never committed: it vanishes
+    const AtomicFile file(scratch.parent_path() / "page-picture.jpg");  // never committed: it vanishes
     write_picture_8bit(file.temporary(), picture);
     return "data:image/jpeg;base64," + base64(read_text_file(file.temporary()));
 }

@@ -1,0 +1,79 @@
+// opening_bench.cpp: opening_bench PAINTING.exr: what the window does until its first picture, stage by
+// stage.
+#include <sys/resource.h>
+
+#include <chrono>
+#include <cstdio>
+
+#include "paint/canvas_file.h"
+#include "surface/error.h"
+#include "viewer/gl/headless.h"
+#include "viewer/painter.h"
+#include "viewer/view.h"
+
+namespace tangi {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+class Stages {
+public:
+    void end(const char* stage) {
+        rusage usage{};
+        ::getrusage(RUSAGE_SELF, &usage);
+        const auto seconds = [](const timeval& t) {
+            return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
+        };
+        const double processor = seconds(usage.ru_utime) + seconds(usage.ru_stime);
+        const Clock::time_point now = Clock::now();
+        std::printf("%-28s %7.3f s   processor %7.3f s   peak %6ld MB\n", stage,
+                    std::chrono::duration<double>(now - last_).count(), processor - last_processor_,
+                    usage.ru_maxrss / 1000);
+        last_ = now;
+        last_processor_ = processor;
+    }
+
+private:
+    Clock::time_point last_ = Clock::now();
+    double last_processor_ = 0;
+};
+
+void open(const char* path) {
+    Stages stages;
+    const gl::HeadlessContext context;
+    Renderer renderer;
+    stages.end("OpenGL");
+    Canvas canvas = read_canvas(path);
+    stages.end("read");
+    Painter painter({.canvas = std::move(canvas), .palette = artist_acrylics(), .file = path}, [] {});
+    stages.end("appearance");
+    const Surface& surface = painter.surface();
+    const Extent painting{surface.width(), surface.height()}, screen{1920, 1080};
+    const TexelTiles tiles(surface, painter.range(), renderer.tile_bits(surface.width(), surface.height()));
+    stages.end("texels");
+    renderer.set_painting(tiles, surface.mm_per_pixel);
+    stages.end("upload");
+    const gl::Target target(screen.width, screen.height, false);
+    const Placement place(fitted(painting, screen), {}, false, painting, screen, surface.mm_per_pixel);
+    renderer.draw({.lights = {distant_light({-0.5f, 0.5f, 0.7f})}}, place.shot(1, true),
+                  target.framebuffer());
+    glFinish();
+    stages.end("first picture");
+}
+
+}  // namespace
+}  // namespace tangi
+
+int main(int argc, char** argv) {
+    if (argc != 2) {
+        std::fprintf(stderr, "usage: opening_bench PAINTING.exr\n");
+        return 2;
+    }
+    try {
+        tangi::open(argv[1]);
+    } catch (const tangi::Error& error) {
+        std::fprintf(stderr, "%s\n", error.what());
+        return 1;
+    }
+    return 0;
+}

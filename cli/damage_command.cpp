@@ -1,0 +1,180 @@
+// damage_command.cpp: tangipaint damage P.exr --treatment DIR: what is damaged, suggested or drawn; a table.
+#include <filesystem>
+
+#include "cli/arguments.h"
+#include "cli/command_list.h"
+#include "cli/treatment_arguments.h"
+#include "paint/retouch/damage_suggestion.h"
+#include "paint/retouch/treatment_picture.h"
+#include "surface/error.h"
+#include "surface/painting_file.h"
+#include "surface/picture_file.h"
+
+namespace tangi {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+struct DamageArguments {
+    std::string painting, treatment, suggest, as, edit = "add", wand, legend;
+    std::optional<double> mm_per_pixel;
+    double tolerance = 8, grow_mm = 0;
+    AreaArguments area;
+    AuthorArguments author;
+    LossOptions loss;
+    CraquelureOptions craquelure;
+    GlossOptions gloss;
+};
+
+nlohmann::json to_json(const CraquelureMeasure& m) {
+    return {{"length_mm", m.length_mm},
+            {"width_mm", m.width_mm},
+            {"density_cm_per_cm2", m.density_per_cm},
+            {"pieces", m.pieces}};
+}
+
+// What was suggested replaces what the class had, as the log says.
+nlohmann::json suggest(Treatment& treatment, const DamageArguments& a, const Progress& progress) {
+    const Surface surface = treatment.read_canvas(progress).dry();
+    const double mm = treatment.mm_per_pixel();
+    TreatmentStep step{.action = "suggest damage", .parameters = {{"suggest", a.suggest}}};
+    const auto keep = [&](const std::string& name, const DamageSuggestion& s) {
+        step.masks[name] = s.mask;
+        step.masks[name + ".confidence"] = s.confidence;
+        const MaskArea area = area_of(s.mask, mm);
+        step.results[name] = {
+            {"count", area.regions}, {"area_cm2", area.mm2 / 100}, {"percent", area.percent}};
+    };
+    if (a.suggest == "loss") {
+        const std::string name = a.as.empty() ? "loss_to_ground" : a.as;
+        step.parameters["options"] = to_json(a.loss);
+        keep(name, suggest_loss(surface, mm, a.loss, progress));
+    } else if (a.suggest == "craquelure") {
+        const CraquelureSuggestion cracks = suggest_craquelure(surface, mm, a.craquelure, progress);
+        step.parameters["options"] = to_json(a.craquelure);
+        keep(a.as.empty() ? "craquelure" : a.as, cracks);
+        step.results["measured"] = to_json(cracks.measure);
+    } else {
+        const GlossSuggestion gloss = suggest_gloss(surface, mm, a.gloss, progress);
+        step.parameters["options"] = to_json(a.gloss);
+        keep("glossier", gloss.glossier);
+        keep(a.as.empty() ? "matter" : a.as, gloss.matter);
+        nlohmann::json patches = nlohmann::json::array();
+        for (const GlossPatch& p : gloss.patches)
+            patches.push_back({{"glossier", p.glossier},
+                               {"box_px", {p.box.x0, p.box.y0, p.box.x1, p.box.y1}},
+                               {"area_mm2", p.area_mm2},
+                               {"roughness_ratio", p.roughness_ratio},
+                               {"specular_ratio", p.specular_ratio}});
+        step.results["patches"] = patches;
+    }
+    const nlohmann::json result = step.results;
+    treatment.record(step, a.author.author(), progress);
+    return result;
+}
+
+Mask wanded(const Treatment& treatment, const DamageArguments& a, const Progress& progress) {
+    const auto xy = numbers_in(a.wand, "--wand", "X,Y");
+    if (xy.size() != 2) throw UsageError(fmt::format("--wand {}: give a point in mm: X,Y", a.wand));
+    const double mm = treatment.mm_per_pixel();
+    const auto pixel = [](double v) { return static_cast<int>(std::floor(std::clamp(v, -1e6, 1e6))); };
+    return wand(treatment.read_canvas(progress).dry(), pixel(xy[0] / mm + treatment.width() / 2.0),
+                pixel(treatment.height() / 2.0 - xy[1] / mm), a.tolerance);
+}
+
+// Drawn areas are added to a class, taken away from it, or replace it.
+void draw(Treatment& treatment, const DamageArguments& a, const Progress& progress) {
+    if (a.area.classes.size() != 1)
+        throw UsageError("name the one class that is drawn: --class loss_to_ground");
+    const DamageClass damage = damage_class_of(a.area.classes.front(), "--class");
+    AreaArguments drawn = a.area;
+    drawn.classes.clear();
+    Mask area = drawn.area(treatment);
+    if (!a.wand.empty()) area = united(area, wanded(treatment, a, progress));
+    if (a.grow_mm != 0) area = dilated(area, a.grow_mm / treatment.mm_per_pixel());
+    const Mask before = treatment.mask(damage);
+    const Mask after = a.edit == "replace"  ? area
+                       : a.edit == "remove" ? without(before, area)
+                                            : united(before, area);
+    const std::string name(name_of(damage));
+    TreatmentStep step{.action = "draw damage",
+                       .parameters = {{"class", name}, {"edit", a.edit}, {"area", drawn.as_json()}},
+                       .inputs = drawn.inputs()};
+    if (!a.wand.empty()) step.parameters["wand_mm"] = a.wand, step.parameters["tolerance"] = a.tolerance;
+    step.masks[name] = after;
+    step.results[name] = {{"area_cm2", area_of(after, treatment.mm_per_pixel()).mm2 / 100}};
+    treatment.record(step, a.author.author(), progress);
+}
+
+nlohmann::json run_damage(const DamageArguments& a) {
+    const Progress progress = console_progress();
+    const bool drawing = !a.area.masks.empty() || !a.area.polygons.empty() || !a.wand.empty();
+    if (!a.suggest.empty() && (drawing || !a.area.classes.empty()))
+        throw UsageError("--suggest finds areas by itself: draw in a second run; --as names another class");
+    if (!a.as.empty()) damage_class_of(a.as, "--as");
+    if (!a.legend.empty()) {
+        require_picture_format(a.legend);
+        refuse_to_overwrite(a.legend, {a.painting});
+    }
+    Treatment treatment =
+        fs::exists(fs::path(a.treatment) / "log.jsonl")
+            ? open_treatment(a.treatment)
+            : Treatment::begin(a.treatment, a.painting, a.author.author(), a.mm_per_pixel, progress);
+    if (sha256_of(read_painting(a.painting, progress)) != treatment.dry_sha256())
+        fail("{}: is not the painting that {} began with", a.painting, a.treatment);
+    nlohmann::json result = {{"treatment", a.treatment}};
+    if (!a.suggest.empty()) result["suggested"] = suggest(treatment, a, progress);
+    if (drawing) draw(treatment, a, progress);
+    result["damage"] = damage_table(treatment);
+    if (treatment.has_mask(DamageClass::craquelure))
+        result["craquelure"] =
+            to_json(measure_lines(treatment.mask(DamageClass::craquelure), treatment.mm_per_pixel()));
+    if (!treatment.scale_known())
+        result["warnings"] =
+            told({"the painting's scale is unknown: a pixel counts as one mm; begin with "
+                  "--mm-per-pixel for areas in cm2"});
+    if (!a.legend.empty()) {
+        write_picture_8bit(a.legend, damage_picture(treatment, treatment.read_canvas(progress).dry()));
+        result["legend"] = a.legend;
+    }
+    return result;
+}
+
+}  // namespace
+
+Command damage_command() {
+    return {
+        "damage", "map the damage of a painting: suggested, or drawn; begins its treatment",
+        [](Flags& flags) {
+            auto a = std::make_shared<DamageArguments>();
+            flags.option("PAINTING", a->painting, "painting file (.exr)").required();
+            flags.option("--treatment", a->treatment, "folder of the treatment; made where it is not there")
+                .required();
+            flags.option("--suggest", a->suggest, "loss, craquelure or gloss")
+                .check(one_of({"loss", "craquelure", "gloss"}));
+            flags.option("--as", a->as, "class that what is suggested goes to, where not the usual one");
+            a->area.add_to(flags, "that is drawn");
+            flags.option("--edit", a->edit, "what is drawn is added to the class, or: replace, remove")
+                .check(one_of({"add", "replace", "remove"}));
+            flags.option("--wand", a->wand,
+                         "X,Y in mm from the centre, y up: what is connected to it and of its colour");
+            flags.option("--tolerance", a->tolerance, "of the wand, CIE Delta E 1976")
+                .check(within(0.1, 200))
+                .show_default();
+            flags.option("--grow-mm", a->grow_mm, "make what is drawn so much wider; below 0: narrower")
+                .check(within(-100, 100));
+            flags.option("--legend", a->legend, "picture to write: the map of damage with its legend");
+            flags
+                .option("--mm-per-pixel", a->mm_per_pixel,
+                        "size of the painting's pixels where the file does not say")
+                .check(within(1e-4, 1e3));
+            a->author.add_to(flags);
+            flags.fields(a->craquelure);
+            flags.fields(a->loss);
+            flags.fields(a->gloss);
+            return [a] { return run_damage(*a); };
+        }};
+}
+
+}  // namespace tangi

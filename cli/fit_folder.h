@@ -1,0 +1,15 @@
+// fit_folder.h: what `fit` does, for the window.
+#pragma once
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "surface/progress.h"
+
+namespace tangi {
+
+// As `tangipaint fit FOLDER --out OUT`: its result. Throws Error, Cancelled.
+nlohmann::json fit_folder(const std::filesystem::path& folder, const std::filesystem::path& out,
+                          const Progress& progress);
+
+}  // namespace tangi

@@ -1,0 +1,303 @@
+// match_command.cpp: tangipaint match: a recipe from one's own paints for a colour or spectrum.
+#include <chrono>
+#include <filesystem>
+#include <glm/matrix.hpp>
+
+#include "cli/arguments.h"
+#include "cli/command_list.h"
+#include "cli/retouch_arguments.h"
+#include "paint/appearance.h"
+#include "paint/canvas_file.h"
+#include "paint/retouch/gloss.h"
+#include "paint/retouch/mask.h"
+#include "paint/retouch/reflectance_file.h"
+#include "paint/retouch/surroundings.h"
+#include "paint/retouch/swatches.h"
+#include "surface/atomic_file.h"
+#include "surface/error.h"
+#include "surface/picture_file.h"
+
+namespace tangi {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr double kPoor = 5;       // CIEDE2000 that nobody would call a match
+constexpr double kMetameric = 1;  // index from which on a match is warned of
+constexpr double kVisible = 1;    // CIEDE2000 of mixtures that count as having a colour
+constexpr double kVaried = 5;     // CIEDE2000 of surroundings that no single recipe matches
+
+struct MatchArguments {
+    std::string spectrum, lab, srgb, xyz, painting, mask, damaged, under = "D65", below, swatch, save_pairs;
+    PaintBoxArguments box;
+    MatchOptions match;
+    AnnulusOptions annulus;
+    std::optional<double> film_mm, mm_per_pixel;
+};
+
+// What is to be matched, and what is known of it.
+struct Wanted {
+    Spectrum reflectance{};
+    nlohmann::json described = nlohmann::json::object();
+    std::optional<Gloss> gloss;
+    std::optional<Spectrum> below;
+};
+
+Rgb colour_in(const std::string& text, const char* flag) {
+    unsigned value = 0;
+    const bool hex = text.size() == 7 && text[0] == '#' &&
+                     text.find_first_not_of("0123456789abcdefABCDEF", 1) == std::string::npos;
+    if (!hex) throw UsageError(fmt::format("{} {}: is no colour of the form #rrggbb", flag, text));
+    value = static_cast<unsigned>(std::stoul(text.substr(1), nullptr, 16));
+    const auto byte = [&](int shift) { return static_cast<float>(value >> shift & 255u) / 255; };
+    const Transfer srgb{Transfer::Kind::srgb};
+    return {srgb.decode(byte(16)), srgb.decode(byte(8)), srgb.decode(byte(0))};
+}
+
+glm::dvec3 three(const std::string& text, const char* flag) {
+    const auto numbers = numbers_in(text, flag, "three numbers, as in 52,12.5,-30");
+    if (numbers.size() != 3)
+        throw UsageError(fmt::format("{} {}: give three numbers, as in 52,12.5,-30", flag, text));
+    return {numbers[0], numbers[1], numbers[2]};
+}
+
+// XYZ of a colour under its lamp; sRGB is what is seen by eyes used to the lamp: relative to its white.
+glm::dvec3 xyz_wanted(const MatchArguments& a, Illuminant lamp) {
+    if (!a.xyz.empty()) return three(a.xyz, "--xyz");
+    const glm::dvec3 white = white_xyz(lamp);
+    if (!a.lab.empty()) {
+        const glm::dvec3 lab = three(a.lab, "--lab");
+        const double y = (lab.x + 16) / 116;
+        const auto back = [](double f) { return f > 6.0 / 29 ? f * f * f : (116 * f - 16) * 27 / 24389; };
+        return glm::dvec3(back(y + lab.y / 500), back(y), back(y - lab.z / 200)) * white;
+    }
+    const glm::dmat3 xyz_of_rgb(0.4124564, 0.2126729, 0.0193339, 0.3575761, 0.7151522, 0.1191920, 0.1804375,
+                                0.0721750, 0.9503041);
+    const glm::dvec3 d65 = xyz_of_rgb * glm::dvec3(colour_in(a.srgb, "--srgb"));
+    return d65 / white_xyz(Illuminant::d65) * white;
+}
+
+Wanted of_colour(const glm::dvec3& xyz, Illuminant lamp, const PaintBox& box, const MatchOptions& options) {
+    Wanted wanted;
+    const auto likely = likely_spectrum(box.palette.paints, xyz, lamp, options, kVisible);
+    wanted.reflectance = likely ? likely->reflectance : smooth_spectrum(xyz, lamp);
+    wanted.described = {{"spectrum", likely ? "likely: of the mixtures with this colour"
+                                            : "smooth: no mixture "
+                                              "has this colour"},
+                        {"seen_under", name_of(lamp)},
+                        {"xyz", {xyz.x, xyz.y, xyz.z}}};
+    if (likely) {
+        wanted.described["mixtures"] = likely->mixtures;
+        wanted.described["spread_delta_e_2000"] = by_lamp(likely->spread);
+    }
+    return wanted;
+}
+
+Wanted of_painting(const MatchArguments& a, const PaintBox& box, const MatchOptions& options,
+                   const Progress& progress) {
+    const Canvas canvas = read_canvas(a.painting, progress, a.mm_per_pixel);
+    Surface seen = appearance(canvas, {}, progress);
+    seen.mm_per_pixel = canvas.mm_per_pixel();
+    const Mask mask = read_mask(a.mask, seen.width(), seen.height());
+    const Mask damaged = a.damaged.empty() ? Mask() : read_mask(a.damaged, seen.width(), seen.height());
+    const Annulus round = annulus_of(seen, mask, damaged, a.annulus);
+    const glm::dvec3 xyz = xyz_of(reflectance_of_rgb(round.mode), Illuminant::d65);
+    Wanted wanted = of_colour(xyz, Illuminant::d65, box, options);
+    const Lab mode = lab_from_linear(round.mode), middle = lab_from_linear(round.median);
+    wanted.described["surroundings"] = {{"pixels", round.pixels},
+                                        {"mode_lab", {mode.l, mode.a, mode.b}},
+                                        {"median_lab", {middle.l, middle.a, middle.b}},
+                                        {"spread_delta_e_2000", round.spread},
+                                        {"specular", round.specular},
+                                        {"roughness", round.roughness}};
+    if (round.spread > kVaried)
+        warn(fmt::format(
+            "beside the mask, colours vary by CIEDE2000 {:.0f}: the commonest is matched; a narrower "
+            "--annulus-mm or a mask of a part of the loss gives the colour of one place",
+            round.spread));
+    wanted.gloss = Gloss{round.specular, round.roughness, xyz.y};
+    Rgb sum(0);
+    float weights = 0;
+    for (std::size_t i = 0; i < mask.size(); ++i) {
+        sum += mask.pixels()[i] * seen.diffuse.pixels()[i];
+        weights += mask.pixels()[i];
+    }
+    if (weights > 0) wanted.below = reflectance_of_rgb(sum / weights);
+    return wanted;
+}
+
+Wanted wanted_by(const MatchArguments& a, const PaintBox& box, const MatchOptions& options,
+                 const Progress& progress) {
+    if (!a.spectrum.empty()) {
+        Wanted wanted;
+        wanted.reflectance = read_reflectance(a.spectrum);
+        wanted.described = {{"spectrum", "measured"}, {"file", a.spectrum}};
+        return wanted;
+    }
+    if (!a.painting.empty()) return of_painting(a, box, options, progress);
+    const auto lamp = illuminant_named(a.under);
+    if (!lamp) throw UsageError(fmt::format("--under {}: is not A, D50, D65, F11 or LED", a.under));
+    return of_colour(xyz_wanted(a, *lamp), *lamp, box, options);
+}
+
+nlohmann::json gloss_advice(const Mixture& mixture, const PaintBox& box, double luminance,
+                            const std::optional<Gloss>& wanted) {
+    Gloss paint{0, 0, luminance};
+    for (std::size_t i = 0; i < static_cast<std::size_t>(mixture.count); ++i) {
+        const Pigment& p = box.palette.paints[static_cast<std::size_t>(mixture.paints[i])];
+        paint.specular += mixture.volumes[i] * static_cast<double>(p.specular);
+        paint.roughness += mixture.volumes[i] * static_cast<double>(p.roughness);
+    }
+    nlohmann::json json = {{"specular", paint.specular}, {"roughness", paint.roughness}};
+    if (!wanted) return json;
+    json["wanted"] = {{"specular", wanted->specular}, {"roughness", wanted->roughness}};
+    json["difference"] = gloss_difference(paint, *wanted);
+    json["remedy"] = name_of(remedy_for(paint, *wanted));
+    return json;
+}
+
+nlohmann::json described(const MatchedRecipe& r, const PaintBox& box, const Wanted& wanted) {
+    nlohmann::json json = as_json(r.steps, r.mixture, box.palette.paints);
+    json["delta_e_2000"] = by_lamp(r.delta_e);
+    json["error"] = r.error;
+    json["error_not_bound_to_measures"] = r.ideal_error;
+    json["metamerism_index"] = by_lamp(r.metamerism);
+    json["reflectance"] = r.look;
+    json["gloss"] = gloss_advice(r.mixture, box, xyz_of(r.look, Illuminant::d65).y, wanted.gloss);
+    json["warnings"] = warnings_of(r.mixture, box);
+    for (const Illuminant lamp : {Illuminant::a, Illuminant::f11}) {
+        const double index = r.metamerism[static_cast<std::size_t>(lamp)];
+        if (index > kMetameric)
+            json["warnings"].push_back(
+                fmt::format("metameric: where it matches under D65, it differs by CIEDE2000 {:.1f} under {}",
+                            index, name_of(lamp)));
+    }
+    return json;
+}
+
+std::string table_of(const MatchResult& result, const PaintBox& box) {
+    std::string text =
+        fmt::format("{:>6} {:>6} {:>6} {:>6} {:>6}   recipe\n", "A", "D50", "D65", "F11", "LED");
+    for (const MatchedRecipe& r : result.recipes) {
+        for (const double d : r.delta_e) text += fmt::format("{:6.2f} ", d);
+        text += "  " + text_of(r.steps, box.palette.paints) + "\n";
+    }
+    return text;
+}
+
+void require_one_target(const MatchArguments& a) {
+    int targets = 0;
+    for (const std::string* text : {&a.spectrum, &a.lab, &a.srgb, &a.xyz, &a.painting})
+        targets += text->empty() ? 0 : 1;
+    if (targets != 1)
+        throw UsageError(
+            "say what to match, once: --spectrum FILE, --lab L,a,b, --xyz X,Y,Z, --srgb #rrggbb, or "
+            "PAINTING.exr with --mask");
+    if (a.painting.empty() != a.mask.empty())
+        throw UsageError("PAINTING.exr and --mask belong together: the colour is that beside the mask");
+    if (!a.below.empty() && !a.film_mm)
+        throw UsageError("--below: says what a film lies on; give its thickness by --film-mm");
+}
+
+nlohmann::json run_match(const MatchArguments& a) {
+    if (!a.save_pairs.empty()) {
+        refuse_to_overwrite(a.save_pairs, a.box.inputs());
+        write_text_file(a.save_pairs, usual_pigment_pairs_text());
+        if (a.spectrum.empty() && a.lab.empty() && a.srgb.empty() && a.xyz.empty() && a.painting.empty())
+            return {{"pairs", a.save_pairs}};
+    }
+    require_one_target(a);
+    if (!a.swatch.empty()) {
+        std::vector<fs::path> inputs = a.box.inputs();
+        for (const std::string& file : {a.spectrum, a.painting, a.mask, a.damaged})
+            if (!file.empty()) inputs.emplace_back(file);
+        refuse_to_overwrite(a.swatch, inputs);
+        require_picture_format(a.swatch);
+    }
+    const Progress progress = console_progress();
+    const PaintBox box = paint_box(a.box);
+    MatchOptions options = a.match;
+    set_options(a.box, box, options);
+    const Wanted wanted = wanted_by(a, box, options, progress);
+    if (a.film_mm) {
+        Spectrum below;
+        below.fill(0.82f);  // paper or gesso
+        if (!a.below.empty())
+            below = reflectance_of_rgb(colour_in(a.below, "--below"));
+        else if (wanted.below)
+            below = *wanted.below;
+        options.film = FilmOnGround{*a.film_mm, below};
+    }
+    const auto start = std::chrono::steady_clock::now();
+    const MatchResult found = match_spectrum(box.palette.paints, wanted.reflectance, options);
+    const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
+
+    nlohmann::json recipes = nlohmann::json::array(), by_count = nlohmann::json::array();
+    for (const MatchedRecipe& r : found.recipes) recipes.push_back(described(r, box, wanted));
+    for (const MatchedRecipe& r : found.by_count)
+        by_count.push_back({{"paints", r.mixture.count},
+                            {"recipe", text_of(r.steps, box.palette.paints)},
+                            {"error", r.error}});
+    nlohmann::json lamps = nlohmann::json::array();
+    for (const Illuminant lamp : options.lamps) lamps.push_back(name_of(lamp));
+    const Lab lab = lab_under(wanted.reflectance);
+    nlohmann::json target = wanted.described;
+    target["reflectance"] = wanted.reflectance;
+    target["lab"] = {lab.l, lab.a, lab.b};
+    nlohmann::json result = {{"palette", box.palette.name}, {"target", target},   {"lamps", lamps},
+                             {"goal", a.box.goal},          {"recipes", recipes}, {"fewer_paints", by_count},
+                             {"seconds", seconds.count()}};
+    if (a.film_mm) result["film_mm"] = *a.film_mm;
+    if (!a.swatch.empty()) {
+        const bool linear = lower_extension(a.swatch) == ".exr";
+        write_picture(a.swatch, recipe_swatches(wanted.reflectance, found.recipes),
+                      linear ? Transfer{} : Transfer{Transfer::Kind::srgb}, {.bits = 8});
+        result["picture"] = a.swatch;
+    }
+    if (found.recipes.front().error > kPoor)
+        result["poor"] = {fmt::format("the nearest recipe of these paints is off by CIEDE2000 {:.1f}",
+                                      found.recipes.front().error)};
+    write_stderr(table_of(found, box));
+    return result;
+}
+
+}  // namespace
+
+Command match_command() {
+    return {
+        "match", "find recipes from one's own paints for a colour, a spectrum, or what is beside a loss",
+        [](Flags& flags) {
+            auto a = std::make_shared<MatchArguments>();
+            flags.option("PAINTING", a->painting, "painting file (.exr), with --mask");
+            flags.option("--mask", a->mask, "picture, white where the loss is: its surroundings are matched");
+            flags.option("--damaged", a->damaged, "picture, white where there is other damage beside it");
+            flags.option("--spectrum", a->spectrum,
+                         "measured reflectance: text, a wavelength in nm and a reflectance (0..1) a line");
+            flags.option("--lab", a->lab, "L,a,b under the lamp --under").value_name("L,a,b");
+            flags.option("--xyz", a->xyz, "X,Y,Z under it, Y of white is 1").value_name("X,Y,Z");
+            flags.option("--srgb", a->srgb, "colour as seen by eyes that are used to the lamp")
+                .value_name("#rrggbb");
+            flags.option("--under", a->under, "lamp that the colour is seen under").show_default();
+            flags.option("--film-mm", a->film_mm, "thickness of the paint; without, it hides what is below")
+                .check(within(0.001, 10));
+            flags
+                .option("--below", a->below,
+                        "what the film lies on; without, what is in the mask, or a white ground")
+                .value_name("#rrggbb");
+            flags
+                .option("--mm-per-pixel", a->mm_per_pixel,
+                        "size of the painting's pixels where the file does not say")
+                .check(within(1e-4, 1e3));
+            a->box.add_to(flags);
+            flags.fields(a->match);
+            flags.fields(a->annulus);
+            flags.option("--swatch", a->swatch,
+                         "picture to write (.png .tif .jpg .exr): target and recipes under all lamps");
+            flags.option("--save-pairs", a->save_pairs,
+                         "file to write: the built-in list of pairs, to be edited");
+            return [a] { return run_match(*a); };
+        }};
+}
+
+}  // namespace tangi

@@ -1,0 +1,32 @@
+// photo_book.h: photographs as `compare` reads them, and as the book that the window holds against a
+// painting.
+#pragma once
+
+#include <memory>
+
+#include "capture/develop_stack.h"
+#include "cli/arguments.h"
+#include "surface/surface.h"
+#include "viewer/photo_book.h"
+
+namespace tangi {
+
+// A stack that compare() can read, and how it was developed.
+struct PhotosToCompare {
+    Stack stack;
+    DevelopReport development;
+};
+
+// Develops photographs as those were that the painting was fitted from; `arguments`: what they were opened
+// with. Throws as develop_stack().
+PhotosToCompare photos_to_compare(Stack stack, const PhotosArguments& arguments, const Surface& surface,
+                                  const Progress& progress);
+
+// The book of a folder. What the arguments leave open is as the painting's provenance remembers it: crop and
+// mask, and lights and capture file where the folder alone does not tell. `painting`: its file, for the
+// residual of faithful mode. Throws Error, Cancelled.
+std::unique_ptr<PhotoBook> open_photo_book(const PhotosArguments& arguments,
+                                           std::shared_ptr<const Surface> surface,
+                                           const std::filesystem::path& painting, const Progress& progress);
+
+}  // namespace tangi

@@ -1,0 +1,241 @@
+// retouch_command.cpp: tangipaint retouch PAINTING.exr --mask MASK.png --mode MODE --out OUT.exr
+#include <filesystem>
+
+#include "cli/arguments.h"
+#include "cli/command_list.h"
+#include "cli/retouch_arguments.h"
+#include "cli/treatment_arguments.h"
+#include "paint/appearance.h"
+#include "paint/canvas_file.h"
+#include "paint/retouch/modes.h"
+#include "paint/retouch/treatment.h"
+#include "paint/retouch/viewing.h"
+#include "surface/error.h"
+#include "surface/faithful.h"
+#include "surface/picture_file.h"
+
+namespace tangi {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr double kPoor = 5;  // CIEDE2000 that nobody would call a match
+
+struct RetouchArguments {
+    std::string painting, damaged, mode = "mimetic", out, layer, inpainting = "membrane", preview;
+    std::string treatment;
+    AuthorArguments author;
+    AreaArguments area;
+    std::optional<double> mm_per_pixel;
+    double distance_m = 2;
+    PaintBoxArguments box;
+    RetouchOptions options;
+    ViewingOptions viewing;
+};
+
+// Colours carried on by more than a membrane are a guess of what was there, and named so.
+std::string layer_name(const RetouchArguments& a, const Canvas& canvas) {
+    if (!a.layer.empty()) return a.layer;
+    const std::string what = a.inpainting == "membrane" ? fmt::format("retouch {}", a.mode)
+                                                        : fmt::format("proposal {} {}", a.inpainting, a.mode);
+    for (int number = 1;; ++number) {
+        const std::string name = fmt::format("{} {}", what, number);
+        const auto& dried = canvas.dried();
+        if (std::none_of(dried.begin(), dried.end(), [&](const auto& d) { return d.name == name; }))
+            return name;
+    }
+}
+
+// Where paint may lie.
+Mask area_of(const RetouchArguments& a, const std::optional<Treatment>& treatment, const Canvas& canvas) {
+    if (treatment) return a.area.area(*treatment);
+    Mask all(canvas.width(), canvas.height());
+    for (const std::string& file : a.area.masks)
+        all = united(all, read_mask(file, canvas.width(), canvas.height()));
+    return all;
+}
+
+nlohmann::json as_json(const Fusion& fusion) {
+    return {{"fuses", fusion.fuses},
+            {"distance_m", fusion.distance_m},
+            {"delta_e_2000_at_0.3_m", fusion.delta_e_near},
+            {"delta_e_2000_there", fusion.delta_e_fused}};
+}
+
+// The retouch as it is seen, and what it should look like.
+struct Views {
+    Image<Rgb> retouched, target;
+    Mask mask;
+};
+
+Views views_of(const Canvas& canvas, const Mask& mask, const RetouchReport& report,
+               const Progress& progress) {
+    const Image<Rgb> whole = appearance(canvas, {}, progress).diffuse;
+    const Region& r = report.region;
+    Views views{Image<Rgb>(r.width(), r.height()), report.target, Mask(r.width(), r.height())};
+    for (int y = 0; y < r.height(); ++y)
+        for (int x = 0; x < r.width(); ++x) {
+            views.retouched(x, y) = whole(x + r.x0, y + r.y0);
+            views.mask(x, y) = mask(x + r.x0, y + r.y0);
+            if (!(views.mask(x, y) > 0)) views.target(x, y) = views.retouched(x, y);
+        }
+    return views;
+}
+
+nlohmann::json described(const RetouchReport& report, const PaintBox& box) {
+    nlohmann::json piles = nlohmann::json::array();
+    for (const Pile& pile : report.piles) {
+        nlohmann::json json = as_json(pile.steps, pile.mixture, box.palette.paints);
+        const Lab lab = lab_under(pile.look);
+        json["lab"] = {lab.l, lab.a, lab.b};
+        json["share"] = pile.share;
+        json["volume_mm3"] = pile.volume_mm3;
+        json["warnings"] = warnings_of(pile.mixture, box);
+        piles.push_back(json);
+    }
+    nlohmann::json json = {{"piles", piles},
+                           {"area_mm2", report.area_mm2},
+                           {"painted_mm2", report.painted_mm2},
+                           {"delta_e_2000_from_target", by_lamp(report.delta_e_mean)}};
+    if (report.marks > 0)
+        json["lines"] = {
+            {"number", report.marks}, {"pitch_mm", report.pitch_mm}, {"width_mm", report.width_mm}};
+    return json;
+}
+
+void require_sound(const RetouchArguments& a) {
+    if (a.treatment.empty() && (a.painting.empty() || a.out.empty()))
+        throw UsageError(
+            "give a painting and where to write it: retouch PAINTING.exr --out OUT.exr; or --treatment");
+    if (!a.treatment.empty() && !(a.painting.empty() && a.out.empty()))
+        throw UsageError("--treatment holds its painting; leave out PAINTING.exr and --out");
+    if (a.area.empty()) throw UsageError("say where to retouch: --mask FILE");
+    if (a.treatment.empty() && a.area.masks.empty())
+        throw UsageError("--class and --polygon are of a treatment; give --mask, or --treatment");
+    std::vector<fs::path> inputs = a.box.inputs();
+    for (const std::string& file : {a.painting, a.damaged})
+        if (!file.empty()) inputs.emplace_back(file);
+    for (const fs::path& file : a.area.inputs()) inputs.push_back(file);
+    if (!a.out.empty()) refuse_to_overwrite(a.out, inputs);
+    if (a.preview.empty()) return;
+    refuse_to_overwrite(a.preview, inputs);
+    require_picture_format(a.preview);
+}
+
+nlohmann::json run_retouch(RetouchArguments a) {
+    require_sound(a);
+    const Progress progress = console_progress();
+    const PaintBox box = paint_box(a.box);
+    set_options(a.box, box, a.options.match);
+    a.options.inpainting = *inpainting_named(a.inpainting);
+    std::optional<Treatment> treatment;
+    std::optional<AtomicFile> out;
+    if (a.treatment.empty())
+        out.emplace(a.out);  // that it can be written is known before the work
+    else
+        treatment = open_treatment(a.treatment);
+    Canvas canvas =
+        treatment ? treatment->read_canvas(progress) : read_canvas(a.painting, progress, a.mm_per_pixel);
+    const std::string hash = sha256_of(canvas.dry());
+    const Mask mask = area_of(a, treatment, canvas);
+    Mask spoilt = a.damaged.empty() ? Mask() : read_mask(a.damaged, canvas.width(), canvas.height());
+    if (treatment) spoilt = spoilt.empty() ? damaged(*treatment) : united(spoilt, damaged(*treatment));
+    const std::string layer = treatment && a.layer.empty() && a.inpainting == "membrane"
+                                  ? treatment->new_layer_name(LayerRole::retouch)
+                                  : layer_name(a, canvas);
+    const RetouchReport report = lay_retouch(canvas, box.palette, mask, spoilt, *retouch_mode_named(a.mode),
+                                             layer, a.options, progress);
+    const Views views = views_of(canvas, mask, report, progress);
+    nlohmann::json result = described(report, box);
+    result["mode"] = a.mode, result["layer"] = layer, result["dry_sha256"] = hash;
+    result["on_original"] = to_json(on_original(canvas.dried().back().paint, mask, canvas.mm_per_pixel()));
+    if (report.marks > 0)
+        result["lines"].update(
+            as_json(fusion_of(views.retouched, views.target, views.mask,
+                              report.pitch_mm / canvas.mm_per_pixel(), canvas.mm_per_pixel(), a.viewing)));
+    for (const Illuminant lamp : a.options.match.lamps)
+        if (const double off = report.delta_e_mean[static_cast<std::size_t>(lamp)]; off > kPoor)
+            result["poor"].push_back(
+                fmt::format("under {} the retouch is off by CIEDE2000 {:.1f} on average: these paints, so "
+                            "thin, over this "
+                            "ground, do not give the colour",
+                            name_of(lamp), off));
+    if (!a.preview.empty()) {
+        const bool linear = lower_extension(a.preview) == ".exr";
+        write_picture(a.preview, seen_from(views.retouched, canvas.mm_per_pixel(), a.distance_m),
+                      linear ? Transfer{} : Transfer{Transfer::Kind::srgb}, {.bits = 8});
+        result["preview"] = {{"picture", a.preview}, {"distance_m", a.distance_m}};
+    }
+    if (treatment) {
+        nlohmann::json parameters = to_json(a.options);
+        parameters["mode"] = a.mode, parameters["inpainting"] = a.inpainting;
+        parameters["area"] = a.area.as_json();
+        parameters["palette"] = box.palette.name, parameters["lamps"] = a.box.lamps,
+        parameters["goal"] = a.box.goal;
+        TreatmentStep step;
+        step.action = a.inpainting == "membrane" ? "retouch" : "propose";
+        step.parameters = parameters, step.results = result;
+        step.masks = {{layer, mask}};
+        step.canvas = &canvas, step.added = {{layer, LayerRole::retouch}};
+        step.inputs = a.box.inputs();
+        for (const fs::path& file : a.area.inputs()) step.inputs.push_back(file);
+        if (!a.damaged.empty()) step.inputs.emplace_back(a.damaged);
+        treatment->record(step, a.author.author(), progress);
+        result["treatment"] = a.treatment;
+    } else {
+        FaithfulResidual residual = read_faithful(a.painting, canvas.dry(), progress);
+        std::vector<PartToWrite> further;
+        if (!residual.empty()) further.push_back(part_of(residual));
+        write_canvas(*out, canvas, progress, further);
+        result["painting"] = a.out;
+    }
+    return result;
+}
+
+}  // namespace
+
+Command retouch_command() {
+    return {
+        "retouch", "lay a retouch inside a mask: mimetic, tratteggio, selection, abstraction, dots, neutral",
+        [](Flags& flags) {
+            auto a = std::make_shared<RetouchArguments>();
+            flags.option("PAINTING", a->painting, "painting file (.exr)");
+            a->area.add_to(flags, "where paint may lie");
+            flags.option("--mode", a->mode, "mimetic, tratteggio, selection, abstraction, dotting or neutral")
+                .check(one_of({"mimetic", "tratteggio", "selection", "abstraction", "dotting", "neutral"}))
+                .show_default();
+            flags.option("--out", a->out,
+                         "painting file to write (.exr), with the retouch as a layer on top");
+            flags.option("--layer", a->layer, "name of the layer; one that says the mode without");
+            flags.option("--damaged", a->damaged, "picture, white where there is other damage beside it");
+            flags
+                .option("--inpainting", a->inpainting,
+                        "how the surroundings' colour goes on into the mask: membrane, telea, "
+                        "navier-stokes; the last two make the layer a proposal")
+                .check(one_of({"membrane", "telea", "navier-stokes"}))
+                .show_default();
+            flags.option("--treatment", a->treatment,
+                         "treatment to retouch and log in (docs/retouching.md), instead of PAINTING.exr "
+                         "and --out");
+            a->author.add_to(flags);
+            flags.option("--preview", a->preview,
+                         "picture to write (.png .tif .jpg .exr): the retouch as the eye has it from "
+                         "--distance-m");
+            flags.option("--distance-m", a->distance_m, "of the preview")
+                .check(within(0.05, 1000))
+                .show_default();
+            flags
+                .option("--mm-per-pixel", a->mm_per_pixel,
+                        "size of the painting's pixels where the file does not say")
+                .check(within(1e-4, 1e3));
+            a->box.add_to(flags);
+            flags.fields(a->options);
+            flags.fields(a->options.annulus);
+            flags.fields(a->options.match, [](std::string_view name) { return name == "max_paints"; });
+            flags.fields(a->viewing);
+            return [a] { return run_retouch(*a); };
+        }};
+}
+
+}  // namespace tangi

@@ -1,0 +1,88 @@
+#include "cli/treatment_arguments.h"
+
+#include <cstdlib>
+
+#include "cli/arguments.h"
+#include "cli/command.h"
+#include "surface/error.h"
+
+namespace tangi {
+
+void AuthorArguments::add_to(Flags& flags) {
+    flags.option("--by", by, "who does it, for the log; the user's name without");
+}
+
+Author AuthorArguments::author() const {
+    const char* user = std::getenv("USER");
+    return {!by.empty() ? by : user && *user ? user : "unknown", "tangipaint " TP_VERSION};
+}
+
+void AreaArguments::add_to(Flags& flags, const std::string& what) {
+    flags.option("--class", classes, "class of damage " + what + "; again for more").one_value();
+    flags.option("--mask", masks, "picture of the painting's size, white " + what + "; again for more")
+        .one_value();
+    flags
+        .option("--polygon", polygons,
+                "X,Y;X,Y;X,Y in mm from the centre of the picture, y up, " + what + "; again for more")
+        .one_value();
+}
+
+Mask AreaArguments::area(const Treatment& treatment) const {
+    Mask area(treatment.width(), treatment.height());
+    for (const std::string& word : classes) {
+        const DamageClass damage = damage_class_of(word, "--class");
+        if (!treatment.has_mask(damage))
+            fail("--class {}: {} has no such damage; suggest or draw it first: tangipaint damage", word,
+                 treatment.folder().string());
+        area = united(area, treatment.mask(damage));
+    }
+    for (const std::string& file : masks)
+        area = united(area, read_mask(file, treatment.width(), treatment.height()));
+    for (const std::string& text : polygons)
+        area = united(
+            area, mask_of_polygons({parse_polygon(text, treatment)}, treatment.width(), treatment.height()));
+    return area;
+}
+
+nlohmann::json AreaArguments::as_json() const {
+    return {{"classes", classes}, {"masks", masks}, {"polygons_mm", polygons}};
+}
+
+DamageClass damage_class_of(const std::string& word, const std::string& flag) {
+    const auto damage = damage_class_named(word);
+    if (damage) return *damage;
+    std::vector<std::string_view> names;
+    for (const DamageClass known : kDamageClasses) names.push_back(name_of(known));
+    throw UsageError(fmt::format("{} {}: is not one of {}", flag, word, fmt::join(names, ", ")));
+}
+
+Polygon parse_polygon(const std::string& text, const Treatment& treatment) {
+    Polygon polygon;
+    for (std::size_t from = 0; from <= text.size();) {
+        const std::size_t end = std::min(text.find(';', from), text.size());
+        const auto xy = numbers_in(text.substr(from, end - from), "--polygon", "X,Y;X,Y;X,Y");
+        if (xy.size() != 2)
+            throw UsageError(
+                fmt::format("--polygon {}: give two numbers for each corner: X,Y;X,Y;X,Y", text));
+        const double mm = treatment.mm_per_pixel();
+        polygon.push_back({xy[0] / mm + treatment.width() / 2.0, treatment.height() / 2.0 - xy[1] / mm});
+        from = end + 1;
+    }
+    return polygon;
+}
+
+Treatment open_treatment(const std::string& folder) {
+    Treatment treatment = Treatment::open(folder);
+    for (const std::string& warning : treatment.log().warnings()) warn(warning);
+    return treatment;
+}
+
+Mask damaged(const Treatment& treatment) {
+    Mask all(treatment.width(), treatment.height());
+    for (const DamageClass damage : {DamageClass::loss_to_ground, DamageClass::loss_to_support,
+                                     DamageClass::flaking, DamageClass::old_fill})
+        if (treatment.has_mask(damage)) all = united(all, treatment.mask(damage));
+    return all;
+}
+
+}  // namespace tangi

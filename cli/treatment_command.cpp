@@ -1,0 +1,237 @@
+// treatment_command.cpp: tangipaint treatment ACTION DIR: what there is, checked, painted, taken off, shown,
+// reported.
+#include "cli/arguments.h"
+#include "cli/command_list.h"
+#include "cli/treatment_arguments.h"
+#include "paint/appearance.h"
+#include "paint/retouch/treatment_picture.h"
+#include "paint/retouch/treatment_report.h"
+#include "paint/session.h"
+#include "surface/atomic_file.h"
+#include "surface/error.h"
+#include "surface/picture_file.h"
+
+namespace tangi {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+namespace {
+
+struct TreatmentArguments {
+    std::string action, folder, painting, strokes, palette, layer, state = "varnished",
+                                                                   light = "0.35,0.35,0.87", out;
+    bool all = false;
+    double feather_mm = 0;
+    std::optional<double> mm_per_pixel;
+    AreaArguments area;
+    AuthorArguments author;
+};
+
+void require(const std::string& value, const char* flag, const std::string& action) {
+    if (value.empty()) throw UsageError(fmt::format("treatment {}: give {}", action, flag));
+}
+
+json layers_of(const Treatment& treatment) {
+    json layers = json::array();
+    for (const TreatmentLayer& layer : treatment.layers())
+        layers.push_back({{"name", layer.name}, {"role", name_of(layer.role)}, {"sha256", layer.sha256}});
+    return layers;
+}
+
+json status(const Treatment& treatment) {
+    json masks = treatment.mask_names();
+    return {{"treatment", treatment.folder().string()},
+            {"width", treatment.width()},
+            {"height", treatment.height()},
+            {"mm_per_pixel", treatment.mm_per_pixel()},
+            {"scale_known", treatment.scale_known()},
+            {"dry_sha256", treatment.dry_sha256()},
+            {"log_lines", treatment.log().entries().size()},
+            {"log_head", treatment.log().head()},
+            {"damage", damage_table(treatment)},
+            {"masks", masks},
+            {"layers", layers_of(treatment)}};
+}
+
+json check(const Treatment& treatment, const Progress& progress) {
+    const std::vector<std::string> faults = treatment.check(progress);
+    for (const std::string& fault : faults) warn(fault);
+    if (!faults.empty())
+        fail("{}: {} of what the log says is not so; the first: {}", treatment.folder().string(),
+             faults.size(), faults.front());
+    json result = status(treatment);
+    result["checked"] = true;
+    return result;
+}
+
+// Strokes of a journal, or wet paint that the window left on the treatment's painting, as a retouch.
+json retouch(Treatment& treatment, const TreatmentArguments& a, const Progress& progress) {
+    Canvas canvas = treatment.read_canvas(progress);
+    const std::string name = treatment.new_layer_name(LayerRole::retouch);
+    Mask area = a.area.empty() ? damaged(treatment) : a.area.area(treatment);
+    if (area_of(area, 1).mm2 == 0)
+        fail("{}: no damage is mapped where a retouch would belong; give --class, --mask or --polygon",
+             treatment.folder().string());
+    TreatmentStep step{.action = "retouch",
+                       .parameters = {{"area", a.area.as_json()}, {"feather_mm", a.feather_mm}},
+                       .inputs = a.area.inputs()};
+    json painted = json::object();
+    if (!a.strokes.empty()) {
+        if (!canvas.wet().empty())
+            fail("{}: has wet paint on it already; dry it first with treatment retouch without --strokes",
+                 treatment.painting().string());
+        const Journal journal = read_journal(a.strokes);
+        painted["warnings"] = told(journal.warnings);
+        Session session(std::move(canvas), a.palette.empty() ? artist_acrylics() : read_palette(a.palette));
+        session.canvas().confine(
+            std::make_shared<Mask>(feathered(area, a.feather_mm / treatment.mm_per_pixel())));
+        replay(session, journal, progress);
+        painted["strokes"] = session.totals().strokes;
+        canvas = session.canvas();
+        canvas.confine({});
+        step.inputs.emplace_back(a.strokes);
+        std::string file = name;
+        std::replace(file.begin(), file.end(), ' ', '_');
+        step.files["strokes/" + file + ".jsonl"] = read_text_file(a.strokes);
+    }
+    // What was dried in the window is a retouch too.
+    const std::vector<TreatmentLayer> logged = treatment.layers();
+    for (const DriedLayer& layer : canvas.dried())
+        if (std::none_of(logged.begin(), logged.end(), [&](const auto& l) { return l.name == layer.name; }))
+            step.added.emplace_back(layer.name, LayerRole::retouch);
+    if (canvas.wet().empty() && step.added.empty())
+        fail("{}: nothing was painted within the area",
+             a.strokes.empty() ? treatment.painting().string() : a.strokes);
+    if (!canvas.wet().empty()) {
+        dry(canvas, name, canvas.region());
+        step.added.emplace_back(name, LayerRole::retouch);
+    }
+    json laid = json::array();
+    for (const auto& [added, role] : step.added) {
+        const auto layer = std::find_if(canvas.dried().begin(), canvas.dried().end(),
+                                        [&added = added](const DriedLayer& l) { return l.name == added; });
+        json paints = json::object();
+        const auto volumes = volumes_mm3(layer->paint, canvas.ingredients().size(), canvas.mm_per_pixel());
+        for (std::size_t i = 0; i < volumes.size(); ++i)
+            if (volumes[i] > 0) paints[canvas.ingredients()[i].name] = volumes[i];
+        laid.push_back({{"layer", added},
+                        {"area_cm2", area_of(additions(layer->paint), treatment.mm_per_pixel()).mm2 / 100},
+                        {"volumes_mm3", paints},
+                        {"on_original", to_json(on_original(layer->paint, area, treatment.mm_per_pixel()))}});
+    }
+    step.results = {{"retouches", laid}};
+    step.results.update(painted);
+    step.masks[name] = area;
+    step.canvas = &canvas;
+    treatment.record(step, a.author.author(), progress);
+    return step.results;
+}
+
+json remove(Treatment& treatment, const TreatmentArguments& a, const Progress& progress) {
+    if (a.layer.empty() == !a.all) throw UsageError("treatment remove: give --layer NAME, or --all");
+    Canvas canvas = treatment.read_canvas(progress);
+    json removed = json::array();
+    for (const TreatmentLayer& layer : treatment.layers())
+        if (a.all || layer.name == a.layer) {
+            lift_off(canvas, layer.name);
+            removed.push_back(layer.name);
+        }
+    if (removed.empty()) lift_off(canvas, a.layer);  // says which there are
+    treatment.record({.action = "remove", .parameters = {{"layers", removed}}, .canvas = &canvas},
+                     a.author.author(), progress);
+    json result = status(treatment);
+    result["removed"] = removed;
+    if (canvas.dried().empty())
+        result["identical_to_original"] = sha256_of(appearance(canvas)) == treatment.dry_sha256();
+    return result;
+}
+
+json show(const Treatment& treatment, const TreatmentArguments& a, const Progress& progress) {
+    const auto state = treatment_state_named(a.state);
+    const Canvas canvas = treatment.read_canvas(progress);
+    const Surface surface = appearance(in_state(canvas, treatment.layers(), *state), {}, progress);
+    write_picture_8bit(a.out,
+                       look_of(surface, distant_light(parse_direction(a.light, "--light")), 0, progress));
+    return {{"picture", a.out}, {"state", a.state}};
+}
+
+json show_additions(const Treatment& treatment, const TreatmentArguments& a, const Progress& progress) {
+    const Canvas canvas = treatment.read_canvas(progress);
+    Mask belongs(treatment.width(), treatment.height());
+    for (const DamageClass damage : kDamageClasses)
+        if (treatment.has_mask(damage)) belongs = united(belongs, treatment.mask(damage));
+    write_picture_8bit(a.out, additions_picture(canvas, treatment.layers(), belongs));
+    json layers = json::object();
+    for (const DriedLayer& layer : canvas.dried())
+        layers[layer.name] = to_json(on_original(layer.paint, belongs, treatment.mm_per_pixel()));
+    return {{"picture", a.out}, {"on_original", layers}};
+}
+
+json run_treatment(const TreatmentArguments& a) {
+    const Progress progress = console_progress();
+    if (a.action == "begin") {
+        require(a.painting, "--painting P.exr", a.action);
+        return status(Treatment::begin(a.folder, a.painting, a.author.author(), a.mm_per_pixel, progress));
+    }
+    const bool writes = a.action == "show" || a.action == "additions" || a.action == "report";
+    if (writes) require(a.out, "--out FILE", a.action);
+    if (writes && a.action != "report") require_picture_format(a.out);
+    if (a.action == "report" && lower_extension(a.out) != ".html")
+        throw UsageError(
+            fmt::format("--out {}: a report is written as .html; its style sheet prints it on A4 "
+                        "or to PDF",
+                        a.out));
+    Treatment treatment = open_treatment(a.folder);
+    if (writes) refuse_to_overwrite(a.out, {treatment.painting(), treatment.log().path()});
+    if (a.action == "status") return status(treatment);
+    if (a.action == "check") return check(treatment, progress);
+    if (a.action == "retouch") return retouch(treatment, a, progress);
+    if (a.action == "remove") return remove(treatment, a, progress);
+    if (a.action == "show") return show(treatment, a, progress);
+    if (a.action == "additions") return show_additions(treatment, a, progress);
+    json files = json::array();
+    for (const fs::path& file : write_treatment_report(treatment, a.out, a.author.author().tool, progress))
+        files.push_back(file.string());
+    return {{"files", files}, {"log_head", treatment.log().head()}};
+}
+
+}  // namespace
+
+Command treatment_command() {
+    return {
+        "treatment",
+        "the treatment of a painting: begin, status, check, retouch, remove, show, additions, report",
+        [](Flags& flags) {
+            auto a = std::make_shared<TreatmentArguments>();
+            flags
+                .option("ACTION", a->action, "begin, status, check, retouch, remove, show, additions, report")
+                .required()
+                .check(
+                    one_of({"begin", "status", "check", "retouch", "remove", "show", "additions", "report"}));
+            flags.option("TREATMENT", a->folder, "folder of the treatment").required();
+            flags.option("--painting", a->painting, "begin: painting file (.exr), which is copied");
+            flags
+                .option("--mm-per-pixel", a->mm_per_pixel,
+                        "begin: size of the painting's pixels where the file does not say")
+                .check(within(1e-4, 1e3));
+            flags.option("--strokes", a->strokes,
+                         "retouch: journal of strokes; without, the wet paint that the window left");
+            flags.option("--palette", a->palette, "retouch: palette file (.json) that the strokes name");
+            a->area.add_to(flags, "that the retouch stops at (losses and fills without)");
+            flags.option("--feather-mm", a->feather_mm, "retouch: width over which it fades out at the rim")
+                .check(within(0, 100))
+                .show_default();
+            flags.option("--layer", a->layer, "remove: name of the layer");
+            flags.flag("--all", a->all, "remove: all layers");
+            flags.option("--state", a->state, "show: before, cleaned, filled, retouched or varnished")
+                .check(one_of({"before", "cleaned", "filled", "retouched", "varnished"}))
+                .show_default();
+            flags.option("--light", a->light, "show: direction to the light, X,Y,Z").show_default();
+            flags.option("--out", a->out, "show, additions: picture; report: page (.html)");
+            a->author.add_to(flags);
+            return [a] { return run_treatment(*a); };
+        }};
+}
+
+}  // namespace tangi

@@ -1,0 +1,94 @@
+#include "paint/mixing_board.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "surface/error.h"
+
+namespace tangi {
+
+BoardSize default_board_size(double mm_per_pixel) {
+    const BoardSize usual;
+    const double width = std::clamp(usual.width_mm, 400 * mm_per_pixel, 1600 * mm_per_pixel);
+    return {width, width * usual.height_mm / usual.width_mm};
+}
+
+Canvas make_board(const BoardSize& size, double mm_per_pixel) {
+    const double width = std::round(size.width_mm / mm_per_pixel),
+                 height = std::round(size.height_mm / mm_per_pixel);
+    if (!(std::min(width, height) >= 8 && std::max(width, height) <= 8192))
+        fail("a palette of {} x {} mm has {} x {} pixels of {} mm; it may have 8 to 8192 a side",
+             size.width_mm, size.height_mm, width, height, mm_per_pixel);
+    auto surface = std::make_shared<Surface>(static_cast<int>(width), static_cast<int>(height));
+    surface->mm_per_pixel = mm_per_pixel;
+    surface->scale_known = true;
+    std::fill(surface->diffuse.pixels().begin(), surface->diffuse.pixels().end(), Rgb(0.8f));
+    std::fill(surface->specular.pixels().begin(), surface->specular.pixels().end(), 0.04f);
+    std::fill(surface->roughness.pixels().begin(), surface->roughness.pixels().end(), 0.1f);
+    std::fill(surface->confidence.pixels().begin(), surface->confidence.pixels().end(), 1.0f);
+    return Canvas(std::move(surface));
+}
+
+std::vector<PileEvent> laid_out(const std::vector<std::string>& paints, const BoardSize& size) {
+    TP_REQUIRE(!paints.empty(), "there are paints to lay out");
+    const double margin = 0.12 * std::min(size.width_mm, size.height_mm);
+    const double x = size.width_mm / 2 - margin, y = size.height_mm / 2 - margin;
+    const double length = 4 * y + 2 * x;  // up, across, down
+    const double spacing = length / static_cast<double>(paints.size());
+    std::vector<PileEvent> piles;
+    for (std::size_t i = 0; i < paints.size(); ++i) {
+        const double s = (static_cast<double>(i) + 0.5) * spacing;
+        PileEvent pile;
+        pile.paint = {{paints[i], 1}};
+        pile.at = s < 2 * y           ? PointMm{-x, -y + s}
+                  : s < 2 * y + 2 * x ? PointMm{-x + (s - 2 * y), y}
+                                      : PointMm{x, y - (s - 2 * y - 2 * x)};
+        pile.size_mm = std::min({24.0, 0.8 * spacing, 1.6 * margin});
+        pile.height_mm = std::min(pile.height_mm, pile.size_mm / 8);
+        piles.push_back(std::move(pile));
+    }
+    return piles;
+}
+
+void lay_pile(Canvas& canvas, const std::vector<Portion>& recipe, PointMm at, double size_mm,
+              double height_mm) {
+    double parts = 0;
+    for (const Portion& portion : recipe) parts += portion.part;
+    if (!(parts > 0)) fail("a pile is made of parts of paint that sum to {}", parts);
+    const double mm = canvas.mm_per_pixel(), radius = std::max(size_mm / mm / 2, 0.5);
+    const double cx = at.x / mm + (canvas.width() - 1) / 2.0, cy = (canvas.height() - 1) / 2.0 - at.y / mm;
+    if (!(cx > -0.5 && cy > -0.5 && cx < canvas.width() - 0.5 && cy < canvas.height() - 0.5))
+        fail("the pile at ({}, {}) mm is off the canvas, which reaches to ({}, {}) mm", at.x, at.y,
+             canvas.width() * mm / 2, canvas.height() * mm / 2);
+    constexpr int size = PaintTile::kSize;
+    PaintLayer& wet = canvas.writable_wet();
+    const auto first = [&](double c) { return std::max(static_cast<int>(std::floor(c - radius)), 0); };
+    const int x0 = first(cx), y0 = first(cy);
+    const int x1 = std::min(static_cast<int>(std::ceil(cx + radius)) + 1, canvas.width());
+    const int y1 = std::min(static_cast<int>(std::ceil(cy + radius)) + 1, canvas.height());
+    for (int ty = y0 / size; ty * size < y1; ++ty)
+        for (int tx = x0 / size; tx * size < x1; ++tx) {
+            const Region tile = wet.region_of({tx, ty});
+            for (const Portion& portion : recipe) {
+                const auto plane = wet.writable({tx, ty}).writable_plane(portion.ingredient);
+                const double share = height_mm * portion.part / parts;
+                for (int y = std::max(y0, tile.y0); y < std::min(y1, tile.y1); ++y)
+                    for (int x = std::max(x0, tile.x0); x < std::min(x1, tile.x1); ++x) {
+                        const double r2 = ((x - cx) * (x - cx) + (y - cy) * (y - cy)) / (radius * radius);
+                        if (r2 < 1)
+                            plane[static_cast<std::size_t>((y - tile.y0) * size + x - tile.x0)] +=
+                                static_cast<float>(share * (1 - r2));
+                    }
+            }
+            canvas.mark_dirty({tx, ty});
+        }
+}
+
+void wipe(Canvas& canvas) {
+    for (const TileIndex at : canvas.wet().painted()) {
+        canvas.writable_wet().set_tile(at, nullptr);
+        canvas.mark_dirty(at);
+    }
+}
+
+}  // namespace tangi

@@ -1,0 +1,19 @@
+// ora_file.h: a painted canvas as an OpenRaster file (.ora), which Krita, GIMP, MyPaint and others open as a
+// picture with layers (openraster.org, version 0.0.5).
+//
+// Colours are the paints' (rho_d), without light. Further members, which those programs leave alone:
+// tangipaint/height.png (16 bit, 0..1 between the heights that painting.json says), tangipaint/painting.json
+// (scale, heights, paints, and volumes [mm^3] in each layer), and tangipaint/painting.exr, the painting file
+// itself with every recipe.
+#pragma once
+
+#include "paint/canvas.h"
+#include "surface/atomic_file.h"
+#include "surface/progress.h"
+
+namespace tangi {
+
+// Whole or not at all. Throws Error naming the file where it cannot be written.
+void write_ora(AtomicFile& file, const Canvas& canvas, const Progress& progress = {});
+
+}  // namespace tangi

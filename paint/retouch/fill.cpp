@@ -1,0 +1,282 @@
+#include "paint/retouch/fill.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+
+#include "paint/retouch/matrix.h"
+#include "surface/error.h"
+#include "surface/noise.h"
+
+namespace tangi {
+
+namespace {
+
+constexpr int kSize = PaintTile::kSize;
+
+// One region of a loss with what is around it, as pictures of their own.
+struct Patch {
+    Region box;
+    Mask unknown;                          // the region and its rim
+    Image<float> level_mm;                 // what the fill is to reach
+    std::vector<std::array<int, 2>> ring;  // pixels of the canvas around, which tell the level
+};
+
+// How far relief may be taken from: another place, or none.
+struct Shift {
+    int x = 0, y = 0;
+    bool found = false;
+};
+
+struct Search {
+    const Image<float>& detail_mm;  // the fine relief of the whole canvas
+    const Mask& usable;             // where relief may come from
+};
+
+// The place nearby whose relief fits the ring around the patch best: least mean squared difference of the
+// fine relief on the ring, of which half must be usable there, and all of the patch.
+Shift best_shift(const Patch& patch, const Search& s, int reach) {
+    std::vector<std::array<int, 2>> inside;  // some of the patch's pixels, to see that they are usable
+    for (int y = 0; y < patch.unknown.height(); ++y)
+        for (int x = 0; x < patch.unknown.width(); ++x)
+            if (patch.unknown(x, y) > 0.5f) inside.push_back({patch.box.x0 + x, patch.box.y0 + y});
+    std::vector<std::array<int, 2>> some;
+    const std::size_t step = std::max<std::size_t>(patch.ring.size() / 400, 1);
+    for (std::size_t i = 0; i < patch.ring.size(); i += step) some.push_back(patch.ring[i]);
+    const auto usable = [&](int x, int y) {
+        return x >= 0 && y >= 0 && x < s.usable.width() && y < s.usable.height() && s.usable(x, y) > 0.5f;
+    };
+    Shift best;
+    double least = 1e30;
+    for (int dy = -reach; dy <= reach; ++dy)
+        for (int dx = -reach; dx <= reach; ++dx) {
+            if (!usable(inside.front()[0] + dx, inside.front()[1] + dy) ||
+                !usable(inside.back()[0] + dx, inside.back()[1] + dy))
+                continue;
+            double sum = 0;
+            std::size_t seen = 0;
+            for (const auto& [x, y] : some) {
+                if (!usable(x + dx, y + dy)) continue;
+                const auto d = static_cast<double>(s.detail_mm(x + dx, y + dy) - s.detail_mm(x, y));
+                sum += d * d;
+                ++seen;
+                if (sum >= least * static_cast<double>(some.size())) break;
+            }
+            if (2 * seen < some.size() || sum >= least * static_cast<double>(seen)) continue;
+            if (!std::all_of(inside.begin(), inside.end(),
+                             [&](const auto& p) { return usable(p[0] + dx, p[1] + dy); }))
+                continue;
+            least = sum / static_cast<double>(seen);
+            best = {dx, dy, true};
+        }
+    return best;
+}
+
+Image<float> fine_relief(const Image<float>& height_mm, double sigma_px) {
+    Image<float> detail(height_mm.width(), height_mm.height());
+    cv::Mat smooth;
+    cv::GaussianBlur(matrix_of(height_mm), smooth, {}, sigma_px, sigma_px, cv::BORDER_REFLECT);
+    for (int y = 0; y < detail.height(); ++y)
+        for (int x = 0; x < detail.width(); ++x) detail(x, y) = height_mm(x, y) - smooth.at<float>(y, x);
+    return detail;
+}
+
+// What of another place differs from its own membrane, which has the same rim as the patch; it grows over
+// `ramp_px` from the rim, so that the fill is flush where no thread has to go on.
+void add_relief(Patch& patch, const Shift& shift, const Image<float>& source_mm, const Image<float>& depth_px,
+                double ramp_px) {
+    Image<float> there(patch.box.width(), patch.box.height());
+    for (int y = 0; y < there.height(); ++y)
+        for (int x = 0; x < there.width(); ++x)
+            there(x, y) = source_mm.clamped(patch.box.x0 + x + shift.x, patch.box.y0 + y + shift.y);
+    Image<float> membrane = there;
+    solve_membrane(membrane, patch.unknown);
+    for (int y = 0; y < there.height(); ++y)
+        for (int x = 0; x < there.width(); ++x)
+            if (patch.unknown(x, y) > 0.5f) {
+                const float depth = depth_px(patch.box.x0 + x, patch.box.y0 + y);
+                const float part = procedural::smooth_step(0, static_cast<float>(ramp_px), depth);
+                patch.level_mm(x, y) += part * (there(x, y) - membrane(x, y));
+            }
+}
+
+// A region of a loss, its rim and a ring around it, with the level as a membrane through the ring.
+Patch patch_of(const Region& own, const Image<float>& relief_mm, const Mask& wide, const Mask& intact,
+               const Image<float>& depth_px, int rim_px, int ring_px) {
+    const int margin = rim_px + ring_px + 2;
+    Patch patch;
+    patch.box = {std::max(own.x0 - margin, 0), std::max(own.y0 - margin, 0),
+                 std::min(own.x1 + margin, wide.width()), std::min(own.y1 + margin, wide.height())};
+    patch.unknown = Mask(patch.box.width(), patch.box.height());
+    patch.level_mm = Image<float>(patch.box.width(), patch.box.height());
+    for (int y = patch.box.y0; y < patch.box.y1; ++y)
+        for (int x = patch.box.x0; x < patch.box.x1; ++x) {
+            patch.level_mm(x - patch.box.x0, y - patch.box.y0) = relief_mm(x, y);
+            // Other damage around tells no level either.
+            const bool known = wide(x, y) <= 0.5f && (intact.empty() || intact(x, y) > 0.5f);
+            patch.unknown(x - patch.box.x0, y - patch.box.y0) = known ? 0.0f : 1.0f;
+            if (known && -depth_px(x, y) <= static_cast<float>(ring_px)) patch.ring.push_back({x, y});
+        }
+    if (patch.ring.size() < 8)
+        fail("the loss at pixel ({}, {}) has nothing intact around it to take its level from", own.x0,
+             own.y0);
+    solve_membrane(patch.level_mm, patch.unknown);
+    return patch;
+}
+
+// [mm] rms of the steps from the outermost pixels of the regions to the nearest ones past the rim.
+double border_rms_mm(const Image<float>& filled_mm, const Mask& loss, const Mask& wide, int past_px) {
+    double steps = 0, count = 0;
+    for (int y = 0; y < loss.height(); ++y)
+        for (int x = 0; x < loss.width(); ++x) {
+            if (!(loss(x, y) > 0.5f)) continue;
+            constexpr std::array<std::array<int, 2>, 4> sides = {{{1, 0}, {-1, 0}, {0, 1}, {0, -1}}};
+            for (const auto& [dx, dy] : sides) {
+                const int nx = x + dx, ny = y + dy, ox = x + past_px * dx, oy = y + past_px * dy;
+                if (ox < 0 || oy < 0 || ox >= loss.width() || oy >= loss.height() || loss(nx, ny) > 0.5f ||
+                    wide(ox, oy) > 0.5f)
+                    continue;
+                const auto step = static_cast<double>(filled_mm(x, y) - filled_mm(ox, oy));
+                steps += step * step;
+                count += 1;
+            }
+        }
+    return count > 0 ? std::sqrt(steps / count) : 0;
+}
+
+Pigment clear_resin(const VarnishOptions& o) {
+    Pigment resin;
+    resin.name = fmt::format("varnish (rho_s {:.3g}, alpha {:.3g})", o.specular, o.roughness);
+    resin.origin = PigmentOrigin::colour;
+    resin.specular = static_cast<float>(o.specular);
+    resin.roughness = static_cast<float>(o.roughness);
+    for (std::size_t band = 0; band < kBands; ++band)  // falls off exponentially, as of aged resins
+        resin.k[band] = static_cast<float>(
+            o.yellowing * std::pow(0.1, static_cast<double>(kBand_nm[band] - kBand_nm[0]) / 220));
+    return resin;
+}
+
+}  // namespace
+
+std::string_view name_of(FillTexture texture) {
+    constexpr std::array<std::string_view, 3> names = {"smooth", "surroundings", "weave"};
+    return names[static_cast<std::size_t>(texture)];
+}
+
+std::optional<FillTexture> fill_texture_named(std::string_view name) {
+    for (const FillTexture t : {FillTexture::smooth, FillTexture::surroundings, FillTexture::weave})
+        if (name_of(t) == name) return t;
+    return {};
+}
+
+Image<float> relief_of(const Canvas& canvas) {
+    Image<float> relief(canvas.width(), canvas.height());
+    canvas.relief_mm(canvas.region(), relief.data(), static_cast<std::size_t>(relief.width()));
+    return relief;
+}
+
+void add_layer(Canvas& canvas, const std::string& name, const Pigment& paint,
+               const Image<float>& thickness_mm, bool levels) {
+    TP_REQUIRE(thickness_mm.region() == canvas.region(), "a layer has the size of its canvas");
+    const IngredientId id = canvas.add(paint);
+    PaintLayer layer(canvas.width(), canvas.height());
+    for (int ty = 0; ty < layer.rows(); ++ty)
+        for (int tx = 0; tx < layer.columns(); ++tx) {
+            const Region region = layer.region_of({tx, ty});
+            bool any = false;
+            for (int y = region.y0; y < region.y1 && !any; ++y)
+                for (int x = region.x0; x < region.x1 && !any; ++x) any = thickness_mm(x, y) > 0;
+            if (!any) continue;
+            const std::span<float> plane = layer.writable({tx, ty}).writable_plane(id);
+            for (int y = region.y0; y < region.y1; ++y)
+                for (int x = region.x0; x < region.x1; ++x)
+                    plane[static_cast<std::size_t>((y - region.y0) * kSize + x - region.x0)] =
+                        std::max(thickness_mm(x, y), 0.0f);
+            canvas.mark_dirty({tx, ty});
+        }
+    canvas.writable_dried().push_back({name, std::move(layer), levels});
+}
+
+FillReport lay_fill(Canvas& canvas, const std::string& name, const Mask& loss, const Mask& intact,
+                    FillTexture texture, const Rgb& colour, const FillOptions& options,
+                    const Progress& progress) {
+    validate(options);
+    TP_REQUIRE(loss.region() == canvas.region() && (intact.empty() || intact.region() == canvas.region()),
+               "a mask has the size of its canvas");
+    const double mm = canvas.mm_per_pixel();
+    const MaskRegions regions = regions_of(loss);
+    if (regions.regions.empty()) fail("there is nothing to fill: the mask is empty");
+    const Image<float> relief = relief_of(canvas);
+    const double rim_px = std::max(options.rim_mm / mm, 1.5);
+    const Mask wide = dilated(loss, rim_px);
+    const Image<float> depth_px = distance_inside_px(wide);
+    const bool weave = texture == FillTexture::weave;
+    const double fine_px = weave ? std::max(options.weave_mm / mm, 1.0) : std::max(2 / mm, 4.0);
+    const int rim = static_cast<int>(std::ceil(rim_px));
+    const int ring_px = weave ? static_cast<int>(std::ceil(3 * fine_px)) : 3 + rim;
+
+    // First the level everywhere, so that no step of a loss is taken for relief.
+    std::vector<Patch> patches;
+    Image<float> levelled = relief;
+    for (const MaskRegion& region : regions.regions) {
+        report(progress, "fill",
+               0.5 * static_cast<double>(patches.size()) / static_cast<double>(regions.regions.size()));
+        patches.push_back(patch_of(region.box, relief, wide, intact, depth_px, rim, ring_px));
+        const Patch& patch = patches.back();
+        for (int y = patch.box.y0; y < patch.box.y1; ++y)
+            for (int x = patch.box.x0; x < patch.box.x1; ++x)
+                if (wide(x, y) > 0.5f) levelled(x, y) = patch.level_mm(x - patch.box.x0, y - patch.box.y0);
+    }
+    if (texture != FillTexture::smooth) {
+        const Mask everywhere(loss.width(), loss.height(), 1.0f);
+        const Mask usable = without(intact.empty() ? everywhere : intact, wide);
+        const Image<float> detail = fine_relief(levelled, fine_px);
+        const int reach = static_cast<int>(std::ceil(std::min(options.search_mm / mm, 400.0)));
+        for (std::size_t i = 0; i < patches.size(); ++i) {
+            report(progress, "fill",
+                   0.5 + 0.5 * static_cast<double>(i) / static_cast<double>(patches.size()));
+            const Shift shift = best_shift(patches[i], {detail, usable}, reach);
+            if (shift.found)
+                add_relief(patches[i], shift, weave ? detail : levelled, depth_px,
+                           weave ? 1e-3 : rim_px + 1.5 / mm);
+        }
+    }
+
+    FillReport result;
+    result.regions = static_cast<int>(patches.size());
+    result.area_mm2 = area_of(loss, mm).mm2;
+    Image<float> thickness(canvas.width(), canvas.height()), filled = relief;
+    for (std::size_t i = 0; i < patches.size(); ++i) {
+        const Region& own = regions.regions[i].box;
+        for (int y = own.y0; y < own.y1; ++y)
+            for (int x = own.x0; x < own.x1; ++x) {
+                if (regions.number(x, y) != static_cast<int>(i) + 1) continue;
+                const float level = patches[i].level_mm(x - patches[i].box.x0, y - patches[i].box.y0);
+                const float wanted = level + static_cast<float>(options.offset_mm) - relief(x, y);
+                result.not_reached += wanted < 0 ? 1 : 0;
+                thickness(x, y) = std::max(wanted, 0.0f);
+                filled(x, y) += thickness(x, y);
+                result.deepest_mm = std::max(result.deepest_mm, static_cast<double>(thickness(x, y)));
+                result.volume_mm3 += static_cast<double>(thickness(x, y)) * mm * mm;
+            }
+    }
+    result.border_rms_mm = border_rms_mm(filled, loss, wide, rim + 1);
+    Pigment body =
+        pigment_of_rgb(fmt::format("fill ({:.3g}, {:.3g}, {:.3g})", colour.r, colour.g, colour.b), colour);
+    body.specular = static_cast<float>(options.specular);
+    body.roughness = static_cast<float>(options.roughness);
+    add_layer(canvas, name, body, thickness, true);
+    report(progress, "fill", 1);
+    return result;
+}
+
+void lay_varnish(Canvas& canvas, const std::string& name, const Mask& area, const VarnishOptions& options) {
+    validate(options);
+    TP_REQUIRE(area.region() == canvas.region(), "a mask has the size of its canvas");
+    Image<float> thickness = area;
+    for (float& t : thickness.pixels()) t *= static_cast<float>(options.thickness_mm);
+    add_layer(canvas, name, clear_resin(options), thickness, false);
+}
+
+}  // namespace tangi

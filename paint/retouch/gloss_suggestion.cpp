@@ -1,0 +1,160 @@
+// gloss_suggestion.cpp: patches whose highlights are narrower or wider, stronger or weaker than around them;
+// and the wand.
+#include <algorithm>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+
+#include "paint/retouch/damage_suggestion.h"
+#include "paint/retouch/local_deviation.h"
+#include "paint/retouch/matrix.h"
+#include "surface/error.h"
+#include "surface/median.h"
+
+namespace tangi {
+
+namespace {
+
+constexpr int kSide_px = 640;  // patches are looked for in a copy of this size at most
+
+// Logarithms of alpha and rho_s; medians of 5 x 5 pixels, as single pixels of both are noisy.
+struct Gloss {
+    cv::Mat roughness, specular;
+};
+
+Gloss gloss_of(const Surface& s, double factor) {
+    cv::Mat roughness(s.height(), s.width(), CV_32F), specular(s.height(), s.width(), CV_32F);
+    for (int y = 0; y < s.height(); ++y)
+        for (int x = 0; x < s.width(); ++x) {
+            roughness.at<float>(y, x) = std::log(std::max(s.roughness(x, y), 1e-3f));
+            specular.at<float>(y, x) = std::log(std::max(s.specular(x, y), 0.0f) + 0.004f);
+        }
+    Gloss gloss;
+    for (auto [from, to] : {std::pair{&roughness, &gloss.roughness}, {&specular, &gloss.specular}}) {
+        cv::Mat small, smooth;
+        cv::resize(*from, small, {}, factor, factor, cv::INTER_AREA);
+        cv::medianBlur(small, smooth, 5);
+        cv::medianBlur(smooth, *to, 5);
+    }
+    return gloss;
+}
+
+// Logarithms of the factors by which highlights are narrower, and wider or else weaker, than around. rho_s
+// counts only where alpha says nothing: of narrow highlights it is noisy.
+struct Contrast {
+    cv::Mat glossier, matter;
+};
+
+Contrast contrast_of(const Gloss& gloss, int radius, float wanted) {
+    const cv::Mat wider = gloss.roughness - local_statistics(gloss.roughness, radius).median;
+    const cv::Mat weaker = local_statistics(gloss.specular, radius).median - gloss.specular;
+    cv::Mat matter = cv::max(wider, weaker);
+    matter.setTo(0, wider < -wanted);
+    return {-wider, matter};
+}
+
+float median_in(const cv::Mat& values, const cv::Mat& inside) {
+    std::vector<float> some;
+    for (int y = 0; y < values.rows; ++y)
+        for (int x = 0; x < values.cols; ++x)
+            if (inside.at<unsigned char>(y, x)) some.push_back(values.at<float>(y, x));
+    return median(std::move(some));
+}
+
+cv::Mat disc(int radius) {
+    return cv::getStructuringElement(cv::MORPH_ELLIPSE, {2 * radius + 1, 2 * radius + 1});
+}
+
+}  // namespace
+
+GlossSuggestion suggest_gloss(const Surface& surface, double mm_per_pixel, const GlossOptions& options,
+                              const Progress& progress) {
+    validate(options);
+    require_consistent(surface);
+    const int width = surface.width(), height = surface.height();
+    GlossSuggestion result;
+    for (DamageSuggestion* s : {&result.glossier, &result.matter})
+        *s = {Mask(width, height), Image<float>(width, height)};
+    if (width < 32 || height < 32) return result;
+    report(progress, "compare gloss", 0);
+    const double factor = std::min(1.0, kSide_px / static_cast<double>(std::max(width, height)));
+    const Gloss gloss = gloss_of(surface, factor);
+    const int side = std::min(gloss.roughness.cols, gloss.roughness.rows);
+    const auto wanted = static_cast<float>(std::log(options.contrast));
+    const Contrast contrast = contrast_of(gloss, std::max(static_cast<int>(0.3 * side), 8), wanted);
+    report(progress, "compare gloss", 0.6);
+    const double pixel_mm2 = mm_per_pixel * mm_per_pixel / (factor * factor);
+
+    for (const bool glossier : {true, false}) {
+        DamageSuggestion& suggestion = glossier ? result.glossier : result.matter;
+        const cv::Mat strength = (glossier ? contrast.glossier : contrast.matter) / wanted;
+        cv::Mat patches, full, confidence;
+        cv::morphologyEx(strength > 1, patches, cv::MORPH_CLOSE, disc(3));
+        cv::morphologyEx(patches.clone(), patches, cv::MORPH_OPEN, disc(3));  // strokes and cracks go
+        cv::Mat numbers, stats, centres;
+        const int count = cv::connectedComponentsWithStats(patches, numbers, stats, centres, 8, CV_32S);
+        cv::Mat kept = cv::Mat::zeros(patches.size(), CV_8U);
+        for (int i = 1; i < count; ++i) {
+            const double mm2 = stats.at<int>(i, cv::CC_STAT_AREA) * pixel_mm2;
+            if (mm2 < options.smallest_patch_mm2) continue;
+            const cv::Mat inside = numbers == i;
+            cv::Mat grown;
+            cv::dilate(inside, grown, disc(8));
+            const cv::Mat ring = grown & ~inside;
+            GlossPatch patch;
+            patch.glossier = glossier;
+            patch.area_mm2 = mm2;
+            patch.roughness_ratio = std::exp(
+                static_cast<double>(median_in(gloss.roughness, inside) - median_in(gloss.roughness, ring)));
+            patch.specular_ratio = std::exp(
+                static_cast<double>(median_in(gloss.specular, inside) - median_in(gloss.specular, ring)));
+            const double against_rim = glossier ? 1 / patch.roughness_ratio
+                                                : std::max(patch.roughness_ratio, 1 / patch.specular_ratio);
+            if (against_rim < std::sqrt(options.contrast)) continue;  // it fades out: no patch
+            if (!glossier && patch.roughness_ratio < 0.9) continue;   // alpha says the contrary
+            const auto to_full = [&](int v) { return static_cast<int>(std::lround(v / factor)); };
+            const int x = stats.at<int>(i, cv::CC_STAT_LEFT), y = stats.at<int>(i, cv::CC_STAT_TOP);
+            patch.box = {to_full(x), to_full(y), to_full(x + stats.at<int>(i, cv::CC_STAT_WIDTH)),
+                         to_full(y + stats.at<int>(i, cv::CC_STAT_HEIGHT))};
+            result.patches.push_back(patch);
+            kept.setTo(255, inside);
+        }
+        cv::resize(kept, full, {width, height}, 0, 0, cv::INTER_LINEAR);
+        cv::resize(strength, confidence, {width, height}, 0, 0, cv::INTER_LINEAR);
+        for (int y = 0; y < height; ++y)
+            for (int x = 0; x < width; ++x) {
+                suggestion.mask(x, y) = full.at<unsigned char>(y, x) >= 128 ? 1.0f : 0.0f;
+                const float s = std::max(confidence.at<float>(y, x), 0.0f);
+                suggestion.confidence(x, y) = s * s / (s * s + 1);
+            }
+    }
+    report(progress, "compare gloss", 1);
+    return result;
+}
+
+Mask wand(const Surface& surface, int x, int y, double tolerance) {
+    const int width = surface.width(), height = surface.height();
+    if (x < 0 || y < 0 || x >= width || y >= height)
+        fail("the pixel ({}, {}) is not in the picture, which has {} x {}", x, y, width, height);
+    const auto lab_at = [&](int px, int py) {
+        return lab_from_linear(glm::dvec3(glm::max(surface.diffuse(px, py), Rgb(0))));
+    };
+    const Lab own = lab_at(x, y);
+    Mask mask(width, height);
+    std::vector<std::pair<int, int>> open = {{x, y}};
+    mask(x, y) = 1;
+    while (!open.empty()) {
+        const auto [px, py] = open.back();
+        open.pop_back();
+        for (const auto& [dx, dy] : {std::pair{1, 0}, {-1, 0}, {0, 1}, {0, -1}}) {
+            const int nx = px + dx, ny = py + dy;
+            if (nx < 0 || ny < 0 || nx >= width || ny >= height || mask(nx, ny) > 0) continue;
+            const Lab there = lab_at(nx, ny);
+            if (std::hypot(there.l - own.l, there.a - own.a, there.b - own.b) > tolerance) continue;
+            mask(nx, ny) = 1;
+            open.emplace_back(nx, ny);
+        }
+    }
+    return mask;
+}
+
+}  // namespace tangi

@@ -1,0 +1,113 @@
+#include "paint/retouch/juxtaposition.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "paint/retouch/simplex_subsets.h"
+#include "surface/error.h"
+
+namespace tangi {
+
+namespace {
+
+constexpr int kMostLooks = 60;      // of which all sets of four are looked at
+constexpr std::size_t kKept = 200;  // sets of looks that are compared exactly
+// Squares of L*a*b* by which looks differ from the target, against squares of CIEDE2000 by which their mean
+// does: 15 beside it on average are worth 1.
+constexpr double kContrastPart = 1.0 / 225;
+constexpr double kColourPart =
+    0.5;  // of differences in colour: they fuse from nearer than those in lightness
+
+// The best sets of four; of many looks, only those count that do best in pairs.
+std::vector<SubsetFit> best_of(const std::vector<double>& gram, int n) {
+    if (n <= kMostLooks) return best_subsets(gram, n, kMostPaints, kKept);
+    std::vector<int> chosen;
+    for (const SubsetFit& pair : best_subsets(gram, n, 2, static_cast<std::size_t>(n * (n + 1) / 2)))
+        for (int i = 0; i < pair.count && static_cast<int>(chosen.size()) < kMostLooks; ++i) {
+            const int look = pair.columns[static_cast<std::size_t>(i)];
+            if (std::find(chosen.begin(), chosen.end(), look) == chosen.end()) chosen.push_back(look);
+        }
+    std::vector<double> part;
+    for (const int i : chosen)
+        for (const int j : chosen) part.push_back(gram[static_cast<std::size_t>(i * n + j)]);
+    auto fits = best_subsets(part, static_cast<int>(chosen.size()), kMostPaints, kKept);
+    for (SubsetFit& fit : fits)
+        for (int i = 0; i < fit.count; ++i) {
+            int& look = fit.columns[static_cast<std::size_t>(i)];
+            look = chosen[static_cast<std::size_t>(look)];
+        }
+    return fits;
+}
+
+}  // namespace
+
+Juxtaposition juxtapose(std::span<const Spectrum> looks, const Spectrum& target,
+                        std::span<const Illuminant> lamps, const Spectrum& bare, double bare_share) {
+    TP_REQUIRE(!looks.empty() && !lamps.empty(), "looks and lamps");
+    TP_REQUIRE(bare_share >= 0 && bare_share < 1, "a part of the area is painted");
+    const auto painted = static_cast<float>(1 - bare_share);
+    // Columns: what each look alone would be off by, in colour, linearised at the target.
+    std::vector<std::vector<double>> columns(looks.size());
+    for (const Illuminant lamp : lamps) {
+        const Lab there = lab_under(target, lamp);
+        std::array<glm::dvec3, kBands> slope;
+        for (std::size_t band = 0; band < kBands; ++band) {
+            Spectrum moved = target;
+            moved[band] += 1e-3f;
+            slope[band] = delta_e_2000_parts(there, lab_under(moved, lamp)) * 1e3;
+        }
+        for (std::size_t k = 0; k < looks.size(); ++k) {
+            glm::dvec3 off(0);
+            for (std::size_t band = 0; band < kBands; ++band)
+                off += slope[band] * static_cast<double>(painted * looks[k][band] +
+                                                         (1 - painted) * bare[band] - target[band]);
+            for (int i = 0; i < 3; ++i) columns[k].push_back(off[i]);
+        }
+    }
+    // How far each look is from the target: as shares sum to 1, a sum of shares times numbers is a quadratic
+    // form too, and so is a constant, which keeps the matrix positive definite.
+    const Lab wanted = lab_under(target);
+    std::vector<double> apart;
+    for (const Spectrum& look : looks) {
+        const Lab lab = lab_under(look);
+        const glm::dvec3 off(lab.l - wanted.l, kColourPart * (lab.a - wanted.a),
+                             kColourPart * (lab.b - wanted.b));
+        apart.push_back(kContrastPart * glm::dot(off, off));
+    }
+    const double constant = 2 * *std::max_element(apart.begin(), apart.end()) + 1;
+    const auto n = looks.size();
+    std::vector<double> gram(n * n);
+    for (std::size_t i = 0; i < n; ++i)
+        for (std::size_t j = 0; j < n; ++j) {
+            gram[i * n + j] = (apart[i] + apart[j]) / 2 + constant;
+            for (std::size_t r = 0; r < columns[i].size(); ++r)
+                gram[i * n + j] += columns[i][r] * columns[j][r];
+        }
+    const auto fits = best_of(gram, static_cast<int>(n));
+    TP_REQUIRE(!fits.empty(), "each look alone is a set");
+    const SubsetFit* best = nullptr;
+    double least = 1e300, delta_e = 0;
+    for (const SubsetFit& fit : fits) {
+        Spectrum mean;
+        for (std::size_t band = 0; band < kBands; ++band) mean[band] = (1 - painted) * bare[band];
+        double contrast = 0, worst = 0;
+        for (std::size_t i = 0; i < static_cast<std::size_t>(fit.count); ++i) {
+            const auto look = static_cast<std::size_t>(fit.columns[i]);
+            contrast += fit.weights[i] * apart[look];
+            for (std::size_t band = 0; band < kBands; ++band)
+                mean[band] += painted * static_cast<float>(fit.weights[i]) * looks[look][band];
+        }
+        for (const Illuminant lamp : lamps)
+            worst = std::max(worst, delta_e_2000(lab_under(mean, lamp), lab_under(target, lamp)));
+        if (worst * worst + contrast < least) least = worst * worst + contrast, best = &fit, delta_e = worst;
+    }
+    Juxtaposition result;
+    result.delta_e = delta_e;
+    for (std::size_t i = 0; i < static_cast<std::size_t>(best->count); ++i) {
+        result.looks.push_back(best->columns[i]);
+        result.shares.push_back(best->weights[i]);
+    }
+    return result;
+}
+
+}  // namespace tangi

@@ -1,0 +1,46 @@
+// line_colours.h: which pure colour each line or dot of a retouch is painted with, so that the mean of them
+// is the colour wanted everywhere.
+#pragma once
+
+#include <array>
+#include <map>
+#include <utility>
+#include <vector>
+
+#include "paint/retouch/modes.h"
+
+namespace tangi {
+
+struct LineColours {
+    std::vector<Pile> piles;
+    Image<int> pile;  // of each pixel; -1 where nothing is painted
+};
+
+// `gaps`: recipes for what is between marks, one a group; empty: `below` stays bare there. `owner`: the mark
+// of each pixel, -1 for none (marks.h); `target`: linear Rec. 709 under D65; `groups`: colours that stand for
+// the target's, each of which gets pure colours of its own (juxtaposition.h), from the paints by themselves
+// and with white. A mark takes that of its group's colours which leaves the least error of XYZ, seen through
+// means over `blur_px`, with what its neighbours have: descent by single marks, as in halftoning by direct
+// search (Analoui & Allebach 1992).
+LineColours line_colours(const Image<int>& owner, const Mask& mask, const Image<Rgb>& target,
+                         const std::vector<Rgb>& groups, const std::vector<Pile>& gaps,
+                         const Palette& palette, const Spectrum& below, double thickness_mm,
+                         const std::vector<Illuminant>& lamps, double blur_px);
+
+// CIEDE2000 between means over square cells that lie in the mask to a half and more.
+class FusedDifference {
+public:
+    FusedDifference(const Mask& mask, int cell_px);
+    void add(int x, int y, const Spectrum& look, const Spectrum& target);
+    std::array<double, kIlluminants> means() const;  // weighted by area; cells that are cut short left out
+
+private:
+    struct Cell {
+        std::array<double, kBands> look{}, target{};
+        int pixels = 0;
+    };
+    int cell_px_;
+    std::map<std::pair<int, int>, Cell> cells_;
+};
+
+}  // namespace tangi

@@ -1,0 +1,305 @@
+// loss_suggestion.cpp: places that lie lower than what is around them, and look different.
+#include <algorithm>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+
+#include "paint/retouch/damage_suggestion.h"
+#include "paint/retouch/local_deviation.h"
+#include "paint/retouch/matrix.h"
+#include "surface/median.h"
+
+namespace tangi {
+
+namespace {
+
+constexpr int kSearchSide_px = 640;            // candidates are looked for in a copy of this size at most
+constexpr int kCutSide_px = 512;               // and cut out in one of this size at most
+constexpr float kSeed = 1.8f, kExtent = 1.2f;  // [robust spreads] of a candidate's middle and of all of it
+
+// What is compared: matrices of one size, CV_32F.
+struct Features {
+    cv::Mat height_mm, lightness, a, b, roughness, specular;  // logarithms of the last two
+    cv::Mat measured;                                         // 0 or 1
+
+    template <class Change>
+    Features changed(const Change& change) const {
+        return {change(height_mm), change(lightness), change(a),       change(b),
+                change(roughness), change(specular),  change(measured)};
+    }
+};
+
+Features features_of(const Surface& s, const Region& box, double unit_mm) {
+    const auto matrix = [&] { return cv::Mat(box.height(), box.width(), CV_32F); };
+    Features f{matrix(), matrix(), matrix(), matrix(), matrix(), matrix(), matrix()};
+    for (int y = box.y0; y < box.y1; ++y)
+        for (int x = box.x0; x < box.x1; ++x) {
+            const int row = y - box.y0, column = x - box.x0;
+            const Lab lab = lab_from_linear(glm::dvec3(glm::max(s.diffuse(x, y), Rgb(0))));
+            f.height_mm.at<float>(row, column) = s.height_mm(x, y) * static_cast<float>(unit_mm);
+            f.lightness.at<float>(row, column) = static_cast<float>(lab.l);
+            f.a.at<float>(row, column) = static_cast<float>(lab.a);
+            f.b.at<float>(row, column) = static_cast<float>(lab.b);
+            f.roughness.at<float>(row, column) = std::log(std::max(s.roughness(x, y), 1e-3f));
+            f.specular.at<float>(row, column) = std::log(std::max(s.specular(x, y), 0.0f) + 0.004f);
+            f.measured.at<float>(row, column) =
+                s.confidence(x, y) == 0 && s.diffuse(x, y) == Rgb(0) ? 0.0f : 1.0f;
+        }
+    return f;
+}
+
+Features reduced(const Features& f, double factor) {
+    if (factor >= 1) return f;
+    return f.changed([factor](const cv::Mat& m) {
+        cv::Mat small;
+        cv::resize(m, small, {}, factor, factor, cv::INTER_AREA);
+        return small;
+    });
+}
+
+// [robust spreads] Of being lower and of another look, both needed: their geometric mean.
+cv::Mat evidence(const Features& f, int radius, double depth_mm) {
+    const auto colour_distance = [&] {
+        cv::Mat sum = cv::Mat::zeros(f.lightness.size(), CV_32F), distance;
+        for (const cv::Mat* part : {&f.lightness, &f.a, &f.b}) {
+            const cv::Mat d = *part - local_statistics(*part, radius).median;
+            sum += d.mul(d);
+        }
+        cv::sqrt(sum, distance);
+        return distance;
+    };
+    const LocalStatistics height = local_statistics(f.height_mm, radius);
+    const cv::Mat lower = (height.median - f.height_mm) / (height.spread + 0.5 * depth_mm);
+    const cv::Mat colour = colour_distance();
+    cv::Mat look = colour / (local_spread(colour, radius) + 3);
+    for (const cv::Mat* gloss : {&f.roughness, &f.specular}) {
+        const LocalStatistics s = local_statistics(*gloss, radius);
+        look = cv::max(look, cv::Mat(cv::abs(*gloss - s.median) / (s.spread + 0.25)));
+    }
+    cv::Mat both, result;
+    cv::sqrt(cv::max(lower, 0).mul(cv::min(look, 8)), both);
+    cv::GaussianBlur(both.mul(f.measured), result, {}, 0.8);
+    return result;
+}
+
+// Bytes for GrabCut: height, how far the colour is from the candidate's, gloss.
+cv::Mat bytes_for_cut(const Features& f, const cv::Mat& seed) {
+    const auto in_seed = [&](const cv::Mat& m) {
+        std::vector<float> values;
+        for (int y = 0; y < m.rows; ++y)
+            for (int x = 0; x < m.cols; ++x)
+                if (seed.at<unsigned char>(y, x)) values.push_back(m.at<float>(y, x));
+        return median(std::move(values));
+    };
+    const auto scaled = [&](const cv::Mat& m) {  // the middle 96 % fill the range
+        const float low = quantile(m, 0.02), high = quantile(m, 0.98);
+        cv::Mat bytes;
+        const double gain = 250 / std::max(static_cast<double>(high - low), 1e-6);
+        m.convertTo(bytes, CV_8U, gain, -static_cast<double>(low) * gain);
+        return bytes;
+    };
+    cv::Mat sum = cv::Mat::zeros(f.lightness.size(), CV_32F), distance;
+    for (const cv::Mat* part : {&f.lightness, &f.a, &f.b}) {
+        const cv::Mat d = *part - in_seed(*part);
+        sum += d.mul(d);
+    }
+    cv::sqrt(sum, distance);
+    const cv::Mat gloss = f.specular - 0.5 * f.roughness;
+    cv::Mat smooth, bytes;
+    cv::medianBlur(gloss, smooth, 3);
+    cv::merge(std::vector<cv::Mat>{scaled(f.height_mm), scaled(cv::min(distance, 40)), scaled(smooth)},
+              bytes);
+    return bytes;
+}
+
+// CV_8U, 255 inside: the candidate's outline where height, colour and gloss change.
+cv::Mat cut_out(const Features& f, const cv::Mat& score) {
+    const cv::Mat seed = score > kSeed;
+    if (cv::countNonZero(seed) < 4) return seed;
+    cv::Mat labels(score.size(), CV_8U, cv::Scalar(cv::GC_PR_BGD)), background, foreground;
+    labels.setTo(cv::GC_PR_FGD, score > kExtent);
+    labels.setTo(cv::GC_FGD, seed);
+    cv::Mat near;
+    const int reach = std::max(3, static_cast<int>(0.06 * std::max(score.cols, score.rows)));
+    cv::dilate(score > kExtent, near,
+               cv::getStructuringElement(cv::MORPH_ELLIPSE, {2 * reach + 1, 2 * reach + 1}));
+    labels.setTo(cv::GC_BGD, near == 0);
+    if (cv::countNonZero(labels == cv::GC_BGD) < 16) return score > kExtent;
+    cv::theRNG().state = 1;  // k-means starts at random: the same for each candidate
+    cv::grabCut(bytes_for_cut(f, seed), labels, {}, background, foreground, 4, cv::GC_INIT_WITH_MASK);
+    cv::Mat inside = (labels == cv::GC_FGD) | (labels == cv::GC_PR_FGD);
+    cv::Mat closed;
+    cv::morphologyEx(inside, closed, cv::MORPH_CLOSE, cv::Mat::ones(3, 3, CV_8U));
+    cv::morphologyEx(closed, inside, cv::MORPH_OPEN, cv::getStructuringElement(cv::MORPH_CROSS, {3, 3}));
+    return inside;
+}
+
+// [mm] Median heights within an area, away from its rim, and just beyond the rim's blur.
+struct RimProfile {
+    float inside = 0, near = 0;
+};
+
+RimProfile profile_of(const cv::Mat& height_mm, const cv::Mat& in, const cv::Mat& out) {
+    std::vector<float> inside, near;
+    for (int y = 0; y < in.rows; ++y)
+        for (int x = 0; x < in.cols; ++x) {
+            if (in.at<float>(y, x) > 1.2f) inside.push_back(height_mm.at<float>(y, x));
+            if (const float d = out.at<float>(y, x); d > 1.2f && d < 3.2f)
+                near.push_back(height_mm.at<float>(y, x));
+        }
+    return {median(std::move(inside)), median(std::move(near))};
+}
+
+// [mm] The level of most of the paint in a wide neighbourhood.
+cv::Mat paint_level(const cv::Mat& height_mm) {
+    cv::Mat small, level;
+    const double factor = std::min(1.0, 300.0 / std::max(height_mm.cols, height_mm.rows));
+    cv::resize(height_mm, small, {}, factor, factor, cv::INTER_AREA);
+    const int radius = static_cast<int>(0.4 * std::min(small.cols, small.rows));
+    cv::resize(local_statistics(small, radius).median, level, height_mm.size(), 0, 0, cv::INTER_LINEAR);
+    return level;
+}
+
+// How sure an area is a loss. Paint breaks off with its full thickness: from inside, the height rises at once
+// to the level of the paint around, `level_mm`, and beyond the rim it goes up as often as down. Where ground
+// was left unpainted, paint around is thin, and strokes end in an edge that tapers: the height goes on
+// rising. And what is bare looks different.
+double judged(const Features& f, const cv::Mat& inside, float level_mm, const LossOptions& options) {
+    cv::Mat in, out;
+    cv::distanceTransform(inside, in, cv::DIST_L2, 3);
+    cv::distanceTransform(inside == 0, out, cv::DIST_L2, 3);
+    const RimProfile profile = profile_of(f.height_mm, in, out);
+    const float step = profile.near - profile.inside;
+    const float full = std::max(level_mm - profile.inside, step);
+    if (!(step > 0)) return 0;
+    constexpr float away = 3, beyond = 8;  // [pixels] from the rim: past its blur, and past a stroke's edge
+    std::vector<float> colours, glosses;
+    int broken = 0, rim = 0, seen = 0, going_up = 0;
+    for (int y = 0; y < inside.rows; ++y)
+        for (int x = 0; x < inside.cols; ++x) {
+            if (!(in.at<float>(y, x) > 0 && in.at<float>(y, x) < 1.5f)) continue;
+            ++rim;  // at the picture's border, too, where nothing rises
+            const auto distance = [&](int dx, int dy) {
+                const cv::Point p(std::clamp(x + dx, 0, inside.cols - 1),
+                                  std::clamp(y + dy, 0, inside.rows - 1));
+                return in.at<float>(p) - out.at<float>(p);
+            };
+            const float gx = distance(1, 0) - distance(-1, 0), gy = distance(0, 1) - distance(0, -1);
+            const float length = std::hypot(gx, gy);
+            if (!(length > 0)) continue;
+            const auto along = [&](float d) {
+                return cv::Point(x + static_cast<int>(std::lround(d * gx / length)),
+                                 y + static_cast<int>(std::lround(d * gy / length)));
+            };
+            const cv::Point i = along(away - 1), o = along(-away), far = along(-beyond);
+            const cv::Rect picture(0, 0, inside.cols, inside.rows);
+            if (!picture.contains(i) || !picture.contains(o) || inside.at<unsigned char>(o)) continue;
+            if (picture.contains(far)) {
+                const float further = f.height_mm.at<float>(far) - f.height_mm.at<float>(o);
+                ++seen;
+                going_up += further > 0.15f * full ? 1 : further < -0.15f * full ? -1 : 0;
+            }
+            broken += f.height_mm.at<float>(o) - profile.inside > 0.5f * full ? 1 : 0;
+            colours.push_back(std::hypot(f.lightness.at<float>(o) - f.lightness.at<float>(i),
+                                         f.a.at<float>(o) - f.a.at<float>(i),
+                                         f.b.at<float>(o) - f.b.at<float>(i)));
+            glosses.push_back(std::max(std::abs(f.specular.at<float>(o) - f.specular.at<float>(i)),
+                                       std::abs(f.roughness.at<float>(o) - f.roughness.at<float>(i))));
+        }
+    if (colours.size() < 8) return 0;
+    const auto rising = [](double v, double width) {
+        return 1 / (1 + std::exp((1 - v) / width));
+    };  // 1/2 at 1
+    const double look = std::max(static_cast<double>(median(std::move(colours))) / 8,
+                                 static_cast<double>(median(std::move(glosses))) / 0.7);
+    return rising(static_cast<double>(step) / options.depth_mm, 0.25) *
+           rising(static_cast<double>(step / full) / 0.8, 0.06) *
+           rising(1.15 - static_cast<double>(going_up) / std::max(seen, 1), 0.05) *
+           rising(static_cast<double>(broken) / rim / 0.6, 0.2) * rising(look, 0.25);
+}
+
+}  // namespace
+
+DamageSuggestion suggest_loss(const Surface& surface, double mm_per_pixel, const LossOptions& options,
+                              const Progress& progress) {
+    validate(options);
+    require_consistent(surface);
+    const int width = surface.width(), height = surface.height();
+    DamageSuggestion suggestion{Mask(width, height), Image<float>(width, height)};
+    if (width < 16 || height < 16) return suggestion;
+    const double unit_mm = mm_per_pixel / surface.mm_per_pixel;
+    const double factor = std::min(1.0, kSearchSide_px / static_cast<double>(std::max(width, height)));
+    report(progress, "look for losses", 0);
+    const Features all = features_of(surface, surface.height_mm.region(), unit_mm);
+    const Features few = reduced(all, factor);
+
+    cv::Mat score = cv::Mat::zeros(few.height_mm.size(), CV_32F);
+    const int side = std::min(few.height_mm.cols, few.height_mm.rows);
+    for (const double part : {0.06, 0.12, 0.2}) {
+        score = cv::max(score, evidence(few, static_cast<int>(part * side) + 2, options.depth_mm));
+        report(progress, "look for losses", 0.2 + part);
+    }
+    const cv::Mat level = paint_level(few.height_mm);
+    cv::Mat full_score;
+    cv::resize(score, full_score, {width, height}, 0, 0, cv::INTER_LINEAR);
+    for (int y = 0; y < height; ++y)
+        for (int x = 0; x < width; ++x) {
+            const float s = full_score.at<float>(y, x);
+            suggestion.confidence(x, y) = 0.5f * s * s / (s * s + kSeed * kSeed);  // nobody has judged it yet
+        }
+
+    // Candidates by hysteresis, cut out at full resolution where they are not too large.
+    cv::Mat numbers, stats, centres;
+    const int count = cv::connectedComponentsWithStats(score > kExtent, numbers, stats, centres, 8, CV_32S);
+    for (int i = 1; i < count; ++i) {
+        report(progress, "look for losses", 0.5 + 0.5 * i / count);
+        const cv::Rect box(stats.at<int>(i, cv::CC_STAT_LEFT), stats.at<int>(i, cv::CC_STAT_TOP),
+                           stats.at<int>(i, cv::CC_STAT_WIDTH), stats.at<int>(i, cv::CC_STAT_HEIGHT));
+        cv::Mat own = cv::Mat::zeros(score.size(), CV_32F);
+        score.copyTo(own, numbers == i);
+        if (cv::countNonZero(own(box) > kSeed) < 2) continue;
+        const int margin = std::max(8, std::max(box.width, box.height) / 2);
+        const auto from = [&](int v) { return static_cast<int>(std::floor((v - margin) / factor)); };
+        const auto to = [&](int v) { return static_cast<int>(std::ceil((v + margin) / factor)); };
+        const Region part{std::max(from(box.x), 0), std::max(from(box.y), 0),
+                          std::min(to(box.x + box.width), width), std::min(to(box.y + box.height), height)};
+        const double shrink =
+            std::min(1.0, kCutSide_px / static_cast<double>(std::max(part.width(), part.height())));
+        const cv::Rect crop(part.x0, part.y0, part.width(), part.height());
+        const Features near =
+            reduced(all.changed([&](const cv::Mat& m) { return cv::Mat(m, crop); }), shrink);
+        const cv::Rect small_crop =
+            cv::Rect(static_cast<int>(part.x0 * factor), static_cast<int>(part.y0 * factor),
+                     static_cast<int>(part.width() * factor), static_cast<int>(part.height() * factor)) &
+            cv::Rect(0, 0, level.cols, level.rows);
+        cv::Mat near_score;
+        cv::resize(own(small_crop), near_score, near.height_mm.size(), 0, 0, cv::INTER_LINEAR);
+        const cv::Mat cut = cut_out(near, near_score);
+        cv::Mat near_level;  // of the paint round about
+        cv::resize(level(small_crop), near_level, near.height_mm.size(), 0, 0, cv::INTER_LINEAR);
+        cv::Mat pieces, piece_stats, piece_centres;
+        const int n = cv::connectedComponentsWithStats(cut, pieces, piece_stats, piece_centres, 8, CV_32S);
+        for (int piece = 1; piece < n; ++piece) {
+            const double pixels = piece_stats.at<int>(piece, cv::CC_STAT_AREA) / (shrink * shrink);
+            if (pixels * mm_per_pixel * mm_per_pixel < options.smallest_mm2 || pixels < 9) continue;
+            const cv::Mat inside = pieces == piece;
+            std::vector<float> levels;
+            for (int y = 0; y < inside.rows; ++y)
+                for (int x = 0; x < inside.cols; ++x)
+                    if (inside.at<unsigned char>(y, x)) levels.push_back(near_level.at<float>(y, x));
+            const double sure = judged(near, inside, median(std::move(levels)), options);
+            cv::Mat at_full;
+            cv::resize(inside, at_full, crop.size(), 0, 0, cv::INTER_LINEAR);
+            for (int y = 0; y < crop.height; ++y)
+                for (int x = 0; x < crop.width; ++x) {
+                    if (at_full.at<unsigned char>(y, x) < 128) continue;
+                    float& confidence = suggestion.confidence(part.x0 + x, part.y0 + y);
+                    confidence = std::max(confidence, static_cast<float>(sure));
+                    if (sure >= options.confidence) suggestion.mask(part.x0 + x, part.y0 + y) = 1;
+                }
+        }
+    }
+    report(progress, "look for losses", 1);
+    return suggestion;
+}
+
+}  // namespace tangi

@@ -1,0 +1,183 @@
+#include "paint/retouch/mask.h"
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+
+#include "paint/retouch/matrix.h"
+#include "surface/error.h"
+#include "surface/picture_file.h"
+
+namespace tangi {
+
+namespace {
+
+constexpr int kLines = 16;  // a pixel, on which polygons are measured
+
+template <class Combine>
+Mask combined(const Mask& a, const Mask& b, const Combine& combine) {
+    TP_REQUIRE(a.region() == b.region(), "masks of one painting have one size");
+    Mask result(a.width(), a.height());
+    for (int y = 0; y < a.height(); ++y)
+        for (int x = 0; x < a.width(); ++x) result(x, y) = combine(a(x, y), b(x, y));
+    return result;
+}
+
+// Adds `part` for the run [x0, x1) of a row, to the pixels in proportion to how much of them it covers.
+void add_run(std::span<float> row, double x0, double x1, float part) {
+    x0 = std::clamp(x0, 0.0, static_cast<double>(row.size()));
+    x1 = std::clamp(x1, 0.0, static_cast<double>(row.size()));
+    for (auto x = static_cast<std::size_t>(x0); x < row.size() && static_cast<double>(x) < x1; ++x) {
+        const double left = std::max(x0, static_cast<double>(x)),
+                     right = std::min(x1, static_cast<double>(x) + 1);
+        row[x] += part * static_cast<float>(right - left);
+    }
+}
+
+}  // namespace
+
+MaskArea area_of(const Mask& mask, double mm_per_pixel) {
+    double pixels = 0;
+    for (const float part : mask.pixels()) pixels += static_cast<double>(part);
+    MaskArea area;
+    area.mm2 = pixels * mm_per_pixel * mm_per_pixel;
+    area.percent = mask.empty() ? 0 : 100 * pixels / static_cast<double>(mask.size());
+    area.regions = static_cast<int>(regions_of(mask).regions.size());
+    return area;
+}
+
+MaskRegions regions_of(const Mask& mask) {
+    MaskRegions result;
+    result.number = Image<int>(mask.width(), mask.height());
+    if (mask.empty()) return result;
+    const cv::Mat inside = matrix_of(mask) > 0.5f;
+    cv::Mat stats, centroids, numbers = matrix_of(result.number);
+    const int count = cv::connectedComponentsWithStats(inside, numbers, stats, centroids, 8, CV_32S);
+    for (int i = 1; i < count; ++i) {
+        const int x = stats.at<int>(i, cv::CC_STAT_LEFT), y = stats.at<int>(i, cv::CC_STAT_TOP);
+        result.regions.push_back(
+            {{x, y, x + stats.at<int>(i, cv::CC_STAT_WIDTH), y + stats.at<int>(i, cv::CC_STAT_HEIGHT)},
+             stats.at<int>(i, cv::CC_STAT_AREA)});
+    }
+    return result;
+}
+
+void write_mask(const std::filesystem::path& path, const Mask& mask) { write_map(path, mask, {.bits = 8}); }
+
+Mask read_mask(const std::filesystem::path& path, int width, int height) {
+    const Image<Rgb> picture = read_picture(path);
+    if (picture.width() != width || picture.height() != height)
+        fail("{}: is {} x {} pixels, but the painting has {} x {}; a mask has the painting's size",
+             path.string(), picture.width(), picture.height(), width, height);
+    Mask mask(width, height);
+    for (int y = 0; y < height; ++y)
+        for (int x = 0; x < width; ++x) {
+            const Rgb c = picture(x, y);
+            const float mean = (c.r + c.g + c.b) / 3;
+            if (!std::isfinite(mean)) fail("{}: holds {} at pixel ({}, {})", path.string(), mean, x, y);
+            mask(x, y) = std::clamp(mean, 0.0f, 1.0f);
+        }
+    return mask;
+}
+
+Mask mask_of_polygons(const std::vector<Polygon>& polygons, int width, int height) {
+    double top = height, bottom = 0;
+    for (const Polygon& polygon : polygons) {
+        if (polygon.size() < 3)
+            fail("a polygon of {} corners has no inside; give at least three", polygon.size());
+        for (const Corner& c : polygon) {
+            if (!std::isfinite(c.x) || !std::isfinite(c.y))
+                fail("a polygon's corner ({}, {}) is not finite", c.x, c.y);
+            top = std::min(top, c.y);
+            bottom = std::max(bottom, c.y);
+        }
+    }
+    Mask mask(width, height);
+    const int first = static_cast<int>(std::clamp(std::floor(top), 0.0, static_cast<double>(height)));
+    const int last = static_cast<int>(std::clamp(std::ceil(bottom), 0.0, static_cast<double>(height)));
+    std::vector<double> crossings;
+    for (int y = first; y < last; ++y)
+        for (int line = 0; line < kLines; ++line) {
+            const double at = y + (line + 0.5) / kLines;
+            crossings.clear();
+            for (const Polygon& polygon : polygons)
+                for (std::size_t i = 0; i < polygon.size(); ++i) {
+                    const Corner &a = polygon[i], &b = polygon[(i + 1) % polygon.size()];
+                    if ((a.y <= at) != (b.y <= at))
+                        crossings.push_back(a.x + (b.x - a.x) * ((at - a.y) / (b.y - a.y)));
+                }
+            std::sort(crossings.begin(), crossings.end());
+            for (std::size_t i = 0; i + 1 < crossings.size(); i += 2)
+                add_run(mask.row(y), crossings[i], crossings[i + 1], 1.0f / kLines);
+        }
+    bool any = false;
+    for (float& part : mask.pixels()) {
+        part = std::min(part, 1.0f);
+        any = any || part > 0;
+    }
+    if (!any)
+        fail("nothing of the polygon lies in the picture, which is {} x {} pixels from its top left corner",
+             width, height);
+    return mask;
+}
+
+Image<float> distance_inside_px(const Mask& mask) {
+    const int width = mask.width(), height = mask.height();
+    Image<float> result(width, height);
+    const cv::Mat inside = matrix_of(mask) > 0.5f;
+    const int count = cv::countNonZero(inside);
+    const auto far = static_cast<float>(width + height);
+    if (count == 0 || count == width * height) {
+        std::fill(result.pixels().begin(), result.pixels().end(), count == 0 ? -far : far);
+        return result;
+    }
+    cv::Mat in, out;
+    cv::distanceTransform(inside, in, cv::DIST_L2, cv::DIST_MASK_PRECISE);
+    cv::distanceTransform(~inside, out, cv::DIST_L2, cv::DIST_MASK_PRECISE);
+    // Distances are between centres; the outline runs half-way.
+    for (int y = 0; y < height; ++y)
+        for (int x = 0; x < width; ++x) {
+            const float d = in.at<float>(y, x);
+            result(x, y) = d > 0 ? d - 0.5f : 0.5f - out.at<float>(y, x);
+        }
+    return result;
+}
+
+Mask dilated(const Mask& mask, double radius_px) {
+    TP_REQUIRE(std::isfinite(radius_px), "a radius is finite");
+    if (radius_px == 0) return mask;
+    const Image<float> distance = distance_inside_px(mask);
+    Mask result(mask.width(), mask.height());
+    for (int y = 0; y < mask.height(); ++y)
+        for (int x = 0; x < mask.width(); ++x) {
+            const float part = std::clamp(distance(x, y) + static_cast<float>(radius_px) + 0.5f, 0.0f, 1.0f);
+            result(x, y) = radius_px > 0 ? std::max(part, mask(x, y)) : std::min(part, mask(x, y));
+        }
+    return result;
+}
+
+Mask feathered(const Mask& mask, double width_px) {
+    TP_REQUIRE(width_px >= 0 && std::isfinite(width_px), "a feather has a width");
+    if (width_px == 0) return mask;
+    const Image<float> distance = distance_inside_px(mask);
+    Mask result(mask.width(), mask.height());
+    for (int y = 0; y < mask.height(); ++y)
+        for (int x = 0; x < mask.width(); ++x)
+            result(x, y) =
+                std::min(mask(x, y), std::clamp(distance(x, y) / static_cast<float>(width_px), 0.0f, 1.0f));
+    return result;
+}
+
+Mask united(const Mask& a, const Mask& b) {
+    return combined(a, b, [](float p, float q) { return std::max(p, q); });
+}
+
+Mask intersected(const Mask& a, const Mask& b) {
+    return combined(a, b, [](float p, float q) { return std::min(p, q); });
+}
+
+Mask without(const Mask& a, const Mask& b) {
+    return combined(a, b, [](float p, float q) { return std::min(p, 1 - q); });
+}
+
+}  // namespace tangi

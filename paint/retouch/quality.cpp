@@ -1,0 +1,247 @@
+#include "paint/retouch/quality.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <opencv2/imgproc.hpp>
+
+#include "paint/appearance.h"
+#include "paint/retouch/gloss.h"
+#include "paint/retouch/matrix.h"
+#include "paint/retouch/treatment.h"
+#include "surface/error.h"
+#include "surface/parallel.h"
+
+namespace tangi {
+
+namespace {
+
+bool inside(float coverage) { return coverage >= 0.5f; }
+
+template <class T>
+Image<T> crop(const Image<T>& image, const Region& region) {
+    Image<T> part(region.width(), region.height());
+    for (int y = 0; y < part.height(); ++y)
+        for (int x = 0; x < part.width(); ++x) part(x, y) = image(x + region.x0, y + region.y0);
+    return part;
+}
+
+// Gaussian means over pixels of weight 1, wherever there are some near.
+Image<float> means(const Image<float>& values, const Mask& weight, double sigma_px) {
+    cv::Mat sum = matrix_of(values).mul(matrix_of(weight)), weights;
+    cv::GaussianBlur(sum, sum, cv::Size(), sigma_px, sigma_px, cv::BORDER_REPLICATE);
+    cv::GaussianBlur(matrix_of(weight), weights, cv::Size(), sigma_px, sigma_px, cv::BORDER_REPLICATE);
+    Image<float> result(values.width(), values.height());
+    for (int y = 0; y < values.height(); ++y)
+        for (int x = 0; x < values.width(); ++x)
+            result(x, y) = sum.at<float>(y, x) / std::max(weights.at<float>(y, x), 1e-12f);
+    return result;
+}
+
+// A quantity as it is inside the mask and outside of it, on both sides carried a little across the border,
+// and as the outside goes on through the mask.
+struct Sides {
+    Image<float> within, without, carried_on;
+};
+
+// One region of the mask and its surroundings, cut out of the painting.
+struct Cut {
+    Region region;
+    Mask retouch, surroundings, hole;  // 0 or 1
+    double sigma_px = 1;
+    std::vector<std::size_t> border;  // pixels inside at the rim
+
+    Sides sides_of(const Image<float>& whole) const {
+        const Image<float> part = crop(whole, region);
+        Sides sides{means(part, retouch, sigma_px), means(part, surroundings, sigma_px), {}};
+        sides.carried_on = sides.without;
+        membrane_into(sides.carried_on, hole);
+        return sides;
+    }
+};
+
+Cut cut_of(const Canvas& canvas, const MaskRegions& numbers, int number, const Mask& damaged,
+           const QualityOptions& options) {
+    const double mm = canvas.mm_per_pixel();
+    const double gap_px = options.annulus.gap_mm / mm,
+                 ring_px = std::max(options.annulus.annulus_mm / mm, 1.0);
+    const Region box = numbers.regions[static_cast<std::size_t>(number - 1)].box;
+    const int margin = static_cast<int>(std::ceil(gap_px + ring_px)) + 2;
+    Cut cut;
+    cut.sigma_px = std::max(options.seen_mm / mm / 2, 0.5);
+    cut.region = {std::max(box.x0 - margin, 0), std::max(box.y0 - margin, 0),
+                  std::min(box.x1 + margin, canvas.width()), std::min(box.y1 + margin, canvas.height())};
+    const int w = cut.region.width(), h = cut.region.height();
+    Mask any(w, h);  // all retouches
+    cut.retouch = cut.surroundings = Mask(w, h);
+    for (int y = 0; y < h; ++y)
+        for (int x = 0; x < w; ++x) {
+            const int here = numbers.number(x + cut.region.x0, y + cut.region.y0);
+            cut.retouch(x, y) = here == number ? 1.0f : 0.0f;
+            any(x, y) = here != 0 ? 1.0f : 0.0f;
+        }
+    const Image<float> away = distance_inside_px(any);
+    for (int y = 0; y < h; ++y)
+        for (int x = 0; x < w; ++x) {
+            const int u = x + cut.region.x0, v = y + cut.region.y0;
+            const bool good = -static_cast<double>(away(x, y)) > gap_px &&
+                              canvas.dry().confidence(u, v) > 0 &&
+                              (damaged.empty() || !inside(damaged(u, v)));
+            cut.surroundings(x, y) = good ? 1.0f : 0.0f;
+            if (!inside(cut.retouch(x, y))) continue;
+            const bool rim = (x > 0 && !inside(cut.retouch(x - 1, y))) ||
+                             (y > 0 && !inside(cut.retouch(x, y - 1))) ||
+                             (x + 1 < w && !inside(cut.retouch(x + 1, y))) ||
+                             (y + 1 < h && !inside(cut.retouch(x, y + 1)));
+            if (rim)
+                cut.border.push_back(static_cast<std::size_t>(y) * static_cast<std::size_t>(w) +
+                                     static_cast<std::size_t>(x));
+        }
+    cut.hole = cut.surroundings;
+    float known = 0;
+    for (float& f : cut.hole.pixels()) known += f, f = 1 - f;
+    if (!(known > 0))
+        fail(
+            "quality: nothing measured and undamaged lies beside the retouch at x {}, y {}; give a wider "
+            "--annulus-mm",
+            box.x0, box.y0);
+    return cut;
+}
+
+Step step_of(const Sides& sides, const std::vector<std::size_t>& border) {
+    Step step;
+    for (const std::size_t i : border) {
+        const double d = static_cast<double>(sides.within.pixels()[i] - sides.without.pixels()[i]);
+        step.mean += d, step.rms += d * d;
+    }
+    const double n = std::max(static_cast<double>(border.size()), 1.0);
+    step.mean /= n;
+    step.rms = std::sqrt(step.rms / n);
+    return step;
+}
+
+Image<float> channel_of(const Image<Rgb>& colours, int c) {
+    Image<float> channel(colours.width(), colours.height());
+    for (std::size_t i = 0; i < colours.size(); ++i) channel.pixels()[i] = colours.pixels()[i][c];
+    return channel;
+}
+
+double difference(const Sides* rgb, Image<float> Sides::*one, Image<float> Sides::*other, std::size_t i) {
+    const auto lab = [&](Image<float> Sides::*side) {
+        return lab_from_linear(
+            {(rgb[0].*side).pixels()[i], (rgb[1].*side).pixels()[i], (rgb[2].*side).pixels()[i]});
+    };
+    return delta_e_2000(lab(one), lab(other));
+}
+
+// Colour under one lamp; the map keeps the worst.
+void compare_colour(const Cut& cut, const Image<Rgb>& look, std::size_t lamp, RetouchQuality& q,
+                    Image<float>& worst) {
+    Sides rgb[3];
+    for (int c = 0; c < 3; ++c) rgb[c] = cut.sides_of(channel_of(look, c));
+    double sum = 0, border = 0;
+    int pixels = 0;
+    for (int y = 0; y < cut.retouch.height(); ++y)
+        for (int x = 0; x < cut.retouch.width(); ++x) {
+            if (!inside(cut.retouch(x, y))) continue;
+            const std::size_t i =
+                static_cast<std::size_t>(y) * static_cast<std::size_t>(cut.retouch.width()) +
+                static_cast<std::size_t>(x);
+            const double d = difference(rgb, &Sides::within, &Sides::carried_on, i);
+            float& most = worst(x + cut.region.x0, y + cut.region.y0);
+            most = std::max(most, static_cast<float>(d));
+            sum += d, ++pixels;
+        }
+    for (const std::size_t i : cut.border) border += difference(rgb, &Sides::within, &Sides::without, i);
+    q.delta_e[lamp] = sum / std::max(pixels, 1);
+    q.border_delta_e[lamp] = border / std::max(static_cast<double>(cut.border.size()), 1.0);
+}
+
+// Means of luminance count for gloss as well.
+void compare_relief_and_gloss(const Cut& cut, const Surface& seen, double height_unit_mm,
+                              const Image<float>& luminances, RetouchQuality& q, QualityReport& report) {
+    const Sides height = cut.sides_of(seen.height_mm), specular = cut.sides_of(seen.specular),
+                roughness = cut.sides_of(seen.roughness), light = cut.sides_of(luminances);
+    q.height_mm = step_of(height, cut.border);
+    q.height_mm.mean *= height_unit_mm, q.height_mm.rms *= height_unit_mm;
+    q.specular = step_of(specular, cut.border);
+    q.roughness = step_of(roughness, cut.border);
+    const auto gloss = [&](Image<float> Sides::*side, std::size_t i) {
+        return Gloss{(specular.*side).pixels()[i], (roughness.*side).pixels()[i],
+                     std::max((light.*side).pixels()[i], 1e-4f)};
+    };
+    for (const std::size_t i : cut.border)
+        q.gloss_step += gloss_difference(gloss(&Sides::within, i), gloss(&Sides::without, i)) /
+                        static_cast<double>(cut.border.size());
+    for (int y = 0; y < cut.retouch.height(); ++y)
+        for (int x = 0; x < cut.retouch.width(); ++x) {
+            if (!inside(cut.retouch(x, y))) continue;
+            const std::size_t i =
+                static_cast<std::size_t>(y) * static_cast<std::size_t>(cut.retouch.width()) +
+                static_cast<std::size_t>(x);
+            const int u = x + cut.region.x0, v = y + cut.region.y0;
+            report.height_mm(u, v) = static_cast<float>(height_unit_mm) *
+                                     (height.within.pixels()[i] - height.carried_on.pixels()[i]);
+            report.gloss(u, v) =
+                static_cast<float>(gloss_difference(gloss(&Sides::within, i), gloss(&Sides::carried_on, i)));
+        }
+}
+
+}  // namespace
+
+Image<Rgb> look_under(const Canvas& canvas, Illuminant lamp, const Progress& progress) {
+    Image<Rgb> look = appearance(canvas, {.illuminant = lamp}, progress).diffuse;
+    const Mask painted = additions(canvas);
+    if (lamp == Illuminant::d65) return look;
+    parallel_for(0, look.height(), 16, [&](int begin, int end) {
+        for (int y = begin; y < end; ++y)
+            for (int x = 0; x < look.width(); ++x)
+                if (!(painted(x, y) > 0)) look(x, y) = to_linear_rgb(reflectance_of_rgb(look(x, y)), lamp);
+    });
+    return look;
+}
+
+QualityReport quality_of(const Canvas& canvas, const Mask& mask, const Mask& damaged,
+                         std::span<const Illuminant> lamps, const QualityOptions& options,
+                         const Progress& progress) {
+    validate(options);
+    validate(options.annulus);
+    TP_REQUIRE(mask.region() == canvas.region(), "the mask is the painting's");
+    TP_REQUIRE(damaged.empty() || damaged.region() == mask.region(), "the mask is the painting's");
+    const MaskRegions numbers = regions_of(mask);
+    if (numbers.regions.empty()) fail("quality: the mask is empty; give that of the retouch");
+    QualityReport result;
+    result.delta_e = result.height_mm = result.gloss = Image<float>(mask.width(), mask.height());
+    std::vector<Cut> cuts;
+    for (int number = 1; number <= static_cast<int>(numbers.regions.size()); ++number) {
+        cuts.push_back(cut_of(canvas, numbers, number, damaged, options));
+        RetouchQuality q;
+        q.box = numbers.regions[static_cast<std::size_t>(number - 1)].box;
+        q.area_mm2 = numbers.regions[static_cast<std::size_t>(number - 1)].pixels * canvas.mm_per_pixel() *
+                     canvas.mm_per_pixel();
+        q.border_px = static_cast<int>(cuts.back().border.size());
+        q.delta_e.fill(std::numeric_limits<double>::quiet_NaN());
+        q.border_delta_e = q.delta_e;
+        result.regions.push_back(q);
+    }
+    for (const Illuminant lamp : lamps) {
+        const Image<Rgb> look = look_under(canvas, lamp, progress);
+        for (std::size_t i = 0; i < cuts.size(); ++i) {
+            report(progress, "compare colours", static_cast<double>(i) / static_cast<double>(cuts.size()));
+            compare_colour(cuts[i], look, static_cast<std::size_t>(lamp), result.regions[i], result.delta_e);
+        }
+    }
+    const Surface seen = appearance(canvas, {}, progress);
+    Image<float> luminances(mask.width(), mask.height());
+    for (std::size_t i = 0; i < mask.size(); ++i)
+        luminances.pixels()[i] = luminance(seen.diffuse.pixels()[i]);
+    for (std::size_t i = 0; i < cuts.size(); ++i) {
+        report(progress, "compare height and gloss",
+               static_cast<double>(i) / static_cast<double>(cuts.size()));
+        compare_relief_and_gloss(cuts[i], seen, canvas.height_unit_mm(), luminances, result.regions[i],
+                                 result);
+    }
+    return result;
+}
+
+}  // namespace tangi

@@ -1,0 +1,174 @@
+#include "paint/retouch/surroundings.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+#include <opencv2/photo.hpp>
+
+#include "paint/retouch/fill.h"
+#include "paint/retouch/matrix.h"
+#include "surface/error.h"
+#include "surface/median.h"
+
+namespace tangi {
+
+namespace {
+
+constexpr double kModeBandwidth = 4;  // [L*a*b*] of the mean shift
+constexpr std::array<std::string_view, 3> kNames = {"membrane", "telea", "navier-stokes"};
+
+bool inside(float coverage) { return coverage >= 0.5f; }
+
+glm::dvec3 vector_of(const Lab& lab) { return {lab.l, lab.a, lab.b}; }
+
+// The densest place of the colours near their median, and the colour of the pixels there.
+Rgb mode_of(const std::vector<Rgb>& colours, const Rgb& start) {
+    std::vector<glm::dvec3> labs;
+    for (const Rgb& c : colours) labs.push_back(vector_of(lab_from_linear(c)));
+    glm::dvec3 at = vector_of(lab_from_linear(start));
+    Rgb mode = start;
+    for (int pass = 0; pass < 30; ++pass) {
+        glm::dvec3 sum(0), colour(0);
+        double weights = 0;
+        for (std::size_t i = 0; i < labs.size(); ++i) {
+            const glm::dvec3 off = (labs[i] - at) / kModeBandwidth;
+            const double w = std::exp(-0.5 * glm::dot(off, off));
+            sum += w * labs[i], colour += w * glm::dvec3(colours[i]), weights += w;
+        }
+        if (!(weights > 1e-9)) break;
+        const glm::dvec3 next = sum / weights;
+        mode = Rgb(colour / weights);
+        if (glm::length(next - at) < 0.01) break;
+        at = next;
+    }
+    return mode;
+}
+
+}  // namespace
+
+Mask annulus_mask(const Surface& surface, const Mask& loss, const Mask& damaged,
+                  const AnnulusOptions& options) {
+    validate(options);
+    TP_REQUIRE(loss.region() == surface.height_mm.region(), "the mask is the painting's");
+    TP_REQUIRE(damaged.empty() || damaged.region() == loss.region(), "the mask is the painting's");
+    const Image<float> distance = distance_inside_px(loss);
+    const double near_px = options.gap_mm / surface.mm_per_pixel,
+                 far_px = near_px + std::max(options.annulus_mm / surface.mm_per_pixel, 1.0);
+    Mask annulus(loss.width(), loss.height());
+    for (std::size_t i = 0; i < loss.size(); ++i) {
+        const double away = -static_cast<double>(distance.pixels()[i]);
+        const bool counts = away > near_px && away <= far_px && surface.confidence.pixels()[i] > 0 &&
+                            !inside(loss.pixels()[i]) && (damaged.empty() || !inside(damaged.pixels()[i]));
+        annulus.pixels()[i] = counts ? 1.0f : 0.0f;
+    }
+    return annulus;
+}
+
+Annulus annulus_of(const Surface& surface, const Mask& loss, const Mask& damaged,
+                   const AnnulusOptions& options) {
+    const Mask mask = annulus_mask(surface, loss, damaged, options);
+    std::vector<Rgb> colours;
+    std::vector<float> channels[3], heights, speculars, roughnesses;
+    for (std::size_t i = 0; i < mask.size(); ++i) {
+        if (!inside(mask.pixels()[i])) continue;
+        const Rgb& c = surface.diffuse.pixels()[i];
+        colours.push_back(c);
+        for (int channel = 0; channel < 3; ++channel) channels[channel].push_back(c[channel]);
+        heights.push_back(surface.height_mm.pixels()[i]);
+        speculars.push_back(surface.specular.pixels()[i]);
+        roughnesses.push_back(surface.roughness.pixels()[i]);
+    }
+    if (colours.empty())
+        fail(
+            "surroundings: nothing measured and undamaged lies {} to {} mm beside the mask; give a wider "
+            "--annulus-mm, or a mask that leaves some of the painting",
+            options.gap_mm, options.gap_mm + options.annulus_mm);
+    Annulus a;
+    a.pixels = static_cast<int>(colours.size());
+    a.median = {median(channels[0]), median(channels[1]), median(channels[2])};
+    // Some thousands of pixels tell the mode as well as all of them.
+    std::vector<Rgb> sample;
+    const std::size_t step = std::max<std::size_t>(colours.size() / 4000, 1);
+    for (std::size_t i = 0; i < colours.size(); i += step) sample.push_back(colours[i]);
+    a.mode = mode_of(sample, a.median);
+    std::vector<double> off;
+    for (const Rgb& c : sample) off.push_back(delta_e_2000(lab_from_linear(c), lab_from_linear(a.mode)));
+    a.spread = median(off);
+    a.height_mm = median(heights);
+    a.specular = median(speculars);
+    a.roughness = median(roughnesses);
+    return a;
+}
+
+std::string_view name_of(Inpainting method) { return kNames[static_cast<std::size_t>(method)]; }
+
+std::optional<Inpainting> inpainting_named(std::string_view name) {
+    for (std::size_t i = 0; i < kNames.size(); ++i)
+        if (kNames[i] == name) return static_cast<Inpainting>(i);
+    return std::nullopt;
+}
+
+void membrane_into(Image<float>& values, const Mask& hole) {
+    TP_REQUIRE(values.region() == hole.region(), "the mask has the size of the picture");
+    if (std::all_of(hole.pixels().begin(), hole.pixels().end(), inside))
+        fail("inpainting: the mask covers the whole picture; nothing is left to go on from");
+    Mask unknown(hole.width(), hole.height());
+    for (std::size_t i = 0; i < hole.size(); ++i)
+        unknown.pixels()[i] = inside(hole.pixels()[i]) ? 1.0f : 0.0f;
+    solve_membrane(values, unknown);
+}
+
+void inpaint_into(Image<float>& values, const Mask& hole, Inpainting method, double radius_px) {
+    if (method == Inpainting::membrane) return membrane_into(values, hole);
+    TP_REQUIRE(values.region() == hole.region(), "the mask has the size of the picture");
+    cv::Mat mask(hole.height(), hole.width(), CV_8U);
+    for (int y = 0; y < hole.height(); ++y)
+        for (int x = 0; x < hole.width(); ++x) mask.at<unsigned char>(y, x) = inside(hole(x, y)) ? 255 : 0;
+    // OpenCV rounds as if values were grey levels: on a scale of many levels that does not matter.
+    const auto [low, high] = std::minmax_element(values.pixels().begin(), values.pixels().end());
+    const float base = *low, scale = 60000 / std::max(*high - *low, 1e-20f);
+    cv::Mat levels, filled;
+    matrix_of(values).convertTo(levels, CV_32F, scale, -base * scale);
+    cv::inpaint(levels, mask, filled, radius_px,
+                method == Inpainting::telea ? cv::INPAINT_TELEA : cv::INPAINT_NS);
+    for (int y = 0; y < hole.height(); ++y)
+        for (int x = 0; x < hole.width(); ++x)
+            if (inside(hole(x, y))) values(x, y) = filled.at<float>(y, x) / scale + base;
+}
+
+void inpaint_into(Image<Rgb>& colours, const Mask& hole, Inpainting method, double radius_px) {
+    for (int c = 0; c < 3; ++c) {
+        Image<float> channel(colours.width(), colours.height());
+        for (std::size_t i = 0; i < colours.size(); ++i)
+            channel.pixels()[i] = std::cbrt(std::max(colours.pixels()[i][c], 0.0f));
+        inpaint_into(channel, hole, method, radius_px);
+        for (std::size_t i = 0; i < colours.size(); ++i) {
+            if (!inside(hole.pixels()[i])) continue;
+            const float v = std::max(channel.pixels()[i], 0.0f);
+            colours.pixels()[i][c] = v * v * v;
+        }
+    }
+}
+
+Image<Rgb> smoothed_around(const Image<Rgb>& colours, const Mask& left_out, double sigma_px) {
+    TP_REQUIRE(colours.region() == left_out.region(), "the mask has the size of the picture");
+    if (!(sigma_px > 0)) return colours;
+    cv::Mat weighted(colours.height(), colours.width(), CV_32FC4);
+    for (int y = 0; y < colours.height(); ++y)
+        for (int x = 0; x < colours.width(); ++x) {
+            const float w = inside(left_out(x, y)) ? 0.0f : 1.0f;
+            const Rgb& c = colours(x, y);
+            weighted.at<cv::Vec4f>(y, x) = {w * c.r, w * c.g, w * c.b, w};
+        }
+    cv::GaussianBlur(weighted, weighted, cv::Size(), sigma_px, sigma_px, cv::BORDER_REPLICATE);
+    Image<Rgb> result = colours;
+    for (int y = 0; y < colours.height(); ++y)
+        for (int x = 0; x < colours.width(); ++x) {
+            const cv::Vec4f& v = weighted.at<cv::Vec4f>(y, x);
+            if (v[3] > 1e-4f && !inside(left_out(x, y))) result(x, y) = Rgb(v[0], v[1], v[2]) / v[3];
+        }
+    return result;
+}
+
+}  // namespace tangi

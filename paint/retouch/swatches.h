@@ -1,0 +1,15 @@
+// swatches.h: a target beside recipes for it, under every lamp, as a picture.
+#pragma once
+
+#include <span>
+
+#include "paint/retouch/recipe.h"
+
+namespace tangi {
+
+// A row for each lamp (A, D50, D65, F11, LED), a column for each recipe; in every cell the target on the left
+// and the recipe on the right, without a gap, and their CIEDE2000 below. Linear Rec. 709, adapted to D65.
+// Throws Error where there are no recipes or cells are outside of [60, 1000] pixels.
+Image<Rgb> recipe_swatches(const Spectrum& target, std::span<const MatchedRecipe> recipes, int cell_px = 160);
+
+}  // namespace tangi

@@ -1,0 +1,368 @@
+#include "paint/retouch/treatment.h"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <set>
+
+#include "paint/canvas_file.h"
+#include "paint/retouch/sha256.h"
+#include "surface/atomic_file.h"
+#include "surface/error.h"
+#include "surface/faithful.h"
+#include "surface/painting_file.h"
+
+namespace tangi {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+namespace {
+
+constexpr const char* kLog = "log.jsonl";
+constexpr const char* kMasks = "masks";
+
+fs::path mask_path(const std::string& name) { return fs::path(kMasks) / (name + ".png"); }
+
+json to_json(const TreatmentLayer& layer) {
+    return {{"name", layer.name}, {"role", name_of(layer.role)}, {"sha256", layer.sha256}};
+}
+
+const DriedLayer* find(const Canvas& canvas, const std::string& name) {
+    for (const DriedLayer& layer : canvas.dried())
+        if (layer.name == name) return &layer;
+    return nullptr;
+}
+
+void add_name(Sha256& sha, std::string_view name) {
+    sha.add(name);
+    sha.add("\0", 1);
+}
+
+template <class Number>
+void add_numbers(Sha256& sha, std::span<const Number> numbers) {
+    sha.add(numbers.data(), numbers.size_bytes());
+}
+
+// Into a folder of the treatment only: names come from logs and callers.
+void require_inside(const std::string& path) {
+    const fs::path p(path);
+    TP_REQUIRE(!path.empty() && p.is_relative(), "a step keeps its files in the treatment's folder");
+    for (const fs::path& part : p)
+        TP_REQUIRE(part != "..", "a step keeps its files in the treatment's folder");
+}
+
+}  // namespace
+
+std::string sha256_of(const Surface& surface) {
+    Sha256 sha;
+    const auto add = [&](std::string_view name, const auto& image) {
+        add_name(sha, name);
+        for (int y = 0; y < image.height(); ++y) sha.add(image.row(y).data(), image.row(y).size_bytes());
+    };
+    const std::array<std::int32_t, 2> size = {surface.width(), surface.height()};
+    add_numbers(sha, std::span<const std::int32_t>(size));
+    add("height", surface.height_mm);
+    add("normal", surface.normal);
+    add("diffuse", surface.diffuse);
+    add("specular", surface.specular);
+    add("roughness", surface.roughness);
+    add("confidence", surface.confidence);
+    return sha.hex();
+}
+
+std::string sha256_of(const Canvas& canvas, const PaintLayer& layer) {
+    Sha256 sha;
+    for (const TileIndex at : layer.painted()) {
+        const PaintTile& tile = *layer.tile(at);
+        for (const IngredientId id : tile.ingredients) {
+            const auto plane = tile.plane(id);
+            if (std::all_of(plane.begin(), plane.end(), [](float mm) { return mm == 0; })) continue;
+            const std::array<std::int32_t, 2> place = {at.x, at.y};
+            add_numbers(sha, std::span<const std::int32_t>(place));
+            const Pigment& paint = canvas.ingredients()[id];
+            add_name(sha, paint.name);
+            add_numbers(sha, std::span<const float>(paint.k));
+            add_numbers(sha, std::span<const float>(paint.s));
+            const std::array<float, 2> gloss = {paint.specular, paint.roughness};
+            add_numbers(sha, std::span<const float>(gloss));
+            // What lies beyond the picture's border in a tile at its edge is in no file.
+            const Region region = layer.region_of(at);
+            for (int y = 0; y < region.height(); ++y)
+                add_numbers(sha, plane.subspan(static_cast<std::size_t>(y * PaintTile::kSize),
+                                               static_cast<std::size_t>(region.width())));
+        }
+    }
+    return sha.hex();
+}
+
+Treatment Treatment::begin(const fs::path& folder, const fs::path& painting, const Author& author,
+                           std::optional<double> mm_per_pixel, const Progress& progress) {
+    if (fs::exists(folder / kLog))
+        fail("{}: holds a treatment already; go on with it, or choose another folder", folder.string());
+    const Canvas canvas = tangi::read_canvas(painting, progress, mm_per_pixel);
+    if (!canvas.ingredients().empty())
+        fail("{}: has been painted on; a treatment begins with a painting as it was fitted",
+             painting.string());
+    make_folder(folder / kMasks);
+    {
+        AtomicFile file(folder / "painting.exr");
+        std::error_code error;
+        fs::copy_file(painting, file.temporary(), fs::copy_options::overwrite_existing, error);
+        if (error)
+            fail("{}: cannot be copied to {}: {}", painting.string(), folder.string(), error.message());
+        file.commit();
+    }
+    json first = {{"action", "begin"},
+                  {"time", utc_now()},
+                  {"who", author.who},
+                  {"tool", author.tool},
+                  {"painting", painting.filename().string()},
+                  {"inputs", {{painting.filename().string(), sha256_of_file(painting)}}},
+                  {"width", canvas.width()},
+                  {"height", canvas.height()},
+                  {"mm_per_pixel", canvas.mm_per_pixel()},
+                  {"scale_known", canvas.dry().scale_known || mm_per_pixel.has_value()},
+                  {"dry_hash", hash_of(canvas.dry())},
+                  {"dry_sha256", sha256_of(canvas.dry())},
+                  {"layers", json::array()}};
+    return Treatment(folder, TreatmentLog::begin(folder / kLog, std::move(first)));
+}
+
+Treatment Treatment::open(const fs::path& folder) {
+    if (!fs::is_regular_file(folder / kLog))
+        fail("{}: is no treatment (there is no {} in it); tangipaint damage P.exr --treatment {} begins one",
+             folder.string(), kLog, folder.string());
+    Treatment treatment(folder, TreatmentLog::open(folder / kLog));
+    const json& first = treatment.log_.entries().front().content;
+    for (const char* field : {"width", "height", "mm_per_pixel", "dry_sha256"})
+        if (!first.contains(field)) fail("{}:1: has no field '{}'", (folder / kLog).string(), field);
+    return treatment;
+}
+
+int Treatment::width() const { return log_.entries().front().content["width"].get<int>(); }
+int Treatment::height() const { return log_.entries().front().content["height"].get<int>(); }
+double Treatment::mm_per_pixel() const {
+    return log_.entries().front().content["mm_per_pixel"].get<double>();
+}
+bool Treatment::scale_known() const { return log_.entries().front().content.value("scale_known", false); }
+std::string Treatment::dry_sha256() const {
+    return log_.entries().front().content["dry_sha256"].get<std::string>();
+}
+
+std::vector<TreatmentLayer> Treatment::layers() const {
+    std::vector<TreatmentLayer> layers;
+    for (auto entry = log_.entries().rbegin(); entry != log_.entries().rend(); ++entry) {
+        if (!entry->content.contains("layers")) continue;
+        for (const json& layer : entry->content["layers"])
+            layers.push_back({layer.at("name").get<std::string>(),
+                              layer_role_named(layer.at("role").get<std::string>()).value_or(LayerRole::fill),
+                              layer.at("sha256").get<std::string>()});
+        break;
+    }
+    return layers;
+}
+
+std::string Treatment::new_layer_name(LayerRole role) const {
+    std::set<std::string> taken;
+    for (const LogEntry& entry : log_.entries())
+        if (entry.content.contains("layers"))
+            for (const json& layer : entry.content["layers"])
+                taken.insert(layer.at("name").get<std::string>());
+    for (int number = 1;; ++number) {
+        std::string name = fmt::format("{} {}", name_of(role), number);
+        std::replace(name.begin(), name.end(), '_', ' ');
+        if (!taken.contains(name)) return name;
+    }
+}
+
+std::vector<std::string> Treatment::layer_faults(const Canvas& canvas) const {
+    std::vector<std::string> faults;
+    for (const TreatmentLayer& layer : layers()) {
+        const DriedLayer* on_canvas = find(canvas, layer.name);
+        if (!on_canvas)
+            faults.push_back(fmt::format("layer '{}' is missing", layer.name));
+        else if (sha256_of(canvas, on_canvas->paint) != layer.sha256)
+            faults.push_back(fmt::format("layer '{}' is not the one that was logged", layer.name));
+    }
+    return faults;
+}
+
+Canvas Treatment::read_canvas(const Progress& progress) const {
+    std::optional<double> scale;
+    if (scale_known()) scale = mm_per_pixel();
+    Canvas canvas = tangi::read_canvas(painting(), progress, scale);
+    if (sha256_of(canvas.dry()) != dry_sha256())
+        fail("{}: its dry layer is not the painting's that the treatment began with; take it from a backup",
+             painting().string());
+    const std::vector<std::string> faults = layer_faults(canvas);
+    if (!faults.empty()) fail("{}: {}; take the file from a backup", painting().string(), faults.front());
+    return canvas;
+}
+
+std::map<std::string, std::pair<std::string, int>> Treatment::logged_files() const {
+    std::map<std::string, std::pair<std::string, int>> files;
+    for (const LogEntry& entry : log_.entries())
+        if (entry.content.contains("outputs"))
+            for (const auto& [name, hash] : entry.content["outputs"].items())
+                files[name] = {hash.get<std::string>(), entry.line};
+    return files;
+}
+
+std::vector<std::string> Treatment::mask_names() const {
+    std::vector<std::string> names;
+    for (const auto& [path, hash] : logged_files())
+        if (fs::path(path).parent_path() == kMasks) names.push_back(fs::path(path).stem().string());
+    return names;
+}
+
+bool Treatment::has_mask(DamageClass damage) const {
+    return logged_files().contains(mask_path(std::string(name_of(damage))).generic_string());
+}
+
+Mask Treatment::mask(const std::string& name) const {
+    const auto files = logged_files();
+    const auto found = files.find(mask_path(name).generic_string());
+    if (found == files.end()) return Mask(width(), height());
+    const fs::path path = folder_ / mask_path(name);
+    if (sha256_of_file(path) != found->second.first)
+        fail(
+            "{}: is not the mask that line {} of the log wrote; put that one back, and bring in what you "
+            "changed with tangipaint damage --mask, so that it is logged",
+            path.string(), found->second.second);
+    return read_mask(path, width(), height());
+}
+
+void Treatment::record(const TreatmentStep& step, const Author& author, const Progress& progress) {
+    json outputs = json::object(), inputs = json::object();
+    for (const fs::path& input : step.inputs) inputs[input.filename().string()] = sha256_of_file(input);
+    json entry = {{"action", step.action},
+                  {"time", utc_now()},
+                  {"who", author.who},
+                  {"tool", author.tool},
+                  {"parameters", step.parameters},
+                  {"results", step.results},
+                  {"inputs", inputs},
+                  {"dry_sha256", dry_sha256()}};
+    if (step.canvas) {
+        if (sha256_of(step.canvas->dry()) != dry_sha256())
+            fail("{}: the dry layer would change; nothing was written", painting().string());
+        std::vector<TreatmentLayer> all = layers();
+        for (const auto& [name, role] : step.added) all.push_back({name, role, {}});
+        entry["layers"] = json::array();
+        std::size_t known = 0;
+        for (const DriedLayer& layer : step.canvas->dried()) {  // in their order on the canvas
+            const auto about = std::find_if(all.begin(), all.end(),
+                                            [&](const TreatmentLayer& l) { return l.name == layer.name; });
+            if (about == all.end())
+                fail("{}: has a layer '{}' that the log does not know; tangipaint treatment retouch takes in "
+                     "what was painted in the window",
+                     painting().string(), layer.name);
+            entry["layers"].push_back(
+                to_json({layer.name, about->role, sha256_of(*step.canvas, layer.paint)}));
+            ++known;
+        }
+        TP_REQUIRE(known >= step.added.size(), "layers that were added are on the canvas");
+        const FaithfulResidual residual = read_faithful(painting(), step.canvas->dry(), progress);
+        std::vector<PartToWrite> further;
+        if (!residual.empty()) further.push_back(part_of(residual));
+        AtomicFile file(painting());
+        write_canvas(file, *step.canvas, progress, further);
+    }
+    for (const auto& [name, mask] : step.masks) {
+        TP_REQUIRE(mask.width() == width() && mask.height() == height(), "a mask has the painting's size");
+        const fs::path path = mask_path(name);
+        require_inside(path.generic_string());
+        write_mask(folder_ / path, mask);
+        outputs[path.generic_string()] = sha256_of_file(folder_ / path);
+    }
+    for (const auto& [name, text] : step.files) {
+        require_inside(name);
+        make_folder((folder_ / name).parent_path());
+        write_text_file(folder_ / name, text);
+        outputs[name] = sha256_of_file(folder_ / name);
+    }
+    entry["outputs"] = outputs;
+    log_.append(std::move(entry));
+}
+
+std::vector<std::string> Treatment::check(const Progress& progress) const {
+    std::vector<std::string> faults;
+    for (const auto& [name, logged] : logged_files()) {
+        const fs::path path = folder_ / name;
+        if (!fs::exists(path))
+            faults.push_back(
+                fmt::format("{} is missing (line {} of the log wrote it)", path.string(), logged.second));
+        else if (sha256_of_file(path) != logged.first)
+            faults.push_back(
+                fmt::format("{} is not what line {} of the log wrote", path.string(), logged.second));
+    }
+    try {
+        (void)read_canvas(progress);
+    } catch (const Error& error) {
+        faults.emplace_back(error.what());
+    }
+    return faults;
+}
+
+Canvas in_state(const Canvas& canvas, const std::vector<TreatmentLayer>& layers, TreatmentState state) {
+    Canvas shown = canvas;
+    shown.writable_wet() = PaintLayer(canvas.width(), canvas.height());
+    std::erase_if(shown.writable_dried(), [&](const DriedLayer& layer) {
+        const auto about = std::find_if(layers.begin(), layers.end(),
+                                        [&](const TreatmentLayer& l) { return l.name == layer.name; });
+        return about == layers.end() || shown_from(about->role) > state;
+    });
+    return shown;
+}
+
+Mask additions(const PaintLayer& layer) {
+    Mask mask(layer.width(), layer.height());
+    layer.add_thickness_mm(mask.region(), mask.data(), static_cast<std::size_t>(mask.width()));
+    for (float& mm : mask.pixels()) mm = mm > 0 ? 1.0f : 0.0f;
+    return mask;
+}
+
+Mask additions(const Canvas& canvas) {
+    Mask mask = additions(canvas.wet());
+    for (const DriedLayer& layer : canvas.dried()) mask = united(mask, additions(layer.paint));
+    return mask;
+}
+
+OnOriginal on_original(const PaintLayer& layer, const Mask& allowed, double mm_per_pixel) {
+    TP_REQUIRE(layer.region() == allowed.region(), "a mask has the size of its canvas");
+    Image<float> mm(layer.width(), layer.height());
+    layer.add_thickness_mm(mm.region(), mm.data(), static_cast<std::size_t>(mm.width()));
+    OnOriginal paint;
+    double area = 0, volume = 0;
+    for (int y = 0; y < mm.height(); ++y)
+        for (int x = 0; x < mm.width(); ++x) {
+            const auto outside = static_cast<double>(1 - allowed(x, y));
+            if (!(mm(x, y) > 0) || !(outside > 0)) continue;
+            ++paint.pixels;
+            area += outside;
+            volume += outside * static_cast<double>(mm(x, y));
+        }
+    paint.area_mm2 = area * mm_per_pixel * mm_per_pixel;
+    paint.volume_mm3 = volume * mm_per_pixel * mm_per_pixel;
+    return paint;
+}
+
+json to_json(const OnOriginal& paint) {
+    return {{"pixels", paint.pixels}, {"area_mm2", paint.area_mm2}, {"volume_mm3", paint.volume_mm3}};
+}
+
+json damage_table(const Treatment& treatment) {
+    json table = json::array();
+    for (const DamageClass damage : kDamageClasses) {
+        if (!treatment.has_mask(damage)) continue;
+        const MaskArea area = area_of(treatment.mask(damage), treatment.mm_per_pixel());
+        table.push_back({{"class", name_of(damage)},
+                         {"count", area.regions},
+                         {"area_cm2", area.mm2 / 100},
+                         {"percent", area.percent}});
+    }
+    return table;
+}
+
+}  // namespace tangi

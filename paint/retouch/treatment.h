@@ -1,0 +1,161 @@
+// treatment.h: the treatment of one painting: a folder NAME.treatment/ that holds the painting with all that
+// was added, as layers that can be taken off; masks of its damage; and the log of every step.
+//
+//   painting.exr          a copy of the painting; its dry part stays as it is, fills, varnishes and retouches
+//                         are dried layers on it (paint/canvas_file.h)
+//   masks/CLASS.png       coverage by each class of damage; CLASS.confidence.png beside what was suggested
+//   strokes/, …           what a step kept: journals of strokes, recipes
+//   log.jsonl             the log (treatment_log.h): the layers, masks and files that there are, with hashes
+//
+// docs/retouching.md: format and use.
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "paint/canvas.h"
+#include "paint/retouch/mask.h"
+#include "paint/retouch/treatment_log.h"
+#include "surface/progress.h"
+
+namespace tangi {
+
+// Classes of damage; terms as in EN 15898 and the condition survey of EN 16095.
+enum class DamageClass {
+    loss_to_ground,   // paint is gone, the ground is bare
+    loss_to_support,  // ground and paint are gone
+    abrasion,         // paint is worn thin
+    craquelure,
+    flaking,  // paint lifts off
+    old_fill,
+    overpaint,
+    stain
+};
+inline constexpr std::array<DamageClass, 8> kDamageClasses = {
+    DamageClass::loss_to_ground, DamageClass::loss_to_support,
+    DamageClass::abrasion,       DamageClass::craquelure,
+    DamageClass::flaking,        DamageClass::old_fill,
+    DamageClass::overpaint,      DamageClass::stain};
+std::string_view name_of(DamageClass damage);  // "loss_to_ground"
+std::optional<DamageClass> damage_class_named(std::string_view name);
+Rgb legend_colour_srgb(DamageClass damage);  // told apart with every colour vision (Okabe & Ito 2008)
+
+// What a layer is to the treatment.
+enum class LayerRole { fill, isolating_varnish, retouch, varnish };
+std::string_view name_of(LayerRole role);
+std::optional<LayerRole> layer_role_named(std::string_view name);
+
+// States of a treatment, in their order; each shows the layers of its role and of those before. `before` and
+// `cleaned` are what was photographed: without any layer.
+enum class TreatmentState { before, cleaned, filled, retouched, varnished };
+std::string_view name_of(TreatmentState state);
+std::optional<TreatmentState> treatment_state_named(std::string_view name);
+TreatmentState shown_from(LayerRole role);  // the first state that shows it
+
+struct TreatmentLayer {
+    std::string name;  // of the dried layer in painting.exr: "fill 1"
+    LayerRole role = LayerRole::fill;
+    std::string sha256;  // of its paint: sha256_of(canvas, layer)
+};
+
+// Who did a step, and with what.
+struct Author {
+    std::string who;   // a person's name
+    std::string tool;  // "tangipaint 0.1.0"
+};
+
+// A step that is to be recorded: what changed, and why.
+struct TreatmentStep {
+    std::string action;  // "fill", "suggest damage"
+    nlohmann::json parameters = nlohmann::json::object();
+    nlohmann::json results = nlohmann::json::object();  // areas, counts, recipes: what came out
+    std::vector<std::filesystem::path> inputs{};        // files from elsewhere: their hashes are kept
+    std::map<std::string, Mask> masks{};                // to write: name in masks/ without ".png" -> mask
+    std::map<std::string, std::string> files{};         // to write: path in the folder -> content
+    // To write: the canvas with its layers; `added` says what the new ones among them are. Layers of the
+    // treatment that are no longer on the canvas are thereby removed.
+    const Canvas* canvas = nullptr;
+    std::vector<std::pair<std::string, LayerRole>> added{};
+};
+
+class Treatment {
+public:
+    // Makes the folder and copies the painting. Throws Error where the folder holds a treatment already.
+    // `mm_per_pixel` as in Canvas.
+    static Treatment begin(const std::filesystem::path& folder, const std::filesystem::path& painting,
+                           const Author& author, std::optional<double> mm_per_pixel = {},
+                           const Progress& progress = {});
+    // Reads and checks the log. Throws Error naming file and line where it was edited or cut.
+    static Treatment open(const std::filesystem::path& folder);
+
+    const std::filesystem::path& folder() const { return folder_; }
+    std::filesystem::path painting() const { return folder_ / "painting.exr"; }
+    const TreatmentLog& log() const { return log_; }
+    int width() const;
+    int height() const;
+    double mm_per_pixel() const;
+    bool scale_known() const;
+    std::string dry_sha256() const;              // of the dry layer when the treatment began
+    std::vector<TreatmentLayer> layers() const;  // bottom up
+    // A name that no layer has or had: "fill 3".
+    std::string new_layer_name(LayerRole role) const;
+
+    // The painting with its layers. Throws Error where the dry layer is not the one that the treatment began
+    // with, or a layer is not what the log says. Wet paint is not looked at: it is work in progress.
+    Canvas read_canvas(const Progress& progress = {}) const;
+
+    // Masks by name; a class of which none was made is empty coverage. Throws Error where a mask's file is
+    // not the one that was logged.
+    std::vector<std::string> mask_names() const;
+    Mask mask(const std::string& name) const;
+    Mask mask(DamageClass damage) const { return mask(std::string(name_of(damage))); }
+    bool has_mask(DamageClass damage) const;
+
+    // Writes what the step says, then the log. The dry layer is checked before.
+    void record(const TreatmentStep& step, const Author& author, const Progress& progress = {});
+
+    // All that is not as it was logged, a line each: masks, kept files, layers. Reads everything.
+    std::vector<std::string> check(const Progress& progress = {}) const;
+
+private:
+    Treatment(std::filesystem::path folder, TreatmentLog log)
+        : folder_(std::move(folder)), log_(std::move(log)) {}
+    // Hash and line of the last entry that wrote each file.
+    std::map<std::string, std::pair<std::string, int>> logged_files() const;
+    std::vector<std::string> layer_faults(const Canvas& canvas) const;
+
+    std::filesystem::path folder_;
+    TreatmentLog log_;
+};
+
+// SHA-256 over the maps of a surface: that the dry layer has not changed.
+std::string sha256_of(const Surface& surface);
+// Over a layer's paint: tile by tile, which paints and how much of each.
+std::string sha256_of(const Canvas& canvas, const PaintLayer& layer);
+
+// The canvas as it was in a state: without wet paint and the layers of later roles.
+Canvas in_state(const Canvas& canvas, const std::vector<TreatmentLayer>& layers, TreatmentState state);
+
+// Where there is any paint, 1; else 0: of one layer, or of all that was added to the dry surface.
+Mask additions(const PaintLayer& layer);
+Mask additions(const Canvas& canvas);
+
+// Paint beside the area where it belongs. What lies on `allowed` in part counts for the rest of its pixel.
+struct OnOriginal {
+    int pixels = 0;  // that hold paint and of which any part is outside of `allowed`
+    double area_mm2 = 0;
+    double volume_mm3 = 0;
+};
+OnOriginal on_original(const PaintLayer& layer, const Mask& allowed, double mm_per_pixel);
+nlohmann::json to_json(const OnOriginal& paint);
+
+// Everything that is known about damage: class, count, area, percent; a class without any is left out.
+nlohmann::json damage_table(const Treatment& treatment);
+
+}  // namespace tangi

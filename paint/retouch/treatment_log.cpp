@@ -1,0 +1,205 @@
+#include "paint/retouch/treatment_log.h"
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <ctime>
+
+#include "paint/retouch/sha256.h"
+#include "surface/atomic_file.h"
+#include "surface/error.h"
+
+namespace tangi {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+namespace {
+
+constexpr const char* kFormat = "tangipaint treatment";
+constexpr int kVersion = 1;
+const std::string kSeal = ",\"sha256\":\"";
+constexpr std::size_t kDigits = 64;
+
+fs::path head_path(const fs::path& log) {
+    fs::path path = log;
+    return path.replace_extension(".head.json");
+}
+
+// The text without its hash, and with it.
+struct Line {
+    std::string sealed, sha256;
+};
+
+Line sealed(const json& content) {
+    const std::string body = content.dump(-1, ' ', false, json::error_handler_t::replace);
+    const std::string hash = sha256_of(body);
+    return {body.substr(0, body.size() - 1) + kSeal + hash + "\"}", hash};
+}
+
+// Empty where the line does not end with a hash.
+std::string body_of(const std::string& line, std::string& hash) {
+    const std::size_t tail = kSeal.size() + kDigits + 2;
+    if (line.size() <= tail || !line.ends_with("\"}")) return {};
+    const std::size_t seal = line.size() - tail;
+    if (line.compare(seal, kSeal.size(), kSeal) != 0) return {};
+    hash = line.substr(seal + kSeal.size(), kDigits);
+    return line.substr(0, seal) + "}";
+}
+
+class Descriptor {
+public:
+    Descriptor(const fs::path& path, int flags) : path_(path), file_(::open(path.c_str(), flags, 0666)) {
+        if (file_ < 0) fail("{}: cannot be written: {}", path.string(), std::strerror(errno));
+    }
+    ~Descriptor() { ::close(file_); }
+    Descriptor(const Descriptor&) = delete;
+    Descriptor& operator=(const Descriptor&) = delete;
+
+    void write(std::string_view text) {
+        while (!text.empty()) {
+            const ssize_t count = ::write(file_, text.data(), text.size());
+            if (count < 0 && errno == EINTR) continue;
+            if (count <= 0) fail("{}: cannot be written: {}", path_.string(), std::strerror(errno));
+            text.remove_prefix(static_cast<std::size_t>(count));
+        }
+        if (::fsync(file_) != 0) fail("{}: cannot be written: {}", path_.string(), std::strerror(errno));
+    }
+    int number() const { return file_; }
+
+private:
+    fs::path path_;
+    int file_;
+};
+
+}  // namespace
+
+std::vector<LogEntry> chained_entries(const std::string& text, std::vector<LogFault>& faults, bool& torn) {
+    std::vector<LogEntry> entries;
+    std::string previous(kDigits, '0');
+    std::size_t from = 0;
+    for (int number = 1; from < text.size(); ++number) {
+        const std::size_t end = text.find('\n', from);
+        torn = end == std::string::npos;
+        if (torn) break;
+        const std::string line = text.substr(from, end - from);
+        from = end + 1;
+        LogEntry entry{number, {}, {}};
+        const std::string body = body_of(line, entry.sha256);
+        if (body.empty()) {
+            faults.push_back({number, "does not end with its hash: it was edited, or is no line of a log"});
+            break;
+        }
+        if (sha256_of(body) != entry.sha256) {
+            faults.push_back({number, "was edited: its text does not have the hash that it ends with"});
+            break;
+        }
+        entry.content = json::parse(body, nullptr, false);
+        if (!entry.content.is_object() || !entry.content.contains("previous")) {
+            faults.push_back({number, "is no line of a log"});
+            break;
+        }
+        if (entry.content["previous"] != previous) {
+            faults.push_back({number, number == 1 ? "is not the first of its log: lines before it were cut"
+                                                  : "does not follow the line before it: a line was "
+                                                    "removed, put in, moved or written anew here"});
+            break;
+        }
+        previous = entry.sha256;
+        entries.push_back(std::move(entry));
+    }
+    return entries;
+}
+
+std::string utc_now() {
+    const std::time_t now = std::time(nullptr);
+    std::tm utc{};
+    gmtime_r(&now, &utc);
+    return fmt::format("{:04}-{:02}-{:02}T{:02}:{:02}:{:02}Z", utc.tm_year + 1900, utc.tm_mon + 1,
+                       utc.tm_mday, utc.tm_hour, utc.tm_min, utc.tm_sec);
+}
+
+TreatmentLog TreatmentLog::begin(const fs::path& path, json content) {
+    std::error_code missing;
+    if (fs::exists(path, missing))
+        fail("{}: there is a log already; go on with it, or choose another folder", path.string());
+    content["format"] = kFormat;
+    content["version"] = kVersion;
+    content["previous"] = std::string(kDigits, '0');
+    const Line line = sealed(content);
+    write_text_file(path, line.sealed + "\n");
+    TreatmentLog log(path);
+    log.entries_.push_back({1, std::move(content), line.sha256});
+    log.whole_bytes_ = line.sealed.size() + 1;
+    log.write_head();
+    return log;
+}
+
+TreatmentLog TreatmentLog::open(const fs::path& path) {
+    TreatmentLog log(path);
+    const std::string text = read_text_file(path);
+    std::vector<LogFault> faults;
+    log.entries_ = chained_entries(text, faults, log.torn_);
+    if (!faults.empty())
+        fail("{}:{}: {}; take the log from a backup, nothing is done with this one", path.string(),
+             faults.front().line, faults.front().what);
+    if (log.entries_.empty() || log.entries_.front().content.value("format", "") != kFormat)
+        fail("{}: is no log of a treatment", path.string());
+    if (log.entries_.front().content.value("version", 0) != kVersion)
+        fail("{}: is of a newer version of the program; this one reads version {}", path.string(), kVersion);
+    log.whole_bytes_ = text.rfind('\n') + 1;
+    if (log.torn_)
+        log.warnings_.push_back(fmt::format("{}:{}: was cut short by a crash and is left out", path.string(),
+                                            log.entries_.size() + 1));
+
+    const fs::path head = head_path(path);
+    const json stored = json::parse(read_text_file(head), nullptr, false);
+    if (!stored.is_object() || !stored.contains("lines") || !stored["lines"].is_number_unsigned() ||
+        !stored.contains("sha256") || !stored["sha256"].is_string())
+        fail("{}: is not the head of a log; take it from a backup", head.string());
+    const auto lines = stored["lines"].get<std::size_t>();
+    if (lines > log.entries_.size())
+        fail("{}:{}: the log was cut: {} line{} missing at its end; take it from a backup", path.string(),
+             log.entries_.size() + 1, lines - log.entries_.size(),
+             lines - log.entries_.size() == 1 ? " is" : "s are");
+    if (lines == 0 || log.entries_[lines - 1].sha256 != stored["sha256"].get<std::string>())
+        fail("{}:{}: is not the line that {} names: the log was written anew; take it from a backup",
+             path.string(), std::max<std::size_t>(lines, 1), head.filename().string());
+    // A crash may come between a line and its head, which then is one line behind.
+    if (lines + 1 < log.entries_.size())
+        fail("{}:{}: lines were put in after the last one that {} knows; take both from a backup",
+             path.string(), lines + 1, head.filename().string());
+    return log;
+}
+
+const LogEntry& TreatmentLog::append(json content) {
+    content["previous"] = head();
+    const Line line = sealed(content);
+    {
+        Descriptor file(path_, O_WRONLY | O_APPEND | O_CLOEXEC);
+        ::flock(file.number(), LOCK_EX);  // two programs at once: the second sees the first one's line
+        const auto size = static_cast<std::uintmax_t>(::lseek(file.number(), 0, SEEK_END));
+        if (torn_ && size > whole_bytes_) {
+            if (::ftruncate(file.number(), static_cast<off_t>(whole_bytes_)) != 0)
+                fail("{}: cannot be written: {}", path_.string(), std::strerror(errno));
+            torn_ = false;
+        } else if (size != whole_bytes_) {
+            fail("{}: was changed by another program meanwhile; run the command again", path_.string());
+        }
+        file.write(line.sealed + "\n");
+    }
+    whole_bytes_ += line.sealed.size() + 1;
+    entries_.push_back({static_cast<int>(entries_.size()) + 1, std::move(content), line.sha256});
+    write_head();
+    return entries_.back();
+}
+
+void TreatmentLog::write_head() const {
+    const json head = {{"lines", entries_.size()}, {"sha256", this->head()}};
+    write_text_file(head_path(path_), head.dump() + "\n");
+}
+
+}  // namespace tangi

@@ -1,0 +1,65 @@
+// treatment_log.h: the record of a treatment: one JSON object a line, append-only, each line chained to the
+// one before by SHA-256, so that a log that was edited or cut is recognised.
+//
+// A line is the object's text with `"sha256"`, the hash of the text without it, as its last field; its
+// `previous` is the hash of the line before (of the first: 64 zeros). Beside the log lies its head
+// (log.head.json: number of lines, hash of the last), without which lines could be cut off at the end
+// unnoticed. Who holds a report, which names the head, can tell a log that was written anew as a whole.
+#pragma once
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+namespace tangi {
+
+struct LogEntry {
+    int line = 0;            // of the file, from 1
+    nlohmann::json content;  // with `previous`, without `sha256`
+    std::string sha256;
+};
+
+// What is wrong with a log: the first line that is.
+struct LogFault {
+    int line = 0;
+    std::string what;
+};
+
+class TreatmentLog {
+public:
+    // Makes the file with its first line: `content`, to which format and version are added. Throws Error
+    // where there is a log already, or it cannot be written.
+    static TreatmentLog begin(const std::filesystem::path& path, nlohmann::json content);
+    // Reads the log and checks the chain. Throws Error naming the file and the line where it was edited, cut,
+    // or is no log. A line that a crash cut short is left out, with a warning, and removed by append().
+    static TreatmentLog open(const std::filesystem::path& path);
+
+    const std::vector<LogEntry>& entries() const { return entries_; }
+    const std::vector<std::string>& warnings() const { return warnings_; }
+    const std::string& head() const { return entries_.back().sha256; }
+    const std::filesystem::path& path() const { return path_; }
+
+    // Adds a line and makes sure that it is on the disk. Throws Error naming the file where it cannot be
+    // written, or was changed by somebody else since it was opened.
+    const LogEntry& append(nlohmann::json content);
+
+private:
+    explicit TreatmentLog(std::filesystem::path path) : path_(std::move(path)) {}
+    void write_head() const;
+
+    std::filesystem::path path_;
+    std::vector<LogEntry> entries_;
+    std::vector<std::string> warnings_;
+    std::uintmax_t whole_bytes_ = 0;  // of the lines that count
+    bool torn_ = false;               // a line without its end follows them
+};
+
+// The first fault of a log's text, by line; nothing where the chain holds. `torn` says whether the text ends
+// within a line, which is not looked at.
+std::vector<LogEntry> chained_entries(const std::string& text, std::vector<LogFault>& faults, bool& torn);
+
+// "2024-05-31T09:30:00Z" of now.
+std::string utc_now();
+
+}  // namespace tangi

@@ -1,0 +1,120 @@
+#include "paint/retouch/treatment_picture.h"
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+
+#include "paint/retouch/matrix.h"
+#include "surface/relight.h"
+
+namespace tangi {
+
+namespace {
+
+Image<Rgb> reduced(const Image<Rgb>& picture, int side_px) {
+    const int side = std::max(picture.width(), picture.height());
+    if (side_px <= 0 || side <= side_px) return picture;
+    const double factor = static_cast<double>(side_px) / side;
+    Image<Rgb> small(std::max(static_cast<int>(std::lround(picture.width() * factor)), 1),
+                     std::max(static_cast<int>(std::lround(picture.height() * factor)), 1));
+    cv::Mat target = matrix_of(small);
+    cv::resize(matrix_of(picture), target, target.size(), 0, 0, cv::INTER_AREA);
+    return small;
+}
+
+void encode(Image<Rgb>& linear, float gain) {
+    const Transfer srgb{Transfer::Kind::srgb};
+    for (Rgb& c : linear.pixels()) c = glm::clamp(srgb.encode(glm::max(c * gain, Rgb(0))), Rgb(0), Rgb(1));
+}
+
+// The painting in light grey, on which colours can be seen.
+Image<Rgb> in_grey(const Surface& surface) {
+    Image<Rgb> grey = colour_of(surface);
+    for (Rgb& c : grey.pixels()) c = Rgb(0.25f + 0.7f * luminance(c));
+    return grey;
+}
+
+void tint(Rgb& pixel, const Rgb& colour, float part) { pixel += 0.75f * part * (colour - pixel); }
+
+// A line of text that ends within the picture.
+void write_text(Image<Rgb>& picture, const std::string& text, int x, int y, double height_px) {
+    cv::Mat canvas = matrix_of(picture);
+    int base = 0;
+    const int width = cv::getTextSize(text, cv::FONT_HERSHEY_SIMPLEX, height_px / 22, 1, &base).width;
+    const double fits = std::min(1.0, static_cast<double>(picture.width() - x - 4) / std::max(width, 1));
+    cv::putText(canvas, text, {x, y}, cv::FONT_HERSHEY_SIMPLEX, fits * height_px / 22,
+                cv::Scalar(0.1, 0.1, 0.1), std::max(1, static_cast<int>(height_px / 14)), cv::LINE_AA);
+}
+
+}  // namespace
+
+Image<Rgb> colour_of(const Surface& surface, int side_px) {
+    Image<Rgb> picture = reduced(surface.diffuse, side_px);
+    encode(picture, 1);
+    return picture;
+}
+
+Image<Rgb> look_of(const Surface& surface, const Light& light, int side_px, const Progress& progress) {
+    Image<Rgb> picture = reduced(relight(surface, std::span(&light, 1), {}, progress), side_px);
+    encode(picture, std::sqrt(2.0f));
+    return picture;
+}
+
+Image<Rgb> damage_picture(const Treatment& treatment, const Surface& surface) {
+    const Image<Rgb> grey = in_grey(surface);
+    const int width = grey.width(), height = grey.height();
+    const nlohmann::json table = damage_table(treatment);
+    const int line = std::clamp(width / 24, 12, 60);
+    const int rows = std::max(static_cast<int>(table.size()), 1);
+    Image<Rgb> picture(width, height + line * (rows + 1), Rgb(1));
+    for (int y = 0; y < height; ++y)
+        std::copy(grey.row(y).begin(), grey.row(y).end(), picture.row(y).begin());
+    int row = 0;
+    for (const auto& entry : table) {
+        const auto damage = *damage_class_named(entry.at("class").get<std::string>());
+        const Rgb colour = legend_colour_srgb(damage);
+        const Mask mask = treatment.mask(damage);
+        for (int y = 0; y < height; ++y)
+            for (int x = 0; x < width; ++x) tint(picture(x, y), colour, mask(x, y));
+        const int top = height + line / 2 + row * line;
+        for (int y = top; y < top + line * 7 / 10; ++y)
+            for (int x = line / 2; x < line * 3 / 2 && x < width; ++x) picture(x, y) = colour;
+        std::string name(name_of(damage));
+        std::replace(name.begin(), name.end(), '_', ' ');
+        write_text(picture,
+                   fmt::format("{}: {} x, {:.2f} cm2, {:.2f} %", name, entry.at("count").get<int>(),
+                               entry.at("area_cm2").get<double>(), entry.at("percent").get<double>()),
+                   line * 2, top + line * 6 / 10, line * 0.6);
+        ++row;
+    }
+    if (table.empty()) write_text(picture, "no damage is mapped", line / 2, height + line, line * 0.6);
+    return picture;
+}
+
+Image<Rgb> additions_picture(const Canvas& canvas, const std::vector<TreatmentLayer>& layers,
+                             const Mask& belongs) {
+    constexpr Rgb fill(0, 0.62f, 0.45f), varnish(0.94f, 0.89f, 0.26f), retouch(0, 0.45f, 0.7f),
+        beside(0.84f, 0.1f, 0.1f);
+    // What counts most is seen: retouches, then fills, then varnish.
+    Mask filled(canvas.width(), canvas.height()), retouched = filled, varnished = filled;
+    for (const DriedLayer& layer : canvas.dried()) {
+        const auto about = std::find_if(layers.begin(), layers.end(),
+                                        [&](const TreatmentLayer& l) { return l.name == layer.name; });
+        const LayerRole role = about == layers.end() ? LayerRole::retouch : about->role;
+        Mask& all = role == LayerRole::fill ? filled : role == LayerRole::retouch ? retouched : varnished;
+        all = united(all, additions(layer.paint));
+    }
+    Image<Rgb> picture = in_grey(canvas.dry());
+    for (int y = 0; y < picture.height(); ++y)
+        for (int x = 0; x < picture.width(); ++x) {
+            if (retouched(x, y) > 0)
+                tint(picture(x, y), belongs(x, y) > 0 ? retouch : beside, 1);
+            else if (filled(x, y) > 0)
+                tint(picture(x, y), fill, 1);
+            else
+                tint(picture(x, y), varnish, 0.4f * varnished(x, y));
+        }
+    return picture;
+}
+
+}  // namespace tangi

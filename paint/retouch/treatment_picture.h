@@ -1,0 +1,27 @@
+// treatment_picture.h: pictures of a treatment for people: states under a light, the damage map with its
+// legend, additions in false colour.
+#pragma once
+
+#include "paint/retouch/treatment.h"
+#include "surface/light.h"
+
+namespace tangi {
+
+// sRGB-encoded, 0..1, exposed so that light from 45 degrees shows a white as white; at most `side_px` pixels
+// wide and high (0: all of them). Raking light does not come near white: it is as dark as the lamp makes it.
+Image<Rgb> look_of(const Surface& surface, const Light& light, int side_px = 0,
+                   const Progress& progress = {});
+
+// The diffuse colour alone, sRGB-encoded.
+Image<Rgb> colour_of(const Surface& surface, int side_px = 0);
+
+// Masks in the colours of their classes over the painting in grey, sRGB-encoded; below it, a legend with
+// count, area and percent of each class.
+Image<Rgb> damage_picture(const Treatment& treatment, const Surface& surface);
+
+// What was added in false colour over the painting in grey: fills green, varnish yellow, retouches blue where
+// they belong, red where they lie on original outside of `belongs`.
+Image<Rgb> additions_picture(const Canvas& canvas, const std::vector<TreatmentLayer>& layers,
+                             const Mask& belongs);
+
+}  // namespace tangi

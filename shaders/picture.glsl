@@ -1,0 +1,14 @@
+// picture.glsl: what is the same for all pixels of a picture: uniforms of the vertex shader, which go to the fragments as
+// flat inputs. Mesa's software renderer (22.3) fetches a uniform anew for every pixel, each number with a check of
+// its bounds: two thirds of its time. 15 vectors are what WebGL 2 has everywhere; further lights stay uniforms.
+
+PASSED vec4 v_column0, v_column1, v_column2;        // of p_to_painting; mm per pixel, ambient, rig's ambient
+PASSED vec4 v_exposure0, v_exposure1, v_exposure2;  // columns; shoulder, radius of the light, bend
+PASSED vec4 v_eye;                                  // and the highest point
+PASSED vec4 v_range;
+PASSED vec4 v_background;                           // and the diffuse roughness
+PASSED vec4 v_look;
+PASSED vec4 v_lamp, v_lamp_gain;                    // the first light; and its azimuth
+PASSED vec2 v_rest;                                 // haze; elevation of the first light
+PASSED ivec4 v_size;                                // and level of detail, the coarsest level
+PASSED ivec2 v_tiles;                               // bits, columns

@@ -1,0 +1,15 @@
+// png_bytes.h: PNG pictures in memory, for files that hold several.
+#pragma once
+
+#include <string>
+
+#include "surface/image.h"
+
+namespace tangi {
+
+// Encoded numbers (0..1), 8 or 16 bits a sample. `alpha`, of the same size, is not multiplied into the
+// colours; empty for none.
+std::string png_bytes(const Image<Rgb>& encoded, const Image<float>& alpha = {}, int bits = 8);
+std::string png_bytes(const Image<float>& grey, int bits = 16);
+
+}  // namespace tangi

@@ -1,0 +1,140 @@
+// match, retouch and quality, run as a user would run them.
+#include "cli_program.h"
+
+namespace tangi {
+namespace {
+
+using testing::HasSubstr;
+
+TEST(CliMatch, FindsARecipeForAMeasuredSpectrum) {
+    const TestDir dir;
+    const std::string spectrum = (dir / "ochre.csv").string();
+    write_bytes(spectrum,
+                "nm,R\n400,0.05\n450,0.07\n500,0.12\n550,0.25\n580,0.36\n600,0.4\n650,0.43\n700,0.45\n");
+    const Finished run = tangipaint(
+        {"match", "--spectrum", spectrum, "--max-paints", "3", "--swatch", (dir / "s.png").string()});
+    ASSERT_TRUE(ended(run, 0, {"recipe"}));
+    const nlohmann::json said = run.json();
+    ASSERT_EQ(said["recipes"].size(), 3u);
+    const nlohmann::json& best = said["recipes"][0];
+    EXPECT_LE(best["parts_by_volume"].size(), 3u);
+    double worst = 0, volume = 0;
+    for (const char* lamp : {"D65", "A", "F11"})
+        worst = std::max(worst, best["delta_e_2000"][lamp].get<double>());
+    EXPECT_NEAR(best["error"].get<double>(), worst, 1e-9);
+    EXPECT_LT(worst, 4);
+    for (const auto& [name, part] : best["parts_by_volume"].items()) volume += part.get<double>();
+    EXPECT_NEAR(volume, 1, 1e-9);
+    EXPECT_EQ(best["metamerism_index"]["D65"].get<double>(), 0);
+    EXPECT_LE(said["fewer_paints"].back()["error"].get<double>(), worst + 1e-9);
+    EXPECT_GT(read_picture(dir / "s.png").width(), 400);
+}
+
+TEST(CliMatch, TakesAColourAndSaysWhatItsSpectrumMayBe) {
+    const Finished run = tangipaint({"match", "--lab", "52,18,30", "--under", "A", "--lamps", "A"});
+    ASSERT_TRUE(ended(run, 0));
+    const nlohmann::json said = run.json();
+    EXPECT_EQ(said["target"]["seen_under"], "A");
+    EXPECT_GT(said["target"]["mixtures"], 2);
+    EXPECT_LT(said["recipes"][0]["delta_e_2000"]["A"], 1.2);
+}
+
+TEST(CliMatch, WarnsOfPairsThatItsListKeepsApart) {
+    const TestDir dir;
+    const std::string pairs = (dir / "pairs.json").string();
+    ASSERT_TRUE(ended(tangipaint({"match", "--save-pairs", pairs}), 0));
+    ASSERT_TRUE(ended(tangipaint({"match", "--srgb", "#a08050", "--pairs", pairs}), 0));
+    // Kept apart here: white and everything that a light grey could be mixed from.
+    write_bytes(pairs, R"({"format": "tangipaint pigment pairs", "version": 1, "pairs": [
+        {"first": ["titanium"], "second": ["bone black"], "why": "for this test", "source": "nobody"}]})");
+    const std::vector<std::string> grey = {"match", "--lab", "60,0,0", "--max-paints", "2", "--pairs", pairs};
+    const Finished warned = tangipaint(grey);
+    ASSERT_TRUE(ended(warned, 0));
+    EXPECT_THAT(warned.json()["recipes"][0]["warnings"].dump(), HasSubstr("for this test"));
+    std::vector<std::string> avoiding = grey;
+    avoiding.push_back("--avoid-pairs");
+    const nlohmann::json said = tangipaint(avoiding).json();
+    EXPECT_THAT(said["recipes"].dump(), testing::Not(HasSubstr("for this test")));
+}
+
+TEST(CliMatch, SaysWhatIsWrong) {
+    const TestDir dir;
+    const std::string bad = (dir / "bad.csv").string();
+    write_bytes(bad, "400,0.1\n450,30\n");
+    EXPECT_TRUE(ended(tangipaint({"match"}), 2, {"--spectrum", "--mask"}));
+    EXPECT_TRUE(ended(tangipaint({"match", "--lab", "1,2"}), 2, {"--lab 1,2", "three numbers"}));
+    EXPECT_TRUE(ended(tangipaint({"match", "--srgb", "red"}), 2, {"#rrggbb"}));
+    EXPECT_TRUE(ended(tangipaint({"match", "--lab", "50,0,0", "--lamps", "D65,sun"}), 2, {"'sun'"}));
+    EXPECT_TRUE(ended(tangipaint({"match", "--spectrum", bad}), 1, {bad, "line 2", "reflects 30"}));
+    EXPECT_TRUE(ended(tangipaint({"match", "--lab", "60,120,-120"}), 1, {"no surface has it"}));
+    EXPECT_EQ(names_in(dir.path()), std::vector<std::string>{"bad.csv"});
+}
+
+// A piece of a painting with a white loss, and its mask.
+struct Loss {
+    TestDir dir;
+    Loss() {
+        Surface s(96, 80);
+        s.mm_per_pixel = 0.25, s.scale_known = true;
+        Image<float> mask(96, 80);
+        for (int y = 0; y < 80; ++y)
+            for (int x = 0; x < 96; ++x) {
+                const bool lost = std::hypot(x - 48.0, y - 40.0) < 18;
+                s.diffuse(x, y) = lost ? Rgb(0.75f, 0.72f, 0.65f) : Rgb(0.32f, 0.2f, 0.1f);
+                s.specular(x, y) = 0.04f, s.roughness(x, y) = 0.15f, s.confidence(x, y) = 1;
+                mask(x, y) = lost ? 1.0f : 0.0f;
+            }
+        write_painting(dir / "p.exr", s);
+        write_map(dir / "m.png", mask, {.bits = 8});
+    }
+    std::string path(const char* name) const { return (dir / name).string(); }
+};
+
+TEST(CliRetouch, LaysARetouchThatQualityJudges) {
+    const Loss loss;
+    const Finished before = tangipaint(
+        {"quality", loss.path("p.exr"), "--mask", loss.path("m.png"), "--out", loss.path("before")});
+    ASSERT_TRUE(ended(before, 0));
+    EXPECT_GT(before.json()["delta_e_2000"]["D65"], 20);
+    const Finished run = tangipaint(
+        {"retouch", loss.path("p.exr"), "--mask", loss.path("m.png"), "--out", loss.path("r.exr")});
+    ASSERT_TRUE(ended(run, 0));
+    const nlohmann::json said = run.json();
+    EXPECT_EQ(said["layer"], "retouch mimetic 1");
+    EXPECT_EQ(said["on_original"]["pixels"], 0);
+    EXPECT_GE(said["piles"].size(), 1u);
+    const Finished after = tangipaint(
+        {"quality", loss.path("r.exr"), "--mask", loss.path("m.png"), "--out", loss.path("after")});
+    ASSERT_TRUE(ended(after, 0));
+    for (const char* lamp : {"D65", "A", "F11"}) EXPECT_LT(after.json()["delta_e_2000"][lamp], 3) << lamp;
+    EXPECT_NEAR(after.json()["regions"][0]["height_step_mm"]["mean"].get<double>(), 0.05, 0.005);
+    EXPECT_EQ(names_in(loss.dir / "after"),
+              (std::vector<std::string>{"delta_e_2000.exr", "delta_e_2000.png", "gloss.exr", "height_mm.exr",
+                                        "raking_bottom.png", "raking_left.png", "raking_right.png",
+                                        "raking_top.png"}));
+    // Lines say from where they fuse, and proposals what they are.
+    const Finished lines =
+        tangipaint({"retouch", loss.path("p.exr"), "--mask", loss.path("m.png"), "--mode", "tratteggio",
+                    "--out", loss.path("t.exr"), "--preview", loss.path("t.png"), "--inpainting", "telea"});
+    ASSERT_TRUE(ended(lines, 0));
+    EXPECT_EQ(lines.json()["layer"], "proposal telea tratteggio 1");
+    EXPECT_GT(lines.json()["lines"]["distance_m"], 0.5);
+    EXPECT_LT(lines.json()["lines"]["delta_e_2000_there"], lines.json()["lines"]["delta_e_2000_at_0.3_m"]);
+    EXPECT_GT(read_picture(loss.dir / "t.png").width(), 36);
+}
+
+TEST(CliRetouch, SaysWhatIsWrong) {
+    const Loss loss;
+    const std::string p = loss.path("p.exr"), m = loss.path("m.png"), out = loss.path("r.exr");
+    EXPECT_TRUE(ended(tangipaint({"retouch", "--mask", m}), 2, {"retouch PAINTING.exr --out"}));
+    EXPECT_TRUE(ended(tangipaint({"retouch", p, "--mask", m, "--out", p}), 1, {"--out"}));
+    EXPECT_TRUE(
+        ended(tangipaint({"retouch", p, "--mask", m, "--out", out, "--mode", "dotting", "--width-mm", "0.1"}),
+              1, {"finer than the painting's pixels", "--width-mm 0.25"}));
+    EXPECT_TRUE(
+        ended(tangipaint({"retouch", p, "--mask", m, "--out", out, "--mode", "magic"}), 2, {"magic"}));
+    EXPECT_EQ(names_in(loss.dir.path()), (std::vector<std::string>{"m.png", "p.exr"}));
+}
+
+}  // namespace
+}  // namespace tangi

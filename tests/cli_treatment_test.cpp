@@ -1,0 +1,122 @@
+// cli_treatment_test.cpp: a treatment step by step by commands, and what they refuse.
+#include "cli_program.h"
+
+namespace tangi {
+namespace {
+
+constexpr const char* kSquare = "-2,-2;2,-2;2,2;-2,2";  // [mm], of a painting of 8 x 8 mm
+
+class CliTreatment : public testing::Test {
+protected:
+    std::string treatment() const { return stack_.out("p.treatment"); }
+    Finished damage(std::vector<std::string> more) const {
+        std::vector<std::string> all = {"damage", stack_.truth(), "--treatment", treatment()};
+        all.insert(all.end(), more.begin(), more.end());
+        return tangipaint(all);
+    }
+    void draw() const { ASSERT_TRUE(ended(damage({"--class", "loss_to_ground", "--polygon", kSquare}), 0)); }
+
+    TinyStack stack_;
+};
+
+TEST_F(CliTreatment, GoesFromDamageToReportAndBack) {
+    const Finished drawn = damage({"--class", "loss_to_ground", "--polygon", kSquare, "--by", "A. B."});
+    ASSERT_TRUE(ended(drawn, 0));
+    EXPECT_EQ(drawn.json()["damage"][0]["class"], "loss_to_ground");
+    EXPECT_EQ(drawn.json()["damage"][0]["count"], 1);
+    ASSERT_TRUE(ended(
+        damage({"--class", "loss_to_ground", "--edit", "remove", "--polygon", "-2,-2;0,-2;0,2;-2,2"}), 0));
+    const nlohmann::json half = tangipaint({"treatment", "status", treatment()}).json();
+    EXPECT_NEAR(half["damage"][0]["area_cm2"].get<double>(),
+                drawn.json()["damage"][0]["area_cm2"].get<double>() / 2, 1e-6);
+
+    ASSERT_TRUE(ended(tangipaint({"fill", treatment(), "--class", "loss_to_ground", "--offset-mm=0.2"}), 0));
+    ASSERT_TRUE(ended(tangipaint({"varnish", treatment(), "--isolating"}), 0));
+    write_text_file(stack_.out("s.jsonl"),
+                    "{\"format\": \"tangipaint strokes\", \"version\": 1}\n"
+                    "{\"event\": \"stroke\", \"brush\": {\"preset\": \"flat\", \"size_mm\": 2}, \"paint\": "
+                    "{\"Titanium White\": 1}}\n"
+                    "{\"event\": \"point\", \"t\": 0, \"x\": -3.5, \"y\": 0}\n"
+                    "{\"event\": \"point\", \"t\": 1, \"x\": 3.5, \"y\": 0}\n{\"event\": \"end\"}\n");
+    const Finished retouched = tangipaint({"treatment", "retouch", treatment(), "--strokes",
+                                           stack_.out("s.jsonl"), "--class", "loss_to_ground"});
+    ASSERT_TRUE(ended(retouched, 0));
+    EXPECT_EQ(retouched.json()["retouches"][0]["on_original"]["pixels"], 0);
+    EXPECT_GT(retouched.json()["retouches"][0]["area_cm2"].get<double>(), 0);
+    ASSERT_TRUE(ended(tangipaint({"varnish", treatment()}), 0));
+    EXPECT_TRUE(ended(tangipaint({"treatment", "show", treatment(), "--out", stack_.out("after.png")}), 0));
+    EXPECT_TRUE(ended(tangipaint({"treatment", "additions", treatment(), "--out", stack_.out("a.png")}), 0));
+    EXPECT_TRUE(ended(tangipaint({"treatment", "report", treatment(), "--out", stack_.out("r.html")}), 0));
+    const nlohmann::json checked = tangipaint({"treatment", "check", treatment()}).json();
+    EXPECT_EQ(checked["layers"].size(), 4u);
+    EXPECT_EQ(checked["log_lines"], 7);
+
+    EXPECT_TRUE(ended(tangipaint({"treatment", "remove", treatment(), "--layer", "fill 9"}), 1,
+                      {"no dried layer 'fill 9'", "fill 1"}));
+    const Finished removed = tangipaint({"treatment", "remove", treatment(), "--all"});
+    ASSERT_TRUE(ended(removed, 0));
+    EXPECT_EQ(removed.json()["identical_to_original"], true);
+}
+
+TEST_F(CliTreatment, PaintThatTheWindowLeftBecomesARetouch) {
+    draw();
+    EXPECT_TRUE(ended(tangipaint({"treatment", "retouch", treatment()}), 1, {"nothing was painted"}));
+    // As the window saves it: on the treatment's painting, without a mask, one sitting dried, one wet.
+    write_text_file(stack_.out("s.jsonl"),
+                    "{\"format\": \"tangipaint strokes\", \"version\": 1}\n"
+                    "{\"event\": \"stroke\", \"brush\": {\"preset\": \"flat\", \"size_mm\": 1}, \"paint\": "
+                    "{\"Titanium White\": 1}}\n"
+                    "{\"event\": \"point\", \"t\": 0, \"x\": -3.5, \"y\": 0}\n"
+                    "{\"event\": \"point\", \"t\": 1, \"x\": 3.5, \"y\": 0}\n{\"event\": \"end\"}\n"
+                    "{\"event\": \"dry\", \"layer\": \"Monday\"}\n"
+                    "{\"event\": \"stroke\", \"brush\": {\"preset\": \"flat\", \"size_mm\": 1}, \"paint\": "
+                    "{\"Titanium White\": 1}}\n"
+                    "{\"event\": \"point\", \"t\": 0, \"x\": -1.5, \"y\": 1}\n"
+                    "{\"event\": \"point\", \"t\": 1, \"x\": 1.5, \"y\": 1}\n{\"event\": \"end\"}\n");
+    const std::string painting = treatment() + "/painting.exr", painted = stack_.out("painted.exr");
+    ASSERT_TRUE(ended(tangipaint({"replay", painting, stack_.out("s.jsonl"), "--out", painted}), 0));
+    std::filesystem::rename(painted, painting);
+    EXPECT_TRUE(
+        ended(tangipaint({"varnish", treatment()}), 1, {"'Monday' that the log does not know", "retouch"}));
+    const Finished run = tangipaint({"treatment", "retouch", treatment(), "--class", "loss_to_ground"});
+    ASSERT_TRUE(ended(run, 0));
+    ASSERT_EQ(run.json()["retouches"].size(), 2u);
+    EXPECT_GT(run.json()["retouches"][0]["on_original"]["pixels"].get<int>(), 20);
+    EXPECT_EQ(run.json()["retouches"][1]["layer"], "retouch 1");
+    EXPECT_TRUE(ended(tangipaint({"treatment", "check", treatment()}), 0));
+}
+
+TEST_F(CliTreatment, AnEditedLogStopsEveryCommand) {
+    draw();
+    const std::filesystem::path log = treatment() + "/log.jsonl";
+    std::string text = read_text_file(log);
+    text.replace(text.find("draw damage"), 4, "DREW");
+    write_bytes(log, text);
+    for (const std::vector<std::string>& command :
+         {std::vector<std::string>{"treatment", "check", treatment()},
+          {"fill", treatment(), "--class", "loss_to_ground"},
+          {"varnish", treatment()},
+          {"treatment", "report", treatment(), "--out", stack_.out("r.html")}})
+        EXPECT_TRUE(ended(tangipaint(command), 1, {"log.jsonl:2: was edited"}));
+    EXPECT_FALSE(std::filesystem::exists(stack_.out("r.html")));
+}
+
+TEST_F(CliTreatment, WhatMakesNoSenseIsRefused) {
+    draw();
+    EXPECT_TRUE(ended(tangipaint({"fill", treatment()}), 2, {"say what is filled"}));
+    EXPECT_TRUE(ended(tangipaint({"fill", treatment(), "--class", "hole"}), 2, {"--class hole", "stain"}));
+    EXPECT_TRUE(ended(tangipaint({"fill", treatment(), "--class", "stain"}), 1, {"no such damage"}));
+    EXPECT_TRUE(ended(tangipaint({"fill", stack_.out("none"), "--class", "stain"}), 1, {"is no treatment"}));
+    EXPECT_TRUE(ended(tangipaint({"treatment", "report", treatment(), "--out", stack_.out("r.pdf")}), 2,
+                      {"--out", ".html"}));
+    EXPECT_TRUE(ended(tangipaint({"treatment", "dance", treatment()}), 2, {"dance"}));
+    EXPECT_TRUE(ended(damage({"--polygon", kSquare}), 2, {"--class"}));
+    EXPECT_TRUE(ended(damage({"--class", "stain", "--polygon", "1,2;3"}), 2, {"--polygon"}));
+    EXPECT_TRUE(ended(damage({"--class", "stain", "--polygon", "90,90;91,90;91,91"}), 1,
+                      {"nothing of the polygon lies in the picture"}));
+    EXPECT_TRUE(ended(damage({"--suggest", "rot"}), 2, {"--suggest"}));
+    EXPECT_TRUE(ended(damage({"--class", "stain", "--mask", stack_.photo(0) + ".none"}), 1, {".none"}));
+}
+
+}  // namespace
+}  // namespace tangi

@@ -1,0 +1,275 @@
+// paint_mixing_board_test.cpp: a palette that paints are mixed on, and brushes that carry them to the
+// painting.
+#include "paint/mixing_board.h"
+
+#include <gmock/gmock.h>
+
+#include "surface/parallel.h"
+#include "tests/paint_support.h"
+#include "tests/test_support.h"
+
+namespace tangi {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+Event point(double t, double x, double y, double p = 0.6) { return PointEvent{{t, x, y, p, 0, 0, 0}}; }
+
+PileEvent pile_of(PaintParts paint, PointMm at) {
+    PileEvent pile;
+    pile.paint = std::move(paint);
+    pile.at = at;
+    pile.size_mm = 12;
+    pile.height_mm = 1;
+    return pile;
+}
+
+StrokeEvent stroke_on(Place place, BrushStart start) {
+    StrokeEvent event;
+    event.brush = brush_presets().at("round");
+    event.brush.size_mm = 5;
+    event.on = place;
+    event.start = start;
+    event.seed = 3;
+    return event;
+}
+
+void line(std::vector<Event>& events, const StrokeEvent& stroke, PointMm from, PointMm to) {
+    events.push_back(stroke);
+    for (int i = 0; i <= 8; ++i)
+        events.push_back(point(i * 0.02, from.x + (to.x - from.x) * i / 8, from.y + (to.y - from.y) * i / 8));
+    events.push_back(EndEvent{});
+}
+
+// Two piles, mixed with a clean brush, and what is on it painted.
+std::vector<Event> mixing() {
+    PaletteEvent palette;
+    palette.width_mm = 60;
+    palette.height_mm = 40;
+    std::vector<Event> events = {palette, pile_of({{"Diarylide Yellow", 1}}, {-14, 0}),
+                                 pile_of({{"Ultramarine Blue", 1}}, {14, 0})};
+    line(events, stroke_on(Place::palette, BrushStart::clean), {-14, 0}, {14, 0});
+    line(events, stroke_on(Place::palette, BrushStart::same), {14, -2}, {-6, -2});
+    line(events, stroke_on(Place::painting, BrushStart::same), {-8, 3}, {8, 3});
+    return events;
+}
+
+std::shared_ptr<Surface> ground() { return flat_surface(128, 96); }
+
+// [mm^3] Of each paint by name, on painting, palette and brush.
+std::map<std::string, double> volumes(const Session& session) {
+    std::map<std::string, double> sums;
+    const auto add = [&](const Canvas& canvas, const std::vector<double>& mm3) {
+        for (std::size_t i = 0; i < mm3.size(); ++i) sums[canvas.ingredients()[i].name] += mm3[i];
+    };
+    add(session.canvas(), session.canvas().volumes_mm3());
+    if (session.board()) add(*session.board(), session.board()->volumes_mm3());
+    if (session.brush()) {
+        const Canvas& of = session.brush_place() == Place::palette ? *session.board() : session.canvas();
+        add(of, session.brush()->volumes_mm3(of.ingredients().size()));
+    }
+    return sums;
+}
+
+TEST(MixingBoard, MixingKeepsEachPaintsVolumeOnPaletteBrushAndPainting) {
+    Session session(ground(), artist_acrylics());
+    const std::vector<Event> events = mixing();
+    for (int i = 0; i < 3; ++i) session.apply(events[static_cast<std::size_t>(i)]);
+    const auto before = volumes(session);
+    for (std::size_t i = 3; i < events.size(); ++i) session.apply(events[i]);
+    const auto after = volumes(session);
+    ASSERT_EQ(before.size(), 2u);
+    for (const auto& [name, mm3] : before) EXPECT_NEAR(after.at(name) / mm3, 1, 1e-5) << name;
+    // Both paints came to the painting, and no palette paint that was not carried there.
+    const auto painted = session.canvas().volumes_mm3();
+    ASSERT_EQ(painted.size(), 2u);
+    for (const double mm3 : painted) EXPECT_GT(mm3, 0.01);
+}
+
+TEST(MixingBoard, TheBrushCarriesWhatIsOnEachBristle) {
+    Session session(ground(), artist_acrylics());
+    session.apply(pile_of({{"Bone Black", 1}}, {0, 0}));
+    // The piles' edge: some bristles dip into it, others do not.
+    session.apply(stroke_on(Place::palette, BrushStart::clean));
+    session.apply(point(0, 0, 6.5));
+    session.finish();
+    const std::size_t on_board = session.board()->ingredients().size();
+    const double carried = session.brush()->volumes_mm3(on_board)[0];
+    EXPECT_GT(carried, 0);
+    const Brush& brush = *session.brush();
+    std::vector<float> before(
+        const_cast<Brush&>(brush).load_total(),
+        const_cast<Brush&>(brush).load_total() +
+            static_cast<std::size_t>(brush.grid_size()) * static_cast<std::size_t>(brush.grid_size()));
+    session.apply(stroke_on(Place::painting, BrushStart::same));  // no point yet: nothing is given
+    ASSERT_EQ(&brush, session.brush());
+    EXPECT_EQ(
+        0, std::memcmp(before.data(), const_cast<Brush&>(brush).load_total(), before.size() * sizeof(float)));
+    const auto sides = [&] {
+        double above = 0, below = 0;
+        const int n = brush.grid_size();
+        for (int y = 0; y < n; ++y)
+            for (int x = 0; x < n; ++x)
+                (y < n / 2 ? above : below) += before[static_cast<std::size_t>(y * n + x)];
+        return std::pair(above, below);
+    }();
+    EXPECT_GT(sides.second, 2 * sides.first);  // the side that was in the pile
+}
+
+TEST(MixingBoard, APilesRatioStaysWhateverIsTakenFromIt) {
+    Session session(ground(), artist_acrylics());
+    session.apply(pile_of({{"Titanium White", 3}, {"Bone Black", 1}}, {0, 0}));
+    double left = 0;
+    for (int i = 0; i < 40; ++i) {
+        std::vector<Event> events;
+        line(events, stroke_on(Place::palette, BrushStart::clean), {-8, 0}, {8, 0});  // washed each time
+        for (const Event& event : events) session.apply(event);
+        const auto mm3 = session.board()->volumes_mm3();
+        ASSERT_EQ(mm3.size(), 2u);
+        ASSERT_NEAR(mm3[1] / mm3[0], 3, 1e-4) << i;  // black comes first by name
+        left = mm3[0] + mm3[1];
+    }
+    const double at_first = std::numbers::pi / 8 * 12 * 12 * 1;  // half the cylinder
+    EXPECT_LT(left, 0.9 * at_first);
+    EXPECT_GT(left, 0);
+    const auto& wet = session.board()->wet();
+    for (const TileIndex at : wet.painted())
+        for (const float mm : wet.tile(at)->thickness_mm) ASSERT_GE(mm, -1e-7f);
+}
+
+TEST(MixingBoard, ReplaysToTheSameBits) {
+    const TestDir dir;
+    Session live(ground(), artist_acrylics());
+    {
+        JournalWriter writer(dir / "a.jsonl");
+        for (const Event& event : mixing()) {
+            live.apply(event);
+            writer.append(event);
+        }
+    }
+    for (const int threads : {1, 3}) {
+        set_thread_count(threads);
+        Session again(ground(), artist_acrylics());
+        replay(again, read_journal(dir / "a.jsonl"));
+        EXPECT_TRUE(identical(live.canvas().wet(), again.canvas().wet())) << threads;
+        EXPECT_TRUE(identical(live.board()->wet(), again.board()->wet())) << threads;
+    }
+    set_thread_count(0);
+}
+
+TEST(MixingBoard, UndoTakesWhatWasDoneLastOnEitherCanvas) {
+    Session session(ground(), artist_acrylics());
+    const std::vector<Event> events = mixing();
+    for (const Event& event : events) session.apply(event);
+    const PaintLayer mixed = session.board()->wet(), painted = session.canvas().wet();
+    session.apply(UndoEvent{});
+    EXPECT_TRUE(session.canvas().wet().empty());
+    EXPECT_TRUE(identical(session.board()->wet(), mixed));
+    session.apply(UndoEvent{});
+    EXPECT_FALSE(identical(session.board()->wet(), mixed));
+    for (int i = 0; i < 3; ++i) session.apply(UndoEvent{});
+    EXPECT_TRUE(session.board()->wet().empty());
+    for (int i = 0; i < 5; ++i) session.apply(RedoEvent{});
+    EXPECT_TRUE(identical(session.board()->wet(), mixed));
+    EXPECT_TRUE(identical(session.canvas().wet(), painted));
+}
+
+TEST(MixingBoard, PaintsAreLaidOutAlongTheRimOfAnyPalette) {
+    for (const BoardSize size : {BoardSize{}, BoardSize{60, 120}, BoardSize{400, 100}}) {
+        std::vector<std::string> names;
+        for (const Pigment& paint : artist_acrylics().paints) names.push_back(paint.name);
+        const auto piles = laid_out(names, size);
+        ASSERT_EQ(piles.size(), names.size());
+        for (std::size_t i = 0; i < piles.size(); ++i) {
+            const PileEvent& pile = piles[i];
+            EXPECT_EQ(pile.paint[0].first, names[i]);
+            EXPECT_LE(std::abs(pile.at.x) + pile.size_mm / 2, size.width_mm / 2);
+            EXPECT_LE(std::abs(pile.at.y) + pile.size_mm / 2, size.height_mm / 2);
+            if (i == 0) continue;
+            const double apart = std::hypot(pile.at.x - piles[i - 1].at.x, pile.at.y - piles[i - 1].at.y);
+            EXPECT_GT(apart, 0.7 * pile.size_mm) << i;  // around a corner, they are nearer
+        }
+    }
+    Session session(ground(), artist_acrylics());
+    PaletteEvent all;
+    all.all_paints = true;
+    session.apply(all);
+    EXPECT_EQ(session.board()->ingredients().size(), artist_acrylics().paints.size());
+    const auto full = session.board()->volumes_mm3();
+    for (const double mm3 : full) EXPECT_NEAR(mm3 / full[0], 1, 0.01);
+    session.apply(PaletteEvent{});  // wiped
+    EXPECT_TRUE(session.board()->wet().empty());
+}
+
+TEST(MixingBoard, HasPixelsOfThePaintingsSize) {
+    EXPECT_DOUBLE_EQ(default_board_size(0.25).width_mm, 200);
+    EXPECT_DOUBLE_EQ(default_board_size(0.02).width_mm, 32);
+    EXPECT_DOUBLE_EQ(default_board_size(1).width_mm, 400);
+    const Canvas board = make_board({50, 30}, 0.25);
+    EXPECT_EQ(board.width(), 200);
+    EXPECT_EQ(board.height(), 120);
+    EXPECT_EQ(board.mm_per_pixel(), 0.25);
+}
+
+TEST(MixingBoard, ABrushHoldsSoMuchAndNoMore) {
+    Session session(ground(), artist_acrylics());
+    PileEvent deep = pile_of({{"Bone Black", 1}}, {0, 0});
+    deep.size_mm = 40;
+    deep.height_mm = 20;
+    session.apply(deep);
+    std::vector<Event> events;
+    StrokeEvent stroke = stroke_on(Place::palette, BrushStart::clean);
+    stroke.brush.hold_mm = 3;
+    line(events, stroke, {-10, 0}, {10, 0});
+    for (const Event& event : events) session.apply(event);
+    Brush& brush = *const_cast<Brush*>(session.brush());
+    const float* load = brush.load_total();
+    const float most =
+        *std::max_element(load, load + static_cast<std::ptrdiff_t>(brush.grid_size()) * brush.grid_size());
+    EXPECT_GT(most, 1.5f);
+    EXPECT_LE(most, 3.3f);  // one step takes part of what is there
+}
+
+TEST(MixingBoard, MistakesAreToldAndChangeNothing) {
+    Session session(ground(), artist_acrylics());
+    const auto error = [&](const Event& event) { return error_of([&] { session.apply(event); }); };
+    session.apply(pile_of({{"Bone Black", 1}}, {0, 0}));
+    const PaintLayer before = session.board()->wet();
+    EXPECT_THAT(error(pile_of({{"Bone Black", 1}}, {900, 0})), AllOf(HasSubstr("900"), HasSubstr("off the")));
+    EXPECT_THAT(error(pile_of({{"Vantablack", 1}}, {0, 0})), HasSubstr("Vantablack"));
+    PaletteEvent other;
+    other.width_mm = 50;
+    other.height_mm = 50;
+    EXPECT_THAT(error(other), AllOf(HasSubstr("200 x 150"), HasSubstr("already")));
+    PaletteEvent missing;
+    missing.paints = {"Bone Black", "Vantablack"};
+    EXPECT_THAT(error(missing), HasSubstr("Vantablack"));
+    EXPECT_TRUE(identical(session.board()->wet(), before));
+    session.apply(UndoEvent{});  // the one pile is what there is to undo
+    EXPECT_TRUE(session.board()->wet().empty());
+    EXPECT_THAT(error(UndoEvent{}), HasSubstr("nothing to undo"));
+    EXPECT_THAT(error_of([] { make_board({1e5, 10}, 0.25); }), HasSubstr("8192"));
+}
+
+TEST(MixingBoard, FinishIsThePaintsGlossOnThePainting) {
+    Session session(ground(), artist_acrylics());
+    StrokeEvent stroke = stroke_on(Place::painting, BrushStart::clean);
+    stroke.paint = {{"Bone Black", 1}};
+    std::vector<Event> events;
+    line(events, stroke, {-8, 3}, {8, 3});
+    stroke.finish = {.specular = 0.08, .roughness = 0.4, .medium = 0.5};
+    line(events, stroke, {-8, -3}, {8, -3});
+    for (const Event& event : events) session.apply(event);
+    const auto& paints = session.canvas().ingredients();
+    ASSERT_EQ(paints.size(), 2u);
+    EXPECT_EQ(paints[1].name, "Bone Black");
+    EXPECT_FLOAT_EQ(paints[1].specular, 0.08f);
+    EXPECT_FLOAT_EQ(paints[1].roughness, 0.4f);
+    EXPECT_FLOAT_EQ(paints[1].k[3], 0.5f * paints[0].k[3]);
+    stroke.finish.roughness = 2;
+    EXPECT_THAT(error_of([&] { session.apply(stroke); }), AllOf(HasSubstr("roughness"), HasSubstr("2")));
+}
+
+}  // namespace
+}  // namespace tangi

@@ -1,0 +1,141 @@
+// retouch_damage_test.cpp: what is suggested on paintings whose damage is known.
+#include <gmock/gmock.h>
+
+#include "datasets/procedural_painting.h"
+#include "paint/retouch/damage_suggestion.h"
+#include "surface/error.h"
+#include "surface/parallel.h"
+#include "tests/test_support.h"
+
+namespace tangi {
+namespace {
+
+Mask mask_of(const Image<unsigned char>& truth) {
+    Mask mask(truth.width(), truth.height());
+    for (std::size_t i = 0; i < truth.size(); ++i) mask.pixels()[i] = truth.pixels()[i] ? 1.0f : 0.0f;
+    return mask;
+}
+
+double sum(const Mask& mask) { return area_of(mask, 1).mm2; }
+
+double intersection_over_union(const Mask& a, const Mask& b) {
+    return sum(intersected(a, b)) / sum(united(a, b));
+}
+
+// Harmonic mean of how much of each lies within `tolerance_px` of the other.
+double f1(const Mask& found, const Mask& truth, double tolerance_px) {
+    const double precision = sum(intersected(found, dilated(truth, tolerance_px))) / sum(found);
+    const double recall = sum(intersected(truth, dilated(found, tolerance_px))) / sum(truth);
+    return 2 * precision * recall / (precision + recall);
+}
+
+const PaintingTruth& painting() {
+    static const PaintingTruth truth = [] {
+        PaintingOptions options;
+        options.seed = 5;
+        options.width = options.height = 320;
+        options.mm_per_pixel = 0.3;
+        return procedural_painting(options);
+    }();
+    return truth;
+}
+
+TEST(DamageSuggestion, FindsTheLosses) {
+    const Surface surface = surface_of(painting());
+    const DamageSuggestion loss = suggest_loss(surface, painting().mm_per_pixel);
+    EXPECT_GT(intersection_over_union(loss.mask, mask_of(painting().loss)), 0.8);
+    // Sure where it suggests, and everywhere within 0..1.
+    for (std::size_t i = 0; i < loss.mask.size(); ++i) {
+        const float confidence = loss.confidence.pixels()[i];
+        ASSERT_TRUE(confidence >= 0 && confidence <= 1);
+        ASSERT_TRUE(loss.mask.pixels()[i] == 0 || confidence >= 0.5f);
+    }
+}
+
+TEST(DamageSuggestion, FindsNoLossInAPaintingWithoutAny) {
+    PaintingOptions options;
+    options.seed = 5;
+    options.width = options.height = 320;
+    options.mm_per_pixel = 0.3;
+    options.losses = false;
+    options.craquelure = 0;
+    const Surface surface = surface_of(procedural_painting(options));
+    EXPECT_LT(area_of(suggest_loss(surface, 0.3).mask, 0.3).percent, 0.5);
+    EXPECT_LT(suggest_craquelure(surface, 0.3).measure.length_mm, 150);
+}
+
+TEST(DamageSuggestion, FindsTheCraquelure) {
+    const CraquelureSuggestion cracks = suggest_craquelure(surface_of(painting()), painting().mm_per_pixel);
+    EXPECT_GT(f1(cracks.mask, mask_of(painting().craquelure), 2), 0.6);
+    const CraquelureMeasure truth = measure_lines(mask_of(painting().craquelure), painting().mm_per_pixel);
+    EXPECT_NEAR(cracks.measure.length_mm, truth.length_mm, 0.3 * truth.length_mm);
+    EXPECT_NEAR(cracks.measure.width_mm, truth.width_mm, 0.5 * truth.width_mm);
+}
+
+TEST(DamageSuggestion, TellsVarnishAndRetouchApartByGloss) {
+    const GlossSuggestion gloss = suggest_gloss(surface_of(painting()), painting().mm_per_pixel);
+    const Mask varnish = mask_of(painting().varnish), retouch = mask_of(painting().retouch);
+    EXPECT_GT(intersection_over_union(gloss.glossier.mask, varnish), 0.8);
+    EXPECT_GT(sum(intersected(gloss.matter.mask, retouch)), 0.8 * sum(retouch));
+    EXPECT_LT(sum(intersected(gloss.matter.mask, varnish)), 0.05 * sum(varnish));
+    EXPECT_LT(sum(intersected(gloss.glossier.mask, retouch)), 0.05 * sum(retouch));
+}
+
+TEST(DamageSuggestion, DoesNotDependOnThreadsOrOnTheUnitOfHeight) {
+    Surface surface = surface_of(painting());
+    const double mm = painting().mm_per_pixel;
+    const Mask cracks = suggest_craquelure(surface, mm).mask, loss = suggest_loss(surface, mm).mask;
+    set_thread_count(1);
+    EXPECT_EQ(intersection_over_union(suggest_craquelure(surface, mm).mask, cracks), 1);
+    EXPECT_EQ(intersection_over_union(suggest_loss(surface, mm).mask, loss), 1);
+    set_thread_count(0);
+    // The same painting in pixels, whose size is told.
+    for (float& height : surface.height_mm.pixels()) height /= static_cast<float>(mm);
+    surface.mm_per_pixel = 1;
+    EXPECT_GT(intersection_over_union(suggest_loss(surface, mm).mask, loss), 0.99);
+}
+
+TEST(DamageSuggestion, SmallAndFlatPicturesHaveNone) {
+    for (const int size : {4, 40}) {
+        Surface flat(size, size);
+        for (float& confidence : flat.confidence.pixels()) confidence = 1;
+        for (Rgb& colour : flat.diffuse.pixels()) colour = Rgb(0.5f);
+        EXPECT_EQ(sum(suggest_loss(flat, 1).mask), 0);
+        EXPECT_EQ(sum(suggest_craquelure(flat, 1).mask), 0);
+        EXPECT_TRUE(suggest_gloss(flat, 1).patches.empty());
+    }
+    LossOptions wrong;
+    wrong.depth_mm = -1;
+    EXPECT_THROW(suggest_loss(Surface(40, 40), 1, wrong), Error);
+}
+
+TEST(MeasureLines, OfACrossAreKnown) {
+    // Two lines of 100 px, 3 px wide, at right angles; pixels of 0.1 mm.
+    Mask cross(128, 128);
+    for (int i = 14; i < 114; ++i)
+        for (int w = 63; w < 66; ++w) cross(i, w) = cross(w, i) = 1;
+    const CraquelureMeasure measure = measure_lines(cross, 0.1);
+    EXPECT_NEAR(measure.length_mm, 20, 0.8);
+    EXPECT_NEAR(measure.width_mm, 0.3, 0.02);
+    EXPECT_EQ(measure.pieces, 1);
+    EXPECT_NEAR(measure.density_per_cm, measure.length_mm / 10 / 1.6384, 1e-9);
+    // A diagonal is as long as it is.
+    Mask diagonal(100, 100);
+    for (int i = 10; i < 90; ++i) diagonal(i, i) = 1;
+    EXPECT_NEAR(measure_lines(diagonal, 1).length_mm, 79 * std::sqrt(2.0), 1e-6);
+    EXPECT_EQ(measure_lines(Mask(20, 20), 1).length_mm, 0);
+}
+
+TEST(Wand, TakesWhatIsConnectedAndOfOneColour) {
+    Surface surface(40, 40);
+    for (int y = 0; y < 40; ++y)
+        for (int x = 0; x < 40; ++x)
+            surface.diffuse(x, y) = x < 10 || x > 29 ? Rgb(0.5f, 0.1f, 0.1f) : Rgb(0.1f, 0.1f, 0.5f);
+    EXPECT_EQ(sum(wand(surface, 3, 3, 5)), 400);
+    EXPECT_EQ(sum(wand(surface, 20, 3, 5)), 800);
+    EXPECT_EQ(sum(wand(surface, 3, 3, 200)), 1600);
+    EXPECT_THROW(wand(surface, 40, 3, 5), Error);
+}
+
+}  // namespace
+}  // namespace tangi

@@ -1,0 +1,149 @@
+// retouch_mask_test.cpp: areas, outlines and distances of masks.
+#include "paint/retouch/mask.h"
+
+#include <gmock/gmock.h>
+
+#include <numbers>
+
+#include "surface/error.h"
+#include "surface/picture_file.h"
+#include "tests/test_support.h"
+
+namespace tangi {
+namespace {
+
+using testing::HasSubstr;
+using testing::ThrowsMessage;
+
+double coverage(const Mask& mask) {
+    double sum = 0;
+    for (const float part : mask.pixels()) sum += static_cast<double>(part);
+    return sum;
+}
+
+Polygon circle(double x, double y, double radius, int corners = 200) {
+    Polygon polygon;
+    for (int i = 0; i < corners; ++i) {
+        const double angle = 2 * std::numbers::pi * i / corners;
+        polygon.push_back({x + radius * std::cos(angle), y + radius * std::sin(angle)});
+    }
+    return polygon;
+}
+
+TEST(Mask, OfAPolygonHasThePolygonsArea) {
+    // Not on the lines that pixels are measured on.
+    const Mask triangle = mask_of_polygons({{{3.3, 2.1}, {27.6, 8.9}, {9.2, 29.7}}}, 32, 32);
+    const double area = std::abs((27.6 - 3.3) * (29.7 - 2.1) - (9.2 - 3.3) * (8.9 - 2.1)) / 2;
+    EXPECT_NEAR(coverage(triangle), area, 0.05);
+    const Mask rectangle = mask_of_polygons({{{1.25, 2}, {4.5, 2}, {4.5, 5}, {1.25, 5}}}, 8, 8);
+    EXPECT_FLOAT_EQ(rectangle(1, 3), 0.75f);
+    EXPECT_FLOAT_EQ(rectangle(4, 3), 0.5f);
+    EXPECT_FLOAT_EQ(rectangle(2, 3), 1);
+    EXPECT_FLOAT_EQ(rectangle(2, 1), 0);
+    // A polygon within another is a hole; what lies beyond the picture is cut off.
+    EXPECT_NEAR(coverage(mask_of_polygons({circle(16, 16, 10), circle(16, 16, 5)}, 32, 32)),
+                std::numbers::pi * 75, 0.5);
+    EXPECT_NEAR(coverage(mask_of_polygons({circle(0, 0, 10)}, 32, 32)), std::numbers::pi * 25, 0.3);
+}
+
+TEST(Mask, AreaIsInMillimetresAndRegionsAreCounted) {
+    const Mask mask = mask_of_polygons({circle(20, 20, 8), circle(60, 30, 6)}, 100, 50);
+    const MaskArea area = area_of(mask, 0.5);
+    EXPECT_NEAR(area.mm2, std::numbers::pi * 100 * 0.25, 0.2);
+    EXPECT_NEAR(area.percent, std::numbers::pi * 100 / 50, 0.02);
+    EXPECT_EQ(area.regions, 2);
+    const MaskRegions regions = regions_of(mask);
+    ASSERT_EQ(regions.regions.size(), 2u);
+    EXPECT_EQ(regions.regions[0].box, (Region{12, 12, 28, 28}));
+    EXPECT_EQ(regions.number(60, 30), 2);
+    EXPECT_EQ(area_of(Mask(4, 4), 1).regions, 0);
+}
+
+TEST(Mask, ItsOutlineGivesItBack) {
+    const Mask mask = mask_of_polygons({circle(30, 25, 17), circle(33, 22, 6), circle(70, 12, 4)}, 80, 50);
+    const std::vector<Polygon> outlines = outlines_of(mask, 0);
+    EXPECT_EQ(outlines.size(), 3u);
+    const Mask again = mask_of_polygons(outlines, 80, 50);
+    EXPECT_NEAR(coverage(again), coverage(mask), 0.005 * coverage(mask));
+    for (int y = 0; y < 50; ++y)
+        for (int x = 0; x < 80; ++x) ASSERT_NEAR(again(x, y), mask(x, y), 0.15) << x << " " << y;
+    // Simplified, it has few corners and nearly the same area.
+    const std::vector<Polygon> simple = outlines_of(mask, 0.5);
+    EXPECT_LT(simple[0].size(), 40u);
+    EXPECT_NEAR(coverage(mask_of_polygons(simple, 80, 50)), coverage(mask), 0.03 * coverage(mask));
+}
+
+TEST(Mask, OutlinesCloseAtTheBorderAndWhereCornersTouch) {
+    Mask mask(6, 6);
+    mask(0, 0) = mask(1, 1) = mask(5, 5) = mask(4, 4) = mask(4, 5) = 1;
+    const std::vector<Polygon> outlines = outlines_of(mask, 0, 0);
+    EXPECT_EQ(outlines.size(), 2u);
+    EXPECT_EQ(regions_of(mask).regions.size(), 2u);
+    for (const Polygon& polygon : outlines) EXPECT_GE(polygon.size(), 4u);
+    EXPECT_TRUE(outlines_of(Mask(5, 5)).empty());
+    EXPECT_EQ(outlines_of(Mask(5, 5, 1.0f)).size(), 1u);
+}
+
+TEST(Mask, DistancesAreSignedFromTheOutline) {
+    const Mask mask = mask_of_polygons({circle(40, 40, 20)}, 80, 80);
+    const Image<float> distance = distance_inside_px(mask);
+    for (int y = 0; y < 80; y += 3)
+        for (int x = 0; x < 80; x += 3)
+            ASSERT_NEAR(distance(x, y), 20 - std::hypot(x + 0.5 - 40, y + 0.5 - 40), 0.8);
+    EXPECT_FLOAT_EQ(distance_inside_px(Mask(5, 4))(2, 2), -9);
+    EXPECT_FLOAT_EQ(distance_inside_px(Mask(5, 4, 1.0f))(2, 2), 9);
+}
+
+TEST(Mask, GrowsShrinksAndFeathers) {
+    const Mask mask = mask_of_polygons({circle(40, 40, 20)}, 80, 80);
+    const auto radius = [](const Mask& disc) { return std::sqrt(coverage(disc) / std::numbers::pi); };
+    EXPECT_NEAR(radius(dilated(mask, 5)), 25, 0.5);
+    EXPECT_NEAR(radius(dilated(mask, -5)), 15, 0.5);
+    const Mask soft = feathered(mask, 4);
+    EXPECT_FLOAT_EQ(soft(40, 40), 1);
+    EXPECT_GT(soft(40, 58), 0);
+    EXPECT_LT(soft(40, 58), 0.8f);
+    for (int y = 0; y < 80; ++y)
+        for (int x = 0; x < 80; ++x) ASSERT_LE(soft(x, y), mask(x, y));
+}
+
+TEST(Mask, CombinesAsSetsDo) {
+    const Mask a = mask_of_polygons({circle(14, 16, 8)}, 32, 32),
+               b = mask_of_polygons({circle(20, 16, 8)}, 32, 32);
+    EXPECT_NEAR(coverage(united(a, b)) + coverage(intersected(a, b)), coverage(a) + coverage(b), 1e-3);
+    EXPECT_FLOAT_EQ(without(a, b)(20, 16), 0);
+    EXPECT_FLOAT_EQ(without(a, b)(8, 16), 1);
+    EXPECT_THROW(united(a, Mask(3, 3)), ContractError);
+}
+
+TEST(Mask, FilesHoldCoverage) {
+    const TestDir dir;
+    const Mask mask = mask_of_polygons({circle(14.2, 16.7, 8)}, 40, 32);
+    write_mask(dir / "m.png", mask);
+    const Mask again = read_mask(dir / "m.png", 40, 32);
+    for (int y = 0; y < 32; ++y)
+        for (int x = 0; x < 40; ++x) ASSERT_NEAR(again(x, y), mask(x, y), 0.5001 / 255);
+    EXPECT_THAT([&] { read_mask(dir / "m.png", 32, 40); },
+                ThrowsMessage<Error>(HasSubstr("m.png: is 40 x 32 pixels, but the painting has 32 x 40")));
+}
+
+TEST(Mask, PolygonsThatAreNoneAreRefused) {
+    EXPECT_THAT(
+        [] {
+            mask_of_polygons({{{1, 1}, {2, 2}}}, 8, 8);
+        },
+        ThrowsMessage<Error>(HasSubstr("2 corners")));
+    EXPECT_THAT(
+        [] {
+            mask_of_polygons({{{1, 1}, {2, 2}, {NAN, 3}}}, 8, 8);
+        },
+        ThrowsMessage<Error>(HasSubstr("not finite")));
+    EXPECT_THAT(
+        [] {
+            mask_of_polygons({{{10, 1}, {12, 2}, {11, 3}}}, 8, 8);
+        },
+        ThrowsMessage<Error>(HasSubstr("nothing of the polygon lies in the picture")));
+}
+
+}  // namespace
+}  // namespace tangi

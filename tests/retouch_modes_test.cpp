@@ -1,0 +1,334 @@
+// retouch_modes_test.cpp: retouches laid in a mask, their lines and colours, pairs of pigments, the eye.
+#include <gtest/gtest.h>
+
+#include <numbers>
+
+#include "paint/appearance.h"
+#include "paint/retouch/juxtaposition.h"
+#include "paint/retouch/modes.h"
+#include "paint/retouch/pigment_pairs.h"
+#include "paint/retouch/treatment.h"
+#include "paint/retouch/viewing.h"
+#include "tests/test_support.h"
+
+namespace tangi {
+namespace {
+
+constexpr double kPixel = 0.2;  // [mm]
+constexpr int kWide = 200, kHigh = 160;
+
+// A painting that goes from ochre to green from left to right, with a white loss in its middle.
+struct Damaged {
+    std::shared_ptr<Surface> surface = std::make_shared<Surface>(kWide, kHigh);
+    Mask loss{kWide, kHigh};
+
+    Damaged() {
+        surface->mm_per_pixel = kPixel;
+        surface->scale_known = true;
+        for (int y = 0; y < kHigh; ++y)
+            for (int x = 0; x < kWide; ++x) {
+                const float t = static_cast<float>(x) / (kWide - 1);
+                surface->diffuse(x, y) = Rgb(0.35f, 0.22f, 0.08f) * (1 - t) + Rgb(0.12f, 0.25f, 0.10f) * t;
+                surface->confidence(x, y) = 1;
+                if (std::hypot(x - kWide / 2.0, y - kHigh / 2.0) > 50) continue;
+                loss(x, y) = 1;
+                surface->diffuse(x, y) = Rgb(0.7f, 0.68f, 0.62f);
+            }
+    }
+    Canvas canvas() const { return Canvas(surface); }
+};
+
+RetouchReport laid(Canvas& canvas, const Damaged& damaged, RetouchMode mode) {
+    RetouchOptions options;
+    options.piles = 4;
+    return lay_retouch(canvas, artist_acrylics(), damaged.loss, {}, mode, "retouch 1", options);
+}
+
+TEST(Retouch, StaysInTheMaskWhateverTheMode) {
+    const Damaged damaged;
+    for (const RetouchMode mode : {RetouchMode::mimetic, RetouchMode::tratteggio, RetouchMode::selection,
+                                   RetouchMode::abstraction, RetouchMode::dotting, RetouchMode::neutral}) {
+        Canvas canvas = damaged.canvas();
+        const std::string hash = sha256_of(canvas.dry());
+        const RetouchReport report = laid(canvas, damaged, mode);
+        ASSERT_EQ(canvas.dried().size(), 1u);
+        const PaintLayer& layer = canvas.dried()[0].paint;
+        EXPECT_EQ(on_original(layer, damaged.loss, kPixel).pixels, 0) << name_of(mode);
+        // Volumes are those of the report, and of the area at this thickness.
+        double volume = 0, reported = 0;
+        for (const double v : canvas.volumes_mm3()) volume += v;
+        for (const Pile& pile : report.piles) reported += pile.volume_mm3;
+        EXPECT_NEAR(volume, reported, 1e-4 * volume) << name_of(mode);
+        EXPECT_NEAR(volume, report.painted_mm2 * 0.05, 1e-4 * volume) << name_of(mode);
+        EXPECT_NEAR(report.area_mm2, area_of(damaged.loss, kPixel).mm2, 1e-3);
+        EXPECT_GT(report.painted_mm2, 0.4 * report.area_mm2) << name_of(mode);
+        // Removed, nothing is left of it.
+        lift_off(canvas, "retouch 1");
+        EXPECT_EQ(sha256_of(canvas.dry()), hash);
+        const Surface seen = appearance(canvas);
+        EXPECT_EQ(sha256_of(seen), hash) << name_of(mode);
+    }
+}
+
+TEST(Retouch, MimeticLooksLikeItsSurroundings) {
+    const Damaged damaged;
+    Canvas canvas = damaged.canvas();
+    const RetouchReport report = laid(canvas, damaged, RetouchMode::mimetic);
+    for (const Illuminant lamp : {Illuminant::d65, Illuminant::a, Illuminant::f11})
+        EXPECT_LT(report.delta_e_mean[static_cast<std::size_t>(lamp)], 2) << name_of(lamp);
+    // What was there before the loss is known here: the gradient goes on through it.
+    const Surface seen = appearance(canvas);
+    double sum = 0;
+    int count = 0;
+    for (int y = 0; y < kHigh; ++y)
+        for (int x = 0; x < kWide; ++x) {
+            if (!(damaged.loss(x, y) > 0)) continue;
+            const float t = static_cast<float>(x) / (kWide - 1);
+            const Rgb truth = Rgb(0.35f, 0.22f, 0.08f) * (1 - t) + Rgb(0.12f, 0.25f, 0.10f) * t;
+            sum += delta_e_2000(lab_from_linear(truth), lab_from_linear(seen.diffuse(x, y)));
+            ++count;
+        }
+    EXPECT_LT(sum / count, 2.5);
+    EXPECT_LE(report.piles.size(), 4u);
+}
+
+TEST(Retouch, LinesFuseToTheColourTheyStandFor) {
+    const Damaged damaged;
+    for (const RetouchMode mode : {RetouchMode::tratteggio, RetouchMode::selection, RetouchMode::dotting}) {
+        Canvas canvas = damaged.canvas();
+        const RetouchReport report = laid(canvas, damaged, mode);
+        EXPECT_GE(report.piles.size(), 2u) << name_of(mode);
+        EXPECT_GT(report.marks, 10) << name_of(mode);
+        EXPECT_LT(report.delta_e_mean[static_cast<std::size_t>(Illuminant::d65)], 4) << name_of(mode);
+    }
+}
+
+TEST(Retouch, NeutralToneIsLessColourful) {
+    const Damaged damaged;
+    Canvas canvas = damaged.canvas();
+    const RetouchReport report = laid(canvas, damaged, RetouchMode::neutral);
+    ASSERT_EQ(report.piles.size(), 1u);
+    const Lab tone = lab_under(report.piles[0].look);
+    const Lab beside = lab_from_linear(Rgb(0.235f, 0.235f, 0.09f));
+    EXPECT_LT(std::hypot(tone.a, tone.b), 0.6 * std::hypot(beside.a, beside.b));
+    EXPECT_NEAR(tone.l, beside.l - 3, 3);
+}
+
+TEST(Retouch, SaysWhatIsWrong) {
+    const Damaged damaged;
+    Canvas canvas = damaged.canvas();
+    EXPECT_NE(error_of([&] {
+                  lay_retouch(canvas, artist_acrylics(), Mask(kWide, kHigh), {}, RetouchMode::mimetic, "r");
+              }).find("mask is empty"),
+              std::string::npos);
+    RetouchOptions fine;
+    fine.width_mm = 0.05;
+    EXPECT_NE(error_of([&] {
+                  lay_retouch(canvas, artist_acrylics(), damaged.loss, {}, RetouchMode::tratteggio, "r",
+                              fine);
+              }).find("finer than the painting's pixels of 0.2 mm"),
+              std::string::npos);
+    EXPECT_NE(error_of([&] {
+                  lay_retouch(canvas, artist_acrylics(), Mask(kWide, kHigh, 1), {}, RetouchMode::mimetic,
+                              "r");
+              }).find("covers the whole picture"),
+              std::string::npos);
+    EXPECT_TRUE(canvas.dried().empty());
+}
+
+TEST(Marks, KeepTheirPitch) {
+    const Mask all(90, 60, 1);
+    const MarkGeometry g{6, 2, 20, 3};
+    const Image<int> lines = rasterised(vertical_marks(all, g), all, g.width_px);
+    for (int x = 0; x < 90; ++x)
+        for (int y = 0; y < 60; ++y) EXPECT_EQ(lines(x, y) >= 0, x % 6 < 2) << x << " " << y;
+    const std::vector<Mark> points = dots(all, g);
+    for (std::size_t i = 0; i < points.size(); ++i)
+        for (std::size_t j = 0; j < i; ++j)
+            EXPECT_GE(glm::length(points[i].path_px[0] - points[j].path_px[0]), 6);
+    EXPECT_GT(static_cast<double>(points.size()), 0.6 * 90 * 60 / (6 * 6)) << "as dense as they go";
+}
+
+TEST(Marks, FollowTheFormAcrossTheLoss) {
+    // Stripes at 30 degrees with a hole.
+    Image<float> lightness(120, 120);
+    Mask hole(120, 120);
+    const double angle = std::numbers::pi / 6;
+    for (int y = 0; y < 120; ++y)
+        for (int x = 0; x < 120; ++x) {
+            lightness(x, y) = static_cast<float>(
+                50 + 20 * std::sin((-x * std::sin(angle) + y * std::cos(angle)) * 2 * std::numbers::pi / 10));
+            hole(x, y) = std::hypot(x - 60.0, y - 60.0) < 25 ? 1.0f : 0.0f;
+        }
+    const Image<float> direction = form_direction_rad(lightness, hole, 6);
+    for (const auto& [x, y] : {std::pair(60, 60), {50, 70}, {75, 60}}) {
+        const double off = std::remainder(static_cast<double>(direction(x, y)) - angle, std::numbers::pi);
+        EXPECT_NEAR(off, 0, 0.1) << x << " " << y;
+    }
+    const MarkGeometry g{5, 2, 40, 1};
+    for (const Mark& mark : flow_marks(hole, direction, g)) {
+        if (mark.path_px.size() < 20) continue;
+        const glm::vec2 along = mark.path_px.back() - mark.path_px.front();
+        EXPECT_NEAR(std::remainder(std::atan2(along.y, along.x) - angle, std::numbers::pi), 0, 0.15);
+    }
+}
+
+TEST(Membrane, IsHarmonic) {
+    // x + 2y and x^2 - y^2 solve Laplace's equation on the grid as well.
+    for (const bool linear : {true, false}) {
+        Image<float> values(80, 70);
+        Mask hole(80, 70);
+        const auto truth = [&](int x, int y) {
+            const float u = static_cast<float>(x) / 40 - 1, v = static_cast<float>(y) / 40 - 1;
+            return linear ? u + 2 * v : u * u - v * v;
+        };
+        for (int y = 0; y < 70; ++y)
+            for (int x = 0; x < 80; ++x) {
+                hole(x, y) = std::hypot(x - 38.0, y - 33.0) < 24 ? 1.0f : 0.0f;
+                values(x, y) = hole(x, y) > 0 ? 99.0f : truth(x, y);
+            }
+        membrane_into(values, hole);
+        float most = 0;
+        for (int y = 0; y < 70; ++y)
+            for (int x = 0; x < 80; ++x) most = std::max(most, std::abs(values(x, y) - truth(x, y)));
+        EXPECT_LT(most, 0.01f) << linear;
+    }
+}
+
+TEST(Inpainting, OfEveryKindFillsTheHoleOnly) {
+    const Damaged damaged;
+    for (const Inpainting method : {Inpainting::membrane, Inpainting::telea, Inpainting::navier_stokes}) {
+        Image<Rgb> colours = damaged.surface->diffuse;
+        inpaint_into(colours, damaged.loss, method);
+        for (int y = 0; y < kHigh; ++y)
+            for (int x = 0; x < kWide; ++x) {
+                if (!(damaged.loss(x, y) > 0)) {
+                    ASSERT_EQ(colours(x, y), damaged.surface->diffuse(x, y));
+                    continue;
+                }
+                const float t = static_cast<float>(x) / (kWide - 1);
+                const Rgb truth = Rgb(0.35f, 0.22f, 0.08f) * (1 - t) + Rgb(0.12f, 0.25f, 0.10f) * t;
+                ASSERT_LT(delta_e_2000(lab_from_linear(truth), lab_from_linear(colours(x, y))), 12)
+                    << name_of(method) << " " << x << " " << y;
+            }
+    }
+}
+
+TEST(Surroundings, TellTheCommonestColour) {
+    Damaged damaged;
+    // A fifth of the surroundings is dark dirt, which the mode is not drawn to, as a mean would be.
+    for (int y = 0; y < kHigh; ++y)
+        for (int x = 0; x < kWide; ++x)
+            damaged.surface->diffuse(x, y) = (x * 7 + y * 13) % 5 == 0 ? Rgb(0.01f) : Rgb(0.3f, 0.2f, 0.1f);
+    const Annulus round = annulus_of(*damaged.surface, damaged.loss, {});
+    EXPECT_LT(delta_e_2000(lab_from_linear(round.mode), lab_from_linear({0.3f, 0.2f, 0.1f})), 0.5);
+    EXPECT_LT(round.spread, 0.5);
+    EXPECT_GT(round.pixels, 1000);
+    EXPECT_NE(error_of([&] {
+                  annulus_of(*damaged.surface, damaged.loss, Mask(kWide, kHigh, 1));
+              }).find("--annulus-mm"),
+              std::string::npos);
+}
+
+TEST(Juxtaposition, MixesByArea) {
+    std::vector<Spectrum> looks;
+    for (const char* name :
+         {"Titanium White", "Bone Black", "Pyrrole Red", "Cobalt Blue", "Diarylide Yellow"}) {
+        const Pigment& paint = artist_acrylics().at(name);
+        looks.push_back(opaque_look({paint.k, paint.s}));
+    }
+    Spectrum target{}, bare;
+    bare.fill(0.7f);
+    // 0.2 bare; the rest 1/4 white, 1/4 red, 1/2 blue.
+    for (std::size_t band = 0; band < kBands; ++band)
+        target[band] = 0.2f * bare[band] +
+                       0.8f * (0.25f * looks[0][band] + 0.25f * looks[2][band] + 0.5f * looks[3][band]);
+    const std::vector<Illuminant> lamps = {Illuminant::d65, Illuminant::a, Illuminant::f11};
+    const Juxtaposition found = juxtapose(looks, target, lamps, bare, 0.2);
+    EXPECT_LT(found.delta_e, 2.5);
+    double sum = 0;
+    for (const double share : found.shares) sum += share;
+    EXPECT_NEAR(sum, 1, 1e-9);
+}
+
+TEST(PigmentPairs, AreFoundByNameAndColourIndex) {
+    Pigment copper, sulphide, harmless;
+    copper.name = "Azurite (P.B. 30)", sulphide.name = "CADMIUM Yellow Light", harmless.name = "Cobalt Blue";
+    const auto found = pairs_to_avoid({harmless, copper, sulphide}, usual_pigment_pairs());
+    ASSERT_EQ(found.size(), 1u);
+    EXPECT_EQ(found[0].a, 1);
+    EXPECT_EQ(found[0].b, 2);
+    EXPECT_NE(found[0].pair->why.find("copper sulphide"), std::string::npos);
+    Pigment numbered;
+    numbered.name = "Mountain blue", numbered.source = "PB 30, maker";
+    EXPECT_TRUE(is_named(numbered, {"PB30"}));
+    EXPECT_FALSE(is_named(numbered, {"PB3"})) << "whole words only";
+    EXPECT_TRUE(pairs_to_avoid(artist_acrylics().paints, usual_pigment_pairs()).empty());
+}
+
+TEST(PigmentPairs, SayWhereAFileIsWrong) {
+    const auto wrong = [](const char* pairs) {
+        return error_of([&] {
+            parse_pigment_pairs(
+                fmt::format(R"({{"format": "tangipaint pigment pairs", "version": 1, "pairs": {}}})", pairs),
+                "my.json");
+        });
+    };
+    EXPECT_NE(wrong(R"([{"first": "x", "second": ["y"]}])").find("my.json: /pairs/0/first"),
+              std::string::npos);
+    EXPECT_NE(wrong(R"([{"first": ["x"], "second": ["y"], "reason": "z"}])").find("/pairs/0/reason"),
+              std::string::npos);
+    EXPECT_NE(wrong(R"([{"first": ["x"], "second": ["y", 3]}])").find("/pairs/0/second/1"),
+              std::string::npos);
+    EXPECT_NE(error_of([] { parse_pigment_pairs("[", "my.json"); }).find("my.json: is not JSON"),
+              std::string::npos);
+    EXPECT_NE(error_of([] { parse_pigment_pairs("[]", "my.json"); }).find("--save-pairs"), std::string::npos);
+}
+
+TEST(Eye, SeesMiddleFrequenciesBest) {
+    double best = 0, at = 0;
+    for (double f = 0.1; f < 60; f *= 1.05)
+        if (contrast_sensitivity(f, 100, 10) > best) best = contrast_sensitivity(f, 100, 10), at = f;
+    // What every measurement has: a peak of some hundreds at 2 to 6 cycles a degree, nothing beyond 60.
+    EXPECT_GT(at, 2);
+    EXPECT_LT(at, 6);
+    EXPECT_GT(best, 200);
+    EXPECT_LT(best, 700);
+    EXPECT_LT(contrast_sensitivity(70, 100, 10), 2);
+    EXPECT_GT(contrast_sensitivity(20, 500, 10), contrast_sensitivity(20, 1, 10))
+        << "more light, finer detail";
+}
+
+TEST(Eye, LeavesPlainColoursAsTheyAre) {
+    const Image<Rgb> plain(60, 50, Rgb(0.3f, 0.15f, 0.4f));
+    const Image<Rgb> seen = seen_from(plain, 0.2, 1);
+    for (const Rgb& c : seen.pixels())
+        EXPECT_LT(delta_e_2000(lab_from_linear(c), lab_from_linear(plain(0, 0))), 0.05);
+}
+
+// Vertical bars of black and white, with their mean as target.
+Fusion fusion_of_bars(int pitch_px) {
+    Image<Rgb> bars(240, 120), grey(240, 120, Rgb(0.25f));
+    for (int y = 0; y < 120; ++y)
+        for (int x = 0; x < 240; ++x) bars(x, y) = Rgb(x % pitch_px < pitch_px / 2 ? 0.4f : 0.1f);
+    Mask mask(240, 120);
+    for (int y = 20; y < 100; ++y)
+        for (int x = 20; x < 220; ++x) mask(x, y) = 1;
+    for (std::size_t i = 0; i < mask.size(); ++i)
+        if (!(mask.pixels()[i] > 0)) bars.pixels()[i] = grey.pixels()[i];
+    return fusion_of(bars, grey, mask, pitch_px, 0.25, {});
+}
+
+TEST(Eye, FusesLinesFartherOffWhereTheyAreWider) {
+    const Fusion fine = fusion_of_bars(4), coarse = fusion_of_bars(8);
+    ASSERT_TRUE(fine.fuses && coarse.fuses);
+    EXPECT_NEAR(coarse.distance_m / fine.distance_m, 2, 0.3);
+    // 1 mm of a grating of full contrast: 40 to 60 cycles a degree, so 2 to 4 m.
+    EXPECT_GT(fine.distance_m, 1.5);
+    EXPECT_LT(fine.distance_m, 4);
+    EXPECT_LT(fine.delta_e_fused, fine.delta_e_near);
+    EXPECT_LT(fine.delta_e_fused, 1.5);
+}
+
+}  // namespace
+}  // namespace tangi

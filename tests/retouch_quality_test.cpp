@@ -1,0 +1,125 @@
+// retouch_quality_test.cpp: planted steps of colour, height and gloss are found as they are.
+#include <gtest/gtest.h>
+
+#include "paint/palette.h"
+#include "paint/retouch/gloss.h"
+#include "paint/retouch/quality.h"
+#include "tests/test_support.h"
+
+namespace tangi {
+namespace {
+
+const std::vector<Illuminant> kLamps = {Illuminant::d65, Illuminant::a};
+
+// A plane that rises to the right, grey, with a square patch.
+struct Patched {
+    Surface surface{100, 90};
+    Mask patch{100, 90};
+
+    Patched(float step_mm, const Rgb& colour, float specular, float roughness) {
+        surface.mm_per_pixel = 0.25;
+        surface.scale_known = true;
+        for (int y = 0; y < 90; ++y)
+            for (int x = 0; x < 100; ++x) {
+                const bool in = x >= 35 && x < 65 && y >= 30 && y < 60;
+                patch(x, y) = in ? 1.0f : 0.0f;
+                surface.confidence(x, y) = 1;
+                surface.height_mm(x, y) = 0.002f * static_cast<float>(x) + (in ? step_mm : 0.0f);
+                surface.diffuse(x, y) = in ? colour : Rgb(0.3f);
+                surface.specular(x, y) = in ? specular : 0.04f;
+                surface.roughness(x, y) = in ? roughness : 0.15f;
+            }
+    }
+    QualityReport quality() const {
+        return quality_of(Canvas(std::make_shared<Surface>(surface)), patch, {}, kLamps);
+    }
+};
+
+TEST(Quality, OfWhatIsLikeItsSurroundingsIsZero) {
+    const QualityReport report = Patched(0, Rgb(0.3f), 0.04f, 0.15f).quality();
+    ASSERT_EQ(report.regions.size(), 1u);
+    const RetouchQuality& q = report.regions[0];
+    EXPECT_NEAR(q.area_mm2, 30 * 30 * 0.0625, 1e-6);
+    for (const Illuminant lamp : kLamps) {
+        EXPECT_LT(q.delta_e[static_cast<std::size_t>(lamp)], 0.01);
+        EXPECT_LT(q.border_delta_e[static_cast<std::size_t>(lamp)], 0.01);
+    }
+    EXPECT_TRUE(std::isnan(q.delta_e[static_cast<std::size_t>(Illuminant::f11)])) << "nobody asked";
+    EXPECT_NEAR(q.height_mm.mean, 0, 1e-3);
+    EXPECT_LT(q.gloss_step, 1e-3);
+}
+
+TEST(Quality, FindsPlantedSteps) {
+    const Rgb colour(0.36f, 0.3f, 0.25f);
+    const QualityReport report = Patched(0.12f, colour, 0.02f, 0.3f).quality();
+    const RetouchQuality& q = report.regions[0];
+    const double truth = delta_e_2000(lab_from_linear(colour), lab_from_linear(Rgb(0.3f)));
+    EXPECT_NEAR(q.delta_e[static_cast<std::size_t>(Illuminant::d65)], truth, 0.02 * truth);
+    EXPECT_NEAR(q.border_delta_e[static_cast<std::size_t>(Illuminant::d65)], truth, 0.02 * truth);
+    EXPECT_NEAR(q.height_mm.mean, 0.12, 0.003);
+    EXPECT_NEAR(q.specular.mean, -0.02, 1e-4);
+    EXPECT_NEAR(q.roughness.mean, 0.15, 1e-4);
+    const double gloss =
+        gloss_difference({0.02, 0.3, static_cast<double>(luminance(colour))}, {0.04, 0.15, 0.3});
+    EXPECT_NEAR(q.gloss_step, gloss, 0.02 * gloss);
+    EXPECT_NEAR(report.height_mm(50, 45), 0.12, 0.003);
+    EXPECT_EQ(report.height_mm(10, 10), 0);
+    EXPECT_NEAR(report.delta_e(50, 45),
+                std::max(q.delta_e[static_cast<std::size_t>(Illuminant::d65)],
+                         q.delta_e[static_cast<std::size_t>(Illuminant::a)]),
+                0.05 * truth);
+}
+
+TEST(Quality, TellsRegionsApart) {
+    Patched patched(0, Rgb(0.3f), 0.04f, 0.15f);
+    for (int y = 5; y < 15; ++y)
+        for (int x = 5; x < 15; ++x) patched.patch(x, y) = 1, patched.surface.diffuse(x, y) = Rgb(0.5f);
+    const QualityReport report = patched.quality();
+    ASSERT_EQ(report.regions.size(), 2u);
+    EXPECT_GT(report.regions[0].delta_e[static_cast<std::size_t>(Illuminant::d65)], 10);
+    EXPECT_LT(report.regions[1].delta_e[static_cast<std::size_t>(Illuminant::d65)], 0.1);
+}
+
+TEST(Quality, SaysWhatIsWrong) {
+    const Patched patched(0, Rgb(0.3f), 0.04f, 0.15f);
+    const Canvas canvas(std::make_shared<Surface>(patched.surface));
+    EXPECT_NE(error_of([&] { quality_of(canvas, Mask(100, 90), {}, kLamps); }).find("mask is empty"),
+              std::string::npos);
+    EXPECT_NE(
+        error_of([&] { quality_of(canvas, patched.patch, Mask(100, 90, 1), kLamps); }).find("--annulus-mm"),
+        std::string::npos);
+}
+
+TEST(Gloss, DifferencesAreADistance) {
+    const Gloss matt{0.01, 0.4, 0.3}, satin{0.04, 0.15, 0.3}, glossy{0.06, 0.05, 0.3};
+    EXPECT_EQ(gloss_difference(satin, satin), 0);
+    EXPECT_EQ(gloss_difference(matt, glossy), gloss_difference(glossy, matt));
+    EXPECT_LE(gloss_difference(matt, glossy),
+              gloss_difference(matt, satin) + gloss_difference(satin, glossy));
+    // Pellacini et al.: the same reflection shows less on a brighter surface.
+    EXPECT_GT(gloss_difference({0.04, 0.1, 0.03}, {0.08, 0.1, 0.03}),
+              gloss_difference({0.04, 0.1, 0.9}, {0.08, 0.1, 0.9}));
+    EXPECT_EQ(remedy_for(glossy, matt), GlossRemedy::matting_agent);
+    EXPECT_EQ(remedy_for(matt, glossy), GlossRemedy::varnish);
+    EXPECT_EQ(remedy_for(satin, {0.041, 0.152, 0.3}), GlossRemedy::none);
+}
+
+TEST(LookUnderALamp, IsOfOneKindForPaintAndCanvas) {
+    // Grey stays grey under every lamp, painted or not.
+    Surface grey(64, 64);
+    grey.mm_per_pixel = 0.25, grey.scale_known = true;
+    for (Rgb& c : grey.diffuse.pixels()) c = Rgb(0.4f, 0.25f, 0.1f);
+    for (float& c : grey.confidence.pixels()) c = 1;
+    Canvas canvas(std::make_shared<Surface>(grey));
+    const Rgb bare = look_under(canvas, Illuminant::a)(40, 40);
+    EXPECT_EQ(look_under(canvas, Illuminant::d65)(40, 40), grey.diffuse(40, 40));
+    const Spectrum dry = reflectance_of_rgb(grey.diffuse(40, 40));
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(bare[c], to_linear_rgb(dry, Illuminant::a)[c], 1e-5);
+    // A trace of paint hardly changes it.
+    const IngredientId white = canvas.add(artist_acrylics().at("Titanium White"));
+    canvas.writable_wet().writable({0, 0}).writable_plane(white)[0] = 1e-7f;
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(look_under(canvas, Illuminant::a)(0, 0)[c], bare[c], 0.005);
+}
+
+}  // namespace
+}  // namespace tangi

@@ -1,0 +1,291 @@
+// retouch_treatment_test.cpp: the folder of a treatment: its log, its layers, and that nothing is lost.
+#include "paint/retouch/treatment.h"
+
+#include <gmock/gmock.h>
+
+#include <fstream>
+
+#include "paint/canvas_file.h"
+#include "paint/retouch/sha256.h"
+#include "surface/atomic_file.h"
+#include "surface/error.h"
+#include "surface/painting_file.h"
+#include "tests/paint_support.h"
+#include "tests/test_support.h"
+
+namespace tangi {
+namespace {
+
+using testing::AllOf;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::ThrowsMessage;
+
+const Author kAuthor{"A. Restorer", "tangipaint test"};
+
+std::vector<std::string> lines_of(const std::filesystem::path& path) {
+    std::ifstream stream(path);
+    std::vector<std::string> lines;
+    for (std::string line; std::getline(stream, line);) lines.push_back(line);
+    return lines;
+}
+
+void write_lines(const std::filesystem::path& path, const std::vector<std::string>& lines) {
+    std::string text;
+    for (const std::string& line : lines) text += line + "\n";
+    write_text_file(path, text);
+}
+
+// A log of `count` entries after the first.
+std::filesystem::path a_log(const TestDir& dir, int count) {
+    TreatmentLog log = TreatmentLog::begin(dir / "log.jsonl", {{"action", "begin"}});
+    for (int i = 0; i < count; ++i) log.append({{"action", "note"}, {"number", i}});
+    return dir / "log.jsonl";
+}
+
+TEST(Sha256, IsThatOfTheStandard) {
+    EXPECT_EQ(sha256_of("abc"), "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
+    EXPECT_EQ(sha256_of(""), "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855");
+    const TestDir dir;
+    write_bytes(dir / "a", std::string(3'000'000, 'a'));
+    EXPECT_EQ(sha256_of_file(dir / "a"), sha256_of(std::string(3'000'000, 'a')));
+    EXPECT_THAT([&] { sha256_of_file(dir / "none"); },
+                ThrowsMessage<Error>(HasSubstr("none: cannot be read")));
+}
+
+TEST(TreatmentLog, GoesOnWhereItEnded) {
+    const TestDir dir;
+    const auto path = a_log(dir, 2);
+    TreatmentLog log = TreatmentLog::open(path);
+    log.append({{"action", "later"}});
+    const TreatmentLog again = TreatmentLog::open(path);
+    ASSERT_EQ(again.entries().size(), 4u);
+    EXPECT_EQ(again.entries()[3].content["action"], "later");
+    EXPECT_EQ(again.entries()[3].content["previous"], again.entries()[2].sha256);
+    EXPECT_EQ(again.head(), log.head());
+    EXPECT_THAT([&] { TreatmentLog::begin(path, {}); }, ThrowsMessage<Error>(HasSubstr("a log already")));
+}
+
+TEST(TreatmentLog, AnEditedLineIsNamed) {
+    const TestDir dir;
+    const auto path = a_log(dir, 5);
+    const std::vector<std::string> whole = lines_of(path);
+    for (std::size_t i = 0; i < whole.size(); ++i) {
+        std::vector<std::string> lines = whole;
+        const auto at = lines[i].find("\"action\":\"");
+        lines[i][at + 10] = 'X';
+        write_lines(path, lines);
+        EXPECT_THAT([&] { TreatmentLog::open(path); },
+                    ThrowsMessage<Error>(HasSubstr(fmt::format("log.jsonl:{}: was edited", i + 1))));
+    }
+}
+
+TEST(TreatmentLog, LinesThatWereRemovedMovedOrPutInAreNoticed) {
+    const TestDir dir;
+    const auto path = a_log(dir, 5);
+    const std::vector<std::string> whole = lines_of(path);
+    const auto refused = [&](const std::vector<std::string>& lines, const std::string& said) {
+        write_lines(path, lines);
+        EXPECT_THAT([&] { TreatmentLog::open(path); }, ThrowsMessage<Error>(HasSubstr(said)));
+    };
+    std::vector<std::string> lines = whole;
+    lines.erase(lines.begin() + 2);
+    refused(lines, "log.jsonl:3: does not follow the line before it");
+    lines = whole;
+    std::swap(lines[1], lines[2]);
+    refused(lines, "log.jsonl:2: does not follow");
+    lines = whole;
+    lines.insert(lines.begin() + 4, whole[1]);
+    refused(lines, "log.jsonl:5: does not follow");
+    lines.assign(whole.begin(), whole.end() - 2);  // the chain holds, but its head says more
+    refused(lines, "log.jsonl:5: the log was cut: 2 lines are missing");
+    lines.assign(whole.begin() + 1, whole.end());
+    refused(lines, "log.jsonl:1: is not the first");
+    write_lines(path, whole);
+    EXPECT_NO_THROW(TreatmentLog::open(path));
+}
+
+TEST(TreatmentLog, WrittenAnewIsNoticedByItsHead) {
+    const TestDir dir, other;
+    const auto path = a_log(dir, 3);
+    std::filesystem::copy_file(a_log(other, 4), path, std::filesystem::copy_options::overwrite_existing);
+    // The first lines are the same, so that the fourth is the one that the head names.
+    EXPECT_NO_THROW(TreatmentLog::open(path));  // one line more than the head: a crash came between
+    TreatmentLog::open(other / "log.jsonl").append({{"action", "more"}});
+    std::filesystem::copy_file(other / "log.jsonl", path, std::filesystem::copy_options::overwrite_existing);
+    EXPECT_THAT([&] { TreatmentLog::open(path); }, ThrowsMessage<Error>(HasSubstr("lines were put in")));
+    std::filesystem::remove(dir / "log.head.json");
+    EXPECT_THAT([&] { TreatmentLog::open(path); }, ThrowsMessage<Error>(HasSubstr("log.head.json")));
+}
+
+TEST(TreatmentLog, ALineThatACrashCutIsLeftOut) {
+    const TestDir dir;
+    const auto path = a_log(dir, 2);
+    const std::string text = read_text_file(path);
+    write_bytes(path, text + "{\"action\":\"ha");
+    TreatmentLog log = TreatmentLog::open(path);
+    EXPECT_EQ(log.entries().size(), 3u);
+    EXPECT_THAT(log.warnings(), ElementsAre(HasSubstr("log.jsonl:4: was cut short")));
+    log.append({{"action", "next"}});
+    EXPECT_EQ(TreatmentLog::open(path).entries().size(), 4u);
+    EXPECT_THAT(TreatmentLog::open(path).warnings(), IsEmpty());
+}
+
+TEST(TreatmentLog, TwoWritersAtOnceDoNotBreakTheChain) {
+    const TestDir dir;
+    const auto path = a_log(dir, 1);
+    TreatmentLog one = TreatmentLog::open(path), two = TreatmentLog::open(path);
+    one.append({{"action", "one"}});
+    EXPECT_THAT(
+        [&] {
+            two.append({{"action", "two"}});
+        },
+        ThrowsMessage<Error>(HasSubstr("changed by another program")));
+    EXPECT_EQ(TreatmentLog::open(path).entries().size(), 3u);
+}
+
+// A painting of 100 x 70 pixels in a treatment.
+class TreatmentFolder : public testing::Test {
+protected:
+    TreatmentFolder() {
+        auto surface = flat_surface(100, 70);
+        for (int y = 0; y < 70; ++y)
+            for (int x = 0; x < 100; ++x) surface->height_mm(x, y) = 0.01f * static_cast<float>(x % 7);
+        write_painting(dir_ / "p.exr", *surface);
+    }
+    Treatment begin() { return Treatment::begin(folder(), dir_ / "p.exr", kAuthor); }
+    std::filesystem::path folder() const { return dir_ / "p.treatment"; }
+
+    // A layer of paint in a square.
+    static void lay(Canvas& canvas, const std::string& name, int x0, int size) {
+        const IngredientId white = add_paint(canvas, "Titanium White");
+        PaintLayer paint(canvas.width(), canvas.height());
+        for (int y = 10; y < 10 + size; ++y)
+            for (int x = x0; x < x0 + size; ++x)
+                paint.writable({x / 64, y / 64})
+                    .writable_plane(white)[static_cast<std::size_t>((y % 64) * 64 + x % 64)] = 0.1f;
+        canvas.writable_dried().push_back({name, paint});
+    }
+    static void add(Treatment& treatment, LayerRole role, int x0, int size = 8) {
+        Canvas canvas = treatment.read_canvas();
+        const std::string name = treatment.new_layer_name(role);
+        lay(canvas, name, x0, size);
+        treatment.record({.action = "test", .canvas = &canvas, .added = {{name, role}}}, kAuthor);
+    }
+
+    TestDir dir_;
+};
+
+TEST_F(TreatmentFolder, KeepsTheDryLayerThroughAllOfIt) {
+    Treatment treatment = begin();
+    const std::string file = sha256_of_file(dir_ / "p.exr");
+    add(treatment, LayerRole::fill, 10);
+    add(treatment, LayerRole::isolating_varnish, 10, 20);
+    add(treatment, LayerRole::retouch, 10);
+    add(treatment, LayerRole::fill, 70);
+    EXPECT_EQ(hash_of(read_painting(treatment.painting())), hash_of(read_painting(dir_ / "p.exr")));
+    EXPECT_EQ(sha256_of_file(dir_ / "p.exr"), file);
+    const Treatment again = Treatment::open(folder());
+    ASSERT_EQ(again.layers().size(), 4u);
+    EXPECT_EQ(again.layers()[1].name, "isolating varnish 1");
+    EXPECT_EQ(again.layers()[3].name, "fill 2");
+    EXPECT_THAT(again.check(), IsEmpty());
+
+    // One taken off, then all: the original, bit for bit.
+    treatment = again;
+    Canvas canvas = treatment.read_canvas();
+    lift_off(canvas, "retouch 1");
+    treatment.record({.action = "remove", .canvas = &canvas}, kAuthor);
+    EXPECT_EQ(treatment.layers().size(), 3u);
+    EXPECT_EQ(treatment.new_layer_name(LayerRole::retouch), "retouch 2");
+    canvas = treatment.read_canvas();
+    while (!canvas.dried().empty()) lift_off(canvas, canvas.dried().back().name);
+    treatment.record({.action = "remove", .canvas = &canvas}, kAuthor);
+    EXPECT_EQ(sha256_of(read_painted(treatment.painting())), sha256_of(read_painting(dir_ / "p.exr")));
+}
+
+TEST_F(TreatmentFolder, StatesShowTheLayersUpToTheirs) {
+    Treatment treatment = begin();
+    add(treatment, LayerRole::fill, 10);
+    add(treatment, LayerRole::isolating_varnish, 10);
+    add(treatment, LayerRole::retouch, 10);
+    add(treatment, LayerRole::varnish, 10);
+    const Canvas canvas = treatment.read_canvas();
+    const auto count = [&](TreatmentState state) {
+        return in_state(canvas, treatment.layers(), state).dried().size();
+    };
+    EXPECT_EQ(count(TreatmentState::before), 0u);
+    EXPECT_EQ(count(TreatmentState::cleaned), 0u);
+    EXPECT_EQ(count(TreatmentState::filled), 1u);
+    EXPECT_EQ(count(TreatmentState::retouched), 3u);
+    EXPECT_EQ(count(TreatmentState::varnished), 4u);
+}
+
+TEST_F(TreatmentFolder, MasksComeBackAndChangedOnesAreNamed) {
+    Treatment treatment = begin();
+    const Mask loss = mask_of_polygons({{{10, 10}, {30, 10}, {30, 30}, {10, 30}}}, 100, 70);
+    treatment.record({.action = "draw", .masks = {{"loss_to_ground", loss}}}, kAuthor);
+    EXPECT_TRUE(treatment.has_mask(DamageClass::loss_to_ground));
+    EXPECT_FALSE(treatment.has_mask(DamageClass::stain));
+    const nlohmann::json table = damage_table(treatment);
+    ASSERT_EQ(table.size(), 1u);
+    EXPECT_EQ(table[0]["count"], 1);
+    EXPECT_DOUBLE_EQ(table[0]["area_cm2"], 400 * kTestPixel * kTestPixel / 100);
+    EXPECT_EQ(area_of(treatment.mask(DamageClass::stain), 1).mm2, 0);
+
+    write_mask(folder() / "masks/loss_to_ground.png", Mask(100, 70));
+    EXPECT_THAT([&] { treatment.mask(DamageClass::loss_to_ground); },
+                ThrowsMessage<Error>(HasSubstr("is not the mask that line 2 of the log wrote")));
+    EXPECT_THAT(treatment.check(), ElementsAre(HasSubstr("loss_to_ground.png is not what line 2")));
+}
+
+TEST_F(TreatmentFolder, APaintingThatWasChangedIsNoticed) {
+    Treatment treatment = begin();
+    add(treatment, LayerRole::fill, 10);
+    Canvas canvas = treatment.read_canvas();
+    canvas.writable_dried()[0].paint.writable({0, 0}).writable_plane(0)[700] += 0.01f;
+    write_canvas(treatment.painting(), canvas);
+    EXPECT_THAT([&] { treatment.read_canvas(); },
+                ThrowsMessage<Error>(HasSubstr("layer 'fill 1' is not the one that was logged")));
+    canvas.writable_dried().clear();
+    write_canvas(treatment.painting(), canvas);
+    EXPECT_THAT([&] { treatment.read_canvas(); },
+                ThrowsMessage<Error>(HasSubstr("layer 'fill 1' is missing")));
+    auto other = flat_surface(100, 70);
+    other->height_mm(3, 3) = 1;
+    write_painting(treatment.painting(), *other);
+    EXPECT_THAT([&] { treatment.read_canvas(); }, ThrowsMessage<Error>(HasSubstr("dry layer is not")));
+    EXPECT_THAT(treatment.check(), ElementsAre(HasSubstr("dry layer is not")));
+    const Canvas wrong(other);
+    EXPECT_THAT([&] { treatment.record({.action = "fill", .canvas = &wrong}, kAuthor); },
+                ThrowsMessage<Error>(HasSubstr("the dry layer would change")));
+}
+
+TEST_F(TreatmentFolder, PaintOnTheOriginalIsCounted) {
+    Canvas canvas(flat_surface(100, 70));
+    lay(canvas, "retouch 1", 10, 8);
+    const PaintLayer& layer = canvas.dried()[0].paint;
+    const Mask half = mask_of_polygons({{{0, 0}, {14.5, 0}, {14.5, 70}, {0, 70}}}, 100, 70);
+    const OnOriginal beside = on_original(layer, half, kTestPixel);
+    EXPECT_EQ(beside.pixels, 4 * 8);  // columns 14, in half, to 17
+    EXPECT_NEAR(beside.area_mm2, 3.5 * 8 * kTestPixel * kTestPixel, 1e-6);
+    EXPECT_NEAR(beside.volume_mm3, 0.1 * beside.area_mm2, 1e-6);
+    EXPECT_EQ(on_original(layer, Mask(100, 70, 1.0f), kTestPixel).pixels, 0);
+    EXPECT_EQ(area_of(additions(canvas), 1).mm2, 64);
+}
+
+TEST_F(TreatmentFolder, WrongFoldersAndPaintingsAreRefused) {
+    EXPECT_THAT([&] { Treatment::open(dir_ / "none"); },
+                ThrowsMessage<Error>(AllOf(HasSubstr("is no treatment"), HasSubstr("damage"))));
+    begin();
+    EXPECT_THAT([&] { begin(); }, ThrowsMessage<Error>(HasSubstr("holds a treatment already")));
+    Canvas painted(flat_surface(100, 70));
+    lay(painted, "old", 1, 5);
+    write_canvas(dir_ / "painted.exr", painted);
+    EXPECT_THAT([&] { Treatment::begin(dir_ / "other", dir_ / "painted.exr", kAuthor); },
+                ThrowsMessage<Error>(HasSubstr("has been painted on")));
+}
+
+}  // namespace
+}  // namespace tangi

@@ -1,0 +1,117 @@
+// viewer_shortcuts_test.cpp: keys, their names, and the file in which the user changes them; what is
+// remembered.
+#include "viewer/shortcuts.h"
+
+#include <GLFW/glfw3.h>
+#include <gmock/gmock.h>
+
+#include <set>
+
+#include "surface/atomic_file.h"
+#include "test_support.h"
+#include "viewer/panels/file_dialog.h"
+#include "viewer/settings.h"
+
+namespace tangi {
+namespace {
+
+namespace fs = std::filesystem;
+
+TEST(Shortcuts, NamesAndKeysAreUnique) {
+    const Keys keys;
+    std::set<std::string> names;
+    for (const Shortcut& shortcut : shortcuts()) {
+        EXPECT_TRUE(names.insert(shortcut.name).second) << shortcut.name;
+        EXPECT_FALSE(keys.text(shortcut.action).empty()) << shortcut.name << ": another action has its key";
+    }
+}
+
+TEST(Shortcuts, ChordsAreReadAsTheyAreWritten) {
+    for (const char* text : {"A", "7", "[", "Ctrl+Z", "Ctrl+Shift+S", "Alt+F4", "F12", "PageDown", "Comma"}) {
+        const auto chord = chord_named(text);
+        ASSERT_TRUE(chord) << text;
+        EXPECT_EQ(name_of(*chord), text);
+    }
+    EXPECT_EQ(chord_named("ctrl+pageup"), (Chord{GLFW_KEY_PAGE_UP, GLFW_MOD_CONTROL}));
+    for (const char* text : {"", "Hyper+A", "AB", "F26", "Ctrl+", "\xc3\xa4"})
+        EXPECT_FALSE(chord_named(text)) << text;
+}
+
+TEST(Shortcuts, TheFileChangesThem) {
+    TestDir folder;
+    const fs::path file = folder / "keys.json";
+    EXPECT_EQ(Keys::read(file).text(Action::shadows), "S") << "no file: the usual ones";
+    write_text_file(file, R"({"shadows": "Shift+S", "redo": ["Ctrl+R", "F5"], "loupe": [], "compare": "D"})");
+    const Keys keys = Keys::read(file);
+    EXPECT_EQ(keys.action(GLFW_KEY_S, GLFW_MOD_SHIFT), Action::shadows);
+    EXPECT_FALSE(keys.action(GLFW_KEY_S, 0));
+    EXPECT_EQ(keys.text(Action::redo), "Ctrl+R, F5");
+    EXPECT_EQ(keys.text(Action::loupe), "");
+    EXPECT_EQ(keys.action(GLFW_KEY_D, 0), Action::compare);
+    EXPECT_EQ(keys.text(Action::dry), "") << "lost its key to the user's";
+    // Lock keys do not matter.
+    EXPECT_EQ(keys.action(GLFW_KEY_T, GLFW_MOD_CAPS_LOCK), Action::tool_tilt);
+}
+
+TEST(Shortcuts, AWrongFileIsNamed) {
+    TestDir folder;
+    const fs::path file = folder / "keys.json";
+    for (const auto& [text, complaint] : std::vector<std::pair<const char*, const char*>>{
+             {"[1]", "is not a JSON object"},
+             {R"({"shadow": "S"})", "no action 'shadow'"},
+             {R"({"shadows": 7})", "'shadows' must be a key"},
+             {R"({"shadows": "Strg+S"})", "'Strg+S' is no key"},
+             {R"({"shadows": "F5", "loupe": "F5"})", "two actions have the key F5"}}) {
+        write_text_file(file, text);
+        try {
+            Keys::read(file);
+            ADD_FAILURE() << text;
+        } catch (const Error& error) {
+            EXPECT_THAT(error.what(), testing::HasSubstr(complaint));
+            EXPECT_THAT(error.what(), testing::HasSubstr("keys.json"));
+        }
+    }
+}
+
+TEST(Settings, RecentPaintingsAreThoseThatAreThere) {
+    TestDir folder;
+    const fs::path settings = folder / "settings";
+    EXPECT_THAT(recent_paintings(settings), testing::IsEmpty());
+    for (int i = 0; i < 12; ++i) {
+        const fs::path painting = folder / fmt::format("{}.exr", i);
+        write_text_file(painting, "x");
+        remember_painting(settings, painting);
+    }
+    remember_painting(settings, folder / "3.exr");
+    fs::remove(folder / "11.exr");
+    std::vector<std::string> names;
+    for (const fs::path& painting : recent_paintings(settings)) names.push_back(painting.filename().string());
+    EXPECT_THAT(names, testing::ElementsAre("3.exr", "10.exr", "9.exr", "8.exr", "7.exr", "6.exr", "5.exr",
+                                            "4.exr", "2.exr"));
+    write_text_file(settings / "recent.json", "{nonsense");
+    EXPECT_THAT(recent_paintings(settings), testing::IsEmpty());
+}
+
+TEST(FileDialog, UnderstandsWhatIsTyped) {
+    using panels::FileDialog;
+    using Wants = FileDialog::Wants;
+    TestDir folder;
+    fs::create_directory(folder / "photos");
+    write_text_file(folder / "a.exr", "x");
+    const auto choice = [&](Wants wants, const std::string& typed) {
+        return FileDialog::choice(wants, ".exr", folder.path(), typed);
+    };
+    EXPECT_EQ(choice(Wants::file, "a.exr").path, folder / "a.exr");
+    EXPECT_EQ(choice(Wants::file, (folder / "a.exr").string()).path, folder / "a.exr") << "a whole path";
+    EXPECT_NE(choice(Wants::file, "b.exr").complaint, "");
+    EXPECT_EQ(choice(Wants::folder, "").path, folder.path());
+    EXPECT_EQ(choice(Wants::folder, "photos").path, folder / "photos");
+    EXPECT_NE(choice(Wants::folder, "a.exr").complaint, "");
+    EXPECT_EQ(choice(Wants::new_file, "b").path, folder / "b.exr");
+    EXPECT_FALSE(choice(Wants::new_file, "b").exists);
+    EXPECT_TRUE(choice(Wants::new_file, "a.exr").exists) << "to be asked about";
+    EXPECT_NE(choice(Wants::new_file, "nowhere/b.exr").complaint, "");
+}
+
+}  // namespace
+}  // namespace tangi

@@ -1,0 +1,58 @@
+#include "viewer/board_picture.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "surface/colour.h"
+#include "surface/parallel.h"
+#include "surface/relight.h"
+
+namespace tangi {
+
+namespace {
+
+constexpr float kAround = 0.15f;  // part of the light that comes from all around
+
+// [sRGB, 0..1]
+Rgb seen(const Surface& surface, int x, int y) {
+    static const Vec3 lamp = glm::normalize(Vec3(-0.45f, 0.45f, 0.76f));
+    const Rgb lit = reflected(surface, x, y, lamp, {0, 0, 1}, WardModel::bounded);
+    return glm::clamp(Transfer{Transfer::Kind::srgb}.encode(lit + kAround * surface.diffuse(x, y)), 0.0f,
+                      1.0f);
+}
+
+}  // namespace
+
+BoardPatch board_patch(const Surface& board, const Region& region) {
+    BoardPatch patch{board.width(), board.height(), region, {}};
+    const auto width = static_cast<std::size_t>(region.width());
+    patch.srgb.resize(width * static_cast<std::size_t>(region.height()));
+    parallel_for(region.y0, region.y1, 16, [&](int begin, int end) {
+        for (int y = begin; y < end; ++y)
+            for (int x = region.x0; x < region.x1; ++x)
+                patch.srgb[static_cast<std::size_t>(y - region.y0) * width +
+                           static_cast<std::size_t>(x - region.x0)] =
+                    glm::u8vec3(glm::round(255.0f * seen(board, x, y)));
+    });
+    return patch;
+}
+
+std::vector<Rgb> gloss_strip(const Rgb& diffuse, double specular, double roughness, int count) {
+    Surface strip(count, 1);
+    std::vector<Rgb> colours;
+    for (int i = 0; i < count; ++i) {
+        const double angle = (2.0 * (i + 0.5) / count - 1) * 60 * std::numbers::pi / 180;
+        // Bent towards the lamp and away from it.
+        strip.normal(i, 0) = {static_cast<float>(std::sin(angle) / std::numbers::sqrt2),
+                              static_cast<float>(-std::sin(angle) / std::numbers::sqrt2),
+                              static_cast<float>(std::cos(angle))};
+        strip.diffuse(i, 0) = diffuse;
+        strip.specular(i, 0) = static_cast<float>(specular);
+        strip.roughness(i, 0) = static_cast<float>(roughness);
+        colours.push_back(seen(strip, i, 0));
+    }
+    return colours;
+}
+
+}  // namespace tangi

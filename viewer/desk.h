@@ -1,0 +1,70 @@
+// desk.h: what happens beside the painting in the window: another one being opened, a fit that runs,
+// photographs held against it, the paintings opened last. No OpenGL.
+#pragma once
+
+#include <functional>
+#include <future>
+#include <memory>
+#include <optional>
+
+#include "viewer/comparison.h"
+#include "viewer/job.h"
+#include "viewer/painter.h"
+#include "viewer/window_state.h"
+#include "viewer/workshop.h"
+
+namespace tangi {
+
+// A painting that is ready to be shown.
+struct OpenedPainting {
+    std::unique_ptr<Painter> painter;
+    TexelTiles tiles;
+    std::filesystem::path file;
+};
+
+class Desk {
+public:
+    struct Setup {
+        Workshop workshop;
+        Palette palette;
+        std::filesystem::path settings;  // folder; empty: nothing is remembered
+        std::function<int(int width, int height)> tile_bits;
+        std::function<void()> wake;
+        std::function<void(const std::string&)> say;
+    };
+    Desk(WindowState& state, Setup setup);
+
+    // Tells what is shown from now on: photographs of another painting are put away.
+    void shows(const Painter& painter);
+
+    // Does what was asked for, of what is its business.
+    void take(const WindowState::Requests& ask, const Painter& painter);
+    // Looks what has become of it; changes the state. True where there may be something to be seen of it.
+    bool look();
+    // A painting that is to be shown now; once.
+    std::optional<OpenedPainting> opened();
+
+    void open(const std::filesystem::path& file);
+    void remember(const std::filesystem::path& file);  // as one that was opened last
+    void hold_photos(const std::filesystem::path& folder, const Painter& painter);
+
+private:
+    void fit(const std::filesystem::path& folder);
+    void step(int by);
+    void turn_to(int index);
+    void put_photos_away();
+    void start(std::string title, std::function<void(const Progress&)> work);
+
+    WindowState& state_;
+    Setup setup_;
+    std::optional<OpenedPainting> opened_;  // by the job, while it runs; ours once it is over
+    std::optional<std::pair<std::filesystem::path, std::string>> fitted_;  // the same
+    std::unique_ptr<Job> job_;
+    std::unique_ptr<Comparison> comparison_;
+    std::future<void> put_away_;  // one that still measures a photograph that nobody wants any more
+    std::optional<Region> measured_;
+    bool worked_ = false;
+    int lit_ = -1;  // the photograph at whose lamp the painting is lit
+};
+
+}  // namespace tangi

@@ -1,0 +1,27 @@
+// held_pictures.h: the pictures of a photograph and of the relit painting as textures.
+#pragma once
+
+#include "viewer/gl/objects.h"
+#include "viewer/photo_book.h"
+#include "viewer/window_state.h"
+
+namespace tangi {
+
+class HeldPictures {
+public:
+    // Uploads what this way of looking needs and is not there yet. True where something changed.
+    bool show(const Comparing& comparing);
+    void clear();
+
+    // Textures of the photograph and the relit painting, or of the map of differences (both the same).
+    GLuint left() const { return textures_[0].id(); }
+    GLuint right() const { return textures_[second_].id(); }
+
+private:
+    std::shared_ptr<const HeldPhoto> held_;
+    CompareWay way_ = CompareWay::wipe;
+    gl::Texture textures_[2];
+    std::size_t second_ = 1;
+};
+
+}  // namespace tangi

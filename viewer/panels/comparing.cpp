@@ -1,0 +1,201 @@
+// comparing.cpp: the panel Photographs, and the photograph beside the relit painting on the canvas.
+#include <fmt/format.h>
+#include <imgui.h>
+
+#include <cmath>
+
+#include "viewer/panels/panels.h"
+
+namespace tangi::panels {
+
+namespace {
+
+constexpr ImU32 kInk = IM_COL32(235, 235, 235, 255), kBack = IM_COL32(0, 0, 0, 170);
+
+void label(ImDrawList* draw, ImVec2 at, const std::string& text, bool from_right = false) {
+    const ImVec2 size = ImGui::CalcTextSize(text.c_str());
+    if (from_right) at.x -= size.x;
+    draw->AddRectFilled({at.x - 6, at.y - 4}, {at.x + size.x + 6, at.y + size.y + 4}, kBack, 4);
+    draw->AddText(at, kInk, text.c_str());
+}
+
+// A picture where the painting lies, of which what is between two columns of the window is seen.
+void picture(ImDrawList* draw, unsigned texture, const Placement& place, const Extent& painting, float left,
+             float from, float to) {
+    const auto corner = [&](double x, double y) {
+        const glm::dvec2 at = place.to_screen({x, y});
+        return ImVec2(static_cast<float>(at.x) + left, static_cast<float>(at.y));
+    };
+    const double right = painting.width - 0.5, bottom = painting.height - 0.5;
+    draw->PushClipRect({from, 0}, {to, ImGui::GetIO().DisplaySize.y}, true);
+    draw->AddImageQuad(reinterpret_cast<ImTextureID>(static_cast<std::uintptr_t>(texture)),
+                       corner(-0.5, -0.5), corner(right, -0.5), corner(right, bottom), corner(-0.5, bottom));
+    draw->PopClipRect();
+}
+
+void legend(ImDrawList* draw, const ColourScale& scale, const std::string& unit, ImVec2 at) {
+    constexpr float kWide = 220, kHigh = 12;
+    draw->AddRectFilled({at.x - 8, at.y - 6}, {at.x + kWide + 8, at.y + kHigh + 24}, kBack, 4);
+    const auto count = static_cast<float>(scale.colours_srgb.size());
+    for (std::size_t i = 0; i < scale.colours_srgb.size(); ++i) {
+        const Rgb c = 255.0f * scale.colours_srgb[i];
+        const float x = at.x + kWide * static_cast<float>(i) / count;
+        draw->AddRectFilled(
+            {x, at.y}, {x + kWide / count + 0.5f, at.y + kHigh},
+            IM_COL32(static_cast<int>(c.r), static_cast<int>(c.g), static_cast<int>(c.b), 255));
+    }
+    const bool is_signed = scale.lowest < 0;
+    const std::string begin = fmt::format("{:.0f}", scale.lowest);
+    const std::string end = fmt::format("{}{:.0f}{}", is_signed ? "+" : "", scale.highest, unit);
+    draw->AddText({at.x, at.y + kHigh + 2}, kInk, begin.c_str());
+    draw->AddText({at.x + kWide - ImGui::CalcTextSize(end.c_str()).x, at.y + kHigh + 2}, kInk, end.c_str());
+}
+
+void numbers(const char* what, const Likeness& likeness) {
+    if (likeness.pixels == 0) {
+        ImGui::TextDisabled("%s: nothing was measured there", what);
+        return;
+    }
+    ImGui::Text("%s (%zu pixels)", what, likeness.pixels);
+    ImGui::Text("  PSNR %.1f dB   SSIM %.3f", likeness.psnr_db, likeness.ssim);
+    ImGui::Text("  dE2000 %.2f, 95 %% below %.2f", likeness.delta_e_2000, likeness.delta_e_2000_p95);
+}
+
+void list(WindowState& s) {
+    Comparing& c = s.comparing;
+    const auto& entries = c.news.book->entries();
+    ImGui::BeginChild("photos", {0, 6.2f * ImGui::GetTextLineHeightWithSpacing()}, true);
+    for (std::size_t i = 0; i < entries.size(); ++i) {
+        const auto index = static_cast<int>(i);
+        const auto broken = c.news.broken.find(index);
+        const bool whole = broken == c.news.broken.end();
+        const std::string name = fmt::format("{}{}##{}", entries[i].name,
+                                             !whole              ? " (left out)"
+                                             : entries[i].fitted ? ""
+                                                                 : " (held out)",
+                                             i);
+        if (ImGui::Selectable(name.c_str(), index == c.news.wanted,
+                              whole ? ImGuiSelectableFlags_None : ImGuiSelectableFlags_Disabled)) {
+            s.ask.photo = index;
+            c.on = true;
+        }
+        if (index == c.news.wanted && !ImGui::IsItemVisible()) ImGui::SetScrollHereY();
+        if (!whole && ImGui::IsItemHovered(ImGuiHoveredFlags_AllowWhenDisabled))
+            ImGui::SetTooltip("%s", broken->second.c_str());
+    }
+    ImGui::EndChild();
+}
+
+}  // namespace
+
+void photographs(WindowState& s) {
+    Comparing& c = s.comparing;
+    if (!c.loaded) {
+        if (!s.from_photographs) {
+            ImGui::TextWrapped("This painting was not fitted to photographs.");
+            return;
+        }
+        if (ImGui::Button("Hold photographs against it ...")) s.ask.photos_dialog = true;
+        ImGui::TextDisabled("or drop their folder on the window");
+        return;
+    }
+    if (!c.news.book) {
+        ImGui::TextDisabled("opening %s", c.folder.c_str());
+        ImGui::ProgressBar(static_cast<float>(c.news.fraction), {-1, 0}, c.news.stage.c_str());
+        return;
+    }
+    ImGui::Checkbox(fmt::format("Compare ({})", s.keys.text(Action::compare)).c_str(), &c.on);
+    ImGui::SameLine();
+    if (ImGui::SmallButton("Put away")) s.ask.put_photos_away = true;
+    list(s);
+    if (const auto& warnings = c.news.book->warnings(); !warnings.empty()) {
+        ImGui::TextDisabled("%zu warnings (?)", warnings.size());
+        if (ImGui::IsItemHovered()) {
+            std::string all;
+            for (const std::string& warning : warnings) all += warning + "\n";
+            ImGui::BeginTooltip();
+            ImGui::PushTextWrapPos(500 * s.scale);
+            ImGui::TextUnformatted(all.c_str());
+            ImGui::PopTextWrapPos();
+            ImGui::EndTooltip();
+        }
+    }
+    if (ImGui::ArrowButton("previous", ImGuiDir_Left)) s.ask.step_photo = -1;
+    ImGui::SameLine();
+    if (ImGui::ArrowButton("next", ImGuiDir_Right)) s.ask.step_photo = 1;
+    ImGui::SameLine();
+    ImGui::PushItemWidth(-1);
+    if (ImGui::BeginCombo("##way", kCompareWays[static_cast<std::size_t>(c.way)].name)) {
+        for (const CompareWayName& way : kCompareWays)
+            if (ImGui::Selectable(way.name, way.way == c.way)) c.way = way.way;
+        ImGui::EndCombo();
+    }
+    ImGui::PopItemWidth();
+    if (c.way == CompareWay::blink) ImGui::SliderFloat("Blink", &c.blink_s, 0.15f, 3, "%.2f s");
+    if (c.news.held) numbers("Whole", c.news.held->whole);
+    if (c.news.part && c.news.held && c.news.part->index == c.news.held->index && s.region)
+        numbers("Region", c.news.part->likeness);
+    else
+        ImGui::TextDisabled("Region tool (%s): numbers of a part", s.keys.text(Action::tool_region).c_str());
+    if (c.news.reporting) {
+        ImGui::ProgressBar(static_cast<float>(c.news.fraction), {-60 * s.scale, 0}, "report");
+        ImGui::SameLine();
+        if (ImGui::Button("Stop")) s.ask.stop_report = true;
+    } else {
+        if (ImGui::Button("Report ...")) s.ask.report_dialog = true;
+        if (ImGui::IsItemHovered())
+            ImGui::SetTooltip("%s: compare.html, compare.json and pictures of all photographs",
+                              s.keys.text(Action::report).c_str());
+    }
+}
+
+void held_photo(const WindowState& s, unsigned photo, unsigned relit, Extent screen) {
+    const Comparing& c = s.comparing;
+    ImDrawList* draw = ImGui::GetBackgroundDrawList();
+    const Placement place = placement_of(s, screen);
+    const float left = ImGui::GetIO().DisplaySize.x - static_cast<float>(screen.width);
+    const auto wide = static_cast<float>(screen.width), half = static_cast<float>(pane(s, screen).width);
+    const auto& entry = c.news.book->entries()[static_cast<std::size_t>(c.news.held->index)];
+    std::string name = entry.name;
+    if (c.news.held->reduced > 1) name += fmt::format(" (at 1/{})", c.news.held->reduced);
+    const float top = 12;
+    switch (c.way) {
+        case CompareWay::aside:
+            picture(draw, photo, place, s.painting, left, left, left + half);
+            picture(draw, relit, place, s.painting, left + half, left + half, left + wide);
+            draw->AddLine({left + half, 0}, {left + half, static_cast<float>(screen.height)}, kBack, 3);
+            label(draw, {left + 14, top}, name);
+            label(draw, {left + half + 14, top}, "relit");
+            break;
+        case CompareWay::wipe: {
+            const float at = left + std::round(c.divider * wide);
+            picture(draw, photo, place, s.painting, left, left, at);
+            picture(draw, relit, place, s.painting, left, at, left + wide);
+            draw->AddLine({at, 0}, {at, static_cast<float>(screen.height)}, IM_COL32(0, 0, 0, 255), 3);
+            draw->AddLine({at, 0}, {at, static_cast<float>(screen.height)}, kInk, 1);
+            label(draw, {at - 14, top}, name, true);
+            label(draw, {at + 14, top}, "relit");
+            break;
+        }
+        case CompareWay::blink:
+            picture(draw, c.blink_photo ? photo : relit, place, s.painting, left, left, left + wide);
+            label(draw, {left + 14, top}, c.blink_photo ? name : "relit");
+            break;
+        case CompareWay::difference:
+        case CompareWay::delta_e: {
+            const bool colour = c.way == CompareWay::delta_e;
+            ColourScale scale = colour ? c.news.book->delta_e_scale() : c.news.book->difference_scale();
+            if (!colour) {
+                scale.lowest *= 100;
+                scale.highest *= 100;
+            }
+            picture(draw, photo, place, s.painting, left, left, left + wide);
+            label(draw, {left + 14, top}, colour ? name + ": CIEDE2000" : name + ": relit - photograph");
+            legend(draw, scale, colour ? " dE" : " %", {left + 20, top + 34});
+            break;
+        }
+    }
+    if (c.news.busy) label(draw, {left + wide / 2, static_cast<float>(screen.height) - 60}, "measuring ...");
+}
+
+}  // namespace tangi::panels

@@ -1,0 +1,128 @@
+#include "viewer/panels/file_dialog.h"
+
+#include <fmt/format.h>
+#include <imgui.h>
+#include <imgui_stdlib.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "surface/picture_file.h"
+
+namespace tangi::panels {
+
+namespace fs = std::filesystem;
+
+FileDialog::FileDialog(std::string title, Wants wants, std::string ending, const fs::path& start,
+                       std::function<void(const fs::path&)> chosen)
+    : title_(std::move(title)), ending_(std::move(ending)), wants_(wants), chosen_(std::move(chosen)) {
+    std::error_code gone;
+    const fs::path at = fs::absolute(start.empty() ? fs::path(".") : start, gone).lexically_normal();
+    if (wants == Wants::new_file) typed_ = at.filename().string();
+    go_to(fs::is_directory(at, gone) ? at : at.parent_path());
+}
+
+void FileDialog::go_to(const fs::path& folder) {
+    folder_ = folder.has_filename() || folder == folder.root_path() ? folder : folder.parent_path();
+    folders_.clear();
+    files_.clear();
+    std::error_code error;
+    for (fs::directory_iterator entry(folder_, fs::directory_options::skip_permission_denied, error), end;
+         !error && entry != end; entry.increment(error)) {
+        const std::string name = entry->path().filename().string();
+        std::error_code gone;
+        if (name.starts_with('.')) continue;
+        if (entry->is_directory(gone))
+            folders_.push_back(name);
+        else if (wants_ != Wants::folder && lower_extension(entry->path()) == ending_)
+            files_.push_back(name);
+    }
+    complaint_ = error ? fmt::format("cannot be listed: {}", error.message()) : "";
+    std::sort(folders_.begin(), folders_.end());
+    std::sort(files_.begin(), files_.end());
+}
+
+FileDialog::Choice FileDialog::choice(Wants wants, const std::string& ending, const fs::path& folder,
+                                      const std::string& typed) {
+    if (typed.empty())
+        return wants == Wants::folder ? Choice{folder, "", true} : Choice{{}, "type or click a name", false};
+    fs::path path = typed.starts_with('/') ? fs::path(typed) : folder / typed;
+    std::error_code gone;
+    if (wants == Wants::new_file) {
+        if (lower_extension(path) != ending) path += ending;
+        if (fs::is_directory(path, gone)) return {{}, "that is a folder", true};
+        if (!fs::is_directory(path.parent_path(), gone)) return {{}, "there is no such folder", false};
+        return {path, "", fs::exists(path, gone)};
+    }
+    if (!fs::exists(path, gone)) return {{}, "there is no such file or folder", false};
+    if (wants == Wants::folder && !fs::is_directory(path, gone)) return {{}, "that is no folder", true};
+    return {path, "", true};
+}
+
+bool FileDialog::accept() {
+    const Choice choice = FileDialog::choice(wants_, ending_, folder_, typed_);
+    std::error_code gone;
+    complaint_ = choice.complaint;
+    if (choice.path.empty()) return false;
+    if (wants_ == Wants::file && fs::is_directory(choice.path, gone)) {
+        go_to(choice.path);
+        typed_.clear();
+        return false;
+    }
+    if (wants_ == Wants::new_file && choice.exists && overwrites_ != choice.path.string()) {
+        overwrites_ = choice.path.string();
+        complaint_ = "is there already; once more to replace it";
+        return false;
+    }
+    chosen_(choice.path);
+    return true;
+}
+
+bool FileDialog::draw() {
+    const ImVec2 screen = ImGui::GetIO().DisplaySize;
+    ImGui::SetNextWindowPos({screen.x / 2, screen.y / 2}, ImGuiCond_Appearing, {0.5f, 0.5f});
+    ImGui::SetNextWindowSize({std::min(520.0f, screen.x), std::min(430.0f, screen.y)}, ImGuiCond_Appearing);
+    ImGui::SetNextWindowBgAlpha(1);
+    bool open = true, done = false;
+    ImGui::Begin(title_.c_str(), &open, ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoCollapse);
+    ImGui::TextUnformatted(folder_.string().c_str());
+    ImGui::BeginChild("list", {0, -2.6f * ImGui::GetFrameHeightWithSpacing()}, true);
+    fs::path next;
+    if (folder_.has_relative_path() && ImGui::Selectable("..")) next = folder_.parent_path();
+    for (const std::string& name : folders_) {
+        if (!ImGui::Selectable((name + "/").c_str(), typed_ == name, ImGuiSelectableFlags_AllowDoubleClick))
+            continue;
+        if (wants_ == Wants::folder) typed_ = name;
+        if (wants_ != Wants::folder || ImGui::IsMouseDoubleClicked(0)) next = folder_ / name;
+    }
+    for (const std::string& name : files_)
+        if (ImGui::Selectable(name.c_str(), typed_ == name, ImGuiSelectableFlags_AllowDoubleClick)) {
+            typed_ = name;
+            done = ImGui::IsMouseDoubleClicked(0) && accept();
+        }
+    ImGui::EndChild();
+    if (!next.empty()) {
+        go_to(next);
+        if (wants_ != Wants::new_file) typed_.clear();
+    }
+    if (focus_) ImGui::SetKeyboardFocusHere();
+    focus_ = false;
+    ImGui::PushItemWidth(-1);
+    const char* hint = wants_ == Wants::folder ? "this folder, or the name of one" : "name, or a whole path";
+    ImGui::InputTextWithHint("##name", hint, &typed_);
+    if (std::exchange(entered_, false)) {
+        done = accept();
+        focus_ = !done;
+    }
+    ImGui::PopItemWidth();
+    const char* verb = wants_ == Wants::new_file ? "Save" : wants_ == Wants::folder ? "Choose" : "Open";
+    if (ImGui::Button(verb)) done = accept();
+    ImGui::SameLine();
+    if (ImGui::Button("Cancel") || given_up_) open = false;
+    ImGui::SameLine();
+    ImGui::TextColored({1, 0.7f, 0.3f, 1}, "%s", complaint_.c_str());
+    ImGui::End();
+    return open && !done;
+}
+
+}  // namespace tangi::panels

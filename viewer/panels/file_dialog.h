@@ -1,0 +1,51 @@
+// file_dialog.h: choosing a file or a folder, in a window of Dear ImGui.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace tangi::panels {
+
+class FileDialog {
+public:
+    enum class Wants { file, new_file, folder };
+
+    // `ending`: of the files that are listed, ".exr". `start`: the folder, or of Wants::new_file the file.
+    // `chosen` is called once, with what the user chose.
+    FileDialog(std::string title, Wants wants, std::string ending, const std::filesystem::path& start,
+               std::function<void(const std::filesystem::path&)> chosen);
+
+    // Keys that Dear ImGui 1.86 does not see where they are let go before the next frame.
+    void enter() { entered_ = true; }
+    void escape() { given_up_ = true; }
+
+    // False once it is over: chosen, or given up.
+    bool draw();
+
+    // What choosing `typed` in `folder` means: an existing file, a folder, a new file with its ending; or why
+    // not (then `path` is empty).
+    struct Choice {
+        std::filesystem::path path;
+        std::string complaint;
+        bool exists = false;  // a new file of this name is there already
+    };
+    static Choice choice(Wants wants, const std::string& ending, const std::filesystem::path& folder,
+                         const std::string& typed);
+
+private:
+    void go_to(const std::filesystem::path& folder);
+    bool accept();
+
+    std::string title_, ending_, typed_, complaint_;
+    Wants wants_;
+    std::filesystem::path folder_;
+    std::vector<std::string> folders_, files_;
+    std::function<void(const std::filesystem::path&)> chosen_;
+    std::string overwrites_;  // was asked about
+    bool focus_ = true, entered_ = false, given_up_ = false;
+};
+
+}  // namespace tangi::panels

@@ -1,0 +1,74 @@
+// measuring.cpp: the height along the ruler, and what a region is like.
+#include <fmt/format.h>
+#include <imgui.h>
+
+#include <algorithm>
+
+#include "viewer/panels/panels.h"
+
+namespace tangi::panels {
+
+namespace {
+
+void profile(WindowState& s) {
+    const HeightProfile& p = *s.profile;
+    const char* unit = p.scale_known ? "mm" : "px";
+    const auto [low, high] = std::minmax_element(p.height_mm.begin(), p.height_mm.end());
+    const double length = static_cast<double>(p.height_mm.size() - 1) * p.step_mm;
+    ImGui::Text("%.2f %s long, heights from %.3f to %.3f %s", length, unit, static_cast<double>(*low),
+                static_cast<double>(*high), unit);
+    ImGui::PlotLines("##heights", p.height_mm.data(), static_cast<int>(p.height_mm.size()), 0, nullptr, *low,
+                     std::max(*high, *low + 1e-6f), {ImGui::GetContentRegionAvail().x, 110 * s.scale});
+    if (ImGui::Button("Copy as CSV")) ImGui::SetClipboardText(csv_of(p).c_str());
+}
+
+void statistics(const WindowState& s) {
+    const RegionStatistics& r = *s.statistics;
+    ImGui::Text("%d x %d pixels at %d %d", r.region.width(), r.region.height(), r.region.x0, r.region.y0);
+    if (r.pixels == 0) {
+        ImGui::TextDisabled("nothing was measured there");
+        return;
+    }
+    const auto line = [](const char* name, const MeanAndSpread& value) {
+        ImGui::Text("%-11s %8.4f +- %.4f", name, value.mean, value.deviation);
+    };
+    ImGui::Text("rho d       Lab %.1f %.1f %.1f, spread dE2000 %.1f", r.lab_of_mean.l, r.lab_of_mean.a,
+                r.lab_of_mean.b, r.colour_spread);
+    line("rho s", r.specular);
+    line("alpha", r.roughness);
+    line(s.scale_known ? "height mm" : "height px", r.height_mm);
+    ImGui::Text("rms slope   %8.4f", r.rms_slope);
+    line("confidence", r.confidence);
+}
+
+}  // namespace
+
+void measurements(WindowState& s) {
+    const auto begin = [&](const char* name, float from_bottom, bool& open) {
+        const ImVec2 size = ImGui::GetIO().DisplaySize;
+        ImGui::SetNextWindowPos({size.x - 12, size.y - from_bottom}, ImGuiCond_Appearing, {1, 1});
+        ImGui::SetNextWindowSize({400 * s.scale, 0});
+        ImGui::Begin(name, &open,
+                     ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoSavedSettings |
+                         ImGuiWindowFlags_NoFocusOnAppearing);
+    };
+    if (s.profile && s.profile->height_mm.size() >= 2) {
+        bool open = true;
+        begin("Height along the ruler", 40, open);
+        profile(s);
+        ImGui::End();
+        if (!open) s.profile.reset();
+    }
+    if (s.statistics && s.region) {
+        bool open = true;
+        begin("Region", s.profile ? 40 + 210 * s.scale : 40, open);
+        statistics(s);
+        ImGui::End();
+        if (!open) {
+            s.statistics.reset();
+            s.region.reset();
+        }
+    }
+}
+
+}  // namespace tangi::panels

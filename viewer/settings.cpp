@@ -1,0 +1,58 @@
+#include "viewer/settings.h"
+
+#include <cstdlib>
+#include <nlohmann/json.hpp>
+
+#include "surface/atomic_file.h"
+#include "surface/error.h"
+
+namespace tangi {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr std::size_t kMostRecent = 10;
+
+}  // namespace
+
+fs::path settings_folder() {
+    const char* config = std::getenv("XDG_CONFIG_HOME");
+    if (config && fs::path(config).is_absolute()) return fs::path(config) / "tangipaint";
+    const char* home = std::getenv("HOME");
+    if (home && fs::path(home).is_absolute()) return fs::path(home) / ".config" / "tangipaint";
+    return {};
+}
+
+std::vector<fs::path> recent_paintings(const fs::path& folder) {
+    std::vector<fs::path> recent;
+    std::error_code gone;
+    if (folder.empty() || !fs::exists(folder / "recent.json", gone)) return recent;
+    nlohmann::json list;
+    try {
+        list = nlohmann::json::parse(read_text_file(folder / "recent.json"), nullptr, false);
+    } catch (const Error&) {
+        return recent;
+    }
+    if (!list.is_array()) return recent;
+    for (const nlohmann::json& entry : list)
+        if (entry.is_string() && fs::is_regular_file(entry.get<std::string>(), gone))
+            recent.emplace_back(entry.get<std::string>());
+    return recent;
+}
+
+void remember_painting(const fs::path& folder, const fs::path& painting) {
+    if (folder.empty()) return;
+    std::vector<fs::path> recent = recent_paintings(folder);
+    const fs::path path = fs::absolute(painting).lexically_normal();
+    std::erase(recent, path);
+    recent.insert(recent.begin(), path);
+    if (recent.size() > kMostRecent) recent.resize(kMostRecent);
+    nlohmann::json list = nlohmann::json::array();
+    for (const fs::path& one : recent) list.push_back(one.string());
+    make_folder(folder);
+    write_text_file(folder / "recent.json",
+                    list.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
+}
+
+}  // namespace tangi

@@ -1,0 +1,253 @@
+#include "viewer/web_page.h"
+
+#include <unistd.h>
+
+#include <atomic>
+#include <mutex>
+#include <nlohmann/json.hpp>
+
+#include "surface/atomic_file.h"
+#include "surface/base64.h"
+#include "surface/parallel.h"
+#include "surface/picture_file.h"
+#include "viewer/look.h"
+#include "viewer/shaders.h"
+#include "viewer/web_page_html.h"
+#include "viewer/web_tiles.h"
+
+namespace tangi {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+namespace {
+
+// Where the parts of a page go: into the page, or into files beside it.
+class Parts {
+public:
+    virtual ~Parts() = default;
+    virtual void add(const std::string& name, const std::string& bytes) = 0;  // from any thread
+};
+
+// <script type="text/plain"> is not run and not shown: text that the page looks up by its id.
+class PartsInside : public Parts {
+public:
+    PartsInside(const fs::path& page, double largest_mb) : page_(page), largest_mb_(largest_mb) {}
+    void add(const std::string& name, const std::string& bytes) override {
+        const std::string element =
+            fmt::format("<script type=\"text/plain\" id=\"part-{}\">{}</script>\n", name, base64(bytes));
+        const std::lock_guard lock(mutex_);
+        elements_[name] = element;
+        size_ += element.size();
+        if (static_cast<double>(size_) > 1e6 * largest_mb_)
+            fail(
+                "{}: the painting takes more than {} MB, too much for a page of one file; name a folder, "
+                "from "
+                "which browsers fetch what they show, or raise --largest-page-mb",
+                page_.string(), largest_mb_);
+    }
+    std::string text() const {  // in the order of their names, whatever thread was first
+        std::string all;
+        for (const auto& [name, element] : elements_) all += element;
+        return all;
+    }
+
+private:
+    fs::path page_;
+    double largest_mb_;
+    std::mutex mutex_;
+    std::map<std::string, std::string> elements_;
+    std::size_t size_ = 0;
+};
+
+// parts/<name>.js, each a call with its name and its bytes; in a hidden folder until place().
+class PartsBeside : public Parts {
+public:
+    explicit PartsBeside(const fs::path& folder)
+        : folder_(folder), hidden_(folder / fmt::format(".parts.{}.tmp", ::getpid())) {
+        made_ = !fs::exists(folder_);
+        make_folder(hidden_);
+    }
+    ~PartsBeside() override {
+        std::error_code ignored;
+        fs::remove_all(hidden_, ignored);
+        if (made_ && !placed_) fs::remove(folder_, ignored);
+    }
+    void add(const std::string& name, const std::string& bytes) override {
+        const fs::path path = hidden_ / (name + ".js");
+        make_folder(path.parent_path());
+        write_text_file(path, fmt::format("tangiPart('{}','{}');\n", name, base64(bytes)));
+    }
+    // The old parts are gone once the new ones are there.
+    void place() {
+        const fs::path parts = folder_ / "parts", old = folder_ / fmt::format(".parts.{}.old", ::getpid());
+        if (fs::exists(parts)) fs::rename(parts, old);
+        fs::rename(hidden_, parts);
+        placed_ = true;
+        std::error_code ignored;
+        fs::remove_all(old, ignored);
+    }
+
+private:
+    fs::path folder_, hidden_;
+    bool made_ = false, placed_ = false;
+};
+
+json fields() {
+    json all = json::array();
+    for (const WebField& f : kWebFields)
+        all.push_back({{"word", f.word}, {"shift", f.shift}, {"bits", f.bits}, {"kept", f.kept}});
+    return all;
+}
+
+json looks() {
+    json all = json::array();
+    for (const LookName& look : kLooks) all.push_back(look.name);
+    return all;
+}
+
+// Program and version of whatever the painting came from, for the page's caption.
+json origin(const Surface& surface) {
+    const json provenance = json::parse(surface.provenance, nullptr, false);
+    json told = json::object();
+    if (provenance.is_object())
+        for (const char* key : {"program", "version", "command"})
+            if (provenance.contains(key)) told[key] = provenance[key];
+    const auto& photos = surface.photography.photos;
+    told["photographs"] =
+        std::count_if(photos.begin(), photos.end(), [](const auto& photo) { return photo.fitted; });
+    return told;
+}
+
+struct Pyramid {
+    TexelTiles tiles;
+    int levels = 0;
+};
+
+Pyramid pyramid_of(const Surface& surface) {
+    const int levels = web_levels(surface.width(), surface.height());
+    return {TexelTiles(surface, range_of(surface), std::max(kWebTileBits, levels - 1)), levels};
+}
+
+json data_of(const Surface& s, const Pyramid& pyramid, const HorizonMap& horizon, const WebWords& words,
+             const WebOptions& options) {
+    const TexelRange& range = pyramid.tiles.range();
+    const auto [low, high] = std::minmax_element(s.height_mm.pixels().begin(), s.height_mm.pixels().end());
+    return {{"title", words.title},
+            {"credit", words.credit},
+            {"origin", origin(s)},
+            {"width", s.width()},
+            {"height", s.height()},
+            {"mm_per_pixel", s.mm_per_pixel},
+            {"scale_known", s.scale_known},
+            {"heights_mm", {*low, *high}},
+            {"range",
+             {range.diffuse_max, range.specular_max, range.height_min_mm,
+              range.height_max_mm - range.height_min_mm}},
+            {"law", {s.law.diffuse_roughness, s.law.haze}},
+            {"levels", pyramid.levels},
+            {"fields", fields()},
+            {"looks", looks()},
+            {"horizon", {horizon.width, horizon.height, HorizonMap::kAzimuths}},
+            {"light_deg", {options.light_azimuth_deg, options.light_elevation_deg}},
+            {"vertex_shader", kPaintingVertexShader},
+            {"fragment_shader", kPaintingFragmentShader}};
+}
+
+// Inside <script>, only "<" could end the text early; JSON lets it be written as an escape.
+std::string inert(const json& data) {
+    std::string text;
+    for (const char c : data.dump(-1, ' ', false, json::error_handler_t::replace))
+        text += c == '<' ? std::string("\\u003c") : std::string(1, c);
+    return text;
+}
+
+std::string page_with(const json& data, const std::string& parts) {
+    std::string page = kWebPageHtml;
+    // The last place first: what is put in may contain anything.
+    for (const auto& [mark, text] :
+         {std::pair<std::string, std::string>{"{{parts}}", parts}, {"{{data}}", inert(data)}}) {
+        const std::size_t at = page.rfind(mark);
+        TP_REQUIRE(at != std::string::npos, "the page has a place for its data");
+        page.replace(at, mark.size(), text);
+    }
+    return page;
+}
+
+void add_parts(Parts& parts, const Pyramid& pyramid, const HorizonMap& horizon, WebReport& report,
+               const Progress& progress) {
+    struct Place {
+        int level, column, row;
+    };
+    std::vector<Place> places;
+    for (int level = pyramid.levels - 1; level >= 0; --level) {
+        const WebSize size = web_size(pyramid.tiles.width(), pyramid.tiles.height(), level);
+        for (int row = 0; row < size.rows(); ++row)
+            for (int column = 0; column < size.columns(); ++column) places.push_back({level, column, row});
+    }
+    constexpr int kAtOnce = 32;  // so that progress is told, and can be cancelled
+    std::atomic<std::size_t> bytes = 0;
+    const int count = static_cast<int>(places.size());
+    for (int first = 0; first < count; first += kAtOnce) {
+        tangi::report(progress, "tiles", first / static_cast<double>(count));
+        parallel_for(first, std::min(first + kAtOnce, count), 1, [&](int begin, int end) {
+            for (int i = begin; i < end; ++i) {
+                const Place& p = places[static_cast<std::size_t>(i)];
+                const std::string tile = web_tile(pyramid.tiles, p.level, p.column, p.row);
+                bytes += tile.size();
+                if (i == 0) report.first_bytes = tile.size();
+                parts.add(fmt::format("{}/{}_{}", p.level, p.column, p.row), tile);
+            }
+        });
+    }
+    if (!horizon.values.empty()) {
+        const std::string packed = web_horizon(horizon);
+        bytes += packed.size();
+        parts.add("horizon", packed);
+    }
+    report.levels = pyramid.levels;
+    report.tiles = count;
+    report.bytes = bytes;
+    tangi::report(progress, "tiles", 1);
+}
+
+}  // namespace
+
+WebReport write_web_page(const fs::path& path, const Surface& surface, const WebWords& words,
+                         const WebOptions& options, const Progress& progress) {
+    require_consistent(surface);
+    validate(options);
+    if (surface.width() < 1 || surface.height() < 1) fail("{}: the painting has no pixels", path.string());
+    const bool single = lower_extension(path) == ".html";
+    WebReport report;
+    std::optional<PartsInside> inside;
+    std::optional<PartsBeside> beside;
+    if (single)
+        inside.emplace(path, options.largest_page_mb);
+    else
+        beside.emplace(path);
+    AtomicFile page(single ? path : path / "index.html");
+    Parts& parts = single ? static_cast<Parts&>(*inside) : *beside;
+    const Pyramid pyramid = pyramid_of(surface);
+    HorizonMap horizon;
+    if (options.shadow_side > 0 && surface.width() > 1 && surface.height() > 1)
+        horizon = horizon_map(coarse_heights(surface.height_mm, surface.mm_per_pixel, options.shadow_side),
+                              progress);
+    add_parts(parts, pyramid, horizon, report, progress);
+    const std::string text =
+        page_with(data_of(surface, pyramid, horizon, words, options), single ? inside->text() : "");
+    page.write(text);
+    if (single) {
+        report.bytes = report.first_bytes = text.size();
+    } else {
+        report.bytes += text.size();
+        report.first_bytes += text.size();
+        beside->place();
+        report.files.push_back(path / "parts");
+    }
+    page.commit();
+    report.files.insert(report.files.begin(), page.target());
+    return report;
+}
+
+}  // namespace tangi

@@ -1,0 +1,59 @@
+// web_page.h: a painting as a web page that needs nothing else: no network, no server, no plug-in.
+//
+// The page draws with WebGL 2 and the window's own shaders. It fetches tiles (web_tiles.h) as they come into
+// view, coarse ones first, as scripts: a page that was opened from a disk may load scripts beside it, but
+// neither read pictures nor other files.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "surface/options.h"
+#include "surface/progress.h"
+#include "surface/surface.h"
+
+namespace tangi {
+
+// The numbers of a page; its words are in WebWords.
+struct WebOptions {
+    int shadow_side = 512;                                     // of the map of horizons, 0 for no shadows
+    double light_azimuth_deg = 135, light_elevation_deg = 50;  // at the beginning
+
+    // Beyond it no page of one file is written: browsers would read it all before they show anything.
+    double largest_page_mb = 64;
+
+    static constexpr std::string_view name = "web";
+    template <class Self, class Visit>
+    static void fields(Self& self, Visit&& visit) {
+        visit(FieldInfo{"shadow_side", 0, 1024, "px",
+                        "web: longer side of the map that cast shadows come from; 0: no shadows"},
+              self.shadow_side);
+        visit(FieldInfo{"light_azimuth_deg", -360, 360, "deg",
+                        "web: where the light is at first, counter-clockwise from the right"},
+              self.light_azimuth_deg);
+        visit(FieldInfo{"light_elevation_deg", 2, 90, "deg", "web: its height above the painting's plane"},
+              self.light_elevation_deg);
+        visit(FieldInfo{"largest_page_mb", 0.1, 2000, "MB", "web: largest page of one file (.html)"},
+              self.largest_page_mb);
+    }
+};
+
+struct WebWords {
+    std::string title{}, credit{};  // as people read them; the credit may be empty
+};
+
+struct WebReport {
+    std::vector<std::filesystem::path> files;  // the page, and the folder of its parts where there is one
+    int levels = 0, tiles = 0;
+    std::size_t bytes = 0;        // of all parts as they are sent
+    std::size_t first_bytes = 0;  // before the first picture: page and coarsest tile
+};
+
+// `path` with the extension .html: one file that holds everything. Else a folder with index.html and
+// parts/, made where it is missing; what was published there before is replaced, the page last. Throws Error
+// where it cannot be written, and for a single page that would be larger than largest_page_mb.
+WebReport write_web_page(const std::filesystem::path& path, const Surface& surface, const WebWords& words,
+                         const WebOptions& options = {}, const Progress& progress = {});
+
+}  // namespace tangi

@@ -1,0 +1,95 @@
+#include "viewer/web_tiles.h"
+
+#include <zlib.h>
+
+#include <algorithm>
+#include <vector>
+
+#include "surface/error.h"
+
+namespace tangi {
+
+namespace {
+
+constexpr int kCompression = 6;  // higher levels take twice the time and save 1 %
+
+std::string deflated(const std::string& bytes) {
+    uLongf size = compressBound(static_cast<uLong>(bytes.size()));
+    std::string result(size, '\0');
+    const int done = compress2(reinterpret_cast<Bytef*>(result.data()), &size,
+                               reinterpret_cast<const Bytef*>(bytes.data()), static_cast<uLong>(bytes.size()),
+                               kCompression);
+    TP_REQUIRE(done == Z_OK, "zlib has memory");
+    result.resize(size);
+    return result;
+}
+
+std::uint32_t kept_code(const Texel& texel, const WebField& field) {
+    const std::uint32_t full = (std::uint32_t(1) << field.bits) - 1,
+                        kept = (std::uint32_t(1) << field.kept) - 1;
+    const std::uint32_t code = texel[static_cast<std::size_t>(field.word)] >> field.shift & full;
+    return static_cast<std::uint32_t>((std::uint64_t(code) * kept + full / 2) / full);
+}
+
+int predicted(int left, int up, int corner) {
+    if (corner >= std::max(left, up)) return std::min(left, up);
+    if (corner <= std::min(left, up)) return std::max(left, up);
+    return left + up - corner;
+}
+
+void append_planes(std::string& bytes, const std::vector<int>& codes, int width, int height, int bits) {
+    const int half = 1 << (bits - 1), mask = (1 << bits) - 1;
+    const std::size_t low = bytes.size(), count = codes.size();
+    bytes.resize(low + (bits > 8 ? 2 : 1) * count);
+    std::size_t i = 0;
+    for (int y = 0; y < height; ++y)
+        for (int x = 0; x < width; ++x, ++i) {
+            const int left = x > 0 ? codes[i - 1] : 0;
+            const int up = y > 0 ? codes[i - static_cast<std::size_t>(width)] : left;
+            const int corner = x > 0 && y > 0 ? codes[i - static_cast<std::size_t>(width) - 1] : up;
+            int rest = (codes[i] - predicted(x > 0 ? left : up, up, corner)) & mask;
+            if (rest >= half) rest -= mask + 1;
+            const int folded = rest >= 0 ? 2 * rest : -2 * rest - 1;
+            bytes[low + i] = static_cast<char>(folded & 0xff);
+            if (bits > 8) bytes[low + count + i] = static_cast<char>(folded >> 8);
+        }
+}
+
+}  // namespace
+
+WebSize web_size(int width, int height, int level) {
+    const int up = (1 << level) - 1;
+    return {(width + up) >> level, (height + up) >> level};
+}
+
+int web_levels(int width, int height) {
+    int levels = 1;
+    while (std::max(width, height) > 1 << (kWebTileBits + levels - 1)) ++levels;
+    return levels;
+}
+
+std::string web_tile(const TexelTiles& tiles, int level, int column, int row) {
+    const WebSize size = web_size(tiles.width(), tiles.height(), level);
+    const int side = 1 << kWebTileBits, x0 = column * side, y0 = row * side;
+    const int width = std::min(side, size.width - x0), height = std::min(side, size.height - y0);
+    TP_REQUIRE(width > 0 && height > 0 && level <= tiles.tile_bits(), "there is such a tile");
+    std::string bytes;
+    std::vector<int> codes(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
+    for (const WebField& field : kWebFields) {
+        std::size_t i = 0;
+        for (int y = 0; y < height; ++y)
+            for (int x = 0; x < width; ++x)
+                codes[i++] = static_cast<int>(kept_code(tiles.at(x0 + x, y0 + y, level), field));
+        append_planes(bytes, codes, width, height, field.kept);
+    }
+    return deflated(bytes);
+}
+
+std::string web_horizon(const HorizonMap& map) {
+    std::string bytes(map.values.size(), '\0');
+    for (std::size_t i = 0; i < map.values.size(); ++i)
+        bytes[i] = static_cast<char>(map.values[i] - (i > 0 ? map.values[i - 1] : 0));
+    return deflated(bytes);
+}
+
+}  // namespace tangi

@@ -1,0 +1,53 @@
+// web_tiles.h: texels as a web page fetches them: small tiles, compressed without loss.
+//
+// A tile is the zlib stream (RFC 1950, which browsers inflate) of these planes, for each of kWebFields in
+// turn: the low bytes of all its texels, row by row, and, where a field has more than 8 bits, the high bytes.
+// A value is what the median edge detector (Weinberger, Seroussi & Sapiro 2000, "LOCO-I") left of the
+// field's code modulo 2^bits, the sign in the lowest bit: 0, -1, 1, -2, … as 0, 1, 2, 3, ….
+//
+// Bytes and not pictures: a browser may convert a picture's colours, multiply them by alpha, or blur what is
+// read back of them, and a page that was opened from a disk may not read pictures beside it at all.
+#pragma once
+
+#include <array>
+#include <string>
+
+#include "viewer/horizon.h"
+#include "viewer/texels.h"
+
+namespace tangi {
+
+// A part of a texel (texels.h), and how many of its bits a page gets: the others are below what can be seen.
+struct WebField {
+    int word = 0, shift = 0, bits = 0;
+    int kept = 0;  // a code c stands for round(c (2^bits - 1) / (2^kept - 1))
+};
+inline constexpr std::array<WebField, 9> kWebFields = {{{0, 0, 16, 14},  // normal
+                                                        {0, 16, 16, 14},
+                                                        {1, 0, 11, 11},  // rho_d
+                                                        {1, 11, 11, 11},
+                                                        {1, 22, 10, 10},
+                                                        {2, 0, 16, 12},    // rho_s
+                                                        {2, 16, 16, 12},   // alpha
+                                                        {3, 0, 8, 6},      // confidence
+                                                        {3, 8, 24, 16}}};  // height
+
+constexpr int kWebTileBits = 8;  // tiles have 256 texels a side, fewer at the right and lower border
+
+// Levels of detail that a page needs: the last is one tile.
+int web_levels(int width, int height);
+// [texels] of a level.
+struct WebSize {
+    int width = 0, height = 0;
+    int columns() const { return (width + (1 << kWebTileBits) - 1) >> kWebTileBits; }
+    int rows() const { return (height + (1 << kWebTileBits) - 1) >> kWebTileBits; }
+};
+WebSize web_size(int width, int height, int level);
+
+// The tile of this level, column and row, compressed. `tiles` have at least as many levels.
+std::string web_tile(const TexelTiles& tiles, int level, int column, int row);
+
+// The same of a map of horizons: all values, slice by slice, each less its left neighbour modulo 256.
+std::string web_horizon(const HorizonMap& map);
+
+}  // namespace tangi

@@ -1,0 +1,76 @@
+// window_app.h: the window from inside: what there is of it, and what a frame does.
+//
+// In two parts: window.cpp draws and animates, window_requests.cpp does what hand and panels ask for.
+#pragma once
+
+#include <deque>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "viewer/desk.h"
+#include "viewer/desktop.h"
+#include "viewer/hand.h"
+#include "viewer/held_pictures.h"
+#include "viewer/live_picture.h"
+#include "viewer/panels/file_dialog.h"
+#include "viewer/window.h"
+
+namespace tangi {
+
+class WindowApp {
+public:
+    WindowApp(WindowSetup setup, const Progress& progress);
+    WindowResult run();
+
+private:
+    static constexpr int kFramesAfterwards = 3;  // panels need some to settle
+
+    bool frame();
+    void news();
+    void requests();
+    void loupe(const Scene& scene);
+    void warm_up();
+    void show(OpenedPainting opened, bool is_first);
+    void tally();
+    void find_left_over(const std::filesystem::path& file);
+    void open_when_allowed(const std::filesystem::path& file);
+    void take_dropped();
+    void dialogs(const WindowState::Requests& ask);
+    void animate(double seconds);
+    void draw(bool moved);
+    void snapshot();
+    void take_board(const std::vector<BoardPatch>& patches);
+    void board_requests(const WindowState::Requests& ask);
+    void say(const std::string& text);
+    bool closing();
+    Placement placement() const { return placement_of(state_, screen_); }
+
+    std::function<bool()> stop_wanted_;
+    Glfw glfw_;
+    DesktopWindow window_;
+    Input input_;
+    PanelContext panels_;
+    Renderer renderer_;
+    WindowState state_;
+    std::unique_ptr<Painter> painter_;
+    std::optional<Hand> hand_;
+    std::optional<Desk> desk_;
+    std::optional<panels::FileDialog> dialog_;
+    LivePicture picture_;
+    HeldPictures held_;
+    gl::Texture board_;
+    gl::Target loupe_;
+    std::optional<Journal> left_over_;
+    std::deque<TexelPatch> patches_;
+    Extent screen_{1, 1}, window_size_{1, 1};
+    double left_ = 0, now_s_ = 0, horizon_due_s_ = 0, moved_s_ = -1, progress_s_ = 0;
+    std::string seen_;                // the scene and placement of the last picture
+    int settle_ = kFramesAfterwards;  // frames to be drawn
+    bool progress_due_ = false;
+    bool dirty_ = true, close_when_saved_ = false, close_unsaved_ = false, fitted_ = false;
+    std::size_t first_bytes_ = 0;
+    WindowResult result_;
+};
+
+}  // namespace tangi

@@ -1,0 +1,303 @@
+// window_requests.cpp: what hand and panels ask of the window, and what comes back from the painter.
+#include <epoxy/gl.h>
+// GLFW must not bring another loader's headers.
+#define GLFW_INCLUDE_NONE
+#include <GLFW/glfw3.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "surface/error.h"
+#include "surface/picture_file.h"
+#include "viewer/window_app.h"
+
+namespace tangi {
+
+namespace {
+
+constexpr double kHorizonPause_s = 0.4;  // after the last change, before shadows are made again
+constexpr std::size_t kUploadBytes = std::size_t(8) << 20;  // in one frame
+
+}  // namespace
+
+// From now on, this painting.
+void WindowApp::show(OpenedPainting opened, bool is_first) {
+    if (!is_first) {
+        tally();
+        if (result_.unsaved)
+            say(fmt::format("strokes on {} were not saved: open it again to recover them", state_.title));
+    }
+    // What is to be uploaded is of the painting before.
+    patches_.clear();
+    hand_.reset();
+    painter_ = std::move(opened.painter);
+    hand_.emplace(state_, *painter_);
+    const Surface& surface = painter_->surface();
+    state_.title = opened.file.filename().string();
+    state_.painting = {surface.width(), surface.height()};
+    state_.mm_per_pixel = surface.mm_per_pixel;
+    state_.stroke_mm_per_pixel = painter_->mm_per_pixel();
+    state_.scale_known = surface.scale_known;
+    state_.law = surface.law;
+    state_.from_photographs = !surface.photography.photos.empty();
+    const auto [low, high] =
+        std::minmax_element(surface.height_mm.pixels().begin(), surface.height_mm.pixels().end());
+    state_.lowest_mm = *low;
+    state_.highest_mm = *high;
+    state_.ruler.reset();
+    state_.profile.reset();
+    state_.region.reset();
+    state_.statistics.reset();
+    state_.probe.reset();
+    state_.left_over_strokes = 0;
+    state_.closing = false;
+    left_over_.reset();
+    held_.clear();
+    board_ = gl::Texture();
+    state_.board = {};
+    glfwSetWindowTitle(window_.handle(), fmt::format("{} - TangiPaint", state_.title).c_str());
+    const std::size_t before = renderer_.uploaded_bytes();
+    renderer_.set_painting(opened.tiles, surface.mm_per_pixel);
+    first_bytes_ += renderer_.uploaded_bytes() - before;
+    find_left_over(opened.file);
+    warm_up();
+    painter_->start(std::move(opened.tiles));
+    painter_->make_horizon();
+    state_.painter = painter_->fetch().state;
+    desk_->shows(*painter_);
+    fitted_ = false;
+    dirty_ = true;
+}
+
+// Adds what was done to the painting that is shown to the result.
+void WindowApp::tally() {
+    painter_->wait();
+    const PainterState last = painter_->fetch().state;
+    result_.file = painter_->file();
+    result_.strokes += last.strokes;
+    result_.saves += last.saves;
+    result_.unsaved = last.unsaved;
+}
+
+void WindowApp::find_left_over(const std::filesystem::path& file) {
+    try {
+        left_over_ = left_over(sitting_files(file));
+    } catch (const Error& error) {
+        say(error.what());  // one can look at the painting all the same
+    }
+    if (!left_over_) return;
+    const auto strokes = std::count_if(
+        left_over_->entries.begin(), left_over_->entries.end(),
+        [](const Journal::Entry& entry) { return std::holds_alternative<StrokeEvent>(entry.event); });
+    state_.left_over_strokes = std::max(1, static_cast<int>(strokes));
+}
+
+void WindowApp::take_board(const std::vector<BoardPatch>& patches) {
+    for (const BoardPatch& patch : patches) {
+        const Region& r = patch.region;
+        if (!board_) {
+            board_ = gl::make_texture();
+            state_.board.size = {patch.width, patch.height};
+            state_.board.texture = board_.id();
+            glBindTexture(GL_TEXTURE_2D, board_.id());
+            glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
+            glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+            glTexImage2D(GL_TEXTURE_2D, 0, GL_RGB8, patch.width, patch.height, 0, GL_RGB, GL_UNSIGNED_BYTE,
+                         nullptr);
+        }
+        glBindTexture(GL_TEXTURE_2D, board_.id());
+        glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
+        glTexSubImage2D(GL_TEXTURE_2D, 0, r.x0, r.y0, r.width(), r.height(), GL_RGB, GL_UNSIGNED_BYTE,
+                        patch.srgb.data());
+        glPixelStorei(GL_UNPACK_ALIGNMENT, 4);
+    }
+    if (!patches.empty()) settle_ = kFramesAfterwards;
+}
+
+void WindowApp::board_requests(const WindowState::Requests& ask) {
+    if (ask.lay_out || ask.wipe_board) {
+        PaletteEvent event;
+        event.all_paints = ask.lay_out;
+        painter_->send(event);
+    }
+    if (!ask.squeeze) return;
+    PileEvent pile;
+    for (const auto& [name, part] : state_.mix)
+        if (part > 0) pile.paint.emplace_back(name, part);
+    pile.finish = state_.finish;
+    painter_->send(pile);
+}
+
+void WindowApp::news() {
+    PainterNews news = painter_->fetch();
+    if (news.state.saves != state_.painter.saves) desk_->remember(painter_->file());
+    state_.painter = news.state;
+    const std::string name = painter_->file().filename().string();
+    if (name != state_.title) {  // it was saved under another
+        state_.title = name;
+        glfwSetWindowTitle(window_.handle(), fmt::format("{} - TangiPaint", name).c_str());
+    }
+    for (TexelPatch& patch : news.patches) patches_.push_back(std::move(patch));
+    take_board(news.board);
+    std::size_t bytes = 0;
+    while (!patches_.empty() && bytes < kUploadBytes) {
+        bytes += patches_.front().texels.size() * sizeof(Texel);
+        renderer_.upload(patches_.front());
+        patches_.pop_front();
+    }
+    if (bytes > 0) {
+        dirty_ = true;
+        horizon_due_s_ = now_s_ + kHorizonPause_s;
+    }
+    if (news.horizon) {
+        renderer_.set_horizon(*news.horizon);
+        dirty_ = true;
+    }
+    if (news.probe) state_.probe = news.probe;
+    if (news.profile) state_.profile = std::move(news.profile);
+    if (news.statistics) state_.statistics = news.statistics;
+    if (news.picked) {
+        state_.take_up(*news.picked);
+        state_.tool = Tool::paint;
+    }
+    for (const std::string& message : news.messages) say(message);
+    if (horizon_due_s_ > 0 && now_s_ >= horizon_due_s_ && !hand_->holds() && patches_.empty()) {
+        horizon_due_s_ = 0;
+        painter_->make_horizon();
+    }
+}
+
+void WindowApp::snapshot() {
+    const Shot shot = placement().shot(1, true);
+    const gl::Target target(shot.width, shot.height, false);
+    renderer_.draw(scene_of(state_, placement()), shot, target.framebuffer());
+    std::filesystem::path path = painter_->file();
+    for (int i = 1;; ++i) {
+        path.replace_filename(fmt::format("{}-{}.png", painter_->file().stem().string(), i));
+        if (!std::filesystem::exists(path)) break;
+    }
+    try {
+        write_picture_8bit(path, renderer_.read(target));
+        say("wrote " + path.filename().string());
+    } catch (const Error& error) {
+        say(error.what());
+    }
+}
+
+// Where strokes are not saved, asks first.
+void WindowApp::open_when_allowed(const std::filesystem::path& file) {
+    if (state_.painter.unsaved || state_.left_over_strokes > 0) {
+        if (state_.left_over_strokes > 0)
+            say("first recover or put aside the strokes of the last sitting");
+        else
+            state_.closing = true;
+        state_.open_next = state_.closing ? file : std::filesystem::path();
+        return;
+    }
+    desk_->open(file);
+}
+
+void WindowApp::take_dropped() {
+    for (const std::filesystem::path& path : input_.take_dropped()) {
+        std::error_code gone;
+        if (std::filesystem::is_directory(path, gone))
+            state_.dropped = path;
+        else
+            open_when_allowed(path);
+    }
+}
+
+// Those that were asked for; what is chosen in one is asked for in turn.
+void WindowApp::dialogs(const WindowState::Requests& ask) {
+    using panels::FileDialog;
+    const auto choose = [&](const char* title, FileDialog::Wants wants, const std::filesystem::path& start,
+                            std::filesystem::path WindowState::Requests::*where) {
+        dialog_.emplace(title, wants, ".exr", start,
+                        [this, where](const std::filesystem::path& path) { state_.ask.*where = path; });
+    };
+    const std::filesystem::path here = std::filesystem::absolute(painter_->file()).parent_path();
+    using Requests = WindowState::Requests;
+    if (ask.open_dialog) choose("Open a painting", FileDialog::Wants::file, here, &Requests::open);
+    if (ask.save_dialog)
+        choose("Save the painting as", FileDialog::Wants::new_file, painter_->file(), &Requests::save_as);
+    if (ask.photos_dialog && !state_.from_photographs)
+        say("this painting was not fitted to photographs: there is nothing to hold against it");
+    else if (ask.photos_dialog)
+        choose("The folder of photographs", FileDialog::Wants::folder, here, &Requests::photos);
+    if (ask.fit_dialog)
+        choose("Fit the photographs of a folder", FileDialog::Wants::folder, here, &Requests::fit_folder);
+    if (ask.report_dialog)
+        choose("A folder for the report", FileDialog::Wants::folder, here, &Requests::report);
+}
+
+void WindowApp::requests() {
+    WindowState::Requests ask = std::exchange(state_.ask, {});
+    dialogs(ask);
+    desk_->take(ask, *painter_);
+    if (!ask.open.empty()) open_when_allowed(ask.open);
+    if (ask.fit) state_.view = fitted(state_.painting, pane(state_, screen_), state_.view.turn_deg);
+    if (ask.one_to_one) state_.view.zoom = 1;
+    if (ask.straighten) {
+        state_.tilt = sent_back(state_.tilt);
+        state_.view = turned(state_.view, -state_.view.turn_deg);
+    }
+    const bool blocked = state_.left_over_strokes > 0;
+    if (ask.undo && state_.painter.can_undo && !blocked) painter_->send(UndoEvent{});
+    if (ask.redo && state_.painter.can_redo && !blocked) painter_->send(RedoEvent{});
+    if (ask.dry && !blocked)
+        painter_->send(DryEvent{fmt::format("layer {}", state_.painter.layers.size() + 1), 1});
+    if (!ask.lift.empty() && !blocked) painter_->send(LiftEvent{ask.lift});
+    if (!blocked) board_requests(ask);
+    if (ask.recover && left_over_) {
+        painter_->recover(std::move(*left_over_));
+        left_over_.reset();
+        state_.left_over_strokes = 0;
+    }
+    if (ask.discard) {
+        painter_->discard();
+        left_over_.reset();
+        state_.left_over_strokes = 0;
+    }
+    if (ask.snapshot) snapshot();
+    if (ask.save && !blocked) {
+        hand_->let_go();
+        painter_->save();
+    }
+    if (!ask.save_as.empty() && !blocked) {
+        hand_->let_go();
+        painter_->save_as(ask.save_as);
+    }
+    if (!state_.open_next.empty() && (ask.close || ask.close_unsaved)) {
+        // Not the window is to be closed, but the painting.
+        if (ask.save) {
+            painter_->wait();
+            news();
+            if (state_.painter.unsaved) return;  // it could not be saved: the message says why
+        }
+        state_.closing = false;
+        desk_->open(std::exchange(state_.open_next, {}));
+        return;
+    }
+    if (ask.close && ask.save) close_when_saved_ = true;
+    if (ask.close || ask.close_unsaved) glfwSetWindowShouldClose(window_.handle(), GLFW_TRUE);
+    if (ask.close_unsaved) close_unsaved_ = true;
+}
+
+// What to do about a window that is to be closed: true where it may.
+bool WindowApp::closing() {
+    if (!glfwWindowShouldClose(window_.handle())) return false;
+    hand_->let_go();  // in mid-stroke: the stroke ends here
+    if (close_unsaved_) return true;
+    if (close_when_saved_ || !state_.closing) {
+        close_when_saved_ = false;
+        painter_->wait();
+        news();  // what became of it, and messages
+    }
+    if (!state_.painter.unsaved) return true;
+    state_.closing = true;  // asks
+    glfwSetWindowShouldClose(window_.handle(), GLFW_FALSE);
+    settle_ = kFramesAfterwards;
+    return false;
+}
+
+}  // namespace tangi

@@ -1,0 +1,30 @@
+// workshop.h: what the window has done for it by parts of the program that the viewer may not use; cli/ fills
+// it (docs/architecture.md).
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "surface/surface.h"
+#include "viewer/photo_book.h"
+
+namespace tangi {
+
+// Called on threads of their own; where one is empty, the window does not offer it.
+struct Workshop {
+    // The photographs of a folder, to be held against the painting in `file`, whose dry layer is `dry`.
+    // Throws Error, Cancelled.
+    std::function<std::unique_ptr<PhotoBook>(const std::filesystem::path& folder,
+                                             std::shared_ptr<const Surface> dry,
+                                             const std::filesystem::path& file, const Progress& progress)>
+        open_photos{};
+    // Fits a painting to the photographs of a folder and writes it to `out`; what is to be said about it, or
+    // nothing. Throws Error, Cancelled.
+    std::function<std::string(const std::filesystem::path& folder, const std::filesystem::path& out,
+                              const Progress& progress)>
+        fit{};
+};
+
+}  // namespace tangi
