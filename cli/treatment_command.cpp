@@ -104,7 +104,7 @@ json retouch(Treatment& treatment, const TreatmentArguments& a, const Progress& 
         fail("{}: nothing was painted within the area",
              a.strokes.empty() ? treatment.painting().string() : a.strokes);
     if (!canvas.wet().empty()) {
-        dry(canvas, name, canvas.region());
+        dry(canvas, name);
         step.added.emplace_back(name, LayerRole::retouch);
     }
     json laid = json::array();

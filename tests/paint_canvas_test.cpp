@@ -74,7 +74,7 @@ TEST(Canvas, DryingMovesPaintAndKeepsItsVolume) {
 TEST(Canvas, DriesARegionOnly) {
     Canvas canvas = painted();
     const float mm = canvas.wet().thickness_mm(64, 48);
-    dry(canvas, "left", Polygon{{{-16, 12}, {-1, 12}, {-1, -12}, {-16, -12}}});  // 60 columns
+    dry(canvas, "left", PolygonPart{{{-16, 12}, {-1, 12}, {-1, -12}, {-16, -12}}});  // 60 columns
     EXPECT_EQ(canvas.wet().thickness_mm(59, 48), 0);
     EXPECT_EQ(canvas.wet().thickness_mm(64, 48), mm);
     EXPECT_GT(canvas.dried()[0].paint.thickness_mm(59, 48), 0);
