@@ -9,7 +9,6 @@
 #include "paint/canvas_file.h"
 #include "paint/session.h"
 #include "surface/error.h"
-#include "surface/faithful.h"
 #include "surface/painting_file.h"
 
 namespace tangi {
@@ -64,10 +63,8 @@ nlohmann::json run_replay(const ReplayArguments& a) {
     if (frames) frames->finish();
     const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
     const Canvas& canvas = session.canvas();
-    FaithfulResidual residual;  // goes with the dry layer, which painting does not change
-    if (!a.substrate.given()) residual = read_faithful(a.files.front(), canvas.dry(), progress);
-    std::vector<PartToWrite> further;
-    if (!residual.empty()) further.push_back(part_of(residual));
+    std::vector<PartToWrite> further;  // goes with the dry layer, which painting does not change
+    if (!a.substrate.given()) further = parts_beside_paint(a.files.front(), progress);
     write_canvas(out, canvas, progress, further);
     if (!a.board.empty()) {
         if (!session.board()) fail("--board {}: nothing was done on the palette", a.board);

@@ -11,7 +11,6 @@
 #include "paint/retouch/treatment.h"
 #include "paint/retouch/viewing.h"
 #include "surface/error.h"
-#include "surface/faithful.h"
 #include "surface/picture_file.h"
 
 namespace tangi {
@@ -184,10 +183,7 @@ nlohmann::json run_retouch(RetouchArguments a) {
         treatment->record(step, a.author.author(), progress);
         result["treatment"] = a.treatment;
     } else {
-        FaithfulResidual residual = read_faithful(a.painting, canvas.dry(), progress);
-        std::vector<PartToWrite> further;
-        if (!residual.empty()) further.push_back(part_of(residual));
-        write_canvas(*out, canvas, progress, further);
+        write_canvas(*out, canvas, progress, parts_beside_paint(a.painting, progress));
         result["painting"] = a.out;
     }
     return result;

@@ -140,8 +140,8 @@ TEST(CliCalibrate, FindsScaleAndColoursWithoutBalls) {
     EXPECT_TRUE(ended(
         tangipaint({"calibrate", photos, "--out", out, "--marker-mm", "20", "--marker-dictionary", "9x9"}), 2,
         {"--marker-dictionary 9x9: is none of auto, 4x4_50"}));
-    // These say "sRGB", as everything does: that does not count.
-    write_picture_8bit(dir / "a.png", Image<Rgb>(40, 30, Rgb(0.5f)));
+    // This says "sRGB", as everything does: that does not count.
+    write_picture(dir / "a.png", Image<Rgb>(40, 30, Rgb(0.5f)), *transfer_named("2.2"));
     const std::string plain = (dir / "a.png").string();
     EXPECT_TRUE(ended(tangipaint({"calibrate", "--photos", plain, "--out", out, "--dark", plain}), 2,
                       {"give --transfer"}));

@@ -1,5 +1,7 @@
 // replay, run as a user would run it.
 #include "cli_program.h"
+#include "surface/painting_file.h"
+#include "surface/painting_parts.h"
 
 namespace tangi {
 namespace {
@@ -69,6 +71,14 @@ TEST(CliReplay, PaintsOnASubstrateThatInfoAndRelightShow) {
 TEST(CliReplay, PaintsOnAPaintingAndGoesOn) {
     const Folder f;
     ASSERT_TRUE(ended(f.replay(kHeader), 0));
+    const PartToWrite errors{
+        {"errors", 80, 60, {"a"}, {}, false},
+        [](int y0, int y1, std::span<float* const> planes) { std::fill_n(planes[0], (y1 - y0) * 80, 2.0f); }};
+    {
+        const Surface ground = read_painting(f.path("a.exr"));
+        AtomicFile file(f.path("a.exr"));
+        write_painting(file, ground, {&errors, 1});
+    }
     const std::string strokes =
         f.journal(kHeader + kStroke + "{\"event\": \"dry\", \"layer\": \"one\"}\n" + kStroke);
     const Finished first = tangipaint({"replay", f.path("a.exr"), strokes, "--out", f.path("b.exr")});
@@ -78,6 +88,10 @@ TEST(CliReplay, PaintsOnAPaintingAndGoesOn) {
     EXPECT_EQ(first.json()["dry_hash"], second.json()["dry_hash"]);
     EXPECT_GT(second.json()["volumes_mm3"]["Pyrrole Red"].get<double>(),
               1.5 * first.json()["volumes_mm3"]["Pyrrole Red"].get<double>());
+    const auto parts = painting_parts(f.path("c.exr"));
+    EXPECT_TRUE(std::any_of(parts.begin(), parts.end(), [](const auto& part) {
+        return part.name == "errors";
+    })) << "what the fit says of the dry layer stays";
     // The same strokes on the same painting are the same file.
     ASSERT_TRUE(ended(tangipaint({"replay", f.path("a.exr"), strokes, "--out", f.path("d.exr")}), 0));
     EXPECT_EQ(bytes_of(f.path("b.exr")), bytes_of(f.path("d.exr")));

@@ -55,8 +55,8 @@ void expect_quality(const Expectation& e) {
         e.what, error, psnr, fit.report.transfer.transfer.name(), fit.report.median_rms_residual,
         fit.report.median_confidence, fit.report.not_converged, fit.report.fitted, fit.report.height.cycles);
     EXPECT_EQ(fit.report.transfer.transfer, e.generator.transfer);
-    // PNG files of linear light say so; the others are estimated.
-    EXPECT_THAT(fit.report.transfer.source, testing::AnyOf("estimated", "PNG gAMA chunk"));
+    // PNG files of linear light and pictures in sRGB say so; the others are estimated.
+    EXPECT_THAT(fit.report.transfer.source, testing::AnyOf("estimated", "PNG gAMA chunk", "ICC profile"));
     EXPECT_EQ(estimate_of(fit.report.transfer).kind == Transfer::Kind::linear,
               e.generator.transfer.kind == Transfer::Kind::linear);
     EXPECT_LT(error, e.normal_error_deg);

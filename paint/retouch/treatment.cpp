@@ -9,7 +9,6 @@
 #include "paint/retouch/sha256.h"
 #include "surface/atomic_file.h"
 #include "surface/error.h"
-#include "surface/faithful.h"
 #include "surface/painting_file.h"
 
 namespace tangi {
@@ -255,17 +254,16 @@ void Treatment::record(const TreatmentStep& step, const Author& author, const Pr
             const auto about = std::find_if(all.begin(), all.end(),
                                             [&](const TreatmentLayer& l) { return l.name == layer.name; });
             if (about == all.end())
-                fail("{}: has a layer '{}' that the log does not know; tangipaint treatment retouch takes in "
-                     "what was painted in the window",
-                     painting().string(), layer.name);
+                fail(
+                    "{}: has a layer '{}' that the log does not know; tangipaint treatment retouch takes in "
+                    "what was painted in the window",
+                    painting().string(), layer.name);
             entry["layers"].push_back(
                 to_json({layer.name, about->role, sha256_of(*step.canvas, layer.paint)}));
             ++known;
         }
         TP_REQUIRE(known >= step.added.size(), "layers that were added are on the canvas");
-        const FaithfulResidual residual = read_faithful(painting(), step.canvas->dry(), progress);
-        std::vector<PartToWrite> further;
-        if (!residual.empty()) further.push_back(part_of(residual));
+        const std::vector<PartToWrite> further = parts_beside_paint(painting(), progress);
         AtomicFile file(painting());
         write_canvas(file, *step.canvas, progress, further);
     }
