@@ -1,6 +1,7 @@
 // generate_command.cpp: tangipaint generate --out DIR: photographs of a procedural painting, with ground
 // truth.
 #include <filesystem>
+#include <fstream>
 
 #include "capture/photo_file.h"
 #include "cli/command_list.h"
@@ -27,9 +28,16 @@ Value chosen(const std::optional<Value>& value, const char* flag, const std::str
     return *value;
 }
 
-// Photographs that generate did not make (it writes the truth before them) are not replaced by made-up ones.
+// It writes the truth before the photographs.
+bool is_generated(const fs::path& folder) {
+    std::ifstream stream(folder / "gt" / "meta.json");
+    const auto meta = nlohmann::json::parse(stream, nullptr, false);
+    return meta.is_object() && meta.contains("generator");
+}
+
+// Photographs that generate did not make are not replaced by made-up ones.
 void refuse_to_overwrite_photographs(const fs::path& folder) {
-    if (!fs::is_directory(folder) || fs::exists(folder / "gt" / "truth.exr")) return;
+    if (!fs::is_directory(folder) || is_generated(folder)) return;
     for (const auto& entry : fs::directory_iterator(folder)) {
         const std::string name = entry.path().filename().string();
         if (name == "lights.lp" || (name.starts_with("img_") && is_photo_name(entry.path())))

@@ -169,6 +169,7 @@ void write_truth(const fs::path& folder, const PaintingTruth& truth, const Photo
                                  {"mm_per_pixel", truth.mm_per_pixel},
                                  {"generator", to_json(options)}};
     write_text_file(folder / "meta.json", meta.dump(1) + "\n");
+    fs::remove(folder / "truth.exr");  // of another stack
     if (options.reflectance == Reflectance::ggx) return;
     Surface surface = surface_of(truth);
     if (options.reflectance == Reflectance::lambert)
