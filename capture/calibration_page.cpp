@@ -6,12 +6,12 @@
 #include <map>
 #include <numbers>
 
-#include "surface/html_text.h"
 #include "capture/lights_file.h"
-#include "surface/page_parts.h"
 #include "surface/atomic_file.h"
 #include "surface/error.h"
+#include "surface/html_text.h"
 #include "surface/median.h"
+#include "surface/page_parts.h"
 #include "surface/picture_file.h"
 
 namespace tangi {

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <array>
 
-#include "surface/html_text.h"
 #include "capture/transfer_metadata.h"
 #include "surface/error.h"
+#include "surface/html_text.h"
 #include "surface/picture_file.h"
 
 namespace tangi {

@@ -3,11 +3,11 @@
 #include <algorithm>
 
 #include "capture/grey_photos.h"
-#include "surface/page_parts.h"
 #include "capture/photo_metadata.h"
 #include "capture/survey.h"
 #include "capture/transfer_metadata.h"
 #include "surface/error.h"
+#include "surface/page_parts.h"
 
 namespace tangi {
 

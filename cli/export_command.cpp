@@ -161,37 +161,38 @@ nlohmann::json run_export(const ExportArguments& a) {
 }  // namespace
 
 Command export_command() {
-    return {"export", "write a painting for others: a web page, RTI viewers, OpenLIME, OpenRaster, maps",
-            [](Flags& flags) {
-                auto a = std::make_shared<ExportArguments>();
-                flags.option("PAINTING", a->painting, "painting file (.exr)").required();
-                flags
-                    .option("--to", a->to,
-                            "web (a page), ptm, rti (harmonics), maps (EXR), openlime (kd, ks, normals, gloss), "
-                            "layers (maps of each layer of paint) or ora (OpenRaster, for Krita, GIMP, MyPaint)")
-                    .required()
-                    .check(one_of({"web", "ptm", "rti", "maps", "openlime", "layers", "ora"}));
-                flags
-                    .option("--out", a->out,
-                            "file to write (.ptm, .rti, .ora; .html for a page of one file), or folder for maps "
-                            "or a page")
-                    .required();
-                flags.option("--photos", a->photos,
-                             "ptm, rti: fit the photographs in this folder instead of the painting relit");
-                flags.option("--lights", a->lights, "lights file of these photographs");
-                flags.option("--terms", a->terms, "rti: harmonics, 4, 9 or 16").show_default();
-                flags.flag("--lrgb", a->lrgb,
-                           "ptm: one colour a pixel and the brightness by light, in half the size");
-                flags.option("--directions", a->directions, "ptm, rti: lights to relight the painting from")
-                    .check(within(20, 1000))
-                    .show_default();
-                flags.option("--title", a->words.title,
-                             "web: the painting's name; that of its file where not given");
-                flags.option("--credit", a->words.credit,
-                             "web: artist, year, owner, licence: a line below the name");
-                flags.fields(a->web);
-                return [a] { return run_export(*a); };
-            }};
+    return {
+        "export", "write a painting for others: a web page, RTI viewers, OpenLIME, OpenRaster, maps",
+        [](Flags& flags) {
+            auto a = std::make_shared<ExportArguments>();
+            flags.option("PAINTING", a->painting, "painting file (.exr)").required();
+            flags
+                .option("--to", a->to,
+                        "web (a page), ptm, rti (harmonics), maps (EXR), openlime (kd, ks, normals, gloss), "
+                        "layers (maps of each layer of paint) or ora (OpenRaster, for Krita, GIMP, MyPaint)")
+                .required()
+                .check(one_of({"web", "ptm", "rti", "maps", "openlime", "layers", "ora"}));
+            flags
+                .option("--out", a->out,
+                        "file to write (.ptm, .rti, .ora; .html for a page of one file), or folder for maps "
+                        "or a page")
+                .required();
+            flags.option("--photos", a->photos,
+                         "ptm, rti: fit the photographs in this folder instead of the painting relit");
+            flags.option("--lights", a->lights, "lights file of these photographs");
+            flags.option("--terms", a->terms, "rti: harmonics, 4, 9 or 16").show_default();
+            flags.flag("--lrgb", a->lrgb,
+                       "ptm: one colour a pixel and the brightness by light, in half the size");
+            flags.option("--directions", a->directions, "ptm, rti: lights to relight the painting from")
+                .check(within(20, 1000))
+                .show_default();
+            flags.option("--title", a->words.title,
+                         "web: the painting's name; that of its file where not given");
+            flags.option("--credit", a->words.credit,
+                         "web: artist, year, owner, licence: a line below the name");
+            flags.fields(a->web);
+            return [a] { return run_export(*a); };
+        }};
 }
 
 }  // namespace tangi

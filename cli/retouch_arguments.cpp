@@ -17,8 +17,9 @@ void PaintBoxArguments::add_to(Flags& flags) {
     flags.option("--goal", goal, "what is made small: the worst or the mean difference under these lamps")
         .check(one_of({"worst", "mean"}))
         .show_default();
-    flags.option("--pairs", pairs,
-                 "list of pigments that are kept apart (.json, docs/colour-matching.md); a built-in one without");
+    flags.option(
+        "--pairs", pairs,
+        "list of pigments that are kept apart (.json, docs/colour-matching.md); a built-in one without");
     flags.flag("--avoid-pairs", avoid_pairs,
                "leave out recipes with such a pair; without, they are warned of");
 }

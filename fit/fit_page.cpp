@@ -5,9 +5,9 @@
 #include <map>
 #include <numbers>
 
+#include "fit/false_colour.h"
 #include "surface/html_text.h"
 #include "surface/page_parts.h"
-#include "fit/false_colour.h"
 
 namespace tangi {
 

@@ -5,9 +5,9 @@
 
 #include <limits>
 
-#include "surface/page_parts.h"
 #include "datasets/generator.h"
 #include "fit_test_support.h"
+#include "surface/page_parts.h"
 
 namespace tangi {
 namespace {

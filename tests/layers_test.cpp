@@ -40,9 +40,14 @@ struct PackageRule {
 const Names kBelowCli = {"surface", "capture", "fit", "paint", "retouch", "viewer", "datasets"};
 
 const std::vector<ModuleRule> kModules = {
-    {"surface", {}},        {"capture", {"surface"}},         {"fit", {"surface", "capture"}},
-    {"paint", {"surface"}}, {"viewer", {"surface", "paint"}}, {"datasets", {"surface", "capture"}},
-    {"retouch", {"surface", "paint"}}, {"cli", kBelowCli},
+    {"surface", {}},
+    {"capture", {"surface"}},
+    {"fit", {"surface", "capture"}},
+    {"paint", {"surface"}},
+    {"viewer", {"surface", "paint"}},
+    {"datasets", {"surface", "capture"}},
+    {"retouch", {"surface", "paint"}},
+    {"cli", kBelowCli},
 };
 
 const std::vector<PackageRule> kPackages = {

@@ -13,7 +13,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// The events of two journals as the text of one; `maybe_there`: those of the second may end the first already.
+// The events of two journals as the text of one; `maybe_there`: those of the second may end the first
+// already.
 std::string joined(const fs::path& first, const fs::path& second, bool maybe_there = false) {
     if (!fs::exists(second)) return fs::exists(first) ? read_text_file(first) : "";
     if (!fs::exists(first)) return read_text_file(second);

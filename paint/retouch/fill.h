@@ -53,11 +53,11 @@ struct FillReport {
     int not_reached = 0;  // pixels of the mask that lie above the fill's level already: left as they are
 };
 
-// Fills `loss` (where it is above 1/2) with a layer called `name`, on top, to the level of what is around: the height there,
-// with all dried paint, goes on over the loss as a membrane (Laplace's equation), with the relief of another
-// place added so that its rim fits (Perez, Gangnet, Blake 2003, "Poisson image editing"). `intact` is where
-// relief may come from and levels may be read: not in other losses; empty: everywhere but in `loss`. Throws
-// Error where the mask is empty or leaves nothing around it.
+// Fills `loss` (where it is above 1/2) with a layer called `name`, on top, to the level of what is around:
+// the height there, with all dried paint, goes on over the loss as a membrane (Laplace's equation), with the
+// relief of another place added so that its rim fits (Perez, Gangnet, Blake 2003, "Poisson image editing").
+// `intact` is where relief may come from and levels may be read: not in other losses; empty: everywhere but
+// in `loss`. Throws Error where the mask is empty or leaves nothing around it.
 FillReport lay_fill(Canvas& canvas, const std::string& name, const Mask& loss, const Mask& intact,
                     FillTexture texture, const Rgb& colour, const FillOptions& options = {},
                     const Progress& progress = {});
