@@ -4,6 +4,8 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
+#include "capture/matrix.h"
+#include "capture/motion.h"
 #include "capture/registration.h"
 #include "surface/error.h"
 
@@ -16,18 +18,8 @@ using glm::dvec2;
 constexpr double kMostPixels = 16e6;  // in which pictures are registered; larger ones are reduced
 constexpr std::size_t kPhotographs = 12;
 
-cv::Mat view_of(const Image<float>& image) {
-    return {image.height(), image.width(), CV_32F, const_cast<float*>(image.data())};
-}
-
 int reduction_of(double width, double height) {
     return std::max(1, static_cast<int>(std::ceil(std::sqrt(width * height / kMostPixels))));
-}
-
-// Pixel of a picture reduced by `factor` -> pixel of the whole one.
-Homography enlarging(int factor) {
-    const double offset = (factor - 1) / 2.0;
-    return {factor, 0, 0, 0, factor, 0, offset, offset, 1};
 }
 
 Image<float> reduced(const Image<float>& image, int factor) {
@@ -46,23 +38,12 @@ Image<float> mean_of(const PhotoSet& photos, int factor, const Transfer& transfe
         report(progress, "looking for the painting", static_cast<double>(i) / static_cast<double>(count));
         PhotoSet::Reader reader = photos.open(i * photos.size() / count);
         const PhotoHeader& header = reader.header();
-        const bool is_linear = photos.developed() || header.is_raw || header.is_float;
-        const auto channels = static_cast<std::size_t>(header.channels);
         Image<float> strip(header.width, factor), picture(header.width / factor, header.height / factor);
-        std::vector<float> values(strip.size() * channels);
         double sum = 0;
         for (int y = 0; y < picture.height(); ++y) {
-            reader.read_rows(y * factor, (y + 1) * factor, values);
-            const float* value = values.data();
-            for (float& pixel : strip.pixels()) {
-                Rgb light;
-                for (std::size_t c = 0; c < 3; ++c) {
-                    const float stored = value[std::min(c, channels - 1)];
-                    light[static_cast<int>(c)] = is_linear ? stored : transfer.decode(stored);
-                }
-                pixel = std::isfinite(luminance(light)) ? luminance(light) : 0;
-                value += channels;
-            }
+            const Image<Rgb> rows = reader.linear_rows(y * factor, (y + 1) * factor, transfer);
+            std::transform(rows.pixels().begin(), rows.pixels().end(), strip.pixels().begin(),
+                           [](const Rgb& c) { return std::isfinite(luminance(c)) ? luminance(c) : 0; });
             const Image<float> row = reduced(strip, factor);
             std::copy(row.pixels().begin(), row.pixels().end(), &picture(0, y));
             for (const float pixel : row.pixels()) sum += pixel;

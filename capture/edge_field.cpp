@@ -7,6 +7,7 @@
 #include <opencv2/imgproc.hpp>
 #include <optional>
 
+#include "capture/matrix.h"
 #include "surface/parallel.h"
 
 namespace tangi {
@@ -21,10 +22,6 @@ constexpr double kQuietOutside =
     0.8;  // how much edges around the circle, in parallel with it, count against it
 constexpr double kMostInside = 0.8;   // of the points that should lie in the circle
 constexpr double kLargestHough = 48;  // [pixels] radius; larger circles are sought in a reduced field
-
-cv::Mat view_of(const Image<float>& image) {
-    return cv::Mat(image.height(), image.width(), CV_32F, const_cast<float*>(image.data()));
-}
 
 // [1] Noise of the dark parts, from second differences, of which half are smaller than 0.6745 sigma.
 float dark_noise(const Image<float>& photo) {

@@ -3,16 +3,14 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
+#include "capture/matrix.h"
+
 namespace tangi {
 
 namespace {
 
 constexpr double kMeanSigma = 8;    // [pixels] of the local mean
 constexpr double kSmoothing = 0.8;  // [pixels] against noise, and for the interpolation's sake
-
-cv::Mat view_of(const Image<float>& image) {
-    return {image.height(), image.width(), CV_32F, const_cast<float*>(image.data())};
-}
 
 // Catmull-Rom weights of four neighbours at t in [0, 1), and of the derivative.
 void cubic(float t, float (&w)[4], float (&d)[4]) {

@@ -34,6 +34,12 @@ inline std::array<glm::dvec2, kMotion> motion_basis(const glm::dvec2& n) {
     return {{{1, 0}, {0, 1}, {n.x, n.y}, {-n.y, n.x}, {n.x, -n.y}, {n.y, n.x}, n * n.x, n * n.y}};
 }
 
+// Pixel of a picture that was reduced by `factor` -> pixel of the whole one.
+inline Homography enlarging(double factor) {
+    const double offset = (factor - 1) / 2;
+    return {factor, 0, 0, 0, factor, 0, offset, offset, 1};
+}
+
 // The map that moves points by `motion` [pixels], to first order; exactly a homography.
 Homography homography_of(const MotionVector& motion, const MotionFrame& frame);
 

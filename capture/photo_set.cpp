@@ -27,24 +27,30 @@ void PhotoSet::Reader::read_rows(int y0, int y1, std::span<float> values) {
     for (float& value : values.first(count)) value = std::isnan(value) ? 1.0f : value / d->clipped;
 }
 
+Image<Rgb> PhotoSet::Reader::linear_rows(int y0, int y1, const Transfer& transfer) {
+    const bool is_linear = set_.developed() || header().is_raw || header().is_float;
+    const auto channels = static_cast<std::size_t>(header().channels);
+    Image<Rgb> rows(header().width, y1 - y0);
+    std::vector<float> values(rows.size() * channels);
+    read_rows(y0, y1, values);
+    const float* value = values.data();
+    for (Rgb& pixel : rows.pixels()) {
+        for (std::size_t c = 0; c < 3; ++c) {
+            const float stored = value[std::min(c, channels - 1)];
+            pixel[static_cast<int>(c)] = is_linear ? stored : transfer.decode(stored);
+        }
+        value += channels;
+    }
+    return rows;
+}
+
 Image<Rgb> PhotoSet::linear(std::size_t photo, const Transfer& transfer) const {
     constexpr int kRows = 256;
     Reader reader = open(photo);
-    const PhotoHeader& header = reader.header();
-    const bool is_linear = developed() || header.is_raw || header.is_float;
-    Image<Rgb> picture(header.width, header.height);
-    const auto channels = static_cast<std::size_t>(header.channels);
-    std::vector<float> values(static_cast<std::size_t>(header.width) * channels * kRows);
-    for (int y0 = 0; y0 < header.height; y0 += kRows) {
-        const int y1 = std::min(y0 + kRows, header.height);
-        reader.read_rows(y0, y1, values);
-        const float* value = values.data();
-        for (int y = y0; y < y1; ++y)
-            for (int x = 0; x < header.width; ++x, value += channels)
-                for (std::size_t c = 0; c < 3; ++c) {
-                    const float stored = value[std::min(c, channels - 1)];
-                    picture(x, y)[static_cast<int>(c)] = is_linear ? stored : transfer.decode(stored);
-                }
+    Image<Rgb> picture(reader.header().width, reader.header().height);
+    for (int y0 = 0; y0 < picture.height(); y0 += kRows) {
+        const Image<Rgb> rows = reader.linear_rows(y0, std::min(y0 + kRows, picture.height()), transfer);
+        std::copy(rows.pixels().begin(), rows.pixels().end(), &picture(0, y0));
     }
     return picture;
 }

@@ -37,6 +37,8 @@ public:
             : set_(set), source_(set.stack_, set.stack_.photos[photo]) {}
         const PhotoHeader& header() const { return source_.header(); }
         void read_rows(int y0, int y1, std::span<float> values);  // as PhotoFile::read_rows()
+        // Linear light of these rows; grey becomes RGB. `transfer` as for linear().
+        Image<Rgb> linear_rows(int y0, int y1, const Transfer& transfer);
 
     private:
         const PhotoSet& set_;

@@ -5,6 +5,7 @@
 #include <opencv2/features2d.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "capture/matrix.h"
 #include "capture/registration.h"
 #include "surface/error.h"
 
@@ -20,10 +21,6 @@ constexpr int kLeastInliers = 15;
 constexpr int kRounds = 6;
 constexpr int kPixels = 24000;
 constexpr double kFloor = 0.05;  // [1] of the mean brightness
-
-cv::Mat view_of(const Image<float>& image) {
-    return {image.height(), image.width(), CV_32F, const_cast<float*>(image.data())};
-}
 
 Image<float> image_of(const cv::Mat& mat) {
     Image<float> image(mat.cols, mat.rows);
@@ -42,12 +39,6 @@ cv::Mat for_features(const Image<float>& picture, double& scale) {
     cv::Mat bytes;
     view_of(contrast).convertTo(bytes, CV_8U, 160, 128);
     return bytes;
-}
-
-// Pixel of a picture reduced by `scale` -> pixel of the whole one.
-cv::Matx33d enlarging(double scale) {
-    const double offset = (1 / scale - 1) / 2;
-    return {1 / scale, 0, offset, 0, 1 / scale, offset, 0, 0, 1};
 }
 
 cv::Matx33d matx_of(const Homography& h) {
@@ -84,7 +75,7 @@ Homography from_features(const Image<float>& reference, const Image<float>& move
             "the two pictures cannot be registered: {} of {} features of one were found in the other; are "
             "they of the same painting?",
             inliers.empty() ? 0 : cv::countNonZero(inliers), points[0].size());
-    return homography_of(enlarging(scales[1]) * cv::Matx33d(h) * enlarging(scales[0]).inv());
+    return enlarging(1 / scales[1]) * homography_of(h) * glm::inverse(enlarging(1 / scales[0]));
 }
 
 }  // namespace

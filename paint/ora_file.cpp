@@ -8,6 +8,7 @@
 #include "paint/canvas_file.h"
 #include "paint/layer_pictures.h"
 #include "surface/error.h"
+#include "surface/html_text.h"
 #include "surface/png_bytes.h"
 
 namespace tangi {
@@ -89,21 +90,10 @@ Image<Rgb> thumbnail(const Image<Rgb>& picture) {
     return small;
 }
 
-std::string xml_text(const std::string& words) {
-    std::string escaped;
-    for (const char c : words) {
-        if (c == '&')
-            escaped += "&amp;";
-        else if (c == '<')
-            escaped += "&lt;";
-        else if (c == '>')
-            escaped += "&gt;";
-        else if (c == '"')
-            escaped += "&quot;";
-        else if (static_cast<unsigned char>(c) >= ' ')  // others are not allowed in XML
-            escaped += c;
-    }
-    return escaped;
+std::string xml_text(std::string words) {
+    std::erase_if(words,
+                  [](char c) { return static_cast<unsigned char>(c) < ' '; });  // XML does not allow them
+    return escaped(words);
 }
 
 std::string png_of(const LayerPicture& layer) {
