@@ -274,11 +274,12 @@ private:
             if (all_moved && i == reference) d.homography = Homography(1);
             d.drift_px = rms_displacement(motion_of(d.homography, frame_));
             d.error_px = std::hypot(own_error_px(picture), of_reference, flat);
-            if (shading_is_motion)
-                d.error_px = std::hypot(d.error_px, tied_error_px(alignment, i, reference));
             // In a stack that stood still, what is left is the error.
             if (!all_moved) d.error_px = std::hypot(d.error_px, shading.typical_rest_px);
             d.warped = i != reference && found[i] && d.drift_px > d.error_px && (all_moved || jumped(i));
+            // Shared by all photographs alike, it is no reason to leave one of them as it is.
+            if (shading_is_motion)
+                d.error_px = std::hypot(d.error_px, tied_error_px(alignment, i, reference));
             if (found[i]) drifts.push_back(d.drift_px);
             result.moved = result.moved || d.warped;
             (i < fitted_ ? result.photos : result.held_out).push_back(std::move(d));
