@@ -7,9 +7,10 @@
 // outliers. The factors are known up to an invertible 2 x 2 matrix (Hayakawa 1994, "Photometric stereo under
 // a light source with arbitrary motion": 3 x 3; that the object is flat as a whole fixes the rest). It is
 // resolved by
-//   strength       the lamps are about equally strong (Hayakawa 1994), and what a flat object shows of them is
-//                  matt reflection and a lobe (equal_strength.h); that gives the matrix up to a rotation and a
-//                  mirror image, and with it the relief's strength
+//   strength       the lamps are about equally strong (Hayakawa 1994), and what a flat object shows of them
+//   is
+//                  matt reflection and a lobe (equal_strength.h); that gives the matrix up to a rotation and
+//                  a mirror image, and with it the relief's strength
 //   integrability  slopes are those of a surface: their curl is small (Belhumeur, Kriegman & Yuille 1999,
 //   "The
 //                  bas-relief ambiguity"); that gives the rotation and the mirror image up to half a turn
