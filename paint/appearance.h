@@ -38,9 +38,10 @@ Surface appearance(const Canvas& canvas, const AppearanceOptions& options = {},
 // the dry surface (surface/faithful.h). Empty where nothing was painted.
 Image<float> bare_part(const Canvas& canvas, const AppearanceOptions& options = {});
 
-// Brings a surface that appearance() made up to date, where these tiles have changed. Tiles beside them are
-// touched too: slopes reach one pixel far.
-void update_appearance(const Canvas& canvas, std::span<const TileIndex> tiles, Surface& surface,
+// Brings a surface that appearance() made up to date where the canvas has changed: `changed` are parts of it
+// that lie within one tile each, as Canvas::take_dirty() gives them. Normals around them are touched too:
+// slopes reach two pixels far.
+void update_appearance(const Canvas& canvas, std::span<const Region> changed, Surface& surface,
                        const AppearanceOptions& options = {}, const Progress& progress = {});
 
 }  // namespace tangi

@@ -356,13 +356,18 @@ void Brush::underside_mm(const Dab& dab, int x0, int y0, int width, int height, 
         RowSpan& span = spans[static_cast<std::size_t>(y)];
         span = outline.across(py, x0 - cx, width);
         float* to = out + static_cast<std::size_t>(y) * static_cast<std::size_t>(width);
-        std::fill_n(to, width, kOutside);
-        if (span.end <= span.begin) continue;
-        const auto dx = static_cast<float>(x0 + span.begin - cx), dy = static_cast<float>(py);
+        if (span.end <= span.begin) {
+            std::fill_n(to, width, kOutside);
+            continue;
+        }
+        const RowSpan whole = widened(span, {0, width});
+        const auto dx = static_cast<float>(x0 + whole.begin - cx), dy = static_cast<float>(py);
         row.u = (dx * c + dy * s) * narrowing + static_cast<float>(texture_half_u_);
         row.v = (dy * c - dx * s) * narrowing + static_cast<float>(texture_half_v_);
         row.lift_mm = dx * lift_x + dy * lift_y;
-        underside_row(span.end - span.begin, maps, row, to + span.begin);
+        underside_row(whole.end - whole.begin, maps, row, to + whole.begin);
+        std::fill(to, to + span.begin, kOutside);
+        std::fill(to + span.end, to + width, kOutside);
     }
 }
 

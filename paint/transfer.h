@@ -32,6 +32,10 @@ struct RowSpan {
     int begin = 0, end = 0;
 };
 
+// The columns of whole vectors around those of `span`, which is not empty, as far as there is room: loops
+// over them need no remainder. Nothing must happen in those that come in addition.
+RowSpan widened(const RowSpan& span, const RowSpan& room);
+
 // The box of pixels that one step changes. Rows of `width` floats; row y of a plane begins at plane + y *
 // stride. The outermost ring receives paint but gives none.
 struct StepBox {
@@ -55,7 +59,7 @@ constexpr float kOutside = 1e3f;  // [mm] underside where no bristle is
 
 // Memory that steps reuse.
 struct StepScratch {
-    std::vector<float> planes, rows;
+    std::vector<float> planes;
     std::vector<RowSpan> flowing, touched;
 };
 

@@ -4,6 +4,9 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+#include <cmath>
+
 #include "tests/test_support.h"
 
 namespace tangi {
@@ -152,6 +155,49 @@ TEST(Transfer, PushesPaintAheadAndKeepsItOnTheCanvas) {
     push(b.box, rates, 0, 1, scratch);
     EXPECT_NEAR(b.paint[0][middle + RandomBox::kWidth], 0.9f * 0.3f, 1e-5);
     EXPECT_NEAR(b.paint[0][middle], 0.4f - 0.9f * 0.3f, 1e-5);
+}
+
+// Large boxes are moved in bands of rows, small ones row by row; narrow rows in whole vectors all the same.
+TEST(Transfer, DoesNotDependOnTheSizeOfTheBox) {
+    constexpr int width = 180, height = 140;
+    constexpr RowSpan bristles{62, 97}, rows{30, 101};
+    const auto painted_in = [&](int x0, int y0, int x1, int y1) {
+        Random random(6);
+        std::array<std::vector<float>, 5> planes;
+        for (auto& plane : planes) {
+            plane.resize(width * height);
+            for (float& v : plane) v = random.real(0, 0.2);
+        }
+        auto& [underside, relief, first, second, total] = planes;
+        for (std::size_t i = 0; i < total.size(); ++i) total[i] = first[i] + second[i];
+        const std::vector<float> grain(total.size(), 1.0f);
+        for (int y = 0; y < height; ++y)
+            for (int x = 0; x < width; ++x)
+                if (x < bristles.begin || x >= bristles.end || y < rows.begin || y >= rows.end)
+                    underside[static_cast<std::size_t>(y * width + x)] = kOutside;
+        const std::size_t corner = static_cast<std::size_t>(y0 * width + x0);
+        StepBox box;
+        box.width = x1 - x0;
+        box.height = y1 - y0;
+        box.underside_mm = underside.data() + corner;
+        box.underside_stride = box.canvas_stride = width;
+        for (int y = y0; y < y1; ++y)
+            box.bristles.push_back(y < rows.begin || y >= rows.end
+                                       ? RowSpan{}
+                                       : RowSpan{bristles.begin - x0, bristles.end - x0});
+        box.relief_mm = relief.data() + corner;
+        box.grain = grain.data() + corner;
+        box.total_mm = total.data() + corner;
+        box.paint = {first.data() + corner, second.data() + corner};
+        StepScratch scratch;
+        for (int step = 0; step < 8; ++step)
+            push(box, some_rates(), std::cos(0.8f * static_cast<float>(step)),
+                 std::sin(0.8f * static_cast<float>(step)), scratch);
+        return std::array{first, second, total};
+    };
+    const auto large = painted_in(0, 0, width, height), small = painted_in(50, 20, 110, 110);
+    for (std::size_t plane = 0; plane < large.size(); ++plane) EXPECT_TRUE(large[plane] == small[plane]);
+    for (std::size_t i = 0; i < large[2].size(); ++i) ASSERT_EQ(large[2][i], large[0][i] + large[1][i]) << i;
 }
 
 TEST(Transfer, SteepStepsFlowDownAndStop) {

@@ -128,11 +128,10 @@ void Painter::work() {
 
 // Texels of what was painted since the last time.
 void Painter::show_changes() {
-    const std::vector<TileIndex> dirty = session_.canvas().take_dirty();
+    const std::vector<Region> dirty = session_.canvas().take_dirty();
     update_appearance(session_.canvas(), dirty, surface_);
     std::vector<TexelPatch> patches;
-    for (const TileIndex tile : dirty) {
-        Region region = session_.canvas().wet().region_of(tile);
+    for (Region region : dirty) {
         // Slopes look two pixels far at most.
         region = {region.x0 - 2, region.y0 - 2, region.x1 + 2, region.y1 + 2};
         tiles_.update(surface_, region);
@@ -157,15 +156,15 @@ void Painter::show_board() {
     Canvas* board = session_.board();
     own_.has_board = board != nullptr;
     if (!board) return;
-    const std::vector<TileIndex> dirty = board->take_dirty();
+    const std::vector<Region> dirty = board->take_dirty();
     std::vector<BoardPatch> patches;
     if (!board_) {
         board_ = appearance(*board);
         patches.push_back(board_patch(*board_, board->region()));
     } else {
         update_appearance(*board, dirty, *board_);
-        for (const TileIndex tile : dirty) {
-            const Region all = board->region(), r = board->wet().region_of(tile);
+        for (const Region& r : dirty) {
+            const Region all = board->region();
             patches.push_back(board_patch(*board_, {std::max(r.x0 - 1, 0), std::max(r.y0 - 1, 0),
                                                     std::min(r.x1 + 1, all.x1), std::min(r.y1 + 1, all.y1)}));
         }
