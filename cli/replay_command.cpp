@@ -8,6 +8,7 @@
 #include "cli/time_lapse.h"
 #include "paint/canvas_file.h"
 #include "paint/session.h"
+#include "paint/tools_file.h"
 #include "surface/error.h"
 #include "surface/painting_file.h"
 
@@ -53,6 +54,7 @@ nlohmann::json run_replay(const ReplayArguments& a) {
     const nlohmann::json warnings = told(journal.warnings);
     AtomicFile out(a.out);  // that it can be written is known before the work
     Session session(canvas_of(a, progress), a.palette.empty() ? artist_acrylics() : read_palette(a.palette));
+    if (!a.substrate.given()) read_tools(a.files.front(), session, progress);
     const std::string dry_hash = hash_of(session.canvas().dry());
     const auto start = std::chrono::steady_clock::now();
     std::optional<TimeLapse> frames;
@@ -65,7 +67,7 @@ nlohmann::json run_replay(const ReplayArguments& a) {
     const Canvas& canvas = session.canvas();
     std::vector<PartToWrite> further;  // goes with the dry layer, which painting does not change
     if (!a.substrate.given()) further = parts_beside_paint(a.files.front(), progress);
-    write_canvas(out, canvas, progress, further);
+    write_canvas(out, canvas, progress, with_tools(std::move(further), session));
     if (!a.board.empty()) {
         if (!session.board()) fail("--board {}: nothing was done on the palette", a.board);
         write_canvas(a.board, *session.board(), progress);

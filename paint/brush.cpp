@@ -281,6 +281,17 @@ void Brush::take_over(const Brush& other) {
     load(recipe, scale);
 }
 
+void Brush::put_back(BrushLoad load) {
+    TP_REQUIRE(load.total_mm.size() == total_.size() && load.mm.size() == load.ingredients.size(),
+               "a load of this brush");
+    for (const auto& plane : load.mm) TP_REQUIRE(plane.size() == total_.size(), "a load of this brush");
+    TP_REQUIRE(std::is_sorted(load.ingredients.begin(), load.ingredients.end()), "paints are in order");
+    rotation_rad_ = load.rotation_rad;
+    ids_ = std::move(load.ingredients);
+    loads_ = std::move(load.mm);
+    total_ = std::move(load.total_mm);
+}
+
 void Brush::renumber(const std::vector<IngredientId>& number) {
     std::vector<std::pair<IngredientId, std::vector<float>>> planes;
     for (std::size_t i = 0; i < ids_.size(); ++i) {

@@ -4,6 +4,7 @@
 
 #include "paint/appearance.h"
 #include "paint/canvas_file.h"
+#include "paint/tools_file.h"
 #include "surface/error.h"
 
 namespace tangi {
@@ -25,6 +26,8 @@ Painter::Painter(Setup setup, std::function<void()> wake, const Progress& progre
       file_is_new_(setup.file_is_new),
       file_(setup.file),
       wake_(std::move(wake)) {
+    if (!file_is_new_ && std::filesystem::exists(file_))
+        guarded([&] { read_tools(file_, session_, progress); });
     range_ = range_of(surface_, kPaintRoom_mm / static_cast<float>(session_.canvas().height_unit_mm()));
     session_.canvas().take_dirty();
     for (const DriedLayer& layer : session_.canvas().dried()) own_.layers.push_back(layer.name);
@@ -89,7 +92,7 @@ void Painter::guarded(const std::function<void()>& action) {
 
 void Painter::work() {
     auto shown = Clock::now(), synced = shown;
-    bool changed = false;
+    bool changed = session_.board() != nullptr;  // that an earlier sitting left: it is shown
     for (;;) {
         std::function<void()> job;
         {
@@ -227,7 +230,7 @@ void Painter::write(const std::filesystem::path& to) {
     std::vector<PartToWrite> further;
     // What other modules keep in the file stays: it belongs to the dry layer, which does not change.
     if (!file_is_new_ && std::filesystem::exists(from)) guarded([&] { further = parts_beside_paint(from); });
-    write_canvas(file, session_.canvas(), {}, further);
+    write_canvas(file, session_.canvas(), {}, with_tools(std::move(further), session_));
     file_is_new_ = false;
     own_.unsaved = false;
     ++own_.saves;
