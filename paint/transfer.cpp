@@ -12,6 +12,8 @@ namespace tangi {
 namespace {
 
 constexpr int kParallelPixels = 128 * 128;  // smaller boxes are done before a second thread wakes up
+constexpr float kRounding =
+    0.125f;  // [1] part of a peak that flows to each side: a chequerboard is flat at once
 constexpr int kBandRows = 32;
 constexpr int kLanes = 16;                                                 // pixels at once
 using Lanes = float __attribute__((vector_size(kLanes * sizeof(float))));  // as many registers as it takes
@@ -69,7 +71,8 @@ TP_VECTOR_CLONES
 void outflow_row(int n, const TransferRates& r, const Motion& m, const float* __restrict underside,
                  std::size_t underside_stride, const float* __restrict relief, const float* __restrict total,
                  const float* __restrict grain, std::size_t stride, const Outflow& out) {
-    const float film = r.film_mm, push = r.push, spread = r.spread, yield = r.yield_mm, flow = r.flow;
+    const float film = r.film_mm, push = r.push, spread = r.spread, yield = r.yield_mm, flow = r.flow,
+                tension = r.tension_mm;
     float* __restrict left = out.left, * __restrict right = out.right, * __restrict up = out.up, * __restrict down = out.down, * __restrict ahead = out.ahead;
     const float *b_up = underside - underside_stride, *b_down = underside + underside_stride;
     const float *z_up = relief - stride, *z_down = relief + stride, *w_up = total - stride,
@@ -80,12 +83,17 @@ void outflow_row(int n, const TransferRates& r, const Motion& m, const float* __
     for (int x = 0; x < n; ++x) {
         // What lies where brushes may not work stays there.
         const float w = grain[x] > 0 ? total[x] : 0.0f, top = relief[x] + total[x];
-        // Steps that are too steep: paint flows down them.
-        const float over = flow / (w + kTiny);
-        float l = std::min(std::max(top - (relief[x - 1] + total[x - 1]) - yield, 0.0f), w) * over;
-        float rr = std::min(std::max(top - (relief[x + 1] + total[x + 1]) - yield, 0.0f), w) * over;
-        float u = std::min(std::max(top - (z_up[x] + w_up[x]) - yield, 0.0f), w) * over;
-        float d = std::min(std::max(top - (z_down[x] + w_down[x]) - yield, 0.0f), w) * over;
+        // Steps that are too steep: paint flows down them; and surface tension rounds off what stands above
+        // both neighbours.
+        const float to_l = top - (relief[x - 1] + total[x - 1]), to_r = top - (relief[x + 1] + total[x + 1]);
+        const float to_u = top - (z_up[x] + w_up[x]), to_d = top - (z_down[x] + w_down[x]);
+        const float part = 1 / (w + kTiny);
+        const float peak_x = kRounding * std::min(std::max(std::min(to_l, to_r) - tension, 0.0f), w);
+        const float peak_y = kRounding * std::min(std::max(std::min(to_u, to_d) - tension, 0.0f), w);
+        float l = std::max(flow * std::min(std::max(to_l - yield, 0.0f), w), peak_x) * part;
+        float rr = std::max(flow * std::min(std::max(to_r - yield, 0.0f), w), peak_x) * part;
+        float u = std::max(flow * std::min(std::max(to_u - yield, 0.0f), w), peak_y) * part;
+        float d = std::max(flow * std::min(std::max(to_d - yield, 0.0f), w), peak_y) * part;
         // What the bristles push: along the motion, and to where they press less.
         const float excess = std::min(std::max(top - underside[x], 0.0f), std::max(w - film, 0.0f));
         const float pushed = push * excess / (w + kTiny) * (1 - (l + rr + u + d));

@@ -25,6 +25,7 @@ struct TransferRates {
     float spread = 0;      // [1] how much of the pushing goes towards where the brush presses less, 0..1
     float yield_mm = 0;    // [mm] step between neighbours that paint holds; more of it flows down
     float flow = 0;        // [1] part of what is more that flows in one step, 0..0.2
+    float tension_mm = 1e9f;  // [mm] height over both neighbours that a pixel keeps against surface tension
 };
 
 // Columns begin <= x < end of a row.

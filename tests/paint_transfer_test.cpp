@@ -6,6 +6,7 @@
 
 #include <array>
 #include <cmath>
+#include <numbers>
 
 #include "tests/test_support.h"
 
@@ -219,6 +220,41 @@ TEST(Transfer, SteepStepsFlowDownAndStop) {
         }
     EXPECT_GT(b.total[middle], 0.05f);  // it holds its shape: no water
     EXPECT_NEAR(b.total[middle - 1], b.total[middle + 1], 1e-6);
+}
+
+TEST(Transfer, SurfaceTensionRoundsWhatIsSmallerThanBristles) {
+    // Ripples of two, three and twelve pixels, and a chequerboard.
+    const auto left_of = [](auto&& wave) {
+        RandomBox b(7);
+        std::fill(b.relief.begin(), b.relief.end(), 0.0f);
+        std::fill(b.underside.begin(), b.underside.end(), kOutside);
+        std::fill(b.grain.begin(), b.grain.end(), 1.0f);
+        for (auto& plane : b.paint) std::fill(plane.begin(), plane.end(), 0.0f);
+        for (int y = 0; y < RandomBox::kHeight; ++y)
+            for (int x = 0; x < RandomBox::kWidth; ++x) {
+                const auto i = static_cast<std::size_t>(y * RandomBox::kWidth + x);
+                b.paint[0][i] = b.total[i] = 0.2f + 0.05f * static_cast<float>(wave(x, y));
+            }
+        const double volume = b.sum(0);
+        TransferRates rates = some_rates();
+        rates.yield_mm = 10;
+        rates.tension_mm = 0.004f;
+        StepScratch scratch;
+        for (int step = 0; step < 40; ++step) push(b.box, rates, 0, 0, scratch);
+        EXPECT_NEAR(b.sum(0) / volume, 1, 1e-5);
+        float low = 1, high = 0;
+        for (int y = 8; y < 15; ++y)
+            for (int x = 8; x < 29; ++x) {
+                low = std::min(low, b.total[static_cast<std::size_t>(y * RandomBox::kWidth + x)]);
+                high = std::max(high, b.total[static_cast<std::size_t>(y * RandomBox::kWidth + x)]);
+            }
+        return high - low;
+    };
+    const double turn = 2 * std::numbers::pi;
+    EXPECT_LT(left_of([&](int x, int y) { return (x + y) % 2 * 2 - 1; }), 0.0045f);
+    EXPECT_LT(left_of([&](int x, int) { return x % 2 * 2 - 1; }), 0.0045f);
+    EXPECT_LT(left_of([&](int x, int) { return std::cos(turn * x / 3); }), 0.05f);
+    EXPECT_GT(left_of([&](int x, int) { return std::cos(turn * x / 12); }), 0.09f);
 }
 
 }  // namespace
