@@ -11,10 +11,8 @@ struct TipMaps {
 };
 
 struct UndersideRow {
-    float u, v;          // [texels] of the row's first pixel, in the dome
-    float du, dv;        // [texels] from pixel to pixel
-    float tip_u, tip_v;  // the same in the map of the bristles' tips: moving bristles lie along the motion
-    float tip_du, tip_dv;
+    float u, v;               // [texels] of the row's first pixel
+    float du, dv;             // [texels] from pixel to pixel
     float lift_mm, dlift_mm;  // tilt of the tip at the first pixel, and from pixel to pixel
     float gap_mm, groove_mm;
     float rise_mm;  // for each unit of the dome beyond `touched`

@@ -17,7 +17,6 @@ using procedural::hash;
 using procedural::uniform;
 
 constexpr int kMargin = 4;          // [pixels] around the contact for paint that is pushed out of it
-constexpr float kLying = 4;         // length of a dragged bristle's mark over its width
 constexpr float kLightest = 0.15f;  // part of the dome that the lightest touch flattens
 
 // 0 in the middle of the tip, 1 at its rim; u and v in half extents.
@@ -355,14 +354,6 @@ void Brush::underside_mm(const Dab& dab, int x0, int y0, int width, int height, 
     UndersideRow row{};
     row.du = c * narrowing;
     row.dv = -s * narrowing;
-    // Bristles that are dragged lie along the motion, and so do the marks of their tips.
-    const float along_u = dab.dx * c + dab.dy * s, along_v = dab.dy * c - dab.dx * s;
-    const auto lying = [&](float u, float v, float& tip_u, float& tip_v) {
-        const float shorter = (1 - 1 / kLying) * (u * along_u + v * along_v);
-        tip_u = u - shorter * along_u;
-        tip_v = v - shorter * along_v;
-    };
-    lying(row.du, row.dv, row.tip_du, row.tip_dv);
     row.dlift_mm = lift_x;
     row.gap_mm = gap;
     row.groove_mm = groove;
@@ -382,11 +373,8 @@ void Brush::underside_mm(const Dab& dab, int x0, int y0, int width, int height, 
         }
         const RowSpan whole = widened(span, {0, width});
         const auto dx = static_cast<float>(x0 + whole.begin - cx), dy = static_cast<float>(py);
-        row.u = (dx * c + dy * s) * narrowing;
-        row.v = (dy * c - dx * s) * narrowing;
-        lying(row.u, row.v, row.tip_u, row.tip_v);
-        row.u += static_cast<float>(texture_half_u_), row.tip_u += static_cast<float>(texture_half_u_);
-        row.v += static_cast<float>(texture_half_v_), row.tip_v += static_cast<float>(texture_half_v_);
+        row.u = (dx * c + dy * s) * narrowing + static_cast<float>(texture_half_u_);
+        row.v = (dy * c - dx * s) * narrowing + static_cast<float>(texture_half_v_);
         row.lift_mm = dx * lift_x + dy * lift_y;
         underside_row(whole.end - whole.begin, maps, row, to + whole.begin);
         std::fill(to, to + span.begin, kOutside);
