@@ -96,6 +96,7 @@ nlohmann::json run_paint(const PaintArguments& a) {
             {"frames", result.frames},
             {"tilt_deg", {result.tilt_deg.x, result.tilt_deg.y}},
             {"light_deg", {result.light_azimuth_deg, result.light_elevation_deg}},
+            {"fetched_bytes", result.fetched_bytes},
             {"uploaded_bytes", result.uploaded_bytes},
             {"drawn_by", result.drawn_by}};
 }

@@ -61,7 +61,7 @@ TEST(Sitting, DISABLED_PaintsUntilKilled) {
     const fs::path file = std::getenv("TP_PAINT_FILE");
     const int pipe_end = std::atoi(std::getenv("TP_PAINT_PIPE"));
     Painter painter({read_canvas(file), artist_acrylics(), file, false}, [] {});
-    painter.start(TexelTiles(painter.surface(), painter.range(), 7));
+    painter.start(std::make_shared<TexelTiles>(painter.surface(), painter.range()));
     if (auto left = left_over(sitting_files(file))) painter.recover(std::move(*left));
     for (int i = 0;; ++i) {
         StrokeEvent event;

@@ -63,9 +63,7 @@ void Desk::open(const fs::path& file) {
         OpenedPainting opened;
         Painter::Setup setup{read_canvas(file, progress), setup_.palette, file, false};
         opened.painter = std::make_unique<Painter>(std::move(setup), setup_.wake, progress);
-        const Surface& surface = opened.painter->surface();
-        opened.tiles =
-            TexelTiles(surface, opened.painter->range(), setup_.tile_bits(surface.width(), surface.height()));
+        opened.tiles = std::make_shared<TexelTiles>(opened.painter->surface(), opened.painter->range());
         opened.file = file;
         opened_ = std::move(opened);
     });

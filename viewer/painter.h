@@ -1,7 +1,7 @@
 // painter.h: the painting engine on a thread of its own, so that looking never waits for painting.
 //
-// The window sends events; the painter records them (sitting.h), applies them to the canvas, and makes texels
-// of what has changed, which the window fetches and uploads.
+// The window sends events; the painter records them (sitting.h), applies them to the canvas, makes texels of
+// what has changed, and tells where, for the window to upload them.
 #pragma once
 
 #include <atomic>
@@ -19,7 +19,6 @@
 #include "viewer/board_picture.h"
 #include "viewer/horizon.h"
 #include "viewer/measure.h"
-#include "viewer/renderer.h"
 #include "viewer/sitting.h"
 #include "viewer/texels.h"
 
@@ -42,7 +41,7 @@ struct PainterState {
 
 // What has happened since it was last fetched.
 struct PainterNews {
-    std::vector<TexelPatch> patches;
+    std::vector<Region> changed;  // of the painting: its tiles have the new texels
     std::vector<BoardPatch> board;
     std::optional<HorizonMap> horizon;
     std::optional<Probe> probe, picked;
@@ -64,15 +63,16 @@ public:
     Painter(Setup setup, std::function<void()> wake, const Progress& progress = {});
     ~Painter();  // finishes what was sent
 
-    const Surface& surface() const { return surface_; }  // only before start()
+    // What the painting looks like; only before start().
+    const Surface& surface() const { return painted_ ? *painted_ : *dry_; }
     const TexelRange& range() const { return range_; }
     // [mm] Of strokes and brushes; that of the surface where its scale is known.
     double mm_per_pixel() const { return mm_per_pixel_; }
     std::filesystem::path file() const;
     const std::shared_ptr<const Surface>& dry() const { return dry_; }
 
-    // Hands over the tiles that were made of surface().
-    void start(TexelTiles tiles);
+    // Takes on the tiles that were made of surface(), and keeps them up to date.
+    void start(std::shared_ptr<TexelTiles> tiles);
 
     void send(Event event);
     void recover(Journal journal);  // paints what a crash left; it is in the journal already
@@ -84,6 +84,7 @@ public:
     void profile(const glm::dvec2& from_px, const glm::dvec2& to_px);
     void statistics(const Region& region);
     void make_horizon();
+    void get_ready();  // to paint: takes the memory that the first stroke needs, in time
 
     PainterNews fetch();
     void wait();  // until everything that was sent is done
@@ -93,6 +94,7 @@ private:
     void post(std::function<void()> job);
     void apply(const Event& event, bool recorded);
     void show_changes();
+    Surface& own_surface();
     void show_board();
     void say(std::string text);
     void guarded(const std::function<void()>& action);
@@ -101,12 +103,12 @@ private:
 
     // The painter's thread only, once it runs.
     Session session_;
-    Surface surface_;
-    std::optional<Surface> board_;  // what the palette looks like
-    TexelTiles tiles_;
+    std::shared_ptr<const Surface> dry_;
+    std::optional<Surface> painted_;  // what the painting looks like; the dry surface where it has no paint
+    std::optional<Surface> board_;    // what the palette looks like
+    std::shared_ptr<TexelTiles> tiles_;
     TexelRange range_;
     double mm_per_pixel_;
-    std::shared_ptr<const Surface> dry_;
     SittingRecord record_;
     bool file_is_new_, told_of_journal_ = false;
     PainterState own_;

@@ -106,6 +106,32 @@ Shot Placement::shot(double scale, bool smooth) const {
     return shot;
 }
 
+std::vector<glm::dvec2> clipped(const std::vector<glm::dvec2>& outline, const glm::dvec2& normal,
+                                double least) {
+    std::vector<glm::dvec2> inside;
+    for (std::size_t i = 0; i < outline.size(); ++i) {
+        const glm::dvec2 a = outline[i], b = outline[(i + 1) % outline.size()];
+        const double over_a = glm::dot(normal, a) - least, over_b = glm::dot(normal, b) - least;
+        if (over_a >= 0) inside.push_back(a);
+        if ((over_a >= 0) != (over_b >= 0)) inside.push_back(a + over_a / (over_a - over_b) * (b - a));
+    }
+    return inside;
+}
+
+std::vector<glm::dvec2> outline_of(const Shot& shot) {
+    const glm::dmat3 m(shot.to_painting);
+    // What lies behind the viewer is not seen: there the third component is not positive.
+    const double nearest = 1e-4 * std::abs(m[2].z);
+    std::vector<glm::dvec2> outline =
+        clipped({{0, 0}, {shot.width, 0}, {shot.width, shot.height}, {0, shot.height}}, {m[0].z, m[1].z},
+                nearest - m[2].z);
+    for (glm::dvec2& p : outline) {
+        const glm::dvec3 q = m * glm::dvec3(p, 1);
+        p = glm::dvec2(q) / q.z;
+    }
+    return outline;
+}
+
 Vec3 direction_of(double azimuth_deg, double elevation_deg) {
     const double a = azimuth_deg * kDegree, e = elevation_deg * kDegree;
     return Vec3(glm::dvec3(std::cos(a) * std::cos(e), std::sin(a) * std::cos(e), std::sin(e)));

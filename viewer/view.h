@@ -8,6 +8,7 @@
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
+#include <vector>
 
 #include "viewer/look.h"
 #include "viewer/tilt.h"
@@ -56,6 +57,12 @@ private:
     Extent screen_;
     double zoom_;
 };
+
+// What a shot shows of the painting's plane: a convex outline [pixels of the painting].
+std::vector<glm::dvec2> outline_of(const Shot& shot);
+// The part of a convex outline where dot(normal, place) >= least.
+std::vector<glm::dvec2> clipped(const std::vector<glm::dvec2>& outline, const glm::dvec2& normal,
+                                double least);
 
 // Unit vector of a light from its azimuth (counter-clockwise from x) and elevation above the plane, and back.
 Vec3 direction_of(double azimuth_deg, double elevation_deg);

@@ -22,7 +22,8 @@ namespace {
 
 constexpr double kSweep_deg_per_s = 40;
 constexpr double kFrame_s = 1 / 60.0;
-constexpr double kProgress_s = 0.2;  // between two pictures of how far something is
+constexpr std::size_t kFetchBytes = std::size_t(8) << 20;  // for the loupe, in one frame
+constexpr double kProgress_s = 0.2;                        // between two pictures of how far something is
 
 }  // namespace
 
@@ -35,16 +36,13 @@ WindowApp::WindowApp(WindowSetup setup, const Progress& progress)
     state_.palette = setup.palette;
     if (!setup.brushes.empty()) state_.brushes = setup.brushes;
     const auto wake = [] { glfwPostEmptyEvent(); };
-    desk_.emplace(state_, Desk::Setup{std::move(setup.workshop), setup.palette, setup.settings,
-                                      [this](int w, int h) { return renderer_.tile_bits(w, h); }, wake,
+    desk_.emplace(state_, Desk::Setup{std::move(setup.workshop), setup.palette, setup.settings, wake,
                                       [this](const std::string& text) { say(text); }});
     OpenedPainting opened;
     opened.painter = std::make_unique<Painter>(
         Painter::Setup{std::move(setup.canvas), setup.palette, setup.file, setup.file_is_new}, wake,
         progress);
-    const Surface& surface = opened.painter->surface();
-    opened.tiles =
-        TexelTiles(surface, opened.painter->range(), renderer_.tile_bits(surface.width(), surface.height()));
+    opened.tiles = std::make_shared<TexelTiles>(opened.painter->surface(), opened.painter->range());
     opened.file = setup.file;
     show(std::move(opened), true);
     const auto* name = reinterpret_cast<const char*>(glGetString(GL_RENDERER));
@@ -67,7 +65,7 @@ void WindowApp::warm_up() {
     for (const bool smooth : {false, true}) {
         Shot shot = placement().shot(1, smooth);
         shot.width = shot.height = 16;
-        renderer_.draw(scene_of(state_, placement()), shot, target.framebuffer());
+        renderer_.draw(scene_of(state_, placement()), shot, target.framebuffer());  // with what there is
     }
     glFinish();
 }
@@ -102,7 +100,9 @@ void WindowApp::loupe(const Scene& scene) {
     view.zoom *= kLarger;
     const Placement place(view, state_.tilt, state_.flat, state_.painting, {kSide, kSide},
                           state_.mm_per_pixel);
-    renderer_.draw(scene, place.shot(1, true), loupe_.framebuffer());
+    const Shot shot = place.shot(1, true);
+    if (!renderer_.fetch(scene, shot, kFetchBytes).complete) settle_ = std::max(settle_, 2);
+    renderer_.draw(scene, shot, loupe_.framebuffer());
     const int x = static_cast<int>(left_ + hand_->cursor().x) - kSide / 2;
     const int y = window_size_.height - static_cast<int>(hand_->cursor().y) - kSide / 2;
     glBindFramebuffer(GL_READ_FRAMEBUFFER, loupe_.framebuffer());
@@ -142,6 +142,7 @@ void WindowApp::draw(bool moved) {
     glViewport(0, 0, window_size_.width, window_size_.height);
     ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
     glfwSwapBuffers(window_.handle());
+    window_.require_device();
     ++result_.frames;
 }
 
@@ -175,6 +176,8 @@ bool WindowApp::frame() {
         progress_s_ = now_s_;
         progress_due_ = false;
     }
+    if (state_.tool == Tool::paint && !ready_to_paint_) painter_->get_ready();
+    ready_to_paint_ |= state_.tool == Tool::paint;
     requests();
     news();
     if (auto opened = desk_->opened()) show(std::move(*opened), false);
@@ -210,14 +213,14 @@ bool WindowApp::frame() {
     if (moved) moved_s_ = now_s_;
     if (woken || moved || dirty_ || resized) settle_ = kFramesAfterwards;
     const bool rests = now_s_ - moved_s_ > 0.15, fine = comparing.shows() || picture_.fine();
-    if (settle_ > 0 || !patches_.empty() || (rests && !fine)) {
+    if (settle_ > 0 || !changed_.empty() || (rests && !fine)) {
         // Fine pictures wait until the hand rests.
         if (moved || dirty_ || fine || rests) {
             draw(moved || (!rests && !fine));
             --settle_;
         }
     }
-    return state_.tilt.moves() || state_.sweeping || settle_ > 0 || !patches_.empty() || !fine ||
+    return state_.tilt.moves() || state_.sweeping || settle_ > 0 || !changed_.empty() || !fine ||
            (comparing.shows() && comparing.way == CompareWay::blink);
 }
 
@@ -242,7 +245,9 @@ WindowResult WindowApp::run() {
     result_.tilt_deg = state_.tilt.angle_deg;
     result_.light_azimuth_deg = state_.lamps.front().angles.azimuth_deg;
     result_.light_elevation_deg = state_.lamps.front().angles.elevation_deg;
-    result_.uploaded_bytes = renderer_.uploaded_bytes() - first_bytes_;
+    const UploadedBytes& uploaded = renderer_.uploaded();
+    result_.uploaded_bytes = uploaded.changes + uploaded.horizons;
+    result_.fetched_bytes = uploaded.tiles;
     return result_;
 }
 

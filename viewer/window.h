@@ -35,7 +35,8 @@ struct WindowResult {
     long frames = 0;
     glm::dvec2 tilt_deg{0};
     double light_azimuth_deg = 0, light_elevation_deg = 0;
-    std::size_t uploaded_bytes = 0;  // after the painting itself
+    std::size_t fetched_bytes = 0;   // of texels to the graphics device, as they came into sight
+    std::size_t uploaded_bytes = 0;  // what changed of them, and shadows
     std::string drawn_by;
 };
 

@@ -62,14 +62,14 @@ private:
     gl::Texture board_;
     gl::Target loupe_;
     std::optional<Journal> left_over_;
-    std::deque<TexelPatch> patches_;
+    std::deque<Region> changed_;  // of the painting, not uploaded yet
     Extent screen_{1, 1}, window_size_{1, 1};
     double left_ = 0, now_s_ = 0, horizon_due_s_ = 0, moved_s_ = -1, progress_s_ = 0;
     std::string seen_;                // the scene and placement of the last picture
     int settle_ = kFramesAfterwards;  // frames to be drawn
     bool progress_due_ = false;
-    bool dirty_ = true, close_when_saved_ = false, close_unsaved_ = false, fitted_ = false;
-    std::size_t first_bytes_ = 0;
+    bool dirty_ = true, close_when_saved_ = false, close_unsaved_ = false, fitted_ = false,
+         ready_to_paint_ = false;
     WindowResult result_;
 };
 

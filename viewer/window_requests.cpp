@@ -28,7 +28,7 @@ void WindowApp::show(OpenedPainting opened, bool is_first) {
             say(fmt::format("strokes on {} were not saved: open it again to recover them", state_.title));
     }
     // What is to be uploaded is of the painting before.
-    patches_.clear();
+    changed_.clear();
     hand_.reset();
     painter_ = std::move(opened.painter);
     hand_.emplace(state_, *painter_);
@@ -56,16 +56,14 @@ void WindowApp::show(OpenedPainting opened, bool is_first) {
     board_ = gl::Texture();
     state_.board = {};
     glfwSetWindowTitle(window_.handle(), fmt::format("{} - TangiPaint", state_.title).c_str());
-    const std::size_t before = renderer_.uploaded_bytes();
     renderer_.set_painting(opened.tiles, surface.mm_per_pixel);
-    first_bytes_ += renderer_.uploaded_bytes() - before;
     find_left_over(opened.file);
     warm_up();
     painter_->start(std::move(opened.tiles));
     painter_->make_horizon();
     state_.painter = painter_->fetch().state;
     desk_->shows(*painter_);
-    fitted_ = false;
+    fitted_ = ready_to_paint_ = false;
     dirty_ = true;
 }
 
@@ -137,15 +135,15 @@ void WindowApp::news() {
         state_.title = name;
         glfwSetWindowTitle(window_.handle(), fmt::format("{} - TangiPaint", name).c_str());
     }
-    for (TexelPatch& patch : news.patches) patches_.push_back(std::move(patch));
+    changed_.insert(changed_.end(), news.changed.begin(), news.changed.end());
     take_board(news.board);
-    std::size_t bytes = 0;
-    while (!patches_.empty() && bytes < kUploadBytes) {
-        bytes += patches_.front().texels.size() * sizeof(Texel);
-        renderer_.upload(patches_.front());
-        patches_.pop_front();
+    const bool uploads = !changed_.empty();
+    const std::size_t before = renderer_.uploaded().changes;
+    while (!changed_.empty() && renderer_.uploaded().changes - before < kUploadBytes) {
+        renderer_.upload(changed_.front());
+        changed_.pop_front();
     }
-    if (bytes > 0) {
+    if (uploads) {
         dirty_ = true;
         horizon_due_s_ = now_s_ + kHorizonPause_s;
     }
@@ -161,7 +159,7 @@ void WindowApp::news() {
         state_.tool = Tool::paint;
     }
     for (const std::string& message : news.messages) say(message);
-    if (horizon_due_s_ > 0 && now_s_ >= horizon_due_s_ && !hand_->holds() && patches_.empty()) {
+    if (horizon_due_s_ > 0 && now_s_ >= horizon_due_s_ && !hand_->holds() && changed_.empty()) {
         horizon_due_s_ = 0;
         painter_->make_horizon();
     }
@@ -170,6 +168,7 @@ void WindowApp::news() {
 void WindowApp::snapshot() {
     const Shot shot = placement().shot(1, true);
     const gl::Target target(shot.width, shot.height, false);
+    renderer_.fetch(scene_of(state_, placement()), shot);
     renderer_.draw(scene_of(state_, placement()), shot, target.framebuffer());
     std::filesystem::path path = painter_->file();
     for (int i = 1;; ++i) {
