@@ -116,19 +116,20 @@ TEST_F(RendererTest, UploadsWhatChangedAndNothingElse) {
     EXPECT_GE(part_within(relight_with(*renderer_, s, some_lights(), {}), relight(s, some_lights(), {}), 1),
               0.999);
     const UploadedBytes before = renderer_->uploaded();
-    EXPECT_EQ(before.tiles, 3 * kTileTexels * sizeof(Texel)) << "two tiles of pixels, one coarse";
+    EXPECT_EQ(before.tiles, 4 * kTileTexels * sizeof(Texel)) << "two tiles of pixels, two that stand in";
     const Region spot{130, 60, 150, 80};
     for (int y = spot.y0; y < spot.y1; ++y)
         for (int x = spot.x0; x < spot.x1; ++x) s.diffuse(x, y) = {0.9f, 0.1f, 0.1f};
     tiles_->update(s, spot);
     renderer_->upload(spot);
-    EXPECT_EQ(renderer_->uploaded().changes, (20u * 20 + 10 * 10) * sizeof(Texel));
+    EXPECT_EQ(renderer_->uploaded().changes, (20u * 20 + 6 * 5 + 1 * 2) * sizeof(Texel))
+        << "in the three levels that are there";
     EXPECT_GE(part_within(relight_with(*renderer_, s, some_lights(), {}), relight(s, some_lights(), {}), 1),
               0.999);
     EXPECT_EQ(renderer_->uploaded().tiles, before.tiles) << "they were there";
     // Levels of detail, too: as those of a surface that is packed anew.
     const TexelTiles anew(s, tiles_->range());
-    for (const TileName& tile : {TileName{0, 0, 0}, {0, 1, 0}, {1, 0, 0}})
+    for (const TileName& tile : {TileName{0, 0, 0}, {0, 1, 0}, {1, 0, 0}, {5, 0, 0}})
         EXPECT_TRUE(std::ranges::equal(anew.tile(tile), tiles_->tile(tile))) << tile.level;
 }
 
@@ -190,7 +191,7 @@ TEST_F(RendererTest, HasNoSeams) {
             const gl::Target target(shot.width, shot.height, true);
             renderer_->draw(scene, shot, target.framebuffer(), true);
             const Image<Rgb> picture = renderer_->read(target);
-            const double most = complete ? step : step + 8 * 0.0004;  // stand-ins are of 8 pixels at most
+            const double most = complete ? step : step + 129 * 0.0004;  // the coarsest texels have 128 pixels
             for (int y = 1; y < picture.height(); ++y)
                 for (int x = 1; x < picture.width(); ++x) {
                     ASSERT_NEAR(picture(x, y).g, picture(x - 1, y).g, most) << zoom << " " << x << " " << y;
@@ -214,7 +215,7 @@ TEST_F(RendererTest, EncodesAsSrgb) {
     const auto linear = drawn(scene, pixel_by_pixel(s)), encoded = drawn(scene, pixel_by_pixel(s), false);
     const Transfer srgb{Transfer::Kind::srgb};
     for (int x = 0; x < 256; ++x)
-        EXPECT_NEAR(encoded(x, 2).g, srgb.encode(linear(x, 2)).g, 0.03 / 255) << linear(x, 2).g;
+        EXPECT_NEAR(encoded(x, 2).g, srgb.encode(linear(x, 2)).g, 0.05 / 255) << linear(x, 2).g;
 }
 
 TEST_F(RendererTest, ShadowsFromHorizonsAreNearThoseMarched) {

@@ -44,7 +44,7 @@ TEST(TexelTiles, LevelsAreMeansOfWhatIsThere) {
     Surface s = painted_surface(1300, 130);
     for (Vec3& n : s.normal.pixels()) n = {0, 0, 1};
     const TexelTiles tiles(s, range_of(s));
-    ASSERT_EQ(tiles.levels(), 4);
+    ASSERT_EQ(tiles.levels(), 8);
     // The texel in the lower right corner holds 4 x 2 pixels: their mean, not darkened by what is not there.
     glm::dvec3 sum(0);
     for (int y = 128; y < 130; ++y)

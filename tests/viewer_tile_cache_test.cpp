@@ -70,12 +70,12 @@ TEST(TileCache, HoldsNoMoreThanFitsAndForgetsTheOldest) {
     EXPECT_EQ(cache.resident(), 12);
     EXPECT_FALSE(cache.layer_of({0, 0, 0})) << "not needed for longest";
     EXPECT_TRUE(cache.layer_of({0, 14, 0}));
-    EXPECT_TRUE(cache.layer_of({4, 0, 0})) << "the coarsest stays";
+    EXPECT_TRUE(cache.layer_of({8, 0, 0})) << "the coarsest stays";
     // No layer has two tiles.
     std::set<int> layers;
-    for (int level = 0; level < 5; ++level)
-        for (int row = 0; row < 16 >> level; ++row)
-            for (int column = 0; column < 16 >> level; ++column) {
+    for (int level = 0; level < 9; ++level)
+        for (int row = 0; row < std::max(16 >> level, 1); ++row)
+            for (int column = 0; column < std::max(16 >> level, 1); ++column) {
                 const auto layer = cache.layer_of({level, column, row});
                 EXPECT_TRUE(!layer || layers.insert(*layer).second) << level << " " << column << " " << row;
             }
@@ -103,7 +103,7 @@ TEST(TileCache, BringsCoarseTilesFirstThenThoseInTheMiddle) {
         if (wanted.complete) break;
     }
     ASSERT_EQ(order.size(), 256u + 16 + 1);
-    EXPECT_EQ(order[0], (TileName{4, 0, 0}));
+    EXPECT_EQ(order[0], (TileName{8, 0, 0}));
     for (std::size_t i = 1; i < order.size(); ++i) EXPECT_LE(order[i].level, order[i - 1].level);
     const auto out = [](const TileName& t) {
         return std::max(std::abs(t.column - 7.5), std::abs(t.row - 7.5));
@@ -115,11 +115,11 @@ TEST(TileCache, BringsCoarseTilesFirstThenThoseInTheMiddle) {
 TEST(TileCache, WhatIsMissingHasTheNextCoarser) {
     TileCache cache(4096, 4096, 400);
     EXPECT_TRUE(cache.want({}, 1).complete);
-    EXPECT_EQ(found(cache, 4096, 4096, 0, 3000, 10), (std::pair{4, *cache.layer_of({4, 0, 0})}));
+    EXPECT_EQ(found(cache, 4096, 4096, 0, 3000, 10), (std::pair{8, *cache.layer_of({8, 0, 0})}));
     cache.want(std::vector<TileView>{{0, rectangle(10, 10, 20, 20)}}, 1);
     EXPECT_EQ(found(cache, 4096, 4096, 0, 1000, 10), (std::pair{2, *cache.layer_of({2, 0, 0})}));
     EXPECT_EQ(found(cache, 4096, 4096, 1, 1000, 10).first, 2);
-    EXPECT_EQ(found(cache, 4096, 4096, 0, 3000, 10).first, 4);
+    EXPECT_EQ(found(cache, 4096, 4096, 0, 3000, 10).first, 8);
 }
 
 }  // namespace

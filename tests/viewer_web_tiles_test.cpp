@@ -88,12 +88,12 @@ TEST(WebTiles, AreSmallWhereNothingHappens) {
 }
 
 TEST(WebTiles, LevelsEndWithOneTile) {
-    EXPECT_EQ(level_count(1, 1), 1);
-    EXPECT_EQ(level_count(256, 256), 1);
-    EXPECT_EQ(level_count(257, 3), 2);
-    EXPECT_EQ(level_count(10000, 10000), 7);
+    EXPECT_EQ(web_levels(1, 1), 1);
+    EXPECT_EQ(web_levels(256, 256), 1);
+    EXPECT_EQ(web_levels(257, 3), 2);
+    EXPECT_EQ(web_levels(10000, 10000), 7);
     for (const int side : {255, 257, 4052, 70000}) {
-        const LevelSize last = level_size(side, side, level_count(side, side) - 1);
+        const LevelSize last = level_size(side, side, web_levels(side, side) - 1);
         EXPECT_EQ(last.columns() * last.rows(), 1) << side;
     }
 }

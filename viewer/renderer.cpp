@@ -16,6 +16,7 @@ namespace {
 constexpr const char* kDesktop = "#version 330 core\n";
 constexpr std::size_t kTileBytes = kTileTexels * sizeof(Texel);
 constexpr std::size_t kFewestLayers = 16;  // a piece of 256 x 256 pixels needs 14 at most
+constexpr int kFirstLayers = 128;          // a screen of 1920 x 1080 and what is around it
 constexpr std::size_t kMostLayers = 2047;  // that the table's 11 bits tell apart
 constexpr std::size_t kTableWidth = 1024;  // as in surface.glsl
 constexpr int kLargestPiece = 2048;        // [pixels] a side, of a picture that is drawn piece by piece
@@ -106,12 +107,14 @@ bool Renderer::allocated(int layers) {
 
 // As many as are wanted, or as there is memory for.
 void Renderer::make_layers(int wanted) {
-    int layers = wanted;
+    const int all = TileCache(tiles_->width(), tiles_->height(), 1).all();
+    int layers = std::min({wanted, largest_layers_, all});
     while (!allocated(layers)) {
+        largest_layers_ = std::max(layers / 2, 1);
         if (layers <= static_cast<int>(kFewestLayers))
             fail("the graphics device has not enough memory for this painting: {} MB are needed at least",
                  megabytes(layers));
-        layers /= 2;
+        layers = largest_layers_;
     }
     cache_ = TileCache(tiles_->width(), tiles_->height(), layers);
 }
@@ -121,8 +124,7 @@ void Renderer::set_painting(std::shared_ptr<const TexelTiles> tiles, double mm_p
     tiles_ = std::move(tiles);
     mm_per_pixel_ = mm_per_pixel;
     horizon_ = {};
-    const int all = TileCache(tiles_->width(), tiles_->height(), 1).all();
-    make_layers(std::min(largest_layers_, all));
+    make_layers(kFirstLayers);
     table_ = gl::make_texture();
     glBindTexture(GL_TEXTURE_2D, table_.id());
     glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
@@ -133,7 +135,12 @@ void Renderer::set_painting(std::shared_ptr<const TexelTiles> tiles, double mm_p
 }
 
 Renderer::Fetched Renderer::fetch(std::span<const TileView> views, std::size_t most_tiles) {
-    const TileCache::Wanted wanted = cache_.want(views, most_tiles);
+    TileCache::Wanted wanted = cache_.want(views, most_tiles);
+    // Memory for tiles is taken as it is needed: a software renderer's is the machine's.
+    while (!wanted.roomy && cache_.layers() < std::min(largest_layers_, cache_.all())) {
+        make_layers(2 * cache_.layers());
+        wanted = cache_.want(views, SIZE_MAX);  // what was there is to be fetched again
+    }
     if (wanted.placed.empty()) return {wanted.complete, wanted.exact};
     glBindTexture(GL_TEXTURE_2D_ARRAY, texels_.id());
     for (const auto& [tile, layer] : wanted.placed) {
@@ -142,12 +149,12 @@ Renderer::Fetched Renderer::fetch(std::span<const TileView> views, std::size_t m
                         GL_UNSIGNED_INT, tiles_->tile(tile).data());
         uploaded_.tiles += kTileBytes;
     }
-    std::vector<std::uint16_t> table = cache_.table();
+    std::vector<std::uint32_t> table = cache_.table();
     const std::size_t rows = (table.size() + kTableWidth - 1) / kTableWidth;
     table.resize(rows * kTableWidth);
     glBindTexture(GL_TEXTURE_2D, table_.id());
-    glTexImage2D(GL_TEXTURE_2D, 0, GL_R16UI, kTableWidth, static_cast<GLsizei>(rows), 0, GL_RED_INTEGER,
-                 GL_UNSIGNED_SHORT, table.data());
+    glTexImage2D(GL_TEXTURE_2D, 0, GL_R32UI, kTableWidth, static_cast<GLsizei>(rows), 0, GL_RED_INTEGER,
+                 GL_UNSIGNED_INT, table.data());
     return {wanted.complete, wanted.exact};
 }
 

@@ -115,7 +115,7 @@ LevelSize level_size(int width, int height, int level) {
 
 int level_count(int width, int height) {
     int levels = 1;
-    while (std::max(width, height) > 1LL << (kTileBits + levels - 1)) ++levels;
+    while (std::max(width, height) > 16LL << (levels - 1)) ++levels;
     return levels;
 }
 

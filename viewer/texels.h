@@ -58,7 +58,7 @@ struct LevelSize {
     int rows() const { return (height + kTileSide - 1) >> kTileBits; }
 };
 LevelSize level_size(int width, int height, int level);
-// Levels of a painting of so many pixels: the last is one tile.
+// Levels of a painting of so many pixels: the last has 16 texels a side at most, in one tile.
 int level_count(int width, int height);
 
 struct TileName {

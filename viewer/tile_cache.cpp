@@ -86,18 +86,19 @@ TileCache::Wanted TileCache::want(std::span<const TileView> views, std::size_t m
         double distance;
     };
     std::vector<Missing> missing;
-    Wanted wanted{.placed = {}, .complete = true, .exact = true};
+    Wanted wanted{.placed = {}, .complete = true, .exact = true, .roomy = true};
     const auto need = [&](const TileName& tile, double distance) {
         if (const auto there = resident_.find(tile); there != resident_.end())
             there->second.used = call_;
         else
             missing.push_back({tile, distance});
     };
+    const auto refuse_exact = [&] { wanted.exact = wanted.roomy = false; };
     need({last, 0, 0}, 0);
     for (const TileView& view : views) {
         if (view.outline.empty()) continue;
         const int level = affordable(view);
-        wanted.exact = wanted.exact && level == std::clamp(view.level, 0, last);
+        if (level != std::clamp(view.level, 0, last)) refuse_exact();
         glm::dvec2 middle(0);
         for (const glm::dvec2& p : view.outline) middle += p / static_cast<double>(view.outline.size());
         for (const int l : {level + kStandIn, level})
@@ -117,9 +118,10 @@ TileCache::Wanted TileCache::want(std::span<const TileView> views, std::size_t m
             wanted.complete = wanted.exact = false;
             break;
         }
+        wanted.roomy = wanted.roomy && !free_.empty();
         const auto layer = free_layer();
         if (!layer) {
-            wanted.exact = false;
+            refuse_exact();
             break;
         }
         resident_[m.tile] = {*layer, call_};
@@ -134,15 +136,15 @@ std::optional<int> TileCache::layer_of(const TileName& tile) const {
     return found->second.layer;
 }
 
-std::vector<std::uint16_t> TileCache::table() const {
-    std::vector<std::uint16_t> table(static_cast<std::size_t>(all()));
+std::vector<std::uint32_t> TileCache::table() const {
+    std::vector<std::uint32_t> table(static_cast<std::size_t>(all()));
     for (int level = static_cast<int>(first_.size()) - 1; level >= 0; --level) {
         const LevelSize all = size(level);
         std::size_t i = static_cast<std::size_t>(first_[static_cast<std::size_t>(level)]);
         for (int row = 0; row < all.rows(); ++row)
             for (int column = 0; column < all.columns(); ++column, ++i)
                 if (const auto layer = layer_of({level, column, row}))
-                    table[i] = static_cast<std::uint16_t>(*layer | level << 11);
+                    table[i] = static_cast<std::uint32_t>(*layer | level << 11);
                 else if (level + 1 < static_cast<int>(first_.size()))
                     table[i] = table[static_cast<std::size_t>(first_[static_cast<std::size_t>(level) + 1] +
                                                               (row >> 1) * size(level + 1).columns() +

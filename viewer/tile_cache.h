@@ -34,6 +34,7 @@ public:
         std::vector<Placed> placed;  // new ones: their texels are to be put into these layers
         bool complete = false;       // nothing is missing after that for which there is room
         bool exact = false;          // nor anything else of the views' own levels
+        bool roomy = true;           // no tile had to go, and no level was given up, for want of layers
     };
     // Finds layers for up to `most` tiles that these views need: coarse ones first, which stand in for what
     // is missing, then from the middle outwards. Takes the layers of tiles that were not needed for longest.
@@ -46,7 +47,7 @@ public:
 
     // For the shader: for each tile of each level, row by row, the layer (lower 11 bits) and level (upper 5)
     // of the finest tile on the device that covers it.
-    std::vector<std::uint16_t> table() const;
+    std::vector<std::uint32_t> table() const;
     const std::vector<int>& first_entries() const { return first_; }  // of each level
 
 private:

@@ -135,7 +135,7 @@ json data_of(const Surface& s, const TexelTiles& tiles, const HorizonMap& horizo
              {range.diffuse_max, range.specular_max, range.height_min_mm,
               range.height_max_mm - range.height_min_mm}},
             {"law", {s.law.diffuse_roughness, s.law.haze}},
-            {"levels", tiles.levels()},
+            {"levels", web_levels(s.width(), s.height())},
             {"fields", fields()},
             {"looks", looks()},
             {"horizon", {horizon.width, horizon.height, HorizonMap::kAzimuths}},
@@ -167,7 +167,8 @@ std::string page_with(const json& data, const std::string& parts) {
 void add_parts(Parts& parts, const TexelTiles& tiles, const HorizonMap& horizon, WebReport& report,
                const Progress& progress) {
     std::vector<TileName> places;
-    for (int level = tiles.levels() - 1; level >= 0; --level) {
+    const int levels = web_levels(tiles.width(), tiles.height());
+    for (int level = levels - 1; level >= 0; --level) {
         const LevelSize size = level_size(tiles.width(), tiles.height(), level);
         for (int row = 0; row < size.rows(); ++row)
             for (int column = 0; column < size.columns(); ++column) places.push_back({level, column, row});
@@ -192,7 +193,7 @@ void add_parts(Parts& parts, const TexelTiles& tiles, const HorizonMap& horizon,
         bytes += packed.size();
         parts.add("horizon", packed);
     }
-    report.levels = tiles.levels();
+    report.levels = levels;
     report.tiles = count;
     report.bytes = bytes;
     tangi::report(progress, "tiles", 1);

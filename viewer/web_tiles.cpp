@@ -57,6 +57,12 @@ void append_planes(std::string& bytes, const std::vector<int>& codes, int width,
 
 }  // namespace
 
+int web_levels(int width, int height) {
+    int levels = 1;
+    while (std::max(width, height) > 1LL << (kTileBits + levels - 1)) ++levels;
+    return levels;
+}
+
 std::string web_tile(const TexelTiles& tiles, const TileName& name) {
     TP_REQUIRE(name.level >= 0 && name.level < tiles.levels(), "there is such a level");
     const LevelSize size = level_size(tiles.width(), tiles.height(), name.level);

@@ -32,6 +32,9 @@ inline constexpr std::array<WebField, 9> kWebFields = {{{0, 0, 16, 14},  // norm
                                                         {3, 0, 8, 6},      // confidence
                                                         {3, 8, 24, 16}}};  // height
 
+// Levels of detail that a page needs: the last is one tile.
+int web_levels(int width, int height);
+
 // This tile, compressed: 256 texels a side, fewer at the right and lower border.
 std::string web_tile(const TexelTiles& tiles, const TileName& name);
 
