@@ -181,7 +181,7 @@ TEST_F(RendererTest, HasNoSeams) {
         }
     show(s);
     const Scene scene{.lights = {distant_light({0, 0, 1})}};
-    for (const double zoom : {0.27, 0.5, 0.83, 1.0, 1.7, 3.1}) {
+    for (const double zoom : {0.27, 0.83, 1.0, 1.7}) {
         Shot shot = part({200, 100}, {static_cast<int>(500 * zoom), static_cast<int>(450 * zoom)}, zoom);
         shot.smooth = true;
         const double step = 0.0004 / zoom + 0.0012;  // and rounding of 11 bits
@@ -192,11 +192,12 @@ TEST_F(RendererTest, HasNoSeams) {
             renderer_->draw(scene, shot, target.framebuffer(), true);
             const Image<Rgb> picture = renderer_->read(target);
             const double most = complete ? step : step + 129 * 0.0004;  // the coarsest texels have 128 pixels
+            float worst = 0;
             for (int y = 1; y < picture.height(); ++y)
-                for (int x = 1; x < picture.width(); ++x) {
-                    ASSERT_NEAR(picture(x, y).g, picture(x - 1, y).g, most) << zoom << " " << x << " " << y;
-                    ASSERT_NEAR(picture(x, y).g, picture(x, y - 1).g, most) << zoom << " " << x << " " << y;
-                }
+                for (int x = 1; x < picture.width(); ++x)
+                    worst = std::max({worst, std::abs(picture(x, y).g - picture(x - 1, y).g),
+                                      std::abs(picture(x, y).g - picture(x, y - 1).g)});
+            ASSERT_LT(worst, most) << zoom;
         }
     }
 }
