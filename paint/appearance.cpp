@@ -73,6 +73,32 @@ void lay_film(const PaintTile& tile, const std::vector<Pigment>& pigments, const
     std::swap(below, above);
 }
 
+struct Sheen {
+    float specular = 0, roughness = 0;
+};
+
+// The gloss of one tile of one layer, its paints' by volume, over that of what lies below, in place. A
+// varnish shines the same over thick paint as over thin.
+void lay_sheen(const PaintTile& tile, const std::vector<Pigment>& pigments, const AppearanceOptions& options,
+               std::vector<Sheen>& below) {
+    std::vector<Sheen> own(below.size());
+    std::vector<float> mm(below.size());
+    for (const IngredientId id : tile.ingredients) {
+        const std::span<const float> plane = tile.plane(id);
+        for (std::size_t i = 0; i < plane.size(); ++i) {
+            mm[i] += plane[i];
+            own[i].specular += plane[i] * pigments[id].specular;
+            own[i].roughness += plane[i] * pigments[id].roughness;
+        }
+    }
+    for (std::size_t i = 0; i < below.size(); ++i) {
+        if (!(mm[i] > 0)) continue;
+        const float covered = 1 - std::exp(-mm[i] / static_cast<float>(options.covering_mm));
+        below[i].specular += covered * (own[i].specular / mm[i] - below[i].specular);
+        below[i].roughness += covered * (own[i].roughness / mm[i] - below[i].roughness);
+    }
+}
+
 // What is below paint that levels has the slope of its height only; elsewhere the slope that was measured.
 Slope slope_below(const Surface& dry, int x, int y, float levelling_mm) {
     const Slope measured = slope_of(dry.normal(x, y));
@@ -118,28 +144,22 @@ void update_tile(const Canvas& canvas, TileIndex at, bool normals_only, Surface&
     const auto painted = [&](const PaintLayer* layer) { return layer->tile(at) != nullptr; };
     const bool any_layer = std::any_of(layers.begin(), layers.end(), painted);
 
-    // Colours, and the volume-weighted gloss.
+    // Colours, and gloss: a layer's own, by volume, as far as it covers what lies below.
     std::vector<Spectrum> look;
-    std::vector<float> specular, roughness;
+    std::vector<Sheen> sheen;
     if (any_layer) {
         look.resize(PaintTile::kPixels);
-        specular.assign(PaintTile::kPixels, 0.0f);
-        roughness.assign(PaintTile::kPixels, 0.0f);
+        sheen.resize(PaintTile::kPixels);
         for (int y = region.y0; y < region.y1; ++y)
-            for (int x = region.x0; x < region.x1; ++x)
-                look[static_cast<std::size_t>((y - region.y0) * kSize + x - region.x0)] =
-                    reflectance_of_rgb(dry.diffuse(x, y));
+            for (int x = region.x0; x < region.x1; ++x) {
+                const auto i = static_cast<std::size_t>((y - region.y0) * kSize + x - region.x0);
+                look[i] = reflectance_of_rgb(dry.diffuse(x, y));
+                sheen[i] = {dry.specular(x, y), dry.roughness(x, y)};
+            }
         for (const PaintLayer* layer : layers)
             if (const auto& tile = layer->tile(at)) {
                 lay_film(*tile, canvas.ingredients(), options, look);
-                for (const IngredientId id : tile->ingredients) {
-                    const Pigment& pigment = canvas.ingredients()[id];
-                    const auto plane = tile->plane(id);
-                    for (std::size_t i = 0; i < plane.size(); ++i) {
-                        specular[i] += plane[i] * pigment.specular;
-                        roughness[i] += plane[i] * pigment.roughness;
-                    }
-                }
+                lay_sheen(*tile, canvas.ingredients(), options, sheen);
             }
     }
     for (int y = region.y0; y < region.y1; ++y)
@@ -155,8 +175,8 @@ void update_tile(const Canvas& canvas, TileIndex at, bool normals_only, Surface&
             const float covered = 1 - std::exp(-mm / static_cast<float>(options.covering_mm));
             // What a reflectance cannot hold (rho_d beyond 1) is covered like the rest.
             s.diffuse(x, y) = glm::max(to_linear_rgb(look[i], options.illuminant), Rgb(0));
-            s.specular(x, y) += covered * (specular[i] / mm - s.specular(x, y));
-            s.roughness(x, y) += covered * (roughness[i] / mm - s.roughness(x, y));
+            s.specular(x, y) = sheen[i].specular;
+            s.roughness(x, y) = sheen[i].roughness;
             s.confidence(x, y) = std::max(s.confidence(x, y), covered);
         }
 }

@@ -3,8 +3,8 @@
 //
 // Colour: Kubelka-Munk films, one over the other (kubelka_munk.h). Shape: heights add, and so do slopes
 // (DESIGN section 3): slope = slope of the dry normal + gradient of the paint's thickness, so that detail
-// finer than the fitted height survives, but under layers that level. Gloss: that of the paints, by volume,
-// where they cover.
+// finer than the fitted height survives, but under layers that level. Gloss: of each layer that of its paints,
+// by volume, over what lies below as far as it covers.
 #pragma once
 
 #include <span>
