@@ -150,7 +150,7 @@ json remove(Treatment& treatment, const TreatmentArguments& a, const Progress& p
 json show(const Treatment& treatment, const TreatmentArguments& a, const Progress& progress) {
     const auto state = treatment_state_named(a.state);
     const Canvas canvas = treatment.read_canvas(progress);
-    const Surface surface = appearance(in_state(canvas, treatment.layers(), *state), {}, progress);
+    const Surface surface = surface_in_state(treatment, canvas, *state, progress);
     write_picture_8bit(a.out,
                        look_of(surface, distant_light(parse_direction(a.light, "--light")), 0, progress));
     return {{"picture", a.out}, {"state", a.state}};
@@ -177,16 +177,18 @@ json run_treatment(const TreatmentArguments& a) {
     const bool writes = a.action == "show" || a.action == "additions" || a.action == "report";
     if (writes) require(a.out, "--out FILE", a.action);
     if (writes && a.action != "report") require_picture_format(a.out);
-    if (a.action == "report" && lower_extension(a.out) != ".html")
-        throw UsageError(
-            fmt::format("--out {}: a report is written as .html; its style sheet prints it on A4 "
-                        "or to PDF",
-                        a.out));
+    if (a.action == "report" && lower_extension(a.out) != ".html" && lower_extension(a.out) != ".pdf")
+        throw UsageError(fmt::format("--out {}: a report is written as .html and .pdf, side by side", a.out));
     Treatment treatment = open_treatment(a.folder);
     if (writes) refuse_to_overwrite(a.out, {treatment.painting(), treatment.log().path()});
     if (a.action == "status") return status(treatment);
     if (a.action == "check") return check(treatment, progress);
     if (a.action == "retouch") return retouch(treatment, a, progress);
+    if (a.action == "earlier") {
+        require(a.painting, "--painting P.exr", a.action);
+        treatment.keep_earlier(a.painting, a.author.author(), progress);
+        return status(treatment);
+    }
     if (a.action == "remove") return remove(treatment, a, progress);
     if (a.action == "show") return show(treatment, a, progress);
     if (a.action == "additions") return show_additions(treatment, a, progress);
@@ -201,16 +203,20 @@ json run_treatment(const TreatmentArguments& a) {
 Command treatment_command() {
     return {
         "treatment",
-        "the treatment of a painting: begin, status, check, retouch, remove, show, additions, report",
+        "the treatment of a painting: begin, earlier, status, check, retouch, remove, show, additions, "
+        "report",
         [](Flags& flags) {
             auto a = std::make_shared<TreatmentArguments>();
             flags
-                .option("ACTION", a->action, "begin, status, check, retouch, remove, show, additions, report")
+                .option("ACTION", a->action,
+                        "begin, earlier, status, check, retouch, remove, show, additions, report")
                 .required()
-                .check(
-                    one_of({"begin", "status", "check", "retouch", "remove", "show", "additions", "report"}));
+                .check(one_of({"begin", "earlier", "status", "check", "retouch", "remove", "show",
+                               "additions", "report"}));
             flags.option("TREATMENT", a->folder, "folder of the treatment").required();
-            flags.option("--painting", a->painting, "begin: painting file (.exr), which is copied");
+            flags.option("--painting", a->painting,
+                         "begin, earlier: painting file (.exr), which is copied; earlier: as it was before "
+                         "it was cleaned");
             flags
                 .option("--mm-per-pixel", a->mm_per_pixel,
                         "begin: size of the painting's pixels where the file does not say")
@@ -228,7 +234,8 @@ Command treatment_command() {
                 .check(one_of({"before", "cleaned", "filled", "retouched", "varnished"}))
                 .show_default();
             flags.option("--light", a->light, "show: direction to the light, X,Y,Z").show_default();
-            flags.option("--out", a->out, "show, additions: picture; report: page (.html)");
+            flags.option("--out", a->out,
+                         "show, additions: picture; report: page (.html), with a .pdf beside it");
             a->author.add_to(flags);
             return [a] { return run_treatment(*a); };
         }};
