@@ -26,7 +26,8 @@ nlohmann::json run_fill(const FillArguments& a) {
     Treatment treatment = open_treatment(a.treatment);
     const Mask area = a.area.area(treatment);
     Canvas canvas = treatment.read_canvas(progress);
-    const std::string name = treatment.new_layer_name(LayerRole::fill);
+    const bool proposal = *texture == FillTexture::patches;  // never silently
+    const std::string name = treatment.new_layer_name(LayerRole::fill, proposal);
     const Mask intact = without(Mask(area.width(), area.height(), 1.0f), united(area, damaged(treatment)));
     const FillReport report =
         lay_fill(canvas, name, area, intact, *texture, Rgb(rgb[0], rgb[1], rgb[2]), a.fill, progress);
@@ -41,7 +42,7 @@ nlohmann::json run_fill(const FillArguments& a) {
                              {"on_original", to_json(beside)}};
     nlohmann::json parameters = {
         {"area", a.area.as_json()}, {"texture", a.texture}, {"colour", rgb}, {"options", to_json(a.fill)}};
-    treatment.record({.action = "fill",
+    treatment.record({.action = proposal ? "propose" : "fill",
                       .parameters = parameters,
                       .results = result,
                       .inputs = a.area.inputs(),
@@ -94,8 +95,8 @@ Command fill_command() {
                 flags
                     .option("--texture", a->texture,
                             "relief of the fill: smooth, surroundings (goes on from the rim), weave (threads "
-                            "keep their phase)")
-                    .check(one_of({"smooth", "surroundings", "weave"}))
+                            "keep their phase), patches (of many places; made up, so it is a proposal)")
+                    .check(one_of({"smooth", "surroundings", "weave", "patches"}))
                     .show_default();
                 flags.option("--colour", a->colour, "R,G,B of the fill, linear, 0..1").show_default();
                 a->author.add_to(flags);

@@ -140,8 +140,9 @@ nlohmann::json run_retouch(RetouchArguments a) {
     const Mask mask = area_of(a, treatment, canvas);
     Mask spoilt = a.damaged.empty() ? Mask() : read_mask(a.damaged, canvas.width(), canvas.height());
     if (treatment) spoilt = spoilt.empty() ? damaged(*treatment) : united(spoilt, damaged(*treatment));
-    const std::string layer = treatment && a.layer.empty() && a.inpainting == "membrane"
-                                  ? treatment->new_layer_name(LayerRole::retouch)
+    const bool proposal = a.inpainting != "membrane";
+    const std::string layer = treatment && a.layer.empty()
+                                  ? treatment->new_layer_name(LayerRole::retouch, proposal)
                                   : layer_name(a, canvas);
     const RetouchReport report = lay_retouch(canvas, box.palette, mask, spoilt, *retouch_mode_named(a.mode),
                                              layer, a.options, progress);
@@ -173,7 +174,7 @@ nlohmann::json run_retouch(RetouchArguments a) {
         parameters["palette"] = box.palette.name, parameters["lamps"] = a.box.lamps,
         parameters["goal"] = a.box.goal;
         TreatmentStep step;
-        step.action = a.inpainting == "membrane" ? "retouch" : "propose";
+        step.action = proposal ? "propose" : "retouch";
         step.parameters = parameters, step.results = result;
         step.masks = {{layer, mask}};
         step.canvas = &canvas, step.added = {{layer, LayerRole::retouch}};
@@ -208,8 +209,9 @@ Command retouch_command() {
             flags
                 .option("--inpainting", a->inpainting,
                         "how the surroundings' colour goes on into the mask: membrane, telea, "
-                        "navier-stokes; the last two make the layer a proposal")
-                .check(one_of({"membrane", "telea", "navier-stokes"}))
+                        "navier-stokes, patches (of the surroundings); all but the first make the layer a "
+                        "proposal")
+                .check(one_of({"membrane", "telea", "navier-stokes", "patches"}))
                 .show_default();
             flags.option("--treatment", a->treatment,
                          "treatment to retouch and log in (docs/retouching.md), instead of PAINTING.exr "

@@ -166,14 +166,14 @@ std::vector<TreatmentLayer> Treatment::layers() const {
     return layers;
 }
 
-std::string Treatment::new_layer_name(LayerRole role) const {
+std::string Treatment::new_layer_name(LayerRole role, bool proposal) const {
     std::set<std::string> taken;
     for (const LogEntry& entry : log_.entries())
         if (entry.content.contains("layers"))
             for (const json& layer : entry.content["layers"])
                 taken.insert(layer.at("name").get<std::string>());
     for (int number = 1;; ++number) {
-        std::string name = fmt::format("{} {}", name_of(role), number);
+        std::string name = fmt::format("{}{} {}", proposal ? "proposal " : "", name_of(role), number);
         std::replace(name.begin(), name.end(), '_', ' ');
         if (!taken.contains(name)) return name;
     }
@@ -293,7 +293,7 @@ void Treatment::record(const TreatmentStep& step, const Author& author, const Pr
 }
 
 void Treatment::keep_earlier(const fs::path& painting, const Author& author, const Progress& progress) {
-    const Surface earlier = read_painting(painting, progress);
+    const Surface earlier = read_painted(painting, progress);
     if (earlier.width() != width() || earlier.height() != height())
         fail(
             "{}: has {} x {} pixels, the treatment's painting {} x {}; fit it on the same pixels: tangipaint "
@@ -311,7 +311,7 @@ bool Treatment::has_earlier() const { return logged_files().contains(kEarlier); 
 
 Surface Treatment::read_earlier(const Progress& progress) const {
     TP_REQUIRE(has_earlier(), "an earlier state was kept");
-    return read_painting(folder_ / kEarlier, progress);
+    return read_painted(folder_ / kEarlier, progress);
 }
 
 std::vector<std::string> Treatment::check(const Progress& progress) const {

@@ -105,8 +105,8 @@ public:
     bool scale_known() const;
     std::string dry_sha256() const;              // of the dry layer when the treatment began
     std::vector<TreatmentLayer> layers() const;  // bottom up
-    // A name that no layer has or had: "fill 3".
-    std::string new_layer_name(LayerRole role) const;
+    // A name that no layer has or had: "fill 3"; of what was made up, "proposal fill 1".
+    std::string new_layer_name(LayerRole role, bool proposal = false) const;
 
     // The painting with its layers. Throws Error where the dry layer is not the one that the treatment began
     // with, or a layer is not what the log says. Wet paint is not looked at: it is work in progress.
