@@ -101,6 +101,9 @@ public:
                 if (count(holes) > 0)
                     where_(x, y) = static_cast<int>(targets_.size()), targets_.push_back({x, y});
             }
+        // What is near to the rim is surer (Wexler, Shechtman, Irani 2007: 1.3 to the power of the distance).
+        const Image<float> depth = distance_inside_px(level.hole);
+        for (const Point& t : targets_) sure_.push_back(std::pow(1.3f, -std::max(depth(t.x, t.y), 0.0f)));
         from_.resize(targets_.size());
         distance_.assign(targets_.size(), kFar);
     }
@@ -153,7 +156,8 @@ public:
                          sorted.end());
         const float spread = std::max(sorted[quartile], 1e-6f);
         std::vector<float> weight(distance_.size());
-        for (std::size_t i = 0; i < weight.size(); ++i) weight[i] = std::exp(-distance_[i] / (2 * spread));
+        for (std::size_t i = 0; i < weight.size(); ++i)
+            weight[i] = sure_[i] * (std::exp(-distance_[i] / (2 * spread)) + 1e-6f);
         std::vector<Image<float>> before = level_.values;
         for (int y = 0; y < level_.height(); ++y)
             for (int x = 0; x < level_.width(); ++x) {
@@ -166,7 +170,7 @@ public:
                         if (u < 0 || v < 0 || u >= level_.width() || v >= level_.height() || where_(u, v) < 0)
                             continue;
                         const auto i = static_cast<std::size_t>(where_(u, v));
-                        const float w = weight[i] + 1e-6f;
+                        const float w = weight[i];
                         for (std::size_t c = 0; c < sum.size(); ++c)
                             sum[c] += w * before[c](from_[i].x - dx, from_[i].y - dy);
                         weights += w;
@@ -174,6 +178,17 @@ public:
                 for (std::size_t c = 0; c < sum.size(); ++c)
                     if (!channels_[c].guide && weights > 0) level_.values[c](x, y) = sum[c] / weights;
             }
+    }
+
+    // Means are blurred: in the end, every pixel is the one in the middle of its own nearest patch.
+    void take() {
+        const std::vector<Image<float>> before = level_.values;
+        for (std::size_t i = 0; i < targets_.size(); ++i) {
+            const Point t = targets_[i], s = from_[i];
+            if (level_.hole(t.x, t.y) < 0.5f) continue;
+            for (std::size_t c = 0; c < before.size(); ++c)
+                if (!channels_[c].guide) level_.values[c](t.x, t.y) = before[c](s.x, s.y);
+        }
     }
 
 private:
@@ -211,7 +226,7 @@ private:
     Chance& chance_;
     Image<int> source_, where_;  // whether a patch may be taken; the number of a target, or -1
     std::vector<Point> sources_, targets_, from_;
-    std::vector<float> distance_;
+    std::vector<float> distance_, sure_;
 };
 
 }  // namespace
@@ -256,6 +271,8 @@ bool synthesise_into(std::vector<SynthesisChannel>& channels, const Mask& hole, 
             field.vote();
         }
     }
+    fields.back().search();
+    fields.back().take();
     for (std::size_t c = 0; c < channels.size(); ++c) channels[c].values = std::move(levels[0].values[c]);
     return true;
 }
