@@ -14,7 +14,7 @@ namespace {
 
 constexpr int kCoarsestDepth_px =
     3;  // of the hole, in patches' half sides: from there on, all is in one reach
-constexpr int kSearches = 2, kVotes = 5;
+constexpr int kSearches = 2, kVotes = 5, kMeans = 2;
 constexpr float kFar = std::numeric_limits<float>::max();
 
 struct Point {
@@ -180,7 +180,8 @@ public:
             }
     }
 
-    // Means are blurred: in the end, every pixel is the one in the middle of its own nearest patch.
+    // Means make the hole one piece, but blurred, and patches that are like it blurred again: from then on,
+    // every pixel is the one in the middle of its own nearest patch.
     void take() {
         const std::vector<Image<float>> before = level_.values;
         for (std::size_t i = 0; i < targets_.size(); ++i) {
@@ -268,11 +269,9 @@ bool synthesise_into(std::vector<SynthesisChannel>& channels, const Mask& hole, 
                    (static_cast<double>(levels.size() - 1 - i) + vote / static_cast<double>(kVotes)) /
                        static_cast<double>(levels.size()));
             field.search();
-            field.vote();
+            vote < kMeans ? field.vote() : field.take();
         }
     }
-    fields.back().search();
-    fields.back().take();
     for (std::size_t c = 0; c < channels.size(); ++c) channels[c].values = std::move(levels[0].values[c]);
     return true;
 }
