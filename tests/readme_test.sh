@@ -11,13 +11,13 @@ complain() {
     failed=1
 }
 
-for script in script/bootstrap script/demo script/test script/screenshots .ci/run; do
+for script in script/bootstrap script/demo script/test script/screenshots script/retouching_pictures .ci/run; do
     [ -x "$source/$script" ] || complain "$script is not there, or cannot be run"
     bash -n "$source/$script" || complain "$script: bash cannot read it"
 done
 
 # Whoever asks a script what it does does not want it to build for minutes.
-for script in script/demo script/test script/screenshots; do
+for script in script/demo script/test script/screenshots script/retouching_pictures; do
     timeout 10 "$source/$script" --help | grep -q "Usage: $script" || complain "$script --help does not say how to use it"
 done
 
