@@ -47,6 +47,7 @@ nlohmann::json run_replay(const ReplayArguments& a) {
     for (const fs::path& file : a.substrate.inputs()) inputs.push_back(file);
     refuse_to_overwrite(a.out, inputs);
     if (!a.board.empty()) refuse_to_overwrite(a.board, inputs);
+    if (!a.frames.video.empty()) refuse_to_overwrite(a.frames.video, inputs);
     const Progress progress = console_progress();
     const Journal journal =
         read_journal(strokes, a.brushes.empty() ? brush_presets() : read_brush_presets(a.brushes));
@@ -56,7 +57,7 @@ nlohmann::json run_replay(const ReplayArguments& a) {
     const std::string dry_hash = hash_of(session.canvas().dry());
     const auto start = std::chrono::steady_clock::now();
     std::optional<TimeLapse> frames;
-    if (!a.frames.folder.empty()) frames.emplace(a.frames, session);
+    if (a.frames.given()) frames.emplace(a.frames, session);
     replay(session, journal, progress, [&](const Event& event) {
         if (frames) frames->after(event);
     });

@@ -78,6 +78,7 @@ const std::vector<PackageRule> kPackages = {
      {"imgui", "ImGui::", "PkgConfig::imgui"},
      {"viewer"},
      Where::anywhere},
+    {"FFmpeg", {"libav"}, {"PkgConfig::ffmpeg"}, {"viewer"}, Where::file_sources},
     {"zlib", {"zlib.h"}, {"ZLIB::"}, {"viewer"}, Where::sources},
     {"TBB", {"tbb/", "oneapi/tbb"}, {"TBB::"}, kBelowCli, Where::sources},
     {"Highway", {"hwy/"}, {"${HWY_LIBRARY}"}, {"fit"}, Where::anywhere},
