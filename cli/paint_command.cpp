@@ -18,7 +18,8 @@ namespace fs = std::filesystem;
 namespace {
 
 struct PaintArguments {
-    std::string painting, out, palette, brushes, size = "1280x800";
+    std::string painting, out, palette, brushes, size = "1280x800", monitor, intent = "relative",
+                                                 camera = "0";
     std::optional<double> mm_per_pixel;
     SubstrateArguments substrate;
     PhotosArguments photos;
@@ -87,6 +88,10 @@ nlohmann::json run_paint(const PaintArguments& a) {
     setup.workshop = workshop_of(a);
     setup.photos = a.photos.folder;
     setup.settings = settings_folder();
+    setup.monitor_is_srgb = a.monitor == "srgb";
+    if (!a.monitor.empty() && !setup.monitor_is_srgb) setup.monitor = Monitor::read(a.monitor);
+    setup.intent = a.intent == "relative" ? RenderingIntent::relative : RenderingIntent::perceptual;
+    setup.camera = a.camera;
     const WindowResult result = run_window(std::move(setup), progress);
     return {{"painting",
              fs::exists(result.file) ? nlohmann::json(result.file.string()) : nlohmann::json(nullptr)},
@@ -103,27 +108,34 @@ nlohmann::json run_paint(const PaintArguments& a) {
 }  // namespace
 
 Command paint_command() {
-    return {"paint", "hold a painting, tilt it, light it and paint on it: the window", [](Flags& flags) {
-                auto a = std::make_shared<PaintArguments>();
-                flags.option("PAINTING", a->painting,
-                             "painting file (.exr); saved in place, its dry layer never changes");
-                a->substrate.add_to(flags);
-                flags.option("--out", a->out,
-                             "where a new canvas is saved (.exr); untitled-1.exr where not given");
-                flags.option("--photos", a->photos.folder,
-                             "folder of photographs to hold against the painting");
-                flags.option("--lights", a->photos.lights,
-                             "their lights file (.lp); where not given, the only one in the folder");
-                flags.option("--capture", a->photos.capture, "their capture.json");
-                flags.option("--palette", a->palette, "palette file (.json)");
-                flags.option("--brushes", a->brushes, "presets file (.json) with further brushes");
-                flags
-                    .option("--mm-per-pixel", a->mm_per_pixel,
-                            "size of the painting's pixels where the file does not say")
-                    .check(within(1e-4, 1e3));
-                flags.option("--size", a->size, "of the window in pixels").show_default();
-                return [a] { return run_paint(*a); };
-            }};
+    return {
+        "paint", "hold a painting, tilt it, light it and paint on it: the window", [](Flags& flags) {
+            auto a = std::make_shared<PaintArguments>();
+            flags.option("PAINTING", a->painting,
+                         "painting file (.exr); saved in place, its dry layer never changes");
+            a->substrate.add_to(flags);
+            flags.option("--out", a->out,
+                         "where a new canvas is saved (.exr); untitled-1.exr where not given");
+            flags.option("--photos", a->photos.folder, "folder of photographs to hold against the painting");
+            flags.option("--lights", a->photos.lights,
+                         "their lights file (.lp); where not given, the only one in the folder");
+            flags.option("--capture", a->photos.capture, "their capture.json");
+            flags.option("--palette", a->palette, "palette file (.json)");
+            flags.option("--brushes", a->brushes, "presets file (.json) with further brushes");
+            flags
+                .option("--mm-per-pixel", a->mm_per_pixel,
+                        "size of the painting's pixels where the file does not say")
+                .check(within(1e-4, 1e3));
+            flags.option("--size", a->size, "of the window in pixels").show_default();
+            flags.option("--monitor", a->monitor,
+                         "ICC profile of the monitor (.icc); srgb: none; where not given, the one that the "
+                         "desktop has put on the screen");
+            flags.option("--intent", a->intent, "relative or perceptual: how the monitor's profile is used")
+                .check(one_of({"relative", "perceptual"}))
+                .show_default();
+            flags.option("--camera", a->camera, "number of the webcam, for head and light").show_default();
+            return [a] { return run_paint(*a); };
+        }};
 }
 
 }  // namespace tangi

@@ -2,9 +2,19 @@
 // surface/relight.h:
 //   value = ambient rho_d + sum over lights of irradiance *
 //           (visibility (rho_d D + pi rho_s lobe max(0, n.l)) + rig_ambient rho_d),   D: surface/diffuse.h
-// MODE: as LookMode in viewer/look.h. EYE: 1 where the viewer has a place. OUTPUT: 0 linear, 1 sRGB.
+// MODE: as LookMode in viewer/look.h. EYE: 1 where the viewer has a place. OUTPUT: 0 linear, 1 sRGB, 2 the
+// monitor's own colours.
 
 out vec4 o_colour;
+
+#if OUTPUT == 2
+uniform sampler3D u_monitor;  // MonitorTable in viewer/monitor.h
+
+vec3 on_monitor(vec3 colour) {
+    float side = float(textureSize(u_monitor, 0).x);
+    return texture(u_monitor, (pow(colour, vec3(1.0 / 3.0)) * (side - 1.0) + 0.5) / side).rgb;
+}
+#endif
 
 float encode(float v) {
     return v <= 0.0031308 ? 12.92 * max(v, 0.0) : 1.055 * pow(v, 1.0 / 2.4) - 0.055;
@@ -96,6 +106,8 @@ void main() {
 #if OUTPUT == 1
     colour = clamp(colour, 0.0, 1.0);
     o_colour = vec4(encode(colour.r), encode(colour.g), encode(colour.b), 1.0);
+#elif OUTPUT == 2
+    o_colour = vec4(on_monitor(clamp(colour, 0.0, 1.0)), 1.0);
 #else
     o_colour = vec4(colour, 1.0);
 #endif

@@ -64,7 +64,7 @@ const std::vector<PackageRule> kPackages = {
      kBelowCli,
      Where::file_sources},
     {"libzip", {"zip.h"}, {"PkgConfig::libzip"}, {"paint"}, Where::file_sources},
-    {"lcms2", {"lcms2"}, {"${LCMS2_LIBRARY}"}, {"capture"}, Where::sources},
+    {"lcms2", {"lcms2"}, {"${LCMS2_LIBRARY}"}, {"capture", "viewer"}, Where::sources},
     {"OpenSSL", {"openssl/"}, {"OpenSSL::"}, {"retouch"}, Where::sources},
     {"GLFW", {"GLFW/"}, {"glfw"}, {"viewer"}, Where::anywhere},
     {"OpenGL",

@@ -149,6 +149,22 @@ void Renderer::set_horizon(const HorizonMap& map) {
     check("for cast shadows");
 }
 
+void Renderer::set_monitor(const MonitorTable& table) {
+    monitor_ = {};
+    if (table.side == 0) return;
+    monitor_ = gl::make_texture();
+    glBindTexture(GL_TEXTURE_3D, monitor_.id());
+    glTexParameteri(GL_TEXTURE_3D, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
+    glTexParameteri(GL_TEXTURE_3D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+    for (const GLenum axis : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T, GL_TEXTURE_WRAP_R})
+        glTexParameteri(GL_TEXTURE_3D, axis, GL_CLAMP_TO_EDGE);
+    glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
+    glTexImage3D(GL_TEXTURE_3D, 0, GL_RGB16, table.side, table.side, table.side, 0, GL_RGB, GL_UNSIGNED_SHORT,
+                 table.rgb.data());
+    glPixelStorei(GL_UNPACK_ALIGNMENT, 4);
+    check("for the monitor's colours");
+}
+
 const gl::Program& Renderer::program_for(const Scene& scene, const Shot& shot, bool linear) {
     Shadows shadows = scene.shadows;
     if (width_ < 2 || height_ < 2 || (shadows == Shadows::horizon && !horizon_)) shadows = Shadows::none;
@@ -168,7 +184,7 @@ const gl::Program& Renderer::program_for(const Scene& scene, const Shot& shot, b
     define("SHADOWS", static_cast<int>(shadows));
     define("EYE", shot.eye.w == 0 ? 0 : 1);
     define("MODE", static_cast<int>(scene.mode));
-    define("OUTPUT", linear ? 0 : 1);
+    define("OUTPUT", linear ? 0 : scene.on_monitor && monitor_ ? 2 : 1);
     auto& program = programs_[definitions];
     if (!program)
         program = gl::make_program(fmt::format("{}{}{}", kDesktop, definitions, kPaintingVertexShader),
@@ -186,6 +202,8 @@ void Renderer::draw(const Scene& scene, const Shot& shot, GLuint target, bool li
     glDisable(GL_DEPTH_TEST);
     glDisable(GL_SCISSOR_TEST);
     glUseProgram(program.id());
+    glActiveTexture(GL_TEXTURE2);
+    glBindTexture(GL_TEXTURE_3D, monitor_.id());
     glActiveTexture(GL_TEXTURE1);
     glBindTexture(GL_TEXTURE_3D, horizon_.id());
     glActiveTexture(GL_TEXTURE0);
@@ -209,6 +227,7 @@ void Renderer::draw(const Scene& scene, const Shot& shot, GLuint target, bool li
     const Uniforms u(program.id());
     u.set("u_texels", 0);
     u.set("u_horizon", 1);
+    u.set("u_monitor", 2);
     u.set("u_size", width_, height_);
     u.set("u_tile_bits", bits_);
     u.set("u_tile_columns", columns_);

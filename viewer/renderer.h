@@ -12,6 +12,7 @@
 #include "viewer/gl/objects.h"
 #include "viewer/horizon.h"
 #include "viewer/look.h"
+#include "viewer/monitor.h"
 #include "viewer/texels.h"
 
 namespace tangi {
@@ -37,6 +38,7 @@ public:
     void upload(const TexelPatch& patch);
     void set_horizon(const HorizonMap& horizon);
     bool has_horizon() const { return static_cast<bool>(horizon_); }
+    void set_monitor(const MonitorTable& table);  // empty: none
 
     // Into `target` (0: the window). Encoded as sRGB, or linear.
     void draw(const Scene& scene, const Shot& shot, GLuint target, bool linear = false);
@@ -49,7 +51,7 @@ private:
 
     int largest_layers_ = 0, largest_side_ = 0;
     gl::VertexArray nothing_;
-    gl::Texture texels_, horizon_;
+    gl::Texture texels_, horizon_, monitor_;
     std::map<std::string, gl::Program> programs_;  // by their definitions
     int width_ = 0, height_ = 0, bits_ = 0, columns_ = 0;
     TexelRange range_;

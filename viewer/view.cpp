@@ -54,7 +54,7 @@ View turned(View view, double by_deg) {
 }
 
 Placement::Placement(const View& view, const Tilt& tilt, bool flat, Extent painting, Extent screen,
-                     double mm_per_pixel)
+                     double mm_per_pixel, const Vec3& viewer)
     : screen_(screen), zoom_(view.zoom) {
     const glm::dmat3 turn = rotation_z(view.turn_deg * kDegree), hand = tilt.rotation();
     const glm::dmat3 seen = flat ? glm::dmat3(1) : hand;
@@ -69,7 +69,7 @@ Placement::Placement(const View& view, const Tilt& tilt, bool flat, Extent paint
     screen_from_painting_ = screened * projected * plane;
     painting_from_screen_ = glm::inverse(screen_from_painting_);
     orientation_ = glm::transpose(hand * turn);
-    const glm::dvec3 eye = glm::transpose(seen * turn) * glm::dvec3(0, 0, distance / z * mm_per_pixel);
+    const glm::dvec3 eye = glm::transpose(seen * turn) * (distance / z * mm_per_pixel * glm::dvec3(viewer));
     const glm::dvec2 middle((painting.width - 1) / 2.0, (painting.height - 1) / 2.0);
     const glm::dvec2 centre = (view.centre_px - middle) * mm_per_pixel;
     eye_ = {eye.x + centre.x, eye.y - centre.y, eye.z, 1};

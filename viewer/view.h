@@ -34,11 +34,12 @@ View turned(View view, double by_deg);
 
 // The painting in space: turned by view and tilt about the middle of the screen, seen in perspective from
 // three heights of the screen. `flat`: the screen itself is tilted, as a tablet: the picture stays, the
-// light moves.
+// light moves. `viewer`: the direction to whoever looks, a unit vector; gloss is seen from there, while the
+// picture stays: the eye itself sees the screen from aside.
 class Placement {
 public:
     Placement(const View& view, const Tilt& tilt, bool flat, Extent painting, Extent screen,
-              double mm_per_pixel);
+              double mm_per_pixel, const Vec3& viewer = {0, 0, 1});
 
     // Screen -> painting; false where the ray misses the painting's plane.
     bool to_painting(const glm::dvec2& screen, glm::dvec2& painting) const;

@@ -38,6 +38,10 @@ WindowApp::WindowApp(WindowSetup setup, const Progress& progress)
     desk_.emplace(state_, Desk::Setup{std::move(setup.workshop), setup.palette, setup.settings,
                                       [this](int w, int h) { return renderer_.tile_bits(w, h); }, wake,
                                       [this](const std::string& text) { say(text); }});
+    devices_.emplace(state_, Devices::Setup{.camera = setup.camera,
+                                            .wake = wake,
+                                            .say = [this](const std::string& text) { say(text); }});
+    use_monitor(setup);
     OpenedPainting opened;
     opened.painter = std::make_unique<Painter>(
         Painter::Setup{std::move(setup.canvas), setup.palette, setup.file, setup.file_is_new}, wake,
@@ -67,9 +71,30 @@ void WindowApp::warm_up() {
     for (const bool smooth : {false, true}) {
         Shot shot = placement().shot(1, smooth);
         shot.width = shot.height = 16;
-        renderer_.draw(scene_of(state_, placement()), shot, target.framebuffer());
+        renderer_.draw(scene_on_screen(), shot, target.framebuffer());
     }
     glFinish();
+}
+
+// A profile that the screen has is used where nothing else is said; a bad one is no reason not to paint.
+void WindowApp::use_monitor(WindowSetup& setup) {
+    monitor_ = std::move(setup.monitor);
+    state_.monitor = "as sRGB";
+    if (!monitor_ && !setup.monitor_is_srgb) try {
+            if (const auto icc = profile_of_the_screen()) monitor_.emplace(*icc, "the profile of the screen");
+        } catch (const Error& error) {
+            say(error.what());
+        }
+    if (!monitor_) return;
+    monitor_->set_intent(setup.intent);
+    state_.monitor = monitor_->name();
+    renderer_.set_monitor(monitor_->table());
+}
+
+Scene WindowApp::scene_on_screen() const {
+    Scene scene = scene_of(state_, placement());
+    scene.on_monitor = true;
+    return scene;
 }
 
 void WindowApp::say(const std::string& text) {
@@ -119,13 +144,12 @@ void WindowApp::draw(bool moved) {
     const Placement place = placement();
     const bool compares = state_.comparing.shows();
     if (compares) {
-        held_.show(state_.comparing);
+        held_.show(state_.comparing, monitor_ ? &*monitor_ : nullptr);
     } else {
         if (moved || dirty_ || !picture_.fine())
-            picture_.draw(renderer_, scene_of(state_, place), place, screen_,
-                          moved || (dirty_ && hand_->holds()));
+            picture_.draw(renderer_, scene_on_screen(), place, screen_, moved || (dirty_ && hand_->holds()));
         picture_.show(static_cast<int>(left_), window_size_.height);
-        loupe(scene_of(state_, place));
+        loupe(scene_on_screen());
     }
     dirty_ = false;
     ImGui_ImplOpenGL3_NewFrame();
@@ -179,6 +203,8 @@ bool WindowApp::frame() {
     news();
     if (auto opened = desk_->opened()) show(std::move(*opened), false);
     if (state_.help) state_.pens = input_.pens();
+    devices_->step(now_s_, std::min(now_s_ - before, 0.1), screen_);
+    film();
     animate(std::min(now_s_ - before, 0.1));
     if (window_size_.width <= static_cast<int>(left_) || window_size_.height <= 0 ||
         glfwGetWindowAttrib(window_.handle(), GLFW_ICONIFIED)) {
@@ -217,7 +243,7 @@ bool WindowApp::frame() {
             --settle_;
         }
     }
-    return state_.tilt.moves() || state_.sweeping || settle_ > 0 || !patches_.empty() || !fine ||
+    return state_.tilt.moves() || state_.sweeping || recorder_ || settle_ > 0 || !patches_.empty() || !fine ||
            (comparing.shows() && comparing.way == CompareWay::blink);
 }
 
@@ -227,7 +253,7 @@ WindowResult WindowApp::run() {
         if (busy)
             glfwPollEvents();
         else
-            glfwWaitEventsTimeout(0.25);
+            glfwWaitEventsTimeout(devices_->polled() ? kFrame_s : 0.25);
         if (stop_wanted_ && stop_wanted_()) break;
         if (closing()) break;
         busy = frame();

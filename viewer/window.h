@@ -11,6 +11,7 @@
 #include "paint/canvas.h"
 #include "paint/palette.h"
 #include "surface/progress.h"
+#include "viewer/monitor.h"
 #include "viewer/workshop.h"
 
 namespace tangi {
@@ -23,7 +24,11 @@ struct WindowSetup {
     bool file_is_new = false;
     int width = 1280, height = 800;  // [pixels] of the window
     Workshop workshop{};
-    std::filesystem::path photos{};       // a folder of photographs to hold against it at once
+    std::filesystem::path photos{};    // a folder of photographs to hold against it at once
+    std::optional<Monitor> monitor{};  // its colours; without: as the screen says, else sRGB
+    bool monitor_is_srgb = false;      // whatever the screen says
+    RenderingIntent intent = RenderingIntent::relative;
+    std::string camera = "0";             // number of the webcam, or a video in its place
     std::filesystem::path settings{};     // folder of keys.json and recent.json; empty: there is none
     std::function<bool()> stop_wanted{};  // asked between frames: Ctrl-C, a kill
 };

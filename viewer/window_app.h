@@ -10,10 +10,12 @@
 
 #include "viewer/desk.h"
 #include "viewer/desktop.h"
+#include "viewer/devices.h"
 #include "viewer/hand.h"
 #include "viewer/held_pictures.h"
 #include "viewer/live_picture.h"
 #include "viewer/panels/file_dialog.h"
+#include "viewer/recorder.h"
 #include "viewer/window.h"
 
 namespace tangi {
@@ -40,7 +42,11 @@ private:
     void animate(double seconds);
     void draw(bool moved);
     void snapshot();
-    void take_board(const std::vector<BoardPatch>& patches);
+    void use_monitor(WindowSetup& setup);
+    Scene scene_on_screen() const;
+    void begin_film(const std::filesystem::path& out);
+    void film();
+    void take_board(std::vector<BoardPatch> patches);
     void board_requests(const WindowState::Requests& ask);
     void say(const std::string& text);
     bool closing();
@@ -59,6 +65,12 @@ private:
     std::optional<panels::FileDialog> dialog_;
     LivePicture picture_;
     HeldPictures held_;
+    std::optional<Monitor> monitor_;
+    std::optional<Devices> devices_;
+    std::unique_ptr<Recorder> recorder_;
+    std::string film_name_;
+    Shot film_shot_;
+    std::vector<Scene> film_scenes_;  // of its pictures
     gl::Texture board_;
     gl::Target loupe_;
     std::optional<Journal> left_over_;

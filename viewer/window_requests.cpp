@@ -9,6 +9,7 @@
 
 #include "surface/error.h"
 #include "surface/picture_file.h"
+#include "viewer/sweep.h"
 #include "viewer/window_app.h"
 
 namespace tangi {
@@ -53,6 +54,8 @@ void WindowApp::show(OpenedPainting opened, bool is_first) {
     state_.closing = false;
     left_over_.reset();
     held_.clear();
+    if (recorder_) say("the film was not finished");
+    recorder_.reset();
     board_ = gl::Texture();
     state_.board = {};
     glfwSetWindowTitle(window_.handle(), fmt::format("{} - TangiPaint", state_.title).c_str());
@@ -92,8 +95,9 @@ void WindowApp::find_left_over(const std::filesystem::path& file) {
     state_.left_over_strokes = std::max(1, static_cast<int>(strokes));
 }
 
-void WindowApp::take_board(const std::vector<BoardPatch>& patches) {
-    for (const BoardPatch& patch : patches) {
+void WindowApp::take_board(std::vector<BoardPatch> patches) {
+    for (BoardPatch& patch : patches) {
+        if (monitor_) monitor_->apply({&patch.srgb.data()->r, 3 * patch.srgb.size()});
         const Region& r = patch.region;
         if (!board_) {
             board_ = gl::make_texture();
@@ -138,7 +142,7 @@ void WindowApp::news() {
         glfwSetWindowTitle(window_.handle(), fmt::format("{} - TangiPaint", name).c_str());
     }
     for (TexelPatch& patch : news.patches) patches_.push_back(std::move(patch));
-    take_board(news.board);
+    take_board(std::move(news.board));
     std::size_t bytes = 0;
     while (!patches_.empty() && bytes < kUploadBytes) {
         bytes += patches_.front().texels.size() * sizeof(Texel);
@@ -184,6 +188,45 @@ void WindowApp::snapshot() {
     }
 }
 
+// This view, while the lamp goes once round.
+void WindowApp::begin_film(const std::filesystem::path& out) {
+    constexpr double kFilm_s = 8, kPictures_per_s = 25;
+    const Placement place = placement();
+    film_shot_ = place.shot(1, true);
+    film_scenes_.clear();
+    Angles& lamp = state_.lamps[state_.lamp].angles;
+    const Angles before = lamp;
+    for (const Angles& at : sweep_path({before}, static_cast<int>(kFilm_s * kPictures_per_s))) {
+        lamp = at;
+        film_scenes_.push_back(scene_of(state_, place));
+    }
+    lamp = before;
+    film_name_ = out.filename().string();
+    recorder_ = std::make_unique<Recorder>(out, kPictures_per_s, static_cast<int>(film_scenes_.size()),
+                                           [] { glfwPostEmptyEvent(); });
+}
+
+// One picture of the film a frame, so that looking goes on.
+void WindowApp::film() {
+    if (!recorder_) return;
+    const Job::State job = recorder_->state();
+    state_.film = job;
+    settle_ = std::max(settle_, 1);
+    if (job.over) {
+        say(!job.error.empty() ? job.error
+            : job.cancelled    ? "stopped: no film was written"
+                               : "wrote " + film_name_);
+        recorder_.reset();
+        state_.film.reset();
+        return;
+    }
+    const int next = recorder_->next();
+    if (next < 0) return;
+    const gl::Target target(film_shot_.width, film_shot_.height, false);
+    renderer_.draw(film_scenes_[static_cast<std::size_t>(next)], film_shot_, target.framebuffer());
+    recorder_->add(renderer_.read(target));
+}
+
 // Where strokes are not saved, asks first.
 void WindowApp::open_when_allowed(const std::filesystem::path& file) {
     if (state_.painter.unsaved || state_.left_over_strokes > 0) {
@@ -211,8 +254,9 @@ void WindowApp::take_dropped() {
 void WindowApp::dialogs(const WindowState::Requests& ask) {
     using panels::FileDialog;
     const auto choose = [&](const char* title, FileDialog::Wants wants, const std::filesystem::path& start,
-                            std::filesystem::path WindowState::Requests::*where) {
-        dialog_.emplace(title, wants, ".exr", start,
+                            std::filesystem::path WindowState::Requests::*where,
+                            const char* ending = ".exr") {
+        dialog_.emplace(title, wants, ending, start,
                         [this, where](const std::filesystem::path& path) { state_.ask.*where = path; });
     };
     const std::filesystem::path here = std::filesystem::absolute(painter_->file()).parent_path();
@@ -226,6 +270,9 @@ void WindowApp::dialogs(const WindowState::Requests& ask) {
         choose("The folder of photographs", FileDialog::Wants::folder, here, &Requests::photos);
     if (ask.fit_dialog)
         choose("Fit the photographs of a folder", FileDialog::Wants::folder, here, &Requests::fit_folder);
+    if (ask.film_dialog)
+        choose("A film of the lamp going round", FileDialog::Wants::new_file,
+               here / (painter_->file().stem().string() + "-sweep.mp4"), &Requests::film, ".mp4");
     if (ask.report_dialog)
         choose("A folder for the report", FileDialog::Wants::folder, here, &Requests::report);
 }
@@ -259,6 +306,8 @@ void WindowApp::requests() {
         state_.left_over_strokes = 0;
     }
     if (ask.snapshot) snapshot();
+    if (!ask.film.empty()) begin_film(ask.film);
+    if (ask.stop_film && recorder_) recorder_->stop();
     if (ask.save && !blocked) {
         hand_->let_go();
         painter_->save();

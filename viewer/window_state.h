@@ -86,6 +86,15 @@ struct BoardState {
     }
 };
 
+// What devices move the painting and the light, beside mouse and keys.
+struct Following {
+    bool head = false, light = false;  // by the webcam
+    bool sensor = false;
+    bool recentre = false;   // asked for: whoever looks now looks straight on
+    bool sees_head = false;  // a face is in the webcam's picture
+    std::string gamepad;     // its name; empty: there is none
+};
+
 struct WindowState {
     WindowState();
 
@@ -103,6 +112,8 @@ struct WindowState {
     View view;
     Tilt tilt;
     bool flat = false;
+    Vec3 viewer{0, 0, 1};  // direction from the middle of the screen, for gloss
+    Following follow;
     std::vector<Lamp> lamps{Lamp{}};
     std::size_t lamp = 0;  // that is moved
     bool sweeping = false;
@@ -142,11 +153,13 @@ struct WindowState {
     float scale = 1;  // [1] of the panels: 2 on a screen of twice the usual density
     Keys keys;
     std::vector<std::string> pens;
+    std::string monitor;  // what its colours are
 
     // Beside the painting.
     Comparing comparing;
     std::optional<Job::State> job;  // that runs
     std::string job_title;
+    std::optional<Job::State> film;  // of a sweep, that is written
     std::vector<std::filesystem::path> recent;
     std::filesystem::path dropped;    // a folder: compare or fit?
     std::filesystem::path open_next;  // once it is decided what becomes of strokes that are not saved
@@ -158,10 +171,11 @@ struct WindowState {
              close_unsaved = false;
         bool stop_job = false, stop_report = false, open_dialog = false, save_dialog = false,
              photos_dialog = false, fit_dialog = false, report_dialog = false, put_photos_away = false;
+        bool film_dialog = false, stop_film = false;
         bool lay_out = false, wipe_board = false, squeeze = false;
         int step_photo = 0;
         std::optional<int> photo;
-        std::filesystem::path open, save_as, photos, fit_folder, report;
+        std::filesystem::path open, save_as, photos, fit_folder, report, film;
         std::string lift;  // name of a layer
     } ask;
 

@@ -32,6 +32,14 @@ void job(WindowState& s) {
         s.ask.stop_job = true;
 }
 
+void film(WindowState& s) {
+    if (!s.film) return;
+    ImGui::TextUnformatted("Film of the sweep");
+    ImGui::ProgressBar(static_cast<float>(s.film->fraction), {-60 * s.scale, 0});
+    ImGui::SameLine();
+    if (ImGui::Button("Stop film")) s.ask.stop_film = true;
+}
+
 // A folder that was dropped on the window.
 void dropped(WindowState& s) {
     if (s.dropped.empty()) return;
@@ -100,6 +108,7 @@ void file(WindowState& s) {
     tip("Makes a painting of a folder of photographs and a lights file");
     recent(s);
     job(s);
+    film(s);
     dropped(s);
 }
 
@@ -165,6 +174,7 @@ void column(WindowState& s, float height) {
     if (section("Tools", true)) tools(s);
     if (section("Light", true)) light(s);
     if (section("Look", false)) look(s);
+    if (section("Devices", false)) devices(s);
     if (section("Paint", true)) brush(s);
     if (section("Palette", true)) palette(s);
     if (section("Canvas", true)) canvas(s);

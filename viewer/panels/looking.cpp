@@ -70,6 +70,9 @@ void light(WindowState& s) {
         s.lamp = std::min(s.lamp, s.lamps.size() - 1);
     }
     ImGui::Checkbox("Sweep", &s.sweeping);
+    if (ImGui::SmallButton("Film ...") && !s.film) s.ask.film_dialog = true;
+    if (ImGui::IsItemHovered())
+        ImGui::SetTooltip("A video: this view, while this lamp goes once round at its elevation");
     ImGui::EndGroup();
     Lamp& lamp = s.lamps[s.lamp];
     auto azimuth = static_cast<float>(lamp.angles.azimuth_deg),

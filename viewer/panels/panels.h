@@ -8,7 +8,7 @@ namespace tangi::panels {
 // [pixels] of the column at the left.
 inline float width(const WindowState& state) { return 300 * state.scale; }
 
-// The column: File, Photographs, Tools, Light, Look, Paint, Palette, Canvas.
+// The column: File, Photographs, Tools, Light, Look, Devices, Paint, Palette, Canvas.
 void column(WindowState& state, float height);
 
 void file(WindowState& state);
@@ -16,6 +16,7 @@ void photographs(WindowState& state);
 void tools(WindowState& state);
 void light(WindowState& state);
 void look(WindowState& state);
+void devices(WindowState& state);
 void brush(WindowState& state);
 void palette(WindowState& state);
 void canvas(WindowState& state);
