@@ -295,5 +295,43 @@ TEST(Devices, TheLampGoesWhereTheRoomIsBrightUntilTheCameraIsGone) {
     EXPECT_EQ(state.viewer, Vec3(0, 0, 1));
 }
 
+// No camera and nobody before it here: a saint of an icon stands for whoever looks, and moves to the left of
+// the picture.
+TEST(DataHead, AFaceMovesTheEye) {
+    TP_DATA(icon, "real/icon");
+    const Image<Rgb> lying = read_picture(icon / "image30.jpg");
+    constexpr int kPictures = 60, kMoves_px = 160;
+    const TestDir folder;
+    const fs::path video = video_of(folder / "saint.mp4", kPictures, [&](int i) {
+        Image<Rgb> picture(640, 480);
+        for (Rgb& c : picture.pixels()) c = Rgb(0.3f);
+        const int shift = 200 - kMoves_px * std::clamp(i - 20, 0, 20) / 20;
+        for (int y = 0; y < lying.width(); ++y)
+            for (int x = 0; x < lying.height(); ++x) {  // his head is at the right: a quarter turn
+                const int to_x = x + shift;
+                if (to_x < 640 && y < 480) picture(to_x, y) = lying(lying.width() - 1 - y, x);
+            }
+        return picture;
+    });
+    WindowState state = some_window();
+    std::string said;
+    Devices devices(
+        state,
+        {.camera = video.string(), .wake = [] {}, .say = [&](const std::string& text) { said = text; }});
+    state.follow.head = true;
+    bool seen = false;
+    Vec3 last(0, 0, 1);
+    steps_until(devices, [&] {
+        seen |= state.follow.sees_head;
+        if (state.follow.head) last = state.viewer;
+        return !state.follow.head;
+    });
+    ASSERT_TRUE(seen) << said;
+    // To the left of the picture, which is the right of the screen.
+    const double moved = 2 * std::tan(kCameraWidth_deg / 2 * kDegree) * kMoves_px / 640.0;
+    EXPECT_NEAR(last.x / last.z, moved, 0.1 * moved);
+    EXPECT_NEAR(last.y / last.z, 0, 0.05);
+}
+
 }  // namespace
 }  // namespace tangi

@@ -356,6 +356,9 @@ void Hand::act(Action action) {
         case Action::snapshot:
             ask.snapshot = true;
             break;
+        case Action::film:
+            ask.film_dialog = !state_.film;
+            break;
         case Action::panels:
             panels_ = !panels_;
             break;

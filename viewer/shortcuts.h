@@ -47,6 +47,7 @@ enum class Action {
     save,
     save_as,
     snapshot,
+    film,
     panels,
     help,
     close

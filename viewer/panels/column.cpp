@@ -37,7 +37,7 @@ void film(WindowState& s) {
     ImGui::TextUnformatted("Film of the sweep");
     ImGui::ProgressBar(static_cast<float>(s.film->fraction), {-60 * s.scale, 0});
     ImGui::SameLine();
-    if (ImGui::Button("Stop film")) s.ask.stop_film = true;
+    if (ImGui::Button("Stop##film")) s.ask.stop_film = true;
 }
 
 // A folder that was dropped on the window.

@@ -72,7 +72,8 @@ void light(WindowState& s) {
     ImGui::Checkbox("Sweep", &s.sweeping);
     if (ImGui::SmallButton("Film ...") && !s.film) s.ask.film_dialog = true;
     if (ImGui::IsItemHovered())
-        ImGui::SetTooltip("A video: this view, while this lamp goes once round at its elevation");
+        ImGui::SetTooltip("%s: a video of this view, while this lamp goes once round at its elevation",
+                          s.keys.text(Action::film).c_str());
     ImGui::EndGroup();
     Lamp& lamp = s.lamps[s.lamp];
     auto azimuth = static_cast<float>(lamp.angles.azimuth_deg),
