@@ -258,6 +258,7 @@ void WindowApp::dialogs(const WindowState::Requests& ask) {
                             const char* ending = ".exr") {
         dialog_.emplace(title, wants, ending, start,
                         [this, where](const std::filesystem::path& path) { state_.ask.*where = path; });
+        settle_ = kFramesAfterwards;  // its first ones give it the keyboard, and nothing may be typed before
     };
     const std::filesystem::path here = std::filesystem::absolute(painter_->file()).parent_path();
     using Requests = WindowState::Requests;

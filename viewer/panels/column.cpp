@@ -2,6 +2,8 @@
 #include <fmt/format.h>
 #include <imgui.h>
 
+#include <algorithm>
+
 #include "viewer/panels/panels.h"
 
 namespace tangi::panels {
@@ -184,8 +186,14 @@ void column(WindowState& s, float height) {
 
 void help(WindowState& s) {
     if (!s.help) return;
+    const ImVec2 screen = ImGui::GetIO().DisplaySize;
     ImGui::SetNextWindowPos({width(s) + 20, 20}, ImGuiCond_Appearing);
-    if (ImGui::Begin("Keys", &s.help, ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoSavedSettings)) {
+    // What does not fit is scrolled to.
+    ImGui::SetNextWindowSizeConstraints(
+        {0, 0}, {std::max(screen.x - width(s) - 40, 100.0f), std::max(screen.y - 40, 100.0f)});
+    if (ImGui::Begin("Keys", &s.help,
+                     ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoSavedSettings |
+                         ImGuiWindowFlags_HorizontalScrollbar)) {
         for (const Shortcut& shortcut : shortcuts())
             ImGui::Text("%-20s %s", s.keys.text(shortcut.action).c_str(), shortcut.help);
         ImGui::Separator();

@@ -31,7 +31,7 @@ void dome(WindowState& s) {
         const ImVec2 spot(centre.x + radius * static_cast<float>(at.x),
                           centre.y - radius * static_cast<float>(at.y));
         const int shade = s.lamps[i].on ? 255 : 110;
-        draw->AddCircleFilled(spot, i == s.lamp ? 7.0f : 5.0f,
+        draw->AddCircleFilled(spot, (i == s.lamp ? 7.0f : 5.0f) * s.scale,
                               IM_COL32(shade, shade * 220 / 255, shade / 2, 255));
     }
 }

@@ -111,10 +111,11 @@ void overlay(WindowState& s, const Placement& placement, Extent screen, const gl
                                      lamp.angles.azimuth_deg, lamp.angles.elevation_deg);
     if (s.painter.saving) status += "   saving ...";
     if (s.painter.waiting > 20) status += "   painting ...";
-    const float y = static_cast<float>(screen.height) - 22;
+    const float line = 22 * s.scale, y = static_cast<float>(screen.height) - line;
     ImDrawList* draw = ImGui::GetBackgroundDrawList();
-    draw->AddRectFilled({left, y}, {left + static_cast<float>(screen.width), y + 22}, IM_COL32(0, 0, 0, 150));
-    draw->AddText({left + 8, y + 4}, IM_COL32(220, 220, 220, 255), status.c_str());
+    draw->AddRectFilled({left, y}, {left + static_cast<float>(screen.width), y + line},
+                        IM_COL32(0, 0, 0, 150));
+    draw->AddText({left + 8 * s.scale, y + 4 * s.scale}, IM_COL32(220, 220, 220, 255), status.c_str());
     message(s.message, left, static_cast<float>(screen.width), y);
 }
 
