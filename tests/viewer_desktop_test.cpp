@@ -27,14 +27,14 @@ protected:
         desktop_ = std::make_unique<XClient>(screen_->conditions().environment.at("DISPLAY"));
         write_painting(folder_ / "red.exr", painting_of({0.7f, 0.2f, 0.1f}));
     }
-    void start() {
+    void start(int width = Screen::kWidth, int height = Screen::kHeight) {
         program_ = std::make_unique<Program>(
             std::vector<std::string>{"paint", (folder_ / "red.exr").string(), "--size",
-                                     fmt::format("{}x{}", Screen::kWidth, Screen::kHeight), "--camera",
-                                     "/nowhere"},
+                                     fmt::format("{}x{}", width, height), "--camera", "/nowhere"},
             screen_->conditions());
-        ASSERT_TRUE(Screen::until(
-            [&] { return !program_->running() || glm::length(screen_->picture()(800, kMiddleY)) > 0.3f; }));
+        ASSERT_TRUE(Screen::until([&] {
+            return !program_->running() || glm::length(screen_->picture()(width * 4 / 5, height / 2)) > 0.3f;
+        }));
         screen_->settled();
         ASSERT_TRUE(program_->running()) << program_->wait().err;
     }
@@ -117,7 +117,7 @@ TEST_F(OnADesktop, OpensWhatIsDroppedOnIt) {
 
 TEST_F(OnADesktop, FitsPhotographsAndFilmsThem) {
     const TinyStack stack;
-    start();
+    start(480, 320);                                                       // a film of it is soon made
     screen_->x({"mousemove", "150", "98", "sleep", "0.3", "click", "1"});  // Fit photographs ...
     screen_->settled();
     screen_->enter(stack.path());
