@@ -56,7 +56,7 @@ TEST(Film, VideosShowWhatWasAdded) {
         }
         EXPECT_EQ(names_in(folder.path()), std::vector<std::string>{name});
         std::filesystem::rename(file, folder / "plain");
-        cv::VideoCapture video((folder / "plain").string());
+        cv::VideoCapture video((folder / "plain").string(), cv::CAP_FFMPEG);
         ASSERT_TRUE(video.isOpened());
         EXPECT_NEAR(video.get(cv::CAP_PROP_FPS), 25, 0.01);
         cv::Mat picture;

@@ -114,10 +114,11 @@ struct Camera::Impl {
         cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
         cv::VideoCapture capture;
         const bool is_camera = is_number(source);
+        // Named, since OpenCV would try all that it knows, and some of these leak.
         if (is_camera)
-            capture.open(std::stoi(source));
+            capture.open(std::stoi(source), cv::CAP_V4L2);
         else
-            capture.open(source);
+            capture.open(source, cv::CAP_FFMPEG);
         if (!capture.isOpened())
             fail("camera {}: cannot be opened: none is there, or another program has it", source);
         const double fps = capture.get(cv::CAP_PROP_FPS);
