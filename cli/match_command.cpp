@@ -143,12 +143,7 @@ Wanted wanted_by(const MatchArguments& a, const PaintBox& box, const MatchOption
 
 nlohmann::json gloss_advice(const Mixture& mixture, const PaintBox& box, double luminance,
                             const std::optional<Gloss>& wanted) {
-    Gloss paint{0, 0, luminance};
-    for (std::size_t i = 0; i < static_cast<std::size_t>(mixture.count); ++i) {
-        const Pigment& p = box.palette.paints[static_cast<std::size_t>(mixture.paints[i])];
-        paint.specular += mixture.volumes[i] * static_cast<double>(p.specular);
-        paint.roughness += mixture.volumes[i] * static_cast<double>(p.roughness);
-    }
+    const Gloss paint = gloss_of(mixture, box.palette.paints, luminance);
     nlohmann::json json = {{"specular", paint.specular}, {"roughness", paint.roughness}};
     if (!wanted) return json;
     json["wanted"] = {{"specular", wanted->specular}, {"roughness", wanted->roughness}};
