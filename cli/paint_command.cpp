@@ -6,9 +6,11 @@
 #include "cli/fit_folder.h"
 #include "cli/photo_book.h"
 #include "cli/substrate_arguments.h"
+#include "cli/treatment_arguments.h"
 #include "paint/canvas_file.h"
 #include "surface/error.h"
 #include "viewer/settings.h"
+#include "viewer/treatment_desk.h"
 #include "viewer/window.h"
 
 namespace tangi {
@@ -22,6 +24,7 @@ struct PaintArguments {
     std::optional<double> mm_per_pixel;
     SubstrateArguments substrate;
     PhotosArguments photos;
+    AuthorArguments author;
 };
 
 void set_size(WindowSetup& setup, const std::string& text) {
@@ -41,7 +44,8 @@ fs::path untitled() {
 }
 
 Canvas canvas_of(const PaintArguments& a, const Progress& progress) {
-    if (!a.substrate.given()) return read_canvas(a.painting, progress, a.mm_per_pixel);
+    if (!a.substrate.given())
+        return read_canvas(a.painting, progress, a.mm_per_pixel ? a.mm_per_pixel : treatment_scale(a.painting));
     return Canvas(std::make_shared<Surface>(a.substrate.make(progress)));
 }
 
@@ -62,7 +66,9 @@ Workshop workshop_of(const PaintArguments& a) {
     return workshop;
 }
 
-nlohmann::json run_paint(const PaintArguments& a) {
+nlohmann::json run_paint(PaintArguments a) {
+    if (fs::is_regular_file(fs::path(a.painting) / "log.jsonl"))  // a treatment
+        a.painting = (fs::path(a.painting) / "painting.exr").string();
     if (a.painting.empty() != a.substrate.given())
         throw UsageError("give a painting, paint PAINTING.exr, or a new canvas, paint --substrate linen");
     if (a.substrate.given() && a.mm_per_pixel)
@@ -83,6 +89,7 @@ nlohmann::json run_paint(const PaintArguments& a) {
     set_size(setup, a.size);
     setup.file_is_new = a.substrate.given();
     setup.file = !setup.file_is_new ? fs::path(a.painting) : a.out.empty() ? untitled() : fs::path(a.out);
+    setup.author = a.author.author();
     setup.stop_wanted = interrupted;
     setup.workshop = workshop_of(a);
     setup.photos = a.photos.folder;
@@ -106,7 +113,8 @@ Command paint_command() {
     return {"paint", "hold a painting, tilt it, light it and paint on it: the window", [](Flags& flags) {
                 auto a = std::make_shared<PaintArguments>();
                 flags.option("PAINTING", a->painting,
-                             "painting file (.exr); saved in place, its dry layer never changes");
+                             "painting file (.exr), or folder of a treatment; saved in place, its dry layer "
+                             "never changes");
                 a->substrate.add_to(flags);
                 flags.option("--out", a->out,
                              "where a new canvas is saved (.exr); untitled-1.exr where not given");
@@ -121,6 +129,7 @@ Command paint_command() {
                     .option("--mm-per-pixel", a->mm_per_pixel,
                             "size of the painting's pixels where the file does not say")
                     .check(within(1e-4, 1e3));
+                a->author.add_to(flags);
                 flags.option("--size", a->size, "of the window in pixels").show_default();
                 return [a] { return run_paint(*a); };
             }};

@@ -1,7 +1,7 @@
 // layers_test.cpp: the dependency order of DESIGN is kept by every #include and every CMake LINK list.
 //
 //   surface <- capture <- fit      surface <- paint <- viewer      surface, capture <- datasets everything <-
-//   cli      paint <- retouch, which has the folder paint/retouch
+//   cli      paint <- retouch <- viewer; retouch has the folder paint/retouch
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -44,7 +44,7 @@ const std::vector<ModuleRule> kModules = {
     {"capture", {"surface"}},
     {"fit", {"surface", "capture"}},
     {"paint", {"surface"}},
-    {"viewer", {"surface", "paint"}},
+    {"viewer", {"surface", "paint", "retouch"}},
     {"datasets", {"surface", "capture"}},
     {"retouch", {"surface", "paint"}},
     {"cli", kBelowCli},

@@ -5,6 +5,7 @@
 #include "paint/canvas_file.h"
 #include "surface/error.h"
 #include "viewer/settings.h"
+#include "viewer/treatment_desk.h"
 
 namespace tangi {
 
@@ -61,7 +62,7 @@ void Desk::start(std::string title, std::function<void(const Progress&)> work) {
 void Desk::open(const fs::path& file) {
     start("opening " + file.filename().string(), [this, file](const Progress& progress) {
         OpenedPainting opened;
-        Painter::Setup setup{read_canvas(file, progress), setup_.palette, file, false};
+        Painter::Setup setup{read_canvas(file, progress, treatment_scale(file)), setup_.palette, file, false};
         opened.painter = std::make_unique<Painter>(std::move(setup), setup_.wake, progress);
         const Surface& surface = opened.painter->surface();
         opened.tiles =

@@ -27,7 +27,7 @@ bool shows_pictures(CompareWay way) {
 }  // namespace
 
 bool HeldPictures::show(const Comparing& comparing) {
-    const auto& held = comparing.news.held;
+    const auto& held = comparing.held();
     const bool same_pictures = shows_pictures(way_) && shows_pictures(comparing.way);
     if (held == held_ && (way_ == comparing.way || same_pictures)) {
         way_ = comparing.way;

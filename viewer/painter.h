@@ -9,6 +9,8 @@
 #include <deque>
 #include <filesystem>
 #include <functional>
+#include <future>
+#include <map>
 #include <mutex>
 #include <optional>
 #include <string>
@@ -38,6 +40,7 @@ struct PainterState {
     int strokes = 0, undone = 0, saves = 0;
     std::vector<std::string> layers;  // dried, from the bottom up
     std::size_t waiting = 0;          // events not painted yet
+    int painted_px = 0, outside_px = 0;  // that hold wet paint: all, and those outside of where it may lie
 };
 
 // What has happened since it was last fetched.
@@ -85,6 +88,20 @@ public:
     void statistics(const Region& region);
     void make_horizon();
 
+    // Brushes stop at `mask` (Canvas::confine()); wet paint outside of `allowed` is counted. Null: neither.
+    void confine(std::shared_ptr<const Image<float>> mask, std::shared_ptr<const Image<float>> allowed);
+    // Has `work` change the canvas, between strokes; undo goes no further back. What it throws comes out of
+    // the future, and the canvas is as it was.
+    std::future<void> change(std::function<void(Canvas&)> work);
+    // The painting as it is, to look at.
+    std::future<void> look(std::function<void(const Surface& seen, const Canvas& canvas)> work);
+    // Shows the painting as `view` makes it of what it is, until something else is shown or it is changed by
+    // change(). Empty: as it is.
+    void show_as(std::function<Canvas(const Canvas&)> view);
+    // Saving in its place is `keep`'s business, which may change the canvas and says what was done.
+    using Keep = std::function<std::string(Canvas& canvas, const std::filesystem::path& journal)>;
+    void keep_by(Keep keep);
+
     PainterNews fetch();
     void wait();  // until everything that was sent is done
 
@@ -98,6 +115,9 @@ private:
     void guarded(const std::function<void()>& action);
     void write(const std::filesystem::path& to);
     Probe look_at(int x, int y, double radius_px) const;
+    void adopt(Canvas canvas);
+    void show(std::optional<Canvas> canvas);
+    void count(const std::vector<TileIndex>& tiles);
 
     // The painter's thread only, once it runs.
     Session session_;
@@ -110,6 +130,13 @@ private:
     SittingRecord record_;
     bool file_is_new_, told_of_journal_ = false;
     PainterState own_;
+    std::optional<Canvas> shown_;  // instead of the session's
+    Keep keep_;
+    std::shared_ptr<const Image<float>> allowed_;
+    struct Counted {
+        int painted = 0, outside = 0;
+    };
+    std::map<TileIndex, Counted> counted_;
 
     mutable std::mutex mutex_;
     std::filesystem::path file_;  // as record_ has it, for other threads

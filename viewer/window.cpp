@@ -38,6 +38,8 @@ WindowApp::WindowApp(WindowSetup setup, const Progress& progress)
     desk_.emplace(state_, Desk::Setup{std::move(setup.workshop), setup.palette, setup.settings,
                                       [this](int w, int h) { return renderer_.tile_bits(w, h); }, wake,
                                       [this](const std::string& text) { say(text); }});
+    treating_.emplace(state_, TreatmentDesk::Setup{std::move(setup.author), setup.palette, wake,
+                                                   [this](const std::string& text) { say(text); }});
     OpenedPainting opened;
     opened.painter = std::make_unique<Painter>(
         Painter::Setup{std::move(setup.canvas), setup.palette, setup.file, setup.file_is_new}, wake,
@@ -132,7 +134,10 @@ void WindowApp::draw(bool moved) {
     ImGui_ImplGlfw_NewFrame();
     ImGui::NewFrame();
     if (compares) panels::held_photo(state_, held_.left(), held_.right(), screen_);
-    if (hand_->panels_wanted()) panels::column(state_, static_cast<float>(window_size_.height));
+    if (hand_->panels_wanted()) {
+        panels::column(state_, static_cast<float>(window_size_.height));
+        if (state_.treating.on) panels::treatment_column(state_, static_cast<float>(window_size_.height));
+    }
     panels::measurements(state_);
     panels::board(state_);
     panels::help(state_);
@@ -153,7 +158,10 @@ bool WindowApp::frame() {
     const std::deque<InputEvent> events = input_.take();
     glfwGetFramebufferSize(window_.handle(), &window_size_.width, &window_size_.height);
     left_ = hand_->panels_wanted() ? panels::width(state_) : 0;
-    const Extent screen{window_size_.width - static_cast<int>(left_), window_size_.height};
+    state_.canvas_left = static_cast<float>(left_);
+    const float right = hand_->panels_wanted() ? panels::treatment_width(state_) : 0;
+    const Extent screen{window_size_.width - static_cast<int>(left_ + static_cast<double>(right)),
+                        window_size_.height};
     const bool resized = screen.width != screen_.width || screen.height != screen_.height;
     if (screen.width > 0 && screen.height > 0) screen_ = screen;
     if (!fitted_) state_.view = fitted(state_.painting, pane(state_, screen_));
@@ -170,6 +178,7 @@ bool WindowApp::frame() {
     }
     take_dropped();
     progress_due_ |= desk_->look();
+    progress_due_ |= treating_->look();
     if (progress_due_ && now_s_ - progress_s_ > kProgress_s) {
         settle_ = std::max(settle_, 1);
         progress_s_ = now_s_;
@@ -180,7 +189,7 @@ bool WindowApp::frame() {
     if (auto opened = desk_->opened()) show(std::move(*opened), false);
     if (state_.help) state_.pens = input_.pens();
     animate(std::min(now_s_ - before, 0.1));
-    if (window_size_.width <= static_cast<int>(left_) || window_size_.height <= 0 ||
+    if (screen.width <= 0 || window_size_.height <= 0 ||
         glfwGetWindowAttrib(window_.handle(), GLFW_ICONIFIED)) {
         settle_ = kFramesAfterwards;  // when it comes back
         return false;                 // nothing to be seen
@@ -203,7 +212,7 @@ bool WindowApp::frame() {
     const Comparing& comparing = state_.comparing;
     if (comparing.shows())
         seen = fmt::format("{} {} {} {} {}", seen.substr(0, kShotBytes),
-                           static_cast<const void*>(comparing.news.held.get()),
+                           static_cast<const void*>(comparing.held().get()),
                            static_cast<int>(comparing.way), comparing.divider, comparing.blink_photo);
     const bool moved = seen != seen_;
     seen_ = std::move(seen);

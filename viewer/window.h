@@ -10,6 +10,7 @@
 #include "paint/brush_settings.h"
 #include "paint/canvas.h"
 #include "paint/palette.h"
+#include "paint/retouch/treatment.h"
 #include "surface/progress.h"
 #include "viewer/workshop.h"
 
@@ -25,6 +26,7 @@ struct WindowSetup {
     Workshop workshop{};
     std::filesystem::path photos{};       // a folder of photographs to hold against it at once
     std::filesystem::path settings{};     // folder of keys.json and recent.json; empty: there is none
+    Author author{};                      // of what is done to a painting under treatment
     std::function<bool()> stop_wanted{};  // asked between frames: Ctrl-C, a kill
 };
 

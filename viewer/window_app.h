@@ -13,7 +13,9 @@
 #include "viewer/hand.h"
 #include "viewer/held_pictures.h"
 #include "viewer/live_picture.h"
+#include "viewer/map_texture.h"
 #include "viewer/panels/file_dialog.h"
+#include "viewer/treatment_desk.h"
 #include "viewer/window.h"
 
 namespace tangi {
@@ -56,10 +58,12 @@ private:
     std::unique_ptr<Painter> painter_;
     std::optional<Hand> hand_;
     std::optional<Desk> desk_;
+    std::optional<TreatmentDesk> treating_;
     std::optional<panels::FileDialog> dialog_;
     LivePicture picture_;
     HeldPictures held_;
     gl::Texture board_;
+    MapTexture map_;
     gl::Target loupe_;
     std::optional<Journal> left_over_;
     std::deque<TexelPatch> patches_;

@@ -27,6 +27,8 @@ void WindowApp::show(OpenedPainting opened, bool is_first) {
         if (result_.unsaved)
             say(fmt::format("strokes on {} were not saved: open it again to recover them", state_.title));
     }
+    treating_->leave();
+    map_.clear();
     // What is to be uploaded is of the painting before.
     patches_.clear();
     hand_.reset();
@@ -65,6 +67,7 @@ void WindowApp::show(OpenedPainting opened, bool is_first) {
     painter_->make_horizon();
     state_.painter = painter_->fetch().state;
     desk_->shows(*painter_);
+    treating_->shows(*painter_);
     fitted_ = false;
     dirty_ = true;
 }
@@ -153,6 +156,13 @@ void WindowApp::news() {
         renderer_.set_horizon(*news.horizon);
         dirty_ = true;
     }
+    if (const DamageMap* map = treating_->map()) {
+        if (const Region changed = treating_->map_changed(); !changed.empty()) {
+            map_.update(map->picture(), changed);
+            settle_ = kFramesAfterwards;
+        }
+        state_.treating.map_texture = map_.id();
+    }
     if (news.probe) state_.probe = news.probe;
     if (news.profile) state_.profile = std::move(news.profile);
     if (news.statistics) state_.statistics = news.statistics;
@@ -200,7 +210,9 @@ void WindowApp::open_when_allowed(const std::filesystem::path& file) {
 void WindowApp::take_dropped() {
     for (const std::filesystem::path& path : input_.take_dropped()) {
         std::error_code gone;
-        if (std::filesystem::is_directory(path, gone))
+        if (std::filesystem::is_regular_file(path / "log.jsonl", gone))
+            open_when_allowed(path / "painting.exr");  // a treatment
+        else if (std::filesystem::is_directory(path, gone))
             state_.dropped = path;
         else
             open_when_allowed(path);
@@ -217,6 +229,19 @@ void WindowApp::dialogs(const WindowState::Requests& ask) {
     };
     const std::filesystem::path here = std::filesystem::absolute(painter_->file()).parent_path();
     using Requests = WindowState::Requests;
+    const Treating::Ask& treating = state_.treating.ask;
+    const auto choose_for_treatment = [&](const char* title, FileDialog::Wants wants, const char* ending,
+                                          const std::filesystem::path& start,
+                                          std::filesystem::path Treating::Ask::*where) {
+        dialog_.emplace(title, wants, ending, start, [this, where](const std::filesystem::path& path) {
+            state_.treating.ask.*where = path;
+        });
+    };
+    if (treating.open_dialog)
+        choose_for_treatment("Open a treatment", FileDialog::Wants::folder, ".exr", here, &Treating::Ask::open);
+    if (treating.report_dialog)
+        choose_for_treatment("Report of the treatment", FileDialog::Wants::new_file, ".html",
+                             here.parent_path() / (here.stem().string() + ".html"), &Treating::Ask::report);
     if (ask.open_dialog) choose("Open a painting", FileDialog::Wants::file, here, &Requests::open);
     if (ask.save_dialog)
         choose("Save the painting as", FileDialog::Wants::new_file, painter_->file(), &Requests::save_as);
@@ -234,6 +259,7 @@ void WindowApp::requests() {
     WindowState::Requests ask = std::exchange(state_.ask, {});
     dialogs(ask);
     desk_->take(ask, *painter_);
+    treating_->take();
     if (!ask.open.empty()) open_when_allowed(ask.open);
     if (ask.fit) state_.view = fitted(state_.painting, pane(state_, screen_), state_.view.turn_deg);
     if (ask.one_to_one) state_.view.zoom = 1;
@@ -241,14 +267,17 @@ void WindowApp::requests() {
         state_.tilt = sent_back(state_.tilt);
         state_.view = turned(state_.view, -state_.view.turn_deg);
     }
-    const bool blocked = state_.left_over_strokes > 0;
+    const bool other = state_.treating.state || state_.treating.preview;  // than the painting is seen
+    const bool blocked = state_.left_over_strokes > 0 || other;
     if (ask.undo && state_.painter.can_undo && !blocked) painter_->send(UndoEvent{});
     if (ask.redo && state_.painter.can_redo && !blocked) painter_->send(RedoEvent{});
     if (ask.dry && !blocked)
         painter_->send(DryEvent{fmt::format("layer {}", state_.painter.layers.size() + 1), 1});
     if (!ask.lift.empty() && !blocked) painter_->send(LiftEvent{ask.lift});
     if (!blocked) board_requests(ask);
-    if (ask.recover && left_over_) {
+    if (ask.recover && left_over_ && !state_.treating.no_strokes.empty()) {
+        say(state_.treating.no_strokes);
+    } else if (ask.recover && left_over_) {
         painter_->recover(std::move(*left_over_));
         left_over_.reset();
         state_.left_over_strokes = 0;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
@@ -16,24 +17,27 @@
 #include "viewer/painter.h"
 #include "viewer/shortcuts.h"
 #include "viewer/tilt.h"
+#include "viewer/treating.h"
 #include "viewer/view.h"
 
 namespace tangi {
 
-enum class Tool { tilt, light, pan, paint, pick, ruler, region };
+enum class Tool { tilt, light, pan, paint, pick, ruler, region, damage, sample };
 
 struct ToolName {
     Tool tool;
     const char* name;
     Action action;
 };
-inline constexpr std::array<ToolName, 7> kTools = {{{Tool::tilt, "Tilt", Action::tool_tilt},
+inline constexpr std::array<ToolName, 9> kTools = {{{Tool::tilt, "Tilt", Action::tool_tilt},
                                                     {Tool::light, "Light", Action::tool_light},
                                                     {Tool::pan, "Pan", Action::tool_pan},
                                                     {Tool::paint, "Paint", Action::tool_paint},
                                                     {Tool::pick, "Pick", Action::tool_pick},
                                                     {Tool::ruler, "Ruler", Action::tool_ruler},
-                                                    {Tool::region, "Region", Action::tool_region}}};
+                                                    {Tool::region, "Region", Action::tool_region},
+                                                    {Tool::damage, "Damage", Action::tool_damage},
+                                                    {Tool::sample, "Match", Action::tool_sample}}};
 
 struct Lamp {
     Angles angles{135, 50};
@@ -56,6 +60,14 @@ inline constexpr std::array<CompareWayName, 5> kCompareWays = {{{CompareWay::asi
                                                                 {CompareWay::difference, "Difference"},
                                                                 {CompareWay::delta_e, "Colour difference"}}};
 
+// Two pictures of the painting beside each other, instead of a photograph and the painting.
+struct HeldPair {
+    std::string left, right;                     // what they are
+    std::shared_ptr<const HeldPhoto> pictures;  // as `photo` and `relit`
+};
+
+inline constexpr std::size_t kPairWays = 3;  // side by side, wipe and blink: those of two pictures
+
 // Photographs that are held against the painting.
 struct Comparing {
     bool loaded = false;  // a folder of photographs is there
@@ -67,8 +79,11 @@ struct Comparing {
     bool blink_photo = false;  // what is shown at this moment
     float blink_s = 0.6f;
 
+    std::optional<HeldPair> pair;  // held up instead of photographs
+
+    const std::shared_ptr<const HeldPhoto>& held() const { return pair ? pair->pictures : news.held; }
     // A photograph is on the screen, instead of the painting under its lamps.
-    bool shows() const { return on && news.held; }
+    bool shows() const { return on && held(); }
     bool aside() const { return shows() && way == CompareWay::aside; }
 };
 
@@ -150,6 +165,9 @@ struct WindowState {
     std::vector<std::filesystem::path> recent;
     std::filesystem::path dropped;    // a folder: compare or fit?
     std::filesystem::path open_next;  // once it is decided what becomes of strokes that are not saved
+
+    Treating treating;
+    float canvas_left = 0;  // [pixels of the window] where the painting's part of it begins
 
     // What the panels ask for; the window does it and clears them.
     struct Requests {

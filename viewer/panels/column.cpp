@@ -6,11 +6,11 @@
 
 namespace tangi::panels {
 
-namespace {
-
 void tip(const std::string& text) {
     if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", text.c_str());
 }
+
+namespace {
 
 void recent(WindowState& s) {
     if (s.recent.empty() || !ImGui::BeginCombo("Recent", "open again")) return;
@@ -106,6 +106,7 @@ void file(WindowState& s) {
 void tools(WindowState& s) {
     int i = 0;
     for (const ToolName& tool : kTools) {
+        if (!s.treating.on && (tool.tool == Tool::damage || tool.tool == Tool::sample)) continue;
         if (i++ % 3) ImGui::SameLine();
         if (ImGui::RadioButton(fmt::format("{} ({})", tool.name, s.keys.text(tool.action)).c_str(),
                                s.tool == tool.tool))
@@ -138,9 +139,11 @@ void canvas(WindowState& s) {
     ImGui::TextDisabled("%d strokes, %zu dried layers", s.painter.strokes, s.painter.layers.size());
     for (const std::string& layer : s.painter.layers) {
         ImGui::PushID(layer.c_str());
-        if (ImGui::SmallButton("Lift off")) s.ask.lift = layer;
-        tip("Takes this layer of dried paint away; can be undone");
-        ImGui::SameLine();
+        if (!s.treating.on) {  // there, that is a step
+            if (ImGui::SmallButton("Lift off")) s.ask.lift = layer;
+            tip("Takes this layer of dried paint away; can be undone");
+            ImGui::SameLine();
+        }
         ImGui::TextUnformatted(layer.c_str());
         ImGui::PopID();
     }
@@ -162,6 +165,7 @@ void column(WindowState& s, float height) {
     if (s.comparing.loaded && !*unfolded) ImGui::SetNextItemOpen(true);
     *unfolded = s.comparing.loaded;
     if (section("Photographs", false)) photographs(s);
+    if (!s.treating.on && section("Treatment", false)) treatment(s);
     if (section("Tools", true)) tools(s);
     if (section("Light", true)) light(s);
     if (section("Look", false)) look(s);
