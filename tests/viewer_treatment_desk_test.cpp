@@ -42,6 +42,7 @@ protected:
 
     void show(const fs::path& file) {
         if (desk_) desk_->leave();
+        painter_.reset();
         painter_ = std::make_unique<Painter>(Painter::Setup{read_canvas(file), artist_acrylics(), file, false}, [] {});
         painter_->start(TexelTiles(painter_->surface(), painter_->range(), 7));
         if (!desk_)
@@ -56,6 +57,7 @@ protected:
     // Until nothing runs any more.
     void settle() {
         for (int quiet = 0, i = 0; quiet < 4 && i < 12000; ++i) {
+            painter_->wait();
             desk_->take();
             desk_->look();
             state_.painter = painter_->fetch().state;
@@ -171,7 +173,8 @@ TEST_F(Desks, TheWholeSequenceIsInTheLog) {
 
     EXPECT_TRUE(treatment().check().empty());
     std::vector<std::string> actions;
-    for (const LogEntry& entry : treatment().log().entries())
+    const Treatment done = treatment();
+    for (const LogEntry& entry : done.log().entries())
         actions.push_back(entry.content["action"].get<std::string>());
     EXPECT_THAT(actions, testing::ElementsAre("begin", "suggest damage", "draw damage", "fill", "varnish", "retouch",
                                               "retouch", "varnish"));
@@ -244,6 +247,30 @@ TEST_F(Desks, ARetouchIsLookedAtBeforeItIsApplied) {
     t.ask.see_from = true;
     settle();
     EXPECT_EQ(state_.comparing.pair->right, "from 5.0 m");
+}
+
+TEST_F(Desks, StrokesOfACrashStopAtTheSameDamage) {
+    begin();
+    Treating& t = state_.treating;
+    t.where = {DamageClass::abrasion};
+    t.current = DamageClass::abrasion;
+    t.brush_mm = 12;
+    draw(70, 80, 90, 80);
+    t.ask.keep = true;
+    settle();
+    stroke(0);
+    const int painted = state_.painter.painted_px;
+    EXPECT_GT(painted, 50);
+    const fs::path file = folder_ / "a.treatment" / "painting.exr";
+    show(file);  // without saving
+    settle();
+    EXPECT_EQ(t.where, std::set<DamageClass>{DamageClass::abrasion});
+    auto journal = left_over(sitting_files(file));
+    ASSERT_TRUE(journal);
+    painter_->recover(std::move(*journal));
+    settle();
+    EXPECT_EQ(state_.painter.painted_px, painted);
+    EXPECT_EQ(state_.painter.outside_px, 0);
 }
 
 TEST_F(Desks, RecipesForAPlaceAndRoundTheDamage) {

@@ -94,7 +94,7 @@ TEST_F(TreatmentWindow, TheWholeSequence) {
     screen_->key("ctrl+i");
     ASSERT_TRUE(becomes_logged("varnish"));
 
-    screen_->key("x");  // the map away
+    // The map made room for what was laid.
     const auto filled = screen_->settled();
     screen_->key("b");
     screen_->drag(1, {kX - 90, kY - 80}, {kX - 90, kY + 60});

@@ -39,6 +39,24 @@ void read_sitting(const fs::path& folder, Treating& t) {
         t.feather_mm = std::clamp(it->get<float>(), 0.0f, 100.0f);
 }
 
+// A line of the log in a few words: "varnish: isolating varnish 1".
+std::string told(const json& entry) {
+    std::vector<std::string> of;
+    const json results = entry.value("results", json::object()), asked = entry.value("parameters", json::object());
+    const auto add = [&](const json& from, const char* field) {
+        if (from.contains(field) && from[field].is_string()) of.push_back(from[field].get<std::string>());
+    };
+    add(results, "layer");
+    for (const json& layer : results.value("retouches", json::array())) add(layer, "layer");
+    for (const json& layer : asked.value("layers", json::array()))
+        if (layer.is_string()) of.push_back(layer.get<std::string>());
+    add(asked, "suggest");
+    if (const json name = asked.value("class", json()); name.is_string())
+        if (const auto damage = damage_class_named(name.get<std::string>())) of.emplace_back(title_of(*damage));
+    const std::string action = entry.value("action", "");
+    return of.empty() ? action : fmt::format("{}: {}", action, fmt::join(of, ", "));
+}
+
 }  // namespace
 
 const char* title_of(DamageClass damage) {
@@ -207,8 +225,8 @@ TreatmentDesk::Facts TreatmentDesk::facts_of(const Treatment& treatment, const C
     const auto& entries = treatment.log().entries();
     for (auto entry = entries.rbegin(); entry != entries.rend(); ++entry) {
         const json& c = entry->content;
-        facts.log.push_back({entry->line, c.value("time", ""), c.value("who", ""), c.value("action", ""),
-                             entry->sha256});
+        facts.log.push_back(
+            {entry->line, c.value("time", ""), c.value("who", ""), told(c), entry->sha256});
     }
     return facts;
 }
@@ -299,6 +317,10 @@ std::string TreatmentDesk::no_strokes() const {
     if (t.state) return "a state of the treatment is shown: choose Now before you paint";
     if (confine_due_ || refresh_due_) return "the mask is being made ready";
     if (t.confined && t.where.empty()) return "choose the damage that is retouched: Steps, Works on";
+    const bool mapped = std::any_of(t.damage.begin(), t.damage.end(), [&](const DamageRow& row) {
+        return row.there && t.where.contains(row.damage);
+    });
+    if (t.confined && !mapped) return "no such damage is on the map yet: suggest or draw it, panel Damage";
     return {};
 }
 

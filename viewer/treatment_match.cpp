@@ -76,9 +76,9 @@ Rgb srgb_of(const Rgb& linear) {
 
 std::string gloss_text(const Gloss& paint, const Gloss& wanted) {
     const std::string_view remedy = name_of(remedy_for(paint, wanted));
-    return fmt::format("gloss: paint {:.3f} / {:.2f}, there {:.3f} / {:.2f} (rho s / alpha): {}", paint.specular,
-                       paint.roughness, wanted.specular, wanted.roughness,
-                       remedy == "none" ? "alike" : fmt::format("needs {}", remedy));
+    return fmt::format("Gloss: {}. Strength {:.3f}, there {:.3f}; sheen {:.2f}, there {:.2f}",
+                       remedy == "none" ? "alike" : fmt::format("needs {}", remedy), paint.specular,
+                       wanted.specular, paint.roughness, wanted.roughness);
 }
 
 ShownRecipe shown_of(const MatchedRecipe& r, const Palette& palette, const std::vector<PairWarning>& pairs,

@@ -156,6 +156,7 @@ void TreatmentDesk::step(std::string title, Step work) {
         return [this, said = std::move(said), facts = std::move(facts)]() mutable {
             state_.treating.state.reset();
             state_shown_.reset();
+            state_.treating.map = false;  // what was done is to be seen
             adopt(std::move(facts));
             setup_.say(said);
         };
@@ -253,6 +254,7 @@ void TreatmentDesk::preview() {
         return [this, made, shown = std::move(shown)]() mutable {
             preview_ = made;
             state_.treating.preview = std::move(shown);
+            state_.treating.map = false;
             painter_->show_as([made](const Canvas&) { return made->canvas; });
         };
     });

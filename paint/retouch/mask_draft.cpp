@@ -75,9 +75,8 @@ Region MaskDraft::draw(const Corner& from, const Corner& to, double radius_px, M
         for (int x = r.x0; x < r.x1; ++x) {
             const double px = x + 0.5 - from.x, py = y + 0.5 - from.y;
             const double t = length2 > 0 ? std::clamp((px * dx + py * dy) / length2, 0.0, 1.0) : 0;
-            const double coverage =
-                std::clamp(radius_px + 0.5 - std::hypot(px - t * dx, py - t * dy), 0.0, 1.0);
-            if (coverage > 0) set(mask_(x, y), static_cast<float>(coverage), edit);
+            if (std::hypot(px - t * dx, py - t * dy) <= radius_px)
+                mask_(x, y) = edit == MaskEdit::add ? 1.0f : 0.0f;
         }
     return r;
 }
@@ -87,11 +86,11 @@ Region MaskDraft::combine(const Mask& area, MaskEdit edit) {
     Region touched;
     for (int y = 0; y < area.height(); ++y)
         for (int x = 0; x < area.width(); ++x)
-            if (area(x, y) > 0) touched = joined(touched, {x, y, x + 1, y + 1});
+            if (area(x, y) >= 0.5f) touched = joined(touched, {x, y, x + 1, y + 1});
     remember(touched);
     for (int y = touched.y0; y < touched.y1; ++y)
         for (int x = touched.x0; x < touched.x1; ++x)
-            if (area(x, y) > 0) set(mask_(x, y), area(x, y), edit);
+            if (area(x, y) >= 0.5f) mask_(x, y) = edit == MaskEdit::add ? 1.0f : 0.0f;
     return touched;
 }
 

@@ -1,6 +1,7 @@
 // mask_draft.h: a mask while it is being corrected: drawn, erased, undone.
 //
-// Coordinates are in pixels from the picture's top left corner (mask.h). What is done between begin() and
+// Pixels are in the area or not: what is drawn here is what paint stops at, and paint on a pixel that belongs
+// to the original in part would be paint on original. Coordinates are in pixels from the picture's top left corner (mask.h). What is done between begin() and
 // end() is one action of undo.
 #pragma once
 
@@ -47,9 +48,6 @@ private:
     Values values(const std::pair<int, int>& at) const;
     void remember(const Region& region);
     Region put(const Tiles& tiles);
-    void set(float& value, float coverage, MaskEdit edit) const {
-        value = edit == MaskEdit::add ? std::max(value, coverage) : std::min(value, 1 - coverage);
-    }
 
     Mask mask_;
     std::deque<Action> actions_;

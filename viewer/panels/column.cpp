@@ -107,7 +107,7 @@ void tools(WindowState& s) {
     int i = 0;
     for (const ToolName& tool : kTools) {
         if (!s.treating.on && (tool.tool == Tool::damage || tool.tool == Tool::sample)) continue;
-        if (i++ % 3) ImGui::SameLine();
+        if (i++ % 3 && tool.tool != Tool::damage) ImGui::SameLine();
         if (ImGui::RadioButton(fmt::format("{} ({})", tool.name, s.keys.text(tool.action)).c_str(),
                                s.tool == tool.tool))
             s.tool = tool.tool;

@@ -53,7 +53,7 @@ void matching(WindowState& s) {
     tip("Your paint box: another one is opened with --palette FILE");
     ImGui::TextUnformatted("Matches under");
     for (std::size_t lamp = 0; lamp < kIlluminants; ++lamp) {
-        ImGui::SameLine();
+        if (lamp) ImGui::SameLine();
         ImGui::Checkbox(std::string(name_of(static_cast<Illuminant>(lamp))).c_str(), &t.lamps[lamp]);
     }
     ImGui::SliderInt("Paints", &t.most_paints, 1, kMostPaints, "%d at most");

@@ -31,10 +31,24 @@ void choice(const char* label, Value& value, const std::array<std::pair<Value, c
     ImGui::EndCombo();
 }
 
-void job(Treating& t, float scale) {
+// What is under way, and what is not in the log yet: below the panels, which stay where they are.
+float footer_height(const Treating& t) {
+    const float line = ImGui::GetFrameHeightWithSpacing();
+    return (t.job ? 2 * line : 0) + (t.edits > 0 ? 2 * line : 0);
+}
+
+void footer(WindowState& s) {
+    Treating& t = s.treating;
+    if (t.edits > 0) {
+        ImGui::TextColored(kWarning, "%d correction%s of the map not in the log", t.edits, t.edits == 1 ? "" : "s");
+        if (ImGui::Button("Enter in the log##damage")) t.ask.keep = true;
+        tip(s.keys.text(Action::keep_damage));
+        ImGui::SameLine();
+        if (ImGui::Button("Drop")) t.ask.drop_edits = true;
+    }
     if (!t.job) return;
     ImGui::TextDisabled("%s", t.job_title.c_str());
-    ImGui::ProgressBar(static_cast<float>(t.job->fraction), {-50 * scale, 0}, t.job->stage.c_str());
+    ImGui::ProgressBar(static_cast<float>(t.job->fraction), {-50 * s.scale, 0}, t.job->stage.c_str());
     ImGui::SameLine();
     if (t.job->stopping)
         ImGui::TextDisabled("stops");
@@ -105,7 +119,10 @@ void by_hand(WindowState& s) {
                            s.painter.outside_px);
     }
     if (!t.no_strokes.empty()) ImGui::TextWrapped("%s", t.no_strokes.c_str());
-    if (ImGui::Button("Retouch with the brush")) s.tool = Tool::paint;
+    if (ImGui::Button("Retouch with the brush")) {
+        s.tool = Tool::paint;
+        t.map = false;  // else one would paint below it
+    }
     tip(s.keys.text(Action::tool_paint));
     if (s.painter.unsaved) {
         ImGui::SameLine();
@@ -190,14 +207,15 @@ void states(WindowState& s) {
         s.keys.text(Action::compare_way) + ")");
     ImGui::Checkbox("Additions in false colour", &t.additions);
     tip(s.keys.text(Action::additions) + ": fills green, varnish yellow, retouches blue, red where they lie on original");
+    ImGui::PushItemWidth(150 * s.scale);
     ImGui::SliderFloat("##distance", &t.distance_m, 0.3f, 10, "%.1f m");
+    ImGui::PopItemWidth();
     ImGui::SameLine();
     if (ImGui::Button("See from there")) t.ask.see_from = true;
     tip("As the eye has it from this distance: lines that fuse cannot be told apart");
     if (s.comparing.pair) {
-        if (ImGui::Button("Back to the painting (C)")) t.ask.stop_comparing = true;
-        ImGui::SameLine();
-        ImGui::TextDisabled("%s shows them otherwise", s.keys.text(Action::compare_way).c_str());
+        if (ImGui::Button(fmt::format("Back to the painting ({})", s.keys.text(Action::compare)).c_str()))
+            t.ask.stop_comparing = true;
     }
 }
 
@@ -281,21 +299,16 @@ void treatment_column(WindowState& s, float height) {
     ImGui::Begin("treatment", nullptr,
                  ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove |
                      ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoSavedSettings);
-    ImGui::PushItemWidth(-90 * s.scale);
-    job(t, s.scale);
     if (!t.checking && !t.usable)
         ImGui::TextColored(kFault, "The treatment is not as its log says: Record");
-    if (t.edits > 0) {
-        ImGui::TextColored(kWarning, "%d corrections are not in the log.", t.edits);
-        if (ImGui::Button("Enter in the log##damage")) t.ask.keep = true;
-        tip(s.keys.text(Action::keep_damage));
-        ImGui::SameLine();
-        if (ImGui::Button("Drop")) t.ask.drop_edits = true;
-    }
     if (ImGui::BeginTabBar("parts")) {
         const auto tab = [&](const char* name, void (*panel)(WindowState&)) {
             if (!ImGui::BeginTabItem(name)) return;
+            ImGui::BeginChild(name, {0, -footer_height(t)});
+            ImGui::PushItemWidth(-90 * s.scale);
             panel(s);
+            ImGui::PopItemWidth();
+            ImGui::EndChild();
             ImGui::EndTabItem();
         };
         tab("Damage", damage);
@@ -304,7 +317,7 @@ void treatment_column(WindowState& s, float height) {
         tab("Record", record);
         ImGui::EndTabBar();
     }
-    ImGui::PopItemWidth();
+    footer(s);
     ImGui::End();
 }
 
