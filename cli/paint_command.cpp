@@ -45,7 +45,8 @@ fs::path untitled() {
 
 Canvas canvas_of(const PaintArguments& a, const Progress& progress) {
     if (!a.substrate.given())
-        return read_canvas(a.painting, progress, a.mm_per_pixel ? a.mm_per_pixel : treatment_scale(a.painting));
+        return read_canvas(a.painting, progress,
+                           a.mm_per_pixel ? a.mm_per_pixel : treatment_scale(a.painting));
     return Canvas(std::make_shared<Surface>(a.substrate.make(progress)));
 }
 

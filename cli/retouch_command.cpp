@@ -97,8 +97,7 @@ nlohmann::json run_retouch(RetouchArguments a) {
                                   : layer_name(a, canvas);
     const RetouchReport report = lay_retouch(canvas, box.palette, mask, spoilt, *retouch_mode_named(a.mode),
                                              layer, a.options, progress);
-    const RetouchViews views =
-        retouch_views(appearance(canvas, {}, progress).diffuse, mask, report);
+    const RetouchViews views = retouch_views(appearance(canvas, {}, progress).diffuse, mask, report);
     nlohmann::json result = to_json(report, box.palette.paints, box.warnings);
     result["mode"] = a.mode, result["layer"] = layer, result["dry_sha256"] = hash;
     result["on_original"] = to_json(on_original(canvas.dried().back().paint, mask, canvas.mm_per_pixel()));

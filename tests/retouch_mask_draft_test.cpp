@@ -28,10 +28,10 @@ TEST(MaskDraft, TheBrushCoversItsAreaOnceHoweverItIsDrawn) {
     draft.end();
     const double length = std::hypot(80, 30), area = 20 * length + M_PI * 100;
     EXPECT_NEAR(sum(draft.mask()), area, 0.01 * area);
-    for (int y = 0; y < 150; ++y)
-        for (int x = 0; x < 200; ++x)
-            if (x < changed.x0 || x >= changed.x1 || y < changed.y0 || y >= changed.y1)
-                ASSERT_EQ(draft.mask()(x, y), 0) << "nothing changes outside of what was said";
+    double within = 0;
+    for (int y = changed.y0; y < changed.y1; ++y)
+        for (int x = changed.x0; x < changed.x1; ++x) within += static_cast<double>(draft.mask()(x, y));
+    EXPECT_EQ(within, sum(draft.mask())) << "nothing changes outside of what was said";
     draft.begin();
     draft.draw(a, b, 12, MaskEdit::remove);
     draft.end();
@@ -59,11 +59,13 @@ TEST(MaskDraft, UndoAndRedoBringBackTheBits) {
         draft.draw({random.real(0, 150), random.real(0, 130)}, {random.real(0, 150), random.real(0, 130)},
                    random.real(1, 30), i % 3 ? MaskEdit::add : MaskEdit::remove);
         draft.end();
-        states.push_back(draft.mask());
+        // What changes nothing is no action.
+        if (static_cast<std::size_t>(draft.actions()) == states.size()) states.push_back(draft.mask());
     }
-    for (int i = 12; i-- > 0;) {
+    ASSERT_GT(states.size(), 8u);
+    for (std::size_t i = states.size() - 1; i-- > 0;) {
         draft.undo();
-        ASSERT_TRUE(images_near(draft.mask(), states[static_cast<std::size_t>(i)], 0)) << i;
+        ASSERT_TRUE(images_near(draft.mask(), states[i], 0)) << i;
     }
     EXPECT_FALSE(draft.can_undo());
     for (std::size_t i = 1; i < states.size(); ++i) {
@@ -110,10 +112,12 @@ TEST(TreatmentSteps, WhatIsPaintedBesideTheAreaIsCountedAndLogged) {
     draw_step(treatment, DamageClass::loss_to_ground, loss, {{"edit", "by hand"}}, who);
     const StepArea area = area_of_classes(treatment, {DamageClass::loss_to_ground});
     EXPECT_EQ(sum(area.mask), 48 * 64);
-    EXPECT_THAT([&] {
-        Canvas bare = treatment.read_canvas();
-        retouch_step(treatment, bare, area, {}, "the canvas", who);
-    }, ThrowsMessage<Error>(HasSubstr("the canvas: nothing was painted")));
+    EXPECT_THAT(
+        [&] {
+            Canvas bare = treatment.read_canvas();
+            retouch_step(treatment, bare, area, {}, "the canvas", who);
+        },
+        ThrowsMessage<Error>(HasSubstr("the canvas: nothing was painted")));
     Canvas canvas = treatment.read_canvas();
     Brush brush(even_brush(3), canvas.mm_per_pixel(), 1);
     brush.load({{{add_paint(canvas, "Titanium White"), 1.0}}}, 1, false);

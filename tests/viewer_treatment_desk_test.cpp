@@ -43,13 +43,15 @@ protected:
     void show(const fs::path& file) {
         if (desk_) desk_->leave();
         painter_.reset();
-        painter_ = std::make_unique<Painter>(Painter::Setup{read_canvas(file), artist_acrylics(), file, false}, [] {});
+        painter_ = std::make_unique<Painter>(
+            Painter::Setup{read_canvas(file), artist_acrylics(), file, false}, [] {});
         painter_->start(TexelTiles(painter_->surface(), painter_->range(), 7));
         if (!desk_)
-            desk_.emplace(state_, TreatmentDesk::Setup{{"A. Restorer", "test"},
-                                                       artist_acrylics(),
-                                                       [] {},
-                                                       [this](const std::string& text) { said_.push_back(text); }});
+            desk_.emplace(state_,
+                          TreatmentDesk::Setup{{"A. Restorer", "test"},
+                                               artist_acrylics(),
+                                               [] {},
+                                               [this](const std::string& text) { said_.push_back(text); }});
         state_.scale_known = true;
         state_.mm_per_pixel = truth().mm_per_pixel;
         desk_->shows(*painter_);
@@ -152,7 +154,8 @@ TEST_F(Desks, TheWholeSequenceIsInTheLog) {
     EXPECT_EQ(state_.painter.outside_px, 0);
     t.ask.varnish = true;
     settle();
-    EXPECT_THAT(said_.back(), HasSubstr("first enter in the log")) << "no step over strokes that are not logged";
+    EXPECT_THAT(said_.back(), HasSubstr("first enter in the log"))
+        << "no step over strokes that are not logged";
     painter_->save();
     settle();
     ASSERT_EQ(t.layers.size(), 3u);
@@ -176,8 +179,8 @@ TEST_F(Desks, TheWholeSequenceIsInTheLog) {
     const Treatment done = treatment();
     for (const LogEntry& entry : done.log().entries())
         actions.push_back(entry.content["action"].get<std::string>());
-    EXPECT_THAT(actions, testing::ElementsAre("begin", "suggest damage", "draw damage", "fill", "varnish", "retouch",
-                                              "retouch", "varnish"));
+    EXPECT_THAT(actions, testing::ElementsAre("begin", "suggest damage", "draw damage", "fill", "varnish",
+                                              "retouch", "retouch", "varnish"));
     EXPECT_EQ(t.log.size(), actions.size());
 
     // Reopened, it is as it was left; taken off, it is the original.
@@ -210,9 +213,10 @@ TEST_F(Desks, ARetouchIsLookedAtBeforeItIsApplied) {
     EXPECT_TRUE(t.layers.empty());
     const auto colour_there = [&] {
         Rgb sum(0);
-        painter_->look([&](const Surface& seen, const Canvas&) {
-                    for (int x = 60; x < 100; ++x) sum += seen.diffuse(x, 80);
-                })
+        painter_
+            ->look([&](const Surface& seen, const Canvas&) {
+                for (int x = 60; x < 100; ++x) sum += seen.diffuse(x, 80);
+            })
             .get();
         return sum;
     };

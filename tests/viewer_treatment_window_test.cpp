@@ -1,5 +1,6 @@
-// viewer_treatment_window_test.cpp: a treatment in the real window, by pointer and keyboard: damage is suggested,
-// corrected with the brush, filled, isolated, painted over its border, varnished; saved and opened again.
+// viewer_treatment_window_test.cpp: a treatment in the real window, by pointer and keyboard: damage is
+// suggested, corrected with the brush, filled, isolated, painted over its border, varnished; saved and opened
+// again.
 #include <gmock/gmock.h>
 
 #include "datasets/procedural_painting.h"
@@ -40,7 +41,7 @@ protected:
             return !program_->running() || glm::length(p(kX, kY)) > 0.1f;
         });
         ASSERT_TRUE(shown && program_->running()) << program_->wait().err;
-        screen_->settled();
+        rest();
     }
     // How often the log has this action.
     std::ptrdiff_t logged(const std::string& action) const {
@@ -54,8 +55,20 @@ protected:
     }
     bool becomes_logged(const std::string& action, std::ptrdiff_t times = 1) const {
         const bool is = Screen::until([&] { return logged(action) >= times; });
-        screen_->settled();
+        rest();
         return is;
+    }
+    // Until nothing has moved for a second; a progress bar does.
+    void rest() const {
+        Image<Rgb> last = screen_->picture();
+        auto since = std::chrono::steady_clock::now();
+        Screen::until([&] {
+            std::this_thread::sleep_for(std::chrono::milliseconds(100));
+            Image<Rgb> now = screen_->picture();
+            if (!images_near(now, last, 0)) since = std::chrono::steady_clock::now();
+            last = std::move(now);
+            return std::chrono::steady_clock::now() - since >= std::chrono::seconds(1);
+        });
     }
 
     TestDir folder_;
@@ -69,11 +82,11 @@ TEST_F(TreatmentWindow, TheWholeSequence) {
     start(folder_ / "p.exr");
     screen_->key("ctrl+t");
     ASSERT_TRUE(becomes_logged("begin"));
-    const auto bare = screen_->settled();
+    const auto bare = screen_->picture();
 
     screen_->key("ctrl+g");
     EXPECT_TRUE(screen_->becomes_different(bare, kCanvas, 0.002)) << "the suggestion lies over the painting";
-    screen_->settled();
+    rest();
     EXPECT_EQ(logged("suggest damage"), 0) << "nothing is changed before one takes it over";
     screen_->key("ctrl+Return");
     ASSERT_TRUE(becomes_logged("suggest damage"));
@@ -83,7 +96,7 @@ TEST_F(TreatmentWindow, TheWholeSequence) {
     screen_->drag(1, {kX - 120, kY - 20}, {kX - 60, kY - 20});
     screen_->drag(1, {kX + 60, kY + 90}, {kX + 120, kY + 90});
     screen_->key("ctrl+z");
-    screen_->settled();
+    rest();
     screen_->key("ctrl+k");
     ASSERT_TRUE(becomes_logged("draw damage"));
     const Mask mask = Treatment::open(treatment_).mask(DamageClass::loss_to_ground);
@@ -95,10 +108,10 @@ TEST_F(TreatmentWindow, TheWholeSequence) {
     ASSERT_TRUE(becomes_logged("varnish"));
 
     // The map made room for what was laid.
-    const auto filled = screen_->settled();
+    const auto filled = screen_->picture();
     screen_->key("b");
     screen_->drag(1, {kX - 90, kY - 80}, {kX - 90, kY + 60});
-    screen_->settled();
+    rest();
     EXPECT_GT(Screen::difference(filled, screen_->picture(), {kX - 100, kY - 24, kX - 80, kY - 16}), 0.01)
         << "within the damage there is paint";
     screen_->key("ctrl+s");
@@ -124,19 +137,19 @@ TEST_F(TreatmentWindow, TheWholeSequence) {
 
     // Opened again by its folder; seen as it was before, and as it is.
     start(treatment_);
-    const auto now = screen_->settled();
+    const auto now = screen_->picture();
     screen_->key("n");
     EXPECT_TRUE(screen_->becomes_different(now, kCanvas, 0.002)) << "before";
-    screen_->settled();
+    rest();
     screen_->x({"key", "n", "key", "n", "key", "n", "key", "n"});
     EXPECT_TRUE(screen_->becomes_alike(now, kCanvas, 0.002)) << "now";
-    screen_->settled();
+    rest();
     screen_->key("ctrl+shift+r");
-    screen_->settled();
+    rest();
     screen_->x({"key", "ctrl+a"});
     screen_->enter((folder_ / "report.html").string());
     EXPECT_TRUE(Screen::until([&] { return fs::exists(folder_ / "report.html"); }));
-    screen_->settled();
+    rest();
     screen_->key("ctrl+q");
     EXPECT_EQ(program_->wait().code, 0);
 }

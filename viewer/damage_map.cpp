@@ -69,8 +69,7 @@ DamageMap::DamageMap(int width, int height) : width_(width), height_(height) {
 }
 
 Region DamageMap::in_picture(const Region& r) const {
-    return {r.x0 / reduced_, r.y0 / reduced_,
-            std::min((r.x1 + reduced_ - 1) / reduced_, picture_.width()),
+    return {r.x0 / reduced_, r.y0 / reduced_, std::min((r.x1 + reduced_ - 1) / reduced_, picture_.width()),
             std::min((r.y1 + reduced_ - 1) / reduced_, picture_.height())};
 }
 
@@ -136,8 +135,8 @@ Region DamageMap::compose(const Style& style, const Region& region) {
         for (int y = begin; y < end; ++y)
             for (int x = r.x0; x < r.x1; ++x) {
                 if (style.additions) {
-                    const auto kind = additions_.empty() ? Addition::none
-                                                         : static_cast<Addition>(additions_(x, y));
+                    const auto kind =
+                        additions_.empty() ? Addition::none : static_cast<Addition>(additions_(x, y));
                     picture_(x, y) = bytes(colour_of(kind), kind == Addition::none      ? 0.0f
                                                             : kind == Addition::varnish ? 0.4f
                                                                                         : 1.0f);

@@ -216,7 +216,8 @@ void Hand::move(const InputEvent& event) {
         case Drag::mask: {
             glm::dvec2 at;
             if (placement().to_painting(cursor_, at))
-                state_.treating.touches.push_back({MaskTouch::Kind::drag, {at.x + 0.5, at.y + 0.5}, mask_erases_});
+                state_.treating.touches.push_back(
+                    {MaskTouch::Kind::drag, {at.x + 0.5, at.y + 0.5}, mask_erases_});
             break;
         }
         case Drag::board:
@@ -427,9 +428,9 @@ void Hand::look_act(Action action) {
             if (!state_.comparing.loaded) state_.ask.photos_dialog = true;
             break;
         case Action::compare_way:
-            state_.comparing.way = static_cast<CompareWay>(
-                (static_cast<std::size_t>(state_.comparing.way) + 1) %
-                (state_.comparing.pair ? kPairWays : kCompareWays.size()));
+            state_.comparing.way =
+                static_cast<CompareWay>((static_cast<std::size_t>(state_.comparing.way) + 1) %
+                                        (state_.comparing.pair ? kPairWays : kCompareWays.size()));
             break;
         default:
             break;

@@ -52,7 +52,7 @@ private:
     int button_ = 0;
     std::optional<PenSample> pen_;  // that moves the pointer
     bool mask_erases_ = false;
-    glm::dvec2 corner_{0};          // [pixels of the painting] where a region began
+    glm::dvec2 corner_{0};  // [pixels of the painting] where a region began
     double last_time_s_ = 0, stroke_began_s_ = 0;
     std::uint64_t seed_ = 0;
 };

@@ -195,8 +195,7 @@ void Painter::count(const std::vector<TileIndex>& tiles) {
     }
 }
 
-void Painter::confine(std::shared_ptr<const Image<float>> mask,
-                      std::shared_ptr<const Image<float>> allowed) {
+void Painter::confine(std::shared_ptr<const Image<float>> mask, std::shared_ptr<const Image<float>> allowed) {
     post([this, mask = std::move(mask), allowed = std::move(allowed)] {
         session_.finish();
         session_.canvas().confine(mask);

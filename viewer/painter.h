@@ -38,8 +38,8 @@ struct Probe {
 struct PainterState {
     bool can_undo = false, can_redo = false, unsaved = false, saving = false, has_board = false;
     int strokes = 0, undone = 0, saves = 0;
-    std::vector<std::string> layers;  // dried, from the bottom up
-    std::size_t waiting = 0;          // events not painted yet
+    std::vector<std::string> layers;     // dried, from the bottom up
+    std::size_t waiting = 0;             // events not painted yet
     int painted_px = 0, outside_px = 0;  // that hold wet paint: all, and those outside of where it may lie
 };
 

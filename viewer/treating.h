@@ -96,6 +96,7 @@ struct Treating {
     std::vector<LogRow> log;          // newest first
     double mm_per_pixel = 1;
     bool scale_known = false;
+    float width_mm = 0;  // of a painting whose scale is unknown, as a treatment begins; 0: not given
 
     // Damage.
     std::array<DamageRow, kDamageClasses.size()> damage;

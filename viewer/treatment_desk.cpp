@@ -42,7 +42,8 @@ void read_sitting(const fs::path& folder, Treating& t) {
 // A line of the log in a few words: "varnish: isolating varnish 1".
 std::string told(const json& entry) {
     std::vector<std::string> of;
-    const json results = entry.value("results", json::object()), asked = entry.value("parameters", json::object());
+    const json results = entry.value("results", json::object()),
+               asked = entry.value("parameters", json::object());
     const auto add = [&](const json& from, const char* field) {
         if (from.contains(field) && from[field].is_string()) of.push_back(from[field].get<std::string>());
     };
@@ -52,7 +53,8 @@ std::string told(const json& entry) {
         if (layer.is_string()) of.push_back(layer.get<std::string>());
     add(asked, "suggest");
     if (const json name = asked.value("class", json()); name.is_string())
-        if (const auto damage = damage_class_named(name.get<std::string>())) of.emplace_back(title_of(*damage));
+        if (const auto damage = damage_class_named(name.get<std::string>()))
+            of.emplace_back(title_of(*damage));
     const std::string action = entry.value("action", "");
     return of.empty() ? action : fmt::format("{}: {}", action, fmt::join(of, ", "));
 }
@@ -106,12 +108,13 @@ Canvas TreatmentDesk::canvas_of(Painter& painter) {
     return std::move(*canvas);
 }
 
-bool TreatmentDesk::start(std::string title, Work work) {
+bool TreatmentDesk::start(std::string title, Work work, bool ours) {
     if (job_) {
         setup_.say(fmt::format("first stop, or wait for: {}", job_->title()));
         return false;
     }
     finish_ = {};
+    job_is_ours_ = ours;
     job_ = std::make_unique<Job>(
         std::move(title), [this, work = std::move(work)](const Progress& p) { finish_ = work(p); },
         setup_.wake);
@@ -164,6 +167,10 @@ void TreatmentDesk::open(const fs::path& folder) {
     t.dry_sha256 = treatment.dry_sha256();
     t.mm_per_pixel = treatment.mm_per_pixel();
     t.scale_known = treatment.scale_known();
+    // As fine as its pixels, and no finer.
+    t.retouch.pitch_mm = std::max(t.retouch.pitch_mm, 2 * t.mm_per_pixel);
+    t.retouch.width_mm = std::max(t.retouch.width_mm, t.mm_per_pixel);
+    t.brush_mm = std::max(t.brush_mm, static_cast<float>(3 * t.mm_per_pixel));
     map_ = DamageMap(treatment.width(), treatment.height());
     map_changed_ = map_.picture().region();
     for (const std::string& warning : treatment.log().warnings()) setup_.say(warning);
@@ -176,8 +183,9 @@ void TreatmentDesk::open(const fs::path& folder) {
 // Everything that the log says is compared with what there is; only then one may work on it.
 void TreatmentDesk::check() {
     Treating& t = state_.treating;
-    const bool started =
-        start("checking the treatment", [this, painter = painter_](const Progress& progress) -> Finish {
+    const bool started = start(
+        "checking the treatment",
+        [this, painter = painter_](const Progress& progress) -> Finish {
             const Treatment now = treatment();
             std::vector<std::string> faults = now.check(progress);
             Facts facts;
@@ -193,7 +201,8 @@ void TreatmentDesk::check() {
                 }
                 adopt(std::move(facts));
             };
-        });
+        },
+        true);
     if (started) t.checking = true;
 }
 
@@ -225,8 +234,7 @@ TreatmentDesk::Facts TreatmentDesk::facts_of(const Treatment& treatment, const C
     const auto& entries = treatment.log().entries();
     for (auto entry = entries.rbegin(); entry != entries.rend(); ++entry) {
         const json& c = entry->content;
-        facts.log.push_back(
-            {entry->line, c.value("time", ""), c.value("who", ""), told(c), entry->sha256});
+        facts.log.push_back({entry->line, c.value("time", ""), c.value("who", ""), told(c), entry->sha256});
     }
     return facts;
 }
@@ -247,35 +255,41 @@ void TreatmentDesk::adopt(Facts facts) {
 // After something was logged.
 void TreatmentDesk::refresh() {
     refresh_due_ = false;
-    start("reading the treatment", [this, painter = painter_](const Progress&) -> Finish {
-        Facts facts = facts_of(treatment(), canvas_of(*painter));
-        return [this, facts = std::move(facts)]() mutable { adopt(std::move(facts)); };
-    });
+    start(
+        "reading the treatment",
+        [this, painter = painter_](const Progress&) -> Finish {
+            Facts facts = facts_of(treatment(), canvas_of(*painter));
+            return [this, facts = std::move(facts)]() mutable { adopt(std::move(facts)); };
+        },
+        true);
 }
 
 // The painter's brushes stop at the damage that is retouched.
 void TreatmentDesk::confine() {
     const Treating& t = state_.treating;
     const json sitting = sitting_of(t);
-    const bool started = start("making the mask ready", [this, painter = painter_, where = t.where,
-                                                         confined = t.confined, feather_mm = t.feather_mm,
-                                                         sitting](const Progress&) -> Finish {
-        const Treatment now = treatment();
-        StepArea area = area_of_classes(now, where);
-        const auto allowed = std::make_shared<const Mask>(area.mask);
-        const double feather_px = static_cast<double>(feather_mm) / now.mm_per_pixel();
-        std::shared_ptr<const Mask> stops;
-        if (confined)
-            stops = feather_px > 0 ? std::make_shared<const Mask>(feathered(*allowed, feather_px)) : allowed;
-        painter->confine(stops, allowed);
-        {
-            const std::lock_guard lock(keeping_->mutex);
-            keeping_->area = std::move(area);
-            keeping_->feather_mm = static_cast<double>(feather_mm);
-        }
-        write_text_file(now.folder() / kSitting, sitting.dump(2) + "\n");
-        return {};
-    });
+    const bool started = start(
+        "making the mask ready",
+        [this, painter = painter_, where = t.where, confined = t.confined, feather_mm = t.feather_mm,
+         sitting](const Progress&) -> Finish {
+            const Treatment now = treatment();
+            StepArea area = area_of_classes(now, where);
+            const auto allowed = std::make_shared<const Mask>(area.mask);
+            const double feather_px = static_cast<double>(feather_mm) / now.mm_per_pixel();
+            std::shared_ptr<const Mask> stops;
+            if (confined)
+                stops =
+                    feather_px > 0 ? std::make_shared<const Mask>(feathered(*allowed, feather_px)) : allowed;
+            painter->confine(stops, allowed);
+            {
+                const std::lock_guard lock(keeping_->mutex);
+                keeping_->area = std::move(area);
+                keeping_->feather_mm = static_cast<double>(feather_mm);
+            }
+            write_text_file(now.folder() / kSitting, sitting.dump(2) + "\n");
+            return {};
+        },
+        true);
     if (!started) return;
     confine_due_ = false;
     confined_by_ = sitting.dump();
@@ -303,9 +317,8 @@ std::string TreatmentDesk::kept(Held& held, Keeping& keeping, Canvas& canvas, co
         retouch_step(treatment, canvas, area, std::move(step), treatment.painting().string(), who);
     keeping.done = true;
     const json& last = result["retouches"].back();
-    return fmt::format("in the log: {}, {:.2f} cm2, {} pixels on original",
-                       last["layer"].get<std::string>(), last["area_cm2"].get<double>(),
-                       last["on_original"]["pixels"].get<int>());
+    return fmt::format("in the log: {}, {:.2f} cm2, {} pixels on original", last["layer"].get<std::string>(),
+                       last["area_cm2"].get<double>(), last["on_original"]["pixels"].get<int>());
 }
 
 std::string TreatmentDesk::no_strokes() const {
@@ -315,7 +328,7 @@ std::string TreatmentDesk::no_strokes() const {
     if (!t.usable) return "the treatment is not as its log says: see Record";
     if (t.preview) return "apply the retouch that is previewed, or put it aside, before you paint";
     if (t.state) return "a state of the treatment is shown: choose Now before you paint";
-    if (confine_due_ || refresh_due_) return "the mask is being made ready";
+    if (confine_due_ || refresh_due_ || (job_ && job_is_ours_)) return "the mask is being made ready";
     if (t.confined && t.where.empty()) return "choose the damage that is retouched: Steps, Works on";
     const bool mapped = std::any_of(t.damage.begin(), t.damage.end(), [&](const DamageRow& row) {
         return row.there && t.where.contains(row.damage);

@@ -92,7 +92,8 @@ private:
     using Finish = std::function<void()>;
     using Work = std::function<Finish(const Progress&)>;
 
-    bool start(std::string title, Work work);
+    // `ours`: what nobody asked for, and what is asked for meanwhile waits for.
+    bool start(std::string title, Work work, bool ours = false);
     Author author() const { return {state_.treating.who, setup_.author.tool}; }
     Treatment treatment() const;  // a copy, of this moment
     static Facts facts_of(const Treatment& treatment, const Canvas& canvas);
@@ -153,7 +154,7 @@ private:
     std::optional<TreatmentState> state_shown_;
     std::shared_ptr<Keeping> keeping_ = std::make_shared<Keeping>();
     std::string confined_by_;  // what the painter was confined by last
-    bool refresh_due_ = false, confine_due_ = false;
+    bool refresh_due_ = false, confine_due_ = false, job_is_ours_ = false;
 };
 
 }  // namespace tangi

@@ -44,9 +44,10 @@ void TreatmentDesk::changed(const Region& region) {
     const DamageClass damage = state_.treating.current;
     map_.set(damage, drafts_.at(damage).mask(), region);
     const Region r = map_.compose(style_, region);
-    map_changed_ = map_changed_.empty() ? r
-                                        : Region{std::min(r.x0, map_changed_.x0), std::min(r.y0, map_changed_.y0),
-                                                 std::max(r.x1, map_changed_.x1), std::max(r.y1, map_changed_.y1)};
+    map_changed_ = map_changed_.empty()
+                       ? r
+                       : Region{std::min(r.x0, map_changed_.x0), std::min(r.y0, map_changed_.y0),
+                                std::max(r.x1, map_changed_.x1), std::max(r.y1, map_changed_.y1)};
     count_edits();
 }
 
@@ -85,8 +86,7 @@ void TreatmentDesk::touch(const MaskTouch& touch) {
             break;
         case MaskTouch::Kind::polygon: {
             MaskDraft& mask = draft();
-            const Mask area =
-                mask_of_polygons({touch.polygon}, mask.mask().width(), mask.mask().height());
+            const Mask area = mask_of_polygons({touch.polygon}, mask.mask().width(), mask.mask().height());
             mask.begin();
             const Region region = mask.combine(area, edit);
             mask.end();
@@ -103,18 +103,19 @@ void TreatmentDesk::wand_at(const MaskTouch& touch) {
     const Treating& t = state_.treating;
     const int x = static_cast<int>(touch.at.x), y = static_cast<int>(touch.at.y);
     const auto tolerance = static_cast<double>(t.tolerance[static_cast<std::size_t>(t.wand_by)]);
-    start("the wand", [this, dry = painter_->dry(), x, y, by = t.wand_by, tolerance, erase = touch.erase,
-                       damage = t.current](const Progress&) -> Finish {
-        Mask area = wand(*dry, x, y, by, tolerance);
-        return [this, area = std::move(area), erase, damage] {
-            state_.treating.current = damage;
-            MaskDraft& mask = draft();
-            mask.begin();
-            const Region region = mask.combine(area, erase ? MaskEdit::remove : MaskEdit::add);
-            mask.end();
-            changed(region);
-        };
-    });
+    start("the wand",
+          [this, dry = painter_->dry(), x, y, by = t.wand_by, tolerance, erase = touch.erase,
+           damage = t.current](const Progress&) -> Finish {
+              Mask area = wand(*dry, x, y, by, tolerance);
+              return [this, area = std::move(area), erase, damage] {
+                  state_.treating.current = damage;
+                  MaskDraft& mask = draft();
+                  mask.begin();
+                  const Region region = mask.combine(area, erase ? MaskEdit::remove : MaskEdit::add);
+                  mask.end();
+                  changed(region);
+              };
+          });
 }
 
 // Each class that was corrected is a step.
@@ -137,8 +138,8 @@ void TreatmentDesk::keep_edits() {
                   const std::lock_guard lock(held_->mutex);
                   for (const auto& [damage, draft] : edited)
                       draw_step(held_->treatment, damage, draft.mask(),
-                                {{"edit", "by hand"}, {"edits", draft.actions()}, {"last_tool", tool}}, who, {},
-                                progress);
+                                {{"edit", "by hand"}, {"edits", draft.actions()}, {"last_tool", tool}}, who,
+                                {}, progress);
               }
               Facts facts = facts_of(treatment(), canvas_of(*painter));
               return [this, facts = std::move(facts)]() mutable {
@@ -163,58 +164,62 @@ void TreatmentDesk::suggest() {
     constexpr std::array<const char*, 3> titles = {"looking for losses", "looking for craquelure",
                                                    "looking for other gloss"};
     const auto& title = titles[static_cast<std::size_t>(what)];
-    start(title, [this, what, dry = painter_->dry(), mm = t.mm_per_pixel, loss = t.loss,
-                  craquelure = t.craquelure, gloss = t.gloss](const Progress& progress) -> Finish {
-        Suggested s;
-        ShownSuggestion shown;
-        s.mm_per_pixel = mm;
-        if (what == Suggesting::loss) {
-            LossOptions options = loss;
-            options.confidence = std::min(options.confidence, kLeastSure);  // the slider goes on from there
-            s.action = "loss";
-            s.options = to_json(options);
-            s.best = suggest_loss(*dry, mm, options, progress);
-            shown.title = "Losses";
-            shown.as = DamageClass::loss_to_ground;
-        } else if (what == Suggesting::craquelure) {
-            CraquelureSuggestion cracks = suggest_craquelure(*dry, mm, craquelure, progress);
-            s.action = "craquelure";
-            s.options = to_json(craquelure);
-            shown.title = "Craquelure";
-            shown.as = DamageClass::craquelure;
-            const CraquelureMeasure& m = cracks.measure;
-            shown.measured = fmt::format("{:.1f} cm long in all, {:.2f} mm wide, {:.2f} cm on each cm2",
-                                         m.length_mm / 10, m.width_mm, m.density_per_cm);
-            s.results["measured"] = {{"length_mm", m.length_mm},
-                                     {"width_mm", m.width_mm},
-                                     {"density_cm_per_cm2", m.density_per_cm},
-                                     {"pieces", m.pieces}};
-            s.best = std::move(cracks);
-        } else {
-            GlossSuggestion patches = suggest_gloss(*dry, mm, gloss, progress);
-            s.action = "gloss";
-            s.options = to_json(gloss);
-            shown.title = "Matter patches";
-            shown.as = DamageClass::overpaint;
-            shown.measured = fmt::format("{} patches, glossier ones among them", patches.patches.size());
-            s.further.emplace_back("glossier", std::move(patches.glossier));
-            s.best = std::move(patches.matter);
-        }
-        s.regions = regions_of(s.best.mask);
-        s.confidence = mean_confidence(s.regions, s.best.confidence);
-        shown.regions = static_cast<int>(s.confidence.size());
-        // All of them, where the measure of confidence is not the one that losses have.
-        if (what != Suggesting::loss) shown.threshold = 0;
-        return [this, s = std::move(s), shown = std::move(shown)]() mutable {
-            suggested_ = std::move(s);
-            state_.treating.suggestion = std::move(shown);
-            state_.treating.map = true;
-            state_.treating.additions = false;
-            show_suggestion();
-            if (state_.treating.suggestion->regions == 0)
-                setup_.say("nothing that looks like it was found; the numbers below say how it is looked for");
-        };
-    });
+    start(title,
+          [this, what, dry = painter_->dry(), mm = t.mm_per_pixel, loss = t.loss, craquelure = t.craquelure,
+           gloss = t.gloss](const Progress& progress) -> Finish {
+              Suggested s;
+              ShownSuggestion shown;
+              s.mm_per_pixel = mm;
+              if (what == Suggesting::loss) {
+                  LossOptions options = loss;
+                  options.confidence =
+                      std::min(options.confidence, kLeastSure);  // the slider goes on from there
+                  s.action = "loss";
+                  s.options = to_json(options);
+                  s.best = suggest_loss(*dry, mm, options, progress);
+                  shown.title = "Losses";
+                  shown.as = DamageClass::loss_to_ground;
+              } else if (what == Suggesting::craquelure) {
+                  CraquelureSuggestion cracks = suggest_craquelure(*dry, mm, craquelure, progress);
+                  s.action = "craquelure";
+                  s.options = to_json(craquelure);
+                  shown.title = "Craquelure";
+                  shown.as = DamageClass::craquelure;
+                  const CraquelureMeasure& m = cracks.measure;
+                  shown.measured = fmt::format("{:.1f} cm long in all, {:.2f} mm wide, {:.2f} cm on each cm2",
+                                               m.length_mm / 10, m.width_mm, m.density_per_cm);
+                  s.results["measured"] = {{"length_mm", m.length_mm},
+                                           {"width_mm", m.width_mm},
+                                           {"density_cm_per_cm2", m.density_per_cm},
+                                           {"pieces", m.pieces}};
+                  s.best = std::move(cracks);
+              } else {
+                  GlossSuggestion patches = suggest_gloss(*dry, mm, gloss, progress);
+                  s.action = "gloss";
+                  s.options = to_json(gloss);
+                  shown.title = "Matter patches";
+                  shown.as = DamageClass::overpaint;
+                  shown.measured =
+                      fmt::format("{} patches, glossier ones among them", patches.patches.size());
+                  s.further.emplace_back("glossier", std::move(patches.glossier));
+                  s.best = std::move(patches.matter);
+              }
+              s.regions = regions_of(s.best.mask);
+              s.confidence = mean_confidence(s.regions, s.best.confidence);
+              shown.regions = static_cast<int>(s.confidence.size());
+              // All of them, where the measure of confidence is not the one that losses have.
+              if (what != Suggesting::loss) shown.threshold = 0;
+              return [this, s = std::move(s), shown = std::move(shown)]() mutable {
+                  suggested_ = std::move(s);
+                  state_.treating.suggestion = std::move(shown);
+                  state_.treating.map = true;
+                  state_.treating.additions = false;
+                  show_suggestion();
+                  if (state_.treating.suggestion->regions == 0)
+                      setup_.say(
+                          "nothing that looks like it was found; the numbers below say how it is looked for");
+              };
+          });
 }
 
 // Regions whose mean confidence reaches the threshold.
@@ -245,7 +250,8 @@ void TreatmentDesk::show_suggestion() {
 void TreatmentDesk::accept() {
     const ShownSuggestion shown = *state_.treating.suggestion;
     if (const auto drawn = drafts_.find(shown.as); drawn != drafts_.end() && drawn->second.can_undo()) {
-        setup_.say(fmt::format("first enter the corrections of '{}' in the log, or drop them", title_of(shown.as)));
+        setup_.say(
+            fmt::format("first enter the corrections of '{}' in the log, or drop them", title_of(shown.as)));
         return;
     }
     TreatmentStep step{.action = "suggest damage",
@@ -262,23 +268,24 @@ void TreatmentDesk::accept() {
     };
     keep(std::string(name_of(shown.as)), sure_enough(), suggested_->best.confidence);
     for (const auto& [name, further] : suggested_->further) keep(name, further.mask, further.confidence);
-    start("entering the damage in the log", [this, step = std::move(step), who = author(), painter = painter_,
-                                             as = shown.as](const Progress& progress) -> Finish {
-        {
-            const std::lock_guard lock(held_->mutex);
-            held_->treatment.record(step, who, progress);
-        }
-        Facts facts = facts_of(treatment(), canvas_of(*painter));
-        return [this, as, facts = std::move(facts)]() mutable {
-            suggested_.reset();
-            state_.treating.suggestion.reset();
-            map_.set_suggestion({});
-            drafts_.erase(as);
-            state_.treating.current = as;
-            adopt(std::move(facts));
-            setup_.say(fmt::format("in the log: {}", title_of(as)));
-        };
-    });
+    start("entering the damage in the log",
+          [this, step = std::move(step), who = author(), painter = painter_,
+           as = shown.as](const Progress& progress) -> Finish {
+              {
+                  const std::lock_guard lock(held_->mutex);
+                  held_->treatment.record(step, who, progress);
+              }
+              Facts facts = facts_of(treatment(), canvas_of(*painter));
+              return [this, as, facts = std::move(facts)]() mutable {
+                  suggested_.reset();
+                  state_.treating.suggestion.reset();
+                  map_.set_suggestion({});
+                  drafts_.erase(as);
+                  state_.treating.current = as;
+                  adopt(std::move(facts));
+                  setup_.say(fmt::format("in the log: {}", title_of(as)));
+              };
+          });
 }
 
 }  // namespace tangi

@@ -9,11 +9,11 @@ namespace tangi {
 
 namespace {
 
-constexpr double kSample_mm = 2;   // across, of what a click samples
-constexpr double kVisible = 1;     // CIEDE2000 of mixtures that count as having a colour
-constexpr double kMetameric = 1;   // index from which on a match is warned of
-constexpr double kVaried = 5;      // CIEDE2000 of surroundings that no single recipe matches
-constexpr double kPoor = 5;        // CIEDE2000 that nobody would call a match
+constexpr double kSample_mm = 2;  // across, of what a click samples
+constexpr double kVisible = 1;    // CIEDE2000 of mixtures that count as having a colour
+constexpr double kMetameric = 1;  // index from which on a match is warned of
+constexpr double kVaried = 5;     // CIEDE2000 of surroundings that no single recipe matches
+constexpr double kPoor = 5;       // CIEDE2000 that nobody would call a match
 
 // A colour of the painting, and what a film of paint there would lie on.
 struct Sampled {
@@ -24,8 +24,10 @@ struct Sampled {
 };
 
 Sampled sample_at(const Surface& seen, const glm::dvec2& at, double radius_px) {
-    const int x0 = static_cast<int>(std::floor(at.x - radius_px)), x1 = static_cast<int>(std::ceil(at.x + radius_px));
-    const int y0 = static_cast<int>(std::floor(at.y - radius_px)), y1 = static_cast<int>(std::ceil(at.y + radius_px));
+    const int x0 = static_cast<int>(std::floor(at.x - radius_px)),
+              x1 = static_cast<int>(std::ceil(at.x + radius_px));
+    const int y0 = static_cast<int>(std::floor(at.y - radius_px)),
+              y1 = static_cast<int>(std::ceil(at.y + radius_px));
     Sampled sampled;
     sampled.gloss = {0, 0, 0};
     std::vector<Rgb> colours;
@@ -83,7 +85,8 @@ std::string gloss_text(const Gloss& paint, const Gloss& wanted) {
 
 ShownRecipe shown_of(const MatchedRecipe& r, const Palette& palette, const std::vector<PairWarning>& pairs,
                      const Gloss& wanted) {
-    ShownRecipe shown{text_of(r.steps, palette.paints), {}, r.delta_e, srgb_of(to_linear_rgb(r.look)), {}, {}};
+    ShownRecipe shown{text_of(r.steps, palette.paints), {}, r.delta_e,
+                      srgb_of(to_linear_rgb(r.look)),   {}, {}};
     for (std::size_t i = 0; i < static_cast<std::size_t>(r.mixture.count); ++i)
         shown.mix[palette.paints[static_cast<std::size_t>(r.mixture.paints[i])].name] +=
             static_cast<float>(r.mixture.volumes[i]);
@@ -94,7 +97,8 @@ ShownRecipe shown_of(const MatchedRecipe& r, const Palette& palette, const std::
                 fmt::format("metameric: where it matches under D65, it is off by dE2000 {:.1f} under {}",
                             r.metamerism[lamp], name_of(static_cast<Illuminant>(lamp))));
     if (r.error > kPoor)
-        shown.warnings.push_back(fmt::format("no match: these paints come no nearer than dE2000 {:.1f}", r.error));
+        shown.warnings.push_back(
+            fmt::format("no match: these paints come no nearer than dE2000 {:.1f}", r.error));
     for (const auto& text : warnings_of(r.mixture, palette.paints, pairs)) shown.warnings.push_back(text);
     return shown;
 }
@@ -116,36 +120,39 @@ void TreatmentDesk::match(const std::optional<glm::dvec2>& at) {
     const std::vector<PairWarning> pairs = pairs_to_avoid(setup_.palette.paints, usual_pigment_pairs());
     if (t.avoid_pairs) options.allowed = without_pairs(setup_.palette.paints.size(), pairs);
     const std::optional<double> film_mm = t.film ? std::optional(t.retouch.thickness_mm) : std::nullopt;
-    start("looking for recipes", [this, at, options, pairs, film_mm, where = t.where, painter = painter_,
-                                  palette = setup_.palette](const Progress&) mutable -> Finish {
-        const Treatment now = treatment();
-        const double mm = now.mm_per_pixel();
-        const Mask mask = area_of_classes(now, where).mask, spoilt = damaged(now);
-        Sampled sampled;
-        painter
-            ->look([&](const Surface& seen, const Canvas&) {
-                sampled = at ? sample_at(seen, *at, std::max(kSample_mm / 2 / mm, 1.0))
-                             : sample_round(seen, mask, spoilt, mm);
-                sampled.below = mean_within(seen, mask);
-            })
-            .get();
-        const glm::dvec3 xyz = xyz_of(reflectance_of_rgb(sampled.linear), Illuminant::d65);
-        sampled.gloss.luminance = xyz.y;
-        const auto likely = likely_spectrum(palette.paints, xyz, Illuminant::d65, options, kVisible);
-        const Spectrum wanted = likely ? likely->reflectance : smooth_spectrum(xyz, Illuminant::d65);
-        if (film_mm && sampled.below) options.film = FilmOnGround{*film_mm, reflectance_of_rgb(*sampled.below)};
-        const MatchResult found = match_spectrum(palette.paints, wanted, options);
-        ShownMatch shown;
-        shown.of = at ? fmt::format("at {:.0f}, {:.0f}", at->x, at->y) : "round the damage";
-        shown.lab = lab_from_linear(glm::dvec3(sampled.linear));
-        shown.srgb = srgb_of(sampled.linear);
-        shown.spread = sampled.spread;
-        if (sampled.spread > kVaried)
-            shown.of += fmt::format(": colours vary by dE2000 {:.0f} there, the commonest is matched", sampled.spread);
-        for (const MatchedRecipe& r : found.recipes)
-            shown.recipes.push_back(shown_of(r, palette, pairs, sampled.gloss));
-        return [this, shown = std::move(shown)]() mutable { state_.treating.match = std::move(shown); };
-    });
+    start("looking for recipes",
+          [this, at, options, pairs, film_mm, where = t.where, painter = painter_,
+           palette = setup_.palette](const Progress&) mutable -> Finish {
+              const Treatment now = treatment();
+              const double mm = now.mm_per_pixel();
+              const Mask mask = area_of_classes(now, where).mask, spoilt = damaged(now);
+              Sampled sampled;
+              painter
+                  ->look([&](const Surface& seen, const Canvas&) {
+                      sampled = at ? sample_at(seen, *at, std::max(kSample_mm / 2 / mm, 1.0))
+                                   : sample_round(seen, mask, spoilt, mm);
+                      sampled.below = mean_within(seen, mask);
+                  })
+                  .get();
+              const glm::dvec3 xyz = xyz_of(reflectance_of_rgb(sampled.linear), Illuminant::d65);
+              sampled.gloss.luminance = xyz.y;
+              const auto likely = likely_spectrum(palette.paints, xyz, Illuminant::d65, options, kVisible);
+              const Spectrum wanted = likely ? likely->reflectance : smooth_spectrum(xyz, Illuminant::d65);
+              if (film_mm && sampled.below)
+                  options.film = FilmOnGround{*film_mm, reflectance_of_rgb(*sampled.below)};
+              const MatchResult found = match_spectrum(palette.paints, wanted, options);
+              ShownMatch shown;
+              shown.of = at ? fmt::format("at {:.0f}, {:.0f}", at->x, at->y) : "round the damage";
+              shown.lab = lab_from_linear(glm::dvec3(sampled.linear));
+              shown.srgb = srgb_of(sampled.linear);
+              shown.spread = sampled.spread;
+              if (sampled.spread > kVaried)
+                  shown.of += fmt::format(": colours vary by dE2000 {:.0f} there, the commonest is matched",
+                                          sampled.spread);
+              for (const MatchedRecipe& r : found.recipes)
+                  shown.recipes.push_back(shown_of(r, palette, pairs, sampled.gloss));
+              return [this, shown = std::move(shown)]() mutable { state_.treating.match = std::move(shown); };
+          });
 }
 
 }  // namespace tangi

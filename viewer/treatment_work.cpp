@@ -17,7 +17,7 @@ using nlohmann::json;
 
 namespace {
 
-constexpr int kMostPixels = 4000;      // of a side of pictures that are held against each other
+constexpr int kMostPixels = 4000;       // of a side of pictures that are held against each other
 constexpr int kDistanceMost_px = 2000;  // the eye's blur is wide
 
 Rgb decoded(const Rgb& srgb) {
@@ -55,6 +55,10 @@ bool goes_on_from(const Canvas& now, const Canvas& preview) {
 
 void TreatmentDesk::take() {
     Treating& t = state_.treating;
+    if (job_ && job_is_ours_) {
+        t.ask.open_dialog = t.ask.report_dialog = false;  // they are open
+        return;
+    }
     const Treating::Ask ask = std::exchange(t.ask, {});
     const std::vector<MaskTouch> touches = std::exchange(t.touches, {});
     if (!painter_) return;
@@ -127,11 +131,15 @@ void TreatmentDesk::begin() {
         return;
     }
     std::optional<double> scale;
-    if (state_.scale_known) scale = state_.mm_per_pixel;
-    start("beginning a treatment", [this, painting, folder, scale, who = author()](const Progress& p) -> Finish {
-        Treatment::begin(folder, painting, who, scale, p);
-        return [this, folder] { state_.ask.open = folder / "painting.exr"; };
-    });
+    if (state_.scale_known || painter_->mm_per_pixel() != 1)
+        scale = painter_->mm_per_pixel();
+    else if (state_.treating.width_mm > 0)
+        scale = static_cast<double>(state_.treating.width_mm) / state_.painting.width;
+    start("beginning a treatment",
+          [this, painting, folder, scale, who = author()](const Progress& p) -> Finish {
+              Treatment::begin(folder, painting, who, scale, p);
+              return [this, folder] { state_.ask.open = folder / "painting.exr"; };
+          });
 }
 
 // Changes the canvas on the painter's thread, so that no stroke is lost, and writes it down.
@@ -144,23 +152,24 @@ void TreatmentDesk::step(std::string title, Step work) {
         setup_.say("first apply the retouch that is previewed, or put it aside");
         return;
     }
-    start(std::move(title), [this, painter = painter_, work = std::move(work)](const Progress& progress) -> Finish {
-        std::string said;
-        painter
-            ->change([&](Canvas& canvas) {
-                const std::lock_guard lock(held_->mutex);
-                said = work(held_->treatment, canvas, progress);
-            })
-            .get();
-        Facts facts = facts_of(treatment(), canvas_of(*painter));
-        return [this, said = std::move(said), facts = std::move(facts)]() mutable {
-            state_.treating.state.reset();
-            state_shown_.reset();
-            state_.treating.map = false;  // what was done is to be seen
-            adopt(std::move(facts));
-            setup_.say(said);
-        };
-    });
+    start(std::move(title),
+          [this, painter = painter_, work = std::move(work)](const Progress& progress) -> Finish {
+              std::string said;
+              painter
+                  ->change([&](Canvas& canvas) {
+                      const std::lock_guard lock(held_->mutex);
+                      said = work(held_->treatment, canvas, progress);
+                  })
+                  .get();
+              Facts facts = facts_of(treatment(), canvas_of(*painter));
+              return [this, said = std::move(said), facts = std::move(facts)]() mutable {
+                  state_.treating.state.reset();
+                  state_shown_.reset();
+                  state_.treating.map = false;  // what was done is to be seen
+                  adopt(std::move(facts));
+                  setup_.say(said);
+              };
+          });
 }
 
 void TreatmentDesk::fill() {
@@ -169,9 +178,10 @@ void TreatmentDesk::fill() {
                      who = author()](Treatment& treatment, Canvas& canvas, const Progress& progress) {
         const json result = fill_step(treatment, canvas, area_of_classes(treatment, where), texture, colour,
                                       options, who, progress);
-        return fmt::format("in the log: {}, {:.2f} cm2, {:.2f} mm at its deepest; step at its border {:.3f} mm rms",
-                           result["layer"].get<std::string>(), result["area_cm2"].get<double>(),
-                           result["deepest_mm"].get<double>(), result["border_rms_mm"].get<double>());
+        return fmt::format(
+            "in the log: {}, {:.2f} cm2, {:.2f} mm at its deepest; step at its border {:.3f} mm rms",
+            result["layer"].get<std::string>(), result["area_cm2"].get<double>(),
+            result["deepest_mm"].get<double>(), result["border_rms_mm"].get<double>());
     });
 }
 
@@ -189,13 +199,14 @@ void TreatmentDesk::varnish(bool isolating) {
 }
 
 void TreatmentDesk::remove(const std::vector<std::string>& layers) {
-    step("taking off", [layers, who = author()](Treatment& treatment, Canvas& canvas, const Progress& progress) {
-        remove_step(treatment, canvas, layers, who, progress);
-        std::string said = fmt::format("in the log: {} taken off", fmt::join(layers, ", "));
-        if (canvas.dried().empty() && sha256_of(appearance(canvas)) == treatment.dry_sha256())
-            said += "; the painting is the original again, bit for bit";
-        return said;
-    });
+    step("taking off",
+         [layers, who = author()](Treatment& treatment, Canvas& canvas, const Progress& progress) {
+             remove_step(treatment, canvas, layers, who, progress);
+             std::string said = fmt::format("in the log: {} taken off", fmt::join(layers, ", "));
+             if (canvas.dried().empty() && sha256_of(appearance(canvas)) == treatment.dry_sha256())
+                 said += "; the painting is the original again, bit for bit";
+             return said;
+         });
 }
 
 void TreatmentDesk::preview() {
@@ -213,51 +224,55 @@ void TreatmentDesk::preview() {
     if (options.match.lamps.empty()) options.match.lamps = {Illuminant::d65};
     const std::vector<PairWarning> pairs = pairs_to_avoid(setup_.palette.paints, usual_pigment_pairs());
     if (t.avoid_pairs) options.match.allowed = without_pairs(setup_.palette.paints.size(), pairs);
-    start("laying a retouch to look at", [this, painter = painter_, options, where = t.where, mode = t.mode, pairs,
-                                          palette = setup_.palette](const Progress& progress) -> Finish {
-        const Treatment now = treatment();
-        StepArea area = area_of_classes(now, where);
-        Canvas canvas = canvas_of(*painter);
-        canvas.confine({});
-        const std::string layer = now.new_layer_name(LayerRole::retouch);
-        const RetouchReport report =
-            lay_retouch(canvas, palette, area.mask, damaged(now), mode, layer, options, progress);
-        const double mm = canvas.mm_per_pixel();
-        json results = to_json(report, palette.paints, pairs);
-        const OnOriginal outside = on_original(canvas.dried().back().paint, area.mask, mm);
-        results["layer"] = layer;
-        results["on_original"] = to_json(outside);
-        ShownRetouch shown;
-        shown.mode = name_of(mode);
-        shown.delta_e = report.delta_e_mean;
-        shown.outside_px = outside.pixels;
-        for (const Pile& pile : report.piles)
-            shown.piles.push_back(fmt::format("{:2.0f} %  {}", 100 * pile.share, text_of(pile.steps, palette.paints)));
-        if (report.marks > 0) {
-            const RetouchViews views =
-                retouch_views(appearance(canvas, {}, progress).diffuse, area.mask, report);
-            const Fusion fusion =
-                fusion_of(views.retouched, views.target, views.mask, report.pitch_mm / mm, mm);
-            results["lines"].update(to_json(fusion));
-            shown.lines = fmt::format("{} lines or dots, {:.2f} mm apart, {:.2f} mm wide; ", report.marks,
-                                      report.pitch_mm, report.width_mm);
-            shown.lines += fusion.fuses
-                               ? fmt::format("they fuse from {:.1f} m on, there dE2000 {:.1f} from the colour around",
-                                             fusion.distance_m, fusion.delta_e_fused)
-                               : fmt::format("they are still seen from {:.0f} m", fusion.distance_m);
-        }
-        json parameters = to_json(options);
-        parameters["mode"] = name_of(mode), parameters["inpainting"] = name_of(options.inpainting);
-        parameters["area"] = area.described, parameters["palette"] = palette.name;
-        auto made = std::make_shared<const Preview>(
-            Preview{std::move(canvas), std::move(area), std::move(parameters), std::move(results), layer});
-        return [this, made, shown = std::move(shown)]() mutable {
-            preview_ = made;
-            state_.treating.preview = std::move(shown);
-            state_.treating.map = false;
-            painter_->show_as([made](const Canvas&) { return made->canvas; });
-        };
-    });
+    start("laying a retouch to look at",
+          [this, painter = painter_, options, where = t.where, mode = t.mode, pairs,
+           palette = setup_.palette](const Progress& progress) -> Finish {
+              const Treatment now = treatment();
+              StepArea area = area_of_classes(now, where);
+              Canvas canvas = canvas_of(*painter);
+              canvas.confine({});
+              const std::string layer = now.new_layer_name(LayerRole::retouch);
+              const RetouchReport report =
+                  lay_retouch(canvas, palette, area.mask, damaged(now), mode, layer, options, progress);
+              const double mm = canvas.mm_per_pixel();
+              json results = to_json(report, palette.paints, pairs);
+              const OnOriginal outside = on_original(canvas.dried().back().paint, area.mask, mm);
+              results["layer"] = layer;
+              results["on_original"] = to_json(outside);
+              ShownRetouch shown;
+              shown.mode = name_of(mode);
+              shown.delta_e = report.delta_e_mean;
+              shown.outside_px = outside.pixels;
+              for (const Pile& pile : report.piles)
+                  shown.piles.push_back(
+                      fmt::format("{:2.0f} %  {}", 100 * pile.share, text_of(pile.steps, palette.paints)));
+              if (report.marks > 0) {
+                  const RetouchViews views =
+                      retouch_views(appearance(canvas, {}, progress).diffuse, area.mask, report);
+                  const Fusion fusion =
+                      fusion_of(views.retouched, views.target, views.mask, report.pitch_mm / mm, mm);
+                  results["lines"].update(to_json(fusion));
+                  shown.lines = fmt::format("{} lines or dots, {:.2f} mm apart, {:.2f} mm wide; ",
+                                            report.marks, report.pitch_mm, report.width_mm);
+                  shown.lines +=
+                      fusion.fuses
+                          ? fmt::format(
+                                "they fuse from {:.1f} m on, there dE2000 {:.1f} from the colour around",
+                                fusion.distance_m, fusion.delta_e_fused)
+                          : fmt::format("they are still seen from {:.0f} m", fusion.distance_m);
+              }
+              json parameters = to_json(options);
+              parameters["mode"] = name_of(mode), parameters["inpainting"] = name_of(options.inpainting);
+              parameters["area"] = area.described, parameters["palette"] = palette.name;
+              auto made = std::make_shared<const Preview>(Preview{
+                  std::move(canvas), std::move(area), std::move(parameters), std::move(results), layer});
+              return [this, made, shown = std::move(shown)]() mutable {
+                  preview_ = made;
+                  state_.treating.preview = std::move(shown);
+                  state_.treating.map = false;
+                  painter_->show_as([made](const Canvas&) { return made->canvas; });
+              };
+          });
 }
 
 void TreatmentDesk::apply() {
@@ -268,20 +283,20 @@ void TreatmentDesk::apply() {
     const auto made = std::exchange(preview_, {});
     state_.treating.preview.reset();
     painter_->show_as({});
-    step("entering the retouch in the log",
-         [made, who = author()](Treatment& treatment, Canvas& canvas, const Progress& progress) {
-             if (!goes_on_from(canvas, made->canvas))
-                 fail("the painting has changed since the retouch was laid: preview it again");
-             canvas = made->canvas;
-             treatment.record({.action = "retouch",
-                               .parameters = made->parameters,
-                               .results = made->results,
-                               .masks = {{made->layer, made->area.mask}},
-                               .canvas = &canvas,
-                               .added = {{made->layer, LayerRole::retouch}}},
-                              who, progress);
-             return fmt::format("in the log: {} ({})", made->layer, made->parameters["mode"].get<std::string>());
-         });
+    step("entering the retouch in the log", [made, who = author()](Treatment& treatment, Canvas& canvas,
+                                                                   const Progress& progress) {
+        if (!goes_on_from(canvas, made->canvas))
+            fail("the painting has changed since the retouch was laid: preview it again");
+        canvas = made->canvas;
+        treatment.record({.action = "retouch",
+                          .parameters = made->parameters,
+                          .results = made->results,
+                          .masks = {{made->layer, made->area.mask}},
+                          .canvas = &canvas,
+                          .added = {{made->layer, LayerRole::retouch}}},
+                         who, progress);
+        return fmt::format("in the log: {} ({})", made->layer, made->parameters["mode"].get<std::string>());
+    });
 }
 
 void TreatmentDesk::report(const fs::path& html) {
@@ -320,35 +335,38 @@ void TreatmentDesk::compare_states() {
     const Treating& t = state_.treating;
     const Angles& lamp = state_.lamps[state_.lamp].angles;
     const Light light = distant_light(direction_of(lamp.azimuth_deg, lamp.elevation_deg));
-    start("relighting two states", [this, painter = painter_, light, left = t.left,
-                                    right = t.right](const Progress& progress) -> Finish {
-        const Canvas canvas = canvas_of(*painter);
-        const std::vector<TreatmentLayer> layers = treatment().layers();
-        const auto picture = [&](TreatmentState state) {
-            return look_of(appearance(in_state(canvas, layers, state), {}, progress), light, kMostPixels, progress);
-        };
-        const Image<Rgb> first = picture(left);
-        HeldPair pair{title_of(left), title_of(right), pair_of(first, picture(right))};
-        return [this, pair = std::move(pair)] { hold(pair); };
-    });
+    start("relighting two states",
+          [this, painter = painter_, light, left = t.left,
+           right = t.right](const Progress& progress) -> Finish {
+              const Canvas canvas = canvas_of(*painter);
+              const std::vector<TreatmentLayer> layers = treatment().layers();
+              const auto picture = [&](TreatmentState state) {
+                  return look_of(appearance(in_state(canvas, layers, state), {}, progress), light,
+                                 kMostPixels, progress);
+              };
+              const Image<Rgb> first = picture(left);
+              HeldPair pair{title_of(left), title_of(right), pair_of(first, picture(right))};
+              return [this, pair = std::move(pair)] { hold(pair); };
+          });
 }
 
 // The colours from near, and as they are seen from further away.
 void TreatmentDesk::see_from() {
     const auto distance_m = static_cast<double>(state_.treating.distance_m);
-    start("looking from afar", [this, painter = painter_, distance_m, view = preview_](const Progress& p) -> Finish {
-        Surface surface = appearance(view ? view->canvas : canvas_of(*painter), {}, p);
-        const double mm = treatment().mm_per_pixel();
-        Image<Rgb> near = colour_of(surface, kDistanceMost_px);
-        const double reduced = static_cast<double>(surface.width()) / near.width();
-        const Transfer srgb{Transfer::Kind::srgb};
-        Image<Rgb> far = near;
-        for (Rgb& c : far.pixels()) c = decoded(c);
-        far = seen_from(far, mm * reduced, distance_m);
-        for (Rgb& c : far.pixels()) c = srgb.encode(glm::max(c, Rgb(0)));
-        HeldPair pair{"from near", fmt::format("from {:.1f} m", distance_m), pair_of(near, far)};
-        return [this, pair = std::move(pair)] { hold(pair); };
-    });
+    start("looking from afar",
+          [this, painter = painter_, distance_m, view = preview_](const Progress& p) -> Finish {
+              Surface surface = appearance(view ? view->canvas : canvas_of(*painter), {}, p);
+              const double mm = treatment().mm_per_pixel();
+              Image<Rgb> near = colour_of(surface, kDistanceMost_px);
+              const double reduced = static_cast<double>(surface.width()) / near.width();
+              const Transfer srgb{Transfer::Kind::srgb};
+              Image<Rgb> far = near;
+              for (Rgb& c : far.pixels()) c = decoded(c);
+              far = seen_from(far, mm * reduced, distance_m);
+              for (Rgb& c : far.pixels()) c = srgb.encode(glm::max(c, Rgb(0)));
+              HeldPair pair{"from near", fmt::format("from {:.1f} m", distance_m), pair_of(near, far)};
+              return [this, pair = std::move(pair)] { hold(pair); };
+          });
 }
 
 }  // namespace tangi

@@ -212,8 +212,8 @@ bool WindowApp::frame() {
     const Comparing& comparing = state_.comparing;
     if (comparing.shows())
         seen = fmt::format("{} {} {} {} {}", seen.substr(0, kShotBytes),
-                           static_cast<const void*>(comparing.held().get()),
-                           static_cast<int>(comparing.way), comparing.divider, comparing.blink_photo);
+                           static_cast<const void*>(comparing.held().get()), static_cast<int>(comparing.way),
+                           comparing.divider, comparing.blink_photo);
     const bool moved = seen != seen_;
     seen_ = std::move(seen);
     if (moved) moved_s_ = now_s_;

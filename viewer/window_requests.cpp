@@ -238,7 +238,8 @@ void WindowApp::dialogs(const WindowState::Requests& ask) {
         });
     };
     if (treating.open_dialog)
-        choose_for_treatment("Open a treatment", FileDialog::Wants::folder, ".exr", here, &Treating::Ask::open);
+        choose_for_treatment("Open a treatment", FileDialog::Wants::folder, ".exr", here,
+                             &Treating::Ask::open);
     if (treating.report_dialog)
         choose_for_treatment("Report of the treatment", FileDialog::Wants::new_file, ".html",
                              here.parent_path() / (here.stem().string() + ".html"), &Treating::Ask::report);

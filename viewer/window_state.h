@@ -62,7 +62,7 @@ inline constexpr std::array<CompareWayName, 5> kCompareWays = {{{CompareWay::asi
 
 // Two pictures of the painting beside each other, instead of a photograph and the painting.
 struct HeldPair {
-    std::string left, right;                     // what they are
+    std::string left, right;                    // what they are
     std::shared_ptr<const HeldPhoto> pictures;  // as `photo` and `relit`
 };
 

@@ -122,7 +122,8 @@ Mask wand(const Surface& s, int x, int y, WandBy by, double tolerance) {
         fail("the pixel ({}, {}) is not in the picture, which has {} x {}", x, y, s.width(), s.height());
     const auto log_of = [](float v) { return std::log(std::max(static_cast<double>(v), 1e-4)); };
     const auto difference = [&](int px, int py) {
-        if (by == WandBy::height) return static_cast<double>(std::abs(s.height_mm(px, py) - s.height_mm(x, y)));
+        if (by == WandBy::height)
+            return static_cast<double>(std::abs(s.height_mm(px, py) - s.height_mm(x, y)));
         return std::abs(log_of(s.roughness(px, py)) - log_of(s.roughness(x, y))) +
                0.5 * std::abs(log_of(s.specular(px, py)) - log_of(s.specular(x, y)));
     };

@@ -1,8 +1,8 @@
 // mask_draft.h: a mask while it is being corrected: drawn, erased, undone.
 //
 // Pixels are in the area or not: what is drawn here is what paint stops at, and paint on a pixel that belongs
-// to the original in part would be paint on original. Coordinates are in pixels from the picture's top left corner (mask.h). What is done between begin() and
-// end() is one action of undo.
+// to the original in part would be paint on original. Coordinates are in pixels from the picture's top left
+// corner (mask.h). What is done between begin() and end() is one action of undo.
 #pragma once
 
 #include <deque>

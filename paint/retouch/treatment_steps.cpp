@@ -31,10 +31,8 @@ json fill_step(Treatment& treatment, Canvas& canvas, const StepArea& area, FillT
     const std::string name = treatment.new_layer_name(LayerRole::fill);
     const Mask intact =
         without(Mask(area.mask.width(), area.mask.height(), 1.0f), united(area.mask, damaged(treatment)));
-    const FillReport report =
-        lay_fill(canvas, name, area.mask, intact, texture, colour, options, progress);
-    const OnOriginal beside =
-        on_original(canvas.dried().back().paint, area.mask, treatment.mm_per_pixel());
+    const FillReport report = lay_fill(canvas, name, area.mask, intact, texture, colour, options, progress);
+    const OnOriginal beside = on_original(canvas.dried().back().paint, area.mask, treatment.mm_per_pixel());
     json result = {{"layer", name},
                    {"regions", report.regions},
                    {"area_cm2", report.area_mm2 / 100},
@@ -91,8 +89,7 @@ json retouch_step(Treatment& treatment, Canvas& canvas, const StepArea& area, Tr
     for (const DriedLayer& layer : canvas.dried())
         if (std::none_of(logged.begin(), logged.end(), [&](const auto& l) { return l.name == layer.name; }))
             step.added.emplace_back(layer.name, LayerRole::retouch);
-    if (canvas.wet().empty() && step.added.empty())
-        fail("{}: nothing was painted within the area", source);
+    if (canvas.wet().empty() && step.added.empty()) fail("{}: nothing was painted within the area", source);
     if (!canvas.wet().empty()) {
         dry(canvas, name);
         step.added.emplace_back(name, LayerRole::retouch);

@@ -200,7 +200,8 @@ void held_photo(const WindowState& s, unsigned photo, unsigned relit, Extent scr
             break;
         }
     }
-    if (c.news.busy && !c.pair) label(draw, {left + wide / 2, static_cast<float>(screen.height) - 60}, "measuring ...");
+    if (c.news.busy && !c.pair)
+        label(draw, {left + wide / 2, static_cast<float>(screen.height) - 60}, "measuring ...");
 }
 
 }  // namespace tangi::panels

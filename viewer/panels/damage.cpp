@@ -34,7 +34,8 @@ void legend(WindowState& s) {
         ImGui::PopStyleColor();
         tip("Shown on the map");
         ImGui::SameLine();
-        ImGui::ColorButton("##colour", {c.r, c.g, c.b, 1}, ImGuiColorEditFlags_NoTooltip, {14 * s.scale, 14 * s.scale});
+        ImGui::ColorButton("##colour", {c.r, c.g, c.b, 1}, ImGuiColorEditFlags_NoTooltip,
+                           {14 * s.scale, 14 * s.scale});
         ImGui::SameLine();
         if (ImGui::RadioButton(title, t.current == row.damage)) {
             t.current = row.damage;
@@ -59,7 +60,8 @@ void map(WindowState& s) {
     ImGui::SameLine();
     int style = static_cast<int>(t.style);
     ImGui::PushItemWidth(90 * s.scale);
-    if (ImGui::Combo("##style", &style, "filled\0hatched\0outlined\0")) t.style = static_cast<MapStyle>(style);
+    if (ImGui::Combo("##style", &style, "filled\0hatched\0outlined\0"))
+        t.style = static_cast<MapStyle>(style);
     ImGui::SameLine();
     ImGui::SliderFloat("##opacity", &t.opacity, 0.05f, 1, "%.2f");
     ImGui::PopItemWidth();
@@ -108,8 +110,7 @@ void options_of(Options& options, float scale) {
         std::string label(info.name);
         std::replace(label.begin(), label.end(), '_', ' ');
         ImGui::PushItemWidth(90 * scale);
-        if (ImGui::InputFloat(label.c_str(), &v, 0, 0, "%.3g") && v >= info.minimum &&
-            v <= info.maximum)
+        if (ImGui::InputFloat(label.c_str(), &v, 0, 0, "%.3g") && v >= info.minimum && v <= info.maximum)
             value = static_cast<std::remove_reference_t<decltype(value)>>(v);
         ImGui::PopItemWidth();
         tip(std::string(info.help));
@@ -136,7 +137,8 @@ void suggesting(WindowState& s) {
             ImGui::EndCombo();
         }
         if (ImGui::Button("Take over")) t.ask.accept = true;
-        tip(s.keys.text(Action::accept) + ": takes the place of what this class has, and is entered in the log");
+        tip(s.keys.text(Action::accept) +
+            ": takes the place of what this class has, and is entered in the log");
         ImGui::SameLine();
         if (ImGui::Button("Drop##suggestion")) t.ask.drop_suggestion = true;
     }
@@ -167,12 +169,14 @@ void picture(const WindowState& s, const Placement& place, float left, float fro
     const auto alpha = static_cast<int>(255 * s.treating.opacity);
     for (int y = 0; y < kCells; ++y)
         for (int x = 0; x < kCells; ++x) {
-            const auto at = [&](int u, int v) { return corners[static_cast<std::size_t>((y + v) * (kCells + 1) + x + u)]; };
+            const auto at = [&](int u, int v) {
+                return corners[static_cast<std::size_t>((y + v) * (kCells + 1) + x + u)];
+            };
             const auto uv = [&](int u, int v) {
                 return ImVec2(static_cast<float>(x + u) / kCells, static_cast<float>(y + v) / kCells);
             };
-            draw->AddImageQuad(texture, at(0, 0), at(1, 0), at(1, 1), at(0, 1), uv(0, 0), uv(1, 0), uv(1, 1), uv(0, 1),
-                               IM_COL32(255, 255, 255, alpha));
+            draw->AddImageQuad(texture, at(0, 0), at(1, 0), at(1, 1), at(0, 1), uv(0, 0), uv(1, 0), uv(1, 1),
+                               uv(0, 1), IM_COL32(255, 255, 255, alpha));
         }
     draw->PopClipRect();
 }
@@ -193,7 +197,8 @@ void tool(const WindowState& s, const Placement& place, float left, const glm::d
         const double radius = 0.5 * static_cast<double>(t.brush_mm) / t.mm_per_pixel;
         for (int i = 0; i < 40; ++i) {
             const double a = 2 * std::numbers::pi * i / 40;
-            points.push_back(in_window(place.to_screen(centre + radius * glm::dvec2(std::cos(a), std::sin(a))), left));
+            points.push_back(
+                in_window(place.to_screen(centre + radius * glm::dvec2(std::cos(a), std::sin(a))), left));
         }
         outline(points, true, ink);
     }

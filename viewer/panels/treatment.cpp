@@ -40,7 +40,8 @@ float footer_height(const Treating& t) {
 void footer(WindowState& s) {
     Treating& t = s.treating;
     if (t.edits > 0) {
-        ImGui::TextColored(kWarning, "%d correction%s of the map not in the log", t.edits, t.edits == 1 ? "" : "s");
+        ImGui::TextColored(kWarning, "%d correction%s of the map not in the log", t.edits,
+                           t.edits == 1 ? "" : "s");
         if (ImGui::Button("Enter in the log##damage")) t.ask.keep = true;
         tip(s.keys.text(Action::keep_damage));
         ImGui::SameLine();
@@ -60,7 +61,8 @@ void footer(WindowState& s) {
 void works_on(WindowState& s) {
     Treating& t = s.treating;
     std::string names;
-    for (const DamageClass damage : t.where) names += (names.empty() ? "" : ", ") + std::string(title_of(damage));
+    for (const DamageClass damage : t.where)
+        names += (names.empty() ? "" : ", ") + std::string(title_of(damage));
     if (s.painter.unsaved) {
         ImGui::TextDisabled("Works on %s", names.c_str());
         tip("What was painted is to be entered in the log (Ctrl+S) before you go on elsewhere");
@@ -86,7 +88,8 @@ void fill(WindowState& s) {
     using Texture = std::pair<FillTexture, const char*>;
     choice("Surface", t.texture,
            std::array<Texture, 3>{Texture(FillTexture::surroundings, "as its surroundings"),
-                                  Texture(FillTexture::weave, "as the weave"), Texture(FillTexture::smooth, "smooth")});
+                                  Texture(FillTexture::weave, "as the weave"),
+                                  Texture(FillTexture::smooth, "smooth")});
     tip("Where the relief of the fill comes from");
     number("Level", t.fill.offset_mm, -0.5f, 0.2f, "%.2f mm");
     tip("Above the level of the surroundings; below 0, the fill lies lower");
@@ -127,7 +130,8 @@ void by_hand(WindowState& s) {
     if (s.painter.unsaved) {
         ImGui::SameLine();
         if (ImGui::Button("Enter in the log")) s.ask.save = true;
-        tip(s.keys.text(Action::save) + ": what was painted becomes a layer of dry paint, with its strokes in the log");
+        tip(s.keys.text(Action::save) +
+            ": what was painted becomes a layer of dry paint, with its strokes in the log");
     }
 }
 
@@ -135,15 +139,17 @@ void laid(WindowState& s) {
     Treating& t = s.treating;
     using Mode = std::pair<RetouchMode, const char*>;
     choice("Kind", t.mode,
-           std::array<Mode, 6>{Mode(RetouchMode::mimetic, "mimetic"), Mode(RetouchMode::tratteggio, "tratteggio"),
-                               Mode(RetouchMode::selection, "chromatic selection"),
-                               Mode(RetouchMode::abstraction, "chromatic abstraction"),
-                               Mode(RetouchMode::dotting, "dotting"), Mode(RetouchMode::neutral, "neutral tone")});
+           std::array<Mode, 6>{
+               Mode(RetouchMode::mimetic, "mimetic"), Mode(RetouchMode::tratteggio, "tratteggio"),
+               Mode(RetouchMode::selection, "chromatic selection"),
+               Mode(RetouchMode::abstraction, "chromatic abstraction"), Mode(RetouchMode::dotting, "dotting"),
+               Mode(RetouchMode::neutral, "neutral tone")});
     number("Film", t.retouch.thickness_mm, 0.005f, 0.3f, "%.3f mm thick", true);
     if (t.mode != RetouchMode::mimetic && t.mode != RetouchMode::neutral) {
-        number("Pitch", t.retouch.pitch_mm, 0.1f, 10, "%.2f mm", true);
+        const auto pixel = static_cast<float>(t.mm_per_pixel);
+        number("Pitch", t.retouch.pitch_mm, std::max(0.1f, 2 * pixel), 10 + 2 * pixel, "%.2f mm", true);
         tip("From the middle of one line or dot to the next");
-        number("Width", t.retouch.width_mm, 0.05f, 10, "%.2f mm", true);
+        number("Width", t.retouch.width_mm, std::max(0.05f, pixel), 10 + pixel, "%.2f mm", true);
     }
     if (!t.preview && ImGui::Button("Preview")) t.ask.preview = true;
     if (!t.preview) tip("Lays it from your paints, to be looked at; nothing is changed");
@@ -206,7 +212,8 @@ void states(WindowState& s) {
     tip(s.keys.text(Action::compare_states) + ": two states under the lamp, side by side or wiped (" +
         s.keys.text(Action::compare_way) + ")");
     ImGui::Checkbox("Additions in false colour", &t.additions);
-    tip(s.keys.text(Action::additions) + ": fills green, varnish yellow, retouches blue, red where they lie on original");
+    tip(s.keys.text(Action::additions) +
+        ": fills green, varnish yellow, retouches blue, red where they lie on original");
     ImGui::PushItemWidth(150 * s.scale);
     ImGui::SliderFloat("##distance", &t.distance_m, 0.3f, 10, "%.1f m");
     ImGui::PopItemWidth();
@@ -222,13 +229,18 @@ void states(WindowState& s) {
 }  // namespace
 
 void treatment(WindowState& s) {
-    ImGui::TextWrapped("A treatment keeps the painting as it is, and all that is done to it as layers and in a log.");
+    ImGui::TextWrapped(
+        "A treatment keeps the painting as it is, and all that is done to it as layers and in a log.");
     if (ImGui::Button("Begin, or go on")) s.treating.ask.begin = true;
     tip(s.keys.text(Action::treatment) + ": in a folder beside the painting, with a copy of it");
     ImGui::SameLine();
     if (ImGui::Button("Open ...")) s.treating.ask.open_dialog = true;
     ImGui::InputText("By", &s.treating.who);
     tip("Your name, as the log has it");
+    if (s.scale_known || s.stroke_mm_per_pixel != 1) return;
+    ImGui::InputFloat("Width", &s.treating.width_mm, 0, 0, "%.1f mm");
+    s.treating.width_mm = std::clamp(s.treating.width_mm, 0.0f, 1e5f);
+    tip("Of the painting, whose scale is unknown; without it, a pixel counts as one mm");
 }
 
 void steps(WindowState& s) {
@@ -299,8 +311,7 @@ void treatment_column(WindowState& s, float height) {
     ImGui::Begin("treatment", nullptr,
                  ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove |
                      ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoSavedSettings);
-    if (!t.checking && !t.usable)
-        ImGui::TextColored(kFault, "The treatment is not as its log says: Record");
+    if (!t.checking && !t.usable) ImGui::TextColored(kFault, "The treatment is not as its log says: Record");
     if (ImGui::BeginTabBar("parts")) {
         const auto tab = [&](const char* name, void (*panel)(WindowState&)) {
             if (!ImGui::BeginTabItem(name)) return;
