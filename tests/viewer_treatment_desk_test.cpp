@@ -277,6 +277,17 @@ TEST_F(Desks, StrokesOfACrashStopAtTheSameDamage) {
     EXPECT_EQ(state_.painter.outside_px, 0);
 }
 
+TEST_F(Desks, CorrectionsAreKeptWhenTheWindowCloses) {
+    begin();
+    state_.treating.brush_mm = 12;
+    draw(70, 80, 90, 80);
+    EXPECT_EQ(state_.treating.edits, 1);
+    desk_->keep_now();
+    EXPECT_EQ(state_.treating.edits, 0);
+    EXPECT_EQ(treatment().mask(DamageClass::loss_to_ground)(80, 80), 1);
+    EXPECT_THAT(treatment().check(), testing::IsEmpty());
+}
+
 TEST_F(Desks, RecipesForAPlaceAndRoundTheDamage) {
     begin();
     Treating& t = state_.treating;

@@ -45,6 +45,9 @@ public:
 
     // Does what was asked for, and what the hand did to the mask.
     void take();
+    // Enters the corrections of the map in the log, at once: the window closes. Says why where it cannot;
+    // then they are still there.
+    void keep_now();
     // Looks what has become of it; changes the state. True where there may be something to be seen of it.
     bool look();
 

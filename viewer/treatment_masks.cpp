@@ -151,6 +151,23 @@ void TreatmentDesk::keep_edits() {
           });
 }
 
+void TreatmentDesk::keep_now() {
+    if (!held_ || state_.treating.edits == 0) return;
+    try {
+        const std::lock_guard lock(held_->mutex);
+        while (!drafts_.empty()) {
+            const auto& [damage, draft] = *drafts_.begin();
+            if (draft.can_undo())
+                draw_step(held_->treatment, damage, draft.mask(),
+                          {{"edit", "by hand"}, {"edits", draft.actions()}}, author());
+            drafts_.erase(drafts_.begin());
+        }
+    } catch (const Error& error) {
+        setup_.say(error.what());
+    }
+    count_edits();
+}
+
 void TreatmentDesk::drop_edits() {
     last_.reset();
     for (const auto& [damage, draft] : std::exchange(drafts_, {})) map_.set(damage, treatment().mask(damage));

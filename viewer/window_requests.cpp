@@ -196,7 +196,7 @@ void WindowApp::snapshot() {
 
 // Where strokes are not saved, asks first.
 void WindowApp::open_when_allowed(const std::filesystem::path& file) {
-    if (state_.painter.unsaved || state_.left_over_strokes > 0) {
+    if (state_.painter.unsaved || state_.left_over_strokes > 0 || state_.treating.edits > 0) {
         if (state_.left_over_strokes > 0)
             say("first recover or put aside the strokes of the last sitting");
         else
@@ -300,9 +300,11 @@ void WindowApp::requests() {
     if (!state_.open_next.empty() && (ask.close || ask.close_unsaved)) {
         // Not the window is to be closed, but the painting.
         if (ask.save) {
+            treating_->keep_now();
             painter_->wait();
             news();
-            if (state_.painter.unsaved) return;  // it could not be saved: the message says why
+            if (state_.painter.unsaved || state_.treating.edits > 0)
+                return;  // it could not be saved: the message says why
         }
         state_.closing = false;
         desk_->open(std::exchange(state_.open_next, {}));
@@ -318,12 +320,13 @@ bool WindowApp::closing() {
     if (!glfwWindowShouldClose(window_.handle())) return false;
     hand_->let_go();  // in mid-stroke: the stroke ends here
     if (close_unsaved_) return true;
+    if (close_when_saved_) treating_->keep_now();
     if (close_when_saved_ || !state_.closing) {
         close_when_saved_ = false;
         painter_->wait();
         news();  // what became of it, and messages
     }
-    if (!state_.painter.unsaved) return true;
+    if (!state_.painter.unsaved && state_.treating.edits == 0) return true;
     state_.closing = true;  // asks
     glfwSetWindowShouldClose(window_.handle(), GLFW_FALSE);
     settle_ = kFramesAfterwards;

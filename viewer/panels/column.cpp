@@ -68,7 +68,9 @@ void file(WindowState& s) {
         if (ImGui::Button("Put aside")) s.ask.discard = true;
     }
     if (s.closing) {
-        ImGui::TextColored({1, 0.8f, 0.3f, 1}, "There are strokes that are not saved.");
+        ImGui::TextColored({1, 0.8f, 0.3f, 1}, "%s",
+                           s.painter.unsaved ? "There are strokes that are not saved."
+                                             : "The damage map was corrected, and is not in the log.");
         if (!s.open_next.empty())
             ImGui::TextUnformatted(("To open: " + s.open_next.filename().string()).c_str());
         const bool opens = !s.open_next.empty();
