@@ -97,7 +97,7 @@ std::future<void> Painter::look(std::function<void(const Surface&, const Canvas&
     post([this, promise, work = std::move(work)] {
         try {
             session_.finish();
-            work(surface_, session_.canvas());
+            work(surface(), session_.canvas());
             promise->set_value();
         } catch (...) {
             promise->set_exception(std::current_exception());
