@@ -1,10 +1,10 @@
 // hand_treatment.cpp: of the hand: damage that is drawn, and keys of a treatment.
+#include "viewer/hand.h"
+
 #include <GLFW/glfw3.h>
 
 #include <algorithm>
 #include <utility>
-
-#include "viewer/hand.h"
 
 namespace tangi {
 
