@@ -274,7 +274,8 @@ void record(WindowState& s) {
     Treating& t = s.treating;
     ImGui::InputText("By", &t.who);
     tip("Your name, as the log has it");
-    ImGui::TextWrapped("%s", t.folder.c_str());
+    ImGui::TextWrapped("%s", std::filesystem::path(t.folder).filename().string().c_str());
+    tip(t.folder);
     if (t.checking)
         ImGui::TextDisabled("is being checked ...");
     else if (t.faults.empty())
