@@ -182,8 +182,13 @@ void help(WindowState& s) {
     if (!s.help) return;
     ImGui::SetNextWindowPos({width(s) + 20, 20}, ImGuiCond_Appearing);
     if (ImGui::Begin("Keys", &s.help, ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoSavedSettings)) {
-        for (const Shortcut& shortcut : shortcuts())
-            ImGui::Text("%-20s %s", s.keys.text(shortcut.action).c_str(), shortcut.help);
+        for (const Shortcut& shortcut : shortcuts()) {
+            const Action action = shortcut.action;
+            const bool of_treatment = action == Action::tool_damage || action == Action::tool_sample ||
+                                      (action > Action::treatment && action <= Action::treatment_report);
+            if (of_treatment && !s.treating.on) continue;
+            ImGui::Text("%-20s %s", s.keys.text(action).c_str(), shortcut.help);
+        }
         ImGui::Separator();
         ImGui::TextUnformatted(
             "wheel                zoom to the cursor\n"
