@@ -9,6 +9,7 @@
 #include "surface/error.h"
 #include "viewer/gl/headless.h"
 #include "viewer/painter.h"
+#include "viewer/renderer.h"
 #include "viewer/view.h"
 
 namespace tangi {
@@ -49,14 +50,15 @@ void open(const char* path) {
     stages.end("appearance");
     const Surface& surface = painter.surface();
     const Extent painting{surface.width(), surface.height()}, screen{1920, 1080};
-    const TexelTiles tiles(surface, painter.range(), renderer.tile_bits(surface.width(), surface.height()));
+    const auto tiles = std::make_shared<TexelTiles>(surface, painter.range());
     stages.end("texels");
     renderer.set_painting(tiles, surface.mm_per_pixel);
-    stages.end("upload");
     const gl::Target target(screen.width, screen.height, false);
     const Placement place(fitted(painting, screen), {}, false, painting, screen, surface.mm_per_pixel);
-    renderer.draw({.lights = {distant_light({-0.5f, 0.5f, 0.7f})}}, place.shot(1, true),
-                  target.framebuffer());
+    const Scene scene{.lights = {distant_light({-0.5f, 0.5f, 0.7f})}};
+    const Shot shot = place.shot(1, true);
+    renderer.fetch(scene, shot);
+    renderer.draw(scene, shot, target.framebuffer());
     glFinish();
     stages.end("first picture");
 }

@@ -6,6 +6,7 @@
 #include <numbers>
 #include <tuple>
 
+#include "capture/ball_outline.h"
 #include "surface/error.h"
 
 namespace tangi {
@@ -270,6 +271,36 @@ void calibrate_mirror(BallCalibration& c, const PhotoSet& set, const GreyPhotos&
                         c.residual_px, c.residual_sigma));
 }
 
+// What a matt ball shows of the lamps to an ideal camera that never moved. It is shaded all over, so that,
+// unlike a mirror's, its whole outline must be right; it is told in the photographs' own pixels all the same.
+std::vector<std::optional<MattShading>> shaded_without(const Lens& lens, const MattBall& matt,
+                                                       const BallCamera& camera) {
+    FoundBall ideal{.image = matt.ball.image, .name = {}, .given = false, .crops = {}};
+    undistort(ideal, lens);
+    const BallCrops& seen = matt.ball.crops;
+    const double reach = 1.4 * ideal.image.radius_px;
+    const dvec2 low = ideal.image.centre_px - reach, high = ideal.image.centre_px + reach;
+    BallCrops crops{.region = {static_cast<int>(low.x), static_cast<int>(low.y), static_cast<int>(high.x) + 1,
+                               static_cast<int>(high.y) + 1},
+                    .photos = {},
+                    .drift = std::vector<CameraShake>(seen.photos.size()),
+                    .picture_centre = seen.picture_centre,
+                    .step = seen.step};
+    const int width = crops.region.x1 - crops.region.x0, height = crops.region.y1 - crops.region.y0;
+    crops.photos.assign(seen.photos.size(), Image<float>(width, height));
+    for (int y = 0; y < height; ++y)
+        for (int x = 0; x < width; ++x) {
+            const dvec2 place = distorted(lens, dvec2(crops.region.x0 + x, crops.region.y0 + y));
+            for (std::size_t i = 0; i < seen.photos.size(); ++i)
+                crops.photos[i](x, y) = seen.value(i, seen.to_photo(i, place));
+        }
+    if (const auto outline = refine_outline(crops, ideal.image, camera)) ideal.image = outline->ball;
+    std::vector<std::optional<MattShading>> shadings;
+    for (std::size_t i = 0; i < seen.photos.size(); ++i)
+        shadings.push_back(shading_of(crops, i, ideal.image, camera, matt.transfer));
+    return shadings;
+}
+
 void calibrate_matt(BallCalibration& c, const PhotoSet& set, const GreyPhotos& photos,
                     const BallCalibrationOptions& options, const Progress& progress) {
     MattBall matt =
@@ -277,6 +308,7 @@ void calibrate_matt(BallCalibration& c, const PhotoSet& set, const GreyPhotos& p
     c.method = "matt ball";
     c.matt_transfer = matt.transfer;
     c.warnings.insert(c.warnings.end(), matt.warnings.begin(), matt.warnings.end());
+    if (options.lens) matt.photos = shaded_without(*options.lens, matt, c.camera);
     c.balls.push_back(std::move(matt.ball));
     c.shadings = std::move(matt.photos);
     for (std::size_t i = 0; i < c.lights.size(); ++i) {

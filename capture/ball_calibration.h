@@ -24,7 +24,7 @@ struct BallCalibrationOptions {
     std::optional<double> camera_distance_mm{};  // from the painting's plane z = 0
     std::optional<double> ball_height_mm{};  // of a ball's centre above that plane; its radius: it lies on it
     std::optional<Transfer> transfer{};      // for matt balls
-    std::optional<Lens> lens{};              // whose distortion is undone, of mirror balls
+    std::optional<Lens> lens{};              // whose distortion is undone
 };
 
 struct CalibratedLight {

@@ -84,10 +84,10 @@ std::map<std::string, double> strengths_of(const std::optional<ColourCalibration
     return strengths;
 }
 
-std::string direction_cells(const CalibratedLight& light, bool positions) {
+std::string direction_cells(const CalibratedLight& light, bool positions, bool balls) {
     if (!light.direction)
-        return fmt::format("<td class=\"why\" colspan=\"{}\">left out: {}</td>", positions ? 9 : 5,
-                           escaped(light.reason));
+        return fmt::format("<td class=\"why\" colspan=\"{}\">left out: {}</td>",
+                           4 + (positions ? 4 : 0) + (balls ? 1 : 0), escaped(light.reason));
     const dvec3& d = *light.direction;
     std::string html = fmt::format("<td>{:.4f}</td><td>{:.4f}</td><td>{:.4f}</td><td>{:.2f}</td>", d.x, d.y,
                                    d.z, light.direction_sigma_deg);
@@ -97,27 +97,27 @@ std::string direction_cells(const CalibratedLight& light, bool positions) {
                         light.position_mm->y, light.position_mm->z, glm::length(light.position_sigma_mm));
     else if (positions)
         html += "<td colspan=\"4\">distant</td>";
-    return html + fmt::format("<td>{}</td>", light.balls_used);
+    return balls ? html + fmt::format("<td>{}</td>", light.balls_used) : html;
 }
 
 // One line a photograph: its light, how strong that was on the chart, and how the camera had moved.
 std::string table(const Calibration& calibration) {
     const BallCalibration& c = calibration.lights;
-    const bool lights = !c.balls.empty(), moved = lights && c.drifts.moved;
+    const bool balls = !c.balls.empty(), lights = c.calibrated() > 0, moved = balls && c.drifts.moved;
     const bool positions = std::any_of(c.lights.begin(), c.lights.end(),
                                        [](const auto& l) { return l.position_mm.has_value(); });
     const std::map<std::string, double> strengths = strengths_of(calibration.colours);
     std::string html = "<div class=\"wide\"><table><tr><th>photograph</th>";
     if (lights) html += "<th>x</th><th>y</th><th>z</th><th>± deg</th>";
     if (positions) html += "<th>x mm</th><th>y mm</th><th>z mm</th><th>± mm</th>";
-    if (lights) html += "<th>balls</th>";
+    if (balls) html += "<th>balls</th>";
     if (!strengths.empty()) html += "<th>light on the chart</th>";
     if (moved) html += "<th>drift px</th><th>± px</th><th>roll mrad</th>";
     html += "</tr>";
     for (std::size_t i = 0; i < c.lights.size(); ++i) {
         const CalibratedLight& light = c.lights[i];
         html += fmt::format("<tr><td>{}&ensp;{}</td>", i + 1, escaped(light.name));
-        if (lights) html += direction_cells(light, positions);
+        if (lights) html += direction_cells(light, positions, balls);
         if (!strengths.empty()) {
             const auto found = strengths.find(light.name);
             html += found == strengths.end()
@@ -216,13 +216,15 @@ std::string calibration_page(const Calibration& calibration, const std::vector<s
     const std::optional<ColourCalibration>& colours = calibration.colours;
     TP_REQUIRE(ball_urls.size() == c.balls.size(), "each ball has a picture");
     std::string html = page_head("Calibration");
-    html += fmt::format("<p class=\"soft\">{} · camera: {}{}</p>",
-                        c.balls.empty() ? fmt::format("{} photographs, no lights", c.lights.size())
-                                        : fmt::format("Lights of {} of {} photographs, from {}",
-                                                      c.calibrated(), c.lights.size(), c.method),
-                        c.camera.focal_px ? fmt::format("focal length {:.0f} px", *c.camera.focal_px)
-                                          : "taken to be far away",
-                        c.drifts.moved ? fmt::format(" · it moved by {:.2f} px rms", c.drifts.rms_px) : "");
+    html +=
+        fmt::format("<p class=\"soft\">{} · camera: {}{}</p>",
+                    c.calibrated() == 0
+                        ? fmt::format("{} photographs, no lights", c.lights.size())
+                        : fmt::format("Lights of {} of {} photographs, from {}", c.calibrated(),
+                                      c.lights.size(), c.balls.empty() ? "the photographs alone" : c.method),
+                    c.camera.focal_px ? fmt::format("focal length {:.0f} px", *c.camera.focal_px)
+                                      : "taken to be far away",
+                    c.drifts.moved ? fmt::format(" · it moved by {:.2f} px rms", c.drifts.rms_px) : "");
     if (c.residual_sigma > 0)
         html += fmt::format(
             "<p class=\"soft\">Highlights lie {:.3f} px (rms) from where the lamps should show, {:.1f} times "
@@ -235,9 +237,10 @@ std::string calibration_page(const Calibration& calibration, const std::vector<s
         for (const std::string& note : notes) html += "<li>" + escaped(note) + "</li>";
         html += "</ul>";
     }
-    if (!c.balls.empty()) {
+    if (!c.balls.empty() || c.calibrated() > 0) {
+        html += fmt::format("<h2>{}</h2>", c.balls.empty() ? "Lights" : "Lights and balls");
         html +=
-            "<h2>Lights and balls</h2><div class=\"row\"><figure class=\"card\">" + hemisphere(shown(c)) +
+            "<div class=\"row\"><figure class=\"card\">" + hemisphere(shown(c)) +
             "<figcaption>Directions as the camera sees them: the middle is straight above, the rim is the "
             "painting's plane; circles are standard errors. Numbers as in the table.</figcaption></figure>";
         for (std::size_t i = 0; i < c.balls.size(); ++i) html += ball_figure(c, i, ball_urls[i]);

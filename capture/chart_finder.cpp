@@ -188,7 +188,7 @@ std::optional<FoundChart> find_chart(const Image<Rgb>& linear, const ChartOption
             best.warnings.push_back(fmt::format(
                 "there are several colour charts: the one at ({:.0f}, {:.0f}) is used, the one at ({:.0f}, "
                 "{:.0f}) "
-                "is not; give the corners of the one you mean",
+                "is not; --chart takes the corners of the one you mean",
                 best.centre_px().x, best.centre_px().y, charts[i].centre_px().x, charts[i].centre_px().y));
         return best;
     }

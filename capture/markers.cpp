@@ -3,6 +3,7 @@
 
 #include <ceres/ceres.h>
 
+#include <algorithm>
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 #include <opencv2/aruco.hpp>
@@ -326,6 +327,23 @@ MarkerPlane marker_plane(const std::vector<Marker>& markers, double side_mm) {
     const double sigma = scale_sigma(problem, h, middle, std::max(kCornerSigma_px, seen));
     plane.scale = {mm_per_pixel_at(plane.plane_to_picture, middle), sigma, middle, "markers", {}};
     return plane;
+}
+
+MarkerSearch seen_twice(const std::vector<MarkerSearch>& photographs) {
+    TP_REQUIRE(!photographs.empty(), "there are photographs");
+    MarkerSearch result = photographs.back();
+    std::erase_if(result.markers, [&](const Marker& marker) {
+        const double side = glm::length(marker.corners_px[1] - marker.corners_px[0]);
+        const auto shows = [&](const MarkerSearch& other) {
+            return other.dictionary == result.dictionary &&
+                   std::any_of(other.markers.begin(), other.markers.end(), [&](const Marker& m) {
+                       return m.id == marker.id &&
+                              glm::length(m.corners_px[0] - marker.corners_px[0]) < side / 2;
+                   });
+        };
+        return std::none_of(photographs.begin(), photographs.end() - 1, shows);
+    });
+    return result;
 }
 
 dvec2 size_on_plane(const MarkerPlane& plane, const Corners& corners_px) {

@@ -27,6 +27,10 @@ std::vector<std::string> marker_dictionaries();
 // another dictionary than the one that was asked for, Error says which. Error too for a name that is none.
 MarkerSearch find_markers(const Image<Rgb>& linear, const std::optional<std::string>& dictionary = {});
 
+// Of the last of several photographs of one place: the markers that an earlier one shows as well, to half of
+// their sides.
+MarkerSearch seen_twice(const std::vector<MarkerSearch>& photographs);
+
 // The plane of markers that are squares of one size, flat on it, anywhere and turned anyhow.
 struct MarkerPlane {
     Homography plane_to_picture{1};  // mm to pixels; y up. The origin and turn are those of the first marker

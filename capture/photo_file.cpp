@@ -132,6 +132,21 @@ void PhotoFile::read_raw_rows(int y0, int y1, std::span<float> values) {
     if (y1 == header_.height) std::vector<std::uint16_t>().swap(raw);
 }
 
+namespace {
+
+// As OIIO::convert_pixel_values(), which takes bytes one at a time.
+bool to_floats(OIIO::TypeDesc format, const std::vector<char>& stored, std::span<float> values) {
+    if (format != OIIO::TypeDesc::UINT8)
+        return OIIO::convert_pixel_values(format, stored.data(), OIIO::TypeDesc::FLOAT, values.data(),
+                                          static_cast<int>(values.size()));
+    constexpr float scale = 1.0f / 255;
+    for (std::size_t i = 0; i < values.size(); ++i)
+        values[i] = static_cast<float>(static_cast<unsigned char>(stored[i])) * scale;
+    return true;
+}
+
+}  // namespace
+
 void PhotoFile::read_rows(int y0, int y1, std::span<float> values) {
     const auto row = static_cast<std::size_t>(header_.width) * static_cast<std::size_t>(header_.channels);
     TP_REQUIRE(y0 >= 0 && y0 < y1 && y1 <= header_.height, "rows lie in the picture");
@@ -143,11 +158,10 @@ void PhotoFile::read_rows(int y0, int y1, std::span<float> values) {
     if (spec.tile_width == 0 && spec.channelformats.empty()) {
         // As stored, and converted here: OpenImageIO 2.4 would take 64 MiB for each call to convert it.
         decoder_->stored.resize(spec.scanline_bytes(true) * static_cast<std::size_t>(y1 - y0));
-        read = input.read_scanlines(0, 0, spec.y + y0, spec.y + y1, 0, 0, header_.channels,
-                                    OIIO::TypeDesc::UNKNOWN, decoder_->stored.data()) &&
-               OIIO::convert_pixel_values(spec.format, decoder_->stored.data(), OIIO::TypeDesc::FLOAT,
-                                          values.data(),
-                                          static_cast<int>(row * static_cast<std::size_t>(y1 - y0)));
+        read =
+            input.read_scanlines(0, 0, spec.y + y0, spec.y + y1, 0, 0, header_.channels,
+                                 OIIO::TypeDesc::UNKNOWN, decoder_->stored.data()) &&
+            to_floats(spec.format, decoder_->stored, values.first(row * static_cast<std::size_t>(y1 - y0)));
     } else if (spec.tile_width == 0) {
         read = input.read_scanlines(0, 0, spec.y + y0, spec.y + y1, 0, 0, header_.channels,
                                     OIIO::TypeDesc::FLOAT, values.data());

@@ -47,32 +47,34 @@ std::array<dvec2, n> without_lens(const std::optional<Lens>& lens, std::array<dv
     return places_px;
 }
 
-// The photograph with the most markers of the brightest few; of all where these show none.
+// The photograph with the most markers of the brightest few; of all where these show none. Texture can look
+// like one of the smaller markers, but not twice at one place.
 void look_for_markers(const PhotoSet& photos, const PlaneOptions& options, PlaneCalibration& c,
                       const Progress& progress) {
     const Transfer transfer = options.transfer.value_or(Transfer{Transfer::Kind::srgb});
     const std::vector<std::size_t> bright = photos.brightest_first("markers: brightness", progress);
-    std::optional<std::string> dictionary = options.dictionary;
-    for (std::size_t i = 0; i < bright.size(); ++i) {
+    std::vector<MarkerSearch> all;
+    for (std::size_t i = 0; i < bright.size() && (i < kSoughtIn || c.markers.markers.empty()); ++i) {
         report(progress, "markers", static_cast<double>(i) / static_cast<double>(bright.size()));
-        if (i >= kSoughtIn && !c.markers.markers.empty()) break;
-        MarkerSearch found;
         try {
-            found = find_markers(photos.linear(bright[i], transfer), dictionary);
+            all.push_back(find_markers(photos.linear(bright[i], transfer), options.dictionary));
         } catch (const Error& error) {
             fail("{}: {}", photos.path(bright[i]).string(), error.what());
         }
+        MarkerSearch found = photos.size() == 1 ? all.back() : seen_twice(all);
         if (found.markers.size() <= c.markers.markers.size()) continue;
-        dictionary = found.dictionary;
         c.markers = std::move(found);
         c.markers_in = photos.name(bright[i]);
     }
     report(progress, "markers", 1);
     if (c.markers.markers.empty())
         fail(
-            "{}: no ArUco marker is found in the {} photographs; leave --marker-mm out, or photograph the "
-            "markers whole, in focus and with a white border",
-            photos.folder().string(), photos.size());
+            "{}: no ArUco marker is found in {}; leave --marker-mm out, or photograph the markers whole, in "
+            "focus "
+            "and with a white border",
+            photos.folder().string(),
+            photos.size() == 1 ? "the photograph"
+                               : fmt::format("any two of the {} photographs", photos.size()));
     for (const std::string& warning : c.markers.warnings)
         c.warnings.push_back(fmt::format("{}: {}", c.markers_in, warning));
 }

@@ -15,17 +15,20 @@ namespace tangi {
 
 namespace {
 
-constexpr int kLeastSide = 96;          // [pixels] of a picture whose cells are enough to judge motion by
-constexpr int kLookedAt = 1000000;      // pixels of all photographs together
-constexpr int kIterations = 8;          // on the finest level; half on the coarser
-constexpr double kFloor = 0.05;         // [1] of the stack's mean brightness: contrast fades below it
-constexpr double kFarPx = 12;           // [pixels] from which patches are read again where they moved to
-constexpr double kMovedPx = 0.12;       // [pixels] typical motion beyond shading from which on a stack moved
-constexpr double kJumpPx = 0.25;        // [pixels] of single photographs of a stack that did not
-constexpr double kJumpScales = 5;       // [1] and of the typical motion
-constexpr double kMovedErrors = 2;      // [1] and times the median photograph's error
-constexpr double kJumpErrors = 5;       // [1] and times its own
-constexpr double kTrustedAlone = 0.8;   // [1] correlation from which on one photograph's jump is believed
+constexpr int kLeastSide = 96;         // [pixels] of a picture whose cells are enough to judge motion by
+constexpr int kLookedAt = 1000000;     // pixels of all photographs together
+constexpr int kIterations = 8;         // on the finest level; half on the coarser
+constexpr double kFloor = 0.05;        // [1] of the stack's mean brightness: contrast fades below it
+constexpr double kFarPx = 12;          // [pixels] from which patches are read again where they moved to
+constexpr double kMovedPx = 0.12;      // [pixels] typical motion beyond shading from which on a stack moved
+constexpr double kJumpPx = 0.25;       // [pixels] of single photographs of a stack that did not
+constexpr double kJumpScales = 5;      // [1] and of the typical motion
+constexpr double kMovedErrors = 2;     // [1] and times the median photograph's error
+constexpr double kJumpErrors = 5;      // [1] and times its own
+constexpr double kTrustedAlone = 0.8;  // [1] correlation from which on one photograph's jump is believed
+// [pixels] of shift, when l.xy / l.z changes by 1, that shadows and gloss at edges may feign for a whole
+// stack: what was seen in generated stacks of other paintings.
+constexpr double kTiedErrorPx = 0.04;
 constexpr double kLeastErrorPx = 0.02;  // [pixels]
 constexpr double kFlatErrorPx = 0.5;    // [pixels] with too few photographs to tell relief from motion
 constexpr double kLeastCertainty = 6;   // [standard errors]
@@ -199,6 +202,21 @@ private:
         return std::hypot(rms_displacement(picture.covariance), picture.model_error_px, kLeastErrorPx);
     }
 
+    // [pixels] Standard error of what is linear in the light, of one photograph against another: relief looks
+    // like it to first order, so that a whole stack shares an error of it.
+    double tied_error_px(const Alignment& alignment, std::size_t i, std::size_t reference) const {
+        const auto slopes = [&](std::size_t k) {
+            const glm::dvec3& l = lights_[k];
+            return glm::dvec2(l.x, l.y) / std::max(l.z, kLowLight);
+        };
+        const glm::dvec2 d = slopes(i) - slopes(reference);
+        const MotionMatrix& c = alignment.tied.covariance;
+        const auto variance = [&](std::size_t p) {
+            return d.x * d.x * c[p][p] + 2 * d.x * d.y * c[p][p + 1] + d.y * d.y * c[p + 1][p + 1];
+        };
+        return std::hypot(std::sqrt(std::max(variance(0) + variance(2), 0.0)), kTiedErrorPx * glm::length(d));
+    }
+
     // Which part of the motions is the camera's, and how certain each is.
     Registration decide(const Alignment& alignment) const {
         const std::size_t count = photos_.size();
@@ -259,6 +277,9 @@ private:
             // In a stack that stood still, what is left is the error.
             if (!all_moved) d.error_px = std::hypot(d.error_px, shading.typical_rest_px);
             d.warped = i != reference && found[i] && d.drift_px > d.error_px && (all_moved || jumped(i));
+            // Shared by all photographs alike, it is no reason to leave one of them as it is.
+            if (shading_is_motion)
+                d.error_px = std::hypot(d.error_px, tied_error_px(alignment, i, reference));
             if (found[i]) drifts.push_back(d.drift_px);
             result.moved = result.moved || d.warped;
             (i < fitted_ ? result.photos : result.held_out).push_back(std::move(d));

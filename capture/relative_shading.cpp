@@ -11,16 +11,19 @@ namespace tangi {
 
 using Eigen::Index;
 using Eigen::Matrix2d;
+using Eigen::Matrix3d;
 using Eigen::MatrixXd;
 using Eigen::Vector2d;
+using Eigen::Vector3d;
 using Eigen::VectorXd;
 
 namespace {
 
 constexpr int kIterations = 12;
-constexpr double kRobust = 2;      // [robust sigma] of Cauchy's weights
-constexpr double kTame = 3;        // [robust sigma] of the values that the factors start from
-constexpr double kDarkest = 0.02;  // [1] of a pixel's median: a cast shadow
+constexpr double kRobust = 2;         // [robust sigma] of Cauchy's weights
+constexpr double kTame = 3;           // [robust sigma] of the values that the factors start from
+constexpr double kLeastLevel = 0.05;  // [1]
+constexpr double kDarkest = 0.02;     // [1] of a pixel's median: a cast shadow
 
 double scale_of(const VectorXd& residual, const VectorXd& weight) {
     std::vector<double> sizes;
@@ -56,18 +59,47 @@ void flatten(RelativeShading& s, Index photo) {
     s.falloff.row(photo) << field[1] * longer / s.width, -field[2] * longer / s.height;
 }
 
-void solve_side(const MatrixXd& value, const MatrixXd& weight, const MatrixXd& other, MatrixXd& side) {
+// Each pixel's two numbers, of photographs whose levels are known.
+void solve_pixels(const MatrixXd& value, const MatrixXd& weight, ShadingFactors& f) {
     for (Index i = 0; i < value.rows(); ++i) {
         Matrix2d normal = Matrix2d::Identity() * 1e-6;
         Vector2d right = Vector2d::Zero();
         for (Index j = 0; j < value.cols(); ++j) {
             const double w = weight(i, j);
             if (!(w > 0)) continue;
-            const Vector2d row = other.row(j).transpose();
+            const Vector2d row = f.level[j] * f.right.row(j).transpose();
             normal += w * row * row.transpose();
-            right += w * value(i, j) * row;
+            right += w * (1 + value(i, j) - f.level[j]) * row;
         }
-        side.row(i) = normal.ldlt().solve(right).transpose();
+        f.left.row(i) = normal.ldlt().solve(right).transpose();
+    }
+}
+
+// Each photograph's level and two numbers.
+void solve_photos(const MatrixXd& value, const MatrixXd& weight, ShadingFactors& f) {
+    for (Index j = 0; j < value.cols(); ++j) {
+        Matrix3d normal = Matrix3d::Identity() * 1e-6;
+        Vector3d right = Vector3d::Zero();
+        for (Index i = 0; i < value.rows(); ++i) {
+            const double w = weight(i, j);
+            if (!(w > 0)) continue;
+            const Vector3d row(1, f.left(i, 0), f.left(i, 1));
+            normal += w * row * row.transpose();
+            right += w * (1 + value(i, j)) * row;
+        }
+        const Vector3d found = normal.ldlt().solve(right);
+        f.level[j] = std::max(found[0], kLeastLevel);
+        f.right.row(j) = found.tail<2>().transpose() / f.level[j];
+    }
+}
+
+// The object is flat as a whole: what all pixels share is none of its relief. Single pixels go astray.
+void centre_pixels(const MatrixXd& weight, MatrixXd& left) {
+    for (Index c = 0; c < left.cols(); ++c) {
+        VectorXd known = (weight.rowwise().sum().array() > 0).cast<double>();
+        const double most = kTame * scale_of(left.col(c), known);
+        const VectorXd tame = left.col(c).cwiseMax(-most).cwiseMin(most);
+        left.col(c).array() -= tame.dot(known) / std::max(known.sum(), 1.0);
     }
 }
 
@@ -112,6 +144,12 @@ RelativeShading shading_of(const std::vector<Image<float>>& pictures, float clip
     return s;
 }
 
+MatrixXd residual_of(const RelativeShading& s, const ShadingFactors& f) {
+    MatrixXd explained = (f.left * f.right.transpose()).array() + 1;
+    explained.array().rowwise() *= f.level.transpose().array();
+    return (s.value.array() + 1 - explained.array()).matrix();
+}
+
 ShadingFactors factored(const RelativeShading& s, const Progress& progress) {
     ShadingFactors f;
     // Highlights and shadows are an order stronger than relief: untamed, they would be the factors.
@@ -123,15 +161,15 @@ ShadingFactors factored(const RelativeShading& s, const Progress& progress) {
     const Eigen::SelfAdjointEigenSolver<MatrixXd> start(MatrixXd(tame.transpose() * tame));
     f.right = start.eigenvectors().rightCols(2) * std::sqrt(static_cast<double>(s.value.cols()));
     f.left = MatrixXd::Zero(s.value.rows(), 2);
-    MatrixXd weight = s.weight;
-    const MatrixXd value_t = s.value.transpose();
+    f.level = VectorXd::Ones(s.value.cols());
+    MatrixXd weight = s.weight, residual;
     VectorXd scales(s.value.cols());
     for (int iteration = 0; iteration < kIterations; ++iteration) {
         report(progress, "lights", iteration / static_cast<double>(kIterations));
-        solve_side(s.value, weight, f.right, f.left);
-        const MatrixXd weight_t = weight.transpose();
-        solve_side(value_t, weight_t, f.left, f.right);
-        const MatrixXd residual = s.value - f.left * f.right.transpose();
+        solve_pixels(s.value, weight, f);
+        centre_pixels(s.weight, f.left);
+        solve_photos(s.value, weight, f);
+        residual = residual_of(s, f);
         for (Index j = 0; j < s.value.cols(); ++j) {
             // Each photograph has its own noise: shadows and highlights are more under low lights.
             const double scale = scales[j] = scale_of(residual.col(j), s.weight.col(j));
@@ -140,7 +178,6 @@ ShadingFactors factored(const RelativeShading& s, const Progress& progress) {
                 (0.0025 / (0.0025 + scale * scale));
         }
     }
-    const MatrixXd residual = s.value - f.left * f.right.transpose();
     f.residual = median(std::vector<double>(scales.data(), scales.data() + scales.size())) / 1.4826;
     const double all = (weight.array() * s.value.array().square()).sum();
     f.explained = all > 0 ? 1 - (weight.array() * residual.array().square()).sum() / all : 0;

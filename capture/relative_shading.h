@@ -20,9 +20,13 @@ struct RelativeShading {
         falloff;  // [photos x 2] how ln of the light grows to the right and upwards, a picture width
 };
 
-// value ~ left right^T, both of two columns, robustly: least squares for one side and the other in turn.
+// 1 + value ~ level (1 + left right^T), left and right of two columns, robustly: least squares for one side
+// and the other in turn. The mean of `left` is 0, so that `level` is what a flat object would show: the
+// middle of what a relief shows lies below it, the more so the lower the lamp, as shadows and ln are not
+// symmetric.
 struct ShadingFactors {
     Eigen::MatrixXd left, right;  // [pixels x 2], [photos x 2]
+    Eigen::VectorXd level;        // [photos]
     double residual = 0, explained = 0;
 };
 

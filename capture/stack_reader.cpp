@@ -179,7 +179,8 @@ Band StackReader::read(int y0, int y1, const Transfer& transfer) {
         if (developed) return stored;  // NaN stays
         return codes == 0 ? transfer.decode(stored) : table_[static_cast<std::size_t>(stored * scale + 0.5f)];
     };
-    Band band(photos, channels, stack_.width(), y0, y1);
+    const int width = stack_.width();
+    Band band(photos, channels, width, y0, y1);
     parallel_for(0, photos, 1, [&](int begin, int end) {
         std::vector<float> stored;
         for (int i = begin; i < end; ++i) {
@@ -197,7 +198,13 @@ Band StackReader::read(int y0, int y1, const Transfer& transfer) {
                     &stored[row * static_cast<std::size_t>(y - y0)] + stack_.crop.x0 * channels;
                 for (int c = 0; c < channels; ++c) {
                     float* target = band.row(i, c, y);
-                    for (int x = 0; x < stack_.width(); ++x) target[x] = decode(source[x * channels + c]);
+                    if (developed || codes == 0) {
+                        for (int x = 0; x < width; ++x) target[x] = decode(source[x * channels + c]);
+                        continue;
+                    }
+                    const float* table = table_.data();
+                    for (int x = 0; x < width; ++x)
+                        target[x] = table[static_cast<int>(source[x * channels + c] * scale + 0.5f)];
                 }
             }
         }

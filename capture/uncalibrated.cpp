@@ -1,14 +1,15 @@
 #include "capture/uncalibrated.h"
 
-#include <ceres/ceres.h>
-
 #include <Eigen/Core>
+#include <Eigen/LU>
 #include <Eigen/SVD>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <numbers>
 
+#include "capture/equal_strength.h"
 #include "capture/relative_shading.h"
 #include "surface/error.h"
 #include "surface/median.h"
@@ -24,74 +25,11 @@ using Eigen::VectorXd;
 namespace {
 
 constexpr std::size_t kFewestPhotos = 8;
-constexpr double kStrengthScale = 0.15;                  // [1] ln strength by which lamps differ at ease
-constexpr double kMiddlingSigma = 0.2;                   // [1] of l.xy / l.z
 constexpr double kFalloffTells = 0.6, kCurlTells = 0.3;  // [1] as UncalibratedLights has them
+constexpr double kAnyAzimuth_deg = 52;  // standard deviation of what lies anywhere in a half turn
+constexpr double kUncertain_deg = 5;    // [deg] what the user is told of
 
-// What takes the factors r of the photographs to l.xy / l.z, but for a rotation and a mirror image: g r +
-// shift, g upper triangular.
-struct Upgrade {
-    Matrix2d g;
-    Vector2d shift;
-    VectorXd log_strengths;  // of the photographs, less the common one
-};
-
-// ln of the strength that a photograph's level and its factor mean, less the common one.
-struct EqualStrength {
-    double log_level;
-    Vector2d r;
-    template <class T>
-    bool operator()(const T* g, const T* log_strength, T* residual) const {
-        const T x = g[0] * r[0] + g[1] * r[1] + g[3], y = g[2] * r[1] + g[4];
-        residual[0] = (log_level + 0.5 * log(1.0 + x * x + y * y) - log_strength[0]) / kStrengthScale;
-        return true;
-    }
-};
-
-// Each pixel was divided by what it shows under a middling lamp, which shifts l.xy / l.z by that lamp's: near
-// 0, as lamps stand all around.
-struct MiddlingLamp {
-    template <class T>
-    bool operator()(const T* g, T* residual) const {
-        residual[0] = g[3] / kMiddlingSigma;
-        residual[1] = g[4] / kMiddlingSigma;
-        return true;
-    }
-};
-
-Upgrade upgrade(const MatrixXd& right, const VectorXd& log_level) {
-    const double spread = std::sqrt(right.array().square().sum() / static_cast<double>(right.rows()) / 2);
-    double least = std::numeric_limits<double>::infinity();
-    Upgrade best{Matrix2d::Identity() / spread, Vector2d::Zero(), log_level};
-    for (const double size : {0.3, 1.0, 2.0}) {  // [1] of l.xy / l.z to start from
-        double g[5] = {size / spread, 0, size / spread, 0, 0}, common = log_level.mean();
-        ceres::Problem problem;
-        auto* robust = new ceres::CauchyLoss(2);
-        for (Index j = 0; j < right.rows(); ++j)
-            problem.AddResidualBlock(new ceres::AutoDiffCostFunction<EqualStrength, 1, 5, 1>(
-                                         new EqualStrength{log_level[j], right.row(j).transpose()}),
-                                     robust, g, &common);
-        problem.AddResidualBlock(new ceres::AutoDiffCostFunction<MiddlingLamp, 2, 5>(new MiddlingLamp),
-                                 nullptr, g);
-        ceres::Solver::Options options;
-        options.linear_solver_type = ceres::DENSE_QR;
-        options.max_num_iterations = 200;
-        options.num_threads = 1;
-        options.logging_type = ceres::SILENT;
-        ceres::Solver::Summary summary;
-        ceres::Solve(options, &problem, &summary);
-        if (!summary.IsSolutionUsable() || !(summary.final_cost < least) || !(std::abs(g[0] * g[2]) > 1e-12))
-            continue;
-        least = summary.final_cost;
-        best.g << g[0], g[1], 0, g[2];
-        best.shift << g[3], g[4];
-        for (Index j = 0; j < right.rows(); ++j) {
-            const Vector2d t = best.g * right.row(j).transpose() + best.shift;
-            best.log_strengths[j] = log_level[j] + 0.5 * std::log(1 + t.squaredNorm()) - common;
-        }
-    }
-    return best;
-}
+bool tells_azimuths(double curl, double falloff) { return curl <= kCurlTells || falloff >= kFalloffTells; }
 
 // Robust sums over the picture of products of c = p_y - q_x and d = p_x + q_y, from central differences.
 struct Curl {
@@ -184,6 +122,81 @@ double skewness_of_curvature(const MatrixXd& slopes, int width, int height) {
     return squares > 0 ? (cubes / n) / std::pow(squares / n, 1.5) : 0;
 }
 
+// What photographs, or a part of them, say.
+struct Solution {
+    ShadingFactors factors;
+    EqualStrength lamps;
+    MatrixXd t, slopes;  // turned, so that slopes are those of a surface
+    double curl = 0, falloff = 0;
+};
+
+Solution upgraded(const RelativeShading& shading, const ShadingFactors& factors, bool glossy) {
+    Solution s{.factors = factors, .lamps = {}, .t = {}, .slopes = {}};
+    s.lamps =
+        by_equal_strength(factors.right, shading.log_level + factors.level.array().log().matrix(), glossy);
+    // 1 + value = 1 - slopes . t with t = g right: the shift is in the pixels' albedo.
+    s.slopes = -factors.left * s.lamps.g.inverse();
+    s.t = s.lamps.t;
+    Matrix2d turn = least_curl(s.slopes, shading.width, shading.height, s.curl);
+    const Matrix2d by_falloff = towards_falloff(s.t, shading.falloff, s.falloff);
+    if (s.falloff > kFalloffTells && s.curl > kCurlTells) turn = by_falloff;
+    s.slopes = s.slopes * turn.transpose();
+    s.t = s.t * turn.transpose();
+    return s;
+}
+
+Solution solved(const RelativeShading& shading, bool glossy, const Progress& progress = {}) {
+    return upgraded(shading, factored(shading, progress), glossy);
+}
+
+// Quarters of the picture, each by itself.
+std::vector<Solution> parts_solved(const RelativeShading& s) {
+    std::vector<Solution> parts;
+    for (const int top : {0, s.height / 2})
+        for (const int left : {0, s.width / 2}) {
+            RelativeShading part = s;
+            part.width = s.width / 2, part.height = s.height / 2;
+            part.value.resize(static_cast<Index>(part.width) * part.height, s.value.cols());
+            part.weight.resize(part.value.rows(), s.value.cols());
+            for (Index y = 0; y < part.height; ++y) {
+                const Index from = (top + y) * s.width + left;
+                part.value.middleRows(y * part.width, part.width) = s.value.middleRows(from, part.width);
+                part.weight.middleRows(y * part.width, part.width) = s.weight.middleRows(from, part.width);
+            }
+            parts.push_back(solved(part, true));
+        }
+    return parts;
+}
+
+glm::dvec3 direction_of(const Eigen::RowVector2d& t) { return glm::normalize(glm::dvec3(t(0), t(1), 1)); }
+
+// [deg] Of each lamp: how much quarters of the picture differ, all that gloss makes of it, since that is told
+// by the levels alone, what its own strength may have turned it by, and the azimuth where nothing tells it.
+// What is wrong in all of it alike is not seen.
+std::vector<double> errors_deg(const Solution& all, const Solution& matt, const std::vector<Solution>& parts,
+                               double strength_scatter) {
+    const auto square_deg = [&](const Solution& other, Index j) {
+        const double side = (other.t.array() * all.t.array()).sum() < 0 ? -1 : 1;  // either reading
+        const glm::dvec3 a = direction_of(all.t.row(j)), b = direction_of(side * other.t.row(j));
+        const double deg = std::atan2(glm::length(glm::cross(a, b)), glm::dot(a, b)) * 180 / std::numbers::pi;
+        return deg * deg;
+    };
+    const double photos = static_cast<double>(all.t.rows()), count = static_cast<double>(parts.size());
+    std::vector<double> sigmas;
+    for (Index j = 0; j < all.t.rows(); ++j) {
+        const glm::dvec3 l = direction_of(all.t.row(j));
+        const double across = std::hypot(l.x, l.y);
+        double spread = 0;
+        for (const Solution& part : parts) spread += square_deg(part, j);
+        const double strength_deg =
+            strength_scatter * l.z / std::max(across, 0.2) / std::sqrt(photos / 4) * 180 / std::numbers::pi;
+        const double azimuth_deg = tells_azimuths(all.curl, all.falloff) ? 0 : kAnyAzimuth_deg * across;
+        sigmas.push_back(std::sqrt(spread / (count * (count - 1)) + square_deg(matt, j) +
+                                   strength_deg * strength_deg + azimuth_deg * azimuth_deg));
+    }
+    return sigmas;
+}
+
 void require_usable(const std::vector<Image<float>>& pictures) {
     if (pictures.size() < kFewestPhotos)
         fail("{} photographs; without balls and without a lights file at least {} are needed",
@@ -196,6 +209,11 @@ void require_usable(const std::vector<Image<float>>& pictures) {
 }
 
 void add_warnings(UncalibratedLights& result) {
+    if (const double middle = median(result.sigma_deg); middle > kUncertain_deg)
+        result.warnings.push_back(fmt::format(
+            "the directions are uncertain by {:.0f} degrees (median standard error), and the strength of the "
+            "relief with their elevations; a mirror ball would tell them",
+            middle));
     if (result.explained < 0.5)
         result.warnings.push_back(fmt::format(
             "only {:.0f} % of the shading goes with distant lights on a matt relief: the directions are "
@@ -206,7 +224,7 @@ void add_warnings(UncalibratedLights& result) {
             "the lamps seem to differ in strength by {:.0f} % (rms), though they are taken to be equal: "
             "elevations, and with them the strength of the relief, are doubtful",
             100 * result.strength_scatter));
-    if (result.curl > kCurlTells && result.falloff < kFalloffTells)
+    if (!tells_azimuths(result.curl, result.falloff))
         result.warnings.push_back(
             "the slopes found do not fit together into a surface well: azimuths are doubtful");
     if (result.falloff < kFalloffTells && std::abs(result.convexity) < 0.05)
@@ -223,45 +241,36 @@ UncalibratedLights uncalibrated_lights(const std::vector<Image<float>>& pictures
     const double known = shading.weight.sum() / static_cast<double>(shading.weight.size());
     if (known < 0.2)
         fail("only {:.0f} % of the pixels are lit and not clipped; the lights can't be told", 100 * known);
-    const ShadingFactors factors = factored(shading, progress);
-    if (!(factors.left.array().square().mean() * factors.right.array().square().mean() > 1e-7))
+    const Solution matt = solved(shading, false, progress);
+    if (!(matt.factors.left.array().square().mean() * matt.factors.right.array().square().mean() > 1e-7))
         fail("the photographs show no relief, from which alone the lights could be told");
+    const Solution glossy = upgraded(shading, matt.factors, true);
+    const std::vector<Solution> parts = parts_solved(shading);
 
     UncalibratedLights result;
-    const Upgrade u = upgrade(factors.right, shading.log_level);
-    // value = -slopes . t with t = g right: the shift is in the pixels' albedo.
-    MatrixXd slopes = -factors.left * u.g.inverse();
-    MatrixXd t = (factors.right * u.g.transpose()).rowwise() + u.shift.transpose();
-    Matrix2d turn = least_curl(slopes, shading.width, shading.height, result.curl);
-    const Matrix2d by_falloff = towards_falloff(t, shading.falloff, result.falloff);
-    const bool near = result.falloff > kFalloffTells;
-    if (near && result.curl > kCurlTells) turn = by_falloff;
-    slopes = slopes * turn.transpose();
-    t = t * turn.transpose();
+    MatrixXd slopes = glossy.slopes, t = glossy.t;
+    result.curl = glossy.curl, result.falloff = glossy.falloff;
+    result.gloss = glossy.lamps.gloss;
     const double skewness = -skewness_of_curvature(slopes, shading.width, shading.height);
-    const bool as_it_is = near ? agreement_of(t, shading.falloff) > 0 : skewness >= 0;
+    const bool as_it_is =
+        glossy.falloff > kFalloffTells ? agreement_of(t, shading.falloff) > 0 : skewness >= 0;
     result.convexity = as_it_is ? skewness : -skewness;
     if (as_it_is == options.inverted) {
         slopes = -slopes, t = -t;
     }
     if (options.inverted) result.convexity = -result.convexity;
 
-    double squares = 0;
     for (Index j = 0; j < t.rows(); ++j) {
-        const glm::dvec3 l = glm::normalize(glm::dvec3(t(j, 0), t(j, 1), 1));
-        result.directions.push_back(l);
-        result.strengths.push_back(std::exp(u.log_strengths[j]));
-        squares += u.log_strengths[j] * u.log_strengths[j];
+        result.directions.push_back(direction_of(t.row(j)));
+        result.strengths.push_back(std::exp(glossy.lamps.log_strengths[j]));
     }
     const double middle = median(result.strengths);
     for (double& strength : result.strengths) strength /= middle;
-    result.strength_scatter = std::sqrt(squares / static_cast<double>(t.rows()));
-    // A lamp's strength, off by the scatter, moves l.z by that part.
-    for (const glm::dvec3& l : result.directions)
-        result.sigma_deg.push_back(result.strength_scatter * l.z / std::max(std::hypot(l.x, l.y), 0.2) /
-                                   std::sqrt(static_cast<double>(t.rows()) / 4) * 180 / std::numbers::pi);
-    result.residual = factors.residual;
-    result.explained = factors.explained;
+    result.strength_scatter =
+        std::sqrt(glossy.lamps.log_strengths.squaredNorm() / static_cast<double>(t.rows()));
+    result.sigma_deg = errors_deg(glossy, matt, parts, result.strength_scatter);
+    result.residual = glossy.factors.residual;
+    result.explained = glossy.factors.explained;
     result.slopes = Image<glm::vec2>(shading.width, shading.height);
     for (Index i = 0; i < slopes.rows(); ++i)
         result.slopes.pixels()[static_cast<std::size_t>(i)] = {static_cast<float>(slopes(i, 0)),

@@ -176,6 +176,7 @@ nlohmann::json find_uncalibrated(const CalibrateArguments& a, const PhotoSet& ph
     return {{"inverted", a.inverted},
             {"transfer", stack.transfer.name()},
             {"strength_scatter", finite(stack.found.strength_scatter)},
+            {"gloss", finite(stack.found.gloss)},
             {"residual", finite(stack.found.residual)},
             {"explained", finite(stack.found.explained)},
             {"curl", finite(stack.found.curl)},

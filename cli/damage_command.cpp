@@ -36,7 +36,8 @@ nlohmann::json to_json(const CraquelureMeasure& m) {
 
 // What was suggested replaces what the class had, as the log says.
 nlohmann::json suggest(Treatment& treatment, const DamageArguments& a, const Progress& progress) {
-    const Surface surface = treatment.read_canvas(progress).dry();
+    const Canvas canvas = treatment.read_canvas(progress);
+    const Surface& surface = canvas.dry();
     const double mm = treatment.mm_per_pixel();
     TreatmentStep step{.action = "suggest damage", .parameters = {{"suggest", a.suggest}}};
     const auto keep = [&](const std::string& name, const DamageSuggestion& s) {

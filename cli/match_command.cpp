@@ -6,6 +6,7 @@
 #include "cli/arguments.h"
 #include "cli/command_list.h"
 #include "cli/retouch_arguments.h"
+#include "cli/treatment_arguments.h"
 #include "paint/appearance.h"
 #include "paint/canvas_file.h"
 #include "paint/retouch/gloss.h"
@@ -29,7 +30,10 @@ constexpr double kVisible = 1;    // CIEDE2000 of mixtures that count as having 
 constexpr double kVaried = 5;     // CIEDE2000 of surroundings that no single recipe matches
 
 struct MatchArguments {
-    std::string spectrum, lab, srgb, xyz, painting, mask, damaged, under = "D65", below, swatch, save_pairs;
+    std::string spectrum, lab, srgb, xyz, painting, damaged, treatment, under = "D65", below, swatch,
+                                                                        save_pairs;
+    AreaArguments area;
+    AuthorArguments author;
     PaintBoxArguments box;
     MatchOptions match;
     AnnulusOptions annulus;
@@ -94,14 +98,22 @@ Wanted of_colour(const glm::dvec3& xyz, Illuminant lamp, const PaintBox& box, co
     return wanted;
 }
 
-Wanted of_painting(const MatchArguments& a, const PaintBox& box, const MatchOptions& options,
-                   const Progress& progress) {
-    const Canvas canvas = read_canvas(a.painting, progress, a.mm_per_pixel);
+Wanted of_painting(const MatchArguments& a, const std::optional<Treatment>& treatment, const PaintBox& box,
+                   const MatchOptions& options, const Progress& progress) {
+    const Canvas canvas =
+        treatment ? treatment->read_canvas(progress) : read_canvas(a.painting, progress, a.mm_per_pixel);
     Surface seen = appearance(canvas, {}, progress);
     seen.mm_per_pixel = canvas.mm_per_pixel();
-    const Mask mask = read_mask(a.mask, seen.width(), seen.height());
-    const Mask damaged = a.damaged.empty() ? Mask() : read_mask(a.damaged, seen.width(), seen.height());
-    const Annulus round = annulus_of(seen, mask, damaged, a.annulus);
+    Mask mask(seen.width(), seen.height());
+    Mask spoilt = a.damaged.empty() ? Mask() : read_mask(a.damaged, seen.width(), seen.height());
+    if (treatment) {
+        mask = a.area.area(*treatment);
+        spoilt = spoilt.empty() ? damaged(*treatment) : united(spoilt, damaged(*treatment));
+    } else {
+        for (const std::string& file : a.area.masks)
+            mask = united(mask, read_mask(file, seen.width(), seen.height()));
+    }
+    const Annulus round = annulus_of(seen, mask, spoilt, a.annulus);
     const glm::dvec3 xyz = xyz_of(reflectance_of_rgb(round.mode), Illuminant::d65);
     Wanted wanted = of_colour(xyz, Illuminant::d65, box, options);
     const Lab mode = lab_from_linear(round.mode), middle = lab_from_linear(round.median);
@@ -127,15 +139,15 @@ Wanted of_painting(const MatchArguments& a, const PaintBox& box, const MatchOpti
     return wanted;
 }
 
-Wanted wanted_by(const MatchArguments& a, const PaintBox& box, const MatchOptions& options,
-                 const Progress& progress) {
+Wanted wanted_by(const MatchArguments& a, const std::optional<Treatment>& treatment, const PaintBox& box,
+                 const MatchOptions& options, const Progress& progress) {
     if (!a.spectrum.empty()) {
         Wanted wanted;
         wanted.reflectance = read_reflectance(a.spectrum);
         wanted.described = {{"spectrum", "measured"}, {"file", a.spectrum}};
         return wanted;
     }
-    if (!a.painting.empty()) return of_painting(a, box, options, progress);
+    if (treatment || !a.painting.empty()) return of_painting(a, treatment, box, options, progress);
     const auto lamp = illuminant_named(a.under);
     if (!lamp) throw UsageError(fmt::format("--under {}: is not A, D50, D65, F11 or LED", a.under));
     return of_colour(xyz_wanted(a, *lamp), *lamp, box, options);
@@ -143,12 +155,7 @@ Wanted wanted_by(const MatchArguments& a, const PaintBox& box, const MatchOption
 
 nlohmann::json gloss_advice(const Mixture& mixture, const PaintBox& box, double luminance,
                             const std::optional<Gloss>& wanted) {
-    Gloss paint{0, 0, luminance};
-    for (std::size_t i = 0; i < static_cast<std::size_t>(mixture.count); ++i) {
-        const Pigment& p = box.palette.paints[static_cast<std::size_t>(mixture.paints[i])];
-        paint.specular += mixture.volumes[i] * static_cast<double>(p.specular);
-        paint.roughness += mixture.volumes[i] * static_cast<double>(p.roughness);
-    }
+    const Gloss paint = gloss_of(mixture, box.palette.paints, luminance);
     nlohmann::json json = {{"specular", paint.specular}, {"roughness", paint.roughness}};
     if (!wanted) return json;
     json["wanted"] = {{"specular", wanted->specular}, {"roughness", wanted->roughness}};
@@ -188,14 +195,17 @@ std::string table_of(const MatchResult& result, const PaintBox& box) {
 
 void require_one_target(const MatchArguments& a) {
     int targets = 0;
-    for (const std::string* text : {&a.spectrum, &a.lab, &a.srgb, &a.xyz, &a.painting})
+    for (const std::string* text : {&a.spectrum, &a.lab, &a.srgb, &a.xyz, &a.painting, &a.treatment})
         targets += text->empty() ? 0 : 1;
     if (targets != 1)
         throw UsageError(
-            "say what to match, once: --spectrum FILE, --lab L,a,b, --xyz X,Y,Z, --srgb #rrggbb, or "
-            "PAINTING.exr with --mask");
-    if (a.painting.empty() != a.mask.empty())
+            "say what to match, once: --spectrum FILE, --lab L,a,b, --xyz X,Y,Z, --srgb #rrggbb, "
+            "PAINTING.exr with --mask, or --treatment with --class");
+    if (a.treatment.empty() &&
+        (a.painting.empty() != a.area.masks.empty() || !a.area.classes.empty() || !a.area.polygons.empty()))
         throw UsageError("PAINTING.exr and --mask belong together: the colour is that beside the mask");
+    if (!a.treatment.empty() && a.area.empty())
+        throw UsageError("say beside what the colour is matched: --treatment DIR --class loss_to_ground");
     if (!a.below.empty() && !a.film_mm)
         throw UsageError("--below: says what a film lies on; give its thickness by --film-mm");
 }
@@ -204,14 +214,16 @@ nlohmann::json run_match(const MatchArguments& a) {
     if (!a.save_pairs.empty()) {
         refuse_to_overwrite(a.save_pairs, a.box.inputs());
         write_text_file(a.save_pairs, usual_pigment_pairs_text());
-        if (a.spectrum.empty() && a.lab.empty() && a.srgb.empty() && a.xyz.empty() && a.painting.empty())
+        if (a.spectrum.empty() && a.lab.empty() && a.srgb.empty() && a.xyz.empty() && a.painting.empty() &&
+            a.treatment.empty())
             return {{"pairs", a.save_pairs}};
     }
     require_one_target(a);
     if (!a.swatch.empty()) {
         std::vector<fs::path> inputs = a.box.inputs();
-        for (const std::string& file : {a.spectrum, a.painting, a.mask, a.damaged})
+        for (const std::string& file : {a.spectrum, a.painting, a.damaged})
             if (!file.empty()) inputs.emplace_back(file);
+        for (const fs::path& file : a.area.inputs()) inputs.push_back(file);
         refuse_to_overwrite(a.swatch, inputs);
         require_picture_format(a.swatch);
     }
@@ -219,7 +231,9 @@ nlohmann::json run_match(const MatchArguments& a) {
     const PaintBox box = paint_box(a.box);
     MatchOptions options = a.match;
     set_options(a.box, box, options);
-    const Wanted wanted = wanted_by(a, box, options, progress);
+    std::optional<Treatment> treatment;
+    if (!a.treatment.empty()) treatment = open_treatment(a.treatment);
+    const Wanted wanted = wanted_by(a, treatment, box, options, progress);
     if (a.film_mm) {
         Spectrum below;
         below.fill(0.82f);  // paper or gesso
@@ -258,6 +272,16 @@ nlohmann::json run_match(const MatchArguments& a) {
     if (found.recipes.front().error > kPoor)
         result["poor"] = {fmt::format("the nearest recipe of these paints is off by CIEDE2000 {:.1f}",
                                       found.recipes.front().error)};
+    if (treatment) {
+        TreatmentStep step{.action = "match", .parameters = to_json(a.match), .inputs = a.box.inputs()};
+        step.parameters["area"] = a.area.as_json();
+        step.parameters["annulus"] = to_json(a.annulus);
+        step.parameters["goal"] = a.box.goal;
+        for (const fs::path& file : a.area.inputs()) step.inputs.push_back(file);
+        step.results = result;
+        step.results.erase("seconds"), step.results.erase("picture");
+        treatment->record(step, a.author.author(), progress);
+    }
     write_stderr(table_of(found, box));
     return result;
 }
@@ -270,7 +294,10 @@ Command match_command() {
         [](Flags& flags) {
             auto a = std::make_shared<MatchArguments>();
             flags.option("PAINTING", a->painting, "painting file (.exr), with --mask");
-            flags.option("--mask", a->mask, "picture, white where the loss is: its surroundings are matched");
+            a->area.add_to(flags, "where the loss is: its surroundings are matched");
+            flags.option("--treatment", a->treatment,
+                         "treatment to look at and log in (docs/retouching.md), instead of PAINTING.exr");
+            a->author.add_to(flags);
             flags.option("--damaged", a->damaged, "picture, white where there is other damage beside it");
             flags.option("--spectrum", a->spectrum,
                          "measured reflectance: text, a wavelength in nm and a reflectance (0..1) a line");

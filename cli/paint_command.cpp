@@ -6,9 +6,11 @@
 #include "cli/fit_folder.h"
 #include "cli/photo_book.h"
 #include "cli/substrate_arguments.h"
+#include "cli/treatment_arguments.h"
 #include "paint/canvas_file.h"
 #include "surface/error.h"
 #include "viewer/settings.h"
+#include "viewer/treatment_desk.h"
 #include "viewer/window.h"
 
 namespace tangi {
@@ -18,10 +20,12 @@ namespace fs = std::filesystem;
 namespace {
 
 struct PaintArguments {
-    std::string painting, out, palette, brushes, size = "1280x800";
+    std::string painting, out, palette, brushes, size = "1280x800", monitor, intent = "relative",
+                                                 camera = "0";
     std::optional<double> mm_per_pixel;
     SubstrateArguments substrate;
     PhotosArguments photos;
+    AuthorArguments author;
 };
 
 void set_size(WindowSetup& setup, const std::string& text) {
@@ -41,7 +45,9 @@ fs::path untitled() {
 }
 
 Canvas canvas_of(const PaintArguments& a, const Progress& progress) {
-    if (!a.substrate.given()) return read_canvas(a.painting, progress, a.mm_per_pixel);
+    if (!a.substrate.given())
+        return read_canvas(a.painting, progress,
+                           a.mm_per_pixel ? a.mm_per_pixel : treatment_scale(a.painting));
     return Canvas(std::make_shared<Surface>(a.substrate.make(progress)));
 }
 
@@ -62,7 +68,9 @@ Workshop workshop_of(const PaintArguments& a) {
     return workshop;
 }
 
-nlohmann::json run_paint(const PaintArguments& a) {
+nlohmann::json run_paint(PaintArguments a) {
+    if (fs::is_regular_file(fs::path(a.painting) / "log.jsonl"))  // a treatment
+        a.painting = (fs::path(a.painting) / "painting.exr").string();
     if (a.painting.empty() != a.substrate.given())
         throw UsageError("give a painting, paint PAINTING.exr, or a new canvas, paint --substrate linen");
     if (a.substrate.given() && a.mm_per_pixel)
@@ -83,10 +91,15 @@ nlohmann::json run_paint(const PaintArguments& a) {
     set_size(setup, a.size);
     setup.file_is_new = a.substrate.given();
     setup.file = !setup.file_is_new ? fs::path(a.painting) : a.out.empty() ? untitled() : fs::path(a.out);
+    setup.author = a.author.author();
     setup.stop_wanted = interrupted;
     setup.workshop = workshop_of(a);
     setup.photos = a.photos.folder;
     setup.settings = settings_folder();
+    setup.monitor_is_srgb = a.monitor == "srgb";
+    if (!a.monitor.empty() && !setup.monitor_is_srgb) setup.monitor = Monitor::read(a.monitor);
+    setup.intent = a.intent == "relative" ? RenderingIntent::relative : RenderingIntent::perceptual;
+    setup.camera = a.camera;
     const WindowResult result = run_window(std::move(setup), progress);
     return {{"painting",
              fs::exists(result.file) ? nlohmann::json(result.file.string()) : nlohmann::json(nullptr)},
@@ -96,6 +109,7 @@ nlohmann::json run_paint(const PaintArguments& a) {
             {"frames", result.frames},
             {"tilt_deg", {result.tilt_deg.x, result.tilt_deg.y}},
             {"light_deg", {result.light_azimuth_deg, result.light_elevation_deg}},
+            {"fetched_bytes", result.fetched_bytes},
             {"uploaded_bytes", result.uploaded_bytes},
             {"drawn_by", result.drawn_by}};
 }
@@ -103,27 +117,36 @@ nlohmann::json run_paint(const PaintArguments& a) {
 }  // namespace
 
 Command paint_command() {
-    return {"paint", "hold a painting, tilt it, light it and paint on it: the window", [](Flags& flags) {
-                auto a = std::make_shared<PaintArguments>();
-                flags.option("PAINTING", a->painting,
-                             "painting file (.exr); saved in place, its dry layer never changes");
-                a->substrate.add_to(flags);
-                flags.option("--out", a->out,
-                             "where a new canvas is saved (.exr); untitled-1.exr where not given");
-                flags.option("--photos", a->photos.folder,
-                             "folder of photographs to hold against the painting");
-                flags.option("--lights", a->photos.lights,
-                             "their lights file (.lp); where not given, the only one in the folder");
-                flags.option("--capture", a->photos.capture, "their capture.json");
-                flags.option("--palette", a->palette, "palette file (.json)");
-                flags.option("--brushes", a->brushes, "presets file (.json) with further brushes");
-                flags
-                    .option("--mm-per-pixel", a->mm_per_pixel,
-                            "size of the painting's pixels where the file does not say")
-                    .check(within(1e-4, 1e3));
-                flags.option("--size", a->size, "of the window in pixels").show_default();
-                return [a] { return run_paint(*a); };
-            }};
+    return {
+        "paint", "hold a painting, tilt it, light it and paint on it: the window", [](Flags& flags) {
+            auto a = std::make_shared<PaintArguments>();
+            flags.option("PAINTING", a->painting,
+                         "painting file (.exr), or folder of a treatment; saved in place, its dry layer "
+                         "never changes");
+            a->substrate.add_to(flags);
+            flags.option("--out", a->out,
+                         "where a new canvas is saved (.exr); untitled-1.exr where not given");
+            flags.option("--photos", a->photos.folder, "folder of photographs to hold against the painting");
+            flags.option("--lights", a->photos.lights,
+                         "their lights file (.lp); where not given, the only one in the folder");
+            flags.option("--capture", a->photos.capture, "their capture.json");
+            flags.option("--palette", a->palette, "palette file (.json)");
+            flags.option("--brushes", a->brushes, "presets file (.json) with further brushes");
+            flags
+                .option("--mm-per-pixel", a->mm_per_pixel,
+                        "size of the painting's pixels where the file does not say")
+                .check(within(1e-4, 1e3));
+            a->author.add_to(flags);
+            flags.option("--size", a->size, "of the window in pixels").show_default();
+            flags.option("--monitor", a->monitor,
+                         "ICC profile of the monitor (.icc); srgb: none; where not given, the one that the "
+                         "desktop has put on the screen");
+            flags.option("--intent", a->intent, "relative or perceptual: how the monitor's profile is used")
+                .check(one_of({"relative", "perceptual"}))
+                .show_default();
+            flags.option("--camera", a->camera, "number of the webcam, for head and light").show_default();
+            return [a] { return run_paint(*a); };
+        }};
 }
 
 }  // namespace tangi

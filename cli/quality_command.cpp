@@ -1,14 +1,17 @@
-// quality_command.cpp: tangipaint quality PAINTING.exr --mask MASK.png --out DIR: retouches against what is
-// beside them.
+// quality_command.cpp: tangipaint quality PAINTING.exr --mask MASK.png --out DIR, or --treatment DIR:
+// retouches against what is beside them.
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 
 #include "cli/arguments.h"
 #include "cli/command_list.h"
 #include "cli/retouch_arguments.h"
+#include "cli/treatment_arguments.h"
 #include "paint/appearance.h"
 #include "paint/canvas_file.h"
 #include "paint/retouch/quality.h"
+#include "surface/atomic_file.h"
 #include "surface/error.h"
 #include "surface/picture_file.h"
 #include "surface/relight.h"
@@ -24,7 +27,9 @@ constexpr std::array<std::pair<const char*, double>, 4> kRaking = {
     {{"right", 0}, {"top", 90}, {"left", 180}, {"bottom", 270}}};
 
 struct QualityArguments {
-    std::string painting, mask, damaged, out, lamps = "D65,A,F11";
+    std::string painting, damaged, out, treatment, lamps = "D65,A,F11";
+    AreaArguments area;
+    AuthorArguments author;
     std::optional<double> mm_per_pixel;
     QualityOptions options;
 };
@@ -32,14 +37,18 @@ struct QualityArguments {
 nlohmann::json as_json(const Step& step) { return {{"mean", step.mean}, {"rms", step.rms}}; }
 
 nlohmann::json as_json(const RetouchQuality& q) {
-    return {{"box_px", {q.box.x0, q.box.y0, q.box.x1, q.box.y1}},
-            {"area_mm2", q.area_mm2},
-            {"delta_e_2000", by_lamp(q.delta_e)},
-            {"border_delta_e_2000", by_lamp(q.border_delta_e)},
-            {"height_step_mm", as_json(q.height_mm)},
-            {"gloss_step", q.gloss_step},
-            {"specular_step", as_json(q.specular)},
-            {"roughness_step", as_json(q.roughness)}};
+    nlohmann::json json = {{"box_px", {q.box.x0, q.box.y0, q.box.x1, q.box.y1}},
+                           {"area_mm2", q.area_mm2},
+                           {"delta_e_2000", by_lamp(q.delta_e)},
+                           {"border_delta_e_2000", by_lamp(q.border_delta_e)},
+                           {"height_step_mm", as_json(q.height_mm)},
+                           {"gloss_step", q.gloss_step},
+                           {"specular_step", as_json(q.specular)},
+                           {"roughness_step", as_json(q.roughness)}};
+    if (q.undamaged.empty()) return json;
+    json["undamaged"] = as_json(mean_of(q.undamaged));
+    json["undamaged"]["places"] = q.undamaged.size();
+    return json;
 }
 
 // What light from the sides shows: steps, and gloss that differs.
@@ -62,16 +71,64 @@ nlohmann::json write_raking(const Canvas& canvas, const fs::path& folder, const 
     return files;
 }
 
+// Where the retouches of a treatment belong: those that are still there, as the log has them.
+Mask retouched(const Treatment& treatment) {
+    Mask all(treatment.width(), treatment.height());
+    const std::vector<std::string> names = treatment.mask_names();
+    for (const TreatmentLayer& layer : treatment.layers())
+        if (layer.role == LayerRole::retouch &&
+            std::find(names.begin(), names.end(), layer.name) != names.end())
+            all = united(all, treatment.mask(layer.name));
+    if (area_of(all, 1).mm2 == 0)
+        fail("{}: has no retouch that quality could be told of; give --class, --mask or --polygon",
+             treatment.folder().string());
+    return all;
+}
+
+void require_sound(const QualityArguments& a) {
+    if (a.treatment.empty()) {
+        if (a.painting.empty() || a.out.empty() || a.area.masks.empty())
+            throw UsageError(
+                "give a painting, its retouches and where to write: quality PAINTING.exr --mask MASK.png "
+                "--out DIR; "
+                "or --treatment");
+        if (!a.area.classes.empty() || !a.area.polygons.empty())
+            throw UsageError("--class and --polygon are of a treatment; give --mask, or --treatment");
+        require_writable_folder(a.out);
+    } else if (!(a.painting.empty() && a.out.empty())) {
+        throw UsageError(
+            "--treatment holds its painting and keeps the maps; leave out PAINTING.exr and --out");
+    }
+}
+
+// A folder within the treatment that no earlier comparison wrote to: "quality/2".
+std::string new_folder(const Treatment& treatment) {
+    for (int number = 1;; ++number)
+        if (std::string name = fmt::format("quality/{}", number); !fs::exists(treatment.folder() / name))
+            return name;
+}
+
 nlohmann::json run_quality(const QualityArguments& a) {
     const std::vector<Illuminant> lamps = lamps_in(a.lamps, "--lamps");
-    require_writable_folder(a.out);
+    require_sound(a);
     const Progress progress = console_progress();
-    const Canvas canvas = read_canvas(a.painting, progress, a.mm_per_pixel);
-    const Mask mask = read_mask(a.mask, canvas.width(), canvas.height());
-    const Mask damaged = a.damaged.empty() ? Mask() : read_mask(a.damaged, canvas.width(), canvas.height());
-    const QualityReport report = quality_of(canvas, mask, damaged, lamps, a.options, progress);
-    fs::create_directories(a.out);
-    const fs::path folder = a.out;
+    std::optional<Treatment> treatment;
+    if (!a.treatment.empty()) treatment = open_treatment(a.treatment);
+    const Canvas canvas =
+        treatment ? treatment->read_canvas(progress) : read_canvas(a.painting, progress, a.mm_per_pixel);
+    Mask spoilt = a.damaged.empty() ? Mask() : read_mask(a.damaged, canvas.width(), canvas.height());
+    Mask mask(canvas.width(), canvas.height());
+    if (treatment) {
+        mask = a.area.empty() ? retouched(*treatment) : a.area.area(*treatment);
+        spoilt = spoilt.empty() ? damaged(*treatment) : united(spoilt, damaged(*treatment));
+    } else {
+        for (const std::string& file : a.area.masks)
+            mask = united(mask, read_mask(file, canvas.width(), canvas.height()));
+    }
+    const QualityReport report = quality_of(canvas, mask, spoilt, lamps, a.options, progress);
+    const std::string within = treatment ? new_folder(*treatment) : "";
+    const fs::path folder = treatment ? treatment->folder() / within : fs::path(a.out);
+    make_folder(folder);
     write_map(folder / "delta_e_2000.exr", report.delta_e);
     write_map(folder / "height_mm.exr", report.height_mm);
     write_map(folder / "gloss.exr", report.gloss);
@@ -88,10 +145,23 @@ nlohmann::json run_quality(const QualityArguments& a) {
             sum += q.area_mm2 * q.delta_e[static_cast<std::size_t>(lamp)], area += q.area_mm2;
         mean[std::string(name_of(lamp))] = sum / area;
     }
-    return {{"folder", a.out},
-            {"delta_e_2000", mean},
-            {"regions", regions},
-            {"raking", write_raking(canvas, folder, progress)}};
+    nlohmann::json result = {{"delta_e_2000", mean}, {"regions", regions}};
+    const nlohmann::json raking = write_raking(canvas, folder, progress);
+    if (treatment) {
+        nlohmann::json parameters = to_json(a.options);
+        parameters["annulus"] = to_json(a.options.annulus);
+        parameters["lamps"] = a.lamps;
+        parameters["area"] = a.area.empty() ? nlohmann::json("retouches") : a.area.as_json();
+        TreatmentStep step{
+            .action = "quality", .parameters = parameters, .results = result, .inputs = a.area.inputs()};
+        if (!a.damaged.empty()) step.inputs.emplace_back(a.damaged);
+        for (const auto& file : fs::directory_iterator(folder))
+            step.written.push_back(within + "/" + file.path().filename().string());
+        treatment->record(step, a.author.author(), progress);
+    }
+    result["folder"] = folder.string();
+    result["raking"] = raking;
+    return result;
 }
 
 }  // namespace
@@ -101,13 +171,15 @@ Command quality_command() {
         "quality", "compare retouches with what is beside them: colour, height, gloss, raking light",
         [](Flags& flags) {
             auto a = std::make_shared<QualityArguments>();
-            flags.option("PAINTING", a->painting, "painting file (.exr) with its retouches").required();
-            flags.option("--mask", a->mask, "picture, white where the retouches are").required();
-            flags
-                .option("--out", a->out,
-                        "folder to write: maps of CIEDE2000 (the worst under the lamps), height and gloss "
-                        "against the surroundings, and pictures in raking light")
-                .required();
+            flags.option("PAINTING", a->painting, "painting file (.exr) with its retouches");
+            a->area.add_to(flags, "where the retouches are; of a treatment all of them without");
+            flags.option("--out", a->out,
+                         "folder to write: maps of CIEDE2000 (the worst under the lamps), height and gloss "
+                         "against the surroundings, and pictures in raking light");
+            flags.option("--treatment", a->treatment,
+                         "treatment to compare, and log and report it in (docs/retouching.md), instead of "
+                         "PAINTING.exr and --out");
+            a->author.add_to(flags);
             flags.option("--damaged", a->damaged, "picture, white where there is other damage beside them");
             flags.option("--lamps", a->lamps, "lamps to compare under: of A, D50, D65, F11, LED")
                 .show_default();

@@ -1,5 +1,5 @@
-// relight_command.cpp: tangipaint relight PAINTING.exr --light X,Y,Z --out IMAGE, or --lights FILE.lp --out
-// DIR
+// relight_command.cpp: tangipaint relight PAINTING.exr --light X,Y,Z --out IMAGE, --lights FILE.lp --out
+// DIR, or --sweep AZIMUTH,ELEVATION --out FILM
 #include <algorithm>
 #include <filesystem>
 #include <set>
@@ -8,6 +8,7 @@
 #include "capture/lights_file.h"
 #include "cli/arguments.h"
 #include "cli/command_list.h"
+#include "cli/sweep.h"
 #include "paint/appearance.h"
 #include "paint/canvas_file.h"
 #include "surface/atomic_file.h"
@@ -30,6 +31,7 @@ struct RelightArguments {
     double gain = 1;
     bool faithful = false, gpu = false;
     RelightOptions options;
+    SweepArguments sweep;
 };
 
 // A painting with its paint, and what --faithful adds where none lies.
@@ -137,10 +139,8 @@ void require_above_paint(const Surface& surface, const Vec3& light_mm, const std
             "{}: lies in the painting, which is {:.3f} mm high there; z must be larger", flag, height_mm));
 }
 
-nlohmann::json relight_one(const Painting& painting, const RelightArguments& arguments,
-                           const Progress& progress) {
-    require_picture_format(arguments.out);
-    refuse_to_overwrite(arguments.out, {arguments.painting});
+// The lights that --light and --point-light name.
+std::vector<Light> lights_named(const Painting& painting, const RelightArguments& arguments) {
     std::vector<Light> lights;
     for (const std::string& text : arguments.directions)
         lights.push_back(distant_light(parse_direction(text, "--light")));
@@ -149,9 +149,35 @@ nlohmann::json relight_one(const Painting& painting, const RelightArguments& arg
         require_above_paint(painting.surface, *lights.back().position_mm, "--point-light " + text);
     }
     for (Light& light : lights) light.gain = Rgb(static_cast<float>(arguments.gain));
+    return lights;
+}
+
+nlohmann::json relight_one(const Painting& painting, const RelightArguments& arguments,
+                           const Progress& progress) {
+    require_picture_format(arguments.out);
+    refuse_to_overwrite(arguments.out, {arguments.painting});
+    const std::vector<Light> lights = lights_named(painting, arguments);
     Relighter relighter(painting, arguments);
     write_relit(arguments.out, painting.surface, lights, arguments, relighter, progress);
     return {{"pictures", {arguments.out}}, {"drawn_by", relighter.drawn_by()}};
+}
+
+// A film is for people: sRGB, as bright as the photographs were.
+nlohmann::json relight_sweep(const Painting& painting, const RelightArguments& arguments,
+                             const Progress& progress) {
+    refuse_to_overwrite(arguments.out, {arguments.painting});
+    std::vector<Light> lights = lights_named(painting, arguments);
+    lights.emplace_back();
+    Relighter relighter(painting, arguments);
+    const auto draw = [&](const Light& lamp) {
+        lights.back() = lamp;
+        lights.back().gain = Rgb(static_cast<float>(arguments.gain));
+        Image<Rgb> picture = relighter.picture(lights, {});
+        for (Rgb& pixel : picture.pixels()) pixel *= painting.surface.photography.white_level;
+        return picture;
+    };
+    const int frames = write_sweep(arguments.sweep, arguments.out, draw, progress);
+    return {{"film", arguments.out}, {"frames", frames}, {"drawn_by", relighter.drawn_by()}};
 }
 
 // Windows programs write their folders with backslashes.
@@ -213,15 +239,21 @@ nlohmann::json relight_all(const Painting& painting, const RelightArguments& arg
 
 nlohmann::json run_relight(RelightArguments arguments) {
     const bool one = !arguments.directions.empty() || !arguments.positions.empty();
-    if (one == !arguments.lights_file.empty())
+    const bool sweeps = arguments.sweep.given();
+    if ((one || sweeps) == !arguments.lights_file.empty())
         throw UsageError(
-            "give either lights (--light X,Y,Z, --point-light X,Y,Z) or a lights file (--lights FILE.lp)");
+            "give either lights (--light X,Y,Z, --point-light X,Y,Z), a lights file (--lights FILE.lp) or "
+            "the way "
+            "of a lamp (--sweep AZIMUTH,ELEVATION)");
+    if (sweeps && !arguments.encoding.empty())
+        throw UsageError("--encoding: is of single pictures; those of --sweep are sRGB");
     const auto model = ward_model_named(arguments.model);
     if (!model)
         throw UsageError(fmt::format("--model {}: is not ward1992, duer or bounded", arguments.model));
     arguments.options.model = *model;
     const Progress progress = console_progress();
     const Painting painting = read_all(arguments, progress);
+    if (sweeps) return relight_sweep(painting, arguments, progress);
     return one ? relight_one(painting, arguments, progress) : relight_all(painting, arguments, progress);
 }
 
@@ -247,8 +279,11 @@ Command relight_command() {
                          "lights file (.lp) or capture.json: one picture for each of its lights");
             flags
                 .option("--out", a->out,
-                        "picture to write (.png .tif .jpg .exr); with --lights the folder for the pictures")
+                        "picture to write (.png .tif .jpg .exr); with --lights the folder for the pictures; "
+                        "with --sweep a "
+                        "video (.mp4 .webm) or a folder")
                 .required();
+            a->sweep.add_to(flags);
             flags.option("--encoding", a->encoding,
                          "srgb, linear or a gamma; where not given, as the photographs were (EXR: linear)");
             flags.option("--model", a->model, "ward1992, duer or bounded").show_default();

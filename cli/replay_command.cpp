@@ -8,6 +8,7 @@
 #include "cli/time_lapse.h"
 #include "paint/canvas_file.h"
 #include "paint/session.h"
+#include "paint/tools_file.h"
 #include "surface/error.h"
 #include "surface/painting_file.h"
 
@@ -47,16 +48,18 @@ nlohmann::json run_replay(const ReplayArguments& a) {
     for (const fs::path& file : a.substrate.inputs()) inputs.push_back(file);
     refuse_to_overwrite(a.out, inputs);
     if (!a.board.empty()) refuse_to_overwrite(a.board, inputs);
+    if (!a.frames.video.empty()) refuse_to_overwrite(a.frames.video, inputs);
     const Progress progress = console_progress();
     const Journal journal =
         read_journal(strokes, a.brushes.empty() ? brush_presets() : read_brush_presets(a.brushes));
     const nlohmann::json warnings = told(journal.warnings);
     AtomicFile out(a.out);  // that it can be written is known before the work
     Session session(canvas_of(a, progress), a.palette.empty() ? artist_acrylics() : read_palette(a.palette));
+    if (!a.substrate.given()) read_tools(a.files.front(), session, progress);
     const std::string dry_hash = hash_of(session.canvas().dry());
     const auto start = std::chrono::steady_clock::now();
     std::optional<TimeLapse> frames;
-    if (!a.frames.folder.empty()) frames.emplace(a.frames, session);
+    if (a.frames.given()) frames.emplace(a.frames, session);
     replay(session, journal, progress, [&](const Event& event) {
         if (frames) frames->after(event);
     });
@@ -65,7 +68,7 @@ nlohmann::json run_replay(const ReplayArguments& a) {
     const Canvas& canvas = session.canvas();
     std::vector<PartToWrite> further;  // goes with the dry layer, which painting does not change
     if (!a.substrate.given()) further = parts_beside_paint(a.files.front(), progress);
-    write_canvas(out, canvas, progress, further);
+    write_canvas(out, canvas, progress, with_tools(std::move(further), session));
     if (!a.board.empty()) {
         if (!session.board()) fail("--board {}: nothing was done on the palette", a.board);
         write_canvas(a.board, *session.board(), progress);

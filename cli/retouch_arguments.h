@@ -12,6 +12,7 @@
 #include "paint/palette.h"
 #include "paint/retouch/pigment_pairs.h"
 #include "paint/retouch/recipe.h"
+#include "paint/retouch/recipe_json.h"
 
 namespace tangi {
 
@@ -37,13 +38,9 @@ void set_options(const PaintBoxArguments& arguments, const PaintBox& box, MatchO
 // "D65,A,F11". Throws UsageError naming the flag.
 std::vector<Illuminant> lamps_in(const std::string& text, const std::string& flag);
 
-// {"D65": 0.3, "A": 0.5, …}; what is not a number is left out.
-nlohmann::json by_lamp(const std::array<double, kIlluminants>& values);
-
-// Paints with their parts by volume, steps with their measures, and one line of text.
-nlohmann::json as_json(const std::vector<MixingStep>& steps, const Mixture& mixture,
-                       const std::vector<Pigment>& paints);
 // Which of the box's warnings concern these paints.
-nlohmann::json warnings_of(const Mixture& mixture, const PaintBox& box);
+inline nlohmann::json warnings_of(const Mixture& mixture, const PaintBox& box) {
+    return warnings_of(mixture, box.palette.paints, box.warnings);
+}
 
 }  // namespace tangi

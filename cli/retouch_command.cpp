@@ -55,54 +55,6 @@ Mask area_of(const RetouchArguments& a, const std::optional<Treatment>& treatmen
     return all;
 }
 
-nlohmann::json as_json(const Fusion& fusion) {
-    return {{"fuses", fusion.fuses},
-            {"distance_m", fusion.distance_m},
-            {"delta_e_2000_at_0.3_m", fusion.delta_e_near},
-            {"delta_e_2000_there", fusion.delta_e_fused}};
-}
-
-// The retouch as it is seen, and what it should look like.
-struct Views {
-    Image<Rgb> retouched, target;
-    Mask mask;
-};
-
-Views views_of(const Canvas& canvas, const Mask& mask, const RetouchReport& report,
-               const Progress& progress) {
-    const Image<Rgb> whole = appearance(canvas, {}, progress).diffuse;
-    const Region& r = report.region;
-    Views views{Image<Rgb>(r.width(), r.height()), report.target, Mask(r.width(), r.height())};
-    for (int y = 0; y < r.height(); ++y)
-        for (int x = 0; x < r.width(); ++x) {
-            views.retouched(x, y) = whole(x + r.x0, y + r.y0);
-            views.mask(x, y) = mask(x + r.x0, y + r.y0);
-            if (!(views.mask(x, y) > 0)) views.target(x, y) = views.retouched(x, y);
-        }
-    return views;
-}
-
-nlohmann::json described(const RetouchReport& report, const PaintBox& box) {
-    nlohmann::json piles = nlohmann::json::array();
-    for (const Pile& pile : report.piles) {
-        nlohmann::json json = as_json(pile.steps, pile.mixture, box.palette.paints);
-        const Lab lab = lab_under(pile.look);
-        json["lab"] = {lab.l, lab.a, lab.b};
-        json["share"] = pile.share;
-        json["volume_mm3"] = pile.volume_mm3;
-        json["warnings"] = warnings_of(pile.mixture, box);
-        piles.push_back(json);
-    }
-    nlohmann::json json = {{"piles", piles},
-                           {"area_mm2", report.area_mm2},
-                           {"painted_mm2", report.painted_mm2},
-                           {"delta_e_2000_from_target", by_lamp(report.delta_e_mean)}};
-    if (report.marks > 0)
-        json["lines"] = {
-            {"number", report.marks}, {"pitch_mm", report.pitch_mm}, {"width_mm", report.width_mm}};
-    return json;
-}
-
 void require_sound(const RetouchArguments& a) {
     if (a.treatment.empty() && (a.painting.empty() || a.out.empty()))
         throw UsageError(
@@ -140,18 +92,19 @@ nlohmann::json run_retouch(RetouchArguments a) {
     const Mask mask = area_of(a, treatment, canvas);
     Mask spoilt = a.damaged.empty() ? Mask() : read_mask(a.damaged, canvas.width(), canvas.height());
     if (treatment) spoilt = spoilt.empty() ? damaged(*treatment) : united(spoilt, damaged(*treatment));
-    const std::string layer = treatment && a.layer.empty() && a.inpainting == "membrane"
-                                  ? treatment->new_layer_name(LayerRole::retouch)
+    const bool proposal = a.inpainting != "membrane";
+    const std::string layer = treatment && a.layer.empty()
+                                  ? treatment->new_layer_name(LayerRole::retouch, proposal)
                                   : layer_name(a, canvas);
     const RetouchReport report = lay_retouch(canvas, box.palette, mask, spoilt, *retouch_mode_named(a.mode),
                                              layer, a.options, progress);
-    const Views views = views_of(canvas, mask, report, progress);
-    nlohmann::json result = described(report, box);
+    const RetouchViews views = retouch_views(appearance(canvas, {}, progress).diffuse, mask, report);
+    nlohmann::json result = to_json(report, box.palette.paints, box.warnings);
     result["mode"] = a.mode, result["layer"] = layer, result["dry_sha256"] = hash;
     result["on_original"] = to_json(on_original(canvas.dried().back().paint, mask, canvas.mm_per_pixel()));
     if (report.marks > 0)
         result["lines"].update(
-            as_json(fusion_of(views.retouched, views.target, views.mask,
+            to_json(fusion_of(views.retouched, views.target, views.mask,
                               report.pitch_mm / canvas.mm_per_pixel(), canvas.mm_per_pixel(), a.viewing)));
     for (const Illuminant lamp : a.options.match.lamps)
         if (const double off = report.delta_e_mean[static_cast<std::size_t>(lamp)]; off > kPoor)
@@ -173,7 +126,7 @@ nlohmann::json run_retouch(RetouchArguments a) {
         parameters["palette"] = box.palette.name, parameters["lamps"] = a.box.lamps,
         parameters["goal"] = a.box.goal;
         TreatmentStep step;
-        step.action = a.inpainting == "membrane" ? "retouch" : "propose";
+        step.action = proposal ? "propose" : "retouch";
         step.parameters = parameters, step.results = result;
         step.masks = {{layer, mask}};
         step.canvas = &canvas, step.added = {{layer, LayerRole::retouch}};
@@ -208,8 +161,9 @@ Command retouch_command() {
             flags
                 .option("--inpainting", a->inpainting,
                         "how the surroundings' colour goes on into the mask: membrane, telea, "
-                        "navier-stokes; the last two make the layer a proposal")
-                .check(one_of({"membrane", "telea", "navier-stokes"}))
+                        "navier-stokes, patches (of the surroundings); all but the first make the layer a "
+                        "proposal")
+                .check(one_of({"membrane", "telea", "navier-stokes", "patches"}))
                 .show_default();
             flags.option("--treatment", a->treatment,
                          "treatment to retouch and log in (docs/retouching.md), instead of PAINTING.exr "

@@ -4,53 +4,34 @@
 #include <utility>
 
 #include "cli/arguments.h"
+#include "cli/command.h"
 #include "paint/appearance.h"
-#include "surface/atomic_file.h"
-#include "surface/picture_file.h"
+#include "surface/error.h"
 #include "surface/relight.h"
 
 namespace tangi {
 
-namespace fs = std::filesystem;
-
-namespace {
-
-// The mean of squares of whole pixels, so that it is at most `width` wide.
-Image<Rgb> reduced(const Image<Rgb>& picture, int width) {
-    const int side = (picture.width() + width - 1) / width;
-    if (side <= 1) return picture;
-    Image<Rgb> small(picture.width() / side, std::max(picture.height() / side, 1));
-    const int rows = std::min(side, picture.height());
-    for (int y = 0; y < small.height(); ++y)
-        for (int x = 0; x < small.width(); ++x) {
-            Rgb sum(0);
-            for (int py = 0; py < rows; ++py)
-                for (int px = 0; px < side; ++px) sum += picture(x * side + px, y * side + py);
-            small(x, y) = sum / static_cast<float>(side * rows);
-        }
-    return small;
-}
-
-}  // namespace
-
 void TimeLapseArguments::add_to(Flags& flags) {
     flags.option("--frames", folder, "folder for pictures of the painting as it comes into being (.png)");
+    flags.option("--video", video, "the same as a video (.mp4 .webm)");
     flags.option("--every", every_s, "seconds of painting between two of them")
         .check(within(0.01, 1e6))
         .show_default();
-    flags.option("--frames-width", width, "they are at most so many pixels wide")
-        .check(within(16, 16384))
-        .show_default();
+    film.add_to(flags);
     flags.option("--frames-light", light, "direction of their light, X,Y,Z").show_default();
 }
 
 TimeLapse::TimeLapse(const TimeLapseArguments& a, Session& session)
-    : folder_(a.folder), every_s_(a.every_s), width_(a.width), session_(session) {
+    : every_s_(a.every_s), width_(a.film.width), session_(session) {
     light_.direction = parse_direction(a.light, "--frames-light");
-    require_writable_folder(folder_);
-    make_folder(folder_);
-    if (fs::exists(folder_ / "frame-00001.png"))
-        fail("--frames {}: has frames already; name another folder, or remove them", folder_.string());
+    if (!a.video.empty() && !names_a_video(a.video))
+        throw UsageError(
+            fmt::format("--video {}: a video is .mp4 or .webm; --frames writes pictures", a.video));
+    if (!a.folder.empty() && names_a_video(a.folder))
+        throw UsageError(
+            fmt::format("--frames {}: is a folder for pictures; --video writes a video", a.folder));
+    for (const std::string& out : {a.folder, a.video})
+        if (!out.empty()) films_.push_back(make_film(out, a.film.frames_per_s));
     shown_ = appearance(session_.canvas());
     session_.canvas().take_dirty();
     write();
@@ -66,14 +47,17 @@ void TimeLapse::after(const Event& event) {
     if (before_s_ + stroke_s_ >= next_s_) write();
 }
 
-void TimeLapse::finish() { write(); }
+void TimeLapse::finish() {
+    write();
+    for (const auto& film : films_) film->finish();
+}
 
 void TimeLapse::write() {
     const auto dirty = session_.canvas().take_dirty();
     update_appearance(session_.canvas(), dirty, shown_);
-    const Image<Rgb> picture = reduced(relight(shown_, std::array{light_}), width_);
-    write_picture(folder_ / fmt::format("frame-{:05}.png", ++frames_), picture, {Transfer::Kind::srgb},
-                  {.bits = 8});
+    const Image<Rgb> picture = encoded_srgb(reduced_to_width(relight(shown_, std::array{light_}), width_));
+    for (const auto& film : films_) film->add(picture);
+    ++frames_;
     next_s_ = before_s_ + stroke_s_ + every_s_;
 }
 

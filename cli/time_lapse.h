@@ -1,26 +1,29 @@
-// time_lapse.h: pictures of a painting as it comes into being: replay --frames.
+// time_lapse.h: films of a painting as it comes into being: replay --frames, --video.
 #pragma once
 
-#include <filesystem>
+#include <memory>
 #include <string>
+#include <vector>
 
-#include "cli/flags.h"
+#include "cli/sweep.h"
 #include "paint/session.h"
+#include "viewer/film.h"
 
 namespace tangi {
 
 struct TimeLapseArguments {
-    std::string folder, light = "-0.5,0.5,0.7";
+    std::string folder, video, light = "-0.5,0.5,0.7";
     double every_s = 2;
-    int width = 1280;
+    FilmArguments film;
 
     void add_to(Flags& flags);
+    bool given() const { return !folder.empty() || !video.empty(); }
 };
 
-// Writes DIR/frame-00001.png, ... while a journal is replayed.
+// Writes DIR/frame-00001.png, ..., a video, or both while a journal is replayed; whole or not at all.
 class TimeLapse {
 public:
-    // Throws UsageError, and Error where the folder can't be written or has frames already.
+    // Throws UsageError, and Error where they can't be written or the folder has frames already.
     TimeLapse(const TimeLapseArguments& arguments, Session& session);
 
     void after(const Event& event);
@@ -30,7 +33,7 @@ public:
 private:
     void write();
 
-    std::filesystem::path folder_;
+    std::vector<std::unique_ptr<Film>> films_;
     Light light_;
     double every_s_;
     int width_;

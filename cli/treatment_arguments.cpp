@@ -44,6 +44,10 @@ Mask AreaArguments::area(const Treatment& treatment) const {
     return area;
 }
 
+StepArea AreaArguments::step_area(const Treatment& treatment) const {
+    return {area(treatment), as_json(), inputs()};
+}
+
 nlohmann::json AreaArguments::as_json() const {
     return {{"classes", classes}, {"masks", masks}, {"polygons_mm", polygons}};
 }
@@ -75,14 +79,6 @@ Treatment open_treatment(const std::string& folder) {
     Treatment treatment = Treatment::open(folder);
     for (const std::string& warning : treatment.log().warnings()) warn(warning);
     return treatment;
-}
-
-Mask damaged(const Treatment& treatment) {
-    Mask all(treatment.width(), treatment.height());
-    for (const DamageClass damage : {DamageClass::loss_to_ground, DamageClass::loss_to_support,
-                                     DamageClass::flaking, DamageClass::old_fill})
-        if (treatment.has_mask(damage)) all = united(all, treatment.mask(damage));
-    return all;
 }
 
 }  // namespace tangi

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "cli/flags.h"
-#include "paint/retouch/treatment.h"
+#include "paint/retouch/treatment_steps.h"
 
 namespace tangi {
 
@@ -28,6 +28,7 @@ struct AreaArguments {
     // The mask files, for the log.
     std::vector<std::filesystem::path> inputs() const { return {masks.begin(), masks.end()}; }
     nlohmann::json as_json() const;
+    StepArea step_area(const Treatment& treatment) const;
 };
 
 // Throws UsageError naming `flag` where the word is none of the names.
@@ -38,8 +39,5 @@ Polygon parse_polygon(const std::string& text, const Treatment& treatment);
 
 // Opens it and prints its warnings.
 Treatment open_treatment(const std::string& folder);
-
-// Everything that is damaged, filled or lost: where neither levels nor relief are taken from.
-Mask damaged(const Treatment& treatment);
 
 }  // namespace tangi

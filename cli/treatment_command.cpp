@@ -68,78 +68,42 @@ json check(const Treatment& treatment, const Progress& progress) {
 // Strokes of a journal, or wet paint that the window left on the treatment's painting, as a retouch.
 json retouch(Treatment& treatment, const TreatmentArguments& a, const Progress& progress) {
     Canvas canvas = treatment.read_canvas(progress);
-    const std::string name = treatment.new_layer_name(LayerRole::retouch);
-    Mask area = a.area.empty() ? damaged(treatment) : a.area.area(treatment);
-    if (area_of(area, 1).mm2 == 0)
+    StepArea area = a.area.step_area(treatment);
+    if (a.area.empty()) area.mask = damaged(treatment);
+    if (area_of(area.mask, 1).mm2 == 0)
         fail("{}: no damage is mapped where a retouch would belong; give --class, --mask or --polygon",
              treatment.folder().string());
-    TreatmentStep step{.action = "retouch",
-                       .parameters = {{"area", a.area.as_json()}, {"feather_mm", a.feather_mm}},
-                       .inputs = a.area.inputs()};
-    json painted = json::object();
+    TreatmentStep step{.action = "retouch", .parameters = {{"feather_mm", a.feather_mm}}};
     if (!a.strokes.empty()) {
         if (!canvas.wet().empty())
             fail("{}: has wet paint on it already; dry it first with treatment retouch without --strokes",
                  treatment.painting().string());
         const Journal journal = read_journal(a.strokes);
-        painted["warnings"] = told(journal.warnings);
+        step.results["warnings"] = told(journal.warnings);
         Session session(std::move(canvas), a.palette.empty() ? artist_acrylics() : read_palette(a.palette));
         session.canvas().confine(
-            std::make_shared<Mask>(feathered(area, a.feather_mm / treatment.mm_per_pixel())));
+            std::make_shared<Mask>(feathered(area.mask, a.feather_mm / treatment.mm_per_pixel())));
         replay(session, journal, progress);
-        painted["strokes"] = session.totals().strokes;
+        step.results["strokes"] = session.totals().strokes;
         canvas = session.canvas();
         canvas.confine({});
         step.inputs.emplace_back(a.strokes);
-        std::string file = name;
-        std::replace(file.begin(), file.end(), ' ', '_');
-        step.files["strokes/" + file + ".jsonl"] = read_text_file(a.strokes);
+        step.files[journal_file(treatment)] = read_text_file(a.strokes);
     }
-    // What was dried in the window is a retouch too.
-    const std::vector<TreatmentLayer> logged = treatment.layers();
-    for (const DriedLayer& layer : canvas.dried())
-        if (std::none_of(logged.begin(), logged.end(), [&](const auto& l) { return l.name == layer.name; }))
-            step.added.emplace_back(layer.name, LayerRole::retouch);
-    if (canvas.wet().empty() && step.added.empty())
-        fail("{}: nothing was painted within the area",
-             a.strokes.empty() ? treatment.painting().string() : a.strokes);
-    if (!canvas.wet().empty()) {
-        dry(canvas, name);
-        step.added.emplace_back(name, LayerRole::retouch);
-    }
-    json laid = json::array();
-    for (const auto& [added, role] : step.added) {
-        const auto layer = std::find_if(canvas.dried().begin(), canvas.dried().end(),
-                                        [&added = added](const DriedLayer& l) { return l.name == added; });
-        json paints = json::object();
-        const auto volumes = volumes_mm3(layer->paint, canvas.ingredients().size(), canvas.mm_per_pixel());
-        for (std::size_t i = 0; i < volumes.size(); ++i)
-            if (volumes[i] > 0) paints[canvas.ingredients()[i].name] = volumes[i];
-        laid.push_back({{"layer", added},
-                        {"area_cm2", area_of(additions(layer->paint), treatment.mm_per_pixel()).mm2 / 100},
-                        {"volumes_mm3", paints},
-                        {"on_original", to_json(on_original(layer->paint, area, treatment.mm_per_pixel()))}});
-    }
-    step.results = {{"retouches", laid}};
-    step.results.update(painted);
-    step.masks[name] = area;
-    step.canvas = &canvas;
-    treatment.record(step, a.author.author(), progress);
-    return step.results;
+    return retouch_step(treatment, canvas, area, std::move(step),
+                        a.strokes.empty() ? treatment.painting().string() : a.strokes, a.author.author(),
+                        progress);
 }
 
 json remove(Treatment& treatment, const TreatmentArguments& a, const Progress& progress) {
     if (a.layer.empty() == !a.all) throw UsageError("treatment remove: give --layer NAME, or --all");
     Canvas canvas = treatment.read_canvas(progress);
-    json removed = json::array();
-    for (const TreatmentLayer& layer : treatment.layers())
-        if (a.all || layer.name == a.layer) {
-            lift_off(canvas, layer.name);
-            removed.push_back(layer.name);
-        }
-    if (removed.empty()) lift_off(canvas, a.layer);  // says which there are
-    treatment.record({.action = "remove", .parameters = {{"layers", removed}}, .canvas = &canvas},
-                     a.author.author(), progress);
+    std::vector<std::string> removed;
+    if (a.all)
+        for (const TreatmentLayer& layer : treatment.layers()) removed.push_back(layer.name);
+    else
+        removed.push_back(a.layer);
+    remove_step(treatment, canvas, removed, a.author.author(), progress);
     json result = status(treatment);
     result["removed"] = removed;
     if (canvas.dried().empty())
@@ -150,7 +114,7 @@ json remove(Treatment& treatment, const TreatmentArguments& a, const Progress& p
 json show(const Treatment& treatment, const TreatmentArguments& a, const Progress& progress) {
     const auto state = treatment_state_named(a.state);
     const Canvas canvas = treatment.read_canvas(progress);
-    const Surface surface = appearance(in_state(canvas, treatment.layers(), *state), {}, progress);
+    const Surface surface = surface_in_state(treatment, canvas, *state, progress);
     write_picture_8bit(a.out,
                        look_of(surface, distant_light(parse_direction(a.light, "--light")), 0, progress));
     return {{"picture", a.out}, {"state", a.state}};
@@ -177,16 +141,18 @@ json run_treatment(const TreatmentArguments& a) {
     const bool writes = a.action == "show" || a.action == "additions" || a.action == "report";
     if (writes) require(a.out, "--out FILE", a.action);
     if (writes && a.action != "report") require_picture_format(a.out);
-    if (a.action == "report" && lower_extension(a.out) != ".html")
-        throw UsageError(
-            fmt::format("--out {}: a report is written as .html; its style sheet prints it on A4 "
-                        "or to PDF",
-                        a.out));
+    if (a.action == "report" && lower_extension(a.out) != ".html" && lower_extension(a.out) != ".pdf")
+        throw UsageError(fmt::format("--out {}: a report is written as .html and .pdf, side by side", a.out));
     Treatment treatment = open_treatment(a.folder);
     if (writes) refuse_to_overwrite(a.out, {treatment.painting(), treatment.log().path()});
     if (a.action == "status") return status(treatment);
     if (a.action == "check") return check(treatment, progress);
     if (a.action == "retouch") return retouch(treatment, a, progress);
+    if (a.action == "earlier") {
+        require(a.painting, "--painting P.exr", a.action);
+        treatment.keep_earlier(a.painting, a.author.author(), progress);
+        return status(treatment);
+    }
     if (a.action == "remove") return remove(treatment, a, progress);
     if (a.action == "show") return show(treatment, a, progress);
     if (a.action == "additions") return show_additions(treatment, a, progress);
@@ -201,16 +167,20 @@ json run_treatment(const TreatmentArguments& a) {
 Command treatment_command() {
     return {
         "treatment",
-        "the treatment of a painting: begin, status, check, retouch, remove, show, additions, report",
+        "the treatment of a painting: begin, earlier, status, check, retouch, remove, show, additions, "
+        "report",
         [](Flags& flags) {
             auto a = std::make_shared<TreatmentArguments>();
             flags
-                .option("ACTION", a->action, "begin, status, check, retouch, remove, show, additions, report")
+                .option("ACTION", a->action,
+                        "begin, earlier, status, check, retouch, remove, show, additions, report")
                 .required()
-                .check(
-                    one_of({"begin", "status", "check", "retouch", "remove", "show", "additions", "report"}));
+                .check(one_of({"begin", "earlier", "status", "check", "retouch", "remove", "show",
+                               "additions", "report"}));
             flags.option("TREATMENT", a->folder, "folder of the treatment").required();
-            flags.option("--painting", a->painting, "begin: painting file (.exr), which is copied");
+            flags.option("--painting", a->painting,
+                         "begin, earlier: painting file (.exr), which is copied; earlier: as it was before "
+                         "it was cleaned");
             flags
                 .option("--mm-per-pixel", a->mm_per_pixel,
                         "begin: size of the painting's pixels where the file does not say")
@@ -228,7 +198,8 @@ Command treatment_command() {
                 .check(one_of({"before", "cleaned", "filled", "retouched", "varnished"}))
                 .show_default();
             flags.option("--light", a->light, "show: direction to the light, X,Y,Z").show_default();
-            flags.option("--out", a->out, "show, additions: picture; report: page (.html)");
+            flags.option("--out", a->out,
+                         "show, additions: picture; report: page (.html), with a .pdf beside it");
             a->author.add_to(flags);
             return [a] { return run_treatment(*a); };
         }};

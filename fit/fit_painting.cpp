@@ -24,7 +24,14 @@ namespace {
 // are no ground for a second pass (real/coin: 1.5, which it costs 0.3 dB; icon, with its gold, 1.05; the
 // other stacks: 0.56 to 0.76).
 constexpr double kTrusted = 1;
-constexpr std::size_t kBandBytes = 96u << 20;  // one band; two are in memory at a time
+// One band; two are in memory at a time. Small ones stay in the processor's caches, and their memory is used
+// again instead of given back; but photographs that are resampled share rows between bands, and each thread
+// needs rows of its own.
+constexpr std::size_t kBandBytes = 24u << 20, kLargestBandBytes = 96u << 20;
+constexpr int kRowsAThread = 4;
+
+// [1] HeightOptions::tolerance of the height that casts shadows: what is left are long waves.
+constexpr double kShadowTolerance = 1e-3;
 
 // Confidence of a pixel: 1 where the slope is certain, 1/2 where its standard error is 0.1 (about 6 degrees).
 float confidence_of(const WardEstimate& e) {
@@ -131,6 +138,14 @@ void summarise(const Surface& surface, Counters& counters, double diffuse_max, F
     report.median_confidence = median(std::move(confidences));
 }
 
+int rows_of_band(const Stack& stack, const StackReader& reader) {
+    const int most = reader.rows_for(kLargestBandBytes);
+    const bool resampled = stack.geometry || std::any_of(stack.photos.begin(), stack.photos.end(),
+                                                         [](const StackPhoto& p) { return p.homography; });
+    if (resampled) return most;
+    return std::min(std::max(reader.rows_for(kBandBytes), kRowsAThread * thread_count()), most);
+}
+
 // One pass over the photographs; the next band is decoded while this one is fitted.
 void fit_bands(const Stack& stack, const Transfer& transfer, const Lighting& lighting,
                const NoiseModel& noise, const FitOptions& options, FirstPass* first, FitResult& result,
@@ -138,7 +153,7 @@ void fit_bands(const Stack& stack, const Transfer& transfer, const Lighting& lig
     Counters counters;
     counters.rms_residuals.assign((result.surface.height_mm.size() - 1) / rms_step(result.surface) + 1, -1);
     StackReader reader(stack);
-    const int rows = reader.rows_for(kBandBytes);
+    const int rows = rows_of_band(stack, reader);
     Band next = reader.read(0, std::min(rows, stack.height()), transfer);
     for (int y0 = 0; y0 < stack.height(); y0 += rows) {
         const Band band = std::move(next);
@@ -293,8 +308,10 @@ FitResult fit_painting(Stack stack, const FitOptions& options, const Progress& p
             "glass look like that, and wrong light directions",
             stack.folder.string(), report_.median_rms_residual));
     if (options.refine && trusted) {
-        integrate_normals(surface.normal, surface.confidence, surface.mm_per_pixel, surface.height_mm,
-                          options.height, Progress([&](std::string_view, double done) {
+        HeightOptions rough = options.height;
+        rough.tolerance = std::max(rough.tolerance, kShadowTolerance);
+        integrate_normals(surface.normal, surface.confidence, surface.mm_per_pixel, surface.height_mm, rough,
+                          Progress([&](std::string_view, double done) {
                               return !progress || progress("first height", done);
                           }));
         subtract(best_plane(surface.height_mm, surface.confidence), surface.height_mm);

@@ -335,8 +335,14 @@ LightCalibration calibrate_lights(const Stack& stack, const Survey& survey, cons
     attempt({{LightFreedom::none}, {LightFreedom::rig}, {LightFreedom::rig_and_gains}});
     const std::size_t listed = best;
     const LightFreedom lamps = all[best].trial.model.lamps;
-    if (stack.photos.size() >= kFewestForDirections)
+    // A lamp that was left out has no part in directions of each lamp's own: with few photographs leaving
+    // some out says nothing of them, and it is up to the user.
+    if (options.refine_directions)
+        attempt({{lamps, DirectionFreedom::own}});
+    else if (stack.photos.size() >= kFewestForDirections)
         attempt({{lamps, DirectionFreedom::smooth}, {lamps, DirectionFreedom::own}});
+    if (options.refine_directions && all.back().trial.model.directions == DirectionFreedom::own)
+        best = all.size() - 1;
     const auto calibrated = [&](const Tried& one) {
         if (!one.solution) return LightCalibration{.lighting = given};
         LightCalibration c = calibration_of(sample, *one.solution, given, one.trial.model);

@@ -48,6 +48,7 @@ struct LightCalibrationOptions {
     int fewest_photos = 12;  // [1] with fewer, lights are taken as given
     double worth_db =
         0.1;  // [dB] by which it must predict left-out photographs better, less the standard error
+    bool refine_directions = false;  // each lamp's direction is corrected, whatever left-out photographs say
 
     static constexpr std::string_view name = "light_calibration";
     template <class Self, class Visit>
@@ -60,6 +61,11 @@ struct LightCalibrationOptions {
                 "worth_db", 0, 100, "dB",
                 "improvement on left-out photographs, beyond its standard error, that calibrating needs"},
             self.worth_db);
+        visit(
+            FieldInfo{
+                "refine_directions", 0, 1, "",
+                "correct each lamp's direction: for lights files that are known to be some degrees off"},
+            self.refine_directions);
     }
 };
 

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "fit/ward_batch.h"
 #include "surface/parallel.h"
 
 namespace tangi {
@@ -78,12 +79,35 @@ std::vector<WardEstimate> LightSample::fit(const std::vector<int>& photos, const
     WardFitOptions options = ward_;
     options.law = law;
     std::vector<WardEstimate> estimates(static_cast<std::size_t>(size()));
-    oneapi::tbb::enumerable_thread_specific<WardFitter> fitters([&] { return WardFitter(options); });
-    parallel_for(0, size(), 8, [&](int begin, int end) {
+    struct Fitters {
+        explicit Fitters(const WardFitOptions& options) : batches(options), ceres(options) {}
+        WardBatchFitter batches;
+        WardFitter ceres;
+        WardBatch batch;
         PixelSamples samples;
+    };
+    oneapi::tbb::enumerable_thread_specific<Fitters> all([&] { return Fitters(options); });
+    parallel_for(0, size(), 4 * kWardLanes, [&](int begin, int end) {
+        Fitters& f = all.local();
+        f.batches.start(end - begin);
+        for (int first = begin; first < end; first += kWardLanes) {
+            f.batch.resize(static_cast<int>(photos.size()), survey_.channels, options.prior);
+            for (int k = first; k < std::min(first + kWardLanes, end); ++k) {
+                gather(k, photos, lighting, f.samples);
+                f.batch.set(k - first, k - begin, f.samples);
+            }
+            f.batches.fit(f.batch);
+        }
+        f.batches.finish();
         for (int k = begin; k < end; ++k) {
-            gather(k, photos, lighting, samples);
-            estimates[static_cast<std::size_t>(k)] = fitters.local().fit(samples);
+            const WardSolution& solution = f.batches.solutions()[static_cast<std::size_t>(k - begin)];
+            WardEstimate& estimate = estimates[static_cast<std::size_t>(k)];
+            estimate = solution.estimate(survey_.channels);
+            if (!solution.doubtful) continue;
+            gather(k, photos, lighting, f.samples);
+            const WardEstimate other = f.ceres.fit(f.samples);
+            if (other.valid && !(estimate.valid && estimate.rms_residual <= other.rms_residual))
+                estimate = other;
         }
     });
     return estimates;
@@ -160,7 +184,17 @@ void LightSample::add_pixel(int k, const WardEstimate& e, const std::vector<int>
 JointLights LightSample::joint_problem(const std::vector<int>& photos, const Lighting& lighting) const {
     JointLights joint;
     describe(lighting, joint);
-    const std::vector<WardEstimate> estimates = fit(photos, lighting);
+    // In doubles, one pixel after the other: lamps whose strength is not known yet leave a pixel several
+    // minima, and with those that batches find, lamps sevenfold apart come out wrong.
+    std::vector<WardEstimate> estimates(static_cast<std::size_t>(size()));
+    oneapi::tbb::enumerable_thread_specific<WardFitter> fitters([&] { return WardFitter(ward_); });
+    parallel_for(0, size(), 8, [&](int begin, int end) {
+        PixelSamples samples;
+        for (int k = begin; k < end; ++k) {
+            gather(k, photos, lighting, samples);
+            estimates[static_cast<std::size_t>(k)] = fitters.local().fit(samples);
+        }
+    });
     for (int k = 0; k < size(); ++k)
         add_pixel(k, estimates[static_cast<std::size_t>(k)], photos, lighting, joint);
     return joint;

@@ -86,6 +86,8 @@ struct WardSlots {
 // Memory of photometric stereo and of the lobe's start.
 struct WardScratch {
     std::vector<WardLane> lanes;
+    std::vector<std::array<int, 2>> network;  // sorts `sorted` keys: pairs to compare and exchange
+    int sorted = -1;
 };
 
 // Fits batches one after another and hands out solutions under the pixels' names. Lanes whose neighbours have

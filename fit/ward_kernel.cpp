@@ -22,6 +22,9 @@ namespace HWY_NAMESPACE {
 constexpr int kAt[4][4] = {{0, 1, 2, 3}, {1, 4, 5, 6}, {2, 5, 7, 8}, {3, 6, 8, 9}};
 constexpr float kTiny = 1e-10f;  // keeps a parameter that nothing depends on from dividing by 0
 
+constexpr float kLittle = 2e-4f;  // [1] of the cost: an undamped step that lowers it by less is the last
+constexpr float kFree = 0.1f;     // [1] damping up to which a step counts as undamped
+
 // The common parameters' system once the channels are eliminated, and its factors L D L^T.
 struct Factors {
     V l[4][4], d[4];
@@ -188,6 +191,7 @@ HWY_INLINE void run(WardSlots& s, const WardFitOptions& options, int at, int few
             next.theta[i] = hn::Min(hn::Max(hn::Add(point.theta[i], step[i]), limits.low[i]), limits.high[i]);
         evaluate<C>(s, law, at, next, trial);
         const V change = hn::Sub(system.cost, trial.cost);
+        const M free = hn::Le(damping, all(kFree));
         const M better = hn::And(alive, hn::Gt(change, zero)), worse = hn::AndNot(better, alive);
         // Nielsen's factor 1 - (2 rho - 1)^3 of an accepted step.
         const V rho = hn::Min(hn::Div(change, hn::Max(falls, all(1e-20f))), all(2));
@@ -199,7 +203,9 @@ HWY_INLINE void run(WardSlots& s, const WardFitOptions& options, int at, int few
         iterations = hn::Add(iterations, keep(alive, one));
         for (int i = 0; i < 4 + C; ++i) point.theta[i] = choose(better, next.theta[i], point.theta[i]);
         take<C>(better, trial, system);
-        const M small = hn::And(better, hn::Lt(change, enough));
+        // Where the damping is low, a small fall is that of a step which nears the minimum.
+        const V little = choose(free, hn::Max(hn::Mul(all(kLittle), system.cost), enough), enough);
+        const M small = hn::And(better, hn::Lt(change, little));
         const M stuck = hn::And(worse, hn::Gt(damping, all(1e8f)));
         converged = choose(hn::Or(small, stuck), one, converged);
         alive = hn::AndNot(hn::Or(hn::Or(small, stuck), hn::Ge(iterations, most)), alive);

@@ -18,7 +18,14 @@ HWY_BEFORE_NAMESPACE();
 namespace tangi {
 namespace HWY_NAMESPACE {
 
-constexpr std::array<float, kWidths> kWidth = {0.06f, 0.12f, 0.2f, 0.32f, 0.5f};
+// Widths 0.5 / sqrt(2)^k: their exponents are those of the widest times powers of two, so that one
+// exponential serves all of them.
+constexpr std::array<int, kWidths> kPower = {0, 1, 3, 4, 6};
+constexpr int kPowers = kPower.back() + 3;
+constexpr float kLnWidest = -0.693147181f, kLnWidthStep = -0.346573590f, kWidestInverse2 = 4;
+inline float ln_width(int k) {
+    return kLnWidest + kLnWidthStep * static_cast<float>(kPower[static_cast<std::size_t>(k)]);
+}
 
 // Light, weights and targets of the iteration; what the model leaves out is taken relative to the matt
 // prediction (add_model_error() of ward_fit.cpp says why). Weights of clipped values are negative.
@@ -90,10 +97,16 @@ HWY_INLINE void start_lobe(const WardSlots& s, const WardFitOptions& options, co
             left = fma(counted, over, left);
             square = fma(counted, counted, square);
         }
+        // The haze is twice as wide: two powers before.
+        V power[kPowers];
+        power[0] = exp_negative(hn::Mul(g.tan2, all(-0.25f * kWidestInverse2)));
+        for (int k = 1; k < kPowers; ++k) power[k] = squared(power[k - 1]);
+        const V core = hn::Mul(shape, law.core), haze = hn::Mul(shape, hn::Mul(law.haze, all(0.25f)));
         for (int k = 0; k < kWidths; ++k) {
-            const float alpha = kWidth[static_cast<std::size_t>(k)], inverse2 = 1 / (alpha * alpha);
-            const Gaussians gauss = gaussians(law, g.tan2, all(inverse2));
-            const V lobe = hn::Mul(law.hazy ? hn::Add(gauss.core, gauss.haze) : gauss.core, shape);
+            const int wide = kPower[static_cast<std::size_t>(k)];
+            V lobe = hn::Mul(core, power[wide + 2]);
+            if (law.hazy) lobe = fma(haze, power[wide], lobe);
+            lobe = hn::Mul(lobe, all(kWidestInverse2 * static_cast<float>(1 << wide)));
             store(lobe, grey[i].reuse[k], at);
             numerator[k] = fma(lobe, left, numerator[k]);
             denominator[k] = fma(hn::Mul(lobe, lobe), square, denominator[k]);
@@ -130,26 +143,25 @@ HWY_INLINE void start_lobe(const WardSlots& s, const WardFitOptions& options, co
     const V a_weight = load(s.prior_ln_alpha_weight, at), a_middle = load(s.prior_ln_alpha, at);
     const V s_weight = load(s.prior_specular_weight, at), s_middle = load(s.prior_specular, at);
     V best = all(std::numeric_limits<float>::infinity());
-    ln_alpha = all(std::log(kWidth[2]));
+    ln_alpha = all(ln_width(2));
     specular = least;
     for (int k = 0; k < kWidths; ++k) {
-        const float ln_width = std::log(kWidth[static_cast<std::size_t>(k)]);
-        const V a_off = hn::Sub(all(ln_width), a_middle), s_off = hn::Sub(candidate[k], s_middle);
+        const V a_off = hn::Sub(all(ln_width(k)), a_middle), s_off = hn::Sub(candidate[k], s_middle);
         const V cost =
             fma(hn::Mul(a_weight, a_off), a_off, fma(hn::Mul(s_weight, s_off), s_off, logarithm(product[k])));
         const M better = hn::Lt(cost, best);
         best = choose(better, cost, best);
-        ln_alpha = choose(better, all(ln_width), ln_alpha);
+        ln_alpha = choose(better, all(ln_width(k)), ln_alpha);
         specular = choose(better, candidate[k], specular);
     }
 }
 
 template <int C>
-HWY_INLINE void start(const WardBatch& b, const WardFitOptions& options, Grey* grey, int at,
-                      WardSlots& slots) {
+HWY_INLINE void start(const WardBatch& b, const WardFitOptions& options, const WardScratch& scratch,
+                      Grey* grey, int at, WardSlots& slots) {
     Vector normal;
     const V count = make_grey<C>(b, grey, at);
-    const M valid = stereo(grey, b.photos, count, at, normal);
+    const M valid = stereo(grey, scratch, count, at, normal);
     V diffuse[C];
     diffuse_of<C>(b, grey, normal, at, diffuse);
     const V used = weigh<C>(b, options, normal, diffuse, at, slots);
@@ -176,7 +188,7 @@ HWY_INLINE void start(const WardBatch& b, const WardFitOptions& options, Grey* g
     store(used, slots.used, at);
     store(keep(valid, all(1)), slots.valid, at);
     store(keep(valid, all(1)), slots.alive, at);
-    store(all(1e-3f), slots.damping, at);
+    store(all(3e-3f), slots.damping, at);
     store(all(2), slots.damping_growth, at);
     store(hn::Zero(Floats()), slots.iterations, at);
     store(hn::Zero(Floats()), slots.resumed, at);
@@ -188,9 +200,9 @@ void StartBatch(const WardBatch& b, const WardFitOptions& options, WardScratch& 
     Grey* grey = reinterpret_cast<Grey*>(scratch.lanes.data());
     for (int at = 0; at < kWardLanes; at += static_cast<int>(hn::Lanes(Floats()))) {
         if (b.channels == 3)
-            start<3>(b, options, grey, at, slots);
+            start<3>(b, options, scratch, grey, at, slots);
         else
-            start<1>(b, options, grey, at, slots);
+            start<1>(b, options, scratch, grey, at, slots);
     }
 }
 
@@ -203,8 +215,27 @@ namespace tangi {
 
 HWY_EXPORT(StartBatch);
 
+namespace {
+
+// Batcher's merge exchange (Knuth, The Art of Computer Programming 3, algorithm 5.2.2M).
+std::vector<std::array<int, 2>> sorting_network(int n) {
+    std::vector<std::array<int, 2>> pairs;
+    for (int p = 1; p < n; p *= 2)
+        for (int k = p; k >= 1; k /= 2)
+            for (int j = k % p; j + k < n; j += 2 * k)
+                for (int i = j; i < j + std::min(k, n - j - k); ++i)
+                    if (i / (2 * p) == (i + k) / (2 * p)) pairs.push_back({i, i + k});
+    return pairs;
+}
+
+}  // namespace
+
 void start_ward_batch(const WardBatch& batch, const WardFitOptions& options, WardScratch& scratch,
                       WardSlots& slots) {
+    if (scratch.sorted != batch.photos) {
+        scratch.network = sorting_network(batch.photos);
+        scratch.sorted = batch.photos;
+    }
     HWY_DYNAMIC_DISPATCH(StartBatch)(batch, options, scratch, slots);
 }
 

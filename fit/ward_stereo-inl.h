@@ -41,13 +41,8 @@ HWY_INLINE void compare_exchange(WardLane& a, WardLane& b, int at) {
     store(hn::Max(x, y), b, at);
 }
 
-// Batcher's merge exchange (Knuth, The Art of Computer Programming 3, algorithm 5.2.2M).
-HWY_INLINE void sort_keys(Grey* grey, int n, int at) {
-    for (int p = 1; p < n; p *= 2)
-        for (int k = p; k >= 1; k /= 2)
-            for (int j = k % p; j + k < n; j += 2 * k)
-                for (int i = j; i < j + std::min(k, n - j - k); ++i)
-                    if (i / (2 * p) == (i + k) / (2 * p)) compare_exchange(grey[i].key, grey[i + k].key, at);
+HWY_INLINE void sort_keys(Grey* grey, const std::vector<std::array<int, 2>>& network, int at) {
+    for (const auto& [low, high] : network) compare_exchange(grey[low].key, grey[high].key, at);
 }
 
 // Sums of the normal equations of g . (light + ambient * normal) = value.
@@ -130,9 +125,10 @@ HWY_INLINE V make_grey(const WardBatch& b, Grey* grey, int at) {
 }
 
 // photometric_stereo() but for the diffuse channels: weights are left in `grey`.
-HWY_INLINE M stereo(Grey* grey, int n, V count, int at, Vector& normal) {
+HWY_INLINE M stereo(Grey* grey, const WardScratch& scratch, V count, int at, Vector& normal) {
     const Floats d;
-    sort_keys(grey, n, at);
+    const int n = scratch.sorted;
+    sort_keys(grey, scratch.network, at);
     WardLane counts, low, high, typical;
     store(count, counts, at);
     for (int lane = at; lane < at + static_cast<int>(hn::Lanes(d)); ++lane) {

@@ -51,6 +51,9 @@ HWY_INLINE V exp_negative(V x) {
     return keep(hn::Gt(x, all(-36.0f)), value);
 }
 
+// Of numbers from 0 to 1; 0 below exp(-36), as exp_negative().
+HWY_INLINE V squared(V x) { return keep(hn::Gt(x, all(1.5230e-8f)), hn::Mul(x, x)); }
+
 // 1 / sqrt(x) for normal x > 0, within 3e-7 of it: an estimate from the bits of x, then Newton's steps (the
 // processors' own estimates differ from one to another).
 HWY_INLINE V inverse_root(V x) {
@@ -170,9 +173,7 @@ HWY_INLINE Gaussians gaussians(const Law& law, V tan2, V inverse_alpha2) {
     const V exponent = hn::Neg(hn::Mul(tan2, inverse_alpha2));
     if (!law.hazy) return {hn::Mul(exp_negative(exponent), inverse_alpha2), inverse_alpha2};
     const V root = exp_negative(hn::Mul(exponent, all(0.25f)));
-    // Its fourth power is 0 below exp(-36) too.
-    const V square = keep(hn::Gt(root, all(1.2341e-4f)), hn::Mul(root, root));
-    return {hn::Mul(hn::Mul(hn::Mul(square, square), inverse_alpha2), law.core),
+    return {hn::Mul(hn::Mul(squared(squared(root)), inverse_alpha2), law.core),
             hn::Mul(hn::Mul(root, hn::Mul(inverse_alpha2, all(0.25f))), law.haze)};
 }
 

@@ -1,8 +1,8 @@
 #include "paint/appearance.h"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
+#include <map>
 #include <mutex>
 #include <set>
 
@@ -17,6 +17,8 @@ constexpr int kSize = PaintTile::kSize;
 constexpr int kBorder = 2;             // [pixels] that slopes look beyond a tile
 constexpr float kLevelled_mm = 0.02f;  // of a layer that levels lets 37 % of the detail below through
 
+Region grown(const Region& r) { return {r.x0 - kBorder, r.y0 - kBorder, r.x1 + kBorder, r.y1 + kBorder}; }
+
 // All paint of the canvas, from the bottom up.
 std::vector<const PaintLayer*> layers_of(const Canvas& canvas) {
     std::vector<const PaintLayer*> layers;
@@ -25,13 +27,11 @@ std::vector<const PaintLayer*> layers_of(const Canvas& canvas) {
     return layers;
 }
 
-// The thickness of all layers in a tile and two pixels around it, as far as the canvas goes.
+// The thickness of all layers in a region and two pixels around it, as far as the canvas goes.
 class Thickness {
 public:
-    Thickness(const std::vector<const PaintLayer*>& layers, const Region& tile, const Region& canvas)
-        : region_{std::max(tile.x0 - kBorder, canvas.x0), std::max(tile.y0 - kBorder, canvas.y0),
-                  std::min(tile.x1 + kBorder, canvas.x1), std::min(tile.y1 + kBorder, canvas.y1)},
-          values_(region_.width(), region_.height()) {
+    Thickness(const std::vector<const PaintLayer*>& layers, const Region& region, const Region& canvas)
+        : region_(intersection(grown(region), canvas)), values_(region_.width(), region_.height()) {
         for (const PaintLayer* layer : layers)
             layer->add_thickness_mm(region_, values_.data(), static_cast<std::size_t>(region_.width()));
     }
@@ -58,19 +58,64 @@ Slope slope_at(const Thickness& t, int x, int y, const Region& canvas, double mm
             (t(x, up) - t(x, down)) / (static_cast<float>(std::max(down - up, 1)) * mm)};
 }
 
-// Films of one tile of one layer over the colours that lie below, in place.
-void lay_film(const PaintTile& tile, const std::vector<Pigment>& pigments, const AppearanceOptions& options,
-              std::vector<Spectrum>& below) {
-    std::vector<Pigment> used;
-    std::vector<std::span<const float>> planes;
-    for (const IngredientId id : tile.ingredients) {
-        used.push_back(pigments[id]);
-        planes.push_back(tile.plane(id));
+// The paint of one tile of a layer in a part of it, row by row.
+struct PartOfTile {
+    std::vector<Pigment> pigments;
+    std::vector<std::vector<float>> volumes_mm;  // of each
+
+    PartOfTile(const PaintTile& tile, const std::vector<Pigment>& all, const Region& part) {
+        for (const IngredientId id : tile.ingredients) {
+            pigments.push_back(all[id]);
+            std::vector<float>& to = volumes_mm.emplace_back();
+            to.reserve(static_cast<std::size_t>(part.width()) * static_cast<std::size_t>(part.height()));
+            for (int y = part.y0; y < part.y1; ++y) {
+                const float* from = tile.plane(id).data() + (y % kSize) * kSize + part.x0 % kSize;
+                to.insert(to.end(), from, from + part.width());
+            }
+        }
     }
-    const FilmBatch films(used, options.illuminant);
-    std::vector<Spectrum> above(below.size());
-    films.look(planes, below, above);
-    std::swap(below, above);
+    std::vector<std::span<const float>> planes() const { return {volumes_mm.begin(), volumes_mm.end()}; }
+};
+
+// The colours of a part of a tile, row by row: films of its layers over what is dry.
+std::vector<Rgb> colours_of(const std::vector<PartOfTile>& layers, std::vector<Rgb> dry,
+                            const AppearanceOptions& options) {
+    if (layers.size() == 1) {
+        FilmBatch(layers[0].pigments, options.illuminant).look(layers[0].planes(), dry, dry);
+        return dry;
+    }
+    std::vector<Spectrum> below(dry.size()), above(dry.size());
+    for (std::size_t i = 0; i < dry.size(); ++i) below[i] = reflectance_of_rgb(dry[i]);
+    for (const PartOfTile& layer : layers) {
+        FilmBatch(layer.pigments, options.illuminant).look(layer.planes(), below, above);
+        std::swap(below, above);
+    }
+    for (std::size_t i = 0; i < dry.size(); ++i) dry[i] = to_linear_rgb(below[i], options.illuminant);
+    return dry;
+}
+
+struct Sheen {
+    float specular = 0, roughness = 0;
+};
+
+// The gloss of a part of a layer, its paints' by volume, over that of what lies below, in place. A varnish
+// shines the same over thick paint as over thin.
+void lay_sheen(const PartOfTile& layer, const AppearanceOptions& options, std::vector<Sheen>& below) {
+    std::vector<Sheen> own(below.size());
+    std::vector<float> mm(below.size());
+    for (std::size_t k = 0; k < layer.pigments.size(); ++k)
+        for (std::size_t i = 0; i < below.size(); ++i) {
+            const float volume = layer.volumes_mm[k][i];
+            mm[i] += volume;
+            own[i].specular += volume * layer.pigments[k].specular;
+            own[i].roughness += volume * layer.pigments[k].roughness;
+        }
+    for (std::size_t i = 0; i < below.size(); ++i) {
+        if (!(mm[i] > 0)) continue;
+        const float covered = 1 - std::exp(-mm[i] / static_cast<float>(options.covering_mm));
+        below[i].specular += covered * (own[i].specular / mm[i] - below[i].specular);
+        below[i].roughness += covered * (own[i].roughness / mm[i] - below[i].roughness);
+    }
 }
 
 // What is below paint that levels has the slope of its height only; elsewhere the slope that was measured.
@@ -89,9 +134,10 @@ Slope slope_below(const Surface& dry, int x, int y, float levelling_mm) {
             of_height.y + through * (measured.y - of_height.y)};
 }
 
-// The normals of a tile: all that paint in the tiles beside it changes.
-void update_normals(const Canvas& canvas, const Thickness& thickness, const Region& region, Surface& s) {
+void update_normals(const Canvas& canvas, const std::vector<const PaintLayer*>& layers, const Region& region,
+                    Surface& s) {
     const Surface& dry = canvas.dry();
+    const Thickness thickness(layers, region, canvas.region());
     std::vector<const PaintLayer*> levelling;
     for (const DriedLayer& layer : canvas.dried())
         if (layer.levels) levelling.push_back(&layer.paint);
@@ -106,80 +152,84 @@ void update_normals(const Canvas& canvas, const Thickness& thickness, const Regi
         }
 }
 
-void update_tile(const Canvas& canvas, TileIndex at, bool normals_only, Surface& s,
-                 const AppearanceOptions& options) {
-    const auto layers = layers_of(canvas);
+// All but the normals, in a part of one tile.
+void update_part(const Canvas& canvas, const std::vector<const PaintLayer*>& layers, TileIndex at,
+                 const Region& part, Surface& s, const AppearanceOptions& options) {
     const Surface& dry = canvas.dry();
     const auto unit_mm = static_cast<float>(canvas.height_unit_mm());
-    const Region region = canvas.wet().region_of(at);
-    const Thickness thickness(layers, region, canvas.region());
-    update_normals(canvas, thickness, region, s);
-    if (normals_only) return;
-    const auto painted = [&](const PaintLayer* layer) { return layer->tile(at) != nullptr; };
-    const bool any_layer = std::any_of(layers.begin(), layers.end(), painted);
-
-    // Colours, and the volume-weighted gloss.
-    std::vector<Spectrum> look;
-    std::vector<float> specular, roughness;
-    if (any_layer) {
-        look.resize(PaintTile::kPixels);
-        specular.assign(PaintTile::kPixels, 0.0f);
-        roughness.assign(PaintTile::kPixels, 0.0f);
-        for (int y = region.y0; y < region.y1; ++y)
-            for (int x = region.x0; x < region.x1; ++x)
-                look[static_cast<std::size_t>((y - region.y0) * kSize + x - region.x0)] =
-                    reflectance_of_rgb(dry.diffuse(x, y));
-        for (const PaintLayer* layer : layers)
-            if (const auto& tile = layer->tile(at)) {
-                lay_film(*tile, canvas.ingredients(), options, look);
-                for (const IngredientId id : tile->ingredients) {
-                    const Pigment& pigment = canvas.ingredients()[id];
-                    const auto plane = tile->plane(id);
-                    for (std::size_t i = 0; i < plane.size(); ++i) {
-                        specular[i] += plane[i] * pigment.specular;
-                        roughness[i] += plane[i] * pigment.roughness;
-                    }
-                }
-            }
+    std::vector<PartOfTile> films;
+    for (const PaintLayer* layer : layers)
+        if (const auto& tile = layer->tile(at)) films.emplace_back(*tile, canvas.ingredients(), part);
+    std::vector<Rgb> colours;
+    std::vector<Sheen> sheen;
+    for (int y = part.y0; y < part.y1; ++y)
+        for (int x = part.x0; x < part.x1; ++x) {
+            colours.push_back(dry.diffuse(x, y));
+            sheen.push_back({dry.specular(x, y), dry.roughness(x, y)});
+        }
+    std::vector<float> mm(colours.size());
+    for (const PartOfTile& film : films) {
+        for (const std::vector<float>& volume_mm : film.volumes_mm)
+            for (std::size_t i = 0; i < mm.size(); ++i) mm[i] += volume_mm[i];
+        lay_sheen(film, options, sheen);
     }
-    for (int y = region.y0; y < region.y1; ++y)
-        for (int x = region.x0; x < region.x1; ++x) {
-            const float mm = thickness(x, y);
-            s.height_mm(x, y) = dry.height_mm(x, y) + mm / unit_mm;
+    if (!films.empty()) colours = colours_of(films, std::move(colours), options);
+    std::size_t i = 0;
+    for (int y = part.y0; y < part.y1; ++y)
+        for (int x = part.x0; x < part.x1; ++x, ++i) {
+            s.height_mm(x, y) = dry.height_mm(x, y) + mm[i] / unit_mm;
             s.diffuse(x, y) = dry.diffuse(x, y);
             s.specular(x, y) = dry.specular(x, y);
             s.roughness(x, y) = dry.roughness(x, y);
             s.confidence(x, y) = dry.confidence(x, y);
-            if (!(mm > 0)) continue;
-            const auto i = static_cast<std::size_t>((y - region.y0) * kSize + x - region.x0);
-            const float covered = 1 - std::exp(-mm / static_cast<float>(options.covering_mm));
+            if (!(mm[i] > 0)) continue;
+            const float covered = 1 - std::exp(-mm[i] / static_cast<float>(options.covering_mm));
             // What a reflectance cannot hold (rho_d beyond 1) is covered like the rest.
-            s.diffuse(x, y) = glm::max(to_linear_rgb(look[i], options.illuminant), Rgb(0));
-            s.specular(x, y) += covered * (specular[i] / mm - s.specular(x, y));
-            s.roughness(x, y) += covered * (roughness[i] / mm - s.roughness(x, y));
+            s.diffuse(x, y) = glm::max(colours[i], Rgb(0));
+            s.specular(x, y) = sheen[i].specular;
+            s.roughness(x, y) = sheen[i].roughness;
             s.confidence(x, y) = std::max(s.confidence(x, y), covered);
         }
 }
 
+// What is to be made anew in one tile.
+struct Changed {
+    Region part, normals;  // may be empty
+};
+
+void unite(Region& all, const Region& more) {
+    if (more.empty()) return;
+    all = all.empty() ? more
+                      : Region{std::min(all.x0, more.x0), std::min(all.y0, more.y0),
+                               std::max(all.x1, more.x1), std::max(all.y1, more.y1)};
+}
+
 }  // namespace
 
-void update_appearance(const Canvas& canvas, std::span<const TileIndex> tiles, Surface& surface,
+void update_appearance(const Canvas& canvas, std::span<const Region> changed, Surface& surface,
                        const AppearanceOptions& options, const Progress& progress) {
     validate(options);
     TP_REQUIRE(surface.height_mm.region() == canvas.region(), "the surface is this canvas's");
-    const std::set<TileIndex> changed(tiles.begin(), tiles.end());
-    std::set<TileIndex> wanted;
-    for (const TileIndex tile : tiles)
-        for (int y = std::max(tile.y - 1, 0); y <= std::min(tile.y + 1, canvas.wet().rows() - 1); ++y)
-            for (int x = std::max(tile.x - 1, 0); x <= std::min(tile.x + 1, canvas.wet().columns() - 1); ++x)
-                wanted.insert({x, y});
-    const std::vector<TileIndex> all(wanted.begin(), wanted.end());
+    std::map<TileIndex, Changed> wanted;
+    for (const Region& part : changed) {
+        if (part.empty()) continue;
+        TP_REQUIRE(part.x0 / kSize == (part.x1 - 1) / kSize && part.y0 / kSize == (part.y1 - 1) / kSize,
+                   "a part lies within one tile");
+        unite(wanted[{part.x0 / kSize, part.y0 / kSize}].part, part);
+        const Region around = intersection(grown(part), canvas.region());
+        for (int y = around.y0 / kSize; y * kSize < around.y1; ++y)
+            for (int x = around.x0 / kSize; x * kSize < around.x1; ++x)
+                unite(wanted[{x, y}].normals, intersection(around, canvas.wet().region_of({x, y})));
+    }
+    const std::vector<std::pair<TileIndex, Changed>> all(wanted.begin(), wanted.end());
+    const auto layers = layers_of(canvas);
     std::mutex reporting;
     int done = 0;
     parallel_for(0, static_cast<int>(all.size()), 1, [&](int begin, int end) {
         for (int i = begin; i < end; ++i) {
-            const TileIndex tile = all[static_cast<std::size_t>(i)];
-            update_tile(canvas, tile, !changed.contains(tile), surface, options);
+            const auto& [tile, what] = all[static_cast<std::size_t>(i)];
+            if (!what.part.empty()) update_part(canvas, layers, tile, what.part, surface, options);
+            if (!what.normals.empty()) update_normals(canvas, layers, what.normals, surface);
         }
         const std::lock_guard lock(reporting);
         done += end - begin;
@@ -202,8 +252,9 @@ Surface appearance(const Canvas& canvas, const AppearanceOptions& options, const
     std::set<TileIndex> painted;
     for (const PaintLayer* layer : layers_of(canvas))
         for (const TileIndex tile : layer->painted()) painted.insert(tile);
-    const std::vector<TileIndex> tiles(painted.begin(), painted.end());
-    update_appearance(canvas, tiles, surface, options, progress);
+    std::vector<Region> parts;
+    for (const TileIndex tile : painted) parts.push_back(canvas.wet().region_of(tile));
+    update_appearance(canvas, parts, surface, options, progress);
     return surface;
 }
 

@@ -3,8 +3,8 @@
 //
 // Colour: Kubelka-Munk films, one over the other (kubelka_munk.h). Shape: heights add, and so do slopes
 // (DESIGN section 3): slope = slope of the dry normal + gradient of the paint's thickness, so that detail
-// finer than the fitted height survives, but under layers that level. Gloss: that of the paints, by volume,
-// where they cover.
+// finer than the fitted height survives, but under layers that level. Gloss: of each layer that of its
+// paints, by volume, over what lies below as far as it covers.
 #pragma once
 
 #include <span>
@@ -38,9 +38,10 @@ Surface appearance(const Canvas& canvas, const AppearanceOptions& options = {},
 // the dry surface (surface/faithful.h). Empty where nothing was painted.
 Image<float> bare_part(const Canvas& canvas, const AppearanceOptions& options = {});
 
-// Brings a surface that appearance() made up to date, where these tiles have changed. Tiles beside them are
-// touched too: slopes reach one pixel far.
-void update_appearance(const Canvas& canvas, std::span<const TileIndex> tiles, Surface& surface,
+// Brings a surface that appearance() made up to date where the canvas has changed: `changed` are parts of it
+// that lie within one tile each, as Canvas::take_dirty() gives them. Normals around them are touched too:
+// slopes reach two pixels far.
+void update_appearance(const Canvas& canvas, std::span<const Region> changed, Surface& surface,
                        const AppearanceOptions& options = {}, const Progress& progress = {});
 
 }  // namespace tangi

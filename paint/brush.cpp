@@ -24,7 +24,7 @@ float dome_of(const std::string& shape, float u, float v, std::uint64_t seed) {
     const float rho2 = u * u + v * v;
     if (shape == "flat") return std::pow(std::abs(u), 10.0f) + v * v;
     if (shape == "filbert") return std::pow(std::abs(u), 3.0f) + v * v;
-    if (shape == "knife") return std::pow(std::abs(u), 16.0f) + std::pow(std::abs(v), 4.0f);
+    if (shape == "knife") return std::pow(std::abs(u), 16.0f) + v * v;
     if (shape == "fan") {  // an arc of tufts
         const float along = v + 1.6f * (u * u - 0.4f);
         return std::pow(std::abs(u), 10.0f) + along * along;
@@ -281,6 +281,17 @@ void Brush::take_over(const Brush& other) {
     load(recipe, scale);
 }
 
+void Brush::put_back(BrushLoad load) {
+    TP_REQUIRE(load.total_mm.size() == total_.size() && load.mm.size() == load.ingredients.size(),
+               "a load of this brush");
+    for (const auto& plane : load.mm) TP_REQUIRE(plane.size() == total_.size(), "a load of this brush");
+    TP_REQUIRE(std::is_sorted(load.ingredients.begin(), load.ingredients.end()), "paints are in order");
+    rotation_rad_ = load.rotation_rad;
+    ids_ = std::move(load.ingredients);
+    loads_ = std::move(load.mm);
+    total_ = std::move(load.total_mm);
+}
+
 void Brush::renumber(const std::vector<IngredientId>& number) {
     std::vector<std::pair<IngredientId, std::vector<float>>> planes;
     for (std::size_t i = 0; i < ids_.size(); ++i) {
@@ -356,13 +367,18 @@ void Brush::underside_mm(const Dab& dab, int x0, int y0, int width, int height, 
         RowSpan& span = spans[static_cast<std::size_t>(y)];
         span = outline.across(py, x0 - cx, width);
         float* to = out + static_cast<std::size_t>(y) * static_cast<std::size_t>(width);
-        std::fill_n(to, width, kOutside);
-        if (span.end <= span.begin) continue;
-        const auto dx = static_cast<float>(x0 + span.begin - cx), dy = static_cast<float>(py);
+        if (span.end <= span.begin) {
+            std::fill_n(to, width, kOutside);
+            continue;
+        }
+        const RowSpan whole = widened(span, {0, width});
+        const auto dx = static_cast<float>(x0 + whole.begin - cx), dy = static_cast<float>(py);
         row.u = (dx * c + dy * s) * narrowing + static_cast<float>(texture_half_u_);
         row.v = (dy * c - dx * s) * narrowing + static_cast<float>(texture_half_v_);
         row.lift_mm = dx * lift_x + dy * lift_y;
-        underside_row(span.end - span.begin, maps, row, to + span.begin);
+        underside_row(whole.end - whole.begin, maps, row, to + whole.begin);
+        std::fill(to, to + span.begin, kOutside);
+        std::fill(to + span.end, to + width, kOutside);
     }
 }
 

@@ -25,11 +25,20 @@ struct Dab {
     float dx = 1, dy = 0;  // unit vector of the motion; 0, 0 where it stands
 };
 
+// What is on a brush, bit for bit: rows of grid_size() cells.
+struct BrushLoad {
+    float rotation_rad = 0;                 // as the cells lie
+    std::vector<IngredientId> ingredients;  // ascending
+    std::vector<std::vector<float>> mm;     // of each
+    std::vector<float> total_mm;
+};
+
 class Brush {
 public:
     Brush(const BrushSettings& settings, double mm_per_pixel, std::uint64_t seed);
 
     const BrushSettings& settings() const { return settings_; }
+    std::uint64_t seed() const { return seed_; }
 
     // Puts paint of this recipe on the bristles; `amount` 1 is a full load. With `keep`, what is on them
     // stays and is filled up. Throws Error where the parts of the recipe do not sum to more than 0.
@@ -40,6 +49,10 @@ public:
     // For a brush that goes to another canvas, where its paints have other numbers: number[i] is the one
     // there of the paint that is i here.
     void renumber(const std::vector<IngredientId>& number);
+
+    // To keep and to put back what is on the bristles. Throws ContractError where it is not of this brush.
+    BrushLoad bristles() const { return {rotation_rad_, ids_, loads_, total_}; }
+    void put_back(BrushLoad load);
 
     // Volume [mm^3] on the bristles, for each of `ingredients`.
     std::vector<double> volumes_mm3(std::size_t ingredients) const;

@@ -1,5 +1,6 @@
 #include "paint/brush_settings.h"
 
+#include <algorithm>
 #include <array>
 
 #include "surface/atomic_file.h"
@@ -182,8 +183,15 @@ nlohmann::json brush_to_json(const BrushSettings& settings) {
 }
 
 std::map<std::string, BrushSettings> read_brush_presets(const std::filesystem::path& path) {
-    const auto json = nlohmann::json::parse(read_text_file(path), nullptr, false);
-    if (json.is_discarded()) fail("{}: is not JSON", path.string());
+    const std::string text = read_text_file(path);
+    nlohmann::json json;
+    try {
+        json = nlohmann::json::parse(text);
+    } catch (const nlohmann::json::parse_error& error) {
+        const auto until = text.begin() + static_cast<std::ptrdiff_t>(std::min(error.byte, text.size()));
+        fail("{}:{}: is not JSON as files of brushes are", path.string(),
+             1 + std::count(text.begin(), until, '\n'));
+    }
     if (!json.is_object() || json.value("format", nlohmann::json()) != "tangipaint brushes")
         fail("{}: is not a file of brushes; it must have \"format\": \"tangipaint brushes\"", path.string());
     if (json.value("version", nlohmann::json()) != 1)

@@ -11,10 +11,6 @@ namespace {
 
 constexpr int kSize = PaintTile::kSize;
 
-Region intersection(const Region& a, const Region& b) {
-    return {std::max(a.x0, b.x0), std::max(a.y0, b.y0), std::min(a.x1, b.x1), std::min(a.y1, b.y1)};
-}
-
 }  // namespace
 
 Canvas::Canvas(std::shared_ptr<const Surface> dry, std::optional<double> mm_per_pixel)
@@ -40,10 +36,19 @@ IngredientId Canvas::add(const Pigment& ingredient) {
     return static_cast<IngredientId>(ingredients_.size() - 1);
 }
 
-std::vector<TileIndex> Canvas::take_dirty() {
-    std::vector<TileIndex> tiles(dirty_.begin(), dirty_.end());
+void Canvas::mark_dirty(TileIndex tile, const Region& part) {
+    const auto [found, is_new] = dirty_.try_emplace(tile, part);
+    Region& all = found->second;
+    if (!is_new)
+        all = {std::min(all.x0, part.x0), std::min(all.y0, part.y0), std::max(all.x1, part.x1),
+               std::max(all.y1, part.y1)};
+}
+
+std::vector<Region> Canvas::take_dirty() {
+    std::vector<Region> parts;
+    for (const auto& [tile, part] : dirty_) parts.push_back(part);
     dirty_.clear();
-    return tiles;
+    return parts;
 }
 
 void Canvas::confine(std::shared_ptr<const Image<float>> mask) {

@@ -4,9 +4,9 @@
 // plus the dried layers plus the wet paint.
 #pragma once
 
+#include <map>
 #include <memory>
 #include <optional>
-#include <set>
 #include <string>
 #include <vector>
 
@@ -62,9 +62,10 @@ public:
     PaintLayer& writable_wet() { return wet_; }
     std::vector<DriedLayer>& writable_dried() { return dried_; }
 
-    void mark_dirty(TileIndex tile) { dirty_.insert(tile); }
-    // Tiles that changed since the last call.
-    std::vector<TileIndex> take_dirty();
+    void mark_dirty(TileIndex tile) { mark_dirty(tile, wet_.region_of(tile)); }
+    void mark_dirty(TileIndex tile, const Region& part);
+    // What changed since the last call: a part of each tile that did, tile by tile.
+    std::vector<Region> take_dirty();
 
     // Confines brushes: where `mask` (one number a pixel, the canvas's size) is 0 they neither give nor take
     // nor push paint, where it is below 1 the less of it. Empty: brushes work everywhere, as at first. Goes
@@ -87,7 +88,7 @@ private:
     std::vector<Pigment> ingredients_;
     PaintLayer wet_;
     std::vector<DriedLayer> dried_;
-    std::set<TileIndex> dirty_;
+    std::map<TileIndex, Region> dirty_;
     std::shared_ptr<const Image<float>> mask_;
 };
 

@@ -10,14 +10,8 @@
 #include <cstring>
 
 #include "paint/kubelka_munk.h"
+#include "paint/vector_clones.h"
 #include "surface/error.h"
-
-#if defined(__GNUC__) && !defined(__clang__) && defined(__x86_64__) && !defined(__SANITIZE_ADDRESS__)
-#define TP_VECTOR_CLONES __attribute__((target_clones("avx512f", "avx2", "default")))
-#else
-#define TP_VECTOR_CLONES
-#endif
-#define TP_INLINE inline __attribute__((always_inline))
 
 namespace tangi {
 

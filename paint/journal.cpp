@@ -319,6 +319,7 @@ Journal read_journal(const std::filesystem::path& path, const std::map<std::stri
     Journal journal;
     journal.source = path.string();
     int line = 0;
+    bool has_header = false;
     for (std::size_t begin = 0; begin < text.size();) {
         const std::size_t newline = text.find('\n', begin);
         const bool whole = newline != std::string::npos;
@@ -326,8 +327,9 @@ Journal read_journal(const std::filesystem::path& path, const std::map<std::stri
         begin = whole ? newline + 1 : text.size();
         const std::string where = fmt::format("{}:{}", path.string(), ++line);
         if (content.find_first_not_of(" \t\r") == std::string::npos) continue;
-        if (line == 1) {
+        if (!has_header) {
             require_header(content, path.string());
+            has_header = true;
             continue;
         }
         const json object = json::parse(content, nullptr, false);
@@ -338,7 +340,7 @@ Journal read_journal(const std::filesystem::path& path, const std::map<std::stri
         }
         journal.entries.push_back({line, event_from_json(object, where, presets)});
     }
-    if (line == 0) fail("{}: is empty; its first line must be {}", path.string(), kFirstLine);
+    if (!has_header) fail("{}: is empty; its first line must be {}", path.string(), kFirstLine);
     return journal;
 }
 

@@ -6,6 +6,7 @@
 // paint take no memory, and a copy of a layer shares all tiles with it, which makes undo cheap.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -30,6 +31,11 @@ struct PaintTile {
     std::span<float> writable_plane(IngredientId ingredient);
     std::size_t bytes() const { return sizeof(PaintTile) + thickness_mm.capacity() * sizeof(float); }
 };
+
+// What lies in both.
+inline Region intersection(const Region& a, const Region& b) {
+    return {std::max(a.x0, b.x0), std::max(a.y0, b.y0), std::min(a.x1, b.x1), std::min(a.y1, b.y1)};
+}
 
 // Where a tile is: column and row in the grid of tiles.
 struct TileIndex {

@@ -11,10 +11,6 @@ namespace {
 
 constexpr int kSize = PaintTile::kSize;
 
-Region intersection(const Region& a, const Region& b) {
-    return {std::max(a.x0, b.x0), std::max(a.y0, b.y0), std::min(a.x1, b.x1), std::min(a.y1, b.y1)};
-}
-
 // Mean over 2 * radius + 1 values around each, of which those beyond the ends count as the ends.
 void box_mean(const float* in, std::size_t in_step, float* out, std::size_t out_step, int count, int radius) {
     const auto value = [&](int i) {
@@ -155,7 +151,7 @@ void PaintWindow::store(Canvas& canvas) const {
             for (int y = part.y0; y < part.y1; ++y)
                 std::memcpy(plane + in_tile(part.x0, y), paint_[i].data() + index(part.x0, y), row_bytes);
         }
-        canvas.mark_dirty(at);
+        canvas.mark_dirty(at, part);
     });
 }
 

@@ -40,7 +40,8 @@ struct Place {
 
     template <class... Args>
     [[noreturn]] void refuse(fmt::format_string<Args...> format, Args&&... args) const {
-        fail("{}: {}", where, fmt::format(format, std::forward<Args>(args)...));
+        const bool whole = where.ends_with(": ");  // no place in it
+        fail("{}{}{}", where, whole ? "" : ": ", fmt::format(format, std::forward<Args>(args)...));
     }
     bool has(const char* key) const { return value.contains(key); }
     Place at(const char* key) const {

@@ -12,6 +12,14 @@ Session::Session(std::shared_ptr<const Surface> dry, Palette palette, std::size_
 Session::Session(Canvas canvas, Palette palette, std::size_t undo_bytes)
     : canvas_(std::move(canvas)), palette_(std::move(palette)), history_(undo_bytes) {}
 
+void Session::take_up(std::optional<Canvas> board, std::unique_ptr<Brush> brush, Place place) {
+    TP_REQUIRE(!board_ && !brush_ && !stroke_, "a sitting takes up another before it begins");
+    TP_REQUIRE(!brush || place == Place::painting || board, "a brush was used where there is a canvas");
+    board_ = std::move(board);
+    brush_ = std::move(brush);
+    brush_place_ = place;
+}
+
 Canvas& Session::on(Place place) {
     if (place == Place::painting) return canvas_;
     const double mm = canvas_.mm_per_pixel();

@@ -23,6 +23,10 @@ public:
     Session(const Session&) = delete;  // a stroke under way refers to the canvas
     Session& operator=(const Session&) = delete;
 
+    // Goes on with what an earlier sitting left: its palette, and the brush with what is on it, whose paints
+    // have the numbers of the ingredients at `place`. Before anything is painted.
+    void take_up(std::optional<Canvas> board, std::unique_ptr<Brush> brush, Place place);
+
     // Throws Error on what makes no sense here: a point without a stroke, a paint that the palette has not. A
     // stroke that begins while another is not over ends that one.
     void apply(const Event& event);

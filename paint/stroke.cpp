@@ -13,6 +13,12 @@ namespace {
 
 constexpr float kPerStepAtMost = 0.5f;  // of load or paint in one step: TransferRates
 
+// Surface tension levels waves of length l and amplitude a where sigma a (2 pi / l)^2, its stress in a film
+// about as thick as they are long, exceeds the yield stress (after Orchard 1962, "On surface levelling in
+// viscous liquids and gels"). Of waves of two pixels there remain, from trough to crest, 2 tau (2 mm)^2 / (4
+// pi^2 sigma): sigma = 0.03 N/m of linseed oil, tau = 60 Pa of paint that was just sheared.
+constexpr double kTension_per_mm = 2 * 60 * 4 / (4 * std::numbers::pi * std::numbers::pi * 0.03) * 1e-3;
+
 double length(const PathPoint& p) { return std::hypot(p.x, p.y); }
 PathPoint operator-(const PathPoint& a, const PathPoint& b) { return {a.x - b.x, a.y - b.y}; }
 PathPoint operator+(const PathPoint& a, const PathPoint& b) { return {a.x + b.x, a.y + b.y}; }
@@ -41,6 +47,7 @@ TransferRates rates_of(const BrushSettings& s, double length_px, double step_px,
     r.spread = static_cast<float>(s.spread);
     r.yield_mm = static_cast<float>(s.yield_slope * mm_per_pixel);
     r.flow = 0.15f;
+    r.tension_mm = static_cast<float>(kTension_per_mm * mm_per_pixel * mm_per_pixel);
     return r;
 }
 
@@ -229,6 +236,7 @@ void Stroke::relax(const Dab& last) {
     window.attach(step, box.x0, box.y0);
     TransferRates rates = rates_of(brush_.settings(), 1, 0, canvas_.mm_per_pixel());
     rates.yield_mm *= part_of_yield;
+    rates.tension_mm *= part_of_yield;
     for (int i = 0; i < steps; ++i) push(step, rates, 0, 0, scratch_);
     window.store(canvas_);
 }

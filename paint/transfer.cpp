@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
 #include "paint/vector_clones.h"
 #include "surface/parallel.h"
@@ -11,7 +12,12 @@ namespace tangi {
 namespace {
 
 constexpr int kParallelPixels = 128 * 128;  // smaller boxes are done before a second thread wakes up
-constexpr float kTiny = 1e-9f;              // [mm] keeps 0 / 0 away
+constexpr float kRounding =
+    0.125f;  // [1] part of a peak that flows to each side: a chequerboard is flat at once
+constexpr int kBandRows = 32;
+constexpr int kLanes = 16;                                                 // pixels at once
+using Lanes = float __attribute__((vector_size(kLanes * sizeof(float))));  // as many registers as it takes
+constexpr float kTiny = 1e-9f;                                             // [mm] keeps 0 / 0 away
 
 // Part of the load that is given, and part of the paint on the canvas that is taken.
 TP_VECTOR_CLONES
@@ -65,7 +71,8 @@ TP_VECTOR_CLONES
 void outflow_row(int n, const TransferRates& r, const Motion& m, const float* __restrict underside,
                  std::size_t underside_stride, const float* __restrict relief, const float* __restrict total,
                  const float* __restrict grain, std::size_t stride, const Outflow& out) {
-    const float film = r.film_mm, push = r.push, spread = r.spread, yield = r.yield_mm, flow = r.flow;
+    const float film = r.film_mm, push = r.push, spread = r.spread, yield = r.yield_mm, flow = r.flow,
+                tension = r.tension_mm;
     float* __restrict left = out.left, * __restrict right = out.right, * __restrict up = out.up, * __restrict down = out.down, * __restrict ahead = out.ahead;
     const float *b_up = underside - underside_stride, *b_down = underside + underside_stride;
     const float *z_up = relief - stride, *z_down = relief + stride, *w_up = total - stride,
@@ -76,12 +83,17 @@ void outflow_row(int n, const TransferRates& r, const Motion& m, const float* __
     for (int x = 0; x < n; ++x) {
         // What lies where brushes may not work stays there.
         const float w = grain[x] > 0 ? total[x] : 0.0f, top = relief[x] + total[x];
-        // Steps that are too steep: paint flows down them.
-        const float over = flow / (w + kTiny);
-        float l = std::min(std::max(top - (relief[x - 1] + total[x - 1]) - yield, 0.0f), w) * over;
-        float rr = std::min(std::max(top - (relief[x + 1] + total[x + 1]) - yield, 0.0f), w) * over;
-        float u = std::min(std::max(top - (z_up[x] + w_up[x]) - yield, 0.0f), w) * over;
-        float d = std::min(std::max(top - (z_down[x] + w_down[x]) - yield, 0.0f), w) * over;
+        // Steps that are too steep: paint flows down them; and surface tension rounds off what stands above
+        // both neighbours.
+        const float to_l = top - (relief[x - 1] + total[x - 1]), to_r = top - (relief[x + 1] + total[x + 1]);
+        const float to_u = top - (z_up[x] + w_up[x]), to_d = top - (z_down[x] + w_down[x]);
+        const float part = 1 / (w + kTiny);
+        const float peak_x = kRounding * std::min(std::max(std::min(to_l, to_r) - tension, 0.0f), w);
+        const float peak_y = kRounding * std::min(std::max(std::min(to_u, to_d) - tension, 0.0f), w);
+        float l = std::max(flow * std::min(std::max(to_l - yield, 0.0f), w), peak_x) * part;
+        float rr = std::max(flow * std::min(std::max(to_r - yield, 0.0f), w), peak_x) * part;
+        float u = std::max(flow * std::min(std::max(to_u - yield, 0.0f), w), peak_y) * part;
+        float d = std::max(flow * std::min(std::max(to_d - yield, 0.0f), w), peak_y) * part;
         // What the bristles push: along the motion, and to where they press less.
         const float excess = std::min(std::max(top - underside[x], 0.0f), std::max(w - film, 0.0f));
         const float pushed = push * excess / (w + kTiny) * (1 - (l + rr + u + d));
@@ -102,26 +114,66 @@ void outflow_row(int n, const TransferRates& r, const Motion& m, const float* __
     }
 }
 
-// One row of one ingredient after the flow; `old` is the row before, `above` and `below` those beside it
-// before. `flow` is of this row, its planes' rows are `stride` apart.
-TP_VECTOR_CLONES
-void advect_row(int n, const Motion& m, const float* __restrict old, const float* __restrict above,
-                const float* __restrict below, const Outflow& flow, std::size_t stride,
-                float* __restrict paint) {
-    const float *left = flow.left, *right = flow.right, *up = flow.up, *down = flow.down, *ahead = flow.ahead;
-    const float *down_above = down - stride, *up_below = up + stride;
-    const float* behind = (m.sy < 0 ? below : above) - m.sx;
-    const float* from_behind = (m.sy < 0 ? ahead + stride : ahead - stride) - m.sx;
-    for (int x = 0; x < n; ++x) {
-        const float stays = old[x] - old[x] * (left[x] + right[x] + up[x] + down[x] + ahead[x]);
-        paint[x] = stays + old[x - 1] * right[x - 1] + old[x + 1] * left[x + 1] + above[x] * down_above[x] +
-                   below[x] * up_below[x] + behind[x] * from_behind[x];
-    }
+// What a row's paint can come from: the flows of the row itself and of those beside it.
+struct FlowsAround {
+    Outflow above, here, below;
+};
+
+// One row of an ingredient: as it was, those beside it as they were, and what becomes of it.
+struct AdvectedRow {
+    const float *old, *above, *below;
+    float* paint;
+};
+
+template <class T>
+TP_INLINE void load(T& value, const float* from) {
+    std::memcpy(&value, from, sizeof value);
 }
 
+// As many pixels of all ingredients as T holds, from x on: flows are read once for all of them.
+template <class T>
+TP_INLINE void advect_some(int x, const Motion& m, const std::vector<AdvectedRow>& rows,
+                           const FlowsAround& flows, float* total) {
+    const Outflow& here = flows.here;
+    T left, right, up, down, ahead, from_left, from_right, from_above, from_below, from_behind;
+    load(left, here.left + x);
+    load(right, here.right + x);
+    load(up, here.up + x);
+    load(down, here.down + x);
+    load(ahead, here.ahead + x);
+    load(from_left, here.right + x - 1);
+    load(from_right, here.left + x + 1);
+    load(from_above, flows.above.down + x);
+    load(from_below, flows.below.up + x);
+    load(from_behind, (m.sy < 0 ? flows.below.ahead : flows.above.ahead) + x - m.sx);
+    const T out = left + right + up + down + ahead;
+    T sum{};
+    for (const AdvectedRow& row : rows) {
+        T old, on_left, on_right, above, below, behind;
+        load(old, row.old + x);
+        load(on_left, row.old + x - 1);
+        load(on_right, row.old + x + 1);
+        load(above, row.above + x);
+        load(below, row.below + x);
+        load(behind, (m.sy < 0 ? row.below : row.above) + x - m.sx);
+        const T now = old - old * out + on_left * from_left + on_right * from_right + above * from_above +
+                      below * from_below + behind * from_behind;
+        std::memcpy(row.paint + x, &now, sizeof now);
+        sum += now;
+    }
+    std::memcpy(total + x, &sum, sizeof sum);
+}
+
+// All ingredients of one row after the flow, and their sum. The last pixels are done twice rather than one by
+// one: nothing that is read is written.
 TP_VECTOR_CLONES
-void add_row(int n, const float* __restrict paint, float* __restrict total) {
-    for (int x = 0; x < n; ++x) total[x] += paint[x];
+void advect_row(int n, const Motion& m, const std::vector<AdvectedRow>& rows, const FlowsAround& flows,
+                float* total) {
+    if (n < kLanes)
+        for (int x = 0; x < n; ++x) advect_some<float>(x, m, rows, flows, total);
+    else
+        for (int x = 0; x < n; x += kLanes)
+            advect_some<Lanes>(std::min(x, n - kLanes), m, rows, flows, total);
 }
 
 void for_rows(const StepBox& box, int begin, int end, const std::function<void(int, int)>& body) {
@@ -135,14 +187,22 @@ std::size_t at(int y, std::size_t stride) { return static_cast<std::size_t>(y) *
 
 }  // namespace
 
+RowSpan widened(const RowSpan& span, const RowSpan& room) {
+    constexpr int lanes = 8;
+    const int wanted = (span.end - span.begin + lanes - 1) / lanes * lanes;
+    const int end = std::min(span.begin + wanted, room.end);
+    return {std::max(end - wanted, room.begin), end};
+}
+
 void exchange(const StepBox& box, const TransferRates& rates, StepScratch& scratch) {
     const auto n = static_cast<std::size_t>(box.width);
     scratch.planes.resize(std::max(scratch.planes.size(), 2 * n * static_cast<std::size_t>(box.height)));
     for_rows(box, 0, box.height, [&](int begin, int end) {
         for (int y = begin; y < end; ++y) {
-            const RowSpan span = box.bristles[static_cast<std::size_t>(y)];
+            RowSpan span = box.bristles[static_cast<std::size_t>(y)];
+            if (span.end <= span.begin) continue;
+            span = widened(span, {0, box.width});
             const int count = span.end - span.begin;
-            if (count <= 0) continue;
             float* give = scratch.planes.data() + at(y, 2 * n);
             float* take = give + n;
             const std::size_t canvas = at(y, box.canvas_stride) + static_cast<std::size_t>(span.begin);
@@ -191,88 +251,151 @@ RowSpan touched_by(const std::vector<RowSpan>& flowing, int y) {
     return all;
 }
 
+// Rows of a box that one thread moves, from top to bottom: flows of three rows at a time, which stay in the
+// nearest cache. Bands are independent: what a band needs of the rows beside it is kept before any begins.
+class Band {
+public:
+    Band(const StepBox& box, const TransferRates& rates, const Motion& motion, const StepScratch& spans,
+         float* memory)
+        : box_(box),
+          rates_(rates),
+          motion_(motion),
+          spans_(spans),
+          line_(line_of(box)),
+          memory_(memory),
+          rows_(box.paint.size()) {}
+
+    // Floats of memory.
+    static std::size_t line_of(const StepBox& box) { return static_cast<std::size_t>(box.width) + 2; }
+    static std::size_t floats(const StepBox& box) {
+        return line_of(box) * (kFlows * kPlanes + 3 * box.paint.size());
+    }
+
+    // Keeps what other bands may change before it is needed here.
+    void prepare(int begin, int end) {
+        begin_ = begin;
+        end_ = end;
+        find_flow(begin - 1, 0);
+        find_flow(begin, 1);
+        find_flow(end - 1, 3);
+        find_flow(end, 4);
+        for (std::size_t i = 0; i < box_.paint.size(); ++i) {
+            std::fill_n(kept(i, 0) - 1, 3 * line_, 0.0f);
+            if (begin > 0) std::copy_n(row(i, begin - 1), box_.width, kept(i, 0));
+            // A row beside the last one is looked at one pixel beyond its ends, where nothing flows.
+            std::copy_n(row(i, std::min(end, box_.height - 1)), box_.width, kept(i, 2));
+        }
+    }
+
+    void run() {
+        int above = 0, here = 1, free = 2;  // flows
+        int old_above = 0, old = 1;         // kept rows
+        for (int y = begin_; y < end_; ++y) {
+            const int below = y + 1 == end_ ? 4 : y + 2 == end_ ? 3 : free;
+            if (below == free) find_flow(y + 1, below);
+            const bool below_is_kept = y + 1 >= std::min(end_, box_.height - 1);
+            move_row(y, {flow(above), flow(here), flow(below)}, old_above, old, below_is_kept);
+            std::swap(old_above, old);
+            free = above;
+            above = here, here = below;
+        }
+    }
+
+private:
+    static constexpr std::size_t kPlanes = 5, kFlows = 5;  // three that go round, the last two of the band
+
+    float* row(std::size_t ingredient, int y) const {
+        return box_.paint[ingredient] + at(y, box_.canvas_stride);
+    }
+    // Copies of rows of an ingredient: two that go round, and that below the band; one pixel more on either
+    // side.
+    float* kept(std::size_t ingredient, int which) const {
+        return memory_ + line_ * (kFlows * kPlanes + 3 * ingredient + static_cast<std::size_t>(which)) + 1;
+    }
+    Outflow flow(int which) const {
+        float* first = memory_ + line_ * kPlanes * static_cast<std::size_t>(which) + 1;
+        return {first, first + line_, first + 2 * line_, first + 3 * line_, first + 4 * line_};
+    }
+
+    void find_flow(int y, int which) const {
+        // Where nothing flows but neighbours look, flows are 0.
+        const RowSpan looked_at = touched_by(spans_.touched, y);
+        if (looked_at.end <= looked_at.begin) return;
+        const bool inside = y >= 0 && y < box_.height;
+        RowSpan span = inside ? spans_.flowing[static_cast<std::size_t>(y)] : RowSpan{0, 0};
+        if (span.end <= span.begin) span = {looked_at.begin, looked_at.begin};
+        const Outflow out = flow(which);
+        if (span.end > span.begin) {
+            const RowSpan whole = widened(span, {1, box_.width - 1});
+            const auto first = static_cast<std::size_t>(whole.begin);
+            const std::size_t canvas = at(y, box_.canvas_stride) + first;
+            outflow_row(whole.end - whole.begin, rates_, motion_,
+                        box_.underside_mm + at(y, box_.underside_stride) + first, box_.underside_stride,
+                        box_.relief_mm + canvas, box_.total_mm + canvas, box_.grain + canvas,
+                        box_.canvas_stride, from(out, first));
+        }
+        for (float* plane : {out.left, out.right, out.up, out.down, out.ahead}) {
+            std::fill(plane + looked_at.begin, plane + span.begin, 0.0f);
+            std::fill(plane + span.end, plane + looked_at.end, 0.0f);
+        }
+    }
+
+    static Outflow from(const Outflow& flow, std::size_t x) {
+        return {flow.left + x, flow.right + x, flow.up + x, flow.down + x, flow.ahead + x};
+    }
+
+    void move_row(int y, const FlowsAround& flows, int old_above, int old, bool below_is_kept) {
+        const RowSpan span = spans_.touched[static_cast<std::size_t>(y)];
+        const int n = span.end - span.begin;
+        const std::size_t first = n > 0 ? static_cast<std::size_t>(span.begin) : 0;
+        const FlowsAround here{from(flows.above, first), from(flows.here, first), from(flows.below, first)};
+        for (std::size_t i = 0; i < rows_.size(); ++i) {
+            float* paint = row(i, y);
+            std::copy_n(paint, box_.width, kept(i, old));
+            rows_[i] = {kept(i, old) + first, kept(i, old_above) + first,
+                        (below_is_kept ? kept(i, 2) : paint + box_.canvas_stride) + first, paint + first};
+        }
+        if (n > 0) advect_row(n, motion_, rows_, here, box_.total_mm + at(y, box_.canvas_stride) + first);
+    }
+
+    const StepBox& box_;
+    const TransferRates& rates_;
+    const Motion& motion_;
+    const StepScratch& spans_;
+    std::size_t line_;
+    float* memory_;
+    int begin_ = 0, end_ = 0;
+    std::vector<AdvectedRow> rows_;
+};
+
 }  // namespace
 
 void push(const StepBox& box, const TransferRates& rates, float dx, float dy, StepScratch& scratch) {
     if (box.width < 3 || box.height < 3) return;
-    const std::size_t stride = static_cast<std::size_t>(box.width) + 2;  // a column of zeros on either side
-    const std::size_t plane = stride * static_cast<std::size_t>(box.height + 2);
-    scratch.planes.resize(std::max(scratch.planes.size(), 5 * plane));
-    float* base = scratch.planes.data();
-    const auto flow_from = [&](int y, std::size_t x) {
-        float* first = base + at(y + 1, stride) + 1 + x;
-        return Outflow{first, first + plane, first + 2 * plane, first + 3 * plane, first + 4 * plane};
-    };
     const Motion motion = motion_along(dx, dy);
     find_flowing(box, scratch.flowing);
-    std::vector<RowSpan>& touched = scratch.touched;
-    touched.resize(static_cast<std::size_t>(box.height));
+    scratch.touched.resize(static_cast<std::size_t>(box.height));
     for (int y = 0; y < box.height; ++y)
-        touched[static_cast<std::size_t>(y)] = touched_by(scratch.flowing, y);
-    // Where nothing flows but neighbours look: flows are 0 there.
-    const auto clear_around = [&](int y, RowSpan flowing) {
-        const RowSpan looked_at = touched_by(touched, y);
-        if (looked_at.end <= looked_at.begin) return;
-        if (flowing.end <= flowing.begin) flowing = {looked_at.begin, looked_at.begin};
-        float* first = base + at(y + 1, stride) + 1;
-        for (int k = 0; k < 5; ++k, first += plane) {
-            std::fill(first + looked_at.begin, first + flowing.begin, 0.0f);
-            std::fill(first + flowing.end, first + looked_at.end, 0.0f);
-        }
-    };
-    for_rows(box, -1, box.height + 1, [&](int begin, int end) {
-        for (int y = begin; y < end; ++y) {
-            const bool inside = y >= 0 && y < box.height;
-            const RowSpan span = inside ? scratch.flowing[static_cast<std::size_t>(y)] : RowSpan{0, 0};
-            clear_around(y, span);
-            if (span.end <= span.begin) continue;
-            const auto first = static_cast<std::size_t>(span.begin);
-            const std::size_t canvas = at(y, box.canvas_stride) + first;
-            outflow_row(span.end - span.begin, rates, motion,
-                        box.underside_mm + at(y, box.underside_stride) + first, box.underside_stride,
-                        box.relief_mm + canvas, box.total_mm + canvas, box.grain + canvas, box.canvas_stride,
-                        flow_from(y, first));
-        }
-    });
-    // Ingredients do not depend on each other. Rows are replaced from top to bottom; what they were is kept
-    // until the next row is done.
-    const std::size_t line = stride;
-    scratch.rows.assign(3 * line * std::max<std::size_t>(box.paint.size(), 1), 0.0f);
-    const auto move_ingredient = [&](std::size_t i) {
-        float* above = scratch.rows.data() + 3 * line * i + 1;
-        float *old = above + line, *last = above + 2 * line;
-        for (int y = 0; y < box.height; ++y) {
-            const RowSpan span = touched[static_cast<std::size_t>(y)];
-            float* paint = box.paint[i] + at(y, box.canvas_stride);
-            std::copy_n(paint, box.width, old);
-            if (span.end > span.begin) {
-                const auto first = static_cast<std::size_t>(span.begin);
-                // A row beside it is looked at one pixel beyond its ends, where nothing flows: the last one,
-                // which may end with its plane, needs a copy, and the one after that is not there.
-                const float* below = y + 1 < box.height ? paint + box.canvas_stride : old;
-                if (y + 2 == box.height) below = std::copy_n(below, box.width, last) - box.width;
-                advect_row(span.end - span.begin, motion, old + first, above + first, below + first,
-                           flow_from(y, first), stride, paint + first);
-            }
-            std::swap(above, old);
-        }
-    };
-    if (box.width * box.height < kParallelPixels)
-        for (std::size_t i = 0; i < box.paint.size(); ++i) move_ingredient(i);
+        if (RowSpan& span = scratch.touched[static_cast<std::size_t>(y)] = touched_by(scratch.flowing, y);
+            span.end > span.begin && span.end - span.begin < kLanes)  // one vector at least
+            span = {std::max(std::min(span.begin, box.width - kLanes), 0),
+                    std::min(std::max(span.end, std::max(span.begin, 0) + kLanes), box.width)};
+    const int bands = box.width * box.height < kParallelPixels ? 1 : std::max(box.height / kBandRows, 1);
+    const std::size_t floats = Band::floats(box);
+    scratch.planes.resize(std::max(scratch.planes.size(), floats * static_cast<std::size_t>(bands)));
+    std::vector<Band> all;
+    all.reserve(static_cast<std::size_t>(bands));
+    for (int i = 0; i < bands; ++i) {
+        all.emplace_back(box, rates, motion, scratch,
+                         scratch.planes.data() + floats * static_cast<std::size_t>(i));
+        all.back().prepare(box.height * i / bands, box.height * (i + 1) / bands);
+    }
+    if (bands == 1)
+        all.front().run();
     else
-        parallel_for(0, static_cast<int>(box.paint.size()), 1, [&](int begin, int end) {
-            for (int i = begin; i < end; ++i) move_ingredient(static_cast<std::size_t>(i));
+        parallel_for(0, bands, 1, [&](int begin, int end) {
+            for (int i = begin; i < end; ++i) all[static_cast<std::size_t>(i)].run();
         });
-    for_rows(box, 0, box.height, [&](int begin, int end) {
-        for (int y = begin; y < end; ++y) {
-            const RowSpan span = touched[static_cast<std::size_t>(y)];
-            if (span.end <= span.begin) continue;
-            const std::size_t canvas = at(y, box.canvas_stride) + static_cast<std::size_t>(span.begin);
-            float* total = box.total_mm + canvas;
-            std::fill_n(total, span.end - span.begin, 0.0f);
-            for (const float* paint : box.paint) add_row(span.end - span.begin, paint + canvas, total);
-        }
-    });
 }
 
 }  // namespace tangi

@@ -25,12 +25,17 @@ struct TransferRates {
     float spread = 0;      // [1] how much of the pushing goes towards where the brush presses less, 0..1
     float yield_mm = 0;    // [mm] step between neighbours that paint holds; more of it flows down
     float flow = 0;        // [1] part of what is more that flows in one step, 0..0.2
+    float tension_mm = 1e9f;  // [mm] height over both neighbours that a pixel keeps against surface tension
 };
 
 // Columns begin <= x < end of a row.
 struct RowSpan {
     int begin = 0, end = 0;
 };
+
+// The columns of whole vectors around those of `span`, which is not empty, as far as there is room: loops
+// over them need no remainder. Nothing must happen in those that come in addition.
+RowSpan widened(const RowSpan& span, const RowSpan& room);
 
 // The box of pixels that one step changes. Rows of `width` floats; row y of a plane begins at plane + y *
 // stride. The outermost ring receives paint but gives none.
@@ -55,7 +60,7 @@ constexpr float kOutside = 1e3f;  // [mm] underside where no bristle is
 
 // Memory that steps reuse.
 struct StepScratch {
-    std::vector<float> planes, rows;
+    std::vector<float> planes;
     std::vector<RowSpan> flowing, touched;
 };
 

@@ -2,19 +2,37 @@
 // surface/relight.h:
 //   value = ambient rho_d + sum over lights of irradiance *
 //           (visibility (rho_d D + pi rho_s lobe max(0, n.l)) + rig_ambient rho_d),   D: surface/diffuse.h
-// MODE: as LookMode in viewer/look.h. EYE: 1 where the viewer has a place. OUTPUT: 0 linear, 1 sRGB.
+// MODE: as LookMode in viewer/look.h. EYE: 1 where the viewer has a place. OUTPUT: 0 linear, 1 sRGB, 2 the
+// monitor's own colours.
 
 out vec4 o_colour;
 
-float encode(float v) {
-    return v <= 0.0031308 ? 12.92 * max(v, 0.0) : 1.055 * pow(v, 1.0 / 2.4) - 0.055;
+#if OUTPUT == 2
+uniform sampler3D u_monitor;  // MonitorTable in viewer/monitor.h
+
+vec3 on_monitor(vec3 colour) {
+    float side = float(textureSize(u_monitor, 0).x);
+    return texture(u_monitor, (pow(colour, vec3(1.0 / 3.0)) * (side - 1.0) + 0.5) / side).rgb;
+}
+#endif
+
+// sRGB: 12.92 v, or 1.055 v^(1/2.4) - 0.055, here as the polynomial of the root that is best in the sense of the largest
+// error, 0.04 / 255: a power takes a software renderer far longer.
+vec3 encode(vec3 v) {
+    vec3 r = sqrt(v);
+    vec3 high = -5.0002020 + r * (3.4160761 - 0.9467899 * r);
+    vec3 curve = -0.0422301 + r * (1.5752202 + r * (-1.8990449 + r * (3.8968238 + r * high)));
+    return min(mix(curve, 12.92 * v, lessThanEqual(v, vec3(0.0031308))), 1.0);
 }
 
 // Straight up to the shoulder s, then bent towards 1 with the same slope: 1 - (1 - s)^2 / (1 - 2 s + v).
 vec3 toned(vec3 v) {
     if (v_exposure0.w <= 0.0) return v;
     float s = 1.0 - v_exposure0.w;
-    vec3 bent_down = 1.0 - v_exposure0.w * v_exposure0.w / (max(v, s) + (1.0 - 2.0 * s));
+    vec3 over = clamp(v, s, 1e6) + (1.0 - 2.0 * s);
+    // One division for three.
+    vec3 inverse = 1.0 / (over.x * over.y * over.z) * over.yxx * over.zzy;
+    vec3 bent_down = 1.0 - v_exposure0.w * v_exposure0.w * inverse;
     return mix(v, bent_down, step(vec3(s), v));
 }
 
@@ -83,7 +101,7 @@ vec3 looked_at(vec2 at) {
 
 void main() {
     vec3 q = mat3(v_column0.xyz, v_column1.xyz, v_column2.xyz) * vec3(gl_FragCoord.xy, 1.0);
-    vec2 at = q.xy / q.z;
+    vec2 at = q.xy * (1.0 / q.z);
     vec3 colour = v_background.xyz;
     vec2 last = vec2(v_size.xy) - 0.5;
     if (q.z > 0.0 && at.x >= -0.5 && at.y >= -0.5 && at.x < last.x && at.y < last.y) {
@@ -94,8 +112,9 @@ void main() {
 #endif
     }
 #if OUTPUT == 1
-    colour = clamp(colour, 0.0, 1.0);
-    o_colour = vec4(encode(colour.r), encode(colour.g), encode(colour.b), 1.0);
+    o_colour = vec4(encode(clamp(colour, 0.0, 1.0)), 1.0);
+#elif OUTPUT == 2
+    o_colour = vec4(on_monitor(clamp(colour, 0.0, 1.0)), 1.0);
 #else
     o_colour = vec4(colour, 1.0);
 #endif

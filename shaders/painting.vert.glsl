@@ -18,8 +18,7 @@ uniform vec2 u_place[LIGHTS];  // of far lights: azimuth [turns], elevation [rad
 uniform ivec2 u_size;          // [pixels] of the painting
 uniform int u_level;           // of detail: texels of 2^level pixels
 uniform int u_last_level;      // the coarsest
-uniform int u_tile_bits;       // tiles have 2^bits pixels a side
-uniform int u_tile_columns;
+uniform int u_first_page[32];  // surface.glsl
 uniform vec4 u_range;          // largest rho_d, largest rho_s; lowest height [mm], heights' range [mm]
 
 void main() {
@@ -35,9 +34,9 @@ void main() {
     v_look = u_look;
     v_lamp = u_light[0];
     v_lamp_gain = vec4(u_gain[0], u_place[0].x);
-    v_rest = vec2(u_law.y, u_place[0].y);
+    v_rest = vec3(u_law.y, u_place[0].y, exp2(-float(u_level)));
     v_size = ivec4(u_size, u_level, u_last_level);
-    v_tiles = ivec2(u_tile_bits, u_tile_columns);
+    v_tiles = ivec2(u_first_page[u_level], (((u_size.x + (1 << u_level) - 1) >> u_level) + 255) >> 8);
     vec2 corner = vec2(float(gl_VertexID & 1) * 4.0 - 1.0, float(gl_VertexID >> 1) * 4.0 - 1.0);
     gl_Position = vec4(corner, 0.0, 1.0);
 }

@@ -9,6 +9,6 @@ PASSED vec4 v_range;
 PASSED vec4 v_background;                           // and the diffuse roughness
 PASSED vec4 v_look;
 PASSED vec4 v_lamp, v_lamp_gain;                    // the first light; and its azimuth
-PASSED vec2 v_rest;                                 // haze; elevation of the first light
+PASSED vec3 v_rest;                                 // haze; elevation of the first light; texels a pixel
 PASSED ivec4 v_size;                                // and level of detail, the coarsest level
-PASSED ivec2 v_tiles;                               // bits, columns
+PASSED ivec2 v_tiles;                               // of this level: the first, columns

@@ -1,6 +1,5 @@
 // surface.glsl: the maps of a surface, packed into one texel of 128 bits as viewer/texels.h describes, in square tiles:
-// the layers of an array texture.
-// PAGED: 0 every layer has its own levels of detail; 1 layers hold the tiles, of any level, that a page has fetched.
+// those that are seen, of any level of detail, are the layers of an array texture; a table says which.
 
 uniform highp usampler2DArray u_texels;
 
@@ -15,28 +14,25 @@ struct Material {
 
 ivec2 size_at(int level) { return (v_size.xy + ((1 << level) - 1)) >> level; }
 
-#if PAGED == 1
 uniform highp usampler2D u_pages;  // 1024 wide; of each tile: layer (11 bits) and level of the finest that covers it
 uniform int u_first_page[32];      // of each level: where its tiles begin, row by row
 
 const int kPageBits = 8;
 
-uvec4 texel_at(ivec2 at, int level) {
+uvec4 texel_in(ivec2 at, int level, int first_page, int columns) {
     ivec2 tile = at >> kPageBits;
-    int columns = (size_at(level).x + (1 << kPageBits) - 1) >> kPageBits;
-    int page = u_first_page[level] + tile.y * columns + tile.x;
+    int page = first_page + tile.y * columns + tile.x;
     uint found = texelFetch(u_pages, ivec2(page & 1023, page >> 10), 0).r;
-    ivec2 place = at >> (int(found >> 11) - level);
-    return texelFetch(u_texels, ivec3(place & ((1 << kPageBits) - 1), int(found & 2047u)), 0);
+    ivec2 place = (at >> (int(found >> 11) - level)) & ((1 << kPageBits) - 1);
+    return texelFetch(u_texels, ivec3(place, int(found & 2047u)), 0);
 }
-#else
-uvec4 texel_at(ivec2 at, int level) {
-    int bits = v_tiles.x - level;
-    ivec2 tile = at >> bits;
-    ivec2 inside = at - (tile << bits);
-    return texelFetch(u_texels, ivec3(inside, tile.y * v_tiles.y + tile.x), level);
-}
-#endif
+
+int columns_at(int level) { return (size_at(level).x + (1 << kPageBits) - 1) >> kPageBits; }
+
+uvec4 texel_at(ivec2 at, int level) { return texel_in(at, level, u_first_page[level], columns_at(level)); }
+
+// Of the picture's own level.
+uvec4 texel_here(ivec2 at) { return texel_in(at, v_size.z, v_tiles.x, v_tiles.y); }
 
 vec2 halves(uint bits) { return vec2(float(bits & 0xffffu), float(bits >> 16)) * (1.0 / 65535.0); }
 
@@ -59,20 +55,22 @@ Material unpack(uvec4 texel) {
     return m;
 }
 
-// The pixel nearest to `at` [pixels of the painting, whole numbers are centres].
-Material nearest_material(vec2 at, int level) {
-    ivec2 i = ivec2(floor((at + 0.5) * exp2(-float(level))));
-    return unpack(texel_at(clamp(i, ivec2(0), size_at(level) - 1), level));
+// The texel of the picture's level that is nearest to `at` [pixels of the painting, whole numbers are centres].
+Material nearest_material(vec2 at) {
+    ivec2 i = ivec2((at + 0.5) * v_rest.z);
+    return unpack(texel_here(clamp(i, ivec2(0), size_at(v_size.z) - 1)));
 }
 
-// Between the four nearest: maps are mixed, alpha as its square (a variance).
-Material smooth_material(vec2 at, int level) {
+// Between the four nearest of a level: maps are mixed, alpha as its square (a variance).
+Material smooth_in(vec2 at, int level, int first_page, int columns) {
     vec2 c = (at + 0.5) * exp2(-float(level)) - 0.5;
     ivec2 i = ivec2(floor(c)), last = size_at(level) - 1;
     vec2 f = c - vec2(i);
     ivec2 low = clamp(i, ivec2(0), last), high = clamp(i + 1, ivec2(0), last);
-    Material a = unpack(texel_at(low, level)), b = unpack(texel_at(ivec2(high.x, low.y), level));
-    Material c2 = unpack(texel_at(ivec2(low.x, high.y), level)), d = unpack(texel_at(high, level));
+    Material a = unpack(texel_in(low, level, first_page, columns));
+    Material b = unpack(texel_in(ivec2(high.x, low.y), level, first_page, columns));
+    Material c2 = unpack(texel_in(ivec2(low.x, high.y), level, first_page, columns));
+    Material d = unpack(texel_in(high, level, first_page, columns));
     vec4 w = vec4((1.0 - f.x) * (1.0 - f.y), f.x * (1.0 - f.y), (1.0 - f.x) * f.y, f.x * f.y);
     Material m;
     m.normal = normalize(w.x * a.normal + w.y * b.normal + w.z * c2.normal + w.w * d.normal);
@@ -85,8 +83,10 @@ Material smooth_material(vec2 at, int level) {
     return m;
 }
 
+Material smooth_material(vec2 at, int level) { return smooth_in(at, level, u_first_page[level], columns_at(level)); }
+
 #if FILTER == 1
-Material material_at(vec2 at) { return smooth_material(at, v_size.z); }
+Material material_at(vec2 at) { return smooth_in(at, v_size.z, v_tiles.x, v_tiles.y); }
 #else
-Material material_at(vec2 at) { return nearest_material(at, v_size.z); }
+Material material_at(vec2 at) { return nearest_material(at); }
 #endif

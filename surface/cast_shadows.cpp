@@ -128,16 +128,19 @@ float CastShadows::horizon(int x, int y, float dx, float dy, float floor) const 
 }
 
 float CastShadows::visible_part(int x, int y, const Vec3& l) const {
-    const float across = std::hypot(l.x, l.y);
+    const float across = std::sqrt(l.x * l.x + l.y * l.y);
     // Straight from above nothing can stand in the way.
     if (across < 1e-6f || height_mm_.width() < 2 || height_mm_.height() < 2) return 1;
-    const float elevation = std::atan2(l.z, across);
-    const float floor = std::tan(std::max(elevation - light_radius_rad_, -1.5f));
+    const auto elevation = [&] { return std::atan2(l.z, across); };
+    // Tangent of the light's lower rim; by the addition theorem, since most pixels need no more than it.
+    const float floor = l.z > 0 ? (l.z * cosine_ - across * sine_) / (across * cosine_ + l.z * sine_)
+                                : std::tan(std::max(elevation() - light_radius_rad_, -1.5f));
     const float tangent = horizon(x, y, l.x / across, -l.y / across, floor);
     if (tangent <= floor) return 1;
     // At least -1: rounding can put a horizon that touches the light's lower rim below it.
-    const float covered =
-        light_radius_rad_ > 0 ? std::max((std::atan(tangent) - elevation) / light_radius_rad_, -1.0f) : 1.0f;
+    const float covered = light_radius_rad_ > 0
+                              ? std::max((std::atan(tangent) - elevation()) / light_radius_rad_, -1.0f)
+                              : 1.0f;
     if (covered >= 1) return 0;
     // Area of the part of a unit disc above the line at height `covered`.
     const float area = std::acos(covered) - covered * std::sqrt(1 - covered * covered);

@@ -329,7 +329,11 @@ void write_painting(AtomicFile& file, const Surface& s, std::span<const PartToWr
         CheckedStream stream(file.temporary());
         try {
             std::vector<Imf::Header> headers = {header_of(s)};
-            for (const PartToWrite& further : parts) headers.push_back(header_of(further.info));
+            for (const PartToWrite& further : parts) {
+                headers.push_back(header_of(further.info));
+                // OpenEXR wants it to be the same for all parts, of whatever size.
+                headers.back().displayWindow() = headers.front().displayWindow();
+            }
             Imf::MultiPartOutputFile output(stream, headers.data(), static_cast<int>(headers.size()), false,
                                             thread_count());
             Imf::OutputPart part(output, 0);

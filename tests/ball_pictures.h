@@ -19,7 +19,8 @@ struct BallScene {
     double strength = 12;     // of the highlight's middle; 1 is clipped
     double noise = 0.002;
     Transfer transfer{};
-    glm::dvec2 shift_px{0, 0};  // of the camera
+    glm::dvec2 shift_px{0, 0};   // of the camera
+    std::optional<Lens> lens{};  // the balls are where an ideal camera would see them
     std::uint64_t seed = 1;
 
     // The picture under a distant light, or a near one (camera frame, in the units of
@@ -30,10 +31,13 @@ struct BallScene {
         const double toward = near ? 0.7 : glm::normalize(light).z;
         for (int y = 0; y < height; ++y)
             for (int x = 0; x < width; ++x) {
+                // Inside one pixel the distortion is a shift.
+                const glm::dvec2 middle(x, y),
+                    bent = lens ? undistorted(*lens, middle) - middle : glm::dvec2(0);
                 double sum = 0;
                 for (int s = 0; s < 16; ++s) {
                     const glm::dvec2 at(x + (s % 4 - 1.5) / 4, y + (s / 4 - 1.5) / 4);
-                    sum += std::min(1.0, value(at - shift_px, light, near, toward)) / 16;
+                    sum += std::min(1.0, value(at + bent - shift_px, light, near, toward)) / 16;
                 }
                 sum = std::clamp(sum + noise * random.normal(), 0.0, 1.0);
                 image(x, y) = transfer.encode(static_cast<float>(sum));

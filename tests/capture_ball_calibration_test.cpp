@@ -3,6 +3,8 @@
 
 #include <gmock/gmock.h>
 
+#include <iostream>
+
 #include "ball_pictures.h"
 #include "capture/calibration_page.h"
 #include "surface/atomic_file.h"
@@ -230,6 +232,26 @@ TEST(MattBall, TellsDirectionsAndItsTransferCurve) {
         EXPECT_LT(mean_error_deg(c, lights), 0.6);
         EXPECT_NEAR(c.shadings[0]->brightness, 0.6, 0.03);
     }
+}
+
+TEST(MattBall, IsWhereAnIdealCameraWouldSeeIt) {
+    const TestDir dir;
+    BallScene scene;
+    scene.matt = true;
+    scene.camera.focal_px = 400;
+    scene.balls = {{{235, 60}, 40, 0, 0}};
+    scene.lens = Lens{scene.width, scene.height, {400, 400}, scene.camera.principal_px, {-0.6, 0.2, 0, 0}};
+    const auto lights = lights_around(6, 45);
+    const auto paths = write_ball_photos(dir.path(), scene, lights);
+    const BallCalibration without = calibrate_from_balls(paths, {.matt = true, .focal_px = 400}),
+                          with = calibrate_from_balls(paths,
+                                                      {.matt = true, .focal_px = 400, .lens = scene.lens});
+    std::cout << fmt::format(
+        "[  FIGURE  ] matt ball under a lens: {:.2f} deg, distortion left in {:.2f} deg\n",
+        mean_error_deg(with, lights), mean_error_deg(without, lights));
+    EXPECT_LT(mean_error_deg(with, lights), 0.6);
+    EXPECT_GT(mean_error_deg(without, lights), 1);
+    EXPECT_EQ(with.balls[0].image.centre_px, without.balls[0].image.centre_px);  // as the photographs show it
 }
 
 TEST(MattBall, IsNotFoundWhereNothingIsShadedLikeOne) {

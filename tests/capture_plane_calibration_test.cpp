@@ -169,6 +169,25 @@ TEST(PlaneCalibration, TheMostCertainScaleIsUsedAndADisagreementIsTold) {
                 1e-9);
 }
 
+using Paths = std::vector<std::filesystem::path>;
+
+// What one photograph alone shows is texture that looks like a marker.
+TEST(PlaneCalibration, MarkersAreSeenTwice) {
+    const View view(0.1, 0, 0);
+    const TestDir dir;
+    const auto path = photograph(dir, view.homography);
+    write_picture(dir / "photo_001.png", Image<Rgb>(800, 600, Rgb(0.4f)), {Transfer::Kind::srgb});
+    EXPECT_THAT(
+        error_of([&] {
+            (void)calibrate_plane(Paths{path, dir / "photo_001.png"}, {.marker_mm = kSide_mm}, nullptr);
+        }),
+        HasSubstr("no ArUco marker is found in any two of the 2 photographs"));
+    std::filesystem::copy_file(path, dir / "photo_002.png");
+    const PlaneCalibration c = calibrate_plane(Paths{path, dir / "photo_001.png", dir / "photo_002.png"},
+                                               {.marker_mm = kSide_mm}, nullptr);
+    EXPECT_EQ(c.markers.markers.size(), kFour.size());
+}
+
 TEST(PlaneCalibration, RefusesWhatCannotBe) {
     const View view(0.1, 0, 0);
     const TestDir dir;

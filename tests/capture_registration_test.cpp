@@ -19,12 +19,16 @@ namespace {
 constexpr int kWidth = 240, kHeight = 200, kBorder = 12;
 
 // A painting, larger than its photographs, rendered twice as fine.
+PaintingTruth painted(std::uint64_t seed) {
+    return procedural_painting({.seed = seed,
+                                .width = 2 * (kWidth + 2 * kBorder),
+                                .height = 2 * (kHeight + 2 * kBorder),
+                                .mm_per_pixel = 0.2,
+                                .supersampling = 1});
+}
+
 const PaintingTruth& painting() {
-    static const PaintingTruth truth = procedural_painting({.seed = 5,
-                                                            .width = 2 * (kWidth + 2 * kBorder),
-                                                            .height = 2 * (kHeight + 2 * kBorder),
-                                                            .mm_per_pixel = 0.2,
-                                                            .supersampling = 1});
+    static const PaintingTruth truth = painted(5);
     return truth;
 }
 
@@ -68,14 +72,15 @@ struct Scene {
     std::vector<Homography> truth;
     MotionFrame frame{kWidth, kHeight};
 
-    Scene(int lights, double shift_px, double turn_px) {
-        const GeneratorOptions options{.lights = lights, .held_out = 0, .min_elevation_deg = 25};
-        const Photography photography = photography_of(painting(), options);
+    Scene(int lights, double shift_px, double turn_px, const PaintingTruth& of = painting(),
+          double lowest_deg = 25) {
+        const GeneratorOptions options{.lights = lights, .held_out = 0, .min_elevation_deg = lowest_deg};
+        const Photography photography = photography_of(of, options);
         std::vector<Light> listed;
         for (int i = 0; i < lights; ++i) {
             const Light& light = photography.photos[static_cast<std::size_t>(i)].light;
             truth.push_back(homography_of(jitter(i, shift_px, turn_px), frame));
-            const Image<Rgb> photo = photographed(render_photo(painting(), light, options), truth.back());
+            const Image<Rgb> photo = photographed(render_photo(of, light, options), truth.back());
             listed.push_back(light);
             listed.back().name = fmt::format("photo_{:03d}.png", i);
             write_picture(folder / listed.back().name, apply_sensor(photo, options, i), {}, {.bits = 16});
@@ -150,6 +155,33 @@ TEST(RegisterStack, RecoversShiftsAndTurnsUnderMovingLights) {
         }
         EXPECT_LT(shaken().error_px(r.photos[i].homography, i), 5 * r.photos[i].error_px) << i;
     }
+}
+
+// Of all photographs of stacks that moved by little and by much.
+TEST(RegisterStack, StatedErrorsCoverTheTruth) {
+    int within1 = 0, within2 = 0, all = 0;
+    double squares = 0;
+    const auto count = [&](const Scene& scene) {
+        Stack stack = open_stack(scene.folder.path());
+        const Registration r = register_stack(stack, {});
+        for (std::size_t i = 1; i < r.photos.size(); ++i) {
+            if (!r.photos[i].registered) continue;
+            const double ratio = scene.error_px(r.photos[i].homography, i) / r.photos[i].error_px;
+            within1 += ratio < 1;
+            within2 += ratio < 2;
+            squares += ratio * ratio;
+            ++all;
+        }
+    };
+    count(shaken());
+    count(Scene(16, 0.6, 0.3, painted(12), 15));
+    count(Scene(12, 3, 0.8, painted(23), 35));
+    std::cout << fmt::format(
+        "[  FIGURE  ] errors within 1 and 2 of those stated: {} and {} of {}, rms {:.2f}\n", within1, within2,
+        all, std::sqrt(squares / all));
+    EXPECT_GE(within2, 0.85 * all);
+    EXPECT_LE(std::sqrt(squares / all), 1.5);
+    EXPECT_GE(std::sqrt(squares / all), 0.5);  // nor are they much too large
 }
 
 TEST(RegisterStack, RecoversShiftsOfManyPixels) {

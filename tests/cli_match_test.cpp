@@ -123,6 +123,40 @@ TEST(CliRetouch, LaysARetouchThatQualityJudges) {
     EXPECT_GT(read_picture(loss.dir / "t.png").width(), 36);
 }
 
+TEST(CliRetouch, OfATreatmentIsLogged) {
+    const Loss loss;
+    const std::string treatment = loss.path("p.treatment");
+    ASSERT_TRUE(ended(tangipaint({"damage", loss.path("p.exr"), "--treatment", treatment, "--class",
+                                  "loss_to_ground", "--mask", loss.path("m.png")}),
+                      0));
+    EXPECT_TRUE(ended(tangipaint({"quality", "--treatment", treatment}), 1, {"no retouch"}));
+    const std::vector<std::string> where = {"--treatment", treatment, "--class", "loss_to_ground"};
+    const auto run = [&](std::vector<std::string> words, const std::vector<std::string>& more) {
+        words.insert(words.end(), more.begin(), more.end());
+        return tangipaint(words);
+    };
+    ASSERT_TRUE(ended(run({"match", "--film-mm", "0.05"}, where), 0));
+    ASSERT_TRUE(
+        ended(tangipaint({"fill", treatment, "--class", "loss_to_ground", "--texture", "patches"}), 0));
+    ASSERT_TRUE(ended(run({"retouch", "--inpainting", "patches"}, where), 0));
+    ASSERT_TRUE(ended(tangipaint({"quality", "--treatment", treatment}), 0));
+    EXPECT_EQ(names_in(loss.dir / "p.treatment" / "quality" / "1").size(), 8u);
+    // What was made up is never silent.
+    const nlohmann::json status = tangipaint({"treatment", "status", treatment}).json();
+    EXPECT_EQ(status["layers"][0]["name"], "proposal fill 1");
+    EXPECT_EQ(status["layers"][1]["name"], "proposal retouch 1");
+    const std::string log = bytes_of(loss.dir / "p.treatment" / "log.jsonl");
+    for (const char* action : {"match", "propose", "quality"})
+        EXPECT_NE(log.find("\"action\":\"" + std::string(action) + "\""), std::string::npos) << action;
+    // A map that was changed afterwards is noticed.
+    ASSERT_TRUE(ended(tangipaint({"treatment", "check", treatment}), 0));
+    write_bytes(loss.dir / "p.treatment" / "quality" / "1" / "gloss.exr", "edited");
+    EXPECT_TRUE(ended(tangipaint({"treatment", "check", treatment}), 1, {"gloss.exr"}));
+    EXPECT_TRUE(ended(tangipaint({"match", "--treatment", treatment}), 2, {"--class"}));
+    EXPECT_TRUE(
+        ended(tangipaint({"quality", "--treatment", treatment, "--out", loss.path("q")}), 2, {"--out"}));
+}
+
 TEST(CliRetouch, SaysWhatIsWrong) {
     const Loss loss;
     const std::string p = loss.path("p.exr"), m = loss.path("m.png"), out = loss.path("r.exr");

@@ -192,6 +192,36 @@ TEST(CliRelight, NamesOfALightsFileMayHoldFoldersAndSpaces) {
     EXPECT_FALSE(fs::exists(stack.out("e")));
 }
 
+TEST(CliRelight, ASweepIsAFilmOfALampThatMoves) {
+    const TinyStack stack(use_srgb);
+    const Surface s = read_painting(stack.truth());
+    const auto sweep = [&](const std::string& out, std::vector<std::string> flags) {
+        flags.insert(flags.begin(),
+                     {"relight", stack.truth(), "--out", stack.out(out), "--frame-rate", "10"});
+        return tangipaint(flags);
+    };
+    const Finished run = sweep("frames", {"--sweep=0,30", "--sweep=90,30", "--seconds", "0.5"});
+    ASSERT_TRUE(ended(run, 0));
+    EXPECT_EQ(run.json()["frames"], 5);
+    EXPECT_EQ(names_in(stack.out("frames")).size(), 5u);
+    const float up = std::tan(30 * std::numbers::pi_v<float> / 180);
+    const std::vector<Light> last = {distant_light(Vec3(0, 1, up))};
+    EXPECT_TRUE(images_near(read_picture(stack.out("frames/frame-00005.png")),
+                            expected_picture(s, last, Transfer{Transfer::Kind::srgb}), 0.51 / 255));
+    ASSERT_TRUE(ended(sweep("round.mp4", {"--sweep=0,30", "--seconds", "0.4", "--light=0,0,1"}), 0));
+    EXPECT_EQ(bytes_of(stack.out("round.mp4")).substr(4, 4), "ftyp");
+    ASSERT_TRUE(ended(sweep("small", {"--sweep=0,30", "--seconds", "0.1", "--frames-width", "16"}), 0));
+    EXPECT_LE(read_picture(stack.out("small/frame-00001.png")).width(), 16);
+
+    EXPECT_TRUE(ended(sweep("x.mp4", {"--sweep=0,-5"}), 2, {"--sweep 0,-5", "elevation"}));
+    EXPECT_TRUE(ended(sweep("x.mp4", {"--sweep=north"}), 2, {"--sweep north", "AZIMUTH,ELEVATION"}));
+    EXPECT_TRUE(ended(sweep("x.mp4", {"--sweep=0,9", "--lights", "a.lp"}), 2, {"--sweep"}));
+    EXPECT_TRUE(ended(sweep("x.mp4", {"--sweep=0,9", "--encoding", "linear"}), 2, {"--encoding", "sRGB"}));
+    EXPECT_TRUE(ended(sweep("none/x.mp4", {"--sweep=0,9"}), 1, {"none/x.mp4"}));
+    EXPECT_TRUE(ended(sweep("frames", {"--sweep=0,9"}), 1, {"has frames already"}));
+    EXPECT_FALSE(fs::exists(stack.out("x.mp4")));
+}
+
 TEST(CliRelight, WhatCannotBeWrittenIsSaidAndNothingIsLeft) {
     const TinyStack stack;
     const auto refused = [&](const std::string& out, const std::vector<std::string>& said,

@@ -198,8 +198,13 @@ TEST(CliReplay, MixesOnThePaletteAndShowsHowItCameIntoBeing) {
         ended(f.replay(kHeader + kStroke, {"--board", f.path("b.exr")}), 1, {"--board", "nothing was"}));
     EXPECT_GT(redness(read_picture(f.dir / "frames" / "frame-00003.png")),
               1.5 * redness(read_picture(f.dir / "frames" / "frame-00001.png")));
-    EXPECT_TRUE(
-        ended(f.replay(mixing, {"--frames", f.path("frames")}), 1, {"--frames", "has frames already"}));
+    EXPECT_TRUE(ended(f.replay(mixing, {"--frames", f.path("frames")}), 1, {"frames: has frames already"}));
+    EXPECT_TRUE(ended(f.replay(mixing, {"--frames", "a.mp4"}), 2, {"--frames a.mp4", "--video"}));
+    EXPECT_TRUE(ended(f.replay(mixing, {"--video", "film"}), 2, {"--video film", ".mp4"}));
+    const Finished video = f.replay(mixing, {"--video", f.path("film.mp4"), "--every", "1"});
+    ASSERT_TRUE(ended(video, 0));
+    EXPECT_EQ(video.json()["frames"], 3);
+    EXPECT_EQ(bytes_of(f.dir / "film.mp4").substr(4, 4), "ftyp");
 }
 
 }  // namespace

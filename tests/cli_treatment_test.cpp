@@ -46,7 +46,9 @@ TEST_F(CliTreatment, GoesFromDamageToReportAndBack) {
     ASSERT_TRUE(ended(tangipaint({"varnish", treatment()}), 0));
     EXPECT_TRUE(ended(tangipaint({"treatment", "show", treatment(), "--out", stack_.out("after.png")}), 0));
     EXPECT_TRUE(ended(tangipaint({"treatment", "additions", treatment(), "--out", stack_.out("a.png")}), 0));
-    EXPECT_TRUE(ended(tangipaint({"treatment", "report", treatment(), "--out", stack_.out("r.html")}), 0));
+    EXPECT_TRUE(ended(tangipaint({"treatment", "report", treatment(), "--out", stack_.out("r.pdf")}), 0));
+    EXPECT_TRUE(std::filesystem::exists(stack_.out("r.pdf")) &&
+                std::filesystem::exists(stack_.out("r.html")));
     const nlohmann::json checked = tangipaint({"treatment", "check", treatment()}).json();
     EXPECT_EQ(checked["layers"].size(), 4u);
     EXPECT_EQ(checked["log_lines"], 7);
@@ -107,8 +109,8 @@ TEST_F(CliTreatment, WhatMakesNoSenseIsRefused) {
     EXPECT_TRUE(ended(tangipaint({"fill", treatment(), "--class", "hole"}), 2, {"--class hole", "stain"}));
     EXPECT_TRUE(ended(tangipaint({"fill", treatment(), "--class", "stain"}), 1, {"no such damage"}));
     EXPECT_TRUE(ended(tangipaint({"fill", stack_.out("none"), "--class", "stain"}), 1, {"is no treatment"}));
-    EXPECT_TRUE(ended(tangipaint({"treatment", "report", treatment(), "--out", stack_.out("r.pdf")}), 2,
-                      {"--out", ".html"}));
+    EXPECT_TRUE(ended(tangipaint({"treatment", "report", treatment(), "--out", stack_.out("r.txt")}), 2,
+                      {"--out", ".pdf"}));
     EXPECT_TRUE(ended(tangipaint({"treatment", "dance", treatment()}), 2, {"dance"}));
     EXPECT_TRUE(ended(damage({"--polygon", kSquare}), 2, {"--class"}));
     EXPECT_TRUE(ended(damage({"--class", "stain", "--polygon", "1,2;3"}), 2, {"--polygon"}));

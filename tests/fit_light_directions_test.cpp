@@ -58,7 +58,8 @@ struct WrongLights {
     Photography truth;
     LightCalibration found;
     // `error` of a true direction, as a turn.
-    WrongLights(GeneratorOptions options, const std::function<glm::dvec2(const glm::dvec3&)>& error) {
+    WrongLights(GeneratorOptions options, const std::function<glm::dvec2(const glm::dvec3&)>& error,
+                bool refine = false) {
         options.held_out = 0;
         const PaintingTruth painting =
             procedural_painting({.seed = 5, .width = 80, .height = 80, .mm_per_pixel = kMmPerPixel});
@@ -75,7 +76,8 @@ struct WrongLights {
         }
         stack = open_stack(folder.path(), {.transfer = Transfer{}});
         found = calibrate_lights(stack, survey(stack), Transfer{}, NoiseModel(Transfer{}, 0.006, true),
-                                 {stack.lights(), {}, 0.75}, kMmPerPixel, {}, {.samples = 250});
+                                 {stack.lights(), {}, 0.75}, kMmPerPixel, {},
+                                 {.samples = 250, .refine_directions = refine});
         for (const auto& trial : found.trials)
             std::cout << fmt::format("{}: {:.2f} dB; ", name_of(trial.model), trial.left_out_db);
         const Errors e = errors();
@@ -185,6 +187,26 @@ TEST(LightDirections, AFieldOfErrorsIsFound) {
 TEST(LightDirections, ThatAreRightAreLeftAlone) {
     const WrongLights lights({.lights = 36}, {});
     EXPECT_EQ(lights.found.model.directions, DirectionFreedom::listed);
+}
+
+// Of 14 photographs none can be spared to judge by; where the user knows that the file is off, they still
+// tell.
+TEST(LightDirections, OfFewLampsAreCorrectedWhereTheUserSaysSo) {
+    const auto error = [](const glm::dvec3& d) {
+        const double angle = 40 * d.x + 17 * d.y;
+        return 4 * kDegree * glm::dvec2(std::cos(angle), std::sin(angle));
+    };
+    const GeneratorOptions options{.lights = 14, .reflectance = Reflectance::lambert, .cast_shadows = false};
+    EXPECT_EQ(WrongLights(options, error).found.model.directions, DirectionFreedom::listed);
+    const WrongLights refined(options, error, true);
+    EXPECT_EQ(refined.found.model.directions, DirectionFreedom::own);
+    EXPECT_EQ(refined.found.turns.size(), 14u);
+    const Errors e = refined.errors();
+    EXPECT_GT(e.before, 2);
+    EXPECT_LT(e.after, 0.4 * e.before);
+    // Right directions stay, also where the user doubts them.
+    const Errors right = WrongLights(options, {}, true).errors();
+    EXPECT_LT(right.after, 1);
 }
 
 }  // namespace

@@ -35,14 +35,13 @@ Stack object_stack(const fs::path& spheres, const std::string& object, const Tes
 }
 
 // The ball is not matt as Lambert's: light by cosine is 20 % more at 80 degrees than below 50, by all lamps,
-// so that even least squares on its own outline gives 4.3 to 5 degrees. Rough diffuse reflection as the fit
-// chooses it does not mend that: this is what it reaches; 4 is what it should.
-TEST(DataSpheres, NormalsOfTheGreyBallAreWithin5_8Degrees) {
-    TP_DATA(folder, "spheres");
+// and the lamps are 1.5 degrees from where the chrome ball showed them. 12 photographs are too few for the
+// fit to find out either by those left out; the user can say both (docs/method.md).
+double error_of_grey_ball_deg(const std::filesystem::path& folder, const FitOptions& options) {
     const TestDir out;
     Stack stack = object_stack(folder, "gray", out);
     const Image<std::uint8_t> mask = stack.mask;
-    const FitResult fit = fit_painting(std::move(stack));
+    const FitResult fit = fit_painting(std::move(stack), options);
     EXPECT_EQ(fit.report.transfer.transfer.name(), "linear");
     int x0 = mask.width(), x1 = 0, y0 = mask.height(), y1 = 0;
     for (int y = 0; y < mask.height(); ++y)
@@ -66,10 +65,25 @@ TEST(DataSpheres, NormalsOfTheGreyBallAreWithin5_8Degrees) {
             ++count;
         }
     const double degrees = sum / count * 180 / M_PI;
-    std::cout << "[  FIGURE  ] normals of the grey ball " << degrees << " deg, " << count
-              << " pixels of a ball of " << radius << " px\n";
     EXPECT_GT(count, 0.8 * M_PI * 0.95 * 0.95 * radius * radius);
-    EXPECT_LE(degrees, 5.8);
+    return degrees;
+}
+
+TEST(DataSpheres, NormalsOfTheGreyBallAreWithin4Degrees) {
+    TP_DATA(folder, "spheres");
+    FitOptions options{.register_photos = false};
+    const double as_listed = error_of_grey_ball_deg(folder, options);
+    options.calibration.refine_directions = true;
+    const double refined = error_of_grey_ball_deg(folder, options);
+    options.diffuse_roughness = 0.1;
+    const double rough = error_of_grey_ball_deg(folder, options);
+    std::cout << fmt::format(
+        "[  FIGURE  ] normals of the grey ball: {:.2f} deg, with refined directions {:.2f}, and rough "
+        "diffuse reflection {:.2f}\n",
+        as_listed, refined, rough);
+    EXPECT_LE(as_listed, 5.8);
+    EXPECT_LE(refined, 4.6);
+    EXPECT_LE(rough, 4);
 }
 
 TEST(DataSpheres, TheRockFits) {

@@ -1,7 +1,7 @@
 // layers_test.cpp: the dependency order of DESIGN is kept by every #include and every CMake LINK list.
 //
 //   surface <- capture <- fit      surface <- paint <- viewer      surface, capture <- datasets everything <-
-//   cli      paint <- retouch, which has the folder paint/retouch
+//   cli      paint <- retouch <- viewer; retouch has the folder paint/retouch
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -44,7 +44,7 @@ const std::vector<ModuleRule> kModules = {
     {"capture", {"surface"}},
     {"fit", {"surface", "capture"}},
     {"paint", {"surface"}},
-    {"viewer", {"surface", "paint"}},
+    {"viewer", {"surface", "paint", "retouch"}},
     {"datasets", {"surface", "capture"}},
     {"retouch", {"surface", "paint"}},
     {"cli", kBelowCli},
@@ -64,7 +64,8 @@ const std::vector<PackageRule> kPackages = {
      kBelowCli,
      Where::file_sources},
     {"libzip", {"zip.h"}, {"PkgConfig::libzip"}, {"paint"}, Where::file_sources},
-    {"lcms2", {"lcms2"}, {"${LCMS2_LIBRARY}"}, {"capture"}, Where::sources},
+    {"Pango and Cairo", {"cairo", "pango/"}, {"PkgConfig::pangocairo"}, {"retouch"}, Where::file_sources},
+    {"lcms2", {"lcms2"}, {"${LCMS2_LIBRARY}"}, {"capture", "viewer"}, Where::sources},
     {"OpenSSL", {"openssl/"}, {"OpenSSL::"}, {"retouch"}, Where::sources},
     {"GLFW", {"GLFW/"}, {"glfw"}, {"viewer"}, Where::anywhere},
     {"OpenGL",
@@ -78,6 +79,7 @@ const std::vector<PackageRule> kPackages = {
      {"imgui", "ImGui::", "PkgConfig::imgui"},
      {"viewer"},
      Where::anywhere},
+    {"FFmpeg", {"libav"}, {"PkgConfig::ffmpeg"}, {"viewer"}, Where::file_sources},
     {"zlib", {"zlib.h"}, {"ZLIB::"}, {"viewer"}, Where::sources},
     {"TBB", {"tbb/", "oneapi/tbb"}, {"TBB::"}, kBelowCli, Where::sources},
     {"Highway", {"hwy/"}, {"${HWY_LIBRARY}"}, {"fit"}, Where::anywhere},

@@ -134,6 +134,8 @@ TEST(Journal, ErrorsNameFileAndLine) {
         return error_of([&] { read_journal(dir / "bad.jsonl"); });
     };
     EXPECT_THAT(error(""), AllOf(HasSubstr("bad.jsonl"), HasSubstr("empty")));
+    EXPECT_THAT(error("\n"), AllOf(HasSubstr("bad.jsonl"), HasSubstr("empty")));
+    EXPECT_THAT(error("\nhello"), HasSubstr("not a journal"));
     EXPECT_THAT(error("hello\n"), AllOf(HasSubstr("bad.jsonl:1"), HasSubstr("not a journal")));
     EXPECT_THAT(error("{\"format\": \"tangipaint strokes\", \"version\": 2}\n"), HasSubstr("version 2"));
     EXPECT_THAT(error(kHeader + "\n{\"event\": }\n"), AllOf(HasSubstr("bad.jsonl:3"), HasSubstr("not JSON")));

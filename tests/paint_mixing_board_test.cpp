@@ -117,6 +117,46 @@ TEST(MixingBoard, TheBrushCarriesWhatIsOnEachBristle) {
     EXPECT_GT(sides.second, 2 * sides.first);  // the side that was in the pile
 }
 
+// Dipped into two piles that lie side by side, different bristles hold different paint.
+TEST(MixingBoard, ABrushOfTwoPilesPaintsStreaksOfBoth) {
+    Session session(ground(), artist_acrylics());
+    session.apply(pile_of({{"Diarylide Yellow", 1}}, {-6, 0}));
+    session.apply(pile_of({{"Ultramarine Blue", 1}}, {6, 0}));
+    StrokeEvent dip = stroke_on(Place::palette, BrushStart::clean);
+    dip.brush = brush_presets().at("flat");
+    for (int i = 0; i < 3; ++i) {
+        session.apply(dip);
+        session.apply(point(0, 0, 0));
+        dip.start = BrushStart::same;
+    }
+    dip.on = Place::painting;
+    session.apply(dip);
+    for (int i = 0; i <= 8; ++i) session.apply(point(0.02 * i, 0, 9 - 2.25 * i));
+    session.finish();
+
+    const PaintLayer& wet = session.canvas().wet();
+    const auto& paints = session.canvas().ingredients();
+    ASSERT_EQ(paints.size(), 2u);
+    const IngredientId yellow = paints[0].name == "Diarylide Yellow" ? 0 : 1, blue = 1 - yellow;
+    const auto parts = [&](int x0, int x1, int y) {  // of both, in a piece of a row
+        std::pair<double, double> sums;
+        for (int x = x0; x < x1; ++x) {
+            sums.first += wet.thickness_mm(x, y, yellow);
+            sums.second += wet.thickness_mm(x, y, blue);
+        }
+        return sums;
+    };
+    const bool turned = parts(46, 58, 48).first < parts(46, 58, 48).second;
+    for (const int y : {30, 40, 48, 56}) {  // rows, from the stroke's beginning to its end
+        auto left = parts(46, 58, y), right = parts(70, 82, y);
+        if (turned) std::swap(left, right);
+        EXPECT_GT(left.first, 4 * left.second) << y;
+        EXPECT_GT(right.second, 4 * right.first) << y;
+        EXPECT_GT(left.first, 0.01) << y;
+        EXPECT_GT(right.second, 0.01) << y;
+    }
+}
+
 TEST(MixingBoard, APilesRatioStaysWhateverIsTakenFromIt) {
     Session session(ground(), artist_acrylics());
     session.apply(pile_of({{"Titanium White", 3}, {"Bone Black", 1}}, {0, 0}));

@@ -116,7 +116,7 @@ TEST(Palettes, SayWhatIsWrongAndWhere) {
     const std::pair<std::string, std::vector<const char*>> bad[] = {
         {"", {"x.json: line 1: is not JSON"}},
         {"{\n\"format\": \"tangipaint palette\",\n oops}", {"x.json: line 3: is not JSON"}},
-        {"[1]", {"x.json: : is not an object"}},
+        {"[1]", {"x.json: is not an object"}},
         {R"({"name": "GIMP"})", {"is no palette", "\"format\": \"tangipaint palette\""}},
         {R"({"format": "tangipaint palette", "version": 2, "name": "n", "paints": []})",
          {"/version", "newer"}},

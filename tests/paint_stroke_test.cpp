@@ -73,7 +73,9 @@ TEST(Stroke, PicksUpWetPaint) {
     stroke(canvas, loaded, {-10, 0}, {10, 0});
     stroke(canvas, clean, {0, -8}, {0, 8});
     EXPECT_GT(clean.volumes_mm3(1)[0], 0);
-    EXPECT_GT(canvas.wet().thickness_mm(64, 24, red), 0);  // carried to where there was none
+    float carried = 0;  // to where there was none; not by every bristle
+    for (int x = 56; x <= 72; ++x) carried += canvas.wet().thickness_mm(x, 24, red);
+    EXPECT_GT(carried, 0.001f);
 }
 
 TEST(Stroke, MixingAPaintWithItselfChangesNothing) {

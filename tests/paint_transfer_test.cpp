@@ -4,6 +4,10 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+#include <cmath>
+#include <numbers>
+
 #include "tests/test_support.h"
 
 namespace tangi {
@@ -154,6 +158,49 @@ TEST(Transfer, PushesPaintAheadAndKeepsItOnTheCanvas) {
     EXPECT_NEAR(b.paint[0][middle], 0.4f - 0.9f * 0.3f, 1e-5);
 }
 
+// Large boxes are moved in bands of rows, small ones row by row; narrow rows in whole vectors all the same.
+TEST(Transfer, DoesNotDependOnTheSizeOfTheBox) {
+    constexpr int width = 180, height = 140;
+    constexpr RowSpan bristles{62, 97}, rows{30, 101};
+    const auto painted_in = [&](int x0, int y0, int x1, int y1) {
+        Random random(6);
+        std::array<std::vector<float>, 5> planes;
+        for (auto& plane : planes) {
+            plane.resize(width * height);
+            for (float& v : plane) v = random.real(0, 0.2);
+        }
+        auto& [underside, relief, first, second, total] = planes;
+        for (std::size_t i = 0; i < total.size(); ++i) total[i] = first[i] + second[i];
+        const std::vector<float> grain(total.size(), 1.0f);
+        for (int y = 0; y < height; ++y)
+            for (int x = 0; x < width; ++x)
+                if (x < bristles.begin || x >= bristles.end || y < rows.begin || y >= rows.end)
+                    underside[static_cast<std::size_t>(y * width + x)] = kOutside;
+        const std::size_t corner = static_cast<std::size_t>(y0 * width + x0);
+        StepBox box;
+        box.width = x1 - x0;
+        box.height = y1 - y0;
+        box.underside_mm = underside.data() + corner;
+        box.underside_stride = box.canvas_stride = width;
+        for (int y = y0; y < y1; ++y)
+            box.bristles.push_back(y < rows.begin || y >= rows.end
+                                       ? RowSpan{}
+                                       : RowSpan{bristles.begin - x0, bristles.end - x0});
+        box.relief_mm = relief.data() + corner;
+        box.grain = grain.data() + corner;
+        box.total_mm = total.data() + corner;
+        box.paint = {first.data() + corner, second.data() + corner};
+        StepScratch scratch;
+        for (int step = 0; step < 8; ++step)
+            push(box, some_rates(), std::cos(0.8f * static_cast<float>(step)),
+                 std::sin(0.8f * static_cast<float>(step)), scratch);
+        return std::array{first, second, total};
+    };
+    const auto large = painted_in(0, 0, width, height), small = painted_in(50, 20, 110, 110);
+    for (std::size_t plane = 0; plane < large.size(); ++plane) EXPECT_TRUE(large[plane] == small[plane]);
+    for (std::size_t i = 0; i < large[2].size(); ++i) ASSERT_EQ(large[2][i], large[0][i] + large[1][i]) << i;
+}
+
 TEST(Transfer, SteepStepsFlowDownAndStop) {
     RandomBox b(5);
     std::fill(b.relief.begin(), b.relief.end(), 0.0f);
@@ -173,6 +220,41 @@ TEST(Transfer, SteepStepsFlowDownAndStop) {
         }
     EXPECT_GT(b.total[middle], 0.05f);  // it holds its shape: no water
     EXPECT_NEAR(b.total[middle - 1], b.total[middle + 1], 1e-6);
+}
+
+TEST(Transfer, SurfaceTensionRoundsWhatIsSmallerThanBristles) {
+    // Ripples of two, three and twelve pixels, and a chequerboard.
+    const auto left_of = [](auto&& wave) {
+        RandomBox b(7);
+        std::fill(b.relief.begin(), b.relief.end(), 0.0f);
+        std::fill(b.underside.begin(), b.underside.end(), kOutside);
+        std::fill(b.grain.begin(), b.grain.end(), 1.0f);
+        for (auto& plane : b.paint) std::fill(plane.begin(), plane.end(), 0.0f);
+        for (int y = 0; y < RandomBox::kHeight; ++y)
+            for (int x = 0; x < RandomBox::kWidth; ++x) {
+                const auto i = static_cast<std::size_t>(y * RandomBox::kWidth + x);
+                b.paint[0][i] = b.total[i] = 0.2f + 0.05f * static_cast<float>(wave(x, y));
+            }
+        const double volume = b.sum(0);
+        TransferRates rates = some_rates();
+        rates.yield_mm = 10;
+        rates.tension_mm = 0.004f;
+        StepScratch scratch;
+        for (int step = 0; step < 40; ++step) push(b.box, rates, 0, 0, scratch);
+        EXPECT_NEAR(b.sum(0) / volume, 1, 1e-5);
+        float low = 1, high = 0;
+        for (int y = 8; y < 15; ++y)
+            for (int x = 8; x < 29; ++x) {
+                low = std::min(low, b.total[static_cast<std::size_t>(y * RandomBox::kWidth + x)]);
+                high = std::max(high, b.total[static_cast<std::size_t>(y * RandomBox::kWidth + x)]);
+            }
+        return high - low;
+    };
+    const double turn = 2 * std::numbers::pi;
+    EXPECT_LT(left_of([&](int x, int y) { return (x + y) % 2 * 2 - 1; }), 0.0045f);
+    EXPECT_LT(left_of([&](int x, int) { return x % 2 * 2 - 1; }), 0.0045f);
+    EXPECT_LT(left_of([&](int x, int) { return std::cos(turn * x / 3); }), 0.05f);
+    EXPECT_GT(left_of([&](int x, int) { return std::cos(turn * x / 12); }), 0.09f);
 }
 
 }  // namespace

@@ -11,13 +11,13 @@ complain() {
     failed=1
 }
 
-for script in script/bootstrap script/demo script/test script/screenshots .ci/run; do
+for script in script/bootstrap script/demo script/test script/screenshots script/retouching_pictures .ci/run; do
     [ -x "$source/$script" ] || complain "$script is not there, or cannot be run"
     bash -n "$source/$script" || complain "$script: bash cannot read it"
 done
 
 # Whoever asks a script what it does does not want it to build for minutes.
-for script in script/demo script/test script/screenshots; do
+for script in script/demo script/test script/screenshots script/retouching_pictures; do
     timeout 10 "$source/$script" --help | grep -q "Usage: $script" || complain "$script --help does not say how to use it"
 done
 
@@ -51,7 +51,7 @@ done < <(awk '/^```sh$/ { inside = 1; next } /^```/ { inside = 0 } inside' "$sou
 
 [ "$commands" -ge 9 ] || complain "README.md: only $commands commands found; has the way they are written changed?"
 for result in painting.exr raking.png report/compare.html report/compare.json relit/heldout_005.png \
-    eighth/compare.html synthetic/lights.lp synthetic.exr still_life.png drawn.png; do
+    eighth/compare.html synthetic/lights.lp synthetic.exr still_life.png drawn.png raking.mp4; do
     [ -s "$result" ] || complain "the commands of README.md did not make $result"
 done
 [ "$failed" -eq 0 ] && echo "README.md: all $commands commands run"

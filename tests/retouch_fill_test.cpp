@@ -162,5 +162,22 @@ TEST(Varnish, ChangesGlossNotColourNorShape) {
               0.95f * varnished.diffuse(50, 50).b / varnished.diffuse(50, 50).r);
 }
 
+TEST(Varnish, ShinesTheSameOverAFillAsBesideIt) {
+    Canvas canvas(flat_surface(kWidth, kHeight));
+    Image<float> fill(kWidth, kHeight);
+    for (int y = 30; y < 60; ++y)
+        for (int x = 30; x < 60; ++x) fill(x, y) = 0.5f;
+    Pigment matt = pigment_of_rgb("fill", Rgb(0.8f));
+    matt.specular = 0.005f, matt.roughness = 0.4f;
+    add_layer(canvas, "fill 1", matt, fill, true);
+    EXPECT_NEAR(appearance(canvas).roughness(45, 45), 0.4, 1e-5);
+    VarnishOptions options;
+    options.thickness_mm = 0.05;
+    lay_varnish(canvas, "varnish 1", Mask(kWidth, kHeight, 1.0f), options);
+    const Surface varnished = appearance(canvas);
+    EXPECT_NEAR(varnished.roughness(45, 45), 0.08, 0.005);
+    EXPECT_NEAR(varnished.specular(45, 45), varnished.specular(10, 10), 5e-4);
+}
+
 }  // namespace
 }  // namespace tangi

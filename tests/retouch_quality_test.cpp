@@ -80,6 +80,32 @@ TEST(Quality, TellsRegionsApart) {
     EXPECT_LT(report.regions[1].delta_e[static_cast<std::size_t>(Illuminant::d65)], 0.1);
 }
 
+TEST(Quality, TellsHowMuchTheSurroundingsVaryThemselves) {
+    // Even surroundings: a planted step is all there is.
+    const Rgb colour(0.36f, 0.3f, 0.25f);
+    const RetouchQuality even = Patched(0.12f, colour, 0.02f, 0.3f).quality().regions[0];
+    ASSERT_EQ(even.undamaged.size(), 2u);  // left and right; above and below, there is no room
+    const auto d65 = static_cast<std::size_t>(Illuminant::d65);
+    EXPECT_LT(mean_of(even.undamaged).border_delta_e[d65], 0.1);
+    EXPECT_NEAR(mean_of(even.undamaged).height_mm.mean, 0, 0.003);
+    EXPECT_LT(mean_of(even.undamaged).gloss_step, 1e-3);
+    // Surroundings in stripes differ from themselves as much as a patch of the same stripes does.
+    Patched striped(0, Rgb(0.3f), 0.04f, 0.15f);
+    for (int y = 0; y < 90; ++y)
+        for (int x = 0; x < 100; ++x)
+            striped.surface.diffuse(x, y) = x / 5 % 2 == 0 ? Rgb(0.3f) : Rgb(0.45f, 0.35f, 0.2f);
+    const RetouchQuality varied = striped.quality().regions[0];
+    ASSERT_FALSE(varied.undamaged.empty());
+    const double own = mean_of(varied.undamaged).delta_e[d65];
+    EXPECT_GT(own, 3);
+    EXPECT_NEAR(varied.delta_e[d65], own, 0.35 * own);
+    // No place is left for a yardstick beside a patch that is nearly all of the picture.
+    Patched large(0, Rgb(0.3f), 0.04f, 0.15f);
+    for (int y = 5; y < 85; ++y)
+        for (int x = 5; x < 95; ++x) large.patch(x, y) = 1;
+    EXPECT_TRUE(large.quality().regions[0].undamaged.empty());
+}
+
 TEST(Quality, SaysWhatIsWrong) {
     const Patched patched(0, Rgb(0.3f), 0.04f, 0.15f);
     const Canvas canvas(std::make_shared<Surface>(patched.surface));

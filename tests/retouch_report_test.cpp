@@ -3,7 +3,11 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
+#include <cstdlib>
+
 #include "paint/retouch/fill.h"
+#include "paint/retouch/report_document.h"
 #include "paint/retouch/treatment_picture.h"
 #include "surface/atomic_file.h"
 #include "surface/error.h"
@@ -46,7 +50,7 @@ protected:
 TEST_F(Report, SaysWhatWasDoneAndByWhomAndWithWhichHashes) {
     const Treatment treatment = Treatment::open(folder());
     const auto files = write_treatment_report(treatment, dir_ / "report.html", "tangipaint test");
-    EXPECT_EQ(files.size(), 7u);
+    EXPECT_EQ(files.size(), 8u);
     for (const auto& file : files) EXPECT_GT(std::filesystem::file_size(file), 100u) << file;
     const std::string page = read_text_file(dir_ / "report.html");
     EXPECT_THAT(page, AllOf(HasSubstr("Identification"), HasSubstr("Condition"), HasSubstr("Measures"),
@@ -54,11 +58,109 @@ TEST_F(Report, SaysWhatWasDoneAndByWhomAndWithWhichHashes) {
                             HasSubstr(treatment.dry_sha256()), HasSubstr(treatment.layers()[0].sha256)));
     EXPECT_THAT(page, AllOf(HasSubstr("0.38 cm²"), HasSubstr("before, normal light"),
                             HasSubstr("filled, raking from the left"), HasSubstr("@page")));
-    // Printed at scale.
-    EXPECT_THAT(read_text_file(dir_ / "report.mask.white.html"),
-                AllOf(HasSubstr("width:22.50mm;height:15.00mm"), HasSubstr("M"), HasSubstr("20 mm")));
-    EXPECT_THAT(read_text_file(dir_ / "report.mask.colour.html"),
-                HasSubstr("<rect x=\"30\" y=\"20\" width=\"30\""));
+}
+
+// What a PDF says, by another program; lines end where the page does.
+std::string text_of_pdf(const std::filesystem::path& pdf, const std::filesystem::path& scratch) {
+    const std::string command = "pdftotext -raw '" + pdf.string() + "' '" + scratch.string() + "'";
+    std::string text = std::system(command.c_str()) == 0 ? read_text_file(scratch) : "";
+    std::replace(text.begin(), text.end(), '\n', ' ');
+    return text;
+}
+
+int count(const std::string& text, const std::string& word) {
+    int n = 0;
+    for (std::size_t at = text.find(word); at != std::string::npos; at = text.find(word, at + 1)) ++n;
+    return n;
+}
+
+TEST_F(Report, IsAPdfOfTextAndPictures) {
+    if (std::system("command -v pdftotext >/dev/null 2>&1") != 0)
+        GTEST_SKIP() << "pdftotext (poppler-utils) is not installed";
+    const Treatment treatment = Treatment::open(folder());
+    write_treatment_report(treatment, dir_ / "report.pdf", "tangipaint test");
+    EXPECT_TRUE(std::filesystem::exists(dir_ / "report.html"));
+    const std::string bytes = read_text_file(dir_ / "report.pdf");
+    EXPECT_EQ(bytes.rfind("%PDF-", 0), 0u);
+    EXPECT_EQ(count(bytes, "/DCTDecode"), 9);  // damage, additions, 2 states x 3 lamps, the mask in colour
+    const std::string text = text_of_pdf(dir_ / "report.pdf", dir_ / "report.txt");
+    EXPECT_THAT(text, AllOf(HasSubstr("1. Identification"), HasSubstr("6. Log"), HasSubstr("A. <Restorer>"),
+                            HasSubstr(treatment.log().head()), HasSubstr("0.38 cm²"),
+                            HasSubstr("before, normal light"), HasSubstr("Scale 1:1;")));
+    const int pages = count(text, "\f");
+    EXPECT_GE(pages, 4);
+    for (int page = 1; page <= pages; ++page)
+        EXPECT_THAT(text, HasSubstr(fmt::format("page {} of {}", page, pages)));
+}
+
+TEST_F(Report, MasksToPrintAreAsLargeAsThePainting) {
+    const Treatment treatment = Treatment::open(folder());
+    write_treatment_report(treatment, dir_ / "report.html", "tangipaint test");
+    for (const char* name : {"report.mask.colour.pdf", "report.mask.white.pdf"}) {
+        const std::string bytes = read_text_file(dir_ / name);
+        // 22.5 x 15 mm, drawn in mm: 72/25.4 points each.
+        EXPECT_THAT(bytes, HasSubstr("/MediaBox")) << name;
+        if (std::system("command -v pdftotext >/dev/null 2>&1") == 0) {
+            EXPECT_THAT(text_of_pdf(dir_ / name, dir_ / "mask.txt"),
+                        AllOf(HasSubstr("Scale 1:1; the whole is 22.5 × 15.0 mm"),
+                              HasSubstr("20 mm on the painting")));
+        }
+    }
+}
+
+TEST_F(Report, TheStateBeforeIsTheEarlierCaptureWhereThereIsOne) {
+    Treatment treatment = Treatment::open(folder());
+    auto dirty = flat_surface(90, 60);
+    for (Rgb& c : dirty->diffuse.pixels()) c *= Rgb(0.5f, 0.4f, 0.2f);
+    write_painting(dir_ / "dirty.exr", *dirty);
+    const Canvas canvas = treatment.read_canvas();
+    const Rgb clean = surface_in_state(treatment, canvas, TreatmentState::before).diffuse(5, 5);
+    treatment.keep_earlier(dir_ / "dirty.exr", kAuthor);
+    treatment = Treatment::open(folder());
+    EXPECT_TRUE(treatment.has_earlier());
+    EXPECT_NEAR(surface_in_state(treatment, canvas, TreatmentState::before).diffuse(5, 5).b, 0.2f * clean.b,
+                1e-3);
+    EXPECT_EQ(surface_in_state(treatment, canvas, TreatmentState::cleaned).diffuse(5, 5), clean);
+    EXPECT_TRUE(treatment.check().empty());
+    write_treatment_report(treatment, dir_ / "report.html", "");
+    EXPECT_THAT(read_text_file(dir_ / "report.html"), HasSubstr("cleaned, raking from above"));
+    // Of another size, or changed behind the log's back.
+    write_painting(dir_ / "small.exr", *flat_surface(80, 60));
+    EXPECT_THAT([&] { treatment.keep_earlier(dir_ / "small.exr", kAuthor); },
+                ThrowsMessage<Error>(HasSubstr("--align-to")));
+    write_text_file(folder() / "earlier.exr", "edited");
+    EXPECT_EQ(treatment.check().size(), 1u);
+}
+
+// A plan larger than the page says at which scale it is.
+TEST(ReportPdf, PlansAreReducedToAScaleThatIsRound) {
+    if (std::system("command -v pdftotext >/dev/null 2>&1") != 0)
+        GTEST_SKIP() << "pdftotext (poppler-utils) is not installed";
+    TestDir dir;
+    ReportPlan plan;
+    plan.outlines = {{{10, 10}, {500, 10}, {500, 700}}};
+    plan.width_mm = 600, plan.height_mm = 800;
+    plan.caption = "mask";
+    write_pdf(dir / "a.pdf", ReportDocument{"title", "test", {plan}});
+    EXPECT_THAT(text_of_pdf(dir / "a.pdf", dir / "a.txt"),
+                AllOf(HasSubstr("Scale 1:5;"), HasSubstr("100 mm on the painting")));
+}
+
+// No line of a long table is lost at the end of a page, or of a row longer than a page.
+TEST(ReportPdf, LongTablesGoOnOnTheNextPage) {
+    if (std::system("command -v pdftotext >/dev/null 2>&1") != 0)
+        GTEST_SKIP() << "pdftotext (poppler-utils) is not installed";
+    TestDir dir;
+    ReportTable table{{"head"}, {}, {1}};
+    for (int i = 0; i < 150; ++i) table.rows.push_back({fmt::format("row <{}>", i)});
+    std::string longest;
+    for (int i = 0; i < 3000; ++i) longest += fmt::format("word{} ", i);
+    table.rows.push_back({longest});
+    write_pdf(dir / "a.pdf", ReportDocument{"title", "test", {ReportHeading{"Log"}, table}});
+    const std::string text = text_of_pdf(dir / "a.pdf", dir / "a.txt");
+    for (int i = 0; i < 150; ++i) EXPECT_THAT(text, HasSubstr(fmt::format("row <{}>", i)));
+    EXPECT_EQ(count(text, "word"), 3000);
+    EXPECT_EQ(count(text, "head"), count(text, "\f"));
 }
 
 TEST_F(Report, IsNotMadeOfATreatmentThatWasTamperedWith) {

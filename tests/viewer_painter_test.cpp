@@ -19,9 +19,8 @@ protected:
         Painter::Setup setup{is_new || !fs::exists(file_) ? flat_canvas(200, 150) : read_canvas(file_),
                              artist_acrylics(), file_, is_new};
         painter_ = std::make_unique<Painter>(std::move(setup), [] {});
-        TexelTiles tiles(painter_->surface(), painter_->range(), 7);
-        shown_ = tiles;
-        painter_->start(std::move(tiles));
+        shown_ = std::make_shared<TexelTiles>(painter_->surface(), painter_->range());
+        painter_->start(shown_);
     }
 
     void stroke(double y_mm = 0) {
@@ -42,7 +41,7 @@ protected:
     TestDir folder_;
     fs::path file_ = folder_ / "a.exr";
     std::unique_ptr<Painter> painter_;
-    TexelTiles shown_;
+    std::shared_ptr<TexelTiles> shown_;
 };
 
 TEST_F(PainterTest, ShowsStrokesWhereTheyAre) {
@@ -53,20 +52,19 @@ TEST_F(PainterTest, ShowsStrokesWhereTheyAre) {
     EXPECT_EQ(news.state.strokes, 1);
     EXPECT_TRUE(news.state.unsaved && news.state.can_undo);
     EXPECT_THAT(news.messages, testing::IsEmpty());
-    ASSERT_FALSE(news.patches.empty());
-    // Texels of the stroke's middle are white paint; its tiles alone were sent.
+    ASSERT_FALSE(news.changed.empty());
+    // Texels of the stroke's middle are white paint; its tiles alone changed.
     bool white = false;
-    std::size_t texels = 0;
-    for (const TexelPatch& patch : news.patches) {
-        ASSERT_EQ(patch.texels.size(), static_cast<std::size_t>(patch.region.width()) *
-                                           static_cast<std::size_t>(patch.region.height()));
-        texels += patch.texels.size();
-        if (patch.level == 0)
-            for (const Texel& texel : patch.texels)
-                white |= unpack(texel, painter_->range()).diffuse.b > 0.8f;
+    int pixels = 0;
+    for (const Region& region : news.changed) {
+        const Region all = shown_->region_at(0, region);
+        pixels += all.width() * all.height();
+        for (int y = all.y0; y < all.y1; ++y)
+            for (int x = all.x0; x < all.x1; ++x)
+                white |= unpack(shown_->at(x, y), painter_->range()).diffuse.b > 0.8f;
     }
     EXPECT_TRUE(white);
-    EXPECT_LT(texels, 400u * 150 * 4);
+    EXPECT_LT(pixels, 200 * 150 * 4);
 }
 
 TEST_F(PainterTest, UndoBringsTheOldTexelsBack) {
@@ -78,11 +76,9 @@ TEST_F(PainterTest, UndoBringsTheOldTexelsBack) {
     const PainterNews news = settle();
     EXPECT_EQ(news.state.undone, 1);
     EXPECT_TRUE(news.state.can_redo);
-    for (const TexelPatch& patch : news.patches) {
-        if (patch.level > 0) continue;
-        for (const Texel& texel : patch.texels)
-            ASSERT_NEAR(unpack(texel, painter_->range()).diffuse.r, 0.5f, 0.01f);
-    }
+    for (int y = 0; y < 150; ++y)
+        for (int x = 0; x < 200; ++x)
+            ASSERT_NEAR(unpack(shown_->at(x, y), painter_->range()).diffuse.r, 0.5f, 0.01f);
 }
 
 TEST_F(PainterTest, RecordsBeforeItPaintsAndPutsAwayWhenSaved) {
@@ -282,7 +278,7 @@ TEST_F(PainterTest, ThePaletteIsShownWhereItChanges) {
     painter_->send(EndEvent{});
     news = settle();
     EXPECT_THAT(news.messages, testing::IsEmpty());
-    EXPECT_THAT(news.patches, testing::IsEmpty()) << "the painting has not changed";
+    EXPECT_THAT(news.changed, testing::IsEmpty()) << "the painting has not changed";
     std::size_t changed = 0;
     for (const BoardPatch& patch : news.board) changed += patch.srgb.size();
     EXPECT_LT(changed, whole);

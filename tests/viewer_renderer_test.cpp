@@ -2,6 +2,7 @@
 #include "viewer/renderer.h"
 
 #include "surface/parallel.h"
+#include "viewer/view.h"
 #include "viewer_support.h"
 
 namespace tangi {
@@ -70,9 +71,8 @@ TEST_F(RendererTest, EqualsTheReferenceWithCastShadows) {
 
 TEST_F(RendererTest, PicturesOfManyTilesAreWhole) {
     const Surface s = painted_surface(2050, 300);
-    EXPECT_GT(tile_bits_for(2050, 300, 2048), 6);
     EXPECT_GE(part_within(by_gl(s, some_lights(), {}), relight(s, some_lights(), {}), 1), 0.999);
-    EXPECT_GT(tiles_.count(), 8);
+    EXPECT_GT(renderer_->cache().resident(), 18);
 }
 
 TEST_F(RendererTest, TakesNoMoreLightsThanTheShader) {
@@ -113,22 +113,110 @@ TEST_F(RendererTest, LevelsOfDetailKeepGloss) {
 TEST_F(RendererTest, UploadsWhatChangedAndNothingElse) {
     Surface s = painted_surface(300, 200);
     show(s);
-    const std::size_t before = renderer_->uploaded_bytes();
+    EXPECT_GE(part_within(relight_with(*renderer_, s, some_lights(), {}), relight(s, some_lights(), {}), 1),
+              0.999);
+    const UploadedBytes before = renderer_->uploaded();
+    EXPECT_EQ(before.tiles, 4 * kTileTexels * sizeof(Texel)) << "two tiles of pixels, two that stand in";
     const Region spot{130, 60, 150, 80};
     for (int y = spot.y0; y < spot.y1; ++y)
         for (int x = spot.x0; x < spot.x1; ++x) s.diffuse(x, y) = {0.9f, 0.1f, 0.1f};
-    tiles_.update(s, spot);
-    for (const TexelPatch& patch : patches_of(tiles_, spot)) renderer_->upload(patch);
-    const auto bytes = renderer_->uploaded_bytes() - before;
-    EXPECT_GE(bytes, 20u * 20u * sizeof(Texel));
-    EXPECT_LE(bytes, 20u * 20u * sizeof(Texel) * 2);
+    tiles_->update(s, spot);
+    renderer_->upload(spot);
+    EXPECT_EQ(renderer_->uploaded().changes, (20u * 20 + 6 * 5 + 1 * 2) * sizeof(Texel))
+        << "in the three levels that are there";
     EXPECT_GE(part_within(relight_with(*renderer_, s, some_lights(), {}), relight(s, some_lights(), {}), 1),
               0.999);
+    EXPECT_EQ(renderer_->uploaded().tiles, before.tiles) << "they were there";
     // Levels of detail, too: as those of a surface that is packed anew.
-    const TexelTiles anew(s, tiles_.range(), tiles_.tile_bits());
-    for (int level = 0; level <= anew.tile_bits(); ++level)
-        for (int tile = 0; tile < anew.count(); ++tile)
-            EXPECT_TRUE(std::ranges::equal(anew.level(tile, level), tiles_.level(tile, level))) << level;
+    const TexelTiles anew(s, tiles_->range());
+    for (const TileName& tile : {TileName{0, 0, 0}, {0, 1, 0}, {1, 0, 0}, {5, 0, 0}})
+        EXPECT_TRUE(std::ranges::equal(anew.tile(tile), tiles_->tile(tile))) << tile.level;
+}
+
+// A part of a picture that is seen from straight ahead, `zoom` pixels for one of the painting.
+Shot part(const glm::dvec2& corner, Extent size, double zoom = 1) {
+    Shot shot{.width = size.width, .height = size.height};
+    const auto step = static_cast<float>(1 / zoom);
+    shot.to_painting = glm::mat3(Vec3(step, 0, 0), Vec3(0, -step, 0),
+                                 Vec3(static_cast<float>(corner.x) - 0.5f,
+                                      static_cast<float>(corner.y + size.height / zoom) - 0.5f, 1));
+    shot.level = std::max(0, static_cast<int>(std::lround(-std::log2(zoom))));
+    return shot;
+}
+
+TEST_F(RendererTest, DrawsMoreThanTheDeviceHolds) {
+    const Surface s = painted_surface(1500, 1100);
+    renderer_.emplace(std::size_t(20) << 20);
+    show(s);
+    EXPECT_EQ(renderer_->cache().layers(), 20);
+    EXPECT_GT(renderer_->cache().all(), 40);
+    const auto reference = relight(s, some_lights(), {});
+    EXPECT_GE(part_within(relight_with(*renderer_, s, some_lights(), {}), reference, 1), 0.999);
+    // Panned over, and back.
+    const Scene scene{.lights = some_lights()};
+    for (const glm::ivec2 at : {glm::ivec2(0, 0), {700, 300}, {1100, 700}, {700, 300}, {0, 0}}) {
+        const Shot shot = part(at, {400, 400});
+        EXPECT_TRUE(renderer_->fetch(scene, shot).exact);
+        Image<Rgb> crop(400, 400);
+        for (int y = 0; y < 400; ++y)
+            for (int x = 0; x < 400; ++x) crop(x, y) = reference(at.x + x, at.y + y);
+        EXPECT_GE(part_within(drawn(scene, shot), crop, 1), 0.999) << at.x;
+        EXPECT_LE(renderer_->cache().resident(), 20);
+    }
+    // All of it at once does not fit: coarser then, and not black or broken.
+    EXPECT_FALSE(renderer_->fetch(scene, pixel_by_pixel(s)).exact);
+    EXPECT_NEAR(mean_luminance(drawn(scene, pixel_by_pixel(s))) / mean_luminance(reference), 1, 0.1);
+    EXPECT_THAT(error_of([&] { relight_with(*renderer_, s, some_lights(), {.cast_shadows = true}); }),
+                testing::HasSubstr("cast shadows on a painting of 1500 x 1100 pixels need"));
+}
+
+// Colour that runs evenly over the painting runs evenly over the picture: at the borders of tiles, too, at
+// any zoom, and where some tiles are not there yet.
+TEST_F(RendererTest, HasNoSeams) {
+    Surface s(1100, 600);
+    for (int y = 0; y < s.height(); ++y)
+        for (int x = 0; x < s.width(); ++x) {
+            s.diffuse(x, y) = Rgb(0.2f + 0.0004f * static_cast<float>(x) + 0.0004f * static_cast<float>(y));
+            s.confidence(x, y) = 1;
+        }
+    show(s);
+    const Scene scene{.lights = {distant_light({0, 0, 1})}};
+    for (const double zoom : {0.27, 0.83, 1.0, 1.7}) {
+        Shot shot = part({200, 100}, {static_cast<int>(500 * zoom), static_cast<int>(450 * zoom)}, zoom);
+        shot.smooth = true;
+        const double step = 0.0004 / zoom + 0.0012;  // and rounding of 11 bits
+        renderer_->set_painting(tiles_, s.mm_per_pixel);
+        for (bool complete = false; !complete;) {
+            complete = renderer_->fetch(scene, shot, 1).complete;
+            const gl::Target target(shot.width, shot.height, true);
+            renderer_->draw(scene, shot, target.framebuffer(), true);
+            const Image<Rgb> picture = renderer_->read(target);
+            const double most = complete ? step : step + 129 * 0.0004;  // the coarsest texels have 128 pixels
+            float worst = 0;
+            for (int y = 1; y < picture.height(); ++y)
+                for (int x = 1; x < picture.width(); ++x)
+                    worst = std::max({worst, std::abs(picture(x, y).g - picture(x - 1, y).g),
+                                      std::abs(picture(x, y).g - picture(x, y - 1).g)});
+            ASSERT_LT(worst, most) << zoom;
+        }
+    }
+}
+
+// What the window shows, against the definition of sRGB.
+TEST_F(RendererTest, EncodesAsSrgb) {
+    Surface s(256, 4);
+    for (int x = 0; x < 256; ++x)
+        for (int y = 0; y < 4; ++y) {
+            const auto v = static_cast<float>(x) / 255;
+            s.diffuse(x, y) = Rgb(v * v * v);
+            s.confidence(x, y) = 1;
+        }
+    show(s);
+    const Scene scene{.lights = {distant_light({0, 0, 1})}};
+    const auto linear = drawn(scene, pixel_by_pixel(s)), encoded = drawn(scene, pixel_by_pixel(s), false);
+    const Transfer srgb{Transfer::Kind::srgb};
+    for (int x = 0; x < 256; ++x)
+        EXPECT_NEAR(encoded(x, 2).g, srgb.encode(linear(x, 2)).g, 0.05 / 255) << linear(x, 2).g;
 }
 
 TEST_F(RendererTest, ShadowsFromHorizonsAreNearThoseMarched) {

@@ -7,6 +7,7 @@
 #include <thread>
 
 #include "paint/canvas_file.h"
+#include "paint/tools_file.h"
 #include "paint_support.h"
 #include "surface/noise.h"
 #include "surface/painting_file.h"
@@ -61,15 +62,24 @@ TEST(Sitting, DISABLED_PaintsUntilKilled) {
     const fs::path file = std::getenv("TP_PAINT_FILE");
     const int pipe_end = std::atoi(std::getenv("TP_PAINT_PIPE"));
     Painter painter({read_canvas(file), artist_acrylics(), file, false}, [] {});
-    painter.start(TexelTiles(painter.surface(), painter.range(), 7));
+    painter.start(std::make_shared<TexelTiles>(painter.surface(), painter.range()));
     if (auto left = left_over(sitting_files(file))) painter.recover(std::move(*left));
+    const std::vector<std::string> paints = {"Titanium White", "Ultramarine Blue", "Pyrrole Red"};
     for (int i = 0;; ++i) {
+        if (i % 7 == 0) {
+            PaletteEvent piles;
+            piles.paints = paints;
+            piles.width_mm = piles.height_mm = 30;
+            painter.send(piles);
+        }
         StrokeEvent event;
         event.brush = even_brush();
-        event.paint = {{"Titanium White", 1}};
+        event.paint = {{paints[static_cast<std::size_t>(i) % 3], 1}};
         event.seed =
             static_cast<std::uint64_t>(::getpid()) * 1000 + static_cast<std::uint64_t>(i);  // no two alike
-        event.start = BrushStart::clean;
+        // What is on the palette and on the brush counts, too.
+        event.on = i % 4 == 1 ? Place::palette : Place::painting;
+        event.start = i % 5 == 0 ? BrushStart::clean : i % 5 == 1 ? BrushStart::dirty : BrushStart::same;
         painter.send(event);
         for (int k = 0; k <= 8; ++k)
             painter.send(PointEvent{{.time_s = 0.01 * k, .x_mm = 2.0 * k - 8, .y_mm = i % 20 - 10.0}});
@@ -84,6 +94,7 @@ TEST(Sitting, DISABLED_PaintsUntilKilled) {
 bool recovered_as_recorded(const SittingFiles& files, const fs::path& ground, int& strokes) {
     Session again(Canvas(std::make_shared<Surface>(read_painting(ground))), artist_acrylics());
     Session recovered(read_canvas(files.painting), artist_acrylics());
+    read_tools(files.painting, recovered);
     if (fs::exists(files.record)) replay(again, read_journal(files.record));
     if (fs::exists(files.unsaved)) {
         const Journal last = read_journal(files.unsaved);
@@ -95,7 +106,9 @@ bool recovered_as_recorded(const SittingFiles& files, const fs::path& ground, in
         if (!in_record_already) replay(again, last);
     }
     strokes = again.totals().strokes;
-    return identical(recovered.canvas().wet(), again.canvas().wet());
+    if (recovered.board() && !identical(recovered.board()->wet(), again.board()->wet())) return false;
+    return identical(recovered.canvas().wet(), again.canvas().wet()) &&
+           recovered.brush()->bristles().total_mm == again.brush()->bristles().total_mm;
 }
 
 // TP_KILLS=50 kills as often.

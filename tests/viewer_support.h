@@ -25,20 +25,20 @@ protected:
     }
 
     void show(const Surface& surface, float paint_mm = 0) {
-        tiles_ = TexelTiles(surface, range_of(surface, paint_mm),
-                            renderer_->tile_bits(surface.width(), surface.height()));
+        tiles_ = std::make_shared<TexelTiles>(surface, range_of(surface, paint_mm));
         renderer_->set_painting(tiles_, surface.mm_per_pixel);
     }
 
     Image<Rgb> drawn(const Scene& scene, const Shot& shot, bool linear = true) {
         const gl::Target target(shot.width, shot.height, true);
+        renderer_->fetch(scene, shot);
         renderer_->draw(scene, shot, target.framebuffer(), linear);
         return renderer_->read(target);
     }
 
     std::optional<gl::HeadlessContext> context_;
     std::optional<Renderer> renderer_;
-    TexelTiles tiles_;
+    std::shared_ptr<TexelTiles> tiles_;
 };
 
 // Ridges and grains, paints of all colours, gloss from mirror-like to matt.

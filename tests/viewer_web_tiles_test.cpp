@@ -56,13 +56,13 @@ std::vector<Texel> unpacked(const std::string& packed, int width, int height) {
 
 TEST(WebTiles, KeepWhatCanBeSeen) {
     const Surface s = painted_surface(300, 270);
-    const TexelTiles tiles(s, range_of(s), kWebTileBits);
+    const TexelTiles tiles(s, range_of(s));
     struct Place {
         int level, column, row, width, height;
     };
     for (const Place p : {Place{0, 0, 0, 256, 256}, {0, 1, 1, 44, 14}, {1, 0, 0, 150, 135}}) {
         const std::vector<Texel> texels =
-            unpacked(web_tile(tiles, p.level, p.column, p.row), p.width, p.height);
+            unpacked(web_tile(tiles, {p.level, p.column, p.row}), p.width, p.height);
         for (int y = 0; y < p.height; ++y)
             for (int x = 0; x < p.width; ++x) {
                 const Texel& got = texels[static_cast<std::size_t>(y * p.width + x)];
@@ -82,9 +82,9 @@ TEST(WebTiles, KeepWhatCanBeSeen) {
 
 TEST(WebTiles, AreSmallWhereNothingHappens) {
     const Surface flat(256, 256);
-    EXPECT_LT(web_tile(TexelTiles(flat, range_of(flat), kWebTileBits), 0, 0, 0).size(), 5000u);
+    EXPECT_LT(web_tile(TexelTiles(flat, range_of(flat)), {}).size(), 5000u);
     const Surface busy = painted_surface(256, 256);
-    EXPECT_GT(web_tile(TexelTiles(busy, range_of(busy), kWebTileBits), 0, 0, 0).size(), 100000u);
+    EXPECT_GT(web_tile(TexelTiles(busy, range_of(busy)), {}).size(), 100000u);
 }
 
 TEST(WebTiles, LevelsEndWithOneTile) {
@@ -93,7 +93,7 @@ TEST(WebTiles, LevelsEndWithOneTile) {
     EXPECT_EQ(web_levels(257, 3), 2);
     EXPECT_EQ(web_levels(10000, 10000), 7);
     for (const int side : {255, 257, 4052, 70000}) {
-        const WebSize last = web_size(side, side, web_levels(side, side) - 1);
+        const LevelSize last = level_size(side, side, web_levels(side, side) - 1);
         EXPECT_EQ(last.columns() * last.rows(), 1) << side;
     }
 }

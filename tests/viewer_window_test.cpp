@@ -250,6 +250,15 @@ TEST_F(Window, ResizedToNothingGoesOn) {
     EXPECT_EQ(close().code, 0);
 }
 
+TEST_F(Window, WithoutOpenGl33SaysSo) {
+    Conditions old = screen_->conditions();
+    old.environment["LIBGL_ALWAYS_INDIRECT"] = "1";  // draws in the server, OpenGL 1.4
+    const Finished done = Program({"paint", painting_.string()}, old).wait();
+    EXPECT_EQ(done.code, 1);
+    EXPECT_THAT(done.err, testing::HasSubstr("no window with OpenGL 3.3 can be opened"));
+    EXPECT_THAT(names_in(folder_.path()), testing::ElementsAre("small.exr"));
+}
+
 TEST(NoWindow, SaysWhatIsMissing) {
     TestDir folder;
     write_painting(folder / "a.exr", small_painting());

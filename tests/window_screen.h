@@ -46,6 +46,10 @@ public:
         const Finished done = Program(words, conditions(), kXdotool).wait();
         EXPECT_EQ(done.code, 0) << done.err;
     }
+    // The same, where it does not matter whether there is a window to do it to.
+    void x_if_it_can(const std::vector<std::string>& words) const {
+        Program(words, conditions(), kXdotool).wait();
+    }
     void key(const std::string& name) const { x({"key", name}); }
     // Into what has the keyboard, and Enter.
     void enter(const std::string& text) const {

@@ -5,6 +5,7 @@
 #include "paint/canvas_file.h"
 #include "surface/error.h"
 #include "viewer/settings.h"
+#include "viewer/treatment_desk.h"
 
 namespace tangi {
 
@@ -61,11 +62,9 @@ void Desk::start(std::string title, std::function<void(const Progress&)> work) {
 void Desk::open(const fs::path& file) {
     start("opening " + file.filename().string(), [this, file](const Progress& progress) {
         OpenedPainting opened;
-        Painter::Setup setup{read_canvas(file, progress), setup_.palette, file, false};
+        Painter::Setup setup{read_canvas(file, progress, treatment_scale(file)), setup_.palette, file, false};
         opened.painter = std::make_unique<Painter>(std::move(setup), setup_.wake, progress);
-        const Surface& surface = opened.painter->surface();
-        opened.tiles =
-            TexelTiles(surface, opened.painter->range(), setup_.tile_bits(surface.width(), surface.height()));
+        opened.tiles = std::make_shared<TexelTiles>(opened.painter->surface(), opened.painter->range());
         opened.file = file;
         opened_ = std::move(opened);
     });

@@ -18,7 +18,7 @@ namespace tangi {
 // A painting that is ready to be shown.
 struct OpenedPainting {
     std::unique_ptr<Painter> painter;
-    TexelTiles tiles;
+    std::shared_ptr<TexelTiles> tiles;
     std::filesystem::path file;
 };
 
@@ -28,7 +28,6 @@ public:
         Workshop workshop;
         Palette palette;
         std::filesystem::path settings;  // folder; empty: nothing is remembered
-        std::function<int(int width, int height)> tile_bits;
         std::function<void()> wake;
         std::function<void(const std::string&)> say;
     };

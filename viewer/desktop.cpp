@@ -1,5 +1,6 @@
 #include "viewer/desktop.h"
 
+#include <epoxy/gl.h>
 // GLFW must not bring another loader's headers.
 #define GLFW_INCLUDE_NONE
 #include <GLFW/glfw3.h>
@@ -39,6 +40,7 @@ DesktopWindow::DesktopWindow(const std::string& title, int width, int height) {
     glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 3);
     glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
     glfwWindowHint(GLFW_OPENGL_FORWARD_COMPAT, GLFW_TRUE);
+    glfwWindowHint(GLFW_CONTEXT_ROBUSTNESS, GLFW_LOSE_CONTEXT_ON_RESET);  // so that it can be told
     handle_ = glfwCreateWindow(width, height, title.c_str(), nullptr, nullptr);
     if (!handle_)
         fail(
@@ -47,6 +49,15 @@ DesktopWindow::DesktopWindow(const std::string& title, int width, int height) {
             glfw_reason());
     glfwMakeContextCurrent(handle_);
     glfwSwapInterval(1);
+}
+
+void DesktopWindow::require_device() const {
+    static const bool tells = epoxy_has_gl_extension("GL_ARB_robustness");
+    if (tells && glGetGraphicsResetStatusARB() != GL_NO_ERROR)
+        fail(
+            "the graphics device was reset, and the window with it; strokes are recorded: open the painting "
+            "again "
+            "to recover them");
 }
 
 DesktopWindow::~DesktopWindow() { glfwDestroyWindow(handle_); }

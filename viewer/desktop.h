@@ -26,6 +26,10 @@ public:
 
     GLFWwindow* handle() const { return handle_; }
 
+    // Throws Error where the graphics device was reset, and all that was on it is lost: a driver that
+    // crashed, a card that was taken away. Drivers that cannot tell say nothing.
+    void require_device() const;
+
 private:
     GLFWwindow* handle_ = nullptr;
 };

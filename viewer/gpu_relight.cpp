@@ -7,14 +7,14 @@ namespace tangi {
 
 struct GpuRelight::Impl {
     gl::HeadlessContext context;
-    Renderer renderer;
+    Renderer renderer{SIZE_MAX};  // nobody else waits for the device
     const Surface* surface = nullptr;
 };
 
 GpuRelight::GpuRelight(const Surface& surface) : impl_(std::make_unique<Impl>()) {
     impl_->surface = &surface;
-    const int bits = impl_->renderer.tile_bits(surface.width(), surface.height());
-    impl_->renderer.set_painting(TexelTiles(surface, range_of(surface), bits), surface.mm_per_pixel);
+    impl_->renderer.set_painting(std::make_shared<TexelTiles>(surface, range_of(surface)),
+                                 surface.mm_per_pixel);
 }
 
 GpuRelight::~GpuRelight() = default;

@@ -125,7 +125,10 @@ Hand::Drag Hand::drag_for(const InputEvent& event) const {
             return event.mods & GLFW_MOD_SHIFT ? Drag::size : Drag::paint;
         case Tool::pan:
             return Drag::pan;
+        case Tool::damage:
+            return compares ? otherwise : Drag::mask;
         case Tool::pick:
+        case Tool::sample:
             return Drag::panel;
         case Tool::ruler:
             return Drag::ruler;
@@ -160,6 +163,12 @@ void Hand::press(const InputEvent& event) {
         state_.statistics.reset();
     }
     if (drag_ == Drag::light || drag_ == Drag::divider) move(event);
+    if (drag_ == Drag::mask) {
+        drag_ = Drag::panel;
+        if (hit) press_on_mask(event, at);
+    }
+    if (state_.tool == Tool::sample && event.code == GLFW_MOUSE_BUTTON_LEFT && hit)
+        state_.treating.ask.match_at = at;
     if (drag_ == Drag::paint && !begin_stroke(event, hit)) drag_ = Drag::panel;
 }
 
@@ -167,6 +176,11 @@ bool Hand::begin_stroke(const InputEvent& event, bool on_painting) {
     if (!on_painting || state_.left_over_strokes > 0) {
         if (state_.left_over_strokes > 0)
             state_.message = "first recover or put aside the strokes of the last sitting";
+        state_.message_until_s = event.time_s + 5;
+        return false;
+    }
+    if (!state_.treating.no_strokes.empty()) {
+        state_.message = state_.treating.no_strokes;
         state_.message_until_s = event.time_s + 5;
         return false;
     }
@@ -198,6 +212,13 @@ void Hand::move(const InputEvent& event) {
         case Drag::paint:
             painter_.send(PointEvent{point(event.time_s)});
             break;
+        case Drag::mask: {
+            glm::dvec2 at;
+            if (placement().to_painting(cursor_, at))
+                state_.treating.touches.push_back(
+                    {MaskTouch::Kind::drag, {at.x + 0.5, at.y + 0.5}, mask_erases_});
+            break;
+        }
         case Drag::board:
             if (state_.board.rect[2] > 0) painter_.send(PointEvent{board_point(event)});
             break;
@@ -241,13 +262,15 @@ void Hand::move(const InputEvent& event) {
 
 void Hand::let_go() {
     if (drag_ == Drag::paint || drag_ == Drag::board) painter_.send(EndEvent{});
+    if (drag_ == Drag::mask) state_.treating.touches.push_back({MaskTouch::Kind::release, {}});
     if (drag_ == Drag::ruler && state_.ruler) painter_.profile(state_.ruler->first, state_.ruler->second);
     if (drag_ == Drag::region && state_.region) painter_.statistics(*state_.region);
     drag_ = Drag::none;
 }
 
 void Hand::key(const InputEvent& event) {
-    if (event.code == GLFW_KEY_ENTER) {
+    if (state_.tool == Tool::damage && mask_key(event)) return;
+    if (event.code == GLFW_KEY_ENTER && event.mods == 0) {
         if (state_.closing)
             state_.ask.save = state_.ask.close = true;
         else if (state_.left_over_strokes > 0)
@@ -261,9 +284,12 @@ void Hand::key(const InputEvent& event) {
     const std::optional<Action> action = state_.keys.action(event.code, event.mods);
     if (!action) return;
     for (const ToolName& tool : kTools)
-        if (tool.action == *action) state_.tool = tool.tool;
+        if (tool.action == *action &&
+            (state_.treating.on || (tool.tool != Tool::damage && tool.tool != Tool::sample)))
+            state_.tool = tool.tool;
     look_act(*action);
     act(*action);
+    if (*action == Action::treatment || state_.treating.on) treatment_act(*action);
 }
 
 // What changes how the painting is seen.
@@ -295,12 +321,17 @@ void Hand::look_act(Action action) {
             light.elevation_deg = std::max(light.elevation_deg - kLightStep_deg, 2.0);
             break;
         case Action::compare:
+            if (state_.comparing.pair) {
+                state_.treating.ask.stop_comparing = true;
+                break;
+            }
             state_.comparing.on = state_.comparing.loaded && !state_.comparing.on;
             if (!state_.comparing.loaded) state_.ask.photos_dialog = true;
             break;
         case Action::compare_way:
-            state_.comparing.way = static_cast<CompareWay>(
-                (static_cast<std::size_t>(state_.comparing.way) + 1) % kCompareWays.size());
+            state_.comparing.way =
+                static_cast<CompareWay>((static_cast<std::size_t>(state_.comparing.way) + 1) %
+                                        (state_.comparing.pair ? kPairWays : kCompareWays.size()));
             break;
         default:
             break;
@@ -324,15 +355,23 @@ void Hand::act(Action action) {
             ask.dry = true;
             break;
         case Action::undo:
-            ask.undo = true;
+            (state_.tool == Tool::damage ? state_.treating.ask.undo : ask.undo) = true;
             break;
         case Action::redo:
-            ask.redo = true;
+            (state_.tool == Tool::damage ? state_.treating.ask.redo : ask.redo) = true;
             break;
         case Action::brush_smaller:
+            if (state_.tool == Tool::damage) {
+                state_.treating.brush_mm = std::max(state_.treating.brush_mm / 1.15f, 0.2f);
+                break;
+            }
             state_.brush.size_mm = std::max(state_.brush.size_mm / 1.15, 0.1);
             break;
         case Action::brush_larger:
+            if (state_.tool == Tool::damage) {
+                state_.treating.brush_mm = std::min(state_.treating.brush_mm * 1.15f, 100.0f);
+                break;
+            }
             state_.brush.size_mm = std::min(state_.brush.size_mm * 1.15, 500.0);
             break;
         case Action::next_photo:
@@ -355,6 +394,9 @@ void Hand::act(Action action) {
             break;
         case Action::snapshot:
             ask.snapshot = true;
+            break;
+        case Action::film:
+            ask.film_dialog = !state_.film;
             break;
         case Action::panels:
             panels_ = !panels_;

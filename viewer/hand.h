@@ -24,7 +24,7 @@ public:
     bool panels_wanted() const { return panels_; }
 
 private:
-    enum class Drag { none, tilt, light, pan, paint, size, ruler, region, divider, board, panel };
+    enum class Drag { none, tilt, light, pan, paint, size, ruler, region, divider, board, mask, panel };
 
     void press(const InputEvent& event);
     void move(const InputEvent& event);
@@ -33,6 +33,10 @@ private:
     void look_act(Action action);
     Drag drag_for(const InputEvent& event) const;
     bool begin_stroke(const InputEvent& event, bool on_painting);
+    void press_on_mask(const InputEvent& event, const glm::dvec2& at);
+    bool mask_key(const InputEvent& event);
+    void close_polygon(bool erase);
+    void treatment_act(Action action);
     Placement placement() const;
     StrokePoint point(double time_s) const;
     void hold(StrokePoint& point) const;
@@ -47,7 +51,8 @@ private:
     Drag drag_ = Drag::none;
     int button_ = 0;
     std::optional<PenSample> pen_;  // that moves the pointer
-    glm::dvec2 corner_{0};          // [pixels of the painting] where a region began
+    bool mask_erases_ = false;
+    glm::dvec2 corner_{0};  // [pixels of the painting] where a region began
     double last_time_s_ = 0, stroke_began_s_ = 0;
     std::uint64_t seed_ = 0;
 };

@@ -4,7 +4,8 @@ namespace tangi {
 
 namespace {
 
-gl::Texture texture_of(const HeldPhoto::Picture& picture) {
+gl::Texture texture_of(HeldPhoto::Picture picture, const Monitor* monitor) {
+    if (monitor) monitor->apply({&picture.data()->r, 3 * picture.pixels().size()});
     gl::Texture texture = gl::make_texture();
     glBindTexture(GL_TEXTURE_2D, texture.id());
     glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR_MIPMAP_LINEAR);
@@ -26,8 +27,8 @@ bool shows_pictures(CompareWay way) {
 
 }  // namespace
 
-bool HeldPictures::show(const Comparing& comparing) {
-    const auto& held = comparing.news.held;
+bool HeldPictures::show(const Comparing& comparing, const Monitor* monitor) {
+    const auto& held = comparing.held();
     const bool same_pictures = shows_pictures(way_) && shows_pictures(comparing.way);
     if (held == held_ && (way_ == comparing.way || same_pictures)) {
         way_ = comparing.way;
@@ -38,8 +39,9 @@ bool HeldPictures::show(const Comparing& comparing) {
     second_ = shows_pictures(way_) ? 1 : 0;
     textures_[0] = texture_of(second_ == 1                  ? held->photo
                               : way_ == CompareWay::delta_e ? held->delta_e
-                                                            : held->difference);
-    if (second_ == 1) textures_[1] = texture_of(held->relit);
+                                                            : held->difference,
+                              monitor);
+    if (second_ == 1) textures_[1] = texture_of(held->relit, monitor);
     return true;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "viewer/gl/objects.h"
+#include "viewer/monitor.h"
 #include "viewer/photo_book.h"
 #include "viewer/window_state.h"
 
@@ -9,8 +10,9 @@ namespace tangi {
 
 class HeldPictures {
 public:
-    // Uploads what this way of looking needs and is not there yet. True where something changed.
-    bool show(const Comparing& comparing);
+    // Uploads what this way of looking needs and is not there yet, in the monitor's colours where one is
+    // given. True where something changed.
+    bool show(const Comparing& comparing, const Monitor* monitor = nullptr);
     void clear();
 
     // Textures of the photograph and the relit painting, or of the map of differences (both the same).

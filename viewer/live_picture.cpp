@@ -8,6 +8,13 @@
 
 namespace tangi {
 
+namespace {
+
+// [bytes] To the device in one frame; what is missing comes with the next.
+constexpr std::size_t kFetchMoving = std::size_t(4) << 20, kFetchResting = std::size_t(32) << 20;
+
+}  // namespace
+
 void LivePicture::draw(Renderer& renderer, const Scene& scene, const Placement& placement, Extent screen,
                        bool moving) {
     using Clock = std::chrono::steady_clock;
@@ -15,12 +22,13 @@ void LivePicture::draw(Renderer& renderer, const Scene& scene, const Placement& 
     if (target_.width() != shot.width || target_.height() != shot.height)
         target_ = gl::Target(shot.width, shot.height, false);
     const Clock::time_point start = Clock::now();
+    const bool complete = renderer.fetch(scene, shot, moving ? kFetchMoving : kFetchResting).complete;
     renderer.draw(scene, shot, target_.framebuffer());
     glFinish();
     const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
     if (moving && warm_) adapt(seconds);
     warm_ = moving;  // the first frame compiles, or comes after a pause
-    fine_ = !moving;
+    fine_ = !moving && complete;
     screen_ = screen;
 }
 

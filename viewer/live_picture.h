@@ -13,7 +13,7 @@ public:
     // drawn.
     void draw(Renderer& renderer, const Scene& scene, const Placement& placement, Extent screen, bool moving);
 
-    bool fine() const { return fine_; }  // as fine as it can be
+    bool fine() const { return fine_; }  // as fine as it can be, nothing missing
 
     // Copies it to the window: `left` pixels are panels.
     void show(int left, int window_height) const;

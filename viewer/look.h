@@ -60,6 +60,7 @@ struct Scene {
     float strength = 1;    // of the modes that enhance
     float sharpness = 40;  // exponent of the enhanced gloss; coarseness [levels] of unsharp normals
     float lowest_mm = 0, highest_mm = 1;  // of the height's false colours
+    bool on_monitor = false;  // in the colours of Renderer::set_monitor(), where it was called; else sRGB
 };
 
 inline constexpr std::size_t kMostLights = 8;

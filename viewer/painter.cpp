@@ -4,6 +4,7 @@
 
 #include "paint/appearance.h"
 #include "paint/canvas_file.h"
+#include "paint/tools_file.h"
 #include "surface/error.h"
 
 namespace tangi {
@@ -18,14 +19,17 @@ constexpr auto kBeforeShowing = std::chrono::milliseconds(25);  // of painting, 
 
 Painter::Painter(Setup setup, std::function<void()> wake, const Progress& progress)
     : session_(std::move(setup.canvas), std::move(setup.palette)),
-      surface_(appearance(session_.canvas(), {}, progress)),
-      mm_per_pixel_(session_.canvas().mm_per_pixel()),
       dry_(session_.canvas().dry_shared()),
+      mm_per_pixel_(session_.canvas().mm_per_pixel()),
       record_(sitting_files(setup.file)),
       file_is_new_(setup.file_is_new),
       file_(setup.file),
       wake_(std::move(wake)) {
-    range_ = range_of(surface_, kPaintRoom_mm / static_cast<float>(session_.canvas().height_unit_mm()));
+    if (!file_is_new_ && std::filesystem::exists(file_))
+        guarded([&] { read_tools(file_, session_, progress); });
+    const Canvas& canvas = session_.canvas();
+    if (!canvas.wet().empty() || !canvas.dried().empty()) painted_ = appearance(canvas, {}, progress);
+    range_ = range_of(surface(), kPaintRoom_mm / static_cast<float>(session_.canvas().height_unit_mm()));
     session_.canvas().take_dirty();
     for (const DriedLayer& layer : session_.canvas().dried()) own_.layers.push_back(layer.name);
     news_.state = own_;
@@ -47,7 +51,7 @@ std::filesystem::path Painter::file() const {
     return file_;
 }
 
-void Painter::start(TexelTiles tiles) {
+void Painter::start(std::shared_ptr<TexelTiles> tiles) {
     tiles_ = std::move(tiles);
     thread_ = std::thread([this] { work(); });
 }
@@ -89,7 +93,7 @@ void Painter::guarded(const std::function<void()>& action) {
 
 void Painter::work() {
     auto shown = Clock::now(), synced = shown;
-    bool changed = false;
+    bool changed = session_.board() != nullptr;  // that an earlier sitting left: it is shown
     for (;;) {
         std::function<void()> job;
         {
@@ -126,17 +130,29 @@ void Painter::work() {
     });
 }
 
+// A copy of the dry surface is as large as that: made only where one paints.
+Surface& Painter::own_surface() {
+    if (!painted_) painted_ = *dry_;
+    return *painted_;
+}
+
+void Painter::get_ready() {
+    post([this] { own_surface(); });
+}
+
 // Texels of what was painted since the last time.
 void Painter::show_changes() {
-    const std::vector<TileIndex> dirty = session_.canvas().take_dirty();
-    update_appearance(session_.canvas(), dirty, surface_);
-    std::vector<TexelPatch> patches;
-    for (const TileIndex tile : dirty) {
-        Region region = session_.canvas().wet().region_of(tile);
+    const std::vector<Region> dirty = session_.canvas().take_dirty();
+    if (!dirty.empty()) {
+        update_appearance(shown_ ? *shown_ : session_.canvas(), dirty, own_surface());
+        count(dirty);
+    }
+    std::vector<Region> changed;
+    for (Region region : dirty) {
         // Slopes look two pixels far at most.
         region = {region.x0 - 2, region.y0 - 2, region.x1 + 2, region.y1 + 2};
-        tiles_.update(surface_, region);
-        for (TexelPatch& patch : patches_of(tiles_, region)) patches.push_back(std::move(patch));
+        tiles_->update(*painted_, region);
+        changed.push_back(region);
     }
     show_board();
     own_.can_undo = session_.history().can_undo();
@@ -146,7 +162,7 @@ void Painter::show_changes() {
     for (const DriedLayer& layer : session_.canvas().dried()) own_.layers.push_back(layer.name);
     {
         const std::lock_guard lock(mutex_);
-        for (TexelPatch& patch : patches) news_.patches.push_back(std::move(patch));
+        news_.changed.insert(news_.changed.end(), changed.begin(), changed.end());
         news_.state = own_;
     }
     wake_();
@@ -157,15 +173,15 @@ void Painter::show_board() {
     Canvas* board = session_.board();
     own_.has_board = board != nullptr;
     if (!board) return;
-    const std::vector<TileIndex> dirty = board->take_dirty();
+    const std::vector<Region> dirty = board->take_dirty();
     std::vector<BoardPatch> patches;
     if (!board_) {
         board_ = appearance(*board);
         patches.push_back(board_patch(*board_, board->region()));
     } else {
         update_appearance(*board, dirty, *board_);
-        for (const TileIndex tile : dirty) {
-            const Region all = board->region(), r = board->wet().region_of(tile);
+        for (const Region& r : dirty) {
+            const Region all = board->region();
             patches.push_back(board_patch(*board_, {std::max(r.x0 - 1, 0), std::max(r.y0 - 1, 0),
                                                     std::min(r.x1 + 1, all.x1), std::min(r.y1 + 1, all.y1)}));
         }
@@ -224,15 +240,24 @@ void Painter::write(const std::filesystem::path& to) {
     const std::filesystem::path& from = record_.files().painting;
     session_.finish();
     record_.let_time_pass();
-    AtomicFile file(to);
-    std::vector<PartToWrite> further;
-    // What other modules keep in the file stays: it belongs to the dry layer, which does not change.
-    if (!file_is_new_ && std::filesystem::exists(from)) guarded([&] { further = parts_beside_paint(from); });
-    write_canvas(file, session_.canvas(), {}, further);
+    if (keep_ && to == from) {
+        record_.sync();
+        Canvas kept = session_.canvas();
+        kept.confine({});
+        say(keep_(kept, record_.files().unsaved));
+        adopt(std::move(kept));
+    } else {
+        AtomicFile file(to);
+        std::vector<PartToWrite> further;
+        // What other modules keep in the file stays: it belongs to the dry layer, which does not change.
+        if (!file_is_new_ && std::filesystem::exists(from))
+            guarded([&] { further = parts_beside_paint(from); });
+        write_canvas(file, session_.canvas(), {}, with_tools(std::move(further), session_));
+        say(fmt::format("saved {}", to.filename().string()));
+    }
     file_is_new_ = false;
     own_.unsaved = false;
     ++own_.saves;
-    say(fmt::format("saved {}", to.filename().string()));
     if (to == from)
         record_.put_away();
     else
@@ -257,7 +282,7 @@ void Painter::save_as(const std::filesystem::path& to) {
 }
 
 Probe Painter::look_at(int x, int y, double radius_px) const {
-    Probe probe{x, y, material_at(surface_, x, y), 0, {}};
+    Probe probe{x, y, material_at(surface(), x, y), 0, {}};
     const Recipe recipe = recipe_at(session_.canvas(), x, y, radius_px);
     probe.paint_mm = recipe.thickness_mm;
     for (const Portion& portion : recipe.portions)
@@ -267,7 +292,7 @@ Probe Painter::look_at(int x, int y, double radius_px) const {
 
 void Painter::probe(int x, int y) {
     post([this, x, y] {
-        if (x < 0 || y < 0 || x >= surface_.width() || y >= surface_.height()) return;
+        if (x < 0 || y < 0 || x >= surface().width() || y >= surface().height()) return;
         Probe probe = look_at(x, y, 0.5);
         const std::lock_guard lock(mutex_);
         news_.probe = std::move(probe);
@@ -277,7 +302,7 @@ void Painter::probe(int x, int y) {
 void Painter::pick(double x, double y, double radius_px) {
     post([this, x, y, radius_px] {
         const int px = static_cast<int>(std::lround(x)), py = static_cast<int>(std::lround(y));
-        if (px < 0 || py < 0 || px >= surface_.width() || py >= surface_.height()) return;
+        if (px < 0 || py < 0 || px >= surface().width() || py >= surface().height()) return;
         Probe picked = look_at(px, py, std::max(radius_px, 0.5));
         const std::lock_guard lock(mutex_);
         news_.picked = std::move(picked);
@@ -286,7 +311,7 @@ void Painter::pick(double x, double y, double radius_px) {
 
 void Painter::profile(const glm::dvec2& from_px, const glm::dvec2& to_px) {
     post([this, from_px, to_px] {
-        HeightProfile profile = height_profile(surface_, from_px, to_px);
+        HeightProfile profile = height_profile(surface(), from_px, to_px);
         const std::lock_guard lock(mutex_);
         news_.profile = std::move(profile);
     });
@@ -294,7 +319,7 @@ void Painter::profile(const glm::dvec2& from_px, const glm::dvec2& to_px) {
 
 void Painter::statistics(const Region& region) {
     post([this, region] {
-        const RegionStatistics statistics = statistics_of(surface_, region);
+        const RegionStatistics statistics = statistics_of(surface(), region);
         const std::lock_guard lock(mutex_);
         news_.statistics = statistics;
     });
@@ -306,7 +331,7 @@ void Painter::make_horizon() {
         horizon_stop_ = true;
         if (horizon_thread_.joinable()) horizon_thread_.join();
         horizon_stop_ = false;
-        CoarseHeights heights = coarse_heights(surface_.height_mm, surface_.mm_per_pixel);
+        CoarseHeights heights = coarse_heights(surface().height_mm, surface().mm_per_pixel);
         horizon_thread_ = std::thread([this, heights = std::move(heights)] {
             try {
                 HorizonMap map =

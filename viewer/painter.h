@@ -1,7 +1,7 @@
 // painter.h: the painting engine on a thread of its own, so that looking never waits for painting.
 //
-// The window sends events; the painter records them (sitting.h), applies them to the canvas, and makes texels
-// of what has changed, which the window fetches and uploads.
+// The window sends events; the painter records them (sitting.h), applies them to the canvas, makes texels of
+// what has changed, and tells where, for the window to upload them.
 #pragma once
 
 #include <atomic>
@@ -9,6 +9,8 @@
 #include <deque>
 #include <filesystem>
 #include <functional>
+#include <future>
+#include <map>
 #include <mutex>
 #include <optional>
 #include <string>
@@ -19,7 +21,6 @@
 #include "viewer/board_picture.h"
 #include "viewer/horizon.h"
 #include "viewer/measure.h"
-#include "viewer/renderer.h"
 #include "viewer/sitting.h"
 #include "viewer/texels.h"
 
@@ -36,13 +37,14 @@ struct Probe {
 struct PainterState {
     bool can_undo = false, can_redo = false, unsaved = false, saving = false, has_board = false;
     int strokes = 0, undone = 0, saves = 0;
-    std::vector<std::string> layers;  // dried, from the bottom up
-    std::size_t waiting = 0;          // events not painted yet
+    std::vector<std::string> layers;     // dried, from the bottom up
+    std::size_t waiting = 0;             // events not painted yet
+    int painted_px = 0, outside_px = 0;  // that hold wet paint: all, and those outside of where it may lie
 };
 
 // What has happened since it was last fetched.
 struct PainterNews {
-    std::vector<TexelPatch> patches;
+    std::vector<Region> changed;  // of the painting: its tiles have the new texels
     std::vector<BoardPatch> board;
     std::optional<HorizonMap> horizon;
     std::optional<Probe> probe, picked;
@@ -64,15 +66,16 @@ public:
     Painter(Setup setup, std::function<void()> wake, const Progress& progress = {});
     ~Painter();  // finishes what was sent
 
-    const Surface& surface() const { return surface_; }  // only before start()
+    // What the painting looks like; only before start().
+    const Surface& surface() const { return painted_ ? *painted_ : *dry_; }
     const TexelRange& range() const { return range_; }
     // [mm] Of strokes and brushes; that of the surface where its scale is known.
     double mm_per_pixel() const { return mm_per_pixel_; }
     std::filesystem::path file() const;
     const std::shared_ptr<const Surface>& dry() const { return dry_; }
 
-    // Hands over the tiles that were made of surface().
-    void start(TexelTiles tiles);
+    // Takes on the tiles that were made of surface(), and keeps them up to date.
+    void start(std::shared_ptr<TexelTiles> tiles);
 
     void send(Event event);
     void recover(Journal journal);  // paints what a crash left; it is in the journal already
@@ -84,6 +87,21 @@ public:
     void profile(const glm::dvec2& from_px, const glm::dvec2& to_px);
     void statistics(const Region& region);
     void make_horizon();
+    void get_ready();  // to paint: takes the memory that the first stroke needs, in time
+
+    // Brushes stop at `mask` (Canvas::confine()); wet paint outside of `allowed` is counted. Null: neither.
+    void confine(std::shared_ptr<const Image<float>> mask, std::shared_ptr<const Image<float>> allowed);
+    // Has `work` change the canvas, between strokes; undo goes no further back. What it throws comes out of
+    // the future, and the canvas is as it was.
+    std::future<void> change(std::function<void(Canvas&)> work);
+    // The painting as it is, to look at.
+    std::future<void> look(std::function<void(const Surface& seen, const Canvas& canvas)> work);
+    // Shows the painting as `view` makes it of what it is, until something else is shown or it is changed by
+    // change(). Empty: as it is.
+    void show_as(std::function<Canvas(const Canvas&)> view);
+    // Saving in its place is `keep`'s business, which may change the canvas and says what was done.
+    using Keep = std::function<std::string(Canvas& canvas, const std::filesystem::path& journal)>;
+    void keep_by(Keep keep);
 
     PainterNews fetch();
     void wait();  // until everything that was sent is done
@@ -93,23 +111,34 @@ private:
     void post(std::function<void()> job);
     void apply(const Event& event, bool recorded);
     void show_changes();
+    Surface& own_surface();
     void show_board();
     void say(std::string text);
     void guarded(const std::function<void()>& action);
     void write(const std::filesystem::path& to);
     Probe look_at(int x, int y, double radius_px) const;
+    void adopt(Canvas canvas);
+    void show(std::optional<Canvas> canvas);
+    void count(std::span<const Region> changed);
 
     // The painter's thread only, once it runs.
     Session session_;
-    Surface surface_;
-    std::optional<Surface> board_;  // what the palette looks like
-    TexelTiles tiles_;
+    std::shared_ptr<const Surface> dry_;
+    std::optional<Surface> painted_;  // what the painting looks like; the dry surface where it has no paint
+    std::optional<Surface> board_;    // what the palette looks like
+    std::shared_ptr<TexelTiles> tiles_;
     TexelRange range_;
     double mm_per_pixel_;
-    std::shared_ptr<const Surface> dry_;
     SittingRecord record_;
     bool file_is_new_, told_of_journal_ = false;
     PainterState own_;
+    std::optional<Canvas> shown_;  // instead of the session's
+    Keep keep_;
+    std::shared_ptr<const Image<float>> allowed_;
+    struct Counted {
+        int painted = 0, outside = 0;
+    };
+    std::map<TileIndex, Counted> counted_;
 
     mutable std::mutex mutex_;
     std::filesystem::path file_;  // as record_ has it, for other threads

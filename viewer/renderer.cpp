@@ -14,6 +14,12 @@ namespace tangi {
 namespace {
 
 constexpr const char* kDesktop = "#version 330 core\n";
+constexpr std::size_t kTileBytes = kTileTexels * sizeof(Texel);
+constexpr std::size_t kFewestLayers = 16;  // a piece of 256 x 256 pixels needs 14 at most
+constexpr int kFirstLayers = 128;          // a screen of 1920 x 1080 and what is around it
+constexpr std::size_t kMostLayers = 2047;  // that the table's 11 bits tell apart
+constexpr std::size_t kTableWidth = 1024;  // as in surface.glsl
+constexpr int kLargestPiece = 2048;        // [pixels] a side, of a picture that is drawn piece by piece
 
 void check(const char* what) {
     GLenum error = GL_NO_ERROR;
@@ -28,10 +34,24 @@ int integer(GLenum name) {
     return value;
 }
 
+std::size_t megabytes(int tiles) { return static_cast<std::size_t>(tiles) * kTileBytes >> 20; }
+
+// [pixels] The largest side of a piece whose tiles fit, with those that stand in for them.
+int piece_for(const TileCache& cache) {
+    if (cache.all() <= cache.layers()) return kLargestPiece;
+    int side = kLargestPiece;
+    const auto tiles = [&](int texels) { return (texels / kTileSide + 2) * (texels / kTileSide + 2); };
+    while (side > kTileSide && tiles(side) + tiles(side / 4) + 1 > cache.layers()) side /= 2;
+    return side;
+}
+
 class Uniforms {
 public:
     explicit Uniforms(GLuint program) : program_(program) {}
     void set(const char* name, int v) const { glUniform1i(at(name), v); }
+    void set(const char* name, const std::vector<int>& v) const {
+        glUniform1iv(at(name), static_cast<GLsizei>(v.size()), v.data());
+    }
     void set(const char* name, float v) const { glUniform1f(at(name), v); }
     void set(const char* name, int x, int y) const { glUniform2i(at(name), x, y); }
     void set(const char* name, const glm::vec2& v) const { glUniform2fv(at(name), 1, glm::value_ptr(v)); }
@@ -65,72 +85,116 @@ Shot pixel_by_pixel(const Surface& s) {
     return shot;
 }
 
-std::vector<TexelPatch> patches_of(const TexelTiles& tiles, const Region& region) {
-    std::vector<TexelPatch> patches;
-    for (int tile = 0; tile < tiles.count(); ++tile) {
-        if (tiles.region_in(tile, 0, region).empty()) continue;
-        for (int level = 0; level <= tiles.tile_bits(); ++level) {
-            TexelPatch patch{tile, level, tiles.region_in(tile, level, region), {}};
-            const auto texels = tiles.level(tile, level);
-            const int bits = tiles.tile_bits() - level;
-            for (int y = patch.region.y0; y < patch.region.y1; ++y) {
-                const auto row = texels.subspan(
-                    (static_cast<std::size_t>(y) << bits) + static_cast<std::size_t>(patch.region.x0),
-                    static_cast<std::size_t>(patch.region.width()));
-                patch.texels.insert(patch.texels.end(), row.begin(), row.end());
-            }
-            patches.push_back(std::move(patch));
-        }
-    }
-    return patches;
+Renderer::Renderer(std::size_t texel_bytes) : nothing_(gl::make_vertex_array()) {
+    const std::size_t tiles = std::max<std::size_t>(texel_bytes / kTileBytes, kFewestLayers);
+    largest_layers_ = static_cast<int>(std::min<std::size_t>(
+        {tiles, static_cast<std::size_t>(integer(GL_MAX_ARRAY_TEXTURE_LAYERS)), kMostLayers}));
 }
 
-Renderer::Renderer() : nothing_(gl::make_vertex_array()) {
-    largest_layers_ = integer(GL_MAX_ARRAY_TEXTURE_LAYERS);
-    largest_side_ = integer(GL_MAX_TEXTURE_SIZE);
-}
-
-int Renderer::tile_bits(int width, int height) const {
-    int bits = 11;
-    while ((1 << bits) > largest_side_) --bits;
-    return tile_bits_for(width, height, largest_layers_, bits);
-}
-
-void Renderer::set_painting(const TexelTiles& tiles, double mm_per_pixel) {
-    width_ = tiles.width();
-    height_ = tiles.height();
-    bits_ = tiles.tile_bits();
-    columns_ = tiles.columns();
-    range_ = tiles.range();
-    mm_per_pixel_ = mm_per_pixel;
+bool Renderer::allocated(int layers) {
     texels_ = gl::make_texture();
-    horizon_ = {};
     glBindTexture(GL_TEXTURE_2D_ARRAY, texels_.id());
-    glTexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_MIN_FILTER, GL_NEAREST_MIPMAP_NEAREST);
+    glTexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
     glTexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
-    glTexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_MAX_LEVEL, bits_);
-    for (int level = 0; level <= bits_; ++level) {
-        const int side = 1 << (bits_ - level);
-        glTexImage3D(GL_TEXTURE_2D_ARRAY, level, GL_RGBA32UI, side, side, tiles.count(), 0, GL_RGBA_INTEGER,
-                     GL_UNSIGNED_INT, nullptr);
-        check("for this painting");
-        for (int tile = 0; tile < tiles.count(); ++tile) {
-            const auto texels = tiles.level(tile, level);
-            glTexSubImage3D(GL_TEXTURE_2D_ARRAY, level, 0, 0, tile, side, side, 1, GL_RGBA_INTEGER,
-                            GL_UNSIGNED_INT, texels.data());
-            uploaded_bytes_ += texels.size_bytes();
-        }
+    glTexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_MAX_LEVEL, 0);
+    glTexImage3D(GL_TEXTURE_2D_ARRAY, 0, GL_RGBA32UI, kTileSide, kTileSide, layers, 0, GL_RGBA_INTEGER,
+                 GL_UNSIGNED_INT, nullptr);
+    const GLenum error = glGetError();
+    TP_REQUIRE(error == GL_NO_ERROR || error == GL_OUT_OF_MEMORY,
+               fmt::format("OpenGL error {:#x} for texels", error));
+    return error == GL_NO_ERROR;
+}
+
+// As many as are wanted, or as there is memory for.
+void Renderer::make_layers(int wanted) {
+    const int all = TileCache(tiles_->width(), tiles_->height(), 1).all();
+    int layers = std::min({wanted, largest_layers_, all});
+    while (!allocated(layers)) {
+        largest_layers_ = std::max(layers / 2, 1);
+        if (layers <= static_cast<int>(kFewestLayers))
+            fail("the graphics device has not enough memory for this painting: {} MB are needed at least",
+                 megabytes(layers));
+        layers = largest_layers_;
     }
+    cache_ = TileCache(tiles_->width(), tiles_->height(), layers);
+}
+
+void Renderer::set_painting(std::shared_ptr<const TexelTiles> tiles, double mm_per_pixel) {
+    TP_REQUIRE(tiles, "there is a painting");
+    tiles_ = std::move(tiles);
+    mm_per_pixel_ = mm_per_pixel;
+    horizon_ = {};
+    make_layers(kFirstLayers);
+    table_ = gl::make_texture();
+    glBindTexture(GL_TEXTURE_2D, table_.id());
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAX_LEVEL, 0);
+    fetch(std::span<const TileView>(), 1);  // what stands in for all others
     check("for this painting");
 }
 
-void Renderer::upload(const TexelPatch& patch) {
-    if (patch.region.empty() || !texels_) return;
+Renderer::Fetched Renderer::fetch(std::span<const TileView> views, std::size_t most_tiles) {
+    TileCache::Wanted wanted = cache_.want(views, most_tiles);
+    // Memory for tiles is taken as it is needed: a software renderer's is the machine's.
+    while (!wanted.roomy && cache_.layers() < std::min(largest_layers_, cache_.all())) {
+        make_layers(2 * cache_.layers());
+        wanted = cache_.want(views, SIZE_MAX);  // what was there is to be fetched again
+    }
+    if (wanted.placed.empty()) return {wanted.complete, wanted.exact};
     glBindTexture(GL_TEXTURE_2D_ARRAY, texels_.id());
-    glTexSubImage3D(GL_TEXTURE_2D_ARRAY, patch.level, patch.region.x0, patch.region.y0, patch.tile,
-                    patch.region.width(), patch.region.height(), 1, GL_RGBA_INTEGER, GL_UNSIGNED_INT,
-                    patch.texels.data());
-    uploaded_bytes_ += patch.texels.size() * sizeof(Texel);
+    for (const auto& [tile, layer] : wanted.placed) {
+        const auto held = tiles_->lock();
+        glTexSubImage3D(GL_TEXTURE_2D_ARRAY, 0, 0, 0, layer, kTileSide, kTileSide, 1, GL_RGBA_INTEGER,
+                        GL_UNSIGNED_INT, tiles_->tile(tile).data());
+        uploaded_.tiles += kTileBytes;
+    }
+    std::vector<std::uint32_t> table = cache_.table();
+    const std::size_t rows = (table.size() + kTableWidth - 1) / kTableWidth;
+    table.resize(rows * kTableWidth);
+    glBindTexture(GL_TEXTURE_2D, table_.id());
+    glTexImage2D(GL_TEXTURE_2D, 0, GL_R32UI, kTableWidth, static_cast<GLsizei>(rows), 0, GL_RED_INTEGER,
+                 GL_UNSIGNED_INT, table.data());
+    return {wanted.complete, wanted.exact};
+}
+
+Renderer::Fetched Renderer::fetch(const Scene& scene, const Shot& shot, std::size_t most_bytes) {
+    TP_REQUIRE(tiles_, "there is a painting to draw");
+    std::vector<TileView> views = {{shot.level, outline_of(shot)}};
+    if (scene.mode == LookMode::unsharp_normals)
+        views.push_back({shot.level + static_cast<int>(scene.sharpness), views.front().outline});
+    if (scene.shadows == Shadows::marched) {
+        const double right = tiles_->width(), bottom = tiles_->height();
+        views.push_back({0, {{0, 0}, {right, 0}, {right, bottom}, {0, bottom}}});
+    }
+    return fetch(views, std::max<std::size_t>(most_bytes / kTileBytes, 1));
+}
+
+void Renderer::upload(const Region& changed) {
+    if (!tiles_) return;
+    glBindTexture(GL_TEXTURE_2D_ARRAY, texels_.id());
+    glPixelStorei(GL_UNPACK_ROW_LENGTH, kTileSide);
+    for (int level = 0; level < tiles_->levels(); ++level) {
+        const Region all = tiles_->region_at(level, changed);
+        for (int row = all.y0 >> kTileBits; row << kTileBits < all.y1; ++row)
+            for (int column = all.x0 >> kTileBits; column << kTileBits < all.x1; ++column) {
+                const TileName tile{level, column, row};
+                const auto layer = cache_.layer_of(tile);
+                if (!layer) continue;
+                const auto inside = [](int v, int at) {
+                    return std::clamp(v - (at << kTileBits), 0, kTileSide);
+                };
+                const Region r = {inside(all.x0, column), inside(all.y0, row), inside(all.x1, column),
+                                  inside(all.y1, row)};
+                const auto held = tiles_->lock();
+                glTexSubImage3D(GL_TEXTURE_2D_ARRAY, 0, r.x0, r.y0, *layer, r.width(), r.height(), 1,
+                                GL_RGBA_INTEGER, GL_UNSIGNED_INT,
+                                &tiles_->tile(tile)[static_cast<std::size_t>((r.y0 << kTileBits) + r.x0)]);
+                uploaded_.changes += static_cast<std::size_t>(r.width()) *
+                                     static_cast<std::size_t>(r.height()) * sizeof(Texel);
+            }
+    }
+    glPixelStorei(GL_UNPACK_ROW_LENGTH, 0);
 }
 
 void Renderer::set_horizon(const HorizonMap& map) {
@@ -145,20 +209,36 @@ void Renderer::set_horizon(const HorizonMap& map) {
     glTexImage3D(GL_TEXTURE_3D, 0, GL_R8, map.width, map.height, HorizonMap::kAzimuths, 0, GL_RED,
                  GL_UNSIGNED_BYTE, map.values.data());
     glPixelStorei(GL_UNPACK_ALIGNMENT, 4);
-    uploaded_bytes_ += map.values.size();
+    uploaded_.horizons += map.values.size();
     check("for cast shadows");
+}
+
+void Renderer::set_monitor(const MonitorTable& table) {
+    monitor_ = {};
+    if (table.side == 0) return;
+    monitor_ = gl::make_texture();
+    glBindTexture(GL_TEXTURE_3D, monitor_.id());
+    glTexParameteri(GL_TEXTURE_3D, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
+    glTexParameteri(GL_TEXTURE_3D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+    for (const GLenum axis : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T, GL_TEXTURE_WRAP_R})
+        glTexParameteri(GL_TEXTURE_3D, axis, GL_CLAMP_TO_EDGE);
+    glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
+    glTexImage3D(GL_TEXTURE_3D, 0, GL_RGB16, table.side, table.side, table.side, 0, GL_RGB, GL_UNSIGNED_SHORT,
+                 table.rgb.data());
+    glPixelStorei(GL_UNPACK_ALIGNMENT, 4);
+    check("for the monitor's colours");
 }
 
 const gl::Program& Renderer::program_for(const Scene& scene, const Shot& shot, bool linear) {
     Shadows shadows = scene.shadows;
-    if (width_ < 2 || height_ < 2 || (shadows == Shadows::horizon && !horizon_)) shadows = Shadows::none;
+    if (tiles_->width() < 2 || tiles_->height() < 2 || (shadows == Shadows::horizon && !horizon_))
+        shadows = Shadows::none;
     const bool near = std::any_of(scene.lights.begin(), scene.lights.end(),
                                   [](const Light& light) { return light.position_mm.has_value(); });
     std::string definitions;
     const auto define = [&](const char* name, int value) {
         definitions += fmt::format("#define {} {}\n", name, value);
     };
-    define("PAGED", 0);
     define("WARD_MODEL", static_cast<int>(scene.model));
     define("LAW", scene.law == ReflectanceLaw{} ? 0 : 1);
     define("FILTER", shot.smooth ? 1 : 0);
@@ -168,7 +248,7 @@ const gl::Program& Renderer::program_for(const Scene& scene, const Shot& shot, b
     define("SHADOWS", static_cast<int>(shadows));
     define("EYE", shot.eye.w == 0 ? 0 : 1);
     define("MODE", static_cast<int>(scene.mode));
-    define("OUTPUT", linear ? 0 : 1);
+    define("OUTPUT", linear ? 0 : scene.on_monitor && monitor_ ? 2 : 1);
     auto& program = programs_[definitions];
     if (!program)
         program = gl::make_program(fmt::format("{}{}{}", kDesktop, definitions, kPaintingVertexShader),
@@ -177,7 +257,7 @@ const gl::Program& Renderer::program_for(const Scene& scene, const Shot& shot, b
 }
 
 void Renderer::draw(const Scene& scene, const Shot& shot, GLuint target, bool linear) {
-    TP_REQUIRE(texels_, "there is a painting to draw");
+    TP_REQUIRE(tiles_, "there is a painting to draw");
     TP_REQUIRE(scene.lights.size() <= kMostLights, "no more lights than the shader takes");
     const gl::Program& program = program_for(scene, shot, linear);
     glBindFramebuffer(GL_FRAMEBUFFER, target);
@@ -186,6 +266,10 @@ void Renderer::draw(const Scene& scene, const Shot& shot, GLuint target, bool li
     glDisable(GL_DEPTH_TEST);
     glDisable(GL_SCISSOR_TEST);
     glUseProgram(program.id());
+    glActiveTexture(GL_TEXTURE2);
+    glBindTexture(GL_TEXTURE_2D, table_.id());
+    glActiveTexture(GL_TEXTURE3);
+    glBindTexture(GL_TEXTURE_3D, monitor_.id());
     glActiveTexture(GL_TEXTURE1);
     glBindTexture(GL_TEXTURE_3D, horizon_.id());
     glActiveTexture(GL_TEXTURE0);
@@ -209,13 +293,16 @@ void Renderer::draw(const Scene& scene, const Shot& shot, GLuint target, bool li
     const Uniforms u(program.id());
     u.set("u_texels", 0);
     u.set("u_horizon", 1);
-    u.set("u_size", width_, height_);
-    u.set("u_tile_bits", bits_);
-    u.set("u_tile_columns", columns_);
-    u.set("u_last_level", bits_);
-    u.set("u_level", std::clamp(shot.level, 0, bits_));
-    u.set("u_range", glm::vec4(range_.diffuse_max, range_.specular_max, range_.height_min_mm,
-                               range_.height_max_mm - range_.height_min_mm));
+    u.set("u_pages", 2);
+    u.set("u_monitor", 3);
+    u.set("u_first_page", cache_.first_entries());
+    u.set("u_size", tiles_->width(), tiles_->height());
+    const int last = tiles_->levels() - 1;
+    u.set("u_last_level", last);
+    u.set("u_level", std::clamp(shot.level, 0, last));
+    const TexelRange& range = tiles_->range();
+    u.set("u_range", glm::vec4(range.diffuse_max, range.specular_max, range.height_min_mm,
+                               range.height_max_mm - range.height_min_mm));
     u.set("u_mm_per_pixel", static_cast<float>(mm_per_pixel_));
     u.set("u_light", lights);
     u.set("u_gain", gains);
@@ -223,7 +310,7 @@ void Renderer::draw(const Scene& scene, const Shot& shot, GLuint target, bool li
     u.set("u_law", glm::vec2(scene.law.diffuse_roughness, scene.law.haze));
     u.set("u_bend", scene.rig.bend_per_mm);
     u.set("u_light_radius", static_cast<float>(scene.light_radius_deg * std::numbers::pi / 180));
-    u.set("u_highest", range_.height_max_mm);
+    u.set("u_highest", range.height_max_mm);
     u.set("u_to_painting", shot.to_painting);
     u.set("u_eye", shot.eye);
     u.set("u_ambient", static_cast<float>(scene.ambient));
@@ -261,11 +348,35 @@ Image<Rgb> relight_with(Renderer& renderer, const Surface& surface, const std::v
     scene.shadows = options.cast_shadows ? Shadows::marched : Shadows::none;
     scene.light_radius_deg = options.light_radius_deg;
     scene.ambient = options.ambient;
-    Shot shot = pixel_by_pixel(surface);
-    if (scene.rig.camera_distance_mm) shot.eye = {scene.rig.camera_axis_mm, *scene.rig.camera_distance_mm, 1};
-    const gl::Target target(shot.width, shot.height, true);
-    renderer.draw(scene, shot, target.framebuffer(), true);
-    return renderer.read(target);
+    const Shot whole = pixel_by_pixel(surface);
+    Image<Rgb> picture(whole.width, whole.height);
+    const int side = piece_for(renderer.cache());
+    for (int y0 = 0; y0 < whole.height; y0 += side)
+        for (int x0 = 0; x0 < whole.width; x0 += side) {
+            Shot shot = whole;
+            shot.width = std::min(side, whole.width - x0);
+            shot.height = std::min(side, whole.height - y0);
+            // Rows of the shot run upwards from its lower left corner.
+            shot.to_painting[2] =
+                whole.to_painting *
+                Vec3(static_cast<float>(x0), static_cast<float>(whole.height - y0 - shot.height), 1);
+            if (scene.rig.camera_distance_mm)
+                shot.eye = {scene.rig.camera_axis_mm, *scene.rig.camera_distance_mm, 1};
+            const bool exact = renderer.fetch(scene, shot).exact;
+            if (!exact && options.cast_shadows)
+                fail(
+                    "cast shadows on a painting of {} x {} pixels need {} MB on the graphics device, which "
+                    "gives {} MB",
+                    whole.width, whole.height, megabytes(renderer.cache().all()),
+                    megabytes(renderer.cache().layers()));
+            TP_REQUIRE(exact, "pieces are small enough");
+            const gl::Target target(shot.width, shot.height, true);
+            renderer.draw(scene, shot, target.framebuffer(), true);
+            const Image<Rgb> piece = renderer.read(target);
+            for (int y = 0; y < shot.height; ++y)
+                std::copy(piece.row(y).begin(), piece.row(y).end(), picture.row(y0 + y).begin() + x0);
+        }
+    return picture;
 }
 
 }  // namespace tangi

@@ -1,9 +1,13 @@
-// renderer.h: draws a painting with OpenGL 3.3: textures of its maps (texels.h), one shader (shaders/).
+// renderer.h: draws a painting with OpenGL 3.3: its texels (texels.h) in tiles, one shader (shaders/).
 //
-// Needs a current context, always the same. Memory on the device is that of the texels (21 bytes a pixel).
+// The device holds the tiles that are seen and as many of those seen before as its share of memory allows;
+// where one is missing, the next coarser one stands in. So no painting is too large for a texture.
+//
+// Needs a current context, always the same.
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <map>
 #include <memory>
 #include <string>
@@ -12,53 +16,66 @@
 #include "viewer/gl/objects.h"
 #include "viewer/horizon.h"
 #include "viewer/look.h"
+#include "viewer/monitor.h"
 #include "viewer/texels.h"
+#include "viewer/tile_cache.h"
 
 namespace tangi {
 
-// Texels of a rectangle of one level of a tile, to be uploaded.
-struct TexelPatch {
-    int tile = 0, level = 0;
-    Region region;  // of the level's texels, within the tile
-    std::vector<Texel> texels;
+struct UploadedBytes {
+    std::size_t tiles = 0;     // that came into sight
+    std::size_t changes = 0;   // of tiles that were there
+    std::size_t horizons = 0;  // for cast shadows
 };
-std::vector<TexelPatch> patches_of(const TexelTiles& tiles, const Region& region);
+
+constexpr std::size_t kTexelBytes = std::size_t(512) << 20;  // of memory on the device for texels
 
 class Renderer {
 public:
-    Renderer();
+    // Keeps to so much memory, and to less where the device has less.
+    explicit Renderer(std::size_t texel_bytes = kTexelBytes);
 
-    // How large a picture this driver holds: tile_bits for TexelTiles. Throws Error for one that is too
-    // large.
-    int tile_bits(int width, int height) const;
-
-    // Replaces the painting. Throws Error where the device has not the memory.
-    void set_painting(const TexelTiles& tiles, double mm_per_pixel);
-    void upload(const TexelPatch& patch);
+    // Replaces the painting. Its tiles are fetched as they are needed, under their lock. Throws Error where
+    // the device has not the memory for a few.
+    void set_painting(std::shared_ptr<const TexelTiles> tiles, double mm_per_pixel);
+    void upload(const Region& changed);  // these pixels, as far as the device holds them
     void set_horizon(const HorizonMap& horizon);
     bool has_horizon() const { return static_cast<bool>(horizon_); }
+    void set_monitor(const MonitorTable& table);  // empty: none
 
-    // Into `target` (0: the window). Encoded as sRGB, or linear.
+    struct Fetched {
+        bool complete = false;  // nothing is missing any more for which there is room
+        bool exact = false;     // every pixel has texels of the shot's own level
+    };
+    // What is seen, `most_bytes` of it and one tile at least.
+    Fetched fetch(const Scene& scene, const Shot& shot, std::size_t most_bytes = SIZE_MAX);
+
+    // Into `target` (0: the window), with the tiles that are there. Encoded as sRGB, or linear.
     void draw(const Scene& scene, const Shot& shot, GLuint target, bool linear = false);
     Image<Rgb> read(const gl::Target& target) const;  // as drawn, row 0 at the top
 
-    std::size_t uploaded_bytes() const { return uploaded_bytes_; }  // since it was made
+    const UploadedBytes& uploaded() const { return uploaded_; }  // since it was made
+    const TileCache& cache() const { return cache_; }
 
 private:
     const gl::Program& program_for(const Scene& scene, const Shot& shot, bool linear);
+    Fetched fetch(std::span<const TileView> views, std::size_t most_tiles);
+    void make_layers(int wanted);
+    bool allocated(int layers);
 
-    int largest_layers_ = 0, largest_side_ = 0;
+    int largest_layers_ = 0;
     gl::VertexArray nothing_;
-    gl::Texture texels_, horizon_;
+    gl::Texture texels_, table_, horizon_, monitor_;
     std::map<std::string, gl::Program> programs_;  // by their definitions
-    int width_ = 0, height_ = 0, bits_ = 0, columns_ = 0;
-    TexelRange range_;
+    std::shared_ptr<const TexelTiles> tiles_;
+    TileCache cache_;
     double mm_per_pixel_ = 1;
-    std::size_t uploaded_bytes_ = 0;
+    UploadedBytes uploaded_;
 };
 
 // The picture that relight() gives, drawn by OpenGL; the same to 1/255 of white on 99.9 % of the pixels. At
-// most 8 lights. Needs a current context.
+// most 8 lights. Drawn piece by piece, so that it may be of any size; with cast shadows the whole painting
+// must fit on the device (Error where it does not).
 Image<Rgb> relight_with(Renderer& renderer, const Surface& surface, const std::vector<Light>& lights,
                         const RelightOptions& options);
 

@@ -22,6 +22,37 @@ float value(std::uint32_t code, std::uint32_t largest) {
 
 constexpr std::uint32_t kHeightCodes = (1u << 24) - 1;
 
+// What a texel of the next level has of those below.
+class MeanMaterial {
+public:
+    void add(const Material& m) {
+        const Slope slope = slope_of(m.normal);
+        const float weight = m.specular + 1e-6f;
+        sum_.normal += m.normal;
+        sum_.diffuse += m.diffuse;
+        sum_.specular += m.specular;
+        sum_.height_mm += m.height_mm;
+        sum_.confidence += m.confidence;
+        gloss_ += weight;
+        slope_x_ += weight * slope.x;
+        slope_y_ += weight * slope.y;
+        spread_ += weight * (m.roughness * m.roughness + slope.x * slope.x + slope.y * slope.y);
+        ++count_;
+    }
+    Material material() const {
+        const float length = glm::length(sum_.normal) / count_;
+        const float x = slope_x_ / gloss_, y = slope_y_ / gloss_;
+        const float variance = spread_ / gloss_ - x * x - y * y;
+        return {glm::normalize(sum_.normal), sum_.diffuse * (length / count_),
+                sum_.specular / count_,      std::sqrt(std::max(variance, 1e-12f)),
+                sum_.height_mm / count_,     sum_.confidence / count_};
+    }
+
+private:
+    Material sum_{.normal = Vec3(0)};
+    float count_ = 0, gloss_ = 0, spread_ = 0, slope_x_ = 0, slope_y_ = 0;
+};
+
 }  // namespace
 
 TexelRange range_of(const Surface& s, float paint_mm) {
@@ -77,123 +108,93 @@ Material material_at(const Surface& s, int x, int y) {
             s.roughness(x, y), s.height_mm(x, y), s.confidence(x, y)};
 }
 
-TexelTiles::TexelTiles(const Surface& s, const TexelRange& range, int tile_bits)
-    : width_(s.width()), height_(s.height()), tile_bits_(tile_bits), range_(range) {
-    TP_REQUIRE(tile_bits >= 0 && tile_bits <= 14, "tiles have a side");
-    columns_ = (width_ + (1 << tile_bits) - 1) >> tile_bits;
-    rows_ = (height_ + (1 << tile_bits) - 1) >> tile_bits;
-    for (int level = 0; level <= tile_bits; ++level)
-        tile_texels_ += std::size_t(1) << (2 * (tile_bits - level));
-    texels_.resize(tile_texels_ * static_cast<std::size_t>(count()));
+LevelSize level_size(int width, int height, int level) {
+    const int up = (1 << level) - 1;
+    return {(width + up) >> level, (height + up) >> level};
+}
+
+int level_count(int width, int height) {
+    int levels = 1;
+    while (std::max(width, height) > 16LL << (levels - 1)) ++levels;
+    return levels;
+}
+
+TexelTiles::TexelTiles(const Surface& s, const TexelRange& range)
+    : width_(s.width()), height_(s.height()), range_(range) {
+    std::size_t tiles = 0;
+    for (int level = 0; level < level_count(width_, height_); ++level) {
+        const LevelSize size = level_size(width_, height_, level);
+        first_.push_back(tiles);
+        tiles += static_cast<std::size_t>(size.columns()) * static_cast<std::size_t>(size.rows());
+    }
+    texels_ = std::make_unique_for_overwrite<Texel[]>(tiles * kTileTexels);
+    // Memory is touched here for the first time: by all threads.
+    for (int level = 0; level < levels(); ++level) {
+        const LevelSize size = level_size(width_, height_, level);
+        parallel_for(0, size.rows(), 1, [&](int begin, int end) {
+            for (int row = begin; row < end; ++row)
+                for (int column = 0; column < size.columns(); ++column) {
+                    const bool whole =
+                        (column + 1) * kTileSide <= size.width && (row + 1) * kTileSide <= size.height;
+                    Texel* const tile = &texels_[offset(column << kTileBits, row << kTileBits, level)];
+                    if (!whole) std::fill(tile, tile + kTileTexels, Texel{});
+                }
+        });
+    }
     update(s, {0, 0, width_, height_});
 }
 
-std::size_t TexelTiles::offset(int tile, int level) const {
-    std::size_t at = static_cast<std::size_t>(tile) * tile_texels_;
-    for (int l = 0; l < level; ++l) at += std::size_t(1) << (2 * (tile_bits_ - l));
-    return at;
+std::size_t TexelTiles::offset(int x, int y, int level) const {
+    const int columns = level_size(width_, height_, level).columns();
+    const std::size_t tile = first_[static_cast<std::size_t>(level)] +
+                             static_cast<std::size_t>(y >> kTileBits) * static_cast<std::size_t>(columns) +
+                             static_cast<std::size_t>(x >> kTileBits);
+    return tile * kTileTexels +
+           static_cast<std::size_t>((y & (kTileSide - 1)) << kTileBits | (x & (kTileSide - 1)));
 }
 
-std::span<const Texel> TexelTiles::level(int tile, int level) const {
-    return {&texels_[offset(tile, level)], std::size_t(1) << (2 * (tile_bits_ - level))};
+std::span<const Texel> TexelTiles::tile(const TileName& name) const {
+    return {&texels_[offset(name.column << kTileBits, name.row << kTileBits, name.level)], kTileTexels};
 }
 
-const Texel& TexelTiles::at(int x, int y, int level) const {
-    const int bits = tile_bits_ - level;
-    const int tile = (y >> bits) * columns_ + (x >> bits), mask = (1 << bits) - 1;
-    return texels_[offset(tile, level) + static_cast<std::size_t>(((y & mask) << bits) + (x & mask))];
-}
+const Texel& TexelTiles::at(int x, int y, int level) const { return texels_[offset(x, y, level)]; }
 
-Region TexelTiles::region_in(int tile, int level, const Region& region) const {
-    const int x0 = (tile % columns_) << tile_bits_, y0 = (tile / columns_) << tile_bits_;
-    const int side = 1 << tile_bits_, up = (1 << level) - 1;
-    const auto inside = [&](int v, int origin) { return std::clamp(v - origin, 0, side); };
-    const Region r = {inside(std::max(region.x0, 0), x0), inside(std::max(region.y0, 0), y0),
-                      inside(std::min(region.x1, width_), x0), inside(std::min(region.y1, height_), y0)};
+Region TexelTiles::region_at(int level, const Region& region) const {
+    const int up = (1 << level) - 1;
+    const Region r = {std::clamp(region.x0, 0, width_), std::clamp(region.y0, 0, height_),
+                      std::clamp(region.x1, 0, width_), std::clamp(region.y1, 0, height_)};
     return {r.x0 >> level, r.y0 >> level, (r.x1 + up) >> level, (r.y1 + up) >> level};
+}
+
+// Texels as make(x, y) gives them. Who reads waits for the copying only, not for the arithmetic.
+template <class Make>
+void TexelTiles::make(int level, const Region& r, const Make& make) {
+    parallel_for(r.y0, r.y1, 64, [&](int begin, int end) {
+        std::array<Texel, kTileSide> some;
+        for (int y = begin; y < end; ++y)
+            for (int x0 = r.x0; x0 < r.x1;) {
+                const int x1 = std::min((x0 | (kTileSide - 1)) + 1, r.x1);
+                for (int x = x0; x < x1; ++x) some[static_cast<std::size_t>(x - x0)] = make(x, y);
+                const auto held = lock();
+                std::copy_n(some.begin(), x1 - x0, &texels_[offset(x0, y, level)]);
+                x0 = x1;
+            }
+    });
 }
 
 void TexelTiles::update(const Surface& s, const Region& region) {
     TP_REQUIRE(s.width() == width_ && s.height() == height_, "tiles are of this surface");
-    parallel_for(0, count(), 1, [&](int begin, int end) {
-        for (int tile = begin; tile < end; ++tile) {
-            const int x0 = (tile % columns_) << tile_bits_, y0 = (tile / columns_) << tile_bits_;
-            const Region r = region_in(tile, 0, region);
-            if (r.empty()) continue;
-            Texel* const texels = &texels_[offset(tile, 0)];
-            for (int y = r.y0; y < r.y1; ++y)
-                for (int x = r.x0; x < r.x1; ++x)
-                    texels[(static_cast<std::size_t>(y) << tile_bits_) + static_cast<std::size_t>(x)] =
-                        pack(material_at(s, x0 + x, y0 + y), range_);
-            for (int level = 1; level <= tile_bits_; ++level)
-                make_level(tile, level, region_in(tile, level, region));
-        }
-    });
-}
-
-void TexelTiles::make_level(int tile, int level, const Region& r) {
-    const int below = level - 1, bits = tile_bits_ - below;
-    const Texel* const source = &texels_[offset(tile, below)];
-    Texel* const target = &texels_[offset(tile, level)];
-    // Texels below that hold any pixel of the picture.
-    const Region there = region_in(tile, below, {0, 0, width_, height_});
-    for (int y = r.y0; y < r.y1; ++y)
-        for (int x = r.x0; x < r.x1; ++x) {
-            Material mean{.normal = Vec3(0), .roughness = 0};
-            float count = 0, gloss = 0, spread = 0, slope_x = 0, slope_y = 0;
-            for (int j = 0; j < 2; ++j)
-                for (int i = 0; i < 2; ++i) {
-                    const int sx = 2 * x + i, sy = 2 * y + j;
-                    if (sx >= there.x1 || sy >= there.y1) continue;
-                    const Material m =
-                        unpack(source[(static_cast<std::size_t>(sy) << bits) + static_cast<std::size_t>(sx)],
-                               range_);
-                    const Slope slope = slope_of(m.normal);
-                    const float weight = m.specular + 1e-6f;
-                    mean.normal += m.normal;
-                    mean.diffuse += m.diffuse;
-                    mean.specular += m.specular;
-                    mean.height_mm += m.height_mm;
-                    mean.confidence += m.confidence;
-                    gloss += weight;
-                    slope_x += weight * slope.x;
-                    slope_y += weight * slope.y;
-                    spread += weight * (m.roughness * m.roughness + slope.x * slope.x + slope.y * slope.y);
-                    ++count;
-                }
-            if (count == 0) continue;
-            const float length = glm::length(mean.normal) / count;
-            mean.normal = glm::normalize(mean.normal);
-            mean.diffuse *= length / count;
-            mean.specular /= count;
-            mean.height_mm /= count;
-            mean.confidence /= count;
-            slope_x /= gloss;
-            slope_y /= gloss;
-            const float variance = spread / gloss - slope_x * slope_x - slope_y * slope_y;
-            mean.roughness = std::sqrt(std::max(variance, 1e-12f));
-            const int side_bits = tile_bits_ - level;
-            target[(static_cast<std::size_t>(y) << side_bits) + static_cast<std::size_t>(x)] =
-                pack(mean, range_);
-        }
-}
-
-int tile_bits_for(int width, int height, int most, int max_bits) {
-    const auto count = [&](int bits) {
-        const auto along = [&](int length) {
-            return (static_cast<long long>(length) + (1LL << bits) - 1) >> bits;
-        };
-        return along(width) * along(height);
-    };
-    int bits = std::min(7, max_bits);
-    // Few large tiles for small pictures as well: levels of detail end at one texel a tile.
-    while (bits < max_bits && (count(bits) > most || count(bits) > 64)) ++bits;
-    if (count(bits) > most)
-        fail(
-            "a painting of {} x {} pixels is larger than this graphics driver can hold ({} tiles of {} "
-            "pixels)",
-            width, height, most, 1 << bits);
-    return bits;
+    make(0, region_at(0, region), [&](int x, int y) { return pack(material_at(s, x, y), range_); });
+    for (int level = 1; level < levels(); ++level) {
+        const LevelSize below = level_size(width_, height_, level - 1);
+        make(level, region_at(level, region), [&](int x, int y) {
+            MeanMaterial mean;
+            for (int sy = 2 * y; sy < std::min(2 * y + 2, below.height); ++sy)
+                for (int sx = 2 * x; sx < std::min(2 * x + 2, below.width); ++sx)
+                    mean.add(unpack(at(sx, sy, level - 1), range_));
+            return pack(mean.material(), range_);
+        });
+    }
 }
 
 }  // namespace tangi

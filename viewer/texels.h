@@ -1,4 +1,5 @@
-// texels.h: a surface as textures hold it: all maps of a pixel in 128 bits, in tiles with levels of detail.
+// texels.h: a surface as textures hold it: all maps of a pixel in 128 bits, in levels of detail cut into
+// tiles.
 //
 // A texel is four words; unit values are scaled to the whole range of their bits:
 //   x  normal: u, v (16 bits each) of an octahedron's upper half (Cigolle et al. 2014): p = n.xy / (|n.x| +
@@ -15,6 +16,8 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
+#include <mutex>
 #include <span>
 #include <vector>
 
@@ -44,44 +47,57 @@ Texel pack(const Material& material, const TexelRange& range);
 Material unpack(const Texel& texel, const TexelRange& range);
 Material material_at(const Surface& surface, int x, int y);
 
-// All texels of a surface, in square tiles, ready to be uploaded: level l of a tile has (size >> l)^2 texels
-// of 2^l pixels a side; those beyond the picture's border are 0.
+constexpr int kTileBits = 8;  // tiles have 256 texels a side
+constexpr int kTileSide = 1 << kTileBits;
+constexpr std::size_t kTileTexels = std::size_t(1) << (2 * kTileBits);
+
+// [texels] of a level of detail, whose texels have 2^level pixels a side.
+struct LevelSize {
+    int width = 0, height = 0;
+    int columns() const { return (width + kTileSide - 1) >> kTileBits; }
+    int rows() const { return (height + kTileSide - 1) >> kTileBits; }
+};
+LevelSize level_size(int width, int height, int level);
+// Levels of a painting of so many pixels: the last has 16 texels a side at most, in one tile.
+int level_count(int width, int height);
+
+struct TileName {
+    int level = 0, column = 0, row = 0;
+    bool operator==(const TileName&) const = default;
+};
+
+// All texels of a surface, ready to be uploaded; those beyond the picture's border are 0. One thread may
+// update them while others read tiles under the lock.
 class TexelTiles {
 public:
-    TexelTiles() = default;
-    // `tile_bits`: tiles have 2^tile_bits pixels a side.
-    TexelTiles(const Surface& surface, const TexelRange& range, int tile_bits);
+    TexelTiles(const Surface& surface, const TexelRange& range);
 
     int width() const { return width_; }
     int height() const { return height_; }
-    int tile_bits() const { return tile_bits_; }
-    int columns() const { return columns_; }
-    int rows() const { return rows_; }
-    int count() const { return columns_ * rows_; }
+    int levels() const { return static_cast<int>(first_.size()); }
     const TexelRange& range() const { return range_; }
 
-    // Row-major, 2^(tile_bits - level) a side.
-    std::span<const Texel> level(int tile, int level) const;
+    // Row-major, 256 a side.
+    std::span<const Texel> tile(const TileName& name) const;
     const Texel& at(int x, int y, int level = 0) const;
+    std::unique_lock<std::mutex> lock() const { return std::unique_lock(mutex_); }
 
-    // Packs these pixels again, and all levels above them.
+    // Packs these pixels again, and what holds them of all levels above.
     void update(const Surface& surface, const Region& region);
 
-    // The texels of a level that hold these pixels, clipped to one tile: region within the tile.
-    Region region_in(int tile, int level, const Region& region) const;
+    // The texels of a level that hold these pixels, as far as there are such.
+    Region region_at(int level, const Region& region) const;
 
 private:
-    std::size_t offset(int tile, int level) const;
-    void make_level(int tile, int level, const Region& texels);
+    std::size_t offset(int x, int y, int level) const;
+    template <class Make>
+    void make(int level, const Region& texels, const Make& make);
 
-    int width_ = 0, height_ = 0, tile_bits_ = 0, columns_ = 0, rows_ = 0;
+    int width_ = 0, height_ = 0;
     TexelRange range_;
-    std::size_t tile_texels_ = 0;
-    std::vector<Texel> texels_;  // tile after tile, level after level
+    std::vector<std::size_t> first_;  // tile of each level
+    std::unique_ptr<Texel[]> texels_;
+    mutable std::mutex mutex_;
 };
-
-// The smallest tiles (2^7 at least) of which no more than `most` are needed. Throws Error for a picture
-// larger than that with the largest tiles (2^max_bits).
-int tile_bits_for(int width, int height, int most, int max_bits = 11);
 
 }  // namespace tangi

@@ -54,7 +54,7 @@ View turned(View view, double by_deg) {
 }
 
 Placement::Placement(const View& view, const Tilt& tilt, bool flat, Extent painting, Extent screen,
-                     double mm_per_pixel)
+                     double mm_per_pixel, const Vec3& viewer)
     : screen_(screen), zoom_(view.zoom) {
     const glm::dmat3 turn = rotation_z(view.turn_deg * kDegree), hand = tilt.rotation();
     const glm::dmat3 seen = flat ? glm::dmat3(1) : hand;
@@ -69,7 +69,7 @@ Placement::Placement(const View& view, const Tilt& tilt, bool flat, Extent paint
     screen_from_painting_ = screened * projected * plane;
     painting_from_screen_ = glm::inverse(screen_from_painting_);
     orientation_ = glm::transpose(hand * turn);
-    const glm::dvec3 eye = glm::transpose(seen * turn) * glm::dvec3(0, 0, distance / z * mm_per_pixel);
+    const glm::dvec3 eye = glm::transpose(seen * turn) * (distance / z * mm_per_pixel * glm::dvec3(viewer));
     const glm::dvec2 middle((painting.width - 1) / 2.0, (painting.height - 1) / 2.0);
     const glm::dvec2 centre = (view.centre_px - middle) * mm_per_pixel;
     eye_ = {eye.x + centre.x, eye.y - centre.y, eye.z, 1};
@@ -104,6 +104,32 @@ Shot Placement::shot(double scale, bool smooth) const {
     shot.level = std::max(0, static_cast<int>(std::lround(std::log2(std::max(1.0, x / zoom_)))));
     shot.smooth = smooth;
     return shot;
+}
+
+std::vector<glm::dvec2> clipped(const std::vector<glm::dvec2>& outline, const glm::dvec2& normal,
+                                double least) {
+    std::vector<glm::dvec2> inside;
+    for (std::size_t i = 0; i < outline.size(); ++i) {
+        const glm::dvec2 a = outline[i], b = outline[(i + 1) % outline.size()];
+        const double over_a = glm::dot(normal, a) - least, over_b = glm::dot(normal, b) - least;
+        if (over_a >= 0) inside.push_back(a);
+        if ((over_a >= 0) != (over_b >= 0)) inside.push_back(a + over_a / (over_a - over_b) * (b - a));
+    }
+    return inside;
+}
+
+std::vector<glm::dvec2> outline_of(const Shot& shot) {
+    const glm::dmat3 m(shot.to_painting);
+    // What lies behind the viewer is not seen: there the third component is not positive.
+    const double nearest = 1e-4 * std::abs(m[2].z);
+    std::vector<glm::dvec2> outline =
+        clipped({{0, 0}, {shot.width, 0}, {shot.width, shot.height}, {0, shot.height}}, {m[0].z, m[1].z},
+                nearest - m[2].z);
+    for (glm::dvec2& p : outline) {
+        const glm::dvec3 q = m * glm::dvec3(p, 1);
+        p = glm::dvec2(q) / q.z;
+    }
+    return outline;
 }
 
 Vec3 direction_of(double azimuth_deg, double elevation_deg) {

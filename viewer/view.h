@@ -8,6 +8,7 @@
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
+#include <vector>
 
 #include "viewer/look.h"
 #include "viewer/tilt.h"
@@ -34,11 +35,12 @@ View turned(View view, double by_deg);
 
 // The painting in space: turned by view and tilt about the middle of the screen, seen in perspective from
 // three heights of the screen. `flat`: the screen itself is tilted, as a tablet: the picture stays, the
-// light moves.
+// light moves. `viewer`: the direction to whoever looks, a unit vector; gloss is seen from there, while the
+// picture stays: the eye itself sees the screen from aside.
 class Placement {
 public:
     Placement(const View& view, const Tilt& tilt, bool flat, Extent painting, Extent screen,
-              double mm_per_pixel);
+              double mm_per_pixel, const Vec3& viewer = {0, 0, 1});
 
     // Screen -> painting; false where the ray misses the painting's plane.
     bool to_painting(const glm::dvec2& screen, glm::dvec2& painting) const;
@@ -56,6 +58,12 @@ private:
     Extent screen_;
     double zoom_;
 };
+
+// What a shot shows of the painting's plane: a convex outline [pixels of the painting].
+std::vector<glm::dvec2> outline_of(const Shot& shot);
+// The part of a convex outline where dot(normal, place) >= least.
+std::vector<glm::dvec2> clipped(const std::vector<glm::dvec2>& outline, const glm::dvec2& normal,
+                                double least);
 
 // Unit vector of a light from its azimuth (counter-clockwise from x) and elevation above the plane, and back.
 Vec3 direction_of(double azimuth_deg, double elevation_deg);

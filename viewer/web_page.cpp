@@ -119,19 +119,9 @@ json origin(const Surface& surface) {
     return told;
 }
 
-struct Pyramid {
-    TexelTiles tiles;
-    int levels = 0;
-};
-
-Pyramid pyramid_of(const Surface& surface) {
-    const int levels = web_levels(surface.width(), surface.height());
-    return {TexelTiles(surface, range_of(surface), std::max(kWebTileBits, levels - 1)), levels};
-}
-
-json data_of(const Surface& s, const Pyramid& pyramid, const HorizonMap& horizon, const WebWords& words,
+json data_of(const Surface& s, const TexelTiles& tiles, const HorizonMap& horizon, const WebWords& words,
              const WebOptions& options) {
-    const TexelRange& range = pyramid.tiles.range();
+    const TexelRange& range = tiles.range();
     const auto [low, high] = std::minmax_element(s.height_mm.pixels().begin(), s.height_mm.pixels().end());
     return {{"title", words.title},
             {"credit", words.credit},
@@ -145,7 +135,7 @@ json data_of(const Surface& s, const Pyramid& pyramid, const HorizonMap& horizon
              {range.diffuse_max, range.specular_max, range.height_min_mm,
               range.height_max_mm - range.height_min_mm}},
             {"law", {s.law.diffuse_roughness, s.law.haze}},
-            {"levels", pyramid.levels},
+            {"levels", web_levels(s.width(), s.height())},
             {"fields", fields()},
             {"looks", looks()},
             {"horizon", {horizon.width, horizon.height, HorizonMap::kAzimuths}},
@@ -174,14 +164,12 @@ std::string page_with(const json& data, const std::string& parts) {
     return page;
 }
 
-void add_parts(Parts& parts, const Pyramid& pyramid, const HorizonMap& horizon, WebReport& report,
+void add_parts(Parts& parts, const TexelTiles& tiles, const HorizonMap& horizon, WebReport& report,
                const Progress& progress) {
-    struct Place {
-        int level, column, row;
-    };
-    std::vector<Place> places;
-    for (int level = pyramid.levels - 1; level >= 0; --level) {
-        const WebSize size = web_size(pyramid.tiles.width(), pyramid.tiles.height(), level);
+    std::vector<TileName> places;
+    const int levels = web_levels(tiles.width(), tiles.height());
+    for (int level = levels - 1; level >= 0; --level) {
+        const LevelSize size = level_size(tiles.width(), tiles.height(), level);
         for (int row = 0; row < size.rows(); ++row)
             for (int column = 0; column < size.columns(); ++column) places.push_back({level, column, row});
     }
@@ -192,8 +180,8 @@ void add_parts(Parts& parts, const Pyramid& pyramid, const HorizonMap& horizon, 
         tangi::report(progress, "tiles", first / static_cast<double>(count));
         parallel_for(first, std::min(first + kAtOnce, count), 1, [&](int begin, int end) {
             for (int i = begin; i < end; ++i) {
-                const Place& p = places[static_cast<std::size_t>(i)];
-                const std::string tile = web_tile(pyramid.tiles, p.level, p.column, p.row);
+                const TileName& p = places[static_cast<std::size_t>(i)];
+                const std::string tile = web_tile(tiles, p);
                 bytes += tile.size();
                 if (i == 0) report.first_bytes = tile.size();
                 parts.add(fmt::format("{}/{}_{}", p.level, p.column, p.row), tile);
@@ -205,7 +193,7 @@ void add_parts(Parts& parts, const Pyramid& pyramid, const HorizonMap& horizon, 
         bytes += packed.size();
         parts.add("horizon", packed);
     }
-    report.levels = pyramid.levels;
+    report.levels = levels;
     report.tiles = count;
     report.bytes = bytes;
     tangi::report(progress, "tiles", 1);
@@ -228,14 +216,14 @@ WebReport write_web_page(const fs::path& path, const Surface& surface, const Web
         beside.emplace(path);
     AtomicFile page(single ? path : path / "index.html");
     Parts& parts = single ? static_cast<Parts&>(*inside) : *beside;
-    const Pyramid pyramid = pyramid_of(surface);
+    const TexelTiles tiles(surface, range_of(surface));
     HorizonMap horizon;
     if (options.shadow_side > 0 && surface.width() > 1 && surface.height() > 1)
         horizon = horizon_map(coarse_heights(surface.height_mm, surface.mm_per_pixel, options.shadow_side),
                               progress);
-    add_parts(parts, pyramid, horizon, report, progress);
+    add_parts(parts, tiles, horizon, report, progress);
     const std::string text =
-        page_with(data_of(surface, pyramid, horizon, words, options), single ? inside->text() : "");
+        page_with(data_of(surface, tiles, horizon, words, options), single ? inside->text() : "");
     page.write(text);
     if (single) {
         report.bytes = report.first_bytes = text.size();

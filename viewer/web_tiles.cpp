@@ -57,29 +57,25 @@ void append_planes(std::string& bytes, const std::vector<int>& codes, int width,
 
 }  // namespace
 
-WebSize web_size(int width, int height, int level) {
-    const int up = (1 << level) - 1;
-    return {(width + up) >> level, (height + up) >> level};
-}
-
 int web_levels(int width, int height) {
     int levels = 1;
-    while (std::max(width, height) > 1 << (kWebTileBits + levels - 1)) ++levels;
+    while (std::max(width, height) > 1LL << (kTileBits + levels - 1)) ++levels;
     return levels;
 }
 
-std::string web_tile(const TexelTiles& tiles, int level, int column, int row) {
-    const WebSize size = web_size(tiles.width(), tiles.height(), level);
-    const int side = 1 << kWebTileBits, x0 = column * side, y0 = row * side;
-    const int width = std::min(side, size.width - x0), height = std::min(side, size.height - y0);
-    TP_REQUIRE(width > 0 && height > 0 && level <= tiles.tile_bits(), "there is such a tile");
+std::string web_tile(const TexelTiles& tiles, const TileName& name) {
+    TP_REQUIRE(name.level >= 0 && name.level < tiles.levels(), "there is such a level");
+    const LevelSize size = level_size(tiles.width(), tiles.height(), name.level);
+    const int x0 = name.column * kTileSide, y0 = name.row * kTileSide;
+    const int width = std::min(kTileSide, size.width - x0), height = std::min(kTileSide, size.height - y0);
+    TP_REQUIRE(width > 0 && height > 0, "there is such a tile");
     std::string bytes;
     std::vector<int> codes(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
     for (const WebField& field : kWebFields) {
         std::size_t i = 0;
         for (int y = 0; y < height; ++y)
             for (int x = 0; x < width; ++x)
-                codes[i++] = static_cast<int>(kept_code(tiles.at(x0 + x, y0 + y, level), field));
+                codes[i++] = static_cast<int>(kept_code(tiles.at(x0 + x, y0 + y, name.level), field));
         append_planes(bytes, codes, width, height, field.kept);
     }
     return deflated(bytes);

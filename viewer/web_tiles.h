@@ -32,20 +32,11 @@ inline constexpr std::array<WebField, 9> kWebFields = {{{0, 0, 16, 14},  // norm
                                                         {3, 0, 8, 6},      // confidence
                                                         {3, 8, 24, 16}}};  // height
 
-constexpr int kWebTileBits = 8;  // tiles have 256 texels a side, fewer at the right and lower border
-
 // Levels of detail that a page needs: the last is one tile.
 int web_levels(int width, int height);
-// [texels] of a level.
-struct WebSize {
-    int width = 0, height = 0;
-    int columns() const { return (width + (1 << kWebTileBits) - 1) >> kWebTileBits; }
-    int rows() const { return (height + (1 << kWebTileBits) - 1) >> kWebTileBits; }
-};
-WebSize web_size(int width, int height, int level);
 
-// The tile of this level, column and row, compressed. `tiles` have at least as many levels.
-std::string web_tile(const TexelTiles& tiles, int level, int column, int row);
+// This tile, compressed: 256 texels a side, fewer at the right and lower border.
+std::string web_tile(const TexelTiles& tiles, const TileName& name);
 
 // The same of a map of horizons: all values, slice by slice, each less its left neighbour modulo 256.
 std::string web_horizon(const HorizonMap& map);

@@ -22,7 +22,8 @@ namespace {
 
 constexpr double kSweep_deg_per_s = 40;
 constexpr double kFrame_s = 1 / 60.0;
-constexpr double kProgress_s = 0.2;  // between two pictures of how far something is
+constexpr std::size_t kFetchBytes = std::size_t(8) << 20;  // for the loupe, in one frame
+constexpr double kProgress_s = 0.2;                        // between two pictures of how far something is
 
 }  // namespace
 
@@ -35,16 +36,19 @@ WindowApp::WindowApp(WindowSetup setup, const Progress& progress)
     state_.palette = setup.palette;
     if (!setup.brushes.empty()) state_.brushes = setup.brushes;
     const auto wake = [] { glfwPostEmptyEvent(); };
-    desk_.emplace(state_, Desk::Setup{std::move(setup.workshop), setup.palette, setup.settings,
-                                      [this](int w, int h) { return renderer_.tile_bits(w, h); }, wake,
+    desk_.emplace(state_, Desk::Setup{std::move(setup.workshop), setup.palette, setup.settings, wake,
                                       [this](const std::string& text) { say(text); }});
+    treating_.emplace(state_, TreatmentDesk::Setup{std::move(setup.author), setup.palette, wake,
+                                                   [this](const std::string& text) { say(text); }});
+    devices_.emplace(state_, Devices::Setup{.camera = setup.camera,
+                                            .wake = wake,
+                                            .say = [this](const std::string& text) { say(text); }});
+    use_monitor(setup);
     OpenedPainting opened;
     opened.painter = std::make_unique<Painter>(
         Painter::Setup{std::move(setup.canvas), setup.palette, setup.file, setup.file_is_new}, wake,
         progress);
-    const Surface& surface = opened.painter->surface();
-    opened.tiles =
-        TexelTiles(surface, opened.painter->range(), renderer_.tile_bits(surface.width(), surface.height()));
+    opened.tiles = std::make_shared<TexelTiles>(opened.painter->surface(), opened.painter->range());
     opened.file = setup.file;
     show(std::move(opened), true);
     const auto* name = reinterpret_cast<const char*>(glGetString(GL_RENDERER));
@@ -67,9 +71,30 @@ void WindowApp::warm_up() {
     for (const bool smooth : {false, true}) {
         Shot shot = placement().shot(1, smooth);
         shot.width = shot.height = 16;
-        renderer_.draw(scene_of(state_, placement()), shot, target.framebuffer());
+        renderer_.draw(scene_on_screen(), shot, target.framebuffer());  // with what there is
     }
     glFinish();
+}
+
+// A profile that the screen has is used where nothing else is said; a bad one is no reason not to paint.
+void WindowApp::use_monitor(WindowSetup& setup) {
+    monitor_ = std::move(setup.monitor);
+    state_.monitor = "as sRGB";
+    if (!monitor_ && !setup.monitor_is_srgb) try {
+            if (const auto icc = profile_of_the_screen()) monitor_.emplace(*icc, "the profile of the screen");
+        } catch (const Error& error) {
+            say(error.what());
+        }
+    if (!monitor_) return;
+    monitor_->set_intent(setup.intent);
+    state_.monitor = monitor_->name();
+    renderer_.set_monitor(monitor_->table());
+}
+
+Scene WindowApp::scene_on_screen() const {
+    Scene scene = scene_of(state_, placement());
+    scene.on_monitor = true;
+    return scene;
 }
 
 void WindowApp::say(const std::string& text) {
@@ -102,7 +127,9 @@ void WindowApp::loupe(const Scene& scene) {
     view.zoom *= kLarger;
     const Placement place(view, state_.tilt, state_.flat, state_.painting, {kSide, kSide},
                           state_.mm_per_pixel);
-    renderer_.draw(scene, place.shot(1, true), loupe_.framebuffer());
+    const Shot shot = place.shot(1, true);
+    if (!renderer_.fetch(scene, shot, kFetchBytes).complete) settle_ = std::max(settle_, 2);
+    renderer_.draw(scene, shot, loupe_.framebuffer());
     const int x = static_cast<int>(left_ + hand_->cursor().x) - kSide / 2;
     const int y = window_size_.height - static_cast<int>(hand_->cursor().y) - kSide / 2;
     glBindFramebuffer(GL_READ_FRAMEBUFFER, loupe_.framebuffer());
@@ -119,20 +146,22 @@ void WindowApp::draw(bool moved) {
     const Placement place = placement();
     const bool compares = state_.comparing.shows();
     if (compares) {
-        held_.show(state_.comparing);
+        held_.show(state_.comparing, monitor_ ? &*monitor_ : nullptr);
     } else {
         if (moved || dirty_ || !picture_.fine())
-            picture_.draw(renderer_, scene_of(state_, place), place, screen_,
-                          moved || (dirty_ && hand_->holds()));
+            picture_.draw(renderer_, scene_on_screen(), place, screen_, moved || (dirty_ && hand_->holds()));
         picture_.show(static_cast<int>(left_), window_size_.height);
-        loupe(scene_of(state_, place));
+        loupe(scene_on_screen());
     }
     dirty_ = false;
     ImGui_ImplOpenGL3_NewFrame();
     ImGui_ImplGlfw_NewFrame();
     ImGui::NewFrame();
     if (compares) panels::held_photo(state_, held_.left(), held_.right(), screen_);
-    if (hand_->panels_wanted()) panels::column(state_, static_cast<float>(window_size_.height));
+    if (hand_->panels_wanted()) {
+        panels::column(state_, static_cast<float>(window_size_.height));
+        if (state_.treating.on) panels::treatment_column(state_, static_cast<float>(window_size_.height));
+    }
     panels::measurements(state_);
     panels::board(state_);
     panels::help(state_);
@@ -142,6 +171,7 @@ void WindowApp::draw(bool moved) {
     glViewport(0, 0, window_size_.width, window_size_.height);
     ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
     glfwSwapBuffers(window_.handle());
+    window_.require_device();
     ++result_.frames;
 }
 
@@ -153,7 +183,10 @@ bool WindowApp::frame() {
     const std::deque<InputEvent> events = input_.take();
     glfwGetFramebufferSize(window_.handle(), &window_size_.width, &window_size_.height);
     left_ = hand_->panels_wanted() ? panels::width(state_) : 0;
-    const Extent screen{window_size_.width - static_cast<int>(left_), window_size_.height};
+    state_.canvas_left = static_cast<float>(left_);
+    const float right = hand_->panels_wanted() ? panels::treatment_width(state_) : 0;
+    const Extent screen{window_size_.width - static_cast<int>(left_ + static_cast<double>(right)),
+                        window_size_.height};
     const bool resized = screen.width != screen_.width || screen.height != screen_.height;
     if (screen.width > 0 && screen.height > 0) screen_ = screen;
     if (!fitted_) state_.view = fitted(state_.painting, pane(state_, screen_));
@@ -170,17 +203,22 @@ bool WindowApp::frame() {
     }
     take_dropped();
     progress_due_ |= desk_->look();
+    progress_due_ |= treating_->look();
     if (progress_due_ && now_s_ - progress_s_ > kProgress_s) {
         settle_ = std::max(settle_, 1);
         progress_s_ = now_s_;
         progress_due_ = false;
     }
+    if (state_.tool == Tool::paint && !ready_to_paint_) painter_->get_ready();
+    ready_to_paint_ |= state_.tool == Tool::paint;
     requests();
     news();
     if (auto opened = desk_->opened()) show(std::move(*opened), false);
     if (state_.help) state_.pens = input_.pens();
+    devices_->step(now_s_, std::min(now_s_ - before, 0.1), screen_);
+    film();
     animate(std::min(now_s_ - before, 0.1));
-    if (window_size_.width <= static_cast<int>(left_) || window_size_.height <= 0 ||
+    if (screen.width <= 0 || window_size_.height <= 0 ||
         glfwGetWindowAttrib(window_.handle(), GLFW_ICONIFIED)) {
         settle_ = kFramesAfterwards;  // when it comes back
         return false;                 // nothing to be seen
@@ -203,21 +241,21 @@ bool WindowApp::frame() {
     const Comparing& comparing = state_.comparing;
     if (comparing.shows())
         seen = fmt::format("{} {} {} {} {}", seen.substr(0, kShotBytes),
-                           static_cast<const void*>(comparing.news.held.get()),
-                           static_cast<int>(comparing.way), comparing.divider, comparing.blink_photo);
+                           static_cast<const void*>(comparing.held().get()), static_cast<int>(comparing.way),
+                           comparing.divider, comparing.blink_photo);
     const bool moved = seen != seen_;
     seen_ = std::move(seen);
     if (moved) moved_s_ = now_s_;
     if (woken || moved || dirty_ || resized) settle_ = kFramesAfterwards;
     const bool rests = now_s_ - moved_s_ > 0.15, fine = comparing.shows() || picture_.fine();
-    if (settle_ > 0 || !patches_.empty() || (rests && !fine)) {
+    if (settle_ > 0 || !changed_.empty() || (rests && !fine)) {
         // Fine pictures wait until the hand rests.
         if (moved || dirty_ || fine || rests) {
             draw(moved || (!rests && !fine));
             --settle_;
         }
     }
-    return state_.tilt.moves() || state_.sweeping || settle_ > 0 || !patches_.empty() || !fine ||
+    return state_.tilt.moves() || state_.sweeping || recorder_ || settle_ > 0 || !changed_.empty() || !fine ||
            (comparing.shows() && comparing.way == CompareWay::blink);
 }
 
@@ -227,7 +265,7 @@ WindowResult WindowApp::run() {
         if (busy)
             glfwPollEvents();
         else
-            glfwWaitEventsTimeout(0.25);
+            glfwWaitEventsTimeout(devices_->polled() ? kFrame_s : 0.25);
         if (stop_wanted_ && stop_wanted_()) break;
         if (closing()) break;
         busy = frame();
@@ -242,7 +280,9 @@ WindowResult WindowApp::run() {
     result_.tilt_deg = state_.tilt.angle_deg;
     result_.light_azimuth_deg = state_.lamps.front().angles.azimuth_deg;
     result_.light_elevation_deg = state_.lamps.front().angles.elevation_deg;
-    result_.uploaded_bytes = renderer_.uploaded_bytes() - first_bytes_;
+    const UploadedBytes& uploaded = renderer_.uploaded();
+    result_.uploaded_bytes = uploaded.changes + uploaded.horizons;
+    result_.fetched_bytes = uploaded.tiles;
     return result_;
 }
 

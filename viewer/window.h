@@ -10,7 +10,9 @@
 #include "paint/brush_settings.h"
 #include "paint/canvas.h"
 #include "paint/palette.h"
+#include "paint/retouch/treatment.h"
 #include "surface/progress.h"
+#include "viewer/monitor.h"
 #include "viewer/workshop.h"
 
 namespace tangi {
@@ -23,8 +25,13 @@ struct WindowSetup {
     bool file_is_new = false;
     int width = 1280, height = 800;  // [pixels] of the window
     Workshop workshop{};
-    std::filesystem::path photos{};       // a folder of photographs to hold against it at once
+    std::filesystem::path photos{};    // a folder of photographs to hold against it at once
+    std::optional<Monitor> monitor{};  // its colours; without: as the screen says, else sRGB
+    bool monitor_is_srgb = false;      // whatever the screen says
+    RenderingIntent intent = RenderingIntent::relative;
+    std::string camera = "0";             // number of the webcam, or a video in its place
     std::filesystem::path settings{};     // folder of keys.json and recent.json; empty: there is none
+    Author author{};                      // of what is done to a painting under treatment
     std::function<bool()> stop_wanted{};  // asked between frames: Ctrl-C, a kill
 };
 
@@ -35,7 +42,8 @@ struct WindowResult {
     long frames = 0;
     glm::dvec2 tilt_deg{0};
     double light_azimuth_deg = 0, light_elevation_deg = 0;
-    std::size_t uploaded_bytes = 0;  // after the painting itself
+    std::size_t fetched_bytes = 0;   // of texels to the graphics device, as they came into sight
+    std::size_t uploaded_bytes = 0;  // what changed of them, and shadows
     std::string drawn_by;
 };
 

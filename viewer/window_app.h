@@ -10,10 +10,14 @@
 
 #include "viewer/desk.h"
 #include "viewer/desktop.h"
+#include "viewer/devices.h"
 #include "viewer/hand.h"
 #include "viewer/held_pictures.h"
 #include "viewer/live_picture.h"
+#include "viewer/map_texture.h"
 #include "viewer/panels/file_dialog.h"
+#include "viewer/recorder.h"
+#include "viewer/treatment_desk.h"
 #include "viewer/window.h"
 
 namespace tangi {
@@ -40,7 +44,11 @@ private:
     void animate(double seconds);
     void draw(bool moved);
     void snapshot();
-    void take_board(const std::vector<BoardPatch>& patches);
+    void use_monitor(WindowSetup& setup);
+    Scene scene_on_screen() const;
+    void begin_film(const std::filesystem::path& out);
+    void film();
+    void take_board(std::vector<BoardPatch> patches);
     void board_requests(const WindowState::Requests& ask);
     void say(const std::string& text);
     bool closing();
@@ -56,20 +64,28 @@ private:
     std::unique_ptr<Painter> painter_;
     std::optional<Hand> hand_;
     std::optional<Desk> desk_;
+    std::optional<TreatmentDesk> treating_;
     std::optional<panels::FileDialog> dialog_;
     LivePicture picture_;
     HeldPictures held_;
+    std::optional<Monitor> monitor_;
+    std::optional<Devices> devices_;
+    std::unique_ptr<Recorder> recorder_;
+    std::string film_name_;
+    Shot film_shot_;
+    std::vector<Scene> film_scenes_;  // of its pictures
     gl::Texture board_;
+    MapTexture map_;
     gl::Target loupe_;
     std::optional<Journal> left_over_;
-    std::deque<TexelPatch> patches_;
+    std::deque<Region> changed_;  // of the painting, not uploaded yet
     Extent screen_{1, 1}, window_size_{1, 1};
     double left_ = 0, now_s_ = 0, horizon_due_s_ = 0, moved_s_ = -1, progress_s_ = 0;
     std::string seen_;                // the scene and placement of the last picture
     int settle_ = kFramesAfterwards;  // frames to be drawn
     bool progress_due_ = false;
-    bool dirty_ = true, close_when_saved_ = false, close_unsaved_ = false, fitted_ = false;
-    std::size_t first_bytes_ = 0;
+    bool dirty_ = true, close_when_saved_ = false, close_unsaved_ = false, fitted_ = false,
+         ready_to_paint_ = false;
     WindowResult result_;
 };
 

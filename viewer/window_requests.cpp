@@ -9,6 +9,7 @@
 
 #include "surface/error.h"
 #include "surface/picture_file.h"
+#include "viewer/sweep.h"
 #include "viewer/window_app.h"
 
 namespace tangi {
@@ -27,8 +28,10 @@ void WindowApp::show(OpenedPainting opened, bool is_first) {
         if (result_.unsaved)
             say(fmt::format("strokes on {} were not saved: open it again to recover them", state_.title));
     }
+    treating_->leave();
+    map_.clear();
     // What is to be uploaded is of the painting before.
-    patches_.clear();
+    changed_.clear();
     hand_.reset();
     painter_ = std::move(opened.painter);
     hand_.emplace(state_, *painter_);
@@ -53,19 +56,20 @@ void WindowApp::show(OpenedPainting opened, bool is_first) {
     state_.closing = false;
     left_over_.reset();
     held_.clear();
+    if (recorder_) say("the film was not finished");
+    recorder_.reset();
     board_ = gl::Texture();
     state_.board = {};
     glfwSetWindowTitle(window_.handle(), fmt::format("{} - TangiPaint", state_.title).c_str());
-    const std::size_t before = renderer_.uploaded_bytes();
     renderer_.set_painting(opened.tiles, surface.mm_per_pixel);
-    first_bytes_ += renderer_.uploaded_bytes() - before;
     find_left_over(opened.file);
     warm_up();
     painter_->start(std::move(opened.tiles));
     painter_->make_horizon();
     state_.painter = painter_->fetch().state;
     desk_->shows(*painter_);
-    fitted_ = false;
+    treating_->shows(*painter_);
+    fitted_ = ready_to_paint_ = false;
     dirty_ = true;
 }
 
@@ -92,8 +96,9 @@ void WindowApp::find_left_over(const std::filesystem::path& file) {
     state_.left_over_strokes = std::max(1, static_cast<int>(strokes));
 }
 
-void WindowApp::take_board(const std::vector<BoardPatch>& patches) {
-    for (const BoardPatch& patch : patches) {
+void WindowApp::take_board(std::vector<BoardPatch> patches) {
+    for (BoardPatch& patch : patches) {
+        if (monitor_) monitor_->apply({&patch.srgb.data()->r, 3 * patch.srgb.size()});
         const Region& r = patch.region;
         if (!board_) {
             board_ = gl::make_texture();
@@ -137,21 +142,28 @@ void WindowApp::news() {
         state_.title = name;
         glfwSetWindowTitle(window_.handle(), fmt::format("{} - TangiPaint", name).c_str());
     }
-    for (TexelPatch& patch : news.patches) patches_.push_back(std::move(patch));
-    take_board(news.board);
-    std::size_t bytes = 0;
-    while (!patches_.empty() && bytes < kUploadBytes) {
-        bytes += patches_.front().texels.size() * sizeof(Texel);
-        renderer_.upload(patches_.front());
-        patches_.pop_front();
+    changed_.insert(changed_.end(), news.changed.begin(), news.changed.end());
+    take_board(std::move(news.board));
+    const bool uploads = !changed_.empty();
+    const std::size_t before = renderer_.uploaded().changes;
+    while (!changed_.empty() && renderer_.uploaded().changes - before < kUploadBytes) {
+        renderer_.upload(changed_.front());
+        changed_.pop_front();
     }
-    if (bytes > 0) {
+    if (uploads) {
         dirty_ = true;
         horizon_due_s_ = now_s_ + kHorizonPause_s;
     }
     if (news.horizon) {
         renderer_.set_horizon(*news.horizon);
         dirty_ = true;
+    }
+    if (const DamageMap* map = treating_->map()) {
+        if (const Region changed = treating_->map_changed(); !changed.empty()) {
+            map_.update(map->picture(), changed);
+            settle_ = kFramesAfterwards;
+        }
+        state_.treating.map_texture = map_.id();
     }
     if (news.probe) state_.probe = news.probe;
     if (news.profile) state_.profile = std::move(news.profile);
@@ -161,7 +173,7 @@ void WindowApp::news() {
         state_.tool = Tool::paint;
     }
     for (const std::string& message : news.messages) say(message);
-    if (horizon_due_s_ > 0 && now_s_ >= horizon_due_s_ && !hand_->holds() && patches_.empty()) {
+    if (horizon_due_s_ > 0 && now_s_ >= horizon_due_s_ && !hand_->holds() && changed_.empty()) {
         horizon_due_s_ = 0;
         painter_->make_horizon();
     }
@@ -170,6 +182,7 @@ void WindowApp::news() {
 void WindowApp::snapshot() {
     const Shot shot = placement().shot(1, true);
     const gl::Target target(shot.width, shot.height, false);
+    renderer_.fetch(scene_of(state_, placement()), shot);
     renderer_.draw(scene_of(state_, placement()), shot, target.framebuffer());
     std::filesystem::path path = painter_->file();
     for (int i = 1;; ++i) {
@@ -184,9 +197,50 @@ void WindowApp::snapshot() {
     }
 }
 
+// This view, while the lamp goes once round.
+void WindowApp::begin_film(const std::filesystem::path& out) {
+    constexpr double kFilm_s = 8, kPictures_per_s = 25;
+    const Placement place = placement();
+    film_shot_ = place.shot(1, true);
+    film_scenes_.clear();
+    Angles& lamp = state_.lamps[state_.lamp].angles;
+    const Angles before = lamp;
+    for (const Angles& at : sweep_path({before}, static_cast<int>(kFilm_s * kPictures_per_s))) {
+        lamp = at;
+        film_scenes_.push_back(scene_of(state_, place));
+    }
+    lamp = before;
+    film_name_ = out.filename().string();
+    recorder_ = std::make_unique<Recorder>(out, kPictures_per_s, static_cast<int>(film_scenes_.size()),
+                                           [] { glfwPostEmptyEvent(); });
+}
+
+// One picture of the film a frame, so that looking goes on.
+void WindowApp::film() {
+    if (!recorder_) return;
+    const Job::State job = recorder_->state();
+    state_.film = job;
+    settle_ = std::max(settle_, 1);
+    if (job.over) {
+        say(!job.error.empty() ? job.error
+            : job.cancelled    ? "stopped: no film was written"
+                               : "wrote " + film_name_);
+        recorder_.reset();
+        state_.film.reset();
+        return;
+    }
+    const int next = recorder_->next();
+    if (next < 0) return;
+    const gl::Target target(film_shot_.width, film_shot_.height, false);
+    const Scene& scene = film_scenes_[static_cast<std::size_t>(next)];
+    renderer_.fetch(scene, film_shot_);
+    renderer_.draw(scene, film_shot_, target.framebuffer());
+    recorder_->add(renderer_.read(target));
+}
+
 // Where strokes are not saved, asks first.
 void WindowApp::open_when_allowed(const std::filesystem::path& file) {
-    if (state_.painter.unsaved || state_.left_over_strokes > 0) {
+    if (state_.painter.unsaved || state_.left_over_strokes > 0 || state_.treating.edits > 0) {
         if (state_.left_over_strokes > 0)
             say("first recover or put aside the strokes of the last sitting");
         else
@@ -200,7 +254,9 @@ void WindowApp::open_when_allowed(const std::filesystem::path& file) {
 void WindowApp::take_dropped() {
     for (const std::filesystem::path& path : input_.take_dropped()) {
         std::error_code gone;
-        if (std::filesystem::is_directory(path, gone))
+        if (std::filesystem::is_regular_file(path / "log.jsonl", gone))
+            open_when_allowed(path / "painting.exr");  // a treatment
+        else if (std::filesystem::is_directory(path, gone))
             state_.dropped = path;
         else
             open_when_allowed(path);
@@ -211,12 +267,28 @@ void WindowApp::take_dropped() {
 void WindowApp::dialogs(const WindowState::Requests& ask) {
     using panels::FileDialog;
     const auto choose = [&](const char* title, FileDialog::Wants wants, const std::filesystem::path& start,
-                            std::filesystem::path WindowState::Requests::*where) {
-        dialog_.emplace(title, wants, ".exr", start,
+                            std::filesystem::path WindowState::Requests::*where,
+                            const char* ending = ".exr") {
+        dialog_.emplace(title, wants, ending, start,
                         [this, where](const std::filesystem::path& path) { state_.ask.*where = path; });
+        settle_ = kFramesAfterwards;  // its first ones give it the keyboard, and nothing may be typed before
     };
     const std::filesystem::path here = std::filesystem::absolute(painter_->file()).parent_path();
     using Requests = WindowState::Requests;
+    const Treating::Ask& treating = state_.treating.ask;
+    const auto choose_for_treatment = [&](const char* title, FileDialog::Wants wants, const char* ending,
+                                          const std::filesystem::path& start,
+                                          std::filesystem::path Treating::Ask::*where) {
+        dialog_.emplace(title, wants, ending, start, [this, where](const std::filesystem::path& path) {
+            state_.treating.ask.*where = path;
+        });
+    };
+    if (treating.open_dialog)
+        choose_for_treatment("Open a treatment", FileDialog::Wants::folder, ".exr", here,
+                             &Treating::Ask::open);
+    if (treating.report_dialog)
+        choose_for_treatment("Report of the treatment", FileDialog::Wants::new_file, ".html",
+                             here.parent_path() / (here.stem().string() + ".html"), &Treating::Ask::report);
     if (ask.open_dialog) choose("Open a painting", FileDialog::Wants::file, here, &Requests::open);
     if (ask.save_dialog)
         choose("Save the painting as", FileDialog::Wants::new_file, painter_->file(), &Requests::save_as);
@@ -226,6 +298,9 @@ void WindowApp::dialogs(const WindowState::Requests& ask) {
         choose("The folder of photographs", FileDialog::Wants::folder, here, &Requests::photos);
     if (ask.fit_dialog)
         choose("Fit the photographs of a folder", FileDialog::Wants::folder, here, &Requests::fit_folder);
+    if (ask.film_dialog)
+        choose("A film of the lamp going round", FileDialog::Wants::new_file,
+               here / (painter_->file().stem().string() + "-sweep.mp4"), &Requests::film, ".mp4");
     if (ask.report_dialog)
         choose("A folder for the report", FileDialog::Wants::folder, here, &Requests::report);
 }
@@ -234,6 +309,7 @@ void WindowApp::requests() {
     WindowState::Requests ask = std::exchange(state_.ask, {});
     dialogs(ask);
     desk_->take(ask, *painter_);
+    treating_->take();
     if (!ask.open.empty()) open_when_allowed(ask.open);
     if (ask.fit) state_.view = fitted(state_.painting, pane(state_, screen_), state_.view.turn_deg);
     if (ask.one_to_one) state_.view.zoom = 1;
@@ -241,14 +317,17 @@ void WindowApp::requests() {
         state_.tilt = sent_back(state_.tilt);
         state_.view = turned(state_.view, -state_.view.turn_deg);
     }
-    const bool blocked = state_.left_over_strokes > 0;
+    const bool other = state_.treating.state || state_.treating.preview;  // than the painting is seen
+    const bool blocked = state_.left_over_strokes > 0 || other;
     if (ask.undo && state_.painter.can_undo && !blocked) painter_->send(UndoEvent{});
     if (ask.redo && state_.painter.can_redo && !blocked) painter_->send(RedoEvent{});
     if (ask.dry && !blocked)
         painter_->send(DryEvent{fmt::format("layer {}", state_.painter.layers.size() + 1), 1});
     if (!ask.lift.empty() && !blocked) painter_->send(LiftEvent{ask.lift});
     if (!blocked) board_requests(ask);
-    if (ask.recover && left_over_) {
+    if (ask.recover && left_over_ && !state_.treating.no_strokes.empty()) {
+        say(state_.treating.no_strokes);
+    } else if (ask.recover && left_over_) {
         painter_->recover(std::move(*left_over_));
         left_over_.reset();
         state_.left_over_strokes = 0;
@@ -259,6 +338,8 @@ void WindowApp::requests() {
         state_.left_over_strokes = 0;
     }
     if (ask.snapshot) snapshot();
+    if (!ask.film.empty()) begin_film(ask.film);
+    if (ask.stop_film && recorder_) recorder_->stop();
     if (ask.save && !blocked) {
         hand_->let_go();
         painter_->save();
@@ -270,9 +351,11 @@ void WindowApp::requests() {
     if (!state_.open_next.empty() && (ask.close || ask.close_unsaved)) {
         // Not the window is to be closed, but the painting.
         if (ask.save) {
+            treating_->keep_now();
             painter_->wait();
             news();
-            if (state_.painter.unsaved) return;  // it could not be saved: the message says why
+            if (state_.painter.unsaved || state_.treating.edits > 0)
+                return;  // it could not be saved: the message says why
         }
         state_.closing = false;
         desk_->open(std::exchange(state_.open_next, {}));
@@ -288,12 +371,13 @@ bool WindowApp::closing() {
     if (!glfwWindowShouldClose(window_.handle())) return false;
     hand_->let_go();  // in mid-stroke: the stroke ends here
     if (close_unsaved_) return true;
+    if (close_when_saved_) treating_->keep_now();
     if (close_when_saved_ || !state_.closing) {
         close_when_saved_ = false;
         painter_->wait();
         news();  // what became of it, and messages
     }
-    if (!state_.painter.unsaved) return true;
+    if (!state_.painter.unsaved && state_.treating.edits == 0) return true;
     state_.closing = true;  // asks
     glfwSetWindowShouldClose(window_.handle(), GLFW_FALSE);
     settle_ = kFramesAfterwards;

@@ -120,7 +120,8 @@ Extent pane(const WindowState& state, Extent screen) {
 
 Placement placement_of(const WindowState& state, Extent screen) {
     const Tilt& tilt = state.comparing.on ? Tilt{} : state.tilt;
-    return Placement(state.view, tilt, state.flat, state.painting, pane(state, screen), state.mm_per_pixel);
+    return Placement(state.view, tilt, state.flat, state.painting, pane(state, screen), state.mm_per_pixel,
+                     state.comparing.on ? Vec3(0, 0, 1) : state.viewer);
 }
 
 Scene scene_of(const WindowState& state, const Placement& placement) {

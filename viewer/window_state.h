@@ -2,6 +2,7 @@
 #pragma once
 
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
@@ -16,24 +17,27 @@
 #include "viewer/painter.h"
 #include "viewer/shortcuts.h"
 #include "viewer/tilt.h"
+#include "viewer/treating.h"
 #include "viewer/view.h"
 
 namespace tangi {
 
-enum class Tool { tilt, light, pan, paint, pick, ruler, region };
+enum class Tool { tilt, light, pan, paint, pick, ruler, region, damage, sample };
 
 struct ToolName {
     Tool tool;
     const char* name;
     Action action;
 };
-inline constexpr std::array<ToolName, 7> kTools = {{{Tool::tilt, "Tilt", Action::tool_tilt},
+inline constexpr std::array<ToolName, 9> kTools = {{{Tool::tilt, "Tilt", Action::tool_tilt},
                                                     {Tool::light, "Light", Action::tool_light},
                                                     {Tool::pan, "Pan", Action::tool_pan},
                                                     {Tool::paint, "Paint", Action::tool_paint},
                                                     {Tool::pick, "Pick", Action::tool_pick},
                                                     {Tool::ruler, "Ruler", Action::tool_ruler},
-                                                    {Tool::region, "Region", Action::tool_region}}};
+                                                    {Tool::region, "Region", Action::tool_region},
+                                                    {Tool::damage, "Damage", Action::tool_damage},
+                                                    {Tool::sample, "Match", Action::tool_sample}}};
 
 struct Lamp {
     Angles angles{135, 50};
@@ -56,6 +60,14 @@ inline constexpr std::array<CompareWayName, 5> kCompareWays = {{{CompareWay::asi
                                                                 {CompareWay::difference, "Difference"},
                                                                 {CompareWay::delta_e, "Colour difference"}}};
 
+// Two pictures of the painting beside each other, instead of a photograph and the painting.
+struct HeldPair {
+    std::string left, right;                    // what they are
+    std::shared_ptr<const HeldPhoto> pictures;  // as `photo` and `relit`
+};
+
+inline constexpr std::size_t kPairWays = 3;  // side by side, wipe and blink: those of two pictures
+
 // Photographs that are held against the painting.
 struct Comparing {
     bool loaded = false;  // a folder of photographs is there
@@ -67,8 +79,11 @@ struct Comparing {
     bool blink_photo = false;  // what is shown at this moment
     float blink_s = 0.6f;
 
+    std::optional<HeldPair> pair;  // held up instead of photographs
+
+    const std::shared_ptr<const HeldPhoto>& held() const { return pair ? pair->pictures : news.held; }
     // A photograph is on the screen, instead of the painting under its lamps.
-    bool shows() const { return on && news.held; }
+    bool shows() const { return on && held(); }
     bool aside() const { return shows() && way == CompareWay::aside; }
 };
 
@@ -84,6 +99,15 @@ struct BoardState {
     bool has(const glm::dvec2& at) const {
         return at.x >= rect[0] && at.y >= rect[1] && at.x < rect[2] && at.y < rect[3];
     }
+};
+
+// What devices move the painting and the light, beside mouse and keys.
+struct Following {
+    bool head = false, light = false;  // by the webcam
+    bool sensor = false;
+    bool recentre = false;   // asked for: whoever looks now looks straight on
+    bool sees_head = false;  // a face is in the webcam's picture
+    std::string gamepad;     // its name; empty: there is none
 };
 
 struct WindowState {
@@ -103,6 +127,8 @@ struct WindowState {
     View view;
     Tilt tilt;
     bool flat = false;
+    Vec3 viewer{0, 0, 1};  // direction from the middle of the screen, for gloss
+    Following follow;
     std::vector<Lamp> lamps{Lamp{}};
     std::size_t lamp = 0;  // that is moved
     bool sweeping = false;
@@ -142,14 +168,19 @@ struct WindowState {
     float scale = 1;  // [1] of the panels: 2 on a screen of twice the usual density
     Keys keys;
     std::vector<std::string> pens;
+    std::string monitor;  // what its colours are
 
     // Beside the painting.
     Comparing comparing;
     std::optional<Job::State> job;  // that runs
     std::string job_title;
+    std::optional<Job::State> film;  // of a sweep, that is written
     std::vector<std::filesystem::path> recent;
     std::filesystem::path dropped;    // a folder: compare or fit?
     std::filesystem::path open_next;  // once it is decided what becomes of strokes that are not saved
+
+    Treating treating;
+    float canvas_left = 0;  // [pixels of the window] where the painting's part of it begins
 
     // What the panels ask for; the window does it and clears them.
     struct Requests {
@@ -158,10 +189,11 @@ struct WindowState {
              close_unsaved = false;
         bool stop_job = false, stop_report = false, open_dialog = false, save_dialog = false,
              photos_dialog = false, fit_dialog = false, report_dialog = false, put_photos_away = false;
+        bool film_dialog = false, stop_film = false;
         bool lay_out = false, wipe_board = false, squeeze = false;
         int step_photo = 0;
         std::optional<int> photo;
-        std::filesystem::path open, save_as, photos, fit_folder, report;
+        std::filesystem::path open, save_as, photos, fit_folder, report, film;
         std::string lift;  // name of a layer
     } ask;
 

@@ -6,6 +6,8 @@
 #include <opencv2/imgproc.hpp>
 
 #include "paint/retouch/matrix.h"
+#include "paint/retouch/surroundings.h"
+#include "paint/retouch/texture_synthesis.h"
 #include "surface/error.h"
 #include "surface/noise.h"
 
@@ -101,6 +103,45 @@ void add_relief(Patch& patch, const Shift& shift, const Image<float>& source_mm,
             }
 }
 
+// Relief made of patches whose relief, colour and gloss go on from the rim, on the level smoothed as much as
+// the relief is finer than. `wide` is the loss with its rim. Where there is no whole patch, the level stays.
+void add_patches(Patch& patch, const Surface& dry, const Image<float>& levelled_mm, const Search& s,
+                 const Mask& wide, int reach, const Progress& progress) {
+    const Region box{std::max(patch.box.x0 - reach, 0), std::max(patch.box.y0 - reach, 0),
+                     std::min(patch.box.x1 + reach, wide.width()),
+                     std::min(patch.box.y1 + reach, wide.height())};
+    Mask hole(box.width(), box.height()), usable = hole;
+    std::vector<SynthesisChannel> channels(5, {hole});
+    for (int y = 0; y < box.height(); ++y)
+        for (int x = 0; x < box.width(); ++x) {
+            const int u = x + box.x0, v = y + box.y0;
+            usable(x, y) = s.usable(u, v);
+            hole(x, y) = s.usable(u, v) > 0.5f ? 0.0f : 1.0f;
+            const Lab lab = lab_from_linear(glm::dvec3(glm::max(dry.diffuse(u, v), Rgb(0))));
+            channels[0].values(x, y) = s.detail_mm(u, v);
+            channels[1].values(x, y) = static_cast<float>(lab.l);
+            channels[2].values(x, y) = static_cast<float>(lab.a);
+            channels[3].values(x, y) = static_cast<float>(lab.b);
+            channels[4].values(x, y) = std::log(std::max(dry.roughness(u, v), 1e-3f));
+        }
+    // Relief counts as much as colour; gloss, which is noisier, half as much.
+    const float relief = std::max(spread_of(channels[0].values, usable), 1e-6f);
+    const float colour =
+        std::max({spread_of(channels[1].values, usable), spread_of(channels[2].values, usable),
+                  spread_of(channels[3].values, usable), 1e-3f});
+    const float gloss = 2 * std::max(spread_of(channels[4].values, usable), 1e-3f);
+    const std::array<float, 5> units = {relief, colour, colour, colour, gloss};
+    for (std::size_t c = 0; c < channels.size(); ++c)
+        for (float& value : channels[c].values.pixels()) value /= units[c];
+    if (!synthesise_into(channels, hole, usable, {}, progress)) return;
+    for (int y = patch.box.y0; y < patch.box.y1; ++y)
+        for (int x = patch.box.x0; x < patch.box.x1; ++x)
+            if (wide(x, y) > 0.5f)
+                patch.level_mm(x - patch.box.x0, y - patch.box.y0) =
+                    levelled_mm(x, y) - s.detail_mm(x, y) +
+                    relief * channels[0].values(x - box.x0, y - box.y0);
+}
+
 // A region of a loss, its rim and a ring around it, with the level as a membrane through the ring.
 Patch patch_of(const Region& own, const Image<float>& relief_mm, const Mask& wide, const Mask& intact,
                const Image<float>& depth_px, int rim_px, int ring_px) {
@@ -160,12 +201,13 @@ Pigment clear_resin(const VarnishOptions& o) {
 }  // namespace
 
 std::string_view name_of(FillTexture texture) {
-    constexpr std::array<std::string_view, 3> names = {"smooth", "surroundings", "weave"};
+    constexpr std::array<std::string_view, 4> names = {"smooth", "surroundings", "weave", "patches"};
     return names[static_cast<std::size_t>(texture)];
 }
 
 std::optional<FillTexture> fill_texture_named(std::string_view name) {
-    for (const FillTexture t : {FillTexture::smooth, FillTexture::surroundings, FillTexture::weave})
+    for (const FillTexture t :
+         {FillTexture::smooth, FillTexture::surroundings, FillTexture::weave, FillTexture::patches})
         if (name_of(t) == name) return t;
     return {};
 }
@@ -236,6 +278,10 @@ FillReport lay_fill(Canvas& canvas, const std::string& name, const Mask& loss, c
         for (std::size_t i = 0; i < patches.size(); ++i) {
             report(progress, "fill",
                    0.5 + 0.5 * static_cast<double>(i) / static_cast<double>(patches.size()));
+            if (texture == FillTexture::patches) {
+                add_patches(patches[i], canvas.dry(), levelled, {detail, usable}, wide, reach, progress);
+                continue;
+            }
             const Shift shift = best_shift(patches[i], {detail, usable}, reach);
             if (shift.found)
                 add_relief(patches[i], shift, weave ? detail : levelled, depth_px,

@@ -17,7 +17,9 @@ namespace tangi {
 enum class FillTexture {
     smooth,        // none: a membrane over the loss
     surroundings,  // a place nearby whose relief goes on from the rim best
-    weave          // the same by its finest relief alone, over a wide rim: threads keep their phase
+    weave,         // the same by its finest relief alone, over a wide rim: threads keep their phase
+    patches        // of many places whose relief, colour and gloss go on from the rim (texture_synthesis.h):
+                   // made up, so the layer is a proposal
 };
 std::string_view name_of(FillTexture texture);
 std::optional<FillTexture> fill_texture_named(std::string_view name);

@@ -1,5 +1,6 @@
 // loss_suggestion.cpp: places that lie lower than what is around them, and look different.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
@@ -7,6 +8,7 @@
 #include "paint/retouch/local_deviation.h"
 #include "paint/retouch/matrix.h"
 #include "surface/median.h"
+#include "surface/parallel.h"
 
 namespace tangi {
 
@@ -20,40 +22,57 @@ constexpr float kSeed = 1.8f, kExtent = 1.2f;  // [robust spreads] of a candidat
 struct Features {
     cv::Mat height_mm, lightness, a, b, roughness, specular;  // logarithms of the last two
     cv::Mat measured;                                         // 0 or 1
-
-    template <class Change>
-    Features changed(const Change& change) const {
-        return {change(height_mm), change(lightness), change(a),       change(b),
-                change(roughness), change(specular),  change(measured)};
-    }
 };
 
-Features features_of(const Surface& s, const Region& box, double unit_mm) {
-    const auto matrix = [&] { return cv::Mat(box.height(), box.width(), CV_32F); };
+// The features of a part of the surface, means of blocks of `block` x `block` pixels: the features of all
+// pixels would take more memory than the painting.
+Features features_of(const Surface& s, const Region& box, double unit_mm, int block) {
+    const int columns = (box.width() + block - 1) / block, rows = (box.height() + block - 1) / block;
+    const auto matrix = [&] { return cv::Mat(rows, columns, CV_32F); };
     Features f{matrix(), matrix(), matrix(), matrix(), matrix(), matrix(), matrix()};
-    for (int y = box.y0; y < box.y1; ++y)
-        for (int x = box.x0; x < box.x1; ++x) {
-            const int row = y - box.y0, column = x - box.x0;
-            const Lab lab = lab_from_linear(glm::dvec3(glm::max(s.diffuse(x, y), Rgb(0))));
-            f.height_mm.at<float>(row, column) = s.height_mm(x, y) * static_cast<float>(unit_mm);
-            f.lightness.at<float>(row, column) = static_cast<float>(lab.l);
-            f.a.at<float>(row, column) = static_cast<float>(lab.a);
-            f.b.at<float>(row, column) = static_cast<float>(lab.b);
-            f.roughness.at<float>(row, column) = std::log(std::max(s.roughness(x, y), 1e-3f));
-            f.specular.at<float>(row, column) = std::log(std::max(s.specular(x, y), 0.0f) + 0.004f);
-            f.measured.at<float>(row, column) =
-                s.confidence(x, y) == 0 && s.diffuse(x, y) == Rgb(0) ? 0.0f : 1.0f;
-        }
+    parallel_for(0, rows, 8, [&](int begin, int end) {
+        for (int row = begin; row < end; ++row)
+            for (int column = 0; column < columns; ++column) {
+                const int x0 = box.x0 + column * block, y0 = box.y0 + row * block;
+                const int x1 = std::min(x0 + block, box.x1), y1 = std::min(y0 + block, box.y1);
+                std::array<double, 7> sum{};
+                for (int y = y0; y < y1; ++y)
+                    for (int x = x0; x < x1; ++x) {
+                        const Lab lab = lab_from_linear(glm::dvec3(glm::max(s.diffuse(x, y), Rgb(0))));
+                        sum[0] += static_cast<double>(s.height_mm(x, y)) * unit_mm;
+                        sum[1] += lab.l, sum[2] += lab.a, sum[3] += lab.b;
+                        sum[4] += static_cast<double>(std::log(std::max(s.roughness(x, y), 1e-3f)));
+                        sum[5] += static_cast<double>(std::log(std::max(s.specular(x, y), 0.0f) + 0.004f));
+                        sum[6] += s.confidence(x, y) == 0 && s.diffuse(x, y) == Rgb(0) ? 0 : 1;
+                    }
+                const double part = 1.0 / ((x1 - x0) * (y1 - y0));
+                cv::Mat* const maps[] = {&f.height_mm, &f.lightness, &f.a,       &f.b,
+                                         &f.roughness, &f.specular,  &f.measured};
+                for (std::size_t i = 0; i < sum.size(); ++i)
+                    maps[i]->at<float>(row, column) = static_cast<float>(part * sum[i]);
+            }
+    });
     return f;
 }
 
-Features reduced(const Features& f, double factor) {
-    if (factor >= 1) return f;
-    return f.changed([factor](const cv::Mat& m) {
-        cv::Mat small;
-        cv::resize(m, small, {}, factor, factor, cv::INTER_AREA);
-        return small;
-    });
+// How many pixels a block is wide, so that there are at most `most_px` of them along the longer side.
+int block_for(const Region& box, int most_px) {
+    return std::max((std::max(box.width(), box.height()) + most_px - 1) / most_px, 1);
+}
+
+// Of block means, the value at a pixel: linear between the blocks' middles.
+float at_pixel(const cv::Mat& blocks, int x, int y, int block) {
+    const auto place = [block](int pixel, int count, int& first) {
+        const float at = std::clamp((static_cast<float>(pixel) + 0.5f) / static_cast<float>(block) - 0.5f,
+                                    0.0f, static_cast<float>(count - 1));
+        first = std::min(static_cast<int>(at), std::max(count - 2, 0));
+        return at - static_cast<float>(first);
+    };
+    int u = 0, v = 0;
+    const float right = place(x, blocks.cols, u), down = place(y, blocks.rows, v);
+    const int u1 = std::min(u + 1, blocks.cols - 1), v1 = std::min(v + 1, blocks.rows - 1);
+    return (1 - down) * ((1 - right) * blocks.at<float>(v, u) + right * blocks.at<float>(v, u1)) +
+           down * ((1 - right) * blocks.at<float>(v1, u) + right * blocks.at<float>(v1, u1));
 }
 
 // [robust spreads] Of being lower and of another look, both needed: their geometric mean.
@@ -227,10 +246,10 @@ DamageSuggestion suggest_loss(const Surface& surface, double mm_per_pixel, const
     DamageSuggestion suggestion{Mask(width, height), Image<float>(width, height)};
     if (width < 16 || height < 16) return suggestion;
     const double unit_mm = mm_per_pixel / surface.mm_per_pixel;
-    const double factor = std::min(1.0, kSearchSide_px / static_cast<double>(std::max(width, height)));
+    const Region whole = surface.height_mm.region();
+    const int block = block_for(whole, kSearchSide_px);
     report(progress, "look for losses", 0);
-    const Features all = features_of(surface, surface.height_mm.region(), unit_mm);
-    const Features few = reduced(all, factor);
+    const Features few = features_of(surface, whole, unit_mm, block);
 
     cv::Mat score = cv::Mat::zeros(few.height_mm.size(), CV_32F);
     const int side = std::min(few.height_mm.cols, few.height_mm.rows);
@@ -239,11 +258,9 @@ DamageSuggestion suggest_loss(const Surface& surface, double mm_per_pixel, const
         report(progress, "look for losses", 0.2 + part);
     }
     const cv::Mat level = paint_level(few.height_mm);
-    cv::Mat full_score;
-    cv::resize(score, full_score, {width, height}, 0, 0, cv::INTER_LINEAR);
     for (int y = 0; y < height; ++y)
         for (int x = 0; x < width; ++x) {
-            const float s = full_score.at<float>(y, x);
+            const float s = at_pixel(score, x, y, block);
             suggestion.confidence(x, y) = 0.5f * s * s / (s * s + kSeed * kSeed);  // nobody has judged it yet
         }
 
@@ -258,40 +275,37 @@ DamageSuggestion suggest_loss(const Surface& surface, double mm_per_pixel, const
         score.copyTo(own, numbers == i);
         if (cv::countNonZero(own(box) > kSeed) < 2) continue;
         const int margin = std::max(8, std::max(box.width, box.height) / 2);
-        const auto from = [&](int v) { return static_cast<int>(std::floor((v - margin) / factor)); };
-        const auto to = [&](int v) { return static_cast<int>(std::ceil((v + margin) / factor)); };
-        const Region part{std::max(from(box.x), 0), std::max(from(box.y), 0),
-                          std::min(to(box.x + box.width), width), std::min(to(box.y + box.height), height)};
-        const double shrink =
-            std::min(1.0, kCutSide_px / static_cast<double>(std::max(part.width(), part.height())));
-        const cv::Rect crop(part.x0, part.y0, part.width(), part.height());
-        const Features near =
-            reduced(all.changed([&](const cv::Mat& m) { return cv::Mat(m, crop); }), shrink);
-        const cv::Rect small_crop =
-            cv::Rect(static_cast<int>(part.x0 * factor), static_cast<int>(part.y0 * factor),
-                     static_cast<int>(part.width() * factor), static_cast<int>(part.height() * factor)) &
-            cv::Rect(0, 0, level.cols, level.rows);
-        cv::Mat near_score;
-        cv::resize(own(small_crop), near_score, near.height_mm.size(), 0, 0, cv::INTER_LINEAR);
+        const Region part{std::max((box.x - margin) * block, 0), std::max((box.y - margin) * block, 0),
+                          std::min((box.x + box.width + margin) * block, width),
+                          std::min((box.y + box.height + margin) * block, height)};
+        const int fine = block_for(part, kCutSide_px);
+        const Features near = features_of(surface, part, unit_mm, fine);
+        // Of the search, at the middles of the cut's blocks.
+        cv::Mat near_score(near.height_mm.size(), CV_32F), near_level(near.height_mm.size(), CV_32F);
+        for (int y = 0; y < near_score.rows; ++y)
+            for (int x = 0; x < near_score.cols; ++x) {
+                const int u = part.x0 + x * fine + fine / 2, v = part.y0 + y * fine + fine / 2;
+                near_score.at<float>(y, x) = at_pixel(own, u, v, block);
+                near_level.at<float>(y, x) = at_pixel(level, u, v, block);
+            }
         const cv::Mat cut = cut_out(near, near_score);
-        cv::Mat near_level;  // of the paint round about
-        cv::resize(level(small_crop), near_level, near.height_mm.size(), 0, 0, cv::INTER_LINEAR);
         cv::Mat pieces, piece_stats, piece_centres;
         const int n = cv::connectedComponentsWithStats(cut, pieces, piece_stats, piece_centres, 8, CV_32S);
         for (int piece = 1; piece < n; ++piece) {
-            const double pixels = piece_stats.at<int>(piece, cv::CC_STAT_AREA) / (shrink * shrink);
+            const double pixels =
+                static_cast<double>(piece_stats.at<int>(piece, cv::CC_STAT_AREA)) * fine * fine;
             if (pixels * mm_per_pixel * mm_per_pixel < options.smallest_mm2 || pixels < 9) continue;
             const cv::Mat inside = pieces == piece;
             std::vector<float> levels;
+            cv::Mat coverage;
+            inside.convertTo(coverage, CV_32F, 1.0 / 255);
             for (int y = 0; y < inside.rows; ++y)
                 for (int x = 0; x < inside.cols; ++x)
                     if (inside.at<unsigned char>(y, x)) levels.push_back(near_level.at<float>(y, x));
             const double sure = judged(near, inside, median(std::move(levels)), options);
-            cv::Mat at_full;
-            cv::resize(inside, at_full, crop.size(), 0, 0, cv::INTER_LINEAR);
-            for (int y = 0; y < crop.height; ++y)
-                for (int x = 0; x < crop.width; ++x) {
-                    if (at_full.at<unsigned char>(y, x) < 128) continue;
+            for (int y = 0; y < part.height(); ++y)
+                for (int x = 0; x < part.width(); ++x) {
+                    if (at_pixel(coverage, x, y, fine) < 0.5f) continue;
                     float& confidence = suggestion.confidence(part.x0 + x, part.y0 + y);
                     confidence = std::max(confidence, static_cast<float>(sure));
                     if (sure >= options.confidence) suggestion.mask(part.x0 + x, part.y0 + y) = 1;

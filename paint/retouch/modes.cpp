@@ -6,6 +6,7 @@
 
 #include "paint/appearance.h"
 #include "paint/kubelka_munk.h"
+#include "paint/retouch/fill.h"
 #include "paint/retouch/line_colours.h"
 #include "surface/error.h"
 
@@ -126,6 +127,11 @@ struct Loss {
     double mm_per_pixel = 1;
 };
 
+// Layers that level are fills.
+bool filled(const Canvas& canvas) {
+    return std::any_of(canvas.dried().begin(), canvas.dried().end(), [](const auto& l) { return l.levels; });
+}
+
 Loss loss_of(const Canvas& canvas, const Mask& mask, const Mask& damaged, const RetouchOptions& options,
              const Progress& progress) {
     TP_REQUIRE(mask.region() == canvas.region(), "the mask is the painting's");
@@ -134,7 +140,8 @@ Loss loss_of(const Canvas& canvas, const Mask& mask, const Mask& damaged, const 
     loss.mm_per_pixel = canvas.mm_per_pixel();
     const double gap_px = options.annulus.gap_mm / loss.mm_per_pixel,
                  ring_px = std::max(options.annulus.annulus_mm / loss.mm_per_pixel, 2.0);
-    loss.region = box_of(mask, static_cast<int>(std::ceil(gap_px + 2 * ring_px)) + 2);
+    const bool patches = options.inpainting == Inpainting::patches;
+    loss.region = box_of(mask, static_cast<int>(std::ceil(gap_px + (patches ? 6 : 2) * ring_px)) + 2);
     loss.mask = crop(mask, loss.region);
     {
         const bool painted = !canvas.wet().empty() || !canvas.dried().empty();
@@ -147,8 +154,14 @@ Loss loss_of(const Canvas& canvas, const Mask& mask, const Mask& damaged, const 
     const Image<float> confidence = crop(canvas.dry().confidence, loss.region);
     for (std::size_t i = 0; i < hole.size(); ++i)
         if (!(confidence.pixels()[i] > 0)) hole.pixels()[i] = 1;
-    loss.target = smoothed_around(loss.seen, hole, ring_px / 4);
-    inpaint_into(loss.target, hole, options.inpainting, ring_px);
+    if (patches) {  // as sharp as they are, and along with the relief of what was filled
+        loss.target = loss.seen;
+        const Image<float> relief_mm = crop(relief_of(canvas), loss.region);
+        inpaint_into(loss.target, hole, options.inpainting, ring_px, filled(canvas) ? &relief_mm : nullptr);
+    } else {
+        loss.target = smoothed_around(loss.seen, hole, ring_px / 4);
+        inpaint_into(loss.target, hole, options.inpainting, ring_px);
+    }
     Rgb sum(0);
     float weights = 0;
     for (std::size_t i = 0; i < loss.mask.size(); ++i) {

@@ -60,12 +60,20 @@ struct Cut {
     }
 };
 
-Cut cut_of(const Canvas& canvas, const MaskRegions& numbers, int number, const Mask& damaged,
+// A region of the mask, and how far aside it is looked at: at (0, 0) the retouch is judged; elsewhere, the
+// original in its shape.
+struct Outline {
+    int number = 0;
+    int dx = 0, dy = 0;
+};
+
+Cut cut_of(const Canvas& canvas, const MaskRegions& numbers, const Outline& place, const Mask& damaged,
            const QualityOptions& options) {
     const double mm = canvas.mm_per_pixel();
     const double gap_px = options.annulus.gap_mm / mm,
                  ring_px = std::max(options.annulus.annulus_mm / mm, 1.0);
-    const Region box = numbers.regions[static_cast<std::size_t>(number - 1)].box;
+    Region box = numbers.regions[static_cast<std::size_t>(place.number - 1)].box;
+    box = {box.x0 + place.dx, box.y0 + place.dy, box.x1 + place.dx, box.y1 + place.dy};
     const int margin = static_cast<int>(std::ceil(gap_px + ring_px)) + 2;
     Cut cut;
     cut.sigma_px = std::max(options.seen_mm / mm / 2, 0.5);
@@ -76,9 +84,13 @@ Cut cut_of(const Canvas& canvas, const MaskRegions& numbers, int number, const M
     cut.retouch = cut.surroundings = Mask(w, h);
     for (int y = 0; y < h; ++y)
         for (int x = 0; x < w; ++x) {
-            const int here = numbers.number(x + cut.region.x0, y + cut.region.y0);
-            cut.retouch(x, y) = here == number ? 1.0f : 0.0f;
-            any(x, y) = here != 0 ? 1.0f : 0.0f;
+            const int u = x + cut.region.x0, v = y + cut.region.y0, from_x = u - place.dx,
+                      from_y = v - place.dy;
+            const bool own = from_x >= 0 && from_y >= 0 && from_x < numbers.number.width() &&
+                             from_y < numbers.number.height() &&
+                             numbers.number(from_x, from_y) == place.number;
+            cut.retouch(x, y) = own ? 1.0f : 0.0f;
+            any(x, y) = own || numbers.number(u, v) != 0 ? 1.0f : 0.0f;
         }
     const Image<float> away = distance_inside_px(any);
     for (int y = 0; y < h; ++y)
@@ -108,6 +120,32 @@ Cut cut_of(const Canvas& canvas, const MaskRegions& numbers, int number, const M
     return cut;
 }
 
+constexpr std::size_t kYardsticks = 4;
+
+// Places beside a region where all of its shape is undamaged.
+std::vector<Outline> undamaged_places(const MaskRegions& numbers, int number, const Mask& intact,
+                                      int gap_px) {
+    const Region& box = numbers.regions[static_cast<std::size_t>(number - 1)].box;
+    std::vector<Outline> places;
+    constexpr std::array<std::array<int, 2>, 8> sides = {
+        {{1, 0}, {-1, 0}, {0, 1}, {0, -1}, {1, 1}, {-1, -1}, {1, -1}, {-1, 1}}};
+    for (const auto& [sx, sy] : sides)
+        for (const double far : {1.0, 1.5, 2.0}) {
+            if (places.size() == kYardsticks) return places;
+            const Outline place{number, static_cast<int>(sx * (far * box.width() + gap_px)),
+                                static_cast<int>(sy * (far * box.height() + gap_px))};
+            bool good = box.x0 + place.dx >= 0 && box.y0 + place.dy >= 0 &&
+                        box.x1 + place.dx <= intact.width() && box.y1 + place.dy <= intact.height();
+            for (int y = box.y0; y < box.y1 && good; ++y)
+                for (int x = box.x0; x < box.x1 && good; ++x)
+                    good = numbers.number(x, y) != number || inside(intact(x + place.dx, y + place.dy));
+            if (!good) continue;
+            places.push_back(place);
+            break;
+        }
+    return places;
+}
+
 Step step_of(const Sides& sides, const std::vector<std::size_t>& border) {
     Step step;
     for (const std::size_t i : border) {
@@ -134,9 +172,9 @@ double difference(const Sides* rgb, Image<float> Sides::*one, Image<float> Sides
     return delta_e_2000(lab(one), lab(other));
 }
 
-// Colour under one lamp; the map keeps the worst.
+// Colour under one lamp; the map, if there is one, keeps the worst.
 void compare_colour(const Cut& cut, const Image<Rgb>& look, std::size_t lamp, RetouchQuality& q,
-                    Image<float>& worst) {
+                    Image<float>* worst) {
     Sides rgb[3];
     for (int c = 0; c < 3; ++c) rgb[c] = cut.sides_of(channel_of(look, c));
     double sum = 0, border = 0;
@@ -148,8 +186,10 @@ void compare_colour(const Cut& cut, const Image<Rgb>& look, std::size_t lamp, Re
                 static_cast<std::size_t>(y) * static_cast<std::size_t>(cut.retouch.width()) +
                 static_cast<std::size_t>(x);
             const double d = difference(rgb, &Sides::within, &Sides::carried_on, i);
-            float& most = worst(x + cut.region.x0, y + cut.region.y0);
-            most = std::max(most, static_cast<float>(d));
+            if (worst) {
+                float& most = (*worst)(x + cut.region.x0, y + cut.region.y0);
+                most = std::max(most, static_cast<float>(d));
+            }
             sum += d, ++pixels;
         }
     for (const std::size_t i : cut.border) border += difference(rgb, &Sides::within, &Sides::without, i);
@@ -159,7 +199,7 @@ void compare_colour(const Cut& cut, const Image<Rgb>& look, std::size_t lamp, Re
 
 // Means of luminance count for gloss as well.
 void compare_relief_and_gloss(const Cut& cut, const Surface& seen, double height_unit_mm,
-                              const Image<float>& luminances, RetouchQuality& q, QualityReport& report) {
+                              const Image<float>& luminances, RetouchQuality& q, QualityReport* report) {
     const Sides height = cut.sides_of(seen.height_mm), specular = cut.sides_of(seen.specular),
                 roughness = cut.sides_of(seen.roughness), light = cut.sides_of(luminances);
     q.height_mm = step_of(height, cut.border);
@@ -173,6 +213,7 @@ void compare_relief_and_gloss(const Cut& cut, const Surface& seen, double height
     for (const std::size_t i : cut.border)
         q.gloss_step += gloss_difference(gloss(&Sides::within, i), gloss(&Sides::without, i)) /
                         static_cast<double>(cut.border.size());
+    if (!report) return;
     for (int y = 0; y < cut.retouch.height(); ++y)
         for (int x = 0; x < cut.retouch.width(); ++x) {
             if (!inside(cut.retouch(x, y))) continue;
@@ -180,9 +221,9 @@ void compare_relief_and_gloss(const Cut& cut, const Surface& seen, double height
                 static_cast<std::size_t>(y) * static_cast<std::size_t>(cut.retouch.width()) +
                 static_cast<std::size_t>(x);
             const int u = x + cut.region.x0, v = y + cut.region.y0;
-            report.height_mm(u, v) = static_cast<float>(height_unit_mm) *
-                                     (height.within.pixels()[i] - height.carried_on.pixels()[i]);
-            report.gloss(u, v) =
+            report->height_mm(u, v) = static_cast<float>(height_unit_mm) *
+                                      (height.within.pixels()[i] - height.carried_on.pixels()[i]);
+            report->gloss(u, v) =
                 static_cast<float>(gloss_difference(gloss(&Sides::within, i), gloss(&Sides::carried_on, i)));
         }
 }
@@ -201,6 +242,29 @@ Image<Rgb> look_under(const Canvas& canvas, Illuminant lamp, const Progress& pro
     return look;
 }
 
+RetouchQuality mean_of(std::vector<RetouchQuality> regions) {
+    TP_REQUIRE(!regions.empty(), "a mean is of something");
+    RetouchQuality mean = regions.front();
+    mean.undamaged.clear();
+    const double part = 1 / static_cast<double>(regions.size());
+    const auto take = [&](auto member) {
+        double sum = 0;
+        for (RetouchQuality& q : regions) sum += part * member(q);
+        member(mean) = sum;
+    };
+    for (std::size_t lamp = 0; lamp < kIlluminants; ++lamp) {
+        take([lamp](RetouchQuality& q) -> double& { return q.delta_e[lamp]; });
+        take([lamp](RetouchQuality& q) -> double& { return q.border_delta_e[lamp]; });
+    }
+    take([](RetouchQuality& q) -> double& { return q.gloss_step; });
+    for (Step RetouchQuality::*step :
+         {&RetouchQuality::height_mm, &RetouchQuality::specular, &RetouchQuality::roughness}) {
+        take([step](RetouchQuality& q) -> double& { return (q.*step).mean; });
+        take([step](RetouchQuality& q) -> double& { return (q.*step).rms; });
+    }
+    return mean;
+}
+
 QualityReport quality_of(const Canvas& canvas, const Mask& mask, const Mask& damaged,
                          std::span<const Illuminant> lamps, const QualityOptions& options,
                          const Progress& progress) {
@@ -212,23 +276,46 @@ QualityReport quality_of(const Canvas& canvas, const Mask& mask, const Mask& dam
     if (numbers.regions.empty()) fail("quality: the mask is empty; give that of the retouch");
     QualityReport result;
     result.delta_e = result.height_mm = result.gloss = Image<float>(mask.width(), mask.height());
-    std::vector<Cut> cuts;
-    for (int number = 1; number <= static_cast<int>(numbers.regions.size()); ++number) {
-        cuts.push_back(cut_of(canvas, numbers, number, damaged, options));
-        RetouchQuality q;
-        q.box = numbers.regions[static_cast<std::size_t>(number - 1)].box;
-        q.area_mm2 = numbers.regions[static_cast<std::size_t>(number - 1)].pixels * canvas.mm_per_pixel() *
-                     canvas.mm_per_pixel();
-        q.border_px = static_cast<int>(cuts.back().border.size());
+    // The retouches, and undamaged places beside each.
+    const double gap_px = options.annulus.gap_mm / canvas.mm_per_pixel();
+    Mask intact = dilated(mask, gap_px);
+    if (!damaged.empty()) intact = united(intact, damaged);
+    for (std::size_t i = 0; i < intact.size(); ++i)
+        intact.pixels()[i] =
+            inside(intact.pixels()[i]) || !(canvas.dry().confidence.pixels()[i] > 0) ? 0.0f : 1.0f;
+    std::vector<std::pair<Cut, RetouchQuality*>> cuts;
+    const auto add = [&](const Outline& place, RetouchQuality& q, const MaskRegion& region) {
+        cuts.emplace_back(cut_of(canvas, numbers, place, damaged, options), &q);
+        q.box = {region.box.x0 + place.dx, region.box.y0 + place.dy, region.box.x1 + place.dx,
+                 region.box.y1 + place.dy};
+        q.area_mm2 = region.pixels * canvas.mm_per_pixel() * canvas.mm_per_pixel();
+        q.border_px = static_cast<int>(cuts.back().first.border.size());
         q.delta_e.fill(std::numeric_limits<double>::quiet_NaN());
         q.border_delta_e = q.delta_e;
-        result.regions.push_back(q);
+    };
+    result.regions.resize(numbers.regions.size());
+    for (std::size_t i = 0; i < numbers.regions.size(); ++i) {
+        const int number = static_cast<int>(i) + 1;
+        RetouchQuality& q = result.regions[i];
+        add({number, 0, 0}, q, numbers.regions[i]);
+        const std::vector<Outline> places =
+            undamaged_places(numbers, number, intact, static_cast<int>(std::ceil(2 * gap_px)) + 2);
+        q.undamaged.resize(places.size());
+        for (std::size_t k = 0; k < places.size(); ++k) add(places[k], q.undamaged[k], numbers.regions[i]);
     }
+    const auto is_retouch = [&](const RetouchQuality* q) {
+        return q >= result.regions.data() && q < result.regions.data() + result.regions.size();
+    };
+    const auto told = [&](const char* what, std::size_t i) {
+        report(progress, what, static_cast<double>(i) / static_cast<double>(cuts.size()));
+    };
     for (const Illuminant lamp : lamps) {
         const Image<Rgb> look = look_under(canvas, lamp, progress);
         for (std::size_t i = 0; i < cuts.size(); ++i) {
-            report(progress, "compare colours", static_cast<double>(i) / static_cast<double>(cuts.size()));
-            compare_colour(cuts[i], look, static_cast<std::size_t>(lamp), result.regions[i], result.delta_e);
+            told("compare colours", i);
+            auto& [cut, q] = cuts[i];
+            compare_colour(cut, look, static_cast<std::size_t>(lamp), *q,
+                           is_retouch(q) ? &result.delta_e : nullptr);
         }
     }
     const Surface seen = appearance(canvas, {}, progress);
@@ -236,10 +323,10 @@ QualityReport quality_of(const Canvas& canvas, const Mask& mask, const Mask& dam
     for (std::size_t i = 0; i < mask.size(); ++i)
         luminances.pixels()[i] = luminance(seen.diffuse.pixels()[i]);
     for (std::size_t i = 0; i < cuts.size(); ++i) {
-        report(progress, "compare height and gloss",
-               static_cast<double>(i) / static_cast<double>(cuts.size()));
-        compare_relief_and_gloss(cuts[i], seen, canvas.height_unit_mm(), luminances, result.regions[i],
-                                 result);
+        told("compare height and gloss", i);
+        auto& [cut, q] = cuts[i];
+        compare_relief_and_gloss(cut, seen, canvas.height_unit_mm(), luminances, *q,
+                                 is_retouch(q) ? &result : nullptr);
     }
     return result;
 }

@@ -43,7 +43,12 @@ struct RetouchQuality {
     Step height_mm;
     double gloss_step = 0;  // mean of gloss_difference() across the border (gloss.h)
     Step specular, roughness;
+    // The yardstick: the same of up to four undamaged areas of its shape beside it, as if they had been
+    // retouched. What they differ by, the painting itself varies by. Empty where there is no such place.
+    std::vector<RetouchQuality> undamaged;
 };
+// Means of all figures; box and area are the first one's.
+RetouchQuality mean_of(std::vector<RetouchQuality> regions);
 
 struct QualityReport {
     std::vector<RetouchQuality> regions;

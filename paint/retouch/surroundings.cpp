@@ -8,6 +8,7 @@
 
 #include "paint/retouch/fill.h"
 #include "paint/retouch/matrix.h"
+#include "paint/retouch/texture_synthesis.h"
 #include "surface/error.h"
 #include "surface/median.h"
 
@@ -16,7 +17,7 @@ namespace tangi {
 namespace {
 
 constexpr double kModeBandwidth = 4;  // [L*a*b*] of the mean shift
-constexpr std::array<std::string_view, 3> kNames = {"membrane", "telea", "navier-stokes"};
+constexpr std::array<std::string_view, 4> kNames = {"membrane", "telea", "navier-stokes", "patches"};
 
 bool inside(float coverage) { return coverage >= 0.5f; }
 
@@ -43,6 +44,38 @@ Rgb mode_of(const std::vector<Rgb>& colours, const Rgb& start) {
         at = next;
     }
     return mode;
+}
+
+// Colours count by their own spread, relief half as much.
+void patches_into(Image<Rgb>& colours, const Mask& hole, const Image<float>* relief_mm) {
+    Mask usable(hole.width(), hole.height());
+    for (std::size_t i = 0; i < hole.size(); ++i) usable.pixels()[i] = inside(hole.pixels()[i]) ? 0.0f : 1.0f;
+    std::vector<SynthesisChannel> channels(3, {Image<float>(hole.width(), hole.height())});
+    float spread = 1e-4f;
+    for (int c = 0; c < 3; ++c) {
+        Image<float>& values = channels[static_cast<std::size_t>(c)].values;
+        for (std::size_t i = 0; i < hole.size(); ++i)
+            values.pixels()[i] = std::cbrt(std::max(colours.pixels()[i][c], 0.0f));
+        spread = std::max(spread, spread_of(values, usable));
+    }
+    for (SynthesisChannel& channel : channels)
+        for (float& v : channel.values.pixels()) v /= spread;
+    if (relief_mm) {
+        channels.push_back({*relief_mm, true});
+        const float half = 2 * std::max(spread_of(*relief_mm, usable), 1e-6f);
+        for (float& v : channels.back().values.pixels()) v /= half;
+    }
+    if (!synthesise_into(channels, hole, usable))
+        fail(
+            "patches: no whole patch of undamaged painting lies beside the mask; take another --inpainting, "
+            "or "
+            "a wider --annulus-mm");
+    for (int c = 0; c < 3; ++c)
+        for (std::size_t i = 0; i < hole.size(); ++i) {
+            if (!inside(hole.pixels()[i])) continue;
+            const float v = spread * channels[static_cast<std::size_t>(c)].values.pixels()[i];
+            colours.pixels()[i][c] = v * v * v;
+        }
 }
 
 }  // namespace
@@ -121,6 +154,7 @@ void membrane_into(Image<float>& values, const Mask& hole) {
 
 void inpaint_into(Image<float>& values, const Mask& hole, Inpainting method, double radius_px) {
     if (method == Inpainting::membrane) return membrane_into(values, hole);
+    TP_REQUIRE(method != Inpainting::patches, "patches are of colours");
     TP_REQUIRE(values.region() == hole.region(), "the mask has the size of the picture");
     cv::Mat mask(hole.height(), hole.width(), CV_8U);
     for (int y = 0; y < hole.height(); ++y)
@@ -137,7 +171,21 @@ void inpaint_into(Image<float>& values, const Mask& hole, Inpainting method, dou
             if (inside(hole(x, y))) values(x, y) = filled.at<float>(y, x) / scale + base;
 }
 
-void inpaint_into(Image<Rgb>& colours, const Mask& hole, Inpainting method, double radius_px) {
+float spread_of(const Image<float>& values, const Mask& where) {
+    double sum = 0, squares = 0, count = 0;
+    for (std::size_t i = 0; i < values.size(); ++i) {
+        if (!inside(where.pixels()[i])) continue;
+        const auto v = static_cast<double>(values.pixels()[i]);
+        sum += v, squares += v * v, count += 1;
+    }
+    return count > 0
+               ? static_cast<float>(std::sqrt(std::max(squares / count - sum * sum / (count * count), 0.0)))
+               : 0;
+}
+
+void inpaint_into(Image<Rgb>& colours, const Mask& hole, Inpainting method, double radius_px,
+                  const Image<float>* relief_mm) {
+    if (method == Inpainting::patches) return patches_into(colours, hole, relief_mm);
     for (int c = 0; c < 3; ++c) {
         Image<float> channel(colours.width(), colours.height());
         for (std::size_t i = 0; i < colours.size(); ++i)

@@ -45,9 +45,10 @@ Mask annulus_mask(const Surface& surface, const Mask& loss, const Mask& damaged,
 
 // How colour is carried on into a loss.
 enum class Inpainting {
-    membrane,      // Laplace's equation: as smooth as can be (Perez, Gangnet, Blake 2003)
-    telea,         // Telea 2004: fast marching, through OpenCV
-    navier_stokes  // Bertalmio, Bertozzi, Sapiro 2001, through OpenCV: isophotes go on
+    membrane,       // Laplace's equation: as smooth as can be (Perez, Gangnet, Blake 2003)
+    telea,          // Telea 2004: fast marching, through OpenCV
+    navier_stokes,  // Bertalmio, Bertozzi, Sapiro 2001, through OpenCV: isophotes go on
+    patches         // of the surroundings (texture_synthesis.h): strokes go on
 };
 std::string_view name_of(Inpainting method);
 std::optional<Inpainting> inpainting_named(std::string_view name);
@@ -56,10 +57,15 @@ std::optional<Inpainting> inpainting_named(std::string_view name);
 // ContractError where sizes differ, Error where the hole is all there is.
 void membrane_into(Image<float>& values, const Mask& hole);
 
-// The same by another method; radius_px: how far Telea and Navier-Stokes look around.
+// The same by another method, without patches; radius_px: how far Telea and Navier-Stokes look around.
 void inpaint_into(Image<float>& values, const Mask& hole, Inpainting method, double radius_px = 5);
-// Colours: in perceptually even steps (cube roots), not below 0.
-void inpaint_into(Image<Rgb>& colours, const Mask& hole, Inpainting method, double radius_px = 5);
+// Colours: in perceptually even steps (cube roots), not below 0. Patches go along with a relief, where one is
+// given that is known in the hole as well (that of a fill). Throws Error where there is no whole patch.
+void inpaint_into(Image<Rgb>& colours, const Mask& hole, Inpainting method, double radius_px = 5,
+                  const Image<float>* relief_mm = nullptr);
+
+// Standard deviation over the mask's pixels.
+float spread_of(const Image<float>& values, const Mask& where);
 
 // Colours as they are seen from some way off: Gaussian means over what is not `left_out`.
 Image<Rgb> smoothed_around(const Image<Rgb>& colours, const Mask& left_out, double sigma_px);

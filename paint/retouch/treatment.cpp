@@ -5,6 +5,7 @@
 #include <memory>
 #include <set>
 
+#include "paint/appearance.h"
 #include "paint/canvas_file.h"
 #include "paint/retouch/sha256.h"
 #include "surface/atomic_file.h"
@@ -20,6 +21,7 @@ namespace {
 
 constexpr const char* kLog = "log.jsonl";
 constexpr const char* kMasks = "masks";
+constexpr const char* kEarlier = "earlier.exr";
 
 fs::path mask_path(const std::string& name) { return fs::path(kMasks) / (name + ".png"); }
 
@@ -41,6 +43,15 @@ void add_name(Sha256& sha, std::string_view name) {
 template <class Number>
 void add_numbers(Sha256& sha, std::span<const Number> numbers) {
     sha.add(numbers.data(), numbers.size_bytes());
+}
+
+void copy_whole(const fs::path& from, const fs::path& to) {
+    AtomicFile file(to);
+    std::error_code error;
+    fs::copy_file(from, file.temporary(), fs::copy_options::overwrite_existing, error);
+    if (error)
+        fail("{}: cannot be copied to {}: {}", from.string(), to.parent_path().string(), error.message());
+    file.commit();
 }
 
 // Into a folder of the treatment only: names come from logs and callers.
@@ -104,14 +115,7 @@ Treatment Treatment::begin(const fs::path& folder, const fs::path& painting, con
         fail("{}: has been painted on; a treatment begins with a painting as it was fitted",
              painting.string());
     make_folder(folder / kMasks);
-    {
-        AtomicFile file(folder / "painting.exr");
-        std::error_code error;
-        fs::copy_file(painting, file.temporary(), fs::copy_options::overwrite_existing, error);
-        if (error)
-            fail("{}: cannot be copied to {}: {}", painting.string(), folder.string(), error.message());
-        file.commit();
-    }
+    copy_whole(painting, folder / "painting.exr");
     json first = {{"action", "begin"},
                   {"time", utc_now()},
                   {"who", author.who},
@@ -162,14 +166,14 @@ std::vector<TreatmentLayer> Treatment::layers() const {
     return layers;
 }
 
-std::string Treatment::new_layer_name(LayerRole role) const {
+std::string Treatment::new_layer_name(LayerRole role, bool proposal) const {
     std::set<std::string> taken;
     for (const LogEntry& entry : log_.entries())
         if (entry.content.contains("layers"))
             for (const json& layer : entry.content["layers"])
                 taken.insert(layer.at("name").get<std::string>());
     for (int number = 1;; ++number) {
-        std::string name = fmt::format("{} {}", name_of(role), number);
+        std::string name = fmt::format("{}{} {}", proposal ? "proposal " : "", name_of(role), number);
         std::replace(name.begin(), name.end(), '_', ' ');
         if (!taken.contains(name)) return name;
     }
@@ -280,8 +284,34 @@ void Treatment::record(const TreatmentStep& step, const Author& author, const Pr
         write_text_file(folder_ / name, text);
         outputs[name] = sha256_of_file(folder_ / name);
     }
+    for (const std::string& name : step.written) {
+        require_inside(name);
+        outputs[name] = sha256_of_file(folder_ / name);
+    }
     entry["outputs"] = outputs;
     log_.append(std::move(entry));
+}
+
+void Treatment::keep_earlier(const fs::path& painting, const Author& author, const Progress& progress) {
+    const Surface earlier = read_painted(painting, progress);
+    if (earlier.width() != width() || earlier.height() != height())
+        fail(
+            "{}: has {} x {} pixels, the treatment's painting {} x {}; fit it on the same pixels: tangipaint "
+            "calibrate --align-to",
+            painting.string(), earlier.width(), earlier.height(), width(), height());
+    copy_whole(painting, folder_ / kEarlier);
+    record({.action = "keep earlier state",
+            .parameters = {{"painting", painting.filename().string()}},
+            .inputs = {painting},
+            .written = {kEarlier}},
+           author, progress);
+}
+
+bool Treatment::has_earlier() const { return logged_files().contains(kEarlier); }
+
+Surface Treatment::read_earlier(const Progress& progress) const {
+    TP_REQUIRE(has_earlier(), "an earlier state was kept");
+    return read_painted(folder_ / kEarlier, progress);
 }
 
 std::vector<std::string> Treatment::check(const Progress& progress) const {
@@ -312,6 +342,12 @@ Canvas in_state(const Canvas& canvas, const std::vector<TreatmentLayer>& layers,
         return about == layers.end() || shown_from(about->role) > state;
     });
     return shown;
+}
+
+Surface surface_in_state(const Treatment& treatment, const Canvas& canvas, TreatmentState state,
+                         const Progress& progress) {
+    if (state == TreatmentState::before && treatment.has_earlier()) return treatment.read_earlier(progress);
+    return appearance(in_state(canvas, treatment.layers(), state), {}, progress);
 }
 
 Mask additions(const PaintLayer& layer) {

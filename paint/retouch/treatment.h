@@ -4,7 +4,8 @@
 //   painting.exr          a copy of the painting; its dry part stays as it is, fills, varnishes and retouches
 //                         are dried layers on it (paint/canvas_file.h)
 //   masks/CLASS.png       coverage by each class of damage; CLASS.confidence.png beside what was suggested
-//   strokes/, …           what a step kept: journals of strokes, recipes
+//   earlier.exr           the painting before it was cleaned, where it was photographed then too
+//   strokes/, quality/    what steps kept: journals of strokes, quality maps
 //   log.jsonl             the log (treatment_log.h): the layers, masks and files that there are, with hashes
 //
 // docs/retouching.md: format and use.
@@ -52,7 +53,7 @@ std::string_view name_of(LayerRole role);
 std::optional<LayerRole> layer_role_named(std::string_view name);
 
 // States of a treatment, in their order; each shows the layers of its role and of those before. `before` and
-// `cleaned` are what was photographed: without any layer.
+// `cleaned` are what was photographed: without any layer (the same, unless there is an earlier.exr).
 enum class TreatmentState { before, cleaned, filled, retouched, varnished };
 std::string_view name_of(TreatmentState state);
 std::optional<TreatmentState> treatment_state_named(std::string_view name);
@@ -82,6 +83,7 @@ struct TreatmentStep {
     // treatment that are no longer on the canvas are thereby removed.
     const Canvas* canvas = nullptr;
     std::vector<std::pair<std::string, LayerRole>> added{};
+    std::vector<std::string> written{};  // files in the folder that the caller wrote: their hashes are kept
 };
 
 class Treatment {
@@ -103,8 +105,8 @@ public:
     bool scale_known() const;
     std::string dry_sha256() const;              // of the dry layer when the treatment began
     std::vector<TreatmentLayer> layers() const;  // bottom up
-    // A name that no layer has or had: "fill 3".
-    std::string new_layer_name(LayerRole role) const;
+    // A name that no layer has or had: "fill 3"; of what was made up, "proposal fill 1".
+    std::string new_layer_name(LayerRole role, bool proposal = false) const;
 
     // The painting with its layers. Throws Error where the dry layer is not the one that the treatment began
     // with, or a layer is not what the log says. Wet paint is not looked at: it is work in progress.
@@ -116,6 +118,13 @@ public:
     Mask mask(const std::string& name) const;
     Mask mask(DamageClass damage) const { return mask(std::string(name_of(damage))); }
     bool has_mask(DamageClass damage) const;
+
+    // The painting as it was photographed before the treatment began, as before cleaning: a copy of it is
+    // kept, and shown as the state `before`. Throws Error where it has another size.
+    void keep_earlier(const std::filesystem::path& painting, const Author& author,
+                      const Progress& progress = {});
+    bool has_earlier() const;
+    Surface read_earlier(const Progress& progress = {}) const;
 
     // Writes what the step says, then the log. The dry layer is checked before.
     void record(const TreatmentStep& step, const Author& author, const Progress& progress = {});
@@ -141,6 +150,10 @@ std::string sha256_of(const Canvas& canvas, const PaintLayer& layer);
 
 // The canvas as it was in a state: without wet paint and the layers of later roles.
 Canvas in_state(const Canvas& canvas, const std::vector<TreatmentLayer>& layers, TreatmentState state);
+
+// What the painting looks like in a state, with its maps: `before` as it was photographed earlier, if it was.
+Surface surface_in_state(const Treatment& treatment, const Canvas& canvas, TreatmentState state,
+                         const Progress& progress = {});
 
 // Where there is any paint, 1; else 0: of one layer, or of all that was added to the dry surface.
 Mask additions(const PaintLayer& layer);

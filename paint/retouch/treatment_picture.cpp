@@ -11,17 +11,6 @@ namespace tangi {
 
 namespace {
 
-Image<Rgb> reduced(const Image<Rgb>& picture, int side_px) {
-    const int side = std::max(picture.width(), picture.height());
-    if (side_px <= 0 || side <= side_px) return picture;
-    const double factor = static_cast<double>(side_px) / side;
-    Image<Rgb> small(std::max(static_cast<int>(std::lround(picture.width() * factor)), 1),
-                     std::max(static_cast<int>(std::lround(picture.height() * factor)), 1));
-    cv::Mat target = matrix_of(small);
-    cv::resize(matrix_of(picture), target, target.size(), 0, 0, cv::INTER_AREA);
-    return small;
-}
-
 void encode(Image<Rgb>& linear, float gain) {
     const Transfer srgb{Transfer::Kind::srgb};
     for (Rgb& c : linear.pixels()) c = glm::clamp(srgb.encode(glm::max(c * gain, Rgb(0))), Rgb(0), Rgb(1));
@@ -48,6 +37,17 @@ void write_text(Image<Rgb>& picture, const std::string& text, int x, int y, doub
 
 }  // namespace
 
+Image<Rgb> reduced(const Image<Rgb>& picture, int side_px) {
+    const int side = std::max(picture.width(), picture.height());
+    if (side_px <= 0 || side <= side_px) return picture;
+    const double factor = static_cast<double>(side_px) / side;
+    Image<Rgb> small(std::max(static_cast<int>(std::lround(picture.width() * factor)), 1),
+                     std::max(static_cast<int>(std::lround(picture.height() * factor)), 1));
+    cv::Mat target = matrix_of(small);
+    cv::resize(matrix_of(picture), target, target.size(), 0, 0, cv::INTER_AREA);
+    return small;
+}
+
 Image<Rgb> colour_of(const Surface& surface, int side_px) {
     Image<Rgb> picture = reduced(surface.diffuse, side_px);
     encode(picture, 1);
@@ -64,7 +64,7 @@ Image<Rgb> damage_picture(const Treatment& treatment, const Surface& surface) {
     const Image<Rgb> grey = in_grey(surface);
     const int width = grey.width(), height = grey.height();
     const nlohmann::json table = damage_table(treatment);
-    const int line = std::clamp(width / 24, 12, 60);
+    const int line = std::max(width / 30, 12);
     const int rows = std::max(static_cast<int>(table.size()), 1);
     Image<Rgb> picture(width, height + line * (rows + 1), Rgb(1));
     for (int y = 0; y < height; ++y)

@@ -5,11 +5,10 @@
 
 #include "paint/appearance.h"
 #include "paint/retouch/damage_suggestion.h"
+#include "paint/retouch/report_document.h"
 #include "paint/retouch/treatment_picture.h"
 #include "surface/atomic_file.h"
 #include "surface/error.h"
-#include "surface/html_text.h"
-#include "surface/page_parts.h"
 #include "surface/picture_file.h"
 
 namespace tangi {
@@ -19,262 +18,343 @@ using nlohmann::json;
 
 namespace {
 
-constexpr int kPicture_px = 900;
-const Vec3 kNormalLight{0.35f, 0.35f, 0.87f}, kRakingLeft{-1, 0.15f, 0.22f}, kRakingTop{0.1f, 1, 0.22f};
+const std::pair<const char*, Vec3> kLights[] = {{"normal light", {0.35f, 0.35f, 0.87f}},
+                                                {"raking from the left", {-1, 0.15f, 0.22f}},
+                                                {"raking from above", {0.1f, 1, 0.22f}}};
+constexpr double kPlan_dpi = 300;
+constexpr int kPlan_px = 16000;  // of its longer side, at most
 
-constexpr const char* kPrintStyle =
-    "<style>@page{size:A4;margin:16mm}@media print{:root{--paper:#fff;--card:#fff;--ink:#000;--soft:#444;"
-    "--line:#bbb}body{font-size:10pt}main{padding:0;max-width:none}h2{break-after:avoid}figure,tr{"
-    "break-inside:avoid}.wide{overflow:visible}td{white-space:normal;overflow-wrap:anywhere}}figure img{"
-    "max-width:100%;height:auto}code{font-size:11px;overflow-wrap:anywhere}td.text,th.text{text-align:left;"
-    "white-space:normal;overflow-wrap:anywhere;vertical-align:top}</style>";
-
-std::string figure(const Image<Rgb>& picture, const std::string& caption, const fs::path& scratch) {
-    return fmt::format(
-        "<figure class=\"card\"><img alt=\"{0}\" width=\"{1}\" src=\"{2}\"><figcaption>{0}"
-        "</figcaption></figure>",
-        escaped(caption), std::min(picture.width(), 520), picture_url(picture, scratch));
-}
-
-std::string row(const std::vector<std::string>& cells, const char* tag = "td") {
-    std::string text = "<tr>";
-    for (const std::string& cell : cells) text += fmt::format("<{0} class=\"text\">{1}</{0}>", tag, cell);
-    return text + "</tr>";
-}
-
-std::string code(const std::string& text) { return "<code>" + escaped(text) + "</code>"; }
-
-// "texture: surroundings; options: …" of a log's parameters.
+// "texture: surroundings; options: …" of a log's parameters; of long lists, how long they are.
 std::string in_words(const json& value) {
     if (value.is_number_float()) return fmt::format("{:.4g}", value.get<double>());
+    if (value.is_array()) {
+        if (value.size() > 12 ||
+            std::any_of(value.begin(), value.end(), [](const json& v) { return v.is_structured(); }))
+            return fmt::format("{} (see log.jsonl)", value.size());
+        std::string text;
+        for (const json& v : value) text += (text.empty() ? "" : ", ") + in_words(v);
+        return text;
+    }
     if (!value.is_object()) return value.is_string() ? value.get<std::string>() : value.dump();
     std::string text;
     for (const auto& [key, part] : value.items()) {
-        if (part.is_null() || ((part.is_object() || part.is_array()) && part.empty())) continue;
+        if (part.is_null() || (part.is_structured() && part.empty())) continue;
         text += (text.empty() ? "" : "; ") + key + ": " +
                 (part.is_object() ? "(" + in_words(part) + ")" : in_words(part));
     }
     return text;
 }
 
-std::string identification(const Treatment& t, const std::string& tool) {
-    const json& first = t.log().entries().front().content;
-    std::string html = "<h2>1. Identification</h2><div class=\"wide\"><table>";
-    const auto line = [&](const char* name, const std::string& value) {
-        html += row({name, escaped(value)});
-    };
-    line("Painting", first.value("painting", ""));
-    line("Size",
-         t.scale_known()
-             ? fmt::format("{:.1f} × {:.1f} mm, {} × {} pixels of {:.4g} mm", t.width() * t.mm_per_pixel(),
-                           t.height() * t.mm_per_pixel(), t.width(), t.height(), t.mm_per_pixel())
-             : fmt::format("{} × {} pixels; the scale is unknown, a pixel counts as one mm", t.width(),
-                           t.height()));
-    line("Treatment begun", first.value("time", "") + ", " + first.value("who", ""));
-    line("Report", utc_now() + ", " + tool);
-    line("Dry layer, SHA-256", t.dry_sha256());
-    line("Head of the log, SHA-256", fmt::format("{} (line {})", t.log().head(), t.log().entries().size()));
-    return html + "</table></div>";
+std::string spaced(std::string name) {
+    std::replace(name.begin(), name.end(), '_', ' ');
+    return name;
 }
 
-std::string condition(const Treatment& t, const Surface& original, const fs::path& scratch) {
-    std::string html = "<h2>2. Condition</h2><div class=\"row\">";
-    html += figure(damage_picture(t, original), "Map of damage", scratch);
-    html +=
-        "</div><div class=\"wide\"><table>" + row({"Class", "Count", "Area", "Part of the painting"}, "th");
-    for (const json& entry : damage_table(t)) {
-        std::string name = entry["class"].get<std::string>();
-        std::replace(name.begin(), name.end(), '_', ' ');
-        html += row({name, entry["count"].dump(), fmt::format("{:.2f} cm²", entry["area_cm2"].get<double>()),
-                     fmt::format("{:.2f} %", entry["percent"].get<double>())});
-    }
-    html += "</table></div>";
-    if (t.has_mask(DamageClass::craquelure)) {
-        const CraquelureMeasure m = measure_lines(t.mask(DamageClass::craquelure), t.mm_per_pixel());
-        html += fmt::format(
-            "<p>Craquelure: {:.0f} mm long in all, {:.2f} mm wide on average, {:.2f} cm on "
-            "each cm².</p>",
-            m.length_mm, m.width_mm, m.density_per_cm);
-    }
-    return html;
-}
+// What the report is of, read once.
+struct Matter {
+    const Treatment& t;
+    const Canvas& canvas;
+    std::vector<TreatmentLayer> layers;
+    Mask belongs;  // where paint may lie: on mapped damage
+    ReportDocument report;
 
-std::string states(const Canvas& canvas, const std::vector<TreatmentLayer>& layers, const fs::path& scratch,
-                   const Progress& progress) {
-    std::string html =
-        "<h2>3. States</h2><p class=\"soft\">Computed from the fitted maps and the layers: normal light from "
-        "the upper right at 60° above the painting's plane; raking light from the left and from above at "
-        "12°.</p>";
-    for (const TreatmentState state : {TreatmentState::before, TreatmentState::filled,
-                                       TreatmentState::retouched, TreatmentState::varnished}) {
-        const Canvas shown = in_state(canvas, layers, state);
-        const bool adds = std::any_of(layers.begin(), layers.end(),
-                                      [&](const TreatmentLayer& l) { return shown_from(l.role) == state; });
-        if (state != TreatmentState::before && !adds) continue;
-        report(progress, "report", static_cast<double>(state) / 5);
-        const Surface surface = appearance(shown);
-        html += "<div class=\"row\">";
-        const std::pair<const char*, Vec3> lights[] = {{"normal light", kNormalLight},
-                                                       {"raking from the left", kRakingLeft},
-                                                       {"raking from above", kRakingTop}};
-        for (const auto& [name, direction] : lights)
-            html += figure(look_of(surface, distant_light(direction), kPicture_px),
-                           fmt::format("{}, {}", name_of(state), name), scratch);
-        html += "</div>";
-    }
-    return html;
+    void add(ReportBlock block) { report.blocks.push_back(std::move(block)); }
+    const std::vector<LogEntry>& log() const { return t.log().entries(); }
+};
+
+void identification(Matter& m, const std::string& tool) {
+    const Treatment& t = m.t;
+    const json& first = m.log().front().content;
+    const std::string size =
+        t.scale_known()
+            ? fmt::format("{:.1f} × {:.1f} mm, {} × {} pixels of {:.4g} mm", t.width() * t.mm_per_pixel(),
+                          t.height() * t.mm_per_pixel(), t.width(), t.height(), t.mm_per_pixel())
+            : fmt::format("{} × {} pixels; the scale is unknown, a pixel counts as one mm", t.width(),
+                          t.height());
+    m.add(ReportHeading{"1. Identification"});
+    m.add(ReportTable{
+        {},
+        {{"Painting", first.value("painting", "")},
+         {"Size", size},
+         {"Treatment begun", first.value("time", "") + ", " + first.value("who", "")},
+         {"Report", utc_now() + ", " + tool},
+         {"Dry layer, SHA-256", t.dry_sha256()},
+         {"Head of the log, SHA-256", fmt::format("{} (line {})", t.log().head(), m.log().size())}},
+        {1, 3}});
 }
 
 // The photographs that the maps come from, by their lights.
-std::string photographs(const Surface& original) {
-    std::vector<HemisphereLight> lights;
-    for (const Photography::Photo& photo : original.photography.photos)
-        lights.push_back({photo.light.name, glm::dvec3(photo.light.direction), 0, {}});
-    if (lights.empty()) return "";
-    return fmt::format(
-        "<div class=\"row\"><figure class=\"card\">{}<figcaption>Light directions of the {} "
-        "photographs that the maps were fitted from; the middle is straight above the "
-        "painting</figcaption></figure></div>",
-        hemisphere(lights), lights.size());
+void examination(Matter& m) {
+    ReportLights lights;
+    for (const Photography::Photo& photo : m.canvas.dry().photography.photos)
+        lights.lights.push_back({photo.light.name, glm::dvec3(photo.light.direction), 0, {}});
+    if (lights.lights.empty()) return;
+    lights.caption = fmt::format(
+        "Light directions of the {} photographs that the maps were fitted from; the middle is straight above "
+        "the "
+        "painting.",
+        lights.lights.size());
+    m.add(ReportHeading{"2. Examination"});
+    m.add(std::move(lights));
 }
 
-std::string measures(const Treatment& t, const Canvas& canvas, const fs::path& scratch) {
-    std::string html = "<h2>4. Measures</h2>";
-    Mask belongs(t.width(), t.height());
-    for (const DamageClass damage : kDamageClasses)
-        if (t.has_mask(damage)) belongs = united(belongs, t.mask(damage));
-    html += "<div class=\"row\">" +
-            figure(additions_picture(canvas, t.layers(), belongs),
-                   "Additions: fills green, varnish yellow, retouches blue; red: "
-                   "retouch on original",
-                   scratch) +
-            "</div>";
-    html += "<div class=\"wide\"><table>" +
-            row({"Layer, bottom up", "Role", "Area", "On original", "Paints", "SHA-256"}, "th");
-    for (const TreatmentLayer& layer : t.layers())
-        for (const DriedLayer& dried : canvas.dried()) {
+void condition(Matter& m) {
+    m.add(ReportHeading{"3. Condition"});
+    m.add(ReportPictures{
+        {{reduced(damage_picture(m.t, m.canvas.dry()), report_picture_px(1)), "Map of damage"}}});
+    ReportTable table{{"Class", "Count", "Area", "Part of the painting"}, {}, {3, 1, 1, 2}};
+    for (const json& entry : damage_table(m.t))
+        table.rows.push_back({spaced(entry["class"].get<std::string>()), entry["count"].dump(),
+                              fmt::format("{:.2f} cm²", entry["area_cm2"].get<double>()),
+                              fmt::format("{:.2f} %", entry["percent"].get<double>())});
+    m.add(std::move(table));
+    if (!m.t.has_mask(DamageClass::craquelure)) return;
+    const CraquelureMeasure lines = measure_lines(m.t.mask(DamageClass::craquelure), m.t.mm_per_pixel());
+    m.add(ReportText{
+        fmt::format("Craquelure: {:.0f} mm long in all, {:.2f} mm wide on average, {:.2f} cm on each cm².",
+                    lines.length_mm, lines.width_mm, lines.density_per_cm)});
+}
+
+std::string by_lamp(const json& differences) {
+    std::string text;
+    for (const auto& [lamp, value] : differences.items())
+        text += fmt::format("{}{} {:.1f}", text.empty() ? "" : ", ", lamp, value.get<double>());
+    return text;
+}
+
+// Recipes that were searched for, and those of retouches that are still there, as the log has them.
+void recipes(Matter& m) {
+    ReportTable table{{"For", "Recipe, in measures", "Amount", "ΔE2000 from what was wanted", "Warnings"},
+                      {},
+                      {2, 5, 1.6, 3, 4}};
+    const auto there = [&](const std::string& name) {
+        return std::any_of(m.layers.begin(), m.layers.end(), [&](const auto& l) { return l.name == name; });
+    };
+    for (const LogEntry& entry : m.log()) {
+        const json results = entry.content.value("results", json::object());
+        const bool retouch = results.contains("piles");
+        if (retouch ? !there(results.value("layer", "")) : !results.contains("recipes")) continue;
+        for (const json& recipe : results[retouch ? "piles" : "recipes"]) {
+            const auto warnings = recipe.value("warnings", std::vector<std::string>());
+            table.rows.push_back(
+                {retouch ? results.value("layer", "") : fmt::format("match, line {}", entry.line),
+                 recipe.value("recipe", ""),
+                 retouch ? fmt::format("{:.3g} mm³", recipe.value("volume_mm3", 0.0)) : "",
+                 by_lamp(retouch ? results.value("delta_e_2000_from_target", json::object())
+                                 : recipe.value("delta_e_2000", json::object())) +
+                     (retouch ? ", in all" : ""),
+                 fmt::format("{}", fmt::join(warnings, "; "))});
+        }
+    }
+    if (table.rows.empty()) return;
+    m.add(ReportText{"Recipes"});
+    m.add(std::move(table));
+}
+
+void measures(Matter& m) {
+    const Treatment& t = m.t;
+    m.add(ReportHeading{"4. Measures"});
+    ReportTable table{
+        {"Layer, bottom up", "Role", "Area", "On original", "Paints", "SHA-256"}, {}, {2.2, 2, 1.6, 2, 4, 4}};
+    for (const TreatmentLayer& layer : m.layers)
+        for (const DriedLayer& dried : m.canvas.dried()) {
             if (dried.name != layer.name) continue;
-            const auto volumes = volumes_mm3(dried.paint, canvas.ingredients().size(), t.mm_per_pixel());
+            const auto volumes = volumes_mm3(dried.paint, m.canvas.ingredients().size(), t.mm_per_pixel());
             std::string paints;
             for (std::size_t i = 0; i < volumes.size(); ++i)
                 if (volumes[i] > 0)
                     paints += fmt::format("{}{}: {:.3g} mm³", paints.empty() ? "" : ", ",
-                                          escaped(canvas.ingredients()[i].name), volumes[i]);
-            const OnOriginal beside = on_original(dried.paint, belongs, t.mm_per_pixel());
+                                          m.canvas.ingredients()[i].name, volumes[i]);
+            const OnOriginal beside = on_original(dried.paint, m.belongs, t.mm_per_pixel());
             const bool varnish =
                 layer.role == LayerRole::varnish || layer.role == LayerRole::isolating_varnish;
-            html +=
-                row({escaped(layer.name), std::string(name_of(layer.role)),
-                     fmt::format("{:.2f} cm²", area_of(additions(dried.paint), t.mm_per_pixel()).mm2 / 100),
-                     varnish ? "–" : fmt::format("{} pixels, {:.2f} mm²", beside.pixels, beside.area_mm2),
-                     paints, code(layer.sha256)});
+            table.rows.push_back(
+                {layer.name, spaced(std::string(name_of(layer.role))),
+                 fmt::format("{:.2f} cm²", area_of(additions(dried.paint), t.mm_per_pixel()).mm2 / 100),
+                 varnish ? "–" : fmt::format("{} pixels, {:.2f} mm²", beside.pixels, beside.area_mm2), paints,
+                 layer.sha256});
         }
-    return html + "</table></div>";
+    m.add(std::move(table));
+    m.add(ReportPictures{
+        {{reduced(additions_picture(m.canvas, m.layers, m.belongs), report_picture_px(1)),
+          "Additions: fills green, varnish yellow, retouches blue; red: retouch on original"}}});
+    recipes(m);
 }
 
-std::string log_table(const TreatmentLog& log) {
-    std::string html =
-        "<h2>5. Log</h2><p class=\"soft\">Each line holds the hash of the one before; a line that "
-        "was edited, removed or put in would break the chain. It was checked for this report.</p>"
-        "<div class=\"wide\"><table>" +
-        row({"Line", "When", "Who", "What", "With", "Result", "SHA-256"}, "th");
-    for (const LogEntry& entry : log.entries()) {
-        const json& c = entry.content;
-        html += row({std::to_string(entry.line), escaped(c.value("time", "")), escaped(c.value("who", "")),
-                     escaped(c.value("action", "")), escaped(in_words(c.value("parameters", json::object()))),
-                     escaped(in_words(c.value("results", json::object()))), code(entry.sha256)});
+// Every lamp shows all states side by side.
+void states(Matter& m, const Progress& progress) {
+    std::vector<std::pair<TreatmentState, Surface>> shown;
+    for (const TreatmentState state :
+         {TreatmentState::before, TreatmentState::cleaned, TreatmentState::filled, TreatmentState::retouched,
+          TreatmentState::varnished}) {
+        const bool adds = std::any_of(m.layers.begin(), m.layers.end(),
+                                      [&](const TreatmentLayer& l) { return shown_from(l.role) == state; });
+        const bool photographed =
+            state == TreatmentState::before || (state == TreatmentState::cleaned && m.t.has_earlier());
+        if (!adds && !photographed) continue;
+        report(progress, "report", static_cast<double>(state) / 5);
+        shown.emplace_back(state, surface_in_state(m.t, m.canvas, state));
     }
-    return html + "</table></div>";
+    m.add(ReportHeading{"5. Result"});
+    m.add(ReportText{
+        "Computed from the fitted maps and the layers: normal light from the upper right at 60° above the "
+        "painting's "
+        "plane; raking light from the left and from above at 12°. Pictures of one lamp have one exposure.",
+        true});
+    for (const auto& [light, direction] : kLights) {
+        ReportPictures row;
+        for (const auto& [state, surface] : shown)
+            row.pictures.push_back({look_of(surface, distant_light(direction),
+                                            std::max(report_picture_px(static_cast<int>(shown.size())), 900)),
+                                    fmt::format("{}, {}", name_of(state), light)});
+        m.add(std::move(row));
+    }
 }
 
-// A page at scale: the painting's size in mm, additions as filled outlines.
-std::string printable_mask(const Treatment& t, const Mask& mask, const Surface& look, bool in_colour) {
-    const double mm = t.mm_per_pixel(), width = t.width() * mm, height = t.height() * mm;
-    std::string inside;
-    if (in_colour) {  // one run a row and colour: prints as it is, at any size
-        const Image<Rgb> colour = colour_of(look);
-        const auto hex = [&](int x, int y) {
-            const auto byte = [](float v) {
-                return static_cast<int>(std::lround(std::clamp(v, 0.0f, 1.0f) * 63) * 255 / 63);
-            };
-            const Rgb c = colour(x, y);
-            return fmt::format("#{:02x}{:02x}{:02x}", byte(c.r), byte(c.g), byte(c.b));
+// The last time that retouches were compared with what is beside them.
+void quality(Matter& m) {
+    const auto last = std::find_if(m.log().rbegin(), m.log().rend(), [](const LogEntry& e) {
+        return e.content.value("action", "") == "quality";
+    });
+    if (last == m.log().rend()) return;
+    const json& results = last->content.at("results");
+    const bool since =
+        std::any_of(m.log().rbegin(), last, [](const LogEntry& e) { return e.content.contains("layers"); });
+    m.add(ReportText{fmt::format("Retouches against what is beside them (line {} of the log{})", last->line,
+                                 since ? "; layers have changed since" : "")});
+    m.add(
+        ReportText{"ΔE2000 of each retouched area from its surroundings' colour carried on into it, and "
+                   "across its border; steps "
+                   "of height (rms) and gloss across the border. In brackets: the same of undamaged areas of "
+                   "its shape beside "
+                   "it, which tells how much the painting itself varies.",
+                   true});
+    ReportTable table{
+        {"At pixel", "Area", "ΔE2000", "Across the border", "Height", "Gloss"}, {}, {1.3, 1.2, 4, 4, 2.4, 2}};
+    for (const json& region : results.at("regions")) {
+        const json own = region.value("undamaged", json());
+        const auto bracket = [&](const std::string& text) {
+            return own.is_object() ? " (" + text + ")" : "";
         };
-        for (int y = 0; y < t.height(); ++y)
-            for (int x = 0; x < t.width();) {
-                if (!(mask(x, y) > 0.5f)) {
-                    ++x;
-                    continue;
-                }
-                const std::string own = hex(x, y);
-                int end = x + 1;
-                while (end < t.width() && mask(end, y) > 0.5f && hex(end, y) == own) ++end;
-                inside += fmt::format("<rect x=\"{}\" y=\"{}\" width=\"{}\" height=\"1.02\" fill=\"{}\"/>", x,
-                                      y, end - x, own);
-                x = end;
-            }
-    } else {
-        inside = fmt::format(
-            "<rect width=\"{}\" height=\"{}\" fill=\"#000\"/><path fill=\"#fff\" fill-rule=\"evenodd\" "
-            "d=\"{}\"/>",
-            t.width(), t.height(), svg_path(outlines_of(mask, 0.25)));
+        const auto colour = [&](const char* key) {
+            return by_lamp(region.at(key)) + (own.is_object() ? bracket(by_lamp(own.at(key))) : "");
+        };
+        const auto number = [&](const json& of, const char* format) {
+            return fmt::format(fmt::runtime(format), of.get<double>());
+        };
+        table.rows.push_back(
+            {fmt::format("{}, {}", region.at("box_px")[0].dump(), region.at("box_px")[1].dump()),
+             fmt::format("{:.1f} mm²", region.at("area_mm2").get<double>()), colour("delta_e_2000"),
+             colour("border_delta_e_2000"),
+             number(region.at("height_step_mm").at("rms"), "{:.3f} mm") +
+                 (own.is_object() ? bracket(number(own.at("height_step_mm").at("rms"), "{:.3f}")) : ""),
+             number(region.at("gloss_step"), "{:.3f}") +
+                 (own.is_object() ? bracket(number(own.at("gloss_step"), "{:.3f}")) : "")});
     }
-    return fmt::format(
-        "<!doctype html><html lang=\"en\"><head><meta charset=\"utf-8\"><title>Mask at scale: "
-        "{0}</title><style>"
-        "@page{{size:{1:.2f}mm "
-        "{2:.2f}mm;margin:0}}body{{margin:0}}svg{{display:block;width:{1:.2f}mm;height:{3:.2f}mm}}"
-        "p{{margin:2mm;font:3mm sans-serif}}</style></head><body><svg xmlns=\"http://www.w3.org/2000/svg\" "
-        "viewBox=\"0 0 {4} {5}\">{6}</svg><p>{0}: 1:1, {1:.1f} × {3:.1f} mm; print without scaling. The bar "
-        "is 20 mm "
-        "long. <svg style=\"display:inline;width:20mm;height:2mm\" viewBox=\"0 0 20 2\"><rect width=\"20\" "
-        "height=\"2\"/></svg></p></body></html>\n",
-        escaped(t.folder().filename().string()), width, height + 9, height, t.width(), t.height(), inside);
+    m.add(std::move(table));
+    ReportPictures maps, raking;
+    for (const auto& [file, hash] : last->content.at("outputs").items()) {
+        const fs::path path = file;
+        if (path.filename() == "delta_e_2000.png")
+            maps.pictures.push_back({read_picture(m.t.folder() / path),
+                                     "ΔE2000, the worst under the lamps: black 0, white 10 and more"});
+        else if (path.stem().string().starts_with("raking_"))
+            raking.pictures.push_back({reduced(read_picture(m.t.folder() / path), report_picture_px(4)),
+                                       spaced(path.stem().string()) + ", at 15°, with shadows"});
+    }
+    for (ReportPicture& p : maps.pictures) p.picture = reduced(p.picture, report_picture_px(2));
+    m.add(std::move(maps));
+    m.add(std::move(raking));
+}
+
+void log_table(Matter& m) {
+    m.add(ReportHeading{"6. Log"});
+    m.add(ReportText{
+        "Each line holds the hash of the one before; a line that was edited, removed or put in would break "
+        "the chain. It was checked for this report.",
+        true});
+    ReportTable table{
+        {"Line", "When", "Who", "What", "With", "Result", "SHA-256"}, {}, {0.8, 2, 1.9, 1.6, 4, 4, 2.6}};
+    for (const LogEntry& entry : m.log()) {
+        const json& c = entry.content;
+        table.rows.push_back({std::to_string(entry.line), c.value("time", ""), c.value("who", ""),
+                              c.value("action", ""), in_words(c.value("parameters", json::object())),
+                              in_words(c.value("results", json::object())), entry.sha256});
+    }
+    m.add(std::move(table));
+}
+
+// What was added, to print at scale: in its colours, and as white areas. Varnish over all is no use to print.
+std::pair<ReportPlan, ReportPlan> plans(const Matter& m) {
+    const Treatment& t = m.t;
+    Mask added(t.width(), t.height());
+    for (const DriedLayer& dried : m.canvas.dried())
+        for (const TreatmentLayer& layer : m.layers)
+            if (layer.name == dried.name &&
+                (layer.role == LayerRole::fill || layer.role == LayerRole::retouch))
+                added = united(added, additions(dried.paint));
+    const double mm = t.mm_per_pixel();
+    ReportPlan colour, white;
+    colour.width_mm = white.width_mm = t.width() * mm;
+    colour.height_mm = white.height_mm = t.height() * mm;
+    const std::string of =
+        fmt::format("fills and retouches of {}{}", t.folder().filename().string(),
+                    t.scale_known() ? "" : " (its scale is unknown: a pixel counts as one mm)");
+    colour.caption = "Mask in colour: " + of;
+    white.caption = "Mask in white: " + of;
+    colour.picture = colour_of(surface_in_state(t, m.canvas, TreatmentState::varnished));
+    for (std::size_t i = 0; i < added.size(); ++i)
+        if (!(added.pixels()[i] > 0.5f)) colour.picture.pixels()[i] = Rgb(1);
+    const double longer_mm = std::max(colour.width_mm, colour.height_mm);
+    colour.picture = reduced(colour.picture,
+                             static_cast<int>(std::min<double>(longer_mm / 25.4 * kPlan_dpi + 1, kPlan_px)));
+    white.outlines = outlines_of(added, 0.25);
+    for (Polygon& polygon : white.outlines)
+        for (Corner& corner : polygon) corner.x *= mm, corner.y *= mm;
+    return {std::move(colour), std::move(white)};
 }
 
 }  // namespace
 
-std::vector<fs::path> write_treatment_report(const Treatment& t, const fs::path& html,
+std::vector<fs::path> write_treatment_report(const Treatment& t, const fs::path& page,
                                              const std::string& tool, const Progress& progress) {
     report(progress, "report", 0);
     const std::vector<std::string> faults = t.check(progress);
     if (!faults.empty()) fail("{}: no report is made of it: {}", t.folder().string(), faults.front());
     const Canvas canvas = t.read_canvas(progress);
-    fs::path stem = html;
+    fs::path stem = page;
     stem.replace_extension();
     const auto beside = [&](const char* ending) { return fs::path(stem.string() + ending); };
 
-    std::string page = page_head("Treatment of " + t.log().entries().front().content.value("painting", ""));
-    page += kPrintStyle;
-    page += identification(t, tool) + condition(t, canvas.dry(), html) +
-            states(canvas, t.layers(), html, progress) + photographs(canvas.dry()) +
-            measures(t, canvas, html) + log_table(t.log());
-    page += "</main></body></html>\n";
-    write_text_file(html, page);
-
-    write_picture_8bit(beside(".picture.jpg"), colour_of(canvas.dry()));
-    write_picture_8bit(beside(".damage.png"), damage_picture(t, canvas.dry()));
-    const std::string picture = beside(".picture.jpg").filename().string();
-    write_text_file(beside(".annotations.json"), web_annotations(t, picture).dump(1) + "\n");
-    write_text_file(beside(".manifest.json"), iiif_manifest(t, picture).dump(1) + "\n");
-    Mask added(t.width(), t.height());  // varnish over all is no use to print
-    const auto layers = t.layers();
-    for (const DriedLayer& dried : canvas.dried())
-        for (const TreatmentLayer& layer : layers)
-            if (layer.name == dried.name &&
-                (layer.role == LayerRole::fill || layer.role == LayerRole::retouch))
-                added = united(added, additions(dried.paint));
-    const Surface after = appearance(in_state(canvas, layers, TreatmentState::varnished));
-    write_text_file(beside(".mask.colour.html"), printable_mask(t, added, after, true));
-    write_text_file(beside(".mask.white.html"), printable_mask(t, added, after, false));
+    Matter m{t, canvas, t.layers(), Mask(t.width(), t.height()), {}};
+    for (const DamageClass damage : kDamageClasses)
+        if (t.has_mask(damage)) m.belongs = united(m.belongs, t.mask(damage));
+    m.report.title = "Treatment of " + m.log().front().content.value("painting", "");
+    m.report.maker = tool;
+    identification(m, tool);
+    examination(m);
+    condition(m);
+    measures(m);
+    states(m, progress);
+    quality(m);
+    log_table(m);
+    auto [colour, white] = plans(m);
+    m.add(colour);
+    m.add(white);
+    const std::vector<fs::path> files = {
+        beside(".html"),        beside(".pdf"),        beside(".mask.colour.pdf"),  beside(".mask.white.pdf"),
+        beside(".picture.jpg"), beside(".damage.png"), beside(".annotations.json"), beside(".manifest.json")};
+    write_text_file(files[0], html_of(m.report, page));
+    write_pdf(files[1], m.report);
+    write_pdf(files[2], colour);
+    write_pdf(files[3], white);
+    write_picture_8bit(files[4], colour_of(canvas.dry()));
+    write_picture_8bit(files[5], damage_picture(t, canvas.dry()));
+    const std::string picture = files[4].filename().string();
+    write_text_file(files[6], web_annotations(t, picture).dump(1) + "\n");
+    write_text_file(files[7], iiif_manifest(t, picture).dump(1) + "\n");
     report(progress, "report", 1);
-    return {html,
-            beside(".picture.jpg"),
-            beside(".damage.png"),
-            beside(".annotations.json"),
-            beside(".manifest.json"),
-            beside(".mask.colour.html"),
-            beside(".mask.white.html")};
+    return files;
 }
 
 }  // namespace tangi

@@ -10,19 +10,19 @@
 
 namespace tangi {
 
-// Writes one page (HTML, pictures within, no scripts), with the headings of EN 16095 (condition recording)
-// and EN 16853 (conservation process): identification, condition with the damage map, measures with
-// parameters and recipes, layers, state before and after under normal and raking light, the log with its
-// hashes. Its style sheet makes it print on A4. Beside it:
+// Writes one page (NAME.html, pictures within, no scripts) and the same as A4 pages (NAME.pdf), with the
+// headings of EN 16095 (condition recording) and EN 16853 (conservation process): identification, examination
+// with the light directions, condition with the damage map, measures with layers and recipes, the result:
+// states side by side under normal and raking light, quality maps; the log with its hashes. The PDF has the
+// masks at scale too. `page` names either of the two. Beside it:
 //   NAME.annotations.json   damage as W3C Web Annotations with SVG selectors (Web Annotation Data Model 2017)
 //   NAME.manifest.json      the same on an IIIF Presentation 3.0 canvas with the picture
 //   NAME.picture.jpg, NAME.damage.png
-//   NAME.mask.colour.html, NAME.mask.white.html   printable masks at scale, in mm: additions in the
-//   painting's
+//   NAME.mask.colour.pdf, NAME.mask.white.pdf   fills and retouches at 1:1 on a page of their size: in their
 //                           colours, and white on black
 // Throws Error where the treatment does not pass its check(), naming the first fault. Gives the paths.
 std::vector<std::filesystem::path> write_treatment_report(const Treatment& treatment,
-                                                          const std::filesystem::path& html,
+                                                          const std::filesystem::path& page,
                                                           const std::string& tool,
                                                           const Progress& progress = {});
 

@@ -2,15 +2,17 @@
 #include <fmt/format.h>
 #include <imgui.h>
 
+#include <algorithm>
+
 #include "viewer/panels/panels.h"
 
 namespace tangi::panels {
 
-namespace {
-
 void tip(const std::string& text) {
     if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", text.c_str());
 }
+
+namespace {
 
 void recent(WindowState& s) {
     if (s.recent.empty() || !ImGui::BeginCombo("Recent", "open again")) return;
@@ -30,6 +32,14 @@ void job(WindowState& s) {
         ImGui::TextDisabled("stops");
     else if (ImGui::Button("Stop"))
         s.ask.stop_job = true;
+}
+
+void film(WindowState& s) {
+    if (!s.film) return;
+    ImGui::TextUnformatted("Film of the sweep");
+    ImGui::ProgressBar(static_cast<float>(s.film->fraction), {-60 * s.scale, 0});
+    ImGui::SameLine();
+    if (ImGui::Button("Stop##film")) s.ask.stop_film = true;
 }
 
 // A folder that was dropped on the window.
@@ -68,7 +78,9 @@ void file(WindowState& s) {
         if (ImGui::Button("Put aside")) s.ask.discard = true;
     }
     if (s.closing) {
-        ImGui::TextColored({1, 0.8f, 0.3f, 1}, "There are strokes that are not saved.");
+        ImGui::TextColored({1, 0.8f, 0.3f, 1}, "%s",
+                           s.painter.unsaved ? "There are strokes that are not saved."
+                                             : "The damage map was corrected, and is not in the log.");
         if (!s.open_next.empty())
             ImGui::TextUnformatted(("To open: " + s.open_next.filename().string()).c_str());
         const bool opens = !s.open_next.empty();
@@ -100,13 +112,15 @@ void file(WindowState& s) {
     tip("Makes a painting of a folder of photographs and a lights file");
     recent(s);
     job(s);
+    film(s);
     dropped(s);
 }
 
 void tools(WindowState& s) {
     int i = 0;
     for (const ToolName& tool : kTools) {
-        if (i++ % 3) ImGui::SameLine();
+        if (!s.treating.on && (tool.tool == Tool::damage || tool.tool == Tool::sample)) continue;
+        if (i++ % 3 && tool.tool != Tool::damage) ImGui::SameLine();
         if (ImGui::RadioButton(fmt::format("{} ({})", tool.name, s.keys.text(tool.action)).c_str(),
                                s.tool == tool.tool))
             s.tool = tool.tool;
@@ -138,9 +152,11 @@ void canvas(WindowState& s) {
     ImGui::TextDisabled("%d strokes, %zu dried layers", s.painter.strokes, s.painter.layers.size());
     for (const std::string& layer : s.painter.layers) {
         ImGui::PushID(layer.c_str());
-        if (ImGui::SmallButton("Lift off")) s.ask.lift = layer;
-        tip("Takes this layer of dried paint away; can be undone");
-        ImGui::SameLine();
+        if (!s.treating.on) {  // there, that is a step
+            if (ImGui::SmallButton("Lift off")) s.ask.lift = layer;
+            tip("Takes this layer of dried paint away; can be undone");
+            ImGui::SameLine();
+        }
         ImGui::TextUnformatted(layer.c_str());
         ImGui::PopID();
     }
@@ -162,9 +178,11 @@ void column(WindowState& s, float height) {
     if (s.comparing.loaded && !*unfolded) ImGui::SetNextItemOpen(true);
     *unfolded = s.comparing.loaded;
     if (section("Photographs", false)) photographs(s);
+    if (!s.treating.on && section("Treatment", false)) treatment(s);
     if (section("Tools", true)) tools(s);
     if (section("Light", true)) light(s);
     if (section("Look", false)) look(s);
+    if (section("Devices", false)) devices(s);
     if (section("Paint", true)) brush(s);
     if (section("Palette", true)) palette(s);
     if (section("Canvas", true)) canvas(s);
@@ -174,10 +192,21 @@ void column(WindowState& s, float height) {
 
 void help(WindowState& s) {
     if (!s.help) return;
+    const ImVec2 screen = ImGui::GetIO().DisplaySize;
     ImGui::SetNextWindowPos({width(s) + 20, 20}, ImGuiCond_Appearing);
-    if (ImGui::Begin("Keys", &s.help, ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoSavedSettings)) {
-        for (const Shortcut& shortcut : shortcuts())
-            ImGui::Text("%-20s %s", s.keys.text(shortcut.action).c_str(), shortcut.help);
+    // What does not fit is scrolled to.
+    ImGui::SetNextWindowSizeConstraints(
+        {0, 0}, {std::max(screen.x - width(s) - 40, 100.0f), std::max(screen.y - 40, 100.0f)});
+    if (ImGui::Begin("Keys", &s.help,
+                     ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoSavedSettings |
+                         ImGuiWindowFlags_HorizontalScrollbar)) {
+        for (const Shortcut& shortcut : shortcuts()) {
+            const Action action = shortcut.action;
+            const bool of_treatment = action == Action::tool_damage || action == Action::tool_sample ||
+                                      (action > Action::treatment && action <= Action::treatment_report);
+            if (of_treatment && !s.treating.on) continue;
+            ImGui::Text("%-20s %s", s.keys.text(action).c_str(), shortcut.help);
+        }
         ImGui::Separator();
         ImGui::TextUnformatted(
             "wheel                zoom to the cursor\n"

@@ -153,11 +153,16 @@ void held_photo(const WindowState& s, unsigned photo, unsigned relit, Extent scr
     const Comparing& c = s.comparing;
     ImDrawList* draw = ImGui::GetBackgroundDrawList();
     const Placement place = placement_of(s, screen);
-    const float left = ImGui::GetIO().DisplaySize.x - static_cast<float>(screen.width);
+    const float left = s.canvas_left;
     const auto wide = static_cast<float>(screen.width), half = static_cast<float>(pane(s, screen).width);
-    const auto& entry = c.news.book->entries()[static_cast<std::size_t>(c.news.held->index)];
-    std::string name = entry.name;
-    if (c.news.held->reduced > 1) name += fmt::format(" (at 1/{})", c.news.held->reduced);
+    std::string name, other = "relit";
+    if (c.pair) {
+        name = c.pair->left;
+        other = c.pair->right;
+    } else {
+        name = c.news.book->entries()[static_cast<std::size_t>(c.news.held->index)].name;
+        if (c.news.held->reduced > 1) name += fmt::format(" (at 1/{})", c.news.held->reduced);
+    }
     const float top = 12;
     switch (c.way) {
         case CompareWay::aside:
@@ -165,7 +170,7 @@ void held_photo(const WindowState& s, unsigned photo, unsigned relit, Extent scr
             picture(draw, relit, place, s.painting, left + half, left + half, left + wide);
             draw->AddLine({left + half, 0}, {left + half, static_cast<float>(screen.height)}, kBack, 3);
             label(draw, {left + 14, top}, name);
-            label(draw, {left + half + 14, top}, "relit");
+            label(draw, {left + half + 14, top}, other);
             break;
         case CompareWay::wipe: {
             const float at = left + std::round(c.divider * wide);
@@ -174,12 +179,12 @@ void held_photo(const WindowState& s, unsigned photo, unsigned relit, Extent scr
             draw->AddLine({at, 0}, {at, static_cast<float>(screen.height)}, IM_COL32(0, 0, 0, 255), 3);
             draw->AddLine({at, 0}, {at, static_cast<float>(screen.height)}, kInk, 1);
             label(draw, {at - 14, top}, name, true);
-            label(draw, {at + 14, top}, "relit");
+            label(draw, {at + 14, top}, other);
             break;
         }
         case CompareWay::blink:
             picture(draw, c.blink_photo ? photo : relit, place, s.painting, left, left, left + wide);
-            label(draw, {left + 14, top}, c.blink_photo ? name : "relit");
+            label(draw, {left + 14, top}, c.blink_photo ? name : other);
             break;
         case CompareWay::difference:
         case CompareWay::delta_e: {
@@ -195,7 +200,8 @@ void held_photo(const WindowState& s, unsigned photo, unsigned relit, Extent scr
             break;
         }
     }
-    if (c.news.busy) label(draw, {left + wide / 2, static_cast<float>(screen.height) - 60}, "measuring ...");
+    if (c.news.busy && !c.pair)
+        label(draw, {left + wide / 2, static_cast<float>(screen.height) - 60}, "measuring ...");
 }
 
 }  // namespace tangi::panels

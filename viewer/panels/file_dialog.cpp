@@ -81,7 +81,9 @@ bool FileDialog::accept() {
 bool FileDialog::draw() {
     const ImVec2 screen = ImGui::GetIO().DisplaySize;
     ImGui::SetNextWindowPos({screen.x / 2, screen.y / 2}, ImGuiCond_Appearing, {0.5f, 0.5f});
-    ImGui::SetNextWindowSize({std::min(520.0f, screen.x), std::min(430.0f, screen.y)}, ImGuiCond_Appearing);
+    const float line = ImGui::GetFontSize();
+    ImGui::SetNextWindowSize({std::min(40 * line, screen.x), std::min(33 * line, screen.y)},
+                             ImGuiCond_Appearing);
     ImGui::SetNextWindowBgAlpha(1);
     bool open = true, done = false;
     ImGui::Begin(title_.c_str(), &open, ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoCollapse);

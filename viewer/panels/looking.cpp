@@ -31,7 +31,7 @@ void dome(WindowState& s) {
         const ImVec2 spot(centre.x + radius * static_cast<float>(at.x),
                           centre.y - radius * static_cast<float>(at.y));
         const int shade = s.lamps[i].on ? 255 : 110;
-        draw->AddCircleFilled(spot, i == s.lamp ? 7.0f : 5.0f,
+        draw->AddCircleFilled(spot, (i == s.lamp ? 7.0f : 5.0f) * s.scale,
                               IM_COL32(shade, shade * 220 / 255, shade / 2, 255));
     }
 }
@@ -70,6 +70,10 @@ void light(WindowState& s) {
         s.lamp = std::min(s.lamp, s.lamps.size() - 1);
     }
     ImGui::Checkbox("Sweep", &s.sweeping);
+    if (ImGui::SmallButton("Film ...") && !s.film) s.ask.film_dialog = true;
+    if (ImGui::IsItemHovered())
+        ImGui::SetTooltip("%s: a video of this view, while this lamp goes once round at its elevation",
+                          s.keys.text(Action::film).c_str());
     ImGui::EndGroup();
     Lamp& lamp = s.lamps[s.lamp];
     auto azimuth = static_cast<float>(lamp.angles.azimuth_deg),

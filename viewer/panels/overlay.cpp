@@ -68,7 +68,7 @@ void message(const std::string& text, float left, float width, float bottom) {
                   IM_COL32(255, 225, 150, 255), text.c_str(), nullptr, wrap);
 }
 
-void probe(const WindowState& s) {
+void probe(const WindowState& s, float right) {
     if (!s.probing || !s.probe) return;
     const Probe& p = *s.probe;
     const Material& m = p.material;
@@ -84,8 +84,8 @@ void probe(const WindowState& s) {
         for (const auto& [name, part] : p.recipe)
             if (part > 0.01) text += fmt::format("\n  {:.0f} % {}", 100 * part, name);
     }
-    const ImVec2 size = ImGui::CalcTextSize(text.c_str()), window = ImGui::GetIO().DisplaySize;
-    const ImVec2 at(window.x - size.x - 16, 12);
+    const ImVec2 size = ImGui::CalcTextSize(text.c_str());
+    const ImVec2 at(right - size.x - 16, 12);
     ImDrawList* draw = ImGui::GetBackgroundDrawList();
     draw->AddRectFilled({at.x - 8, at.y - 6}, {at.x + size.x + 8, at.y + size.y + 6}, IM_COL32(0, 0, 0, 170),
                         4);
@@ -96,7 +96,8 @@ void probe(const WindowState& s) {
 
 void overlay(WindowState& s, const Placement& placement, Extent screen, const glm::dvec2& cursor,
              bool cursor_over) {
-    const float left = ImGui::GetIO().DisplaySize.x - static_cast<float>(screen.width);
+    const float left = s.canvas_left;
+    damage_map(s, placement, screen, cursor, cursor_over);
     if (cursor_over && s.tool == Tool::paint && !s.comparing.on) brush_outline(s, placement, cursor, left);
     const auto half = static_cast<float>(pane(s, screen).width);
     for (const float at : {left, left + half}) {
@@ -104,17 +105,20 @@ void overlay(WindowState& s, const Placement& placement, Extent screen, const gl
         ruler(s, placement, at);
         region(s, placement, at);
     }
-    if (!s.comparing.on) probe(s);
+    if (!s.comparing.on) probe(s, left + static_cast<float>(screen.width));
     const Lamp& lamp = s.lamps[s.lamp];
     std::string status = fmt::format("{:.0f} %   tilt {:.0f} {:.0f}   light {:.0f} {:.0f} deg",
                                      100 * s.view.zoom, s.tilt.angle_deg.x, s.tilt.angle_deg.y,
                                      lamp.angles.azimuth_deg, lamp.angles.elevation_deg);
+    if (s.treating.state) status += fmt::format("   as it was: {}", title_of(*s.treating.state));
+    if (s.treating.preview) status += "   preview";
     if (s.painter.saving) status += "   saving ...";
     if (s.painter.waiting > 20) status += "   painting ...";
-    const float y = static_cast<float>(screen.height) - 22;
+    const float line = 22 * s.scale, y = static_cast<float>(screen.height) - line;
     ImDrawList* draw = ImGui::GetBackgroundDrawList();
-    draw->AddRectFilled({left, y}, {left + static_cast<float>(screen.width), y + 22}, IM_COL32(0, 0, 0, 150));
-    draw->AddText({left + 8, y + 4}, IM_COL32(220, 220, 220, 255), status.c_str());
+    draw->AddRectFilled({left, y}, {left + static_cast<float>(screen.width), y + line},
+                        IM_COL32(0, 0, 0, 150));
+    draw->AddText({left + 8 * s.scale, y + 4 * s.scale}, IM_COL32(220, 220, 220, 255), status.c_str());
     message(s.message, left, static_cast<float>(screen.width), y);
 }
 

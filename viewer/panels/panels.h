@@ -8,7 +8,7 @@ namespace tangi::panels {
 // [pixels] of the column at the left.
 inline float width(const WindowState& state) { return 300 * state.scale; }
 
-// The column: File, Photographs, Tools, Light, Look, Paint, Palette, Canvas.
+// The column: File, Photographs, Tools, Light, Look, Devices, Paint, Palette, Canvas.
 void column(WindowState& state, float height);
 
 void file(WindowState& state);
@@ -16,9 +16,24 @@ void photographs(WindowState& state);
 void tools(WindowState& state);
 void light(WindowState& state);
 void look(WindowState& state);
+void devices(WindowState& state);
 void brush(WindowState& state);
 void palette(WindowState& state);
 void canvas(WindowState& state);
+
+// The column at the right, while the painting is under treatment: Damage, Steps, Colour, Record.
+inline float treatment_width(const WindowState& state) { return state.treating.on ? 330 * state.scale : 0; }
+void treatment_column(WindowState& state, float height);
+void treatment(WindowState& state);  // of the left column: to begin or open one
+void damage(WindowState& state);
+void steps(WindowState& state);
+void matching(WindowState& state);
+void record(WindowState& state);
+void tip(const std::string& text);  // of the item before
+
+// Over the painting: the damage map, and the polygon or brush that is drawn on it.
+void damage_map(const WindowState& state, const Placement& placement, Extent screen, const glm::dvec2& cursor,
+                bool cursor_over);
 
 // Over the painting: ruler, brush outline, probe, status. `origin`: the canvas area's corner in the window.
 void overlay(WindowState& state, const Placement& placement, Extent screen, const glm::dvec2& cursor,

@@ -1,0 +1,169 @@
+#include "paint/paint_parts.h"
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "surface/error.h"
+
+namespace tangi {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+using nlohmann::json;
+
+constexpr int kSize = PaintTile::kSize;
+const std::string kVolume = "volume.";
+
+json to_json(const Pigment& p) {
+    return {{"name", p.name},
+            {"k", p.k},
+            {"s", p.s},
+            {"origin", name_of(p.origin)},
+            {"source", p.source},
+            {"specular", p.specular},
+            {"roughness", p.roughness}};
+}
+
+Pigment pigment_from(const json& object) {
+    Pigment p;
+    p.name = object.at("name").get<std::string>();
+    p.k = object.at("k").get<Spectrum>();
+    p.s = object.at("s").get<Spectrum>();
+    p.source = object.value("source", std::string());
+    for (const PigmentOrigin origin : {PigmentOrigin::measured, PigmentOrigin::masstone_and_tint,
+                                       PigmentOrigin::masstone, PigmentOrigin::colour})
+        if (object.value("origin", std::string()) == name_of(origin)) p.origin = origin;
+    p.specular = object.at("specular").get<float>();
+    p.roughness = object.at("roughness").get<float>();
+    for (int band = 0; band < kBands; ++band) {
+        const auto i = static_cast<std::size_t>(band);
+        if (!(p.k[i] >= 0) || !(p.s[i] >= 0) || !std::isfinite(p.k[i]) || !std::isfinite(p.s[i]))
+            throw std::runtime_error(fmt::format("K or S of '{}' is negative or not finite", p.name));
+    }
+    if (!(p.specular >= 0 && p.specular <= 1) || !(p.roughness >= 1e-6f && p.roughness <= 10))
+        throw std::runtime_error(
+            fmt::format("'{}' has specular {} and roughness {}", p.name, p.specular, p.roughness));
+    return p;
+}
+
+// The number in a channel's name, or -1.
+int ingredient_in(const std::string& channel) {
+    if (!channel.starts_with(kVolume)) return -1;
+    const std::string digits = channel.substr(kVolume.size());
+    if (digits.empty() || digits.size() > 5 || digits.find_first_not_of("0123456789") != std::string::npos)
+        return -1;
+    return std::stoi(digits);
+}
+
+// Puts a run of one ingredient's row into the tiles.
+void put_row(PaintLayer& layer, IngredientId id, int y, const float* row) {
+    for (int tx = 0; tx < layer.columns(); ++tx) {
+        const TileIndex at{tx, y / kSize};
+        const Region region = layer.region_of(at);
+        const float* from = row + region.x0;
+        if (std::all_of(from, from + region.width(), [](float v) { return v == 0; })) continue;
+        PaintTile& tile = layer.writable(at);
+        std::copy_n(from, region.width(),
+                    tile.writable_plane(id).data() + static_cast<std::size_t>((y - region.y0) * kSize));
+    }
+}
+
+}  // namespace
+
+std::string volume_channel(IngredientId id) { return fmt::format("{}{:05}", kVolume, id); }
+
+PartToWrite part_of(const std::string& name, const PaintLayer& layer) {
+    PartToWrite part;
+    std::set<IngredientId> occurring;
+    for (const TileIndex at : layer.painted())
+        occurring.insert(layer.tile(at)->ingredients.begin(), layer.tile(at)->ingredients.end());
+    if (occurring.empty()) occurring.insert(0);  // an EXR part has a channel
+    const std::vector<IngredientId> ids(occurring.begin(), occurring.end());
+    part.info = {name, layer.width(), layer.height(), {}, {}};
+    for (const IngredientId id : ids) part.info.channels.push_back(volume_channel(id));
+    part.fill = [&layer, ids](int y0, int y1, std::span<float* const> planes) {
+        for (int ty = y0 / kSize; ty * kSize < y1; ++ty)
+            for (int tx = 0; tx < layer.columns(); ++tx) {
+                const auto& tile = layer.tile({tx, ty});
+                if (!tile) continue;
+                const Region region = layer.region_of({tx, ty});
+                for (std::size_t c = 0; c < ids.size(); ++c) {
+                    const auto plane = tile->plane(ids[c]);
+                    if (plane.empty()) continue;
+                    for (int y = std::max(region.y0, y0); y < std::min(region.y1, y1); ++y)
+                        std::copy_n(
+                            plane.data() + static_cast<std::size_t>((y - region.y0) * kSize), region.width(),
+                            planes[c] +
+                                static_cast<std::size_t>(y - y0) * static_cast<std::size_t>(layer.width()) +
+                                region.x0);
+                }
+            }
+    };
+    return part;
+}
+
+void add_ingredients(PartInfo& info, const std::vector<Pigment>& ingredients) {
+    json list = json::array();
+    for (const Pigment& pigment : ingredients) list.push_back(to_json(pigment));
+    info.attributes["ingredients"] = list.dump();
+}
+
+void read_ingredients(const fs::path& path, const PartInfo& info, Canvas& canvas) {
+    try {
+        const auto text = info.attributes.find("ingredients");
+        if (text == info.attributes.end()) throw std::runtime_error("it is missing");
+        for (const json& ingredient : json::parse(text->second))
+            if (canvas.add(pigment_from(ingredient)) + std::size_t(1) != canvas.ingredients().size())
+                throw std::runtime_error("two of them are the same");
+    } catch (const std::exception& error) {
+        fail("{}: attribute 'ingredients' of part '{}': {}", path.string(), info.name, error.what());
+    }
+}
+
+std::vector<IngredientId> ingredients_of(const fs::path& path, const PartInfo& info, std::size_t known) {
+    std::vector<IngredientId> ids;
+    for (const std::string& channel : info.channels) {
+        const int id = ingredient_in(channel);
+        // An EXR part has a channel, even where nothing was painted with.
+        if (!(id >= 0 && static_cast<std::size_t>(id) < known) && !(id == 0 && known == 0))
+            fail("{}: part '{}' has a channel '{}' for which there is no ingredient", path.string(),
+                 info.name, channel);
+        ids.push_back(static_cast<IngredientId>(id));
+    }
+    return ids;
+}
+
+void require_volumes(const fs::path& path, const PartInfo& info, std::size_t channel, int y,
+                     std::span<const float> row) {
+    for (std::size_t x = 0; x < row.size(); ++x)
+        if (!(row[x] >= -1e-6f) || !std::isfinite(row[x]))
+            fail("{}: part '{}', channel '{}' holds {} at pixel ({}, {}); volumes are 0 or more",
+                 path.string(), info.name, info.channels[channel], row[x], x, y);
+}
+
+PaintLayer read_layer(const fs::path& path, const PartInfo& info, const Canvas& canvas,
+                      const Progress& progress) {
+    if (info.width != canvas.width() || info.height != canvas.height())
+        fail("{}: part '{}' is {} x {}, but the painting is {} x {}", path.string(), info.name, info.width,
+             info.height, canvas.width(), canvas.height());
+    const std::vector<IngredientId> ids = ingredients_of(path, info, canvas.ingredients().size());
+    PaintLayer layer(canvas.width(), canvas.height());
+    const auto width = static_cast<std::size_t>(info.width);
+    read_painting_part(
+        path, info,
+        [&](int y0, int y1, std::span<const float* const> planes) {
+            for (std::size_t c = 0; c < planes.size(); ++c)
+                for (int y = y0; y < y1; ++y) {
+                    const float* row = planes[c] + static_cast<std::size_t>(y - y0) * width;
+                    require_volumes(path, info, c, y, {row, width});
+                    put_row(layer, ids[c], y, row);
+                }
+        },
+        progress);
+    return layer;
+}
+
+}  // namespace tangi

@@ -1,0 +1,37 @@
+// paint_parts.h: layers of paint as parts of a painting file: a channel `volume.NNNNN` [mm^3/mm^2 = mm] for
+// each ingredient that occurs, NNNNN its number among the canvas's ingredients.
+//
+// What is read throws Error naming the file, the part and the place.
+#pragma once
+
+#include <filesystem>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "paint/canvas.h"
+#include "surface/painting_parts.h"
+#include "surface/progress.h"
+
+namespace tangi {
+
+std::string volume_channel(IngredientId id);
+
+// `layer` must outlive what is written.
+PartToWrite part_of(const std::string& name, const PaintLayer& layer);
+PaintLayer read_layer(const std::filesystem::path& path, const PartInfo& info, const Canvas& canvas,
+                      const Progress& progress = {});
+
+// All of a canvas's ingredients, in the order of their numbers, in the attribute `ingredients`: a JSON list
+// of name, k, s (12 bands, 1/mm), specular, roughness, origin, source.
+void add_ingredients(PartInfo& info, const std::vector<Pigment>& ingredients);
+void read_ingredients(const std::filesystem::path& path, const PartInfo& info, Canvas& canvas);
+
+// The ingredients that a part's channels are of, of which `known` are there.
+std::vector<IngredientId> ingredients_of(const std::filesystem::path& path, const PartInfo& info,
+                                         std::size_t known);
+// Volumes are finite and not negative (to rounding).
+void require_volumes(const std::filesystem::path& path, const PartInfo& info, std::size_t channel, int y,
+                     std::span<const float> row);
+
+}  // namespace tangi

@@ -1,0 +1,109 @@
+#include "paint/retouch/recipe_json.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+namespace tangi {
+
+nlohmann::json by_lamp(const std::array<double, kIlluminants>& values) {
+    nlohmann::json json = nlohmann::json::object();
+    for (std::size_t lamp = 0; lamp < kIlluminants; ++lamp)
+        if (std::isfinite(values[lamp]))
+            json[std::string(name_of(static_cast<Illuminant>(lamp)))] = values[lamp];
+    return json;
+}
+
+nlohmann::json as_json(const std::vector<MixingStep>& steps, const Mixture& mixture,
+                       const std::vector<Pigment>& paints) {
+    nlohmann::json volumes = nlohmann::json::object(), measured = nlohmann::json::array();
+    for (std::size_t i = 0; i < static_cast<std::size_t>(mixture.count); ++i)
+        volumes[paints[static_cast<std::size_t>(mixture.paints[i])].name] = mixture.volumes[i];
+    for (const MixingStep& step : steps)
+        measured.push_back({{"of_mixture", step.so_far},
+                            {"paint", paints[static_cast<std::size_t>(step.paint)].name},
+                            {"measures", step.added}});
+    return {{"recipe", text_of(steps, paints)}, {"parts_by_volume", volumes}, {"steps", measured}};
+}
+
+nlohmann::json warnings_of(const Mixture& mixture, const std::vector<Pigment>& paints,
+                           const std::vector<PairWarning>& pairs) {
+    nlohmann::json texts = nlohmann::json::array();
+    const auto begin = mixture.paints.begin(), end = begin + mixture.count;
+    std::set<std::string> said;
+    for (const PairWarning& w : pairs) {
+        if (std::find(begin, end, w.a) == end || std::find(begin, end, w.b) == end) continue;
+        const std::string text =
+            fmt::format("{} with {}: {} ({})", paints[static_cast<std::size_t>(w.a)].name,
+                        paints[static_cast<std::size_t>(w.b)].name, w.pair->why, w.pair->source);
+        if (said.insert(text).second) texts.push_back(text);
+    }
+    for (auto it = begin; it != end; ++it)
+        if (paints[static_cast<std::size_t>(*it)].approximate())
+            texts.push_back(fmt::format("{}: only its colour is known; its mixtures are a guess",
+                                        paints[static_cast<std::size_t>(*it)].name));
+    return texts;
+}
+
+nlohmann::json to_json(const RetouchReport& report, const std::vector<Pigment>& paints,
+                       const std::vector<PairWarning>& pairs) {
+    nlohmann::json piles = nlohmann::json::array();
+    for (const Pile& pile : report.piles) {
+        nlohmann::json json = as_json(pile.steps, pile.mixture, paints);
+        const Lab lab = lab_under(pile.look);
+        json["lab"] = {lab.l, lab.a, lab.b};
+        json["share"] = pile.share;
+        json["volume_mm3"] = pile.volume_mm3;
+        json["warnings"] = warnings_of(pile.mixture, paints, pairs);
+        piles.push_back(json);
+    }
+    nlohmann::json json = {{"piles", piles},
+                           {"area_mm2", report.area_mm2},
+                           {"painted_mm2", report.painted_mm2},
+                           {"delta_e_2000_from_target", by_lamp(report.delta_e_mean)}};
+    if (report.marks > 0)
+        json["lines"] = {
+            {"number", report.marks}, {"pitch_mm", report.pitch_mm}, {"width_mm", report.width_mm}};
+    return json;
+}
+
+nlohmann::json to_json(const Fusion& fusion) {
+    return {{"fuses", fusion.fuses},
+            {"distance_m", fusion.distance_m},
+            {"delta_e_2000_at_0.3_m", fusion.delta_e_near},
+            {"delta_e_2000_there", fusion.delta_e_fused}};
+}
+
+Gloss gloss_of(const Mixture& mixture, const std::vector<Pigment>& paints, double luminance) {
+    Gloss gloss{0, 0, luminance};
+    for (std::size_t i = 0; i < static_cast<std::size_t>(mixture.count); ++i) {
+        const Pigment& p = paints[static_cast<std::size_t>(mixture.paints[i])];
+        gloss.specular += mixture.volumes[i] * static_cast<double>(p.specular);
+        gloss.roughness += mixture.volumes[i] * static_cast<double>(p.roughness);
+    }
+    return gloss;
+}
+
+std::vector<char> without_pairs(std::size_t paints, const std::vector<PairWarning>& pairs) {
+    if (pairs.empty()) return {};
+    std::vector<char> allowed(paints * paints, 1);
+    for (const PairWarning& w : pairs) {
+        const auto i = static_cast<std::size_t>(w.a), j = static_cast<std::size_t>(w.b);
+        allowed[i * paints + j] = allowed[j * paints + i] = 0;
+    }
+    return allowed;
+}
+
+RetouchViews retouch_views(const Image<Rgb>& seen, const Mask& mask, const RetouchReport& report) {
+    const Region& r = report.region;
+    RetouchViews views{Image<Rgb>(r.width(), r.height()), report.target, Mask(r.width(), r.height())};
+    for (int y = 0; y < r.height(); ++y)
+        for (int x = 0; x < r.width(); ++x) {
+            views.retouched(x, y) = seen(x + r.x0, y + r.y0);
+            views.mask(x, y) = mask(x + r.x0, y + r.y0);
+            if (!(views.mask(x, y) > 0)) views.target(x, y) = views.retouched(x, y);
+        }
+    return views;
+}
+
+}  // namespace tangi

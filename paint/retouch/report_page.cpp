@@ -1,0 +1,65 @@
+// report_page.cpp: a report as one web page.
+#include <algorithm>
+
+#include "paint/retouch/report_document.h"
+#include "surface/error.h"
+#include "surface/html_text.h"
+
+namespace tangi {
+
+namespace {
+
+constexpr const char* kPrintStyle =
+    "<style>@page{size:A4;margin:16mm}@media print{:root{--paper:#fff;--card:#fff;--ink:#000;--soft:#444;"
+    "--line:#bbb}body{font-size:10pt}main{padding:0;max-width:none}h2{break-after:avoid}figure,tr{"
+    "break-inside:avoid}.wide{overflow:visible}td{white-space:normal;overflow-wrap:anywhere}}figure img{"
+    "max-width:100%;height:auto}td.text,th.text{text-align:left;"
+    "white-space:normal;overflow-wrap:anywhere;vertical-align:top}</style>";
+
+std::string row(const std::vector<std::string>& cells, const char* tag) {
+    std::string text = "<tr>";
+    for (const std::string& cell : cells)
+        text += fmt::format("<{0} class=\"text\">{1}</{0}>", tag, escaped(cell));
+    return text + "</tr>";
+}
+
+struct Writer {
+    const std::filesystem::path& scratch;
+
+    std::string operator()(const ReportHeading& h) const { return "<h2>" + escaped(h.text) + "</h2>"; }
+    std::string operator()(const ReportText& t) const {
+        return (t.soft ? "<p class=\"soft\">" : "<p>") + escaped(t.text) + "</p>";
+    }
+    std::string operator()(const ReportTable& t) const {
+        std::string html = "<div class=\"wide\"><table>";
+        if (!t.head.empty()) html += row(t.head, "th");
+        for (const auto& cells : t.rows) html += row(cells, "td");
+        return html + "</table></div>";
+    }
+    std::string operator()(const ReportPictures& p) const {
+        const int most = 1100 / std::max(static_cast<int>(p.pictures.size()), 2);
+        std::string html = "<div class=\"row\">";
+        for (const auto& [picture, caption] : p.pictures)
+            html += fmt::format(
+                "<figure class=\"card\"><img alt=\"{0}\" width=\"{1}\" src=\"{2}\"><figcaption>{0}"
+                "</figcaption></figure>",
+                escaped(caption), std::min(picture.width(), most), picture_url(picture, scratch));
+        return html + "</div>";
+    }
+    std::string operator()(const ReportLights& l) const {
+        return fmt::format(
+            "<div class=\"row\"><figure class=\"card\">{}<figcaption>{}</figcaption></figure></div>",
+            hemisphere(l.lights), escaped(l.caption));
+    }
+    std::string operator()(const ReportPlan&) const { return ""; }
+};
+
+}  // namespace
+
+std::string html_of(const ReportDocument& document, const std::filesystem::path& scratch) {
+    std::string page = page_head(document.title) + kPrintStyle;
+    for (const ReportBlock& block : document.blocks) page += std::visit(Writer{scratch}, block);
+    return page + "</main></body></html>\n";
+}
+
+}  // namespace tangi

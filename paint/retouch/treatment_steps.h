@@ -1,0 +1,57 @@
+// treatment_steps.h: the steps of a treatment: each changes the canvas, says what came out, and is logged.
+//
+// What the command line and the window share. The canvas is that of treatment.read_canvas(), or one that goes
+// on from it; where a step throws, the log and the files are as before, and the canvas is to be thrown away.
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "paint/retouch/fill.h"
+#include "paint/retouch/treatment.h"
+
+namespace tangi {
+
+// Where a step works.
+struct StepArea {
+    Mask mask;
+    nlohmann::json described = nlohmann::json::object();  // for the log
+    std::vector<std::filesystem::path> inputs{};          // files that it was read from
+};
+// The union of classes of damage; empty coverage without any.
+StepArea area_of_classes(const Treatment& treatment, const std::set<DamageClass>& classes);
+
+// Where paint, or its ground, is missing: losses, flaking, old fills.
+Mask damaged(const Treatment& treatment);
+
+nlohmann::json fill_step(Treatment& treatment, Canvas& canvas, const StepArea& area, FillTexture texture,
+                         const Rgb& colour, const FillOptions& options, const Author& author,
+                         const Progress& progress = {});
+
+// `area` null: all of the painting.
+nlohmann::json varnish_step(Treatment& treatment, Canvas& canvas, bool isolating, const StepArea* area,
+                            const VarnishOptions& options, const Author& author,
+                            const Progress& progress = {});
+
+// Takes what was painted by hand into the treatment: wet paint is dried as a layer with a new name, layers
+// that the log does not know are retouches too. `step` holds what is known beyond that (parameters, results,
+// the journal as a file). Throws Error naming `source` where nothing was painted.
+nlohmann::json retouch_step(Treatment& treatment, Canvas& canvas, const StepArea& area, TreatmentStep step,
+                            const std::string& source, const Author& author, const Progress& progress = {});
+
+// Where the journal of the retouch that is recorded next is kept: "strokes/retouch_2.jsonl".
+std::string journal_file(const Treatment& treatment);
+
+// Takes layers off. Throws Error, saying which there are, where one is not there.
+nlohmann::json remove_step(Treatment& treatment, Canvas& canvas, const std::vector<std::string>& layers,
+                           const Author& author, const Progress& progress = {});
+
+// Puts `mask` in the place of what a class has; `parameters` say how it came about.
+nlohmann::json draw_step(Treatment& treatment, DamageClass damage, const Mask& mask,
+                         const nlohmann::json& parameters, const Author& author,
+                         const std::vector<std::filesystem::path>& inputs = {},
+                         const Progress& progress = {});
+
+}  // namespace tangi

@@ -1,0 +1,127 @@
+#include "paint/tools_file.h"
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "paint/mixing_board.h"
+#include "paint/paint_parts.h"
+#include "surface/error.h"
+
+namespace tangi {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+using nlohmann::json;
+
+constexpr const char *kPalette = "palette", *kBrush = "brush", *kTotal = "total";
+
+PartToWrite part_of(const Brush& brush, Place place) {
+    PartToWrite part;
+    const int size = brush.grid_size();
+    const auto load = std::make_shared<const BrushLoad>(brush.bristles());
+    part.info = {kBrush, size, size, {kTotal}, {}};
+    for (const IngredientId id : load->ingredients) part.info.channels.push_back(volume_channel(id));
+    part.info.attributes["brush"] = json{{"settings", brush_to_json(brush.settings())},
+                                         {"seed", brush.seed()},
+                                         {"rotation_rad", load->rotation_rad},
+                                         {"on", place == Place::painting ? "painting" : "palette"}}
+                                        .dump();
+    part.fill = [load, size](int y0, int y1, std::span<float* const> planes) {
+        const auto copy = [&](const std::vector<float>& from, float* to) {
+            std::copy_n(from.data() + static_cast<std::ptrdiff_t>(y0) * size,
+                        static_cast<std::ptrdiff_t>(y1 - y0) * size, to);
+        };
+        copy(load->total_mm, planes[0]);
+        for (std::size_t i = 0; i < load->mm.size(); ++i) copy(load->mm[i], planes[i + 1]);
+    };
+    return part;
+}
+
+Canvas read_board(const fs::path& path, const PartInfo& info, double mm_per_pixel, const Progress& progress) {
+    Canvas board = make_board({info.width * mm_per_pixel, info.height * mm_per_pixel}, mm_per_pixel);
+    read_ingredients(path, info, board);
+    board.writable_wet() = read_layer(path, info, board, progress);
+    return board;
+}
+
+struct BrushInHand {
+    std::unique_ptr<Brush> brush;
+    Place place = Place::painting;
+};
+
+BrushInHand read_brush(const fs::path& path, const PartInfo& info, const Canvas& painting,
+                       const std::optional<Canvas>& board) {
+    const std::string where = fmt::format("{}: attribute 'brush' of part 'brush'", path.string());
+    BrushInHand hand;
+    BrushLoad load;
+    const auto text = info.attributes.find("brush");
+    const json about = text == info.attributes.end() ? json() : json::parse(text->second, nullptr, false);
+    if (!about.is_object() || !about.value("seed", json()).is_number_unsigned() ||
+        !about.value("rotation_rad", json()).is_number() || !about.contains("settings"))
+        fail("{}: has no settings, seed and rotation_rad", where);
+    load.rotation_rad = about["rotation_rad"].get<float>();
+    if (!std::isfinite(load.rotation_rad)) fail("{}: rotation_rad is not finite", where);
+    const json on = about.value("on", json());
+    if (on != "painting" && on != "palette")
+        fail("{}: 'on' is {}, not painting or palette", where, on.dump());
+    hand.place = on == "painting" ? Place::painting : Place::palette;
+    if (hand.place == Place::palette && !board)
+        fail("{}: it was used on a palette, which is not there", where);
+    const Canvas& canvas = hand.place == Place::palette ? *board : painting;
+
+    hand.brush = std::make_unique<Brush>(brush_from_json(about["settings"], where), painting.mm_per_pixel(),
+                                         about["seed"].get<std::uint64_t>());
+    const int size = hand.brush->grid_size();
+    if (info.width != size || info.height != size)
+        fail("{}: part 'brush' is {} x {}, but a brush of these settings is {} x {}", path.string(),
+             info.width, info.height, size, size);
+    PartInfo volumes = info;
+    if (volumes.channels.empty() || volumes.channels.front() != kTotal)
+        fail("{}: part 'brush' has no channel 'total'", path.string());
+    volumes.channels.erase(volumes.channels.begin());
+    load.ingredients = ingredients_of(path, volumes, canvas.ingredients().size());
+    load.mm.resize(load.ingredients.size());
+    const auto width = static_cast<std::size_t>(size);
+    read_painting_part(path, info, [&](int y0, int y1, std::span<const float* const> planes) {
+        for (std::size_t c = 0; c < planes.size(); ++c) {
+            std::vector<float>& plane = c == 0 ? load.total_mm : load.mm[c - 1];
+            for (int y = y0; y < y1; ++y) {
+                const std::span row(planes[c] + static_cast<std::size_t>(y - y0) * width, width);
+                require_volumes(path, info, c, y, row);
+                plane.insert(plane.end(), row.begin(), row.end());
+            }
+        }
+    });
+    hand.brush->put_back(std::move(load));
+    return hand;
+}
+
+}  // namespace
+
+std::vector<PartToWrite> with_tools(std::vector<PartToWrite> beside, const Session& session) {
+    std::erase_if(beside, [](const PartToWrite& part) {
+        return part.info.name == kPalette || part.info.name == kBrush;
+    });
+    if (const Canvas* board = session.board()) {
+        beside.push_back(part_of(kPalette, board->wet()));
+        add_ingredients(beside.back().info, board->ingredients());
+    }
+    if (session.brush()) beside.push_back(part_of(*session.brush(), session.brush_place()));
+    return beside;
+}
+
+void read_tools(const fs::path& path, Session& session, const Progress& progress) {
+    std::optional<Canvas> board;
+    BrushInHand hand;
+    const std::vector<PartInfo> parts = painting_parts(path);
+    for (const PartInfo& part : parts)
+        if (part.name == kPalette)
+            board.emplace(read_board(path, part, session.canvas().mm_per_pixel(), progress));
+    for (const PartInfo& part : parts)
+        if (part.name == kBrush) hand = read_brush(path, part, session.canvas(), board);
+    session.take_up(std::move(board), std::move(hand.brush), hand.place);
+}
+
+}  // namespace tangi

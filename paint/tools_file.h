@@ -1,0 +1,27 @@
+// tools_file.h: what lies beside a painting while it is painted, in its file: the palette with all that was
+// mixed on it, and the brush with what is on it. A sitting that goes on with them paints the same bits as one
+// that was never interrupted.
+//
+// Part `palette`: as part `wet` (paint_parts.h), of the palette's own size, with ingredients of its own. Part
+// `brush`: the bristles' loads (`volume.NNNNN` and `total`, mm), row by row; its attribute `brush` is JSON:
+// settings, seed, rotation_rad, and on which canvas it was used last (`painting` or `palette`), whose
+// ingredients the numbers are of.
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+#include "paint/session.h"
+#include "surface/painting_parts.h"
+
+namespace tangi {
+
+// The parts to write beside the painting: those of `beside` that are something else, and the session's tools,
+// which must not change until they are written.
+std::vector<PartToWrite> with_tools(std::vector<PartToWrite> beside, const Session& session);
+
+// Gives a session, in which nothing was painted yet, the palette and the brush in a painting file; nothing
+// where it has none. Throws Error naming the file, the part and the place.
+void read_tools(const std::filesystem::path& path, Session& session, const Progress& progress = {});
+
+}  // namespace tangi

@@ -1,0 +1,380 @@
+// viewer_treatment_desk_test.cpp: a treatment beside the window, without one: damage is suggested and drawn,
+// filled, retouched; painting stops at it; all of it is in the log.
+#include "viewer/treatment_desk.h"
+
+#include <gmock/gmock.h>
+
+#include <thread>
+
+#include "datasets/procedural_painting.h"
+#include "paint/appearance.h"
+#include "paint/canvas_file.h"
+#include "surface/atomic_file.h"
+#include "surface/painting_file.h"
+#include "viewer_support.h"
+
+namespace tangi {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+
+constexpr auto kLoss = static_cast<std::size_t>(DamageClass::loss_to_ground);
+
+const PaintingTruth& truth() {
+    static const PaintingTruth painting = [] {
+        PaintingOptions options;
+        options.seed = 5;
+        options.width = options.height = 160;
+        options.mm_per_pixel = 0.5;
+        return procedural_painting(options);
+    }();
+    return painting;
+}
+
+class Desks : public testing::Test {
+protected:
+    void SetUp() override {
+        write_painting(folder_ / "a.exr", surface_of(truth()));
+        show(folder_ / "a.exr");
+    }
+    void TearDown() override { desk_.reset(); }
+
+    void show(const fs::path& file) {
+        if (desk_) desk_->leave();
+        painter_.reset();
+        painter_ = std::make_unique<Painter>(
+            Painter::Setup{read_canvas(file), artist_acrylics(), file, false}, [] {});
+        painter_->start(std::make_shared<TexelTiles>(painter_->surface(), painter_->range()));
+        if (!desk_)
+            desk_.emplace(state_,
+                          TreatmentDesk::Setup{{"A. Restorer", "test"},
+                                               artist_acrylics(),
+                                               [] {},
+                                               [this](const std::string& text) { said_.push_back(text); }});
+        state_.scale_known = true;
+        state_.mm_per_pixel = truth().mm_per_pixel;
+        desk_->shows(*painter_);
+    }
+    // Until nothing runs any more.
+    void settle() {
+        for (int quiet = 0, i = 0; quiet < 4 && i < 12000; ++i) {
+            painter_->wait();
+            desk_->take();
+            desk_->look();
+            state_.painter = painter_->fetch().state;
+            quiet = state_.treating.job || state_.painter.waiting > 0 ? 0 : quiet + 1;
+            std::this_thread::sleep_for(std::chrono::milliseconds(5));
+        }
+        painter_->wait();
+        state_.painter = painter_->fetch().state;
+    }
+    void begin() {
+        state_.treating.ask.begin = true;
+        settle();
+        ASSERT_EQ(state_.ask.open, folder_ / "a.treatment" / "painting.exr") << testing::PrintToString(said_);
+        show(std::exchange(state_.ask.open, {}));
+        settle();
+        ASSERT_TRUE(state_.treating.usable) << testing::PrintToString(said_);
+    }
+    void draw(double x, double y, double to_x, double to_y) {
+        auto& touches = state_.treating.touches;
+        touches.push_back({MaskTouch::Kind::press, {x, y}});
+        touches.push_back({MaskTouch::Kind::drag, {to_x, to_y}});
+        touches.push_back({MaskTouch::Kind::release, {}});
+        settle();
+    }
+    void stroke(double y_mm) {
+        StrokeEvent event;
+        event.brush = brush_presets().at("flat");
+        event.brush.size_mm = 8;
+        event.paint = {{"Titanium White", 1}};
+        painter_->send(event);
+        for (int i = 0; i <= 20; ++i)
+            painter_->send(PointEvent{{.time_s = 0.01 * i, .x_mm = 3.0 * i - 30, .y_mm = y_mm}});
+        painter_->send(EndEvent{});
+        settle();
+    }
+    Treatment treatment() const { return Treatment::open(folder_ / "a.treatment"); }
+
+    TestDir folder_;
+    WindowState state_;
+    std::vector<std::string> said_;
+    std::unique_ptr<Painter> painter_;
+    std::optional<TreatmentDesk> desk_;
+};
+
+TEST_F(Desks, TheWholeSequenceIsInTheLog) {
+    begin();
+    Treating& t = state_.treating;
+    t.ask.suggest = true;
+    settle();
+    ASSERT_TRUE(t.suggestion) << testing::PrintToString(said_);
+    EXPECT_FALSE(treatment().has_mask(DamageClass::loss_to_ground)) << "a suggestion changes nothing";
+    const int all = t.suggestion->shown;
+    ASSERT_GT(all, 0);
+    t.suggestion->threshold = 1;
+    settle();
+    EXPECT_LT(t.suggestion->shown, all) << "the slider leaves out what is less sure";
+    t.suggestion->threshold = 0.5f;
+    settle();
+    t.ask.accept = true;
+    settle();
+    ASSERT_TRUE(t.damage[kLoss].there);
+    EXPECT_GT(t.damage[kLoss].area_cm2, 0);
+
+    // Corrected by hand, undone, redone, and kept.
+    const double before = t.damage[kLoss].area_cm2;
+    t.brush_mm = 6;
+    draw(20, 20, 60, 20);
+    draw(20, 140, 60, 140);
+    t.ask.undo = true;
+    settle();
+    EXPECT_EQ(t.edits, 1);
+    t.ask.keep = true;
+    settle();
+    EXPECT_EQ(t.edits, 0);
+    const Mask mask = treatment().mask(DamageClass::loss_to_ground);
+    EXPECT_EQ(mask(40, 20), 1);
+    EXPECT_EQ(mask(40, 140), 0);
+    EXPECT_GT(t.damage[kLoss].area_cm2, before);
+
+    t.ask.fill = true;
+    settle();
+    t.ask.isolate = true;
+    settle();
+    ASSERT_EQ(t.layers.size(), 2u) << testing::PrintToString(said_);
+    EXPECT_EQ(t.layers[0].on_original.pixels, 0);
+
+    // Strokes right across the picture end at the mask.
+    ASSERT_EQ(t.no_strokes, "");
+    const double y_mm = (79.5 - 20) * 0.5;
+    stroke(y_mm);
+    EXPECT_GT(state_.painter.painted_px, 50);
+    EXPECT_EQ(state_.painter.outside_px, 0);
+    t.ask.varnish = true;
+    settle();
+    EXPECT_THAT(said_.back(), HasSubstr("first enter in the log"))
+        << "no step over strokes that are not logged";
+    painter_->save();
+    settle();
+    ASSERT_EQ(t.layers.size(), 3u);
+    EXPECT_EQ(t.layers[2].role, LayerRole::retouch);
+    EXPECT_FALSE(state_.painter.unsaved);
+    EXPECT_EQ(state_.painter.painted_px, 0);
+
+    t.confined = false;
+    settle();
+    stroke(y_mm);
+    EXPECT_GT(state_.painter.outside_px, 50) << "counted as it is painted";
+    painter_->save();
+    settle();
+    EXPECT_GT(t.layers[3].on_original.pixels, 50);
+    t.ask.varnish = true;
+    settle();
+    EXPECT_EQ(t.layers.size(), 5u);
+
+    EXPECT_TRUE(treatment().check().empty());
+    std::vector<std::string> actions;
+    const Treatment done = treatment();
+    for (const LogEntry& entry : done.log().entries())
+        actions.push_back(entry.content["action"].get<std::string>());
+    EXPECT_THAT(actions, testing::ElementsAre("begin", "suggest damage", "draw damage", "fill", "varnish",
+                                              "retouch", "retouch", "varnish"));
+    EXPECT_EQ(t.log.size(), actions.size());
+
+    // Reopened, it is as it was left; taken off, it is the original.
+    show(folder_ / "a.treatment" / "painting.exr");
+    settle();
+    EXPECT_FALSE(t.confined) << "as it was left";
+    EXPECT_EQ(t.layers.size(), 5u);
+    t.ask.remove_all = true;
+    settle();
+    EXPECT_THAT(said_.back(), HasSubstr("bit for bit"));
+    EXPECT_EQ(sha256_of(appearance(treatment().read_canvas())), treatment().dry_sha256());
+}
+
+TEST_F(Desks, ARetouchIsLookedAtBeforeItIsApplied) {
+    begin();
+    Treating& t = state_.treating;
+    t.brush_mm = 12;
+    draw(60, 80, 100, 80);
+    t.ask.keep = true;
+    settle();
+    t.mode = RetouchMode::tratteggio;
+    t.retouch.pitch_mm = 2;
+    t.retouch.width_mm = 1;
+    t.ask.preview = true;
+    settle();
+    ASSERT_TRUE(t.preview) << testing::PrintToString(said_);
+    EXPECT_THAT(t.preview->lines, HasSubstr("2.00 mm apart"));
+    EXPECT_EQ(t.preview->outside_px, 0);
+    EXPECT_THAT(t.no_strokes, HasSubstr("previewed"));
+    EXPECT_TRUE(t.layers.empty());
+    const auto colour_there = [&] {
+        Rgb sum(0);
+        painter_
+            ->look([&](const Surface& seen, const Canvas&) {
+                for (int x = 60; x < 100; ++x) sum += seen.diffuse(x, 80);
+            })
+            .get();
+        return sum;
+    };
+    painter_->wait();
+    const Rgb previewed = colour_there();
+    t.ask.drop_preview = true;
+    settle();
+    EXPECT_NE(colour_there(), previewed) << "seen, then gone";
+    t.ask.preview = true;
+    settle();
+    t.ask.apply = true;
+    settle();
+    ASSERT_EQ(t.layers.size(), 1u) << testing::PrintToString(said_);
+    EXPECT_EQ(colour_there(), previewed) << "what is applied is what was looked at";
+    EXPECT_EQ(treatment().log().entries().back().content["parameters"]["mode"], "tratteggio");
+
+    // States: without the retouch, and with it.
+    t.state = TreatmentState::before;
+    settle();
+    EXPECT_NE(colour_there(), previewed);
+    EXPECT_THAT(t.no_strokes, HasSubstr("choose Now"));
+    t.state.reset();
+    settle();
+    EXPECT_EQ(colour_there(), previewed);
+    t.right = TreatmentState::retouched;
+    t.ask.compare_states = true;
+    settle();
+    ASSERT_TRUE(state_.comparing.shows());
+    EXPECT_NE(state_.comparing.pair->pictures->photo(80, 80), state_.comparing.pair->pictures->relit(80, 80));
+    EXPECT_EQ(state_.comparing.pair->pictures->photo(10, 10), state_.comparing.pair->pictures->relit(10, 10));
+    t.distance_m = 5;
+    t.ask.see_from = true;
+    settle();
+    EXPECT_EQ(state_.comparing.pair->right, "from 5.0 m");
+}
+
+TEST_F(Desks, StrokesOfACrashStopAtTheSameDamage) {
+    begin();
+    Treating& t = state_.treating;
+    t.where = {DamageClass::abrasion};
+    t.current = DamageClass::abrasion;
+    t.brush_mm = 12;
+    draw(70, 80, 90, 80);
+    t.ask.keep = true;
+    settle();
+    stroke(0);
+    const int painted = state_.painter.painted_px;
+    EXPECT_GT(painted, 50);
+    const fs::path file = folder_ / "a.treatment" / "painting.exr";
+    show(file);  // without saving
+    settle();
+    EXPECT_EQ(t.where, std::set<DamageClass>{DamageClass::abrasion});
+    auto journal = left_over(sitting_files(file));
+    ASSERT_TRUE(journal);
+    painter_->recover(std::move(*journal));
+    settle();
+    EXPECT_EQ(state_.painter.painted_px, painted);
+    EXPECT_EQ(state_.painter.outside_px, 0);
+}
+
+TEST_F(Desks, CorrectionsAreKeptWhenTheWindowCloses) {
+    begin();
+    state_.treating.brush_mm = 12;
+    draw(70, 80, 90, 80);
+    EXPECT_EQ(state_.treating.edits, 1);
+    desk_->keep_now();
+    EXPECT_EQ(state_.treating.edits, 0);
+    EXPECT_EQ(treatment().mask(DamageClass::loss_to_ground)(80, 80), 1);
+    EXPECT_THAT(treatment().check(), testing::IsEmpty());
+}
+
+TEST_F(Desks, RecipesForAPlaceAndRoundTheDamage) {
+    begin();
+    Treating& t = state_.treating;
+    t.brush_mm = 10;
+    draw(80, 80, 80, 80);
+    t.ask.keep = true;
+    settle();
+    t.most_paints = 2;
+    t.ask.match_at = glm::dvec2(40, 40);
+    settle();
+    ASSERT_TRUE(t.match) << testing::PrintToString(said_);
+    ASSERT_FALSE(t.match->recipes.empty());
+    for (const ShownRecipe& r : t.match->recipes) {
+        EXPECT_LE(r.mix.size(), 2u);
+        float parts = 0;
+        for (const auto& [name, part] : r.mix) {
+            EXPECT_GE(artist_acrylics().find(name), 0) << "from one's own box";
+            parts += part;
+        }
+        EXPECT_NEAR(parts, 1, 1e-4);
+    }
+    t.ask.match_around = true;
+    settle();
+    EXPECT_THAT(t.match->of, HasSubstr("round the damage"));
+    t.lamps.fill(false);
+    t.ask.match_around = true;
+    settle();
+    EXPECT_THAT(said_.back(), HasSubstr("choose a lamp"));
+}
+
+TEST_F(Desks, AnEditedLogIsSaidAndNothingIsDone) {
+    begin();
+    state_.treating.brush_mm = 10;
+    draw(80, 80, 90, 80);
+    state_.treating.ask.keep = true;
+    settle();
+    write_mask(folder_ / "a.treatment" / "masks" / "loss_to_ground.png", Mask(160, 160, 1.0f));
+    state_.treating.ask.check = true;
+    settle();
+    ASSERT_FALSE(state_.treating.usable);
+    EXPECT_THAT(state_.treating.faults.front(), HasSubstr("loss_to_ground.png"));
+    EXPECT_THAT(state_.treating.no_strokes, HasSubstr("not as its log says"));
+    state_.treating.ask.fill = true;
+    settle();
+    EXPECT_TRUE(treatment().layers().empty());
+
+    std::string log = read_text_file(folder_ / "a.treatment" / "log.jsonl");
+    log[log.find("A. Restorer")] = 'B';
+    write_text_file(folder_ / "a.treatment" / "log.jsonl", log);
+    show(folder_ / "a.treatment" / "painting.exr");
+    settle();
+    EXPECT_FALSE(state_.treating.on);
+    EXPECT_THAT(said_.back(), HasSubstr("log.jsonl:1: was edited"));
+}
+
+TEST(DamageMap, ShowsWhatIsThereInItsColour) {
+    DamageMap map(30, 20);
+    Mask mask(30, 20);
+    for (int y = 5; y < 15; ++y)
+        for (int x = 5; x < 15; ++x) mask(x, y) = 1;
+    map.set(DamageClass::stain, mask);
+    DamageMap::Style style;
+    map.compose(style);
+    EXPECT_EQ(map.picture()(10, 10).a, 0) << "it is not shown";
+    style.shown.fill(true);
+    map.compose(style);
+    EXPECT_EQ(map.picture()(10, 10).a, 255);
+    EXPECT_EQ(map.picture()(20, 10).a, 0);
+    EXPECT_NEAR(map.picture()(10, 10).r, 255 * legend_colour_srgb(DamageClass::stain).r, 1);
+    style.style = MapStyle::outlined;
+    map.compose(style);
+    EXPECT_EQ(map.picture()(10, 10).a, 0);
+    EXPECT_EQ(map.picture()(5, 10).a, 255);
+    mask(20, 10) = 1;
+    map.set(DamageClass::stain, mask, {20, 10, 21, 11});
+    map.compose(style, {20, 10, 21, 11});
+    EXPECT_EQ(map.picture()(20, 10).a, 255) << "a hair line is seen";
+    // A coarser map of a large painting still has it.
+    DamageMap coarse(9000, 10);
+    Mask line(9000, 10);
+    line(7000, 5) = 1;
+    coarse.set(DamageClass::craquelure, line);
+    style.style = MapStyle::filled;
+    coarse.compose(style);
+    EXPECT_EQ(coarse.reduced(), 3);
+    EXPECT_EQ(coarse.picture()(7000 / 3, 5 / 3).a, 255);
+}
+
+}  // namespace
+}  // namespace tangi

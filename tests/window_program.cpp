@@ -1,0 +1,34 @@
+// window_program.cpp: `tangipaint paint PAINTING` and nothing else: what the sanitizers look at
+// (random_hand_test.cpp).
+#include <csignal>
+#include <cstdio>
+
+#include "paint/canvas_file.h"
+#include "surface/error.h"
+#include "viewer/window.h"
+
+namespace {
+
+volatile std::sig_atomic_t stopped = 0;
+
+}  // namespace
+
+int main(int count, char** words) {
+    if (count < 3) return 2;
+    std::signal(SIGTERM, [](int) { stopped = 1; });
+    try {
+        tangi::WindowSetup setup{.canvas = tangi::read_canvas(words[2]),
+                                 .palette = tangi::artist_acrylics(),
+                                 .brushes = tangi::brush_presets(),
+                                 .file = words[2]};
+        setup.width = 1000;
+        setup.height = 700;
+        setup.camera = "/nowhere";
+        setup.stop_wanted = [] { return stopped != 0; };
+        tangi::run_window(std::move(setup));
+    } catch (const tangi::Error& error) {
+        std::fprintf(stderr, "%s\n", error.what());
+        return 1;
+    }
+    return 0;
+}

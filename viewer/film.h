@@ -1,0 +1,38 @@
+// film.h: pictures in a row: a video, or numbered pictures in a folder; whole or not at all.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+
+#include "surface/colour.h"
+#include "surface/image.h"
+
+namespace tangi {
+
+class Film {
+public:
+    virtual ~Film() = default;  // without finish(): nothing of it stays
+    Film(const Film&) = delete;
+    Film& operator=(const Film&) = delete;
+
+    // The next picture, sRGB-encoded 0..1; all have the size of the first.
+    virtual void add(const Image<Rgb>& encoded_srgb) = 0;
+    virtual void finish() = 0;
+
+protected:
+    Film() = default;
+};
+
+// .mp4 and .webm are videos (video_file.h); anything else is a folder.
+bool names_a_video(const std::filesystem::path& out);
+
+// Throws Error where it cannot be written, where this machine has no encoder for the video, or where the
+// folder has frames already.
+std::unique_ptr<Film> make_film(const std::filesystem::path& out, double frames_per_s);
+
+// A linear picture at most `width` pixels wide: the mean of squares of whole pixels.
+Image<Rgb> reduced_to_width(const Image<Rgb>& linear, int width);
+
+Image<Rgb> encoded_srgb(Image<Rgb> linear);
+
+}  // namespace tangi

@@ -1,0 +1,124 @@
+// painter_canvas.cpp: of the painter: the canvas changed, confined and shown otherwise than by strokes.
+#include "viewer/painter.h"
+
+namespace tangi {
+
+namespace {
+
+// All that lies in a tile, bottom up: layers share the tiles that they did not change.
+std::vector<PaintLayer::TilePtr> stack_at(const Canvas& canvas, TileIndex at) {
+    std::vector<PaintLayer::TilePtr> stack;
+    for (const DriedLayer& layer : canvas.dried())
+        if (const auto& tile = layer.paint.tile(at)) stack.push_back(tile);
+    stack.push_back(canvas.wet().tile(at));
+    return stack;
+}
+
+std::vector<TileIndex> tiles_that_differ(const Canvas& a, const Canvas& b) {
+    std::vector<TileIndex> tiles;
+    for (int y = 0; y < a.wet().rows(); ++y)
+        for (int x = 0; x < a.wet().columns(); ++x)
+            if (stack_at(a, {x, y}) != stack_at(b, {x, y})) tiles.push_back({x, y});
+    return tiles;
+}
+
+}  // namespace
+
+// Pixels with wet paint, of the tiles that changed.
+void Painter::count(std::span<const Region> changed) {
+    const PaintLayer& wet = session_.canvas().wet();
+    for (const Region& part : changed) {
+        const TileIndex at{part.x0 / PaintTile::kSize, part.y0 / PaintTile::kSize};
+        Counted counted;
+        if (wet.tile(at)) {
+            const Region r = wet.region_of(at);
+            Image<float> mm(r.width(), r.height());
+            wet.add_thickness_mm(r, mm.data(), static_cast<std::size_t>(mm.width()));
+            for (int y = 0; y < r.height(); ++y)
+                for (int x = 0; x < r.width(); ++x) {
+                    if (!(mm(x, y) > 0)) continue;
+                    ++counted.painted;
+                    counted.outside += allowed_ && (*allowed_)(r.x0 + x, r.y0 + y) < 1;
+                }
+        }
+        counted_[at] = counted;
+    }
+    own_.painted_px = own_.outside_px = 0;
+    for (const auto& [at, counted] : counted_) {
+        own_.painted_px += counted.painted;
+        own_.outside_px += counted.outside;
+    }
+}
+
+void Painter::confine(std::shared_ptr<const Image<float>> mask, std::shared_ptr<const Image<float>> allowed) {
+    post([this, mask = std::move(mask), allowed = std::move(allowed)] {
+        session_.finish();
+        session_.canvas().confine(mask);
+        allowed_ = allowed;
+        std::vector<Region> painted;
+        for (const TileIndex at : session_.canvas().wet().painted())
+            painted.push_back(session_.canvas().wet().region_of(at));
+        count(painted);
+    });
+}
+
+void Painter::show(std::optional<Canvas> canvas) {
+    Canvas& own = session_.canvas();
+    for (const TileIndex tile : tiles_that_differ(shown_ ? *shown_ : own, canvas ? *canvas : own))
+        own.mark_dirty(tile);
+    shown_ = std::move(canvas);
+}
+
+// The canvas is this one from now on. Its paints go on from those of the one before, whose numbers the brush
+// knows.
+void Painter::adopt(Canvas canvas) {
+    show({});
+    canvas.confine(session_.canvas().mask());
+    for (const TileIndex tile : tiles_that_differ(session_.canvas(), canvas)) canvas.mark_dirty(tile);
+    session_.canvas() = std::move(canvas);
+    session_.forget_history();
+}
+
+std::future<void> Painter::change(std::function<void(Canvas&)> work) {
+    auto promise = std::make_shared<std::promise<void>>();
+    post([this, promise, work = std::move(work)] {
+        try {
+            session_.finish();
+            Canvas next = session_.canvas();
+            next.confine({});
+            work(next);
+            adopt(std::move(next));
+            promise->set_value();
+        } catch (...) {
+            promise->set_exception(std::current_exception());
+        }
+    });
+    return promise->get_future();
+}
+
+std::future<void> Painter::look(std::function<void(const Surface&, const Canvas&)> work) {
+    auto promise = std::make_shared<std::promise<void>>();
+    post([this, promise, work = std::move(work)] {
+        try {
+            session_.finish();
+            work(surface(), session_.canvas());
+            promise->set_value();
+        } catch (...) {
+            promise->set_exception(std::current_exception());
+        }
+    });
+    return promise->get_future();
+}
+
+void Painter::show_as(std::function<Canvas(const Canvas&)> view) {
+    post([this, view = std::move(view)] {
+        session_.finish();
+        show(view ? std::optional(view(session_.canvas())) : std::nullopt);
+    });
+}
+
+void Painter::keep_by(Keep keep) {
+    post([this, keep = std::move(keep)] { keep_ = keep; });
+}
+
+}  // namespace tangi

@@ -1,0 +1,33 @@
+// devices.cpp: the panel Devices: webcam, tilt sensor, gamepad, monitor.
+#include <imgui.h>
+
+#include "viewer/panels/panels.h"
+
+namespace tangi::panels {
+
+namespace {
+
+void tip(const char* text) {
+    if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", text);
+}
+
+}  // namespace
+
+void devices(WindowState& s) {
+    Following& follow = s.follow;
+    ImGui::Checkbox("My head (webcam)", &follow.head);
+    tip("Gloss moves as it does on the wall: the painting is seen from where your head is");
+    if (follow.head) {
+        ImGui::SameLine();
+        ImGui::TextDisabled(follow.sees_head ? "seen" : "no face");
+    }
+    ImGui::Checkbox("Light of the room (webcam)", &follow.light);
+    tip("The brightest direction that the webcam sees becomes the lamp");
+    ImGui::Checkbox("Tilt sensor", &follow.sensor);
+    tip("The screen is the painting: tilt it, and the light wanders over it");
+    if ((follow.head || follow.sensor) && ImGui::Button("This is straight on")) follow.recentre = true;
+    ImGui::TextDisabled("Gamepad: %s", follow.gamepad.empty() ? "none" : follow.gamepad.c_str());
+    ImGui::TextDisabled("Monitor: %s", s.monitor.c_str());
+}
+
+}  // namespace tangi::panels

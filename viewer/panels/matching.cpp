@@ -1,0 +1,83 @@
+// matching.cpp: the panel Colour of a treatment: recipes from one's own paints.
+#include <fmt/format.h>
+#include <imgui.h>
+
+#include "viewer/panels/panels.h"
+
+namespace tangi::panels {
+
+namespace {
+
+const ImVec4 kWarning(1, 0.8f, 0.3f, 1);
+
+// The colour there, and the recipe beside it without a gap.
+void swatches(const Rgb& wanted, const Rgb& recipe, float scale) {
+    const ImVec2 at = ImGui::GetCursorScreenPos(), size(130 * scale, 22 * scale);
+    ImGui::Dummy(size);
+    const auto ink = [](const Rgb& c) { return ImGui::ColorConvertFloat4ToU32({c.r, c.g, c.b, 1}); };
+    ImDrawList* draw = ImGui::GetWindowDrawList();
+    draw->AddRectFilled(at, {at.x + size.x / 2, at.y + size.y}, ink(wanted));
+    draw->AddRectFilled({at.x + size.x / 2, at.y}, {at.x + size.x, at.y + size.y}, ink(recipe));
+    tip("left: the painting's colour, right: the recipe's, under D65");
+}
+
+void recipe(WindowState& s, const ShownMatch& match, const ShownRecipe& r) {
+    swatches(match.srgb, r.look_srgb, s.scale);
+    ImGui::SameLine();
+    if (ImGui::Button("Take up on the brush")) {
+        s.mix = r.mix;
+        s.finish = {};
+        s.board.in_hand = false;
+        s.tool = Tool::paint;
+    }
+    tip("The brush is loaded with this mixture, and paints");
+    ImGui::TextWrapped("%s", r.text.c_str());
+    std::string lamps = "dE2000 ";
+    for (std::size_t lamp = 0; lamp < kIlluminants; ++lamp)
+        lamps += fmt::format(" {} {:.1f}", name_of(static_cast<Illuminant>(lamp)), r.delta_e[lamp]);
+    ImGui::TextUnformatted(lamps.c_str());
+    tip("Predicted difference from the painting's colour under each lamp; 1 is about what can just be seen");
+    ImGui::PushStyleColor(ImGuiCol_Text, ImGui::GetStyleColorVec4(ImGuiCol_TextDisabled));
+    ImGui::TextWrapped("%s", r.gloss.c_str());
+    ImGui::PopStyleColor();
+    ImGui::PushStyleColor(ImGuiCol_Text, kWarning);
+    for (const std::string& warning : r.warnings) ImGui::TextWrapped("%s", warning.c_str());
+    ImGui::PopStyleColor();
+}
+
+}  // namespace
+
+void matching(WindowState& s) {
+    Treating& t = s.treating;
+    ImGui::TextDisabled("%s, %zu paints", s.palette.name.c_str(), s.palette.paints.size());
+    tip("Your paint box: another one is opened with --palette FILE");
+    ImGui::TextUnformatted("Matches under");
+    for (std::size_t lamp = 0; lamp < kIlluminants; ++lamp) {
+        if (lamp) ImGui::SameLine();
+        ImGui::Checkbox(std::string(name_of(static_cast<Illuminant>(lamp))).c_str(), &t.lamps[lamp]);
+    }
+    ImGui::SliderInt("Paints", &t.most_paints, 1, kMostPaints, "%d at most");
+    ImGui::Checkbox("As a thin film", &t.film);
+    tip("Over what lies in the damage now, as thick as the retouch; else as paint that hides what is below");
+    ImGui::SameLine();
+    ImGui::Checkbox("Avoid bad pairs", &t.avoid_pairs);
+    tip("Leaves out mixtures of pigments that practice keeps apart; else they are warned of");
+    if (ImGui::Button("Round the damage")) t.ask.match_around = true;
+    tip("The commonest colour beside the damage that is worked on");
+    ImGui::SameLine();
+    if (ImGui::Button("Of a place")) s.tool = Tool::sample;
+    tip(s.keys.text(Action::tool_sample) + ": then click on the painting");
+    if (!t.match) return;
+    ImGui::Separator();
+    const ShownMatch& match = *t.match;
+    ImGui::TextWrapped("Colour %s", match.of.c_str());
+    ImGui::Text("Lab %.1f %.1f %.1f", match.lab.l, match.lab.a, match.lab.b);
+    for (const ShownRecipe& r : match.recipes) {
+        ImGui::PushID(&r);
+        ImGui::Separator();
+        recipe(s, match, r);
+        ImGui::PopID();
+    }
+}
+
+}  // namespace tangi::panels

@@ -1,0 +1,338 @@
+// treatment.cpp: the panels of a treatment: how it begins, its steps, its record.
+#include <fmt/format.h>
+#include <imgui.h>
+#include <imgui_stdlib.h>
+
+#include <algorithm>
+
+#include "viewer/panels/panels.h"
+
+namespace tangi::panels {
+
+namespace {
+
+const ImVec4 kWarning(1, 0.8f, 0.3f, 1), kFault(1, 0.45f, 0.4f, 1), kGood(0.55f, 0.9f, 0.55f, 1);
+
+bool number(const char* label, double& value, float low, float high, const char* format,
+            bool logarithmic = false) {
+    auto v = static_cast<float>(value);
+    if (!ImGui::SliderFloat(label, &v, low, high, format, logarithmic ? ImGuiSliderFlags_Logarithmic : 0))
+        return false;
+    value = v;
+    return true;
+}
+
+template <class Value, std::size_t N>
+void choice(const char* label, Value& value, const std::array<std::pair<Value, const char*>, N>& all) {
+    const auto now = std::find_if(all.begin(), all.end(), [&](const auto& a) { return a.first == value; });
+    if (!ImGui::BeginCombo(label, now == all.end() ? "" : now->second)) return;
+    for (const auto& [one, name] : all)
+        if (ImGui::Selectable(name, one == value)) value = one;
+    ImGui::EndCombo();
+}
+
+// What is under way, and what is not in the log yet: below the panels, which stay where they are.
+float footer_height(const Treating& t) {
+    const float line = ImGui::GetFrameHeightWithSpacing();
+    return (t.job ? 2 * line : 0) + (t.edits > 0 ? 2 * line : 0);
+}
+
+void footer(WindowState& s) {
+    Treating& t = s.treating;
+    if (t.edits > 0) {
+        ImGui::TextColored(kWarning, "%d correction%s of the map not in the log", t.edits,
+                           t.edits == 1 ? "" : "s");
+        if (ImGui::Button("Enter in the log##damage")) t.ask.keep = true;
+        tip(s.keys.text(Action::keep_damage));
+        ImGui::SameLine();
+        if (ImGui::Button("Drop")) t.ask.drop_edits = true;
+    }
+    if (!t.job) return;
+    ImGui::TextDisabled("%s", t.job_title.c_str());
+    ImGui::ProgressBar(static_cast<float>(t.job->fraction), {-50 * s.scale, 0}, t.job->stage.c_str());
+    ImGui::SameLine();
+    if (t.job->stopping)
+        ImGui::TextDisabled("stops");
+    else if (ImGui::SmallButton("Stop"))
+        t.ask.stop = true;
+}
+
+// Which damage steps work on.
+void works_on(WindowState& s) {
+    Treating& t = s.treating;
+    std::string names;
+    for (const DamageClass damage : t.where)
+        names += (names.empty() ? "" : ", ") + std::string(title_of(damage));
+    if (s.painter.unsaved) {
+        ImGui::TextDisabled("Works on %s", names.c_str());
+        tip("What was painted is to be entered in the log (Ctrl+S) before you go on elsewhere");
+        return;
+    }
+    if (ImGui::BeginCombo("Works on", names.empty() ? "choose damage" : names.c_str())) {
+        for (const DamageRow& row : t.damage) {
+            if (!row.there) continue;
+            bool on = t.where.contains(row.damage);
+            if (!ImGui::Checkbox(title_of(row.damage), &on)) continue;
+            if (on)
+                t.where.insert(row.damage);
+            else
+                t.where.erase(row.damage);
+        }
+        ImGui::EndCombo();
+    }
+    tip("The damage that is filled, isolated and retouched. Only what is on the damage map can be chosen");
+}
+
+void fill(WindowState& s) {
+    Treating& t = s.treating;
+    using Texture = std::pair<FillTexture, const char*>;
+    choice("Surface", t.texture,
+           std::array<Texture, 3>{Texture(FillTexture::surroundings, "as its surroundings"),
+                                  Texture(FillTexture::weave, "as the weave"),
+                                  Texture(FillTexture::smooth, "smooth")});
+    tip("Where the relief of the fill comes from");
+    number("Level", t.fill.offset_mm, -0.5f, 0.2f, "%.2f mm");
+    tip("Above the level of the surroundings; below 0, the fill lies lower");
+    if (t.texture == FillTexture::weave) number("Threads", t.fill.weave_mm, 0.1f, 5, "%.2f mm apart");
+    ImGui::ColorEdit3("Colour", &t.fill_srgb.x, ImGuiColorEditFlags_NoInputs);
+    if (ImGui::Button("Fill")) t.ask.fill = true;
+    tip(s.keys.text(Action::fill_losses) + ": a layer of its own, which comes off again");
+}
+
+void varnish(VarnishOptions& v) {
+    number("Thickness", v.thickness_mm, 0.002f, 0.2f, "%.3f mm", true);
+    number("Strength", v.specular, 0, 0.1f, "rho s %.3f");
+    tip("How much is reflected as gloss: rho s, 0.04 of a resin");
+    number("Sheen", v.roughness, 0.03f, 0.5f, "alpha %.2f");
+    tip("Width of the highlight: 0.05 is glossy, 0.3 matt");
+    number("Yellowing", v.yellowing, 0, 20, "%.1f /mm");
+}
+
+void by_hand(WindowState& s) {
+    Treating& t = s.treating;
+    if (!s.painter.unsaved) {
+        ImGui::Checkbox("Paint stops at the damage", &t.confined);
+        tip("Brushes neither give nor take paint outside of it");
+        ImGui::SliderFloat("Feather", &t.feather_mm, 0, 5, "%.1f mm");
+        tip("Width over which paint fades out within the damage; it never goes beyond it");
+    }
+    if (s.painter.painted_px > 0) {
+        ImGui::Text("%d pixels painted", s.painter.painted_px);
+        ImGui::TextColored(s.painter.outside_px > 0 ? kFault : kGood, "%d pixels of it on original",
+                           s.painter.outside_px);
+    }
+    if (!t.no_strokes.empty()) ImGui::TextWrapped("%s", t.no_strokes.c_str());
+    if (ImGui::Button("Retouch with the brush")) {
+        s.tool = Tool::paint;
+        t.map = false;  // else one would paint below it
+    }
+    tip(s.keys.text(Action::tool_paint));
+    if (s.painter.unsaved) {
+        ImGui::SameLine();
+        if (ImGui::Button("Enter in the log")) s.ask.save = true;
+        tip(s.keys.text(Action::save) +
+            ": what was painted becomes a layer of dry paint, with its strokes in the log");
+    }
+}
+
+void laid(WindowState& s) {
+    Treating& t = s.treating;
+    using Mode = std::pair<RetouchMode, const char*>;
+    choice("Kind", t.mode,
+           std::array<Mode, 6>{
+               Mode(RetouchMode::mimetic, "mimetic"), Mode(RetouchMode::tratteggio, "tratteggio"),
+               Mode(RetouchMode::selection, "chromatic selection"),
+               Mode(RetouchMode::abstraction, "chromatic abstraction"), Mode(RetouchMode::dotting, "dotting"),
+               Mode(RetouchMode::neutral, "neutral tone")});
+    number("Film", t.retouch.thickness_mm, 0.005f, 0.3f, "%.3f mm thick", true);
+    if (t.mode != RetouchMode::mimetic && t.mode != RetouchMode::neutral) {
+        const auto pixel = static_cast<float>(t.mm_per_pixel);
+        number("Pitch", t.retouch.pitch_mm, std::max(0.1f, 2 * pixel), 10 + 2 * pixel, "%.2f mm", true);
+        tip("From the middle of one line or dot to the next");
+        number("Width", t.retouch.width_mm, std::max(0.05f, pixel), 10 + pixel, "%.2f mm", true);
+    }
+    if (!t.preview && ImGui::Button("Preview")) t.ask.preview = true;
+    if (!t.preview) tip("Lays it from your paints, to be looked at; nothing is changed");
+    if (!t.preview) return;
+    if (ImGui::Button("Apply")) t.ask.apply = true;
+    tip(s.keys.text(Action::accept) + ": as a layer, entered in the log");
+    ImGui::SameLine();
+    if (ImGui::Button("Put aside")) t.ask.drop_preview = true;
+    const ShownRetouch& p = *t.preview;
+    ImGui::Text("dE2000 from the surroundings' colour");
+    for (std::size_t lamp = 0; lamp < kIlluminants; ++lamp) {
+        if (lamp) ImGui::SameLine();
+        ImGui::Text("%s %.1f", std::string(name_of(static_cast<Illuminant>(lamp))).c_str(), p.delta_e[lamp]);
+    }
+    if (!p.lines.empty()) ImGui::TextWrapped("%s", p.lines.c_str());
+    if (p.outside_px > 0) ImGui::TextColored(kFault, "%d pixels on original", p.outside_px);
+    for (const std::string& pile : p.piles) ImGui::TextWrapped("%s", pile.c_str());
+}
+
+void layers(WindowState& s) {
+    Treating& t = s.treating;
+    if (t.layers.empty()) ImGui::TextDisabled("nothing was added yet");
+    for (auto layer = t.layers.rbegin(); layer != t.layers.rend(); ++layer) {  // what lies on top first
+        ImGui::PushID(layer->name.c_str());
+        if (ImGui::SmallButton("Take off")) t.ask.remove = layer->name;
+        tip("A step of the treatment; what lies below stays as it is");
+        ImGui::SameLine();
+        ImGui::TextUnformatted(layer->name.c_str());
+        if (layer->role == LayerRole::fill || layer->role == LayerRole::retouch) {
+            ImGui::SameLine();
+            const int beside = layer->on_original.pixels;
+            ImGui::TextColored(beside > 0 ? kFault : kGood, "%d px on original", beside);
+        }
+        ImGui::PopID();
+    }
+    if (t.layers.size() > 1 && ImGui::SmallButton("Take all off")) t.ask.remove_all = true;
+}
+
+void states(WindowState& s) {
+    Treating& t = s.treating;
+    if (ImGui::RadioButton("Now", !t.state)) t.state.reset();
+    tip(s.keys.text(Action::next_state) + ": the next state");
+    for (int i = 0; i < 5; ++i) {
+        const auto state = static_cast<TreatmentState>(i);
+        if (state == TreatmentState::cleaned) continue;  // as it was photographed: one with Before
+        if (i != 2) ImGui::SameLine();
+        if (ImGui::RadioButton(title_of(state), t.state == state)) t.state = state;
+    }
+    using State = std::pair<TreatmentState, const char*>;
+    // Before and cleaned differ where the treatment has the painting as it was before (treatment earlier).
+    static constexpr std::array<State, 5> kStates = {
+        State(TreatmentState::before, "Before"), State(TreatmentState::cleaned, "Cleaned"),
+        State(TreatmentState::filled, "Filled"), State(TreatmentState::retouched, "Retouched"),
+        State(TreatmentState::varnished, "Varnished")};
+    ImGui::PushItemWidth(100 * s.scale);
+    choice("##left", t.left, kStates);
+    ImGui::SameLine();
+    choice("##right", t.right, kStates);
+    ImGui::PopItemWidth();
+    ImGui::SameLine();
+    if (ImGui::Button("Compare")) t.ask.compare_states = true;
+    tip(s.keys.text(Action::compare_states) + ": two states under the lamp, side by side or wiped (" +
+        s.keys.text(Action::compare_way) + ")");
+    ImGui::Checkbox("Additions in false colour", &t.additions);
+    tip(s.keys.text(Action::additions) +
+        ": fills green, varnish yellow, retouches blue, red where they lie on original");
+    ImGui::PushItemWidth(150 * s.scale);
+    ImGui::SliderFloat("##distance", &t.distance_m, 0.3f, 10, "%.1f m");
+    ImGui::PopItemWidth();
+    ImGui::SameLine();
+    if (ImGui::Button("See from there")) t.ask.see_from = true;
+    tip("As the eye has it from this distance: lines that fuse cannot be told apart");
+    if (s.comparing.pair) {
+        if (ImGui::Button(fmt::format("Back to the painting ({})", s.keys.text(Action::compare)).c_str()))
+            t.ask.stop_comparing = true;
+    }
+}
+
+}  // namespace
+
+void treatment(WindowState& s) {
+    ImGui::TextWrapped(
+        "A treatment keeps the painting as it is, and all that is done to it as layers and in a log.");
+    if (ImGui::Button("Begin, or go on")) s.treating.ask.begin = true;
+    tip(s.keys.text(Action::treatment) + ": in a folder beside the painting, with a copy of it");
+    ImGui::SameLine();
+    if (ImGui::Button("Open ...")) s.treating.ask.open_dialog = true;
+    ImGui::InputText("By", &s.treating.who);
+    tip("Your name, as the log has it");
+    if (s.scale_known || s.stroke_mm_per_pixel != 1) return;
+    ImGui::InputFloat("Width", &s.treating.width_mm, 0, 0, "%.1f mm");
+    s.treating.width_mm = std::clamp(s.treating.width_mm, 0.0f, 1e5f);
+    tip("Of the painting, whose scale is unknown; without it, a pixel counts as one mm");
+}
+
+void steps(WindowState& s) {
+    Treating& t = s.treating;
+    works_on(s);
+    const auto part = [](const char* name, bool open = false) {
+        return ImGui::CollapsingHeader(name, open ? ImGuiTreeNodeFlags_DefaultOpen : 0);
+    };
+    if (part("States", true)) states(s);
+    if (part("Layers", true)) layers(s);
+    if (part("Fill")) fill(s);
+    if (part("Isolating varnish")) {
+        ImGui::PushID("isolating");
+        varnish(t.isolating);
+        if (ImGui::Button("Isolate")) t.ask.isolate = true;
+        tip(s.keys.text(Action::isolate) + ": between original and retouch, where one works");
+        ImGui::PopID();
+    }
+    if (part("Retouch by hand", true)) by_hand(s);
+    if (part("Retouch laid by the program")) laid(s);
+    if (part("Varnish")) {
+        ImGui::PushID("final");
+        varnish(t.varnish);
+        if (ImGui::Button("Varnish all")) t.ask.varnish = true;
+        tip(s.keys.text(Action::varnish));
+        ImGui::PopID();
+    }
+}
+
+void record(WindowState& s) {
+    Treating& t = s.treating;
+    ImGui::InputText("By", &t.who);
+    tip("Your name, as the log has it");
+    ImGui::TextWrapped("%s", std::filesystem::path(t.folder).filename().string().c_str());
+    tip(t.folder);
+    if (t.checking)
+        ImGui::TextDisabled("is being checked ...");
+    else if (t.faults.empty())
+        ImGui::TextColored(kGood, "is as its log of %zu lines says", t.log.size());
+    for (const std::string& fault : t.faults) {
+        ImGui::PushStyleColor(ImGuiCol_Text, kFault);
+        ImGui::TextWrapped("%s", fault.c_str());
+        ImGui::PopStyleColor();
+    }
+    ImGui::TextDisabled("original  %.16s ...", t.dry_sha256.c_str());
+    tip("SHA-256 of the dry layer, which never changes: " + t.dry_sha256);
+    if (!t.log.empty()) {
+        ImGui::TextDisabled("log       %.16s ...", t.log.front().sha256.c_str());
+        tip("SHA-256 of the last line of the log, which a report names: " + t.log.front().sha256);
+    }
+    if (ImGui::Button("Check again")) t.ask.check = true;
+    tip("Compares masks, layers and the original with the log");
+    ImGui::SameLine();
+    if (ImGui::Button("Report ...")) t.ask.report_dialog = true;
+    tip(s.keys.text(Action::treatment_report) + ": a page to print, with annotations and masks beside it");
+    ImGui::Separator();
+    for (const LogRow& row : t.log) {
+        ImGui::TextWrapped("%d  %s", row.line, row.action.c_str());
+        tip(row.sha256);
+        ImGui::TextDisabled("    %s, %s", row.time.c_str(), row.who.c_str());
+    }
+}
+
+void treatment_column(WindowState& s, float height) {
+    Treating& t = s.treating;
+    const float wide = treatment_width(s);
+    ImGui::SetNextWindowPos({ImGui::GetIO().DisplaySize.x - wide, 0});
+    ImGui::SetNextWindowSize({wide, height});
+    ImGui::Begin("treatment", nullptr,
+                 ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove |
+                     ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoSavedSettings);
+    if (!t.checking && !t.usable) ImGui::TextColored(kFault, "The treatment is not as its log says: Record");
+    if (ImGui::BeginTabBar("parts")) {
+        const auto tab = [&](const char* name, void (*panel)(WindowState&)) {
+            if (!ImGui::BeginTabItem(name)) return;
+            ImGui::BeginChild(name, {0, -footer_height(t)});
+            ImGui::PushItemWidth(-90 * s.scale);
+            panel(s);
+            ImGui::PopItemWidth();
+            ImGui::EndChild();
+            ImGui::EndTabItem();
+        };
+        tab("Damage", damage);
+        tab("Steps", steps);
+        tab("Colour", matching);
+        tab("Record", record);
+        ImGui::EndTabBar();
+    }
+    footer(s);
+    ImGui::End();
+}
+
+}  // namespace tangi::panels

@@ -1,0 +1,171 @@
+// treating.h: the treatment of the painting in the window, as its panels show and change it. No OpenGL.
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "paint/retouch/damage_suggestion.h"
+#include "paint/retouch/fill.h"
+#include "paint/retouch/mask_draft.h"
+#include "paint/retouch/modes.h"
+#include "paint/retouch/treatment.h"
+#include "viewer/job.h"
+#include "viewer/view.h"
+
+namespace tangi {
+
+enum class MaskTool { brush, polygon, wand };
+enum class MapStyle { filled, hatched, outlined };
+enum class Suggesting { loss, craquelure, gloss };
+
+// What the hand does to the mask that is drawn; `at` as in mask.h.
+struct MaskTouch {
+    enum class Kind { press, drag, release, polygon, wand };
+    Kind kind = Kind::press;
+    Corner at;
+    bool erase = false;
+    Polygon polygon{};
+};
+
+struct DamageRow {
+    DamageClass damage = DamageClass::loss_to_ground;
+    bool there = false, shown = true;
+    int count = 0;
+    double area_cm2 = 0, percent = 0;
+};
+
+struct LayerRow {
+    std::string name;
+    LayerRole role = LayerRole::fill;
+    OnOriginal on_original;  // outside of the damage that is mapped; of a varnish it means nothing
+};
+
+struct LogRow {
+    int line = 0;
+    std::string time, who, action, sha256;
+};
+
+// A suggestion that nobody has accepted yet: regions that are sure enough are shown.
+struct ShownSuggestion {
+    std::string title;
+    DamageClass as = DamageClass::loss_to_ground;  // where it goes
+    float threshold = 0.5f;                        // [1] of confidence
+    int shown = 0, regions = 0;
+    double area_cm2 = 0;
+    std::string measured;  // more that is to be said
+};
+
+struct ShownRecipe {
+    std::string text;
+    std::map<std::string, float> mix;  // parts by volume
+    std::array<double, kIlluminants> delta_e{};
+    Rgb look_srgb{0};
+    std::string gloss;
+    std::vector<std::string> warnings;
+};
+
+struct ShownMatch {
+    std::string of;  // "round the damage", "at 120, 45"
+    Lab lab;
+    Rgb srgb{0};
+    double spread = 0;  // [CIEDE2000] of the colours there
+    std::vector<ShownRecipe> recipes;
+};
+
+// A retouch that was laid to be looked at, and is not on the painting yet.
+struct ShownRetouch {
+    std::string mode;
+    std::vector<std::string> piles;
+    std::array<double, kIlluminants> delta_e{};
+    std::string lines;  // where lines or dots fuse
+    int outside_px = 0;
+};
+
+struct Treating {
+    bool on = false;      // the painting is one under treatment
+    bool usable = false;  // and was found to be as its log says
+    bool checking = false;
+    std::string folder, who, dry_sha256;
+    std::vector<std::string> faults;  // that the check found
+    std::string no_strokes;           // why one may not paint now; empty where one may
+    std::vector<LogRow> log;          // newest first
+    double mm_per_pixel = 1;
+    bool scale_known = false;
+    float width_mm = 0;  // of a painting whose scale is unknown, as a treatment begins; 0: not given
+
+    // Damage.
+    std::array<DamageRow, kDamageClasses.size()> damage;
+    DamageClass current = DamageClass::loss_to_ground;  // that is drawn
+    MaskTool mask_tool = MaskTool::brush;
+    bool erase = false;
+    float brush_mm = 3;
+    WandBy wand_by = WandBy::colour;
+    std::array<float, 3> tolerance = {8, 0.05f, 0.5f};  // by WandBy
+    int edits = 0;                                      // that are not in the log
+    bool can_redo = false;
+    std::vector<glm::dvec2> polygon;  // under way [pixels of the painting]
+    bool map = true;                  // is shown
+    MapStyle style = MapStyle::filled;
+    float opacity = 0.5f;
+    Suggesting suggesting = Suggesting::loss;
+    LossOptions loss;
+    CraquelureOptions craquelure;
+    GlossOptions gloss;
+    std::optional<ShownSuggestion> suggestion;
+    std::vector<MaskTouch> touches;  // since they were taken
+    // The map as a texture.
+    unsigned map_texture = 0;
+
+    // Steps.
+    std::set<DamageClass> where = {DamageClass::loss_to_ground};
+    bool confined = true;
+    float feather_mm = 0;
+    FillTexture texture = FillTexture::surroundings;
+    Rgb fill_srgb{0.94f, 0.93f, 0.90f};
+    FillOptions fill;
+    VarnishOptions isolating, varnish;
+    RetouchMode mode = RetouchMode::mimetic;
+    RetouchOptions retouch;
+    std::optional<ShownRetouch> preview;
+    std::vector<LayerRow> layers;
+    std::optional<TreatmentState> state;  // that is shown instead of what is there now
+    TreatmentState left = TreatmentState::before, right = TreatmentState::varnished;
+    bool additions = false;  // in false colour
+    float distance_m = 2;
+
+    // Colour.
+    std::array<bool, kIlluminants> lamps = {true, false, true, true, false};  // that count
+    int most_paints = 4;
+    bool film = true;  // as thin as the retouch, over what lies there; else one that hides
+    bool avoid_pairs = false;
+    std::optional<ShownMatch> match;
+
+    std::optional<Job::State> job;  // that runs
+    std::string job_title;
+
+    // What is asked for; done and cleared once a frame.
+    struct Ask {
+        bool begin = false, open_dialog = false, check = false, report_dialog = false, stop = false;
+        bool suggest = false, accept = false, drop_suggestion = false, keep = false, drop_edits = false,
+             undo = false, redo = false;
+        bool fill = false, isolate = false, varnish = false, remove_all = false;
+        bool preview = false, apply = false, drop_preview = false;
+        bool compare_states = false, see_from = false, stop_comparing = false;
+        bool match_around = false;
+        std::optional<glm::dvec2> match_at;  // [pixels of the painting]
+        std::string remove;                  // a layer
+        std::filesystem::path open, report;
+    } ask;
+};
+
+// As people read them: "Loss to ground".
+const char* title_of(DamageClass damage);
+const char* title_of(LayerRole role);
+const char* title_of(TreatmentState state);
+
+}  // namespace tangi

@@ -1,0 +1,390 @@
+#include "viewer/treatment_desk.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "surface/atomic_file.h"
+#include "surface/error.h"
+
+namespace tangi {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+namespace {
+
+constexpr const char* kSitting = "sitting.json";
+
+json sitting_of(const Treating& t) {
+    json classes = json::array();
+    for (const DamageClass damage : t.where) classes.push_back(name_of(damage));
+    return {{"retouched", classes}, {"confined", t.confined}, {"feather_mm", t.feather_mm}};
+}
+
+// What was painted on at the last sitting; what cannot be read counts as nothing.
+void read_sitting(const fs::path& folder, Treating& t) {
+    if (!fs::exists(folder / kSitting)) return;
+    const json sitting = json::parse(read_text_file(folder / kSitting), nullptr, false);
+    if (!sitting.is_object()) return;
+    if (const auto classes = sitting.find("retouched"); classes != sitting.end() && classes->is_array()) {
+        t.where.clear();
+        for (const json& name : *classes)
+            if (name.is_string())
+                if (const auto damage = damage_class_named(name.get<std::string>())) t.where.insert(*damage);
+    }
+    if (const auto it = sitting.find("confined"); it != sitting.end() && it->is_boolean())
+        t.confined = it->get<bool>();
+    if (const auto it = sitting.find("feather_mm"); it != sitting.end() && it->is_number())
+        t.feather_mm = std::clamp(it->get<float>(), 0.0f, 100.0f);
+}
+
+// A line of the log in a few words: "varnish: isolating varnish 1".
+std::string told(const json& entry) {
+    std::vector<std::string> of;
+    const json results = entry.value("results", json::object()),
+               asked = entry.value("parameters", json::object());
+    const auto add = [&](const json& from, const char* field) {
+        if (from.contains(field) && from[field].is_string()) of.push_back(from[field].get<std::string>());
+    };
+    add(results, "layer");
+    for (const json& layer : results.value("retouches", json::array())) add(layer, "layer");
+    for (const json& layer : asked.value("layers", json::array()))
+        if (layer.is_string()) of.push_back(layer.get<std::string>());
+    add(asked, "suggest");
+    if (const json name = asked.value("class", json()); name.is_string())
+        if (const auto damage = damage_class_named(name.get<std::string>()))
+            of.emplace_back(title_of(*damage));
+    const std::string action = entry.value("action", "");
+    return of.empty() ? action : fmt::format("{}: {}", action, fmt::join(of, ", "));
+}
+
+}  // namespace
+
+const char* title_of(DamageClass damage) {
+    constexpr std::array<const char*, kDamageClasses.size()> titles = {
+        "Loss to ground", "Loss to support", "Abrasion",  "Craquelure",
+        "Flaking",        "Old fill",        "Overpaint", "Stain"};
+    return titles[static_cast<std::size_t>(damage)];
+}
+
+const char* title_of(LayerRole role) {
+    constexpr std::array<const char*, 4> titles = {"fill", "isolating varnish", "retouch", "varnish"};
+    return titles[static_cast<std::size_t>(role)];
+}
+
+const char* title_of(TreatmentState state) {
+    constexpr std::array<const char*, 5> titles = {"Before", "Cleaned", "Filled", "Retouched", "Varnished"};
+    return titles[static_cast<std::size_t>(state)];
+}
+
+std::optional<fs::path> treatment_of(const fs::path& painting) {
+    if (painting.filename() != "painting.exr") return {};
+    const fs::path folder = fs::absolute(painting).parent_path();
+    if (!fs::is_regular_file(folder / "log.jsonl")) return {};
+    return folder;
+}
+
+std::optional<double> treatment_scale(const fs::path& painting) {
+    const auto folder = treatment_of(painting);
+    if (!folder) return {};
+    const Treatment treatment = Treatment::open(*folder);
+    if (!treatment.scale_known()) return {};
+    return treatment.mm_per_pixel();
+}
+
+TreatmentDesk::TreatmentDesk(WindowState& state, Setup setup) : state_(state), setup_(std::move(setup)) {}
+
+TreatmentDesk::~TreatmentDesk() { leave(); }
+
+Treatment TreatmentDesk::treatment() const {
+    const std::lock_guard lock(held_->mutex);
+    return held_->treatment;
+}
+
+Canvas TreatmentDesk::canvas_of(Painter& painter) {
+    std::optional<Canvas> canvas;
+    painter.look([&](const Surface&, const Canvas& now) { canvas = now; }).get();
+    return std::move(*canvas);
+}
+
+bool TreatmentDesk::start(std::string title, Work work, bool ours) {
+    if (job_) {
+        setup_.say(fmt::format("first stop, or wait for: {}", job_->title()));
+        return false;
+    }
+    finish_ = {};
+    job_is_ours_ = ours;
+    job_ = std::make_unique<Job>(
+        std::move(title), [this, work = std::move(work)](const Progress& p) { finish_ = work(p); },
+        setup_.wake);
+    return true;
+}
+
+void TreatmentDesk::leave() {
+    job_.reset();
+    finish_ = {};
+    if (painter_ && held_) {
+        painter_->keep_by({});
+        painter_->confine({}, {});
+        painter_->show_as({});
+    }
+    painter_ = nullptr;
+    held_.reset();
+    drafts_.clear();
+    last_.reset();
+    suggested_.reset();
+    preview_.reset();
+    state_shown_.reset();
+    confined_by_.clear();
+    refresh_due_ = confine_due_ = false;
+    Treating blank;
+    blank.who = state_.treating.who.empty() ? setup_.author.who : state_.treating.who;
+    state_.treating = std::move(blank);
+    for (DamageRow& row : state_.treating.damage)
+        row.damage = kDamageClasses[static_cast<std::size_t>(&row - state_.treating.damage.data())];
+}
+
+void TreatmentDesk::shows(Painter& painter) {
+    leave();
+    painter_ = &painter;
+    if (const auto folder = treatment_of(painter.file())) open(*folder);
+}
+
+void TreatmentDesk::open(const fs::path& folder) {
+    Treating& t = state_.treating;
+    try {
+        held_ = std::shared_ptr<Held>(new Held{{}, Treatment::open(folder)});
+        read_sitting(folder, t);
+    } catch (const Error& error) {
+        setup_.say(error.what());
+        held_.reset();
+        return;
+    }
+    const Treatment& treatment = held_->treatment;
+    t.on = t.checking = true;
+    t.folder = folder.string();
+    t.dry_sha256 = treatment.dry_sha256();
+    t.mm_per_pixel = treatment.mm_per_pixel();
+    t.scale_known = treatment.scale_known();
+    // As fine as its pixels, and no finer.
+    t.retouch.pitch_mm = std::max(t.retouch.pitch_mm, 2 * t.mm_per_pixel);
+    t.retouch.width_mm = std::max(t.retouch.width_mm, t.mm_per_pixel);
+    t.brush_mm = std::max(t.brush_mm, static_cast<float>(3 * t.mm_per_pixel));
+    map_ = DamageMap(treatment.width(), treatment.height());
+    map_changed_ = map_.picture().region();
+    for (const std::string& warning : treatment.log().warnings()) setup_.say(warning);
+    painter_->keep_by([held = held_, keeping = keeping_](Canvas& canvas, const fs::path& journal) {
+        return kept(*held, *keeping, canvas, journal);
+    });
+    check();
+}
+
+// Everything that the log says is compared with what there is; only then one may work on it.
+void TreatmentDesk::check() {
+    Treating& t = state_.treating;
+    const bool started = start(
+        "checking the treatment",
+        [this, painter = painter_](const Progress& progress) -> Finish {
+            const Treatment now = treatment();
+            std::vector<std::string> faults = now.check(progress);
+            Facts facts;
+            if (faults.empty()) facts = facts_of(now, canvas_of(*painter));
+            return [this, faults = std::move(faults), facts = std::move(facts)]() mutable {
+                Treating& all = state_.treating;
+                all.checking = false;
+                all.usable = faults.empty();
+                all.faults = std::move(faults);
+                if (!all.usable) {
+                    setup_.say(all.faults.front());
+                    return;
+                }
+                adopt(std::move(facts));
+            };
+        },
+        true);
+    if (started) t.checking = true;
+}
+
+TreatmentDesk::Facts TreatmentDesk::facts_of(const Treatment& treatment, const Canvas& canvas) {
+    Facts facts;
+    Mask belongs(treatment.width(), treatment.height());
+    for (std::size_t i = 0; i < kDamageClasses.size(); ++i) {
+        DamageRow& row = facts.damage[i];
+        row.damage = kDamageClasses[i];
+        row.there = treatment.has_mask(row.damage);
+        if (!row.there) continue;
+        Mask mask = treatment.mask(row.damage);
+        const MaskArea area = area_of(mask, treatment.mm_per_pixel());
+        row.count = area.regions;
+        row.area_cm2 = area.mm2 / 100;
+        row.percent = area.percent;
+        belongs = united(belongs, mask);
+        facts.masks.emplace_back(row.damage, std::move(mask));
+    }
+    const std::vector<TreatmentLayer> layers = treatment.layers();
+    for (const TreatmentLayer& layer : layers) {
+        LayerRow row{layer.name, layer.role, {}};
+        for (const DriedLayer& dried : canvas.dried())
+            if (dried.name == layer.name)
+                row.on_original = on_original(dried.paint, belongs, treatment.mm_per_pixel());
+        facts.layers.push_back(std::move(row));
+    }
+    facts.additions = additions_of(canvas, layers, belongs);
+    const auto& entries = treatment.log().entries();
+    for (auto entry = entries.rbegin(); entry != entries.rend(); ++entry) {
+        const json& c = entry->content;
+        facts.log.push_back({entry->line, c.value("time", ""), c.value("who", ""), told(c), entry->sha256});
+    }
+    return facts;
+}
+
+void TreatmentDesk::adopt(Facts facts) {
+    Treating& t = state_.treating;
+    for (std::size_t i = 0; i < facts.damage.size(); ++i) facts.damage[i].shown = t.damage[i].shown;
+    t.damage = facts.damage;
+    t.layers = std::move(facts.layers);
+    t.log = std::move(facts.log);
+    for (const auto& [damage, mask] : facts.masks)
+        if (!drafts_.contains(damage)) map_.set(damage, mask);
+    map_.set_additions(facts.additions);
+    map_changed_ = map_.compose(style_);
+    confine_due_ = true;
+}
+
+// After something was logged.
+void TreatmentDesk::refresh() {
+    refresh_due_ = false;
+    start(
+        "reading the treatment",
+        [this, painter = painter_](const Progress&) -> Finish {
+            Facts facts = facts_of(treatment(), canvas_of(*painter));
+            return [this, facts = std::move(facts)]() mutable { adopt(std::move(facts)); };
+        },
+        true);
+}
+
+// The painter's brushes stop at the damage that is retouched.
+void TreatmentDesk::confine() {
+    const Treating& t = state_.treating;
+    const json sitting = sitting_of(t);
+    const bool started = start(
+        "making the mask ready",
+        [this, painter = painter_, where = t.where, confined = t.confined, feather_mm = t.feather_mm,
+         sitting](const Progress&) -> Finish {
+            const Treatment now = treatment();
+            StepArea area = area_of_classes(now, where);
+            const auto allowed = std::make_shared<const Mask>(area.mask);
+            const double feather_px = static_cast<double>(feather_mm) / now.mm_per_pixel();
+            std::shared_ptr<const Mask> stops;
+            if (confined)
+                stops =
+                    feather_px > 0 ? std::make_shared<const Mask>(feathered(*allowed, feather_px)) : allowed;
+            painter->confine(stops, allowed);
+            {
+                const std::lock_guard lock(keeping_->mutex);
+                keeping_->area = std::move(area);
+                keeping_->feather_mm = static_cast<double>(feather_mm);
+            }
+            write_text_file(now.folder() / kSitting, sitting.dump(2) + "\n");
+            return {};
+        },
+        true);
+    if (!started) return;
+    confine_due_ = false;
+    confined_by_ = sitting.dump();
+}
+
+// On the painter's thread, in place of saving.
+std::string TreatmentDesk::kept(Held& held, Keeping& keeping, Canvas& canvas, const fs::path& journal) {
+    StepArea area;
+    Author who;
+    double feather_mm = 0;
+    {
+        const std::lock_guard lock(keeping.mutex);
+        area = keeping.area;
+        who = keeping.author;
+        feather_mm = keeping.feather_mm;
+    }
+    const std::lock_guard lock(held.mutex);
+    Treatment& treatment = held.treatment;
+    if (canvas.wet().empty() && canvas.dried().size() == treatment.layers().size())
+        return "nothing was painted that is not in the log";
+    if (area.mask.empty()) area = area_of_classes(treatment, {});
+    TreatmentStep step{.action = "retouch", .parameters = {{"feather_mm", feather_mm}}};
+    if (fs::exists(journal)) step.files[journal_file(treatment)] = read_text_file(journal);
+    const json result =
+        retouch_step(treatment, canvas, area, std::move(step), treatment.painting().string(), who);
+    keeping.done = true;
+    const json& last = result["retouches"].back();
+    return fmt::format("in the log: {}, {:.2f} cm2, {} pixels on original", last["layer"].get<std::string>(),
+                       last["area_cm2"].get<double>(), last["on_original"]["pixels"].get<int>());
+}
+
+std::string TreatmentDesk::no_strokes() const {
+    const Treating& t = state_.treating;
+    if (!t.on) return {};
+    if (t.checking) return "the treatment is being checked";
+    if (!t.usable) return "the treatment is not as its log says: see Record";
+    if (t.preview) return "apply the retouch that is previewed, or put it aside, before you paint";
+    if (t.state) return "a state of the treatment is shown: choose Now before you paint";
+    if (confine_due_ || refresh_due_ || (job_ && job_is_ours_)) return "the mask is being made ready";
+    if (t.confined && t.where.empty()) return "choose the damage that is retouched: Steps, Works on";
+    const bool mapped = std::any_of(t.damage.begin(), t.damage.end(), [&](const DamageRow& row) {
+        return row.there && t.where.contains(row.damage);
+    });
+    if (t.confined && !mapped) return "no such damage is on the map yet: suggest or draw it, panel Damage";
+    return {};
+}
+
+bool TreatmentDesk::look() {
+    Treating& t = state_.treating;
+    if (!painter_) return false;
+    bool worked = job_ != nullptr;
+    if (job_) {
+        t.job = job_->state();
+        t.job_title = job_->title();
+        if (t.job->over) {
+            const Job::State end = *t.job;
+            const std::string title = job_->title();
+            job_.reset();  // its thread is done: what it made is ours
+            t.job.reset();
+            if (end.cancelled) setup_.say("stopped: " + title);
+            if (!end.error.empty()) setup_.say(end.error);
+            if (end.cancelled || !end.error.empty()) t.checking = false;
+            if (const Finish finish = std::exchange(finish_, {})) finish();
+        }
+    }
+    if (!held_) return worked;
+    if (painter_->file() != fs::path(t.folder) / "painting.exr" &&
+        treatment_of(painter_->file()) != fs::path(t.folder)) {
+        Painter* painter = painter_;
+        setup_.say("saved as a painting of its own: the treatment stays as it was");
+        shows(*painter);  // it was saved under another name
+        return true;
+    }
+    refresh_due_ |= keeping_->done.exchange(false);
+    {
+        const std::lock_guard lock(keeping_->mutex);
+        keeping_->author = author();
+    }
+    if (t.usable && !job_) {
+        if (sitting_of(t).dump() != confined_by_) confine_due_ = true;
+        if (refresh_due_)
+            refresh();
+        else if (confine_due_)
+            confine();
+    }
+    t.no_strokes = no_strokes();
+    DamageMap::Style style{{}, t.style, t.additions};
+    for (std::size_t i = 0; i < t.damage.size(); ++i) style.shown[i] = t.damage[i].shown;
+    if (!(style == style_)) {
+        style_ = style;
+        map_changed_ = map_.compose(style_);
+    }
+    if (t.suggestion && t.suggestion->threshold != threshold_) show_suggestion();
+    if (t.state != state_shown_) show_state();
+    return worked || !map_changed_.empty();
+}
+
+}  // namespace tangi

@@ -1,0 +1,308 @@
+// treatment_masks.cpp: of the treatment: damage that is drawn, and suggested.
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "surface/error.h"
+#include "viewer/treatment_desk.h"
+
+namespace tangi {
+
+using nlohmann::json;
+
+namespace {
+
+// [1] Regions that are less sure are not even offered.
+constexpr double kLeastSure = 0.2;
+
+const char* name_of(MaskTool tool) {
+    constexpr std::array<const char*, 3> names = {"brush", "polygon", "wand"};
+    return names[static_cast<std::size_t>(tool)];
+}
+
+std::vector<double> mean_confidence(const MaskRegions& regions, const Image<float>& confidence) {
+    std::vector<double> sum(regions.regions.size());
+    for (std::size_t i = 0; i < confidence.size(); ++i)
+        if (const int number = regions.number.pixels()[i]; number > 0)
+            sum[static_cast<std::size_t>(number - 1)] += static_cast<double>(confidence.pixels()[i]);
+    for (std::size_t i = 0; i < sum.size(); ++i) sum[i] /= std::max(regions.regions[i].pixels, 1);
+    return sum;
+}
+
+}  // namespace
+
+// That of the class that is drawn: begun with what the class has.
+MaskDraft& TreatmentDesk::draft() {
+    const DamageClass damage = state_.treating.current;
+    auto found = drafts_.find(damage);
+    if (found == drafts_.end()) found = drafts_.emplace(damage, MaskDraft(treatment().mask(damage))).first;
+    return found->second;
+}
+
+void TreatmentDesk::changed(const Region& region) {
+    if (region.empty()) return;
+    const DamageClass damage = state_.treating.current;
+    map_.set(damage, drafts_.at(damage).mask(), region);
+    const Region r = map_.compose(style_, region);
+    map_changed_ = map_changed_.empty()
+                       ? r
+                       : Region{std::min(r.x0, map_changed_.x0), std::min(r.y0, map_changed_.y0),
+                                std::max(r.x1, map_changed_.x1), std::max(r.y1, map_changed_.y1)};
+    count_edits();
+}
+
+void TreatmentDesk::count_edits() {
+    Treating& t = state_.treating;
+    t.edits = 0;
+    for (const auto& [damage, draft] : drafts_) t.edits += draft.actions();
+    const auto own = drafts_.find(t.current);
+    t.can_redo = own != drafts_.end() && own->second.can_redo();
+}
+
+void TreatmentDesk::touch(const MaskTouch& touch) {
+    Treating& t = state_.treating;
+    if (!t.usable) return;
+    t.map = t.damage[static_cast<std::size_t>(t.current)].shown = true;  // else one would draw blindly
+    t.additions = false;
+    const MaskEdit edit = touch.erase ? MaskEdit::remove : MaskEdit::add;
+    const double radius_px = 0.5 * static_cast<double>(t.brush_mm) / t.mm_per_pixel;
+    switch (touch.kind) {
+        case MaskTouch::Kind::press:
+            if (last_) draft().end();
+            draft().begin();
+            last_ = touch.at;
+            changed(draft().draw(touch.at, touch.at, radius_px, edit));
+            break;
+        case MaskTouch::Kind::drag:
+            if (!last_) break;
+            changed(draft().draw(*last_, touch.at, radius_px, edit));
+            last_ = touch.at;
+            break;
+        case MaskTouch::Kind::release:
+            if (!last_) break;
+            draft().end();
+            last_.reset();
+            count_edits();
+            break;
+        case MaskTouch::Kind::polygon: {
+            MaskDraft& mask = draft();
+            const Mask area = mask_of_polygons({touch.polygon}, mask.mask().width(), mask.mask().height());
+            mask.begin();
+            const Region region = mask.combine(area, edit);
+            mask.end();
+            changed(region);
+            break;
+        }
+        case MaskTouch::Kind::wand:
+            wand_at(touch);
+            break;
+    }
+}
+
+void TreatmentDesk::wand_at(const MaskTouch& touch) {
+    const Treating& t = state_.treating;
+    const int x = static_cast<int>(touch.at.x), y = static_cast<int>(touch.at.y);
+    const auto tolerance = static_cast<double>(t.tolerance[static_cast<std::size_t>(t.wand_by)]);
+    start("the wand",
+          [this, dry = painter_->dry(), x, y, by = t.wand_by, tolerance, erase = touch.erase,
+           damage = t.current](const Progress&) -> Finish {
+              Mask area = wand(*dry, x, y, by, tolerance);
+              return [this, area = std::move(area), erase, damage] {
+                  state_.treating.current = damage;
+                  MaskDraft& mask = draft();
+                  mask.begin();
+                  const Region region = mask.combine(area, erase ? MaskEdit::remove : MaskEdit::add);
+                  mask.end();
+                  changed(region);
+              };
+          });
+}
+
+// Each class that was corrected is a step.
+void TreatmentDesk::keep_edits() {
+    const Treating& t = state_.treating;
+    std::vector<std::pair<DamageClass, MaskDraft>> edited;
+    for (const auto& [damage, draft] : drafts_) {
+        if (!draft.can_undo()) continue;
+        if (state_.painter.unsaved && t.where.contains(damage)) {
+            setup_.say("first enter in the log what was painted there: Ctrl+S");
+            return;
+        }
+        edited.emplace_back(damage, draft);
+    }
+    if (edited.empty()) return;
+    start("entering the damage in the log",
+          [this, edited = std::move(edited), who = author(), painter = painter_,
+           tool = std::string(name_of(t.mask_tool))](const Progress& progress) -> Finish {
+              {
+                  const std::lock_guard lock(held_->mutex);
+                  for (const auto& [damage, draft] : edited)
+                      draw_step(held_->treatment, damage, draft.mask(),
+                                {{"edit", "by hand"}, {"edits", draft.actions()}, {"last_tool", tool}}, who,
+                                {}, progress);
+              }
+              Facts facts = facts_of(treatment(), canvas_of(*painter));
+              return [this, facts = std::move(facts)]() mutable {
+                  drafts_.clear();
+                  count_edits();
+                  adopt(std::move(facts));
+                  setup_.say("the damage map is in the log");
+              };
+          });
+}
+
+void TreatmentDesk::keep_now() {
+    if (!held_ || state_.treating.edits == 0) return;
+    try {
+        const std::lock_guard lock(held_->mutex);
+        while (!drafts_.empty()) {
+            const auto& [damage, draft] = *drafts_.begin();
+            if (draft.can_undo())
+                draw_step(held_->treatment, damage, draft.mask(),
+                          {{"edit", "by hand"}, {"edits", draft.actions()}}, author());
+            drafts_.erase(drafts_.begin());
+        }
+    } catch (const Error& error) {
+        setup_.say(error.what());
+    }
+    count_edits();
+}
+
+void TreatmentDesk::drop_edits() {
+    last_.reset();
+    for (const auto& [damage, draft] : std::exchange(drafts_, {})) map_.set(damage, treatment().mask(damage));
+    map_changed_ = map_.compose(style_);
+    count_edits();
+}
+
+void TreatmentDesk::suggest() {
+    Treating& t = state_.treating;
+    const Suggesting what = t.suggesting;
+    constexpr std::array<const char*, 3> titles = {"looking for losses", "looking for craquelure",
+                                                   "looking for other gloss"};
+    const auto& title = titles[static_cast<std::size_t>(what)];
+    start(title,
+          [this, what, dry = painter_->dry(), mm = t.mm_per_pixel, loss = t.loss, craquelure = t.craquelure,
+           gloss = t.gloss](const Progress& progress) -> Finish {
+              Suggested s;
+              ShownSuggestion shown;
+              s.mm_per_pixel = mm;
+              if (what == Suggesting::loss) {
+                  LossOptions options = loss;
+                  options.confidence =
+                      std::min(options.confidence, kLeastSure);  // the slider goes on from there
+                  s.action = "loss";
+                  s.options = to_json(options);
+                  s.best = suggest_loss(*dry, mm, options, progress);
+                  shown.title = "Losses";
+                  shown.as = DamageClass::loss_to_ground;
+              } else if (what == Suggesting::craquelure) {
+                  CraquelureSuggestion cracks = suggest_craquelure(*dry, mm, craquelure, progress);
+                  s.action = "craquelure";
+                  s.options = to_json(craquelure);
+                  shown.title = "Craquelure";
+                  shown.as = DamageClass::craquelure;
+                  const CraquelureMeasure& m = cracks.measure;
+                  shown.measured = fmt::format("{:.1f} cm long in all, {:.2f} mm wide, {:.2f} cm on each cm2",
+                                               m.length_mm / 10, m.width_mm, m.density_per_cm);
+                  s.results["measured"] = {{"length_mm", m.length_mm},
+                                           {"width_mm", m.width_mm},
+                                           {"density_cm_per_cm2", m.density_per_cm},
+                                           {"pieces", m.pieces}};
+                  s.best = std::move(cracks);
+              } else {
+                  GlossSuggestion patches = suggest_gloss(*dry, mm, gloss, progress);
+                  s.action = "gloss";
+                  s.options = to_json(gloss);
+                  shown.title = "Matter patches";
+                  shown.as = DamageClass::overpaint;
+                  shown.measured =
+                      fmt::format("{} patches, glossier ones among them", patches.patches.size());
+                  s.further.emplace_back("glossier", std::move(patches.glossier));
+                  s.best = std::move(patches.matter);
+              }
+              s.regions = regions_of(s.best.mask);
+              s.confidence = mean_confidence(s.regions, s.best.confidence);
+              shown.regions = static_cast<int>(s.confidence.size());
+              // All of them, where the measure of confidence is not the one that losses have.
+              if (what != Suggesting::loss) shown.threshold = 0;
+              return [this, s = std::move(s), shown = std::move(shown)]() mutable {
+                  suggested_ = std::move(s);
+                  state_.treating.suggestion = std::move(shown);
+                  state_.treating.map = true;
+                  state_.treating.additions = false;
+                  show_suggestion();
+                  if (state_.treating.suggestion->regions == 0)
+                      setup_.say(
+                          "nothing that looks like it was found; the numbers below say how it is looked for");
+              };
+          });
+}
+
+// Regions whose mean confidence reaches the threshold.
+Mask TreatmentDesk::sure_enough() const {
+    const auto threshold = static_cast<double>(state_.treating.suggestion->threshold);
+    Mask mask(suggested_->best.mask.width(), suggested_->best.mask.height());
+    for (std::size_t i = 0; i < mask.size(); ++i) {
+        const int number = suggested_->regions.number.pixels()[i];
+        if (number > 0 && suggested_->confidence[static_cast<std::size_t>(number - 1)] >= threshold)
+            mask.pixels()[i] = 1;
+    }
+    return mask;
+}
+
+void TreatmentDesk::show_suggestion() {
+    ShownSuggestion& shown = *state_.treating.suggestion;
+    threshold_ = shown.threshold;
+    const Mask mask = sure_enough();
+    shown.shown = static_cast<int>(
+        std::count_if(suggested_->confidence.begin(), suggested_->confidence.end(),
+                      [&](double sure) { return sure >= static_cast<double>(shown.threshold); }));
+    shown.area_cm2 = area_of(mask, suggested_->mm_per_pixel).mm2 / 100;
+    map_.set_suggestion(mask);
+    map_changed_ = map_.compose(style_);
+}
+
+// What was suggested takes the place of what the class has, as the log says.
+void TreatmentDesk::accept() {
+    const ShownSuggestion shown = *state_.treating.suggestion;
+    if (const auto drawn = drafts_.find(shown.as); drawn != drafts_.end() && drawn->second.can_undo()) {
+        setup_.say(
+            fmt::format("first enter the corrections of '{}' in the log, or drop them", title_of(shown.as)));
+        return;
+    }
+    TreatmentStep step{.action = "suggest damage",
+                       .parameters = {{"suggest", suggested_->action},
+                                      {"options", suggested_->options},
+                                      {"threshold", shown.threshold}},
+                       .results = suggested_->results};
+    const auto keep = [&](const std::string& name, const Mask& mask, const Image<float>& confidence) {
+        const MaskArea area = area_of(mask, suggested_->mm_per_pixel);
+        step.masks[name] = mask;
+        step.masks[name + ".confidence"] = confidence;
+        step.results[name] = {
+            {"count", area.regions}, {"area_cm2", area.mm2 / 100}, {"percent", area.percent}};
+    };
+    keep(std::string(name_of(shown.as)), sure_enough(), suggested_->best.confidence);
+    for (const auto& [name, further] : suggested_->further) keep(name, further.mask, further.confidence);
+    start("entering the damage in the log",
+          [this, step = std::move(step), who = author(), painter = painter_,
+           as = shown.as](const Progress& progress) -> Finish {
+              {
+                  const std::lock_guard lock(held_->mutex);
+                  held_->treatment.record(step, who, progress);
+              }
+              Facts facts = facts_of(treatment(), canvas_of(*painter));
+              return [this, as, facts = std::move(facts)]() mutable {
+                  suggested_.reset();
+                  state_.treating.suggestion.reset();
+                  map_.set_suggestion({});
+                  drafts_.erase(as);
+                  state_.treating.current = as;
+                  adopt(std::move(facts));
+                  setup_.say(fmt::format("in the log: {}", title_of(as)));
+              };
+          });
+}
+
+}  // namespace tangi

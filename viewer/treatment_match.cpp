@@ -1,0 +1,158 @@
+// treatment_match.cpp: of the treatment: recipes from the user's own paints for a colour of the painting.
+#include <fmt/format.h>
+
+#include "paint/retouch/recipe_json.h"
+#include "surface/error.h"
+#include "viewer/treatment_desk.h"
+
+namespace tangi {
+
+namespace {
+
+constexpr double kSample_mm = 2;  // across, of what a click samples
+constexpr double kVisible = 1;    // CIEDE2000 of mixtures that count as having a colour
+constexpr double kMetameric = 1;  // index from which on a match is warned of
+constexpr double kVaried = 5;     // CIEDE2000 of surroundings that no single recipe matches
+constexpr double kPoor = 5;       // CIEDE2000 that nobody would call a match
+
+// A colour of the painting, and what a film of paint there would lie on.
+struct Sampled {
+    Rgb linear{0};
+    Gloss gloss;
+    double spread = 0;
+    std::optional<Rgb> below;
+};
+
+Sampled sample_at(const Surface& seen, const glm::dvec2& at, double radius_px) {
+    const int x0 = static_cast<int>(std::floor(at.x - radius_px)),
+              x1 = static_cast<int>(std::ceil(at.x + radius_px));
+    const int y0 = static_cast<int>(std::floor(at.y - radius_px)),
+              y1 = static_cast<int>(std::ceil(at.y + radius_px));
+    Sampled sampled;
+    sampled.gloss = {0, 0, 0};
+    std::vector<Rgb> colours;
+    for (int y = std::max(y0, 0); y <= std::min(y1, seen.height() - 1); ++y)
+        for (int x = std::max(x0, 0); x <= std::min(x1, seen.width() - 1); ++x) {
+            if (glm::length(glm::dvec2(x, y) - at) > radius_px || !(seen.confidence(x, y) > 0)) continue;
+            colours.push_back(seen.diffuse(x, y));
+            sampled.linear += seen.diffuse(x, y);
+            sampled.gloss.specular += static_cast<double>(seen.specular(x, y));
+            sampled.gloss.roughness += static_cast<double>(seen.roughness(x, y));
+        }
+    if (colours.empty()) fail("nothing was measured there: choose another place");
+    const auto count = static_cast<double>(colours.size());
+    sampled.linear /= static_cast<float>(count);
+    sampled.gloss.specular /= count;
+    sampled.gloss.roughness /= count;
+    const Lab mean = lab_from_linear(glm::dvec3(sampled.linear));
+    for (const Rgb& c : colours) sampled.spread += delta_e_2000(lab_from_linear(glm::dvec3(c)), mean) / count;
+    return sampled;
+}
+
+Sampled sample_round(const Surface& seen, const Mask& mask, const Mask& spoilt, double mm_per_pixel) {
+    AnnulusOptions options;  // in the surface's unit, which is a pixel where the treatment gave the scale
+    options.gap_mm *= seen.mm_per_pixel / mm_per_pixel;
+    options.annulus_mm *= seen.mm_per_pixel / mm_per_pixel;
+    const Annulus round = annulus_of(seen, mask, spoilt, options);
+    Sampled sampled;
+    sampled.linear = round.mode;
+    sampled.spread = round.spread;
+    sampled.gloss = {round.specular, round.roughness, 0};
+    return sampled;
+}
+
+std::optional<Rgb> mean_within(const Surface& seen, const Mask& mask) {
+    Rgb sum(0);
+    float weights = 0;
+    for (std::size_t i = 0; i < mask.size(); ++i) {
+        sum += mask.pixels()[i] * seen.diffuse.pixels()[i];
+        weights += mask.pixels()[i];
+    }
+    if (!(weights > 0)) return {};
+    return sum / weights;
+}
+
+Rgb srgb_of(const Rgb& linear) {
+    return Transfer{Transfer::Kind::srgb}.encode(glm::clamp(linear, 0.0f, 1.0f));
+}
+
+std::string gloss_text(const Gloss& paint, const Gloss& wanted) {
+    const std::string_view remedy = name_of(remedy_for(paint, wanted));
+    return fmt::format("Gloss: {}. Strength {:.3f}, there {:.3f}; sheen {:.2f}, there {:.2f}",
+                       remedy == "none" ? "alike" : fmt::format("needs {}", remedy), paint.specular,
+                       wanted.specular, paint.roughness, wanted.roughness);
+}
+
+ShownRecipe shown_of(const MatchedRecipe& r, const Palette& palette, const std::vector<PairWarning>& pairs,
+                     const Gloss& wanted) {
+    ShownRecipe shown{text_of(r.steps, palette.paints), {}, r.delta_e,
+                      srgb_of(to_linear_rgb(r.look)),   {}, {}};
+    for (std::size_t i = 0; i < static_cast<std::size_t>(r.mixture.count); ++i)
+        shown.mix[palette.paints[static_cast<std::size_t>(r.mixture.paints[i])].name] +=
+            static_cast<float>(r.mixture.volumes[i]);
+    shown.gloss = gloss_text(gloss_of(r.mixture, palette.paints, xyz_of(r.look, Illuminant::d65).y), wanted);
+    for (std::size_t lamp = 0; lamp < kIlluminants; ++lamp)
+        if (r.metamerism[lamp] > kMetameric)
+            shown.warnings.push_back(
+                fmt::format("metameric: where it matches under D65, it is off by dE2000 {:.1f} under {}",
+                            r.metamerism[lamp], name_of(static_cast<Illuminant>(lamp))));
+    if (r.error > kPoor)
+        shown.warnings.push_back(
+            fmt::format("no match: these paints come no nearer than dE2000 {:.1f}", r.error));
+    for (const auto& text : warnings_of(r.mixture, palette.paints, pairs)) shown.warnings.push_back(text);
+    return shown;
+}
+
+}  // namespace
+
+// Of the colour round the damage that is worked on, or at a place.
+void TreatmentDesk::match(const std::optional<glm::dvec2>& at) {
+    const Treating& t = state_.treating;
+    MatchOptions options;
+    options.max_paints = t.most_paints;
+    options.lamps.clear();
+    for (std::size_t lamp = 0; lamp < t.lamps.size(); ++lamp)
+        if (t.lamps[lamp]) options.lamps.push_back(static_cast<Illuminant>(lamp));
+    if (options.lamps.empty()) {
+        setup_.say("choose a lamp at least under which the colour is to match");
+        return;
+    }
+    const std::vector<PairWarning> pairs = pairs_to_avoid(setup_.palette.paints, usual_pigment_pairs());
+    if (t.avoid_pairs) options.allowed = without_pairs(setup_.palette.paints.size(), pairs);
+    const std::optional<double> film_mm = t.film ? std::optional(t.retouch.thickness_mm) : std::nullopt;
+    start("looking for recipes",
+          [this, at, options, pairs, film_mm, where = t.where, painter = painter_,
+           palette = setup_.palette](const Progress&) mutable -> Finish {
+              const Treatment now = treatment();
+              const double mm = now.mm_per_pixel();
+              const Mask mask = area_of_classes(now, where).mask, spoilt = damaged(now);
+              Sampled sampled;
+              painter
+                  ->look([&](const Surface& seen, const Canvas&) {
+                      sampled = at ? sample_at(seen, *at, std::max(kSample_mm / 2 / mm, 1.0))
+                                   : sample_round(seen, mask, spoilt, mm);
+                      sampled.below = mean_within(seen, mask);
+                  })
+                  .get();
+              const glm::dvec3 xyz = xyz_of(reflectance_of_rgb(sampled.linear), Illuminant::d65);
+              sampled.gloss.luminance = xyz.y;
+              const auto likely = likely_spectrum(palette.paints, xyz, Illuminant::d65, options, kVisible);
+              const Spectrum wanted = likely ? likely->reflectance : smooth_spectrum(xyz, Illuminant::d65);
+              if (film_mm && sampled.below)
+                  options.film = FilmOnGround{*film_mm, reflectance_of_rgb(*sampled.below)};
+              const MatchResult found = match_spectrum(palette.paints, wanted, options);
+              ShownMatch shown;
+              shown.of = at ? fmt::format("at {:.0f}, {:.0f}", at->x, at->y) : "round the damage";
+              shown.lab = lab_from_linear(glm::dvec3(sampled.linear));
+              shown.srgb = srgb_of(sampled.linear);
+              shown.spread = sampled.spread;
+              if (sampled.spread > kVaried)
+                  shown.of += fmt::format(": colours vary by dE2000 {:.0f} there, the commonest is matched",
+                                          sampled.spread);
+              for (const MatchedRecipe& r : found.recipes)
+                  shown.recipes.push_back(shown_of(r, palette, pairs, sampled.gloss));
+              return [this, shown = std::move(shown)]() mutable { state_.treating.match = std::move(shown); };
+          });
+}
+
+}  // namespace tangi

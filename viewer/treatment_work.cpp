@@ -1,0 +1,371 @@
+// treatment_work.cpp: of the treatment: what is asked of it; steps that are laid, and states that are shown.
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "paint/appearance.h"
+#include "paint/retouch/recipe_json.h"
+#include "paint/retouch/treatment_picture.h"
+#include "paint/retouch/treatment_report.h"
+#include "surface/error.h"
+#include "viewer/treatment_desk.h"
+
+namespace tangi {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+namespace {
+
+constexpr int kMostPixels = 4000;       // of a side of pictures that are held against each other
+constexpr int kDistanceMost_px = 2000;  // the eye's blur is wide
+
+Rgb decoded(const Rgb& srgb) {
+    const Transfer transfer{Transfer::Kind::srgb};
+    return {transfer.decode(srgb.r), transfer.decode(srgb.g), transfer.decode(srgb.b)};
+}
+
+HeldPhoto::Picture bytes_of(const Image<Rgb>& srgb) {
+    HeldPhoto::Picture picture(srgb.width(), srgb.height());
+    for (std::size_t i = 0; i < srgb.size(); ++i)
+        picture.pixels()[i] = glm::u8vec3(255.0f * glm::clamp(srgb.pixels()[i], 0.0f, 1.0f) + 0.5f);
+    return picture;
+}
+
+std::shared_ptr<const HeldPhoto> pair_of(const Image<Rgb>& left_srgb, const Image<Rgb>& right_srgb) {
+    auto held = std::make_shared<HeldPhoto>();
+    held->photo = bytes_of(left_srgb);
+    held->relit = bytes_of(right_srgb);
+    return held;
+}
+
+// The retouch, and nothing else, is on top of what the painting is.
+bool goes_on_from(const Canvas& now, const Canvas& preview) {
+    if (preview.dried().size() != now.dried().size() + 1 ||
+        now.ingredients().size() > preview.ingredients().size() || !now.wet().empty())
+        return false;
+    for (std::size_t i = 0; i < now.dried().size(); ++i)
+        if (now.dried()[i].name != preview.dried()[i].name ||
+            !identical(now.dried()[i].paint, preview.dried()[i].paint))
+            return false;
+    return true;
+}
+
+}  // namespace
+
+void TreatmentDesk::take() {
+    Treating& t = state_.treating;
+    if (job_ && job_is_ours_) {
+        t.ask.open_dialog = t.ask.report_dialog = false;  // they are open
+        return;
+    }
+    const Treating::Ask ask = std::exchange(t.ask, {});
+    const std::vector<MaskTouch> touches = std::exchange(t.touches, {});
+    if (!painter_) return;
+    if (ask.stop && job_) job_->stop();
+    if (ask.begin) begin();
+    if (!ask.open.empty()) {
+        if (fs::is_regular_file(ask.open / "log.jsonl"))
+            state_.ask.open = ask.open / "painting.exr";
+        else
+            setup_.say(fmt::format("{}: is no treatment: there is no log.jsonl in it", ask.open.string()));
+    }
+    if (!held_) return;
+    if (ask.check) check();
+    if (!t.usable) return;
+    for (const MaskTouch& done : touches) touch(done);
+    const auto own = drafts_.find(t.current);
+    if (ask.undo && own != drafts_.end() && own->second.can_undo()) changed(own->second.undo());
+    if (ask.redo && own != drafts_.end() && own->second.can_redo()) changed(own->second.redo());
+    if (ask.keep) keep_edits();
+    if (ask.drop_edits) drop_edits();
+    if (ask.suggest) suggest();
+    if (ask.accept && suggested_) accept();
+    if (ask.drop_suggestion) {
+        suggested_.reset();
+        t.suggestion.reset();
+        map_.set_suggestion({});
+        map_changed_ = map_.compose(style_);
+    }
+    steps(ask);
+}
+
+void TreatmentDesk::steps(const Treating::Ask& ask) {
+    if (ask.fill) fill();
+    if (ask.isolate || ask.varnish) varnish(ask.isolate);
+    if (ask.preview) preview();
+    if (ask.apply && preview_) apply();
+    if (ask.drop_preview && preview_) {
+        preview_.reset();
+        state_.treating.preview.reset();
+        painter_->show_as({});
+    }
+    if (!ask.remove.empty()) remove({ask.remove});
+    if (ask.remove_all) {
+        std::vector<std::string> all;
+        for (const LayerRow& layer : state_.treating.layers) all.push_back(layer.name);
+        remove(all);
+    }
+    if (ask.compare_states) compare_states();
+    if (ask.see_from) see_from();
+    if (ask.stop_comparing) {
+        state_.comparing.pair.reset();
+        state_.comparing.on = state_.comparing.loaded && state_.comparing.on;
+    }
+    if (ask.match_around) match({});
+    if (ask.match_at) match(ask.match_at);
+    if (!ask.report.empty()) report(ask.report);
+}
+
+// In a folder beside the painting, which is opened.
+void TreatmentDesk::begin() {
+    const fs::path painting = painter_->file();
+    fs::path folder = painting;
+    folder.replace_extension(".treatment");
+    if (fs::exists(folder / "log.jsonl")) {
+        state_.ask.open = folder / "painting.exr";
+        return;
+    }
+    if (state_.painter.unsaved || !state_.painter.layers.empty()) {
+        setup_.say("this painting has been painted on; a treatment begins with one as it was fitted");
+        return;
+    }
+    std::optional<double> scale;
+    if (state_.scale_known || painter_->mm_per_pixel() != 1)
+        scale = painter_->mm_per_pixel();
+    else if (state_.treating.width_mm > 0)
+        scale = static_cast<double>(state_.treating.width_mm) / state_.painting.width;
+    start("beginning a treatment",
+          [this, painting, folder, scale, who = author()](const Progress& p) -> Finish {
+              Treatment::begin(folder, painting, who, scale, p);
+              return [this, folder] { state_.ask.open = folder / "painting.exr"; };
+          });
+}
+
+// Changes the canvas on the painter's thread, so that no stroke is lost, and writes it down.
+void TreatmentDesk::step(std::string title, Step work) {
+    if (state_.painter.unsaved) {
+        setup_.say("first enter in the log what was painted: Ctrl+S");
+        return;
+    }
+    if (preview_) {
+        setup_.say("first apply the retouch that is previewed, or put it aside");
+        return;
+    }
+    start(std::move(title),
+          [this, painter = painter_, work = std::move(work)](const Progress& progress) -> Finish {
+              std::string said;
+              painter
+                  ->change([&](Canvas& canvas) {
+                      const std::lock_guard lock(held_->mutex);
+                      said = work(held_->treatment, canvas, progress);
+                  })
+                  .get();
+              Facts facts = facts_of(treatment(), canvas_of(*painter));
+              return [this, said = std::move(said), facts = std::move(facts)]() mutable {
+                  state_.treating.state.reset();
+                  state_shown_.reset();
+                  state_.treating.map = false;  // what was done is to be seen
+                  adopt(std::move(facts));
+                  setup_.say(said);
+              };
+          });
+}
+
+void TreatmentDesk::fill() {
+    const Treating& t = state_.treating;
+    step("filling", [where = t.where, texture = t.texture, colour = decoded(t.fill_srgb), options = t.fill,
+                     who = author()](Treatment& treatment, Canvas& canvas, const Progress& progress) {
+        const json result = fill_step(treatment, canvas, area_of_classes(treatment, where), texture, colour,
+                                      options, who, progress);
+        return fmt::format(
+            "in the log: {}, {:.2f} cm2, {:.2f} mm at its deepest; step at its border {:.3f} mm rms",
+            result["layer"].get<std::string>(), result["area_cm2"].get<double>(),
+            result["deepest_mm"].get<double>(), result["border_rms_mm"].get<double>());
+    });
+}
+
+void TreatmentDesk::varnish(bool isolating) {
+    const Treating& t = state_.treating;
+    step(isolating ? "isolating" : "varnishing",
+         [isolating, where = t.where, options = isolating ? t.isolating : t.varnish, who = author()](
+             Treatment& treatment, Canvas& canvas, const Progress& progress) {
+             const StepArea area = area_of_classes(treatment, where);
+             const json result = varnish_step(treatment, canvas, isolating, isolating ? &area : nullptr,
+                                              options, who, progress);
+             return fmt::format("in the log: {}, {:.2f} cm2", result["layer"].get<std::string>(),
+                                result["area_cm2"].get<double>());
+         });
+}
+
+void TreatmentDesk::remove(const std::vector<std::string>& layers) {
+    step("taking off",
+         [layers, who = author()](Treatment& treatment, Canvas& canvas, const Progress& progress) {
+             remove_step(treatment, canvas, layers, who, progress);
+             std::string said = fmt::format("in the log: {} taken off", fmt::join(layers, ", "));
+             if (canvas.dried().empty() && sha256_of(appearance(canvas)) == treatment.dry_sha256())
+                 said += "; the painting is the original again, bit for bit";
+             return said;
+         });
+}
+
+void TreatmentDesk::preview() {
+    Treating& t = state_.treating;
+    if (state_.painter.unsaved) {
+        setup_.say("first enter in the log what was painted: Ctrl+S");
+        return;
+    }
+    t.state.reset();
+    RetouchOptions options = t.retouch;
+    options.match.max_paints = t.most_paints;
+    options.match.lamps.clear();
+    for (std::size_t lamp = 0; lamp < t.lamps.size(); ++lamp)
+        if (t.lamps[lamp]) options.match.lamps.push_back(static_cast<Illuminant>(lamp));
+    if (options.match.lamps.empty()) options.match.lamps = {Illuminant::d65};
+    const std::vector<PairWarning> pairs = pairs_to_avoid(setup_.palette.paints, usual_pigment_pairs());
+    if (t.avoid_pairs) options.match.allowed = without_pairs(setup_.palette.paints.size(), pairs);
+    start("laying a retouch to look at",
+          [this, painter = painter_, options, where = t.where, mode = t.mode, pairs,
+           palette = setup_.palette](const Progress& progress) -> Finish {
+              const Treatment now = treatment();
+              StepArea area = area_of_classes(now, where);
+              Canvas canvas = canvas_of(*painter);
+              canvas.confine({});
+              const std::string layer = now.new_layer_name(LayerRole::retouch);
+              const RetouchReport report =
+                  lay_retouch(canvas, palette, area.mask, damaged(now), mode, layer, options, progress);
+              const double mm = canvas.mm_per_pixel();
+              json results = to_json(report, palette.paints, pairs);
+              const OnOriginal outside = on_original(canvas.dried().back().paint, area.mask, mm);
+              results["layer"] = layer;
+              results["on_original"] = to_json(outside);
+              ShownRetouch shown;
+              shown.mode = name_of(mode);
+              shown.delta_e = report.delta_e_mean;
+              shown.outside_px = outside.pixels;
+              for (const Pile& pile : report.piles)
+                  shown.piles.push_back(
+                      fmt::format("{:2.0f} %  {}", 100 * pile.share, text_of(pile.steps, palette.paints)));
+              if (report.marks > 0) {
+                  const RetouchViews views =
+                      retouch_views(appearance(canvas, {}, progress).diffuse, area.mask, report);
+                  const Fusion fusion =
+                      fusion_of(views.retouched, views.target, views.mask, report.pitch_mm / mm, mm);
+                  results["lines"].update(to_json(fusion));
+                  shown.lines = fmt::format("{} lines or dots, {:.2f} mm apart, {:.2f} mm wide; ",
+                                            report.marks, report.pitch_mm, report.width_mm);
+                  shown.lines +=
+                      fusion.fuses
+                          ? fmt::format(
+                                "they fuse from {:.1f} m on, there dE2000 {:.1f} from the colour around",
+                                fusion.distance_m, fusion.delta_e_fused)
+                          : fmt::format("they are still seen from {:.0f} m", fusion.distance_m);
+              }
+              json parameters = to_json(options);
+              parameters["mode"] = name_of(mode), parameters["inpainting"] = name_of(options.inpainting);
+              parameters["area"] = area.described, parameters["palette"] = palette.name;
+              auto made = std::make_shared<const Preview>(Preview{
+                  std::move(canvas), std::move(area), std::move(parameters), std::move(results), layer});
+              return [this, made, shown = std::move(shown)]() mutable {
+                  preview_ = made;
+                  state_.treating.preview = std::move(shown);
+                  state_.treating.map = false;
+                  painter_->show_as([made](const Canvas&) { return made->canvas; });
+              };
+          });
+}
+
+void TreatmentDesk::apply() {
+    if (job_) {
+        setup_.say(fmt::format("first stop, or wait for: {}", job_->title()));
+        return;
+    }
+    const auto made = std::exchange(preview_, {});
+    state_.treating.preview.reset();
+    painter_->show_as({});
+    step("entering the retouch in the log", [made, who = author()](Treatment& treatment, Canvas& canvas,
+                                                                   const Progress& progress) {
+        if (!goes_on_from(canvas, made->canvas))
+            fail("the painting has changed since the retouch was laid: preview it again");
+        canvas = made->canvas;
+        treatment.record({.action = "retouch",
+                          .parameters = made->parameters,
+                          .results = made->results,
+                          .masks = {{made->layer, made->area.mask}},
+                          .canvas = &canvas,
+                          .added = {{made->layer, LayerRole::retouch}}},
+                         who, progress);
+        return fmt::format("in the log: {} ({})", made->layer, made->parameters["mode"].get<std::string>());
+    });
+}
+
+void TreatmentDesk::report(const fs::path& html) {
+    start("writing the report", [this, html, tool = setup_.author.tool](const Progress& progress) -> Finish {
+        const auto files = write_treatment_report(treatment(), html, tool, progress);
+        return [this, html, count = files.size()] {
+            setup_.say(fmt::format("wrote {} and {} files beside it", html.string(), count - 1));
+        };
+    });
+}
+
+// The painting as it was in a state, until another is chosen.
+void TreatmentDesk::show_state() {
+    state_shown_ = state_.treating.state;
+    if (preview_ && state_shown_) {
+        preview_.reset();
+        state_.treating.preview.reset();
+    }
+    if (preview_) return;
+    if (!state_shown_)
+        painter_->show_as({});
+    else
+        painter_->show_as([layers = treatment().layers(), state = *state_shown_](const Canvas& canvas) {
+            return in_state(canvas, layers, state);
+        });
+}
+
+void TreatmentDesk::hold(const HeldPair& pair) {
+    Comparing& c = state_.comparing;
+    c.pair = pair;
+    c.on = true;
+    if (c.way != CompareWay::aside && c.way != CompareWay::blink) c.way = CompareWay::wipe;
+}
+
+void TreatmentDesk::compare_states() {
+    const Treating& t = state_.treating;
+    const Angles& lamp = state_.lamps[state_.lamp].angles;
+    const Light light = distant_light(direction_of(lamp.azimuth_deg, lamp.elevation_deg));
+    start("relighting two states",
+          [this, painter = painter_, light, left = t.left,
+           right = t.right](const Progress& progress) -> Finish {
+              const Canvas canvas = canvas_of(*painter);
+              const auto picture = [&](TreatmentState state) {
+                  return look_of(surface_in_state(treatment(), canvas, state, progress), light, kMostPixels,
+                                 progress);
+              };
+              const Image<Rgb> first = picture(left);
+              HeldPair pair{title_of(left), title_of(right), pair_of(first, picture(right))};
+              return [this, pair = std::move(pair)] { hold(pair); };
+          });
+}
+
+// The colours from near, and as they are seen from further away.
+void TreatmentDesk::see_from() {
+    const auto distance_m = static_cast<double>(state_.treating.distance_m);
+    start("looking from afar",
+          [this, painter = painter_, distance_m, view = preview_](const Progress& p) -> Finish {
+              Surface surface = appearance(view ? view->canvas : canvas_of(*painter), {}, p);
+              const double mm = treatment().mm_per_pixel();
+              Image<Rgb> near = colour_of(surface, kDistanceMost_px);
+              const double reduced = static_cast<double>(surface.width()) / near.width();
+              const Transfer srgb{Transfer::Kind::srgb};
+              Image<Rgb> far = near;
+              for (Rgb& c : far.pixels()) c = decoded(c);
+              far = seen_from(far, mm * reduced, distance_m);
+              for (Rgb& c : far.pixels()) c = srgb.encode(glm::max(c, Rgb(0)));
+              HeldPair pair{"from near", fmt::format("from {:.1f} m", distance_m), pair_of(near, far)};
+              return [this, pair = std::move(pair)] { hold(pair); };
+          });
+}
+
+}  // namespace tangi
