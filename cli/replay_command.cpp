@@ -11,6 +11,7 @@
 #include "paint/tools_file.h"
 #include "surface/error.h"
 #include "surface/painting_file.h"
+#include "surface/picture_file.h"
 
 namespace tangi {
 
@@ -49,11 +50,17 @@ nlohmann::json run_replay(const ReplayArguments& a) {
     refuse_to_overwrite(a.out, inputs);
     if (!a.board.empty()) refuse_to_overwrite(a.board, inputs);
     if (!a.frames.video.empty()) refuse_to_overwrite(a.frames.video, inputs);
+    for (const std::string& file : {a.out, a.board})
+        if (!file.empty() && lower_extension(file) != ".exr") fail("{}: a painting is an .exr file", file);
+    if (!a.board.empty() && fs::weakly_canonical(a.board) == fs::weakly_canonical(a.out))
+        throw UsageError(fmt::format("--board {}: is where the painting goes; give another name", a.board));
     const Progress progress = console_progress();
     const Journal journal =
         read_journal(strokes, a.brushes.empty() ? brush_presets() : read_brush_presets(a.brushes));
     const nlohmann::json warnings = told(journal.warnings);
     AtomicFile out(a.out);  // that it can be written is known before the work
+    std::optional<AtomicFile> board;
+    if (!a.board.empty()) board.emplace(a.board);
     Session session(canvas_of(a, progress), a.palette.empty() ? artist_acrylics() : read_palette(a.palette));
     if (!a.substrate.given()) read_tools(a.files.front(), session, progress);
     const std::string dry_hash = hash_of(session.canvas().dry());
@@ -68,11 +75,9 @@ nlohmann::json run_replay(const ReplayArguments& a) {
     const Canvas& canvas = session.canvas();
     std::vector<PartToWrite> further;  // goes with the dry layer, which painting does not change
     if (!a.substrate.given()) further = parts_beside_paint(a.files.front(), progress);
+    if (board && !session.board()) fail("--board {}: nothing was done on the palette", a.board);
     write_canvas(out, canvas, progress, with_tools(std::move(further), session));
-    if (!a.board.empty()) {
-        if (!session.board()) fail("--board {}: nothing was done on the palette", a.board);
-        write_canvas(a.board, *session.board(), progress);
-    }
+    if (board) write_canvas(*board, *session.board(), progress);
 
     nlohmann::json volumes = nlohmann::json::object();
     const auto mm3 = canvas.volumes_mm3();

@@ -196,6 +196,12 @@ TEST(CliReplay, MixesOnThePaletteAndShowsHowItCameIntoBeing) {
     EXPECT_LT(board.json()["paint"][0]["volumes_mm3"]["Pyrrole Red"], all - painted + 0.1);
     EXPECT_TRUE(
         ended(f.replay(kHeader + kStroke, {"--board", f.path("b.exr")}), 1, {"--board", "nothing was"}));
+    const std::filesystem::path painting = f.path("a.exr");
+    std::filesystem::remove(painting);
+    EXPECT_TRUE(ended(f.replay(kHeader + kStroke, {"--board", painting.string()}), 2, {"another name"}));
+    EXPECT_TRUE(ended(f.replay(kHeader + kStroke, {"--board", f.path("b.png")}), 1, {"b.png", ".exr"}));
+    EXPECT_TRUE(ended(f.replay(kHeader + kStroke, {"--board", f.path("b.exr")}), 1));
+    EXPECT_FALSE(std::filesystem::exists(painting)) << "nothing is replaced where something is wrong";
     EXPECT_GT(redness(read_picture(f.dir / "frames" / "frame-00003.png")),
               1.5 * redness(read_picture(f.dir / "frames" / "frame-00001.png")));
     EXPECT_TRUE(ended(f.replay(mixing, {"--frames", f.path("frames")}), 1, {"frames: has frames already"}));
