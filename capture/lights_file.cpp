@@ -107,6 +107,7 @@ Light parse_line(std::string_view line, const std::string& place, double& length
                  place, shown(word));
         vector[i] = *value;
     }
+    if (rest.size() > 2 && rest.front() == '"' && rest.back() == '"') rest = rest.substr(1, rest.size() - 2);
     if (rest.empty()) fail("{}: expected 'name x y z', but the photograph's name is missing", place);
     if (!std::isfinite(vector.x) || !std::isfinite(vector.y) || !std::isfinite(vector.z))
         fail("{}: the light of '{}' is not finite; give a direction or remove the line", place, shown(rest));

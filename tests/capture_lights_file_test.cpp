@@ -31,6 +31,12 @@ void expect_a_and_b(const LightsFile& file) {
     EXPECT_THAT(file.warnings, IsEmpty());
 }
 
+TEST(LightsFile, NamesMayBeQuoted) {
+    const LightsFile file = parse_lights("2\n\"a b.png\" 0 0 1\n\"c.png\" 1 0 1\n", "x.lp");
+    EXPECT_EQ(file.lights[0].name, "a b.png");
+    EXPECT_EQ(file.lights[1].name, "c.png");
+}
+
 TEST(LightsFile, IsACountAndALineForEachPhotograph) {
     const LightsFile file = parse("2\na.jpg 0 0 1\nb.jpg 0.6 0 0.8\n");
     expect_a_and_b(file);
