@@ -5,6 +5,7 @@
 #include "cli/command_list.h"
 #include "cli/treatment_arguments.h"
 #include "paint/retouch/damage_suggestion.h"
+#include "paint/retouch/mask_draft.h"
 #include "paint/retouch/treatment_picture.h"
 #include "surface/error.h"
 #include "surface/painting_file.h"
@@ -81,7 +82,7 @@ Mask wanded(const Treatment& treatment, const DamageArguments& a, const Progress
     const double mm = treatment.mm_per_pixel();
     const auto pixel = [](double v) { return static_cast<int>(std::floor(std::clamp(v, -1e6, 1e6))); };
     return wand(treatment.read_canvas(progress).dry(), pixel(xy[0] / mm + treatment.width() / 2.0),
-                pixel(treatment.height() / 2.0 - xy[1] / mm), a.tolerance);
+                pixel(treatment.height() / 2.0 - xy[1] / mm), WandBy::colour, a.tolerance);
 }
 
 // Drawn areas are added to a class, taken away from it, or replace it.

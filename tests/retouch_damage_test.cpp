@@ -3,6 +3,7 @@
 
 #include "datasets/procedural_painting.h"
 #include "paint/retouch/damage_suggestion.h"
+#include "paint/retouch/mask_draft.h"
 #include "surface/error.h"
 #include "surface/parallel.h"
 #include "tests/test_support.h"
@@ -131,10 +132,10 @@ TEST(Wand, TakesWhatIsConnectedAndOfOneColour) {
     for (int y = 0; y < 40; ++y)
         for (int x = 0; x < 40; ++x)
             surface.diffuse(x, y) = x < 10 || x > 29 ? Rgb(0.5f, 0.1f, 0.1f) : Rgb(0.1f, 0.1f, 0.5f);
-    EXPECT_EQ(sum(wand(surface, 3, 3, 5)), 400);
-    EXPECT_EQ(sum(wand(surface, 20, 3, 5)), 800);
-    EXPECT_EQ(sum(wand(surface, 3, 3, 200)), 1600);
-    EXPECT_THROW(wand(surface, 40, 3, 5), Error);
+    EXPECT_EQ(sum(wand(surface, 3, 3, WandBy::colour, 5)), 400);
+    EXPECT_EQ(sum(wand(surface, 20, 3, WandBy::colour, 5)), 800);
+    EXPECT_EQ(sum(wand(surface, 3, 3, WandBy::colour, 200)), 1600);
+    EXPECT_THROW(wand(surface, 40, 3, WandBy::colour, 5), Error);
 }
 
 }  // namespace

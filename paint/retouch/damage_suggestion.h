@@ -102,8 +102,4 @@ struct GlossSuggestion {
 GlossSuggestion suggest_gloss(const Surface& surface, double mm_per_pixel, const GlossOptions& options = {},
                               const Progress& progress = {});
 
-// Pixels connected to (x, y) of about its colour: CIE Delta E (1976) to it at most `tolerance`. Throws Error
-// where the pixel is not in the picture.
-Mask wand(const Surface& surface, int x, int y, double tolerance);
-
 }  // namespace tangi

@@ -7,7 +7,6 @@
 #include "paint/retouch/damage_suggestion.h"
 #include "paint/retouch/local_deviation.h"
 #include "paint/retouch/matrix.h"
-#include "surface/error.h"
 #include "surface/median.h"
 
 namespace tangi {
@@ -129,32 +128,6 @@ GlossSuggestion suggest_gloss(const Surface& surface, double mm_per_pixel, const
     }
     report(progress, "compare gloss", 1);
     return result;
-}
-
-Mask wand(const Surface& surface, int x, int y, double tolerance) {
-    const int width = surface.width(), height = surface.height();
-    if (x < 0 || y < 0 || x >= width || y >= height)
-        fail("the pixel ({}, {}) is not in the picture, which has {} x {}", x, y, width, height);
-    const auto lab_at = [&](int px, int py) {
-        return lab_from_linear(glm::dvec3(glm::max(surface.diffuse(px, py), Rgb(0))));
-    };
-    const Lab own = lab_at(x, y);
-    Mask mask(width, height);
-    std::vector<std::pair<int, int>> open = {{x, y}};
-    mask(x, y) = 1;
-    while (!open.empty()) {
-        const auto [px, py] = open.back();
-        open.pop_back();
-        for (const auto& [dx, dy] : {std::pair{1, 0}, {-1, 0}, {0, 1}, {0, -1}}) {
-            const int nx = px + dx, ny = py + dy;
-            if (nx < 0 || ny < 0 || nx >= width || ny >= height || mask(nx, ny) > 0) continue;
-            const Lab there = lab_at(nx, ny);
-            if (std::hypot(there.l - own.l, there.a - own.a, there.b - own.b) > tolerance) continue;
-            mask(nx, ny) = 1;
-            open.emplace_back(nx, ny);
-        }
-    }
-    return mask;
 }
 
 }  // namespace tangi

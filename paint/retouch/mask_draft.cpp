@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "paint/retouch/damage_suggestion.h"
+#include "surface/colour.h"
 #include "surface/error.h"
 
 namespace tangi {
@@ -117,11 +117,18 @@ Region MaskDraft::redo() {
 }
 
 Mask wand(const Surface& s, int x, int y, WandBy by, double tolerance) {
-    if (by == WandBy::colour) return wand(s, x, y, tolerance);
     if (x < 0 || y < 0 || x >= s.width() || y >= s.height())
         fail("the pixel ({}, {}) is not in the picture, which has {} x {}", x, y, s.width(), s.height());
+    const auto lab_at = [&](int px, int py) {
+        return lab_from_linear(glm::dvec3(glm::max(s.diffuse(px, py), Rgb(0))));
+    };
+    const Lab own = lab_at(x, y);
     const auto log_of = [](float v) { return std::log(std::max(static_cast<double>(v), 1e-4)); };
     const auto difference = [&](int px, int py) {
+        if (by == WandBy::colour) {
+            const Lab there = lab_at(px, py);
+            return std::hypot(there.l - own.l, there.a - own.a, there.b - own.b);
+        }
         if (by == WandBy::height)
             return static_cast<double>(std::abs(s.height_mm(px, py) - s.height_mm(x, y)));
         return std::abs(log_of(s.roughness(px, py)) - log_of(s.roughness(x, y))) +
