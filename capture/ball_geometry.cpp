@@ -85,8 +85,9 @@ std::optional<dvec2> highlight_of_position(const BallImage& ball, const BallCame
                                            const dvec3& light) {
     const dvec3 centre = centre_in_radius_units(ball, camera);
     double normal[3];
-    const double c[3] = {centre.x, centre.y, centre.z}, l[3] = {light.x, light.y, light.z};
-    if (!mirror_normal(c, ball.radius_px, l, camera.focal_px.has_value(), normal)) return std::nullopt;
+    const double c[3] = {centre.x, centre.y, 0}, l[3] = {light.x, light.y, light.z - centre.z};
+    const double inverse_distance = camera.focal_px ? 1 / *camera.focal_px : 0;
+    if (!mirror_normal(c, ball.radius_px, l, inverse_distance, normal)) return std::nullopt;
     return pixel_of_normal(ball, camera, {normal[0], normal[1], normal[2]});
 }
 

@@ -11,6 +11,11 @@
 
 namespace tangi {
 
+// A number and its standard error.
+struct Known {
+    double value = 0, sigma = 0;
+};
+
 // An ideal camera. Orthographic (far away, with a long lens) where the focal length is not known.
 struct BallCamera {
     std::optional<double> focal_px{};

@@ -4,7 +4,9 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <glm/mat3x3.hpp>
+#include <glm/mat4x4.hpp>
 #include <glm/matrix.hpp>
+#include <glm/vec4.hpp>
 #include <numbers>
 
 #include "surface/parallel.h"
@@ -24,6 +26,8 @@ constexpr double kNear = 1.25;       // [pixels] from the expected outline, with
 constexpr double kFaintest = 0.25;   // [1] of the strong edges; fainter ones are left out
 constexpr double kLeastCoverage = 0.2;
 constexpr double kCentreSystematic = 0.1, kRadiusSystematic = 0.4;  // [pixels] of a limb that fades
+constexpr double kShapeSystematic =
+    0.15;  // [pixels] half the length's error against the width, for the same reason
 
 struct Edge {
     dvec2 place;
@@ -200,6 +204,29 @@ bool fit(const std::vector<Edge>& edges, const BallCamera& camera, BallOutline& 
     return true;
 }
 
+// Beside centre and radius the edges tell how long the outline is, more than the camera says already.
+std::optional<Known> elongation_of(const BallOutline& outline, const BallCamera& camera) {
+    const BallImage& ball = outline.ball;
+    const dvec2 from_middle = ball.centre_px - camera.principal_px;
+    const double offset = glm::length(from_middle);
+    if (!(offset > 1)) return std::nullopt;
+    glm::dmat4 normal(0);
+    glm::dvec4 right(0);
+    for (const dvec2& edge : outline.edges_px) {
+        const dvec2 out = glm::normalize(edge - ball.centre_px);
+        const double along = glm::dot(out, from_middle) / offset;
+        const glm::dvec4 row(1, out, 2 * along * along - 1);
+        normal += glm::outerProduct(row, row);
+        right += outside_px(ball, camera, edge) * row;
+    }
+    const auto count = static_cast<double>(outline.edges_px.size());
+    if (!(glm::determinant(normal) > 1e-6 * std::pow(count, 4))) return std::nullopt;
+    const glm::dmat4 inverse = glm::inverse(normal);
+    const double modelled = camera.focal_px ? std::hypot(offset / *camera.focal_px, 1) - 1 : 0;
+    const double sigma = std::hypot(outline.residual_px * std::sqrt(2 * inverse[3][3]), kShapeSystematic);
+    return Known{modelled + 2 * (inverse * right).w / ball.radius_px, 2 * sigma / ball.radius_px};
+}
+
 }  // namespace
 
 std::optional<BallOutline> refine_outline(const BallCrops& crops, const BallImage& start,
@@ -225,6 +252,7 @@ std::optional<BallOutline> refine_outline(const BallCrops& crops, const BallImag
     // inside of the outline, by how much depends on what is mirrored.
     outline.ball.centre_sigma_px = std::hypot(outline.ball.centre_sigma_px, kCentreSystematic);
     outline.ball.radius_sigma_px = std::hypot(outline.ball.radius_sigma_px, kRadiusSystematic);
+    outline.elongation = elongation_of(outline, camera);
     if (outline.coverage < kLeastCoverage || moved > std::max(0.25 * start.radius_px, 4.0))
         return std::nullopt;
     return outline;

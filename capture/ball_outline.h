@@ -13,6 +13,9 @@ struct BallOutline {
     std::vector<glm::dvec2> edges_px;  // that were used
     double coverage = 0;               // [1] part of the outline whose edge was used
     double residual_px = 0;            // robust standard deviation of the edges from the outline
+    // [1] Length over width less 1, along the line from the picture's principal point; a camera far away sees
+    // 0.
+    std::optional<Known> elongation{};
 };
 
 // Starts from an outline that is right to about 5 % of the radius, or two pixels. The profiles of all

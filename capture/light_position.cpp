@@ -1,7 +1,9 @@
+// light_position.cpp: see light_position.h.
 #include "capture/light_position.h"
 
 #include <ceres/ceres.h>
 
+#include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
@@ -18,140 +20,241 @@ namespace {
 
 using Vector = std::array<double, 3>;
 
-struct Projection {
-    bool perspective = false;
-    double focal_px = 1;  // without perspective: pixels for a mm
-    dvec2 principal_px{0, 0};
+constexpr double kOnePlane = 0.1;      // [radii] standard error of how deep a ball lies among the others
+constexpr double kFarAway = 30;        // [1] of the balls' distance, where lamps start whose rays do not meet
+constexpr double kInverseFocal = 1e3;  // the unit of 1 / focal length is 1 / 1000 px
 
-    template <class T>
-    void project(const T point[3], T pixel[2]) const {
-        const T scale = perspective ? T(focal_px) / -point[2] : T(focal_px);
-        pixel[0] = principal_px.x + scale * point[0];
-        pixel[1] = principal_px.y - scale * point[1];
-    }
-};
+// A camera that looks down the z axis: px[0] pixels for a mm at z = 0, px[1] / 1000 px is 1 / focal length;
+// with 0 it is far away.
+template <class T>
+T inverse_distance(const T* camera) {
+    return camera[0] * camera[1] / kInverseFocal;
+}
+
+template <class T>
+void project(const T* camera, const dvec2& principal_px, const T point[3], T pixel[2]) {
+    const T scale = camera[0] / (T(1) - inverse_distance(camera) * point[2]);
+    pixel[0] = principal_px.x + scale * point[0];
+    pixel[1] = principal_px.y - scale * point[1];
+}
 
 // Where the highlight is seen less where it should be, in standard errors.
 struct HighlightError {
-    Projection camera;
+    dvec2 principal_px;
     double radius_mm;
     MeasuredHighlight seen;
 
     template <class T>
-    bool operator()(const T* lamp, const T* ball, T* error) const {
+    bool operator()(const T* lamp, const T* ball, const T* camera, T* error) const {
         T normal[3], point[3], pixel[2];
-        if (!mirror_normal(ball, T(radius_mm), lamp, camera.perspective, normal)) return false;
+        if (!mirror_normal(ball, T(radius_mm), lamp, inverse_distance(camera), normal)) return false;
         for (int i = 0; i < 3; ++i) point[i] = ball[i] + radius_mm * normal[i];
-        camera.project(point, pixel);
+        project(camera, principal_px, point, pixel);
         error[0] = (pixel[0] - seen.place_px.x) / seen.sigma_px;
         error[1] = (pixel[1] - seen.place_px.y) / seen.sigma_px;
         return true;
     }
 };
 
-// What the outline says of the ball, in standard errors.
+// What outline and depth say of the ball, in standard errors.
 struct OutlineError {
-    Projection camera;
+    dvec2 principal_px;
     double radius_mm;
     BallImage seen;
-    double depth_mm, depth_sigma_mm;  // sigma 0: not known
+    std::optional<Known> depth_mm;
 
     template <class T>
-    bool operator()(const T* ball, T* error) const {
+    bool operator()(const T* ball, const T* camera, T* error) const {
         T pixel[2];
-        camera.project(ball, pixel);
+        project(camera, principal_px, ball, pixel);
         const double sigma = std::max(seen.centre_sigma_px, 0.02);
+        const T nearness = T(1) - inverse_distance(camera) * ball[2];
         error[0] = (pixel[0] - seen.centre_px.x) / sigma;
         error[1] = (pixel[1] - seen.centre_px.y) / sigma;
-        error[2] = camera.perspective ? (camera.focal_px * radius_mm / -ball[2] - seen.radius_px) /
-                                            std::max(seen.radius_sigma_px, 0.02)
-                                      : T(0);
-        error[3] = depth_sigma_mm > 0 ? (ball[2] - depth_mm) / depth_sigma_mm : T(0);
+        error[2] = (camera[0] * radius_mm / nearness - seen.radius_px) / std::max(seen.radius_sigma_px, 0.02);
+        error[3] = ball[2] / (kOnePlane * radius_mm);
+        // 1 / inverse_distance - z - depth, to first order, but finite for a camera far away
+        error[4] = depth_mm ? (nearness - inverse_distance(camera) * depth_mm->value) * depth_mm->value /
+                                  depth_mm->sigma
+                            : T(0);
         return true;
     }
 };
 
-Projection projection_of(const PositionInput& input) {
-    if (input.camera.focal_px) return {true, *input.camera.focal_px, input.camera.principal_px};
+struct FocalError {
+    Known inverse_focal;  // in units of 1 / kInverseFocal
+
+    template <class T>
+    bool operator()(const T* camera, T* error) const {
+        error[0] = (camera[1] - inverse_focal.value) / inverse_focal.sigma;
+        return true;
+    }
+};
+
+double mean_radius_px(const PositionInput& input) {
     double radius = 0;
     for (const BallImage& ball : input.balls)
         radius += ball.radius_px / static_cast<double>(input.balls.size());
-    return {false, radius / input.ball_radius_mm, input.camera.principal_px};
+    return radius;
 }
 
-std::vector<Vector> first_centres(const PositionInput& input, const Projection& projection) {
-    std::vector<Vector> centres;
-    for (const BallImage& ball : input.balls) {
-        const dvec3 in_px = centre_in_radius_units(ball, input.camera);
-        const double scale =
-            projection.perspective ? input.ball_radius_mm / ball.radius_px : 1 / projection.focal_px;
-        dvec3 centre = scale * in_px;
-        if (projection.perspective && input.depth_mm) centre *= *input.depth_mm / centre.z;
-        centres.push_back({centre.x, centre.y, centre.z});
-    }
-    return centres;
-}
+// Lamps, balls and camera while they are moved.
+struct Scene {
+    std::vector<Vector> lamps, centres;
+    std::array<double, 2> camera{1, 0};
+};
 
-std::optional<dvec3> first_position(const PositionInput& input, const std::vector<Vector>& centres,
-                                    std::size_t photo) {
+// Where the rays of a photograph meet for the camera as it is; far away along them where they do not.
+std::optional<dvec3> first_position(const PositionInput& input, const Scene& scene, std::size_t photo) {
+    BallCamera camera = input.camera;
+    camera.focal_px.reset();
+    if (scene.camera[1] > 0) camera.focal_px = kInverseFocal / scene.camera[1];
     std::vector<LightRay> rays;
+    dvec3 origin(0), direction(0);
     for (std::size_t b = 0; b < input.balls.size(); ++b) {
         const auto& seen = input.highlights[photo][b];
         if (!seen) continue;
-        const auto point = ball_point(input.balls[b], input.camera, seen->place_px);
+        const auto point = ball_point(input.balls[b], camera, seen->place_px);
         if (!point) continue;
-        const dvec3 centre(centres[b][0], centres[b][1], centres[b][2]);
+        const dvec3 centre(scene.centres[b][0], scene.centres[b][1], scene.centres[b][2]);
         rays.push_back({centre + input.ball_radius_mm * point->normal, point->mirrored(),
-                        direction_sigma(input.balls[b], input.camera, seen->place_px, seen->sigma_px)});
+                        direction_sigma(input.balls[b], camera, seen->place_px, seen->sigma_px)});
+        origin += rays.back().origin;
+        direction += rays.back().direction;
     }
-    return rays.size() < 2 ? std::nullopt : nearest_point(rays);
+    if (rays.size() < 2 || !(glm::length(direction) > 1e-6)) return std::nullopt;
+    if (const auto meet = nearest_point(rays)) return meet;
+    double apart = input.ball_radius_mm;
+    for (const LightRay& ray : rays) apart = std::max(apart, glm::length(ray.origin - rays[0].origin));
+    return origin / static_cast<double>(rays.size()) + kFarAway * apart * glm::normalize(direction);
 }
 
-// Covariances of the lamps, and residuals, of a solved problem.
-void judge(ceres::Problem& problem, const PositionInput& input, const Projection& projection,
-           std::vector<Vector>& lamps, std::vector<Vector>& centres, PositionResult& result) {
-    double weighted = 0, plain = 0;
-    int values = 0, unknowns = 0;
-    std::vector<std::pair<const double*, const double*>> blocks;
-    for (std::size_t photo = 0; photo < lamps.size(); ++photo) {
-        if (!result.lamps[photo]) continue;
-        LampPosition& lamp = *result.lamps[photo];
-        double squares = 0;
-        int seen_in = 0;
-        for (std::size_t b = 0; b < centres.size(); ++b) {
-            const auto& seen = input.highlights[photo][b];
-            if (!seen) continue;
-            double error[2] = {};
-            HighlightError{projection, input.ball_radius_mm, *seen}(lamps[photo].data(), centres[b].data(),
-                                                                    error);
-            const double in_sigma = error[0] * error[0] + error[1] * error[1];
-            weighted += in_sigma;
-            squares += in_sigma * seen->sigma_px * seen->sigma_px;
-            ++seen_in;
-        }
-        values += 2 * seen_in;
-        unknowns += 3;
-        plain += squares;
-        lamp.position_mm = {lamps[photo][0], lamps[photo][1], lamps[photo][2]};
-        lamp.residual_px = std::sqrt(squares / (2 * seen_in));
-        blocks.emplace_back(lamps[photo].data(), lamps[photo].data());
+Scene first_scene(const PositionInput& input, double inverse_focal) {
+    Scene scene;
+    scene.camera = {mean_radius_px(input) / input.ball_radius_mm, kInverseFocal * inverse_focal};
+    for (const BallImage& ball : input.balls) {
+        const dvec2 from = (ball.centre_px - input.camera.principal_px) / scene.camera[0];
+        scene.centres.push_back({from.x, -from.y, 0});
     }
-    if (values == 0) return;
-    result.residual_px = std::sqrt(plain / values);
-    result.residual_sigma = std::sqrt(weighted / std::max(values - unknowns, 1));
-    const double enlarge = std::max(1.0, result.residual_sigma * result.residual_sigma);
-    ceres::Covariance::Options options;
-    options.algorithm_type = ceres::DENSE_SVD;
-    options.null_space_rank = -1;
-    ceres::Covariance covariance(options);
-    if (!covariance.Compute(blocks, &problem)) return;
-    for (std::size_t photo = 0; photo < lamps.size(); ++photo) {
-        if (!result.lamps[photo]) continue;
-        double block[9] = {};
-        covariance.GetCovarianceBlock(lamps[photo].data(), lamps[photo].data(), block);
-        for (int i = 0; i < 9; ++i) result.lamps[photo]->covariance_mm2[i / 3][i % 3] = enlarge * block[i];
+    for (std::size_t photo = 0; photo < input.highlights.size(); ++photo) {
+        const dvec3 at = first_position(input, scene, photo).value_or(dvec3(0));
+        scene.lamps.push_back({at.x, at.y, at.z});
     }
+    return scene;
 }
+
+// The solver's problem on a scene, which must stay where it is.
+class Bundle {
+public:
+    Bundle(const PositionInput& input, Scene& scene, const Known& inverse_focal, PositionResult& result)
+        : input_(input), scene_(scene), result_(result) {
+        double* camera = scene.camera.data();
+        result.lamps.resize(scene.lamps.size());
+        for (std::size_t photo = 0; photo < scene.lamps.size(); ++photo) {
+            if (!first_position(input, scene, photo)) continue;
+            result.lamps[photo].emplace();
+            for (std::size_t b = 0; b < input.balls.size(); ++b)
+                if (const auto& seen = input.highlights[photo][b])
+                    problem_.AddResidualBlock(
+                        new ceres::AutoDiffCostFunction<HighlightError, 2, 3, 3, 2>(
+                            new HighlightError{input.camera.principal_px, input.ball_radius_mm, *seen}),
+                        new ceres::HuberLoss(2.5), scene.lamps[photo].data(), scene.centres[b].data(),
+                        camera);
+        }
+        if (problem_.NumResidualBlocks() == 0) return;
+        for (std::size_t b = 0; b < input.balls.size(); ++b)
+            problem_.AddResidualBlock(
+                new ceres::AutoDiffCostFunction<OutlineError, 5, 3, 2>(new OutlineError{
+                    input.camera.principal_px, input.ball_radius_mm, input.balls[b], input.depth_mm}),
+                nullptr, scene.centres[b].data(), camera);
+        problem_.AddResidualBlock(
+            new ceres::AutoDiffCostFunction<FocalError, 1, 2>(
+                new FocalError{{kInverseFocal * inverse_focal.value, kInverseFocal * inverse_focal.sigma}}),
+            nullptr, camera);
+        problem_.SetParameterLowerBound(camera, 0, 1e-3 * camera[0]);
+        problem_.SetParameterLowerBound(camera, 1, 0);
+    }
+
+    void solve() {
+        if (problem_.NumResidualBlocks() == 0) return;
+        ceres::Solver::Options options;
+        options.max_num_iterations = 200;
+        options.function_tolerance = 1e-10;
+        options.logging_type = ceres::SILENT;
+        ceres::Solver::Summary summary;
+        ceres::Solve(options, &problem_, &summary);
+        result_.converged = summary.termination_type == ceres::CONVERGENCE;
+        result_.cost = summary.final_cost;
+        result_.px_per_mm = scene_.camera[0];
+        result_.inverse_focal.value = scene_.camera[1] / kInverseFocal;
+    }
+
+    // Covariances of lamps and camera, and residuals.
+    void judge() {
+        if (problem_.NumResidualBlocks() == 0) return;
+        const double enlarge = judge_residuals();
+        const double* camera = scene_.camera.data();
+        std::vector<std::pair<const double*, const double*>> blocks = {{camera, camera}};
+        for (std::size_t photo = 0; photo < scene_.lamps.size(); ++photo)
+            if (result_.lamps[photo])
+                blocks.emplace_back(scene_.lamps[photo].data(), scene_.lamps[photo].data());
+        ceres::Covariance::Options options;
+        options.algorithm_type = ceres::DENSE_SVD;
+        options.null_space_rank = -1;
+        ceres::Covariance covariance(options);
+        result_.converged = result_.converged && covariance.Compute(blocks, &problem_);
+        if (!result_.converged) return;
+        double of_camera[4] = {};
+        covariance.GetCovarianceBlock(camera, camera, of_camera);
+        result_.inverse_focal.sigma = std::sqrt(std::max(enlarge * of_camera[3], 0.0)) / kInverseFocal;
+        for (std::size_t photo = 0; photo < scene_.lamps.size(); ++photo) {
+            if (!result_.lamps[photo]) continue;
+            double block[9] = {};
+            const double* lamp = scene_.lamps[photo].data();
+            covariance.GetCovarianceBlock(lamp, lamp, block);
+            for (int i = 0; i < 9; ++i)
+                result_.lamps[photo]->covariance_mm2[i / 3][i % 3] = enlarge * block[i];
+        }
+    }
+
+private:
+    // Fills the residuals; the factor by which variances are larger than expected.
+    double judge_residuals() {
+        double weighted = 0, plain = 0;
+        int values = 0, unknowns = 0;
+        for (std::size_t photo = 0; photo < scene_.lamps.size(); ++photo) {
+            if (!result_.lamps[photo]) continue;
+            LampPosition& lamp = *result_.lamps[photo];
+            const Vector& at = scene_.lamps[photo];
+            double squares = 0;
+            int seen_in = 0;
+            for (std::size_t b = 0; b < scene_.centres.size(); ++b) {
+                const auto& seen = input_.highlights[photo][b];
+                if (!seen) continue;
+                double error[2] = {};
+                HighlightError{input_.camera.principal_px, input_.ball_radius_mm, *seen}(
+                    at.data(), scene_.centres[b].data(), scene_.camera.data(), error);
+                const double in_sigma = error[0] * error[0] + error[1] * error[1];
+                weighted += in_sigma;
+                squares += in_sigma * seen->sigma_px * seen->sigma_px;
+                ++seen_in;
+            }
+            values += 2 * seen_in;
+            unknowns += 3;
+            plain += squares;
+            lamp.position_mm = {at[0], at[1], at[2]};
+            lamp.residual_px = std::sqrt(squares / (2 * seen_in));
+        }
+        result_.residual_px = std::sqrt(plain / std::max(values, 1));
+        result_.residual_sigma = std::sqrt(weighted / std::max(values - unknowns, 1));
+        return std::max(1.0, result_.residual_sigma * result_.residual_sigma);
+    }
+
+    const PositionInput& input_;
+    Scene& scene_;
+    PositionResult& result_;
+    ceres::Problem problem_;
+};
 
 }  // namespace
 
@@ -183,45 +286,27 @@ std::optional<dvec3> nearest_point(std::span<const LightRay> rays) {
 
 PositionResult lamp_positions(const PositionInput& input) {
     TP_REQUIRE(input.balls.size() >= 2, "there are two balls or more");
-    const Projection projection = projection_of(input);
-    std::vector<Vector> centres = first_centres(input, projection), lamps(input.highlights.size());
-    PositionResult result;
-    result.lamps.resize(lamps.size());
-    ceres::Problem problem;
-    for (std::size_t photo = 0; photo < lamps.size(); ++photo) {
-        const auto start = first_position(input, centres, photo);
-        if (!start) continue;
-        lamps[photo] = {start->x, start->y, start->z};
-        result.lamps[photo].emplace();
-        for (std::size_t b = 0; b < centres.size(); ++b)
-            if (const auto& seen = input.highlights[photo][b])
-                problem.AddResidualBlock(new ceres::AutoDiffCostFunction<HighlightError, 2, 3, 3>(
-                                             new HighlightError{projection, input.ball_radius_mm, *seen}),
-                                         new ceres::HuberLoss(2.5), lamps[photo].data(), centres[b].data());
+    const double as_measured = input.camera.focal_px ? 1 / *input.camera.focal_px : 0;
+    const Known inverse_focal = input.inverse_focal.value_or(Known{as_measured, 1e-9});
+    // Where little is known, the least of several starts: rays of a camera that sees far too narrow do not
+    // meet.
+    std::vector<double> starts = {inverse_focal.value};
+    if (input.inverse_focal)
+        for (const double part : {0.5, 1.0, 2.0})
+            starts.push_back(inverse_focal.value + part * inverse_focal.sigma);
+    std::optional<PositionResult> best;
+    for (const double start : starts) {
+        Scene scene = first_scene(input, start);
+        PositionResult result;
+        Bundle bundle(input, scene, inverse_focal, result);
+        bundle.solve();
+        if (best && !(result.cost < 0.999 * best->cost)) continue;
+        bundle.judge();
+        for (const Vector& centre : scene.centres)
+            result.ball_centres_mm.push_back({centre[0], centre[1], centre[2]});
+        best = std::move(result);
     }
-    if (problem.NumResidualBlocks() > 0) {
-        for (std::size_t b = 0; b < centres.size(); ++b) {
-            // Without perspective nothing says how deep a ball lies, but that it lies as the others do.
-            const bool deep = input.depth_mm.has_value() || !projection.perspective;
-            problem.AddResidualBlock(new ceres::AutoDiffCostFunction<OutlineError, 4, 3>(new OutlineError{
-                                         projection, input.ball_radius_mm, input.balls[b],
-                                         projection.perspective ? input.depth_mm.value_or(0) : 0,
-                                         !deep                    ? 0
-                                         : projection.perspective ? input.depth_sigma_mm
-                                                                  : 0.02 * input.ball_radius_mm}),
-                                     nullptr, centres[b].data());
-        }
-        ceres::Solver::Options options;
-        options.max_num_iterations = 100;
-        options.function_tolerance = 1e-10;
-        options.logging_type = ceres::SILENT;
-        ceres::Solver::Summary summary;
-        ceres::Solve(options, &problem, &summary);
-        result.converged = summary.termination_type == ceres::CONVERGENCE;
-        judge(problem, input, projection, lamps, centres, result);
-    }
-    for (const Vector& centre : centres) result.ball_centres_mm.push_back({centre[0], centre[1], centre[2]});
-    return result;
+    return *best;
 }
 
 }  // namespace tangi

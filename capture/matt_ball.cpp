@@ -23,6 +23,8 @@ constexpr double kInner = 0.93;  // [1] of the radius: outside, a pixel is not o
 constexpr double kLit = 0.12;    // n.l from which on a normal is taken for lit, clear of the terminator
 constexpr double kPatchPx = 25;  // pixels that count as one independent sample: the ball's own texture
 constexpr double kLargestResidual = 0.15;
+constexpr double kClearResidual = 0.06;  // of a matt ball that nobody spoke of
+constexpr double kClearOutline = 0.5;    // [1] part of its outline that shows
 
 struct Sample {
     dvec3 normal;
@@ -162,7 +164,9 @@ MattBall find_matt_ball(const PhotoSet& set, const GreyPhotos& photos, const Cam
         circles = candidates(field, photos);
     } else {
         require_in_picture(given[0], photos.width, photos.height);
-        const auto circle = circle_near(field, photos, given[0]);
+        std::string contradiction;
+        const auto circle = circle_near(field, photos, given[0], contradiction);
+        if (!contradiction.empty()) best.poor.push_back(contradiction);
         if (!circle)
             best.warnings.push_back(
                 fmt::format("--sphere {}: the ball's outline does not show in the photographs; it is "
@@ -186,10 +190,15 @@ MattBall find_matt_ball(const PhotoSet& set, const GreyPhotos& photos, const Cam
             ball.image = outline->ball;
             ball.outline_coverage = outline->coverage;
             ball.outline_residual_px = outline->residual_px;
+            ball.elongation = outline->elongation;
         } else if (given.empty()) {
             continue;
         }
-        MattBall candidate{.ball = std::move(ball), .transfer = {}, .photos = {}, .warnings = best.warnings};
+        MattBall candidate{.ball = std::move(ball),
+                           .transfer = {},
+                           .photos = {},
+                           .warnings = best.warnings,
+                           .poor = best.poor};
         Quality quality;
         for (const Transfer& curve : curves) {
             std::vector<std::optional<MattShading>> shadings;
@@ -207,6 +216,7 @@ MattBall find_matt_ball(const PhotoSet& set, const GreyPhotos& photos, const Cam
             (circles[i].score + 0.1) * candidate.ball.image.radius_px / (quality.residual + 0.02);
         if (score <= best_score) continue;
         best_score = score;
+        candidate.residual = quality.residual;
         best = std::move(candidate);
     }
     if (best_score < 0)
@@ -219,6 +229,19 @@ MattBall find_matt_ball(const PhotoSet& set, const GreyPhotos& photos, const Cam
     for (const GivenBall& more : given.subspan(std::min<std::size_t>(1, given.size())))
         best.warnings.push_back(fmt::format("--sphere {}: only the first matt ball is used", more.text));
     return best;
+}
+
+std::optional<MattBall> clear_matt_ball(const PhotoSet& set, const GreyPhotos& photos,
+                                        const CameraShakes& drifts, const BallCamera& camera,
+                                        std::span<const GivenBall> given,
+                                        const std::optional<Transfer>& transfer) {
+    try {
+        MattBall matt = find_matt_ball(set, photos, drifts, camera, given, transfer);
+        if (matt.residual > kClearResidual || matt.ball.outline_coverage < kClearOutline) return std::nullopt;
+        return matt;
+    } catch (const Error&) {
+        return std::nullopt;
+    }
 }
 
 }  // namespace tangi

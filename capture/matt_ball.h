@@ -29,6 +29,8 @@ struct MattBall {
     Transfer transfer;  // given, or the one of linear, sRGB and gamma 2.2 under which shadings fit best
     std::vector<std::optional<MattShading>> photos;
     std::vector<std::string> warnings;
+    double residual = 0;  // [1] of the shadings, mean
+    std::vector<std::string> poor{};
 };
 
 // Finds the ball where it is given, or else the circle in the picture whose shading fits best. Throws Error
@@ -36,5 +38,11 @@ struct MattBall {
 MattBall find_matt_ball(const PhotoSet& set, const GreyPhotos& photos, const CameraShakes& drifts,
                         const BallCamera& camera, std::span<const GivenBall> given,
                         const std::optional<Transfer>& transfer, const Progress& progress = {});
+
+// As find_matt_ball(), where its shading and outline leave no doubt; nothing else.
+std::optional<MattBall> clear_matt_ball(const PhotoSet& set, const GreyPhotos& photos,
+                                        const CameraShakes& drifts, const BallCamera& camera,
+                                        std::span<const GivenBall> given,
+                                        const std::optional<Transfer>& transfer);
 
 }  // namespace tangi

@@ -28,6 +28,7 @@ struct FoundBall {
     bool given = false;
     double outline_coverage = 0;  // [1] part of the outline that was measured; 0: taken as given
     double outline_residual_px = 0;
+    std::optional<Known> elongation{};    // BallOutline's
     std::vector<Highlight> highlights{};  // one a photograph; empty for matt balls
     BallCrops crops;
 
@@ -42,20 +43,27 @@ public:
 
 struct BallSearch {
     std::vector<FoundBall> balls;  // from top to bottom
-    std::vector<std::string> warnings;
+    std::vector<std::string> warnings, poor;
 };
 
 // Finds mirror balls: a small bright spot that wanders about as the light moves, one a photograph, within a
-// circle of edges that stay. Balls given by the user are sought only where they are given; one that is not
-// there is left out with a warning, and Error says so where no ball is left. Without given balls, no ball at
-// all is an Error too.
+// circle of edges that stay, as lamps before the painting make it wander and as the shading of all else says
+// that they stood. What shows highlights but not so is left out with a warning; so is a second ball that
+// shows few, unless it has the first one's size and shows the same lamps. Balls given by the user are sought
+// only where they are given; one that is not there is left out with a warning, and Error says so where no
+// ball is left. Without given balls, no ball at all is an Error too.
 BallSearch find_mirror_balls(const PhotoSet& set, const GreyPhotos& photos, const CameraShakes& drifts,
                              const BallCamera& camera, std::span<const GivenBall> given,
                              const Progress& progress = {});
 
+// Outline and highlights once more, for a camera that is known by now.
+void measure_again(FoundBall& ball, const BallCamera& camera);
+
 // The circle near a given ball or box that has edges along it, in the pixels of the whole photographs;
-// nothing where none has.
-std::optional<Circle> circle_near(const EdgeField& field, const GreyPhotos& photos, const GivenBall& given);
+// nothing where none has. Where a circle of quite another size around the same place has far clearer edges,
+// that one, and `contradiction` says so to the user.
+std::optional<Circle> circle_near(const EdgeField& field, const GreyPhotos& photos, const GivenBall& given,
+                                  std::string& contradiction);
 
 // Throws Error where a given ball does not lie in the photographs.
 void require_in_picture(const GivenBall& given, int width, int height);

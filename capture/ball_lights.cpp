@@ -1,0 +1,456 @@
+// ball_lights.cpp: see ball_lights.h.
+#include "capture/ball_lights.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <numbers>
+
+#include "surface/error.h"
+#include "surface/median.h"
+
+namespace tangi {
+
+using glm::dvec2;
+using glm::dvec3;
+
+namespace {
+
+constexpr double kDegrees = 180 / std::numbers::pi;
+constexpr double kFarthest = 0.5;       // [1] standard error / distance from which on a position is none
+constexpr double kWorstDirection = 10;  // [deg] standard error from which on a light is left out
+constexpr double kTurned = 1;           // [deg] that the unknown focal length may turn before it is told
+constexpr double kTurnedPoor = 3;       // [deg] before it is poor
+constexpr double kCertain = 2.5;        // [standard errors] of a focal length that is used
+constexpr double kRadiiDiffer = 4;      // [standard errors] between balls of one size
+constexpr double kFar35mm =
+    0.05;  // [1] relative error of a lens's nominal focal length, which grows as it focuses
+
+double diagonal_of(const BallCalibration& c) { return std::hypot(c.width, c.height); }
+
+Known mean_radius_px(const std::vector<BallView>& views) {
+    Known radius;
+    for (const BallView& view : views) {
+        radius.value += view.image.radius_px / static_cast<double>(views.size());
+        // What makes one outline too small makes all so.
+        radius.sigma = std::max(radius.sigma, view.image.radius_sigma_px);
+    }
+    return radius;
+}
+
+std::vector<BallView> views_of(const BallCalibration& c, const BallCalibrationOptions& options) {
+    std::vector<BallView> views;
+    for (const FoundBall& ball : c.balls) views.push_back(view_of(ball, options.lens));
+    return views;
+}
+
+PositionInput position_input(const BallCalibration& c, const std::vector<BallView>& views, double radius_mm) {
+    PositionInput input{.camera = c.camera, .ball_radius_mm = radius_mm, .balls = {}, .highlights = {}};
+    for (const BallView& view : views) input.balls.push_back(view.image);
+    input.highlights.resize(c.lights.size());
+    for (std::size_t i = 0; i < c.lights.size(); ++i)
+        for (const BallView& view : views) {
+            const Highlight& h = view.highlights[i];
+            input.highlights[i].push_back(h.state == HighlightState::found
+                                              ? std::optional(MeasuredHighlight{h.place_px, h.sigma_px})
+                                              : std::nullopt);
+        }
+    return input;
+}
+
+FocalVerdict verdict_of(const BallCalibration& c, const BallCalibrationOptions& options,
+                        const MeasuredLengths& lengths) {
+    const std::vector<BallView> views = views_of(c, options);
+    std::vector<FocalEvidence> evidence;
+    if (lengths.focal_px)
+        evidence.push_back(
+            {FocalSource::given, {1 / *lengths.focal_px, lengths.focal_sigma / *lengths.focal_px}});
+    if (const auto told = evidence_of_lengths(lengths, mean_radius_px(views))) evidence.push_back(*told);
+    for (const BallView& view : views)
+        if (view.elongation)
+            if (const auto told = evidence_of_outline(
+                    *view.elongation, glm::length(view.image.centre_px - c.camera.principal_px),
+                    diagonal_of(c)))
+                evidence.push_back(*told);
+    if (views.size() > 1 && !views.front().highlights.empty()) {
+        PositionInput input = position_input(c, views, 1);
+        input.inverse_focal = any_lens(diagonal_of(c));
+        const PositionResult result = lamp_positions(input);
+        if (result.converged && result.inverse_focal.sigma > 0 &&
+            result.inverse_focal.sigma < 0.7 * input.inverse_focal->sigma)
+            evidence.push_back({FocalSource::highlights, result.inverse_focal});
+    }
+    return judge(evidence, diagonal_of(c));
+}
+
+// Far away where hardly anything is known.
+std::optional<double> focal_of(const FocalVerdict& verdict, const MeasuredLengths& lengths) {
+    if (verdict.uses(FocalSource::given)) return lengths.focal_px;
+    const Known& inverse = verdict.inverse_focal;
+    return inverse.value > kCertain * inverse.sigma ? std::optional(1 / inverse.value) : std::nullopt;
+}
+
+// [1/px] What is not known of the inverse focal length, contradictions counted.
+double inverse_focal_sigma(const FocalVerdict& verdict, const BallCamera& camera) {
+    const double here = camera.focal_px ? 1 / *camera.focal_px : 0;
+    double farthest = 0;
+    for (const auto* list : {&verdict.agree, &verdict.disagree})
+        for (const FocalEvidence& e : *list)
+            farthest = std::max(farthest, std::abs(e.inverse_focal.value - here));
+    return std::hypot(verdict.inverse_focal.sigma, verdict.doubt() * farthest);
+}
+
+// The directions that single balls say, averaged with their weights.
+void directions_from_balls(BallCalibration& c, const std::vector<BallView>& views,
+                           const FocalVerdict& verdict) {
+    const double inverse_sigma = inverse_focal_sigma(verdict, c.camera);
+    for (std::size_t i = 0; i < c.lights.size(); ++i) {
+        dvec3 sum(0);
+        dvec2 offset(0);  // of the balls from the picture's middle, weighted as their directions
+        double weights = 0;
+        std::string reasons;
+        CalibratedLight& light = c.lights[i];
+        for (const BallView& ball : views) {
+            const Highlight& highlight = ball.highlights[i];
+            const auto point = highlight.state == HighlightState::found
+                                   ? ball_point(ball.image, c.camera, highlight.place_px)
+                                   : std::nullopt;
+            if (!point) {
+                reasons +=
+                    fmt::format("{}{}: {}", reasons.empty() ? "" : "; ", ball.name, reason_of(highlight));
+                continue;
+            }
+            const double sigma =
+                direction_sigma(ball.image, c.camera, highlight.place_px, highlight.sigma_px);
+            const double weight = 1 / (sigma * sigma);
+            sum += weight * point->mirrored();
+            offset += weight * (ball.image.centre_px - c.camera.principal_px);
+            weights += weight;
+            ++light.balls_used;
+        }
+        light.reason = reasons;
+        if (light.balls_used > 0)
+            keep_direction(light, sum,
+                           std::hypot(std::sqrt(1 / weights), glm::length(offset) / weights * inverse_sigma));
+        if (!light.direction)
+            c.warnings.push_back(fmt::format("{}: left out: {}", light.name, light.reason));
+        else if (!reasons.empty())
+            c.warnings.push_back(fmt::format("{}: {}; its light comes from the other ball{} alone",
+                                             light.name, reasons, light.balls_used > 1 ? "s" : ""));
+    }
+}
+
+// Where the painting's frame lies in that of the balls.
+struct Frame {
+    dvec3 offset{0};  // of the balls' frame
+    double mm_per_pixel = 1;
+    dvec3 to_surface(const dvec3& point) const { return point + offset; }
+};
+
+Frame frame_of(const BallCalibration& c, const PositionResult& result, double height_mm) {
+    const dvec2 origin = (c.origin_px - c.camera.principal_px) * dvec2(1, -1);
+    Frame frame;
+    frame.mm_per_pixel = (1 + result.inverse_distance_mm() * height_mm) / result.px_per_mm;
+    frame.offset = dvec3(-origin * frame.mm_per_pixel, height_mm);
+    return frame;
+}
+
+// [mm] How high the balls' centres are above the painting by the camera's distance; nothing without.
+std::optional<Known> height_by_distance(const MeasuredLengths& lengths, const PositionResult& result,
+                                        const Known& radius_px) {
+    const double inverse = result.inverse_distance_mm();
+    if (!lengths.camera_distance_mm || !lengths.ball_radius_mm || !(inverse > 1e-9)) return std::nullopt;
+    const double relative = std::hypot(radius_px.sigma / radius_px.value,
+                                       result.inverse_focal.sigma / result.inverse_focal.value);
+    return Known{*lengths.camera_distance_mm - 1 / inverse,
+                 std::hypot(relative / inverse, 0.005 * *lengths.camera_distance_mm)};
+}
+
+// As given; else of what the distance says, and that balls lie on the painting's plane, the more certain
+// more.
+Known height_of(const MeasuredLengths& lengths, const PositionResult& result, const Known& radius_px,
+                bool distance_agrees) {
+    const Known lying = lengths.height();
+    const std::optional<Known> told = height_by_distance(lengths, result, radius_px);
+    if (lengths.ball_height_mm || !told || !distance_agrees) return lying;
+    const double a = 1 / (lying.sigma * lying.sigma), b = 1 / (told->sigma * told->sigma);
+    return {(a * lying.value + b * told->value) / (a + b), 1 / std::sqrt(a + b)};
+}
+
+// Standard error of a direction from that of the position, across it.
+double across_sigma(const glm::dmat3& covariance, const dvec3& position) {
+    const dvec3 d = glm::normalize(position);
+    const double across =
+        covariance[0][0] + covariance[1][1] + covariance[2][2] - glm::dot(d, covariance * d);
+    return std::sqrt(std::max(across, 0.0) / 2) / glm::length(position);
+}
+
+// Lights that one ball alone shows lie on its ray, as far from the origin as the others do.
+void directions_at_distance(BallCalibration& c, const std::vector<BallView>& views, const Frame& frame,
+                            const PositionResult& result, double distance_mm, double radius_mm) {
+    for (std::size_t i = 0; i < c.lights.size(); ++i) {
+        CalibratedLight& light = c.lights[i];
+        if (!light.direction || result.lamps[i]) continue;
+        for (std::size_t b = 0; b < views.size(); ++b) {
+            const Highlight& h = views[b].highlights[i];
+            if (h.state != HighlightState::found) continue;
+            const auto point = ball_point(views[b].image, c.camera, h.place_px);
+            if (!point) continue;
+            const dvec3 from = frame.to_surface(result.ball_centres_mm[b]) + radius_mm * point->normal,
+                        d = point->mirrored();
+            const double along = -glm::dot(from, d), across = glm::dot(from, from) - along * along;
+            if (distance_mm * distance_mm <= across) continue;
+            light.direction =
+                glm::normalize(from + (along + std::sqrt(distance_mm * distance_mm - across)) * d);
+            // A third of the distance either way.
+            light.direction_sigma_deg = std::hypot(
+                light.direction_sigma_deg, kDegrees * glm::length(glm::cross(from, d)) / (3 * distance_mm));
+            break;
+        }
+    }
+}
+
+// [mm] Where each lamp would be if one of what contradicts each other were wrong: one list for each way.
+std::vector<std::vector<std::optional<dvec3>>> alternatives(const BallCalibration& c,
+                                                            const PositionInput& input,
+                                                            const FocalVerdict& verdict,
+                                                            const MeasuredLengths& lengths,
+                                                            const Known& radius_px) {
+    std::vector<std::vector<std::optional<dvec3>>> ways;
+    std::vector<FocalEvidence> all = verdict.agree;
+    all.insert(all.end(), verdict.disagree.begin(), verdict.disagree.end());
+    const std::optional<Known> depth = lengths.depth();
+    for (const FocalEvidence& evidence : all) {
+        PositionInput other = input;
+        other.depth_mm.reset();
+        other.inverse_focal = evidence.inverse_focal;
+        if (evidence.source != FocalSource::highlights) other.inverse_focal->sigma *= 0.01;
+        const PositionResult result = lamp_positions(other);
+        const auto add = [&](double height_mm, double scale) {
+            const Frame frame = frame_of(c, result, height_mm / scale);
+            ways.emplace_back(result.lamps.size());
+            for (std::size_t i = 0; i < result.lamps.size(); ++i)
+                if (result.lamps[i]) ways.back()[i] = scale * frame.to_surface(result.lamps[i]->position_mm);
+        };
+        const double height = lengths.height().value;
+        add(height, 1);
+        if (const auto told = height_by_distance(lengths, result, radius_px)) add(told->value, 1);
+        const double inverse = result.inverse_distance_mm();
+        if (depth && inverse > 1e-9) add(height, depth->value * inverse);  // balls of another radius
+    }
+    return ways;
+}
+
+// What contradicts each other is part of the errors.
+void widen(BallCalibration& c, const std::vector<std::vector<std::optional<dvec3>>>& ways, double doubt) {
+    for (std::size_t i = 0; i < c.lights.size(); ++i) {
+        CalibratedLight& light = c.lights[i];
+        if (!light.direction) continue;
+        double farthest = 0;
+        dvec3 moved(0);
+        for (const auto& way : ways) {
+            if (!way[i]) continue;
+            const dvec3 d = glm::normalize(*way[i]);
+            farthest = std::max(farthest, std::atan2(glm::length(glm::cross(d, *light.direction)),
+                                                     glm::dot(d, *light.direction)));
+            if (light.position_mm) moved = glm::max(moved, glm::abs(*way[i] - *light.position_mm));
+        }
+        const dvec3 direction = *light.direction;
+        light.direction.reset();
+        keep_direction(light, direction, std::hypot(light.direction_sigma_deg / kDegrees, doubt * farthest));
+        for (int k = 0; k < 3; ++k)
+            light.position_sigma_mm[k] = std::hypot(light.position_sigma_mm[k], doubt * moved[k]);
+        if (light.direction) continue;
+        light.position_mm.reset();
+        c.warnings.push_back(fmt::format("{}: left out: {}", light.name, light.reason));
+    }
+}
+
+// Positions of the lamps that two balls or more show; the distances of those that have one.
+std::vector<double> place_lamps(BallCalibration& c, const PositionResult& result, const Frame& frame,
+                                const Known& height, bool in_mm, const std::string& why_far) {
+    std::vector<double> distances;
+    std::vector<std::string> distant;
+    for (std::size_t i = 0; i < c.lights.size(); ++i) {
+        CalibratedLight& light = c.lights[i];
+        if (!light.direction || !result.lamps[i]) continue;
+        const LampPosition& lamp = *result.lamps[i];
+        const dvec3 position = frame.to_surface(lamp.position_mm);
+        glm::dmat3 covariance = lamp.covariance_mm2;
+        covariance[2][2] += height.sigma * height.sigma;
+        for (int k = 0; k < 3; ++k) light.position_sigma_mm[k] = std::sqrt(std::max(covariance[k][k], 0.0));
+        if (!result.converged || glm::length(light.position_sigma_mm) > kFarthest * glm::length(position)) {
+            distant.push_back(light.name);  // and keeps the direction that the balls say
+            continue;
+        }
+        light.direction.reset();
+        keep_direction(light, position, across_sigma(covariance, position));
+        if (!light.direction) {
+            c.warnings.push_back(fmt::format("{}: left out: {}", light.name, light.reason));
+            continue;
+        }
+        distances.push_back(glm::length(position));
+        if (in_mm) light.position_mm = position;
+    }
+    if (!distant.empty())
+        c.warnings.push_back(
+            fmt::format("{} of {} lamps: the balls do not tell how far away they are{} (the first: {}); they "
+                        "have a direction only",
+                        distant.size(), c.lights.size(), why_far, distant.front()));
+    return distances;
+}
+
+// Positions from two balls or more, and directions seen from the origin. Without a known radius all is in
+// radii.
+void positions_from_balls(BallCalibration& c, const BallCalibrationOptions& options,
+                          const std::vector<BallView>& views, const FocalVerdict& verdict) {
+    const MeasuredLengths lengths = lengths_of(options, c.width, c.height);
+    const double radius_mm = options.ball_radius_mm.value_or(1);
+    const Known radius_px = mean_radius_px(views);
+    PositionInput input = position_input(c, views, radius_mm);
+    // Highlights and lengths are in the adjustment themselves.
+    std::vector<FocalEvidence> beforehand;
+    for (const FocalEvidence& e : verdict.agree)
+        if (e.source == FocalSource::given || e.source == FocalSource::outlines) beforehand.push_back(e);
+    input.inverse_focal = judge(beforehand, diagonal_of(c)).inverse_focal;
+    if (verdict.uses(FocalSource::lengths)) input.depth_mm = lengths.depth();
+    const PositionResult result = lamp_positions(input);
+    const Known height = height_of(lengths, result, radius_px, verdict.uses(FocalSource::lengths));
+    const Frame frame = frame_of(c, result, height.value);
+    if (options.ball_radius_mm) {
+        for (const dvec3& centre : result.ball_centres_mm)
+            c.ball_centres_mm.push_back(frame.to_surface(centre));
+        if (c.camera.focal_px)
+            c.camera_position_mm =
+                dvec3(dvec2(frame.offset), 1 / result.inverse_distance_mm() + height.value);
+        c.mm_per_pixel = frame.mm_per_pixel;
+    }
+    c.residual_px = result.residual_px;
+    c.residual_sigma = result.residual_sigma;
+    const bool known = verdict.inverse_focal.sigma < 0.1 * verdict.inverse_focal.value;
+    const std::vector<double> distances =
+        place_lamps(c, result, frame, height, options.ball_radius_mm.has_value(),
+                    known ? "" : ", the focal length being uncertain: give --focal-px or --focal-35mm");
+    if (!distances.empty()) directions_at_distance(c, views, frame, result, median(distances), radius_mm);
+    if (verdict.doubt() > 0) widen(c, alternatives(c, input, verdict, lengths, radius_px), verdict.doubt());
+    if (!result.converged) c.poor.push_back("the lamps' positions did not converge");
+}
+
+void compare_radii(BallCalibration& c, const std::vector<BallView>& views) {
+    const auto [small, large] = std::minmax_element(
+        views.begin(), views.end(),
+        [](const BallView& a, const BallView& b) { return a.image.radius_px < b.image.radius_px; });
+    if (large->image.radius_px - small->image.radius_px >
+        kRadiiDiffer * std::hypot(small->image.radius_sigma_px, large->image.radius_sigma_px))
+        c.poor.push_back(
+            fmt::format("{} and {} have radii of {:.1f} and {:.1f} pixels, and all balls are taken to be of "
+                        "one size, in one plane: "
+                        "leave out those that are not, by naming the others with --sphere",
+                        small->name, large->name, small->image.radius_px, large->image.radius_px));
+}
+
+}  // namespace
+
+BallView view_of(const FoundBall& ball, const std::optional<Lens>& lens) {
+    BallView view{ball.name, ball.image, ball.elongation, ball.highlights};
+    if (!lens) return view;
+    // A ball is small against the picture: the distortion moves and enlarges it.
+    constexpr double step = 0.5;
+    const dvec2 at = ball.image.centre_px;
+    const dvec2 across = undistorted(*lens, at + dvec2(step, 0)) - undistorted(*lens, at - dvec2(step, 0));
+    const dvec2 down = undistorted(*lens, at + dvec2(0, step)) - undistorted(*lens, at - dvec2(0, step));
+    const double scale = std::sqrt(std::abs(across.x * down.y - across.y * down.x)) / (2 * step);
+    view.elongation.reset();  // the distortion changes it as well
+    view.image.centre_px = undistorted(*lens, at);
+    view.image.radius_px *= scale;
+    view.image.centre_sigma_px *= scale;
+    view.image.radius_sigma_px *= scale;
+    for (Highlight& highlight : view.highlights) {
+        if (highlight.state != HighlightState::found) continue;
+        highlight.place_px = undistorted(*lens, highlight.place_px);
+        highlight.sigma_px *= scale;
+    }
+    return view;
+}
+
+MeasuredLengths lengths_of(const BallCalibrationOptions& options, int width, int height) {
+    MeasuredLengths lengths{.focal_px = options.focal_px,
+                            .ball_radius_mm = options.ball_radius_mm,
+                            .camera_distance_mm = options.camera_distance_mm,
+                            .ball_height_mm = options.ball_height_mm};
+    if (options.focal_35mm) {
+        lengths.focal_px = *options.focal_35mm / std::hypot(36.0, 24.0) * std::hypot(width, height);
+        lengths.focal_sigma = kFar35mm;
+    }
+    return lengths;
+}
+
+FocalVerdict find_focal_length(BallCalibration& c, const BallCalibrationOptions& options) {
+    const MeasuredLengths lengths = lengths_of(options, c.width, c.height);
+    FocalVerdict verdict = verdict_of(c, options, lengths);
+    // Outlines depend on it a little, and what they and the highlights say then does.
+    for (int turn = 0; turn < 3; ++turn) {
+        const std::optional<double> focal = focal_of(verdict, lengths);
+        const double before = c.camera.focal_px ? 1 / *c.camera.focal_px : 0, now = focal ? 1 / *focal : 0;
+        c.camera.focal_px = focal;
+        if (std::abs(now - before) <= 0.02 * std::max(now, before)) break;
+        for (FoundBall& ball : c.balls) measure_again(ball, c.camera);
+        verdict = verdict_of(c, options, lengths);
+    }
+    const std::string contradiction =
+        contradiction_of(verdict, lengths, mean_radius_px(views_of(c, options)));
+    if (!contradiction.empty()) c.poor.push_back(contradiction);
+    return verdict;
+}
+
+double turned_by_focal_length(const BallView& ball, const BallCamera& camera, const FocalVerdict& verdict) {
+    return glm::length(ball.image.centre_px - camera.principal_px) * inverse_focal_sigma(verdict, camera);
+}
+
+void tell_of_focal_length(BallCalibration& c, const std::vector<BallView>& views,
+                          const FocalVerdict& verdict) {
+    if (verdict.uses(FocalSource::given) || verdict.uses(FocalSource::lengths)) return;
+    if (c.camera.focal_px) {
+        c.warnings.push_back(fmt::format(
+            "the focal length is not given; by the balls it is {:.0f} ± {:.0f} px: --focal-px or "
+            "--focal-35mm makes it "
+            "sure",
+            *c.camera.focal_px, verdict.inverse_focal.sigma * *c.camera.focal_px * *c.camera.focal_px));
+        return;
+    }
+    double turned = 0;
+    for (const BallView& view : views)
+        turned = std::max(turned, kDegrees * turned_by_focal_length(view, c.camera, verdict));
+    if (turned < kTurned) return;
+    (turned > kTurnedPoor ? c.poor : c.warnings)
+        .push_back(fmt::format("the focal length is not known, and the camera is taken to be far away; a "
+                               "lens may turn directions by "
+                               "{:.1f} degrees where the ball lies: give --focal-px or --focal-35mm",
+                               turned));
+}
+
+void keep_direction(CalibratedLight& light, const dvec3& direction, double sigma_rad) {
+    light.direction_sigma_deg = sigma_rad * kDegrees;
+    if (!(direction.z > 0)) {
+        light.reason =
+            fmt::format("its light comes from below the painting's plane (z = {:.3f})", direction.z);
+    } else if (light.direction_sigma_deg > kWorstDirection) {
+        light.reason =
+            fmt::format("its light's direction is uncertain by {:.0f} degrees", light.direction_sigma_deg);
+    } else {
+        light.direction = glm::normalize(direction);
+        light.reason.clear();
+    }
+}
+
+void lights_from_balls(BallCalibration& c, const BallCalibrationOptions& options,
+                       const FocalVerdict& verdict) {
+    const std::vector<BallView> views = views_of(c, options);
+    directions_from_balls(c, views, verdict);
+    tell_of_focal_length(c, views, verdict);
+    if (views.size() < 2) return;
+    compare_radii(c, views);
+    positions_from_balls(c, options, views, verdict);
+}
+
+}  // namespace tangi
