@@ -195,9 +195,12 @@ BallCalibration calibrate_from_balls(const PhotoSet& set, const BallCalibrationO
         calibrate_matt(c, set, photos, options, progress);
     else
         calibrate_mirror(c, set, photos, options, progress);
-    if (c.calibrated() == 0)
-        fail("{}: the ball{} in the photographs tell{} no light: {}", set.folder().string(),
-             c.balls.size() > 1 ? "s" : "", c.balls.size() > 1 ? "" : "s", c.lights.front().reason);
+    if (c.calibrated() == 0) {
+        std::string doubts;
+        for (const std::string& doubt : c.poor) doubts += "; " + doubt;
+        fail("{}: the ball{} in the photographs tell{} no light: {}{}", set.folder().string(),
+             c.balls.size() > 1 ? "s" : "", c.balls.size() > 1 ? "" : "s", c.lights.front().reason, doubts);
+    }
     std::vector<double> sigmas;
     for (const CalibratedLight& light : c.lights)
         if (light.direction) sigmas.push_back(light.direction_sigma_deg);

@@ -19,86 +19,8 @@ namespace {
 constexpr double kDegrees = 180 / std::numbers::pi;
 constexpr double kFarthest = 0.5;       // [1] standard error / distance from which on a position is none
 constexpr double kWorstDirection = 10;  // [deg] standard error from which on a light is left out
-constexpr double kTurned = 1;           // [deg] that the unknown focal length may turn before it is told
-constexpr double kTurnedPoor = 3;       // [deg] before it is poor
-constexpr double kCertain = 2.5;        // [standard errors] of a focal length that is used
+constexpr double kHighest = 10;         // [radii] of a ball above or below the painting's plane, for a doubt
 constexpr double kRadiiDiffer = 4;      // [standard errors] between balls of one size
-constexpr double kFar35mm =
-    0.05;  // [1] relative error of a lens's nominal focal length, which grows as it focuses
-
-double diagonal_of(const BallCalibration& c) { return std::hypot(c.width, c.height); }
-
-Known mean_radius_px(const std::vector<BallView>& views) {
-    Known radius;
-    for (const BallView& view : views) {
-        radius.value += view.image.radius_px / static_cast<double>(views.size());
-        // What makes one outline too small makes all so.
-        radius.sigma = std::max(radius.sigma, view.image.radius_sigma_px);
-    }
-    return radius;
-}
-
-std::vector<BallView> views_of(const BallCalibration& c, const BallCalibrationOptions& options) {
-    std::vector<BallView> views;
-    for (const FoundBall& ball : c.balls) views.push_back(view_of(ball, options.lens));
-    return views;
-}
-
-PositionInput position_input(const BallCalibration& c, const std::vector<BallView>& views, double radius_mm) {
-    PositionInput input{.camera = c.camera, .ball_radius_mm = radius_mm, .balls = {}, .highlights = {}};
-    for (const BallView& view : views) input.balls.push_back(view.image);
-    input.highlights.resize(c.lights.size());
-    for (std::size_t i = 0; i < c.lights.size(); ++i)
-        for (const BallView& view : views) {
-            const Highlight& h = view.highlights[i];
-            input.highlights[i].push_back(h.state == HighlightState::found
-                                              ? std::optional(MeasuredHighlight{h.place_px, h.sigma_px})
-                                              : std::nullopt);
-        }
-    return input;
-}
-
-FocalVerdict verdict_of(const BallCalibration& c, const BallCalibrationOptions& options,
-                        const MeasuredLengths& lengths) {
-    const std::vector<BallView> views = views_of(c, options);
-    std::vector<FocalEvidence> evidence;
-    if (lengths.focal_px)
-        evidence.push_back(
-            {FocalSource::given, {1 / *lengths.focal_px, lengths.focal_sigma / *lengths.focal_px}});
-    if (const auto told = evidence_of_lengths(lengths, mean_radius_px(views))) evidence.push_back(*told);
-    for (const BallView& view : views)
-        if (view.elongation)
-            if (const auto told = evidence_of_outline(
-                    *view.elongation, glm::length(view.image.centre_px - c.camera.principal_px),
-                    diagonal_of(c)))
-                evidence.push_back(*told);
-    if (views.size() > 1 && !views.front().highlights.empty()) {
-        PositionInput input = position_input(c, views, 1);
-        input.inverse_focal = any_lens(diagonal_of(c));
-        const PositionResult result = lamp_positions(input);
-        if (result.converged && result.inverse_focal.sigma > 0 &&
-            result.inverse_focal.sigma < 0.7 * input.inverse_focal->sigma)
-            evidence.push_back({FocalSource::highlights, result.inverse_focal});
-    }
-    return judge(evidence, diagonal_of(c));
-}
-
-// Far away where hardly anything is known.
-std::optional<double> focal_of(const FocalVerdict& verdict, const MeasuredLengths& lengths) {
-    if (verdict.uses(FocalSource::given)) return lengths.focal_px;
-    const Known& inverse = verdict.inverse_focal;
-    return inverse.value > kCertain * inverse.sigma ? std::optional(1 / inverse.value) : std::nullopt;
-}
-
-// [1/px] What is not known of the inverse focal length, contradictions counted.
-double inverse_focal_sigma(const FocalVerdict& verdict, const BallCamera& camera) {
-    const double here = camera.focal_px ? 1 / *camera.focal_px : 0;
-    double farthest = 0;
-    for (const auto* list : {&verdict.agree, &verdict.disagree})
-        for (const FocalEvidence& e : *list)
-            farthest = std::max(farthest, std::abs(e.inverse_focal.value - here));
-    return std::hypot(verdict.inverse_focal.sigma, verdict.doubt() * farthest);
-}
 
 // The directions that single balls say, averaged with their weights.
 void directions_from_balls(BallCalibration& c, const std::vector<BallView>& views,
@@ -162,8 +84,9 @@ std::optional<Known> height_by_distance(const MeasuredLengths& lengths, const Po
     if (!lengths.camera_distance_mm || !lengths.ball_radius_mm || !(inverse > 1e-9)) return std::nullopt;
     const double relative = std::hypot(radius_px.sigma / radius_px.value,
                                        result.inverse_focal.sigma / result.inverse_focal.value);
-    return Known{*lengths.camera_distance_mm - 1 / inverse,
-                 std::hypot(relative / inverse, 0.005 * *lengths.camera_distance_mm)};
+    return Known{
+        *lengths.camera_distance_mm - 1 / inverse,
+        std::hypot(relative / inverse, MeasuredLengths::kDistanceSigma * *lengths.camera_distance_mm)};
 }
 
 // As given; else of what the distance says, and that balls lie on the painting's plane, the more certain
@@ -217,16 +140,15 @@ std::vector<std::vector<std::optional<dvec3>>> alternatives(const BallCalibratio
                                                             const MeasuredLengths& lengths,
                                                             const Known& radius_px) {
     std::vector<std::vector<std::optional<dvec3>>> ways;
-    std::vector<FocalEvidence> all = verdict.agree;
-    all.insert(all.end(), verdict.disagree.begin(), verdict.disagree.end());
     const std::optional<Known> depth = lengths.depth();
-    for (const FocalEvidence& evidence : all) {
+    for (const FocalEvidence& evidence : verdict.possible()) {
         PositionInput other = input;
         other.depth_mm.reset();
         other.inverse_focal = evidence.inverse_focal;
         if (evidence.source != FocalSource::highlights) other.inverse_focal->sigma *= 0.01;
         const PositionResult result = lamp_positions(other);
         const auto add = [&](double height_mm, double scale) {
+            if (std::abs(height_mm) > kHighest * input.ball_radius_mm) return;  // balls do not float
             const Frame frame = frame_of(c, result, height_mm / scale);
             ways.emplace_back(result.lamps.size());
             for (std::size_t i = 0; i < result.lamps.size(); ++i)
@@ -243,6 +165,7 @@ std::vector<std::vector<std::optional<dvec3>>> alternatives(const BallCalibratio
 
 // What contradicts each other is part of the errors.
 void widen(BallCalibration& c, const std::vector<std::vector<std::optional<dvec3>>>& ways, double doubt) {
+    int left_out = 0;
     for (std::size_t i = 0; i < c.lights.size(); ++i) {
         CalibratedLight& light = c.lights[i];
         if (!light.direction) continue;
@@ -262,8 +185,13 @@ void widen(BallCalibration& c, const std::vector<std::vector<std::optional<dvec3
             light.position_sigma_mm[k] = std::hypot(light.position_sigma_mm[k], doubt * moved[k]);
         if (light.direction) continue;
         light.position_mm.reset();
-        c.warnings.push_back(fmt::format("{}: left out: {}", light.name, light.reason));
+        ++left_out;
     }
+    if (left_out > 0)
+        c.warnings.push_back(fmt::format(
+            "{} of {} lamps are left out, being uncertain by more than {:g} degrees, because of what is "
+            "contradictory",
+            left_out, c.lights.size(), kWorstDirection));
 }
 
 // Positions of the lamps that two balls or more show; the distances of those that have one.
@@ -350,84 +278,6 @@ void compare_radii(BallCalibration& c, const std::vector<BallView>& views) {
 }
 
 }  // namespace
-
-BallView view_of(const FoundBall& ball, const std::optional<Lens>& lens) {
-    BallView view{ball.name, ball.image, ball.elongation, ball.highlights};
-    if (!lens) return view;
-    // A ball is small against the picture: the distortion moves and enlarges it.
-    constexpr double step = 0.5;
-    const dvec2 at = ball.image.centre_px;
-    const dvec2 across = undistorted(*lens, at + dvec2(step, 0)) - undistorted(*lens, at - dvec2(step, 0));
-    const dvec2 down = undistorted(*lens, at + dvec2(0, step)) - undistorted(*lens, at - dvec2(0, step));
-    const double scale = std::sqrt(std::abs(across.x * down.y - across.y * down.x)) / (2 * step);
-    view.elongation.reset();  // the distortion changes it as well
-    view.image.centre_px = undistorted(*lens, at);
-    view.image.radius_px *= scale;
-    view.image.centre_sigma_px *= scale;
-    view.image.radius_sigma_px *= scale;
-    for (Highlight& highlight : view.highlights) {
-        if (highlight.state != HighlightState::found) continue;
-        highlight.place_px = undistorted(*lens, highlight.place_px);
-        highlight.sigma_px *= scale;
-    }
-    return view;
-}
-
-MeasuredLengths lengths_of(const BallCalibrationOptions& options, int width, int height) {
-    MeasuredLengths lengths{.focal_px = options.focal_px,
-                            .ball_radius_mm = options.ball_radius_mm,
-                            .camera_distance_mm = options.camera_distance_mm,
-                            .ball_height_mm = options.ball_height_mm};
-    if (options.focal_35mm) {
-        lengths.focal_px = *options.focal_35mm / std::hypot(36.0, 24.0) * std::hypot(width, height);
-        lengths.focal_sigma = kFar35mm;
-    }
-    return lengths;
-}
-
-FocalVerdict find_focal_length(BallCalibration& c, const BallCalibrationOptions& options) {
-    const MeasuredLengths lengths = lengths_of(options, c.width, c.height);
-    FocalVerdict verdict = verdict_of(c, options, lengths);
-    // Outlines depend on it a little, and what they and the highlights say then does.
-    for (int turn = 0; turn < 3; ++turn) {
-        const std::optional<double> focal = focal_of(verdict, lengths);
-        const double before = c.camera.focal_px ? 1 / *c.camera.focal_px : 0, now = focal ? 1 / *focal : 0;
-        c.camera.focal_px = focal;
-        if (std::abs(now - before) <= 0.02 * std::max(now, before)) break;
-        for (FoundBall& ball : c.balls) measure_again(ball, c.camera);
-        verdict = verdict_of(c, options, lengths);
-    }
-    const std::string contradiction =
-        contradiction_of(verdict, lengths, mean_radius_px(views_of(c, options)));
-    if (!contradiction.empty()) c.poor.push_back(contradiction);
-    return verdict;
-}
-
-double turned_by_focal_length(const BallView& ball, const BallCamera& camera, const FocalVerdict& verdict) {
-    return glm::length(ball.image.centre_px - camera.principal_px) * inverse_focal_sigma(verdict, camera);
-}
-
-void tell_of_focal_length(BallCalibration& c, const std::vector<BallView>& views,
-                          const FocalVerdict& verdict) {
-    if (verdict.uses(FocalSource::given) || verdict.uses(FocalSource::lengths)) return;
-    if (c.camera.focal_px) {
-        c.warnings.push_back(fmt::format(
-            "the focal length is not given; by the balls it is {:.0f} ± {:.0f} px: --focal-px or "
-            "--focal-35mm makes it "
-            "sure",
-            *c.camera.focal_px, verdict.inverse_focal.sigma * *c.camera.focal_px * *c.camera.focal_px));
-        return;
-    }
-    double turned = 0;
-    for (const BallView& view : views)
-        turned = std::max(turned, kDegrees * turned_by_focal_length(view, c.camera, verdict));
-    if (turned < kTurned) return;
-    (turned > kTurnedPoor ? c.poor : c.warnings)
-        .push_back(fmt::format("the focal length is not known, and the camera is taken to be far away; a "
-                               "lens may turn directions by "
-                               "{:.1f} degrees where the ball lies: give --focal-px or --focal-35mm",
-                               turned));
-}
 
 void keep_direction(CalibratedLight& light, const dvec3& direction, double sigma_rad) {
     light.direction_sigma_deg = sigma_rad * kDegrees;

@@ -10,15 +10,19 @@ namespace tangi {
 
 namespace {
 
-constexpr double kHeightSigma = 0.05;     // [radii] of a height that was measured
-constexpr double kDistanceSigma = 0.005;  // [1] relative, of the camera's distance
-constexpr double kShortLens = 0.9;        // [1] diagonal / focal length of a lens of 48 mm (35-mm equivalent)
-constexpr double kContradict = 3.5;       // [standard errors] between two that cannot both be right
-constexpr double kAgree = 1;              // up to which they do without any doubt
+constexpr double kHeightSigma = 0.05;  // [radii] of a height that was measured
+constexpr double kShortLens = 0.9;     // [1] diagonal / focal length of a lens of 48 mm (35-mm equivalent)
+constexpr double kContradict = 3.5;    // [standard errors] between two that cannot both be right
+constexpr double kAgree = 1;           // up to which they do without any doubt
 
 double apart(const FocalEvidence& a, const FocalEvidence& b) {
     return std::abs(a.inverse_focal.value - b.inverse_focal.value) /
            std::hypot(a.inverse_focal.sigma, b.inverse_focal.sigma);
+}
+
+// In the photographs, by us.
+bool is_measured(const FocalEvidence& e) {
+    return e.source == FocalSource::highlights || e.source == FocalSource::outlines;
 }
 
 struct Pair {
@@ -42,9 +46,7 @@ double strangeness(const std::vector<FocalEvidence>& evidence, std::size_t at) {
         const double far = apart(evidence[at], other);
         sum += far * far;
     }
-    return sum + (evidence[at].source == FocalSource::lengths ? 1e-3
-                  : evidence[at].source == FocalSource::given ? 1e-6
-                                                              : 0);
+    return sum + (is_measured(evidence[at]) ? 0 : evidence[at].source == FocalSource::lengths ? 2e-3 : 1e-3);
 }
 
 std::optional<Known> mean_of(const std::vector<FocalEvidence>& evidence) {
@@ -90,7 +92,7 @@ std::optional<Known> MeasuredLengths::depth() const {
             "fit between camera and painting; is the distance in millimetres, and --ball-height-mm?",
             *camera_distance_mm, *ball_radius_mm, high.value);
     return Known{*camera_distance_mm - high.value,
-                 std::hypot(high.sigma, kDistanceSigma * *camera_distance_mm)};
+                 std::hypot(high.sigma, MeasuredLengths::kDistanceSigma * *camera_distance_mm)};
 }
 
 std::optional<FocalEvidence> evidence_of_lengths(const MeasuredLengths& lengths, const Known& radius_px) {
@@ -117,6 +119,19 @@ std::optional<FocalEvidence> evidence_of_outline(const Known& elongation, double
 }
 
 Known any_lens(double diagonal_px) { return {0, kShortLens / diagonal_px}; }
+
+std::vector<FocalEvidence> FocalVerdict::possible() const {
+    std::vector<FocalEvidence> all = agree;
+    all.insert(all.end(), disagree.begin(), disagree.end());
+    std::vector<FocalEvidence> left;
+    for (const FocalEvidence& e : all) {
+        int against = 0;
+        for (const FocalEvidence& other : all)
+            if (apart(e, other) > kContradict) against += is_measured(other) ? 2 : 1;
+        if (against < 2 || uses(e.source)) left.push_back(e);
+    }
+    return left;
+}
 
 bool FocalVerdict::uses(FocalSource source) const {
     return std::any_of(agree.begin(), agree.end(),
@@ -155,7 +170,10 @@ std::string contradiction_of(const FocalVerdict& verdict, const MeasuredLengths&
         if (e.source == FocalSource::highlights)
             measured +=
                 fmt::format("the highlights say that the focal length is {}; ", focal_text(e.inverse_focal));
-        if (e.source == FocalSource::outlines)
+        const bool odd = std::any_of(all.begin(), all.end(), [&](const FocalEvidence& other) {
+            return apart(e, other) > kContradict;
+        });
+        if (e.source == FocalSource::outlines && odd)
             measured += fmt::format("the outline's shape says that the focal length is {}; ",
                                     focal_text(e.inverse_focal));
     }

@@ -16,7 +16,8 @@ namespace tangi {
 // to a radius, where the height was not given.
 struct MeasuredLengths {
     std::optional<double> focal_px{};
-    double focal_sigma = 0.01;  // [1] relative
+    static constexpr double kDistanceSigma = 0.003;  // [1] relative, of the camera's distance
+    double focal_sigma = 0.003;                      // [1] relative
     std::optional<double> ball_radius_mm{}, camera_distance_mm{}, ball_height_mm{};
 
     // [mm] Of the balls' centres above the painting's plane; without ball_radius_mm in radii.
@@ -51,6 +52,8 @@ struct FocalVerdict {
     double disagreement = 0;                     // [standard errors] the largest between two of all
 
     bool uses(FocalSource source) const;
+    // What may be right: not what two others contradict, or what was measured in the photographs does.
+    std::vector<FocalEvidence> possible() const;
     // 0 where all agree, 1 where they contradict each other: how much the differences between what the
     // evidence says count as errors.
     double doubt() const;

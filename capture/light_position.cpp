@@ -20,12 +20,13 @@ namespace {
 
 using Vector = std::array<double, 3>;
 
-constexpr double kOnePlane = 0.1;      // [radii] standard error of how deep a ball lies among the others
+constexpr double kOnePlane = 0.05;     // [radii] standard error of how deep a ball lies among the others
+constexpr double kShared = 0.9;        // [1] of the smallest error of a radius, which all have in common
 constexpr double kFarAway = 30;        // [1] of the balls' distance, where lamps start whose rays do not meet
 constexpr double kInverseFocal = 1e3;  // the unit of 1 / focal length is 1 / 1000 px
 
-// A camera that looks down the z axis: px[0] pixels for a mm at z = 0, px[1] / 1000 px is 1 / focal length;
-// with 0 it is far away.
+// A camera that looks down the z axis: [0] pixels for a mm at z = 0; [1] / 1000 px is 1 / focal length, with
+// 0 it is far away; [2] pixels by which all outlines are seen too large, in standard errors of that.
 template <class T>
 T inverse_distance(const T* camera) {
     return camera[0] * camera[1] / kInverseFocal;
@@ -61,6 +62,7 @@ struct OutlineError {
     dvec2 principal_px;
     double radius_mm;
     BallImage seen;
+    double shared_sigma_px;  // of the radius, the same for all balls: how a limb fades
     std::optional<Known> depth_mm;
 
     template <class T>
@@ -81,12 +83,13 @@ struct OutlineError {
     }
 };
 
-struct FocalError {
+struct CameraError {
     Known inverse_focal;  // in units of 1 / kInverseFocal
 
     template <class T>
     bool operator()(const T* camera, T* error) const {
         error[0] = (camera[1] - inverse_focal.value) / inverse_focal.sigma;
+        error[1] = camera[2];
         return true;
     }
 };
@@ -101,7 +104,7 @@ double mean_radius_px(const PositionInput& input) {
 // Lamps, balls and camera while they are moved.
 struct Scene {
     std::vector<Vector> lamps, centres;
-    std::array<double, 2> camera{1, 0};
+    Vector camera{1, 0, 0};
 };
 
 // Where the rays of a photograph meet for the camera as it is; far away along them where they do not.
@@ -131,7 +134,7 @@ std::optional<dvec3> first_position(const PositionInput& input, const Scene& sce
 
 Scene first_scene(const PositionInput& input, double inverse_focal) {
     Scene scene;
-    scene.camera = {mean_radius_px(input) / input.ball_radius_mm, kInverseFocal * inverse_focal};
+    scene.camera = {mean_radius_px(input) / input.ball_radius_mm, kInverseFocal * inverse_focal, 0};
     for (const BallImage& ball : input.balls) {
         const dvec2 from = (ball.centre_px - input.camera.principal_px) / scene.camera[0];
         scene.centres.push_back({from.x, -from.y, 0});
@@ -156,20 +159,23 @@ public:
             for (std::size_t b = 0; b < input.balls.size(); ++b)
                 if (const auto& seen = input.highlights[photo][b])
                     problem_.AddResidualBlock(
-                        new ceres::AutoDiffCostFunction<HighlightError, 2, 3, 3, 2>(
+                        new ceres::AutoDiffCostFunction<HighlightError, 2, 3, 3, 3>(
                             new HighlightError{input.camera.principal_px, input.ball_radius_mm, *seen}),
                         new ceres::HuberLoss(2.5), scene.lamps[photo].data(), scene.centres[b].data(),
                         camera);
         }
         if (problem_.NumResidualBlocks() == 0) return;
+        double shared_px = 1e9;
+        for (const BallImage& ball : input.balls)
+            shared_px = std::min(shared_px, kShared * ball.radius_sigma_px);
         for (std::size_t b = 0; b < input.balls.size(); ++b)
-            problem_.AddResidualBlock(
-                new ceres::AutoDiffCostFunction<OutlineError, 5, 3, 2>(new OutlineError{
-                    input.camera.principal_px, input.ball_radius_mm, input.balls[b], input.depth_mm}),
-                nullptr, scene.centres[b].data(), camera);
+            problem_.AddResidualBlock(new ceres::AutoDiffCostFunction<OutlineError, 5, 3, 3>(
+                                          new OutlineError{input.camera.principal_px, input.ball_radius_mm,
+                                                           input.balls[b], shared_px, input.depth_mm}),
+                                      nullptr, scene.centres[b].data(), camera);
         problem_.AddResidualBlock(
-            new ceres::AutoDiffCostFunction<FocalError, 1, 2>(
-                new FocalError{{kInverseFocal * inverse_focal.value, kInverseFocal * inverse_focal.sigma}}),
+            new ceres::AutoDiffCostFunction<CameraError, 2, 3>(
+                new CameraError{{kInverseFocal * inverse_focal.value, kInverseFocal * inverse_focal.sigma}}),
             nullptr, camera);
         problem_.SetParameterLowerBound(camera, 0, 1e-3 * camera[0]);
         problem_.SetParameterLowerBound(camera, 1, 0);
@@ -204,9 +210,9 @@ public:
         ceres::Covariance covariance(options);
         result_.converged = result_.converged && covariance.Compute(blocks, &problem_);
         if (!result_.converged) return;
-        double of_camera[4] = {};
+        double of_camera[9] = {};
         covariance.GetCovarianceBlock(camera, camera, of_camera);
-        result_.inverse_focal.sigma = std::sqrt(std::max(enlarge * of_camera[3], 0.0)) / kInverseFocal;
+        result_.inverse_focal.sigma = std::sqrt(std::max(enlarge * of_camera[4], 0.0)) / kInverseFocal;
         for (std::size_t photo = 0; photo < scene_.lamps.size(); ++photo) {
             if (!result_.lamps[photo]) continue;
             double block[9] = {};

@@ -53,8 +53,8 @@ struct PositionResult {
 // The reflected rays are intersected by least squares; from there lamps, balls and the camera's focal length
 // and distance are moved together until the highlights are where they were seen, as a bundle adjustment
 // (Triggs et al. 2000), with the outlines, and with what else is known, as prior knowledge. The balls are
-// taken to lie in one plane, to a tenth of their radius. Errors are those of the least squares, enlarged by
-// residual_sigma where that is above 1.
+// taken to lie in one plane, to a twentieth of their radius. Errors are those of the least squares, enlarged
+// by residual_sigma where that is above 1.
 //
 // Why highlights tell the focal length: seen at an angle t from the middle, a ball turns all that it reflects
 // by t. Rays of balls on either side, turned apart by the wrong angle, no longer meet.
