@@ -289,14 +289,19 @@ private:
     }
 
     // Whether a photograph in which nothing was found must show something else: it is not lit so low, nor so
-    // evenly, that nothing can be expected of it.
+    // evenly, that nothing can be expected of it, and its edges are not where those of the others are. They
+    // are there, but too few to say exactly where, in the photograph that shows all highlights of metal and
+    // varnish.
     std::vector<bool> strange_ones(const Alignment& alignment) const {
         std::vector<double> expected;
         for (const AlignedPicture& picture : alignment.pictures) expected.push_back(picture.expected);
         const double middle = median(std::move(expected));
         std::vector<bool> strange;
-        for (std::size_t i = 0; i < photos_.size(); ++i)
-            strange.push_back(lights_[i].z > kLowLight && alignment.pictures[i].expected > kTelling * middle);
+        for (std::size_t i = 0; i < photos_.size(); ++i) {
+            const AlignedPicture& picture = alignment.pictures[i];
+            strange.push_back(lights_[i].z > kLowLight && picture.expected > kTelling * middle &&
+                              picture.correlation <= kLeastCorrelation);
+        }
         return strange;
     }
 

@@ -148,8 +148,8 @@ nlohmann::json run_export(const ExportArguments& a) {
     if (rti) return export_rti(a, surface, progress);
     if (a.to == "web") return export_web(a, surface, progress);
     require_writable_folder(a.out);
-    for (const char* name :
-         {"height.exr", "normal.exr", "diffuse.exr", "specular.exr", "roughness.exr", "confidence.exr"})
+    for (const char* name : {"height.exr", "normal.exr", "diffuse.exr", "specular.exr", "roughness.exr",
+                             "confidence.exr", "lobe.exr"})
         refuse_to_overwrite(fs::path(a.out) / name, {a.painting});
     nlohmann::json files = nlohmann::json::array();
     for (const fs::path& path :

@@ -16,7 +16,7 @@ namespace fs = std::filesystem;
 namespace {
 
 struct ImportArguments {
-    std::string folder, out, diffuse, specular, normals, gloss, roughness, height;
+    std::string folder, out, diffuse, specular, normals, gloss, roughness, height, lobe;
     ImportOptions options;
 };
 
@@ -25,13 +25,14 @@ nlohmann::json run_import(const ImportArguments& a) {
     if (lower_extension(a.out) != ".exr") fail("--out {}: a painting is an .exr file", a.out);
     MapFiles files;
     if (!a.folder.empty()) files = find_maps(a.folder);
-    const std::array<std::tuple<const char*, const std::string*, std::optional<fs::path>*>, 6> given = {
+    const std::array<std::tuple<const char*, const std::string*, std::optional<fs::path>*>, 7> given = {
         {{"diffuse", &a.diffuse, &files.diffuse},
          {"specular", &a.specular, &files.specular},
          {"normals", &a.normals, &files.normals},
          {"gloss", &a.gloss, &files.gloss},
          {"roughness", &a.roughness, &files.roughness},
-         {"height", &a.height, &files.height}}};
+         {"height", &a.height, &files.height},
+         {"lobe", &a.lobe, &files.lobe}}};
     nlohmann::json maps = nlohmann::json::object();
     for (const auto& [name, text, file] : given) {
         if (!text->empty()) *file = *text;
@@ -80,7 +81,8 @@ Command import_command() {
             auto a = std::make_shared<ImportArguments>();
             flags.option(
                 "MAPS", a->folder,
-                "folder whose maps are found by name: kd or albedo, ks, normals, gloss, roughness, height");
+                "folder whose maps are found by name: kd or albedo, ks, normals, gloss, roughness, height, "
+                "lobe");
             flags.option("--out", a->out, "painting file to write (.exr)").required();
             flags.option("--diffuse", a->diffuse, "diffuse map (kd, albedo)");
             flags.option("--specular", a->specular, "specular map (ks)");
@@ -89,6 +91,8 @@ Command import_command() {
             flags.option("--roughness", a->roughness, "roughness map, Ward's alpha");
             flags.option("--height", a->height,
                          "height map; integrated from the normals where there is none");
+            flags.option("--lobe", a->lobe,
+                         "colours of lobes, that specular is multiplied by; white without");
             flags.fields(a->options);
             return [a] { return run_import(*a); };
         }};

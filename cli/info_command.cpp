@@ -29,6 +29,9 @@ nlohmann::json spread(const Surface& s, const Value& value) {
     return {{"minimum", values.front()}, {"median", values[values.size() / 2]}, {"maximum", values.back()}};
 }
 
+// [1] 0: white .. 1: a channel is missing.
+float saturation(const Rgb& colour) { return 1 - std::min({colour.r, colour.g, colour.b}); }
+
 nlohmann::json describe(const Surface& s) {
     const Photography& p = s.photography;
     const auto fitted =
@@ -45,12 +48,17 @@ nlohmann::json describe(const Surface& s) {
         {"scale_known", s.scale_known},
         {"diffuse_roughness", s.law.diffuse_roughness},
         {"haze", s.law.haze},
+        {"coloured_lobes", !s.lobe_colour.empty()},
         {"measured_pixels", measured},
         {"maps",
          {{"height_mm", spread(s, [&](std::size_t i) { return s.height_mm.pixels()[i]; })},
           {"diffuse_luminance", spread(s, [&](std::size_t i) { return luminance(s.diffuse.pixels()[i]); })},
           {"specular", spread(s, [&](std::size_t i) { return s.specular.pixels()[i]; })},
           {"roughness", spread(s, [&](std::size_t i) { return s.roughness.pixels()[i]; })},
+          {"lobe_saturation",
+           s.lobe_colour.empty()
+               ? nlohmann::json(nullptr)
+               : spread(s, [&](std::size_t i) { return saturation(s.lobe_colour.pixels()[i]); })},
           {"confidence", spread(s, [&](std::size_t i) { return s.confidence.pixels()[i]; })}}},
         {"photographs",
          {{"transfer", p.transfer.name()},

@@ -118,10 +118,17 @@ Rgb reflected(const Surface& s, int x, int y, const Vec3& light, Reflectance ref
     const Vec3& n = s.normal(x, y);
     const float n_l = glm::dot(n, light);
     if (!(n_l > 0)) return Rgb(0);
-    const float lobe = reflectance == Reflectance::ggx
-                           ? ggx_lobe(s.specular(x, y), s.roughness(x, y), n, light, Vec3(0, 0, 1))
-                           : 0.0f;
-    return (s.diffuse(x, y) + static_cast<float>(kPi) * lobe) * n_l;
+    if (reflectance == Reflectance::lambert) return s.diffuse(x, y) * n_l;
+    const auto lobe = [&](float f0) { return ggx_lobe(f0, s.roughness(x, y), n, light, Vec3(0, 0, 1)); };
+    const float f0 = s.specular(x, y);
+    Rgb gloss(0);
+    if (s.lobe_colour.empty() || s.lobe_colour(x, y) == Rgb(1)) {
+        gloss = Rgb(lobe(f0));
+    } else {
+        const Rgb& colour = s.lobe_colour(x, y);
+        gloss = {lobe(f0 * colour.r), lobe(f0 * colour.g), lobe(f0 * colour.b)};
+    }
+    return (s.diffuse(x, y) + static_cast<float>(kPi) * gloss) * n_l;
 }
 
 Image<Rgb> render(const Surface& s, const Light& light, const GeneratorOptions& o) {
@@ -158,6 +165,8 @@ void write_truth(const fs::path& folder, const PaintingTruth& truth, const Photo
     write_picture(folder / "albedo.exr", truth.diffuse, Transfer{});
     write_map(folder / "specular.exr", truth.specular);
     write_map(folder / "roughness.exr", truth.roughness);
+    fs::remove(folder / "lobe.exr");  // of another stack
+    if (!truth.lobe_colour.empty()) write_picture(folder / "lobe.exr", truth.lobe_colour, Transfer{});
     write_mask(folder / "loss.png", truth.loss);
     write_mask(folder / "craquelure.png", truth.craquelure);
     write_mask(folder / "varnish.png", truth.varnish);

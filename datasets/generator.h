@@ -124,7 +124,8 @@ Image<Rgb> apply_sensor(const Image<Rgb>& linear, const GeneratorOptions& option
 //   img_000.png … lights.lp                         photographs to fit, directions with the nominal error
 //   heldout/heldout_000.png … heldout.lp            photographs to compare with, true directions
 //   gt/height.exr normal.exr albedo.exr specular.exr roughness.exr       maps of PaintingTruth, one or three
-//   channels gt/loss.png craquelure.png varnish.png retouch.png valid.png         masks, 255 = inside
+//   channels, and lobe.exr where there is gold leaf
+//   gt/loss.png craquelure.png varnish.png retouch.png valid.png         masks, 255 = inside
 //   gt/lights.json   true directions, positions, gains, transfer curve, white level (photography_json.h)
 //   gt/meta.json     mm_per_pixel, size, options
 //   gt/truth.exr     the painting as the best fit would give it; only for ward_bounded and lambert, where one

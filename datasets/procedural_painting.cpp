@@ -12,6 +12,12 @@ namespace {
 
 constexpr float kGroundMm = 0.06f;      // thickness of the ground over the threads
 constexpr float kGroundFilling = 0.3f;  // part of the weave's relief that the ground levels
+constexpr float kGildedFrom = 0.72f;    // [1] of the way from the centre to the border
+constexpr float kLeafMm = 0.02f;        // bole and leaf, which level a part of the relief below
+constexpr float kLeafFilling = 0.5f;
+// [1] Colour of gold, linear Rec. 709, relative to red (from the optical constants of Johnson & Christy
+// 1972).
+constexpr Rgb kGold(1, 0.77f, 0.34f);
 
 // Height of a plain weave above its mean plane [mm]. Warp thread i runs upwards at x = (i + 1/2) pitch, weft
 // thread j across at y = (j + 1/2) pitch; at a crossing the warp is on top where i + j is even.
@@ -37,6 +43,23 @@ float weave_height(const PaintingOptions& options, float x_mm, float y_mm) {
     const float gap = std::abs(warp - weft);
     const float top = std::max(warp, weft) + (gap < 0.3f ? (0.3f - gap) * (0.3f - gap) / 1.2f : 0.0f);
     return amplitude * (top - 0.80f);
+}
+
+// Gold leaf on bole along the border. Its lobe has the colour of gold, and so has what it scatters widely.
+void gild(const PaintingOptions& o, float level_mm, float x_mm, float y_mm, PaintSample& sample) {
+    const float width_mm = static_cast<float>(o.width * o.mm_per_pixel / 2),
+                height_mm = static_cast<float>(o.height * o.mm_per_pixel / 2);
+    const float inside_mm =
+        std::max((std::abs(x_mm) - kGildedFrom * width_mm), (std::abs(y_mm) - kGildedFrom * height_mm));
+    const float cover = smooth_step(0, 0.3f, inside_mm);
+    if (cover <= 0) return;
+    const Seed seed = hash(o.seed, 30);
+    const float worn = 1 + 0.15f * noise(x_mm / 4, y_mm / 4, seed) + 0.05f * noise(2 * x_mm, 2 * y_mm, seed);
+    sample.height_mm = mix(sample.height_mm, mix(sample.height_mm, level_mm, kLeafFilling) + kLeafMm, cover);
+    sample.diffuse += cover * (worn * 0.1f * kGold - sample.diffuse);
+    sample.specular = mix(sample.specular, 0.30f, cover);
+    sample.roughness = mix(sample.roughness, 0.30f * worn, cover);
+    sample.lobe_colour += cover * (kGold - sample.lobe_colour);
 }
 
 // The painting as a function of a point.
@@ -66,6 +89,7 @@ public:
                        .roughness = 0.55f};
         Point point{.paint = bare.ground, .damage = {}};
         strokes_.apply_all(x_mm, y_mm, point.paint);
+        if (options_.gilding) gild(options_, level_mm_, x_mm, y_mm, point.paint);
         point.damage = damage_.apply(x_mm, y_mm, bare, point.paint);
         return point;
     }
@@ -73,11 +97,13 @@ public:
 private:
     Painter(const PaintingOptions& options, std::vector<Stroke> strokes)
         : options_(options),
-          damage_(options, strokes.empty() ? kGroundMm : strokes.back().level_mm),
+          level_mm_(strokes.empty() ? kGroundMm : strokes.back().level_mm),
+          damage_(options, level_mm_),
           strokes_(std::move(strokes), static_cast<float>(options.width * options.mm_per_pixel / 2),
                    static_cast<float>(options.height * options.mm_per_pixel / 2)) {}
 
     PaintingOptions options_;
+    float level_mm_;  // mean height of the paint's surface
     Damage damage_;
     StrokeGrid strokes_;
 };
@@ -90,7 +116,9 @@ public:
           n_(options.supersampling),
           painter_(options),
           truth_(o_.width, o_.height, o_.mm_per_pixel),
-          fine_height_mm_(o_.width * n_ + 2, o_.height * n_ + 2) {}
+          fine_height_mm_(o_.width * n_ + 2, o_.height * n_ + 2) {
+        if (o_.gilding) truth_.lobe_colour = Image<Rgb>(o_.width, o_.height);
+    }
 
     // Averages the samples in a row of pixels; keeps their heights.
     void sample_row(int y) {
@@ -139,6 +167,7 @@ private:
 
     void sample_pixel(int x, int y) {
         PaintSample sum{.height_mm = 0, .diffuse = Rgb(0), .specular = 0, .roughness = 0};
+        Rgb coloured(0);  // specular in each channel
         DamageCover damage;
         for (int j = y * n_; j < (y + 1) * n_; ++j)
             for (int i = x * n_; i < (x + 1) * n_; ++i) {
@@ -148,6 +177,7 @@ private:
                 sum.diffuse += point.paint.diffuse;
                 sum.specular += point.paint.specular;
                 sum.roughness += point.paint.roughness;
+                coloured += point.paint.specular * point.paint.lobe_colour;
                 damage.loss += point.damage.loss;
                 damage.crack += point.damage.crack;
                 damage.varnish += point.damage.varnish;
@@ -158,6 +188,7 @@ private:
         truth_.diffuse(x, y) = part * sum.diffuse;
         truth_.specular(x, y) = part * sum.specular;
         truth_.roughness(x, y) = part * sum.roughness;
+        if (o_.gilding) truth_.lobe_colour(x, y) = coloured / sum.specular;
         const float loss = part * damage.loss, crack = part * damage.crack;
         truth_.loss(x, y) = loss >= 0.5f;
         truth_.craquelure(x, y) = crack >= 0.25f;
@@ -211,6 +242,7 @@ Surface surface_of(const PaintingTruth& truth) {
     surface.diffuse = truth.diffuse;
     surface.specular = truth.specular;
     surface.roughness = truth.roughness;
+    surface.lobe_colour = truth.lobe_colour;
     surface.confidence = Image<float>(truth.width(), truth.height());
     for (std::size_t i = 0; i < truth.valid.size(); ++i)
         surface.confidence.pixels()[i] = truth.valid.pixels()[i] ? 1.0f : 0.0f;

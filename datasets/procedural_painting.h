@@ -1,9 +1,9 @@
 // procedural_painting.h: oil paintings made of noise, with every quantity that a fit should find known
 // exactly.
 //
-// Canvas, ground, brush strokes, craquelure, losses, varnish and a retouch are functions of a point in mm.
-// They are sampled on a grid finer than the pixels and averaged over each pixel. Frame and units as in
-// surface.h.
+// Canvas, ground, brush strokes, gold leaf, craquelure, losses, varnish and a retouch are functions of a
+// point in mm. They are sampled on a grid finer than the pixels and averaged over each pixel. Frame and units
+// as in surface.h.
 #pragma once
 
 #include <cstdint>
@@ -32,6 +32,7 @@ struct PaintingOptions {
     bool losses = true;            // places where the paint has come off, down to ground and canvas
     bool varnish = true;           // a glossy patch
     bool retouch = true;           // a matt patch of later paint
+    bool gilding = false;          // a border of gold leaf
 
     static constexpr std::string_view name = "painting";
     template <class Self, class Visit>
@@ -57,6 +58,8 @@ struct PaintingOptions {
         visit(FieldInfo{"losses", 0, 1, "", "places where paint is missing"}, self.losses);
         visit(FieldInfo{"varnish", 0, 1, "", "a glossy patch"}, self.varnish);
         visit(FieldInfo{"retouch", 0, 1, "", "a matt patch of later paint"}, self.retouch);
+        visit(FieldInfo{"gilding", 0, 1, "", "a border of gold leaf, whose lobe has its colour"},
+              self.gilding);
     }
 };
 
@@ -70,6 +73,7 @@ struct PaintingTruth {
                    //     whose peak at normal incidence equals that of GGX with equal alpha
     Image<float>
         roughness;  // [1] alpha: rms slope (Ward), width of the GGX distribution (not its square root)
+    Image<Rgb> lobe_colour;  // [1] as in surface.h: of gold leaf; empty where there is none
     Image<unsigned char> loss, craquelure, varnish, retouch;
     Image<unsigned char>
         valid;  // 0 where a pixel mixes intact and lost or cracked paint: no one surface fits it

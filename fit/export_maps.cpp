@@ -38,13 +38,15 @@ private:
 }  // namespace
 
 std::vector<fs::path> write_maps(const fs::path& folder, const Surface& s, const Progress& progress) {
-    Writer write(folder, 7, progress);
+    Writer write(folder, s.lobe_colour.empty() ? 7 : 8, progress);
     write("height.exr", [&](const fs::path& path) { write_map(path, s.height_mm); });
     write("normal.exr", [&](const fs::path& path) { write_picture(path, s.normal, Transfer{}); });
     write("diffuse.exr", [&](const fs::path& path) { write_picture(path, s.diffuse, Transfer{}); });
     write("specular.exr", [&](const fs::path& path) { write_map(path, s.specular); });
     write("roughness.exr", [&](const fs::path& path) { write_map(path, s.roughness); });
     write("confidence.exr", [&](const fs::path& path) { write_map(path, s.confidence); });
+    if (!s.lobe_colour.empty())
+        write("lobe.exr", [&](const fs::path& path) { write_picture(path, s.lobe_colour, Transfer{}); });
     const nlohmann::json about = {{"width", s.width()},
                                   {"height", s.height()},
                                   {"mm_per_pixel", s.mm_per_pixel},
@@ -70,7 +72,12 @@ std::vector<fs::path> write_openlime(const fs::path& folder, const Surface& s, c
     Writer write(folder, 5, progress);
     write("kd.png",
           [&](const fs::path& path) { write_picture(path, s.diffuse, {Transfer::Kind::srgb}, storage); });
-    write("ks.png", [&](const fs::path& path) { write_map(path, s.specular, storage); });
+    write("ks.png", [&](const fs::path& path) {
+        if (s.lobe_colour.empty()) return write_map(path, s.specular, storage);
+        Image<Rgb> ks = s.lobe_colour;
+        for (std::size_t i = 0; i < ks.size(); ++i) ks.pixels()[i] *= s.specular.pixels()[i];
+        write_picture(path, ks, Transfer{}, storage);
+    });
     write("normals.png", [&](const fs::path& path) {
         Image<Rgb> encoded = s.normal;
         for (std::size_t i = 0; i < encoded.size(); ++i)  // one that was not measured is shown as a hole

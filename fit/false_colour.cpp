@@ -235,11 +235,13 @@ std::vector<MapPicture> map_pictures(const Surface& surface, int longest) {
     const auto from_zero = [&](const Image<float>& map) {
         return ValueRange{0, std::max(range_of(map).hi, 1e-3)};
     };
-    Image<Rgb> diffuse(surface.width(), surface.height(), kNoValue);
-    for (std::size_t i = 0; i < diffuse.size(); ++i)
-        if (mask.pixels()[i])
-            diffuse.pixels()[i] =
-                glm::min(Transfer{Transfer::Kind::srgb}.encode(surface.diffuse.pixels()[i]), Rgb(1));
+    const auto colours = [&](const Image<Rgb>& map) {
+        Image<Rgb> shown(surface.width(), surface.height(), kNoValue);
+        for (std::size_t i = 0; i < shown.size(); ++i)
+            if (mask.pixels()[i])
+                shown.pixels()[i] = glm::min(Transfer{Transfer::Kind::srgb}.encode(map.pixels()[i]), Rgb(1));
+        return shrunk(shown, longest);
+    };
 
     const ValueRange height = range_of(surface.height_mm), specular = from_zero(surface.specular);
     const ValueRange roughness = from_zero(surface.roughness), confidence{0, 1};
@@ -250,12 +252,15 @@ std::vector<MapPicture> map_pictures(const Surface& surface, int longest) {
                     "Direction the surface faces: red right, green up, blue to the viewer.", "1",
                     std::nullopt, shrunk(normal_picture(surface.normal, mask), longest)});
     maps.push_back({"diffuse", "Diffuse colour", "ρd", "Colour of matt reflection, shown as sRGB.", "1",
-                    std::nullopt, shrunk(diffuse, longest)});
+                    std::nullopt, colours(surface.diffuse)});
     maps.push_back({"specular", "Specular", "ρs", "Strength of the gloss.", "1", specular,
                     scalar(surface.specular, specular)});
     maps.push_back({"roughness", "Roughness", "α",
                     "Width of the gloss: small is mirror-like, large is satin.", "1", roughness,
                     scalar(surface.roughness, roughness)});
+    if (!surface.lobe_colour.empty())
+        maps.push_back({"lobe", "Colour of the gloss", "", "White, or a metal's own; shown as sRGB.", "1",
+                        std::nullopt, colours(surface.lobe_colour)});
     maps.push_back({"confidence", "Confidence", "", "How certain the fit is: 0 not measured, 1 certain.", "1",
                     confidence, scalar(surface.confidence, confidence)});
     return maps;

@@ -39,6 +39,7 @@ std::optional<fs::path>* map_named(MapFiles& files, const std::string& word) {
     if (is_one_of(word, {"no", "normal", "normals"})) return &files.normals;
     if (is_one_of(word, {"gl", "gloss"})) return &files.gloss;
     if (is_one_of(word, {"roughness", "alpha"})) return &files.roughness;
+    if (word == "lobe") return &files.lobe;
     if (is_one_of(word, {"height", "displacement"})) return &files.height;
     return nullptr;
 }
@@ -158,6 +159,10 @@ Surface import_maps(const MapFiles& files, const ImportOptions& options, ImportR
         const Image<Rgb> map = read_map(*files.specular, s, first);
         for (std::size_t i = 0; i < map.size(); ++i)
             s.specular.pixels()[i] = std::max(luminance(map.pixels()[i]), 0.0f);
+    }
+    if (files.lobe) {
+        s.lobe_colour = read_map(*files.lobe, s, first);
+        for (Rgb& colour : s.lobe_colour.pixels()) colour = glm::clamp(colour, 0.0f, 1.0f);
     }
     report(progress, "read maps", 0.4);
     take_roughness(files, options, first, s);

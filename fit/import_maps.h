@@ -20,12 +20,13 @@ namespace tangi {
 
 // Pictures of one size; grey ones are fine for all but normals.
 struct MapFiles {
-    std::optional<std::filesystem::path> diffuse, specular, normals, gloss, roughness, height;
+    std::optional<std::filesystem::path> diffuse, specular, normals, gloss, roughness, height, lobe;
 };
 
 // The maps in a folder by their names, in any case: kd, diffuse, albedo, basecolor (also as NAME-kdmap,
 // NAME_kd); ks, specular; no, nomap, normal, normals; gl, glmap, gloss; roughness, alpha; height,
-// displacement. Throws Error where two files claim to be the same map.
+// displacement; lobe (colours of lobes, as write_maps() writes them). Throws Error where two files claim to
+// be the same map.
 MapFiles find_maps(const std::filesystem::path& folder);
 
 struct ImportOptions {

@@ -96,6 +96,7 @@ std::vector<Rgb> colours_of(const std::vector<PartOfTile>& layers, std::vector<R
 
 struct Sheen {
     float specular = 0, roughness = 0;
+    float coloured = 0;  // part of rho_s that is of what is dry: paints shine white
 };
 
 // The gloss of a part of a layer, its paints' by volume, over that of what lies below, in place. A varnish
@@ -115,6 +116,7 @@ void lay_sheen(const PartOfTile& layer, const AppearanceOptions& options, std::v
         const float covered = 1 - std::exp(-mm[i] / static_cast<float>(options.covering_mm));
         below[i].specular += covered * (own[i].specular / mm[i] - below[i].specular);
         below[i].roughness += covered * (own[i].roughness / mm[i] - below[i].roughness);
+        below[i].coloured *= 1 - covered;
     }
 }
 
@@ -166,6 +168,7 @@ void update_part(const Canvas& canvas, const std::vector<const PaintLayer*>& lay
         for (int x = part.x0; x < part.x1; ++x) {
             colours.push_back(dry.diffuse(x, y));
             sheen.push_back({dry.specular(x, y), dry.roughness(x, y)});
+            sheen.back().coloured = dry.specular(x, y);
         }
     std::vector<float> mm(colours.size());
     for (const PartOfTile& film : films) {
@@ -182,12 +185,16 @@ void update_part(const Canvas& canvas, const std::vector<const PaintLayer*>& lay
             s.specular(x, y) = dry.specular(x, y);
             s.roughness(x, y) = dry.roughness(x, y);
             s.confidence(x, y) = dry.confidence(x, y);
+            if (!dry.lobe_colour.empty()) s.lobe_colour(x, y) = dry.lobe_colour(x, y);
             if (!(mm[i] > 0)) continue;
             const float covered = 1 - std::exp(-mm[i] / static_cast<float>(options.covering_mm));
             // What a reflectance cannot hold (rho_d beyond 1) is covered like the rest.
             s.diffuse(x, y) = glm::max(colours[i], Rgb(0));
             s.specular(x, y) = sheen[i].specular;
             s.roughness(x, y) = sheen[i].roughness;
+            if (!dry.lobe_colour.empty() && sheen[i].specular > 0)
+                s.lobe_colour(x, y) = Rgb(1) + std::min(sheen[i].coloured / sheen[i].specular, 1.0f) *
+                                                   (dry.lobe_colour(x, y) - Rgb(1));
             s.confidence(x, y) = std::max(s.confidence(x, y), covered);
         }
 }

@@ -1,7 +1,7 @@
 // painting.frag.glsl: what a painting looks like under its lights, or one of its maps. Values as relight() in
 // surface/relight.h:
 //   value = ambient rho_d + sum over lights of irradiance *
-//           (visibility (rho_d D + pi rho_s lobe max(0, n.l)) + rig_ambient rho_d),   D: surface/diffuse.h
+//           (visibility (rho_d D + pi rho_s colour lobe max(0, n.l)) + rig_ambient rho_d),   D: surface/diffuse.h
 // MODE: as LookMode in viewer/look.h. EYE: 1 where the viewer has a place. OUTPUT: 0 linear, 1 sRGB, 2 the
 // monitor's own colours.
 
@@ -68,7 +68,12 @@ vec3 lit(Material m, vec2 at) {
 #elif MODE == 2  // diffuse gain: the fall-off from the brightest direction is steeper
             diffuse *= max(1.0 - v_look.x * (1.0 - n_l), 0.0) / max(n_l, 0.02);
 #endif
-            reflected = visibility(i, at, m.height, in_light.direction) * (diffuse + gloss) * n_l;
+#if COLOURED == 1 && MODE != 1
+            vec3 shine = gloss * m.lobe_colour;
+#else
+            float shine = gloss;
+#endif
+            reflected = visibility(i, at, m.height, in_light.direction) * (diffuse + shine) * n_l;
         }
         sum += in_light.irradiance * (reflected + v_column2.w * m.diffuse);
     }

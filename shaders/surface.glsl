@@ -1,5 +1,6 @@
 // surface.glsl: the maps of a surface, packed into one texel of 128 bits as viewer/texels.h describes, in square tiles:
 // those that are seen, of any level of detail, are the layers of an array texture; a table says which.
+// COLOURED: 1 where lobes have colours, for which gloss, confidence and height have fewer bits.
 
 uniform highp usampler2DArray u_texels;
 
@@ -10,6 +11,9 @@ struct Material {
     float roughness;   // [1] alpha
     float height;      // [mm]
     float confidence;  // [1]
+#if COLOURED == 1
+    vec3 lobe_colour;  // [1]
+#endif
 };
 
 ivec2 size_at(int level) { return (v_size.xy + ((1 << level) - 1)) >> level; }
@@ -36,7 +40,11 @@ uvec4 texel_here(ivec2 at) { return texel_in(at, v_size.z, v_tiles.x, v_tiles.y)
 
 vec2 halves(uint bits) { return vec2(float(bits & 0xffffu), float(bits >> 16)) * (1.0 / 65535.0); }
 
+#if COLOURED == 1
+float height_in(uvec4 texel) { return v_range.z + v_range.w * float(texel.w >> 15) * (1.0 / 131071.0); }
+#else
 float height_in(uvec4 texel) { return v_range.z + v_range.w * float(texel.w >> 8) * (1.0 / 16777215.0); }
+#endif
 
 Material unpack(uvec4 texel) {
     Material m;
@@ -47,11 +55,20 @@ Material unpack(uvec4 texel) {
     vec3 root = vec3(float(texel.y & 0x7ffu), float((texel.y >> 11) & 0x7ffu), float(texel.y >> 22)) *
                 vec3(1.0 / 2047.0, 1.0 / 2047.0, 1.0 / 1023.0);
     m.diffuse = v_range.x * root * root;
+#if COLOURED == 1
+    vec2 gloss = vec2(float(texel.z & 0xfffu), float((texel.z >> 12) & 0x1fffu)) * vec2(1.0 / 4095.0, 1.0 / 8191.0);
+    m.confidence = float(texel.w & 0x3fu) * (1.0 / 63.0);
+    // From the largest channel on.
+    vec3 colour = vec3(1.0, float(texel.z >> 25) * (1.0 / 127.0), float((texel.w >> 8) & 0x7fu) * (1.0 / 127.0));
+    uint largest = (texel.w >> 6) & 3u;
+    m.lobe_colour = largest == 0u ? colour : largest == 1u ? colour.zxy : colour.yzx;
+#else
     vec2 gloss = halves(texel.z);
+    m.confidence = float(texel.w & 0xffu) * (1.0 / 255.0);
+#endif
     m.specular = v_range.y * gloss.x * gloss.x;
     m.roughness = exp2(20.0 * gloss.y - 14.0);
     m.height = height_in(texel);
-    m.confidence = float(texel.w & 0xffu) * (1.0 / 255.0);
     return m;
 }
 
@@ -80,6 +97,9 @@ Material smooth_in(vec2 at, int level, int first_page, int columns) {
     m.roughness = sqrt(dot(w, alpha * alpha));
     m.height = dot(w, vec4(a.height, b.height, c2.height, d.height));
     m.confidence = dot(w, vec4(a.confidence, b.confidence, c2.confidence, d.confidence));
+#if COLOURED == 1
+    m.lobe_colour = w.x * a.lobe_colour + w.y * b.lobe_colour + w.z * c2.lobe_colour + w.w * d.lobe_colour;
+#endif
     return m;
 }
 

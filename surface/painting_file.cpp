@@ -23,6 +23,8 @@
 #include <cstring>
 #include <functional>
 #include <glm/geometric.hpp>
+#include <span>
+#include <vector>
 
 #include "surface/error.h"
 #include "surface/painting_errors.h"
@@ -37,6 +39,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr const char* kDry = "dry";
+constexpr std::array kLobe = {"lobe.R", "lobe.G", "lobe.B"};
 constexpr int kRowsAtOnce = 256;
 constexpr float kSmallestRoughness = 1e-6f;  // [1] its square divides
 
@@ -47,19 +50,24 @@ struct Channel {
     std::size_t stride;  // [floats] from pixel to pixel
 };
 
-std::array<Channel, 10> channels_of(Surface& s) {
+// Paintings whose lobes are all white have no colours of them, neither in memory nor in the file.
+std::vector<Channel> channels_of(Surface& s) {
     float* normal = &s.normal.data()->x;
     float* diffuse = &s.diffuse.data()->r;
-    return {{{"height", s.height_mm.data(), 1},
-             {"normal.X", normal, 3},
-             {"normal.Y", normal + 1, 3},
-             {"normal.Z", normal + 2, 3},
-             {"diffuse.R", diffuse, 3},
-             {"diffuse.G", diffuse + 1, 3},
-             {"diffuse.B", diffuse + 2, 3},
-             {"specular", s.specular.data(), 1},
-             {"roughness", s.roughness.data(), 1},
-             {"confidence", s.confidence.data(), 1}}};
+    std::vector<Channel> channels = {{"height", s.height_mm.data(), 1},
+                                     {"normal.X", normal, 3},
+                                     {"normal.Y", normal + 1, 3},
+                                     {"normal.Z", normal + 2, 3},
+                                     {"diffuse.R", diffuse, 3},
+                                     {"diffuse.G", diffuse + 1, 3},
+                                     {"diffuse.B", diffuse + 2, 3},
+                                     {"specular", s.specular.data(), 1},
+                                     {"roughness", s.roughness.data(), 1},
+                                     {"confidence", s.confidence.data(), 1}};
+    if (!s.lobe_colour.empty())
+        for (std::size_t c = 0; c < kLobe.size(); ++c)
+            channels.push_back({kLobe[c], &s.lobe_colour.data()->r + c, 3});
+    return channels;
 }
 
 Imf::FrameBuffer frame_buffer(Surface& s) {
@@ -183,13 +191,19 @@ Value attribute(const Imf::Header& header, const char* name, const Value& otherw
 }
 
 // What a pixel must not hold where it was measured; empty where all is well.
-std::string wrong_at(const Surface& s, const std::array<Channel, 10>& channels, std::size_t i) {
+std::string wrong_at(const Surface& s, std::span<const Channel> channels, std::size_t i) {
     for (const Channel& c : channels)
         if (const float value = c.base[i * c.stride]; !std::isfinite(value))
             return fmt::format("map '{}' holds {}", c.name, value);
     const float roughness = s.roughness.pixels()[i];
     if (!(roughness >= kSmallestRoughness))
         return fmt::format("map 'roughness' holds {}, less than {}", roughness, kSmallestRoughness);
+    if (!s.lobe_colour.empty()) {
+        const Rgb& colour = s.lobe_colour.pixels()[i];
+        if (!(std::min({colour.r, colour.g, colour.b}) >= 0 && std::max({colour.r, colour.g, colour.b}) <= 1))
+            return fmt::format("map 'lobe' holds ({}, {}, {}), which is not from 0 to 1", colour.r, colour.g,
+                               colour.b);
+    }
     const Vec3& normal = s.normal.pixels()[i];
     if (!(normal.z > 0))
         return fmt::format("map 'normal' holds ({}, {}, {}), which points away", normal.x, normal.y,
@@ -209,6 +223,7 @@ void clear_pixel(Surface& s, std::size_t i) {
     s.specular.pixels()[i] = unmeasured.specular(0, 0);
     s.roughness.pixels()[i] = unmeasured.roughness(0, 0);
     s.confidence.pixels()[i] = unmeasured.confidence(0, 0);
+    if (!s.lobe_colour.empty()) s.lobe_colour.pixels()[i] = Rgb(1);
 }
 
 // Maps that another program wrote, or changed, may hold what cannot be relit. Our own come through bit for
@@ -256,6 +271,7 @@ Surface read_dry_part(const fs::path& path, const Progress& progress) {
         fail("{}: part '{}' is {} x {}, but its display window is not", path.string(), kDry, width, height);
 
     Surface s(width, height);
+    if (header.channels().findChannel(kLobe[0])) s.lobe_colour = Image<Rgb>(width, height);
     for (const Channel& c : channels_of(s))
         if (!header.channels().findChannel(c.name))
             fail("{}: part '{}' has no channel '{}'", path.string(), kDry, c.name);

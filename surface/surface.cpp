@@ -75,7 +75,8 @@ Light as_photographed(const Light& light, const Photography& photography) {
 void require_consistent(const Surface& s) {
     const Region region = s.height_mm.region();
     TP_REQUIRE(s.normal.region() == region && s.diffuse.region() == region && s.specular.region() == region &&
-                   s.roughness.region() == region && s.confidence.region() == region,
+                   s.roughness.region() == region && s.confidence.region() == region &&
+                   (s.lobe_colour.empty() || s.lobe_colour.region() == region),
                "all maps of a surface have the same size");
 }
 

@@ -61,6 +61,9 @@ struct Surface {
     Image<float> specular;    // [1] rho_s
     Image<float> roughness;   // [1] alpha, rms slope of the microfacets
     Image<float> confidence;  // [1] 0 = not measured .. 1 = certain
+    // [1] What rho_s is multiplied by in each channel, 0..1, 1 in the largest: white, as a dielectric's, or a
+    // metal's colour. Empty: all are white.
+    Image<Rgb> lobe_colour;
 
     ReflectanceLaw law;        // of the whole painting
     double mm_per_pixel = 1;   // [mm] > 0; 1 where unknown
@@ -76,7 +79,7 @@ struct Surface {
     Vec3 point_mm(int x, int y) const;  // [mm] of a pixel's centre in the surface frame
 };
 
-// Throws ContractError where the maps differ in size.
+// Throws ContractError where the maps differ in size; lobe_colour may be empty.
 void require_consistent(const Surface& surface);
 
 // z-gradient (dz/dx, dz/dy) [1] of a unit normal with z > 0, y up; and back.

@@ -178,6 +178,42 @@ TEST(WriteStack, KeepsTheTruthBesideThePhotographs) {
     EXPECT_EQ(meta.at("generator").at("reflectance"), "ward_bounded");
 }
 
+TEST(WriteStack, GoldLeafHasALobeOfItsColour) {
+    const PaintingTruth plain = small_painting();
+    EXPECT_TRUE(plain.lobe_colour.empty());
+    const PaintingTruth truth = procedural_painting(
+        {.width = 48, .height = 40, .brush_width_mm = 2, .crack_distance_mm = 3, .gilding = true});
+    ASSERT_EQ(truth.lobe_colour.region(), truth.height_mm.region());
+    EXPECT_EQ(truth.lobe_colour(24, 20), Rgb(1)) << "paint in the middle";
+    EXPECT_EQ(truth.diffuse(24, 20), plain.diffuse(24, 20));
+    const Rgb gold = truth.lobe_colour(1, 20);
+    EXPECT_LT(gold.b, 0.5f);
+    EXPECT_LT(gold.b, gold.g);
+    EXPECT_GT(truth.specular(1, 20), 0.2f);
+
+    const TestDir folder;
+    const GeneratorOptions options{.lights = 4, .held_out = 0, .reflectance = Reflectance::ward_bounded};
+    write_stack(folder / "stack", truth, options);
+    EXPECT_EQ(read_picture(folder / "stack" / "gt" / "lobe.exr")(1, 20), gold);
+    EXPECT_TRUE(images_identical(read_painting(folder / "stack" / "gt" / "truth.exr").lobe_colour,
+                                 truth.lobe_colour));
+    // What gold shows beyond its matt part, in a mirror's direction, has its colour; as Ward's lobe and as
+    // GGX.
+    PaintingTruth flat(2, 1);
+    flat.lobe_colour = Image<Rgb>(2, 1, gold);
+    flat.lobe_colour(1, 0) = Rgb(1);
+    std::fill(flat.diffuse.pixels().begin(), flat.diffuse.pixels().end(), Rgb(0));
+    std::fill(flat.specular.pixels().begin(), flat.specular.pixels().end(), 0.3f);
+    for (const Reflectance reflectance : {Reflectance::ward_bounded, Reflectance::ggx}) {
+        const Image<Rgb> photo =
+            render_photo(flat, distant_light({0, 0, 1}), {.reflectance = reflectance, .cast_shadows = false});
+        EXPECT_NEAR(photo(0, 0).b / photo(0, 0).r, gold.b / gold.r, 1e-3);
+        EXPECT_NEAR(photo(1, 0).b / photo(1, 0).r, 1, 1e-6);
+    }
+    write_stack(folder / "stack", plain, options);
+    EXPECT_FALSE(fs::exists(folder / "stack" / "gt" / "lobe.exr")) << "of another stack";
+}
+
 TEST(WriteStack, WritesThePaintingThatAPerfectFitWouldFind) {
     const TestDir folder;
     const PaintingTruth truth = small_painting();

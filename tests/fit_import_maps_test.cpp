@@ -56,6 +56,19 @@ TEST(ImportMaps, ExportedMapsComeBack) {
     EXPECT_TRUE(images_near(back.roughness, s.roughness, 1e-6));
 }
 
+TEST(ImportMaps, ColoursOfLobesComeBack) {
+    const TestDir dir;
+    Surface s = example_surface();
+    s.lobe_colour = Image<Rgb>(s.width(), s.height(), Rgb(1, 0.77f, 0.34f));
+    EXPECT_EQ(write_maps(dir.path(), s).size(), 8u);
+    ImportReport report;
+    EXPECT_TRUE(images_identical(import_maps(find_maps(dir.path()), {}, report).lobe_colour, s.lobe_colour));
+    write_openlime(dir / "openlime", s);
+    const Rgb ks = read_picture(dir / "openlime" / "ks.png")(3, 3),
+              expected = s.specular(3, 3) * s.lobe_colour(3, 3);
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(ks[c], expected[c], 0.5 / 255 + 1e-6);
+}
+
 TEST(ImportMaps, HeightIsIntegratedFromNormals) {
     const TestDir dir;
     const Surface s = example_surface();

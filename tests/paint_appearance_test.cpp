@@ -33,6 +33,32 @@ TEST(Appearance, IsTheDrySurfaceWhereThereIsNoPaint) {
     EXPECT_NE(s.diffuse(30, 30), half.dry().diffuse(30, 30));
 }
 
+TEST(Appearance, PaintHidesTheColourOfTheLobeBelow) {
+    auto dry = flat_surface(128, 64);
+    const Rgb gold(1, 0.77f, 0.34f);
+    dry->lobe_colour = Image<Rgb>(128, 64, gold);
+    std::fill(dry->specular.pixels().begin(), dry->specular.pixels().end(), 0.3f);
+    Canvas canvas(dry);
+    const auto id = add_paint(canvas, "Titanium White");
+    float before = gold.b;
+    for (const float mm : {0.002f, 0.01f, 0.2f}) {
+        PaintTile tile;
+        tile.ingredients = {id};
+        tile.thickness_mm.assign(PaintTile::kPixels, mm);
+        canvas.writable_wet().set_tile({0, 0}, std::make_shared<PaintTile>(tile));
+        const Surface s = appearance(canvas, {.covering_mm = 0.01});
+        EXPECT_EQ(s.lobe_colour(100, 30), gold) << "bare";
+        const Rgb colour = s.lobe_colour(30, 30);
+        EXPECT_GT(colour.b, before);
+        before = colour.b;
+        // Light of both skins adds: what is left of the gold's, and the paint's.
+        const float bare = std::exp(-mm / 0.01f);
+        const Rgb both = 0.3f * bare * gold + (s.specular(30, 30) - 0.3f * bare) * Rgb(1);
+        EXPECT_LT(glm::length(s.specular(30, 30) * colour - both), 1e-5f);
+    }
+    EXPECT_GT(before, 0.999f);
+}
+
 TEST(Appearance, BarePartFallsWithThickness) {
     EXPECT_TRUE(bare_part(flat_canvas()).empty());
     const Canvas half = half_covered("Bone Black", 0.02f);

@@ -106,6 +106,25 @@ TEST(PaintingFile, RoundTripsBitForBit) {
     EXPECT_EQ(names_in(dir.path()), std::vector<std::string>{"a.exr"});
 }
 
+TEST(PaintingFile, KeepsTheColoursOfLobes) {
+    const TestDir dir;
+    Surface s = random_surface(19, 23);
+    const std::string white = hash_of(s);
+    s.lobe_colour = Image<Rgb>(19, 23, Rgb(1));
+    Random random(2);
+    for (Rgb& colour : s.lobe_colour.pixels()) colour = {1, random.real(), random.real()};
+    write_painting(dir / "a.exr", s);
+    const Surface back = read_painting(dir / "a.exr");
+    expect_same_maps(s, back);
+    EXPECT_TRUE(images_identical(s.lobe_colour, back.lobe_colour));
+    EXPECT_NE(hash_of(s), white);
+    s.lobe_colour(5, 7) = {1, 0.5f, 1.5f};
+    s.confidence(5, 7) = 1;
+    write_painting(dir / "a.exr", s);
+    EXPECT_THAT(error_of([&] { read_painting(dir / "a.exr"); }),
+                testing::AllOf(HasSubstr("map 'lobe' holds (1, 0.5, 1.5)"), HasSubstr("pixel (5, 7)")));
+}
+
 TEST(PaintingFile, RefusesALawThatIsNone) {
     const TestDir dir;
     Surface s(2, 2);

@@ -61,6 +61,20 @@ inline Surface painted_surface(int width, int height, std::uint64_t seed = 1) {
     return s;
 }
 
+// With lobes of all colours on it.
+inline Surface gilded_surface(int width, int height, std::uint64_t seed = 1) {
+    Surface s = painted_surface(width, height, seed);
+    Random random(seed + 1);
+    s.lobe_colour = Image<Rgb>(width, height, Rgb(1));
+    for (int y = 0; y < height; ++y)
+        for (int x = width / 4; x < width; ++x) {
+            Rgb& colour = s.lobe_colour(x, y);
+            colour = {random.real(0.1, 1), random.real(0.1, 1), random.real(0.1, 1)};
+            colour /= std::max({colour.r, colour.g, colour.b});
+        }
+    return s;
+}
+
 // Part of the pixels whose encoded values differ by no more than `steps` of 255.
 inline double part_within(const Image<Rgb>& a, const Image<Rgb>& b, double steps) {
     if (a.region() != b.region()) return 0;

@@ -21,6 +21,27 @@ TEST(Texels, ComeBackAsTheyWere) {
         }
 }
 
+TEST(Texels, ColoursOfLobesComeBack) {
+    const Surface s = gilded_surface(64, 48);
+    const TexelRange range = range_of(s, 5);
+    ASSERT_TRUE(range.coloured_lobes);
+    for (int y = 0; y < s.height(); ++y)
+        for (int x = 0; x < s.width(); ++x) {
+            const Material a = material_at(s, x, y), b = unpack(pack(a, range), range);
+            EXPECT_LT(glm::length(a.lobe_colour - b.lobe_colour), 0.006f);
+            EXPECT_LT(glm::length(a.normal - b.normal), 6e-5f);
+            EXPECT_NEAR(a.specular, b.specular, 1e-4);
+            EXPECT_NEAR(a.roughness / b.roughness, 1, 1e-3);
+            EXPECT_NEAR(a.height_mm, b.height_mm, 5e-5);
+            EXPECT_NEAR(a.confidence, b.confidence, 0.009);
+        }
+    // A mean of colours has no channel of 1; what it reflects is kept.
+    const Material mean{.specular = 0.1f, .roughness = 0.2f, .lobe_colour = Rgb(0.4f, 0.8f, 0.6f)};
+    const Material back = unpack(pack(mean, range), range);
+    EXPECT_LT(glm::length(back.specular * back.lobe_colour - mean.specular * mean.lobe_colour), 1e-3f);
+    EXPECT_EQ(back.lobe_colour.g, 1);
+}
+
 TEST(Texels, GrazingNormalsKeepTheirDirection) {
     for (const float z : {1e-3f, 0.01f, 0.1f})
         for (float angle = 0; angle < 6.28f; angle += 0.1f) {

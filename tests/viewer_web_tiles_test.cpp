@@ -20,14 +20,15 @@ std::vector<unsigned char> inflated(const std::string& packed, std::size_t size)
 }
 
 // As a reader of the header's description would write it.
-std::vector<Texel> unpacked(const std::string& packed, int width, int height) {
+std::vector<Texel> unpacked(const std::string& packed, int width, int height,
+                            std::span<const WebField> fields = kWebFields) {
     const auto count = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
     std::size_t size = 0;
-    for (const WebField& field : kWebFields) size += (field.kept > 8 ? 2 : 1) * count;
+    for (const WebField& field : fields) size += (field.kept > 8 ? 2 : 1) * count;
     const std::vector<unsigned char> bytes = inflated(packed, size);
     std::vector<Texel> texels(count, Texel{});
     std::size_t at = 0;
-    for (const WebField& field : kWebFields) {
+    for (const WebField& field : fields) {
         const std::int64_t modulus = std::int64_t(1) << field.kept;
         std::vector<std::int64_t> codes;
         for (std::size_t i = 0; i < count; ++i) {
@@ -78,6 +79,22 @@ TEST(WebTiles, KeepWhatCanBeSeen) {
                 ASSERT_NEAR(m.confidence, truth.confidence, 0.009);
             }
     }
+}
+
+TEST(WebTiles, KeepTheColoursOfLobes) {
+    const Surface s = gilded_surface(120, 90);
+    const TexelTiles tiles(s, range_of(s));
+    const std::vector<Texel> texels =
+        unpacked(web_tile(tiles, {0, 0, 0}), 120, 90, web_fields(tiles.range()));
+    for (int y = 0; y < 90; ++y)
+        for (int x = 0; x < 120; ++x) {
+            const Material truth = unpack(tiles.at(x, y), tiles.range()),
+                           m = unpack(texels[static_cast<std::size_t>(y * 120 + x)], tiles.range());
+            ASSERT_EQ(m.lobe_colour, truth.lobe_colour);
+            ASSERT_EQ(m.specular, truth.specular);
+            ASSERT_NEAR(m.roughness / truth.roughness, 1, 2e-3);
+            ASSERT_EQ(m.confidence, truth.confidence);
+        }
 }
 
 TEST(WebTiles, AreSmallWhereNothingHappens) {

@@ -241,6 +241,7 @@ const gl::Program& Renderer::program_for(const Scene& scene, const Shot& shot, b
     };
     define("WARD_MODEL", static_cast<int>(scene.model));
     define("LAW", scene.law == ReflectanceLaw{} ? 0 : 1);
+    define("COLOURED", tiles_->range().coloured_lobes ? 1 : 0);
     define("FILTER", shot.smooth ? 1 : 0);
     define("LIGHTS", static_cast<int>(std::max<std::size_t>(scene.lights.size(), 1)));
     define("NEAR", near ? 1 : 0);

@@ -20,7 +20,23 @@ float value(std::uint32_t code, std::uint32_t largest) {
     return static_cast<float>(code) / static_cast<float>(largest);
 }
 
-constexpr std::uint32_t kHeightCodes = (1u << 24) - 1;
+// Bits of a field, from `shift` on.
+struct Field {
+    int shift;
+    std::uint32_t largest;
+    std::uint32_t of(float v) const { return code(v, largest) << shift; }
+    float in(std::uint32_t word) const { return value(word >> shift & largest, largest); }
+};
+
+// Of the words z and w.
+struct GlossLayout {
+    Field specular, alpha, confidence, height;
+};
+constexpr GlossLayout kWhiteLobes{{0, 65535}, {16, 65535}, {0, 255}, {8, (1u << 24) - 1}};
+constexpr GlossLayout kColouredLobes{{0, 4095}, {12, 8191}, {0, 63}, {15, (1u << 17) - 1}};
+constexpr Field kColourAfter{25, 127}, kColourBefore{8, 127};
+constexpr int kLargestShift = 6;
+const GlossLayout& layout_of(const TexelRange& r) { return r.coloured_lobes ? kColouredLobes : kWhiteLobes; }
 
 // What a texel of the next level has of those below.
 class MeanMaterial {
@@ -31,6 +47,7 @@ public:
         sum_.normal += m.normal;
         sum_.diffuse += m.diffuse;
         sum_.specular += m.specular;
+        lobe_colour_ += weight * m.lobe_colour;
         sum_.height_mm += m.height_mm;
         sum_.confidence += m.confidence;
         gloss_ += weight;
@@ -45,11 +62,13 @@ public:
         const float variance = spread_ / gloss_ - x * x - y * y;
         return {glm::normalize(sum_.normal), sum_.diffuse * (length / count_),
                 sum_.specular / count_,      std::sqrt(std::max(variance, 1e-12f)),
-                sum_.height_mm / count_,     sum_.confidence / count_};
+                sum_.height_mm / count_,     sum_.confidence / count_,
+                lobe_colour_ / gloss_};
     }
 
 private:
     Material sum_{.normal = Vec3(0)};
+    Rgb lobe_colour_{0};
     float count_ = 0, gloss_ = 0, spread_ = 0, slope_x_ = 0, slope_y_ = 0;
 };
 
@@ -69,6 +88,7 @@ TexelRange range_of(const Surface& s, float paint_mm) {
     range.specular_max = std::min(range.specular_max, 16.0f);
     range.height_min_mm = low;
     range.height_max_mm = std::max(high, low + 1e-6f) + paint_mm;
+    range.coloured_lobes = !s.lobe_colour.empty();
     return range;
 }
 
@@ -78,14 +98,26 @@ Texel pack(const Material& m, const TexelRange& r) {
     const auto rho = [&](float v) { return root(v / r.diffuse_max); };
     const float alpha = (std::log2(std::max(m.roughness, 1e-6f)) + 14) / 20;
     const float height = (m.height_mm - r.height_min_mm) / (r.height_max_mm - r.height_min_mm);
+    const GlossLayout& layout = layout_of(r);
     // Heights need all 24 bits: in double, since a float has no more.
     const auto z = static_cast<std::uint32_t>(
-        std::clamp<double>(height, 0.0, 1.0) * static_cast<double>(kHeightCodes) + 0.5);
-    return {code(0.5f + 0.5f * (n.x + n.y), 65535) | code(0.5f + 0.5f * (n.x - n.y), 65535) << 16,
-            code(rho(m.diffuse.r), 2047) | code(rho(m.diffuse.g), 2047) << 11 |
-                code(rho(m.diffuse.b), 1023) << 22,
-            code(root(m.specular / r.specular_max), 65535) | code(alpha, 65535) << 16,
-            code(m.confidence, 255) | z << 8};
+        std::clamp<double>(height, 0.0, 1.0) * static_cast<double>(layout.height.largest) + 0.5);
+    Texel texel = {code(0.5f + 0.5f * (n.x + n.y), 65535) | code(0.5f + 0.5f * (n.x - n.y), 65535) << 16,
+                   code(rho(m.diffuse.r), 2047) | code(rho(m.diffuse.g), 2047) << 11 |
+                       code(rho(m.diffuse.b), 1023) << 22,
+                   layout.alpha.of(alpha), layout.confidence.of(m.confidence) | z << layout.height.shift};
+    float specular = m.specular;
+    if (r.coloured_lobes) {  // means of several colours may have no channel of 1
+        const Rgb& colour = m.lobe_colour;
+        const int largest = colour.r >= colour.g && colour.r >= colour.b ? 0 : colour.g >= colour.b ? 1 : 2;
+        const float most = std::max(colour[largest], 1e-6f);
+        specular *= most;
+        texel[2] |= kColourAfter.of(colour[(largest + 1) % 3] / most);
+        texel[3] |= static_cast<std::uint32_t>(largest) << kLargestShift |
+                    kColourBefore.of(colour[(largest + 2) % 3] / most);
+    }
+    texel[2] |= layout.specular.of(root(specular / r.specular_max));
+    return texel;
 }
 
 Material unpack(const Texel& t, const TexelRange& r) {
@@ -95,17 +127,28 @@ Material unpack(const Texel& t, const TexelRange& r) {
     m.normal = glm::normalize(Vec3(x, y, 1 - std::abs(x) - std::abs(y)));
     const Rgb root(value(t[1] & 0x7ffu, 2047), value((t[1] >> 11) & 0x7ffu, 2047), value(t[1] >> 22, 1023));
     m.diffuse = r.diffuse_max * root * root;
-    const float gloss = value(t[2] & 0xffffu, 65535);
+    const GlossLayout& layout = layout_of(r);
+    const float gloss = layout.specular.in(t[2]);
     m.specular = r.specular_max * gloss * gloss;
-    m.roughness = std::exp2(20 * value(t[2] >> 16, 65535) - 14);
-    m.height_mm = r.height_min_mm + (r.height_max_mm - r.height_min_mm) * value(t[3] >> 8, kHeightCodes);
-    m.confidence = value(t[3] & 0xffu, 255);
+    m.roughness = std::exp2(20 * layout.alpha.in(t[2]) - 14);
+    m.height_mm = r.height_min_mm + (r.height_max_mm - r.height_min_mm) * layout.height.in(t[3]);
+    m.confidence = layout.confidence.in(t[3]);
+    if (r.coloured_lobes) {
+        const int largest = static_cast<int>(t[3] >> kLargestShift & 3u);
+        m.lobe_colour[(largest + 1) % 3] = kColourAfter.in(t[2]);
+        m.lobe_colour[(largest + 2) % 3] = kColourBefore.in(t[3]);
+    }
     return m;
 }
 
 Material material_at(const Surface& s, int x, int y) {
-    return {s.normal(x, y),    s.diffuse(x, y),   s.specular(x, y),
-            s.roughness(x, y), s.height_mm(x, y), s.confidence(x, y)};
+    return {s.normal(x, y),
+            s.diffuse(x, y),
+            s.specular(x, y),
+            s.roughness(x, y),
+            s.height_mm(x, y),
+            s.confidence(x, y),
+            s.lobe_colour.empty() ? Rgb(1) : s.lobe_colour(x, y)};
 }
 
 LevelSize level_size(int width, int height, int level) {

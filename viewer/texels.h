@@ -7,6 +7,11 @@
 //   y  rho_d: sqrt(R / diffuse_max) 11 bits, G 11 bits, B 10 bits
 //   z  sqrt(rho_s / specular_max) 16 bits; (log2(alpha) + 14) / 20 16 bits
 //   w  confidence 8 bits; (height - height_min) / (height_max - height_min) 24 bits
+// and where lobes have colours:
+//   z  sqrt(rho_s / specular_max) 12 bits; (log2(alpha) + 14) / 20 13 bits; the lobe's colour in the channel
+//      after its largest 7 bits
+//   w  confidence 6 bits; the largest channel 2 bits; the colour in the channel before it 7 bits; height 17
+//   bits
 //
 // Levels of detail keep gloss (after Toksvig 2005 and Olano & Baker 2010, "LEAN mapping"): a texel of 2^l x
 // 2^l pixels has their mean normal, and the spread of their slopes goes into its lobe: alpha is the rms
@@ -31,6 +36,7 @@ using Texel = std::array<std::uint32_t, 4>;
 struct TexelRange {
     float diffuse_max = 1, specular_max = 0.25f;
     float height_min_mm = 0, height_max_mm = 1;
+    bool coloured_lobes = false;
 };
 
 // Of this surface, with room for paint of `paint_mm` on it.
@@ -41,6 +47,7 @@ struct Material {
     Vec3 normal{0, 0, 1};
     Rgb diffuse{0};
     float specular = 0, roughness = 1, height_mm = 0, confidence = 0;
+    Rgb lobe_colour{1};
 };
 
 Texel pack(const Material& material, const TexelRange& range);

@@ -93,9 +93,9 @@ private:
     bool made_ = false, placed_ = false;
 };
 
-json fields() {
+json fields(const TexelRange& range) {
     json all = json::array();
-    for (const WebField& f : kWebFields)
+    for (const WebField& f : web_fields(range))
         all.push_back({{"word", f.word}, {"shift", f.shift}, {"bits", f.bits}, {"kept", f.kept}});
     return all;
 }
@@ -135,8 +135,9 @@ json data_of(const Surface& s, const TexelTiles& tiles, const HorizonMap& horizo
              {range.diffuse_max, range.specular_max, range.height_min_mm,
               range.height_max_mm - range.height_min_mm}},
             {"law", {s.law.diffuse_roughness, s.law.haze}},
+            {"coloured_lobes", range.coloured_lobes},
             {"levels", web_levels(s.width(), s.height())},
-            {"fields", fields()},
+            {"fields", fields(range)},
             {"looks", looks()},
             {"horizon", {horizon.width, horizon.height, HorizonMap::kAzimuths}},
             {"light_deg", {options.light_azimuth_deg, options.light_elevation_deg}},

@@ -71,7 +71,7 @@ std::string web_tile(const TexelTiles& tiles, const TileName& name) {
     TP_REQUIRE(width > 0 && height > 0, "there is such a tile");
     std::string bytes;
     std::vector<int> codes(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
-    for (const WebField& field : kWebFields) {
+    for (const WebField& field : web_fields(tiles.range())) {
         std::size_t i = 0;
         for (int y = 0; y < height; ++y)
             for (int x = 0; x < width; ++x)

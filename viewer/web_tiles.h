@@ -1,6 +1,6 @@
 // web_tiles.h: texels as a web page fetches them: small tiles, compressed without loss.
 //
-// A tile is the zlib stream (RFC 1950, which browsers inflate) of these planes, for each of kWebFields in
+// A tile is the zlib stream (RFC 1950, which browsers inflate) of these planes, for each of web_fields() in
 // turn: the low bytes of all its texels, row by row, and, where a field has more than 8 bits, the high bytes.
 // A value is what the median edge detector (Weinberger, Seroussi & Sapiro 2000, "LOCO-I") left of the
 // field's code modulo 2^bits, the sign in the lowest bit: 0, -1, 1, -2, … as 0, 1, 2, 3, ….
@@ -10,6 +10,7 @@
 #pragma once
 
 #include <array>
+#include <span>
 #include <string>
 
 #include "viewer/horizon.h"
@@ -31,6 +32,23 @@ inline constexpr std::array<WebField, 9> kWebFields = {{{0, 0, 16, 14},  // norm
                                                         {2, 16, 16, 12},   // alpha
                                                         {3, 0, 8, 6},      // confidence
                                                         {3, 8, 24, 16}}};  // height
+// The same where lobes have colours.
+inline constexpr std::array<WebField, 12> kColouredWebFields = {{{0, 0, 16, 14},
+                                                                 {0, 16, 16, 14},
+                                                                 {1, 0, 11, 11},
+                                                                 {1, 11, 11, 11},
+                                                                 {1, 22, 10, 10},
+                                                                 {2, 0, 12, 12},
+                                                                 {2, 12, 13, 12},
+                                                                 {2, 25, 7, 7},  // the lobe's colour
+                                                                 {3, 0, 6, 6},
+                                                                 {3, 6, 2, 2},
+                                                                 {3, 8, 7, 7},
+                                                                 {3, 15, 17, 16}}};
+inline std::span<const WebField> web_fields(const TexelRange& range) {
+    if (range.coloured_lobes) return kColouredWebFields;
+    return kWebFields;
+}
 
 // Levels of detail that a page needs: the last is one tile.
 int web_levels(int width, int height);

@@ -78,6 +78,7 @@ std::string sha256_of(const Surface& surface) {
     add("specular", surface.specular);
     add("roughness", surface.roughness);
     add("confidence", surface.confidence);
+    if (!surface.lobe_colour.empty()) add("lobe", surface.lobe_colour);
     return sha.hex();
 }
 

@@ -79,6 +79,8 @@ void probe(const WindowState& s, float right) {
         "{:.3f}\nheight {:.3f} {}\nconfidence {:.2f}",
         p.x, p.y, m.diffuse.r, m.diffuse.g, m.diffuse.b, lab.l, lab.a, lab.b, m.specular, m.roughness,
         m.normal.x, m.normal.y, m.normal.z, m.height_mm, s.scale_known ? "mm" : "px", m.confidence);
+    if (m.lobe_colour != Rgb(1))
+        text += fmt::format("\nlobe {:.2f} {:.2f} {:.2f}", m.lobe_colour.r, m.lobe_colour.g, m.lobe_colour.b);
     if (p.paint_mm > 0) {
         text += fmt::format("\nwet paint {:.3f} mm", p.paint_mm);
         for (const auto& [name, part] : p.recipe)
