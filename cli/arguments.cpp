@@ -215,6 +215,13 @@ void refuse_to_overwrite(const std::filesystem::path& output,
                  output.string(), input.string());
 }
 
+void refuse_typed(const std::vector<std::string>& typed, std::initializer_list<std::string_view> flags,
+                  const std::string& reason) {
+    for (const std::string_view flag : flags)
+        if (std::find(typed.begin(), typed.end(), flag) != typed.end())
+            throw UsageError(fmt::format("{}: {}", flag, reason));
+}
+
 void require_writable_folder(const std::filesystem::path& folder) {
     namespace fs = std::filesystem;
     fs::path there = fs::absolute(folder);

@@ -48,6 +48,11 @@ private:
 void refuse_to_overwrite(const std::filesystem::path& output,
                          const std::vector<std::filesystem::path>& inputs);
 
+// Throws UsageError where one of `flags` is among those that were `typed`, with the reason: what is typed has
+// an effect or is refused, so that nobody takes a result for another one.
+void refuse_typed(const std::vector<std::string>& typed, std::initializer_list<std::string_view> flags,
+                  const std::string& reason);
+
 // Throws Error where a folder that is there, or the one that `folder` would be made in, cannot be written.
 void require_writable_folder(const std::filesystem::path& folder);
 

@@ -80,6 +80,15 @@ Flag Flags::flag(const std::string& names, bool& value, const std::string& help)
     return Flag(app_.add_flag(names, value, help));
 }
 
+std::function<std::vector<std::string>()> Flags::typed() const {
+    return [&app = app_] {
+        std::vector<std::string> names;
+        for (const CLI::Option* option : app.get_options())
+            if (option->count() > 0) names.push_back(option->get_name());
+        return names;
+    };
+}
+
 void Flags::field(const FieldInfo& info, bool& value) {
     const std::string name = flag_name(info);
     flag(name + ",!--no-" + name.substr(2), value, std::string(info.help));

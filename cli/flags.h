@@ -51,6 +51,9 @@ public:
 
     Flag flag(const std::string& names, bool& value, const std::string& help);
 
+    // The flags of the command that were typed, as "--seed"; known once the command line is parsed.
+    std::function<std::vector<std::string>()> typed() const;
+
     // Flags for the fields of an options struct: --max-iterations for max_iterations. Values outside their
     // interval are usage errors. `wanted` chooses fields by name; all where empty.
     template <class Options>

@@ -9,6 +9,7 @@
 #include "cli/treatment_arguments.h"
 #include "paint/canvas_file.h"
 #include "surface/error.h"
+#include "surface/picture_file.h"
 #include "viewer/settings.h"
 #include "viewer/treatment_desk.h"
 #include "viewer/window.h"
@@ -28,12 +29,14 @@ struct PaintArguments {
     AuthorArguments author;
 };
 
-void set_size(WindowSetup& setup, const std::string& text) {
-    int end = 0;
-    if (std::sscanf(text.c_str(), "%dx%d%n", &setup.width, &setup.height, &end) != 2 ||
-        static_cast<std::size_t>(end) != text.size() || setup.width < 1 || setup.height < 1 ||
-        setup.width > 16384 || setup.height > 16384)
+// Width and height.
+std::pair<int, int> size_of(const std::string& text) {
+    int end = 0, width = 0, height = 0;
+    if (std::sscanf(text.c_str(), "%dx%d%n", &width, &height, &end) != 2 ||
+        static_cast<std::size_t>(end) != text.size() || width < 1 || height < 1 || width > 16384 ||
+        height > 16384)
         throw UsageError(fmt::format("--size {}: is not a width and a height in pixels, as 1280x800", text));
+    return {width, height};
 }
 
 // Where a new canvas is saved if nothing is said: untitled-1.exr, or the next that is free.
@@ -75,6 +78,11 @@ nlohmann::json run_paint(PaintArguments a) {
         throw UsageError("give a painting, paint PAINTING.exr, or a new canvas, paint --substrate linen");
     if (a.substrate.given() && a.mm_per_pixel)
         throw UsageError("--mm-per-pixel is of a painting; the pixels of a substrate are --pixel-mm");
+    a.substrate.refuse_useless();
+    if (a.monitor == "srgb")
+        refuse_typed(a.substrate.typed(), {"--intent"},
+                     "is of a monitor's profile, and with --monitor srgb there is none");
+    const auto [width, height] = size_of(a.size);
     if (!a.substrate.given() && !a.out.empty())
         throw UsageError(
             "--out is of a new canvas; a painting is saved where it is (copy it first to keep it as it was)");
@@ -82,13 +90,16 @@ nlohmann::json run_paint(PaintArguments a) {
         throw UsageError("--lights and --capture are of photographs: give their folder with --photos");
     if (!a.photos.folder.empty() && !fs::is_directory(a.photos.folder))
         fail("--photos {}: is not a folder; give the folder that holds the photographs", a.photos.folder);
+    if (!a.out.empty() && lower_extension(a.out) != ".exr")
+        fail("--out {}: a painting is an .exr file", a.out);
     if (!a.out.empty() && fs::exists(a.out))
         fail("--out {}: exists already; open it with: paint {}", a.out, a.out);
     const Progress progress = console_progress();
     WindowSetup setup{.canvas = canvas_of(a, progress),
                       .palette = a.palette.empty() ? artist_acrylics() : read_palette(a.palette),
                       .brushes = a.brushes.empty() ? brush_presets() : read_brush_presets(a.brushes)};
-    set_size(setup, a.size);
+    setup.width = width;
+    setup.height = height;
     setup.file_is_new = a.substrate.given();
     setup.file = !setup.file_is_new ? fs::path(a.painting) : a.out.empty() ? untitled() : fs::path(a.out);
     setup.author = a.author.author();

@@ -42,6 +42,8 @@ nlohmann::json run_replay(const ReplayArguments& a) {
                 : "with --substrate, give the journal only: replay --substrate linen STROKES.jsonl");
     if (a.substrate.given() && a.mm_per_pixel)
         throw UsageError("--mm-per-pixel is of a painting; the pixels of a substrate are --pixel-mm");
+    a.substrate.refuse_useless();
+    a.frames.refuse_useless();
     const std::string& strokes = a.files.back();
     std::vector<fs::path> inputs(a.files.begin(), a.files.end());
     for (const std::string& file : {a.palette, a.brushes})
@@ -57,7 +59,7 @@ nlohmann::json run_replay(const ReplayArguments& a) {
     const Progress progress = console_progress();
     const Journal journal =
         read_journal(strokes, a.brushes.empty() ? brush_presets() : read_brush_presets(a.brushes));
-    const nlohmann::json warnings = told(journal.warnings);
+    std::vector<std::string> warnings = journal.warnings;
     AtomicFile out(a.out);  // that it can be written is known before the work
     std::optional<AtomicFile> board;
     if (!a.board.empty()) board.emplace(a.board);
@@ -66,10 +68,8 @@ nlohmann::json run_replay(const ReplayArguments& a) {
     const std::string dry_hash = hash_of(session.canvas().dry());
     const auto start = std::chrono::steady_clock::now();
     std::optional<TimeLapse> frames;
-    if (a.frames.given()) frames.emplace(a.frames, session);
-    replay(session, journal, progress, [&](const Event& event) {
-        if (frames) frames->after(event);
-    });
+    if (a.frames.given()) frames.emplace(a.frames, journal, session);
+    for (std::string& warning : replay(session, journal, progress)) warnings.push_back(std::move(warning));
     if (frames) frames->finish();
     const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
     const Canvas& canvas = session.canvas();
@@ -85,6 +85,8 @@ nlohmann::json run_replay(const ReplayArguments& a) {
         nlohmann::json& sum = volumes[canvas.ingredients()[i].name];
         sum = (sum.is_null() ? 0.0 : sum.get<double>()) + mm3[i];
     }
+    nlohmann::json layers = nlohmann::json::array();
+    for (const DriedLayer& layer : canvas.dried()) layers.push_back(layer.name);
     return {{"painting", a.out},
             {"width", canvas.width()},
             {"height", canvas.height()},
@@ -95,9 +97,10 @@ nlohmann::json run_replay(const ReplayArguments& a) {
             {"bristle_pixels", session.totals().bristle_pixels},
             {"seconds", seconds.count()},
             {"volumes_mm3", volumes},
+            {"layers", layers},
             {"dry_hash", dry_hash},
             {"frames", frames ? frames->frames() : 0},
-            {"warnings", warnings}};
+            {"warnings", told(warnings)}};
 }
 
 }  // namespace

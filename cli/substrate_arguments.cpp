@@ -47,6 +47,28 @@ void SubstrateArguments::add_to(Flags& flags) {
     flags.option("--keep-substrate", keep_as, "keep the substrate under this name, for --substrate NAME");
     flags.fields(piece);
     flags.fields(picture, [](std::string_view field) { return field == "relief_mm"; });
+    typed = flags.typed();
+}
+
+void SubstrateArguments::refuse_useless() const {
+    const auto refuse = [&](std::initializer_list<std::string_view> names, const std::string& reason) {
+        refuse_typed(typed(), names, reason);
+    };
+    if (!given())
+        refuse({"--height-from", "--keep-substrate", "--width-mm", "--height-mm", "--pixel-mm", "--seed",
+                "--relief-mm"},
+               "is of a new substrate, and a painting is given; leave it out, or give --substrate instead of "
+               "the painting");
+    else if (substrate_named(which))
+        refuse({"--height-from", "--relief-mm"},
+               fmt::format("is of a picture; {} has a relief of its own", which));
+    else if (!is_picture(which))
+        refuse({"--height-from", "--width-mm", "--height-mm", "--pixel-mm", "--seed", "--relief-mm"},
+               fmt::format("{} is taken as it is; leave it out", which));
+    else
+        refuse({"--width-mm", "--height-mm", "--seed"},
+               fmt::format("{} is taken pixel by pixel; its size is that of its pixels, --pixel-mm", which));
+    if (height_from == "none") refuse({"--relief-mm"}, "with --height-from none, there is no relief");
 }
 
 Surface SubstrateArguments::make(const Progress& progress) const {

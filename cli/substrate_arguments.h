@@ -16,9 +16,12 @@ struct SubstrateArguments {
     std::string which, height_from = "luminance", keep_as;
     SubstrateOptions piece;
     PictureSubstrateOptions picture;
+    std::function<std::vector<std::string>()> typed;  // flags of the command
 
     void add_to(Flags& flags);
     bool given() const { return !which.empty(); }
+    // Throws UsageError for flags that this substrate has no use for, or a painting that is given instead.
+    void refuse_useless() const;
     // A procedure's piece, a picture, a painting file's dry layer, or one that was kept under a name; and
     // keeps it where --keep-substrate says so. Throws UsageError, Error.
     Surface make(const Progress& progress) const;

@@ -12,8 +12,6 @@ namespace tangi {
 
 namespace {
 
-constexpr int kMostFrames = 99'999;  // as the names of frames have digits
-
 Angles corner_of(const std::string& text) {
     const auto n = numbers_in(text, "--sweep", "AZIMUTH,ELEVATION in degrees");
     if (n.size() != 2)

@@ -13,6 +13,8 @@
 
 namespace tangi {
 
+constexpr int kMostFrames = 99'999;  // of a film, as the names of frames have digits
+
 // How pictures of a film are made, whatever they show.
 struct FilmArguments {
     int width = 1280;

@@ -18,15 +18,22 @@ struct TimeLapseArguments {
 
     void add_to(Flags& flags);
     bool given() const { return !folder.empty() || !video.empty(); }
+    // Throws UsageError for flags that say how a film is made which is not asked for.
+    void refuse_useless() const;
+
+    std::function<std::vector<std::string>()> typed;  // flags of the command
 };
 
 // Writes DIR/frame-00001.png, ..., a video, or both while a journal is replayed; whole or not at all.
+// Pictures are as far apart as was asked for, in seconds with the brush on the painting, within strokes too.
 class TimeLapse {
 public:
-    // Throws UsageError, and Error where they can't be written or the folder has frames already.
-    TimeLapse(const TimeLapseArguments& arguments, Session& session);
+    // Of the journal, which is replayed in this session after that. Throws UsageError, as for more pictures
+    // than a film has, and Error where they can't be written or the folder has frames already.
+    TimeLapse(const TimeLapseArguments& arguments, const Journal& journal, Session& session);
+    TimeLapse(const TimeLapse&) = delete;  // the session looks here
+    TimeLapse& operator=(const TimeLapse&) = delete;
 
-    void after(const Event& event);
     void finish();  // the finished painting
     int frames() const { return frames_; }
 
@@ -35,12 +42,9 @@ private:
 
     std::vector<std::unique_ptr<Film>> films_;
     Light light_;
-    double every_s_;
     int width_;
     Session& session_;
     Surface shown_;
-    double before_s_ = 0, stroke_s_ = 0, next_s_ = 0;  // time with the brush on the painting
-    bool on_painting_ = true;
     int frames_ = 0;
 };
 

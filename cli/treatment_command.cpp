@@ -79,11 +79,13 @@ json retouch(Treatment& treatment, const TreatmentArguments& a, const Progress& 
             fail("{}: has wet paint on it already; dry it first with treatment retouch without --strokes",
                  treatment.painting().string());
         const Journal journal = read_journal(a.strokes);
-        step.results["warnings"] = told(journal.warnings);
         Session session(std::move(canvas), a.palette.empty() ? artist_acrylics() : read_palette(a.palette));
         session.canvas().confine(
             std::make_shared<Mask>(feathered(area.mask, a.feather_mm / treatment.mm_per_pixel())));
-        replay(session, journal, progress);
+        std::vector<std::string> warnings = journal.warnings;
+        for (std::string& warning : replay(session, journal, progress))
+            warnings.push_back(std::move(warning));
+        step.results["warnings"] = told(warnings);
         step.results["strokes"] = session.totals().strokes;
         canvas = session.canvas();
         canvas.confine({});

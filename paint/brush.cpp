@@ -18,6 +18,8 @@ using procedural::uniform;
 
 constexpr int kMargin = 4;          // [pixels] around the contact for paint that is pushed out of it
 constexpr float kLightest = 0.15f;  // part of the dome that the lightest touch flattens
+// What is narrower than three pixels meets more or fewer of them as its place between them has it.
+constexpr double kLeastHalf_px = 1.5;
 
 // 0 in the middle of the tip, 1 at its rim; u and v in half extents.
 float dome_of(const std::string& shape, float u, float v, std::uint64_t seed) {
@@ -91,6 +93,13 @@ private:
     std::vector<int> across_, down_;  // shifts of rows and columns
 };
 
+// Length of a contact with these half extents along the motion.
+double length_along(const Dab& dab, double half_width, double half_thickness) {
+    const double along = dab.dx * std::cos(dab.rotation_rad) + dab.dy * std::sin(dab.rotation_rad);
+    return 2 * std::sqrt(half_width * half_width * along * along +
+                         half_thickness * half_thickness * (1 - along * along));
+}
+
 // The turned rectangle or ellipse around the bristles, as rows cut it.
 struct Outline {
     double a, b;  // [pixels] half extents
@@ -133,9 +142,12 @@ Brush::Brush(const BrushSettings& settings, double mm_per_pixel, std::uint64_t s
     : settings_(settings), mm_per_pixel_(mm_per_pixel), seed_(seed) {
     validate(settings);
     TP_REQUIRE(mm_per_pixel > 0, "pixels have a size");
-    half_width_px_ = std::max(settings.size_mm / mm_per_pixel / 2, 0.75);
-    half_thickness_px_ = std::max(half_width_px_ * settings.thickness, 0.75);
-    if (settings.shape == "fan") half_thickness_px_ *= 1;
+    width_px_ = settings.size_mm / mm_per_pixel;
+    thickness_px_ = width_px_ * settings.thickness;
+    half_width_px_ = std::max(width_px_ / 2, kLeastHalf_px);
+    half_thickness_px_ = std::max(thickness_px_ / 2, kLeastHalf_px);
+    if (half_width_px_ > width_px_ / 2 || half_thickness_px_ > thickness_px_ / 2)
+        coverage_ = width_px_ * thickness_px_ / (4 * half_width_px_ * half_thickness_px_);
     const double widest = (1 + settings.splay) * std::hypot(half_width_px_, half_thickness_px_);
     if (widest > 2000)
         fail("a brush of {} mm is {} pixels wide here; at most 2800 can be painted with", settings.size_mm,
@@ -187,7 +199,7 @@ float Brush::fresh_load(int u, int v) const {
     const Bristle fine = bristle_at(fu / cell, fv / cell, hash(seed_, 1));
     const Bristle tuft = bristle_at(fu / (4 * cell), fv / (4 * cell), hash(seed_, 2));
     const float luck = 0.4f * uniform(hash(fine.id, 9)) + 0.6f * uniform(hash(tuft.id, 9));
-    return static_cast<float>(settings_.load_mm) * (1 - 0.3f * t.dome) *
+    return static_cast<float>(settings_.load_mm * coverage_) * (1 - 0.3f * t.dome) *
            (1 - static_cast<float>(settings_.load_variation) * luck);
 }
 
@@ -331,9 +343,12 @@ void Brush::reach_px(const Dab& dab, int& half_x, int& half_y) const {
 }
 
 double Brush::contact_length_px(const Dab& dab) const {
-    const double along = dab.dx * std::cos(dab.rotation_rad) + dab.dy * std::sin(dab.rotation_rad);
-    return 2 * std::sqrt(half_width_px_ * half_width_px_ * along * along +
-                         half_thickness_px_ * half_thickness_px_ * (1 - along * along));
+    if (coverage_ == 1) return resolved_length_px(dab);
+    return length_along(dab, width_px_ / 2, thickness_px_ / 2);
+}
+
+double Brush::resolved_length_px(const Dab& dab) const {
+    return length_along(dab, half_width_px_, half_thickness_px_);
 }
 
 void Brush::underside_mm(const Dab& dab, int x0, int y0, int width, int height, float* out,

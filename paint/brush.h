@@ -62,8 +62,13 @@ public:
     void contact_centre(const Dab& dab, double& x, double& y) const;
     // Half extents [pixels] of the box that a dab can change, along x and y, with a margin for pushed paint.
     void reach_px(const Dab& dab, int& half_x, int& half_y) const;
-    // Length [pixels] of the contact along the motion.
+    // Length [pixels] of the contact along the motion: that of the brush, and that of the bristles that stand
+    // for it here, which is longer where the brush is too small to be resolved.
     double contact_length_px(const Dab& dab) const;
+    double resolved_length_px(const Dab& dab) const;
+    // [1] The brush's area over that of the bristles that stand for it: 1, and less where it is too small.
+    // They carry its volume, so their load is thinner by it.
+    double coverage() const { return coverage_; }
 
     // Turns the loads with the brush.
     void turn_to(float rotation_rad);
@@ -93,7 +98,9 @@ private:
     BrushSettings settings_;
     double mm_per_pixel_;
     std::uint64_t seed_;
-    double half_width_px_, half_thickness_px_;
+    double width_px_, thickness_px_;            // of the brush
+    double half_width_px_, half_thickness_px_;  // of what stands for it: kLeastHalf_px at least
+    double coverage_ = 1;
     int disc_ = 0, half_ = 0;  // radius of the cells that turn, and half the grid
     float rotation_rad_ = 0;   // as the loads lie
     int texture_half_u_ = 0, texture_half_v_ = 0;

@@ -5,6 +5,7 @@
 
 #include "surface/atomic_file.h"
 #include "surface/error.h"
+#include "surface/json_text.h"
 
 namespace tangi {
 
@@ -125,12 +126,16 @@ std::string listed(const std::map<std::string, BrushSettings>& presets) {
 }
 
 template <class T>
-void read_field(const nlohmann::json& value, const std::string& where, std::string_view field, T& into) {
+void read_field(const nlohmann::json& value, const std::string& where, const FieldInfo& info, T& into) {
     const bool fits = std::is_same_v<T, bool> ? value.is_boolean() : value.is_number();
     if (!fits)
-        fail("{}: '{}' is {}, not {}", where, field, value.dump(),
+        fail("{}: '{}' is {}, not {}", where, info.name, shown(value),
              std::is_same_v<T, bool> ? "true or false" : "a number");
     into = value.get<T>();
+    if constexpr (!std::is_same_v<T, bool>)
+        if (!(into >= info.minimum && into <= info.maximum))
+            fail("{}: '{}' is {}, outside [{}, {}]{}", where, info.name, shown(value), info.minimum,
+                 info.maximum, info.unit == "1" ? "" : fmt::format(" {}", info.unit));
 }
 
 }  // namespace
@@ -142,12 +147,12 @@ const std::map<std::string, BrushSettings>& brush_presets() {
 
 BrushSettings brush_from_json(const nlohmann::json& json, const std::string& where,
                               const std::map<std::string, BrushSettings>& presets) {
-    if (!json.is_object()) fail("{}: a brush is a JSON object, not {}", where, json.dump());
+    if (!json.is_object()) fail("{}: a brush is a JSON object, not {}", where, shown(json));
     BrushSettings settings;
     if (const auto preset = json.find("preset"); preset != json.end()) {
         const auto found = preset->is_string() ? presets.find(preset->get<std::string>()) : presets.end();
         if (found == presets.end())
-            fail("{}: there is no brush preset {}; there are: {}", where, preset->dump(), listed(presets));
+            fail("{}: there is no brush preset {}; there are: {}", where, shown(*preset), listed(presets));
         settings = found->second;
     }
     for (const auto& [key, value] : json.items()) {
@@ -156,7 +161,7 @@ BrushSettings brush_from_json(const nlohmann::json& json, const std::string& whe
             const auto is_it = [&](const char* shape) { return value == shape; };
             if (std::none_of(kShapes.begin(), kShapes.end(), is_it))
                 fail("{}: 'shape' is {}, not one of round, flat, filbert, fan, knife, rag", where,
-                     value.dump());
+                     shown(value));
             settings.shape = value.get<std::string>();
             continue;
         }
@@ -164,14 +169,9 @@ BrushSettings brush_from_json(const nlohmann::json& json, const std::string& whe
         BrushSettings::fields(settings, [&](const FieldInfo& info, auto& field) {
             if (info.name != key) return;
             known = true;
-            read_field(value, where, info.name, field);
+            read_field(value, where, info, field);
         });
-        if (!known) fail("{}: a brush has no setting '{}'", where, key);
-    }
-    try {
-        validate(settings);
-    } catch (const Error& error) {
-        fail("{}: {}", where, error.what());
+        if (!known) fail("{}: a brush has no setting '{}'", where, shortened(key));
     }
     return settings;
 }
@@ -186,23 +186,21 @@ std::map<std::string, BrushSettings> read_brush_presets(const std::filesystem::p
     const std::string text = read_text_file(path);
     nlohmann::json json;
     try {
-        json = nlohmann::json::parse(text);
+        json = parse_json(text, path.string());
     } catch (const nlohmann::json::parse_error& error) {
-        const auto until = text.begin() + static_cast<std::ptrdiff_t>(std::min(error.byte, text.size()));
-        fail("{}:{}: is not JSON as files of brushes are", path.string(),
-             1 + std::count(text.begin(), until, '\n'));
+        fail("{}:{}: is not JSON as files of brushes are", path.string(), line_of(text, error.byte));
     }
     if (!json.is_object() || json.value("format", nlohmann::json()) != "tangipaint brushes")
         fail("{}: is not a file of brushes; it must have \"format\": \"tangipaint brushes\"", path.string());
-    if (json.value("version", nlohmann::json()) != 1)
-        fail("{}: has version {}, but this program reads version 1", path.string(),
-             json.value("version", nlohmann::json()).dump());
+    if (!json.contains("version")) fail("{}: has no \"version\"; it must be 1", path.string());
+    if (json["version"] != 1)
+        fail("{}: has version {}, but this program reads version 1", path.string(), shown(json["version"]));
     if (!json.contains("brushes") || !json["brushes"].is_object())
         fail("{}: has no object \"brushes\"", path.string());
     auto presets = brush_presets();
     for (const auto& [key, value] : json["brushes"].items())
-        presets[key] =
-            brush_from_json(value, fmt::format("{}: brush '{}'", path.string(), key), brush_presets());
+        presets[key] = brush_from_json(value, fmt::format("{}: brush '{}'", path.string(), shortened(key)),
+                                       brush_presets());
     return presets;
 }
 

@@ -113,7 +113,25 @@ Recipe recipe_at(const Canvas& canvas, double x, double y, double radius_px) {
     return recipe;
 }
 
-void dry(Canvas& canvas, const std::string& name, const CanvasPart& where, double share) {
+std::string free_layer_name(const Canvas& canvas, const std::string& name) {
+    const auto taken = [&](const std::string& wanted) {
+        return std::ranges::any_of(canvas.dried(), [&](const auto& layer) { return layer.name == wanted; });
+    };
+    if (!taken(name)) return name;
+    std::string stem = name;
+    unsigned long number = 1;
+    const auto space = name.rfind(' ');
+    const bool numbered = space != std::string::npos && space + 1 < name.size() && name.size() - space <= 7 &&
+                          name.find_first_not_of("0123456789", space + 1) == std::string::npos;
+    if (numbered) {
+        stem = name.substr(0, space);
+        number = std::stoul(name.substr(space + 1));
+    }
+    for (;;)
+        if (std::string next = fmt::format("{} {}", stem, ++number); !taken(next)) return next;
+}
+
+std::string dry(Canvas& canvas, const std::string& name, const CanvasPart& where, double share) {
     if (!(share > 0 && share <= 1)) fail("drying: part = {} is outside (0, 1]", share);
     const auto rows = rows_of(where, canvas.width(), canvas.height(), canvas.mm_per_pixel());
     PaintLayer &wet = canvas.writable_wet(), *dried = nullptr;
@@ -130,8 +148,7 @@ void dry(Canvas& canvas, const std::string& name, const CanvasPart& where, doubl
             }
         if (runs.empty()) continue;
         if (!dried) {
-            if (layers.empty() || layers.back().name != name)
-                layers.push_back({name, PaintLayer(canvas.width(), canvas.height())});
+            layers.push_back({free_layer_name(canvas, name), PaintLayer(canvas.width(), canvas.height())});
             dried = &layers.back().paint;
         }
         PaintTile &from = wet.writable(at), &to = dried->writable(at);
@@ -148,19 +165,20 @@ void dry(Canvas& canvas, const std::string& name, const CanvasPart& where, doubl
             wet.set_tile(at, nullptr);
         canvas.mark_dirty(at);
     }
+    return dried ? layers.back().name : std::string();
 }
 
 void lift_off(Canvas& canvas, const std::string& name) {
     auto& layers = canvas.writable_dried();
-    const auto found = std::find_if(layers.begin(), layers.end(),
+    const auto found = std::find_if(layers.rbegin(), layers.rend(),
                                     [&](const DriedLayer& layer) { return layer.name == name; });
-    if (found == layers.end()) {
+    if (found == layers.rend()) {
         std::string names;
         for (const DriedLayer& layer : layers) names += (names.empty() ? "" : ", ") + layer.name;
         fail("there is no dried layer '{}'; there are: {}", name, names.empty() ? "none" : names);
     }
     for (const TileIndex at : found->paint.painted()) canvas.mark_dirty(at);
-    layers.erase(found);
+    layers.erase(std::next(found).base());
 }
 
 }  // namespace tangi

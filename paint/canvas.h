@@ -99,12 +99,18 @@ struct Recipe {
 };
 Recipe recipe_at(const Canvas& canvas, double x, double y, double radius_px);
 
-// Turns a share of the wet paint (0..1] within `where` into dry paint: a layer of its own with this name, on
-// top of those there are, or the topmost where that has the name already. Volume is conserved. Where there is
-// no wet paint, nothing changes.
-void dry(Canvas& canvas, const std::string& name, const CanvasPart& where = {}, double share = 1);
+// Turns a share of the wet paint (0..1] within `where` into dry paint: a layer of its own, on top of those
+// there are. Films that dried one after the other lie on each other and are never one. Volume is conserved.
+// Returns the layer's name: free_layer_name() of `name`; empty where there is no wet paint, and nothing
+// changes.
+std::string dry(Canvas& canvas, const std::string& name, const CanvasPart& where = {}, double share = 1);
 
-// Takes a dried layer off again. Throws Error where there is none of this name.
+// `name`, or where a dried layer has that already the next in number that is free: after "retouch", "retouch
+// 2"; after "layer 2", "layer 3".
+std::string free_layer_name(const Canvas& canvas, const std::string& name);
+
+// Takes a dried layer off again (the topmost, in a file in which several have the name). Throws Error where
+// there is none of this name.
 void lift_off(Canvas& canvas, const std::string& name);
 
 }  // namespace tangi

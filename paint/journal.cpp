@@ -10,6 +10,7 @@
 
 #include "surface/atomic_file.h"
 #include "surface/error.h"
+#include "surface/json_text.h"
 
 namespace tangi {
 
@@ -35,7 +36,7 @@ public:
         const json* value = find(name);
         if (!value && otherwise) return *otherwise;
         if (!value) fail("{}: has no '{}'", where_, name);
-        if (!value->is_number()) fail("{}: '{}' is {}, not a number", where_, name, value->dump());
+        if (!value->is_number()) fail("{}: '{}' is {}, not a number", where_, name, shown(*value));
         return value->get<double>();
     }
     double number_within(const char* name, double minimum, double maximum,
@@ -54,7 +55,7 @@ public:
     void end() const {
         for (const auto& [key, value] : object_.items())
             if (!asked_.contains(key))
-                fail("{}: has a field '{}' that this event does not have", where_, key);
+                fail("{}: has a field '{}' that this event does not have", where_, shortened(key));
     }
 
 private:
@@ -67,7 +68,7 @@ BrushStart start_of(const json* value, const std::string& where) {
     if (!value || *value == "clean") return BrushStart::clean;
     if (*value == "dirty") return BrushStart::dirty;
     if (*value == "same") return BrushStart::same;
-    fail("{}: 'start' is {}, not clean, dirty or same", where, value->dump());
+    fail("{}: 'start' is {}, not clean, dirty or same", where, shown(*value));
 }
 
 PaintParts paint_from(Fields& fields, const std::string& where) {
@@ -75,10 +76,11 @@ PaintParts paint_from(Fields& fields, const std::string& where) {
     const json* paint = fields.find("paint");
     if (!paint) return parts;
     if (!paint->is_object())
-        fail("{}: 'paint' is {}, not an object of names and parts", where, paint->dump());
+        fail("{}: 'paint' is {}, not an object of names and parts", where, shown(*paint));
     for (const auto& [name, part] : paint->items()) {
         if (!part.is_number() || !(part.get<double>() > 0) || !(part.get<double>() <= 1e6))
-            fail("{}: 'paint' has {} parts of {}; a part is a number above 0", where, part.dump(), name);
+            fail("{}: 'paint' has {} parts of {}; a part is a number above 0", where, shown(part),
+                 shortened(name));
         parts.emplace_back(name, part.get<double>());
     }
     return parts;
@@ -98,17 +100,17 @@ Place place_from(Fields& fields, const std::string& where, Place otherwise) {
     if (!value) return otherwise;
     if (*value == "painting") return Place::painting;
     if (*value == "palette") return Place::palette;
-    fail("{}: 'on' is {}, not painting or palette", where, value->dump());
+    fail("{}: 'on' is {}, not painting or palette", where, shown(*value));
 }
 
 constexpr double kFarthest_mm = 1e6;  // any canvas is smaller
 
 PointMm corner_from(const json& value, const std::string& where) {
     const bool pair = value.is_array() && value.size() == 2 && value[0].is_number() && value[1].is_number();
-    if (!pair) fail("{}: 'polygon' has a corner {}, not [x, y] in mm", where, value.dump());
+    if (!pair) fail("{}: 'polygon' has a corner {}, not [x, y] in mm", where, shown(value));
     const PointMm corner{value[0].get<double>(), value[1].get<double>()};
     if (!(std::abs(corner.x) <= kFarthest_mm && std::abs(corner.y) <= kFarthest_mm))
-        fail("{}: 'polygon' has a corner {} beyond {} mm", where, value.dump(), kFarthest_mm);
+        fail("{}: 'polygon' has a corner {} beyond {} mm", where, shown(value), kFarthest_mm);
     return corner;
 }
 
@@ -116,7 +118,7 @@ CanvasPart part_from(Fields& fields, const std::string& where) {
     const json *circle = fields.find("circle"), *polygon = fields.find("polygon");
     if (circle && polygon) fail("{}: has both 'circle' and 'polygon'; give one", where);
     if (circle) {
-        if (!circle->is_object()) fail("{}: 'circle' is {}, not an object", where, circle->dump());
+        if (!circle->is_object()) fail("{}: 'circle' is {}, not an object", where, shown(*circle));
         const std::string inside = where + ": 'circle'";
         Fields of(*circle, inside);
         CirclePart result;
@@ -166,7 +168,7 @@ Event palette_from(Fields& fields, const std::string& where) {
         const bool names = paints->is_array() && std::all_of(paints->begin(), paints->end(),
                                                              [](auto& name) { return name.is_string(); });
         if (!event.all_paints && !names)
-            fail("{}: 'paints' is {}, not a list of names or \"all\"", where, paints->dump());
+            fail("{}: 'paints' is {}, not a list of names or \"all\"", where, shown(*paints));
         if (names) event.paints = paints->get<std::vector<std::string>>();
     }
     return event;
@@ -269,14 +271,27 @@ struct ToJson {
     }
 };
 
-void require_header(const std::string& line, const std::string& path) {
-    const json header = json::parse(line, nullptr, false);
-    if (header.is_discarded() || !header.is_object() ||
-        header.value("format", json()) != "tangipaint strokes")
-        fail("{}:1: is not a journal of strokes; its first line must be {}", path, kFirstLine);
-    if (header.value("version", json()) != 1)
-        fail("{}:1: has version {}, but this program reads version 1", path,
-             header.value("version", json()).dump());
+// Nothing where a line is no JSON.
+std::optional<json> parsed_line(std::string_view line, const std::string& where) {
+    try {
+        return parse_json(line, where);
+    } catch (const json::parse_error&) {
+        return {};
+    }
+}
+
+void require_header(const std::string& line, const std::string& where) {
+    const auto header = parsed_line(line, where);
+    if (!header || !header->is_object() || header->value("format", json()) != "tangipaint strokes")
+        fail("{}: is not a journal of strokes; its first line must be {}", where, kFirstLine);
+    const auto version = header->find("version");
+    if (version == header->end()) fail("{}: has no 'version'; the line must be {}", where, kFirstLine);
+    if (*version != 1) fail("{}: has version {}, but this program reads version 1", where, shown(*version));
+}
+
+// Ends of lines are LF, CR LF, or CR alone, as on old Macs; JSON has neither within a text.
+std::size_t end_of_line(std::string_view text, std::size_t begin) {
+    return std::min(text.find_first_of("\r\n", begin), text.size());
 }
 
 }  // namespace
@@ -285,8 +300,9 @@ json to_json(const Event& event) { return std::visit(ToJson{}, event); }
 
 Event event_from_json(const json& object, const std::string& where,
                       const std::map<std::string, BrushSettings>& presets) {
-    if (!object.is_object()) fail("{}: an event is a JSON object, not {}", where, object.dump());
-    const json kind = object.value("event", json());
+    if (!object.is_object()) fail("{}: an event is a JSON object, not {}", where, shown(object));
+    if (!object.contains("event")) fail("{}: has no 'event'", where);
+    const json& kind = object["event"];
     Fields fields(object, where);
     Event event;
     if (kind == "stroke")
@@ -309,7 +325,7 @@ Event event_from_json(const json& object, const std::string& where,
         event = palette_from(fields, where);
     else
         fail("{}: there is no event {}; there are: stroke, point, end, undo, redo, dry, lift, pile, palette",
-             where, kind.dump());
+             where, shown(kind));
     fields.end();
     return event;
 }
@@ -321,24 +337,24 @@ Journal read_journal(const std::filesystem::path& path, const std::map<std::stri
     int line = 0;
     bool has_header = false;
     for (std::size_t begin = 0; begin < text.size();) {
-        const std::size_t newline = text.find('\n', begin);
-        const bool whole = newline != std::string::npos;
-        const std::string content = text.substr(begin, whole ? newline - begin : std::string::npos);
-        begin = whole ? newline + 1 : text.size();
+        const std::size_t end = end_of_line(text, begin);
+        const bool whole = end < text.size();
+        const std::string content = text.substr(begin, end - begin);
+        begin = end + (text.compare(end, 2, "\r\n") == 0 ? 2 : 1);
         const std::string where = fmt::format("{}:{}", path.string(), ++line);
-        if (content.find_first_not_of(" \t\r") == std::string::npos) continue;
+        if (content.find_first_not_of(" \t") == std::string::npos) continue;
         if (!has_header) {
-            require_header(content, path.string());
+            require_header(content, where);
             has_header = true;
             continue;
         }
-        const json object = json::parse(content, nullptr, false);
-        if (object.is_discarded()) {
+        const auto object = parsed_line(content, where);
+        if (!object) {
             if (whole) fail("{}: is not JSON; one event is one line", where);
             journal.warnings.push_back(where + ": the last line is cut short, as by a crash; it is left out");
             break;
         }
-        journal.entries.push_back({line, event_from_json(object, where, presets)});
+        journal.entries.push_back({line, event_from_json(*object, where, presets)});
     }
     if (!has_header) fail("{}: is empty; its first line must be {}", path.string(), kFirstLine);
     return journal;
@@ -352,7 +368,12 @@ JournalWriter::JournalWriter(const std::filesystem::path& path) : path_(path) {
         if (text.empty()) {
             write(std::string(kFirstLine) + "\n");
         } else {
-            require_header(text.substr(0, text.find('\n')), path.string());
+            require_header(text.substr(0, end_of_line(text, 0)), path.string() + ":1");
+            if (text.find('\n') == std::string::npos && text.find('\r') != std::string::npos)
+                fail(
+                    "{}: its lines end with CR alone, as on old Macs, and it can be read but not gone on "
+                    "with; save it with line ends LF",
+                    path.string());
             const auto end = text.rfind('\n');
             const auto length = static_cast<off_t>(end == std::string::npos ? 0 : end + 1);
             if (::ftruncate(file_, length) != 0 || ::lseek(file_, 0, SEEK_END) < 0)

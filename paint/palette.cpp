@@ -12,6 +12,7 @@
 #include "paint/kubelka_munk.h"
 #include "surface/atomic_file.h"
 #include "surface/error.h"
+#include "surface/json_text.h"
 
 namespace tangi {
 
@@ -51,11 +52,11 @@ struct Place {
     Place at(std::size_t index) const { return {value[index], fmt::format("{}/{}", where, index)}; }
 
     std::string text() const {
-        if (!value.is_string()) refuse("is not a text in quotes");
+        if (!value.is_string()) refuse("is {}, not a text in quotes", shown(value));
         return value.get<std::string>();
     }
     double number(double minimum, double maximum) const {
-        if (!value.is_number()) refuse("is not a number");
+        if (!value.is_number()) refuse("is {}, not a number", shown(value));
         const double x = value.get<double>();
         if (!(x >= minimum && x <= maximum)) refuse("{} is outside of [{}, {}]", x, minimum, maximum);
         return x;
@@ -72,7 +73,8 @@ struct Place {
     void allow_only(const std::set<std::string>& keys) const {
         for (const auto& [key, unused] : value.items())
             if (!keys.contains(key))
-                refuse("has \"{}\", which means nothing here; there may be: {}", key, fmt::join(keys, ", "));
+                refuse("has \"{}\", which means nothing here; there may be: {}", shortened(key),
+                       fmt::join(keys, ", "));
     }
 };
 
@@ -125,7 +127,8 @@ Rgb linear_at(const Place& place) {
         const bool hex = text.size() == 7 && text[0] == '#' &&
                          text.find_first_not_of("0123456789abcdefABCDEF", 1) == std::string::npos;
         if (!hex)
-            place.refuse("'{}' is no colour; write \"#rrggbb\" or [red, green, blue] from 0 to 255", text);
+            place.refuse("'{}' is no colour; write \"#rrggbb\" or [red, green, blue] from 0 to 255",
+                         shortened(text));
         const int rgb = std::stoi(text.substr(1), nullptr, 16);
         encoded = Rgb(rgb >> 16, rgb >> 8 & 255, rgb & 255);
     } else {
@@ -152,13 +155,14 @@ PigmentOrigin origin_at(const Place& paint) {
         names.push_back(name_of(origin));
         if (place.text() == names.back()) return origin;
     }
-    place.refuse("'{}' is none of: {}", place.text(), fmt::join(names, ", "));
+    place.refuse("'{}' is none of: {}", shortened(place.text()), fmt::join(names, ", "));
 }
 
 const Pigment& white_of(const Place& paint, const Palette& before) {
     const Place place = paint.at("white");
     const int index = before.find(place.text());
-    if (index < 0) place.refuse("there is no paint '{}' before this one; put the white first", place.text());
+    if (index < 0)
+        place.refuse("there is no paint '{}' before this one; put the white first", shortened(place.text()));
     return before.paints[static_cast<std::size_t>(index)];
 }
 
@@ -193,7 +197,7 @@ Pigment pigment_at(const Place& paint, const std::string& name, const std::vecto
         return pigment_of_rgb(name, linear_at(paint.at("srgb")), hiding_mm_at(paint));
     }
     paint.refuse("'{}' has no colour: give k_per_mm and s_per_mm, masstone (with or without tint), or srgb",
-                 name);
+                 shortened(name));
 }
 
 void add_paint(Palette& palette, const Place& paint, const std::vector<double>& nm) {
@@ -201,7 +205,7 @@ void add_paint(Palette& palette, const Place& paint, const std::vector<double>& 
     const Place name_place = paint.at("name");
     const std::string name = name_place.text();
     if (name.empty()) name_place.refuse("is empty");
-    if (palette.find(name) >= 0) name_place.refuse("there are two paints '{}'", name);
+    if (palette.find(name) >= 0) name_place.refuse("there are two paints '{}'", shortened(name));
     const std::vector<double> own =
         paint.has("wavelengths_nm") ? wavelengths_at(paint.at("wavelengths_nm")) : std::vector<double>();
     Pigment pigment;
@@ -222,11 +226,9 @@ void add_paint(Palette& palette, const Place& paint, const std::vector<double>& 
 
 json parsed(std::string_view text, const std::string& where) {
     try {
-        return json::parse(text);
+        return parse_json(text, where);
     } catch (const json::parse_error& error) {
-        const auto until = text.substr(0, std::min(error.byte, text.size()));
-        fail("{}: line {}: is not JSON as palette files are", where,
-             1 + std::count(until.begin(), until.end(), '\n'));
+        fail("{}: line {}: is not JSON as palette files are", where, line_of(text, error.byte));
     }
 }
 
@@ -246,7 +248,8 @@ const Pigment& Palette::at(std::string_view paint) const {
     if (index >= 0) return paints[static_cast<std::size_t>(index)];
     std::vector<std::string> names;
     for (const Pigment& pigment : paints) names.push_back(pigment.name);
-    fail("palette '{}' has no paint '{}'; it has: {}", name, paint, fmt::join(names, ", "));
+    fail("palette '{}' has no paint '{}'; it has: {}", shortened(name), shortened(paint),
+         shortened(fmt::format("{}", fmt::join(names, ", ")), 2000));
 }
 
 Palette parse_palette(std::string_view text, const std::string& where) {

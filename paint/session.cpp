@@ -36,8 +36,28 @@ std::vector<Portion> Session::recipe_of(Canvas& canvas, PaintParts paint, const 
     return recipe;
 }
 
+std::string Session::take_warning() {
+    if (warnings_.empty()) return history_.take_warning();
+    std::string first = std::move(warnings_.front());
+    warnings_.pop_front();
+    return first;
+}
+
+void Session::watch(double first_s, Stroke::Look look) {
+    TP_REQUIRE(!stroke_, "no stroke is under way");
+    look_at_s_ = first_s;
+    look_ = std::move(look);
+}
+
 // The brush for a stroke, with what is on it.
 void Session::take_brush(const StrokeEvent& event, Canvas& canvas) {
+    if (event.start == BrushStart::same && !brush_ && event.on == Place::painting)
+        warnings_.emplace_back(
+            "'start' is \"same\", but no brush was used before this stroke: it begins with a clean one, "
+            "without paint");
+    if (event.start == BrushStart::same && !event.paint.empty())
+        warnings_.emplace_back(
+            "'paint' is not used: where 'start' is \"same\", the brush goes on with what is on it");
     if (event.start != BrushStart::clean && brush_) {
         if (brush_place_ != event.on) {
             const auto& paints = on(brush_place_).ingredients();
@@ -66,6 +86,11 @@ void Session::begin(const StrokeEvent& event) {
     history_.begin(canvas, event.on);
     stroke_place_ = event.on;
     stroke_.emplace(canvas, *brush_, event.options, procedural::hash(event.seed, 2));
+    if (look_ && event.on == Place::painting)
+        stroke_->watch(look_at_s_ - painted_s_, [this](double age_s) {
+            look_at_s_ = look_(painted_s_ + age_s);
+            return look_at_s_ - painted_s_;
+        });
     ++totals_.strokes;
 }
 
@@ -80,6 +105,17 @@ void Session::act(Place place, const std::function<void(Canvas&)>& action) {
         throw;
     }
     history_.end(canvas);
+}
+
+void Session::dry_paint(const DryEvent& event) {
+    std::string name;
+    act(Place::painting, [&](Canvas& canvas) { name = dry(canvas, event.layer, event.where, event.part); });
+    if (name.empty())
+        warnings_.push_back(
+            fmt::format("there is no wet paint that could dry: there is no layer '{}'", event.layer));
+    else if (name != event.layer)
+        warnings_.push_back(fmt::format("there is a layer '{}' already: what dries now is the layer '{}'",
+                                        event.layer, name));
 }
 
 void Session::lay(const PileEvent& event) {
@@ -117,6 +153,10 @@ void Session::finish() {
     stroke_->finish();
     totals_.steps += stroke_->steps();
     totals_.bristle_pixels += stroke_->bristle_pixels();
+    if (stroke_place_ == Place::painting) painted_s_ += stroke_->age_s();
+    if (stroke_->steps() > 0 && stroke_->greatest_pressure() == 0)
+        warnings_.emplace_back(
+            "the stroke is not pressed at any of its points ('p' is 0): it paints nothing");
     stroke_.reset();
     history_.end(on(stroke_place_));
 }
@@ -138,8 +178,7 @@ void Session::apply(const Event& event) {
         if (!history_.can_redo()) fail("there is nothing to redo");
         history_.redo(on(history_.place_to_redo()));
     } else if (const auto* drying = std::get_if<DryEvent>(&event)) {
-        act(Place::painting,
-            [&](Canvas& canvas) { dry(canvas, drying->layer, drying->where, drying->part); });
+        dry_paint(*drying);
     } else if (const auto* lift = std::get_if<LiftEvent>(&event)) {
         act(Place::painting, [&](Canvas& canvas) { lift_off(canvas, lift->layer); });
     } else if (const auto* pile = std::get_if<PileEvent>(&event)) {
@@ -149,8 +188,13 @@ void Session::apply(const Event& event) {
     }
 }
 
-void replay(Session& session, const Journal& journal, const Progress& progress,
-            const std::function<void(const Event&)>& after) {
+std::vector<std::string> replay(Session& session, const Journal& journal, const Progress& progress) {
+    std::vector<std::string> warnings;
+    const auto take_warnings = [&](int line) {
+        for (std::string text; !(text = session.take_warning()).empty();)
+            warnings.push_back(fmt::format("{}:{}: {}", journal.source, line, text));
+    };
+    int stroke_line = 0;  // of the stroke that finish() ends
     const auto count = static_cast<double>(journal.entries.size());
     std::size_t last_undo = 0;
     for (std::size_t i = 0; i < journal.entries.size(); ++i)
@@ -159,19 +203,23 @@ void replay(Session& session, const Journal& journal, const Progress& progress,
             last_undo = i + 1;
     for (std::size_t i = 0; i < journal.entries.size(); ++i) {
         report(progress, "replay strokes", static_cast<double>(i) / count);
+        const auto& [line, event] = journal.entries[i];
+        const bool is_stroke = std::holds_alternative<StrokeEvent>(event);
         try {
-            if (i >= last_undo && std::holds_alternative<StrokeEvent>(journal.entries[i].event)) {
-                session.finish();
-                session.forget_history();
-            }
-            session.apply(journal.entries[i].event);
+            if (!std::holds_alternative<PointEvent>(event)) session.finish();
+            take_warnings(stroke_line);
+            if (is_stroke) stroke_line = line;
+            if (is_stroke && i >= last_undo) session.forget_history();
+            session.apply(event);
         } catch (const Error& error) {
-            fail("{}:{}: {}", journal.source, journal.entries[i].line, error.what());
+            fail("{}:{}: {}", journal.source, line, error.what());
         }
-        if (after) after(journal.entries[i].event);
+        take_warnings(line);
     }
     session.finish();
+    take_warnings(stroke_line);
     report(progress, "replay strokes", 1);
+    return warnings;
 }
 
 }  // namespace tangi

@@ -2,9 +2,12 @@
 // events.
 #pragma once
 
+#include <deque>
 #include <functional>
 #include <memory>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "paint/canvas.h"
 #include "paint/history.h"
@@ -44,8 +47,13 @@ public:
     // the brush.
     const History& history() const { return history_; }
     void forget_history() { history_.forget(); }
-    // What the user should know, once, such as that the disk has no room for undo; empty where nothing.
-    std::string take_warning() { return history_.take_warning(); }
+    // What the user should know, once: that a layer has another name than was asked for, that a stroke could
+    // paint nothing, that the disk has no room for undo. One at a time; empty where there is nothing more.
+    std::string take_warning();
+
+    // Has `look` called while strokes go on on the painting: when brushes were on it for `first_s` in all,
+    // with what was painted until then on the canvas (Stroke::watch()). It gives when it is called next.
+    void watch(double first_s, Stroke::Look look);
     // What is in the hand, null before the first stroke, and where it was used last: its paints have the
     // numbers of that canvas's ingredients.
     const Brush* brush() const { return brush_.get(); }
@@ -64,6 +72,7 @@ private:
     void take_brush(const StrokeEvent& event, Canvas& canvas);
     void begin(const StrokeEvent& event);
     void act(Place place, const std::function<void(Canvas&)>& action);
+    void dry_paint(const DryEvent& event);
     void lay(const PileEvent& event);
     void lay_out(const PaletteEvent& event);
 
@@ -75,12 +84,13 @@ private:
     Place brush_place_ = Place::painting, stroke_place_ = Place::painting;
     std::optional<Stroke> stroke_;
     Totals totals_;
+    std::deque<std::string> warnings_;
+    double painted_s_ = 0, look_at_s_ = 0;  // by strokes that are over, on the painting
+    Stroke::Look look_;
 };
 
 // All events of a journal. Errors name its file and line. What comes after the last undo and redo in it is
-// not kept to be undone.
-// `after` is called after each event.
-void replay(Session& session, const Journal& journal, const Progress& progress = {},
-            const std::function<void(const Event&)>& after = {});
+// not kept to be undone. Returns what the user should know (Session::take_warning()), with file and line.
+std::vector<std::string> replay(Session& session, const Journal& journal, const Progress& progress = {});
 
 }  // namespace tangi

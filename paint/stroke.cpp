@@ -19,6 +19,13 @@ constexpr float kPerStepAtMost = 0.5f;  // of load or paint in one step: Transfe
 // pi^2 sigma): sigma = 0.03 N/m of linseed oil, tau = 60 Pa of paint that was just sheared.
 constexpr double kTension_per_mm = 2 * 60 * 4 / (4 * std::numbers::pi * std::numbers::pi * 0.03) * 1e-3;
 
+// [1] The lightest touch that all bristles bear which it flattens (kLightest in brush.cpp). Under a lighter
+// one only some of them do: real contact grows as the force (Archard 1957, "Elastic deformation and the laws
+// of friction"), from nothing. What does not touch neither gives nor takes nor pushes.
+constexpr float kLightTouch = 0.15f;
+
+float touching_part(float pressure) { return std::min(pressure / kLightTouch, 1.0f); }
+
 double length(const PathPoint& p) { return std::hypot(p.x, p.y); }
 PathPoint operator-(const PathPoint& a, const PathPoint& b) { return {a.x - b.x, a.y - b.y}; }
 PathPoint operator+(const PathPoint& a, const PathPoint& b) { return {a.x + b.x, a.y + b.y}; }
@@ -31,14 +38,9 @@ double unwrapped(double angle, double reference) {
     return reference + std::remainder(angle - reference, 2 * std::numbers::pi);
 }
 
-TransferRates rates_of(const BrushSettings& s, double length_px, double step_px, double mm_per_pixel) {
-    const auto rate = [&](double over_contact) {
-        return std::min(static_cast<float>(1 - std::exp(-over_contact * step_px / length_px)),
-                        kPerStepAtMost);
-    };
+// The paint itself, under a brush that rests.
+TransferRates rates_of(const BrushSettings& s, double mm_per_pixel) {
     TransferRates r;
-    r.deposit = rate(s.deposit);
-    r.pickup = rate(s.pickup);
     r.push = static_cast<float>(s.push);
     r.hold_mm = static_cast<float>(s.hold_mm);
     r.film_mm = static_cast<float>(s.film_mm);
@@ -48,6 +50,27 @@ TransferRates rates_of(const BrushSettings& s, double length_px, double step_px,
     r.yield_mm = static_cast<float>(s.yield_slope * mm_per_pixel);
     r.flow = 0.15f;
     r.tension_mm = static_cast<float>(kTension_per_mm * mm_per_pixel * mm_per_pixel);
+    return r;
+}
+
+// And one step of the brush in it.
+TransferRates rates_of(const Brush& brush, const Dab& dab, double step_px, double mm_per_pixel) {
+    const BrushSettings& s = brush.settings();
+    const double length_px = brush.contact_length_px(dab), resolved_px = brush.resolved_length_px(dab);
+    const auto rate = [&](double over_contact, double over_px) {
+        return std::min(static_cast<float>(1 - std::exp(-over_contact * step_px / over_px)), kPerStepAtMost);
+    };
+    const float touch = touching_part(dab.pressure);
+    // A brush that is too small to be resolved works on a part of each pixel's width only, and its load lies
+    // on bristles that stand for fewer.
+    const double cover = brush.coverage(), across = cover * resolved_px / length_px;
+    TransferRates r = rates_of(s, mm_per_pixel);
+    r.deposit = rate(s.deposit, length_px) * touch;
+    r.pickup = rate(s.pickup, resolved_px) * static_cast<float>(across) * touch;
+    r.push *= static_cast<float>(across) * touch;
+    r.hold_mm = static_cast<float>(s.hold_mm * cover);
+    r.film_mm = static_cast<float>(s.film_mm * across);
+    r.load_reach = static_cast<float>(s.load_reach / cover);
     return r;
 }
 
@@ -68,7 +91,6 @@ Region united(const Region& a, const Region& b) {
 // Pixels under the brush.
 double one_step(PaintWindow& window, Brush& brush, const Dab& dab, const Region& box, double step_px,
                 double mm_per_pixel, std::vector<float>& underside, StepBox& step, StepScratch& scratch) {
-    const BrushSettings& settings = brush.settings();
     brush.turn_to(dab.rotation_rad);
     const int width = box.width(), height = box.height();
     underside.resize(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
@@ -86,7 +108,7 @@ double one_step(PaintWindow& window, Brush& brush, const Dab& dab, const Region&
     for (const IngredientId id : window.ingredients()) step.load.push_back(brush.load_plane(id) + corner);
     step.load_total_mm = brush.load_total() + corner;
 
-    const TransferRates rates = rates_of(settings, brush.contact_length_px(dab), step_px, mm_per_pixel);
+    const TransferRates rates = rates_of(brush, dab, step_px, mm_per_pixel);
     exchange(step, rates, scratch);
     push(step, rates, dab.dx, dab.dy, scratch);
     double pixels = 0;
@@ -96,7 +118,7 @@ double one_step(PaintWindow& window, Brush& brush, const Dab& dab, const Region&
 
 }  // namespace
 
-double paint_dabs(Canvas& canvas, Brush& brush, const std::vector<Dab>& dabs, double spacing_px,
+double paint_dabs(Canvas& canvas, Brush& brush, std::span<const Dab> dabs, double spacing_px,
                   std::uint64_t seed, StepScratch& scratch) {
     double pixels = 0;
     std::vector<float> underside;
@@ -151,6 +173,8 @@ Stroke::Knot Stroke::knot_of(const StrokePoint& p) {
     if (!(p.time_s >= last_time_s_))
         fail("time = {} s lies before that of the point before, {} s", p.time_s, last_time_s_);
     last_time_s_ = p.time_s;
+    if (!first_time_s_) first_time_s_ = p.time_s;
+    greatest_pressure_ = std::max(greatest_pressure_, p.pressure);
     const double mm = canvas_.mm_per_pixel();
     Knot knot;
     knot.at = {p.x_mm / mm + (canvas_.width() - 1) / 2.0, (canvas_.height() - 1) / 2.0 - p.y_mm / mm};
@@ -161,6 +185,7 @@ Stroke::Knot Stroke::knot_of(const StrokePoint& p) {
     knot.tilt_x = p.tilt_x;
     knot.tilt_y = -p.tilt_y;
     knot.rotation_rad = -p.rotation_deg * std::numbers::pi / 180;
+    knot.came_s = knot.left_s = age_s();
     return knot;
 }
 
@@ -178,6 +203,7 @@ void Stroke::add(const StrokePoint& point) {
         knot.rotation_rad = unwrapped(knot.rotation_rad, knots_.back().rotation_rad);
         if (length(knot.at - knots_.back().at) < 0.01) {  // where it stands, only the pressure may grow
             knots_.back().pressure = std::max(knots_.back().pressure, knot.pressure);
+            knots_.back().left_s = knot.left_s;
             return;
         }
     }
@@ -206,12 +232,26 @@ void Stroke::finish() {
         // A dab rests for as long as a stroke takes to pass by.
         const int rest = static_cast<int>(std::lround(brush_.contact_length_px(dab) / 4)) + 1;
         dabs_.assign(static_cast<std::size_t>(rest), dab);
+        ages_s_.assign(dabs_.size(), knots_[0].came_s);
     } else if (n >= 2) {
         const Knot &before = n >= 3 ? knots_[n - 3] : knots_[n - 2], &last = knots_[n - 1];
         segment(before, knots_[n - 2], last, last);
     }
     paint();
     if (last_) relax(*last_);
+    while (look_ && look_at_s_ < age_s()) call_look();
+}
+
+void Stroke::watch(double first_s, Look look) {
+    TP_REQUIRE(knots_.empty(), "a stroke is watched from its first point on");
+    look_at_s_ = first_s;
+    look_ = std::move(look);
+}
+
+void Stroke::call_look() {
+    const double next_s = look_(look_at_s_);
+    TP_REQUIRE(next_s > look_at_s_, "one looks again later");
+    look_at_s_ = next_s;
 }
 
 // Where the brush is lifted off, paint that was just sheared is thinner than paint at rest: the prints of
@@ -234,7 +274,7 @@ void Stroke::relax(const Dab& last) {
     step.underside_mm = underside_.data();
     step.underside_stride = static_cast<std::size_t>(width);
     window.attach(step, box.x0, box.y0);
-    TransferRates rates = rates_of(brush_.settings(), 1, 0, canvas_.mm_per_pixel());
+    TransferRates rates = rates_of(brush_.settings(), canvas_.mm_per_pixel());
     rates.yield_mm *= part_of_yield;
     rates.tension_mm *= part_of_yield;
     for (int i = 0; i < steps; ++i) push(step, rates, 0, 0, scratch_);
@@ -285,14 +325,26 @@ void Stroke::step_to(const Knot& b, const Knot& c, double u, const PathPoint& at
     }
     dab.rotation_rad = static_cast<float>(rotation);
     dabs_.push_back(dab);
+    ages_s_.push_back(mix(b.left_s, c.came_s, u));
 }
 
 void Stroke::paint() {
     if (dabs_.empty()) return;
-    bristle_pixels_ += paint_dabs(canvas_, brush_, dabs_, options_.spacing_px, seed_, scratch_);
+    for (std::size_t begin = 0; begin < dabs_.size();) {
+        std::size_t end = dabs_.size();
+        if (look_) {
+            while (look_at_s_ <= ages_s_[begin]) call_look();
+            end = begin;
+            while (end < dabs_.size() && ages_s_[end] < look_at_s_) ++end;
+        }
+        bristle_pixels_ += paint_dabs(canvas_, brush_, std::span(dabs_).subspan(begin, end - begin),
+                                      options_.spacing_px, seed_, scratch_);
+        begin = end;
+    }
     steps_ += static_cast<int>(dabs_.size());
     last_ = dabs_.back();
     dabs_.clear();
+    ages_s_.clear();
 }
 
 }  // namespace tangi

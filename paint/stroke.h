@@ -5,7 +5,9 @@
 // length. Points are taken one by one, so that painting live and replaying give the same bits.
 #pragma once
 
+#include <functional>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "paint/brush.h"
@@ -59,6 +61,15 @@ public:
     // Paints what is left. A stroke of a single point is a dab.
     void finish();
 
+    // Calls `look` when the stroke is `first_s` old: between two steps, when all that the brush did until
+    // then is on the canvas, and nothing of what comes later. It gives the age at which it is called next,
+    // which is more. What is painted does not change by it.
+    using Look = std::function<double(double age_s)>;
+    void watch(double first_s, Look look);
+    double age_s() const { return last_time_s_ - first_time_s_.value_or(last_time_s_); }
+    // [1] Of all points so far; what is not pressed paints nothing.
+    double greatest_pressure() const { return greatest_pressure_; }
+
     // Pixels under the brush, summed over all steps: the measure of work.
     double bristle_pixels() const { return bristle_pixels_; }
     int steps() const { return steps_; }
@@ -67,11 +78,13 @@ private:
     struct Knot {
         PathPoint at;  // [pixels], y down
         double pressure, tilt_x, tilt_y, rotation_rad;
+        double came_s, left_s;  // [s] of the stroke's age, where the brush stands for a while
     };
     Knot knot_of(const StrokePoint& point);
     void segment(const Knot& a, const Knot& b, const Knot& c, const Knot& d);
     void step_to(const Knot& b, const Knot& c, double u, const PathPoint& at, const PathPoint& direction);
     void paint();
+    void call_look();
     void relax(const Dab& last);
 
     Canvas& canvas_;
@@ -83,18 +96,22 @@ private:
     double left_px_ = 0;  // of arc length until the next step
     std::optional<float> heading_rad_;
     std::vector<Dab> dabs_;
+    std::vector<double> ages_s_;  // of the stroke, at each of them
     std::optional<Dab> last_;
+    double look_at_s_ = 0;
+    Look look_;
     StepScratch scratch_;
     std::vector<float> underside_;
     double bristle_pixels_ = 0;
     int steps_ = 0;
-    double last_time_s_ = 0;
+    double last_time_s_ = 0, greatest_pressure_ = 0;
+    std::optional<double> first_time_s_;
     bool finished_ = false;
 };
 
 // Applies steps of a brush in order. What Stroke does with its dabs; for tests and benchmarks.
 // Returns the number of pixels under the brush, summed over the steps.
-double paint_dabs(Canvas& canvas, Brush& brush, const std::vector<Dab>& dabs, double spacing_px,
+double paint_dabs(Canvas& canvas, Brush& brush, std::span<const Dab> dabs, double spacing_px,
                   std::uint64_t seed, StepScratch& scratch);
 
 }  // namespace tangi

@@ -6,6 +6,7 @@
 #include "paint/mixing_board.h"
 #include "paint/paint_parts.h"
 #include "surface/error.h"
+#include "surface/json_text.h"
 
 namespace tangi {
 
@@ -65,7 +66,7 @@ BrushInHand read_brush(const fs::path& path, const PartInfo& info, const Canvas&
     if (!std::isfinite(load.rotation_rad)) fail("{}: rotation_rad is not finite", where);
     const json on = about.value("on", json());
     if (on != "painting" && on != "palette")
-        fail("{}: 'on' is {}, not painting or palette", where, on.dump());
+        fail("{}: 'on' is {}, not painting or palette", where, shown(on));
     hand.place = on == "painting" ? Place::painting : Place::palette;
     if (hand.place == Place::palette && !board)
         fail("{}: it was used on a palette, which is not there", where);
@@ -74,7 +75,9 @@ BrushInHand read_brush(const fs::path& path, const PartInfo& info, const Canvas&
     hand.brush = std::make_unique<Brush>(brush_from_json(about["settings"], where), painting.mm_per_pixel(),
                                          about["seed"].get<std::uint64_t>());
     const int size = hand.brush->grid_size();
-    if (info.width != size || info.height != size)
+    // Earlier versions gave a brush that is too small to be resolved a cell or two less.
+    const int margin = hand.brush->coverage() < 1 ? std::clamp((size - info.width) / 2, 0, 2) : 0;
+    if (info.width != size - 2 * margin || info.height != info.width)
         fail("{}: part 'brush' is {} x {}, but a brush of these settings is {} x {}", path.string(),
              info.width, info.height, size, size);
     PartInfo volumes = info;
@@ -83,14 +86,16 @@ BrushInHand read_brush(const fs::path& path, const PartInfo& info, const Canvas&
     volumes.channels.erase(volumes.channels.begin());
     load.ingredients = ingredients_of(path, volumes, canvas.ingredients().size());
     load.mm.resize(load.ingredients.size());
-    const auto width = static_cast<std::size_t>(size);
+    const auto width = static_cast<std::size_t>(info.width), cells = static_cast<std::size_t>(size * size);
+    load.total_mm.resize(cells);
+    for (std::vector<float>& plane : load.mm) plane.resize(cells);
     read_painting_part(path, info, [&](int y0, int y1, std::span<const float* const> planes) {
         for (std::size_t c = 0; c < planes.size(); ++c) {
             std::vector<float>& plane = c == 0 ? load.total_mm : load.mm[c - 1];
             for (int y = y0; y < y1; ++y) {
                 const std::span row(planes[c] + static_cast<std::size_t>(y - y0) * width, width);
                 require_volumes(path, info, c, y, row);
-                plane.insert(plane.end(), row.begin(), row.end());
+                std::ranges::copy(row, plane.begin() + (y + margin) * size + margin);
             }
         }
     });

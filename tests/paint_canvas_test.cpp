@@ -64,11 +64,44 @@ TEST(Canvas, DryingMovesPaintAndKeepsItsVolume) {
     dry(canvas, "first", {}, 0.25);
     EXPECT_NEAR(canvas.wet().thickness_mm(64, 48), 0.75f * mm, 1e-6);
     EXPECT_NEAR(canvas.dried()[0].paint.thickness_mm(64, 48), 0.25f * mm, 1e-6);
-    dry(canvas, "first");
-    EXPECT_EQ(canvas.dried().size(), 1u);  // one layer by that name
+    dry(canvas, "second");
+    EXPECT_EQ(canvas.dried().size(), 2u);
     EXPECT_TRUE(canvas.wet().empty());
     for (std::size_t i = 0; i < before.size(); ++i) EXPECT_NEAR(canvas.volumes_mm3()[i] / before[i], 1, 1e-6);
     EXPECT_THAT(error_of([&] { dry(canvas, "x", {}, 0); }), HasSubstr("part = 0"));
+}
+
+// Paint that dried before and paint that dries now are two films, whatever they are called: white under blue
+// is no light blue.
+TEST(Canvas, WhatDriesIsALayerOfItsOwnWithANameOfItsOwn) {
+    Canvas canvas = flat_canvas();
+    const auto paint = [&](const std::string& name) {
+        Brush brush(even_brush(), kTestPixel, 1);
+        brush.load({{add_paint(canvas, name), 1}}, 1);
+        stroke(canvas, brush, {-10, 0}, {10, 0});
+    };
+    paint("Titanium White");
+    EXPECT_EQ(dry(canvas, "retouch"), "retouch");
+    paint("Ultramarine Blue");
+    EXPECT_EQ(dry(canvas, "retouch", CirclePart{{-5, 0}, 3}), "retouch 2");
+    EXPECT_EQ(dry(canvas, "retouch"), "retouch 3");
+    EXPECT_EQ(dry(canvas, "retouch"), "");  // there is no wet paint any more
+    ASSERT_EQ(canvas.dried().size(), 3u);
+    EXPECT_EQ(canvas.dried()[0].paint.thickness_mm(64, 48, 1), 0) << "no blue in the white";
+    EXPECT_EQ(canvas.dried()[2].paint.thickness_mm(64, 48, 0), 0) << "no white in the blue";
+
+    lift_off(canvas, "retouch");  // of those below, nothing is lost
+    ASSERT_EQ(canvas.dried().size(), 2u);
+    EXPECT_EQ(canvas.dried()[0].name, "retouch 2");
+    paint("Bone Black");
+    EXPECT_EQ(dry(canvas, "retouch 2"), "retouch 4");  // 3 is taken
+    EXPECT_EQ(free_layer_name(canvas, "retouch"), "retouch");
+    EXPECT_EQ(free_layer_name(canvas, "retouch 99999999999"), "retouch 99999999999");
+    // A file of an earlier version may have a name twice: what lies on top goes first.
+    canvas.writable_dried()[0].name = "retouch 4";
+    lift_off(canvas, "retouch 4");
+    EXPECT_EQ(canvas.dried().size(), 2u);
+    EXPECT_EQ(canvas.dried()[0].name, "retouch 4");
 }
 
 TEST(Canvas, DriesARegionOnly) {

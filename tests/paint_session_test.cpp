@@ -133,6 +133,55 @@ TEST(Session, ADirtyBrushCarriesTheLastPaint) {
     EXPECT_GT(black_on_canvas(BrushStart::dirty), 0.01);
 }
 
+TEST(Session, SaysWhatHasNoEffectAndWhichNameALayerGot) {
+    const TestDir dir;
+    write_bytes(dir / "a.jsonl", R"({"format": "tangipaint strokes", "version": 1}
+{"event": "dry", "layer": "ground"}
+{"event": "stroke", "start": "same", "paint": {"Bone Black": 1}}
+{"event": "point", "x": 0, "y": 0}
+{"event": "stroke", "paint": {"Bone Black": 1}}
+{"event": "point", "x": 0, "y": 0}
+{"event": "dry", "layer": "retouch"}
+{"event": "stroke", "paint": {"Bone Black": 1}}
+{"event": "point", "x": 0, "y": 0, "p": 0}
+{"event": "point", "x": 3, "y": 0, "p": 0}
+{"event": "stroke", "paint": {"Titanium White": 1}}
+{"event": "point", "x": 0, "y": 0}
+{"event": "dry", "layer": "retouch"}
+{"event": "lift", "layer": "retouch"}
+)");
+    Session session(flat_surface(128, 96), artist_acrylics());
+    const std::string file = (dir / "a.jsonl").string();
+    EXPECT_THAT(replay(session, read_journal(dir / "a.jsonl")),
+                testing::ElementsAre(
+                    AllOf(HasSubstr(file + ":2: "), HasSubstr("no wet paint"), HasSubstr("'ground'")),
+                    AllOf(HasSubstr(file + ":3: "), HasSubstr("'start' is \"same\"")),
+                    AllOf(HasSubstr(file + ":3: "), HasSubstr("'paint' is not used")),
+                    AllOf(HasSubstr(file + ":8: "), HasSubstr("not pressed")),
+                    AllOf(HasSubstr(file + ":13: "), HasSubstr("'retouch'"), HasSubstr("'retouch 2'"))));
+    ASSERT_EQ(session.canvas().dried().size(), 1u);
+    EXPECT_EQ(session.canvas().dried()[0].name, "retouch 2");
+    EXPECT_TRUE(session.take_warning().empty());
+}
+
+TEST(Session, IsWatchedWhileBrushesAreOnThePainting) {
+    Session session(flat_surface(128, 96), artist_acrylics());
+    std::vector<double> seen;
+    session.watch(1, [&](double at_s) {
+        seen.push_back(at_s);
+        return at_s + 1;
+    });
+    for (const Place place : {Place::painting, Place::palette, Place::painting}) {
+        StrokeEvent stroke = stroke_of("round", "Bone Black", 1);
+        stroke.on = place;
+        session.apply(stroke);
+        session.apply(point(0, -5, 0));
+        session.apply(point(2.25, 5, 0));
+    }
+    session.finish();
+    EXPECT_EQ(seen, (std::vector<double>{1, 2, 3, 4}));  // of 4.5 s
+}
+
 TEST(Session, MistakesNameTheLine) {
     const TestDir dir;
     const auto error = [&](const std::string& events) {

@@ -326,5 +326,94 @@ TEST(Stroke, RefusesPointsThatCannotBe) {
     EXPECT_THAT(error_of([&] { s.add({2, 1, 0, 0.5, 1, 1, 0}); }), HasSubstr("tilt"));
 }
 
+// The first contact of a pen, and a stroke that runs out, transfer next to nothing.
+TEST(Stroke, AtNoPressureNothingIsTransferredAndAtLittleLittle) {
+    const auto laid = [](float pressure) {
+        Canvas canvas = flat_canvas();
+        const auto red = add_paint(canvas, "Pyrrole Red");
+        Brush brush(brush_presets().at("flat"), kTestPixel, 4);
+        brush.load({{red, 1}}, 1);
+        stroke(canvas, brush, {-8, 0}, {8, 0}, static_cast<double>(pressure));
+        return canvas.volumes_mm3()[0];
+    };
+    EXPECT_EQ(laid(0), 0);
+    const double light = laid(0.15f);
+    EXPECT_GT(light, 1);  // [mm^3]
+    EXPECT_LT(laid(0.01f), 0.12 * light);
+    double before = 0;
+    for (const float pressure : {0.01f, 0.03f, 0.08f, 0.15f, 0.3f, 0.6f, 1.0f}) {
+        const double now = laid(pressure);
+        EXPECT_GT(now, before) << pressure;
+        before = now;
+    }
+    // Nor does a brush that only grazes take what is there.
+    Canvas canvas = flat_canvas();
+    Brush brush(even_brush(), kTestPixel, 1), grazing(brush_presets().at("knife"), kTestPixel, 2);
+    brush.load({{add_paint(canvas, "Pyrrole Red"), 1}}, 1);
+    stroke(canvas, brush, {-8, 0}, {8, 0});
+    StepScratch scratch;
+    paint_dabs(canvas, grazing, std::vector<Dab>(20, Dab{.x = 64, .y = 48, .pressure = 0}), 1, 1, scratch);
+    EXPECT_EQ(grazing.volumes_mm3(1)[0], 0);
+}
+
+// A brush of less than a pixel has no bristles that could be told apart, but it brings its paint.
+TEST(Stroke, ABrushTooSmallForThePixelsPaintsItsVolume) {
+    const auto laid = [](const BrushSettings& settings, double pixel_mm, double y_mm) {
+        auto ground =
+            std::make_shared<Surface>(static_cast<int>(24 / pixel_mm), static_cast<int>(4 / pixel_mm));
+        ground->mm_per_pixel = pixel_mm;
+        ground->scale_known = true;
+        Canvas canvas(ground);
+        const auto red = add_paint(canvas, "Pyrrole Red");
+        Brush brush(settings, pixel_mm, 4);
+        brush.load({{red, 1}}, 1);
+        stroke(canvas, brush, {-9, y_mm}, {9, y_mm});
+        return canvas.volumes_mm3()[0];
+    };
+    for (const char* shape : {"round", "flat"})
+        for (const double size_mm : {0.1, 0.3, 0.6}) {
+            BrushSettings settings = brush_presets().at(shape);
+            settings.size_mm = size_mm;
+            settings.load_variation = 0;
+            const double wanted = laid(settings, 0.02, 0.01);
+            for (const double y_mm : {0.0, 0.04, 0.1, 0.125}) {  // wherever it lies between the pixels
+                const double now = laid(settings, 0.25, y_mm);
+                EXPECT_GT(now, 0.5 * wanted) << shape << " " << size_mm << " at " << y_mm;
+                EXPECT_LT(now, 1.1 * wanted) << shape << " " << size_mm << " at " << y_mm;
+            }
+        }
+}
+
+TEST(Stroke, IsWatchedAtTheTimesAskedForAndPaintsTheSame) {
+    const auto paint = [](Canvas& canvas, Stroke::Look look) {
+        Brush brush(brush_presets().at("flat"), kTestPixel, 4);
+        brush.load({{add_paint(canvas, "Pyrrole Red"), 1}}, 1);
+        Stroke s(canvas, brush, {}, 3);
+        if (look) s.watch(0.5, look);
+        // 1 mm a second for 4 s, a rest of 2 s, and on; clocks need not begin at 0.
+        for (const auto& [t, x] : {std::pair{100.0, -8.0}, {104.0, -4.0}, {106.0, -4.0}, {110.0, 8.0}})
+            s.add({.time_s = t, .x_mm = x, .y_mm = 1});
+        s.finish();
+        EXPECT_EQ(s.age_s(), 10);
+    };
+    Canvas alone = flat_canvas(), watched = flat_canvas();
+    paint(alone, {});
+    std::vector<double> ages, volumes;
+    paint(watched, [&](double age_s) {
+        ages.push_back(age_s);
+        volumes.push_back(watched.volumes_mm3()[0]);
+        return age_s + 1;
+    });
+    EXPECT_TRUE(identical(alone.wet(), watched.wet()));
+    ASSERT_EQ(ages.size(), 10u);  // 0.5 to 9.5
+    EXPECT_EQ(ages.back(), 9.5);
+    for (std::size_t i = 1; i < volumes.size(); ++i)
+        if (ages[i] > 4 && ages[i - 1] > 4 && ages[i] < 6)
+            EXPECT_EQ(volumes[i], volumes[i - 1]) << ages[i];  // it rests
+        else
+            EXPECT_GT(volumes[i], volumes[i - 1]) << ages[i];
+    EXPECT_LT(volumes.back(), watched.volumes_mm3()[0]);
+}
+
 }  // namespace
 }  // namespace tangi

@@ -110,6 +110,38 @@ TEST(ToolsFile, OtherPartsStayAndToolsAreReplaced) {
     EXPECT_EQ(bare.brush(), nullptr);
 }
 
+// Earlier versions gave brushes that are too small for the pixels a smaller grid.
+TEST(ToolsFile, TheSmallerGridOfATinyBrushIsTakenUp) {
+    const TestDir dir;
+    Session session(flat_canvas(160, 120), artist_acrylics());
+    StrokeEvent event;
+    event.brush.size_mm = 0.1;
+    event.paint = {{"Bone Black", 1}};
+    apply(session, stroke_of(event, {-9, 0}, {9, 0}), 0, 14);
+    std::vector<PartToWrite> parts = with_tools({}, session);
+    ASSERT_EQ(parts.back().info.name, "brush");
+    const int size = parts.back().info.width, small = size - 2;
+    const auto fill = parts.back().fill;
+    parts.back().info.width = parts.back().info.height = small;
+    parts.back().fill = [=](int y0, int y1, std::span<float* const> planes) {
+        std::vector<std::vector<float>> whole(planes.size(),
+                                              std::vector<float>(static_cast<std::size_t>(size * size)));
+        std::vector<float*> rows;
+        for (auto& plane : whole) rows.push_back(plane.data());
+        fill(0, size, rows);
+        for (std::size_t c = 0; c < planes.size(); ++c)
+            for (int y = y0; y < y1; ++y)
+                std::copy_n(rows[c] + (y + 1) * size + 1, small, planes[c] + (y - y0) * small);
+    };
+    {
+        AtomicFile file(dir / "a.exr");
+        write_canvas(file, session.canvas(), {}, parts);
+    }
+    Session again(read_canvas(dir / "a.exr"), artist_acrylics());
+    read_tools(dir / "a.exr", again);
+    EXPECT_TRUE(again.brush()->bristles().mm == session.brush()->bristles().mm);
+}
+
 TEST(ToolsFile, DamagedToolsSayWhatIsWrong) {
     const TestDir dir;
     Session session(flat_canvas(160, 120), artist_acrylics());

@@ -212,7 +212,7 @@ void Painter::apply(const Event& event, bool recorded) {
         }
     own_.unsaved = true;
     session_.apply(event);
-    if (std::string warning = session_.take_warning(); !warning.empty()) say(std::move(warning));
+    for (std::string warning; !(warning = session_.take_warning()).empty();) say(std::move(warning));
     if (std::holds_alternative<UndoEvent>(event)) ++own_.undone;
     if (std::holds_alternative<RedoEvent>(event)) --own_.undone;
 }

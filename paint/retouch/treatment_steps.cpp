@@ -91,10 +91,7 @@ json retouch_step(Treatment& treatment, Canvas& canvas, const StepArea& area, Tr
         if (std::none_of(logged.begin(), logged.end(), [&](const auto& l) { return l.name == layer.name; }))
             step.added.emplace_back(layer.name, LayerRole::retouch);
     if (canvas.wet().empty() && step.added.empty()) fail("{}: nothing was painted within the area", source);
-    if (!canvas.wet().empty()) {
-        dry(canvas, name);
-        step.added.emplace_back(name, LayerRole::retouch);
-    }
+    if (!canvas.wet().empty()) step.added.emplace_back(dry(canvas, name), LayerRole::retouch);
     json laid = json::array();
     for (const auto& [added, role] : step.added) {
         const auto layer = std::find_if(canvas.dried().begin(), canvas.dried().end(),

@@ -1,0 +1,95 @@
+#include "surface/json_text.h"
+
+#include <algorithm>
+#include <optional>
+#include <set>
+#include <vector>
+
+#include "surface/error.h"
+
+namespace tangi {
+
+namespace {
+
+using nlohmann::json;
+
+constexpr int kDeepest = 64;
+
+// Where the field with this number begins; fields are texts that a colon follows. The text is JSON.
+std::size_t place_of_field(std::string_view text, int number) {
+    for (std::size_t i = 0; i < text.size(); ++i) {
+        if (text[i] != '"') continue;
+        const std::size_t begin = i;
+        for (++i; i < text.size() && text[i] != '"'; ++i)
+            if (text[i] == '\\') ++i;
+        const std::size_t next = text.find_first_not_of(" \t\r\n", i + 1);
+        if (next != std::string_view::npos && text[next] == ':' && number-- == 0) return begin;
+    }
+    return text.size();
+}
+
+// Told of what a parser finds.
+class Watcher {
+public:
+    Watcher(std::string_view text, const std::string& where) : text_(text), where_(where) {}
+
+    bool operator()(int depth, json::parse_event_t event, const json& parsed) {
+        if (depth > kDeepest)
+            fail("{}: has lists and objects in each other, deeper than {}", where_, kDeepest);
+        if (event == json::parse_event_t::object_start) seen_.emplace_back();
+        if (event == json::parse_event_t::object_end) seen_.pop_back();
+        if (event != json::parse_event_t::key) return true;
+        if (!seen_.back().insert(parsed.get_ref<const std::string&>()).second && !twice_)
+            twice_.emplace(parsed.get<std::string>(), fields_);
+        ++fields_;
+        return true;
+    }
+
+    // Once all of it was read: before, it may be no JSON at all.
+    void refuse() const {
+        if (!twice_) return;
+        const bool one_line = text_.find('\n') == std::string_view::npos;
+        const std::string line =
+            one_line ? "" : fmt::format(" line {}:", line_of(text_, place_of_field(text_, twice_->second)));
+        fail("{}:{} has the field '{}' twice; keep one of them", where_, line, shortened(twice_->first));
+    }
+
+private:
+    std::string_view text_;
+    const std::string& where_;
+    std::vector<std::set<std::string>> seen_;  // in the objects around
+    int fields_ = 0;
+    std::optional<std::pair<std::string, int>> twice_;  // and its number among all fields
+};
+
+}  // namespace
+
+json parse_json(std::string_view text, const std::string& where) {
+    Watcher watcher(text, where);
+    json value =
+        json::parse(text.begin(), text.end(), [&](int depth, json::parse_event_t event, const json& parsed) {
+            return watcher(depth, event, parsed);
+        });
+    watcher.refuse();
+    return value;
+}
+
+int line_of(std::string_view text, std::size_t byte) {
+    const std::string_view before = text.substr(0, std::min(byte, text.size()));
+    return 1 + static_cast<int>(std::ranges::count(before, '\n'));
+}
+
+std::string shown(const json& value) {
+    // The writer of JSON gives more digits than a float has.
+    if (value.is_number_float()) return fmt::format("{}", value.get<double>());
+    return shortened(value.dump(-1, ' ', false, json::error_handler_t::replace));
+}
+
+std::string shortened(std::string_view text, std::size_t most_bytes) {
+    if (text.size() <= most_bytes) return std::string(text);
+    std::size_t end = most_bytes;
+    while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xc0) == 0x80) --end;  // whole characters
+    return fmt::format("{}… ({} bytes)", text.substr(0, end), text.size());
+}
+
+}  // namespace tangi
