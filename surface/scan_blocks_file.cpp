@@ -10,6 +10,7 @@
 
 #include <bit>
 #include <cstring>
+#include <mutex>
 #include <stdexcept>
 #include <vector>
 
@@ -144,6 +145,36 @@ private:
     std::unique_ptr<libdeflate_decompressor, void (*)(libdeflate_decompressor*)> inflate_;
 };
 
+// Of all threads, as many as there are: their memory is touched once.
+struct Unpackers {
+    std::mutex mutex;
+    std::vector<std::unique_ptr<Unpacker>> idle;
+};
+
+class Lent {
+public:
+    Lent(Unpackers& from, const Layout& layout) : from_(from) {
+        const std::lock_guard lock(from_.mutex);
+        if (from_.idle.empty()) {
+            unpacker_ = std::make_unique<Unpacker>(layout);
+        } else {
+            unpacker_ = std::move(from_.idle.back());
+            from_.idle.pop_back();
+        }
+    }
+    ~Lent() {
+        const std::lock_guard lock(from_.mutex);
+        from_.idle.push_back(std::move(unpacker_));
+    }
+    Unpacker* operator->() const { return unpacker_.get(); }
+    Lent(const Lent&) = delete;
+    Lent& operator=(const Lent&) = delete;
+
+private:
+    Unpackers& from_;
+    std::unique_ptr<Unpacker> unpacker_;
+};
+
 }  // namespace
 
 bool read_scan_blocks(const std::filesystem::path& path, const std::string& name,
@@ -158,14 +189,15 @@ bool read_scan_blocks(const std::filesystem::path& path, const std::string& name
     if (!layout) return false;
     const Imf::InputPart part(file, number);
     const int blocks = (layout->height + layout->rows - 1) / layout->rows;
+    Unpackers unpackers;
     const int at_once = std::max(1, 256 / layout->rows) * thread_count();
     for (int first = 0; first < blocks; first += at_once) {
         report(progress, "read painting", first / static_cast<double>(blocks));
         parallel_for(first, std::min(first + at_once, blocks), 2, [&](int begin, int end) {
-            Unpacker unpacker(*layout);
+            const Lent unpacker(unpackers, *layout);
             for (int block = begin; block < end; ++block) {
                 const int y = block * layout->rows;
-                unpacker.unpack(part, y, planes);
+                unpacker->unpack(part, y, planes);
                 rows_read(y, std::min(y + layout->rows, layout->height));
             }
         });
