@@ -7,6 +7,7 @@
 
 #include "paint/canvas_file.h"
 #include "surface/error.h"
+#include "surface/overview.h"
 #include "viewer/gl/headless.h"
 #include "viewer/painter.h"
 #include "viewer/renderer.h"
@@ -44,22 +45,32 @@ void open(const char* path) {
     const gl::HeadlessContext context;
     Renderer renderer;
     stages.end("OpenGL");
+    const Extent screen{1920, 1080};
+    const gl::Target target(screen.width, screen.height, false);
+    const Scene scene{.lights = {distant_light({-0.5f, 0.5f, 0.7f})}};
+    const auto draw = [&](const std::shared_ptr<const TexelTiles>& tiles, double mm_per_pixel) {
+        renderer.set_painting(tiles, mm_per_pixel);
+        const Extent painting{tiles->width(), tiles->height()};
+        const Placement place(fitted(painting, screen), {}, false, painting, screen, mm_per_pixel);
+        const Shot shot = place.shot(1, true);
+        renderer.fetch(scene, shot);
+        renderer.draw(scene, shot, target.framebuffer());
+        glFinish();
+    };
+    if (const std::optional<Overview> overview = read_overview(path)) {
+        const Surface& s = overview->surface;
+        stages.end("read overview");
+        draw(std::make_shared<TexelTiles>(s, range_of(s)), s.mm_per_pixel);
+        stages.end("first picture of it");
+    }
     Canvas canvas = read_canvas(path);
     stages.end("read");
     Painter painter({.canvas = std::move(canvas), .palette = artist_acrylics(), .file = path}, [] {});
     stages.end("appearance");
     const Surface& surface = painter.surface();
-    const Extent painting{surface.width(), surface.height()}, screen{1920, 1080};
     const auto tiles = std::make_shared<TexelTiles>(surface, painter.range());
     stages.end("texels");
-    renderer.set_painting(tiles, surface.mm_per_pixel);
-    const gl::Target target(screen.width, screen.height, false);
-    const Placement place(fitted(painting, screen), {}, false, painting, screen, surface.mm_per_pixel);
-    const Scene scene{.lights = {distant_light({-0.5f, 0.5f, 0.7f})}};
-    const Shot shot = place.shot(1, true);
-    renderer.fetch(scene, shot);
-    renderer.draw(scene, shot, target.framebuffer());
-    glFinish();
+    draw(tiles, surface.mm_per_pixel);
     stages.end("first picture");
 }
 

@@ -7,6 +7,7 @@
 #include "fit/fit_page.h"
 #include "fit/fit_painting.h"
 #include "surface/error.h"
+#include "surface/overview.h"
 #include "surface/painting_file.h"
 #include "surface/painting_parts.h"
 #include "surface/picture_file.h"
@@ -157,6 +158,7 @@ nlohmann::json run_fit(const FitArguments& arguments, const Progress& progress) 
             "--faithful: a residual predicts photographs that were left out no better than the surface "
             "alone, "
             "so none is stored");
+    add_overview(parts, fit.surface, fit.surface);
     write_painting(file, fit.surface, parts, progress);
     if (page) {
         fit.report.warnings = warnings;

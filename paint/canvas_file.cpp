@@ -5,6 +5,7 @@
 #include "paint/appearance.h"
 #include "paint/paint_parts.h"
 #include "surface/error.h"
+#include "surface/overview.h"
 #include "surface/painting_file.h"
 #include "surface/painting_parts.h"
 
@@ -53,6 +54,7 @@ void write_canvas(AtomicFile& file, const Canvas& canvas, const Progress& progre
         }
     }
     parts.insert(parts.end(), further.begin(), further.end());
+    if (canvas.ingredients().empty()) add_overview(parts, canvas.dry(), canvas.dry());
     write_painting(file, canvas.dry(), parts, progress);
 }
 

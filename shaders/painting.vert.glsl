@@ -19,6 +19,7 @@ uniform ivec2 u_size;          // [pixels] of the painting
 uniform int u_level;           // of detail: texels of 2^level pixels
 uniform int u_last_level;      // the coarsest
 uniform int u_first_page[32];  // surface.glsl
+uniform ivec4 u_homes;
 uniform vec4 u_range;          // largest rho_d, largest rho_s; lowest height [mm], heights' range [mm]
 
 void main() {
@@ -36,7 +37,11 @@ void main() {
     v_lamp_gain = vec4(u_gain[0], u_place[0].x);
     v_rest = vec3(u_law.y, u_place[0].y, exp2(-float(u_level)));
     v_size = ivec4(u_size, u_level, u_last_level);
-    v_tiles = ivec2(u_first_page[u_level], (((u_size.x + (1 << u_level) - 1) >> u_level) + 255) >> 8);
+#if AT_HOME == 1
+    v_tiles = u_homes;
+#else
+    v_tiles = ivec4(u_first_page[u_level], (((u_size.x + (1 << u_level) - 1) >> u_level) + 255) >> 8, 0, 0);
+#endif
     vec2 corner = vec2(float(gl_VertexID & 1) * 4.0 - 1.0, float(gl_VertexID >> 1) * 4.0 - 1.0);
     gl_Position = vec4(corner, 0.0, 1.0);
 }

@@ -11,4 +11,4 @@ PASSED vec4 v_look;
 PASSED vec4 v_lamp, v_lamp_gain;                    // the first light; and its azimuth
 PASSED vec3 v_rest;                                 // haze; elevation of the first light; texels a pixel
 PASSED ivec4 v_size;                                // and level of detail, the coarsest level
-PASSED ivec2 v_tiles;                               // of this level: the first, columns
+PASSED ivec4 v_tiles;  // of this level: the first in the table, columns; AT_HOME: left, top, columns, rows and first << 16

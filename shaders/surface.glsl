@@ -1,5 +1,6 @@
 // surface.glsl: the maps of a surface, packed into one texel of 128 bits as viewer/texels.h describes, in square tiles:
-// those that are seen, of any level of detail, are the layers of an array texture; a table says which.
+// those that are seen, of any level of detail, are the layers of an array texture; a table says which. AT_HOME: 1 where
+// those of the picture's own level lie where column and row say (viewer/tile_cache.h), which spares each pixel the table.
 // COLOURED: 1 where lobes have colours, for which gloss, confidence and height have fewer bits.
 
 uniform highp usampler2DArray u_texels;
@@ -36,7 +37,15 @@ int columns_at(int level) { return (size_at(level).x + (1 << kPageBits) - 1) >> 
 uvec4 texel_at(ivec2 at, int level) { return texel_in(at, level, u_first_page[level], columns_at(level)); }
 
 // Of the picture's own level.
-uvec4 texel_here(ivec2 at) { return texel_in(at, v_size.z, v_tiles.x, v_tiles.y); }
+uvec4 texel_here(ivec2 at) {
+#if AT_HOME == 1
+    ivec2 grid = ivec2(v_tiles.z, v_tiles.w & 0xffff), tile = (at >> kPageBits) + v_tiles.xy;
+    tile -= ivec2(tile.x >= grid.x ? grid.x : 0, tile.y >= grid.y ? grid.y : 0);
+    return texelFetch(u_texels, ivec3(at & ((1 << kPageBits) - 1), (v_tiles.w >> 16) + tile.y * grid.x + tile.x), 0);
+#else
+    return texel_in(at, v_size.z, v_tiles.x, v_tiles.y);
+#endif
+}
 
 vec2 halves(uint bits) { return vec2(float(bits & 0xffffu), float(bits >> 16)) * (1.0 / 65535.0); }
 
@@ -79,15 +88,17 @@ Material nearest_material(vec2 at) {
 }
 
 // Between the four nearest of a level: maps are mixed, alpha as its square (a variance).
-Material smooth_in(vec2 at, int level, int first_page, int columns) {
+// `here`: of the picture's own.
+Material smooth_in(vec2 at, int level, bool here) {
     vec2 c = (at + 0.5) * exp2(-float(level)) - 0.5;
     ivec2 i = ivec2(floor(c)), last = size_at(level) - 1;
     vec2 f = c - vec2(i);
     ivec2 low = clamp(i, ivec2(0), last), high = clamp(i + 1, ivec2(0), last);
-    Material a = unpack(texel_in(low, level, first_page, columns));
-    Material b = unpack(texel_in(ivec2(high.x, low.y), level, first_page, columns));
-    Material c2 = unpack(texel_in(ivec2(low.x, high.y), level, first_page, columns));
-    Material d = unpack(texel_in(high, level, first_page, columns));
+    ivec2 right = ivec2(high.x, low.y), below = ivec2(low.x, high.y);
+    Material a = unpack(here ? texel_here(low) : texel_at(low, level));
+    Material b = unpack(here ? texel_here(right) : texel_at(right, level));
+    Material c2 = unpack(here ? texel_here(below) : texel_at(below, level));
+    Material d = unpack(here ? texel_here(high) : texel_at(high, level));
     vec4 w = vec4((1.0 - f.x) * (1.0 - f.y), f.x * (1.0 - f.y), (1.0 - f.x) * f.y, f.x * f.y);
     Material m;
     m.normal = normalize(w.x * a.normal + w.y * b.normal + w.z * c2.normal + w.w * d.normal);
@@ -103,10 +114,10 @@ Material smooth_in(vec2 at, int level, int first_page, int columns) {
     return m;
 }
 
-Material smooth_material(vec2 at, int level) { return smooth_in(at, level, u_first_page[level], columns_at(level)); }
+Material smooth_material(vec2 at, int level) { return smooth_in(at, level, false); }
 
 #if FILTER == 1
-Material material_at(vec2 at) { return smooth_in(at, v_size.z, v_tiles.x, v_tiles.y); }
+Material material_at(vec2 at) { return smooth_in(at, v_size.z, true); }
 #else
 Material material_at(vec2 at) { return nearest_material(at); }
 #endif

@@ -18,6 +18,7 @@
 #include <unistd.h>
 
 #include <array>
+#include <bit>
 #include <cerrno>
 #include <cmath>
 #include <cstring>
@@ -27,10 +28,12 @@
 #include <vector>
 
 #include "surface/error.h"
+#include "surface/overview.h"
 #include "surface/painting_errors.h"
 #include "surface/painting_parts.h"
 #include "surface/parallel.h"
 #include "surface/photography_json.h"
+#include "surface/scan_blocks.h"
 
 namespace tangi {
 
@@ -40,8 +43,10 @@ namespace {
 
 constexpr const char* kDry = "dry";
 constexpr std::array kLobe = {"lobe.R", "lobe.G", "lobe.B"};
+constexpr std::size_t kLobeAt = 10;  // their place among the channels
 constexpr int kRowsAtOnce = 256;
 constexpr float kSmallestRoughness = 1e-6f;  // [1] its square divides
+constexpr std::uint64_t kHashOffset = 0xcbf29ce484222325u, kHashPrime = 0x100000001b3u;  // FNV-1a
 
 // One channel of the file and where its floats lie in a Surface.
 struct Channel {
@@ -78,6 +83,12 @@ Imf::FrameBuffer frame_buffer(Surface& s) {
                                          x_bytes * static_cast<std::size_t>(s.width())));
     }
     return buffer;
+}
+
+// OpenEXR packs and unpacks in threads that it keeps, and has none before it is told.
+void let_openexr_use_threads() {
+    if (const int threads = thread_count(); Imf::globalThreadCount() != threads)
+        Imf::setGlobalThreadCount(threads);
 }
 
 // OpenEXR swallows what goes wrong while a file is closed. This stream remembers it, so that a disk that
@@ -226,36 +237,106 @@ void clear_pixel(Surface& s, std::size_t i) {
     if (!s.lobe_colour.empty()) s.lobe_colour.pixels()[i] = Rgb(1);
 }
 
+// Nothing to do about a pixel: numbers, and a unit vector to rounding. What is not told here may still be all
+// right.
+bool is_plain(std::span<const Channel> channels, std::size_t i) {
+    float none = 0;  // x - x is 0 unless x is infinite or no number
+    for (const Channel& c : channels) {
+        const float value = c.base[i * c.stride];
+        none += value - value;
+    }
+    const float *normal = channels[1].base + 3 * i,
+                length2 = normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2];
+    for (const Channel& c : channels.subspan(kLobeAt))
+        if (const float value = c.base[i * c.stride]; !(value >= 0 && value <= 1)) return false;
+    return none == 0 && channels[8].base[i] >= kSmallestRoughness && normal[2] > 0 &&
+           std::abs(length2 - 1) <= 1.5e-5f;
+}
+
 // Maps that another program wrote, or changed, may hold what cannot be relit. Our own come through bit for
-// bit.
-void require_usable(Surface& s, const fs::path& path) {
-    std::vector<std::string> wrong(static_cast<std::size_t>(s.height()));  // the first of each row
+// bit. What is wrong in these rows, the first of each row.
+void make_usable(Surface& s, int y0, int y1, std::vector<std::string>& wrong) {
     const auto channels = channels_of(s);
-    parallel_for(0, s.height(), 16, [&](int begin, int end) {
-        for (int y = begin; y < end; ++y)
-            for (int x = 0; x < s.width(); ++x) {
-                const auto i = static_cast<std::size_t>(y) * static_cast<std::size_t>(s.width()) +
-                               static_cast<std::size_t>(x);
-                const std::string what = wrong_at(s, channels, i);
-                Vec3& normal = s.normal.pixels()[i];
-                if (what.empty()) {
-                    // Half floats and resampling shorten normals; a float's rounding is no reason to touch
-                    // them.
-                    if (std::abs(glm::length(normal) - 1) > 1e-5f) normal = glm::normalize(normal);
-                } else if (s.confidence.pixels()[i] <= 0) {
-                    clear_pixel(s, i);
-                } else if (wrong[static_cast<std::size_t>(y)].empty()) {
-                    wrong[static_cast<std::size_t>(y)] = fmt::format("{} at pixel ({}, {})", what, x, y);
-                }
+    for (int y = y0; y < y1; ++y)
+        for (int x = 0; x < s.width(); ++x) {
+            const auto i = static_cast<std::size_t>(y) * static_cast<std::size_t>(s.width()) +
+                           static_cast<std::size_t>(x);
+            if (is_plain(channels, i)) continue;
+            const std::string what = wrong_at(s, channels, i);
+            Vec3& normal = s.normal.pixels()[i];
+            if (what.empty()) {
+                // Half floats and resampling shorten normals; a float's rounding is no reason to touch
+                // them.
+                if (std::abs(glm::length(normal) - 1) > 1e-5f) normal = glm::normalize(normal);
+            } else if (s.confidence.pixels()[i] <= 0) {
+                clear_pixel(s, i);
+            } else if (wrong[static_cast<std::size_t>(y)].empty()) {
+                wrong[static_cast<std::size_t>(y)] = fmt::format("{} at pixel ({}, {})", what, x, y);
             }
-    });
-    for (const std::string& what : wrong)
-        if (!what.empty())
-            fail("{}: {}, where confidence is not 0; correct the map, or set confidence to 0 there",
-                 path.string(), what);
+        }
+}
+
+// Hashes of the rows [y0, y1), into hashes[y]. Four rows at a time: each waits for its own products only.
+void hash_rows(std::span<const Channel> channels, int width, int y0, int y1,
+               std::span<std::uint64_t> hashes) {
+    for (int y = y0; y < y1; y += 4) {
+        std::array<std::uint64_t, 4> hash;
+        hash.fill(kHashOffset);
+        for (const Channel& c : channels) {
+            std::array<const float*, 4> value;
+            for (int k = 0; k < 4; ++k)
+                value[static_cast<std::size_t>(k)] =
+                    c.base + static_cast<std::size_t>(std::min(y + k, y1 - 1)) *
+                                 static_cast<std::size_t>(width) * c.stride;
+            for (std::size_t at = 0; at < static_cast<std::size_t>(width) * c.stride; at += c.stride)
+                for (std::size_t k = 0; k < 4; ++k)
+                    hash[k] = (hash[k] ^ std::bit_cast<std::uint32_t>(value[k][at])) * kHashPrime;
+        }
+        for (int k = 0; k < 4 && y + k < y1; ++k)
+            hashes[static_cast<std::size_t>(y + k)] = hash[static_cast<std::size_t>(k)];
+    }
+}
+
+// Rows are hashed side by side and their hashes joined in order, so threads don't change the result.
+std::string joined(std::span<const std::uint64_t> rows) {
+    std::uint64_t hash = kHashOffset;
+    for (const std::uint64_t row : rows) hash = (hash ^ row) * kHashPrime;
+    return fmt::format("{:016x}", hash);
+}
+
+// The maps, as the file has them; their hash, and what cannot be relit, looked at while rows are at hand.
+struct Maps {
+    Surface surface;
+    std::vector<std::uint64_t> hashes;  // of rows, as they were
+    std::vector<std::string> wrong;     // the first of each row
+};
+
+Maps read_maps(const fs::path& path, Imf::MultiPartInputFile& file, int number, int width, int height,
+               bool coloured, const Progress& progress) {
+    const auto rows = static_cast<std::size_t>(height);
+    Maps maps{Surface(width, height), std::vector<std::uint64_t>(rows), std::vector<std::string>(rows)};
+    if (coloured) maps.surface.lobe_colour = Image<Rgb>(width, height);
+    const auto channels = channels_of(maps.surface);
+    const auto look_at = [&](int y0, int y1) {
+        hash_rows(channels, width, y0, y1, maps.hashes);
+        make_usable(maps.surface, y0, y1, maps.wrong);
+    };
+    std::vector<FloatPlane> planes;
+    for (const Channel& c : channels) planes.push_back({c.name, c.base, c.stride});
+    if (read_scan_blocks(path, kDry, planes, look_at, progress)) return maps;
+    Imf::InputPart part(file, number);
+    part.setFrameBuffer(frame_buffer(maps.surface));
+    for (int y = 0; y < height; y += kRowsAtOnce) {
+        report(progress, "read painting", y / static_cast<double>(height));
+        const int end = std::min(y + kRowsAtOnce, height);
+        part.readPixels(y, end - 1);
+        parallel_for(y, end, 16, look_at);
+    }
+    return maps;
 }
 
 Surface read_dry_part(const fs::path& path, const Progress& progress) {
+    let_openexr_use_threads();
     Imf::MultiPartInputFile file(path.c_str(), thread_count());
     const int number = find_part(file, kDry);
     if (number < 0)
@@ -270,17 +351,14 @@ Surface read_dry_part(const fs::path& path, const Progress& progress) {
     if (header.displayWindow() != window)
         fail("{}: part '{}' is {} x {}, but its display window is not", path.string(), kDry, width, height);
 
-    Surface s(width, height);
-    if (header.channels().findChannel(kLobe[0])) s.lobe_colour = Image<Rgb>(width, height);
-    for (const Channel& c : channels_of(s))
+    Surface names(1, 1);
+    const bool coloured = header.channels().findChannel(kLobe[0]) != nullptr;
+    if (coloured) names.lobe_colour = Image<Rgb>(1, 1);
+    for (const Channel& c : channels_of(names))
         if (!header.channels().findChannel(c.name))
             fail("{}: part '{}' has no channel '{}'", path.string(), kDry, c.name);
-    Imf::InputPart part(file, number);
-    part.setFrameBuffer(frame_buffer(s));
-    for (int y = 0; y < height; y += kRowsAtOnce) {
-        report(progress, "read painting", y / static_cast<double>(height));
-        part.readPixels(y, std::min(y + kRowsAtOnce, height) - 1);
-    }
+    Maps maps = read_maps(path, file, number, width, height, coloured, progress);
+    Surface& s = maps.surface;
     s.mm_per_pixel = attribute<Imf::FloatAttribute>(header, "mm_per_pixel", 1.0f);
     if (!(s.mm_per_pixel > 0) || !std::isfinite(s.mm_per_pixel))
         fail("{}: mm_per_pixel = {} is not positive", path.string(), s.mm_per_pixel);
@@ -298,41 +376,30 @@ Surface read_dry_part(const fs::path& path, const Progress& progress) {
         fail("{}: attribute 'photography': {}", path.string(), error.what());
     }
     const std::string stored = attribute<Imf::StringAttribute>(header, "dry_hash", std::string());
-    if (!stored.empty() && stored != hash_of(s))
+    if (const std::string found = joined(maps.hashes); !stored.empty() && stored != found)
         fail("{}: the dry layer is not the one that was saved (hash {} expected, {} found)", path.string(),
-             stored, hash_of(s));
-    require_usable(s, path);
-    return s;
+             stored, found);
+    for (const std::string& what : maps.wrong)
+        if (!what.empty())
+            fail("{}: {}, where confidence is not 0; correct the map, or set confidence to 0 there",
+                 path.string(), what);
+    return std::move(maps.surface);
 }
 
 }  // namespace
 
 std::string hash_of(const Surface& s) {
-    // Rows are hashed side by side and their hashes joined in order, so threads don't change the result.
-    constexpr std::uint64_t offset = 0xcbf29ce484222325u, prime = 0x100000001b3u;
-    Image<std::uint64_t> rows(1, s.height(), offset);
+    std::vector<std::uint64_t> rows(static_cast<std::size_t>(s.height()));
     const auto channels = channels_of(const_cast<Surface&>(s));  // read only
-    parallel_for(0, s.height(), 16, [&](int begin, int end) {
-        for (int y = begin; y < end; ++y) {
-            std::uint64_t hash = offset;
-            for (const Channel& c : channels) {
-                const float* value = c.base + static_cast<std::size_t>(y) * s.width() * c.stride;
-                for (int x = 0; x < s.width(); ++x, value += c.stride) {
-                    std::uint32_t bits = 0;
-                    std::memcpy(&bits, value, sizeof bits);
-                    hash = (hash ^ bits) * prime;
-                }
-            }
-            rows(0, y) = hash;
-        }
-    });
-    std::uint64_t hash = offset;
-    for (const std::uint64_t row : rows.pixels()) hash = (hash ^ row) * prime;
-    return fmt::format("{:016x}", hash);
+    parallel_for(0, s.height(), 16,
+                 [&](int begin, int end) { hash_rows(channels, s.width(), begin, end, rows); });
+    return joined(rows);
 }
 
 void write_painting(AtomicFile& file, const Surface& s, const Progress& progress) {
-    write_painting(file, s, {}, progress);
+    std::vector<PartToWrite> parts;
+    add_overview(parts, s, s);
+    write_painting(file, s, parts, progress);
 }
 
 void write_painting(AtomicFile& file, const Surface& s, std::span<const PartToWrite> parts,
@@ -341,6 +408,7 @@ void write_painting(AtomicFile& file, const Surface& s, std::span<const PartToWr
     TP_REQUIRE(s.width() > 0 && s.height() > 0, "a painting has pixels");
     const std::string target = file.target().string();
     std::string failure;
+    let_openexr_use_threads();
     try {
         CheckedStream stream(file.temporary());
         try {

@@ -40,7 +40,7 @@ std::vector<PartInfo> painting_parts(const fs::path& path) {
         const Imf::MultiPartInputFile file(path.c_str());
         std::vector<PartInfo> parts;
         for (int part = 0; part < file.parts(); ++part)
-            if (PartInfo info = info_of(file.header(part)); info.name != "dry")
+            if (PartInfo info = info_of(file.header(part)); info.name != "dry" && info.name != "overview")
                 parts.push_back(std::move(info));
         return parts;
     });

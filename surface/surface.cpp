@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "surface/error.h"
+#include "surface/parallel.h"
 
 namespace tangi {
 
@@ -23,13 +24,19 @@ std::string as_stored(const std::string& name) {
 
 }  // namespace
 
-Surface::Surface(int width, int height)
-    : height_mm(width, height),
-      normal(width, height, Vec3(0, 0, 1)),
-      diffuse(width, height, Rgb(0)),
-      specular(width, height),
-      roughness(width, height, 0.3f),
-      confidence(width, height) {}
+// Memory is touched here for the first time, which takes longer than to write to it: by all threads.
+Surface::Surface(int width, int height) {
+    parallel_for(0, 6, 1, [&](int begin, int end) {
+        for (int i = begin; i < end; ++i) {
+            if (i == 0) normal = Image<Vec3>(width, height, Vec3(0, 0, 1));
+            if (i == 1) diffuse = Image<Rgb>(width, height, Rgb(0));
+            if (i == 2) height_mm = Image<float>(width, height);
+            if (i == 3) specular = Image<float>(width, height);
+            if (i == 4) roughness = Image<float>(width, height, 0.3f);
+            if (i == 5) confidence = Image<float>(width, height);
+        }
+    });
+}
 
 Vec3 Surface::point_mm(int x, int y) const {
     return {static_cast<float>(centred_x(x, width()) * mm_per_pixel),

@@ -80,6 +80,8 @@ const std::vector<PackageRule> kPackages = {
      {"viewer"},
      Where::anywhere},
     {"FFmpeg", {"libav"}, {"PkgConfig::ffmpeg"}, {"viewer"}, Where::file_sources},
+    {"libdeflate", {"libdeflate.h"}, {"${DEFLATE_LIBRARY}"}, {"surface"}, Where::file_sources},
+    {"fontconfig and FreeType", {"fontconfig/"}, {"PkgConfig::fonts"}, {"viewer"}, Where::sources},
     {"zlib", {"zlib.h"}, {"ZLIB::"}, {"viewer"}, Where::sources},
     {"TBB", {"tbb/", "oneapi/tbb"}, {"TBB::"}, kBelowCli, Where::sources},
     {"Highway", {"hwy/"}, {"${HWY_LIBRARY}"}, {"fit"}, Where::anywhere},

@@ -117,10 +117,10 @@ TEST_F(OnADesktop, OpensWhatIsDroppedOnIt) {
 
 TEST_F(OnADesktop, FitsPhotographsAndFilmsThem) {
     const TinyStack stack;
-    start(480, 320);                                                       // a film of it is soon made
-    screen_->x({"mousemove", "150", "98", "sleep", "0.3", "click", "1"});  // Fit photographs ...
+    start(480, 320);  // a film of it is soon made
+    ASSERT_TRUE(desktop_->drop("file://" + stack.path() + "\r\n", 400, 150));
     screen_->settled();
-    screen_->enter(stack.path());
+    screen_->key("Return");  // fit them
     const fs::path fitted = stack.path() + ".exr";
     EXPECT_TRUE(Screen::until([&] { return fs::exists(fitted); }));
     screen_->settled();

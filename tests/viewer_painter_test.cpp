@@ -100,6 +100,52 @@ TEST_F(PainterTest, RecordsBeforeItPaintsAndPutsAwayWhenSaved) {
     EXPECT_FALSE(read_canvas(file_).wet().empty());
 }
 
+// A window that closes does not wait for strokes: they are in the journal, and come back.
+TEST_F(PainterTest, InAHurryItRecordsAndPaintsNothing) {
+    write_painting(file_, *flat_surface(200, 150));
+    open();
+    std::promise<void> begun, go_on;
+    const auto held = painter_->look([&](const Surface&, const Canvas&) {
+        begun.set_value();
+        go_on.get_future().wait();
+    });
+    begun.get_future().wait();
+    EXPECT_FALSE(painter_->idle());
+    for (int i = 0; i < 3; ++i) stroke(2.0 * i);
+    painter_->send(UndoEvent{});  // there is nothing to undo
+    painter_->save();
+    auto changed = painter_->change([](Canvas&) {});
+    painter_->hurry(false);
+    painter_->hurry(true);  // or it would be painted and saved
+    go_on.set_value();
+    const PainterNews news = settle();
+    EXPECT_TRUE(painter_->idle());
+    EXPECT_EQ(news.state.strokes, 3);
+    EXPECT_EQ(news.state.saves, 0);
+    EXPECT_TRUE(news.state.unsaved);
+    EXPECT_THAT(news.messages, testing::ElementsAre(testing::HasSubstr("a.exr was not saved")));
+    EXPECT_THROW(changed.get(), Cancelled);
+    painter_.reset();
+    EXPECT_TRUE(read_canvas(file_).wet().empty());
+    auto journal = left_over(sitting_files(file_));
+    ASSERT_TRUE(journal);
+    EXPECT_EQ(journal->entries.size(), 3 * 23u);
+    open();
+    painter_->recover(std::move(*journal));
+    EXPECT_EQ(settle().state.strokes, 3);
+}
+
+TEST_F(PainterTest, ASaveThatIsWaitedForIsNotHurried) {
+    write_painting(file_, *flat_surface(200, 150));
+    open();
+    stroke();
+    painter_->save();
+    painter_->hurry(false);
+    const PainterNews news = settle();
+    EXPECT_EQ(news.state.saves, 1);
+    EXPECT_FALSE(read_canvas(file_).wet().empty());
+}
+
 TEST_F(PainterTest, RecoversBitForBit) {
     write_painting(file_, *flat_surface(200, 150));
     open();

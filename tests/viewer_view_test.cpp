@@ -40,6 +40,22 @@ TEST(View, WhatIsUnderTheCursorStaysThere) {
     EXPECT_EQ(zoomed(view, 1e-9, cursor, kScreen).zoom, View::kSmallest);
 }
 
+TEST(View, WhatLiesUnderTwoFingersGoesWithThem) {
+    const View view{{200, 150}, 1.5, 25};
+    const glm::dvec2 from(812, 77), to(300, 420);
+    glm::dvec2 before, after;
+    ASSERT_TRUE(placed(view).to_painting(from, before));
+    for (const double factor : {1.0, 1.7, 0.2})
+        for (const double turn : {0.0, 35.0, -170.0}) {
+            const View pinched_view = pinched(view, from, to, factor, turn, kScreen);
+            ASSERT_TRUE(placed(pinched_view).to_painting(to, after));
+            EXPECT_LT(glm::length(before - after), 1e-9);
+            EXPECT_NEAR(pinched_view.zoom, 1.5 * factor, 1e-12);
+            EXPECT_NEAR(std::remainder(pinched_view.turn_deg - 25 - turn, 360), 0, 1e-9);
+        }
+    EXPECT_EQ(pinched(view, from, from, 1e9, 0, kScreen).zoom, View::kLargest);
+}
+
 TEST(View, PanningMovesByPixelsOfTheScreen) {
     const View view{{200, 150}, 3, -40};
     const glm::dvec2 spot(210, 120);

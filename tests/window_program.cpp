@@ -17,10 +17,12 @@ int main(int count, char** words) {
     if (count < 3) return 2;
     std::signal(SIGTERM, [](int) { stopped = 1; });
     try {
-        tangi::WindowSetup setup{.canvas = tangi::read_canvas(words[2]),
-                                 .palette = tangi::artist_acrylics(),
-                                 .brushes = tangi::brush_presets(),
-                                 .file = words[2]};
+        const std::string file = words[2];
+        tangi::WindowSetup setup{
+            .open = [file](const tangi::Progress& p) { return tangi::read_canvas(file, p); },
+            .palette = tangi::artist_acrylics(),
+            .brushes = tangi::brush_presets(),
+            .file = words[2]};
         setup.width = 1000;
         setup.height = 700;
         setup.camera = "/nowhere";

@@ -51,7 +51,7 @@ StrokePoint Hand::board_point(const InputEvent& event) const {
 
 void Hand::begin_board_stroke(const InputEvent& event) {
     drag_ = Drag::panel;
-    if (state_.left_over_strokes > 0 || event.code != GLFW_MOUSE_BUTTON_LEFT) return;
+    if (state_.left_over_strokes > 0 || state_.finishing || event.code != GLFW_MOUSE_BUTTON_LEFT) return;
     drag_ = Drag::board;
     stroke_began_s_ = event.time_s;
     seed_ = std::random_device{}();
@@ -102,10 +102,23 @@ void Hand::take(const InputEvent& event, Extent screen, double left, bool panels
         case InputEvent::Kind::key:
             if (!typing) key(event);
             break;
+        case InputEvent::Kind::gesture:
+            if (drag_ == Drag::none && !panels_busy) gesture(event);
+            break;
         case InputEvent::Kind::lost:
             let_go();
             break;
     }
+}
+
+// Two fingers: what lies under their middle stays there.
+void Hand::gesture(const InputEvent& event) {
+    const double left = state_.canvas_left;
+    glm::dvec2 at = event.at - glm::dvec2(left, 0);
+    if (at.x < 0 || at.x >= screen_.width || at.y < 0 || at.y >= screen_.height) return;
+    const Extent half = pane(state_, screen_);
+    if (half.width < screen_.width && at.x >= half.width) at.x -= half.width;
+    state_.view = pinched(state_.view, at - event.by, at, event.factor, event.turn_deg, half);
 }
 
 Hand::Drag Hand::drag_for(const InputEvent& event) const {
@@ -173,6 +186,7 @@ void Hand::press(const InputEvent& event) {
 }
 
 bool Hand::begin_stroke(const InputEvent& event, bool on_painting) {
+    if (state_.finishing) return false;
     if (!on_painting || state_.left_over_strokes > 0) {
         if (state_.left_over_strokes > 0)
             state_.message = "first recover or put aside the strokes of the last sitting";
@@ -275,10 +289,14 @@ void Hand::key(const InputEvent& event) {
             state_.ask.save = state_.ask.close = true;
         else if (state_.left_over_strokes > 0)
             state_.ask.recover = true;
+        else if (!state_.dropped.empty())
+            state_.ask.fit_folder = std::exchange(state_.dropped, {});
     }
     if (event.code == GLFW_KEY_ESCAPE) {
+        state_.ask.stay = state_.finishing.has_value();
         state_.closing = false;
         state_.open_next.clear();
+        state_.dropped.clear();
     }
     if (event.code == GLFW_KEY_SPACE) space_ = true;
     const std::optional<Action> action = state_.keys.action(event.code, event.mods);

@@ -21,7 +21,10 @@ public:
     const glm::dvec2& cursor() const { return cursor_; }  // [pixels of the canvas area]
     bool over_canvas() const { return over_canvas_; }
     bool holds() const { return drag_ != Drag::none; }
-    bool panels_wanted() const { return panels_; }
+    // Where something is asked in them, too.
+    bool panels_wanted() const {
+        return panels_ || state_.closing || state_.finishing || state_.left_over_strokes > 0;
+    }
 
 private:
     enum class Drag { none, tilt, light, pan, paint, size, ruler, region, divider, board, mask, panel };
@@ -29,6 +32,7 @@ private:
     void press(const InputEvent& event);
     void move(const InputEvent& event);
     void key(const InputEvent& event);
+    void gesture(const InputEvent& event);
     void act(Action action);
     void look_act(Action action);
     Drag drag_for(const InputEvent& event) const;

@@ -13,7 +13,7 @@ Input* of(GLFWwindow* window) { return static_cast<Input*>(glfwGetWindowUserPoin
 
 }  // namespace
 
-Input::Input(GLFWwindow* window) : window_(window) {
+Input::Input(GLFWwindow* window) : window_(window), screens_(window) {
     glfwSetWindowUserPointer(window, this);
     glfwGetCursorPos(window, &at_.x, &at_.y);
     // Uncovered, or another size: what is shown must be drawn again.
@@ -59,6 +59,11 @@ std::deque<InputEvent> Input::take() {
             if (moves(event)) event.pen = pens.samples.empty() ? pen_ : sample_of(pens.samples, i++, count);
         if (!pens.samples.empty()) pen_ = pens.samples.back();
     }
+    std::vector<InputEvent> touched;
+    const double now_s = glfwGetTime();
+    for (const TouchEvent& event : screens_.take(now_s)) fingers_.take(event, touched);
+    fingers_.pass(now_s, touched);
+    events_.insert(events_.end(), touched.begin(), touched.end());
     if (pens.lost) events_.push_back({InputEvent::Kind::lost, glfwGetTime(), at_, 0, 0});
     return std::exchange(events_, {});
 }

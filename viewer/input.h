@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "viewer/pen.h"
+#include "viewer/touch.h"
 #include "viewer/view.h"
 
 struct GLFWwindow;
@@ -20,13 +21,17 @@ struct InputEvent {
         release,
         wheel,
         key,
+        gesture,
         lost
-    } kind = Kind::move;  // lost: a pen that was down
+    } kind = Kind::move;  // gesture: of two fingers; lost: a pen or finger that was down
     double time_s = 0;
     glm::dvec2 at{0};  // [pixels of the window]; wheel: how far
     int code = 0;      // button or key, as GLFW numbers them
     int mods = 0;
     std::optional<PenSample> pen{};  // where a pen moved the pointer
+    // Gesture, whose middle is `at`: moved by [pixels], enlarged, turned counter-clockwise.
+    glm::dvec2 by{0};
+    double factor = 1, turn_deg = 0;
 };
 
 // Listens to a window. There is one at most; panels (Dear ImGui) may be set up after it and hear the same.
@@ -41,6 +46,9 @@ public:
     std::vector<std::filesystem::path> take_dropped();  // files and folders dropped on the window
     std::vector<std::string> pens() const { return pens_.names(); }
     bool woken() const { return woken_; }  // anything at all since take()
+    // Fingers do not wake the window: it has to look for them.
+    bool polled() const { return screens_.any(); }
+    std::optional<Fingers::Pointer> finger() { return fingers_.pointer(); }  // for the panels
 
     void put(InputEvent event);
 
@@ -49,6 +57,8 @@ private:
     std::deque<InputEvent> events_;
     std::vector<std::filesystem::path> dropped_;
     PenDevices pens_;
+    TouchScreens screens_;
+    Fingers fingers_;
     PenSample pen_;     // the last one
     glm::dvec2 at_{0};  // where the pointer was at the last event: when this is handled, it may be elsewhere
     bool woken_ = true;

@@ -33,11 +33,11 @@ inline constexpr std::array<LookName, 10> kLooks = {{{LookMode::painting, "Paint
                                                      {LookMode::diffuse_gain, "Diffuse gain"},
                                                      {LookMode::unsharp_normals, "Unsharp normals"},
                                                      {LookMode::height, "Height"},
-                                                     {LookMode::roughness, "Roughness (alpha)"},
-                                                     {LookMode::specular, "Specular (rho s)"},
+                                                     {LookMode::roughness, "Roughness α"},
+                                                     {LookMode::specular, "Specular ρs"},
                                                      {LookMode::confidence, "Confidence"},
                                                      {LookMode::normals, "Normals"},
-                                                     {LookMode::diffuse, "Diffuse colour (rho d)"}}};
+                                                     {LookMode::diffuse, "Diffuse colour ρd"}}};
 
 enum class Shadows {
     none,

@@ -6,6 +6,7 @@
 #include "paint/canvas_file.h"
 #include "paint/tools_file.h"
 #include "surface/error.h"
+#include "surface/overview.h"
 
 namespace tangi {
 
@@ -67,6 +68,15 @@ void Painter::post(std::function<void()> job) {
 void Painter::wait() {
     std::unique_lock lock(mutex_);
     idle_.wait(lock, [&] { return jobs_.empty() && !busy_; });
+}
+
+bool Painter::idle() const {
+    const std::lock_guard lock(mutex_);
+    return jobs_.empty() && !busy_;
+}
+
+void Painter::hurry(bool give_up_saving) {
+    if (give_up_saving || saves_waiting_ == 0) hurry_ = true;
 }
 
 PainterNews Painter::fetch() {
@@ -157,7 +167,7 @@ void Painter::show_changes() {
     show_board();
     own_.can_undo = session_.history().can_undo();
     own_.can_redo = session_.history().can_redo();
-    own_.strokes = session_.totals().strokes;
+    own_.strokes = session_.totals().strokes + skipped_strokes_;
     own_.layers.clear();
     for (const DriedLayer& layer : session_.canvas().dried()) own_.layers.push_back(layer.name);
     {
@@ -190,27 +200,36 @@ void Painter::show_board() {
     for (BoardPatch& patch : patches) news_.board.push_back(std::move(patch));
 }
 
+void Painter::record(const Event& event) {
+    try {
+        record_.append(event);
+    } catch (const Error& error) {
+        // Painting goes on; but the painter must know that only saving keeps it.
+        if (!told_of_journal_)
+            say(fmt::format("{}; strokes are not recorded: save before you end", error.what()));
+        told_of_journal_ = true;
+    }
+}
+
 void Painter::apply(const Event& event, bool recorded) {
     if (file_is_new_) {
         write_canvas(record_.files().painting, session_.canvas());
         file_is_new_ = false;
     }
     // Nothing is recorded that a replay would stumble over.
-    if (std::holds_alternative<UndoEvent>(event) || std::holds_alternative<RedoEvent>(event)) {
+    const bool undo = std::holds_alternative<UndoEvent>(event);
+    if (undo || std::holds_alternative<RedoEvent>(event)) {
+        if (hurry_) return;
         session_.finish();
-        const bool undo = std::holds_alternative<UndoEvent>(event);
         if (undo ? !session_.history().can_undo() : !session_.history().can_redo())
             fail("there is nothing to {}", undo ? "undo" : "redo");
     }
-    if (!recorded) try {
-            record_.append(event);
-        } catch (const Error& error) {
-            // Painting goes on; but the painter must know that only saving keeps it.
-            if (!told_of_journal_)
-                say(fmt::format("{}; strokes are not recorded: save before you end", error.what()));
-            told_of_journal_ = true;
-        }
+    if (!recorded) record(event);
     own_.unsaved = true;
+    if (hurry_) {
+        skipped_strokes_ += std::holds_alternative<StrokeEvent>(event);
+        return;
+    }
     session_.apply(event);
     for (std::string warning; !(warning = session_.take_warning()).empty();) say(std::move(warning));
     if (std::holds_alternative<UndoEvent>(event)) ++own_.undone;
@@ -238,6 +257,9 @@ void Painter::discard() {
 
 void Painter::write(const std::filesystem::path& to) {
     const std::filesystem::path& from = record_.files().painting;
+    if (hurry_)
+        fail("{} was not saved; its strokes can be recovered when it is opened again",
+             from.filename().string());
     session_.finish();
     record_.let_time_pass();
     if (keep_ && to == from) {
@@ -252,6 +274,7 @@ void Painter::write(const std::filesystem::path& to) {
         // What other modules keep in the file stays: it belongs to the dry layer, which does not change.
         if (!file_is_new_ && std::filesystem::exists(from))
             guarded([&] { further = parts_beside_paint(from); });
+        if (painted_ && !session_.canvas().ingredients().empty()) add_overview(further, *painted_, *dry_);
         write_canvas(file, session_.canvas(), {}, with_tools(std::move(further), session_));
         say(fmt::format("saved {}", to.filename().string()));
     }
@@ -269,6 +292,7 @@ void Painter::write(const std::filesystem::path& to) {
 void Painter::save() { save_as({}); }
 
 void Painter::save_as(const std::filesystem::path& to) {
+    ++saves_waiting_;
     post([this, to] {
         own_.saving = true;
         {
@@ -278,6 +302,7 @@ void Painter::save_as(const std::filesystem::path& to) {
         wake_();
         guarded([&] { write(to.empty() ? record_.files().painting : to); });
         own_.saving = false;
+        --saves_waiting_;
     });
 }
 

@@ -104,12 +104,17 @@ public:
     void keep_by(Keep keep);
 
     PainterNews fetch();
-    void wait();  // until everything that was sent is done
+    void wait();        // until everything that was sent is done
+    bool idle() const;  // it is
+    // It is to end: what was sent and is not painted yet is recorded only, so that it can be recovered, but
+    // for undo and redo; nothing is changed. Where a save was asked for, only if that is given up.
+    void hurry(bool give_up_saving);
 
 private:
     void work();
     void post(std::function<void()> job);
     void apply(const Event& event, bool recorded);
+    void record(const Event& event);
     void show_changes();
     Surface& own_surface();
     void show_board();
@@ -148,7 +153,9 @@ private:
     bool stop_ = false, busy_ = false;
 
     std::function<void()> wake_;
-    std::atomic<bool> horizon_stop_ = false;
+    std::atomic<bool> horizon_stop_ = false, hurry_ = false;
+    std::atomic<int> saves_waiting_ = 0;
+    int skipped_strokes_ = 0;
     std::thread thread_, horizon_thread_;
 };
 

@@ -83,6 +83,7 @@ std::future<void> Painter::change(std::function<void(Canvas&)> work) {
     auto promise = std::make_shared<std::promise<void>>();
     post([this, promise, work = std::move(work)] {
         try {
+            if (hurry_) throw Cancelled();
             session_.finish();
             Canvas next = session_.canvas();
             next.confine({});

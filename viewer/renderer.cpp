@@ -54,6 +54,7 @@ public:
     }
     void set(const char* name, float v) const { glUniform1f(at(name), v); }
     void set(const char* name, int x, int y) const { glUniform2i(at(name), x, y); }
+    void set(const char* name, const glm::ivec4& v) const { glUniform4iv(at(name), 1, glm::value_ptr(v)); }
     void set(const char* name, const glm::vec2& v) const { glUniform2fv(at(name), 1, glm::value_ptr(v)); }
     void set(const char* name, const glm::vec3& v) const { glUniform3fv(at(name), 1, glm::value_ptr(v)); }
     void set(const char* name, const glm::vec4& v) const { glUniform4fv(at(name), 1, glm::value_ptr(v)); }
@@ -130,16 +131,16 @@ void Renderer::set_painting(std::shared_ptr<const TexelTiles> tiles, double mm_p
     glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
     glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
     glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAX_LEVEL, 0);
-    fetch(std::span<const TileView>(), 1);  // what stands in for all others
+    fetch(std::span<const TileView>(), 1, false);  // what stands in for all others
     check("for this painting");
 }
 
-Renderer::Fetched Renderer::fetch(std::span<const TileView> views, std::size_t most_tiles) {
-    TileCache::Wanted wanted = cache_.want(views, most_tiles);
+Renderer::Fetched Renderer::fetch(std::span<const TileView> views, std::size_t most_tiles, bool guest) {
+    TileCache::Wanted wanted = cache_.want(views, most_tiles, guest);
     // Memory for tiles is taken as it is needed: a software renderer's is the machine's.
     while (!wanted.roomy && cache_.layers() < std::min(largest_layers_, cache_.all())) {
         make_layers(2 * cache_.layers());
-        wanted = cache_.want(views, SIZE_MAX);  // what was there is to be fetched again
+        wanted = cache_.want(views, SIZE_MAX, guest);  // what was there is to be fetched again
     }
     if (wanted.placed.empty()) return {wanted.complete, wanted.exact};
     glBindTexture(GL_TEXTURE_2D_ARRAY, texels_.id());
@@ -158,7 +159,7 @@ Renderer::Fetched Renderer::fetch(std::span<const TileView> views, std::size_t m
     return {wanted.complete, wanted.exact};
 }
 
-Renderer::Fetched Renderer::fetch(const Scene& scene, const Shot& shot, std::size_t most_bytes) {
+Renderer::Fetched Renderer::fetch(const Scene& scene, const Shot& shot, std::size_t most_bytes, bool guest) {
     TP_REQUIRE(tiles_, "there is a painting to draw");
     std::vector<TileView> views = {{shot.level, outline_of(shot)}};
     if (scene.mode == LookMode::unsharp_normals)
@@ -167,7 +168,7 @@ Renderer::Fetched Renderer::fetch(const Scene& scene, const Shot& shot, std::siz
         const double right = tiles_->width(), bottom = tiles_->height();
         views.push_back({0, {{0, 0}, {right, 0}, {right, bottom}, {0, bottom}}});
     }
-    return fetch(views, std::max<std::size_t>(most_bytes / kTileBytes, 1));
+    return fetch(views, std::max<std::size_t>(most_bytes / kTileBytes, 1), guest);
 }
 
 void Renderer::upload(const Region& changed) {
@@ -229,7 +230,7 @@ void Renderer::set_monitor(const MonitorTable& table) {
     check("for the monitor's colours");
 }
 
-const gl::Program& Renderer::program_for(const Scene& scene, const Shot& shot, bool linear) {
+const gl::Program& Renderer::program_for(const Scene& scene, const Shot& shot, bool linear, bool by_table) {
     Shadows shadows = scene.shadows;
     if (tiles_->width() < 2 || tiles_->height() < 2 || (shadows == Shadows::horizon && !horizon_))
         shadows = Shadows::none;
@@ -243,6 +244,7 @@ const gl::Program& Renderer::program_for(const Scene& scene, const Shot& shot, b
     define("LAW", scene.law == ReflectanceLaw{} ? 0 : 1);
     define("COLOURED", tiles_->range().coloured_lobes ? 1 : 0);
     define("FILTER", shot.smooth ? 1 : 0);
+    define("AT_HOME", by_table ? 0 : 1);
     define("LIGHTS", static_cast<int>(std::max<std::size_t>(scene.lights.size(), 1)));
     define("NEAR", near ? 1 : 0);
     define("BENDS", scene.rig.bend_per_mm != 0 ? 1 : 0);
@@ -258,9 +260,17 @@ const gl::Program& Renderer::program_for(const Scene& scene, const Shot& shot, b
 }
 
 void Renderer::draw(const Scene& scene, const Shot& shot, GLuint target, bool linear) {
+    draw(scene, shot, target, linear, cache_.homes({shot.level, outline_of(shot)}));
+}
+
+void Renderer::draw_by_table(const Scene& scene, const Shot& shot, GLuint target) {
+    draw(scene, shot, target, false, {});
+}
+
+void Renderer::draw(const Scene& scene, const Shot& shot, GLuint target, bool linear, const Homes& homes) {
     TP_REQUIRE(tiles_, "there is a painting to draw");
     TP_REQUIRE(scene.lights.size() <= kMostLights, "no more lights than the shader takes");
-    const gl::Program& program = program_for(scene, shot, linear);
+    const gl::Program& program = program_for(scene, shot, linear, !homes);
     glBindFramebuffer(GL_FRAMEBUFFER, target);
     glViewport(0, 0, shot.width, shot.height);
     glDisable(GL_BLEND);
@@ -297,6 +307,9 @@ void Renderer::draw(const Scene& scene, const Shot& shot, GLuint target, bool li
     u.set("u_pages", 2);
     u.set("u_monitor", 3);
     u.set("u_first_page", cache_.first_entries());
+    if (homes)
+        u.set("u_homes",
+              glm::ivec4(homes->left, homes->top, homes->columns, homes->rows | homes->first << 16));
     u.set("u_size", tiles_->width(), tiles_->height());
     const int last = tiles_->levels() - 1;
     u.set("u_last_level", last);

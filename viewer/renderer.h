@@ -47,19 +47,26 @@ public:
         bool complete = false;  // nothing is missing any more for which there is room
         bool exact = false;     // every pixel has texels of the shot's own level
     };
-    // What is seen, `most_bytes` of it and one tile at least.
-    Fetched fetch(const Scene& scene, const Shot& shot, std::size_t most_bytes = SIZE_MAX);
+    // What is seen, `most_bytes` of it and one tile at least. `guest`: beside the picture that is seen
+    // (tile_cache.h).
+    Fetched fetch(const Scene& scene, const Shot& shot, std::size_t most_bytes = SIZE_MAX,
+                  bool guest = false);
 
     // Into `target` (0: the window), with the tiles that are there. Encoded as sRGB, or linear.
     void draw(const Scene& scene, const Shot& shot, GLuint target, bool linear = false);
+    // Draws with the shader that looks tiles up in a table, as draw() does while some are missing: drivers
+    // compile it then.
+    void draw_by_table(const Scene& scene, const Shot& shot, GLuint target);
     Image<Rgb> read(const gl::Target& target) const;  // as drawn, row 0 at the top
 
     const UploadedBytes& uploaded() const { return uploaded_; }  // since it was made
     const TileCache& cache() const { return cache_; }
 
 private:
-    const gl::Program& program_for(const Scene& scene, const Shot& shot, bool linear);
-    Fetched fetch(std::span<const TileView> views, std::size_t most_tiles);
+    using Homes = std::optional<TileCache::Homes>;
+    const gl::Program& program_for(const Scene& scene, const Shot& shot, bool linear, bool by_table);
+    Fetched fetch(std::span<const TileView> views, std::size_t most_tiles, bool guest);
+    void draw(const Scene& scene, const Shot& shot, GLuint target, bool linear, const Homes& homes);
     void make_layers(int wanted);
     bool allocated(int layers);
 

@@ -83,7 +83,7 @@ const std::vector<Shortcut>& shortcuts() {
         {fit, "fit", "F", "the whole painting in the window"},
         {one_to_one, "one-to-one", "1", "a pixel of the painting as one of the screen"},
         {straighten, "straighten", "R", "straighten"},
-        {turn_left, "turn-left", "Comma", "turn by 15 degrees"},
+        {turn_left, "turn-left", "Comma", "turn by 15°"},
         {turn_right, "turn-right", "Period", "the other way"},
         {light_left, "light-left", "Left", "light: azimuth"},
         {light_right, "light-right", "Right", "the other way"},

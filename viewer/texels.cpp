@@ -75,14 +75,28 @@ private:
 }  // namespace
 
 TexelRange range_of(const Surface& s, float paint_mm) {
+    std::vector<TexelRange> rows(static_cast<std::size_t>(s.height()));
+    parallel_for(0, s.height(), 64, [&](int begin, int end) {
+        for (int y = begin; y < end; ++y) {
+            TexelRange& row = rows[static_cast<std::size_t>(y)];
+            row.height_max_mm = 0;
+            for (const float z : s.height_mm.row(y)) {
+                row.height_min_mm = std::min(row.height_min_mm, z);
+                row.height_max_mm = std::max(row.height_max_mm, z);
+            }
+            for (const Rgb& c : s.diffuse.row(y))
+                row.diffuse_max = std::max({row.diffuse_max, c.r, c.g, c.b});
+            for (const float v : s.specular.row(y)) row.specular_max = std::max(row.specular_max, v);
+        }
+    });
     TexelRange range;
     float low = 0, high = 0;
-    for (const float z : s.height_mm.pixels()) {
-        low = std::min(low, z);
-        high = std::max(high, z);
+    for (const TexelRange& row : rows) {
+        low = std::min(low, row.height_min_mm);
+        high = std::max(high, row.height_max_mm);
+        range.diffuse_max = std::max(range.diffuse_max, row.diffuse_max);
+        range.specular_max = std::max(range.specular_max, row.specular_max);
     }
-    for (const Rgb& c : s.diffuse.pixels()) range.diffuse_max = std::max({range.diffuse_max, c.r, c.g, c.b});
-    for (const float v : s.specular.pixels()) range.specular_max = std::max(range.specular_max, v);
     // A few wild pixels must not take the bits of all others.
     range.diffuse_max = std::min(range.diffuse_max, 16.0f);
     range.specular_max = std::min(range.specular_max, 16.0f);

@@ -1,8 +1,9 @@
 #include "viewer/tile_cache.h"
 
 #include <algorithm>
+#include <climits>
 #include <cmath>
-#include <numeric>
+#include <glm/common.hpp>
 
 #include "surface/error.h"
 #include "viewer/view.h"
@@ -23,8 +24,40 @@ TileCache::TileCache(int width, int height, int layers) : width_(width), height_
     }
     layers_ = std::min(layers, entries);
     TP_REQUIRE(layers_ >= 1 && layers_ <= 2048, "a tile fits, and its layer into 11 bits");
-    free_.resize(static_cast<std::size_t>(layers_));
-    std::iota(free_.rbegin(), free_.rend(), 0);
+    held_.resize(static_cast<std::size_t>(layers_));
+    make_homes();
+}
+
+// From the coarsest level down, as many levels as fit into half of the layers have a home for each tile; all,
+// where all fit. The others share two grids in turn, two levels the same one.
+void TileCache::make_homes() {
+    homes_.resize(first_.size());
+    int shared = layers_, level = static_cast<int>(first_.size()) - 1;
+    for (; level >= 0; --level) {
+        const LevelSize whole = size(level);
+        const int tiles = whole.columns() * whole.rows();
+        const bool fits = layers_ == all() || layers_ - shared + tiles <= std::max(layers_ / 2, 1);
+        if (!fits) break;
+        shared -= tiles;
+        homes_[static_cast<std::size_t>(level)] = {
+            .first = shared, .columns = whole.columns(), .rows = whole.rows()};
+    }
+    const int grids = level >= 2 ? 2 : 1, room = std::max(shared / grids, 1);
+    for (; level >= 0; --level) {
+        const LevelSize whole = size(level);
+        Homes& homes = homes_[static_cast<std::size_t>(level)];
+        homes.first = std::min((level / 2 % grids) * room, layers_ - 1);
+        // Screens are wider than high.
+        homes.columns =
+            std::clamp(static_cast<int>(std::sqrt(1.6 * room)), 1, std::min(whole.columns(), room));
+        homes.rows = std::min(whole.rows(), room / homes.columns);
+        homes.columns = std::min(whole.columns(), room / homes.rows);
+    }
+}
+
+int TileCache::home_of(const TileName& tile) const {
+    const Homes& homes = homes_[static_cast<std::size_t>(tile.level)];
+    return homes.first + tile.column % homes.columns + homes.columns * (tile.row % homes.rows);
 }
 
 // Tiles that an outline touches, with the texels beside it, which are mixed into those at its border.
@@ -64,22 +97,61 @@ int TileCache::affordable(const TileView& view) const {
     return level;
 }
 
-std::optional<int> TileCache::free_layer() {
-    if (free_.empty()) {
-        const auto oldest =
-            std::min_element(resident_.begin(), resident_.end(),
-                             [](const auto& a, const auto& b) { return a.second.used < b.second.used; });
-        if (oldest->second.used == call_) return {};
-        free_.push_back(oldest->second.layer);
-        resident_.erase(oldest);
-    }
-    const int layer = free_.back();
-    free_.pop_back();
-    return layer;
+bool TileCache::may_go(int layer, bool guest) const {
+    const auto& tile = held_[static_cast<std::size_t>(layer)];
+    const std::uint64_t used = tile ? resident_.at(*tile).used : 0;
+    return used != call_ && !(guest && used == seen_call_);
 }
 
-TileCache::Wanted TileCache::want(std::span<const TileView> views, std::size_t most) {
+void TileCache::drive_out(int layer) {
+    auto& tile = held_[static_cast<std::size_t>(layer)];
+    if (tile) resident_.erase(*tile);
+    tile.reset();
+}
+
+// Its home; where that is needed, one that is free, or of the tile that was not needed for longest.
+std::optional<int> TileCache::layer_for(const TileName& tile, bool guest, bool& roomy) {
+    const int home = home_of(tile);
+    if (!held_[static_cast<std::size_t>(home)]) return home;
+    if (!guest) roomy = false;
+    if (may_go(home, guest)) return home;
+    std::optional<int> oldest;
+    std::uint64_t used = 0;
+    for (int layer = 0; layer < layers_; ++layer) {
+        const auto& other = held_[static_cast<std::size_t>(layer)];
+        if (!other) return layer;
+        const std::uint64_t its = resident_.at(*other).used;
+        if (may_go(layer, guest) && (!oldest || its < used)) oldest = layer, used = its;
+    }
+    if (oldest) roomy = false;
+    return oldest;
+}
+
+void TileCache::settle(const TileName& tile, int layer, Wanted& wanted) {
+    drive_out(layer);
+    held_[static_cast<std::size_t>(layer)] = tile;
+    resident_[tile] = {layer, call_};
+    wanted.placed.push_back({tile, layer});
+}
+
+// Those that are seen and lie elsewhere, since their home was needed.
+void TileCache::send_home(std::span<const TileView> views, std::size_t most, Wanted& wanted) {
+    for (const TileView& view : views) {
+        const int level = std::clamp(view.level, 0, static_cast<int>(first_.size()) - 1);
+        if (view.outline.empty()) continue;
+        for_each_tile(level, view.outline, [&](const TileName& tile) {
+            const auto layer = layer_of(tile);
+            const int home = home_of(tile);
+            if (!layer || *layer == home || wanted.placed.size() >= most || !may_go(home, false)) return;
+            drive_out(*layer);
+            settle(tile, home, wanted);
+        });
+    }
+}
+
+TileCache::Wanted TileCache::want(std::span<const TileView> views, std::size_t most, bool guest) {
     ++call_;
+    if (!guest) seen_call_ = call_;
     const int last = static_cast<int>(first_.size()) - 1;
     struct Missing {
         TileName tile;
@@ -118,15 +190,14 @@ TileCache::Wanted TileCache::want(std::span<const TileView> views, std::size_t m
             wanted.complete = wanted.exact = false;
             break;
         }
-        wanted.roomy = wanted.roomy && !free_.empty();
-        const auto layer = free_layer();
+        const auto layer = layer_for(m.tile, guest, wanted.roomy);
         if (!layer) {
             refuse_exact();
             break;
         }
-        resident_[m.tile] = {*layer, call_};
-        wanted.placed.push_back({m.tile, *layer});
+        settle(m.tile, *layer, wanted);
     }
+    if (!guest) send_home(views, most, wanted);
     return wanted;
 }
 
@@ -134,6 +205,24 @@ std::optional<int> TileCache::layer_of(const TileName& tile) const {
     const auto found = resident_.find(tile);
     if (found == resident_.end()) return {};
     return found->second.layer;
+}
+
+std::optional<TileCache::Homes> TileCache::homes(const TileView& view) const {
+    const int level = std::clamp(view.level, 0, static_cast<int>(first_.size()) - 1);
+    if (view.outline.empty()) return {};
+    Homes homes = homes_[static_cast<std::size_t>(level)];
+    glm::ivec2 low(INT_MAX), high(-1);
+    bool all_at_home = true;
+    for_each_tile(level, view.outline, [&](const TileName& tile) {
+        low = glm::min(low, glm::ivec2(tile.column, tile.row));
+        high = glm::max(high, glm::ivec2(tile.column, tile.row));
+        all_at_home = all_at_home && layer_of(tile) == home_of(tile);
+    });
+    if (!all_at_home || high.x < low.x || high.x - low.x >= homes.columns || high.y - low.y >= homes.rows)
+        return {};
+    homes.left = -(low.x / homes.columns) * homes.columns;
+    homes.top = -(low.y / homes.rows) * homes.rows;
+    return homes;
 }
 
 std::vector<std::uint32_t> TileCache::table() const {

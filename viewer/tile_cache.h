@@ -1,5 +1,10 @@
 // tile_cache.h: which tiles of a painting are on the graphics device: those that are seen, and of those seen
 // before as many as there is room for. No OpenGL.
+//
+// Every tile has a layer that is its home, by column and row modulo those of a grid; tiles of a view lie side
+// by side there, and a shader finds them by arithmetic. Coarse levels have homes for all of their tiles,
+// finer ones share what is left: those that are two levels apart, which are seen together, have no home in
+// common. A tile whose home is needed by another that is seen lies elsewhere, and a table tells where.
 #pragma once
 
 #include <cstdint>
@@ -38,7 +43,16 @@ public:
     };
     // Finds layers for up to `most` tiles that these views need: coarse ones first, which stand in for what
     // is missing, then from the middle outwards. Takes the layers of tiles that were not needed for longest.
-    Wanted want(std::span<const TileView> views, std::size_t most);
+    // `guest`: beside the picture that is seen (a loupe), whose tiles it drives from nowhere.
+    Wanted want(std::span<const TileView> views, std::size_t most, bool guest = false);
+
+    // Where tiles of a view are found: layer first + (column + left, less columns where that is not below it)
+    // + columns * (the same of row). Empty where one of them is missing or not at home.
+    struct Homes {
+        int first = 0, columns = 1, rows = 1;
+        int left = 0, top = 0;
+    };
+    std::optional<Homes> homes(const TileView& view) const;
 
     std::optional<int> layer_of(const TileName& tile) const;
     int all() const { return first_.back() + 1; }  // tiles of the painting, all levels
@@ -60,17 +74,24 @@ private:
         int layer = 0;
         std::uint64_t used = 0;  // the call of want() that needed it last
     };
+    void make_homes();
+    int home_of(const TileName& tile) const;
+    bool may_go(int layer, bool guest) const;
+    void drive_out(int layer);
+    void settle(const TileName& tile, int layer, Wanted& wanted);
+    void send_home(std::span<const TileView> views, std::size_t most, Wanted& wanted);
     LevelSize size(int level) const { return level_size(width_, height_, level); }
     template <class Visit>
     void for_each_tile(int level, const std::vector<glm::dvec2>& outline, const Visit& visit) const;
     int affordable(const TileView& view) const;
-    std::optional<int> free_layer();
+    std::optional<int> layer_for(const TileName& tile, bool guest, bool& roomy);
 
     int width_ = 0, height_ = 0, layers_ = 0;
     std::vector<int> first_;
-    std::vector<int> free_;
+    std::vector<Homes> homes_;                   // of each level; left and top are of views
+    std::vector<std::optional<TileName>> held_;  // by each layer
     std::map<TileName, Entry, Order> resident_;
-    std::uint64_t call_ = 0;
+    std::uint64_t call_ = 0, seen_call_ = 0;  // the last; the last that was no guest's
 };
 
 }  // namespace tangi

@@ -53,6 +53,16 @@ View turned(View view, double by_deg) {
     return view;
 }
 
+View pinched(View view, const glm::dvec2& from, const glm::dvec2& to, double factor, double turn_deg,
+             Extent screen) {
+    const glm::dvec2 middle = 0.5 * glm::dvec2(screen.width, screen.height);
+    const glm::dvec2 under = view.centre_px + unturned(view, from - middle);
+    view.zoom = std::clamp(view.zoom * factor, View::kSmallest, View::kLargest);
+    view = turned(view, turn_deg);
+    view.centre_px = under - unturned(view, to - middle);
+    return view;
+}
+
 Placement::Placement(const View& view, const Tilt& tilt, bool flat, Extent painting, Extent screen,
                      double mm_per_pixel, const Vec3& viewer)
     : screen_(screen), zoom_(view.zoom) {

@@ -32,6 +32,9 @@ View fitted(Extent painting, Extent screen, double turn_deg = 0);
 View zoomed(View view, double factor, const glm::dvec2& cursor, Extent screen);
 View panned(View view, const glm::dvec2& by);  // [pixels of the screen]
 View turned(View view, double by_deg);
+// Larger and turned, so that what was at `from` is at `to` [pixels of the screen].
+View pinched(View view, const glm::dvec2& from, const glm::dvec2& to, double factor, double turn_deg,
+             Extent screen);
 
 // The painting in space: turned by view and tilt about the middle of the screen, seen in perspective from
 // three heights of the screen. `flat`: the screen itself is tilted, as a tablet: the picture stays, the

@@ -13,12 +13,29 @@
 #include <cstddef>
 
 #include "surface/error.h"
+#include "surface/painting_parts.h"
 #include "viewer/panels/panels.h"
 #include "viewer/window_app.h"
 
 namespace tangi {
 
 namespace {
+
+// Begins to read what the window is opened with. What is no painting is found before there is a window.
+std::unique_ptr<FirstOpening> opening_of(const WindowSetup& setup, const Progress& progress) {
+    if (!setup.file_is_new) (void)painting_parts(setup.file);
+    return std::make_unique<FirstOpening>(
+        [open = setup.open, palette = setup.palette, file = setup.file,
+         is_new = setup.file_is_new](const Progress& p) {
+            OpenedPainting opened;
+            opened.painter = std::make_unique<Painter>(
+                Painter::Setup{open(p), palette, file, is_new}, [] { glfwPostEmptyEvent(); }, p);
+            opened.tiles = std::make_shared<TexelTiles>(opened.painter->surface(), opened.painter->range());
+            opened.file = file;
+            return opened;
+        },
+        progress);
+}
 
 constexpr double kSweep_deg_per_s = 40;
 constexpr double kFrame_s = 1 / 60.0;
@@ -29,6 +46,9 @@ constexpr double kProgress_s = 0.2;                        // between two pictur
 
 WindowApp::WindowApp(WindowSetup setup, const Progress& progress)
     : stop_wanted_(std::move(setup.stop_wanted)),
+      file_(setup.file),
+      photos_(setup.photos),
+      first_(opening_of(setup, progress)),
       window_(fmt::format("{} - TangiPaint", setup.file.filename().string()), setup.width, setup.height),
       input_(window_.handle()),
       panels_(window_.handle()) {
@@ -44,36 +64,13 @@ WindowApp::WindowApp(WindowSetup setup, const Progress& progress)
                                             .wake = wake,
                                             .say = [this](const std::string& text) { say(text); }});
     use_monitor(setup);
-    OpenedPainting opened;
-    opened.painter = std::make_unique<Painter>(
-        Painter::Setup{std::move(setup.canvas), setup.palette, setup.file, setup.file_is_new}, wake,
-        progress);
-    opened.tiles = std::make_shared<TexelTiles>(opened.painter->surface(), opened.painter->range());
-    opened.file = setup.file;
-    show(std::move(opened), true);
     const auto* name = reinterpret_cast<const char*>(glGetString(GL_RENDERER));
     result_.drawn_by = name ? name : "";
-    if (!setup.photos.empty()) desk_->hold_photos(setup.photos, *painter_);
     try {
         if (!setup.settings.empty()) state_.keys = Keys::read(setup.settings / "keys.json");
     } catch (const Error& error) {
         say(error.what());  // the usual keys, then
     }
-}
-
-// Drivers compile when something is drawn for the first time, which takes a software renderer half a second:
-// now, and not when the hand first moves.
-void WindowApp::warm_up() {
-    HorizonMap nothing{1, 1, {}};
-    nothing.values.assign(HorizonMap::kAzimuths, 0);
-    renderer_.set_horizon(nothing);  // until the painter has made one
-    const gl::Target target(16, 16, false);
-    for (const bool smooth : {false, true}) {
-        Shot shot = placement().shot(1, smooth);
-        shot.width = shot.height = 16;
-        renderer_.draw(scene_on_screen(), shot, target.framebuffer());  // with what there is
-    }
-    glFinish();
 }
 
 // A profile that the screen has is used where nothing else is said; a bad one is no reason not to paint.
@@ -128,7 +125,7 @@ void WindowApp::loupe(const Scene& scene) {
     const Placement place(view, state_.tilt, state_.flat, state_.painting, {kSide, kSide},
                           state_.mm_per_pixel);
     const Shot shot = place.shot(1, true);
-    if (!renderer_.fetch(scene, shot, kFetchBytes).complete) settle_ = std::max(settle_, 2);
+    if (!renderer_.fetch(scene, shot, kFetchBytes, true).complete) settle_ = std::max(settle_, 2);
     renderer_.draw(scene, shot, loupe_.framebuffer());
     const int x = static_cast<int>(left_ + hand_->cursor().x) - kSide / 2;
     const int y = window_size_.height - static_cast<int>(hand_->cursor().y) - kSide / 2;
@@ -156,6 +153,11 @@ void WindowApp::draw(bool moved) {
     dirty_ = false;
     ImGui_ImplOpenGL3_NewFrame();
     ImGui_ImplGlfw_NewFrame();
+    if (const auto finger = input_.finger()) {
+        ImGui::GetIO().MousePos = {static_cast<float>(finger->at.x), static_cast<float>(finger->at.y)};
+        ImGui::GetIO().MouseDown[0] = finger->down;
+        settle_ = kFramesAfterwards;
+    }
     ImGui::NewFrame();
     if (compares) panels::held_photo(state_, held_.left(), held_.right(), screen_);
     if (hand_->panels_wanted()) {
@@ -175,12 +177,35 @@ void WindowApp::draw(bool moved) {
     ++result_.frames;
 }
 
+// What the picture depends on, but for strokes.
+std::string WindowApp::seen_now(const Placement& place) const {
+    const Scene scene = scene_of(state_, place);
+    const Shot shot = place.shot(1, true);
+    // Up to its last member (always the same): what comes after that is padding, which is never the same.
+    constexpr std::size_t kShotBytes = offsetof(Shot, smooth);
+    std::string seen(reinterpret_cast<const char*>(&shot), kShotBytes);
+    for (const Light& light : scene.lights)
+        seen += fmt::format("{} {} {} {} {}", light.direction.x, light.direction.y, light.direction.z,
+                            light.gain.r, light.position_mm ? light.position_mm->z : 0);
+    seen += fmt::format("{} {} {} {} {} {} {} {} {} {} {}", static_cast<int>(scene.model),
+                        static_cast<int>(scene.shadows), scene.light_radius_deg, scene.ambient,
+                        scene.exposure[0][0], scene.shoulder, static_cast<int>(scene.mode), scene.strength,
+                        scene.sharpness, scene.lowest_mm, scene.highest_mm);
+    const Comparing& comparing = state_.comparing;
+    if (comparing.shows())
+        return fmt::format("{} {} {} {} {}", seen.substr(0, kShotBytes),
+                           static_cast<const void*>(comparing.held().get()), static_cast<int>(comparing.way),
+                           comparing.divider, comparing.blink_photo);
+    return seen;
+}
+
 // True while there is something to do.
 bool WindowApp::frame() {
     const double before = now_s_;
     now_s_ = glfwGetTime();
-    const bool woken = input_.woken();
+    const bool was_woken = input_.woken();
     const std::deque<InputEvent> events = input_.take();
+    const bool woken = was_woken || !events.empty();
     glfwGetFramebufferSize(window_.handle(), &window_size_.width, &window_size_.height);
     left_ = hand_->panels_wanted() ? panels::width(state_) : 0;
     state_.canvas_left = static_cast<float>(left_);
@@ -224,25 +249,9 @@ bool WindowApp::frame() {
         return false;                 // nothing to be seen
     }
 
-    // What the picture depends on; strokes and light alike.
     const Placement place = placement();
-    const Scene scene = scene_of(state_, place);
-    const Shot shot = place.shot(1, true);
-    // Up to its last member (always the same): what comes after that is padding, which is never the same.
-    constexpr std::size_t kShotBytes = offsetof(Shot, smooth);
-    std::string seen(reinterpret_cast<const char*>(&shot), kShotBytes);
-    for (const Light& light : scene.lights)
-        seen += fmt::format("{} {} {} {} {}", light.direction.x, light.direction.y, light.direction.z,
-                            light.gain.r, light.position_mm ? light.position_mm->z : 0);
-    seen += fmt::format("{} {} {} {} {} {} {} {} {} {} {}", static_cast<int>(scene.model),
-                        static_cast<int>(scene.shadows), scene.light_radius_deg, scene.ambient,
-                        scene.exposure[0][0], scene.shoulder, static_cast<int>(scene.mode), scene.strength,
-                        scene.sharpness, scene.lowest_mm, scene.highest_mm);
+    std::string seen = seen_now(place);
     const Comparing& comparing = state_.comparing;
-    if (comparing.shows())
-        seen = fmt::format("{} {} {} {} {}", seen.substr(0, kShotBytes),
-                           static_cast<const void*>(comparing.held().get()), static_cast<int>(comparing.way),
-                           comparing.divider, comparing.blink_photo);
     const bool moved = seen != seen_;
     seen_ = std::move(seen);
     if (moved) moved_s_ = now_s_;
@@ -254,18 +263,25 @@ bool WindowApp::frame() {
             draw(moved || (!rests && !fine));
             --settle_;
         }
+    } else if (cold_shaders_ > 0 && rests && !hand_->holds()) {
+        warm_up_table();
     }
-    return state_.tilt.moves() || state_.sweeping || recorder_ || settle_ > 0 || !changed_.empty() || !fine ||
+    return state_.finishing || cold_shaders_ > 0 || state_.tilt.moves() || state_.sweeping || recorder_ ||
+           settle_ > 0 || !changed_.empty() || !fine ||
            (comparing.shows() && comparing.way == CompareWay::blink);
 }
 
 WindowResult WindowApp::run() {
+    if (!open_first()) {
+        result_.file = file_;
+        return result_;
+    }
     bool busy = true;
     for (;;) {
         if (busy)
             glfwPollEvents();
         else
-            glfwWaitEventsTimeout(devices_->polled() ? kFrame_s : 0.25);
+            glfwWaitEventsTimeout(devices_->polled() || input_.polled() ? kFrame_s : 0.25);
         if (stop_wanted_ && stop_wanted_()) break;
         if (closing()) break;
         busy = frame();
@@ -276,6 +292,7 @@ WindowResult WindowApp::run() {
         }
     }
     hand_->let_go();
+    painter_->hurry(false);
     tally();
     result_.tilt_deg = state_.tilt.angle_deg;
     result_.light_azimuth_deg = state_.lamps.front().angles.azimuth_deg;

@@ -18,7 +18,8 @@
 namespace tangi {
 
 struct WindowSetup {
-    Canvas canvas;
+    // Reads or makes what is shown, on a thread of its own, while the window shows how far it is.
+    std::function<Canvas(const Progress&)> open;
     Palette palette;
     std::map<std::string, BrushSettings> brushes;
     std::filesystem::path file{};  // what is opened, or where a new canvas is to be saved
@@ -47,7 +48,8 @@ struct WindowResult {
     std::string drawn_by;
 };
 
-// Shows the window until it is closed. Throws Error where there is no display or no OpenGL 3.3.
+// Shows the window until it is closed. A large painting is first seen as its overview (surface/overview.h).
+// Throws Error where there is no display or no OpenGL 3.3, and what `open` throws.
 WindowResult run_window(WindowSetup setup, const Progress& progress = {});
 
 }  // namespace tangi

@@ -1,6 +1,7 @@
 // window_app.h: the window from inside: what there is of it, and what a frame does.
 //
-// In two parts: window.cpp draws and animates, window_requests.cpp does what hand and panels ask for.
+// In three parts: window_opening.cpp shows a painting, window.cpp draws and animates, window_requests.cpp
+// does what hand and panels ask for.
 #pragma once
 
 #include <deque>
@@ -11,6 +12,7 @@
 #include "viewer/desk.h"
 #include "viewer/desktop.h"
 #include "viewer/devices.h"
+#include "viewer/first_opening.h"
 #include "viewer/hand.h"
 #include "viewer/held_pictures.h"
 #include "viewer/live_picture.h"
@@ -30,11 +32,15 @@ public:
 private:
     static constexpr int kFramesAfterwards = 3;  // panels need some to settle
 
+    bool open_first();
+    void draw_opening(std::shared_ptr<const TexelTiles> overview, double mm_per_pixel);
     bool frame();
+    std::string seen_now(const Placement& place) const;
     void news();
     void requests();
     void loupe(const Scene& scene);
     void warm_up();
+    void warm_up_table();
     void show(OpenedPainting opened, bool is_first);
     void tally();
     void find_left_over(const std::filesystem::path& file);
@@ -52,9 +58,13 @@ private:
     void board_requests(const WindowState::Requests& ask);
     void say(const std::string& text);
     bool closing();
+    bool painted_all();
+    void finish_and_open();
     Placement placement() const { return placement_of(state_, screen_); }
 
     std::function<bool()> stop_wanted_;
+    std::filesystem::path file_, photos_;  // to begin with
+    std::unique_ptr<FirstOpening> first_;
     Glfw glfw_;
     DesktopWindow window_;
     Input input_;
@@ -84,8 +94,9 @@ private:
     std::string seen_;                // the scene and placement of the last picture
     int settle_ = kFramesAfterwards;  // frames to be drawn
     bool progress_due_ = false;
-    bool dirty_ = true, close_when_saved_ = false, close_unsaved_ = false, fitted_ = false,
-         ready_to_paint_ = false;
+    int cold_shaders_ = 0;  // that are compiled when there is time
+    bool dirty_ = true, close_when_saved_ = false, close_unsaved_ = false, open_when_saved_ = false,
+         fitted_ = false, ready_to_paint_ = false;
     WindowResult result_;
 };
 

@@ -16,72 +16,11 @@ namespace tangi {
 
 namespace {
 
+constexpr double kProgress_s = 0.2;      // between two pictures of how far something is
 constexpr double kHorizonPause_s = 0.4;  // after the last change, before shadows are made again
 constexpr std::size_t kUploadBytes = std::size_t(8) << 20;  // in one frame
 
 }  // namespace
-
-// From now on, this painting.
-void WindowApp::show(OpenedPainting opened, bool is_first) {
-    if (!is_first) {
-        tally();
-        if (result_.unsaved)
-            say(fmt::format("strokes on {} were not saved: open it again to recover them", state_.title));
-    }
-    treating_->leave();
-    map_.clear();
-    // What is to be uploaded is of the painting before.
-    changed_.clear();
-    hand_.reset();
-    painter_ = std::move(opened.painter);
-    hand_.emplace(state_, *painter_);
-    const Surface& surface = painter_->surface();
-    state_.title = opened.file.filename().string();
-    state_.painting = {surface.width(), surface.height()};
-    state_.mm_per_pixel = surface.mm_per_pixel;
-    state_.stroke_mm_per_pixel = painter_->mm_per_pixel();
-    state_.scale_known = surface.scale_known;
-    state_.law = surface.law;
-    state_.from_photographs = !surface.photography.photos.empty();
-    const auto [low, high] =
-        std::minmax_element(surface.height_mm.pixels().begin(), surface.height_mm.pixels().end());
-    state_.lowest_mm = *low;
-    state_.highest_mm = *high;
-    state_.ruler.reset();
-    state_.profile.reset();
-    state_.region.reset();
-    state_.statistics.reset();
-    state_.probe.reset();
-    state_.left_over_strokes = 0;
-    state_.closing = false;
-    left_over_.reset();
-    held_.clear();
-    if (recorder_) say("the film was not finished");
-    recorder_.reset();
-    board_ = gl::Texture();
-    state_.board = {};
-    glfwSetWindowTitle(window_.handle(), fmt::format("{} - TangiPaint", state_.title).c_str());
-    renderer_.set_painting(opened.tiles, surface.mm_per_pixel);
-    find_left_over(opened.file);
-    warm_up();
-    painter_->start(std::move(opened.tiles));
-    painter_->make_horizon();
-    state_.painter = painter_->fetch().state;
-    desk_->shows(*painter_);
-    treating_->shows(*painter_);
-    fitted_ = ready_to_paint_ = false;
-    dirty_ = true;
-}
-
-// Adds what was done to the painting that is shown to the result.
-void WindowApp::tally() {
-    painter_->wait();
-    const PainterState last = painter_->fetch().state;
-    result_.file = painter_->file();
-    result_.strokes += last.strokes;
-    result_.saves += last.saves;
-    result_.unsaved = last.unsaved;
-}
 
 void WindowApp::find_left_over(const std::filesystem::path& file) {
     try {
@@ -318,7 +257,7 @@ void WindowApp::requests() {
         state_.view = turned(state_.view, -state_.view.turn_deg);
     }
     const bool other = state_.treating.state || state_.treating.preview;  // than the painting is seen
-    const bool blocked = state_.left_over_strokes > 0 || other;
+    const bool blocked = state_.left_over_strokes > 0 || other || state_.finishing;
     if (ask.undo && state_.painter.can_undo && !blocked) painter_->send(UndoEvent{});
     if (ask.redo && state_.painter.can_redo && !blocked) painter_->send(RedoEvent{});
     if (ask.dry && !blocked)
@@ -348,22 +287,57 @@ void WindowApp::requests() {
         hand_->let_go();
         painter_->save_as(ask.save_as);
     }
-    if (!state_.open_next.empty() && (ask.close || ask.close_unsaved)) {
+    if (ask.stay) {
+        glfwSetWindowShouldClose(window_.handle(), GLFW_FALSE);
+        close_when_saved_ = open_when_saved_ = state_.closing = false;
+        state_.open_next.clear();
+        state_.finishing.reset();
+    }
+    if (ask.close_now) {
+        painter_->hurry(true);
+        close_unsaved_ = true;
+        glfwSetWindowShouldClose(window_.handle(), GLFW_TRUE);
+        return;
+    }
+    if (!state_.open_next.empty() && (ask.close || ask.close_unsaved || open_when_saved_)) {
         // Not the window is to be closed, but the painting.
-        if (ask.save) {
-            treating_->keep_now();
-            painter_->wait();
-            news();
-            if (state_.painter.unsaved || state_.treating.edits > 0)
-                return;  // it could not be saved: the message says why
-        }
-        state_.closing = false;
-        desk_->open(std::exchange(state_.open_next, {}));
+        open_when_saved_ = open_when_saved_ || ask.save;
+        finish_and_open();
         return;
     }
     if (ask.close && ask.save) close_when_saved_ = true;
     if (ask.close || ask.close_unsaved) glfwSetWindowShouldClose(window_.handle(), GLFW_TRUE);
     if (ask.close_unsaved) close_unsaved_ = true;
+}
+
+// Another painting, once this one is saved, where that was asked for.
+void WindowApp::finish_and_open() {
+    if (open_when_saved_) {
+        treating_->keep_now();
+        if (!painted_all()) return;
+        open_when_saved_ = false;
+        if (state_.painter.unsaved || state_.treating.edits > 0)
+            return;  // it could not be saved: the message says why
+    }
+    state_.closing = false;
+    desk_->open(std::exchange(state_.open_next, {}));
+}
+
+// True where the painter has done what was sent, and what became of it is known; else the panels say how far
+// it is, and it is to be asked again.
+bool WindowApp::painted_all() {
+    const bool done = painter_->idle();
+    news();
+    const std::size_t left = state_.painter.waiting;
+    if (done)
+        state_.finishing.reset();
+    else
+        state_.finishing = {std::max(state_.finishing ? state_.finishing->all : 0, left + 1), left};
+    if (!done && now_s_ - progress_s_ > kProgress_s) {
+        settle_ = std::max(settle_, 1);
+        progress_s_ = now_s_;
+    }
+    return done;
 }
 
 // What to do about a window that is to be closed: true where it may.
@@ -373,9 +347,8 @@ bool WindowApp::closing() {
     if (close_unsaved_) return true;
     if (close_when_saved_) treating_->keep_now();
     if (close_when_saved_ || !state_.closing) {
+        if (!painted_all()) return false;
         close_when_saved_ = false;
-        painter_->wait();
-        news();  // what became of it, and messages
     }
     if (!state_.painter.unsaved && state_.treating.edits == 0) return true;
     state_.closing = true;  // asks

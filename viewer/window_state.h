@@ -157,8 +157,12 @@ struct WindowState {
     std::optional<Probe> probe;
     std::string message;
     double message_until_s = 0;
-    int left_over_strokes = 0;                               // that a crash left: recover or discard
-    bool closing = false;                                    // with unsaved strokes: asked what to do
+    int left_over_strokes = 0;  // that a crash left: recover or discard
+    bool closing = false;       // with unsaved strokes: asked what to do
+    struct Finishing {
+        std::size_t all = 0, left = 0;  // events
+    };
+    std::optional<Finishing> finishing;                      // to be closed once these are painted
     std::optional<std::pair<glm::dvec2, glm::dvec2>> ruler;  // [pixels of the painting]
     std::optional<HeightProfile> profile;                    // along it
     std::optional<Region> region;                            // that was chosen
@@ -186,7 +190,7 @@ struct WindowState {
     struct Requests {
         bool fit = false, one_to_one = false, straighten = false, undo = false, redo = false, save = false,
              dry = false, snapshot = false, recover = false, discard = false, close = false,
-             close_unsaved = false;
+             close_unsaved = false, close_now = false, stay = false;
         bool stop_job = false, stop_report = false, open_dialog = false, save_dialog = false,
              photos_dialog = false, fit_dialog = false, report_dialog = false, put_photos_away = false;
         bool film_dialog = false, stop_film = false;

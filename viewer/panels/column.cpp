@@ -52,12 +52,12 @@ void dropped(WindowState& s) {
         done = true;
     }
     if (s.from_photographs) ImGui::SameLine();
-    if (ImGui::Button("Fit a painting")) {
+    if (ImGui::Button("Fit a painting (Enter)")) {
         s.ask.fit_folder = s.dropped;
         done = true;
     }
     ImGui::SameLine();
-    if (ImGui::Button("Nothing")) done = true;
+    if (ImGui::Button("Nothing (Esc)")) done = true;
     if (done) s.dropped.clear();
 }
 
@@ -66,10 +66,10 @@ void dropped(WindowState& s) {
 void file(WindowState& s) {
     ImGui::TextUnformatted(fmt::format("{}{}", s.title, s.painter.unsaved ? " *" : "").c_str());
     if (s.scale_known)
-        ImGui::TextDisabled("%d x %d pixels, %.1f x %.1f mm", s.painting.width, s.painting.height,
+        ImGui::TextDisabled("%d × %d pixels, %.1f × %.1f mm", s.painting.width, s.painting.height,
                             s.painting.width * s.mm_per_pixel, s.painting.height * s.mm_per_pixel);
     else
-        ImGui::TextDisabled("%d x %d pixels, scale unknown", s.painting.width, s.painting.height);
+        ImGui::TextDisabled("%d × %d pixels, scale unknown", s.painting.width, s.painting.height);
     if (s.left_over_strokes > 0) {
         ImGui::TextColored({1, 0.8f, 0.3f, 1}, "A sitting ended without saving.");
         if (ImGui::Button(fmt::format("Recover {} strokes (Enter)", s.left_over_strokes).c_str()))
@@ -77,7 +77,18 @@ void file(WindowState& s) {
         ImGui::SameLine();
         if (ImGui::Button("Put aside")) s.ask.discard = true;
     }
-    if (s.closing) {
+    if (s.finishing) {
+        ImGui::TextColored({1, 0.8f, 0.3f, 1}, "%s",
+                           s.painter.saving ? "Saving." : "Strokes are still being painted.");
+        const double done = static_cast<double>(s.finishing->all - s.finishing->left);
+        ImGui::ProgressBar(static_cast<float>(done / static_cast<double>(s.finishing->all)), {-1, 0},
+                           fmt::format("{} left", s.finishing->left).c_str());
+        if (ImGui::Button("Close now")) s.ask.close_now = true;
+        tip("Nothing is saved. Strokes stay in the journal: next time they can be recovered");
+        ImGui::SameLine();
+        if (ImGui::Button("Go on painting (Esc)")) s.ask.stay = true;
+    }
+    if (s.closing && !s.finishing) {
         ImGui::TextColored({1, 0.8f, 0.3f, 1}, "%s",
                            s.painter.unsaved ? "There are strokes that are not saved."
                                              : "The damage map was corrected, and is not in the log.");
@@ -94,13 +105,13 @@ void file(WindowState& s) {
             s.open_next.clear();
         }
     }
-    if (ImGui::Button("Open ...")) s.ask.open_dialog = true;
+    if (ImGui::Button("Open …")) s.ask.open_dialog = true;
     tip(s.keys.text(Action::open));
     ImGui::SameLine();
     if (ImGui::Button("Save")) s.ask.save = true;
     tip(s.keys.text(Action::save));
     ImGui::SameLine();
-    if (ImGui::Button("Save as ...")) s.ask.save_dialog = true;
+    if (ImGui::Button("Save as …")) s.ask.save_dialog = true;
     tip(s.keys.text(Action::save_as));
     ImGui::SameLine();
     if (ImGui::Button("Keys")) s.help = !s.help;
@@ -108,7 +119,7 @@ void file(WindowState& s) {
     if (ImGui::Button("Snapshot")) s.ask.snapshot = true;
     tip(s.keys.text(Action::snapshot) + ": what is seen, as a PNG beside the painting");
     ImGui::SameLine();
-    if (ImGui::Button("Fit photographs ...")) s.ask.fit_dialog = true;
+    if (ImGui::Button("Fit photographs …")) s.ask.fit_dialog = true;
     tip("Makes a painting of a folder of photographs and a lights file");
     recent(s);
     job(s);
@@ -133,10 +144,10 @@ void tools(WindowState& s) {
     if (ImGui::Button("Straighten (R)")) s.ask.straighten = true;
     ImGui::Checkbox("Flat: the screen tilts", &s.flat);
     auto turn = static_cast<float>(s.view.turn_deg);
-    if (ImGui::SliderFloat("Turn", &turn, -180, 180, "%.0f deg")) s.view.turn_deg = turn;
+    if (ImGui::SliderFloat("Turn", &turn, -180, 180, "%.0f°")) s.view.turn_deg = turn;
     float tilt[2] = {static_cast<float>(s.tilt.angle_deg.x), static_cast<float>(s.tilt.angle_deg.y)};
     if (ImGui::SliderFloat2("Tilt", tilt, -static_cast<float>(Tilt::kMost_deg),
-                            static_cast<float>(Tilt::kMost_deg), "%.0f deg"))
+                            static_cast<float>(Tilt::kMost_deg), "%.0f°"))
         s.tilt = Tilt{.angle_deg = {tilt[0], tilt[1]}};
 }
 
@@ -200,19 +211,24 @@ void help(WindowState& s) {
     if (ImGui::Begin("Keys", &s.help,
                      ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoSavedSettings |
                          ImGuiWindowFlags_HorizontalScrollbar)) {
+        const auto row = [&](const std::string& key, const std::string& text) {
+            ImGui::TextUnformatted(key.c_str());
+            ImGui::SameLine(170 * s.scale);
+            ImGui::TextUnformatted(text.c_str());
+        };
         for (const Shortcut& shortcut : shortcuts()) {
             const Action action = shortcut.action;
             const bool of_treatment = action == Action::tool_damage || action == Action::tool_sample ||
                                       (action > Action::treatment && action <= Action::treatment_report);
             if (of_treatment && !s.treating.on) continue;
-            ImGui::Text("%-20s %s", s.keys.text(action).c_str(), shortcut.help);
+            row(s.keys.text(action), shortcut.help);
         }
         ImGui::Separator();
-        ImGui::TextUnformatted(
-            "wheel                zoom to the cursor\n"
-            "right button         tilt, with any tool\n"
-            "middle button        move the painting, with any tool (or Space and drag)");
-        for (const std::string& pen : s.pens) ImGui::Text("pen                  %s", pen.c_str());
+        row("wheel", "zoom to the cursor");
+        row("right button", "tilt, with any tool");
+        row("middle button", "move the painting, with any tool (or Space and drag)");
+        row("two fingers", "move, enlarge and turn the painting, with any tool");
+        for (const std::string& pen : s.pens) row("pen", pen);
         ImGui::TextDisabled("keys.json in the settings folder changes keys: docs/window.md");
     }
     ImGui::End();

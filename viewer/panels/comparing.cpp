@@ -58,7 +58,7 @@ void numbers(const char* what, const Likeness& likeness) {
     }
     ImGui::Text("%s (%zu pixels)", what, likeness.pixels);
     ImGui::Text("  PSNR %.1f dB   SSIM %.3f", likeness.psnr_db, likeness.ssim);
-    ImGui::Text("  dE2000 %.2f, 95 %% below %.2f", likeness.delta_e_2000, likeness.delta_e_2000_p95);
+    ImGui::Text("  ΔE2000 %.2f, 95 %% below %.2f", likeness.delta_e_2000, likeness.delta_e_2000_p95);
 }
 
 void list(WindowState& s) {
@@ -95,7 +95,7 @@ void photographs(WindowState& s) {
             ImGui::TextWrapped("This painting was not fitted to photographs.");
             return;
         }
-        if (ImGui::Button("Hold photographs against it ...")) s.ask.photos_dialog = true;
+        if (ImGui::Button("Hold photographs against it …")) s.ask.photos_dialog = true;
         ImGui::TextDisabled("or drop their folder on the window");
         return;
     }
@@ -142,7 +142,7 @@ void photographs(WindowState& s) {
         ImGui::SameLine();
         if (ImGui::Button("Stop")) s.ask.stop_report = true;
     } else {
-        if (ImGui::Button("Report ...")) s.ask.report_dialog = true;
+        if (ImGui::Button("Report …")) s.ask.report_dialog = true;
         if (ImGui::IsItemHovered())
             ImGui::SetTooltip("%s: compare.html, compare.json and pictures of all photographs",
                               s.keys.text(Action::report).c_str());
@@ -201,7 +201,7 @@ void held_photo(const WindowState& s, unsigned photo, unsigned relit, Extent scr
         }
     }
     if (c.news.busy && !c.pair)
-        label(draw, {left + wide / 2, static_cast<float>(screen.height) - 60}, "measuring ...");
+        label(draw, {left + wide / 2, static_cast<float>(screen.height) - 60}, "measuring …");
 }
 
 }  // namespace tangi::panels

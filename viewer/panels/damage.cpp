@@ -46,7 +46,7 @@ void legend(WindowState& s) {
         ImGui::TableNextColumn();
         if (row.there) ImGui::Text("%d", row.count);
         ImGui::TableNextColumn();
-        if (row.there) ImGui::Text("%.2f cm2", row.area_cm2);
+        if (row.there) ImGui::Text("%.2f cm²", row.area_cm2);
         ImGui::TableNextColumn();
         if (row.there) ImGui::Text("%.2f %%", row.percent);
     }
@@ -91,7 +91,7 @@ void drawing(WindowState& s) {
         ImGui::PopItemWidth();
         ImGui::SameLine();
         float& tolerance = t.tolerance[static_cast<std::size_t>(by)];
-        if (t.wand_by == WandBy::colour) ImGui::SliderFloat("##tolerance", &tolerance, 1, 50, "dE %.0f");
+        if (t.wand_by == WandBy::colour) ImGui::SliderFloat("##tolerance", &tolerance, 1, 50, "ΔE %.0f");
         if (t.wand_by == WandBy::height)
             ImGui::SliderFloat("##tolerance", &tolerance, 0.005f, 2, "%.3f mm", ImGuiSliderFlags_Logarithmic);
         if (t.wand_by == WandBy::gloss) ImGui::SliderFloat("##tolerance", &tolerance, 0.05f, 3, "%.2f");
@@ -126,7 +126,7 @@ void suggesting(WindowState& s) {
     tip(s.keys.text(Action::suggest) + ": beside the window; nothing is changed before you take it over");
     if (t.suggestion) {
         ShownSuggestion& shown = *t.suggestion;
-        ImGui::TextColored({0.95f, 0.4f, 0.8f, 1}, "%s: %d of %d, %.2f cm2", shown.title.c_str(), shown.shown,
+        ImGui::TextColored({0.95f, 0.4f, 0.8f, 1}, "%s: %d of %d, %.2f cm²", shown.title.c_str(), shown.shown,
                            shown.regions, shown.area_cm2);
         ImGui::SliderFloat("Sure", &shown.threshold, 0, 1, "%.2f and more");
         tip("Only areas of which the program is at least so sure");

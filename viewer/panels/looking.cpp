@@ -47,7 +47,7 @@ void presets(Lamp& lamp) {
     if (!ImGui::BeginCombo("Presets", "choose")) return;
     for (const Preset& preset : kPresets)
         if (ImGui::Selectable(
-                fmt::format("{} ({:.0f}, {:.0f} deg)", preset.name, preset.azimuth_deg, preset.elevation_deg)
+                fmt::format("{} ({:.0f}°, {:.0f}°)", preset.name, preset.azimuth_deg, preset.elevation_deg)
                     .c_str()))
             lamp.angles = {preset.azimuth_deg, preset.elevation_deg};
     ImGui::EndCombo();
@@ -70,7 +70,7 @@ void light(WindowState& s) {
         s.lamp = std::min(s.lamp, s.lamps.size() - 1);
     }
     ImGui::Checkbox("Sweep", &s.sweeping);
-    if (ImGui::SmallButton("Film ...") && !s.film) s.ask.film_dialog = true;
+    if (ImGui::SmallButton("Film …") && !s.film) s.ask.film_dialog = true;
     if (ImGui::IsItemHovered())
         ImGui::SetTooltip("%s: a video of this view, while this lamp goes once round at its elevation",
                           s.keys.text(Action::film).c_str());
@@ -78,8 +78,8 @@ void light(WindowState& s) {
     Lamp& lamp = s.lamps[s.lamp];
     auto azimuth = static_cast<float>(lamp.angles.azimuth_deg),
          elevation = static_cast<float>(lamp.angles.elevation_deg);
-    if (ImGui::SliderFloat("Azimuth", &azimuth, -180, 180, "%.1f deg")) lamp.angles.azimuth_deg = azimuth;
-    if (ImGui::SliderFloat("Elevation", &elevation, 2, 90, "%.1f deg")) lamp.angles.elevation_deg = elevation;
+    if (ImGui::SliderFloat("Azimuth", &azimuth, -180, 180, "%.1f°")) lamp.angles.azimuth_deg = azimuth;
+    if (ImGui::SliderFloat("Elevation", &elevation, 2, 90, "%.1f°")) lamp.angles.elevation_deg = elevation;
     presets(lamp);
     ImGui::SliderFloat("Strength", &lamp.gain, 0, 4, "%.2f");
     ImGui::Checkbox("On", &lamp.on);
@@ -88,7 +88,7 @@ void light(WindowState& s) {
     if (lamp.near) ImGui::SliderFloat("Distance", &lamp.distance, 0.2f, 5, "%.2f widths");
     ImGui::SameLine();
     ImGui::Checkbox("Shadows (S)", &s.shadows);
-    if (s.shadows) ImGui::SliderFloat("Softness", &s.light_radius_deg, 0, 15, "%.1f deg");
+    if (s.shadows) ImGui::SliderFloat("Softness", &s.light_radius_deg, 0, 15, "%.1f°");
     ImGui::SliderFloat("Ambient", &s.ambient, 0, 0.5f, "%.2f");
 }
 

@@ -32,7 +32,7 @@ void recipe(WindowState& s, const ShownMatch& match, const ShownRecipe& r) {
     }
     tip("The brush is loaded with this mixture, and paints");
     ImGui::TextWrapped("%s", r.text.c_str());
-    std::string lamps = "dE2000 ";
+    std::string lamps = "ΔE2000 ";
     for (std::size_t lamp = 0; lamp < kIlluminants; ++lamp)
         lamps += fmt::format(" {} {:.1f}", name_of(static_cast<Illuminant>(lamp)), r.delta_e[lamp]);
     ImGui::TextUnformatted(lamps.c_str());
@@ -71,7 +71,7 @@ void matching(WindowState& s) {
     ImGui::Separator();
     const ShownMatch& match = *t.match;
     ImGui::TextWrapped("Colour %s", match.of.c_str());
-    ImGui::Text("Lab %.1f %.1f %.1f", match.lab.l, match.lab.a, match.lab.b);
+    ImGui::Text("L*a*b* %.1f %.1f %.1f", match.lab.l, match.lab.a, match.lab.b);
     for (const ShownRecipe& r : match.recipes) {
         ImGui::PushID(&r);
         ImGui::Separator();

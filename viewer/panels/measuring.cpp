@@ -24,20 +24,25 @@ void profile(WindowState& s) {
 
 void statistics(const WindowState& s) {
     const RegionStatistics& r = *s.statistics;
-    ImGui::Text("%d x %d pixels at %d %d", r.region.width(), r.region.height(), r.region.x0, r.region.y0);
+    ImGui::Text("%d × %d pixels at %d %d", r.region.width(), r.region.height(), r.region.x0, r.region.y0);
     if (r.pixels == 0) {
         ImGui::TextDisabled("nothing was measured there");
         return;
     }
-    const auto line = [](const char* name, const MeanAndSpread& value) {
-        ImGui::Text("%-11s %8.4f +- %.4f", name, value.mean, value.deviation);
+    const auto named = [&](const char* name, const std::string& value) {
+        ImGui::TextUnformatted(name);
+        ImGui::SameLine(90 * s.scale);
+        ImGui::TextUnformatted(value.c_str());
     };
-    ImGui::Text("rho d       Lab %.1f %.1f %.1f, spread dE2000 %.1f", r.lab_of_mean.l, r.lab_of_mean.a,
-                r.lab_of_mean.b, r.colour_spread);
-    line("rho s", r.specular);
-    line("alpha", r.roughness);
+    const auto line = [&](const char* name, const MeanAndSpread& value) {
+        named(name, fmt::format("{:.4f} ± {:.4f}", value.mean, value.deviation));
+    };
+    named("ρd", fmt::format("L*a*b* {:.1f} {:.1f} {:.1f}, spread ΔE2000 {:.1f}", r.lab_of_mean.l,
+                            r.lab_of_mean.a, r.lab_of_mean.b, r.colour_spread));
+    line("ρs", r.specular);
+    line("α", r.roughness);
     line(s.scale_known ? "height mm" : "height px", r.height_mm);
-    ImGui::Text("rms slope   %8.4f", r.rms_slope);
+    named("rms slope", fmt::format("{:.4f}", r.rms_slope));
     line("confidence", r.confidence);
 }
 

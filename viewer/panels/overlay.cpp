@@ -74,7 +74,7 @@ void probe(const WindowState& s, float right) {
     const Material& m = p.material;
     const Lab lab = lab_from_linear(glm::dvec3(m.diffuse));
     std::string text = fmt::format(
-        "pixel {} {}\nrho d {:.3f} {:.3f} {:.3f}\nLab {:.1f} {:.1f} {:.1f}\nrho s {:.3f}  alpha "
+        "pixel {} {}\nρd {:.3f} {:.3f} {:.3f}\nL*a*b* {:.1f} {:.1f} {:.1f}\nρs {:.3f}  α "
         "{:.3f}\nnormal {:.3f} {:.3f} "
         "{:.3f}\nheight {:.3f} {}\nconfidence {:.2f}",
         p.x, p.y, m.diffuse.r, m.diffuse.g, m.diffuse.b, lab.l, lab.a, lab.b, m.specular, m.roughness,
@@ -96,6 +96,13 @@ void probe(const WindowState& s, float right) {
 
 }  // namespace
 
+void opening(const WindowState& s, const std::string& stage, double fraction, Extent screen) {
+    const std::string text = stage.empty()
+                                 ? fmt::format("opening {}", s.title)
+                                 : fmt::format("opening {}: {} {:.0f} %", s.title, stage, 100 * fraction);
+    message(text, s.canvas_left, static_cast<float>(screen.width), static_cast<float>(screen.height));
+}
+
 void overlay(WindowState& s, const Placement& placement, Extent screen, const glm::dvec2& cursor,
              bool cursor_over) {
     const float left = s.canvas_left;
@@ -109,13 +116,13 @@ void overlay(WindowState& s, const Placement& placement, Extent screen, const gl
     }
     if (!s.comparing.on) probe(s, left + static_cast<float>(screen.width));
     const Lamp& lamp = s.lamps[s.lamp];
-    std::string status = fmt::format("{:.0f} %   tilt {:.0f} {:.0f}   light {:.0f} {:.0f} deg",
+    std::string status = fmt::format("{:.0f} %   tilt {:.0f}° {:.0f}°   light {:.0f}° {:.0f}°",
                                      100 * s.view.zoom, s.tilt.angle_deg.x, s.tilt.angle_deg.y,
                                      lamp.angles.azimuth_deg, lamp.angles.elevation_deg);
     if (s.treating.state) status += fmt::format("   as it was: {}", title_of(*s.treating.state));
     if (s.treating.preview) status += "   preview";
-    if (s.painter.saving) status += "   saving ...";
-    if (s.painter.waiting > 20) status += "   painting ...";
+    if (s.painter.saving) status += "   saving …";
+    if (s.painter.waiting > 20) status += "   painting …";
     const float line = 22 * s.scale, y = static_cast<float>(screen.height) - line;
     ImDrawList* draw = ImGui::GetBackgroundDrawList();
     draw->AddRectFilled({left, y}, {left + static_cast<float>(screen.width), y + line},

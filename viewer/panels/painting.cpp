@@ -24,8 +24,8 @@ void finish(WindowState& s) {
     if (!ImGui::TreeNode("Gloss and medium")) return;
     const glm::dvec2 gloss = s.mixed_gloss();
     double specular = gloss.x, roughness = gloss.y;
-    if (stepped("rho s", specular, 0, 0.2f, 0.01f, "%.2f")) s.finish.specular = specular;
-    if (stepped("alpha", roughness, 0.05f, 0.6f, 0.05f, "%.2f")) s.finish.roughness = roughness;
+    if (stepped("ρs", specular, 0, 0.2f, 0.01f, "%.2f")) s.finish.specular = specular;
+    if (stepped("α", roughness, 0.05f, 0.6f, 0.05f, "%.2f")) s.finish.roughness = roughness;
     stepped("Medium", s.finish.medium, 0, 0.9f, 0.1f, "%.1f");
     if (ImGui::SmallButton("As from the tube")) s.finish = {};
     ImGui::TreePop();

@@ -39,6 +39,9 @@ void damage_map(const WindowState& state, const Placement& placement, Extent scr
 void overlay(WindowState& state, const Placement& placement, Extent screen, const glm::dvec2& cursor,
              bool cursor_over);
 
+// While the painting is read: its name, what is being done, and the part of it [1] that is done.
+void opening(const WindowState& state, const std::string& stage, double fraction, Extent screen);
+
 // Instead of the painting: a photograph and the painting relit as the textures hold them, as
 // state.comparing says.
 void held_photo(const WindowState& state, unsigned photo, unsigned relit, Extent screen);

@@ -101,9 +101,9 @@ void fill(WindowState& s) {
 
 void varnish(VarnishOptions& v) {
     number("Thickness", v.thickness_mm, 0.002f, 0.2f, "%.3f mm", true);
-    number("Strength", v.specular, 0, 0.1f, "rho s %.3f");
-    tip("How much is reflected as gloss: rho s, 0.04 of a resin");
-    number("Sheen", v.roughness, 0.03f, 0.5f, "alpha %.2f");
+    number("Strength", v.specular, 0, 0.1f, "ρs %.3f");
+    tip("How much is reflected as gloss: ρs, 0.04 of a resin");
+    number("Sheen", v.roughness, 0.03f, 0.5f, "α %.2f");
     tip("Width of the highlight: 0.05 is glossy, 0.3 matt");
     number("Yellowing", v.yellowing, 0, 20, "%.1f /mm");
 }
@@ -159,7 +159,7 @@ void laid(WindowState& s) {
     ImGui::SameLine();
     if (ImGui::Button("Put aside")) t.ask.drop_preview = true;
     const ShownRetouch& p = *t.preview;
-    ImGui::Text("dE2000 from the surroundings' colour");
+    ImGui::Text("ΔE2000 from the surroundings' colour");
     for (std::size_t lamp = 0; lamp < kIlluminants; ++lamp) {
         if (lamp) ImGui::SameLine();
         ImGui::Text("%s %.1f", std::string(name_of(static_cast<Illuminant>(lamp))).c_str(), p.delta_e[lamp]);
@@ -236,7 +236,7 @@ void treatment(WindowState& s) {
     if (ImGui::Button("Begin, or go on")) s.treating.ask.begin = true;
     tip(s.keys.text(Action::treatment) + ": in a folder beside the painting, with a copy of it");
     ImGui::SameLine();
-    if (ImGui::Button("Open ...")) s.treating.ask.open_dialog = true;
+    if (ImGui::Button("Open …")) s.treating.ask.open_dialog = true;
     ImGui::InputText("By", &s.treating.who);
     tip("Your name, as the log has it");
     if (s.scale_known || s.stroke_mm_per_pixel != 1) return;
@@ -279,7 +279,7 @@ void record(WindowState& s) {
     ImGui::TextWrapped("%s", std::filesystem::path(t.folder).filename().string().c_str());
     tip(t.folder);
     if (t.checking)
-        ImGui::TextDisabled("is being checked ...");
+        ImGui::TextDisabled("is being checked …");
     else if (t.faults.empty())
         ImGui::TextColored(kGood, "is as its log of %zu lines says", t.log.size());
     for (const std::string& fault : t.faults) {
@@ -287,16 +287,21 @@ void record(WindowState& s) {
         ImGui::TextWrapped("%s", fault.c_str());
         ImGui::PopStyleColor();
     }
-    ImGui::TextDisabled("original  %.16s ...", t.dry_sha256.c_str());
+    const auto hash = [&](const char* of, const std::string& sha256) {
+        ImGui::TextDisabled("%s", of);
+        ImGui::SameLine(70 * s.scale);
+        ImGui::TextDisabled("%.16s …", sha256.c_str());
+    };
+    hash("original", t.dry_sha256);
     tip("SHA-256 of the dry layer, which never changes: " + t.dry_sha256);
     if (!t.log.empty()) {
-        ImGui::TextDisabled("log       %.16s ...", t.log.front().sha256.c_str());
+        hash("log", t.log.front().sha256);
         tip("SHA-256 of the last line of the log, which a report names: " + t.log.front().sha256);
     }
     if (ImGui::Button("Check again")) t.ask.check = true;
     tip("Compares masks, layers and the original with the log");
     ImGui::SameLine();
-    if (ImGui::Button("Report ...")) t.ask.report_dialog = true;
+    if (ImGui::Button("Report …")) t.ask.report_dialog = true;
     tip(s.keys.text(Action::treatment_report) + ": a page to print, with annotations and masks beside it");
     ImGui::Separator();
     for (const LogRow& row : t.log) {

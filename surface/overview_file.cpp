@@ -1,0 +1,182 @@
+#include <ImfDoubleAttribute.h>
+#include <ImfFloatAttribute.h>
+#include <ImfHeader.h>
+#include <ImfMultiPartInputFile.h>
+#include <ImfStringAttribute.h>
+
+#include <cmath>
+
+#include "surface/overview.h"
+#include "surface/painting_errors.h"
+#include "surface/painting_file.h"
+#include "surface/parallel.h"
+
+namespace tangi {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr const char *kOverview = "overview", *kHash = "dry_hash";
+constexpr int kSide = 1024;                 // [pixels] at most
+constexpr std::size_t kFewest = 4'000'000;  // [pixels] of a painting that has one
+
+// In the order of their names, as parts want it.
+const std::vector<std::string> kChannels = {"confidence", "diffuse.B", "diffuse.G", "diffuse.R", "height",
+                                            "normal.X",   "normal.Y",  "normal.Z",  "roughness", "specular"};
+
+struct Plane {
+    float* base;
+    std::ptrdiff_t stride;
+};
+
+std::array<Plane, 10> planes_of(Surface& s) {
+    float *diffuse = &s.diffuse.data()->r, *normal = &s.normal.data()->x;
+    return {{{s.confidence.data(), 1},
+             {diffuse + 2, 3},
+             {diffuse + 1, 3},
+             {diffuse, 3},
+             {s.height_mm.data(), 1},
+             {normal, 3},
+             {normal + 1, 3},
+             {normal + 2, 3},
+             {s.roughness.data(), 1},
+             {s.specular.data(), 1}}};
+}
+
+// Of the pixels in `r`, into pixel (x, y) of `small`.
+void average(const Surface& s, const Region& r, Surface& small, int x, int y) {
+    Vec3 normal(0);
+    Rgb diffuse(0);
+    float specular = 0, height = 0, confidence = 0, gloss = 0, slope_x = 0, slope_y = 0, spread = 0;
+    for (int sy = r.y0; sy < r.y1; ++sy)
+        for (int sx = r.x0; sx < r.x1; ++sx) {
+            const Vec3& n = s.normal(sx, sy);
+            const Slope slope = slope_of(n);
+            const float weight = s.specular(sx, sy) + 1e-6f, alpha = s.roughness(sx, sy);
+            normal += n;
+            diffuse += s.diffuse(sx, sy);
+            specular += s.specular(sx, sy);
+            height += s.height_mm(sx, sy);
+            confidence += s.confidence(sx, sy);
+            gloss += weight;
+            slope_x += weight * slope.x;
+            slope_y += weight * slope.y;
+            spread += weight * (alpha * alpha + slope.x * slope.x + slope.y * slope.y);
+        }
+    const auto count = static_cast<float>(r.width() * r.height());
+    const float mean_x = slope_x / gloss, mean_y = slope_y / gloss;
+    small.normal(x, y) = glm::normalize(normal);
+    small.diffuse(x, y) = diffuse * (glm::length(normal) / (count * count));
+    small.specular(x, y) = specular / count;
+    small.height_mm(x, y) = height / count;
+    small.confidence(x, y) = confidence / count;
+    small.roughness(x, y) = std::sqrt(std::max(spread / gloss - mean_x * mean_x - mean_y * mean_y, 1e-8f));
+}
+
+Surface reduced(const Surface& s, int factor) {
+    Surface small((s.width() + factor - 1) / factor, (s.height() + factor - 1) / factor);
+    parallel_for(0, small.height(), 4, [&](int begin, int end) {
+        for (int y = begin; y < end; ++y)
+            for (int x = 0; x < small.width(); ++x)
+                average(s,
+                        {x * factor, y * factor, std::min((x + 1) * factor, s.width()),
+                         std::min((y + 1) * factor, s.height())},
+                        small, x, y);
+    });
+    return small;
+}
+
+template <class Attribute, class Value>
+Value attribute(const Imf::Header& header, const char* name, const Value& otherwise) {
+    const auto* found = header.findTypedAttribute<Attribute>(name);
+    return found ? found->value() : otherwise;
+}
+
+const Imf::Header* header_of(const Imf::MultiPartInputFile& file, const char* name) {
+    for (int part = 0; part < file.parts(); ++part)
+        if (file.header(part).hasName() && file.header(part).name() == name) return &file.header(part);
+    return nullptr;
+}
+
+// Halves and mean normals are what can be drawn, as `dry` must be.
+bool can_be_drawn(Surface& s) {
+    for (std::size_t i = 0; i < s.normal.size(); ++i) {
+        float sum = 0;  // of what is finite
+        for (const Plane& plane : planes_of(s))
+            sum += plane.base[static_cast<std::ptrdiff_t>(i) * plane.stride];
+        Vec3& n = s.normal.pixels()[i];
+        if (!std::isfinite(sum) || !(n.z > 0) || !(s.roughness.pixels()[i] > 0)) return false;
+        n = glm::normalize(n);
+    }
+    return true;
+}
+
+std::optional<Overview> read(const fs::path& path) {
+    Overview overview;
+    double mm_per_pixel = 1;
+    ReflectanceLaw law;
+    PartInfo info;
+    info.name = kOverview;
+    info.channels = kChannels;
+    {
+        const Imf::MultiPartInputFile file(path.c_str(), 0);
+        const Imf::Header *dry = header_of(file, "dry"), *there = header_of(file, kOverview);
+        if (!dry)
+            fail(
+                "{}: is an EXR file, but not a painting: it has no part 'dry'. Make one with: tangipaint fit",
+                path.string());
+        if (!there) return {};
+        const std::string hash = attribute<Imf::StringAttribute>(*dry, kHash, std::string());
+        if (hash.empty() || attribute<Imf::StringAttribute>(*there, kHash, std::string()) != hash) return {};
+        const auto &whole = dry->dataWindow(), &small = there->dataWindow();
+        overview.width = whole.max.x + 1;
+        overview.height = whole.max.y + 1;
+        info.width = small.max.x + 1;
+        info.height = small.max.y + 1;
+        mm_per_pixel = attribute<Imf::FloatAttribute>(*dry, "mm_per_pixel", 1.0f);
+        law.diffuse_roughness = attribute<Imf::DoubleAttribute>(*dry, "diffuse_roughness", 0.0);
+        law.haze = attribute<Imf::DoubleAttribute>(*dry, "haze", 0.0);
+    }
+    if (info.width < 1 || info.height < 1 || info.width > kSide || info.height > kSide) return {};
+    overview.surface = Surface(info.width, info.height);
+    Surface& s = overview.surface;
+    read_painting_part(path, info, [&](int y0, int y1, std::span<const float* const> rows) {
+        const std::ptrdiff_t first = static_cast<std::ptrdiff_t>(y0) * info.width,
+                             count = static_cast<std::ptrdiff_t>(y1 - y0) * info.width;
+        const auto planes = planes_of(s);
+        for (std::size_t c = 0; c < planes.size(); ++c)
+            for (std::ptrdiff_t i = 0; i < count; ++i)
+                planes[c].base[(first + i) * planes[c].stride] = rows[c][i];
+    });
+    s.mm_per_pixel = mm_per_pixel * overview.width / info.width;
+    s.law = law;
+    if (!(s.mm_per_pixel > 0) || !can_be_drawn(s)) return {};
+    return overview;
+}
+
+}  // namespace
+
+void add_overview(std::vector<PartToWrite>& parts, const Surface& seen, const Surface& dry) {
+    std::erase_if(parts, [](const PartToWrite& part) { return part.info.name == kOverview; });
+    if (seen.height_mm.size() < kFewest) return;
+    const int factor = (std::max(seen.width(), seen.height()) + kSide - 1) / kSide;
+    const auto small = std::make_shared<Surface>(reduced(seen, factor));
+    PartToWrite part;
+    part.info = {kOverview, small->width(), small->height(), kChannels, {{kHash, hash_of(dry)}}, true};
+    part.fill = [small](int y0, int y1, std::span<float* const> rows) {
+        const std::ptrdiff_t first = static_cast<std::ptrdiff_t>(y0) * small->width(),
+                             count = static_cast<std::ptrdiff_t>(y1 - y0) * small->width();
+        const auto planes = planes_of(*small);
+        for (std::size_t c = 0; c < planes.size(); ++c)
+            for (std::ptrdiff_t i = 0; i < count; ++i)
+                rows[c][i] = planes[c].base[(first + i) * planes[c].stride];
+    };
+    parts.push_back(std::move(part));
+}
+
+std::optional<Overview> read_overview(const fs::path& path) {
+    return reading_painting(path, [&] { return read(path); });
+}
+
+}  // namespace tangi

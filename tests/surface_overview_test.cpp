@@ -1,0 +1,88 @@
+// surface_overview_test.cpp: the small picture in a large painting's file: means of what is seen, and nothing
+// where it does not belong to the maps.
+#include "surface/overview.h"
+
+#include <gmock/gmock.h>
+
+#include "surface/painting_file.h"
+#include "tests/test_support.h"
+
+namespace tangi {
+namespace {
+
+constexpr int kWidth = 4001, kHeight = 1000;  // four million pixels, in squares of 4
+
+Surface large() {
+    Surface s(kWidth, kHeight);
+    s.mm_per_pixel = 0.5;
+    s.law = {.diffuse_roughness = 0.25, .haze = 0.5};
+    for (int y = 0; y < kHeight; ++y)
+        for (int x = 0; x < kWidth; ++x) {
+            s.diffuse(x, y) = Rgb(x < 2000 ? 0.25f : 0.75f, y < 400 ? 0.5f : 0.0f, 0.125f);
+            s.normal(x, y) = normal_of({x % 2 ? 0.3f : -0.3f, 0});
+            s.specular(x, y) = 0.05f;
+            s.roughness(x, y) = 0.1f;
+            s.height_mm(x, y) = static_cast<float>(y / 4);
+            s.confidence(x, y) = 1;
+        }
+    return s;
+}
+
+TEST(Overview, IsTheMeanOfWhatIsSeen) {
+    const TestDir dir;
+    const Surface s = large();
+    write_painting(dir / "a.exr", s);
+    const std::optional<Overview> overview = read_overview(dir / "a.exr");
+    ASSERT_TRUE(overview);
+    EXPECT_EQ(overview->width, kWidth);
+    EXPECT_EQ(overview->height, kHeight);
+    const Surface& small = overview->surface;
+    EXPECT_EQ(small.width(), 1001);
+    EXPECT_EQ(small.height(), 250);
+    EXPECT_NEAR(small.mm_per_pixel, 2, 0.002);
+    EXPECT_EQ(small.law, s.law);
+    const float shorter = glm::length(Vec3(0, 0, normal_of({0.3f, 0}).z));
+    EXPECT_NEAR(small.diffuse(10, 10).r, 0.25f * shorter, 1e-3);
+    EXPECT_NEAR(small.diffuse(900, 10).r, 0.75f * shorter, 1e-3);
+    EXPECT_NEAR(small.diffuse(10, 200).g, 0, 1e-6);
+    EXPECT_NEAR(small.height_mm(10, 200), 200, 0.1);
+    EXPECT_NEAR(small.normal(10, 10).z, 1, 1e-3);
+    EXPECT_NEAR(small.roughness(10, 10), std::hypot(0.1f, 0.3f), 1e-3)
+        << "ripples that are too fine to see are gloss";
+    EXPECT_TRUE(painting_parts(dir / "a.exr").empty()) << "it is no map";
+}
+
+TEST(Overview, OfAnotherPaintingCountsForNothing) {
+    const TestDir dir;
+    Surface s = large();
+    std::vector<PartToWrite> parts;
+    add_overview(parts, s, s);
+    ASSERT_EQ(parts.size(), 1u);
+    s.height_mm(3, 3) = 7;
+    AtomicFile file(dir / "a.exr");
+    write_painting(file, s, parts);
+    EXPECT_FALSE(read_overview(dir / "a.exr"));
+    EXPECT_EQ(read_painting(dir / "a.exr").height_mm(3, 3), 7);
+}
+
+TEST(Overview, SmallPaintingsHaveNone) {
+    const TestDir dir;
+    write_painting(dir / "a.exr", Surface(8, 6));
+    EXPECT_FALSE(read_overview(dir / "a.exr"));
+    std::vector<PartToWrite> parts(1);
+    parts[0].info.name = "overview";
+    add_overview(parts, Surface(8, 6), Surface(8, 6));
+    EXPECT_TRUE(parts.empty()) << "one that was there goes";
+}
+
+TEST(Overview, NeedsAPainting) {
+    const TestDir dir;
+    EXPECT_EQ(error_of([&] { read_overview(dir / "none.exr"); }),
+              (dir / "none.exr").string() + ": no such file");
+    write_bytes(dir / "text.exr", "hello");
+    EXPECT_THAT(error_of([&] { read_overview(dir / "text.exr"); }),
+                testing::HasSubstr("is not a painting file"));
+}
+
+}  // namespace
+}  // namespace tangi
