@@ -293,6 +293,7 @@ void Alignment::move(std::size_t i, MotionModel largest) {
     AlignedPicture& picture = pictures[i];
     picture.correlation = all.correlation();
     picture.expected = std::sqrt(all.predicted / std::max(all.weights, 1e-30));
+    picture.contrast = std::sqrt(all.squares / std::max(all.weights, 1e-30));
     const double c = std::clamp(picture.correlation, 0.05, 1.0);
     picture.model_error_px = kMisfitPx * windows_->front().reduction * std::sqrt(1 - c * c) / c *
                              std::hypot(1.0, terms_of_[i][1], terms_of_[i][2]);

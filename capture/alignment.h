@@ -24,6 +24,7 @@ struct AlignedPicture {
     double correlation = 0;     // [1] with its prediction, where there are edges
     double certainty = 0;       // [standard errors] by which that differs from 0
     double expected = 0;        // [1] rms contrast of its prediction
+    double contrast = 0;        // [1] rms of its own, where there are edges
     double model_error_px = 0;  // [pixels] what a prediction this poor may shift it by
 };
 

@@ -6,6 +6,7 @@
 #include <map>
 #include <numbers>
 
+#include "capture/capture_file.h"
 #include "capture/lights_file.h"
 #include "surface/atomic_file.h"
 #include "surface/error.h"
@@ -20,6 +21,8 @@ using glm::dvec2;
 using glm::dvec3;
 
 namespace {
+
+constexpr const char* kTitle = "Calibration";
 
 std::vector<HemisphereLight> shown(const BallCalibration& c) {
     std::vector<HemisphereLight> lights;
@@ -186,12 +189,53 @@ std::string plane_section(const PlaneCalibration& c) {
 }  // namespace
 
 CalibrationFiles calibration_files(const std::filesystem::path& out) {
-    if (lower_extension(out) != ".json")
-        return {out, out.parent_path() / "capture.json", out.parent_path() / "capture.html"};
     CalibrationFiles files{out, out, out};
     files.lights.replace_extension(".lp");
+    if (lower_extension(out) != ".json") {
+        files.lights = out;
+        if (out.stem() == "lights") files.json = files.page = out.parent_path() / "capture";
+    }
+    files.json.replace_extension(".json");
     files.page.replace_extension(".html");
     return files;
+}
+
+namespace {
+
+bool is_capture_file(const std::filesystem::path& path) {
+    const nlohmann::json json = nlohmann::json::parse(read_text_file(path), nullptr, false);
+    return json.is_object() && json.contains("format") && json["format"].is_string() &&
+           json["format"].get<std::string>().starts_with("tangipaint capture");
+}
+
+// Whether a lights file has the lights of the capture file beside it.
+bool is_lights_file_of(const std::filesystem::path& lights, const std::filesystem::path& capture) {
+    constexpr float same = 1e-4f;
+    try {
+        const std::vector<Light> written = read_lights_file(lights).lights,
+                                 found = read_capture_file(capture).lights;
+        return std::equal(written.begin(), written.end(), found.begin(), found.end(),
+                          [](const Light& a, const Light& b) {
+                              return a.name == b.name && glm::length(a.direction - b.direction) < same;
+                          });
+    } catch (const Error&) {
+        return false;  // one of them is none
+    }
+}
+
+}  // namespace
+
+std::vector<std::filesystem::path> not_ours(const CalibrationFiles& files) {
+    std::vector<std::filesystem::path> others;
+    const auto is_there = [](const std::filesystem::path& path) {
+        return std::filesystem::is_regular_file(path);
+    };
+    if (is_there(files.lights) && !(is_there(files.json) && is_lights_file_of(files.lights, files.json)))
+        others.push_back(files.lights);
+    if (is_there(files.json) && !is_capture_file(files.json)) others.push_back(files.json);
+    if (is_there(files.page) && read_text_file(files.page).find(page_head(kTitle)) != 0)
+        others.push_back(files.page);
+    return others;
 }
 
 Image<Rgb> ball_picture(const FoundBall& ball) {
@@ -215,7 +259,7 @@ std::string calibration_page(const Calibration& calibration, const std::vector<s
     const BallCalibration& c = calibration.lights;
     const std::optional<ColourCalibration>& colours = calibration.colours;
     TP_REQUIRE(ball_urls.size() == c.balls.size(), "each ball has a picture");
-    std::string html = page_head("Calibration");
+    std::string html = page_head(kTitle);
     html +=
         fmt::format("<p class=\"soft\">{} · camera: {}{}</p>",
                     c.calibrated() == 0
@@ -283,8 +327,11 @@ CalibrationFiles write_calibration(const std::filesystem::path& out, const Calib
     for (const FoundBall& ball : calibration.lights.balls)
         urls.push_back(picture_url(ball_picture(ball), out));
     const nlohmann::json capture = to_json(calibration);
-    write_text_file(files.json, capture.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
-    write_text_file(files.page, calibration_page(calibration, urls));
+    AtomicFile json(files.json), page(files.page);
+    json.write(capture.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
+    page.write(calibration_page(calibration, urls));
+    json.commit();
+    page.commit();
     const std::vector<Light> lights = calibration.lights.usable_lights();
     if (!lights.empty()) write_lights_file(files.lights, lights);
     return files;

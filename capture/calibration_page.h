@@ -14,9 +14,14 @@ struct CalibrationFiles {
     std::filesystem::path lights, json, page;
 };
 
-// Where write_calibration() writes. `out` is either the lights file (.lp), with capture.json and capture.html
-// beside it, or the capture file (.json), with a page and a lights file of the same name beside it.
+// Where write_calibration() writes: three files of one name, so that a second calibration beside it replaces
+// none of them. `out` is the lights file (.lp) or the capture file (.json); beside lights.lp the others are
+// capture.json and capture.html.
 CalibrationFiles calibration_files(const std::filesystem::path& out);
+
+// Of these files, those that are there and are not as write_calibration() leaves them: others wrote or
+// changed them. A lights file is ours where the capture file beside it has the same lights.
+std::vector<std::filesystem::path> not_ours(const CalibrationFiles& files);
 
 // All that was found. Without balls only the size of the photographs, the camera and the frame are used of
 // `lights`.

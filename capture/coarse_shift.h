@@ -10,8 +10,9 @@
 namespace tangi {
 
 // [pixels] What moves each picture (of local contrast) onto the first that is in the model, to about a pixel:
-// by correlation of pairs under similar lights, along the tree of smallest steps between lights (Prim 1957).
-// Exactly 0 where no shift is much better than none.
+// by correlation of each with the four under the most similar lights, along the tree of the best links (Prim
+// 1957), so that a picture of something else leads nowhere. Exactly 0 where no shift is much better than
+// none.
 std::vector<glm::dvec2> coarse_shifts(const std::vector<Image<float>>& pictures,
                                       const std::vector<glm::dvec3>& lights,
                                       const std::vector<bool>& in_model);

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "capture/photo_file.h"
+#include "capture/photo_match.h"
 #include "surface/error.h"
 #include "surface/parallel.h"
 
@@ -103,23 +104,10 @@ Image<float> read_grey_region(const PhotoSet& set, std::size_t photo, const Regi
 }
 
 std::vector<fs::path> pictures_in(const fs::path& folder, std::vector<std::string>& warnings) {
-    if (!fs::exists(folder)) fail("{}: no such folder", folder.string());
-    if (!fs::is_directory(folder))
-        fail("{}: is not a folder; give the folder that holds the photographs", folder.string());
-    std::vector<fs::path> pictures;
-    for (const auto& entry : fs::directory_iterator(folder)) {
-        const std::string name = entry.path().filename().string();
-        if (!entry.is_regular_file() || !is_photo_name(entry.path()) || name.starts_with('.')) continue;
-        std::string lower = name;
-        for (char& c : lower) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-        if (lower.find("mask") != std::string::npos)
-            warnings.push_back(
-                fmt::format("{}: left out, since its name says that it is a mask", entry.path().string()));
-        else
-            pictures.push_back(entry.path());
-    }
-    std::sort(pictures.begin(), pictures.end());
-    std::sort(warnings.begin(), warnings.end());
+    require_folder(folder);
+    std::vector<fs::path> pictures = photos_in(folder);
+    for (const fs::path& mask : take_masks(pictures))
+        warnings.push_back(fmt::format("{}: left out, since its name says that it is a mask", mask.string()));
     if (pictures.empty())
         fail("{}: no photographs (JPEG, PNG, TIFF, EXR, TGA or camera raw) in this folder", folder.string());
     return pictures;

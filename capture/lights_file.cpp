@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <glm/geometric.hpp>
 #include <map>
 #include <optional>
 #include <sstream>
@@ -15,6 +16,8 @@ namespace tangi {
 namespace fs = std::filesystem;
 
 namespace {
+
+constexpr float kSameDirection = 1e-3f;  // [1] distance of unit vectors: 0.06 degrees
 
 // Bytes of the printable letter that `text` begins with, in UTF-8 (RFC 3629, section 4); 0 where it begins
 // with another byte.
@@ -95,11 +98,16 @@ std::string with_newlines(std::string text) {
     return text;
 }
 
-Light parse_line(std::string_view line, const std::string& place, double& length) {
+// `name` is known where the line ends in three words, whatever they are.
+Light parse_line(std::string_view line, const std::string& place, std::string& name, double& length) {
     std::string_view rest = line;
     glm::dvec3 vector;
+    std::string_view words[3];
+    for (int i = 2; i >= 0; --i) words[i] = cut_last_word(rest);
+    if (rest.size() > 2 && rest.front() == '"' && rest.back() == '"') rest = rest.substr(1, rest.size() - 2);
+    name = rest;
     for (int i = 2; i >= 0; --i) {
-        const std::string_view word = cut_last_word(rest);
+        const std::string_view word = words[i];
         const auto value = number(word);
         if (!value) fail("{}: expected 'name x y z', but '{}' is not a number", place, shown(word));
         if (std::isinf(*value) && word.find_first_of("0123456789") != std::string_view::npos)
@@ -107,7 +115,6 @@ Light parse_line(std::string_view line, const std::string& place, double& length
                  place, shown(word));
         vector[i] = *value;
     }
-    if (rest.size() > 2 && rest.front() == '"' && rest.back() == '"') rest = rest.substr(1, rest.size() - 2);
     if (rest.empty()) fail("{}: expected 'name x y z', but the photograph's name is missing", place);
     if (!std::isfinite(vector.x) || !std::isfinite(vector.y) || !std::isfinite(vector.z))
         fail("{}: the light of '{}' is not finite; give a direction or remove the line", place, shown(rest));
@@ -121,13 +128,84 @@ Light parse_line(std::string_view line, const std::string& place, double& length
 
 }  // namespace
 
+namespace {
+
+// Lines of a lights file that are put together.
+class LineReader {
+public:
+    explicit LineReader(const std::string& file_name) : file_name_(file_name) {}
+
+    void add(std::string_view line, int number) {
+        ++lines_;
+        const std::string place = fmt::format("{}, line {}", file_name_, number);
+        std::string name;
+        try {
+            double length = 0;
+            Light light = parse_line(line, place, name, length);
+            if (const auto earlier = line_of_.find(light.name); earlier != line_of_.end())
+                return add_again(light, place, earlier->second);
+            line_of_.emplace(light.name, number);
+            numbers_.push_back(number);
+            result_.lights.push_back(std::move(light));
+            result_.lengths.push_back(length);
+        } catch (const Error& error) {
+            leave_out(name, error.what());
+        }
+    }
+
+    LightsFile take(const std::optional<long>& count) {
+        require_few(result_.left_out, lines_, 1, file_name_);
+        const std::size_t used = result_.lights.size();
+        if (count && *count != static_cast<long>(lines_))
+            result_.warnings.push_back(fmt::format(
+                "{}: its first line says {} lights, but {} follow; {} are used", file_name_, *count, lines_,
+                used == lines_ ? fmt::format("all {}", used) : std::to_string(used)));
+        for (const LeftOut& light : result_.left_out)
+            result_.warnings.push_back(light.reason + "; its photograph is left out");
+        return std::move(result_);
+    }
+
+    std::vector<std::string>& warnings() { return result_.warnings; }
+    std::size_t lines() const { return lines_; }
+
+private:
+    void leave_out(const std::string& name, const std::string& reason) {
+        result_.left_out.push_back({name, reason});
+    }
+
+    // Which of two different lights is right, nobody knows.
+    void add_again(const Light& light, const std::string& place, int earlier) {
+        const std::string what =
+            fmt::format("{}: '{}' has a light in line {} already", place, shown(light.name), earlier);
+        const auto at = std::find(numbers_.begin(), numbers_.end(), earlier);
+        if (at == numbers_.end()) return leave_out(light.name, what);
+        const auto index = at - numbers_.begin();
+        if (glm::length(result_.lights[static_cast<std::size_t>(index)].direction - light.direction) <
+            kSameDirection) {
+            result_.warnings.push_back(what + ", the same; it is used once");
+            return;
+        }
+        leave_out(light.name, what);
+        numbers_.erase(at);
+        result_.lights.erase(result_.lights.begin() + index);
+        result_.lengths.erase(result_.lengths.begin() + index);
+    }
+
+    const std::string& file_name_;
+    LightsFile result_;
+    std::map<std::string, int> line_of_;
+    std::vector<int> numbers_;  // lines of result_.lights
+    std::size_t lines_ = 0;
+};
+
+}  // namespace
+
 LightsFile parse_lights(const std::string& text, const std::string& file_name) {
-    LightsFile result;
-    std::map<std::string, int> line_of;
     std::optional<long> count;
     if (text.starts_with("\xFF\xFE") || text.starts_with("\xFE\xFF"))
         fail("{}: is UTF-16 text; save it as UTF-8", file_name);
     std::istringstream stream(with_newlines(text.starts_with("\xEF\xBB\xBF") ? text.substr(3) : text));
+    LineReader reader(file_name);
     int number_of_line = 0;
     bool first = true;
     for (std::string raw; std::getline(stream, raw);) {
@@ -138,25 +216,15 @@ LightsFile parse_lights(const std::string& text, const std::string& file_name) {
             first = false;
             count = whole_number(line);
             if (count) continue;
-            result.warnings.push_back(fmt::format("{}: the first line is not a count of lights", file_name));
+            reader.warnings().push_back(
+                fmt::format("{}: the first line is not a count of lights", file_name));
         }
-        const std::string place = fmt::format("{}, line {}", file_name, number_of_line);
-        double length = 0;
-        Light light = parse_line(line, place, length);
-        const auto [earlier, is_new] = line_of.emplace(light.name, number_of_line);
-        if (!is_new)
-            fail("{}: '{}' has a light in line {} already", place, shown(light.name), earlier->second);
-        result.lights.push_back(std::move(light));
-        result.lengths.push_back(length);
+        reader.add(line, number_of_line);
     }
-    if (result.lights.empty())
+    if (reader.lines() == 0)
         fail("{}: holds no lights; expected a count, then a line 'name x y z' for each photograph",
              file_name);
-    if (count && *count != static_cast<long>(result.lights.size()))
-        result.warnings.push_back(
-            fmt::format("{}: its first line says {} lights, but {} follow; all {} are used", file_name,
-                        *count, result.lights.size(), result.lights.size()));
-    return result;
+    return reader.take(count);
 }
 
 LightsFile read_lights_file(const fs::path& path) {

@@ -13,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "capture/left_out.h"
 #include "surface/light.h"
 
 namespace tangi {
@@ -21,10 +22,12 @@ struct LightsFile {
     std::vector<Light> lights;          // in the file's order; directions are unit vectors, gains 1
     std::vector<std::string> warnings;  // a count that disagrees with the lines, …
     std::vector<double> lengths{};      // of the vectors: distances, where these are positions
+    std::vector<LeftOut> left_out{};  // lines that are no light, told in the warnings too; names may be empty
 };
 
-// Throws Error naming file and line: not a lights file, a zero vector, NaN, a name that occurs twice, no
-// lights.
+// Lines without a name or three numbers, with a zero vector or NaN, and names that occur twice with different
+// vectors are left out, each with a warning that names the line. Throws Error naming file and line where they
+// are a third of all or more; not a lights file, no lights.
 LightsFile read_lights_file(const std::filesystem::path& path);
 LightsFile parse_lights(const std::string& text, const std::string& file_name);
 

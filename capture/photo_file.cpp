@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "capture/left_out.h"
 #include "capture/raw_file.h"
 #include "surface/error.h"
 #include "surface/picture_file.h"
@@ -53,7 +54,7 @@ void require_complete_jpeg(const fs::path& path) {
     std::ifstream stream(path, std::ios::binary);
     const std::streamoff begin = scan_start(stream);
     if (tail_of(stream, path, begin).find("\xFF\xD9") == std::string::npos)
-        fail("{}: the JPEG file is truncated; copy it again from the camera or the archive", path.string());
+        fail_photo(path, "the JPEG file is truncated; copy it again from the camera or the archive");
 }
 
 // A truncated PNG file is found when its last rows are wanted, perhaps after an hour, and libpng writes to
@@ -63,7 +64,7 @@ void require_complete_png(const fs::path& path) {
     std::string signature(8, '\0');
     if (!stream.read(signature.data(), 8) || signature != "\x89PNG\r\n\x1a\n") return;
     if (tail_of(stream, path, 8).find("IEND\xAE\x42\x60\x82") == std::string::npos)
-        fail("{}: the PNG file is truncated; copy it again from the camera or the archive", path.string());
+        fail_photo(path, "the PNG file is truncated; copy it again from the camera or the archive");
 }
 
 }  // namespace
@@ -84,11 +85,10 @@ bool is_photo_name(const fs::path& path) {
 
 PhotoFile::PhotoFile(fs::path path, std::string demosaic)
     : path_(std::move(path)), decoder_(std::make_unique<Decoder>()) {
-    if (!fs::exists(path_)) fail("{}: no such photograph", path_.string());
-    if (fs::is_directory(path_)) fail("{}: is a folder, not a photograph", path_.string());
-    if (!fs::is_regular_file(path_)) fail("{}: is a pipe or a device, not a photograph", path_.string());
-    if (::access(path_.c_str(), R_OK) != 0)
-        fail("{}: cannot be read: {}", path_.string(), std::strerror(errno));
+    if (!fs::exists(path_)) fail_photo(path_, "no such photograph");
+    if (fs::is_directory(path_)) fail_photo(path_, "is a folder, not a photograph");
+    if (!fs::is_regular_file(path_)) fail_photo(path_, "is a pipe or a device, not a photograph");
+    if (::access(path_.c_str(), R_OK) != 0) fail_photo(path_, "cannot be read: {}", std::strerror(errno));
     decoder_->demosaic = std::move(demosaic);
     if (is_raw_name(path_)) {
         const RawHeader raw = read_raw_header(path_);
@@ -104,10 +104,10 @@ PhotoFile::PhotoFile(fs::path path, std::string demosaic)
     OIIO::ImageSpec config, spec;
     config.attribute("oiio:UnassociatedAlpha", 1);
     decoder_->input = OIIO::ImageInput::create(reader_name(path_), false, &config);
-    if (!decoder_->input) fail("{}: is not a picture that can be read: {}", path_.string(), OIIO::geterror());
+    if (!decoder_->input) fail_photo(path_, "is not a picture that can be read: {}", OIIO::geterror());
     if (!decoder_->input->open(path_.string(), spec, config))
-        fail("{}: is not a picture that can be read: {}", path_.string(), decoder_->input->geterror());
-    if (spec.nchannels < 1 || spec.width < 1 || spec.height < 1) fail("{}: holds no pixels", path_.string());
+        fail_photo(path_, "is not a picture that can be read: {}", decoder_->input->geterror());
+    if (spec.nchannels < 1 || spec.width < 1 || spec.height < 1) fail_photo(path_, "holds no pixels");
     const std::string extension = lower_extension(path_);
     if (extension == ".jpg" || extension == ".jpeg") require_complete_jpeg(path_);
     header_ = {.width = spec.width,
@@ -177,8 +177,8 @@ void PhotoFile::read_rows(int y0, int y1, std::span<float> values) {
     }
     if (!read ||
         input.has_error())  // strips of a TIFF file that cannot be read show only there (OpenImageIO 2.4)
-        fail("{}: cannot be decoded at rows {} to {}: {}; the file is damaged or truncated", path_.string(),
-             y0, y1 - 1, input.geterror());
+        fail_photo(path_, "cannot be decoded at rows {} to {}: {}; the file is damaged or truncated", y0,
+                   y1 - 1, input.geterror());
 }
 
 }  // namespace tangi

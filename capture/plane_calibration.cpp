@@ -8,6 +8,7 @@
 
 #include "capture/chart_order.h"
 #include "capture/plane_pose.h"
+#include "capture/scale_agreement.h"
 #include "surface/error.h"
 #include "surface/photography_json.h"
 
@@ -25,8 +26,6 @@ constexpr int kSoughtIn = 3;          // photographs, before all are looked thro
 constexpr double kPointSigma_px = 1;  // of corners that people point at
 constexpr double kMostEnlarged = 4;   // [1] area of the picture by that of the photographs
 constexpr double kDoubtfulTilt_deg = 1;
-constexpr double kDisagree = 3;          // [sigma] from which on two scales are said to disagree
-constexpr double kDisagreeLeast = 0.01;  // [1] and by which part at least
 
 // A plane in the undistorted photographs, in mm or, of a chart of unknown size, in its pitch.
 struct SeenPlane {
@@ -93,23 +92,14 @@ void add_scale(PlaneCalibration& c, Scale scale) {
     c.scales.push_back(std::move(scale));
 }
 
-// The most certain first; those that contradict it are named.
-void rank_scales(PlaneCalibration& c) {
-    std::stable_sort(c.scales.begin(), c.scales.end(), [](const Scale& a, const Scale& b) {
-        return a.sigma / a.mm_per_pixel < b.sigma / b.mm_per_pixel;
-    });
-    for (std::size_t i = 1; i < c.scales.size(); ++i) {
-        const Scale &a = c.scales[0], &b = c.scales[i];
-        const double off = b.mm_per_pixel / a.mm_per_pixel - 1;
-        const double sigma = std::hypot(a.sigma / a.mm_per_pixel, b.sigma / b.mm_per_pixel);
-        // In perspective the scale differs from place to place; a picture that is rectified allows for it.
-        if (std::abs(off) > std::max(kDisagreeLeast, kDisagree * sigma) && !c.geometry)
-            c.warnings.push_back(
-                fmt::format("the scale by {} is {:.5g} mm per pixel, that by {} {:.5g}: {:.1f} % more; the "
-                            "former is used. "
-                            "Check the lengths, and that both lie in the painting's plane",
-                            a.method, a.mm_per_pixel, b.method, b.mm_per_pixel, 100 * off));
-    }
+// How large pixels of the photographs are on the painting, from place to place: known once it is rectified.
+RelativeScale relative_scale(const PlaneCalibration& c) {
+    if (!c.geometry || !c.geometry->rectification) return [](const dvec2&) { return 1.0; };
+    const Homography to_photo = *c.geometry->rectification;
+    const dvec2 middle((c.width - 1) / 2.0, (c.height - 1) / 2.0);
+    return [=](const dvec2& place) {
+        return mm_per_pixel_at(to_photo, place == dvec2(0) ? middle : place);  // a resolution has no place
+    };
 }
 
 // What is to be rectified by: the painting's corners, else markers, else the chart.
@@ -363,12 +353,18 @@ PlaneCalibration calibrate_plane(const PhotoSet& photos, const PlaneOptions& opt
         if (options.earlier->mm_per_pixel) add_scale(c, scale_from(*options.earlier, *c.earlier));
     }
     if (options.rectify || options.earlier || g.lens) {
-        rank_scales(c);  // a chart of unknown size is told by the best of them
+        rank_scales(c.scales, relative_scale(c));  // a chart of unknown size is told by the best of them
         if (options.rectify || options.earlier) rectify(options, markers, seen_markers, chart, g, c);
         measure_outside(g, c);
         c.geometry = g;
     }
-    rank_scales(c);
+    rank_scales(c.scales, relative_scale(c));
+    c.poor = contradictions(c.scales, relative_scale(c));
+    if (options.corners_px && options.painting_mm)
+        if (auto why =
+                contradiction_of_corners(without_lens(g.lens, *options.corners_px), *options.painting_mm,
+                                         c.focal_px, c.principal_px, std::hypot(c.width, c.height)))
+            c.poor.push_back(std::move(*why));
     return c;
 }
 

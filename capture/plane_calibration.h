@@ -50,7 +50,8 @@ struct PlaneCalibration {
     std::string markers_in;  // name of the photograph
     double marker_residual_px = 0;
     std::optional<FoundPainting> earlier{};
-    std::vector<Scale> scales;  // all that was told; the first is the one used, the most certain
+    std::vector<Scale> scales;  // all that was told; the first is the one used: the most certain of those
+                                // that most others agree with
     std::optional<PictureGeometry> geometry{};
     std::string rectified_by;          // "corners", "markers", "chart", "painting"; empty: not rectified
     std::optional<double> tilt_deg{};  // of the painting's plane against the camera's, where known
@@ -60,6 +61,7 @@ struct PlaneCalibration {
     std::optional<double> focal_px{};  // as given, or the lens's
     glm::dvec2 principal_px{0};
     std::vector<std::string> warnings;
+    std::vector<std::string> poor;  // what was told contradicts itself, with the numbers
 
     std::optional<Scale> scale() const {
         return scales.empty() ? std::nullopt : std::optional(scales.front());

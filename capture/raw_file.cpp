@@ -6,6 +6,7 @@
 #include <cmath>
 #include <memory>
 
+#include "capture/left_out.h"
 #include "surface/error.h"
 #include "surface/picture_file.h"
 
@@ -46,10 +47,10 @@ std::unique_ptr<OIIO::ImageInput> opened(const fs::path& path, const OIIO::Image
              kRemedy);
     OIIO::ImageSpec spec;
     if (!input->open(path.string(), spec, config))
-        fail("{}: is not a camera raw that can be read: {}; {}", path.string(), input->geterror(), kRemedy);
+        fail_photo(path, "is not a camera raw that can be read: {}; {}", input->geterror(), kRemedy);
     if (spec.nchannels != 3)
-        fail("{}: has {} colours, and only cameras with three are supported; {}", path.string(),
-             spec.nchannels, kRemedy);
+        fail_photo(path, "has {} colours, and only cameras with three are supported; {}", spec.nchannels,
+                   kRemedy);
     return input;
 }
 
@@ -121,11 +122,10 @@ std::vector<std::uint16_t> develop_raw(const fs::path& path, const std::string& 
     std::vector<std::uint16_t> values(static_cast<std::size_t>(header.width) *
                                       static_cast<std::size_t>(header.height) * 3);
     if (!input->read_image(0, 0, 0, 3, TypeDesc::UINT16, values.data()))
-        fail(
-            "{}: cannot be developed: {}; the file is damaged or of a kind that LibRaw does not know; copy "
-            "it again, "
-            "or {}",
-            path.string(), input->geterror(), kRemedy);
+        fail_photo(path,
+                   "cannot be developed: {}; the file is damaged or of a kind that LibRaw does not know; "
+                   "copy it again, or {}",
+                   input->geterror(), kRemedy);
     // LibRaw cuts the fractions of the scaled values off: half a step is what that takes on average.
     for (std::size_t i = 0; i < values.size(); ++i) {
         const float back = most / wb[i % 3];

@@ -35,6 +35,7 @@ constexpr double kLeastCertainty = 6;   // [standard errors]
 constexpr double kLeastCorrelation = 0.15;
 constexpr double kTelling = 0.5;    // [1] of the median photograph's contrast must be expected of one ...
 constexpr double kLowLight = 0.26;  // [1] ... whose light has this z, for it to be missed: 15 degrees
+constexpr double kAgreed = 0.5;     // [1] median correlation from which on a stack's pictures show the same
 constexpr std::size_t kBandBytes = 64u << 20;
 
 Image<float> halved(const Image<float>& image) {
@@ -242,9 +243,13 @@ private:
                        std::max({kJumpPx, flat, kJumpScales * shading.typical_rest_px,
                                  kJumpErrors * own_error_px(alignment.pictures[i])});
         };
+        std::vector<double> correlations;
+        for (std::size_t i = 0; i < count; ++i)
+            if (found[i]) correlations.push_back(alignment.pictures[i].correlation);
+        const double least = median(std::move(correlations)) / 2;  // less may be there by chance
         std::size_t reference = count;
         for (std::size_t i = 0; i < count; ++i)
-            if (found[i] && (all_moved || !jumped(i)) &&
+            if (found[i] && alignment.pictures[i].correlation >= least && (all_moved || !jumped(i)) &&
                 (reference == count || photos_[i]->path < photos_[reference]->path))
                 reference = i;
         if (reference == count) reference = 0;
@@ -289,18 +294,24 @@ private:
     }
 
     // Whether a photograph in which nothing was found must show something else: it is not lit so low, nor so
-    // evenly, that nothing can be expected of it, and its edges are not where those of the others are. They
-    // are there, but too few to say exactly where, in the photograph that shows all highlights of metal and
-    // varnish.
+    // evenly, that nothing can be expected of it; or it has edges of its own where the others agree on
+    // theirs. And its edges are not where those of the others are: they are there, but too few to say exactly
+    // where, in the photograph that shows all highlights of metal and varnish.
     std::vector<bool> strange_ones(const Alignment& alignment) const {
-        std::vector<double> expected;
-        for (const AlignedPicture& picture : alignment.pictures) expected.push_back(picture.expected);
-        const double middle = median(std::move(expected));
+        std::vector<double> expected, contrasts, correlations;
+        for (const AlignedPicture& picture : alignment.pictures) {
+            expected.push_back(picture.expected);
+            contrasts.push_back(picture.contrast);
+            correlations.push_back(picture.correlation);
+        }
+        const double middle = median(std::move(expected)), contrast = median(std::move(contrasts));
+        const bool others_agree = median(std::move(correlations)) > kAgreed;
         std::vector<bool> strange;
         for (std::size_t i = 0; i < photos_.size(); ++i) {
             const AlignedPicture& picture = alignment.pictures[i];
-            strange.push_back(lights_[i].z > kLowLight && picture.expected > kTelling * middle &&
-                              picture.correlation <= kLeastCorrelation);
+            const bool telling = lights_[i].z > kLowLight && picture.expected > kTelling * middle,
+                       of_its_own = others_agree && picture.contrast > kTelling * contrast;
+            strange.push_back((telling || of_its_own) && picture.correlation <= kLeastCorrelation);
         }
         return strange;
     }

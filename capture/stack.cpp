@@ -3,16 +3,14 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <map>
 #include <set>
 
 #include "capture/brackets.h"
-#include "capture/lights_file.h"
-#include "capture/raw_file.h"
+#include "capture/photo_match.h"
 #include "capture/stack_calibration.h"
+#include "capture/unusable_photos.h"
 #include "capture/usable_stack.h"
 #include "surface/error.h"
-#include "surface/parallel.h"
 #include "surface/picture_file.h"
 
 namespace tangi {
@@ -21,67 +19,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-std::string lower(std::string text) {
-    for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-    return text;
-}
-
-// Photographs in a folder, by name.
-std::vector<fs::path> photos_in(const fs::path& folder) {
-    std::vector<fs::path> photos;
-    for (const auto& entry : fs::directory_iterator(folder))
-        if (entry.is_regular_file() && is_photo_name(entry.path()) &&
-            !entry.path().filename().string().starts_with('.'))
-            photos.push_back(entry.path());
-    std::sort(photos.begin(), photos.end());
-    return photos;
-}
-
-// Windows programs write their folders with backslashes.
-fs::path portable(std::string name) {
-    std::replace(name.begin(), name.end(), '\\', '/');
-    return fs::path(name);
-}
-
-// The photograph that a lights file means by `name`, tried from the strictest reading to the loosest.
-std::optional<fs::path> match(const std::string& name, const fs::path& folder,
-                              const std::vector<fs::path>& photos) {
-    const fs::path listed = portable(name);
-    std::error_code ignored;
-    if (fs::is_regular_file(folder / listed, ignored)) return folder / listed;
-    std::vector<fs::path> same_stem;
-    for (const fs::path& photo : photos) {
-        if (lower(photo.filename().string()) == lower(listed.filename().string())) return photo;
-        if (lower(photo.stem().string()) == lower(listed.stem().string())) same_stem.push_back(photo);
-    }
-    if (same_stem.size() == 1) return same_stem.front();
-    // Cameras store a JPEG beside each raw, of the same name.
-    if (std::count_if(same_stem.begin(), same_stem.end(), is_raw_name) == 1)
-        return *std::find_if(same_stem.begin(), same_stem.end(), is_raw_name);
-    return std::nullopt;
-}
-
-Brackets brackets_of(const std::optional<std::string>& asked, const fs::path& folder,
-                     const std::vector<fs::path>& photos, const std::vector<Light>& lights) {
-    if (!asked) return {};
-    std::vector<std::string> names;
-    for (const Light& light : lights) names.push_back(light.name);
-    if (*asked == "auto") {
-        Brackets found = find_brackets(photos, names);
-        if (found.empty())
-            fail(
-                "{}: no light has several photographs NAME_1, NAME_2 …; name them so, or list them in a file "
-                "with "
-                "--brackets FILE",
-                folder.string());
-        return found;
-    }
-    Brackets listed = read_brackets(*asked, folder);
-    for (const auto& [name, files] : listed)
-        if (std::find(names.begin(), names.end(), name) == names.end())
-            fail("{}: '{}' is no light of the lights file", *asked, name);
-    return listed;
-}
+constexpr std::size_t kFewestPhotos = 4;  // that photometric stereo needs
 
 // Exposures in units of one that is the same for all lights: the median. A bracket's `path` is the photograph
 // nearest to it.
@@ -102,69 +40,6 @@ void relate_to_reference(std::vector<StackPhoto>& photos) {
             }
         }
     }
-}
-
-void match_photos(Stack& stack, const std::vector<Light>& lights, const fs::path& lights_path) {
-    const std::vector<fs::path> photos = photos_in(stack.folder);
-    const Brackets brackets = brackets_of(stack.develop.brackets, stack.folder, photos, lights);
-    std::vector<std::string> missing;
-    std::map<fs::path, std::string> used;
-    for (int number = 0; number < static_cast<int>(lights.size()); ++number) {
-        const Light& light = lights[static_cast<std::size_t>(number)];
-        const auto bracket = brackets.find(light.name);
-        if (bracket != brackets.end()) {
-            for (const BracketFile& file : bracket->second)
-                used.emplace(file.path.lexically_normal(), light.name);
-            const std::vector<Exposure> exposures = exposures_of(light.name, bracket->second);
-            stack.photos.push_back({exposures.front().path, light, number, {}, exposures});
-            continue;
-        }
-        const auto photo = match(light.name, stack.folder, photos);
-        if (!photo) {
-            missing.push_back(light.name);
-            continue;
-        }
-        const auto [earlier, is_new] =
-            used.emplace(photo->lexically_normal(), light.name);  // "./name" is "name"
-        if (!is_new)
-            fail("{}: '{}' and '{}' both mean the photograph {}", lights_path.string(), earlier->second,
-                 light.name, earlier->first.string());
-        stack.photos.push_back({*photo, light, number, {}, {}});
-    }
-    if (stack.photos.empty() && photos.size() == lights.size() && !photos.empty()) {
-        for (std::size_t i = 0; i < photos.size(); ++i)
-            stack.photos.push_back({photos[i], lights[i], static_cast<int>(i), {}, {}});
-        if (lights.front().name.empty()) {
-            for (StackPhoto& photo : stack.photos) photo.light.name = photo.path.filename().string();
-            stack.warnings.push_back(fmt::format(
-                "{}: does not name photographs; its lights are taken in the order of the file names in "
-                "{}",
-                lights_path.string(), stack.folder.string()));
-            return;
-        }
-        stack.warnings.push_back(fmt::format(
-            "{}: none of its names ('{}', …) is a photograph in {}; lights are taken in the order of the "
-            "file names",
-            lights_path.string(), lights.front().name, stack.folder.string()));
-        return;
-    }
-    if (lights.front().name.empty())
-        fail(
-            "{}: has {} lights and does not name photographs, of which there are {} in {}; leave as many "
-            "there, in "
-            "the order of the lights",
-            lights_path.string(), lights.size(), photos.size(), stack.folder.string());
-    if (!missing.empty())
-        fail("{}: {} of {} listed photographs are not in {}: {}. Put them there, or remove their lines",
-             lights_path.string(), missing.size(), lights.size(), stack.folder.string(), joined(missing));
-    relate_to_reference(stack.photos);
-    std::vector<std::string> unlisted;
-    for (const fs::path& photo : photos)
-        if (!used.contains(photo.lexically_normal())) unlisted.push_back(photo.filename().string());
-    if (!unlisted.empty())
-        stack.warnings.push_back(fmt::format("{}: {} photographs are not listed in {} and not used: {}",
-                                             stack.folder.string(), unlisted.size(),
-                                             lights_path.filename().string(), joined(unlisted)));
 }
 
 void leave_out_lights_from_below(Stack& stack, const fs::path& lights_path) {
@@ -189,58 +64,17 @@ void leave_out_lights_from_below(Stack& stack, const fs::path& lights_path) {
                     lights_path.string(), below.size(), below.size() == 1 ? "" : "s", joined(below)));
 }
 
-std::string described(const PhotoHeader& header) {
-    return fmt::format("{} x {}, {}", header.width, header.height, header.channels == 1 ? "grey" : "colour");
-}
-
-std::vector<fs::path> files_of(const std::vector<StackPhoto>& photos) {
-    std::vector<fs::path> files;
-    for (const StackPhoto& photo : photos) {
-        if (photo.exposures.empty()) files.push_back(photo.path);
-        for (const Exposure& exposure : photo.exposures) files.push_back(exposure.path);
-    }
-    return files;
-}
-
-void leave_out_damaged(Stack& stack) {
-    std::string first;
-    std::erase_if(stack.photos, [&](const StackPhoto& photo) {
-        for (const fs::path& path : files_of({photo})) try {
-                PhotoFile(path).header();
-            } catch (const Error& error) {
-                if (first.empty()) first = error.what();
-                stack.warnings.push_back(fmt::format("left out: {}", error.what()));
-                return true;
-            }
-        return false;
-    });
-    if (stack.photos.empty() && !first.empty()) throw Error(first);
-}
-
 // Opens every photograph once, so that the first bad one is named before any work is done.
 void check_headers(Stack& stack) {
     std::optional<PhotoHeader> first;
-    const std::vector<fs::path> files = files_of(stack.photos);
-    for (const fs::path& path : files) {
-        const PhotoHeader header = PhotoFile(path).header();
-        if (!first) first = header;
-        if (header.width != first->width || header.height != first->height)
-            fail("{}: is {}, but {} is {}; all photographs of a stack must have the same size", path.string(),
-                 described(header), files.front().filename().string(), described(*first));
-        if (header.channels != first->channels)
-            fail("{}: is {}, but {} is {}; convert it, or remove it from the lights file", path.string(),
-                 described(header), files.front().filename().string(), described(*first));
-        if (header.bits != first->bits || header.is_float != first->is_float ||
-            header.is_raw != first->is_raw)
-            fail(
-                "{}: has {} bits a sample{}, but {} has {}{}; all photographs of a stack must be stored "
-                "alike",
-                path.string(), header.bits, header.is_raw ? " (raw)" : "", files.front().filename().string(),
-                first->bits, first->is_raw ? " (raw)" : "");
-        if (header.orientation != first->orientation)
-            fail("{}: its EXIF orientation is {}, that of {} is {}; turn the photographs alike first",
-                 path.string(), header.orientation, files.front().filename().string(), first->orientation);
-    }
+    std::string name;
+    for (const StackPhoto& photo : stack.photos)
+        for (const fs::path& path : files_of(photo)) {
+            const PhotoHeader header = PhotoFile(path).header();
+            if (!first) first = header, name = path.filename().string();
+            if (const std::string why = difference(header, *first, name); !why.empty())
+                fail("{}: {}", path.string(), why);
+        }
     if (first->orientation != 1)
         stack.warnings.push_back(
             fmt::format("{}: the EXIF orientation ({}) is not applied; lights and maps are in the frame of "
@@ -291,7 +125,9 @@ std::vector<Light> Stack::lights() const {
     return result;
 }
 
-Stack open_photographs(const std::vector<fs::path>& paths, const StackOptions& options) {
+namespace {
+
+Stack photographs_of(const std::vector<fs::path>& paths, const StackOptions& options) {
     TP_REQUIRE(!paths.empty(), "there are photographs");
     Stack stack;
     stack.folder = paths.front().parent_path();
@@ -333,42 +169,72 @@ Stack open_photographs(const std::vector<fs::path>& paths, const StackOptions& o
     for (const fs::path& path : paths)
         if (!in_brackets.contains(path.lexically_normal())) add(path, path.filename().string(), {});
     relate_to_reference(stack.photos);
-    check_headers(stack);
     return stack;
 }
 
-namespace {
-
-Stack opened(const fs::path& folder, const StackOptions& options, bool all_or_none) {
-    if (!fs::exists(folder)) fail("{}: no such folder", folder.string());
-    if (!fs::is_directory(folder))
-        fail("{}: is not a folder; give the folder that holds the photographs", folder.string());
-    Stack stack;
+// `usable`: null where all photographs must be usable.
+UsableStack opened(const fs::path& folder, const StackOptions& options, const UsableOptions* usable) {
+    require_folder(folder);
+    UsableStack result;
+    Stack& stack = result.stack;
     stack.folder = folder;
     stack.develop = options.develop;
-    StackCalibration calibration = read_stack_calibration(folder, options);
+    StackCalibration calibration =
+        read_stack_calibration(folder, options, usable ? usable->lights_flip : LightFlips{});
     stack.warnings = calibration.warnings;
-    match_photos(stack, calibration.lights, calibration.lights_path);
+    PhotoMatch match = match_photos(folder, options.develop, calibration, usable == nullptr);
+    stack.photos = std::move(match.photos);
+    stack.warnings.insert(stack.warnings.end(), match.warnings.begin(), match.warnings.end());
+    result.lights_by_order = match.by_order;
+    relate_to_reference(stack.photos);
+    if (usable) {
+        result.left_out = calibration.left_out;
+        result.left_out.insert(result.left_out.end(), match.left_out.begin(), match.left_out.end());
+        tell(match.left_out, 0, stack.warnings);
+        leave_out_unusable(stack, result.left_out);
+        if (!usable->any_loss || stack.photos.empty())
+            require_few(result.left_out, stack.photos.size() + result.left_out.size(), kFewestPhotos,
+                        folder.string());
+    }
     leave_out_lights_from_below(stack, calibration.lights_path);
-    if (!all_or_none) leave_out_damaged(stack);
     check_headers(stack);
     const Region photo = stack.crop;
     apply_geometry(stack, calibration);
     if (options.crop) apply_crop(stack, *options.crop);
     stack.transfer = options.transfer;
     apply_calibration(stack, calibration);
-    if (options.mask_file) apply_mask(stack, *options.mask_file, photo);
-    return stack;
+    if (options.mask_file)
+        apply_mask(stack, *options.mask_file, photo);
+    else if (usable && usable->finds_mask &&
+             (result.found_mask = mask_among(match.masks, photo, stack.warnings)))
+        apply_mask(stack, *result.found_mask, photo);
+    return result;
 }
 
 }  // namespace
 
-Stack open_stack(const fs::path& folder, const StackOptions& options) {
-    return opened(folder, options, true);
+Stack open_photographs(const std::vector<fs::path>& paths, const StackOptions& options) {
+    Stack stack = photographs_of(paths, options);
+    check_headers(stack);
+    return stack;
 }
 
-Stack open_usable_stack(const fs::path& folder, const StackOptions& options) {
-    return opened(folder, options, false);
+Stack open_usable_photographs(const std::vector<fs::path>& paths, const StackOptions& options,
+                              std::vector<LeftOut>& left_out) {
+    Stack stack = photographs_of(paths, options);
+    leave_out_unusable(stack, left_out);
+    require_few(left_out, stack.photos.size() + left_out.size(), 1, stack.folder.string());
+    check_headers(stack);
+    return stack;
+}
+
+Stack open_stack(const fs::path& folder, const StackOptions& options) {
+    return opened(folder, options, nullptr).stack;
+}
+
+UsableStack open_usable_stack(const fs::path& folder, const StackOptions& options,
+                              const UsableOptions& usable) {
+    return opened(folder, options, &usable);
 }
 
 }  // namespace tangi

@@ -4,6 +4,7 @@
 
 #include "capture/dome_file.h"
 #include "capture/lights_file.h"
+#include "capture/photo_match.h"
 #include "capture/relight_file.h"
 #include "surface/error.h"
 #include "surface/picture_file.h"
@@ -25,6 +26,11 @@ fs::path find_lights_file(const fs::path& folder) {
     }
     if (found.empty()) found = std::move(of_others);
     std::sort(found.begin(), found.end());
+    if (found.empty() && photos_in(folder).empty())
+        fail(
+            "{}: neither photographs (JPEG, PNG, TIFF, EXR, TGA or camera raw) nor a lights file in this "
+            "folder",
+            folder.string());
     if (found.empty())
         fail(
             "{0}: no lights file (.lp, .dome or .relight) in this folder; name one with --lights FILE.lp, or "
@@ -89,10 +95,15 @@ void apply_lights(Stack& stack, const CaptureFile& capture) {
 // Lengths that differ by more than rounding make positions of what passes for directions.
 constexpr double kLengthsDiffer = 1.05;
 
-void read_lp(const fs::path& path, bool in_mm, StackCalibration& read) {
+void read_lp(const fs::path& path, bool in_mm, const LightFlips& flips, StackCalibration& read) {
     LightsFile file = read_lights_file(path);
     read.lights = std::move(file.lights);
     read.warnings = std::move(file.warnings);
+    read.left_out = std::move(file.left_out);
+    for (Light& light : read.lights) {
+        if (flips.x) light.direction.x *= -1;
+        if (flips.y) light.direction.y *= -1;
+    }
     const auto [shortest, longest] = std::minmax_element(file.lengths.begin(), file.lengths.end());
     if (in_mm) {
         for (std::size_t i = 0; i < read.lights.size(); ++i)
@@ -111,11 +122,18 @@ void read_lp(const fs::path& path, bool in_mm, StackCalibration& read) {
          path.string());
 }
 
+[[noreturn]] void refuse_flips(const fs::path& path) {
+    fail("{}: --lights-flip-x and --lights-flip-y are about the vectors of an .lp; in this file y points up",
+         path.string());
+}
+
 // Of a lights file of any kind but capture.json.
-StackCalibration read_lights(const fs::path& path, bool in_mm) {
+StackCalibration read_lights(const fs::path& path, bool in_mm, const LightFlips& flips) {
     StackCalibration read{.lights = {}, .lights_path = path};
     const std::string extension = lower_extension(path);
-    if (in_mm && (extension == ".dome" || extension == ".relight")) refuse_lights_in_mm(path);
+    const bool is_lp = extension != ".dome" && extension != ".relight";
+    if (in_mm && !is_lp) refuse_lights_in_mm(path);
+    if (flips.any() && !is_lp) refuse_flips(path);
     if (extension == ".dome") {
         DomeFile dome = read_dome_file(path);
         read.lights = std::move(dome.lights);
@@ -129,7 +147,7 @@ StackCalibration read_lights(const fs::path& path, bool in_mm) {
         read.picture_width_mm = project.picture_width_mm;
         read.warnings = std::move(project.warnings);
     } else {
-        read_lp(path, in_mm, read);
+        read_lp(path, in_mm, flips, read);
     }
     if (read.capture) read.capture->lights = read.lights, read.capture_path = path;
     return read;
@@ -151,7 +169,8 @@ std::string joined(const std::vector<std::string>& names, std::size_t most) {
     return text;
 }
 
-StackCalibration read_stack_calibration(const fs::path& folder, const StackOptions& options) {
+StackCalibration read_stack_calibration(const fs::path& folder, const StackOptions& options,
+                                        const LightFlips& flips) {
     std::optional<CaptureFile> capture;
     if (options.capture_file) capture = read_capture_file(*options.capture_file);
     fs::path lights_path;
@@ -160,7 +179,7 @@ StackCalibration read_stack_calibration(const fs::path& folder, const StackOptio
     else
         lights_path = capture && !capture->lights.empty() ? *options.capture_file : find_lights_file(folder);
     if (lower_extension(lights_path) != ".json") {
-        StackCalibration read = read_lights(lights_path, options.lights_in_mm);
+        StackCalibration read = read_lights(lights_path, options.lights_in_mm, flips);
         if (options.lights_in_mm && !(capture && capture->mm_per_pixel))
             fail(
                 "{}: positions in mm need to know how large a pixel is; measure it (tangipaint calibrate {} "
@@ -178,6 +197,7 @@ StackCalibration read_stack_calibration(const fs::path& folder, const StackOptio
         return read;
     }
     if (options.lights_in_mm) refuse_lights_in_mm(lights_path);
+    if (flips.any()) refuse_flips(lights_path);
     if (capture && lights_path != *options.capture_file)
         fail("{} and {}: give one capture file, and a lights file (.lp) beside it", lights_path.string(),
              options.capture_file->string());

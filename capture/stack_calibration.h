@@ -7,9 +7,16 @@
 #include <vector>
 
 #include "capture/capture_file.h"
+#include "capture/left_out.h"
 #include "capture/stack.h"
 
 namespace tangi {
+
+// Vectors of a lights file to mirror, since its axes point the other way: many programs have y downwards.
+struct LightFlips {
+    bool x = false, y = false;
+    bool any() const { return x || y; }
+};
 
 // What the files of a stack tell, before it is known which photographs there are.
 struct StackCalibration {
@@ -21,10 +28,12 @@ struct StackCalibration {
     std::filesystem::path capture_path{};
     std::optional<double> picture_width_mm{};  // of a .dome or .relight
     std::vector<std::string> warnings{};
+    std::vector<LeftOut> left_out{};  // lines of an .lp that are no light, told in the warnings too
 };
 
 // The files that `options` name; else the one lights file of the folder. Throws Error naming file and place.
-StackCalibration read_stack_calibration(const std::filesystem::path& folder, const StackOptions& options);
+StackCalibration read_stack_calibration(const std::filesystem::path& folder, const StackOptions& options,
+                                        const LightFlips& flips = {});
 
 // Makes the stack the picture that the capture file describes. Throws Error where it was made from
 // photographs of another size.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "capture/stray_photos.h"
 #include "surface/error.h"
 #include "surface/parallel.h"
 
@@ -100,21 +101,8 @@ void leave_out_black_photos(Stack& stack, Survey& survey) {
     }
     if (black == 0) return;
 
-    Survey kept = {.photos = {}, .channels = survey.channels, .positions = survey.positions, .values = {}};
-    std::vector<StackPhoto> photos;
-    for (std::size_t i = 0; i < keep.size(); ++i)
-        if (keep[i]) {
-            photos.push_back(stack.photos[i]);
-            kept.photos.push_back(survey.photos[i]);
-        }
-    for (int s = 0; s < survey.sample_count(); ++s)
-        for (std::size_t i = 0; i < keep.size(); ++i)
-            if (keep[i]) {
-                const float* value = survey.sample(s) + i * static_cast<std::size_t>(survey.channels);
-                kept.values.insert(kept.values.end(), value, value + survey.channels);
-            }
-    stack.photos = std::move(photos);
-    survey = std::move(kept);
+    const std::size_t all = keep.size();
+    keep_photos(stack, survey, keep);
     stack.warnings.push_back(fmt::format("{}: left out {} photograph{} that {} black: {}",
                                          stack.folder.string(), black, black == 1 ? "" : "s",
                                          black == 1 ? "is" : "are", names));
@@ -122,7 +110,7 @@ void leave_out_black_photos(Stack& stack, Survey& survey) {
         fail(
             "{}: {} of {} photographs are black ({}), which leaves {}; at least 4 under different lights are "
             "needed",
-            stack.folder.string(), black, keep.size(), names, stack.photos.size());
+            stack.folder.string(), black, all, names, stack.photos.size());
     require_enough_lights(stack.lights(), stack.folder.string());
 }
 

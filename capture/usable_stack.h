@@ -1,12 +1,35 @@
-// usable_stack.h: a stack without the photographs that are damaged, for who can do without some.
+// usable_stack.h: a stack without the photographs that cannot be used, for who can do without some.
 #pragma once
 
+#include "capture/left_out.h"
 #include "capture/stack.h"
+#include "capture/stack_calibration.h"
 
 namespace tangi {
 
-// As open_stack(), but photographs that cannot be opened are left out, each with a warning that names it.
-// Throws Error where that leaves none, and for all else that is wrong.
-Stack open_usable_stack(const std::filesystem::path& folder, const StackOptions& options = {});
+struct UsableOptions {
+    bool any_loss = false;     // however many cannot be used, as long as one is left
+    bool finds_mask = true;    // a picture in the folder whose name says mask is one, where none is given
+    LightFlips lights_flip{};  // of the vectors of an .lp
+};
+
+struct UsableStack {
+    Stack stack;
+    std::vector<LeftOut> left_out;
+    bool lights_by_order = false;  // no name in the lights file is that of a photograph
+    std::optional<std::filesystem::path> found_mask{};
+};
+
+// As open_stack(), but goes on without photographs that cannot be opened, that are not stored as most are
+// (size, channels, bits, orientation), that are listed and missing, or have two lights, and without lines of
+// an .lp that are none: each with a warning that names it. Throws Error as require_few() where these are too
+// many, and for all else that is wrong.
+UsableStack open_usable_stack(const std::filesystem::path& folder, const StackOptions& options,
+                              const UsableOptions& usable = {});
+
+// As open_photographs(), but goes on without photographs that cannot be used, which are added to `left_out`;
+// with a warning for each. Throws as open_usable_stack().
+Stack open_usable_photographs(const std::vector<std::filesystem::path>& paths, const StackOptions& options,
+                              std::vector<LeftOut>& left_out);
 
 }  // namespace tangi

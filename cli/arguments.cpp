@@ -11,13 +11,14 @@
 #include <sstream>
 
 #include "capture/raw_file.h"
-#include "capture/usable_stack.h"
 #include "cli/command.h"
 #include "surface/error.h"
 
 namespace tangi {
 
 namespace {
+
+constexpr const char* kNoMask = "none";  // --mask
 
 std::string_view trimmed(std::string_view text) {
     const auto begin = text.find_first_not_of(" \t");
@@ -119,6 +120,9 @@ void PhotosArguments::add_to(Flags& flags, bool for_fit) {
         "--lights-mm", lights_mm,
         "the vectors of the .lp are the lamps' positions in mm from the picture's centre (x right, y up, "
         "z towards the camera), not directions; --capture tells the scale");
+    flags.flag("--lights-flip-y", lights_flip_y,
+               "y of the .lp points down, as rows of a picture do: take it the other way");
+    flags.flag("--lights-flip-x", lights_flip_x, "x of the .lp points to the left: take it the other way");
     flags.option(
         "--capture", capture,
         "capture.json of calibrate: colours, scale, lens, rectification, and the lights unless --lights "
@@ -133,7 +137,10 @@ void PhotosArguments::add_to(Flags& flags, bool for_fit) {
         "--crop", crop,
         "only a part of the photographs: X,Y,WIDTH,HEIGHT in pixels, of the rectified picture where a "
         "capture file rectifies");
-    flags.option("--mask", mask, "picture of the photographs' size; what is black in it is left out");
+    flags.option(
+        "--mask", mask,
+        "picture of the photographs' size; what is black in it is left out. Where not given, the black and "
+        "white picture in the folder whose name says mask; none: the whole picture");
     develop.add_to(flags);
     if (!for_fit) return;
     flags
@@ -152,7 +159,7 @@ StackOptions PhotosArguments::options() const {
     if (!lights.empty()) options.lights_file = lights;
     options.lights_in_mm = lights_mm;
     if (!capture.empty()) options.capture_file = capture;
-    if (!mask.empty()) options.mask_file = mask;
+    if (!mask.empty() && mask != kNoMask) options.mask_file = mask;
     if (!crop.empty()) {
         const auto n = numbers_of(crop, "--crop", 4, "X,Y,WIDTH,HEIGHT");
         const auto pixel = [&](double value) {
@@ -167,12 +174,20 @@ StackOptions PhotosArguments::options() const {
     return options;
 }
 
-Stack PhotosArguments::open_usable() const { return open_usable_stack(folder, options()); }
+UsableOptions PhotosArguments::usable_options() const {
+    return {.finds_mask = mask.empty(), .lights_flip = {lights_flip_x, lights_flip_y}};
+}
 
-Stack PhotosArguments::open() const {
-    Stack stack = open_stack(folder, options());
-    if (!hold_out.empty()) tangi::hold_out(stack, hold_out);
-    return stack;
+Stack PhotosArguments::open_any() const {
+    UsableOptions usable = usable_options();
+    usable.any_loss = true;
+    return open_usable_stack(folder, options(), usable).stack;
+}
+
+UsableStack PhotosArguments::open() const {
+    UsableStack opened = open_usable_stack(folder, options(), usable_options());
+    if (!hold_out.empty()) tangi::hold_out(opened.stack, hold_out);
+    return opened;
 }
 
 std::vector<std::filesystem::path> PhotosArguments::inputs(const Stack& stack) const {
@@ -184,7 +199,7 @@ std::vector<std::filesystem::path> PhotosArguments::inputs(const Stack& stack) c
         }
     if (!lights.empty()) files.push_back(lights);
     if (!capture.empty()) files.push_back(capture);
-    if (!mask.empty()) files.push_back(mask);
+    if (!mask.empty() && mask != kNoMask) files.push_back(mask);
     for (const std::filesystem::path& file : develop.inputs()) files.push_back(file);
     return files;
 }
@@ -192,6 +207,8 @@ std::vector<std::filesystem::path> PhotosArguments::inputs(const Stack& stack) c
 nlohmann::json PhotosArguments::as_json() const {
     return {{"lights", lights},
             {"lights_mm", lights_mm},
+            {"lights_flip_x", lights_flip_x},
+            {"lights_flip_y", lights_flip_y},
             {"capture", capture},
             {"transfer", transfer},
             {"crop", crop},
@@ -254,8 +271,8 @@ Vec3 parse_position(const std::string& text, const std::string& flag) {
     return {static_cast<float>(n[0]), static_cast<float>(n[1]), static_cast<float>(n[2])};
 }
 
-nlohmann::json told(const std::vector<std::string>& warnings) {
-    for (const std::string& warning : warnings) warn(warning);
+nlohmann::json told(const std::vector<std::string>& warnings, std::size_t before) {
+    for (std::size_t i = before; i < warnings.size(); ++i) warn(warnings[i]);
     return warnings;
 }
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "capture/stack.h"
+#include "capture/usable_stack.h"
 #include "cli/flags.h"
 
 namespace tangi {
@@ -26,14 +26,15 @@ struct DevelopArguments {
 // Where photographs are and how to read them.
 struct PhotosArguments {
     std::string folder, lights, capture, transfer = "auto", crop, mask, hold_out, registration = "auto";
-    bool lights_mm = false;
+    bool lights_mm = false, lights_flip_x = false, lights_flip_y = false;
     DevelopArguments develop;
 
     void add_to(Flags& flags, bool for_fit);
-    // Throws Error for what is wrong with the folder, UsageError for what is wrong with the flags.
-    Stack open() const;
-    // The same without photographs that are damaged (capture/usable_stack.h).
-    Stack open_usable() const;
+    // Without photographs that cannot be used (capture/usable_stack.h). Throws Error for what is wrong with
+    // the folder, UsageError for what is wrong with the flags.
+    UsableStack open() const;
+    // The same, however many cannot be used.
+    Stack open_any() const;
     // The files that a command with these flags reads: photographs, lights, mask, frames, brackets.
     std::vector<std::filesystem::path> inputs(const Stack& stack) const;
     // As they were given, for provenance.
@@ -41,6 +42,7 @@ struct PhotosArguments {
 
 private:
     StackOptions options() const;
+    UsableOptions usable_options() const;
 };
 
 // Throws Error, naming the flag --out, where writing `output` would replace one of `inputs`: photographs
@@ -71,7 +73,7 @@ Vec3 parse_direction(const std::string& text, const std::string& flag);
 // a place behind the painting's plane or in it, or one beyond 1 km.
 Vec3 parse_position(const std::string& text, const std::string& flag);
 
-// Prints the warnings and returns them as JSON.
-nlohmann::json told(const std::vector<std::string>& warnings);
+// Prints the warnings, but for the first that were told before, and returns all as JSON.
+nlohmann::json told(const std::vector<std::string>& warnings, std::size_t before = 0);
 
 }  // namespace tangi

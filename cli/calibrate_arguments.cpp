@@ -49,9 +49,12 @@ void CalibrateArguments::add_to(Flags& flags) {
     flags
         .option(
             "--out", out,
-            "the lights file to write (.lp), with capture.json and capture.html beside it; or the capture "
-            "file (.json), with a page and a lights file of its name")
+            "the lights file to write (.lp), with a capture file (.json) and a page (.html) of its name "
+            "beside "
+            "it (capture.json and capture.html beside lights.lp); or the capture file (.json), with a page "
+            "and a lights file of its name")
         .required();
+    flags.flag("--force", force, "replace files of these names even where tangipaint did not write them");
     flags.option("--sphere", spheres,
                  "where a ball is: X,Y,R or a box X0,Y0,X1,Y1 in pixels from the top left; once for each "
                  "ball; found automatically where not given");

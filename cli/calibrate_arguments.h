@@ -10,6 +10,7 @@ namespace tangi {
 
 struct CalibrateArguments {
     std::string folder, out, transfer = "auto";
+    bool force = false;  // replace files that this program did not write
     std::vector<std::string> photos;
     DevelopArguments develop;
     // balls and camera

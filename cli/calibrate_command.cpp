@@ -6,6 +6,7 @@
 #include "capture/develop_stack.h"
 #include "capture/transfer_metadata.h"
 #include "capture/uncalibrated_report.h"
+#include "capture/usable_stack.h"
 #include "cli/calibrate_arguments.h"
 #include "cli/command_list.h"
 #include "surface/atomic_file.h"
@@ -95,33 +96,35 @@ nlohmann::json summary_of(const PlaneCalibration& c) {
     return result;
 }
 
-// The photographs that can be opened; calibration is safe without the others.
-std::vector<fs::path> readable(const std::vector<fs::path>& paths, std::vector<std::string>& warnings) {
-    std::vector<fs::path> good;
-    std::string first;
-    for (const fs::path& path : paths) {
-        try {
-            const PhotoFile opened(path);
-            good.push_back(path);
-        } catch (const Error& error) {
-            if (first.empty()) first = error.what();
-            warnings.push_back(fmt::format("{}; left out", error.what()));
-        }
+// The photographs that are given, each once.
+std::vector<fs::path> given_photographs(const CalibrateArguments& a, std::vector<std::string>& warnings) {
+    if (!a.folder.empty()) return pictures_in(a.folder, warnings);
+    std::vector<fs::path> paths;
+    for (const std::string& photo : a.photos) {
+        std::error_code missing;  // told when it is opened
+        const auto same = std::find_if(paths.begin(), paths.end(), [&](const fs::path& path) {
+            return path == photo || fs::equivalent(path, photo, missing);
+        });
+        if (same == paths.end())
+            paths.emplace_back(photo);
+        else
+            warnings.push_back(fmt::format("--photos {}: is {}, which is given already; it is used once",
+                                           photo, same->string()));
     }
-    if (good.empty()) throw Error(first);
-    return good;
+    return paths;
 }
 
 // The photographs, developed where that is asked for or they are raws.
 PhotoSet photographs(const CalibrateArguments& a, const std::vector<fs::path>& paths,
-                     Calibration& calibration, std::vector<std::string>& warnings, const Progress& progress) {
+                     Calibration& calibration, std::vector<std::string>& warnings,
+                     std::vector<LeftOut>& left_out, const Progress& progress) {
     StackOptions options;
     options.transfer = parse_transfer(a.transfer);
     options.develop = a.develop.options();
-    Stack stack = open_photographs(paths, options);
+    Stack stack = open_usable_photographs(paths, options, left_out);
     if (a.develop.asks_anything() && !stack.is_raw && stack.bits != 32 && !stack.transfer) {
         // Frames are subtracted from light, and no light is known yet to tell the curve by.
-        const auto stated = transfer_of_metadata(read_photo_metadata(paths.front()));
+        const auto stated = transfer_of_metadata(read_photo_metadata(stack.photos.front().path));
         if (!stated || !stated->binding || !stated->transfer)
             throw UsageError(
                 "--dark, --flat, --ambient and --brackets need to know how the photographs are encoded: give "
@@ -184,8 +187,41 @@ nlohmann::json find_uncalibrated(const CalibrateArguments& a, const PhotoSet& ph
             {"convexity", finite(stack.found.convexity)}};
 }
 
-nlohmann::json run_calibrate(const CalibrateArguments& a) {
-    const Progress progress = console_progress();
+// Warnings and doubts of all parts, into those of the lights.
+void add_notes(const std::vector<std::string>& first, Calibration& calibration) {
+    BallCalibration& lights = calibration.lights;
+    lights.warnings.insert(lights.warnings.begin(), first.begin(), first.end());
+    const auto add = [&](std::vector<std::string>& to, const std::vector<std::string>& more) {
+        to.insert(to.end(), more.begin(), more.end());
+    };
+    if (calibration.colours) add(lights.warnings, calibration.colours->warnings);
+    if (calibration.plane) {
+        add(lights.warnings, calibration.plane->warnings);
+        add(lights.poor, calibration.plane->poor);
+    }
+    if (calibration.colours && calibration.colours->correction.after.mean > kWorstChart)
+        lights.poor.push_back(
+            fmt::format("the colour chart's patches are off by {:.1f} (mean CIEDE2000); is it a "
+                        "chart, and in the lamps' light? The fit will not use it",
+                        calibration.colours->correction.after.mean));
+}
+
+// Files that are read, and files that this program did not write.
+void refuse_to_replace(const CalibrateArguments& a) {
+    const CalibrationFiles files = calibration_files(a.out);
+    for (const fs::path& output : {files.lights, files.json, files.page})
+        refuse_to_overwrite(output, a.develop.inputs());
+    if (a.force) return;
+    std::vector<std::string> names;
+    for (const fs::path& output : not_ours(files)) names.push_back(output.string());
+    if (!names.empty())
+        fail(
+            "--out {}: would replace {}, which is not as tangipaint wrote it; choose another name, or give "
+            "--force",
+            a.out, joined(names));
+}
+
+void require_sense(const CalibrateArguments& a) {
     const std::string extension = lower_extension(a.out);
     if (extension != ".lp" && extension != ".json")
         throw UsageError(fmt::format("--out {}: a lights file ends in .lp, a capture file in .json", a.out));
@@ -194,27 +230,25 @@ nlohmann::json run_calibrate(const CalibrateArguments& a) {
     if (a.inverted && !a.uncalibrated) throw UsageError("--inverted: goes with --uncalibrated");
     if (a.uncalibrated && (a.matt || a.no_balls || !a.spheres.empty()))
         throw UsageError("--uncalibrated: takes no ball; leave out --sphere, --matt-ball and --no-balls");
-    BallCalibrationOptions ball_options = a.ball_options();
-    const std::optional<ColourCalibrationOptions> colour_options = a.colour_options();
-    (void)a.plane_options(INT_MAX, INT_MAX);  // flags that make no sense are known before the work
-    { const AtomicFile writable(a.out); }     // and an output that can't be written
-    std::vector<std::string> warnings;
-    std::vector<fs::path> paths;
-    if (!a.folder.empty())
-        paths = pictures_in(a.folder, warnings);
-    else
-        paths.assign(a.photos.begin(), a.photos.end());
-    paths = readable(paths, warnings);
-    for (const fs::path& output : {calibration_files(a.out).lights, calibration_files(a.out).json})
-        refuse_to_overwrite(output, a.develop.inputs());
-    std::optional<EarlierPainting> earlier;
-    if (!a.align_to.empty()) earlier = earlier_painting(read_painting(a.align_to, progress));
+    (void)a.ball_options();
+    (void)a.colour_options();
+    (void)a.plane_options(INT_MAX, INT_MAX);
+}
+
+// All that the photographs tell, and what the result says of it. `damaged`: photographs that are left out of
+// `paths`, each with a warning.
+nlohmann::json calibrated(const CalibrateArguments& a, const std::vector<fs::path>& paths,
+                          const std::optional<EarlierPainting>& earlier, std::vector<std::string> warnings,
+                          std::vector<LeftOut> left_out, const Progress& progress) {
+    for (const LeftOut& photo : left_out) warnings.push_back(photo.reason + "; left out");
     Calibration calibration;
-    const PhotoSet photos = photographs(a, paths, calibration, warnings, progress);
+    const PhotoSet photos = photographs(a, paths, calibration, warnings, left_out, progress);
     const PhotoHeader header = photos.open(0).header();
+    BallCalibrationOptions ball_options = a.ball_options();
     PlaneOptions plane_options = a.plane_options(header.width, header.height);
-    plane_options.earlier = std::move(earlier);
-    if (colour_options) calibration.colours = calibrate_colours(photos, *colour_options, progress);
+    plane_options.earlier = earlier;
+    if (const auto colour_options = a.colour_options())
+        calibration.colours = calibrate_colours(photos, *colour_options, progress);
     const ColourCalibration* chart = calibration.colours ? &*calibration.colours : nullptr;
     if (plane_options.asks_anything() || (chart && chart->scale)) {
         calibration.plane = calibrate_plane(photos, plane_options, chart, progress);
@@ -228,20 +262,12 @@ nlohmann::json run_calibrate(const CalibrateArguments& a) {
         uncalibrated = find_uncalibrated(a, photos, calibration, progress);
     else
         calibration.lights = balls_of(a, photos, ball_options, calibration.plane || chart, progress);
+    add_notes(warnings, calibration);
     BallCalibration& lights = calibration.lights;
-    lights.warnings.insert(lights.warnings.begin(), warnings.begin(), warnings.end());
-    const auto add = [&](const std::vector<std::string>& more) {
-        lights.warnings.insert(lights.warnings.end(), more.begin(), more.end());
-    };
-    if (chart) add(chart->warnings);
-    if (calibration.plane) add(calibration.plane->warnings);
-    if (chart && chart->correction.after.mean > kWorstChart)
-        lights.poor.push_back(
-            fmt::format("the colour chart's patches are off by {:.1f} (mean CIEDE2000); is it a "
-                        "chart, and in the lamps' light? The fit will not use it",
-                        chart->correction.after.mean));
     const CalibrationFiles files = write_calibration(a.out, calibration);
     nlohmann::json result = result_of(lights, files);
+    for (const LeftOut& photo : left_out) result["photographs"]["left_out"].push_back(photo.name);
+    result["photographs"]["unusable"] = to_json(left_out);
     if (a.uncalibrated) result["uncalibrated"] = uncalibrated;
     result["colour"] = chart ? summary_of(*chart) : nlohmann::json(nullptr);
     const nlohmann::json plane =
@@ -252,6 +278,26 @@ nlohmann::json run_calibrate(const CalibrateArguments& a) {
     result["warnings"] = told(lights.warnings);
     result["poor"] = lights.poor;
     return result;
+}
+
+nlohmann::json run_calibrate(const CalibrateArguments& a) {
+    const Progress progress = console_progress();
+    require_sense(a);  // flags that make no sense are known before the work
+    refuse_to_replace(a);
+    { const AtomicFile writable(a.out); }  // and an output that can't be written
+    std::vector<std::string> warnings;
+    std::vector<fs::path> paths = given_photographs(a, warnings);
+    const std::size_t all = paths.size();
+    std::optional<EarlierPainting> earlier;
+    if (!a.align_to.empty()) earlier = earlier_painting(read_painting(a.align_to, progress));
+    std::vector<LeftOut> damaged;
+    while (true) try {
+            return calibrated(a, paths, earlier, warnings, damaged, progress);
+        } catch (const PhotoError& error) {  // damage that shows only when pixels are decoded
+            if (std::erase(paths, error.path()) == 0) throw;
+            damaged.push_back({error.path().filename().string(), error.what()});
+            require_few(damaged, all, 1, error.path().parent_path().string());
+        }
 }
 
 }  // namespace

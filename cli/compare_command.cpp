@@ -41,7 +41,7 @@ void require_place_for_report(const CompareArguments& arguments, const Stack& ph
 nlohmann::json run_compare(const CompareArguments& arguments) {
     const Progress progress = console_progress();
     const Surface surface = read_painting(arguments.painting, progress);
-    Stack photos = arguments.photos.open();
+    Stack photos = arguments.photos.open().stack;
     require_place_for_report(arguments, photos);
     const auto [stack, development] =
         photos_to_compare(std::move(photos), arguments.photos, surface, progress);

@@ -48,9 +48,21 @@ nlohmann::json provenance_of(const FitArguments& arguments, const Stack& stack,
             {"inputs", inputs}};
 }
 
+// [sigma] Median residual from which on lights that were taken in the order of file names are doubted.
+constexpr double kDoubtfulOrder = 1;
+
 // What makes the result doubtful as a whole; empty where nothing does.
-std::vector<std::string> poor_reasons(const FitReport& report) {
+std::vector<std::string> poor_reasons(const FitReport& report, bool lights_by_order,
+                                      const MirroredAxes& flips) {
     std::vector<std::string> reasons;
+    if (lights_by_order && report.median_rms_residual > kDoubtfulOrder)
+        reasons.push_back(fmt::format(
+            "no name in the lights file is that of a photograph, so lights were taken in the order of the "
+            "file names, and the photographs differ from the model by {:.1f} times what is expected: is the "
+            "order the same? Name the photographs in the lights file as they are called",
+            report.median_rms_residual));
+    if (std::string doubt = doubt_of(report.signs, report.shadow_signs, flips); !doubt.empty())
+        reasons.push_back(std::move(doubt));
     const double fitted =
         static_cast<double>(report.fitted) / static_cast<double>(std::max(report.pixels, 1L));
     if (report.fitted == 0)
@@ -79,7 +91,7 @@ nlohmann::json colour_of(const FitResult& fit) {
             {"white_by_chart", colour.white_by_chart}};
 }
 
-nlohmann::json result_of(const FitResult& fit, const std::string& out) {
+nlohmann::json result_of(const FitResult& fit, const std::vector<LeftOut>& left_out, const std::string& out) {
     const FitReport& r = fit.report;
     nlohmann::json candidates = nlohmann::json::array();
     for (const auto& candidate : r.transfer.candidates)
@@ -90,12 +102,13 @@ nlohmann::json result_of(const FitResult& fit, const std::string& out) {
         {"painting", out},
         {"width", fit.surface.width()},
         {"height", fit.surface.height()},
-        {"photographs", {{"fitted", fitted_photos}, {"held_out", held_out}}},
+        {"photographs", {{"fitted", fitted_photos}, {"held_out", held_out}, {"left_out", to_json(left_out)}}},
         {"transfer",
          {{"name", r.transfer.transfer.name()}, {"source", r.transfer.source}, {"tried", candidates}}},
         {"colour", colour_of(fit)},
         {"registration", to_json(r.registration)},
         {"lights", to_json(r.lights)},
+        {"light_signs", to_json(r.signs, r.shadow_signs)},
         {"law", to_json(r.law)},
         {"pixels", {{"all", r.pixels}, {"fitted", r.fitted}, {"not_converged", r.not_converged}}},
         {"solver_agreement",
@@ -125,14 +138,18 @@ void refuse_to_overwrite_photographs(const FitArguments& arguments, const Stack&
         refuse_to_overwrite(out, {stack.folder / out.filename()});
 }
 
-nlohmann::json run_fit(const FitArguments& arguments, const Progress& progress) {
+nlohmann::json run_fit(FitArguments arguments, const Progress& progress) {
     if (lower_extension(arguments.out) != ".exr") fail("--out {}: a painting is an .exr file", arguments.out);
     if (!arguments.report.empty() && lower_extension(arguments.report) != ".html")
         throw UsageError(fmt::format("--report {}: a page is an .html file", arguments.report));
     AtomicFile file(arguments.out);  // before the work: an output that can't be written is known now
     std::optional<AtomicFile> page;
     if (!arguments.report.empty()) page.emplace(arguments.report);
-    Stack stack = arguments.photos.open();
+    UsableStack opened = arguments.photos.open();
+    Stack& stack = opened.stack;
+    const std::size_t told_before = stack.warnings.size();
+    told(stack.warnings);  // now, not after an hour
+    if (opened.found_mask) arguments.photos.mask = opened.found_mask->string();
     refuse_to_overwrite_photographs(arguments, stack);
     const DevelopReport development = develop_stack(stack, {}, progress);
     const nlohmann::json provenance = provenance_of(arguments, stack, development);
@@ -165,11 +182,14 @@ nlohmann::json run_fit(const FitArguments& arguments, const Progress& progress) 
         page->write(fit_page(fit, std::filesystem::path(arguments.out).filename().string(), page->target()));
         page->commit();
     }
-    nlohmann::json result = result_of(fit, arguments.out);
+    std::vector<LeftOut> left_out = opened.left_out;
+    left_out.insert(left_out.end(), fit.report.left_out.begin(), fit.report.left_out.end());
+    nlohmann::json result = result_of(fit, left_out, arguments.out);
     if (arguments.faithful) result["faithful"] = to_json(faithful.report);
     result["development"] = to_json(development);
-    result["warnings"] = told(warnings);
-    result["poor"] = poor_reasons(fit.report);
+    result["warnings"] = told(warnings, told_before);
+    result["poor"] = poor_reasons(fit.report, opened.lights_by_order,
+                                  {arguments.photos.lights_flip_x, arguments.photos.lights_flip_y});
     return result;
 }
 

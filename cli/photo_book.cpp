@@ -41,6 +41,9 @@ PhotosArguments remembered(const Surface& surface) {
     take("mask", arguments.mask, true);
     take("lights", arguments.lights, true);
     take("capture", arguments.capture, true);
+    const auto is_set = [&](const char* name) { return member(photos, name) == nlohmann::json(true); };
+    arguments.lights_flip_x = is_set("lights_flip_x");
+    arguments.lights_flip_y = is_set("lights_flip_y");
     return arguments;
 }
 
@@ -48,16 +51,18 @@ Stack open_as_fitted(PhotosArguments arguments, const Surface& surface) {
     const PhotosArguments fitted = remembered(surface);
     if (arguments.crop.empty()) arguments.crop = fitted.crop;
     if (arguments.mask.empty()) arguments.mask = fitted.mask;
+    arguments.lights_flip_x = fitted.lights_flip_x;
+    arguments.lights_flip_y = fitted.lights_flip_y;
     if (!arguments.lights.empty() || !arguments.capture.empty() ||
         (fitted.lights.empty() && fitted.capture.empty()))
-        return arguments.open_usable();
+        return arguments.open_any();
     try {
-        return arguments.open_usable();  // of lights, what lies in the folder comes first
+        return arguments.open_any();  // of lights, what lies in the folder comes first
     } catch (const Error& error) {
         arguments.lights = fitted.lights;
         arguments.capture = fitted.capture;
         try {
-            return arguments.open_usable();
+            return arguments.open_any();
         } catch (const Error&) {
             throw error;
         }

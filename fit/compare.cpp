@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "capture/left_out.h"
 #include "surface/error.h"
 #include "surface/parallel.h"
 #include "surface/relight.h"
@@ -202,6 +203,7 @@ CompareReport compare(const Surface& surface, const Stack& photos, const Compare
     const RelightOptions relighting{.cast_shadows = options.cast_shadows,
                                     .light_radius_deg = options.light_radius_deg};
     int unknown = 0;
+    std::vector<LeftOut> left_out;
     for (std::size_t i = 0; i < all.size(); ++i) {
         report(progress, "compare", static_cast<double>(i) / static_cast<double>(all.size()));
         one.photos = {all[i]};
@@ -210,7 +212,15 @@ CompareReport compare(const Surface& surface, const Stack& photos, const Compare
         // As the fit registered it; a photograph that the painting does not know is taken as it is.
         if (known) one.photos.front().homography = known->homography;
         PhotoComparison result = described(all[i], surface.photography);
-        Image<Rgb> photo = stored_picture(one);
+        Image<Rgb> photo;
+        try {
+            photo = stored_picture(one);
+        } catch (const PhotoError& error) {
+            left_out.push_back({all[i].light.name, error.what()});
+            report_.warnings.push_back(fmt::format("{}; left out", error.what()));
+            require_few(left_out, all.size(), 1, photos.folder.string());
+            continue;
+        }
         const Mask present = without_missing(mask, photo);
         Image<Rgb> linear = relight(surface, {&result.light, 1}, relighting);
         const Image<Rgb> relit = encoded(linear, report_.transfer, exposure_of(surface.photography));

@@ -7,9 +7,8 @@
 #include <future>
 #include <mutex>
 
-#include "capture/survey.h"
-#include "capture/transfer_metadata.h"
 #include "fit/lobe_prior.h"
+#include "fit/look_over.h"
 #include "fit/shot_order.h"
 #include "surface/error.h"
 #include "surface/median.h"
@@ -216,36 +215,6 @@ void describe_lights(const Stack& stack, const LightCalibration& calibration, Ph
     }
 }
 
-// Surveys the stack and leaves out black photographs; where asked for, also registers it, and where that
-// moved something, surveys it once more as registered.
-Survey look_over(Stack& stack, bool register_photos, FitReport& report, const Progress& progress) {
-    if (!register_photos) {
-        Survey surveyed = survey(stack, {}, progress);
-        leave_out_black_photos(stack, surveyed);
-        report.transfer = decide_transfer(stack, surveyed);
-        return surveyed;
-    }
-    const std::vector<StackPhoto> all = stack.photos;
-    PictureCollector collected(stack);
-    Survey surveyed = survey(stack, {}, progress, [&](const Band& band) { collected.add(band); });
-    leave_out_black_photos(stack, surveyed);
-    std::vector<bool> kept;
-    for (const StackPhoto& photo : all)
-        kept.push_back(std::any_of(stack.photos.begin(), stack.photos.end(),
-                                   [&](const StackPhoto& k) { return k.path == photo.path; }));
-    collected.keep(kept);
-    report.transfer = decide_transfer(stack, surveyed);
-    const std::size_t before = stack.photos.size();
-    report.registration = register_stack(stack, collected, report.transfer.transfer, progress);
-    if (!report.registration.moved && stack.photos.size() == before) return surveyed;
-    require_enough_lights(stack.lights(), stack.folder.string());
-    surveyed = survey(stack, {}, Progress([&](std::string_view, double done) {
-                          return !progress || progress("survey as registered", done);
-                      }));
-    report.transfer = decide_transfer(stack, surveyed);
-    return surveyed;
-}
-
 }  // namespace
 
 FitResult fit_painting(Stack stack, const FitOptions& options, const Progress& progress) {
@@ -256,7 +225,11 @@ FitResult fit_painting(Stack stack, const FitOptions& options, const Progress& p
               [](const StackPhoto& a, const StackPhoto& b) { return a.path < b.path; });
     FitResult result;
     FitReport& report_ = result.report;
-    const Survey surveyed = look_over(stack, options.register_photos, report_, progress);
+    Overview overview = look_over(stack, options.register_photos, progress);
+    const Survey& surveyed = overview.survey;
+    report_.transfer = overview.transfer;
+    report_.registration = std::move(overview.registration);
+    report_.left_out = std::move(overview.left_out);
     if (stack.transfer_of_chart && report_.transfer.source == "given")
         report_.transfer.source = "colour chart";
     if (!report_.transfer.warning.empty()) stack.warnings.push_back(report_.transfer.warning);
@@ -300,6 +273,12 @@ FitResult fit_painting(Stack stack, const FitOptions& options, const Progress& p
                                   options.ward, surface.law);
     result.errors = FitErrors(stack.width(), stack.height());
     fit_bands(stack, transfer, lighting, noise, options, nullptr, result, progress);
+    report_.signs = check_signs(surface.normal, surface.confidence);
+    const auto look_at_shadows = [&] {
+        report_.shadow_signs = check_shadows(surface, report_.signs, surveyed, transfer, lighting.lights,
+                                             lighting.white_level, progress);
+    };
+    if (report_.signs.mirrored()) look_at_shadows();
     const bool trusted = report_.median_rms_residual <= kTrusted;
     if (options.refine && !trusted)
         stack.warnings.push_back(fmt::format(
@@ -315,6 +294,7 @@ FitResult fit_painting(Stack stack, const FitOptions& options, const Progress& p
                               return !progress || progress("first height", done);
                           }));
         subtract(best_plane(surface.height_mm, surface.confidence), surface.height_mm);
+        if (!report_.signs.mirrored()) look_at_shadows();
         FirstPass first(surface, result.errors, options.ward.prior);
         FitOptions second = options;
         second.ward.robust_scale = robust_scale_after(report_.median_rms_residual, options.ward.robust_scale);

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "capture/left_out.h"
 #include "capture/registration.h"
 #include "capture/stack.h"
 #include "capture/transfer_estimate.h"
@@ -14,6 +15,7 @@
 #include "fit/light_calibration.h"
 #include "fit/light_misfit.h"
 #include "fit/row_fitter.h"
+#include "fit/shadow_signs.h"
 #include "fit/ward_fit.h"
 #include "surface/surface.h"
 
@@ -62,11 +64,12 @@ struct FitOptions {
 };
 
 struct FitReport {
-    Registration registration;  // how far the camera moved; empty where not asked for
-    TransferEstimate transfer;  // how the photographs were linearised, and how that is known
-    LightCalibration lights;    // what strengths and distances were found, and whether that helped
-    LightMisfit misfit;         // of a sample, after the lights were calibrated
-    LawChoice law;              // of the whole painting, and how it is known
+    std::vector<LeftOut> left_out;  // photographs of the stack that are not used (look_over.h)
+    Registration registration;      // how far the camera moved; empty where not asked for
+    TransferEstimate transfer;      // how the photographs were linearised, and how that is known
+    LightCalibration lights;        // what strengths and distances were found, and whether that helped
+    LightMisfit misfit;             // of a sample, after the lights were calibrated
+    LawChoice law;                  // of the whole painting, and how it is known
     ColourReport colour;
     long pixels = 0;                 // of the picture
     long fitted = 0;                 // with a valid estimate
@@ -78,6 +81,8 @@ struct FitReport {
     double support_tilt_deg =
         0;  // [deg] of the plane taken off the height: doubtful light directions show here
     HeightReport height;
+    SignCheck signs;           // whether the lights' axes point the way that the slopes say
+    ShadowCheck shadow_signs;  // and that cast shadows say
     std::vector<std::string> warnings;
 };
 

@@ -163,7 +163,8 @@ TEST(PlaneCalibration, TheMostCertainScaleIsUsedAndADisagreementIsTold) {
     EXPECT_NEAR(c.scale()->mm_per_pixel, truth, 2e-3 * truth);
     EXPECT_THAT(c.warnings, testing::IsEmpty());
     EXPECT_FALSE(c.geometry);
-    EXPECT_THAT(calibrate_plane(photos, bar(420 * truth), nullptr).warnings,
+    EXPECT_THAT(c.poor, testing::IsEmpty());
+    EXPECT_THAT(calibrate_plane(photos, bar(420 * truth), nullptr).poor,
                 testing::ElementsAre(HasSubstr("mm per pixel")));
     EXPECT_NEAR(calibrate_plane(photos, {.pixels_per_inch = 300}, nullptr).scale()->mm_per_pixel, 25.4 / 300,
                 1e-9);

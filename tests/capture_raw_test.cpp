@@ -4,6 +4,7 @@
 
 #include "capture/develop_stack.h"
 #include "capture/grey_photos.h"
+#include "capture/left_out.h"
 #include "capture/photo_metadata.h"
 #include "capture/raw_file.h"
 #include "capture/survey.h"
@@ -201,6 +202,87 @@ TEST(Raw, ThatCannotBeReadNamesTheFileAndTheRemedy) {
                 AllOf(HasSubstr("cut.dng"), HasSubstr("damaged")));
     EXPECT_THAT(error_of([&] { develop_raw(dir / "a.dng", "magic"); }),
                 AllOf(HasSubstr("magic"), HasSubstr("VNG")));
+}
+
+// Even light comes back even, to a thousandth, up to the picture's border, whatever fills the mosaic in.
+TEST(Raw, OfAnEvenFieldIsEven) {
+    const TestDir dir;
+    const Rgb level(0.2f, 0.45f, 0.3f);
+    write_dng(dir / "a.dng", Image<Rgb>(kSide, kSide, level), {.black = 1024, .white = 15000});
+    for (const std::string& method : demosaic_methods()) {
+        const auto values = develop_raw(dir / "a.dng", method);
+        double worst = 0;
+        for (std::size_t i = 0; i < values.size(); ++i)
+            worst =
+                std::max(worst, std::abs(values[i] / 65535.0 / double(level[static_cast<int>(i % 3)]) - 1));
+        EXPECT_LT(worst, 1e-3) << method;
+    }
+}
+
+// Through the program's own path: a stack in the sensor's colours, black level off, clipped where the sensor
+// is.
+TEST(Raw, StackOfAnEvenFieldIsEvenAndClippedAtWhite) {
+    const TestDir dir;
+    std::vector<Light> lights = dome_lights(5);
+    for (std::size_t i = 0; i < lights.size(); ++i) {
+        lights[i].name = fmt::format("photo_{}.dng", i);
+        const float level = 0.15f * static_cast<float>(i + 1);
+        write_dng(dir / lights[i].name, Image<Rgb>(kSide, kSide, i == 4 ? Rgb(1) : Rgb(level)),
+                  {.black = 700, .white = 12000, .orientation = 6});
+    }
+    write_lights(dir / "lights.lp", lights);
+    Stack stack = open_stack(dir.path(), {.develop = {.raw_colour = RawColour::camera}});
+    EXPECT_THAT(stack.warnings, testing::ElementsAre(HasSubstr("the EXIF orientation (6) is not applied")));
+    EXPECT_EQ(stack.width(), kSide);
+    develop_stack(stack);
+    const Band band = StackReader(stack).read(0, kSide, Transfer{});
+    for (int i = 0; i < 5; ++i)
+        for (int c = 0; c < 3; ++c)
+            for (int y = 0; y < kSide; ++y)
+                for (int x = 0; x < kSide; ++x) {
+                    const float value = band.row(i, c, y)[x];
+                    if (i == 4)
+                        ASSERT_GE(value, stack.development->clipped);
+                    else
+                        ASSERT_NEAR(value / (0.15 * (i + 1)), 1, 1e-3) << i << " " << c;
+                }
+}
+
+// The whole file, byte by byte damaged or cut: an error that names it, or pixels; never a crash.
+TEST(Raw, OfAnUnknownCameraOrDamagedSaysSo) {
+    const TestDir dir;
+    write_dng(dir / "good.dng", areas());
+    const std::string bytes = bytes_of(dir / "good.dng");
+    const auto told = [&](const std::string& changed) -> std::string {
+        write_bytes(dir / "bad.dng", changed);
+        try {
+            (void)develop_raw(dir / "bad.dng", "AHD");
+        } catch (const PhotoError& error) {
+            EXPECT_EQ(error.path(), dir / "bad.dng");
+            return error.what();
+        }
+        return {};
+    };
+    const auto with_tag = [&](int tag, const std::string& value) {  // the value of a short directory entry
+        std::string changed = bytes;
+        for (std::size_t at = 10; at + 12 < 512; at += 12)
+            if (static_cast<unsigned char>(changed[at]) + 256 * static_cast<unsigned char>(changed[at + 1]) ==
+                tag)
+                changed.replace(at + 8, value.size(), value);
+        return changed;
+    };
+    for (const std::size_t kept : {std::size_t{4}, std::size_t{60}, std::size_t{400}, bytes.size() * 2 / 3})
+        EXPECT_THAT(told(bytes.substr(0, kept)), AllOf(HasSubstr("bad.dng: "), HasSubstr("DNG"))) << kept;
+    // A compression that no camera has.
+    EXPECT_THAT(told(with_tag(259, std::string("\x39\x30", 2))),
+                AllOf(HasSubstr("bad.dng: "), HasSubstr("DNG")));
+    Random random(3);
+    for (int i = 0; i < 60; ++i) {
+        std::string changed = bytes;
+        for (int k = 0; k < 4; ++k)
+            changed[static_cast<std::size_t>(random.below(600))] = static_cast<char>(random.below(256));
+        (void)told(changed);
+    }
 }
 
 TEST(Raw, MixedWithOtherPicturesIsAnError) {

@@ -33,6 +33,24 @@ nlohmann::json expect_warned(const TinyStack& stack, const std::vector<std::stri
     return result;
 }
 
+std::vector<std::string> names_left_out(const nlohmann::json& result) {
+    std::vector<std::string> names;
+    for (const auto& photo : result["photographs"]["left_out"]) names.push_back(photo["name"]);
+    return names;
+}
+
+// Uncompressed, rows from the bottom up, blue first (Truevision TGA 2.0, image type 2).
+void write_tga(const fs::path& path, const Image<Rgb>& picture) {
+    std::string bytes(18, '\0');
+    bytes[2] = 2, bytes[16] = 24;
+    bytes[12] = static_cast<char>(picture.width()), bytes[14] = static_cast<char>(picture.height());
+    for (int y = picture.height() - 1; y >= 0; --y)
+        for (int x = 0; x < picture.width(); ++x)
+            for (int c = 2; c >= 0; --c)
+                bytes += static_cast<char>(std::lround(255 * std::clamp(picture(x, y)[c], 0.0f, 1.0f)));
+    write_bytes(path, bytes);
+}
+
 TEST(CliBadFolder, DoesNotExist) {
     const TinyStack stack;
     expect_refused(stack, {"nowhere: no such folder"}, {}, stack.out("nowhere"));
@@ -56,12 +74,40 @@ TEST(CliBadFolder, HasTwoLightsFiles) {
     EXPECT_TRUE(ended(chosen, 0));
 }
 
-TEST(CliBadFolder, LacksAListedPhotograph) {
+TEST(CliBadFolder, LacksListedPhotographs) {
     const TinyStack stack;
     fs::remove(stack.photo(3));
     fs::remove(stack.photo(5));
-    expect_refused(stack, {"lights.lp: 2 of 12 listed photographs are not in", stack.name(3), stack.name(5),
-                           "Put them there, or remove their lines"});
+    const auto result =
+        expect_warned(stack, {"lights.lp: 2 of 12 listed photographs are not in", stack.name(3),
+                              stack.name(5), "Put them there, or remove their lines; left out"});
+    EXPECT_EQ(result["photographs"]["fitted"], 10);
+    EXPECT_EQ(names_left_out(result), (std::vector<std::string>{stack.name(3), stack.name(5)}));
+    fs::remove(stack.out("a.exr"));
+    fs::remove(stack.photo(0));
+    fs::remove(stack.photo(1));  // a third
+    expect_refused(stack, {"lights.lp: 4 of 12 listed photographs are not in", "too many to go on without"});
+}
+
+TEST(CliBadFolder, HoldsAMask) {
+    const TinyStack stack;
+    Image<Rgb> mask(32, 32, Rgb(0));
+    for (int y = 8; y < 24; ++y)
+        for (int x = 8; x < 24; ++x) mask(x, y) = Rgb(1);
+    const std::string path = stack.path() + "/the_mask.png";
+    write_picture_8bit(path, mask);
+    EXPECT_EQ(expect_warned(stack, {path, "taken for the mask", "--mask none"})["pixels"]["fitted"], 256);
+    // Names that match nothing: the mask counts as no photograph.
+    stack.change_lights([](auto& lines) {
+        for (std::size_t i = 1; i < lines.size(); ++i) lines[i].replace(0, 3, "DSC");
+    });
+    EXPECT_EQ(expect_warned(stack, {"none of its names", "in the order"})["photographs"]["fitted"], 12);
+    const Finished whole = tangipaint({"fit", stack.path(), "--mask", "none", "--out", stack.out("a.exr")});
+    EXPECT_TRUE(ended(whole, 0));
+    EXPECT_GT(whole.json()["pixels"]["fitted"], 1000);
+    for (Rgb& pixel : mask.pixels()) pixel = Rgb(0.5f);  // its name says so, it is none
+    write_picture_8bit(path, mask);
+    EXPECT_GT(expect_warned(stack, {path, "left out, since its name"})["pixels"]["fitted"], 1000);
 }
 
 TEST(CliBadFolder, HoldsAnUnlistedPhotograph) {
@@ -92,6 +138,7 @@ struct WrongLine {
     std::vector<std::string> said;
 };
 
+// Goes on without the photograph, and says where the file is wrong.
 TEST(CliBadLights, LineIsNamed) {
     const TinyStack stack;
     const std::vector<WrongLine> all = {
@@ -101,14 +148,26 @@ TEST(CliBadLights, LineIsNamed) {
         WrongLine{"Word", "img_003.png 0 up 1", {"expected 'name x y z'", "'up' is not a number"}},
         WrongLine{"Short", "img_003.png 0 1", {"expected 'name x y z'", "'img_003.png' is not a number"}},
         WrongLine{"Nameless", "0.1 0 1", {"expected 'name x y z'", "name is missing"}},
-        WrongLine{"Twice", "img_001.png 0 0 1", {"'img_001.png' has a light in line 3 already"}}};
+        WrongLine{"Twice", "img_001.png 0 1 1", {"'img_001.png' has a light in line 3 already"}}};
     for (const WrongLine& wrong : all) {
         SCOPED_TRACE(wrong.name);
         stack.change_lights([&](auto& lines) { lines[4] = wrong.line; });
         std::vector<std::string> said = wrong.said;
         said.push_back("lights.lp, line 5: ");
-        expect_refused(stack, said);
+        said.push_back("left out");
+        const bool twice = wrong.name == "Twice";  // and two photographs have no light then
+        EXPECT_EQ(expect_warned(stack, said)["photographs"]["fitted"], twice ? 10 : 11);
     }
+    // The same again is no contradiction.
+    stack.change_lights([&](auto& lines) { lines[4] = lines[2]; });
+    EXPECT_EQ(expect_warned(stack,
+                            {"line 5", "line 3 already, the same; it is used once"})["photographs"]["fitted"],
+              11);
+    fs::remove(stack.out("a.exr"));
+    stack.change_lights([&](auto& lines) {
+        for (const std::size_t line : {4u, 6u, 8u, 10u}) lines[line] = "img_009.png nan 0 1";
+    });
+    expect_refused(stack, {"lights.lp, line 5: ", "not finite", "4 of 12", "too many to go on without"});
 }
 
 TEST(CliBadLights, FromBelowAreLeftOut) {
@@ -137,6 +196,47 @@ TEST(CliBadLights, FewerThanFour) {
     expect_refused(stack, {"lights.lp: holds no lights", "name x y z"});
 }
 
+// Order that is not the photographs' shows in what the model leaves over.
+TEST(CliBadLights, NamesMatchNothingAndTheOrderIsAnother) {
+    const TinyStack stack;
+    stack.change_lights([](auto& lines) {
+        for (std::size_t i = 1; i < lines.size(); ++i) lines[i].replace(0, 3, "DSC");
+        std::rotate(lines.begin() + 1, lines.begin() + 6, lines.end());
+    });
+    const Finished run = tangipaint({"fit", stack.path(), "--out", stack.out("a.exr")});
+    EXPECT_TRUE(ended(run, 3, {"none of its names", "poor result", "order of the file names"}));
+}
+
+// y downwards, as the rows of a picture.
+TEST(CliBadLights, AxisIsMirrored) {
+    const TinyStack stack({}, 80);
+    const auto fit = [&](std::vector<std::string> flags) {
+        flags.insert(flags.begin(), {"fit", stack.path(), "--out", stack.out("a.exr")});
+        return tangipaint(flags);
+    };
+    const Finished right = fit({});
+    ASSERT_TRUE(ended(right, 0));
+    const std::string dry = right.json()["dry_hash"];
+    stack.change_lights([](auto& lines) {
+        for (std::size_t i = 1; i < lines.size(); ++i) {
+            std::istringstream words(lines[i]);
+            std::string name;
+            double x = 0, y = 0, z = 0;
+            words >> name >> x >> y >> z;
+            lines[i] = fmt::format("{} {:.6f} {:.6f} {:.6f}", name, x, -y, z);
+        }
+    });
+    const Finished wrong = fit({});
+    EXPECT_TRUE(ended(wrong, 3, {"poor result", "curl", "it is y", ": give --lights-flip-y\n"}));
+    EXPECT_EQ(wrong.json()["light_signs"]["mirrored"], true);
+    const Finished flipped = fit({"--lights-flip-y"});
+    EXPECT_TRUE(ended(flipped, 0));
+    EXPECT_EQ(flipped.json()["dry_hash"], dry);
+    // A hill is a valley, which is a surface, but casts other shadows.
+    EXPECT_TRUE(ended(fit({"--lights-flip-x"}), 3,
+                      {"cast shadows lie", ": give --lights-flip-y and leave out --lights-flip-x\n"}));
+}
+
 TEST(CliBadLights, TooManyHeldOut) {
     const TinyStack stack;
     expect_refused(stack, {"3 usable photographs; at least 4"}, {"--hold-out", "3:1"});
@@ -157,20 +257,30 @@ TEST(CliBadLights, AllInALine) {
 TEST(CliBadPhoto, HasAnotherSize) {
     const TinyStack stack;
     write_picture(stack.photo(4), Image<Rgb>(32, 31, Rgb(0.5f)), Transfer{});
-    expect_refused(stack, {stack.name(4) + ": is 32 x 31", "img_000.png is 32 x 32", "the same size"});
+    const auto result = expect_warned(
+        stack, {stack.name(4) + ": is 32 x 31", "img_000.png is 32 x 32", "the same size; left out"});
+    EXPECT_EQ(result["photographs"]["fitted"], 11);
+    EXPECT_EQ(names_left_out(result), std::vector<std::string>{stack.name(4)});
+    // What most have is right, not what the first has.
+    fs::copy_file(stack.photo(3), stack.photo(4), fs::copy_options::overwrite_existing);
+    write_picture(stack.photo(0), Image<Rgb>(32, 31, Rgb(0.5f)), Transfer{});
+    expect_warned(stack, {stack.name(0) + ": is 32 x 31"});
+    fs::remove(stack.out("a.exr"));
+    for (const int i : {0, 2, 4, 6}) write_picture(stack.photo(i), Image<Rgb>(32, 31, Rgb(0.5f)), Transfer{});
+    expect_refused(stack, {"the same size", "4 of 12", "too many to go on without"});
 }
 
 TEST(CliBadPhoto, IsGreyAmongColour) {
     const TinyStack stack;
     write_map(stack.photo(6), Image<float>(32, 32, 0.5f));
-    expect_refused(stack,
-                   {stack.name(6) + ": is 32 x 32, grey", "img_000.png is 32 x 32, colour", "convert it"});
+    expect_warned(stack,
+                  {stack.name(6) + ": is 32 x 32, grey", "img_000.png is 32 x 32, colour", "convert it"});
 }
 
 TEST(CliBadPhoto, HasAnotherDepth) {
     const TinyStack stack;
     write_picture(stack.photo(6), Image<Rgb>(32, 32, Rgb(0.5f)), Transfer{}, {.bits = 8});
-    expect_refused(stack, {stack.name(6) + ": has 8 bits a sample, but img_000.png has 16", "stored alike"});
+    expect_warned(stack, {stack.name(6) + ": has 8 bits a sample, but img_000.png has 16", "stored alike"});
 }
 
 TEST(CliBadPhoto, IsATruncatedJpeg) {
@@ -178,12 +288,12 @@ TEST(CliBadPhoto, IsATruncatedJpeg) {
     const std::string whole = bytes_of(stack.photo(2));
     for (const std::size_t kept : {whole.size() - 2, whole.size() - 100, whole.size() * 9 / 10}) {
         write_bytes(stack.photo(2), whole.substr(0, kept));
-        expect_refused(stack, {stack.name(2), "truncated", "copy it again"});
+        expect_warned(stack, {stack.name(2), "truncated", "copy it again"});
     }
     write_bytes(stack.photo(2), whole.substr(0, 300));  // not even all of its header
-    expect_refused(stack, {stack.name(2), "is not a picture", "Premature end"});
+    expect_warned(stack, {stack.name(2), "is not a picture", "Premature end"});
     write_bytes(stack.photo(2), "");
-    expect_refused(stack, {stack.name(2), "is not a picture"});
+    expect_warned(stack, {stack.name(2), "is not a picture"});
 }
 
 TEST(CliBadPhoto, IsTruncatedInAnyFormat) {
@@ -192,8 +302,56 @@ TEST(CliBadPhoto, IsTruncatedInAnyFormat) {
         const std::string whole = bytes_of(stack.photo(2));
         write_bytes(stack.photo(2), whole.substr(0, whole.size() * 2 / 3));
         SCOPED_TRACE(name_of(format));
-        expect_refused(stack, {stack.name(2)});
+        const auto result = expect_warned(stack, {stack.name(2), "left out"});
+        EXPECT_EQ(result["photographs"]["fitted"], 11);
+        EXPECT_EQ(names_left_out(result), std::vector<std::string>{stack.name(2)});
+        fs::remove(stack.out("a.exr"));
+        for (const int i : {0, 4, 6})
+            fs::copy_file(stack.photo(2), stack.photo(i), fs::copy_options::overwrite_existing);
+        expect_refused(stack, {"too many to go on without"});
     }
+}
+
+// What only shows when pixels are decoded: the header is whole.
+TEST(CliBadPhoto, HasDamagedPixels) {
+    const TinyStack png;
+    std::string bytes = bytes_of(png.photo(2));
+    bytes[bytes.size() / 2] = static_cast<char>(bytes[bytes.size() / 2] ^ 0x55);
+    write_bytes(png.photo(2), bytes);
+    const auto result = expect_warned(png, {png.name(2), "cannot be decoded", "left out"});
+    EXPECT_EQ(result["photographs"]["fitted"], 11);
+    EXPECT_EQ(names_left_out(result), std::vector<std::string>{png.name(2)});
+    EXPECT_TRUE(ended(tangipaint({"fit", png.path(), "--out", png.out("a.exr"), "--hold-out", "2,3",
+                                  "--faithful", "--report", png.out("a.html")}),
+                      0, {png.name(2)}));
+    EXPECT_NE(bytes_of(png.out("a.html")).find(png.name(2) + ": cannot be decoded"), std::string::npos);
+
+    const Finished compared = tangipaint({"compare", png.out("a.exr"), png.path(), "--out", png.out("c")});
+    ASSERT_TRUE(ended(compared, 0, {png.name(2), "left out"}));
+    EXPECT_EQ(compared.json()["mean"]["all"]["count"], 11);
+
+    const TinyStack tga;
+    for (int i = 0; i < 12; ++i) {
+        const Image<Rgb> photo = read_picture(tga.photo(i));
+        fs::remove(tga.photo(i));
+        write_tga(fs::path(tga.photo(i)).replace_extension(".tga"), photo);
+    }
+    const std::string second = fs::path(tga.photo(2)).replace_extension(".tga");
+    write_bytes(second, bytes_of(second).substr(0, 1500));
+    EXPECT_EQ(expect_warned(tga, {second, "cannot be decoded", "left out"})["photographs"]["fitted"], 11);
+}
+
+// The same picture twice: whichever light is right, the other is not.
+TEST(CliBadPhoto, IsACopyOfAnother) {
+    const TinyStack stack;
+    fs::copy_file(stack.photo(3), stack.photo(7), fs::copy_options::overwrite_existing);
+    const auto result =
+        expect_warned(stack, {stack.name(3) + ", " + stack.name(7) + " are the same picture", "left out"});
+    EXPECT_EQ(result["photographs"]["fitted"], 10);
+    fs::remove(stack.out("a.exr"));
+    for (int i = 0; i < 12; ++i)
+        if (i != 3) fs::copy_file(stack.photo(3), stack.photo(i), fs::copy_options::overwrite_existing);
+    expect_refused(stack, {stack.path(), "all 12 photographs are the same picture"});
 }
 
 TEST(CliBadPhoto, IsBlack) {
@@ -210,10 +368,10 @@ TEST(CliBadPhoto, IsBlack) {
 TEST(CliBadPhoto, IsAFolderOrAText) {
     const TinyStack stack;
     write_bytes(stack.photo(2), "this is no picture");
-    expect_refused(stack, {stack.name(2), "is not a picture that can be read"});
+    expect_warned(stack, {stack.name(2), "is not a picture that can be read"});
     fs::remove(stack.photo(2));
     fs::create_directory(stack.photo(2));
-    expect_refused(stack, {stack.name(2)});
+    expect_warned(stack, {stack.name(2)});
 }
 
 // Archives from Windows bring names in the code page of their day.

@@ -78,6 +78,68 @@ TEST(CliCalibrate, FindsLightsOfWhichNothingIsWrittenDown) {
     }
 }
 
+// Damage that only shows when pixels are decoded, another size, the same photograph twice.
+TEST(CliCalibrate, GoesOnWithoutPhotographsThatCannotBeUsed) {
+    const TestDir dir;
+    const auto paths = write_ball_photos(dir.path(), BallScene{}, lights_around(9, 45));
+    const std::string name = paths[3].filename().string();
+    const auto calibrate = [&](std::vector<std::string> words) {
+        words.insert(words.begin(), {"calibrate", "--out", (dir / "a.lp").string()});
+        return tangipaint(words);
+    };
+    std::string bytes = bytes_of(paths[3]);
+    bytes[bytes.size() / 2] = static_cast<char>(bytes[bytes.size() / 2] ^ 0x55);
+    write_bytes(paths[3], bytes);
+    Finished run = calibrate({dir.path().string()});
+    ASSERT_TRUE(ended(run, 0, {name + ": cannot be decoded", "left out"}));
+    EXPECT_EQ(run.json()["photographs"]["unusable"][0]["name"], name);
+    EXPECT_EQ(run.json()["photographs"]["calibrated"], 8);
+    EXPECT_THAT(bytes_of(dir / "a.html"), HasSubstr(name + ": cannot be decoded"));
+    write_picture_8bit(paths[3], Image<Rgb>(20, 20, Rgb(0.5f)));
+    run = calibrate({dir.path().string()});
+    ASSERT_TRUE(ended(run, 0, {name + ": is 20 x 20", "the same size; left out"}));
+    EXPECT_EQ(run.json()["photographs"]["calibrated"], 8);
+    std::vector<std::string> words = {"--photos"};
+    for (const int i : {0, 1, 2, 4, 5, 2, 6, 7, 8})
+        words.push_back(paths[static_cast<std::size_t>(i)].string());
+    run = calibrate(words);
+    ASSERT_TRUE(ended(run, 0, {paths[2].filename().string() + ", which is given already; it is used once"}));
+    EXPECT_EQ(run.json()["photographs"]["all"], 8);
+    for (const std::size_t i : {0u, 1u}) write_bytes(paths[i], bytes);
+    EXPECT_TRUE(ended(calibrate({dir.path().string()}), 1, {"cannot be"}));
+}
+
+TEST(CliCalibrate, ReplacesOnlyWhatItWrote) {
+    const TestDir dir;
+    std::filesystem::create_directory(dir / "photos");
+    write_ball_photos(dir / "photos", BallScene{}, lights_around(6, 45));
+    const auto calibrate = [&](const std::string& out, bool force = false) {
+        std::vector<std::string> words = {"calibrate", (dir / "photos").string(), "--out",
+                                          (dir / out).string()};
+        if (force) words.emplace_back("--force");
+        return tangipaint(words);
+    };
+    EXPECT_TRUE(ended(calibrate("lights.lp"), 0));
+    const std::string first = bytes_of(dir / "capture.json");
+    EXPECT_TRUE(ended(calibrate("second.lp"), 0));  // beside the first, not over it
+    EXPECT_EQ(bytes_of(dir / "capture.json"), first);
+    EXPECT_EQ(names_in(dir.path()),
+              (std::vector<std::string>{"capture.html", "capture.json", "lights.lp", "photos", "second.html",
+                                        "second.json", "second.lp"}));
+    EXPECT_TRUE(ended(calibrate("lights.lp"), 0));  // again
+    for (const char* name : {"second.lp", "second.json", "second.html"}) {
+        const std::string ours = bytes_of(dir / name);
+        write_bytes(dir / name,
+                    name == std::string("second.lp") ? "1\nball_00.png 0 0 1\n" : "{\"mine\": 1}\n");
+        const std::string mine = bytes_of(dir / name);
+        EXPECT_TRUE(
+            ended(calibrate("second.lp"), 1, {name, "which is not as tangipaint wrote it", "--force"}));
+        EXPECT_EQ(bytes_of(dir / name), mine);
+        EXPECT_TRUE(ended(calibrate("second.lp", true), 0));
+        EXPECT_EQ(bytes_of(dir / name).substr(0, 40), ours.substr(0, 40));
+    }
+}
+
 TEST(CliCalibrate, RefusesWhatMakesNoSense) {
     const TestDir dir;
     const auto paths = write_ball_photos(dir.path(), BallScene{}, lights_around(3));

@@ -1,0 +1,241 @@
+#include "capture/photo_match.h"
+
+#include <algorithm>
+#include <cctype>
+#include <glm/geometric.hpp>
+#include <map>
+
+#include "capture/brackets.h"
+#include "capture/raw_file.h"
+#include "surface/error.h"
+
+namespace tangi {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr float kSameDirection = 1e-3f;  // [1] distance of unit vectors: 0.06 degrees
+
+std::string lower(std::string text) {
+    for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    return text;
+}
+
+// Windows programs write their folders with backslashes.
+fs::path portable(std::string name) {
+    std::replace(name.begin(), name.end(), '\\', '/');
+    return fs::path(name);
+}
+
+// The photograph that a lights file means by `name`, tried from the strictest reading to the loosest.
+std::optional<fs::path> match(const std::string& name, const fs::path& folder,
+                              const std::vector<fs::path>& photos) {
+    const fs::path listed = portable(name);
+    std::error_code ignored;
+    if (fs::is_regular_file(folder / listed, ignored)) return folder / listed;
+    std::vector<fs::path> same_stem;
+    for (const fs::path& photo : photos) {
+        if (lower(photo.filename().string()) == lower(listed.filename().string())) return photo;
+        if (lower(photo.stem().string()) == lower(listed.stem().string())) same_stem.push_back(photo);
+    }
+    if (same_stem.size() == 1) return same_stem.front();
+    // Cameras store a JPEG beside each raw, of the same name.
+    if (std::count_if(same_stem.begin(), same_stem.end(), is_raw_name) == 1)
+        return *std::find_if(same_stem.begin(), same_stem.end(), is_raw_name);
+    return std::nullopt;
+}
+
+Brackets brackets_of(const std::optional<std::string>& asked, const fs::path& folder,
+                     const std::vector<fs::path>& photos, const std::vector<Light>& lights) {
+    if (!asked) return {};
+    std::vector<std::string> names;
+    for (const Light& light : lights) names.push_back(light.name);
+    if (*asked == "auto") {
+        Brackets found = find_brackets(photos, names);
+        if (found.empty())
+            fail(
+                "{}: no light has several photographs NAME_1, NAME_2 …; name them so, or list them in a file "
+                "with "
+                "--brackets FILE",
+                folder.string());
+        return found;
+    }
+    Brackets listed = read_brackets(*asked, folder);
+    for (const auto& [name, files] : listed)
+        if (std::find(names.begin(), names.end(), name) == names.end())
+            fail("{}: '{}' is no light of the lights file", *asked, name);
+    return listed;
+}
+
+// One matching at work.
+class Matcher {
+public:
+    Matcher(const fs::path& folder, const DevelopOptions& develop, const StackCalibration& calibration,
+            bool all_or_none)
+        : folder_(folder),
+          lights_(calibration.lights),
+          lights_path_(calibration.lights_path),
+          all_or_none_(all_or_none),
+          pictures_(photos_in(folder)),
+          photos_(pictures_) {
+        result_.masks = take_masks(photos_);
+        // Photographs of lights that cannot be read are known, and need no second warning.
+        for (const LeftOut& light : calibration.left_out)
+            if (const auto photo = match(light.name, folder_, pictures_))
+                used_.emplace(photo->lexically_normal(), light.name);
+        brackets_ = brackets_of(develop.brackets, folder_, photos_, lights_);
+    }
+
+    PhotoMatch run() {
+        for (std::size_t i = 0; i < lights_.size(); ++i) add(i);
+        if (result_.photos.empty() && photos_.size() == lights_.size() && !photos_.empty()) {
+            take_by_order();
+            return std::move(result_);
+        }
+        if (lights_.front().name.empty())
+            fail(
+                "{}: has {} lights and does not name photographs, of which there are {} in {}; leave as many "
+                "there, in "
+                "the order of the lights",
+                lights_path_.string(), lights_.size(), photos_.size(), folder_.string());
+        tell_missing();
+        tell_unlisted();
+        return std::move(result_);
+    }
+
+private:
+    void add(std::size_t number) {
+        const Light& light = lights_[number];
+        const int position = static_cast<int>(number);
+        if (const auto bracket = brackets_.find(light.name); bracket != brackets_.end()) {
+            for (const BracketFile& file : bracket->second)
+                used_.emplace(file.path.lexically_normal(), light.name);
+            const std::vector<Exposure> exposures = exposures_of(light.name, bracket->second);
+            result_.photos.push_back({exposures.front().path, light, position, {}, exposures});
+            return;
+        }
+        const auto photo = match(light.name, folder_, pictures_);
+        if (!photo) {
+            missing_.push_back(light.name);
+            return;
+        }
+        const auto [earlier, is_new] =
+            used_.emplace(photo->lexically_normal(), light.name);  // "./name" is "name"
+        if (is_new)
+            result_.photos.push_back({*photo, light, position, {}, {}});
+        else
+            add_again(*earlier, light);
+    }
+
+    // A photograph that an earlier light has already.
+    void add_again(const std::pair<const fs::path, std::string>& earlier, const Light& light) {
+        const std::string what =
+            fmt::format("{}: '{}' and '{}' both mean the photograph {}", lights_path_.string(),
+                        earlier.second, light.name, earlier.first.string());
+        if (all_or_none_) throw Error(what);
+        const auto same = std::find_if(
+            result_.photos.begin(), result_.photos.end(),
+            [&](const StackPhoto& photo) { return photo.path.lexically_normal() == earlier.first; });
+        if (same != result_.photos.end() &&
+            glm::length(same->light.direction - light.direction) < kSameDirection) {
+            result_.warnings.push_back(what + ", under the same light; it is used once");
+            return;
+        }
+        if (same == result_.photos.end()) return;  // a third light of it
+        result_.left_out.push_back(
+            {same->light.name, what + ", under different lights; remove the line that is wrong"});
+        result_.photos.erase(same);
+    }
+
+    void take_by_order() {
+        for (std::size_t i = 0; i < photos_.size(); ++i)
+            result_.photos.push_back({photos_[i], lights_[i], static_cast<int>(i), {}, {}});
+        result_.by_order = true;
+        if (lights_.front().name.empty()) {
+            for (StackPhoto& photo : result_.photos) photo.light.name = photo.path.filename().string();
+            result_.warnings.push_back(fmt::format(
+                "{}: does not name photographs; its lights are taken in the order of the file names in {}",
+                lights_path_.string(), folder_.string()));
+            return;
+        }
+        result_.warnings.push_back(fmt::format(
+            "{}: none of its names ('{}', …) is a photograph in {}; lights are taken in the order of the "
+            "file names",
+            lights_path_.string(), lights_.front().name, folder_.string()));
+    }
+
+    void tell_missing() {
+        if (missing_.empty()) return;
+        const std::string what = fmt::format(
+            "{}: {} of {} listed photographs are not in {}: {}. Put them there, or remove their "
+            "lines",
+            lights_path_.string(), missing_.size(), lights_.size(), folder_.string(), joined(missing_));
+        if (all_or_none_) throw Error(what);
+        for (const std::string& name : missing_) result_.left_out.push_back({name, what});
+    }
+
+    void tell_unlisted() {
+        std::vector<std::string> unlisted;
+        for (const fs::path& photo : photos_)
+            if (!used_.contains(photo.lexically_normal())) unlisted.push_back(photo.filename().string());
+        std::erase_if(result_.masks,
+                      [&](const fs::path& mask) { return used_.contains(mask.lexically_normal()); });
+        if (!unlisted.empty())
+            result_.warnings.push_back(fmt::format("{}: {} photographs are not listed in {} and not used: {}",
+                                                   folder_.string(), unlisted.size(),
+                                                   lights_path_.filename().string(), joined(unlisted)));
+    }
+
+    const fs::path& folder_;
+    const std::vector<Light>& lights_;
+    const fs::path& lights_path_;
+    const bool all_or_none_;
+    const std::vector<fs::path> pictures_;  // masks too
+    std::vector<fs::path> photos_;          // without them
+    Brackets brackets_;
+    std::map<fs::path, std::string> used_;
+    std::vector<std::string> missing_;
+    PhotoMatch result_;
+};
+
+}  // namespace
+
+void require_folder(const fs::path& folder) {
+    std::error_code reason;
+    if (!fs::exists(folder, reason) && !reason) fail("{}: no such folder", folder.string());
+    if (!reason && !fs::is_directory(folder, reason))
+        fail("{}: is not a folder; give the folder that holds the photographs", folder.string());
+    if (!reason) (void)fs::directory_iterator(folder, reason);
+    if (reason)
+        fail("{}: the folder cannot be read: {}; give yourself the right to, or copy it to another place",
+             folder.string(), reason.message());
+}
+
+std::vector<fs::path> photos_in(const fs::path& folder) {
+    std::vector<fs::path> photos;
+    for (const auto& entry : fs::directory_iterator(folder))
+        if (entry.is_regular_file() && is_photo_name(entry.path()) &&
+            !entry.path().filename().string().starts_with('.'))
+            photos.push_back(entry.path());
+    std::sort(photos.begin(), photos.end());
+    return photos;
+}
+
+std::vector<fs::path> take_masks(std::vector<fs::path>& pictures) {
+    const auto says_mask = [](const fs::path& path) {
+        return lower(path.filename().string()).find("mask") != std::string::npos;
+    };
+    std::vector<fs::path> masks;
+    std::copy_if(pictures.begin(), pictures.end(), std::back_inserter(masks), says_mask);
+    if (2 * masks.size() >= pictures.size()) return {};
+    std::erase_if(pictures, says_mask);
+    return masks;
+}
+
+PhotoMatch match_photos(const fs::path& folder, const DevelopOptions& develop,
+                        const StackCalibration& calibration, bool all_or_none) {
+    return Matcher(folder, develop, calibration, all_or_none).run();
+}
+
+}  // namespace tangi

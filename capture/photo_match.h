@@ -1,0 +1,38 @@
+// photo_match.h: which pictures of a folder are the photographs that a lights file means.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "capture/left_out.h"
+#include "capture/stack.h"
+#include "capture/stack_calibration.h"
+
+namespace tangi {
+
+// Throws Error where there is no such folder, or it cannot be read.
+void require_folder(const std::filesystem::path& folder);
+
+// The pictures in a folder, by name; hidden ones are none.
+std::vector<std::filesystem::path> photos_in(const std::filesystem::path& folder);
+
+// Takes pictures whose names say that they are masks out of a list, and returns them; none where at least
+// half of the names say so, since then it is the painting's name ("damask_01.jpg").
+std::vector<std::filesystem::path> take_masks(std::vector<std::filesystem::path>& pictures);
+
+struct PhotoMatch {
+    std::vector<StackPhoto> photos;
+    std::vector<LeftOut> left_out;             // lights without a photograph, photographs with two lights
+    std::vector<std::filesystem::path> masks;  // take_masks(), but for those that a light names
+    bool by_order = false;  // no name is that of a photograph: lights were taken in the order of file names
+    std::vector<std::string> warnings;
+};
+
+// Matches by name (path, file name, stem; case does not matter), or by order with a warning where no name at
+// all matches and the numbers agree. Throws Error naming the lights file and the remedy where nothing is
+// matched; `all_or_none`: also where a light has no photograph, or a photograph two lights.
+PhotoMatch match_photos(const std::filesystem::path& folder, const DevelopOptions& develop,
+                        const StackCalibration& calibration, bool all_or_none);
+
+}  // namespace tangi

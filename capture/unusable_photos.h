@@ -1,0 +1,28 @@
+// unusable_photos.h: which photographs cannot be read beside the others, and which picture is their mask.
+#pragma once
+
+#include "capture/left_out.h"
+#include "capture/stack.h"
+
+namespace tangi {
+
+// The files of a photograph: itself, or the exposures of its bracket.
+std::vector<std::filesystem::path> files_of(const StackPhoto& photo);
+
+// What keeps a photograph from being read beside `other`, whose name is given: another size, number of
+// channels or bits, orientation. Empty where nothing does.
+std::string difference(const PhotoHeader& header, const PhotoHeader& other, const std::string& name);
+
+// A warning for each that is left out, from `first` on.
+void tell(const std::vector<LeftOut>& left_out, std::size_t first, std::vector<std::string>& warnings);
+
+// Takes photographs that cannot be opened, and those that are not stored as most are, out of the stack, with
+// a warning for each, and adds them to `left_out`. Only headers are read.
+void leave_out_unusable(Stack& stack, std::vector<LeftOut>& left_out);
+
+// The one picture of photographs' size that is black and white; the others of `masks` are told in the
+// warnings, and so is that it is used.
+std::optional<std::filesystem::path> mask_among(const std::vector<std::filesystem::path>& masks,
+                                                const Region& photo, std::vector<std::string>& warnings);
+
+}  // namespace tangi

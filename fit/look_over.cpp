@@ -1,0 +1,117 @@
+#include "fit/look_over.h"
+
+#include <algorithm>
+
+#include "capture/stray_photos.h"
+#include "capture/transfer_metadata.h"
+
+namespace tangi {
+
+namespace {
+
+constexpr std::size_t kFewestPhotos = 4;
+
+std::vector<std::string> names_of(const Stack& stack) {
+    std::vector<std::string> names;
+    for (const auto* photos : {&stack.photos, &stack.held_out})
+        for (const StackPhoto& photo : *photos) names.push_back(photo.light.name);
+    return names;
+}
+
+// Adds what was taken out of a stack of these names and is not told yet.
+void note_missing(const std::vector<std::string>& before, const Stack& stack, const std::string& reason,
+                  std::vector<LeftOut>& left_out) {
+    const std::vector<std::string> now = names_of(stack);
+    for (const std::string& name : before)
+        if (std::find(now.begin(), now.end(), name) == now.end() &&
+            std::none_of(left_out.begin(), left_out.end(),
+                         [&](const LeftOut& photo) { return photo.name == name; }))
+            left_out.push_back({name, reason});
+}
+
+// Which of the photographs are still in the stack.
+std::vector<bool> still_in(const Stack& stack, const std::vector<StackPhoto>& all) {
+    std::vector<bool> kept;
+    for (const StackPhoto& photo : all)
+        kept.push_back(std::any_of(stack.photos.begin(), stack.photos.end(),
+                                   [&](const StackPhoto& k) { return k.path == photo.path; }));
+    return kept;
+}
+
+void leave_out_strays(Stack& stack, Survey& surveyed, std::vector<LeftOut>& left_out) {
+    const std::vector<std::string> before = names_of(stack);
+    leave_out_black_photos(stack, surveyed);
+    note_missing(before, stack, "it is black", left_out);
+    leave_out_copies(stack, surveyed, left_out);
+}
+
+Overview look_once(Stack& stack, bool register_photos, const Progress& progress) {
+    Overview result;
+    if (!register_photos) {
+        result.survey = survey(stack, {}, progress);
+        leave_out_strays(stack, result.survey, result.left_out);
+        result.transfer = decide_transfer(stack, result.survey);
+        return result;
+    }
+    const std::vector<StackPhoto> all = stack.photos;
+    PictureCollector collected(stack);
+    result.survey = survey(stack, {}, progress, [&](const Band& band) { collected.add(band); });
+    leave_out_strays(stack, result.survey, result.left_out);
+    collected.keep(still_in(stack, all));
+    result.transfer = decide_transfer(stack, result.survey);
+    const std::vector<std::string> before = names_of(stack);
+    const std::size_t photos = stack.photos.size();
+    result.registration = register_stack(stack, collected, result.transfer.transfer, progress);
+    note_missing(before, stack, "it cannot be registered to " + result.registration.reference,
+                 result.left_out);
+    if (!result.registration.moved && stack.photos.size() == photos) return result;
+    require_enough_lights(stack.lights(), stack.folder.string());
+    result.survey = survey(stack, {}, Progress([&](std::string_view, double done) {
+                               return !progress || progress("survey as registered", done);
+                           }));
+    result.transfer = decide_transfer(stack, result.survey);
+    return result;
+}
+
+// Takes the photograph that an error is about out of the stack; throws it again where it is about none.
+void leave_out_damaged(Stack& stack, const PhotoError& error, std::vector<LeftOut>& left_out) {
+    bool found = false;
+    for (auto* photos : {&stack.photos, &stack.held_out})
+        std::erase_if(*photos, [&](const StackPhoto& photo) {
+            const bool is_it = photo.path == error.path() ||
+                               std::any_of(photo.exposures.begin(), photo.exposures.end(),
+                                           [&](const Exposure& e) { return e.path == error.path(); });
+            if (is_it) left_out.push_back({photo.light.name, error.what()});
+            found = found || is_it;
+            return is_it;
+        });
+    if (!found) throw error;
+    stack.warnings.push_back(fmt::format("{}; left out", error.what()));
+}
+
+}  // namespace
+
+Overview look_over(Stack& stack, bool register_photos, const Progress& progress) {
+    const std::size_t all = stack.photos.size() + stack.held_out.size();
+    std::vector<LeftOut> damaged;
+    while (true) {
+        Stack looked_at = stack;
+        try {
+            const std::string again = fmt::format("survey without {} damaged", damaged.size());
+            Overview result =
+                look_once(looked_at, register_photos,
+                          damaged.empty() ? progress : Progress([&](std::string_view stage, double done) {
+                              return !progress || progress(stage == "survey" ? again : stage, done);
+                          }));
+            result.left_out.insert(result.left_out.begin(), damaged.begin(), damaged.end());
+            stack = std::move(looked_at);
+            return result;
+        } catch (const PhotoError& error) {
+            leave_out_damaged(stack, error, damaged);
+            require_few(damaged, all, kFewestPhotos, stack.folder.string());
+            require_enough_lights(stack.lights(), stack.folder.string());
+        }
+    }
+}
+
+}  // namespace tangi

@@ -1,0 +1,25 @@
+// look_over.h: the first look at all photographs of a stack: which are usable, how they are encoded, how the
+// camera moved.
+#pragma once
+
+#include "capture/left_out.h"
+#include "capture/registration.h"
+#include "capture/survey.h"
+#include "capture/transfer_estimate.h"
+
+namespace tangi {
+
+struct Overview {
+    Survey survey;
+    TransferEstimate transfer;
+    Registration registration;      // empty where not asked for
+    std::vector<LeftOut> left_out;  // damaged, black, copies of others, not to be registered
+};
+
+// Surveys the stack and takes photographs out of it that cannot be used, each with a warning that names it;
+// where asked for, also registers it, and where that moved something, surveys it once more as registered.
+// Photographs that turn out to be damaged when they are decoded are left out, and the others looked at anew.
+// Throws Error where too few remain, as require_few().
+Overview look_over(Stack& stack, bool register_photos, const Progress& progress);
+
+}  // namespace tangi

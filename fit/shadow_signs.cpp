@@ -1,0 +1,184 @@
+#include "fit/shadow_signs.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "fit/height.h"
+#include "surface/cast_shadows.h"
+#include "surface/parallel.h"
+#include "surface/relight.h"
+
+namespace tangi {
+
+namespace {
+
+constexpr double kLeastCertainty = 6;    // [standard errors]
+constexpr double kLeastContrast = -0.1;  // ln: shadows that hide nearly all of a lamp take off 10 % and more
+constexpr float kHighest = 0.75f;        // [1] z of lights that are looked at: below 49 degrees
+constexpr float kLeastCosine = 0.1f;  // [1] n·l: beyond, small errors of the normal are large ones of light
+constexpr double kDark = 0.02;        // [1] of the white level: noise
+constexpr double kLeastLog = -2, kMostLog = 0.7;  // ln(measured / predicted) beyond tells no more
+constexpr float kHidden = 0.2f, kSeen = 0.8f;     // [1] visible part of the light
+constexpr int kLeastHidden = 12;                  // samples in shadow that a photograph must have
+constexpr std::size_t kLeastPhotos = 4;
+constexpr double kTolerance = 1e-3;  // HeightOptions::tolerance: what is left are long waves
+
+// A sample that a light should shine on: where it is, and how much less it does.
+struct Lit {
+    int x = 0, y = 0;
+    double log_ratio = 0;
+};
+
+std::vector<Lit> lit_by(const Surface& s, const Survey& survey, std::size_t photo, const Transfer& transfer,
+                        const Light& light, double white_level) {
+    std::vector<Lit> lit;
+    const auto channels = static_cast<std::size_t>(survey.channels), green = channels / 2;
+    const double dark = kDark * white_level;
+    for (int k = 0; k < survey.sample_count(); ++k) {
+        const glm::ivec2 at = survey.positions[static_cast<std::size_t>(k)];
+        const float stored = survey.sample(k)[photo * channels + green];
+        if (!(s.confidence(at.x, at.y) > 0) || !std::isfinite(stored)) continue;
+        const float cosine = glm::dot(s.normal(at.x, at.y), light.direction);
+        if (cosine < kLeastCosine) continue;
+        const double predicted =
+            white_level * static_cast<double>(s.diffuse(at.x, at.y).g * cosine * light.gain.g);
+        if (predicted < 3 * dark) continue;
+        const double measured = static_cast<double>(transfer.decode(stored));
+        lit.push_back(
+            {at.x, at.y, std::clamp(std::log((measured + dark) / (predicted + dark)), kLeastLog, kMostLog)});
+    }
+    return lit;
+}
+
+// By how much darker photographs are where this height hides the lamp than where it does not: ln, one a
+// photograph; NaN where it hides it from too few samples.
+std::vector<double> contrasts(const Surface& s, const MirroredAxes& axes,
+                              const std::vector<std::vector<Lit>>& lit, const std::vector<Light>& lights) {
+    const CastShadows shadows(s.height_mm, s.mm_per_pixel, RelightOptions{}.light_radius_deg);
+    std::vector<double> result(lights.size(), std::numeric_limits<double>::quiet_NaN());
+    parallel_for(0, static_cast<int>(lights.size()), 1, [&](int begin, int end) {
+        for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
+            Vec3 direction = lights[i].direction;
+            if (direction.z > kHighest) continue;
+            if (axes.x) direction.x *= -1;
+            if (axes.y) direction.y *= -1;
+            double hidden = 0, seen = 0;
+            int in_shadow = 0, in_light = 0;
+            for (const Lit& sample : lit[i]) {
+                const float part = shadows.visible_part(sample.x, sample.y, direction);
+                if (part < kHidden) hidden += sample.log_ratio, ++in_shadow;
+                if (part > kSeen) seen += sample.log_ratio, ++in_light;
+            }
+            if (in_shadow >= kLeastHidden && in_light >= kLeastHidden)
+                result[i] = hidden / in_shadow - seen / in_light;
+        }
+    });
+    return result;
+}
+
+void mirror(Image<float>& height_mm) {
+    for (float& h : height_mm.pixels()) h = -h;
+}
+
+void mirror_y(Image<Vec3>& normal) {
+    for (Vec3& n : normal.pixels()) n.y *= -1;
+}
+
+void integrate(Surface& s, const Progress& progress) {
+    HeightOptions options;
+    options.tolerance = std::max(options.tolerance, kTolerance);
+    integrate_normals(s.normal, s.confidence, s.mm_per_pixel, s.height_mm, options,
+                      Progress([&](std::string_view, double done) {
+                          return !progress || progress("axes of the lights", done);
+                      }));
+    subtract(best_plane(s.height_mm, s.confidence), s.height_mm);
+}
+
+}  // namespace
+
+bool ShadowCheck::certain() const { return certainty > kLeastCertainty && contrast < kLeastContrast; }
+
+ShadowCheck check_shadows(Surface& surface, const SignCheck& signs, const Survey& survey,
+                          const Transfer& transfer, const std::vector<Light>& lights, double white_level,
+                          const Progress& progress) {
+    TP_REQUIRE(survey.photos.size() == lights.size(), "one light a photograph");
+    const bool mirrored = signs.mirrored();
+    const MirroredAxes one{false, mirrored}, other{!one.x, !one.y};
+    std::vector<std::vector<Lit>> lit;
+    for (std::size_t i = 0; i < lights.size(); ++i)
+        lit.push_back(lit_by(surface, survey, i, transfer, lights[i], white_level));
+    if (mirrored) {  // in place: maps of large pictures take much memory
+        mirror_y(surface.normal);
+        integrate(surface, progress);
+        mirror_y(surface.normal);
+    }
+    const std::vector<double> of_one = contrasts(surface, one, lit, lights);
+    mirror(surface.height_mm);
+    const std::vector<double> of_other = contrasts(surface, other, lit, lights);
+    mirror(surface.height_mm);
+    std::vector<double> differences;
+    double with_one = 0, with_other = 0;
+    for (std::size_t i = 0; i < lights.size(); ++i) {
+        if (std::isnan(of_one[i]) || std::isnan(of_other[i])) continue;
+        differences.push_back(of_one[i] - of_other[i]);
+        with_one += of_one[i], with_other += of_other[i];
+    }
+    if (differences.size() < kLeastPhotos) return {one, 0, 0};
+    double squares = 0;
+    for (const double d : differences) squares += d * d;
+    const double n = static_cast<double>(differences.size()), mean = (with_one - with_other) / n;
+    const double error = std::sqrt(std::max(squares / n - mean * mean, 1e-12) / (n - 1));
+    return mean <= 0 ? ShadowCheck{one, -mean / error, with_one / n}
+                     : ShadowCheck{other, mean / error, with_other / n};
+}
+
+namespace {
+
+// The flags that make of lights as they were taken, `taken`, those that mirror `axes` too.
+std::string remedy(const MirroredAxes& taken, const MirroredAxes& axes) {
+    std::string give, leave;
+    const auto add = [](std::string& to, const char* flag) {
+        to += (to.empty() ? "" : " ") + std::string(flag);
+    };
+    if (axes.x) add(taken.x ? leave : give, "--lights-flip-x");
+    if (axes.y) add(taken.y ? leave : give, "--lights-flip-y");
+    if (leave.empty()) return "give " + give;
+    return give.empty() ? "leave out " + leave : "give " + give + " and leave out " + leave;
+}
+
+}  // namespace
+
+std::string doubt_of(const SignCheck& signs, const ShadowCheck& shadows, const MirroredAxes& taken) {
+    const std::string told = fmt::format("({:.0f} standard errors)", shadows.certainty);
+    if (signs.mirrored()) {
+        const std::string slopes = fmt::format(
+            "the slopes are those of no surface: their curl is {:.2g} a pixel, and {:.2g} were one axis of "
+            "all "
+            "lights mirrored ({:.0f} standard errors)",
+            signs.curl, signs.curl_mirrored, signs.certainty);
+        if (shadows.certain())
+            return fmt::format("{}; cast shadows say that it is {} {}: {}", slopes,
+                               shadows.best.y ? "y" : "x", told, remedy(taken, shadows.best));
+        return fmt::format(
+            "{}. Many lights files have y downwards: {}; where that makes hills of valleys, {}", slopes,
+            remedy(taken, {false, true}), remedy(taken, {true, false}));
+    }
+    if (shadows.certain() && shadows.best.x)
+        return fmt::format(
+            "cast shadows lie where hills and valleys are exchanged and all lamps on the other side {}: {}",
+            told, remedy(taken, shadows.best));
+    return {};
+}
+
+nlohmann::json to_json(const SignCheck& signs, const ShadowCheck& shadows) {
+    nlohmann::json result = to_json(signs);
+    nlohmann::json best = nlohmann::json::array();
+    if (shadows.best.x) best.push_back("x");
+    if (shadows.best.y) best.push_back("y");
+    result["shadows"] = {
+        {"mirrored_axes", std::move(best)}, {"certainty", shadows.certainty}, {"contrast", shadows.contrast}};
+    return result;
+}
+
+}  // namespace tangi
