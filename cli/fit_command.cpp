@@ -96,6 +96,7 @@ nlohmann::json result_of(const FitResult& fit, const std::string& out) {
         {"registration", to_json(r.registration)},
         {"lights", to_json(r.lights)},
         {"law", to_json(r.law)},
+        {"coloured_pixels", r.coloured},
         {"pixels", {{"all", r.pixels}, {"fitted", r.fitted}, {"not_converged", r.not_converged}}},
         {"solver_agreement",
          {{"compared", r.solvers.compared},
