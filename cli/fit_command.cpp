@@ -110,6 +110,7 @@ nlohmann::json result_of(const FitResult& fit, const std::vector<LeftOut>& left_
         {"lights", to_json(r.lights)},
         {"light_signs", to_json(r.signs, r.shadow_signs)},
         {"law", to_json(r.law)},
+        {"coloured_pixels", r.coloured},
         {"pixels", {{"all", r.pixels}, {"fitted", r.fitted}, {"not_converged", r.not_converged}}},
         {"solver_agreement",
          {{"compared", r.solvers.compared},

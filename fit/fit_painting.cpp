@@ -7,6 +7,7 @@
 #include <future>
 #include <mutex>
 
+#include "fit/lobe_colour.h"
 #include "fit/lobe_prior.h"
 #include "fit/look_over.h"
 #include "fit/shot_order.h"
@@ -60,7 +61,7 @@ double robust_scale_after(double rms_residual, double first) {
     return std::min(std::max(2.385 * rms_residual, 2.0), first);
 }
 
-// What the first pass leaves to the second.
+// What the first pass leaves to the second, where it is trusted.
 struct FirstPass {
     LobePriors priors;
     CastShadows shadows;
@@ -83,18 +84,40 @@ void store(const WardEstimate& e, int x, int y, FitResult& result) {
     result.errors.roughness(x, y) = static_cast<float>(e.roughness_error);
 }
 
-// `first`: null in the first pass.
+// What a pass is given of those before, and leaves to those after it.
+struct Pass {
+    std::string name;
+    FirstPass* first = nullptr;               // of a second pass
+    Image<LobeEvidence>* evidence = nullptr;  // to be filled in
+};
+
+// What is known of pixels beside their photographs. Lobes have the colours that the surface says.
+PixelKnowledge knowledge_of(const Pass& pass, const Surface& surface) {
+    PixelKnowledge known;
+    const bool coloured = !surface.lobe_colour.empty();
+    if (coloured) known.lobe_colour = [&](int x, int y) { return surface.lobe_colour(x, y); };
+    if (!pass.first) return known;
+    known.prior = [&surface, coloured, first = pass.first](int x, int y) {
+        WardPrior prior = first->priors.at(x, y);
+        if (!coloured) return prior;
+        // rho_s of a white lobe is that of the mean channel, of a coloured one that of the largest.
+        const Rgb& colour = surface.lobe_colour(x, y);
+        const double scale = 3 / static_cast<double>(colour.r + colour.g + colour.b);
+        prior.specular *= scale;
+        prior.specular_sigma *= scale;
+        return prior;
+    };
+    known.shadows = &pass.first->shadows;
+    return known;
+}
+
 void fit_band(const Stack& stack, const Band& band, const Lighting& lighting, const NoiseModel& noise,
-              const FitOptions& options, const FirstPass* first, FitResult& result, Counters& counters,
+              const FitOptions& options, const Pass& pass, FitResult& result, Counters& counters,
               const Progress& progress) {
     const Surface& surface = result.surface;
     WardFitOptions ward = options.ward;
     ward.law = surface.law;
-    PixelKnowledge known;
-    if (first) {
-        known.prior = [&](int x, int y) { return first->priors.at(x, y); };
-        known.shadows = &first->shadows;
-    }
+    const PixelKnowledge known = knowledge_of(pass, surface);
     oneapi::tbb::enumerable_thread_specific<RowFitter> fitters(
         [&] { return RowFitter(ward, options.solver, lighting, noise, band.channels()); });
     // Enough pixels at once to keep registers full; with Ceres alone a row takes long enough.
@@ -106,6 +129,9 @@ void fit_band(const Stack& stack, const Band& band, const Lighting& lighting, co
                 ++fitted;
                 not_converged += !e.converged;
                 store(e, x, y, result);
+                if (pass.evidence)
+                    (*pass.evidence)(x, y) =
+                        lobe_evidence(fitters.local().samples_at(band, x, y, surface, {}), e, ward);
                 const std::size_t index =
                     static_cast<std::size_t>(y) * static_cast<std::size_t>(surface.width()) +
                     static_cast<std::size_t>(x);
@@ -116,7 +142,7 @@ void fit_band(const Stack& stack, const Band& band, const Lighting& lighting, co
         counters.fitted += fitted;
         counters.not_converged += not_converged;
         counters.rows += end - begin;
-        report(progress, first ? "refine" : "fit", counters.rows / static_cast<double>(surface.height()));
+        report(progress, pass.name, counters.rows / static_cast<double>(surface.height()));
     });
     for (const RowFitter& fitter : fitters) counters.solvers += fitter.agreement();
 }
@@ -147,7 +173,7 @@ int rows_of_band(const Stack& stack, const StackReader& reader) {
 
 // One pass over the photographs; the next band is decoded while this one is fitted.
 void fit_bands(const Stack& stack, const Transfer& transfer, const Lighting& lighting,
-               const NoiseModel& noise, const FitOptions& options, FirstPass* first, FitResult& result,
+               const NoiseModel& noise, const FitOptions& options, const Pass& pass, FitResult& result,
                const Progress& progress) {
     Counters counters;
     counters.rms_residuals.assign((result.surface.height_mm.size() - 1) / rms_step(result.surface) + 1, -1);
@@ -159,11 +185,66 @@ void fit_bands(const Stack& stack, const Transfer& transfer, const Lighting& lig
         const int y1 = std::min(y0 + rows, stack.height()), y2 = std::min(y1 + rows, stack.height());
         auto decoded = std::async(std::launch::async,
                                   [&, y1, y2] { return y1 < y2 ? reader.read(y1, y2, transfer) : Band(); });
-        if (first) first->priors.advance(y0, y1);
-        fit_band(stack, band, lighting, noise, options, first, result, counters, progress);
+        if (pass.first) pass.first->priors.advance(y0, y1);
+        fit_band(stack, band, lighting, noise, options, pass, result, counters, progress);
         next = decoded.get();
     }
     summarise(result.surface, counters, options.ward.bounds.diffuse_max, result.report);
+}
+
+// Looks at the surface as the first pass left it, and once more when it has a height.
+using FirstLook = std::function<void(bool height_known)>;
+
+// All pixels once more, with shadows and what neighbours say of lobes.
+void refine(const Stack& stack, const Transfer& transfer, const Lighting& lighting, const NoiseModel& noise,
+            const FitOptions& options, const FirstLook& look, FitResult& result, const Progress& progress) {
+    Surface& surface = result.surface;
+    HeightOptions rough = options.height;
+    rough.tolerance = std::max(rough.tolerance, kShadowTolerance);
+    integrate_normals(
+        surface.normal, surface.confidence, surface.mm_per_pixel, surface.height_mm, rough,
+        Progress([&](std::string_view, double done) { return !progress || progress("first height", done); }));
+    subtract(best_plane(surface.height_mm, surface.confidence), surface.height_mm);
+    look(true);
+    FirstPass first(surface, result.errors, options.ward.prior);
+    FitOptions second = options;
+    second.ward.robust_scale =
+        robust_scale_after(result.report.median_rms_residual, options.ward.robust_scale);
+    fit_bands(stack, transfer, lighting, noise, second, {"refine", &first}, result, progress);
+}
+
+// The first pass with white lobes; where they may have colours, what it shows of them; then the others. Where
+// white lobes explain too little to be refined, coloured ones may explain enough.
+void fit_passes(Stack& stack, const Transfer& transfer, const Lighting& lighting, const NoiseModel& noise,
+                const FitOptions& options, bool coloured, const FirstLook& look, FitResult& result,
+                const Progress& progress) {
+    Surface& surface = result.surface;
+    FitReport& report_ = result.report;
+    Image<LobeEvidence> evidence;
+    if (coloured) evidence = Image<LobeEvidence>(surface.width(), surface.height());
+    fit_bands(stack, transfer, lighting, noise, options, {"fit", nullptr, coloured ? &evidence : nullptr},
+              result, progress);
+    look(false);
+    const auto trusted = [&] { return report_.median_rms_residual <= kTrusted; };
+    if (coloured) {
+        surface.lobe_colour = lobe_colours(surface, evidence);
+        evidence = {};
+        const auto shown =
+            std::count_if(surface.lobe_colour.pixels().begin(), surface.lobe_colour.pixels().end(),
+                          [](const Rgb& colour) { return colour != Rgb(1); });
+        report_.coloured = static_cast<double>(shown) / static_cast<double>(std::max(report_.fitted, 1L));
+        if (shown == 0) surface.lobe_colour = {};
+        if (shown > 0 && !(options.refine && trusted()))
+            fit_bands(stack, transfer, lighting, noise, options, {"coloured lobes"}, result, progress);
+    }
+    if (options.refine && !trusted())
+        stack.warnings.push_back(fmt::format(
+            "{}: photographs differ from the model by {:.1f} times what is expected (in the median): "
+            "shadows and neighbours' lobes are not believed, so the fit is not refined; metal and "
+            "glass look like that, and wrong light directions",
+            stack.folder.string(), report_.median_rms_residual));
+    if (options.refine && trusted())
+        refine(stack, transfer, lighting, noise, options, look, result, progress);
 }
 
 // Files of floats have no full scale: their noise is relative to the white level.
@@ -262,44 +343,27 @@ FitResult fit_painting(Stack stack, const FitOptions& options, const Progress& p
         stack.warnings.push_back(std::move(warning));
     describe_lights(stack, report_.lights, surface.photography);
     const bool law_is_open = !options.diffuse_roughness || !options.haze;
-    if (law_is_open && !options.lights_as_given)
-        report_.law = choose_law(LightSample(stack, surveyed, transfer, noise, surface.mm_per_pixel,
-                                             options.ward, options.calibration.samples),
-                                 lighting, progress);
+    const LightSample sample(stack, surveyed, transfer, noise, surface.mm_per_pixel, options.ward,
+                             options.calibration.samples);
+    if (law_is_open && !options.lights_as_given) report_.law = choose_law(sample, lighting, progress);
     surface.law = report_.law.law = {
         .diffuse_roughness = options.diffuse_roughness.value_or(report_.law.law.diffuse_roughness),
         .haze = options.haze.value_or(report_.law.law.haze)};
+    if (!options.coloured_lobes && !options.lights_as_given && stack.channels == 3)
+        report_.law.colours = choose_lobe_colours(sample, lighting, surface.law);
     report_.misfit = light_misfit(stack, surveyed, transfer, noise, lighting, surface.mm_per_pixel,
                                   options.ward, surface.law);
     result.errors = FitErrors(stack.width(), stack.height());
-    fit_bands(stack, transfer, lighting, noise, options, nullptr, result, progress);
-    report_.signs = check_signs(surface.normal, surface.confidence);
-    const auto look_at_shadows = [&] {
-        report_.shadow_signs = check_shadows(surface, report_.signs, surveyed, transfer, lighting.lights,
-                                             lighting.white_level, progress);
+    const bool coloured = stack.channels == 3 &&
+                          (options.coloured_lobes ? *options.coloured_lobes > 0 : report_.law.colours.chosen);
+    const auto look_at_signs = [&](bool height_known) {
+        if (!height_known) report_.signs = check_signs(surface.normal, surface.confidence);
+        // Where slopes say that an axis is mirrored, this height is of no use.
+        if (report_.signs.mirrored() != height_known)
+            report_.shadow_signs = check_shadows(surface, report_.signs, surveyed, transfer, lighting.lights,
+                                                 lighting.white_level, progress);
     };
-    if (report_.signs.mirrored()) look_at_shadows();
-    const bool trusted = report_.median_rms_residual <= kTrusted;
-    if (options.refine && !trusted)
-        stack.warnings.push_back(fmt::format(
-            "{}: photographs differ from the model by {:.1f} times what is expected (in the median): "
-            "shadows and neighbours' lobes are not believed, so the fit is not refined; metal and "
-            "glass look like that, and wrong light directions",
-            stack.folder.string(), report_.median_rms_residual));
-    if (options.refine && trusted) {
-        HeightOptions rough = options.height;
-        rough.tolerance = std::max(rough.tolerance, kShadowTolerance);
-        integrate_normals(surface.normal, surface.confidence, surface.mm_per_pixel, surface.height_mm, rough,
-                          Progress([&](std::string_view, double done) {
-                              return !progress || progress("first height", done);
-                          }));
-        subtract(best_plane(surface.height_mm, surface.confidence), surface.height_mm);
-        if (!report_.signs.mirrored()) look_at_shadows();
-        FirstPass first(surface, result.errors, options.ward.prior);
-        FitOptions second = options;
-        second.ward.robust_scale = robust_scale_after(report_.median_rms_residual, options.ward.robust_scale);
-        fit_bands(stack, transfer, lighting, noise, second, &first, result, progress);
-    }
+    fit_passes(stack, transfer, lighting, noise, options, coloured, look_at_signs, result, progress);
     report_.colour = correct_colours(stack, surface);
     report_.colour.white_by_chart = white.has_value();
     report_.height = integrate_normals(surface.normal, surface.confidence, surface.mm_per_pixel,

@@ -1,5 +1,6 @@
 #include "fit/law_choice.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <numeric>
@@ -14,7 +15,8 @@ constexpr std::array kHazes = {0.3, 0.6, 0.85};
 constexpr std::array kRoughnesses = {0.15, 0.3, 0.5, 0.8};
 // [sigma] Most varnish and oil paint has haze. Diffuse roughness is rarer, and a little of it also takes up
 // what one pixel's lobe leaves open, which the second pass of the fit knows better.
-constexpr double kSureOfHaze = 1, kSureOfRoughness = 2;
+constexpr double kSureOfHaze = 1, kSureOfRoughness = 2, kSureOfColours = 2;
+constexpr double kFewestColoured = 0.01;  // [1] of the sample: a few pixels are noise
 constexpr double kWorth = 0.1;  // [dB] of gain at least: as with lamps, what gains less is left as it is
 constexpr double kTrials = 1 + kHazes.size() + kRoughnesses.size();
 
@@ -53,20 +55,59 @@ bool is_better(const std::vector<double>& db, const std::vector<double>& than, d
     return middle > kWorth + sigmas * std::sqrt(squares / (count * (count - 1)));
 }
 
+// Deviations below the noise to expect of stored values are no evidence: rounding, compression and a tone
+// curve that is slightly off make them, too. With synth_canvas/uniform_1, predicted to half a code of 8
+// bits, roughness predicts still better, and normals get worse by half.
+struct WithNoise {
+    double noise;
+    WithNoise(const LightSample& sample, const Lighting& lighting)
+        : noise(std::pow(10, -sample.noise_db(lighting.white_level) / 10)) {}
+    double operator()(double db) const { return -10 * std::log10(std::pow(10, -db / 10) + noise); }
+};
+
+// [dB] of photographs, white lobes and coloured ones, and how many pixels have such.
+struct ColourTrial {
+    std::vector<double> white_db, coloured_db;
+    double part = 0;
+};
+
+// Photographs left out in turn; in each turn, at the pixels to which the others give a coloured lobe.
+ColourTrial try_colours(const LightSample& sample, const Lighting& lighting, const ReflectanceLaw& law) {
+    const int photos = static_cast<int>(lighting.lights.size());
+    ColourTrial trial;
+    for (int fold = 0; fold < kFolds; ++fold) {
+        std::vector<int> used;
+        for (int i = 0; i < photos; ++i)
+            if (i % kFolds != fold) used.push_back(i);
+        const Lighting lamps = subset(lighting, used);
+        const std::vector<WardEstimate> white = sample.fit(used, lamps, law);
+        const std::vector<Rgb> colours = sample.lobe_colours(white, used, lamps, law);
+        std::vector<bool> marked;
+        for (const Rgb& colour : colours) marked.push_back(colour != Rgb(1));
+        const double part =
+            static_cast<double>(std::count(marked.begin(), marked.end(), true)) / std::max(sample.size(), 1);
+        trial.part += part / kFolds;
+        if (part < kFewestColoured) continue;
+        const std::vector<WardEstimate> coloured = sample.fit(used, lamps, law, colours);
+        for (int i = fold; i < photos; i += kFolds) {
+            trial.white_db.push_back(sample.psnr_db(white, i, subset(lighting, {i}), law, marked));
+            trial.coloured_db.push_back(sample.psnr_db(coloured, i, subset(lighting, {i}), law, marked));
+        }
+    }
+    return trial;
+}
+
 }  // namespace
 
 LawChoice choose_law(const LightSample& sample, const Lighting& lighting, const Progress& progress) {
     LawChoice choice;
     if (lighting.lights.size() < kFewestPhotos) return choice;
-    // Deviations below the noise to expect of stored values are no evidence: rounding, compression and a tone
-    // curve that is slightly off make them, too. With synth_canvas/uniform_1, predicted to half a code of 8
-    // bits, roughness predicts still better, and normals get worse by half.
-    const double noise = std::pow(10, -sample.noise_db(lighting.white_level) / 10);
+    const WithNoise with_noise{sample, lighting};
     const auto attempt = [&](const ReflectanceLaw& law) {
         report(progress, "reflectance", static_cast<double>(choice.trials.size()) / kTrials);
         std::vector<double> db = left_out_db(sample, lighting, law);
         choice.trials.push_back({law, mean(db)});
-        for (double& value : db) value = -10 * std::log10(std::pow(10, -value / 10) + noise);
+        for (double& value : db) value = with_noise(value);
         return db;
     };
     std::vector<double> best = attempt({});
@@ -91,6 +132,22 @@ LawChoice choose_law(const LightSample& sample, const Lighting& lighting, const 
     return choice;
 }
 
+LawChoice::Colours choose_lobe_colours(const LightSample& sample, const Lighting& lighting,
+                                       const ReflectanceLaw& law) {
+    LawChoice::Colours colours;
+    if (lighting.lights.size() < kFewestPhotos) return colours;
+    ColourTrial trial = try_colours(sample, lighting, law);
+    colours.part = trial.part;
+    if (trial.part < kFewestColoured || trial.white_db.size() < 2) return colours;
+    colours.white_db = mean(trial.white_db);
+    colours.coloured_db = mean(trial.coloured_db);
+    const WithNoise with_noise{sample, lighting};
+    for (std::vector<double>* db : {&trial.white_db, &trial.coloured_db})
+        for (double& value : *db) value = with_noise(value);
+    colours.chosen = is_better(trial.coloured_db, trial.white_db, kSureOfColours);
+    return colours;
+}
+
 nlohmann::json to_json(const LawChoice& choice) {
     nlohmann::json trials = nlohmann::json::array();
     for (const LawChoice::Trial& trial : choice.trials)
@@ -99,7 +156,12 @@ nlohmann::json to_json(const LawChoice& choice) {
                           {"psnr_db", trial.left_out_db}});
     return {{"diffuse_roughness", choice.law.diffuse_roughness},
             {"haze", choice.law.haze},
-            {"left_out_db", trials}};
+            {"left_out_db", trials},
+            {"coloured_lobes",
+             {{"chosen", choice.colours.chosen},
+              {"part", choice.colours.part},
+              {"white_db", choice.colours.white_db},
+              {"coloured_db", choice.colours.coloured_db}}}};
 }
 
 }  // namespace tangi

@@ -1,5 +1,5 @@
-// law_choice.h: how rough the diffuse reflection of a painting is and how much haze its lobes have
-// (surface/ward.h), decided by how well left-out photographs are predicted.
+// law_choice.h: how rough the diffuse reflection of a painting is, how much haze its lobes have
+// (surface/ward.h), and whether they have colours, decided by how well left-out photographs are predicted.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -17,6 +17,13 @@ struct LawChoice {
         double left_out_db;
     };
     std::vector<Trial> trials{};  // empty where it was given, or where there were too few photographs to try
+    // Whether lobes have colours, under that law: mean PSNR of left-out photographs at the pixels of the
+    // sample whose lobes are coloured by the others, as white ones and as coloured ones.
+    struct Colours {
+        bool chosen = false;
+        double part = 0;  // [1] of the sample: such pixels
+        double white_db = 0, coloured_db = 0;
+    } colours{};
 };
 
 // `lighting` has one light for each photograph of the sample's stack. Haze and then diffuse roughness are
@@ -25,7 +32,14 @@ struct LawChoice {
 // are with fewer than 12 photographs. Deterministic for any number of threads.
 LawChoice choose_law(const LightSample& sample, const Lighting& lighting, const Progress& progress = {});
 
-// {"diffuse_roughness", "haze", "left_out_db": [{"diffuse_roughness", "haze", "psnr_db"}, …]}
+// The colours of lobes (lobe_colour.h) under that law: where at least 1 % of the sample has any, and
+// photographs are predicted better there by 0.1 dB more than twice its standard error, noise counted
+// likewise.
+LawChoice::Colours choose_lobe_colours(const LightSample& sample, const Lighting& lighting,
+                                       const ReflectanceLaw& law);
+
+// {"diffuse_roughness", "haze", "left_out_db": [{"diffuse_roughness", "haze", "psnr_db"}, …],
+//  "coloured_lobes": {"chosen", "part", "white_db", "coloured_db"}}
 nlohmann::json to_json(const LawChoice& choice);
 
 }  // namespace tangi

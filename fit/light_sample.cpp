@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "fit/lobe_colour.h"
 #include "fit/ward_batch.h"
 #include "surface/parallel.h"
 
@@ -74,8 +75,27 @@ void LightSample::gather(int k, const std::vector<int>& photos, const Lighting& 
     }
 }
 
-std::vector<WardEstimate> LightSample::fit(const std::vector<int>& photos, const Lighting& lighting,
+std::vector<Rgb> LightSample::lobe_colours(const std::vector<WardEstimate>& estimates,
+                                           const std::vector<int>& photos, const Lighting& lighting,
                                            const ReflectanceLaw& law) const {
+    WardFitOptions options = ward_;
+    options.law = law;
+    std::vector<Rgb> colours(static_cast<std::size_t>(size()), Rgb(1));
+    parallel_for(0, size(), 4 * kWardLanes, [&](int begin, int end) {
+        PixelSamples samples;
+        for (int k = begin; k < end; ++k) {
+            const auto at = static_cast<std::size_t>(k);
+            if (!estimates[at].valid) continue;
+            gather(k, photos, lighting, samples);
+            colours[at] = lobe_colour_of(lobe_evidence(samples, estimates[at], options));
+        }
+    });
+    return colours;
+}
+
+std::vector<WardEstimate> LightSample::fit(const std::vector<int>& photos, const Lighting& lighting,
+                                           const ReflectanceLaw& law,
+                                           const std::vector<Rgb>& lobe_colours) const {
     WardFitOptions options = ward_;
     options.law = law;
     std::vector<WardEstimate> estimates(static_cast<std::size_t>(size()));
@@ -87,13 +107,17 @@ std::vector<WardEstimate> LightSample::fit(const std::vector<int>& photos, const
         PixelSamples samples;
     };
     oneapi::tbb::enumerable_thread_specific<Fitters> all([&] { return Fitters(options); });
+    const auto gather_white = [&](int k, PixelSamples& samples) {
+        gather(k, photos, lighting, samples);
+        if (!lobe_colours.empty()) whiten(lobe_colours[static_cast<std::size_t>(k)], samples);
+    };
     parallel_for(0, size(), 4 * kWardLanes, [&](int begin, int end) {
         Fitters& f = all.local();
         f.batches.start(end - begin);
         for (int first = begin; first < end; first += kWardLanes) {
             f.batch.resize(static_cast<int>(photos.size()), survey_.channels, options.prior);
             for (int k = first; k < std::min(first + kWardLanes, end); ++k) {
-                gather(k, photos, lighting, f.samples);
+                gather_white(k, f.samples);
                 f.batch.set(k - first, k - begin, f.samples);
             }
             f.batches.fit(f.batch);
@@ -103,11 +127,14 @@ std::vector<WardEstimate> LightSample::fit(const std::vector<int>& photos, const
             const WardSolution& solution = f.batches.solutions()[static_cast<std::size_t>(k - begin)];
             WardEstimate& estimate = estimates[static_cast<std::size_t>(k)];
             estimate = solution.estimate(survey_.channels);
-            if (!solution.doubtful) continue;
-            gather(k, photos, lighting, f.samples);
-            const WardEstimate other = f.ceres.fit(f.samples);
-            if (other.valid && !(estimate.valid && estimate.rms_residual <= other.rms_residual))
-                estimate = other;
+            if (solution.doubtful) {
+                gather_white(k, f.samples);
+                const WardEstimate other = f.ceres.fit(f.samples);
+                if (other.valid && !(estimate.valid && estimate.rms_residual <= other.rms_residual))
+                    estimate = other;
+            }
+            if (!lobe_colours.empty())
+                estimate = coloured(estimate, lobe_colours[static_cast<std::size_t>(k)]);
         }
     });
     return estimates;
@@ -115,22 +142,30 @@ std::vector<WardEstimate> LightSample::fit(const std::vector<int>& photos, const
 
 double LightSample::psnr_db(const std::vector<WardEstimate>& estimates, int photo, const Lighting& lighting,
                             int from, int step, const ReflectanceLaw& law) const {
+    std::vector<bool> marked(static_cast<std::size_t>(size()), false);
+    for (int k = from; k < size(); k += step) marked[static_cast<std::size_t>(k)] = true;
+    return psnr_db(estimates, photo, lighting, law, marked);
+}
+
+double LightSample::psnr_db(const std::vector<WardEstimate>& estimates, int photo, const Lighting& lighting,
+                            const ReflectanceLaw& law, const std::vector<bool>& marked) const {
     const double white = transfer_.encode(static_cast<float>(lighting.white_level));
     const float clipped = transfer_.encode(noise_.clipped());
     double squares = 0;
     long count = 0;
     PixelSamples s;
-    for (int k = from; k < size(); k += step) {
+    for (int k = 0; k < size(); ++k) {
         const WardEstimate& e = estimates[static_cast<std::size_t>(k)];
-        if (!e.valid) continue;
+        if (!e.valid || !marked[static_cast<std::size_t>(k)]) continue;
         illuminate(lighting, point_mm(k), survey_.channels, s);
         const double theta[kWardCommon] = {e.slope.x, e.slope.y, std::log(e.roughness), e.specular};
         const WardTerms t = ward_terms(theta, s.light[0], s.view, law);
         const float* stored = this->stored(k, photo);
         if (std::isnan(stored[0])) continue;  // outside a registered photograph
         for (int c = 0; c < survey_.channels; ++c, ++count) {
-            const double linear = s.irradiance[static_cast<std::size_t>(c)] *
-                                  (e.diffuse[c] * (t.matt + s.ambient[0]) + e.specular * t.lobe);
+            const double linear =
+                s.irradiance[static_cast<std::size_t>(c)] *
+                (e.diffuse[c] * (t.matt + s.ambient[0]) + e.specular * e.lobe_colour[c] * t.lobe);
             const float shown = transfer_.encode(std::min(static_cast<float>(linear), noise_.clipped()));
             squares += std::pow((shown - std::min(stored[c], clipped)) / white, 2);
         }

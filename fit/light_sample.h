@@ -20,14 +20,23 @@ public:
     int size() const { return static_cast<int>(chosen_.size()); }
     double width_mm() const { return width_mm_; }  // of the picture's longer side
 
-    // The pixels fitted to these photographs; the lighting has one light for each of them.
+    // The pixels fitted to these photographs; the lighting has one light for each of them. `lobe_colours`: of
+    // each pixel; white where there are none.
     std::vector<WardEstimate> fit(const std::vector<int>& photos, const Lighting& lighting,
-                                  const ReflectanceLaw& law = {}) const;
+                                  const ReflectanceLaw& law = {},
+                                  const std::vector<Rgb>& lobe_colours = {}) const;
+
+    // What the same photographs say of each pixel's colour of the lobe (lobe_colour.h).
+    std::vector<Rgb> lobe_colours(const std::vector<WardEstimate>& estimates, const std::vector<int>& photos,
+                                  const Lighting& lighting, const ReflectanceLaw& law) const;
 
     // [dB] PSNR of one photograph, predicted under this light; a matt white that faces it is the peak. Pixels
     // `from`, `from` + `step`, …
     double psnr_db(const std::vector<WardEstimate>& estimates, int photo, const Lighting& lighting,
                    int from = 0, int step = 1, const ReflectanceLaw& law = {}) const;
+    // The same of the pixels that are marked.
+    double psnr_db(const std::vector<WardEstimate>& estimates, int photo, const Lighting& lighting,
+                   const ReflectanceLaw& law, const std::vector<bool>& marked) const;
 
     // [dB] That PSNR of a perfect prediction: what the noise to expect of a stored value leaves.
     double noise_db(double white_level) const;

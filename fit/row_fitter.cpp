@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "fit/lobe_colour.h"
+
 namespace tangi {
 
 namespace {
@@ -40,8 +42,8 @@ RowFitter::RowFitter(const WardFitOptions& options, Solver solver, const Lightin
       batches_(options),
       prior_(options.prior) {}
 
-WardEstimate RowFitter::by_ceres(const Band& band, int x, int y, const Surface& surface,
-                                 const PixelKnowledge& known) {
+PixelSamples& RowFitter::samples_at(const Band& band, int x, int y, const Surface& surface,
+                                    const PixelKnowledge& known) {
     illuminate(lighting_, surface.point_mm(x, y), band.channels(), samples_);
     std::size_t at = 0;
     for (int i = 0; i < band.photos(); ++i)
@@ -52,7 +54,14 @@ WardEstimate RowFitter::by_ceres(const Band& band, int x, int y, const Surface& 
         }
     for (std::size_t i = 0; known.shadows && i < samples_.light.size(); ++i)
         samples_.visible[i] = known.shadows->visible_part(x, y, Vec3(samples_.light[i]));
-    return ceres_.fit(samples_, known.prior ? known.prior(x, y) : prior_);
+    return samples_;
+}
+
+WardEstimate RowFitter::by_ceres(const Band& band, int x, int y, const Surface& surface,
+                                 const PixelKnowledge& known) {
+    PixelSamples& samples = samples_at(band, x, y, surface, known);
+    if (known.lobe_colour) whiten(known.lobe_colour(x, y), samples);
+    return ceres_.fit(samples, known.prior ? known.prior(x, y) : prior_);
 }
 
 // What the relief leaves of the lamps on the lanes of the batch. Most lamps are above any horizon, which is
@@ -73,6 +82,22 @@ void RowFitter::shade(const CastShadows& shadows, int x0, int y, int count) {
     }
 }
 
+// whiten() of one lane.
+void RowFitter::whiten_lane(const Rgb& colour, int lane) {
+    if (colour == Rgb(1)) return;
+    const Rgb crosstalk = crosstalk_of(colour);
+    for (std::size_t first = 0; first + 2 < batch_.value.size(); first += 3) {
+        const float most = std::max(
+            {batch_.value[first][lane], batch_.value[first + 1][lane], batch_.value[first + 2][lane]});
+        for (int c = 0; c < 3; ++c) {
+            const std::size_t at = first + static_cast<std::size_t>(c);
+            batch_.irradiance[at][lane] *= colour[c];
+            float& sigma = batch_.sigma[at][lane];
+            if (sigma != 0) sigma = std::copysign(std::hypot(sigma, crosstalk[c] * most), sigma);
+        }
+    }
+}
+
 void RowFitter::start_row(const Band& band, int y, int first_name, const Image<unsigned char>& mask,
                           const Surface& surface, const PixelKnowledge& known) {
     for (int x0 = 0; x0 < band.width(); x0 += kWardLanes) {
@@ -88,6 +113,7 @@ void RowFitter::start_row(const Band& band, int y, int first_name, const Image<u
                 continue;
             }
             if (known.prior) batch_.set_prior(lane, known.prior(x0 + lane, y));
+            if (known.lobe_colour) whiten_lane(known.lobe_colour(x0 + lane, y), lane);
         }
         if (known.shadows) shade(*known.shadows, x0, y, count);
         batches_.fit(batch_);
@@ -103,7 +129,7 @@ void RowFitter::fit(const Band& band, int y0, int y1, const Image<unsigned char>
             for (int x = 0; x < width; ++x) {
                 if (!mask.empty() && !mask(x, y)) continue;
                 const WardEstimate e = by_ceres(band, x, y, surface, known);
-                if (e.valid) done(x, y, e);
+                if (e.valid) done(x, y, known.lobe_colour ? coloured(e, known.lobe_colour(x, y)) : e);
             }
         return;
     }
@@ -140,7 +166,7 @@ void RowFitter::fit(const Band& band, int y0, int y1, const Image<unsigned char>
                         }
                     }
                 }
-                if (e.valid) done(x, y, e);
+                if (e.valid) done(x, y, known.lobe_colour ? coloured(e, known.lobe_colour(x, y)) : e);
             }
     }
 }

@@ -36,7 +36,8 @@ bool is_compared(int x, int y, int width, int height);
 // What is known of a pixel beside its samples; empty where nothing is.
 struct PixelKnowledge {
     std::function<WardPrior(int x, int y)> prior;
-    const CastShadows* shadows = nullptr;  // of the relief
+    const CastShadows* shadows = nullptr;            // of the relief
+    std::function<Rgb(int x, int y)> lobe_colour{};  // as Surface::lobe_colour
 };
 
 // Keeps its memory; one a thread. Keeps references to lighting and noise.
@@ -50,6 +51,10 @@ public:
     void fit(const Band& band, int y0, int y1, const Image<unsigned char>& mask, const Surface& surface,
              const PixelKnowledge& known, const std::function<void(int x, int y, const WardEstimate&)>& done);
 
+    // What the photographs of the band say of a pixel; until the next call.
+    PixelSamples& samples_at(const Band& band, int x, int y, const Surface& surface,
+                             const PixelKnowledge& known);
+
     const SolverAgreement& agreement() const { return agreement_; }
 
 private:
@@ -57,6 +62,7 @@ private:
                           const PixelKnowledge& known);
     void start_row(const Band& band, int y, int first_name, const Image<unsigned char>& mask,
                    const Surface& surface, const PixelKnowledge& known);
+    void whiten_lane(const Rgb& colour, int lane);
     void shade(const CastShadows& shadows, int x0, int y, int count);
 
     Solver solver_;

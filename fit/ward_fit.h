@@ -2,6 +2,7 @@
 #pragma once
 
 #include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
 #include <memory>
 
 #include "capture/photometric_stereo.h"
@@ -39,6 +40,7 @@ struct WardEstimate {
     glm::dvec3 diffuse{0};       // [1] rho_d
     double specular = 0;         // [1] rho_s
     double roughness = 0.3;      // [1] alpha
+    glm::dvec3 lobe_colour{1};   // [1] that was given (lobe_colour.h), as in surface.h
     double diffuse_error = 0;    // [1] standard error of rho_d, root of the mean variance of the channels
     double slope_error = 0;      // [1] standard error of the slope, root of the mean of both variances
     double specular_error = 0;   // [1]

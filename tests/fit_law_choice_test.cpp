@@ -56,6 +56,7 @@ TEST(LawChoice, FindsNoneWhereLambertAndOneLobeAreTrue) {
     const LawChoice choice = fitted({}).report.law;
     EXPECT_EQ(choice.law, ReflectanceLaw{});
     EXPECT_GE(choice.trials.size(), 3u);
+    EXPECT_FALSE(choice.colours.chosen);
 }
 
 TEST(LawChoice, FindsRoughDiffuseReflection) {

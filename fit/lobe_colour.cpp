@@ -1,0 +1,184 @@
+#include "fit/lobe_colour.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "fit/lobe_prior.h"
+#include "surface/parallel.h"
+
+namespace tangi {
+
+namespace {
+
+constexpr int kIterations = 5;       // of reweighting
+constexpr double kSpread = 0.05;     // [1] of rho_s,c, relative: what one Gaussian leaves open
+constexpr double kWidest = 0.4;      // [1] alpha from which on a lobe may be diffuse light, and of its colour
+constexpr double kWhiteSigma = 0.5;  // [1] of the prior, around white
+// [1] Deviation from white below which a lobe is white: unequal lamps and tone curves make as much.
+constexpr float kClear = 0.1f;
+constexpr float kLeastColour = 0.02f;  // [1] whiten() divides by it
+constexpr int kStep = 2;               // [pixels] between neighbours that are asked
+constexpr float kAlike = 0.3f,
+                kAlikeFloor = 0.04f;  // [1] relative difference of looks that are others, and noise
+
+// Least squares for rho_d and rho_s of one channel.
+struct Channel {
+    double matt = 0, lobe = 0, cross = 0, value_matt = 0, value_lobe = 0;  // sums
+    double diffuse = 0, specular = 0;
+
+    void add(double weight, double d, double l, double value) {
+        matt += weight * d * d;
+        lobe += weight * l * l;
+        cross += weight * d * l;
+        value_matt += weight * d * value;
+        value_lobe += weight * l * value;
+    }
+    double determinant() const { return matt * lobe - cross * cross; }
+    bool solve() {
+        if (!(determinant() > 1e-9 * matt * lobe)) return false;
+        diffuse = (lobe * value_matt - cross * value_lobe) / determinant();
+        specular = (matt * value_lobe - cross * value_matt) / determinant();
+        if (diffuse < 0) {
+            diffuse = 0;
+            specular = value_lobe / lobe;
+        }
+        if (specular < 0) {
+            specular = 0;
+            diffuse = std::max(value_matt / matt, 0.0);
+        }
+        return true;
+    }
+    double variance() const { return matt / determinant(); }  // of rho_s
+};
+
+struct Solved {
+    double specular = 0, variance = 0;
+    bool known = false;
+};
+
+// rho_s of channel c, and its variance.
+Solved solve_channel(const PixelSamples& s, const std::vector<WardTerms>& terms, int c, double model_error,
+                     double robust_scale) {
+    Channel result;
+    double chi2 = 0;
+    int used = 0;
+    for (int iteration = 0; iteration < kIterations; ++iteration) {
+        Channel sums;
+        chi2 = 0;
+        used = 0;
+        for (int i = 0; i < s.photos(); ++i) {
+            const auto photo = static_cast<std::size_t>(i), at = static_cast<std::size_t>(i * s.channels + c);
+            if (s.sigma[at] == 0) continue;
+            const double d = s.irradiance[at] * (terms[photo].matt + s.ambient[photo]);
+            const double l = s.irradiance[at] * terms[photo].lobe;
+            const double predicted = result.diffuse * d + result.specular * l;
+            if (iteration > 0 && s.sigma[at] < 0 && predicted >= s.value[at]) continue;
+            const double sigma =
+                std::hypot(s.sigma[at], model_error * std::max(result.diffuse * d, s.value[at]),
+                           (1 - s.visible[photo]) * result.diffuse * d);
+            const double r = (predicted - s.value[at]) / (sigma * robust_scale);
+            const double robust = iteration > 0 ? 1 / (1 + r * r) : 1;
+            sums.add(robust / (sigma * sigma), d, l, s.value[at]);
+            chi2 += robust * r * r * robust_scale * robust_scale;
+            ++used;
+        }
+        if (!sums.solve()) return {};
+        result = sums;
+    }
+    return {result.specular, result.variance() * std::max(chi2 / std::max(used - 2, 1), 1.0), true};
+}
+
+float square(float v) { return v * v; }
+
+// What a pixel looks like from all sides: matt and shiny light together.
+Rgb look_of(const Surface& s, const Image<LobeEvidence>& evidence, int x, int y) {
+    return s.diffuse(x, y) + s.specular(x, y) * evidence(x, y).colour;
+}
+
+}  // namespace
+
+LobeEvidence lobe_evidence(const PixelSamples& s, const WardEstimate& e, const WardFitOptions& options) {
+    if (s.channels != 3 || e.roughness > kWidest) return {};
+    const double theta[kWardCommon] = {e.slope.x, e.slope.y, std::log(e.roughness), e.specular};
+    std::vector<WardTerms> terms;
+    for (const glm::dvec3& light : s.light) terms.push_back(ward_terms(theta, light, s.view, options.law));
+    glm::dvec3 specular;
+    double variance = 0;
+    for (int c = 0; c < 3; ++c) {
+        const Solved solved = solve_channel(s, terms, c, options.model_error, options.robust_scale);
+        if (!solved.known) return {};
+        specular[c] = solved.specular;
+        variance += solved.variance / 3;
+    }
+    const double mean = (specular.r + specular.g + specular.b) / 3;
+    if (!(mean > 0)) return {};
+    return {Rgb(specular / mean), static_cast<float>(1 / (variance / (mean * mean) + kSpread * kSpread))};
+}
+
+Rgb lobe_colour_of(const LobeEvidence& evidence) {
+    constexpr auto prior = static_cast<float>(1 / (kWhiteSigma * kWhiteSigma));
+    const Rgb colour = (evidence.weight * evidence.colour + prior) / (evidence.weight + prior);
+    // The positive part of James and Stein's estimator: what is small is nothing, what is large is kept.
+    const Rgb off = colour - Rgb(1);
+    const float doubt2 = square(kClear) + 3 / (evidence.weight + prior);
+    const float kept = std::max(1 - doubt2 / std::max(glm::dot(off, off), 1e-12f), 0.0f);
+    if (!(kept > 0)) return Rgb(1);
+    const Rgb shrunk = glm::max(Rgb(1) + kept * off, Rgb(0));
+    return glm::max(shrunk / std::max({shrunk.r, shrunk.g, shrunk.b}), Rgb(kLeastColour));
+}
+
+Image<Rgb> lobe_colours(const Surface& s, const Image<LobeEvidence>& evidence) {
+    Image<Rgb> colours(s.width(), s.height(), Rgb(1));
+    parallel_for(0, s.height(), 4, [&](int begin, int end) {
+        for (int y = begin; y < end; ++y)
+            for (int x = 0; x < s.width(); ++x) {
+                if (!(s.confidence(x, y) > 0)) continue;
+                const Rgb look = look_of(s, evidence, x, y);
+                const float scale2 = square(kAlike * (look.r + look.g + look.b) / 3 + kAlikeFloor);
+                Rgb sum(0);
+                float weight = 0;
+                for (int v = std::max(y - kLobeReach, y % kStep);
+                     v <= std::min(y + kLobeReach, s.height() - 1); v += kStep)
+                    for (int u = std::max(x - kLobeReach, x % kStep);
+                         u <= std::min(x + kLobeReach, s.width() - 1); u += kStep) {
+                        const LobeEvidence& e = evidence(u, v);
+                        if (!(e.weight > 0)) continue;
+                        const Rgb off = look_of(s, evidence, u, v) - look;
+                        // What noise makes of looks is no difference of them.
+                        const float noise2 =
+                            square(s.specular(x, y)) / std::max(evidence(x, y).weight, 0.1f) +
+                            square(s.specular(u, v)) / e.weight;
+                        const float inverse2 = 1 / (3 * (scale2 + 4 * noise2));
+                        const float w = e.weight * square(std::max(1 - glm::dot(off, off) * inverse2, 0.0f));
+                        sum += w * e.colour;
+                        weight += w;
+                    }
+                if (weight > 0) colours(x, y) = lobe_colour_of({sum / weight, weight});
+            }
+    });
+    return colours;
+}
+
+void whiten(const Rgb& colour, PixelSamples& s) {
+    if (colour == Rgb(1)) return;
+    const Rgb crosstalk = crosstalk_of(colour);
+    for (std::size_t first = 0; first + 2 < s.value.size(); first += 3) {
+        const double most = std::max({s.value[first], s.value[first + 1], s.value[first + 2]});
+        for (int c = 0; c < 3; ++c) {
+            const std::size_t at = first + static_cast<std::size_t>(c);
+            s.irradiance[at] *= colour[c];
+            if (s.sigma[at] != 0)
+                s.sigma[at] = std::copysign(std::hypot(s.sigma[at], crosstalk[c] * most), s.sigma[at]);
+        }
+    }
+}
+
+WardEstimate coloured(WardEstimate e, const Rgb& colour) {
+    const glm::dvec3 c(colour);
+    e.diffuse *= c;
+    e.diffuse_error *= glm::length(c) / std::sqrt(3.0);
+    e.lobe_colour = c;
+    return e;
+}
+
+}  // namespace tangi
