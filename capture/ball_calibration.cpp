@@ -124,17 +124,19 @@ void calibrate_matt(BallCalibration& c, const PhotoSet& set, const GreyPhotos& p
     c.shadings = std::move(matt.photos);
     const BallView view = view_of(c.balls.front(), options.lens);
     tell_of_focal_length(c, {view}, verdict);
-    const double turned = turned_by_focal_length(view, c.camera, verdict);
+    const double turned_deg = 180 / std::numbers::pi * turned_by_focal_length(view, c.camera, verdict);
     for (std::size_t i = 0; i < c.lights.size(); ++i) {
         CalibratedLight& light = c.lights[i];
         if (c.shadings[i]) {
             light.balls_used = 1;
-            keep_direction(light, c.shadings[i]->direction, std::hypot(c.shadings[i]->sigma_rad, turned));
+            keep_direction(light, c.shadings[i]->direction, c.shadings[i]->sigma_rad);
+            light.direction_sigma_deg = std::hypot(light.direction_sigma_deg, turned_deg);
         } else {
             light.reason = "too little of the matt ball is lit";
         }
         if (!light.direction) c.warnings.push_back(fmt::format("{}: left out: {}", light.name, light.reason));
     }
+    add_parallax(c, view);
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <numbers>
+#include <utility>
 
 namespace tangi {
 
@@ -13,9 +14,11 @@ using glm::dvec2;
 namespace {
 
 constexpr double kDegrees = 180 / std::numbers::pi;
-constexpr double kTurned = 1;      // [deg] that the unknown focal length may turn before it is told
-constexpr double kTurnedPoor = 3;  // [deg] before it is poor
-constexpr double kCertain = 2.5;   // [standard errors] of a focal length that is used
+constexpr double kTurned = 1;           // [deg] that the unknown focal length may turn before it is told
+constexpr double kTurnedPoor = 3;       // [deg] before it is poor
+constexpr double kClearlyBetter = 0.8;  // [1] of the misfit of outlines
+constexpr double kFarLamps = 2;   // [1] diagonals of the picture, as far away as lamps are at least, about
+constexpr double kCertain = 2.5;  // [standard errors] of a focal length that is used
 constexpr double kFar35mm =
     0.05;  // [1] relative error of a lens's nominal focal length, which grows as it focuses
 
@@ -49,6 +52,26 @@ std::optional<double> focal_of(const FocalVerdict& verdict, const MeasuredLength
     if (verdict.uses(FocalSource::given)) return lengths.focal_px;
     const Known& inverse = verdict.inverse_focal;
     return inverse.value > kCertain * inverse.sigma ? std::optional(1 / inverse.value) : std::nullopt;
+}
+
+// [px] How far the edges lie from the outlines that the camera makes of balls, the worse the fewer there are.
+double misfit_px(const std::vector<FoundBall>& balls) {
+    double sum = 0;
+    for (const FoundBall& ball : balls)
+        if (ball.outline_coverage > 0) sum += ball.outline_residual_px / ball.outline_coverage;
+    return sum;
+}
+
+// A wrong lens makes outlines that edges are sought along in vain: where a camera far away fits them clearly
+// better, evidence starts from there.
+void measure_without_bias(BallCalibration& c) {
+    if (!c.camera.focal_px) return;
+    const std::vector<FoundBall> as_given = c.balls;
+    const std::optional<double> focal_px = std::exchange(c.camera.focal_px, std::nullopt);
+    for (FoundBall& ball : c.balls) measure_again(ball, c.camera);
+    if (misfit_px(c.balls) < kClearlyBetter * misfit_px(as_given)) return;
+    c.balls = as_given;
+    c.camera.focal_px = focal_px;
 }
 
 }  // namespace
@@ -121,6 +144,7 @@ MeasuredLengths lengths_of(const BallCalibrationOptions& options, int width, int
 
 FocalVerdict find_focal_length(BallCalibration& c, const BallCalibrationOptions& options) {
     const MeasuredLengths lengths = lengths_of(options, c.width, c.height);
+    measure_without_bias(c);
     FocalVerdict verdict = verdict_of(c, options, lengths);
     // Outlines depend on it a little, and what they and the highlights say then does.
     for (int turn = 0; turn < 3; ++turn) {
@@ -140,8 +164,8 @@ FocalVerdict find_focal_length(BallCalibration& c, const BallCalibrationOptions&
 double inverse_focal_sigma(const FocalVerdict& verdict, const BallCamera& camera) {
     const double here = camera.focal_px ? 1 / *camera.focal_px : 0;
     double farthest = 0;
-    for (const FocalEvidence& e : verdict.possible())
-        farthest = std::max(farthest, std::abs(e.inverse_focal.value - here));
+    for (const Known& other : verdict.alternatives())
+        farthest = std::max(farthest, std::abs(other.value - here));
     return std::hypot(verdict.inverse_focal.sigma, verdict.doubt() * farthest);
 }
 
@@ -170,6 +194,21 @@ void tell_of_focal_length(BallCalibration& c, const std::vector<BallView>& views
                                "lens may turn directions by "
                                "{:.1f} degrees where the ball lies: give --focal-px or --focal-35mm",
                                turned));
+}
+
+void add_parallax(BallCalibration& c, const BallView& ball) {
+    const double sigma_deg =
+        kDegrees * glm::length(ball.image.centre_px - c.origin_px) / (kFarLamps * diagonal_of(c));
+    for (CalibratedLight& light : c.lights)
+        if (light.direction) light.direction_sigma_deg = std::hypot(light.direction_sigma_deg, sigma_deg);
+    if (sigma_deg < kTurned) return;
+    (sigma_deg > kTurnedPoor ? c.poor : c.warnings)
+        .push_back(fmt::format("one ball tells directions as seen from where it lies, {:.0f} pixels from the "
+                               "painting's middle; seen from "
+                               "there, lamps two picture diagonals away are turned by {:.1f} degrees, nearer "
+                               "ones by more: a second ball "
+                               "would tell how near they are",
+                               glm::length(ball.image.centre_px - c.origin_px), sigma_deg));
 }
 
 }  // namespace tangi

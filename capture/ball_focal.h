@@ -38,4 +38,8 @@ double turned_by_focal_length(const BallView& ball, const BallCamera& camera, co
 void tell_of_focal_length(BallCalibration& c, const std::vector<BallView>& views,
                           const FocalVerdict& verdict);
 
+// One ball does not see lamps from where the painting is, and cannot tell how far away they are: part of the
+// errors.
+void add_parallax(BallCalibration& c, const BallView& ball);
+
 }  // namespace tangi

@@ -17,7 +17,8 @@ using glm::dvec3;
 
 namespace {
 
-constexpr float kAbsent = 0.2f;          // of the median photograph's highlight
+constexpr float kAbsent = 0.2f;     // of the median photograph's highlight
+constexpr float kFaintest = 0.05f;  // of the brightest one, where a ball shows the lamp in few photographs
 constexpr double kLargestRadius = 0.25;  // [1] of a highlight / radius of the ball
 constexpr double kRival = 0.15;  // a clipped spot of so much of the largest one's weight may be the lamp, too
 constexpr double kBrighter = 1.5;  // by which the lamp must be brighter than its rivals
@@ -251,7 +252,8 @@ std::vector<Highlight> find_highlights(const BallCrops& crops, const BallImage& 
     std::vector<float> sorted = peaks;
     const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
     std::nth_element(sorted.begin(), middle, sorted.end());
-    const float least = std::max(kAbsent * *middle, 8 * crops.step);
+    const float brightest = *std::max_element(peaks.begin(), peaks.end());
+    const float least = std::max({kAbsent * *middle, kFaintest * brightest, 8 * crops.step});
     std::vector<Highlight> highlights;
     for (std::size_t i = 0; i < photos.size(); ++i)
         highlights.push_back(measured(photos[i], crops, i, ball, least));

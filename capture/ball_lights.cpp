@@ -51,9 +51,12 @@ void directions_from_balls(BallCalibration& c, const std::vector<BallView>& view
             ++light.balls_used;
         }
         light.reason = reasons;
-        if (light.balls_used > 0)
-            keep_direction(light, sum,
-                           std::hypot(std::sqrt(1 / weights), glm::length(offset) / weights * inverse_sigma));
+        if (light.balls_used > 0) {
+            keep_direction(light, sum, std::sqrt(1 / weights));
+            // All lights alike, and so no reason to leave out one.
+            light.direction_sigma_deg = std::hypot(light.direction_sigma_deg,
+                                                   kDegrees * glm::length(offset) / weights * inverse_sigma);
+        }
         if (!light.direction)
             c.warnings.push_back(fmt::format("{}: left out: {}", light.name, light.reason));
         else if (!reasons.empty())
@@ -141,11 +144,10 @@ std::vector<std::vector<std::optional<dvec3>>> alternatives(const BallCalibratio
                                                             const Known& radius_px) {
     std::vector<std::vector<std::optional<dvec3>>> ways;
     const std::optional<Known> depth = lengths.depth();
-    for (const FocalEvidence& evidence : verdict.possible()) {
+    for (const Known& inverse_focal : verdict.alternatives()) {
         PositionInput other = input;
         other.depth_mm.reset();
-        other.inverse_focal = evidence.inverse_focal;
-        if (evidence.source != FocalSource::highlights) other.inverse_focal->sigma *= 0.01;
+        other.inverse_focal = Known{inverse_focal.value, 0.1 * inverse_focal.sigma};
         const PositionResult result = lamp_positions(other);
         const auto add = [&](double height_mm, double scale) {
             if (std::abs(height_mm) > kHighest * input.ball_radius_mm) return;  // balls do not float
@@ -156,6 +158,7 @@ std::vector<std::vector<std::optional<dvec3>>> alternatives(const BallCalibratio
         };
         const double height = lengths.height().value;
         add(height, 1);
+        if (!verdict.doubts_lengths()) continue;
         if (const auto told = height_by_distance(lengths, result, radius_px)) add(told->value, 1);
         const double inverse = result.inverse_distance_mm();
         if (depth && inverse > 1e-9) add(height, depth->value * inverse);  // balls of another radius
@@ -248,7 +251,7 @@ void positions_from_balls(BallCalibration& c, const BallCalibrationOptions& opti
     if (options.ball_radius_mm) {
         for (const dvec3& centre : result.ball_centres_mm)
             c.ball_centres_mm.push_back(frame.to_surface(centre));
-        if (c.camera.focal_px)
+        if (c.camera.focal_px && result.inverse_distance_mm() > 1e-9)
             c.camera_position_mm =
                 dvec3(dvec2(frame.offset), 1 / result.inverse_distance_mm() + height.value);
         c.mm_per_pixel = frame.mm_per_pixel;
@@ -298,7 +301,10 @@ void lights_from_balls(BallCalibration& c, const BallCalibrationOptions& options
     const std::vector<BallView> views = views_of(c, options);
     directions_from_balls(c, views, verdict);
     tell_of_focal_length(c, views, verdict);
-    if (views.size() < 2) return;
+    if (views.size() < 2) {
+        add_parallax(c, views.front());
+        return;
+    }
     compare_radii(c, views);
     positions_from_balls(c, options, views, verdict);
 }

@@ -27,7 +27,7 @@ constexpr double kFaintest = 0.25;   // [1] of the strong edges; fainter ones ar
 constexpr double kLeastCoverage = 0.2;
 constexpr double kCentreSystematic = 0.1, kRadiusSystematic = 0.4;  // [pixels] of a limb that fades
 constexpr double kShapeSystematic =
-    0.15;  // [pixels] half the length's error against the width, for the same reason
+    0.25;  // [pixels] half the length's error against the width, for the same reason
 
 struct Edge {
     dvec2 place;

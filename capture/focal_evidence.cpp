@@ -120,17 +120,18 @@ std::optional<FocalEvidence> evidence_of_outline(const Known& elongation, double
 
 Known any_lens(double diagonal_px) { return {0, kShortLens / diagonal_px}; }
 
-std::vector<FocalEvidence> FocalVerdict::possible() const {
-    std::vector<FocalEvidence> all = agree;
-    all.insert(all.end(), disagree.begin(), disagree.end());
-    std::vector<FocalEvidence> left;
-    for (const FocalEvidence& e : all) {
+std::vector<Known> FocalVerdict::alternatives() const {
+    std::vector<Known> all = {inverse_focal};
+    if (disagree.empty())
+        for (const FocalEvidence& e : agree)
+            if (!is_measured(e)) all.push_back(e.inverse_focal);
+    for (const FocalEvidence& e : disagree) {
         int against = 0;
-        for (const FocalEvidence& other : all)
+        for (const FocalEvidence& other : agree)
             if (apart(e, other) > kContradict) against += is_measured(other) ? 2 : 1;
-        if (against < 2 || uses(e.source)) left.push_back(e);
+        if (against < 2) all.push_back(e.inverse_focal);
     }
-    return left;
+    return all;
 }
 
 bool FocalVerdict::uses(FocalSource source) const {

@@ -52,8 +52,13 @@ struct FocalVerdict {
     double disagreement = 0;                     // [standard errors] the largest between two of all
 
     bool uses(FocalSource source) const;
-    // What may be right: not what two others contradict, or what was measured in the photographs does.
-    std::vector<FocalEvidence> possible() const;
+    // [1/px] What else may be right: not what two others contradict, or what was measured in the photographs
+    // does.
+    std::vector<Known> alternatives() const;
+    // Whether camera distance, ball height and radius contradict the rest, be it a little.
+    bool doubts_lengths() const {
+        return disagree.empty() ? uses(FocalSource::lengths) : !uses(FocalSource::lengths);
+    }
     // 0 where all agree, 1 where they contradict each other: how much the differences between what the
     // evidence says count as errors.
     double doubt() const;

@@ -184,7 +184,11 @@ MattBall find_matt_ball(const PhotoSet& set, const GreyPhotos& photos, const Cam
     if (transfer) curves = {*transfer};
     double best_score = -1;
     for (std::size_t i = 0; i < circles.size(); ++i) {
-        FoundBall ball{.image = images[i], .name = {}, .given = !given.empty(), .crops = std::move(crops[i])};
+        FoundBall ball{.image = images[i],
+                       .circle = images[i],
+                       .name = {},
+                       .given = !given.empty(),
+                       .crops = std::move(crops[i])};
         if (const auto outline =
                 circles[i].score > 0 ? refine_outline(ball.crops, images[i], camera) : std::nullopt) {
             ball.image = outline->ball;

@@ -22,7 +22,7 @@ constexpr double kLeastFoundTwin = 0.1;    // likewise, of one that shows the sa
 constexpr double kMostBelow = 0.1;  // [1] of the highlights that may come from lamps behind the painting
 constexpr double kClearer =
     1.5;  // by which another circle's edges must be clearer than those of what is given
-constexpr double kSameLamp = 0.35;  // [rad] between what two balls say of a near lamp
+constexpr double kSameLamp = 0.6;  // [rad] between what two balls say of a near lamp
 
 Region within(double x0, double y0, double x1, double y1, const EdgeField& field) {
     const auto bound = [](double v, int end) { return std::clamp(static_cast<int>(std::lround(v)), 0, end); };
@@ -124,10 +124,16 @@ std::vector<Candidate> sought_where_given(const GreyPhotos& photos, const EdgeFi
 // show.
 FoundBall measured(const Candidate& candidate, BallCrops crops, const BallCamera& camera,
                    std::vector<std::string>& warnings) {
-    FoundBall ball{
-        .image = candidate.image, .name = {}, .given = candidate.given != nullptr, .crops = std::move(crops)};
-    const auto outline =
+    FoundBall ball{.image = candidate.image,
+                   .circle = candidate.image,
+                   .name = {},
+                   .given = candidate.given != nullptr,
+                   .crops = std::move(crops)};
+    auto outline =
         candidate.outline_seen ? refine_outline(ball.crops, candidate.image, camera) : std::nullopt;
+    // The lens that is given may be wrong.
+    if (candidate.outline_seen && !outline && camera.focal_px)
+        outline = refine_outline(ball.crops, candidate.image, {{}, camera.principal_px});
     if (outline) {
         ball.image = outline->ball;
         ball.outline_coverage = outline->coverage;
@@ -268,7 +274,7 @@ void require_in_picture(const GivenBall& given, int width, int height) {
 
 void measure_again(FoundBall& ball, const BallCamera& camera) {
     if (ball.outline_coverage > 0)
-        if (const auto outline = refine_outline(ball.crops, ball.image, camera)) {
+        if (const auto outline = refine_outline(ball.crops, ball.circle, camera)) {
             ball.image = outline->ball;
             ball.elongation = outline->elongation;
             ball.outline_coverage = outline->coverage;
@@ -288,6 +294,7 @@ std::optional<Circle> circle_near(const EdgeField& field, const GreyPhotos& phot
                             centre.x + loose * radius + 2, centre.y + loose * radius + 2, field);
     const std::vector<Circle> circles = find_circles(field, search);
     const bool near = !circles.empty() && circles.front().score >= kGivenOutline;
+    if (near && kClearer * circles.front().score >= 1) return in_full(circles.front(), photos);
     CircleSearch wide = search;
     wide.smallest_px = std::max(4.0, 0.3 * radius);
     wide.largest_px = std::min(3 * radius, 0.6 * std::min(field.width(), field.height()));

@@ -24,7 +24,8 @@ struct GivenBall {
 
 struct FoundBall {
     BallImage image;
-    std::string name;  // "ball 1 at (629, 64)", for messages
+    BallImage circle{};  // from which its outline was sought
+    std::string name;    // "ball 1 at (629, 64)", for messages
     bool given = false;
     double outline_coverage = 0;  // [1] part of the outline that was measured; 0: taken as given
     double outline_residual_px = 0;

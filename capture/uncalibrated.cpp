@@ -171,8 +171,9 @@ std::vector<Solution> parts_solved(const RelativeShading& s) {
 glm::dvec3 direction_of(const Eigen::RowVector2d& t) { return glm::normalize(glm::dvec3(t(0), t(1), 1)); }
 
 // [deg] Of each lamp: how much quarters of the picture differ, all that gloss makes of it, since that is told
-// by the levels alone, what its own strength may have turned it by, and the azimuth where nothing tells it.
-// What is wrong in all of it alike is not seen.
+// by the levels alone, what its own strength may have turned it by, the azimuth where nothing tells it, and
+// what the shading that two factors do not explain would make of the elevations if it went along with them.
+// What is wrong in all of it alike is not seen otherwise.
 std::vector<double> errors_deg(const Solution& all, const Solution& matt, const std::vector<Solution>& parts,
                                double strength_scatter) {
     const auto square_deg = [&](const Solution& other, Index j) {
@@ -190,9 +191,13 @@ std::vector<double> errors_deg(const Solution& all, const Solution& matt, const 
         for (const Solution& part : parts) spread += square_deg(part, j);
         const double strength_deg =
             strength_scatter * l.z / std::max(across, 0.2) / std::sqrt(photos / 4) * 180 / std::numbers::pi;
+        const double explained = std::max(all.factors.explained, 0.1);
+        const double unexplained_deg =
+            std::sqrt((1 - explained) / explained) * across * l.z * 180 / std::numbers::pi;
         const double azimuth_deg = tells_azimuths(all.curl, all.falloff) ? 0 : kAnyAzimuth_deg * across;
         sigmas.push_back(std::sqrt(spread / (count * (count - 1)) + square_deg(matt, j) +
-                                   strength_deg * strength_deg + azimuth_deg * azimuth_deg));
+                                   strength_deg * strength_deg + azimuth_deg * azimuth_deg +
+                                   unexplained_deg * unexplained_deg));
     }
     return sigmas;
 }

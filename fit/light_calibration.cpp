@@ -32,6 +32,10 @@ constexpr double kGainsWorth_db = 0.75;
 // Fewer photographs don't tell a lamp's direction from what the model leaves out: of 16 lamps whose
 // directions were right, some were "corrected" by 5 degrees.
 constexpr std::size_t kFewestForDirections = 24;
+// [rad] By which a lamp's direction, or the painting as a whole, may be tilted where directions are taken as
+// listed, and which relief that no pixel resolves amounts to. Light that falls at an elevation e changes by
+// so much times cot e.
+constexpr double kTilt = 0.01;
 constexpr double kFar = 0.01;  // [1/width] nearness from which on a distance says something
 
 double mean(const std::vector<double>& values) {
@@ -228,6 +232,10 @@ void add_errors(const JointLights& solution, LightCalibration& c) {
     for (std::size_t i = 0; i < errors.direction_deg.size(); ++i)
         c.turns[i].sigma_deg = errors.direction_deg[i];
     c.gain_sigma = errors.log_gains;
+    for (std::size_t i = 0; i < c.gain_sigma.size(); ++i) {
+        const Vec3& l = c.lighting.lights[i].direction;
+        c.gain_sigma[i] = std::hypot(c.gain_sigma[i], kTilt * std::hypot(l.x, l.y) / std::max(l.z, 0.05f));
+    }
     if (!errors.rig) return;
     const auto relative = [](double sigma, double nearness) {
         return nearness > kFar ? sigma / nearness : 0;

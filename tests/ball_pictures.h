@@ -101,11 +101,41 @@ inline double degrees_between(const glm::dvec3& a, const glm::dvec3& b) {
     return std::atan2(glm::length(glm::cross(a, b)), glm::dot(a, b)) * 180 / std::numbers::pi;
 }
 
+// Two balls of 15 mm radius under near lamps, 600 mm below a camera of 1000 pixels focal length.
+struct NearScene {
+    BallScene scene;
+    std::vector<glm::dvec3> lamps_mm,
+        in_radii;  // surface frame; camera frame in the unit of a ball's radius in pixels
+
+    NearScene() {
+        scene.width = 420;
+        scene.height = 260;
+        scene.camera = {1000.0, {209.5, 129.5}};
+        const double radius_px = 1000 * 15 / 585.0;
+        scene.balls = {{{70.4, 60.2}, radius_px, 0, 0}, {{350.7, 200.9}, radius_px, 0, 0}};
+        for (const glm::dvec3& direction : lights_around(8, 50)) {
+            lamps_mm.push_back(450.0 * direction);
+            in_radii.push_back((lamps_mm.back() - glm::dvec3(0, 0, 600)) * (radius_px / 15));
+        }
+    }
+};
+
 // A bright disc, painted over what is there.
 inline void paint_spot(Image<float>& picture, double x, double y, double radius, float value = 1) {
     for (int py = 0; py < picture.height(); ++py)
         for (int px = 0; px < picture.width(); ++px)
             if (std::hypot(px - x, py - y) < radius) picture(px, py) = value;
+}
+
+// A gentle relief all over the picture, as a lamp in this direction shades it.
+inline void paint_relief(Image<float>& picture, const glm::dvec3& light) {
+    for (int y = 0; y < picture.height(); ++y)
+        for (int x = 0; x < picture.width(); ++x) {
+            const glm::dvec2 slope =
+                0.25 * glm::dvec2(std::sin(0.31 * x + 0.11 * y), std::cos(0.23 * y - 0.07 * x));
+            picture(x, y) *= static_cast<float>(
+                std::max(0.1, 1 + glm::dot(slope, glm::dvec2(light)) / std::max(light.z, 0.2)));
+        }
 }
 
 }  // namespace tangi

@@ -75,25 +75,6 @@ TEST(MirrorBall, IsFollowedWhereTheCameraMoves) {
     EXPECT_GT(mean_error_deg(taken_for_fixed, lights), 2 * mean_error_deg(moved, lights));
 }
 
-// Two balls of 12 mm under near lamps, 600 mm below a camera of 1000 pixels focal length.
-struct NearScene {
-    BallScene scene;
-    std::vector<dvec3> lamps_mm,
-        in_radii;  // surface frame; camera frame in the unit of a ball's radius in pixels
-
-    NearScene() {
-        scene.width = 420;
-        scene.height = 260;
-        scene.camera = {1000.0, {209.5, 129.5}};
-        const double radius_px = 1000 * 15 / 585.0;
-        scene.balls = {{{70.4, 60.2}, radius_px, 0, 0}, {{350.7, 200.9}, radius_px, 0, 0}};
-        for (const dvec3& direction : lights_around(8, 50)) {
-            lamps_mm.push_back(450.0 * direction);
-            in_radii.push_back((lamps_mm.back() - dvec3(0, 0, 600)) * (radius_px / 15));
-        }
-    }
-};
-
 TEST(MirrorBalls, TellPositionsInPerspective) {
     const TestDir dir;
     const NearScene near;

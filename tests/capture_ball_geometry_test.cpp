@@ -151,6 +151,14 @@ TEST(LightPosition, IsRecoveredWithHonestErrors) {
     EXPECT_GT(std::sqrt(squares / count), 0.5);
     EXPECT_LT(std::sqrt(squares / count), 1.6);
     EXPECT_NEAR(result.residual_sigma, 1, 0.4);
+    // Nor need the focal length be known: rays turned by a wrong one do not meet.
+    input.camera.focal_px.reset();
+    input.inverse_focal = Known{0, 1e-3};
+    const PositionResult unknown = lamp_positions(input);
+    EXPECT_TRUE(unknown.converged);
+    EXPECT_LT(unknown.inverse_focal.sigma, 0.1 / 1400);
+    EXPECT_NEAR(unknown.inverse_focal.value, 1 / 1400.0, 3 * unknown.inverse_focal.sigma);
+    EXPECT_GT(unknown.lamps[0]->covariance_mm2[2][2], result.lamps[0]->covariance_mm2[2][2]);
 }
 
 }  // namespace

@@ -83,6 +83,22 @@ TEST(LightCalibration, FindsStrengthAndDistanceOfNearLampsThatDifferSevenfold) {
     }
 }
 
+// Few pixels, few lamps, and a third of them so low that a degree of tilt is 6 % of their light: what is
+// stated says so.
+TEST(LightCalibration, StatesErrorsOfStrengthThatHoldTheTruthForATinyPicture) {
+    const Scene scene({.lights = 24, .distance = 1.5, .gain_min = 0.3, .gain_max = 2}, 96);
+    const LightCalibration found = scene.calibrated();
+    ASSERT_EQ(found.model.lamps, LightFreedom::rig_and_gains);
+    const GainErrors errors = gain_errors(found, scene.truth);
+    std::cout << fmt::format(
+        "[  FIGURE  ] gains of a tiny picture off by {:.1f} % on average, {:.1f} % at most, {:.2f} of the "
+        "stated errors\n",
+        100 * errors.mean, 100 * errors.worst, errors.rms_in_sigmas);
+    EXPECT_LE(errors.mean, 0.03);
+    EXPECT_LE(errors.rms_in_sigmas, 1.6);
+    EXPECT_GE(errors.rms_in_sigmas, 0.3);
+}
+
 TEST(LightCalibration, FindsAmbientLight) {
     // The generator's interreflection grows with the light's elevation; its ambient light does not.
     const Scene scene({.lights = 40, .reflectance = Reflectance::ward_bounded, .ambient = 0.1});
