@@ -11,6 +11,7 @@
 #include <mutex>
 
 #include "cli/command.h"
+#include "surface/json_text.h"
 
 namespace tangi {
 
@@ -140,6 +141,8 @@ Progress console_progress() {
 
 bool interrupted() { return stop_wanted; }
 
-void warn(const std::string& text) { console().say("warning: " + printable(text)); }
+void warn(const std::string& text) {
+    console().say("warning: " + printable(shortened(text, kLongestMessage)));
+}
 
 }  // namespace tangi

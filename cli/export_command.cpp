@@ -8,6 +8,7 @@
 #include "paint/canvas_file.h"
 #include "paint/layer_pictures.h"
 #include "paint/ora_file.h"
+#include "surface/atomic_folder.h"
 #include "surface/error.h"
 #include "surface/picture_file.h"
 #include "surface/png_bytes.h"
@@ -25,6 +26,7 @@ struct ExportArguments {
     bool lrgb = false;
     WebWords words;
     WebOptions web;
+    std::function<std::vector<std::string>()> typed;  // flags of the command
 };
 
 RtiBasis basis_of(const ExportArguments& a) {
@@ -36,7 +38,6 @@ RtiBasis basis_of(const ExportArguments& a) {
 
 nlohmann::json export_rti(const ExportArguments& a, const Surface& surface, const Progress& progress) {
     const RtiBasis basis = basis_of(a);
-    if (a.lrgb && a.to != "ptm") throw UsageError("--lrgb: is a way to write .ptm files only");
     if (lower_extension(a.out) != "." + a.to) fail("--out {}: --to {} writes a .{} file", a.out, a.to, a.to);
     std::vector<fs::path> inputs = {a.painting};
     std::optional<Stack> stack;
@@ -67,47 +68,60 @@ nlohmann::json export_rti(const ExportArguments& a, const Surface& surface, cons
 }
 
 std::string file_name_of(const std::string& layer) {
+    constexpr std::size_t most_bytes = 100;  // file systems take 255
     std::string name = layer;
     for (char& c : name)
         if (c == '/' || static_cast<unsigned char>(c) < ' ') c = '_';
+    std::size_t end = std::min(name.size(), most_bytes);
+    while (end < name.size() && (static_cast<unsigned char>(name[end]) & 0xc0) == 0x80) --end;
+    name.resize(end);
     return name;
 }
 
-// A folder with the dry surface's maps, each layer of paint, and the maps of it all.
-nlohmann::json export_layers(const ExportArguments& a, const Canvas& canvas, const Progress& progress) {
-    require_writable_folder(a.out);
-    nlohmann::json files = nlohmann::json::array();
-    const fs::path out = a.out;
-    const auto add = [&](const fs::path& path) { files.push_back(path.string()); };
-    for (const fs::path& path : write_maps(out / "dry", canvas.dry(), progress)) add(path);
+// Each layer of paint: a folder with its colour, its thickness and the volume of each paint.
+void write_layers(const fs::path& out, const Canvas& canvas, const Progress& progress) {
     const std::vector<LayerPicture> layers = layer_pictures(canvas, {}, progress);
+    const auto folder_of = [&](std::size_t number) {
+        return out / fmt::format("{}-{}", number, file_name_of(layers[number].name));
+    };
     for (std::size_t i = 1; i < layers.size(); ++i) {
-        const fs::path folder = out / fmt::format("{}-{}", i, file_name_of(layers[i].name));
-        make_folder(folder);
-        AtomicFile colour(folder / "colour.png");
+        make_folder(folder_of(i));
+        AtomicFile colour(folder_of(i) / "colour.png");
         colour.write(png_bytes(layers[i].srgb, layers[i].alpha, 16));
         colour.commit();
-        add(colour.target());
-        write_map(folder / "thickness_mm.exr", layers[i].thickness_mm);
-        add(folder / "thickness_mm.exr");
+        write_map(folder_of(i) / "thickness_mm.exr", layers[i].thickness_mm);
     }
-    const auto put_volumes = [&](const fs::path& folder, const PaintLayer& paint) {
+    const auto put_volumes = [&](std::size_t number, const PaintLayer& paint) {
         for (std::size_t id = 0; id < canvas.ingredients().size(); ++id) {
             const Image<float> mm = thickness_mm_of(paint, static_cast<IngredientId>(id));
             if (std::ranges::all_of(mm.pixels(), [](float v) { return v == 0; })) continue;
-            const fs::path path =
-                folder / fmt::format("{:05}-{}_mm.exr", id, file_name_of(canvas.ingredients()[id].name));
-            write_map(path, mm);
-            add(path);
+            write_map(folder_of(number) /
+                          fmt::format("{:05}-{}_mm.exr", id, file_name_of(canvas.ingredients()[id].name)),
+                      mm);
         }
     };
     std::size_t number = 0;
     for (const DriedLayer& dried : canvas.dried())
-        if (!dried.paint.empty())
-            put_volumes(out / fmt::format("{}-{}", ++number, file_name_of(dried.name)), dried.paint);
-    if (!canvas.wet().empty()) put_volumes(out / fmt::format("{}-wet", ++number), canvas.wet());
-    for (const fs::path& path : write_maps(out / "painted", appearance(canvas, {}, progress), progress))
-        add(path);
+        if (!dried.paint.empty()) put_volumes(++number, dried.paint);
+    if (!canvas.wet().empty()) put_volumes(++number, canvas.wet());
+}
+
+// A folder with the dry surface's maps, each layer of paint, and the maps of it all.
+nlohmann::json export_layers(const ExportArguments& a, const Canvas& canvas, const Progress& progress) {
+    AtomicFolder folder(a.out, "layers.json");
+    try {
+        write_maps(folder.temporary() / "dry", canvas.dry(), progress);
+        write_layers(folder.temporary(), canvas, progress);
+        write_maps(folder.temporary() / "painted", appearance(canvas, {}, progress), progress);
+    } catch (const Error& error) {  // of a file that has another place in the end
+        std::string words = error.what();
+        const std::string hidden = folder.temporary().string();
+        if (const auto at = words.find(hidden); at != std::string::npos)
+            words.replace(at, hidden.size(), a.out);
+        throw Error(words);
+    }
+    nlohmann::json files = nlohmann::json::array();
+    for (const std::string& file : folder.commit()) files.push_back((fs::path(a.out) / file).string());
     return {{"files", files}};
 }
 
@@ -115,7 +129,7 @@ nlohmann::json export_ora(const ExportArguments& a, const Canvas& canvas, const 
     if (lower_extension(a.out) != ".ora") fail("--out {}: --to ora writes an .ora file", a.out);
     refuse_to_overwrite(a.out, {a.painting});
     AtomicFile file(a.out);
-    write_ora(file, canvas, progress);
+    write_ora(file, canvas, progress, parts_beside_paint(a.painting, progress));
     return {{"files", {a.out}}};
 }
 
@@ -135,13 +149,32 @@ nlohmann::json export_web(const ExportArguments& a, const Surface& surface, cons
             {"first_picture_bytes", report.first_bytes}};
 }
 
+// Flags that this format has no use for.
+void refuse_useless(const ExportArguments& a) {
+    const auto refuse = [&](bool useless, std::initializer_list<std::string_view> flags, const char* reason) {
+        if (useless) refuse_typed(a.typed(), flags, fmt::format("{}; --to {} is none", reason, a.to));
+    };
+    const bool ptm = a.to == "ptm", rti = a.to == "rti";
+    refuse(!ptm && !rti, {"--photos", "--lights", "--directions"}, "is of the RTI files ptm and rti");
+    refuse(!rti, {"--terms"}, "is of an rti file");
+    refuse(!ptm, {"--lrgb"}, "is a way to write ptm files");
+    refuse(a.to != "web",
+           {"--title", "--credit", "--shadow-side", "--light-azimuth-deg", "--light-elevation-deg",
+            "--largest-page-mb"},
+           "is of a web page");
+    if (a.photos.empty())
+        refuse_typed(a.typed(), {"--lights"}, "is of photographs: give their folder with --photos");
+    else
+        refuse_typed(a.typed(), {"--directions"},
+                     "is of a painting that is relit, and with --photos the photographs are fitted");
+    if (lower_extension(a.out) != ".html")
+        refuse_typed(a.typed(), {"--largest-page-mb"}, "is of a page of one file: --out PAGE.html");
+}
+
 nlohmann::json run_export(const ExportArguments& a) {
     const Progress progress = console_progress();
     const bool rti = a.to == "ptm" || a.to == "rti";
-    if (!rti && !a.photos.empty())
-        throw UsageError(fmt::format("--photos: only ptm and rti are made of photographs, {} is not", a.to));
-    if (a.to != "web" && !(a.words.title.empty() && a.words.credit.empty()))
-        throw UsageError(fmt::format("--title, --credit: only a web page says them, {} does not", a.to));
+    refuse_useless(a);
     if (a.to == "ora") return export_ora(a, read_canvas(a.painting, progress), progress);
     if (a.to == "layers") return export_layers(a, read_canvas(a.painting, progress), progress);
     const Surface surface = read_painted(a.painting, progress);
@@ -191,6 +224,7 @@ Command export_command() {
             flags.option("--credit", a->words.credit,
                          "web: artist, year, owner, licence: a line below the name");
             flags.fields(a->web);
+            a->typed = flags.typed();
             return [a] { return run_export(*a); };
         }};
 }

@@ -18,13 +18,31 @@ namespace {
 struct ImportArguments {
     std::string folder, out, diffuse, specular, normals, gloss, roughness, height, lobe;
     ImportOptions options;
+    std::function<std::vector<std::string>()> typed;  // flags of the command
 };
+
+// Flags that say how a map is to be read which is not there, or is not read that way.
+void refuse_useless(const ImportArguments& a, const MapFiles& files) {
+    const auto refuse = [&](bool useless, std::initializer_list<std::string_view> flags, const char* reason) {
+        if (useless) refuse_typed(a.typed(), flags, reason);
+    };
+    if (!(a.options.alpha_min < a.options.alpha_max))
+        throw UsageError(fmt::format("--alpha-min {}: is not less than --alpha-max {}", a.options.alpha_min,
+                                     a.options.alpha_max));
+    refuse(files.gloss && files.roughness, {"--gloss"},
+           "says what --roughness says too; leave out one of them");
+    refuse(!files.gloss || files.roughness, {"--alpha-min", "--alpha-max"},
+           "is of a gloss map, and none is used");
+    refuse(!files.normals, {"--normals-y-down"}, "is of a normal map, and there is none");
+    refuse(!files.diffuse, {"--diffuse-srgb"}, "is of a diffuse map, and there is none");
+    refuse(!files.height || lower_extension(*files.height) == ".exr", {"--height-range-mm"},
+           "is of a height map of whole numbers, and there is none; an EXR file is in mm");
+}
 
 nlohmann::json run_import(const ImportArguments& a) {
     const Progress progress = console_progress();
     if (lower_extension(a.out) != ".exr") fail("--out {}: a painting is an .exr file", a.out);
     MapFiles files;
-    if (!a.folder.empty()) files = find_maps(a.folder);
     const std::array<std::tuple<const char*, const std::string*, std::optional<fs::path>*>, 7> given = {
         {{"diffuse", &a.diffuse, &files.diffuse},
          {"specular", &a.specular, &files.specular},
@@ -33,18 +51,25 @@ nlohmann::json run_import(const ImportArguments& a) {
          {"roughness", &a.roughness, &files.roughness},
          {"height", &a.height, &files.height},
          {"lobe", &a.lobe, &files.lobe}}};
+    for (const auto& [name, text, file] : given)
+        if (!text->empty()) *file = *text;
+    // A map that is named comes before those that are found.
+    if (!a.folder.empty()) files = find_maps(a.folder, files);
+    if (!a.gloss.empty() && a.roughness.empty()) files.roughness.reset();
     nlohmann::json maps = nlohmann::json::object();
     for (const auto& [name, text, file] : given) {
-        if (!text->empty()) *file = *text;
         if (!*file) continue;
         if (!fs::is_regular_file(**file)) fail("{}: no such file", (*file)->string());
         refuse_to_overwrite(a.out, {**file});
         maps[name] = (*file)->string();
     }
+    refuse_useless(a, files);
+    ImportOptions wanted = a.options;
+    if (!wanted.mm_per_pixel && !a.folder.empty()) wanted.mm_per_pixel = scale_beside(a.folder);
     AtomicFile out(a.out);
     ImportReport report;
-    Surface surface = import_maps(files, a.options, report, progress);
-    nlohmann::json options = to_json(a.options);
+    Surface surface = import_maps(files, wanted, report, progress);
+    nlohmann::json options = to_json(wanted);
     surface.provenance = nlohmann::json{
         {"program", "tangipaint " TP_VERSION},
         {"command", "import"},
@@ -94,6 +119,7 @@ Command import_command() {
             flags.option("--lobe", a->lobe,
                          "colours of lobes, that specular is multiplied by; white without");
             flags.fields(a->options);
+            a->typed = flags.typed();
             return [a] { return run_import(*a); };
         }};
 }

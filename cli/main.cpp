@@ -16,6 +16,7 @@
 
 #include "cli/command.h"
 #include "surface/error.h"
+#include "surface/json_text.h"
 #include "surface/parallel.h"
 
 namespace {
@@ -62,9 +63,10 @@ int run(const std::string& name, const std::function<nlohmann::json()>& body) {
     } catch (const Cancelled& stop) {
         return ended(kInterrupted, "\n" + who + stop.what() + "; nothing half-written is left");
     } catch (const UsageError& error) {
-        return ended(kUsage, who + printable(error.what()) + "\nSee: tangipaint help " + name);
+        return ended(kUsage, who + printable(shortened(error.what(), kLongestMessage)) +
+                                 "\nSee: tangipaint help " + name);
     } catch (const Error& error) {
-        return ended(kWorldIsWrong, who + printable(error.what()));
+        return ended(kWorldIsWrong, who + printable(shortened(error.what(), kLongestMessage)));
     } catch (
         const std::filesystem::filesystem_error& error) {  // no permission to look, a name that is too long
         return ended(kWorldIsWrong, who + printable(error.path1().string()) + ": " + error.code().message());

@@ -18,6 +18,7 @@ namespace {
 struct PaletteArguments {
     std::string file, out, save, illuminant = "D65";
     DrawdownOptions drawdown;
+    std::function<std::vector<std::string>()> typed;  // flags of the command
 };
 
 nlohmann::json described(const Pigment& paint, Illuminant illuminant) {
@@ -46,6 +47,9 @@ nlohmann::json run_palette(const PaletteArguments& a) {
     const auto illuminant = illuminant_named(a.illuminant);
     if (!illuminant)
         throw UsageError(fmt::format("--illuminant {}: is not A, D50, D65, F11 or LED", a.illuminant));
+    if (a.out.empty())
+        refuse_typed(a.typed(), {"--card-px", "--columns", "--thickest-mm", "--tint"},
+                     "is of the drawdown cards: give a picture for them with --out");
     if (!a.file.empty() && !a.out.empty()) refuse_to_overwrite(a.out, {a.file});
     if (!a.save.empty()) refuse_to_save_over(a.save, {a.file, a.out});
     if (!a.out.empty()) require_picture_format(a.out);
@@ -83,6 +87,7 @@ Command palette_command() {
             flags.option("--save", a->save, "palette file to write: K and S of every paint in 12 bands");
             flags.option("--illuminant", a->illuminant, "A, D50, D65, F11 or LED").show_default();
             flags.fields(a->drawdown);
+            a->typed = flags.typed();
             return [a] { return run_palette(*a); };
         }};
 }

@@ -68,6 +68,7 @@ void SubstrateArguments::refuse_useless() const {
     else
         refuse({"--width-mm", "--height-mm", "--seed"},
                fmt::format("{} is taken pixel by pixel; its size is that of its pixels, --pixel-mm", which));
+    if (keep_as.empty()) refuse({"--keep-substrate"}, "is the name of a substrate, which is not empty");
     if (height_from == "none") refuse({"--relief-mm"}, "with --height-from none, there is no relief");
 }
 

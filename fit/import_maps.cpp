@@ -4,8 +4,10 @@
 #include <cctype>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <nlohmann/json.hpp>
 #include <numbers>
 
+#include "surface/atomic_file.h"
 #include "surface/error.h"
 #include "surface/median.h"
 #include "surface/parallel.h"
@@ -112,7 +114,17 @@ void take_roughness(const MapFiles& files, const ImportOptions& options, const f
 
 }  // namespace
 
-MapFiles find_maps(const fs::path& folder) {
+std::optional<double> scale_beside(const fs::path& folder) {
+    const fs::path path = folder / "maps.json";
+    if (!fs::is_regular_file(path)) return {};
+    const nlohmann::json about = nlohmann::json::parse(read_text_file(path), nullptr, false);
+    if (!about.is_object() || about.value("scale_known", nlohmann::json()) != true) return {};
+    const nlohmann::json scale = about.value("mm_per_pixel", nlohmann::json());
+    if (!scale.is_number() || !(scale.get<double>() >= 1e-6 && scale.get<double>() <= 1e3)) return {};
+    return scale.get<double>();
+}
+
+MapFiles find_maps(const fs::path& folder, const MapFiles& named) {
     if (!fs::is_directory(folder)) fail("{}: no such folder", folder.string());
     std::vector<fs::path> paths;
     for (const auto& entry : fs::directory_iterator(folder))
@@ -120,10 +132,10 @@ MapFiles find_maps(const fs::path& folder) {
             is_one_of(lower_extension(entry.path()), {".jpg", ".jpeg", ".png", ".tif", ".tiff", ".exr"}))
             paths.push_back(entry.path());
     std::sort(paths.begin(), paths.end());
-    MapFiles files;
+    MapFiles files = named, wanted = named;
     for (const fs::path& path : paths) {
         std::optional<fs::path>* const map = map_named(files, last_word(path));
-        if (!map) continue;
+        if (!map || *map_named(wanted, last_word(path))) continue;
         if (*map)
             fail("{} and {}: both seem to be the same map; name the one to take with a flag",
                  (*map)->string(), path.string());

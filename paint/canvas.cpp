@@ -13,6 +13,8 @@ constexpr int kSize = PaintTile::kSize;
 
 }  // namespace
 
+bool same_scale(double a_mm, double b_mm) { return static_cast<float>(a_mm) == static_cast<float>(b_mm); }
+
 Canvas::Canvas(std::shared_ptr<const Surface> dry, std::optional<double> mm_per_pixel)
     : dry_(std::move(dry)) {
     TP_REQUIRE(dry_ && dry_->width() > 0 && dry_->height() > 0,
@@ -20,8 +22,9 @@ Canvas::Canvas(std::shared_ptr<const Surface> dry, std::optional<double> mm_per_
     mm_per_pixel_ = mm_per_pixel.value_or(dry_->mm_per_pixel);
     if (!(mm_per_pixel_ > 0) || !std::isfinite(mm_per_pixel_))
         fail("a canvas's pixels have a size above 0, not {} mm", mm_per_pixel_);
-    if (dry_->scale_known && mm_per_pixel_ != dry_->mm_per_pixel)
+    if (dry_->scale_known && !same_scale(mm_per_pixel_, dry_->mm_per_pixel))
         fail("the painting's pixels are known to be {} mm, not {} mm", dry_->mm_per_pixel, mm_per_pixel_);
+    if (dry_->scale_known) mm_per_pixel_ = dry_->mm_per_pixel;
     wet_ = PaintLayer(width(), height());
 }
 

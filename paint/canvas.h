@@ -26,6 +26,9 @@ struct Portion {
     double part = 1;
 };
 
+// Whether two sizes of pixels are the same as far as painting files tell, which hold floats.
+bool same_scale(double a_mm, double b_mm);
+
 struct DriedLayer {
     std::string name;
     PaintLayer paint;

@@ -39,8 +39,8 @@ const PartInfo* find(const std::vector<PartInfo>& parts, const std::string& name
 
 }  // namespace
 
-void write_canvas(AtomicFile& file, const Canvas& canvas, const Progress& progress,
-                  std::span<const PartToWrite> further) {
+void fill_canvas(const AtomicFile& file, const Canvas& canvas, const Progress& progress,
+                 std::span<const PartToWrite> further) {
     std::vector<PartToWrite> parts;
     if (!canvas.ingredients().empty()) {
         parts.push_back(part_of(kWet, canvas.wet()));
@@ -55,7 +55,13 @@ void write_canvas(AtomicFile& file, const Canvas& canvas, const Progress& progre
     }
     parts.insert(parts.end(), further.begin(), further.end());
     if (canvas.ingredients().empty()) add_overview(parts, canvas.dry(), canvas.dry());
-    write_painting(file, canvas.dry(), parts, progress);
+    fill_painting(file, canvas.dry(), parts, progress);
+}
+
+void write_canvas(AtomicFile& file, const Canvas& canvas, const Progress& progress,
+                  std::span<const PartToWrite> further) {
+    fill_canvas(file, canvas, progress, further);
+    file.commit();
 }
 
 void write_canvas(const fs::path& path, const Canvas& canvas, const Progress& progress) {
@@ -93,11 +99,11 @@ Canvas read_canvas(const fs::path& path, const Progress& progress, std::optional
     const std::vector<PartInfo> parts = painting_parts(path);
     const PartInfo* wet = find(parts, kWet);
     if (const auto stored = wet ? scale_of(*wet, path) : std::nullopt) {
-        if (mm_per_pixel && *mm_per_pixel != *stored)
+        if (mm_per_pixel && !same_scale(*mm_per_pixel, *stored))
             fail("{}: was painted on with pixels of {} mm, not {} mm", path.string(), *stored, *mm_per_pixel);
         mm_per_pixel = stored;
     }
-    if (mm_per_pixel && dry->scale_known && *mm_per_pixel != dry->mm_per_pixel)
+    if (mm_per_pixel && dry->scale_known && !same_scale(*mm_per_pixel, dry->mm_per_pixel))
         fail("{}: its pixels are known to be {} mm, not {} mm", path.string(), dry->mm_per_pixel,
              *mm_per_pixel);
     Canvas canvas(dry, mm_per_pixel);

@@ -22,6 +22,9 @@ namespace tangi {
 // the file where it cannot be written.
 void write_canvas(AtomicFile& file, const Canvas& canvas, const Progress& progress = {},
                   std::span<const PartToWrite> further = {});
+// The same, but not put in place: what fills the temporary file becomes a part of another file.
+void fill_canvas(const AtomicFile& file, const Canvas& canvas, const Progress& progress,
+                 std::span<const PartToWrite> further);
 void write_canvas(const std::filesystem::path& path, const Canvas& canvas, const Progress& progress = {});
 
 // What a painting file holds beside dry surface and paint (parts of other modules: standard errors, the

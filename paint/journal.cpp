@@ -185,7 +185,9 @@ Event stroke_from(Fields& fields, const std::string& where,
     event.start = start_of(fields.find("start"), where);
     event.options.stabiliser_mm = fields.number_within("stabiliser_mm", 0, 100, 0);
     event.options.pressure_gamma = fields.number_within("pressure_gamma", 0.1, 10, 1);
-    event.seed = static_cast<std::uint64_t>(fields.number_within("seed", 0, 9e15, 0));
+    const double seed = fields.number_within("seed", 0, 9e15, 0);
+    if (seed != std::floor(seed)) fail("{}: 'seed' is {}, not a whole number", where, seed);
+    event.seed = static_cast<std::uint64_t>(seed);
     return event;
 }
 

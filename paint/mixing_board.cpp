@@ -55,7 +55,10 @@ void lay_pile(Canvas& canvas, const std::vector<Portion>& recipe, PointMm at, do
     double parts = 0;
     for (const Portion& portion : recipe) parts += portion.part;
     if (!(parts > 0)) fail("a pile is made of parts of paint that sum to {}", parts);
-    const double mm = canvas.mm_per_pixel(), radius = std::max(size_mm / mm / 2, 0.5);
+    // A pile of less than three pixels is as wide as these, and lower: it has its volume wherever it lies.
+    const double mm = canvas.mm_per_pixel(), true_radius = size_mm / mm / 2,
+                 radius = std::max(true_radius, 1.5);
+    const double lower = (true_radius * true_radius) / (radius * radius);
     const double cx = at.x / mm + (canvas.width() - 1) / 2.0, cy = (canvas.height() - 1) / 2.0 - at.y / mm;
     if (!(cx > -0.5 && cy > -0.5 && cx < canvas.width() - 0.5 && cy < canvas.height() - 0.5))
         fail("the pile at ({}, {}) mm is off the canvas, which reaches to ({}, {}) mm", at.x, at.y,
@@ -71,7 +74,7 @@ void lay_pile(Canvas& canvas, const std::vector<Portion>& recipe, PointMm at, do
             const Region tile = wet.region_of({tx, ty});
             for (const Portion& portion : recipe) {
                 const auto plane = wet.writable({tx, ty}).writable_plane(portion.ingredient);
-                const double share = height_mm * portion.part / parts;
+                const double share = height_mm * lower * portion.part / parts;
                 for (int y = std::max(y0, tile.y0); y < std::min(y1, tile.y1); ++y)
                     for (int x = std::max(x0, tile.x0); x < std::min(x1, tile.x1); ++x) {
                         const double r2 = ((x - cx) * (x - cx) + (y - cy) * (y - cy)) / (radius * radius);

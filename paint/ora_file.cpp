@@ -123,9 +123,24 @@ Image<float> stretched(Image<float> height_mm, double& low_mm, double& high_mm) 
     return height_mm;
 }
 
+// Fills the file beside the archive that becomes its member. What goes wrong is told of the archive.
+void fill_beside(const AtomicFile& painting, const AtomicFile& archive, const Canvas& canvas,
+                 const Progress& progress, std::span<const PartToWrite> further) {
+    try {
+        fill_canvas(painting, canvas, progress, further);
+    } catch (const Error& error) {
+        std::string words = error.what();
+        const std::string name = painting.target().string();
+        if (const auto at = words.find(name); at != std::string::npos)
+            words.replace(at, name.size(), archive.target().string());
+        throw Error(words);
+    }
+}
+
 }  // namespace
 
-void write_ora(AtomicFile& file, const Canvas& canvas, const Progress& progress) {
+void write_ora(AtomicFile& file, const Canvas& canvas, const Progress& progress,
+               std::span<const PartToWrite> further) {
     Archive archive(file);
     archive.add("mimetype", "image/openraster");  // first and stored: programs look for it at byte 38
 
@@ -164,7 +179,7 @@ void write_ora(AtomicFile& file, const Canvas& canvas, const Progress& progress)
     archive.add("tangipaint/painting.json", about.dump(2) + "\n", true);
     const AtomicFile painting(file.target().string() +
                               ".exr");  // not committed: gone when the archive is done
-    write_canvas(painting.temporary(), canvas, progress);
+    fill_beside(painting, file, canvas, progress, further);
     archive.add_file("tangipaint/painting.exr", painting.temporary());
     archive.close();
     file.commit();

@@ -7,13 +7,18 @@
 // itself with every recipe.
 #pragma once
 
+#include <span>
+
 #include "paint/canvas.h"
 #include "surface/atomic_file.h"
+#include "surface/painting_parts.h"
 #include "surface/progress.h"
 
 namespace tangi {
 
-// Whole or not at all. Throws Error naming the file where it cannot be written.
-void write_ora(AtomicFile& file, const Canvas& canvas, const Progress& progress = {});
+// Whole or not at all; `further` parts of the painting file, as write_canvas() takes them. Throws Error
+// naming the file where it cannot be written.
+void write_ora(AtomicFile& file, const Canvas& canvas, const Progress& progress = {},
+               std::span<const PartToWrite> further = {});
 
 }  // namespace tangi

@@ -55,6 +55,9 @@ void Session::take_brush(const StrokeEvent& event, Canvas& canvas) {
         warnings_.emplace_back(
             "'start' is \"same\", but no brush was used before this stroke: it begins with a clean one, "
             "without paint");
+    if (event.start != BrushStart::same && !event.paint.empty() && event.brush.load_mm * event.load == 0)
+        warnings_.push_back(fmt::format("'paint' is not used: {} is 0, so no paint is loaded",
+                                        event.load == 0 ? "'load'" : "the brush's load_mm"));
     if (event.start == BrushStart::same && !event.paint.empty())
         warnings_.emplace_back(
             "'paint' is not used: where 'start' is \"same\", the brush goes on with what is on it");

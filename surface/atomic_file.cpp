@@ -32,9 +32,8 @@ AtomicFile::AtomicFile(fs::path target) : target_(std::move(target)) {
     if (fs::is_directory(target_)) fail("{}: is a folder; give the name of a file", target_.string());
     const fs::path folder = target_.has_parent_path() ? target_.parent_path() : fs::path(".");
     if (!fs::is_directory(folder)) fail("{}: there is no folder {}", target_.string(), folder.string());
-    const std::string stem = target_.stem().string(), extension = target_.extension().string();
-    remove_stale_temporaries(folder, stem, extension);
-    temporary_ = folder / temporary_name(stem, extension);
+    remove_stale_temporaries(target_);
+    temporary_ = folder / temporary_name(target_.stem().string(), target_.extension().string());
     const int file = ::open(temporary_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
     if (file < 0) fail("{}: cannot be written: {}", target_.string(), std::strerror(errno));
     ::close(file);

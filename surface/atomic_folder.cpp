@@ -74,7 +74,7 @@ AtomicFolder::AtomicFolder(fs::path target, std::string contents)
     }
     make_folder(parent);
     const std::string name = target_.filename().string();
-    remove_stale_temporaries(parent, name, "");
+    remove_stale_temporaries(target_, name, "");
     temporary_ = parent / temporary_name(name, "");
     std::error_code status;
     fs::remove_all(temporary_, status);
@@ -87,8 +87,9 @@ AtomicFolder::~AtomicFolder() {
     fs::remove_all(temporary_, ignored);  // what was replaced, or what was not finished
 }
 
-void AtomicFolder::commit() {
-    nlohmann::json list = {{"files", files_in(temporary_)}};
+std::vector<std::string> AtomicFolder::commit() {
+    const std::set<std::string> files = files_in(temporary_);
+    const nlohmann::json list = {{"files", files}};
     try {
         write_text_file(temporary_ / contents_, list.dump(2) + "\n");
     } catch (const Error& error) {
@@ -99,6 +100,7 @@ void AtomicFolder::commit() {
     const bool placed =
         replaces ? exchange(temporary_, target_) : ::rename(temporary_.c_str(), target_.c_str()) == 0;
     if (!placed) fail("{}: cannot be put in place: {}", target_.string(), std::strerror(errno));
+    return {files.begin(), files.end()};
 }
 
 }  // namespace tangi

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 namespace tangi {
 
@@ -26,8 +27,9 @@ public:
     const std::filesystem::path& temporary() const { return temporary_; }
     const std::filesystem::path& target() const { return target_; }
 
-    // Writes the list and puts the folder in place. Throws Error naming the target.
-    void commit();
+    // Writes the list and puts the folder in place. Throws Error naming the target. Returns the list: the
+    // files, relative to the folder.
+    std::vector<std::string> commit();
 
 private:
     std::filesystem::path target_, temporary_;

@@ -359,7 +359,9 @@ Surface read_dry_part(const fs::path& path, const Progress& progress) {
             fail("{}: part '{}' has no channel '{}'", path.string(), kDry, c.name);
     Maps maps = read_maps(path, file, number, width, height, coloured, progress);
     Surface& s = maps.surface;
-    s.mm_per_pixel = attribute<Imf::FloatAttribute>(header, "mm_per_pixel", 1.0f);
+    // A float of 0.1 mm is 0.1 mm again, not 0.10000000149: a sitting that goes on has the same pixels.
+    s.mm_per_pixel =
+        std::stod(fmt::format("{}", attribute<Imf::FloatAttribute>(header, "mm_per_pixel", 1.0f)));
     if (!(s.mm_per_pixel > 0) || !std::isfinite(s.mm_per_pixel))
         fail("{}: mm_per_pixel = {} is not positive", path.string(), s.mm_per_pixel);
     s.law.diffuse_roughness = attribute<Imf::DoubleAttribute>(header, "diffuse_roughness", 0.0);
@@ -404,6 +406,12 @@ void write_painting(AtomicFile& file, const Surface& s, const Progress& progress
 
 void write_painting(AtomicFile& file, const Surface& s, std::span<const PartToWrite> parts,
                     const Progress& progress) {
+    fill_painting(file, s, parts, progress);
+    file.commit();
+}
+
+void fill_painting(const AtomicFile& file, const Surface& s, std::span<const PartToWrite> parts,
+                   const Progress& progress) {
     require_consistent(s);
     TP_REQUIRE(s.width() > 0 && s.height() > 0, "a painting has pixels");
     const std::string target = file.target().string();
@@ -441,7 +449,6 @@ void write_painting(AtomicFile& file, const Surface& s, std::span<const PartToWr
     }
     if (!failure.empty()) fail("{}: cannot be written: {}", target, failure);
     report(progress, "write painting", 1);  // the last chance to stop: what is in place is not taken back
-    file.commit();
 }
 
 void write_painting(const fs::path& path, const Surface& s, const Progress& progress) {

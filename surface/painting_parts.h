@@ -36,6 +36,9 @@ struct PartToWrite {
 // A painting with further parts, whole or not at all; as write_painting() otherwise.
 void write_painting(AtomicFile& file, const Surface& surface, std::span<const PartToWrite> parts,
                     const Progress& progress = {});
+// The same, but not put in place.
+void fill_painting(const AtomicFile& file, const Surface& surface, std::span<const PartToWrite> parts,
+                   const Progress& progress = {});
 
 // The parts beside `dry`, in the order of the file. Throws Error as read_painting() does, but reads headers
 // only.

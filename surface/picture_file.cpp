@@ -3,6 +3,10 @@
 #include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
 
+#include <array>
+#include <cstdlib>
+#include <ctime>
+
 #include "surface/atomic_file.h"
 #include "surface/error.h"
 #include "surface/icc_profile.h"
@@ -30,6 +34,21 @@ std::string format_of(const fs::path& path) {
     return extension.empty() ? extension : extension.substr(1);
 }
 
+// The same input gives the same bytes: OpenImageIO would write the time at which it runs into EXR and TIFF
+// files. Who wants a date there gives it, as other programs take it (reproducible-builds.org).
+std::string date_of_file() {
+    const char* text = std::getenv("SOURCE_DATE_EPOCH");
+    char* end = nullptr;
+    const long long seconds = text ? std::strtoll(text, &end, 10) : 0;
+    if (!text || end == text || *end != '\0' || seconds < 0 || seconds > 253'402'300'799) return {};
+    const auto time = static_cast<std::time_t>(seconds);
+    std::tm utc{};
+    std::array<char, 32> date{};
+    if (!::gmtime_r(&time, &utc) || std::strftime(date.data(), date.size(), "%Y:%m:%d %H:%M:%S", &utc) == 0)
+        return {};
+    return date.data();
+}
+
 bool is_readable(const fs::path& path) {
     const auto input = OIIO::ImageInput::create(reader_name(path));
     OIIO::ImageSpec spec;
@@ -51,7 +70,11 @@ void write_samples(const fs::path& path, const float* samples, const Region& siz
                          depth == Depth::real      ? OIIO::TypeDesc::FLOAT
                          : depth == Depth::sixteen ? OIIO::TypeDesc::UINT16
                                                    : OIIO::TypeDesc::UINT8);
-    spec.attribute("oiio:ColorSpace", colour_space);
+    // A PNG says how it is encoded once: a profile, or an sRGB chunk (ISO/IEC 15948, 11.3.3.3).
+    const bool is_png = lower_extension(path) == ".png";
+    const bool is_tiff = lower_extension(path).starts_with(".tif");
+    if (!(is_png && is_srgb)) spec.attribute("oiio:ColorSpace", colour_space);
+    if (is_tiff || depth == Depth::real) spec.attribute("DateTime", date_of_file());
     if (is_srgb) {
         const std::string profile = srgb_icc_profile();
         spec.attribute("ICCProfile", OIIO::TypeDesc(OIIO::TypeDesc::UINT8, static_cast<int>(profile.size())),
@@ -63,7 +86,6 @@ void write_samples(const fs::path& path, const float* samples, const Region& siz
     // All but that of TIFF, which fails there (OpenImageIO 2.4); what it wrote is read back instead.
     std::vector<unsigned char> bytes;
     OIIO::Filesystem::IOVecOutput memory(bytes);
-    const bool is_tiff = lower_extension(path).starts_with(".tif");
     if (!is_tiff) output->set_ioproxy(&memory);
     const bool written =
         output->open(file.temporary().string(), spec) && output->write_image(OIIO::TypeDesc::FLOAT, samples);

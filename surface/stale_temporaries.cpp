@@ -57,7 +57,8 @@ std::string temporary_name(const std::string& stem, const std::string& extension
     return fmt::format(".{}.{}.tmp{}", stem, ::getpid(), extension);
 }
 
-void remove_stale_temporaries(const fs::path& folder, const std::string& stem, const std::string& extension) {
+void remove_stale_temporaries(const fs::path& target, const std::string& stem, const std::string& extension) {
+    const fs::path folder = target.has_parent_path() ? target.parent_path() : fs::path(".");
     const std::string before = "." + stem + ".", after = ".tmp" + extension;
     for (const fs::directory_entry& entry : hidden_in(folder)) {
         const long process = process_in(entry.path().filename().string(), before, after);

@@ -40,6 +40,8 @@ TEST(CliExport, MapsGoOutAndComeBack) {
     const Surface truth = read_painting(stack.truth()), back = read_painting(stack.out("a.exr"));
     EXPECT_TRUE(images_near(back.diffuse, truth.diffuse, 1e-6));
     EXPECT_TRUE(images_near(back.normal, truth.normal, 1e-5));
+    ASSERT_TRUE(ended(tangipaint({"import", stack.out("maps"), "--out", stack.out("c.exr")}), 0));
+    EXPECT_EQ(read_painting(stack.out("c.exr")).mm_per_pixel, truth.mm_per_pixel) << "maps.json says it";
     const Finished lime =
         tangipaint({"import", stack.out("lime"), "--diffuse-srgb", "--out", stack.out("b.exr")});
     ASSERT_TRUE(ended(lime, 0));
@@ -65,6 +67,62 @@ TEST(CliExport, LayersAndOpenRasterOfAPaintedPicture) {
         EXPECT_TRUE(std::filesystem::exists(stack.out("layers/" + std::string(file)))) << file;
     EXPECT_TRUE(
         ended(tangipaint({"export", painted, "--to", "ora", "--out", stack.out("a.png")}), 1, {".ora"}));
+    // Another painting in the same folder: nothing of the first stays. The same one: the same bytes.
+    const std::string out = stack.out("layers"), colour = out + "/1-a_b/colour.png";
+    const std::string first = bytes_of(colour), height = bytes_of(out + "/painted/height.exr");
+    ASSERT_TRUE(ended(tangipaint({"export", stack.truth(), "--to", "layers", "--out", out}), 0));
+    EXPECT_FALSE(std::filesystem::exists(colour));
+    const auto bare = everything_in(out);
+    const Conditions full{.largest_file = 3000};
+    EXPECT_TRUE(ended(tangipaint({"export", painted, "--to", "layers", "--out", out}, full), 1,
+                      {out + "/", "cannot be written"}));
+    EXPECT_TRUE(
+        ended(tangipaint({"export", painted, "--to", "layers", "--out", stack.out("other")}, full), 1));
+    EXPECT_FALSE(std::filesystem::exists(stack.out("other")));
+    EXPECT_EQ(everything_in(out), bare);
+    EXPECT_TRUE(leftovers_in(stack.root()).empty());
+    const Finished again = tangipaint({"export", painted, "--to", "layers", "--out", out});
+    ASSERT_TRUE(ended(again, 0));
+    EXPECT_EQ(bytes_of(colour), first);
+    EXPECT_EQ(bytes_of(out + "/painted/height.exr"), height);
+    for (const auto& file : again.json()["files"])
+        EXPECT_TRUE(std::filesystem::exists(file.get<std::string>())) << file;
+    write_bytes(out + "/mine.txt", "mine");
+    EXPECT_TRUE(ended(tangipaint({"export", painted, "--to", "layers", "--out", out}), 1,
+                      {out, "mine.txt", "another"}));
+}
+
+TEST(CliExport, FlagsWithoutEffectAreRefused) {
+    const TinyStack stack;
+    const auto refused = [&](const std::string& to, std::vector<std::string> flags) {
+        std::vector<std::string> words = {
+            "export", stack.truth(), "--to",
+            to,       "--out",       stack.out(to == "rti" || to == "ptm" ? "a." + to : "folder")};
+        words.insert(words.end(), flags.begin(), flags.end());
+        EXPECT_TRUE(ended(tangipaint(words), 2, {flags.front() + ": is"})) << to << " " << flags.front();
+    };
+    for (const std::string to : {"maps", "openlime", "layers", "web"}) {
+        refused(to, {"--terms", "9"});
+        refused(to, {"--directions", "80"});
+        refused(to, {"--lights", stack.lights()});
+        refused(to, {"--lrgb"});
+        if (to != "web") refused(to, {"--light-azimuth-deg", "90"});
+    }
+    refused("ptm", {"--terms", "9"});
+    refused("rti", {"--lights", stack.lights()});
+    refused("rti", {"--directions", "80", "--photos", stack.path()});
+    refused("web", {"--largest-page-mb", "20"});
+    EXPECT_TRUE(ended(tangipaint({"export", stack.truth(), "--to", "maps", "--out", stack.out("maps")}), 0));
+    const auto import = [&](std::vector<std::string> flags) {
+        std::vector<std::string> words = {"import", stack.out("maps"), "--out", stack.out("a.exr")};
+        words.insert(words.end(), flags.begin(), flags.end());
+        EXPECT_TRUE(ended(tangipaint(words), 2, {flags.front() + ": "})) << flags.front();
+    };
+    import({"--alpha-min", "0.02"});
+    import({"--height-range-mm", "2"});
+    import({"--gloss", stack.photo(0), "--roughness", stack.photo(1)});
+    EXPECT_TRUE(ended(tangipaint({"palette", "--card-px", "200"}), 2, {"--card-px: is of the drawdown"}));
+    EXPECT_FALSE(std::filesystem::exists(stack.out("a.exr")));
 }
 
 TEST(CliExport, AWebPageIsAFolderOrOneFile) {

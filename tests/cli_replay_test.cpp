@@ -188,7 +188,7 @@ TEST(CliReplay, MixesOnThePaletteAndShowsHowItCameIntoBeing) {
     ASSERT_TRUE(ended(run, 0));
     EXPECT_GT(run.json()["volumes_mm3"]["Pyrrole Red"], 0.1);  // what came to the painting
     EXPECT_LT(run.json()["volumes_mm3"]["Pyrrole Red"], 20);
-    EXPECT_EQ(run.json()["frames"], 3);  // bare, on the way, finished
+    EXPECT_EQ(run.json()["frames"], 4);  // bare, after 1 s and 2 s of the stroke, finished after 3 s
     EXPECT_EQ(read_picture(f.dir / "frames" / "frame-00001.png").width(), 80);
     ASSERT_TRUE(ended(f.replay(mixing, {"--board", f.path("board.exr")}), 0));
     const double all = std::numbers::pi / 8 * 8 * 8 * 1.5, painted = run.json()["volumes_mm3"]["Pyrrole Red"];
@@ -202,15 +202,88 @@ TEST(CliReplay, MixesOnThePaletteAndShowsHowItCameIntoBeing) {
     EXPECT_TRUE(ended(f.replay(kHeader + kStroke, {"--board", f.path("b.png")}), 1, {"b.png", ".exr"}));
     EXPECT_TRUE(ended(f.replay(kHeader + kStroke, {"--board", f.path("b.exr")}), 1));
     EXPECT_FALSE(std::filesystem::exists(painting)) << "nothing is replaced where something is wrong";
-    EXPECT_GT(redness(read_picture(f.dir / "frames" / "frame-00003.png")),
+    EXPECT_GT(redness(read_picture(f.dir / "frames" / "frame-00004.png")),
               1.5 * redness(read_picture(f.dir / "frames" / "frame-00001.png")));
     EXPECT_TRUE(ended(f.replay(mixing, {"--frames", f.path("frames")}), 1, {"frames: has frames already"}));
     EXPECT_TRUE(ended(f.replay(mixing, {"--frames", "a.mp4"}), 2, {"--frames a.mp4", "--video"}));
     EXPECT_TRUE(ended(f.replay(mixing, {"--video", "film"}), 2, {"--video film", ".mp4"}));
     const Finished video = f.replay(mixing, {"--video", f.path("film.mp4"), "--every", "1"});
     ASSERT_TRUE(ended(video, 0));
-    EXPECT_EQ(video.json()["frames"], 3);
+    EXPECT_EQ(video.json()["frames"], 4);
     EXPECT_EQ(bytes_of(f.dir / "film.mp4").substr(4, 4), "ftyp");
+}
+
+TEST(CliReplay, FilmsShowEachStrokeOnItsWay) {
+    const Folder f;
+    const Finished run = f.replay(kHeader +
+                                      "{\"event\": \"stroke\", \"brush\": {\"size_mm\": 4}, \"paint\": "
+                                      "{\"Pyrrole Red\": 1}}\n{\"event\": \"point\", \"t\": 0, \"x\": -8, "
+                                      "\"y\": 0}\n{\"event\": \"point\", \"t\": 4, \"x\": 8, \"y\": 0}\n",
+                                  {"--frames", f.path("frames"), "--every", "1"});
+    ASSERT_TRUE(ended(run, 0));
+    ASSERT_EQ(run.json()["frames"], 5);
+    double before = 0;
+    for (int i = 1; i <= 5; ++i) {
+        const Image<Rgb> picture = read_picture(f.dir / "frames" / fmt::format("frame-{:05}.png", i));
+        double red = 0;
+        for (const Rgb& c : picture.pixels()) red += c.r > 2 * c.g ? 1 : 0;
+        EXPECT_GE(red, before + (i == 1 ? 0 : 50)) << i;
+        before = red;
+    }
+    EXPECT_TRUE(ended(f.replay(kHeader + "{\"event\": \"stroke\"}\n{\"event\": \"point\", \"x\": 0, \"y\": "
+                                         "0}\n{\"event\": \"point\", \"t\": 1e6, \"x\": 1, \"y\": 0}\n",
+                               {"--frames", f.path("more"), "--every", "0.01"}),
+                      2, {"--every 0.01", "100000000 pictures", "99999"}));
+    EXPECT_FALSE(std::filesystem::exists(f.path("more")));
+}
+
+TEST(CliReplay, SaysWhatHadNoEffectAndWhichLayersThereAre) {
+    const Folder f;
+    const std::string dry = "{\"event\": \"dry\", \"layer\": \"retouch\"}\n";
+    const Finished run = f.replay(kHeader + kStroke + dry + kStroke + dry);
+    ASSERT_TRUE(ended(run, 0, {"a.jsonl:11", "'retouch 2'"}));
+    EXPECT_EQ(run.json()["layers"], (nlohmann::json{"retouch", "retouch 2"}));
+    EXPECT_EQ(run.json()["warnings"].size(), 1u);
+    const Finished info = tangipaint({"info", f.path("a.exr")});
+    EXPECT_NE(info.out.find("\"retouch 2\""), std::string::npos);
+}
+
+TEST(CliReplay, FlagsWithoutEffectAreRefused) {
+    const Folder f;
+    const std::string journal = f.journal(kHeader + kStroke);
+    ASSERT_TRUE(ended(f.replay(kHeader + kStroke), 0));
+    write_picture(f.dir / "cloth.png", Image<Rgb>(40, 30, Rgb(0.5f)), {Transfer::Kind::srgb});
+    const auto refused = [&](std::vector<std::string> ground, std::vector<std::string> flags) {
+        std::vector<std::string> words = {"replay", journal, "--out", f.path("b.exr")};
+        words.insert(ground.front() == "--substrate" ? words.end() : words.begin() + 1, ground.begin(),
+                     ground.end());
+        words.insert(words.end(), flags.begin(), flags.end());
+        EXPECT_TRUE(ended(tangipaint(words), 2, {flags.front() + ": "})) << ground.back() << flags.front();
+    };
+    for (const auto& flags : std::vector<std::vector<std::string>>{{"--width-mm", "20"},
+                                                                   {"--height-mm", "20"},
+                                                                   {"--pixel-mm", "0.25"},
+                                                                   {"--seed", "1"},
+                                                                   {"--height-from", "none"},
+                                                                   {"--relief-mm", "1"}}) {
+        refused({f.path("a.exr")}, flags);
+        refused({"--substrate", f.path("a.exr")}, flags);
+    }
+    refused({f.path("a.exr")}, {"--keep-substrate", "mine"});
+    refused({"--substrate", "linen"}, {"--height-from", "luminance"});
+    refused({"--substrate", "linen"}, {"--relief-mm", "1"});
+    refused({"--substrate", f.path("cloth.png")}, {"--width-mm", "10"});
+    refused({"--substrate", f.path("cloth.png")}, {"--relief-mm", "1", "--height-from", "none"});
+    for (const std::string flag : {"--every", "--frames-width", "--frame-rate"})
+        refused({f.path("a.exr")}, {flag, "30"});
+    refused({f.path("a.exr")}, {"--frames-light", "0,0,1"});
+    refused({f.path("a.exr")}, {"--frame-rate", "30", "--frames", f.path("frames")});
+    EXPECT_TRUE(ended(tangipaint({"paint", f.path("a.exr"), "--seed", "2"}), 2, {"--seed: "}));
+    EXPECT_TRUE(ended(tangipaint({"paint", f.path("a.exr"), "--monitor", "srgb", "--intent", "relative"}), 2,
+                      {"--intent: "}));
+    EXPECT_TRUE(
+        ended(tangipaint({"paint", "--substrate", "linen", "--out", f.path("a.png")}), 1, {"a.png", ".exr"}));
+    EXPECT_FALSE(std::filesystem::exists(f.path("b.exr")));
 }
 
 }  // namespace

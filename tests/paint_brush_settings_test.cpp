@@ -64,5 +64,16 @@ TEST(BrushSettings, FilesAddToThePresets) {
                 AllOf(HasSubstr("'x'"), HasSubstr("gap_mm")));
 }
 
+TEST(BrushSettings, FilesSayNothingTwice) {
+    const TestDir dir;
+    write_bytes(dir / "a.json",
+                "{\"format\": \"tangipaint brushes\", \"version\": 1,\n \"brushes\": "
+                "{\"broom\": {\"size_mm\": 60},\n \"broom\": {\"size_mm\": 6}}}");
+    EXPECT_THAT(error_of([&] { read_brush_presets(dir / "a.json"); }),
+                HasSubstr("a.json: line 3: has the field 'broom' twice"));
+    write_bytes(dir / "a.json", "{\"format\": \"tangipaint brushes\", \"brushes\": {}}");
+    EXPECT_THAT(error_of([&] { read_brush_presets(dir / "a.json"); }), HasSubstr("has no \"version\""));
+}
+
 }  // namespace
 }  // namespace tangi

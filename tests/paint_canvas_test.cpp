@@ -35,6 +35,8 @@ TEST(Canvas, KnowsEachPaintOnce) {
 TEST(Canvas, GivesAScaleToASurfaceThatHasNone) {
     auto surface = flat_surface(32, 32);
     EXPECT_THAT(error_of([&] { Canvas(surface, 0.1); }), HasSubstr("0.25 mm, not 0.1 mm"));
+    surface->mm_per_pixel = 0.3;  // as a file gives it back, and as an earlier version did
+    EXPECT_EQ(Canvas(surface, static_cast<double>(0.3f)).mm_per_pixel(), 0.3);
     surface->scale_known = false;
     surface->mm_per_pixel = 1;
     surface->height_mm(3, 4) = 2;  // pixels

@@ -173,5 +173,52 @@ TEST(Journal, ErrorsNameFileAndLine) {
     EXPECT_EQ(bytes_of(dir / "bad.jsonl"), "something else\n");
 }
 
+TEST(Journal, MayHaveTheLineEndsOfAnySystem) {
+    const TestDir dir;
+    const std::string text = kHeader + "\n{\"event\": \"undo\"}\n{\"event\": \"redo\"}\n";
+    for (const std::string end : {"\n", "\r\n", "\r"}) {
+        std::string other;
+        for (const char c : text) other += c == '\n' ? end : std::string(1, c);
+        write_bytes(dir / "a.jsonl", other);
+        const Journal journal = read_journal(dir / "a.jsonl");
+        ASSERT_EQ(journal.entries.size(), 2u) << end.size();
+        EXPECT_EQ(journal.entries[0].line, 3);
+        EXPECT_EQ(journal.entries[1].line, 4);
+        EXPECT_TRUE(journal.warnings.empty());
+    }
+    EXPECT_THAT(error_of([&] { JournalWriter(dir / "a.jsonl"); }), HasSubstr("CR alone"));
+    EXPECT_EQ(read_journal(dir / "a.jsonl").entries.size(), 2u) << "nothing was cut off";
+}
+
+TEST(Journal, ErrorsAreShortAndSayWhatIsMissing) {
+    const TestDir dir;
+    const auto error = [&](const std::string& text) {
+        write_bytes(dir / "bad.jsonl", text);
+        return error_of([&] { read_journal(dir / "bad.jsonl"); });
+    };
+    const std::string long_text(2000000, 'x');
+    for (const std::string& event :
+         {"\"" + long_text + "\"", "{\"event\": \"" + long_text + "\"}",
+          "{\"event\": \"end\", \"" + long_text + "\": 1}",
+          "{\"event\": \"stroke\", \"start\": \"" + long_text + "\"}",
+          "{\"event\": \"stroke\", \"brush\": {\"" + long_text + "\": 1}}",
+          "{\"event\": \"stroke\", \"brush\": {\"preset\": \"" + long_text + "\"}}",
+          "{\"event\": \"stroke\", \"paint\": {\"" + long_text + "\": 0}}"}) {
+        const std::string words = error(kHeader + event + "\n");
+        EXPECT_LT(words.size(), 500u) << event.substr(0, 60);
+        EXPECT_THAT(words, HasSubstr("bad.jsonl:2"));
+    }
+    EXPECT_THAT(error(kHeader + "{\"x\": 1}\n"), HasSubstr("bad.jsonl:2: has no 'event'"));
+    EXPECT_THAT(error(kHeader + "{\"event\": \"stroke\", \"seed\": 1.5}\n"),
+                HasSubstr("'seed' is 1.5, not a whole"));
+    EXPECT_THAT(error("{\"format\": \"tangipaint strokes\"}\n"), HasSubstr("has no 'version'"));
+    EXPECT_THAT(error(kHeader + "{\"event\": \"point\", \"x\": 1, \"y\": 2, \"x\": 3}\n"),
+                HasSubstr("bad.jsonl:2: has the field 'x' twice"));
+    EXPECT_THAT(error(kHeader + "{\"event\": \"stroke\", \"brush\": {\"size_mm\": -0.3}}\n"),
+                HasSubstr("'size_mm' is -0.3, outside [0.01, 1000] mm"));
+    EXPECT_THAT(error(kHeader + "{\"event\": \"stroke\", \"brush\": {\"grain\": 3}}\n"),
+                testing::EndsWith("'grain' is 3, outside [0, 1]"));
+}
+
 }  // namespace
 }  // namespace tangi

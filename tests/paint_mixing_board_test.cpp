@@ -311,5 +311,15 @@ TEST(MixingBoard, FinishIsThePaintsGlossOnThePainting) {
     EXPECT_THAT(error_of([&] { session.apply(stroke); }), AllOf(HasSubstr("roughness"), HasSubstr("2")));
 }
 
+TEST(MixingBoard, APileTooSmallForThePixelsHasItsVolume) {
+    for (const double size_mm : {0.05, 0.3, 0.7})  // pixels are 0.25 mm
+        for (const PointMm at : {PointMm{0, 0}, PointMm{0.125, 0.125}, PointMm{0.06, -0.03}}) {
+            Canvas canvas = flat_canvas(64, 64);
+            lay_pile(canvas, {{add_paint(canvas, "Bone Black"), 1}}, at, size_mm, 0.5);
+            const double wanted = std::numbers::pi / 8 * size_mm * size_mm * 0.5;  // of a dome
+            EXPECT_NEAR(canvas.volumes_mm3()[0] / wanted, 1, 0.25) << size_mm;
+        }
+}
+
 }  // namespace
 }  // namespace tangi

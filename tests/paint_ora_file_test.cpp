@@ -15,6 +15,7 @@ namespace {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
+using testing::StartsWith;
 
 // Two dried layers, one of them a glaze, and wet paint that overlaps both.
 Canvas layered() {
@@ -90,9 +91,12 @@ private:
 TEST(OraFile, IsAnOpenRasterFileWithThePaintingInIt) {
     const TestDir dir;
     const Canvas canvas = layered();
+    PartToWrite other;
+    other.info = {"palette", 3, 2, {"x"}, {}};
+    other.fill = [](int, int, std::span<float* const> planes) { planes[0][0] = 7; };
     {
         AtomicFile file(dir / "a.ora");
-        write_ora(file, canvas);
+        write_ora(file, canvas, {}, {&other, 1});
     }
     // Programs tell it by its first member, which is stored as it is.
     EXPECT_EQ(bytes_of(dir / "a.ora").substr(30, 8 + 16), "mimetypeimage/openraster");
@@ -126,6 +130,9 @@ TEST(OraFile, IsAnOpenRasterFileWithThePaintingInIt) {
     const Canvas again = read_canvas(dir / "painting.exr");
     EXPECT_TRUE(identical(again.wet(), canvas.wet()));
     EXPECT_EQ(again.dried().size(), 2u);
+    const auto parts = painting_parts(dir / "painting.exr");
+    EXPECT_TRUE(std::ranges::any_of(parts, [](const PartInfo& part) { return part.name == "palette"; }))
+        << "it is the whole painting file";
     // Nothing else stays beside it.
     int files = 0;
     for ([[maybe_unused]] const auto& entry : std::filesystem::directory_iterator(dir.path())) ++files;
@@ -138,7 +145,8 @@ TEST(OraFile, AFullDiskLeavesNothing) {
     {
         AtomicFile file(dir / "a.ora");
         const FullDisk full(2000);
-        EXPECT_THAT(error_of([&] { write_ora(file, canvas); }), HasSubstr("a.ora"));
+        EXPECT_THAT(error_of([&] { write_ora(file, canvas); }),
+                    StartsWith((dir / "a.ora").string() + ": cannot be written"));
     }
     EXPECT_TRUE(std::filesystem::is_empty(dir.path()));
 }

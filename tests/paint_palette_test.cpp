@@ -202,5 +202,15 @@ TEST(Palettes, ThatAreNoFilesAreNamed) {
     EXPECT_TRUE(names_in(dir.path()).empty());
 }
 
+TEST(Palettes, SayNothingTwice) {
+    EXPECT_THAT(error_of([] {
+                    parse_palette(
+                        file_with("\n{\"name\": \"a\",\n \"srgb\": \"#123456\",\n \"srgb\": \"#000000\"}"),
+                        "x.json");
+                }),
+                HasSubstr("x.json: line 4: has the field 'srgb' twice"));
+    EXPECT_LT(error_of([] { artist_acrylics().at(std::string(1000000, 'x')); }).size(), 1000u);
+}
+
 }  // namespace
 }  // namespace tangi

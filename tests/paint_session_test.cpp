@@ -149,16 +149,19 @@ TEST(Session, SaysWhatHasNoEffectAndWhichNameALayerGot) {
 {"event": "point", "x": 0, "y": 0}
 {"event": "dry", "layer": "retouch"}
 {"event": "lift", "layer": "retouch"}
+{"event": "stroke", "brush": {"preset": "smudge"}, "paint": {"Bone Black": 1}}
 )");
     Session session(flat_surface(128, 96), artist_acrylics());
     const std::string file = (dir / "a.jsonl").string();
-    EXPECT_THAT(replay(session, read_journal(dir / "a.jsonl")),
-                testing::ElementsAre(
-                    AllOf(HasSubstr(file + ":2: "), HasSubstr("no wet paint"), HasSubstr("'ground'")),
-                    AllOf(HasSubstr(file + ":3: "), HasSubstr("'start' is \"same\"")),
-                    AllOf(HasSubstr(file + ":3: "), HasSubstr("'paint' is not used")),
-                    AllOf(HasSubstr(file + ":8: "), HasSubstr("not pressed")),
-                    AllOf(HasSubstr(file + ":13: "), HasSubstr("'retouch'"), HasSubstr("'retouch 2'"))));
+    EXPECT_THAT(
+        replay(session, read_journal(dir / "a.jsonl")),
+        testing::ElementsAre(
+            AllOf(HasSubstr(file + ":2: "), HasSubstr("no wet paint"), HasSubstr("'ground'")),
+            AllOf(HasSubstr(file + ":3: "), HasSubstr("'start' is \"same\"")),
+            AllOf(HasSubstr(file + ":3: "), HasSubstr("'paint' is not used")),
+            AllOf(HasSubstr(file + ":8: "), HasSubstr("not pressed")),
+            AllOf(HasSubstr(file + ":13: "), HasSubstr("'retouch'"), HasSubstr("'retouch 2'")),
+            AllOf(HasSubstr(file + ":15: "), HasSubstr("'paint' is not used"), HasSubstr("load_mm"))));
     ASSERT_EQ(session.canvas().dried().size(), 1u);
     EXPECT_EQ(session.canvas().dried()[0].name, "retouch 2");
     EXPECT_TRUE(session.take_warning().empty());

@@ -188,5 +188,52 @@ TEST(PictureFile, ThatCannotBeReadIsAnError) {
                 StartsWith((dir / "cut.png").string() + ": cannot be read: "));
 }
 
+// The names of a PNG's chunks, in their order.
+std::vector<std::string> chunks_of(const std::string& png) {
+    std::vector<std::string> names;
+    for (std::size_t at = 8; at + 8 <= png.size();) {
+        std::size_t length = 0;
+        for (std::size_t i = 0; i < 4; ++i) length = length << 8 | static_cast<unsigned char>(png[at + i]);
+        names.push_back(png.substr(at + 4, 4));
+        at += length + 12;
+    }
+    return names;
+}
+
+TEST(PictureFile, OfPngSaysOnceHowItIsEncoded) {
+    const TestDir dir;
+    write_picture(dir / "a.png", random_picture(5, 4), kSrgb);
+    write_picture_8bit(dir / "b.png", random_picture(5, 4));
+    for (const char* name : {"a.png", "b.png"}) {
+        const auto chunks = chunks_of(bytes_of(dir / name));
+        EXPECT_EQ(std::ranges::count(chunks, "iCCP"), 1) << name;
+        EXPECT_EQ(std::ranges::count(chunks, "sRGB"), 0) << name << ": ISO/IEC 15948 allows one of them";
+    }
+    write_picture(dir / "c.png", random_picture(5, 4), kLinear);
+    EXPECT_EQ(std::ranges::count(chunks_of(bytes_of(dir / "c.png")), "gAMA"), 1);
+}
+
+TEST(PictureFile, OfTheSamePictureIsTheSameAtAnyTime) {
+    const TestDir dir;
+    const Image<Rgb> picture = random_picture(5, 4);
+    const auto write = [&](const std::string& folder) {
+        std::filesystem::create_directory(dir / folder);
+        for (const char* name : {"a.png", "a.tif", "a.jpg"})
+            write_picture(dir / folder / name, picture, kSrgb);
+        write_picture(dir / folder / "a.exr", picture, kLinear);
+    };
+    ::unsetenv("SOURCE_DATE_EPOCH");
+    write("early");
+    ::sleep(1);  // dates in pictures are of whole seconds
+    write("late");
+    for (const char* name : {"a.png", "a.tif", "a.jpg", "a.exr"})
+        EXPECT_EQ(bytes_of(dir / "early" / name), bytes_of(dir / "late" / name)) << name;
+    ::setenv("SOURCE_DATE_EPOCH", "86399", 1);
+    write("dated");
+    ::unsetenv("SOURCE_DATE_EPOCH");
+    for (const char* name : {"a.tif", "a.exr"})
+        EXPECT_THAT(bytes_of(dir / "dated" / name), HasSubstr("1970:01:01 23:59:59")) << name;
+}
+
 }  // namespace
 }  // namespace tangi

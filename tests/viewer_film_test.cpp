@@ -70,6 +70,18 @@ TEST(Film, VideosShowWhatWasAdded) {
     }
 }
 
+TEST(Film, VideosOfTheSamePicturesAreTheSame) {
+    for (const std::string ending : {".mp4", ".webm"}) {
+        const TestDir folder;
+        for (const char* name : {"a", "b"}) {
+            const auto film = make_film(folder / (name + ending), 25);
+            for (int i = 0; i < 3; ++i) film->add(plain(32, 24, Rgb(0.3f * static_cast<float>(i))));
+            film->finish();
+        }
+        EXPECT_EQ(bytes_of(folder / ("a" + ending)), bytes_of(folder / ("b" + ending))) << ending;
+    }
+}
+
 TEST(Film, FramesAreThePicturesThemselves) {
     const TestDir folder;
     const auto frames = folder / "frames";

@@ -7,6 +7,7 @@
 #include "paint/tools_file.h"
 #include "surface/error.h"
 #include "surface/overview.h"
+#include "surface/stale_temporaries.h"
 
 namespace tangi {
 
@@ -26,6 +27,7 @@ Painter::Painter(Setup setup, std::function<void()> wake, const Progress& progre
       file_is_new_(setup.file_is_new),
       file_(setup.file),
       wake_(std::move(wake)) {
+    remove_stale_temporaries(file_);
     if (!file_is_new_ && std::filesystem::exists(file_))
         guarded([&] { read_tools(file_, session_, progress); });
     const Canvas& canvas = session_.canvas();

@@ -93,12 +93,14 @@ private:
         AVFormatContext* format = nullptr;
         require(avformat_alloc_output_context2(&format, nullptr, codec_->container, url.c_str()), "memory");
         format_.reset(format);
+        format->flags |= AVFMT_FLAG_BITEXACT;  // the same pictures, the same bytes: no random numbers
         context_.reset(avcodec_alloc_context3(encoder_));
         AVStream* stream = avformat_new_stream(format, nullptr);
         frame_.reset(av_frame_alloc());
         packet_.reset(av_packet_alloc());
         if (!context_ || !stream || !frame_ || !packet_) throw std::bad_alloc();
         AVCodecContext& c = *context_;
+        c.flags |= AV_CODEC_FLAG_BITEXACT;
         c.width = planes.width;
         c.height = planes.height;
         c.pix_fmt = AV_PIX_FMT_YUV420P;

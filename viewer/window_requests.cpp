@@ -260,8 +260,13 @@ void WindowApp::requests() {
     const bool blocked = state_.left_over_strokes > 0 || other || state_.finishing;
     if (ask.undo && state_.painter.can_undo && !blocked) painter_->send(UndoEvent{});
     if (ask.redo && state_.painter.can_redo && !blocked) painter_->send(RedoEvent{});
-    if (ask.dry && !blocked)
-        painter_->send(DryEvent{fmt::format("layer {}", state_.painter.layers.size() + 1), 1});
+    if (ask.dry && !blocked) {
+        const std::vector<std::string>& layers = state_.painter.layers;
+        std::string name;
+        for (std::size_t i = layers.size() + 1; name.empty() || std::ranges::count(layers, name) > 0; ++i)
+            name = fmt::format("layer {}", i);
+        painter_->send(DryEvent{name, 1});
+    }
     if (!ask.lift.empty() && !blocked) painter_->send(LiftEvent{ask.lift});
     if (!blocked) board_requests(ask);
     if (ask.recover && left_over_ && !state_.treating.no_strokes.empty()) {

@@ -1,0 +1,48 @@
+// surface_json_text_test.cpp: JSON that says something twice is refused with its line; messages stay short.
+#include "surface/json_text.h"
+
+#include <gmock/gmock.h>
+
+#include "tests/test_support.h"
+
+namespace tangi {
+namespace {
+
+using nlohmann::json;
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::Not;
+
+TEST(JsonText, IsReadAsJson) {
+    const std::string text = R"({"a": [1, {"b": 2}, {"b": 3}], "c": {"a": null, "b": "\"a\": 1"}})";
+    EXPECT_EQ(parse_json(text, "x"), json::parse(text));
+    EXPECT_THROW(parse_json("{\"a\": 1", "x"), json::parse_error);
+    EXPECT_THROW(parse_json("", "x"), json::parse_error);
+    EXPECT_THROW(parse_json("{\"a\": 1, \"a\": 2, }", "x"), json::parse_error) << "it is no JSON at all";
+}
+
+TEST(JsonText, AFieldThatIsThereTwiceIsNamedWithItsLine) {
+    const auto error = [](const std::string& text) { return error_of([&] { parse_json(text, "a.json"); }); };
+    EXPECT_EQ(error(R"({"x": 1, "x": 1})"), "a.json: has the field 'x' twice; keep one of them");
+    EXPECT_EQ(error("{\n \"list\": [{\"y\": \"\\\"z\\\": 1\"},\n  {\"y\": 1,\n\n   \"y\" : 2}]\n}"),
+              "a.json: line 5: has the field 'y' twice; keep one of them");
+    EXPECT_THAT(error("{\"" + std::string(5000, 'k') + "\": 1, \"" + std::string(5000, 'k') + "\": 1}"),
+                AllOf(HasSubstr("kkk… (5000 bytes)"), Not(HasSubstr(std::string(100, 'k')))));
+    EXPECT_THAT(error(std::string(100000, '[')), HasSubstr("deeper than 64"));
+}
+
+TEST(JsonText, ValuesInMessagesAreShort) {
+    EXPECT_EQ(shown(json(0.1 + 0.2)), "0.30000000000000004");
+    EXPECT_EQ(shown(json(0.3)), "0.3");
+    EXPECT_EQ(shown(json(2)), "2");
+    EXPECT_EQ(shown(json("a")), "\"a\"");
+    EXPECT_EQ(shown(json(std::vector<int>(1000, 7))).size(), 80 + std::string("… (2001 bytes)").size());
+    EXPECT_EQ(shortened("aé", 2), "a… (3 bytes)") << "no half characters";
+    EXPECT_EQ(shortened("aé", 3), "aé");
+    EXPECT_EQ(line_of("a\nb\n", 0), 1);
+    EXPECT_EQ(line_of("a\nb\n", 2), 2);
+    EXPECT_EQ(line_of("a\nb\n", 999), 3);
+}
+
+}  // namespace
+}  // namespace tangi
