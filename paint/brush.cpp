@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
+#include <map>
 
 #include "paint/bristle_rows.h"
 #include "paint/transfer.h"
@@ -17,6 +17,7 @@ using procedural::hash;
 using procedural::uniform;
 
 constexpr int kMargin = 4;          // [pixels] around the contact for paint that is pushed out of it
+constexpr float kLying = 4;         // [1] length of a dragged bristle's mark over its width
 constexpr float kLightest = 0.15f;  // part of the dome that the lightest touch flattens
 // What is narrower than three pixels meets more or fewer of them as its place between them has it.
 constexpr double kLeastHalf_px = 1.5;
@@ -61,37 +62,6 @@ Bristle bristle_at(float u, float v, std::uint64_t seed) {
         }
     return {envelope, std::sqrt(best), nearest};
 }
-
-// Where the cells of a brush lie when it is turned: each cell has another place, and none is lost.
-class Turn {
-public:
-    Turn(float rotation_rad, int disc) : reach_(2 * disc + 2) {
-        // Quarter turns are exact; what is left of the angle is within 45 degrees, where shears are small.
-        const double quarter = std::numbers::pi / 2;
-        const long quarters = std::lround(rotation_rad / quarter);
-        const double rest = rotation_rad - static_cast<double>(quarters) * quarter;
-        quarters_ = static_cast<int>(((quarters % 4) + 4) % 4);
-        for (int i = -reach_; i <= reach_; ++i) {
-            across_.push_back(static_cast<int>(std::lround(-std::tan(rest / 2) * i)));
-            down_.push_back(static_cast<int>(std::lround(std::sin(rest) * i)));
-        }
-    }
-    void place(int u, int v, int& x, int& y) const {
-        x = u, y = v;
-        for (int turn = quarters_; turn > 0; --turn) {
-            const int old = x;
-            x = -y;
-            y = old;
-        }
-        x += across_[static_cast<std::size_t>(y + reach_)];
-        y += down_[static_cast<std::size_t>(x + reach_)];
-        x += across_[static_cast<std::size_t>(y + reach_)];
-    }
-
-private:
-    int reach_, quarters_;
-    std::vector<int> across_, down_;  // shifts of rows and columns
-};
 
 // Length of a contact with these half extents along the motion.
 double length_along(const Dab& dab, double half_width, double half_thickness) {
@@ -139,7 +109,7 @@ struct Outline {
 }  // namespace
 
 Brush::Brush(const BrushSettings& settings, double mm_per_pixel, std::uint64_t seed)
-    : settings_(settings), mm_per_pixel_(mm_per_pixel), seed_(seed) {
+    : settings_(settings), mm_per_pixel_(mm_per_pixel), seed_(seed), loads_(1, 1, 1) {
     validate(settings);
     TP_REQUIRE(mm_per_pixel > 0, "pixels have a size");
     width_px_ = settings.size_mm / mm_per_pixel;
@@ -154,8 +124,23 @@ Brush::Brush(const BrushSettings& settings, double mm_per_pixel, std::uint64_t s
              std::lround(2 * half_width_px_));
     disc_ = static_cast<int>(std::ceil(widest)) + 2;
     half_ = disc_ + kMargin + 2;
-    total_.assign(static_cast<std::size_t>(grid_size()) * static_cast<std::size_t>(grid_size()), 0.0f);
+    const auto cells = [&](double half_px) {
+        return static_cast<int>(std::ceil((half_px + 2) * (1 + settings.splay))) + 4;
+    };
+    loads_ = BristleLoads(cells(half_width_px_), cells(half_thickness_px_), half_);
     make_texture(seed);
+}
+
+struct Brush::Hair {
+    Bristle fine, tuft;
+};
+
+Brush::Hair Brush::hair(float u, float v) const {
+    // Bristles thinner than two pixels cannot be told apart.
+    const auto cell = static_cast<float>(std::max(settings_.bristle_mm / mm_per_pixel_, 2.0));
+    // A brush that turns with the stroke drags its bristles along its thickness, where they lie.
+    const float x = u / cell, y = v / (settings_.follow ? kLying * cell : cell);
+    return {bristle_at(x, y, hash(seed_, 1)), bristle_at(x / 4, y / 4, hash(seed_, 2))};
 }
 
 void Brush::make_texture(std::uint64_t seed) {
@@ -165,19 +150,14 @@ void Brush::make_texture(std::uint64_t seed) {
     const auto texels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
     dome_.assign(texels, kOutside);
     tip_.assign(texels, 0.0f);
-    // Bristles thinner than two pixels cannot be told apart.
-    const double cell_px = std::max(settings_.bristle_mm / mm_per_pixel_, 2.0);
     for (int v = 1 - texture_half_v_; v < texture_half_v_; ++v)
         for (int u = 1 - texture_half_u_; u < texture_half_u_; ++u) {
             const auto fu = static_cast<float>(u), fv = static_cast<float>(v);
             const auto a = static_cast<float>(half_width_px_), b = static_cast<float>(half_thickness_px_);
-            const auto cell = static_cast<float>(cell_px);
-            const Bristle fine = bristle_at(fu / cell, fv / cell, hash(seed, 1));
-            const Bristle tuft =
-                bristle_at(fu / (4 * cell), fv / (4 * cell), hash(seed, 2));  // they stick together
+            const Hair bristles = hair(fu, fv);
             const auto i = static_cast<std::size_t>((v + texture_half_v_) * width + u + texture_half_u_);
             dome_[i] = dome_of(settings_.shape, fu / a, fv / b, seed);
-            tip_[i] = std::min(0.55f * fine.shorter + 0.7f * tuft.shorter, 1.5f);
+            tip_[i] = std::min(0.55f * bristles.fine.shorter + 0.7f * bristles.tuft.shorter, 1.5f);
         }
 }
 
@@ -195,135 +175,144 @@ float Brush::fresh_load(int u, int v) const {
     const auto fu = static_cast<float>(u) / widening, fv = static_cast<float>(v) / widening;
     const Texel t = texel(fu, fv);
     if (t.dome >= 1) return 0;
-    const float cell = static_cast<float>(std::max(settings_.bristle_mm / mm_per_pixel_, 2.0));
-    const Bristle fine = bristle_at(fu / cell, fv / cell, hash(seed_, 1));
-    const Bristle tuft = bristle_at(fu / (4 * cell), fv / (4 * cell), hash(seed_, 2));
-    const float luck = 0.4f * uniform(hash(fine.id, 9)) + 0.6f * uniform(hash(tuft.id, 9));
+    const Hair bristles = hair(fu, fv);
+    const float luck =
+        0.25f * uniform(hash(bristles.fine.id, 9)) + 0.75f * uniform(hash(bristles.tuft.id, 9));
     return static_cast<float>(settings_.load_mm * coverage_) * (1 - 0.3f * t.dome) *
            (1 - static_cast<float>(settings_.load_variation) * luck);
 }
 
 void Brush::turn_to(float rotation_rad) {
-    const float step = 1.0f / static_cast<float>(disc_);  // one pixel at the rim
-    const float wanted = std::round(rotation_rad / step) * step;
-    if (wanted == rotation_rad_) return;
-    const int size = grid_size();
-    const Turn before(rotation_rad_, disc_), after(wanted, disc_);
-    std::vector<std::pair<int, int>> moves;
-    for (int v = -disc_; v <= disc_; ++v)
-        for (int u = -disc_; u <= disc_; ++u) {
-            if (u * u + v * v > disc_ * disc_) continue;
-            int x0, y0, x1, y1;
-            before.place(u, v, x0, y0);
-            after.place(u, v, x1, y1);
-            moves.emplace_back((y0 + half_) * size + x0 + half_, (y1 + half_) * size + x1 + half_);
-        }
-    std::vector<float> turned(total_.size());
-    const auto turn = [&](std::vector<float>& plane) {
-        std::fill(turned.begin(), turned.end(), 0.0f);
-        for (const auto& [from, to] : moves)
-            turned[static_cast<std::size_t>(to)] = plane[static_cast<std::size_t>(from)];
-        std::swap(plane, turned);
-    };
-    for (auto& plane : loads_) turn(plane);
-    turn(total_);
-    rotation_rad_ = wanted;
+    const float step = 1.5f / static_cast<float>(disc_);  // one pixel and a half at the rim
+    loads_.turn_to(std::round(rotation_rad / step) * step);
 }
 
-float* Brush::load_plane(IngredientId ingredient) {
-    const auto found = std::lower_bound(ids_.begin(), ids_.end(), ingredient);
-    const auto number = found - ids_.begin();
-    if (found == ids_.end() || *found != ingredient) {
-        ids_.insert(found, ingredient);
-        loads_.insert(loads_.begin() + number, std::vector<float>(total_.size(), 0.0f));
-    }
-    return loads_[static_cast<std::size_t>(number)].data();
+std::vector<float> Brush::total_of(const std::vector<std::vector<float>>& cells) {
+    std::vector<float> total(cells.empty() ? 0 : cells.front().size(), 0.0f);
+    for (const auto& plane : cells)
+        for (std::size_t i = 0; i < plane.size(); ++i) total[i] += plane[i];
+    return total;
 }
 
-void Brush::sum_loads() {
-    std::fill(total_.begin(), total_.end(), 0.0f);
-    for (const auto& plane : loads_)
-        for (std::size_t i = 0; i < plane.size(); ++i) total_[i] += plane[i];
-}
-
-void Brush::clean() {
-    ids_.clear();
-    loads_.clear();
-    std::fill(total_.begin(), total_.end(), 0.0f);
-}
+void Brush::clean() { loads_.clear(); }
 
 void Brush::load(const std::vector<Portion>& recipe, double amount, bool keep) {
     double parts = 0;
     for (const Portion& portion : recipe) parts += portion.part;
     if (!(parts > 0)) fail("a brush is loaded with parts of paint that sum to {}", parts);
     if (!keep) clean();
-    for (const Portion& portion : recipe) load_plane(portion.ingredient);
-    const int size = grid_size();
-    const Turn turn(rotation_rad_, disc_);
-    for (int v = -disc_; v <= disc_; ++v)
-        for (int u = -disc_; u <= disc_; ++u) {
-            if (u * u + v * v > disc_ * disc_) continue;
-            int x, y;
-            turn.place(u, v, x, y);
-            const auto i = static_cast<std::size_t>((y + half_) * size + x + half_);
-            const float room = fresh_load(u, v) * static_cast<float>(amount) - total_[i];
+    std::map<IngredientId, std::vector<float>> planes;
+    auto there = loads_.cells();
+    std::vector<float> total = total_of(there);
+    for (std::size_t i = 0; i < there.size(); ++i) planes[ingredients()[i]] = std::move(there[i]);
+    const int half_u = loads_.half_u(), half_v = loads_.half_v();
+    total.resize(static_cast<std::size_t>(2 * half_u + 1) * static_cast<std::size_t>(2 * half_v + 1), 0.0f);
+    for (const Portion& portion : recipe) planes[portion.ingredient].resize(total.size(), 0.0f);
+    std::size_t i = 0;
+    for (int v = -half_v; v <= half_v; ++v)
+        for (int u = -half_u; u <= half_u; ++u, ++i) {
+            const float room = fresh_load(u, v) * static_cast<float>(amount) - total[i];
             if (!(room > 0)) continue;
             for (const Portion& portion : recipe)
-                load_plane(portion.ingredient)[i] += room * static_cast<float>(portion.part / parts);
+                planes[portion.ingredient][i] += room * static_cast<float>(portion.part / parts);
         }
-    sum_loads();
+    std::vector<IngredientId> ids;
+    std::vector<std::vector<float>> cells;
+    for (auto& [id, plane] : planes) {
+        ids.push_back(id);
+        cells.push_back(std::move(plane));
+    }
+    loads_.set(std::move(ids), std::move(cells));
 }
 
 void Brush::take_over(const Brush& other) {
     clean();
-    double on_other = 0, here = 0;
-    for (const float mm : other.total_) on_other += mm;
-    if (!(on_other > 0)) return;
-    const double area = other.mm_per_pixel_ * other.mm_per_pixel_ / (mm_per_pixel_ * mm_per_pixel_);
+    const double area = other.mm_per_pixel_ * other.mm_per_pixel_;
     std::vector<Portion> recipe;
-    for (std::size_t i = 0; i < other.ids_.size(); ++i) {
+    double on_other = 0, here = 0;
+    const auto cells = other.loads_.cells();
+    for (std::size_t i = 0; i < cells.size(); ++i) {
         double sum = 0;
-        for (const float mm : other.loads_[i]) sum += mm;
-        if (sum > 0) recipe.push_back({other.ids_[i], sum});
+        for (const float mm : cells[i]) sum += mm;
+        if (sum > 0) recipe.push_back({other.ingredients()[i], sum});
+        on_other += sum * area;
     }
+    if (!(on_other > 0)) return;
     load(recipe, 1);
-    for (const float mm : total_) here += mm;
-    const double scale = here > 0 ? on_other * area / here : 0;
+    for (const float mm : total_of(loads_.cells())) here += mm * mm_per_pixel_ * mm_per_pixel_;
+    const double scale = here > 0 ? on_other / here : 0;
     if (!(scale > 0)) return clean();
     load(recipe, scale);
 }
 
-void Brush::put_back(BrushLoad load) {
-    TP_REQUIRE(load.total_mm.size() == total_.size() && load.mm.size() == load.ingredients.size(),
+BrushLoad Brush::bristles() const {
+    BrushLoad load;
+    load.ingredients = ingredients();
+    const auto size = static_cast<std::size_t>(grid_size());
+    const auto width = static_cast<std::size_t>(2 * loads_.half_u() + 1);
+    const auto left = static_cast<std::size_t>(half_ - loads_.half_u()),
+               top = static_cast<std::size_t>(half_ - loads_.half_v());
+    load.total_mm.assign(size * size, 0.0f);
+    for (const auto& cells : loads_.cells()) {
+        auto& plane = load.mm.emplace_back(size * size, 0.0f);
+        for (std::size_t i = 0; i < cells.size(); ++i) {
+            const std::size_t to = (i / width + top) * size + i % width + left;
+            plane[to] = cells[i];
+            load.total_mm[to] += cells[i];
+        }
+    }
+    return load;
+}
+
+void Brush::put_back(const BrushLoad& load) {
+    const auto size = static_cast<std::size_t>(grid_size());
+    TP_REQUIRE(load.total_mm.size() == size * size && load.mm.size() == load.ingredients.size(),
                "a load of this brush");
-    for (const auto& plane : load.mm) TP_REQUIRE(plane.size() == total_.size(), "a load of this brush");
-    TP_REQUIRE(std::is_sorted(load.ingredients.begin(), load.ingredients.end()), "paints are in order");
-    rotation_rad_ = load.rotation_rad;
-    ids_ = std::move(load.ingredients);
-    loads_ = std::move(load.mm);
-    total_ = std::move(load.total_mm);
+    const float c = std::cos(load.rotation_rad), s = std::sin(load.rotation_rad);
+    const int half_u = loads_.half_u(), half_v = loads_.half_v();
+    std::vector<std::vector<float>> all;
+    for (const auto& plane : load.mm) {
+        TP_REQUIRE(plane.size() == size * size, "a load of this brush");
+        auto& cells = all.emplace_back(
+            static_cast<std::size_t>(2 * half_u + 1) * static_cast<std::size_t>(2 * half_v + 1), 0.0f);
+        std::size_t i = 0;
+        for (int y = -half_; y <= half_; ++y)
+            for (int x = -half_; x <= half_; ++x, ++i) {
+                if (plane[i] == 0) continue;
+                const auto fx = static_cast<float>(x), fy = static_cast<float>(y);
+                const int u = std::clamp(static_cast<int>(std::lround(fx * c + fy * s)), -half_u, half_u);
+                const int v = std::clamp(static_cast<int>(std::lround(fy * c - fx * s)), -half_v, half_v);
+                cells[static_cast<std::size_t>((v + half_v) * (2 * half_u + 1) + u + half_u)] += plane[i];
+            }
+    }
+    loads_.set(load.ingredients, std::move(all));
 }
 
 void Brush::renumber(const std::vector<IngredientId>& number) {
-    std::vector<std::pair<IngredientId, std::vector<float>>> planes;
-    for (std::size_t i = 0; i < ids_.size(); ++i) {
-        TP_REQUIRE(ids_[i] < number.size(), "each paint of the brush has a number");
-        planes.emplace_back(number[ids_[i]], std::move(loads_[i]));
+    std::map<IngredientId, std::vector<float>> planes;
+    auto cells = loads_.cells();
+    for (std::size_t i = 0; i < cells.size(); ++i) {
+        TP_REQUIRE(ingredients()[i] < number.size(), "each paint of the brush has a number");
+        TP_REQUIRE(planes.emplace(number[ingredients()[i]], std::move(cells[i])).second,
+                   "paints that differ have two numbers");
     }
-    std::sort(planes.begin(), planes.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
-    for (std::size_t i = 0; i < planes.size(); ++i) {
-        TP_REQUIRE(i == 0 || planes[i - 1].first != planes[i].first, "paints that differ have two numbers");
-        ids_[i] = planes[i].first;
-        loads_[i] = std::move(planes[i].second);
+    std::vector<IngredientId> ids;
+    cells.clear();
+    for (auto& [id, plane] : planes) {
+        ids.push_back(id);
+        cells.push_back(std::move(plane));
     }
+    loads_.set(std::move(ids), std::move(cells));
 }
 
-std::vector<double> Brush::volumes_mm3(std::size_t ingredients) const {
-    std::vector<double> sums(ingredients, 0.0);
-    for (std::size_t i = 0; i < ids_.size(); ++i) {
-        TP_REQUIRE(ids_[i] < ingredients, "the brush's ingredients are those that are counted");
-        for (const float mm : loads_[i]) sums[ids_[i]] += mm;
-        sums[ids_[i]] *= mm_per_pixel_ * mm_per_pixel_;
+std::vector<double> Brush::volumes_mm3(std::size_t count) const {
+    std::vector<double> sums(count, 0.0);
+    const auto cells = loads_.cells();
+    for (std::size_t i = 0; i < cells.size(); ++i) {
+        TP_REQUIRE(ingredients()[i] < count, "the brush's ingredients are those that are counted");
+        double& sum = sums[ingredients()[i]];
+        for (const float mm : cells[i]) sum += mm;
+        sum *= mm_per_pixel_ * mm_per_pixel_;
     }
     return sums;
 }

@@ -1,14 +1,14 @@
 // brush.h: a brush in the hand: its bristles, the paint on each of them, and where they are while it is
 // moved.
 //
-// Loads lie on a grid of the canvas's pixels that moves with the brush. When the brush turns, its cells are
-// permuted (rotation by three shears, each a shift of whole pixels: Paeth 1986, "A fast algorithm for general
-// raster rotation"), so turning neither blurs the paint nor loses any.
+// Loads belong to cells that turn with the brush; steps of a stroke see them on a grid of the canvas's pixels
+// that moves with it (bristle_loads.h), so turning neither blurs the paint nor loses any.
 #pragma once
 
 #include <cstdint>
 #include <vector>
 
+#include "paint/bristle_loads.h"
 #include "paint/brush_settings.h"
 #include "paint/canvas.h"
 #include "paint/transfer.h"
@@ -23,11 +23,12 @@ struct Dab {
     float tilt_x = 0,
           tilt_y = 0;      // [1] sine of the handle's tilt from the normal, towards x and y; length < 1
     float dx = 1, dy = 0;  // unit vector of the motion; 0, 0 where it stands
+    int step = 0;          // number in the stroke
 };
 
 // What is on a brush, bit for bit: rows of grid_size() cells.
 struct BrushLoad {
-    float rotation_rad = 0;                 // as the cells lie
+    float rotation_rad = 0;                 // of the brush as the cells lie; 0 as bristles() gives them
     std::vector<IngredientId> ingredients;  // ascending
     std::vector<std::vector<float>> mm;     // of each
     std::vector<float> total_mm;
@@ -50,13 +51,14 @@ public:
     // there of the paint that is i here.
     void renumber(const std::vector<IngredientId>& number);
 
-    // To keep and to put back what is on the bristles. Throws ContractError where it is not of this brush.
-    BrushLoad bristles() const { return {rotation_rad_, ids_, loads_, total_}; }
-    void put_back(BrushLoad load);
+    // To keep and to put back what is on the bristles between strokes. Cells that lie turned go to the
+    // nearest ones. Throws ContractError where it is not of this brush.
+    BrushLoad bristles() const;
+    void put_back(const BrushLoad& load);
 
     // Volume [mm^3] on the bristles, for each of `ingredients`.
     std::vector<double> volumes_mm3(std::size_t ingredients) const;
-    const std::vector<IngredientId>& ingredients() const { return ids_; }
+    const std::vector<IngredientId>& ingredients() const { return loads_.ingredients(); }
 
     // Where the middle of the contact is for this dab: the tip trails behind the handle.
     void contact_centre(const Dab& dab, double& x, double& y) const;
@@ -70,8 +72,10 @@ public:
     // They carry its volume, so their load is thinner by it.
     double coverage() const { return coverage_; }
 
-    // Turns the loads with the brush.
+    // Turns the loads with the brush, to the nearest step of a pixel at its rim.
     void turn_to(float rotation_rad);
+    // Where a stroke ends: what comes next depends on what is on the bristles only.
+    void rest() { loads_.rest(); }
 
     // The underside [mm] of the bristles over a box of pixels whose first is (x0, y0), row-major; kOutside
     // where there are none. Row y has bristles at columns spans[y].begin <= x < spans[y].end at most.
@@ -80,8 +84,8 @@ public:
 
     // The load of an ingredient; made where there is none. The grid has grid_size() columns and rows, its
     // middle cell belongs to the pixel nearest to the contact's centre.
-    float* load_plane(IngredientId ingredient);
-    float* load_total() { return total_.data(); }
+    float* load_plane(IngredientId ingredient) { return loads_.view(ingredient); }
+    float* load_total() { return loads_.view_total(); }
     int grid_size() const { return 2 * half_ + 1; }
     int grid_half() const { return half_; }
 
@@ -92,8 +96,11 @@ private:
     };
     void make_texture(std::uint64_t seed);
     Texel texel(float u, float v) const;  // u, v in pixels from the middle, along width and thickness
+    // The finest bristles around a place, and the tufts in which they stick together.
+    struct Hair;
+    Hair hair(float u, float v) const;
     float fresh_load(int u, int v) const;
-    void sum_loads();
+    static std::vector<float> total_of(const std::vector<std::vector<float>>& cells);
 
     BrushSettings settings_;
     double mm_per_pixel_;
@@ -101,13 +108,10 @@ private:
     double width_px_, thickness_px_;            // of the brush
     double half_width_px_, half_thickness_px_;  // of what stands for it: kLeastHalf_px at least
     double coverage_ = 1;
-    int disc_ = 0, half_ = 0;  // radius of the cells that turn, and half the grid
-    float rotation_rad_ = 0;   // as the loads lie
+    int disc_ = 0, half_ = 0;  // radius [pixels] of what turns, and half the grid
     int texture_half_u_ = 0, texture_half_v_ = 0;
     std::vector<float> dome_, tip_;  // Texel, as maps
-    std::vector<IngredientId> ids_;
-    std::vector<std::vector<float>> loads_;
-    std::vector<float> total_;
+    BristleLoads loads_;
 };
 
 }  // namespace tangi

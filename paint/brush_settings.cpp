@@ -15,7 +15,12 @@ constexpr std::array<const char*, 6> kShapes = {"round", "flat", "filbert", "fan
 
 std::map<std::string, BrushSettings> make_presets() {
     std::map<std::string, BrushSettings> all;
+    // Hog bristles: tufts of them differ much in paint and in length, which makes streaks.
     BrushSettings round;
+    round.load_mm = 3.2;
+    round.load_variation = 0.9;
+    round.pickup = 2.2;
+    round.groove_mm = 0.2;
     all["round"] = round;
 
     BrushSettings flat = round;
@@ -71,6 +76,7 @@ std::map<std::string, BrushSettings> make_presets() {
     rag.shape = "rag";
     rag.size_mm = 25;
     rag.load_mm = 0;
+    rag.load_variation = 0.35;
     rag.deposit = 0.1;
     rag.pickup = 2.5;
     rag.push = 0.15;

@@ -12,14 +12,14 @@
 namespace tangi {
 
 struct BrushSettings {
-    std::string shape = "round";  // round, flat, filbert, fan, knife, rag
-    double size_mm = 8;           // width of the contact at full pressure
-    double thickness = 1;         // [1] its other extent over the width
-    double load_mm = 2.5;         // paint over the area of the contact, when freshly loaded
-    double hold_mm = 8;           // paint that the bristles hold at most; they are slow to take the last half
+    std::string shape = "round";   // round, flat, filbert, fan, knife, rag
+    double size_mm = 8;            // width of the contact at full pressure
+    double thickness = 1;          // [1] its other extent over the width
+    double load_mm = 2.5;          // paint over the area of the contact, when freshly loaded
+    double hold_mm = 8;            // paint that the bristles hold at most; the fuller, the less they take
     double load_variation = 0.35;  // [1] how much the load differs between bristles
     double deposit = 0.35;         // [1] part of the load given over one length of the contact
-    double pickup = 1.0;           // [1] part of the wet paint taken over the same length, as a rate
+    double pickup = 1.5;           // [1] part of the wet paint taken over the same length, as a rate
     double push = 0.7;             // [1] part of the paint above the bristles that moves with them
     double spread = 0.6;           // [1] part of the pushing that goes sideways
     double gap_mm = 0.10;          // underside over the canvas when touched lightly; less when pressed

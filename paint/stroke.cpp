@@ -11,6 +11,7 @@ namespace tangi {
 
 namespace {
 
+constexpr double kTipOfHold = 1.0 / 3;  // part of what bristles hold that is at their tips
 constexpr float kPerStepAtMost = 0.5f;  // of load or paint in one step: TransferRates
 
 // Surface tension levels waves of length l and amplitude a where sigma a (2 pi / l)^2, its stress in a film
@@ -46,6 +47,7 @@ TransferRates rates_of(const BrushSettings& s, double mm_per_pixel) {
     r.film_mm = static_cast<float>(s.film_mm);
     r.reach_mm = static_cast<float>(s.reach_mm);
     r.load_reach = static_cast<float>(s.load_reach);
+    r.tip_mm = static_cast<float>(s.hold_mm * kTipOfHold);
     r.spread = static_cast<float>(s.spread);
     r.yield_mm = static_cast<float>(s.yield_slope * mm_per_pixel);
     r.flow = 0.15f;
@@ -79,7 +81,14 @@ Region box_of(const Brush& brush, const Dab& dab) {
     int half_x, half_y;
     brush.contact_centre(dab, cx, cy);
     brush.reach_px(dab, half_x, half_y);
-    const int x = static_cast<int>(std::lround(cx)), y = static_cast<int>(std::lround(cy));
+    // Loads lie on whole pixels. Rounded to the nearest, they would go along a slanting stroke in stairs,
+    // whose print is a sawtooth; rounded up as often as they are nearer to the upper one, in an order that is
+    // spread evenly over any few steps (Roberts 2018, the R2 sequence), they go straight in the mean.
+    const auto rounded = [&](double value, double share) {
+        const double turn = share * dab.step;
+        return static_cast<int>(std::floor(value + turn - std::floor(turn)));
+    };
+    const int x = rounded(cx, 0.7548776662466927), y = rounded(cy, 0.5698402909980532);
     return {x - half_x, y - half_y, x + half_x + 1, y + half_y + 1};
 }
 
@@ -233,11 +242,13 @@ void Stroke::finish() {
         const int rest = static_cast<int>(std::lround(brush_.contact_length_px(dab) / 4)) + 1;
         dabs_.assign(static_cast<std::size_t>(rest), dab);
         ages_s_.assign(dabs_.size(), knots_[0].came_s);
+        for (int i = 0; i < rest; ++i) dabs_[static_cast<std::size_t>(i)].step = i;
     } else if (n >= 2) {
         const Knot &before = n >= 3 ? knots_[n - 3] : knots_[n - 2], &last = knots_[n - 1];
         segment(before, knots_[n - 2], last, last);
     }
     paint();
+    brush_.rest();
     if (last_) relax(*last_);
     while (look_ && look_at_s_ < age_s()) call_look();
 }
@@ -324,6 +335,7 @@ void Stroke::step_to(const Knot& b, const Knot& c, double u, const PathPoint& at
         rotation += *heading_rad_;
     }
     dab.rotation_rad = static_cast<float>(rotation);
+    dab.step = steps_ + static_cast<int>(dabs_.size());
     dabs_.push_back(dab);
     ages_s_.push_back(mix(b.left_s, c.came_s, u));
 }

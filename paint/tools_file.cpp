@@ -99,7 +99,7 @@ BrushInHand read_brush(const fs::path& path, const PartInfo& info, const Canvas&
             }
         }
     });
-    hand.brush->put_back(std::move(load));
+    hand.brush->put_back(load);
     return hand;
 }
 

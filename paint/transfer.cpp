@@ -25,15 +25,20 @@ void exchange_row(int n, const TransferRates& r, const float* __restrict undersi
                   const float* __restrict relief, const float* __restrict grain,
                   const float* __restrict total, const float* __restrict load, float* __restrict give,
                   float* __restrict take) {
-    const float deposit = r.deposit, pickup = r.pickup, film = r.film_mm, reach0 = r.reach_mm,
-                reach1 = r.load_reach, per_half = 2 / r.hold_mm;
+    const float pickup = r.pickup, film = r.film_mm, reach0 = r.reach_mm, reach1 = r.load_reach,
+                per_hold = 1 / r.hold_mm, hold = r.hold_mm, tip = r.tip_mm, per_reach0 = 1 / r.reach_mm,
+                deposit_tip = r.deposit * r.tip_mm;
     for (int x = 0; x < n; ++x) {
-        const float reach = reach0 + reach1 * load[x];
+        const float reach = reach0 + reach1 * std::min(load[x], tip);
         const float room = underside[x] - (relief[x] + total[x]);
-        const float contact = std::min(std::max((reach - room) / reach, 0.0f), 1.0f) * grain[x];
-        give[x] = deposit * contact;
-        const float thirst = std::min(std::max(2 - per_half * load[x], 0.0f), 1.0f);
-        take[x] = pickup * thirst * contact * std::max(total[x] - film, 0.0f) / (total[x] + kTiny);
+        const float contact = std::min(std::max(reach - room, 0.0f), reach) * grain[x];  // times the reach
+        give[x] = deposit_tip * contact / (reach * std::max(load[x], tip));
+        // Paint is lifted where the bristle itself dips into it: what hangs from it flows down only.
+        const float dip = std::min(std::max(1 - room * per_reach0, 0.0f), 1.0f) * grain[x];
+        const float thirst = std::max(1 - per_hold * load[x], 0.0f);
+        const float taken =
+            std::min(pickup * thirst * dip * std::max(total[x] - film, 0.0f), std::max(hold - load[x], 0.0f));
+        take[x] = taken / (total[x] + kTiny);
     }
 }
 

@@ -18,10 +18,11 @@ struct TransferRates {
     float deposit = 0;     // [1] part of a bristle's load that goes to the canvas in full contact, 0..0.5
     float pickup = 0;      // [1] part of the canvas's paint above the film that goes to the bristle, 0..0.5
     float push = 0;        // [1] part of the paint above the underside that moves on, 0..1
-    float hold_mm = 1e9f;  // [mm] > 0: load of which bristles take no more; from half of it on they take less
+    float hold_mm = 1e9f;  // [mm] > 0: load of which bristles take no more; the fuller, the less they take
     float film_mm = 0;     // [mm] paint that always stays on the canvas
     float reach_mm = 0;    // [mm] > 0: gap that a bristle without paint still bridges
     float load_reach = 0;  // [1] further gap for each mm of load: wet paint bridges what is dry
+    float tip_mm = 1e9f;   // [mm] > 0: load at the tips, which gives and bridges; what is more waits above
     float spread = 0;      // [1] how much of the pushing goes towards where the brush presses less, 0..1
     float yield_mm = 0;    // [mm] step between neighbours that paint holds; more of it flows down
     float flow = 0;        // [1] part of what is more that flows in one step, 0..0.2

@@ -80,20 +80,93 @@ TEST(Brush, BristlesDifferInLoadAndLength) {
     EXPECT_NE(one, other);
 }
 
-TEST(Brush, TurningIsAPermutationThatIsUndone) {
+TEST(Brush, TurningLosesNothingAndIsUndone) {
     Brush brush(brush_presets().at("flat"), kTestPixel, 3);
     brush.load({{0, 1}, {1, 2}}, 1);
-    const int cells = brush.grid_size() * brush.grid_size();
+    const auto cells = static_cast<std::ptrdiff_t>(brush.grid_size()) * brush.grid_size();
+    brush.turn_to(0);
     const std::vector<float> before(brush.load_total(), brush.load_total() + cells);
+    const double volume = total(brush);
     for (const double degrees : {7.0, 45.0, 46.0, 91.0, 180.0, 333.0, 700.0, -50.0}) {
         brush.turn_to(static_cast<float>(degrees * std::numbers::pi / 180));
-        std::vector<float> now(brush.load_total(), brush.load_total() + cells), sorted = before;
-        std::sort(now.begin(), now.end());
-        std::sort(sorted.begin(), sorted.end());
-        EXPECT_EQ(now, sorted) << degrees;  // the same cells in other places
+        double seen = 0;
+        for (std::ptrdiff_t i = 0; i < cells; ++i) seen += brush.load_total()[i];
+        EXPECT_NEAR(seen * kTestPixel * kTestPixel / volume, 1, 1e-5) << degrees;
+        EXPECT_EQ(total(brush), volume) << degrees;
     }
     brush.turn_to(0);
     EXPECT_EQ(before, std::vector<float>(brush.load_total(), brush.load_total() + cells));
+    // As a stroke ends and another begins.
+    brush.rest();
+    brush.turn_to(0);
+    EXPECT_EQ(before, std::vector<float>(brush.load_total(), brush.load_total() + cells));
+}
+
+// A brush that gives the same part of its paint everywhere keeps its pattern, however often it turns.
+TEST(Brush, TurningDoesNotBlurWhatIsOnTheBristles) {
+    Brush brush(brush_presets().at("flat"), kTestPixel, 3);
+    brush.load({{0, 1}}, 1);
+    const auto cells = static_cast<std::ptrdiff_t>(brush.grid_size()) * brush.grid_size();
+    const BrushLoad before = brush.bristles();
+    const int turns = 60;
+    for (int i = 1; i <= turns; ++i) {
+        brush.turn_to(static_cast<float>(0.11 * i));
+        float* const load = brush.load_plane(0);
+        for (std::ptrdiff_t k = 0; k < cells; ++k) load[k] *= 0.98f;
+    }
+    brush.rest();
+    const BrushLoad after = brush.bristles();
+    const float left = std::pow(0.98f, static_cast<float>(turns));
+    for (std::size_t k = 0; k < before.total_mm.size(); ++k)
+        ASSERT_NEAR(after.total_mm[k], left * before.total_mm[k], 1e-3f) << k;
+}
+
+// What comes onto a turned brush stays where it touched, and all of it.
+TEST(Brush, PaintThatATurnedBrushTakesUpTurnsWithIt) {
+    Brush brush(brush_presets().at("flat"), kTestPixel, 3);
+    const float quarter = static_cast<float>(std::numbers::pi / 2);
+    brush.turn_to(0.4f);
+    const int size = brush.grid_size(), half = brush.grid_half(), out = 18;  // pixels along the width
+    const int x = half + static_cast<int>(std::lround(out * std::cos(0.4))),
+              y = half + static_cast<int>(std::lround(out * std::sin(0.4)));
+    brush.load_plane(0)[y * size + x] = 2;
+    EXPECT_NEAR(total(brush), 2 * kTestPixel * kTestPixel, 1e-6);
+    brush.turn_to(0.4f + 2 * quarter);
+    double sum = 0, mean_x = 0, mean_y = 0;
+    for (int row = 0; row < size; ++row)
+        for (int column = 0; column < size; ++column) {
+            const float mm = brush.load_plane(0)[row * size + column];
+            sum += mm;
+            mean_x += mm * (column - half);
+            mean_y += mm * (row - half);
+        }
+    EXPECT_NEAR(sum, 2, 1e-5);
+    EXPECT_NEAR(mean_x / sum, half - x, 1.0);
+    EXPECT_NEAR(mean_y / sum, half - y, 1.0);
+}
+
+TEST(Brush, PutsBackWhatLiesTurned) {
+    const BrushSettings settings = brush_presets().at("flat");
+    Brush brush(settings, kTestPixel, 3), other(settings, kTestPixel, 3);
+    brush.load({{0, 1}}, 1);
+    const double volume = total(brush);
+    other.put_back(brush.bristles());
+    EXPECT_EQ(other.bristles().mm, brush.bristles().mm);
+    // Earlier versions kept the cells as they lay on the canvas.
+    BrushLoad turned = brush.bristles();
+    brush.turn_to(1.1f);
+    turned.rotation_rad = 1.1f;
+    const auto cells = static_cast<std::ptrdiff_t>(brush.grid_size()) * brush.grid_size();
+    turned.mm[0].assign(brush.load_total(), brush.load_total() + cells);
+    other.put_back(turned);
+    EXPECT_NEAR(total(other) / volume, 1, 1e-5);
+    double difference = 0, sum = 0;
+    const BrushLoad one = brush.bristles(), two = other.bristles();
+    for (std::size_t i = 0; i < one.total_mm.size(); ++i) {
+        difference += std::abs(one.total_mm[i] - two.total_mm[i]);
+        sum += one.total_mm[i];
+    }
+    EXPECT_LT(difference, 0.5 * sum);  // another place would be 2
 }
 
 TEST(Brush, LoadsTurnTheWayTheBristlesDo) {

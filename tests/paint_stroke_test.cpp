@@ -4,6 +4,8 @@
 
 #include <gmock/gmock.h>
 
+#include <numbers>
+
 #include "paint/substrate.h"
 #include "surface/painting_file.h"
 #include "surface/parallel.h"
@@ -155,6 +157,76 @@ TEST(Stroke, BristlesLeaveStreaksAlongIt) {
             along += std::pow(mm(x + 1, y) - mm(x, y), 2);
         }
     EXPECT_GT(across, 2 * along);
+}
+
+// A wide flat brush that turns with a curve leaves streaks along it: no sawtooth from pixels, no rungs.
+TEST(Stroke, ATurningBrushLeavesCleanStreaks) {
+    constexpr double pi = std::numbers::pi, radius_mm = 28, radius_px = radius_mm / kTestPixel;
+    for (const double load : {1.0, 3.0}) {
+        Canvas canvas = flat_canvas(360, 360);
+        const auto red = add_paint(canvas, "Pyrrole Red");
+        BrushSettings settings = brush_presets().at("flat");
+        settings.size_mm = 30;
+        settings.grain = 0;
+        Brush brush(settings, kTestPixel, 4);
+        brush.load({{red, 1}}, load);
+        Stroke s(canvas, brush, {}, 1);
+        for (int i = 0; i <= 60; ++i) {
+            const double angle = (200 - 2 * i) * pi / 180;
+            s.add({i * 0.01, radius_mm * std::cos(angle), radius_mm * std::sin(angle) - 5, 0.6, 0, 0, 0});
+        }
+        s.finish();
+        const Image<float> mm = thickness_of(canvas);
+        const auto at = [&](double r, double angle) {
+            const double x = 179.5 + r * std::cos(angle), y = 179.5 + 5 / kTestPixel - r * std::sin(angle);
+            const int ix = static_cast<int>(x), iy = static_cast<int>(y);
+            const double fx = x - ix, fy = y - iy;
+            return (mm(ix, iy) * (1 - fx) + mm(ix + 1, iy) * fx) * (1 - fy) +
+                   (mm(ix, iy + 1) * (1 - fx) + mm(ix + 1, iy + 1) * fx) * fy;
+        };
+        // Curvature over two pixels, along the stroke and across.
+        double along = 0, across = 0;
+        for (double r = radius_px - 45; r < radius_px + 45; ++r)
+            for (double angle = 120 * pi / 180; angle < 175 * pi / 180; angle += 0.007) {
+                const double step = 2 / r, middle = 2 * at(r, angle);
+                along += std::pow(at(r, angle + step) + at(r, angle - step) - middle, 2);
+                across += std::pow(at(r + 2, angle) + at(r - 2, angle) - middle, 2);
+            }
+        EXPECT_LT(std::sqrt(along / across), load > 2 ? 0.12 : 0.24) << load;
+    }
+}
+
+// Where a stroke crosses wet paint, its bristles drag streaks of both colours along.
+TEST(Stroke, CrossingWetPaintLeavesStreaksOfBoth) {
+    BrushSettings settings = brush_presets().at("flat");
+    settings.size_mm = 14;
+    double unevenness = 0;  // of the part of yellow from row to row, over its mean
+    for (const std::uint64_t seed : {3, 5, 7, 9}) {
+        Canvas canvas = flat_canvas(400, 160);
+        const auto yellow = add_paint(canvas, "Hansa Yellow Opaque"),
+                   blue = add_paint(canvas, "Ultramarine Blue");
+        Brush first(settings, kTestPixel, seed), second(settings, kTestPixel, seed + 1);
+        first.load({{yellow, 1}}, 1.2);
+        stroke(canvas, first, {-10, 16}, {-10, -16});
+        second.load({{blue, 1}}, 1);
+        stroke(canvas, second, {-40, 0}, {40, 0});
+        // From 8 to 20 mm behind the crossing.
+        std::vector<double> parts;
+        double mean = 0, squares = 0;
+        for (int y = 60; y < 100; ++y) {
+            double sum = 0, of_yellow = 0;
+            for (int x = 220; x < 268; ++x) {
+                sum += canvas.wet().thickness_mm(x, y);
+                of_yellow += canvas.wet().thickness_mm(x, y, yellow);
+            }
+            parts.push_back(of_yellow / sum);
+            mean += parts.back() / 40;
+        }
+        for (const double part : parts) squares += std::pow(part - mean, 2) / 40;
+        EXPECT_GT(mean, 0.1) << seed;  // it is carried along
+        unevenness += std::sqrt(squares) / mean / 4;
+    }
+    EXPECT_GT(unevenness, 0.11);
 }
 
 TEST(Stroke, MarksDoNotRepeat) {

@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 
 #include "surface/parallel.h"
+#include "surface/relight.h"
 #include "tests/test_support.h"
 
 namespace tangi {
@@ -75,6 +76,56 @@ TEST(Substrate, ThreadsRepeatAtTheirPitch) {
     };
     EXPECT_GT(correlation(2 * 0.68), 0.15);
     EXPECT_GT(correlation(2 * 0.68), correlation(0.68) + 0.1);
+}
+
+TEST(Substrate, HasNoSpikesThatCastShadowsOfOnePixel) {
+    // Part of the pixels that lie in shadow with hardly any neighbour, in light from 18 degrees.
+    const auto lone = [](SubstrateKind kind) {
+        SubstrateOptions options = small();
+        options.pixel_mm = 0.1;
+        const Surface s = make_substrate(kind, options);
+        const Image<float> lit = visibility(s, distant_light({-1, 0.4f, 0.35f}), 0.25);
+        int count = 0;
+        for (int y = 1; y + 1 < s.height(); ++y)
+            for (int x = 1; x + 1 < s.width(); ++x) {
+                if (lit(x, y) >= 0.2f) continue;
+                int dark = 0;
+                for (int k = 0; k < 9; ++k) dark += lit(x + k % 3 - 1, y + k / 3 - 1) < 0.5f;
+                count += dark <= 2;
+            }
+        return static_cast<double>(count) / static_cast<double>(s.height_mm.size());
+    };
+    EXPECT_LT(lone(SubstrateKind::linen), 0.006);
+    EXPECT_LT(lone(SubstrateKind::canvas), 0.001);
+    for (const SubstrateKind kind : {SubstrateKind::panel, SubstrateKind::gesso, SubstrateKind::paper})
+        EXPECT_EQ(lone(kind), 0) << name_of(kind);
+}
+
+TEST(Substrate, ReliefIsThatOfTheRealThing) {
+    // Root mean square [mm] of the relief without what is broader than 5 mm.
+    const auto roughness = [](SubstrateKind kind) {
+        SubstrateOptions options = small();
+        options.width_mm = options.height_mm = 40;
+        const Surface s = make_substrate(kind, options);
+        const int half = static_cast<int>(2.5 / options.pixel_mm);
+        double squares = 0, count = 0;
+        for (int y = half; y + half < s.height(); y += 3)
+            for (int x = half; x + half < s.width(); x += 3) {
+                double mean = 0, n = 0;
+                for (int j = -half; j <= half; j += 2)
+                    for (int i = -half; i <= half; i += 2) mean += s.height_mm(x + i, y + j), ++n;
+                squares += std::pow(s.height_mm(x, y) - mean / n, 2);
+                ++count;
+            }
+        return std::sqrt(squares / count);
+    };
+    const auto within = [](double value, double low, double high) { return value >= low && value <= high; };
+    EXPECT_TRUE(within(roughness(SubstrateKind::gesso), 0.001, 0.008)) << roughness(SubstrateKind::gesso);
+    EXPECT_TRUE(within(roughness(SubstrateKind::paper), 0.003, 0.012)) << roughness(SubstrateKind::paper);
+    EXPECT_TRUE(within(roughness(SubstrateKind::panel), 0.003, 0.015)) << roughness(SubstrateKind::panel);
+    EXPECT_TRUE(within(roughness(SubstrateKind::canvas), 0.01, 0.03)) << roughness(SubstrateKind::canvas);
+    EXPECT_TRUE(within(roughness(SubstrateKind::linen), 0.015, 0.04)) << roughness(SubstrateKind::linen);
+    EXPECT_TRUE(within(roughness(SubstrateKind::burlap), 0.06, 0.2)) << roughness(SubstrateKind::burlap);
 }
 
 TEST(Substrate, IsTheSameOnAnyNumberOfThreadsAndDiffersBySeed) {
