@@ -39,9 +39,9 @@ uvec4 texel_at(ivec2 at, int level) { return texel_in(at, level, u_first_page[le
 // Of the picture's own level.
 uvec4 texel_here(ivec2 at) {
 #if AT_HOME == 1
-    ivec2 grid = ivec2(v_tiles.z, v_tiles.w & 0xffff), tile = (at >> kPageBits) + v_tiles.xy;
-    tile -= ivec2(tile.x >= grid.x ? grid.x : 0, tile.y >= grid.y ? grid.y : 0);
-    return texelFetch(u_texels, ivec3(at & ((1 << kPageBits) - 1), (v_tiles.w >> 16) + tile.y * grid.x + tile.x), 0);
+    uvec2 grid = uvec2(v_tiles.z, v_tiles.w & 0xffff), tile = uvec2((at >> kPageBits) + v_tiles.xy);
+    tile = min(tile, tile - grid);  // less the grid where it is not below it: else that is a very large number
+    return texelFetch(u_texels, ivec3(at & ((1 << kPageBits) - 1), uint(v_tiles.w >> 16) + tile.y * grid.x + tile.x), 0);
 #else
     return texel_in(at, v_size.z, v_tiles.x, v_tiles.y);
 #endif
@@ -83,8 +83,8 @@ Material unpack(uvec4 texel) {
 
 // The texel of the picture's level that is nearest to `at` [pixels of the painting, whole numbers are centres].
 Material nearest_material(vec2 at) {
-    ivec2 i = ivec2((at + 0.5) * v_rest.z);
-    return unpack(texel_here(clamp(i, ivec2(0), size_at(v_size.z) - 1)));
+    // Of the painting, where it is at least -0.5; rounding must not lead over its far border.
+    return unpack(texel_here(ivec2(min(at + 0.5, vec2(v_size.xy) - 0.5) * v_rest.z)));
 }
 
 // Between the four nearest of a level: maps are mixed, alpha as its square (a variance).

@@ -77,10 +77,8 @@ public:
         readers_.emplace_back(drain, err[0], &result_.err);
     }
     ~Program() {
-        if (!done_) {
-            signal(SIGKILL);
-            wait();
-        }
+        if (!done_) signal(SIGKILL);
+        wait();  // the readers, too
     }
     Program(const Program&) = delete;
     Program& operator=(const Program&) = delete;
