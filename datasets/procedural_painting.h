@@ -32,6 +32,11 @@ struct PaintingOptions {
     bool losses = true;            // places where the paint has come off, down to ground and canvas
     bool varnish = true;           // a glossy patch
     bool retouch = true;           // a matt patch of later paint
+    bool abrasion = false;         // paint rubbed off the tops of the ground, gloss with it
+    bool flaking = false;          // plates of paint whose edges have come up
+    bool stain = false;            // a film that absorbs, most of it at its rim
+    bool old_fill = false;         // smooth putty in place of paint
+    bool overpaint = false;        // a later layer over the paint
 
     static constexpr std::string_view name = "painting";
     template <class Self, class Visit>
@@ -57,6 +62,11 @@ struct PaintingOptions {
         visit(FieldInfo{"losses", 0, 1, "", "places where paint is missing"}, self.losses);
         visit(FieldInfo{"varnish", 0, 1, "", "a glossy patch"}, self.varnish);
         visit(FieldInfo{"retouch", 0, 1, "", "a matt patch of later paint"}, self.retouch);
+        visit(FieldInfo{"abrasion", 0, 1, "", "paint that was rubbed off down to the ground"}, self.abrasion);
+        visit(FieldInfo{"flaking", 0, 1, "", "plates of paint whose edges come up"}, self.flaking);
+        visit(FieldInfo{"stain", 0, 1, "", "a stain"}, self.stain);
+        visit(FieldInfo{"old_fill", 0, 1, "", "smooth putty in place of paint"}, self.old_fill);
+        visit(FieldInfo{"overpaint", 0, 1, "", "a later layer over the paint"}, self.overpaint);
     }
 };
 
@@ -71,6 +81,7 @@ struct PaintingTruth {
     Image<float>
         roughness;  // [1] alpha: rms slope (Ward), width of the GGX distribution (not its square root)
     Image<unsigned char> loss, craquelure, varnish, retouch;
+    Image<unsigned char> abrasion, flaking, stain, old_fill, overpaint;
     Image<unsigned char>
         valid;  // 0 where a pixel mixes intact and lost or cracked paint: no one surface fits it
     double mm_per_pixel = 1;  // [mm]
