@@ -6,6 +6,7 @@
 #include "cli/arguments.h"
 #include "cli/command.h"
 #include "paint/appearance.h"
+#include "paint/retouch/treatment_picture.h"
 #include "surface/error.h"
 #include "surface/relight.h"
 
@@ -55,7 +56,7 @@ void TimeLapse::finish() {
 void TimeLapse::write() {
     const auto dirty = session_.canvas().take_dirty();
     update_appearance(session_.canvas(), dirty, shown_);
-    const Image<Rgb> picture = encoded_srgb(reduced_to_width(relight(shown_, std::array{light_}), width_));
+    const Image<Rgb> picture = encoded_srgb(reduced(relight(shown_, std::array{light_}), width_, 0));
     for (const auto& film : films_) film->add(picture);
     ++frames_;
     next_s_ = before_s_ + stroke_s_ + every_s_;
