@@ -1,10 +1,11 @@
 // damage_command.cpp: tangipaint damage P.exr --treatment DIR: what is damaged, suggested or drawn; a table.
+#include <cmath>
 #include <filesystem>
 
 #include "cli/arguments.h"
 #include "cli/command_list.h"
 #include "cli/treatment_arguments.h"
-#include "paint/retouch/damage_suggestion.h"
+#include "paint/retouch/area_suggestion.h"
 #include "paint/retouch/mask_draft.h"
 #include "paint/retouch/treatment_picture.h"
 #include "surface/error.h"
@@ -26,6 +27,7 @@ struct DamageArguments {
     LossOptions loss;
     CraquelureOptions craquelure;
     GlossOptions gloss;
+    AreaOptions areas;
 };
 
 nlohmann::json to_json(const CraquelureMeasure& m) {
@@ -33,6 +35,17 @@ nlohmann::json to_json(const CraquelureMeasure& m) {
             {"width_mm", m.width_mm},
             {"density_cm_per_cm2", m.density_per_cm},
             {"pieces", m.pieces}};
+}
+
+nlohmann::json to_json(const std::vector<SuggestedArea>& areas) {
+    nlohmann::json all = nlohmann::json::array();
+    for (const SuggestedArea& area : areas)
+        all.push_back({{"box_px", {area.box.x0, area.box.y0, area.box.x1, area.box.y1}},
+                       {"area_mm2", area.area_mm2},
+                       {"confidence", area.confidence},
+                       {"evidence", area.confidence < kWeakEvidence ? "weak" : "good"},
+                       {"cues", area.cues}});
+    return all;
 }
 
 // What was suggested replaces what the class had, as the log says.
@@ -57,6 +70,16 @@ nlohmann::json suggest(Treatment& treatment, const DamageArguments& a, const Pro
         step.parameters["options"] = to_json(a.craquelure);
         keep(a.as.empty() ? "craquelure" : a.as, cracks);
         step.results["measured"] = to_json(cracks.measure);
+    } else if (const auto damage = damage_class_named(a.suggest)) {
+        const AreaSuggestion areas = suggest_areas(surface, mm, *damage, a.areas, progress);
+        step.parameters["options"] = to_json(a.areas);
+        keep(a.as.empty() ? a.suggest : a.as, areas);
+        step.results["areas"] = to_json(areas.areas);
+        if (areas.areas.empty() && areas.surest > 0)
+            step.results["less_sure"] = fmt::format(
+                "nothing that is sure enough; the surest area has {:.2f}: --area-confidence {:.2f} suggests "
+                "it",
+                areas.surest, std::floor(areas.surest * 100) / 100);
     } else {
         const GlossSuggestion gloss = suggest_gloss(surface, mm, a.gloss, progress);
         step.parameters["options"] = to_json(a.gloss);
@@ -115,6 +138,7 @@ nlohmann::json run_damage(const DamageArguments& a) {
     if (!a.suggest.empty() && (drawing || !a.area.classes.empty()))
         throw UsageError("--suggest finds areas by itself: draw in a second run; --as names another class");
     if (!a.as.empty()) damage_class_of(a.as, "--as");
+    if (a.treatment.empty()) throw UsageError("--treatment: name the folder of the treatment: P.treatment");
     if (!a.legend.empty()) {
         require_picture_format(a.legend);
         refuse_to_overwrite(a.legend, {a.painting});
@@ -153,8 +177,10 @@ Command damage_command() {
             flags.option("PAINTING", a->painting, "painting file (.exr)").required();
             flags.option("--treatment", a->treatment, "folder of the treatment; made where it is not there")
                 .required();
-            flags.option("--suggest", a->suggest, "loss, craquelure or gloss")
-                .check(one_of({"loss", "craquelure", "gloss"}));
+            flags
+                .option("--suggest", a->suggest,
+                        "loss, craquelure, gloss, old_fill, overpaint, stain or abrasion")
+                .check(one_of({"loss", "craquelure", "gloss", "old_fill", "overpaint", "stain", "abrasion"}));
             flags.option("--as", a->as, "class that what is suggested goes to, where not the usual one");
             a->area.add_to(flags, "that is drawn");
             flags.option("--edit", a->edit, "what is drawn is added to the class, or: replace, remove")
@@ -175,6 +201,7 @@ Command damage_command() {
             flags.fields(a->craquelure);
             flags.fields(a->loss);
             flags.fields(a->gloss);
+            flags.fields(a->areas);
             return [a] { return run_damage(*a); };
         }};
 }

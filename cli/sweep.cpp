@@ -5,6 +5,7 @@
 
 #include "cli/arguments.h"
 #include "cli/command.h"
+#include "paint/retouch/treatment_picture.h"
 #include "viewer/film.h"
 #include "viewer/sweep.h"
 
@@ -62,7 +63,7 @@ int write_sweep(const SweepArguments& a, const std::string& out, const DrawUnder
     for (std::size_t i = 0; i < path.size(); ++i) {
         report(progress, "sweep", static_cast<double>(i) / static_cast<double>(path.size()));
         const Light lamp = distant_light(direction_of(path[i].azimuth_deg, path[i].elevation_deg));
-        film->add(encoded_srgb(reduced_to_width(draw(lamp), a.film.width)));
+        film->add(encoded_srgb(reduced(draw(lamp), a.film.width, 0)));
     }
     film->finish();
     report(progress, "sweep", 1);

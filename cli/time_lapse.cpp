@@ -6,6 +6,7 @@
 #include "cli/arguments.h"
 #include "cli/command.h"
 #include "paint/appearance.h"
+#include "paint/retouch/treatment_picture.h"
 #include "surface/error.h"
 #include "surface/relight.h"
 
@@ -84,7 +85,7 @@ void TimeLapse::finish() {
 void TimeLapse::write() {
     const auto dirty = session_.canvas().take_dirty();
     update_appearance(session_.canvas(), dirty, shown_);
-    const Image<Rgb> picture = encoded_srgb(reduced_to_width(relight(shown_, std::array{light_}), width_));
+    const Image<Rgb> picture = encoded_srgb(reduced(relight(shown_, std::array{light_}), width_, 0));
     for (const auto& film : films_) film->add(picture);
     ++frames_;
 }

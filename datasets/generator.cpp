@@ -1,5 +1,6 @@
 #include "datasets/generator.h"
 
+#include <algorithm>
 #include <array>
 #include <vector>
 
@@ -171,6 +172,13 @@ void write_truth(const fs::path& folder, const PaintingTruth& truth, const Photo
     write_mask(folder / "craquelure.png", truth.craquelure);
     write_mask(folder / "varnish.png", truth.varnish);
     write_mask(folder / "retouch.png", truth.retouch);
+    for (const auto& [name, mask] : {std::pair("abrasion", &truth.abrasion),
+                                     {"flaking", &truth.flaking},
+                                     {"stain", &truth.stain},
+                                     {"old_fill", &truth.old_fill},
+                                     {"overpaint", &truth.overpaint}})
+        if (std::any_of(mask->pixels().begin(), mask->pixels().end(), [](unsigned char v) { return v != 0; }))
+            write_mask(folder / fmt::format("{}.png", name), *mask);
     write_mask(folder / "valid.png", truth.valid);
     write_text_file(folder / "lights.json", to_json(photography).dump(1) + "\n");
     const nlohmann::json meta = {{"width", truth.width()},

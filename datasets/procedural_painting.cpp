@@ -98,7 +98,7 @@ private:
     Painter(const PaintingOptions& options, std::vector<Stroke> strokes)
         : options_(options),
           level_mm_(strokes.empty() ? kGroundMm : strokes.back().level_mm),
-          damage_(options, level_mm_),
+          damage_(options, level_mm_, kGroundMm),
           strokes_(std::move(strokes), static_cast<float>(options.width * options.mm_per_pixel / 2),
                    static_cast<float>(options.height * options.mm_per_pixel / 2)) {}
 
@@ -178,10 +178,7 @@ private:
                 sum.specular += point.paint.specular;
                 sum.roughness += point.paint.roughness;
                 coloured += point.paint.specular * point.paint.lobe_colour;
-                damage.loss += point.damage.loss;
-                damage.crack += point.damage.crack;
-                damage.varnish += point.damage.varnish;
-                damage.retouch += point.damage.retouch;
+                for (const auto kind : kDamageKinds) damage.*kind += point.damage.*kind;
             }
         const float part = 1 / static_cast<float>(n_ * n_);
         truth_.height_mm(x, y) = part * sum.height_mm;
@@ -194,6 +191,11 @@ private:
         truth_.craquelure(x, y) = crack >= 0.25f;
         truth_.varnish(x, y) = part * damage.varnish >= 0.5f;
         truth_.retouch(x, y) = part * damage.retouch >= 0.5f;
+        truth_.abrasion(x, y) = part * damage.abrasion >= 0.5f;
+        truth_.flaking(x, y) = part * damage.flaking >= 0.5f;
+        truth_.stain(x, y) = part * damage.stain >= 0.5f;
+        truth_.old_fill(x, y) = part * damage.old_fill >= 0.5f;
+        truth_.overpaint(x, y) = part * damage.overpaint >= 0.5f;
         truth_.valid(x, y) = !(loss > 0.01f && loss < 0.99f) && crack < 0.01f;
     }
 
@@ -216,6 +218,11 @@ PaintingTruth::PaintingTruth(int width, int height, double mm)
       craquelure(width, height),
       varnish(width, height),
       retouch(width, height),
+      abrasion(width, height),
+      flaking(width, height),
+      stain(width, height),
+      old_fill(width, height),
+      overpaint(width, height),
       valid(width, height, 1),
       mm_per_pixel(mm) {}
 

@@ -33,6 +33,11 @@ struct PaintingOptions {
     bool varnish = true;           // a glossy patch
     bool retouch = true;           // a matt patch of later paint
     bool gilding = false;          // a border of gold leaf
+    bool abrasion = false;         // paint rubbed off the tops of the ground, gloss with it
+    bool flaking = false;          // plates of paint whose edges have come up
+    bool stain = false;            // a film that absorbs, most of it at its rim
+    bool old_fill = false;         // smooth putty in place of paint
+    bool overpaint = false;        // a later layer over the paint
 
     static constexpr std::string_view name = "painting";
     template <class Self, class Visit>
@@ -60,6 +65,11 @@ struct PaintingOptions {
         visit(FieldInfo{"retouch", 0, 1, "", "a matt patch of later paint"}, self.retouch);
         visit(FieldInfo{"gilding", 0, 1, "", "a border of gold leaf, whose lobe has its colour"},
               self.gilding);
+        visit(FieldInfo{"abrasion", 0, 1, "", "paint that was rubbed off down to the ground"}, self.abrasion);
+        visit(FieldInfo{"flaking", 0, 1, "", "plates of paint whose edges come up"}, self.flaking);
+        visit(FieldInfo{"stain", 0, 1, "", "a stain"}, self.stain);
+        visit(FieldInfo{"old_fill", 0, 1, "", "smooth putty in place of paint"}, self.old_fill);
+        visit(FieldInfo{"overpaint", 0, 1, "", "a later layer over the paint"}, self.overpaint);
     }
 };
 
@@ -75,6 +85,7 @@ struct PaintingTruth {
         roughness;  // [1] alpha: rms slope (Ward), width of the GGX distribution (not its square root)
     Image<Rgb> lobe_colour;  // [1] as in surface.h: of gold leaf; empty where there is none
     Image<unsigned char> loss, craquelure, varnish, retouch;
+    Image<unsigned char> abrasion, flaking, stain, old_fill, overpaint;
     Image<unsigned char>
         valid;  // 0 where a pixel mixes intact and lost or cracked paint: no one surface fits it
     double mm_per_pixel = 1;  // [mm]

@@ -193,11 +193,11 @@ void fit_bands(const Stack& stack, const Transfer& transfer, const Lighting& lig
 }
 
 // Looks at the surface as the first pass left it, and once more when it has a height.
-using FirstLook = std::function<void(bool height_known)>;
+using LookAtSigns = std::function<void(bool height_known)>;
 
 // All pixels once more, with shadows and what neighbours say of lobes.
 void refine(const Stack& stack, const Transfer& transfer, const Lighting& lighting, const NoiseModel& noise,
-            const FitOptions& options, const FirstLook& look, FitResult& result, const Progress& progress) {
+            const FitOptions& options, const LookAtSigns& look, FitResult& result, const Progress& progress) {
     Surface& surface = result.surface;
     HeightOptions rough = options.height;
     rough.tolerance = std::max(rough.tolerance, kShadowTolerance);
@@ -216,7 +216,7 @@ void refine(const Stack& stack, const Transfer& transfer, const Lighting& lighti
 // The first pass with white lobes; where they may have colours, what it shows of them; then the others. Where
 // white lobes explain too little to be refined, coloured ones may explain enough.
 void fit_passes(Stack& stack, const Transfer& transfer, const Lighting& lighting, const NoiseModel& noise,
-                const FitOptions& options, bool coloured, const FirstLook& look, FitResult& result,
+                const FitOptions& options, bool coloured, const LookAtSigns& look, FitResult& result,
                 const Progress& progress) {
     Surface& surface = result.surface;
     FitReport& report_ = result.report;
@@ -306,11 +306,11 @@ FitResult fit_painting(Stack stack, const FitOptions& options, const Progress& p
               [](const StackPhoto& a, const StackPhoto& b) { return a.path < b.path; });
     FitResult result;
     FitReport& report_ = result.report;
-    Overview overview = look_over(stack, options.register_photos, progress);
-    const Survey& surveyed = overview.survey;
-    report_.transfer = overview.transfer;
-    report_.registration = std::move(overview.registration);
-    report_.left_out = std::move(overview.left_out);
+    FirstLook seen = look_over(stack, options.register_photos, progress);
+    const Survey& surveyed = seen.survey;
+    report_.transfer = seen.transfer;
+    report_.registration = std::move(seen.registration);
+    report_.left_out = std::move(seen.left_out);
     if (stack.transfer_of_chart && report_.transfer.source == "given")
         report_.transfer.source = "colour chart";
     if (!report_.transfer.warning.empty()) stack.warnings.push_back(report_.transfer.warning);

@@ -145,6 +145,35 @@ TEST(ProceduralPainting, ShowsEveryKindOfDamageWhateverTheSeed) {
     }
 }
 
+// What later hands and wear did is where its mask says, and changes what it should there and nothing
+// elsewhere.
+TEST(ProceduralPainting, ShowsWearAndRepairWhereAskedFor) {
+    PaintingOptions options = kSmall;
+    const PaintingTruth sound = procedural_painting(options);
+    options.abrasion = options.flaking = options.stain = options.old_fill = options.overpaint = true;
+    const PaintingTruth worn = procedural_painting(options);
+    for (const Mask* mask : {&worn.abrasion, &worn.flaking, &worn.stain, &worn.old_fill, &worn.overpaint})
+        EXPECT_GT(part_of(*mask), 0.01);
+    for (const Mask* mask :
+         {&sound.abrasion, &sound.flaking, &sound.stain, &sound.old_fill, &sound.overpaint})
+        EXPECT_EQ(part_of(*mask), 0);
+    const auto change = [&](const Mask& where, auto&& of) {
+        double sum = 0, count = 0;
+        for (std::size_t i = 0; i < where.size(); ++i)
+            if (where.pixels()[i]) sum += static_cast<double>(of(worn, i) - of(sound, i)), ++count;
+        return sum / count;
+    };
+    const auto height = [](const PaintingTruth& t, std::size_t i) { return t.height_mm.pixels()[i]; };
+    const auto alpha = [](const PaintingTruth& t, std::size_t i) { return t.roughness.pixels()[i]; };
+    const auto blue = [](const PaintingTruth& t, std::size_t i) { return t.diffuse.pixels()[i].b; };
+    EXPECT_LT(change(worn.abrasion, height), -0.02);
+    EXPECT_GT(change(worn.abrasion, alpha), 0.05);
+    EXPECT_GT(change(worn.overpaint, height), 0.05);
+    EXPECT_LT(change(worn.stain, blue), -0.02);
+    EXPECT_EQ(change(worn.stain, height), 0);
+    EXPECT_EQ(change(worn.stain, alpha), 0);
+}
+
 TEST(ProceduralPainting, LeavesOutWhatIsSwitchedOff) {
     PaintingOptions options = kSmall;
     options.craquelure = 0;

@@ -1,8 +1,10 @@
 // retouch_damage_test.cpp: what is suggested on paintings whose damage is known.
 #include <gmock/gmock.h>
 
+#include <limits>
+
 #include "datasets/procedural_painting.h"
-#include "paint/retouch/damage_suggestion.h"
+#include "paint/retouch/area_suggestion.h"
 #include "paint/retouch/mask_draft.h"
 #include "surface/error.h"
 #include "surface/parallel.h"
@@ -96,6 +98,91 @@ TEST(DamageSuggestion, DoesNotDependOnThreadsOrOnTheUnitOfHeight) {
     EXPECT_GT(intersection_over_union(suggest_loss(surface, mm).mask, loss), 0.99);
 }
 
+// Paintings by other seeds than those that the suggestions were made with (1 to 8).
+PaintingOptions worn(std::uint64_t seed, bool damaged) {
+    PaintingOptions options;
+    options.seed = seed;
+    options.width = 400;
+    options.height = 360;
+    options.mm_per_pixel = 0.3;
+    options.impasto = 0.55;
+    options.abrasion = options.flaking = options.stain = options.old_fill = options.overpaint = damaged;
+    return options;
+}
+
+TEST(AreaSuggestion, FindsOldFillsAndOverpaintAmongOtherDamage) {
+    const PaintingTruth truth = procedural_painting(worn(101, true));
+    const Surface surface = surface_of(truth);
+    const AreaSuggestion fill = suggest_areas(surface, 0.3, DamageClass::old_fill);
+    EXPECT_GT(intersection_over_union(fill.mask, mask_of(truth.old_fill)), 0.6);
+    const AreaSuggestion over = suggest_areas(surface, 0.3, DamageClass::overpaint);
+    EXPECT_GT(intersection_over_union(over.mask, mask_of(truth.overpaint)), 0.6);
+    for (const AreaSuggestion* s : {&fill, &over}) {
+        ASSERT_FALSE(s->areas.empty());
+        EXPECT_GE(s->areas.front().confidence, s->areas.back().confidence);
+        for (const SuggestedArea& area : s->areas) {
+            EXPECT_GE(area.confidence, 0.5);
+            EXPECT_FALSE(area.cues.empty());
+        }
+        for (std::size_t i = 0; i < s->mask.size(); ++i)
+            ASSERT_TRUE(s->mask.pixels()[i] == 0 || s->confidence.pixels()[i] >= 0.5f);
+    }
+}
+
+TEST(AreaSuggestion, FindsNothingToSpeakOfInSoundPaint) {
+    const Surface surface = surface_of(procedural_painting(worn(114, false)));
+    for (const DamageClass damage : kAreaClasses)
+        EXPECT_LT(area_of(suggest_areas(surface, 0.3, damage).mask, 0.3).percent, 0.5) << name_of(damage);
+}
+
+TEST(AreaSuggestion, FindsAStainOnAPlainGroundButNotWhatChangesMoreThanColour) {
+    PaintingOptions options = worn(203, true);
+    options.coverage = 0;
+    options.varnish = options.retouch = false;
+    const PaintingTruth truth = procedural_painting(options);
+    const Mask stain = mask_of(truth.stain);
+    Surface surface = surface_of(truth);
+    const Mask found = suggest_areas(surface, 0.3, DamageClass::stain).mask;
+    EXPECT_GT(intersection_over_union(found, stain), 0.7);
+    EXPECT_GT(sum(intersected(found, stain)), 0.9 * sum(found));
+    // The same colours, as paint: with a gloss of their own, and on top.
+    for (std::size_t i = 0; i < stain.size(); ++i)
+        if (stain.pixels()[i] > 0) {
+            surface.roughness.pixels()[i] *= 0.6f;
+            surface.height_mm.pixels()[i] += 0.1f;
+        }
+    EXPECT_EQ(sum(suggest_areas(surface, 0.3, DamageClass::stain).mask), 0);
+    EXPECT_GT(intersection_over_union(suggest_areas(surface, 0.3, DamageClass::overpaint).mask, stain), 0.7);
+}
+
+TEST(AreaSuggestion, IsNeverSureOfAbrasion) {
+    const PaintingTruth truth = procedural_painting(worn(101, true));
+    const Surface surface = surface_of(truth);
+    EXPECT_TRUE(suggest_areas(surface, 0.3, DamageClass::abrasion).areas.empty());
+    AreaOptions unsure;
+    unsure.area_confidence = 0.2;
+    const AreaSuggestion found = suggest_areas(surface, 0.3, DamageClass::abrasion, unsure);
+    ASSERT_FALSE(found.areas.empty());
+    EXPECT_EQ(found.weak, static_cast<int>(found.areas.size()));
+    EXPECT_LT(found.areas.front().confidence, 0.5);
+}
+
+TEST(AreaSuggestion, DoesNotDependOnThreadsOrOnTheUnitOfHeightAndBearsNumbersThatAreNone) {
+    Surface surface = surface_of(procedural_painting(worn(104, true)));
+    const Mask before = suggest_areas(surface, 0.3, DamageClass::old_fill).mask;
+    set_thread_count(1);
+    EXPECT_EQ(intersection_over_union(suggest_areas(surface, 0.3, DamageClass::old_fill).mask, before), 1);
+    set_thread_count(0);
+    for (float& height : surface.height_mm.pixels()) height /= 0.3f;
+    surface.mm_per_pixel = 1;
+    EXPECT_GT(intersection_over_union(suggest_areas(surface, 0.3, DamageClass::old_fill).mask, before), 0.99);
+    for (int y = 0; y < 5; ++y)
+        for (int x = 0; x < 5; ++x)
+            surface.height_mm(x, y) = surface.roughness(x, y) = std::numeric_limits<float>::quiet_NaN();
+    EXPECT_GT(intersection_over_union(suggest_areas(surface, 0.3, DamageClass::old_fill).mask, before), 0.95);
+    EXPECT_THROW(suggest_areas(surface, 0.3, DamageClass::flaking), ContractError);
+}
+
 TEST(DamageSuggestion, SmallAndFlatPicturesHaveNone) {
     for (const int size : {4, 40}) {
         Surface flat(size, size);
@@ -104,6 +191,8 @@ TEST(DamageSuggestion, SmallAndFlatPicturesHaveNone) {
         EXPECT_EQ(sum(suggest_loss(flat, 1).mask), 0);
         EXPECT_EQ(sum(suggest_craquelure(flat, 1).mask), 0);
         EXPECT_TRUE(suggest_gloss(flat, 1).patches.empty());
+        for (const DamageClass damage : kAreaClasses)
+            EXPECT_TRUE(suggest_areas(flat, 1, damage).areas.empty()) << name_of(damage);
     }
     LossOptions wrong;
     wrong.depth_mm = -1;

@@ -55,21 +55,6 @@ std::unique_ptr<Film> make_film(const fs::path& out, double frames_per_s) {
     return std::make_unique<FrameFolder>(out);
 }
 
-Image<Rgb> reduced_to_width(const Image<Rgb>& picture, int width) {
-    const int side = (picture.width() + width - 1) / width;
-    if (side <= 1) return picture;
-    Image<Rgb> small(picture.width() / side, std::max(picture.height() / side, 1));
-    const int rows = std::min(side, picture.height());
-    for (int y = 0; y < small.height(); ++y)
-        for (int x = 0; x < small.width(); ++x) {
-            Rgb sum(0);
-            for (int py = 0; py < rows; ++py)
-                for (int px = 0; px < side; ++px) sum += picture(x * side + px, y * side + py);
-            small(x, y) = sum / static_cast<float>(side * rows);
-        }
-    return small;
-}
-
 Image<Rgb> encoded_srgb(Image<Rgb> linear) {
     const Transfer srgb{Transfer::Kind::srgb};
     for (Rgb& pixel : linear.pixels()) pixel = srgb.encode(pixel);

@@ -30,9 +30,6 @@ bool names_a_video(const std::filesystem::path& out);
 // folder has frames already.
 std::unique_ptr<Film> make_film(const std::filesystem::path& out, double frames_per_s);
 
-// A linear picture at most `width` pixels wide: the mean of squares of whole pixels.
-Image<Rgb> reduced_to_width(const Image<Rgb>& linear, int width);
-
 Image<Rgb> encoded_srgb(Image<Rgb> linear);
 
 }  // namespace tangi

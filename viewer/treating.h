@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "paint/retouch/damage_suggestion.h"
+#include "paint/retouch/area_suggestion.h"
 #include "paint/retouch/fill.h"
 #include "paint/retouch/mask_draft.h"
 #include "paint/retouch/modes.h"
@@ -21,7 +21,7 @@ namespace tangi {
 
 enum class MaskTool { brush, polygon, wand };
 enum class MapStyle { filled, hatched, outlined };
-enum class Suggesting { loss, craquelure, gloss };
+enum class Suggesting { loss, craquelure, gloss, old_fill, overpaint, stain, abrasion };
 
 // What the hand does to the mask that is drawn; `at` as in mask.h.
 struct MaskTouch {
@@ -116,6 +116,7 @@ struct Treating {
     LossOptions loss;
     CraquelureOptions craquelure;
     GlossOptions gloss;
+    AreaOptions areas;
     std::optional<ShownSuggestion> suggestion;
     std::vector<MaskTouch> touches;  // since they were taken
     // The map as a texture.
@@ -154,7 +155,7 @@ struct Treating {
         bool suggest = false, accept = false, drop_suggestion = false, keep = false, drop_edits = false,
              undo = false, redo = false;
         bool fill = false, isolate = false, varnish = false, remove_all = false;
-        bool preview = false, apply = false, drop_preview = false;
+        bool preview = false, apply = false, drop_preview = false, undo_step = false;
         bool compare_states = false, see_from = false, stop_comparing = false;
         bool match_around = false;
         std::optional<glm::dvec2> match_at;  // [pixels of the painting]

@@ -118,6 +118,9 @@ private:
     void keep_edits();
     void drop_edits();
     void suggest();
+    static void suggest_areas_into(Suggested& s, ShownSuggestion& shown, DamageClass damage,
+                                   const Surface& dry, double mm, AreaOptions options,
+                                   const Progress& progress);
     Mask sure_enough() const;
     void show_suggestion();
     void accept();
@@ -132,6 +135,7 @@ private:
     void preview();
     void apply();
     void remove(const std::vector<std::string>& layers);
+    void undo_last();
     void report(const std::filesystem::path& html);
     void check();
     void show_state();

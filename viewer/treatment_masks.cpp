@@ -20,6 +20,19 @@ const char* name_of(MaskTool tool) {
     return names[static_cast<std::size_t>(tool)];
 }
 
+DamageClass area_class_of(Suggesting what) {
+    switch (what) {
+        case Suggesting::old_fill:
+            return DamageClass::old_fill;
+        case Suggesting::overpaint:
+            return DamageClass::overpaint;
+        case Suggesting::stain:
+            return DamageClass::stain;
+        default:
+            return DamageClass::abrasion;
+    }
+}
+
 std::vector<double> mean_confidence(const MaskRegions& regions, const Image<float>& confidence) {
     std::vector<double> sum(regions.regions.size());
     for (std::size_t i = 0; i < confidence.size(); ++i)
@@ -175,15 +188,34 @@ void TreatmentDesk::drop_edits() {
     count_edits();
 }
 
+void TreatmentDesk::suggest_areas_into(Suggested& s, ShownSuggestion& shown, DamageClass damage,
+                                       const Surface& dry, double mm, AreaOptions options,
+                                       const Progress& progress) {
+    options.area_confidence = std::min(options.area_confidence, kLeastSure);  // the slider goes on from there
+    AreaSuggestion areas = tangi::suggest_areas(dry, mm, damage, options, progress);
+    s.action = name_of(damage);
+    s.options = to_json(options);
+    shown.title = title_of(damage);
+    shown.as = damage;
+    if (!areas.areas.empty()) {
+        const SuggestedArea& surest = areas.areas.front();
+        shown.measured = fmt::format("the surest: {}", surest.cues);
+        if (areas.weak > 0)
+            shown.measured += fmt::format("; {} of {} rest on weak evidence", areas.weak, areas.areas.size());
+    }
+    s.best = std::move(areas);
+}
+
 void TreatmentDesk::suggest() {
     Treating& t = state_.treating;
     const Suggesting what = t.suggesting;
-    constexpr std::array<const char*, 3> titles = {"looking for losses", "looking for craquelure",
-                                                   "looking for other gloss"};
+    constexpr std::array<const char*, 7> titles = {
+        "looking for losses",    "looking for craquelure", "looking for other gloss", "looking for old fills",
+        "looking for overpaint", "looking for stains",     "looking for abrasion"};
     const auto& title = titles[static_cast<std::size_t>(what)];
     start(title,
           [this, what, dry = painter_->dry(), mm = t.mm_per_pixel, loss = t.loss, craquelure = t.craquelure,
-           gloss = t.gloss](const Progress& progress) -> Finish {
+           gloss = t.gloss, areas = t.areas](const Progress& progress) -> Finish {
               Suggested s;
               ShownSuggestion shown;
               s.mm_per_pixel = mm;
@@ -210,6 +242,8 @@ void TreatmentDesk::suggest() {
                                            {"density_cm_per_cm2", m.density_per_cm},
                                            {"pieces", m.pieces}};
                   s.best = std::move(cracks);
+              } else if (what != Suggesting::gloss) {
+                  suggest_areas_into(s, shown, area_class_of(what), *dry, mm, areas, progress);
               } else {
                   GlossSuggestion patches = suggest_gloss(*dry, mm, gloss, progress);
                   s.action = "gloss";
@@ -225,7 +259,7 @@ void TreatmentDesk::suggest() {
               s.confidence = mean_confidence(s.regions, s.best.confidence);
               shown.regions = static_cast<int>(s.confidence.size());
               // All of them, where the measure of confidence is not the one that losses have.
-              if (what != Suggesting::loss) shown.threshold = 0;
+              if (what == Suggesting::craquelure || what == Suggesting::gloss) shown.threshold = 0;
               return [this, s = std::move(s), shown = std::move(shown)]() mutable {
                   suggested_ = std::move(s);
                   state_.treating.suggestion = std::move(shown);

@@ -37,10 +37,11 @@ void write_text(Image<Rgb>& picture, const std::string& text, int x, int y, doub
 
 }  // namespace
 
-Image<Rgb> reduced(const Image<Rgb>& picture, int side_px) {
-    const int side = std::max(picture.width(), picture.height());
-    if (side_px <= 0 || side <= side_px) return picture;
-    const double factor = static_cast<double>(side_px) / side;
+Image<Rgb> reduced(const Image<Rgb>& picture, int most_wide, int most_high) {
+    double factor = 1;
+    if (most_wide > 0) factor = std::min(factor, static_cast<double>(most_wide) / picture.width());
+    if (most_high > 0) factor = std::min(factor, static_cast<double>(most_high) / picture.height());
+    if (factor >= 1) return picture;
     Image<Rgb> small(std::max(static_cast<int>(std::lround(picture.width() * factor)), 1),
                      std::max(static_cast<int>(std::lround(picture.height() * factor)), 1));
     cv::Mat target = matrix_of(small);
@@ -49,13 +50,13 @@ Image<Rgb> reduced(const Image<Rgb>& picture, int side_px) {
 }
 
 Image<Rgb> colour_of(const Surface& surface, int side_px) {
-    Image<Rgb> picture = reduced(surface.diffuse, side_px);
+    Image<Rgb> picture = reduced(surface.diffuse, side_px, side_px);
     encode(picture, 1);
     return picture;
 }
 
 Image<Rgb> look_of(const Surface& surface, const Light& light, int side_px, const Progress& progress) {
-    Image<Rgb> picture = reduced(relight(surface, std::span(&light, 1), {}, progress), side_px);
+    Image<Rgb> picture = reduced(relight(surface, std::span(&light, 1), {}, progress), side_px, side_px);
     encode(picture, std::sqrt(2.0f));
     return picture;
 }

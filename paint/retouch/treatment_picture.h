@@ -12,8 +12,8 @@ namespace tangi {
 Image<Rgb> look_of(const Surface& surface, const Light& light, int side_px = 0,
                    const Progress& progress = {});
 
-// Means of pixels, so that neither side is longer than `side_px`.
-Image<Rgb> reduced(const Image<Rgb>& picture, int side_px);
+// Means of pixels, so that the picture is at most so wide and so high [pixels]; 0: as it is.
+Image<Rgb> reduced(const Image<Rgb>& picture, int most_wide, int most_high);
 
 // The diffuse colour alone, sRGB-encoded.
 Image<Rgb> colour_of(const Surface& surface, int side_px = 0);

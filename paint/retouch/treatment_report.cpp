@@ -24,6 +24,12 @@ const std::pair<const char*, Vec3> kLights[] = {{"normal light", {0.35f, 0.35f, 
 constexpr double kPlan_dpi = 300;
 constexpr int kPlan_px = 16000;  // of its longer side, at most
 
+// As a page wants it that shows `side_by_side` of them.
+Image<Rgb> fitting(const Image<Rgb>& picture, int side_by_side) {
+    const int side_px = report_picture_px(side_by_side);
+    return reduced(picture, side_px, side_px);
+}
+
 // "texture: surroundings; options: …" of a log's parameters; of long lists, how long they are.
 std::string in_words(const json& value) {
     if (value.is_number_float()) return fmt::format("{:.4g}", value.get<double>());
@@ -100,8 +106,7 @@ void examination(Matter& m) {
 
 void condition(Matter& m) {
     m.add(ReportHeading{"3. Condition"});
-    m.add(ReportPictures{
-        {{reduced(damage_picture(m.t, m.canvas.dry()), report_picture_px(1)), "Map of damage"}}});
+    m.add(ReportPictures{{{fitting(damage_picture(m.t, m.canvas.dry()), 1), "Map of damage"}}});
     ReportTable table{{"Class", "Count", "Area", "Part of the painting"}, {}, {3, 1, 1, 2}};
     for (const json& entry : damage_table(m.t))
         table.rows.push_back({spaced(entry["class"].get<std::string>()), entry["count"].dump(),
@@ -176,14 +181,14 @@ void measures(Matter& m) {
         }
     m.add(std::move(table));
     m.add(ReportPictures{
-        {{reduced(additions_picture(m.canvas, m.layers, m.belongs), report_picture_px(1)),
+        {{fitting(additions_picture(m.canvas, m.layers, m.belongs), 1),
           "Additions: fills green, varnish yellow, retouches blue; red: retouch on original"}}});
     recipes(m);
 }
 
-// Every lamp shows all states side by side.
-void states(Matter& m, const Progress& progress) {
-    std::vector<std::pair<TreatmentState, Surface>> shown;
+// States that differ from the one before: those that add layers, and what was photographed.
+std::vector<TreatmentState> shown_states(const Matter& m) {
+    std::vector<TreatmentState> shown;
     for (const TreatmentState state :
          {TreatmentState::before, TreatmentState::cleaned, TreatmentState::filled, TreatmentState::retouched,
           TreatmentState::varnished}) {
@@ -191,9 +196,23 @@ void states(Matter& m, const Progress& progress) {
                                       [&](const TreatmentLayer& l) { return shown_from(l.role) == state; });
         const bool photographed =
             state == TreatmentState::before || (state == TreatmentState::cleaned && m.t.has_earlier());
-        if (!adds && !photographed) continue;
+        if (adds || photographed) shown.push_back(state);
+    }
+    return shown;
+}
+
+// Every lamp shows all states side by side. The maps of one state at a time are held: they are as large as
+// the painting.
+void states(Matter& m, const Progress& progress) {
+    const std::vector<TreatmentState> shown = shown_states(m);
+    const int side_px = std::max(report_picture_px(static_cast<int>(shown.size())), 900);
+    std::vector<ReportPictures> rows(std::size(kLights));
+    for (const TreatmentState state : shown) {
         report(progress, "report", static_cast<double>(state) / 5);
-        shown.emplace_back(state, surface_in_state(m.t, m.canvas, state));
+        const Surface surface = surface_in_state(m.t, m.canvas, state);
+        for (std::size_t i = 0; i < rows.size(); ++i)
+            rows[i].pictures.push_back({look_of(surface, distant_light(kLights[i].second), side_px),
+                                        fmt::format("{}, {}", name_of(state), kLights[i].first)});
     }
     m.add(ReportHeading{"5. Result"});
     m.add(ReportText{
@@ -201,14 +220,7 @@ void states(Matter& m, const Progress& progress) {
         "painting's "
         "plane; raking light from the left and from above at 12°. Pictures of one lamp have one exposure.",
         true});
-    for (const auto& [light, direction] : kLights) {
-        ReportPictures row;
-        for (const auto& [state, surface] : shown)
-            row.pictures.push_back({look_of(surface, distant_light(direction),
-                                            std::max(report_picture_px(static_cast<int>(shown.size())), 900)),
-                                    fmt::format("{}, {}", name_of(state), light)});
-        m.add(std::move(row));
-    }
+    for (ReportPictures& row : rows) m.add(std::move(row));
 }
 
 // The last time that retouches were compared with what is beside them.
@@ -259,10 +271,10 @@ void quality(Matter& m) {
             maps.pictures.push_back({read_picture(m.t.folder() / path),
                                      "ΔE2000, the worst under the lamps: black 0, white 10 and more"});
         else if (path.stem().string().starts_with("raking_"))
-            raking.pictures.push_back({reduced(read_picture(m.t.folder() / path), report_picture_px(4)),
+            raking.pictures.push_back({fitting(read_picture(m.t.folder() / path), 4),
                                        spaced(path.stem().string()) + ", at 15°, with shadows"});
     }
-    for (ReportPicture& p : maps.pictures) p.picture = reduced(p.picture, report_picture_px(2));
+    for (ReportPicture& p : maps.pictures) p.picture = fitting(p.picture, 2);
     m.add(std::move(maps));
     m.add(std::move(raking));
 }
@@ -306,8 +318,8 @@ std::pair<ReportPlan, ReportPlan> plans(const Matter& m) {
     for (std::size_t i = 0; i < added.size(); ++i)
         if (!(added.pixels()[i] > 0.5f)) colour.picture.pixels()[i] = Rgb(1);
     const double longer_mm = std::max(colour.width_mm, colour.height_mm);
-    colour.picture = reduced(colour.picture,
-                             static_cast<int>(std::min<double>(longer_mm / 25.4 * kPlan_dpi + 1, kPlan_px)));
+    const int plan_px = static_cast<int>(std::min<double>(longer_mm / 25.4 * kPlan_dpi + 1, kPlan_px));
+    colour.picture = reduced(colour.picture, plan_px, plan_px);
     white.outlines = outlines_of(added, 0.25);
     for (Polygon& polygon : white.outlines)
         for (Corner& corner : polygon) corner.x *= mm, corner.y *= mm;
@@ -338,16 +350,19 @@ std::vector<fs::path> write_treatment_report(const Treatment& t, const fs::path&
     states(m, progress);
     quality(m);
     log_table(m);
-    auto [colour, white] = plans(m);
-    m.add(colour);
-    m.add(white);
     const std::vector<fs::path> files = {
         beside(".html"),        beside(".pdf"),        beside(".mask.colour.pdf"),  beside(".mask.white.pdf"),
         beside(".picture.jpg"), beside(".damage.png"), beside(".annotations.json"), beside(".manifest.json")};
+    {
+        auto [colour, white] = plans(m);
+        write_pdf(files[2], colour);
+        write_pdf(files[3], white);
+        m.add(std::move(colour));  // as large as the painting: held once
+        m.add(std::move(white));
+    }
     write_text_file(files[0], html_of(m.report, page));
     write_pdf(files[1], m.report);
-    write_pdf(files[2], colour);
-    write_pdf(files[3], white);
+    m.report.blocks.clear();
     write_picture_8bit(files[4], colour_of(canvas.dry()));
     write_picture_8bit(files[5], damage_picture(t, canvas.dry()));
     const std::string picture = files[4].filename().string();

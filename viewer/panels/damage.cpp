@@ -120,7 +120,9 @@ void options_of(Options& options, float scale) {
 void suggesting(WindowState& s) {
     Treating& t = s.treating;
     int what = static_cast<int>(t.suggesting);
-    if (ImGui::Combo("Look for", &what, "losses\0craquelure\0other gloss\0"))
+    if (ImGui::Combo(
+            "Look for", &what,
+            "losses\0craquelure\0other gloss\0old fills\0overpaint\0stains\0abrasion (seldom sure)\0"))
         t.suggesting = static_cast<Suggesting>(what);
     if (ImGui::Button("Suggest")) t.ask.suggest = true;
     tip(s.keys.text(Action::suggest) + ": beside the window; nothing is changed before you take it over");
@@ -146,6 +148,7 @@ void suggesting(WindowState& s) {
     if (t.suggesting == Suggesting::loss) options_of(t.loss, s.scale);
     if (t.suggesting == Suggesting::craquelure) options_of(t.craquelure, s.scale);
     if (t.suggesting == Suggesting::gloss) options_of(t.gloss, s.scale);
+    if (t.suggesting > Suggesting::gloss) options_of(t.areas, s.scale);
     ImGui::TreePop();
 }
 

@@ -1,0 +1,248 @@
+#include "paint/retouch/area_features.h"
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+
+#include "surface/median.h"
+#include "surface/parallel.h"
+
+namespace tangi {
+
+namespace {
+
+constexpr int kTextureWindow = 7;  // [blocks]
+constexpr int kMargin = 24;        // [blocks] around an area
+
+// What is summed over a block.
+enum Sum : std::size_t {
+    kHeight,
+    kL,
+    kA,
+    kB,
+    kRed,
+    kGreen,
+    kBlue,
+    kRoughness,
+    kSpecular,
+    kSlopeX,
+    kSlopeY,
+    kSlope2,
+    kMeasured,
+    kSums
+};
+using Sums = std::array<double, kSums>;
+
+void add_pixel(const Surface& s, int x, int y, double unit_mm, Sums& sums) {
+    const glm::dvec3 rho(glm::max(s.diffuse(x, y), Rgb(0)));
+    const Lab lab = lab_from_linear(rho);
+    const double h = static_cast<double>(s.height_mm(x, y)) * unit_mm;
+    const Slope slope = slope_of(s.normal(x, y));
+    const double sx = std::clamp(static_cast<double>(slope.x), -3.0, 3.0),
+                 sy = std::clamp(static_cast<double>(slope.y), -3.0, 3.0);
+    sums[kHeight] += h, sums[kL] += lab.l, sums[kA] += lab.a, sums[kB] += lab.b;
+    sums[kRed] += std::log(rho.r + 0.01), sums[kGreen] += std::log(rho.g + 0.01),
+        sums[kBlue] += std::log(rho.b + 0.01);
+    sums[kRoughness] += static_cast<double>(std::log(std::max(s.roughness(x, y), 1e-3f)));
+    sums[kSpecular] += static_cast<double>(std::log(std::max(s.specular(x, y), 0.0f) + 0.004f));
+    sums[kSlopeX] += sx, sums[kSlopeY] += sy, sums[kSlope2] += sx * sx + sy * sy;
+    sums[kMeasured] += s.confidence(x, y) == 0 && s.diffuse(x, y) == Rgb(0) ? 0 : 1;
+}
+
+// What was not measured holds zeros and NaN in some files: it counts as nothing.
+bool finite(const Surface& s, int x, int y) {
+    const Rgb& d = s.diffuse(x, y);
+    const Vec3& n = s.normal(x, y);
+    return std::isfinite(s.height_mm(x, y) + d.r + d.g + d.b + n.x + n.y + s.roughness(x, y) +
+                         s.specular(x, y)) &&
+           n.z > 0;
+}
+
+// Means of blocks, CV_64F: variances need the digits.
+std::array<cv::Mat, kSums> means_of(const Surface& s, double unit_mm, int block, const Progress& progress) {
+    const int columns = (s.width() + block - 1) / block, rows = (s.height() + block - 1) / block;
+    std::array<cv::Mat, kSums> means;
+    for (cv::Mat& m : means) m = cv::Mat(rows, columns, CV_64F);
+    report(progress, "compare areas", 0);
+    parallel_for(0, rows, 8, [&](int begin, int end) {
+        for (int row = begin; row < end; ++row)
+            for (int column = 0; column < columns; ++column) {
+                Sums sums{};
+                int count = 0;
+                for (int y = row * block; y < std::min((row + 1) * block, s.height()); ++y)
+                    for (int x = column * block; x < std::min((column + 1) * block, s.width()); ++x)
+                        if (finite(s, x, y)) add_pixel(s, x, y, unit_mm, sums), ++count;
+                for (std::size_t i = 0; i < kSums; ++i)
+                    means[i].at<double>(row, column) = count > 0 ? sums[i] / count : 0;
+            }
+    });
+    report(progress, "compare areas", 0.2);
+    return means;
+}
+
+cv::Mat box(const cv::Mat& m, int window) {
+    cv::Mat result;
+    cv::boxFilter(m, result, -1, {window, window}, {-1, -1}, true, cv::BORDER_REFLECT);
+    return result;
+}
+
+cv::Mat in_floats(const cv::Mat& m) {
+    cv::Mat result;
+    m.convertTo(result, CV_32F);
+    return result;
+}
+
+// Single pixels of alpha and rho_s are noisy.
+cv::Mat calm(const cv::Mat& m) {
+    cv::Mat once, twice;
+    cv::medianBlur(in_floats(m), once, 5);
+    cv::medianBlur(once, twice, 5);
+    return twice;
+}
+
+cv::Mat log_texture(const cv::Mat& x, const cv::Mat& y, const cv::Mat& squares) {
+    const cv::Mat mx = box(x, kTextureWindow), my = box(y, kTextureWindow);
+    cv::Mat v = box(squares, kTextureWindow) - mx.mul(mx) - my.mul(my), result;
+    cv::log(cv::max(v, 1e-8), result);
+    return in_floats(0.5 * result);
+}
+
+double robust_spread(std::vector<double> values) {
+    const double middle = median(values);
+    for (double& v : values) v = std::abs(v - middle);
+    return 1.4826 * median(std::move(values));
+}
+
+RimStep step_of(const std::vector<double>& in, const std::vector<double>& out,
+                const std::vector<double>& far) {
+    std::vector<double> steps, control;
+    for (std::size_t i = 0; i < in.size(); ++i) {
+        steps.push_back(in[i] - out[i]);
+        control.push_back(std::abs(out[i] - far[i]));
+    }
+    RimStep r;
+    r.step = median(steps);
+    double agree = 0;
+    for (const double s : steps) agree += s * r.step > 0 && std::abs(s) > std::abs(r.step) / 3 ? 1 : 0;
+    r.agree = agree / static_cast<double>(steps.size());
+    r.usual = 1.4826 * median(std::move(control));
+    r.spread = robust_spread(std::move(steps));
+    r.variety = robust_spread(in) / std::max(robust_spread(out), 1e-3);
+    return r;
+}
+
+cv::Mat disc(int radius) {
+    return cv::getStructuringElement(cv::MORPH_ELLIPSE, {2 * radius + 1, 2 * radius + 1});
+}
+
+}  // namespace
+
+AreaFeatures area_features_of(const Surface& surface, double unit_mm, int most_px, const Progress& progress) {
+    AreaFeatures f;
+    f.block = std::max((std::max(surface.width(), surface.height()) + most_px - 1) / most_px, 1);
+    const auto means = means_of(surface, unit_mm, f.block, progress);
+    const auto mean = [&](Sum sum) -> const cv::Mat& { return means[sum]; };
+    const auto map = [&](Cue cue) -> cv::Mat& { return f.maps[static_cast<std::size_t>(cue)]; };
+    map(Cue::height) = in_floats(mean(kHeight));
+    map(Cue::lightness) = in_floats(mean(kL));
+    map(Cue::a) = in_floats(mean(kA));
+    map(Cue::b) = in_floats(mean(kB));
+    map(Cue::red) = in_floats(mean(kRed));
+    map(Cue::green) = in_floats(mean(kGreen));
+    map(Cue::blue) = in_floats(mean(kBlue));
+    map(Cue::roughness) = calm(mean(kRoughness));
+    map(Cue::specular) = calm(mean(kSpecular));
+    map(Cue::texture) = log_texture(mean(kSlopeX), mean(kSlopeY), mean(kSlope2));
+
+    f.measured = mean(kMeasured) > 0.5;
+    return f;
+}
+
+Rim rim_of(const AreaFeatures& f, const Area& area, int away) {
+    const cv::Mat& inside = area.inside;
+    const cv::Mat measured = f.measured(area.box);
+    std::array<cv::Mat, kCues> maps;
+    for (std::size_t c = 0; c < kCues; ++c) maps[c] = f.maps[c](area.box);
+    cv::Mat in, out;
+    cv::distanceTransform(inside, in, cv::DIST_L2, 5);
+    cv::distanceTransform(inside == 0, out, cv::DIST_L2, 5);
+    const cv::Rect picture(0, 0, inside.cols, inside.rows);
+    std::array<std::vector<double>, kCues> ins, outs, fars;
+    int all = 0;
+    for (int y = 0; y < inside.rows; ++y)
+        for (int x = 0; x < inside.cols; ++x) {
+            if (!(in.at<float>(y, x) > 0 && in.at<float>(y, x) < 1.5f)) continue;
+            ++all;
+            const auto distance = [&](int dx, int dy) {
+                const cv::Point p(std::clamp(x + dx, 0, inside.cols - 1),
+                                  std::clamp(y + dy, 0, inside.rows - 1));
+                return in.at<float>(p) - out.at<float>(p);
+            };
+            const float gx = distance(2, 0) - distance(-2, 0), gy = distance(0, 2) - distance(0, -2);
+            const float length = std::hypot(gx, gy);
+            if (!(length > 0)) continue;
+            const auto along = [&](int d) {
+                return cv::Point(x + static_cast<int>(std::lround(static_cast<float>(d) * gx / length)),
+                                 y + static_cast<int>(std::lround(static_cast<float>(d) * gy / length)));
+            };
+            const cv::Point i = along(away), o = along(-away), far = along(-3 * away);
+            const auto good = [&](const cv::Point& p, bool within) {
+                return picture.contains(p) && (inside.at<unsigned char>(p) != 0) == within &&
+                       measured.at<unsigned char>(p) != 0;
+            };
+            if (!good(i, true) || !good(o, false) || !good(far, false)) continue;
+            for (std::size_t c = 0; c < kCues; ++c) {
+                ins[c].push_back(static_cast<double>(maps[c].at<float>(i)));
+                outs[c].push_back(static_cast<double>(maps[c].at<float>(o)));
+                fars[c].push_back(static_cast<double>(maps[c].at<float>(far)));
+            }
+        }
+    Rim rim;
+    rim.points = static_cast<int>(ins[0].size());
+    rim.seen = rim.points / std::max<double>(all, 1);
+    if (rim.points < 12) return rim;
+    for (std::size_t c = 0; c < kCues; ++c) rim.cues[c] = step_of(ins[c], outs[c], fars[c]);
+    return rim;
+}
+
+std::vector<Area> areas_above(const cv::Mat& evidence, const std::vector<double>& thresholds, int least,
+                              double most) {
+    std::vector<Area> areas;
+    const cv::Rect picture(0, 0, evidence.cols, evidence.rows);
+    for (const double threshold : thresholds) {
+        cv::Mat above, whole;
+        cv::morphologyEx(evidence > threshold, above, cv::MORPH_CLOSE, disc(2));
+        cv::morphologyEx(above, whole, cv::MORPH_OPEN, disc(3));
+        std::vector<std::vector<cv::Point>> outlines;
+        cv::findContours(whole, outlines, cv::RETR_EXTERNAL, cv::CHAIN_APPROX_NONE);
+        for (std::size_t i = 0; i < outlines.size(); ++i) {
+            Area area;
+            area.box = cv::boundingRect(outlines[i]);
+            if (area.box.area() < least) continue;
+            area.box = cv::Rect(area.box.x - kMargin, area.box.y - kMargin, area.box.width + 2 * kMargin,
+                                area.box.height + 2 * kMargin) &
+                       picture;
+            area.inside = cv::Mat::zeros(area.box.size(), CV_8U);
+            cv::drawContours(area.inside, outlines, static_cast<int>(i), cv::Scalar(255), cv::FILLED,
+                             cv::LINE_8, cv::noArray(), 0, -area.box.tl());
+            area.blocks = cv::countNonZero(area.inside);
+            if (area.blocks >= least && area.blocks <= most * static_cast<double>(evidence.total()))
+                areas.push_back(area);
+        }
+    }
+    return areas;
+}
+
+Area grown(const Area& area, int blocks, const cv::Size& picture) {
+    Area wider;
+    wider.box = cv::Rect(area.box.x - blocks, area.box.y - blocks, area.box.width + 2 * blocks,
+                         area.box.height + 2 * blocks) &
+                cv::Rect({0, 0}, picture);
+    cv::Mat inside = cv::Mat::zeros(wider.box.size(), CV_8U);
+    area.inside.copyTo(inside(cv::Rect(area.box.tl() - wider.box.tl(), area.box.size())));
+    cv::dilate(inside, wider.inside, disc(blocks));
+    wider.blocks = cv::countNonZero(wider.inside);
+    return wider;
+}
+
+}  // namespace tangi
