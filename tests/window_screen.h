@@ -19,8 +19,11 @@ public:
     static std::unique_ptr<Screen> open() {
         for (const char* program : {kXvfb, kXdotool})
             if (!std::filesystem::exists(program)) return nullptr;
-        for (int attempt = 0; attempt < 20; ++attempt) {
-            auto screen = std::unique_ptr<Screen>(new Screen(100 + (::getpid() * 7 + attempt * 37) % 800));
+        for (int attempt = 0; attempt < 200; ++attempt) {
+            const int number = 100 + (::getpid() * 7 + attempt * 37) % 800;
+            // Another's, or one that was killed and left it: the server could not be told from it.
+            if (std::filesystem::exists(socket_of(number))) continue;
+            auto screen = std::unique_ptr<Screen>(new Screen(number));
             if (screen->until([&] {
                     return std::filesystem::exists(screen->socket_) || !screen->server_->running();
                 }) &&
@@ -140,8 +143,9 @@ private:
     static constexpr const char* kXvfb = "/usr/bin/Xvfb";
     static constexpr const char* kXdotool = "/usr/bin/xdotool";
 
-    explicit Screen(int number) : number_(number), socket_(fmt::format("/tmp/.X11-unix/X{}", number)) {
-        if (std::filesystem::exists(socket_)) socket_ += "-is-another's";
+    static std::string socket_of(int number) { return fmt::format("/tmp/.X11-unix/X{}", number); }
+
+    explicit Screen(int number) : number_(number), socket_(socket_of(number)) {
         Conditions c;
         c.timeout = std::chrono::seconds(600);
         server_ = std::make_unique<Program>(
