@@ -54,6 +54,11 @@ std::optional<double> focal_of(const FocalVerdict& verdict, const MeasuredLength
     return inverse.value > kCertain * inverse.sigma ? std::optional(1 / inverse.value) : std::nullopt;
 }
 
+bool is_left_out(const FocalVerdict& verdict, FocalSource source) {
+    return std::any_of(verdict.disagree.begin(), verdict.disagree.end(),
+                       [&](const FocalEvidence& e) { return e.source == source; });
+}
+
 // [px] How far the edges lie from the outlines that the camera makes of balls, the worse the fewer there are.
 double misfit_px(const std::vector<FoundBall>& balls) {
     double sum = 0;
@@ -181,8 +186,8 @@ void tell_of_focal_length(BallCalibration& c, const std::vector<BallView>& views
             "the focal length {}; by the balls it is {:.0f} ± {:.0f} px: --focal-px or "
             "--focal-35mm makes it "
             "sure",
-            verdict.disagree.empty() ? "is not given" : "that is given is not used", *c.camera.focal_px,
-            verdict.inverse_focal.sigma * *c.camera.focal_px * *c.camera.focal_px));
+            is_left_out(verdict, FocalSource::given) ? "that is given is not used" : "is not given",
+            *c.camera.focal_px, verdict.inverse_focal.sigma * *c.camera.focal_px * *c.camera.focal_px));
         return;
     }
     double turned = 0;

@@ -23,8 +23,8 @@ constexpr double kInner = 0.93;  // [1] of the radius: outside, a pixel is not o
 constexpr double kLit = 0.12;    // n.l from which on a normal is taken for lit, clear of the terminator
 constexpr double kPatchPx = 25;  // pixels that count as one independent sample: the ball's own texture
 constexpr double kLargestResidual = 0.15;
-constexpr double kClearResidual = 0.06;  // of a matt ball that nobody spoke of
-constexpr double kClearOutline = 0.5;    // [1] part of its outline that shows
+constexpr double kClearResidual = 0.04;  // of a matt ball that nobody spoke of
+constexpr double kClearOutline = 0.25;   // [1] part of its outline that shows
 
 struct Sample {
     dvec3 normal;

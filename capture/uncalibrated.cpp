@@ -27,6 +27,7 @@ namespace {
 constexpr std::size_t kFewestPhotos = 8;
 constexpr double kFalloffTells = 0.6, kCurlTells = 0.3;  // [1] as UncalibratedLights has them
 constexpr double kAnyAzimuth_deg = 52;  // standard deviation of what lies anywhere in a half turn
+constexpr double kAlong = 0.5;          // [1] of what two factors do not explain that may go along with them
 constexpr double kUncertain_deg = 5;    // [deg] what the user is told of
 
 bool tells_azimuths(double curl, double falloff) { return curl <= kCurlTells || falloff >= kFalloffTells; }
@@ -183,6 +184,9 @@ std::vector<double> errors_deg(const Solution& all, const Solution& matt, const 
         return deg * deg;
     };
     const double photos = static_cast<double>(all.t.rows()), count = static_cast<double>(parts.size());
+    // Of t = l.xy / l.z, the same for all lamps, as shading is.
+    const double explained = std::clamp(all.factors.explained, 0.1, 1.0);
+    const double unexplained = kAlong * std::sqrt((1 - explained) / explained * all.t.squaredNorm() / photos);
     std::vector<double> sigmas;
     for (Index j = 0; j < all.t.rows(); ++j) {
         const glm::dvec3 l = direction_of(all.t.row(j));
@@ -191,9 +195,8 @@ std::vector<double> errors_deg(const Solution& all, const Solution& matt, const 
         for (const Solution& part : parts) spread += square_deg(part, j);
         const double strength_deg =
             strength_scatter * l.z / std::max(across, 0.2) / std::sqrt(photos / 4) * 180 / std::numbers::pi;
-        const double explained = std::max(all.factors.explained, 0.1);
         const double unexplained_deg =
-            std::sqrt((1 - explained) / explained) * across * l.z * 180 / std::numbers::pi;
+            unexplained * l.z * std::sqrt((1 + l.z * l.z) / 2) * 180 / std::numbers::pi;
         const double azimuth_deg = tells_azimuths(all.curl, all.falloff) ? 0 : kAnyAzimuth_deg * across;
         sigmas.push_back(std::sqrt(spread / (count * (count - 1)) + square_deg(matt, j) +
                                    strength_deg * strength_deg + azimuth_deg * azimuth_deg +
