@@ -101,7 +101,7 @@ TEST(CliExport, FlagsWithoutEffectAreRefused) {
         words.insert(words.end(), flags.begin(), flags.end());
         EXPECT_TRUE(ended(tangipaint(words), 2, {flags.front() + ": is"})) << to << " " << flags.front();
     };
-    for (const std::string to : {"maps", "openlime", "layers", "web"}) {
+    for (const std::string to : {"maps", "web"}) {
         refused(to, {"--terms", "9"});
         refused(to, {"--directions", "80"});
         refused(to, {"--lights", stack.lights()});
