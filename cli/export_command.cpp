@@ -136,6 +136,8 @@ nlohmann::json export_ora(const ExportArguments& a, const Canvas& canvas, const 
 nlohmann::json export_web(const ExportArguments& a, const Surface& surface, const Progress& progress) {
     const fs::path page =
         lower_extension(a.out) == ".html" ? fs::path(a.out) : fs::path(a.out) / "index.html";
+    if (page != fs::path(a.out) && fs::exists(a.out) && !fs::is_directory(a.out))
+        fail("--out {}: is a file; give a folder, or a page of one file, .html", a.out);
     refuse_to_overwrite(page, {a.painting});
     WebWords words = a.words;
     if (words.title.empty()) words.title = fs::path(a.painting).stem().string();

@@ -60,6 +60,9 @@ nlohmann::json run_import(const ImportArguments& a) {
     for (const auto& [name, text, file] : given) {
         if (!*file) continue;
         if (!fs::is_regular_file(**file)) fail("{}: no such file", (*file)->string());
+        if (lower_extension(**file) == ".exr" && is_painting(**file))
+            fail("{}: is a painting, not a map; its maps are written by: export {} --to maps",
+                 (*file)->string(), (*file)->string());
         refuse_to_overwrite(a.out, {**file});
         maps[name] = (*file)->string();
     }

@@ -344,11 +344,10 @@ void Stroke::paint() {
     if (dabs_.empty()) return;
     for (std::size_t begin = 0; begin < dabs_.size();) {
         std::size_t end = dabs_.size();
-        if (look_) {
-            while (look_at_s_ <= ages_s_[begin]) call_look();
-            end = begin;
-            while (end < dabs_.size() && ages_s_[end] < look_at_s_) ++end;
-        }
+        // What is asked for at the very end of the stroke is seen when the next one begins.
+        while (look_ && look_at_s_ <= ages_s_[begin] && look_at_s_ < age_s()) call_look();
+        if (look_ && look_at_s_ < age_s())
+            end = static_cast<std::size_t>(std::ranges::lower_bound(ages_s_, look_at_s_) - ages_s_.begin());
         bristle_pixels_ += paint_dabs(canvas_, brush_, std::span(dabs_).subspan(begin, end - begin),
                                       options_.spacing_px, seed_, scratch_);
         begin = end;

@@ -101,7 +101,7 @@ TEST(CliExport, FlagsWithoutEffectAreRefused) {
         words.insert(words.end(), flags.begin(), flags.end());
         EXPECT_TRUE(ended(tangipaint(words), 2, {flags.front() + ": is"})) << to << " " << flags.front();
     };
-    for (const std::string to : {"maps", "openlime", "layers", "web"}) {
+    for (const std::string to : {"maps", "web"}) {
         refused(to, {"--terms", "9"});
         refused(to, {"--directions", "80"});
         refused(to, {"--lights", stack.lights()});
@@ -121,6 +121,11 @@ TEST(CliExport, FlagsWithoutEffectAreRefused) {
     import({"--alpha-min", "0.02"});
     import({"--height-range-mm", "2"});
     import({"--gloss", stack.photo(0), "--roughness", stack.photo(1)});
+    EXPECT_TRUE(ended(
+        tangipaint({"import", stack.out("maps"), "--height", stack.truth(), "--out", stack.out("a.exr")}), 1,
+        {"truth.exr: is a painting, not a map", "--to maps"}));
+    EXPECT_TRUE(ended(tangipaint({"export", stack.truth(), "--to", "web", "--out", stack.photo(0)}), 1,
+                      {stack.photo(0) + ": is a file"}));
     EXPECT_TRUE(ended(tangipaint({"palette", "--card-px", "200"}), 2, {"--card-px: is of the drawdown"}));
     EXPECT_FALSE(std::filesystem::exists(stack.out("a.exr")));
 }
