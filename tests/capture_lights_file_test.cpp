@@ -134,7 +134,7 @@ TEST(LightsFile, ThatIsBinaryIsAnErrorWithoutItsBytes) {
     EXPECT_THAT(error_in("1\na.jpg 0 0 \x1b[2J\n"), HasSubstr("but '\\x1b[2J' is not a number"));
     EXPECT_THAT(error_in("1\na.jpg 0 0 \xC2\x9B\x31\n"), HasSubstr("but '\\xc2\\x9b1' is not a number"));
     EXPECT_THAT(error_in("1\n\x07é\xE9 0 0 0\n"), HasSubstr("the light of '\\x07é\\xe9' is a zero vector"));
-    EXPECT_THAT(error_in("2\n\x07 0 0 1\n\x07 0 0 1\n"), HasSubstr("'\\x07' has a light in line 2"));
+    EXPECT_THAT(error_in("2\n\x07 0 0 1\n\x07 0 1 1\n"), HasSubstr("'\\x07' has a light in line 2"));
     Random random(1);
     std::string bytes = "1\n";
     for (int i = 0; i < 100000; ++i) bytes += static_cast<char>('\x0b' + random.below(245));
@@ -157,6 +157,26 @@ TEST(LightsFile, ThatIsEmptyIsAnError) {
         "x.lp: holds no lights; expected a count, then a line 'name x y z' for each photograph";
     for (const char* text : {"", "\n\n", "12\n", "\xEF\xBB\xBF", "0\n  \n"})
         EXPECT_EQ(error_in(text), expected);
+}
+
+// Few among many lines that are lights: the photographs are left out, the line is named.
+TEST(LightsFile, PassesOverFewLinesThatAreNone) {
+    const std::string good = "a.jpg 0 0 1\nb.jpg 1 0 1\nc.jpg 0 1 1\nd.jpg 1 1 1\n";
+    for (const char* bad : {"e.jpg 0 nan 1", "e.jpg 0 0 0", "e.jpg 0 up 1"}) {
+        const LightsFile file = parse("5\n" + good + bad + "\n");
+        EXPECT_EQ(file.lights.size(), 4u) << bad;
+        ASSERT_EQ(file.left_out.size(), 1u) << bad;
+        EXPECT_EQ(file.left_out[0].name, "e.jpg") << bad;
+        EXPECT_THAT(file.warnings, testing::ElementsAre(testing::AllOf(StartsWith("x.lp, line 6: "),
+                                                                       testing::HasSubstr("left out"))))
+            << bad;
+    }
+    const LightsFile twice = parse("6\n" + good + "e.jpg 1 2 3\nb.jpg 0 1 1\nf.jpg 0 2 1\n");
+    EXPECT_EQ(twice.lights.size(), 5u);  // neither of the two of b.jpg
+    for (const Light& light : twice.lights) EXPECT_NE(light.name, "b.jpg");
+    const LightsFile same = parse("5\n" + good + "b.jpg 2 0 2\n");
+    EXPECT_EQ(same.lights.size(), 4u);
+    EXPECT_TRUE(same.left_out.empty());
 }
 
 TEST(LightsFile, WithANameTwiceIsAnError) {

