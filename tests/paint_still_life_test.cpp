@@ -121,7 +121,7 @@ TEST(Landscape, IsTenMinutesWithTheBrushOnThePainting) {
     EXPECT_GE(turned, 500);
 }
 
-TEST(Landscape, IsAPictureOfASkyTreesAndFields) {
+TEST(Landscape, IsAPictureOfSkyAndFields) {
     SubstrateOptions options;
     options.pixel_mm = 2;
     Session session(std::make_shared<Surface>(make_substrate(SubstrateKind::linen, options)),
@@ -136,10 +136,10 @@ TEST(Landscape, IsAPictureOfASkyTreesAndFields) {
                    9.0f;
         return sum;
     };
-    const Rgb sky = colour(70, 66), field = colour(-40, -40), poplar = colour(90, 20);
+    const Rgb sky = colour(70, 66), field = colour(-40, -40), cloud = colour(-50, 45);
     EXPECT_GT(sky.b, 1.5f * sky.r);
+    EXPECT_GT(cloud.r, 1.5f * sky.r);
     EXPECT_GT(field.g, 2 * field.b);
-    EXPECT_GT(luminance(field), 2 * luminance(poplar));
     EXPECT_EQ(session.canvas().dried().size(), 3u);
 }
 
