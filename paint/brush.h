@@ -67,7 +67,7 @@ public:
     // Length [pixels] of the contact along the motion.
     double contact_length_px(const Dab& dab) const;
 
-    // Turns the loads with the brush, to the nearest step of a pixel at its rim.
+    // Turns the loads with the brush, to the nearest step of three pixels at its rim.
     void turn_to(float rotation_rad);
     // Where a stroke ends: what comes next depends on what is on the bristles only.
     void rest() { loads_.rest(); }
