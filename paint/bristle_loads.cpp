@@ -31,6 +31,10 @@ TP_INLINE float mean(const Around& a, const float* cells, int width) {
            a.w11 * cells[a.first + width + 1];
 }
 
+bool empty(const std::vector<float>& plane) {
+    return std::all_of(plane.begin(), plane.end(), [](float mm) { return mm == 0; });
+}
+
 TP_INLINE void add(const Around& a, float amount, float* cells, int width) {
     cells[a.first] += amount * a.w00;
     cells[a.first + 1] += amount * a.w10;
@@ -151,6 +155,7 @@ void BristleLoads::look() {
     for (std::size_t i = 0; i < ids_.size(); ++i) {
         for (std::size_t k = 0; k < scaled_.size(); ++k) scaled_[k] = cells_[i][k] * seen_[k];
         views_[i].assign(total_.size(), 0.0f);
+        if (empty(cells_[i])) continue;
         for_rows([&](const Row& row) {
             look_row(row.count, row.u, row.v, row.du, row.dv, row.last_u, row.last_v, row.width,
                      scaled_.data(), views_[i].data() + row.first, total_.data() + row.first);
@@ -161,6 +166,7 @@ void BristleLoads::look() {
 void BristleLoads::settle(std::vector<std::vector<float>>& cells) const {
     std::vector<float> scaled(seen_.size()), change(seen_.size());
     for (std::size_t i = 0; i < ids_.size(); ++i) {
+        if (empty(cells[i]) && empty(views_[i])) continue;
         for (std::size_t k = 0; k < scaled.size(); ++k) scaled[k] = cells[i][k] * seen_[k];
         std::fill(change.begin(), change.end(), 0.0f);
         for_rows([&](const Row& row) {

@@ -183,7 +183,7 @@ float Brush::fresh_load(int u, int v) const {
 }
 
 void Brush::turn_to(float rotation_rad) {
-    const float step = 1.5f / static_cast<float>(disc_);  // one pixel and a half at the rim
+    const float step = 3.0f / static_cast<float>(disc_);  // pixels at the rim: at most half of it off
     loads_.turn_to(std::round(rotation_rad / step) * step);
 }
 

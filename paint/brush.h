@@ -72,7 +72,7 @@ public:
     // They carry its volume, so their load is thinner by it.
     double coverage() const { return coverage_; }
 
-    // Turns the loads with the brush, to the nearest step of a pixel at its rim.
+    // Turns the loads with the brush, to the nearest step of three pixels at its rim.
     void turn_to(float rotation_rad);
     // Where a stroke ends: what comes next depends on what is on the bristles only.
     void rest() { loads_.rest(); }

@@ -1,6 +1,8 @@
-// paint_still_life_test.cpp: the demonstration painting, small: it is a picture, and the same for any
+// paint_still_life_test.cpp: the demonstration paintings, small: they are pictures, and the same for any
 // threads.
 #include <gtest/gtest.h>
+
+#include <set>
 
 #include "paint/appearance.h"
 #include "paint/session.h"
@@ -47,7 +49,7 @@ TEST(StillLife, IsAPictureOfAJugAPearAnAppleAndALemon) {
     EXPECT_GE(still_life().totals().strokes, 200);
     EXPECT_GE(canvas.ingredients().size(), 12u);
     const Surface s = appearance(canvas);
-    const Rgb jug = colour_at(s, -45, 5), shaded = colour_at(s, -14, -22), pear = colour_at(s, 28, -30),
+    const Rgb jug = colour_at(s, -45, 5), shaded = colour_at(s, -14, -22), pear = colour_at(s, 38, -34),
               apple = colour_at(s, 70, -35), lemon = colour_at(s, 2, -50), table = colour_at(s, -80, -50);
     EXPECT_GT(jug.b, 1.3f * jug.r);
     EXPECT_GT(luminance(jug), 1.5f * luminance(shaded));
@@ -86,6 +88,59 @@ TEST(StillLife, IsTheSameOnAnyNumberOfThreads) {
     SubstrateOptions options;
     options.pixel_mm = kPixel;
     EXPECT_EQ(hash_of(one.dry()), hash_of(make_substrate(SubstrateKind::linen, options)));
+}
+
+Journal landscape() {
+    return read_journal(std::filesystem::path(TP_SOURCE_DIR) / "datasets/strokes/landscape.jsonl");
+}
+
+TEST(Landscape, IsTenMinutesWithTheBrushOnThePainting) {
+    double seconds = 0, last = 0;
+    std::set<std::string> shapes;
+    int strokes = 0, sittings = 0, glazes = 0, tilted = 0, turned = 0;
+    for (const Journal::Entry& entry : landscape().entries) {
+        if (const auto* stroke = std::get_if<StrokeEvent>(&entry.event)) {
+            ++strokes;
+            shapes.insert(stroke->brush.shape);
+            glazes += stroke->finish.medium > 0.9;
+            last = 0;
+        } else if (const auto* point = std::get_if<PointEvent>(&entry.event)) {
+            seconds += point->point.time_s - last;
+            last = point->point.time_s;
+            tilted += point->point.tilt_x != 0 || point->point.tilt_y != 0;
+            turned += point->point.rotation_deg != 0;
+        }
+        sittings += std::holds_alternative<DryEvent>(entry.event);
+    }
+    EXPECT_GE(seconds, 600);
+    EXPECT_GE(strokes, 1000);
+    EXPECT_EQ(shapes, (std::set<std::string>{"filbert", "flat", "knife", "rag", "round"}));
+    EXPECT_EQ(sittings, 3);
+    EXPECT_GE(glazes, 20);
+    EXPECT_GE(tilted, 1000);
+    EXPECT_GE(turned, 500);
+}
+
+TEST(Landscape, IsAPictureOfSkyAndFields) {
+    SubstrateOptions options;
+    options.pixel_mm = 2;
+    Session session(std::make_shared<Surface>(make_substrate(SubstrateKind::linen, options)),
+                    artist_acrylics());
+    replay(session, landscape());
+    const Surface s = appearance(session.canvas());
+    const auto colour = [&](double x_mm, double y_mm) {
+        Rgb sum(0);
+        for (int k = 0; k < 9; ++k)
+            sum += s.diffuse(static_cast<int>(std::lround(x_mm / 2 + (s.width() - 1) / 2.0)) + k % 3 - 1,
+                             static_cast<int>(std::lround((s.height() - 1) / 2.0 - y_mm / 2)) + k / 3 - 1) /
+                   9.0f;
+        return sum;
+    };
+    const Rgb sky = colour(70, 66), field = colour(-40, -40), cloud = colour(-50, 45);
+    EXPECT_GT(sky.b, 1.5f * sky.r);
+    EXPECT_GT(cloud.r, 1.5f * sky.r);
+    EXPECT_GT(field.g, 2 * field.b);
+    EXPECT_EQ(session.canvas().dried().size(), 3u);
 }
 
 }  // namespace
