@@ -111,6 +111,13 @@ json remove(Treatment& treatment, const TreatmentArguments& a, const Progress& p
     return result;
 }
 
+json undo(Treatment& treatment, const TreatmentArguments& a, const Progress& progress) {
+    Canvas canvas = treatment.read_canvas(progress);
+    json result = undo_step(treatment, canvas, a.author.author(), progress);
+    result.update(status(treatment));
+    return result;
+}
+
 json show(const Treatment& treatment, const TreatmentArguments& a, const Progress& progress) {
     const auto state = treatment_state_named(a.state);
     const Canvas canvas = treatment.read_canvas(progress);
@@ -154,6 +161,7 @@ json run_treatment(const TreatmentArguments& a) {
         return status(treatment);
     }
     if (a.action == "remove") return remove(treatment, a, progress);
+    if (a.action == "undo") return undo(treatment, a, progress);
     if (a.action == "show") return show(treatment, a, progress);
     if (a.action == "additions") return show_additions(treatment, a, progress);
     json files = json::array();
@@ -167,15 +175,15 @@ json run_treatment(const TreatmentArguments& a) {
 Command treatment_command() {
     return {
         "treatment",
-        "the treatment of a painting: begin, earlier, status, check, retouch, remove, show, additions, "
+        "the treatment of a painting: begin, earlier, status, check, retouch, undo, remove, show, additions, "
         "report",
         [](Flags& flags) {
             auto a = std::make_shared<TreatmentArguments>();
             flags
                 .option("ACTION", a->action,
-                        "begin, earlier, status, check, retouch, remove, show, additions, report")
+                        "begin, earlier, status, check, retouch, undo, remove, show, additions, report")
                 .required()
-                .check(one_of({"begin", "earlier", "status", "check", "retouch", "remove", "show",
+                .check(one_of({"begin", "earlier", "status", "check", "retouch", "undo", "remove", "show",
                                "additions", "report"}));
             flags.option("TREATMENT", a->folder, "folder of the treatment").required();
             flags.option("--painting", a->painting,
