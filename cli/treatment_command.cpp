@@ -120,8 +120,11 @@ json undo(Treatment& treatment, const TreatmentArguments& a, const Progress& pro
 
 json show(const Treatment& treatment, const TreatmentArguments& a, const Progress& progress) {
     const auto state = treatment_state_named(a.state);
-    const Canvas canvas = treatment.read_canvas(progress);
-    const Surface surface = surface_in_state(treatment, canvas, *state, progress);
+    Surface surface;
+    {
+        const Canvas canvas = treatment.read_canvas(progress);
+        surface = surface_in_state(treatment, canvas, *state, progress);
+    }
     write_picture_8bit(a.out,
                        look_of(surface, distant_light(parse_direction(a.light, "--light")), 0, progress));
     return {{"picture", a.out}, {"state", a.state}};
