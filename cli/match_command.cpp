@@ -100,10 +100,13 @@ Wanted of_colour(const glm::dvec3& xyz, Illuminant lamp, const PaintBox& box, co
 
 Wanted of_painting(const MatchArguments& a, const std::optional<Treatment>& treatment, const PaintBox& box,
                    const MatchOptions& options, const Progress& progress) {
-    const Canvas canvas =
-        treatment ? treatment->read_canvas(progress) : read_canvas(a.painting, progress, a.mm_per_pixel);
-    Surface seen = appearance(canvas, {}, progress);
-    seen.mm_per_pixel = canvas.mm_per_pixel();
+    Surface seen;
+    {
+        const Canvas canvas =
+            treatment ? treatment->read_canvas(progress) : read_canvas(a.painting, progress, a.mm_per_pixel);
+        seen = appearance(canvas, {}, progress);
+        seen.mm_per_pixel = canvas.mm_per_pixel();
+    }
     Mask mask(seen.width(), seen.height());
     Mask spoilt = a.damaged.empty() ? Mask() : read_mask(a.damaged, seen.width(), seen.height());
     if (treatment) {

@@ -125,7 +125,8 @@ nlohmann::json run_quality(const QualityArguments& a) {
         for (const std::string& file : a.area.masks)
             mask = united(mask, read_mask(file, canvas.width(), canvas.height()));
     }
-    const QualityReport report = quality_of(canvas, mask, spoilt, lamps, a.options, progress);
+    QualityReport report = quality_of(canvas, mask, spoilt, lamps, a.options, progress);
+    mask = spoilt = Mask();
     const std::string within = treatment ? new_folder(*treatment) : "";
     const fs::path folder = treatment ? treatment->folder() / within : fs::path(a.out);
     make_folder(folder);
@@ -133,9 +134,10 @@ nlohmann::json run_quality(const QualityArguments& a) {
     write_map(folder / "height_mm.exr", report.height_mm);
     write_map(folder / "gloss.exr", report.gloss);
     // Black is 0, white CIEDE2000 10.
-    Image<float> shown = report.delta_e;
-    for (float& v : shown.pixels()) v = std::min(v / 10, 1.0f);
-    write_map(folder / "delta_e_2000.png", shown, {.bits = 8});
+    for (float& v : report.delta_e.pixels()) v = std::min(v / 10, 1.0f);
+    write_map(folder / "delta_e_2000.png", report.delta_e, {.bits = 8});
+    report.delta_e = report.height_mm =
+        report.gloss = {};  // as large as the painting: raking light needs the room
     nlohmann::json regions = nlohmann::json::array();
     for (const RetouchQuality& q : report.regions) regions.push_back(as_json(q));
     nlohmann::json mean = nlohmann::json::object();

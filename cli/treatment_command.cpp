@@ -113,10 +113,20 @@ json remove(Treatment& treatment, const TreatmentArguments& a, const Progress& p
     return result;
 }
 
+json undo(Treatment& treatment, const TreatmentArguments& a, const Progress& progress) {
+    Canvas canvas = treatment.read_canvas(progress);
+    json result = undo_step(treatment, canvas, a.author.author(), progress);
+    result.update(status(treatment));
+    return result;
+}
+
 json show(const Treatment& treatment, const TreatmentArguments& a, const Progress& progress) {
     const auto state = treatment_state_named(a.state);
-    const Canvas canvas = treatment.read_canvas(progress);
-    const Surface surface = surface_in_state(treatment, canvas, *state, progress);
+    Surface surface;
+    {
+        const Canvas canvas = treatment.read_canvas(progress);
+        surface = surface_in_state(treatment, canvas, *state, progress);
+    }
     write_picture_8bit(a.out,
                        look_of(surface, distant_light(parse_direction(a.light, "--light")), 0, progress));
     return {{"picture", a.out}, {"state", a.state}};
@@ -156,6 +166,7 @@ json run_treatment(const TreatmentArguments& a) {
         return status(treatment);
     }
     if (a.action == "remove") return remove(treatment, a, progress);
+    if (a.action == "undo") return undo(treatment, a, progress);
     if (a.action == "show") return show(treatment, a, progress);
     if (a.action == "additions") return show_additions(treatment, a, progress);
     json files = json::array();
@@ -169,15 +180,15 @@ json run_treatment(const TreatmentArguments& a) {
 Command treatment_command() {
     return {
         "treatment",
-        "the treatment of a painting: begin, earlier, status, check, retouch, remove, show, additions, "
+        "the treatment of a painting: begin, earlier, status, check, retouch, undo, remove, show, additions, "
         "report",
         [](Flags& flags) {
             auto a = std::make_shared<TreatmentArguments>();
             flags
                 .option("ACTION", a->action,
-                        "begin, earlier, status, check, retouch, remove, show, additions, report")
+                        "begin, earlier, status, check, retouch, undo, remove, show, additions, report")
                 .required()
-                .check(one_of({"begin", "earlier", "status", "check", "retouch", "remove", "show",
+                .check(one_of({"begin", "earlier", "status", "check", "retouch", "undo", "remove", "show",
                                "additions", "report"}));
             flags.option("TREATMENT", a->folder, "folder of the treatment").required();
             flags.option("--painting", a->painting,

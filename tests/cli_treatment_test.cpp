@@ -60,6 +60,39 @@ TEST_F(CliTreatment, GoesFromDamageToReportAndBack) {
     EXPECT_EQ(removed.json()["identical_to_original"], true);
 }
 
+// Step by step backwards; the log only grows.
+TEST_F(CliTreatment, StepsAreUndoneAndStayInTheLog) {
+    draw();
+    EXPECT_TRUE(ended(tangipaint({"treatment", "undo", treatment()}), 1, {"no step to undo"}));
+    ASSERT_TRUE(ended(tangipaint({"fill", treatment(), "--class", "loss_to_ground"}), 0));
+    ASSERT_TRUE(ended(tangipaint({"varnish", treatment(), "--isolating"}), 0));
+    ASSERT_TRUE(ended(damage({"--class", "stain", "--polygon", kSquare}), 0));  // lays nothing
+    const Finished varnish = tangipaint({"treatment", "undo", treatment(), "--by", "A. B."});
+    ASSERT_TRUE(ended(varnish, 0));
+    EXPECT_EQ(varnish.json()["undone"]["line"], 4);
+    EXPECT_EQ(varnish.json()["layers"].size(), 1u) << "the fill is still there";
+    ASSERT_TRUE(ended(tangipaint({"varnish", treatment(), "--isolating"}), 0));
+    for (const int line : {7, 3}) {
+        const Finished undone = tangipaint({"treatment", "undo", treatment()});
+        ASSERT_TRUE(ended(undone, 0));
+        EXPECT_EQ(undone.json()["undone"]["line"], line);
+    }
+    EXPECT_TRUE(ended(tangipaint({"treatment", "undo", treatment()}), 1, {"no step to undo"}));
+    const nlohmann::json checked = tangipaint({"treatment", "check", treatment()}).json();
+    EXPECT_EQ(checked["log_lines"], 9);
+    EXPECT_TRUE(checked["layers"].empty());
+}
+
+TEST_F(CliTreatment, AreasAreSuggestedByClassAndMayBeNone) {
+    const Finished found = damage({"--suggest", "abrasion", "--mm-per-pixel", "0.5"});
+    ASSERT_TRUE(ended(found, 0));
+    EXPECT_EQ(found.json()["suggested"]["abrasion"]["count"], 0);
+    EXPECT_TRUE(found.json()["suggested"]["areas"].empty());
+    EXPECT_TRUE(ended(damage({"--suggest", "old_fill", "--as", "overpaint"}), 0));
+    EXPECT_TRUE(ended(damage({"--suggest", "old_fill", "--area-confidence", "2"}), 2, {"--area-confidence"}));
+    EXPECT_TRUE(ended(damage({"--suggest", "flaking"}), 2, {"--suggest"}));
+}
+
 TEST_F(CliTreatment, PaintThatTheWindowLeftBecomesARetouch) {
     draw();
     EXPECT_TRUE(ended(tangipaint({"treatment", "retouch", treatment()}), 1, {"nothing was painted"}));
@@ -101,6 +134,18 @@ TEST_F(CliTreatment, AnEditedLogStopsEveryCommand) {
           {"treatment", "report", treatment(), "--out", stack_.out("r.html")}})
         EXPECT_TRUE(ended(tangipaint(command), 1, {"log.jsonl:2: was edited"}));
     EXPECT_FALSE(std::filesystem::exists(stack_.out("r.html")));
+}
+
+TEST_F(CliTreatment, EmptyMasksAndFoldersWithoutANameAreRefused) {
+    draw();
+    ASSERT_TRUE(ended(damage({"--class", "loss_to_ground", "--edit", "remove", "--polygon", kSquare}), 0));
+    EXPECT_TRUE(ended(tangipaint({"fill", treatment(), "--class", "loss_to_ground"}), 1, {"mask is empty"}));
+    EXPECT_TRUE(ended(tangipaint({"varnish", treatment(), "--isolating", "--class", "loss_to_ground"}), 1,
+                      {"mask is empty"}));
+    EXPECT_TRUE(ended(tangipaint({"match", "--treatment", treatment(), "--class", "loss_to_ground"}), 1,
+                      {"mask is empty"}));
+    EXPECT_TRUE(ended(tangipaint({"damage", stack_.truth(), "--treatment", ""}), 2, {"--treatment"}));
+    EXPECT_EQ(tangipaint({"treatment", "status", treatment()}).json()["log_lines"], 3);
 }
 
 TEST_F(CliTreatment, WhatMakesNoSenseIsRefused) {

@@ -188,10 +188,33 @@ TEST_F(Desks, TheWholeSequenceIsInTheLog) {
     settle();
     EXPECT_FALSE(t.confined) << "as it was left";
     EXPECT_EQ(t.layers.size(), 5u);
+    t.ask.undo_step = true;
+    settle();
+    EXPECT_EQ(t.layers.size(), 4u) << "the varnish is off";
+    EXPECT_EQ(t.log.size(), actions.size() + 1) << "and both are in the log";
+    EXPECT_THAT(t.log.front().action, testing::StartsWith("undo"));
     t.ask.remove_all = true;
     settle();
     EXPECT_THAT(said_.back(), HasSubstr("bit for bit"));
     EXPECT_EQ(sha256_of(appearance(treatment().read_canvas())), treatment().dry_sha256());
+}
+
+TEST_F(Desks, AreasOfOtherClassesAreLookedForAndChangeNothing) {
+    begin();
+    Treating& t = state_.treating;
+    for (const auto& [what, as] : {std::pair(Suggesting::old_fill, DamageClass::old_fill),
+                                   {Suggesting::overpaint, DamageClass::overpaint},
+                                   {Suggesting::stain, DamageClass::stain},
+                                   {Suggesting::abrasion, DamageClass::abrasion}}) {
+        t.suggesting = what;
+        t.ask.suggest = true;
+        settle();
+        ASSERT_TRUE(t.suggestion) << testing::PrintToString(said_);
+        EXPECT_EQ(t.suggestion->as, as);
+        EXPECT_EQ(t.suggestion->threshold, 0.5f) << "what is less sure is offered, not shown";
+        EXPECT_LE(t.suggestion->shown, t.suggestion->regions);
+        EXPECT_FALSE(treatment().has_mask(as));
+    }
 }
 
 TEST_F(Desks, ARetouchIsLookedAtBeforeItIsApplied) {

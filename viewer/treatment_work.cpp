@@ -100,6 +100,7 @@ void TreatmentDesk::steps(const Treating::Ask& ask) {
         state_.treating.preview.reset();
         painter_->show_as({});
     }
+    if (ask.undo_step) undo_last();
     if (!ask.remove.empty()) remove({ask.remove});
     if (ask.remove_all) {
         std::vector<std::string> all;
@@ -207,6 +208,14 @@ void TreatmentDesk::remove(const std::vector<std::string>& layers) {
                  said += "; the painting is the original again, bit for bit";
              return said;
          });
+}
+
+void TreatmentDesk::undo_last() {
+    step("undoing a step", [who = author()](Treatment& treatment, Canvas& canvas, const Progress& progress) {
+        const json done = undo_step(treatment, canvas, who, progress);
+        return fmt::format("in the log: {} of line {} undone", done["undone"]["action"].get<std::string>(),
+                           done["undone"]["line"].get<int>());
+    });
 }
 
 void TreatmentDesk::preview() {

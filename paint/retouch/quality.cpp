@@ -318,6 +318,7 @@ QualityReport quality_of(const Canvas& canvas, const Mask& mask, const Mask& dam
                            is_retouch(q) ? &result.delta_e : nullptr);
         }
     }
+    intact = Mask();  // as large as the painting
     const Surface seen = appearance(canvas, {}, progress);
     Image<float> luminances(mask.width(), mask.height());
     for (std::size_t i = 0; i < mask.size(); ++i)

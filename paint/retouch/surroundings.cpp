@@ -80,38 +80,76 @@ void patches_into(Image<Rgb>& colours, const Mask& hole, const Image<float>* rel
 
 }  // namespace
 
-Mask annulus_mask(const Surface& surface, const Mask& loss, const Mask& damaged,
-                  const AnnulusOptions& options) {
+namespace {
+
+// How far beside a mask its surroundings reach.
+struct Reach {
+    double near_px, far_px;
+
+    Reach(const Surface& surface, const AnnulusOptions& options)
+        : near_px(options.gap_mm / surface.mm_per_pixel),
+          far_px(near_px + std::max(options.annulus_mm / surface.mm_per_pixel, 1.0)) {}
+};
+
+// The part of the picture that holds the mask and its surroundings; empty where the mask is.
+Region region_round(const Mask& loss, const Reach& reach) {
+    Region box{loss.width(), loss.height(), 0, 0};
+    for (int y = 0; y < loss.height(); ++y)
+        for (int x = 0; x < loss.width(); ++x)
+            if (loss(x, y) > 0) {
+                box.x0 = std::min(box.x0, x), box.y0 = std::min(box.y0, y);
+                box.x1 = std::max(box.x1, x + 1), box.y1 = std::max(box.y1, y + 1);
+            }
+    if (box.x1 <= box.x0) return {};
+    const int margin = static_cast<int>(std::ceil(reach.far_px)) + 2;
+    return {std::max(box.x0 - margin, 0), std::max(box.y0 - margin, 0),
+            std::min(box.x1 + margin, loss.width()), std::min(box.y1 + margin, loss.height())};
+}
+
+// Calls each(x, y) for the pixels of the surroundings.
+template <class Each>
+void for_annulus(const Surface& surface, const Mask& loss, const Mask& damaged, const AnnulusOptions& options,
+                 Each&& each) {
     validate(options);
     TP_REQUIRE(loss.region() == surface.height_mm.region(), "the mask is the painting's");
     TP_REQUIRE(damaged.empty() || damaged.region() == loss.region(), "the mask is the painting's");
-    const Image<float> distance = distance_inside_px(loss);
-    const double near_px = options.gap_mm / surface.mm_per_pixel,
-                 far_px = near_px + std::max(options.annulus_mm / surface.mm_per_pixel, 1.0);
+    const Reach reach(surface, options);
+    const Region box = region_round(loss, reach);
+    if (box.empty()) fail("surroundings: the mask is empty; draw or choose the damage first");
+    Mask part(box.width(), box.height());  // distances take as much memory again
+    for (int y = 0; y < part.height(); ++y)
+        for (int x = 0; x < part.width(); ++x) part(x, y) = loss(x + box.x0, y + box.y0);
+    const Image<float> distance = distance_inside_px(part);
+    for (int y = box.y0; y < box.y1; ++y)
+        for (int x = box.x0; x < box.x1; ++x) {
+            const double away = -static_cast<double>(distance(x - box.x0, y - box.y0));
+            if (away > reach.near_px && away <= reach.far_px && surface.confidence(x, y) > 0 &&
+                !inside(loss(x, y)) && (damaged.empty() || !inside(damaged(x, y))))
+                each(x, y);
+        }
+}
+
+}  // namespace
+
+Mask annulus_mask(const Surface& surface, const Mask& loss, const Mask& damaged,
+                  const AnnulusOptions& options) {
     Mask annulus(loss.width(), loss.height());
-    for (std::size_t i = 0; i < loss.size(); ++i) {
-        const double away = -static_cast<double>(distance.pixels()[i]);
-        const bool counts = away > near_px && away <= far_px && surface.confidence.pixels()[i] > 0 &&
-                            !inside(loss.pixels()[i]) && (damaged.empty() || !inside(damaged.pixels()[i]));
-        annulus.pixels()[i] = counts ? 1.0f : 0.0f;
-    }
+    for_annulus(surface, loss, damaged, options, [&](int x, int y) { annulus(x, y) = 1; });
     return annulus;
 }
 
 Annulus annulus_of(const Surface& surface, const Mask& loss, const Mask& damaged,
                    const AnnulusOptions& options) {
-    const Mask mask = annulus_mask(surface, loss, damaged, options);
     std::vector<Rgb> colours;
     std::vector<float> channels[3], heights, speculars, roughnesses;
-    for (std::size_t i = 0; i < mask.size(); ++i) {
-        if (!inside(mask.pixels()[i])) continue;
-        const Rgb& c = surface.diffuse.pixels()[i];
+    for_annulus(surface, loss, damaged, options, [&](int x, int y) {
+        const Rgb& c = surface.diffuse(x, y);
         colours.push_back(c);
         for (int channel = 0; channel < 3; ++channel) channels[channel].push_back(c[channel]);
-        heights.push_back(surface.height_mm.pixels()[i]);
-        speculars.push_back(surface.specular.pixels()[i]);
-        roughnesses.push_back(surface.roughness.pixels()[i]);
-    }
+        heights.push_back(surface.height_mm(x, y));
+        speculars.push_back(surface.specular(x, y));
+        roughnesses.push_back(surface.roughness(x, y));
+    });
     if (colours.empty())
         fail(
             "surroundings: nothing measured and undamaged lies {} to {} mm beside the mask; give a wider "

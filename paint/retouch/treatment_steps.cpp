@@ -60,6 +60,8 @@ json fill_step(Treatment& treatment, Canvas& canvas, const StepArea& area, FillT
 json varnish_step(Treatment& treatment, Canvas& canvas, bool isolating, const StepArea* area,
                   const VarnishOptions& options, const Author& author, const Progress& progress) {
     const Mask mask = area ? area->mask : Mask(treatment.width(), treatment.height(), 1.0f);
+    if (area_of(mask, 1).mm2 == 0)
+        fail("{}: there is nothing to varnish: the mask is empty", treatment.folder().string());
     const LayerRole role = isolating ? LayerRole::isolating_varnish : LayerRole::varnish;
     const std::string name = treatment.new_layer_name(role);
     lay_varnish(canvas, name, mask, options);
@@ -123,6 +125,34 @@ json remove_step(Treatment& treatment, Canvas& canvas, const std::vector<std::st
     treatment.record({.action = "remove", .parameters = {{"layers", layers}}, .canvas = &canvas}, author,
                      progress);
     return {{"removed", layers}};
+}
+
+json undo_step(Treatment& treatment, Canvas& canvas, const Author& author, const Progress& progress) {
+    std::set<std::string> there;
+    for (const TreatmentLayer& layer : treatment.layers()) there.insert(layer.name);
+    // The step that brought a layer is the first that has it: from the last line on, the one where one of
+    // those that are still there appears.
+    std::set<std::string> known;
+    const LogEntry* last = nullptr;
+    std::vector<std::string> layers;
+    for (const LogEntry& entry : treatment.log().entries()) {
+        if (!entry.content.contains("layers")) continue;
+        std::vector<std::string> brought;
+        for (const json& layer : entry.content["layers"])
+            if (const auto name = layer.at("name").get<std::string>();
+                known.insert(name).second && there.contains(name))
+                brought.push_back(name);
+        if (!brought.empty()) last = &entry, layers = brought;
+    }
+    if (!last)
+        fail("{}: there is no step to undo: nothing lies on the painting", treatment.folder().string());
+    const json undone = {
+        {"line", last->line}, {"action", last->content.at("action")}, {"sha256", last->sha256}};
+    for (const std::string& layer : layers) lift_off(canvas, layer);
+    treatment.record(
+        {.action = "undo", .parameters = {{"step", undone}, {"layers", layers}}, .canvas = &canvas}, author,
+        progress);
+    return {{"undone", undone}, {"removed", layers}};
 }
 
 json draw_step(Treatment& treatment, DamageClass damage, const Mask& mask, const json& parameters,
