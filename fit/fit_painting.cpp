@@ -11,6 +11,8 @@
 #include "capture/transfer_metadata.h"
 #include "fit/lobe_prior.h"
 #include "fit/shot_order.h"
+#include "fit/slope_edges.h"
+#include "fit/slope_prior.h"
 #include "surface/error.h"
 #include "surface/median.h"
 #include "surface/parallel.h"
@@ -35,7 +37,7 @@ constexpr double kShadowTolerance = 1e-3;
 
 // Confidence of a pixel: 1 where the slope is certain, 1/2 where its standard error is 0.1 (about 6 degrees).
 float confidence_of(const WardEstimate& e) {
-    const double t = e.slope_error / 0.1;
+    const double t = e.slope_error / kHalfConfidence;
     return static_cast<float>(1 / (1 + t * t));
 }
 
@@ -63,11 +65,13 @@ double robust_scale_after(double rms_residual, double first) {
 
 // What the first pass leaves to the second.
 struct FirstPass {
-    LobePriors priors;
+    LobePriors lobes;
+    SlopePriors slopes;
     CastShadows shadows;
 
-    FirstPass(const Surface& surface, const FitErrors& errors, const WardPrior& general)
-        : priors(surface, errors, general),
+    FirstPass(const Surface& surface, const Plane& plane, const FitErrors& errors, const WardPrior& general)
+        : lobes(surface, errors, general),
+          slopes(surface, plane),
           shadows(surface.height_mm, surface.mm_per_pixel, RelightOptions{}.light_radius_deg) {}
 };
 
@@ -93,7 +97,11 @@ void fit_band(const Stack& stack, const Band& band, const Lighting& lighting, co
     ward.law = surface.law;
     PixelKnowledge known;
     if (first) {
-        known.prior = [&](int x, int y) { return first->priors.at(x, y); };
+        known.prior = [&](int x, int y) {
+            WardPrior prior = first->lobes.at(x, y);
+            first->slopes.add_to(x, y, prior);
+            return prior;
+        };
         known.shadows = &first->shadows;
     }
     oneapi::tbb::enumerable_thread_specific<RowFitter> fitters(
@@ -160,7 +168,10 @@ void fit_bands(const Stack& stack, const Transfer& transfer, const Lighting& lig
         const int y1 = std::min(y0 + rows, stack.height()), y2 = std::min(y1 + rows, stack.height());
         auto decoded = std::async(std::launch::async,
                                   [&, y1, y2] { return y1 < y2 ? reader.read(y1, y2, transfer) : Band(); });
-        if (first) first->priors.advance(y0, y1);
+        if (first) {
+            first->lobes.advance(y0, y1);
+            first->slopes.advance(y0, y1);
+        }
         fit_band(stack, band, lighting, noise, options, first, result, counters, progress);
         next = decoded.get();
     }
@@ -314,8 +325,9 @@ FitResult fit_painting(Stack stack, const FitOptions& options, const Progress& p
                           Progress([&](std::string_view, double done) {
                               return !progress || progress("first height", done);
                           }));
-        subtract(best_plane(surface.height_mm, surface.confidence), surface.height_mm);
-        FirstPass first(surface, result.errors, options.ward.prior);
+        const Plane plane = best_plane(surface.height_mm, surface.confidence);
+        subtract(plane, surface.height_mm);
+        FirstPass first(surface, plane, result.errors, options.ward.prior);
         FitOptions second = options;
         second.ward.robust_scale = robust_scale_after(report_.median_rms_residual, options.ward.robust_scale);
         fit_bands(stack, transfer, lighting, noise, second, &first, result, progress);
@@ -323,7 +335,7 @@ FitResult fit_painting(Stack stack, const FitOptions& options, const Progress& p
     report_.colour = correct_colours(stack, surface);
     report_.colour.white_by_chart = white.has_value();
     report_.height = integrate_normals(surface.normal, surface.confidence, surface.mm_per_pixel,
-                                       surface.height_mm, options.height, progress);
+                                       surface.height_mm, options.height, progress, &result.errors.height);
     const Plane plane = best_plane(surface.height_mm, surface.confidence);
     subtract(plane, surface.height_mm);
     report_.support_tilt_deg = std::atan(std::hypot(plane.a, plane.b) / surface.mm_per_pixel) * 180 / M_PI;
