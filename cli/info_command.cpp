@@ -6,6 +6,7 @@
 #include "capture/photo_file.h"
 #include "cli/arguments.h"
 #include "cli/command_list.h"
+#include "fit/fit_errors.h"
 #include "paint/canvas_file.h"
 #include "surface/error.h"
 #include "surface/painting_file.h"
@@ -87,6 +88,18 @@ nlohmann::json describe_paint(const Canvas& canvas) {
     return layers;
 }
 
+// Standard errors, as the fit stated them.
+nlohmann::json describe(const FitErrors& errors, const Surface& s) {
+    const auto of = [&](const Image<HalfError>& map) {
+        return spread(s, [&](std::size_t i) { return float(map.pixels()[i]); });
+    };
+    return {{"height_mm", of(errors.height)},
+            {"slope", of(errors.slope)},
+            {"diffuse", of(errors.diffuse)},
+            {"specular", of(errors.specular)},
+            {"roughness", of(errors.roughness)}};
+}
+
 nlohmann::json describe(const Canvas& canvas) {
     nlohmann::json json = describe(canvas.dry());
     json["paint"] = describe_paint(canvas);
@@ -114,7 +127,13 @@ nlohmann::json run_info(const std::string& file) {
     if (!fs::is_regular_file(path)) fail("{}: is a pipe or a device, not a file", file);
     const std::string extension = lower_extension(path);
     if (extension == ".lp") return describe_lights(path);
-    if (extension == ".exr" && is_painting(path)) return describe(read_canvas(path, console_progress()));
+    if (extension == ".exr" && is_painting(path)) {
+        const Canvas canvas = read_canvas(path, console_progress());
+        nlohmann::json json = describe(canvas);
+        json["standard_errors"] =
+            has_errors(path) ? describe(read_errors(path), canvas.dry()) : nlohmann::json(nullptr);
+        return json;
+    }
     const PhotoHeader header = PhotoFile(path).header();
     return {{"kind", "picture"},
             {"width", header.width},

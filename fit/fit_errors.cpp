@@ -1,7 +1,6 @@
 #include "fit/fit_errors.h"
 
 #include <algorithm>
-#include <array>
 
 #include "surface/error.h"
 
@@ -10,11 +9,13 @@ namespace tangi {
 namespace {
 
 constexpr const char* kPart = "errors";
-const std::vector<std::string> kChannels = {"diffuse", "roughness", "slope", "specular"};
+const std::vector<std::string> kChannels = {"diffuse", "height", "roughness", "slope", "specular"};
+const std::vector<std::string> kWithoutHeight = {"diffuse", "roughness", "slope", "specular"};
 
 template <class Errors>
-auto maps_of(Errors& e) {  // in the order of kChannels
-    return std::array{&e.diffuse, &e.roughness, &e.slope, &e.specular};
+auto maps_of(Errors& e, const std::vector<std::string>& channels) {  // in their order
+    if (channels == kChannels) return std::vector{&e.diffuse, &e.height, &e.roughness, &e.slope, &e.specular};
+    return std::vector{&e.diffuse, &e.roughness, &e.slope, &e.specular};
 }
 
 }  // namespace
@@ -23,7 +24,7 @@ PartToWrite part_of(const FitErrors& errors) {
     PartToWrite part;
     part.info = {kPart, errors.slope.width(), errors.slope.height(), kChannels, {}};
     part.fill = [&errors](int y0, int y1, std::span<float* const> planes) {
-        const auto maps = maps_of(errors);
+        const auto maps = maps_of(errors, kChannels);
         for (std::size_t c = 0; c < maps.size(); ++c) {
             float* to = planes[c];
             for (int y = y0; y < y1; ++y)
@@ -33,6 +34,11 @@ PartToWrite part_of(const FitErrors& errors) {
     return part;
 }
 
+bool has_errors(const std::filesystem::path& painting) {
+    const std::vector<PartInfo> parts = painting_parts(painting);
+    return std::any_of(parts.begin(), parts.end(), [](const PartInfo& p) { return p.name == kPart; });
+}
+
 FitErrors read_errors(const std::filesystem::path& painting, const Progress& progress) {
     const std::vector<PartInfo> parts = painting_parts(painting);
     const auto part =
@@ -40,14 +46,14 @@ FitErrors read_errors(const std::filesystem::path& painting, const Progress& pro
     if (part == parts.end())
         fail("{}: has no part '{}'; fit the photographs again with: tangipaint fit", painting.string(),
              kPart);
-    if (part->channels != kChannels)
-        fail("{}: part '{}' has other channels than diffuse, roughness, slope, specular", painting.string(),
-             kPart);
+    if (part->channels != kChannels && part->channels != kWithoutHeight)
+        fail("{}: part '{}' has other channels than diffuse, height, roughness, slope, specular",
+             painting.string(), kPart);
     FitErrors errors(part->width, part->height);
     read_painting_part(
         painting, *part,
         [&](int y0, int y1, std::span<const float* const> planes) {
-            const auto maps = maps_of(errors);
+            const auto maps = maps_of(errors, part->channels);
             for (std::size_t c = 0; c < maps.size(); ++c) {
                 const float* from = planes[c];
                 for (int y = y0; y < y1; ++y)

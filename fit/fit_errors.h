@@ -28,15 +28,24 @@ struct FitErrors {
     Image<HalfError> diffuse;    // [1] of rho_d, mean of the channels
     Image<HalfError> specular;   // [1] of rho_s
     Image<HalfError> roughness;  // [1] of alpha
+    // [mm] Of the height less its mean over the 33 x 33 pixels around (height_error.h): what it is across
+    // longer distances no error says. All 0 in files of before it was stored.
+    Image<HalfError> height;
 
     FitErrors() = default;
-    FitErrors(int width, int height)
-        : slope(width, height), diffuse(width, height), specular(width, height), roughness(width, height) {}
+    FitErrors(int columns, int rows)
+        : slope(columns, rows),
+          diffuse(columns, rows),
+          specular(columns, rows),
+          roughness(columns, rows),
+          height(columns, rows) {}
 };
 
-// The part `errors` of a painting file: channels diffuse, roughness, slope, specular. Refers to `errors`,
-// which must live until it is written.
+// The part `errors` of a painting file: channels diffuse, height, roughness, slope, specular. Refers to
+// `errors`, which must live until it is written.
 PartToWrite part_of(const FitErrors& errors);
+
+bool has_errors(const std::filesystem::path& painting);
 
 // Throws Error: no such part, or other channels in it.
 FitErrors read_errors(const std::filesystem::path& painting, const Progress& progress = {});

@@ -1,6 +1,7 @@
 // height.h: height from slopes, by weighted least squares with free boundaries.
 #pragma once
 
+#include "fit/fit_errors.h"
 #include "surface/options.h"
 #include "surface/progress.h"
 #include "surface/surface.h"
@@ -13,6 +14,8 @@ struct HeightOptions {
                                  // may stop it earlier
     double weight_floor = 1e-3;  // [1] weight of pixels that were not measured: > 0, so that the height is
                                  // determined everywhere
+    int robust_sweeps = 6;  // how often edges that disagree with the height lose weight, at most; 0: least
+                            // squares, which smears cliffs
 
     static constexpr std::string_view name = "height";
     template <class Self, class Visit>
@@ -21,6 +24,9 @@ struct HeightOptions {
         visit(FieldInfo{"tolerance", 1e-9, 1, "1", "relative residual at which to stop"}, self.tolerance);
         visit(FieldInfo{"weight_floor", 1e-9, 1, "1", "weight where nothing was measured"},
               self.weight_floor);
+        visit(FieldInfo{"robust_sweeps", 0, 100, "1",
+                        "how often places that disagree with the height (cliffs) lose weight"},
+              self.robust_sweeps);
     }
 };
 
@@ -28,18 +34,23 @@ struct HeightReport {
     int cycles = 0;
     double residual = 0;  // [1] relative, at the end
     bool converged = false;
+    int robust_sweeps = 0;  // taken
 };
 
 // Fills height_mm with the z that minimises
-//   sum over edges (i, j) of w_ij (z_j - z_i - g_ij)^2,   g_ij = mean slope of i and j times mm_per_pixel,
-//   w_ij = min(w_i, w_j),   w_i = confidence_i + 0.01, or weight_floor where confidence_i = 0,
+//   sum over edges (i, j) of w_ij u_ij (z_j - z_i - g_ij)^2,   g_ij = mean slope of i and j times
+//   mm_per_pixel, 1 / w_ij = v_i + v_j,   v_i = edge_variance() of slope_edges.h: of the slope's error, by
+//   its confidence, and of how much slopes differ around the pixel; pixels of confidence 0 weigh weight_floor
+//   of the best,
 // over edges between horizontal and vertical neighbours inside the picture: no condition is set at its
-// borders (natural boundary; Horn & Brooks 1986). The constant is fixed by a mean of 0. Solved by full
-// multigrid with red-black Gauss-Seidel smoothing (Briggs, Henson, McCormick 2000, ch. 3 and 6) and
-// energy-minimising coarse steps, down to the tolerance or to the rounding of floats; the result does not
-// depend on the number of threads. Memory beyond the surface: 15 bytes a pixel.
+// borders (natural boundary; Horn & Brooks 1986). u_ij, 1 at first, becomes cliff_factor() of what the height
+// leaves of the edge, in robust_sweeps iterations (iteratively reweighted least squares, Holland & Welsch
+// 1977): slopes of a cliff are no integral of its height, and what goes around it knows better. The constant
+// is fixed by a mean of 0. Solved by multigrid (height_grid.h), down to the tolerance or to the rounding of
+// floats; the result does not depend on the number of threads. Memory beyond the surface: 21 bytes a pixel.
+// `error_mm`, where not null, becomes height_errors() (height_error.h).
 HeightReport integrate_normals(const Image<Vec3>& normal, const Image<float>& confidence, double mm_per_pixel,
                                Image<float>& height_mm, const HeightOptions& options = {},
-                               const Progress& progress = {});
+                               const Progress& progress = {}, Image<HalfError>* error_mm = nullptr);
 
 }  // namespace tangi

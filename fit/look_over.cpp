@@ -45,8 +45,8 @@ void leave_out_strays(Stack& stack, Survey& surveyed, std::vector<LeftOut>& left
     leave_out_copies(stack, surveyed, left_out);
 }
 
-FirstLook look_once(Stack& stack, bool register_photos, const Progress& progress) {
-    FirstLook result;
+LookOver look_once(Stack& stack, bool register_photos, const Progress& progress) {
+    LookOver result;
     if (!register_photos) {
         result.survey = survey(stack, {}, progress);
         leave_out_strays(stack, result.survey, result.left_out);
@@ -91,14 +91,14 @@ void leave_out_damaged(Stack& stack, const PhotoError& error, std::vector<LeftOu
 
 }  // namespace
 
-FirstLook look_over(Stack& stack, bool register_photos, const Progress& progress) {
+LookOver look_over(Stack& stack, bool register_photos, const Progress& progress) {
     const std::size_t all = stack.photos.size() + stack.held_out.size();
     std::vector<LeftOut> damaged;
     while (true) {
         Stack looked_at = stack;
         try {
             const std::string again = fmt::format("survey without {} damaged", damaged.size());
-            FirstLook result =
+            LookOver result =
                 look_once(looked_at, register_photos,
                           damaged.empty() ? progress : Progress([&](std::string_view stage, double done) {
                               return !progress || progress(stage == "survey" ? again : stage, done);

@@ -9,7 +9,7 @@
 
 namespace tangi {
 
-struct FirstLook {
+struct LookOver {
     Survey survey;
     TransferEstimate transfer;
     Registration registration;      // empty where not asked for
@@ -20,6 +20,6 @@ struct FirstLook {
 // where asked for, also registers it, and where that moved something, surveys it once more as registered.
 // Photographs that turn out to be damaged when they are decoded are left out, and the others looked at anew.
 // Throws Error where too few remain, as require_few().
-FirstLook look_over(Stack& stack, bool register_photos, const Progress& progress);
+LookOver look_over(Stack& stack, bool register_photos, const Progress& progress);
 
 }  // namespace tangi

@@ -38,6 +38,11 @@ void WardBatch::set_prior(int lane, const WardPrior& prior) {
     prior_specular[lane] = static_cast<float>(prior.specular);
     prior_ln_alpha_sigma[lane] = static_cast<float>(prior.ln_alpha_sigma);
     prior_specular_sigma[lane] = static_cast<float>(prior.specular_sigma);
+    for (int i = 0; i < 2; ++i) {
+        const auto k = static_cast<std::size_t>(i);
+        prior_slope[k][lane] = static_cast<float>(prior.slope[i]);
+        prior_slope_weight[k][lane] = static_cast<float>(1 / (prior.slope_sigma[i] * prior.slope_sigma[i]));
+    }
 }
 
 void WardBatch::set(int lane, int name, const PixelSamples& s) {
@@ -80,6 +85,8 @@ void WardSlots::copy_lanes(int to, const WardSlots& from, std::span<const int> l
     for (std::size_t i = 0; i < light.size(); ++i) copy_all(light[i], from.light[i]);
     copy_all(weight, from.weight);
     copy_all(target, from.target);
+    copy_all(prior_slope, from.prior_slope);
+    copy_all(prior_slope_weight, from.prior_slope_weight);
     copy_all(theta, from.theta);
     copy_all(system, from.system);
     for (const auto member :

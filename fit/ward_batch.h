@@ -36,6 +36,7 @@ struct WardBatch {
     std::vector<WardLane> irradiance, value, sigma;  // [photo * channels + channel] as in PixelSamples
     WardLane prior_ln_alpha, prior_specular;         // WardPrior's
     WardLane prior_ln_alpha_sigma, prior_specular_sigma;
+    std::array<WardLane, 2> prior_slope, prior_slope_weight;  // weight: 1 / sigma^2
     std::array<int, kWardLanes>
         pixel{};  // the caller's name of the pixel, from 0; -1 where the lane is empty
 
@@ -71,6 +72,7 @@ struct WardSlots {
     std::vector<WardLane> weight, target;  // [photo * channels + channel] irradiance and value / (sigma * c)
     // Mean of both priors and 1 / (sigma * c)^2 of them, c the robust scale.
     WardLane prior_ln_alpha, prior_specular, prior_ln_alpha_weight, prior_specular_weight;
+    std::array<WardLane, 2> prior_slope, prior_slope_weight;  // likewise
     std::array<WardLane, kWardParameters> theta;
     WardLane damping, damping_growth, cost, used, iterations, alive;  // alive: 1 where not finished
     WardLane resumed;                                                 // 1 where `system` is that of theta

@@ -35,9 +35,11 @@ void WardResiduals::evaluate(const double* theta, double* residuals, double* jac
     }
     residuals[row] = (theta[2] - prior_.ln_alpha) / prior_.ln_alpha_sigma;
     residuals[row + 1] = (theta[3] - prior_.specular) / prior_.specular_sigma;
+    for (int i = 0; i < 2; ++i) residuals[row + 2 + i] = (theta[i] - prior_.slope[i]) / prior_.slope_sigma[i];
     if (jacobian) {
         at(row, 2) = 1 / prior_.ln_alpha_sigma;
         at(row + 1, 3) = 1 / prior_.specular_sigma;
+        for (int i = 0; i < 2; ++i) at(row + 2 + i, i) = 1 / prior_.slope_sigma[i];
     }
 }
 
@@ -65,8 +67,10 @@ double WardResiduals::cost(const double* theta) const {
     }
     const double alpha = (theta[2] - prior_.ln_alpha) / prior_.ln_alpha_sigma;
     const double specular = (theta[3] - prior_.specular) / prior_.specular_sigma;
+    const double x = (theta[0] - prior_.slope.x) / prior_.slope_sigma.x;
+    const double y = (theta[1] - prior_.slope.y) / prior_.slope_sigma.y;
     return robust_scale_ * robust_scale_ * (logarithm + std::log(product)) + alpha * alpha +
-           specular * specular;
+           specular * specular + x * x + y * y;
 }
 
 WardVector natural_of(const double* u, const WardBounds& bounds, double* derivative) {

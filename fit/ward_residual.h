@@ -13,6 +13,8 @@
 #include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <glm/vec2.hpp>
+#include <limits>
 
 #include "capture/pixel_samples.h"
 #include "surface/diffuse.h"
@@ -30,12 +32,15 @@ struct WardBounds {
     double diffuse_max = 2;   // [1] above 1 where the white level is set too low
 };
 
-// What keeps alpha and rho_s determinate where no light shows the lobe: weak Gaussian priors, as residuals.
+// What keeps alpha and rho_s determinate where no light shows the lobe, and slopes where shadows and glints
+// leave few lights: weak Gaussian priors, as residuals.
 struct WardPrior {
     double ln_alpha = -1.6;  // alpha = 0.2: semi-gloss, the middle of what paint does (Ward 1992, table 1)
     double ln_alpha_sigma = 0.7;  // a factor of two either way
     double specular = 0.0;        // [1]
     double specular_sigma = 0.2;  // [1]
+    // [1] Where neighbours know something of the slope (slope_prior.h); by itself nothing does.
+    glm::dvec2 slope{0}, slope_sigma{std::numeric_limits<double>::infinity()};
 };
 
 constexpr int kWardCommon = 4;  // slope x, slope y, ln alpha, rho_s; the diffuse channels follow
@@ -116,14 +121,15 @@ inline RobustValue root_cauchy(double r, double c) {
     return {std::copysign(root, r), std::abs(r) / (root * (1 + s))};
 }
 
-// The residuals of one pixel in natural parameters: photos * channels robust ones, then the two priors.
+// The residuals of one pixel in natural parameters: photos * channels robust ones, then the priors of ln
+// alpha, rho_s, slope x, slope y.
 class WardResiduals {
 public:
     WardResiduals(const PixelSamples& samples, const WardPrior& prior, double robust_scale,
                   const ReflectanceLaw& law = {})
         : samples_(samples), prior_(prior), robust_scale_(robust_scale), law_(law) {}
 
-    int size() const { return static_cast<int>(samples_.value.size()) + 2; }
+    int size() const { return static_cast<int>(samples_.value.size()) + 4; }
     int parameters() const { return kWardCommon + samples_.channels; }
 
     // residuals[size()], jacobian column-major size() x kWardParameters or null. Columns of channels that

@@ -171,6 +171,10 @@ HWY_INLINE void start(const WardBatch& b, const WardFitOptions& options, const W
     store(load(b.prior_specular, at), slots.prior_specular, at);
     store(hn::Div(scale2, hn::Mul(a_sigma, a_sigma)), slots.prior_ln_alpha_weight, at);
     store(hn::Div(scale2, hn::Mul(s_sigma, s_sigma)), slots.prior_specular_weight, at);
+    for (std::size_t i = 0; i < 2; ++i) {
+        store(load(b.prior_slope[i], at), slots.prior_slope[i], at);
+        store(hn::Mul(scale2, load(b.prior_slope_weight[i], at)), slots.prior_slope_weight[i], at);
+    }
     for (std::size_t i = 0; i < 3; ++i) store(load(b.view[i], at), slots.view[i], at);
     store(hn::Neg(hn::Div(normal.x, normal.z)), slots.theta[0], at);
     store(hn::Neg(hn::Div(normal.y, normal.z)), slots.theta[1], at);

@@ -224,6 +224,14 @@ HWY_NOINLINE void evaluate(const WardSlots& s, const Law& law, int at, const Poi
     sum.gradient[2] = fma(a_weight, a_off, sum.gradient[2]);
     sum.gradient[3] = fma(s_weight, s_off, sum.gradient[3]);
     sum.cost = fma(hn::Mul(a_weight, a_off), a_off, fma(hn::Mul(s_weight, s_off), s_off, logarithm(product)));
+    for (int i = 0; i < 2; ++i) {
+        const auto k = static_cast<std::size_t>(i);
+        const V weight = load(s.prior_slope_weight[k], at);
+        const V off = hn::Sub(point.theta[i], load(s.prior_slope[k], at));
+        sum.common[4 * i] = hn::Add(sum.common[4 * i], weight);
+        sum.gradient[i] = fma(weight, off, sum.gradient[i]);
+        sum.cost = fma(hn::Mul(weight, off), off, sum.cost);
+    }
 }
 
 }  // namespace HWY_NAMESPACE

@@ -81,7 +81,8 @@ TEST(FitErrors, AreStoredWithThePainting) {
     Surface s(7, 80);
     FitErrors errors(7, 80);
     Random random(3);
-    for (Image<HalfError>* map : {&errors.slope, &errors.diffuse, &errors.specular, &errors.roughness})
+    for (Image<HalfError>* map :
+         {&errors.slope, &errors.diffuse, &errors.specular, &errors.roughness, &errors.height})
         for (HalfError& value : map->pixels()) value = random.real();
     {
         AtomicFile file(dir / "a.exr");
@@ -93,6 +94,7 @@ TEST(FitErrors, AreStoredWithThePainting) {
     EXPECT_TRUE(images_identical(back.diffuse, errors.diffuse));
     EXPECT_TRUE(images_identical(back.specular, errors.specular));
     EXPECT_TRUE(images_identical(back.roughness, errors.roughness));
+    EXPECT_TRUE(images_identical(back.height, errors.height));
     write_painting(dir / "b.exr", s);
     EXPECT_EQ(
         error_of([&] { read_errors(dir / "b.exr"); }),

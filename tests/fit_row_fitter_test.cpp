@@ -103,7 +103,9 @@ TEST(RowFitter, LeavesOutWhatIsMaskedOrMissing) {
 TEST(RowFitter, HandsOnWhatIsKnownOfAPixel) {
     Scene scene;
     PixelKnowledge known;
-    known.prior = [](int x, int) { return WardPrior{x % 2 ? -1.2 : -2.0, 0.1, 0.05, 0.02}; };
+    known.prior = [](int x, int) {
+        return WardPrior{x % 2 ? -1.2 : -2.0, 0.1, 0.05, 0.02, {0.2, -0.1}, {0.05, x % 2 ? 1e-4 : 0.02}};
+    };
     Image<float> height_mm(scene.surface.width(), scene.surface.height());
     for (int y = 0; y < height_mm.height(); ++y) height_mm(9, y) = 0.5f;  // a ridge, twice as high as wide
     const CastShadows shadows(height_mm, scene.surface.mm_per_pixel, 0.25);
@@ -112,6 +114,7 @@ TEST(RowFitter, HandsOnWhatIsKnownOfAPixel) {
     expect_alike(told, scene.fit(Solver::ceres, 1000, {}, known), 0.95);
     const Fitted untold = scene.fit(Solver::batch);
     EXPECT_NE(told.at({5, 5}).roughness, untold.at({5, 5}).roughness);
+    EXPECT_NEAR(told.at({5, 5}).slope.y, -0.1, 1e-3);  // the prior is nearly certain
     known.prior = nullptr;
     const Fitted shaded = scene.fit(Solver::batch, 1000, {}, known);
     EXPECT_NE(shaded.at({8, 5}).slope, untold.at({8, 5}).slope);

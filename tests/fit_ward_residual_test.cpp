@@ -132,7 +132,7 @@ TEST(WardResiduals, GreySamplesHaveOneDiffuseParameterAndLeaveTheOtherColumnsZer
     for (int trial = 0; trial < 50; ++trial) {
         const PixelSamples samples = random_samples(random, 12, 1);
         const WardResiduals residuals(samples, {}, kRobustScale);
-        EXPECT_EQ(residuals.size(), 12 + 2);
+        EXPECT_EQ(residuals.size(), 12 + 4);
         EXPECT_EQ(residuals.parameters(), kWardCommon + 1);
         const WardVector theta = random_parameters(random);
         EXPECT_LT(worst_difference(residuals, theta), kDifferenceError) << trial;
@@ -199,7 +199,12 @@ TEST(WardResiduals, DerivativesAreThoseOfCeresGradientChecker) {
 
 TEST(WardResiduals, AreThePlainOnesThroughTheRobustLossAndThePriors) {
     Random random(6);
-    const WardPrior prior{.ln_alpha = -1.2, .ln_alpha_sigma = 0.5, .specular = 0.1, .specular_sigma = 0.25};
+    const WardPrior prior{.ln_alpha = -1.2,
+                          .ln_alpha_sigma = 0.5,
+                          .specular = 0.1,
+                          .specular_sigma = 0.25,
+                          .slope = {0.1, -0.2},
+                          .slope_sigma = {0.3, 0.4}};
     const PixelSamples samples = random_samples(random, 10, 3);
     const WardResiduals residuals(samples, prior, kRobustScale);
     const WardVector theta = random_parameters(random);
@@ -218,6 +223,9 @@ TEST(WardResiduals, AreThePlainOnesThroughTheRobustLossAndThePriors) {
     }
     EXPECT_NEAR(e.residuals[count], (theta[2] + 1.2) / 0.5, 1e-12);
     EXPECT_NEAR(e.residuals[count + 1], (theta[3] - 0.1) / 0.25, 1e-12);
+    EXPECT_NEAR(e.residuals[count + 2], (theta[0] - 0.1) / 0.3, 1e-12);
+    EXPECT_NEAR(e.residuals[count + 3], (theta[1] + 0.2) / 0.4, 1e-12);
+    EXPECT_LT(worst_difference(residuals, theta), kDifferenceError);
 }
 
 TEST(WardResiduals, CostIsTheSumOfTheirSquares) {
@@ -225,7 +233,8 @@ TEST(WardResiduals, CostIsTheSumOfTheirSquares) {
     for (int trial = 0; trial < 50; ++trial) {
         // Many photographs: the product that the cost is computed from has to be folded.
         const PixelSamples samples = random_samples(random, trial % 2 ? 8 : 400, 3);
-        const WardResiduals residuals(samples, {}, kRobustScale);
+        const WardResiduals residuals(samples, {.slope = {0.2, 0.1}, .slope_sigma = {0.1, 0.3}},
+                                      kRobustScale);
         const WardVector theta = random_parameters(random);
         double sum = 0;
         for (const double r : evaluated(residuals, theta).residuals) sum += r * r;

@@ -1,0 +1,86 @@
+// height_grid.h: the multigrid that height.cpp and height_error.cpp solve their equations with.
+//
+// A z = b with A the graph Laplacian of weights of edges between horizontal and vertical neighbours; nothing
+// is said at the borders of the picture (natural boundary; Horn & Brooks 1986). Cell-centred coarsening by
+// two, red-black Gauss-Seidel smoothing (Briggs, Henson, McCormick 2000, ch. 3 and 6), coarse steps as long
+// as lowers the energy most. The result does not depend on the number of threads.
+#pragma once
+
+#include <vector>
+
+#include "fit/fit_errors.h"
+#include "surface/image.h"
+
+namespace tangi {
+
+// One grid of the hierarchy.
+struct HeightGrid {
+    int width = 0, height = 0;
+    const Image<HalfError>*half_right = nullptr, *half_down = nullptr;  // weights of the finest grid
+    Image<float> own_z;
+    Image<float>* z = nullptr;
+    Image<float> b;
+    Image<float> step;   // correction from the next coarser grid
+    Image<float> right;  // weight of the edge (x, y) - (x + 1, y), of coarser grids; 0 in the last column
+    Image<float> down;   // weight of the edge (x, y) - (x, y + 1); 0 in the last row
+
+    HeightGrid(int w, int h) : width(w), height(h), b(w, h), step(w, h) {}
+
+    float weight_right(int x, int y) const {
+        if (x < 0 || x + 1 >= width) return 0;
+        return half_right ? float((*half_right)(x, y)) : right(x, y);
+    }
+    float weight_down(int x, int y) const {
+        if (y < 0 || y + 1 >= height) return 0;
+        return half_down ? float((*half_down)(x, y)) : down(x, y);
+    }
+
+    // Sum of weights and of weight * value over the neighbours of a pixel.
+    void neighbours(const Image<float>& u, int x, int y, float& weights, float& weighted) const {
+        const float l = weight_right(x - 1, y), r = weight_right(x, y);
+        const float t = weight_down(x, y - 1), d = weight_down(x, y);
+        weights = l + r + t + d;
+        weighted = 0;
+        if (x > 0) weighted += l * u(x - 1, y);
+        if (x + 1 < width) weighted += r * u(x + 1, y);
+        if (y > 0) weighted += t * u(x, y - 1);
+        if (y + 1 < height) weighted += d * u(x, y + 1);
+    }
+
+    // (A u)(x, y)
+    float applied(const Image<float>& u, int x, int y) const {
+        float weights = 0, weighted = 0;
+        neighbours(u, x, y, weights, weighted);
+        return weights * u(x, y) - weighted;
+    }
+    float residual(int x, int y) const { return b(x, y) - applied(*z, x, y); }
+};
+
+// Memory beside the weights and z: 15 bytes a pixel.
+class HeightMultigrid {
+public:
+    // Keeps references: to the weights of the edges to the right (0 in the last column) and downwards (0 in
+    // the last row), in halves of a float so that both fit in the place of one map, and to the unknown.
+    HeightMultigrid(const Image<HalfError>& right, const Image<HalfError>& down, Image<float>& z);
+
+    Image<float>& b() { return grids_[0].b; }
+
+    // To be called whenever weights have changed.
+    void coarsen();
+    // Nested iteration: the solution of each coarser grid starts the next finer one; z is overwritten.
+    void start();
+    void cycle();
+
+    // Norm of the residual, each divided by its pixel's weights: by how much a pixel differs from what its
+    // neighbours ask of it [mm]. Undivided, pixels of low weight would not count.
+    double residual_norm() const;
+    // What is left of that norm when every z is rounded to a float.
+    double rounding_norm() const;
+
+private:
+    std::vector<HeightGrid> grids_;  // from the finest
+};
+
+void remove_mean(Image<float>& z);
+
+}  // namespace tangi
