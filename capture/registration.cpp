@@ -308,8 +308,10 @@ private:
         std::vector<bool> strange;
         for (std::size_t i = 0; i < photos_.size(); ++i) {
             const AlignedPicture& picture = alignment.pictures[i];
-            strange.push_back((lights_[i].z > kLowLight && picture.expected > kTelling * middle) ||
-                              (others_agree && picture.contrast > kTelling * contrast));
+            const bool others_edges = others_agree && picture.correlation < kLeastCorrelation &&
+                                      picture.contrast > kTelling * contrast;
+            strange.push_back((lights_[i].z > kLowLight || others_edges) &&
+                              picture.expected > kTelling * middle);
         }
         return strange;
     }
