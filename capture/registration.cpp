@@ -309,9 +309,10 @@ private:
         std::vector<bool> strange;
         for (std::size_t i = 0; i < photos_.size(); ++i) {
             const AlignedPicture& picture = alignment.pictures[i];
-            const bool telling = lights_[i].z > kLowLight && picture.expected > kTelling * middle,
-                       of_its_own = others_agree && picture.contrast > kTelling * contrast;
-            strange.push_back((telling || of_its_own) && picture.correlation <= kLeastCorrelation);
+            const bool others_edges = others_agree && picture.contrast > kTelling * contrast;
+            strange.push_back((lights_[i].z > kLowLight || others_edges) &&
+                              picture.expected > kTelling * middle &&
+                              picture.correlation <= kLeastCorrelation);
         }
         return strange;
     }
