@@ -27,6 +27,7 @@
 #include <span>
 #include <vector>
 
+#include "surface/dry_channels.h"
 #include "surface/error.h"
 #include "surface/overview.h"
 #include "surface/painting_errors.h"
@@ -42,42 +43,11 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr const char* kDry = "dry";
-constexpr std::array kLobe = {"lobe.R", "lobe.G", "lobe.B"};
-constexpr std::size_t kLobeAt = 10;  // their place among the channels
 constexpr int kRowsAtOnce = 256;
-constexpr float kSmallestRoughness = 1e-6f;  // [1] its square divides
-constexpr std::uint64_t kHashOffset = 0xcbf29ce484222325u, kHashPrime = 0x100000001b3u;  // FNV-1a
-
-// One channel of the file and where its floats lie in a Surface.
-struct Channel {
-    const char* name;
-    float* base;
-    std::size_t stride;  // [floats] from pixel to pixel
-};
-
-// Paintings whose lobes are all white have no colours of them, neither in memory nor in the file.
-std::vector<Channel> channels_of(Surface& s) {
-    float* normal = &s.normal.data()->x;
-    float* diffuse = &s.diffuse.data()->r;
-    std::vector<Channel> channels = {{"height", s.height_mm.data(), 1},
-                                     {"normal.X", normal, 3},
-                                     {"normal.Y", normal + 1, 3},
-                                     {"normal.Z", normal + 2, 3},
-                                     {"diffuse.R", diffuse, 3},
-                                     {"diffuse.G", diffuse + 1, 3},
-                                     {"diffuse.B", diffuse + 2, 3},
-                                     {"specular", s.specular.data(), 1},
-                                     {"roughness", s.roughness.data(), 1},
-                                     {"confidence", s.confidence.data(), 1}};
-    if (!s.lobe_colour.empty())
-        for (std::size_t c = 0; c < kLobe.size(); ++c)
-            channels.push_back({kLobe[c], &s.lobe_colour.data()->r + c, 3});
-    return channels;
-}
 
 Imf::FrameBuffer frame_buffer(Surface& s) {
     Imf::FrameBuffer buffer;
-    for (const Channel& c : channels_of(s)) {
+    for (const DryChannel& c : channels_of(s)) {
         const std::size_t x_bytes = c.stride * sizeof(float);
         buffer.insert(c.name, Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(c.base), x_bytes,
                                          x_bytes * static_cast<std::size_t>(s.width())));
@@ -134,7 +104,7 @@ Imf::Header header_of(const Surface& s) {
     header.setName(kDry);
     header.setType(Imf::SCANLINEIMAGE);
     header.compression() = Imf::ZIP_COMPRESSION;
-    for (const Channel& c : channels_of(const_cast<Surface&>(s)))  // only the names are read
+    for (const DryChannel& c : channels_of(const_cast<Surface&>(s)))  // only the names are read
         header.channels().insert(c.name, Imf::Channel(Imf::FLOAT));
     header.insert("mm_per_pixel", Imf::FloatAttribute(static_cast<float>(s.mm_per_pixel)));
     for (const auto& [name, value] :
@@ -201,109 +171,6 @@ Value attribute(const Imf::Header& header, const char* name, const Value& otherw
     return found ? found->value() : otherwise;
 }
 
-// What a pixel must not hold where it was measured; empty where all is well.
-std::string wrong_at(const Surface& s, std::span<const Channel> channels, std::size_t i) {
-    for (const Channel& c : channels)
-        if (const float value = c.base[i * c.stride]; !std::isfinite(value))
-            return fmt::format("map '{}' holds {}", c.name, value);
-    const float roughness = s.roughness.pixels()[i];
-    if (!(roughness >= kSmallestRoughness))
-        return fmt::format("map 'roughness' holds {}, less than {}", roughness, kSmallestRoughness);
-    if (!s.lobe_colour.empty()) {
-        const Rgb& colour = s.lobe_colour.pixels()[i];
-        if (!(std::min({colour.r, colour.g, colour.b}) >= 0 && std::max({colour.r, colour.g, colour.b}) <= 1))
-            return fmt::format("map 'lobe' holds ({}, {}, {}), which is not from 0 to 1", colour.r, colour.g,
-                               colour.b);
-    }
-    const Vec3& normal = s.normal.pixels()[i];
-    if (!(normal.z > 0))
-        return fmt::format("map 'normal' holds ({}, {}, {}), which points away", normal.x, normal.y,
-                           normal.z);
-    if (!(std::abs(glm::length(normal) - 1) <= 0.01f))
-        return fmt::format("map 'normal' holds ({}, {}, {}), which is no unit vector", normal.x, normal.y,
-                           normal.z);
-    return {};
-}
-
-// Other programs write zeros where nothing was measured: what surface.h promises of such pixels.
-void clear_pixel(Surface& s, std::size_t i) {
-    static const Surface unmeasured(1, 1);
-    if (!std::isfinite(s.height_mm.pixels()[i])) s.height_mm.pixels()[i] = unmeasured.height_mm(0, 0);
-    s.normal.pixels()[i] = unmeasured.normal(0, 0);
-    s.diffuse.pixels()[i] = unmeasured.diffuse(0, 0);
-    s.specular.pixels()[i] = unmeasured.specular(0, 0);
-    s.roughness.pixels()[i] = unmeasured.roughness(0, 0);
-    s.confidence.pixels()[i] = unmeasured.confidence(0, 0);
-    if (!s.lobe_colour.empty()) s.lobe_colour.pixels()[i] = Rgb(1);
-}
-
-// Nothing to do about a pixel: numbers, and a unit vector to rounding. What is not told here may still be all
-// right.
-bool is_plain(std::span<const Channel> channels, std::size_t i) {
-    float none = 0;  // x - x is 0 unless x is infinite or no number
-    for (const Channel& c : channels) {
-        const float value = c.base[i * c.stride];
-        none += value - value;
-    }
-    const float *normal = channels[1].base + 3 * i,
-                length2 = normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2];
-    for (const Channel& c : channels.subspan(kLobeAt))
-        if (const float value = c.base[i * c.stride]; !(value >= 0 && value <= 1)) return false;
-    return none == 0 && channels[8].base[i] >= kSmallestRoughness && normal[2] > 0 &&
-           std::abs(length2 - 1) <= 1.5e-5f;
-}
-
-// Maps that another program wrote, or changed, may hold what cannot be relit. Our own come through bit for
-// bit. What is wrong in these rows, the first of each row.
-void make_usable(Surface& s, int y0, int y1, std::vector<std::string>& wrong) {
-    const auto channels = channels_of(s);
-    for (int y = y0; y < y1; ++y)
-        for (int x = 0; x < s.width(); ++x) {
-            const auto i = static_cast<std::size_t>(y) * static_cast<std::size_t>(s.width()) +
-                           static_cast<std::size_t>(x);
-            if (is_plain(channels, i)) continue;
-            const std::string what = wrong_at(s, channels, i);
-            Vec3& normal = s.normal.pixels()[i];
-            if (what.empty()) {
-                // Half floats and resampling shorten normals; a float's rounding is no reason to touch
-                // them.
-                if (std::abs(glm::length(normal) - 1) > 1e-5f) normal = glm::normalize(normal);
-            } else if (s.confidence.pixels()[i] <= 0) {
-                clear_pixel(s, i);
-            } else if (wrong[static_cast<std::size_t>(y)].empty()) {
-                wrong[static_cast<std::size_t>(y)] = fmt::format("{} at pixel ({}, {})", what, x, y);
-            }
-        }
-}
-
-// Hashes of the rows [y0, y1), into hashes[y]. Four rows at a time: each waits for its own products only.
-void hash_rows(std::span<const Channel> channels, int width, int y0, int y1,
-               std::span<std::uint64_t> hashes) {
-    for (int y = y0; y < y1; y += 4) {
-        std::array<std::uint64_t, 4> hash;
-        hash.fill(kHashOffset);
-        for (const Channel& c : channels) {
-            std::array<const float*, 4> value;
-            for (int k = 0; k < 4; ++k)
-                value[static_cast<std::size_t>(k)] =
-                    c.base + static_cast<std::size_t>(std::min(y + k, y1 - 1)) *
-                                 static_cast<std::size_t>(width) * c.stride;
-            for (std::size_t at = 0; at < static_cast<std::size_t>(width) * c.stride; at += c.stride)
-                for (std::size_t k = 0; k < 4; ++k)
-                    hash[k] = (hash[k] ^ std::bit_cast<std::uint32_t>(value[k][at])) * kHashPrime;
-        }
-        for (int k = 0; k < 4 && y + k < y1; ++k)
-            hashes[static_cast<std::size_t>(y + k)] = hash[static_cast<std::size_t>(k)];
-    }
-}
-
-// Rows are hashed side by side and their hashes joined in order, so threads don't change the result.
-std::string joined(std::span<const std::uint64_t> rows) {
-    std::uint64_t hash = kHashOffset;
-    for (const std::uint64_t row : rows) hash = (hash ^ row) * kHashPrime;
-    return fmt::format("{:016x}", hash);
-}
-
 // The maps, as the file has them; their hash, and what cannot be relit, looked at while rows are at hand.
 struct Maps {
     Surface surface;
@@ -322,7 +189,7 @@ Maps read_maps(const fs::path& path, Imf::MultiPartInputFile& file, int number, 
         make_usable(maps.surface, y0, y1, maps.wrong);
     };
     std::vector<FloatPlane> planes;
-    for (const Channel& c : channels) planes.push_back({c.name, c.base, c.stride});
+    for (const DryChannel& c : channels) planes.push_back({c.name, c.base, c.stride});
     if (read_scan_blocks(path, kDry, planes, look_at, progress)) return maps;
     Imf::InputPart part(file, number);
     part.setFrameBuffer(frame_buffer(maps.surface));
@@ -352,9 +219,9 @@ Surface read_dry_part(const fs::path& path, const Progress& progress) {
         fail("{}: part '{}' is {} x {}, but its display window is not", path.string(), kDry, width, height);
 
     Surface names(1, 1);
-    const bool coloured = header.channels().findChannel(kLobe[0]) != nullptr;
+    const bool coloured = header.channels().findChannel(kLobeChannels[0]) != nullptr;
     if (coloured) names.lobe_colour = Image<Rgb>(1, 1);
-    for (const Channel& c : channels_of(names))
+    for (const DryChannel& c : channels_of(names))
         if (!header.channels().findChannel(c.name))
             fail("{}: part '{}' has no channel '{}'", path.string(), kDry, c.name);
     Maps maps = read_maps(path, file, number, width, height, coloured, progress);
@@ -378,7 +245,7 @@ Surface read_dry_part(const fs::path& path, const Progress& progress) {
         fail("{}: attribute 'photography': {}", path.string(), error.what());
     }
     const std::string stored = attribute<Imf::StringAttribute>(header, "dry_hash", std::string());
-    if (const std::string found = joined(maps.hashes); !stored.empty() && stored != found)
+    if (const std::string found = joined_hash(maps.hashes); !stored.empty() && stored != found)
         fail("{}: the dry layer is not the one that was saved (hash {} expected, {} found)", path.string(),
              stored, found);
     for (const std::string& what : maps.wrong)
@@ -389,14 +256,6 @@ Surface read_dry_part(const fs::path& path, const Progress& progress) {
 }
 
 }  // namespace
-
-std::string hash_of(const Surface& s) {
-    std::vector<std::uint64_t> rows(static_cast<std::size_t>(s.height()));
-    const auto channels = channels_of(const_cast<Surface&>(s));  // read only
-    parallel_for(0, s.height(), 16,
-                 [&](int begin, int end) { hash_rows(channels, s.width(), begin, end, rows); });
-    return joined(rows);
-}
 
 void write_painting(AtomicFile& file, const Surface& s, const Progress& progress) {
     std::vector<PartToWrite> parts;
