@@ -57,9 +57,9 @@ class CliffLoss : public ceres::LossFunction {
 public:
     void Evaluate(double s, double rho[3]) const override {
         const double u = 1 / (1 + s / 4);
-        rho[0] = s * u;
-        rho[1] = u * u;
-        rho[2] = -u * u * u / 2;
+        rho[0] = -4 * std::log(u);
+        rho[1] = u;
+        rho[2] = -u * u / 4;
     }
 };
 
