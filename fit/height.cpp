@@ -14,10 +14,7 @@ namespace tangi {
 namespace {
 
 // [1] Residual at which weights are taken anew; they are no better known.
-constexpr double kSweepTolerance = 2e-3;
-// [1] A sweep is the last where fewer than this part of the cliffs' edges moved.
-constexpr double kEdgesMoved = 0.02;
-
+constexpr double kSweepTolerance = 1e-3;
 // Cycles until the residual is `tolerance` of `flat`, or that of rounding; or there were `most` of them.
 void solve(HeightMultigrid& grid, double flat, double tolerance, int most, HeightReport& result,
            const Progress& progress) {
@@ -56,7 +53,7 @@ HeightReport solve_robustly(SlopeEdges& edges, Image<float>& height_mm, const He
         edges.divergence(grid.b());
         grid.coarsen();
         ++result.robust_sweeps;
-        if (static_cast<double>(moved.edges) <= kEdgesMoved * static_cast<double>(moved.cliffs)) break;
+        if (moved.cliffs == 0) break;
     }
     solve(grid, flat, options.tolerance, options.max_cycles, result, progress);
     return result;

@@ -36,13 +36,13 @@ inline float edge_variance(float slope_variance, float spread) {
     return slope_variance / 4 + mixed * mixed / 2 + kSharpest * kSharpest;
 }
 
-// [1] Factor of the weight of an edge whose difference in height is off by r standard deviations: Geman &
-// McClure 1985, squared as in iteratively reweighted least squares; at least 1e-3, which keeps the two sides
-// of a cliff together where nothing else says how high it is.
+// [1] Factor of the weight of an edge whose difference in height is off by r standard deviations: Cauchy's
+// loss, as in iteratively reweighted least squares (Holland & Welsch 1977); at least 1e-3, which keeps the
+// two sides of a cliff together where nothing else says how high it is. Geman & McClure's, which forgets a
+// cliff altogether, recovers more of a step, but has so many minima that mirrored photographs find others.
 inline float cliff_factor(float r2) {
     constexpr float kScale2 = 4;  // [1] (2 standard deviations)^2
-    const float u = 1 / (1 + r2 / kScale2);
-    return std::max(u * u, 1e-3f);
+    return std::max(1 / (1 + r2 / kScale2), 1e-3f);
 }
 
 // The edges of a field of normals: what they say about differences in height, and how certain it is. Keeps
