@@ -166,7 +166,8 @@ TEST(ImportMaps, BadMapsAreErrors) {
     write_map(dir / "gloss.png", Image<float>(48, 40));
     write_map(dir / "a_gl.png", Image<float>(48, 40));
     EXPECT_THAT(error_of([&] { find_maps(dir.path()); }), HasSubstr("the same map"));
-    const MapFiles named{.gloss = dir / "a_gl.png"};  // as the message says: one is named, and taken
+    MapFiles named;
+    named.gloss = dir / "a_gl.png";  // as the message says: one is named, and taken
     EXPECT_EQ(find_maps(dir.path(), named).gloss, dir / "a_gl.png");
     EXPECT_THAT(error_of([&] { find_maps(dir / "none"); }), HasSubstr("no such folder"));
 }
