@@ -290,9 +290,13 @@ TEST(RegisterStack, APhotographOfSomethingElseMovesNoOther) {
             EXPECT_EQ(r.reference, foreign == 0 ? "photo_001.png" : "photo_000.png");
             EXPECT_EQ(stack.photos.size(), 23u);
             for (const PhotoDrift& drift : r.photos)
-                if (drift.name != name) EXPECT_GT(drift.correlation, 0.8) << drift.name;
+                if (drift.name != name) {
+                    EXPECT_GT(drift.correlation, 0.8) << drift.name;
+                }
             for (const StackPhoto& photo : stack.photos) EXPECT_NE(photo.light.name, name);
-            if (!moves) EXPECT_LT(r.typical_drift_px, 0.1);
+            if (!moves) {
+                EXPECT_LT(r.typical_drift_px, 0.1);
+            }
         }
 }
 
