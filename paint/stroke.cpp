@@ -71,6 +71,7 @@ TransferRates rates_of(const Brush& brush, const Dab& dab, double step_px, doubl
     r.pickup = rate(s.pickup, resolved_px) * static_cast<float>(across) * touch;
     r.push *= static_cast<float>(across) * touch;
     r.hold_mm = static_cast<float>(s.hold_mm * cover);
+    r.tip_mm *= static_cast<float>(cover);
     r.film_mm = static_cast<float>(s.film_mm * across);
     r.load_reach = static_cast<float>(s.load_reach / cover);
     return r;

@@ -123,7 +123,7 @@ TEST(Landscape, IsTenMinutesWithTheBrushOnThePainting) {
 
 TEST(Landscape, IsAPictureOfSkyAndFields) {
     SubstrateOptions options;
-    options.pixel_mm = 2;
+    options.pixel_mm = 1;
     Session session(std::make_shared<Surface>(make_substrate(SubstrateKind::linen, options)),
                     artist_acrylics());
     replay(session, landscape());
@@ -131,8 +131,8 @@ TEST(Landscape, IsAPictureOfSkyAndFields) {
     const auto colour = [&](double x_mm, double y_mm) {
         Rgb sum(0);
         for (int k = 0; k < 9; ++k)
-            sum += s.diffuse(static_cast<int>(std::lround(x_mm / 2 + (s.width() - 1) / 2.0)) + k % 3 - 1,
-                             static_cast<int>(std::lround((s.height() - 1) / 2.0 - y_mm / 2)) + k / 3 - 1) /
+            sum += s.diffuse(static_cast<int>(std::lround(x_mm + (s.width() - 1) / 2.0)) + 2 * (k % 3 - 1),
+                             static_cast<int>(std::lround((s.height() - 1) / 2.0 - y_mm)) + 2 * (k / 3 - 1)) /
                    9.0f;
         return sum;
     };
