@@ -33,10 +33,11 @@ struct Folder {
     }
 };
 
+// Where the brush is still full.
 double redness(const Image<Rgb>& picture) {
     double sum = 0;
     for (int y = 28; y < 32; ++y)
-        for (int x = 30; x < 50; ++x) sum += picture(x, y).r / (picture(x, y).g + 0.01) / 80;
+        for (int x = 20; x < 40; ++x) sum += picture(x, y).r / (picture(x, y).g + 0.01) / 80;
     return sum;
 }
 
