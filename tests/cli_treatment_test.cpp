@@ -84,7 +84,7 @@ TEST_F(CliTreatment, StepsAreUndoneAndStayInTheLog) {
 }
 
 TEST_F(CliTreatment, AreasAreSuggestedByClassAndMayBeNone) {
-    const Finished found = damage({"--suggest", "abrasion", "--mm-per-pixel", "0.5"});
+    const Finished found = damage({"--suggest", "abrasion"});
     ASSERT_TRUE(ended(found, 0));
     EXPECT_EQ(found.json()["suggested"]["abrasion"]["count"], 0);
     EXPECT_TRUE(found.json()["suggested"]["areas"].empty());
