@@ -131,8 +131,11 @@ FitResult fit_painting(Stack stack, const FitOptions& options, const Progress& p
     fit_passes(stack, transfer, lighting, noise, options, coloured, look_at_signs, result, progress);
     report_.colour = correct_colours(stack, surface);
     report_.colour.white_by_chart = white.has_value();
+    HeightOptions height = options.height;
+    // Slopes that err by more than they say disagree everywhere, not at cliffs.
+    if (!explains_photographs(report_)) height.robust_sweeps = 0;
     report_.height = integrate_normals(surface.normal, surface.confidence, surface.mm_per_pixel,
-                                       surface.height_mm, options.height, progress, &result.errors.height);
+                                       surface.height_mm, height, progress, &result.errors.height);
     const Plane plane = best_plane(surface.height_mm, surface.confidence);
     subtract(plane, surface.height_mm);
     report_.support_tilt_deg = std::atan(std::hypot(plane.a, plane.b) / surface.mm_per_pixel) * 180 / M_PI;

@@ -219,6 +219,8 @@ void refine(const Stack& stack, const Transfer& transfer, const Lighting& lighti
 
 }  // namespace
 
+bool explains_photographs(const FitReport& report) { return report.median_rms_residual <= kTrusted; }
+
 // The first pass with white lobes; where they may have colours, what it shows of them; then the others. Where
 // white lobes explain too little to be refined, coloured ones may explain enough.
 void fit_passes(Stack& stack, const Transfer& transfer, const Lighting& lighting, const NoiseModel& noise,
@@ -231,7 +233,7 @@ void fit_passes(Stack& stack, const Transfer& transfer, const Lighting& lighting
     fit_bands(stack, transfer, lighting, noise, options, {"fit", nullptr, coloured ? &evidence : nullptr},
               result, progress);
     look(false);
-    const auto trusted = [&] { return report_.median_rms_residual <= kTrusted; };
+    const auto trusted = [&] { return explains_photographs(report_); };
     if (coloured) {
         surface.lobe_colour = lobe_colours(surface, evidence);
         evidence = {};

@@ -19,4 +19,7 @@ void fit_passes(Stack& stack, const Transfer& transfer, const Lighting& lighting
                 const FitOptions& options, bool coloured, const FirstLook& look, FitResult& result,
                 const Progress& progress);
 
+// Whether the residuals of the last pass are small enough to believe what it says of errors.
+bool explains_photographs(const FitReport& report);
+
 }  // namespace tangi
