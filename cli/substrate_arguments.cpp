@@ -34,6 +34,17 @@ Image<float> first_channel(const Image<Rgb>& picture) {
     return result;
 }
 
+// The file of one that was kept under a name; throws UsageError where there is none.
+fs::path kept_file(const std::string& which) {
+    const fs::path kept =
+        which.find('/') == std::string::npos ? kept_substrate(substrate_shelf(), which) : fs::path();
+    if (!kept.empty() && fs::exists(kept)) return kept;
+    std::vector<std::string> names = substrate_names();
+    for (std::string& name : kept_substrates(substrate_shelf())) names.push_back(std::move(name));
+    throw UsageError(fmt::format("--substrate {}: is no picture, no painting and not one of {}", which,
+                                 fmt::join(names, ", ")));
+}
+
 }  // namespace
 
 void SubstrateArguments::add_to(Flags& flags) {
@@ -51,6 +62,8 @@ void SubstrateArguments::add_to(Flags& flags) {
 }
 
 void SubstrateArguments::refuse_useless() const {
+    if (given() && !substrate_named(which) && !is_picture(which) && lower_extension(which) != ".exr")
+        static_cast<void>(kept_file(which));  // is there
     const auto refuse = [&](std::initializer_list<std::string_view> names, const std::string& reason) {
         refuse_typed(typed(), names, reason);
     };
@@ -85,15 +98,7 @@ Surface SubstrateArguments::make(const Progress& progress) const {
             return substrate_of_picture(colour, relief, options);
         }
         if (lower_extension(which) == ".exr") return read_painting(which, progress);
-        const fs::path kept =
-            which.find('/') == std::string::npos ? kept_substrate(substrate_shelf(), which) : fs::path();
-        if (kept.empty() || !fs::exists(kept)) {
-            std::vector<std::string> names = substrate_names();
-            for (std::string& name : kept_substrates(substrate_shelf())) names.push_back(std::move(name));
-            throw UsageError(fmt::format("--substrate {}: is no picture, no painting and not one of {}",
-                                         which, fmt::join(names, ", ")));
-        }
-        return read_painting(kept, progress);
+        return read_painting(kept_file(which), progress);
     };
     Surface surface = made();
     if (!keep_as.empty()) keep_substrate(substrate_shelf(), keep_as, surface);
