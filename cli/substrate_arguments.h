@@ -20,8 +20,8 @@ struct SubstrateArguments {
 
     void add_to(Flags& flags);
     bool given() const { return !which.empty(); }
-    // Throws UsageError for a substrate of no such name, and for flags that this substrate, or a painting that is
-    // given instead, has no use for.
+    // Throws UsageError for a substrate of no such name, and for flags that this substrate, or a painting
+    // that is given instead, has no use for.
     void refuse_useless() const;
     // A procedure's piece, a picture, a painting file's dry layer, or one that was kept under a name; and
     // keeps it where --keep-substrate says so. Throws UsageError, Error.
