@@ -131,13 +131,24 @@ FitResult fit_painting(Stack stack, const FitOptions& options, const Progress& p
     fit_passes(stack, transfer, lighting, noise, options, coloured, look_at_signs, result, progress);
     report_.colour = correct_colours(stack, surface);
     report_.colour.white_by_chart = white.has_value();
-    HeightOptions height = options.height;
-    // Slopes that err by more than they say disagree everywhere, not at cliffs.
-    if (!explains_photographs(report_)) height.robust_sweeps = 0;
-    report_.height = integrate_normals(surface.normal, surface.confidence, surface.mm_per_pixel,
-                                       surface.height_mm, height, progress, &result.errors.height);
-    const Plane plane = best_plane(surface.height_mm, surface.confidence);
-    subtract(plane, surface.height_mm);
+    Plane plane;
+    const auto integrate = [&](int robust_sweeps, Image<HalfError>* error_mm) {
+        HeightOptions height = options.height;
+        height.robust_sweeps = robust_sweeps;
+        report_.height = integrate_normals(surface.normal, surface.confidence, surface.mm_per_pixel,
+                                           surface.height_mm, height, progress, error_mm);
+        plane = best_plane(surface.height_mm, surface.confidence);
+        subtract(plane, surface.height_mm);
+    };
+    const auto misfit = [&](int robust_sweeps) {
+        integrate(robust_sweeps, nullptr);
+        return shadow_misfit(surface, surveyed, transfer, lighting.lights, lighting.white_level);
+    };
+    // Cliffs are where photographs show their shadows. Slopes that err by more than they say disagree
+    // everywhere.
+    int sweeps = explains_photographs(report_) ? options.height.robust_sweeps : 0;
+    if (sweeps > 0 && !(misfit(sweeps) < misfit(0))) sweeps = 0;
+    integrate(sweeps, &result.errors.height);
     report_.support_tilt_deg = std::atan(std::hypot(plane.a, plane.b) / surface.mm_per_pixel) * 180 / M_PI;
     if (report_.too_bright > report_.fitted / 20)
         stack.warnings.push_back(

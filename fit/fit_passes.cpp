@@ -203,6 +203,7 @@ void refine(const Stack& stack, const Transfer& transfer, const Lighting& lighti
             const FitOptions& options, const FirstLook& look, FitResult& result, const Progress& progress) {
     Surface& surface = result.surface;
     HeightOptions rough = options.height;
+    rough.robust_sweeps = 0;  // it is not known yet where there are cliffs
     rough.tolerance = std::max(rough.tolerance, kShadowTolerance);
     integrate_normals(
         surface.normal, surface.confidence, surface.mm_per_pixel, surface.height_mm, rough,

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 #include "fit/height.h"
 #include "surface/cast_shadows.h"
@@ -148,6 +149,26 @@ std::string remedy(const MirroredAxes& taken, const MirroredAxes& axes) {
 }
 
 }  // namespace
+
+double shadow_misfit(const Surface& surface, const Survey& survey, const Transfer& transfer,
+                     const std::vector<Light>& lights, double white_level) {
+    TP_REQUIRE(survey.photos.size() == lights.size(), "one light a photograph");
+    const CastShadows shadows(surface.height_mm, surface.mm_per_pixel, RelightOptions{}.light_radius_deg);
+    std::vector<double> squares(lights.size()), samples(lights.size());
+    parallel_for(0, static_cast<int>(lights.size()), 1, [&](int begin, int end) {
+        for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i)
+            for (const Lit& sample : lit_by(surface, survey, i, transfer, lights[i], white_level)) {
+                // Gloss is brighter than any lamp that is seen whole.
+                const double part = std::min(std::exp(sample.log_ratio), 1.0);
+                const auto visible =
+                    static_cast<double>(shadows.visible_part(sample.x, sample.y, lights[i].direction));
+                squares[i] += (part - visible) * (part - visible);
+                ++samples[i];
+            }
+    });
+    const double n = std::accumulate(samples.begin(), samples.end(), 0.0);
+    return n > 0 ? std::accumulate(squares.begin(), squares.end(), 0.0) / n : 0;
+}
 
 std::string doubt_of(const SignCheck& signs, const ShadowCheck& shadows, const MirroredAxes& taken) {
     const std::string told = fmt::format("({:.0f} standard errors)", shadows.certainty);

@@ -34,6 +34,11 @@ ShadowCheck check_shadows(Surface& surface, const SignCheck& signs, const Survey
                           const Transfer& transfer, const std::vector<Light>& lights, double white_level,
                           const Progress& progress = {});
 
+// [1] Mean square of the part of a lamp's light that photographs show at samples of matt paint, less the part
+// that gets past the surface's height.
+double shadow_misfit(const Surface& surface, const Survey& survey, const Transfer& transfer,
+                     const std::vector<Light>& lights, double white_level);
+
 // What is to be done about it, with the numbers, for people; empty where nothing is. `taken`: axes that were
 // mirrored already, as the user asked.
 std::string doubt_of(const SignCheck& signs, const ShadowCheck& shadows, const MirroredAxes& taken);
