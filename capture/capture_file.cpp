@@ -149,6 +149,11 @@ CaptureFile read_capture_file(const std::filesystem::path& path) {
                 capture.colour->developed_with.emplace_back(what);
     if (whole.contains("scale") && !whole["scale"].is_null())
         capture.mm_per_pixel = top["scale"]["mm_per_pixel"].number(1e-6, 1e3);
+    if (const json& poor = whole.value("poor", json()); poor.is_array())
+        for (const json& reason : poor)
+            if (reason.is_string())
+                capture.warnings.push_back(
+                    fmt::format("{}: calibrate called it poor: {}", file, reason.get<std::string>()));
     return capture;
 }
 

@@ -132,23 +132,28 @@ FitResult fit_painting(Stack stack, const FitOptions& options, const Progress& p
     report_.colour = correct_colours(stack, surface);
     report_.colour.white_by_chart = white.has_value();
     Plane plane;
-    const auto integrate = [&](int robust_sweeps, Image<HalfError>* error_mm) {
+    const auto integrate = [&](int robust_sweeps, Image<HalfError>* error_mm, const Progress& shown) {
         HeightOptions height = options.height;
         height.robust_sweeps = robust_sweeps;
         report_.height = integrate_normals(surface.normal, surface.confidence, surface.mm_per_pixel,
-                                           surface.height_mm, height, progress, error_mm);
+                                           surface.height_mm, height, shown, error_mm);
         plane = best_plane(surface.height_mm, surface.confidence);
         subtract(plane, surface.height_mm);
     };
-    const auto misfit = [&](int robust_sweeps) {
-        integrate(robust_sweeps, nullptr);
+    const auto misfit = [&](int robust_sweeps, double done_before) {
+        integrate(robust_sweeps, nullptr, Progress([&](std::string_view, double done) {
+                      return !progress || progress("cliffs", done_before + done / 2);
+                  }));
         return shadow_misfit(surface, surveyed, transfer, lighting.lights, lighting.white_level);
     };
     // Cliffs are where photographs show their shadows. Slopes that err by more than they say disagree
     // everywhere.
     int sweeps = explains_photographs(report_) ? options.height.robust_sweeps : 0;
-    if (sweeps > 0 && !(misfit(sweeps) < misfit(0))) sweeps = 0;
-    integrate(sweeps, &result.errors.height);
+    if (sweeps > 0) {
+        const double without = misfit(0, 0);
+        if (!(misfit(sweeps, 0.5) < without)) sweeps = 0;
+    }
+    integrate(sweeps, &result.errors.height, progress);
     report_.support_tilt_deg = std::atan(std::hypot(plane.a, plane.b) / surface.mm_per_pixel) * 180 / M_PI;
     if (report_.too_bright > report_.fitted / 20)
         stack.warnings.push_back(

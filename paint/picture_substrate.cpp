@@ -35,7 +35,7 @@ Surface substrate_of_picture(const Image<Rgb>& linear, const Image<float>& relie
         fail("the relief is {} x {}, but the picture is {} x {}", relief.width(), relief.height(),
              linear.width(), linear.height());
     Surface surface(linear.width(), linear.height());
-    surface.mm_per_pixel = options.pixel_mm;
+    surface.mm_per_pixel = kept_scale_mm(options.pixel_mm);
     surface.scale_known = true;
     for (std::size_t i = 0; i < linear.size(); ++i) {
         const Rgb c = linear.pixels()[i];

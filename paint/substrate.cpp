@@ -8,6 +8,7 @@
 
 #include "surface/error.h"
 #include "surface/noise.h"
+#include "surface/painting_file.h"
 #include "surface/parallel.h"
 
 namespace tangi {
@@ -349,7 +350,7 @@ Surface make_substrate(SubstrateKind kind, const SubstrateOptions& options, cons
             "made",
             options.width_mm, options.height_mm, options.pixel_mm, columns, rows);
     Surface s(static_cast<int>(columns), static_cast<int>(rows));
-    s.mm_per_pixel = static_cast<float>(options.pixel_mm);  // as files keep it
+    s.mm_per_pixel = kept_scale_mm(options.pixel_mm);
     s.scale_known = true;
     const auto mm = static_cast<float>(options.pixel_mm);
     const Piece piece{static_cast<float>(s.width()) * mm, static_cast<float>(s.height()) * mm, options.seed};

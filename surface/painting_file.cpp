@@ -226,9 +226,7 @@ Surface read_dry_part(const fs::path& path, const Progress& progress) {
             fail("{}: part '{}' has no channel '{}'", path.string(), kDry, c.name);
     Maps maps = read_maps(path, file, number, width, height, coloured, progress);
     Surface& s = maps.surface;
-    // A float of 0.1 mm is 0.1 mm again, not 0.10000000149: a sitting that goes on has the same pixels.
-    s.mm_per_pixel =
-        std::stod(fmt::format("{}", attribute<Imf::FloatAttribute>(header, "mm_per_pixel", 1.0f)));
+    s.mm_per_pixel = kept_scale_mm(attribute<Imf::FloatAttribute>(header, "mm_per_pixel", 1.0f));
     if (!(s.mm_per_pixel > 0) || !std::isfinite(s.mm_per_pixel))
         fail("{}: mm_per_pixel = {} is not positive", path.string(), s.mm_per_pixel);
     s.law.diffuse_roughness = attribute<Imf::DoubleAttribute>(header, "diffuse_roughness", 0.0);
@@ -256,6 +254,10 @@ Surface read_dry_part(const fs::path& path, const Progress& progress) {
 }
 
 }  // namespace
+
+double kept_scale_mm(double mm_per_pixel) {
+    return std::stod(fmt::format("{}", static_cast<float>(mm_per_pixel)));
+}
 
 void write_painting(AtomicFile& file, const Surface& s, const Progress& progress) {
     std::vector<PartToWrite> parts;

@@ -34,4 +34,8 @@ bool is_painting(const std::filesystem::path& path);
 // 64-bit FNV-1a over the maps, row by row, as 16 hex digits: proof that a dry layer has not changed.
 std::string hash_of(const Surface& surface);
 
+// [mm] A scale as files give it back, which keep it as a float: the shortest number that is this float, so
+// that 0.3 is 0.3 again and not 0.30000001192. Who makes a surface takes it, that it be the same when read.
+double kept_scale_mm(double mm_per_pixel);
+
 }  // namespace tangi
