@@ -295,8 +295,8 @@ private:
 
     // Whether a photograph in which nothing was found must show something else: its edges are not where those
     // of the others are (in the photograph that shows all highlights of metal and varnish they are there, but
-    // too few to say exactly where), though it is not lit so evenly that nothing can be expected of it, nor so
-    // low, unless it has edges of its own where the others agree on theirs.
+    // too few to say exactly where), though it is not lit so evenly that nothing can be expected of it, nor
+    // so low, unless it has edges of its own where the others agree on theirs.
     std::vector<bool> strange_ones(const Alignment& alignment) const {
         std::vector<double> expected, contrasts, correlations;
         for (const AlignedPicture& picture : alignment.pictures) {

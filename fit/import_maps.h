@@ -25,8 +25,8 @@ struct MapFiles {
 
 // The maps in a folder by their names, in any case: kd, diffuse, albedo, basecolor (also as NAME-kdmap,
 // NAME_kd); ks, specular; no, nomap, normal, normals; gl, glmap, gloss; roughness, alpha; height,
-// displacement; lobe (colours of lobes, as write_maps() writes them). Those in `named` are taken instead of what
-// the folder has. Throws Error where two files claim to be the same map.
+// displacement; lobe (colours of lobes, as write_maps() writes them). Those in `named` are taken instead of
+// what the folder has. Throws Error where two files claim to be the same map.
 MapFiles find_maps(const std::filesystem::path& folder, const MapFiles& named = {});
 
 // The scale of maps that write_maps() wrote (export_maps.h), in the folder's maps.json; nothing where there
