@@ -405,7 +405,8 @@ TEST(Stroke, AtNoPressureNothingIsTransferredAndAtLittleLittle) {
         const auto red = add_paint(canvas, "Pyrrole Red");
         Brush brush(brush_presets().at("flat"), kTestPixel, 4);
         brush.load({{red, 1}}, 1);
-        stroke(canvas, brush, {-8, 0}, {8, 0}, static_cast<double>(pressure));
+        // Short, so that the brush is never empty.
+        stroke(canvas, brush, {-3, 0}, {3, 0}, static_cast<double>(pressure));
         return canvas.volumes_mm3()[0];
     };
     EXPECT_EQ(laid(0), 0);
@@ -413,12 +414,11 @@ TEST(Stroke, AtNoPressureNothingIsTransferredAndAtLittleLittle) {
     EXPECT_GT(light, 1);  // [mm^3]
     EXPECT_LT(laid(0.01f), 0.12 * light);
     double before = 0;
-    for (const float pressure : {0.01f, 0.03f, 0.08f, 0.15f, 0.3f, 0.6f}) {
+    for (const float pressure : {0.01f, 0.03f, 0.08f, 0.15f, 0.3f, 0.6f, 1.0f}) {
         const double now = laid(pressure);
         EXPECT_GT(now, before) << pressure;
         before = now;
     }
-    EXPECT_NEAR(laid(1), before, 0.01 * before);  // all that the brush had to give
     // Nor does a brush that only grazes take what is there.
     Canvas canvas = flat_canvas();
     Brush brush(even_brush(), kTestPixel, 1), grazing(brush_presets().at("knife"), kTestPixel, 2);
@@ -448,11 +448,11 @@ TEST(Stroke, ABrushTooSmallForThePixelsPaintsItsVolume) {
             BrushSettings settings = brush_presets().at(shape);
             settings.size_mm = size_mm;
             settings.load_variation = 0;
-            const double wanted = laid(settings, 0.02, 0.01);
+            const double wanted = laid(settings, size_mm / 15, 0);
             for (const double y_mm : {0.0, 0.04, 0.1, 0.125}) {  // wherever it lies between the pixels
                 const double now = laid(settings, 0.25, y_mm);
                 EXPECT_GT(now, 0.5 * wanted) << shape << " " << size_mm << " at " << y_mm;
-                EXPECT_LT(now, 1.2 * wanted) << shape << " " << size_mm << " at " << y_mm;
+                EXPECT_LT(now, 1.1 * wanted) << shape << " " << size_mm << " at " << y_mm;
             }
         }
 }
