@@ -48,19 +48,19 @@ void expect_held_out_psnr(const fs::path& folder, double floor_db) {
     EXPECT_GE(report.held_out.psnr_db, floor_db);
 }
 
-TEST(DataRealStacks, DoorReaches31dB) {
+TEST(DataRealStacks, DoorReaches35_5dB) {
     TP_DATA(folder, "real/door");
-    expect_held_out_psnr(folder, 31);
+    expect_held_out_psnr(folder, 35.5);
 }
 
-TEST(DataRealStacks, FrescoReaches29_5dB) {
+TEST(DataRealStacks, FrescoReaches36dB) {
     TP_DATA(folder, "real/fresco");
-    expect_held_out_psnr(folder, 29.5);
+    expect_held_out_psnr(folder, 36);
 }
 
-TEST(DataRealStacks, IconReaches27dB) {
+TEST(DataRealStacks, IconReaches33_5dB) {
     TP_DATA(folder, "real/icon");
-    expect_held_out_psnr(folder, 27);
+    expect_held_out_psnr(folder, 33.5);
 }
 
 TEST(DataRealStacks, CanvasReaches30_5dB) {
@@ -68,14 +68,14 @@ TEST(DataRealStacks, CanvasReaches30_5dB) {
     expect_held_out_psnr(folder, 30.5);
 }
 
-TEST(DataRealStacks, LeafReaches30dB) {
+TEST(DataRealStacks, LeafReaches35dB) {
     TP_DATA(folder, "real/leaf");
-    expect_held_out_psnr(folder, 30);
+    expect_held_out_psnr(folder, 35);
 }
 
-TEST(DataRealStacks, CoinReaches21_5dB) {
+TEST(DataRealStacks, CoinReaches24_5dB) {
     TP_DATA(folder, "real/coin");
-    expect_held_out_psnr(folder, 21.5);
+    expect_held_out_psnr(folder, 24.5);
 }
 
 double mean_angle_deg(const Image<Vec3>& a, const Image<Vec3>& b, const Mask& mask = {}) {
