@@ -185,14 +185,16 @@ TEST(Stroke, ATurningBrushLeavesCleanStreaks) {
                    (mm(ix, iy + 1) * (1 - fx) + mm(ix + 1, iy + 1) * fx) * fy;
         };
         // Curvature over two pixels, along the stroke and across.
-        double along = 0, across = 0;
+        double along = 0, across = 0, count = 0;
         for (double r = radius_px - 45; r < radius_px + 45; ++r)
             for (double angle = 120 * pi / 180; angle < 175 * pi / 180; angle += 0.007) {
                 const double step = 2 / r, middle = 2 * at(r, angle);
-                along += std::pow(at(r, angle + step) + at(r, angle - step) - middle, 2);
+                along += std::pow(at(r, angle + step) + at(r, angle - step) - middle, 2), ++count;
                 across += std::pow(at(r + 2, angle) + at(r - 2, angle) - middle, 2);
             }
-        EXPECT_LT(std::sqrt(along / across), load > 2 ? 0.12 : 0.24) << load;
+        EXPECT_LT(std::sqrt(along / across), load > 2 ? 0.17 : 0.24) << load;
+        // Rungs [mm]; streaks are as high as the paint is thick.
+        EXPECT_LT(std::sqrt(along / count), load > 2 ? 0.008 : 0.016) << load;
     }
 }
 
@@ -219,10 +221,12 @@ TEST(Stroke, CrossingWetPaintLeavesStreaksOfBoth) {
                 sum += canvas.wet().thickness_mm(x, y);
                 of_yellow += canvas.wet().thickness_mm(x, y, yellow);
             }
-            parts.push_back(of_yellow / sum);
-            mean += parts.back() / 40;
+            if (sum > 0.1) parts.push_back(of_yellow / sum);  // [mm] the row is not bare
         }
-        for (const double part : parts) squares += std::pow(part - mean, 2) / 40;
+        ASSERT_GE(parts.size(), 20u) << seed;
+        for (const double part : parts) mean += part / static_cast<double>(parts.size());
+        for (const double part : parts)
+            squares += std::pow(part - mean, 2) / static_cast<double>(parts.size());
         EXPECT_GT(mean, 0.1) << seed;  // it is carried along
         unevenness += std::sqrt(squares) / mean / 4;
     }
@@ -425,7 +429,7 @@ TEST(Stroke, AtNoPressureNothingIsTransferredAndAtLittleLittle) {
     brush.load({{add_paint(canvas, "Pyrrole Red"), 1}}, 1);
     stroke(canvas, brush, {-8, 0}, {8, 0});
     StepScratch scratch;
-    paint_dabs(canvas, grazing, std::vector<Dab>(20, Dab{.x = 64, .y = 48, .pressure = 0}), 1, 1, scratch);
+    paint_dabs(canvas, grazing, std::vector<Dab>(20, Dab{.x = 64, .y = 48, .pressure = 0}), 1, scratch);
     EXPECT_EQ(grazing.volumes_mm3(1)[0], 0);
 }
 
