@@ -10,7 +10,7 @@ namespace tangi {
 TP_VECTOR_CLONES
 void underside_row(int n, const TipMaps& maps, const UndersideRow& r, float* __restrict out,
                    float* __restrict cover) {
-    const float* __restrict dome = maps.dome, * __restrict tip = maps.tip;
+    const float* __restrict dome = maps.dome, * __restrict tip = maps.tip, * __restrict part = maps.cover;
     const int width = maps.width;
     const float last_u = static_cast<float>(maps.width) - 1.001f,
                 last_v = static_cast<float>(maps.height) - 1.001f;
@@ -24,12 +24,12 @@ void underside_row(int n, const TipMaps& maps, const UndersideRow& r, float* __r
         const float d0 = dome[i] + (dome[i + 1] - dome[i]) * fu, d1 = dome[j] + (dome[j + 1] - dome[j]) * fu;
         const float t0 = tip[i] + (tip[i + 1] - tip[i]) * fu, t1 = tip[j] + (tip[j + 1] - tip[j]) * fu;
         const float d = d0 + (d1 - d0) * fv, t = t0 + (t1 - t0) * fv;
-        const float bare = std::min(std::max(d - 1, 0.0f), 1.0f);  // part that the tip does not cover
-        const float b = r.gap_mm + r.groove_mm * t +
-                        r.rise_mm * std::max(std::min(d, 1.0f) - r.touched, 0.0f) + r.rim_mm * bare +
-                        std::max(r.lift_mm + at * r.dlift_mm, 0.0f);
-        out[x] = bare < 1 ? b : kOutside;
-        cover[x] = 1 - bare;
+        const float c0 = part[i] + (part[i + 1] - part[i]) * fu, c1 = part[j] + (part[j + 1] - part[j]) * fu;
+        const float c = c0 + (c1 - c0) * fv;
+        const float b = r.gap_mm + r.groove_mm * t + r.rise_mm * std::max(d - r.touched, 0.0f) +
+                        r.rim_mm * (1 - c) + std::max(r.lift_mm + at * r.dlift_mm, 0.0f);
+        out[x] = c > 0 ? b : kOutside;
+        cover[x] = c;
     }
 }
 

@@ -5,11 +5,10 @@ namespace tangi {
 
 // Maps of the tip, in pixels along the brush's width (columns) and thickness (rows). Their border is outside.
 struct TipMaps {
-    // [1] 0 in the middle, 1 at the rim; of a pixel that the tip covers in part, 2 less that part, so 2
-    // outside
-    const float* dome = nullptr;
-    const float* tip = nullptr;  // [1] how much shorter the bristle is
-    int width = 0, height = 0;   // at least 2
+    const float* dome = nullptr;   // [1] 0 in the middle, 1 at the rim and outside
+    const float* tip = nullptr;    // [1] how much shorter the bristle is
+    const float* cover = nullptr;  // [1] part of the pixel that the tip covers
+    int width = 0, height = 0;     // at least 2
 };
 
 struct UndersideRow {

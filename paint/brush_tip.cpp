@@ -86,7 +86,8 @@ float BrushTip::dome_at(float u, float v) const {
     return dome_of(settings_.shape, u / half_width_px_, v / half_thickness_px_, seed_);
 }
 
-// Of the pixel around a texel: the part that the tip covers, and how full it is of what the middle holds.
+// Of the pixel around a texel: the part that the tip covers, how full it is of what the middle holds, and
+// the mean dome.
 BrushTip::Filled BrushTip::filled(int u, int v) const {
     constexpr int samples = 6;
     Filled sum;
@@ -97,8 +98,10 @@ BrushTip::Filled BrushTip::filled(int u, int v) const {
                         static_cast<float>(v) + (static_cast<float>(j) + 0.5f) / samples - 0.5f);
             sum.cover += dome < 1;
             sum.load += load_of(dome);
+            sum.dome += std::min(dome, 1.0f);
         }
-    return {sum.cover / (samples * samples), sum.load / (samples * samples)};
+    constexpr float all = samples * samples;
+    return {sum.cover / all, sum.load / all, sum.dome / all};
 }
 
 BrushTip::BrushTip(const BrushSettings& settings, double mm_per_pixel, double half_width_px,
@@ -113,8 +116,9 @@ BrushTip::BrushTip(const BrushSettings& settings, double mm_per_pixel, double ha
     const int width = 2 * half_u_ + 1, height = 2 * half_v_ + 1;
     const auto texels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
     std::vector<char> inside(texels);  // the texel's middle
-    dome_.assign(texels, 2.0f);
+    dome_.assign(texels, 1.0f);
     shorter_.assign(texels, 0.0f);
+    cover_.assign(texels, 0.0f);
     load_.assign(texels, 0.0f);
     for (int v = -half_v_; v <= half_v_; ++v)
         for (int u = -half_u_; u <= half_u_; ++u)
@@ -130,12 +134,13 @@ BrushTip::BrushTip(const BrushSettings& settings, double mm_per_pixel, double ha
             if (same && !inside[i]) continue;
             const auto fu = static_cast<float>(u), fv = static_cast<float>(v);
             const float dome = dome_at(fu, fv);
-            const Filled part = same ? Filled{1, load_of(dome)} : filled(u, v);
-            if (!(part.cover > 0)) continue;
-            dome_[i] = part.cover < 1 ? 2 - part.cover : dome;
-            load_[i] = part.load;
+            const Filled part = same ? Filled{1, load_of(dome), dome} : filled(u, v);
             const Hair bristles = hair(fu, fv);
             shorter_[i] = std::min(0.55f * bristles.fine.shorter + 0.7f * bristles.tuft.shorter, 1.5f);
+            if (!(part.cover > 0)) continue;
+            dome_[i] = part.dome;
+            cover_[i] = part.cover;
+            load_[i] = part.load;
             area += part.cover;
             length += part.cover * shorter_[i];
             load += part.load;

@@ -17,7 +17,9 @@ public:
     BrushTip(const BrushSettings& settings, double mm_per_pixel, double half_width_px,
              double half_thickness_px, std::uint64_t seed);
 
-    TipMaps maps() const { return {dome_.data(), shorter_.data(), 2 * half_u_ + 1, 2 * half_v_ + 1}; }
+    TipMaps maps() const {
+        return {dome_.data(), shorter_.data(), cover_.data(), 2 * half_u_ + 1, 2 * half_v_ + 1};
+    }
     int half_u() const { return half_u_; }  // [pixels] from the maps' middle to their border
     int half_v() const { return half_v_; }
 
@@ -32,7 +34,7 @@ private:
     static float luck_of(const Hair& bristles);
     float dome_at(float u, float v) const;
     struct Filled {
-        float cover = 0, load = 0;
+        float cover = 0, load = 0, dome = 0;
     };
     Filled filled(int u, int v) const;
 
@@ -41,9 +43,9 @@ private:
     float half_width_px_ = 1, half_thickness_px_ = 1;
     std::uint64_t seed_ = 0;
     int half_u_ = 0, half_v_ = 0;
-    std::vector<float> dome_, shorter_;  // TipMaps
-    std::vector<float> load_;            // [1] of the load in the middle
-    float fullness_ = 1;                 // [1] what makes the whole load the same for any chance
+    std::vector<float> dome_, shorter_, cover_;  // TipMaps
+    std::vector<float> load_;                    // [1] of the load in the middle
+    float fullness_ = 1;                         // [1] what makes the whole load the same for any chance
 };
 
 }  // namespace tangi

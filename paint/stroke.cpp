@@ -28,12 +28,14 @@ constexpr double kTension_per_mm = 2 * 60 * 4 / (4 * std::numbers::pi * std::num
 constexpr float kLightTouch = 0.15f;
 
 // [1] Pressing squeezes paint out of the tuft: deposit over that at a pressure of 0.6.
-double squeezing(float pressure) { return 0.7 + 0.5 * static_cast<double>(pressure); }
+double squeezing(float pressure) { return 0.55 + 0.75 * static_cast<double>(pressure); }
 
 float touching_part(float pressure) { return std::min(pressure / kLightTouch, 1.0f); }
 
 // [1] Steps for each pixel of the way at most, where the brush turns on the spot.
 constexpr double kMostSteps = 4;
+
+constexpr double kStepsOfContact = 8, kShortest = 0.5;  // [1], and of the spacing
 
 double length(const PathPoint& p) { return std::hypot(p.x, p.y); }
 PathPoint operator-(const PathPoint& a, const PathPoint& b) { return {a.x - b.x, a.y - b.y}; }
@@ -358,12 +360,16 @@ void Stroke::step_to(const Knot& b, const Knot& c, double u, const PathPoint& at
         rotation += *heading_rad_;
     }
     dab.rotation_rad = static_cast<float>(rotation);
+    // What is given and taken back within one step must be little of the whole: a short contact takes eight.
+    const double wanted =
+        options_.spacing_px * std::clamp(brush_.resolved_length_px(dab) / kStepsOfContact, kShortest, 1.0);
     // Where the brush turns, its rim goes further than its middle: no bristle shall go more than the spacing.
+    double turning = 0;
     if (rotation_rad_) {
         dab.turn_rad = dab.rotation_rad - *rotation_rad_;
-        const double of_rim = std::abs(dab.turn_rad) / spacing_px_ * brush_.rim_px();
-        spacing_px_ = options_.spacing_px / std::min(1 + of_rim, kMostSteps);
+        turning = std::abs(dab.turn_rad) / spacing_px_ * brush_.rim_px();
     }
+    spacing_px_ = std::max(wanted / (1 + turning), options_.spacing_px / kMostSteps);
     rotation_rad_ = dab.rotation_rad;
     dab.step = steps_ + static_cast<int>(dabs_.size());
     dabs_.push_back(dab);
