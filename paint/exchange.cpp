@@ -1,3 +1,4 @@
+// exchange.cpp: what goes each way between bristles and canvas in one step (transfer.h).
 #include <algorithm>
 
 #include "paint/transfer.h"
