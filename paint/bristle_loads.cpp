@@ -10,6 +10,7 @@ namespace tangi {
 
 namespace {
 
+constexpr int kRounds = 2;        // of balancing
 constexpr float kUnseen = 1e-3f;  // [1] cells at the border, which hold nothing, are seen less than this
 
 // The four cells around a place between cells (u, v > 0), and their shares.
@@ -60,15 +61,28 @@ struct BristleLoads::Row {
 
 namespace {
 
-// What pixels see of cells that were divided by seen_.
+// What pixels see of cells that were multiplied by seen_.
 TP_VECTOR_CLONES
 void look_row(int n, float u0, float v0, float du, float dv, float last_u, float last_v, int width,
-              const float* __restrict cells, float* __restrict out, float* __restrict total) {
+              const float* __restrict cells, const float* __restrict even, float* __restrict out,
+              float* __restrict total) {
     for (int x = 0; x < n; ++x) {
         const auto at = static_cast<float>(x);
-        const float mm = mean(around(u0 + at * du, v0 + at * dv, last_u, last_v, width), cells, width);
+        const float mm =
+            even[x] * mean(around(u0 + at * du, v0 + at * dv, last_u, last_v, width), cells, width);
         out[x] = mm;
         total[x] += mm;
+    }
+}
+
+// What makes pixels see as much as others; at the border, where they see few cells, no more than that.
+TP_VECTOR_CLONES
+void even_row(int n, float u0, float v0, float du, float dv, float last_u, float last_v, int width,
+              const float* __restrict seen, float* __restrict even) {
+    for (int x = 0; x < n; ++x) {
+        const auto at = static_cast<float>(x);
+        const float sum = mean(around(u0 + at * du, v0 + at * dv, last_u, last_v, width), seen, width);
+        even[x] = 1 / std::min(std::max(sum, 0.5f), 2.0f);
     }
 }
 
@@ -80,6 +94,7 @@ BristleLoads::BristleLoads(int half_u, int half_v, int half)
       half_(half),
       total_(static_cast<std::size_t>(2 * half + 1) * static_cast<std::size_t>(2 * half + 1), 0.0f),
       seen_(static_cast<std::size_t>(2 * half_u + 1) * static_cast<std::size_t>(2 * half_v + 1)),
+      even_(total_.size()),
       scaled_(seen_.size()) {}
 
 template <class Body>
@@ -144,21 +159,39 @@ void BristleLoads::turn_to(float rotation_rad) {
     look();
 }
 
+// Rows and columns of the weights in turn, cells last (Sinkhorn 1964, "A relationship between arbitrary
+// positive matrices and doubly stochastic matrices"): every cell is seen completely, and pixels see equally
+// much but for a hundredth.
+void BristleLoads::balance() {
+    std::fill(even_.begin(), even_.end(), 1.0f);
+    for (int round = 0;; ++round) {
+        std::fill(seen_.begin(), seen_.end(), 0.0f);
+        for_rows([&](const Row& row) {
+            const float* even = even_.data() + row.first;
+            for (int x = 0; x < row.count; ++x) add(row.cells(x), even[x], seen_.data(), row.width);
+        });
+        for (float& sum : seen_) sum = sum > kUnseen ? 1 / sum : 0;
+        if (round == kRounds) return;
+        for_rows([&](const Row& row) {
+            float* even = even_.data() + row.first;
+            even_row(row.count, row.u, row.v, row.du, row.dv, row.last_u, row.last_v, row.width, seen_.data(),
+                     even);
+        });
+    }
+}
+
 void BristleLoads::look() {
     viewed_ = true;
     std::fill(total_.begin(), total_.end(), 0.0f);
-    std::fill(seen_.begin(), seen_.end(), 0.0f);
-    for_rows([&](const Row& row) {
-        for (int x = 0; x < row.count; ++x) add(row.cells(x), 1, seen_.data(), row.width);
-    });
-    for (float& sum : seen_) sum = sum > kUnseen ? 1 / sum : 0;
+    balance();
     for (std::size_t i = 0; i < ids_.size(); ++i) {
         for (std::size_t k = 0; k < scaled_.size(); ++k) scaled_[k] = cells_[i][k] * seen_[k];
         views_[i].assign(total_.size(), 0.0f);
         if (empty(cells_[i])) continue;
         for_rows([&](const Row& row) {
             look_row(row.count, row.u, row.v, row.du, row.dv, row.last_u, row.last_v, row.width,
-                     scaled_.data(), views_[i].data() + row.first, total_.data() + row.first);
+                     scaled_.data(), even_.data() + row.first, views_[i].data() + row.first,
+                     total_.data() + row.first);
         });
     }
 }
@@ -170,14 +203,14 @@ void BristleLoads::settle(std::vector<std::vector<float>>& cells) const {
         for (std::size_t k = 0; k < scaled.size(); ++k) scaled[k] = cells[i][k] * seen_[k];
         std::fill(change.begin(), change.end(), 0.0f);
         for_rows([&](const Row& row) {
-            const float* now = views_[i].data() + row.first;
+            const float *now = views_[i].data() + row.first, *even = even_.data() + row.first;
             for (int x = 0; x < row.count; ++x) {
                 const Around at = row.cells(x);
-                const float before = mean(at, scaled.data(), row.width), gained = now[x] - before;
+                const float before = even[x] * mean(at, scaled.data(), row.width), gained = now[x] - before;
                 if (gained > 0) {
                     add(at, gained, change.data(), row.width);
                 } else if (gained < 0 && before > 0) {
-                    const float part = gained / before;
+                    const float part = gained / before * even[x];
                     float* to = change.data() + at.first;
                     const float* from = scaled.data() + at.first;
                     to[0] += part * at.w00 * from[0];

@@ -43,6 +43,7 @@ private:
     struct Row;
     template <class Body>
     void for_rows(const Body& body) const;
+    void balance();
     void look();
     void settle(std::vector<std::vector<float>>& cells) const;
     std::size_t number_of(IngredientId ingredient);
@@ -53,7 +54,8 @@ private:
     std::vector<IngredientId> ids_;
     std::vector<std::vector<float>> cells_, views_;
     std::vector<float> total_;   // of the view
-    std::vector<float> seen_;    // [1] sum of the weights with which pixels see a cell
+    std::vector<float> seen_;    // [1] of each cell: what makes all of it seen
+    std::vector<float> even_;    // [1] of each pixel: what makes it see as much as others
     std::vector<float> scaled_;  // of one ingredient: cells over seen_
 };
 

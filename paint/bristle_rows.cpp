@@ -8,8 +8,9 @@
 namespace tangi {
 
 TP_VECTOR_CLONES
-void underside_row(int n, const TipMaps& maps, const UndersideRow& r, float* __restrict out) {
-    const float* __restrict dome = maps.dome, * __restrict tip = maps.tip;
+void underside_row(int n, const TipMaps& maps, const UndersideRow& r, float* __restrict out,
+                   float* __restrict cover) {
+    const float* __restrict dome = maps.dome, * __restrict tip = maps.tip, * __restrict part = maps.cover;
     const int width = maps.width;
     const float last_u = static_cast<float>(maps.width) - 1.001f,
                 last_v = static_cast<float>(maps.height) - 1.001f;
@@ -23,9 +24,12 @@ void underside_row(int n, const TipMaps& maps, const UndersideRow& r, float* __r
         const float d0 = dome[i] + (dome[i + 1] - dome[i]) * fu, d1 = dome[j] + (dome[j + 1] - dome[j]) * fu;
         const float t0 = tip[i] + (tip[i + 1] - tip[i]) * fu, t1 = tip[j] + (tip[j + 1] - tip[j]) * fu;
         const float d = d0 + (d1 - d0) * fv, t = t0 + (t1 - t0) * fv;
+        const float c0 = part[i] + (part[i + 1] - part[i]) * fu, c1 = part[j] + (part[j + 1] - part[j]) * fu;
+        const float c = c0 + (c1 - c0) * fv;
         const float b = r.gap_mm + r.groove_mm * t + r.rise_mm * std::max(d - r.touched, 0.0f) +
-                        std::max(r.lift_mm + at * r.dlift_mm, 0.0f);
-        out[x] = d < 1 ? b : kOutside;
+                        r.rim_mm * (1 - c) + std::max(r.lift_mm + at * r.dlift_mm, 0.0f);
+        out[x] = c > 0 ? b : kOutside;
+        cover[x] = c;
     }
 }
 

@@ -7,61 +7,15 @@
 #include "paint/bristle_rows.h"
 #include "paint/transfer.h"
 #include "surface/error.h"
-#include "surface/noise.h"
 
 namespace tangi {
 
 namespace {
 
-using procedural::hash;
-using procedural::uniform;
-
 constexpr int kMargin = 4;          // [pixels] around the contact for paint that is pushed out of it
-constexpr float kLying = 4;         // [1] length of a dragged bristle's mark over its width
 constexpr float kLightest = 0.15f;  // part of the dome that the lightest touch flattens
 // What is narrower than three pixels meets more or fewer of them as its place between them has it.
 constexpr double kLeastHalf_px = 1.5;
-
-// 0 in the middle of the tip, 1 at its rim; u and v in half extents.
-float dome_of(const std::string& shape, float u, float v, std::uint64_t seed) {
-    const float rho2 = u * u + v * v;
-    if (shape == "flat") return std::pow(std::abs(u), 10.0f) + v * v;
-    if (shape == "filbert") return std::pow(std::abs(u), 3.0f) + v * v;
-    if (shape == "knife") return std::pow(std::abs(u), 16.0f) + v * v;
-    if (shape == "fan") {  // an arc of tufts
-        const float along = v + 1.6f * (u * u - 0.4f);
-        return std::pow(std::abs(u), 10.0f) + along * along;
-    }
-    if (shape == "rag")  // folds
-        return rho2 * (1 + 0.5f * procedural::fractal_noise(2.5f * u, 2.5f * v, 3, hash(seed, 77)));
-    return rho2;
-}
-
-// The bristles around a point: each cell of a grid holds one, off its middle by up to half a cell.
-struct Bristle {
-    float shorter;     // [1] 0 = the longest
-    float distance;    // [cells] to the nearest
-    std::uint64_t id;  // of the nearest
-};
-
-Bristle bristle_at(float u, float v, std::uint64_t seed) {
-    const int cu = static_cast<int>(std::floor(u)), cv = static_cast<int>(std::floor(v));
-    float envelope = 10, best = 10;
-    std::uint64_t nearest = 0;
-    for (int j = cv - 1; j <= cv + 1; ++j)
-        for (int i = cu - 1; i <= cu + 1; ++i) {
-            const std::uint64_t h = hash(seed, i, j);
-            const float du = static_cast<float>(i) + uniform(hash(h, 1)) - u;
-            const float dv = static_cast<float>(j) + uniform(hash(h, 2)) - v;
-            const float distance2 = du * du + dv * dv;
-            // Most bristles are a little shorter than the longest, some much.
-            const float length = uniform(hash(h, 3));
-            const float shorter = 0.75f * length * std::sqrt(length);
-            envelope = std::min(envelope, shorter + 0.6f * distance2);
-            if (distance2 < best) best = distance2, nearest = h;
-        }
-    return {envelope, std::sqrt(best), nearest};
-}
 
 // Length of a contact with these half extents along the motion.
 double length_along(const Dab& dab, double half_width, double half_thickness) {
@@ -128,58 +82,12 @@ Brush::Brush(const BrushSettings& settings, double mm_per_pixel, std::uint64_t s
         return static_cast<int>(std::ceil((half_px + 2) * (1 + settings.splay))) + 4;
     };
     loads_ = BristleLoads(cells(half_width_px_), cells(half_thickness_px_), half_);
-    make_texture(seed);
+    tip_ = BrushTip(settings, mm_per_pixel, half_width_px_, half_thickness_px_, seed);
 }
 
-struct Brush::Hair {
-    Bristle fine, tuft;
-};
-
-Brush::Hair Brush::hair(float u, float v) const {
-    // Bristles thinner than two pixels cannot be told apart.
-    const auto cell = static_cast<float>(std::max(settings_.bristle_mm / mm_per_pixel_, 2.0));
-    // A brush that turns with the stroke drags its bristles along its thickness, where they lie.
-    const float x = u / cell, y = v / (settings_.follow ? kLying * cell : cell);
-    return {bristle_at(x, y, hash(seed_, 1)), bristle_at(x / 4, y / 4, hash(seed_, 2))};
-}
-
-void Brush::make_texture(std::uint64_t seed) {
-    texture_half_u_ = static_cast<int>(std::ceil(half_width_px_)) + 2;
-    texture_half_v_ = static_cast<int>(std::ceil(half_thickness_px_)) + 2;
-    const int width = 2 * texture_half_u_ + 1, height = 2 * texture_half_v_ + 1;
-    const auto texels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
-    dome_.assign(texels, kOutside);
-    tip_.assign(texels, 0.0f);
-    for (int v = 1 - texture_half_v_; v < texture_half_v_; ++v)
-        for (int u = 1 - texture_half_u_; u < texture_half_u_; ++u) {
-            const auto fu = static_cast<float>(u), fv = static_cast<float>(v);
-            const auto a = static_cast<float>(half_width_px_), b = static_cast<float>(half_thickness_px_);
-            const Hair bristles = hair(fu, fv);
-            const auto i = static_cast<std::size_t>((v + texture_half_v_) * width + u + texture_half_u_);
-            dome_[i] = dome_of(settings_.shape, fu / a, fv / b, seed);
-            tip_[i] = std::min(0.55f * bristles.fine.shorter + 0.7f * bristles.tuft.shorter, 1.5f);
-        }
-}
-
-Brush::Texel Brush::texel(float u, float v) const {
-    const int x = static_cast<int>(std::lround(u)) + texture_half_u_;
-    const int y = static_cast<int>(std::lround(v)) + texture_half_v_;
-    const int width = 2 * texture_half_u_ + 1, height = 2 * texture_half_v_ + 1;
-    if (x < 0 || y < 0 || x >= width || y >= height) return {kOutside, 0};
-    const auto i = static_cast<std::size_t>(y * width + x);
-    return {dome_[i], tip_[i]};
-}
-
-float Brush::fresh_load(int u, int v) const {
+double Brush::fresh_load(int u, int v) const {
     const float widening = 1 + static_cast<float>(settings_.splay);
-    const auto fu = static_cast<float>(u) / widening, fv = static_cast<float>(v) / widening;
-    const Texel t = texel(fu, fv);
-    if (t.dome >= 1) return 0;
-    const Hair bristles = hair(fu, fv);
-    const float luck =
-        0.25f * uniform(hash(bristles.fine.id, 9)) + 0.75f * uniform(hash(bristles.tuft.id, 9));
-    return static_cast<float>(settings_.load_mm * coverage_) * (1 - 0.3f * t.dome) *
-           (1 - static_cast<float>(settings_.load_variation) * luck);
+    return tip_.fresh_load_mm(static_cast<float>(u) / widening, static_cast<float>(v) / widening) * coverage_;
 }
 
 void Brush::turn_to(float rotation_rad) {
@@ -211,7 +119,7 @@ void Brush::load(const std::vector<Portion>& recipe, double amount, bool keep) {
     std::size_t i = 0;
     for (int v = -half_v; v <= half_v; ++v)
         for (int u = -half_u; u <= half_u; ++u, ++i) {
-            const float room = fresh_load(u, v) * static_cast<float>(amount) - total[i];
+            const float room = static_cast<float>(fresh_load(u, v) * amount) - total[i];
             if (!(room > 0)) continue;
             for (const Portion& portion : recipe)
                 planes[portion.ingredient][i] += room * static_cast<float>(portion.part / parts);
@@ -340,7 +248,7 @@ double Brush::resolved_length_px(const Dab& dab) const {
     return length_along(dab, half_width_px_, half_thickness_px_);
 }
 
-void Brush::underside_mm(const Dab& dab, int x0, int y0, int width, int height, float* out,
+void Brush::underside_mm(const Dab& dab, int x0, int y0, int width, int height, float* out, float* cover,
                          std::vector<RowSpan>& spans) const {
     double cx, cy;
     contact_centre(dab, cx, cy);
@@ -349,12 +257,12 @@ void Brush::underside_mm(const Dab& dab, int x0, int y0, int width, int height, 
     const float touched = kLightest + (1 - kLightest) * dab.pressure;
     const auto depth = static_cast<float>(settings_.depth_mm),
                groove = static_cast<float>(settings_.groove_mm);
-    const float gap = static_cast<float>(settings_.gap_mm) * (1 - 0.7f * dab.pressure);
+    const float gap = static_cast<float>(settings_.gap_mm) * (1 - 0.3f * dab.pressure);
     // The leading edge is higher; tilt lifts the side that the handle leans away from.
     const float per_px = depth / static_cast<float>(half_width_px_);
     const float lift_x = per_px * (static_cast<float>(settings_.lift) * dab.dx - dab.tilt_x);
     const float lift_y = per_px * (static_cast<float>(settings_.lift) * dab.dy - dab.tilt_y);
-    const TipMaps maps{dome_.data(), tip_.data(), 2 * texture_half_u_ + 1, 2 * texture_half_v_ + 1};
+    const TipMaps maps = tip_.maps();
     UndersideRow row{};
     row.du = c * narrowing;
     row.dv = -s * narrowing;
@@ -363,6 +271,7 @@ void Brush::underside_mm(const Dab& dab, int x0, int y0, int width, int height, 
     row.groove_mm = groove;
     row.rise_mm = 2 * depth;
     row.touched = touched;
+    row.rim_mm = static_cast<float>(std::min(settings_.yield_slope * mm_per_pixel_, settings_.reach_mm));
     const Outline outline{(half_width_px_ + 1) / narrowing, (half_thickness_px_ + 1) / narrowing, c, s,
                           settings_.shape == "round"};
     spans.resize(static_cast<std::size_t>(height));
@@ -370,19 +279,23 @@ void Brush::underside_mm(const Dab& dab, int x0, int y0, int width, int height, 
         const double py = y0 + y - cy;
         RowSpan& span = spans[static_cast<std::size_t>(y)];
         span = outline.across(py, x0 - cx, width);
-        float* to = out + static_cast<std::size_t>(y) * static_cast<std::size_t>(width);
+        const std::size_t first = static_cast<std::size_t>(y) * static_cast<std::size_t>(width);
+        float *to = out + first, *part = cover + first;
         if (span.end <= span.begin) {
             std::fill_n(to, width, kOutside);
+            std::fill_n(part, width, 0.0f);
             continue;
         }
         const RowSpan whole = widened(span, {0, width});
         const auto dx = static_cast<float>(x0 + whole.begin - cx), dy = static_cast<float>(py);
-        row.u = (dx * c + dy * s) * narrowing + static_cast<float>(texture_half_u_);
-        row.v = (dy * c - dx * s) * narrowing + static_cast<float>(texture_half_v_);
+        row.u = (dx * c + dy * s) * narrowing + static_cast<float>(tip_.half_u());
+        row.v = (dy * c - dx * s) * narrowing + static_cast<float>(tip_.half_v());
         row.lift_mm = dx * lift_x + dy * lift_y;
-        underside_row(whole.end - whole.begin, maps, row, to + whole.begin);
+        underside_row(whole.end - whole.begin, maps, row, to + whole.begin, part + whole.begin);
         std::fill(to, to + span.begin, kOutside);
         std::fill(to + span.end, to + width, kOutside);
+        std::fill(part, part + span.begin, 0.0f);
+        std::fill(part + span.end, part + width, 0.0f);
     }
 }
 

@@ -5,11 +5,13 @@
 // that moves with it (bristle_loads.h), so turning neither blurs the paint nor loses any.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <vector>
 
 #include "paint/bristle_loads.h"
 #include "paint/brush_settings.h"
+#include "paint/brush_tip.h"
 #include "paint/canvas.h"
 #include "paint/transfer.h"
 
@@ -23,6 +25,8 @@ struct Dab {
     float tilt_x = 0,
           tilt_y = 0;      // [1] sine of the handle's tilt from the normal, towards x and y; length < 1
     float dx = 1, dy = 0;  // unit vector of the motion; 0, 0 where it stands
+    float length_px = 1;   // of the way since the step before, at most 1
+    float turn_rad = 0;    // of the rotation since then
     int step = 0;          // number in the stroke
 };
 
@@ -68,6 +72,8 @@ public:
     // for it here, which is longer where the brush is too small to be resolved.
     double contact_length_px(const Dab& dab) const;
     double resolved_length_px(const Dab& dab) const;
+    // [pixels] From the middle to the bristle that is farthest from it, at rest.
+    double rim_px() const { return std::max(half_width_px_, half_thickness_px_); }
     // [1] The brush's area over that of the bristles that stand for it: 1, and less where it is too small.
     // They carry its volume, so their load is thinner by it.
     double coverage() const { return coverage_; }
@@ -78,8 +84,9 @@ public:
     void rest() { loads_.rest(); }
 
     // The underside [mm] of the bristles over a box of pixels whose first is (x0, y0), row-major; kOutside
-    // where there are none. Row y has bristles at columns spans[y].begin <= x < spans[y].end at most.
-    void underside_mm(const Dab& dab, int x0, int y0, int width, int height, float* out,
+    // where there are none; and the part of each pixel that they cover, 0..1, in rows as long. Row y has
+    // bristles at columns spans[y].begin <= x < spans[y].end at most.
+    void underside_mm(const Dab& dab, int x0, int y0, int width, int height, float* out, float* cover,
                       std::vector<RowSpan>& spans) const;
 
     // The load of an ingredient; made where there is none. The grid has grid_size() columns and rows, its
@@ -90,16 +97,7 @@ public:
     int grid_half() const { return half_; }
 
 private:
-    struct Texel {
-        float dome;  // [1] 0 in the middle of the tip, 1 at its rim
-        float tip;   // [1] how much shorter the nearest bristle is, 0..1, and the gaps between bristles
-    };
-    void make_texture(std::uint64_t seed);
-    Texel texel(float u, float v) const;  // u, v in pixels from the middle, along width and thickness
-    // The finest bristles around a place, and the tufts in which they stick together.
-    struct Hair;
-    Hair hair(float u, float v) const;
-    float fresh_load(int u, int v) const;
+    double fresh_load(int u, int v) const;  // [mm] of a cell
     static std::vector<float> total_of(const std::vector<std::vector<float>>& cells);
 
     BrushSettings settings_;
@@ -109,8 +107,7 @@ private:
     double half_width_px_, half_thickness_px_;  // of what stands for it: kLeastHalf_px at least
     double coverage_ = 1;
     int disc_ = 0, half_ = 0;  // radius [pixels] of what turns, and half the grid
-    int texture_half_u_ = 0, texture_half_v_ = 0;
-    std::vector<float> dome_, tip_;  // Texel, as maps
+    BrushTip tip_;
     BristleLoads loads_;
 };
 

@@ -17,10 +17,12 @@ std::map<std::string, BrushSettings> make_presets() {
     std::map<std::string, BrushSettings> all;
     // Hog bristles: tufts of them differ much in paint and in length, which makes streaks.
     BrushSettings round;
-    round.load_mm = 3.2;
+    round.load_mm = 4.5;
     round.load_variation = 0.9;
     round.pickup = 2.2;
-    round.groove_mm = 0.2;
+    round.groove_mm = 0.32;
+    round.gap_mm = 0.08;
+    round.load_reach = 0.2;
     all["round"] = round;
 
     BrushSettings flat = round;
@@ -41,34 +43,36 @@ std::map<std::string, BrushSettings> make_presets() {
     fan.shape = "fan";
     fan.size_mm = 22;
     fan.thickness = 0.16;
-    fan.load_mm = 1.0;
+    fan.load_mm = 1.4;
     fan.hold_mm = 3;
     fan.load_variation = 0.8;
     fan.groove_mm = 0.4;
     fan.bristle_mm = 0.9;
     all["fan"] = fan;
 
-    // A blade: no bristles, hardly any room under it, and what it meets goes where it goes.
+    // A blade: no bristles, hardly any room under it, and what it meets goes where it goes. Its leading edge
+    // is high: paint wells up under it, and what the blade does not let through leaves by its ends.
     BrushSettings knife = flat;
     knife.shape = "knife";
     knife.size_mm = 18;
     knife.thickness = 0.25;
-    knife.load_mm = 4;
+    knife.load_mm = 5;
     knife.hold_mm = 12;
     knife.load_variation = 0.1;
-    knife.deposit = 0.5;
-    knife.pickup = 0.25;
+    knife.deposit = 0.4;
+    knife.pickup = 0.1;
     knife.push = 0.95;
-    knife.spread = 0.3;
-    knife.gap_mm = 0.35;
+    knife.spread = 1;
+    knife.gap_mm = 0.28;
     knife.groove_mm = 0.03;
     knife.bristle_mm = 2;
-    knife.depth_mm = 1.5;
+    knife.depth_mm = 0.7;
     knife.splay = 0;
     knife.bend = 0;
-    knife.lift = 0.9;
+    knife.lift = 2;
+    knife.load_reach = 0.25;
     knife.film_mm = 0.004;
-    knife.grain = 0.1;
+    knife.grain = 0.02;
     all["knife"] = knife;
 
     // Cloth: takes much, gives little, touches the crests.
@@ -96,11 +100,15 @@ std::map<std::string, BrushSettings> make_presets() {
     smudge.pickup = 1.2;
     smudge.push = 0.8;
     smudge.groove_mm = 0.08;
+    smudge.gap_mm = 0.05;
     all["smudge"] = smudge;
 
     BrushSettings scrape = knife;
     scrape.load_mm = 0;
     scrape.hold_mm = 100;
+    scrape.depth_mm = 1.5;
+    scrape.lift = 0.9;
+    scrape.spread = 0.3;
     scrape.deposit = 0.02;
     scrape.pickup = 3;
     scrape.gap_mm = 0.004;

@@ -6,12 +6,14 @@
 
 #include "paint/paint_window.h"
 #include "surface/error.h"
+#include "surface/noise.h"
 
 namespace tangi {
 
 namespace {
 
 constexpr double kTipOfHold = 1.0 / 3;  // part of what bristles hold that is at their tips
+constexpr std::uint64_t kShifts = 29;   // of box_of(): any seed
 constexpr float kPerStepAtMost = 0.5f;  // of load or paint in one step: TransferRates
 
 // Surface tension levels waves of length l and amplitude a where sigma a (2 pi / l)^2, its stress in a film
@@ -25,7 +27,15 @@ constexpr double kTension_per_mm = 2 * 60 * 4 / (4 * std::numbers::pi * std::num
 // of friction"), from nothing. What does not touch neither gives nor takes nor pushes.
 constexpr float kLightTouch = 0.15f;
 
+// [1] Pressing squeezes paint out of the tuft: deposit over that at a pressure of 0.6.
+double squeezing(float pressure) { return 0.55 + 0.75 * static_cast<double>(pressure); }
+
 float touching_part(float pressure) { return std::min(pressure / kLightTouch, 1.0f); }
+
+// [1] Steps for each pixel of the way at most, where the brush turns on the spot.
+constexpr double kMostSteps = 4;
+
+constexpr double kStepsOfContact = 8, kShortest = 0.5;  // [1], and of the spacing
 
 double length(const PathPoint& p) { return std::hypot(p.x, p.y); }
 PathPoint operator-(const PathPoint& a, const PathPoint& b) { return {a.x - b.x, a.y - b.y}; }
@@ -56,18 +66,19 @@ TransferRates rates_of(const BrushSettings& s, double mm_per_pixel) {
 }
 
 // And one step of the brush in it.
-TransferRates rates_of(const Brush& brush, const Dab& dab, double step_px, double mm_per_pixel) {
+TransferRates rates_of(const Brush& brush, const Dab& dab, double mm_per_pixel) {
     const BrushSettings& s = brush.settings();
     const double length_px = brush.contact_length_px(dab), resolved_px = brush.resolved_length_px(dab);
     const auto rate = [&](double over_contact, double over_px) {
-        return std::min(static_cast<float>(1 - std::exp(-over_contact * step_px / over_px)), kPerStepAtMost);
+        return std::min(static_cast<float>(1 - std::exp(-over_contact * dab.length_px / over_px)),
+                        kPerStepAtMost);
     };
     const float touch = touching_part(dab.pressure);
     // A brush that is too small to be resolved works on a part of each pixel's width only, and its load lies
     // on bristles that stand for fewer.
     const double cover = brush.coverage(), across = cover * resolved_px / length_px;
     TransferRates r = rates_of(s, mm_per_pixel);
-    r.deposit = rate(s.deposit, length_px) * touch;
+    r.deposit = rate(s.deposit * squeezing(dab.pressure), length_px) * touch;
     r.pickup = rate(s.pickup, resolved_px) * static_cast<float>(across) * touch;
     r.push *= static_cast<float>(across) * touch;
     r.hold_mm = static_cast<float>(s.hold_mm * cover);
@@ -83,13 +94,15 @@ Region box_of(const Brush& brush, const Dab& dab) {
     brush.contact_centre(dab, cx, cy);
     brush.reach_px(dab, half_x, half_y);
     // Loads lie on whole pixels. Rounded to the nearest, they would go along a slanting stroke in stairs,
-    // whose print is a sawtooth; rounded up as often as they are nearer to the upper one, in an order that is
-    // spread evenly over any few steps (Roberts 2018, the R2 sequence), they go straight in the mean.
-    const auto rounded = [&](double value, double share) {
-        const double turn = share * dab.step;
-        return static_cast<int>(std::floor(value + turn - std::floor(turn)));
-    };
-    const int x = rounded(cx, 0.7548776662466927), y = rounded(cy, 0.5698402909980532);
+    // whose print is a sawtooth; shifted across it by up to half a pixel either way, spread evenly over any
+    // eight steps and by chance within them, they go straight in the mean. Shifts along it would leave rungs.
+    const std::uint64_t chance = procedural::hash(kShifts, dab.step / 8);
+    const std::uint64_t turn =
+        (static_cast<std::uint64_t>(dab.step) * (2 * (chance & 3) + 1) + (chance >> 2)) & 7;
+    const double shift =
+        (static_cast<double>(turn) + procedural::uniform(procedural::hash(chance, dab.step))) / 8 - 0.5;
+    const int x = static_cast<int>(std::lround(cx - shift * dab.dy)),
+              y = static_cast<int>(std::lround(cy + shift * dab.dx));
     return {x - half_x, y - half_y, x + half_x + 1, y + half_y + 1};
 }
 
@@ -99,15 +112,18 @@ Region united(const Region& a, const Region& b) {
 }
 
 // Pixels under the brush.
-double one_step(PaintWindow& window, Brush& brush, const Dab& dab, const Region& box, double step_px,
-                double mm_per_pixel, std::vector<float>& underside, StepBox& step, StepScratch& scratch) {
+double one_step(PaintWindow& window, Brush& brush, const Dab& dab, const Region& box, double mm_per_pixel,
+                std::vector<float>& underside, StepBox& step, StepScratch& scratch) {
     brush.turn_to(dab.rotation_rad);
     const int width = box.width(), height = box.height();
-    underside.resize(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
-    brush.underside_mm(dab, box.x0, box.y0, width, height, underside.data(), step.bristles);
+    const std::size_t area = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+    underside.resize(2 * area);
+    brush.underside_mm(dab, box.x0, box.y0, width, height, underside.data(), underside.data() + area,
+                       step.bristles);
     step.width = width;
     step.height = height;
     step.underside_mm = underside.data();
+    step.cover = underside.data() + area;
     step.underside_stride = static_cast<std::size_t>(width);
     window.attach(step, box.x0, box.y0);
     step.load_stride = static_cast<std::size_t>(brush.grid_size());
@@ -118,9 +134,13 @@ double one_step(PaintWindow& window, Brush& brush, const Dab& dab, const Region&
     for (const IngredientId id : window.ingredients()) step.load.push_back(brush.load_plane(id) + corner);
     step.load_total_mm = brush.load_total() + corner;
 
-    const TransferRates rates = rates_of(brush, dab, step_px, mm_per_pixel);
+    const TransferRates rates = rates_of(brush, dab, mm_per_pixel);
+    double x, y;
+    brush.contact_centre(dab, x, y);
+    const BrushMotion motion{dab.dx * dab.length_px, dab.dy * dab.length_px, dab.turn_rad,
+                             static_cast<float>(x - box.x0), static_cast<float>(y - box.y0)};
     exchange(step, rates, scratch);
-    push(step, rates, dab.dx, dab.dy, scratch);
+    push(step, rates, motion, scratch);
     double pixels = 0;
     for (const RowSpan& span : step.bristles) pixels += span.end - span.begin;
     return pixels;
@@ -128,8 +148,8 @@ double one_step(PaintWindow& window, Brush& brush, const Dab& dab, const Region&
 
 }  // namespace
 
-double paint_dabs(Canvas& canvas, Brush& brush, std::span<const Dab> dabs, double spacing_px,
-                  std::uint64_t seed, StepScratch& scratch) {
+double paint_dabs(Canvas& canvas, Brush& brush, std::span<const Dab> dabs, std::uint64_t seed,
+                  StepScratch& scratch) {
     double pixels = 0;
     std::vector<float> underside;
     StepBox step;
@@ -146,8 +166,7 @@ double paint_dabs(Canvas& canvas, Brush& brush, std::span<const Dab> dabs, doubl
         PaintWindow window(canvas, window_region, brush.ingredients(), ride, brush.settings().grain, seed);
         for (std::size_t i = begin; i < end; ++i) {
             const Region box = box_of(brush, dabs[i]);
-            pixels += one_step(window, brush, dabs[i], box, spacing_px, canvas.mm_per_pixel(), underside,
-                               step, scratch);
+            pixels += one_step(window, brush, dabs[i], box, canvas.mm_per_pixel(), underside, step, scratch);
         }
         window.store(canvas);
         begin = end;
@@ -173,6 +192,7 @@ PathPoint catmull_rom(const PathPoint& a, const PathPoint& b, const PathPoint& c
 Stroke::Stroke(Canvas& canvas, Brush& brush, const StrokeOptions& options, std::uint64_t seed)
     : canvas_(canvas), brush_(brush), options_(options), seed_(seed) {
     validate(options);
+    spacing_px_ = options.spacing_px;
 }
 
 Stroke::Knot Stroke::knot_of(const StrokePoint& p) {
@@ -240,6 +260,7 @@ void Stroke::finish() {
         dab.tilt_y = static_cast<float>(knots_[0].tilt_y);
         dab.dx = dab.dy = 0;
         // A dab rests for as long as a stroke takes to pass by.
+        dab.length_px = static_cast<float>(options_.spacing_px);
         const int rest = static_cast<int>(std::lround(brush_.contact_length_px(dab) / 4)) + 1;
         dabs_.assign(static_cast<std::size_t>(rest), dab);
         ages_s_.assign(dabs_.size(), knots_[0].came_s);
@@ -280,8 +301,10 @@ void Stroke::relax(const Dab& last) {
     StepBox step;
     step.width = width;
     step.height = height;
-    underside_.resize(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
-    brush_.underside_mm(last, box.x0, box.y0, width, height, underside_.data(), step.bristles);
+    const std::size_t pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+    underside_.resize(2 * pixels);
+    brush_.underside_mm(last, box.x0, box.y0, width, height, underside_.data(), underside_.data() + pixels,
+                        step.bristles);
     std::fill(underside_.begin(), underside_.end(), kOutside);  // the bristles are gone
     step.underside_mm = underside_.data();
     step.underside_stride = static_cast<std::size_t>(width);
@@ -289,7 +312,7 @@ void Stroke::relax(const Dab& last) {
     TransferRates rates = rates_of(brush_.settings(), canvas_.mm_per_pixel());
     rates.yield_mm *= part_of_yield;
     rates.tension_mm *= part_of_yield;
-    for (int i = 0; i < steps; ++i) push(step, rates, 0, 0, scratch_);
+    for (int i = 0; i < steps; ++i) push(step, rates, {}, scratch_);
     window.store(canvas_);
 }
 
@@ -307,7 +330,7 @@ void Stroke::segment(const Knot& a, const Knot& b, const Knot& c, const Knot& d)
         double done = 0;
         while (left_px_ <= along - done) {
             done += left_px_;
-            left_px_ = options_.spacing_px;
+            left_px_ = spacing_px_;
             step_to(b, c, (i - 1 + done / along) / pieces, from + (done / along) * way, (1 / along) * way);
         }
         left_px_ -= along - done;
@@ -318,6 +341,7 @@ void Stroke::segment(const Knot& a, const Knot& b, const Knot& c, const Knot& d)
 void Stroke::step_to(const Knot& b, const Knot& c, double u, const PathPoint& at,
                      const PathPoint& direction) {
     Dab dab;
+    dab.length_px = static_cast<float>(spacing_px_);
     dab.x = at.x;
     dab.y = at.y;
     dab.pressure = static_cast<float>(mix(b.pressure, c.pressure, u));
@@ -332,10 +356,21 @@ void Stroke::step_to(const Knot& b, const Knot& c, double u, const PathPoint& at
         if (!heading_rad_) heading_rad_ = static_cast<float>(heading);
         const double wanted = unwrapped(heading, *heading_rad_);
         const double lag_px = std::max(4.0, brush_.settings().size_mm / canvas_.mm_per_pixel() / 4);
-        *heading_rad_ += static_cast<float>((wanted - *heading_rad_) * options_.spacing_px / lag_px);
+        *heading_rad_ += static_cast<float>((wanted - *heading_rad_) * spacing_px_ / lag_px);
         rotation += *heading_rad_;
     }
     dab.rotation_rad = static_cast<float>(rotation);
+    // What is given and taken back within one step must be little of the whole: a short contact takes eight.
+    const double wanted =
+        options_.spacing_px * std::clamp(brush_.resolved_length_px(dab) / kStepsOfContact, kShortest, 1.0);
+    // Where the brush turns, its rim goes further than its middle: no bristle shall go more than the spacing.
+    double turning = 0;
+    if (rotation_rad_) {
+        dab.turn_rad = dab.rotation_rad - *rotation_rad_;
+        turning = std::abs(dab.turn_rad) / spacing_px_ * brush_.rim_px();
+    }
+    spacing_px_ = std::max(wanted / (1 + turning), options_.spacing_px / kMostSteps);
+    rotation_rad_ = dab.rotation_rad;
     dab.step = steps_ + static_cast<int>(dabs_.size());
     dabs_.push_back(dab);
     ages_s_.push_back(mix(b.left_s, c.came_s, u));
@@ -349,8 +384,8 @@ void Stroke::paint() {
         while (look_ && look_at_s_ <= ages_s_[begin] && look_at_s_ < age_s()) call_look();
         if (look_ && look_at_s_ < age_s())
             end = static_cast<std::size_t>(std::ranges::lower_bound(ages_s_, look_at_s_) - ages_s_.begin());
-        bristle_pixels_ += paint_dabs(canvas_, brush_, std::span(dabs_).subspan(begin, end - begin),
-                                      options_.spacing_px, seed_, scratch_);
+        bristle_pixels_ +=
+            paint_dabs(canvas_, brush_, std::span(dabs_).subspan(begin, end - begin), seed_, scratch_);
         begin = end;
     }
     steps_ += static_cast<int>(dabs_.size());

@@ -93,7 +93,9 @@ private:
     std::uint64_t seed_;
     std::vector<Knot> knots_;  // the last four at most
     std::optional<PathPoint> string_end_;
-    double left_px_ = 0;  // of arc length until the next step
+    double spacing_px_ = 1;              // between steps, less where the brush turns
+    double left_px_ = 0;                 // of arc length until the next step
+    std::optional<float> rotation_rad_;  // at the last step
     std::optional<float> heading_rad_;
     std::vector<Dab> dabs_;
     std::vector<double> ages_s_;  // of the stroke, at each of them
@@ -101,7 +103,7 @@ private:
     double look_at_s_ = 0;
     Look look_;
     StepScratch scratch_;
-    std::vector<float> underside_;
+    std::vector<float> underside_;  // and cover
     double bristle_pixels_ = 0;
     int steps_ = 0;
     double last_time_s_ = 0, greatest_pressure_ = 0;
@@ -111,7 +113,7 @@ private:
 
 // Applies steps of a brush in order. What Stroke does with its dabs; for tests and benchmarks.
 // Returns the number of pixels under the brush, summed over the steps.
-double paint_dabs(Canvas& canvas, Brush& brush, std::span<const Dab> dabs, double spacing_px,
-                  std::uint64_t seed, StepScratch& scratch);
+double paint_dabs(Canvas& canvas, Brush& brush, std::span<const Dab> dabs, std::uint64_t seed,
+                  StepScratch& scratch);
 
 }  // namespace tangi

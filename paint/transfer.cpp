@@ -19,40 +19,10 @@ constexpr int kLanes = 16;                                                 // pi
 using Lanes = float __attribute__((vector_size(kLanes * sizeof(float))));  // as many registers as it takes
 constexpr float kTiny = 1e-9f;                                             // [mm] keeps 0 / 0 away
 
-// Part of the load that is given, and part of the paint on the canvas that is taken.
-TP_VECTOR_CLONES
-void exchange_row(int n, const TransferRates& r, const float* __restrict underside,
-                  const float* __restrict relief, const float* __restrict grain,
-                  const float* __restrict total, const float* __restrict load, float* __restrict give,
-                  float* __restrict take) {
-    const float pickup = r.pickup, film = r.film_mm, reach0 = r.reach_mm, reach1 = r.load_reach,
-                per_hold = 1 / r.hold_mm, hold = r.hold_mm, tip = r.tip_mm, per_reach0 = 1 / r.reach_mm,
-                deposit_tip = r.deposit * r.tip_mm;
-    for (int x = 0; x < n; ++x) {
-        const float reach = reach0 + reach1 * std::min(load[x], tip);
-        const float room = underside[x] - (relief[x] + total[x]);
-        const float contact = std::min(std::max(reach - room, 0.0f), reach) * grain[x];  // times the reach
-        give[x] = deposit_tip * contact / (reach * std::max(load[x], tip));
-        // Paint is lifted where the bristle itself dips into it: what hangs from it flows down only.
-        const float dip = std::min(std::max(1 - room * per_reach0, 0.0f), 1.0f) * grain[x];
-        const float thirst = std::max(1 - per_hold * load[x], 0.0f);
-        const float taken =
-            std::min(pickup * thirst * dip * std::max(total[x] - film, 0.0f), std::max(hold - load[x], 0.0f));
-        take[x] = taken / (total[x] + kTiny);
-    }
-}
-
-TP_VECTOR_CLONES
-void apply_row(int n, const float* __restrict give, const float* __restrict take, float* __restrict paint,
-               float* __restrict load, float* __restrict total, float* __restrict load_total) {
-    for (int x = 0; x < n; ++x) {
-        const float moved = give[x] * load[x] - take[x] * paint[x];
-        paint[x] += moved;
-        load[x] -= moved;
-        total[x] += paint[x];
-        load_total[x] += load[x];
-    }
-}
+// Signs of the step: the diagonal neighbour ahead is at (x + sx, y + sy).
+struct Heading {
+    int sx, sy;
+};
 
 // Parts of a pixel's paint that leave it to the left, right, up, down, and to the diagonal neighbour ahead:
 // at most all of it.
@@ -60,20 +30,16 @@ struct Outflow {
     float *left, *right, *up, *down, *ahead;
 };
 
-// The motion as shares of the neighbours ahead: a step of one pixel, bilinear, so equally fast in any
-// direction.
-struct Motion {
-    int sx, sy;            // signs: the diagonal neighbour ahead is at (x + sx, y + sy)
-    float x, y, diagonal;  // [1] shares
+// The brush's motion over a row: as shares of the neighbours ahead, bilinear, so equally fast in any
+// direction. Down the row it changes where the brush turns.
+struct RowMotion {
+    int sx, sy;      // Heading
+    float vx;        // [pixels] along the row
+    float vy, turn;  // [pixels] across it at its first pixel, and what is added from pixel to pixel
 };
 
-Motion motion_along(float dx, float dy) {
-    const float ax = std::min(std::abs(dx), 1.0f), ay = std::min(std::abs(dy), 1.0f);
-    return {dx < 0 ? -1 : 1, dy < 0 ? -1 : 1, ax * (1 - ay), ay * (1 - ax), ax * ay};
-}
-
 TP_VECTOR_CLONES
-void outflow_row(int n, const TransferRates& r, const Motion& m, const float* __restrict underside,
+void outflow_row(int n, const TransferRates& r, const RowMotion& m, const float* __restrict underside,
                  std::size_t underside_stride, const float* __restrict relief, const float* __restrict total,
                  const float* __restrict grain, std::size_t stride, const Outflow& out) {
     const float film = r.film_mm, push = r.push, spread = r.spread, yield = r.yield_mm, flow = r.flow,
@@ -83,8 +49,10 @@ void outflow_row(int n, const TransferRates& r, const Motion& m, const float* __
     const float *z_up = relief - stride, *z_down = relief + stride, *w_up = total - stride,
                 *w_down = total + stride, *g_up = grain - stride, *g_down = grain + stride;
     const float* g_ahead = (m.sy < 0 ? g_up : g_down) + m.sx;
-    const float to_left = m.sx < 0 ? m.x : 0, to_right = m.sx < 0 ? 0 : m.x, to_up = m.sy < 0 ? m.y : 0,
-                to_down = m.sy < 0 ? 0 : m.y, diagonal = m.diagonal;
+    const float to_left = std::min(std::max(-m.vx, 0.0f), 1.0f),
+                to_right = std::min(std::max(m.vx, 0.0f), 1.0f);
+    const float across = to_left + to_right, forward = m.sx < 0 ? to_left : to_right, vy0 = m.vy,
+                turn = m.turn, sy = static_cast<float>(m.sy);
     for (int x = 0; x < n; ++x) {
         // What lies where brushes may not work stays there.
         const float w = grain[x] > 0 ? total[x] : 0.0f, top = relief[x] + total[x];
@@ -106,10 +74,13 @@ void outflow_row(int n, const TransferRates& r, const Motion& m, const float* __
             spread * std::min(std::max((underside[x + 1] - underside[x - 1]) * 4.0f, -1.0f), 1.0f);
         const float gy = spread * std::min(std::max((b_down[x] - b_up[x]) * 4.0f, -1.0f), 1.0f);
         const float scale = pushed / (1 + std::abs(gx) + std::abs(gy));
-        l += (to_left + std::max(-gx, 0.0f)) * scale;
-        rr += (to_right + std::max(gx, 0.0f)) * scale;
-        u += (to_up + std::max(-gy, 0.0f)) * scale;
-        d += (to_down + std::max(gy, 0.0f)) * scale;
+        const float vy = std::min(std::max(vy0 + turn * static_cast<float>(x), -1.0f), 1.0f);
+        const float on = std::max(vy * sy, 0.0f), diagonal = forward * on;
+        const float beside = 1 - on, straight = 1 - across;
+        l += (to_left * beside + std::max(-gx, 0.0f)) * scale;
+        rr += (to_right * beside + std::max(gx, 0.0f)) * scale;
+        u += (std::max(-vy, 0.0f) * straight + std::max(-gy, 0.0f)) * scale;
+        d += (std::max(vy, 0.0f) * straight + std::max(gy, 0.0f)) * scale;
         // Nothing leaves the canvas.
         left[x] = grain[x - 1] > 0 ? l : 0.0f;
         right[x] = grain[x + 1] > 0 ? rr : 0.0f;
@@ -137,7 +108,7 @@ TP_INLINE void load(T& value, const float* from) {
 
 // As many pixels of all ingredients as T holds, from x on: flows are read once for all of them.
 template <class T>
-TP_INLINE void advect_some(int x, const Motion& m, const std::vector<AdvectedRow>& rows,
+TP_INLINE void advect_some(int x, const Heading& m, const std::vector<AdvectedRow>& rows,
                            const FlowsAround& flows, float* total) {
     const Outflow& here = flows.here;
     T left, right, up, down, ahead, from_left, from_right, from_above, from_below, from_behind;
@@ -172,20 +143,13 @@ TP_INLINE void advect_some(int x, const Motion& m, const std::vector<AdvectedRow
 // All ingredients of one row after the flow, and their sum. The last pixels are done twice rather than one by
 // one: nothing that is read is written.
 TP_VECTOR_CLONES
-void advect_row(int n, const Motion& m, const std::vector<AdvectedRow>& rows, const FlowsAround& flows,
+void advect_row(int n, const Heading& m, const std::vector<AdvectedRow>& rows, const FlowsAround& flows,
                 float* total) {
     if (n < kLanes)
         for (int x = 0; x < n; ++x) advect_some<float>(x, m, rows, flows, total);
     else
         for (int x = 0; x < n; x += kLanes)
             advect_some<Lanes>(std::min(x, n - kLanes), m, rows, flows, total);
-}
-
-void for_rows(const StepBox& box, int begin, int end, const std::function<void(int, int)>& body) {
-    if (box.width * box.height < kParallelPixels)
-        body(begin, end);
-    else
-        parallel_for(begin, end, 32, body);
 }
 
 std::size_t at(int y, std::size_t stride) { return static_cast<std::size_t>(y) * stride; }
@@ -197,32 +161,6 @@ RowSpan widened(const RowSpan& span, const RowSpan& room) {
     const int wanted = (span.end - span.begin + lanes - 1) / lanes * lanes;
     const int end = std::min(span.begin + wanted, room.end);
     return {std::max(end - wanted, room.begin), end};
-}
-
-void exchange(const StepBox& box, const TransferRates& rates, StepScratch& scratch) {
-    const auto n = static_cast<std::size_t>(box.width);
-    scratch.planes.resize(std::max(scratch.planes.size(), 2 * n * static_cast<std::size_t>(box.height)));
-    for_rows(box, 0, box.height, [&](int begin, int end) {
-        for (int y = begin; y < end; ++y) {
-            RowSpan span = box.bristles[static_cast<std::size_t>(y)];
-            if (span.end <= span.begin) continue;
-            span = widened(span, {0, box.width});
-            const int count = span.end - span.begin;
-            float* give = scratch.planes.data() + at(y, 2 * n);
-            float* take = give + n;
-            const std::size_t canvas = at(y, box.canvas_stride) + static_cast<std::size_t>(span.begin);
-            const std::size_t load = at(y, box.load_stride) + static_cast<std::size_t>(span.begin);
-            float *total = box.total_mm + canvas, *load_total = box.load_total_mm + load;
-            exchange_row(
-                count, rates,
-                box.underside_mm + at(y, box.underside_stride) + static_cast<std::size_t>(span.begin),
-                box.relief_mm + canvas, box.grain + canvas, total, load_total, give, take);
-            std::fill_n(total, count, 0.0f);
-            std::fill_n(load_total, count, 0.0f);
-            for (std::size_t i = 0; i < box.paint.size(); ++i)
-                apply_row(count, give, take, box.paint[i] + canvas, box.load[i] + load, total, load_total);
-        }
-    });
 }
 
 namespace {
@@ -260,11 +198,12 @@ RowSpan touched_by(const std::vector<RowSpan>& flowing, int y) {
 // nearest cache. Bands are independent: what a band needs of the rows beside it is kept before any begins.
 class Band {
 public:
-    Band(const StepBox& box, const TransferRates& rates, const Motion& motion, const StepScratch& spans,
+    Band(const StepBox& box, const TransferRates& rates, const BrushMotion& motion, const StepScratch& spans,
          float* memory)
         : box_(box),
           rates_(rates),
           motion_(motion),
+          heading_{motion.dx < 0 ? -1 : 1, motion.dy < 0 ? -1 : 1},
           spans_(spans),
           line_(line_of(box)),
           memory_(memory),
@@ -334,7 +273,11 @@ private:
             const RowSpan whole = widened(span, {1, box_.width - 1});
             const auto first = static_cast<std::size_t>(whole.begin);
             const std::size_t canvas = at(y, box_.canvas_stride) + first;
-            outflow_row(whole.end - whole.begin, rates_, motion_,
+            const RowMotion motion{
+                heading_.sx, heading_.sy, motion_.dx - motion_.turn_rad * (static_cast<float>(y) - motion_.y),
+                motion_.dy + motion_.turn_rad * (static_cast<float>(whole.begin) - motion_.x),
+                motion_.turn_rad};
+            outflow_row(whole.end - whole.begin, rates_, motion,
                         box_.underside_mm + at(y, box_.underside_stride) + first, box_.underside_stride,
                         box_.relief_mm + canvas, box_.total_mm + canvas, box_.grain + canvas,
                         box_.canvas_stride, from(out, first));
@@ -360,12 +303,13 @@ private:
             rows_[i] = {kept(i, old) + first, kept(i, old_above) + first,
                         (below_is_kept ? kept(i, 2) : paint + box_.canvas_stride) + first, paint + first};
         }
-        if (n > 0) advect_row(n, motion_, rows_, here, box_.total_mm + at(y, box_.canvas_stride) + first);
+        if (n > 0) advect_row(n, heading_, rows_, here, box_.total_mm + at(y, box_.canvas_stride) + first);
     }
 
     const StepBox& box_;
     const TransferRates& rates_;
-    const Motion& motion_;
+    const BrushMotion& motion_;
+    Heading heading_;
     const StepScratch& spans_;
     std::size_t line_;
     float* memory_;
@@ -375,9 +319,8 @@ private:
 
 }  // namespace
 
-void push(const StepBox& box, const TransferRates& rates, float dx, float dy, StepScratch& scratch) {
+void push(const StepBox& box, const TransferRates& rates, const BrushMotion& motion, StepScratch& scratch) {
     if (box.width < 3 || box.height < 3) return;
-    const Motion motion = motion_along(dx, dy);
     find_flowing(box, scratch.flowing);
     scratch.touched.resize(static_cast<std::size_t>(box.height));
     for (int y = 0; y < box.height; ++y)

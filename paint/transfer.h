@@ -43,7 +43,8 @@ RowSpan widened(const RowSpan& span, const RowSpan& room);
 struct StepBox {
     int width = 0, height = 0;
     const float* underside_mm =
-        nullptr;  // of the bristles above the relief's mean; kOutside where there is none
+        nullptr;                   // of the bristles above the relief's mean; kOutside where there is none
+    const float* cover = nullptr;  // [1] part of the pixel that bristles cover, 0..1, strided as underside_mm
     std::size_t underside_stride = 0;
     std::vector<RowSpan> bristles;     // of each row: outside of it underside_mm is kOutside
     const float* relief_mm = nullptr;  // of what is dry, above its local mean
@@ -65,11 +66,18 @@ struct StepScratch {
     std::vector<RowSpan> flowing, touched;
 };
 
+// How bristles move in one step, in pixels, y down: at most one pixel anywhere.
+struct BrushMotion {
+    float dx = 0, dy = 0;  // of the place (x, y) of the box
+    float turn_rad = 0;    // from x towards y, about it
+    float x = 0, y = 0;
+};
+
 // Both ways at once between bristles and canvas.
 void exchange(const StepBox& box, const TransferRates& rates, StepScratch& scratch);
 
-// Moves what is above the underside, along the unit vector (dx, dy) in pixels, y down, and sideways, and lets
-// steps steeper than the yield flow down.
-void push(const StepBox& box, const TransferRates& rates, float dx, float dy, StepScratch& scratch);
+// Moves what is above the underside as the bristles move, and sideways, and lets steps steeper than the yield
+// flow down.
+void push(const StepBox& box, const TransferRates& rates, const BrushMotion& motion, StepScratch& scratch);
 
 }  // namespace tangi

@@ -16,7 +16,7 @@ namespace {
 // A box of random paint, loads, relief and underside.
 struct RandomBox {
     static constexpr int kWidth = 37, kHeight = 23, kIngredients = 3;
-    std::vector<float> underside, relief, grain, total, load_total;
+    std::vector<float> underside, cover, relief, grain, total, load_total;
     std::vector<std::vector<float>> paint, load;
     StepBox box;
 
@@ -29,6 +29,7 @@ struct RandomBox {
             return values;
         };
         underside = plane(0, 0.3);
+        cover.assign(pixels, 1);
         relief = plane(-0.1, 0.1);
         grain = plane(0.5, 1.5);
         total.assign(pixels, 0);
@@ -45,6 +46,7 @@ struct RandomBox {
         box.width = kWidth;
         box.height = kHeight;
         box.underside_mm = underside.data();
+        box.cover = cover.data();
         box.underside_stride = box.canvas_stride = box.load_stride = kWidth;
         box.bristles.assign(kHeight, {0, kWidth});
         box.relief_mm = relief.data();
@@ -92,7 +94,8 @@ TEST(Transfer, ConservesEachIngredientOverManySteps) {
     for (int step = 0; step < 300; ++step) {
         exchange(b.box, some_rates(), scratch);
         const double turn = step * 0.37;
-        push(b.box, some_rates(), static_cast<float>(std::cos(turn)), static_cast<float>(std::sin(turn)),
+        push(b.box, some_rates(),
+             {static_cast<float>(std::cos(turn)), static_cast<float>(std::sin(turn)), 0.02f, 18, 11},
              scratch);
     }
     for (int i = 0; i < RandomBox::kIngredients; ++i) EXPECT_NEAR(b.sum(i) / before[i], 1, 1e-5) << i;
@@ -150,10 +153,10 @@ TEST(Transfer, PushesPaintAheadAndKeepsItOnTheCanvas) {
     TransferRates rates = some_rates();
     rates.yield_mm = 10;
     StepScratch scratch;
-    push(b.box, rates, 1, 0, scratch);
+    push(b.box, rates, {1, 0}, scratch);
     EXPECT_EQ(b.paint[0][middle + 1], 0);
     EXPECT_EQ(b.paint[0][middle], 0.4f);
-    push(b.box, rates, 0, 1, scratch);
+    push(b.box, rates, {0, 1}, scratch);
     EXPECT_NEAR(b.paint[0][middle + RandomBox::kWidth], 0.9f * 0.3f, 1e-5);
     EXPECT_NEAR(b.paint[0][middle], 0.4f - 0.9f * 0.3f, 1e-5);
 }
@@ -192,8 +195,10 @@ TEST(Transfer, DoesNotDependOnTheSizeOfTheBox) {
         box.paint = {first.data() + corner, second.data() + corner};
         StepScratch scratch;
         for (int step = 0; step < 8; ++step)
-            push(box, some_rates(), std::cos(0.8f * static_cast<float>(step)),
-                 std::sin(0.8f * static_cast<float>(step)), scratch);
+            push(box, some_rates(),
+                 {std::cos(0.8f * static_cast<float>(step)), std::sin(0.8f * static_cast<float>(step)),
+                  0.005f, static_cast<float>(80 - x0), static_cast<float>(70 - y0)},
+                 scratch);
         return std::array{first, second, total};
     };
     const auto large = painted_in(0, 0, width, height), small = painted_in(50, 20, 110, 110);
@@ -211,7 +216,7 @@ TEST(Transfer, SteepStepsFlowDownAndStop) {
     const std::size_t middle = 11 * RandomBox::kWidth + 18;
     b.paint[0][middle] = b.total[middle] = 1;
     StepScratch scratch;
-    for (int step = 0; step < 400; ++step) push(b.box, some_rates(), 1, 0, scratch);
+    for (int step = 0; step < 400; ++step) push(b.box, some_rates(), {1, 0}, scratch);
     for (int y = 1; y + 1 < RandomBox::kHeight; ++y)
         for (int x = 1; x + 1 < RandomBox::kWidth; ++x) {
             const auto i = static_cast<std::size_t>(y * RandomBox::kWidth + x);
@@ -240,7 +245,7 @@ TEST(Transfer, SurfaceTensionRoundsWhatIsSmallerThanBristles) {
         rates.yield_mm = 10;
         rates.tension_mm = 0.004f;
         StepScratch scratch;
-        for (int step = 0; step < 40; ++step) push(b.box, rates, 0, 0, scratch);
+        for (int step = 0; step < 40; ++step) push(b.box, rates, {}, scratch);
         EXPECT_NEAR(b.sum(0) / volume, 1, 1e-5);
         float low = 1, high = 0;
         for (int y = 8; y < 15; ++y)

@@ -1,0 +1,166 @@
+#include "paint/brush_tip.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "surface/noise.h"
+
+namespace tangi {
+
+namespace {
+
+using procedural::hash;
+using procedural::uniform;
+
+constexpr float kLying = 4;  // [1] length of a dragged bristle's mark over its width
+
+// 0 in the middle of the tip, 1 at its rim; u and v in half extents.
+float dome_of(const std::string& shape, float u, float v, std::uint64_t seed) {
+    const float rho2 = u * u + v * v;
+    if (shape == "flat") return std::pow(std::abs(u), 10.0f) + v * v;
+    if (shape == "filbert") return std::pow(std::abs(u), 3.0f) + v * v;
+    if (shape == "knife") return std::pow(std::abs(u), 16.0f) + v * v;
+    if (shape == "fan") {  // an arc of tufts
+        const float along = v + 1.6f * (u * u - 0.4f);
+        return std::pow(std::abs(u), 10.0f) + along * along;
+    }
+    if (shape == "rag")  // folds
+        return rho2 * (1 + 0.5f * procedural::fractal_noise(2.5f * u, 2.5f * v, 3, hash(seed, 77)));
+    return rho2;
+}
+
+// The bristles around a point: each cell of a grid holds one, off its middle by up to half a cell.
+struct Bristle {
+    float shorter;     // [1] 0 = the longest
+    float distance;    // [cells] to the nearest
+    std::uint64_t id;  // of the nearest
+};
+
+Bristle bristle_at(float u, float v, std::uint64_t seed) {
+    const int cu = static_cast<int>(std::floor(u)), cv = static_cast<int>(std::floor(v));
+    float envelope = 10, best = 10;
+    std::uint64_t nearest = 0;
+    for (int j = cv - 1; j <= cv + 1; ++j)
+        for (int i = cu - 1; i <= cu + 1; ++i) {
+            const std::uint64_t h = hash(seed, i, j);
+            const float du = static_cast<float>(i) + uniform(hash(h, 1)) - u;
+            const float dv = static_cast<float>(j) + uniform(hash(h, 2)) - v;
+            const float distance2 = du * du + dv * dv;
+            // Most bristles are a little shorter than the longest, some much.
+            const float length = uniform(hash(h, 3));
+            const float shorter = 0.75f * length * std::sqrt(length);
+            envelope = std::min(envelope, shorter + 0.6f * distance2);
+            if (distance2 < best) best = distance2, nearest = h;
+        }
+    return {envelope, std::sqrt(best), nearest};
+}
+
+// [1] Mean of TipMaps::tip over many tufts, by counting.
+constexpr double kMeanShorter = 0.436;
+
+// [1] Of the load in the middle. It falls to nothing at the rim, over more than a pixel: a sharp end would be
+// printed wherever the brush's cells go over to other pixels.
+float load_of(float dome) { return std::max(1 - dome * dome, 0.0f); }
+
+}  // namespace
+
+struct BrushTip::Hair {
+    Bristle fine, tuft;
+};
+
+// [1] By how much less paint bristles got than others may have.
+float BrushTip::luck_of(const Hair& bristles) {
+    return 0.25f * uniform(hash(bristles.fine.id, 9)) + 0.75f * uniform(hash(bristles.tuft.id, 9));
+}
+
+BrushTip::Hair BrushTip::hair(float u, float v) const {
+    // Bristles thinner than two pixels cannot be told apart.
+    const auto cell = static_cast<float>(std::max(settings_.bristle_mm / mm_per_pixel_, 2.0));
+    // A brush that turns with the stroke drags its bristles along its thickness, where they lie.
+    const float x = u / cell, y = v / (settings_.follow ? kLying * cell : cell);
+    return {bristle_at(x, y, hash(seed_, 1)), bristle_at(x / 4, y / 4, hash(seed_, 2))};
+}
+
+float BrushTip::dome_at(float u, float v) const {
+    return dome_of(settings_.shape, u / half_width_px_, v / half_thickness_px_, seed_);
+}
+
+// Of the pixel around a texel: the part that the tip covers, how full it is of what the middle holds, and
+// the mean dome.
+BrushTip::Filled BrushTip::filled(int u, int v) const {
+    constexpr int samples = 6;
+    Filled sum;
+    for (int j = 0; j < samples; ++j)
+        for (int i = 0; i < samples; ++i) {
+            const float dome =
+                dome_at(static_cast<float>(u) + (static_cast<float>(i) + 0.5f) / samples - 0.5f,
+                        static_cast<float>(v) + (static_cast<float>(j) + 0.5f) / samples - 0.5f);
+            sum.cover += dome < 1;
+            sum.load += load_of(dome);
+            sum.dome += std::min(dome, 1.0f);
+        }
+    constexpr float all = samples * samples;
+    return {sum.cover / all, sum.load / all, sum.dome / all};
+}
+
+BrushTip::BrushTip(const BrushSettings& settings, double mm_per_pixel, double half_width_px,
+                   double half_thickness_px, std::uint64_t seed)
+    : settings_(settings),
+      mm_per_pixel_(mm_per_pixel),
+      half_width_px_(static_cast<float>(half_width_px)),
+      half_thickness_px_(static_cast<float>(half_thickness_px)),
+      seed_(seed) {
+    half_u_ = static_cast<int>(std::ceil(half_width_px)) + 2;
+    half_v_ = static_cast<int>(std::ceil(half_thickness_px)) + 2;
+    const int width = 2 * half_u_ + 1, height = 2 * half_v_ + 1;
+    const auto texels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+    std::vector<char> inside(texels);  // the texel's middle
+    dome_.assign(texels, 1.0f);
+    shorter_.assign(texels, 0.0f);
+    cover_.assign(texels, 0.0f);
+    load_.assign(texels, 0.0f);
+    for (int v = -half_v_; v <= half_v_; ++v)
+        for (int u = -half_u_; u <= half_u_; ++u)
+            inside[static_cast<std::size_t>((v + half_v_) * width + u + half_u_)] =
+                dome_at(static_cast<float>(u), static_cast<float>(v)) < 1;
+    double area = 0, length = 0, load = 0, lucky = 0;
+    for (int v = 1 - half_v_; v < half_v_; ++v)
+        for (int u = 1 - half_u_; u < half_u_; ++u) {
+            const auto i = static_cast<std::size_t>((v + half_v_) * width + u + half_u_);
+            bool same = true;
+            for (const int k : {-1, 1, -width - 1, -width, 1 - width, width - 1, width, width + 1})
+                same = same && inside[i] == inside[i + static_cast<std::size_t>(k)];
+            if (same && !inside[i]) continue;
+            const auto fu = static_cast<float>(u), fv = static_cast<float>(v);
+            const float dome = dome_at(fu, fv);
+            const Filled part = same ? Filled{1, load_of(dome), dome} : filled(u, v);
+            const Hair bristles = hair(fu, fv);
+            shorter_[i] = std::min(0.55f * bristles.fine.shorter + 0.7f * bristles.tuft.shorter, 1.5f);
+            if (!(part.cover > 0)) continue;
+            dome_[i] = part.dome;
+            cover_[i] = part.cover;
+            load_[i] = part.load;
+            area += part.cover;
+            length += part.cover * shorter_[i];
+            load += part.load;
+            lucky += part.load * luck_of(bristles);
+        }
+    // A brush of few tufts has a hand's pressure and a palette's paint all the same.
+    if (length > 0)
+        for (float& shorter : shorter_) shorter *= static_cast<float>(kMeanShorter * area / length);
+    const double variation = settings.load_variation;
+    if (load > 0) fullness_ = static_cast<float>((1 - variation / 2) * load / (load - variation * lucky));
+}
+
+float BrushTip::fresh_load_mm(float u, float v) const {
+    const int x = static_cast<int>(std::lround(u)) + half_u_, y = static_cast<int>(std::lround(v)) + half_v_;
+    const int width = 2 * half_u_ + 1, height = 2 * half_v_ + 1;
+    if (x < 0 || y < 0 || x >= width || y >= height) return 0;
+    const float load = load_[static_cast<std::size_t>(y * width + x)];
+    if (!(load > 0)) return 0;
+    return static_cast<float>(settings_.load_mm) * load * fullness_ *
+           (1 - static_cast<float>(settings_.load_variation) * luck_of(hair(u, v)));
+}
+
+}  // namespace tangi

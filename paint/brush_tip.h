@@ -1,0 +1,51 @@
+// brush_tip.h: the tip of a brush as maps of pixels that lie along its width and thickness: its dome, its
+// bristles, and how much of each pixel it covers.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "paint/bristle_rows.h"
+#include "paint/brush_settings.h"
+
+namespace tangi {
+
+class BrushTip {
+public:
+    BrushTip() = default;
+    // The half extents [pixels] are those that the maps have: more than the brush's where it is too small.
+    BrushTip(const BrushSettings& settings, double mm_per_pixel, double half_width_px,
+             double half_thickness_px, std::uint64_t seed);
+
+    TipMaps maps() const {
+        return {dome_.data(), shorter_.data(), cover_.data(), 2 * half_u_ + 1, 2 * half_v_ + 1};
+    }
+    int half_u() const { return half_u_; }  // [pixels] from the maps' middle to their border
+    int half_v() const { return half_v_; }
+
+    // [mm] Paint of a full load at a place [pixels from the middle]: load_mm in the middle, nothing at the
+    // rim.
+    float fresh_load_mm(float u, float v) const;
+
+private:
+    // The finest bristles around a place, and the tufts in which they stick together.
+    struct Hair;
+    Hair hair(float u, float v) const;
+    static float luck_of(const Hair& bristles);
+    float dome_at(float u, float v) const;
+    struct Filled {
+        float cover = 0, load = 0, dome = 0;
+    };
+    Filled filled(int u, int v) const;
+
+    BrushSettings settings_;
+    double mm_per_pixel_ = 1;
+    float half_width_px_ = 1, half_thickness_px_ = 1;
+    std::uint64_t seed_ = 0;
+    int half_u_ = 0, half_v_ = 0;
+    std::vector<float> dome_, shorter_, cover_;  // TipMaps
+    std::vector<float> load_;                    // [1] of the load in the middle
+    float fullness_ = 1;                         // [1] what makes the whole load the same for any chance
+};
+
+}  // namespace tangi

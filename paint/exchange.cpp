@@ -1,0 +1,99 @@
+// exchange.cpp: what goes each way between bristles and canvas in one step (transfer.h).
+#include <algorithm>
+
+#include "paint/transfer.h"
+#include "paint/vector_clones.h"
+#include "surface/parallel.h"
+
+namespace tangi {
+
+namespace {
+
+constexpr int kParallelPixels = 128 * 128;  // smaller boxes are done before a second thread wakes up
+constexpr float kTiny = 1e-9f;              // [mm] keeps 0 / 0 away
+
+// Where a brush with paint lifts off, the paint in the room under it parts in the middle: half of it stays.
+// So what is lower takes more, as long as paint reaches down to it, and thick paint levels the valleys. Where
+// there is no room, bristles still rub a film onto the dry, twice as thick at most as they reach without
+// paint, and leave nothing on paint that is thicker. [1] Deposit onto what is dry where there is no room, and
+// what is added where the room is as wide as paint reaches: about 1 at the most.
+constexpr float kPressed = 0.6f, kFilling = 3.0f;
+
+// Part of the load that is given, and part of the paint on the canvas that is taken.
+TP_VECTOR_CLONES
+void exchange_row(int n, const TransferRates& r, const float* __restrict underside,
+                  const float* __restrict relief, const float* __restrict grain,
+                  const float* __restrict cover, const float* __restrict total, const float* __restrict load,
+                  float* __restrict give, float* __restrict take) {
+    const float pickup = r.pickup, film = r.film_mm, reach0 = r.reach_mm, reach1 = r.load_reach,
+                per_hold = 1 / r.hold_mm, hold = r.hold_mm, tip = r.tip_mm, per_reach0 = 1 / r.reach_mm,
+                deposit_tip = r.deposit * r.tip_mm;
+    for (int x = 0; x < n; ++x) {
+        const float reach = reach0 + reach1 * std::min(load[x], tip);
+        const float room = underside[x] - (relief[x] + total[x]);
+        const float here = grain[x] * cover[x];
+        const float contact = std::min(std::max(reach - room, 0.0f), reach);  // times the reach
+        const float dry = std::max(1 - 0.5f * per_reach0 * total[x], 0.0f);
+        const float fill = kPressed * dry * reach + kFilling * (reach - contact);  // times the reach
+        give[x] = deposit_tip * here * contact * fill / (reach * reach * std::max(load[x], tip));
+        // Paint is lifted where the bristle itself dips into it: what hangs from it flows down only.
+        const float dip = std::min(std::max(1 - room * per_reach0, 0.0f), 1.0f) * here;
+        const float thirst = std::max(1 - per_hold * load[x], 0.0f);
+        const float taken =
+            std::min(pickup * thirst * dip * std::max(total[x] - film, 0.0f), std::max(hold - load[x], 0.0f));
+        take[x] = taken / (total[x] + kTiny);
+    }
+}
+
+TP_VECTOR_CLONES
+void apply_row(int n, const float* __restrict give, const float* __restrict take, float* __restrict paint,
+               float* __restrict load, float* __restrict total, float* __restrict load_total) {
+    for (int x = 0; x < n; ++x) {
+        const float moved = give[x] * load[x] - take[x] * paint[x];
+        paint[x] += moved;
+        load[x] -= moved;
+        total[x] += paint[x];
+        load_total[x] += load[x];
+    }
+}
+
+void for_rows(const StepBox& box, int begin, int end, const std::function<void(int, int)>& body) {
+    if (box.width * box.height < kParallelPixels)
+        body(begin, end);
+    else
+        parallel_for(begin, end, 32, body);
+}
+
+std::size_t at(int y, std::size_t stride) { return static_cast<std::size_t>(y) * stride; }
+
+}  // namespace
+
+void exchange(const StepBox& box, const TransferRates& rates, StepScratch& scratch) {
+    const auto n = static_cast<std::size_t>(box.width);
+    scratch.planes.resize(std::max(scratch.planes.size(), 2 * n * static_cast<std::size_t>(box.height)));
+    for_rows(box, 0, box.height, [&](int begin, int end) {
+        for (int y = begin; y < end; ++y) {
+            RowSpan span = box.bristles[static_cast<std::size_t>(y)];
+            if (span.end <= span.begin) continue;
+            span = widened(span, {0, box.width});
+            const int count = span.end - span.begin;
+            float* give = scratch.planes.data() + at(y, 2 * n);
+            float* take = give + n;
+            const std::size_t canvas = at(y, box.canvas_stride) + static_cast<std::size_t>(span.begin);
+            const std::size_t load = at(y, box.load_stride) + static_cast<std::size_t>(span.begin);
+            float *total = box.total_mm + canvas, *load_total = box.load_total_mm + load;
+            exchange_row(
+                count, rates,
+                box.underside_mm + at(y, box.underside_stride) + static_cast<std::size_t>(span.begin),
+                box.relief_mm + canvas, box.grain + canvas,
+                box.cover + at(y, box.underside_stride) + static_cast<std::size_t>(span.begin), total,
+                load_total, give, take);
+            std::fill_n(total, count, 0.0f);
+            std::fill_n(load_total, count, 0.0f);
+            for (std::size_t i = 0; i < box.paint.size(); ++i)
+                apply_row(count, give, take, box.paint[i] + canvas, box.load[i] + load, total, load_total);
+        }
+    });
+}
+
+}  // namespace tangi
