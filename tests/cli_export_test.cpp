@@ -94,7 +94,7 @@ TEST(CliExport, LayersAndOpenRasterOfAPaintedPicture) {
 
 TEST(CliExport, FoldersOfMapsAreWholeOrNot) {
     const TinyStack stack;
-    const Conditions full{.largest_file = 3000};
+    const Conditions full{.largest_file = 500};
     for (const std::string to : {"maps", "openlime", "layers"}) {
         const std::string out = stack.out(to);
         const std::vector<std::string> command = {"export", stack.truth(), "--to", to, "--out", out};

@@ -149,6 +149,7 @@ TEST(ImportMaps, NormalsThatPointAwayAreCountedAndRefusedWhereTheyAreMost) {
                 testing::HasSubstr("normal.exr: 48 of its 1920 normals (2.5 %) point away"));
     for (Vec3& n : s.normal.pixels()) n.z = -n.z;
     write_maps(dir.path(), s);
+    report = {};
     EXPECT_THAT(error_of([&] { import_maps(find_maps(dir.path()), {.mm_per_pixel = 0.5}, report); }),
                 testing::AllOf(testing::HasSubstr("normal.exr: 1872 of its 1920 normals point away"),
                                testing::HasSubstr("z towards the viewer")));
