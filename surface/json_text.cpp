@@ -66,10 +66,15 @@ private:
 
 json parse_json(std::string_view text, const std::string& where) {
     Watcher watcher(text, where);
-    json value =
-        json::parse(text.begin(), text.end(), [&](int depth, json::parse_event_t event, const json& parsed) {
-            return watcher(depth, event, parsed);
-        });
+    const auto watch = [&](int depth, json::parse_event_t event, const json& parsed) {
+        return watcher(depth, event, parsed);
+    };
+    json value;
+    try {
+        value = json::parse(text.begin(), text.end(), watch);
+    } catch (const json::out_of_range&) {
+        fail("{}: holds a number that is too large, as 1e400 is", where);
+    }
     watcher.refuse();
     return value;
 }

@@ -53,12 +53,13 @@ std::string date_of_file() {
 // A damaged size is found before memory for it is asked for: deflate, which packs closest, makes 1032 bytes
 // of one, of 8 pixels each in pictures of 1 bit.
 void require_plausible(const fs::path& path, const OIIO::ImageSpec& spec) {
-    constexpr double most_per_byte = 8 * 1032;
+    constexpr double most_per_byte = 8 * 1032;  // a bit is a byte in memory
     std::error_code unknown;
     const auto bytes = fs::file_size(path, unknown);
-    const double pixels = static_cast<double>(spec.width) * spec.height;
+    const double unpacked = static_cast<double>(spec.width) * spec.height * spec.nchannels *
+                            static_cast<double>(spec.format.size());
     if (spec.width < 1 || spec.height < 1 || spec.nchannels < 1 ||
-        (!unknown && pixels > most_per_byte * static_cast<double>(bytes)))
+        (!unknown && unpacked > most_per_byte * static_cast<double>(bytes)))
         fail(
             "{}: is damaged: it says that it has {} x {} pixels, which its {} bytes cannot hold; copy it "
             "again",

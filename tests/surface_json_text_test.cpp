@@ -29,6 +29,7 @@ TEST(JsonText, AFieldThatIsThereTwiceIsNamedWithItsLine) {
     EXPECT_THAT(error("{\"" + std::string(5000, 'k') + "\": 1, \"" + std::string(5000, 'k') + "\": 1}"),
                 AllOf(HasSubstr("kkk… (5000 bytes)"), Not(HasSubstr(std::string(100, 'k')))));
     EXPECT_THAT(error(std::string(100000, '[')), HasSubstr("deeper than 64"));
+    EXPECT_THAT(error("[1e400]"), HasSubstr("a.json: holds a number that is too large"));
 }
 
 TEST(JsonText, MessagesAreValidUtf8) {
