@@ -330,10 +330,12 @@ CalibrationFiles write_calibration(const std::filesystem::path& out, const Calib
     AtomicFile json(files.json), page(files.page);
     json.write(capture.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
     page.write(calibration_page(calibration, urls));
+    const std::vector<Light> usable = calibration.lights.usable_lights();
+    std::optional<AtomicFile> lights;
+    if (!usable.empty()) lights.emplace(files.lights).write(lights_text(usable));
     json.commit();
     page.commit();
-    const std::vector<Light> lights = calibration.lights.usable_lights();
-    if (!lights.empty()) write_lights_file(files.lights, lights);
+    if (lights) lights->commit();
     return files;
 }
 

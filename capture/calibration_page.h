@@ -34,7 +34,8 @@ struct Calibration {
     std::string section{};                 // HTML that the page shows after the lights
 };
 
-// Each file appears whole or not at all, the lights file last, and only where there is a light. Throws Error
+// Each file appears whole or not at all, the lights file last, and only where there is a light; none of them
+// where one cannot be written. Throws Error
 // naming the file that cannot be written.
 CalibrationFiles write_calibration(const std::filesystem::path& out, const Calibration& calibration);
 

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "surface/error.h"
+#include "surface/json_text.h"
 #include "surface/picture_file.h"
 
 namespace tangi {
@@ -90,7 +91,7 @@ ChartReference read_csv(const std::filesystem::path& path) {
                 fail(
                     "{}: begins with '{}'; the first line must be 'name,L,a,b' (D50) or 'name,R,G,B' "
                     "(linear)",
-                    where, line);
+                    where, shortened(line));
             continue;
         }
         if (fields.size() != 4)
@@ -101,7 +102,7 @@ ChartReference read_csv(const std::filesystem::path& path) {
             const std::string& field = fields[k + 1];
             const auto [end, status] = std::from_chars(field.data(), field.data() + field.size(), value[k]);
             if (status != std::errc() || end != field.data() + field.size())
-                fail("{}: '{}' is not a number", where, field);
+                fail("{}: '{}' is not a number", where, shortened(field));
         }
         const Rgb linear = is_lab ? linear_from_lab_d50({value[0], value[1], value[2]})
                                   : Rgb(glm::dvec3(value[0], value[1], value[2]));

@@ -70,6 +70,8 @@ private:
 inline nlohmann::json json_in(const std::string& text, const std::string& file) {
     try {
         return nlohmann::json::parse(text);
+    } catch (const nlohmann::json::out_of_range&) {
+        fail("{}: holds a number that is too large, as 1e400 is", file);
     } catch (const nlohmann::json::parse_error& error) {
         const std::size_t end = std::min(error.byte > 0 ? error.byte - 1 : 0, text.size());
         const std::string before = text.substr(0, end);

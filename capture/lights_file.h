@@ -33,5 +33,6 @@ LightsFile parse_lights(const std::string& text, const std::string& file_name);
 
 // Writes unit directions, 6 decimals, whole or not at all.
 void write_lights_file(const std::filesystem::path& path, std::span<const Light> lights);
+std::string lights_text(std::span<const Light> lights);  // what it writes
 
 }  // namespace tangi

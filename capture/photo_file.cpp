@@ -14,6 +14,7 @@
 #include "capture/left_out.h"
 #include "capture/raw_file.h"
 #include "surface/error.h"
+#include "surface/json_text.h"
 #include "surface/picture_file.h"
 
 namespace tangi {
@@ -104,9 +105,10 @@ PhotoFile::PhotoFile(fs::path path, std::string demosaic)
     OIIO::ImageSpec config, spec;
     config.attribute("oiio:UnassociatedAlpha", 1);
     decoder_->input = OIIO::ImageInput::create(reader_name(path_), false, &config);
-    if (!decoder_->input) fail_photo(path_, "is not a picture that can be read: {}", OIIO::geterror());
+    if (!decoder_->input)
+        fail_photo(path_, "is not a picture that can be read: {}", first_line(OIIO::geterror()));
     if (!decoder_->input->open(path_.string(), spec, config))
-        fail_photo(path_, "is not a picture that can be read: {}", decoder_->input->geterror());
+        fail_photo(path_, "is not a picture that can be read: {}", first_line(decoder_->input->geterror()));
     if (spec.nchannels < 1 || spec.width < 1 || spec.height < 1) fail_photo(path_, "holds no pixels");
     const std::string extension = lower_extension(path_);
     if (extension == ".jpg" || extension == ".jpeg") require_complete_jpeg(path_);
@@ -178,7 +180,7 @@ void PhotoFile::read_rows(int y0, int y1, std::span<float> values) {
     if (!read ||
         input.has_error())  // strips of a TIFF file that cannot be read show only there (OpenImageIO 2.4)
         fail_photo(path_, "cannot be decoded at rows {} to {}: {}; the file is damaged or truncated", y0,
-                   y1 - 1, input.geterror());
+                   y1 - 1, first_line(input.geterror()));
 }
 
 }  // namespace tangi

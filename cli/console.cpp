@@ -104,6 +104,7 @@ std::string printable(std::string_view text) {
     std::string result;
     for (std::size_t i = 0; i < text.size(); ++i) {
         const auto byte = static_cast<unsigned char>(text[i]);
+        const std::size_t length = utf8_length(text.substr(i));
         // U+0080 to U+009F are control characters too: some terminals take U+009B for an escape sequence.
         const bool wide = byte == 0xc2 && i + 1 < text.size() &&
                           static_cast<unsigned char>(text[i + 1]) >= 0x80 &&
@@ -116,8 +117,10 @@ std::string printable(std::string_view text) {
             result += fmt::format("\\x{:02x}", byte);
         else if (wide)
             result += fmt::format("\\u{:04x}", static_cast<unsigned char>(text[++i]));
+        else if (length == 0)  // names of files may have any bytes; logs and terminals want UTF-8
+            result += fmt::format("\\x{:02x}", byte);
         else
-            result += text[i];
+            result += text.substr(i, length), i += length - 1;
     }
     return result;
 }

@@ -1,5 +1,6 @@
 // export_command.cpp: tangipaint export PAINTING.exr --to FORMAT --out PATH
 #include <filesystem>
+#include <set>
 
 #include "cli/arguments.h"
 #include "cli/command_list.h"
@@ -106,23 +107,35 @@ void write_layers(const fs::path& out, const Canvas& canvas, const Progress& pro
     if (!canvas.wet().empty()) put_volumes(++number, canvas.wet());
 }
 
-// A folder with the dry surface's maps, each layer of paint, and the maps of it all.
-nlohmann::json export_layers(const ExportArguments& a, const Canvas& canvas, const Progress& progress) {
-    AtomicFolder folder(a.out, "layers.json");
-    try {
-        write_maps(folder.temporary() / "dry", canvas.dry(), progress);
-        write_layers(folder.temporary(), canvas, progress);
-        write_maps(folder.temporary() / "painted", appearance(canvas, {}, progress), progress);
-    } catch (const Error& error) {  // of a file that has another place in the end
-        std::string words = error.what();
-        const std::string hidden = folder.temporary().string();
-        if (const auto at = words.find(hidden); at != std::string::npos)
-            words.replace(at, hidden.size(), a.out);
-        throw Error(words);
-    }
+// A folder that appears as a whole: what `write` writes to the folder that it is given.
+nlohmann::json export_folder(const ExportArguments& a, const char* contents, std::set<std::string> known,
+                             const std::function<void(const fs::path&)>& write) {
+    for (const std::string& name : known) refuse_to_overwrite(fs::path(a.out) / name, {a.painting});
+    AtomicFolder folder(a.out, contents, std::move(known));
+    told_of(folder.temporary(), a.out, [&] { write(folder.temporary()); });
     nlohmann::json files = nlohmann::json::array();
     for (const std::string& file : folder.commit()) files.push_back((fs::path(a.out) / file).string());
     return {{"files", files}};
+}
+
+// A folder with the dry surface's maps, each layer of paint, and the maps of it all.
+nlohmann::json export_layers(const ExportArguments& a, const Canvas& canvas, const Progress& progress) {
+    return export_folder(a, "layers.json", {}, [&](const fs::path& folder) {
+        write_maps(folder / "dry", canvas.dry(), progress);
+        write_layers(folder, canvas, progress);
+        write_maps(folder / "painted", appearance(canvas, {}, progress), progress);
+    });
+}
+
+// Earlier versions did not list what they wrote.
+nlohmann::json export_maps(const ExportArguments& a, const Surface& surface, const Progress& progress) {
+    if (a.to == "openlime")
+        return export_folder(a, "brdf.json", {"kd.png", "ks.png", "normals.png", "gloss.png", "brdf.json"},
+                             [&](const fs::path& folder) { write_openlime(folder, surface, progress); });
+    return export_folder(a, "maps.json",
+                         {"height.exr", "normal.exr", "diffuse.exr", "specular.exr", "roughness.exr",
+                          "confidence.exr", "lobe.exr", "maps.json"},
+                         [&](const fs::path& folder) { write_maps(folder, surface, progress); });
 }
 
 nlohmann::json export_ora(const ExportArguments& a, const Canvas& canvas, const Progress& progress) {
@@ -182,15 +195,7 @@ nlohmann::json run_export(const ExportArguments& a) {
     const Surface surface = read_painted(a.painting, progress);
     if (rti) return export_rti(a, surface, progress);
     if (a.to == "web") return export_web(a, surface, progress);
-    require_writable_folder(a.out);
-    for (const char* name : {"height.exr", "normal.exr", "diffuse.exr", "specular.exr", "roughness.exr",
-                             "confidence.exr", "lobe.exr"})
-        refuse_to_overwrite(fs::path(a.out) / name, {a.painting});
-    nlohmann::json files = nlohmann::json::array();
-    for (const fs::path& path :
-         a.to == "maps" ? write_maps(a.out, surface, progress) : write_openlime(a.out, surface, progress))
-        files.push_back(path.string());
-    return {{"files", files}};
+    return export_maps(a, surface, progress);
 }
 
 }  // namespace

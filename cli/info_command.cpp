@@ -10,6 +10,7 @@
 #include "paint/canvas_file.h"
 #include "surface/error.h"
 #include "surface/painting_file.h"
+#include "surface/painting_parts.h"
 #include "surface/picture_file.h"
 
 namespace tangi {
@@ -134,6 +135,7 @@ nlohmann::json run_info(const std::string& file) {
             has_errors(path) ? describe(read_errors(path), canvas.dry()) : nlohmann::json(nullptr);
         return json;
     }
+    if (extension == ".exr") painting_parts(path);  // says what is wrong with one that is damaged
     const PhotoHeader header = PhotoFile(path).header();
     return {{"kind", "picture"},
             {"width", header.width},

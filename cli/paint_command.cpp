@@ -95,9 +95,12 @@ nlohmann::json run_paint(PaintArguments a) {
     if (!a.out.empty() && fs::exists(a.out))
         fail("--out {}: exists already; open it with: paint {}", a.out, a.out);
     const Progress progress = console_progress();
-    WindowSetup setup{.open = [a](const Progress& p) { return canvas_of(a, p); },
-                      .palette = a.palette.empty() ? artist_acrylics() : read_palette(a.palette),
-                      .brushes = a.brushes.empty() ? brush_presets() : read_brush_presets(a.brushes)};
+    std::vector<std::string> warnings;
+    WindowSetup setup{
+        .open = [a](const Progress& p) { return canvas_of(a, p); },
+        .palette = a.palette.empty() ? artist_acrylics() : read_palette(a.palette),
+        .brushes = a.brushes.empty() ? brush_presets() : read_brush_presets(a.brushes, &warnings)};
+    told(warnings);
     setup.width = width;
     setup.height = height;
     setup.file_is_new = a.substrate.given();

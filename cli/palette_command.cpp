@@ -22,16 +22,21 @@ struct PaletteArguments {
 };
 
 nlohmann::json described(const Pigment& paint, Illuminant illuminant) {
-    const Spectrum look = opaque_look({paint.k, paint.s});
+    // A clear medium shows what is below: on white here.
+    const bool clear = is_clear(paint);
+    Spectrum white;
+    white.fill(1);
+    const Spectrum look = clear ? white : opaque_look({paint.k, paint.s});
     const Lab lab = lab_under(look, illuminant);
     const Rgb srgb = Transfer{Transfer::Kind::srgb}.encode(to_linear_rgb(look, illuminant));
     const auto byte = [](float v) { return static_cast<int>(std::lround(std::clamp(v, 0.0f, 1.0f) * 255)); };
     return {{"name", paint.name},
             {"from", name_of(paint.origin)},
             {"approximate", paint.approximate()},
+            {"clear", clear},
             {"lab", {lab.l, lab.a, lab.b}},
             {"srgb", fmt::format("#{:02x}{:02x}{:02x}", byte(srgb.r), byte(srgb.g), byte(srgb.b))},
-            {"hides_at_mm", hiding_thickness_mm(paint)},
+            {"hides_at_mm", clear ? nlohmann::json(nullptr) : nlohmann::json(hiding_thickness_mm(paint))},
             {"source", paint.source}};
 }
 

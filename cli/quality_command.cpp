@@ -11,7 +11,7 @@
 #include "paint/appearance.h"
 #include "paint/canvas_file.h"
 #include "paint/retouch/quality.h"
-#include "surface/atomic_file.h"
+#include "surface/atomic_folder.h"
 #include "surface/error.h"
 #include "surface/picture_file.h"
 #include "surface/relight.h"
@@ -51,24 +51,36 @@ nlohmann::json as_json(const RetouchQuality& q) {
     return json;
 }
 
+std::string raking_picture(const char* name) { return fmt::format("raking_{}.png", name); }
+
 // What light from the sides shows: steps, and gloss that differs.
-nlohmann::json write_raking(const Canvas& canvas, const fs::path& folder, const Progress& progress) {
+void write_raking(const Canvas& canvas, const fs::path& folder, const Progress& progress) {
     const Surface seen = appearance(canvas, {}, progress);
-    nlohmann::json files = nlohmann::json::array();
     for (const auto& [name, azimuth_deg] : kRaking) {
         const double a = azimuth_deg * M_PI / 180, e = kRaking_deg * M_PI / 180;
         Light light =
             distant_light({static_cast<float>(std::cos(a) * std::cos(e)),
                            static_cast<float>(std::sin(a) * std::cos(e)), static_cast<float>(std::sin(e))});
         light.gain = Rgb(static_cast<float>(1 / std::sin(e)));  // a flat matt white is 1
-        const fs::path path = folder / fmt::format("raking_{}.png", name);
         RelightOptions options;
         options.cast_shadows = true;
-        write_picture(path, relight(seen, std::span(&light, 1), options, progress),
+        write_picture(folder / raking_picture(name), relight(seen, std::span(&light, 1), options, progress),
                       Transfer{Transfer::Kind::srgb}, {.bits = 8});
-        files.push_back(path.string());
     }
-    return files;
+}
+
+// Maps, which `report` loses, and raking light.
+void write_pictures(const fs::path& folder, QualityReport& report, const Canvas& canvas,
+                    const Progress& progress) {
+    write_map(folder / "delta_e_2000.exr", report.delta_e);
+    write_map(folder / "height_mm.exr", report.height_mm);
+    write_map(folder / "gloss.exr", report.gloss);
+    // Black is 0, white CIEDE2000 10.
+    for (float& v : report.delta_e.pixels()) v = std::min(v / 10, 1.0f);
+    write_map(folder / "delta_e_2000.png", report.delta_e, {.bits = 8});
+    report.delta_e = report.height_mm =
+        report.gloss = {};  // as large as the painting: raking light needs the room
+    write_raking(canvas, folder, progress);
 }
 
 // Where the retouches of a treatment belong: those that are still there, as the log has them.
@@ -129,15 +141,9 @@ nlohmann::json run_quality(const QualityArguments& a) {
     mask = spoilt = Mask();
     const std::string within = treatment ? new_folder(*treatment) : "";
     const fs::path folder = treatment ? treatment->folder() / within : fs::path(a.out);
-    make_folder(folder);
-    write_map(folder / "delta_e_2000.exr", report.delta_e);
-    write_map(folder / "height_mm.exr", report.height_mm);
-    write_map(folder / "gloss.exr", report.gloss);
-    // Black is 0, white CIEDE2000 10.
-    for (float& v : report.delta_e.pixels()) v = std::min(v / 10, 1.0f);
-    write_map(folder / "delta_e_2000.png", report.delta_e, {.bits = 8});
-    report.delta_e = report.height_mm =
-        report.gloss = {};  // as large as the painting: raking light needs the room
+    FolderFiles written(folder);  // all of them, or none
+    told_of(written.temporary(), folder,
+            [&] { write_pictures(written.temporary(), report, canvas, progress); });
     nlohmann::json regions = nlohmann::json::array();
     for (const RetouchQuality& q : report.regions) regions.push_back(as_json(q));
     nlohmann::json mean = nlohmann::json::object();
@@ -148,7 +154,9 @@ nlohmann::json run_quality(const QualityArguments& a) {
         mean[std::string(name_of(lamp))] = sum / area;
     }
     nlohmann::json result = {{"delta_e_2000", mean}, {"regions", regions}};
-    const nlohmann::json raking = write_raking(canvas, folder, progress);
+    nlohmann::json raking = nlohmann::json::array();
+    for (const auto& [name, unused] : kRaking) raking.push_back((folder / raking_picture(name)).string());
+    written.place();
     if (treatment) {
         nlohmann::json parameters = to_json(a.options);
         parameters["annulus"] = to_json(a.options.annulus);

@@ -11,7 +11,7 @@
 #include "cli/sweep.h"
 #include "paint/appearance.h"
 #include "paint/canvas_file.h"
-#include "surface/atomic_file.h"
+#include "surface/atomic_folder.h"
 #include "surface/error.h"
 #include "surface/faithful.h"
 #include "surface/painting_file.h"
@@ -223,17 +223,21 @@ nlohmann::json relight_all(const Painting& painting, const RelightArguments& arg
         refuse_to_overwrite(outputs.back(), {arguments.painting, arguments.lights_file});
         refuse_to_overwrite_photograph(outputs.back(), arguments.lights_file, light);
     }
-    make_folder(arguments.out);
+    FolderFiles written(arguments.out);  // all of them, or none
     Relighter relighter(painting, arguments);
     nlohmann::json pictures = nlohmann::json::array();
     for (std::size_t i = 0; i < outputs.size(); ++i) {
         // As strong, and as near, as it was estimated for the photograph of its name.
         Light light = as_photographed(file.lights[i], painting.surface.photography);
         light.gain *= static_cast<float>(arguments.gain);
-        write_relit(outputs[i], painting.surface, {light}, arguments, relighter, {});
+        told_of(written.temporary(), arguments.out, [&] {
+            write_relit(written.temporary() / outputs[i].filename(), painting.surface, {light}, arguments,
+                        relighter, {});
+        });
         pictures.push_back(outputs[i].string());
         report(progress, "relight", static_cast<double>(i + 1) / static_cast<double>(outputs.size()));
     }
+    written.place();
     return {{"pictures", pictures}, {"warnings", warnings}, {"drawn_by", relighter.drawn_by()}};
 }
 

@@ -57,9 +57,10 @@ nlohmann::json run_replay(const ReplayArguments& a) {
     if (!a.board.empty() && fs::weakly_canonical(a.board) == fs::weakly_canonical(a.out))
         throw UsageError(fmt::format("--board {}: is where the painting goes; give another name", a.board));
     const Progress progress = console_progress();
-    const Journal journal =
-        read_journal(strokes, a.brushes.empty() ? brush_presets() : read_brush_presets(a.brushes));
-    std::vector<std::string> warnings = journal.warnings;
+    std::vector<std::string> warnings;
+    const auto brushes = a.brushes.empty() ? brush_presets() : read_brush_presets(a.brushes, &warnings);
+    const Journal journal = read_journal(strokes, brushes);
+    warnings.insert(warnings.end(), journal.warnings.begin(), journal.warnings.end());
     AtomicFile out(a.out);  // that it can be written is known before the work
     std::optional<AtomicFile> board;
     if (!a.board.empty()) board.emplace(a.board);
@@ -75,7 +76,11 @@ nlohmann::json run_replay(const ReplayArguments& a) {
     const Canvas& canvas = session.canvas();
     std::vector<PartToWrite> further;  // goes with the dry layer, which painting does not change
     if (!a.substrate.given()) further = parts_beside_paint(a.files.front(), progress);
-    if (board && !session.board()) fail("--board {}: nothing was done on the palette", a.board);
+    if (board && !session.board()) {  // no reason to lose the painting
+        warnings.push_back(fmt::format(
+            "--board {}: is not written: nothing was done on the palette, so there is none", a.board));
+        board.reset();
+    }
     write_canvas(out, canvas, progress, with_tools(std::move(further), session));
     if (board) write_canvas(*board, *session.board(), progress);
 

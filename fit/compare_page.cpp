@@ -1,10 +1,9 @@
 #include "fit/compare_page.h"
 
-#include <unistd.h>
-
 #include "fit/compare_page_html.h"
 #include "fit/false_colour.h"
 #include "surface/atomic_file.h"
+#include "surface/atomic_folder.h"
 #include "surface/picture_file.h"
 
 namespace tangi {
@@ -81,57 +80,33 @@ json write_maps(const fs::path& folder, const Surface& surface, const CompareOpt
     return maps;
 }
 
-// The pictures of a comparison, kept in a hidden folder beside their place until all are there: one that is
-// stopped leaves an older one as it was.
-class NewPictures {
-public:
-    explicit NewPictures(const fs::path& folder)
-        : folder_(folder), hidden_(folder / fmt::format(".pictures.{}.tmp", ::getpid())) {
-        made_ = !fs::exists(folder_);
-        make_folder(hidden_ / "pictures");
-    }
-    ~NewPictures() {
-        std::error_code ignored;
-        fs::remove_all(hidden_, ignored);
-        if (made_ && !placed_) fs::remove(folder_, ignored);
-    }
-    NewPictures(const NewPictures&) = delete;
-    NewPictures& operator=(const NewPictures&) = delete;
-
-    const fs::path& folder() const { return hidden_; }  // holds pictures/
-
-    void place() {
-        make_folder(folder_ / "pictures");
-        for (const auto& entry : fs::directory_iterator(hidden_ / "pictures"))
-            fs::rename(entry.path(), folder_ / "pictures" / entry.path().filename());
-        placed_ = true;
-    }
-
-private:
-    fs::path folder_, hidden_;
-    bool made_ = false, placed_ = false;
-};
+CompareReport write_files(const fs::path& folder, const Surface& surface, const Stack& photos,
+                          const CompareOptions& options, const Progress& progress,
+                          const FaithfulResidual& residual) {
+    make_folder(folder / "pictures");
+    json files = json::array();
+    const ComparisonSink sink = [&](const ComparedPictures& pictures) {
+        files.push_back(write_pictures(folder, pictures, options));
+    };
+    CompareReport report = compare(surface, photos, options, progress, sink, residual);
+    json data = to_json(report);
+    for (std::size_t i = 0; i < files.size(); ++i) data["photos"][i]["pictures"] = files[i];
+    write_text_file(folder / "compare.json", data.dump(2) + "\n");
+    data["maps"] = write_maps(folder, surface, options);
+    write_text_file(folder / "compare.html", comparison_page(data));
+    return report;
+}
 
 }  // namespace
 
 CompareReport write_comparison(const fs::path& folder, const Surface& surface, const Stack& photos,
                                const CompareOptions& options, const Progress& progress,
                                const FaithfulResidual& residual) {
-    NewPictures place(folder);
-    json files = json::array();
-    const ComparisonSink sink = [&](const ComparedPictures& pictures) {
-        files.push_back(write_pictures(place.folder(), pictures, options));
-    };
-    CompareReport report = compare(surface, photos, options, progress, sink, residual);
-    json data = to_json(report);
-    for (std::size_t i = 0; i < files.size(); ++i) data["photos"][i]["pictures"] = files[i];
-    AtomicFile numbers(folder / "compare.json"), page(folder / "compare.html");
-    numbers.write(data.dump(2) + "\n");
-    data["maps"] = write_maps(place.folder(), surface, options);
-    page.write(comparison_page(data));
-    place.place();
-    numbers.commit();
-    page.commit();
+    FolderFiles written(folder);  // one that is stopped leaves an older one as it was
+    CompareReport report;
+    told_of(written.temporary(), folder,
+            [&] { report = write_files(written.temporary(), surface, photos, options, progress, residual); });
+    written.place();
     return report;
 }
 

@@ -15,6 +15,9 @@ namespace {
 
 constexpr float kLeastAlpha = 0.01f, kMostAlpha = 1.0f;
 
+// A float as the shortest number that is this float.
+double shortest(float value) { return std::stod(fmt::format("{}", value)); }
+
 class Writer {
 public:
     Writer(const fs::path& folder, int files, const Progress& progress)
@@ -96,7 +99,7 @@ std::vector<fs::path> write_openlime(const fs::path& folder, const Surface& s, c
         {"channels",
          {{"kd", "kd.png"}, {"ks", "ks.png"}, {"normals", "normals.png"}, {"gloss", "gloss.png"}}},
         {"colorspaces", {{"kd", "srgb"}, {"ks", "linear"}}},
-        {"alphaLimits", {least, most}},
+        {"alphaLimits", {shortest(least), shortest(most)}},
         {"mm_per_pixel", s.mm_per_pixel},
         {"clamped_pixels", clamped}};
     write("brdf.json", [&](const fs::path& path) { write_text_file(path, brdf.dump(2) + "\n"); });

@@ -12,8 +12,8 @@ namespace tangi {
 
 // height.exr [mm], normal.exr [unit vector], diffuse.exr [linear], specular.exr, roughness.exr,
 // confidence.exr, and lobe.exr where lobes have colours: 32-bit floats, and maps.json with mm_per_pixel.
-// import_maps() reads them back. Files appear one by one, each whole; returns their paths. Throws Error where
-// the folder cannot be written.
+// import_maps() reads them back. Files appear one by one, each whole (AtomicFolder makes of them a folder
+// that is there as a whole); returns their paths. Throws Error where the folder cannot be written.
 std::vector<std::filesystem::path> write_maps(const std::filesystem::path& folder, const Surface& surface,
                                               const Progress& progress = {});
 

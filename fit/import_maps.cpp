@@ -72,6 +72,7 @@ void take_normals(const Image<Rgb>& map, const fs::path& path, bool y_down, Surf
         s.confidence.pixels()[i] = 0;
         if (length < 0.5f) continue;
         n /= length;
+        report_.facing_away += !(n.z > 0);
         if (i % step == 0) tilts.push_back(std::acos(std::clamp(n.z, -1.0f, 1.0f)));
         n.z = std::max(n.z, kLowestZ);
         s.normal.pixels()[i] = glm::normalize(n);
@@ -81,6 +82,20 @@ void take_normals(const Image<Rgb>& map, const fs::path& path, bool y_down, Surf
     report_.median_tilt_deg = median(std::move(tilts)) * 180 / std::numbers::pi;
     if (report_.measured == 0)
         fail("{}: holds no normal: n = 2 c - 1 is shorter than 0.5 everywhere", path.string());
+    const auto part = static_cast<double>(report_.facing_away) / static_cast<double>(report_.measured);
+    if (part > 0.5)
+        fail(
+            "{}: {} of its {} normals point away from the viewer (z is not above 0): it is no normal map of "
+            "the "
+            "picture plane, or its z, {}, has the other sign; save it with z towards the viewer",
+            path.string(), report_.facing_away, report_.measured,
+            stored_as_is ? "the third channel" : "blue");
+    if (part > 0)
+        report_.warnings.push_back(
+            fmt::format("{}: {} of its {} normals ({:.2g} %) point away from the viewer (z is not above 0); "
+                        "they are bent up "
+                        "to the horizon, and height and gloss are guesses there",
+                        path.string(), report_.facing_away, report_.measured, 100 * part));
     if (report_.median_tilt_deg > 45)
         report_.warnings.push_back(fmt::format(
             "{}: half of its normals tilt by more than {:.0f} degrees; is it a normal map of the picture "

@@ -59,6 +59,7 @@ struct ImportOptions {
 
 struct ImportReport {
     long pixels = 0, measured = 0;  // measured: with a normal
+    long facing_away = 0;           // of these: z is not above 0
     double median_tilt_deg = 0;     // [deg] of the normals before anything is done to them
     double support_tilt_deg = 0;    // [deg] of the plane taken off the height
     HeightReport height;            // of the integration; converged where a height map was given
@@ -66,9 +67,10 @@ struct ImportReport {
 };
 
 // One map is in memory at a time beside the surface. Normals of a length under 0.5 say that nothing was
-// measured; those that point away are bent up to the horizon. Without normals, they are those of the height;
-// without height, it is integrated from them. Throws Error naming the file: neither diffuse map, nor normals
-// or height; sizes that differ; values that are no numbers.
+// measured; those that point away (z not above 0) are bent up to the horizon, with a warning that says how
+// many. Without normals, they are those of the height; without height, it is integrated from them. Throws
+// Error naming the file: neither diffuse map, nor normals or height; sizes that differ; values that are no
+// numbers; normals most of which point away.
 Surface import_maps(const MapFiles& files, const ImportOptions& options, ImportReport& report,
                     const Progress& progress = {});
 

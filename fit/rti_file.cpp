@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "surface/error.h"
+#include "surface/json_text.h"
 #include "surface/picture_file.h"
 
 namespace tangi {
@@ -158,7 +159,7 @@ public:
                 char* end = nullptr;
                 values.push_back(std::strtod(word.c_str(), &end));
                 if (*end || !std::isfinite(values.back()))
-                    fail("{}: '{}' in its header is no {}", path_.string(), word, what);
+                    fail("{}: '{}' in its header is no {}", path_.string(), shortened(word), what);
             }
         }
         if (values.size() > count) fail("{}: its header has more than {} {}", path_.string(), count, what);
@@ -200,7 +201,7 @@ RtiImage ptm_of(const fs::path& path, Reader& reader) {
     const bool lrgb = format == "PTM_FORMAT_LRGB";
     if (!lrgb && format != "PTM_FORMAT_RGB")
         fail("{}: is of the format {}; only PTM_FORMAT_RGB and PTM_FORMAT_LRGB, uncompressed, are read",
-             path.string(), format);
+             path.string(), shortened(format));
     const auto sides = reader.numbers(2, "size");
     RtiImage image = sized(RtiBasis::ptm, lrgb, reader.size(sides[0], sides[1]));
     const auto scales = reader.numbers(6, "scale"), biases = reader.numbers(6, "bias");

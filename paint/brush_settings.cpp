@@ -196,7 +196,8 @@ nlohmann::json brush_to_json(const BrushSettings& settings) {
     return json;
 }
 
-std::map<std::string, BrushSettings> read_brush_presets(const std::filesystem::path& path) {
+std::map<std::string, BrushSettings> read_brush_presets(const std::filesystem::path& path,
+                                                        std::vector<std::string>* warnings) {
     const std::string text = read_text_file(path);
     nlohmann::json json;
     try {
@@ -212,9 +213,16 @@ std::map<std::string, BrushSettings> read_brush_presets(const std::filesystem::p
     if (!json.contains("brushes") || !json["brushes"].is_object())
         fail("{}: has no object \"brushes\"", path.string());
     auto presets = brush_presets();
-    for (const auto& [key, value] : json["brushes"].items())
+    for (const auto& [key, value] : json["brushes"].items()) {
+        if (warnings && presets.contains(key))
+            warnings->push_back(
+                fmt::format("{}: its brush '{}' takes the place of the preset of that name; strokes that "
+                            "name it are of the "
+                            "file's",
+                            path.string(), key));
         presets[key] = brush_from_json(value, fmt::format("{}: brush '{}'", path.string(), shortened(key)),
                                        brush_presets());
+    }
     return presets;
 }
 

@@ -84,7 +84,9 @@ BrushSettings brush_from_json(const nlohmann::json& json, const std::string& whe
 nlohmann::json brush_to_json(const BrushSettings& settings);
 
 // A presets file: {"format": "tangipaint brushes", "version": 1, "brushes": {"name": {...}, ...}}, and the
-// program's own presets where it has none of the same name. Throws Error naming the file and the brush.
-std::map<std::string, BrushSettings> read_brush_presets(const std::filesystem::path& path);
+// program's own presets where it has none of the same name; where it has, `warnings` says so. Throws Error
+// naming the file and the brush.
+std::map<std::string, BrushSettings> read_brush_presets(const std::filesystem::path& path,
+                                                        std::vector<std::string>* warnings = nullptr);
 
 }  // namespace tangi

@@ -5,6 +5,7 @@
 #include "paint/appearance.h"
 #include "paint/paint_parts.h"
 #include "surface/error.h"
+#include "surface/json_text.h"
 #include "surface/overview.h"
 #include "surface/painting_file.h"
 #include "surface/painting_parts.h"
@@ -27,7 +28,7 @@ std::optional<double> scale_of(const PartInfo& wet, const fs::path& path) {
     const json value = json::parse(found->second, nullptr, false);
     if (!value.is_number() || !(value.get<double>() > 0))
         fail("{}: attribute 'paint_mm_per_pixel' of part 'wet' is '{}', not a size above 0", path.string(),
-             found->second);
+             shortened(found->second));
     return value.get<double>();
 }
 
@@ -54,7 +55,10 @@ void fill_canvas(const AtomicFile& file, const Canvas& canvas, const Progress& p
         }
     }
     parts.insert(parts.end(), further.begin(), further.end());
-    if (canvas.ingredients().empty()) add_overview(parts, canvas.dry(), canvas.dry());
+    const bool has_overview = std::any_of(further.begin(), further.end(), is_overview);
+    if (!has_overview && wants_overview(canvas.dry()))
+        add_overview(parts, canvas.ingredients().empty() ? canvas.dry() : appearance(canvas, {}, progress),
+                     canvas.dry());
     fill_painting(file, canvas.dry(), parts, progress);
 }
 
@@ -112,9 +116,9 @@ Canvas read_canvas(const fs::path& path, const Progress& progress, std::optional
     canvas.writable_wet() = read_layer(path, *wet, canvas, progress);
     for (int i = 0; const PartInfo* part = find(parts, kDried + std::to_string(i)); ++i) {
         const auto layer = part->attributes.find("layer");
-        canvas.writable_dried().push_back({layer == part->attributes.end() ? part->name : layer->second,
-                                           read_layer(path, *part, canvas, progress),
-                                           part->attributes.contains("levels")});
+        canvas.writable_dried().push_back(
+            {layer == part->attributes.end() ? part->name : valid_utf8(layer->second),
+             read_layer(path, *part, canvas, progress), part->attributes.contains("levels")});
     }
     return canvas;
 }

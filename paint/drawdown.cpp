@@ -139,7 +139,7 @@ const Pigment& white_of(const Palette& palette) {
     const Pigment* lightest = nullptr;
     double most = 0.7;
     for (const Pigment& paint : palette.paints)
-        if (luminance_of(paint) > most) lightest = &paint, most = luminance_of(paint);
+        if (!is_clear(paint) && luminance_of(paint) > most) lightest = &paint, most = luminance_of(paint);
     // Yellows are light, too.
     if (lightest) {
         const Lab lab = lab_under(opaque_look({lightest->k, lightest->s}));

@@ -60,7 +60,7 @@ void History::begin(const Canvas& canvas, Place place) {
     dried_before_ = canvas.dried();
 }
 
-void History::end(const Canvas& canvas) {
+bool History::end(const Canvas& canvas) {
     TP_REQUIRE(wet_before_, "an action that ends has begun");
     Action action;
     action.place = place_;
@@ -74,12 +74,14 @@ void History::end(const Canvas& canvas) {
     };
     count(action.wet);
     for (const LayerChange& layer : action.dried) count(layer.tiles);
+    const bool changed = !action.wet.empty() || !action.dried.empty();
     wet_before_.reset();
     dried_before_.clear();
     actions_.resize(done_);
     actions_.push_back(std::move(action));
     done_ = actions_.size();
     keep_to_budget();
+    return changed;
 }
 
 void History::abandon(Canvas& canvas) {

@@ -24,7 +24,7 @@ public:
     // Between these two, everything that changes on the canvas is one action, and it changes at no other
     // time. What was undone before cannot be redone after it.
     void begin(const Canvas& canvas, Place place = Place::painting);
-    void end(const Canvas& canvas);
+    bool end(const Canvas& canvas);  // whether something changed
     // Instead of end(): brings the canvas back to what it was, and nothing was done.
     void abandon(Canvas& canvas);
 

@@ -5,8 +5,6 @@
 
 #include <cerrno>
 #include <cstring>
-#include <limits>
-#include <set>
 
 #include "surface/atomic_file.h"
 #include "surface/error.h"
@@ -19,259 +17,6 @@ namespace {
 using nlohmann::json;
 
 const char* const kFirstLine = R"({"format": "tangipaint strokes", "version": 1})";
-
-// The fields of one event. Each is asked for by name; those that nobody asked for are mistakes.
-class Fields {
-public:
-    Fields(const json& object, const std::string& where) : object_(object), where_(where) {
-        asked_.insert("event");
-    }
-
-    const json* find(const char* name) {
-        asked_.insert(name);
-        const auto found = object_.find(name);
-        return found == object_.end() ? nullptr : &*found;
-    }
-    double number(const char* name, std::optional<double> otherwise = {}) {
-        const json* value = find(name);
-        if (!value && otherwise) return *otherwise;
-        if (!value) fail("{}: has no '{}'", where_, name);
-        if (!value->is_number()) fail("{}: '{}' is {}, not a number", where_, name, shown(*value));
-        return value->get<double>();
-    }
-    double number_within(const char* name, double minimum, double maximum,
-                         std::optional<double> otherwise = {}) {
-        const double value = number(name, otherwise);
-        if (!(value >= minimum && value <= maximum))
-            fail("{}: '{}' = {} is outside [{}, {}]", where_, name, value, minimum, maximum);
-        return value;
-    }
-    std::string text(const char* name) {
-        const json* value = find(name);
-        if (!value || !value->is_string() || value->get<std::string>().empty())
-            fail("{}: '{}' must be a text that is not empty", where_, name);
-        return value->get<std::string>();
-    }
-    void end() const {
-        for (const auto& [key, value] : object_.items())
-            if (!asked_.contains(key))
-                fail("{}: has a field '{}' that this event does not have", where_, shortened(key));
-    }
-
-private:
-    const json& object_;
-    const std::string& where_;
-    std::set<std::string> asked_;
-};
-
-BrushStart start_of(const json* value, const std::string& where) {
-    if (!value || *value == "clean") return BrushStart::clean;
-    if (*value == "dirty") return BrushStart::dirty;
-    if (*value == "same") return BrushStart::same;
-    fail("{}: 'start' is {}, not clean, dirty or same", where, shown(*value));
-}
-
-PaintParts paint_from(Fields& fields, const std::string& where) {
-    PaintParts parts;
-    const json* paint = fields.find("paint");
-    if (!paint) return parts;
-    if (!paint->is_object())
-        fail("{}: 'paint' is {}, not an object of names and parts", where, shown(*paint));
-    for (const auto& [name, part] : paint->items()) {
-        if (!part.is_number() || !(part.get<double>() > 0) || !(part.get<double>() <= 1e6))
-            fail("{}: 'paint' has {} parts of {}; a part is a number above 0", where, shown(part),
-                 shortened(name));
-        parts.emplace_back(name, part.get<double>());
-    }
-    return parts;
-}
-
-PaintFinish finish_from(Fields& fields) {
-    PaintFinish finish;
-    PaintFinish::fields(finish, [&](const FieldInfo& info, auto& value) {
-        const std::string name(info.name);
-        if (fields.find(name.c_str())) value = fields.number_within(name.c_str(), info.minimum, info.maximum);
-    });
-    return finish;
-}
-
-Place place_from(Fields& fields, const std::string& where, Place otherwise) {
-    const json* value = fields.find("on");
-    if (!value) return otherwise;
-    if (*value == "painting") return Place::painting;
-    if (*value == "palette") return Place::palette;
-    fail("{}: 'on' is {}, not painting or palette", where, shown(*value));
-}
-
-constexpr double kFarthest_mm = 1e6;  // any canvas is smaller
-
-PointMm corner_from(const json& value, const std::string& where) {
-    const bool pair = value.is_array() && value.size() == 2 && value[0].is_number() && value[1].is_number();
-    if (!pair) fail("{}: 'polygon' has a corner {}, not [x, y] in mm", where, shown(value));
-    const PointMm corner{value[0].get<double>(), value[1].get<double>()};
-    if (!(std::abs(corner.x) <= kFarthest_mm && std::abs(corner.y) <= kFarthest_mm))
-        fail("{}: 'polygon' has a corner {} beyond {} mm", where, shown(value), kFarthest_mm);
-    return corner;
-}
-
-CanvasPart part_from(Fields& fields, const std::string& where) {
-    const json *circle = fields.find("circle"), *polygon = fields.find("polygon");
-    if (circle && polygon) fail("{}: has both 'circle' and 'polygon'; give one", where);
-    if (circle) {
-        if (!circle->is_object()) fail("{}: 'circle' is {}, not an object", where, shown(*circle));
-        const std::string inside = where + ": 'circle'";
-        Fields of(*circle, inside);
-        CirclePart result;
-        result.centre = {of.number_within("x", -kFarthest_mm, kFarthest_mm),
-                         of.number_within("y", -kFarthest_mm, kFarthest_mm)};
-        result.radius_mm = of.number_within("radius_mm", 1e-3, kFarthest_mm);
-        of.end();
-        return result;
-    }
-    if (!polygon) return WholeCanvas{};
-    if (!polygon->is_array() || polygon->size() < 3 || polygon->size() > 10000)
-        fail("{}: 'polygon' must be a list of 3 to 10000 corners [x, y]", where);
-    PolygonPart result;
-    for (const json& corner : *polygon) result.corners.push_back(corner_from(corner, where));
-    return result;
-}
-
-Event dry_from(Fields& fields, const std::string& where) {
-    DryEvent event;
-    event.layer = fields.text("layer");
-    event.part = fields.number_within("part", 1e-6, 1, 1);
-    event.where = part_from(fields, where);
-    return event;
-}
-
-Event pile_from(Fields& fields, const std::string& where) {
-    PileEvent event;
-    event.on = place_from(fields, where, event.on);
-    event.paint = paint_from(fields, where);
-    if (event.paint.empty()) fail("{}: a pile needs 'paint'", where);
-    event.finish = finish_from(fields);
-    event.at = {fields.number_within("x", -kFarthest_mm, kFarthest_mm),
-                fields.number_within("y", -kFarthest_mm, kFarthest_mm)};
-    event.size_mm = fields.number_within("size_mm", 0.1, 1000, event.size_mm);
-    event.height_mm = fields.number_within("height_mm", 1e-3, 50, event.height_mm);
-    return event;
-}
-
-Event palette_from(Fields& fields, const std::string& where) {
-    PaletteEvent event;
-    if (fields.find("width_mm")) event.width_mm = fields.number_within("width_mm", 0.1, 1e5);
-    if (fields.find("height_mm")) event.height_mm = fields.number_within("height_mm", 0.1, 1e5);
-    if (event.width_mm.has_value() != event.height_mm.has_value())
-        fail("{}: 'width_mm' and 'height_mm' belong together", where);
-    if (const json* paints = fields.find("paints")) {
-        event.all_paints = *paints == "all";
-        const bool names = paints->is_array() && std::all_of(paints->begin(), paints->end(),
-                                                             [](auto& name) { return name.is_string(); });
-        if (!event.all_paints && !names)
-            fail("{}: 'paints' is {}, not a list of names or \"all\"", where, shown(*paints));
-        if (names) event.paints = paints->get<std::vector<std::string>>();
-    }
-    return event;
-}
-
-Event stroke_from(Fields& fields, const std::string& where,
-                  const std::map<std::string, BrushSettings>& presets) {
-    StrokeEvent event;
-    if (const json* brush = fields.find("brush")) event.brush = brush_from_json(*brush, where, presets);
-    event.on = place_from(fields, where, event.on);
-    event.paint = paint_from(fields, where);
-    event.finish = finish_from(fields);
-    event.load = fields.number_within("load", 0, 10, 1);
-    event.start = start_of(fields.find("start"), where);
-    event.options.stabiliser_mm = fields.number_within("stabiliser_mm", 0, 100, 0);
-    event.options.pressure_gamma = fields.number_within("pressure_gamma", 0.1, 10, 1);
-    const double seed = fields.number_within("seed", 0, 9e15, 0);
-    if (seed != std::floor(seed)) fail("{}: 'seed' is {}, not a whole number", where, seed);
-    event.seed = static_cast<std::uint64_t>(seed);
-    return event;
-}
-
-Event point_from(Fields& fields) {
-    StrokePoint p;
-    p.time_s = fields.number_within("t", 0, 1e9, 0);
-    p.x_mm = fields.number_within("x", -kFarthest_mm, kFarthest_mm);
-    p.y_mm = fields.number_within("y", -kFarthest_mm, kFarthest_mm);
-    p.pressure = fields.number_within("p", 0, 1, 0.5);
-    p.tilt_x = fields.number_within("tx", -1, 1, 0);
-    p.tilt_y = fields.number_within("ty", -1, 1, 0);
-    p.rotation_deg = fields.number_within("r", -1e5, 1e5, 0);
-    return PointEvent{p};
-}
-
-json parts_json(const PaintParts& parts) {
-    json paint = json::object();
-    for (const auto& [name, part] : parts) paint[name] = part;
-    return paint;
-}
-
-void put_finish(const PaintFinish& finish, json& into) {
-    if (finish.specular) into["specular"] = *finish.specular;
-    if (finish.roughness) into["roughness"] = *finish.roughness;
-    if (finish.medium != 0) into["medium"] = finish.medium;
-}
-
-void put_part(const CanvasPart& part, json& into) {
-    if (const auto* circle = std::get_if<CirclePart>(&part))
-        into["circle"] = {{"x", circle->centre.x}, {"y", circle->centre.y}, {"radius_mm", circle->radius_mm}};
-    if (const auto* polygon = std::get_if<PolygonPart>(&part))
-        for (const PointMm& corner : polygon->corners) into["polygon"].push_back({corner.x, corner.y});
-}
-
-struct ToJson {
-    json operator()(const StrokeEvent& e) const {
-        static constexpr const char* starts[] = {"clean", "dirty", "same"};
-        json result = {{"event", "stroke"},
-                       {"brush", brush_to_json(e.brush)},
-                       {"paint", parts_json(e.paint)},
-                       {"load", e.load},
-                       {"start", starts[static_cast<int>(e.start)]},
-                       {"stabiliser_mm", e.options.stabiliser_mm},
-                       {"pressure_gamma", e.options.pressure_gamma},
-                       {"seed", e.seed}};
-        if (e.on == Place::palette) result["on"] = "palette";
-        put_finish(e.finish, result);
-        return result;
-    }
-    json operator()(const PointEvent& e) const {
-        const StrokePoint& p = e.point;
-        json result = {{"event", "point"}, {"t", p.time_s}, {"x", p.x_mm}, {"y", p.y_mm}, {"p", p.pressure}};
-        if (p.tilt_x != 0) result["tx"] = p.tilt_x;
-        if (p.tilt_y != 0) result["ty"] = p.tilt_y;
-        if (p.rotation_deg != 0) result["r"] = p.rotation_deg;
-        return result;
-    }
-    json operator()(const EndEvent&) const { return {{"event", "end"}}; }
-    json operator()(const UndoEvent&) const { return {{"event", "undo"}}; }
-    json operator()(const RedoEvent&) const { return {{"event", "redo"}}; }
-    json operator()(const DryEvent& e) const {
-        json result = {{"event", "dry"}, {"layer", e.layer}, {"part", e.part}};
-        put_part(e.where, result);
-        return result;
-    }
-    json operator()(const LiftEvent& e) const { return {{"event", "lift"}, {"layer", e.layer}}; }
-    json operator()(const PileEvent& e) const {
-        json result = {{"event", "pile"}, {"paint", parts_json(e.paint)}, {"x", e.at.x},
-                       {"y", e.at.y},     {"size_mm", e.size_mm},         {"height_mm", e.height_mm}};
-        if (e.on == Place::painting) result["on"] = "painting";
-        put_finish(e.finish, result);
-        return result;
-    }
-    json operator()(const PaletteEvent& e) const {
-        json result = {{"event", "palette"}};
-        if (e.width_mm) result["width_mm"] = *e.width_mm;
-        if (e.height_mm) result["height_mm"] = *e.height_mm;
-        if (e.all_paints)
-            result["paints"] = "all";
-        else if (!e.paints.empty())
-            result["paints"] = e.paints;
-        return result;
-    }
-};
 
 // Nothing where a line is no JSON.
 std::optional<json> parsed_line(std::string_view line, const std::string& where) {
@@ -296,41 +41,39 @@ std::size_t end_of_line(std::string_view text, std::size_t begin) {
     return std::min(text.find_first_of("\r\n", begin), text.size());
 }
 
-}  // namespace
-
-json to_json(const Event& event) { return std::visit(ToJson{}, event); }
-
-Event event_from_json(const json& object, const std::string& where,
-                      const std::map<std::string, BrushSettings>& presets) {
-    if (!object.is_object()) fail("{}: an event is a JSON object, not {}", where, shown(object));
-    if (!object.contains("event")) fail("{}: has no 'event'", where);
-    const json& kind = object["event"];
-    Fields fields(object, where);
-    Event event;
-    if (kind == "stroke")
-        event = stroke_from(fields, where, presets);
-    else if (kind == "point")
-        event = point_from(fields);
-    else if (kind == "end")
-        event = EndEvent{};
-    else if (kind == "undo")
-        event = UndoEvent{};
-    else if (kind == "redo")
-        event = RedoEvent{};
-    else if (kind == "dry")
-        event = dry_from(fields, where);
-    else if (kind == "lift")
-        event = LiftEvent{fields.text("layer")};
-    else if (kind == "pile")
-        event = pile_from(fields, where);
-    else if (kind == "palette")
-        event = palette_from(fields, where);
-    else
-        fail("{}: there is no event {}; there are: stroke, point, end, undo, redo, dry, lift, pile, palette",
-             where, shown(kind));
-    fields.end();
-    return event;
+// What happened that its author cannot have meant, since strokes begin with "stroke" and end with "end".
+std::vector<std::string> misplaced(const Journal& journal) {
+    std::vector<std::string> warnings;
+    int stroke = 0;  // line of the one under way; 0: none
+    bool has_points = false;
+    const auto warn = [&](int line, const std::string& words) {
+        warnings.push_back(fmt::format("{}:{}: {}", journal.source, line, words));
+    };
+    for (const auto& [line, event] : journal.entries) {
+        if (std::holds_alternative<PointEvent>(event)) {
+            has_points = true;
+            continue;
+        }
+        const bool begins = std::holds_alternative<StrokeEvent>(event),
+                   ends = std::holds_alternative<EndEvent>(event);
+        if (stroke == 0 && ends) warn(line, "an 'end' without a stroke: it ends nothing");
+        if (stroke > 0 && !has_points) warn(stroke, "the stroke has no points: it paints nothing");
+        if (stroke > 0 && begins)
+            warn(stroke,
+                 fmt::format("the stroke has no 'end' before that of line {} begins; it ends there", line));
+        else if (stroke > 0 && !ends)
+            warn(line, fmt::format("'{}' comes before the 'end' of the stroke of line {}, which it ends",
+                                   name_of(event), stroke));
+        stroke = begins ? line : 0;
+        has_points = false;
+    }
+    if (stroke > 0)
+        warn(stroke, fmt::format("the stroke has no {}; it ends with the journal",
+                                 has_points ? "'end'" : "points and no 'end'"));
+    return warnings;
 }
+
+}  // namespace
 
 Journal read_journal(const std::filesystem::path& path, const std::map<std::string, BrushSettings>& presets) {
     const std::string text = read_text_file(path);
@@ -359,6 +102,7 @@ Journal read_journal(const std::filesystem::path& path, const std::map<std::stri
         journal.entries.push_back({line, event_from_json(*object, where, presets)});
     }
     if (!has_header) fail("{}: is empty; its first line must be {}", path.string(), kFirstLine);
+    for (std::string& warning : misplaced(journal)) journal.warnings.push_back(std::move(warning));
     return journal;
 }
 
@@ -368,7 +112,7 @@ JournalWriter::JournalWriter(const std::filesystem::path& path) : path_(path) {
     try {
         const std::string text = read_text_file(path);
         if (text.empty()) {
-            write(std::string(kFirstLine) + "\n");
+            write(fmt::format("{}\n", kFirstLine));
         } else {
             require_header(text.substr(0, end_of_line(text, 0)), path.string() + ":1");
             if (text.find('\n') == std::string::npos && text.find('\r') != std::string::npos)
@@ -380,7 +124,7 @@ JournalWriter::JournalWriter(const std::filesystem::path& path) : path_(path) {
             const auto length = static_cast<off_t>(end == std::string::npos ? 0 : end + 1);
             if (::ftruncate(file_, length) != 0 || ::lseek(file_, 0, SEEK_END) < 0)
                 fail("{}: cannot be written: {}", path.string(), std::strerror(errno));
-            if (length == 0) write(std::string(kFirstLine) + "\n");
+            if (length == 0) write(fmt::format("{}\n", kFirstLine));
         }
     } catch (...) {
         ::close(file_);

@@ -79,13 +79,16 @@ struct Journal {
     std::vector<std::string> warnings;
 };
 
+std::string_view name_of(const Event& event);  // "stroke", "point", …
 nlohmann::json to_json(const Event& event);
 // `presets`: those that strokes name. Throws Error that names `where`: not an object, an unknown event, field
 // or brush, values of the wrong kind.
 Event event_from_json(const nlohmann::json& json, const std::string& where,
                       const std::map<std::string, BrushSettings>& presets = brush_presets());
 
-// Throws Error naming file and line; a last line without its end is left out with a warning.
+// Throws Error naming file and line; a last line without its end is left out with a warning. Events that are
+// not where they belong (an end without a stroke, a stroke without end or points, an undo within one) are
+// warnings too, with file and line.
 Journal read_journal(const std::filesystem::path& path,
                      const std::map<std::string, BrushSettings>& presets = brush_presets());
 

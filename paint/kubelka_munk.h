@@ -28,12 +28,13 @@ struct Medium {
 // many as pigments; nothing at all gives a clear medium. Throws ContractError where the numbers differ.
 Medium mix(std::span<const Pigment> pigments, std::span<const float> volumes);
 
-// Reflectance, inside, of a film that hides what is below: R = 1 + K/S - sqrt((K/S)^2 + 2 K/S), written so
-// that nothing cancels and S = 0 is black.
+// Reflectance, inside, of a film so thick that more of it changes nothing: R = 1 + K/S - sqrt((K/S)^2 + 2
+// K/S), written so that nothing cancels and S = 0 is black. Without K nothing is lost, whatever S: 1, also
+// where both are 0, of which no film hides (is_clear()).
 template <class T>
 T opaque_reflectance(T k, T s) {
     const T whole = k + s + std::sqrt(k * (k + 2 * s));
-    return whole > 0 ? s / whole : T(0);
+    return whole > 0 ? s / whole : T(1);
 }
 
 // K/S of what has this reflectance, inside: (1 - R)^2 / 2R.

@@ -100,24 +100,27 @@ std::string png_of(const LayerPicture& layer) {
     return layer.thickness_mm.empty() ? png_bytes(layer.srgb) : png_bytes(layer.srgb, layer.alpha);
 }
 
+// A float as the shortest number that is this float: 0.3, not 0.30000001192092896.
+double shortest(float value) { return std::stod(fmt::format("{}", value)); }
+
 nlohmann::json volumes_of(const Canvas& canvas, const PaintLayer& paint) {
     nlohmann::json volumes = nlohmann::json::array();
     const auto mm3 = volumes_mm3(paint, canvas.ingredients().size(), canvas.mm_per_pixel());
     for (std::size_t i = 0; i < mm3.size(); ++i)
         if (mm3[i] > 0)
             volumes.push_back({{"paint", canvas.ingredients()[i].name},
-                               {"specular", canvas.ingredients()[i].specular},
-                               {"roughness", canvas.ingredients()[i].roughness},
+                               {"specular", shortest(canvas.ingredients()[i].specular)},
+                               {"roughness", shortest(canvas.ingredients()[i].roughness)},
                                {"mm3", mm3[i]}});
     return volumes;
 }
 
 // Heights as 0..1, and where 0 and 1 are.
-Image<float> stretched(Image<float> height_mm, double& low_mm, double& high_mm) {
+Image<float> stretched(Image<float> height_mm, float& low_mm, float& high_mm) {
     const auto [low, high] = std::minmax_element(height_mm.pixels().begin(), height_mm.pixels().end());
     low_mm = *low;
     high_mm = *high;
-    const float span = high_mm > low_mm ? static_cast<float>(high_mm - low_mm) : 1.0f;
+    const float span = high_mm > low_mm ? high_mm - low_mm : 1.0f;
     const float from = *low;
     for (float& mm : height_mm.pixels()) mm = (mm - from) / span;
     return height_mm;
@@ -163,16 +166,13 @@ void write_ora(AtomicFile& file, const Canvas& canvas, const Progress& progress,
     archive.add("Thumbnails/thumbnail.png", png_bytes(thumbnail(merged)));
 
     const Surface painted = appearance(canvas, {}, progress);
-    double low_mm = 0, high_mm = 0;
+    float low_mm = 0, high_mm = 0;
     Image<float> height = painted.height_mm;
     for (float& h : height.pixels()) h *= static_cast<float>(canvas.height_unit_mm());
     archive.add("tangipaint/height.png", png_bytes(stretched(std::move(height), low_mm, high_mm)));
-    nlohmann::json about = {{"format", "tangipaint painting"},
-                            {"version", 1},
-                            {"mm_per_pixel", canvas.mm_per_pixel()},
-                            {"height_low_mm", low_mm},
-                            {"height_high_mm", high_mm},
-                            {"layers", nlohmann::json::array()}};
+    nlohmann::json about = {{"format", "tangipaint painting"},       {"version", 1},
+                            {"mm_per_pixel", canvas.mm_per_pixel()}, {"height_low_mm", shortest(low_mm)},
+                            {"height_high_mm", shortest(high_mm)},   {"layers", nlohmann::json::array()}};
     for (const DriedLayer& dried : canvas.dried())
         about["layers"].push_back({{"name", dried.name}, {"paint", volumes_of(canvas, dried.paint)}});
     about["layers"].push_back({{"name", "wet"}, {"paint", volumes_of(canvas, canvas.wet())}});

@@ -5,6 +5,7 @@
 #include <set>
 
 #include "surface/error.h"
+#include "surface/json_text.h"
 
 namespace tangi {
 
@@ -41,11 +42,12 @@ Pigment pigment_from(const json& object) {
     for (int band = 0; band < kBands; ++band) {
         const auto i = static_cast<std::size_t>(band);
         if (!(p.k[i] >= 0) || !(p.s[i] >= 0) || !std::isfinite(p.k[i]) || !std::isfinite(p.s[i]))
-            throw std::runtime_error(fmt::format("K or S of '{}' is negative or not finite", p.name));
+            throw std::runtime_error(
+                fmt::format("K or S of '{}' is negative or not finite", shortened(p.name)));
     }
     if (!(p.specular >= 0 && p.specular <= 1) || !(p.roughness >= 1e-6f && p.roughness <= 10))
         throw std::runtime_error(
-            fmt::format("'{}' has specular {} and roughness {}", p.name, p.specular, p.roughness));
+            fmt::format("'{}' has specular {} and roughness {}", shortened(p.name), p.specular, p.roughness));
     return p;
 }
 
@@ -118,6 +120,11 @@ void read_ingredients(const fs::path& path, const PartInfo& info, Canvas& canvas
         for (const json& ingredient : json::parse(text->second))
             if (canvas.add(pigment_from(ingredient)) + std::size_t(1) != canvas.ingredients().size())
                 throw std::runtime_error("two of them are the same");
+    } catch (const json::exception&) {  // of a parser, about columns that nobody sees
+        fail(
+            "{}: is damaged: the paints that it lists (attribute 'ingredients' of part '{}') cannot be read; "
+            "copy it again, or take a copy from before",
+            path.string(), info.name);
     } catch (const std::exception& error) {
         fail("{}: attribute 'ingredients' of part '{}': {}", path.string(), info.name, error.what());
     }
@@ -130,7 +137,7 @@ std::vector<IngredientId> ingredients_of(const fs::path& path, const PartInfo& i
         // An EXR part has a channel, even where nothing was painted with.
         if (!(id >= 0 && static_cast<std::size_t>(id) < known) && !(id == 0 && known == 0))
             fail("{}: part '{}' has a channel '{}' for which there is no ingredient", path.string(),
-                 info.name, channel);
+                 info.name, shortened(channel));
         ids.push_back(static_cast<IngredientId>(id));
     }
     return ids;

@@ -167,6 +167,13 @@ Pigment pigment_of_rgb(std::string name, const Rgb& linear, float hiding_mm) {
     return pigment;
 }
 
+bool is_clear(const Pigment& paint) {
+    constexpr float most_per_mm = 0.02f;
+    for (std::size_t band = 0; band < kBands; ++band)
+        if (paint.k[band] + paint.s[band] >= most_per_mm) return false;
+    return true;
+}
+
 Pigment finished(Pigment paint, const PaintFinish& finish) {
     validate(finish);
     if (finish.specular) paint.specular = static_cast<float>(*finish.specular);

@@ -33,6 +33,10 @@ struct Pigment {
     bool approximate() const { return origin == PigmentOrigin::masstone || origin == PigmentOrigin::colour; }
 };
 
+// A clear medium, as glazes are thinned with: a film of 1 mm absorbs and scatters less than 2 % in every
+// band. No film of it hides, so it has no look of its own.
+bool is_clear(const Pigment& paint);
+
 // What a painter does to a paint before it goes on the brush.
 struct PaintFinish {
     std::optional<double> specular, roughness;  // [1] rho_s and alpha instead of the paint's own

@@ -1,10 +1,20 @@
 #include "paint/session.h"
 
+#include <algorithm>
+
 #include "paint/mixing_board.h"
 #include "surface/error.h"
 #include "surface/noise.h"
 
 namespace tangi {
+
+namespace {
+
+constexpr double kSmallestPile_mm = 3;  // the width of a small brush
+constexpr double kSmallestPile_px =
+    3;  // lower ones are as wide as this (lay_pile()), and run into each other
+
+}  // namespace
 
 Session::Session(std::shared_ptr<const Surface> dry, Palette palette, std::size_t undo_bytes)
     : Session(Canvas(std::move(dry)), std::move(palette), undo_bytes) {}
@@ -146,32 +156,70 @@ void Session::lay_out(const PaletteEvent& event) {
     act(Place::palette, [&](Canvas& board) {
         wipe(board);
         if (paints.empty()) return;
-        for (const PileEvent& pile : laid_out(paints, {board.width() * mm, board.height() * mm}))
+        const auto piles = laid_out(paints, {board.width() * mm, board.height() * mm});
+        for (const PileEvent& pile : piles)
             lay_pile(board, recipe_of(board, pile.paint, pile.finish), pile.at, pile.size_mm, pile.height_mm);
+        const double size_mm = piles.front().size_mm;
+        if (size_mm < kSmallestPile_mm || size_mm < kSmallestPile_px * mm)
+            warnings_.push_back(fmt::format(
+                "the palette of {:.4g} x {:.4g} mm is too small for {} paints: their piles are {:.2g} mm "
+                "({:.2g} "
+                "pixels) wide, and a brush does not meet one alone; lay out fewer, or make it larger "
+                "('width_mm', 'height_mm') before it is used",
+                board.width() * mm, board.height() * mm, piles.size(), size_mm, size_mm / mm));
     });
 }
 
-void Session::finish() {
+// Of the stroke that is over: why it is not to be seen.
+void Session::warn_of_no_effect(bool changed) {
+    const auto& load = brush_->bristles().total_mm;
+    const bool is_empty = std::all_of(load.begin(), load.end(), [](float mm) { return mm == 0; });
+    if (stroke_->steps() == 0 || changed) return;
+    if (stroke_->greatest_pressure() == 0)
+        warnings_.emplace_back(
+            "the stroke is not pressed at any of its points ('p' is 0): it paints nothing");
+    else if (!stroke_->met_canvas())
+        warnings_.push_back(
+            fmt::format("the stroke lies wholly outside of the {}, which reaches to ({:.4g}, {:.4g}) mm: it "
+                        "paints nothing",
+                        stroke_place_ == Place::painting ? "painting" : "palette",
+                        on(stroke_place_).width() * canvas_.mm_per_pixel() / 2,
+                        on(stroke_place_).height() * canvas_.mm_per_pixel() / 2));
+    else if (is_empty)
+        warnings_.emplace_back(
+            "the stroke changes nothing: no paint is on the brush ('paint' is missing or empty), and no wet "
+            "paint lies under it");
+    else
+        warnings_.emplace_back("the stroke changes nothing");
+}
+
+void Session::finish(std::string_view by) {
     if (!stroke_) return;
+    ended_by_ = by;
     stroke_->finish();
     totals_.steps += stroke_->steps();
     totals_.bristle_pixels += stroke_->bristle_pixels();
     if (stroke_place_ == Place::painting) painted_s_ += stroke_->age_s();
-    if (stroke_->steps() > 0 && stroke_->greatest_pressure() == 0)
-        warnings_.emplace_back(
-            "the stroke is not pressed at any of its points ('p' is 0): it paints nothing");
+    warn_of_no_effect(history_.end(on(stroke_place_)));
     stroke_.reset();
-    history_.end(on(stroke_place_));
 }
 
 void Session::apply(const Event& event) {
     if (const auto* point = std::get_if<PointEvent>(&event)) {
-        if (!stroke_) fail("a point comes before any stroke has begun");
+        if (!stroke_ && !ended_by_.empty())
+            fail(
+                "a point of a stroke that the '{0}' before it has ended; put the '{0}' after the stroke's "
+                "'end'",
+                ended_by_);
+        if (!stroke_)
+            fail("a point outside of a stroke; a stroke begins with 'stroke', and is over with 'end'");
         stroke_->add(point->point);
         ++totals_.points;
         return;
     }
-    finish();
+    const bool is_end = std::holds_alternative<EndEvent>(event);
+    if (is_end) ended_by_.clear();
+    finish(is_end ? std::string_view() : name_of(event));
     if (const auto* stroke = std::get_if<StrokeEvent>(&event)) {
         begin(*stroke);
     } else if (std::holds_alternative<UndoEvent>(event)) {
@@ -209,7 +257,10 @@ std::vector<std::string> replay(Session& session, const Journal& journal, const 
         const auto& [line, event] = journal.entries[i];
         const bool is_stroke = std::holds_alternative<StrokeEvent>(event);
         try {
-            if (!std::holds_alternative<PointEvent>(event)) session.finish();
+            if (std::holds_alternative<EndEvent>(event))
+                session.finish();
+            else if (!std::holds_alternative<PointEvent>(event))
+                session.finish(name_of(event));
             take_warnings(stroke_line);
             if (is_stroke) stroke_line = line;
             if (is_stroke && i >= last_undo) session.forget_history();

@@ -30,11 +30,11 @@ public:
     // have the numbers of the ingredients at `place`. Before anything is painted.
     void take_up(std::optional<Canvas> board, std::unique_ptr<Brush> brush, Place place);
 
-    // Throws Error on what makes no sense here: a point without a stroke, a paint that the palette has not. A
-    // stroke that begins while another is not over ends that one.
+    // Throws Error on what makes no sense here: a point without a stroke, a paint that the palette has not.
+    // Any event but a point ends a stroke that is not over.
     void apply(const Event& event);
-    // Ends a stroke that is under way.
-    void finish();
+    // Ends a stroke that is under way; `by`: the name of the event that comes before its end, for messages.
+    void finish(std::string_view by = {});
 
     const Canvas& canvas() const { return canvas_; }
     Canvas& canvas() { return canvas_; }
@@ -47,8 +47,9 @@ public:
     // the brush.
     const History& history() const { return history_; }
     void forget_history() { history_.forget(); }
-    // What the user should know, once: that a layer has another name than was asked for, that a stroke could
-    // paint nothing, that the disk has no room for undo. One at a time; empty where there is nothing more.
+    // What the user should know, once: that a layer has another name than was asked for, that a stroke
+    // changed nothing, that piles do not fit on the palette, that the disk has no room for undo. One at a
+    // time; empty where there is nothing more.
     std::string take_warning();
 
     // Has `look` called while strokes go on on the painting: when brushes were on it for `first_s` in all,
@@ -75,6 +76,7 @@ private:
     void dry_paint(const DryEvent& event);
     void lay(const PileEvent& event);
     void lay_out(const PaletteEvent& event);
+    void warn_of_no_effect(bool changed);
 
     Canvas canvas_;
     std::optional<Canvas> board_;
@@ -85,6 +87,7 @@ private:
     std::optional<Stroke> stroke_;
     Totals totals_;
     std::deque<std::string> warnings_;
+    std::string ended_by_;                  // what ended the last stroke, where that was no "end"
     double painted_s_ = 0, look_at_s_ = 0;  // by strokes that are over, on the painting
     Stroke::Look look_;
 };

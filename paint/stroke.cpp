@@ -378,6 +378,10 @@ void Stroke::step_to(const Knot& b, const Knot& c, double u, const PathPoint& at
 
 void Stroke::paint() {
     if (dabs_.empty()) return;
+    for (const Dab& dab : dabs_) {
+        const Region there = intersection(box_of(brush_, dab), canvas_.region());
+        met_canvas_ = met_canvas_ || (there.width() > 0 && there.height() > 0);
+    }
     for (std::size_t begin = 0; begin < dabs_.size();) {
         std::size_t end = dabs_.size();
         // What is asked for at the very end of the stroke is seen when the next one begins.

@@ -69,6 +69,8 @@ public:
     double age_s() const { return last_time_s_ - first_time_s_.value_or(last_time_s_); }
     // [1] Of all points so far; what is not pressed paints nothing.
     double greatest_pressure() const { return greatest_pressure_; }
+    // The brush was over the canvas at one step at least.
+    bool met_canvas() const { return met_canvas_; }
 
     // Pixels under the brush, summed over all steps: the measure of work.
     double bristle_pixels() const { return bristle_pixels_; }
@@ -108,7 +110,7 @@ private:
     int steps_ = 0;
     double last_time_s_ = 0, greatest_pressure_ = 0;
     std::optional<double> first_time_s_;
-    bool finished_ = false;
+    bool finished_ = false, met_canvas_ = false;
 };
 
 // Applies steps of a brush in order. What Stroke does with its dabs; for tests and benchmarks.

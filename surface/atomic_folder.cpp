@@ -3,8 +3,10 @@
 #include <fcntl.h>
 #include <stdio.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <functional>
 #include <nlohmann/json.hpp>
 #include <set>
 
@@ -38,16 +40,9 @@ std::set<std::string> listed_in(const fs::path& list) {
     return files;
 }
 
-void require_own(const fs::path& folder, const std::string& contents) {
-    const std::set<std::string> own = listed_in(folder / contents);
-    for (const std::string& file : files_in(folder))
-        if (!own.contains(file))
-            fail("{}: holds {}, which is not of an earlier export; name another folder, or an empty one",
-                 folder.string(), file);
-}
+}  // namespace
 
-// Puts `from` where `to` is, and `to` where `from` was, at once where the file system can.
-bool exchange(const fs::path& from, const fs::path& to) {
+bool exchange_folders(const fs::path& from, const fs::path& to) {
     if (::renameat2(AT_FDCWD, from.c_str(), AT_FDCWD, to.c_str(), RENAME_EXCHANGE) == 0) return true;
     if (errno != EINVAL && errno != ENOSYS) return false;
     const fs::path aside = from.string() + ".old";
@@ -60,17 +55,36 @@ bool exchange(const fs::path& from, const fs::path& to) {
     return ::rename(aside.c_str(), from.c_str()) == 0;
 }
 
-}  // namespace
+void told_of(const fs::path& temporary, const fs::path& target, const std::function<void()>& write) {
+    try {
+        write();
+    } catch (const Error& error) {
+        std::string words = error.what();
+        const std::string hidden = temporary.string();
+        if (words.find(hidden) == std::string::npos) throw;
+        for (std::size_t at = 0; (at = words.find(hidden, at)) != std::string::npos;)
+            words.replace(at, hidden.size(), target.string());
+        throw Error(words);
+    }
+}
 
-AtomicFolder::AtomicFolder(fs::path target, std::string contents)
-    : target_(std::move(target)), contents_(std::move(contents)) {
+void AtomicFolder::require_own() const {
+    const std::set<std::string> own = listed_in(target_ / contents_);
+    for (const std::string& file : files_in(target_))
+        if (!own.contains(file) && !known_.contains(file))
+            fail("{}: holds {}, which is not of an earlier export; name another folder, or an empty one",
+                 target_.string(), file);
+}
+
+AtomicFolder::AtomicFolder(fs::path target, std::string contents, std::set<std::string> known)
+    : target_(std::move(target)), contents_(std::move(contents)), known_(std::move(known)) {
     if (!target_.has_filename() && target_.has_relative_path()) target_ = target_.parent_path();  // "a/"
     if (fs::exists(target_)) target_ = fs::canonical(target_);  // what a link or "." means
     if (target_.filename().empty()) fail("{}: is not the name of a folder to write", target_.string());
     const fs::path parent = target_.has_parent_path() ? target_.parent_path() : fs::path(".");
     if (fs::exists(target_)) {
         if (!fs::is_directory(target_)) fail("{}: is a file; give the name of a folder", target_.string());
-        require_own(target_, contents_);
+        require_own();
     }
     make_folder(parent);
     const std::string name = target_.filename().string();
@@ -89,18 +103,45 @@ AtomicFolder::~AtomicFolder() {
 
 std::vector<std::string> AtomicFolder::commit() {
     const std::set<std::string> files = files_in(temporary_);
-    const nlohmann::json list = {{"files", files}};
-    try {
-        write_text_file(temporary_ / contents_, list.dump(2) + "\n");
-    } catch (const Error& error) {
-        fail("{}: cannot be written: {}", target_.string(), error.what());
-    }
+    const fs::path contents = temporary_ / contents_;
+    nlohmann::json list = nlohmann::json::object();
+    if (files.contains(contents_)) list = nlohmann::json::parse(read_text_file(contents));
+    list["files"] = files;
+    told_of(temporary_, target_, [&] { write_text_file(contents, list.dump(2) + "\n"); });
     const bool replaces = fs::exists(target_);
-    if (replaces) require_own(target_, contents_);  // still
+    if (replaces) require_own();  // still
     const bool placed =
-        replaces ? exchange(temporary_, target_) : ::rename(temporary_.c_str(), target_.c_str()) == 0;
+        replaces ? exchange_folders(temporary_, target_) : ::rename(temporary_.c_str(), target_.c_str()) == 0;
     if (!placed) fail("{}: cannot be put in place: {}", target_.string(), std::strerror(errno));
     return {files.begin(), files.end()};
+}
+
+FolderFiles::FolderFiles(fs::path folder) : folder_(std::move(folder)) {
+    made_ = !fs::exists(folder_);
+    make_folder(folder_);
+    remove_stale_temporaries(folder_ / "new", "new", "");
+    temporary_ = folder_ / temporary_name("new", "");
+    make_folder(temporary_);
+}
+
+FolderFiles::~FolderFiles() {
+    std::error_code ignored;
+    fs::remove_all(temporary_, ignored);
+    if (made_ && !placed_) fs::remove(folder_, ignored);
+}
+
+void FolderFiles::place() {
+    const std::set<std::string> all = files_in(temporary_);
+    std::vector<std::string> files(all.begin(), all.end());
+    std::ranges::stable_sort(files, std::greater(),
+                             [](const std::string& file) { return std::ranges::count(file, '/'); });
+    for (const std::string& file : files) {
+        make_folder((folder_ / file).parent_path());
+        placed_ = true;
+        std::error_code status;
+        fs::rename(temporary_ / file, folder_ / file, status);
+        if (status) fail("{}: cannot be put in place: {}", (folder_ / file).string(), status.message());
+    }
 }
 
 }  // namespace tangi

@@ -2,6 +2,9 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
+#include <nlohmann/json_fwd.hpp>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -15,10 +18,11 @@ namespace tangi {
 // holds anything else is not touched.
 class AtomicFolder {
 public:
-    // `contents`: name of the file that lists the folder's files. Throws Error naming the target: its parent
-    // is missing or cannot be written, it is a file, or it holds what the list does not have, with the first
-    // such file.
-    AtomicFolder(std::filesystem::path target, std::string contents);
+    // `contents`: name of the file that lists the folder's files, as its field "files". `known`: names of
+    // files that are its own without being listed, as earlier versions left them. Throws Error naming the
+    // target: its parent is missing or cannot be written, it is a file, or it holds what the list does not
+    // have, with the first such file.
+    AtomicFolder(std::filesystem::path target, std::string contents, std::set<std::string> known = {});
     ~AtomicFolder();
     AtomicFolder(const AtomicFolder&) = delete;
     AtomicFolder& operator=(const AtomicFolder&) = delete;
@@ -27,13 +31,47 @@ public:
     const std::filesystem::path& temporary() const { return temporary_; }
     const std::filesystem::path& target() const { return target_; }
 
-    // Writes the list and puts the folder in place. Throws Error naming the target. Returns the list: the
-    // files, relative to the folder.
+    // Writes the list into the file of contents, which may be there with fields of its own (a JSON object),
+    // and puts the folder in place. Throws Error naming the target. Returns the list: the files, relative to
+    // the folder.
     std::vector<std::string> commit();
 
 private:
+    void require_own() const;
+
     std::filesystem::path target_, temporary_;
     std::string contents_;
+    std::set<std::string> known_;
 };
+
+// Files for a folder that other things may lie in, and stay: they are kept in a hidden folder in it until
+// place() puts all of them in their places. Destroyed without place(), it removes them, and the folder where
+// it made that.
+class FolderFiles {
+public:
+    // Makes the folder. Throws Error naming it.
+    explicit FolderFiles(std::filesystem::path folder);
+    ~FolderFiles();
+    FolderFiles(const FolderFiles&) = delete;
+    FolderFiles& operator=(const FolderFiles&) = delete;
+
+    // Where to write, in folders as the target is to have them.
+    const std::filesystem::path& temporary() const { return temporary_; }
+
+    // Those in folders first. Throws Error naming the file; those before it are in place then.
+    void place();
+
+private:
+    std::filesystem::path folder_, temporary_;
+    bool made_ = false, placed_ = false;
+};
+
+// Runs `write`, which writes to `temporary`; what its Errors say of that, they say of `target`.
+void told_of(const std::filesystem::path& temporary, const std::filesystem::path& target,
+             const std::function<void()>& write);
+
+// Puts `from` where `to` is, and `to` where `from` was, at once where the file system can. False, with errno,
+// where it fails.
+bool exchange_folders(const std::filesystem::path& from, const std::filesystem::path& to);
 
 }  // namespace tangi

@@ -66,10 +66,15 @@ private:
 
 json parse_json(std::string_view text, const std::string& where) {
     Watcher watcher(text, where);
-    json value =
-        json::parse(text.begin(), text.end(), [&](int depth, json::parse_event_t event, const json& parsed) {
-            return watcher(depth, event, parsed);
-        });
+    const auto watch = [&](int depth, json::parse_event_t event, const json& parsed) {
+        return watcher(depth, event, parsed);
+    };
+    json value;
+    try {
+        value = json::parse(text.begin(), text.end(), watch);
+    } catch (const json::out_of_range&) {
+        fail("{}: holds a number that is too large, as 1e400 is", where);
+    }
     watcher.refuse();
     return value;
 }
@@ -86,10 +91,40 @@ std::string shown(const json& value) {
 }
 
 std::string shortened(std::string_view text, std::size_t most_bytes) {
-    if (text.size() <= most_bytes) return std::string(text);
+    if (text.size() <= most_bytes) return valid_utf8(text);
     std::size_t end = most_bytes;
     while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xc0) == 0x80) --end;  // whole characters
-    return fmt::format("{}… ({} bytes)", text.substr(0, end), text.size());
+    return fmt::format("{}… ({} bytes)", valid_utf8(text.substr(0, end)), text.size());
+}
+
+std::size_t utf8_length(std::string_view text) {
+    if (text.empty()) return 0;
+    const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
+    const unsigned char first = byte(0);
+    if (first < 0x80) return 1;
+    const std::size_t length = first >= 0xf0 ? 4 : first >= 0xe0 ? 3 : 2;
+    if (first < 0xc2 || first > 0xf4 || text.size() < length) return 0;
+    for (std::size_t i = 1; i < length; ++i)
+        if ((byte(i) & 0xc0) != 0x80) return 0;
+    const unsigned char second = byte(1);
+    const bool overlong = (first == 0xe0 && second < 0xa0) || (first == 0xf0 && second < 0x90);
+    const bool beyond = (first == 0xed && second >= 0xa0) || (first == 0xf4 && second >= 0x90);
+    return overlong || beyond ? 0 : length;
+}
+
+std::string valid_utf8(std::string_view text) {
+    std::string valid;
+    for (std::size_t at = 0; at < text.size();) {
+        const std::size_t length = utf8_length(text.substr(at));
+        valid += length > 0 ? text.substr(at, length) : std::string_view("\ufffd");
+        at += std::max<std::size_t>(length, 1);
+    }
+    return valid;
+}
+
+std::string first_line(std::string_view text) {
+    text.remove_prefix(std::min(text.find_first_not_of(" \t\r\n"), text.size()));
+    return shortened(text.substr(0, text.find_first_of("\r\n")), 400);
 }
 
 }  // namespace tangi

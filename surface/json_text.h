@@ -19,4 +19,14 @@ int line_of(std::string_view text, std::size_t byte);
 std::string shown(const nlohmann::json& value);
 std::string shortened(std::string_view text, std::size_t most_bytes = 80);
 
+// Bytes of the character that a text begins with in UTF-8; 0 where it begins with none (Unicode 15, table
+// 3-7).
+std::size_t utf8_length(std::string_view text);
+
+// Text of unknown origin (lines and attributes of files) as valid UTF-8, for messages and JSON: each byte
+// that is none becomes U+FFFD. shown() and shortened() do it too.
+std::string valid_utf8(std::string_view text);
+// The first line of what a library says of an error, as valid UTF-8: theirs run on and repeat themselves.
+std::string first_line(std::string_view text);
+
 }  // namespace tangi

@@ -40,8 +40,9 @@ void validate(const Options& options) {
         const auto check = [&](auto v) {
             const double x = static_cast<double>(v);
             if (!(x >= info.minimum && x <= info.maximum))
-                fail("{}.{} = {} is outside [{}, {}] {}", Options::name, info.name, v, info.minimum,
-                     info.maximum, info.unit);
+                fail("{}.{} = {} is outside [{}, {}]{}{}", Options::name, info.name, v, info.minimum,
+                     info.maximum, info.unit.empty() || info.unit == "1" ? "" : " ",
+                     info.unit == "1" ? std::string_view() : info.unit);
         };
         if constexpr (is_optional<T>::value) {
             if (value) check(*value);

@@ -21,6 +21,10 @@ namespace tangi {
 // quickly.
 void add_overview(std::vector<PartToWrite>& parts, const Surface& seen, const Surface& dry);
 
+// Whether a painting is so large that it has one.
+bool wants_overview(const Surface& dry);
+bool is_overview(const PartToWrite& part);
+
 struct Overview {
     Surface surface;            // reduced: its pixels are larger, its mm_per_pixel says how large
     int width = 0, height = 0;  // [pixels] of the painting

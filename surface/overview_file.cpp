@@ -157,9 +157,13 @@ std::optional<Overview> read(const fs::path& path) {
 
 }  // namespace
 
+bool wants_overview(const Surface& dry) { return dry.height_mm.size() >= kFewest; }
+
+bool is_overview(const PartToWrite& part) { return part.info.name == kOverview; }
+
 void add_overview(std::vector<PartToWrite>& parts, const Surface& seen, const Surface& dry) {
-    std::erase_if(parts, [](const PartToWrite& part) { return part.info.name == kOverview; });
-    if (seen.height_mm.size() < kFewest) return;
+    std::erase_if(parts, is_overview);
+    if (!wants_overview(seen)) return;
     const int factor = (std::max(seen.width(), seen.height()) + kSide - 1) / kSide;
     const auto small = std::make_shared<Surface>(reduced(seen, factor));
     PartToWrite part;

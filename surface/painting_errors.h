@@ -10,8 +10,12 @@
 
 namespace tangi {
 
-// Runs `body`, which reads the painting file at `path`; what it throws of OpenEXR or the JSON reader becomes
-// an Error that names the file, as does a path that is no file.
+// What is wrong with the file, for what a library threw while it was read: that it is cut off, that its
+// pixels or its header are damaged, or what the operating system said; and what to do. Throws Error.
+[[noreturn]] void fail_reading(const std::filesystem::path& path, const std::exception& error);
+
+// Runs `body`, which reads the painting file at `path`; what it throws of OpenEXR becomes an Error that names
+// the file, as does a path that is no file.
 template <class Body>
 auto reading_painting(const std::filesystem::path& path, const Body& body) {
     if (!std::filesystem::exists(path)) fail("{}: no such file", path.string());
@@ -26,7 +30,7 @@ auto reading_painting(const std::filesystem::path& path, const Body& body) {
     } catch (const std::bad_alloc&) {
         fail("{}: not enough memory to read it", path.string());
     } catch (const std::exception& error) {
-        fail("{}: is not a painting file, or is damaged: {}", path.string(), error.what());
+        fail_reading(path, error);
     }
 }
 

@@ -29,6 +29,7 @@
 
 #include "surface/dry_channels.h"
 #include "surface/error.h"
+#include "surface/json_text.h"
 #include "surface/overview.h"
 #include "surface/painting_errors.h"
 #include "surface/painting_parts.h"
@@ -239,13 +240,16 @@ Surface read_dry_part(const fs::path& path, const Progress& progress) {
     const std::string photography = attribute<Imf::StringAttribute>(header, "photography", std::string("{}"));
     try {
         s.photography = photography_from_json(nlohmann::json::parse(photography));
-    } catch (const std::exception& error) {
-        fail("{}: attribute 'photography': {}", path.string(), error.what());
+    } catch (const std::exception&) {  // of a parser, about columns that nobody sees
+        fail(
+            "{}: is damaged: what it says of its photographs (attribute 'photography') cannot be read; copy "
+            "it again, or take a copy from before",
+            path.string());
     }
     const std::string stored = attribute<Imf::StringAttribute>(header, "dry_hash", std::string());
     if (const std::string found = joined_hash(maps.hashes); !stored.empty() && stored != found)
         fail("{}: the dry layer is not the one that was saved (hash {} expected, {} found)", path.string(),
-             stored, found);
+             shortened(stored), found);
     for (const std::string& what : maps.wrong)
         if (!what.empty())
             fail("{}: {}, where confidence is not 0; correct the map, or set confidence to 0 there",

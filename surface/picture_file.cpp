@@ -10,6 +10,7 @@
 #include "surface/atomic_file.h"
 #include "surface/error.h"
 #include "surface/icc_profile.h"
+#include "surface/json_text.h"
 
 namespace tangi {
 
@@ -47,6 +48,22 @@ std::string date_of_file() {
     if (!::gmtime_r(&time, &utc) || std::strftime(date.data(), date.size(), "%Y:%m:%d %H:%M:%S", &utc) == 0)
         return {};
     return date.data();
+}
+
+// A damaged size is found before memory for it is asked for: deflate, which packs closest, makes 1032 bytes
+// of one, of 8 pixels each in pictures of 1 bit.
+void require_plausible(const fs::path& path, const OIIO::ImageSpec& spec) {
+    constexpr double most_per_byte = 8 * 1032;  // a bit is a byte in memory
+    std::error_code unknown;
+    const auto bytes = fs::file_size(path, unknown);
+    const double unpacked = static_cast<double>(spec.width) * spec.height * spec.nchannels *
+                            static_cast<double>(spec.format.size());
+    if (spec.width < 1 || spec.height < 1 || spec.nchannels < 1 ||
+        (!unknown && unpacked > most_per_byte * static_cast<double>(bytes)))
+        fail(
+            "{}: is damaged: it says that it has {} x {} pixels, which its {} bytes cannot hold; copy it "
+            "again",
+            path.string(), spec.width, spec.height, bytes);
 }
 
 bool is_readable(const fs::path& path) {
@@ -89,7 +106,8 @@ void write_samples(const fs::path& path, const float* samples, const Region& siz
     if (!is_tiff) output->set_ioproxy(&memory);
     const bool written =
         output->open(file.temporary().string(), spec) && output->write_image(OIIO::TypeDesc::FLOAT, samples);
-    if (!written || !output->close()) fail("{}: cannot be written: {}", path.string(), output->geterror());
+    if (!written || !output->close())
+        fail("{}: cannot be written: {}", path.string(), first_line(output->geterror()));
     if (is_tiff && !is_readable(file.temporary()))
         fail("{}: cannot be written: is the disk full?", path.string());
     if (!is_tiff) file.write({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
@@ -137,15 +155,16 @@ Image<Rgb> read_picture(const fs::path& path) {
     OIIO::ImageSpec as_stored;
     as_stored.attribute("oiio:UnassociatedAlpha", 1);
     const auto input = OIIO::ImageInput::create(reader_name(path), false, &as_stored);
-    if (!input) fail("{}: cannot be read: {}", path.string(), OIIO::geterror());
+    if (!input) fail("{}: cannot be read: {}", path.string(), first_line(OIIO::geterror()));
     OIIO::ImageSpec spec;
     if (!input->open(path.string(), spec, as_stored))
-        fail("{}: cannot be read: {}", path.string(), input->geterror());
+        fail("{}: cannot be read: {}", path.string(), first_line(input->geterror()));
+    require_plausible(path, spec);
     const int channels = std::min(spec.nchannels, 3);
     std::vector<float> values(static_cast<std::size_t>(spec.width) * spec.height * channels);
     // Strips of a TIFF file that cannot be read show only in has_error() (OpenImageIO 2.4).
     if (!input->read_image(0, 0, 0, channels, OIIO::TypeDesc::FLOAT, values.data()) || input->has_error())
-        fail("{}: cannot be read: {}", path.string(), input->geterror());
+        fail("{}: cannot be read: {}", path.string(), first_line(input->geterror()));
     Image<Rgb> image(spec.width, spec.height);
     for (std::size_t i = 0; i < image.size(); ++i) {
         const float* v = &values[i * static_cast<std::size_t>(channels)];

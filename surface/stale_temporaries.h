@@ -7,12 +7,13 @@
 
 namespace tangi {
 
-// Temporary files and folders are named `.<stem>.<process>.tmp<extension>`.
+// Temporary files and folders are named `.<stem>.<process>-<machine>.tmp<extension>`; <machine> is of its
+// name and of the processes that see each other on it (a container has its own).
 std::string temporary_name(const std::string& stem, const std::string& extension);
 
-// Removes those beside `target` that were of it, whose process is gone and that nobody touched for ten
-// minutes; empty ones, which a long work keeps to write to at its end, for a day: the process may be one of
-// another machine that shares the folder. What cannot be removed stays.
+// Removes those beside `target` that were of it and whose process is gone. Of a process of another machine
+// that shares the folder nobody knows: what it left goes when nobody has touched it for ten minutes; empty
+// ones, which a long work keeps to write to at its end, for a day. What cannot be removed stays.
 void remove_stale_temporaries(const std::filesystem::path& target, const std::string& stem,
                               const std::string& extension);
 // Of a file.

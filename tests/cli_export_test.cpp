@@ -92,6 +92,28 @@ TEST(CliExport, LayersAndOpenRasterOfAPaintedPicture) {
                       {out, "mine.txt", "another"}));
 }
 
+TEST(CliExport, FoldersOfMapsAreWholeOrNot) {
+    const TinyStack stack;
+    const Conditions full{.largest_file = 500};
+    for (const std::string to : {"maps", "openlime", "layers"}) {
+        const std::string out = stack.out(to);
+        const std::vector<std::string> command = {"export", stack.truth(), "--to", to, "--out", out};
+        EXPECT_TRUE(ended(tangipaint(command, full), 1, {out + "/", "cannot be written"})) << to;
+        EXPECT_FALSE(std::filesystem::exists(out)) << to;
+        EXPECT_TRUE(leftovers_in(stack.root()).empty()) << to;
+        ASSERT_TRUE(ended(tangipaint(command), 0)) << to;
+        const auto files = everything_in(out);
+        EXPECT_TRUE(ended(tangipaint(command, full), 1));
+        EXPECT_EQ(everything_in(out), files) << to;
+        write_bytes(out + "/mine.txt", "mine");
+        EXPECT_TRUE(ended(tangipaint(command), 1, {out + ": holds mine.txt"})) << to;
+        EXPECT_EQ(bytes_of(out + "/mine.txt"), "mine");
+        std::filesystem::remove(out + "/mine.txt");
+        EXPECT_TRUE(ended(tangipaint(command), 0)) << to;
+        EXPECT_EQ(everything_in(out), files) << to;
+    }
+}
+
 TEST(CliExport, FlagsWithoutEffectAreRefused) {
     const TinyStack stack;
     const auto refused = [&](const std::string& to, std::vector<std::string> flags) {

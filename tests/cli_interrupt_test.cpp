@@ -197,6 +197,74 @@ TEST(CliInterrupt, AKillLeavesTheOldPainting) {
     EXPECT_TRUE(ended(tangipaint({"fit", stack.path(), "--out", target}), 0));
 }
 
+// TP_KILLS=50 kills as often, TP_RANDOM_SEED=7 at other moments.
+int number_of(const char* variable, int otherwise) {
+    const char* text = std::getenv(variable);
+    return text ? std::atoi(text) : otherwise;
+}
+
+// Kills a command at moments spread over the time that it takes, also while it saves; what `state` gives is
+// the one that was there before or the one of a whole run, and what it left behind is gone after the next
+// run.
+void kill_at_random(const std::vector<std::string>& command, const fs::path& root,
+                    const std::function<void()>& put_old, const std::function<std::string()>& state) {
+    put_old();
+    const std::string old = state();
+    const auto start = steady_clock::now();
+    ASSERT_TRUE(ended(tangipaint(command), 0));
+    const double takes = duration<double>(steady_clock::now() - start).count();
+    const std::string whole = state();
+    ASSERT_NE(whole, old);
+    const auto files = everything_in(root);
+    Random random(static_cast<std::uint64_t>(number_of("TP_RANDOM_SEED", 1)));
+    const int kills = number_of("TP_KILLS", 5);
+    int killed = 0;
+    for (int i = 0; i < kills; ++i) {
+        put_old();
+        Program program(command);
+        sleep_for(takes * (i + random.uniform()) / kills);
+        program.signal(SIGKILL);
+        const bool done = program.wait().code == 0;
+        killed += !done;
+        EXPECT_TRUE(state() == whole || (!done && state() == old)) << "kill " << i;
+    }
+    EXPECT_GE(killed, kills / 4);
+    put_old();
+    ASSERT_TRUE(ended(tangipaint(command), 0));
+    EXPECT_EQ(everything_in(root), files);
+    EXPECT_EQ(state(), whole);
+}
+
+TEST(CliInterrupt, AKillInReplayAndExportLeavesTheOldOneOrTheNewOne) {
+    const TestDir dir;
+    const std::string journal = (dir / "a.jsonl").string(), painting = (dir / "a.exr").string(),
+                      out = (dir / "out").string();
+    std::string text = "{\"format\": \"tangipaint strokes\", \"version\": 1}\n";
+    for (int i = 0; i < 12; ++i)
+        text += fmt::format(
+            "{{\"event\": \"stroke\", \"paint\": {{\"Bone Black\": 1}}, \"seed\": {}}}\n{{\"event\": "
+            "\"point\", \"x\": -20, \"y\": {}}}\n{{\"event\": \"point\", \"x\": 20, \"y\": "
+            "{}}}\n{{\"event\": \"end\"}}\n",
+            i, 2 * i - 12, i);
+    write_bytes(journal, text);
+    const std::vector<std::string> replay = {"replay", "--substrate", "linen", "--width-mm",
+                                             "60",     "--height-mm", "40",    "--pixel-mm",
+                                             "0.1",    journal,       "--out", painting};
+    kill_at_random(
+        replay, dir.path(), [&] { write_bytes(painting, "old"); }, [&] { return bytes_of(painting); });
+    const auto put_old = [&] {
+        fs::remove_all(out);
+        fs::create_directory(out);
+    };
+    const auto state = [&] {
+        std::string all;
+        for (const std::string& file : everything_in(out))
+            all += file + (file.ends_with('/') ? "" : bytes_of(fs::path(out) / file));
+        return all;
+    };
+    kill_at_random({"export", painting, "--to", "layers", "--out", out}, dir.path(), put_old, state);
+}
+
 // As if the disk had room for `bytes` more in one file.
 Conditions nearly_full(std::uintmax_t bytes) {
     Conditions conditions;
@@ -242,7 +310,7 @@ TEST(CliFullDisk, ReportsAndStacksAreWholeOrNot) {
     EXPECT_TRUE(ended(
         tangipaint({"relight", stack.truth(), "--lights", stack.lights(), "--out", many}, nearly_full(1000)),
         1, {many + "/img_000.png: cannot be written"}));
-    EXPECT_EQ(everything_in(many), std::vector<std::string>());
+    EXPECT_FALSE(fs::exists(many));
     const std::string made = stack.out("s");
     EXPECT_TRUE(
         ended(tangipaint({"generate", "--out", made, "--width", "32", "--height", "32"}, nearly_full(1000)),

@@ -24,6 +24,26 @@ TEST(CliPalette, DescribesThePaintsAndDrawsThem) {
     EXPECT_EQ(again.json()["paints"], said["paints"]);
 }
 
+TEST(CliPalette, AClearMediumIsNoBlackPaint) {
+    const TestDir dir;
+    const std::string file = (dir / "m.json").string(), none = "[0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0]";
+    write_bytes(file, R"({"format": "tangipaint palette", "version": 1, "name": "mine", "paints": [
+        {"name": "Medium", "k_per_mm": )" +
+                          none + R"(, "s_per_mm": )" + none + R"(},
+        {"name": "Sky", "srgb": "#80c0ff"}]})");
+    const Finished run = tangipaint({"palette", file});
+    ASSERT_TRUE(ended(run, 0));
+    const nlohmann::json medium = run.json()["paints"][0], sky = run.json()["paints"][1];
+    EXPECT_EQ(medium["clear"], true);
+    EXPECT_EQ(medium["srgb"], "#ffffff");
+    EXPECT_TRUE(medium["hides_at_mm"].is_null());
+    EXPECT_EQ(sky["clear"], false);
+    // It matches nothing: white is not made of it.
+    const Finished match = tangipaint({"match", "--srgb", "#ffffff", "--palette", file});
+    EXPECT_TRUE(match.code == 0 || match.code == 3) << match.err;
+    EXPECT_EQ(match.out.find("Medium"), std::string::npos) << match.out;
+}
+
 TEST(CliPalette, SaysWhatIsWrong) {
     const TestDir dir;
     const std::string bad = (dir / "bad.json").string();

@@ -195,13 +195,16 @@ TEST(CliReplay, MixesOnThePaletteAndShowsHowItCameIntoBeing) {
     const double all = std::numbers::pi / 8 * 8 * 8 * 1.5, painted = run.json()["volumes_mm3"]["Pyrrole Red"];
     const Finished board = tangipaint({"info", f.path("board.exr")});
     EXPECT_LT(board.json()["paint"][0]["volumes_mm3"]["Pyrrole Red"], all - painted + 0.1);
-    EXPECT_TRUE(
-        ended(f.replay(kHeader + kStroke, {"--board", f.path("b.exr")}), 1, {"--board", "nothing was"}));
     const std::filesystem::path painting = f.path("a.exr");
+    std::filesystem::remove(painting);
+    const Finished without = f.replay(kHeader + kStroke, {"--board", f.path("b.exr")});
+    EXPECT_TRUE(ended(without, 0, {"--board", "is not written: nothing was done on the palette"}));
+    EXPECT_EQ(without.json()["warnings"].size(), 1u);
+    EXPECT_TRUE(std::filesystem::exists(painting)) << "the painting is not lost";
+    EXPECT_FALSE(std::filesystem::exists(f.path("b.exr")));
     std::filesystem::remove(painting);
     EXPECT_TRUE(ended(f.replay(kHeader + kStroke, {"--board", painting.string()}), 2, {"another name"}));
     EXPECT_TRUE(ended(f.replay(kHeader + kStroke, {"--board", f.path("b.png")}), 1, {"b.png", ".exr"}));
-    EXPECT_TRUE(ended(f.replay(kHeader + kStroke, {"--board", f.path("b.exr")}), 1));
     EXPECT_FALSE(std::filesystem::exists(painting)) << "nothing is replaced where something is wrong";
     EXPECT_GT(redness(read_picture(f.dir / "frames" / "frame-00004.png")),
               1.5 * redness(read_picture(f.dir / "frames" / "frame-00001.png")));

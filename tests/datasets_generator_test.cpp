@@ -265,7 +265,7 @@ TEST(WriteStack, LeavesNoLightsFileWhenStopped) {
 }
 
 TEST(GeneratorOptions, NamesWhatIsWrong) {
-    EXPECT_EQ(error_of([] { require_valid({.lights = 0}); }), "generator.lights = 0 is outside [1, 10000] 1");
+    EXPECT_EQ(error_of([] { require_valid({.lights = 0}); }), "generator.lights = 0 is outside [1, 10000]");
     EXPECT_EQ(error_of([] { require_valid({.gain_min = 2}); }),
               "generator.gain_max = 1 is below gain_min = 2");
     EXPECT_EQ(error_of([] { require_valid({.min_elevation_deg = 50, .max_elevation_deg = 40}); }),

@@ -135,6 +135,26 @@ TEST(ImportMaps, NamesAreFoundAndConventionsAreFollowed) {
     EXPECT_TRUE(images_near(flat.normal, Image<Vec3>(48, 40, Vec3(0, 0, 1)), 1e-6));
 }
 
+TEST(ImportMaps, NormalsThatPointAwayAreCountedAndRefusedWhereTheyAreMost) {
+    const TestDir dir;
+    Surface s = example_surface();
+    for (int x = 0; x < 48; ++x) s.normal(x, 7).z = -s.normal(x, 7).z;
+    write_maps(dir.path(), s);
+    std::filesystem::remove(dir / "height.exr");
+    ImportReport report;
+    EXPECT_NO_THROW(import_maps(find_maps(dir.path()), {.mm_per_pixel = 0.5}, report));
+    EXPECT_EQ(report.facing_away, 48);
+    ASSERT_FALSE(report.warnings.empty());
+    EXPECT_THAT(report.warnings[0],
+                testing::HasSubstr("normal.exr: 48 of its 1920 normals (2.5 %) point away"));
+    for (Vec3& n : s.normal.pixels()) n.z = -n.z;
+    write_maps(dir.path(), s);
+    report = {};
+    EXPECT_THAT(error_of([&] { import_maps(find_maps(dir.path()), {.mm_per_pixel = 0.5}, report); }),
+                testing::AllOf(testing::HasSubstr("normal.exr: 1872 of its 1920 normals point away"),
+                               testing::HasSubstr("z towards the viewer")));
+}
+
 TEST(ImportMaps, BadMapsAreErrors) {
     const TestDir dir;
     const Surface s = example_surface();

@@ -49,6 +49,14 @@ TEST(BrushSettings, FilesAddToThePresets) {
                                     "brushes": {"broom": {"preset": "fan", "size_mm": 60}}})");
     const auto presets = read_brush_presets(dir / "a.json");
     EXPECT_EQ(presets.at("broom").size_mm, 60);
+    std::vector<std::string> warnings;
+    read_brush_presets(dir / "a.json", &warnings);
+    EXPECT_TRUE(warnings.empty());
+    write_bytes(dir / "b.json", R"({"format": "tangipaint brushes", "version": 1,
+                                    "brushes": {"round": {"size_mm": 3}, "nib": {"size_mm": 1}}})");
+    EXPECT_EQ(read_brush_presets(dir / "b.json", &warnings).at("round").size_mm, 3);
+    ASSERT_EQ(warnings.size(), 1u);
+    EXPECT_THAT(warnings[0], HasSubstr("b.json: its brush 'round' takes the place of the preset"));
     EXPECT_EQ(presets.at("broom").shape, "fan");
     EXPECT_EQ(presets.size(), brush_presets().size() + 1);
 

@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 
 #include "paint/appearance.h"
+#include "surface/overview.h"
 #include "surface/painting_file.h"
 #include "surface/painting_parts.h"
 #include "tests/paint_support.h"
@@ -101,6 +102,29 @@ std::string error_of_part(const TestDir& dir, PartInfo info, float value) {
     AtomicFile file(dir / "bad.exr");
     write_painting(file, *surface, std::span(&part, 1));
     return error_of([&] { read_canvas(dir / "bad.exr"); });
+}
+
+TEST(CanvasFile, ALargeOneHasAnOverviewOfItsPaint) {
+    const TestDir dir;
+    const auto dry = flat_surface(2100, 2000);
+    std::ranges::fill(dry->roughness.pixels(), 0.2f);
+    Canvas canvas(dry);
+    const IngredientId black = canvas.add(artist_acrylics().at("Bone Black"));
+    const auto paint_over = [&](TileIndex at) {
+        std::ranges::fill(canvas.writable_wet().writable(at).writable_plane(black), 0.3f);
+    };
+    paint_over({0, 0});
+    write_canvas(dir / "a.exr", canvas);
+    const auto overview = read_overview(dir / "a.exr");
+    ASSERT_TRUE(overview);
+    EXPECT_EQ(overview->width, 2100);
+    EXPECT_LT(overview->surface.diffuse(5, 5).g, 0.3f * overview->surface.diffuse(500, 500).g);
+    // What another part wrote of an earlier state is not kept beside it.
+    paint_over({20, 20});
+    AtomicFile file(dir / "b.exr");
+    write_canvas(file, canvas, {}, parts_beside_paint(dir / "a.exr"));
+    const int at = (20 * 64 + 32) / 3;
+    EXPECT_LT(read_overview(dir / "b.exr")->surface.diffuse(at, at).g, 0.3f);
 }
 
 TEST(CanvasFile, ErrorsNameFileAndPart) {

@@ -86,9 +86,51 @@ TEST(Films, AreFiniteAndKeepEnergyAtEveryLimit) {
                 ASSERT_LE(r, 1) << kx << " " << sx;
             }
     EXPECT_EQ(film_reflectance(0.0f, 0.0f, 0.37f), 0.37f);
-    EXPECT_EQ(opaque_reflectance(0.0f, 0.0f), 0);
+    EXPECT_EQ(opaque_reflectance(0.0f, 0.0f), 1) << "without K nothing is lost, as with any S";
     EXPECT_EQ(opaque_reflectance(0.0f, 5.0f), 1);
     EXPECT_EQ(opaque_reflectance(5.0f, 0.0f), 0);
+}
+
+// The limits of Kubelka's solution: S -> 0, where light goes down and up once, R = Rg exp(-2 K X); K -> 0,
+// where none is lost, R = (Rg + (1 - Rg) S X) / (1 + (1 - Rg) S X); both, where the film is clear.
+TEST(Films, WithoutScatteringOrAbsorptionAreTheLimitsOfTheClosedForm) {
+    for (const double rest : {0.0, 1e-30, 1e-12, 1e-9})
+        for (const double x : {0.0, 1e-6, 0.01, 0.3, 1.0, 4.0, 20.0})
+            for (const double rg : {0.02, 0.5, 0.9, 1.0}) {
+                EXPECT_NEAR(film_reflectance(x, rest, rg), rg * std::exp(-2 * x), 1e-7) << x << " " << rest;
+                EXPECT_NEAR(film_reflectance(rest, x, rg), (rg + (1 - rg) * x) / (1 + (1 - rg) * x), 3e-4)
+                    << x << " " << rest;
+                EXPECT_NEAR(film_reflectance(rest, rest, rg), rg, 1e-8);
+                EXPECT_NEAR(
+                    film_reflectance(static_cast<float>(x), static_cast<float>(rest), static_cast<float>(rg)),
+                    rg * std::exp(-2 * x), 1e-5);
+            }
+}
+
+// A medium with next to nothing in it shows what is below, however thick it lies: pixel by pixel as in one.
+TEST(Films, OfAClearMediumAreClear) {
+    for (const float rest : {0.0f, 1e-12f, 1e-6f, 1e-5f}) {
+        // Down and up 2 mm, as often as the boundary throws light back.
+        const double lost =
+            2 * 2 * static_cast<double>(rest) / (1 - static_cast<double>(kInternalReflection));
+        Pigment medium;
+        medium.k.fill(rest);
+        medium.s.fill(rest);
+        EXPECT_TRUE(is_clear(medium));
+        const std::vector<Rgb> dry = {Rgb(0), Rgb(0.2f, 0.5f, 0.8f), Rgb(1)};
+        const std::vector<float> mm(3, 2.0f);
+        std::vector<Rgb> seen(3);
+        const std::vector<std::span<const float>> volumes = {mm};
+        FilmBatch({&medium, 1}).look(volumes, dry, seen);
+        for (std::size_t i = 0; i < dry.size(); ++i)
+            for (int c = 0; c < 3; ++c)
+                EXPECT_NEAR(seen[i][c], dry[i][c], 1.01 * lost + 5e-6) << rest << " " << i;
+        Spectrum below;
+        below.fill(0.4f);
+        for (const float r : film_look({medium.k, medium.s}, 2, below))
+            EXPECT_NEAR(r, 0.4f, 1.01 * lost + 5e-6);
+    }
+    for (const Pigment& paint : artist_acrylics().paints) EXPECT_FALSE(is_clear(paint)) << paint.name;
 }
 
 TEST(Films, ApproachTheOpaqueLookWithoutTurningBack) {

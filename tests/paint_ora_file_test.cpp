@@ -119,6 +119,10 @@ TEST(OraFile, IsAnOpenRasterFileWithThePaintingInIt) {
     const auto about = nlohmann::json::parse(ora["tangipaint/painting.json"]);
     EXPECT_EQ(about["layers"].size(), 3u);
     EXPECT_GT(about["height_high_mm"], 0.05);
+    // Floats are written as short as they are exact.
+    const std::string specular = about["layers"][0]["paint"][0]["specular"].dump();
+    EXPECT_LE(specular.size(), 6u) << specular;
+    EXPECT_LE(about["height_high_mm"].dump().size(), 12u) << about["height_high_mm"];
     write_bytes(dir / "height.png", ora["tangipaint/height.png"]);
     const Image<Rgb> height = read_picture(dir / "height.png");
     const Surface painted = appearance(canvas);

@@ -159,12 +159,59 @@ TEST(Session, SaysWhatHasNoEffectAndWhichNameALayerGot) {
             AllOf(HasSubstr(file + ":2: "), HasSubstr("no wet paint"), HasSubstr("'ground'")),
             AllOf(HasSubstr(file + ":3: "), HasSubstr("'start' is \"same\"")),
             AllOf(HasSubstr(file + ":3: "), HasSubstr("'paint' is not used")),
+            AllOf(HasSubstr(file + ":3: "), HasSubstr("changes nothing: no paint is on the brush")),
             AllOf(HasSubstr(file + ":8: "), HasSubstr("not pressed")),
             AllOf(HasSubstr(file + ":13: "), HasSubstr("'retouch'"), HasSubstr("'retouch 2'")),
             AllOf(HasSubstr(file + ":15: "), HasSubstr("'paint' is not used"), HasSubstr("load_mm"))));
     ASSERT_EQ(session.canvas().dried().size(), 1u);
     EXPECT_EQ(session.canvas().dried()[0].name, "retouch 2");
     EXPECT_TRUE(session.take_warning().empty());
+}
+
+TEST(Session, SaysOfStrokesThatChangeNothingWhy) {
+    const auto warning = [](StrokeEvent stroke, double x, bool on_paint = false) {
+        Session session(flat_surface(128, 96), artist_acrylics());
+        PileEvent pile;
+        pile.on = Place::painting;
+        pile.paint = {{"Bone Black", 1}};
+        if (on_paint) session.apply(pile);
+        session.apply(stroke);
+        session.apply(point(0, x, 0));
+        session.apply(point(0.1, x + 5, 0));
+        session.apply(EndEvent{});
+        const std::string first = session.take_warning();
+        EXPECT_TRUE(session.take_warning().empty()) << "once";
+        return first;
+    };
+    const StrokeEvent bare = stroke_of("round", "", 1), painting = stroke_of("round", "Bone Black", 1);
+    EXPECT_THAT(warning(bare, 0), HasSubstr("no paint is on the brush ('paint' is missing or empty)"));
+    EXPECT_THAT(warning(stroke_of("smudge", "", 1), 0), HasSubstr("no wet paint lies under it"));
+    EXPECT_EQ(warning(stroke_of("smudge", "", 1), 0, true), "");
+    EXPECT_EQ(warning(bare, 0, true), "");
+    EXPECT_EQ(warning(painting, 0), "");
+    const Session session(flat_surface(128, 96), artist_acrylics());
+    const double edge = 64 * session.canvas().mm_per_pixel();
+    EXPECT_THAT(warning(painting, edge + 40), AllOf(HasSubstr("wholly outside of the painting"),
+                                                    HasSubstr(fmt::format("({:.4g}, ", edge))));
+    EXPECT_EQ(warning(painting, edge - 4), "") << "a part of it lies inside";
+    StrokeEvent unpressed = painting;
+    unpressed.on = Place::palette;
+    EXPECT_THAT(warning(unpressed, 500), HasSubstr("outside of the palette"));
+}
+
+TEST(Session, SaysThatPilesDoNotFitOnThePalette) {
+    const auto warning = [](double width_mm, std::size_t paints) {
+        Session session(flat_surface(128, 96), artist_acrylics());
+        PaletteEvent event;
+        event.width_mm = event.height_mm = width_mm;
+        for (std::size_t i = 0; i < paints; ++i) event.paints.push_back(artist_acrylics().paints[i].name);
+        session.apply(event);
+        return session.take_warning();
+    };
+    EXPECT_EQ(warning(200, 19), "");
+    EXPECT_EQ(warning(25, 3), "");
+    EXPECT_THAT(warning(25, 19),
+                AllOf(HasSubstr("25 x 25 mm"), HasSubstr("19 paints"), HasSubstr("'width_mm'")));
 }
 
 TEST(Session, IsWatchedWhileBrushesAreOnThePainting) {
@@ -194,6 +241,15 @@ TEST(Session, MistakesNameTheLine) {
     };
     EXPECT_THAT(error("{\"event\": \"point\", \"x\": 1, \"y\": 1}\n"),
                 AllOf(HasSubstr("a.jsonl:2"), HasSubstr("stroke")));
+    const std::string begun = "{\"event\": \"stroke\"}\n{\"event\": \"point\", \"x\": 1, \"y\": 1}\n",
+                      further = "{\"event\": \"point\", \"x\": 2, \"y\": 1}\n";
+    for (const std::string event : {"undo", "dry"})
+        EXPECT_THAT(error(begun + "{\"event\": \"" + event +
+                          (event == "dry" ? "\", \"layer\": \"a\"}\n" : "\"}\n") + further),
+                    AllOf(HasSubstr("a.jsonl:5"), HasSubstr("'" + event + "' before it has ended"),
+                          HasSubstr("after the stroke's 'end'")));
+    EXPECT_THAT(error(begun + "{\"event\": \"end\"}\n" + further),
+                AllOf(HasSubstr("a.jsonl:5"), HasSubstr("outside of a stroke")));
     EXPECT_THAT(error("{\"event\": \"undo\"}\n"),
                 AllOf(HasSubstr("a.jsonl:2"), HasSubstr("nothing to undo")));
     EXPECT_THAT(error("{\"event\": \"redo\"}\n"), HasSubstr("nothing to redo"));

@@ -5,6 +5,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <nlohmann/json.hpp>
+
 #include "surface/atomic_file.h"
 #include "surface/stale_temporaries.h"
 #include "tests/test_support.h"
@@ -59,7 +61,8 @@ TEST(AtomicFolder, NotCommittedItLeavesWhatWasThere) {
         AtomicFolder folder(dir / "out", "list.json");
         put(folder.temporary(), "b", "new");
         const FullDisk full(0);
-        EXPECT_THAT(error_of([&] { folder.commit(); }), HasSubstr((dir / "out").string() + ": cannot be"));
+        EXPECT_THAT(error_of([&] { folder.commit(); }),
+                    HasSubstr((dir / "out/list.json").string() + ": cannot be"));
     }
     EXPECT_EQ(bytes_of(dir / "out/a"), "old");
     EXPECT_EQ(names_in(dir.path()), Names{"out"});
@@ -89,6 +92,57 @@ TEST(AtomicFolder, RefusesAFolderWithWhatIsNotItsOwn) {
     EXPECT_THAT(error(""), HasSubstr("is not the name of a folder"));
     EXPECT_THAT(error("/"), HasSubstr("is not the name of a folder"));
     EXPECT_EQ(names_in(dir.path()), (Names{"file", "out"}));
+}
+
+TEST(AtomicFolder, KnowsWhatEarlierVersionsLeftAndAddsTheListToItsFile) {
+    const TestDir dir;
+    put(dir / "out", "a", "old");
+    put(dir / "out", "list.json", "{\"width\": 3}");
+    EXPECT_THAT(error_of([&] { AtomicFolder(dir / "out", "list.json"); }), HasSubstr("holds a, which"));
+    {
+        AtomicFolder folder(dir / "out", "list.json", {"a", "list.json"});
+        put(folder.temporary(), "b", "new");
+        put(folder.temporary(), "list.json", "{\"width\": 4}");
+        EXPECT_THAT(folder.commit(), ElementsAre("b", "list.json"));
+    }
+    EXPECT_EQ(names_in(dir / "out"), (Names{"b", "list.json"}));
+    const auto list = nlohmann::json::parse(bytes_of(dir / "out/list.json"));
+    EXPECT_EQ(list["width"], 4);
+    EXPECT_EQ(list["files"], (Names{"b", "list.json"}));
+    EXPECT_NO_THROW(AtomicFolder(dir / "out", "list.json")) << "it lists what it holds";
+}
+
+TEST(FolderFiles, JoinWhatIsThereAllTogether) {
+    const TestDir dir;
+    put(dir / "out", "mine", "mine");
+    put(dir / "out", "sub/a", "old");
+    {
+        FolderFiles files(dir / "out");
+        put(files.temporary(), "b", "half");
+        FolderFiles none(dir / "none");
+    }
+    EXPECT_EQ(names_in(dir.path()), Names{"out"});
+    EXPECT_EQ(names_in(dir / "out"), (Names{"mine", "sub"}));
+    EXPECT_EQ(bytes_of(dir / "out/sub/a"), "old");
+    {
+        FolderFiles files(dir / "out");
+        put(files.temporary(), "b", "new");
+        put(files.temporary(), "sub/a", "new");
+        files.place();
+    }
+    EXPECT_EQ(names_in(dir / "out"), (Names{"b", "mine", "sub"}));
+    EXPECT_EQ(bytes_of(dir / "out/sub/a") + bytes_of(dir / "out/b"), "newnew");
+    {
+        FolderFiles files(dir / "new");
+        put(files.temporary(), "a", "new");
+        EXPECT_EQ(error_of([&] {
+                      told_of(files.temporary(), dir / "new",
+                              [&] { fail("{}: cannot", (files.temporary() / "a").string()); });
+                  }),
+                  (dir / "new/a").string() + ": cannot");
+        files.place();
+    }
+    EXPECT_EQ(names_in(dir / "new"), Names{"a"});
 }
 
 // The number of a process that is over.
@@ -129,6 +183,31 @@ TEST(StaleTemporaries, OfADeadProgramGoWhenTheFileIsWrittenAgain) {
         left.push_back(entry.path().filename().string());
     std::sort(left.begin(), left.end());
     EXPECT_EQ(left, others);
+}
+
+TEST(StaleTemporaries, OfADeadProgramOfThisMachineGoAtOnce) {
+    const TestDir dir;
+    const auto named = [](pid_t process, bool here) {
+        std::string name = temporary_name("a", ".exr");
+        name.replace(3, std::to_string(::getpid()).size(), std::to_string(process));
+        char& last = name[name.find(".tmp") - 1];
+        if (!here) last = last == '0' ? '1' : '0';
+        return name;
+    };
+    const pid_t dead = dead_process();
+    const std::string elsewhere = named(dead, false), alive = named(::getppid(), true);
+    for (const std::string& name : {named(dead, true), elsewhere, alive}) write_bytes(dir / name, "half");
+    write_text_file(dir / "a.exr", "whole");
+    EXPECT_FALSE(fs::exists(dir / named(dead, true)));
+    EXPECT_TRUE(fs::exists(dir / elsewhere)) << "its program may live";
+    EXPECT_TRUE(fs::exists(dir / alive));
+    // Folders, too, with all that is in them.
+    std::string folder = temporary_name("out", "");
+    folder.replace(5, std::to_string(::getpid()).size(), std::to_string(dead));
+    const TestDir other;
+    put(other / folder, "sub/a", "half");
+    write(other / "out", {"a"}, "new");
+    EXPECT_FALSE(fs::exists(other / folder));
 }
 
 TEST(StaleTemporaries, OfLateMayBeOfAnotherMachine) {

@@ -29,6 +29,28 @@ TEST(JsonText, AFieldThatIsThereTwiceIsNamedWithItsLine) {
     EXPECT_THAT(error("{\"" + std::string(5000, 'k') + "\": 1, \"" + std::string(5000, 'k') + "\": 1}"),
                 AllOf(HasSubstr("kkk… (5000 bytes)"), Not(HasSubstr(std::string(100, 'k')))));
     EXPECT_THAT(error(std::string(100000, '[')), HasSubstr("deeper than 64"));
+    EXPECT_THAT(error("[1e400]"), HasSubstr("a.json: holds a number that is too large"));
+}
+
+TEST(JsonText, MessagesAreValidUtf8) {
+    EXPECT_EQ(valid_utf8("caf\xc3\xa9 \xe2\x82\xac \xf0\x9f\x8e\xa8"),
+              "caf\xc3\xa9 \xe2\x82\xac \xf0\x9f\x8e\xa8");
+    const std::string mark = "\xef\xbf\xbd";
+    EXPECT_EQ(valid_utf8("a\xff"
+                         "b"),
+              "a" + mark + "b");
+    EXPECT_EQ(valid_utf8("\xe2\x82"), mark + mark) << "cut off";
+    EXPECT_EQ(valid_utf8("\xc0\xaf\xed\xa0\x80"), mark + mark + mark + mark + mark)
+        << "overlong, a surrogate";
+    EXPECT_EQ(valid_utf8("\xf4\x90\x80\x80"), mark + mark + mark + mark) << "beyond Unicode";
+    Random random(5);
+    for (int i = 0; i < 2000; ++i) {
+        std::string bytes;
+        for (int n = random.below(12); n > 0; --n) bytes += static_cast<char>(random.below(256));
+        EXPECT_NO_THROW((void)json(valid_utf8(bytes)).dump());
+        EXPECT_NO_THROW((void)json(shortened(bytes, 5)).dump());
+    }
+    EXPECT_EQ(first_line("\nread error: \xff\nread error\nfailed"), "read error: " + mark);
 }
 
 TEST(JsonText, ValuesInMessagesAreShort) {

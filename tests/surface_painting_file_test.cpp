@@ -14,7 +14,9 @@
 namespace tangi {
 namespace {
 
+using testing::AllOf;
 using testing::HasSubstr;
+using testing::Not;
 using testing::StartsWith;
 
 Surface random_surface(int width, int height, std::uint64_t seed = 1) {
@@ -190,7 +192,7 @@ TEST(PaintingFile, ThatIsNoExrIsAnError) {
     for (const char* content : {"", "v", "\x76\x2f\x31\x01", "This is a text file, not an EXR file.\n"}) {
         write_bytes(dir / "a.exr", content);
         EXPECT_THAT(error_of([&] { read_painting(dir / "a.exr"); }),
-                    StartsWith((dir / "a.exr").string() + ": is not a painting file, or is damaged: "));
+                    StartsWith((dir / "a.exr").string() + ": is "));
         EXPECT_FALSE(is_painting(dir / "a.exr"));
     }
     EXPECT_THAT(error_of([&] { read_painting(dir.path()); }), StartsWith(dir.path().string() + ": "));
@@ -203,7 +205,8 @@ TEST(PaintingFile, TruncatedAnywhereIsAnError) {
     for (std::size_t length = 0; length < whole.size(); length += length < 900 ? 13 : 997) {
         write_bytes(dir / "cut.exr", whole.substr(0, length));
         EXPECT_THAT(error_of([&] { read_painting(dir / "cut.exr"); }),
-                    StartsWith((dir / "cut.exr").string() + ": is not a painting file, or is damaged: "))
+                    AllOf(StartsWith((dir / "cut.exr").string() + ": is "), Not(HasSubstr("\"")),
+                          Not(HasSubstr("bytes"))))
             << "cut at " << length << " of " << whole.size();
     }
     write_bytes(dir / "cut.exr", whole.substr(0, whole.size() - 1));
@@ -374,38 +377,6 @@ TEST(PaintingFile, OfNoPixelsBreaksTheContract) {
     const TestDir dir;
     EXPECT_THROW(write_painting(dir / "a.exr", Surface()), ContractError);
     EXPECT_EQ(names_in(dir.path()), std::vector<std::string>{});
-}
-
-TEST(HashOf, ChangesWithEveryMapAndStaysOtherwise) {
-    Surface s = random_surface(20, 33);
-    const std::string hash = hash_of(s);
-    EXPECT_EQ(hash.size(), 16u);
-    const auto changes = [&](float& value) {
-        const float before = value;
-        value = std::nextafter(before, 10.0f);
-        const bool changed = hash_of(s) != hash;
-        value = before;
-        return changed && hash_of(s) == hash;
-    };
-    EXPECT_TRUE(changes(s.height_mm(19, 32)));
-    EXPECT_TRUE(changes(s.normal(0, 0).y));
-    EXPECT_TRUE(changes(s.diffuse(5, 16).b));
-    EXPECT_TRUE(changes(s.specular(1, 1)));
-    EXPECT_TRUE(changes(s.roughness(2, 30)));
-    EXPECT_TRUE(changes(s.confidence(3, 3)));
-    s.mm_per_pixel = 3;
-    s.provenance = "{}";
-    EXPECT_EQ(hash_of(s), hash);
-    set_thread_count(1);
-    EXPECT_EQ(hash_of(s), hash);
-    set_thread_count(0);
-}
-
-TEST(HashOf, SeesRowsThatChangePlaces) {
-    Surface s = random_surface(5, 4);
-    const std::string hash = hash_of(s);
-    for (int x = 0; x < 5; ++x) std::swap(s.specular(x, 1), s.specular(x, 2));
-    EXPECT_NE(hash_of(s), hash);
 }
 
 }  // namespace

@@ -200,7 +200,7 @@ TEST(Relight, IsFiniteForEveryParameterOfTheThesis) {
 
 TEST(Relight, RefusesOptionsOutsideTheirRange) {
     EXPECT_EQ(error_of([] { relight(matt_white(2, 2), {}, {.ambient = 2}); }),
-              "relight.ambient = 2 is outside [0, 1] 1");
+              "relight.ambient = 2 is outside [0, 1]");
     EXPECT_EQ(error_of([] { relight(matt_white(2, 2), {}, {.light_radius_deg = -1}); }),
               "relight.light_radius_deg = -1 is outside [0, 45] deg");
 }

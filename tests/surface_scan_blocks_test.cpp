@@ -92,7 +92,7 @@ TEST(ScanBlocks, DamageIsAnError) {
     const std::vector<FloatPlane> planes = {{"height", values.data(), 1}};
     EXPECT_THROW(read_scan_blocks(dir / "bad.exr", "dry", planes, [](int, int) {}), std::runtime_error);
     EXPECT_THAT(error_of([&] { read_painting(dir / "bad.exr"); }),
-                testing::HasSubstr("bad.exr: is not a painting file, or is damaged: its rows 48 to 60"));
+                testing::HasSubstr("bad.exr: is damaged: its rows 48 to 60 cannot be unpacked; copy"));
 }
 
 }  // namespace

@@ -111,7 +111,7 @@ bool recovered_as_recorded(const SittingFiles& files, const fs::path& ground, in
            recovered.brush()->bristles().total_mm == again.brush()->bristles().total_mm;
 }
 
-// TP_KILLS=50 kills as often.
+// TP_KILLS=50 kills as often, TP_RANDOM_SEED=7 at other moments.
 TEST(Sitting, KilledAtRandomMomentsItLosesNothing) {
     const TestDir folder;
     const fs::path file = folder / "a.exr", ground = folder / "ground.exr";
@@ -120,6 +120,8 @@ TEST(Sitting, KilledAtRandomMomentsItLosesNothing) {
     write_painting(ground, *flat_surface(120, 100));
     const char* wanted = std::getenv("TP_KILLS");
     const int kills = wanted ? std::atoi(wanted) : 10;
+    const char* seed_wanted = std::getenv("TP_RANDOM_SEED");
+    const auto seed = static_cast<std::uint64_t>(seed_wanted ? std::atoi(seed_wanted) : 5);
     int told = 0, strokes = 0;
     for (int kill = 0; kill < kills; ++kill) {
         int ends[2];
@@ -138,7 +140,7 @@ TEST(Sitting, KilledAtRandomMomentsItLosesNothing) {
         char painted;
         ASSERT_EQ(::read(ends[0], &painted, 1), 1) << "the painter stopped by itself, kill " << kill;
         ++told;
-        std::this_thread::sleep_for(std::chrono::microseconds(procedural::hash(5, kill) % 60000));
+        std::this_thread::sleep_for(std::chrono::microseconds(procedural::hash(seed, kill) % 60000));
         ::kill(child, SIGKILL);
         int status = 0;
         ::waitpid(child, &status, 0);

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "surface/atomic_file.h"
+#include "surface/atomic_folder.h"
 #include "surface/error.h"
 #include "surface/picture_file.h"
 #include "viewer/video_file.h"
@@ -18,28 +18,21 @@ namespace {
 
 class FrameFolder : public Film {
 public:
-    explicit FrameFolder(fs::path folder) : folder_(std::move(folder)), is_new_(!fs::exists(folder_)) {
-        make_folder(folder_);
-        if (fs::exists(frame(1)))
+    explicit FrameFolder(fs::path folder) : folder_(std::move(folder)), files_(folder_) {
+        if (fs::exists(folder_ / frame(1)))
             fail("{}: has frames already; name another folder, or remove them", folder_.string());
     }
-    ~FrameFolder() override {
-        if (finished_) return;
-        std::error_code gone;
-        for (int i = 1; i <= frames_; ++i) fs::remove(frame(i), gone);
-        if (is_new_) fs::remove(folder_, gone);
-    }
     void add(const Image<Rgb>& encoded_srgb) override {
-        write_picture_8bit(frame(frames_ + 1), encoded_srgb);
-        ++frames_;
+        told_of(files_.temporary(), folder_,
+                [&] { write_picture_8bit(files_.temporary() / frame(++frames_), encoded_srgb); });
     }
-    void finish() override { finished_ = true; }
+    void finish() override { files_.place(); }
 
 private:
-    fs::path frame(int number) const { return folder_ / fmt::format("frame-{:05}.png", number); }
+    static std::string frame(int number) { return fmt::format("frame-{:05}.png", number); }
 
     fs::path folder_;
-    bool is_new_, finished_ = false;
+    FolderFiles files_;
     int frames_ = 0;
 };
 

@@ -117,12 +117,14 @@ void TreatmentDesk::match(const std::optional<glm::dvec2>& at) {
         setup_.say("choose a lamp at least under which the colour is to match");
         return;
     }
-    const std::vector<PairWarning> pairs = pairs_to_avoid(setup_.palette.paints, usual_pigment_pairs());
-    if (t.avoid_pairs) options.allowed = without_pairs(setup_.palette.paints.size(), pairs);
+    Palette paints = setup_.palette;  // a medium thins a glaze and matches no colour
+    std::erase_if(paints.paints, is_clear);
+    const std::vector<PairWarning> pairs = pairs_to_avoid(paints.paints, usual_pigment_pairs());
+    if (t.avoid_pairs) options.allowed = without_pairs(paints.paints.size(), pairs);
     const std::optional<double> film_mm = t.film ? std::optional(t.retouch.thickness_mm) : std::nullopt;
     start("looking for recipes",
           [this, at, options, pairs, film_mm, where = t.where, painter = painter_,
-           palette = setup_.palette](const Progress&) mutable -> Finish {
+           palette = paints](const Progress&) mutable -> Finish {
               const Treatment now = treatment();
               const double mm = now.mm_per_pixel();
               const Mask mask = area_of_classes(now, where).mask, spoilt = damaged(now);

@@ -1,15 +1,19 @@
 #include "viewer/web_page.h"
 
-#include <unistd.h>
+#include <stdio.h>
 
 #include <atomic>
+#include <cerrno>
+#include <cstring>
 #include <mutex>
 #include <nlohmann/json.hpp>
 
 #include "surface/atomic_file.h"
+#include "surface/atomic_folder.h"
 #include "surface/base64.h"
 #include "surface/parallel.h"
 #include "surface/picture_file.h"
+#include "surface/stale_temporaries.h"
 #include "viewer/look.h"
 #include "viewer/shaders.h"
 #include "viewer/web_page_html.h"
@@ -64,8 +68,10 @@ private:
 class PartsBeside : public Parts {
 public:
     explicit PartsBeside(const fs::path& folder)
-        : folder_(folder), hidden_(folder / fmt::format(".parts.{}.tmp", ::getpid())) {
+        : folder_(folder), hidden_(folder / temporary_name("parts", "")) {
         made_ = !fs::exists(folder_);
+        make_folder(folder_);
+        remove_stale_temporaries(folder_ / "parts", "parts", "");
         make_folder(hidden_);
     }
     ~PartsBeside() override {
@@ -76,16 +82,16 @@ public:
     void add(const std::string& name, const std::string& bytes) override {
         const fs::path path = hidden_ / (name + ".js");
         make_folder(path.parent_path());
-        write_text_file(path, fmt::format("tangiPart('{}','{}');\n", name, base64(bytes)));
+        told_of(hidden_, folder_ / "parts",
+                [&] { write_text_file(path, fmt::format("tangiPart('{}','{}');\n", name, base64(bytes))); });
     }
     // The old parts are gone once the new ones are there.
     void place() {
-        const fs::path parts = folder_ / "parts", old = folder_ / fmt::format(".parts.{}.old", ::getpid());
-        if (fs::exists(parts)) fs::rename(parts, old);
-        fs::rename(hidden_, parts);
+        const fs::path parts = folder_ / "parts";
+        const bool placed = fs::exists(parts) ? exchange_folders(hidden_, parts)
+                                              : ::rename(hidden_.c_str(), parts.c_str()) == 0;
+        if (!placed) fail("{}: cannot be put in place: {}", parts.string(), std::strerror(errno));
         placed_ = true;
-        std::error_code ignored;
-        fs::remove_all(old, ignored);
     }
 
 private:

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <set>
 
 #include "paint/drawdown.h"
@@ -22,6 +23,7 @@ std::vector<Pile> pure_piles(const Palette& palette, const Spectrum& below, doub
     int black = 0;
     const auto from_black = [&](int paint) {
         const Pigment& p = palette.paints[static_cast<std::size_t>(paint)];
+        if (is_clear(p)) return std::numeric_limits<double>::max();
         const Lab lab = lab_under(opaque_look({p.k, p.s}));
         return std::hypot(lab.l, lab.a, lab.b);
     };

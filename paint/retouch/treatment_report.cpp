@@ -8,6 +8,7 @@
 #include "paint/retouch/report_document.h"
 #include "paint/retouch/treatment_picture.h"
 #include "surface/atomic_file.h"
+#include "surface/atomic_folder.h"
 #include "surface/error.h"
 #include "surface/picture_file.h"
 
@@ -326,6 +327,30 @@ std::pair<ReportPlan, ReportPlan> plans(const Matter& m) {
     return {std::move(colour), std::move(white)};
 }
 
+// Returns the names, in `folder`.
+std::vector<fs::path> write_files(Matter& m, const fs::path& folder, const std::string& stem,
+                                  const fs::path& page) {
+    const std::vector<fs::path> names = {
+        stem + ".html",        stem + ".pdf",        stem + ".mask.colour.pdf",  stem + ".mask.white.pdf",
+        stem + ".picture.jpg", stem + ".damage.png", stem + ".annotations.json", stem + ".manifest.json"};
+    {
+        auto [colour, white] = plans(m);
+        write_pdf(folder / names[2], colour);
+        write_pdf(folder / names[3], white);
+        m.add(std::move(colour));  // as large as the painting: held once
+        m.add(std::move(white));
+    }
+    write_text_file(folder / names[0], html_of(m.report, page));
+    write_pdf(folder / names[1], m.report);
+    m.report.blocks.clear();
+    write_picture_8bit(folder / names[4], colour_of(m.canvas.dry()));
+    write_picture_8bit(folder / names[5], damage_picture(m.t, m.canvas.dry()));
+    const std::string picture = names[4].string();
+    write_text_file(folder / names[6], web_annotations(m.t, picture).dump(1) + "\n");
+    write_text_file(folder / names[7], iiif_manifest(m.t, picture).dump(1) + "\n");
+    return names;
+}
+
 }  // namespace
 
 std::vector<fs::path> write_treatment_report(const Treatment& t, const fs::path& page,
@@ -334,9 +359,7 @@ std::vector<fs::path> write_treatment_report(const Treatment& t, const fs::path&
     const std::vector<std::string> faults = t.check(progress);
     if (!faults.empty()) fail("{}: no report is made of it: {}", t.folder().string(), faults.front());
     const Canvas canvas = t.read_canvas(progress);
-    fs::path stem = page;
-    stem.replace_extension();
-    const auto beside = [&](const char* ending) { return fs::path(stem.string() + ending); };
+    { const AtomicFile writable(page); }  // its folder is there
 
     Matter m{t, canvas, t.layers(), Mask(t.width(), t.height()), {}};
     for (const DamageClass damage : kDamageClasses)
@@ -350,24 +373,14 @@ std::vector<fs::path> write_treatment_report(const Treatment& t, const fs::path&
     states(m, progress);
     quality(m);
     log_table(m);
-    const std::vector<fs::path> files = {
-        beside(".html"),        beside(".pdf"),        beside(".mask.colour.pdf"),  beside(".mask.white.pdf"),
-        beside(".picture.jpg"), beside(".damage.png"), beside(".annotations.json"), beside(".manifest.json")};
-    {
-        auto [colour, white] = plans(m);
-        write_pdf(files[2], colour);
-        write_pdf(files[3], white);
-        m.add(std::move(colour));  // as large as the painting: held once
-        m.add(std::move(white));
-    }
-    write_text_file(files[0], html_of(m.report, page));
-    write_pdf(files[1], m.report);
-    m.report.blocks.clear();
-    write_picture_8bit(files[4], colour_of(canvas.dry()));
-    write_picture_8bit(files[5], damage_picture(t, canvas.dry()));
-    const std::string picture = files[4].filename().string();
-    write_text_file(files[6], web_annotations(t, picture).dump(1) + "\n");
-    write_text_file(files[7], iiif_manifest(t, picture).dump(1) + "\n");
+    const fs::path folder = page.has_parent_path() ? page.parent_path() : fs::path(".");
+    FolderFiles written(folder);  // all of them, or none
+    std::vector<fs::path> names;
+    told_of(written.temporary(), folder,
+            [&] { names = write_files(m, written.temporary(), page.stem().string(), page); });
+    written.place();
+    std::vector<fs::path> files;
+    for (const fs::path& name : names) files.push_back(page.parent_path() / name);
     report(progress, "report", 1);
     return files;
 }
