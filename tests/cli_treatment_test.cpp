@@ -1,6 +1,6 @@
 // cli_treatment_test.cpp: a treatment step by step by commands, and what they refuse.
 #include "cli_program.h"
-#include "paint/retouch/mask.h"
+#include "surface/picture_file.h"
 
 namespace tangi {
 namespace {
@@ -70,7 +70,7 @@ TEST_F(CliTreatment, StepsAreUndoneAndStayInTheLog) {
     const Finished stain = tangipaint({"treatment", "undo", treatment(), "--by", "A. B."});
     ASSERT_TRUE(ended(stain, 0));
     EXPECT_EQ(stain.json()["undone"]["line"], 5);
-    EXPECT_EQ(stain.json()["masks"], nlohmann::json({"stain"}));
+    EXPECT_EQ(stain.json()["restored"], nlohmann::json({"stain"}));
     EXPECT_EQ(stain.json()["layers"].size(), 2u) << "nothing was taken off";
     const Finished varnish = tangipaint({"treatment", "undo", treatment()});
     EXPECT_EQ(varnish.json()["undone"]["line"], 4);
@@ -92,7 +92,8 @@ TEST_F(CliTreatment, MasksThatMeanNothingAreTold) {
     draw();
     const nlohmann::json size = tangipaint({"treatment", "status", treatment()}).json();
     const auto with = [&](float level, std::vector<std::string> more) {
-        write_mask(stack_.out("m.png"), Mask(size["width"].get<int>(), size["height"].get<int>(), level));
+        write_picture_8bit(stack_.out("m.png"),
+                           Image<Rgb>(size["width"].get<int>(), size["height"].get<int>(), Rgb(level)));
         std::vector<std::string> arguments = {"--class", "stain", "--mask", stack_.out("m.png")};
         arguments.insert(arguments.end(), more.begin(), more.end());
         return damage(arguments);

@@ -150,10 +150,10 @@ TEST(TreatmentSteps, AMaskThatWasDrawnIsUndoneToWhatItWasBefore) {
     draw_step(treatment, DamageClass::abrasion, band(5), {}, who);
     Canvas canvas = treatment.read_canvas();
     const auto undo = [&] { return undo_step(treatment, canvas, who); };
-    EXPECT_EQ(undo()["masks"], nlohmann::json({"abrasion"}));
+    EXPECT_EQ(undo()["restored"], nlohmann::json({"abrasion"}));
     EXPECT_EQ(sum(treatment.mask(DamageClass::abrasion)), 0);
     for (const int rows : {20, 10}) {
-        EXPECT_EQ(undo()["masks"], nlohmann::json({"stain"}));
+        EXPECT_EQ(undo()["restored"], nlohmann::json({"stain"}));
         EXPECT_EQ(sum(treatment.mask(DamageClass::stain)), rows * 96);
     }
     draw_step(treatment, DamageClass::stain, band(40), {}, who);  // after undoing

@@ -212,7 +212,7 @@ json undo_step(Treatment& treatment, Canvas& canvas, const Author& author, const
     for (const std::string& name : last.masks) step.masks[name] = mask_before(treatment, name, *last.entry);
     if (!last.masks.empty()) step.parameters["masks"] = last.masks;
     treatment.record(step, author, progress);
-    return {{"undone", undone}, {"removed", last.layers}, {"masks", last.masks}};
+    return {{"undone", undone}, {"removed", last.layers}, {"restored", last.masks}};
 }
 
 json draw_step(Treatment& treatment, DamageClass damage, const Mask& mask, const json& parameters,
