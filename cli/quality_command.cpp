@@ -51,9 +51,13 @@ nlohmann::json as_json(const RetouchQuality& q) {
     return json;
 }
 
-// What light from the sides shows: steps, and gloss that differs.
-nlohmann::json write_raking(const Canvas& canvas, const fs::path& folder, const Progress& progress) {
-    const Surface seen = appearance(canvas, {}, progress);
+// What light from the sides shows: steps, and gloss that differs. The canvas is given up: pictures need its
+// room.
+nlohmann::json write_raking(Canvas&& given_up, const fs::path& folder, const Progress& progress) {
+    const Surface seen = [&] {
+        const Canvas canvas = std::move(given_up);
+        return appearance(canvas, {}, progress);
+    }();
     nlohmann::json files = nlohmann::json::array();
     for (const auto& [name, azimuth_deg] : kRaking) {
         const double a = azimuth_deg * M_PI / 180, e = kRaking_deg * M_PI / 180;
@@ -114,7 +118,7 @@ nlohmann::json run_quality(const QualityArguments& a) {
     const Progress progress = console_progress();
     std::optional<Treatment> treatment;
     if (!a.treatment.empty()) treatment = open_treatment(a.treatment);
-    const Canvas canvas =
+    Canvas canvas =
         treatment ? treatment->read_canvas(progress) : read_canvas(a.painting, progress, a.mm_per_pixel);
     Mask spoilt = a.damaged.empty() ? Mask() : read_mask(a.damaged, canvas.width(), canvas.height());
     Mask mask(canvas.width(), canvas.height());
@@ -148,7 +152,7 @@ nlohmann::json run_quality(const QualityArguments& a) {
         mean[std::string(name_of(lamp))] = sum / area;
     }
     nlohmann::json result = {{"delta_e_2000", mean}, {"regions", regions}};
-    const nlohmann::json raking = write_raking(canvas, folder, progress);
+    const nlohmann::json raking = write_raking(std::move(canvas), folder, progress);
     if (treatment) {
         nlohmann::json parameters = to_json(a.options);
         parameters["annulus"] = to_json(a.options.annulus);

@@ -17,11 +17,12 @@ namespace {
 constexpr int kSide_px = 640;        // areas are made in a copy of this size at most
 constexpr double kMost = 0.7;        // [1] of the picture: flaking may be nearly all of it
 constexpr int kDirections = 8;       // in which a crack may be crossed
-constexpr double kLifted_mm = 0.05;  // of an edge above its plate: along sound cracks paint curls by less
-constexpr double kDeep_mm = 0.16;    // of the gap below its edges: through paint that stands up by that much
+constexpr double kLifted_mm = 0.03;  // of an edge above its plate: along sound cracks paint curls by less
+constexpr double kDeep_mm = 0.10;    // of the gap below its edges: through paint that stands up by that much
 constexpr double kNear_mm = 3;       // sigma over which cracks are looked at together
 constexpr double kFewCracks = 0.04;  // [1] of the area; where there are no more, single ones tell nothing
-constexpr std::array<double, 4> kThresholds = {0.05, 0.08, 0.12, 0.17};
+constexpr double kLeast_mm2 = 7;     // of lifted edges, some 0.7 mm wide: of four or five plates
+constexpr std::array<double, 4> kThresholds = {0.06, 0.09, 0.13, 0.18};
 
 // What stands beside a pixel of a crack, which is crossed where it is deepest.
 struct Crossing {
@@ -163,7 +164,8 @@ Judged judge(const Cracks& c, const Area& area, double mm_per_pixel) {
     const double part = lifted / all,
                  elsewhere = (cv::sum(c.lifted)[0] - lifted) / std::max(cv::sum(c.all)[0] - all, 1.0);
     const double directions = 1 - std::hypot(within(c.cosine), within(c.sine)) / lifted;
-    return {rising(part / 0.1, 0.2) * rising(part / (3 * elsewhere + 0.02), 0.25) * rising(lifted / 25, 0.2) *
+    return {rising(part / 0.1, 0.2) * rising(part / (4 * elsewhere + 0.02), 0.25) *
+                rising(lifted * mm_per_pixel * mm_per_pixel / kLeast_mm2, 0.2) *
                 rising(directions / 0.5, 0.12) * rising(2 - beside / (0.4 * part), 0.2),
             fmt::format(
                 "{:.0f} % of the cracks stand open between edges that rise by {:.2f} mm; elsewhere {:.0f} %",
