@@ -117,6 +117,9 @@ void draw(Treatment& treatment, const DamageArguments& a, const Progress& progre
     drawn.classes.clear();
     Mask area = drawn.area(treatment);
     if (!a.wand.empty()) area = united(area, wanded(treatment, a, progress));
+    if (area_of(area, 1).mm2 == 0 && a.edit != "replace")
+        throw UsageError(
+            "nothing is inside of what is drawn: of a mask, white is; --edit replace empties a class");
     if (a.grow_mm != 0) area = dilated(area, a.grow_mm / treatment.mm_per_pixel());
     const Mask before = treatment.mask(damage);
     const Mask after = a.edit == "replace"  ? area
@@ -179,8 +182,9 @@ Command damage_command() {
                 .required();
             flags
                 .option("--suggest", a->suggest,
-                        "loss, craquelure, gloss, old_fill, overpaint, stain or abrasion")
-                .check(one_of({"loss", "craquelure", "gloss", "old_fill", "overpaint", "stain", "abrasion"}));
+                        "loss, craquelure, gloss, old_fill, overpaint, stain, abrasion or flaking")
+                .check(one_of({"loss", "craquelure", "gloss", "old_fill", "overpaint", "stain", "abrasion",
+                               "flaking"}));
             flags.option("--as", a->as, "class that what is suggested goes to, where not the usual one");
             a->area.add_to(flags, "that is drawn");
             flags.option("--edit", a->edit, "what is drawn is added to the class, or: replace, remove")

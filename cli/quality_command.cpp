@@ -53,9 +53,13 @@ nlohmann::json as_json(const RetouchQuality& q) {
 
 std::string raking_picture(const char* name) { return fmt::format("raking_{}.png", name); }
 
-// What light from the sides shows: steps, and gloss that differs.
-void write_raking(const Canvas& canvas, const fs::path& folder, const Progress& progress) {
-    const Surface seen = appearance(canvas, {}, progress);
+// What light from the sides shows: steps, and gloss that differs. The canvas is given up: pictures need its
+// room.
+void write_raking(Canvas&& given_up, const fs::path& folder, const Progress& progress) {
+    const Surface seen = [&] {
+        const Canvas canvas = std::move(given_up);
+        return appearance(canvas, {}, progress);
+    }();
     for (const auto& [name, azimuth_deg] : kRaking) {
         const double a = azimuth_deg * M_PI / 180, e = kRaking_deg * M_PI / 180;
         Light light =
@@ -70,7 +74,7 @@ void write_raking(const Canvas& canvas, const fs::path& folder, const Progress& 
 }
 
 // Maps, which `report` loses, and raking light.
-void write_pictures(const fs::path& folder, QualityReport& report, const Canvas& canvas,
+void write_pictures(const fs::path& folder, QualityReport& report, Canvas&& canvas,
                     const Progress& progress) {
     write_map(folder / "delta_e_2000.exr", report.delta_e);
     write_map(folder / "height_mm.exr", report.height_mm);
@@ -80,7 +84,7 @@ void write_pictures(const fs::path& folder, QualityReport& report, const Canvas&
     write_map(folder / "delta_e_2000.png", report.delta_e, {.bits = 8});
     report.delta_e = report.height_mm =
         report.gloss = {};  // as large as the painting: raking light needs the room
-    write_raking(canvas, folder, progress);
+    write_raking(std::move(canvas), folder, progress);
 }
 
 // Where the retouches of a treatment belong: those that are still there, as the log has them.
@@ -126,7 +130,7 @@ nlohmann::json run_quality(const QualityArguments& a) {
     const Progress progress = console_progress();
     std::optional<Treatment> treatment;
     if (!a.treatment.empty()) treatment = open_treatment(a.treatment);
-    const Canvas canvas =
+    Canvas canvas =
         treatment ? treatment->read_canvas(progress) : read_canvas(a.painting, progress, a.mm_per_pixel);
     Mask spoilt = a.damaged.empty() ? Mask() : read_mask(a.damaged, canvas.width(), canvas.height());
     Mask mask(canvas.width(), canvas.height());
@@ -143,7 +147,7 @@ nlohmann::json run_quality(const QualityArguments& a) {
     const fs::path folder = treatment ? treatment->folder() / within : fs::path(a.out);
     FolderFiles written(folder);  // all of them, or none
     told_of(written.temporary(), folder,
-            [&] { write_pictures(written.temporary(), report, canvas, progress); });
+            [&] { write_pictures(written.temporary(), report, std::move(canvas), progress); });
     nlohmann::json regions = nlohmann::json::array();
     for (const RetouchQuality& q : report.regions) regions.push_back(as_json(q));
     nlohmann::json mean = nlohmann::json::object();

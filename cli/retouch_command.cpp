@@ -5,7 +5,7 @@
 #include "cli/command_list.h"
 #include "cli/retouch_arguments.h"
 #include "cli/treatment_arguments.h"
-#include "paint/appearance.h"
+#include "paint/appearance_part.h"
 #include "paint/canvas_file.h"
 #include "paint/retouch/modes.h"
 #include "paint/retouch/treatment.h"
@@ -98,7 +98,7 @@ nlohmann::json run_retouch(RetouchArguments a) {
                                   : layer_name(a, canvas);
     const RetouchReport report = lay_retouch(canvas, box.palette, mask, spoilt, *retouch_mode_named(a.mode),
                                              layer, a.options, progress);
-    const RetouchViews views = retouch_views(appearance(canvas, {}, progress).diffuse, mask, report);
+    const RetouchViews views = retouch_views(diffuse_in(canvas, canvas.region()), mask, report);
     nlohmann::json result = to_json(report, box.palette.paints, box.warnings);
     result["mode"] = a.mode, result["layer"] = layer, result["dry_sha256"] = hash;
     result["on_original"] = to_json(on_original(canvas.dried().back().paint, mask, canvas.mm_per_pixel()));

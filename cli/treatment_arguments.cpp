@@ -1,5 +1,6 @@
 #include "cli/treatment_arguments.h"
 
+#include <algorithm>
 #include <cstdlib>
 
 #include "cli/arguments.h"
@@ -36,8 +37,16 @@ Mask AreaArguments::area(const Treatment& treatment) const {
                  treatment.folder().string());
         area = united(area, treatment.mask(damage));
     }
-    for (const std::string& file : masks)
-        area = united(area, read_mask(file, treatment.width(), treatment.height()));
+    for (const std::string& file : masks) {
+        const Mask mask = read_mask(file, treatment.width(), treatment.height());
+        const float most = *std::max_element(mask.pixels().begin(), mask.pixels().end());
+        if (most > 0 && most <= 0.5f)
+            fail(
+                "{}: has nothing lighter than {:.0f} % grey, and white is inside: make what belongs to it "
+                "white",
+                file, 100 * most);
+        area = united(area, mask);
+    }
     for (const std::string& text : polygons)
         area = united(
             area, mask_of_polygons({parse_polygon(text, treatment)}, treatment.width(), treatment.height()));

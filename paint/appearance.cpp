@@ -6,6 +6,7 @@
 #include <mutex>
 #include <set>
 
+#include "paint/appearance_part.h"
 #include "paint/kubelka_munk.h"
 #include "surface/parallel.h"
 
@@ -136,8 +137,19 @@ Slope slope_below(const Surface& dry, int x, int y, float levelling_mm) {
             of_height.y + through * (measured.y - of_height.y)};
 }
 
+// A surface that shows a part of the canvas.
+struct Shown {
+    Surface& surface;
+    Region part;
+
+    template <class T>
+    T& at(Image<T> Surface::*map, int x, int y) const {
+        return (surface.*map)(x - part.x0, y - part.y0);
+    }
+};
+
 void update_normals(const Canvas& canvas, const std::vector<const PaintLayer*>& layers, const Region& region,
-                    Surface& s) {
+                    const Shown& shown) {
     const Surface& dry = canvas.dry();
     const Thickness thickness(layers, region, canvas.region());
     std::vector<const PaintLayer*> levelling;
@@ -147,16 +159,17 @@ void update_normals(const Canvas& canvas, const std::vector<const PaintLayer*>& 
     for (int y = region.y0; y < region.y1; ++y)
         for (int x = region.x0; x < region.x1; ++x) {
             const Slope added = slope_at(thickness, x, y, canvas.region(), canvas.mm_per_pixel());
-            s.normal(x, y) = dry.normal(x, y);
+            Vec3& normal = shown.at(&Surface::normal, x, y);
+            normal = dry.normal(x, y);
             if (added.x == 0 && added.y == 0 && !(level(x, y) > 0)) continue;
             const Slope below = slope_below(dry, x, y, level(x, y));
-            s.normal(x, y) = normal_of({below.x + added.x, below.y + added.y});
+            normal = normal_of({below.x + added.x, below.y + added.y});
         }
 }
 
 // All but the normals, in a part of one tile.
 void update_part(const Canvas& canvas, const std::vector<const PaintLayer*>& layers, TileIndex at,
-                 const Region& part, Surface& s, const AppearanceOptions& options) {
+                 const Region& part, const Shown& shown, const AppearanceOptions& options) {
     const Surface& dry = canvas.dry();
     const auto unit_mm = static_cast<float>(canvas.height_unit_mm());
     std::vector<PartOfTile> films;
@@ -180,22 +193,27 @@ void update_part(const Canvas& canvas, const std::vector<const PaintLayer*>& lay
     std::size_t i = 0;
     for (int y = part.y0; y < part.y1; ++y)
         for (int x = part.x0; x < part.x1; ++x, ++i) {
-            s.height_mm(x, y) = dry.height_mm(x, y) + mm[i] / unit_mm;
-            s.diffuse(x, y) = dry.diffuse(x, y);
-            s.specular(x, y) = dry.specular(x, y);
-            s.roughness(x, y) = dry.roughness(x, y);
-            s.confidence(x, y) = dry.confidence(x, y);
-            if (!dry.lobe_colour.empty()) s.lobe_colour(x, y) = dry.lobe_colour(x, y);
+            Rgb& diffuse = shown.at(&Surface::diffuse, x, y);
+            float& specular = shown.at(&Surface::specular, x, y);
+            float& roughness = shown.at(&Surface::roughness, x, y);
+            float& confidence = shown.at(&Surface::confidence, x, y);
+            shown.at(&Surface::height_mm, x, y) = dry.height_mm(x, y) + mm[i] / unit_mm;
+            diffuse = dry.diffuse(x, y);
+            specular = dry.specular(x, y);
+            roughness = dry.roughness(x, y);
+            confidence = dry.confidence(x, y);
+            if (!dry.lobe_colour.empty()) shown.at(&Surface::lobe_colour, x, y) = dry.lobe_colour(x, y);
             if (!(mm[i] > 0)) continue;
             const float covered = 1 - std::exp(-mm[i] / static_cast<float>(options.covering_mm));
             // What a reflectance cannot hold (rho_d beyond 1) is covered like the rest.
-            s.diffuse(x, y) = glm::max(colours[i], Rgb(0));
-            s.specular(x, y) = sheen[i].specular;
-            s.roughness(x, y) = sheen[i].roughness;
+            diffuse = glm::max(colours[i], Rgb(0));
+            specular = sheen[i].specular;
+            roughness = sheen[i].roughness;
             if (!dry.lobe_colour.empty() && sheen[i].specular > 0)
-                s.lobe_colour(x, y) = Rgb(1) + std::min(sheen[i].coloured / sheen[i].specular, 1.0f) *
-                                                   (dry.lobe_colour(x, y) - Rgb(1));
-            s.confidence(x, y) = std::max(s.confidence(x, y), covered);
+                shown.at(&Surface::lobe_colour, x, y) =
+                    Rgb(1) +
+                    std::min(sheen[i].coloured / sheen[i].specular, 1.0f) * (dry.lobe_colour(x, y) - Rgb(1));
+            confidence = std::max(confidence, covered);
         }
 }
 
@@ -211,19 +229,18 @@ void unite(Region& all, const Region& more) {
                                std::max(all.x1, more.x1), std::max(all.y1, more.y1)};
 }
 
-}  // namespace
-
-void update_appearance(const Canvas& canvas, std::span<const Region> changed, Surface& surface,
-                       const AppearanceOptions& options, const Progress& progress) {
-    validate(options);
-    TP_REQUIRE(surface.height_mm.region() == canvas.region(), "the surface is this canvas's");
+// `changed` as in update_appearance().
+void update(const Canvas& canvas, std::span<const Region> changed, const Shown& shown,
+            const AppearanceOptions& options, const Progress& progress) {
     std::map<TileIndex, Changed> wanted;
     for (const Region& part : changed) {
         if (part.empty()) continue;
         TP_REQUIRE(part.x0 / kSize == (part.x1 - 1) / kSize && part.y0 / kSize == (part.y1 - 1) / kSize,
                    "a part lies within one tile");
-        unite(wanted[{part.x0 / kSize, part.y0 / kSize}].part, part);
-        const Region around = intersection(grown(part), canvas.region());
+        if (const Region seen = intersection(part, shown.part); !seen.empty())
+            unite(wanted[{part.x0 / kSize, part.y0 / kSize}].part, seen);
+        const Region around = intersection(grown(part), shown.part);
+        if (around.empty()) continue;
         for (int y = around.y0 / kSize; y * kSize < around.y1; ++y)
             for (int x = around.x0 / kSize; x * kSize < around.x1; ++x)
                 unite(wanted[{x, y}].normals, intersection(around, canvas.wet().region_of({x, y})));
@@ -235,13 +252,43 @@ void update_appearance(const Canvas& canvas, std::span<const Region> changed, Su
     parallel_for(0, static_cast<int>(all.size()), 1, [&](int begin, int end) {
         for (int i = begin; i < end; ++i) {
             const auto& [tile, what] = all[static_cast<std::size_t>(i)];
-            if (!what.part.empty()) update_part(canvas, layers, tile, what.part, surface, options);
-            if (!what.normals.empty()) update_normals(canvas, layers, what.normals, surface);
+            if (!what.part.empty()) update_part(canvas, layers, tile, what.part, shown, options);
+            if (!what.normals.empty()) update_normals(canvas, layers, what.normals, shown);
         }
         const std::lock_guard lock(reporting);
         done += end - begin;
         report(progress, "blend layers", done / static_cast<double>(all.size()));
     });
+}
+
+// The parts of the canvas that hold paint.
+std::vector<Region> painted_parts(const Canvas& canvas) {
+    std::set<TileIndex> painted;
+    for (const PaintLayer* layer : layers_of(canvas))
+        for (const TileIndex tile : layer->painted()) painted.insert(tile);
+    std::vector<Region> parts;
+    for (const TileIndex tile : painted) parts.push_back(canvas.wet().region_of(tile));
+    return parts;
+}
+
+template <class T>
+Image<T> cut(const Image<T>& image, const Region& part) {
+    if (image.empty()) return {};
+    Image<T> result(part.width(), part.height());
+    for (int y = part.y0; y < part.y1; ++y) {
+        const auto row = image.row(y);
+        std::copy(row.begin() + part.x0, row.begin() + part.x1, result.row(y - part.y0).begin());
+    }
+    return result;
+}
+
+}  // namespace
+
+void update_appearance(const Canvas& canvas, std::span<const Region> changed, Surface& surface,
+                       const AppearanceOptions& options, const Progress& progress) {
+    validate(options);
+    TP_REQUIRE(surface.height_mm.region() == canvas.region(), "the surface is this canvas's");
+    update(canvas, changed, {surface, canvas.region()}, options, progress);
 }
 
 Image<float> bare_part(const Canvas& canvas, const AppearanceOptions& options) {
@@ -256,13 +303,48 @@ Image<float> bare_part(const Canvas& canvas, const AppearanceOptions& options) {
 
 Surface appearance(const Canvas& canvas, const AppearanceOptions& options, const Progress& progress) {
     Surface surface = canvas.dry();
-    std::set<TileIndex> painted;
-    for (const PaintLayer* layer : layers_of(canvas))
-        for (const TileIndex tile : layer->painted()) painted.insert(tile);
-    std::vector<Region> parts;
-    for (const TileIndex tile : painted) parts.push_back(canvas.wet().region_of(tile));
-    update_appearance(canvas, parts, surface, options, progress);
+    update_appearance(canvas, painted_parts(canvas), surface, options, progress);
     return surface;
+}
+
+Surface appearance_in(const Canvas& canvas, const Region& part, const AppearanceOptions& options) {
+    validate(options);
+    TP_REQUIRE(!part.empty() && intersection(part, canvas.region()) == part, "the part is of the canvas");
+    const Surface& dry = canvas.dry();
+    Surface surface;
+    surface.height_mm = cut(dry.height_mm, part);
+    surface.normal = cut(dry.normal, part);
+    surface.diffuse = cut(dry.diffuse, part);
+    surface.specular = cut(dry.specular, part);
+    surface.roughness = cut(dry.roughness, part);
+    surface.confidence = cut(dry.confidence, part);
+    surface.lobe_colour = cut(dry.lobe_colour, part);
+    surface.law = dry.law;
+    surface.mm_per_pixel = dry.mm_per_pixel;
+    surface.scale_known = dry.scale_known;
+    std::vector<Region> parts;
+    const Region around = intersection(grown(part), canvas.region());
+    for (int y = around.y0 / kSize; y * kSize < around.y1; ++y)
+        for (int x = around.x0 / kSize; x * kSize < around.x1; ++x)
+            for (const PaintLayer* layer : layers_of(canvas))
+                if (layer->tile({x, y})) {
+                    parts.push_back(layer->region_of({x, y}));
+                    break;
+                }
+    update(canvas, parts, {surface, part}, options, {});
+    return surface;
+}
+
+Image<Rgb> diffuse_in(const Canvas& canvas, const Region& part, const AppearanceOptions& options) {
+    Image<Rgb> result(part.width(), part.height());
+    constexpr int kRows = 4 * kSize;
+    for (int y = part.y0; y < part.y1; y += kRows) {
+        const Region rows{part.x0, y, part.x1, std::min(y + kRows, part.y1)};
+        const Surface seen = appearance_in(canvas, rows, options);
+        std::copy(seen.diffuse.pixels().begin(), seen.diffuse.pixels().end(),
+                  result.row(y - part.y0).begin());
+    }
+    return result;
 }
 
 }  // namespace tangi

@@ -1,5 +1,6 @@
 // cli_treatment_test.cpp: a treatment step by step by commands, and what they refuse.
 #include "cli_program.h"
+#include "surface/picture_file.h"
 
 namespace tangi {
 namespace {
@@ -60,27 +61,49 @@ TEST_F(CliTreatment, GoesFromDamageToReportAndBack) {
     EXPECT_EQ(removed.json()["identical_to_original"], true);
 }
 
-// Step by step backwards; the log only grows.
+// Step by step backwards, masks as well; the log only grows.
 TEST_F(CliTreatment, StepsAreUndoneAndStayInTheLog) {
     draw();
-    EXPECT_TRUE(ended(tangipaint({"treatment", "undo", treatment()}), 1, {"no step to undo"}));
     ASSERT_TRUE(ended(tangipaint({"fill", treatment(), "--class", "loss_to_ground"}), 0));
     ASSERT_TRUE(ended(tangipaint({"varnish", treatment(), "--isolating"}), 0));
-    ASSERT_TRUE(ended(damage({"--class", "stain", "--polygon", kSquare}), 0));  // lays nothing
-    const Finished varnish = tangipaint({"treatment", "undo", treatment(), "--by", "A. B."});
-    ASSERT_TRUE(ended(varnish, 0));
+    ASSERT_TRUE(ended(damage({"--class", "stain", "--polygon", kSquare}), 0));
+    const Finished stain = tangipaint({"treatment", "undo", treatment(), "--by", "A. B."});
+    ASSERT_TRUE(ended(stain, 0));
+    EXPECT_EQ(stain.json()["undone"]["line"], 5);
+    EXPECT_EQ(stain.json()["restored"], nlohmann::json({"stain"}));
+    EXPECT_EQ(stain.json()["layers"].size(), 2u) << "nothing was taken off";
+    const Finished varnish = tangipaint({"treatment", "undo", treatment()});
     EXPECT_EQ(varnish.json()["undone"]["line"], 4);
     EXPECT_EQ(varnish.json()["layers"].size(), 1u) << "the fill is still there";
     ASSERT_TRUE(ended(tangipaint({"varnish", treatment(), "--isolating"}), 0));
-    for (const int line : {7, 3}) {
+    for (const int line : {8, 3, 2}) {
         const Finished undone = tangipaint({"treatment", "undo", treatment()});
         ASSERT_TRUE(ended(undone, 0));
         EXPECT_EQ(undone.json()["undone"]["line"], line);
     }
     EXPECT_TRUE(ended(tangipaint({"treatment", "undo", treatment()}), 1, {"no step to undo"}));
     const nlohmann::json checked = tangipaint({"treatment", "check", treatment()}).json();
-    EXPECT_EQ(checked["log_lines"], 9);
+    EXPECT_EQ(checked["log_lines"], 11);
     EXPECT_TRUE(checked["layers"].empty());
+    for (const nlohmann::json& row : checked["damage"]) EXPECT_EQ(row["count"], 0) << row["class"];
+}
+
+TEST_F(CliTreatment, MasksThatMeanNothingAreTold) {
+    draw();
+    const nlohmann::json size = tangipaint({"treatment", "status", treatment()}).json();
+    const auto with = [&](float level, std::vector<std::string> more) {
+        write_picture_8bit(stack_.out("m.png"),
+                           Image<Rgb>(size["width"].get<int>(), size["height"].get<int>(), Rgb(level)));
+        std::vector<std::string> arguments = {"--class", "stain", "--mask", stack_.out("m.png")};
+        arguments.insert(arguments.end(), more.begin(), more.end());
+        return damage(arguments);
+    };
+    EXPECT_TRUE(ended(with(0.4f, {}), 1, {"m.png", "nothing lighter than 40 % grey"}));
+    EXPECT_TRUE(ended(with(0, {}), 2, {"nothing is inside", "--edit replace"}));
+    EXPECT_TRUE(ended(with(1, {}), 0));
+    const Finished emptied = with(0, {"--edit", "replace"});
+    ASSERT_TRUE(ended(emptied, 0));
+    EXPECT_EQ(emptied.json()["damage"].back()["area_cm2"], 0);
 }
 
 TEST_F(CliTreatment, AreasAreSuggestedByClassAndMayBeNone) {
@@ -90,7 +113,8 @@ TEST_F(CliTreatment, AreasAreSuggestedByClassAndMayBeNone) {
     EXPECT_TRUE(found.json()["suggested"]["areas"].empty());
     EXPECT_TRUE(ended(damage({"--suggest", "old_fill", "--as", "overpaint"}), 0));
     EXPECT_TRUE(ended(damage({"--suggest", "old_fill", "--area-confidence", "2"}), 2, {"--area-confidence"}));
-    EXPECT_TRUE(ended(damage({"--suggest", "flaking"}), 2, {"--suggest"}));
+    EXPECT_TRUE(ended(damage({"--suggest", "flaking"}), 0));
+    EXPECT_TRUE(ended(damage({"--suggest", "rust"}), 2, {"--suggest"}));
 }
 
 TEST_F(CliTreatment, PaintThatTheWindowLeftBecomesARetouch) {

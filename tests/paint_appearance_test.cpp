@@ -3,7 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include "paint/appearance_part.h"
 #include "paint/kubelka_munk.h"
+#include "surface/error.h"
 #include "tests/paint_support.h"
 #include "tests/test_support.h"
 
@@ -31,6 +33,28 @@ TEST(Appearance, IsTheDrySurfaceWhereThereIsNoPaint) {
     EXPECT_EQ(s.diffuse(100, 30), half.dry().diffuse(100, 30));
     EXPECT_EQ(s.height_mm(100, 30), 0);
     EXPECT_NE(s.diffuse(30, 30), half.dry().diffuse(30, 30));
+}
+
+TEST(Appearance, OfAPartIsThatOfTheWhole) {
+    Canvas canvas = half_covered("Bone Black", 0.02f);  // its edge is a slope
+    canvas.writable_dried().push_back({"varnish", canvas.wet(), true});
+    const Surface whole = appearance(canvas, {.illuminant = Illuminant::a});
+    for (const Region& part : {Region{0, 0, 128, 64}, Region{60, 3, 71, 40}, Region{65, 0, 66, 1},
+                               Region{64, 10, 128, 20}, Region{10, 10, 30, 20}}) {
+        const Surface s = appearance_in(canvas, part, {.illuminant = Illuminant::a});
+        ASSERT_EQ(s.height_mm.region(), (Region{0, 0, part.width(), part.height()}));
+        for (int y = 0; y < part.height(); ++y)
+            for (int x = 0; x < part.width(); ++x) {
+                const int u = x + part.x0, v = y + part.y0;
+                ASSERT_EQ(s.diffuse(x, y), whole.diffuse(u, v));
+                ASSERT_EQ(s.normal(x, y), whole.normal(u, v)) << u << ", " << v;
+                ASSERT_EQ(s.height_mm(x, y), whole.height_mm(u, v));
+                ASSERT_EQ(s.roughness(x, y), whole.roughness(u, v));
+                ASSERT_EQ(s.specular(x, y), whole.specular(u, v));
+                ASSERT_EQ(s.confidence(x, y), whole.confidence(u, v));
+            }
+    }
+    EXPECT_THROW(appearance_in(canvas, {100, 0, 129, 10}), ContractError);
 }
 
 TEST(Appearance, PaintHidesTheColourOfTheLobeBelow) {

@@ -155,6 +155,20 @@ TEST(AreaSuggestion, FindsAStainOnAPlainGroundButNotWhatChangesMoreThanColour) {
     EXPECT_GT(intersection_over_union(suggest_areas(surface, 0.3, DamageClass::overpaint).mask, stain), 0.7);
 }
 
+TEST(AreaSuggestion, FindsPlatesWhoseEdgesComeUpButNotCraquelure) {
+    PaintingTruth truth = procedural_painting(worn(102, true));
+    Surface surface = surface_of(truth);
+    const AreaSuggestion found = suggest_areas(surface, 0.3, DamageClass::flaking);
+    EXPECT_GT(intersection_over_union(found.mask, mask_of(truth.flaking)), 0.5);
+    ASSERT_FALSE(found.areas.empty());
+    EXPECT_THAT(found.areas.front().cues, testing::HasSubstr("stand open"));
+    // The same cracks in paint that lies flat: its edges pressed down to the plates behind them.
+    for (std::size_t i = 0; i < surface.height_mm.size(); ++i)
+        if (truth.flaking.pixels()[i])
+            surface.height_mm.pixels()[i] = std::min(surface.height_mm.pixels()[i], 0.3f);
+    EXPECT_LT(sum(suggest_areas(surface, 0.3, DamageClass::flaking).mask), 0.3 * sum(found.mask));
+}
+
 TEST(AreaSuggestion, IsNeverSureOfAbrasion) {
     const PaintingTruth truth = procedural_painting(worn(101, true));
     const Surface surface = surface_of(truth);
@@ -180,7 +194,7 @@ TEST(AreaSuggestion, DoesNotDependOnThreadsOrOnTheUnitOfHeightAndBearsNumbersTha
         for (int x = 0; x < 5; ++x)
             surface.height_mm(x, y) = surface.roughness(x, y) = std::numeric_limits<float>::quiet_NaN();
     EXPECT_GT(intersection_over_union(suggest_areas(surface, 0.3, DamageClass::old_fill).mask, before), 0.95);
-    EXPECT_THROW(suggest_areas(surface, 0.3, DamageClass::flaking), ContractError);
+    EXPECT_THROW(suggest_areas(surface, 0.3, DamageClass::craquelure), ContractError);
 }
 
 TEST(DamageSuggestion, SmallAndFlatPicturesHaveNone) {

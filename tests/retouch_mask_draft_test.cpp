@@ -135,5 +135,42 @@ TEST(TreatmentSteps, WhatIsPaintedBesideTheAreaIsCountedAndLogged) {
     EXPECT_TRUE(treatment.layers().empty());
 }
 
+TEST(TreatmentSteps, AMaskThatWasDrawnIsUndoneToWhatItWasBefore) {
+    const TestDir dir;
+    write_painting(dir / "a.exr", *flat_surface(96, 64));
+    const Author who{"A. Restorer", "test"};
+    Treatment treatment = Treatment::begin(dir / "a.treatment", dir / "a.exr", who);
+    const auto band = [](int rows) {
+        Mask mask(96, 64);
+        for (int y = 0; y < rows; ++y)
+            for (int x = 0; x < 96; ++x) mask(x, y) = 1;
+        return mask;
+    };
+    for (const int rows : {10, 20, 30}) draw_step(treatment, DamageClass::stain, band(rows), {}, who);
+    draw_step(treatment, DamageClass::abrasion, band(5), {}, who);
+    Canvas canvas = treatment.read_canvas();
+    const auto undo = [&] { return undo_step(treatment, canvas, who); };
+    EXPECT_EQ(undo()["restored"], nlohmann::json({"abrasion"}));
+    EXPECT_EQ(sum(treatment.mask(DamageClass::abrasion)), 0);
+    for (const int rows : {20, 10}) {
+        EXPECT_EQ(undo()["restored"], nlohmann::json({"stain"}));
+        EXPECT_EQ(sum(treatment.mask(DamageClass::stain)), rows * 96);
+    }
+    draw_step(treatment, DamageClass::stain, band(40), {}, who);  // after undoing
+    undo();
+    EXPECT_EQ(sum(treatment.mask(DamageClass::stain)), 10 * 96) << "as the undoing left it";
+    EXPECT_EQ(undo()["undone"]["line"], 2);
+    EXPECT_EQ(sum(treatment.mask(DamageClass::stain)), 0);
+    EXPECT_THAT([&] { undo(); }, ThrowsMessage<Error>(HasSubstr("no step to undo")));
+    EXPECT_TRUE(Treatment::open(dir / "a.treatment").check().empty()) << "what was kept is in the log";
+
+    // What was kept is believed only as it was logged.
+    draw_step(treatment, DamageClass::stain, band(3), {}, who);
+    const auto kept = treatment.log().entries().back().content["kept"]["stain"].get<std::string>();
+    write_mask(treatment.folder() / kept, band(50));
+    EXPECT_THAT([&] { undo(); }, ThrowsMessage<Error>(HasSubstr("is not the mask that line")));
+    EXPECT_FALSE(treatment.check().empty());
+}
+
 }  // namespace
 }  // namespace tangi

@@ -266,6 +266,21 @@ TEST(PigmentPairs, AreFoundByNameAndColourIndex) {
     EXPECT_TRUE(pairs_to_avoid(artist_acrylics().paints, usual_pigment_pairs()).empty());
 }
 
+TEST(PigmentPairs, AreReadAsTheyWereWritten) {
+    const TestDir dir;
+    std::vector<PigmentPair> pairs = usual_pigment_pairs();
+    pairs.push_back({{"a \"b\""}, {"ü"}, "because", ""});
+    write_pigment_pairs(dir / "pairs.json", pairs);
+    const std::vector<PigmentPair> again = read_pigment_pairs(dir / "pairs.json");
+    ASSERT_EQ(again.size(), pairs.size());
+    for (std::size_t i = 0; i < pairs.size(); ++i) {
+        EXPECT_EQ(again[i].first, pairs[i].first);
+        EXPECT_EQ(again[i].second, pairs[i].second);
+        EXPECT_EQ(again[i].why, pairs[i].why);
+        EXPECT_EQ(again[i].source, pairs[i].source);
+    }
+}
+
 TEST(PigmentPairs, SayWhereAFileIsWrong) {
     const auto wrong = [](const char* pairs) {
         return error_of([&] {

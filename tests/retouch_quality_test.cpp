@@ -80,6 +80,28 @@ TEST(Quality, TellsRegionsApart) {
     EXPECT_LT(report.regions[1].delta_e[static_cast<std::size_t>(Illuminant::d65)], 0.1);
 }
 
+TEST(Quality, OfHundredsOfSmallRetouchesIsQuickAndRightForEach) {
+    Patched flat(0, Rgb(0.3f), 0.04f, 0.15f);
+    flat.surface = Surface(300, 300);
+    flat.surface.mm_per_pixel = 1;
+    flat.patch = Mask(300, 300);
+    for (float& c : flat.surface.confidence.pixels()) c = 1;
+    for (Rgb& c : flat.surface.diffuse.pixels()) c = Rgb(0.3f);
+    for (int y = 5; y < 295; y += 20)
+        for (int x = 5; x < 295; x += 20)
+            for (int dy = 0; dy < 6; ++dy)
+                for (int dx = 0; dx < 6; ++dx) {
+                    flat.patch(x + dx, y + dy) = 1;
+                    flat.surface.height_mm(x + dx, y + dy) = 0.001f * static_cast<float>(x);
+                }
+    const QualityReport report = flat.quality();
+    ASSERT_EQ(report.regions.size(), 15u * 15u);
+    for (const RetouchQuality& q : report.regions) {
+        EXPECT_NEAR(q.height_mm.mean, 0.001 * q.box.x0, 0.1 * 0.001 * q.box.x0);
+        EXPECT_LE(q.undamaged.size(), 1u) << "there are enough of them";
+    }
+}
+
 TEST(Quality, TellsHowMuchTheSurroundingsVaryThemselves) {
     // Even surroundings: a planted step is all there is.
     const Rgb colour(0.36f, 0.3f, 0.25f);

@@ -1,17 +1,8 @@
 // viewer_treatment_desk_test.cpp: a treatment beside the window, without one: damage is suggested and drawn,
 // filled, retouched; painting stops at it; all of it is in the log.
-#include "viewer/treatment_desk.h"
-
-#include <gmock/gmock.h>
-
-#include <thread>
-
-#include "datasets/procedural_painting.h"
 #include "paint/appearance.h"
-#include "paint/canvas_file.h"
 #include "surface/atomic_file.h"
-#include "surface/painting_file.h"
-#include "viewer_support.h"
+#include "tests/treatment_desks.h"
 
 namespace tangi {
 namespace {
@@ -21,88 +12,7 @@ using testing::HasSubstr;
 
 constexpr auto kLoss = static_cast<std::size_t>(DamageClass::loss_to_ground);
 
-const PaintingTruth& truth() {
-    static const PaintingTruth painting = [] {
-        PaintingOptions options;
-        options.seed = 5;
-        options.width = options.height = 160;
-        options.mm_per_pixel = 0.5;
-        return procedural_painting(options);
-    }();
-    return painting;
-}
-
-class Desks : public testing::Test {
-protected:
-    void SetUp() override {
-        write_painting(folder_ / "a.exr", surface_of(truth()));
-        show(folder_ / "a.exr");
-    }
-    void TearDown() override { desk_.reset(); }
-
-    void show(const fs::path& file) {
-        if (desk_) desk_->leave();
-        painter_.reset();
-        painter_ = std::make_unique<Painter>(
-            Painter::Setup{read_canvas(file), artist_acrylics(), file, false}, [] {});
-        painter_->start(std::make_shared<TexelTiles>(painter_->surface(), painter_->range()));
-        if (!desk_)
-            desk_.emplace(state_,
-                          TreatmentDesk::Setup{{"A. Restorer", "test"},
-                                               artist_acrylics(),
-                                               [] {},
-                                               [this](const std::string& text) { said_.push_back(text); }});
-        state_.scale_known = true;
-        state_.mm_per_pixel = truth().mm_per_pixel;
-        desk_->shows(*painter_);
-    }
-    // Until nothing runs any more.
-    void settle() {
-        for (int quiet = 0, i = 0; quiet < 4 && i < 12000; ++i) {
-            painter_->wait();
-            desk_->take();
-            desk_->look();
-            state_.painter = painter_->fetch().state;
-            quiet = state_.treating.job || state_.painter.waiting > 0 ? 0 : quiet + 1;
-            std::this_thread::sleep_for(std::chrono::milliseconds(5));
-        }
-        painter_->wait();
-        state_.painter = painter_->fetch().state;
-    }
-    void begin() {
-        state_.treating.ask.begin = true;
-        settle();
-        ASSERT_EQ(state_.ask.open, folder_ / "a.treatment" / "painting.exr") << testing::PrintToString(said_);
-        show(std::exchange(state_.ask.open, {}));
-        settle();
-        ASSERT_TRUE(state_.treating.usable) << testing::PrintToString(said_);
-    }
-    void draw(double x, double y, double to_x, double to_y) {
-        auto& touches = state_.treating.touches;
-        touches.push_back({MaskTouch::Kind::press, {x, y}});
-        touches.push_back({MaskTouch::Kind::drag, {to_x, to_y}});
-        touches.push_back({MaskTouch::Kind::release, {}});
-        settle();
-    }
-    void stroke(double y_mm) {
-        StrokeEvent event;
-        event.brush = brush_presets().at("flat");
-        event.brush.size_mm = 8;
-        event.paint = {{"Titanium White", 1}};
-        painter_->send(event);
-        for (int i = 0; i <= 20; ++i)
-            painter_->send(PointEvent{{.time_s = 0.01 * i, .x_mm = 3.0 * i - 30, .y_mm = y_mm}});
-        painter_->send(EndEvent{});
-        settle();
-    }
-    Treatment treatment() const { return Treatment::open(folder_ / "a.treatment"); }
-
-    TestDir folder_;
-    WindowState state_;
-    std::vector<std::string> said_;
-    std::unique_ptr<Painter> painter_;
-    std::optional<TreatmentDesk> desk_;
-};
+using Desks = TreatmentDesks;
 
 TEST_F(Desks, TheWholeSequenceIsInTheLog) {
     begin();
@@ -193,6 +103,15 @@ TEST_F(Desks, TheWholeSequenceIsInTheLog) {
     EXPECT_EQ(t.layers.size(), 4u) << "the varnish is off";
     EXPECT_EQ(t.log.size(), actions.size() + 1) << "and both are in the log";
     EXPECT_THAT(t.log.front().action, testing::StartsWith("undo"));
+    draw(20, 140, 60, 140);
+    t.ask.undo_step = true;
+    settle();
+    EXPECT_THAT(said_.back(), HasSubstr("first enter the corrections"));
+    t.ask.keep = true;
+    settle();
+    t.ask.undo_step = true;
+    settle();
+    EXPECT_EQ(treatment().mask(DamageClass::loss_to_ground)(40, 140), 0) << "as it was before";
     t.ask.remove_all = true;
     settle();
     EXPECT_THAT(said_.back(), HasSubstr("bit for bit"));
@@ -311,36 +230,6 @@ TEST_F(Desks, CorrectionsAreKeptWhenTheWindowCloses) {
     EXPECT_THAT(treatment().check(), testing::IsEmpty());
 }
 
-TEST_F(Desks, RecipesForAPlaceAndRoundTheDamage) {
-    begin();
-    Treating& t = state_.treating;
-    t.brush_mm = 10;
-    draw(80, 80, 80, 80);
-    t.ask.keep = true;
-    settle();
-    t.most_paints = 2;
-    t.ask.match_at = glm::dvec2(40, 40);
-    settle();
-    ASSERT_TRUE(t.match) << testing::PrintToString(said_);
-    ASSERT_FALSE(t.match->recipes.empty());
-    for (const ShownRecipe& r : t.match->recipes) {
-        EXPECT_LE(r.mix.size(), 2u);
-        float parts = 0;
-        for (const auto& [name, part] : r.mix) {
-            EXPECT_GE(artist_acrylics().find(name), 0) << "from one's own box";
-            parts += part;
-        }
-        EXPECT_NEAR(parts, 1, 1e-4);
-    }
-    t.ask.match_around = true;
-    settle();
-    EXPECT_THAT(t.match->of, HasSubstr("round the damage"));
-    t.lamps.fill(false);
-    t.ask.match_around = true;
-    settle();
-    EXPECT_THAT(said_.back(), HasSubstr("choose a lamp"));
-}
-
 TEST_F(Desks, AnEditedLogIsSaidAndNothingIsDone) {
     begin();
     state_.treating.brush_mm = 10;
@@ -364,39 +253,6 @@ TEST_F(Desks, AnEditedLogIsSaidAndNothingIsDone) {
     settle();
     EXPECT_FALSE(state_.treating.on);
     EXPECT_THAT(said_.back(), HasSubstr("log.jsonl:1: was edited"));
-}
-
-TEST(DamageMap, ShowsWhatIsThereInItsColour) {
-    DamageMap map(30, 20);
-    Mask mask(30, 20);
-    for (int y = 5; y < 15; ++y)
-        for (int x = 5; x < 15; ++x) mask(x, y) = 1;
-    map.set(DamageClass::stain, mask);
-    DamageMap::Style style;
-    map.compose(style);
-    EXPECT_EQ(map.picture()(10, 10).a, 0) << "it is not shown";
-    style.shown.fill(true);
-    map.compose(style);
-    EXPECT_EQ(map.picture()(10, 10).a, 255);
-    EXPECT_EQ(map.picture()(20, 10).a, 0);
-    EXPECT_NEAR(map.picture()(10, 10).r, 255 * legend_colour_srgb(DamageClass::stain).r, 1);
-    style.style = MapStyle::outlined;
-    map.compose(style);
-    EXPECT_EQ(map.picture()(10, 10).a, 0);
-    EXPECT_EQ(map.picture()(5, 10).a, 255);
-    mask(20, 10) = 1;
-    map.set(DamageClass::stain, mask, {20, 10, 21, 11});
-    map.compose(style, {20, 10, 21, 11});
-    EXPECT_EQ(map.picture()(20, 10).a, 255) << "a hair line is seen";
-    // A coarser map of a large painting still has it.
-    DamageMap coarse(9000, 10);
-    Mask line(9000, 10);
-    line(7000, 5) = 1;
-    coarse.set(DamageClass::craquelure, line);
-    style.style = MapStyle::filled;
-    coarse.compose(style);
-    EXPECT_EQ(coarse.reduced(), 3);
-    EXPECT_EQ(coarse.picture()(7000 / 3, 5 / 3).a, 255);
 }
 
 }  // namespace

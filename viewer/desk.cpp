@@ -60,14 +60,22 @@ void Desk::start(std::string title, std::function<void(const Progress&)> work) {
 }
 
 void Desk::open(const fs::path& file) {
-    start("opening " + file.filename().string(), [this, file](const Progress& progress) {
-        OpenedPainting opened;
-        Painter::Setup setup{read_canvas(file, progress, treatment_scale(file)), setup_.palette, file, false};
-        opened.painter = std::make_unique<Painter>(std::move(setup), setup_.wake, progress);
-        opened.tiles = std::make_shared<TexelTiles>(opened.painter->surface(), opened.painter->range());
-        opened.file = file;
-        opened_ = std::move(opened);
-    });
+    const std::optional<Palette> other = other_palette_ ? std::optional(setup_.palette) : std::nullopt;
+    start("opening " + file.filename().string(),
+          [this, file, other, palette = setup_.palette](const Progress& progress) {
+              OpenedPainting opened;
+              opened.palette = other;
+              Painter::Setup setup{read_canvas(file, progress, treatment_scale(file)), palette, file, false};
+              opened.painter = std::make_unique<Painter>(std::move(setup), setup_.wake, progress);
+              opened.tiles = std::make_shared<TexelTiles>(opened.painter->surface(), opened.painter->range());
+              opened.file = file;
+              opened_ = std::move(opened);
+          });
+}
+
+void Desk::use_palette(Palette palette) {
+    setup_.palette = std::move(palette);
+    other_palette_ = true;
 }
 
 void Desk::fit(const fs::path& folder) {

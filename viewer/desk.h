@@ -20,6 +20,7 @@ struct OpenedPainting {
     std::unique_ptr<Painter> painter;
     std::shared_ptr<TexelTiles> tiles;
     std::filesystem::path file;
+    std::optional<Palette> palette{};  // that it is painted on with, where another one was chosen
 };
 
 class Desk {
@@ -44,6 +45,8 @@ public:
     std::optional<OpenedPainting> opened();
 
     void open(const std::filesystem::path& file);
+    // What is opened from now on is painted on with this paint box.
+    void use_palette(Palette palette);
     void remember(const std::filesystem::path& file);  // as one that was opened last
     void hold_photos(const std::filesystem::path& folder, const Painter& painter);
 
@@ -56,6 +59,7 @@ private:
 
     WindowState& state_;
     Setup setup_;
+    bool other_palette_ = false;
     std::optional<OpenedPainting> opened_;  // by the job, while it runs; ours once it is over
     std::optional<std::pair<std::filesystem::path, std::string>> fitted_;  // the same
     std::unique_ptr<Job> job_;

@@ -13,6 +13,7 @@
 #include "paint/retouch/fill.h"
 #include "paint/retouch/mask_draft.h"
 #include "paint/retouch/modes.h"
+#include "paint/retouch/pigment_pairs.h"
 #include "paint/retouch/treatment.h"
 #include "viewer/job.h"
 #include "viewer/view.h"
@@ -21,7 +22,7 @@ namespace tangi {
 
 enum class MaskTool { brush, polygon, wand };
 enum class MapStyle { filled, hatched, outlined };
-enum class Suggesting { loss, craquelure, gloss, old_fill, overpaint, stain, abrasion };
+enum class Suggesting { loss, craquelure, gloss, old_fill, overpaint, stain, abrasion, flaking };
 
 // What the hand does to the mask that is drawn; `at` as in mask.h.
 struct MaskTouch {
@@ -144,6 +145,10 @@ struct Treating {
     int most_paints = 4;
     bool film = true;  // as thin as the retouch, over what lies there; else one that hides
     bool avoid_pairs = false;
+    std::vector<PigmentPair> pairs;  // that are kept apart
+    struct NewPair {
+        std::string first, second, why;  // words with commas between them
+    } new_pair;
     std::optional<ShownMatch> match;
 
     std::optional<Job::State> job;  // that runs
@@ -158,6 +163,8 @@ struct Treating {
         bool preview = false, apply = false, drop_preview = false, undo_step = false;
         bool compare_states = false, see_from = false, stop_comparing = false;
         bool match_around = false;
+        bool add_pair = false, usual_pairs = false;
+        int drop_pair = -1;                  // of `pairs`
         std::optional<glm::dvec2> match_at;  // [pixels of the painting]
         std::string remove;                  // a layer
         std::filesystem::path open, report;

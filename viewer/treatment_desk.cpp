@@ -55,6 +55,9 @@ std::string told(const json& entry) {
     if (const json name = asked.value("class", json()); name.is_string())
         if (const auto damage = damage_class_named(name.get<std::string>()))
             of.emplace_back(title_of(*damage));
+    for (const json& name : asked.value("masks", json::array()))
+        if (const auto damage = damage_class_named(name.get<std::string>()))
+            of.emplace_back(title_of(*damage));
     const std::string action = entry.value("action", "");
     return of.empty() ? action : fmt::format("{}: {}", action, fmt::join(of, ", "));
 }
@@ -93,7 +96,9 @@ std::optional<double> treatment_scale(const fs::path& painting) {
     return treatment.mm_per_pixel();
 }
 
-TreatmentDesk::TreatmentDesk(WindowState& state, Setup setup) : state_(state), setup_(std::move(setup)) {}
+TreatmentDesk::TreatmentDesk(WindowState& state, Setup setup) : state_(state), setup_(std::move(setup)) {
+    read_pairs();
+}
 
 TreatmentDesk::~TreatmentDesk() { leave(); }
 
@@ -140,6 +145,7 @@ void TreatmentDesk::leave() {
     refresh_due_ = confine_due_ = false;
     Treating blank;
     blank.who = state_.treating.who.empty() ? setup_.author.who : state_.treating.who;
+    blank.pairs = *pairs_;
     state_.treating = std::move(blank);
     for (DamageRow& row : state_.treating.damage)
         row.damage = kDamageClasses[static_cast<std::size_t>(&row - state_.treating.damage.data())];
@@ -245,6 +251,8 @@ void TreatmentDesk::adopt(Facts facts) {
     t.damage = facts.damage;
     t.layers = std::move(facts.layers);
     t.log = std::move(facts.log);
+    if (!last_)  // a draft without corrections goes by what the class had before
+        std::erase_if(drafts_, [](const auto& draft) { return !draft.second.can_undo(); });
     for (const auto& [damage, mask] : facts.masks)
         if (!drafts_.contains(damage)) map_.set(damage, mask);
     map_.set_additions(facts.additions);

@@ -34,10 +34,13 @@ public:
         Palette palette;
         std::function<void()> wake;
         std::function<void(const std::string&)> say;
+        std::filesystem::path settings{};  // folder that holds the user's pigment_pairs.json; empty: none
     };
     TreatmentDesk(WindowState& state, Setup setup);
     ~TreatmentDesk();
 
+    // Recipes are of these paints from now on.
+    void use_palette(Palette palette) { setup_.palette = std::move(palette); }
     // From now on, this painting; after leave().
     void shows(Painter& painter);
     // Before the painter goes: what runs is stopped.
@@ -143,6 +146,8 @@ private:
     void compare_states();
     void see_from();
     void match(const std::optional<glm::dvec2>& at);
+    void read_pairs();
+    void change_pairs(const Treating::Ask& ask);
 
     WindowState& state_;
     Setup setup_;
@@ -150,6 +155,8 @@ private:
     std::shared_ptr<Held> held_;
     std::unique_ptr<Job> job_;
     Finish finish_;  // by the job, while it runs; ours once it is over
+    // That mixtures keep apart; jobs go on with those that they began with.
+    std::shared_ptr<const std::vector<PigmentPair>> pairs_;
     std::map<DamageClass, MaskDraft> drafts_;
     std::optional<Corner> last_;  // of the brush that is drawn
     std::optional<Suggested> suggested_;

@@ -28,6 +28,8 @@ DamageClass area_class_of(Suggesting what) {
             return DamageClass::overpaint;
         case Suggesting::stain:
             return DamageClass::stain;
+        case Suggesting::flaking:
+            return DamageClass::flaking;
         default:
             return DamageClass::abrasion;
     }
@@ -209,9 +211,9 @@ void TreatmentDesk::suggest_areas_into(Suggested& s, ShownSuggestion& shown, Dam
 void TreatmentDesk::suggest() {
     Treating& t = state_.treating;
     const Suggesting what = t.suggesting;
-    constexpr std::array<const char*, 7> titles = {
+    constexpr std::array<const char*, 8> titles = {
         "looking for losses",    "looking for craquelure", "looking for other gloss", "looking for old fills",
-        "looking for overpaint", "looking for stains",     "looking for abrasion"};
+        "looking for overpaint", "looking for stains",     "looking for abrasion",    "looking for flaking"};
     const auto& title = titles[static_cast<std::size_t>(what)];
     start(title,
           [this, what, dry = painter_->dry(), mm = t.mm_per_pixel, loss = t.loss, craquelure = t.craquelure,

@@ -1,6 +1,8 @@
 // treatment_match.cpp: of the treatment: recipes from the user's own paints for a colour of the painting.
 #include <fmt/format.h>
 
+#include <sstream>
+
 #include "paint/retouch/recipe_json.h"
 #include "surface/error.h"
 #include "viewer/treatment_desk.h"
@@ -103,7 +105,63 @@ ShownRecipe shown_of(const MatchedRecipe& r, const Palette& palette, const std::
     return shown;
 }
 
+std::vector<std::string> words_in(const std::string& text) {
+    std::vector<std::string> words;
+    std::stringstream stream(text);
+    for (std::string word; std::getline(stream, word, ',');) {
+        const auto first = word.find_first_not_of(' '), last = word.find_last_not_of(' ');
+        if (first != std::string::npos) words.push_back(word.substr(first, last - first + 1));
+    }
+    return words;
+}
+
+constexpr const char* kPairs = "pigment_pairs.json";
+
 }  // namespace
+
+// The user's own list, where there is one.
+void TreatmentDesk::read_pairs() {
+    std::vector<PigmentPair> pairs = usual_pigment_pairs();
+    try {
+        if (const auto file = setup_.settings / kPairs;
+            !setup_.settings.empty() && std::filesystem::exists(file))
+            pairs = read_pigment_pairs(file);
+    } catch (const Error& error) {
+        setup_.say(error.what());  // the usual ones, then
+    }
+    pairs_ = std::make_shared<const std::vector<PigmentPair>>(std::move(pairs));
+    state_.treating.pairs = *pairs_;
+}
+
+void TreatmentDesk::change_pairs(const Treating::Ask& ask) {
+    std::vector<PigmentPair> pairs = *pairs_;
+    if (ask.drop_pair >= 0 && ask.drop_pair < static_cast<int>(pairs.size()))
+        pairs.erase(pairs.begin() + ask.drop_pair);
+    else if (ask.usual_pairs)
+        pairs = usual_pigment_pairs();
+    else if (ask.add_pair) {
+        const Treating::NewPair& pair = state_.treating.new_pair;
+        const auto first = words_in(pair.first), second = words_in(pair.second);
+        if (first.empty() || second.empty()) {
+            setup_.say("give a word at least for both: as they occur in names of paints");
+            return;
+        }
+        pairs.push_back({first, second, pair.why, state_.treating.who});
+        state_.treating.new_pair = {};
+    } else {
+        return;
+    }
+    pairs_ = std::make_shared<const std::vector<PigmentPair>>(pairs);
+    state_.treating.pairs = std::move(pairs);
+    state_.treating.match.reset();  // it was warned by the list before
+    if (setup_.settings.empty()) return;
+    try {
+        std::filesystem::create_directories(setup_.settings);
+        write_pigment_pairs(setup_.settings / kPairs, *pairs_);
+    } catch (const std::exception& error) {
+        setup_.say(error.what());  // it holds until the window closes
+    }
+}
 
 // Of the colour round the damage that is worked on, or at a place.
 void TreatmentDesk::match(const std::optional<glm::dvec2>& at) {
@@ -119,11 +177,11 @@ void TreatmentDesk::match(const std::optional<glm::dvec2>& at) {
     }
     Palette paints = setup_.palette;  // a medium thins a glaze and matches no colour
     std::erase_if(paints.paints, is_clear);
-    const std::vector<PairWarning> pairs = pairs_to_avoid(paints.paints, usual_pigment_pairs());
+    const std::vector<PairWarning> pairs = pairs_to_avoid(paints.paints, *pairs_);
     if (t.avoid_pairs) options.allowed = without_pairs(paints.paints.size(), pairs);
     const std::optional<double> film_mm = t.film ? std::optional(t.retouch.thickness_mm) : std::nullopt;
     start("looking for recipes",
-          [this, at, options, pairs, film_mm, where = t.where, painter = painter_,
+          [this, at, options, pairs, list = pairs_, film_mm, where = t.where, painter = painter_,
            palette = paints](const Progress&) mutable -> Finish {
               const Treatment now = treatment();
               const double mm = now.mm_per_pixel();

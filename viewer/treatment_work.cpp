@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "paint/appearance.h"
+#include "paint/appearance_part.h"
 #include "paint/retouch/recipe_json.h"
 #include "paint/retouch/treatment_picture.h"
 #include "paint/retouch/treatment_report.h"
@@ -113,6 +113,7 @@ void TreatmentDesk::steps(const Treating::Ask& ask) {
         state_.comparing.pair.reset();
         state_.comparing.on = state_.comparing.loaded && state_.comparing.on;
     }
+    change_pairs(ask);
     if (ask.match_around) match({});
     if (ask.match_at) match(ask.match_at);
     if (!ask.report.empty()) report(ask.report);
@@ -211,6 +212,10 @@ void TreatmentDesk::remove(const std::vector<std::string>& layers) {
 }
 
 void TreatmentDesk::undo_last() {
+    if (state_.treating.edits > 0) {
+        setup_.say("first enter the corrections of the map in the log, or drop them");
+        return;
+    }
     step("undoing a step", [who = author()](Treatment& treatment, Canvas& canvas, const Progress& progress) {
         const json done = undo_step(treatment, canvas, who, progress);
         return fmt::format("in the log: {} of line {} undone", done["undone"]["action"].get<std::string>(),
@@ -231,10 +236,10 @@ void TreatmentDesk::preview() {
     for (std::size_t lamp = 0; lamp < t.lamps.size(); ++lamp)
         if (t.lamps[lamp]) options.match.lamps.push_back(static_cast<Illuminant>(lamp));
     if (options.match.lamps.empty()) options.match.lamps = {Illuminant::d65};
-    const std::vector<PairWarning> pairs = pairs_to_avoid(setup_.palette.paints, usual_pigment_pairs());
+    const std::vector<PairWarning> pairs = pairs_to_avoid(setup_.palette.paints, *pairs_);
     if (t.avoid_pairs) options.match.allowed = without_pairs(setup_.palette.paints.size(), pairs);
     start("laying a retouch to look at",
-          [this, painter = painter_, options, where = t.where, mode = t.mode, pairs,
+          [this, painter = painter_, options, where = t.where, mode = t.mode, pairs, list = pairs_,
            palette = setup_.palette](const Progress& progress) -> Finish {
               const Treatment now = treatment();
               StepArea area = area_of_classes(now, where);
@@ -257,7 +262,7 @@ void TreatmentDesk::preview() {
                       fmt::format("{:2.0f} %  {}", 100 * pile.share, text_of(pile.steps, palette.paints)));
               if (report.marks > 0) {
                   const RetouchViews views =
-                      retouch_views(appearance(canvas, {}, progress).diffuse, area.mask, report);
+                      retouch_views(diffuse_in(canvas, canvas.region()), area.mask, report);
                   const Fusion fusion =
                       fusion_of(views.retouched, views.target, views.mask, report.pitch_mm / mm, mm);
                   results["lines"].update(to_json(fusion));

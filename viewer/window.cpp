@@ -53,13 +53,14 @@ WindowApp::WindowApp(WindowSetup setup, const Progress& progress)
       input_(window_.handle()),
       panels_(window_.handle()) {
     state_.scale = panels_.scale();
-    state_.palette = setup.palette;
+    state_.use_palette(setup.palette);
     if (!setup.brushes.empty()) state_.brushes = setup.brushes;
     const auto wake = [] { glfwPostEmptyEvent(); };
     desk_.emplace(state_, Desk::Setup{std::move(setup.workshop), setup.palette, setup.settings, wake,
                                       [this](const std::string& text) { say(text); }});
-    treating_.emplace(state_, TreatmentDesk::Setup{std::move(setup.author), setup.palette, wake,
-                                                   [this](const std::string& text) { say(text); }});
+    treating_.emplace(state_,
+                      TreatmentDesk::Setup{std::move(setup.author), setup.palette, wake,
+                                           [this](const std::string& text) { say(text); }, setup.settings});
     devices_.emplace(state_, Devices::Setup{.camera = setup.camera,
                                             .wake = wake,
                                             .say = [this](const std::string& text) { say(text); }});
@@ -238,7 +239,13 @@ bool WindowApp::frame() {
     ready_to_paint_ |= state_.tool == Tool::paint;
     requests();
     news();
-    if (auto opened = desk_->opened()) show(std::move(*opened), false);
+    if (auto opened = desk_->opened()) {
+        if (opened->palette) {
+            state_.use_palette(*opened->palette);
+            treating_->use_palette(*opened->palette);
+        }
+        show(std::move(*opened), false);
+    }
     if (state_.help) state_.pens = input_.pens();
     devices_->step(now_s_, std::min(now_s_ - before, 0.1), screen_);
     film();

@@ -46,6 +46,7 @@ private:
     void find_left_over(const std::filesystem::path& file);
     void open_when_allowed(const std::filesystem::path& file);
     void take_dropped();
+    void take_palette(const std::filesystem::path& file);
     void dialogs(const WindowState::Requests& ask);
     void animate(double seconds);
     void draw(bool moved);

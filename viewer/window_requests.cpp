@@ -203,6 +203,28 @@ void WindowApp::take_dropped() {
 }
 
 // Those that were asked for; what is chosen in one is asked for in turn.
+// The painter knows its paints from the start: the painting is opened again with others.
+void WindowApp::take_palette(const std::filesystem::path& file) {
+    if (!std::filesystem::exists(painter_->file())) {
+        say("save the painting first: another paint box comes with opening it again");
+        return;
+    }
+    if (state_.left_over_strokes > 0) {
+        say("first recover or put aside the strokes of the last sitting: they are of the paints that there "
+            "are");
+        return;
+    }
+    try {
+        Palette palette = read_palette(file);
+        if (palette.paints.empty()) fail("{}: there are no paints in it", file.string());
+        desk_->use_palette(std::move(palette));
+    } catch (const Error& error) {
+        say(error.what());
+        return;
+    }
+    open_when_allowed(painter_->file());
+}
+
 void WindowApp::dialogs(const WindowState::Requests& ask) {
     using panels::FileDialog;
     const auto choose = [&](const char* title, FileDialog::Wants wants, const std::filesystem::path& start,
@@ -237,6 +259,8 @@ void WindowApp::dialogs(const WindowState::Requests& ask) {
         choose("The folder of photographs", FileDialog::Wants::folder, here, &Requests::photos);
     if (ask.fit_dialog)
         choose("Fit the photographs of a folder", FileDialog::Wants::folder, here, &Requests::fit_folder);
+    if (ask.palette_dialog)
+        choose("Another paint box", FileDialog::Wants::file, here, &Requests::palette, ".json");
     if (ask.film_dialog)
         choose("A film of the lamp going round", FileDialog::Wants::new_file,
                here / (painter_->file().stem().string() + "-sweep.mp4"), &Requests::film, ".mp4");
@@ -250,6 +274,7 @@ void WindowApp::requests() {
     desk_->take(ask, *painter_);
     treating_->take();
     if (!ask.open.empty()) open_when_allowed(ask.open);
+    if (!ask.palette.empty()) take_palette(ask.palette);
     if (ask.fit) state_.view = fitted(state_.painting, pane(state_, screen_), state_.view.turn_deg);
     if (ask.one_to_one) state_.view.zoom = 1;
     if (ask.straighten) {
@@ -293,6 +318,7 @@ void WindowApp::requests() {
         painter_->save_as(ask.save_as);
     }
     if (ask.stay) {
+        desk_->use_palette(state_.palette);  // if another one was to come with opening it again
         glfwSetWindowShouldClose(window_.handle(), GLFW_FALSE);
         close_when_saved_ = open_when_saved_ = state_.closing = false;
         state_.open_next.clear();

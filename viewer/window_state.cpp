@@ -26,11 +26,18 @@ Rgb thick_film(const std::vector<Pigment>& paints, const std::vector<float>& par
 
 }  // namespace
 
-WindowState::WindowState() : palette(artist_acrylics()), brushes(brush_presets()) {
+WindowState::WindowState() : brushes(brush_presets()) {
     use_brush("flat");
+    use_palette(artist_acrylics());
+}
+
+void WindowState::use_palette(Palette other) {
+    palette = std::move(other);
+    paint_colours.clear();
     for (const Pigment& paint : palette.paints)
         paint_colours.push_back(Transfer{Transfer::Kind::srgb}.encode(thick_film({paint}, {1})));
-    if (!palette.paints.empty()) mix[palette.paints.front().name] = 1;
+    std::erase_if(mix, [&](const auto& part) { return palette.find(part.first) < 0; });
+    if (mix.empty() && !palette.paints.empty()) mix[palette.paints.front().name] = 1;
 }
 
 void WindowState::use_brush(const std::string& name) {

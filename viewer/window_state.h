@@ -197,11 +197,14 @@ struct WindowState {
         bool lay_out = false, wipe_board = false, squeeze = false;
         int step_photo = 0;
         std::optional<int> photo;
-        std::filesystem::path open, save_as, photos, fit_folder, report, film;
+        bool palette_dialog = false;
+        std::filesystem::path open, save_as, photos, fit_folder, report, film, palette;
         std::string lift;  // name of a layer
     } ask;
 
     void use_brush(const std::string& name);
+    // Another paint box: of the mixture, the paints stay that it has too; its first where there are none.
+    void use_palette(Palette other);
     // The mixture on the brush as linear Rec. 709, laid on thickly.
     Rgb mixed_colour() const;
     // rho_s and alpha of the mixture: those that were chosen, else of its paints, by their parts.

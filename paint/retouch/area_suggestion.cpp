@@ -1,4 +1,4 @@
-// area_suggestion.cpp: abrasion, stains, old fills and overpaint, by what changes at their rims.
+// area_suggestion.cpp: abrasion, stains, old fills and overpaint, by what changes at their rims; flaking.
 #include "paint/retouch/area_suggestion.h"
 
 #include <fmt/format.h>
@@ -8,6 +8,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "paint/retouch/area_features.h"
+#include "paint/retouch/flaking_suggestion.h"
 #include "paint/retouch/local_deviation.h"
 #include "surface/error.h"
 
@@ -209,21 +210,13 @@ void doubt_manner(std::vector<Found>& found) {
     });
 }
 
-}  // namespace
-
-AreaSuggestion suggest_areas(const Surface& surface, double mm_per_pixel, DamageClass damage,
-                             const AreaOptions& options, const Progress& progress) {
-    TP_REQUIRE(std::find(kAreaClasses.begin(), kAreaClasses.end(), damage) != kAreaClasses.end(),
-               "areas are suggested of the classes of kAreaClasses");
-    validate(options);
-    require_consistent(surface);
-    const int width = surface.width(), height = surface.height();
-    AreaSuggestion suggestion;
-    suggestion.mask = Mask(width, height);
-    suggestion.confidence = Image<float>(width, height);
-    if (width < 32 || height < 32) return suggestion;
+// By what changes at their rims; the surest of those that overlap, all of them to be judged by how many there
+// are.
+std::vector<Found> found_by_rims(const Surface& surface, double mm_per_pixel, DamageClass damage,
+                                 const AreaOptions& options, int& block, const Progress& progress) {
     const AreaFeatures f = area_features_of(surface, mm_per_pixel / surface.mm_per_pixel, kSide_px, progress);
-    const double block_mm2 = mm_per_pixel * mm_per_pixel * f.block * f.block;
+    block = f.block;
+    const double block_mm2 = mm_per_pixel * mm_per_pixel * block * block;
     const int least = std::max(kLeast, static_cast<int>(std::ceil(options.smallest_area_mm2 / block_mm2)));
     const Search search = search_for(damage, f);
     // What suggest_loss() finds is neither worn nor filled, though it is lower, matt, and may be smooth.
@@ -247,21 +240,53 @@ AreaSuggestion suggest_areas(const Surface& surface, double mm_per_pixel, Damage
     }
     found = surest(std::move(found), f.measured.size());
     doubt_manner(found);
+    return found;
+}
+
+std::vector<Found> found_by_cracks(const Surface& surface, double mm_per_pixel, const AreaOptions& options,
+                                   int& block, const Progress& progress) {
+    std::vector<Found> found;
+    for (FlakingArea& flaking :
+         flaking_areas(surface, mm_per_pixel, options.smallest_area_mm2, block, progress))
+        found.push_back({std::move(flaking.area), {flaking.confidence, std::move(flaking.cues)}});
+    return surest(std::move(found),
+                  {(surface.width() + block - 1) / block, (surface.height() + block - 1) / block});
+}
+
+}  // namespace
+
+AreaSuggestion suggest_areas(const Surface& surface, double mm_per_pixel, DamageClass damage,
+                             const AreaOptions& options, const Progress& progress) {
+    TP_REQUIRE(std::find(kAreaClasses.begin(), kAreaClasses.end(), damage) != kAreaClasses.end(),
+               "areas are suggested of the classes of kAreaClasses");
+    validate(options);
+    require_consistent(surface);
+    const int width = surface.width(), height = surface.height();
+    AreaSuggestion suggestion;
+    suggestion.mask = Mask(width, height);
+    suggestion.confidence = Image<float>(width, height);
+    if (width < 32 || height < 32) return suggestion;
+    int block = 1;  // [pixels]
+    const std::vector<Found> found =
+        damage == DamageClass::flaking
+            ? found_by_cracks(surface, mm_per_pixel, options, block, progress)
+            : found_by_rims(surface, mm_per_pixel, damage, options, block, progress);
+    const double block_mm2 = mm_per_pixel * mm_per_pixel * block * block;
     for (const Found& one : found) {
         const double sure = one.judged.confidence;
         suggestion.surest = std::max(suggestion.surest, sure);
         const cv::Rect& box = one.area.box;
-        for (int y = box.y * f.block; y < std::min((box.y + box.height) * f.block, height); ++y)
-            for (int x = box.x * f.block; x < std::min((box.x + box.width) * f.block, width); ++x) {
-                if (!one.area.inside.at<unsigned char>(y / f.block - box.y, x / f.block - box.x)) continue;
+        for (int y = box.y * block; y < std::min((box.y + box.height) * block, height); ++y)
+            for (int x = box.x * block; x < std::min((box.x + box.width) * block, width); ++x) {
+                if (!one.area.inside.at<unsigned char>(y / block - box.y, x / block - box.x)) continue;
                 suggestion.confidence(x, y) = static_cast<float>(sure);
                 if (sure >= options.area_confidence) suggestion.mask(x, y) = 1;
             }
         if (sure < options.area_confidence) continue;
         const cv::Rect tight = cv::boundingRect(one.area.inside) + box.tl();
         suggestion.areas.push_back(
-            {{tight.x * f.block, tight.y * f.block, std::min((tight.x + tight.width) * f.block, width),
-              std::min((tight.y + tight.height) * f.block, height)},
+            {{tight.x * block, tight.y * block, std::min((tight.x + tight.width) * block, width),
+              std::min((tight.y + tight.height) * block, height)},
              one.area.blocks * block_mm2,
              sure,
              one.judged.cues});

@@ -9,8 +9,8 @@
 //              texture changes
 //   old_fill   far smoother than around; another gloss or colour; neither a pit nor a hill
 //   overpaint  lies higher all round, with another gloss, and another texture or colour
-// Flaking is not among them: the edges of plates that come up are no higher than the ridges that brushes
-// leave beside dark lines.
+//   flaking    cracks stand open between edges that rise, in all directions; it is told from the rest of the
+//              picture, not by a rim
 #pragma once
 
 #include <string>
@@ -28,9 +28,11 @@ struct AreaOptions {
     static constexpr std::string_view name = "area";
     template <class Self, class Visit>
     static void fields(Self& self, Visit&& visit) {
-        visit(FieldInfo{"smallest_area_mm2", 0, 1e6, "mm2",
-                        "areas of abrasion, stain, old fill or overpaint that are smaller are left out"},
-              self.smallest_area_mm2);
+        visit(
+            FieldInfo{
+                "smallest_area_mm2", 0, 1e6, "mm2",
+                "areas of abrasion, stain, old fill, overpaint or flaking that are smaller are left out"},
+            self.smallest_area_mm2);
         visit(FieldInfo{"area_confidence", 0, 1, "1", "such areas that are less sure are not suggested"},
               self.area_confidence);
     }
@@ -53,8 +55,9 @@ struct AreaSuggestion : DamageSuggestion {
 };
 
 // Classes that suggest_areas() knows.
-inline constexpr std::array<DamageClass, 4> kAreaClasses = {DamageClass::abrasion, DamageClass::stain,
-                                                            DamageClass::old_fill, DamageClass::overpaint};
+inline constexpr std::array<DamageClass, 5> kAreaClasses = {DamageClass::abrasion, DamageClass::stain,
+                                                            DamageClass::old_fill, DamageClass::overpaint,
+                                                            DamageClass::flaking};
 
 // In means of blocks of pixels, at most 640 along the longer side. Where the surface's scale is unknown, a
 // pixel counts as `mm_per_pixel`. Throws ContractError for another class than those above.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <mutex>
 #include <opencv2/imgproc.hpp>
 
 #include "paint/retouch/matrix.h"
@@ -10,6 +11,7 @@
 #include "paint/retouch/texture_synthesis.h"
 #include "surface/error.h"
 #include "surface/noise.h"
+#include "surface/parallel.h"
 
 namespace tangi {
 
@@ -25,6 +27,8 @@ struct Patch {
     std::vector<std::array<int, 2>> ring;  // pixels of the canvas around, which tell the level
 };
 
+constexpr int kMostShifts = 160;  // along a side, that are tried first
+
 // How far relief may be taken from: another place, or none.
 struct Shift {
     int x = 0, y = 0;
@@ -37,8 +41,9 @@ struct Search {
 };
 
 // The place nearby whose relief fits the ring around the patch best: least mean squared difference of the
-// fine relief on the ring, of which half must be usable there, and all of the patch.
-Shift best_shift(const Patch& patch, const Search& s, int reach) {
+// fine relief on the ring, of which half must be usable there, and all of the patch. Of a wide reach every
+// `stride`-th place is tried, at most every `phase_px`-th, then those next to the best.
+Shift best_shift(const Patch& patch, const Search& s, int reach, double phase_px) {
     std::vector<std::array<int, 2>> inside;  // some of the patch's pixels, to see that they are usable
     for (int y = 0; y < patch.unknown.height(); ++y)
         for (int x = 0; x < patch.unknown.width(); ++x)
@@ -51,27 +56,33 @@ Shift best_shift(const Patch& patch, const Search& s, int reach) {
     };
     Shift best;
     double least = 1e30;
-    for (int dy = -reach; dy <= reach; ++dy)
-        for (int dx = -reach; dx <= reach; ++dx) {
-            if (!usable(inside.front()[0] + dx, inside.front()[1] + dy) ||
-                !usable(inside.back()[0] + dx, inside.back()[1] + dy))
-                continue;
-            double sum = 0;
-            std::size_t seen = 0;
-            for (const auto& [x, y] : some) {
-                if (!usable(x + dx, y + dy)) continue;
-                const auto d = static_cast<double>(s.detail_mm(x + dx, y + dy) - s.detail_mm(x, y));
-                sum += d * d;
-                ++seen;
-                if (sum >= least * static_cast<double>(some.size())) break;
+    const auto search = [&](const Region& shifts, int stride) {
+        for (int dy = shifts.y0; dy < shifts.y1; dy += stride)
+            for (int dx = shifts.x0; dx < shifts.x1; dx += stride) {
+                if (!usable(inside.front()[0] + dx, inside.front()[1] + dy) ||
+                    !usable(inside.back()[0] + dx, inside.back()[1] + dy))
+                    continue;
+                double sum = 0;
+                std::size_t seen = 0;
+                for (const auto& [x, y] : some) {
+                    if (!usable(x + dx, y + dy)) continue;
+                    const auto d = static_cast<double>(s.detail_mm(x + dx, y + dy) - s.detail_mm(x, y));
+                    sum += d * d;
+                    ++seen;
+                    if (sum >= least * static_cast<double>(some.size())) break;
+                }
+                if (2 * seen < some.size() || sum >= least * static_cast<double>(seen)) continue;
+                if (!std::all_of(inside.begin(), inside.end(),
+                                 [&](const auto& p) { return usable(p[0] + dx, p[1] + dy); }))
+                    continue;
+                least = sum / static_cast<double>(seen);
+                best = {dx, dy, true};
             }
-            if (2 * seen < some.size() || sum >= least * static_cast<double>(seen)) continue;
-            if (!std::all_of(inside.begin(), inside.end(),
-                             [&](const auto& p) { return usable(p[0] + dx, p[1] + dy); }))
-                continue;
-            least = sum / static_cast<double>(seen);
-            best = {dx, dy, true};
-        }
+    };
+    const int stride = std::clamp(static_cast<int>(phase_px), 1, std::max(2 * reach / kMostShifts, 1));
+    search({-reach, -reach, reach + 1, reach + 1}, stride);
+    if (best.found && stride > 1)
+        search({best.x - stride + 1, best.y - stride + 1, best.x + stride, best.y + stride}, 1);
     return best;
 }
 
@@ -160,8 +171,11 @@ Patch patch_of(const Region& own, const Image<float>& relief_mm, const Mask& wid
             if (known && -depth_px(x, y) <= static_cast<float>(ring_px)) patch.ring.push_back({x, y});
         }
     if (patch.ring.size() < 8)
-        fail("the loss at pixel ({}, {}) has nothing intact around it to take its level from", own.x0,
-             own.y0);
+        fail(
+            "the loss at pixel ({}, {}) has nothing intact around it to take its level from; leave some of "
+            "the "
+            "painting round it out of the masks of damage, or fill it in parts",
+            own.x0, own.y0);
     solve_membrane(patch.level_mm, patch.unknown);
     return patch;
 }
@@ -248,7 +262,8 @@ FillReport lay_fill(Canvas& canvas, const std::string& name, const Mask& loss, c
                "a mask has the size of its canvas");
     const double mm = canvas.mm_per_pixel();
     const MaskRegions regions = regions_of(loss);
-    if (regions.regions.empty()) fail("there is nothing to fill: the mask is empty");
+    if (regions.regions.empty())
+        fail("there is nothing to fill: the mask is empty, or covers no pixel by half");
     const Image<float> relief = relief_of(canvas);
     const double rim_px = std::max(options.rim_mm / mm, 1.5);
     const Mask wide = dilated(loss, rim_px);
@@ -275,18 +290,27 @@ FillReport lay_fill(Canvas& canvas, const std::string& name, const Mask& loss, c
         const Mask usable = without(intact.empty() ? everywhere : intact, wide);
         const Image<float> detail = fine_relief(levelled, fine_px);
         const int reach = static_cast<int>(std::ceil(std::min(options.search_mm / mm, 400.0)));
-        for (std::size_t i = 0; i < patches.size(); ++i) {
+        for (std::size_t i = 0; i < patches.size() && texture == FillTexture::patches; ++i) {
             report(progress, "fill",
                    0.5 + 0.5 * static_cast<double>(i) / static_cast<double>(patches.size()));
-            if (texture == FillTexture::patches) {
-                add_patches(patches[i], canvas.dry(), levelled, {detail, usable}, wide, reach, progress);
-                continue;
-            }
-            const Shift shift = best_shift(patches[i], {detail, usable}, reach);
-            if (shift.found)
-                add_relief(patches[i], shift, weave ? detail : levelled, depth_px,
-                           weave ? 1e-3 : rim_px + 1.5 / mm);
+            add_patches(patches[i], canvas.dry(), levelled, {detail, usable}, wide, reach, progress);
         }
+        std::mutex reporting;
+        std::size_t done = 0;
+        const int searched = texture == FillTexture::patches ? 0 : static_cast<int>(patches.size());
+        parallel_for(0, searched, 1, [&](int begin, int end) {
+            for (int i = begin; i < end; ++i) {
+                Patch& patch = patches[static_cast<std::size_t>(i)];
+                const Shift shift = best_shift(patch, {detail, usable}, reach, fine_px / 4);
+                if (shift.found)
+                    add_relief(patch, shift, weave ? detail : levelled, depth_px,
+                               weave ? 1e-3 : rim_px + 1.5 / mm);
+            }
+            const std::lock_guard lock(reporting);
+            done += static_cast<std::size_t>(end - begin);
+            report(progress, "fill",
+                   0.5 + 0.5 * static_cast<double>(done) / static_cast<double>(patches.size()));
+        });
     }
 
     FillReport result;

@@ -4,10 +4,9 @@
 #include <cmath>
 #include <map>
 
-#include "paint/appearance.h"
 #include "paint/kubelka_munk.h"
-#include "paint/retouch/fill.h"
 #include "paint/retouch/line_colours.h"
+#include "paint/retouch/loss_surroundings.h"
 #include "surface/error.h"
 
 namespace tangi {
@@ -22,27 +21,6 @@ constexpr double kFusedPitches = 6;  // over which lines and dots are to have th
 double square(double v) { return v * v; }
 double distance2(const Lab& a, const Lab& b) {
     return square(a.l - b.l) + square(a.a - b.a) + square(a.b - b.b);
-}
-
-Region box_of(const Mask& mask, int margin) {
-    Region box{mask.width(), mask.height(), 0, 0};
-    for (int y = 0; y < mask.height(); ++y)
-        for (int x = 0; x < mask.width(); ++x) {
-            if (!(mask(x, y) > 0)) continue;
-            box = {std::min(box.x0, x), std::min(box.y0, y), std::max(box.x1, x + 1),
-                   std::max(box.y1, y + 1)};
-        }
-    if (box.x1 <= box.x0) fail("retouch: the mask is empty; draw or choose the area that is to be retouched");
-    return {std::max(box.x0 - margin, 0), std::max(box.y0 - margin, 0),
-            std::min(box.x1 + margin, mask.width()), std::min(box.y1 + margin, mask.height())};
-}
-
-template <class T>
-Image<T> crop(const Image<T>& image, const Region& region) {
-    Image<T> part(region.width(), region.height());
-    for (int y = 0; y < part.height(); ++y)
-        for (int x = 0; x < part.width(); ++x) part(x, y) = image(x + region.x0, y + region.y0);
-    return part;
 }
 
 // Centres of groups of colours: k-means in L*a*b* (Lloyd 1982), from the colours farthest apart (Gonzalez
@@ -116,61 +94,6 @@ private:
     PaintLayer paint_;
     std::map<int, IngredientId> ids_;
 };
-
-// All that is known of the loss before paint is chosen.
-struct Loss {
-    Region region;
-    Mask mask;        // in the region
-    Image<Rgb> seen;  // linear Rec. 709 under D65
-    Image<Rgb> target;
-    Spectrum below{};  // mean inside
-    double mm_per_pixel = 1;
-};
-
-// Layers that level are fills.
-bool filled(const Canvas& canvas) {
-    return std::any_of(canvas.dried().begin(), canvas.dried().end(), [](const auto& l) { return l.levels; });
-}
-
-Loss loss_of(const Canvas& canvas, const Mask& mask, const Mask& damaged, const RetouchOptions& options,
-             const Progress& progress) {
-    TP_REQUIRE(mask.region() == canvas.region(), "the mask is the painting's");
-    TP_REQUIRE(damaged.empty() || damaged.region() == mask.region(), "the mask is the painting's");
-    Loss loss;
-    loss.mm_per_pixel = canvas.mm_per_pixel();
-    const double gap_px = options.annulus.gap_mm / loss.mm_per_pixel,
-                 ring_px = std::max(options.annulus.annulus_mm / loss.mm_per_pixel, 2.0);
-    const bool patches = options.inpainting == Inpainting::patches;
-    loss.region = box_of(mask, static_cast<int>(std::ceil(gap_px + (patches ? 6 : 2) * ring_px)) + 2);
-    loss.mask = crop(mask, loss.region);
-    {
-        const bool painted = !canvas.wet().empty() || !canvas.dried().empty();
-        loss.seen =
-            crop(painted ? appearance(canvas, {}, progress).diffuse : canvas.dry().diffuse, loss.region);
-    }
-    Mask hole = loss.mask;
-    for (float& v : hole.pixels()) v = v > 0 ? 1.0f : 0.0f;
-    hole = dilated(damaged.empty() ? hole : united(hole, crop(damaged, loss.region)), gap_px);
-    const Image<float> confidence = crop(canvas.dry().confidence, loss.region);
-    for (std::size_t i = 0; i < hole.size(); ++i)
-        if (!(confidence.pixels()[i] > 0)) hole.pixels()[i] = 1;
-    if (patches) {  // as sharp as they are, and along with the relief of what was filled
-        loss.target = loss.seen;
-        const Image<float> relief_mm = crop(relief_of(canvas), loss.region);
-        inpaint_into(loss.target, hole, options.inpainting, ring_px, filled(canvas) ? &relief_mm : nullptr);
-    } else {
-        loss.target = smoothed_around(loss.seen, hole, ring_px / 4);
-        inpaint_into(loss.target, hole, options.inpainting, ring_px);
-    }
-    Rgb sum(0);
-    float weights = 0;
-    for (std::size_t i = 0; i < loss.mask.size(); ++i) {
-        sum += loss.mask.pixels()[i] * loss.seen.pixels()[i];
-        weights += loss.mask.pixels()[i];
-    }
-    loss.below = reflectance_of_rgb(sum / weights);
-    return loss;
-}
 
 std::vector<Rgb> targets_inside(const Loss& loss) {
     std::vector<Rgb> colours;
@@ -315,7 +238,7 @@ RetouchReport lay_retouch(Canvas& canvas, const Palette& palette, const Mask& ma
     validate(options);
     validate(options.annulus);
     report(progress, "look at the surroundings", 0);
-    Loss loss = loss_of(canvas, mask, damaged, options, progress);
+    Loss loss = loss_of(canvas, mask, damaged, options);
     const bool lines = mode != RetouchMode::mimetic && mode != RetouchMode::neutral;
     if (mode == RetouchMode::neutral || mode == RetouchMode::abstraction) {
         const std::vector<Rgb> inside = targets_inside(loss);

@@ -87,6 +87,15 @@ std::vector<PigmentPair> read_pigment_pairs(const std::filesystem::path& path) {
     return parse_pigment_pairs(read_text_file(path), path.string());
 }
 
+void write_pigment_pairs(const std::filesystem::path& path, const std::vector<PigmentPair>& pairs) {
+    nlohmann::ordered_json json = {
+        {"format", "tangipaint pigment pairs"}, {"version", 1}, {"pairs", nlohmann::ordered_json::array()}};
+    for (const PigmentPair& pair : pairs)
+        json["pairs"].push_back(
+            {{"first", pair.first}, {"second", pair.second}, {"why", pair.why}, {"source", pair.source}});
+    write_text_file(path, json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
+}
+
 std::string_view usual_pigment_pairs_text() { return kPigmentPairsJson; }
 
 const std::vector<PigmentPair>& usual_pigment_pairs() {

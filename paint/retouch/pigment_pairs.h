@@ -25,6 +25,7 @@ std::string_view usual_pigment_pairs_text();
 
 // Errors name the file and the place in it ("/pairs/3/first").
 std::vector<PigmentPair> read_pigment_pairs(const std::filesystem::path& path);
+void write_pigment_pairs(const std::filesystem::path& path, const std::vector<PigmentPair>& pairs);
 std::vector<PigmentPair> parse_pigment_pairs(std::string_view text, const std::string& where);
 
 struct PairWarning {

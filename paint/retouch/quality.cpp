@@ -3,9 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <mutex>
 #include <opencv2/imgproc.hpp>
 
-#include "paint/appearance.h"
+#include "paint/appearance_part.h"
 #include "paint/retouch/gloss.h"
 #include "paint/retouch/matrix.h"
 #include "paint/retouch/treatment.h"
@@ -17,14 +18,6 @@ namespace tangi {
 namespace {
 
 bool inside(float coverage) { return coverage >= 0.5f; }
-
-template <class T>
-Image<T> crop(const Image<T>& image, const Region& region) {
-    Image<T> part(region.width(), region.height());
-    for (int y = 0; y < part.height(); ++y)
-        for (int x = 0; x < part.width(); ++x) part(x, y) = image(x + region.x0, y + region.y0);
-    return part;
-}
 
 // Gaussian means over pixels of weight 1, wherever there are some near.
 Image<float> means(const Image<float>& values, const Mask& weight, double sigma_px) {
@@ -51,8 +44,7 @@ struct Cut {
     double sigma_px = 1;
     std::vector<std::size_t> border;  // pixels inside at the rim
 
-    Sides sides_of(const Image<float>& whole) const {
-        const Image<float> part = crop(whole, region);
+    Sides sides_of(const Image<float>& part) const {
         Sides sides{means(part, retouch, sigma_px), means(part, surroundings, sigma_px), {}};
         sides.carried_on = sides.without;
         membrane_into(sides.carried_on, hole);
@@ -120,18 +112,21 @@ Cut cut_of(const Canvas& canvas, const MaskRegions& numbers, const Outline& plac
     return cut;
 }
 
-constexpr std::size_t kYardsticks = 4;
+constexpr std::size_t kYardsticks = 4;     // beside a region, at most
+constexpr std::size_t kManyRegions = 100;  // from which on one beside each tells as much
+constexpr int kSmall_px = 1 << 18;         // places of at most so many pixels are looked at side by side
 
 // Places beside a region where all of its shape is undamaged.
 std::vector<Outline> undamaged_places(const MaskRegions& numbers, int number, const Mask& intact,
                                       int gap_px) {
+    const std::size_t most = numbers.regions.size() > kManyRegions ? 1 : kYardsticks;
     const Region& box = numbers.regions[static_cast<std::size_t>(number - 1)].box;
     std::vector<Outline> places;
     constexpr std::array<std::array<int, 2>, 8> sides = {
         {{1, 0}, {-1, 0}, {0, 1}, {0, -1}, {1, 1}, {-1, -1}, {1, -1}, {-1, 1}}};
     for (const auto& [sx, sy] : sides)
         for (const double far : {1.0, 1.5, 2.0}) {
-            if (places.size() == kYardsticks) return places;
+            if (places.size() == most) return places;
             const Outline place{number, static_cast<int>(sx * (far * box.width() + gap_px)),
                                 static_cast<int>(sy * (far * box.height() + gap_px))};
             bool good = box.x0 + place.dx >= 0 && box.y0 + place.dy >= 0 &&
@@ -198,8 +193,11 @@ void compare_colour(const Cut& cut, const Image<Rgb>& look, std::size_t lamp, Re
 }
 
 // Means of luminance count for gloss as well.
-void compare_relief_and_gloss(const Cut& cut, const Surface& seen, double height_unit_mm,
-                              const Image<float>& luminances, RetouchQuality& q, QualityReport* report) {
+void compare_relief_and_gloss(const Cut& cut, const Surface& seen, double height_unit_mm, RetouchQuality& q,
+                              QualityReport* report) {
+    Image<float> luminances(seen.width(), seen.height());
+    for (std::size_t i = 0; i < luminances.size(); ++i)
+        luminances.pixels()[i] = luminance(seen.diffuse.pixels()[i]);
     const Sides height = cut.sides_of(seen.height_mm), specular = cut.sides_of(seen.specular),
                 roughness = cut.sides_of(seen.roughness), light = cut.sides_of(luminances);
     q.height_mm = step_of(height, cut.border);
@@ -228,18 +226,89 @@ void compare_relief_and_gloss(const Cut& cut, const Surface& seen, double height
         }
 }
 
-}  // namespace
-
-Image<Rgb> look_under(const Canvas& canvas, Illuminant lamp, const Progress& progress) {
-    Image<Rgb> look = appearance(canvas, {.illuminant = lamp}, progress).diffuse;
-    const Mask painted = additions(canvas);
+// What is not painted looks like its colour's reflectance.
+Image<Rgb> look_of(const Canvas& canvas, Image<Rgb> look, const Region& part, Illuminant lamp) {
     if (lamp == Illuminant::d65) return look;
+    Image<float> painted_mm(part.width(), part.height());
+    const auto add = [&](const PaintLayer& layer) {
+        layer.add_thickness_mm(part, painted_mm.data(), static_cast<std::size_t>(part.width()));
+    };
+    for (const DriedLayer& layer : canvas.dried()) add(layer.paint);
+    add(canvas.wet());
     parallel_for(0, look.height(), 16, [&](int begin, int end) {
         for (int y = begin; y < end; ++y)
             for (int x = 0; x < look.width(); ++x)
-                if (!(painted(x, y) > 0)) look(x, y) = to_linear_rgb(reflectance_of_rgb(look(x, y)), lamp);
+                if (!(painted_mm(x, y) > 0)) look(x, y) = to_linear_rgb(reflectance_of_rgb(look(x, y)), lamp);
     });
     return look;
+}
+
+// A place that is compared, and where its figures go; of a retouch, the maps too.
+struct ComparedPlace {
+    Outline outline;
+    RetouchQuality* quality = nullptr;
+    bool retouch = false;
+};
+
+struct Comparison {
+    const Canvas& canvas;
+    const MaskRegions& numbers;
+    const Mask& damaged;
+    std::span<const Illuminant> lamps;
+    const QualityOptions& options;
+
+    // Memory is that of the place and its surroundings.
+    void compare(const ComparedPlace& place, QualityReport& result) const {
+        RetouchQuality& q = *place.quality;
+        const MaskRegion& region = numbers.regions[static_cast<std::size_t>(place.outline.number - 1)];
+        const auto& [number, dx, dy] = place.outline;
+        q.box = {region.box.x0 + dx, region.box.y0 + dy, region.box.x1 + dx, region.box.y1 + dy};
+        q.area_mm2 = region.pixels * canvas.mm_per_pixel() * canvas.mm_per_pixel();
+        q.delta_e.fill(std::numeric_limits<double>::quiet_NaN());
+        q.border_delta_e = q.delta_e;
+        const Cut cut = cut_of(canvas, numbers, place.outline, damaged, options);
+        q.border_px = static_cast<int>(cut.border.size());
+        for (const Illuminant lamp : lamps) {
+            Image<Rgb> seen = appearance_in(canvas, cut.region, {.illuminant = lamp}).diffuse;
+            compare_colour(cut, look_of(canvas, std::move(seen), cut.region, lamp),
+                           static_cast<std::size_t>(lamp), q, place.retouch ? &result.delta_e : nullptr);
+        }
+        compare_relief_and_gloss(cut, appearance_in(canvas, cut.region), canvas.height_unit_mm(), q,
+                                 place.retouch ? &result : nullptr);
+    }
+
+    // Small ones side by side, large ones one after the other: each takes memory.
+    void compare(const std::vector<ComparedPlace>& places, QualityReport& result,
+                 const Progress& progress) const {
+        std::vector<const ComparedPlace*> small, large;
+        for (const ComparedPlace& place : places) {
+            const Region& box = numbers.regions[static_cast<std::size_t>(place.outline.number - 1)].box;
+            (std::int64_t(box.width()) * box.height() <= kSmall_px ? small : large).push_back(&place);
+        }
+        std::mutex reporting;
+        std::size_t done = 0;
+        const auto tell = [&](std::size_t more) {
+            const std::lock_guard lock(reporting);
+            done += more;
+            report(progress, "compare retouches",
+                   static_cast<double>(done) / static_cast<double>(places.size()));
+        };
+        tell(0);
+        parallel_for(0, static_cast<int>(small.size()), 1, [&](int begin, int end) {
+            for (int i = begin; i < end; ++i) compare(*small[static_cast<std::size_t>(i)], result);
+            tell(static_cast<std::size_t>(end - begin));
+        });
+        for (const ComparedPlace* place : large) {
+            compare(*place, result);
+            tell(1);
+        }
+    }
+};
+
+}  // namespace
+
+Image<Rgb> look_under(const Canvas& canvas, Illuminant lamp, const Progress& progress) {
+    return look_of(canvas, appearance(canvas, {.illuminant = lamp}, progress).diffuse, canvas.region(), lamp);
 }
 
 RetouchQuality mean_of(std::vector<RetouchQuality> regions) {
@@ -283,52 +352,19 @@ QualityReport quality_of(const Canvas& canvas, const Mask& mask, const Mask& dam
     for (std::size_t i = 0; i < intact.size(); ++i)
         intact.pixels()[i] =
             inside(intact.pixels()[i]) || !(canvas.dry().confidence.pixels()[i] > 0) ? 0.0f : 1.0f;
-    std::vector<std::pair<Cut, RetouchQuality*>> cuts;
-    const auto add = [&](const Outline& place, RetouchQuality& q, const MaskRegion& region) {
-        cuts.emplace_back(cut_of(canvas, numbers, place, damaged, options), &q);
-        q.box = {region.box.x0 + place.dx, region.box.y0 + place.dy, region.box.x1 + place.dx,
-                 region.box.y1 + place.dy};
-        q.area_mm2 = region.pixels * canvas.mm_per_pixel() * canvas.mm_per_pixel();
-        q.border_px = static_cast<int>(cuts.back().first.border.size());
-        q.delta_e.fill(std::numeric_limits<double>::quiet_NaN());
-        q.border_delta_e = q.delta_e;
-    };
+    std::vector<ComparedPlace> places;
     result.regions.resize(numbers.regions.size());
     for (std::size_t i = 0; i < numbers.regions.size(); ++i) {
         const int number = static_cast<int>(i) + 1;
         RetouchQuality& q = result.regions[i];
-        add({number, 0, 0}, q, numbers.regions[i]);
-        const std::vector<Outline> places =
+        places.push_back({{number, 0, 0}, &q, true});
+        const std::vector<Outline> beside =
             undamaged_places(numbers, number, intact, static_cast<int>(std::ceil(2 * gap_px)) + 2);
-        q.undamaged.resize(places.size());
-        for (std::size_t k = 0; k < places.size(); ++k) add(places[k], q.undamaged[k], numbers.regions[i]);
-    }
-    const auto is_retouch = [&](const RetouchQuality* q) {
-        return q >= result.regions.data() && q < result.regions.data() + result.regions.size();
-    };
-    const auto told = [&](const char* what, std::size_t i) {
-        report(progress, what, static_cast<double>(i) / static_cast<double>(cuts.size()));
-    };
-    for (const Illuminant lamp : lamps) {
-        const Image<Rgb> look = look_under(canvas, lamp, progress);
-        for (std::size_t i = 0; i < cuts.size(); ++i) {
-            told("compare colours", i);
-            auto& [cut, q] = cuts[i];
-            compare_colour(cut, look, static_cast<std::size_t>(lamp), *q,
-                           is_retouch(q) ? &result.delta_e : nullptr);
-        }
+        q.undamaged.resize(beside.size());
+        for (std::size_t k = 0; k < beside.size(); ++k) places.push_back({beside[k], &q.undamaged[k], false});
     }
     intact = Mask();  // as large as the painting
-    const Surface seen = appearance(canvas, {}, progress);
-    Image<float> luminances(mask.width(), mask.height());
-    for (std::size_t i = 0; i < mask.size(); ++i)
-        luminances.pixels()[i] = luminance(seen.diffuse.pixels()[i]);
-    for (std::size_t i = 0; i < cuts.size(); ++i) {
-        told("compare height and gloss", i);
-        auto& [cut, q] = cuts[i];
-        compare_relief_and_gloss(cut, seen, canvas.height_unit_mm(), luminances, *q,
-                                 is_retouch(q) ? &result : nullptr);
-    }
+    Comparison{canvas, numbers, damaged, lamps, options}.compare(places, result, progress);
     return result;
 }
 

@@ -5,7 +5,6 @@
 #include <memory>
 #include <set>
 
-#include "paint/appearance.h"
 #include "paint/canvas_file.h"
 #include "paint/retouch/sha256.h"
 #include "surface/atomic_file.h"
@@ -24,6 +23,10 @@ constexpr const char* kMasks = "masks";
 constexpr const char* kEarlier = "earlier.exr";
 
 fs::path mask_path(const std::string& name) { return fs::path(kMasks) / (name + ".png"); }
+// Where the one that a line of the log wrote is kept when another takes its place.
+fs::path kept_path(const std::string& name, int line) {
+    return fs::path(kMasks) / "earlier" / fmt::format("{}.{}.png", name, line);
+}
 
 json to_json(const TreatmentLayer& layer) {
     return {{"name", layer.name}, {"role", name_of(layer.role)}, {"sha256", layer.sha256}};
@@ -272,10 +275,18 @@ void Treatment::record(const TreatmentStep& step, const Author& author, const Pr
         AtomicFile file(painting());
         write_canvas(file, *step.canvas, progress, further);
     }
+    const auto known = logged_files();
     for (const auto& [name, mask] : step.masks) {
         TP_REQUIRE(mask.width() == width() && mask.height() == height(), "a mask has the painting's size");
         const fs::path path = mask_path(name);
         require_inside(path.generic_string());
+        if (const auto before = known.find(path.generic_string()); before != known.end()) {
+            const fs::path kept = kept_path(name, before->second.second);
+            make_folder(folder_ / kept.parent_path());
+            write_mask(folder_ / kept, this->mask(name));
+            outputs[kept.generic_string()] = sha256_of_file(folder_ / kept);
+            entry["kept"][name] = kept.generic_string();
+        }
         write_mask(folder_ / path, mask);
         outputs[path.generic_string()] = sha256_of_file(folder_ / path);
     }
@@ -332,72 +343,6 @@ std::vector<std::string> Treatment::check(const Progress& progress) const {
         faults.emplace_back(error.what());
     }
     return faults;
-}
-
-Canvas in_state(const Canvas& canvas, const std::vector<TreatmentLayer>& layers, TreatmentState state) {
-    Canvas shown = canvas;
-    shown.writable_wet() = PaintLayer(canvas.width(), canvas.height());
-    std::erase_if(shown.writable_dried(), [&](const DriedLayer& layer) {
-        const auto about = std::find_if(layers.begin(), layers.end(),
-                                        [&](const TreatmentLayer& l) { return l.name == layer.name; });
-        return about == layers.end() || shown_from(about->role) > state;
-    });
-    return shown;
-}
-
-Surface surface_in_state(const Treatment& treatment, const Canvas& canvas, TreatmentState state,
-                         const Progress& progress) {
-    if (state == TreatmentState::before && treatment.has_earlier()) return treatment.read_earlier(progress);
-    return appearance(in_state(canvas, treatment.layers(), state), {}, progress);
-}
-
-Mask additions(const PaintLayer& layer) {
-    Mask mask(layer.width(), layer.height());
-    layer.add_thickness_mm(mask.region(), mask.data(), static_cast<std::size_t>(mask.width()));
-    for (float& mm : mask.pixels()) mm = mm > 0 ? 1.0f : 0.0f;
-    return mask;
-}
-
-Mask additions(const Canvas& canvas) {
-    Mask mask = additions(canvas.wet());
-    for (const DriedLayer& layer : canvas.dried()) mask = united(mask, additions(layer.paint));
-    return mask;
-}
-
-OnOriginal on_original(const PaintLayer& layer, const Mask& allowed, double mm_per_pixel) {
-    TP_REQUIRE(layer.region() == allowed.region(), "a mask has the size of its canvas");
-    Image<float> mm(layer.width(), layer.height());
-    layer.add_thickness_mm(mm.region(), mm.data(), static_cast<std::size_t>(mm.width()));
-    OnOriginal paint;
-    double area = 0, volume = 0;
-    for (int y = 0; y < mm.height(); ++y)
-        for (int x = 0; x < mm.width(); ++x) {
-            const auto outside = static_cast<double>(1 - allowed(x, y));
-            if (!(mm(x, y) > 0) || !(outside > 0)) continue;
-            ++paint.pixels;
-            area += outside;
-            volume += outside * static_cast<double>(mm(x, y));
-        }
-    paint.area_mm2 = area * mm_per_pixel * mm_per_pixel;
-    paint.volume_mm3 = volume * mm_per_pixel * mm_per_pixel;
-    return paint;
-}
-
-json to_json(const OnOriginal& paint) {
-    return {{"pixels", paint.pixels}, {"area_mm2", paint.area_mm2}, {"volume_mm3", paint.volume_mm3}};
-}
-
-json damage_table(const Treatment& treatment) {
-    json table = json::array();
-    for (const DamageClass damage : kDamageClasses) {
-        if (!treatment.has_mask(damage)) continue;
-        const MaskArea area = area_of(treatment.mask(damage), treatment.mm_per_pixel());
-        table.push_back({{"class", name_of(damage)},
-                         {"count", area.regions},
-                         {"area_cm2", area.mm2 / 100},
-                         {"percent", area.percent}});
-    }
-    return table;
 }
 
 }  // namespace tangi

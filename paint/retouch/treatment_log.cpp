@@ -172,6 +172,11 @@ TreatmentLog TreatmentLog::open(const fs::path& path) {
     if (lines + 1 < log.entries_.size())
         fail("{}:{}: lines were put in after the last one that {} knows; take both from a backup",
              path.string(), lines + 1, head.filename().string());
+    if (lines + 1 == log.entries_.size())
+        log.warnings_.push_back(fmt::format(
+            "{}:{}: is not in {} yet: a crash came between, or somebody put the line in; the next step "
+            "takes it as it is",
+            path.string(), lines + 1, head.filename().string()));
     return log;
 }
 

@@ -55,6 +55,11 @@ Image<Rgb> colour_of(const Surface& surface, int side_px) {
     return picture;
 }
 
+Image<Rgb> encoded(Image<Rgb> diffuse) {
+    encode(diffuse, 1);
+    return diffuse;
+}
+
 Image<Rgb> look_of(const Surface& surface, const Light& light, int side_px, const Progress& progress) {
     Image<Rgb> picture = reduced(relight(surface, std::span(&light, 1), {}, progress), side_px, side_px);
     encode(picture, std::sqrt(2.0f));

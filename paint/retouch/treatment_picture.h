@@ -15,8 +15,9 @@ Image<Rgb> look_of(const Surface& surface, const Light& light, int side_px = 0,
 // Means of pixels, so that the picture is at most so wide and so high [pixels]; 0: as it is.
 Image<Rgb> reduced(const Image<Rgb>& picture, int most_wide, int most_high);
 
-// The diffuse colour alone, sRGB-encoded.
+// The diffuse colour alone, sRGB-encoded; of a surface, and given as such.
 Image<Rgb> colour_of(const Surface& surface, int side_px = 0);
+Image<Rgb> encoded(Image<Rgb> diffuse);
 
 // Masks in the colours of their classes over the painting in grey, sRGB-encoded; below it, a legend with
 // count, area and percent of each class.

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "paint/appearance.h"
+#include "paint/appearance_part.h"
 #include "paint/retouch/damage_suggestion.h"
 #include "paint/retouch/report_document.h"
 #include "paint/retouch/treatment_picture.h"
@@ -315,7 +316,8 @@ std::pair<ReportPlan, ReportPlan> plans(const Matter& m) {
                     t.scale_known() ? "" : " (its scale is unknown: a pixel counts as one mm)");
     colour.caption = "Mask in colour: " + of;
     white.caption = "Mask in white: " + of;
-    colour.picture = colour_of(surface_in_state(t, m.canvas, TreatmentState::varnished));
+    colour.picture =
+        encoded(diffuse_in(in_state(m.canvas, t.layers(), TreatmentState::varnished), m.canvas.region()));
     for (std::size_t i = 0; i < added.size(); ++i)
         if (!(added.pixels()[i] > 0.5f)) colour.picture.pixels()[i] = Rgb(1);
     const double longer_mm = std::max(colour.width_mm, colour.height_mm);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "paint/retouch/sha256.h"
 #include "surface/error.h"
 
 namespace tangi {
@@ -127,32 +128,91 @@ json remove_step(Treatment& treatment, Canvas& canvas, const std::vector<std::st
     return {{"removed", layers}};
 }
 
-json undo_step(Treatment& treatment, Canvas& canvas, const Author& author, const Progress& progress) {
-    std::set<std::string> there;
+namespace {
+
+// A step that can be undone: what it laid and is still there, and the masks that it changed.
+struct Undoable {
+    const LogEntry* entry = nullptr;
+    std::vector<std::string> layers, masks;
+};
+
+bool draws(const LogEntry& entry) {
+    const json action = entry.content.value("action", json());
+    return action == "draw damage" || action == "suggest damage";
+}
+
+// Names of the masks that a line wrote: "stain", "stain.confidence".
+std::vector<std::string> masks_of(const LogEntry& entry) {
+    std::vector<std::string> names;
+    const json outputs = entry.content.value("outputs", json::object());
+    for (const auto& [path, hash] : outputs.items())
+        if (const std::filesystem::path p(path); p.parent_path() == "masks")
+            names.push_back(p.stem().string());
+    return names;
+}
+
+// The step that brought a layer is the first that has it: the last line where one of those that are still
+// there appears, or that changed the map.
+Undoable last_undoable(const Treatment& treatment) {
+    std::set<std::string> there, known;
     for (const TreatmentLayer& layer : treatment.layers()) there.insert(layer.name);
-    // The step that brought a layer is the first that has it: from the last line on, the one where one of
-    // those that are still there appears.
-    std::set<std::string> known;
-    const LogEntry* last = nullptr;
-    std::vector<std::string> layers;
+    std::set<int> undone;
+    for (const LogEntry& entry : treatment.log().entries())
+        if (entry.content.value("action", json()) == "undo")
+            undone.insert(entry.content.at("parameters").at("step").at("line").get<int>());
+    Undoable last;
     for (const LogEntry& entry : treatment.log().entries()) {
-        if (!entry.content.contains("layers")) continue;
-        std::vector<std::string> brought;
-        for (const json& layer : entry.content["layers"])
+        Undoable step{&entry, {}, {}};
+        for (const json& layer : entry.content.value("layers", json::array()))
             if (const auto name = layer.at("name").get<std::string>();
                 known.insert(name).second && there.contains(name))
-                brought.push_back(name);
-        if (!brought.empty()) last = &entry, layers = brought;
+                step.layers.push_back(name);
+        if (draws(entry) && !undone.contains(entry.line)) step.masks = masks_of(entry);
+        if (!step.layers.empty() || !step.masks.empty()) last = std::move(step);
     }
-    if (!last)
-        fail("{}: there is no step to undo: nothing lies on the painting", treatment.folder().string());
-    const json undone = {
-        {"line", last->line}, {"action", last->content.at("action")}, {"sha256", last->sha256}};
-    for (const std::string& layer : layers) lift_off(canvas, layer);
-    treatment.record(
-        {.action = "undo", .parameters = {{"step", undone}, {"layers", layers}}, .canvas = &canvas}, author,
-        progress);
-    return {{"undone", undone}, {"removed", layers}};
+    return last;
+}
+
+// What a mask was before a line of the log wrote another in its place; empty coverage where there was none.
+Mask mask_before(const Treatment& treatment, const std::string& name, const LogEntry& entry) {
+    const json none = json::object(), kept = entry.content.value("kept", none),
+               outputs = entry.content.value("outputs", none);
+    if (kept.contains(name)) {
+        const auto path = kept[name].get<std::string>();
+        const std::filesystem::path file = treatment.folder() / path;
+        if (!std::filesystem::exists(file) || sha256_of_file(file) != outputs.value(path, ""))
+            fail("{}: is not the mask that line {} of the log kept; take it from a backup", file.string(),
+                 entry.line);
+        return read_mask(file, treatment.width(), treatment.height());
+    }
+    for (const LogEntry& earlier : treatment.log().entries())
+        if (earlier.line < entry.line &&
+            earlier.content.value("outputs", none).contains("masks/" + name + ".png"))
+            fail(
+                "{}: line {} of the log was written by an earlier version, which did not keep the '{}' "
+                "before; "
+                "correct the map with tangipaint damage --edit",
+                treatment.folder().string(), entry.line, name);
+    return Mask(treatment.width(), treatment.height());
+}
+
+}  // namespace
+
+json undo_step(Treatment& treatment, Canvas& canvas, const Author& author, const Progress& progress) {
+    const Undoable last = last_undoable(treatment);
+    if (!last.entry)
+        fail("{}: there is no step to undo: nothing lies on the painting, and no damage was mapped",
+             treatment.folder().string());
+    const json undone = {{"line", last.entry->line},
+                         {"action", last.entry->content.at("action")},
+                         {"sha256", last.entry->sha256}};
+    TreatmentStep step{.action = "undo", .parameters = {{"step", undone}, {"layers", last.layers}}};
+    for (const std::string& layer : last.layers) lift_off(canvas, layer);
+    if (!last.layers.empty()) step.canvas = &canvas;
+    for (const std::string& name : last.masks) step.masks[name] = mask_before(treatment, name, *last.entry);
+    if (!last.masks.empty()) step.parameters["masks"] = last.masks;
+    treatment.record(step, author, progress);
+    return {{"undone", undone}, {"removed", last.layers}, {"restored", last.masks}};
 }
 
 json draw_step(Treatment& treatment, DamageClass damage, const Mask& mask, const json& parameters,

@@ -48,9 +48,10 @@ std::string journal_file(const Treatment& treatment);
 nlohmann::json remove_step(Treatment& treatment, Canvas& canvas, const std::vector<std::string>& layers,
                            const Author& author, const Progress& progress = {});
 
-// Undoes the last step of which a layer is still on the painting: what is left of its layers is taken off,
-// and a new line of the log names the step. The log forgets nothing: step and undoing are both in it. What
-// was undone or removed does not come back by it. Throws Error where no step has a layer.
+// Undoes the last step of which a layer is still on the painting, or that changed the map of damage and was
+// not undone: what is left of its layers is taken off, masks are again what they were before, and a new line
+// of the log names the step. The log forgets nothing: step and undoing are both in it. What was undone or
+// removed does not come back by it. Throws Error where there is no such step.
 nlohmann::json undo_step(Treatment& treatment, Canvas& canvas, const Author& author,
                          const Progress& progress = {});
 

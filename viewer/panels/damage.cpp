@@ -120,9 +120,9 @@ void options_of(Options& options, float scale) {
 void suggesting(WindowState& s) {
     Treating& t = s.treating;
     int what = static_cast<int>(t.suggesting);
-    if (ImGui::Combo(
-            "Look for", &what,
-            "losses\0craquelure\0other gloss\0old fills\0overpaint\0stains\0abrasion (seldom sure)\0"))
+    if (ImGui::Combo("Look for", &what,
+                     "losses\0craquelure\0other gloss\0old fills\0overpaint\0stains\0abrasion (seldom sure)\0"
+                     "flaking\0"))
         t.suggesting = static_cast<Suggesting>(what);
     if (ImGui::Button("Suggest")) t.ask.suggest = true;
     tip(s.keys.text(Action::suggest) + ": beside the window; nothing is changed before you take it over");

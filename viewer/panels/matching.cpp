@@ -1,6 +1,7 @@
 // matching.cpp: the panel Colour of a treatment: recipes from one's own paints.
 #include <fmt/format.h>
 #include <imgui.h>
+#include <imgui_stdlib.h>
 
 #include "viewer/panels/panels.h"
 
@@ -45,12 +46,42 @@ void recipe(WindowState& s, const ShownMatch& match, const ShownRecipe& r) {
     ImGui::PopStyleColor();
 }
 
+// The list of pairs that are kept apart, to be edited.
+void pairs(WindowState& s) {
+    Treating& t = s.treating;
+    if (!ImGui::TreeNode("Bad pairs")) return;
+    const auto words = [](const std::vector<std::string>& all) {
+        return fmt::format("{}", fmt::join(all, ", "));
+    };
+    for (std::size_t i = 0; i < t.pairs.size(); ++i) {
+        const PigmentPair& pair = t.pairs[i];
+        ImGui::PushID(static_cast<int>(i));
+        if (ImGui::SmallButton("x")) t.ask.drop_pair = static_cast<int>(i);
+        tip("No longer kept apart");
+        ImGui::SameLine();
+        ImGui::TextWrapped("%s | %s", words(pair.first).c_str(), words(pair.second).c_str());
+        tip(pair.why + (pair.source.empty() ? "" : "\n" + pair.source));
+        ImGui::PopID();
+    }
+    ImGui::InputText("Of these", &t.new_pair.first);
+    tip("Words of the names of paints, or their colour index, with commas between them: azurite, PB30");
+    ImGui::InputText("and these", &t.new_pair.second);
+    ImGui::InputText("because", &t.new_pair.why);
+    if (ImGui::Button("Keep apart")) t.ask.add_pair = true;
+    ImGui::SameLine();
+    if (ImGui::Button("The usual ones")) t.ask.usual_pairs = true;
+    tip("The list that came with the program, in place of yours");
+    ImGui::TreePop();
+}
+
 }  // namespace
 
 void matching(WindowState& s) {
     Treating& t = s.treating;
     ImGui::TextDisabled("%s, %zu paints", s.palette.name.c_str(), s.palette.paints.size());
-    tip("Your paint box: another one is opened with --palette FILE");
+    ImGui::SameLine();
+    if (ImGui::SmallButton("Other …")) s.ask.palette_dialog = true;
+    tip("Another paint box: a palette file (.json). The painting is opened again with it");
     ImGui::TextUnformatted("Matches under");
     for (std::size_t lamp = 0; lamp < kIlluminants; ++lamp) {
         if (lamp) ImGui::SameLine();
@@ -62,6 +93,7 @@ void matching(WindowState& s) {
     ImGui::SameLine();
     ImGui::Checkbox("Avoid bad pairs", &t.avoid_pairs);
     tip("Leaves out mixtures of pigments that practice keeps apart; else they are warned of");
+    pairs(s);
     if (ImGui::Button("Round the damage")) t.ask.match_around = true;
     tip("The commonest colour beside the damage that is worked on");
     ImGui::SameLine();

@@ -64,6 +64,12 @@ void brush(WindowState& s) {
 }
 
 void palette(WindowState& s) {
+    ImGui::TextDisabled("%s", s.palette.name.c_str());
+    ImGui::SameLine();
+    if (ImGui::SmallButton("Other paints …")) s.ask.palette_dialog = true;
+    tip("A paint box of your own: a palette file, as tangipaint palette makes it. The painting is opened "
+        "again "
+        "with it");
     const auto as_colour = [](const Rgb& c) { return ImVec4(c.r, c.g, c.b, 1); };
     constexpr int kColumns = 9;
     for (std::size_t i = 0; i < s.palette.paints.size(); ++i) {

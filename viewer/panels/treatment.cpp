@@ -185,9 +185,11 @@ void layers(WindowState& s) {
         }
         ImGui::PopID();
     }
-    if (t.layers.empty()) return;
+    if (t.log.size() < 2) return;
     if (ImGui::SmallButton("Undo the last step")) t.ask.undo_step = true;
-    tip("Takes off what it laid; the log keeps the step, and has a line more that says it was undone");
+    tip("Takes off what it laid, or makes the damage map what it was before; the log keeps the step, and has "
+        "a "
+        "line more that says it was undone");
     if (t.layers.size() < 2) return;
     ImGui::SameLine();
     if (ImGui::SmallButton("Take all off")) t.ask.remove_all = true;

@@ -1,0 +1,24 @@
+// loss_surroundings.h: what is known of a loss before paint is chosen for it; for sources of this module
+// only.
+#pragma once
+
+#include "paint/canvas.h"
+#include "paint/retouch/modes.h"
+#include "paint/spectrum.h"
+
+namespace tangi {
+
+struct Loss {
+    Region region;      // of the canvas: the mask and what lies round it
+    Mask mask;          // in the region
+    Image<Rgb> seen;    // linear Rec. 709 under D65
+    Image<Rgb> target;  // what the surroundings go on as, where the mask is above 0
+    Spectrum below{};   // mean inside
+    double mm_per_pixel = 1;
+};
+
+// Memory is that of the region, for two colours and a mask a pixel. Throws Error where the mask is empty, or
+// nothing is left to go on from.
+Loss loss_of(const Canvas& canvas, const Mask& mask, const Mask& damaged, const RetouchOptions& options);
+
+}  // namespace tangi

@@ -1,0 +1,76 @@
+// treatment_layers.cpp: of a treatment: what its layers show in each state, and where they lie.
+#include "paint/appearance.h"
+#include "paint/retouch/treatment.h"
+#include "surface/error.h"
+
+namespace tangi {
+
+using nlohmann::json;
+
+Canvas in_state(const Canvas& canvas, const std::vector<TreatmentLayer>& layers, TreatmentState state) {
+    Canvas shown = canvas;
+    shown.writable_wet() = PaintLayer(canvas.width(), canvas.height());
+    std::erase_if(shown.writable_dried(), [&](const DriedLayer& layer) {
+        const auto about = std::find_if(layers.begin(), layers.end(),
+                                        [&](const TreatmentLayer& l) { return l.name == layer.name; });
+        return about == layers.end() || shown_from(about->role) > state;
+    });
+    return shown;
+}
+
+Surface surface_in_state(const Treatment& treatment, const Canvas& canvas, TreatmentState state,
+                         const Progress& progress) {
+    if (state == TreatmentState::before && treatment.has_earlier()) return treatment.read_earlier(progress);
+    return appearance(in_state(canvas, treatment.layers(), state), {}, progress);
+}
+
+Mask additions(const PaintLayer& layer) {
+    Mask mask(layer.width(), layer.height());
+    layer.add_thickness_mm(mask.region(), mask.data(), static_cast<std::size_t>(mask.width()));
+    for (float& mm : mask.pixels()) mm = mm > 0 ? 1.0f : 0.0f;
+    return mask;
+}
+
+Mask additions(const Canvas& canvas) {
+    Mask mask = additions(canvas.wet());
+    for (const DriedLayer& layer : canvas.dried()) mask = united(mask, additions(layer.paint));
+    return mask;
+}
+
+OnOriginal on_original(const PaintLayer& layer, const Mask& allowed, double mm_per_pixel) {
+    TP_REQUIRE(layer.region() == allowed.region(), "a mask has the size of its canvas");
+    Image<float> mm(layer.width(), layer.height());
+    layer.add_thickness_mm(mm.region(), mm.data(), static_cast<std::size_t>(mm.width()));
+    OnOriginal paint;
+    double area = 0, volume = 0;
+    for (int y = 0; y < mm.height(); ++y)
+        for (int x = 0; x < mm.width(); ++x) {
+            const auto outside = static_cast<double>(1 - allowed(x, y));
+            if (!(mm(x, y) > 0) || !(outside > 0)) continue;
+            ++paint.pixels;
+            area += outside;
+            volume += outside * static_cast<double>(mm(x, y));
+        }
+    paint.area_mm2 = area * mm_per_pixel * mm_per_pixel;
+    paint.volume_mm3 = volume * mm_per_pixel * mm_per_pixel;
+    return paint;
+}
+
+json to_json(const OnOriginal& paint) {
+    return {{"pixels", paint.pixels}, {"area_mm2", paint.area_mm2}, {"volume_mm3", paint.volume_mm3}};
+}
+
+json damage_table(const Treatment& treatment) {
+    json table = json::array();
+    for (const DamageClass damage : kDamageClasses) {
+        if (!treatment.has_mask(damage)) continue;
+        const MaskArea area = area_of(treatment.mask(damage), treatment.mm_per_pixel());
+        table.push_back({{"class", name_of(damage)},
+                         {"count", area.regions},
+                         {"area_cm2", area.mm2 / 100},
+                         {"percent", area.percent}});
+    }
+    return table;
+}
+
+}  // namespace tangi
