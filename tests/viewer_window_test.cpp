@@ -131,9 +131,15 @@ TEST_F(Window, EveryKeyAndStepOfASlowFrameCounts) {
     screen_->x({"mousemove", std::to_string(kMiddleX), std::to_string(kMiddleY)});
     in_one_frame({"click", "4", "click", "4", "click", "4", "click", "5", "click", "5", "click", "5"});
     EXPECT_TRUE(screen_->becomes_alike(bare, kCanvas, 0.01)) << "as far back as there";
-    screen_->key("ctrl+s");
+    in_one_frame({"key", "ctrl+o", "type", "--delay", "1", (folder_ / "blue.exrr").string()});
+    in_one_frame({"key", "BackSpace", "key", "Return"});
     screen_->settled();
-    EXPECT_EQ(close().code, 0);
+    screen_->key("Return");  // what was painted and undone is saved
+    EXPECT_TRUE(Screen::until([&] {
+        const Rgb c = screen_->picture()(kMiddleX, kMiddleY - 100);  // beside the pointer
+        return c.b > 1.5f * c.r;
+    })) << "the name was typed, mended and entered";
+    EXPECT_EQ(close().json()["painting"], (folder_ / "blue.exr").string());
 }
 
 TEST_F(Window, StrokesOfACrashAreRecovered) {
