@@ -78,7 +78,8 @@ void probe(const WindowState& s, float right) {
         return error > 0 ? fmt::format(" ± {:.{}f}", error, digits) : std::string();
     };
     std::string text = fmt::format(
-        "pixel {} {}\nρd {:.3f} {:.3f} {:.3f}{}\nL*a*b* {:.1f} {:.1f} {:.1f}\nρs {:.3f}{}  α {:.3f}{}\n"
+        "pixel {} {}\ncolour ρd {:.3f} {:.3f} {:.3f}{}\nL*a*b* {:.1f} {:.1f} {:.1f}\ngloss ρs "
+        "{:.3f}{}\nroughness α {:.3f}{}\n"
         "normal {:.3f} {:.3f} {:.3f}{}\nheight {:.3f}{} {}\nconfidence {:.2f}",
         p.x, p.y, m.diffuse.r, m.diffuse.g, m.diffuse.b, off(e.diffuse, 3), lab.l, lab.a, lab.b, m.specular,
         off(e.specular, 3), m.roughness, off(e.roughness, 3), m.normal.x, m.normal.y, m.normal.z,
