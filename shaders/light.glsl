@@ -1,12 +1,16 @@
 // light.glsl: where light comes from, and what of it the relief keeps off; mirrors surface/light.cpp and relight.cpp.
 // LIGHTS: their number; NEAR: 1 where some are near; BENDS: 1 where the rig's directions turn over the picture;
-// SHADOWS: 0 none, 1 horizon map, 2 marched over the heights as surface/relight.cpp does.
+// SHADOWS: 0 none, 1 horizon map, 2 marched over the heights as surface/relight.cpp does, 3 horizons in the directions
+// of far lights, which are all the same: two directions of the map were mixed beforehand, once for all pixels.
 // Software renderers go through both sides of every branch: what is the same for all pixels is decided beforehand.
 
 uniform vec4 u_light[LIGHTS];  // direction [unit vector], 0; or position [mm], 1
 uniform vec3 u_gain[LIGHTS];
 uniform vec2 u_place[LIGHTS];  // of far lights: azimuth [turns], elevation [rad]
 uniform mediump sampler3D u_horizon;  // [1] elevation of the horizon: value^2 * pi/2; x, y, azimuth
+#if SHADOWS == 3
+uniform highp sampler2DArray u_lamp_horizon;  // the same; x, y, light
+#endif
 
 vec4 light(int i) { return i == 0 ? v_lamp : u_light[i]; }
 vec3 gain(int i) { return i == 0 ? v_lamp_gain.xyz : u_gain[i]; }
@@ -46,11 +50,11 @@ Incoming incoming(int i, vec3 point) {
 
 const float kPi = 3.14159265358979;
 
-#if SHADOWS == 1
-// Part of a disc of v_exposure1.w around `elevation` that stands above the horizon [rad]: the odd polynomial with the
+#if SHADOWS == 1 || SHADOWS == 3
+// Part of a disc of the radius 1 / v_exposure1.w around `elevation` that stands above the horizon [rad]: the odd polynomial with the
 // slope of the true area in the middle and 0 at the rims, wrong by 0.008 at most.
 float above(float horizon, float elevation) {
-    float covered = clamp((horizon - elevation) / max(v_exposure1.w, 1e-4), -1.0, 1.0);
+    float covered = clamp((horizon - elevation) * v_exposure1.w, -1.0, 1.0);
     float covered2 = covered * covered;
     return 0.5 - covered * (0.63662 - covered2 * (0.02324 + 0.11338 * covered2));
 }
@@ -76,6 +80,9 @@ float height_between(vec2 at) {
 float visibility(int i, vec2 at, float height, vec3 direction) {
 #if SHADOWS == 0
     return 1.0;
+#elif SHADOWS == 3
+    float root = texture(u_lamp_horizon, vec3((at + 0.5) * vec2(v_rest.w, v_lamp.w), float(i))).r;
+    return above(root * root * (0.5 * kPi), place(i).y);
 #elif SHADOWS == 1
 #if NEAR == 1 || BENDS == 1
     float across = length(direction.xy);

@@ -3,7 +3,7 @@
 //   value = ambient rho_d + sum over lights of irradiance *
 //           (visibility (rho_d D + pi rho_s colour lobe max(0, n.l)) + rig_ambient rho_d),   D: surface/diffuse.h
 // MODE: as LookMode in viewer/look.h. EYE: 1 where the viewer has a place. OUTPUT: 0 linear, 1 sRGB, 2 the
-// monitor's own colours.
+// monitor's own colours. Linear values are clipped and encoded by the device where the target is sRGB.
 
 out vec4 o_colour;
 
@@ -31,9 +31,9 @@ vec3 toned(vec3 v) {
     float s = 1.0 - v_exposure0.w;
     vec3 over = clamp(v, s, 1e6) + (1.0 - 2.0 * s);
     // One division for three.
-    vec3 inverse = 1.0 / (over.x * over.y * over.z) * over.yxx * over.zzy;
-    vec3 bent_down = 1.0 - v_exposure0.w * v_exposure0.w * inverse;
-    return mix(v, bent_down, step(vec3(s), v));
+    float inverse = v_exposure0.w * v_exposure0.w / (over.x * over.y * over.z);
+    // Up to the shoulder and what is beyond: the latter is 0 at it.
+    return min(v, s) + (v_exposure0.w - inverse * over.yxx * over.zzy);
 }
 
 // Dark blue over green to yellow, even in lightness: five stops.

@@ -27,15 +27,23 @@ void main() {
     v_column1 = vec4(u_to_painting[1], u_ambient);
     v_column2 = vec4(u_to_painting[2], u_rig_ambient);
     v_exposure0 = vec4(u_exposure[0], u_shoulder);
+#if SHADOWS == 2
     v_exposure1 = vec4(u_exposure[1], u_light_radius);
+#else
+    v_exposure1 = vec4(u_exposure[1], 1.0 / max(u_light_radius, 1e-4));
+#endif
     v_exposure2 = vec4(u_exposure[2], u_bend);
     v_eye = vec4(u_eye.xyz, u_highest);
     v_range = u_range;
     v_background = vec4(u_background, u_law.x);
     v_look = u_look;
+#if NEAR == 1
     v_lamp = u_light[0];
+#else
+    v_lamp = vec4(u_light[0].xyz, 1.0 / float(u_size.y));
+#endif
     v_lamp_gain = vec4(u_gain[0], u_place[0].x);
-    v_rest = vec3(u_law.y, u_place[0].y, exp2(-float(u_level)));
+    v_rest = vec4(u_law.y, u_place[0].y, exp2(-float(u_level)), 1.0 / float(u_size.x));
     v_size = ivec4(u_size, u_level, u_last_level);
 #if AT_HOME == 1
     v_tiles = u_homes;

@@ -3,12 +3,12 @@
 // its bounds: two thirds of its time. 15 vectors are what WebGL 2 has everywhere; further lights stay uniforms.
 
 PASSED vec4 v_column0, v_column1, v_column2;        // of p_to_painting; mm per pixel, ambient, rig's ambient
-PASSED vec4 v_exposure0, v_exposure1, v_exposure2;  // columns; shoulder, radius of the light, bend
+PASSED vec4 v_exposure0, v_exposure1, v_exposure2;  // columns; shoulder, radius of the light (horizons: 1 / it), bend
 PASSED vec4 v_eye;                                  // and the highest point
 PASSED vec4 v_range;
 PASSED vec4 v_background;                           // and the diffuse roughness
 PASSED vec4 v_look;
-PASSED vec4 v_lamp, v_lamp_gain;                    // the first light; and its azimuth
-PASSED vec3 v_rest;                                 // haze; elevation of the first light; texels a pixel
+PASSED vec4 v_lamp, v_lamp_gain;                    // the first light (NEAR == 0: and 1 / rows); and its azimuth
+PASSED vec4 v_rest;  // haze; elevation of the first light; texels a pixel; 1 / columns of the painting
 PASSED ivec4 v_size;                                // and level of detail, the coarsest level
 PASSED ivec4 v_tiles;  // of this level: the first in the table, columns; AT_HOME: left, top, columns, rows and first << 16

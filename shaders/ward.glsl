@@ -11,17 +11,17 @@ float pi_ward_lobe(vec3 n, vec3 l, vec3 v, float n_l, float alpha) {
     float h_n = dot(h, n);
     float h_h = dot(h, h);
     if (n_l <= kGrazing || n_v <= kGrazing || h_n <= kGrazing) return 0.0;
-    float inverse_h_n2 = 1.0 / (h_n * h_n);
-    float scale = inverse_h_n2 / (alpha * alpha);
+    float alpha2 = alpha * alpha;
+    float scale = 1.0 / (h_n * h_n * alpha2);
     // |h - (h.n) n|^2 rather than h.h - (h.n)^2: at narrow lobes the difference would be rounding alone.
     vec3 across = h - h_n * n;
     float gauss = exp(-dot(across, across) * scale);
 #if WARD_MODEL == 0
-    return gauss / (4.0 * alpha * alpha * sqrt(n_l * n_v));
+    return gauss / (4.0 * alpha2 * sqrt(n_l * n_v));
 #elif WARD_MODEL == 1
-    return gauss / (4.0 * alpha * alpha * n_l * n_v);
+    return gauss / (4.0 * alpha2 * n_l * n_v);
 #else
-    return gauss * h_h * inverse_h_n2 * scale;
+    return gauss * h_h * alpha2 * scale * scale;
 #endif
 }
 

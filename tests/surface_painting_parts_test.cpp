@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 
 #include "surface/painting_file.h"
+#include "surface/part_pixels.h"
 #include "tests/test_support.h"
 
 namespace tangi {
@@ -55,6 +56,19 @@ TEST(PaintingParts, ComeBackBitForBit) {
     read_painting_part(dir / "a.exr", parts[1],
                        [&](int, int, std::span<const float* const> planes) { EXPECT_EQ(planes[0][5], 0); });
     EXPECT_EQ(read_painting(dir / "a.exr").width(), kWidth);  // the dry part is what it always was
+}
+
+TEST(PaintingParts, PixelsAreReadWhereTheyAreAskedFor) {
+    const TestDir dir;
+    write_two_parts(dir / "a.exr");
+    const PartInfo one = painting_parts(dir / "a.exr")[0];
+    PartPixels pixels(dir / "a.exr", one);
+    write_painting(dir / "a.exr", Surface(kWidth, kHeight));  // takes its place
+    for (const auto& [x, y] : {std::pair(0, 0), {69, 149}, {3, 15}, {4, 16}, {68, 148}, {5, 16}})
+        for (int c = 0; c < 2; ++c)
+            EXPECT_EQ(pixels.at(x, y)[static_cast<std::size_t>(c)], value_at(c, x, y)) << x << ' ' << y;
+    EXPECT_THAT(error_of([&] { PartPixels(dir / "a.exr", one); }),
+                AllOf(HasSubstr("a.exr"), HasSubstr("'one'")));
 }
 
 TEST(PaintingParts, APaintingWithoutThemHasNone) {

@@ -2,6 +2,7 @@
 // it, a fit from photographs, a film.
 #include <lcms2.h>
 
+#include "viewer/x11_connection.h"
 #include "viewer_support.h"
 #include "window_screen.h"
 #include "x_client.h"
@@ -98,6 +99,33 @@ TEST_F(OnADesktop, PanelsAreAsLargeAsTheDesktopAsks) {
     EXPECT_GT(red({700, 300, 900, 400}), 15'000) << "the painting";
     EXPECT_EQ(red({320, 150, 590, 340}), 0) << "lies beside a column of 600 pixels";
     EXPECT_EQ(close().code, 0);
+}
+
+int heard_errors = 0;  // by the handler of others
+
+TEST_F(OnADesktop, ADeviceThatIsGoneIsNoErrorButOthersAre) {
+    ::setenv("DISPLAY", screen_->conditions().environment.at("DISPLAY").c_str(), 1);
+    const auto others = +[](Display*, XErrorEvent*) { return ++heard_errors; };
+    const XErrorHandler before = XSetErrorHandler(others);
+    Display* other = XOpenDisplay(nullptr);
+    ASSERT_TRUE(other);
+    constexpr int kNoDevice = 117, kMotion = 6;  // XI_Motion
+    {
+        const X11Connection pens(0), fingers(2);
+        for (const X11Connection* each : {&pens, &fingers}) {
+            ASSERT_TRUE(each->display());
+            each->select(0, kNoDevice, {kMotion});
+            XSync(each->display(), False);
+        }
+        EXPECT_EQ(heard_errors, 0);
+        XUnmapWindow(other, 0x7fffff);
+        XSync(other, False);
+        EXPECT_EQ(heard_errors, 1) << "another's goes where it went before";
+        fingers.select(0, kNoDevice, {kMotion});  // on its way when the connection ends
+    }
+    EXPECT_EQ(heard_errors, 1);
+    EXPECT_EQ(XSetErrorHandler(before), others) << "and all is as it was";
+    XCloseDisplay(other);
 }
 
 TEST_F(OnADesktop, OpensWhatIsDroppedOnIt) {

@@ -39,6 +39,24 @@ TEST(Horizon, UpIsUp) {
     EXPECT_EQ(map.elevation_deg(16, 10, 12), 0);
 }
 
+TEST(Horizon, TowardsALampLiesBetweenItsNeighbours) {
+    HorizonMap map{3, 2, std::vector<std::uint8_t>(16 * 6)};
+    for (std::size_t i = 0; i < map.values.size(); ++i) map.values[i] = static_cast<std::uint8_t>(37 * i);
+    std::vector<std::uint16_t> roots(6);
+    for (const auto& [azimuth_deg, first, part] :
+         {std::tuple(0.0, 0, 0.0), {22.5, 1, 0.0}, {33.75, 1, 0.5}, {-11.25, 15, 0.5}, {725.625, 0, 0.25}}) {
+        horizon_towards(map, azimuth_deg, roots);
+        for (std::size_t i = 0; i < 6; ++i) {
+            const double a = map.values[static_cast<std::size_t>(first) * 6 + i];
+            const double b = map.values[static_cast<std::size_t>((first + 1) % 16) * 6 + i];
+            EXPECT_NEAR(roots[i] / 257.0, a + part * (b - a), 0.51) << azimuth_deg;
+            if (part == 0) {
+                EXPECT_EQ(roots[i], 257 * map.values[static_cast<std::size_t>(first) * 6 + i]);
+            }
+        }
+    }
+}
+
 TEST(Horizon, CoarseHeightsAreMeans) {
     Image<float> z(2000, 10);
     for (int y = 0; y < 10; ++y)

@@ -44,6 +44,36 @@ protected:
     std::shared_ptr<TexelTiles> shown_;
 };
 
+TEST_F(PainterTest, ProbesWithTheStandardErrorsOfTheFile) {
+    PartToWrite errors;
+    errors.info = {"errors", 200, 150, {"diffuse", "height", "specular"}, {}};
+    errors.fill = [](int y0, int y1, std::span<float* const> planes) {
+        for (int y = y0; y < y1; ++y)
+            for (int x = 0; x < 200; ++x) {
+                planes[0][(y - y0) * 200 + x] = 0.5f;
+                planes[1][(y - y0) * 200 + x] = static_cast<float>(x + 1000 * y);
+            }
+    };
+    {
+        AtomicFile file(file_);
+        write_painting(file, *flat_surface(200, 150), {&errors, 1});
+    }
+    open();
+    painter_->probe(17, 40);
+    const PainterNews bare = settle();
+    ASSERT_TRUE(bare.probe);
+    EXPECT_EQ(bare.probe->errors.height_mm, 40017);
+    EXPECT_EQ(bare.probe->errors.diffuse, 0.5f);
+    EXPECT_EQ(bare.probe->errors.specular, 0) << "0: not known";
+    EXPECT_EQ(bare.probe->errors.slope, 0) << "the file has none";
+    stroke();
+    painter_->probe(100, 75);
+    const PainterNews painted = settle();
+    ASSERT_TRUE(painted.probe);
+    EXPECT_GT(painted.probe->paint_mm, 0);
+    EXPECT_EQ(painted.probe->errors.height_mm, 0) << "paint lies over what was fitted";
+}
+
 TEST_F(PainterTest, ShowsStrokesWhereTheyAre) {
     write_painting(file_, *flat_surface(200, 150));
     open();

@@ -254,6 +254,45 @@ TEST_F(RendererTest, ShadowsFromHorizonsAreNearThoseMarched) {
     }
 }
 
+// Far lamps have one direction everywhere, and a map of their own of it; beside a near one, each pixel looks
+// its direction up in the whole map.
+TEST_F(RendererTest, BothWaysToLookHorizonsUpAgree) {
+    Surface s = painted_surface(120, 100);
+    show(s);
+    renderer_->set_horizon(horizon_map(coarse_heights(s.height_mm, s.mm_per_pixel)));
+    for (const float azimuth : {0.0f, 0.9f, 3.1f, -0.01f}) {
+        const Light low = distant_light({std::cos(azimuth), std::sin(azimuth), 0.35f});
+        const Light other = distant_light({std::sin(azimuth), -std::cos(azimuth), 0.3f});
+        Light dark = near_light({0, 0, 50});
+        dark.gain = Rgb(0);
+        Scene scene{.lights = {low, other}, .shadows = Shadows::horizon, .light_radius_deg = 4};
+        const auto own = drawn(scene, pixel_by_pixel(s));
+        scene.lights.push_back(dark);
+        const auto looked_up = drawn(scene, pixel_by_pixel(s));
+        // Samplers of three dimensions may mix with weights of 8 bits: 0.035 of a penumbra this wide.
+        EXPECT_GE(part_within(own, looked_up, 9), 0.995) << azimuth;
+        scene.shadows = Shadows::none;
+        EXPECT_LT(part_within(own, drawn(scene, pixel_by_pixel(s)), 9), 0.9) << "there are shadows";
+    }
+}
+
+TEST_F(RendererTest, TheDeviceEncodesAsTheShaderDoes) {
+    const Surface s = painted_surface(150, 120);
+    show(s);
+    const Scene scene{.lights = some_lights(), .shoulder = 0.15f};
+    const Shot shot = pixel_by_pixel(s);
+    const gl::Target bytes(shot.width, shot.height, false);
+    renderer_->fetch(scene, shot);
+    renderer_->draw(scene, shot, bytes.framebuffer());
+    const Image<Rgb> by_device = renderer_->read(bytes), by_shader = drawn(scene, shot, false);
+    std::size_t good = 0;
+    for (std::size_t i = 0; i < by_device.size(); ++i) {
+        const Rgb off = glm::abs(by_device.pixels()[i] - by_shader.pixels()[i]);
+        good += std::max({off.r, off.g, off.b}) <= 1.0f / 255;
+    }
+    EXPECT_GE(static_cast<double>(good) / static_cast<double>(by_device.size()), 0.999);
+}
+
 TEST_F(RendererTest, EveryWayToLookGivesAPictureOfItsOwn) {
     const Surface s = painted_surface(64, 64);
     show(s);

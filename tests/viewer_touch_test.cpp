@@ -74,15 +74,10 @@ TEST_F(FingersTest, AFingerThatStaysPresses) {
 TEST_F(FingersTest, ATapIsAClick) {
     EXPECT_FALSE(fingers_.pointer()) << "the mouse is the panels'";
     down(1, 50, 60);
-    ASSERT_TRUE(fingers_.pointer());
-    EXPECT_FALSE(fingers_.pointer()->down);
+    EXPECT_EQ(fingers_.pointer(), glm::dvec2(50, 60)) << "until it is known what it does, it points";
     up(1, 51, 60);
     EXPECT_EQ(kinds(), (std::vector{Kind::move, Kind::press, Kind::move, Kind::release}));
-    const auto tapped = fingers_.pointer();
-    ASSERT_TRUE(tapped);
-    EXPECT_TRUE(tapped->down) << "panels see it for a moment";
-    EXPECT_EQ(tapped->at, glm::dvec2(51, 60));
-    EXPECT_FALSE(fingers_.pointer()->down);
+    EXPECT_EQ(fingers_.pointer(), glm::dvec2(51, 60)) << "panels see for a moment that it is up";
     for (int i = 0; i < 5; ++i) (void)fingers_.pointer();
     EXPECT_FALSE(fingers_.pointer()) << "and the mouse has them again";
 }

@@ -99,6 +99,49 @@ TEST_F(Window, TiltsLightsPaintsUndoesAndSaves) {
     EXPECT_GT(read_journal(folder_ / "small.strokes.jsonl").entries.size(), 5u);
 }
 
+// All of it comes while the window is held still: for it, that is one very slow frame.
+TEST_F(Window, EveryKeyAndStepOfASlowFrameCounts) {
+    Surface other = small_painting();
+    for (Rgb& c : other.diffuse.pixels()) c = {0.1f, 0.2f, 0.7f};
+    write_painting(folder_ / "blue.exr", other);
+    start();
+    const auto in_one_frame = [&](const std::vector<std::string>& words) {
+        program_->signal(SIGSTOP);
+        screen_->x(words);
+        program_->signal(SIGCONT);
+    };
+    const auto bare = screen_->settled();
+    screen_->key("b");
+    for (int i = 0; i < 3; ++i)
+        screen_->drag(1, {kMiddleX - 100, kMiddleY - 120 + 100 * i},
+                      {kMiddleX + 100, kMiddleY - 120 + 100 * i});
+    const Region above{kMiddleX - 60, kMiddleY - 130, kMiddleX + 60, kMiddleY - 110};
+    const Region below{kMiddleX - 60, kMiddleY - 30, kMiddleX + 60, kMiddleY + 90};
+    const auto painted = screen_->settled();
+    ASSERT_GT(Screen::difference(bare, painted, above), 0.05);
+    ASSERT_GT(Screen::difference(bare, painted, below), 0.02);
+    in_one_frame({"key", "ctrl+z", "key", "ctrl+z"});
+    EXPECT_TRUE(screen_->becomes_alike(bare, below, 0.01)) << "two are undone";
+    EXPECT_TRUE(screen_->becomes_alike(painted, above, 0.01)) << "and one is not";
+    in_one_frame({"key", "ctrl+y", "key", "ctrl+y"});
+    EXPECT_TRUE(screen_->becomes_alike(painted, kCanvas, 0.01));
+    in_one_frame({"key", "ctrl+z", "key", "ctrl+z", "key", "ctrl+z", "key", "ctrl+z"});  // one too many
+    EXPECT_TRUE(screen_->becomes_alike(bare, above, 0.01));
+
+    screen_->x({"mousemove", std::to_string(kMiddleX), std::to_string(kMiddleY)});
+    in_one_frame({"click", "4", "click", "4", "click", "4", "click", "5", "click", "5", "click", "5"});
+    EXPECT_TRUE(screen_->becomes_alike(bare, kCanvas, 0.01)) << "as far back as there";
+    in_one_frame({"key", "ctrl+o", "type", "--delay", "1", (folder_ / "blue.exrr").string()});
+    in_one_frame({"key", "BackSpace", "key", "Return"});
+    screen_->settled();
+    screen_->key("Return");  // what was painted and undone is saved
+    EXPECT_TRUE(Screen::until([&] {
+        const Rgb c = screen_->picture()(kMiddleX, kMiddleY - 100);  // beside the pointer
+        return c.b > 1.5f * c.r;
+    })) << "the name was typed, mended and entered";
+    EXPECT_EQ(close().json()["painting"], (folder_ / "blue.exr").string());
+}
+
 TEST_F(Window, StrokesOfACrashAreRecovered) {
     start();
     const auto bare = screen_->settled();

@@ -110,7 +110,10 @@ PanelContext::PanelContext(GLFWwindow* window) {
     scale_ = std::clamp(std::max(x, y), 1.0f, 4.0f);
     ImGui::GetStyle().ScaleAllSizes(scale_);
     add_font(scale_);
-    ImGui_ImplGlfw_InitForOpenGL(window, true);
+    // Pointer and keyboard come through PanelInput.
+    ImGui_ImplGlfw_InitForOpenGL(window, false);
+    glfwSetWindowFocusCallback(window, ImGui_ImplGlfw_WindowFocusCallback);
+    glfwSetCursorEnterCallback(window, ImGui_ImplGlfw_CursorEnterCallback);
     ImGui_ImplOpenGL3_Init("#version 330 core");
 }
 

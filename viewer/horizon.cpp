@@ -96,4 +96,20 @@ HorizonMap horizon_map(const CoarseHeights& heights, const Progress& progress) {
     return map;
 }
 
+void horizon_towards(const HorizonMap& map, double azimuth_deg, std::span<std::uint16_t> roots) {
+    const auto size = static_cast<std::size_t>(map.width) * static_cast<std::size_t>(map.height);
+    TP_REQUIRE(roots.size() == size && map.values.size() == size * HorizonMap::kAzimuths,
+               "there is a root for each place");
+    const double turn = azimuth_deg / 360 * HorizonMap::kAzimuths, before = std::floor(turn);
+    const int first = static_cast<int>(
+        std::lround(before - std::floor(before / HorizonMap::kAzimuths) * HorizonMap::kAzimuths));
+    // 257 parts of 255 are 65535.
+    const auto part = static_cast<std::uint16_t>(std::lround(257 * (turn - before)));
+    const auto rest = static_cast<std::uint16_t>(257 - part);
+    const std::uint8_t* const a = &map.values[static_cast<std::size_t>(first % HorizonMap::kAzimuths) * size];
+    const std::uint8_t* const b =
+        &map.values[static_cast<std::size_t>((first + 1) % HorizonMap::kAzimuths) * size];
+    for (std::size_t i = 0; i < size; ++i) roots[i] = static_cast<std::uint16_t>(rest * a[i] + part * b[i]);
+}
+
 }  // namespace tangi

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "surface/image.h"
@@ -28,6 +29,10 @@ struct CoarseHeights {
     double mm_per_texel = 1;
 };
 CoarseHeights coarse_heights(const Image<float>& height_mm, double mm_per_pixel, int largest_side = 1024);
+
+// The horizon towards one azimuth, between the two nearest of the map: square roots of the elevation over 90
+// degrees [1], of which 65535 stands for 1; width x height of them, row by row.
+void horizon_towards(const HorizonMap& map, double azimuth_deg, std::span<std::uint16_t> roots);
 
 HorizonMap horizon_map(const CoarseHeights& heights, const Progress& progress = {});
 

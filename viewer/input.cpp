@@ -3,6 +3,7 @@
 #include <GLFW/glfw3.h>
 
 #include <algorithm>
+#include <cctype>
 #include <utility>
 
 namespace tangi {
@@ -10,6 +11,15 @@ namespace tangi {
 namespace {
 
 Input* of(GLFWwindow* window) { return static_cast<Input*>(glfwGetWindowUserPointer(window)); }
+
+// GLFW names keys by their place on an American keyboard. Letters are meant as they are printed: Ctrl+Z is
+// undo where Y and Z, or Z and W, have changed places.
+int as_printed(int key, int scancode) {
+    const char* name = glfwGetKeyName(key, scancode);
+    if (!name || name[0] == 0 || name[1] != 0) return key;
+    const auto letter = static_cast<unsigned char>(name[0]);
+    return std::isalpha(letter) ? std::toupper(letter) : key;
+}
 
 }  // namespace
 
@@ -27,11 +37,15 @@ Input::Input(GLFWwindow* window) : window_(window), screens_(window) {
         of(w)->put({action == GLFW_PRESS ? InputEvent::Kind::press : InputEvent::Kind::release, glfwGetTime(),
                     of(w)->at_, button, mods});
     });
-    glfwSetScrollCallback(window, [](GLFWwindow* w, double, double y) {
-        of(w)->put({InputEvent::Kind::wheel, glfwGetTime(), {0, y}, 0, 0});
+    glfwSetScrollCallback(window, [](GLFWwindow* w, double x, double y) {
+        of(w)->put({InputEvent::Kind::wheel, glfwGetTime(), {x, y}, 0, 0});
     });
-    glfwSetKeyCallback(window, [](GLFWwindow* w, int key, int, int action, int mods) {
-        if (action != GLFW_RELEASE) of(w)->put({InputEvent::Kind::key, glfwGetTime(), of(w)->at_, key, mods});
+    glfwSetKeyCallback(window, [](GLFWwindow* w, int key, int scancode, int action, int mods) {
+        of(w)->put({action == GLFW_RELEASE ? InputEvent::Kind::key_up : InputEvent::Kind::key, glfwGetTime(),
+                    of(w)->at_, as_printed(key, scancode), mods});
+    });
+    glfwSetCharCallback(window, [](GLFWwindow* w, unsigned character) {
+        of(w)->put({InputEvent::Kind::text, glfwGetTime(), of(w)->at_, static_cast<int>(character), 0});
     });
     glfwSetDropCallback(window, [](GLFWwindow* w, int count, const char** paths) {
         of(w)->woken_ = true;

@@ -21,12 +21,14 @@ struct InputEvent {
         release,
         wheel,
         key,
+        key_up,
+        text,
         gesture,
         lost
     } kind = Kind::move;  // gesture: of two fingers; lost: a pen or finger that was down
     double time_s = 0;
     glm::dvec2 at{0};  // [pixels of the window]; wheel: how far
-    int code = 0;      // button or key, as GLFW numbers them
+    int code = 0;      // button or key, as GLFW numbers them, letters as they are printed; text: a character
     int mods = 0;
     std::optional<PenSample> pen{};  // where a pen moved the pointer
     // Gesture, whose middle is `at`: moved by [pixels], enlarged, turned counter-clockwise.
@@ -48,7 +50,7 @@ public:
     bool woken() const { return woken_; }  // anything at all since take()
     // Fingers do not wake the window: it has to look for them.
     bool polled() const { return screens_.any(); }
-    std::optional<Fingers::Pointer> finger() { return fingers_.pointer(); }  // for the panels
+    std::optional<glm::dvec2> finger() { return fingers_.pointer(); }  // for the panels
 
     void put(InputEvent event);
 

@@ -15,6 +15,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 constexpr float kPaintRoom_mm = 20;                             // what can stand on a painting
+constexpr const char* kErrorsPart = "errors";                   // docs/quantities.md
 constexpr auto kBeforeShowing = std::chrono::milliseconds(25);  // of painting, at most
 
 }  // namespace
@@ -29,7 +30,11 @@ Painter::Painter(Setup setup, std::function<void()> wake, const Progress& progre
       wake_(std::move(wake)) {
     remove_stale_temporaries(file_);
     if (!file_is_new_ && std::filesystem::exists(file_))
-        guarded([&] { read_tools(file_, session_, progress); });
+        guarded([&] {
+            read_tools(file_, session_, progress);
+            for (const PartInfo& part : painting_parts(file_))
+                if (part.name == kErrorsPart) errors_.emplace(file_, part);
+        });
     const Canvas& canvas = session_.canvas();
     if (!canvas.wet().empty() || !canvas.dried().empty()) painted_ = appearance(canvas, {}, progress);
     range_ = range_of(surface(), kPaintRoom_mm / static_cast<float>(session_.canvas().height_unit_mm()));
@@ -214,10 +219,6 @@ void Painter::record(const Event& event) {
 }
 
 void Painter::apply(const Event& event, bool recorded) {
-    if (file_is_new_) {
-        write_canvas(record_.files().painting, session_.canvas());
-        file_is_new_ = false;
-    }
     // Nothing is recorded that a replay would stumble over.
     const bool undo = std::holds_alternative<UndoEvent>(event);
     if (undo || std::holds_alternative<RedoEvent>(event)) {
@@ -225,6 +226,10 @@ void Painter::apply(const Event& event, bool recorded) {
         session_.finish();
         if (undo ? !session_.history().can_undo() : !session_.history().can_redo())
             fail("there is nothing to {}", undo ? "undo" : "redo");
+    }
+    if (file_is_new_) {
+        write_canvas(record_.files().painting, session_.canvas());
+        file_is_new_ = false;
     }
     if (!recorded) record(event);
     own_.unsaved = true;
@@ -305,71 +310,6 @@ void Painter::save_as(const std::filesystem::path& to) {
         guarded([&] { write(to.empty() ? record_.files().painting : to); });
         own_.saving = false;
         --saves_waiting_;
-    });
-}
-
-Probe Painter::look_at(int x, int y, double radius_px) const {
-    Probe probe{x, y, material_at(surface(), x, y), 0, {}};
-    const Recipe recipe = recipe_at(session_.canvas(), x, y, radius_px);
-    probe.paint_mm = recipe.thickness_mm;
-    for (const Portion& portion : recipe.portions)
-        probe.recipe.emplace_back(session_.canvas().ingredients()[portion.ingredient].name, portion.part);
-    return probe;
-}
-
-void Painter::probe(int x, int y) {
-    post([this, x, y] {
-        if (x < 0 || y < 0 || x >= surface().width() || y >= surface().height()) return;
-        Probe probe = look_at(x, y, 0.5);
-        const std::lock_guard lock(mutex_);
-        news_.probe = std::move(probe);
-    });
-}
-
-void Painter::pick(double x, double y, double radius_px) {
-    post([this, x, y, radius_px] {
-        const int px = static_cast<int>(std::lround(x)), py = static_cast<int>(std::lround(y));
-        if (px < 0 || py < 0 || px >= surface().width() || py >= surface().height()) return;
-        Probe picked = look_at(px, py, std::max(radius_px, 0.5));
-        const std::lock_guard lock(mutex_);
-        news_.picked = std::move(picked);
-    });
-}
-
-void Painter::profile(const glm::dvec2& from_px, const glm::dvec2& to_px) {
-    post([this, from_px, to_px] {
-        HeightProfile profile = height_profile(surface(), from_px, to_px);
-        const std::lock_guard lock(mutex_);
-        news_.profile = std::move(profile);
-    });
-}
-
-void Painter::statistics(const Region& region) {
-    post([this, region] {
-        const RegionStatistics statistics = statistics_of(surface(), region);
-        const std::lock_guard lock(mutex_);
-        news_.statistics = statistics;
-    });
-}
-
-// The heights are copied here; the map, which takes seconds, is made beside.
-void Painter::make_horizon() {
-    post([this] {
-        horizon_stop_ = true;
-        if (horizon_thread_.joinable()) horizon_thread_.join();
-        horizon_stop_ = false;
-        CoarseHeights heights = coarse_heights(surface().height_mm, surface().mm_per_pixel);
-        horizon_thread_ = std::thread([this, heights = std::move(heights)] {
-            try {
-                HorizonMap map =
-                    horizon_map(heights, [this](std::string_view, double) { return !horizon_stop_; });
-                const std::lock_guard lock(mutex_);
-                news_.horizon = std::move(map);
-            } catch (const Cancelled&) {
-                return;
-            }
-            wake_();
-        });
     });
 }
 

@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "paint/session.h"
+#include "surface/part_pixels.h"
 #include "viewer/board_picture.h"
 #include "viewer/horizon.h"
 #include "viewer/measure.h"
@@ -26,12 +27,20 @@
 
 namespace tangi {
 
+// How far a pixel's maps may be off where the painting was fitted (the part `errors`, docs/quantities.md); 0
+// where it is not known.
+struct StandardErrors {
+    float slope = 0, diffuse = 0, specular = 0, roughness = 0;
+    float height_mm = 0;  // of relief within some 30 pixels
+};
+
 // What is at a place: all maps of its pixel, and the paint of the wet layer there.
 struct Probe {
     int x = 0, y = 0;
     Material material;
+    StandardErrors errors{};  // where no paint lies over what was fitted
     double paint_mm = 0;
-    std::vector<std::pair<std::string, double>> recipe;  // of paints, parts that sum to 1
+    std::vector<std::pair<std::string, double>> recipe{};  // of paints, parts that sum to 1
 };
 
 struct PainterState {
@@ -121,7 +130,7 @@ private:
     void say(std::string text);
     void guarded(const std::function<void()>& action);
     void write(const std::filesystem::path& to);
-    Probe look_at(int x, int y, double radius_px) const;
+    Probe look_at(int x, int y, double radius_px);
     void adopt(Canvas canvas);
     void show(std::optional<Canvas> canvas);
     void count(std::span<const Region> changed);
@@ -129,8 +138,9 @@ private:
     // The painter's thread only, once it runs.
     Session session_;
     std::shared_ptr<const Surface> dry_;
-    std::optional<Surface> painted_;  // what the painting looks like; the dry surface where it has no paint
-    std::optional<Surface> board_;    // what the palette looks like
+    std::optional<Surface> painted_;    // what the painting looks like; the dry surface where it has no paint
+    std::optional<PartPixels> errors_;  // that the file has
+    std::optional<Surface> board_;      // what the palette looks like
     std::shared_ptr<TexelTiles> tiles_;
     TexelRange range_;
     double mm_per_pixel_;

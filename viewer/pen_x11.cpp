@@ -6,20 +6,11 @@
 #include <utility>
 
 #include "viewer/pen.h"
+#include "viewer/x11_connection.h"
 
 namespace tangi {
 
 namespace {
-
-// A pen may be gone by the time it is asked for: on this connection that is no error. (Xlib would end the
-// program; its handler is one for all connections.)
-Display* pens_display = nullptr;
-XErrorHandler other_errors = nullptr;
-
-int on_error(Display* display, XErrorEvent* error) {
-    if (display == pens_display) return 0;
-    return other_errors ? other_errors(display, error) : 0;
-}
 
 std::string text_of(Display* display, Atom atom) {
     if (atom == 0) return {};
@@ -38,46 +29,20 @@ struct PenDevices::Impl {
         std::vector<PenAxis> axes;
         bool eraser = false, down = false;
     };
-    Display* display = nullptr;
-    int opcode = 0;
+    X11Connection x{0};
     std::map<int, Pen> pens;  // by the device's number
     bool lost = false;
 
     Impl() {
-        display = XOpenDisplay(nullptr);
-        if (!display) return;
-        pens_display = display;
-        other_errors = XSetErrorHandler(on_error);
-        int event = 0, error = 0, major = 2, minor = 2;
-        if (!XQueryExtension(display, "XInputExtension", &opcode, &event, &error) ||
-            XIQueryVersion(display, &major, &minor) != Success) {
-            close();
-            return;
-        }
-        select(XIAllDevices, {XI_HierarchyChanged});
+        if (!x.display()) return;
+        x.select(0, XIAllDevices, {XI_HierarchyChanged});
         find();
-    }
-    ~Impl() { close(); }
-
-    void close() {
-        if (!display) return;
-        XSync(display, True);
-        XSetErrorHandler(other_errors);
-        XCloseDisplay(display);
-        pens_display = display = nullptr;
-    }
-
-    void select(int device, const std::vector<int>& events) const {
-        std::vector<unsigned char> bits(XIMaskLen(XI_LASTEVENT), 0);
-        for (const int one : events) XISetMask(bits.data(), one);
-        XIEventMask mask{device, static_cast<int>(bits.size()), bits.data()};
-        XISelectEvents(display, DefaultRootWindow(display), &mask, 1);
     }
 
     // The pens that are there now. One that is known keeps its state.
     void find() {
         int count = 0;
-        XIDeviceInfo* devices = XIQueryDevice(display, XIAllDevices, &count);
+        XIDeviceInfo* devices = XIQueryDevice(x.display(), XIAllDevices, &count);
         std::map<int, Pen> found;
         for (int i = 0; devices && i < count; ++i) {
             const XIDeviceInfo& device = devices[i];
@@ -92,17 +57,17 @@ struct PenDevices::Impl {
                 if (device.classes[c]->type != XIValuatorClass) continue;
                 const auto& axis = *reinterpret_cast<const XIValuatorClassInfo*>(device.classes[c]);
                 pen.axes.push_back(
-                    {axis.number, text_of(display, axis.label), axis.min, axis.max, axis.value});
+                    {axis.number, text_of(x.display(), axis.label), axis.min, axis.max, axis.value});
             }
             if (!is_pen(pen.axes)) continue;
-            select(device.deviceid, {XI_RawMotion, XI_RawButtonPress, XI_RawButtonRelease});
+            x.select(0, device.deviceid, {XI_RawMotion, XI_RawButtonPress, XI_RawButtonRelease});
             found.emplace(device.deviceid, std::move(pen));
         }
         if (devices) XIFreeDeviceInfo(devices);
         for (const auto& [number, pen] : pens)
             if (pen.down && !found.contains(number)) lost = true;
         pens = std::move(found);
-        XFlush(display);
+        XFlush(x.display());
     }
 
     void hear(const XIRawEvent& event, PenNews& news) {
@@ -125,19 +90,12 @@ struct PenDevices::Impl {
 
     PenNews take() {
         PenNews news;
-        if (!display) return news;
-        while (XPending(display) > 0) {
-            XEvent event;
-            XNextEvent(display, &event);
-            XGenericEventCookie& cookie = event.xcookie;
-            if (cookie.type != GenericEvent || cookie.extension != opcode) continue;
-            if (!XGetEventData(display, &cookie)) continue;
-            if (cookie.evtype == XI_HierarchyChanged)
+        x.hear([&](int type, const void* data) {
+            if (type == XI_HierarchyChanged)
                 find();
             else
-                hear(*static_cast<const XIRawEvent*>(cookie.data), news);
-            XFreeEventData(display, &cookie);
-        }
+                hear(*static_cast<const XIRawEvent*>(data), news);
+        });
         for (const auto& [number, pen] : pens) news.down |= pen.down;
         news.lost = std::exchange(lost, false);
         return news;

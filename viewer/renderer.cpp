@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/gtc/type_ptr.hpp>
+#include <limits>
 #include <numbers>
 
 #include "surface/error.h"
@@ -19,7 +20,6 @@ constexpr std::size_t kFewestLayers = 16;  // a piece of 256 x 256 pixels needs 
 constexpr int kFirstLayers = 128;          // a screen of 1920 x 1080 and what is around it
 constexpr std::size_t kMostLayers = 2047;  // that the table's 11 bits tell apart
 constexpr std::size_t kTableWidth = 1024;  // as in surface.glsl
-constexpr int kLargestPiece = 2048;        // [pixels] a side, of a picture that is drawn piece by piece
 
 void check(const char* what) {
     GLenum error = GL_NO_ERROR;
@@ -36,13 +36,22 @@ int integer(GLenum name) {
 
 std::size_t megabytes(int tiles) { return static_cast<std::size_t>(tiles) * kTileBytes >> 20; }
 
-// [pixels] The largest side of a piece whose tiles fit, with those that stand in for them.
-int piece_for(const TileCache& cache) {
-    if (cache.all() <= cache.layers()) return kLargestPiece;
-    int side = kLargestPiece;
-    const auto tiles = [&](int texels) { return (texels / kTileSide + 2) * (texels / kTileSide + 2); };
-    while (side > kTileSide && tiles(side) + tiles(side / 4) + 1 > cache.layers()) side /= 2;
-    return side;
+bool has_near(const Scene& scene) {
+    return std::ranges::any_of(scene.lights,
+                               [](const Light& light) { return light.position_mm.has_value(); });
+}
+
+// Light comes from the same direction everywhere.
+bool all_far(const Scene& scene) {
+    return !scene.lights.empty() && !has_near(scene) && scene.rig.bend_per_mm == 0;
+}
+
+// Of the framebuffer that is bound, an object: it encodes what is drawn.
+bool holds_srgb() {
+    GLint encoding = GL_LINEAR;
+    glGetFramebufferAttachmentParameteriv(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0,
+                                          GL_FRAMEBUFFER_ATTACHMENT_COLOR_ENCODING, &encoding);
+    return encoding == GL_SRGB;
 }
 
 class Uniforms {
@@ -77,14 +86,6 @@ private:
 };
 
 }  // namespace
-
-Shot pixel_by_pixel(const Surface& s) {
-    Shot shot{.width = s.width(), .height = s.height()};
-    // Centres of the picture's pixels are halves, those of the painting's are whole.
-    shot.to_painting =
-        glm::mat3(Vec3(1, 0, 0), Vec3(0, -1, 0), Vec3(-0.5f, static_cast<float>(s.height()) - 0.5f, 1));
-    return shot;
-}
 
 Renderer::Renderer(std::size_t texel_bytes) : nothing_(gl::make_vertex_array()) {
     const std::size_t tiles = std::max<std::size_t>(texel_bytes / kTileBytes, kFewestLayers);
@@ -211,7 +212,40 @@ void Renderer::set_horizon(const HorizonMap& map) {
                  GL_UNSIGNED_BYTE, map.values.data());
     glPixelStorei(GL_UNPACK_ALIGNMENT, 4);
     uploaded_.horizons += map.values.size();
+    horizon_map_ = map;
+    lamp_horizons_ = {};
+    lamp_azimuths_deg_.clear();
     check("for cast shadows");
+}
+
+// A layer of lamp_horizons_ for each light, whose direction is the same everywhere.
+void Renderer::towards_lamps(const std::vector<Light>& lights) {
+    const int width = horizon_map_.width, height = horizon_map_.height;
+    glActiveTexture(GL_TEXTURE4);
+    if (!lamp_horizons_ || lamp_azimuths_deg_.size() != lights.size()) {
+        lamp_horizons_ = gl::make_texture();
+        lamp_azimuths_deg_.assign(lights.size(), std::numeric_limits<double>::quiet_NaN());
+        glBindTexture(GL_TEXTURE_2D_ARRAY, lamp_horizons_.id());
+        glTexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
+        glTexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+        glTexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
+        glTexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
+        glTexImage3D(GL_TEXTURE_2D_ARRAY, 0, GL_R16, width, height, static_cast<GLsizei>(lights.size()), 0,
+                     GL_RED, GL_UNSIGNED_SHORT, nullptr);
+    }
+    glBindTexture(GL_TEXTURE_2D_ARRAY, lamp_horizons_.id());
+    std::vector<std::uint16_t> roots;
+    for (std::size_t i = 0; i < lights.size(); ++i) {
+        const double azimuth_deg = angles_of(lights[i].direction).azimuth_deg;
+        if (lamp_azimuths_deg_[i] == azimuth_deg) continue;
+        lamp_azimuths_deg_[i] = azimuth_deg;
+        roots.resize(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
+        horizon_towards(horizon_map_, azimuth_deg, roots);
+        glPixelStorei(GL_UNPACK_ALIGNMENT, 2);
+        glTexSubImage3D(GL_TEXTURE_2D_ARRAY, 0, 0, 0, static_cast<GLint>(i), width, height, 1, GL_RED,
+                        GL_UNSIGNED_SHORT, roots.data());
+        glPixelStorei(GL_UNPACK_ALIGNMENT, 4);
+    }
 }
 
 void Renderer::set_monitor(const MonitorTable& table) {
@@ -234,8 +268,7 @@ const gl::Program& Renderer::program_for(const Scene& scene, const Shot& shot, b
     Shadows shadows = scene.shadows;
     if (tiles_->width() < 2 || tiles_->height() < 2 || (shadows == Shadows::horizon && !horizon_))
         shadows = Shadows::none;
-    const bool near = std::any_of(scene.lights.begin(), scene.lights.end(),
-                                  [](const Light& light) { return light.position_mm.has_value(); });
+    const bool near = has_near(scene);
     std::string definitions;
     const auto define = [&](const char* name, int value) {
         definitions += fmt::format("#define {} {}\n", name, value);
@@ -248,7 +281,7 @@ const gl::Program& Renderer::program_for(const Scene& scene, const Shot& shot, b
     define("LIGHTS", static_cast<int>(std::max<std::size_t>(scene.lights.size(), 1)));
     define("NEAR", near ? 1 : 0);
     define("BENDS", scene.rig.bend_per_mm != 0 ? 1 : 0);
-    define("SHADOWS", static_cast<int>(shadows));
+    define("SHADOWS", shadows == Shadows::horizon && all_far(scene) ? 3 : static_cast<int>(shadows));
     define("EYE", shot.eye.w == 0 ? 0 : 1);
     define("MODE", static_cast<int>(scene.mode));
     define("OUTPUT", linear ? 0 : scene.on_monitor && monitor_ ? 2 : 1);
@@ -270,8 +303,10 @@ void Renderer::draw_by_table(const Scene& scene, const Shot& shot, GLuint target
 void Renderer::draw(const Scene& scene, const Shot& shot, GLuint target, bool linear, const Homes& homes) {
     TP_REQUIRE(tiles_, "there is a painting to draw");
     TP_REQUIRE(scene.lights.size() <= kMostLights, "no more lights than the shader takes");
-    const gl::Program& program = program_for(scene, shot, linear, !homes);
     glBindFramebuffer(GL_FRAMEBUFFER, target);
+    const bool encodes = !linear && target != 0 && !(scene.on_monitor && monitor_) && holds_srgb();
+    const gl::Program& program = program_for(scene, shot, linear || encodes, !homes);
+    if (scene.shadows == Shadows::horizon && horizon_ && all_far(scene)) towards_lamps(scene.lights);
     glViewport(0, 0, shot.width, shot.height);
     glDisable(GL_BLEND);
     glDisable(GL_DEPTH_TEST);
@@ -306,6 +341,7 @@ void Renderer::draw(const Scene& scene, const Shot& shot, GLuint target, bool li
     u.set("u_horizon", 1);
     u.set("u_pages", 2);
     u.set("u_monitor", 3);
+    u.set("u_lamp_horizon", 4);
     u.set("u_first_page", cache_.first_entries());
     if (homes)
         u.set("u_homes",
@@ -334,7 +370,9 @@ void Renderer::draw(const Scene& scene, const Shot& shot, GLuint target, bool li
     u.set("u_background", scene.background);
     u.set("u_look", glm::vec4(scene.strength, scene.sharpness, scene.lowest_mm, scene.highest_mm));
     glBindVertexArray(nothing_.id());
+    if (encodes) glEnable(GL_FRAMEBUFFER_SRGB);
     glDrawArrays(GL_TRIANGLES, 0, 3);
+    if (encodes) glDisable(GL_FRAMEBUFFER_SRGB);
     glBindVertexArray(0);
     glUseProgram(0);
 }
@@ -348,48 +386,6 @@ Image<Rgb> Renderer::read(const gl::Target& target) const {
     for (int y = 0; y < picture.height() / 2; ++y)
         std::swap_ranges(picture.row(y).begin(), picture.row(y).end(),
                          picture.row(picture.height() - 1 - y).begin());
-    return picture;
-}
-
-Image<Rgb> relight_with(Renderer& renderer, const Surface& surface, const std::vector<Light>& lights,
-                        const RelightOptions& options) {
-    require_consistent(surface);
-    validate(options);
-    if (lights.size() > kMostLights)
-        fail("{} lights at once are more than the {} that the graphics shader takes", lights.size(),
-             kMostLights);
-    Scene scene{.lights = lights, .law = surface.law, .rig = surface.photography.rig, .model = options.model};
-    scene.shadows = options.cast_shadows ? Shadows::marched : Shadows::none;
-    scene.light_radius_deg = options.light_radius_deg;
-    scene.ambient = options.ambient;
-    const Shot whole = pixel_by_pixel(surface);
-    Image<Rgb> picture(whole.width, whole.height);
-    const int side = piece_for(renderer.cache());
-    for (int y0 = 0; y0 < whole.height; y0 += side)
-        for (int x0 = 0; x0 < whole.width; x0 += side) {
-            Shot shot = whole;
-            shot.width = std::min(side, whole.width - x0);
-            shot.height = std::min(side, whole.height - y0);
-            // Rows of the shot run upwards from its lower left corner.
-            shot.to_painting[2] =
-                whole.to_painting *
-                Vec3(static_cast<float>(x0), static_cast<float>(whole.height - y0 - shot.height), 1);
-            if (scene.rig.camera_distance_mm)
-                shot.eye = {scene.rig.camera_axis_mm, *scene.rig.camera_distance_mm, 1};
-            const bool exact = renderer.fetch(scene, shot).exact;
-            if (!exact && options.cast_shadows)
-                fail(
-                    "cast shadows on a painting of {} x {} pixels need {} MB on the graphics device, which "
-                    "gives {} MB",
-                    whole.width, whole.height, megabytes(renderer.cache().all()),
-                    megabytes(renderer.cache().layers()));
-            TP_REQUIRE(exact, "pieces are small enough");
-            const gl::Target target(shot.width, shot.height, true);
-            renderer.draw(scene, shot, target.framebuffer(), true);
-            const Image<Rgb> piece = renderer.read(target);
-            for (int y = 0; y < shot.height; ++y)
-                std::copy(piece.row(y).begin(), piece.row(y).end(), picture.row(y0 + y).begin() + x0);
-        }
     return picture;
 }
 

@@ -53,6 +53,7 @@ public:
                   bool guest = false);
 
     // Into `target` (0: the window), with the tiles that are there. Encoded as sRGB, or linear.
+    // A target that holds sRGB (gl::Target of 8 bits) has the device encode it.
     void draw(const Scene& scene, const Shot& shot, GLuint target, bool linear = false);
     // Draws with the shader that looks tiles up in a table, as draw() does while some are missing: drivers
     // compile it then.
@@ -68,11 +69,14 @@ private:
     Fetched fetch(std::span<const TileView> views, std::size_t most_tiles, bool guest);
     void draw(const Scene& scene, const Shot& shot, GLuint target, bool linear, const Homes& homes);
     void make_layers(int wanted);
+    void towards_lamps(const std::vector<Light>& lights);
     bool allocated(int layers);
 
     int largest_layers_ = 0;
     gl::VertexArray nothing_;
-    gl::Texture texels_, table_, horizon_, monitor_;
+    gl::Texture texels_, table_, horizon_, lamp_horizons_, monitor_;
+    HorizonMap horizon_map_;
+    std::vector<double> lamp_azimuths_deg_;        // of the layers of lamp_horizons_
     std::map<std::string, gl::Program> programs_;  // by their definitions
     std::shared_ptr<const TexelTiles> tiles_;
     TileCache cache_;

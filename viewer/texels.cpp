@@ -184,20 +184,8 @@ TexelTiles::TexelTiles(const Surface& s, const TexelRange& range)
         first_.push_back(tiles);
         tiles += static_cast<std::size_t>(size.columns()) * static_cast<std::size_t>(size.rows());
     }
-    texels_ = std::make_unique_for_overwrite<Texel[]>(tiles * kTileTexels);
-    // Memory is touched here for the first time: by all threads.
-    for (int level = 0; level < levels(); ++level) {
-        const LevelSize size = level_size(width_, height_, level);
-        parallel_for(0, size.rows(), 1, [&](int begin, int end) {
-            for (int row = begin; row < end; ++row)
-                for (int column = 0; column < size.columns(); ++column) {
-                    const bool whole =
-                        (column + 1) * kTileSide <= size.width && (row + 1) * kTileSide <= size.height;
-                    Texel* const tile = &texels_[offset(column << kTileBits, row << kTileBits, level)];
-                    if (!whole) std::fill(tile, tile + kTileTexels, Texel{});
-                }
-        });
-    }
+    memory_ = ScratchMemory(tiles * kTileTexels * sizeof(Texel));
+    texels_ = {static_cast<Texel*>(memory_.data()), tiles * kTileTexels};
     update(s, {0, 0, width_, height_});
 }
 

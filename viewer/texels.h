@@ -26,6 +26,7 @@
 #include <span>
 #include <vector>
 
+#include "surface/scratch_memory.h"
 #include "surface/surface.h"
 
 namespace tangi {
@@ -103,7 +104,8 @@ private:
     int width_ = 0, height_ = 0;
     TexelRange range_;
     std::vector<std::size_t> first_;  // tile of each level
-    std::unique_ptr<Texel[]> texels_;
+    ScratchMemory memory_;  // 21 bytes a pixel: of large paintings, on disk as far as there is no room
+    std::span<Texel> texels_;
     mutable std::mutex mutex_;
 };
 

@@ -84,10 +84,7 @@ void Fingers::end(const TouchEvent& event, std::vector<InputEvent>& out) {
     if (lifted == fingers_.end()) return;
     lifted->at = event.at;
     const bool first = lifted == fingers_.begin(), lost = event.kind == TouchEvent::Kind::lost;
-    if (state_ == State::waits && !lost) {
-        press(event.time_s, out);
-        tapped_ = true;
-    }
+    if (state_ == State::waits && !lost) press(event.time_s, out);
     if (first && state_ == State::presses) {
         out.push_back(
             mouse(lost ? InputEvent::Kind::lost : InputEvent::Kind::release, event.time_s, event.at));
@@ -111,16 +108,15 @@ void Fingers::pass(double now_s, std::vector<InputEvent>& out) {
     if (state_ == State::waits && now_s - fingers_.front().began_s > kWait_s) press(now_s, out);
 }
 
-std::optional<Fingers::Pointer> Fingers::pointer() {
+std::optional<glm::dvec2> Fingers::pointer() {
     constexpr int kAfterwards = 3;  // panels see that it is up before the mouse is asked again
-    const bool down = state_ == State::presses || std::exchange(tapped_, false);
-    if (state_ == State::waits || down) {
+    if (state_ == State::waits || state_ == State::presses)
         after_ = kAfterwards;
-        return Pointer{last_, down};
-    }
-    if (after_ == 0) return {};
-    --after_;
-    return Pointer{last_, false};
+    else if (after_ > 0)
+        --after_;
+    else
+        return {};
+    return last_;
 }
 
 }  // namespace tangi

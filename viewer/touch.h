@@ -35,14 +35,9 @@ public:
     void take(const TouchEvent& event, std::vector<InputEvent>& out);
     void pass(double now_s, std::vector<InputEvent>& out);  // time
 
-    // For the panels: where the finger is that is the pointer, and whether it presses. Empty where a mouse
+    // For the panels: where the finger is that is the pointer, or was in the last calls. Empty where a mouse
     // is.
-    struct Pointer {
-        glm::dvec2 at{0};
-        bool down = false;
-    };
-    // A tap between two calls is down in the first of them.
-    std::optional<Pointer> pointer();
+    std::optional<glm::dvec2> pointer();
 
 private:
     struct Finger {
@@ -62,7 +57,7 @@ private:
     State state_ = State::none;
     std::vector<Finger> fingers_;  // that are down; the first two count
     double turned_deg_ = 0;
-    bool turns_ = false, tapped_ = false;
+    bool turns_ = false;
     int after_ = 0;  // calls of pointer() since the finger was lifted
     glm::dvec2 last_{0};
 };

@@ -40,6 +40,7 @@ std::unique_ptr<FirstOpening> opening_of(const WindowSetup& setup, const Progres
 constexpr double kSweep_deg_per_s = 40;
 constexpr double kFrame_s = 1 / 60.0;
 constexpr std::size_t kFetchBytes = std::size_t(8) << 20;  // for the loupe, in one frame
+constexpr int kMostMoments = 100;                          // of panels in one frame; further ones wait
 constexpr double kProgress_s = 0.2;                        // between two pictures of how far something is
 
 }  // namespace
@@ -152,15 +153,31 @@ void WindowApp::draw(bool moved) {
         loupe(scene_on_screen());
     }
     dirty_ = false;
-    ImGui_ImplOpenGL3_NewFrame();
-    ImGui_ImplGlfw_NewFrame();
-    if (const auto finger = input_.finger()) {
-        ImGui::GetIO().MousePos = {static_cast<float>(finger->at.x), static_cast<float>(finger->at.y)};
-        ImGui::GetIO().MouseDown[0] = finger->down;
-        settle_ = kFramesAfterwards;
+    const auto finger = input_.finger();
+    if (finger) settle_ = kFramesAfterwards;
+    for (int moment = 1;; ++moment) {
+        ImGui_ImplOpenGL3_NewFrame();
+        ImGui_ImplGlfw_NewFrame();
+        const auto [enter, escape] = panel_input_.feed(finger, !dialog_ || dialog_->ready_to_type());
+        if (dialog_ && enter) dialog_->enter();
+        if (dialog_ && escape) dialog_->escape();
+        ImGui::NewFrame();
+        draw_panels(place);
+        ImGui::Render();
+        if (!panel_input_.waits() || moment == kMostMoments) break;
+        requests();  // what this moment asked for, before the next one asks again
     }
-    ImGui::NewFrame();
-    if (compares) panels::held_photo(state_, held_.left(), held_.right(), screen_);
+    if (panel_input_.waits()) settle_ = kFramesAfterwards;
+    glViewport(0, 0, window_size_.width, window_size_.height);
+    ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
+    glfwSwapBuffers(window_.handle());
+    window_.require_device();
+    ++result_.frames;
+}
+
+// All of them as they are at this moment.
+void WindowApp::draw_panels(const Placement& place) {
+    if (state_.comparing.shows()) panels::held_photo(state_, held_.left(), held_.right(), screen_);
     if (hand_->panels_wanted()) {
         panels::column(state_, static_cast<float>(window_size_.height));
         if (state_.treating.on) panels::treatment_column(state_, static_cast<float>(window_size_.height));
@@ -170,12 +187,6 @@ void WindowApp::draw(bool moved) {
     panels::help(state_);
     if (dialog_ && !dialog_->draw()) dialog_.reset();
     panels::overlay(state_, place, screen_, hand_->cursor(), hand_->over_canvas());
-    ImGui::Render();
-    glViewport(0, 0, window_size_.width, window_size_.height);
-    ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
-    glfwSwapBuffers(window_.handle());
-    window_.require_device();
-    ++result_.frames;
 }
 
 // What the picture depends on, but for strokes.
@@ -200,6 +211,18 @@ std::string WindowApp::seen_now(const Placement& place) const {
     return seen;
 }
 
+// Each key does what it does before the next: two Ctrl+Z that come within one slow frame are two.
+void WindowApp::take_input(const std::deque<InputEvent>& events) {
+    const bool floating = state_.help || dialog_ || state_.profile || state_.statistics || state_.board.open;
+    const bool panels_busy = ImGui::IsPopupOpen(nullptr, ImGuiPopupFlags_AnyPopup) ||
+                             (floating && ImGui::GetIO().WantCaptureMouse);
+    for (const InputEvent& event : events) {
+        panel_input_.put(event);
+        hand_->take(event, screen_, left_, panels_busy, dialog_ || ImGui::GetIO().WantTextInput);
+        if (event.kind == InputEvent::Kind::key) requests();
+    }
+}
+
 // True while there is something to do.
 bool WindowApp::frame() {
     const double before = now_s_;
@@ -217,16 +240,7 @@ bool WindowApp::frame() {
     if (screen.width > 0 && screen.height > 0) screen_ = screen;
     if (!fitted_) state_.view = fitted(state_.painting, pane(state_, screen_));
     fitted_ = true;
-    const bool floating = state_.help || dialog_ || state_.profile || state_.statistics || state_.board.open;
-    const bool panels_busy = ImGui::IsPopupOpen(nullptr, ImGuiPopupFlags_AnyPopup) ||
-                             (floating && ImGui::GetIO().WantCaptureMouse);
-    for (const InputEvent& event : events) {
-        if (dialog_ && event.kind == InputEvent::Kind::key) {
-            if (event.code == GLFW_KEY_ENTER || event.code == GLFW_KEY_KP_ENTER) dialog_->enter();
-            if (event.code == GLFW_KEY_ESCAPE) dialog_->escape();
-        }
-        hand_->take(event, screen_, left_, panels_busy, dialog_ || ImGui::GetIO().WantTextInput);
-    }
+    take_input(events);
     take_dropped();
     progress_due_ |= desk_->look();
     progress_due_ |= treating_->look();

@@ -17,6 +17,7 @@
 #include "viewer/held_pictures.h"
 #include "viewer/live_picture.h"
 #include "viewer/map_texture.h"
+#include "viewer/panel_input.h"
 #include "viewer/panels/file_dialog.h"
 #include "viewer/recorder.h"
 #include "viewer/treatment_desk.h"
@@ -50,6 +51,8 @@ private:
     void dialogs(const WindowState::Requests& ask);
     void animate(double seconds);
     void draw(bool moved);
+    void draw_panels(const Placement& place);
+    void take_input(const std::deque<InputEvent>& events);
     void snapshot();
     void use_monitor(WindowSetup& setup);
     Scene scene_on_screen() const;
@@ -70,6 +73,7 @@ private:
     DesktopWindow window_;
     Input input_;
     PanelContext panels_;
+    PanelInput panel_input_;
     Renderer renderer_;
     WindowState state_;
     std::unique_ptr<Painter> painter_;

@@ -81,6 +81,7 @@ bool WindowApp::open_first() {
     OpenedPainting opened = first_->take();
     first_.reset();
     input_.take();  // it was meant for what was not there
+    panel_input_.clear();
     show(std::move(opened), true);
     if (!photos_.empty()) desk_->hold_photos(photos_, *painter_);
     return true;

@@ -283,8 +283,9 @@ void WindowApp::requests() {
     }
     const bool other = state_.treating.state || state_.treating.preview;  // than the painting is seen
     const bool blocked = state_.left_over_strokes > 0 || other || state_.finishing;
-    if (ask.undo && state_.painter.can_undo && !blocked) painter_->send(UndoEvent{});
-    if (ask.redo && state_.painter.can_redo && !blocked) painter_->send(RedoEvent{});
+    // Whether there is something to undo the painter knows: what is seen of it may be a frame old.
+    if (ask.undo && !blocked) painter_->send(UndoEvent{});
+    if (ask.redo && !blocked) painter_->send(RedoEvent{});
     if (ask.dry && !blocked) {
         const std::vector<std::string>& layers = state_.painter.layers;
         std::string name;

@@ -69,7 +69,7 @@ Program make_program(std::string_view vertex, std::string_view fragment) {
 Target::Target(int width, int height, bool floats)
     : width_(width), height_(height), texture_(make_texture()), framebuffer_(make_framebuffer()) {
     glBindTexture(GL_TEXTURE_2D, texture_.id());
-    glTexImage2D(GL_TEXTURE_2D, 0, floats ? GL_RGBA32F : GL_RGBA8, width, height, 0, GL_RGBA,
+    glTexImage2D(GL_TEXTURE_2D, 0, floats ? GL_RGBA32F : GL_SRGB8_ALPHA8, width, height, 0, GL_RGBA,
                  floats ? GL_FLOAT : GL_UNSIGNED_BYTE, nullptr);
     glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
     glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);

@@ -53,7 +53,8 @@ VertexArray make_vertex_array();
 // Throws ContractError with the driver's log where a shader does not compile or link: they are ours.
 Program make_program(std::string_view vertex, std::string_view fragment);
 
-// A picture to draw into: RGBA, 8 bits or 32-bit float.
+// A picture to draw into: RGBA, 32-bit float, or 8 bits that hold sRGB: Renderer draws linear values into
+// these, which the device encodes.
 class Target {
 public:
     Target() = default;

@@ -152,10 +152,10 @@ void tools(WindowState& s) {
 }
 
 void canvas(WindowState& s) {
-    if (ImGui::Button("Undo") && s.painter.can_undo) s.ask.undo = true;
+    if (ImGui::Button("Undo")) s.ask.undo = true;
     tip("Ctrl+Z");
     ImGui::SameLine();
-    if (ImGui::Button("Redo") && s.painter.can_redo) s.ask.redo = true;
+    if (ImGui::Button("Redo")) s.ask.redo = true;
     tip("Ctrl+Y");
     ImGui::SameLine();
     if (ImGui::Button("Dry")) s.ask.dry = true;

@@ -108,7 +108,7 @@ bool FileDialog::draw() {
         if (wants_ != Wants::new_file) typed_.clear();
     }
     if (focus_) ImGui::SetKeyboardFocusHere();
-    focus_ = false;
+    since_focus_ = std::exchange(focus_, false) ? 1 : since_focus_ + 1;
     ImGui::PushItemWidth(-1);
     const char* hint = wants_ == Wants::folder ? "this folder, or the name of one" : "name, or a whole path";
     ImGui::InputTextWithHint("##name", hint, &typed_);

@@ -18,9 +18,12 @@ public:
     FileDialog(std::string title, Wants wants, std::string ending, const std::filesystem::path& start,
                std::function<void(const std::filesystem::path&)> chosen);
 
-    // Keys that Dear ImGui 1.86 does not see where they are let go before the next frame.
+    // Keys, wherever the keyboard's focus is.
     void enter() { entered_ = true; }
     void escape() { given_up_ = true; }
+
+    // The name can be typed: the field has the keyboard's focus, two frames after it was asked for.
+    bool ready_to_type() const { return !focus_ && since_focus_ >= 2; }
 
     // False once it is over: chosen, or given up.
     bool draw();
@@ -45,6 +48,7 @@ private:
     std::vector<std::string> folders_, files_;
     std::function<void(const std::filesystem::path&)> chosen_;
     std::string overwrites_;  // was asked about
+    int since_focus_ = 0;     // frames
     bool focus_ = true, entered_ = false, given_up_ = false;
 };
 

@@ -31,19 +31,20 @@ void statistics(const WindowState& s) {
     }
     const auto named = [&](const char* name, const std::string& value) {
         ImGui::TextUnformatted(name);
-        ImGui::SameLine(90 * s.scale);
+        ImGui::SameLine(110 * s.scale);
         ImGui::TextUnformatted(value.c_str());
     };
     const auto line = [&](const char* name, const MeanAndSpread& value) {
         named(name, fmt::format("{:.4f} ± {:.4f}", value.mean, value.deviation));
     };
-    named("ρd", fmt::format("L*a*b* {:.1f} {:.1f} {:.1f}, spread ΔE2000 {:.1f}", r.lab_of_mean.l,
-                            r.lab_of_mean.a, r.lab_of_mean.b, r.colour_spread));
-    line("ρs", r.specular);
-    line("α", r.roughness);
+    named("colour ρd", fmt::format("L*a*b* {:.1f} {:.1f} {:.1f}, spread ΔE2000 {:.1f}", r.lab_of_mean.l,
+                                   r.lab_of_mean.a, r.lab_of_mean.b, r.colour_spread));
+    line("gloss ρs", r.specular);
+    line("roughness α", r.roughness);
     line(s.scale_known ? "height mm" : "height px", r.height_mm);
     named("rms slope", fmt::format("{:.4f}", r.rms_slope));
     line("confidence", r.confidence);
+    ImGui::TextDisabled("mean ± standard deviation of the pixels");
 }
 
 }  // namespace
@@ -52,21 +53,21 @@ void measurements(WindowState& s) {
     const auto begin = [&](const char* name, float from_bottom, bool& open) {
         const ImVec2 size = ImGui::GetIO().DisplaySize;
         ImGui::SetNextWindowPos({size.x - 12, size.y - from_bottom}, ImGuiCond_Appearing, {1, 1});
-        ImGui::SetNextWindowSize({400 * s.scale, 0});
+        ImGui::SetNextWindowSize({430 * s.scale, 0});
         ImGui::Begin(name, &open,
                      ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoSavedSettings |
                          ImGuiWindowFlags_NoFocusOnAppearing);
     };
     if (s.profile && s.profile->height_mm.size() >= 2) {
         bool open = true;
-        begin("Height along the ruler", 40, open);
+        begin("Height along the ruler", 40 * s.scale, open);
         profile(s);
         ImGui::End();
         if (!open) s.profile.reset();
     }
     if (s.statistics && s.region) {
         bool open = true;
-        begin("Region", s.profile ? 40 + 210 * s.scale : 40, open);
+        begin("Region", (s.profile ? 250 : 40) * s.scale, open);
         statistics(s);
         ImGui::End();
         if (!open) {

@@ -25,7 +25,9 @@ void finish(WindowState& s) {
     const glm::dvec2 gloss = s.mixed_gloss();
     double specular = gloss.x, roughness = gloss.y;
     if (stepped("ρs", specular, 0, 0.2f, 0.01f, "%.2f")) s.finish.specular = specular;
+    tip("Gloss: how much of the light its surface reflects");
     if (stepped("α", roughness, 0.05f, 0.6f, 0.05f, "%.2f")) s.finish.roughness = roughness;
+    tip("Roughness: how far highlights spread");
     stepped("Medium", s.finish.medium, 0, 0.9f, 0.1f, "%.1f");
     if (ImGui::SmallButton("As from the tube")) s.finish = {};
     ImGui::TreePop();

@@ -1,0 +1,165 @@
+// hand_keys.cpp: what keys do, of the hand.
+#include <GLFW/glfw3.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "viewer/hand.h"
+
+namespace tangi {
+
+namespace {
+
+constexpr double kLightStep_deg = 3, kTurn_deg = 15;
+
+}  // namespace
+
+void Hand::key(const InputEvent& event) {
+    if (state_.tool == Tool::damage && mask_key(event)) return;
+    if (event.code == GLFW_KEY_ENTER && event.mods == 0) {
+        if (state_.closing)
+            state_.ask.save = state_.ask.close = true;
+        else if (state_.left_over_strokes > 0)
+            state_.ask.recover = true;
+        else if (!state_.dropped.empty())
+            state_.ask.fit_folder = std::exchange(state_.dropped, {});
+    }
+    if (event.code == GLFW_KEY_ESCAPE) {
+        state_.ask.stay = state_.finishing.has_value();
+        state_.closing = false;
+        state_.open_next.clear();
+        state_.dropped.clear();
+    }
+    if (event.code == GLFW_KEY_SPACE) space_ = true;
+    const std::optional<Action> action = state_.keys.action(event.code, event.mods);
+    if (!action) return;
+    for (const ToolName& tool : kTools)
+        if (tool.action == *action &&
+            (state_.treating.on || (tool.tool != Tool::damage && tool.tool != Tool::sample)))
+            state_.tool = tool.tool;
+    look_act(*action);
+    act(*action);
+    if (*action == Action::treatment || state_.treating.on) treatment_act(*action);
+}
+
+// What changes how the painting is seen.
+void Hand::look_act(Action action) {
+    Angles& light = state_.lamps[state_.lamp].angles;
+    switch (action) {
+        case Action::shadows:
+            state_.shadows = !state_.shadows;
+            break;
+        case Action::loupe:
+            state_.loupe = !state_.loupe;
+            break;
+        case Action::turn_left:
+            state_.view = turned(state_.view, kTurn_deg);
+            break;
+        case Action::turn_right:
+            state_.view = turned(state_.view, -kTurn_deg);
+            break;
+        case Action::light_left:
+            light.azimuth_deg = std::remainder(light.azimuth_deg + kLightStep_deg, 360.0);
+            break;
+        case Action::light_right:
+            light.azimuth_deg = std::remainder(light.azimuth_deg - kLightStep_deg, 360.0);
+            break;
+        case Action::light_up:
+            light.elevation_deg = std::min(light.elevation_deg + kLightStep_deg, 90.0);
+            break;
+        case Action::light_down:
+            light.elevation_deg = std::max(light.elevation_deg - kLightStep_deg, 2.0);
+            break;
+        case Action::compare:
+            if (state_.comparing.pair) {
+                state_.treating.ask.stop_comparing = true;
+                break;
+            }
+            state_.comparing.on = state_.comparing.loaded && !state_.comparing.on;
+            if (!state_.comparing.loaded) state_.ask.photos_dialog = true;
+            break;
+        case Action::compare_way:
+            state_.comparing.way =
+                static_cast<CompareWay>((static_cast<std::size_t>(state_.comparing.way) + 1) %
+                                        (state_.comparing.pair ? kPairWays : kCompareWays.size()));
+            break;
+        default:
+            break;
+    }
+}
+
+// What is asked of the window and the painter, and the brush.
+void Hand::act(Action action) {
+    WindowState::Requests& ask = state_.ask;
+    switch (action) {
+        case Action::fit:
+            ask.fit = true;
+            break;
+        case Action::one_to_one:
+            ask.one_to_one = true;
+            break;
+        case Action::straighten:
+            ask.straighten = true;
+            break;
+        case Action::dry:
+            ask.dry = true;
+            break;
+        case Action::undo:
+            (state_.tool == Tool::damage ? state_.treating.ask.undo : ask.undo) = true;
+            break;
+        case Action::redo:
+            (state_.tool == Tool::damage ? state_.treating.ask.redo : ask.redo) = true;
+            break;
+        case Action::brush_smaller:
+            if (state_.tool == Tool::damage) {
+                state_.treating.brush_mm = std::max(state_.treating.brush_mm / 1.15f, 0.2f);
+                break;
+            }
+            state_.brush.size_mm = std::max(state_.brush.size_mm / 1.15, 0.1);
+            break;
+        case Action::brush_larger:
+            if (state_.tool == Tool::damage) {
+                state_.treating.brush_mm = std::min(state_.treating.brush_mm * 1.15f, 100.0f);
+                break;
+            }
+            state_.brush.size_mm = std::min(state_.brush.size_mm * 1.15, 500.0);
+            break;
+        case Action::next_photo:
+            ask.step_photo = 1;
+            break;
+        case Action::previous_photo:
+            ask.step_photo = -1;
+            break;
+        case Action::report:
+            ask.report_dialog = state_.comparing.news.book != nullptr;
+            break;
+        case Action::open:
+            ask.open_dialog = true;
+            break;
+        case Action::save:
+            ask.save = true;
+            break;
+        case Action::save_as:
+            ask.save_dialog = true;
+            break;
+        case Action::snapshot:
+            ask.snapshot = true;
+            break;
+        case Action::film:
+            ask.film_dialog = !state_.film;
+            break;
+        case Action::panels:
+            panels_ = !panels_;
+            break;
+        case Action::help:
+            state_.help = !state_.help;
+            break;
+        case Action::close:
+            ask.close = true;
+            break;
+        default:
+            break;
+    }
+}
+
+}  // namespace tangi

@@ -1,0 +1,95 @@
+// painter_probe.cpp: of the painter: what is looked at and measured, and the map of horizons.
+#include "viewer/painter.h"
+
+namespace tangi {
+
+namespace {
+
+constexpr std::pair<const char*, float StandardErrors::*> kErrors[] = {
+    {"diffuse", &StandardErrors::diffuse},
+    {"height", &StandardErrors::height_mm},
+    {"roughness", &StandardErrors::roughness},
+    {"slope", &StandardErrors::slope},
+    {"specular", &StandardErrors::specular}};
+
+// No dried paint in the pixel's tile.
+bool lies_bare(const Canvas& canvas, int x, int y) {
+    const TileIndex at{x / PaintTile::kSize, y / PaintTile::kSize};
+    return std::ranges::none_of(canvas.dried(),
+                                [&](const DriedLayer& layer) { return layer.paint.tile(at) != nullptr; });
+}
+
+}  // namespace
+
+Probe Painter::look_at(int x, int y, double radius_px) {
+    Probe probe{.x = x, .y = y, .material = material_at(surface(), x, y)};
+    const Recipe recipe = recipe_at(session_.canvas(), x, y, radius_px);
+    probe.paint_mm = recipe.thickness_mm;
+    for (const Portion& portion : recipe.portions)
+        probe.recipe.emplace_back(session_.canvas().ingredients()[portion.ingredient].name, portion.part);
+    if (errors_ && probe.paint_mm == 0 && lies_bare(session_.canvas(), x, y)) {
+        const std::span<const float> values = errors_->at(x, y);
+        for (std::size_t c = 0; c < values.size(); ++c)
+            for (const auto& [name, member] : kErrors)
+                if (errors_->info().channels[c] == name) probe.errors.*member = values[c];
+    }
+    return probe;
+}
+
+void Painter::probe(int x, int y) {
+    post([this, x, y] {
+        if (x < 0 || y < 0 || x >= surface().width() || y >= surface().height()) return;
+        Probe probe = look_at(x, y, 0.5);
+        const std::lock_guard lock(mutex_);
+        news_.probe = std::move(probe);
+    });
+}
+
+void Painter::pick(double x, double y, double radius_px) {
+    post([this, x, y, radius_px] {
+        const int px = static_cast<int>(std::lround(x)), py = static_cast<int>(std::lround(y));
+        if (px < 0 || py < 0 || px >= surface().width() || py >= surface().height()) return;
+        Probe picked = look_at(px, py, std::max(radius_px, 0.5));
+        const std::lock_guard lock(mutex_);
+        news_.picked = std::move(picked);
+    });
+}
+
+void Painter::profile(const glm::dvec2& from_px, const glm::dvec2& to_px) {
+    post([this, from_px, to_px] {
+        HeightProfile profile = height_profile(surface(), from_px, to_px);
+        const std::lock_guard lock(mutex_);
+        news_.profile = std::move(profile);
+    });
+}
+
+void Painter::statistics(const Region& region) {
+    post([this, region] {
+        const RegionStatistics statistics = statistics_of(surface(), region);
+        const std::lock_guard lock(mutex_);
+        news_.statistics = statistics;
+    });
+}
+
+// The heights are copied here; the map, which takes seconds, is made beside.
+void Painter::make_horizon() {
+    post([this] {
+        horizon_stop_ = true;
+        if (horizon_thread_.joinable()) horizon_thread_.join();
+        horizon_stop_ = false;
+        CoarseHeights heights = coarse_heights(surface().height_mm, surface().mm_per_pixel);
+        horizon_thread_ = std::thread([this, heights = std::move(heights)] {
+            try {
+                HorizonMap map =
+                    horizon_map(heights, [this](std::string_view, double) { return !horizon_stop_; });
+                const std::lock_guard lock(mutex_);
+                news_.horizon = std::move(map);
+            } catch (const Cancelled&) {
+                return;
+            }
+            wake_();
+        });
+    });
+}
+
+}  // namespace tangi
