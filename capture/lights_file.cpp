@@ -233,12 +233,16 @@ LightsFile read_lights_file(const fs::path& path) {
     return parse_lights(read_text_file(path), path.string());
 }
 
-void write_lights_file(const fs::path& path, std::span<const Light> lights) {
+std::string lights_text(std::span<const Light> lights) {
     std::string text = fmt::format("{}\n", lights.size());
     for (const Light& light : lights)
         text += fmt::format("{} {:.6f} {:.6f} {:.6f}\n", light.name, light.direction.x, light.direction.y,
                             light.direction.z);
-    write_text_file(path, text);
+    return text;
+}
+
+void write_lights_file(const fs::path& path, std::span<const Light> lights) {
+    write_text_file(path, lights_text(lights));
 }
 
 }  // namespace tangi
