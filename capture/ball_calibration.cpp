@@ -8,6 +8,7 @@
 
 #include "capture/ball_lights.h"
 #include "capture/ball_outline.h"
+#include "capture/left_out.h"
 #include "surface/error.h"
 #include "surface/median.h"
 
@@ -19,6 +20,9 @@ using glm::dvec3;
 namespace {
 
 constexpr double kPoorDirection = 3;  // [deg] median standard error that makes the result poor
+// [px] rms motion from which on a camera that is said to be fixed makes the result poor: a highlight of a
+// ball of 60 pixels radius then tells a direction that is off by a degree.
+constexpr double kPoorMotion_px = 0.5;
 
 BallCamera camera_of(const BallCalibrationOptions& options, int width, int height) {
     BallCamera camera;
@@ -139,7 +143,35 @@ void calibrate_matt(BallCalibration& c, const PhotoSet& set, const GreyPhotos& p
     add_parallax(c, view);
 }
 
+// What the user says of the camera is measured all the same. Photographs are then taken as they are.
+void check_fixed_camera(BallCalibration& c, const PhotoSet& set) {
+    const CameraShakes measured = c.drifts;
+    c.drifts = {.photos = std::vector<CameraShake>(set.size())};
+    if (!measured.moved) return;
+    std::size_t farthest = 0;
+    for (std::size_t i = 0; i < set.size(); ++i)
+        if (glm::length(measured.photos[i].shift_px) > glm::length(measured.photos[farthest].shift_px))
+            farthest = i;
+    std::string doubt = fmt::format(
+        "--fixed-camera says that the camera stood still, but the photographs' edges moved by {:.2f} pixels "
+        "(rms), those of {} by {:.2f} from the first: leave --fixed-camera out, and places of highlights are "
+        "corrected for it",
+        measured.rms_px, set.name(farthest), glm::length(measured.photos[farthest].shift_px));
+    (measured.rms_px > kPoorMotion_px ? c.poor : c.warnings).push_back(std::move(doubt));
+}
+
 }  // namespace
+
+void require_same_subject(const PhotoSet& photos, const CameraShakes& drifts) {
+    std::vector<double> agreements;
+    for (const CameraShake& drift : drifts.photos) agreements.push_back(drift.agreement);
+    for (std::size_t i = 0; i < drifts.photos.size(); ++i)
+        if (drifts.photos[i].strange)
+            fail_photo(photos.path(i),
+                       "shows something else than the other photographs: of the edges that these agree on "
+                       "(correlation {:.2f}) it has none ({:.2f})",
+                       median(agreements), drifts.photos[i].agreement);
+}
 
 int BallCalibration::calibrated() const {
     return static_cast<int>(
@@ -187,8 +219,11 @@ BallCalibration calibrate_from_balls(const PhotoSet& set, const BallCalibrationO
     for (std::size_t i = 0; i < set.size(); ++i)
         c.lights.push_back({.path = set.path(i), .name = set.name(i)});
     c.drifts.photos.resize(set.size());
-    if (!options.fixed_camera) c.drifts = camera_shakes(photos, progress);
-    if (c.drifts.moved)
+    c.drifts = camera_shakes(photos, progress);
+    require_same_subject(set, c.drifts);
+    if (options.fixed_camera)
+        check_fixed_camera(c, set);
+    else if (c.drifts.moved)
         c.warnings.push_back(
             fmt::format("the camera moved by {:.2f} pixels (rms) from photograph to photograph; places of "
                         "highlights are corrected for it",

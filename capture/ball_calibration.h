@@ -15,7 +15,7 @@ namespace tangi {
 struct BallCalibrationOptions {
     std::vector<GivenBall> balls{};          // sought automatically where empty
     bool matt = false;                       // a matt ball instead of mirror balls
-    bool fixed_camera = false;               // photographs are not registered
+    bool fixed_camera = false;               // photographs are not registered; a motion is told, not undone
     std::optional<double> ball_radius_mm{};  // of every ball
     std::optional<double> focal_px{};        // orthographic where neither is given
     std::optional<double> focal_35mm{};  // [mm] equivalent of a 35-mm camera, by the diagonal (CIPA DCG-001)
@@ -63,7 +63,11 @@ struct BallCalibration {
 // What is known of the photographs where no ball is in them: all lights are left out.
 BallCalibration without_balls(const PhotoSet& photos, const BallCalibrationOptions& options);
 
-// Throws NoBallError; Error: no photographs, a damaged one, no light, options that contradict each other.
+// Throws PhotoError, naming a photograph that shows something else than the others.
+void require_same_subject(const PhotoSet& photos, const CameraShakes& drifts);
+
+// Throws NoBallError; as require_same_subject(); Error: no photographs, a damaged one, no light, options that
+// contradict each other.
 BallCalibration calibrate_from_balls(const PhotoSet& photos, const BallCalibrationOptions& options,
                                      const Progress& progress = {});
 

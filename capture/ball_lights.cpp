@@ -18,6 +18,7 @@ namespace {
 
 constexpr double kDegrees = 180 / std::numbers::pi;
 constexpr double kFarthest = 0.5;       // [1] standard error / distance from which on a position is none
+constexpr double kUnknown = 60;         // [deg] standard error of a direction that may as well be any other
 constexpr double kWorstDirection = 10;  // [deg] standard error from which on a light is left out
 constexpr double kHighest = 10;         // [radii] of a ball above or below the painting's plane, for a doubt
 constexpr double kRadiiDiffer = 4;      // [standard errors] between balls of one size
@@ -288,8 +289,10 @@ void keep_direction(CalibratedLight& light, const dvec3& direction, double sigma
         light.reason =
             fmt::format("its light comes from below the painting's plane (z = {:.3f})", direction.z);
     } else if (light.direction_sigma_deg > kWorstDirection) {
-        light.reason =
-            fmt::format("its light's direction is uncertain by {:.0f} degrees", light.direction_sigma_deg);
+        light.reason = light.direction_sigma_deg > kUnknown
+                           ? "its light's direction is unknown"
+                           : fmt::format("its light's direction is uncertain by {:.0f} degrees",
+                                         light.direction_sigma_deg);
     } else {
         light.direction = glm::normalize(direction);
         light.reason.clear();

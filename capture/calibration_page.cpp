@@ -188,39 +188,12 @@ std::string plane_section(const PlaneCalibration& c) {
 
 }  // namespace
 
-CalibrationFiles calibration_files(const std::filesystem::path& out) {
-    CalibrationFiles files{out, out, out};
-    files.lights.replace_extension(".lp");
-    if (lower_extension(out) != ".json") {
-        files.lights = out;
-        if (out.stem() == "lights") files.json = files.page = out.parent_path() / "capture";
-    }
-    files.json.replace_extension(".json");
-    files.page.replace_extension(".html");
-    return files;
-}
-
 namespace {
 
 bool is_capture_file(const std::filesystem::path& path) {
     const nlohmann::json json = nlohmann::json::parse(read_text_file(path), nullptr, false);
     return json.is_object() && json.contains("format") && json["format"].is_string() &&
            json["format"].get<std::string>().starts_with("tangipaint capture");
-}
-
-// Whether a lights file has the lights of the capture file beside it.
-bool is_lights_file_of(const std::filesystem::path& lights, const std::filesystem::path& capture) {
-    constexpr float same = 1e-4f;
-    try {
-        const std::vector<Light> written = read_lights_file(lights).lights,
-                                 found = read_capture_file(capture).lights;
-        return std::equal(written.begin(), written.end(), found.begin(), found.end(),
-                          [](const Light& a, const Light& b) {
-                              return a.name == b.name && glm::length(a.direction - b.direction) < same;
-                          });
-    } catch (const Error&) {
-        return false;  // one of them is none
-    }
 }
 
 }  // namespace

@@ -5,19 +5,11 @@
 #include <filesystem>
 
 #include "capture/ball_calibration.h"
+#include "capture/capture_file.h"
 #include "capture/colour_calibration.h"
 #include "capture/plane_calibration.h"
 
 namespace tangi {
-
-struct CalibrationFiles {
-    std::filesystem::path lights, json, page;
-};
-
-// Where write_calibration() writes: three files of one name, so that a second calibration beside it replaces
-// none of them. `out` is the lights file (.lp) or the capture file (.json); beside lights.lp the others are
-// capture.json and capture.html.
-CalibrationFiles calibration_files(const std::filesystem::path& out);
 
 // Of these files, those that are there and are not as write_calibration() leaves them: others wrote or
 // changed them. A lights file is ours where the capture file beside it has the same lights.
@@ -34,9 +26,9 @@ struct Calibration {
     std::string section{};                 // HTML that the page shows after the lights
 };
 
-// Each file appears whole or not at all, the lights file last, and only where there is a light; none of them
-// where one cannot be written. Throws Error
-// naming the file that cannot be written.
+// All files are on the disk before the first of them takes its name, so that a disk that is full leaves what
+// was there; the lights file comes last, and only where there is a light. Throws Error naming the file that
+// cannot be written.
 CalibrationFiles write_calibration(const std::filesystem::path& out, const Calibration& calibration);
 
 // The whole capture.json: see docs/capture.md.

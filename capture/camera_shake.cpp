@@ -8,6 +8,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "capture/edge_field.h"
+#include "capture/stray_photos.h"
 #include "surface/median.h"
 #include "surface/parallel.h"
 
@@ -168,6 +169,50 @@ Directions mean_of(const std::vector<Directions>& all, const std::vector<CameraS
     return mean;
 }
 
+// How a photograph's edges agree with the template of `count` photographs less its own part in it, and how
+// strong they are all over the picture.
+struct Agreement {
+    double correlation = 0, strength = 0;
+};
+
+Agreement agreement_of(const Directions& photo, const std::vector<TemplatePixel>& pixels, const dvec2& centre,
+                       const CameraShake& drift, std::size_t count) {
+    const ToPhoto to_photo(drift, centre);
+    const double own = 1 / static_cast<double>(count);
+    double cross = 0, square = 0, others = 0;
+    for (const TemplatePixel& pixel : pixels) {
+        const dvec2 p = to_photo({pixel.x, pixel.y});
+        const double values[2] = {sample(photo.cosine, p.x, p.y), sample(photo.sine, p.x, p.y)};
+        for (std::size_t c = 0; c < 2; ++c) {
+            const double other = pixel.value[c] - own * values[c];
+            cross += values[c] * other;
+            square += values[c] * values[c];
+            others += other * other;
+        }
+    }
+    const double all = std::sqrt(square * others);
+    cv::Mat strength;
+    cv::magnitude(photo.cosine, photo.sine, strength);
+    return {all > 0 ? cross / all : 0, cv::mean(strength)[0]};
+}
+
+void find_strange(const std::vector<Directions>& all, const std::vector<TemplatePixel>& pixels,
+                  const dvec2& centre, std::vector<CameraShake>& drifts) {
+    if (all.size() < kFewestToTellStrays) return;
+    std::vector<double> correlations, strengths;
+    for (std::size_t i = 0; i < all.size(); ++i) {
+        const Agreement found = agreement_of(all[i], pixels, centre, drifts[i], all.size());
+        drifts[i].agreement = found.correlation;
+        correlations.push_back(found.correlation);
+        strengths.push_back(found.strength);
+    }
+    const double usual = median(strengths);
+    const bool agreed = median(std::move(correlations)) > kOthersAgree;
+    for (std::size_t i = 0; i < all.size(); ++i)
+        drifts[i].strange =
+            agreed && strengths[i] > kEdgesOfItsOwn * usual && drifts[i].agreement <= kNothingAlike;
+}
+
 }  // namespace
 
 dvec2 CameraShake::to_photo(const dvec2& pixel, const dvec2& centre) const {
@@ -219,10 +264,20 @@ CameraShakes camera_shakes(const GreyPhotos& photos, const Progress& progress) {
                 change = std::max(change, glm::length(result.photos[i].shift_px - before[i].shift_px));
             if (change < kSettled) break;  // another template would be the same
         }
+        if (blur < 2)
+            find_strange(all, template_pixels(mean_of(all, result.photos, centre), centre), centre,
+                         result.photos);
     }
-    double squares = 0;
-    for (const CameraShake& d : result.photos)
-        squares += glm::dot(d.shift_px, d.shift_px) / static_cast<double>(count);
+    double squares = 0, counted = 0;
+    for (CameraShake& d : result.photos) {
+        if (d.strange) {
+            d = {.agreement = d.agreement, .strange = true};
+            continue;
+        }
+        squares += glm::dot(d.shift_px, d.shift_px);
+        ++counted;
+    }
+    squares /= std::max(counted, 1.0);
     result.moved = std::sqrt(squares) > kMoved;
     result.rms_px = std::sqrt(squares) * photos.reduction;
     // The first photograph's frame is the common one: a pixel goes there, then to the photograph.
@@ -231,7 +286,7 @@ CameraShakes camera_shakes(const GreyPhotos& photos, const Progress& progress) {
         const dvec2 middle = d.to_photo(reference.to_common(centre, centre), centre);
         d.roll_rad -= reference.roll_rad;
         d.shift_px = middle - centre;
-        if (!result.moved) d = {.shift_px = {0, 0}, .roll_rad = 0, .sigma_px = d.sigma_px};
+        if (!result.moved) d.shift_px = {0, 0}, d.roll_rad = 0;
         d.shift_px *= photos.reduction;  // the reduced picture's centre is the picture's but for half a pixel
         d.sigma_px *= photos.reduction;
     }

@@ -15,6 +15,11 @@ struct CameraShake {
     glm::dvec2 shift_px{0, 0};
     double roll_rad = 0;
     double sigma_px = 0;  // standard error of each coordinate of the shift
+    // [1] Correlation of this photograph's edges with those that the others agree on, and whether it must
+    // show something else: it has edges of its own, and none of theirs (capture/stray_photos.h). It has no
+    // drift then, and no part in how far the others moved.
+    double agreement = 1;
+    bool strange = false;
 
     glm::dvec2 to_photo(const glm::dvec2& pixel, const glm::dvec2& centre) const;
     glm::dvec2 to_common(const glm::dvec2& pixel, const glm::dvec2& centre) const;

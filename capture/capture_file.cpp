@@ -8,8 +8,10 @@
 #include <nlohmann/json.hpp>
 
 #include "capture/json_field.h"
+#include "capture/lights_file.h"
 #include "surface/error.h"
 #include "surface/median.h"
+#include "surface/picture_file.h"
 
 namespace tangi {
 
@@ -104,7 +106,39 @@ CaptureColour colour_of(const JsonField& colour, const std::string& file) {
     return result;
 }
 
+// [deg] As the balls tell it; 0 where no ball does.
+double direction_sigma_of(const JsonField& entry, bool by_balls) {
+    constexpr double kWorst = 90;
+    return by_balls && entry.has("direction_sigma_deg") ? entry["direction_sigma_deg"].number(0, kWorst) : 0;
+}
+
 }  // namespace
+
+CalibrationFiles calibration_files(const std::filesystem::path& out) {
+    CalibrationFiles files{out, out, out};
+    files.lights.replace_extension(".lp");
+    if (lower_extension(out) != ".json") {
+        files.lights = out;
+        if (out.stem() == "lights") files.json = files.page = out.parent_path() / "capture";
+    }
+    files.json.replace_extension(".json");
+    files.page.replace_extension(".html");
+    return files;
+}
+
+bool is_lights_file_of(const std::filesystem::path& lights, const std::filesystem::path& capture) {
+    constexpr float same = 1e-4f;
+    try {
+        const std::vector<Light> written = read_lights_file(lights).lights,
+                                 found = read_capture_file(capture).lights;
+        return std::equal(written.begin(), written.end(), found.begin(), found.end(),
+                          [](const Light& a, const Light& b) {
+                              return a.name == b.name && glm::length(a.direction - b.direction) < same;
+                          });
+    } catch (const Error&) {
+        return false;  // one of them is none
+    }
+}
 
 CaptureFile read_capture_file(const std::filesystem::path& path) {
     const std::string file = path.string();
@@ -127,8 +161,13 @@ CaptureFile read_capture_file(const std::filesystem::path& path) {
     if (!camera["position_mm"].is_null()) capture.camera_mm = Vec3(dvec3(camera["position_mm"], kFarthest));
     if (capture.camera_mm && !(capture.camera_mm->z > 0))
         fail("{}: camera.position_mm is below the painting", file);
-    for (const JsonField& entry : top["lights"].list())
-        if (const auto light = light_of(entry, file)) capture.lights.push_back(*light);
+    const bool by_balls = whole.contains("method") && top["method"].text().find("ball") != std::string::npos;
+    for (const JsonField& entry : top["lights"].list()) {
+        const auto light = light_of(entry, file);
+        if (!light) continue;
+        capture.lights.push_back(*light);
+        capture.direction_sigma_deg.push_back(direction_sigma_of(entry, by_balls));
+    }
     complete_positions(capture, file);
     // Files of version 0.1 have neither.
     if (whole.contains("colour") && !whole["colour"].is_null())

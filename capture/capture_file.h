@@ -19,14 +19,29 @@ namespace tangi {
 struct CaptureFile {
     std::vector<Light> lights;  // those that were found, in the file's order; gains 1; positions all or none;
                                 // none where no ball was looked for
-    int width = 0, height = 0;  // of the photographs
-    glm::dvec2 origin_px{0};    // pixel of the photographs where x = y = 0
+    // [deg] Standard error of the direction of each, where balls tell it; else 0. Lights that were found from
+    // the photographs alone have none: the same photographs can say nothing more of them.
+    std::vector<double> direction_sigma_deg;
+    int width = 0, height = 0;             // of the photographs
+    glm::dvec2 origin_px{0};               // pixel of the photographs where x = y = 0
     std::optional<double> mm_per_pixel{};  // at z = 0
     std::optional<Vec3> camera_mm{};
     std::optional<CaptureColour> colour{};      // of a chart
     std::optional<PictureGeometry> geometry{};  // of a lens or a rectification
     std::vector<std::string> warnings;
 };
+
+struct CalibrationFiles {
+    std::filesystem::path lights, json, page;
+};
+
+// Where `tangipaint calibrate` writes: three files of one name, so that a second calibration beside it
+// replaces none of them. `out` is the lights file (.lp) or the capture file (.json); beside lights.lp the
+// others are capture.json and capture.html.
+CalibrationFiles calibration_files(const std::filesystem::path& out);
+
+// Whether a lights file has the lights of the capture file beside it; false where one of them is none.
+bool is_lights_file_of(const std::filesystem::path& lights, const std::filesystem::path& capture);
 
 // Lamps of which only the direction was found, among others with positions, are taken to be as far away as
 // the others' median, with a warning. Throws Error naming the file and the field: not JSON, another file's

@@ -1,7 +1,11 @@
 // colour_chart.cpp: the geometry of the chart, and reading its patches.
 #include "capture/colour_chart.h"
 
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
+#include <numbers>
 
 #include "capture/chart_order.h"
 #include "surface/error.h"
@@ -149,6 +153,28 @@ ChartCorners chart_corners(const FoundChart& chart) {
     return corners;
 }
 
+namespace {
+
+// By how many times the square patches look longer one way than the other, at a place: the singular values'
+// ratio of the map's derivative. Seen from afar, a plane that is tilted by t looks 1 / cos t times longer
+// along the axis of the tilt.
+double elongation_at(const Homography& plane_to_picture, const dvec2& place_px) {
+    const Homography back = glm::inverse(plane_to_picture);
+    const auto on_plane = [&](const dvec2& p) {
+        const glm::dvec3 q = back * glm::dvec3(p, 1);
+        return dvec2(q) / q.z;
+    };
+    const dvec2 a = on_plane(place_px + dvec2(0.5, 0)) - on_plane(place_px - dvec2(0.5, 0));
+    const dvec2 b = on_plane(place_px + dvec2(0, 0.5)) - on_plane(place_px - dvec2(0, 0.5));
+    const double sum = glm::dot(a, a) + glm::dot(b, b), area = std::abs(a.x * b.y - a.y * b.x);
+    const double root = std::sqrt(std::max(sum * sum - 4 * area * area, 0.0));
+    return std::sqrt((sum + root) / std::max(sum - root, 1e-12 * sum));
+}
+
+constexpr double kTilted = 0.03;  // [1] elongation from which on a chart is said to be tilted: 14 degrees
+
+}  // namespace
+
 Scale scale_from_chart(const FoundChart& chart, const dvec2& pitch_mm) {
     if (!(pitch_mm.x > 0 && pitch_mm.y > 0))
         fail("the pitch of the chart's patches is {:g} x {:g} mm; give positive numbers", pitch_mm.x,
@@ -162,7 +188,20 @@ Scale scale_from_chart(const FoundChart& chart, const dvec2& pitch_mm) {
     const bool given = chart.patches_seen == 0;
     const double point_px = given ? 1 : std::max(0.1, chart.grid_residual_px);
     const double points = given ? 4 : chart.patches_seen;
-    return {mm, mm * point_px / (2 * pitch_px * std::sqrt(points)), chart.centre_px(), "chart", {}};
+    Scale scale{mm, mm * point_px / (2 * pitch_px * std::sqrt(points)), chart.centre_px(), "chart", {}};
+    const double elongation = elongation_at(plane_to_picture, scale.place_px) - 1;
+    if (elongation > std::max(kTilted, 6 * scale.sigma / mm)) {
+        // What lies flat beside it has the scale along the axis of its tilt.
+        const double off = std::sqrt(1 + elongation) - 1;
+        scale.sigma = std::hypot(scale.sigma, off * mm);
+        scale.warnings.push_back(fmt::format(
+            "the colour chart's patches look {:.0f} % longer one way than the other, as if it were tilted by "
+            "{:.0f} degrees: of a painting that is not tilted with it, its scale is {:.1f} % off; lay it "
+            "flat "
+            "beside the painting, or give another scale",
+            100 * elongation, std::acos(1 / (1 + elongation)) * 180 / std::numbers::pi, 100 * off));
+    }
+    return scale;
 }
 
 int ChartReading::good() const {

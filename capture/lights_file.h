@@ -31,7 +31,10 @@ struct LightsFile {
 LightsFile read_lights_file(const std::filesystem::path& path);
 LightsFile parse_lights(const std::string& text, const std::string& file_name);
 
-// Writes unit directions, 6 decimals, whole or not at all.
+// A lights file of unit directions, 6 decimals.
+std::string lights_text(std::span<const Light> lights);
+
+// Writes it, whole or not at all.
 void write_lights_file(const std::filesystem::path& path, std::span<const Light> lights);
 std::string lights_text(std::span<const Light> lights);  // what it writes
 

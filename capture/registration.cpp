@@ -7,6 +7,7 @@
 
 #include "capture/coarse_shift.h"
 #include "capture/shared_shading.h"
+#include "capture/stray_photos.h"
 #include "surface/error.h"
 #include "surface/median.h"
 #include "surface/parallel.h"
@@ -32,10 +33,8 @@ constexpr double kTiedErrorPx = 0.04;
 constexpr double kLeastErrorPx = 0.02;  // [pixels]
 constexpr double kFlatErrorPx = 0.5;    // [pixels] with too few photographs to tell relief from motion
 constexpr double kLeastCertainty = 6;   // [standard errors]
-constexpr double kLeastCorrelation = 0.15;
-constexpr double kTelling = 0.5;    // [1] of the median photograph's contrast must be expected of one ...
-constexpr double kLowLight = 0.26;  // [1] ... whose light has this z, for it to be missed: 15 degrees
-constexpr double kAgreed = 0.5;     // [1] median correlation from which on a stack's pictures show the same
+constexpr double kTelling = 0.5;        // [1] of the median photograph's contrast must be expected of one ...
+constexpr double kLowLight = 0.26;      // [1] ... whose light has this z, for it to be missed: 15 degrees
 constexpr std::size_t kBandBytes = 64u << 20;
 
 Image<float> halved(const Image<float>& image) {
@@ -194,7 +193,7 @@ private:
     }
 
     bool was_found(const AlignedPicture& picture) const {
-        return picture.certainty > kLeastCertainty && picture.correlation > kLeastCorrelation &&
+        return picture.certainty > kLeastCertainty && picture.correlation > kNothingAlike &&
                picture.last.model != MotionModel::none;
     }
 
@@ -305,14 +304,13 @@ private:
             correlations.push_back(picture.correlation);
         }
         const double middle = median(std::move(expected)), contrast = median(std::move(contrasts));
-        const bool others_agree = median(std::move(correlations)) > kAgreed;
+        const bool others_agree = median(std::move(correlations)) > kOthersAgree;
         std::vector<bool> strange;
         for (std::size_t i = 0; i < photos_.size(); ++i) {
             const AlignedPicture& picture = alignment.pictures[i];
-            const bool others_edges = others_agree && picture.contrast > kTelling * contrast;
+            const bool others_edges = others_agree && picture.contrast > kEdgesOfItsOwn * contrast;
             strange.push_back((lights_[i].z > kLowLight || others_edges) &&
-                              picture.expected > kTelling * middle &&
-                              picture.correlation <= kLeastCorrelation);
+                              picture.expected > kTelling * middle && picture.correlation <= kNothingAlike);
         }
         return strange;
     }

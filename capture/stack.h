@@ -45,6 +45,8 @@ struct StackPhoto {
     // More than one where the photograph is a bracket; `path` is then the one nearest to the reference
     // exposure.
     std::vector<Exposure> exposures{};
+    // [deg] Standard error of the light's direction, where a calibration by balls tells it; else 0.
+    double direction_sigma_deg = 0;
 };
 
 // Photographs of one size on disk, and all that is known of them. Pixels are read by StackReader. A stack of

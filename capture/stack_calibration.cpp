@@ -95,11 +95,20 @@ void apply_lights(Stack& stack, const CaptureFile& capture) {
 // Lengths that differ by more than rounding make positions of what passes for directions.
 constexpr double kLengthsDiffer = 1.05;
 
+// The standard errors of an .lp that `tangipaint calibrate` wrote are in the capture file beside it.
+void add_errors_beside(const fs::path& path, StackCalibration& read) {
+    const fs::path beside = calibration_files(path).json;
+    std::error_code none;
+    if (!fs::is_regular_file(beside, none) || !is_lights_file_of(path, beside)) return;
+    read.direction_sigma_deg = read_capture_file(beside).direction_sigma_deg;
+}
+
 void read_lp(const fs::path& path, bool in_mm, const LightFlips& flips, StackCalibration& read) {
     LightsFile file = read_lights_file(path);
     read.lights = std::move(file.lights);
     read.warnings = std::move(file.warnings);
     read.left_out = std::move(file.left_out);
+    add_errors_beside(path, read);
     for (Light& light : read.lights) {
         if (flips.x) light.direction.x *= -1;
         if (flips.y) light.direction.y *= -1;
@@ -129,7 +138,8 @@ void read_lp(const fs::path& path, bool in_mm, const LightFlips& flips, StackCal
 
 // Of a lights file of any kind but capture.json.
 StackCalibration read_lights(const fs::path& path, bool in_mm, const LightFlips& flips) {
-    StackCalibration read{.lights = {}, .lights_path = path};
+    StackCalibration read;
+    read.lights_path = path;
     const std::string extension = lower_extension(path);
     const bool is_lp = extension != ".dome" && extension != ".relight";
     if (in_mm && !is_lp) refuse_lights_in_mm(path);
@@ -205,7 +215,10 @@ StackCalibration read_stack_calibration(const fs::path& folder, const StackOptio
     if (capture->lights.empty())
         fail("{0}: holds no light; give a lights file beside it: --lights FILE.lp --capture {0}",
              lights_path.string());
-    StackCalibration read{.lights = capture->lights, .lights_path = lights_path};
+    StackCalibration read;
+    read.lights = capture->lights;
+    read.lights_path = lights_path;
+    read.direction_sigma_deg = capture->direction_sigma_deg;
     read.warnings = capture->warnings;
     read.capture_path = lights_path;
     read.capture = std::move(capture);
@@ -232,6 +245,10 @@ void apply_geometry(Stack& stack, StackCalibration& calibration) {
 }
 
 void apply_calibration(Stack& stack, const StackCalibration& calibration) {
+    if (!calibration.direction_sigma_deg.empty())
+        for (StackPhoto& photo : stack.photos)
+            photo.direction_sigma_deg =
+                calibration.direction_sigma_deg[static_cast<std::size_t>(photo.number)];
     if (!calibration.capture) return;
     apply_lights(stack, *calibration.capture);
     if (calibration.capture->colour)

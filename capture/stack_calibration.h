@@ -21,6 +21,8 @@ struct LightFlips {
 // What the files of a stack tell, before it is known which photographs there are.
 struct StackCalibration {
     std::vector<Light> lights;  // in the order of their file
+    // [deg] Standard error of each direction, 0 where not known; empty where none is.
+    std::vector<double> direction_sigma_deg{};
     std::filesystem::path lights_path;
     // All but directions: a capture file's, or a .dome's or .relight's, which have no size (0) until
     // apply_geometry() gives them that of the photographs.
@@ -39,7 +41,7 @@ StackCalibration read_stack_calibration(const std::filesystem::path& folder, con
 // photographs of another size.
 void apply_geometry(Stack& stack, StackCalibration& calibration);
 
-// Puts lights, camera, scale and colours into the stack, its crop being known.
+// Puts lights, their errors, camera, scale and colours into the stack, its crop being known.
 void apply_calibration(Stack& stack, const StackCalibration& calibration);
 
 // Names for a message: the first few, and how many more.

@@ -72,7 +72,7 @@ std::vector<std::vector<std::size_t>> same_pictures(const Survey& survey) {
     return groups;
 }
 
-void leave_out_copies(Stack& stack, Survey& survey, std::vector<LeftOut>& left_out) {
+void leave_out_copies(Stack& stack, Survey& survey, std::vector<LeftOut>& left_out, std::size_t fewest) {
     const std::vector<std::vector<std::size_t>> groups = same_pictures(survey);
     if (groups.empty()) return;
     const std::size_t all = stack.photos.size();
@@ -106,7 +106,7 @@ void leave_out_copies(Stack& stack, Survey& survey, std::vector<LeftOut>& left_o
         }
         stack.warnings.push_back(same_light ? what : what + "; left out");
     }
-    require_few(lost, all, 4, stack.folder.string());
+    require_few(lost, all, fewest, stack.folder.string());
     keep_photos(stack, survey, keep);
     left_out.insert(left_out.end(), lost.begin(), lost.end());
 }

@@ -48,6 +48,7 @@ UncalibratedStack calibrate_uncalibrated(const PhotoSet& set, const Uncalibrated
     UncalibratedStack result;
     BallCalibration& c = result.calibration;
     const GreyPhotos photos = read_grey_photos(set, progress, set.size() * kPixels);
+    require_same_subject(set, camera_shakes(photos, progress));
     result.transfer = transfer_for(set, options, c.warnings);
     c.method = "uncalibrated";
     c.width = photos.width, c.height = photos.height;

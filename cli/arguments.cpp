@@ -244,7 +244,8 @@ void require_writable_folder(const std::filesystem::path& folder) {
     fs::path there = fs::absolute(folder);
     while (!fs::exists(there) && there.has_relative_path()) there = there.parent_path();
     if (fs::is_directory(there) && ::access(there.c_str(), W_OK | X_OK) != 0)
-        fail("--out {}: {} cannot be written: {}", folder.string(), there.string(), std::strerror(errno));
+        fail("--out {}: {} cannot be written: {}; choose a folder where you may write", folder.string(),
+             there.string(), std::strerror(errno));
 }
 
 Vec3 parse_direction(const std::string& text, const std::string& flag) {

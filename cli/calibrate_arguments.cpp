@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "cli/command.h"
 
@@ -9,9 +10,21 @@ namespace tangi {
 
 namespace {
 
+constexpr double kFarthest_px = 1e6;                     // of places in photographs
+constexpr double kShortest_mm = 0.1, kLongest_mm = 1e6;  // of lengths in the scene
+
+// Throws UsageError, naming the flag, where a number is not in the range.
+void require_within(std::span<const double> numbers, double least, double most, const std::string& text,
+                    const std::string& flag) {
+    for (const double n : numbers)
+        if (!(n >= least && n <= most))
+            throw UsageError(fmt::format("{} {}: {:g} is not in [{:g}, {:g}]", flag, text, n, least, most));
+}
+
 GivenBall ball_of(const std::string& text) {
     const std::string form = "X,Y,R or a box X0,Y0,X1,Y1 in pixels";
     const std::vector<double> n = numbers_in(text, "--sphere", form);
+    require_within(n, -kFarthest_px, kFarthest_px, text, "--sphere");
     if (n.size() == 3 && n[2] > 0) return {.centre_px = {n[0], n[1]}, .radius_px = n[2], .text = text};
     if (n.size() == 4 && n[2] > n[0] && n[3] > n[1])
         return {.centre_px = {(n[0] + n[2]) / 2, (n[1] + n[3]) / 2},
@@ -32,6 +45,7 @@ std::optional<std::vector<double>> numbers_of(const std::string& text, const std
 
 std::optional<glm::dvec2> point_of(const std::string& text, const std::string& flag) {
     const auto n = numbers_of(text, flag, 2, "X,Y in pixels");
+    if (n) require_within(*n, -kFarthest_px, kFarthest_px, text, flag);
     return n ? std::optional(glm::dvec2((*n)[0], (*n)[1])) : std::nullopt;
 }
 
@@ -63,19 +77,21 @@ void CalibrateArguments::add_to(Flags& flags) {
     flags
         .option("--ball-radius-mm", ball_radius_mm,
                 "radius of the balls; two balls or more then tell positions")
-        .check(positive());
+        .check(within(0.1, 1e4));
     flags.option("--focal-px", focal_px, "focal length of the camera in pixels; far away where not given")
-        .check(positive());
+        .check(within(10, 1e6));
     flags.option("--focal-35mm", focal_35mm, "its 35-mm equivalent in mm, as in EXIF, instead")
-        .check(positive());
+        .check(within(1, 1e4));
     flags.option("--principal-px", principal,
                  "X,Y where the camera looks straight ahead; the picture's centre");
     flags.option("--origin-px", origin,
                  "X,Y where the painting's frame has its origin; the picture's centre");
     flags.option("--camera-distance-mm", camera_distance_mm, "from the camera to the painting's plane")
-        .check(positive());
-    flags.option("--ball-height-mm", ball_height_mm,
-                 "of the balls' centres above the painting's plane; their radius where not given");
+        .check(within(1, 1e6));
+    flags
+        .option("--ball-height-mm", ball_height_mm,
+                "of the balls' centres above the painting's plane; their radius where not given")
+        .check(within(-1e5, 1e5));
     flags.flag("--uncalibrated", uncalibrated,
                "find the lights from the photographs of a nearly flat object alone, without balls");
     flags.flag("--inverted", inverted,
@@ -97,15 +113,15 @@ void CalibrateArguments::add_to(Flags& flags) {
     flags
         .option("--chart-pitch-mm", chart_pitch_mm,
                 "from one patch's middle to the next; tells the scale at the chart")
-        .check(positive());
+        .check(within(0.1, 1e3));
     flags
         .option("--marker-mm", marker_mm,
                 "side of the ArUco markers in the photographs; they are found and tell the scale")
-        .check(positive());
+        .check(within(0.1, 1e4));
     flags.option("--marker-dictionary", marker_dictionary, "of the markers, such as 4x4_50; auto: found out")
         .show_default();
     flags.option("--scale-bar", scale_bar, "X,Y,X,Y,MM: the ends of a scale bar in pixels, and its length");
-    flags.option("--ppi", ppi, "pixels per inch of photographs that were scanned").check(positive());
+    flags.option("--ppi", ppi, "pixels per inch of photographs that were scanned").check(within(1, 1e5));
     flags.option("--corners", corners,
                  "X,Y,X,Y,X,Y,X,Y: the painting's corners in pixels, from its top left clockwise");
     flags.option("--painting-mm", painting_mm, "WIDTH,HEIGHT of the painting, with --corners");
@@ -137,7 +153,11 @@ BallCalibrationOptions CalibrateArguments::ball_options() const {
 }
 
 std::optional<ColourCalibrationOptions> CalibrateArguments::colour_options() const {
-    if (chart == "off") return {};
+    if (chart == "off") {
+        if (chart_pitch_mm > 0)
+            throw UsageError("--chart-pitch-mm: is about a colour chart, and --chart off looks for none");
+        return {};
+    }
     ColourCalibrationOptions options{.transfer = parse_transfer(transfer),
                                      .pitch_mm = if_given(chart_pitch_mm)};
     if (!chart_reference.empty()) options.reference = chart_reference;
@@ -162,14 +182,18 @@ PlaneOptions CalibrateArguments::plane_options(int width, int height) const {
         options.dictionary = marker_dictionary;
     }
     if (const auto n =
-            numbers_of(scale_bar, "--scale-bar", 5, "X,Y,X,Y,MM: two points in pixels and a length"))
+            numbers_of(scale_bar, "--scale-bar", 5, "X,Y,X,Y,MM: two points in pixels and a length")) {
+        require_within(std::span(*n).last(1), kShortest_mm, kLongest_mm, scale_bar, "--scale-bar");
         options.bar = ScaleBar{{(*n)[0], (*n)[1]}, {(*n)[2], (*n)[3]}, (*n)[4]};
+    }
     options.pixels_per_inch = if_given(ppi);
     if (const auto n =
             numbers_of(corners, "--corners", 8, "X,Y,X,Y,X,Y,X,Y in pixels, from the top left clockwise"))
         options.corners_px = corners_of(*n);
-    if (const auto n = numbers_of(painting_mm, "--painting-mm", 2, "WIDTH,HEIGHT in mm"))
+    if (const auto n = numbers_of(painting_mm, "--painting-mm", 2, "WIDTH,HEIGHT in mm")) {
+        require_within(*n, kShortest_mm, kLongest_mm, painting_mm, "--painting-mm");
         options.painting_mm = glm::dvec2((*n)[0], (*n)[1]);
+    }
     if (options.painting_mm && !options.corners_px)
         throw UsageError("--painting-mm: where is the painting? Give its corners (--corners)");
     if (options.corners_px && !options.painting_mm && !options.marker_mm)

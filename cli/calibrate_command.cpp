@@ -9,6 +9,7 @@
 #include "capture/usable_stack.h"
 #include "cli/calibrate_arguments.h"
 #include "cli/command_list.h"
+#include "fit/look_over.h"
 #include "surface/atomic_file.h"
 #include "surface/error.h"
 #include "surface/painting_file.h"
@@ -134,6 +135,9 @@ PhotoSet photographs(const CalibrateArguments& a, const std::vector<fs::path>& p
     const DevelopReport report = develop_stack(stack, {}, progress);
     calibration.development = to_json(report);
     if (stack.is_raw) calibration.raw_colour = a.develop.raw_colour;
+    // One picture under two names would count twice: as the fit does, look at all before anything else.
+    for (LeftOut& photo : leave_out_damaged_and_copies(stack, progress)) left_out.push_back(std::move(photo));
+    require_few(left_out, stack.photos.size() + left_out.size(), 1, stack.folder.string());
     warnings.insert(warnings.end(), stack.warnings.begin(), stack.warnings.end());
     return PhotoSet(std::move(stack));
 }
@@ -206,6 +210,37 @@ void add_notes(const std::vector<std::string>& first, Calibration& calibration) 
                         calibration.colours->correction.after.mean));
 }
 
+// [1] By which the scale that balls and camera tell may differ from a measured one: an outline is good to 0.4
+// pixels, of a radius of 30 or so, and a camera's distance to a hundredth.
+constexpr double kScalesDiffer = 0.05;
+
+// A scale that was asked for and is not there, and one that balls or camera contradict: the fit goes by the
+// one of the plane.
+void add_doubts_of_scale(const CalibrateArguments& a, Calibration& calibration) {
+    BallCalibration& lights = calibration.lights;
+    if (a.chart_pitch_mm > 0 && !(calibration.colours && calibration.colours->scale))
+        lights.poor.emplace_back(
+            "--chart-pitch-mm: no colour chart is found, so that it tells no scale; say where it is "
+            "(--chart X,Y,X,Y,X,Y,X,Y)");
+    const std::optional<Scale> scale = calibration.plane ? calibration.plane->scale() : std::nullopt;
+    std::optional<double> other = lights.mm_per_pixel;
+    std::string by =
+        lights.balls.empty() ? "the camera's distance and focal length" : "the balls and the camera";
+    if (!other && calibration.plane && calibration.plane->focal_px && a.camera_distance_mm > 0) {
+        other = a.camera_distance_mm / *calibration.plane->focal_px;
+        by = "the camera's distance and focal length";
+    }
+    if (!scale || !other || calibration.plane->geometry) return;
+    const double off = *other / scale->mm_per_pixel - 1;
+    if (std::abs(off) <= kScalesDiffer + 3 * scale->sigma / scale->mm_per_pixel) return;
+    lights.poor.push_back(
+        fmt::format("the scale by {} is {:.5g} ± {:.2g} mm per pixel, that by {} {:.5g}, {:.1f} % {}; the "
+                    "former is used. "
+                    "Check the lengths, and that what they measure lies in the painting's plane",
+                    scale->method, scale->mm_per_pixel, scale->sigma, by, *other, 100 * std::abs(off),
+                    off > 0 ? "more" : "less"));
+}
+
 // Files that are read, and files that this program did not write.
 void refuse_to_replace(const CalibrateArguments& a) {
     const CalibrationFiles files = calibration_files(a.out);
@@ -255,14 +290,18 @@ nlohmann::json calibrated(const CalibrateArguments& a, const std::vector<fs::pat
         add_camera(*calibration.plane, ball_options);
     }
     if (a.no_balls && !calibration.plane && !chart)
-        fail("{}: no colour chart is found, and --no-balls leaves nothing else to look for",
-             photos.folder().string());
+        fail(
+            "{}: {}, and --no-balls leaves nothing else to look for; ask for something: --chart, --ppi, "
+            "--scale-bar, --marker-mm, --corners, --lens",
+            photos.folder().string(),
+            a.colour_options() ? "no colour chart is found" : "--chart off looks for no colour chart");
     nlohmann::json uncalibrated;
     if (a.uncalibrated)
         uncalibrated = find_uncalibrated(a, photos, calibration, progress);
     else
         calibration.lights = balls_of(a, photos, ball_options, calibration.plane || chart, progress);
     add_notes(warnings, calibration);
+    add_doubts_of_scale(a, calibration);
     BallCalibration& lights = calibration.lights;
     const CalibrationFiles files = write_calibration(a.out, calibration);
     nlohmann::json result = result_of(lights, files);

@@ -1,10 +1,12 @@
 // compare_command.cpp: tangipaint compare PAINTING.exr PHOTOS --out DIR
+#include <algorithm>
 #include <filesystem>
 
 #include "cli/arguments.h"
 #include "cli/command_list.h"
 #include "cli/photo_book.h"
 #include "fit/compare_page.h"
+#include "fit/look_over.h"
 #include "surface/error.h"
 #include "surface/painting_file.h"
 
@@ -38,20 +40,53 @@ void require_place_for_report(const CompareArguments& arguments, const Stack& ph
     require_writable_folder(out);
 }
 
-nlohmann::json run_compare(const CompareArguments& arguments) {
+// The part that the painting was fitted from, where the user names none and the whole is larger.
+Stack open_photographs(PhotosArguments& arguments, const Surface& surface) {
+    Stack stack = arguments.open().stack;
+    const std::string fitted = crop_fitted(surface);
+    const bool same_size = stack.width() == surface.width() && stack.height() == surface.height();
+    if (!arguments.crop.empty() || fitted.empty() || same_size) return stack;
+    arguments.crop = fitted;
+    return arguments.open().stack;
+}
+
+// What is wrong with a part of the photographs that is not the one that the painting was fitted from; empty
+// where it is that one, or these are other photographs.
+std::string doubt_of_crop(const PhotosArguments& arguments, const Stack& stack, const Surface& surface) {
+    PhotosArguments as_fitted = arguments;
+    as_fitted.crop = crop_fitted(surface);
+    const bool known = std::any_of(stack.photos.begin(), stack.photos.end(), [&](const StackPhoto& photo) {
+        return find_photo(surface.photography, photo.light) != nullptr;
+    });
+    if (!known || arguments.crop.empty() || as_fitted.crop.empty()) return {};
+    try {
+        if (as_fitted.open().stack.crop == stack.crop) return {};
+    } catch (const Error&) {
+        return {};  // that part is not in these photographs: they are others
+    }
+    return fmt::format(
+        "--crop {} is another part of the photographs than the painting was fitted from, which is --crop {}: "
+        "leave --crop out, and that part is compared",
+        arguments.crop, as_fitted.crop);
+}
+
+nlohmann::json run_compare(CompareArguments arguments) {
     const Progress progress = console_progress();
     const Surface surface = read_painting(arguments.painting, progress);
-    Stack photos = arguments.photos.open().stack;
+    Stack photos = open_photographs(arguments.photos, surface);
     require_place_for_report(arguments, photos);
-    const auto [stack, development] =
-        photos_to_compare(std::move(photos), arguments.photos, surface, progress);
+    auto [stack, development] = photos_to_compare(std::move(photos), arguments.photos, surface, progress);
+    const std::vector<LeftOut> left_out = leave_out_damaged_and_copies(stack, progress);
     const CompareReport report = write_comparison(arguments.out, surface, stack, arguments.options, progress,
                                                   read_faithful(arguments.painting, surface, progress));
     nlohmann::json result = to_json(report);
     result["development"] = to_json(development);
     result["page"] = (fs::path(arguments.out) / "compare.html").string();
     result["warnings"] = told(report.warnings);
+    result["left_out"] = to_json(left_out);
     result["poor"] = nlohmann::json::array();
+    if (const std::string doubt = doubt_of_crop(arguments.photos, stack, surface); !doubt.empty())
+        result["poor"].push_back(doubt);
     if (report.all.psnr_db < kPoorPsnr_db)
         result["poor"].push_back(
             fmt::format("the relit pictures differ from the photographs by {:.1f} dB on average; are these "

@@ -201,6 +201,8 @@ private:
 
 }  // namespace
 
+std::string crop_fitted(const Surface& surface) { return remembered(surface).crop; }
+
 PhotosToCompare photos_to_compare(Stack stack, const PhotosArguments& arguments, const Surface& surface,
                                   const Progress& progress) {
     if (!stack.transfer) stack.transfer = encoding_fitted(surface);

@@ -17,6 +17,10 @@ struct PhotosToCompare {
     DevelopReport development;
 };
 
+// The part of the photographs that the painting was fitted from, as --crop has it; empty: the whole pictures,
+// or it is not written down.
+std::string crop_fitted(const Surface& surface);
+
 // Develops photographs as those were that the painting was fitted from; `arguments`: what they were opened
 // with. Throws as develop_stack().
 PhotosToCompare photos_to_compare(Stack stack, const PhotosArguments& arguments, const Surface& surface,

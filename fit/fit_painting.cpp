@@ -32,6 +32,15 @@ Rig rig_of(const Stack& stack) {
     return rig;
 }
 
+// [deg] Of the photographs' directions; empty where none is known.
+std::vector<double> direction_sigmas(const Stack& stack) {
+    std::vector<double> sigmas;
+    for (const StackPhoto& photo : stack.photos) sigmas.push_back(photo.direction_sigma_deg);
+    return std::all_of(sigmas.begin(), sigmas.end(), [](double sigma) { return sigma == 0; })
+               ? std::vector<double>{}
+               : sigmas;
+}
+
 // Held-out photographs get the light that the others make likely.
 void describe_lights(const Stack& stack, const LightCalibration& calibration, Photography& photography) {
     photography.rig = calibration.lighting.rig;
@@ -94,7 +103,8 @@ FitResult fit_painting(Stack stack, const FitOptions& options, const Progress& p
                            .lamps = {},
                            .to_camera = {}};
     const NoiseModel noise = noise_model(stack, transfer, options);
-    const Lighting given{stack.lights(), rig_of(stack), surface.photography.white_level};
+    const Lighting given{stack.lights(), rig_of(stack), surface.photography.white_level,
+                         direction_sigmas(stack)};
     report_.lights = options.lights_as_given
                          ? LightCalibration{.lighting = given}
                          : calibrate_lights(stack, surveyed, transfer, noise, given, surface.mm_per_pixel,
@@ -110,7 +120,8 @@ FitResult fit_painting(Stack stack, const FitOptions& options, const Progress& p
     const bool law_is_open = !options.diffuse_roughness || !options.haze;
     const LightSample sample(stack, surveyed, transfer, noise, surface.mm_per_pixel, options.ward,
                              options.calibration.samples);
-    if (law_is_open && !options.lights_as_given) report_.law = choose_law(sample, lighting, progress);
+    if (law_is_open && !options.lights_as_given)
+        report_.law = choose_law(sample, lighting, progress, report_.lights.diffuse_roughness);
     surface.law = report_.law.law = {
         .diffuse_roughness = options.diffuse_roughness.value_or(report_.law.law.diffuse_roughness),
         .haze = options.haze.value_or(report_.law.law.haze)};

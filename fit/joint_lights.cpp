@@ -16,7 +16,10 @@ namespace {
 // What is known before any photograph. Model errors are shared by neighbouring samples, so that the priors on
 // a lamp's own gain and direction weigh as if one sample in kDependent were independent. The priors on what
 // the whole stack shares (the trends, the camera) stand as they are: all photographs speak against them.
-constexpr double kDependent = 10;     // [1] samples
+constexpr double kDependent = 10;  // [1] samples
+// What is known of one number from a measurement, with its standard error, stands against samples of which
+// one in kDependent is independent.
+const double kKnownWeight = std::sqrt(kDependent);
 constexpr double kStartScale = 20;    // [sigma] at first, so that a lamp three times too strong is no outlier
 constexpr double kRobustScale = 2;    // [sigma] as the pixel fit's
 constexpr double kGainSigma = 0.05;   // [1] ln gain, about its smooth trend
@@ -26,6 +29,7 @@ constexpr double kFieldSigma = 0.05;  // [rad] rms of each mode of a smooth fiel
 constexpr double kTurnSigma = 0.1;    // [rad] of a lamp's own turn
 constexpr double kNoTurn = 0.001;     // [rad] what stands for none of its own
 constexpr double kCameraSigma = 0.5;  // [1/width]
+constexpr double kRoughSigma = 0.3;   // [1] of diffuse roughness, from 0
 constexpr int kIterations = 40;
 
 constexpr int kPixel = kJointPixel, kRig = kJointRig, kTurn = kJointTurn;
@@ -53,7 +57,7 @@ public:
         for (const glm::dvec2& turn : joint.turns) values_.insert(values_.end(), {turn.x, turn.y});
         values_.resize(values_.size() + kJointTrend);
         values_.insert(values_.end(), {joint.rig.lamp_nearness, joint.rig.ambient, joint.rig.camera_nearness,
-                                       joint.rig.bend});
+                                       joint.rig.bend, joint.rig.roughness});
         values_.resize(values_.size() + field_size());
         add_observations(joint);
         add_pixels();
@@ -101,7 +105,8 @@ public:
             for (std::size_t j = i; freedom_.gains && j < photos_; ++j)
                 wanted.emplace_back(log_gain(i), log_gain(j));
         }
-        if (freedom_.rig) wanted.emplace_back(rig(), rig());
+        const bool rig_moves = freedom_.rig || measured();
+        if (rig_moves) wanted.emplace_back(rig(), rig());
         ceres::Covariance::Options options;
         options.num_threads = 1;
         ceres::Covariance covariance(options);
@@ -114,15 +119,18 @@ public:
             errors.direction_deg.push_back(sigma((c[0] + c[3]) / 2) * 180 / std::numbers::pi);
         }
         if (freedom_.gains) errors.log_gains = gain_errors(covariance, sigma);
-        if (freedom_.rig) {
+        if (rig_moves) {
             std::array<double, kRig * kRig> c{};
             covariance.GetCovarianceBlock(rig(), rig(), c.data());
-            errors.rig = {sigma(c[0]), sigma(c[5]), sigma(c[10]), sigma(c[15])};
+            const auto of = [&](std::size_t i) { return sigma(c[i * kRig + i]); };
+            errors.rig = {of(0), of(1), of(2), of(3), of(4)};
         }
         return errors;
     }
 
 private:
+    bool measured() const { return freedom_.directions == DirectionFreedom::measured; }
+
     template <class Sigma>
     std::vector<double> gain_errors(const ceres::Covariance& covariance, const Sigma& sigma) {
         std::vector<double> c(photos_ * photos_), row_means(photos_);
@@ -191,46 +199,73 @@ private:
     void add_turns(const JointLights& joint) {
         for (std::size_t i = 0; i < photos_; ++i) {
             ordering_->AddElementToGroup(turn(i), 1);
-            if (freedom_.directions == DirectionFreedom::listed) problem_.SetParameterBlockConstant(turn(i));
+            if (freedom_.directions == DirectionFreedom::listed ||
+                (measured() && !(joint.direction_sigma[i] > 0)))
+                problem_.SetParameterBlockConstant(turn(i));
         }
         if (freedom_.directions == DirectionFreedom::listed) return;
         if (!freedom_.pixels) {
             for (std::size_t i = 0; i < photos_; ++i)
-                problem_.AddResidualBlock(new PullToZero(kTurn, prior_weight_ / kTurnSigma), nullptr,
-                                          turn(i));
+                problem_.AddResidualBlock(new PullToZero(kTurn, turn_weight(joint, i)), nullptr, turn(i));
             return;
         }
-        const bool own = freedom_.directions == DirectionFreedom::own;
-        const double weight = prior_weight_ / (own ? kTurnSigma : kNoTurn);
-        auto* outlying = own ? new ceres::CauchyLoss(2 * prior_weight_) : nullptr;
+        const bool own = freedom_.directions != DirectionFreedom::smooth;
+        auto* outlying =
+            own ? new ceres::CauchyLoss(2 * (measured() ? kKnownWeight : prior_weight_)) : nullptr;
         std::vector<std::vector<glm::dvec2>> untold;
         std::vector<double*> all;
         for (std::size_t i = 0; i < photos_; ++i) {
-            problem_.AddResidualBlock(new TurnPrior(directions.at(joint.directions[i]), weight), outlying,
-                                      turn(i), field());
+            problem_.AddResidualBlock(
+                new TurnPrior(directions.at(joint.directions[i]), turn_weight(joint, i)), outlying, turn(i),
+                field());
             untold.push_back(directions.untold(joint.directions[i]));
             all.push_back(turn(i));
         }
         if (own) problem_.AddResidualBlock(new MotionPrior(std::move(untold)), nullptr, all);
-        problem_.AddResidualBlock(new PullToZero(directions.modes(), 1 / kFieldSigma), nullptr, field());
+        problem_.AddResidualBlock(new PullToZero(directions.modes(), field_weight(joint)), nullptr, field());
         ordering_->AddElementToGroup(field(), 1);
     }
 
+    double turn_weight(const JointLights& joint, std::size_t photo) const {
+        switch (freedom_.directions) {
+            case DirectionFreedom::measured:
+                return kKnownWeight / std::max(joint.direction_sigma[photo], kNoTurn);
+            case DirectionFreedom::own:
+                return prior_weight_ / kTurnSigma;
+            default:
+                return prior_weight_ / (freedom_.pixels ? kNoTurn : kTurnSigma);
+        }
+    }
+
+    // What is measured with one ball is off alike for lamps that are near each other: as a whole by as much
+    // as each by itself.
+    double field_weight(const JointLights& joint) const {
+        if (!measured()) return 1 / kFieldSigma;
+        double squares = 0;
+        for (const double sigma : joint.direction_sigma)
+            squares += 2 * sigma * sigma / static_cast<double>(photos_);
+        return kKnownWeight * std::sqrt(directions.modes() / std::max(squares, kNoTurn * kNoTurn));
+    }
+
     void add_rig(const JointLights& joint) {
-        problem_.AddResidualBlock(cost<kRig, kRig>(Weighted<kRig>{{0, 0, 1 / kCameraSigma, 0}}), nullptr,
-                                  rig());
+        const double rough = measured() ? kKnownWeight / kRoughSigma : 0;
+        problem_.AddResidualBlock(cost<kRig, kRig>(Weighted<kRig>{{0, 0, 1 / kCameraSigma, 0, rough}}),
+                                  nullptr, rig());
         ordering_->AddElementToGroup(rig(), 1);
-        const std::array<std::array<double, 2>, kRig> bounds = {{{0, 1.2}, {0, 0.6}, {0, 1.2}, {-0.5, 0.5}}};
+        const std::array<std::array<double, 2>, kRig> bounds = {
+            {{0, 1.2}, {0, 0.6}, {0, 1.2}, {-0.5, 0.5}, {0, 1}}};
         for (int i = 0; i < kRig; ++i) {
-            if (i != 1 && (i == 2 ? joint.camera_known : joint.lamps_known))
-                continue;  // may lie outside, and stays
+            const bool known = i == 2 ? joint.camera_known : (i == 0 || i == 3) && joint.lamps_known;
+            if (known) continue;  // may lie outside, and stays
             problem_.SetParameterLowerBound(rig(), i, bounds[static_cast<std::size_t>(i)][0]);
             problem_.SetParameterUpperBound(rig(), i, bounds[static_cast<std::size_t>(i)][1]);
         }
         std::vector<int> known;
-        if (joint.lamps_known) known = {0, 3};
-        if (joint.camera_known) known.push_back(2);
-        if (!freedom_.rig)
+        if (joint.lamps_known || !freedom_.rig) known = {0, 3};
+        if (joint.camera_known || !freedom_.rig) known.push_back(2);
+        if (!freedom_.rig) known.push_back(1);
+        if (!measured()) known.push_back(4);
+        if (known.size() == kRig)
             problem_.SetParameterBlockConstant(rig());
         else if (!known.empty())
             problem_.SetManifold(rig(), new ceres::SubsetManifold(kRig, known));
@@ -263,7 +298,8 @@ bool JointLights::solve(const JointFreedom& freedom, JointStart start) {
         log_gains[i] = *blocks.log_gain(i);
         turns[i] = {blocks.turn(i)[0], blocks.turn(i)[1]};
     }
-    rig = {blocks.rig()[0], blocks.rig()[1], blocks.rig()[2], blocks.rig()[3]};
+    const double* r = blocks.rig();
+    rig = {r[0], r[1], r[2], r[3], r[4]};
     field = blocks.directions;
     coefficients.assign(blocks.field(), blocks.field() + blocks.field_size());
     return true;

@@ -20,6 +20,9 @@ enum class DirectionFreedom {
     listed,  // not at all
     smooth,  // they turn by a smooth field of few numbers over direction
     own,     // and each lamp by a few degrees of its own
+    // As own, but by as much as the directions' standard errors say; and the diffuse roughness with it, which
+    // photographs tell only together with the directions.
+    measured,
 };
 
 // What the problem may move.
@@ -49,6 +52,7 @@ struct JointLights {
         double ambient = 0;          // [1] as Rig::ambient
         double camera_nearness = 0;  // [1/width]
         double bend = 0;             // [1/width] as Rig::bend_per_mm
+        double roughness = 0;        // [1] as ReflectanceLaw::diffuse_roughness
     };
 
     std::vector<glm::dvec3> directions;  // [unit vectors] of the lamps, one a photograph
@@ -59,6 +63,10 @@ struct JointLights {
     bool lamps_known = false;    // their nearness is as given, and nothing bends
     bool camera_known = false;   // its nearness is as given
     glm::dvec2 camera_axis{0};   // above which the camera is
+
+    // [rad] Standard error of each direction as listed, of either component; 0: it stays. Of use where
+    // directions are measured.
+    std::vector<double> direction_sigma;
 
     std::vector<double> log_gains;  // one a photograph: start, and result
     std::vector<glm::dvec2>

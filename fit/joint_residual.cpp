@@ -4,6 +4,8 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
+#include "surface/diffuse.h"
+
 namespace tangi {
 
 using glm::dvec3;
@@ -14,14 +16,16 @@ namespace {
 struct Reflected {
     double n_l = 0, n_v = 0, lobe = 0;                     // lobe is pi times surface/ward.h's
     double lobe_h_n = 0, lobe_h_h = 0, lobe_ln_alpha = 0;  // d lobe by h.n, h.h, ln alpha
+    DiffuseTerms<double> matt{};                           // D
 };
 
-Reflected reflected(const dvec3& n, const dvec3& l, const dvec3& v, double ln_alpha) {
+Reflected reflected(const dvec3& n, const dvec3& l, const dvec3& v, double ln_alpha, double roughness) {
     Reflected r;
     r.n_l = std::max(glm::dot(n, l), 0.0);
     r.n_v = glm::dot(n, v);
     if (r.n_l <= 0 || r.n_v <= 0) return r;
-    const double h_n = r.n_l + r.n_v, h_h = 2 + 2 * glm::dot(l, v);
+    const double l_v = glm::dot(l, v), h_n = r.n_l + r.n_v, h_h = 2 + 2 * l_v;
+    r.matt = rough_diffuse(r.n_l, r.n_v, l_v, roughness);
     const double inverse_alpha2 = std::exp(-2 * ln_alpha), inverse_h_n2 = 1 / (h_n * h_n);
     const double tan2 = std::max(h_h * inverse_h_n2 - 1, 0.0);
     r.lobe = std::exp(-tan2 * inverse_alpha2) * inverse_alpha2 * h_h * inverse_h_n2 * inverse_h_n2;
@@ -39,7 +43,8 @@ dvec3 across(const dvec3& unit, const dvec3& da) { return da - unit * glm::dot(u
 bool JointResidual::Evaluate(const double* const* parameters, double* residual, double** jacobians) const {
     const double *pixel = parameters[0], *rig = parameters[2];
     const double p = pixel[0], q = pixel[1], rho_s = pixel[3], rho_d = pixel[4];
-    const double nearness = rig[0] * s_.nearer, ambient = rig[1], camera = rig[2], bend = rig[3];
+    const double nearness = rig[0] * s_.nearer, ambient = rig[1], camera = rig[2], bend = rig[3],
+                 roughness = rig[4];
     const dvec3 x(s_.position, 0), from_axis(s_.position - s_.camera_axis, 0);
 
     const double* turn_by = parameters[3];
@@ -64,17 +69,18 @@ bool JointResidual::Evaluate(const double* const* parameters, double* residual, 
 
     const double n_z = 1 / std::sqrt(1 + p * p + q * q);
     const dvec3 n = n_z * dvec3(-p, -q, 1);
-    const Reflected r = reflected(n, l, v, pixel[2]);
+    const Reflected r = reflected(n, l, v, pixel[2], roughness);
     const double irradiance = std::exp(parameters[1][0]) / distance2;
-    const double shown = rho_d * (r.n_l + ambient) + rho_s * r.lobe * r.n_l;
+    const double shown = rho_d * (r.matt.value + ambient) + rho_s * r.lobe * r.n_l;
     residual[0] = (irradiance * shown - s_.value) / s_.sigma;
     if (!jacobians) return true;
 
     const double scale = irradiance / s_.sigma;
     const bool lit = r.n_l > 0;
-    // d shown by n.l and n.v, with h.n = n.l + n.v, and by h.h = 2 + 2 l.v.
-    const double by_n_l = lit ? rho_d + rho_s * (r.lobe + r.n_l * r.lobe_h_n) : 0;
-    const double by_n_v = rho_s * r.n_l * r.lobe_h_n, by_h_h = rho_s * r.n_l * r.lobe_h_h;
+    // d shown by n.l and n.v, with h.n = n.l + n.v, and by l.v, with h.h = 2 + 2 l.v.
+    const double by_n_l = lit ? rho_d * r.matt.by_n_l + rho_s * (r.lobe + r.n_l * r.lobe_h_n) : 0;
+    const double by_n_v = rho_d * r.matt.by_n_v + rho_s * r.n_l * r.lobe_h_n;
+    const double by_l_v = rho_d * r.matt.by_l_v + 2 * rho_s * r.n_l * r.lobe_h_h;
     if (double* by = jacobians[0]) {
         const double n_l = glm::dot(n, l), n_v = glm::dot(n, v);
         const double slope[2] = {p, q};
@@ -85,12 +91,12 @@ bool JointResidual::Evaluate(const double* const* parameters, double* residual, 
         }
         by[2] = scale * rho_s * r.n_l * r.lobe_ln_alpha;
         by[3] = scale * r.lobe * r.n_l;
-        by[4] = scale * (r.n_l + ambient);
+        by[4] = scale * (r.matt.value + ambient);
     }
     if (jacobians[1]) jacobians[1][0] = scale * shown;
     const auto along = [&](const dvec3& du) {  // u moves
         const dvec3 dl = across(l, du) / distance;
-        return scale * (by_n_l * glm::dot(n, dl) + 2 * by_h_h * glm::dot(v, dl) -
+        return scale * (by_n_l * glm::dot(n, dl) + by_l_v * glm::dot(v, dl) -
                         2 * shown * glm::dot(u, du) / distance2);
     };
     if (double* by = jacobians[3])
@@ -102,8 +108,9 @@ bool JointResidual::Evaluate(const double* const* parameters, double* residual, 
         const dvec3 dv = across(v, -from_axis) / sight_length;
         by[0] = along(-s_.nearer * x);
         by[1] = scale * rho_d;
-        by[2] = scale * (by_n_v * glm::dot(n, dv) + 2 * by_h_h * glm::dot(l, dv));
+        by[2] = scale * (by_n_v * glm::dot(n, dv) + by_l_v * glm::dot(l, dv));
         by[3] = along(across(e, turn) / bent_length);
+        by[4] = scale * rho_d * r.matt.by_sigma;
     }
     return true;
 }

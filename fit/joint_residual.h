@@ -7,8 +7,9 @@
 //   d' = d + t.x a + t.y b, unit
 //   e  = d' turned by b x (first order), unit;   u = e - m s (x, 0)        towards the lamp
 //   l  = u / |u|;   v = unit of (c (a - x), 1)                            towards the camera
-//   model = exp(g) / |u|^2 (rho_d (max(n.l, 0) + k) + rho_s pi lobe(alpha) max(n.l, 0))
-// with g the lamp's ln gain, k the ambient light and the bounded lobe of surface/ward.h. Residual
+//   model = exp(g) / |u|^2 (rho_d (D + k) + rho_s pi lobe(alpha) max(n.l, 0))
+// with g the lamp's ln gain, k the ambient light, the bounded lobe of surface/ward.h and D the diffuse
+// reflection of surface/diffuse.h: max(n.l, 0) where the diffuse roughness is 0. Residual
 // (model - value) / sigma.
 #pragma once
 
@@ -22,7 +23,7 @@
 namespace tangi {
 
 constexpr int kJointPixel = 5;  // slope x, slope y, ln alpha, rho_s, rho_d
-constexpr int kJointRig = 4;    // lamp nearness, ambient, camera nearness, bend
+constexpr int kJointRig = 5;    // lamp nearness, ambient, camera nearness, bend, diffuse roughness
 constexpr int kJointTurn = 2;   // x and y of the turn of the lamp's direction
 
 struct JointSample {

@@ -99,8 +99,10 @@ ColourTrial try_colours(const LightSample& sample, const Lighting& lighting, con
 
 }  // namespace
 
-LawChoice choose_law(const LightSample& sample, const Lighting& lighting, const Progress& progress) {
+LawChoice choose_law(const LightSample& sample, const Lighting& lighting, const Progress& progress,
+                     const std::optional<double>& diffuse_roughness) {
     LawChoice choice;
+    choice.law.diffuse_roughness = diffuse_roughness.value_or(0);
     if (lighting.lights.size() < kFewestPhotos) return choice;
     const WithNoise with_noise{sample, lighting};
     const auto attempt = [&](const ReflectanceLaw& law) {
@@ -110,7 +112,7 @@ LawChoice choose_law(const LightSample& sample, const Lighting& lighting, const 
         for (double& value : db) value = with_noise(value);
         return db;
     };
-    std::vector<double> best = attempt({});
+    std::vector<double> best = attempt(choice.law);
     // Along one number of the law: upwards as long as photographs are predicted better.
     const auto search = [&](double ReflectanceLaw::*number, const auto& values, double sigmas) {
         ReflectanceLaw law = choice.law, found = choice.law;
@@ -127,7 +129,7 @@ LawChoice choose_law(const LightSample& sample, const Lighting& lighting, const 
         choice.law = found;
     };
     search(&ReflectanceLaw::haze, kHazes, kSureOfHaze);
-    search(&ReflectanceLaw::diffuse_roughness, kRoughnesses, kSureOfRoughness);
+    if (!diffuse_roughness) search(&ReflectanceLaw::diffuse_roughness, kRoughnesses, kSureOfRoughness);
     report(progress, "reflectance", 1);
     return choice;
 }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <vector>
 
 #include "fit/light_sample.h"
@@ -29,8 +30,10 @@ struct LawChoice {
 // `lighting` has one light for each photograph of the sample's stack. Haze and then diffuse roughness are
 // only believed where they predict photographs better by 0.1 dB more than its standard error (twice that for
 // roughness), the noise to expect of stored values counted as part of every error; else they are 0, as they
-// are with fewer than 12 photographs. Deterministic for any number of threads.
-LawChoice choose_law(const LightSample& sample, const Lighting& lighting, const Progress& progress = {});
+// are with fewer than 12 photographs. A roughness that is known already is kept. Deterministic for any number
+// of threads.
+LawChoice choose_law(const LightSample& sample, const Lighting& lighting, const Progress& progress = {},
+                     const std::optional<double>& diffuse_roughness = {});
 
 // The colours of lobes (lobe_colour.h) under that law: where at least 1 % of the sample has any, and
 // photographs are predicted better there by 0.1 dB more than twice its standard error, noise counted

@@ -45,7 +45,11 @@ double mean(const std::vector<double>& values) {
 
 Lighting subset(const Lighting& lighting, const std::vector<int>& photos) {
     Lighting result{{}, lighting.rig, lighting.white_level};
-    for (const int i : photos) result.lights.push_back(lighting.lights[static_cast<std::size_t>(i)]);
+    for (const int i : photos) {
+        result.lights.push_back(lighting.lights[static_cast<std::size_t>(i)]);
+        if (!lighting.direction_sigma_deg.empty())
+            result.direction_sigma_deg.push_back(lighting.direction_sigma_deg[static_cast<std::size_t>(i)]);
+    }
     return result;
 }
 
@@ -85,6 +89,7 @@ LightCalibration calibration_of(const LightSample& sample, const JointLights& jo
         if (!joint.camera_known) rig.camera_distance_mm = distance(joint.rig.camera_nearness);
     }
     if (model.directions != DirectionFreedom::listed) apply_directions(joint, result);
+    if (model.directions == DirectionFreedom::measured) result.diffuse_roughness = joint.rig.roughness;
     const double middle = median(joint.log_gains);
     for (std::size_t i = 0; i < joint.log_gains.size(); ++i) {
         Light& light = result.lighting.lights[i];
@@ -107,7 +112,9 @@ std::optional<JointLights> solved(const LightSample& sample, const std::vector<i
     double squares = 0;
     for (const glm::dvec2& turn : joint.turns) squares += glm::dot(turn, turn);
     const double rms_deg = std::sqrt(squares / static_cast<double>(photos.size())) * 180 / std::numbers::pi;
-    if (model.directions != DirectionFreedom::listed && rms_deg < kSmallTurn_deg) return {};
+    const bool found =
+        model.directions == DirectionFreedom::smooth || model.directions == DirectionFreedom::own;
+    if (found && rms_deg < kSmallTurn_deg) return {};
     return joint;
 }
 
@@ -240,7 +247,8 @@ void add_errors(const JointLights& solution, LightCalibration& c) {
     const auto relative = [](double sigma, double nearness) {
         return nearness > kFar ? sigma / nearness : 0;
     };
-    c.rig_sigma = {errors.rig->ambient, relative(errors.rig->lamp_nearness, solution.rig.lamp_nearness),
+    c.rig_sigma = {errors.rig->ambient, errors.rig->roughness,
+                   relative(errors.rig->lamp_nearness, solution.rig.lamp_nearness),
                    relative(errors.rig->camera_nearness, solution.rig.camera_nearness)};
 }
 
@@ -256,7 +264,9 @@ std::string name_of(const LightModel& model) {
     constexpr std::array lamps = {"as given", "rig", "rig and gains"};
     const std::string name = lamps[static_cast<std::size_t>(model.lamps)];
     if (model.directions == DirectionFreedom::listed) return name;
-    return name + (model.directions == DirectionFreedom::smooth ? ", smooth directions" : ", own directions");
+    constexpr std::array directions = {"", ", smooth directions", ", own directions",
+                                       ", measured directions"};
+    return name + directions[static_cast<std::size_t>(model.directions)];
 }
 
 std::string warning_of(const LightCalibration& calibration, const std::string& folder) {
@@ -304,9 +314,13 @@ nlohmann::json to_json(const LightCalibration& calibration) {
             {"lamp_distance_mm", distance(rig.lamp_distance_mm)},
             {"camera_distance_mm", distance(rig.camera_distance_mm)},
             {"bend_per_mm", rig.bend_per_mm},
+            {"diffuse_roughness",
+             calibration.diffuse_roughness ? json(*calibration.diffuse_roughness) : json(nullptr)},
             {"sigma",
              {{"ambient",
                calibration.rig_sigma.ambient > 0 ? json(calibration.rig_sigma.ambient) : json(nullptr)},
+              {"diffuse_roughness",
+               calibration.diffuse_roughness ? json(calibration.rig_sigma.diffuse_roughness) : json(nullptr)},
               {"lamp_distance_mm", error(rig.lamp_distance_mm, calibration.rig_sigma.lamp_distance)},
               {"camera_distance_mm", error(rig.camera_distance_mm, calibration.rig_sigma.camera_distance)},
               {"gains", sigmas}}},
@@ -345,11 +359,13 @@ LightCalibration calibrate_lights(const Stack& stack, const Survey& survey, cons
     const LightFreedom lamps = all[best].trial.model.lamps;
     // A lamp that was left out has no part in directions of each lamp's own: with few photographs leaving
     // some out says nothing of them, and it is up to the user.
-    if (options.refine_directions)
-        attempt({{lamps, DirectionFreedom::own}});
+    const bool measured = !given.direction_sigma_deg.empty();
+    const DirectionFreedom refined = measured ? DirectionFreedom::measured : DirectionFreedom::own;
+    if (options.refine_directions || measured)
+        attempt({{lamps, refined}});
     else if (stack.photos.size() >= kFewestForDirections)
         attempt({{lamps, DirectionFreedom::smooth}, {lamps, DirectionFreedom::own}});
-    if (options.refine_directions && all.back().trial.model.directions == DirectionFreedom::own)
+    if ((options.refine_directions || measured) && all.back().trial.model.directions == refined)
         best = all.size() - 1;
     const auto calibrated = [&](const Tried& one) {
         if (!one.solution) return LightCalibration{.lighting = given};

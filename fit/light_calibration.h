@@ -90,16 +90,20 @@ struct LightCalibration {
     // Standard errors (68 %), empty and 0 where nothing was found or it can't be told.
     std::vector<double> gain_sigma{};  // [1] relative, of lighting.lights, less what all have in common
     struct RigSigma {
-        double ambient = 0;                             // [1]
+        double ambient = 0, diffuse_roughness = 0;      // [1]
         double lamp_distance = 0, camera_distance = 0;  // [1] relative
     } rig_sigma{};
+    // [1] As ReflectanceLaw's, where directions are measured: photographs tell both only together.
+    std::optional<double> diffuse_roughness{};
     DirectionField field{};              // what turns a direction that no photograph had ...
     std::vector<double> coefficients{};  // ... by these
     std::vector<Trial> trials{};         // empty where there were too few photographs to try
 };
 
 // The photographs' lights as the fit should take them. `given` has the lights of stack.photos; the survey is
-// of the stack. Deterministic for any number of threads.
+// of the stack. Directions whose standard errors are given are corrected as far as these allow, whatever
+// left-out photographs say, which share nothing with a lamp's own error. Deterministic for any number of
+// threads.
 LightCalibration calibrate_lights(const Stack& stack, const Survey& survey, const Transfer& transfer,
                                   const NoiseModel& noise, const Lighting& given, double mm_per_pixel,
                                   const WardFitOptions& ward, const LightCalibrationOptions& options = {},

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "fit/lobe_colour.h"
 #include "fit/ward_batch.h"
@@ -39,7 +40,7 @@ void add_observation(const PixelSamples& s, int photo, const glm::dvec3& white, 
 
 // A smooth field has said what it can of a single lamp.
 DirectionFreedom of_its_own(DirectionFreedom directions) {
-    return directions == DirectionFreedom::own ? directions : DirectionFreedom::listed;
+    return directions == DirectionFreedom::smooth ? DirectionFreedom::listed : directions;
 }
 
 }  // namespace
@@ -246,7 +247,7 @@ Lighting LightSample::located(const std::vector<WardEstimate>& estimates, int ph
     Lighting result = lighting;
     const JointFreedom of_lamp{
         .rig = false, .gains = freedom.gains, .directions = of_its_own(freedom.directions), .pixels = false};
-    const bool fixed = !freedom.gains && freedom.directions != DirectionFreedom::own;
+    const bool fixed = !freedom.gains && of_lamp.directions == DirectionFreedom::listed;
     if (fixed || joint.observations.empty() || !joint.solve(of_lamp, JointStart::far)) return result;
     Light& light = result.lights.front();
     light.gain *= static_cast<float>(std::exp(joint.log_gains.front()));
@@ -286,6 +287,9 @@ void LightSample::describe(const Lighting& lighting, JointLights& joint) const {
         joint.log_gains.push_back(0);
         joint.turns.emplace_back(0);
     }
+    joint.direction_sigma.assign(lighting.lights.size(), 0);
+    for (std::size_t i = 0; i < lighting.direction_sigma_deg.size(); ++i)
+        joint.direction_sigma[i] = lighting.direction_sigma_deg[i] * std::numbers::pi / 180;
     if (joint.lamps_known) joint.rig.lamp_nearness = 1;
     if (lighting.rig.camera_distance_mm) {
         joint.camera_known = true;

@@ -18,6 +18,9 @@ struct Lighting {
     std::vector<Light> lights;  // one a photograph
     Rig rig;
     double white_level = 1;  // [1] linear pixel value of a matt white that faces a light of gain 1
+    // [deg] Standard error of each light's direction where its calibration tells it, else 0; empty where none
+    // does.
+    std::vector<double> direction_sigma_deg{};
 };
 
 // Sizes the samples of the pixel at a point of the painting for all lights, and fills in all but their values

@@ -91,6 +91,20 @@ void leave_out_damaged(Stack& stack, const PhotoError& error, std::vector<LeftOu
 
 }  // namespace
 
+std::vector<LeftOut> leave_out_damaged_and_copies(Stack& stack, const Progress& progress) {
+    constexpr std::size_t kFewest = 1;
+    const std::size_t all = stack.photos.size() + stack.held_out.size();
+    std::vector<LeftOut> left_out;
+    while (true) try {
+            Survey surveyed = survey(stack, {}, progress);
+            leave_out_copies(stack, surveyed, left_out, kFewest);
+            return left_out;
+        } catch (const PhotoError& error) {
+            leave_out_damaged(stack, error, left_out);
+            require_few(left_out, all, kFewest, stack.folder.string());
+        }
+}
+
 LookOver look_over(Stack& stack, bool register_photos, const Progress& progress) {
     const std::size_t all = stack.photos.size() + stack.held_out.size();
     std::vector<LeftOut> damaged;

@@ -22,4 +22,9 @@ struct LookOver {
 // Throws Error where too few remain, as require_few().
 LookOver look_over(Stack& stack, bool register_photos, const Progress& progress);
 
+// The part of it that knows nothing of lights: takes photographs that are damaged, or the same picture as
+// another (stray_photos.h), out of stack.photos, with a warning for each, and returns them. Throws Error as
+// require_few(), at least one being left.
+std::vector<LeftOut> leave_out_damaged_and_copies(Stack& stack, const Progress& progress);
+
 }  // namespace tangi

@@ -31,11 +31,15 @@ AtomicFile::AtomicFile(fs::path target) : target_(std::move(target)) {
     if (target_.filename().empty()) fail("{}: is not a file name", target_.string());
     if (fs::is_directory(target_)) fail("{}: is a folder; give the name of a file", target_.string());
     const fs::path folder = target_.has_parent_path() ? target_.parent_path() : fs::path(".");
-    if (!fs::is_directory(folder)) fail("{}: there is no folder {}", target_.string(), folder.string());
+    if (!fs::is_directory(folder))
+        fail("{}: there is no folder {}; make it, or choose another place", target_.string(),
+             folder.string());
     remove_stale_temporaries(target_);
     temporary_ = folder / temporary_name(target_.stem().string(), target_.extension().string());
     const int file = ::open(temporary_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
-    if (file < 0) fail("{}: cannot be written: {}", target_.string(), std::strerror(errno));
+    if (file < 0)
+        fail("{}: cannot be written: {}; choose a folder where you may write", target_.string(),
+             std::strerror(errno));
     ::close(file);
 }
 
@@ -49,6 +53,7 @@ void AtomicFile::write(std::string_view bytes) {
     stream.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
     stream.close();
     if (!stream) fail("{}: cannot be written: {}", target_.string(), std::strerror(errno));
+    sync_to_disk(temporary_, target_);  // a full disk may show only then
 }
 
 void AtomicFile::commit() {

@@ -17,30 +17,35 @@ namespace tangi {
 // n.l of Lambert's law where sigma = 0.
 template <class T>
 struct DiffuseTerms {
-    T value, by_n_l, by_n_v;
+    T value, by_n_l, by_n_v, by_l_v, by_sigma;
 };
 
 template <class T>
 DiffuseTerms<T> rough_diffuse(T n_l, T n_v, T l_v, T sigma) {
     constexpr T pi = std::numbers::pi_v<T>;
-    const T scale = 1 / (1 + (T(0.5) - 2 / (3 * pi)) * sigma);
+    constexpr T loss = T(0.5) - 2 / (3 * pi);
+    const T scale = 1 / (1 + loss * sigma);
     const T s = l_v - n_l * n_v;
-    T ratio, ratio_n_l, ratio_n_v;  // s / t and its derivatives
+    T ratio, ratio_n_l, ratio_n_v, ratio_l_v;  // s / t and its derivatives
     if (s <= 0) {
         ratio = s;
         ratio_n_l = -n_v;
         ratio_n_v = -n_l;
+        ratio_l_v = 1;
     } else if (n_l > n_v) {
         ratio = s / n_l;
         ratio_n_l = -l_v / (n_l * n_l);
         ratio_n_v = -1;
+        ratio_l_v = 1 / n_l;
     } else {
         ratio = s / n_v;
         ratio_n_l = -1;
         ratio_n_v = -l_v / (n_v * n_v);
+        ratio_l_v = 1 / n_v;
     }
     return {n_l * scale * (1 + sigma * ratio), scale * (1 + sigma * (ratio + n_l * ratio_n_l)),
-            scale * sigma * n_l * ratio_n_v};
+            scale * sigma * n_l * ratio_n_v, scale * sigma * n_l * ratio_l_v,
+            n_l * scale * scale * (ratio - loss)};
 }
 
 }  // namespace tangi

@@ -7,6 +7,7 @@
 
 #include "ball_pictures.h"
 #include "capture/calibration_page.h"
+#include "capture/left_out.h"
 #include "surface/atomic_file.h"
 
 namespace tangi {
@@ -73,6 +74,41 @@ TEST(MirrorBall, IsFollowedWhereTheCameraMoves) {
     EXPECT_LT(mean_error_deg(moved, lights), 0.5);
     const BallCalibration taken_for_fixed = calibrate_from_balls(paths, {.fixed_camera = true});
     EXPECT_GT(mean_error_deg(taken_for_fixed, lights), 2 * mean_error_deg(moved, lights));
+    EXPECT_FALSE(taken_for_fixed.drifts.moved);
+    EXPECT_THAT(taken_for_fixed.poor,
+                Contains(AllOf(HasSubstr("--fixed-camera says"),
+                               HasSubstr(fmt::format("{:.2f} pixels (rms)", moved.drifts.rms_px)))));
+}
+
+TEST(MirrorBall, IsTakenFromACameraThatIsSaidToBeFixedAndIs) {
+    const TestDir dir;
+    const auto lights = lights_around(8);
+    const auto paths = write_ball_photos(dir.path(), BallScene{}, lights);
+    const BallCalibration c = calibrate_from_balls(paths, {.fixed_camera = true});
+    EXPECT_LT(mean_error_deg(c, lights), 0.4);
+    EXPECT_THAT(c.poor, testing::IsEmpty());
+    EXPECT_THAT(c.warnings, testing::Each(testing::Not(HasSubstr("--fixed-camera"))));
+}
+
+// It is no motion of the camera, and the light of no photograph.
+TEST(BallCalibration, NamesAPhotographOfSomethingElse) {
+    const TestDir dir;
+    const auto paint = [](int photo, Image<float>& picture) {
+        if (photo != 3) return;
+        for (int y = 0; y < picture.height(); ++y)
+            for (int x = 0; x < picture.width(); ++x)
+                picture(x, y) = (x + y) / 15 % 2 == (x + 300 - y) / 17 % 2 ? 0.3f : 0.1f;
+    };
+    auto paths = write_ball_photos(dir.path(), BallScene{}, lights_around(8), false, {}, paint);
+    try {
+        (void)calibrate_from_balls(paths, {});
+        ADD_FAILURE() << "not named";
+    } catch (const PhotoError& error) {
+        EXPECT_EQ(error.path(), paths[3]);
+        EXPECT_THAT(error.what(), HasSubstr("shows something else than the other photographs"));
+    }
+    paths.erase(paths.begin() + 3);
+    EXPECT_FALSE(calibrate_from_balls(paths, {}).drifts.moved);
 }
 
 TEST(MirrorBalls, TellPositionsInPerspective) {

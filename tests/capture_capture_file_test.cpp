@@ -140,6 +140,36 @@ TEST(CaptureFile, AStackIsOpenedWithIt) {
     }
 }
 
+// What balls leave open of a direction, also where only the lights file beside is given.
+TEST(CaptureFile, TellsHowUncertainDirectionsAreWhereBallsDo) {
+    const TestDir folder;
+    write_stack(folder.path(), procedural_painting({.width = 41, .height = 31}),
+                {.lights = 4, .held_out = 0});
+    json j = capture_json();
+    j["method"] = "mirror ball";
+    for (json& light : j["lights"]) light["position_mm"] = nullptr;
+    j["lights"][1]["direction_sigma_deg"] = 2.5;
+    const auto sigmas = [&](const char* lights) {
+        std::vector<double> all;
+        for (const StackPhoto& photo : open_stack(folder.path(), {.lights_file = folder / lights}).photos)
+            all.push_back(photo.direction_sigma_deg);
+        return all;
+    };
+    const std::vector<double> told = {0, 2.5, 0}, none = {0, 0, 0};
+    written(folder, j);
+    EXPECT_EQ(sigmas("capture.json"), told);
+    const std::string lp = "3\nimg_000.png 0 0 1\nimg_001.png 0.6 0 0.8\nimg_003.png 0 0.6 0.8\n";
+    write_bytes(folder / "lights.lp", lp);
+    EXPECT_EQ(sigmas("lights.lp"), told);
+    write_bytes(folder / "other.lp", lp);  // not the name that belongs to capture.json
+    EXPECT_EQ(sigmas("other.lp"), none);
+    write_bytes(folder / "lights.lp", "3\nimg_000.png 0 0 1\nimg_001.png 0 0 1\nimg_003.png 0 0.6 0.8\n");
+    EXPECT_EQ(sigmas("lights.lp"), none);  // changed since
+    j["method"] = "uncalibrated";
+    written(folder, j);
+    EXPECT_EQ(sigmas("capture.json"), none);
+}
+
 // As programs for domes write it: where the lamps are, instead of unit vectors.
 TEST(CaptureFile, TellsTheScaleForALightsFileWithPositions) {
     const TestDir folder;

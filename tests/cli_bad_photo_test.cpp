@@ -118,6 +118,33 @@ TEST(CliBadPhoto, IsACopyOfAnother) {
     expect_refused(stack, {stack.path(), "all 12 photographs are the same picture"});
 }
 
+TEST(CliBadPhoto, IsACopyOfAnotherWhereAPaintingIsCompared) {
+    const TinyStack stack;
+    ASSERT_TRUE(ended(tangipaint({"fit", stack.path(), "--out", stack.out("a.exr")}), 0));
+    fs::copy_file(stack.photo(3), stack.photo(7), fs::copy_options::overwrite_existing);
+    const Finished run = tangipaint({"compare", stack.out("a.exr"), stack.path(), "--out", stack.out("c")});
+    ASSERT_TRUE(ended(run, 0, {stack.name(3) + ", " + stack.name(7) + " are the same picture", "left out"}));
+    EXPECT_EQ(run.json()["photos"].size(), 10u);
+    EXPECT_EQ(run.json()["left_out"].size(), 2u);
+}
+
+// Another part of the same size looks like a bad fit.
+TEST(CliBadPhoto, IsComparedInAnotherPartThanWasFitted) {
+    const TinyStack stack({}, 48);
+    const std::string painting = stack.out("a.exr");
+    ASSERT_TRUE(ended(tangipaint({"fit", stack.path(), "--out", painting, "--crop", "0,0,32,32"}), 0));
+    const auto compared = [&](std::vector<std::string> crop) {
+        crop.insert(crop.begin(), {"compare", painting, stack.path(), "--out", stack.out("c")});
+        return tangipaint(crop);
+    };
+    const Finished same = compared({"--crop", "0,0,32,32"}), remembered = compared({});
+    ASSERT_TRUE(ended(same, 0));
+    ASSERT_TRUE(ended(remembered, 0));  // that part, without a word
+    EXPECT_EQ(remembered.json()["mean"], same.json()["mean"]);
+    EXPECT_TRUE(ended(compared({"--crop", "16,16,32,32"}), 3,
+                      {"--crop 16,16,32,32 is another part", "--crop 0,0,32,32", "leave --crop out"}));
+}
+
 TEST(CliBadPhoto, IsBlack) {
     const TinyStack stack;
     write_picture(stack.photo(1), Image<Rgb>(32, 32), Transfer{});

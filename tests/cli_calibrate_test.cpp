@@ -109,6 +109,26 @@ TEST(CliCalibrate, GoesOnWithoutPhotographsThatCannotBeUsed) {
     EXPECT_TRUE(ended(calibrate({dir.path().string()}), 1, {"cannot be"}));
 }
 
+// One picture twice, and one of another scene: what the fit leaves out, calibrate does, too.
+TEST(CliCalibrate, LeavesOutCopiesAndPhotographsOfSomethingElse) {
+    const TestDir dir;
+    std::filesystem::create_directory(dir / "photos");
+    const auto paths = write_ball_photos(dir / "photos", BallScene{}, lights_around(9, 45));
+    std::filesystem::copy_file(paths[2], paths[6], std::filesystem::copy_options::overwrite_existing);
+    Image<float> other(300, 220);
+    for (int y = 0; y < 220; ++y)
+        for (int x = 0; x < 300; ++x) other(x, y) = (x + y) / 15 % 2 == (x + 300 - y) / 17 % 2 ? 0.3f : 0.1f;
+    write_map(paths[4], other);
+    const Finished run =
+        tangipaint({"calibrate", (dir / "photos").string(), "--out", (dir / "lights.lp").string()});
+    ASSERT_TRUE(ended(run, 0,
+                      {"ball_02.png, ball_06.png are the same picture; it is used once",
+                       "ball_04.png: shows something else than the other photographs"}));
+    EXPECT_EQ(run.json()["photographs"]["calibrated"], 7);
+    EXPECT_EQ(run.json()["photographs"]["unusable"].size(), 2u);
+    EXPECT_EQ(run.json()["camera_moved_rms_px"], 0);
+}
+
 TEST(CliCalibrate, ReplacesOnlyWhatItWrote) {
     const TestDir dir;
     std::filesystem::create_directory(dir / "photos");
@@ -154,6 +174,19 @@ TEST(CliCalibrate, RefusesWhatMakesNoSense) {
                       {"'x' is not a number"}));
     EXPECT_TRUE(ended(tangipaint({"calibrate", folder, "--out", out, "--ball-radius-mm", "-3"}), 2,
                       {"--ball-radius-mm"}));
+    for (const char* flag : {"--ppi", "--focal-px", "--focal-35mm", "--ball-radius-mm", "--chart-pitch-mm",
+                             "--marker-mm", "--camera-distance-mm", "--ball-height-mm"})
+        for (const char* value : {"nan", "inf", "-inf", "1e-300", "1e300"}) {
+            if (flag == std::string("--ball-height-mm") && value == std::string("1e-300")) continue;
+            EXPECT_TRUE(ended(tangipaint({"calibrate", folder, "--out", out, flag, value}), 2,
+                              {flag, value, "is not in [", "See: tangipaint help"}));
+        }
+    EXPECT_TRUE(ended(tangipaint({"calibrate", folder, "--out", out, "--painting-mm", "1e-9,3", "--corners",
+                                  "10,10,90,10,90,90,10,90"}),
+                      2, {"--painting-mm 1e-9,3: 1e-09 is not in [0.1, 1e+06]", "See: tangipaint help"}));
+    EXPECT_TRUE(
+        ended(tangipaint({"calibrate", folder, "--out", out, "--chart", "off", "--chart-pitch-mm", "10"}), 2,
+              {"--chart-pitch-mm: is about a colour chart"}));
     EXPECT_TRUE(ended(tangipaint({"calibrate", folder, "--out", out, "--sphere", "250,60,25"}), 1,
                       {"--sphere 250,60,25: no mirror ball there"}));
     EXPECT_TRUE(
@@ -198,7 +231,7 @@ TEST(CliCalibrate, FindsScaleAndColoursWithoutBalls) {
         EXPECT_THAT(page, HasSubstr(part));
     EXPECT_TRUE(ended(
         tangipaint({"calibrate", photos, "--out", (dir / "d.json").string(), "--no-balls", "--chart", "off"}),
-        1, {"nothing else to look for"}));
+        1, {"--chart off looks for no colour chart", "nothing else to look for"}));
     const std::string out = (dir / "d.json").string();
     EXPECT_TRUE(ended(tangipaint({"calibrate", photos, "--out", out, "--no-balls", "--chart", "off"}), 1,
                       {"nothing else to look for"}));

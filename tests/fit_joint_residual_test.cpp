@@ -8,6 +8,7 @@
 #include <glm/geometric.hpp>
 #include <numbers>
 
+#include "surface/diffuse.h"
 #include "surface/light.h"
 #include "surface/ward.h"
 #include "test_support.h"
@@ -23,18 +24,18 @@ struct Trial {
 };
 
 Trial random_trial(Random& random) {
-    return {
-        {random.uniform(-0.6, 0.6), random.uniform(-0.6, 0.6), std::log(random.uniform(0.1, 0.6)),
-         random.uniform(0, 0.5), random.uniform(0, 1)},
-        {random.uniform(-1, 1)},
-        {random.uniform(0, 0.8), random.uniform(0, 0.4), random.uniform(0, 0.8), random.uniform(-0.3, 0.3)},
-        {random.uniform(-0.2, 0.2), random.uniform(-0.2, 0.2)},
-        {.direction = glm::dvec3(random.direction(0.2)),
-         .nearer = random.uniform(0.7, 1.4),
-         .position = {random.uniform(-0.5, 0.5), random.uniform(-0.5, 0.5)},
-         .camera_axis = {random.uniform(-0.2, 0.2), random.uniform(-0.2, 0.2)},
-         .value = 0.3,
-         .sigma = 0.02}};
+    return {{random.uniform(-0.6, 0.6), random.uniform(-0.6, 0.6), std::log(random.uniform(0.1, 0.6)),
+             random.uniform(0, 0.5), random.uniform(0, 1)},
+            {random.uniform(-1, 1)},
+            {random.uniform(0, 0.8), random.uniform(0, 0.4), random.uniform(0, 0.8),
+             random.uniform(-0.3, 0.3), random.uniform(0, 0.8)},
+            {random.uniform(-0.2, 0.2), random.uniform(-0.2, 0.2)},
+            {.direction = glm::dvec3(random.direction(0.2)),
+             .nearer = random.uniform(0.7, 1.4),
+             .position = {random.uniform(-0.5, 0.5), random.uniform(-0.5, 0.5)},
+             .camera_axis = {random.uniform(-0.2, 0.2), random.uniform(-0.2, 0.2)},
+             .value = 0.3,
+             .sigma = 0.02}};
 }
 
 double residual_of(const Trial& t) {
@@ -90,8 +91,9 @@ TEST(JointResidual, IsWhatTheReferenceRendererShows) {
         const WardAngles<float> a = ward_angles(normal, in.direction, view_direction(rig, point_mm));
         const double n_l = std::max(a.n_l, 0.0f);
         const double lobe = ward_lobe(WardModel::bounded, a, static_cast<float>(std::exp(t.pixel[2])));
+        const double matt = n_l > 0 ? rough_diffuse<double>(n_l, a.n_v, a.h_h / 2 - 1, t.rig[4]).value : 0;
         const double shown =
-            in.irradiance.g * (t.pixel[4] * (n_l + t.rig[1]) + t.pixel[3] * std::numbers::pi * lobe * n_l);
+            in.irradiance.g * (t.pixel[4] * (matt + t.rig[1]) + t.pixel[3] * std::numbers::pi * lobe * n_l);
         EXPECT_NEAR(residual_of(t) * 0.02 + 0.3, shown, 2e-4 * std::max(1.0, shown)) << "trial " << trial;
     }
 }

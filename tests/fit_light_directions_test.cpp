@@ -59,7 +59,7 @@ struct WrongLights {
     LightCalibration found;
     // `error` of a true direction, as a turn.
     WrongLights(GeneratorOptions options, const std::function<glm::dvec2(const glm::dvec3&)>& error,
-                bool refine = false) {
+                bool refine = false, double sigma_deg = 0) {
         options.held_out = 0;
         const PaintingTruth painting =
             procedural_painting({.seed = 5, .width = 80, .height = 80, .mm_per_pixel = kMmPerPixel});
@@ -76,8 +76,11 @@ struct WrongLights {
         }
         stack = open_stack(folder.path(), {.transfer = Transfer{}});
         found = calibrate_lights(stack, survey(stack), Transfer{}, NoiseModel(Transfer{}, 0.006, true),
-                                 {stack.lights(), {}, 0.75}, kMmPerPixel, {},
-                                 {.samples = 250, .refine_directions = refine});
+                                 {stack.lights(),
+                                  {},
+                                  0.75,
+                                  std::vector<double>(sigma_deg > 0 ? stack.photos.size() : 0, sigma_deg)},
+                                 kMmPerPixel, {}, {.samples = 250, .refine_directions = refine});
         for (const auto& trial : found.trials)
             std::cout << fmt::format("{}: {:.2f} dB; ", name_of(trial.model), trial.left_out_db);
         const Errors e = errors();
@@ -207,6 +210,30 @@ TEST(LightDirections, OfFewLampsAreCorrectedWhereTheUserSaysSo) {
     // Right directions stay, also where the user doubts them.
     const Errors right = WrongLights(options, {}, true).errors();
     EXPECT_LT(right.after, 1);
+}
+
+// As a ball leaves them: no photograph is left out to judge by, the standard errors say how far to go.
+TEST(LightDirections, ThatWereMeasuredAreCorrectedAsFarAsTheirErrorsAllow) {
+    const auto error = [](const glm::dvec3& d) {
+        const double angle = 40 * d.x + 17 * d.y;
+        return 2 * kDegree * glm::dvec2(std::cos(angle), std::sin(angle));
+    };
+    const GeneratorOptions options{.lights = 14, .reflectance = Reflectance::lambert, .cast_shadows = false};
+    const WrongLights measured(options, error, false, 1.5);
+    EXPECT_EQ(measured.found.model.directions, DirectionFreedom::measured);
+    EXPECT_EQ(to_json(measured.found)["calibrated"].get<std::string>().find("measured directions") ==
+                  std::string::npos,
+              false);
+    const Errors e = measured.errors();
+    EXPECT_GT(e.before, 1);
+    EXPECT_LT(e.after, 0.5 * e.before);
+    // Lambert's paint is not taken for rough.
+    ASSERT_TRUE(measured.found.diffuse_roughness);
+    EXPECT_LT(*measured.found.diffuse_roughness, 0.1);
+    // What is measured well stays where it is, whatever the photographs seem to say.
+    const Errors sure = WrongLights(options, error, false, 0.02).errors();
+    EXPECT_NEAR(sure.after, sure.before, 0.1);
+    EXPECT_LT(WrongLights(options, {}, false, 1.5).errors().after, 0.7);
 }
 
 }  // namespace

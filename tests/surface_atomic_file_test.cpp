@@ -58,9 +58,10 @@ TEST(AtomicFile, RefusesPlacesWhereNoFileCanBe) {
     EXPECT_EQ(error_of([&] { AtomicFile(dir.path()); }), folder + ": is a folder; give the name of a file");
     EXPECT_EQ(error_of([&] { AtomicFile(dir.path() / ""); }), folder + "/: is not a file name");
     EXPECT_EQ(error_of([&] { AtomicFile(dir / "no/a.txt"); }),
-              folder + "/no/a.txt: there is no folder " + folder + "/no");
-    EXPECT_EQ(error_of([&] { AtomicFile(dir / "file/a.txt"); }),
-              folder + "/file/a.txt: there is no folder " + folder + "/file");
+              folder + "/no/a.txt: there is no folder " + folder + "/no; make it, or choose another place");
+    EXPECT_EQ(
+        error_of([&] { AtomicFile(dir / "file/a.txt"); }),
+        folder + "/file/a.txt: there is no folder " + folder + "/file; make it, or choose another place");
     EXPECT_THAT(error_of([&] { AtomicFile("/proc/tangi.txt"); }),
                 StartsWith("/proc/tangi.txt: cannot be written: "));
     EXPECT_EQ(error_of([&] { AtomicFile(""); }), ": is not a file name");

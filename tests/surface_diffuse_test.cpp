@@ -84,6 +84,9 @@ TEST(RoughDiffuse, DerivativesAreThoseOfCentralDifferences) {
         const auto value = [&](double a, double b) { return rough_diffuse(a, b, l_v, sigma).value; };
         EXPECT_NEAR(t.by_n_l, (value(n_l + h, n_v) - value(n_l - h, n_v)) / (2 * h), 1e-6);
         EXPECT_NEAR(t.by_n_v, (value(n_l, n_v + h) - value(n_l, n_v - h)) / (2 * h), 1e-6);
+        const auto of = [&](double c, double rough) { return rough_diffuse(n_l, n_v, c, rough).value; };
+        EXPECT_NEAR(t.by_l_v, (of(l_v + h, sigma) - of(l_v - h, sigma)) / (2 * h), 1e-6);
+        EXPECT_NEAR(t.by_sigma, (of(l_v, sigma + h) - of(l_v, sigma - h)) / (2 * h), 1e-6);
     }
     EXPECT_GT(same_side, 100);
     EXPECT_LT(same_side, 900);
