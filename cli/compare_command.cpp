@@ -41,7 +41,8 @@ void require_place_for_report(const CompareArguments& arguments, const Stack& ph
 nlohmann::json run_compare(const CompareArguments& arguments) {
     const Progress progress = console_progress();
     const Surface surface = read_painting(arguments.painting, progress);
-    Stack photos = arguments.photos.open().stack;
+    UsableStack opened = arguments.photos.open();
+    Stack& photos = opened.stack;
     require_place_for_report(arguments, photos);
     const auto [stack, development] =
         photos_to_compare(std::move(photos), arguments.photos, surface, progress);
@@ -51,7 +52,7 @@ nlohmann::json run_compare(const CompareArguments& arguments) {
     result["development"] = to_json(development);
     result["page"] = (fs::path(arguments.out) / "compare.html").string();
     result["warnings"] = told(report.warnings);
-    result["poor"] = nlohmann::json::array();
+    result["poor"] = opened.poor;
     if (report.all.psnr_db < kPoorPsnr_db)
         result["poor"].push_back(
             fmt::format("the relit pictures differ from the photographs by {:.1f} dB on average; are these "
