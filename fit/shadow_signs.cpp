@@ -194,10 +194,9 @@ std::string remedy(const LightFlips& taken, const LightTurn& turn) {
     return give.empty() ? "leave out " + leave : "give " + give + " and leave out " + leave;
 }
 
-// What slopes say is wrong with the lights.
-std::string slopes_of(const SignCheck& signs) {
+// What slopes say is wrong with the lights; where they are turned, by `turn`.
+std::string slopes_of(const SignCheck& signs, const LightTurn& turn) {
     const bool mirrored = signs.mirrored();
-    const LightTurn turn = signs.remedy();
     std::string were =
         mirrored ? "were one axis of all lights mirrored"
         : !turn.mirrored
@@ -213,8 +212,8 @@ std::string slopes_of(const SignCheck& signs) {
 
 // Of lights that are turned.
 std::string turn_doubt(const SignCheck& signs, const ShadowCheck& shadows, const LightFlips& taken) {
-    const LightTurn turn = signs.remedy();
-    std::string text = slopes_of(signs);
+    const LightTurn turn = shadows.certain() ? shadows.best : signs.remedy();
+    std::string text = slopes_of(signs, turn);
     if (!signs.turned.kind_is_sure())
         text += ". The relief runs one way, and leaves open whether an axis is mirrored besides";
     if (shadows.certain())
@@ -231,11 +230,11 @@ std::string doubt_of(const SignCheck& signs, const ShadowCheck& shadows, const L
     if (signs.is_turned()) return turn_doubt(signs, shadows, taken);
     if (signs.mirrored()) {
         if (shadows.certain())
-            return fmt::format("{}; cast shadows say that it is {} {}: {}", slopes_of(signs),
+            return fmt::format("{}; cast shadows say that it is {} {}: {}", slopes_of(signs, {}),
                                shadows.best.turn_deg == 0 ? "y" : "x", told, remedy(taken, shadows.best));
         return fmt::format(
             "{}. Many lights files have y downwards: {}; where that makes hills of valleys, {}",
-            slopes_of(signs), remedy(taken, {true, 0}), remedy(taken, {true, 180}));
+            slopes_of(signs, {}), remedy(taken, {true, 0}), remedy(taken, {true, 180}));
     }
     if (shadows.certain() && shadows.best.turn_deg == 180)
         return fmt::format(

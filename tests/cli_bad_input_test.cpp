@@ -255,7 +255,7 @@ TEST(CliBadLights, AllAreTurned) {
     });
     const Finished wrong = fit({});
     EXPECT_TRUE(ended(wrong, 3,
-                      {"poor result", "were all lights turned by 90 degrees", "cast shadows tell",
+                      {"poor result", "were all lights turned by 270 degrees", "cast shadows tell",
                        ": give --lights-turn 270\n"}));
     EXPECT_EQ(wrong.json()["light_signs"]["turned"]["wrong"], true);
     EXPECT_TRUE(ended(fit({"--lights-turn", "-90"}), 0));
@@ -269,7 +269,7 @@ TEST(CliBadLights, AreOfAPoorCalibration) {
     ASSERT_TRUE(ended(tangipaint({"calibrate", stack.path(), "--out", capture, "--no-balls", "--chart", "off",
                                   "--ppi", "300"}),
                       0));
-    const std::vector<std::string> with = {stack.path(), "--lights", stack.lights().string(),
+    const std::vector<std::string> with = {stack.path(), "--lights", stack.lights(),
                                            "--capture",  capture,    "--out"};
     const auto run = [&](std::vector<std::string> words, const std::string& out) {
         words.insert(words.end(), with.begin(), with.end());
