@@ -8,6 +8,7 @@
 
 #include "capture/ball_lights.h"
 #include "capture/ball_outline.h"
+#include "capture/ball_sizes.h"
 #include "capture/left_out.h"
 #include "surface/error.h"
 #include "surface/median.h"
@@ -52,7 +53,8 @@ std::string matt_hint(const BallCalibration& c, const PhotoSet& set, const GreyP
 BallSearch find_balls(BallCalibration& c, const PhotoSet& set, const GreyPhotos& photos,
                       const BallCalibrationOptions& options, const Progress& progress) {
     try {
-        return find_mirror_balls(set, photos, c.drifts, c.camera, options.balls, progress);
+        return find_mirror_balls(set, photos, c.drifts, c.camera, options.balls,
+                                 expected_radius_px(options, c.width, c.height), progress);
     } catch (const NoBallError& error) {
         throw NoBallError(error.what() + matt_hint(c, set, photos, options));
     } catch (const Error& error) {

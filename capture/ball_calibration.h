@@ -17,6 +17,7 @@ struct BallCalibrationOptions {
     bool matt = false;                       // a matt ball instead of mirror balls
     bool fixed_camera = false;               // photographs are not registered; a motion is told, not undone
     std::optional<double> ball_radius_mm{};  // of every ball
+    std::optional<double> mm_per_pixel{};    // of the painting, about: how large balls are to be seen
     std::optional<double> focal_px{};        // orthographic where neither is given
     std::optional<double> focal_35mm{};  // [mm] equivalent of a 35-mm camera, by the diagonal (CIPA DCG-001)
     std::optional<glm::dvec2> principal_px{};  // the picture's centre where empty

@@ -191,7 +191,7 @@ CaptureFile read_capture_file(const std::filesystem::path& path) {
     if (const json& poor = whole.value("poor", json()); poor.is_array())
         for (const json& reason : poor)
             if (reason.is_string())
-                capture.warnings.push_back(
+                capture.poor.push_back(
                     fmt::format("{}: calibrate called it poor: {}", file, reason.get<std::string>()));
     return capture;
 }

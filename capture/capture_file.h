@@ -29,6 +29,7 @@ struct CaptureFile {
     std::optional<CaptureColour> colour{};      // of a chart
     std::optional<PictureGeometry> geometry{};  // of a lens or a rectification
     std::vector<std::string> warnings;
+    std::vector<std::string> poor;  // what calibrate called poor, for the user
 };
 
 struct CalibrationFiles {

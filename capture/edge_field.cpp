@@ -23,23 +23,6 @@ constexpr double kQuietOutside =
 constexpr double kMostInside = 0.8;   // of the points that should lie in the circle
 constexpr double kLargestHough = 48;  // [pixels] radius; larger circles are sought in a reduced field
 
-// [1] Noise of the dark parts, from second differences, of which half are smaller than 0.6745 sigma.
-float dark_noise(const Image<float>& photo) {
-    std::vector<float> sorted(photo.pixels().begin(), photo.pixels().end());
-    const auto quarter = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 4);
-    std::nth_element(sorted.begin(), quarter, sorted.end());
-    const float dark = *quarter;
-    std::vector<float> differences;
-    for (int y = 0; y < photo.height(); ++y)
-        for (int x = 1; x + 1 < photo.width(); x += 2)
-            if (photo(x, y) <= dark)
-                differences.push_back(std::abs(photo(x - 1, y) - 2 * photo(x, y) + photo(x + 1, y)));
-    if (differences.empty()) return 0;
-    const auto middle = differences.begin() + static_cast<std::ptrdiff_t>(differences.size() / 2);
-    std::nth_element(differences.begin(), middle, differences.end());
-    return *middle / (0.6745f * std::sqrt(6.0f));
-}
-
 void add_edges(const Image<float>& photo, float step, float share, Image<Vec3>& tensor) {
     cv::Mat logarithm;
     cv::log(view_of(photo) + std::max(2 * step, 3 * dark_noise(photo)), logarithm);
@@ -122,6 +105,23 @@ Circle climbed(const EdgeField& field, Circle circle) {
 }
 
 }  // namespace
+
+// From second differences, of which half are smaller than 0.6745 sigma.
+float dark_noise(const Image<float>& photo) {
+    std::vector<float> sorted(photo.pixels().begin(), photo.pixels().end());
+    const auto quarter = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 4);
+    std::nth_element(sorted.begin(), quarter, sorted.end());
+    const float dark = *quarter;
+    std::vector<float> differences;
+    for (int y = 0; y < photo.height(); ++y)
+        for (int x = 1; x + 1 < photo.width(); x += 2)
+            if (photo(x, y) <= dark)
+                differences.push_back(std::abs(photo(x - 1, y) - 2 * photo(x, y) + photo(x + 1, y)));
+    if (differences.empty()) return 0;
+    const auto middle = differences.begin() + static_cast<std::ptrdiff_t>(differences.size() / 2);
+    std::nth_element(differences.begin(), middle, differences.end());
+    return *middle / (0.6745f * std::sqrt(6.0f));
+}
 
 float EdgeField::across(const dvec2& place, const dvec2& normal) const {
     const int x = static_cast<int>(std::floor(place.x)), y = static_cast<int>(std::floor(place.y));

@@ -26,6 +26,9 @@ struct EdgeField {
 // `step` is what one code of the file is worth: differences of that size are no edges.
 EdgeField edge_field(std::span<const Image<float>> photos, float step);
 
+// [1] Standard deviation of the noise of a photograph's dark parts, as stored.
+float dark_noise(const Image<float>& photo);
+
 struct Circle {
     glm::dvec2 centre_px{0, 0};  // y down
     double radius_px = 0;

@@ -9,6 +9,7 @@
 #include <random>
 #include <vector>
 
+#include "capture/edge_field.h"
 #include "surface/median.h"
 
 namespace tangi {
@@ -21,6 +22,7 @@ constexpr double kAcross = 40;          // samples across the picture
 constexpr double kLeastChange = 0.05;   // [1] rms relative change of a pixel that tells something
 constexpr double kSteepest = 3;         // l.xy / l.z at most: beyond, shadows rule
 constexpr double kFewestPixels = 0.25;  // [1] that change: edges that are not quite registered are fewer
+constexpr float kLeastLevel = 4;  // [codes, or standard deviations of noise] below, what changes is rounding
 
 using Row = std::vector<double>;
 
@@ -70,7 +72,34 @@ double value_near(const Image<float>& photo, const glm::dvec2& place) {
     return sum / 9;
 }
 
-// Pixels, each less its mean over the photographs; those that hardly change are left out.
+// [1] As stored: what is darker tells nothing of lamps.
+double least_level(const GreyPhotos& photos, const std::vector<std::size_t>& used) {
+    std::vector<float> noise;
+    for (const std::size_t i : used) noise.push_back(dark_noise(photos.mean[i]));
+    return static_cast<double>(kLeastLevel * std::max(photos.step, median(noise)));
+}
+
+// Leaves out the places that are dark in the mean of all photographs.
+void keep_lit(std::vector<Row>& rows, double least) {
+    std::erase_if(rows, [&](const Row& row) {
+        return std::accumulate(row.begin(), row.end(), 0.0) < least * static_cast<double>(row.size());
+    });
+}
+
+// Each photograph divided by its median; false where one is too dark for that.
+bool normalise(std::vector<Row>& rows, std::size_t photos, double least) {
+    for (std::size_t i = 0; i < photos; ++i) {
+        std::vector<float> values;
+        for (const Row& row : rows) values.push_back(static_cast<float>(row[i]));
+        const double middle = values.empty() ? 0 : static_cast<double>(median(values));
+        if (middle < least) return false;
+        for (Row& row : rows) row[i] /= middle;
+    }
+    return true;
+}
+
+// Pixels, each less its mean over the photographs; those that hardly change are left out, and those that are
+// as dark as what a code is worth. Nothing where hardly any are left.
 std::vector<Row> changes_of(const GreyPhotos& photos, const CameraShakes& drifts,
                             const std::vector<std::size_t>& used, std::span<const ShadedCircle> without) {
     const int width = photos.mean[0].width(), height = photos.mean[0].height();
@@ -87,12 +116,13 @@ std::vector<Row> changes_of(const GreyPhotos& photos, const CameraShakes& drifts
     std::vector<Row> rows(places.size(), Row(used.size()));
     for (std::size_t i = 0; i < used.size(); ++i) {
         const Image<float>& photo = photos.mean[used[i]];
-        std::vector<float> values;
-        for (const glm::ivec2& at : places)
-            values.push_back(value_near(photo, glm::dvec2(at) + shift_of(photos, drifts, used[i], at)));
-        const double middle = std::max<double>(median(values), 1e-6);
-        for (std::size_t p = 0; p < places.size(); ++p) rows[p][i] = values[p] / middle;
+        for (std::size_t p = 0; p < places.size(); ++p)
+            rows[p][i] =
+                value_near(photo, glm::dvec2(places[p]) + shift_of(photos, drifts, used[i], places[p]));
     }
+    const double least = least_level(photos, used);
+    keep_lit(rows, least);
+    if (!normalise(rows, used.size(), least)) return {};
     std::vector<Row> changes;
     for (Row& row : rows) {
         const double mean = std::accumulate(row.begin(), row.end(), 0.0) / static_cast<double>(row.size());

@@ -20,7 +20,8 @@ struct ShadedCircle {
 // linearised). How much of what changes from photograph to photograph these explain is compared with what
 // they explain dealt out to the photographs at random, a permutation test (Fisher 1935): the part [1] of 99
 // random deals that explain as much. Small: the directions tell something of where the lamps were. Nothing of
-// fewer than 8 photographs with a direction, or where hardly anything changes (a flat, even picture).
+// fewer than 8 photographs with a direction, or where hardly anything changes (a flat, even picture) or what
+// changes is as dark as rounding and noise (a ball before a black cloth).
 // `without`: circles that are not looked at, as a ball's own.
 std::optional<double> chance_of_directions(const GreyPhotos& photos, const CameraShakes& drifts,
                                            std::span<const std::optional<glm::dvec3>> directions,

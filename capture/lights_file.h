@@ -36,6 +36,5 @@ std::string lights_text(std::span<const Light> lights);
 
 // Writes it, whole or not at all.
 void write_lights_file(const std::filesystem::path& path, std::span<const Light> lights);
-std::string lights_text(std::span<const Light> lights);  // what it writes
 
 }  // namespace tangi

@@ -55,7 +55,7 @@ struct BallSearch {
 // ball is left. Without given balls, no ball at all is an Error too.
 BallSearch find_mirror_balls(const PhotoSet& set, const GreyPhotos& photos, const CameraShakes& drifts,
                              const BallCamera& camera, std::span<const GivenBall> given,
-                             const Progress& progress = {});
+                             const std::optional<double>& expected_px = {}, const Progress& progress = {});
 
 // Outline and highlights once more, for a camera that is known by now.
 void measure_again(FoundBall& ball, const BallCamera& camera);

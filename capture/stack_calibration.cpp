@@ -1,6 +1,8 @@
 #include "capture/stack_calibration.h"
 
 #include <algorithm>
+#include <cmath>
+#include <numbers>
 
 #include "capture/dome_file.h"
 #include "capture/lights_file.h"
@@ -103,6 +105,18 @@ void add_errors_beside(const fs::path& path, StackCalibration& read) {
     read.direction_sigma_deg = read_capture_file(beside).direction_sigma_deg;
 }
 
+// Counter-clockwise, looking down z. Quarters of a turn are exact.
+Vec3 turned(const Vec3& v, double degrees) {
+    Vec3 result = v;
+    double rest = degrees;
+    for (; rest >= 90; rest -= 90) result = Vec3(-result.y, result.x, result.z);
+    for (; rest < 0; rest += 90) result = Vec3(result.y, -result.x, result.z);
+    if (rest == 0) return result;
+    const double c = std::cos(rest * std::numbers::pi / 180), s = std::sin(rest * std::numbers::pi / 180);
+    const double x = static_cast<double>(result.x), y = static_cast<double>(result.y);
+    return Vec3(static_cast<float>(c * x - s * y), static_cast<float>(s * x + c * y), v.z);
+}
+
 void read_lp(const fs::path& path, bool in_mm, const LightFlips& flips, StackCalibration& read) {
     LightsFile file = read_lights_file(path);
     read.lights = std::move(file.lights);
@@ -112,6 +126,7 @@ void read_lp(const fs::path& path, bool in_mm, const LightFlips& flips, StackCal
     for (Light& light : read.lights) {
         if (flips.x) light.direction.x *= -1;
         if (flips.y) light.direction.y *= -1;
+        if (flips.turn_deg != 0) light.direction = turned(light.direction, flips.turn_deg);
     }
     const auto [shortest, longest] = std::minmax_element(file.lengths.begin(), file.lengths.end());
     if (in_mm) {
@@ -132,8 +147,11 @@ void read_lp(const fs::path& path, bool in_mm, const LightFlips& flips, StackCal
 }
 
 [[noreturn]] void refuse_flips(const fs::path& path) {
-    fail("{}: --lights-flip-x and --lights-flip-y are about the vectors of an .lp; in this file y points up",
-         path.string());
+    fail(
+        "{}: --lights-flip-x, --lights-flip-y and --lights-turn are about the vectors of an .lp; in this "
+        "file "
+        "x points right and y up",
+        path.string());
 }
 
 // Of a lights file of any kind but capture.json.

@@ -12,10 +12,12 @@
 
 namespace tangi {
 
-// Vectors of a lights file to mirror, since its axes point the other way: many programs have y downwards.
+// Vectors of a lights file to mirror and turn, since its axes point another way: many programs have y
+// downwards.
 struct LightFlips {
     bool x = false, y = false;
-    bool any() const { return x || y; }
+    double turn_deg = 0;  // then, counter-clockwise as the camera sees it
+    bool any() const { return x || y || turn_deg != 0; }
 };
 
 // What the files of a stack tell, before it is known which photographs there are.

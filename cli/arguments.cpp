@@ -123,6 +123,11 @@ void PhotosArguments::add_to(Flags& flags, bool for_fit) {
     flags.flag("--lights-flip-y", lights_flip_y,
                "y of the .lp points down, as rows of a picture do: take it the other way");
     flags.flag("--lights-flip-x", lights_flip_x, "x of the .lp points to the left: take it the other way");
+    flags
+        .option("--lights-turn", lights_turn_deg,
+                "turn the vectors of the .lp by so many degrees, counter-clockwise as the camera sees it, "
+                "after flips: where the camera was turned against the lamps")
+        .check(within(-360, 360));
     flags.option(
         "--capture", capture,
         "capture.json of calibrate: colours, scale, lens, rectification, and the lights unless --lights "
@@ -175,13 +180,15 @@ StackOptions PhotosArguments::options() const {
 }
 
 UsableOptions PhotosArguments::usable_options() const {
-    return {.finds_mask = mask.empty(), .lights_flip = {lights_flip_x, lights_flip_y}};
+    return {.finds_mask = mask.empty(), .lights_flip = flips()};
 }
 
 Stack PhotosArguments::open_any() const {
     UsableOptions usable = usable_options();
     usable.any_loss = true;
-    return open_usable_stack(folder, options(), usable).stack;
+    UsableStack opened = open_usable_stack(folder, options(), usable);
+    opened.stack.warnings.insert(opened.stack.warnings.end(), opened.poor.begin(), opened.poor.end());
+    return std::move(opened.stack);
 }
 
 UsableStack PhotosArguments::open() const {
@@ -209,6 +216,7 @@ nlohmann::json PhotosArguments::as_json() const {
             {"lights_mm", lights_mm},
             {"lights_flip_x", lights_flip_x},
             {"lights_flip_y", lights_flip_y},
+            {"lights_turn_deg", lights_turn_deg},
             {"capture", capture},
             {"transfer", transfer},
             {"crop", crop},

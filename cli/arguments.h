@@ -27,6 +27,7 @@ struct DevelopArguments {
 struct PhotosArguments {
     std::string folder, lights, capture, transfer = "auto", crop, mask, hold_out, registration = "auto";
     bool lights_mm = false, lights_flip_x = false, lights_flip_y = false;
+    double lights_turn_deg = 0;
     DevelopArguments develop;
 
     void add_to(Flags& flags, bool for_fit);
@@ -35,6 +36,7 @@ struct PhotosArguments {
     UsableStack open() const;
     // The same, however many cannot be used.
     Stack open_any() const;
+    LightFlips flips() const { return {lights_flip_x, lights_flip_y, lights_turn_deg}; }
     // The files that a command with these flags reads: photographs, lights, mask, frames, brackets.
     std::vector<std::filesystem::path> inputs(const Stack& stack) const;
     // As they were given, for provenance.

@@ -150,6 +150,7 @@ void add_camera(const PlaneCalibration& plane, BallCalibrationOptions& options) 
         options.principal_px = plane.principal_px;
     if (plane.geometry) options.lens = plane.geometry->lens;
     const std::optional<Scale> scale = plane.scale();
+    if (scale) options.mm_per_pixel = scale->mm_per_pixel;
     if (!scale || !plane.focal_px || options.camera_distance_mm) return;
     if (plane.tilt_deg.value_or(0) > kStraight_deg) return;
     options.camera_distance_mm = *plane.focal_px * scale->mm_per_pixel;

@@ -41,13 +41,14 @@ void require_place_for_report(const CompareArguments& arguments, const Stack& ph
 }
 
 // The part that the painting was fitted from, where the user names none and the whole is larger.
-Stack open_photographs(PhotosArguments& arguments, const Surface& surface) {
-    Stack stack = arguments.open().stack;
+UsableStack open_photographs(PhotosArguments& arguments, const Surface& surface) {
+    UsableStack opened = arguments.open();
     const std::string fitted = crop_fitted(surface);
-    const bool same_size = stack.width() == surface.width() && stack.height() == surface.height();
-    if (!arguments.crop.empty() || fitted.empty() || same_size) return stack;
+    const bool same_size =
+        opened.stack.width() == surface.width() && opened.stack.height() == surface.height();
+    if (!arguments.crop.empty() || fitted.empty() || same_size) return opened;
     arguments.crop = fitted;
-    return arguments.open().stack;
+    return arguments.open();
 }
 
 // What is wrong with a part of the photographs that is not the one that the painting was fitted from; empty
@@ -73,7 +74,8 @@ std::string doubt_of_crop(const PhotosArguments& arguments, const Stack& stack, 
 nlohmann::json run_compare(CompareArguments arguments) {
     const Progress progress = console_progress();
     const Surface surface = read_painting(arguments.painting, progress);
-    Stack photos = open_photographs(arguments.photos, surface);
+    UsableStack opened = open_photographs(arguments.photos, surface);
+    Stack& photos = opened.stack;
     require_place_for_report(arguments, photos);
     auto [stack, development] = photos_to_compare(std::move(photos), arguments.photos, surface, progress);
     const std::vector<LeftOut> left_out = leave_out_damaged_and_copies(stack, progress);
@@ -84,7 +86,7 @@ nlohmann::json run_compare(CompareArguments arguments) {
     result["page"] = (fs::path(arguments.out) / "compare.html").string();
     result["warnings"] = told(report.warnings);
     result["left_out"] = to_json(left_out);
-    result["poor"] = nlohmann::json::array();
+    result["poor"] = opened.poor;
     if (const std::string doubt = doubt_of_crop(arguments.photos, stack, surface); !doubt.empty())
         result["poor"].push_back(doubt);
     if (report.all.psnr_db < kPoorPsnr_db)

@@ -52,16 +52,18 @@ nlohmann::json provenance_of(const FitArguments& arguments, const Stack& stack,
 constexpr double kDoubtfulOrder = 1;
 
 // What makes the result doubtful as a whole; empty where nothing does.
-std::vector<std::string> poor_reasons(const FitReport& report, bool lights_by_order,
-                                      const MirroredAxes& flips) {
-    std::vector<std::string> reasons;
-    if (lights_by_order && report.median_rms_residual > kDoubtfulOrder)
+std::vector<std::string> poor_reasons(const FitReport& report, const UsableStack& opened,
+                                      const LightFlips& flips) {
+    std::vector<std::string> reasons = opened.poor;
+    if (opened.lights_by_order && report.median_rms_residual > kDoubtfulOrder)
         reasons.push_back(fmt::format(
             "no name in the lights file is that of a photograph, so lights were taken in the order of the "
             "file names, and the photographs differ from the model by {:.1f} times what is expected: is the "
             "order the same? Name the photographs in the lights file as they are called",
             report.median_rms_residual));
     if (std::string doubt = doubt_of(report.signs, report.shadow_signs, flips); !doubt.empty())
+        reasons.push_back(std::move(doubt));
+    for (std::string& doubt : doubts_of(report.odd_lights, report.photo_names))
         reasons.push_back(std::move(doubt));
     const double fitted =
         static_cast<double>(report.fitted) / static_cast<double>(std::max(report.pixels, 1L));
@@ -109,6 +111,7 @@ nlohmann::json result_of(const FitResult& fit, const std::vector<LeftOut>& left_
         {"registration", to_json(r.registration)},
         {"lights", to_json(r.lights)},
         {"light_signs", to_json(r.signs, r.shadow_signs)},
+        {"light_outliers", to_json(r.odd_lights, r.photo_names)},
         {"law", to_json(r.law)},
         {"coloured_pixels", r.coloured},
         {"pixels", {{"all", r.pixels}, {"fitted", r.fitted}, {"not_converged", r.not_converged}}},
@@ -189,8 +192,7 @@ nlohmann::json run_fit(FitArguments arguments, const Progress& progress) {
     if (arguments.faithful) result["faithful"] = to_json(faithful.report);
     result["development"] = to_json(development);
     result["warnings"] = told(warnings, told_before);
-    result["poor"] = poor_reasons(fit.report, opened.lights_by_order,
-                                  {arguments.photos.lights_flip_x, arguments.photos.lights_flip_y});
+    result["poor"] = poor_reasons(fit.report, opened, arguments.photos.flips());
     return result;
 }
 

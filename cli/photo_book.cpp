@@ -44,6 +44,8 @@ PhotosArguments remembered(const Surface& surface) {
     const auto is_set = [&](const char* name) { return member(photos, name) == nlohmann::json(true); };
     arguments.lights_flip_x = is_set("lights_flip_x");
     arguments.lights_flip_y = is_set("lights_flip_y");
+    if (const nlohmann::json turn = member(photos, "lights_turn_deg"); turn.is_number())
+        arguments.lights_turn_deg = turn;
     return arguments;
 }
 
@@ -53,6 +55,7 @@ Stack open_as_fitted(PhotosArguments arguments, const Surface& surface) {
     if (arguments.mask.empty()) arguments.mask = fitted.mask;
     arguments.lights_flip_x = fitted.lights_flip_x;
     arguments.lights_flip_y = fitted.lights_flip_y;
+    arguments.lights_turn_deg = fitted.lights_turn_deg;
     if (!arguments.lights.empty() || !arguments.capture.empty() ||
         (fitted.lights.empty() && fitted.capture.empty()))
         return arguments.open_any();

@@ -206,7 +206,10 @@ LightsFile lights_in(const fs::path& path) {
     if (lower_extension(path) != ".json") return read_lights_file(path);
     const CaptureFile capture = in_picture(read_capture_file(path));
     if (capture.lights.empty()) fail("{}: holds no light", path.string());
-    return {capture.lights, capture.warnings};
+    LightsFile file{capture.lights, capture.warnings};
+    // The picture is of what was asked for; where the lamps really stood is another matter.
+    file.warnings.insert(file.warnings.end(), capture.poor.begin(), capture.poor.end());
+    return file;
 }
 
 nlohmann::json relight_all(const Painting& painting, const RelightArguments& arguments,

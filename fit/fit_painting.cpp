@@ -70,6 +70,14 @@ void describe_lights(const Stack& stack, const LightCalibration& calibration, Ph
     }
 }
 
+// Directions as listed, which is what may be wrong; strengths as found.
+LightOutliers odd_lights_of(const Stack& stack, const LightCalibration& calibration, const Survey& surveyed,
+                            const Transfer& transfer) {
+    std::vector<Light> lights = stack.lights();
+    for (std::size_t i = 0; i < lights.size(); ++i) lights[i].gain = calibration.lighting.lights[i].gain;
+    return odd_lights(surveyed, transfer, lights, stack.width(), stack.height());
+}
+
 }  // namespace
 
 FitResult fit_painting(Stack stack, const FitOptions& options, const Progress& progress) {
@@ -109,6 +117,8 @@ FitResult fit_painting(Stack stack, const FitOptions& options, const Progress& p
                          ? LightCalibration{.lighting = given}
                          : calibrate_lights(stack, surveyed, transfer, noise, given, surface.mm_per_pixel,
                                             options.ward, options.calibration, progress);
+    report_.odd_lights = odd_lights_of(stack, report_.lights, surveyed, transfer);
+    for (const StackPhoto& photo : stack.photos) report_.photo_names.push_back(photo.light.name);
     std::optional<double> white;
     if (!options.white_level)
         white = white_level_by_chart(stack, transfer, report_.lights.lighting, surface.mm_per_pixel);
@@ -134,8 +144,8 @@ FitResult fit_painting(Stack stack, const FitOptions& options, const Progress& p
                           (options.coloured_lobes ? *options.coloured_lobes > 0 : report_.law.colours.chosen);
     const auto look_at_signs = [&](bool height_known) {
         if (!height_known) report_.signs = check_signs(surface.normal, surface.confidence);
-        // Where slopes say that an axis is mirrored, this height is of no use.
-        if (report_.signs.mirrored() != height_known)
+        // Where slopes say that an axis is mirrored, or all are turned, this height is of no use.
+        if (report_.signs.wrong() != height_known)
             report_.shadow_signs = check_shadows(surface, report_.signs, surveyed, transfer, lighting.lights,
                                                  lighting.white_level, progress);
     };

@@ -14,6 +14,7 @@
 #include "fit/law_choice.h"
 #include "fit/light_calibration.h"
 #include "fit/light_misfit.h"
+#include "fit/odd_lights.h"
 #include "fit/row_fitter.h"
 #include "fit/shadow_signs.h"
 #include "fit/ward_fit.h"
@@ -89,6 +90,8 @@ struct FitReport {
     HeightReport height;
     SignCheck signs;           // whether the lights' axes point the way that the slopes say
     ShadowCheck shadow_signs;  // and that cast shadows say
+    LightOutliers odd_lights;  // photographs that are shaded by another light than theirs
+    std::vector<std::string> photo_names;  // that these are of
     std::vector<std::string> warnings;
 };
 

@@ -54,7 +54,7 @@ std::vector<Lit> lit_by(const Surface& s, const Survey& survey, std::size_t phot
 
 // By how much darker photographs are where this height hides the lamp than where it does not: ln, one a
 // photograph; NaN where it hides it from too few samples.
-std::vector<double> contrasts(const Surface& s, const MirroredAxes& axes,
+std::vector<double> contrasts(const Surface& s, const LightTurn& turn,
                               const std::vector<std::vector<Lit>>& lit, const std::vector<Light>& lights) {
     const CastShadows shadows(s.height_mm, s.mm_per_pixel, RelightOptions{}.light_radius_deg);
     std::vector<double> result(lights.size(), std::numeric_limits<double>::quiet_NaN());
@@ -62,8 +62,8 @@ std::vector<double> contrasts(const Surface& s, const MirroredAxes& axes,
         for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
             Vec3 direction = lights[i].direction;
             if (direction.z > kHighest) continue;
-            if (axes.x) direction.x *= -1;
-            if (axes.y) direction.y *= -1;
+            const glm::dvec2 turned = turn.applied({direction.x, direction.y});
+            direction = Vec3(glm::vec2(turned), direction.z);
             double hidden = 0, seen = 0;
             int in_shadow = 0, in_light = 0;
             for (const Lit& sample : lit[i]) {
@@ -82,8 +82,13 @@ void mirror(Image<float>& height_mm) {
     for (float& h : height_mm.pixels()) h = -h;
 }
 
-void mirror_y(Image<Vec3>& normal) {
-    for (Vec3& n : normal.pixels()) n.y *= -1;
+// The turn that undoes a turn.
+LightTurn inverse(const LightTurn& turn) {
+    return {turn.mirrored, turn.mirrored ? turn.turn_deg : 360 - turn.turn_deg};
+}
+
+void turn_all(const LightTurn& turn, Image<Vec3>& normal) {
+    for (Vec3& n : normal.pixels()) n = Vec3(glm::vec2(turn.applied({n.x, n.y})), n.z);
 }
 
 void integrate(Surface& s, const Progress& progress) {
@@ -104,15 +109,14 @@ ShadowCheck check_shadows(Surface& surface, const SignCheck& signs, const Survey
                           const Transfer& transfer, const std::vector<Light>& lights, double white_level,
                           const Progress& progress) {
     TP_REQUIRE(survey.photos.size() == lights.size(), "one light a photograph");
-    const bool mirrored = signs.mirrored();
-    const MirroredAxes one{false, mirrored}, other{!one.x, !one.y};
+    const LightTurn one = signs.remedy(), other = one.opposite();
     std::vector<std::vector<Lit>> lit;
     for (std::size_t i = 0; i < lights.size(); ++i)
         lit.push_back(lit_by(surface, survey, i, transfer, lights[i], white_level));
-    if (mirrored) {  // in place: maps of large pictures take much memory
-        mirror_y(surface.normal);
+    if (signs.wrong()) {  // in place: maps of large pictures take much memory
+        turn_all(one, surface.normal);
         integrate(surface, progress);
-        mirror_y(surface.normal);
+        turn_all(inverse(one), surface.normal);
     }
     const std::vector<double> of_one = contrasts(surface, one, lit, lights);
     mirror(surface.height_mm);
@@ -134,22 +138,6 @@ ShadowCheck check_shadows(Surface& surface, const SignCheck& signs, const Survey
                      : ShadowCheck{other, mean / error, with_other / n};
 }
 
-namespace {
-
-// The flags that make of lights as they were taken, `taken`, those that mirror `axes` too.
-std::string remedy(const MirroredAxes& taken, const MirroredAxes& axes) {
-    std::string give, leave;
-    const auto add = [](std::string& to, const char* flag) {
-        to += (to.empty() ? "" : " ") + std::string(flag);
-    };
-    if (axes.x) add(taken.x ? leave : give, "--lights-flip-x");
-    if (axes.y) add(taken.y ? leave : give, "--lights-flip-y");
-    if (leave.empty()) return "give " + give;
-    return give.empty() ? "leave out " + leave : "give " + give + " and leave out " + leave;
-}
-
-}  // namespace
-
 double shadow_misfit(const Surface& surface, const Survey& survey, const Transfer& transfer,
                      const std::vector<Light>& lights, double white_level) {
     TP_REQUIRE(survey.photos.size() == lights.size(), "one light a photograph");
@@ -170,22 +158,85 @@ double shadow_misfit(const Surface& surface, const Survey& survey, const Transfe
     return n > 0 ? std::accumulate(squares.begin(), squares.end(), 0.0) / n : 0;
 }
 
-std::string doubt_of(const SignCheck& signs, const ShadowCheck& shadows, const MirroredAxes& taken) {
-    const std::string told = fmt::format("({:.0f} standard errors)", shadows.certainty);
-    if (signs.mirrored()) {
-        const std::string slopes = fmt::format(
-            "the slopes are those of no surface: their curl is {:.2g} a pixel, and {:.2g} were one axis of "
-            "all "
-            "lights mirrored ({:.0f} standard errors)",
-            signs.curl, signs.curl_mirrored, signs.certainty);
-        if (shadows.certain())
-            return fmt::format("{}; cast shadows say that it is {} {}: {}", slopes,
-                               shadows.best.y ? "y" : "x", told, remedy(taken, shadows.best));
-        return fmt::format(
-            "{}. Many lights files have y downwards: {}; where that makes hills of valleys, {}", slopes,
-            remedy(taken, {false, true}), remedy(taken, {true, false}));
+namespace {
+
+// The flags that do both to a lights file.
+struct Flags {
+    bool x = false, y = false;
+    double turn_deg = 0;
+
+    explicit Flags(const LightTurn& turn) {
+        const bool half = turn.turn_deg == 180;
+        x = half, y = turn.mirrored != half;
+        if (!half) turn_deg = turn.turn_deg;
     }
-    if (shadows.certain() && shadows.best.x)
+};
+
+LightTurn turn_of(const LightFlips& flips) {
+    // Both axes are half a turn.
+    return LightTurn{false, flips.turn_deg}.after({flips.x != flips.y, flips.x ? 180.0 : 0.0});
+}
+
+// The flags that make of lights as they were taken those that are also turned by `turn`.
+std::string remedy(const LightFlips& taken, const LightTurn& turn) {
+    const Flags wanted(turn.after(turn_of(taken)));
+    std::string give, leave;
+    const auto add = [](std::string& to, const std::string& flag) { to += (to.empty() ? "" : " ") + flag; };
+    if (wanted.x != taken.x) add(wanted.x ? give : leave, "--lights-flip-x");
+    if (wanted.y != taken.y) add(wanted.y ? give : leave, "--lights-flip-y");
+    if (wanted.turn_deg != taken.turn_deg) {
+        if (wanted.turn_deg == 0)
+            add(leave, "--lights-turn");
+        else
+            add(give, fmt::format("--lights-turn {:.0f}", wanted.turn_deg));
+    }
+    if (leave.empty()) return "give " + give;
+    return give.empty() ? "leave out " + leave : "give " + give + " and leave out " + leave;
+}
+
+// What slopes say is wrong with the lights; where they are turned, by `turn`.
+std::string slopes_of(const SignCheck& signs, const LightTurn& turn) {
+    const bool mirrored = signs.mirrored();
+    std::string were =
+        mirrored ? "were one axis of all lights mirrored"
+        : !turn.mirrored
+            ? fmt::format("were all lights turned by {:.0f} degrees", turn.turn_deg)
+            : fmt::format("were y of all lights mirrored and they turned by {:.0f} degrees", turn.turn_deg);
+    if (turn.mirrored && turn.turn_deg == 90) were = "were x and y of all lights exchanged";
+    return fmt::format(
+        "the slopes are those of no surface: their curl is {:.2g} a pixel, and {:.2g} {} ({:.0f} standard "
+        "errors)",
+        signs.curl, mirrored ? signs.curl_mirrored : signs.turned.curl, were,
+        mirrored ? signs.certainty : signs.turned.certainty);
+}
+
+// Of lights that are turned.
+std::string turn_doubt(const SignCheck& signs, const ShadowCheck& shadows, const LightFlips& taken) {
+    const LightTurn turn = shadows.certain() ? shadows.best : signs.remedy();
+    std::string text = slopes_of(signs, turn);
+    if (!signs.turned.kind_is_sure())
+        text += ". The relief runs one way, and leaves open whether an axis is mirrored besides";
+    if (shadows.certain())
+        return fmt::format("{}; cast shadows tell which way round ({:.0f} standard errors): {}", text,
+                           shadows.certainty, remedy(taken, shadows.best));
+    return fmt::format("{}: {}; where that makes hills of valleys, {}", text, remedy(taken, turn),
+                       remedy(taken, turn.opposite()));
+}
+
+}  // namespace
+
+std::string doubt_of(const SignCheck& signs, const ShadowCheck& shadows, const LightFlips& taken) {
+    const std::string told = fmt::format("({:.0f} standard errors)", shadows.certainty);
+    if (signs.is_turned()) return turn_doubt(signs, shadows, taken);
+    if (signs.mirrored()) {
+        if (shadows.certain())
+            return fmt::format("{}; cast shadows say that it is {} {}: {}", slopes_of(signs, {}),
+                               shadows.best.turn_deg == 0 ? "y" : "x", told, remedy(taken, shadows.best));
+        return fmt::format(
+            "{}. Many lights files have y downwards: {}; where that makes hills of valleys, {}",
+            slopes_of(signs, {}), remedy(taken, {true, 0}), remedy(taken, {true, 180}));
+    }
+    if (shadows.certain() && shadows.best.turn_deg == 180)
         return fmt::format(
             "cast shadows lie where hills and valleys are exchanged and all lamps on the other side {}: {}",
             told, remedy(taken, shadows.best));
@@ -195,10 +246,13 @@ std::string doubt_of(const SignCheck& signs, const ShadowCheck& shadows, const M
 nlohmann::json to_json(const SignCheck& signs, const ShadowCheck& shadows) {
     nlohmann::json result = to_json(signs);
     nlohmann::json best = nlohmann::json::array();
-    if (shadows.best.x) best.push_back("x");
-    if (shadows.best.y) best.push_back("y");
-    result["shadows"] = {
-        {"mirrored_axes", std::move(best)}, {"certainty", shadows.certainty}, {"contrast", shadows.contrast}};
+    const Flags flags(shadows.best);
+    if (flags.x) best.push_back("x");
+    if (flags.y) best.push_back("y");
+    result["shadows"] = {{"mirrored_axes", std::move(best)},
+                         {"turn_deg", flags.turn_deg},
+                         {"certainty", shadows.certainty},
+                         {"contrast", shadows.contrast}};
     return result;
 }
 

@@ -1,35 +1,32 @@
 // shadow_signs.h: which way the axes of a lights file point, as the shadows tell that the relief casts.
 //
-// Slopes leave it open whether x, y or none or both of them are mirrored (light_signs.h): hills and valleys
-// are exchanged, and each lamp shines from the other side. Matt shading is the same; cast shadows are not.
+// Slopes leave it open whether x, y or none or both of them are mirrored (light_signs.h), and turns by 180
+// degrees at all: hills and valleys are exchanged, and each lamp shines from the other side. Matt shading is
+// the same; cast shadows are not.
 #pragma once
 
 #include <nlohmann/json.hpp>
 
+#include "capture/stack_calibration.h"
 #include "capture/survey.h"
 #include "fit/light_signs.h"
 #include "surface/surface.h"
 
 namespace tangi {
 
-// Axes of all lights that are mirrored.
-struct MirroredAxes {
-    bool x = false, y = false;
-};
-
 struct ShadowCheck {
-    MirroredAxes best;
-    // [standard errors] by which photographs are darker where the relief casts shadows with these axes than
-    // with the other two that slopes allow; 0 where too few shadows are cast.
+    LightTurn best;  // of the lights as they are taken
+    // [standard errors] by which photographs are darker where the relief casts shadows with these lights than
+    // with those turned by 180 degrees, which slopes allow as well; 0 where too few shadows are cast.
     double certainty = 0;
     double contrast = 0;  // ln of how much darker they are there than where it casts none
 
     bool certain() const;
 };
 
-// Of a surface with normals, ρd and, unless signs.mirrored(), height as fitted to these lights without
-// shadows; `survey` is of the stack, one light a photograph. `signs` says which two of the four are compared:
-// none and both axes, or x and y; then the height is made anew. All else of the surface is as before.
+// Of a surface with normals, ρd and, unless signs.wrong(), height as fitted to these lights without
+// shadows; `survey` is of the stack, one light a photograph. `signs` says which two are compared: its remedy,
+// for which the height is made anew, and that with half a turn more. All else of the surface is as before.
 ShadowCheck check_shadows(Surface& surface, const SignCheck& signs, const Survey& survey,
                           const Transfer& transfer, const std::vector<Light>& lights, double white_level,
                           const Progress& progress = {});
@@ -39,9 +36,9 @@ ShadowCheck check_shadows(Surface& surface, const SignCheck& signs, const Survey
 double shadow_misfit(const Surface& surface, const Survey& survey, const Transfer& transfer,
                      const std::vector<Light>& lights, double white_level);
 
-// What is to be done about it, with the numbers, for people; empty where nothing is. `taken`: axes that were
-// mirrored already, as the user asked.
-std::string doubt_of(const SignCheck& signs, const ShadowCheck& shadows, const MirroredAxes& taken);
+// What is to be done about it, with the numbers, for people; empty where nothing is. `taken`: what was done
+// to the lights already, as the user asked.
+std::string doubt_of(const SignCheck& signs, const ShadowCheck& shadows, const LightFlips& taken);
 
 nlohmann::json to_json(const SignCheck& signs, const ShadowCheck& shadows);
 

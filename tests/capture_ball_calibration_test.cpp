@@ -6,6 +6,7 @@
 #include <iostream>
 
 #include "ball_pictures.h"
+#include "capture/ball_sizes.h"
 #include "capture/calibration_page.h"
 #include "capture/left_out.h"
 #include "surface/atomic_file.h"
@@ -174,6 +175,75 @@ TEST(MirrorBall, IsNotFoundInPhotographsWithoutOne) {
                 AllOf(HasSubstr("no mirror ball found"), HasSubstr("--sphere X,Y,R")));
 }
 
+// A glossy bump shows where the lamps are, too; the ball is the one of the size that numbers or most of what
+// is seen speak for.
+struct BallAndBumps {
+    TestDir dir;
+    std::vector<std::filesystem::path> paths;
+
+    BallAndBumps() {
+        BallScene scene;
+        // Where no photograph shows a highlight alone, nothing starts the search for the ball itself.
+        scene.balls = {{{100.3, 105.7}, 32, 0, 0}, {{230.2, 60.4}, 11, 0, 0}};
+        paths = write_ball_photos(dir.path(), scene, lights_around(9));
+    }
+};
+
+TEST(MirrorBall, IsOfTheSizeThatNumbersSay) {
+    const BallAndBumps scene;
+    const auto found = [&](std::optional<double> mm_per_pixel) {
+        BallCalibrationOptions options;
+        options.ball_radius_mm = 10;
+        options.mm_per_pixel = mm_per_pixel;
+        return calibrate_from_balls(scene.paths, options);
+    };
+    for (const double radius_px : {32.0, 11.0}) {
+        const BallCalibration c = found(10 / radius_px * 1.1);
+        ASSERT_EQ(c.balls.size(), 1u);
+        EXPECT_NEAR(c.balls[0].image.radius_px, radius_px, 0.5);
+        EXPECT_THAT(c.warnings, Contains(AllOf(HasSubstr("is taken for no mirror ball"),
+                                               HasSubstr("as the numbers that are given say"))));
+    }
+    // Numbers that nothing agrees with decide nothing.
+    EXPECT_EQ(found(10 / 70.0).balls.size(), 1u);
+}
+
+TEST(BallSizes, FollowFromWhatIsGiven) {
+    EXPECT_FALSE(expected_radius_px({.ball_radius_mm = 12, .focal_px = 1400}, 700, 500));
+    EXPECT_NEAR(*expected_radius_px({.ball_radius_mm = 12, .mm_per_pixel = 0.5}, 700, 500), 24, 1e-9);
+    EXPECT_NEAR(*expected_radius_px({.ball_radius_mm = 12,
+                                     .mm_per_pixel = 0.5,
+                                     .focal_px = 1400,
+                                     .camera_distance_mm = 600,
+                                     .ball_height_mm = 40},
+                                    700, 500),
+                30, 1e-9);
+    // 43.27 mm are the diagonal.
+    EXPECT_NEAR(*expected_radius_px({.ball_radius_mm = 10, .focal_35mm = 43.2666, .camera_distance_mm = 510},
+                                    300, 400),
+                10, 1e-3);
+}
+
+TEST(BallSizes, KeepThoseThatMostSpeaksFor) {
+    const auto ball = [](double radius_px, double coverage) {
+        FoundBall result;
+        result.image.radius_px = radius_px;
+        result.outline_coverage = coverage;
+        result.highlights.resize(4);
+        for (Highlight& h : result.highlights) h.state = HighlightState::found;
+        return result;
+    };
+    BallSearch search{{ball(9, 0.9), ball(28, 0.8), ball(31, 0.6)}, {}, {}};
+    keep_one_size(search, {});
+    ASSERT_EQ(search.balls.size(), 2u);
+    EXPECT_EQ(search.balls[0].image.radius_px, 28);
+    EXPECT_THAT(search.warnings, Contains(HasSubstr("9.0 pixels in radius")));
+    BallSearch other{{ball(9, 0.9), ball(28, 0.8), ball(31, 0.6)}, {}, {}};
+    keep_one_size(other, 10);
+    ASSERT_EQ(other.balls.size(), 1u);
+    EXPECT_EQ(other.balls[0].image.radius_px, 9);
+}
+
 // Photograph 3 of 8 is spoilt; it alone is left out, and the warning names it and says why.
 struct Spoilt {
     std::string name, said;
@@ -320,6 +390,38 @@ TEST(DataMirrorBall, ChromeAgreesWithItsLights) {
     const BallCalibration c = calibrate_from_balls(pictures_in(folder / "chrome", warnings), {});
     EXPECT_THAT(warnings, Contains(HasSubstr("mask")));
     EXPECT_LE(mean_error_deg(c, folder / "lights.txt", "chrome"), 3.5);
+}
+
+// Around the ball it is as dark as what a code is worth, which tells nothing of lamps.
+TEST(DataMirrorBall, ChromeIsFoundInParts) {
+    TP_DATA(folder, "spheres");
+    std::vector<std::string> warnings;
+    const std::vector<std::filesystem::path> all = pictures_in(folder / "chrome", warnings);
+    Random random(5);
+    for (std::size_t turn = 0; turn < 4; ++turn) {
+        std::vector<std::filesystem::path> part = all;
+        while (part.size() > (turn < 2 ? 11u : 8u))  // without chrome.0, without chrome.4, and at random
+            part.erase(part.begin() + static_cast<std::ptrdiff_t>(
+                                          turn == 0 ? 0
+                                          : turn == 1
+                                              ? 6
+                                              : random.uniform(0, static_cast<double>(part.size()) - 1e-9)));
+        const BallCalibration c = calibrate_from_balls(part, {});
+        ASSERT_EQ(c.balls.size(), 1u);
+        EXPECT_NEAR(c.balls[0].image.radius_px, 118.9, 1);
+    }
+}
+
+// Half of the photographs, in which a bump of the painting glitters as a ball would.
+TEST(DataMirrorBalls, HandheldAreFoundBesideABump) {
+    TP_DATA(folder, "handheld");
+    std::vector<std::string> warnings;
+    std::vector<std::filesystem::path> half = pictures_in(folder / "png16", warnings);
+    half.resize(12);
+    const BallCalibration c = calibrate_from_balls(half, {});
+    ASSERT_EQ(c.balls.size(), 2u);
+    for (const FoundBall& ball : c.balls) EXPECT_NEAR(ball.image.radius_px, 28.4, 1);
+    EXPECT_THAT(c.warnings, Contains(HasSubstr("balls are of one size")));
 }
 
 TEST(DataMattBall, GrayAgreesWithItsLights) {

@@ -53,5 +53,20 @@ TEST(LightPlausibility, IsNotToldByAFlatPictureOrFewPhotographs) {
     EXPECT_FALSE(Shaded(true, 6).chance());
 }
 
+// A black cloth, of which the file keeps a code or two.
+TEST(LightPlausibility, IsNotToldByWhatIsAsDarkAsRounding) {
+    Shaded dark(true);
+    ASSERT_TRUE(dark.chance());
+    for (Image<float>& photo : dark.photos.mean)
+        for (float& value : photo.pixels())
+            value = dark.photos.step * std::round(0.02f * value / dark.photos.step);
+    EXPECT_FALSE(dark.chance());
+    Shaded noisy(true);
+    Random random(8);
+    for (Image<float>& photo : noisy.photos.mean)
+        for (float& value : photo.pixels()) value += 0.15f * static_cast<float>(random.normal());
+    EXPECT_FALSE(noisy.chance());
+}
+
 }  // namespace
 }  // namespace tangi

@@ -193,6 +193,71 @@ TEST(CliBadLights, AxisIsMirrored) {
                       {"cast shadows lie", ": give --lights-flip-y and leave out --lights-flip-x\n"}));
 }
 
+// Photographs that were turned, or taken with the camera turned, after the lights were noted.
+TEST(CliBadLights, AllAreTurned) {
+    const TinyStack stack({}, 80);
+    const auto fit = [&](std::vector<std::string> flags) {
+        flags.insert(flags.begin(), {"fit", stack.path(), "--out", stack.out("a.exr")});
+        return tangipaint(flags);
+    };
+    stack.change_lights([](auto& lines) {
+        for (std::size_t i = 1; i < lines.size(); ++i) {
+            std::istringstream words(lines[i]);
+            std::string name;
+            double x = 0, y = 0, z = 0;
+            words >> name >> x >> y >> z;
+            lines[i] = fmt::format("{} {:.6f} {:.6f} {:.6f}", name, -y, x, z);
+        }
+    });
+    const Finished wrong = fit({});
+    EXPECT_TRUE(ended(wrong, 3,
+                      {"poor result", "were all lights turned by 270 degrees", "cast shadows tell",
+                       ": give --lights-turn 270\n"}));
+    EXPECT_EQ(wrong.json()["light_signs"]["turned"]["wrong"], true);
+    EXPECT_TRUE(ended(fit({"--lights-turn", "-90"}), 0));
+    EXPECT_TRUE(ended(fit({"--lights-turn", "90"}), 3, {"cast shadows lie", "give --lights-turn 270\n"}));
+}
+
+// What rests on a calibration that was called poor is poor, whatever else it looks like.
+TEST(CliBadLights, AreOfAPoorCalibration) {
+    const TinyStack stack({}, 80);
+    const std::string capture = stack.out("c.json"), painting = stack.out("a.exr");
+    ASSERT_TRUE(ended(tangipaint({"calibrate", stack.path(), "--out", capture, "--no-balls", "--chart", "off",
+                                  "--ppi", "300"}),
+                      0));
+    const std::vector<std::string> with = {stack.path(), "--lights", stack.lights(),
+                                           "--capture",  capture,    "--out"};
+    const auto run = [&](std::vector<std::string> words, const std::string& out) {
+        words.insert(words.end(), with.begin(), with.end());
+        words.push_back(out);
+        return tangipaint(words);
+    };
+    ASSERT_TRUE(ended(run({"fit"}, painting), 0));
+    nlohmann::json json = nlohmann::json::parse(bytes_of(capture));
+    json["poor"] = {"the ball is an egg"};
+    write_bytes(capture, json.dump());
+    const std::vector<std::string> told = {"poor result",
+                                           "c.json: calibrate called it poor: the ball is an egg"};
+    EXPECT_TRUE(ended(run({"fit"}, painting), 3, told));
+    EXPECT_TRUE(fs::exists(painting));
+    EXPECT_TRUE(ended(run({"compare", painting}, stack.out("compared")), 3, told));
+}
+
+TEST(CliBadLights, TwoAreExchanged) {
+    const TinyStack stack({}, 80);
+    stack.change_lights([](auto& lines) {
+        const auto direction = [](const std::string& line) { return line.substr(line.find(' ')); };
+        const std::string third = direction(lines[3]);
+        lines[3] = lines[3].substr(0, lines[3].find(' ')) + direction(lines[8]);
+        lines[8] = lines[8].substr(0, lines[8].find(' ')) + third;
+    });
+    const Finished run = tangipaint({"fit", stack.path(), "--out", stack.out("a.exr")});
+    EXPECT_TRUE(ended(run, 3,
+                      {"poor result", stack.name(2) + " and " + stack.name(7), "shaded by the other's light",
+                       "exchange their lights"}));
+    EXPECT_EQ(run.json()["light_outliers"]["odd"].size(), 2u);
+}
+
 TEST(CliBadLights, TooManyHeldOut) {
     const TinyStack stack;
     expect_refused(stack, {"3 usable photographs; at least 4"}, {"--hold-out", "3:1"});

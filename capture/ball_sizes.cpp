@@ -1,0 +1,70 @@
+#include "capture/ball_sizes.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "surface/error.h"
+
+namespace tangi {
+
+namespace {
+
+constexpr double kGross = 1.3;  // a ratio of radii beyond which they are not those of the same balls
+
+// [1] How much speaks for a ball.
+double weight_of(const FoundBall& ball) {
+    return ball.outline_coverage * ball.highlights_found() /
+           std::max(static_cast<double>(ball.highlights.size()), 1.0);
+}
+
+}  // namespace
+
+bool is_of_size(double radius_px, double expected_px) {
+    return radius_px < kGross * expected_px && expected_px < kGross * radius_px;
+}
+
+std::optional<double> expected_radius_px(const BallCalibrationOptions& options, int width, int height) {
+    if (!options.ball_radius_mm) return std::nullopt;
+    const double radius_mm = *options.ball_radius_mm;
+    std::optional<double> focal_px = options.focal_px;
+    if (options.focal_35mm)
+        focal_px = *options.focal_35mm / std::hypot(36.0, 24.0) * std::hypot(width, height);
+    if (focal_px && options.camera_distance_mm) {
+        const double depth_mm = *options.camera_distance_mm - options.ball_height_mm.value_or(radius_mm);
+        if (depth_mm > radius_mm) return *focal_px * radius_mm / depth_mm;
+    }
+    if (options.mm_per_pixel) return radius_mm / *options.mm_per_pixel;
+    return std::nullopt;
+}
+
+void keep_one_size(BallSearch& search, const std::optional<double>& expected_px) {
+    std::vector<FoundBall>& balls = search.balls;
+    const auto of_size = [](double radius_px) {
+        return [radius_px](const FoundBall& ball) { return is_of_size(ball.image.radius_px, radius_px); };
+    };
+    std::string known_by = "as the numbers that are given say";
+    double kept_px = 0, most = 0;
+    if (expected_px && std::any_of(balls.begin(), balls.end(), of_size(*expected_px))) {
+        kept_px = *expected_px;
+    } else {
+        known_by = "as those are of which most is seen";
+        for (const FoundBall& ball : balls) {
+            double weight = 0;
+            for (const FoundBall& other : balls)
+                if (of_size(ball.image.radius_px)(other)) weight += weight_of(other);
+            if (weight > most) most = weight, kept_px = ball.image.radius_px;
+        }
+    }
+    std::erase_if(balls, [&](const FoundBall& ball) {
+        if (of_size(kept_px)(ball)) return false;
+        const glm::dvec2 at = ball.image.centre_px;
+        search.warnings.push_back(fmt::format(
+            "something round at ({:.0f}, {:.0f}), {:.1f} pixels in radius, is taken for no mirror ball: "
+            "balls are of one size, about {:.1f} pixels, {}; if it is one, give all balls with --sphere, it "
+            "with --sphere {:.0f},{:.0f},{:.0f}",
+            at.x, at.y, ball.image.radius_px, kept_px, known_by, at.x, at.y, ball.image.radius_px));
+        return true;
+    });
+}
+
+}  // namespace tangi
