@@ -184,7 +184,7 @@ nlohmann::json run_export(const ExportArguments& a) {
     if (a.to == "web") return export_web(a, surface, progress);
     require_writable_folder(a.out);
     for (const char* name : {"height.exr", "normal.exr", "diffuse.exr", "specular.exr", "roughness.exr",
-                             "confidence.exr", "lobe.exr"})
+                             "confidence.exr", "lobe.exr", "roughness_v.exr", "tangent.exr"})
         refuse_to_overwrite(fs::path(a.out) / name, {a.painting});
     nlohmann::json files = nlohmann::json::array();
     for (const fs::path& path :

@@ -7,6 +7,7 @@
 #include <set>
 
 #include "paint/kubelka_munk.h"
+#include "surface/anisotropy.h"
 #include "surface/parallel.h"
 
 namespace tangi {
@@ -186,15 +187,20 @@ void update_part(const Canvas& canvas, const std::vector<const PaintLayer*>& lay
             s.roughness(x, y) = dry.roughness(x, y);
             s.confidence(x, y) = dry.confidence(x, y);
             if (!dry.lobe_colour.empty()) s.lobe_colour(x, y) = dry.lobe_colour(x, y);
+            if (!dry.lobe_axes.empty()) s.lobe_axes(x, y) = dry.lobe_axes(x, y);
             if (!(mm[i] > 0)) continue;
             const float covered = 1 - std::exp(-mm[i] / static_cast<float>(options.covering_mm));
             // What a reflectance cannot hold (rho_d beyond 1) is covered like the rest.
             s.diffuse(x, y) = glm::max(colours[i], Rgb(0));
             s.specular(x, y) = sheen[i].specular;
             s.roughness(x, y) = sheen[i].roughness;
+            const float of_dry =
+                sheen[i].specular > 0 ? std::min(sheen[i].coloured / sheen[i].specular, 1.0f) : 0.0f;
             if (!dry.lobe_colour.empty() && sheen[i].specular > 0)
-                s.lobe_colour(x, y) = Rgb(1) + std::min(sheen[i].coloured / sheen[i].specular, 1.0f) *
-                                                   (dry.lobe_colour(x, y) - Rgb(1));
+                s.lobe_colour(x, y) = Rgb(1) + of_dry * (dry.lobe_colour(x, y) - Rgb(1));
+            if (!dry.lobe_axes.empty())
+                s.lobe_axes(x, y) =
+                    axes_of(of_dry * stretch_of(dry.lobe_axes(x, y), dry.roughness(x, y)), s.roughness(x, y));
             s.confidence(x, y) = std::max(s.confidence(x, y), covered);
         }
 }
