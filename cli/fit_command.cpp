@@ -111,6 +111,7 @@ nlohmann::json result_of(const FitResult& fit, const std::vector<LeftOut>& left_
         {"light_signs", to_json(r.signs, r.shadow_signs)},
         {"law", to_json(r.law)},
         {"coloured_pixels", r.coloured},
+        {"drawn_out_pixels", r.drawn_out},
         {"pixels", {{"all", r.pixels}, {"fitted", r.fitted}, {"not_converged", r.not_converged}}},
         {"solver_agreement",
          {{"compared", r.solvers.compared},
