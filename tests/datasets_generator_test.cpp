@@ -9,6 +9,7 @@
 
 #include "capture/lights_file.h"
 #include "capture/stack.h"
+#include "surface/anisotropy.h"
 #include "surface/atomic_file.h"
 #include "surface/painting_file.h"
 #include "surface/photography_json.h"
