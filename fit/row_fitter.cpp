@@ -128,7 +128,7 @@ void RowFitter::start_row(const Band& band, int y, int first_name, const Image<u
 std::vector<WardSolution> RowFitter::fit_again(const Band& band, int first, const Surface& surface,
                                                const PixelKnowledge& known) {
     constexpr auto poor = static_cast<float>(kPoorFit * kPoorFit);
-    constexpr float clearly = 0.99f;  // of the cost: samples in doubles differ by rounding
+    constexpr auto clearly = static_cast<float>(kClearlyCheaper);
     const int width = band.width();
     std::vector<WardSolution> solutions(batches_.solutions());
     std::vector<int> names;  // of those that are fitted again

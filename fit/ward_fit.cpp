@@ -213,7 +213,7 @@ WardEstimate WardFitter::fit(const PixelSamples& given, const WardPrior& prior) 
     if (options_.by_highlight && solved.cost > kPoorFit * kPoorFit * free_samples)
         if (const auto highlight = highlight_start(given, bounds)) {
             const Solved other = solve(*highlight);
-            if (other.cost < solved.cost) solved = other;
+            if (other.cost < kClearlyCheaper * solved.cost) solved = other;
         }
     const WardVector& theta = solved.theta;
     residuals.evaluate(theta.data(), w.residuals.data(), w.jacobian.data());

@@ -56,6 +56,9 @@ struct WardEstimate {
 // [sigma] Residual of a fit from which on it is tried from the highlight: metal that hardly has a matt part,
 // whose wide lobe photometric stereo takes for one.
 constexpr double kPoorFit = 1.2;
+// [1] Part of the first cost below which that counts: minima as deep as each other are left as stereo found
+// them, by batches and by Ceres alike.
+constexpr double kClearlyCheaper = 0.99;
 
 // Where a pixel may be if its brightest photographs show its highlight: facing the mean of their half
 // vectors, its matt part what the darker ones leave.

@@ -241,7 +241,7 @@ TEST(LobeStretches, AreThoseOfNeighboursOfTheSameLook) {
 
 // A panel of gentle waves, left half brushed metal, right half paint.
 Surface half_brushed(const Stretch& stretch) {
-    Surface s(36, 24);
+    Surface s(48, 32);
     s.lobe_axes = Image<LobeAxes>(s.width(), s.height(), {0.2f, 0});
     for (int y = 0; y < s.height(); ++y)
         for (int x = 0; x < s.width(); ++x) {
@@ -259,7 +259,7 @@ Surface half_brushed(const Stretch& stretch) {
 
 FitResult fit_of(const Surface& truth, const FitOptions& options) {
     const TestDir folder;
-    std::vector<Light> lights = dome_lights(32, 25);
+    std::vector<Light> lights = dome_lights(40, 25);
     Random random(10);
     for (std::size_t i = 0; i < lights.size(); ++i) {
         lights[i].name = fmt::format("photo{:02}.tif", i);
