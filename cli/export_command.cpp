@@ -134,7 +134,7 @@ nlohmann::json export_maps(const ExportArguments& a, const Surface& surface, con
                              [&](const fs::path& folder) { write_openlime(folder, surface, progress); });
     return export_folder(a, "maps.json",
                          {"height.exr", "normal.exr", "diffuse.exr", "specular.exr", "roughness.exr",
-                          "confidence.exr", "lobe.exr", "maps.json"},
+                          "confidence.exr", "lobe.exr", "roughness_v.exr", "tangent.exr", "maps.json"},
                          [&](const fs::path& folder) { write_maps(folder, surface, progress); });
 }
 

@@ -114,6 +114,7 @@ nlohmann::json result_of(const FitResult& fit, const std::vector<LeftOut>& left_
         {"light_outliers", to_json(r.odd_lights, r.photo_names)},
         {"law", to_json(r.law)},
         {"coloured_pixels", r.coloured},
+        {"drawn_out_pixels", r.drawn_out},
         {"pixels", {{"all", r.pixels}, {"fitted", r.fitted}, {"not_converged", r.not_converged}}},
         {"solver_agreement",
          {{"compared", r.solvers.compared},

@@ -51,6 +51,7 @@ nlohmann::json describe(const Surface& s) {
         {"diffuse_roughness", s.law.diffuse_roughness},
         {"haze", s.law.haze},
         {"coloured_lobes", !s.lobe_colour.empty()},
+        {"drawn_out_lobes", !s.lobe_axes.empty()},
         {"measured_pixels", measured},
         {"maps",
          {{"height_mm", spread(s, [&](std::size_t i) { return s.height_mm.pixels()[i]; })},
@@ -61,6 +62,10 @@ nlohmann::json describe(const Surface& s) {
            s.lobe_colour.empty()
                ? nlohmann::json(nullptr)
                : spread(s, [&](std::size_t i) { return saturation(s.lobe_colour.pixels()[i]); })},
+          {"roughness_v",
+           s.lobe_axes.empty()
+               ? nlohmann::json(nullptr)
+               : spread(s, [&](std::size_t i) { return s.lobe_axes.pixels()[i].roughness_v; })},
           {"confidence", spread(s, [&](std::size_t i) { return s.confidence.pixels()[i]; })}}},
         {"photographs",
          {{"transfer", p.transfer.name()},

@@ -6,6 +6,7 @@
 
 #include "capture/lights_file.h"
 #include "datasets/ggx.h"
+#include "surface/anisotropy.h"
 #include "surface/atomic_file.h"
 #include "surface/noise.h"
 #include "surface/painting_file.h"
@@ -112,6 +113,21 @@ Vec3 disturbed(const Vec3& direction, double rms_deg, Seed seed) {
     return glm::normalize(turned);
 }
 
+// The GGX lobe seen from straight ahead where it is drawn out, in the frame of surface/anisotropy.h.
+float drawn_out_lobe(float f0, float alpha, const LobeAxes& axes, const Vec3& n, const Vec3& light) {
+    const Vec3 v(0, 0, 1), h = glm::normalize(light + v);
+    if (!(glm::dot(n, light) > 0)) return 0;
+    const auto in_frame = [&](const Vec3& w) {
+        WardAngles<float> angles;
+        angles.h_n = glm::dot(n, w);
+        add_axes(n, w, axes.tangent, angles);
+        return Vec3(angles.h_t, angles.h_b, angles.h_n);
+    };
+    const float across = axes.roughness_v, along = alpha * alpha / across;
+    return drawn_out_ggx(along, across, in_frame(light), in_frame(v), in_frame(h)) *
+           schlick_fresnel(f0, glm::dot(light, h));
+}
+
 // pi f cos(theta), the lobe included.
 Rgb reflected(const Surface& s, int x, int y, const Vec3& light, Reflectance reflectance) {
     if (reflectance == Reflectance::ward_bounded)
@@ -120,7 +136,10 @@ Rgb reflected(const Surface& s, int x, int y, const Vec3& light, Reflectance ref
     const float n_l = glm::dot(n, light);
     if (!(n_l > 0)) return Rgb(0);
     if (reflectance == Reflectance::lambert) return s.diffuse(x, y) * n_l;
-    const auto lobe = [&](float f0) { return ggx_lobe(f0, s.roughness(x, y), n, light, Vec3(0, 0, 1)); };
+    const auto lobe = [&](float f0) {
+        if (s.lobe_axes.empty()) return ggx_lobe(f0, s.roughness(x, y), n, light, Vec3(0, 0, 1));
+        return drawn_out_lobe(f0, s.roughness(x, y), s.lobe_axes(x, y), n, light);
+    };
     const float f0 = s.specular(x, y);
     Rgb gloss(0);
     if (s.lobe_colour.empty() || s.lobe_colour(x, y) == Rgb(1)) {
@@ -166,7 +185,13 @@ void write_truth(const fs::path& folder, const PaintingTruth& truth, const Photo
     write_picture(folder / "albedo.exr", truth.diffuse, Transfer{});
     write_map(folder / "specular.exr", truth.specular);
     write_map(folder / "roughness.exr", truth.roughness);
-    fs::remove(folder / "lobe.exr");  // of another stack
+    for (const char* name : {"lobe.exr", "roughness_v.exr", "tangent.exr"})
+        fs::remove(folder / name);  // of another stack
+    if (!truth.lobe_axes.empty()) {
+        const auto [across, tangent] = axes_maps(truth.lobe_axes);
+        write_map(folder / "roughness_v.exr", across);
+        write_map(folder / "tangent.exr", tangent);
+    }
     if (!truth.lobe_colour.empty()) write_picture(folder / "lobe.exr", truth.lobe_colour, Transfer{});
     write_mask(folder / "loss.png", truth.loss);
     write_mask(folder / "craquelure.png", truth.craquelure);

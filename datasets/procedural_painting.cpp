@@ -2,6 +2,7 @@
 
 #include "datasets/composition.h"
 #include "datasets/damage.h"
+#include "surface/anisotropy.h"
 #include "surface/parallel.h"
 
 namespace tangi {
@@ -45,13 +46,20 @@ float weave_height(const PaintingOptions& options, float x_mm, float y_mm) {
     return amplitude * (top - 0.80f);
 }
 
-// Gold leaf on bole along the border. Its lobe has the colour of gold, and so has what it scatters widely.
-void gild(const PaintingOptions& o, float level_mm, float x_mm, float y_mm, PaintSample& sample) {
+// How far a point lies in the gilded border: beyond it on the left or right, and above or below [mm].
+struct Border {
+    float beside_mm, above_mm;
+    float inside_mm() const { return std::max(beside_mm, above_mm); }
+};
+Border border_at(const PaintingOptions& o, float x_mm, float y_mm) {
     const float width_mm = static_cast<float>(o.width * o.mm_per_pixel / 2),
                 height_mm = static_cast<float>(o.height * o.mm_per_pixel / 2);
-    const float inside_mm =
-        std::max((std::abs(x_mm) - kGildedFrom * width_mm), (std::abs(y_mm) - kGildedFrom * height_mm));
-    const float cover = smooth_step(0, 0.3f, inside_mm);
+    return {std::abs(x_mm) - kGildedFrom * width_mm, std::abs(y_mm) - kGildedFrom * height_mm};
+}
+
+// Gold leaf on bole along the border. Its lobe has the colour of gold, and so has what it scatters widely.
+void gild(const PaintingOptions& o, float level_mm, float x_mm, float y_mm, PaintSample& sample) {
+    const float cover = smooth_step(0, 0.3f, border_at(o, x_mm, y_mm).inside_mm());
     if (cover <= 0) return;
     const Seed seed = hash(o.seed, 30);
     const float worn = 1 + 0.15f * noise(x_mm / 4, y_mm / 4, seed) + 0.05f * noise(2 * x_mm, 2 * y_mm, seed);
@@ -118,6 +126,7 @@ public:
           truth_(o_.width, o_.height, o_.mm_per_pixel),
           fine_height_mm_(o_.width * n_ + 2, o_.height * n_ + 2) {
         if (o_.gilding) truth_.lobe_colour = Image<Rgb>(o_.width, o_.height);
+        if (o_.gilding && o_.brushed > 0) truth_.lobe_axes = Image<LobeAxes>(o_.width, o_.height);
     }
 
     // Averages the samples in a row of pixels; keeps their heights.
@@ -186,6 +195,7 @@ private:
         truth_.specular(x, y) = part * sum.specular;
         truth_.roughness(x, y) = part * sum.roughness;
         if (o_.gilding) truth_.lobe_colour(x, y) = coloured / sum.specular;
+        if (!truth_.lobe_axes.empty()) truth_.lobe_axes(x, y) = axes_at(x, y);
         const float loss = part * damage.loss, crack = part * damage.crack;
         truth_.loss(x, y) = loss >= 0.5f;
         truth_.craquelure(x, y) = crack >= 0.25f;
@@ -197,6 +207,14 @@ private:
         truth_.old_fill(x, y) = part * damage.old_fill >= 0.5f;
         truth_.overpaint(x, y) = part * damage.overpaint >= 0.5f;
         truth_.valid(x, y) = !(loss > 0.01f && loss < 0.99f) && crack < 0.01f;
+    }
+
+    // Grooves run along the border, so the lobe is wide across it; it is drawn out as far as there is gold.
+    LobeAxes axes_at(int x, int y) const {
+        const float gold = (1 - truth_.lobe_colour(x, y).b) / (1 - kGold.b);
+        const Border border = border_at(o_, x_mm(x * n_ + n_ / 2), y_mm(y * n_ + n_ / 2));
+        const float stretch = static_cast<float>(o_.brushed) * std::clamp(gold, 0.0f, 1.0f);
+        return axes_of({border.beside_mm > border.above_mm ? stretch : -stretch, 0}, truth_.roughness(x, y));
     }
 
     const PaintingOptions o_;
@@ -250,6 +268,7 @@ Surface surface_of(const PaintingTruth& truth) {
     surface.specular = truth.specular;
     surface.roughness = truth.roughness;
     surface.lobe_colour = truth.lobe_colour;
+    surface.lobe_axes = truth.lobe_axes;
     surface.confidence = Image<float>(truth.width(), truth.height());
     for (std::size_t i = 0; i < truth.valid.size(); ++i)
         surface.confidence.pixels()[i] = truth.valid.pixels()[i] ? 1.0f : 0.0f;

@@ -33,6 +33,7 @@ struct PaintingOptions {
     bool varnish = true;           // a glossy patch
     bool retouch = true;           // a matt patch of later paint
     bool gilding = false;          // a border of gold leaf
+    double brushed = 0;            // [1] stretch of the leaf's lobe, which was rubbed along the border
     bool abrasion = false;         // paint rubbed off the tops of the ground, gloss with it
     bool flaking = false;          // plates of paint whose edges have come up
     bool stain = false;            // a film that absorbs, most of it at its rim
@@ -65,6 +66,12 @@ struct PaintingOptions {
         visit(FieldInfo{"retouch", 0, 1, "", "a matt patch of later paint"}, self.retouch);
         visit(FieldInfo{"gilding", 0, 1, "", "a border of gold leaf, whose lobe has its colour"},
               self.gilding);
+        visit(
+            FieldInfo{
+                "brushed", 0, 1, "1",
+                "with gilding: gold leaf was rubbed along the border: ln of its lobe's width across the "
+                "grooves over the mean (0 = alike in all directions)"},
+            self.brushed);
         visit(FieldInfo{"abrasion", 0, 1, "", "paint that was rubbed off down to the ground"}, self.abrasion);
         visit(FieldInfo{"flaking", 0, 1, "", "plates of paint whose edges come up"}, self.flaking);
         visit(FieldInfo{"stain", 0, 1, "", "a stain"}, self.stain);
@@ -83,7 +90,8 @@ struct PaintingTruth {
                    //     whose peak at normal incidence equals that of GGX with equal alpha
     Image<float>
         roughness;  // [1] alpha: rms slope (Ward), width of the GGX distribution (not its square root)
-    Image<Rgb> lobe_colour;  // [1] as in surface.h: of gold leaf; empty where there is none
+    Image<Rgb> lobe_colour;     // [1] as in surface.h: of gold leaf; empty where there is none
+    Image<LobeAxes> lobe_axes;  // as in surface.h: of leaf that was rubbed; empty where there is none
     Image<unsigned char> loss, craquelure, varnish, retouch;
     Image<unsigned char> abrasion, flaking, stain, old_fill, overpaint;
     Image<unsigned char>

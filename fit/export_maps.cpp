@@ -4,6 +4,7 @@
 #include <glm/common.hpp>
 #include <nlohmann/json.hpp>
 
+#include "surface/anisotropy.h"
 #include "surface/atomic_file.h"
 #include "surface/picture_file.h"
 
@@ -41,7 +42,7 @@ private:
 }  // namespace
 
 std::vector<fs::path> write_maps(const fs::path& folder, const Surface& s, const Progress& progress) {
-    Writer write(folder, s.lobe_colour.empty() ? 7 : 8, progress);
+    Writer write(folder, 7 + (s.lobe_colour.empty() ? 0 : 1) + (s.lobe_axes.empty() ? 0 : 2), progress);
     write("height.exr", [&](const fs::path& path) { write_map(path, s.height_mm); });
     write("normal.exr", [&](const fs::path& path) { write_picture(path, s.normal, Transfer{}); });
     write("diffuse.exr", [&](const fs::path& path) { write_picture(path, s.diffuse, Transfer{}); });
@@ -50,6 +51,11 @@ std::vector<fs::path> write_maps(const fs::path& folder, const Surface& s, const
     write("confidence.exr", [&](const fs::path& path) { write_map(path, s.confidence); });
     if (!s.lobe_colour.empty())
         write("lobe.exr", [&](const fs::path& path) { write_picture(path, s.lobe_colour, Transfer{}); });
+    if (!s.lobe_axes.empty()) {
+        const auto [across, tangent] = axes_maps(s.lobe_axes);
+        write("roughness_v.exr", [&, map = &across](const fs::path& path) { write_map(path, *map); });
+        write("tangent.exr", [&, map = &tangent](const fs::path& path) { write_map(path, *map); });
+    }
     const nlohmann::json about = {{"width", s.width()},
                                   {"height", s.height()},
                                   {"mm_per_pixel", s.mm_per_pixel},

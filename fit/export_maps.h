@@ -11,16 +11,17 @@
 namespace tangi {
 
 // height.exr [mm], normal.exr [unit vector], diffuse.exr [linear], specular.exr, roughness.exr,
-// confidence.exr, and lobe.exr where lobes have colours: 32-bit floats, and maps.json with mm_per_pixel.
-// import_maps() reads them back. Files appear one by one, each whole (AtomicFolder makes of them a folder
-// that is there as a whole); returns their paths. Throws Error where the folder cannot be written.
+// confidence.exr, lobe.exr where lobes have colours, roughness_v.exr and tangent.exr [rad] where they are
+// drawn out: 32-bit floats, and maps.json with mm_per_pixel. import_maps() reads them back. Files appear one
+// by one, each whole (AtomicFolder makes of them a folder that is there as a whole); returns their paths.
+// Throws Error where the folder cannot be written.
 std::vector<std::filesystem::path> write_maps(const std::filesystem::path& folder, const Surface& surface,
                                               const Progress& progress = {});
 
 // What OpenLIME's Ward shader takes: kd.png (sRGB), ks.png (in colour where lobes are), normals.png (2 c -
-// 1), gloss.png, 8 bit, since browsers show no more; and brdf.json with colorspaces and alphaLimits, which
-// its channels need. Lobes outside the limits [0.01, 1] and rho_d above 1 are clamped; the number of clamped
-// pixels is in brdf.json.
+// 1), gloss.png (of lobes that are drawn out the mean), 8 bit, since browsers show no more; and brdf.json
+// with colorspaces and alphaLimits, which its channels need. Lobes outside the limits [0.01, 1] and rho_d
+// above 1 are clamped; the number of clamped pixels is in brdf.json.
 std::vector<std::filesystem::path> write_openlime(const std::filesystem::path& folder, const Surface& surface,
                                                   const Progress& progress = {});
 

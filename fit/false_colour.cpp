@@ -6,6 +6,7 @@
 #include <numbers>
 #include <opencv2/imgproc.hpp>
 
+#include "surface/anisotropy.h"
 #include "surface/error.h"
 #include "surface/parallel.h"
 
@@ -261,6 +262,15 @@ std::vector<MapPicture> map_pictures(const Surface& surface, int longest) {
     if (!surface.lobe_colour.empty())
         maps.push_back({"lobe", "Colour of the gloss", "", "White, or a metal's own; shown as sRGB.", "1",
                         std::nullopt, colours(surface.lobe_colour)});
+    if (!surface.lobe_axes.empty()) {
+        Image<float> stretch(surface.width(), surface.height());
+        for (std::size_t i = 0; i < stretch.size(); ++i)
+            stretch.pixels()[i] =
+                glm::length(stretch_of(surface.lobe_axes.pixels()[i], surface.roughness.pixels()[i]));
+        maps.push_back({"stretch", "Stretch of the gloss", "",
+                        "How much wider it is along one direction than on the mean, as a logarithm.", "1",
+                        from_zero(stretch), scalar(stretch, from_zero(stretch))});
+    }
     maps.push_back({"confidence", "Confidence", "", "How certain the fit is: 0 not measured, 1 certain.", "1",
                     confidence, scalar(surface.confidence, confidence)});
     return maps;

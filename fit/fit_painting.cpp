@@ -78,6 +78,24 @@ LightOutliers odd_lights_of(const Stack& stack, const LightCalibration& calibrat
     return odd_lights(surveyed, transfer, lights, stack.width(), stack.height());
 }
 
+// The law of the painting and what its lobes may be: as given, as the lamps' calibration found it, or as
+// left-out photographs are predicted best.
+LobeFreedom choose_reflectance(const LightSample& sample, const Lighting& lighting, int channels,
+                               const FitOptions& options, const std::optional<double>& diffuse_roughness,
+                               LawChoice& choice, const Progress& progress) {
+    const bool open = !options.lights_as_given;
+    if (open && (!options.diffuse_roughness || !options.haze))
+        choice = choose_law(sample, lighting, progress, diffuse_roughness);
+    choice.law = {.diffuse_roughness = options.diffuse_roughness.value_or(choice.law.diffuse_roughness),
+                  .haze = options.haze.value_or(choice.law.haze)};
+    if (open && !options.drawn_out_lobes) choose_stretches(sample, lighting, !options.haze, choice);
+    const bool drawn_out = options.drawn_out_lobes ? *options.drawn_out_lobes > 0 : choice.stretches.chosen;
+    if (open && !options.coloured_lobes && channels == 3)
+        choice.colours = choose_lobe_colours(sample, lighting, choice.law, drawn_out);
+    return {channels == 3 && (options.coloured_lobes ? *options.coloured_lobes > 0 : choice.colours.chosen),
+            drawn_out};
+}
+
 }  // namespace
 
 FitResult fit_painting(Stack stack, const FitOptions& options, const Progress& progress) {
@@ -127,21 +145,14 @@ FitResult fit_painting(Stack stack, const FitOptions& options, const Progress& p
     if (std::string warning = warning_of(report_.lights, stack.folder.string()); !warning.empty())
         stack.warnings.push_back(std::move(warning));
     describe_lights(stack, report_.lights, surface.photography);
-    const bool law_is_open = !options.diffuse_roughness || !options.haze;
     const LightSample sample(stack, surveyed, transfer, noise, surface.mm_per_pixel, options.ward,
                              options.calibration.samples);
-    if (law_is_open && !options.lights_as_given)
-        report_.law = choose_law(sample, lighting, progress, report_.lights.diffuse_roughness);
-    surface.law = report_.law.law = {
-        .diffuse_roughness = options.diffuse_roughness.value_or(report_.law.law.diffuse_roughness),
-        .haze = options.haze.value_or(report_.law.law.haze)};
-    if (!options.coloured_lobes && !options.lights_as_given && stack.channels == 3)
-        report_.law.colours = choose_lobe_colours(sample, lighting, surface.law);
+    const LobeFreedom lobes = choose_reflectance(sample, lighting, stack.channels, options,
+                                                 report_.lights.diffuse_roughness, report_.law, progress);
+    surface.law = report_.law.law;
     report_.misfit = light_misfit(stack, surveyed, transfer, noise, lighting, surface.mm_per_pixel,
                                   options.ward, surface.law);
     result.errors = FitErrors(stack.width(), stack.height());
-    const bool coloured = stack.channels == 3 &&
-                          (options.coloured_lobes ? *options.coloured_lobes > 0 : report_.law.colours.chosen);
     const auto look_at_signs = [&](bool height_known) {
         if (!height_known) report_.signs = check_signs(surface.normal, surface.confidence);
         // Where slopes say that an axis is mirrored, or all are turned, this height is of no use.
@@ -149,7 +160,7 @@ FitResult fit_painting(Stack stack, const FitOptions& options, const Progress& p
             report_.shadow_signs = check_shadows(surface, report_.signs, surveyed, transfer, lighting.lights,
                                                  lighting.white_level, progress);
     };
-    fit_passes(stack, transfer, lighting, noise, options, coloured, look_at_signs, result, progress);
+    fit_passes(stack, transfer, lighting, noise, options, lobes, look_at_signs, result, progress);
     report_.colour = correct_colours(stack, surface);
     report_.colour.white_by_chart = white.has_value();
     Plane plane;

@@ -32,7 +32,8 @@ struct FitOptions {
     bool lights_as_given = false;   // distant lamps of equal strength, as a lights file describes them
     // Of the whole painting; where empty, what predicts left-out photographs best.
     std::optional<double> diffuse_roughness{}, haze{};
-    std::optional<double> coloured_lobes{};  // 1: lobes may have colours; 0: all are white; likewise
+    std::optional<double> coloured_lobes{};   // 1: lobes may have colours; 0: all are white; likewise
+    std::optional<double> drawn_out_lobes{};  // 1: lobes may be drawn out; 0: all are isotropic; likewise
     Solver solver = Solver::batch;
     bool refine = true;  // fit twice: the second time with neighbours' lobes and cast shadows known
     LightCalibrationOptions calibration = {};
@@ -62,6 +63,12 @@ struct FitOptions {
                         "1: lobes may have colours, as those of metal; 0: all are white (else the "
                         "photographs decide)"},
               self.coloured_lobes);
+        visit(
+            FieldInfo{
+                "drawn_out_lobes", 0, 1, "1",
+                "1: lobes may be drawn out in one direction, as those of brushed metal; 0: none is (else "
+                "the photographs decide)"},
+            self.drawn_out_lobes);
         visit(FieldInfo{"refine", 0, 1, "",
                         "fit twice: the second time with the lobes of neighbours and cast shadows known"},
               self.refine);
@@ -83,6 +90,7 @@ struct FitReport {
     SolverAgreement solvers;         // how the batched kernel compares with Ceres, in the last pass
     long too_bright = 0;             // of those fitted: at the upper bound of rho_d
     double coloured = 0;             // [1] part of the fitted pixels whose lobe is not white
+    double drawn_out = 0;            // [1] part of them whose lobe is drawn out
     double median_confidence = 0;    // [1] of the fitted pixels
     double median_rms_residual = 0;  // [sigma] robust; about 1 where noise and model error are as assumed
     double support_tilt_deg =
@@ -103,9 +111,9 @@ struct FitResult {
 
 // Surveys the stack, linearises, fits every pixel in bands (so that memory does not depend on the number of
 // photographs) and integrates the height; then, to refine, all pixels once more, each with what its
-// neighbours say about its lobe and with the shadows that the relief casts; where lobes have colours, also
-// with those. Deterministic for any number of threads. Throws Error on what the photographs make impossible;
-// Cancelled where progress asks for it.
+// neighbours say about its lobe and with the shadows that the relief casts; where lobes have colours, or are
+// drawn out, also with those. Deterministic for any number of threads. Throws Error on what the photographs
+// make impossible; Cancelled where progress asks for it.
 FitResult fit_painting(Stack stack, const FitOptions& options = {}, const Progress& progress = {});
 
 }  // namespace tangi

@@ -9,6 +9,7 @@
 
 #include "fit/lobe_colour.h"
 #include "fit/lobe_prior.h"
+#include "fit/lobe_stretch.h"
 #include "fit/slope_edges.h"
 #include "fit/slope_prior.h"
 #include "surface/error.h"
@@ -78,6 +79,8 @@ void store(const WardEstimate& e, int x, int y, FitResult& result) {
     surface.normal(x, y) = normal_of({static_cast<float>(e.slope.x), static_cast<float>(e.slope.y)});
     surface.diffuse(x, y) = Rgb(e.diffuse);
     surface.specular(x, y) = static_cast<float>(e.specular);
+    if (!surface.lobe_axes.empty())
+        surface.lobe_axes(x, y).roughness_v *= static_cast<float>(e.roughness) / surface.roughness(x, y);
     surface.roughness(x, y) = static_cast<float>(e.roughness);
     surface.confidence(x, y) = confidence_of(e);
     result.errors.slope(x, y) = static_cast<float>(e.slope_error);
@@ -94,13 +97,22 @@ struct Pass {
 };
 
 // What is known of pixels beside their photographs. Lobes have the colours that the surface says.
-PixelKnowledge knowledge_of(const Pass& pass, const Surface& surface) {
+PixelKnowledge knowledge_of(const Pass& pass, const Surface& surface, const WardPrior& general) {
     PixelKnowledge known;
     const bool coloured = !surface.lobe_colour.empty();
     if (coloured) known.lobe_colour = [&](int x, int y) { return surface.lobe_colour(x, y); };
-    if (!pass.first) return known;
-    known.prior = [&surface, coloured, first = pass.first](int x, int y) {
-        WardPrior prior = first->lobes.at(x, y);
+    const bool drawn_out = !surface.lobe_axes.empty();
+    const auto stretched = [&surface, drawn_out](int x, int y, WardPrior prior) {
+        if (drawn_out)
+            prior.stretch = glm::dvec2(stretch_of(surface.lobe_axes(x, y), surface.roughness(x, y)));
+        return prior;
+    };
+    if (!pass.first) {
+        if (drawn_out) known.prior = [stretched, general](int x, int y) { return stretched(x, y, general); };
+        return known;
+    }
+    known.prior = [&surface, coloured, stretched, first = pass.first](int x, int y) {
+        WardPrior prior = stretched(x, y, first->lobes.at(x, y));
         first->slopes.add_to(x, y, prior);
         if (!coloured) return prior;
         // rho_s of a white lobe is that of the mean channel, of a coloured one that of the largest.
@@ -120,7 +132,7 @@ void fit_band(const Stack& stack, const Band& band, const Lighting& lighting, co
     const Surface& surface = result.surface;
     WardFitOptions ward = options.ward;
     ward.law = surface.law;
-    const PixelKnowledge known = knowledge_of(pass, surface);
+    const PixelKnowledge known = knowledge_of(pass, surface, ward.prior);
     oneapi::tbb::enumerable_thread_specific<RowFitter> fitters(
         [&] { return RowFitter(ward, options.solver, lighting, noise, band.channels()); });
     // Enough pixels at once to keep registers full; with Ceres alone a row takes long enough.
@@ -174,12 +186,9 @@ int rows_of_band(const Stack& stack, const StackReader& reader) {
     return std::min(std::max(reader.rows_for(kBandBytes), kRowsAThread * thread_count()), most);
 }
 
-// One pass over the photographs; the next band is decoded while this one is fitted.
-void fit_bands(const Stack& stack, const Transfer& transfer, const Lighting& lighting,
-               const NoiseModel& noise, const FitOptions& options, const Pass& pass, FitResult& result,
-               const Progress& progress) {
-    Counters counters;
-    counters.rms_residuals.assign((result.surface.height_mm.size() - 1) / rms_step(result.surface) + 1, -1);
+// One pass over the photographs; the next band is decoded while something is done with this one.
+template <class Do>
+void each_band(const Stack& stack, const Transfer& transfer, const Do& act) {
     StackReader reader(stack);
     const int rows = rows_of_band(stack, reader);
     Band next = reader.read(0, std::min(rows, stack.height()), transfer);
@@ -188,14 +197,70 @@ void fit_bands(const Stack& stack, const Transfer& transfer, const Lighting& lig
         const int y1 = std::min(y0 + rows, stack.height()), y2 = std::min(y1 + rows, stack.height());
         auto decoded = std::async(std::launch::async,
                                   [&, y1, y2] { return y1 < y2 ? reader.read(y1, y2, transfer) : Band(); });
-        if (pass.first) {
-            pass.first->lobes.advance(y0, y1);
-            pass.first->slopes.advance(y0, y1);
-        }
-        fit_band(stack, band, lighting, noise, options, pass, result, counters, progress);
+        act(band);
         next = decoded.get();
     }
+}
+
+void fit_bands(const Stack& stack, const Transfer& transfer, const Lighting& lighting,
+               const NoiseModel& noise, const FitOptions& options, const Pass& pass, FitResult& result,
+               const Progress& progress) {
+    Counters counters;
+    counters.rms_residuals.assign((result.surface.height_mm.size() - 1) / rms_step(result.surface) + 1, -1);
+    each_band(stack, transfer, [&](const Band& band) {
+        if (pass.first) {
+            pass.first->lobes.advance(band.y0(), band.y1());
+            pass.first->slopes.advance(band.y0(), band.y1());
+        }
+        fit_band(stack, band, lighting, noise, options, pass, result, counters, progress);
+    });
     summarise(result.surface, counters, options.ward.bounds.diffuse_max, result.report);
+}
+
+// What the surface has of a pixel, as the fit left it.
+WardEstimate estimate_at(const Surface& s, int x, int y) {
+    const Slope slope = slope_of(s.normal(x, y));
+    WardEstimate e;
+    e.slope = {slope.x, slope.y};
+    e.diffuse = glm::dvec3(s.diffuse(x, y));
+    e.specular = s.specular(x, y);
+    e.roughness = s.roughness(x, y);
+    return e;
+}
+
+// How lobes are drawn out, from a pass over some pixels; leaves the surface without axes where none is.
+void find_stretches(const Stack& stack, const Transfer& transfer, const Lighting& lighting,
+                    const NoiseModel& noise, const FitOptions& options, FitResult& result,
+                    const Progress& progress) {
+    Surface& surface = result.surface;
+    const int step = stretch_step(surface.width(), surface.height());
+    Image<StretchEvidence> evidence((surface.width() - 1) / step + 1, (surface.height() - 1) / step + 1);
+    WardFitOptions ward = options.ward;
+    ward.law = surface.law;
+    each_band(stack, transfer, [&](const Band& band) {
+        oneapi::tbb::enumerable_thread_specific<RowFitter> fitters(
+            [&] { return RowFitter(ward, options.solver, lighting, noise, band.channels()); });
+        parallel_for((band.y0() + step - 1) / step, (band.y1() - 1) / step + 1, 1, [&](int begin, int end) {
+            for (int row = begin; row < end; ++row)
+                for (int column = 0; column < evidence.width(); ++column) {
+                    const int x = column * step, y = row * step;
+                    if (!(surface.confidence(x, y) > 0)) continue;
+                    const WardEstimate e = estimate_at(surface, x, y);
+                    evidence(column, row) =
+                        stretch_evidence(fitters.local().samples_at(band, x, y, surface, {}), e, ward);
+                }
+        });
+        report(progress, "directions of lobes", band.y1() / static_cast<double>(surface.height()));
+    });
+    const Image<Stretch> stretches = lobe_stretches(surface, evidence, step);
+    const auto shown = std::count_if(stretches.pixels().begin(), stretches.pixels().end(),
+                                     [](const Stretch& stretch) { return stretch != Stretch(0); });
+    result.report.drawn_out =
+        static_cast<double>(shown) / static_cast<double>(std::max(result.report.fitted, 1L));
+    if (shown == 0) return;
+    surface.lobe_axes = Image<LobeAxes>(surface.width(), surface.height());
+    for (std::size_t i = 0; i < stretches.size(); ++i)
+        surface.lobe_axes.pixels()[i] = axes_of(stretches.pixels()[i], surface.roughness.pixels()[i]);
 }
 
 // All pixels once more, with shadows and what neighbours say of lobes.
@@ -222,20 +287,30 @@ void refine(const Stack& stack, const Transfer& transfer, const Lighting& lighti
 
 bool explains_photographs(const FitReport& report) { return report.median_rms_residual <= kTrusted; }
 
-// The first pass with white lobes; where they may have colours, what it shows of them; then the others. Where
-// white lobes explain too little to be refined, coloured ones may explain enough.
+// The first pass with white and isotropic lobes; where they may be drawn out, what some pixels then show of
+// that, and all once more, since from lobes that are not drawn out though they should be, slopes and
+// neighbours' lobes are no ground for anything; where they may have colours, what the pass before shows of
+// them; then the others. Where white lobes explain too little to be refined, coloured ones may explain
+// enough.
 void fit_passes(Stack& stack, const Transfer& transfer, const Lighting& lighting, const NoiseModel& noise,
-                const FitOptions& options, bool coloured, const FirstLook& look, FitResult& result,
+                const FitOptions& options, const LobeFreedom& lobes, const FirstLook& look, FitResult& result,
                 const Progress& progress) {
     Surface& surface = result.surface;
     FitReport& report_ = result.report;
     Image<LobeEvidence> evidence;
-    if (coloured) evidence = Image<LobeEvidence>(surface.width(), surface.height());
-    fit_bands(stack, transfer, lighting, noise, options, {"fit", nullptr, coloured ? &evidence : nullptr},
-              result, progress);
+    if (lobes.coloured) evidence = Image<LobeEvidence>(surface.width(), surface.height());
+    Image<LobeEvidence>* const colours = lobes.coloured ? &evidence : nullptr;
+    const auto fit = [&](const char* name, Image<LobeEvidence>* shown) {
+        fit_bands(stack, transfer, lighting, noise, options, {name, nullptr, shown}, result, progress);
+    };
+    fit("fit", colours);
     look(false);
+    if (lobes.drawn_out) {
+        find_stretches(stack, transfer, lighting, noise, options, result, progress);
+        if (!surface.lobe_axes.empty()) fit("drawn out lobes", colours);
+    }
     const auto trusted = [&] { return explains_photographs(report_); };
-    if (coloured) {
+    if (lobes.coloured) {
         surface.lobe_colour = lobe_colours(surface, evidence);
         evidence = {};
         const auto shown =
@@ -243,8 +318,7 @@ void fit_passes(Stack& stack, const Transfer& transfer, const Lighting& lighting
                           [](const Rgb& colour) { return colour != Rgb(1); });
         report_.coloured = static_cast<double>(shown) / static_cast<double>(std::max(report_.fitted, 1L));
         if (shown == 0) surface.lobe_colour = {};
-        if (shown > 0 && !(options.refine && trusted()))
-            fit_bands(stack, transfer, lighting, noise, options, {"coloured lobes"}, result, progress);
+        if (shown > 0 && !(options.refine && trusted())) fit("coloured lobes", nullptr);
     }
     if (options.refine && !trusted())
         stack.warnings.push_back(fmt::format(

@@ -10,13 +10,18 @@ namespace tangi {
 // Looks at the surface as the first pass left it, and once more where it then gets a height.
 using FirstLook = std::function<void(bool height_known)>;
 
+// What lobes of single pixels may be beside white and isotropic.
+struct LobeFreedom {
+    bool coloured = false, drawn_out = false;
+};
+
 // Fills in the maps of `result` but for the final height, and what its report says of pixels. The first pass
-// takes lobes for white and knows no shadows; where lobes may have colours (`coloured`), it shows these; to
-// refine, all pixels are fitted once more, with what neighbours say about lobe and slope and with the shadows
-// of a first height. result.surface has size, scale and law, result.errors the size. Adds warnings to the
-// stack's. Throws as fit_painting().
+// takes lobes for white and isotropic and knows no shadows; where lobes may have colours, it shows these, and
+// where they may be drawn out, another pass over some pixels does; to refine, all pixels are fitted once
+// more, with what neighbours say about lobe and slope and with the shadows of a first height. result.surface
+// has size, scale and law, result.errors the size. Adds warnings to the stack's. Throws as fit_painting().
 void fit_passes(Stack& stack, const Transfer& transfer, const Lighting& lighting, const NoiseModel& noise,
-                const FitOptions& options, bool coloured, const FirstLook& look, FitResult& result,
+                const FitOptions& options, const LobeFreedom& lobes, const FirstLook& look, FitResult& result,
                 const Progress& progress);
 
 // Whether the residuals of the last pass are small enough to believe what it says of errors.

@@ -26,6 +26,7 @@ constexpr float kUnglossy = 0.3f;  // [1] roughness where no map says, and nothi
 std::string last_word(const fs::path& path) {
     std::string stem = path.stem().string();
     std::transform(stem.begin(), stem.end(), stem.begin(), [](unsigned char c) { return std::tolower(c); });
+    if (stem.ends_with("roughness_v")) return "roughness_v";
     if (const auto at = stem.find_last_of("-_. "); at != std::string::npos) stem = stem.substr(at + 1);
     if (stem.size() > 3 && stem.ends_with("map")) stem.resize(stem.size() - 3);
     return stem;
@@ -43,6 +44,8 @@ std::optional<fs::path>* map_named(MapFiles& files, const std::string& word) {
     if (is_one_of(word, {"roughness", "alpha"})) return &files.roughness;
     if (word == "lobe") return &files.lobe;
     if (is_one_of(word, {"height", "displacement"})) return &files.height;
+    if (word == "roughness_v") return &files.across;
+    if (word == "tangent") return &files.tangent;
     return nullptr;
 }
 
@@ -127,6 +130,25 @@ void take_roughness(const MapFiles& files, const ImportOptions& options, const f
     }
 }
 
+void take_axes(const MapFiles& files, const fs::path& first, Surface& s) {
+    if (!files.across && !files.tangent) return;
+    if (!files.across || !files.tangent || !files.roughness)
+        fail(
+            "{}: roughness, roughness_v and tangent say together how lobes are drawn out, and {} is missing; "
+            "add "
+            "it, or take this file away",
+            (files.across ? *files.across : *files.tangent).string(),
+            !files.across    ? "roughness_v"
+            : !files.tangent ? "tangent"
+                             : "roughness");
+    s.lobe_axes = Image<LobeAxes>(s.width(), s.height());
+    const Image<Rgb> across = read_map(*files.across, s, first);
+    for (std::size_t i = 0; i < across.size(); ++i)
+        s.lobe_axes.pixels()[i].roughness_v = std::clamp(across.pixels()[i].r, 1e-3f, 1.0f);
+    const Image<Rgb> tangent = read_map(*files.tangent, s, first);
+    for (std::size_t i = 0; i < tangent.size(); ++i) s.lobe_axes.pixels()[i].tangent = tangent.pixels()[i].r;
+}
+
 }  // namespace
 
 std::optional<double> scale_beside(const fs::path& folder) {
@@ -193,6 +215,7 @@ Surface import_maps(const MapFiles& files, const ImportOptions& options, ImportR
     }
     report(progress, "read maps", 0.4);
     take_roughness(files, options, first, s);
+    take_axes(files, first, s);
     report(progress, "read maps", 0.6);
     if (files.height) take_height(read_map(*files.height, s, first), *files.height, options, s);
     report(progress, "read maps", 0.8);

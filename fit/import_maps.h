@@ -21,11 +21,13 @@ namespace tangi {
 // Pictures of one size; grey ones are fine for all but normals.
 struct MapFiles {
     std::optional<std::filesystem::path> diffuse, specular, normals, gloss, roughness, height, lobe;
+    std::optional<std::filesystem::path> across, tangent;  // roughness_v and tangent, of roughness
 };
 
 // The maps in a folder by their names, in any case: kd, diffuse, albedo, basecolor (also as NAME-kdmap,
 // NAME_kd); ks, specular; no, nomap, normal, normals; gl, glmap, gloss; roughness, alpha; height,
-// displacement; lobe (colours of lobes, as write_maps() writes them). Those in `named` are taken instead of
+// displacement; lobe (colours of lobes), roughness_v and tangent (alpha across
+// it; both as write_maps() writes them). Those in `named` are taken instead of
 // what the folder has. Throws Error where two files claim to be the same map.
 MapFiles find_maps(const std::filesystem::path& folder, const MapFiles& named = {});
 
@@ -69,8 +71,8 @@ struct ImportReport {
 // One map is in memory at a time beside the surface. Normals of a length under 0.5 say that nothing was
 // measured; those that point away (z not above 0) are bent up to the horizon, with a warning that says how
 // many. Without normals, they are those of the height; without height, it is integrated from them. Throws
-// Error naming the file: neither diffuse map, nor normals or height; sizes that differ; values that are no
-// numbers; normals most of which point away.
+// Error naming the file: neither diffuse map, nor normals or height; only one of roughness_v and tangent, or
+// either without roughness; sizes that differ; values that are no numbers; normals most of which point away.
 Surface import_maps(const MapFiles& files, const ImportOptions& options, ImportReport& report,
                     const Progress& progress = {});
 

@@ -15,8 +15,8 @@ constexpr std::array kHazes = {0.3, 0.6, 0.85};
 constexpr std::array kRoughnesses = {0.15, 0.3, 0.5, 0.8};
 // [sigma] Most varnish and oil paint has haze. Diffuse roughness is rarer, and a little of it also takes up
 // what one pixel's lobe leaves open, which the second pass of the fit knows better.
-constexpr double kSureOfHaze = 1, kSureOfRoughness = 2, kSureOfColours = 2;
-constexpr double kFewestColoured = 0.01;  // [1] of the sample: a few pixels are noise
+constexpr double kSureOfHaze = 1, kSureOfRoughness = 2, kSureOfLobes = 2;
+constexpr double kFewestMarked = 0.01;  // [1] of the sample: a few pixels are noise
 constexpr double kWorth = 0.1;  // [dB] of gain at least: as with lamps, what gains less is left as it is
 constexpr double kTrials = 1 + kHazes.size() + kRoughnesses.size();
 
@@ -63,38 +63,60 @@ struct WithNoise {
     WithNoise(const LightSample& sample, const Lighting& lighting)
         : noise(std::pow(10, -sample.noise_db(lighting.white_level) / 10)) {}
     double operator()(double db) const { return -10 * std::log10(std::pow(10, -db / 10) + noise); }
+    bool is_better(std::vector<double> db, std::vector<double> than, double sigmas) const {
+        for (std::vector<double>* values : {&db, &than})
+            for (double& value : *values) value = (*this)(value);
+        return tangi::is_better(db, than, sigmas);
+    }
 };
 
-// [dB] of photographs, white lobes and coloured ones, and how many pixels have such.
-struct ColourTrial {
-    std::vector<double> white_db, coloured_db;
+// [dB] of photographs, with lobes as they are and as something is known of them, and how many pixels have it.
+struct LobeTrial {
+    std::vector<double> plain_db, known_db;
+    std::vector<double> whole_db;  // of all pixels, with what is known
     double part = 0;
 };
 
-// Photographs left out in turn; in each turn, at the pixels to which the others give a coloured lobe.
-ColourTrial try_colours(const LightSample& sample, const Lighting& lighting, const ReflectanceLaw& law) {
+// Estimates of the sample without that knowledge and with it, and the pixels to which it makes a difference.
+struct LobeFits {
+    std::vector<WardEstimate> plain, known;
+    std::vector<bool> marked;
+
+    template <class Known>
+    void mark(const std::vector<Known>& values, const Known& none) {
+        for (const Known& value : values) marked.push_back(value != none);
+    }
+    double part() const {
+        return static_cast<double>(std::count(marked.begin(), marked.end(), true)) /
+               std::max(static_cast<double>(marked.size()), 1.0);
+    }
+};
+
+// Photographs left out in turn; in each turn, at the pixels that the others mark. `fit` gives fits of these
+// photographs.
+template <class Fit>
+LobeTrial try_lobes(const LightSample& sample, const Lighting& lighting, const ReflectanceLaw& law,
+                    const Fit& fit) {
     const int photos = static_cast<int>(lighting.lights.size());
-    ColourTrial trial;
+    LobeTrial trial;
     for (int fold = 0; fold < kFolds; ++fold) {
         std::vector<int> used;
         for (int i = 0; i < photos; ++i)
             if (i % kFolds != fold) used.push_back(i);
-        const Lighting lamps = subset(lighting, used);
-        const std::vector<WardEstimate> white = sample.fit(used, lamps, law);
-        const std::vector<Rgb> colours = sample.lobe_colours(white, used, lamps, law);
-        std::vector<bool> marked;
-        for (const Rgb& colour : colours) marked.push_back(colour != Rgb(1));
-        const double part =
-            static_cast<double>(std::count(marked.begin(), marked.end(), true)) / std::max(sample.size(), 1);
-        trial.part += part / kFolds;
-        if (part < kFewestColoured) continue;
-        const std::vector<WardEstimate> coloured = sample.fit(used, lamps, law, colours);
-        for (int i = fold; i < photos; i += kFolds) {
-            trial.white_db.push_back(sample.psnr_db(white, i, subset(lighting, {i}), law, marked));
-            trial.coloured_db.push_back(sample.psnr_db(coloured, i, subset(lighting, {i}), law, marked));
+        const LobeFits fits = fit(used, subset(lighting, used));
+        trial.part += fits.part() / kFolds;
+        for (int i = fold; i < photos && !fits.known.empty(); i += kFolds) {
+            trial.plain_db.push_back(sample.psnr_db(fits.plain, i, subset(lighting, {i}), law, fits.marked));
+            trial.known_db.push_back(sample.psnr_db(fits.known, i, subset(lighting, {i}), law, fits.marked));
+            trial.whole_db.push_back(sample.psnr_db(fits.known, i, subset(lighting, {i}), 0, 1, law));
         }
     }
     return trial;
+}
+
+bool is_chosen(const LightSample& sample, const Lighting& lighting, const LobeTrial& trial) {
+    if (trial.part < kFewestMarked || trial.plain_db.size() < 2) return false;
+    return WithNoise{sample, lighting}.is_better(trial.known_db, trial.plain_db, kSureOfLobes);
 }
 
 }  // namespace
@@ -135,19 +157,68 @@ LawChoice choose_law(const LightSample& sample, const Lighting& lighting, const 
 }
 
 LawChoice::Colours choose_lobe_colours(const LightSample& sample, const Lighting& lighting,
-                                       const ReflectanceLaw& law) {
+                                       const ReflectanceLaw& law, bool drawn_out) {
     LawChoice::Colours colours;
     if (lighting.lights.size() < kFewestPhotos) return colours;
-    ColourTrial trial = try_colours(sample, lighting, law);
+    const LobeTrial trial =
+        try_lobes(sample, lighting, law, [&](const std::vector<int>& used, const Lighting& lamps) {
+            LobeFits fits{.plain = sample.fit(used, lamps, law), .known = {}, .marked = {}};
+            std::vector<Stretch> stretches;
+            if (drawn_out) {
+                stretches = sample.stretches(fits.plain, used, lamps, law);
+                fits.plain = sample.fit(used, lamps, law, {}, stretches);
+            }
+            const std::vector<Rgb> found = sample.lobe_colours(fits.plain, used, lamps, law);
+            fits.mark(found, Rgb(1));
+            if (fits.part() >= kFewestMarked) fits.known = sample.fit(used, lamps, law, found, stretches);
+            return fits;
+        });
     colours.part = trial.part;
-    if (trial.part < kFewestColoured || trial.white_db.size() < 2) return colours;
-    colours.white_db = mean(trial.white_db);
-    colours.coloured_db = mean(trial.coloured_db);
-    const WithNoise with_noise{sample, lighting};
-    for (std::vector<double>* db : {&trial.white_db, &trial.coloured_db})
-        for (double& value : *db) value = with_noise(value);
-    colours.chosen = is_better(trial.coloured_db, trial.white_db, kSureOfColours);
+    if (trial.part < kFewestMarked || trial.plain_db.size() < 2) return colours;
+    colours.white_db = mean(trial.plain_db);
+    colours.coloured_db = mean(trial.known_db);
+    colours.chosen = is_chosen(sample, lighting, trial);
     return colours;
+}
+
+namespace {
+
+LobeTrial try_stretches(const LightSample& sample, const Lighting& lighting, const ReflectanceLaw& law) {
+    return try_lobes(sample, lighting, law, [&](const std::vector<int>& used, const Lighting& lamps) {
+        LobeFits fits{.plain = sample.fit(used, lamps, law), .known = {}, .marked = {}};
+        const std::vector<Stretch> found = sample.stretches(fits.plain, used, lamps, law);
+        fits.mark(found, Stretch(0));
+        if (fits.part() >= kFewestMarked) fits.known = sample.fit(used, lamps, law, {}, found);
+        return fits;
+    });
+}
+
+LawChoice::Stretches summary_of(const LightSample& sample, const Lighting& lighting, const LobeTrial& trial) {
+    LawChoice::Stretches stretches;
+    stretches.part = trial.part;
+    if (trial.part < kFewestMarked || trial.plain_db.size() < 2) return stretches;
+    stretches.isotropic_db = mean(trial.plain_db);
+    stretches.drawn_out_db = mean(trial.known_db);
+    stretches.chosen = is_chosen(sample, lighting, trial);
+    return stretches;
+}
+
+}  // namespace
+
+void choose_stretches(const LightSample& sample, const Lighting& lighting, bool haze_is_open,
+                      LawChoice& choice) {
+    if (lighting.lights.size() < kFewestPhotos) return;
+    const LobeTrial trial = try_stretches(sample, lighting, choice.law);
+    choice.stretches = summary_of(sample, lighting, trial);
+    if (!choice.stretches.chosen || !haze_is_open || !(choice.law.haze > 0)) return;
+    ReflectanceLaw sharp = choice.law;
+    sharp.haze = 0;
+    const LobeTrial without = try_stretches(sample, lighting, sharp);
+    const LawChoice::Stretches stretches = summary_of(sample, lighting, without);
+    const WithNoise with_noise{sample, lighting};
+    if (!stretches.chosen || with_noise.is_better(trial.whole_db, without.whole_db, kSureOfHaze)) return;
+    choice.stretches = stretches;
+    choice.law = sharp;
 }
 
 nlohmann::json to_json(const LawChoice& choice) {
@@ -163,7 +234,12 @@ nlohmann::json to_json(const LawChoice& choice) {
              {{"chosen", choice.colours.chosen},
               {"part", choice.colours.part},
               {"white_db", choice.colours.white_db},
-              {"coloured_db", choice.colours.coloured_db}}}};
+              {"coloured_db", choice.colours.coloured_db}}},
+            {"drawn_out_lobes",
+             {{"chosen", choice.stretches.chosen},
+              {"part", choice.stretches.part},
+              {"isotropic_db", choice.stretches.isotropic_db},
+              {"drawn_out_db", choice.stretches.drawn_out_db}}}};
 }
 
 }  // namespace tangi

@@ -1,5 +1,6 @@
 // law_choice.h: how rough the diffuse reflection of a painting is, how much haze its lobes have
-// (surface/ward.h), and whether they have colours, decided by how well left-out photographs are predicted.
+// (surface/ward.h), and whether they have colours and are drawn out, decided by how well left-out photographs
+// are predicted.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -25,6 +26,12 @@ struct LawChoice {
         double part = 0;  // [1] of the sample: such pixels
         double white_db = 0, coloured_db = 0;
     } colours{};
+    // The same of lobes that are drawn out (surface/anisotropy.h).
+    struct Stretches {
+        bool chosen = false;
+        double part = 0;
+        double isotropic_db = 0, drawn_out_db = 0;
+    } stretches{};
 };
 
 // `lighting` has one light for each photograph of the sample's stack. Haze and then diffuse roughness are
@@ -37,12 +44,19 @@ LawChoice choose_law(const LightSample& sample, const Lighting& lighting, const 
 
 // The colours of lobes (lobe_colour.h) under that law: where at least 1 % of the sample has any, and
 // photographs are predicted better there by 0.1 dB more than twice its standard error, noise counted
-// likewise.
+// likewise; with lobes drawn out as the same photographs say, or isotropic.
 LawChoice::Colours choose_lobe_colours(const LightSample& sample, const Lighting& lighting,
-                                       const ReflectanceLaw& law);
+                                       const ReflectanceLaw& law, bool drawn_out);
+
+// Whether lobes are drawn out (lobe_stretch.h), by the same test, with white lobes, under the
+// choice's law; sets its stretches. A lobe that is narrow one way and wide the other passes for a hazy one:
+// where lobes are drawn out, haze (if it is open) is only left where it still predicts photographs better.
+void choose_stretches(const LightSample& sample, const Lighting& lighting, bool haze_is_open,
+                      LawChoice& choice);
 
 // {"diffuse_roughness", "haze", "left_out_db": [{"diffuse_roughness", "haze", "psnr_db"}, …],
-//  "coloured_lobes": {"chosen", "part", "white_db", "coloured_db"}}
+//  "coloured_lobes": {"chosen", "part", "white_db", "coloured_db"},
+//  "drawn_out_lobes": {"chosen", "part", "isotropic_db", "drawn_out_db"}}
 nlohmann::json to_json(const LawChoice& choice);
 
 }  // namespace tangi

@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "fit/lobe_colour.h"
+#include "fit/lobe_stretch.h"
 #include "fit/ward_batch.h"
 #include "surface/parallel.h"
 
@@ -94,9 +95,27 @@ std::vector<Rgb> LightSample::lobe_colours(const std::vector<WardEstimate>& esti
     return colours;
 }
 
+std::vector<Stretch> LightSample::stretches(const std::vector<WardEstimate>& estimates,
+                                            const std::vector<int>& photos, const Lighting& lighting,
+                                            const ReflectanceLaw& law) const {
+    WardFitOptions options = ward_;
+    options.law = law;
+    std::vector<Stretch> stretches(static_cast<std::size_t>(size()), Stretch(0));
+    parallel_for(0, size(), kWardLanes, [&](int begin, int end) {
+        PixelSamples samples;
+        for (int k = begin; k < end; ++k) {
+            const auto at = static_cast<std::size_t>(k);
+            if (!estimates[at].valid) continue;
+            gather(k, photos, lighting, samples);
+            stretches[at] = stretch_of(stretch_evidence(samples, estimates[at], options));
+        }
+    });
+    return stretches;
+}
+
 std::vector<WardEstimate> LightSample::fit(const std::vector<int>& photos, const Lighting& lighting,
-                                           const ReflectanceLaw& law,
-                                           const std::vector<Rgb>& lobe_colours) const {
+                                           const ReflectanceLaw& law, const std::vector<Rgb>& lobe_colours,
+                                           const std::vector<Stretch>& stretches) const {
     WardFitOptions options = ward_;
     options.law = law;
     std::vector<WardEstimate> estimates(static_cast<std::size_t>(size()));
@@ -112,6 +131,11 @@ std::vector<WardEstimate> LightSample::fit(const std::vector<int>& photos, const
         gather(k, photos, lighting, samples);
         if (!lobe_colours.empty()) whiten(lobe_colours[static_cast<std::size_t>(k)], samples);
     };
+    const auto prior_of = [&](int k) {
+        WardPrior prior = options.prior;
+        if (!stretches.empty()) prior.stretch = glm::dvec2(stretches[static_cast<std::size_t>(k)]);
+        return prior;
+    };
     parallel_for(0, size(), 4 * kWardLanes, [&](int begin, int end) {
         Fitters& f = all.local();
         f.batches.start(end - begin);
@@ -120,6 +144,7 @@ std::vector<WardEstimate> LightSample::fit(const std::vector<int>& photos, const
             for (int k = first; k < std::min(first + kWardLanes, end); ++k) {
                 gather_white(k, f.samples);
                 f.batch.set(k - first, k - begin, f.samples);
+                f.batch.set_prior(k - first, prior_of(k));
             }
             f.batches.fit(f.batch);
         }
@@ -128,9 +153,10 @@ std::vector<WardEstimate> LightSample::fit(const std::vector<int>& photos, const
             const WardSolution& solution = f.batches.solutions()[static_cast<std::size_t>(k - begin)];
             WardEstimate& estimate = estimates[static_cast<std::size_t>(k)];
             estimate = solution.estimate(survey_.channels);
+            estimate.stretch = prior_of(k).stretch;
             if (solution.doubtful) {
                 gather_white(k, f.samples);
-                const WardEstimate other = f.ceres.fit(f.samples);
+                const WardEstimate other = f.ceres.fit(f.samples, prior_of(k));
                 if (other.valid && !(estimate.valid && estimate.rms_residual <= other.rms_residual))
                     estimate = other;
             }
@@ -160,7 +186,7 @@ double LightSample::psnr_db(const std::vector<WardEstimate>& estimates, int phot
         if (!e.valid || !marked[static_cast<std::size_t>(k)]) continue;
         illuminate(lighting, point_mm(k), survey_.channels, s);
         const double theta[kWardCommon] = {e.slope.x, e.slope.y, std::log(e.roughness), e.specular};
-        const WardTerms t = ward_terms(theta, s.light[0], s.view, law);
+        const WardTerms t = ward_terms(theta, s.light[0], s.view, law, e.stretch);
         const float* stored = this->stored(k, photo);
         if (std::isnan(stored[0])) continue;  // outside a registered photograph
         for (int c = 0; c < survey_.channels; ++c, ++count) {
@@ -223,7 +249,9 @@ JointLights LightSample::joint_problem(const std::vector<int>& photos, const Lig
     // In doubles, one pixel after the other: lamps whose strength is not known yet leave a pixel several
     // minima, and with those that batches find, lamps sevenfold apart come out wrong.
     std::vector<WardEstimate> estimates(static_cast<std::size_t>(size()));
-    oneapi::tbb::enumerable_thread_specific<WardFitter> fitters([&] { return WardFitter(ward_); });
+    WardFitOptions options = ward_;
+    options.by_highlight = false;  // what is poor here are the lamps
+    oneapi::tbb::enumerable_thread_specific<WardFitter> fitters([&] { return WardFitter(options); });
     parallel_for(0, size(), 8, [&](int begin, int end) {
         PixelSamples samples;
         for (int k = begin; k < end; ++k) {

@@ -20,11 +20,15 @@ public:
     int size() const { return static_cast<int>(chosen_.size()); }
     double width_mm() const { return width_mm_; }  // of the picture's longer side
 
-    // The pixels fitted to these photographs; the lighting has one light for each of them. `lobe_colours`: of
-    // each pixel; white where there are none.
+    // The pixels fitted to these photographs; the lighting has one light for each of them. `lobe_colours`
+    // and `stretches`: of each pixel; white and not drawn out where there are none.
     std::vector<WardEstimate> fit(const std::vector<int>& photos, const Lighting& lighting,
-                                  const ReflectanceLaw& law = {},
-                                  const std::vector<Rgb>& lobe_colours = {}) const;
+                                  const ReflectanceLaw& law = {}, const std::vector<Rgb>& lobe_colours = {},
+                                  const std::vector<Stretch>& stretches = {}) const;
+
+    // How the same photographs say that each pixel's lobe is drawn out (lobe_stretch.h).
+    std::vector<Stretch> stretches(const std::vector<WardEstimate>& estimates, const std::vector<int>& photos,
+                                   const Lighting& lighting, const ReflectanceLaw& law) const;
 
     // What the same photographs say of each pixel's colour of the lobe (lobe_colour.h).
     std::vector<Rgb> lobe_colours(const std::vector<WardEstimate>& estimates, const std::vector<int>& photos,

@@ -101,7 +101,8 @@ LobeEvidence lobe_evidence(const PixelSamples& s, const WardEstimate& e, const W
     if (s.channels != 3 || e.roughness > kWidest) return {};
     const double theta[kWardCommon] = {e.slope.x, e.slope.y, std::log(e.roughness), e.specular};
     std::vector<WardTerms> terms;
-    for (const glm::dvec3& light : s.light) terms.push_back(ward_terms(theta, light, s.view, options.law));
+    for (const glm::dvec3& light : s.light)
+        terms.push_back(ward_terms(theta, light, s.view, options.law, e.stretch));
     glm::dvec3 specular;
     double variance = 0;
     for (int c = 0; c < 3; ++c) {

@@ -40,6 +40,9 @@ RowFitter::RowFitter(const WardFitOptions& options, Solver solver, const Lightin
       sampler_(lighting, noise, options.prior, channels),
       ceres_(options),
       batches_(options),
+      again_(options),
+      highlights_(options.by_highlight),
+      bounds_(options.bounds),
       prior_(options.prior) {}
 
 PixelSamples& RowFitter::samples_at(const Band& band, int x, int y, const Surface& surface,
@@ -120,6 +123,48 @@ void RowFitter::start_row(const Band& band, int y, int first_name, const Image<u
     }
 }
 
+// The solutions of rows from `first` on that batches just fitted; those that explain little, from their
+// highlight where that explains more.
+std::vector<WardSolution> RowFitter::fit_again(const Band& band, int first, const Surface& surface,
+                                               const PixelKnowledge& known) {
+    constexpr auto poor = static_cast<float>(kPoorFit * kPoorFit);
+    constexpr auto clearly = static_cast<float>(kClearlyCheaper);
+    const int width = band.width();
+    std::vector<WardSolution> solutions(batches_.solutions());
+    std::vector<int> names;  // of those that are fitted again
+    again_.start(highlights_ ? static_cast<int>(solutions.size()) : 0);
+    int lane = kWardLanes;
+    const auto flush = [&] {
+        if (!names.empty()) again_.fit(by_highlight_);
+    };
+    for (std::size_t name = 0; highlights_ && name < solutions.size(); ++name) {
+        if (!solutions[name].valid || !(solutions[name].chi2 > poor)) continue;
+        const int x = static_cast<int>(name) % width, y = first + static_cast<int>(name) / width;
+        PixelSamples& samples = samples_at(band, x, y, surface, known);
+        if (known.lobe_colour) whiten(known.lobe_colour(x, y), samples);
+        const auto start = highlight_start(samples, bounds_);
+        if (!start) continue;
+        if (lane == kWardLanes) {
+            flush();
+            by_highlight_.resize(band.photos(), band.channels(), prior_);
+            lane = 0;
+        }
+        by_highlight_.set(lane, static_cast<int>(name), samples);
+        if (known.prior) by_highlight_.set_prior(lane, known.prior(x, y));
+        by_highlight_.set_start(lane, *start);
+        names.push_back(static_cast<int>(name));
+        ++lane;
+    }
+    flush();
+    again_.finish();
+    for (const int name : names) {
+        const WardSolution& other = again_.solutions()[static_cast<std::size_t>(name)];
+        WardSolution& solution = solutions[static_cast<std::size_t>(name)];
+        if (other.valid && !other.doubtful && other.cost < clearly * solution.cost) solution = other;
+    }
+    return solutions;
+}
+
 void RowFitter::fit(const Band& band, int y0, int y1, const Image<unsigned char>& mask,
                     const Surface& surface, const PixelKnowledge& known,
                     const std::function<void(int x, int y, const WardEstimate&)>& done) {
@@ -139,12 +184,14 @@ void RowFitter::fit(const Band& band, int y0, int y1, const Image<unsigned char>
         batches_.start((last - first) * width);
         for (int y = first; y < last; ++y) start_row(band, y, (y - first) * width, mask, surface, known);
         batches_.finish();
+        const std::vector<WardSolution> solutions = fit_again(band, first, surface, known);
         for (int y = first; y < last; ++y)
             for (int x = 0; x < width; ++x) {
                 const auto name = static_cast<std::size_t>((y - first) * width + x);
-                const WardSolution& solution = batches_.solutions()[name];
+                const WardSolution& solution = solutions[name];
                 if (!solution.valid && !solution.doubtful) continue;
                 WardEstimate e = solution.estimate(band.channels());
+                if (known.prior) e.stretch = known.prior(x, y).stretch;
                 const bool compared = is_compared(x, y, surface.width(), surface.height());
                 if (solution.doubtful || compared) {
                     const WardEstimate other = by_ceres(band, x, y, surface, known);

@@ -64,14 +64,18 @@ private:
                    const Surface& surface, const PixelKnowledge& known);
     void whiten_lane(const Rgb& colour, int lane);
     void shade(const CastShadows& shadows, int x0, int y, int count);
+    std::vector<WardSolution> fit_again(const Band& band, int first, const Surface& surface,
+                                        const PixelKnowledge& known);
 
     Solver solver_;
     const Lighting& lighting_;
     const NoiseModel& noise_;
     BatchSampler sampler_;
     WardFitter ceres_;
-    WardBatchFitter batches_;
-    WardBatch batch_;
+    WardBatchFitter batches_, again_;
+    WardBatch batch_, by_highlight_;
+    bool highlights_;
+    WardBounds bounds_;
     PixelSamples samples_;
     WardPrior prior_;
     SolverAgreement agreement_;

@@ -28,6 +28,7 @@ void WardBatch::resize(int photo_count, int channel_count, const WardPrior& prio
     value.resize(m);
     sigma.assign(m, WardLane());
     pixel.fill(-1);
+    start_given.at.fill(0);
     for (int lane = 0; lane < kWardLanes; ++lane) set_prior(lane, prior);
     view[2].at.fill(1);
     for (auto& l : light) l[2].at.fill(1);
@@ -38,11 +39,26 @@ void WardBatch::set_prior(int lane, const WardPrior& prior) {
     prior_specular[lane] = static_cast<float>(prior.specular);
     prior_ln_alpha_sigma[lane] = static_cast<float>(prior.ln_alpha_sigma);
     prior_specular_sigma[lane] = static_cast<float>(prior.specular_sigma);
+    shape[0][lane] = 1;
+    shape[1][lane] = shape[2][lane] = 0;
+    if (prior.stretch != glm::dvec2(0)) {
+        const StretchShape<double> s = shape_of(prior.stretch.x, prior.stretch.y);
+        shape[0][lane] = static_cast<float>(s.c);
+        shape[1][lane] = static_cast<float>(s.a);
+        shape[2][lane] = static_cast<float>(s.b);
+    }
     for (int i = 0; i < 2; ++i) {
         const auto k = static_cast<std::size_t>(i);
         prior_slope[k][lane] = static_cast<float>(prior.slope[i]);
         prior_slope_weight[k][lane] = static_cast<float>(1 / (prior.slope_sigma[i] * prior.slope_sigma[i]));
     }
+}
+
+void WardBatch::set_start(int lane, const WardStart& given) {
+    start_given[lane] = 1;
+    for (int i = 0; i < 2; ++i) start[static_cast<std::size_t>(i)][lane] = static_cast<float>(given.slope[i]);
+    for (int c = 0; c < 3; ++c)
+        start[static_cast<std::size_t>(2 + c)][lane] = static_cast<float>(given.diffuse[c]);
 }
 
 void WardBatch::set(int lane, int name, const PixelSamples& s) {
@@ -87,6 +103,7 @@ void WardSlots::copy_lanes(int to, const WardSlots& from, std::span<const int> l
     copy_all(target, from.target);
     copy_all(prior_slope, from.prior_slope);
     copy_all(prior_slope_weight, from.prior_slope_weight);
+    copy_all(shape, from.shape);
     copy_all(theta, from.theta);
     copy_all(system, from.system);
     for (const auto member :

@@ -37,6 +37,9 @@ struct WardBatch {
     WardLane prior_ln_alpha, prior_specular;         // WardPrior's
     WardLane prior_ln_alpha_sigma, prior_specular_sigma;
     std::array<WardLane, 2> prior_slope, prior_slope_weight;  // weight: 1 / sigma^2
+    std::array<WardLane, 3> shape;  // c, a, b of StretchShape of the prior's stretch
+    WardLane start_given;           // 1 where a pixel starts at `start`, 0 where photometric stereo says
+    std::array<WardLane, 5> start;  // slope x, y, rho_d of the channels
     std::array<int, kWardLanes>
         pixel{};  // the caller's name of the pixel, from 0; -1 where the lane is empty
 
@@ -45,6 +48,7 @@ struct WardBatch {
     // Puts a pixel into an empty lane.
     void set(int lane, int name, const PixelSamples& samples);
     void set_prior(int lane, const WardPrior& prior);
+    void set_start(int lane, const WardStart& start);
 };
 
 // Result of one lane. Natural parameters as in ward_residual.h.
@@ -73,6 +77,7 @@ struct WardSlots {
     // Mean of both priors and 1 / (sigma * c)^2 of them, c the robust scale.
     WardLane prior_ln_alpha, prior_specular, prior_ln_alpha_weight, prior_specular_weight;
     std::array<WardLane, 2> prior_slope, prior_slope_weight;  // likewise
+    std::array<WardLane, 3> shape;                            // as of WardBatch
     std::array<WardLane, kWardParameters> theta;
     WardLane damping, damping_growth, cost, used, iterations, alive;  // alive: 1 where not finished
     WardLane resumed;                                                 // 1 where `system` is that of theta

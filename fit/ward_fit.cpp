@@ -52,6 +52,13 @@ struct WardFitter::Workspace {
 
 namespace {
 
+// Where a solver ended.
+struct Solved {
+    WardVector theta;
+    double cost;
+    bool converged;
+};
+
 // What the model leaves out (interreflection, other lobes, shadows) grows with the light that is there. It is
 // taken relative to the matt prediction, not to the value alone: a value in shadow would look certain because
 // it is small.
@@ -73,7 +80,7 @@ void add_model_error(const LambertEstimate& start, double model_error, PixelSamp
 // Start of the lobe: for a few widths, the rho_s that explains what the diffuse estimate leaves over, each
 // with its robust cost; the cheapest wins. Least squares alone is bimodal in alpha.
 void start_lobe(const PixelSamples& s, const WardResiduals& residuals, const WardBounds& bounds,
-                const ReflectanceLaw& law, WardVector& theta) {
+                const ReflectanceLaw& law, const glm::dvec2& stretch, WardVector& theta) {
     constexpr std::array<double, 5> widths = {0.06, 0.12, 0.2, 0.32, 0.5};
     double best_cost = std::numeric_limits<double>::infinity();
     const WardVector diffuse_only = theta;
@@ -83,7 +90,7 @@ void start_lobe(const PixelSamples& s, const WardResiduals& residuals, const War
         double numerator = 0, denominator = 0;
         for (int i = 0; i < s.photos(); ++i) {
             const WardTerms t =
-                ward_terms(candidate.data(), s.light[static_cast<std::size_t>(i)], s.view, law);
+                ward_terms(candidate.data(), s.light[static_cast<std::size_t>(i)], s.view, law, stretch);
             for (int c = 0; c < s.channels; ++c) {
                 const auto at = static_cast<std::size_t>(i * s.channels + c);
                 if (s.sigma[at] == 0) continue;
@@ -107,7 +114,55 @@ void start_lobe(const PixelSamples& s, const WardResiduals& residuals, const War
     }
 }
 
+// The value at a part of the way through sorted ones.
+double quantile(std::vector<double>& values, double part) {
+    const auto at =
+        values.begin() + static_cast<std::ptrdiff_t>(part * static_cast<double>(values.size() - 1));
+    std::nth_element(values.begin(), at, values.end());
+    return *at;
+}
+
 }  // namespace
+
+std::optional<WardStart> highlight_start(const PixelSamples& s, const WardBounds& bounds) {
+    constexpr double kLit = 0.2,
+                     kDarker = 0.3;  // [1] least n.l, and the part of photographs, of the matt part
+    std::vector<double> brightness, all;
+    for (int i = 0; i < s.photos(); ++i) {
+        double sum = 0;
+        for (int c = 0; c < s.channels; ++c) {
+            const auto at = static_cast<std::size_t>(i * s.channels + c);
+            if (s.sigma[at] != 0) sum += s.value[at] / s.irradiance[at];
+        }
+        brightness.push_back(sum);
+    }
+    if (brightness.empty()) return {};
+    all = brightness;
+    const double usual = quantile(all, 0.5);
+    glm::dvec3 facing(0);
+    for (int i = 0; i < s.photos(); ++i) {
+        const auto photo = static_cast<std::size_t>(i);
+        const double over = std::max(brightness[photo] - usual, 0.0);
+        facing += over * over * glm::normalize(s.light[photo] + s.view);
+    }
+    if (!(facing.z > 0)) return {};
+    const glm::dvec3 normal = glm::normalize(facing);
+    WardStart start{.slope = {-normal.x / normal.z, -normal.y / normal.z}, .diffuse = glm::dvec3(0)};
+    if (std::max(std::abs(start.slope.x), std::abs(start.slope.y)) >= bounds.slope) return {};
+    for (int c = 0; c < s.channels; ++c) {
+        all.clear();
+        for (int i = 0; i < s.photos(); ++i) {
+            const auto photo = static_cast<std::size_t>(i), at = static_cast<std::size_t>(i * s.channels + c);
+            const double n_l = glm::dot(normal, s.light[photo]);
+            if (s.sigma[at] != 0 && n_l > kLit)
+                all.push_back(s.value[at] / (s.irradiance[at] * (n_l + s.ambient[photo])));
+        }
+        if (all.empty()) return {};
+        start.diffuse[c] = std::clamp(quantile(all, kDarker), 0.0, bounds.diffuse_max);
+    }
+    for (int c = s.channels; c < 3; ++c) start.diffuse[c] = start.diffuse[0];
+    return start;
+}
 
 WardFitter::WardFitter(const WardFitOptions& options)
     : options_(options), workspace_(std::make_unique<Workspace>()) {
@@ -133,33 +188,39 @@ WardEstimate WardFitter::fit(const PixelSamples& given, const WardPrior& prior) 
     w.jacobian.resize(rows, kWardParameters);
     w.residuals.resize(rows);
 
-    WardVector theta = {-start.normal.x / start.normal.z,
-                        -start.normal.y / start.normal.z,
-                        prior.ln_alpha,
-                        0.0,
-                        start.diffuse[0],
-                        start.diffuse[1],
-                        start.diffuse[2]};
-    start_lobe(samples, residuals, bounds, options_.law, theta);
-
     const WardFunction function(residuals, bounds);
-    const WardVector u0 = unbounded_of(theta, bounds);
-    Eigen::Matrix<double, kWardParameters, 1> u(u0.data());
-    w.solver.options.max_num_iterations = options_.max_iterations;
-    w.solver.options.parameter_tolerance = 1e-5;
-    w.solver.options.function_tolerance = 1e-3;
-    w.solver.options.gradient_tolerance = 1e-8;
-    w.solver.options.initial_trust_region_radius = 1e3;
-    const Solver::Summary& summary = w.solver.Solve(function, &u);
-    theta = natural_of(u.data(), bounds, nullptr);
-
+    const auto solve = [&](const WardStart& from) {
+        WardVector theta = {from.slope.x,    from.slope.y,    prior.ln_alpha, 0.0,
+                            from.diffuse[0], from.diffuse[1], from.diffuse[2]};
+        start_lobe(samples, residuals, bounds, options_.law, prior.stretch, theta);
+        const WardVector u0 = unbounded_of(theta, bounds);
+        Eigen::Matrix<double, kWardParameters, 1> u(u0.data());
+        w.solver.options.max_num_iterations = options_.max_iterations;
+        w.solver.options.parameter_tolerance = 1e-5;
+        w.solver.options.function_tolerance = 1e-3;
+        w.solver.options.gradient_tolerance = 1e-8;
+        w.solver.options.initial_trust_region_radius = 1e3;
+        const bool converged = w.solver.Solve(function, &u).status != Solver::HIT_MAX_ITERATIONS;
+        theta = natural_of(u.data(), bounds, nullptr);
+        return Solved{theta, residuals.cost(theta.data()), converged};
+    };
+    const double free_samples = static_cast<double>(std::max<std::ptrdiff_t>(
+        std::count_if(samples.sigma.begin(), samples.sigma.end(), [](double sigma) { return sigma > 0; }) +
+            2 - residuals.parameters(),
+        1));
+    Solved solved = solve({.slope = {-start.normal.x / start.normal.z, -start.normal.y / start.normal.z},
+                           .diffuse = start.diffuse});
+    if (options_.by_highlight && solved.cost > kPoorFit * kPoorFit * free_samples)
+        if (const auto highlight = highlight_start(given, bounds)) {
+            const Solved other = solve(*highlight);
+            if (other.cost < kClearlyCheaper * solved.cost) solved = other;
+        }
+    const WardVector& theta = solved.theta;
     residuals.evaluate(theta.data(), w.residuals.data(), w.jacobian.data());
-    const int parameters = residuals.parameters();
-    int used = 0;
-    for (const double sigma : samples.sigma) used += sigma > 0;
-    const double chi2 = w.residuals.squaredNorm() / std::max(used + 2 - parameters, 1);
+    const double chi2 = w.residuals.squaredNorm() / free_samples;
 
     estimate.slope = {theta[0], theta[1]};
+    estimate.stretch = prior.stretch;
     estimate.roughness = std::exp(theta[2]);
     estimate.specular = theta[3];
     for (int c = 0; c < 3; ++c)
@@ -178,7 +239,7 @@ WardEstimate WardFitter::fit(const PixelSamples& given, const WardPrior& prior) 
     estimate.roughness_error = error_of(2) * estimate.roughness;
     estimate.specular_error = error_of(3);
     estimate.rms_residual = std::sqrt(chi2);
-    estimate.converged = summary.status != Solver::HIT_MAX_ITERATIONS;
+    estimate.converged = solved.converged;
     estimate.valid = std::isfinite(estimate.slope.x) && std::isfinite(estimate.slope.y);
     return estimate;
 }

@@ -4,6 +4,7 @@
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 #include <memory>
+#include <optional>
 
 #include "capture/photometric_stereo.h"
 #include "capture/pixel_samples.h"
@@ -16,6 +17,7 @@ struct WardFitOptions {
     int max_iterations = 30;    // Levenberg-Marquardt steps
     double model_error = 0.05;  // [1] relative deviation of real surfaces from the model
     double robust_scale = 3;    // [sigma] residual from which a sample counts less and less (Cauchy)
+    bool by_highlight = true;   // pixels that are explained poorly are fitted from their highlight, too
     ReflectanceLaw law = {};
     WardBounds bounds = {};
     WardPrior prior = {};
@@ -41,6 +43,7 @@ struct WardEstimate {
     double specular = 0;         // [1] rho_s
     double roughness = 0.3;      // [1] alpha
     glm::dvec3 lobe_colour{1};   // [1] that was given (lobe_colour.h), as in surface.h
+    glm::dvec2 stretch{0};       // [1] that was given, likewise (surface/anisotropy.h)
     double diffuse_error = 0;    // [1] standard error of rho_d, root of the mean variance of the channels
     double slope_error = 0;      // [1] standard error of the slope, root of the mean of both variances
     double specular_error = 0;   // [1]
@@ -49,6 +52,22 @@ struct WardEstimate {
     bool valid = false;          // false: not measurable (see LambertEstimate)
     bool converged = false;
 };
+
+// [sigma] Residual of a fit from which on it is tried from the highlight: metal that hardly has a matt part,
+// whose wide lobe photometric stereo takes for one.
+constexpr double kPoorFit = 1.2;
+// [1] Part of the first cost below which that counts: minima as deep as each other are left as stereo found
+// them, by batches and by Ceres alike.
+constexpr double kClearlyCheaper = 0.99;
+
+// Where a pixel may be if its brightest photographs show its highlight: facing the mean of their half
+// vectors, its matt part what the darker ones leave.
+struct WardStart {
+    glm::dvec2 slope{0};
+    glm::dvec3 diffuse{0};
+};
+// Nothing where no photograph stands out, or the slope would be beyond `bounds`.
+std::optional<WardStart> highlight_start(const PixelSamples& samples, const WardBounds& bounds);
 
 // Keeps its memory from pixel to pixel: one a thread.
 class WardFitter {

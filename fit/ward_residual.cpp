@@ -4,14 +4,15 @@
 
 namespace tangi {
 
-void WardResiduals::evaluate(const double* theta, double* residuals, double* jacobian) const {
+void WardResiduals::evaluate(const double* theta, const glm::dvec2& stretch, double* residuals,
+                             double* jacobian, int columns) const {
     const int channels = samples_.channels, rows = size();
-    if (jacobian) std::fill_n(jacobian, rows * kWardParameters, 0.0);
+    if (jacobian) std::fill_n(jacobian, rows * columns, 0.0);
     const auto at = [&](int row, int column) -> double& { return jacobian[column * rows + row]; };
     int row = 0;
     for (int i = 0; i < samples_.photos(); ++i) {
-        const WardTerms t =
-            ward_terms(theta, samples_.light[static_cast<std::size_t>(i)], samples_.view, law_);
+        const WardTerms t = ward_terms(theta, samples_.light[static_cast<std::size_t>(i)], samples_.view,
+                                       law_, stretch, columns > kWardParameters);
         const double matt = t.matt + samples_.ambient[static_cast<std::size_t>(i)];
         for (int c = 0; c < channels; ++c, ++row) {
             const auto index = static_cast<std::size_t>(row);
@@ -31,6 +32,8 @@ void WardResiduals::evaluate(const double* theta, double* residuals, double* jac
             at(row, 2) = d * specular * t.dlobe[2];
             at(row, 3) = d * t.lobe;
             at(row, kWardCommon + c) = d * matt;
+            for (int k = kWardParameters; k < columns; ++k)
+                at(row, k) = d * specular * t.dstretch[k - kWardParameters];
         }
     }
     residuals[row] = (theta[2] - prior_.ln_alpha) / prior_.ln_alpha_sigma;
@@ -43,13 +46,13 @@ void WardResiduals::evaluate(const double* theta, double* residuals, double* jac
     }
 }
 
-double WardResiduals::cost(const double* theta) const {
+double WardResiduals::cost(const double* theta, const glm::dvec2& stretch) const {
     // sum ln(1 + s) = ln prod (1 + s); the product is folded before it can overflow.
     double product = 1, logarithm = 0;
     const double inverse_c2 = 1 / (robust_scale_ * robust_scale_);
     for (int i = 0, row = 0; i < samples_.photos(); ++i) {
         const WardTerms t =
-            ward_terms(theta, samples_.light[static_cast<std::size_t>(i)], samples_.view, law_);
+            ward_terms(theta, samples_.light[static_cast<std::size_t>(i)], samples_.view, law_, stretch);
         const double matt = t.matt + samples_.ambient[static_cast<std::size_t>(i)];
         for (int c = 0; c < samples_.channels; ++c, ++row) {
             const auto at = static_cast<std::size_t>(row);

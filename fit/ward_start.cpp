@@ -76,13 +76,15 @@ HWY_INLINE void start_lobe(const WardSlots& s, const WardFitOptions& options, co
     const V vx = load(s.view[0], at), vy = load(s.view[1], at), vz = load(s.view[2], at);
     const Facing f = facing(load(s.theta[0], at), load(s.theta[1], at), vx, vy, vz);
     const Law law = law_of(options.law);
+    const Shape shape_of_lobe = shape_at(s, at, f);
     V numerator[kWidths], denominator[kWidths];
     for (int k = 0; k < kWidths; ++k) numerator[k] = denominator[k] = zero;
     for (int i = 0; i < s.photos; ++i) {
         const auto& light = s.light[static_cast<std::size_t>(i)];
         const V lx = load(light[0], at), ly = load(light[1], at), lz = load(light[2], at);
         const V l_v = fma(lx, vx, fma(ly, vy, hn::Mul(lz, vz)));
-        const Geometry g = geometry(f, lx, ly, lz, fma(l_v, all(2), all(2)));
+        Geometry g = geometry(f, lx, ly, lz, fma(l_v, all(2), all(2)));
+        if (shape_of_lobe.some) draw_out(shape_of_lobe, f, lx, ly, lz, g);
         V direct = g.n_l;
         if (law.rough)
             direct = keep(g.lit, rough_diffuse(law, g.n_l, hn::Mul(f.view_n, f.inverse), l_v).value);
@@ -176,8 +178,16 @@ HWY_INLINE void start(const WardBatch& b, const WardFitOptions& options, const W
         store(hn::Mul(scale2, load(b.prior_slope_weight[i], at)), slots.prior_slope_weight[i], at);
     }
     for (std::size_t i = 0; i < 3; ++i) store(load(b.view[i], at), slots.view[i], at);
-    store(hn::Neg(hn::Div(normal.x, normal.z)), slots.theta[0], at);
-    store(hn::Neg(hn::Div(normal.y, normal.z)), slots.theta[1], at);
+    for (std::size_t i = 0; i < 3; ++i) store(load(b.shape[i], at), slots.shape[i], at);
+    // What is given is where to start; what samples weigh is as of stereo, so that costs compare.
+    V p = hn::Neg(hn::Div(normal.x, normal.z)), q = hn::Neg(hn::Div(normal.y, normal.z));
+    const V given = load(b.start_given, at);  // 0 or 1
+    p = fma(given, hn::Sub(load(b.start[0], at), p), p);
+    q = fma(given, hn::Sub(load(b.start[1], at), q), q);
+    for (std::size_t c = 0; c < C; ++c)
+        diffuse[c] = fma(given, hn::Sub(load(b.start[2 + c], at), diffuse[c]), diffuse[c]);
+    store(p, slots.theta[0], at);
+    store(q, slots.theta[1], at);
     V ln_alpha, specular;
     start_lobe<C>(slots, options, diffuse, grey, at, ln_alpha, specular);
     store(ln_alpha, slots.theta[2], at);

@@ -179,6 +179,7 @@ HWY_NOINLINE void evaluate(const WardSlots& s, const Law& law, int at, const Poi
         for (V& v : row) v = zero;
     const V vx = load(s.view[0], at), vy = load(s.view[1], at), vz = load(s.view[2], at);
     const Facing f = facing(point.theta[0], point.theta[1], vx, vy, vz);
+    const Shape shape = shape_at(s, at, f);
     const V ln_alpha = point.theta[2], specular = point.theta[3];
     V diffuse[C];
     for (int c = 0; c < C; ++c) diffuse[c] = point.theta[4 + c];
@@ -192,7 +193,7 @@ HWY_NOINLINE void evaluate(const WardSlots& s, const Law& law, int at, const Poi
             const auto& light = s.light[static_cast<std::size_t>(first + i)];
             const V lx = load(light[0], at), ly = load(light[1], at), lz = load(light[2], at);
             const V l_v = fma(lx, vx, fma(ly, vy, hn::Mul(lz, vz)));
-            block.terms[i] = ward_terms(law, f, inverse_alpha2, lx, ly, lz, load(light[3], at), l_v);
+            block.terms[i] = ward_terms(law, f, shape, inverse_alpha2, lx, ly, lz, load(light[3], at), l_v);
         }
         for (int i = 0; i < n; ++i) {
             V weight[C], target[C], factor;

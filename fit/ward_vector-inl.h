@@ -101,10 +101,11 @@ struct Facing {
     V p, q;
     V length2, inverse;        // of (-p, -q, 1): squared, 1 / length
     V view_x, view_y, view_n;  // view_n: v . (-p, -q, 1)
+    V view_z;
 };
 HWY_INLINE Facing facing(V p, V q, V vx, V vy, V vz) {
     const V length2 = fma(p, p, fma(q, q, all(1)));
-    return {p, q, length2, hn::Div(all(1), hn::Sqrt(length2)), vx, vy, fnma(p, vx, fnma(q, vy, vz))};
+    return {p, q, length2, hn::Div(all(1), hn::Sqrt(length2)), vx, vy, fnma(p, vx, fnma(q, vy, vz)), vz};
 }
 
 // Where light is: both cosines, and the lobe but for its Gaussian.
@@ -130,6 +131,56 @@ HWY_INLINE Geometry geometry(const Facing& f, V lx, V ly, V lz, V h_h) {
     g.tan2 = hn::Max(hn::Sub(g.ratio, all(1)), zero);
     g.shape = hn::Mul(g.ratio, inverse2);
     return g;
+}
+
+// How lobes are drawn out (surface/anisotropy.h), and the frame of the tangent plane. Lanes without a stretch
+// come to the same bits whether others have one or not.
+struct Shape {
+    bool some;  // a lane has a stretch
+    V c, a, b;
+    V nx, ny, over_z;  // of the normal; 1 / (1 + n.z)
+};
+HWY_INLINE Shape shape_at(const WardSlots& s, int at, const Facing& f) {
+    const V a = load(s.shape[1], at), b = load(s.shape[2], at), zero = hn::Zero(Floats());
+    const bool some = !hn::AllTrue(Floats(), hn::And(hn::Eq(a, zero), hn::Eq(b, zero)));
+    return {some,
+            load(s.shape[0], at),
+            a,
+            b,
+            hn::Neg(hn::Mul(f.p, f.inverse)),
+            hn::Neg(hn::Mul(f.q, f.inverse)),
+            hn::Div(all(1), hn::Add(all(1), f.inverse))};
+}
+
+// h in the axes of the tangent plane, and what that takes off c tan2 (DrawnOut of ward_residual.h).
+struct DrawnOutTerms {
+    V u, x, y, inverse_h_n2, part;
+};
+HWY_INLINE DrawnOutTerms draw_out(const Shape& shape, const Facing& f, V lx, V ly, V lz, Geometry& g) {
+    DrawnOutTerms d;
+    d.u = hn::Mul(hn::Add(g.h_n, hn::Add(lz, f.view_z)), shape.over_z);
+    d.x = fnma(shape.nx, d.u, hn::Add(lx, f.view_x));
+    d.y = fnma(shape.ny, d.u, hn::Add(ly, f.view_y));
+    d.inverse_h_n2 = hn::Mul(g.inverse_h_n, g.inverse_h_n);
+    const V difference = hn::Mul(hn::Sub(d.x, d.y), hn::Add(d.x, d.y)), half = hn::Mul(d.x, d.y);
+    d.part = hn::Mul(fma(shape.a, difference, hn::Mul(shape.b, hn::Add(half, half))), d.inverse_h_n2);
+    g.tan2 = hn::Max(hn::MulSub(shape.c, g.tan2, d.part), hn::Zero(Floats()));
+    return d;
+}
+// d part by slope x (i = 0) or y, given that of h.n.
+HWY_INLINE V draws_out(const Shape& shape, const Facing& f, const Geometry& g, const DrawnOutTerms& d, int i,
+                       V dh_n) {
+    const V across = hn::Mul(hn::Mul(shape.nx, shape.ny), f.inverse);
+    const V n = i == 0 ? shape.nx : shape.ny;
+    const V along = hn::Mul(hn::MulSub(n, n, all(1)), f.inverse);
+    const V dn_x = i == 0 ? along : across, dn_y = i == 0 ? across : along;
+    const V dn_z = hn::Mul(hn::Mul(f.inverse, f.inverse), n);
+    const V du = hn::Mul(fnma(d.u, dn_z, dh_n), shape.over_z);
+    const V dx = hn::Neg(fma(dn_x, d.u, hn::Mul(shape.nx, du)));
+    const V dy = hn::Neg(fma(dn_y, d.u, hn::Mul(shape.ny, du)));
+    const V sum =
+        fma(shape.a, hn::MulSub(d.x, dx, hn::Mul(d.y, dy)), hn::Mul(shape.b, fma(d.x, dy, hn::Mul(d.y, dx))));
+    return hn::Mul(all(2), hn::MulSub(sum, d.inverse_h_n2, hn::Mul(hn::Mul(d.part, g.inverse_h_n), dh_n)));
 }
 
 // The reflectance law of surface/ward.h on all lanes.
@@ -183,17 +234,24 @@ struct Terms {
     V matt, lobe;
     V dmatt[2], dlobe[3];
 };
-HWY_INLINE Terms ward_terms(const Law& law, const Facing& f, V inverse_alpha2, V lx, V ly, V lz, V ambient,
-                            V l_v) {
-    const Geometry g = geometry(f, lx, ly, lz, fma(l_v, all(2), all(2)));
+HWY_INLINE Terms ward_terms(const Law& law, const Facing& f, const Shape& shape, V inverse_alpha2, V lx, V ly,
+                            V lz, V ambient, V l_v) {
+    Geometry g = geometry(f, lx, ly, lz, fma(l_v, all(2), all(2)));
+    V ratio2 = hn::Add(g.ratio, g.ratio);
+    DrawnOutTerms drawn_out;
+    if (shape.some) {
+        drawn_out = draw_out(shape, f, lx, ly, lz, g);
+        ratio2 = hn::Mul(ratio2, shape.c);
+    }
     const Gaussians gauss = gaussians(law, g.tan2, inverse_alpha2);
-    const V ratio2 = hn::Add(g.ratio, g.ratio);
     V lobe = hn::Mul(gauss.core, g.shape);
     V by_h_n = hn::Mul(lobe, hn::MulSub(ratio2, inverse_alpha2, all(4)));
     V by_ln_alpha = hn::Mul(lobe, hn::MulSub(g.tan2, inverse_alpha2, all(1)));
+    V by_tan2 = hn::Mul(lobe, inverse_alpha2);  // less than 0: its absolute value
     if (law.hazy) {
         const V wide = hn::Mul(gauss.haze, g.shape), inverse_width2 = hn::Mul(inverse_alpha2, all(0.25f));
         lobe = hn::Add(lobe, wide);
+        by_tan2 = fma(wide, inverse_width2, by_tan2);
         by_h_n = fma(wide, hn::MulSub(ratio2, inverse_width2, all(4)), by_h_n);
         by_ln_alpha = fma(wide, hn::MulSub(g.tan2, inverse_width2, all(1)), by_ln_alpha);
     }
@@ -207,6 +265,8 @@ HWY_INLINE Terms ward_terms(const Law& law, const Facing& f, V inverse_alpha2, V
         t.dmatt[i] = hn::Neg(fma(lateral[i], inverse, hn::Mul(g.n_l, slope[i])));
         const V dh_n = hn::Neg(fma(half[i], f.inverse, hn::Mul(g.h_n, slope[i])));
         t.dlobe[i] = fma(weighted, dh_n, hn::Mul(lobe, t.dmatt[i]));
+        if (shape.some)
+            t.dlobe[i] = fma(hn::Mul(by_tan2, g.n_l), draws_out(shape, f, g, drawn_out, i, dh_n), t.dlobe[i]);
     }
     t.matt = hn::Add(g.n_l, ambient);
     if (law.rough) {

@@ -8,6 +8,7 @@
 
 #include "paint/appearance_part.h"
 #include "paint/kubelka_munk.h"
+#include "surface/anisotropy.h"
 #include "surface/parallel.h"
 
 namespace tangi {
@@ -203,16 +204,20 @@ void update_part(const Canvas& canvas, const std::vector<const PaintLayer*>& lay
             roughness = dry.roughness(x, y);
             confidence = dry.confidence(x, y);
             if (!dry.lobe_colour.empty()) shown.at(&Surface::lobe_colour, x, y) = dry.lobe_colour(x, y);
+            if (!dry.lobe_axes.empty()) shown.at(&Surface::lobe_axes, x, y) = dry.lobe_axes(x, y);
             if (!(mm[i] > 0)) continue;
             const float covered = 1 - std::exp(-mm[i] / static_cast<float>(options.covering_mm));
             // What a reflectance cannot hold (rho_d beyond 1) is covered like the rest.
             diffuse = glm::max(colours[i], Rgb(0));
             specular = sheen[i].specular;
             roughness = sheen[i].roughness;
+            const float of_dry =
+                sheen[i].specular > 0 ? std::min(sheen[i].coloured / sheen[i].specular, 1.0f) : 0.0f;
             if (!dry.lobe_colour.empty() && sheen[i].specular > 0)
-                shown.at(&Surface::lobe_colour, x, y) =
-                    Rgb(1) +
-                    std::min(sheen[i].coloured / sheen[i].specular, 1.0f) * (dry.lobe_colour(x, y) - Rgb(1));
+                shown.at(&Surface::lobe_colour, x, y) = Rgb(1) + of_dry * (dry.lobe_colour(x, y) - Rgb(1));
+            if (!dry.lobe_axes.empty())
+                shown.at(&Surface::lobe_axes, x, y) =
+                    axes_of(of_dry * stretch_of(dry.lobe_axes(x, y), dry.roughness(x, y)), roughness);
             confidence = std::max(confidence, covered);
         }
 }
@@ -319,6 +324,7 @@ Surface appearance_in(const Canvas& canvas, const Region& part, const Appearance
     surface.roughness = cut(dry.roughness, part);
     surface.confidence = cut(dry.confidence, part);
     surface.lobe_colour = cut(dry.lobe_colour, part);
+    surface.lobe_axes = cut(dry.lobe_axes, part);
     surface.law = dry.law;
     surface.mm_per_pixel = dry.mm_per_pixel;
     surface.scale_known = dry.scale_known;

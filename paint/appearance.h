@@ -4,8 +4,8 @@
 // Colour: Kubelka-Munk films, one over the other (kubelka_munk.h). Shape: heights add, and so do slopes
 // (DESIGN section 3): slope = slope of the dry normal + gradient of the paint's thickness, so that detail
 // finer than the fitted height survives, but under layers that level. Gloss: of each layer that of its
-// paints, by volume, over what lies below as far as it covers; paints shine white, so the colour of the lobe
-// of what is dry fades as they cover it.
+// paints, by volume, over what lies below as far as it covers; paints shine white and
+// alike in all directions, so colour and stretch of the lobe of what is dry fade as they cover it.
 #pragma once
 
 #include <span>

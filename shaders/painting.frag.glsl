@@ -53,12 +53,15 @@ vec3 lit(Material m, vec2 at) {
     vec3 v = v_eye.xyz;
 #endif
     vec3 sum = v_column1.w * m.diffuse;
+#if DRAWN_OUT == 1
+    vec3 shape = shape_of(m.stretch);
+#endif
     for (int i = 0; i < LIGHTS; ++i) {
         Incoming in_light = incoming(i, point);
         float n_l = dot(m.normal, in_light.direction);
         vec3 reflected = vec3(0.0);
         if (n_l > 0.0) {
-            float lobe = pi_hazy_lobe(m.normal, in_light.direction, v, n_l, m.roughness);
+            float lobe = pi_hazy_lobe(m.normal, in_light.direction, v, n_l, m.roughness WITH_SHAPE);
             vec3 diffuse = m.diffuse * matt_reflection(m.normal, in_light.direction, v, n_l);
             float gloss = m.specular * lobe;
 #if MODE == 1  // specular enhancement: Malzbender et al. 2001: matt colour down, an even sharp gloss everywhere

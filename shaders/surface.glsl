@@ -1,7 +1,8 @@
 // surface.glsl: the maps of a surface, packed into one texel of 128 bits as viewer/texels.h describes, in square tiles:
 // those that are seen, of any level of detail, are the layers of an array texture; a table says which. AT_HOME: 1 where
 // those of the picture's own level lie where column and row say (viewer/tile_cache.h), which spares each pixel the table.
-// COLOURED: 1 where lobes have colours, for which gloss, confidence and height have fewer bits.
+// COLOURED: 1 where lobes have colours, for which gloss, confidence and height have fewer bits; DRAWN_OUT: 1 where they
+// are drawn out as well, for which everything has.
 
 uniform highp usampler2DArray u_texels;
 
@@ -14,6 +15,9 @@ struct Material {
     float confidence;  // [1]
 #if COLOURED == 1
     vec3 lobe_colour;  // [1]
+#endif
+#if DRAWN_OUT == 1
+    vec2 stretch;  // [1] surface/anisotropy.h
 #endif
 };
 
@@ -49,28 +53,44 @@ uvec4 texel_here(ivec2 at) {
 
 vec2 halves(uint bits) { return vec2(float(bits & 0xffffu), float(bits >> 16)) * (1.0 / 65535.0); }
 
-#if COLOURED == 1
+#if DRAWN_OUT == 1
+float height_in(uvec4 texel) { return v_range.z + v_range.w * float(texel.w >> 16) * (1.0 / 65535.0); }
+#elif COLOURED == 1
 float height_in(uvec4 texel) { return v_range.z + v_range.w * float(texel.w >> 15) * (1.0 / 131071.0); }
 #else
 float height_in(uvec4 texel) { return v_range.z + v_range.w * float(texel.w >> 8) * (1.0 / 16777215.0); }
 #endif
 
+// Two channels from the largest on that are beside it.
+vec3 colour_of(uint largest, uint after, uint before) {
+    vec3 colour = vec3(1.0, vec2(float(after), float(before)) * (1.0 / 127.0));
+    return largest == 0u ? colour : largest == 1u ? colour.zxy : colour.yzx;
+}
+
 Material unpack(uvec4 texel) {
     Material m;
     // Normal: octahedron, upper half.
+#if DRAWN_OUT == 1
+    vec2 uv = vec2(float(texel.x & 0x1fffu), float((texel.x >> 13) & 0xfffu)) * vec2(2.0 / 8191.0, 2.0 / 4095.0) - 1.0;
+    vec3 root = vec3(float(texel.y & 0x3ffu), float((texel.y >> 10) & 0x3ffu), float((texel.y >> 20) & 0x1ffu)) *
+                vec3(1.0 / 1023.0, 1.0 / 1023.0, 1.0 / 511.0);
+#else
     vec2 uv = 2.0 * halves(texel.x) - 1.0;
-    vec2 xy = 0.5 * vec2(uv.x + uv.y, uv.x - uv.y);
-    m.normal = normalize(vec3(xy, 1.0 - abs(xy.x) - abs(xy.y)));
     vec3 root = vec3(float(texel.y & 0x7ffu), float((texel.y >> 11) & 0x7ffu), float(texel.y >> 22)) *
                 vec3(1.0 / 2047.0, 1.0 / 2047.0, 1.0 / 1023.0);
+#endif
+    vec2 xy = 0.5 * vec2(uv.x + uv.y, uv.x - uv.y);
+    m.normal = normalize(vec3(xy, 1.0 - abs(xy.x) - abs(xy.y)));
     m.diffuse = v_range.x * root * root;
-#if COLOURED == 1
+#if DRAWN_OUT == 1
+    vec2 gloss = vec2(float(texel.z & 0x7ffu), float((texel.z >> 11) & 0xfffu)) * vec2(1.0 / 2047.0, 1.0 / 4095.0);
+    m.confidence = float(texel.y >> 29) * (1.0 / 7.0);
+    m.lobe_colour = colour_of(texel.z >> 30, (texel.z >> 23) & 0x7fu, texel.x >> 25);
+    m.stretch = vec2(float(texel.w & 0xffu), float((texel.w >> 8) & 0xffu)) * (1.0 / 127.0) - 1.0;
+#elif COLOURED == 1
     vec2 gloss = vec2(float(texel.z & 0xfffu), float((texel.z >> 12) & 0x1fffu)) * vec2(1.0 / 4095.0, 1.0 / 8191.0);
     m.confidence = float(texel.w & 0x3fu) * (1.0 / 63.0);
-    // From the largest channel on.
-    vec3 colour = vec3(1.0, float(texel.z >> 25) * (1.0 / 127.0), float((texel.w >> 8) & 0x7fu) * (1.0 / 127.0));
-    uint largest = (texel.w >> 6) & 3u;
-    m.lobe_colour = largest == 0u ? colour : largest == 1u ? colour.zxy : colour.yzx;
+    m.lobe_colour = colour_of((texel.w >> 6) & 3u, texel.z >> 25, (texel.w >> 8) & 0x7fu);
 #else
     vec2 gloss = halves(texel.z);
     m.confidence = float(texel.w & 0xffu) * (1.0 / 255.0);
@@ -110,6 +130,9 @@ Material smooth_in(vec2 at, int level, bool here) {
     m.confidence = dot(w, vec4(a.confidence, b.confidence, c2.confidence, d.confidence));
 #if COLOURED == 1
     m.lobe_colour = w.x * a.lobe_colour + w.y * b.lobe_colour + w.z * c2.lobe_colour + w.w * d.lobe_colour;
+#endif
+#if DRAWN_OUT == 1
+    m.stretch = w.x * a.stretch + w.y * b.stretch + w.z * c2.stretch + w.w * d.stretch;
 #endif
     return m;
 }

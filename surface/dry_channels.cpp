@@ -14,7 +14,7 @@ namespace tangi {
 
 namespace {
 
-constexpr std::size_t kLobeAt = 10;          // place of the lobe's colours among the channels
+constexpr std::size_t kLobeAt = 10;          // place of the lobe's colours and axes among the channels
 constexpr float kSmallestRoughness = 1e-6f;  // [1] its square divides
 constexpr std::uint64_t kHashOffset = 0xcbf29ce484222325u, kHashPrime = 0x100000001b3u;  // FNV-1a
 
@@ -32,6 +32,9 @@ std::string wrong_at(const Surface& s, std::span<const DryChannel> channels, std
             return fmt::format("map 'lobe' holds ({}, {}, {}), which is not from 0 to 1", colour.r, colour.g,
                                colour.b);
     }
+    if (!s.lobe_axes.empty())
+        if (const float across = s.lobe_axes.pixels()[i].roughness_v; !(across >= kSmallestRoughness))
+            return fmt::format("map 'roughness.V' holds {}, less than {}", across, kSmallestRoughness);
     const Vec3& normal = s.normal.pixels()[i];
     if (!(normal.z > 0))
         return fmt::format("map 'normal' holds ({}, {}, {}), which points away", normal.x, normal.y,
@@ -52,6 +55,7 @@ void clear_pixel(Surface& s, std::size_t i) {
     s.roughness.pixels()[i] = unmeasured.roughness(0, 0);
     s.confidence.pixels()[i] = unmeasured.confidence(0, 0);
     if (!s.lobe_colour.empty()) s.lobe_colour.pixels()[i] = Rgb(1);
+    if (!s.lobe_axes.empty()) s.lobe_axes.pixels()[i] = {unmeasured.roughness(0, 0), 0};
 }
 
 // Nothing to do about a pixel: numbers, and a unit vector to rounding. What is not told here may still be all
@@ -64,8 +68,12 @@ bool is_plain(std::span<const DryChannel> channels, std::size_t i) {
     }
     const float *normal = channels[1].base + 3 * i,
                 length2 = normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2];
-    for (const DryChannel& c : channels.subspan(kLobeAt))
-        if (const float value = c.base[i * c.stride]; !(value >= 0 && value <= 1)) return false;
+    // Colours lie in 0..1; of axes, tangents are any numbers.
+    for (const DryChannel& c : channels.subspan(kLobeAt)) {
+        const float value = c.base[i * c.stride];
+        if (c.name == kAxesChannels[0] && !(value >= kSmallestRoughness)) return false;
+        if (c.stride == 3 && !(value >= 0 && value <= 1)) return false;
+    }
     return none == 0 && channels[8].base[i] >= kSmallestRoughness && normal[2] > 0 &&
            std::abs(length2 - 1) <= 1.5e-5f;
 }
@@ -88,6 +96,10 @@ std::vector<DryChannel> channels_of(Surface& s) {
     if (!s.lobe_colour.empty())
         for (std::size_t c = 0; c < kLobeChannels.size(); ++c)
             channels.push_back({kLobeChannels[c], &s.lobe_colour.data()->r + c, 3});
+    if (!s.lobe_axes.empty()) {
+        channels.push_back({kAxesChannels[0], &s.lobe_axes.data()->roughness_v, 2});
+        channels.push_back({kAxesChannels[1], &s.lobe_axes.data()->tangent, 2});
+    }
     return channels;
 }
 

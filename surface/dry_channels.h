@@ -14,6 +14,7 @@
 namespace tangi {
 
 inline constexpr std::array kLobeChannels = {"lobe.R", "lobe.G", "lobe.B"};
+inline constexpr std::array kAxesChannels = {"roughness.V", "tangent"};
 
 // One channel and where its floats lie in a Surface.
 struct DryChannel {
@@ -22,7 +23,8 @@ struct DryChannel {
     std::size_t stride;  // [floats] from pixel to pixel
 };
 
-// Paintings whose lobes are all white have no colours of them, neither in memory nor in the file.
+// Paintings whose lobes are all white have no colours of them, neither in memory nor in the file; and those
+// whose lobes are all isotropic no axes.
 std::vector<DryChannel> channels_of(Surface& surface);
 
 // Maps that another program wrote, or changed, may hold what cannot be relit. Our own come through bit for

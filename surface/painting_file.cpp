@@ -172,7 +172,8 @@ Value attribute(const Imf::Header& header, const char* name, const Value& otherw
     return found ? found->value() : otherwise;
 }
 
-// The maps, as the file has them; their hash, and what cannot be relit, looked at while rows are at hand.
+// The maps that `names` has, as the file has them; their hash, and what cannot be relit, looked at while rows
+// are at hand.
 struct Maps {
     Surface surface;
     std::vector<std::uint64_t> hashes;  // of rows, as they were
@@ -180,10 +181,11 @@ struct Maps {
 };
 
 Maps read_maps(const fs::path& path, Imf::MultiPartInputFile& file, int number, int width, int height,
-               bool coloured, const Progress& progress) {
+               const Surface& names, const Progress& progress) {
     const auto rows = static_cast<std::size_t>(height);
     Maps maps{Surface(width, height), std::vector<std::uint64_t>(rows), std::vector<std::string>(rows)};
-    if (coloured) maps.surface.lobe_colour = Image<Rgb>(width, height);
+    if (!names.lobe_colour.empty()) maps.surface.lobe_colour = Image<Rgb>(width, height);
+    if (!names.lobe_axes.empty()) maps.surface.lobe_axes = Image<LobeAxes>(width, height);
     const auto channels = channels_of(maps.surface);
     const auto look_at = [&](int y0, int y1) {
         hash_rows(channels, width, y0, y1, maps.hashes);
@@ -220,12 +222,13 @@ Surface read_dry_part(const fs::path& path, const Progress& progress) {
         fail("{}: part '{}' is {} x {}, but its display window is not", path.string(), kDry, width, height);
 
     Surface names(1, 1);
-    const bool coloured = header.channels().findChannel(kLobeChannels[0]) != nullptr;
-    if (coloured) names.lobe_colour = Image<Rgb>(1, 1);
+    const auto has = [&](const char* channel) { return header.channels().findChannel(channel) != nullptr; };
+    if (has(kLobeChannels[0])) names.lobe_colour = Image<Rgb>(1, 1);
+    if (has(kAxesChannels[0])) names.lobe_axes = Image<LobeAxes>(1, 1);
     for (const DryChannel& c : channels_of(names))
         if (!header.channels().findChannel(c.name))
             fail("{}: part '{}' has no channel '{}'", path.string(), kDry, c.name);
-    Maps maps = read_maps(path, file, number, width, height, coloured, progress);
+    Maps maps = read_maps(path, file, number, width, height, names, progress);
     Surface& s = maps.surface;
     s.mm_per_pixel = kept_scale_mm(attribute<Imf::FloatAttribute>(header, "mm_per_pixel", 1.0f));
     if (!(s.mm_per_pixel > 0) || !std::isfinite(s.mm_per_pixel))

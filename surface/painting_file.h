@@ -1,7 +1,8 @@
 // painting_file.h: a painting as one multi-part OpenEXR file; part `dry` holds the fitted Surface.
 //
 // Channels (32-bit float): height [mm], normal.X/Y/Z, diffuse.R/G/B, specular, roughness, confidence,
-// and lobe.R/G/B where lobes have colours. Attributes: mm_per_pixel, scale_known, photography (JSON),
+// and lobe.R/G/B where lobes have colours, roughness.V and tangent where they are drawn out. Attributes:
+// mm_per_pixel, scale_known, photography (JSON),
 // provenance (JSON), dry_hash. docs/quantities.md has all.
 #pragma once
 
@@ -23,9 +24,9 @@ void write_painting(AtomicFile& file, const Surface& surface, const Progress& pr
 
 // Throws Error naming the file and what is wrong: not an EXR, truncated, no part `dry`, a channel missing,
 // maps whose content no longer has the hash that was stored, and values that cannot be relit where confidence
-// is not 0: not finite, roughness below 1e-6, a lobe's colour beyond 0..1, normals that are no unit vectors
-// (off by up to 1 % they are normalised). Where confidence is 0 such a pixel becomes one that was not
-// measured (surface.h).
+// is not 0: not finite, roughness below 1e-6, roughness.V likewise, a lobe's colour beyond 0..1, normals that
+// are no unit vectors (off by up to 1 % they are normalised). Where confidence is 0 such a pixel becomes one
+// that was not measured (surface.h).
 Surface read_painting(const std::filesystem::path& path, const Progress& progress = {});
 
 // True where the file is an EXR with a part `dry`; false for any other file.

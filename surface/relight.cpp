@@ -4,6 +4,7 @@
 #include <numbers>
 #include <optional>
 
+#include "surface/anisotropy.h"
 #include "surface/cast_shadows.h"
 #include "surface/diffuse.h"
 #include "surface/parallel.h"
@@ -20,7 +21,10 @@ Rgb reflected(const Surface& s, int x, int y, const Vec3& light, const Vec3& vie
     const Vec3& n = s.normal(x, y);
     const WardAngles<float> angles = ward_angles(n, light, view);
     if (!(angles.n_l > 0)) return Rgb(0);
-    const float lobe = hazy_lobe(model, angles, s.roughness(x, y), static_cast<float>(s.law.haze));
+    const auto haze = static_cast<float>(s.law.haze);
+    const float lobe = s.lobe_axes.empty() ? hazy_lobe(model, angles, s.roughness(x, y), haze)
+                                           : drawn_out_lobe(model, angles, n, light + view, s.roughness(x, y),
+                                                            s.lobe_axes(x, y), haze);
     const auto diffuse_roughness = static_cast<float>(s.law.diffuse_roughness);
     const float matt =
         angles.n_v > 0 ? rough_diffuse(angles.n_l, angles.n_v, angles.h_h / 2 - 1, diffuse_roughness).value

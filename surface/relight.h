@@ -34,7 +34,8 @@ struct RelightOptions {
 // ahead where there is none):
 //   value = ambient rho_d + sum over lights of irradiance *
 //           (visibility * (rho_d D + pi rho_s colour lobe max(0, n.l)) + rig.ambient rho_d)
-// with the colour of the lobe, 1 where surface.lobe_colour is empty, and D of diffuse.h, max(0, n.l) where
+// with the colour of the lobe, 1 where surface.lobe_colour is empty, drawn out as surface.lobe_axes say
+// (anisotropy.h), and D of diffuse.h, max(0, n.l) where
 // surface.law.diffuse_roughness is 0: then a matt white facing a light of gain 1 is 1 + rig.ambient. It is
 // linear in the lights (tested).
 Image<Rgb> relight(const Surface& surface, std::span<const Light> lights, const RelightOptions& options = {},

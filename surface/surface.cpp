@@ -83,7 +83,8 @@ void require_consistent(const Surface& s) {
     const Region region = s.height_mm.region();
     TP_REQUIRE(s.normal.region() == region && s.diffuse.region() == region && s.specular.region() == region &&
                    s.roughness.region() == region && s.confidence.region() == region &&
-                   (s.lobe_colour.empty() || s.lobe_colour.region() == region),
+                   (s.lobe_colour.empty() || s.lobe_colour.region() == region) &&
+                   (s.lobe_axes.empty() || s.lobe_axes.region() == region),
                "all maps of a surface have the same size");
 }
 

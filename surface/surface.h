@@ -52,6 +52,17 @@ const Photography::Photo* find_photo(const Photography& photography, const Light
 // as strong and as near as the lamps that were photographed make likely.
 Light as_photographed(const Light& light, const Photography& photography);
 
+// Where a lobe is drawn out (anisotropic Ward; surface/anisotropy.h has the frame): alpha is `roughness`
+// times a factor along the tangent, and that much less across it, so that `roughness` stays their geometric
+// mean and an isotropic lobe of it has the same peak and energy.
+struct LobeAxes {
+    float roughness_v =
+        0.3f;           // [1] alpha across the tangent; that of the surface where the lobe is isotropic
+    float tangent = 0;  // [rad] of the tangent from x towards y; 0 where the lobe is isotropic
+
+    friend bool operator==(const LobeAxes&, const LobeAxes&) = default;
+};
+
 // All maps have the same size. A pixel that was not measured has confidence 0, normal (0, 0, 1) and rho_d =
 // 0.
 struct Surface {
@@ -64,6 +75,7 @@ struct Surface {
     // [1] What rho_s is multiplied by in each channel, 0..1, 1 in the largest: white, as a dielectric's, or a
     // metal's colour. Empty: all are white.
     Image<Rgb> lobe_colour;
+    Image<LobeAxes> lobe_axes;  // empty: all lobes are isotropic
 
     ReflectanceLaw law;        // of the whole painting
     double mm_per_pixel = 1;   // [mm] > 0; 1 where unknown
@@ -79,7 +91,7 @@ struct Surface {
     Vec3 point_mm(int x, int y) const;  // [mm] of a pixel's centre in the surface frame
 };
 
-// Throws ContractError where the maps differ in size; lobe_colour may be empty.
+// Throws ContractError where the maps differ in size; lobe_colour and lobe_axes may be empty.
 void require_consistent(const Surface& surface);
 
 // z-gradient (dz/dx, dz/dy) [1] of a unit normal with z > 0, y up; and back.

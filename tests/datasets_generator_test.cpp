@@ -9,6 +9,7 @@
 
 #include "capture/lights_file.h"
 #include "capture/stack.h"
+#include "surface/anisotropy.h"
 #include "surface/atomic_file.h"
 #include "surface/painting_file.h"
 #include "surface/photography_json.h"
@@ -212,6 +213,45 @@ TEST(WriteStack, GoldLeafHasALobeOfItsColour) {
     }
     write_stack(folder / "stack", plain, options);
     EXPECT_FALSE(fs::exists(folder / "stack" / "gt" / "lobe.exr")) << "of another stack";
+}
+
+TEST(WriteStack, RubbedGoldLeafShinesWideAcrossTheBorder) {
+    PaintingOptions options{
+        .width = 48, .height = 40, .brush_width_mm = 2, .crack_distance_mm = 3, .gilding = true};
+    EXPECT_TRUE(procedural_painting(options).lobe_axes.empty());
+    options.brushed = 0.5;
+    const PaintingTruth truth = procedural_painting(options);
+    const auto stretch_at = [&](int x, int y) {
+        return stretch_of(truth.lobe_axes(x, y), truth.roughness(x, y));
+    };
+    EXPECT_LT(glm::length(stretch_at(1, 20) - Stretch(0.5f, 0)), 1e-3f) << "left";
+    EXPECT_LT(glm::length(stretch_at(24, 1) - Stretch(-0.5f, 0)), 1e-3f) << "above";
+    EXPECT_EQ(stretch_at(24, 20), Stretch(0)) << "paint";
+    const TestDir folder;
+    write_stack(folder / "stack", truth,
+                {.lights = 4, .held_out = 0, .reflectance = Reflectance::ward_bounded});
+    EXPECT_EQ(read_painting(folder / "stack" / "gt" / "truth.exr").lobe_axes(1, 20), truth.lobe_axes(1, 20));
+    EXPECT_TRUE(fs::exists(folder / "stack" / "gt" / "roughness_v.exr"));
+    // Under a lamp off to the side and one as far above, as Ward's lobe and as GGX.
+    PaintingTruth flat(1, 1);
+    flat.specular(0, 0) = 0.3f;
+    flat.lobe_axes = Image<LobeAxes>(1, 1, axes_of({0.5f, 0}, flat.roughness(0, 0)));
+    flat.diffuse(0, 0) = Rgb(0);
+    for (const Reflectance reflectance : {Reflectance::ward_bounded, Reflectance::ggx}) {
+        const auto shine = [&](const Vec3& to) {
+            return render_photo(flat, distant_light(to), {.reflectance = reflectance, .cast_shadows = false})(
+                       0, 0)
+                .g;
+        };
+        EXPECT_GT(shine({0.8f, 0, 1}), 2 * shine({0, 0.8f, 1}));
+    }
+    // Without a stretch, GGX is what it is without axes.
+    flat.lobe_axes(0, 0) = {flat.roughness(0, 0), 0};
+    PaintingTruth round = flat;
+    round.lobe_axes = {};
+    const GeneratorOptions ggx{.cast_shadows = false};
+    const Light light = distant_light({0.3f, 0.4f, 1});
+    EXPECT_NEAR(render_photo(flat, light, ggx)(0, 0).g / render_photo(round, light, ggx)(0, 0).g, 1, 1e-4);
 }
 
 TEST(WriteStack, WritesThePaintingThatAPerfectFitWouldFind) {

@@ -69,6 +69,21 @@ TEST(ImportMaps, ColoursOfLobesComeBack) {
     for (int c = 0; c < 3; ++c) EXPECT_NEAR(ks[c], expected[c], 0.5 / 255 + 1e-6);
 }
 
+TEST(ImportMaps, AxesOfLobesComeBack) {
+    const TestDir dir;
+    Surface s = example_surface();
+    s.lobe_axes = Image<LobeAxes>(s.width(), s.height(), {0.05f, -0.7f});
+    EXPECT_EQ(write_maps(dir.path(), s).size(), 9u);
+    ImportReport report;
+    const Surface back = import_maps(find_maps(dir.path()), {}, report);
+    ASSERT_EQ(back.lobe_axes.region(), s.lobe_axes.region());
+    EXPECT_EQ(back.lobe_axes(3, 3), s.lobe_axes(3, 3));
+    std::filesystem::remove(dir / "tangent.exr");
+    EXPECT_THAT(
+        error_of([&] { import_maps(find_maps(dir.path()), {}, report); }),
+        testing::AllOf(testing::HasSubstr("roughness_v.exr"), testing::HasSubstr("tangent is missing")));
+}
+
 TEST(ImportMaps, HeightIsIntegratedFromNormals) {
     const TestDir dir;
     const Surface s = example_surface();

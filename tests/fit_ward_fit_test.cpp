@@ -247,6 +247,35 @@ TEST(WardFitter, TurnsItsNormalsWithTheLights) {
     }
 }
 
+// Gold leaf: hardly a matt part, and a lobe so wide that photometric stereo takes it for one.
+TEST(WardFitter, FindsMetalThatHardlyHasAMattPartFromItsHighlight) {
+    Random random(29);
+    WardFitOptions without;
+    without.by_highlight = false;
+    WardFitter once(without), twice({});
+    int lost = 0, left = 0;
+    constexpr int kCount = 200;
+    for (int i = 0; i < kCount; ++i) {
+        const WardVector gold = {
+            random.uniform(-0.5, 0.5), random.uniform(-0.5, 0.5), std::log(0.3), 0.3, 0.1, 0.08, 0.04};
+        PixelSamples s = samples_of(gold, 40, 3, 0.004);
+        add_noise(s, random);
+        const auto is_lost = [&](const WardEstimate& e) {
+            return glm::length(e.slope - glm::dvec2(gold[0], gold[1])) > 0.05;
+        };
+        const WardEstimate by_stereo = once.fit(s), by_both = twice.fit(s);
+        lost += is_lost(by_stereo);
+        left += is_lost(by_both);
+        EXPECT_LE(by_both.rms_residual, by_stereo.rms_residual * 1.0001);
+        const auto start = highlight_start(s, {});
+        ASSERT_TRUE(start);
+        EXPECT_LT(glm::length(start->slope - glm::dvec2(gold[0], gold[1])), 0.2);
+    }
+    std::cout << lost << " and " << left << " of " << kCount << " lost\n";
+    EXPECT_GE(lost, 10) << "else there is nothing to mend";
+    EXPECT_LE(left, lost / 4);
+}
+
 TEST(WardFitter, SaysThatFewerPhotographsAreLessCertain) {
     Random random(27);
     WardFitter fitter = exact_fitter();

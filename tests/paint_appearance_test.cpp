@@ -5,6 +5,7 @@
 
 #include "paint/appearance_part.h"
 #include "paint/kubelka_munk.h"
+#include "surface/anisotropy.h"
 #include "surface/error.h"
 #include "tests/paint_support.h"
 #include "tests/test_support.h"
@@ -81,6 +82,29 @@ TEST(Appearance, PaintHidesTheColourOfTheLobeBelow) {
         EXPECT_LT(glm::length(s.specular(30, 30) * colour - both), 1e-5f);
     }
     EXPECT_GT(before, 0.999f);
+}
+
+TEST(Appearance, PaintIsNotDrawnOutAsWhatIsBelow) {
+    auto dry = flat_surface(128, 64);
+    const Stretch brushed(0.5f, -0.3f);
+    std::fill(dry->specular.pixels().begin(), dry->specular.pixels().end(), 0.3f);
+    dry->lobe_axes = Image<LobeAxes>(128, 64, axes_of(brushed, dry->roughness(0, 0)));
+    Canvas canvas(dry);
+    const auto id = add_paint(canvas, "Titanium White");
+    float before = glm::length(brushed);
+    for (const float mm : {0.002f, 0.01f, 0.2f}) {
+        PaintTile tile;
+        tile.ingredients = {id};
+        tile.thickness_mm.assign(PaintTile::kPixels, mm);
+        canvas.writable_wet().set_tile({0, 0}, std::make_shared<PaintTile>(tile));
+        const Surface s = appearance(canvas, {.covering_mm = 0.01});
+        EXPECT_EQ(s.lobe_axes(100, 30), dry->lobe_axes(100, 30)) << "bare";
+        const Stretch left = stretch_of(s.lobe_axes(30, 30), s.roughness(30, 30));
+        EXPECT_LT(glm::length(left), before);
+        before = glm::length(left);
+        EXPECT_NEAR(left.x * brushed.y, left.y * brushed.x, 1e-5) << "in its direction";
+    }
+    EXPECT_LT(before, 0.001f);
 }
 
 TEST(Appearance, BarePartFallsWithThickness) {

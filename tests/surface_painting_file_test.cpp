@@ -127,6 +127,32 @@ TEST(PaintingFile, KeepsTheColoursOfLobes) {
                 testing::AllOf(HasSubstr("map 'lobe' holds (1, 0.5, 1.5)"), HasSubstr("pixel (5, 7)")));
 }
 
+TEST(PaintingFile, KeepsTheAxesOfLobes) {
+    const TestDir dir;
+    Surface s = random_surface(19, 23);
+    const std::string isotropic = hash_of(s);
+    s.lobe_axes = Image<LobeAxes>(19, 23);
+    Random random(3);
+    for (LobeAxes& axes : s.lobe_axes.pixels())
+        axes = {static_cast<float>(random.real(0.01, 0.3)), static_cast<float>(random.real(-1.5, 1.5))};
+    write_painting(dir / "a.exr", s);
+    const Surface back = read_painting(dir / "a.exr");
+    expect_same_maps(s, back);
+    EXPECT_EQ(back.lobe_axes.pixels().size(), s.lobe_axes.pixels().size());
+    EXPECT_TRUE(std::equal(back.lobe_axes.pixels().begin(), back.lobe_axes.pixels().end(),
+                           s.lobe_axes.pixels().begin()));
+    EXPECT_TRUE(back.lobe_colour.empty());
+    EXPECT_NE(hash_of(s), isotropic);
+    s.lobe_axes(5, 7).roughness_v = 0;
+    s.confidence(5, 7) = 1;
+    write_painting(dir / "a.exr", s);
+    EXPECT_THAT(error_of([&] { read_painting(dir / "a.exr"); }),
+                testing::AllOf(HasSubstr("map 'roughness.V' holds 0"), HasSubstr("pixel (5, 7)")));
+    s.confidence(5, 7) = 0;
+    write_painting(dir / "a.exr", s);
+    EXPECT_EQ(read_painting(dir / "a.exr").lobe_axes(5, 7), (LobeAxes{0.3f, 0})) << "not measured";
+}
+
 TEST(PaintingFile, RefusesALawThatIsNone) {
     const TestDir dir;
     Surface s(2, 2);

@@ -76,6 +76,23 @@ TEST_F(RendererTest, EqualsTheReferenceWithColouredLobes) {
         << "colours matter here";
 }
 
+TEST_F(RendererTest, EqualsTheReferenceWithLobesThatAreDrawnOut) {
+    Surface s = brushed_surface(150, 170);
+    for (const WardModel model : {WardModel::ward1992, WardModel::bounded}) {
+        const auto gl = by_gl(s, some_lights(), {.model = model});
+        EXPECT_GE(part_within(gl, relight(s, some_lights(), {.model = model}), 1), 0.999) << name_of(model);
+    }
+    s.law = {.diffuse_roughness = 0.6, .haze = 0.3};
+    const auto gl = by_gl(s, some_lights(), {.cast_shadows = true, .light_radius_deg = 2});
+    EXPECT_GE(part_within(gl, relight(s, some_lights(), {.cast_shadows = true, .light_radius_deg = 2}), 1),
+              0.999);
+    Surface round = s;
+    round.lobe_axes = {};
+    EXPECT_LT(
+        part_within(gl, relight(round, some_lights(), {.cast_shadows = true, .light_radius_deg = 2}), 1), 0.8)
+        << "stretches matter here";
+}
+
 TEST_F(RendererTest, EqualsTheReferenceWithCastShadows) {
     const Surface s = painted_surface(130, 100);
     RelightOptions options{.cast_shadows = true, .light_radius_deg = 2};

@@ -75,6 +75,20 @@ inline Surface gilded_surface(int width, int height, std::uint64_t seed = 1) {
     return s;
 }
 
+// And drawn out in all directions.
+inline Surface brushed_surface(int width, int height, std::uint64_t seed = 1) {
+    Surface s = gilded_surface(width, height, seed);
+    Random random(seed + 2);
+    s.lobe_axes = Image<LobeAxes>(width, height);
+    for (std::size_t i = 0; i < s.lobe_axes.size(); ++i) {
+        const float stretch = static_cast<float>(random.real(0, 0.7)),
+                    angle = static_cast<float>(random.real(-3, 3));
+        const float alpha = s.roughness.pixels()[i];
+        s.lobe_axes.pixels()[i] = axes_of(stretch * Stretch(std::cos(angle), std::sin(angle)), alpha);
+    }
+    return s;
+}
+
 // Part of the pixels whose encoded values differ by no more than `steps` of 255.
 inline double part_within(const Image<Rgb>& a, const Image<Rgb>& b, double steps) {
     if (a.region() != b.region()) return 0;

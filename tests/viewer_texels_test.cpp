@@ -42,6 +42,51 @@ TEST(Texels, ColoursOfLobesComeBack) {
     EXPECT_EQ(back.lobe_colour.g, 1);
 }
 
+TEST(Texels, StretchesOfLobesComeBack) {
+    Surface s = brushed_surface(64, 48);
+    const TexelRange range = range_of(s, 5);
+    ASSERT_TRUE(range.drawn_out_lobes);
+    for (int y = 0; y < s.height(); ++y)
+        for (int x = 0; x < s.width(); ++x) {
+            const Material a = material_at(s, x, y), b = unpack(pack(a, range), range);
+            EXPECT_LT(glm::length(a.stretch - b.stretch), 0.006f);
+            EXPECT_LT(glm::length(a.lobe_colour - b.lobe_colour), 0.006f);
+            EXPECT_LT(glm::length(a.normal - b.normal), 5e-4f);
+            EXPECT_LT(glm::length(a.diffuse - b.diffuse), 4e-3f);
+            EXPECT_NEAR(a.specular, b.specular, 2e-4);
+            EXPECT_NEAR(a.roughness / b.roughness, 1, 2e-3);
+            EXPECT_NEAR(a.height_mm, b.height_mm, 1e-4);
+            EXPECT_NEAR(a.confidence, b.confidence, 0.08);
+        }
+    const Material plain{.roughness = 0.2f};
+    EXPECT_EQ(unpack(pack(plain, range), range).stretch, Stretch(0)) << "exactly";
+    s.lobe_colour = {};
+    EXPECT_EQ(unpack(pack(material_at(s, 40, 9), range_of(s)), range_of(s)).lobe_colour, Rgb(1));
+}
+
+// From afar, slopes that differ along one direction draw a lobe out, and a stretch that all have is kept.
+TEST(Texels, LevelsOfDetailKeepStretches) {
+    Surface s(32, 32);
+    s.lobe_axes = Image<LobeAxes>(32, 32, axes_of({0.3f, 0.4f}, 0.2f));
+    for (float& alpha : s.roughness.pixels()) alpha = 0.2f;
+    for (float& rho : s.specular.pixels()) rho = 0.1f;
+    const TexelTiles even(s, range_of(s));
+    const Material same = unpack(even.at(0, 0, 1), even.range());
+    EXPECT_NEAR(same.roughness, 0.2, 1e-3);
+    EXPECT_LT(glm::length(same.stretch - Stretch(0.3f, 0.4f)), 0.01f);
+    for (LobeAxes& axes : s.lobe_axes.pixels()) axes = {0.2f, 0};
+    for (int y = 0; y < 32; ++y)
+        for (int x = 0; x < 32; ++x) s.normal(x, y) = normal_of({x % 2 ? 0.15f : -0.15f, 0});
+    const TexelTiles ridges(s, range_of(s));
+    const Material mean = unpack(ridges.at(0, 0, 1), ridges.range());
+    // Variances of slopes: alpha^2 / 2 across the ridges, and 0.15^2 more along x.
+    const double along = std::sqrt(0.04 + 2 * 0.15 * 0.15);
+    const LobeAxes axes = axes_of(mean.stretch, mean.roughness);
+    EXPECT_NEAR(axes.roughness_v, 0.2, 3e-3);
+    EXPECT_NEAR(mean.roughness * mean.roughness / axes.roughness_v, along, 4e-3);
+    EXPECT_NEAR(axes.tangent, 0, 0.02);
+}
+
 TEST(Texels, GrazingNormalsKeepTheirDirection) {
     for (const float z : {1e-3f, 0.01f, 0.1f})
         for (float angle = 0; angle < 6.28f; angle += 0.1f) {

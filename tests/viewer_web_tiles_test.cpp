@@ -97,6 +97,16 @@ TEST(WebTiles, KeepTheColoursOfLobes) {
         }
 }
 
+TEST(WebTiles, KeepLobesThatAreDrawnOutAsTheyAre) {
+    const Surface s = brushed_surface(120, 90);
+    const TexelTiles tiles(s, range_of(s));
+    const std::vector<Texel> texels =
+        unpacked(web_tile(tiles, {0, 0, 0}), 120, 90, web_fields(tiles.range()));
+    for (int y = 0; y < 90; ++y)
+        for (int x = 0; x < 120; ++x)
+            ASSERT_EQ(texels[static_cast<std::size_t>(y * 120 + x)], tiles.at(x, y)) << x << " " << y;
+}
+
 TEST(WebTiles, AreSmallWhereNothingHappens) {
     const Surface flat(256, 256);
     EXPECT_LT(web_tile(TexelTiles(flat, range_of(flat)), {}).size(), 5000u);

@@ -276,6 +276,7 @@ const gl::Program& Renderer::program_for(const Scene& scene, const Shot& shot, b
     define("WARD_MODEL", static_cast<int>(scene.model));
     define("LAW", scene.law == ReflectanceLaw{} ? 0 : 1);
     define("COLOURED", tiles_->range().coloured_lobes ? 1 : 0);
+    define("DRAWN_OUT", tiles_->range().drawn_out_lobes ? 1 : 0);
     define("FILTER", shot.smooth ? 1 : 0);
     define("AT_HOME", by_table ? 0 : 1);
     define("LIGHTS", static_cast<int>(std::max<std::size_t>(scene.lights.size(), 1)));

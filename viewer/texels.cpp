@@ -20,27 +20,82 @@ float value(std::uint32_t code, std::uint32_t largest) {
     return static_cast<float>(code) / static_cast<float>(largest);
 }
 
-// Bits of a field, from `shift` on.
+// Bits of a word, from `shift` on.
 struct Field {
-    int shift;
-    std::uint32_t largest;
-    std::uint32_t of(float v) const { return code(v, largest) << shift; }
-    float in(std::uint32_t word) const { return value(word >> shift & largest, largest); }
+    int word = 0, shift = 0;
+    std::uint32_t largest = 0;  // 0: texels do not have it
+    void set(Texel& texel, std::uint32_t number) const {
+        texel[static_cast<std::size_t>(word)] |= number << shift;
+    }
+    void put(Texel& texel, float v) const { set(texel, code(v, largest)); }
+    std::uint32_t number(const Texel& texel) const {
+        return texel[static_cast<std::size_t>(word)] >> shift & largest;
+    }
+    float in(const Texel& texel) const { return value(number(texel), largest); }
 };
 
-// Of the words z and w.
-struct GlossLayout {
-    Field specular, alpha, confidence, height;
+constexpr Field field(int word, int shift, int bits) { return {word, shift, (1u << bits) - 1}; }
+
+// The fields that texels.h describes.
+struct Layout {
+    Field u, v, red, green, blue, specular, alpha, confidence, height;
+    Field after{}, before{}, largest{};  // the lobe's colour
+    Field stretch_x{}, stretch_y{};
 };
-constexpr GlossLayout kWhiteLobes{{0, 65535}, {16, 65535}, {0, 255}, {8, (1u << 24) - 1}};
-constexpr GlossLayout kColouredLobes{{0, 4095}, {12, 8191}, {0, 63}, {15, (1u << 17) - 1}};
-constexpr Field kColourAfter{25, 127}, kColourBefore{8, 127};
-constexpr int kLargestShift = 6;
-const GlossLayout& layout_of(const TexelRange& r) { return r.coloured_lobes ? kColouredLobes : kWhiteLobes; }
+constexpr Layout kWhiteLobes{.u = field(0, 0, 16),
+                             .v = field(0, 16, 16),
+                             .red = field(1, 0, 11),
+                             .green = field(1, 11, 11),
+                             .blue = field(1, 22, 10),
+                             .specular = field(2, 0, 16),
+                             .alpha = field(2, 16, 16),
+                             .confidence = field(3, 0, 8),
+                             .height = field(3, 8, 24)};
+constexpr Layout kColouredLobes{.u = field(0, 0, 16),
+                                .v = field(0, 16, 16),
+                                .red = field(1, 0, 11),
+                                .green = field(1, 11, 11),
+                                .blue = field(1, 22, 10),
+                                .specular = field(2, 0, 12),
+                                .alpha = field(2, 12, 13),
+                                .confidence = field(3, 0, 6),
+                                .height = field(3, 15, 17),
+                                .after = field(2, 25, 7),
+                                .before = field(3, 8, 7),
+                                .largest = field(3, 6, 2)};
+constexpr Layout kDrawnOutLobes{.u = field(0, 0, 13),
+                                .v = field(0, 13, 12),
+                                .red = field(1, 0, 10),
+                                .green = field(1, 10, 10),
+                                .blue = field(1, 20, 9),
+                                .specular = field(2, 0, 11),
+                                .alpha = field(2, 11, 12),
+                                .confidence = field(1, 29, 3),
+                                .height = field(3, 16, 16),
+                                .after = field(2, 23, 7),
+                                .before = field(0, 25, 7),
+                                .largest = field(2, 30, 2),
+                                .stretch_x = field(3, 0, 8),
+                                .stretch_y = field(3, 8, 8)};
+
+// Calls `with` with the layout of these texels, known when compiled.
+template <class With>
+auto by_layout(const TexelRange& r, const With& with) {
+    if (r.drawn_out_lobes) return with.template operator()<kDrawnOutLobes>();
+    if (r.coloured_lobes) return with.template operator()<kColouredLobes>();
+    return with.template operator()<kWhiteLobes>();
+}
+
+constexpr float kNoStretch = 127;  // code of 0
+float stretch_code(float stretch) {
+    return (kNoStretch + kNoStretch * std::clamp(stretch, -1.0f, 1.0f)) / 255;
+}
+float stretch_of_code(std::uint32_t code) { return (static_cast<float>(code) - kNoStretch) / kNoStretch; }
 
 // What a texel of the next level has of those below.
 class MeanMaterial {
 public:
+    explicit MeanMaterial(bool drawn_out) : drawn_out_(drawn_out) {}
     void add(const Material& m) {
         const Slope slope = slope_of(m.normal);
         const float weight = m.specular + 1e-6f;
@@ -54,22 +109,45 @@ public:
         slope_x_ += weight * slope.x;
         slope_y_ += weight * slope.y;
         spread_ += weight * (m.roughness * m.roughness + slope.x * slope.x + slope.y * slope.y);
+        if (drawn_out_) {
+            // alpha^2 / 2 is the variance of slopes in one direction.
+            const StretchShape<float> shape = shape_of(m.stretch.x, m.stretch.y);
+            const float half = weight * m.roughness * m.roughness / 2;
+            differ_ += half * shape.a * 2 + weight * (slope.x * slope.x - slope.y * slope.y);
+            cross_ += half * shape.b + weight * slope.x * slope.y;
+            spread_ += 2 * half * (shape.c - 1);
+        }
         ++count_;
     }
     Material material() const {
         const float length = glm::length(sum_.normal) / count_;
         const float x = slope_x_ / gloss_, y = slope_y_ / gloss_;
         const float variance = spread_ / gloss_ - x * x - y * y;
-        return {glm::normalize(sum_.normal), sum_.diffuse * (length / count_),
-                sum_.specular / count_,      std::sqrt(std::max(variance, 1e-12f)),
-                sum_.height_mm / count_,     sum_.confidence / count_,
-                lobe_colour_ / gloss_};
+        Material mean{glm::normalize(sum_.normal), sum_.diffuse * (length / count_),
+                      sum_.specular / count_,      std::sqrt(std::max(variance, 1e-12f)),
+                      sum_.height_mm / count_,     sum_.confidence / count_,
+                      lobe_colour_ / gloss_};
+        if (drawn_out_) draw_out(variance, differ_ / gloss_ - x * x + y * y, cross_ / gloss_ - x * y, mean);
+        return mean;
     }
 
 private:
+    // Of the covariance of slopes: its trace, the difference of its diagonal, and what is beside it.
+    static void draw_out(float trace, float difference, float beside, Material& mean) {
+        const float off = std::sqrt(difference * difference / 4 + beside * beside);
+        const float root2 = std::max(trace * trace / 4 - off * off, 0.0f);  // the determinant
+        mean.roughness = std::sqrt(std::max(2 * std::sqrt(root2), 1e-12f));
+        const float s = std::min(std::asinh(2 * off / (mean.roughness * mean.roughness)) / 2,
+                                 static_cast<float>(kMostStretch));
+        // What is drawn out further than can be told is no narrower for it.
+        mean.roughness = std::sqrt(std::max(trace, 1e-12f) / std::cosh(2 * s));
+        if (off > 0) mean.stretch = s / off * Stretch(difference / 2, beside);
+    }
+
+    bool drawn_out_;
     Material sum_{.normal = Vec3(0)};
     Rgb lobe_colour_{0};
-    float count_ = 0, gloss_ = 0, spread_ = 0, slope_x_ = 0, slope_y_ = 0;
+    float count_ = 0, gloss_ = 0, spread_ = 0, slope_x_ = 0, slope_y_ = 0, differ_ = 0, cross_ = 0;
 };
 
 }  // namespace
@@ -102,57 +180,80 @@ TexelRange range_of(const Surface& s, float paint_mm) {
     range.specular_max = std::min(range.specular_max, 16.0f);
     range.height_min_mm = low;
     range.height_max_mm = std::max(high, low + 1e-6f) + paint_mm;
-    range.coloured_lobes = !s.lobe_colour.empty();
+    range.drawn_out_lobes = !s.lobe_axes.empty();
+    range.coloured_lobes = range.drawn_out_lobes || !s.lobe_colour.empty();
     return range;
 }
 
-Texel pack(const Material& m, const TexelRange& r) {
+namespace {
+
+template <const Layout& l>
+Texel packed(const Material& m, const TexelRange& r) {
     const Vec3 n = m.normal / (std::abs(m.normal.x) + std::abs(m.normal.y) + std::abs(m.normal.z));
     const auto root = [](float v) { return std::sqrt(std::max(v, 0.0f)); };
     const auto rho = [&](float v) { return root(v / r.diffuse_max); };
-    const float alpha = (std::log2(std::max(m.roughness, 1e-6f)) + 14) / 20;
     const float height = (m.height_mm - r.height_min_mm) / (r.height_max_mm - r.height_min_mm);
-    const GlossLayout& layout = layout_of(r);
+    Texel texel{};
+    l.u.put(texel, 0.5f + 0.5f * (n.x + n.y));
+    l.v.put(texel, 0.5f + 0.5f * (n.x - n.y));
+    l.red.put(texel, rho(m.diffuse.r));
+    l.green.put(texel, rho(m.diffuse.g));
+    l.blue.put(texel, rho(m.diffuse.b));
+    l.alpha.put(texel, (std::log2(std::max(m.roughness, 1e-6f)) + 14) / 20);
+    l.confidence.put(texel, m.confidence);
     // Heights need all 24 bits: in double, since a float has no more.
-    const auto z = static_cast<std::uint32_t>(
-        std::clamp<double>(height, 0.0, 1.0) * static_cast<double>(layout.height.largest) + 0.5);
-    Texel texel = {code(0.5f + 0.5f * (n.x + n.y), 65535) | code(0.5f + 0.5f * (n.x - n.y), 65535) << 16,
-                   code(rho(m.diffuse.r), 2047) | code(rho(m.diffuse.g), 2047) << 11 |
-                       code(rho(m.diffuse.b), 1023) << 22,
-                   layout.alpha.of(alpha), layout.confidence.of(m.confidence) | z << layout.height.shift};
+    l.height.set(texel,
+                 static_cast<std::uint32_t>(
+                     std::clamp<double>(height, 0.0, 1.0) * static_cast<double>(l.height.largest) + 0.5));
     float specular = m.specular;
-    if (r.coloured_lobes) {  // means of several colours may have no channel of 1
+    if constexpr (l.largest.largest > 0) {  // means of several colours may have no channel of 1
         const Rgb& colour = m.lobe_colour;
         const int largest = colour.r >= colour.g && colour.r >= colour.b ? 0 : colour.g >= colour.b ? 1 : 2;
         const float most = std::max(colour[largest], 1e-6f);
         specular *= most;
-        texel[2] |= kColourAfter.of(colour[(largest + 1) % 3] / most);
-        texel[3] |= static_cast<std::uint32_t>(largest) << kLargestShift |
-                    kColourBefore.of(colour[(largest + 2) % 3] / most);
+        l.largest.set(texel, static_cast<std::uint32_t>(largest));
+        l.after.put(texel, colour[(largest + 1) % 3] / most);
+        l.before.put(texel, colour[(largest + 2) % 3] / most);
     }
-    texel[2] |= layout.specular.of(root(specular / r.specular_max));
+    if constexpr (l.stretch_x.largest > 0) {
+        l.stretch_x.put(texel, stretch_code(m.stretch.x));
+        l.stretch_y.put(texel, stretch_code(m.stretch.y));
+    }
+    l.specular.put(texel, root(specular / r.specular_max));
     return texel;
 }
 
-Material unpack(const Texel& t, const TexelRange& r) {
+template <const Layout& l>
+Material unpacked(const Texel& t, const TexelRange& r) {
     Material m;
-    const float u = 2 * value(t[0] & 0xffffu, 65535) - 1, v = 2 * value(t[0] >> 16, 65535) - 1;
+    const float u = 2 * l.u.in(t)-1, v = 2 * l.v.in(t)-1;
     const float x = 0.5f * (u + v), y = 0.5f * (u - v);
     m.normal = glm::normalize(Vec3(x, y, 1 - std::abs(x) - std::abs(y)));
-    const Rgb root(value(t[1] & 0x7ffu, 2047), value((t[1] >> 11) & 0x7ffu, 2047), value(t[1] >> 22, 1023));
+    const Rgb root(l.red.in(t), l.green.in(t), l.blue.in(t));
     m.diffuse = r.diffuse_max * root * root;
-    const GlossLayout& layout = layout_of(r);
-    const float gloss = layout.specular.in(t[2]);
+    const float gloss = l.specular.in(t);
     m.specular = r.specular_max * gloss * gloss;
-    m.roughness = std::exp2(20 * layout.alpha.in(t[2]) - 14);
-    m.height_mm = r.height_min_mm + (r.height_max_mm - r.height_min_mm) * layout.height.in(t[3]);
-    m.confidence = layout.confidence.in(t[3]);
-    if (r.coloured_lobes) {
-        const int largest = static_cast<int>(t[3] >> kLargestShift & 3u);
-        m.lobe_colour[(largest + 1) % 3] = kColourAfter.in(t[2]);
-        m.lobe_colour[(largest + 2) % 3] = kColourBefore.in(t[3]);
+    m.roughness = std::exp2(20 * l.alpha.in(t)-14);
+    m.height_mm = r.height_min_mm + (r.height_max_mm - r.height_min_mm) * l.height.in(t);
+    m.confidence = l.confidence.in(t);
+    if constexpr (l.largest.largest > 0) {
+        const auto largest = static_cast<int>(l.largest.number(t));
+        m.lobe_colour[(largest + 1) % 3] = l.after.in(t);
+        m.lobe_colour[(largest + 2) % 3] = l.before.in(t);
     }
+    if constexpr (l.stretch_x.largest > 0)
+        m.stretch = {stretch_of_code(l.stretch_x.number(t)), stretch_of_code(l.stretch_y.number(t))};
     return m;
+}
+
+}  // namespace
+
+Texel pack(const Material& m, const TexelRange& r) {
+    return by_layout(r, [&]<const Layout & l>() { return packed<l>(m, r); });
+}
+
+Material unpack(const Texel& t, const TexelRange& r) {
+    return by_layout(r, [&]<const Layout & l>() { return unpacked<l>(t, r); });
 }
 
 Material material_at(const Surface& s, int x, int y) {
@@ -162,7 +263,8 @@ Material material_at(const Surface& s, int x, int y) {
             s.roughness(x, y),
             s.height_mm(x, y),
             s.confidence(x, y),
-            s.lobe_colour.empty() ? Rgb(1) : s.lobe_colour(x, y)};
+            s.lobe_colour.empty() ? Rgb(1) : s.lobe_colour(x, y),
+            s.lobe_axes.empty() ? Stretch(0) : stretch_of(s.lobe_axes(x, y), s.roughness(x, y))};
 }
 
 LevelSize level_size(int width, int height, int level) {
@@ -233,7 +335,7 @@ void TexelTiles::update(const Surface& s, const Region& region) {
     for (int level = 1; level < levels(); ++level) {
         const LevelSize below = level_size(width_, height_, level - 1);
         make(level, region_at(level, region), [&](int x, int y) {
-            MeanMaterial mean;
+            MeanMaterial mean(range_.drawn_out_lobes);
             for (int sy = 2 * y; sy < std::min(2 * y + 2, below.height); ++sy)
                 for (int sx = 2 * x; sx < std::min(2 * x + 2, below.width); ++sx)
                     mean.add(unpack(at(sx, sy, level - 1), range_));

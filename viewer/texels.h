@@ -12,11 +12,18 @@
 //      after its largest 7 bits
 //   w  confidence 6 bits; the largest channel 2 bits; the colour in the channel before it 7 bits; height 17
 //   bits
+// and where lobes are drawn out (whether or not they have colours):
+//   x  normal: u 13 bits, v 12 bits; the lobe's colour in the channel before its largest 7 bits
+//   y  rho_d: 10, 10 and 9 bits; confidence 3 bits
+//   z  sqrt(rho_s / specular_max) 11 bits; (log2(alpha) + 14) / 20 12 bits; the colour in the channel after
+//      the largest 7 bits; the largest channel 2 bits
+//   w  stretch (anisotropy.h): x, y, code 127 is 0, 0 and 254 are -1 and 1, 8 bits each; height 16 bits
 //
 // Levels of detail keep gloss (after Toksvig 2005 and Olano & Baker 2010, "LEAN mapping"): a texel of 2^l x
 // 2^l pixels has their mean normal, and the spread of their slopes goes into its lobe: alpha is the rms
-// slope, so alpha^2 = mean of (alpha^2 + slope^2) - slope of the mean^2, pixels weighted by rho_s. What a
-// mean normal lacks in length goes into rho_d: uneven paint is a little darker from afar.
+// slope, so alpha^2 = mean of (alpha^2 + slope^2) - slope of the mean^2, pixels weighted by rho_s; where
+// lobes are drawn out, all of it are matrices of slopes' covariances. What a mean normal lacks in length goes
+// into rho_d: uneven paint is a little darker from afar.
 #pragma once
 
 #include <array>
@@ -26,6 +33,7 @@
 #include <span>
 #include <vector>
 
+#include "surface/anisotropy.h"
 #include "surface/scratch_memory.h"
 #include "surface/surface.h"
 
@@ -37,7 +45,8 @@ using Texel = std::array<std::uint32_t, 4>;
 struct TexelRange {
     float diffuse_max = 1, specular_max = 0.25f;
     float height_min_mm = 0, height_max_mm = 1;
-    bool coloured_lobes = false;
+    bool coloured_lobes = false;   // texels have colours of lobes
+    bool drawn_out_lobes = false;  // ... and stretches as well
 };
 
 // Of this surface, with room for paint of `paint_mm` on it.
@@ -49,6 +58,7 @@ struct Material {
     Rgb diffuse{0};
     float specular = 0, roughness = 1, height_mm = 0, confidence = 0;
     Rgb lobe_colour{1};
+    Stretch stretch{0};
 };
 
 Texel pack(const Material& material, const TexelRange& range);

@@ -142,6 +142,7 @@ json data_of(const Surface& s, const TexelTiles& tiles, const HorizonMap& horizo
               range.height_max_mm - range.height_min_mm}},
             {"law", {s.law.diffuse_roughness, s.law.haze}},
             {"coloured_lobes", range.coloured_lobes},
+            {"drawn_out_lobes", range.drawn_out_lobes},
             {"levels", web_levels(s.width(), s.height())},
             {"fields", fields(range)},
             {"looks", looks()},

@@ -45,7 +45,23 @@ inline constexpr std::array<WebField, 12> kColouredWebFields = {{{0, 0, 16, 14},
                                                                  {3, 6, 2, 2},
                                                                  {3, 8, 7, 7},
                                                                  {3, 15, 17, 16}}};
+// The same where lobes are drawn out.
+inline constexpr std::array<WebField, 14> kDrawnOutWebFields = {{{0, 0, 13, 13},
+                                                                 {0, 13, 12, 12},
+                                                                 {0, 25, 7, 7},  // the lobe's colour
+                                                                 {1, 0, 10, 10},
+                                                                 {1, 10, 10, 10},
+                                                                 {1, 20, 9, 9},
+                                                                 {1, 29, 3, 3},
+                                                                 {2, 0, 11, 11},
+                                                                 {2, 11, 12, 12},
+                                                                 {2, 23, 7, 7},
+                                                                 {2, 30, 2, 2},
+                                                                 {3, 0, 8, 8},  // its stretch
+                                                                 {3, 8, 8, 8},
+                                                                 {3, 16, 16, 16}}};
 inline std::span<const WebField> web_fields(const TexelRange& range) {
+    if (range.drawn_out_lobes) return kDrawnOutWebFields;
     if (range.coloured_lobes) return kColouredWebFields;
     return kWebFields;
 }

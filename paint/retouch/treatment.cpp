@@ -82,6 +82,7 @@ std::string sha256_of(const Surface& surface) {
     add("roughness", surface.roughness);
     add("confidence", surface.confidence);
     if (!surface.lobe_colour.empty()) add("lobe", surface.lobe_colour);
+    if (!surface.lobe_axes.empty()) add("lobe_axes", surface.lobe_axes);
     return sha.hex();
 }
 

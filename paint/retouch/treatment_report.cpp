@@ -66,7 +66,10 @@ struct Matter {
     Mask belongs;  // where paint may lie: on mapped damage
     ReportDocument report;
 
-    void add(ReportBlock block) { report.blocks.push_back(std::move(block)); }
+    template <class Block>
+    void add(Block block) {
+        report.blocks.emplace_back(std::move(block));
+    }
     const std::vector<LogEntry>& log() const { return t.log().entries(); }
 };
 

@@ -86,6 +86,12 @@ void probe(const WindowState& s, float right) {
         off(e.slope, 3), m.height_mm, off(e.height_mm, 4), s.scale_known ? "mm" : "px", m.confidence);
     if (m.lobe_colour != Rgb(1))
         text += fmt::format("\nlobe {:.2f} {:.2f} {:.2f}", m.lobe_colour.r, m.lobe_colour.g, m.lobe_colour.b);
+    if (m.stretch != Stretch(0)) {
+        const LobeAxes axes = axes_of(m.stretch, m.roughness);
+        text += fmt::format("\nα {:.3f} along {:.0f}°, {:.3f} across",
+                            m.roughness * m.roughness / axes.roughness_v, glm::degrees(axes.tangent),
+                            axes.roughness_v);
+    }
     if (p.paint_mm > 0) {
         text += fmt::format("\nwet paint {:.3f} mm", p.paint_mm);
         for (const auto& [name, part] : p.recipe)

@@ -1,0 +1,231 @@
+#include "fit/lobe_stretch.h"
+
+#include <ceres/tiny_solver.h>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Core>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <glm/matrix.hpp>
+#include <numbers>
+
+#include "surface/parallel.h"
+
+namespace tangi {
+
+namespace {
+
+constexpr int kFree = kWardParameters + 2;
+constexpr double kBound = 1.2 * kMostStretch;  // [1] of each number of the stretch, while it is looked for
+constexpr double kPriorSigma = 0.5;            // [1] of both numbers, around 0
+constexpr double kSpread = 0.1;                // [1] of what a pixel says: other lobes than Ward's
+constexpr double kWidest = 0.6;                // [1] alpha from which on a lobe may be diffuse light
+constexpr double kLeastGloss = 0.005;          // [1] rho_s from which on there is a lobe
+constexpr float kClear = 0.1f;  // [1] stretch below which a lobe is not drawn out: relief finer than a pixel
+constexpr int kReach = 3;       // [steps] how far neighbours are asked
+constexpr float kAlike = 0.3f,
+                kAlikeFloor = 0.04f;  // [1] relative difference of looks that are others, and noise
+constexpr int kIterations = 15;       // what is not found by then is told by neighbours
+constexpr int kDirections = 6;
+constexpr std::array kStarts = {0.35, 0.8};  // [1] s
+
+// What ceres::TinySolver minimises: the residuals of a pixel, and the prior of its stretch.
+class StretchFunction {
+public:
+    using Scalar = double;
+    enum { NUM_RESIDUALS = Eigen::Dynamic, NUM_PARAMETERS = kFree };
+
+    StretchFunction(const WardResiduals& residuals, const WardBounds& bounds)
+        : residuals_(residuals), bounds_(bounds) {}
+    int NumResiduals() const { return residuals_.size() + 2; }
+    bool operator()(const double* u, double* residuals, double* jacobian) const {
+        double derivative[kFree];
+        const WardVector theta = natural_of(u, bounds_, derivative);
+        glm::dvec2 stretch;
+        for (int i = 0; i < 2; ++i) {
+            stretch[i] = kBound * std::sin(u[kWardParameters + i]);
+            derivative[kWardParameters + i] = kBound * std::cos(u[kWardParameters + i]);
+        }
+        const int rows = NumResiduals();
+        evaluate(theta, stretch, residuals, jacobian);
+        if (jacobian)
+            for (int column = 0; column < kFree; ++column)
+                for (int row = 0; row < rows; ++row) jacobian[column * rows + row] *= derivative[column];
+        return true;
+    }
+
+    // The same by natural parameters.
+    void evaluate(const WardVector& theta, const glm::dvec2& stretch, double* residuals,
+                  double* jacobian) const {
+        const int inner = residuals_.size(), rows = inner + 2;
+        residuals_.evaluate(theta.data(), stretch, residuals, jacobian);
+        for (int i = 0; i < 2; ++i) residuals[inner + i] = stretch[i] / kPriorSigma;
+        if (!jacobian) return;
+        // From the last column on: two rows more in each.
+        for (int column = kFree; column-- > 0;) {
+            std::copy_backward(jacobian + column * inner, jacobian + (column + 1) * inner,
+                               jacobian + column * rows + inner);
+            for (int i = 0; i < 2; ++i)
+                jacobian[column * rows + inner + i] = column == kWardParameters + i ? 1 / kPriorSigma : 0;
+        }
+    }
+
+private:
+    const WardResiduals& residuals_;
+    WardBounds bounds_;
+};
+
+using Solver = ceres::TinySolver<StretchFunction>;
+using Matrix = Eigen::Matrix<double, kFree, kFree>;
+using Parameters = Eigen::Matrix<double, kFree, 1>;
+
+struct Start {
+    WardVector theta;
+    glm::dvec2 stretch{0};
+};
+
+// What the model leaves out, relative to the matt part (as add_model_error() of ward_fit.cpp).
+PixelSamples with_model_error(const PixelSamples& given, const WardEstimate& e, double model_error) {
+    PixelSamples s = given;
+    const double z = 1 / std::sqrt(1 + glm::dot(e.slope, e.slope));
+    const glm::dvec3 normal = z * glm::dvec3(-e.slope, 1);
+    for (int i = 0; i < s.photos(); ++i) {
+        const auto photo = static_cast<std::size_t>(i);
+        const double cosine = std::max(glm::dot(normal, s.light[photo]), 0.0) + s.ambient[photo];
+        for (int c = 0; c < s.channels; ++c) {
+            const auto at = static_cast<std::size_t>(i * s.channels + c);
+            if (s.sigma[at] == 0) continue;
+            const double matt = e.diffuse[c] * cosine * s.irradiance[at];
+            const double sigma = std::hypot(s.sigma[at], model_error * std::max(matt, s.value[at]),
+                                            (1 - s.visible[photo]) * matt);
+            s.sigma[at] = std::copysign(sigma, s.sigma[at]);
+        }
+    }
+    return s;
+}
+
+// The cheapest of a lobe that is drawn out one way or another, at the estimate.
+Start drawn_out_start(const WardResiduals& residuals, const Start& plain) {
+    Start best = plain;
+    double least = std::numeric_limits<double>::infinity();
+    for (const double s : kStarts)
+        for (int k = 0; k < kDirections; ++k) {
+            const double angle = 2 * std::numbers::pi * k / kDirections;
+            const glm::dvec2 stretch = s * glm::dvec2(std::cos(angle), std::sin(angle));
+            const double cost = residuals.cost(plain.theta.data(), stretch);
+            if (cost >= least) continue;
+            least = cost;
+            best.stretch = stretch;
+        }
+    return best;
+}
+
+// Ends at the minimum that is next to the start; returns its cost.
+double solve(const StretchFunction& function, const WardBounds& bounds, int iterations, Start& start) {
+    const WardVector u0 = unbounded_of(start.theta, bounds);
+    Parameters u;
+    for (int i = 0; i < kWardParameters; ++i) u[i] = u0[static_cast<std::size_t>(i)];
+    for (int i = 0; i < 2; ++i) u[kWardParameters + i] = std::asin(start.stretch[i] / kBound);
+    Solver solver;
+    solver.options.max_num_iterations = iterations;
+    solver.options.parameter_tolerance = 1e-4;
+    solver.options.function_tolerance = 1e-3;
+    solver.options.initial_trust_region_radius = 1e3;
+    const double cost = solver.Solve(function, &u).final_cost;
+    start.theta = natural_of(u.data(), bounds, nullptr);
+    for (int i = 0; i < 2; ++i) start.stretch[i] = kBound * std::sin(u[kWardParameters + i]);
+    return cost;
+}
+
+// From the covariance of all, what the samples alone say of the stretch.
+StretchEvidence evidence_at(const StretchFunction& function, const Start& found, int samples) {
+    const int rows = function.NumResiduals();
+    Eigen::VectorXd residuals(rows);
+    Eigen::Matrix<double, Eigen::Dynamic, kFree> jacobian(rows, kFree);
+    function.evaluate(found.theta, found.stretch, residuals.data(), jacobian.data());
+    const double chi2 = std::max(residuals.squaredNorm() / std::max(samples - kFree, 1), 1.0);
+    Matrix information = jacobian.transpose() * jacobian;
+    information.diagonal().array() += 1e-9;
+    const Matrix covariance = information.ldlt().solve(Matrix::Identity());
+    constexpr int a = kWardParameters, b = a + 1;
+    const glm::dmat2 of_both(covariance(a, a), covariance(a, b), covariance(b, a), covariance(b, b));
+    constexpr double prior = 1 / (kPriorSigma * kPriorSigma);
+    const glm::dmat2 posterior = glm::inverse(of_both);
+    const glm::dmat2 alone = (posterior - glm::dmat2(prior)) / chi2;
+    const double trace = alone[0][0] + alone[1][1];
+    if (!(trace > 1e-3) || !(glm::determinant(alone) > 1e-6 * trace * trace)) return {};
+    // The prior drew it to 0.
+    const glm::dvec2 stretch = glm::inverse(alone * chi2) * (posterior * found.stretch);
+    const double length = glm::length(stretch);
+    return {length > kBound ? stretch * (kBound / length) : stretch,
+            glm::inverse(glm::inverse(alone) + glm::dmat2(kSpread * kSpread))};
+}
+
+float square(float v) { return v * v; }
+
+}  // namespace
+
+StretchEvidence stretch_evidence(const PixelSamples& given, const WardEstimate& e,
+                                 const WardFitOptions& options) {
+    if (e.roughness > kWidest || e.specular < kLeastGloss) return {};
+    const PixelSamples samples = with_model_error(given, e, options.model_error);
+    const WardResiduals residuals(samples, options.prior, options.robust_scale, options.law);
+    const StretchFunction function(residuals, options.bounds);
+    Start plain{.theta = {e.slope.x, e.slope.y, std::log(e.roughness), e.specular, 0, 0, 0}};
+    for (int c = 0; c < 3; ++c) plain.theta[static_cast<std::size_t>(kWardCommon + c)] = e.diffuse[c];
+    Start drawn_out = drawn_out_start(residuals, plain);
+    const double cost = solve(function, options.bounds, kIterations, drawn_out);
+    if (solve(function, options.bounds, kIterations, plain) <= cost) drawn_out = plain;
+    const auto used =
+        std::count_if(samples.sigma.begin(), samples.sigma.end(), [](double v) { return v > 0; });
+    return evidence_at(function, drawn_out, static_cast<int>(used));
+}
+
+Stretch stretch_of(const StretchEvidence& evidence) {
+    constexpr double prior = 1 / (kPriorSigma * kPriorSigma);
+    const glm::dmat2 covariance = glm::inverse(evidence.information + glm::dmat2(prior));
+    const Stretch mean(covariance * (evidence.information * evidence.stretch));
+    // As lobe_colour_of(): what is small is nothing, what is large is kept.
+    const float doubt2 = square(kClear) + 2 * static_cast<float>(covariance[0][0] + covariance[1][1]);
+    const float kept = std::max(1 - doubt2 / std::max(glm::dot(mean, mean), 1e-12f), 0.0f);
+    const Stretch shrunk = kept * mean;
+    const float s = glm::length(shrunk);
+    return s > static_cast<float>(kMostStretch) ? shrunk * (static_cast<float>(kMostStretch) / s) : shrunk;
+}
+
+int stretch_step(int width, int height) {
+    return std::max(2, static_cast<int>(std::ceil(std::sqrt(static_cast<double>(width) * height / kAsked))));
+}
+
+Image<Stretch> lobe_stretches(const Surface& s, const Image<StretchEvidence>& evidence, int step) {
+    const auto look_of = [&](int x, int y) { return s.diffuse(x, y) + s.specular(x, y); };
+    Image<Stretch> stretches(s.width(), s.height(), Stretch(0));
+    parallel_for(0, s.height(), 4, [&](int begin, int end) {
+        for (int y = begin; y < end; ++y)
+            for (int x = 0; x < s.width(); ++x) {
+                if (!(s.confidence(x, y) > 0)) continue;
+                const Rgb look = look_of(x, y);
+                const float scale2 = square(kAlike * (look.r + look.g + look.b) / 3 + kAlikeFloor);
+                StretchEvidence sum;
+                glm::dvec2 weighted(0);
+                for (int v = std::max(y / step - kReach, 0);
+                     v <= std::min(y / step + kReach, evidence.height() - 1); ++v)
+                    for (int u = std::max(x / step - kReach, 0);
+                         u <= std::min(x / step + kReach, evidence.width() - 1); ++u) {
+                        const Rgb off = look_of(u * step, v * step) - look;
+                        // Tukey's biweight, as of lobe_prior.cpp.
+                        const double alike = square(std::max(1 - glm::dot(off, off) / (12 * scale2), 0.0f));
+                        const StretchEvidence& one = evidence(u, v);
+                        sum.information += alike * one.information;
+                        weighted += alike * (one.information * one.stretch);
+                    }
+                if (!(glm::determinant(sum.information) > 0)) continue;
+                sum.stretch = glm::inverse(sum.information) * weighted;
+                stretches(x, y) = stretch_of(sum);
+            }
+    });
+    return stretches;
+}
+
+}  // namespace tangi

@@ -1,0 +1,40 @@
+// lobe_stretch.h: what photographs say of how a pixel's lobe is drawn out (surface/anisotropy.h).
+//
+// Brushed or burnished metal, and varnish along a canvas' threads, reflect further across the grooves than
+// along them. Few lights show the lobe of one pixel, so its stretch is found with everything else of the
+// pixel free, and pooled over neighbours of the same look, each with its whole covariance.
+#pragma once
+
+#include <glm/mat2x2.hpp>
+
+#include "capture/pixel_samples.h"
+#include "fit/ward_fit.h"
+#include "surface/anisotropy.h"
+
+namespace tangi {
+
+// A stretch, and the inverse of its covariance, 0 where no light shows the lobe.
+struct StretchEvidence {
+    glm::dvec2 stretch{0};
+    glm::dmat2 information{0};
+};
+
+// Of samples whose estimate had a white lobe that is not drawn out. Least squares
+// of ward_residual.h over all parameters and the stretch, from the best of a few directions and from none.
+StretchEvidence stretch_evidence(const PixelSamples& samples, const WardEstimate& estimate,
+                                 const WardFitOptions& options);
+
+// [1] What evidence comes to: drawn to 0, and 0 unless it clearly is not; s at most kMostStretch.
+Stretch stretch_of(const StretchEvidence& evidence);
+
+// Where a picture's pixels are asked: every `step` pixels in both directions, so that it is about kAsked of
+// them, however large the picture is.
+constexpr double kAsked = 30000;
+int stretch_step(int width, int height);
+
+// Stretches of all pixels from evidence of those whose x and y are multiples of the step (at x / step, y /
+// step): each with the neighbours that look like it. Of the surface diffuse and specular are read. The same
+// bits on any number of threads.
+Image<Stretch> lobe_stretches(const Surface& surface, const Image<StretchEvidence>& evidence, int step);
+
+}  // namespace tangi
