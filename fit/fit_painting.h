@@ -96,9 +96,9 @@ struct FitReport {
     double support_tilt_deg =
         0;  // [deg] of the plane taken off the height: doubtful light directions show here
     HeightReport height;
-    SignCheck signs;           // whether the lights' axes point the way that the slopes say
-    ShadowCheck shadow_signs;  // and that cast shadows say
-    LightOutliers odd_lights;  // photographs that are shaded by another light than theirs
+    SignCheck signs;                       // whether the lights' axes point the way that the slopes say
+    ShadowCheck shadow_signs;              // and that cast shadows say
+    LightOutliers odd_lights;              // photographs that are shaded by another light than theirs
     std::vector<std::string> photo_names;  // that these are of
     std::vector<std::string> warnings;
 };

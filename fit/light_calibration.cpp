@@ -208,19 +208,23 @@ Gain gain(const std::vector<double>& a, const std::vector<double>& b) {
 }
 
 // Whether `a`, which gives each lamp something of its own that those left out don't share in, explains
-// photographs better than `b` once their lamps are located, and predicts them no worse.
+// photographs better than `b` once their lamps are located, and predicts them no worse than by `loss_db`, or
+// than chance does.
 bool explains_better(const LightCalibration::Trial& a, const LightCalibration::Trial& b, double explained_db,
-                     double worth_db) {
+                     double loss_db) {
     const Gain predicted = gain(a.photos_db, b.photos_db), located = gain(a.located_db, b.located_db);
     return located.median_db - located.sigma_db > explained_db &&
-           predicted.median_db > -std::min(predicted.sigma_db, worth_db);
+           predicted.median_db > -std::min(predicted.sigma_db, loss_db);
 }
 
 // Whether `a` predicts photographs better than `b` for sure; directions of their own need only explain them.
+// Where listed directions are far off, so is that of the lamp that was left out: predictions are then poor
+// with any surface, and only a sure loss speaks against a better one.
 bool is_better(const LightCalibration::Trial& a, const LightCalibration::Trial& b, double worth_db) {
     const Gain predicted = gain(a.photos_db, b.photos_db);
     if (predicted.median_db - predicted.sigma_db > worth_db) return true;
-    return a.model.directions == DirectionFreedom::own && explains_better(a, b, kOwnWorth_db, worth_db);
+    return a.model.directions == DirectionFreedom::own &&
+           explains_better(a, b, kOwnWorth_db, std::numeric_limits<double>::infinity());
 }
 
 // Root mean square over the lamps of how far they turned, in standard errors.

@@ -172,6 +172,14 @@ TEST(LightDirections, RandomErrorsOfSixDegreesAreFound) {
     EXPECT_EQ(json["directions"].size(), lights.found.turns.size());
 }
 
+// A lamp that is left out is then as far off itself, and predicted badly with any surface.
+TEST(LightDirections, RandomErrorsOfTenDegreesAreFound) {
+    const WrongLights lights({.lights = 30, .nominal_direction_error_deg = 10}, {});
+    EXPECT_EQ(lights.found.model.directions, DirectionFreedom::own);
+    EXPECT_GE(lights.errors().before, 3);
+    EXPECT_LE(lights.errors().after, 2);
+}
+
 TEST(LightDirections, AFieldOfErrorsIsFound) {
     // Lamps are tilted the more the further they are to the right.
     const WrongLights lights({.lights = 36}, [](const glm::dvec3& d) {
