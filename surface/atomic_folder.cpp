@@ -142,6 +142,8 @@ void FolderFiles::place() {
         fs::rename(temporary_ / file, folder_ / file, status);
         if (status) fail("{}: cannot be put in place: {}", (folder_ / file).string(), status.message());
     }
+    std::error_code ignored;
+    fs::remove_all(temporary_, ignored);  // who looks at the folder now sees what was written
 }
 
 }  // namespace tangi

@@ -1,6 +1,8 @@
 #include "surface/painting_errors.h"
 
 #include <array>
+#include <cerrno>
+#include <cstring>
 #include <fstream>
 #include <string_view>
 
@@ -20,9 +22,13 @@ std::string_view refusal_in(std::string_view words) {
     return end == std::string_view::npos ? std::string_view() : words.substr(end + 3);
 }
 
+// Throws Error where the file cannot be opened.
 bool begins_as_exr(const std::filesystem::path& path) {
     std::array<char, 4> magic{};
-    std::ifstream(path, std::ios::binary).read(magic.data(), magic.size());
+    errno = 0;
+    std::ifstream file(path, std::ios::binary);
+    if (!file) fail("{}: cannot be read: {}", path.string(), std::strerror(errno));
+    file.read(magic.data(), magic.size());
     return magic == std::array<char, 4>{'\x76', '\x2f', '\x31', '\x01'};
 }
 

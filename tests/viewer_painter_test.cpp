@@ -347,8 +347,8 @@ TEST_F(PainterTest, ThePaletteIsShownWhereItChanges) {
     const std::size_t whole = news.board[0].srgb.size();
     StrokeEvent event;
     event.brush = even_brush();
+    event.paint = {{"Ultramarine Blue", 1}};
     event.on = Place::palette;
-    event.start = BrushStart::same;
     painter_->send(event);
     for (int i = 0; i <= 5; ++i) painter_->send(PointEvent{{.time_s = 0.01 * i, .x_mm = i - 3.0, .y_mm = 0}});
     painter_->send(EndEvent{});
