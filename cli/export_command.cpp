@@ -108,10 +108,9 @@ void write_layers(const fs::path& out, const Canvas& canvas, const Progress& pro
 }
 
 // A folder that appears as a whole: what `write` writes to the folder that it is given.
-nlohmann::json export_folder(const ExportArguments& a, const char* contents, std::set<std::string> known,
+nlohmann::json export_folder(const ExportArguments& a, const char* contents,
                              const std::function<void(const fs::path&)>& write) {
-    for (const std::string& name : known) refuse_to_overwrite(fs::path(a.out) / name, {a.painting});
-    AtomicFolder folder(a.out, contents, std::move(known));
+    AtomicFolder folder(a.out, contents);
     told_of(folder.temporary(), a.out, [&] { write(folder.temporary()); });
     nlohmann::json files = nlohmann::json::array();
     for (const std::string& file : folder.commit()) files.push_back((fs::path(a.out) / file).string());
@@ -120,21 +119,18 @@ nlohmann::json export_folder(const ExportArguments& a, const char* contents, std
 
 // A folder with the dry surface's maps, each layer of paint, and the maps of it all.
 nlohmann::json export_layers(const ExportArguments& a, const Canvas& canvas, const Progress& progress) {
-    return export_folder(a, "layers.json", {}, [&](const fs::path& folder) {
+    return export_folder(a, "layers.json", [&](const fs::path& folder) {
         write_maps(folder / "dry", canvas.dry(), progress);
         write_layers(folder, canvas, progress);
         write_maps(folder / "painted", appearance(canvas, {}, progress), progress);
     });
 }
 
-// Earlier versions did not list what they wrote.
 nlohmann::json export_maps(const ExportArguments& a, const Surface& surface, const Progress& progress) {
     if (a.to == "openlime")
-        return export_folder(a, "brdf.json", {"kd.png", "ks.png", "normals.png", "gloss.png", "brdf.json"},
+        return export_folder(a, "brdf.json",
                              [&](const fs::path& folder) { write_openlime(folder, surface, progress); });
     return export_folder(a, "maps.json",
-                         {"height.exr", "normal.exr", "diffuse.exr", "specular.exr", "roughness.exr",
-                          "confidence.exr", "lobe.exr", "roughness_v.exr", "tangent.exr", "maps.json"},
                          [&](const fs::path& folder) { write_maps(folder, surface, progress); });
 }
 

@@ -20,12 +20,14 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// Files in a folder, relative to it.
+// Files in a folder, relative to it, and folders in it that hold none, with a slash at their end.
 std::set<std::string> files_in(const fs::path& folder) {
     std::set<std::string> files;
     for (const auto& entry : fs::recursive_directory_iterator(folder))
         if (entry.is_symlink() || !entry.is_directory())
             files.insert(entry.path().lexically_relative(folder).generic_string());
+        else if (fs::is_empty(entry.path()))
+            files.insert(entry.path().lexically_relative(folder).generic_string() + "/");
     return files;
 }
 
@@ -71,13 +73,13 @@ void told_of(const fs::path& temporary, const fs::path& target, const std::funct
 void AtomicFolder::require_own() const {
     const std::set<std::string> own = listed_in(target_ / contents_);
     for (const std::string& file : files_in(target_))
-        if (!own.contains(file) && !known_.contains(file))
+        if (!own.contains(file))
             fail("{}: holds {}, which is not of an earlier export; name another folder, or an empty one",
                  target_.string(), file);
 }
 
-AtomicFolder::AtomicFolder(fs::path target, std::string contents, std::set<std::string> known)
-    : target_(std::move(target)), contents_(std::move(contents)), known_(std::move(known)) {
+AtomicFolder::AtomicFolder(fs::path target, std::string contents)
+    : target_(std::move(target)), contents_(std::move(contents)) {
     if (!target_.has_filename() && target_.has_relative_path()) target_ = target_.parent_path();  // "a/"
     if (fs::exists(target_)) target_ = fs::canonical(target_);  // what a link or "." means
     if (target_.filename().empty()) fail("{}: is not the name of a folder to write", target_.string());

@@ -4,7 +4,6 @@
 #include <filesystem>
 #include <functional>
 #include <nlohmann/json_fwd.hpp>
-#include <set>
 #include <string>
 #include <vector>
 
@@ -18,11 +17,10 @@ namespace tangi {
 // holds anything else is not touched.
 class AtomicFolder {
 public:
-    // `contents`: name of the file that lists the folder's files, as its field "files". `known`: names of
-    // files that are its own without being listed, as earlier versions left them. Throws Error naming the
-    // target: its parent is missing or cannot be written, it is a file, or it holds what the list does not
-    // have, with the first such file.
-    AtomicFolder(std::filesystem::path target, std::string contents, std::set<std::string> known = {});
+    // `contents`: name of the file that lists the folder's files, as its field "files". Throws Error naming
+    // the target: its parent is missing or cannot be written, it is a file, or it holds a file or a folder
+    // that is not of the list, with the first such one.
+    AtomicFolder(std::filesystem::path target, std::string contents);
     ~AtomicFolder();
     AtomicFolder(const AtomicFolder&) = delete;
     AtomicFolder& operator=(const AtomicFolder&) = delete;
@@ -41,7 +39,6 @@ private:
 
     std::filesystem::path target_, temporary_;
     std::string contents_;
-    std::set<std::string> known_;
 };
 
 // Files for a folder that other things may lie in, and stay: they are kept in a hidden folder in it until

@@ -78,6 +78,8 @@ TEST(AtomicFolder, RefusesAFolderWithWhatIsNotItsOwn) {
     EXPECT_EQ(error(dir / "out"), (dir / "out").string() +
                                       ": holds sub/mine.txt, which is not of an earlier export; name another "
                                       "folder, or an empty one");
+    fs::remove(dir / "out/sub/mine.txt");
+    EXPECT_THAT(error(dir / "out"), HasSubstr("holds sub/, which")) << "an empty folder is somebody's, too";
     fs::remove_all(dir / "out/sub");
     EXPECT_NO_THROW(AtomicFolder(dir / "out", "list.json"));
     {
@@ -94,13 +96,15 @@ TEST(AtomicFolder, RefusesAFolderWithWhatIsNotItsOwn) {
     EXPECT_EQ(names_in(dir.path()), (Names{"file", "out"}));
 }
 
-TEST(AtomicFolder, KnowsWhatEarlierVersionsLeftAndAddsTheListToItsFile) {
+TEST(AtomicFolder, AddsTheListToItsFile) {
     const TestDir dir;
-    put(dir / "out", "a", "old");
     put(dir / "out", "list.json", "{\"width\": 3}");
-    EXPECT_THAT(error_of([&] { AtomicFolder(dir / "out", "list.json"); }), HasSubstr("holds a, which"));
+    EXPECT_THAT(error_of([&] { AtomicFolder(dir / "out", "list.json"); }),
+                HasSubstr("holds list.json, which"))
+        << "of somebody else: it has no list";
+    fs::remove(dir / "out/list.json");
     {
-        AtomicFolder folder(dir / "out", "list.json", {"a", "list.json"});
+        AtomicFolder folder(dir / "out", "list.json");
         put(folder.temporary(), "b", "new");
         put(folder.temporary(), "list.json", "{\"width\": 4}");
         EXPECT_THAT(folder.commit(), ElementsAre("b", "list.json"));
