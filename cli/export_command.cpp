@@ -127,9 +127,16 @@ nlohmann::json export_layers(const ExportArguments& a, const Canvas& canvas, con
 }
 
 nlohmann::json export_maps(const ExportArguments& a, const Surface& surface, const Progress& progress) {
-    if (a.to == "openlime")
-        return export_folder(a, "brdf.json",
-                             [&](const fs::path& folder) { write_openlime(folder, surface, progress); });
+    if (a.to == "openlime") {
+        nlohmann::json result = export_folder(
+            a, "brdf.json", [&](const fs::path& folder) { write_openlime(folder, surface, progress); });
+        if (!surface.lobe_axes.empty())
+            result["warnings"] = told({fmt::format(
+                "{}: its lobes are drawn out (brushed metal), which OpenLIME's maps cannot hold: they are "
+                "written as round ones of the same mean roughness; --to maps keeps them",
+                a.painting)});
+        return result;
+    }
     return export_folder(a, "maps.json",
                          [&](const fs::path& folder) { write_maps(folder, surface, progress); });
 }

@@ -43,14 +43,17 @@ nlohmann::json run_import(const ImportArguments& a) {
     const Progress progress = console_progress();
     if (lower_extension(a.out) != ".exr") fail("--out {}: a painting is an .exr file", a.out);
     MapFiles files;
-    const std::array<std::tuple<const char*, const std::string*, std::optional<fs::path>*>, 7> given = {
+    const std::string only_found;  // in the folder
+    const std::array<std::tuple<const char*, const std::string*, std::optional<fs::path>*>, 9> given = {
         {{"diffuse", &a.diffuse, &files.diffuse},
          {"specular", &a.specular, &files.specular},
          {"normals", &a.normals, &files.normals},
          {"gloss", &a.gloss, &files.gloss},
          {"roughness", &a.roughness, &files.roughness},
          {"height", &a.height, &files.height},
-         {"lobe", &a.lobe, &files.lobe}}};
+         {"lobe", &a.lobe, &files.lobe},
+         {"roughness_v", &only_found, &files.across},
+         {"tangent", &only_found, &files.tangent}}};
     for (const auto& [name, text, file] : given)
         if (!text->empty()) *file = *text;
     // A map that is named comes before those that are found.

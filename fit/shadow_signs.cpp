@@ -177,6 +177,9 @@ LightTurn turn_of(const LightFlips& flips) {
     return LightTurn{false, flips.turn_deg}.after({flips.x != flips.y, flips.x ? 180.0 : 0.0});
 }
 
+// From 0 to 360 degrees as from -180 to 180: a small turn looks small.
+double signed_deg(double deg) { return deg > 180 ? deg - 360 : deg; }
+
 // The flags that make of lights as they were taken those that are also turned by `turn`.
 std::string remedy(const LightFlips& taken, const LightTurn& turn) {
     const Flags wanted(turn.after(turn_of(taken)));
@@ -188,7 +191,7 @@ std::string remedy(const LightFlips& taken, const LightTurn& turn) {
         if (wanted.turn_deg == 0)
             add(leave, "--lights-turn");
         else
-            add(give, fmt::format("--lights-turn {:.0f}", wanted.turn_deg));
+            add(give, fmt::format("--lights-turn {:.0f}", signed_deg(wanted.turn_deg)));
     }
     if (leave.empty()) return "give " + give;
     return give.empty() ? "leave out " + leave : "give " + give + " and leave out " + leave;
@@ -198,10 +201,10 @@ std::string remedy(const LightFlips& taken, const LightTurn& turn) {
 std::string slopes_of(const SignCheck& signs, const LightTurn& turn) {
     const bool mirrored = signs.mirrored();
     std::string were =
-        mirrored ? "were one axis of all lights mirrored"
-        : !turn.mirrored
-            ? fmt::format("were all lights turned by {:.0f} degrees", turn.turn_deg)
-            : fmt::format("were y of all lights mirrored and they turned by {:.0f} degrees", turn.turn_deg);
+        mirrored         ? "were one axis of all lights mirrored"
+        : !turn.mirrored ? fmt::format("were all lights turned by {:.0f} degrees", signed_deg(turn.turn_deg))
+                         : fmt::format("were y of all lights mirrored and they turned by {:.0f} degrees",
+                                       signed_deg(turn.turn_deg));
     if (turn.mirrored && turn.turn_deg == 90) were = "were x and y of all lights exchanged";
     return fmt::format(
         "the slopes are those of no surface: their curl is {:.2g} a pixel, and {:.2g} {} ({:.0f} standard "
@@ -212,7 +215,10 @@ std::string slopes_of(const SignCheck& signs, const LightTurn& turn) {
 
 // Of lights that are turned.
 std::string turn_doubt(const SignCheck& signs, const ShadowCheck& shadows, const LightFlips& taken) {
-    const LightTurn turn = shadows.certain() ? shadows.best : signs.remedy();
+    LightTurn turn = shadows.certain() ? shadows.best : signs.remedy();
+    // Half a turn more has the same slopes: the smaller one is likelier, and told first.
+    if (!shadows.certain() && !turn.mirrored && std::abs(signed_deg(turn.turn_deg)) > 90)
+        turn = turn.opposite();
     std::string text = slopes_of(signs, turn);
     if (!signs.turned.kind_is_sure())
         text += ". The relief runs one way, and leaves open whether an axis is mirrored besides";

@@ -211,11 +211,11 @@ TEST(CliBadLights, AllAreTurned) {
     });
     const Finished wrong = fit({});
     EXPECT_TRUE(ended(wrong, 3,
-                      {"poor result", "were all lights turned by 270 degrees", "cast shadows tell",
-                       ": give --lights-turn 270\n"}));
+                      {"poor result", "were all lights turned by -90 degrees", "cast shadows tell",
+                       ": give --lights-turn -90\n"}));
     EXPECT_EQ(wrong.json()["light_signs"]["turned"]["wrong"], true);
     EXPECT_TRUE(ended(fit({"--lights-turn", "-90"}), 0));
-    EXPECT_TRUE(ended(fit({"--lights-turn", "90"}), 3, {"cast shadows lie", "give --lights-turn 270\n"}));
+    EXPECT_TRUE(ended(fit({"--lights-turn", "90"}), 3, {"cast shadows lie", "give --lights-turn -90\n"}));
 }
 
 // What rests on a calibration that was called poor is poor, whatever else it looks like.
