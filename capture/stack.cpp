@@ -182,7 +182,7 @@ UsableStack opened(const fs::path& folder, const StackOptions& options, const Us
     StackCalibration calibration =
         read_stack_calibration(folder, options, usable ? usable->lights_flip : LightFlips{});
     stack.warnings = calibration.warnings;
-    if (calibration.capture) result.poor = calibration.capture->poor;
+    result.poor = calibration.poor;
     PhotoMatch match = match_photos(folder, options.develop, calibration, usable == nullptr);
     stack.photos = std::move(match.photos);
     stack.warnings.insert(stack.warnings.end(), match.warnings.begin(), match.warnings.end());

@@ -97,12 +97,15 @@ void apply_lights(Stack& stack, const CaptureFile& capture) {
 // Lengths that differ by more than rounding make positions of what passes for directions.
 constexpr double kLengthsDiffer = 1.05;
 
-// The standard errors of an .lp that `tangipaint calibrate` wrote are in the capture file beside it.
-void add_errors_beside(const fs::path& path, StackCalibration& read) {
+// The standard errors of an .lp that `tangipaint calibrate` wrote are in the capture file beside it, and what
+// is poor about it.
+void add_what_is_beside(const fs::path& path, StackCalibration& read) {
     const fs::path beside = calibration_files(path).json;
     std::error_code none;
     if (!fs::is_regular_file(beside, none) || !is_lights_file_of(path, beside)) return;
-    read.direction_sigma_deg = read_capture_file(beside).direction_sigma_deg;
+    CaptureFile capture = read_capture_file(beside);
+    read.direction_sigma_deg = std::move(capture.direction_sigma_deg);
+    read.poor = std::move(capture.poor);
 }
 
 // Counter-clockwise, looking down z. Quarters of a turn are exact.
@@ -122,7 +125,7 @@ void read_lp(const fs::path& path, bool in_mm, const LightFlips& flips, StackCal
     read.lights = std::move(file.lights);
     read.warnings = std::move(file.warnings);
     read.left_out = std::move(file.left_out);
-    add_errors_beside(path, read);
+    add_what_is_beside(path, read);
     for (Light& light : read.lights) {
         if (flips.x) light.direction.x *= -1;
         if (flips.y) light.direction.y *= -1;
@@ -219,6 +222,9 @@ StackCalibration read_stack_calibration(const fs::path& folder, const StackOptio
         if (!options.lights_in_mm) read.lights = directions_of(read.lights);
         capture->lights = read.lights;
         read.warnings.insert(read.warnings.end(), capture->warnings.begin(), capture->warnings.end());
+        for (const std::string& reason : capture->poor)  // of the file beside the lights, or of another one
+            if (std::find(read.poor.begin(), read.poor.end(), reason) == read.poor.end())
+                read.poor.push_back(reason);
         read.capture = std::move(capture);
         read.capture_path = *options.capture_file;
         read.picture_width_mm.reset();
@@ -238,6 +244,7 @@ StackCalibration read_stack_calibration(const fs::path& folder, const StackOptio
     read.lights_path = lights_path;
     read.direction_sigma_deg = capture->direction_sigma_deg;
     read.warnings = capture->warnings;
+    read.poor = capture->poor;
     read.capture_path = lights_path;
     read.capture = std::move(capture);
     return read;

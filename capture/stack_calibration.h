@@ -32,6 +32,7 @@ struct StackCalibration {
     std::filesystem::path capture_path{};
     std::optional<double> picture_width_mm{};  // of a .dome or .relight
     std::vector<std::string> warnings{};
+    std::vector<std::string> poor{};  // what calibrate called poor of the capture files that these are of
     std::vector<LeftOut> left_out{};  // lines of an .lp that are no light, told in the warnings too
 };
 

@@ -18,7 +18,7 @@ struct UsableStack {
     std::vector<LeftOut> left_out;
     bool lights_by_order = false;  // no name in the lights file is that of a photograph
     std::optional<std::filesystem::path> found_mask{};
-    std::vector<std::string> poor{};  // what calibrate called poor of the capture file that is used
+    std::vector<std::string> poor{};  // what calibrate called poor of what is used
 };
 
 // As open_stack(), but goes on without photographs that cannot be opened, that are not stored as most are

@@ -172,6 +172,10 @@ StackOptions PhotosArguments::options() const {
                 throw UsageError(fmt::format("--crop {}: pixels are whole numbers", crop));
             return static_cast<int>(value);
         };
+        for (const std::size_t i : {0u, 1u})
+            if (!(n[i] >= 0 && n[i + 2] >= 1))
+                throw UsageError(fmt::format(
+                    "--crop {}: is no part of a picture; X and Y are from 0, WIDTH and HEIGHT from 1", crop));
         options.crop = Region{pixel(n[0]), pixel(n[1]), pixel(n[0]) + pixel(n[2]), pixel(n[1]) + pixel(n[3])};
     }
     options.transfer = parse_transfer(transfer);

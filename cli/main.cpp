@@ -64,7 +64,7 @@ int run(const std::string& name, const std::function<nlohmann::json()>& body) {
         return ended(kInterrupted, "\n" + who + stop.what() + "; nothing half-written is left");
     } catch (const UsageError& error) {
         return ended(kUsage, who + printable(shortened(error.what(), kLongestMessage)) +
-                                 "\nSee: tangipaint help " + name);
+                                 fmt::format("\nSee: tangipaint {} --help", name));
     } catch (const Error& error) {
         return ended(kWorldIsWrong, who + printable(shortened(error.what(), kLongestMessage)));
     } catch (
@@ -126,8 +126,10 @@ int main(int argc, char** argv) {
     CLI::App app(kAbout, "tangipaint");
     app.set_version_flag("--version", "tangipaint " TP_VERSION);
     app.require_subcommand(0, 1);
-    app.failure_message([](const CLI::App*, const CLI::Error& error) {
-        return fmt::format("tangipaint: {}\nSee: tangipaint help\n", error.what());
+    app.failure_message([](const CLI::App* parsed, const CLI::Error& error) {
+        const std::vector<CLI::App*> chosen = parsed->get_subcommands();
+        const std::string command = chosen.empty() ? "" : chosen.front()->get_name() + " ";
+        return fmt::format("tangipaint: {}\nSee: tangipaint {}--help\n", error.what(), command);
     });
     int threads = 0;
     std::function<nlohmann::json()> body;

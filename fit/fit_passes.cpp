@@ -263,10 +263,8 @@ void find_stretches(const Stack& stack, const Transfer& transfer, const Lighting
         surface.lobe_axes.pixels()[i] = axes_of(stretches.pixels()[i], surface.roughness.pixels()[i]);
 }
 
-// All pixels once more, with shadows and what neighbours say of lobes.
-void refine(const Stack& stack, const Transfer& transfer, const Lighting& lighting, const NoiseModel& noise,
-            const FitOptions& options, const FirstLook& look, FitResult& result, const Progress& progress) {
-    Surface& surface = result.surface;
+// The height as the first pass left it, but for its cliffs. Returns the plane that was taken off it.
+Plane first_height(const FitOptions& options, Surface& surface, const Progress& progress) {
     HeightOptions rough = options.height;
     rough.robust_sweeps = 0;  // it is not known yet where there are cliffs
     rough.tolerance = std::max(rough.tolerance, kShadowTolerance);
@@ -275,8 +273,13 @@ void refine(const Stack& stack, const Transfer& transfer, const Lighting& lighti
         Progress([&](std::string_view, double done) { return !progress || progress("first height", done); }));
     const Plane plane = best_plane(surface.height_mm, surface.confidence);
     subtract(plane, surface.height_mm);
-    look(true);
-    FirstPass first(surface, plane, result.errors, options.ward.prior);
+    return plane;
+}
+
+// All pixels once more, with the shadows of the first height and what neighbours say of lobes.
+void refine(const Stack& stack, const Transfer& transfer, const Lighting& lighting, const NoiseModel& noise,
+            const FitOptions& options, const Plane& plane, FitResult& result, const Progress& progress) {
+    FirstPass first(result.surface, plane, result.errors, options.ward.prior);
     FitOptions second = options;
     second.ward.robust_scale =
         robust_scale_after(result.report.median_rms_residual, options.ward.robust_scale);
@@ -326,8 +329,11 @@ void fit_passes(Stack& stack, const Transfer& transfer, const Lighting& lighting
             "shadows and neighbours' lobes are not believed, so the fit is not refined; metal and "
             "glass look like that, and wrong light directions",
             stack.folder.string(), report_.median_rms_residual));
+    // Where it is not refined, too: the lights may be what is wrong.
+    const Plane plane = first_height(options, surface, progress);
+    look(true);
     if (options.refine && trusted())
-        refine(stack, transfer, lighting, noise, options, look, result, progress);
+        refine(stack, transfer, lighting, noise, options, plane, result, progress);
 }
 
 }  // namespace tangi

@@ -7,7 +7,7 @@
 
 namespace tangi {
 
-// Looks at the surface as the first pass left it, and once more where it then gets a height.
+// Looks at the surface as the first pass left it, and once more when it has a first height, without cliffs.
 using FirstLook = std::function<void(bool height_known)>;
 
 // What lobes of single pixels may be beside white and isotropic.

@@ -1,5 +1,7 @@
 #include "fit/shadow_signs.h"
 
+#include <Eigen/Cholesky>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -52,12 +54,53 @@ std::vector<Lit> lit_by(const Surface& s, const Survey& survey, std::size_t phot
     return lit;
 }
 
-// By how much darker photographs are where this height hides the lamp than where it does not: ln, one a
-// photograph; NaN where it hides it from too few samples.
-std::vector<double> contrasts(const Surface& s, const LightTurn& turn,
-                              const std::vector<std::vector<Lit>>& lit, const std::vector<Light>& lights) {
-    const CastShadows shadows(s.height_mm, s.mm_per_pixel, RelightOptions{}.light_radius_deg);
-    std::vector<double> result(lights.size(), std::numeric_limits<double>::quiet_NaN());
+using Bend = Eigen::Matrix<double, 6, 1>;
+
+// Of a pixel: what bends are made of, with x and y from -1 to 1.
+Bend bend_terms(const Image<float>& height_mm, int x, int y) {
+    const double u = 2.0 * x / height_mm.width() - 1, v = 2.0 * y / height_mm.height() - 1;
+    Bend terms;
+    terms << 1, u, v, u * u, u * v, v * v;
+    return terms;
+}
+
+// The relief without its bend as a whole (a polynomial of the second degree), which lamps that are nearer, or
+// lower, than they are taken for make as well: a bowl hides lamps all over that a dome, with hills for
+// valleys, does not.
+Image<float> without_bend(const Image<float>& height_mm, const Image<float>& confidence) {
+    constexpr int most = 1000000;
+    const int step = 1 + static_cast<int>(std::sqrt(height_mm.size() / most));
+    Eigen::Matrix<double, 6, 6> normal = 1e-9 * Eigen::Matrix<double, 6, 6>::Identity();
+    Bend right = Bend::Zero();
+    for (int y = 0; y < height_mm.height(); y += step)
+        for (int x = 0; x < height_mm.width(); x += step) {
+            if (!(confidence(x, y) > 0)) continue;
+            const Bend terms = bend_terms(height_mm, x, y);
+            normal += terms * terms.transpose();
+            right += static_cast<double>(height_mm(x, y)) * terms;
+        }
+    const Bend bend = normal.ldlt().solve(right);
+    Image<float> relief = height_mm;
+    parallel_for(0, relief.height(), 16, [&](int begin, int end) {
+        for (int y = begin; y < end; ++y)
+            for (int x = 0; x < relief.width(); ++x)
+                relief(x, y) -= static_cast<float>(bend.dot(bend_terms(relief, x, y)));
+    });
+    return relief;
+}
+
+// By how much darker a photograph is where a height hides the lamp than where it does not: ln; NaN where it
+// hides it from too few samples.
+struct Contrast {
+    double log_ratio = std::numeric_limits<double>::quiet_NaN();
+    double hidden = 0;  // samples in shadow
+};
+
+// One a photograph.
+std::vector<Contrast> contrasts(const Image<float>& height_mm, double mm_per_pixel, const LightTurn& turn,
+                                const std::vector<std::vector<Lit>>& lit, const std::vector<Light>& lights) {
+    const CastShadows shadows(height_mm, mm_per_pixel, RelightOptions{}.light_radius_deg);
+    std::vector<Contrast> result(lights.size());
     parallel_for(0, static_cast<int>(lights.size()), 1, [&](int begin, int end) {
         for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
             Vec3 direction = lights[i].direction;
@@ -72,7 +115,7 @@ std::vector<double> contrasts(const Surface& s, const LightTurn& turn,
                 if (part > kSeen) seen += sample.log_ratio, ++in_light;
             }
             if (in_shadow >= kLeastHidden && in_light >= kLeastHidden)
-                result[i] = hidden / in_shadow - seen / in_light;
+                result[i] = {hidden / in_shadow - seen / in_light, static_cast<double>(in_shadow)};
         }
     });
     return result;
@@ -118,24 +161,34 @@ ShadowCheck check_shadows(Surface& surface, const SignCheck& signs, const Survey
         integrate(surface, progress);
         turn_all(inverse(one), surface.normal);
     }
-    const std::vector<double> of_one = contrasts(surface, one, lit, lights);
-    mirror(surface.height_mm);
-    const std::vector<double> of_other = contrasts(surface, other, lit, lights);
-    mirror(surface.height_mm);
-    std::vector<double> differences;
-    double with_one = 0, with_other = 0;
-    for (std::size_t i = 0; i < lights.size(); ++i) {
-        if (std::isnan(of_one[i]) || std::isnan(of_other[i])) continue;
-        differences.push_back(of_one[i] - of_other[i]);
-        with_one += of_one[i], with_other += of_other[i];
-    }
-    if (differences.size() < kLeastPhotos) return {one, 0, 0};
+    Image<float> relief = without_bend(surface.height_mm, surface.confidence);
+    const std::vector<Contrast> of_one = contrasts(relief, surface.mm_per_pixel, one, lit, lights);
+    mirror(relief);
+    const std::vector<Contrast> of_other = contrasts(relief, surface.mm_per_pixel, other, lit, lights);
+    // Means over photographs; the more samples are in shadow, the less is a photograph's contrast noise.
+    std::size_t photos = 0;
+    double weights = 0, with_one = 0, with_other = 0;
+    const auto weight_of = [&](std::size_t i) {
+        const bool both = !std::isnan(of_one[i].log_ratio) && !std::isnan(of_other[i].log_ratio);
+        return both ? 1 / (1 / of_one[i].hidden + 1 / of_other[i].hidden) : 0;
+    };
+    for (std::size_t i = 0; i < lights.size(); ++i)
+        if (const double weight = weight_of(i); weight > 0) {
+            ++photos, weights += weight;
+            with_one += weight * of_one[i].log_ratio, with_other += weight * of_other[i].log_ratio;
+        }
+    if (photos < kLeastPhotos) return {one, 0, 0};
+    with_one /= weights, with_other /= weights;
+    const double mean = with_one - with_other, n = static_cast<double>(photos);
     double squares = 0;
-    for (const double d : differences) squares += d * d;
-    const double n = static_cast<double>(differences.size()), mean = (with_one - with_other) / n;
-    const double error = std::sqrt(std::max(squares / n - mean * mean, 1e-12) / (n - 1));
-    return mean <= 0 ? ShadowCheck{one, -mean / error, with_one / n}
-                     : ShadowCheck{other, mean / error, with_other / n};
+    for (std::size_t i = 0; i < lights.size(); ++i)
+        if (const double weight = weight_of(i); weight > 0) {
+            const double off = weight * (of_one[i].log_ratio - of_other[i].log_ratio - mean);
+            squares += off * off;
+        }
+    const double error = std::max(std::sqrt(squares * n / (n - 1)) / weights, 1e-6);
+    return mean <= 0 ? ShadowCheck{one, -mean / error, with_one}
+                     : ShadowCheck{other, mean / error, with_other};
 }
 
 double shadow_misfit(const Surface& surface, const Survey& survey, const Transfer& transfer,

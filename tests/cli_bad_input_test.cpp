@@ -243,6 +243,61 @@ TEST(CliBadLights, AreOfAPoorCalibration) {
     EXPECT_TRUE(ended(run({"compare", painting}, stack.out("compared")), 3, told));
 }
 
+// The lights file that calibrate wrote has its capture file beside it, whatever else is given.
+TEST(CliBadLights, AreWhatAPoorCalibrationWrote) {
+    const TinyStack stack({}, 80);
+    nlohmann::json capture = {{"format", "tangipaint capture 1"},
+                              {"method", "mirror ball"},
+                              {"photographs", {{"count", 16}, {"width", 80}, {"height", 80}}},
+                              {"camera", {{"mm_per_pixel", nullptr}, {"position_mm", nullptr}}},
+                              {"frame", {{"origin_px", {39.5, 39.5}}}},
+                              {"lights", nlohmann::json::array()},
+                              {"poor", {"the ball is an egg"}}};
+    std::string lp = bytes_of(stack.lights());
+    std::istringstream lines(lp);
+    std::string count, name;
+    std::getline(lines, count);
+    for (double x = 0, y = 0, z = 0; lines >> name >> x >> y >> z;)
+        capture["lights"].push_back(
+            {{"name", name}, {"direction", {x, y, z}}, {"position_mm", nullptr}, {"direction_sigma_deg", 1}});
+    write_bytes(stack.out("mine.lp"), lp);
+    write_bytes(stack.out("mine.json"), capture.dump());
+    const auto fit = [&] {
+        return tangipaint({"fit", stack.path(), "--lights", stack.out("mine.lp"), "--out", stack.out("a.exr"),
+                           "--no-refine"});
+    };
+    EXPECT_TRUE(ended(fit(), 3, {"mine.json: calibrate called it poor: the ball is an egg"}));
+    capture["lights"][2]["direction"] = {0, 0, 1};  // of another lights file
+    write_bytes(stack.out("mine.json"), capture.dump());
+    EXPECT_TRUE(ended(fit(), 0));
+}
+
+// Half a turn leaves a surface, with hills for valleys: shadows tell, also where nothing is refined.
+TEST(CliBadLights, AllAreTurnedByHalfATurn) {
+    const TinyStack stack({}, 80);
+    const auto fit = [&](std::vector<std::string> flags) {
+        flags.insert(flags.begin(), {"fit", stack.path(), "--out", stack.out("a.exr"), "--no-refine"});
+        return tangipaint(flags);
+    };
+    EXPECT_TRUE(ended(fit({}), 0));
+    EXPECT_TRUE(ended(fit({"--lights-turn", "180"}), 3, {"cast shadows lie", ": leave out --lights-turn\n"}));
+}
+
+TEST(CliBadLights, NumbersMakeNoSense) {
+    const TinyStack stack;
+    const std::vector<std::string> fit = {"fit", stack.path(), "--out", stack.out("a.exr")};
+    const auto with = [&](const char* flag, const char* value) {
+        std::vector<std::string> words = fit;
+        words.insert(words.end(), {flag, value});
+        return tangipaint(words);
+    };
+    for (const char* value : {"nan", "inf", "1e300"})
+        for (const char* flag : {"--noise", "--mm-per-pixel", "--white-level", "--lights-turn"})
+            EXPECT_TRUE(ended(with(flag, value), 2, {flag, value, "See: tangipaint fit --help"}));
+    for (const char* crop : {"0,0,0,5", "0,0,-3,-3", "-9,0,5,5", "nan,0,5,5", "0,0,1e300,5"})
+        EXPECT_TRUE(ended(with("--crop", crop), 2, {"--crop", crop, "See: tangipaint fit --help"}));
+}
+
 TEST(CliBadLights, TwoAreExchanged) {
     const TinyStack stack({}, 80);
     stack.change_lights([](auto& lines) {

@@ -179,11 +179,12 @@ TEST(CliCalibrate, RefusesWhatMakesNoSense) {
         for (const char* value : {"nan", "inf", "-inf", "1e-300", "1e300"}) {
             if (flag == std::string("--ball-height-mm") && value == std::string("1e-300")) continue;
             EXPECT_TRUE(ended(tangipaint({"calibrate", folder, "--out", out, flag, value}), 2,
-                              {flag, value, "is not in [", "See: tangipaint help"}));
+                              {flag, value, "is not in [", "See: tangipaint calibrate --help"}));
         }
-    EXPECT_TRUE(ended(tangipaint({"calibrate", folder, "--out", out, "--painting-mm", "1e-9,3", "--corners",
-                                  "10,10,90,10,90,90,10,90"}),
-                      2, {"--painting-mm 1e-9,3: 1e-09 is not in [0.1, 1e+06]", "See: tangipaint help"}));
+    EXPECT_TRUE(
+        ended(tangipaint({"calibrate", folder, "--out", out, "--painting-mm", "1e-9,3", "--corners",
+                          "10,10,90,10,90,90,10,90"}),
+              2, {"--painting-mm 1e-9,3: 1e-09 is not in [0.1, 1e+06]", "See: tangipaint calibrate --help"}));
     EXPECT_TRUE(
         ended(tangipaint({"calibrate", folder, "--out", out, "--chart", "off", "--chart-pitch-mm", "10"}), 2,
               {"--chart-pitch-mm: is about a colour chart"}));
