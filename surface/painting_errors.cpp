@@ -6,6 +6,7 @@
 #include <fstream>
 #include <string_view>
 
+#include "surface/exr_claim.h"
 #include "surface/json_text.h"
 
 namespace tangi {
@@ -47,6 +48,12 @@ void fail_reading(const std::filesystem::path& path, const std::exception& error
     if (says("pixel data"))
         fail("{}: is damaged: a block of its pixels cannot be unpacked; {}", path.string(), kRemedy);
     fail("{}: is damaged, or no painting file: its header makes no sense; {}", path.string(), kRemedy);
+}
+
+void require_room_for_pixels(const std::filesystem::path& path) {
+    if (const auto claim = exr_claim(path); claim && claim->impossible)
+        fail("{}: is damaged: it is too short for the {} pixels that its header speaks of; {}", path.string(),
+             *claim->impossible, kRemedy);
 }
 
 }  // namespace tangi

@@ -29,6 +29,7 @@
 
 #include "surface/dry_channels.h"
 #include "surface/error.h"
+#include "surface/exr_claim.h"
 #include "surface/json_text.h"
 #include "surface/overview.h"
 #include "surface/painting_errors.h"
@@ -325,6 +326,9 @@ void write_painting(const fs::path& path, const Surface& s, const Progress& prog
 }
 
 bool is_painting(const fs::path& path) {
+    // What is damaged is a painting all the same: who reads it is told so.
+    if (const auto claim = exr_claim(path); claim && claim->impossible)
+        return std::ranges::find(claim->parts, kDry) != claim->parts.end();
     try {
         return find_part(Imf::MultiPartInputFile(path.c_str()), kDry) >= 0;
     } catch (const std::exception&) {  // not an EXR file at all

@@ -1,0 +1,152 @@
+#include "surface/exr_claim.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <fstream>
+
+namespace tangi {
+
+namespace {
+
+constexpr std::uint32_t kMagic = 20000630, kPartsBit = 1u << 12;
+constexpr double kBlockBytes = 16, kMostDeflated = 1032;
+constexpr std::size_t kLongestName = 255;
+constexpr std::uint32_t kMostRead = 1u << 20;  // [bytes] of an attribute that is looked at
+// Rows in a block, by the number of the compression: none, RLE, ZIPS, ZIP, PIZ, PXR24, B44, B44A, DWAA, DWAB.
+constexpr std::array<int, 10> kRowsOf = {1, 1, 1, 16, 32, 16, 32, 32, 32, 256};
+constexpr unsigned char kNone = 0, kZips = 2, kZip = 3;
+
+struct Part {
+    std::string name;
+    std::optional<std::array<std::int32_t, 4>> window;  // smallest x, y, largest x, y
+    std::optional<std::array<std::uint32_t, 2>> tile;
+    unsigned char compression = 0;
+    double pixel_bytes = 0;
+};
+
+class Reader {
+public:
+    explicit Reader(const std::filesystem::path& path) : file_(path, std::ios::binary) {}
+
+    template <class T>
+    bool number(T& value) {
+        return static_cast<bool>(file_.read(reinterpret_cast<char*>(&value), sizeof value));
+    }
+    // Up to the byte 0 that ends it; false where there is none.
+    bool name(std::string& text) {
+        text.clear();
+        for (char c = 0; text.size() <= kLongestName && file_.get(c); text += c)
+            if (c == 0) return true;
+        return false;
+    }
+    bool bytes(std::string& text, std::uint32_t size) {
+        text.resize(size);
+        return static_cast<bool>(file_.read(text.data(), static_cast<std::streamsize>(size)));
+    }
+    bool skip(std::uint32_t size) { return static_cast<bool>(file_.seekg(size, std::ios::cur)); }
+
+private:
+    std::ifstream file_;
+};
+
+template <class T>
+T number_at(const std::string& bytes, std::size_t at) {
+    T value;
+    std::memcpy(&value, bytes.data() + at, sizeof value);
+    return value;
+}
+
+// Of all channels that are not sampled more coarsely than the pixels.
+double pixel_bytes_of(const std::string& channels) {
+    double sum = 0;
+    for (std::size_t at = 0; at < channels.size() && channels[at] != 0;) {
+        const auto end = channels.find('\0', at);  // then type, linear, reserved, sampling of x, of y
+        if (end == std::string::npos || end + 17 > channels.size()) break;
+        const bool half = number_at<std::int32_t>(channels, end + 1) == 1;
+        const bool whole = number_at<std::int32_t>(channels, end + 9) == 1 &&
+                           number_at<std::int32_t>(channels, end + 13) == 1;
+        if (whole) sum += half ? 2 : 4;
+        at = end + 17;
+    }
+    return sum;
+}
+
+void keep(Part& part, const std::string& name, const std::string& value) {
+    if (name == "name") part.name = value;
+    if (name == "channels") part.pixel_bytes = pixel_bytes_of(value);
+    if (name == "compression" && !value.empty()) part.compression = static_cast<unsigned char>(value[0]);
+    if (name == "dataWindow" && value.size() == 16)
+        part.window = std::bit_cast<std::array<std::int32_t, 4>>(number_at<std::array<char, 16>>(value, 0));
+    if (name == "tiles" && value.size() >= 8)
+        part.tile = {number_at<std::uint32_t>(value, 0), number_at<std::uint32_t>(value, 4)};
+}
+
+bool wanted(const std::string& name) {
+    return name == "name" || name == "channels" || name == "compression" || name == "dataWindow" ||
+           name == "tiles";
+}
+
+// One header up to the byte 0 that ends it. `empty`: that byte is all there is.
+bool read_part(Reader& in, Part& part, bool& empty) {
+    empty = true;
+    for (std::string name, type, value; in.name(name); empty = false) {
+        if (name.empty()) return true;
+        std::uint32_t size = 0;
+        if (!in.name(type) || !in.number(size) || size > INT32_MAX) return false;
+        const bool look = wanted(name) && size <= kMostRead;
+        if (look ? !in.bytes(value, size) : !in.skip(size)) return false;
+        if (look) keep(part, name, value);
+    }
+    return false;
+}
+
+// [bytes] that a file with this part has at least.
+double least_bytes(const Part& part, double width, double height) {
+    if (part.tile)
+        return kBlockBytes * std::ceil(width / std::max((*part.tile)[0], 1u)) *
+               std::ceil(height / std::max((*part.tile)[1], 1u));
+    const int rows = part.compression < kRowsOf.size() ? kRowsOf[part.compression] : kRowsOf.back();
+    const double pixels = part.pixel_bytes * width * height;
+    const bool deflated = part.compression == kZip || part.compression == kZips;
+    return kBlockBytes * std::ceil(height / rows) + (part.compression == kNone ? pixels
+                                                     : deflated                ? pixels / kMostDeflated
+                                                                               : 0);
+}
+
+}  // namespace
+
+std::optional<ExrClaim> exr_claim(const std::filesystem::path& path) {
+    if (std::endian::native != std::endian::little) return {};
+    std::error_code unknown;
+    const auto length = std::filesystem::file_size(path, unknown);
+    if (unknown) return {};
+    Reader in(path);
+    std::uint32_t magic = 0, version = 0;
+    if (!in.number(magic) || magic != kMagic || !in.number(version)) return {};
+    ExrClaim claim;
+    double least = 0;
+    for (bool more = true; more;) {
+        Part part;
+        bool empty = false;
+        if (!read_part(in, part, empty)) return {};
+        if (empty) break;
+        more = (version & kPartsBit) != 0;
+        claim.parts.push_back(part.name);
+        if (!part.window) return {};
+        const auto& [x0, y0, x1, y1] = *part.window;
+        const double width = static_cast<double>(x1) - x0 + 1, height = static_cast<double>(y1) - y0 + 1;
+        if (width < 1 || height < 1) return {};
+        least += least_bytes(part, width, height);
+        if (least > static_cast<double>(length) && !claim.impossible)
+            claim.impossible = fmt::format("{} x {}", width, height);
+    }
+    return claim;
+}
+
+}  // namespace tangi
