@@ -93,11 +93,13 @@ TEST(CliFit, CropsToTheRegion) {
     EXPECT_LT(here, 0.1);
     for (const auto& [x0, y0] : {std::pair{0, 0}, {7, 4}, {9, 4}, {8, 3}, {8, 5}, {4, 8}})
         EXPECT_GT(distance_if_at(x0, y0), 3 * here) << x0 << ", " << y0;
-    for (const std::string outside : {"20,0,16,16", "-1,0,8,8", "0,0,0,8", "0,0,8,-8"}) {
-        const Finished wrong =
-            tangipaint({"fit", stack.path(), "--out", stack.out("b.exr"), "--crop=" + outside});
-        EXPECT_TRUE(ended(wrong, 1, {"does not lie in the photographs", "32 x 32"})) << outside;
-    }
+    const auto cropped = [&](const std::string& to) {
+        return tangipaint({"fit", stack.path(), "--out", stack.out("b.exr"), "--crop=" + to});
+    };
+    EXPECT_TRUE(ended(cropped("20,0,16,16"), 1, {"does not lie in the photographs", "32 x 32"}));
+    for (const std::string none : {"-1,0,8,8", "0,0,0,8", "0,0,8,-8"})
+        EXPECT_TRUE(ended(cropped(none), 2, {"is no part of a picture", "See: tangipaint fit --help"}))
+            << none;
 }
 
 TEST(CliFit, LeavesOutWhatTheMaskBlackens) {
@@ -236,7 +238,8 @@ TEST(CliInfo, RefusesWhatItDoesNotKnow) {
     write_bytes(stack.out("junk.exr"), "not an EXR at all");
     write_bytes(stack.out("junk.txt"), "hello");
     write_bytes(stack.out("junk.lp"), "\x89PNG\r\n");
-    EXPECT_TRUE(ended(tangipaint({"info", stack.out("junk.exr")}), 1, {"junk.exr", "is not a painting file"}));
+    EXPECT_TRUE(
+        ended(tangipaint({"info", stack.out("junk.exr")}), 1, {"junk.exr", "is not a painting file"}));
     EXPECT_TRUE(ended(tangipaint({"info", stack.out("junk.txt")}), 1, {"junk.txt", "is not a picture"}));
     EXPECT_TRUE(ended(tangipaint({"info", stack.out("junk.lp")}), 1, {"junk.lp, line 1"}));
     EXPECT_TRUE(ended(tangipaint({"info", stack.out("none")}), 1, {"none: no such file"}));

@@ -412,8 +412,9 @@ TEST(PaintingFile, OnAFullDiskLeavesTheOldFileAndNoTemporary) {
 TEST(PaintingFile, CannotGoToAMissingFolderOrOntoAFolder) {
     const TestDir dir;
     const std::string target = (dir / "no").string() + "/a.exr";
-    EXPECT_EQ(error_of([&] { write_painting(target, Surface(2, 2)); }),
-              target + ": there is no folder " + (dir / "no").string() + "; make it, or choose another place");
+    EXPECT_EQ(
+        error_of([&] { write_painting(target, Surface(2, 2)); }),
+        target + ": there is no folder " + (dir / "no").string() + "; make it, or choose another place");
     EXPECT_EQ(error_of([&] { write_painting(dir.path(), Surface(2, 2)); }),
               dir.path().string() + ": is a folder; give the name of a file");
 }
