@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numeric>
 
 #include "paint/bristle_rows.h"
 #include "paint/transfer.h"
@@ -12,8 +13,9 @@ namespace tangi {
 
 namespace {
 
-constexpr int kMargin = 4;          // [pixels] around the contact for paint that is pushed out of it
-constexpr float kLightest = 0.15f;  // part of the dome that the lightest touch flattens
+constexpr int kMargin = 4;           // [pixels] around the contact for paint that is pushed out of it
+constexpr float kPressedOut = 0.3f;  // [1] of a blade's gap, at the lightest touch
+constexpr float kLightest = 0.15f;   // part of the dome that the lightest touch flattens
 // What is narrower than three pixels meets more or fewer of them as its place between them has it.
 constexpr double kLeastHalf_px = 1.5;
 
@@ -22,6 +24,10 @@ double length_along(const Dab& dab, double half_width, double half_thickness) {
     const double along = dab.dx * std::cos(dab.rotation_rad) + dab.dy * std::sin(dab.rotation_rad);
     return 2 * std::sqrt(half_width * half_width * along * along +
                          half_thickness * half_thickness * (1 - along * along));
+}
+
+float gap_of(const BrushSettings& settings, float pressure) {
+    return static_cast<float>(settings.gap_mm) * (1 - 0.3f * pressure);
 }
 
 // The turned rectangle or ellipse around the bristles, as rows cut it.
@@ -93,6 +99,7 @@ double Brush::fresh_load(int u, int v) const {
 void Brush::turn_to(float rotation_rad) {
     const float step = 3.0f / static_cast<float>(disc_);  // pixels at the rim: at most half of it off
     loads_.turn_to(std::round(rotation_rad / step) * step);
+    weigh();
 }
 
 std::vector<float> Brush::total_of(const std::vector<std::vector<float>>& cells) {
@@ -109,6 +116,7 @@ void Brush::load(const std::vector<Portion>& recipe, double amount, bool keep) {
     for (const Portion& portion : recipe) parts += portion.part;
     if (!(parts > 0)) fail("a brush is loaded with parts of paint that sum to {}", parts);
     if (!keep) clean();
+    bead_mm_ = kOutside;
     std::map<IngredientId, std::vector<float>> planes;
     auto there = loads_.cells();
     std::vector<float> total = total_of(there);
@@ -248,6 +256,33 @@ double Brush::resolved_length_px(const Dab& dab) const {
     return length_along(dab, half_width_px_, half_thickness_px_);
 }
 
+float Brush::ride_mm(float pressure) const {
+    return gap_of(settings_, pressure) + static_cast<float>(BrushTip::kMeanShorter * settings_.groove_mm);
+}
+
+// A blade is stiff: it rides as a whole on the paint that it brings. Under one without paint there is only
+// what pressure does not press out.
+float Brush::gap_mm(float pressure) const {
+    const float gap = gap_of(settings_, pressure);
+    if (settings_.shape != "knife" || !(gap > 0)) return gap;
+    const float carried = std::min(static_cast<float>(settings_.load_reach) * bead_mm_ / gap, 1.0f);
+    return gap * (carried + (1 - carried) * kPressedOut * (1 - pressure));
+}
+
+void Brush::weigh() {
+    if (settings_.shape != "knife") return;
+    const float* load = loads_.view_total();
+    const auto cells = static_cast<std::size_t>(grid_size()) * static_cast<std::size_t>(grid_size());
+    const double sum = std::accumulate(load, load + cells, 0.0);
+    // What it scrapes up lies on its face and does not lift it before the next stroke.
+    bead_mm_ = std::min(bead_mm_, static_cast<float>(sum / (4 * half_width_px_ * half_thickness_px_)));
+}
+
+void Brush::rest() {
+    loads_.rest();
+    bead_mm_ = kOutside;
+}
+
 void Brush::underside_mm(const Dab& dab, int x0, int y0, int width, int height, float* out, float* cover,
                          std::vector<RowSpan>& spans) const {
     double cx, cy;
@@ -257,7 +292,7 @@ void Brush::underside_mm(const Dab& dab, int x0, int y0, int width, int height, 
     const float touched = kLightest + (1 - kLightest) * dab.pressure;
     const auto depth = static_cast<float>(settings_.depth_mm),
                groove = static_cast<float>(settings_.groove_mm);
-    const float gap = static_cast<float>(settings_.gap_mm) * (1 - 0.3f * dab.pressure);
+    const float gap = gap_mm(dab.pressure);
     // The leading edge is higher; tilt lifts the side that the handle leans away from.
     const float per_px = depth / static_cast<float>(half_width_px_);
     const float lift_x = per_px * (static_cast<float>(settings_.lift) * dab.dx - dab.tilt_x);

@@ -72,6 +72,8 @@ public:
     // for it here, which is longer where the brush is too small to be resolved.
     double contact_length_px(const Dab& dab) const;
     double resolved_length_px(const Dab& dab) const;
+    // [mm] Mean of underside_mm() where the dome is flattened and the tip is level, under paint enough.
+    float ride_mm(float pressure) const;
     // [pixels] From the middle to the bristle that is farthest from it, at rest.
     double rim_px() const { return std::max(half_width_px_, half_thickness_px_); }
     // [1] The brush's area over that of the bristles that stand for it: 1, and less where it is too small.
@@ -81,7 +83,7 @@ public:
     // Turns the loads with the brush, to the nearest step of three pixels at its rim.
     void turn_to(float rotation_rad);
     // Where a stroke ends: what comes next depends on what is on the bristles only.
-    void rest() { loads_.rest(); }
+    void rest();
 
     // The underside [mm] of the bristles over a box of pixels whose first is (x0, y0), row-major; kOutside
     // where there are none; and the part of each pixel that they cover, 0..1, in rows as long. Row y has
@@ -98,6 +100,8 @@ public:
 
 private:
     double fresh_load(int u, int v) const;  // [mm] of a cell
+    float gap_mm(float pressure) const;
+    void weigh();
     static std::vector<float> total_of(const std::vector<std::vector<float>>& cells);
 
     BrushSettings settings_;
@@ -106,7 +110,8 @@ private:
     double width_px_, thickness_px_;            // of the brush
     double half_width_px_, half_thickness_px_;  // of what stands for it: kLeastHalf_px at least
     double coverage_ = 1;
-    int disc_ = 0, half_ = 0;  // radius [pixels] of what turns, and half the grid
+    float bead_mm_ = kOutside;  // under a blade: the least mean load since it rested, by weigh()
+    int disc_ = 0, half_ = 0;   // radius [pixels] of what turns, and half the grid
     BrushTip tip_;
     BristleLoads loads_;
 };

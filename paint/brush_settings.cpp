@@ -58,18 +58,19 @@ std::map<std::string, BrushSettings> make_presets() {
     knife.thickness = 0.25;
     knife.load_mm = 5;
     knife.hold_mm = 12;
-    knife.load_variation = 0.1;
+    knife.load_variation = 0.3;
     knife.deposit = 0.4;
-    knife.pickup = 0.1;
-    knife.push = 0.95;
+    knife.pickup = 0.4;
+    knife.push = 1;
     knife.spread = 1;
     knife.gap_mm = 0.28;
-    knife.groove_mm = 0.03;
-    knife.bristle_mm = 2;
+    knife.groove_mm = 0.06;
+    knife.bristle_mm = 1;
     knife.depth_mm = 0.7;
     knife.splay = 0;
     knife.bend = 0;
     knife.lift = 2;
+    knife.reach_mm = 0.08;
     knife.load_reach = 0.25;
     knife.film_mm = 0.004;
     knife.grain = 0.02;
@@ -114,6 +115,7 @@ std::map<std::string, BrushSettings> make_presets() {
     scrape.gap_mm = 0.004;
     scrape.groove_mm = 0.005;
     scrape.film_mm = 0.002;
+    scrape.reach_mm = 0.06;
     all["scrape"] = scrape;
 
     // Takes all wet paint away; it is emptied after each stroke like any other brush.

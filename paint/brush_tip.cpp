@@ -56,9 +56,6 @@ Bristle bristle_at(float u, float v, std::uint64_t seed) {
     return {envelope, std::sqrt(best), nearest};
 }
 
-// [1] Mean of TipMaps::tip over many tufts, by counting.
-constexpr double kMeanShorter = 0.436;
-
 // [1] Of the load in the middle. It falls to nothing at the rim, over more than a pixel: a sharp end would be
 // printed wherever the brush's cells go over to other pixels.
 float load_of(float dome) { return std::max(1 - dome * dome, 0.0f); }

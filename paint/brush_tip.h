@@ -12,6 +12,8 @@ namespace tangi {
 
 class BrushTip {
 public:
+    static constexpr double kMeanShorter = 0.436;  // [1] of TipMaps::tip over many tufts, by counting
+
     BrushTip() = default;
     // The half extents [pixels] are those that the maps have: more than the brush's where it is too small.
     BrushTip(const BrushSettings& settings, double mm_per_pixel, double half_width_px,

@@ -17,7 +17,13 @@ constexpr float kTiny = 1e-9f;              // [mm] keeps 0 / 0 away
 // there is no room, bristles still rub a film onto the dry, twice as thick at most as they reach without
 // paint, and leave nothing on paint that is thicker. [1] Deposit onto what is dry where there is no room, and
 // what is added where the room is as wide as paint reaches: about 1 at the most.
-constexpr float kPressed = 0.6f, kFilling = 3.0f;
+constexpr float kPressed = 0.6f, kFilling = 3.3f;
+
+// Bristles ride on the paint that they bring. Those that have little of it sink until they are as high above
+// the relief's mean as these parts [1] of what they bridge without paint and of what the paint adds, and by
+// no more than a part of the height at which they ride. So they lay less, but not nothing; and since what
+// stands out holds them up, thin paint keeps to the crests.
+constexpr float kDry = 0.85f, kRide = 0.6f, kSink = 0.75f;
 
 // Part of the load that is given, and part of the paint on the canvas that is taken.
 TP_VECTOR_CLONES
@@ -27,15 +33,17 @@ void exchange_row(int n, const TransferRates& r, const float* __restrict undersi
                   float* __restrict give, float* __restrict take) {
     const float pickup = r.pickup, film = r.film_mm, reach0 = r.reach_mm, reach1 = r.load_reach,
                 per_hold = 1 / r.hold_mm, hold = r.hold_mm, tip = r.tip_mm, per_reach0 = 1 / r.reach_mm,
-                deposit_tip = r.deposit * r.tip_mm;
+                deposit_tip = r.deposit * r.tip_mm, ride = r.ride_mm;
     for (int x = 0; x < n; ++x) {
-        const float reach = reach0 + reach1 * std::min(load[x], tip);
-        const float room = underside[x] - (relief[x] + total[x]);
+        const float bridged = reach1 * std::min(load[x], tip), reach = reach0 + bridged;
+        const float top = relief[x] + total[x], room = underside[x] - top;
+        const float sunk =
+            std::min(std::max(kDry * reach0 + kRide * bridged, underside[x] - kSink * ride), underside[x]);
         const float here = grain[x] * cover[x];
-        const float contact = std::min(std::max(reach - room, 0.0f), reach);  // times the reach
+        const float contact = std::min(std::max(reach - (sunk - top), 0.0f), reach);  // times the reach
         const float dry = std::max(1 - 0.5f * per_reach0 * total[x], 0.0f);
-        const float fill = kPressed * dry * reach + kFilling * (reach - contact);  // times the reach
-        give[x] = deposit_tip * here * contact * fill / (reach * reach * std::max(load[x], tip));
+        const float fill = kPressed * dry * reach * reach + kFilling * bridged * (reach - contact);
+        give[x] = deposit_tip * here * contact * fill / (reach * reach * reach * std::max(load[x], tip));
         // Paint is lifted where the bristle itself dips into it: what hangs from it flows down only.
         const float dip = std::min(std::max(1 - room * per_reach0, 0.0f), 1.0f) * here;
         const float thirst = std::max(1 - per_hold * load[x], 0.0f);

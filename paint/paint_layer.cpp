@@ -27,6 +27,8 @@ std::span<float> PaintTile::writable_plane(IngredientId ingredient) {
     const auto offset = (at - ingredients.begin()) * kPixels;
     if (at == ingredients.end() || *at != ingredient) {
         ingredients.insert(at, ingredient);
+        thickness_mm.reserve(thickness_mm.size() +
+                             kPixels);  // and no more: growing twofold, half were unused
         thickness_mm.insert(thickness_mm.begin() + offset, kPixels, 0.0f);
     }
     return std::span(thickness_mm).subspan(static_cast<std::size_t>(offset), kPixels);

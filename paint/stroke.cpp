@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "paint/paint_window.h"
+#include "paint/step_rates.h"
 #include "surface/error.h"
 #include "surface/noise.h"
 
@@ -12,28 +13,11 @@ namespace tangi {
 
 namespace {
 
-constexpr double kTipOfHold = 1.0 / 3;  // part of what bristles hold that is at their tips
-constexpr std::uint64_t kShifts = 29;   // of box_of(): any seed
-constexpr float kPerStepAtMost = 0.5f;  // of load or paint in one step: TransferRates
-
-// Surface tension levels waves of length l and amplitude a where sigma a (2 pi / l)^2, its stress in a film
-// about as thick as they are long, exceeds the yield stress (after Orchard 1962, "On surface levelling in
-// viscous liquids and gels"). Of waves of two pixels there remain, from trough to crest, 2 tau (2 mm)^2 / (4
-// pi^2 sigma): sigma = 0.03 N/m of linseed oil, tau = 60 Pa of paint that was just sheared.
-constexpr double kTension_per_mm = 2 * 60 * 4 / (4 * std::numbers::pi * std::numbers::pi * 0.03) * 1e-3;
-
-// [1] The lightest touch that all bristles bear which it flattens (kLightest in brush.cpp). Under a lighter
-// one only some of them do: real contact grows as the force (Archard 1957, "Elastic deformation and the laws
-// of friction"), from nothing. What does not touch neither gives nor takes nor pushes.
-constexpr float kLightTouch = 0.15f;
-
-// [1] Pressing squeezes paint out of the tuft: deposit over that at a pressure of 0.6.
-double squeezing(float pressure) { return 0.55 + 0.75 * static_cast<double>(pressure); }
-
-float touching_part(float pressure) { return std::min(pressure / kLightTouch, 1.0f); }
-
-// [1] Steps for each pixel of the way at most, where the brush turns on the spot.
-constexpr double kMostSteps = 4;
+constexpr std::uint64_t kShifts = 29;  // of box_of(): any seed
+// [1] Where the brush turns, what one bristle leaves in a step and another takes in the next shows as rungs,
+// so steps are shorter than the rim's way alone asks for: that many times; and steps for each pixel of the
+// way at most, where it turns on the spot.
+constexpr double kRim = 4, kMostSteps = 4;
 
 constexpr double kStepsOfContact = 8, kShortest = 0.5;  // [1], and of the spacing
 
@@ -47,45 +31,6 @@ double mix(double a, double b, double t) { return a + (b - a) * t; }
 // The angle nearest to `reference` that is the same direction as `angle`.
 double unwrapped(double angle, double reference) {
     return reference + std::remainder(angle - reference, 2 * std::numbers::pi);
-}
-
-// The paint itself, under a brush that rests.
-TransferRates rates_of(const BrushSettings& s, double mm_per_pixel) {
-    TransferRates r;
-    r.push = static_cast<float>(s.push);
-    r.hold_mm = static_cast<float>(s.hold_mm);
-    r.film_mm = static_cast<float>(s.film_mm);
-    r.reach_mm = static_cast<float>(s.reach_mm);
-    r.load_reach = static_cast<float>(s.load_reach);
-    r.tip_mm = static_cast<float>(s.hold_mm * kTipOfHold);
-    r.spread = static_cast<float>(s.spread);
-    r.yield_mm = static_cast<float>(s.yield_slope * mm_per_pixel);
-    r.flow = 0.15f;
-    r.tension_mm = static_cast<float>(kTension_per_mm * mm_per_pixel * mm_per_pixel);
-    return r;
-}
-
-// And one step of the brush in it.
-TransferRates rates_of(const Brush& brush, const Dab& dab, double mm_per_pixel) {
-    const BrushSettings& s = brush.settings();
-    const double length_px = brush.contact_length_px(dab), resolved_px = brush.resolved_length_px(dab);
-    const auto rate = [&](double over_contact, double over_px) {
-        return std::min(static_cast<float>(1 - std::exp(-over_contact * dab.length_px / over_px)),
-                        kPerStepAtMost);
-    };
-    const float touch = touching_part(dab.pressure);
-    // A brush that is too small to be resolved works on a part of each pixel's width only, and its load lies
-    // on bristles that stand for fewer.
-    const double cover = brush.coverage(), across = cover * resolved_px / length_px;
-    TransferRates r = rates_of(s, mm_per_pixel);
-    r.deposit = rate(s.deposit * squeezing(dab.pressure), length_px) * touch;
-    r.pickup = rate(s.pickup, resolved_px) * static_cast<float>(across) * touch;
-    r.push *= static_cast<float>(across) * touch;
-    r.hold_mm = static_cast<float>(s.hold_mm * cover);
-    r.tip_mm *= static_cast<float>(cover);
-    r.film_mm = static_cast<float>(s.film_mm * across);
-    r.load_reach = static_cast<float>(s.load_reach / cover);
-    return r;
 }
 
 Region box_of(const Brush& brush, const Dab& dab) {
@@ -369,7 +314,7 @@ void Stroke::step_to(const Knot& b, const Knot& c, double u, const PathPoint& at
         dab.turn_rad = dab.rotation_rad - *rotation_rad_;
         turning = std::abs(dab.turn_rad) / spacing_px_ * brush_.rim_px();
     }
-    spacing_px_ = std::max(wanted / (1 + turning), options_.spacing_px / kMostSteps);
+    spacing_px_ = std::max(wanted / (1 + kRim * turning), options_.spacing_px / kMostSteps);
     rotation_rad_ = dab.rotation_rad;
     dab.step = steps_ + static_cast<int>(dabs_.size());
     dabs_.push_back(dab);

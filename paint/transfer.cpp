@@ -15,6 +15,7 @@ constexpr int kParallelPixels = 128 * 128;  // smaller boxes are done before a s
 constexpr float kRounding =
     0.125f;  // [1] part of a peak that flows to each side: a chequerboard is flat at once
 constexpr int kBandRows = 32;
+constexpr int kRing = 2;                                                   // [pixels] that give no paint
 constexpr int kLanes = 16;                                                 // pixels at once
 using Lanes = float __attribute__((vector_size(kLanes * sizeof(float))));  // as many registers as it takes
 constexpr float kTiny = 1e-9f;                                             // [mm] keeps 0 / 0 away
@@ -38,16 +39,28 @@ struct RowMotion {
     float vy, turn;  // [pixels] across it at its first pixel, and what is added from pixel to pixel
 };
 
+// [mm] What flows to a neighbour that is `drop` lower. Paint flows down steps that are too steep; surface
+// tension rounds off what stands above both neighbours (`peak`), and fills what lies below both, `beyond`
+// being how much higher than here the pixel behind it is.
+TP_INLINE float downhill(const TransferRates& r, float w, float mobile, float peak, float drop,
+                         float beyond) {
+    const float pit = std::min(drop, drop + beyond) - r.tension_mm;
+    return std::max(r.flow * std::min(std::max(drop - r.yield_mm, 0.0f), w),
+                    kRounding * std::max(peak, std::min(pit, mobile)));
+}
+
 TP_VECTOR_CLONES
-void outflow_row(int n, const TransferRates& r, const RowMotion& m, const float* __restrict underside,
-                 std::size_t underside_stride, const float* __restrict relief, const float* __restrict total,
-                 const float* __restrict grain, std::size_t stride, const Outflow& out) {
-    const float film = r.film_mm, push = r.push, spread = r.spread, yield = r.yield_mm, flow = r.flow,
-                tension = r.tension_mm;
+void outflow_row(int n, const TransferRates& rates, const RowMotion& m, const float* __restrict underside,
+                 std::size_t underside_stride, const float* __restrict top, std::size_t top_stride,
+                 const float* __restrict total, const float* __restrict grain, std::size_t stride,
+                 const Outflow& out) {
+    const TransferRates r = rates;  // a copy, which nothing that is written can change
+    const float film = r.film_mm, push = r.push, spread = r.spread, tension = r.tension_mm,
+                still = r.still_mm;
     float* __restrict left = out.left, * __restrict right = out.right, * __restrict up = out.up, * __restrict down = out.down, * __restrict ahead = out.ahead;
     const float *b_up = underside - underside_stride, *b_down = underside + underside_stride;
-    const float *z_up = relief - stride, *z_down = relief + stride, *w_up = total - stride,
-                *w_down = total + stride, *g_up = grain - stride, *g_down = grain + stride;
+    const float *t_up = top - top_stride, *t_down = top + top_stride, *t_up2 = t_up - top_stride,
+                *t_down2 = t_down + top_stride, *g_up = grain - stride, *g_down = grain + stride;
     const float* g_ahead = (m.sy < 0 ? g_up : g_down) + m.sx;
     const float to_left = std::min(std::max(-m.vx, 0.0f), 1.0f),
                 to_right = std::min(std::max(m.vx, 0.0f), 1.0f);
@@ -55,21 +68,19 @@ void outflow_row(int n, const TransferRates& r, const RowMotion& m, const float*
                 turn = m.turn, sy = static_cast<float>(m.sy);
     for (int x = 0; x < n; ++x) {
         // What lies where brushes may not work stays there.
-        const float w = grain[x] > 0 ? total[x] : 0.0f, top = relief[x] + total[x];
-        // Steps that are too steep: paint flows down them; and surface tension rounds off what stands above
-        // both neighbours.
-        const float to_l = top - (relief[x - 1] + total[x - 1]), to_r = top - (relief[x + 1] + total[x + 1]);
-        const float to_u = top - (z_up[x] + w_up[x]), to_d = top - (z_down[x] + w_down[x]);
-        const float part = 1 / (w + kTiny);
-        const float peak_x = kRounding * std::min(std::max(std::min(to_l, to_r) - tension, 0.0f), w);
-        const float peak_y = kRounding * std::min(std::max(std::min(to_u, to_d) - tension, 0.0f), w);
-        float l = std::max(flow * std::min(std::max(to_l - yield, 0.0f), w), peak_x) * part;
-        float rr = std::max(flow * std::min(std::max(to_r - yield, 0.0f), w), peak_x) * part;
-        float u = std::max(flow * std::min(std::max(to_u - yield, 0.0f), w), peak_y) * part;
-        float d = std::max(flow * std::min(std::max(to_d - yield, 0.0f), w), peak_y) * part;
+        const float lying = total[x], w = grain[x] > 0 ? lying : 0.0f, part = 1 / (w + kTiny), here = top[x];
+        const float to_l = here - top[x - 1], to_r = here - top[x + 1], to_u = here - t_up[x],
+                    to_d = here - t_down[x];
+        const float peak_x = std::min(std::max(std::min(to_l, to_r) - tension, 0.0f), w);
+        const float peak_y = std::min(std::max(std::min(to_u, to_d) - tension, 0.0f), w);
+        const float mobile = std::max(w - still, 0.0f);
+        float l = downhill(r, w, mobile, peak_x, to_l, top[x - 2] - here) * part;
+        float rr = downhill(r, w, mobile, peak_x, to_r, top[x + 2] - here) * part;
+        float u = downhill(r, w, mobile, peak_y, to_u, t_up2[x] - here) * part;
+        float d = downhill(r, w, mobile, peak_y, to_d, t_down2[x] - here) * part;
         // What the bristles push: along the motion, and to where they press less.
-        const float excess = std::min(std::max(top - underside[x], 0.0f), std::max(w - film, 0.0f));
-        const float pushed = push * excess / (w + kTiny) * (1 - (l + rr + u + d));
+        const float excess = std::min(std::max(here - underside[x], 0.0f), std::max(w - film, 0.0f));
+        const float pushed = push * excess * part * (1 - (l + rr + u + d));
         const float gx =
             spread * std::min(std::max((underside[x + 1] - underside[x - 1]) * 4.0f, -1.0f), 1.0f);
         const float gy = spread * std::min(std::max((b_down[x] - b_up[x]) * 4.0f, -1.0f), 1.0f);
@@ -88,6 +99,11 @@ void outflow_row(int n, const TransferRates& r, const RowMotion& m, const float*
         down[x] = g_down[x] > 0 ? d : 0.0f;
         ahead[x] = g_ahead[x] > 0 ? diagonal * scale : 0.0f;
     }
+}
+
+TP_VECTOR_CLONES
+void add_row(int n, const float* __restrict relief, const float* __restrict total, float* __restrict top) {
+    for (int x = 0; x < n; ++x) top[x] = relief[x] + total[x];
 }
 
 // What a row's paint can come from: the flows of the row itself and of those beside it.
@@ -168,7 +184,7 @@ namespace {
 // Where paint may flow: beside the bristles of the rows around, within the ring.
 void find_flowing(const StepBox& box, std::vector<RowSpan>& flowing) {
     flowing.assign(static_cast<std::size_t>(box.height), {0, 0});
-    for (int y = 1; y < box.height - 1; ++y) {
+    for (int y = kRing; y < box.height - kRing; ++y) {
         RowSpan all{box.width, 0};
         for (int k = std::max(y - kFlowMargin, 0); k <= std::min(y + kFlowMargin, box.height - 1); ++k) {
             const RowSpan span = box.bristles[static_cast<std::size_t>(k)];
@@ -177,8 +193,8 @@ void find_flowing(const StepBox& box, std::vector<RowSpan>& flowing) {
             all.end = std::max(all.end, span.end);
         }
         if (all.end > all.begin)
-            flowing[static_cast<std::size_t>(y)] = {std::max(all.begin - kFlowMargin, 1),
-                                                    std::min(all.end + kFlowMargin, box.width - 1)};
+            flowing[static_cast<std::size_t>(y)] = {std::max(all.begin - kFlowMargin, kRing),
+                                                    std::min(all.end + kFlowMargin, box.width - kRing)};
     }
 }
 
@@ -270,17 +286,18 @@ private:
         if (span.end <= span.begin) span = {looked_at.begin, looked_at.begin};
         const Outflow out = flow(which);
         if (span.end > span.begin) {
-            const RowSpan whole = widened(span, {1, box_.width - 1});
+            const RowSpan whole = widened(span, {kRing, box_.width - kRing});
             const auto first = static_cast<std::size_t>(whole.begin);
-            const std::size_t canvas = at(y, box_.canvas_stride) + first;
+            const std::size_t canvas = at(y, box_.canvas_stride) + first,
+                              top_stride = static_cast<std::size_t>(box_.width);
             const RowMotion motion{
                 heading_.sx, heading_.sy, motion_.dx - motion_.turn_rad * (static_cast<float>(y) - motion_.y),
                 motion_.dy + motion_.turn_rad * (static_cast<float>(whole.begin) - motion_.x),
                 motion_.turn_rad};
             outflow_row(whole.end - whole.begin, rates_, motion,
                         box_.underside_mm + at(y, box_.underside_stride) + first, box_.underside_stride,
-                        box_.relief_mm + canvas, box_.total_mm + canvas, box_.grain + canvas,
-                        box_.canvas_stride, from(out, first));
+                        spans_.top.data() + at(y, top_stride) + first, top_stride, box_.total_mm + canvas,
+                        box_.grain + canvas, box_.canvas_stride, from(out, first));
         }
         for (float* plane : {out.left, out.right, out.up, out.down, out.ahead}) {
             std::fill(plane + looked_at.begin, plane + span.begin, 0.0f);
@@ -320,8 +337,12 @@ private:
 }  // namespace
 
 void push(const StepBox& box, const TransferRates& rates, const BrushMotion& motion, StepScratch& scratch) {
-    if (box.width < 3 || box.height < 3) return;
+    if (box.width <= 2 * kRing || box.height <= 2 * kRing) return;
     find_flowing(box, scratch.flowing);
+    scratch.top.resize(static_cast<std::size_t>(box.width) * static_cast<std::size_t>(box.height));
+    for (int y = 0; y < box.height; ++y)
+        add_row(box.width, box.relief_mm + at(y, box.canvas_stride), box.total_mm + at(y, box.canvas_stride),
+                scratch.top.data() + at(y, static_cast<std::size_t>(box.width)));
     scratch.touched.resize(static_cast<std::size_t>(box.height));
     for (int y = 0; y < box.height; ++y)
         if (RowSpan& span = scratch.touched[static_cast<std::size_t>(y)] = touched_by(scratch.flowing, y);

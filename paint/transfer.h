@@ -22,11 +22,13 @@ struct TransferRates {
     float film_mm = 0;     // [mm] paint that always stays on the canvas
     float reach_mm = 0;    // [mm] > 0: gap that a bristle without paint still bridges
     float load_reach = 0;  // [1] further gap for each mm of load: wet paint bridges what is dry
+    float ride_mm = 0;     // [mm] >= 0: mean height of the bristles over what they touch, on paint enough
     float tip_mm = 1e9f;   // [mm] > 0: load at the tips, which gives and bridges; what is more waits above
     float spread = 0;      // [1] how much of the pushing goes towards where the brush presses less, 0..1
     float yield_mm = 0;    // [mm] step between neighbours that paint holds; more of it flows down
     float flow = 0;        // [1] part of what is more that flows in one step, 0..0.2
-    float tension_mm = 1e9f;  // [mm] height over both neighbours that a pixel keeps against surface tension
+    float tension_mm = 1e9f;  // [mm] height over both neighbours, or depth, that surface tension leaves
+    float still_mm = 0;       // [mm] thickness of which paint does not flow into pits while a brush passes
 };
 
 // Columns begin <= x < end of a row.
@@ -39,7 +41,7 @@ struct RowSpan {
 RowSpan widened(const RowSpan& span, const RowSpan& room);
 
 // The box of pixels that one step changes. Rows of `width` floats; row y of a plane begins at plane + y *
-// stride. The outermost ring receives paint but gives none.
+// stride. The two outermost rings receive paint but give none.
 struct StepBox {
     int width = 0, height = 0;
     const float* underside_mm =
@@ -62,7 +64,7 @@ constexpr float kOutside = 1e3f;  // [mm] underside where no bristle is
 
 // Memory that steps reuse.
 struct StepScratch {
-    std::vector<float> planes;
+    std::vector<float> planes, top;
     std::vector<RowSpan> flowing, touched;
 };
 

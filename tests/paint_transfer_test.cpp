@@ -262,5 +262,32 @@ TEST(Transfer, SurfaceTensionRoundsWhatIsSmallerThanBristles) {
     EXPECT_GT(left_of([&](int x, int) { return std::cos(turn * x / 12); }), 0.09f);
 }
 
+// What closes at once between thick paint stays open where the paint is a film.
+TEST(Transfer, SurfaceTensionFillsPitsInThickPaintOnly) {
+    const auto pit_in = [](float around) {
+        RandomBox b(8);
+        std::fill(b.relief.begin(), b.relief.end(), 0.0f);
+        std::fill(b.underside.begin(), b.underside.end(), kOutside);
+        std::fill(b.grain.begin(), b.grain.end(), 1.0f);
+        for (auto& plane : b.paint) std::fill(plane.begin(), plane.end(), 0.0f);
+        std::fill(b.paint[0].begin(), b.paint[0].end(), around);
+        const std::size_t pit = 11 * RandomBox::kWidth + 18;
+        b.paint[0][pit] = 0;
+        b.relief[pit] = -0.02f;
+        b.total = b.paint[0];
+        const double volume = b.sum(0);
+        TransferRates rates = some_rates();
+        rates.yield_mm = 10;
+        rates.tension_mm = 0.004f;
+        rates.still_mm = 0.02f;
+        StepScratch scratch;
+        for (int step = 0; step < 40; ++step) push(b.box, rates, {}, scratch);
+        EXPECT_NEAR(b.sum(0) / volume, 1, 1e-5);
+        return b.total[pit];
+    };
+    EXPECT_GT(pit_in(0.1f), 0.09f);
+    EXPECT_EQ(pit_in(0.015f), 0);
+}
+
 }  // namespace
 }  // namespace tangi

@@ -1,0 +1,104 @@
+// paint_knife_test.cpp: the palette knife: it spreads smooth sheets, and scrapes where it brings no paint.
+#include <gtest/gtest.h>
+
+#include <numbers>
+
+#include "paint/stroke.h"
+#include "tests/paint_support.h"
+
+namespace tangi {
+namespace {
+
+// A knife on something flat, its thickness along the stroke's middle every millimetre, and the roughness
+// that it left: root mean square of second differences over 4 pixels, as a slope.
+struct Sheet {
+    std::vector<double> middle_mm;
+    double roughness = 0;
+};
+
+Sheet knife_sheet(double degrees, double pixel_mm) {
+    auto ground = std::make_shared<Surface>(static_cast<int>(70 / pixel_mm), static_cast<int>(70 / pixel_mm));
+    ground->mm_per_pixel = pixel_mm;
+    ground->scale_known = true;
+    Canvas canvas(ground);
+    const auto white = add_paint(canvas, "Titanium White");
+    Brush brush(brush_presets().at("knife"), pixel_mm, 4);
+    brush.load({{white, 1}}, 1);
+    const double c = std::cos(degrees * std::numbers::pi / 180),
+                 s = std::sin(degrees * std::numbers::pi / 180);
+    stroke(canvas, brush, {-25 * c, -25 * s}, {25 * c, 25 * s});
+    const Image<float> mm = thickness_of(canvas);
+    const auto at = [&](double along, double across) {
+        const double x = (along * c - across * s) / pixel_mm + (mm.width() - 1) / 2.0,
+                     y = (mm.height() - 1) / 2.0 - (along * s + across * c) / pixel_mm;
+        const int ix = static_cast<int>(x), iy = static_cast<int>(y);
+        const double fx = x - ix, fy = y - iy;
+        return (mm(ix, iy) * (1 - fx) + mm(ix + 1, iy) * fx) * (1 - fy) +
+               (mm(ix, iy + 1) * (1 - fx) + mm(ix + 1, iy + 1) * fx) * fy;
+    };
+    Sheet sheet;
+    const double step = 2 * pixel_mm;
+    double squares = 0, count = 0;
+    for (int along = -20; along <= 20; ++along) sheet.middle_mm.push_back(at(along, 0));
+    for (double along = -20; along <= 15; along += pixel_mm)
+        for (double across = -6; across <= 6; across += 0.7) {
+            const double middle = 2 * at(along, across);
+            squares += std::pow(at(along + step, across) + at(along - step, across) - middle, 2) +
+                       std::pow(at(along, across + step) + at(along, across - step) - middle, 2);
+            count += 2;
+        }
+    sheet.roughness = std::sqrt(squares / count) / step;
+    return sheet;
+}
+
+// No crosshatch at any angle, and no cliff where the load runs out.
+TEST(Knife, SpreadsASmoothSheetThatTapers) {
+    for (const double degrees : {0.0, 10.0, 45.0}) {
+        const Sheet sheet = knife_sheet(degrees, 0.2);
+        EXPECT_LT(sheet.roughness, 0.03) << degrees;
+        for (std::size_t i = 1; i < sheet.middle_mm.size(); ++i) {
+            EXPECT_NEAR(sheet.middle_mm[i], sheet.middle_mm[i - 1], 0.15 * sheet.middle_mm[i - 1])
+                << degrees << " " << i;
+        }
+        EXPECT_GT(sheet.middle_mm.front(), 0.15) << degrees;
+        EXPECT_LT(sheet.middle_mm.back(), 0.9 * sheet.middle_mm.front()) << degrees;
+        EXPECT_GT(sheet.middle_mm.back(), 0.05) << degrees;
+    }
+}
+
+// A blade without paint scrapes wet paint to a film and leaves it beside its way and at the end of it.
+TEST(Knife, ScrapesWhereItBringsNoPaint) {
+    Canvas canvas = flat_canvas(240, 160);
+    const auto blue = add_paint(canvas, "Ultramarine Blue");
+    BrushSettings flat = brush_presets().at("flat");
+    flat.size_mm = 24;
+    Brush brush(flat, kTestPixel, 4);
+    brush.load({{blue, 1}}, 3);
+    stroke(canvas, brush, {-25, 0}, {12, 0});
+    const Image<float> before = thickness_of(canvas);
+    BrushSettings settings = brush_presets().at("knife");
+    settings.size_mm = 12;
+    Brush knife(settings, kTestPixel, 5);
+    const auto volume = on_both(canvas, knife);
+    stroke(canvas, knife, {-26, 0}, {20, 0});
+    EXPECT_NEAR(on_both(canvas, knife)[0] / volume[0], 1, 1e-5);
+    const Image<float> after = thickness_of(canvas);
+    const auto mean = [](const Image<float>& mm, int x0, int y0, int x1, int y1) {
+        double sum = 0;
+        for (int y = y0; y < y1; ++y)
+            for (int x = x0; x < x1; ++x) sum += mm(x, y);
+        return sum / ((x1 - x0) * (y1 - y0));
+    };
+    const double there = mean(before, 60, 65, 140, 95), film = mean(after, 60, 65, 140, 95);
+    EXPECT_GT(there, 0.15);
+    EXPECT_LT(film, 0.4 * there);
+    EXPECT_GT(film, 0.005);
+    // Beside the blade's ends, 24 pixels from its middle, and where it was lifted.
+    EXPECT_GT(mean(after, 60, 104, 140, 108), mean(before, 60, 104, 140, 108) + 0.02);
+    float end = 0;
+    for (int x = 195; x < 215; ++x) end = std::max(end, after(x, 80));
+    EXPECT_GT(end, there);
+}
+
+}  // namespace
+}  // namespace tangi
