@@ -60,7 +60,6 @@ nlohmann::json run_replay(const ReplayArguments& a) {
     std::vector<std::string> warnings;
     const auto brushes = a.brushes.empty() ? brush_presets() : read_brush_presets(a.brushes, &warnings);
     const Journal journal = read_journal(strokes, brushes);
-    warnings.insert(warnings.end(), journal.warnings.begin(), journal.warnings.end());
     AtomicFile out(a.out);  // that it can be written is known before the work
     std::optional<AtomicFile> board;
     if (!a.board.empty()) board.emplace(a.board);

@@ -82,10 +82,7 @@ json retouch(Treatment& treatment, const TreatmentArguments& a, const Progress& 
         Session session(std::move(canvas), a.palette.empty() ? artist_acrylics() : read_palette(a.palette));
         session.canvas().confine(
             std::make_shared<Mask>(feathered(area.mask, a.feather_mm / treatment.mm_per_pixel())));
-        std::vector<std::string> warnings = journal.warnings;
-        for (std::string& warning : replay(session, journal, progress))
-            warnings.push_back(std::move(warning));
-        step.results["warnings"] = told(warnings);
+        step.results["warnings"] = told(replay(session, journal, progress));
         step.results["strokes"] = session.totals().strokes;
         canvas = session.canvas();
         canvas.confine({});

@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 
@@ -42,13 +43,11 @@ std::size_t end_of_line(std::string_view text, std::size_t begin) {
 }
 
 // What happened that its author cannot have meant, since strokes begin with "stroke" and end with "end".
-std::vector<std::string> misplaced(const Journal& journal) {
-    std::vector<std::string> warnings;
+std::vector<JournalWarning> misplaced(const Journal& journal) {
+    std::vector<JournalWarning> warnings;
     int stroke = 0;  // line of the one under way; 0: none
     bool has_points = false;
-    const auto warn = [&](int line, const std::string& words) {
-        warnings.push_back(fmt::format("{}:{}: {}", journal.source, line, words));
-    };
+    const auto warn = [&](int line, const std::string& words) { warnings.push_back({line, words}); };
     for (const auto& [line, event] : journal.entries) {
         if (std::holds_alternative<PointEvent>(event)) {
             has_points = true;
@@ -96,13 +95,14 @@ Journal read_journal(const std::filesystem::path& path, const std::map<std::stri
         const auto object = parsed_line(content, where);
         if (!object) {
             if (whole) fail("{}: is not JSON; one event is one line", where);
-            journal.warnings.push_back(where + ": the last line is cut short, as by a crash; it is left out");
+            journal.warnings.push_back({line, "the last line is cut short, as by a crash; it is left out"});
             break;
         }
         journal.entries.push_back({line, event_from_json(*object, where, presets)});
     }
     if (!has_header) fail("{}: is empty; its first line must be {}", path.string(), kFirstLine);
-    for (std::string& warning : misplaced(journal)) journal.warnings.push_back(std::move(warning));
+    for (JournalWarning& warning : misplaced(journal)) journal.warnings.push_back(std::move(warning));
+    std::ranges::stable_sort(journal.warnings, {}, &JournalWarning::line);
     return journal;
 }
 

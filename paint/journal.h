@@ -69,6 +69,11 @@ struct PaletteEvent {
 using Event = std::variant<StrokeEvent, PointEvent, EndEvent, UndoEvent, RedoEvent, DryEvent, LiftEvent,
                            PileEvent, PaletteEvent>;
 
+struct JournalWarning {
+    int line = 0;  // of the file, from 1
+    std::string text;
+};
+
 struct Journal {
     struct Entry {
         int line = 0;  // of the file, from 1
@@ -76,7 +81,7 @@ struct Journal {
     };
     std::string source;  // the file's name, for errors
     std::vector<Entry> entries;
-    std::vector<std::string> warnings;
+    std::vector<JournalWarning> warnings;
 };
 
 std::string_view name_of(const Event& event);  // "stroke", "point", …
@@ -88,7 +93,7 @@ Event event_from_json(const nlohmann::json& json, const std::string& where,
 
 // Throws Error naming file and line; a last line without its end is left out with a warning. Events that are
 // not where they belong (an end without a stroke, a stroke without end or points, an undo within one) are
-// warnings too, with file and line.
+// warnings too.
 Journal read_journal(const std::filesystem::path& path,
                      const std::map<std::string, BrushSettings>& presets = brush_presets());
 

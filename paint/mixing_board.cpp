@@ -60,15 +60,13 @@ void lay_pile(Canvas& canvas, const std::vector<Portion>& recipe, PointMm at, do
                  radius = std::max(true_radius, 1.5);
     const double lower = (true_radius * true_radius) / (radius * radius);
     const double cx = at.x / mm + (canvas.width() - 1) / 2.0, cy = (canvas.height() - 1) / 2.0 - at.y / mm;
-    if (!(cx > -0.5 && cy > -0.5 && cx < canvas.width() - 0.5 && cy < canvas.height() - 0.5))
-        fail("the pile at ({}, {}) mm is off the canvas, which reaches to ({}, {}) mm", at.x, at.y,
-             canvas.width() * mm / 2, canvas.height() * mm / 2);
     constexpr int size = PaintTile::kSize;
     PaintLayer& wet = canvas.writable_wet();
     const auto first = [&](double c) { return std::max(static_cast<int>(std::floor(c - radius)), 0); };
     const int x0 = first(cx), y0 = first(cy);
     const int x1 = std::min(static_cast<int>(std::ceil(cx + radius)) + 1, canvas.width());
     const int y1 = std::min(static_cast<int>(std::ceil(cy + radius)) + 1, canvas.height());
+    if (x0 >= x1 || y0 >= y1) return;
     for (int ty = y0 / size; ty * size < y1; ++ty)
         for (int tx = x0 / size; tx * size < x1; ++tx) {
             const Region tile = wet.region_of({tx, ty});

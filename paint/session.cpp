@@ -65,9 +65,14 @@ void Session::take_brush(const StrokeEvent& event, Canvas& canvas) {
         warnings_.emplace_back(
             "'start' is \"same\", but no brush was used before this stroke: it begins with a clean one, "
             "without paint");
-    if (event.start != BrushStart::same && !event.paint.empty() && event.brush.load_mm * event.load == 0)
-        warnings_.push_back(fmt::format("'paint' is not used: {} is 0, so no paint is loaded",
-                                        event.load == 0 ? "'load'" : "the brush's load_mm"));
+    const std::string_view zero = event.load == 0            ? "'load'"
+                                  : event.brush.load_mm == 0 ? "the brush's load_mm"
+                                                             : "";
+    if (event.start != BrushStart::same && !event.paint.empty() && !zero.empty())
+        warnings_.push_back(fmt::format("'paint' is not used: {} is 0, so no paint is loaded", zero));
+    why_bare_ = event.start == BrushStart::same ? "'start' is \"same\", and nothing was left on it"
+                : event.paint.empty()           ? "'paint' is missing or empty"
+                                                : fmt::format("{} is 0", zero);
     if (event.start == BrushStart::same && !event.paint.empty())
         warnings_.emplace_back(
             "'paint' is not used: where 'start' is \"same\", the brush goes on with what is on it");
@@ -132,6 +137,19 @@ void Session::dry_paint(const DryEvent& event) {
 }
 
 void Session::lay(const PileEvent& event) {
+    const Canvas& below = on(event.on);
+    const double mm = below.mm_per_pixel(), right = below.width() * mm / 2, top = below.height() * mm / 2,
+                 x = std::abs(event.at.x), y = std::abs(event.at.y), radius = event.size_mm / 2;
+    const std::string where = fmt::format("the pile at ({:.6g}, {:.6g}) mm lies", event.at.x, event.at.y),
+                      edge = fmt::format("outside of the {}, which reaches to ({:.4g}, {:.4g}) mm",
+                                         event.on == Place::painting ? "painting" : "palette", right, top);
+    if (std::hypot(std::max(x - right, 0.0), std::max(y - top, 0.0)) >= radius) {
+        for (const auto& paint : event.paint) palette_.at(paint.first);  // that there are all
+        warnings_.push_back(fmt::format("{} wholly {}: nothing is laid", where, edge));
+        return;
+    }
+    if (x + radius > right + mm / 2 || y + radius > top + mm / 2)
+        warnings_.push_back(fmt::format("{} in part {}: what is beyond is left out", where, edge));
     act(event.on, [&](Canvas& canvas) {
         lay_pile(canvas, recipe_of(canvas, event.paint, event.finish), event.at, event.size_mm,
                  event.height_mm);
@@ -186,9 +204,9 @@ void Session::warn_of_no_effect(bool changed) {
                         on(stroke_place_).width() * canvas_.mm_per_pixel() / 2,
                         on(stroke_place_).height() * canvas_.mm_per_pixel() / 2));
     else if (is_empty)
-        warnings_.emplace_back(
-            "the stroke changes nothing: no paint is on the brush ('paint' is missing or empty), and no wet "
-            "paint lies under it");
+        warnings_.push_back(fmt::format(
+            "the stroke changes nothing: no paint is on the brush ({}), and no wet paint lies under it",
+            why_bare_));
     else
         warnings_.emplace_back("the stroke changes nothing");
 }
@@ -240,10 +258,10 @@ void Session::apply(const Event& event) {
 }
 
 std::vector<std::string> replay(Session& session, const Journal& journal, const Progress& progress) {
-    std::vector<std::string> warnings;
+    std::vector<JournalWarning> warnings = journal.warnings;
     const auto take_warnings = [&](int line) {
         for (std::string text; !(text = session.take_warning()).empty();)
-            warnings.push_back(fmt::format("{}:{}: {}", journal.source, line, text));
+            warnings.push_back({line, std::move(text)});
     };
     int stroke_line = 0;  // of the stroke that finish() ends
     const auto count = static_cast<double>(journal.entries.size());
@@ -273,7 +291,11 @@ std::vector<std::string> replay(Session& session, const Journal& journal, const 
     session.finish();
     take_warnings(stroke_line);
     report(progress, "replay strokes", 1);
-    return warnings;
+    std::ranges::stable_sort(warnings, {}, &JournalWarning::line);
+    std::vector<std::string> told;
+    for (const JournalWarning& warning : warnings)
+        told.push_back(fmt::format("{}:{}: {}", journal.source, warning.line, warning.text));
+    return told;
 }
 
 }  // namespace tangi

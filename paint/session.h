@@ -88,12 +88,14 @@ private:
     Totals totals_;
     std::deque<std::string> warnings_;
     std::string ended_by_;                  // what ended the last stroke, where that was no "end"
+    std::string why_bare_;                  // should no paint be on the brush of the stroke
     double painted_s_ = 0, look_at_s_ = 0;  // by strokes that are over, on the painting
     Stroke::Look look_;
 };
 
 // All events of a journal. Errors name its file and line. What comes after the last undo and redo in it is
-// not kept to be undone. Returns what the user should know (Session::take_warning()), with file and line.
+// not kept to be undone. Returns what the user should know (Session::take_warning()), with the journal's own
+// warnings, by line, with file and line.
 std::vector<std::string> replay(Session& session, const Journal& journal, const Progress& progress = {});
 
 }  // namespace tangi

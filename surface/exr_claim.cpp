@@ -14,7 +14,7 @@ namespace tangi {
 
 namespace {
 
-constexpr std::uint32_t kMagic = 20000630, kPartsBit = 1u << 12;
+constexpr std::uint32_t kMagic = 20000630, kTilesBit = 1u << 9, kPartsBit = 1u << 12;
 constexpr double kBlockBytes = 16, kMostDeflated = 1032;
 constexpr std::size_t kLongestName = 255;
 constexpr std::uint32_t kMostRead = 1u << 20;  // [bytes] of an attribute that is looked at
@@ -26,8 +26,21 @@ struct Part {
     std::string name;
     std::optional<std::array<std::int32_t, 4>> window;  // smallest x, y, largest x, y
     std::optional<std::array<std::uint32_t, 2>> tile;
+    bool in_levels = false;  // tiles of several sizes of the picture
+    std::string type;        // "scanlineimage"; "" of the only part of old files
     unsigned char compression = 0;
     double pixel_bytes = 0;
+
+    bool has_tiles(std::uint32_t version) const {
+        return type.empty() ? (version & kTilesBit) != 0 : type == "tiledimage";
+    }
+    // [blocks] Of rows, or tiles.
+    double blocks(double width, double height) const {
+        if (tile)
+            return std::ceil(width / std::max((*tile)[0], 1u)) * std::ceil(height / std::max((*tile)[1], 1u));
+        const int rows = compression < kRowsOf.size() ? kRowsOf[compression] : kRowsOf.back();
+        return std::ceil(height / rows);
+    }
 };
 
 class Reader {
@@ -50,6 +63,9 @@ public:
         return static_cast<bool>(file_.read(text.data(), static_cast<std::streamsize>(size)));
     }
     bool skip(std::uint32_t size) { return static_cast<bool>(file_.seekg(size, std::ios::cur)); }
+    bool go_to(std::uint64_t place) {
+        return static_cast<bool>(file_.seekg(static_cast<std::streamoff>(place)));
+    }
 
 private:
     std::ifstream file_;
@@ -83,13 +99,15 @@ void keep(Part& part, const std::string& name, const std::string& value) {
     if (name == "compression" && !value.empty()) part.compression = static_cast<unsigned char>(value[0]);
     if (name == "dataWindow" && value.size() == 16)
         part.window = std::bit_cast<std::array<std::int32_t, 4>>(number_at<std::array<char, 16>>(value, 0));
+    if (name == "type") part.type = value;
     if (name == "tiles" && value.size() >= 8)
         part.tile = {number_at<std::uint32_t>(value, 0), number_at<std::uint32_t>(value, 4)};
+    if (name == "tiles" && value.size() > 8) part.in_levels = (value[8] & 0xf) != 0;
 }
 
 bool wanted(const std::string& name) {
     return name == "name" || name == "channels" || name == "compression" || name == "dataWindow" ||
-           name == "tiles";
+           name == "tiles" || name == "type";
 }
 
 // One header up to the byte 0 that ends it. `empty`: that byte is all there is.
@@ -108,15 +126,33 @@ bool read_part(Reader& in, Part& part, bool& empty) {
 
 // [bytes] that a file with this part has at least.
 double least_bytes(const Part& part, double width, double height) {
-    if (part.tile)
-        return kBlockBytes * std::ceil(width / std::max((*part.tile)[0], 1u)) *
-               std::ceil(height / std::max((*part.tile)[1], 1u));
-    const int rows = part.compression < kRowsOf.size() ? kRowsOf[part.compression] : kRowsOf.back();
-    const double pixels = part.pixel_bytes * width * height;
+    const double tables = kBlockBytes * part.blocks(width, height),
+                 pixels = part.pixel_bytes * width * height;
+    if (part.tile) return tables;
     const bool deflated = part.compression == kZip || part.compression == kZips;
-    return kBlockBytes * std::ceil(height / rows) + (part.compression == kNone ? pixels
-                                                     : deflated                ? pixels / kMostDeflated
-                                                                               : 0);
+    return tables + (part.compression == kNone ? pixels : deflated ? pixels / kMostDeflated : 0);
+}
+
+// Whether the file ends before the last block of the tables of offsets, which `in` has come to, or a block
+// has no place. `blocks`: of each part.
+bool ends_too_soon(Reader& in, std::uint32_t version, std::uint64_t length, const std::vector<Part>& parts,
+                   const std::vector<double>& blocks) {
+    std::uint64_t last = 0;
+    const Part* last_part = nullptr;
+    for (std::size_t i = 0; i < parts.size(); ++i)
+        for (double block = 0; block < blocks[i]; ++block) {
+            std::uint64_t offset = 0;
+            if (!in.number(offset) || offset == 0) return true;
+            if (offset > last) last = offset, last_part = &parts[i];
+        }
+    if (!last_part) return false;
+    // Which part, where there are several; the first row, or column, row and level of a tile; its bytes.
+    const std::uint64_t head = ((version & kPartsBit) != 0 ? 4u : 0u) +
+                               (last_part->has_tiles(version) ? 16u : 4u) + sizeof(std::uint32_t);
+    std::uint32_t size = 0;
+    if (last >= length || head > length - last) return true;
+    if (!in.go_to(last + head - sizeof size) || !in.number(size)) return true;
+    return size > length - last - head;
 }
 
 }  // namespace
@@ -131,6 +167,9 @@ std::optional<ExrClaim> exr_claim(const std::filesystem::path& path) {
     if (!in.number(magic) || magic != kMagic || !in.number(version)) return {};
     ExrClaim claim;
     double least = 0;
+    bool plain = true;  // whose tables of offsets are as long as blocks() says
+    std::vector<Part> parts;
+    std::vector<double> blocks;
     for (bool more = true; more;) {
         Part part;
         bool empty = false;
@@ -145,7 +184,12 @@ std::optional<ExrClaim> exr_claim(const std::filesystem::path& path) {
         least += least_bytes(part, width, height);
         if (least > static_cast<double>(length) && !claim.impossible)
             claim.impossible = fmt::format("{} x {}", width, height);
+        plain = plain && !part.in_levels && part.has_tiles(version) == part.tile.has_value() &&
+                (part.type.empty() || part.type == "scanlineimage" || part.type == "tiledimage");
+        blocks.push_back(part.blocks(width, height));
+        parts.push_back(std::move(part));
     }
+    if (plain && !claim.impossible) claim.cut_off = ends_too_soon(in, version, length, parts, blocks);
     return claim;
 }
 

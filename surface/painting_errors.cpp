@@ -50,10 +50,13 @@ void fail_reading(const std::filesystem::path& path, const std::exception& error
     fail("{}: is damaged, or no painting file: its header makes no sense; {}", path.string(), kRemedy);
 }
 
-void require_room_for_pixels(const std::filesystem::path& path) {
-    if (const auto claim = exr_claim(path); claim && claim->impossible)
+void require_whole(const std::filesystem::path& path) {
+    const auto claim = exr_claim(path);
+    if (claim && claim->impossible)
         fail("{}: is damaged: it is too short for the {} pixels that its header speaks of; {}", path.string(),
              *claim->impossible, kRemedy);
+    if (claim && claim->cut_off)
+        fail("{}: is damaged: it ends before the last of its pixels; {}", path.string(), kRemedy);
 }
 
 }  // namespace tangi

@@ -15,8 +15,8 @@ namespace tangi {
 [[noreturn]] void fail_reading(const std::filesystem::path& path, const std::exception& error);
 
 // Throws Error where the file is too short for the pixels that its header speaks of: OpenEXR would ask for
-// memory for them first.
-void require_room_for_pixels(const std::filesystem::path& path);
+// memory for them first; and where its end is missing, be it that of a part that the caller does not read.
+void require_whole(const std::filesystem::path& path);
 
 // Runs `body`, which reads the painting file at `path`; what it throws of OpenEXR becomes an Error that names
 // the file, as does a path that is no file.
@@ -25,7 +25,7 @@ auto reading_painting(const std::filesystem::path& path, const Body& body) {
     if (!std::filesystem::exists(path)) fail("{}: no such file", path.string());
     if (std::filesystem::is_directory(path)) fail("{}: is a folder, not a painting file", path.string());
     if (!std::filesystem::is_regular_file(path)) fail("{}: is a pipe or a device, not a file", path.string());
-    require_room_for_pixels(path);
+    require_whole(path);
     try {
         return body();
     } catch (const Error&) {

@@ -327,7 +327,7 @@ void write_painting(const fs::path& path, const Surface& s, const Progress& prog
 
 bool is_painting(const fs::path& path) {
     // What is damaged is a painting all the same: who reads it is told so.
-    if (const auto claim = exr_claim(path); claim && claim->impossible)
+    if (const auto claim = exr_claim(path); claim && (claim->impossible || claim->cut_off))
         return std::ranges::find(claim->parts, kDry) != claim->parts.end();
     try {
         return find_part(Imf::MultiPartInputFile(path.c_str()), kDry) >= 0;

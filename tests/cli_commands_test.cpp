@@ -2,6 +2,7 @@
 #include <sys/stat.h>
 
 #include "cli_program.h"
+#include "surface/painting_parts.h"
 
 namespace tangi {
 namespace {
@@ -231,6 +232,26 @@ TEST(CliInfo, RefusesWhatIsNoRegularFile) {
     EXPECT_TRUE(
         ended(tangipaint({"relight", stack.out("a.exr"), "--light", "0,0,1", "--out", stack.out("b.png")}), 1,
               {"a.exr: is a pipe or a device"}));
+}
+
+TEST(CliInfo, TellsOfAPaintingThatWasCutOffInAPartThatItDoesNotRead) {
+    const TinyStack stack;
+    const PartToWrite further{
+        {"of another program", 8, 8, {"a"}, {}, false},
+        [](int, int rows, std::span<float* const> planes) { std::fill_n(planes[0], rows * 8, 2.0f); }};
+    {
+        AtomicFile file(stack.out("a.exr"));
+        write_painting(file, Surface(8, 8), {&further, 1});
+    }
+    const std::string whole = bytes_of(stack.out("a.exr"));
+    ASSERT_TRUE(ended(tangipaint({"info", stack.out("a.exr")}), 0));
+    write_bytes(stack.out("a.exr"), whole.substr(0, whole.size() - 1));
+    for (const std::vector<std::string>& words :
+         {std::vector<std::string>{"info", stack.out("a.exr")},
+          {"relight", stack.out("a.exr"), "--light", "0,0,1", "--out", stack.out("b.png")},
+          {"export", stack.out("a.exr"), "--to", "maps", "--out", stack.out("maps")}})
+        EXPECT_TRUE(
+            ended(tangipaint(words), 1, {"a.exr: is damaged: it ends before the last of its pixels"}));
 }
 
 TEST(CliInfo, RefusesWhatItDoesNotKnow) {

@@ -153,8 +153,10 @@ TEST(Session, SaysWhatHasNoEffectAndWhichNameALayerGot) {
 )");
     Session session(flat_surface(128, 96), artist_acrylics());
     const std::string file = (dir / "a.jsonl").string();
+    Journal journal = read_journal(dir / "a.jsonl");
+    journal.warnings.clear();  // of strokes without 'end'
     EXPECT_THAT(
-        replay(session, read_journal(dir / "a.jsonl")),
+        replay(session, journal),
         testing::ElementsAre(
             AllOf(HasSubstr(file + ":2: "), HasSubstr("no wet paint"), HasSubstr("'ground'")),
             AllOf(HasSubstr(file + ":3: "), HasSubstr("'start' is \"same\"")),
@@ -197,6 +199,86 @@ TEST(Session, SaysOfStrokesThatChangeNothingWhy) {
     StrokeEvent unpressed = painting;
     unpressed.on = Place::palette;
     EXPECT_THAT(warning(unpressed, 500), HasSubstr("outside of the palette"));
+}
+
+TEST(Session, SaysWhyABrushHasNoPaint) {
+    const auto warnings = [](StrokeEvent stroke) {
+        Session session(flat_surface(128, 96), artist_acrylics());
+        session.apply(stroke);
+        session.apply(point(0, 0, 0));
+        session.apply(point(0.1, 5, 0));
+        session.apply(EndEvent{});
+        std::string all;
+        for (std::string text; !(text = session.take_warning()).empty();) all += text + "\n";
+        return all;
+    };
+    StrokeEvent dry = stroke_of("round", "Bone Black", 1);
+    dry.load = 0;
+    EXPECT_THAT(warnings(dry), AllOf(HasSubstr("'paint' is not used: 'load' is 0"),
+                                     HasSubstr("no paint is on the brush ('load' is 0)"),
+                                     testing::Not(HasSubstr("missing"))));
+    dry.load = 1;
+    dry.brush.load_mm = 0;
+    EXPECT_THAT(warnings(dry), HasSubstr("no paint is on the brush (the brush's load_mm is 0)"));
+    dry.start = BrushStart::same;
+    EXPECT_THAT(warnings(dry), AllOf(HasSubstr("no paint is on the brush ('start' is \"same\", and nothing"),
+                                     testing::Not(HasSubstr("load"))));
+    EXPECT_THAT(warnings(stroke_of("round", "", 1)), HasSubstr("('paint' is missing or empty)"));
+}
+
+TEST(Session, SaysThingsInTheOrderOfTheLines) {
+    const TestDir dir;
+    write_bytes(dir / "a.jsonl", R"({"format": "tangipaint strokes", "version": 1}
+{"event": "dry", "layer": "ground"}
+{"event": "stroke"}
+{"event": "end"}
+{"event": "dry", "layer": "ground"}
+{"event": "end"}
+{"event": "dry", "layer": "ground"}
+)");
+    Session session(flat_surface(32, 32), artist_acrylics());
+    const std::string file = (dir / "a.jsonl").string();
+    EXPECT_THAT(replay(session, read_journal(dir / "a.jsonl")),
+                testing::ElementsAre(AllOf(HasSubstr(file + ":2: "), HasSubstr("no wet paint")),
+                                     AllOf(HasSubstr(file + ":3: "), HasSubstr("no points")),
+                                     AllOf(HasSubstr(file + ":5: "), HasSubstr("no wet paint")),
+                                     AllOf(HasSubstr(file + ":6: "), HasSubstr("without a stroke")),
+                                     AllOf(HasSubstr(file + ":7: "), HasSubstr("no wet paint"))));
+}
+
+TEST(Session, PilesOutsideOfThePaletteAreNotLaid) {
+    Session session(flat_surface(128, 96), artist_acrylics());
+    PaletteEvent palette;
+    palette.width_mm = 60;
+    palette.height_mm = 40;
+    session.apply(palette);
+    PileEvent pile;
+    pile.paint = {{"Bone Black", 1}};
+    pile.size_mm = 12;
+    const auto laid_mm3 = [&](PointMm at) {
+        const auto volume = [&] {
+            const auto all = session.board()->volumes_mm3();
+            return all.empty() ? 0 : all[0];
+        };
+        const double before = volume();
+        pile.at = at;
+        session.apply(pile);
+        return volume() - before;
+    };
+    const double whole = laid_mm3({-10, 0});
+    EXPECT_GT(whole, 50);
+    EXPECT_EQ(session.take_warning(), "");
+    EXPECT_NEAR(laid_mm3({30, 0}) / whole, 0.5, 0.05);
+    EXPECT_THAT(session.take_warning(),
+                AllOf(HasSubstr("(30, 0) mm lies in part outside of the palette"), HasSubstr("(30, 20) mm")));
+    EXPECT_GT(laid_mm3({33, 0}), 0) << "though its middle is beyond";
+    EXPECT_THAT(session.take_warning(), HasSubstr("in part"));
+    for (const PointMm at : {PointMm{900, 0}, PointMm{0, -26}, PointMm{35, 25}}) {
+        EXPECT_EQ(laid_mm3(at), 0);
+        EXPECT_THAT(session.take_warning(), HasSubstr("wholly outside of the palette"));
+    }
+    pile.paint = {{"Vantablack", 1}};
+    EXPECT_THAT(error_of([&] { session.apply(pile); }), HasSubstr("Vantablack"));
 }
 
 TEST(Session, SaysThatPilesDoNotFitOnThePalette) {
