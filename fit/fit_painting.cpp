@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "fit/final_height.h"
 #include "fit/fit_passes.h"
 #include "fit/look_over.h"
 #include "fit/shot_order.h"
@@ -163,30 +164,11 @@ FitResult fit_painting(Stack stack, const FitOptions& options, const Progress& p
     fit_passes(stack, transfer, lighting, noise, options, lobes, look_at_signs, result, progress);
     report_.colour = correct_colours(stack, surface);
     report_.colour.white_by_chart = white.has_value();
-    Plane plane;
-    const auto integrate = [&](int robust_sweeps, Image<HalfError>* error_mm, const Progress& shown) {
-        HeightOptions height = options.height;
-        height.robust_sweeps = robust_sweeps;
-        report_.height = integrate_normals(surface.normal, surface.confidence, surface.mm_per_pixel,
-                                           surface.height_mm, height, shown, error_mm);
-        plane = best_plane(surface.height_mm, surface.confidence);
-        subtract(plane, surface.height_mm);
-    };
-    const auto misfit = [&](int robust_sweeps, double done_before) {
-        integrate(robust_sweeps, nullptr, Progress([&](std::string_view, double done) {
-                      return !progress || progress("cliffs", done_before + done / 2);
-                  }));
-        return shadow_misfit(surface, surveyed, transfer, lighting.lights, lighting.white_level);
-    };
-    // Cliffs are where photographs show their shadows. Slopes that err by more than they say disagree
-    // everywhere.
-    int sweeps = explains_photographs(report_) ? options.height.robust_sweeps : 0;
-    if (sweeps > 0) {
-        const double without = misfit(0, 0);
-        if (!(misfit(sweeps, 0.5) < without)) sweeps = 0;
-    }
-    integrate(sweeps, &result.errors.height, progress);
-    report_.support_tilt_deg = std::atan(std::hypot(plane.a, plane.b) / surface.mm_per_pixel) * 180 / M_PI;
+    const FinalHeight height = final_height(surface, surveyed, transfer, lighting, options.height,
+                                            explains_photographs(report_), &result.errors.height, progress);
+    report_.height = height.report;
+    report_.support_tilt_deg =
+        std::atan(std::hypot(height.plane.a, height.plane.b) / surface.mm_per_pixel) * 180 / M_PI;
     if (report_.too_bright > report_.fitted / 20)
         stack.warnings.push_back(
             fmt::format("{}: {:.0f} % of the pixels would reflect more than {} times the light that falls on "

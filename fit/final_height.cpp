@@ -1,0 +1,70 @@
+#include "fit/final_height.h"
+
+#include <array>
+
+#include "fit/mixed_slopes.h"
+#include "fit/shadow_signs.h"
+
+namespace tangi {
+
+namespace {
+
+// Tried upwards as long as shadows agree better. Slopes that change evenly have 1/12; beyond about 1/4 it
+// also makes up for flanks that photometric stereo takes for flatter than they are.
+constexpr std::array kMixings = {0.2, 0.4, 0.8};
+// [1] Of the misfit: what gains less is left as it is.
+constexpr double kShadowsClearlyBetter = 0.01;
+
+}  // namespace
+
+FinalHeight final_height(Surface& surface, const Survey& survey, const Transfer& transfer,
+                         const Lighting& lighting, const HeightOptions& options, bool shadows_tell,
+                         Image<HalfError>* error_mm, const Progress& progress) {
+    FinalHeight result;
+    Image<Vec3> steeper;  // empty: slopes as they are
+    const auto take = [&](double mixing) {
+        result.mixing = mixing;
+        steeper = mixing > 0 ? unmixed_normals(surface.normal, surface.confidence, mixing) : Image<Vec3>();
+    };
+    const auto integrate = [&](int robust_sweeps, Image<HalfError>* errors, const Progress& shown) {
+        HeightOptions height = options;
+        height.robust_sweeps = robust_sweeps;
+        result.report = integrate_normals(steeper.empty() ? surface.normal : steeper, surface.confidence,
+                                          surface.mm_per_pixel, surface.height_mm, height, shown, errors);
+        result.plane = best_plane(surface.height_mm, surface.confidence);
+        subtract(result.plane, surface.height_mm);
+    };
+    constexpr double trials = 2 + kMixings.size();
+    double tried = 0;
+    const auto misfit = [&](int robust_sweeps) {
+        integrate(robust_sweeps, nullptr, Progress([&](std::string_view, double done) {
+                      return !progress || progress("cliffs", (tried + done) / trials);
+                  }));
+        ++tried;
+        return shadow_misfit(surface, survey, transfer, lighting.lights, lighting.white_level);
+    };
+    int sweeps = 0;
+    if (shadows_tell) {
+        double least = misfit(0);
+        // Cliffs are where photographs show their shadows. Slopes that err by more than they say disagree
+        // everywhere.
+        if (options.robust_sweeps > 0)
+            if (const double now = misfit(options.robust_sweeps); now < least) {
+                least = now;
+                sweeps = options.robust_sweeps;
+            }
+        double chosen = 0;
+        for (const double mixing : kMixings) {
+            take(mixing);
+            const double now = misfit(sweeps);
+            if (!(now < (1 - kShadowsClearlyBetter) * least)) break;
+            least = now;
+            chosen = mixing;
+        }
+        take(chosen);
+    }
+    integrate(sweeps, error_mm, progress);
+    return result;
+}
+
+}  // namespace tangi

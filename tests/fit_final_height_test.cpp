@@ -1,0 +1,118 @@
+// fit_final_height_test.cpp: shadows in photographs say how steep relief is between its pixels.
+#include "fit/final_height.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <numbers>
+
+#include "fit/mixed_slopes.h"
+#include "surface/cast_shadows.h"
+#include "surface/relight.h"
+#include "test_support.h"
+
+namespace tangi {
+namespace {
+
+constexpr int kSide = 96;
+
+// Hills of all directions, matt and grey, as a fit finds their normals.
+Surface hills() {
+    Random random(7);
+    Surface s(kSide, kSide);
+    struct Wave {
+        double kx, ky, phase;
+    };
+    std::vector<Wave> waves;
+    for (int i = 0; i < 20; ++i) {
+        const double k = random.uniform(0.2, 0.7), turn = random.uniform(0, 2 * std::numbers::pi);
+        waves.push_back({k * std::cos(turn), k * std::sin(turn), random.uniform(0, 6.28)});
+    }
+    for (int y = 0; y < kSide; ++y)
+        for (int x = 0; x < kSide; ++x) {
+            glm::dvec2 slope(0);
+            for (const Wave& wave : waves)
+                slope += 0.2 * std::cos(wave.kx * x - wave.ky * y + wave.phase) *
+                         glm::normalize(glm::dvec2(wave.kx, wave.ky));
+            s.normal(x, y) = normal_of({static_cast<float>(slope.x), static_cast<float>(slope.y)});
+            s.diffuse(x, y) = Rgb(0.5f);
+            s.confidence(x, y) = 0.99f;
+        }
+    return s;
+}
+
+// What photographs of relief with these normals and this height show, at every other pixel.
+Survey photographed(const Surface& surface, const Image<float>& height_mm, const std::vector<Light>& lights) {
+    Survey survey;
+    survey.channels = 1;
+    survey.photos.resize(lights.size());
+    const CastShadows shadows(height_mm, surface.mm_per_pixel, RelightOptions{}.light_radius_deg);
+    for (int y = 0; y < kSide; y += 2)
+        for (int x = 0; x < kSide; x += 2) {
+            survey.positions.emplace_back(x, y);
+            for (const Light& light : lights)
+                survey.values.push_back(0.5f *
+                                        std::max(glm::dot(surface.normal(x, y), light.direction), 0.0f) *
+                                        shadows.visible_part(x, y, light.direction));
+        }
+    return survey;
+}
+
+std::vector<Light> ring(double elevation_deg) {
+    std::vector<Light> lights;
+    for (int i = 0; i < 8; ++i) {
+        const double azimuth = i * std::numbers::pi / 4, e = elevation_deg * std::numbers::pi / 180;
+        lights.push_back(distant_light(
+            Vec3(std::cos(azimuth) * std::cos(e), std::sin(azimuth) * std::cos(e), std::sin(e))));
+    }
+    return lights;
+}
+
+constexpr HeightOptions kNoCliffs{.robust_sweeps = 0};
+
+Image<float> height_with(const Surface& surface, double mixing) {
+    Image<float> z;
+    integrate_normals(
+        mixing > 0 ? unmixed_normals(surface.normal, surface.confidence, mixing) : surface.normal,
+        surface.confidence, surface.mm_per_pixel, z, kNoCliffs);
+    subtract(best_plane(z, surface.confidence), z);
+    return z;
+}
+
+FinalHeight found(Surface& surface, const Image<float>& height_mm, const std::vector<Light>& lights,
+                  bool shadows_tell = true) {
+    return final_height(surface, photographed(surface, height_mm, lights), {}, {.lights = lights, .rig = {}},
+                        kNoCliffs, shadows_tell, nullptr, {});
+}
+
+double rms(const Image<float>& a, const Image<float>& b) {
+    double square = 0;
+    for (std::size_t i = 0; i < a.size(); ++i) square += std::pow(a.pixels()[i] - b.pixels()[i], 2);
+    return std::sqrt(square / static_cast<double>(a.size()));
+}
+
+TEST(FinalHeight, ShadowsSayWhetherSlopesAreSteeperThanTheyLook) {
+    Surface surface = hills();
+    const Image<float> plain = height_with(surface, 0);
+    for (const double mixing : {0.0, 0.2, 0.4, 0.8}) {
+        const Image<float> truth = height_with(surface, mixing);
+        const FinalHeight result = found(surface, truth, ring(25));
+        EXPECT_EQ(result.mixing, mixing);
+        EXPECT_TRUE(result.report.converged);
+        EXPECT_LT(rms(surface.height_mm, truth), 0.01) << mixing;
+        EXPECT_GE(rms(plain, truth), mixing > 0 ? 0.03 : 0) << mixing;
+    }
+}
+
+TEST(FinalHeight, WithoutShadowsSlopesAreTakenAsTheyAre) {
+    Surface surface = hills();
+    const Image<float> steep = height_with(surface, 0.8);
+    EXPECT_EQ(found(surface, steep, ring(80)).mixing, 0);
+    EXPECT_LT(rms(surface.height_mm, height_with(surface, 0)), 1e-6);
+    // Nor where the photographs are not explained.
+    EXPECT_EQ(found(surface, steep, ring(25), false).mixing, 0);
+}
+
+}  // namespace
+}  // namespace tangi
