@@ -128,5 +128,25 @@ TEST(DataMirrorBall, IsNotFoundInPaintings) {
     }
 }
 
+// All of the background is the same, so that a good part of its edges are where the others have theirs.
+TEST(DataBallCalibration, NamesARockAmongPicturesOfABall) {
+    TP_DATA(folder, "spheres");
+    for (const std::string ball : {"chrome", "gray"}) {
+        const TestDir dir;
+        std::vector<std::filesystem::path> paths;
+        for (int i = 0; i < 12; ++i) {
+            paths.push_back(dir / fmt::format("{:02}.tga", i));
+            const std::string shown = i == 4 ? "rock" : ball;
+            std::filesystem::copy_file(folder / shown / fmt::format("{}.{}.tga", shown, i), paths.back());
+        }
+        const BallCalibrationOptions options{.matt = ball == "gray"};
+        EXPECT_THAT(error_of([&] { calibrate_from_balls(paths, options); }),
+                    testing::AllOf(HasSubstr("04.tga"),
+                                   HasSubstr("shows something else than the other photographs")));
+        paths.erase(paths.begin() + 4);
+        EXPECT_GE(calibrate_from_balls(paths, options).calibrated(), 10) << ball;
+    }
+}
+
 }  // namespace
 }  // namespace tangi
