@@ -60,12 +60,15 @@ double dot(const Three& a, const Three& b, std::size_t n) {
 
 }  // namespace
 
+Alignment::Three Alignment::terms_under(const glm::dvec3& l) {
+    return {1, l.x / std::max(l.z, kLeastZ), l.y / std::max(l.z, kLeastZ)};
+}
+
 Alignment::Alignment(const MotionFrame& frame, const std::vector<glm::dvec3>& lights,
                      std::vector<bool> in_model)
     : pictures(lights.size()), frame_(frame), in_model_(std::move(in_model)), scales_(lights.size(), 1) {
     TP_REQUIRE(lights.size() == in_model_.size(), "one flag a picture");
-    for (const glm::dvec3& l : lights)
-        terms_of_.push_back({1, l.x / std::max(l.z, kLeastZ), l.y / std::max(l.z, kLeastZ)});
+    for (const glm::dvec3& l : lights) terms_of_.push_back(terms_under(l));
     terms_ = std::count(in_model_.begin(), in_model_.end(), true) >= kEnoughForRelief ? 3 : 1;
 }
 
@@ -206,6 +209,7 @@ void Alignment::predict_pixel(std::size_t k) {
         s[i].dx = static_cast<float>(dot(cx, f, n));
         s[i].dy = static_cast<float>(dot(cy, f, n));
     }
+    pixel.terms = c;
     if (n == 3) add_tied_rows(k, factor, c);
 }
 

@@ -2,6 +2,8 @@
 // picture is laid onto what the others predict under its own light.
 #pragma once
 
+#include <glm/vec3.hpp>
+#include <optional>
 #include <vector>
 
 #include "capture/local_contrast.h"
@@ -47,7 +49,18 @@ public:
     // narrow.
     void iterate(MotionModel largest, int times);
 
-    const std::vector<float>& scales() const { return scales_; }
+    // The light that a picture shows where it lies, whatever is listed for it: the one under which the
+    // others' prediction correlates best with it.
+    struct ShownLight {
+        glm::dvec3 light{0, 0, 1};  // [unit vector]
+        double correlation = 0;     // [1] under it
+    };
+    // Of these pictures, each predicted from those that are not among them. Nothing where relief is not told
+    // from motion, or nothing like it is in the picture.
+    std::vector<std::optional<ShownLight>> shown_lights(const std::vector<std::size_t>& of);
+
+    // Predicts a picture under this light [unit vector] from now on.
+    void set_light(std::size_t picture, const glm::dvec3& light);
 
 private:
     using Three = std::array<double, 3>;
@@ -56,6 +69,7 @@ private:
         int window = 0, cell = 0;
         glm::dvec2 position{0};  // of the joint frame
         float scale = 1;         // of its residuals
+        Three terms{};           // of its prediction
     };
     struct Sample {
         float value = 0, dx = 0, dy = 0;  // first the picture's, then the prediction's gradient
@@ -63,6 +77,7 @@ private:
         float weight = 0;
     };
 
+    static Three terms_under(const glm::dvec3& light);
     void sample();
     void predict();
     void predict_pixel(std::size_t k);

@@ -171,7 +171,7 @@ void require_same_subject(const PhotoSet& photos, const CameraShakes& drifts) {
         if (drifts.photos[i].strange)
             fail_photo(photos.path(i),
                        "shows something else than the other photographs: of the edges that these agree on "
-                       "(correlation {:.2f}) it has none ({:.2f})",
+                       "(correlation {:.2f}) it has no more than by chance ({:.2f})",
                        median(agreements), drifts.photos[i].agreement);
 }
 

@@ -16,8 +16,9 @@ struct CameraShake {
     double roll_rad = 0;
     double sigma_px = 0;  // standard error of each coordinate of the shift
     // [1] Correlation of this photograph's edges with those that the others agree on, and whether it must
-    // show something else: it has edges of its own, and none of theirs (capture/stray_photos.h). It has no
-    // drift then, and no part in how far the others moved.
+    // show something else: it has edges of its own, and none of theirs (capture/stray_photos.h), or no more
+    // than it has by chance where it is laid elsewhere, while the others have far more. It has no drift then,
+    // and no part in how far the others moved.
     double agreement = 1;
     bool strange = false;
 

@@ -57,7 +57,9 @@ struct Registration {
 
 // Registers the photographs of a stack to the first of them (by path, held out or not), and stores in each
 // that drifted its homography. Held-out photographs are read here, and have no say in the others'
-// registration. `collected` has the stack's photographs; the transfer curve need not be exact. Photographs
+// registration. `collected` has the stack's photographs; the transfer curve need not be exact. A photograph
+// that its listed light explains badly, and another one well, is registered under that; its light stays as
+// listed. Photographs
 // that cannot be registered are left out of a stack that moved, with a warning that names them; in one that
 // did not, only those that show something else. Throws Error where fewer than 4 remain. docs/method.md says
 // how, and what decides that a stack moved.

@@ -6,6 +6,7 @@
 #include "fit/faithful_fit.h"
 #include "fit/fit_page.h"
 #include "fit/fit_painting.h"
+#include "fit/fit_passes.h"
 #include "surface/error.h"
 #include "surface/overview.h"
 #include "surface/painting_file.h"
@@ -58,9 +59,9 @@ std::vector<std::string> poor_reasons(const FitReport& report, const UsableStack
     if (opened.lights_by_order && report.median_rms_residual > kDoubtfulOrder)
         reasons.push_back(fmt::format(
             "no name in the lights file is that of a photograph, so lights were taken in the order of the "
-            "file names, and the photographs differ from the model by {:.1f} times what is expected: is the "
-            "order the same? Name the photographs in the lights file as they are called",
-            report.median_rms_residual));
+            "file names, and the photographs differ from the model by {}: is the order the same? Name the "
+            "photographs in the lights file as they are called",
+            beyond_expected(report.median_rms_residual)));
     if (std::string doubt = doubt_of(report.signs, report.shadow_signs, flips); !doubt.empty())
         reasons.push_back(std::move(doubt));
     for (std::string& doubt : doubts_of(report.odd_lights, report.photo_names))

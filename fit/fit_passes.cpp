@@ -288,6 +288,13 @@ void refine(const Stack& stack, const Transfer& transfer, const Lighting& lighti
 
 }  // namespace
 
+std::string beyond_expected(double median_sigma) {
+    if (median_sigma < 1.95)
+        return fmt::format("{:.0f} % more than is expected (in the median)",
+                           std::max(100 * (median_sigma - 1), 1.0));
+    return fmt::format("{:.1f} times what is expected (in the median)", median_sigma);
+}
+
 bool explains_photographs(const FitReport& report) { return report.median_rms_residual <= kTrusted; }
 
 // The first pass with white and isotropic lobes; where they may be drawn out, what some pixels then show of
@@ -325,10 +332,9 @@ void fit_passes(Stack& stack, const Transfer& transfer, const Lighting& lighting
     }
     if (options.refine && !trusted())
         stack.warnings.push_back(fmt::format(
-            "{}: photographs differ from the model by {:.1f} times what is expected (in the median): "
-            "shadows and neighbours' lobes are not believed, so the fit is not refined; metal and "
-            "glass look like that, and wrong light directions",
-            stack.folder.string(), report_.median_rms_residual));
+            "{}: photographs differ from the model by {}: shadows and neighbours' lobes are not believed, so "
+            "the fit is not refined; metal and glass look like that, and wrong light directions",
+            stack.folder.string(), beyond_expected(report_.median_rms_residual)));
     // Where it is not refined, too: the lights may be what is wrong.
     const Plane plane = first_height(options, surface, progress);
     look(true);

@@ -27,4 +27,8 @@ void fit_passes(Stack& stack, const Transfer& transfer, const Lighting& lighting
 // Whether the residuals of the last pass are small enough to believe what it says of errors.
 bool explains_photographs(const FitReport& report);
 
+// By how much photographs differ from the model, in words: "6 % more than is expected (in the median)", "2.3
+// times what is expected (in the median)". `median_sigma` [sigma] is over 1.
+std::string beyond_expected(double median_sigma);
+
 }  // namespace tangi

@@ -25,15 +25,20 @@ struct OddLight {
     double off_deg = 0;     // between the listed light and one as high on the side that it shows
     double sigma_deg = 0;   // standard error, by leaving out a sixteenth of the picture in turn
     Vec3 shown{0, 0, 1};    // [unit vector] that one, as lights are listed
+    // Where the side is right and the height is not: how much higher the light stands than listed, off_deg
+    // being its size, and `shown` on the listed side.
+    std::optional<double> higher_deg{};
     // The photograph whose light explains this one, where this one's light explains that one, too.
     std::optional<std::size_t> exchanged_with{};
     double exchanged_off_deg = 0;  // as off_deg, of the light of that one
 };
 
 struct LightOutliers {
-    std::vector<OddLight> odd;      // in the order of the photographs
-    std::vector<double> off_deg{};  // of each photograph; NaN where it tells nothing
-    double scatter_deg = 0;         // robust, of photographs that are right
+    std::vector<OddLight> odd;         // in the order of the photographs
+    std::vector<double> off_deg{};     // of each photograph; NaN where it tells nothing
+    double scatter_deg = 0;            // robust, of photographs that are right
+    std::vector<double> higher_deg{};  // how much higher than listed each light is shown; likewise
+    double height_scatter_deg = 0;
 };
 
 // `survey` has one photograph for each light; `lights` are as listed, but for their strengths, as far as

@@ -81,7 +81,12 @@ std::string with_error(double value, double sigma) {
 
 std::string picture_url(const Image<Rgb>& picture, const std::filesystem::path& scratch) {
     const AtomicFile file(scratch.parent_path() / "page-picture.jpg");  // never committed: it vanishes
-    write_picture_8bit(file.temporary(), picture);
+    try {
+        write_picture_8bit(file.temporary(), picture);
+    } catch (const Error&) {  // names a file that nobody asked for
+        fail("{}: cannot be written: there is no room for a picture of its page; is the disk full?",
+             scratch.string());
+    }
     return "data:image/jpeg;base64," + base64(read_text_file(file.temporary()));
 }
 

@@ -138,4 +138,17 @@ inline void paint_relief(Image<float>& picture, const glm::dvec3& light) {
         }
 }
 
+// Mean angle to lights that are known, in the order of the photographs; of those that have a light.
+inline double mean_error_deg(const BallCalibration& c, const std::vector<glm::dvec3>& truth) {
+    double sum = 0;
+    for (std::size_t i = 0; i < truth.size(); ++i)
+        if (c.lights[i].direction) sum += degrees_between(*c.lights[i].direction, truth[i]) / c.calibrated();
+    return sum;
+}
+
+// As --sphere X,Y,R.
+inline GivenBall circle(double x, double y, double r) {
+    return {{x, y}, r, false, fmt::format("{},{},{}", x, y, r)};
+}
+
 }  // namespace tangi

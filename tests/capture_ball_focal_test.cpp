@@ -24,13 +24,6 @@ double largest_error_in_sigmas(const BallCalibration& c, const std::vector<dvec3
     return largest;
 }
 
-double mean_error_deg(const BallCalibration& c, const std::vector<dvec3>& truth) {
-    double sum = 0;
-    for (std::size_t i = 0; i < truth.size(); ++i)
-        if (c.lights[i].direction) sum += degrees_between(*c.lights[i].direction, truth[i]) / c.calibrated();
-    return sum;
-}
-
 // Right would be a radius of 15 mm, 1000 px, 600 mm, 15 mm.
 struct Wrong {
     std::string what, said;

@@ -42,6 +42,33 @@ TEST(CliCalibrate, WritesLightsACaptureFileAndAPage) {
               (std::vector<std::string>{"capture.html", "capture.json", "lights.lp", "photos"}));
 }
 
+// None of its three files is then half new: all are as they were.
+TEST(CliCalibrate, OnAFullDiskLeavesWhatWasThere) {
+    const TestDir dir;
+    std::filesystem::create_directories(dir / "photos");
+    std::filesystem::create_directories(dir / "out");
+    write_ball_photos(dir / "photos", BallScene{}, lights_around(6, 45));
+    const std::vector<std::string> words = {"calibrate", (dir / "photos").string(), "--out",
+                                            (dir / "out/lights.lp").string()};
+    const auto files = [&] {
+        std::map<std::string, std::string> bytes;
+        for (const std::string& name : everything_in(dir / "out")) bytes[name] = bytes_of(dir / "out" / name);
+        return bytes;
+    };
+    const auto refused = [&](std::uintmax_t room) {
+        const Finished run = tangipaint(words, {.largest_file = room});
+        EXPECT_TRUE(ended(run, 1, {(dir / "out").string() + "/", "cannot be written"})) << room;
+        EXPECT_EQ(run.err.find("/."), std::string::npos) << run.err;  // by the name that was asked for
+    };
+    for (const std::uintmax_t room : {0, 300, 4000}) refused(room);
+    EXPECT_TRUE(files().empty());
+    ASSERT_TRUE(ended(tangipaint(words), 0));
+    const auto before = files();
+    ASSERT_EQ(before.size(), 3u);
+    for (const auto& [name, bytes] : before) refused(bytes.size() - 1);
+    EXPECT_EQ(files(), before);
+}
+
 TEST(CliCalibrate, FindsLightsOfWhichNothingIsWrittenDown) {
     const TestDir dir;
     const std::string photos = (dir / "photos").string(), out = (dir / "photos/lights.lp").string();

@@ -17,10 +17,14 @@ struct Bumps {
     std::vector<Light> lights;
     Survey survey;
 
-    // `nearness` [1]: half the picture's width by the lamps' distance.
-    explicit Bumps(double steep, double nearness = 0, double noise = 0.002) {
+    // `nearness` [1]: half the picture's width by the lamps' distance. `ambient` [1]: light from all around.
+    // `same_side`: the second of these lamps stands on the side of the first.
+    explicit Bumps(double steep, double nearness = 0, double noise = 0.002, double ambient = 0,
+                   std::optional<std::pair<std::size_t, std::size_t>> same_side = {}) {
         for (int i = 0; i < 16; ++i) {
-            const double angle = 2.4 * i, tilt = 0.35 + 0.045 * i;
+            const bool moved = same_side && same_side->second == static_cast<std::size_t>(i);
+            const double angle = 2.4 * (moved ? static_cast<double>(same_side->first) : i),
+                         tilt = 0.35 + 0.045 * i;
             lights.push_back(distant_light(Vec3(glm::dvec3(
                 std::sin(tilt) * std::cos(angle), std::sin(tilt) * std::sin(angle), std::cos(tilt)))));
             lights.back().name = fmt::format("photo_{:02}.png", i);
@@ -41,8 +45,9 @@ struct Bumps {
                 for (std::size_t i = 0; i < lights.size(); ++i) {
                     const glm::dvec3 to = glm::dvec3(lights[i].direction) - nearness * place;
                     const double distance = glm::length(to), strength = 0.5 + 0.02 * double(i);
-                    const double value = strength * diffuse * std::max(0.0, glm::dot(normal, to)) /
-                                         (distance * distance * distance);
+                    const double value =
+                        strength * diffuse *
+                        (ambient + std::max(0.0, glm::dot(normal, to)) / (distance * distance * distance));
                     survey.values.push_back(static_cast<float>(value + noise * random.normal()));
                 }
             }
@@ -57,6 +62,12 @@ struct Bumps {
         Vec3& d = lights[photo].direction;
         const float a = static_cast<float>(degrees * std::numbers::pi / 180);
         d = Vec3(std::cos(a) * d.x - std::sin(a) * d.y, std::sin(a) * d.x + std::cos(a) * d.y, d.z);
+    }
+    void raise(std::size_t photo, double degrees) {
+        Vec3& d = lights[photo].direction;
+        const float plane = std::hypot(d.x, d.y);
+        const float up = std::atan2(d.z, plane) + static_cast<float>(degrees * std::numbers::pi / 180);
+        d = Vec3(std::cos(up) * d.x / plane, std::cos(up) * d.y / plane, std::sin(up));
     }
 };
 
@@ -92,6 +103,33 @@ TEST(OddLights, OneThatIsTurnedIsNamedWithTheLightThatItShows) {
     EXPECT_FALSE(outliers.odd[0].exchanged_with);
     EXPECT_LT(glm::length(outliers.odd[0].shown - right), 0.05);
     EXPECT_THAT(bumps.doubts(), ElementsAre(HasSubstr("photo_12.png: is shaded by a light")));
+}
+
+// Lamps are as high as the list says, but for one; light from all around raises all of them alike.
+TEST(OddLights, OneOfWrongHeightIsNamedWithTheHeightThatItShows) {
+    for (const double degrees : {25.0, -25.0}) {
+        Bumps bumps(0.25, 0, 0.002, 0.05);
+        const Vec3 right = bumps.lights[9].direction;
+        bumps.raise(9, degrees);
+        const LightOutliers outliers = bumps.check();
+        EXPECT_LT(outliers.height_scatter_deg, 3);
+        ASSERT_EQ(outliers.odd.size(), 1u);
+        EXPECT_EQ(outliers.odd[0].photo, 9u);
+        ASSERT_TRUE(outliers.odd[0].higher_deg.has_value());
+        EXPECT_NEAR(*outliers.odd[0].higher_deg, -degrees, 4);
+        EXPECT_LT(glm::length(outliers.odd[0].shown - right), 0.07);
+        EXPECT_THAT(bumps.doubts(),
+                    ElementsAre(testing::AllOf(
+                        HasSubstr("photo_09.png: is shaded by a light"),
+                        HasSubstr(degrees > 0 ? "degrees lower than" : "degrees higher than"))));
+    }
+}
+
+TEST(OddLights, TwoOnOneSideThatAreExchangedAreNamedTogether) {
+    Bumps bumps(0.25, 0, 0.002, 0, std::pair<std::size_t, std::size_t>(3, 12));
+    std::swap(bumps.lights[3].direction, bumps.lights[12].direction);
+    EXPECT_THAT(bumps.doubts(), ElementsAre(HasSubstr("photo_03.png and photo_12.png: each is shaded by the "
+                                                      "other's light")));
 }
 
 // What tells nothing of lights says nothing of them.

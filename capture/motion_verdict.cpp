@@ -1,0 +1,150 @@
+#include "capture/motion_verdict.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "capture/shared_shading.h"
+#include "capture/stray_photos.h"
+#include "surface/median.h"
+
+namespace tangi {
+
+namespace {
+
+constexpr double kMovedPx = 0.12;      // [pixels] typical motion beyond shading from which on a stack moved
+constexpr double kJumpPx = 0.25;       // [pixels] of single photographs of a stack that did not
+constexpr double kJumpScales = 5;      // [1] and of the typical motion
+constexpr double kMovedErrors = 2;     // [1] and times the median photograph's error
+constexpr double kJumpErrors = 5;      // [1] and times its own
+constexpr double kTrustedAlone = 0.8;  // [1] correlation from which on one photograph's jump is believed
+// [pixels] of shift, when l.xy / l.z changes by 1, that shadows and gloss at edges may feign for a whole
+// stack: what was seen in generated stacks of other paintings.
+constexpr double kTiedErrorPx = 0.04;
+constexpr double kLeastErrorPx = 0.02;  // [pixels]
+constexpr double kFlatErrorPx = 0.5;    // [pixels] with too few photographs to tell relief from motion
+constexpr double kLeastCertainty = 6;   // [standard errors]
+constexpr double kTelling = 0.5;        // [1] of the median photograph's contrast must be expected of one ...
+constexpr double kLowLight = 0.26;      // [1] ... whose light has this z, for it to be missed: 15 degrees
+
+// [pixels] Standard error of one photograph's motion in the joint frame.
+double own_error_px(const AlignedPicture& picture) {
+    return std::hypot(rms_displacement(picture.covariance), picture.model_error_px, kLeastErrorPx);
+}
+
+// [pixels] Standard error of what is linear in the light, of one photograph against another: relief looks
+// like it to first order, so that a whole stack shares an error of it.
+double tied_error_px(const AlignedStack& stack, const Alignment& alignment, std::size_t i,
+                     std::size_t reference) {
+    const auto slopes = [&](std::size_t k) {
+        const glm::dvec3& l = stack.lights[k];
+        return glm::dvec2(l.x, l.y) / std::max(l.z, kLowLight);
+    };
+    const glm::dvec2 d = slopes(i) - slopes(reference);
+    const MotionMatrix& c = alignment.tied.covariance;
+    const auto variance = [&](std::size_t p) {
+        return d.x * d.x * c[p][p] + 2 * d.x * d.y * c[p][p + 1] + d.y * d.y * c[p + 1][p + 1];
+    };
+    return std::hypot(std::sqrt(std::max(variance(0) + variance(2), 0.0)), kTiedErrorPx * glm::length(d));
+}
+
+}  // namespace
+
+bool was_found(const AlignedPicture& picture) {
+    return picture.certainty > kLeastCertainty && picture.correlation > kNothingAlike &&
+           picture.last.model != MotionModel::none;
+}
+
+Registration camera_motions(const AlignedStack& stack, const Alignment& alignment) {
+    const std::size_t count = stack.photos.size();
+    std::vector<glm::dvec2> shifts;
+    std::vector<bool> found, counted;
+    std::vector<double> errors, drifts;
+    for (std::size_t i = 0; i < count; ++i) {
+        const AlignedPicture& picture = alignment.pictures[i];
+        const MotionVector m = motion_of(picture.homography, stack.frame);
+        shifts.emplace_back(m[0], m[1]);
+        found.push_back(was_found(picture));
+        counted.push_back(found[i] && stack.in_model[i]);
+        if (counted[i]) errors.push_back(own_error_px(picture));
+    }
+    const SharedShading shading = shared_shading(shifts, stack.lights, counted);
+    const double flat = stack.fitted < Alignment::kEnoughForRelief ? kFlatErrorPx : 0;
+    const bool all_moved =
+        shading.typical_rest_px > std::max({kMovedPx, flat, kMovedErrors * median(std::move(errors))});
+    const bool shading_is_motion = all_moved && !shading.exceeds_motion;
+    const auto jumped = [&](std::size_t i) {
+        return alignment.pictures[i].correlation > kTrustedAlone &&
+               glm::length(shading.rest[i] - shading.middle_rest) >
+                   std::max({kJumpPx, flat, kJumpScales * shading.typical_rest_px,
+                             kJumpErrors * own_error_px(alignment.pictures[i])});
+    };
+    std::vector<double> correlations;
+    for (std::size_t i = 0; i < count; ++i)
+        if (found[i]) correlations.push_back(alignment.pictures[i].correlation);
+    const double least = median(std::move(correlations)) / 2;  // less may be there by chance
+    std::size_t reference = count;
+    for (std::size_t i = 0; i < count; ++i)
+        if (found[i] && alignment.pictures[i].correlation >= least && (all_moved || !jumped(i)) &&
+            (reference == count || stack.photos[i]->path < stack.photos[reference]->path))
+            reference = i;
+    if (reference == count) reference = 0;
+
+    Registration result;
+    result.reference = stack.photos[reference]->light.name;
+    result.shading_px = shading_is_motion ? 0 : shading.rms_px;
+    const auto without_shading = [&](std::size_t i) {
+        Homography h = alignment.pictures[i].homography;
+        if (!shading_is_motion)
+            h = h * homography_of({-shading.of_photo[i].x, -shading.of_photo[i].y}, stack.frame);
+        return h;
+    };
+    // Where the camera stood still but for jumps, it is where it stood that counts, not one photograph.
+    const Homography back =
+        glm::inverse(all_moved ? without_shading(reference)
+                               : homography_of({shading.middle_rest.x, shading.middle_rest.y}, stack.frame));
+    const double of_reference = all_moved ? own_error_px(alignment.pictures[reference]) : 0;
+    for (std::size_t i = 0; i < count; ++i) {
+        const AlignedPicture& picture = alignment.pictures[i];
+        PhotoDrift d;
+        d.name = stack.photos[i]->light.name;
+        d.registered = found[i];
+        d.correlation = picture.correlation;
+        d.model = picture.last.model;
+        d.homography = normalised(without_shading(i) * back);
+        if (all_moved && i == reference) d.homography = Homography(1);
+        d.drift_px = rms_displacement(motion_of(d.homography, stack.frame));
+        d.error_px = std::hypot(own_error_px(picture), of_reference, flat);
+        // In a stack that stood still, what is left is the error.
+        if (!all_moved) d.error_px = std::hypot(d.error_px, shading.typical_rest_px);
+        d.warped = i != reference && found[i] && d.drift_px > d.error_px && (all_moved || jumped(i));
+        // Shared by all photographs alike, it is no reason to leave one of them as it is.
+        if (shading_is_motion)
+            d.error_px = std::hypot(d.error_px, tied_error_px(stack, alignment, i, reference));
+        if (found[i]) drifts.push_back(d.drift_px);
+        result.moved = result.moved || d.warped;
+        (i < stack.fitted ? result.photos : result.held_out).push_back(std::move(d));
+    }
+    result.typical_drift_px = median(std::move(drifts));
+    return result;
+}
+
+std::vector<bool> showing_something_else(const AlignedStack& stack, const Alignment& alignment) {
+    std::vector<double> expected, contrasts, correlations;
+    for (const AlignedPicture& picture : alignment.pictures) {
+        expected.push_back(picture.expected);
+        contrasts.push_back(picture.contrast);
+        correlations.push_back(picture.correlation);
+    }
+    const double middle = median(std::move(expected)), contrast = median(std::move(contrasts));
+    const bool others_agree = median(std::move(correlations)) > kOthersAgree;
+    std::vector<bool> strange;
+    for (std::size_t i = 0; i < stack.photos.size(); ++i) {
+        const AlignedPicture& picture = alignment.pictures[i];
+        const bool others_edges = others_agree && picture.contrast > kEdgesOfItsOwn * contrast;
+        strange.push_back((stack.lights[i].z > kLowLight || others_edges) &&
+                          picture.expected > kTelling * middle && picture.correlation <= kNothingAlike);
+    }
+    return strange;
+}
+
+}  // namespace tangi
