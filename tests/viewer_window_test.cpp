@@ -99,6 +99,24 @@ TEST_F(Window, TiltsLightsPaintsUndoesAndSaves) {
     EXPECT_GT(read_journal(folder_ / "small.strokes.jsonl").entries.size(), 5u);
 }
 
+TEST_F(Window, TellsOfThePixelUnderThePointerAndOfNoOther) {
+    start();
+    screen_->x({"search", "--name", "TangiPaint", "windowsize", "900", "650", "mousemove", "20", "640"});
+    const auto bare = screen_->settled();
+    constexpr Region kTold{760, 12, 890, 60};
+    const auto point_at = [&](int x, int y) {
+        screen_->x({"mousemove", std::to_string(x), std::to_string(y)});
+    };
+    for (const auto& beside : {std::pair(600, 30), std::pair(100, 300), std::pair(960, 680)}) {
+        point_at(kMiddleX, kMiddleY);
+        EXPECT_TRUE(screen_->becomes_different(bare, kTold, 0.05));
+        point_at(beside.first, beside.second);
+        EXPECT_TRUE(screen_->becomes_alike(bare, kTold, 0.005))
+            << "beside the painting, over the panels, out of the window: " << beside.first;
+    }
+    EXPECT_EQ(close().code, 0);
+}
+
 // All of it comes while the window is held still: for it, that is one very slow frame.
 TEST_F(Window, EveryKeyAndStepOfASlowFrameCounts) {
     Surface other = small_painting();

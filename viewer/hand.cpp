@@ -110,6 +110,9 @@ void Hand::take(const InputEvent& event, Extent screen, double left, bool panels
         case InputEvent::Kind::gesture:
             if (drag_ == Drag::none && !panels_busy) gesture(event);
             break;
+        case InputEvent::Kind::leave:
+            over_canvas_ &= holds();  // what is dragged goes on outside
+            break;
         case InputEvent::Kind::lost:
             let_go();
             break;

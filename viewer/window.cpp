@@ -300,16 +300,16 @@ WindowResult WindowApp::run() {
     bool busy = true;
     for (;;) {
         if (busy)
-            glfwPollEvents();
+            input_.hear();
         else
-            glfwWaitEventsTimeout(devices_->polled() || input_.polled() ? kFrame_s : 0.25);
+            input_.hear(devices_->polled() || input_.polled() ? kFrame_s : 0.25);
         if (stop_wanted_ && stop_wanted_()) break;
         if (closing()) break;
         busy = frame();
         // Without vertical synchronisation, or with a picture that did not change, do not spin.
         if (busy) {
             const double left = now_s_ + kFrame_s - glfwGetTime();
-            if (left > 0) glfwWaitEventsTimeout(left);
+            if (left > 0) input_.hear(left);
         }
     }
     hand_->let_go();

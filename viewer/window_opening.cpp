@@ -76,7 +76,7 @@ bool WindowApp::open_first() {
             draw_opening(tiles, mm_per_pixel);
             drawn_s = glfwGetTime();
         }
-        glfwWaitEventsTimeout(kLook_s);
+        input_.hear(kLook_s);
     }
     OpenedPainting opened = first_->take();
     first_.reset();
