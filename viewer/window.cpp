@@ -148,8 +148,10 @@ void WindowApp::draw(bool moved) {
         held_.show(state_.comparing, monitor_ ? &*monitor_ : nullptr);
     } else {
         if (moved || dirty_ || !picture_.fine())
-            picture_.draw(renderer_, scene_on_screen(), place, screen_, moved || (dirty_ && hand_->holds()));
-        picture_.show(static_cast<int>(left_), window_size_.height);
+            picture_.draw(renderer_, scene_on_screen(), place, screen_, static_cast<int>(left_),
+                          moved || (dirty_ && hand_->holds()));
+        else
+            picture_.show(static_cast<int>(left_));
         loupe(scene_on_screen());
     }
     dirty_ = false;
