@@ -114,6 +114,13 @@ TEST_F(Window, TellsOfThePixelUnderThePointerAndOfNoOther) {
         EXPECT_TRUE(screen_->becomes_alike(bare, kTold, 0.005))
             << "beside the painting, over the panels, out of the window: " << beside.first;
     }
+    // What was painted under a pointer that rests there is told, too.
+    screen_->key("b");
+    screen_->drag(1, {kMiddleX - 120, kMiddleY}, {kMiddleX, kMiddleY});
+    constexpr Region kWetPaint{780, 142, 890, 156};
+    EXPECT_TRUE(screen_->becomes_different(bare, kWetPaint, 0.05));
+    screen_->key("ctrl+s");
+    screen_->settled();
     EXPECT_EQ(close().code, 0);
 }
 
@@ -197,10 +204,18 @@ TEST_F(Window, EndedInMidStrokeLosesNothing) {
 TEST_F(Window, AsksBeforeItLosesStrokes) {
     start();
     paint_a_stroke();
+    screen_->x({"mousemove", "100", "400", "click", "--repeat", "40", "--delay", "20", "5"});
     screen_->settled();
     screen_->key("ctrl+q");
-    screen_->settled();
+    const auto asking = screen_->settled();
     EXPECT_TRUE(program_->running()) << "it asks";
+    bool seen = false;
+    for (int y = 0; y < 120; ++y)
+        for (int x = 0; x < 250; ++x) {
+            const Rgb c = asking(x, y);
+            seen |= c.r > 0.9f && c.g > 0.7f && c.g < 0.9f && c.b < 0.4f;
+        }
+    EXPECT_TRUE(seen) << "the question, though the panels were scrolled down";
     screen_->key("Return");  // save and close
     const Finished done = program_->wait();
     EXPECT_EQ(done.json()["saves"], 1);

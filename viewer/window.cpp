@@ -255,6 +255,7 @@ bool WindowApp::frame() {
     ready_to_paint_ |= state_.tool == Tool::paint;
     requests();
     news();
+    hand_->probe(dirty_);
     if (auto opened = desk_->opened()) {
         if (opened->palette) {
             state_.use_palette(*opened->palette);
