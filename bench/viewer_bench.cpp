@@ -12,6 +12,7 @@
 #include "surface/error.h"
 #include "viewer/gl/headless.h"
 #include "viewer/renderer.h"
+#include "viewer/view.h"
 
 namespace tangi {
 namespace {
@@ -79,6 +80,54 @@ void tilt(benchmark::State& state, Shadows shadows, bool smooth, int width, int 
     state.counters["processor_ms"] = 1e3 * (processor_seconds() - start) / frames;
 }
 
+// A painting of 4 : 3 that is fitted into the window's part beside the panels, and tilted.
+void tilt_whole(benchmark::State& state, int width, int height) {
+    Renderer& renderer = stage().renderer;
+    const Surface s = relief(1600, 1200);
+    renderer.set_painting(std::make_shared<TexelTiles>(s, range_of(s)), s.mm_per_pixel);
+    const gl::Target target(width, height, false);
+    const Extent painting{s.width(), s.height()}, screen{width, height};
+    const View view = fitted(painting, screen);
+    float angle = 0;
+    const auto draw = [&] {
+        angle += 0.02f;
+        const Tilt tilt{.angle_deg = {10 * std::sin(angle), 5}};
+        const Placement placement(view, tilt, false, painting, screen, s.mm_per_pixel);
+        const Scene scene{.lights = {distant_light(placement.in_surface({-0.5f, 0.5f, 0.6f}))}};
+        renderer.fetch(scene, placement.shot(1, false));
+        renderer.draw(scene, placement.shot(1, false), target.framebuffer());
+        glFinish();
+    };
+    draw();  // compiles
+    const double start = processor_seconds();
+    for (auto _ : state) draw();
+    state.counters["processor_ms"] =
+        1e3 * (processor_seconds() - start) / static_cast<double>(state.iterations());
+}
+
+// What a picture costs that is not drawn on the window itself: copied there, enlarged where it is coarser.
+void copied(benchmark::State& state, int width, int height) {
+    (void)stage();
+    const gl::Target picture(width, height, false);
+    const gl::Texture window = gl::make_texture();
+    const gl::Framebuffer framebuffer = gl::make_framebuffer();
+    glBindTexture(GL_TEXTURE_2D, window.id());
+    glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA8, 1920, 1080, 0, GL_RGBA, GL_UNSIGNED_BYTE, nullptr);
+    glBindFramebuffer(GL_DRAW_FRAMEBUFFER, framebuffer.id());
+    glFramebufferTexture2D(GL_DRAW_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, window.id(), 0);
+    glBindFramebuffer(GL_READ_FRAMEBUFFER, picture.framebuffer());
+    const auto copy = [&] {
+        glBlitFramebuffer(0, 0, width, height, 0, 0, 1920, 1080, GL_COLOR_BUFFER_BIT,
+                          width == 1920 ? GL_NEAREST : GL_LINEAR);
+        glFinish();
+    };
+    copy();
+    const double start = processor_seconds();
+    for (auto _ : state) copy();
+    state.counters["processor_ms"] =
+        1e3 * (processor_seconds() - start) / static_cast<double>(state.iterations());
+}
+
 void pack(benchmark::State& state) {
     const Surface s = relief(4096, 2048);
     const TexelRange range = range_of(s);
@@ -121,6 +170,15 @@ int main(int argc, char** argv) {
     add("tilt 960x540, shadows", Shadows::horizon, false, 960, 540);
     add("still 1920x1080, smooth, shadows", Shadows::horizon, true, 1920, 1080);
     add("tilt 3840x2160, shadows", Shadows::horizon, false, 3840, 2160);
+    const auto add_sized = [](const char* name, void (*run)(benchmark::State&, int, int), int width,
+                              int height) {
+        benchmark::RegisterBenchmark(name, [=](benchmark::State& state) { run(state, width, height); })
+            ->Unit(benchmark::kMillisecond)
+            ->UseRealTime();
+    };
+    add_sized("tilt 1640x1080, whole painting", tilt_whole, 1640, 1080);
+    add_sized("copied to 1920x1080", copied, 1920, 1080);
+    add_sized("enlarged to 1920x1080", copied, 1344, 756);
     benchmark::RegisterBenchmark("pack and levels of detail", pack)
         ->Unit(benchmark::kMillisecond)
         ->UseRealTime();

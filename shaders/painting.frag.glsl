@@ -3,7 +3,8 @@
 //   value = ambient rho_d + sum over lights of irradiance *
 //           (visibility (rho_d D + pi rho_s colour lobe max(0, n.l)) + rig_ambient rho_d),   D: surface/diffuse.h
 // MODE: as LookMode in viewer/look.h. EYE: 1 where the viewer has a place. OUTPUT: 0 linear, 1 sRGB, 2 the
-// monitor's own colours. Linear values are clipped and encoded by the device where the target is sRGB.
+// monitor's own colours; linear values are clipped and encoded by the device where the target is sRGB.
+// BARE: 1 for the background alone.
 
 out vec4 o_colour;
 
@@ -108,9 +109,10 @@ vec3 looked_at(vec2 at) {
 }
 
 void main() {
+    vec3 colour = v_background.xyz;
+#if BARE == 0
     vec3 q = mat3(v_column0.xyz, v_column1.xyz, v_column2.xyz) * vec3(gl_FragCoord.xy, 1.0);
     vec2 at = q.xy * (1.0 / q.z);
-    vec3 colour = v_background.xyz;
     vec2 last = vec2(v_size.xy) - 0.5;
     if (q.z > 0.0 && at.x >= -0.5 && at.y >= -0.5 && at.x < last.x && at.y < last.y) {
 #if MODE >= 4
@@ -119,6 +121,7 @@ void main() {
         colour = toned(looked_at(at));
 #endif
     }
+#endif
 #if OUTPUT == 1
     o_colour = vec4(encode(clamp(colour, 0.0, 1.0)), 1.0);
 #elif OUTPUT == 2

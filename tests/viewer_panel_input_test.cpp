@@ -34,7 +34,11 @@ protected:
     }
     ~PanelInputTest() override { ImGui::DestroyContext(); }
 
-    void put(Kind kind, glm::dvec2 at, int code = 0, int mods = 0) { input_.put({kind, 0, at, code, mods}); }
+    void put(Kind kind, glm::dvec2 at, int code = 0, int mods = 0) {
+        InputEvent event{kind, now_s_, at, code, mods};
+        event.late_s = late_s_;
+        input_.put(event);
+    }
     void click(const glm::dvec2& at) {
         put(Kind::move, at);
         put(Kind::press, at, GLFW_MOUSE_BUTTON_LEFT);
@@ -56,7 +60,7 @@ protected:
     int frame(bool ready_to_type = true) {
         int moments = 0;
         do {
-            ImGui::GetIO().DeltaTime = 1e-3f;
+            ImGui::GetIO().DeltaTime = frame_s_;
             const auto fed = input_.feed({}, ready_to_type);
             enters_ += fed.enter;
             ImGui::NewFrame();
@@ -80,6 +84,8 @@ protected:
     }
 
     PanelInput input_;
+    double now_s_ = 0, late_s_ = 0;  // of events
+    float frame_s_ = 1e-3f;
     int clicks_ = 0, doubles_ = 0, enters_ = 0;
     float wheel_ = 0, slid_ = 0;
     std::string text_;
@@ -93,6 +99,31 @@ TEST_F(PanelInputTest, EveryClickOfAFrameCounts) {
     EXPECT_EQ(doubles_, 1) << "the third one begins anew";
     EXPECT_EQ(frame(), 1) << "and none is left";
     EXPECT_EQ(clicks_, 3);
+}
+
+// Frames may be far apart where clicks are not, and the other way round.
+TEST_F(PanelInputTest, ADoubleClickIsOneWhateverFramesTake) {
+    const auto click_and_draw = [this](double now_s, double late_s) {
+        now_s_ = now_s;
+        late_s_ = late_s;
+        click(kButton);
+        frame();
+    };
+    frame_s_ = 0.25f;  // and a frame has several moments
+    click_and_draw(1, 0);
+    click_and_draw(1.5, 0.45);
+    EXPECT_EQ(doubles_, 1) << "the second may have come in time: a slow frame was drawn meanwhile";
+    frame_s_ = 1e-3f;
+    click_and_draw(3, 0);
+    click_and_draw(3.5, 0);
+    EXPECT_EQ(doubles_, 1) << "half a second, though frames came fast";
+    click_and_draw(3.7, 0);
+    EXPECT_EQ(doubles_, 2);
+    click_and_draw(5, 0);
+    click(kElsewhere);
+    frame();
+    EXPECT_EQ(doubles_, 2) << "two places are no double click";
+    EXPECT_EQ(clicks_, 6);
 }
 
 TEST_F(PanelInputTest, ATapOfAFingerIsAClick) {

@@ -14,6 +14,7 @@ protected:
         show(s);
         return relight_with(*renderer_, s, lights, options);
     }
+    void expect_equals_the_reference(Surface s, Surface without, const char* why_it_differs);
 };
 
 std::vector<Light> some_lights() {
@@ -22,6 +23,20 @@ std::vector<Light> some_lights() {
     Light lamp = near_light({12, 9, 20});
     lamp.gain = Rgb(0.4f);
     return {warm, lamp, distant_light({0.2f, -0.9f, 0.25f})};
+}
+
+// In two models, and with shadows under a rough and hazy law, where the same surface `without` something
+// looks otherwise.
+void RendererTest::expect_equals_the_reference(Surface s, Surface without, const char* why_it_differs) {
+    for (const WardModel model : {WardModel::ward1992, WardModel::bounded}) {
+        const auto gl = by_gl(s, some_lights(), {.model = model});
+        EXPECT_GE(part_within(gl, relight(s, some_lights(), {.model = model}), 1), 0.999) << name_of(model);
+    }
+    s.law = without.law = {.diffuse_roughness = 0.6, .haze = 0.3};
+    const RelightOptions shadows{.cast_shadows = true, .light_radius_deg = 2};
+    const auto gl = by_gl(s, some_lights(), shadows);
+    EXPECT_GE(part_within(gl, relight(s, some_lights(), shadows), 1), 0.999);
+    EXPECT_LT(part_within(gl, relight(without, some_lights(), shadows), 1), 0.8) << why_it_differs;
 }
 
 TEST_F(RendererTest, EqualsTheReferenceInAllModels) {
@@ -60,37 +75,17 @@ TEST_F(RendererTest, EqualsTheReferenceUnderARoughAndHazyLaw) {
 }
 
 TEST_F(RendererTest, EqualsTheReferenceWithColouredLobes) {
-    Surface s = gilded_surface(150, 170);
-    for (const WardModel model : {WardModel::ward1992, WardModel::bounded}) {
-        const auto gl = by_gl(s, some_lights(), {.model = model});
-        EXPECT_GE(part_within(gl, relight(s, some_lights(), {.model = model}), 1), 0.999) << name_of(model);
-    }
-    s.law = {.diffuse_roughness = 0.6, .haze = 0.3};
-    const auto gl = by_gl(s, some_lights(), {.cast_shadows = true, .light_radius_deg = 2});
-    EXPECT_GE(part_within(gl, relight(s, some_lights(), {.cast_shadows = true, .light_radius_deg = 2}), 1),
-              0.999);
+    const Surface s = gilded_surface(150, 170);
     Surface white = s;
     white.lobe_colour = {};
-    EXPECT_LT(
-        part_within(gl, relight(white, some_lights(), {.cast_shadows = true, .light_radius_deg = 2}), 1), 0.8)
-        << "colours matter here";
+    expect_equals_the_reference(s, white, "colours matter here");
 }
 
 TEST_F(RendererTest, EqualsTheReferenceWithLobesThatAreDrawnOut) {
-    Surface s = brushed_surface(150, 170);
-    for (const WardModel model : {WardModel::ward1992, WardModel::bounded}) {
-        const auto gl = by_gl(s, some_lights(), {.model = model});
-        EXPECT_GE(part_within(gl, relight(s, some_lights(), {.model = model}), 1), 0.999) << name_of(model);
-    }
-    s.law = {.diffuse_roughness = 0.6, .haze = 0.3};
-    const auto gl = by_gl(s, some_lights(), {.cast_shadows = true, .light_radius_deg = 2});
-    EXPECT_GE(part_within(gl, relight(s, some_lights(), {.cast_shadows = true, .light_radius_deg = 2}), 1),
-              0.999);
+    const Surface s = brushed_surface(150, 170);
     Surface round = s;
     round.lobe_axes = {};
-    EXPECT_LT(
-        part_within(gl, relight(round, some_lights(), {.cast_shadows = true, .light_radius_deg = 2}), 1), 0.8)
-        << "stretches matter here";
+    expect_equals_the_reference(s, round, "stretches matter here");
 }
 
 TEST_F(RendererTest, EqualsTheReferenceWithCastShadows) {
@@ -234,6 +229,42 @@ TEST_F(RendererTest, HasNoSeams) {
             ASSERT_LT(worst, most) << zoom;
         }
     }
+}
+
+// Wherever the painting lies on the picture, in every encoding: it is whole, and beside it is background.
+TEST_F(RendererTest, ThePaintingIsWholeWhereverItLies) {
+    constexpr Extent kPainting{90, 60}, kScreen{160, 120};
+    Surface s(kPainting.width, kPainting.height);
+    for (Rgb& c : s.diffuse.pixels()) c = Rgb(0.8f);
+    show(s);
+    const Scene scene{.lights = {distant_light({0, 0, 1})}, .ambient = 1, .background = {0.1f, 0.2f, 0.05f}};
+    const gl::Target bytes(kScreen.width, kScreen.height, false);
+    for (const View& view : {View{{45, 30}, 1.2, 0}, View{{45, 30}, 1.2, 33}, View{{5, 70}, 2, 0},
+                             View{{45, 30}, 9, 0}, View{{400, 30}, 1, 0}})
+        for (const glm::dvec2 tilt_deg : {glm::dvec2(0, 0), glm::dvec2(50, 0), glm::dvec2(-70, 60)}) {
+            const Placement placement(view, {.angle_deg = tilt_deg}, false, kPainting, kScreen,
+                                      s.mm_per_pixel);
+            const Shot shot = placement.shot(1, false);
+            const Image<Rgb> linear = drawn(scene, shot), encoded = drawn(scene, shot, false);
+            renderer_->draw(scene, shot, bytes.framebuffer());
+            const Image<Rgb> by_device = renderer_->read(bytes);
+            const Rgb beside = Transfer{Transfer::Kind::srgb}.encode(scene.background);
+            for (int y = 0; y < kScreen.height; ++y)
+                for (int x = 0; x < kScreen.width; ++x) {
+                    glm::dvec2 at;
+                    const bool hit = placement.to_painting({x + 0.5, y + 0.5}, at);
+                    const double rim = std::max({-0.5 - at.x, -0.5 - at.y, at.x - 89.5, at.y - 59.5});
+                    if (hit && std::abs(rim) < 0.01) continue;  // rounding decides
+                    if (hit && rim < 0) {
+                        ASSERT_GT(linear(x, y).b, 0.5f)
+                            << x << ' ' << y << ' ' << view.zoom << ' ' << tilt_deg.x;
+                    } else {
+                        ASSERT_EQ(linear(x, y), scene.background) << x << ' ' << y;
+                        ASSERT_LT(glm::distance(encoded(x, y), beside), 1.0f / 255);
+                        ASSERT_LT(glm::distance(by_device(x, y), beside), 1.5f / 255);
+                    }
+                }
+        }
 }
 
 // What the window shows, against the definition of sRGB.

@@ -122,6 +122,37 @@ TEST(Placement, TheEyeIsWhereItSeesFrom) {
     EXPECT_NEAR(std::atan2(-tilted.eye.x, tilted.eye.z) * 180 / std::numbers::pi, 40, 1e-3);
 }
 
+TEST(Placement, APaintingIsSeenInsideItsBoundsAlone) {
+    for (const View& view : {View{{300, 200}, 1, 0}, View{{300, 200}, 0.7, 40}, View{{0, 0}, 3, -10}})
+        for (const glm::dvec2 tilt_deg : {glm::dvec2(0, 0), glm::dvec2(40, -30), glm::dvec2(-88, 0)}) {
+            const Placement p = placed(view, tilt_deg);
+            const Shot shot = p.shot(0.5, false);
+            const Region bounds = seen_on(shot, kPainting);
+            Region seen{shot.width, shot.height, 0, 0};
+            for (int y = 0; y < shot.height; ++y)
+                for (int x = 0; x < shot.width; ++x) {
+                    glm::dvec2 at;
+                    if (!p.to_painting({2 * x + 1, kScreen.height - 2 * y - 1}, at)) continue;
+                    if (at.x < -0.5 || at.y < -0.5 || at.x >= 599.5 || at.y >= 399.5) continue;
+                    seen = {std::min(seen.x0, x), std::min(seen.y0, y), std::max(seen.x1, x + 1),
+                            std::max(seen.y1, y + 1)};
+                }
+            ASSERT_FALSE(seen.empty());
+            EXPECT_TRUE(bounds.x0 <= seen.x0 && bounds.y0 <= seen.y0 && bounds.x1 >= seen.x1 &&
+                        bounds.y1 >= seen.y1)
+                << tilt_deg.x << ' ' << view.zoom;
+            if (tilt_deg.x == 0) {
+                EXPECT_LE(bounds.width() - seen.width() + bounds.height() - seen.height(), 10)
+                    << "and is not larger";
+            }
+        }
+    EXPECT_EQ(seen_on(placed({{299.5, 199.5}, 1, 0}).shot(1, false), kPainting),
+              (Region{199, 199, 801, 601}));
+    EXPECT_TRUE(seen_on(placed({{5000, 200}, 1, 0}).shot(1, false), kPainting).empty());
+    const Shot near = placed({{300, 200}, 50, 0}).shot(1, false);
+    EXPECT_EQ(seen_on(near, kPainting), (Region{0, 0, 1000, 800}));
+}
+
 TEST(Placement, DetailSuitsTheZoom) {
     EXPECT_EQ(placed({{0, 0}, 2, 0}).shot(1, false).level, 0);
     EXPECT_EQ(placed({{0, 0}, 0.25, 0}).shot(1, false).level, 2);

@@ -99,6 +99,31 @@ TEST_F(Window, TiltsLightsPaintsUndoesAndSaves) {
     EXPECT_GT(read_journal(folder_ / "small.strokes.jsonl").entries.size(), 5u);
 }
 
+TEST_F(Window, TellsOfThePixelUnderThePointerAndOfNoOther) {
+    start();
+    screen_->x({"search", "--name", "TangiPaint", "windowsize", "900", "650", "mousemove", "20", "640"});
+    const auto bare = screen_->settled();
+    constexpr Region kTold{760, 12, 890, 60};
+    const auto point_at = [&](int x, int y) {
+        screen_->x({"mousemove", std::to_string(x), std::to_string(y)});
+    };
+    for (const auto& beside : {std::pair(600, 30), std::pair(100, 300), std::pair(960, 680)}) {
+        point_at(kMiddleX, kMiddleY);
+        EXPECT_TRUE(screen_->becomes_different(bare, kTold, 0.05));
+        point_at(beside.first, beside.second);
+        EXPECT_TRUE(screen_->becomes_alike(bare, kTold, 0.005))
+            << "beside the painting, over the panels, out of the window: " << beside.first;
+    }
+    // What was painted under a pointer that rests there is told, too.
+    screen_->key("b");
+    screen_->drag(1, {kMiddleX - 120, kMiddleY}, {kMiddleX, kMiddleY});
+    constexpr Region kWetPaint{780, 142, 890, 156};
+    EXPECT_TRUE(screen_->becomes_different(bare, kWetPaint, 0.05));
+    screen_->key("ctrl+s");
+    screen_->settled();
+    EXPECT_EQ(close().code, 0);
+}
+
 // All of it comes while the window is held still: for it, that is one very slow frame.
 TEST_F(Window, EveryKeyAndStepOfASlowFrameCounts) {
     Surface other = small_painting();
@@ -179,10 +204,18 @@ TEST_F(Window, EndedInMidStrokeLosesNothing) {
 TEST_F(Window, AsksBeforeItLosesStrokes) {
     start();
     paint_a_stroke();
+    screen_->x({"mousemove", "100", "400", "click", "--repeat", "40", "--delay", "20", "5"});
     screen_->settled();
     screen_->key("ctrl+q");
-    screen_->settled();
+    const auto asking = screen_->settled();
     EXPECT_TRUE(program_->running()) << "it asks";
+    bool seen = false;
+    for (int y = 0; y < 120; ++y)
+        for (int x = 0; x < 250; ++x) {
+            const Rgb c = asking(x, y);
+            seen |= c.r > 0.9f && c.g > 0.7f && c.g < 0.9f && c.b < 0.4f;
+        }
+    EXPECT_TRUE(seen) << "the question, though the panels were scrolled down";
     screen_->key("Return");  // save and close
     const Finished done = program_->wait();
     EXPECT_EQ(done.json()["saves"], 1);

@@ -62,6 +62,14 @@ void add_font(float scale) {
     fonts.AddFontFromFileTTF(file.c_str(), std::floor(15 * scale), &config, kGlyphs);
 }
 
+GLFWcursorenterfun heard_enter_before = nullptr;  // what the window had called before there were panels
+
+// Dear ImGui's, too, wants to know whether the pointer is in the window.
+void hear_enter(GLFWwindow* window, int entered) {
+    ImGui_ImplGlfw_CursorEnterCallback(window, entered);
+    if (heard_enter_before) heard_enter_before(window, entered);
+}
+
 }  // namespace
 
 Glfw::Glfw() {
@@ -113,7 +121,7 @@ PanelContext::PanelContext(GLFWwindow* window) {
     // Pointer and keyboard come through PanelInput.
     ImGui_ImplGlfw_InitForOpenGL(window, false);
     glfwSetWindowFocusCallback(window, ImGui_ImplGlfw_WindowFocusCallback);
-    glfwSetCursorEnterCallback(window, ImGui_ImplGlfw_CursorEnterCallback);
+    heard_enter_before = glfwSetCursorEnterCallback(window, hear_enter);
     ImGui_ImplOpenGL3_Init("#version 330 core");
 }
 

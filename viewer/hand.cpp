@@ -110,6 +110,9 @@ void Hand::take(const InputEvent& event, Extent screen, double left, bool panels
         case InputEvent::Kind::gesture:
             if (drag_ == Drag::none && !panels_busy) gesture(event);
             break;
+        case InputEvent::Kind::leave:
+            over_canvas_ &= holds();  // what is dragged goes on outside
+            break;
         case InputEvent::Kind::lost:
             let_go();
             break;
@@ -267,16 +270,22 @@ void Hand::move(const InputEvent& event) {
             break;
         }
         case Drag::none:
-        case Drag::panel: {
-            glm::dvec2 at;
-            if (over_canvas_ && state_.probing && placement().to_painting(cursor_, at) &&
-                state_.painter.waiting < 4)
-                painter_.probe(static_cast<int>(std::lround(at.x)), static_cast<int>(std::lround(at.y)));
+        case Drag::panel:
             break;
-        }
     }
     last_ = cursor_;
     last_time_s_ = event.time_s;
+}
+
+void Hand::probe(bool changed) {
+    if (changed) probed_.reset();
+    const bool rests = drag_ == Drag::none || drag_ == Drag::panel;
+    glm::dvec2 at;
+    if (!rests || !over_canvas_ || !state_.probing || !placement().to_painting(cursor_, at)) return;
+    const glm::ivec2 pixel(std::lround(at.x), std::lround(at.y));
+    if (probed_ == pixel || state_.painter.waiting >= 4) return;  // while strokes wait, later
+    painter_.probe(pixel.x, pixel.y);
+    probed_ = pixel;
 }
 
 void Hand::let_go() {

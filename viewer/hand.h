@@ -15,6 +15,9 @@ public:
     // One event. `left`: where the canvas area begins [pixels of the window]; `panels_busy`: the panels take
     // it.
     void take(const InputEvent& event, Extent screen, double left, bool panels_busy, bool typing);
+    // Once a frame: asks what lies under the pointer where that is another pixel than the last, or the
+    // painting has `changed`.
+    void probe(bool changed);
     // The button is up, whatever the window system said: it lost the pointer, or closes.
     void let_go();
 
@@ -56,7 +59,8 @@ private:
     int button_ = 0;
     std::optional<PenSample> pen_;  // that moves the pointer
     bool mask_erases_ = false;
-    glm::dvec2 corner_{0};  // [pixels of the painting] where a region began
+    std::optional<glm::ivec2> probed_;  // [pixels of the painting] that was asked for
+    glm::dvec2 corner_{0};              // [pixels of the painting] where a region began
     double last_time_s_ = 0, stroke_began_s_ = 0;
     std::uint64_t seed_ = 0;
 };

@@ -47,15 +47,30 @@ Input::Input(GLFWwindow* window) : window_(window), screens_(window) {
     glfwSetCharCallback(window, [](GLFWwindow* w, unsigned character) {
         of(w)->put({InputEvent::Kind::text, glfwGetTime(), of(w)->at_, static_cast<int>(character), 0});
     });
+    // Where it comes back, it moves.
+    glfwSetCursorEnterCallback(window, [](GLFWwindow* w, int entered) {
+        if (!entered) of(w)->put({InputEvent::Kind::leave, glfwGetTime(), of(w)->at_, 0, 0});
+    });
     glfwSetDropCallback(window, [](GLFWwindow* w, int count, const char** paths) {
         of(w)->woken_ = true;
         of(w)->dropped_.insert(of(w)->dropped_.end(), paths, paths + count);
     });
 }
 
+void Input::hear(double wait_s) {
+    listens_s_ = glfwGetTime();
+    if (wait_s > 0)
+        glfwWaitEventsTimeout(wait_s);
+    else
+        glfwPollEvents();
+    heard_s_ = glfwGetTime();
+}
+
 Input::~Input() { glfwSetWindowUserPointer(window_, nullptr); }
 
 void Input::put(InputEvent event) {
+    constexpr double kAtOnce_s = 1e-3;  // what comes later than this came while it listened
+    if (event.time_s - listens_s_ < kAtOnce_s) event.late_s = std::max(event.time_s - heard_s_, 0.0);
     woken_ = true;
     events_.push_back(event);
 }
@@ -77,6 +92,8 @@ std::deque<InputEvent> Input::take() {
     const double now_s = glfwGetTime();
     for (const TouchEvent& event : screens_.take(now_s)) fingers_.take(event, touched);
     fingers_.pass(now_s, touched);
+    for (InputEvent& event : touched) event.late_s = now_s - taken_s_;
+    taken_s_ = now_s;
     events_.insert(events_.end(), touched.begin(), touched.end());
     if (pens.lost) events_.push_back({InputEvent::Kind::lost, glfwGetTime(), at_, 0, 0});
     return std::exchange(events_, {});

@@ -4,12 +4,15 @@
 #include <imgui.h>
 
 #include <algorithm>
+#include <limits>
 
 namespace tangi {
 
 namespace {
 
 using Kind = InputEvent::Kind;
+
+constexpr double kDoubleClick_s = 0.3;  // between its presses, at most
 
 bool is_button(const InputEvent& event) {
     return event.kind == Kind::press || event.kind == Kind::release || event.kind == Kind::lost;
@@ -61,9 +64,19 @@ bool PanelInput::fits(const InputEvent& event, const Moment& m) const {
         case Kind::text:  // Dear ImGui takes text before keys
             return !m.acted && !m.button();
         case Kind::gesture:
+        case Kind::leave:
             return true;
     }
     return true;
+}
+
+// Dear ImGui sees how far apart frames are, not clicks: of two slow frames it would never make a double
+// click. It is told which one is the second: whatever may have come in time.
+void PanelInput::count_click(const InputEvent& event) {
+    double& pressed_s = pressed_s_[static_cast<std::size_t>(event.code)];
+    const bool is_second = event.time_s - event.late_s - pressed_s < kDoubleClick_s;
+    ImGui::GetIO().MouseDoubleClickTime = is_second ? std::numeric_limits<float>::max() : 0;
+    pressed_s = event.time_s;
 }
 
 void PanelInput::take(const InputEvent& event, Moment& m, Fed& fed) {
@@ -77,6 +90,7 @@ void PanelInput::take(const InputEvent& event, Moment& m, Fed& fed) {
             if (code >= buttons_.size()) break;
             m.buttons[code] = true;
             buttons_[code] = event.kind == Kind::press;
+            if (event.kind == Kind::press) count_click(event);
             break;
         case Kind::lost:
             m.buttons = buttons_;
@@ -103,6 +117,7 @@ void PanelInput::take(const InputEvent& event, Moment& m, Fed& fed) {
             break;
         case Kind::move:
         case Kind::gesture:
+        case Kind::leave:
             break;
     }
 }

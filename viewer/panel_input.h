@@ -32,10 +32,13 @@ private:
     bool fits(const InputEvent& event, const Moment& moment) const;
     bool repeats(const InputEvent& event) const;
     void take(const InputEvent& event, Moment& moment, Fed& fed);
+    void count_click(const InputEvent& event);
 
     std::deque<InputEvent> events_;
     std::array<bool, 5> buttons_{};  // that are down
     std::bitset<512> keys_;          // the same
+    // When they went down last; long ago to begin with.
+    std::array<double, 5> pressed_s_{-1e9, -1e9, -1e9, -1e9, -1e9};
 };
 
 }  // namespace tangi

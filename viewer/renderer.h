@@ -52,9 +52,11 @@ public:
     Fetched fetch(const Scene& scene, const Shot& shot, std::size_t most_bytes = SIZE_MAX,
                   bool guest = false);
 
-    // Into `target` (0: the window), with the tiles that are there. Encoded as sRGB, or linear.
-    // A target that holds sRGB (gl::Target of 8 bits) has the device encode it.
-    void draw(const Scene& scene, const Shot& shot, GLuint target, bool linear = false);
+    // Into `target` (0: the window), with the tiles that are there; the shot's lower left corner is at
+    // `corner` of it. Encoded as sRGB, or linear. A target that holds sRGB (gl::Target of 8 bits, most
+    // windows) has the device encode it.
+    void draw(const Scene& scene, const Shot& shot, GLuint target, bool linear = false,
+              const glm::ivec2& corner = {0, 0});
     // Draws with the shader that looks tiles up in a table, as draw() does while some are missing: drivers
     // compile it then.
     void draw_by_table(const Scene& scene, const Shot& shot, GLuint target);
@@ -65,9 +67,12 @@ public:
 
 private:
     using Homes = std::optional<TileCache::Homes>;
-    const gl::Program& program_for(const Scene& scene, const Shot& shot, bool linear, bool by_table);
+    const gl::Program& program_for(const Scene& scene, const Shot& shot, bool linear, bool by_table,
+                                   bool bare = false);
+    void draw_background(const Scene& scene, bool linear);
     Fetched fetch(std::span<const TileView> views, std::size_t most_tiles, bool guest);
-    void draw(const Scene& scene, const Shot& shot, GLuint target, bool linear, const Homes& homes);
+    void draw(const Scene& scene, const Shot& shot, GLuint target, bool linear, const glm::ivec2& corner,
+              const Homes& homes);
     void make_layers(int wanted);
     void towards_lamps(const std::vector<Light>& lights);
     bool allocated(int layers);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 #include <numbers>
@@ -140,6 +141,36 @@ std::vector<glm::dvec2> outline_of(const Shot& shot) {
         p = glm::dvec2(q) / q.z;
     }
     return outline;
+}
+
+Region seen_on(const Shot& shot, Extent painting) {
+    const glm::dmat3 m = glm::inverse(glm::dmat3(shot.to_painting));
+    // The third component is 1 / that of to_painting, which is largest at a corner of the picture.
+    double largest = 0;
+    for (const glm::dvec2 corner : {glm::dvec2(0, 0), glm::dvec2(shot.width, 0), glm::dvec2(0, shot.height),
+                                    glm::dvec2(shot.width, shot.height)})
+        largest = std::max(largest, (glm::dmat3(shot.to_painting) * glm::dvec3(corner, 1)).z);
+    if (largest <= 0) return {};  // all of it lies behind the viewer
+    const double nearest = 0.5 / largest;
+    const double right = painting.width - 0.5, bottom = painting.height - 0.5;
+    std::vector<glm::dvec2> outline = clipped({{-0.5, -0.5}, {right, -0.5}, {right, bottom}, {-0.5, bottom}},
+                                              {m[0].z, m[1].z}, nearest - m[2].z);
+    for (glm::dvec2& p : outline) {
+        const glm::dvec3 q = m * glm::dvec3(p, 1);
+        p = glm::dvec2(q) / q.z;
+    }
+    outline = clipped(clipped(outline, {1, 0}, 0), {-1, 0}, -shot.width);
+    outline = clipped(clipped(outline, {0, 1}, 0), {0, -1}, -shot.height);
+    if (outline.empty()) return {};
+    glm::dvec2 low = outline.front(), high = low;
+    for (const glm::dvec2& p : outline) {
+        low = glm::min(low, p);
+        high = glm::max(high, p);
+    }
+    // Half a pixel more on each side: the shader reckons with single precision.
+    const auto inside = [](double v, int size) { return std::clamp(static_cast<int>(v), 0, size); };
+    return {inside(std::floor(low.x - 0.5), shot.width), inside(std::floor(low.y - 0.5), shot.height),
+            inside(std::ceil(high.x + 0.5), shot.width), inside(std::ceil(high.y + 0.5), shot.height)};
 }
 
 Vec3 direction_of(double azimuth_deg, double elevation_deg) {

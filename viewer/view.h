@@ -62,6 +62,9 @@ private:
     double zoom_;
 };
 
+// Where on the picture a shot may show the painting: no pixel outside does. Rows from below, empty where it
+// is not seen.
+Region seen_on(const Shot& shot, Extent painting);
 // What a shot shows of the painting's plane: a convex outline [pixels of the painting].
 std::vector<glm::dvec2> outline_of(const Shot& shot);
 // The part of a convex outline where dot(normal, place) >= least.

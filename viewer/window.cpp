@@ -148,8 +148,10 @@ void WindowApp::draw(bool moved) {
         held_.show(state_.comparing, monitor_ ? &*monitor_ : nullptr);
     } else {
         if (moved || dirty_ || !picture_.fine())
-            picture_.draw(renderer_, scene_on_screen(), place, screen_, moved || (dirty_ && hand_->holds()));
-        picture_.show(static_cast<int>(left_), window_size_.height);
+            picture_.draw(renderer_, scene_on_screen(), place, screen_, static_cast<int>(left_),
+                          moved || (dirty_ && hand_->holds()));
+        else
+            picture_.show(static_cast<int>(left_));
         loupe(scene_on_screen());
     }
     dirty_ = false;
@@ -253,6 +255,7 @@ bool WindowApp::frame() {
     ready_to_paint_ |= state_.tool == Tool::paint;
     requests();
     news();
+    hand_->probe(dirty_);
     if (auto opened = desk_->opened()) {
         if (opened->palette) {
             state_.use_palette(*opened->palette);
@@ -300,16 +303,16 @@ WindowResult WindowApp::run() {
     bool busy = true;
     for (;;) {
         if (busy)
-            glfwPollEvents();
+            input_.hear();
         else
-            glfwWaitEventsTimeout(devices_->polled() || input_.polled() ? kFrame_s : 0.25);
+            input_.hear(devices_->polled() || input_.polled() ? kFrame_s : 0.25);
         if (stop_wanted_ && stop_wanted_()) break;
         if (closing()) break;
         busy = frame();
         // Without vertical synchronisation, or with a picture that did not change, do not spin.
         if (busy) {
             const double left = now_s_ + kFrame_s - glfwGetTime();
-            if (left > 0) glfwWaitEventsTimeout(left);
+            if (left > 0) input_.hear(left);
         }
     }
     hand_->let_go();

@@ -40,7 +40,8 @@ void WindowApp::warm_up() {
         Shot shot = placement().shot(1, smooth);
         if (!smooth) renderer_.fetch(scene_on_screen(), shot);
         shot.width = shot.height = 16;
-        renderer_.draw(scene_on_screen(), shot, target.framebuffer());
+        // What moves is drawn to the window.
+        renderer_.draw(scene_on_screen(), shot, smooth ? target.framebuffer() : 0);
     }
     glFinish();
     cold_shaders_ = 2;
@@ -49,9 +50,10 @@ void WindowApp::warm_up() {
 // Those that are drawn with while tiles are missing.
 void WindowApp::warm_up_table() {
     const gl::Target target(16, 16, false);
-    Shot shot = placement().shot(1, --cold_shaders_ == 0);
+    const bool smooth = --cold_shaders_ == 0;
+    Shot shot = placement().shot(1, smooth);
     shot.width = shot.height = 16;
-    renderer_.draw_by_table(scene_on_screen(), shot, target.framebuffer());
+    renderer_.draw_by_table(scene_on_screen(), shot, smooth ? target.framebuffer() : 0);
     glFinish();
 }
 
@@ -76,7 +78,7 @@ bool WindowApp::open_first() {
             draw_opening(tiles, mm_per_pixel);
             drawn_s = glfwGetTime();
         }
-        glfwWaitEventsTimeout(kLook_s);
+        input_.hear(kLook_s);
     }
     OpenedPainting opened = first_->take();
     first_.reset();
@@ -103,9 +105,10 @@ void WindowApp::draw_opening(std::shared_ptr<const TexelTiles> overview, double 
             const Placement place(fitted(small, screen), {}, false, small, screen, mm_per_pixel);
             Scene scene = scene_of(state_, place);
             scene.on_monitor = true;
-            picture_.draw(renderer_, scene, place, screen, false);
+            picture_.draw(renderer_, scene, place, screen, left, false);
+        } else {
+            picture_.show(left);
         }
-        picture_.show(left, window_size_.height);
     }
     screen_ = screen;
     ImGui_ImplOpenGL3_NewFrame();

@@ -104,7 +104,10 @@ void WindowApp::news() {
         }
         state_.treating.map_texture = map_.id();
     }
-    if (news.probe) state_.probe = news.probe;
+    if (news.probe) {
+        state_.probe = news.probe;
+        settle_ = std::max(settle_, 1);
+    }
     if (news.profile) state_.profile = std::move(news.profile);
     if (news.statistics) state_.statistics = news.statistics;
     if (news.picked) {

@@ -81,4 +81,11 @@ Target::Target(int width, int height, bool floats)
         fail("the graphics driver cannot draw a picture of {} x {} pixels", width, height);
 }
 
+void require_no_error(const char* what) {
+    GLenum error = GL_NO_ERROR;
+    for (GLenum next = glGetError(); next != GL_NO_ERROR; next = glGetError()) error = next;
+    if (error == GL_OUT_OF_MEMORY) fail("the graphics device has not enough memory {}", what);
+    TP_REQUIRE(error == GL_NO_ERROR, fmt::format("OpenGL error {:#x} {}", error, what));
+}
+
 }  // namespace tangi::gl

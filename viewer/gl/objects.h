@@ -72,4 +72,8 @@ private:
     Framebuffer framebuffer_;
 };
 
+// Throws Error where the device has no memory for what was asked of it since the last time ("not enough
+// memory WHAT"), ContractError where OpenGL says that it was asked for something wrong.
+void require_no_error(const char* what);
+
 }  // namespace tangi::gl

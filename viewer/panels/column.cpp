@@ -68,7 +68,7 @@ void file(WindowState& s) {
     if (s.scale_known)
         ImGui::TextDisabled("%d × %d pixels, %.1f × %.1f mm", s.painting.width, s.painting.height,
                             s.painting.width * s.mm_per_pixel, s.painting.height * s.mm_per_pixel);
-    else
+    else if (s.painting.width > 0)  // not while it is opened
         ImGui::TextDisabled("%d × %d pixels, scale unknown", s.painting.width, s.painting.height);
     if (s.left_over_strokes > 0) {
         ImGui::TextColored({1, 0.8f, 0.3f, 1}, "A sitting ended without saving.");
@@ -160,7 +160,9 @@ void canvas(WindowState& s) {
     ImGui::SameLine();
     if (ImGui::Button("Dry")) s.ask.dry = true;
     tip("D: all wet paint becomes a dry layer");
-    ImGui::TextDisabled("%d strokes, %zu dried layers", s.painter.strokes, s.painter.layers.size());
+    ImGui::TextDisabled("%d stroke%s, %zu dried layer%s", s.painter.strokes,
+                        s.painter.strokes == 1 ? "" : "s", s.painter.layers.size(),
+                        s.painter.layers.size() == 1 ? "" : "s");
     for (const std::string& layer : s.painter.layers) {
         ImGui::PushID(layer.c_str());
         if (!s.treating.on) {  // there, that is a step
@@ -183,6 +185,14 @@ void column(WindowState& s, float height) {
         return ImGui::CollapsingHeader(name, open ? ImGuiTreeNodeFlags_DefaultOpen : 0);
     };
     ImGui::PushItemWidth(-90 * s.scale);
+    // What is asked stands at the top, which may be folded or out of sight.
+    const bool asks = s.closing || s.finishing || s.left_over_strokes > 0 || !s.dropped.empty();
+    bool* asked = ImGui::GetStateStorage()->GetBoolRef(ImGui::GetID("something is asked"));
+    if (asks && !*asked) {
+        ImGui::SetScrollY(0);
+        ImGui::SetNextItemOpen(true);
+    }
+    *asked = asks;
     if (section("File", true)) file(s);
     // Unfolded when there are photographs, however they came.
     bool* unfolded = ImGui::GetStateStorage()->GetBoolRef(ImGui::GetID("photographs are there"));

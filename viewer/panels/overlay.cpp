@@ -68,6 +68,13 @@ void message(const std::string& text, float left, float width, float bottom) {
                   IM_COL32(255, 225, 150, 255), text.c_str(), nullptr, wrap);
 }
 
+bool on_painting(const WindowState& s, const Placement& placement, const glm::dvec2& cursor) {
+    glm::dvec2 at;
+    return placement.to_painting(cursor, at) && at.x >= -0.5 && at.y >= -0.5 &&
+           at.x < s.painting.width - 0.5 && at.y < s.painting.height - 0.5;
+}
+
+// Of the pixel under the pointer.
 void probe(const WindowState& s, float right) {
     if (!s.probing || !s.probe) return;
     const Probe& p = *s.probe;
@@ -125,7 +132,8 @@ void overlay(WindowState& s, const Placement& placement, Extent screen, const gl
         ruler(s, placement, at);
         region(s, placement, at);
     }
-    if (!s.comparing.on) probe(s, left + static_cast<float>(screen.width));
+    if (!s.comparing.on && cursor_over && on_painting(s, placement, cursor))
+        probe(s, left + static_cast<float>(screen.width));
     const Lamp& lamp = s.lamps[s.lamp];
     std::string status = fmt::format("{:.0f} %   tilt {:.0f}° {:.0f}°   light {:.0f}° {:.0f}°",
                                      100 * s.view.zoom, s.tilt.angle_deg.x, s.tilt.angle_deg.y,
