@@ -16,7 +16,7 @@ namespace fs = std::filesystem;
 namespace {
 
 struct ImportArguments {
-    std::string folder, out, diffuse, specular, normals, gloss, roughness, height, lobe;
+    std::string folder, out, diffuse, specular, normals, gloss, roughness, height, lobe, roughness_v, tangent;
     ImportOptions options;
     std::function<std::vector<std::string>()> typed;  // flags of the command
 };
@@ -43,7 +43,6 @@ nlohmann::json run_import(const ImportArguments& a) {
     const Progress progress = console_progress();
     if (lower_extension(a.out) != ".exr") fail("--out {}: a painting is an .exr file", a.out);
     MapFiles files;
-    const std::string only_found;  // in the folder
     const std::array<std::tuple<const char*, const std::string*, std::optional<fs::path>*>, 9> given = {
         {{"diffuse", &a.diffuse, &files.diffuse},
          {"specular", &a.specular, &files.specular},
@@ -52,8 +51,8 @@ nlohmann::json run_import(const ImportArguments& a) {
          {"roughness", &a.roughness, &files.roughness},
          {"height", &a.height, &files.height},
          {"lobe", &a.lobe, &files.lobe},
-         {"roughness_v", &only_found, &files.across},
-         {"tangent", &only_found, &files.tangent}}};
+         {"roughness_v", &a.roughness_v, &files.across},
+         {"tangent", &a.tangent, &files.tangent}}};
     for (const auto& [name, text, file] : given)
         if (!text->empty()) *file = *text;
     // A map that is named comes before those that are found.
@@ -114,7 +113,7 @@ Command import_command() {
             flags.option(
                 "MAPS", a->folder,
                 "folder whose maps are found by name: kd or albedo, ks, normals, gloss, roughness, height, "
-                "lobe");
+                "lobe, roughness_v, tangent");
             flags.option("--out", a->out, "painting file to write (.exr)").required();
             flags.option("--diffuse", a->diffuse, "diffuse map (kd, albedo)");
             flags.option("--specular", a->specular, "specular map (ks)");
@@ -125,6 +124,12 @@ Command import_command() {
                          "height map; integrated from the normals where there is none");
             flags.option("--lobe", a->lobe,
                          "colours of lobes, that specular is multiplied by; white without");
+            flags.option("--roughness-v", a->roughness_v,
+                         "of lobes that are drawn out (brushed metal), with --tangent: alpha across the "
+                         "tangent; along it, it is roughness^2 over this");
+            flags.option(
+                "--tangent", a->tangent,
+                "direction of the tangent, from x towards y, in radians (EXR): where lobes are wide");
             flags.fields(a->options);
             a->typed = flags.typed();
             return [a] { return run_import(*a); };

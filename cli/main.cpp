@@ -108,6 +108,21 @@ bool is_command(const std::string& word) {
                                          [&](const Command& command) { return word == command.name; });
 }
 
+// What the parser found wrong with a command's words, in ours where its own speak of what it does.
+std::string told_of_usage(const CLI::App* command, const CLI::Error& error) {
+    const std::string words = error.what(), flag = words.substr(0, words.find(':'));
+    const CLI::Option* option = command && dynamic_cast<const CLI::ArgumentMismatch*>(&error)
+                                    ? command->get_option_no_throw(flag)
+                                    : nullptr;
+    if (!option) return words;
+    const auto values = option->results().size();
+    if (values == 0) return flag + ": has no value; give one behind it";
+    if (option->get_items_expected_max() == 1 && values > 1)
+        return fmt::format("{}: is given {} times ({}), and can be one only; give it once", flag, values,
+                           fmt::join(option->results(), ", "));
+    return words;
+}
+
 int no_command(const std::string& word) {
     const char* nearest = "help";
     for (const Command& command : commands())
@@ -129,7 +144,8 @@ int main(int argc, char** argv) {
     app.failure_message([](const CLI::App* parsed, const CLI::Error& error) {
         const std::vector<CLI::App*> chosen = parsed->get_subcommands();
         const std::string command = chosen.empty() ? "" : chosen.front()->get_name() + " ";
-        return fmt::format("tangipaint: {}\nSee: tangipaint {}--help\n", error.what(), command);
+        return fmt::format("tangipaint: {}\nSee: tangipaint {}--help\n",
+                           told_of_usage(chosen.empty() ? nullptr : chosen.front(), error), command);
     });
     int threads = 0;
     std::function<nlohmann::json()> body;

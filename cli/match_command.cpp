@@ -262,8 +262,13 @@ nlohmann::json run_match(const MatchArguments& a) {
     nlohmann::json target = wanted.described;
     target["reflectance"] = wanted.reflectance;
     target["lab"] = {lab.l, lab.a, lab.b};
-    nlohmann::json result = {{"palette", box.palette.name}, {"target", target},   {"lamps", lamps},
-                             {"goal", a.box.goal},          {"recipes", recipes}, {"fewer_paints", by_count},
+    nlohmann::json result = {{"palette", box.palette.name},
+                             {"media", box.media},
+                             {"target", target},
+                             {"lamps", lamps},
+                             {"goal", a.box.goal},
+                             {"recipes", recipes},
+                             {"fewer_paints", by_count},
                              {"seconds", seconds.count()}};
     if (a.film_mm) result["film_mm"] = *a.film_mm;
     if (!a.swatch.empty()) {

@@ -4,6 +4,7 @@
 #include <sstream>
 
 #include "cli/command.h"
+#include "paint/retouch/paint_media.h"
 
 namespace tangi {
 
@@ -33,9 +34,9 @@ std::vector<std::filesystem::path> PaintBoxArguments::inputs() const {
 PaintBox paint_box(const PaintBoxArguments& a) {
     PaintBox box;
     box.palette = a.palette.empty() ? artist_acrylics() : read_palette(a.palette);
-    // A medium thins a glaze and matches no colour.
-    std::erase_if(box.palette.paints, is_clear);
-    if (box.palette.paints.empty()) fail("{}: holds clear media only, and no paint", a.palette);
+    box.media = take_out_media(box.palette);
+    if (box.palette.paints.empty())
+        fail("{}: holds media only ({}), and no paint that colours", a.palette, fmt::join(box.media, ", "));
     box.pairs = a.pairs.empty() ? usual_pigment_pairs() : read_pigment_pairs(a.pairs);
     box.warnings = pairs_to_avoid(box.palette.paints, box.pairs);
     return box;

@@ -26,7 +26,8 @@ struct PaintBoxArguments {
 };
 
 struct PaintBox {
-    Palette palette;
+    Palette palette;                 // paints that colour
+    std::vector<std::string> media;  // names of what only makes them transparent
     std::vector<PigmentPair> pairs;
     std::vector<PairWarning> warnings;  // of the box; they refer to `pairs`
 };

@@ -141,6 +141,11 @@ void take_axes(const MapFiles& files, const fs::path& first, Surface& s) {
             !files.across    ? "roughness_v"
             : !files.tangent ? "tangent"
                              : "roughness");
+    if (lower_extension(*files.tangent) != ".exr")
+        fail(
+            "{}: a tangent map holds angles in radians, which pictures of whole numbers from 0 to 1 cannot; "
+            "save it as .exr",
+            files.tangent->string());
     s.lobe_axes = Image<LobeAxes>(s.width(), s.height());
     const Image<Rgb> across = read_map(*files.across, s, first);
     for (std::size_t i = 0; i < across.size(); ++i)

@@ -11,6 +11,7 @@
 #include "surface/error.h"
 #include "surface/icc_profile.h"
 #include "surface/json_text.h"
+#include "surface/picture_with_alpha.h"
 
 namespace tangi {
 
@@ -151,7 +152,10 @@ void write_picture_8bit(const fs::path& path, const Image<Rgb>& encoded_srgb) {
     write_samples(path, &encoded_srgb.data()->r, encoded_srgb.region(), 3, Depth::eight, "sRGB", 95, true);
 }
 
-Image<Rgb> read_picture(const fs::path& path) {
+namespace {
+
+// `alpha`: where to put it; its channel is not read where that is null.
+Image<Rgb> read_as_stored(const fs::path& path, Image<float>* alpha) {
     OIIO::ImageSpec as_stored;
     as_stored.attribute("oiio:UnassociatedAlpha", 1);
     const auto input = OIIO::ImageInput::create(reader_name(path), false, &as_stored);
@@ -160,17 +164,35 @@ Image<Rgb> read_picture(const fs::path& path) {
     if (!input->open(path.string(), spec, as_stored))
         fail("{}: cannot be read: {}", path.string(), first_line(input->geterror()));
     require_plausible(path, spec);
-    const int channels = std::min(spec.nchannels, 3);
+    const bool wants_alpha = alpha && spec.alpha_channel >= 0;
+    const int channels = wants_alpha ? spec.nchannels : std::min(spec.nchannels, 3);
     std::vector<float> values(static_cast<std::size_t>(spec.width) * spec.height * channels);
     // Strips of a TIFF file that cannot be read show only in has_error() (OpenImageIO 2.4).
     if (!input->read_image(0, 0, 0, channels, OIIO::TypeDesc::FLOAT, values.data()) || input->has_error())
         fail("{}: cannot be read: {}", path.string(), first_line(input->geterror()));
+    const bool coloured = spec.nchannels >= 3,
+               multiplied = spec.get_int_attribute("oiio:UnassociatedAlpha") == 0;
     Image<Rgb> image(spec.width, spec.height);
+    if (wants_alpha) *alpha = Image<float>(spec.width, spec.height);
     for (std::size_t i = 0; i < image.size(); ++i) {
         const float* v = &values[i * static_cast<std::size_t>(channels)];
-        image.pixels()[i] = channels == 3 ? Rgb(v[0], v[1], v[2]) : Rgb(v[0]);
+        image.pixels()[i] = coloured ? Rgb(v[0], v[1], v[2]) : Rgb(v[0]);
+        if (!wants_alpha) continue;
+        const float part = v[spec.alpha_channel];
+        alpha->pixels()[i] = part;
+        if (multiplied && part > 0) image.pixels()[i] /= part;
     }
     return image;
+}
+
+}  // namespace
+
+Image<Rgb> read_picture(const fs::path& path) { return read_as_stored(path, nullptr); }
+
+PictureWithAlpha read_picture_with_alpha(const fs::path& path) {
+    PictureWithAlpha picture;
+    picture.colour = read_as_stored(path, &picture.alpha);
+    return picture;
 }
 
 }  // namespace tangi

@@ -63,6 +63,17 @@ TEST(CliUsage, WhatIsMissingIsNamed) {
     EXPECT_TRUE(ended(tangipaint({"relight", "a.exr", "--light", "0,0,1"}), 2, {"--out"}));
     EXPECT_TRUE(ended(tangipaint({"info"}), 2, {"FILE"}));
     EXPECT_TRUE(ended(tangipaint({"generate"}), 2, {"--out"}));
+    EXPECT_TRUE(ended(tangipaint({"generate", "--out"}), 2, {"--out: has no value"}));
+}
+
+TEST(CliUsage, WhatIsGivenTwiceIsNamedWithBothValues) {
+    EXPECT_TRUE(ended(
+        tangipaint({"replay", "--substrate", "linen", "--substrate", "paper", "a.jsonl", "--out", "a.exr"}),
+        2,
+        {"--substrate: is given 2 times (linen, paper), and can be one only; give it once",
+         "replay --help"}));
+    EXPECT_TRUE(ended(tangipaint({"fit", "photos", "--out", "a.exr", "--out", "b.exr"}), 2,
+                      {"--out: is given 2 times (a.exr, b.exr)"}));
 }
 
 struct WrongFlag {

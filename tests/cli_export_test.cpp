@@ -50,6 +50,47 @@ TEST(CliExport, MapsGoOutAndComeBack) {
     EXPECT_TRUE(ended(tangipaint({"info", stack.out("b.exr")}), 0));
 }
 
+// By name alone, as maps of other programs are called anything.
+TEST(CliExport, MapsOfDrawnOutLobesGoOutAndComeBack) {
+    const TinyStack stack;
+    Surface s = read_painting(stack.truth());
+    s.lobe_axes = Image<LobeAxes>(s.width(), s.height());
+    for (std::size_t i = 0; i < s.lobe_axes.size(); ++i)
+        s.lobe_axes.pixels()[i] = {0.5f * s.roughness.pixels()[i],
+                                   0.01f * static_cast<float>(i % 150) - 0.7f};
+    write_painting(stack.out("brushed.exr"), s);
+    ASSERT_TRUE(ended(
+        tangipaint({"export", stack.out("brushed.exr"), "--to", "maps", "--out", stack.out("maps")}), 0));
+    const auto moved = [&](const std::string& map, const std::string& name) {
+        std::filesystem::rename(stack.out("maps") + "/" + map + ".exr", stack.out(name));
+        return stack.out(name);
+    };
+    std::vector<std::string> words = {"import",
+                                      "--diffuse",
+                                      moved("diffuse", "1.exr"),
+                                      "--normals",
+                                      moved("normal", "2.exr"),
+                                      "--roughness",
+                                      moved("roughness", "3.exr"),
+                                      "--roughness-v",
+                                      moved("roughness_v", "4.exr"),
+                                      "--out",
+                                      stack.out("back.exr")};
+    EXPECT_TRUE(ended(tangipaint(words), 1, {"4.exr", "tangent is missing"}));
+    words.insert(words.end(), {"--tangent", moved("tangent", "5.exr")});
+    const Finished run = tangipaint(words);
+    ASSERT_TRUE(ended(run, 0));
+    EXPECT_EQ(run.json()["maps"]["tangent"], stack.out("5.exr"));
+    const Surface back = read_painting(stack.out("back.exr"));
+    ASSERT_EQ(back.lobe_axes.region(), s.lobe_axes.region());
+    for (std::size_t i = 0; i < s.lobe_axes.size(); ++i) {
+        ASSERT_NEAR(back.lobe_axes.pixels()[i].roughness_v, s.lobe_axes.pixels()[i].roughness_v, 1e-6) << i;
+        ASSERT_NEAR(back.lobe_axes.pixels()[i].tangent, s.lobe_axes.pixels()[i].tangent, 1e-6) << i;
+    }
+    words.back() = stack.photo(0);
+    EXPECT_TRUE(ended(tangipaint(words), 1, {"a tangent map holds angles in radians", ".exr"}));
+}
+
 TEST(CliExport, LayersAndOpenRasterOfAPaintedPicture) {
     const TinyStack stack;
     const std::string journal = stack.out("a.jsonl"), painted = stack.out("painted.exr");

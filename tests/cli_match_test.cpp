@@ -57,6 +57,25 @@ TEST(CliMatch, WarnsOfPairsThatItsListKeepsApart) {
     EXPECT_THAT(said["recipes"].dump(), testing::Not(HasSubstr("for this test")));
 }
 
+// By its K/S, a cloudy gel is the whitest of whites, but no film of it is.
+TEST(CliMatch, MakesNoRecipesOfMedia) {
+    const TestDir dir;
+    const std::string palette = (dir / "p.json").string();
+    const auto write = [&](const std::string& white) {
+        write_bytes(palette, R"({"format": "tangipaint palette", "version": 1, "paints": [)" + white +
+                                 R"({"name": "Gel", "wavelengths_nm": [400, 450, 500, 550, 600, 650, 700],
+            "k_per_mm": [0.001, 0.001, 0.001, 0.001, 0.001, 0.001, 0.001], "s_per_mm": [1, 1, 1, 1, 1, 1, 1]}]})");
+    };
+    write(R"({"name": "White", "srgb": "#eeeeea"}, {"name": "Ochre", "srgb": "#b08040"},)");
+    const Finished run = tangipaint({"match", "--srgb", "#f4f4f2", "--palette", palette});
+    ASSERT_TRUE(ended(run, 0));
+    EXPECT_EQ(run.json()["media"], (nlohmann::json{"Gel"}));
+    EXPECT_EQ(run.json()["recipes"].dump().find("Gel"), std::string::npos);
+    write("");
+    EXPECT_TRUE(ended(tangipaint({"match", "--srgb", "#f4f4f2", "--palette", palette}), 1,
+                      {"p.json", "media only (Gel)", "no paint that colours"}));
+}
+
 TEST(CliMatch, SaysWhatIsWrong) {
     const TestDir dir;
     const std::string bad = (dir / "bad.csv").string();

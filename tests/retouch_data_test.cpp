@@ -7,6 +7,7 @@
 #include "paint/retouch/damage_suggestion.h"
 #include "paint/retouch/fill.h"
 #include "surface/picture_file.h"
+#include "tests/damage_truth.h"
 #include "tests/test_support.h"
 
 namespace tangi {
@@ -17,18 +18,6 @@ namespace fs = std::filesystem;
 void record(const std::string& name, double value) {
     testing::Test::RecordProperty(name, fmt::format("{:.3f}", value));
     std::cout << fmt::format("[  FIGURE  ] impasto_{} {:.3f}\n", name, value);
-}
-
-double sum(const Mask& mask) { return area_of(mask, 1).mm2; }
-
-double intersection_over_union(const Mask& a, const Mask& b) {
-    return sum(intersected(a, b)) / sum(united(a, b));
-}
-
-double f1(const Mask& found, const Mask& truth, double tolerance_px) {
-    const double precision = sum(intersected(found, dilated(truth, tolerance_px))) / sum(found);
-    const double recall = sum(intersected(truth, dilated(found, tolerance_px))) / sum(truth);
-    return 2 * precision * recall / (precision + recall);
 }
 
 // [mm] rms of the fill's outermost pixels against the true height of the surroundings: its mean over the

@@ -1,8 +1,10 @@
 // retouch_mask_test.cpp: areas, outlines and distances of masks.
 #include "paint/retouch/mask.h"
 
+#include <OpenImageIO/imageio.h>
 #include <gmock/gmock.h>
 
+#include <array>
 #include <numbers>
 
 #include "surface/error.h"
@@ -125,6 +127,47 @@ TEST(Mask, FilesHoldCoverage) {
         for (int x = 0; x < 40; ++x) ASSERT_NEAR(again(x, y), mask(x, y), 0.5001 / 255);
     EXPECT_THAT([&] { read_mask(dir / "m.png", 32, 40); },
                 ThrowsMessage<Error>(HasSubstr("m.png: is 40 x 32 pixels, but the painting has 32 x 40")));
+}
+
+// Of four pixels: outside, inside, half, inside.
+TEST(Mask, WhatIsTransparentInAPictureIsOutside) {
+    const TestDir dir;
+    const auto write = [&](const std::string& name, int channels, const std::vector<float>& values,
+                           bool multiplied = false) {
+        OIIO::ImageSpec spec(4, 1, channels, OIIO::TypeDesc::UINT8);
+        spec.alpha_channel = channels - 1;
+        if (lower_extension(name) == ".exr") spec.format = OIIO::TypeDesc::FLOAT;
+        if (!multiplied) spec.attribute("oiio:UnassociatedAlpha", 1);
+        const auto output = OIIO::ImageOutput::create(name);
+        ASSERT_TRUE(output->open((dir / name).string(), spec));
+        ASSERT_TRUE(output->write_image(OIIO::TypeDesc::FLOAT, values.data()));
+        ASSERT_TRUE(output->close());
+    };
+    const auto expect = [&](const std::string& name, const std::array<float, 4>& coverage) {
+        const Mask mask = read_mask(dir / name, 4, 1);
+        for (int x = 0; x < 4; ++x)
+            EXPECT_NEAR(mask(x, 0), coverage[static_cast<std::size_t>(x)], 0.003) << name << x;
+    };
+    // Painted with a soft brush of any colour on a layer of its own.
+    for (const float tone : {1.0f, 0.5f, 0.0f}) {
+        write("layer.png", 2, {tone, 0, tone, 1, tone, 0.5f, tone, 1});
+        expect("layer.png", {0, 1, 0.5f, 1});
+        write("layer.tif", 2, {tone, 0, tone, 1, tone, 0.5f, tone, 1});
+        expect("layer.tif", {0, 1, 0.5f, 1});
+    }
+    write("red.png", 4, {0, 0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 0.5f, 1, 0, 0, 1});
+    expect("red.png", {0, 1, 0.5f, 1});
+    // White and black that can be seen: white is inside as far as it can be seen.
+    write("both.png", 2, {1, 0, 1, 1, 1, 0.5f, 0, 1});
+    expect("both.png", {0, 1, 0.5f, 0});
+    // Opaque: alpha says nothing.
+    write("opaque.png", 2, {0, 1, 1, 1, 0.5f, 1, 1, 1});
+    expect("opaque.png", {0, 1, 0.5f, 1});
+    // As EXR files and some TIFF files have it.
+    write("both.exr", 4, {0, 0, 0, 0, 1, 1, 1, 1, 0.5f, 0.5f, 0.5f, 0.5f, 0, 0, 0, 1}, true);
+    expect("both.exr", {0, 1, 0.5f, 0});
+    write("none.png", 2, {1, 0, 1, 0, 1, 0, 1, 0});
+    expect("none.png", {0, 0, 0, 0});
 }
 
 TEST(Mask, PolygonsThatAreNoneAreRefused) {

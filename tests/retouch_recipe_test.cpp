@@ -5,6 +5,7 @@
 #include <fstream>
 
 #include "paint/palette.h"
+#include "paint/retouch/paint_media.h"
 #include "paint/retouch/recipe.h"
 #include "paint/retouch/reflectance_file.h"
 #include "tests/test_support.h"
@@ -192,6 +193,26 @@ TEST(Match, FindsItsPaintsInALargeBox) {
     MatchOptions options;
     options.lamps = {Illuminant::d65, Illuminant::a};
     EXPECT_LT(match_spectrum(box, target, options).recipes[0].error, 0.2);
+}
+
+TEST(PaintMedia, AreTakenOutOfABoxAndWeakPaintsAreNot) {
+    Palette box = artist_acrylics();
+    const std::size_t paints = box.paints.size();
+    for (const Pigment& paint : artist_acrylics().paints) {
+        Pigment glaze = finished(paint, {{}, {}, 0.9});
+        glaze.name += ", glaze";
+        box.paints.push_back(glaze);
+    }
+    Pigment varnish, gel, clear;
+    varnish.name = "varnish", gel.name = "gel", clear.name = "clear";
+    for (std::size_t band = 0; band < kBands; ++band)
+        varnish.k[band] = static_cast<float>(std::pow(0.1, static_cast<double>(kBand_nm[band] - 410) / 220));
+    gel.k.fill(0.001f);
+    gel.s.fill(1);
+    for (const Pigment& medium : {varnish, gel, clear}) box.paints.insert(box.paints.begin(), medium);
+    const std::vector<std::string> names = {"clear", "gel", "varnish"};
+    EXPECT_EQ(take_out_media(box), names);
+    EXPECT_EQ(box.paints.size(), 2 * paints);
 }
 
 TEST(Match, SaysWhatIsWrong) {

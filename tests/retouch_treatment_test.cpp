@@ -7,6 +7,7 @@
 
 #include "paint/canvas_file.h"
 #include "paint/retouch/sha256.h"
+#include "paint/retouch/treatment_steps.h"
 #include "surface/atomic_file.h"
 #include "surface/error.h"
 #include "surface/painting_file.h"
@@ -275,6 +276,41 @@ TEST_F(TreatmentFolder, PaintOnTheOriginalIsCounted) {
     EXPECT_NEAR(beside.volume_mm3, 0.1 * beside.area_mm2, 1e-6);
     EXPECT_EQ(on_original(layer, Mask(100, 70, 1.0f), kTestPixel).pixels, 0);
     EXPECT_EQ(area_of(additions(canvas), 1).mm2, 64);
+}
+
+TEST_F(TreatmentFolder, UndoTakesBackAnEarlierStateBeforeWhatWasLaidBeforeIt) {
+    Treatment treatment = begin();
+    add(treatment, LayerRole::fill, 10);
+    const auto earlier = [&](float diffuse) {
+        auto surface = flat_surface(100, 70);
+        surface->diffuse(0, 0) = Rgb(diffuse);
+        write_painting(dir_ / "dirty.exr", *surface);
+        treatment.keep_earlier(dir_ / "dirty.exr", kAuthor);
+    };
+    earlier(0.1f);
+    earlier(0.2f);
+    Canvas canvas = treatment.read_canvas();
+    const auto undo = [&] { return undo_step(treatment, canvas, kAuthor); };
+    EXPECT_EQ(undo()["earlier_state"], "the one before");
+    EXPECT_EQ(treatment.read_earlier().diffuse(0, 0), Rgb(0.1f));
+    EXPECT_EQ(treatment.layers().size(), 1u);
+    EXPECT_THAT(treatment.check(), IsEmpty());
+    EXPECT_EQ(undo()["earlier_state"], "none");
+    EXPECT_FALSE(treatment.has_earlier());
+    EXPECT_FALSE(std::filesystem::exists(folder() / "earlier.exr"));
+    EXPECT_EQ(treatment.layers().size(), 1u);
+    EXPECT_THAT(treatment.check(), IsEmpty());
+    EXPECT_FALSE(Treatment::open(folder()).has_earlier());
+    EXPECT_THAT(undo()["removed"], ElementsAre("fill 1"));
+    EXPECT_THAT([&] { undo(); }, ThrowsMessage<Error>(HasSubstr("there is no step to undo")));
+
+    earlier(0.3f);
+    earlier(0.4f);
+    const std::string kept =
+        treatment.log().entries().back().content["kept"]["earlier.exr"].get<std::string>();
+    write_text_file(folder() / kept, "edited");
+    EXPECT_THAT([&] { undo(); }, ThrowsMessage<Error>(HasSubstr(kept + ": is not what line")));
+    EXPECT_EQ(treatment.read_earlier().diffuse(0, 0), Rgb(0.4f));
 }
 
 TEST_F(TreatmentFolder, WrongFoldersAndPaintingsAreRefused) {

@@ -5,7 +5,7 @@
 
 #include <thread>
 
-#include "datasets/procedural_painting.h"
+#include "damage_truth.h"
 #include "paint/canvas_file.h"
 #include "surface/painting_file.h"
 #include "viewer/treatment_desk.h"
@@ -14,13 +14,7 @@
 namespace tangi {
 
 inline const PaintingTruth& painting_of_desks() {
-    static const PaintingTruth painting = [] {
-        PaintingOptions options;
-        options.seed = 5;
-        options.width = options.height = 160;
-        options.mm_per_pixel = 0.5;
-        return procedural_painting(options);
-    }();
+    static const PaintingTruth painting = square_painting(160, 0.5);
     return painting;
 }
 

@@ -3,6 +3,7 @@
 
 #include <sstream>
 
+#include "paint/retouch/paint_media.h"
 #include "paint/retouch/recipe_json.h"
 #include "surface/error.h"
 #include "viewer/treatment_desk.h"
@@ -175,8 +176,8 @@ void TreatmentDesk::match(const std::optional<glm::dvec2>& at) {
         setup_.say("choose a lamp at least under which the colour is to match");
         return;
     }
-    Palette paints = setup_.palette;  // a medium thins a glaze and matches no colour
-    std::erase_if(paints.paints, is_clear);
+    Palette paints = setup_.palette;
+    take_out_media(paints);
     const std::vector<PairWarning> pairs = pairs_to_avoid(paints.paints, *pairs_);
     if (t.avoid_pairs) options.allowed = without_pairs(paints.paints.size(), pairs);
     const std::optional<double> film_mm = t.film ? std::optional(t.retouch.thickness_mm) : std::nullopt;

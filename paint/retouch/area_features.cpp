@@ -4,6 +4,7 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
+#include "paint/retouch/local_deviation.h"
 #include "surface/median.h"
 #include "surface/parallel.h"
 
@@ -13,6 +14,9 @@ namespace {
 
 constexpr int kTextureWindow = 7;  // [blocks]
 constexpr int kMargin = 24;        // [blocks] around an area
+constexpr int kWeaveWindow = 7;    // [blocks] what is broader is no weave
+constexpr float kLeastGlossNoise = 0.03f;
+constexpr double kWearWindow = 5;  // [blocks] sigma
 
 // What is summed over a block.
 enum Sum : std::size_t {
@@ -107,6 +111,36 @@ cv::Mat log_texture(const cv::Mat& x, const cv::Mat& y, const cv::Mat& squares) 
     return in_floats(0.5 * result);
 }
 
+// [1] rms of what is finer than kWeaveWindow, over kWearWindow.
+cv::Mat fine_squares(const cv::Mat& m) {
+    const cv::Mat fine = m - box(m, kWeaveWindow);
+    cv::Mat squares = fine.mul(fine), result;
+    cv::GaussianBlur(squares, result, {}, kWearWindow, kWearWindow, cv::BORDER_REFLECT);
+    return result;
+}
+
+cv::Mat range_of(const cv::Mat& a, const cv::Mat& b) {
+    const cv::Mat window = cv::getStructuringElement(cv::MORPH_RECT, {3, 3});
+    cv::Mat squares = cv::Mat::zeros(a.size(), CV_32F), low, high, range;
+    for (const cv::Mat& m : {a, b}) {
+        cv::erode(m, low, window);
+        cv::dilate(m, high, window);
+        range = high - low;
+        squares += range.mul(range);
+    }
+    cv::sqrt(squares, range);
+    return range;
+}
+
+cv::Mat wear_of(const cv::Mat& height, const std::array<cv::Mat, 3>& lab) {
+    constexpr double least_contrast = 1, least_relief_mm = 0.01;  // that are told from noise
+    cv::Mat colour = cv::Mat::zeros(height.size(), height.type()), relief = fine_squares(height);
+    for (const cv::Mat& channel : lab) colour += fine_squares(channel);
+    cv::log(cv::max(colour, 0) + least_contrast * least_contrast, colour);
+    cv::log(cv::max(relief, 0) + least_relief_mm * least_relief_mm, relief);
+    return in_floats(0.5 * (colour - relief));
+}
+
 double robust_spread(std::vector<double> values) {
     const double middle = median(values);
     for (double& v : values) v = std::abs(v - middle);
@@ -153,12 +187,20 @@ AreaFeatures area_features_of(const Surface& surface, double unit_mm, int most_p
     map(Cue::roughness) = calm(mean(kRoughness));
     map(Cue::specular) = calm(mean(kSpecular));
     map(Cue::texture) = log_texture(mean(kSlopeX), mean(kSlopeY), mean(kSlope2));
+    map(Cue::wear) = wear_of(mean(kHeight), {mean(kL), mean(kA), mean(kB)});
 
     f.measured = mean(kMeasured) > 0.5;
+    f.gloss_range = range_of(map(Cue::roughness), map(Cue::specular));
+    // A fifth of a picture at least lies away from the edges of its paints.
+    f.gloss_noise = std::max(kLeastGlossNoise, 2 * quantile(f.gloss_range, 0.2));
     return f;
 }
 
-Rim rim_of(const AreaFeatures& f, const Area& area, int away) {
+float within_paint(const AreaFeatures& f, float gloss_step) {
+    return std::exp(-gloss_step * gloss_step / (f.gloss_noise * f.gloss_noise));
+}
+
+Rim rim_of(const AreaFeatures& f, const Area& area, int away, Compared which) {
     const cv::Mat& inside = area.inside;
     const cv::Mat measured = f.measured(area.box);
     std::array<cv::Mat, kCues> maps;
@@ -191,6 +233,15 @@ Rim rim_of(const AreaFeatures& f, const Area& area, int away) {
                        measured.at<unsigned char>(p) != 0;
             };
             if (!good(i, true) || !good(o, false) || !good(far, false)) continue;
+            bool one_paint = true;
+            for (int d = -away; which == Compared::within_paint && one_paint && d <= away; ++d) {
+                const auto step = [&](Cue cue) {
+                    const cv::Mat& m = maps[static_cast<std::size_t>(cue)];
+                    return m.at<float>(along(d)) - m.at<float>(o);
+                };
+                one_paint = within_paint(f, std::hypot(step(Cue::roughness), step(Cue::specular))) > 0.4f;
+            }
+            if (!one_paint) continue;
             for (std::size_t c = 0; c < kCues; ++c) {
                 ins[c].push_back(static_cast<double>(maps[c].at<float>(i)));
                 outs[c].push_back(static_cast<double>(maps[c].at<float>(o)));

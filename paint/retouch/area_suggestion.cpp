@@ -10,16 +10,15 @@
 #include "paint/retouch/area_features.h"
 #include "paint/retouch/flaking_suggestion.h"
 #include "paint/retouch/local_deviation.h"
+#include "paint/retouch/stain_evidence.h"
 #include "surface/error.h"
 
 namespace tangi {
 
 namespace {
 
-constexpr int kSide_px = 640;  // areas are looked for in a copy of this size at most
-constexpr double kMost = 0.4;  // [1] of the picture: larger areas are the picture
-constexpr double kUnsure =
-    0.45;  // [1] what abrasion has at most: two of three areas are none (docs/retouching.md)
+constexpr int kSide_px = 640;        // areas are looked for in a copy of this size at most
+constexpr double kMost = 0.4;        // [1] of the picture: larger areas are the picture
 constexpr double kStroke_mm2 = 100;  // what lies on the paint and is smaller may be a stroke of a broad brush
 constexpr int kLeast = 60;           // [blocks] fewer have no rim to judge by
 
@@ -51,7 +50,7 @@ std::string gloss_words(const Rim& rim) {
 
 // The rim as it is seen close by and from further off: what fades out changes less close by.
 struct Rims {
-    Rim close, far;
+    Rim close, far, within_paint;
 };
 
 Judged judge_fill(const Rims& rims) {
@@ -74,31 +73,35 @@ Judged judge_overpaint(const Rims& rims) {
             fmt::format("{:.3f} mm higher, {}", height.step, gloss_words(rim))};
 }
 
-// Matt and low is what half of the losses, earths and thin places are too: never sure.
+// Rubbed down to the tops of the ground: level where paint and ground still change from thread to thread.
+// Matt and low alone is what half of the losses, earths and thin places are too.
 Judged judge_abrasion(const Rims& rims) {
     const Rim& rim = rims.far;
     const RimStep& height = rim.of(Cue::height);
-    const double matter = std::max(rim.of(Cue::roughness).step / 0.2, -rim.of(Cue::specular).step / 0.35);
+    const RimStep& wear = rim.of(Cue::wear);
+    const double matter = (rim.of(Cue::roughness).step / 0.2 - rim.of(Cue::specular).step / 0.35) / 2;
     const double lower = -height.step / (0.5 * height.usual + 0.02);
-    return {kUnsure * rising(matter, 0.25) * rising(gloss_agrees(rim) / 0.6, 0.08) * rising(lower, 0.25) *
-                rising(height.agree / 0.65, 0.06),
-            fmt::format("{}, {:+.3f} mm", gloss_words(rim), height.step)};
+    return {rising(wear.step / 0.65, 0.12) * rising(wear.agree / 0.7, 0.08) * rising(matter, 0.2) *
+                rising(gloss_agrees(rim) / 0.5, 0.08) * rising(lower / 0.7, 0.25) *
+                rising(height.agree / 0.6, 0.06),
+            fmt::format("{:.1f} times the colours for its relief, {}, {:+.3f} mm", std::exp(wear.step),
+                        gloss_words(rim), height.step)};
 }
 
+// What goes on across the rim in one paint loses light by the law of a stain, by about as much all round;
+// gloss, height and texture change no more than they do anyway.
 Judged judge_stain(const Rims& rims) {
-    const Rim& rim = rims.close;
-    const RimStep &red = rim.of(Cue::red), &green = rim.of(Cue::green), &blue = rim.of(Cue::blue);
+    const Rim &rim = rims.close, &paint = rims.within_paint;
+    const RimStep &red = paint.of(Cue::red), &green = paint.of(Cue::green), &blue = paint.of(Cue::blue);
     const double steady = -blue.step / (1.5 * blue.spread + 0.05);
-    // What dirt and aged binders leave absorbs more the shorter the wave, by a law like exp(-S lambda):
-    // neither blue alone, as yellow paint does, nor all alike, as black does.
+    // Neither blue alone, as yellow paint does, nor all alike, as black does.
     const double r = red.step / blue.step, g = green.step / blue.step;
     const double order = std::max({std::abs(r - 0.3) / 0.2, std::abs(g - 0.55) / 0.2, r > g ? 2.0 : 0.0});
-    const double variety = std::abs(std::log(red.variety)) / std::log(1.8);
     const double others = std::max(
         {gloss_step(rim) / 0.6, std::abs(rim.of(Cue::height).step) / (0.5 * rim.of(Cue::height).usual + 0.02),
          std::abs(rim.of(Cue::texture).step) / 0.3});
     return {rising(-blue.step / 0.25, 0.2) * rising(steady, 0.25) * rising(blue.agree / 0.8, 0.06) *
-                rising(2 - order, 0.2) * rising(2 - others, 0.2) * rising(2 - variety, 0.2),
+                rising(2 - order, 0.2) * rising(2 - others, 0.2),
             fmt::format("lets pass {:.2f}, {:.2f}, {:.2f} of red, green, blue", std::exp(red.step),
                         std::exp(green.step), std::exp(blue.step))};
 }
@@ -122,23 +125,6 @@ cv::Mat blurred(const cv::Mat& m, double sigma) {
     return result;
 }
 
-// How much less light comes back as through a stain: what goes with its law, less what does not.
-cv::Mat filtered(const AreaFeatures& f, double part) {
-    constexpr std::array<double, 3> law = {0.26, 0.48, 0.84};  // of unit length
-    std::array<cv::Mat, 3> colours;
-    cv::Mat along = cv::Mat::zeros(f.measured.size(), CV_32F), beside = along.clone(), length;
-    for (std::size_t i = 0; i < 3; ++i) {
-        colours[i] = blurred(-deviation(f.maps[static_cast<std::size_t>(Cue::red) + i], part), 5);
-        along += law[i] * colours[i];
-    }
-    for (std::size_t i = 0; i < 3; ++i) {
-        const cv::Mat rest = colours[i] - law[i] * along;
-        beside += rest.mul(rest);
-    }
-    cv::sqrt(beside, length);
-    return (along - 0.5 * length) / 0.3;
-}
-
 Search search_for(DamageClass damage, const AreaFeatures& f) {
     const cv::Mat rough = deviation(f.of(Cue::roughness)) / 0.25,
                   weak = -deviation(f.of(Cue::specular)) / 0.45;
@@ -149,10 +135,15 @@ Search search_for(DamageClass damage, const AreaFeatures& f) {
         case DamageClass::overpaint:
             return {{rough, -rough, weak, -weak}, {0.7, 1, 1.4, 2, 2.8}, 2, 4, 0, judge_overpaint};
         case DamageClass::abrasion:
-            return {{blurred(cv::max(rough, weak), 2)}, {0.4, 0.6, 0.9, 1.3, 2}, 2, 8, 0, judge_abrasion};
+            return {{cv::min(blurred(cv::max(rough, weak), 2), deviation(f.of(Cue::wear)) / 0.6)},
+                    {0.4, 0.6, 0.9, 1.3, 2},
+                    2,
+                    8,
+                    0,
+                    judge_abrasion};
         default:
-            return {{filtered(f, 0.12), filtered(f, 0.25)},
-                    {0.3, 0.5, 0.7, 0.9, 1.2, 1.6, 2.2},
+            return {{deviation(blurred(stain_evidence(f), 2))},
+                    {0.05, 0.07, 0.1, 0.14, 0.2, 0.28, 0.4},
                     5,
                     6,
                     0,
@@ -230,8 +221,10 @@ std::vector<Found> found_by_rims(const Surface& surface, double mm_per_pixel, Da
         for (Area& area : areas_above(search.evidence[i], search.thresholds, least, kMost)) {
             if (!lost.empty() && part_of(lost, area, f.block) > 0.2) continue;
             if (search.reach > 0) area = grown(area, search.reach, f.measured.size());
-            const Rims rims{rim_of(f, area, search.close), rim_of(f, area, search.far)};
+            const Rims rims{rim_of(f, area, search.close), rim_of(f, area, search.far),
+                            rim_of(f, area, 4, Compared::within_paint)};
             if (std::min(rims.close.points, rims.far.points) < 24 || rims.far.seen < 0.75) continue;
+            if (damage == DamageClass::stain && rims.within_paint.points < 24) continue;
             Judged judged = search.judge(rims);
             if (damage == DamageClass::overpaint)
                 judged.confidence *= rising(area.blocks * block_mm2 / kStroke_mm2, 0.15);
@@ -260,11 +253,9 @@ AreaSuggestion suggest_areas(const Surface& surface, double mm_per_pixel, Damage
     TP_REQUIRE(std::find(kAreaClasses.begin(), kAreaClasses.end(), damage) != kAreaClasses.end(),
                "areas are suggested of the classes of kAreaClasses");
     validate(options);
-    require_consistent(surface);
-    const int width = surface.width(), height = surface.height();
     AreaSuggestion suggestion;
-    suggestion.mask = Mask(width, height);
-    suggestion.confidence = Image<float>(width, height);
+    suggestion.begin(surface);
+    const int width = surface.width(), height = surface.height();
     if (width < 32 || height < 32) return suggestion;
     int block = 1;  // [pixels]
     const std::vector<Found> found =

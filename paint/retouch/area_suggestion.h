@@ -3,10 +3,9 @@
 // and said to be.
 //
 // Cues (docs/retouching.md has the method, and how often it is right):
-//   abrasion   matter and lower, and no loss. Weak evidence always: less sure than what is suggested by
-//   default stain      lets less light pass, by the same factors all round, least of the blue; neither
-//   height, gloss nor
-//              texture changes
+//   abrasion   level where paint and ground change from thread to thread, matter and lower, and no loss
+//   stain      what goes on in one paint across the rim lets less light pass, by the same factors all round,
+//              least of the blue; neither height, gloss nor texture changes
 //   old_fill   far smoother than around; another gloss or colour; neither a pit nor a hill
 //   overpaint  lies higher all round, with another gloss, and another texture or colour
 //   flaking    cracks stand open between edges that rise, in all directions; it is told from the rest of the

@@ -200,11 +200,9 @@ Mask traced(const Image<float>& score, const Image<float>& network, double mm_pe
 CraquelureSuggestion suggest_craquelure(const Surface& surface, double mm_per_pixel,
                                         const CraquelureOptions& options, const Progress& progress) {
     validate(options);
-    require_consistent(surface);
-    const int width = surface.width(), height = surface.height();
     CraquelureSuggestion suggestion;
-    suggestion.mask = Mask(width, height);
-    suggestion.confidence = Image<float>(width, height);
+    suggestion.begin(surface);
+    const int width = surface.width(), height = surface.height();
     if (width < 16 || height < 16) return suggestion;
     const double widest_px = std::clamp(options.widest_mm / mm_per_pixel, 1.5, 24.0);
     std::vector<double> sigmas;

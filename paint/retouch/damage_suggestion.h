@@ -17,6 +17,13 @@ namespace tangi {
 struct DamageSuggestion {
     Mask mask;                // coverage, 0 or 1
     Image<float> confidence;  // [1] 0..1, everywhere: also where it stays below what is suggested
+
+    // Nothing yet, of the surface's size. Throws ContractError where that has maps of several sizes.
+    void begin(const Surface& surface) {
+        require_consistent(surface);
+        mask = Mask(surface.width(), surface.height());
+        confidence = Image<float>(surface.width(), surface.height());
+    }
 };
 
 // Losses: lower than their surroundings behind a step, and of another colour or gloss.

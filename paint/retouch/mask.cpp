@@ -7,6 +7,7 @@
 #include "paint/retouch/matrix.h"
 #include "surface/error.h"
 #include "surface/picture_file.h"
+#include "surface/picture_with_alpha.h"
 
 namespace tangi {
 
@@ -31,6 +32,24 @@ void add_run(std::span<float> row, double x0, double x1, float part) {
         const double left = std::max(x0, static_cast<double>(x)),
                      right = std::min(x1, static_cast<double>(x) + 1);
         row[x] += part * static_cast<float>(right - left);
+    }
+}
+
+// What is transparent is outside. Where all that can be seen has one tone, whichever it is, the picture says
+// by its alpha alone what is inside: as a layer does that was painted on by itself.
+void see_through(Mask& mask, const Image<float>& alpha) {
+    constexpr float one_tone = 2.5f / 255;  // of 8 bits, multiplied by alpha and divided again
+    float darkest = 1, lightest = 0, least = 1;
+    for (std::size_t i = 0; i < mask.size(); ++i) {
+        least = std::min(least, alpha.pixels()[i]);
+        if (alpha.pixels()[i] < 0.5f) continue;
+        darkest = std::min(darkest, mask.pixels()[i]);
+        lightest = std::max(lightest, mask.pixels()[i]);
+    }
+    const bool has_holes = least < 0.5f;
+    for (std::size_t i = 0; i < mask.size(); ++i) {
+        const float part = std::clamp(alpha.pixels()[i], 0.0f, 1.0f);
+        mask.pixels()[i] = has_holes && lightest - darkest < one_tone ? part : part * mask.pixels()[i];
     }
 }
 
@@ -65,7 +84,8 @@ MaskRegions regions_of(const Mask& mask) {
 void write_mask(const std::filesystem::path& path, const Mask& mask) { write_map(path, mask, {.bits = 8}); }
 
 Mask read_mask(const std::filesystem::path& path, int width, int height) {
-    const Image<Rgb> picture = read_picture(path);
+    const PictureWithAlpha file = read_picture_with_alpha(path);
+    const Image<Rgb>& picture = file.colour;
     if (picture.width() != width || picture.height() != height)
         fail("{}: is {} x {} pixels, but the painting has {} x {}; a mask has the painting's size",
              path.string(), picture.width(), picture.height(), width, height);
@@ -74,9 +94,12 @@ Mask read_mask(const std::filesystem::path& path, int width, int height) {
         for (int x = 0; x < width; ++x) {
             const Rgb c = picture(x, y);
             const float mean = (c.r + c.g + c.b) / 3;
-            if (!std::isfinite(mean)) fail("{}: holds {} at pixel ({}, {})", path.string(), mean, x, y);
+            const float alpha = file.alpha.empty() ? 1.0f : file.alpha(x, y);
+            if (!std::isfinite(mean + alpha))
+                fail("{}: holds {} at pixel ({}, {})", path.string(), mean + alpha, x, y);
             mask(x, y) = std::clamp(mean, 0.0f, 1.0f);
         }
+    if (!file.alpha.empty()) see_through(mask, file.alpha);
     return mask;
 }
 

@@ -42,8 +42,10 @@ MaskRegions regions_of(const Mask& mask);
 
 // 8-bit grey PNG, white inside. Coverage is rounded to 1/255.
 void write_mask(const std::filesystem::path& path, const Mask& mask);
-// Any picture that OpenImageIO reads, its mean over the channels, as stored: 1 (white) inside. Throws Error
-// naming the file where it has another size than the painting's.
+// Any picture that OpenImageIO reads, its mean over the channels, as stored: 1 (white) inside. Of one with an
+// alpha channel, what is transparent is outside: coverage is whiteness times alpha; where there are
+// transparent parts and all that can be seen is of one tone, alpha alone. Throws Error naming the file where
+// it has another size than the painting's.
 Mask read_mask(const std::filesystem::path& path, int width, int height);
 
 // Coverage of the inside of closed polygons, even-odd, so that holes are polygons within polygons: exact

@@ -65,6 +65,11 @@ void require_inside(const std::string& path) {
         TP_REQUIRE(part != "..", "a step keeps its files in the treatment's folder");
 }
 
+void require_logged(const fs::path& file, const std::string& sha256, int line) {
+    if (!fs::exists(file) || sha256_of_file(file) != sha256)
+        fail("{}: is not what line {} of the log wrote; take it from a backup", file.string(), line);
+}
+
 }  // namespace
 
 std::string sha256_of(const Surface& surface) {
@@ -210,10 +215,13 @@ Canvas Treatment::read_canvas(const Progress& progress) const {
 
 std::map<std::string, std::pair<std::string, int>> Treatment::logged_files() const {
     std::map<std::string, std::pair<std::string, int>> files;
-    for (const LogEntry& entry : log_.entries())
+    for (const LogEntry& entry : log_.entries()) {
         if (entry.content.contains("outputs"))
             for (const auto& [name, hash] : entry.content["outputs"].items())
                 files[name] = {hash.get<std::string>(), entry.line};
+        if (entry.content.contains("withdrawn"))
+            for (const json& name : entry.content["withdrawn"]) files.erase(name.get<std::string>());
+    }
     return files;
 }
 
@@ -302,7 +310,12 @@ void Treatment::record(const TreatmentStep& step, const Author& author, const Pr
         outputs[name] = sha256_of_file(folder_ / name);
     }
     entry["outputs"] = outputs;
+    for (const std::string& name : step.withdrawn) require_inside(name);
+    if (!step.withdrawn.empty()) entry["withdrawn"] = step.withdrawn;
+    if (!step.kept.empty()) entry["kept"].update(step.kept);
     log_.append(std::move(entry));
+    std::error_code there_already_not;
+    for (const std::string& name : step.withdrawn) fs::remove(folder_ / name, there_already_not);
 }
 
 void Treatment::keep_earlier(const fs::path& painting, const Author& author, const Progress& progress) {
@@ -312,15 +325,35 @@ void Treatment::keep_earlier(const fs::path& painting, const Author& author, con
             "{}: has {} x {} pixels, the treatment's painting {} x {}; fit it on the same pixels: tangipaint "
             "calibrate --align-to",
             painting.string(), earlier.width(), earlier.height(), width(), height());
+    TreatmentStep step{.action = "keep earlier state",
+                       .parameters = {{"painting", painting.filename().string()}},
+                       .inputs = {painting},
+                       .written = {kEarlier}};
+    const auto known = logged_files();
+    if (const auto before = known.find(kEarlier); before != known.end()) {
+        const std::string kept = fmt::format("earlier.{}.exr", before->second.second);
+        require_logged(folder_ / kEarlier, before->second.first, before->second.second);
+        copy_whole(folder_ / kEarlier, folder_ / kept);
+        step.kept[kEarlier] = kept;
+        step.written.push_back(kept);
+    }
     copy_whole(painting, folder_ / kEarlier);
-    record({.action = "keep earlier state",
-            .parameters = {{"painting", painting.filename().string()}},
-            .inputs = {painting},
-            .written = {kEarlier}},
-           author, progress);
+    record(step, author, progress);
 }
 
 bool Treatment::has_earlier() const { return logged_files().contains(kEarlier); }
+
+void Treatment::take_back_earlier(const LogEntry& entry, TreatmentStep& step) const {
+    const json none = json::object(), kept = entry.content.value("kept", none);
+    if (!kept.contains(kEarlier)) {
+        step.withdrawn.emplace_back(kEarlier);
+        return;
+    }
+    const auto file = kept[kEarlier].get<std::string>();
+    require_logged(folder_ / file, entry.content.at("outputs").value(file, ""), entry.line);
+    copy_whole(folder_ / file, folder_ / kEarlier);
+    step.written.emplace_back(kEarlier);
+}
 
 Surface Treatment::read_earlier(const Progress& progress) const {
     TP_REQUIRE(has_earlier(), "an earlier state was kept");

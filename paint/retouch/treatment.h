@@ -4,7 +4,8 @@
 //   painting.exr          a copy of the painting; its dry part stays as it is, fills, varnishes and retouches
 //                         are dried layers on it (paint/canvas_file.h)
 //   masks/CLASS.png       coverage by each class of damage; CLASS.confidence.png beside what was suggested
-//   earlier.exr           the painting before it was cleaned, where it was photographed then too
+//   earlier.exr           the painting before it was cleaned, where it was photographed then too;
+//                         earlier.LINE.exr: another one before it, by the line of the log that wrote it
 //   strokes/, quality/    what steps kept: journals of strokes, quality maps
 //   log.jsonl             the log (treatment_log.h): the layers, masks and files that there are, with hashes
 //
@@ -84,6 +85,8 @@ struct TreatmentStep {
     const Canvas* canvas = nullptr;
     std::vector<std::pair<std::string, LayerRole>> added{};
     std::vector<std::string> written{};  // files in the folder that the caller wrote: their hashes are kept
+    std::map<std::string, std::string> kept{};  // of these, what others were before: file -> where it stays
+    std::vector<std::string> withdrawn{};       // files that the treatment has no more: to be removed
 };
 
 class Treatment {
@@ -120,10 +123,13 @@ public:
     bool has_mask(DamageClass damage) const;
 
     // The painting as it was photographed before the treatment began, as before cleaning: a copy of it is
-    // kept, and shown as the state `before`. Throws Error where it has another size.
+    // kept, and shown as the state `before`; of one that was kept before, `earlier.LINE.exr` stays, so that
+    // undo brings it back. Throws Error where it has another size.
     void keep_earlier(const std::filesystem::path& painting, const Author& author,
                       const Progress& progress = {});
     bool has_earlier() const;
+    // Makes earlier.exr what it was before `entry`, the line of the log that kept it, and says so in `step`.
+    void take_back_earlier(const LogEntry& entry, TreatmentStep& step) const;
     Surface read_earlier(const Progress& progress = {}) const;
 
     // Writes what the step says, then the log. The dry layer is checked before.

@@ -130,15 +130,21 @@ json remove_step(Treatment& treatment, Canvas& canvas, const std::vector<std::st
 
 namespace {
 
-// A step that can be undone: what it laid and is still there, and the masks that it changed.
+// A step that can be undone: what it laid and is still there, the masks that it changed, and whether it kept
+// the painting as it was earlier.
 struct Undoable {
     const LogEntry* entry = nullptr;
     std::vector<std::string> layers, masks;
+    bool earlier = false;
 };
 
 bool draws(const LogEntry& entry) {
     const json action = entry.content.value("action", json());
     return action == "draw damage" || action == "suggest damage";
+}
+
+bool keeps_earlier(const LogEntry& entry) {
+    return entry.content.value("action", json()) == "keep earlier state";
 }
 
 // Names of the masks that a line wrote: "stain", "stain.confidence".
@@ -152,7 +158,7 @@ std::vector<std::string> masks_of(const LogEntry& entry) {
 }
 
 // The step that brought a layer is the first that has it: the last line where one of those that are still
-// there appears, or that changed the map.
+// there appears, that changed the map, or that kept the earlier painting.
 Undoable last_undoable(const Treatment& treatment) {
     std::set<std::string> there, known;
     for (const TreatmentLayer& layer : treatment.layers()) there.insert(layer.name);
@@ -162,13 +168,14 @@ Undoable last_undoable(const Treatment& treatment) {
             undone.insert(entry.content.at("parameters").at("step").at("line").get<int>());
     Undoable last;
     for (const LogEntry& entry : treatment.log().entries()) {
-        Undoable step{&entry, {}, {}};
+        Undoable step{&entry, {}, {}, false};
         for (const json& layer : entry.content.value("layers", json::array()))
             if (const auto name = layer.at("name").get<std::string>();
                 known.insert(name).second && there.contains(name))
                 step.layers.push_back(name);
         if (draws(entry) && !undone.contains(entry.line)) step.masks = masks_of(entry);
-        if (!step.layers.empty() || !step.masks.empty()) last = std::move(step);
+        step.earlier = keeps_earlier(entry) && !undone.contains(entry.line);
+        if (!step.layers.empty() || !step.masks.empty() || step.earlier) last = std::move(step);
     }
     return last;
 }
@@ -201,8 +208,11 @@ Mask mask_before(const Treatment& treatment, const std::string& name, const LogE
 json undo_step(Treatment& treatment, Canvas& canvas, const Author& author, const Progress& progress) {
     const Undoable last = last_undoable(treatment);
     if (!last.entry)
-        fail("{}: there is no step to undo: nothing lies on the painting, and no damage was mapped",
-             treatment.folder().string());
+        fail(
+            "{}: there is no step to undo: nothing lies on the painting, no damage was mapped, and no "
+            "earlier "
+            "state was kept",
+            treatment.folder().string());
     const json undone = {{"line", last.entry->line},
                          {"action", last.entry->content.at("action")},
                          {"sha256", last.entry->sha256}};
@@ -211,8 +221,11 @@ json undo_step(Treatment& treatment, Canvas& canvas, const Author& author, const
     if (!last.layers.empty()) step.canvas = &canvas;
     for (const std::string& name : last.masks) step.masks[name] = mask_before(treatment, name, *last.entry);
     if (!last.masks.empty()) step.parameters["masks"] = last.masks;
+    if (last.earlier) treatment.take_back_earlier(*last.entry, step);
+    json result = {{"undone", undone}, {"removed", last.layers}, {"restored", last.masks}};
+    if (last.earlier) result["earlier_state"] = step.withdrawn.empty() ? "the one before" : "none";
     treatment.record(step, author, progress);
-    return {{"undone", undone}, {"removed", last.layers}, {"restored", last.masks}};
+    return result;
 }
 
 json draw_step(Treatment& treatment, DamageClass damage, const Mask& mask, const json& parameters,
