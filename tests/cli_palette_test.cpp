@@ -41,7 +41,9 @@ TEST(CliPalette, AClearMediumIsNoBlackPaint) {
     // It matches nothing: white is not made of it.
     const Finished match = tangipaint({"match", "--srgb", "#ffffff", "--palette", file});
     EXPECT_TRUE(match.code == 0 || match.code == 3) << match.err;
-    EXPECT_EQ(match.out.find("Medium"), std::string::npos) << match.out;
+    const nlohmann::json found = match.json();
+    EXPECT_EQ(found["media"], (nlohmann::json{"Medium"}));
+    EXPECT_EQ(found["recipes"].dump().find("Medium"), std::string::npos) << match.out;
 }
 
 TEST(CliPalette, SaysWhatIsWrong) {
