@@ -24,19 +24,46 @@ void smooth(HeightGrid& g, int sweeps) {
         });
 }
 
-// A coarse pixel stands for 2 x 2 fine ones. A coarse edge is twice as long and crosses two fine edges, so
-// its weight is their mean.
+// [1] An edge inside a coarse pixel counts as this part of the one between it and the next, at least: beside
+// a hole, a coarse grid that knows of no way across says less than one that knows of too good a one. Without
+// it weights that jump a thousandfold do not converge; with 1 the waves of fit_bench's 7 megapixels are right
+// to 0.016 pixels instead of 0.007.
+constexpr float kWayAcross = 0.5f;
+
+// [1] Weight of three edges in a row, of which the outer two count half, as conductances in series: what long
+// waves see of weights that change from pixel to pixel. 1/2 where all are 1.
+float in_series(float before, float between, float after) {
+    if (!(between > 0)) return 0;
+    const float least = kWayAcross * between;
+    return 1 / (0.5f / std::max(before, least) + 1 / between + 0.5f / std::max(after, least));
+}
+
+// A coarse pixel stands for 2 x 2 fine ones. A coarse edge leads from the middle of one to the middle of the
+// next, along two rows of fine edges side by side. At the border, where a coarse pixel has but one fine one,
+// there is no edge inside it.
 void coarsen_weights(const HeightGrid& fine, HeightGrid& coarse) {
+    const auto right_or = [&](int x, int y, float other) {
+        return x + 1 < fine.width ? fine.weight_right(x, y) : other;
+    };
+    const auto down_or = [&](int x, int y, float other) {
+        return y + 1 < fine.height ? fine.weight_down(x, y) : other;
+    };
     parallel_for(0, coarse.height, 16, [&](int begin, int end) {
         for (int y = begin; y < end; ++y)
             for (int x = 0; x < coarse.width; ++x) {
                 float right = 0, down = 0;
                 for (int k = 0; k < 2; ++k) {
                     const int fy = 2 * y + k, fx = 2 * x + k;
-                    if (2 * x + 2 < fine.width && fy < fine.height)
-                        right += fine.weight_right(2 * x + 1, fy) / 2;
-                    if (2 * y + 2 < fine.height && fx < fine.width)
-                        down += fine.weight_down(fx, 2 * y + 1) / 2;
+                    if (2 * x + 2 < fine.width && fy < fine.height) {
+                        const float between = fine.weight_right(2 * x + 1, fy);
+                        right += in_series(fine.weight_right(2 * x, fy), between,
+                                           right_or(2 * x + 2, fy, between));
+                    }
+                    if (2 * y + 2 < fine.height && fx < fine.width) {
+                        const float between = fine.weight_down(fx, 2 * y + 1);
+                        down +=
+                            in_series(fine.weight_down(fx, 2 * y), between, down_or(fx, 2 * y + 2, between));
+                    }
                 }
                 coarse.right(x, y) = right;
                 coarse.down(x, y) = down;

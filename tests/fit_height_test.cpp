@@ -260,6 +260,26 @@ Sampled patchy(int width, int height, int patch) {
     return s;
 }
 
+// Short waves make weights uneven, and a bulge over the whole picture has to come right all the same.
+TEST(Height, LongWavesComeRightBesideShortOnes) {
+    constexpr int width = 3060, height = 2290;
+    constexpr double k = 2 * std::numbers::pi / 12, bulge = 0.05 / width;
+    const Sampled s =
+        sampled({[](double x, double y) {
+                     return 0.5 * std::sin(k * x) * std::cos(0.6 * k * y) - bulge * (x * x + y * y);
+                 },
+                 [](double x, double y) {
+                     return glm::dvec2(0.5 * k * std::cos(k * x) * std::cos(0.6 * k * y) - 2 * bulge * x,
+                                       -0.3 * k * std::sin(k * x) * std::sin(0.6 * k * y) - 2 * bulge * y);
+                 }},
+                width, height);
+    HeightReport report;
+    const Deviation d = deviation(integrated(s, 1, &report), s.height);
+    std::cout << fmt::format("{} x {}: {} cycles, {:.4f} px rms\n", width, height, report.cycles, d.rms);
+    EXPECT_TRUE(report.converged);
+    EXPECT_LT(d.rms, 0.02);
+}
+
 TEST(Height, ConvergesWhereConfidenceVariesAThousandfold) {
     for (const int patch : {7, 32}) {
         const Sampled s = patchy(400, 300, patch);
