@@ -4,6 +4,8 @@
 #include <cctype>
 #include <glm/geometric.hpp>
 #include <map>
+#include <string_view>
+#include <utility>
 
 #include "capture/brackets.h"
 #include "capture/raw_file.h"
@@ -17,9 +19,45 @@ namespace {
 
 constexpr float kSameDirection = 1e-3f;  // [1] distance of unit vectors: 0.06 degrees
 
-std::string lower(std::string text) {
-    for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-    return text;
+// Combining marks in UTF-8, and the letters of Latin alphabets that have them, each followed by its letter
+// without.
+constexpr std::pair<std::string_view, std::string_view> kMarkedLetters[] = {
+    {"\xcc\x80", "ÀAÈEÌIÒOÙUàaèeìiòoùu"},
+    {"\xcc\x81", "ÁAÉEÍIÓOÚUÝYáaéeíióoúuýyĆCćcĹLĺlŃNńnŔRŕrŚSśsŹZźz"},
+    {"\xcc\x82", "ÂAÊEÎIÔOÛUâaêeîiôoûuĈCĉcĜGĝgĤHĥhĴJĵjŜSŝsŴWŵwŶYŷy"},
+    {"\xcc\x83", "ÃAÑNÕOãañnõoĨIĩiŨUũu"},
+    {"\xcc\x88", "ÄAËEÏIÖOÜUäaëeïiöoüuÿyŸY"},
+    {"\xcc\x8a", "ÅAåaŮUůu"},
+    {"\xcc\xa7", "ÇCçcĢGģgĶKķkĻLļlŅNņnŖRŗrŞSşsŢTţt"},
+    {"\xcc\x84", "ĀAāaĒEēeĪIīiŌOōoŪUūu"},
+    {"\xcc\x86", "ĂAăaĔEĕeĞGğgĬIĭiŎOŏoŬUŭu"},
+    {"\xcc\xa8", "ĄAąaĘEęeĮIįiŲUųu"},
+    {"\xcc\x87", "ĊCċcĖEėeĠGġgİIŻZżz"},
+    {"\xcc\x8c", "ČCčcĎDďdĚEěeĽLľlŇNňnŘRřrŠSšsŤTťtŽZžz"},
+    {"\xcc\x8b", "ŐOőoŰUűu"},
+};
+
+// Names are alike in whatever case, and whether a letter with a mark is one code point (as most programs
+// write it) or two (as macOS does): all are made two.
+std::string lower(const std::string& text) {
+    std::string result;
+    for (std::size_t i = 0; i < text.size(); ++i) {
+        const std::string_view two = std::string_view(text).substr(i, 2);
+        bool marked = false;
+        if (static_cast<unsigned char>(text[i]) >= 0xC3 && static_cast<unsigned char>(text[i]) <= 0xC5)
+            for (const auto& [mark, letters] : kMarkedLetters)
+                for (std::size_t k = 0; k < letters.size() && !marked; k += 3)
+                    if (letters.substr(k, 2) == two) {
+                        result += static_cast<char>(std::tolower(static_cast<unsigned char>(letters[k + 2])));
+                        result += mark;
+                        marked = true;
+                    }
+        if (marked)
+            ++i;
+        else
+            result += static_cast<char>(std::tolower(static_cast<unsigned char>(text[i])));
+    }
+    return result;
 }
 
 // Windows programs write their folders with backslashes.

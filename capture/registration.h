@@ -3,6 +3,7 @@
 #pragma once
 
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -44,6 +45,9 @@ struct PhotoDrift {
     double drift_px = 0;     // [pixels] root mean square over the picture
     double error_px = 0;     // [pixels] its standard error
     double correlation = 0;  // [1] with what the other photographs predict
+    // [unit vector] The light that it shows and was registered under, where that is clearly not the listed
+    // one.
+    std::optional<glm::dvec3> shown_light{};
 };
 
 struct Registration {

@@ -96,7 +96,7 @@ void apply_crop(Stack& stack, const Region& crop) {
 
 // The mask is a picture like a photograph; where these are resampled, so is it.
 void apply_mask(Stack& stack, const fs::path& path, const Region& photo) {
-    const Image<Rgb> picture = read_picture(path);
+    const Image<float> picture = read_photo_mask(path);
     if (picture.region() != photo)
         fail("{}: the mask is {} x {}, the photographs are {} x {}", path.string(), picture.width(),
              picture.height(), photo.width(), photo.height());
@@ -108,8 +108,7 @@ void apply_mask(Stack& stack, const fs::path& path, const Region& photo) {
             if (stack.geometry) place = glm::round(stack.geometry->place_in_photo(place));
             if (!(place.x >= 0 && place.y >= 0 && place.x < picture.width() && place.y < picture.height()))
                 continue;
-            const Rgb& value = picture(static_cast<int>(place.x), static_cast<int>(place.y));
-            const bool keep = std::max({value.r, value.g, value.b}) > 0.5f;
+            const bool keep = picture(static_cast<int>(place.x), static_cast<int>(place.y)) > 0.5f;
             stack.mask(x, y) = keep;
             any = any || keep;
         }

@@ -171,10 +171,11 @@ std::vector<Solution> parts_solved(const RelativeShading& s) {
 
 glm::dvec3 direction_of(const Eigen::RowVector2d& t) { return glm::normalize(glm::dvec3(t(0), t(1), 1)); }
 
-// [deg] Of each lamp: how much quarters of the picture differ, all that gloss makes of it, since that is told
-// by the levels alone, what its own strength may have turned it by, the azimuth where nothing tells it, and
-// what the shading that two factors do not explain would make of the elevations if it went along with them.
-// What is wrong in all of it alike is not seen otherwise.
+// [deg] Of each lamp: how much quarters of the picture differ from the whole, which is no better for being
+// larger: what bends one quarter (gloss, light between relief, a tone curve) bends all; all that gloss makes
+// of it, since that is told by the levels alone, what its own strength may have turned it by, the azimuth
+// where nothing tells it, and what the shading that two factors do not explain would make of the elevations
+// if it went along with them. What is wrong in all of it alike is not seen otherwise.
 std::vector<double> errors_deg(const Solution& all, const Solution& matt, const std::vector<Solution>& parts,
                                double strength_scatter) {
     const auto square_deg = [&](const Solution& other, Index j) {
@@ -198,9 +199,8 @@ std::vector<double> errors_deg(const Solution& all, const Solution& matt, const 
         const double unexplained_deg =
             unexplained * l.z * std::sqrt((1 + l.z * l.z) / 2) * 180 / std::numbers::pi;
         const double azimuth_deg = tells_azimuths(all.curl, all.falloff) ? 0 : kAnyAzimuth_deg * across;
-        sigmas.push_back(std::sqrt(spread / (count * (count - 1)) + square_deg(matt, j) +
-                                   strength_deg * strength_deg + azimuth_deg * azimuth_deg +
-                                   unexplained_deg * unexplained_deg));
+        sigmas.push_back(std::sqrt(spread / count + square_deg(matt, j) + strength_deg * strength_deg +
+                                   azimuth_deg * azimuth_deg + unexplained_deg * unexplained_deg));
     }
     return sigmas;
 }

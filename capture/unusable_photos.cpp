@@ -4,7 +4,7 @@
 #include <map>
 #include <tuple>
 
-#include "surface/picture_file.h"
+#include "surface/picture_with_alpha.h"
 
 namespace tangi {
 
@@ -28,14 +28,13 @@ bool is_mask(const fs::path& path, const Region& photo) {
     try {
         const PhotoHeader header = PhotoFile(path).header();
         if (header.width != photo.width() || header.height != photo.height()) return false;
-        const Image<Rgb> picture = read_picture(path);
+        const Image<float> mask = read_photo_mask(path);
         std::size_t black = 0, white = 0;
-        for (const Rgb& value : picture.pixels()) {
-            const float brightest = std::max({value.r, value.g, value.b});
-            black += brightest <= kBlackOrWhite;
-            white += brightest >= 1 - kBlackOrWhite;
+        for (const float value : mask.pixels()) {
+            black += value <= kBlackOrWhite;
+            white += value >= 1 - kBlackOrWhite;
         }
-        const double all = static_cast<double>(picture.size());
+        const double all = static_cast<double>(mask.size());
         return white > 0 && static_cast<double>(black + white) >= (1 - kMostGrey) * all;
     } catch (const Error&) {
         return false;  // damaged: no mask
@@ -105,6 +104,17 @@ void leave_out_unusable(Stack& stack, std::vector<LeftOut>& left_out) {
         return false;
     });
     tell(left_out, before, stack.warnings);
+}
+
+Image<float> read_photo_mask(const fs::path& path) {
+    const PictureWithAlpha picture = read_picture_with_alpha(path);
+    Image<float> mask(picture.colour.width(), picture.colour.height());
+    for (std::size_t i = 0; i < mask.size(); ++i) {
+        const Rgb& value = picture.colour.pixels()[i];
+        mask.pixels()[i] = std::max({value.r, value.g, value.b});
+    }
+    see_through(mask, picture.alpha);
+    return mask;
 }
 
 std::optional<fs::path> mask_among(const std::vector<fs::path>& masks, const Region& photo,

@@ -20,6 +20,10 @@ void tell(const std::vector<LeftOut>& left_out, std::size_t first, std::vector<s
 // a warning for each, and adds them to `left_out`. Only headers are read.
 void leave_out_unusable(Stack& stack, std::vector<LeftOut>& left_out);
 
+// A mask of photographs as stored: how bright the brightest channel is, 0..1, and what of it can be seen
+// (see_through() of picture_with_alpha.h). Throws Error naming the file.
+Image<float> read_photo_mask(const std::filesystem::path& path);
+
 // The one picture of photographs' size that is black and white; the others of `masks` are told in the
 // warnings, and so is that it is used.
 std::optional<std::filesystem::path> mask_among(const std::vector<std::filesystem::path>& masks,

@@ -52,6 +52,8 @@ nlohmann::json provenance_of(const FitArguments& arguments, const Stack& stack,
 // [sigma] Median residual from which on lights that were taken in the order of file names are doubted.
 constexpr double kDoubtfulOrder = 1;
 
+constexpr double kDoubtfulBulge_deg = 5;  // of a painting as a whole
+
 // What makes the result doubtful as a whole; empty where nothing does.
 std::vector<std::string> poor_reasons(const FitReport& report, const UsableStack& opened,
                                       const LightFlips& flips) {
@@ -72,7 +74,8 @@ std::vector<std::string> poor_reasons(const FitReport& report, const UsableStack
         reasons.push_back("no pixel could be measured: the photographs are too dark, clipped, or masked out");
     else if (report.median_confidence < 0.5)
         reasons.push_back(
-            fmt::format("the median confidence is only {:.2f}: the photographs leave the normals open",
+            fmt::format("the median confidence is only {:.2f}: the photographs leave the normals open; where "
+                        "much of them is a dark background, --crop or --mask leaves that out",
                         report.median_confidence));
     if (fitted > 0 && report.not_converged > report.fitted / 2)
         reasons.push_back(fmt::format("{} of {} pixels did not converge; try --max-iterations 100",
@@ -129,6 +132,8 @@ nlohmann::json result_of(const FitResult& fit, const std::vector<LeftOut>& left_
         {"mm_per_pixel", fit.surface.mm_per_pixel},
         {"scale_known", fit.surface.scale_known},
         {"support_tilt_deg", r.support_tilt_deg},
+        {"support_bulge_deg", r.support_bulge_deg},
+        {"final_height", to_json(r.height_choice)},
         {"height_solver",
          {{"cycles", r.height.cycles}, {"residual", r.height.residual}, {"converged", r.height.converged}}},
         {"dry_hash", hash_of(fit.surface)}};
@@ -172,6 +177,13 @@ nlohmann::json run_fit(FitArguments arguments, const Progress& progress) {
                         "camera; if it did, the "
                         "light directions are off by about as much",
                         fit.report.support_tilt_deg));
+    if (const double bulge = fit.report.support_bulge_deg; std::abs(bulge) > kDoubtfulBulge_deg)
+        warnings.push_back(fmt::format(
+            "the normals turn {} by {:.0f} degrees from the middle of the picture to its corners, as on a "
+            "painting that {}; if it is flat, the lamps were {} than is taken here: their positions "
+            "(capture.json, --lights-mm), or more photographs, would tell",
+            bulge > 0 ? "outwards" : "inwards", std::abs(bulge), bulge > 0 ? "bulges" : "is hollow",
+            bulge > 0 ? "nearer" : "farther away"));
     FaithfulFit faithful;
     if (arguments.faithful) faithful = fit_faithful(fit.surface, stack, arguments.faithful_options, progress);
     std::vector<PartToWrite> parts = {part_of(fit.errors)};

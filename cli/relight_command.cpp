@@ -152,14 +152,27 @@ std::vector<Light> lights_named(const Painting& painting, const RelightArguments
     return lights;
 }
 
+// A picture that comes out black has a reason.
+std::vector<std::string> lights_behind(const RelightArguments& arguments) {
+    std::vector<std::string> warnings;
+    for (const std::string& text : arguments.directions)
+        if (parse_direction(text, "--light").z < 0)
+            warnings.push_back(fmt::format(
+                "--light {}: comes from behind the painting and lights nothing but slopes that face it; z "
+                "points towards the viewer",
+                text));
+    return warnings;
+}
+
 nlohmann::json relight_one(const Painting& painting, const RelightArguments& arguments,
                            const Progress& progress) {
     require_picture_format(arguments.out);
     refuse_to_overwrite(arguments.out, {arguments.painting});
     const std::vector<Light> lights = lights_named(painting, arguments);
+    const nlohmann::json warnings = told(lights_behind(arguments));
     Relighter relighter(painting, arguments);
     write_relit(arguments.out, painting.surface, lights, arguments, relighter, progress);
-    return {{"pictures", {arguments.out}}, {"drawn_by", relighter.drawn_by()}};
+    return {{"pictures", {arguments.out}}, {"warnings", warnings}, {"drawn_by", relighter.drawn_by()}};
 }
 
 // A film is for people: sRGB, as bright as the photographs were.

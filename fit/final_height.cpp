@@ -23,7 +23,7 @@ FinalHeight final_height(Surface& surface, const Survey& survey, const Transfer&
     FinalHeight result;
     Image<Vec3> steeper;  // empty: slopes as they are
     const auto take = [&](double mixing) {
-        result.mixing = mixing;
+        result.choice.mixing = mixing;
         steeper = mixing > 0 ? unmixed_normals(surface.normal, surface.confidence, mixing) : Image<Vec3>();
     };
     const auto integrate = [&](int robust_sweeps, Image<HalfError>* errors, const Progress& shown) {
@@ -36,35 +36,48 @@ FinalHeight final_height(Surface& surface, const Survey& survey, const Transfer&
     };
     constexpr double trials = 2 + kMixings.size();
     double tried = 0;
-    const auto misfit = [&](int robust_sweeps) {
+    const auto misfit_with = [&](int robust_sweeps) {
         integrate(robust_sweeps, nullptr, Progress([&](std::string_view, double done) {
                       return !progress || progress("cliffs", (tried + done) / trials);
                   }));
         ++tried;
-        return shadow_misfit(surface, survey, transfer, lighting.lights, lighting.white_level);
+        const double misfit = shadow_misfit(surface, survey, transfer, lighting.lights, lighting.white_level);
+        result.choice.trials.push_back({robust_sweeps > 0, result.choice.mixing, misfit});
+        return misfit;
     };
     int sweeps = 0;
     if (shadows_tell) {
-        double least = misfit(0);
+        double least = misfit_with(0);
         // Cliffs are where photographs show their shadows. Slopes that err by more than they say disagree
         // everywhere.
         if (options.robust_sweeps > 0)
-            if (const double now = misfit(options.robust_sweeps); now < least) {
+            if (const double now = misfit_with(options.robust_sweeps); now < least) {
                 least = now;
                 sweeps = options.robust_sweeps;
             }
         double chosen = 0;
         for (const double mixing : kMixings) {
             take(mixing);
-            const double now = misfit(sweeps);
+            const double now = misfit_with(sweeps);
             if (!(now < (1 - kShadowsClearlyBetter) * least)) break;
             least = now;
             chosen = mixing;
         }
         take(chosen);
+        report(progress, "cliffs", 1);  // the steepest are only tried where less steep ones are better
     }
+    result.choice.cliffs = sweeps > 0;
     integrate(sweeps, error_mm, progress);
     return result;
+}
+
+nlohmann::json to_json(const HeightChoice& choice) {
+    nlohmann::json trials = nlohmann::json::array();
+    for (const HeightChoice::Trial& trial : choice.trials)
+        trials.push_back({{"cliffs", trial.cliffs},
+                          {"slope_mixing", trial.mixing},
+                          {"shadow_misfit", trial.shadow_misfit}});
+    return {{"cliffs", choice.cliffs}, {"slope_mixing", choice.mixing}, {"tried", trials}};
 }
 
 }  // namespace tangi

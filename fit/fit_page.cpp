@@ -85,13 +85,25 @@ std::string rig_section(const FitResult& fit) {
         "<table><tr><td>light from all around</td><td>{}</td></tr><tr><td>distance of the "
         "lamps</td><td>{}</td></tr><tr>"
         "<td>distance of the camera</td><td>{}</td></tr><tr><td>tilt of the "
-        "support</td><td>{:.1f}°</td></tr></table></div>",
+        "support</td><td>{:.1f}°</td></tr><tr><td>its bulge, middle to "
+        "corners</td><td>{:.1f}°</td></tr></table></div>",
         lights.rig_sigma.ambient > 0 ? with_error(rig.ambient, lights.rig_sigma.ambient)
                                      : fmt::format("{:.3f}", rig.ambient),
         distance(rig.lamp_distance_mm, lights.rig_sigma.lamp_distance, fit.surface),
         distance(rig.camera_distance_mm, lights.rig_sigma.camera_distance, fit.surface),
-        fit.report.support_tilt_deg);
+        fit.report.support_tilt_deg, fit.report.support_bulge_deg);
     return html;
+}
+
+std::string height_note(const HeightChoice& choice) {
+    if (choice.trials.empty()) return {};
+    return fmt::format(
+        "<p class=\"soft\">The height is the one of {} whose cast shadows agree best with the photographs: "
+        "{} "
+        "cliffs, {}.</p>",
+        choice.trials.size(), choice.cliffs ? "with" : "without",
+        choice.mixing > 0 ? fmt::format("slopes made steeper by what pixels mix ({:g})", choice.mixing)
+                          : "slopes as they are");
 }
 
 // Where lights were listed, by name, of those that turned.
@@ -194,7 +206,8 @@ std::string fit_page(const FitResult& fit, const std::string& title, const std::
                                              : "",
                                    escaped(map.meaning)),
                        scratch);
-    html += "</div><h2>Lights</h2><div class=\"row\"><figure class=\"card\">";
+    html += "</div>" + height_note(report.height_choice) +
+            "<h2>Lights</h2><div class=\"row\"><figure class=\"card\">";
     const std::map<std::string, Vec3> listed = listed_directions(fit.surface.photography);
     std::vector<HemisphereLight> shown;
     for (std::size_t i = 0; i < c.lighting.lights.size(); ++i) {

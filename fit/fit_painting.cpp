@@ -42,6 +42,48 @@ std::vector<double> direction_sigmas(const Stack& stack) {
                : sigmas;
 }
 
+// [1] Linear light: photographs of which nearly all values are below it have few of the codes of their files.
+constexpr double kDark = 0.08;
+
+// Empty where they are not.
+std::string says_too_dark(const Stack& stack, const Survey& surveyed, const Transfer& transfer,
+                          const NoiseModel& noise) {
+    if (stack.bits == 32 && !stack.development) return {};  // floats have no full scale
+    const double bright = transfer.decode(bright_stored(surveyed));
+    if (!(bright > 0 && bright < kDark)) return {};
+    return fmt::format(
+        "{}: the photographs are dark: 98 % of their values are below {:.2g} of full scale, in linear light, "
+        "as where values of a camera were not scaled to all bits of the file. Noise is taken for {:.2g} of "
+        "full scale, and colours for those of a painting as dark: give the linear value of a matt white as "
+        "--white-level, and the noise of stored values, where it is less, as --noise",
+        stack.folder.string(), bright, noise.stored());
+}
+
+// [deg] As FitReport::support_bulge_deg. Slopes that grow in proportion to the distance from the middle, by
+// least squares.
+double bulge_deg(const Surface& surface) {
+    const double middle_x = (surface.width() - 1) / 2.0, middle_y = (surface.height() - 1) / 2.0;
+    double weights = 0, outwards = 0, squares = 0, farthest = 0;
+    glm::dvec2 slopes(0), places(0);
+    for (int y = 0; y < surface.height(); ++y)
+        for (int x = 0; x < surface.width(); ++x) {
+            const Vec3& n = surface.normal(x, y);
+            const double weight = static_cast<double>(surface.confidence(x, y));
+            if (!(weight > 0) || !(n.z > 0.05f)) continue;
+            const glm::dvec2 lean(n.x / n.z, n.y / n.z), place(x - middle_x, middle_y - y);
+            weights += weight;
+            slopes += weight * lean;
+            places += weight * place;
+            outwards += weight * glm::dot(lean, place);
+            squares += weight * glm::dot(place, place);
+            farthest = std::max(farthest, glm::dot(place, place));
+        }
+    if (!(weights > 0)) return 0;
+    outwards -= glm::dot(slopes, places) / weights;  // a tilt is no bulge
+    squares -= glm::dot(places, places) / weights;
+    return squares > 0 ? std::atan(outwards / squares * std::sqrt(farthest)) * 180 / M_PI : 0;
+}
+
 // Held-out photographs get the light that the others make likely.
 void describe_lights(const Stack& stack, const LightCalibration& calibration, Photography& photography) {
     photography.rig = calibration.lighting.rig;
@@ -130,6 +172,9 @@ FitResult fit_painting(Stack stack, const FitOptions& options, const Progress& p
                            .lamps = {},
                            .to_camera = {}};
     const NoiseModel noise = noise_model(stack, transfer, options);
+    if (!options.white_level)
+        if (std::string warning = says_too_dark(stack, surveyed, transfer, noise); !warning.empty())
+            stack.warnings.push_back(std::move(warning));
     const Lighting given{stack.lights(), rig_of(stack), surface.photography.white_level,
                          direction_sigmas(stack)};
     report_.lights = options.lights_as_given
@@ -167,6 +212,8 @@ FitResult fit_painting(Stack stack, const FitOptions& options, const Progress& p
     const FinalHeight height = final_height(surface, surveyed, transfer, lighting, options.height,
                                             explains_photographs(report_), &result.errors.height, progress);
     report_.height = height.report;
+    report_.height_choice = height.choice;
+    report_.support_bulge_deg = bulge_deg(surface);
     report_.support_tilt_deg =
         std::atan(std::hypot(height.plane.a, height.plane.b) / surface.mm_per_pixel) * 180 / M_PI;
     if (report_.too_bright > report_.fitted / 20)

@@ -9,6 +9,7 @@
 #include "capture/stack.h"
 #include "capture/transfer_estimate.h"
 #include "fit/chart_colours.h"
+#include "fit/final_height.h"
 #include "fit/fit_errors.h"
 #include "fit/height.h"
 #include "fit/law_choice.h"
@@ -95,7 +96,11 @@ struct FitReport {
     double median_rms_residual = 0;  // [sigma] robust; about 1 where noise and model error are as assumed
     double support_tilt_deg =
         0;  // [deg] of the plane taken off the height: doubtful light directions show here
+    // [deg] By how much the normals turn outwards from the middle of the picture to its corners, as on a
+    // painting that bulges (negative: is hollow) as a whole: lamps that are nearer than is thought look so.
+    double support_bulge_deg = 0;
     HeightReport height;
+    HeightChoice height_choice;
     SignCheck signs;                       // whether the lights' axes point the way that the slopes say
     ShadowCheck shadow_signs;              // and that cast shadows say
     LightOutliers odd_lights;              // photographs that are shaded by another light than theirs

@@ -114,9 +114,18 @@ LobeTrial try_lobes(const LightSample& sample, const Lighting& lighting, const R
     return trial;
 }
 
-bool is_chosen(const LightSample& sample, const Lighting& lighting, const LobeTrial& trial) {
-    if (trial.part < kFewestMarked || trial.plain_db.size() < 2) return false;
-    return WithNoise{sample, lighting}.is_better(trial.known_db, trial.plain_db, kSureOfLobes);
+// [dB] on average, and whether what is known of lobes predicts photographs better for sure.
+struct LobeVerdict {
+    bool chosen = false;
+    double part = 0, plain_db = 0, known_db = 0;  // dB are 0 where too few pixels are marked
+};
+LobeVerdict verdict_of(const LightSample& sample, const Lighting& lighting, const LobeTrial& trial) {
+    LobeVerdict verdict{.part = trial.part};
+    if (trial.part < kFewestMarked || trial.plain_db.size() < 2) return verdict;
+    verdict.plain_db = mean(trial.plain_db);
+    verdict.known_db = mean(trial.known_db);
+    verdict.chosen = WithNoise{sample, lighting}.is_better(trial.known_db, trial.plain_db, kSureOfLobes);
+    return verdict;
 }
 
 }  // namespace
@@ -158,8 +167,7 @@ LawChoice choose_law(const LightSample& sample, const Lighting& lighting, const 
 
 LawChoice::Colours choose_lobe_colours(const LightSample& sample, const Lighting& lighting,
                                        const ReflectanceLaw& law, bool drawn_out) {
-    LawChoice::Colours colours;
-    if (lighting.lights.size() < kFewestPhotos) return colours;
+    if (lighting.lights.size() < kFewestPhotos) return {};
     const LobeTrial trial =
         try_lobes(sample, lighting, law, [&](const std::vector<int>& used, const Lighting& lamps) {
             LobeFits fits{.plain = sample.fit(used, lamps, law), .known = {}, .marked = {}};
@@ -173,12 +181,11 @@ LawChoice::Colours choose_lobe_colours(const LightSample& sample, const Lighting
             if (fits.part() >= kFewestMarked) fits.known = sample.fit(used, lamps, law, found, stretches);
             return fits;
         });
-    colours.part = trial.part;
-    if (trial.part < kFewestMarked || trial.plain_db.size() < 2) return colours;
-    colours.white_db = mean(trial.plain_db);
-    colours.coloured_db = mean(trial.known_db);
-    colours.chosen = is_chosen(sample, lighting, trial);
-    return colours;
+    const LobeVerdict verdict = verdict_of(sample, lighting, trial);
+    return {.chosen = verdict.chosen,
+            .part = verdict.part,
+            .white_db = verdict.plain_db,
+            .coloured_db = verdict.known_db};
 }
 
 namespace {
@@ -194,13 +201,11 @@ LobeTrial try_stretches(const LightSample& sample, const Lighting& lighting, con
 }
 
 LawChoice::Stretches summary_of(const LightSample& sample, const Lighting& lighting, const LobeTrial& trial) {
-    LawChoice::Stretches stretches;
-    stretches.part = trial.part;
-    if (trial.part < kFewestMarked || trial.plain_db.size() < 2) return stretches;
-    stretches.isotropic_db = mean(trial.plain_db);
-    stretches.drawn_out_db = mean(trial.known_db);
-    stretches.chosen = is_chosen(sample, lighting, trial);
-    return stretches;
+    const LobeVerdict verdict = verdict_of(sample, lighting, trial);
+    return {.chosen = verdict.chosen,
+            .part = verdict.part,
+            .isotropic_db = verdict.plain_db,
+            .drawn_out_db = verdict.known_db};
 }
 
 }  // namespace

@@ -15,8 +15,16 @@ namespace tangi {
 
 namespace {
 
-constexpr int kFolds = 3;     // trials of each model ...
-constexpr int kFoldStep = 6;  // ... with every sixth photograph left out
+// Each model is tried with some photographs left out at a time.
+struct LeftOutPhotos {
+    int trials;
+    int step;  // in each trial every photograph of so many
+
+    bool has(int photo, int trial) const { return photo % step == step / trials * trial; }
+};
+constexpr LeftOutPhotos kHalfOfThem = {3, 6};
+// Fewer photographs say nothing of a surface when one of them is left out.
+constexpr int kFewestForRig = 5;
 // [deg] Turns that are less than this in rms are not worth trying.
 constexpr double kSmallTurn_deg = 0.5;
 constexpr double kDoubtful_deg = 5;  // [deg] a correction that the user is told of
@@ -123,14 +131,14 @@ struct FoldResult {
     std::vector<double> photos_db, located_db;  // as in Trial
 };
 
-// The photographs of one fold, predicted from all others. `all` is the solution with all photographs: where
-// to start, so that the fold's own solution is a few steps away. Lamps are located with the gains of `model`,
-// and with directions if it has own ones.
+// The photographs of one trial, predicted from all others. `all` is the solution with all photographs: where
+// to start, so that the trial's own solution is a few steps away. Lamps are located with the gains of
+// `model`, and with directions if it has own ones.
 FoldResult left_out(const LightSample& sample, const Lighting& given, const LightModel& model,
-                    const std::optional<JointLights>& all, int fold) {
+                    const std::optional<JointLights>& all, const LeftOutPhotos& out, int trial) {
     std::vector<int> used, left;
     for (int i = 0; i < static_cast<int>(given.lights.size()); ++i)
-        (i % kFoldStep == kFoldStep / kFolds * fold ? left : used).push_back(i);
+        (out.has(i, trial) ? left : used).push_back(i);
     LightCalibration c{.lighting = subset(given, used)};
     if (all) {
         JointLights joint = sample.joint_problem(used, c.lighting, *all);
@@ -162,7 +170,8 @@ struct Tried {
 };
 
 std::vector<Tried> tried(const LightSample& sample, const std::vector<int>& photos, const Lighting& given,
-                         const std::vector<LightModel>& models, const std::function<void()>& step_done) {
+                         const std::vector<LightModel>& models, const LeftOutPhotos& out,
+                         const std::function<void()>& step_done) {
     const int count = static_cast<int>(models.size());
     std::vector<Tried> result(models.size());
     parallel_for(0, count, 1, [&](int begin, int end) {
@@ -173,15 +182,16 @@ std::vector<Tried> tried(const LightSample& sample, const std::vector<int>& phot
             step_done();
         }
     });
-    std::vector<std::array<FoldResult, kFolds>> folds(models.size());
-    parallel_for(0, kFolds * count, 1, [&](int begin, int end) {
+    std::vector<std::vector<FoldResult>> folds(models.size(),
+                                               std::vector<FoldResult>(static_cast<std::size_t>(out.trials)));
+    parallel_for(0, out.trials * count, 1, [&](int begin, int end) {
         for (int task = begin; task < end; ++task) {
             step_done();
-            const auto at = static_cast<std::size_t>(task / kFolds);
+            const auto at = static_cast<std::size_t>(task / out.trials);
             if (!result[at].solution && models[at] != LightModel{}) continue;
-            const int fold = task % kFolds;
+            const int fold = task % out.trials;
             folds[at][static_cast<std::size_t>(fold)] =
-                left_out(sample, given, models[at], result[at].solution, fold);
+                left_out(sample, given, models[at], result[at].solution, out, fold);
         }
     });
     for (std::size_t i = 0; i < models.size(); ++i) {
@@ -338,19 +348,23 @@ LightCalibration calibrate_lights(const Stack& stack, const Survey& survey, cons
                                   const WardFitOptions& ward, const LightCalibrationOptions& options,
                                   const Progress& progress) {
     validate(options);
-    if (static_cast<int>(stack.photos.size()) < options.fewest_photos) return {.lighting = given};
+    const int photos = static_cast<int>(stack.photos.size());
+    if (photos < kFewestForRig) return {.lighting = given};
+    // Few photographs tell what all lamps share, but not each lamp's strength: one more unknown a photograph.
+    const bool few = photos < options.fewest_photos;
+    const LeftOutPhotos out = few ? LeftOutPhotos{photos, photos} : kHalfOfThem;
     const LightSample sample(stack, survey, transfer, noise, mm_per_pixel, ward, options.samples);
     std::mutex mutex;
     int done = 0;
-    constexpr int kSteps = 6 * (1 + kFolds);  // at most
+    const int steps = (few ? 2 : 6) * (1 + out.trials);  // at most
     const auto step_done = [&] {
         const std::lock_guard lock(mutex);
-        report(progress, "lights", ++done / static_cast<double>(kSteps));
+        report(progress, "lights", ++done / static_cast<double>(steps));
     };
     std::vector<Tried> all;
     std::size_t best = 0;
     const auto attempt = [&](const std::vector<LightModel>& models) {
-        for (Tried& one : tried(sample, all_of(stack), given, models, step_done)) {
+        for (Tried& one : tried(sample, all_of(stack), given, models, out, step_done)) {
             all.push_back(std::move(one));
             if (!all.back().solution && all.size() > 1) {
                 all.pop_back();
@@ -359,19 +373,21 @@ LightCalibration calibrate_lights(const Stack& stack, const Survey& survey, cons
             if (is_better(all.back().trial, all[best].trial, options.worth_db)) best = all.size() - 1;
         }
     };
-    attempt({{LightFreedom::none}, {LightFreedom::rig}, {LightFreedom::rig_and_gains}});
+    std::vector<LightModel> models = {{LightFreedom::none}, {LightFreedom::rig}};
+    if (!few) models.push_back({LightFreedom::rig_and_gains});
+    attempt(models);
     const std::size_t listed = best;
     const LightFreedom lamps = all[best].trial.model.lamps;
     // A lamp that was left out has no part in directions of each lamp's own: with few photographs leaving
     // some out says nothing of them, and it is up to the user.
     const bool measured = !given.direction_sigma_deg.empty();
     const DirectionFreedom refined = measured ? DirectionFreedom::measured : DirectionFreedom::own;
-    if (options.refine_directions || measured)
+    const bool refines = !few && (options.refine_directions || measured);
+    if (refines)
         attempt({{lamps, refined}});
-    else if (stack.photos.size() >= kFewestForDirections)
+    else if (!few && stack.photos.size() >= kFewestForDirections)
         attempt({{lamps, DirectionFreedom::smooth}, {lamps, DirectionFreedom::own}});
-    if ((options.refine_directions || measured) && all.back().trial.model.directions == refined)
-        best = all.size() - 1;
+    if (refines && all.back().trial.model.directions == refined) best = all.size() - 1;
     const auto calibrated = [&](const Tried& one) {
         if (!one.solution) return LightCalibration{.lighting = given};
         LightCalibration c = calibration_of(sample, *one.solution, given, one.trial.model);
@@ -381,7 +397,7 @@ LightCalibration calibrate_lights(const Stack& stack, const Survey& survey, cons
     if (all[best].trial.model.directions == DirectionFreedom::smooth &&
         turns_in_sigmas(calibrated(all[best])) < kSureTurns)
         best = listed;
-    if (all[best].trial.model.lamps != LightFreedom::rig_and_gains) {
+    if (!few && all[best].trial.model.lamps != LightFreedom::rig_and_gains) {
         const LightModel wanted{LightFreedom::rig_and_gains, all[best].trial.model.directions};
         const auto is_wanted = [&](const Tried& one) { return one.trial.model == wanted; };
         const std::size_t before = best;

@@ -45,7 +45,9 @@ std::string name_of(const LightModel& model);
 
 struct LightCalibrationOptions {
     int samples = 500;       // [1] pixels to solve for
-    int fewest_photos = 12;  // [1] with fewer, lights are taken as given
+    // [1] with fewer, lamps are taken to be equally strong, and only what all share is found: how near they
+    // are, ambient light; with fewer than five nothing is
+    int fewest_photos = 12;
     double worth_db =
         0.1;  // [dB] by which it must predict left-out photographs better, less the standard error
     bool refine_directions = false;  // each lamp's direction is corrected, whatever left-out photographs say
@@ -54,8 +56,11 @@ struct LightCalibrationOptions {
     template <class Self, class Visit>
     static void fields(Self& self, Visit&& visit) {
         visit(FieldInfo{"samples", 50, 4000, "1", "pixels to calibrate the lights with"}, self.samples);
-        visit(FieldInfo{"fewest_photos", 6, 10000, "1", "photographs below which lights are taken as given"},
-              self.fewest_photos);
+        visit(
+            FieldInfo{"fewest_photos", 6, 10000, "1",
+                      "photographs below which lamps are taken to be equally strong, as only what all share "
+                      "is found"},
+            self.fewest_photos);
         visit(
             FieldInfo{
                 "worth_db", 0, 100, "dB",

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <numbers>
 
@@ -17,7 +18,8 @@ namespace tangi {
 namespace {
 
 constexpr double kModelError = 0.03;
-constexpr double kBestDb = 60;  // a photograph predicted to a thousandth is predicted
+constexpr double kBestDb = 60;  // a photograph predicted to a thousandth of what is bright in it is predicted
+constexpr double kBelowBright = 0.98;  // [1] of the values
 
 // `white` [1]: linear value of a matt white in the origin that faces the lamp.
 void add_observation(const PixelSamples& s, int photo, const glm::dvec3& white, int pixel,
@@ -46,6 +48,17 @@ DirectionFreedom of_its_own(DirectionFreedom directions) {
 
 }  // namespace
 
+float bright_stored(const Survey& survey) {
+    std::vector<float> values;
+    std::copy_if(survey.values.begin(), survey.values.end(), std::back_inserter(values),
+                 [](float value) { return !std::isnan(value); });
+    if (values.empty()) return 0;
+    const auto at =
+        values.begin() + static_cast<std::ptrdiff_t>(kBelowBright * static_cast<double>(values.size() - 1));
+    std::nth_element(values.begin(), at, values.end());
+    return *at;
+}
+
 LightSample::LightSample(const Stack& stack, const Survey& survey, const Transfer& transfer,
                          const NoiseModel& noise, double mm_per_pixel, const WardFitOptions& ward, int wanted)
     : survey_(survey), transfer_(transfer), noise_(noise), ward_(ward) {
@@ -59,6 +72,7 @@ LightSample::LightSample(const Stack& stack, const Survey& survey, const Transfe
         points_mm_.emplace_back(Vec3(centred * mm_per_pixel, 0));
         places_px_.emplace_back(survey.positions[static_cast<std::size_t>(k)]);
     }
+    bright_ = bright_stored(survey);
 }
 
 // Samples of pixel k in these photographs; the lighting has one light for each of them.
@@ -197,8 +211,10 @@ double LightSample::psnr_db(const std::vector<WardEstimate>& estimates, int phot
             squares += std::pow((shown - std::min(stored[c], clipped)) / white, 2);
         }
     }
-    if (count == 0 || squares <= 0) return kBestDb;
-    return std::min(-10 * std::log10(squares / static_cast<double>(count)), kBestDb);
+    // Of photographs that are dark as a whole, a thousandth of white would be a large part.
+    const double best_db = kBestDb - 20 * std::log10(std::clamp(bright_ / white, 1e-3, 1.0));
+    if (count == 0 || squares <= 0) return best_db;
+    return std::min(-10 * std::log10(squares / static_cast<double>(count)), best_db);
 }
 
 double LightSample::noise_db(double white_level) const {

@@ -11,6 +11,9 @@
 
 namespace tangi {
 
+// [1] The stored value that all but 2 % of the sample's values, of all photographs, are below; 0 of none.
+float bright_stored(const Survey& survey);
+
 class LightSample {
 public:
     // About `wanted` pixels of the survey, which is of the stack. Keeps references to survey and noise.
@@ -34,8 +37,9 @@ public:
     std::vector<Rgb> lobe_colours(const std::vector<WardEstimate>& estimates, const std::vector<int>& photos,
                                   const Lighting& lighting, const ReflectanceLaw& law) const;
 
-    // [dB] PSNR of one photograph, predicted under this light; a matt white that faces it is the peak. Pixels
-    // `from`, `from` + `step`, …
+    // [dB] PSNR of one photograph, predicted under this light; a matt white that faces it is the peak. At
+    // most what a thousandth of bright_stored() leaves: better is no matter. Pixels `from`, `from` + `step`,
+    // …
     double psnr_db(const std::vector<WardEstimate>& estimates, int photo, const Lighting& lighting,
                    int from = 0, int step = 1, const ReflectanceLaw& law = {}) const;
     // The same of the pixels that are marked.
@@ -81,6 +85,7 @@ private:
     const NoiseModel& noise_;
     WardFitOptions ward_;
     double width_mm_ = 1;
+    double bright_ = 1;
     std::vector<int> chosen_;  // of the survey's samples
     std::vector<Vec3> points_mm_;
     std::vector<glm::vec2> places_px_;

@@ -79,6 +79,12 @@ std::string with_error(double value, double sigma) {
     return fmt::format("{:.{}f} ± {:.{}f}", value, digits, sigma, digits);
 }
 
+std::string plus_minus(double sigma, int digits) {
+    if (!(sigma > 0)) return {};
+    const int needed = static_cast<int>(std::ceil(-std::log10(sigma)));
+    return fmt::format(" ± {:.{}f}", sigma, std::clamp(needed, digits, 12));
+}
+
 std::string picture_url(const Image<Rgb>& picture, const std::filesystem::path& scratch) {
     const AtomicFile file(scratch.parent_path() / "page-picture.jpg");  // never committed: it vanishes
     try {

@@ -29,6 +29,9 @@ std::string hemisphere(const std::vector<HemisphereLight>& lights);
 
 // "1.234 ± 0.056": as many digits as the error has two of.
 std::string with_error(double value, double sigma);
+// " ± SIGMA" with so many digits after the point, or more where it would read 0; empty where it is 0: not
+// known.
+std::string plus_minus(double sigma, int digits);
 
 // A picture, 0..1, as a page takes it: data:image/jpeg. `scratch` is beside which file it may be written for
 // a moment.

@@ -78,7 +78,17 @@ TEST_P(ExchangedLights, AreNoMotionAndNoReasonToLeavePhotographsOut) {
     for (const std::size_t i : {std::size_t{0}, other}) {
         EXPECT_TRUE(r.photos[i].registered) << i;
         EXPECT_GT(r.photos[i].correlation, 0.5) << i;
+        // Under which light it was shown is told: the one that the other's line has.
+        ASSERT_TRUE(r.photos[i].shown_light) << i;
+        const glm::dvec3 truth(stack.photos[i == 0 ? other : 0].light.direction);
+        EXPECT_GT(glm::dot(*r.photos[i].shown_light, truth), 0.8) << i;
+        EXPECT_GT(glm::dot(*r.photos[i].shown_light, truth),
+                  glm::dot(*r.photos[i].shown_light, glm::dvec3(stack.photos[i].light.direction)))
+            << i;
+        EXPECT_TRUE(to_json(r)["photos"][i]["shown_light"].is_array());
     }
+    EXPECT_FALSE(r.photos[2].shown_light);
+    EXPECT_TRUE(to_json(r)["photos"][2]["shown_light"].is_null());
     EXPECT_LE(scene.rms_error_px(r), shift_px > 0 ? 0.25 : 0.1);
 }
 

@@ -1,6 +1,7 @@
 // capture_stack_test.cpp: photographs are matched to lights, cropped, masked, held out and read in bands.
 #include "capture/stack.h"
 
+#include <OpenImageIO/imageio.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -83,6 +84,25 @@ TEST(OpenStack, MatchesNamesInAnyCase) {
     const Stack stack = open_stack(r.dir.path());
     expect_photo_and_light_matched(stack, r.lights);
     EXPECT_THAT(stack.warnings, IsEmpty());
+}
+
+// macOS writes marks as code points of their own, and files come from there in archives.
+TEST(OpenStack, MatchesLettersWhoseMarksAreWrittenOtherwise) {
+    const TestDir dir;
+    std::vector<Light> lights = dome_lights(4);
+    write_test_stack(dir, lights);
+    fs::rename(dir / "photo_001.png", dir / "Gema\xcc\x88lde.png");  // a, diaeresis
+    fs::rename(dir / "photo_002.png", dir / "\xc3\x89t\xc3\xa9.png");
+    lights[1].name = "Gem\xc3\xa4lde.png";
+    lights[2].name = "E\xcc\x81te\xcc\x81.png";
+    write_lights(dir / "lights.lp", lights);
+    const Stack stack = open_stack(dir.path());
+    ASSERT_EQ(stack.photos.size(), 4u);
+    EXPECT_THAT(stack.warnings, IsEmpty());
+    // Another letter is another name.
+    lights[1].name = "Gemalde.png";
+    write_lights(dir / "lights.lp", lights);
+    EXPECT_THAT([&] { open_stack(dir.path()); }, testing::Throws<Error>());
 }
 
 TEST(OpenStack, MatchesNamesWithFoldersInFront) {
@@ -228,6 +248,29 @@ TEST(StackReader, GivesTheSameValuesInBandsOfAnyHeight) {
                     }
         }
     }
+}
+
+// A layer that was painted on by itself, and black and white with holes: as masks of retouches are read.
+TEST(StackReader, AMaskLeavesOutWhatIsTransparentInIt) {
+    const TestDir dir;
+    write_test_stack(dir, dome_lights(4), 4, 2);
+    const auto mask = [&](const std::string& name, const std::vector<float>& grey_and_alpha) {
+        OIIO::ImageSpec spec(4, 2, 2, OIIO::TypeDesc::UINT8);
+        spec.alpha_channel = 1;
+        spec.attribute("oiio:UnassociatedAlpha", 1);
+        const auto output = OIIO::ImageOutput::create(name);
+        EXPECT_TRUE(output->open((dir / name).string(), spec));
+        EXPECT_TRUE(output->write_image(OIIO::TypeDesc::FLOAT, grey_and_alpha.data()));
+        EXPECT_TRUE(output->close());
+        const Stack stack = open_stack(dir.path(), {.mask_file = dir / name});
+        fs::remove(dir / name);
+        std::string kept;
+        for (const unsigned char inside : stack.mask.pixels()) kept += inside ? '1' : '0';
+        return kept;
+    };
+    EXPECT_EQ(mask("layer.png", {0, 0, 0, 1, 0, 1, 0, 0, 0, 0, 0, 1, 0, 0.4f, 0, 0}), "01100100");
+    EXPECT_EQ(mask("holes.png", {1, 0, 1, 1, 0, 1, 1, 1, 1, 0, 1, 1, 0, 0, 0, 1}), "01010100");
+    EXPECT_EQ(mask("opaque.png", {1, 1, 0, 1, 0, 1, 1, 1, 1, 1, 1, 1, 0, 1, 0, 1}), "10011100");
 }
 
 TEST(StackReader, ReadsTheCropAndItsMask) {

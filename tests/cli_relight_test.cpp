@@ -95,6 +95,19 @@ TEST(CliRelight, OnlyTheDirectionOfADistantLightCounts) {
         EXPECT_TRUE(images_near(relit(light), expected, 1e-6)) << light;
 }
 
+TEST(CliRelight, ALightFromBehindIsNamed) {
+    const TinyStack stack;
+    const auto warnings = [&](const std::string& light) {
+        const Finished run =
+            tangipaint({"relight", stack.truth(), "--light=" + light, "--out", stack.out("behind.png")});
+        EXPECT_TRUE(ended(run, 0)) << light;
+        return run.json()["warnings"];
+    };
+    ASSERT_EQ(warnings("0.3,0,-1").size(), 1u);
+    EXPECT_THAT(warnings("0.3,0,-1")[0].get<std::string>(), HasSubstr("--light 0.3,0,-1: comes from behind"));
+    EXPECT_TRUE(warnings("1,0,0").empty());
+}
+
 TEST(CliRelight, NearLightsGiveNumbersAnywhereInFrontOfThePainting) {
     const TinyStack stack;
     Surface flat = read_painting(stack.truth());

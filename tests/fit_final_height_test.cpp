@@ -81,9 +81,9 @@ Image<float> height_with(const Surface& surface, double mixing) {
 }
 
 FinalHeight found(Surface& surface, const Image<float>& height_mm, const std::vector<Light>& lights,
-                  bool shadows_tell = true) {
+                  bool shadows_tell = true, const Progress& progress = {}) {
     return final_height(surface, photographed(surface, height_mm, lights), {}, {.lights = lights, .rig = {}},
-                        kNoCliffs, shadows_tell, nullptr, {});
+                        kNoCliffs, shadows_tell, nullptr, progress);
 }
 
 double rms(const Image<float>& a, const Image<float>& b) {
@@ -98,7 +98,7 @@ TEST(FinalHeight, ShadowsSayWhetherSlopesAreSteeperThanTheyLook) {
     for (const double mixing : {0.0, 0.2, 0.4, 0.8}) {
         const Image<float> truth = height_with(surface, mixing);
         const FinalHeight result = found(surface, truth, ring(25));
-        EXPECT_EQ(result.mixing, mixing);
+        EXPECT_EQ(result.choice.mixing, mixing);
         EXPECT_TRUE(result.report.converged);
         EXPECT_LT(rms(surface.height_mm, truth), 0.01) << mixing;
         EXPECT_GE(rms(plain, truth), mixing > 0 ? 0.03 : 0) << mixing;
@@ -108,10 +108,32 @@ TEST(FinalHeight, ShadowsSayWhetherSlopesAreSteeperThanTheyLook) {
 TEST(FinalHeight, WithoutShadowsSlopesAreTakenAsTheyAre) {
     Surface surface = hills();
     const Image<float> steep = height_with(surface, 0.8);
-    EXPECT_EQ(found(surface, steep, ring(80)).mixing, 0);
+    EXPECT_EQ(found(surface, steep, ring(80)).choice.mixing, 0);
     EXPECT_LT(rms(surface.height_mm, height_with(surface, 0)), 1e-6);
     // Nor where the photographs are not explained.
-    EXPECT_EQ(found(surface, steep, ring(25), false).mixing, 0);
+    EXPECT_EQ(found(surface, steep, ring(25), false).choice.mixing, 0);
+}
+
+TEST(FinalHeight, TellsWhatItTriedAndThatItIsDone) {
+    Surface surface = hills();
+    const Image<float> truth = height_with(surface, 0.2);
+    double tried = 0;
+    const FinalHeight result =
+        found(surface, truth, ring(25), true, [&](std::string_view stage, double done) {
+            if (stage == "cliffs") {
+                EXPECT_GE(done, tried);
+                tried = done;
+            }
+            return true;
+        });
+    EXPECT_EQ(tried, 1);  // though 0.8 was not tried
+    const nlohmann::json json = to_json(result.choice);
+    EXPECT_EQ(json["cliffs"], false);
+    EXPECT_EQ(json["slope_mixing"], 0.2);
+    ASSERT_EQ(json["tried"].size(), 3u);
+    EXPECT_EQ(json["tried"][2]["slope_mixing"], 0.4);
+    EXPECT_LT(json["tried"][1]["shadow_misfit"], json["tried"][0]["shadow_misfit"]);
+    EXPECT_LT(json["tried"][1]["shadow_misfit"], json["tried"][2]["shadow_misfit"]);
 }
 
 }  // namespace

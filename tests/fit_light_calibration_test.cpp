@@ -117,11 +117,41 @@ TEST(LightCalibration, LeavesLightsAloneThatAreRight) {
     EXPECT_EQ(found.trials.size(), 3u);  // directions that are right are not tried
 }
 
-TEST(LightCalibration, OfAFewPhotographsTakesLightsAsGiven) {
+// One unknown a photograph would be one too many: strengths are not tried.
+TEST(LightCalibration, OfAFewPhotographsTakesDistantLightsAsGiven) {
     const Scene scene({.lights = 8, .gain_min = 0.3, .gain_max = 2}, 64);
     const LightCalibration found = scene.calibrated();
     EXPECT_EQ(found.model.lamps, LightFreedom::none);
-    EXPECT_TRUE(found.trials.empty());
+    EXPECT_EQ(found.lighting.rig, Rig{});
+    ASSERT_EQ(found.trials.size(), 2u);
+    EXPECT_EQ(found.trials[1].model.lamps, LightFreedom::rig);
+    EXPECT_EQ(found.trials[1].photos_db.size(), 8u);  // each of them was left out
+    EXPECT_EQ(to_json(found)["gains"], nlohmann::json::object());
+}
+
+// Taken for distant, near lamps make a bulge of the painting that is many times its relief.
+TEST(LightCalibration, OfAFewPhotographsTellsHowNearTheirLampsAre) {
+    for (const int lights : {5, 6, 8, 11}) {
+        const Scene scene({.lights = lights, .arrangement = Arrangement::spiral, .distance = 3}, 96);
+        const LightCalibration found = scene.calibrated();
+        const double distance = found.lighting.rig.lamp_distance_mm.value_or(0) / scene.width_mm();
+        std::cout << fmt::format("[  FIGURE  ] {} lamps 3 widths away: found {:.2f} ± {:.2f}\n", lights,
+                                 distance, distance * found.rig_sigma.lamp_distance);
+        EXPECT_EQ(found.model.lamps, LightFreedom::rig) << lights;
+        EXPECT_NEAR(distance, 3, 0.5) << lights;
+    }
+    const Scene four({.lights = 4, .arrangement = Arrangement::spiral, .distance = 3}, 64);
+    EXPECT_TRUE(four.calibrated().trials.empty());  // leaving one out leaves nothing to judge by
+}
+
+// What an exposure that is too short makes of the same photographs.
+TEST(LightCalibration, FindsNearLampsInDarkPhotographs) {
+    const Scene scene({.lights = 24, .distance = 2, .white_level = 0.03}, 96);
+    const LightCalibration found =
+        calibrate_lights(scene.stack, scene.surveyed, Transfer{}, NoiseModel(Transfer{}, 0.006, true),
+                         {scene.stack.lights(), {}, 1}, kMmPerPixel, {});
+    EXPECT_EQ(found.model.lamps, LightFreedom::rig);
+    EXPECT_NEAR(found.lighting.rig.lamp_distance_mm.value_or(0) / scene.width_mm(), 2, 0.3);
 }
 
 TEST(LightCalibration, HasTheSameBitsOnOneThreadAndOnTwo) {

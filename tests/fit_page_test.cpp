@@ -38,6 +38,13 @@ TEST(PageParts, ErrorsHaveTwoDigits) {
     EXPECT_EQ(with_error(1234.5, 67.8), "1234 ± 68");
 }
 
+TEST(PageParts, AnErrorNeverReadsZero) {
+    EXPECT_EQ(plus_minus(0.0123, 3), " ± 0.012");
+    EXPECT_EQ(plus_minus(0.00004, 4), " ± 0.00004");
+    EXPECT_EQ(plus_minus(2e-7f, 4), " ± 0.0000002");
+    EXPECT_EQ(plus_minus(0, 4), "");  // not known
+}
+
 TEST(FitPage, ShowsEachPhotographsLightAndMisfit) {
     const TestDir folder;
     write_stack(folder.path(), painting(32, 32), {.lights = 12, .held_out = 0, .gain_min = 0.5});

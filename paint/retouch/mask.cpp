@@ -35,24 +35,6 @@ void add_run(std::span<float> row, double x0, double x1, float part) {
     }
 }
 
-// What is transparent is outside. Where all that can be seen has one tone, whichever it is, the picture says
-// by its alpha alone what is inside: as a layer does that was painted on by itself.
-void see_through(Mask& mask, const Image<float>& alpha) {
-    constexpr float one_tone = 2.5f / 255;  // of 8 bits, multiplied by alpha and divided again
-    float darkest = 1, lightest = 0, least = 1;
-    for (std::size_t i = 0; i < mask.size(); ++i) {
-        least = std::min(least, alpha.pixels()[i]);
-        if (alpha.pixels()[i] < 0.5f) continue;
-        darkest = std::min(darkest, mask.pixels()[i]);
-        lightest = std::max(lightest, mask.pixels()[i]);
-    }
-    const bool has_holes = least < 0.5f;
-    for (std::size_t i = 0; i < mask.size(); ++i) {
-        const float part = std::clamp(alpha.pixels()[i], 0.0f, 1.0f);
-        mask.pixels()[i] = has_holes && lightest - darkest < one_tone ? part : part * mask.pixels()[i];
-    }
-}
-
 }  // namespace
 
 MaskArea area_of(const Mask& mask, double mm_per_pixel) {
@@ -99,7 +81,7 @@ Mask read_mask(const std::filesystem::path& path, int width, int height) {
                 fail("{}: holds {} at pixel ({}, {})", path.string(), mean + alpha, x, y);
             mask(x, y) = std::clamp(mean, 0.0f, 1.0f);
         }
-    if (!file.alpha.empty()) see_through(mask, file.alpha);
+    see_through(mask, file.alpha);
     return mask;
 }
 

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "surface/colour.h"
+#include "surface/page_parts.h"
 #include "viewer/panels/panels.h"
 
 namespace tangi::panels {
@@ -81,16 +82,14 @@ void probe(const WindowState& s, float right) {
     const Material& m = p.material;
     const Lab lab = lab_from_linear(glm::dvec3(m.diffuse));
     const StandardErrors& e = p.errors;
-    const auto off = [](float error, int digits) {
-        return error > 0 ? fmt::format(" ± {:.{}f}", error, digits) : std::string();
-    };
     std::string text = fmt::format(
         "pixel {} {}\ncolour ρd {:.3f} {:.3f} {:.3f}{}\nL*a*b* {:.1f} {:.1f} {:.1f}\ngloss ρs "
         "{:.3f}{}\nroughness α {:.3f}{}\n"
         "normal {:.3f} {:.3f} {:.3f}{}\nheight {:.3f}{} {}\nconfidence {:.2f}",
-        p.x, p.y, m.diffuse.r, m.diffuse.g, m.diffuse.b, off(e.diffuse, 3), lab.l, lab.a, lab.b, m.specular,
-        off(e.specular, 3), m.roughness, off(e.roughness, 3), m.normal.x, m.normal.y, m.normal.z,
-        off(e.slope, 3), m.height_mm, off(e.height_mm, 4), s.scale_known ? "mm" : "px", m.confidence);
+        p.x, p.y, m.diffuse.r, m.diffuse.g, m.diffuse.b, plus_minus(e.diffuse, 3), lab.l, lab.a, lab.b,
+        m.specular, plus_minus(e.specular, 3), m.roughness, plus_minus(e.roughness, 3), m.normal.x,
+        m.normal.y, m.normal.z, plus_minus(e.slope, 3), m.height_mm, plus_minus(e.height_mm, 4),
+        s.scale_known ? "mm" : "px", m.confidence);
     if (m.lobe_colour != Rgb(1))
         text += fmt::format("\nlobe {:.2f} {:.2f} {:.2f}", m.lobe_colour.r, m.lobe_colour.g, m.lobe_colour.b);
     if (m.stretch != Stretch(0)) {
