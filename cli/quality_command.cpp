@@ -160,7 +160,6 @@ nlohmann::json run_quality(const QualityArguments& a) {
     nlohmann::json result = {{"delta_e_2000", mean}, {"regions", regions}};
     nlohmann::json raking = nlohmann::json::array();
     for (const auto& [name, unused] : kRaking) raking.push_back((folder / raking_picture(name)).string());
-    written.place();
     if (treatment) {
         nlohmann::json parameters = to_json(a.options);
         parameters["annulus"] = to_json(a.options.annulus);
@@ -169,9 +168,11 @@ nlohmann::json run_quality(const QualityArguments& a) {
         TreatmentStep step{
             .action = "quality", .parameters = parameters, .results = result, .inputs = a.area.inputs()};
         if (!a.damaged.empty()) step.inputs.emplace_back(a.damaged);
-        for (const auto& file : fs::directory_iterator(folder))
-            step.written.push_back(within + "/" + file.path().filename().string());
+        for (const auto& file : fs::directory_iterator(written.temporary()))
+            step.copies[within + "/" + file.path().filename().string()] = file.path();
         treatment->record(step, a.author.author(), progress);
+    } else {
+        written.place();
     }
     result["folder"] = folder.string();
     result["raking"] = raking;

@@ -7,6 +7,7 @@
 
 #include "paint/canvas_file.h"
 #include "paint/retouch/sha256.h"
+#include "paint/retouch/treatment_folder.h"
 #include "surface/atomic_file.h"
 #include "surface/error.h"
 #include "surface/painting_file.h"
@@ -17,20 +18,6 @@ namespace fs = std::filesystem;
 using nlohmann::json;
 
 namespace {
-
-constexpr const char* kLog = "log.jsonl";
-constexpr const char* kMasks = "masks";
-constexpr const char* kEarlier = "earlier.exr";
-
-fs::path mask_path(const std::string& name) { return fs::path(kMasks) / (name + ".png"); }
-// Where the one that a line of the log wrote is kept when another takes its place.
-fs::path kept_path(const std::string& name, int line) {
-    return fs::path(kMasks) / "earlier" / fmt::format("{}.{}.png", name, line);
-}
-
-json to_json(const TreatmentLayer& layer) {
-    return {{"name", layer.name}, {"role", name_of(layer.role)}, {"sha256", layer.sha256}};
-}
 
 const DriedLayer* find(const Canvas& canvas, const std::string& name) {
     for (const DriedLayer& layer : canvas.dried())
@@ -46,28 +33,6 @@ void add_name(Sha256& sha, std::string_view name) {
 template <class Number>
 void add_numbers(Sha256& sha, std::span<const Number> numbers) {
     sha.add(numbers.data(), numbers.size_bytes());
-}
-
-void copy_whole(const fs::path& from, const fs::path& to) {
-    AtomicFile file(to);
-    std::error_code error;
-    fs::copy_file(from, file.temporary(), fs::copy_options::overwrite_existing, error);
-    if (error)
-        fail("{}: cannot be copied to {}: {}", from.string(), to.parent_path().string(), error.message());
-    file.commit();
-}
-
-// Into a folder of the treatment only: names come from logs and callers.
-void require_inside(const std::string& path) {
-    const fs::path p(path);
-    TP_REQUIRE(!path.empty() && p.is_relative(), "a step keeps its files in the treatment's folder");
-    for (const fs::path& part : p)
-        TP_REQUIRE(part != "..", "a step keeps its files in the treatment's folder");
-}
-
-void require_logged(const fs::path& file, const std::string& sha256, int line) {
-    if (!fs::exists(file) || sha256_of_file(file) != sha256)
-        fail("{}: is not what line {} of the log wrote; take it from a backup", file.string(), line);
 }
 
 }  // namespace
@@ -118,13 +83,13 @@ std::string sha256_of(const Canvas& canvas, const PaintLayer& layer) {
 
 Treatment Treatment::begin(const fs::path& folder, const fs::path& painting, const Author& author,
                            std::optional<double> mm_per_pixel, const Progress& progress) {
-    if (fs::exists(folder / kLog))
+    if (fs::exists(folder / kTreatmentLog))
         fail("{}: holds a treatment already; go on with it, or choose another folder", folder.string());
     const Canvas canvas = tangi::read_canvas(painting, progress, mm_per_pixel);
     if (!canvas.ingredients().empty())
         fail("{}: has been painted on; a treatment begins with a painting as it was fitted",
              painting.string());
-    make_folder(folder / kMasks);
+    make_folder(folder / kTreatmentMasks);
     copy_whole(painting, folder / "painting.exr");
     json first = {{"action", "begin"},
                   {"time", utc_now()},
@@ -139,17 +104,16 @@ Treatment Treatment::begin(const fs::path& folder, const fs::path& painting, con
                   {"dry_hash", hash_of(canvas.dry())},
                   {"dry_sha256", sha256_of(canvas.dry())},
                   {"layers", json::array()}};
-    return Treatment(folder, TreatmentLog::begin(folder / kLog, std::move(first)));
+    return Treatment(folder, TreatmentLog::begin(folder / kTreatmentLog, std::move(first)));
 }
 
 Treatment Treatment::open(const fs::path& folder) {
-    if (!fs::is_regular_file(folder / kLog))
+    if (!fs::is_regular_file(folder / kTreatmentLog))
         fail("{}: is no treatment (there is no {} in it); tangipaint damage P.exr --treatment {} begins one",
-             folder.string(), kLog, folder.string());
-    Treatment treatment(folder, TreatmentLog::open(folder / kLog));
-    const json& first = treatment.log_.entries().front().content;
-    for (const char* field : {"width", "height", "mm_per_pixel", "dry_sha256"})
-        if (!first.contains(field)) fail("{}:1: has no field '{}'", (folder / kLog).string(), field);
+             folder.string(), kTreatmentLog, folder.string());
+    settle_pending(folder);
+    Treatment treatment(folder, TreatmentLog::open(folder / kTreatmentLog));
+    require_form(treatment.log_);
     return treatment;
 }
 
@@ -228,19 +192,19 @@ std::map<std::string, std::pair<std::string, int>> Treatment::logged_files() con
 std::vector<std::string> Treatment::mask_names() const {
     std::vector<std::string> names;
     for (const auto& [path, hash] : logged_files())
-        if (fs::path(path).parent_path() == kMasks) names.push_back(fs::path(path).stem().string());
+        if (fs::path(path).parent_path() == kTreatmentMasks) names.push_back(fs::path(path).stem().string());
     return names;
 }
 
 bool Treatment::has_mask(DamageClass damage) const {
-    return logged_files().contains(mask_path(std::string(name_of(damage))).generic_string());
+    return logged_files().contains(treatment_mask(std::string(name_of(damage))).generic_string());
 }
 
 Mask Treatment::mask(const std::string& name) const {
     const auto files = logged_files();
-    const auto found = files.find(mask_path(name).generic_string());
+    const auto found = files.find(treatment_mask(name).generic_string());
     if (found == files.end()) return Mask(width(), height());
-    const fs::path path = folder_ / mask_path(name);
+    const fs::path path = folder_ / treatment_mask(name);
     if (sha256_of_file(path) != found->second.first)
         fail(
             "{}: is not the mask that line {} of the log wrote; put that one back, and bring in what you "
@@ -249,115 +213,11 @@ Mask Treatment::mask(const std::string& name) const {
     return read_mask(path, width(), height());
 }
 
-void Treatment::record(const TreatmentStep& step, const Author& author, const Progress& progress) {
-    json outputs = json::object(), inputs = json::object();
-    for (const fs::path& input : step.inputs) inputs[input.filename().string()] = sha256_of_file(input);
-    json entry = {{"action", step.action},
-                  {"time", utc_now()},
-                  {"who", author.who},
-                  {"tool", author.tool},
-                  {"parameters", step.parameters},
-                  {"results", step.results},
-                  {"inputs", inputs},
-                  {"dry_sha256", dry_sha256()}};
-    if (step.canvas) {
-        if (sha256_of(step.canvas->dry()) != dry_sha256())
-            fail("{}: the dry layer would change; nothing was written", painting().string());
-        std::vector<TreatmentLayer> all = layers();
-        for (const auto& [name, role] : step.added) all.push_back({name, role, {}});
-        entry["layers"] = json::array();
-        std::size_t known = 0;
-        for (const DriedLayer& layer : step.canvas->dried()) {  // in their order on the canvas
-            const auto about = std::find_if(all.begin(), all.end(),
-                                            [&](const TreatmentLayer& l) { return l.name == layer.name; });
-            if (about == all.end())
-                fail(
-                    "{}: has a layer '{}' that the log does not know; tangipaint treatment retouch takes in "
-                    "what was painted in the window",
-                    painting().string(), layer.name);
-            entry["layers"].push_back(
-                to_json({layer.name, about->role, sha256_of(*step.canvas, layer.paint)}));
-            ++known;
-        }
-        TP_REQUIRE(known >= step.added.size(), "layers that were added are on the canvas");
-        const std::vector<PartToWrite> further = parts_beside_paint(painting(), progress);
-        AtomicFile file(painting());
-        write_canvas(file, *step.canvas, progress, further);
-    }
-    const auto known = logged_files();
-    for (const auto& [name, mask] : step.masks) {
-        TP_REQUIRE(mask.width() == width() && mask.height() == height(), "a mask has the painting's size");
-        const fs::path path = mask_path(name);
-        require_inside(path.generic_string());
-        if (const auto before = known.find(path.generic_string()); before != known.end()) {
-            const fs::path kept = kept_path(name, before->second.second);
-            make_folder(folder_ / kept.parent_path());
-            write_mask(folder_ / kept, this->mask(name));
-            outputs[kept.generic_string()] = sha256_of_file(folder_ / kept);
-            entry["kept"][name] = kept.generic_string();
-        }
-        write_mask(folder_ / path, mask);
-        outputs[path.generic_string()] = sha256_of_file(folder_ / path);
-    }
-    for (const auto& [name, text] : step.files) {
-        require_inside(name);
-        make_folder((folder_ / name).parent_path());
-        write_text_file(folder_ / name, text);
-        outputs[name] = sha256_of_file(folder_ / name);
-    }
-    for (const std::string& name : step.written) {
-        require_inside(name);
-        outputs[name] = sha256_of_file(folder_ / name);
-    }
-    entry["outputs"] = outputs;
-    for (const std::string& name : step.withdrawn) require_inside(name);
-    if (!step.withdrawn.empty()) entry["withdrawn"] = step.withdrawn;
-    if (!step.kept.empty()) entry["kept"].update(step.kept);
-    log_.append(std::move(entry));
-    std::error_code there_already_not;
-    for (const std::string& name : step.withdrawn) fs::remove(folder_ / name, there_already_not);
-}
-
-void Treatment::keep_earlier(const fs::path& painting, const Author& author, const Progress& progress) {
-    const Surface earlier = read_painted(painting, progress);
-    if (earlier.width() != width() || earlier.height() != height())
-        fail(
-            "{}: has {} x {} pixels, the treatment's painting {} x {}; fit it on the same pixels: tangipaint "
-            "calibrate --align-to",
-            painting.string(), earlier.width(), earlier.height(), width(), height());
-    TreatmentStep step{.action = "keep earlier state",
-                       .parameters = {{"painting", painting.filename().string()}},
-                       .inputs = {painting},
-                       .written = {kEarlier}};
-    const auto known = logged_files();
-    if (const auto before = known.find(kEarlier); before != known.end()) {
-        const std::string kept = fmt::format("earlier.{}.exr", before->second.second);
-        require_logged(folder_ / kEarlier, before->second.first, before->second.second);
-        copy_whole(folder_ / kEarlier, folder_ / kept);
-        step.kept[kEarlier] = kept;
-        step.written.push_back(kept);
-    }
-    copy_whole(painting, folder_ / kEarlier);
-    record(step, author, progress);
-}
-
-bool Treatment::has_earlier() const { return logged_files().contains(kEarlier); }
-
-void Treatment::take_back_earlier(const LogEntry& entry, TreatmentStep& step) const {
-    const json none = json::object(), kept = entry.content.value("kept", none);
-    if (!kept.contains(kEarlier)) {
-        step.withdrawn.emplace_back(kEarlier);
-        return;
-    }
-    const auto file = kept[kEarlier].get<std::string>();
-    require_logged(folder_ / file, entry.content.at("outputs").value(file, ""), entry.line);
-    copy_whole(folder_ / file, folder_ / kEarlier);
-    step.written.emplace_back(kEarlier);
-}
+bool Treatment::has_earlier() const { return logged_files().contains(kTreatmentEarlier); }
 
 Surface Treatment::read_earlier(const Progress& progress) const {
     TP_REQUIRE(has_earlier(), "an earlier state was kept");
-    return read_painted(folder_ / kEarlier, progress);
+    return read_painted(folder_ / kTreatmentEarlier, progress);
 }
 
 std::vector<std::string> Treatment::check(const Progress& progress) const {

@@ -8,6 +8,7 @@
 //                         earlier.LINE.exr: another one before it, by the line of the log that wrote it
 //   strokes/, quality/    what steps kept: journals of strokes, quality maps
 //   log.jsonl             the log (treatment_log.h): the layers, masks and files that there are, with hashes
+//   pending/              only while a step is written, or where a crash came into one (treatment_folder.h)
 //
 // docs/retouching.md: format and use.
 #pragma once
@@ -80,11 +81,12 @@ struct TreatmentStep {
     std::vector<std::filesystem::path> inputs{};        // files from elsewhere: their hashes are kept
     std::map<std::string, Mask> masks{};                // to write: name in masks/ without ".png" -> mask
     std::map<std::string, std::string> files{};         // to write: path in the folder -> content
+    // To write: path in the folder -> the file that it is a copy of.
+    std::map<std::string, std::filesystem::path> copies{};
     // To write: the canvas with its layers; `added` says what the new ones among them are. Layers of the
     // treatment that are no longer on the canvas are thereby removed.
     const Canvas* canvas = nullptr;
     std::vector<std::pair<std::string, LayerRole>> added{};
-    std::vector<std::string> written{};  // files in the folder that the caller wrote: their hashes are kept
     std::map<std::string, std::string> kept{};  // of these, what others were before: file -> where it stays
     std::vector<std::string> withdrawn{};       // files that the treatment has no more: to be removed
 };
@@ -96,7 +98,8 @@ public:
     static Treatment begin(const std::filesystem::path& folder, const std::filesystem::path& painting,
                            const Author& author, std::optional<double> mm_per_pixel = {},
                            const Progress& progress = {});
-    // Reads and checks the log. Throws Error naming file and line where it was edited or cut.
+    // Reads and checks the log; first, a step that a crash came into is finished where it is in the log, and
+    // forgotten where it is not. Throws Error naming file and line where the log was edited or cut.
     static Treatment open(const std::filesystem::path& folder);
 
     const std::filesystem::path& folder() const { return folder_; }
@@ -132,7 +135,8 @@ public:
     void take_back_earlier(const LogEntry& entry, TreatmentStep& step) const;
     Surface read_earlier(const Progress& progress = {}) const;
 
-    // Writes what the step says, then the log. The dry layer is checked before.
+    // Writes what the step says and the log: all of it or, where it throws or the machine stops, nothing. The
+    // dry layer is checked before. Throws Error where another program wrote to the log since open().
     void record(const TreatmentStep& step, const Author& author, const Progress& progress = {});
 
     // All that is not as it was logged, a line each: masks, kept files, layers. Reads everything.

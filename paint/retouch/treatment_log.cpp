@@ -133,7 +133,7 @@ TreatmentLog TreatmentLog::begin(const fs::path& path, json content) {
     write_text_file(path, line.sealed + "\n");
     TreatmentLog log(path);
     log.entries_.push_back({1, std::move(content), line.sha256});
-    log.whole_bytes_ = line.sealed.size() + 1;
+    log.seen_bytes_ = log.whole_bytes_ = line.sealed.size() + 1;
     log.write_head();
     return log;
 }
@@ -142,7 +142,8 @@ TreatmentLog TreatmentLog::open(const fs::path& path) {
     TreatmentLog log(path);
     const std::string text = read_text_file(path);
     std::vector<LogFault> faults;
-    log.entries_ = chained_entries(text, faults, log.torn_);
+    bool torn = false;
+    log.entries_ = chained_entries(text, faults, torn);
     if (!faults.empty())
         fail("{}:{}: {}; take the log from a backup, nothing is done with this one", path.string(),
              faults.front().line, faults.front().what);
@@ -151,7 +152,8 @@ TreatmentLog TreatmentLog::open(const fs::path& path) {
     if (log.entries_.front().content.value("version", 0) != kVersion)
         fail("{}: is of a newer version of the program; this one reads version {}", path.string(), kVersion);
     log.whole_bytes_ = text.rfind('\n') + 1;
-    if (log.torn_)
+    log.seen_bytes_ = text.size();
+    if (torn)
         log.warnings_.push_back(fmt::format("{}:{}: was cut short by a crash and is left out", path.string(),
                                             log.entries_.size() + 1));
 
@@ -180,23 +182,36 @@ TreatmentLog TreatmentLog::open(const fs::path& path) {
     return log;
 }
 
-const LogEntry& TreatmentLog::append(json content) {
+LogHold::LogHold(const fs::path& log) : file_(::open(log.c_str(), O_RDONLY | O_CLOEXEC)) {
+    if (file_ < 0) fail("{}: cannot be read: {}", log.string(), std::strerror(errno));
+    // A file system without locks is no reason to do nothing: then append() finds what another one wrote.
+    while (::flock(file_, LOCK_EX) != 0 && errno == EINTR) {
+    }
+}
+
+LogHold::~LogHold() { ::close(file_); }
+
+void TreatmentLog::require_unchanged(const LogHold& /*held*/) const {
+    std::error_code missing;
+    const std::uintmax_t size = fs::file_size(path_, missing);
+    if (missing) fail("{}: cannot be read: {}", path_.string(), missing.message());
+    if (size != seen_bytes_)
+        fail("{}: was changed by another program meanwhile; run the command again", path_.string());
+}
+
+const LogEntry& TreatmentLog::append(json content) { return append(std::move(content), LogHold(path_)); }
+
+const LogEntry& TreatmentLog::append(json content, const LogHold& held) {
+    require_unchanged(held);
     content["previous"] = head();
     const Line line = sealed(content);
     {
         Descriptor file(path_, O_WRONLY | O_APPEND | O_CLOEXEC);
-        ::flock(file.number(), LOCK_EX);  // two programs at once: the second sees the first one's line
-        const auto size = static_cast<std::uintmax_t>(::lseek(file.number(), 0, SEEK_END));
-        if (torn_ && size > whole_bytes_) {
-            if (::ftruncate(file.number(), static_cast<off_t>(whole_bytes_)) != 0)
-                fail("{}: cannot be written: {}", path_.string(), std::strerror(errno));
-            torn_ = false;
-        } else if (size != whole_bytes_) {
-            fail("{}: was changed by another program meanwhile; run the command again", path_.string());
-        }
+        if (seen_bytes_ > whole_bytes_ && ::ftruncate(file.number(), static_cast<off_t>(whole_bytes_)) != 0)
+            fail("{}: cannot be written: {}", path_.string(), std::strerror(errno));
         file.write(line.sealed + "\n");
     }
-    whole_bytes_ += line.sealed.size() + 1;
+    seen_bytes_ = whole_bytes_ += line.sealed.size() + 1;
     entries_.push_back({static_cast<int>(entries_.size()) + 1, std::move(content), line.sha256});
     write_head();
     return entries_.back();

@@ -26,6 +26,20 @@ struct LogFault {
     std::string what;
 };
 
+// Holds a log for one program: whoever else wants to write to it, or to what it tells of, waits until this is
+// gone.
+class LogHold {
+public:
+    // Throws Error naming the log where it cannot be read.
+    explicit LogHold(const std::filesystem::path& log);
+    ~LogHold();
+    LogHold(const LogHold&) = delete;
+    LogHold& operator=(const LogHold&) = delete;
+
+private:
+    int file_;
+};
+
 class TreatmentLog {
 public:
     // Makes the file with its first line: `content`, to which format and version are added. Throws Error
@@ -43,6 +57,9 @@ public:
     // Adds a line and makes sure that it is on the disk. Throws Error naming the file where it cannot be
     // written, or was changed by somebody else since it was opened.
     const LogEntry& append(nlohmann::json content);
+    // The same by one who holds the log, and may have found before that nobody else wrote to it.
+    const LogEntry& append(nlohmann::json content, const LogHold& held);
+    void require_unchanged(const LogHold& held) const;
 
 private:
     explicit TreatmentLog(std::filesystem::path path) : path_(std::move(path)) {}
@@ -52,7 +69,7 @@ private:
     std::vector<LogEntry> entries_;
     std::vector<std::string> warnings_;
     std::uintmax_t whole_bytes_ = 0;  // of the lines that count
-    bool torn_ = false;               // a line without its end follows them
+    std::uintmax_t seen_bytes_ = 0;   // of the file: more where a line without its end follows them
 };
 
 // The first fault of a log's text, by line; nothing where the chain holds. `torn` says whether the text ends

@@ -371,13 +371,18 @@ std::vector<fs::path> write_treatment_report(const Treatment& t, const fs::path&
         if (t.has_mask(damage)) m.belongs = united(m.belongs, t.mask(damage));
     m.report.title = "Treatment of " + m.log().front().content.value("painting", "");
     m.report.maker = tool;
-    identification(m, tool);
-    examination(m);
-    condition(m);
-    measures(m);
-    states(m, progress);
-    quality(m);
-    log_table(m);
+    try {
+        identification(m, tool);
+        examination(m);
+        condition(m);
+        measures(m);
+        states(m, progress);
+        quality(m);
+        log_table(m);
+    } catch (const json::exception& unlike) {  // results of a line that somebody wrote anew
+        fail("{}: a line's results are not as this program writes them ({}); no report is made of it",
+             t.log().path().string(), unlike.what());
+    }
     const fs::path folder = page.has_parent_path() ? page.parent_path() : fs::path(".");
     FolderFiles written(folder);  // all of them, or none
     std::vector<fs::path> names;

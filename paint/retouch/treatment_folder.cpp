@@ -1,0 +1,218 @@
+#include "paint/retouch/treatment_folder.h"
+
+#include <algorithm>
+#include <functional>
+#include <vector>
+
+#include "paint/retouch/sha256.h"
+#include "paint/retouch/treatment_log.h"
+#include "paint/retouch/treatment_pending.h"
+#include "surface/atomic_file.h"
+#include "surface/error.h"
+
+namespace tangi {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+namespace {
+
+constexpr const char* kPending = "pending";
+constexpr const char* kStep = "step.json";  // in it: the hash of the line that the step's line is to follow
+constexpr int kMostPixels = 1 << 20;        // of a side: more is no picture
+
+using Holds = std::function<bool(const json&)>;
+
+bool is_text(const json& v) { return v.is_string(); }
+
+// A path that stays in the folder.
+bool is_inside(const json& v) { return v.is_string() && stays_inside(v.get<std::string>()); }
+
+Holds list_of(const Holds& holds) {
+    return [holds](const json& v) {
+        return v.is_array() && std::all_of(v.begin(), v.end(), [&](const json& item) { return holds(item); });
+    };
+}
+
+Holds texts(bool by_path) {
+    return [by_path](const json& v) {
+        if (!v.is_object()) return false;
+        for (const auto& [name, text] : v.items())
+            if (!text.is_string() || (by_path && !stays_inside(name))) return false;
+        return true;
+    };
+}
+
+bool is_layer(const json& v) {
+    if (!v.is_object()) return false;
+    for (const char* field : {"name", "role", "sha256"})
+        if (!v.contains(field) || !v[field].is_string()) return false;
+    return true;
+}
+
+bool names_files(const json& v) { return v.is_object() && std::all_of(v.begin(), v.end(), is_inside); }
+
+struct Field {
+    const char* name;
+    bool needed;
+    Holds holds;
+};
+
+void require_fields(const TreatmentLog& log, const LogEntry& entry, const std::vector<Field>& fields) {
+    for (const Field& field : fields) {
+        const auto found = entry.content.find(field.name);
+        if (found == entry.content.end() ? field.needed : !field.holds(*found))
+            fail("{}:{}: {} '{}': the line was not written by this program; take the log from a backup",
+                 log.path().string(), entry.line,
+                 found == entry.content.end() ? "has no field" : "cannot have such a", field.name);
+    }
+}
+
+const std::vector<Field>& fields_of_a_first_line() {
+    const auto is_side = [](const json& v) {
+        return v.is_number_integer() && v.get<double>() >= 1 && v.get<double>() <= kMostPixels;
+    };
+    static const std::vector<Field> fields = {
+        {"width", true, is_side},
+        {"height", true, is_side},
+        {"mm_per_pixel", true,
+         [](const json& v) { return v.is_number() && v.get<double>() > 0 && v.get<double>() < 1e6; }},
+        {"scale_known", false, [](const json& v) { return v.is_boolean(); }},
+        {"painting", false, is_text},
+        {"dry_sha256", true, is_text}};
+    return fields;
+}
+
+const std::vector<Field>& fields_of_a_line() {
+    const auto is_object = [](const json& v) { return v.is_object(); };
+    static const std::vector<Field> fields = {{"action", true, is_text},
+                                              {"time", false, is_text},
+                                              {"who", false, is_text},
+                                              {"tool", false, is_text},
+                                              {"parameters", false, is_object},
+                                              {"results", false, is_object},
+                                              {"inputs", false, texts(false)},
+                                              {"outputs", false, texts(true)},
+                                              {"layers", false, list_of(is_layer)},
+                                              {"kept", false, names_files},
+                                              {"withdrawn", false, list_of(is_inside)}};
+    return fields;
+}
+
+// The line of the log that the pending step wrote; null where it wrote none.
+const LogEntry* pending_line(const fs::path& pending, const TreatmentLog& log) {
+    std::error_code missing;
+    if (!fs::exists(pending / kStep, missing)) return nullptr;
+    const json step = json::parse(read_text_file(pending / kStep), nullptr, false);
+    if (!step.is_object() || !step.contains("previous")) return nullptr;
+    for (const LogEntry& entry : log.entries())
+        if (entry.content.at("previous") == step["previous"]) return &entry;
+    return nullptr;
+}
+
+void move_into_place(const fs::path& folder, const LogEntry& entry) {
+    const fs::path pending = folder / kPending;
+    std::vector<fs::path> files;
+    for (const auto& file : fs::recursive_directory_iterator(pending))
+        if (file.is_regular_file() && file.path() != pending / kStep) files.push_back(file.path());
+    for (const fs::path& file : files) {
+        const fs::path place = folder / file.lexically_relative(pending);
+        make_folder(place.parent_path());
+        std::error_code failed;
+        fs::rename(file, place, failed);
+        if (failed)
+            fail(
+                "{}: cannot be put in its place: {}; the step is in the log, and the next command tries it "
+                "again",
+                file.string(), failed.message());
+    }
+    std::error_code there_already_not;
+    for (const json& name : entry.content.value("withdrawn", json::array()))
+        fs::remove(folder / name.get<std::string>(), there_already_not);
+    fs::remove_all(pending, there_already_not);
+}
+
+}  // namespace
+
+bool stays_inside(const std::string& path) {
+    const fs::path p(path);
+    return !path.empty() && p.is_relative() &&
+           std::none_of(p.begin(), p.end(), [](const fs::path& part) { return part == ".."; });
+}
+
+fs::path treatment_mask(const std::string& name) { return fs::path(kTreatmentMasks) / (name + ".png"); }
+
+void copy_whole(const fs::path& from, const fs::path& to) {
+    AtomicFile file(to);
+    std::error_code error;
+    fs::copy_file(from, file.temporary(), fs::copy_options::overwrite_existing, error);
+    if (error)
+        fail("{}: cannot be copied to {}: {}", from.string(), to.parent_path().string(), error.message());
+    file.commit();
+}
+
+void require_logged(const fs::path& file, const std::string& sha256, int line) {
+    if (!fs::exists(file) || sha256_of_file(file) != sha256)
+        fail("{}: is not what line {} of the log wrote; take it from a backup", file.string(), line);
+}
+
+void settle_pending(const fs::path& folder) {
+    const fs::path pending = folder / kPending;
+    std::error_code missing;
+    if (!fs::exists(pending, missing)) return;
+    const LogHold held(folder / kTreatmentLog);
+    if (!fs::exists(pending, missing)) return;  // another program was writing, and is done
+    const TreatmentLog log = TreatmentLog::open(folder / kTreatmentLog);
+    require_form(log);
+    if (const LogEntry* line = pending_line(pending, log))
+        move_into_place(folder, *line);
+    else if (fs::remove_all(pending, missing); missing)
+        fail("{}: is left of a step that did not come to its end, and cannot be removed: {}",
+             pending.string(), missing.message());
+}
+
+void require_form(const TreatmentLog& log) {
+    require_fields(log, log.entries().front(), fields_of_a_first_line());
+    for (const LogEntry& entry : log.entries()) {
+        require_fields(log, entry, fields_of_a_line());
+        if (entry.content["action"] == "undo" &&
+            !entry.content.value("/parameters/step/line"_json_pointer, json()).is_number_integer())
+            fail("{}:{}: does not say which line it undoes; take the log from a backup", log.path().string(),
+                 entry.line);
+    }
+}
+
+PendingStep::PendingStep(fs::path folder, const TreatmentLog& log)
+    : folder_(std::move(folder)), held_(folder_ / kTreatmentLog) {
+    log.require_unchanged(held_);
+    std::error_code left;
+    fs::remove_all(folder_ / kPending, left);
+    make_folder(folder_ / kPending);
+    write_text_file(folder_ / kPending / kStep, json{{"previous", log.head()}}.dump() + "\n");
+}
+
+PendingStep::~PendingStep() {
+    std::error_code left;
+    if (!logged_) fs::remove_all(folder_ / kPending, left);
+}
+
+fs::path PendingStep::file(const std::string& path) const {
+    TP_REQUIRE(stays_inside(path), "a step keeps its files in the treatment's folder");
+    const fs::path file = folder_ / kPending / path;
+    make_folder(file.parent_path());
+    return file;
+}
+
+void PendingStep::commit(TreatmentLog& log, json entry) {
+    const std::size_t before = log.entries().size();
+    try {
+        log.append(std::move(entry), held_);
+    } catch (...) {  // the line may be there, though its head cannot be written
+        logged_ = log.entries().size() > before;
+        throw;
+    }
+    logged_ = true;
+    move_into_place(folder_, log.entries().back());
+}
+
+}  // namespace tangi

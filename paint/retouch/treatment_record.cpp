@@ -1,0 +1,129 @@
+// treatment_record.cpp: of a treatment: how a step, with its layers, masks and files, gets into it and the
+// log.
+#include <algorithm>
+
+#include "paint/canvas_file.h"
+#include "paint/retouch/sha256.h"
+#include "paint/retouch/treatment.h"
+#include "paint/retouch/treatment_folder.h"
+#include "paint/retouch/treatment_pending.h"
+#include "surface/atomic_file.h"
+#include "surface/error.h"
+#include "surface/painting_file.h"
+
+namespace tangi {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+namespace {
+
+// Where the mask that a line of the log wrote is kept when another takes its place.
+std::string kept_mask(const std::string& name, int line) {
+    return fmt::format("{}/earlier/{}.{}.png", kTreatmentMasks, name, line);
+}
+
+// Layers as they lie on the canvas, with the roles that the treatment or the step gives them.
+json layers_on(const Canvas& canvas, const Treatment& treatment, const TreatmentStep& step) {
+    std::vector<TreatmentLayer> all = treatment.layers();
+    for (const auto& [name, role] : step.added) all.push_back({name, role, {}});
+    json layers = json::array();
+    for (const DriedLayer& layer : canvas.dried()) {
+        const auto about = std::find_if(all.begin(), all.end(),
+                                        [&](const TreatmentLayer& l) { return l.name == layer.name; });
+        if (about == all.end())
+            fail(
+                "{}: has a layer '{}' that the log does not know; tangipaint treatment retouch takes in "
+                "what was painted in the window",
+                treatment.painting().string(), layer.name);
+        layers.push_back({{"name", layer.name},
+                          {"role", name_of(about->role)},
+                          {"sha256", sha256_of(canvas, layer.paint)}});
+    }
+    TP_REQUIRE(layers.size() >= step.added.size(), "layers that were added are on the canvas");
+    return layers;
+}
+
+}  // namespace
+
+void Treatment::record(const TreatmentStep& step, const Author& author, const Progress& progress) {
+    json outputs = json::object(), inputs = json::object();
+    for (const fs::path& input : step.inputs) inputs[input.filename().string()] = sha256_of_file(input);
+    json entry = {{"action", step.action},
+                  {"time", utc_now()},
+                  {"who", author.who},
+                  {"tool", author.tool},
+                  {"parameters", step.parameters},
+                  {"results", step.results},
+                  {"inputs", inputs},
+                  {"dry_sha256", dry_sha256()}};
+    PendingStep pending(folder_, log_);
+    if (step.canvas) {
+        if (sha256_of(step.canvas->dry()) != dry_sha256())
+            fail("{}: the dry layer would change; nothing was written", painting().string());
+        entry["layers"] = layers_on(*step.canvas, *this, step);
+        const std::vector<PartToWrite> further = parts_beside_paint(painting(), progress);
+        AtomicFile file(pending.file(kTreatmentPainting));
+        write_canvas(file, *step.canvas, progress, further);
+    }
+    const auto known = logged_files();
+    const auto hash = [&](const std::string& name) { outputs[name] = sha256_of_file(pending.file(name)); };
+    for (const auto& [name, mask] : step.masks) {
+        TP_REQUIRE(mask.width() == width() && mask.height() == height(), "a mask has the painting's size");
+        const std::string path = treatment_mask(name).generic_string();
+        if (const auto before = known.find(path); before != known.end()) {
+            const std::string kept = kept_mask(name, before->second.second);
+            write_mask(pending.file(kept), this->mask(name));
+            hash(kept);
+            entry["kept"][name] = kept;
+        }
+        write_mask(pending.file(path), mask);
+        hash(path);
+    }
+    for (const auto& [name, text] : step.files) {
+        write_text_file(pending.file(name), text);
+        hash(name);
+    }
+    for (const auto& [name, from] : step.copies) {
+        copy_whole(from, pending.file(name));
+        hash(name);
+    }
+    entry["outputs"] = outputs;
+    if (!step.withdrawn.empty()) entry["withdrawn"] = step.withdrawn;
+    if (!step.kept.empty()) entry["kept"].update(step.kept);
+    pending.commit(log_, std::move(entry));
+}
+
+void Treatment::keep_earlier(const fs::path& painting, const Author& author, const Progress& progress) {
+    const Surface earlier = read_painted(painting, progress);
+    if (earlier.width() != width() || earlier.height() != height())
+        fail(
+            "{}: has {} x {} pixels, the treatment's painting {} x {}; fit it on the same pixels: tangipaint "
+            "calibrate --align-to",
+            painting.string(), earlier.width(), earlier.height(), width(), height());
+    TreatmentStep step{.action = "keep earlier state",
+                       .parameters = {{"painting", painting.filename().string()}},
+                       .inputs = {painting},
+                       .copies = {{kTreatmentEarlier, painting}}};
+    const auto known = logged_files();
+    if (const auto before = known.find(kTreatmentEarlier); before != known.end()) {
+        const std::string kept = fmt::format("earlier.{}.exr", before->second.second);
+        require_logged(folder_ / kTreatmentEarlier, before->second.first, before->second.second);
+        step.copies[kept] = folder_ / kTreatmentEarlier;
+        step.kept[kTreatmentEarlier] = kept;
+    }
+    record(step, author, progress);
+}
+
+void Treatment::take_back_earlier(const LogEntry& entry, TreatmentStep& step) const {
+    const json none = json::object(), kept = entry.content.value("kept", none);
+    if (!kept.contains(kTreatmentEarlier)) {
+        step.withdrawn.emplace_back(kTreatmentEarlier);
+        return;
+    }
+    const auto file = kept[kTreatmentEarlier].get<std::string>();
+    require_logged(folder_ / file, entry.content.at("outputs").value(file, ""), entry.line);
+    step.copies[kTreatmentEarlier] = folder_ / file;
+}
+
+}  // namespace tangi
