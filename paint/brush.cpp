@@ -16,6 +16,7 @@ namespace {
 constexpr int kMargin = 4;           // [pixels] around the contact for paint that is pushed out of it
 constexpr float kPressedOut = 0.3f;  // [1] of a blade's gap, at the lightest touch
 constexpr float kLightest = 0.15f;   // part of the dome that the lightest touch flattens
+constexpr double kSide_mm = 1.6;     // width of the sides, out of which paint is pressed: a few bristles
 // What is narrower than three pixels meets more or fewer of them as its place between them has it.
 constexpr double kLeastHalf_px = 1.5;
 
@@ -25,6 +26,8 @@ double length_along(const Dab& dab, double half_width, double half_thickness) {
     return 2 * std::sqrt(half_width * half_width * along * along +
                          half_thickness * half_thickness * (1 - along * along));
 }
+
+float flattened(float pressure) { return kLightest + (1 - kLightest) * pressure; }
 
 float gap_of(const BrushSettings& settings, float pressure) {
     return static_cast<float>(settings.gap_mm) * (1 - 0.3f * pressure);
@@ -256,6 +259,25 @@ double Brush::resolved_length_px(const Dab& dab) const {
     return length_along(dab, half_width_px_, half_thickness_px_);
 }
 
+BrushSides Brush::sides(const Dab& dab, int x0, int y0) const {
+    BrushSides sides;
+    if (dab.dx == 0 && dab.dy == 0) return sides;
+    double x, y;
+    contact_centre(dab, x, y);
+    sides.ax = -dab.dy;
+    sides.ay = dab.dx;
+    sides.a0 = static_cast<float>(sides.ax * (x0 - x) + sides.ay * (y0 - y));
+    const float c = std::cos(dab.rotation_rad), s = std::sin(dab.rotation_rad);
+    const float u = c * sides.ax + s * sides.ay, v = c * sides.ay - s * sides.ax;
+    const float widening = 1 + static_cast<float>(settings_.splay) * dab.pressure;
+    const float dome = flattened(dab.pressure);
+    sides.right_px = widening * tip_.reach_px(u, v, dome);
+    sides.left_px = widening * tip_.reach_px(-u, -v, dome);
+    sides.band_px = std::min(static_cast<float>(kSide_mm / mm_per_pixel_),
+                             0.5f * std::min(sides.left_px, sides.right_px));
+    return sides;
+}
+
 float Brush::ride_mm(float pressure) const {
     return gap_of(settings_, pressure) + static_cast<float>(BrushTip::kMeanShorter * settings_.groove_mm);
 }
@@ -289,7 +311,7 @@ void Brush::underside_mm(const Dab& dab, int x0, int y0, int width, int height, 
     contact_centre(dab, cx, cy);
     const float c = std::cos(dab.rotation_rad), s = std::sin(dab.rotation_rad);
     const float narrowing = 1 / (1 + static_cast<float>(settings_.splay) * dab.pressure);
-    const float touched = kLightest + (1 - kLightest) * dab.pressure;
+    const float touched = flattened(dab.pressure);
     const auto depth = static_cast<float>(settings_.depth_mm),
                groove = static_cast<float>(settings_.groove_mm);
     const float gap = gap_mm(dab.pressure);

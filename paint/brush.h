@@ -80,6 +80,9 @@ public:
     // They carry its volume, so their load is thinner by it.
     double coverage() const { return coverage_; }
 
+    // Where its sides are, in a box of pixels whose first is (x0, y0); none where it does not move.
+    BrushSides sides(const Dab& dab, int x0, int y0) const;
+
     // Turns the loads with the brush, to the nearest step of three pixels at its rim.
     void turn_to(float rotation_rad);
     // Where a stroke ends: what comes next depends on what is on the bristles only.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <string>
 
 #include "surface/noise.h"
@@ -13,6 +14,9 @@ namespace {
 using procedural::hash;
 using procedural::uniform;
 
+constexpr std::size_t kDirections = 96;  // of reach_px()
+constexpr float kInner = 0.5f;           // [1] of the dome: the other level that it knows
+constexpr float kPerDirection = 2 * std::numbers::pi_v<float> / kDirections;
 constexpr float kLying = 4;  // [1] length of a dragged bristle's mark over its width
 
 // 0 in the middle of the tip, 1 at its rim; u and v in half extents.
@@ -146,8 +150,43 @@ BrushTip::BrushTip(const BrushSettings& settings, double mm_per_pixel, double ha
     // A brush of few tufts has a hand's pressure and a palette's paint all the same.
     if (length > 0)
         for (float& shorter : shorter_) shorter *= static_cast<float>(kMeanShorter * area / length);
+    find_reach();
     const double variation = settings.load_variation;
     if (load > 0) fullness_ = static_cast<float>((1 - variation / 2) * load / (load - variation * lucky));
+}
+
+void BrushTip::find_reach() {
+    for (std::size_t level = 0; level < 2; ++level) {
+        std::vector<float>& reach = reach_px_[level];
+        reach.assign(kDirections, 0.0f);
+        for (int v = -half_v_; v <= half_v_; ++v) {
+            const auto fv = static_cast<float>(v);
+            int first = half_u_, last = -half_u_;
+            for (int u = -half_u_; u <= half_u_; ++u)
+                if (dome_at(static_cast<float>(u), fv) <= (level == 0 ? 1.0f : kInner))
+                    first = std::min(first, u), last = u;
+            for (const int u : {first, last}) {
+                if (first > last) continue;
+                for (std::size_t i = 0; i < kDirections; ++i) {
+                    const float angle = static_cast<float>(i) * kPerDirection;
+                    reach[i] = std::max(
+                        reach[i], std::cos(angle) * static_cast<float>(u) + std::sin(angle) * fv + 0.5f);
+                }
+            }
+        }
+    }
+}
+
+// Between the two levels as a power of the dome, which tips are.
+float BrushTip::reach_px(float u, float v, float dome) const {
+    const float at = std::atan2(v, u) / kPerDirection + static_cast<float>(kDirections);
+    const auto before = static_cast<std::size_t>(at);
+    const auto towards = [&](const std::vector<float>& reach) {
+        const float a = reach[before % kDirections], b = reach[(before + 1) % kDirections];
+        return std::max(a + (b - a) * (at - static_cast<float>(before)), 0.5f);
+    };
+    const float rim = towards(reach_px_[0]);
+    return rim * std::pow(towards(reach_px_[1]) / rim, std::log(std::max(dome, 1e-3f)) / std::log(kInner));
 }
 
 float BrushTip::fresh_load_mm(float u, float v) const {

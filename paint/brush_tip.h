@@ -2,6 +2,7 @@
 // bristles, and how much of each pixel it covers.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -25,6 +26,10 @@ public:
     int half_u() const { return half_u_; }  // [pixels] from the maps' middle to their border
     int half_v() const { return half_v_; }
 
+    // [pixels] How far the part of the tip whose dome is below this reaches from its middle towards a unit
+    // vector.
+    float reach_px(float u, float v, float dome) const;
+
     // [mm] Paint of a full load at a place [pixels from the middle]: load_mm in the middle, nothing at the
     // rim.
     float fresh_load_mm(float u, float v) const;
@@ -39,6 +44,7 @@ private:
         float cover = 0, load = 0, dome = 0;
     };
     Filled filled(int u, int v) const;
+    void find_reach();
 
     BrushSettings settings_;
     double mm_per_pixel_ = 1;
@@ -47,6 +53,8 @@ private:
     int half_u_ = 0, half_v_ = 0;
     std::vector<float> dome_, shorter_, cover_;  // TipMaps
     std::vector<float> load_;                    // [1] of the load in the middle
+    std::array<std::vector<float>, 2>
+        reach_px_;  // to the rim and to kInner, towards directions at equal angles
     float fullness_ = 1;                         // [1] what makes the whole load the same for any chance
 };
 

@@ -27,6 +27,11 @@ constexpr double kStill = 0.2;
 // of friction"), from nothing. What does not touch neither gives nor takes nor pushes.
 constexpr float kLightTouch = 0.15f;
 
+// Pressure drives paint out of the tuft and, under it, to the sides, where it stays as lips: of a film of
+// thickness h a cross-section of kSqueeze p h^2 at most while the contact passes, a ridge a few times as wide
+// as the film is thick. [1] Both at full pressure; kPress over the deposit.
+constexpr float kSqueeze = 12, kPress = 2;
+
 // [1] Pressing squeezes paint out of the tuft: deposit over that at a pressure of 0.6.
 double squeezing(float pressure) { return 0.55 + 0.75 * static_cast<double>(pressure); }
 
@@ -63,6 +68,9 @@ TransferRates rates_of(const Brush& brush, const Dab& dab, double mm_per_pixel) 
     const double cover = brush.coverage(), across = cover * resolved_px / length_px;
     TransferRates r = rates_of(s, mm_per_pixel);
     r.deposit = rate(s.deposit * squeezing(dab.pressure), length_px) * touch;
+    r.press = kPress * dab.pressure * touch;
+    r.squeeze_per_mm =
+        kSqueeze * dab.pressure * touch * dab.length_px / static_cast<float>(resolved_px * mm_per_pixel);
     r.pickup = rate(s.pickup, resolved_px) * static_cast<float>(across) * touch;
     r.push *= static_cast<float>(across) * touch;
     r.hold_mm = static_cast<float>(s.hold_mm * cover);

@@ -17,7 +17,7 @@ constexpr std::uint64_t kShifts = 29;  // of box_of(): any seed
 // [1] Where the brush turns, what one bristle leaves in a step and another takes in the next shows as rungs,
 // so steps are shorter than the rim's way alone asks for: that many times; and steps for each pixel of the
 // way at most, where it turns on the spot.
-constexpr double kRim = 4, kMostSteps = 4;
+constexpr double kRim = 1.5, kMostSteps = 2;
 
 constexpr double kStepsOfContact = 8, kShortest = 0.5;  // [1], and of the spacing
 
@@ -84,6 +84,7 @@ double one_step(PaintWindow& window, Brush& brush, const Dab& dab, const Region&
     brush.contact_centre(dab, x, y);
     const BrushMotion motion{dab.dx * dab.length_px, dab.dy * dab.length_px, dab.turn_rad,
                              static_cast<float>(x - box.x0), static_cast<float>(y - box.y0)};
+    step.sides = brush.sides(dab, box.x0, box.y0);
     exchange(step, rates, scratch);
     push(step, rates, motion, scratch);
     double pixels = 0;

@@ -14,6 +14,7 @@ namespace {
 constexpr int kParallelPixels = 128 * 128;  // smaller boxes are done before a second thread wakes up
 constexpr float kRounding =
     0.125f;  // [1] part of a peak that flows to each side: a chequerboard is flat at once
+constexpr float kMostSqueezed = 0.3f;  // [1] of a pixel's paint in one step, to each of two sides
 constexpr int kBandRows = 32;
 constexpr int kRing = 2;                                                   // [pixels] that give no paint
 constexpr int kLanes = 16;                                                 // pixels at once
@@ -50,10 +51,10 @@ TP_INLINE float downhill(const TransferRates& r, float w, float mobile, float pe
 }
 
 TP_VECTOR_CLONES
-void outflow_row(int n, const TransferRates& rates, const RowMotion& m, const float* __restrict underside,
-                 std::size_t underside_stride, const float* __restrict top, std::size_t top_stride,
-                 const float* __restrict total, const float* __restrict grain, std::size_t stride,
-                 const Outflow& out) {
+void outflow_row(int n, const TransferRates& rates, const RowMotion& m, const BrushSides& s,
+                 const float* __restrict underside, std::size_t underside_stride, const float* __restrict top,
+                 std::size_t top_stride, const float* __restrict total, const float* __restrict grain,
+                 std::size_t stride, const Outflow& out) {
     const TransferRates r = rates;  // a copy, which nothing that is written can change
     const float film = r.film_mm, push = r.push, spread = r.spread, tension = r.tension_mm,
                 still = r.still_mm;
@@ -66,6 +67,9 @@ void outflow_row(int n, const TransferRates& rates, const RowMotion& m, const fl
                 to_right = std::min(std::max(m.vx, 0.0f), 1.0f);
     const float across = to_left + to_right, forward = m.sx < 0 ? to_left : to_right, vy0 = m.vy,
                 turn = m.turn, sy = static_cast<float>(m.sy);
+    const float ax = s.ax, ay = s.ay, a0 = s.a0, right_px = s.right_px, left_px = s.left_px,
+                per_band = 1 / std::max(s.band_px, 1.0f), squeeze = s.band_px > 0 ? r.squeeze_per_mm : 0.0f,
+                both = std::abs(ax) + std::abs(ay);
     for (int x = 0; x < n; ++x) {
         // What lies where brushes may not work stays there.
         const float lying = total[x], w = grain[x] > 0 ? lying : 0.0f, part = 1 / (w + kTiny), here = top[x];
@@ -80,7 +84,17 @@ void outflow_row(int n, const TransferRates& rates, const RowMotion& m, const fl
         float d = downhill(r, w, mobile, peak_y, to_d, t_down2[x] - here) * part;
         // What the bristles push: along the motion, and to where they press less.
         const float excess = std::min(std::max(here - underside[x], 0.0f), std::max(w - film, 0.0f));
-        const float pushed = push * excess * part * (1 - (l + rr + u + d));
+        // What they squeeze out: the faster the nearer it is to where the pressure ends, and no further.
+        const float across_px = a0 + ax * static_cast<float>(x);
+        const float beyond_px = std::max(across_px - right_px, -across_px - left_px);
+        const float near = std::min(std::max(1 + beyond_px * per_band, 0.0f), 1.0f);
+        const float speed =
+            underside[x] < kOutside ? near * near * std::min(std::max(1 - beyond_px, 0.0f), 1.0f) : 0.0f;
+        const float rest = 1 - (l + rr + u + d);
+        const float squeezed = std::min(squeeze * std::max(w - film, 0.0f), kMostSqueezed) * speed * rest;
+        const float outwards = across_px > 0 ? squeezed : -squeezed, out_x = outwards * ax,
+                    out_y = outwards * ay;
+        const float pushed = push * excess * part * (rest - squeezed * both);
         const float gx =
             spread * std::min(std::max((underside[x + 1] - underside[x - 1]) * 4.0f, -1.0f), 1.0f);
         const float gy = spread * std::min(std::max((b_down[x] - b_up[x]) * 4.0f, -1.0f), 1.0f);
@@ -92,6 +106,10 @@ void outflow_row(int n, const TransferRates& rates, const RowMotion& m, const fl
         rr += (to_right * beside + std::max(gx, 0.0f)) * scale;
         u += (std::max(-vy, 0.0f) * straight + std::max(-gy, 0.0f)) * scale;
         d += (std::max(vy, 0.0f) * straight + std::max(gy, 0.0f)) * scale;
+        l += std::max(-out_x, 0.0f);
+        rr += std::max(out_x, 0.0f);
+        u += std::max(-out_y, 0.0f);
+        d += std::max(out_y, 0.0f);
         // Nothing leaves the canvas.
         left[x] = grain[x - 1] > 0 ? l : 0.0f;
         right[x] = grain[x + 1] > 0 ? rr : 0.0f;
@@ -294,7 +312,7 @@ private:
                 heading_.sx, heading_.sy, motion_.dx - motion_.turn_rad * (static_cast<float>(y) - motion_.y),
                 motion_.dy + motion_.turn_rad * (static_cast<float>(whole.begin) - motion_.x),
                 motion_.turn_rad};
-            outflow_row(whole.end - whole.begin, rates_, motion,
+            outflow_row(whole.end - whole.begin, rates_, motion, box_.sides.row_from(whole.begin, y),
                         box_.underside_mm + at(y, box_.underside_stride) + first, box_.underside_stride,
                         spans_.top.data() + at(y, top_stride) + first, top_stride, box_.total_mm + canvas,
                         box_.grain + canvas, box_.canvas_stride, from(out, first));

@@ -11,6 +11,8 @@
 #include <cstddef>
 #include <vector>
 
+#include "paint/brush_sides.h"
+
 namespace tangi {
 
 // Rates for one step of the brush, which is one pixel long at most.
@@ -24,6 +26,9 @@ struct TransferRates {
     float load_reach = 0;  // [1] further gap for each mm of load: wet paint bridges what is dry
     float ride_mm = 0;     // [mm] >= 0: mean height of the bristles over what they touch, on paint enough
     float tip_mm = 1e9f;   // [mm] > 0: load at the tips, which gives and bridges; what is more waits above
+    float press = 0;       // [1] by how much more bristles give at the sides
+    // [1/mm] Part of the paint under the sides that is squeezed out to one pixel further, for each mm of it.
+    float squeeze_per_mm = 0;
     float spread = 0;      // [1] how much of the pushing goes towards where the brush presses less, 0..1
     float yield_mm = 0;    // [mm] step between neighbours that paint holds; more of it flows down
     float flow = 0;        // [1] part of what is more that flows in one step, 0..0.2
@@ -57,6 +62,7 @@ struct StepBox {
     float* load_total_mm = nullptr;  // L, sum of `load`
     std::size_t load_stride = 0;
     std::vector<float*> load;  // L of each ingredient, in the same order
+    BrushSides sides;
 };
 
 constexpr int kFlowMargin = 3;    // [pixels]

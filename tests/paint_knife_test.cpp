@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "paint/stroke.h"
+#include "tests/paint_samples.h"
 #include "tests/paint_support.h"
 
 namespace tangi {
@@ -31,10 +32,7 @@ Sheet knife_sheet(double degrees, double pixel_mm) {
     const auto at = [&](double along, double across) {
         const double x = (along * c - across * s) / pixel_mm + (mm.width() - 1) / 2.0,
                      y = (mm.height() - 1) / 2.0 - (along * s + across * c) / pixel_mm;
-        const int ix = static_cast<int>(x), iy = static_cast<int>(y);
-        const double fx = x - ix, fy = y - iy;
-        return (mm(ix, iy) * (1 - fx) + mm(ix + 1, iy) * fx) * (1 - fy) +
-               (mm(ix, iy + 1) * (1 - fx) + mm(ix + 1, iy + 1) * fx) * fy;
+        return sampled(mm, x, y);
     };
     Sheet sheet;
     const double step = 2 * pixel_mm;

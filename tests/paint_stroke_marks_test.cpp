@@ -3,9 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <numbers>
+#include <numeric>
 
 #include "paint/stroke.h"
 #include "paint/substrate.h"
+#include "tests/paint_samples.h"
 #include "tests/paint_support.h"
 #include "tests/test_support.h"
 
@@ -25,6 +27,45 @@ TEST(StrokeMarks, LeavesARidgeWhereItEnds) {
     for (int x = 168; x < 190; ++x) end = std::max(end, mm(x, 40));
     EXPECT_GT(body, 0.03f);
     EXPECT_GT(end, 1.3f * body);
+}
+
+// What bristles or a blade press out stays as a lip at either side, on a dry ground too, where there is paint
+// enough.
+TEST(StrokeMarks, PressesOutLipsAtItsSides) {
+    // The highest within 1.5 mm of the print's ends over the mean of what lies 2 to 4 mm further in, without
+    // tufts.
+    const auto lip = [](const char* preset, double load, double pressure) {
+        constexpr double pixel_mm = 0.125;
+        auto ground = std::make_shared<Surface>(480, 200);
+        ground->mm_per_pixel = pixel_mm;
+        ground->scale_known = true;
+        Canvas canvas(ground);
+        const auto white = add_paint(canvas, "Titanium White");
+        BrushSettings settings = brush_presets().at(preset);
+        settings.size_mm = 14;
+        settings.groove_mm = settings.load_variation = settings.grain = 0;
+        Brush brush(settings, pixel_mm, 1);
+        brush.load({{white, 1}}, load);
+        stroke(canvas, brush, {-25, 0}, {25, 0}, pressure);
+        const Image<float> mm = thickness_of(canvas);
+        std::vector<double> across;  // where the stroke has gone some 10 mm
+        for (int y = 0; y < mm.height(); ++y) {
+            across.push_back(0);
+            for (int x = 120; x < 160; ++x) across.back() += mm(x, y) / 40;
+        }
+        const auto lies = [](double there) { return there > 0.005; };
+        const auto first = std::find_if(across.begin(), across.end(), lies);
+        const auto last = std::find_if(across.rbegin(), across.rend(), lies).base();
+        if (last - first < 70) return 0.0;
+        const double sum =
+            std::accumulate(first + 16, first + 32, 0.0) + std::accumulate(last - 32, last - 16, 0.0);
+        return (*std::max_element(first, first + 12) + *std::max_element(last - 12, last)) / 2 / (sum / 32);
+    };
+    for (const char* preset : {"round", "flat", "filbert", "knife"}) {
+        // A brush's dome alone makes 1.6 to 2.0: bristles rise towards the rim. A blade's edge is straight.
+        EXPECT_GT(lip(preset, 1.5, 0.7), std::string(preset) == "knife" ? 1.1 : 2.5) << preset;
+        EXPECT_LT(lip(preset, 0.1, 0.7), 1.1) << preset;
+    }
 }
 
 TEST(StrokeMarks, BristlesLeaveStreaksAlongIt) {
@@ -64,10 +105,7 @@ TEST(StrokeMarks, ATurningBrushLeavesCleanStreaks) {
         const Image<float> mm = thickness_of(canvas);
         const auto at = [&](double r, double angle) {
             const double x = 179.5 + r * std::cos(angle), y = 179.5 + 5 / kTestPixel - r * std::sin(angle);
-            const int ix = static_cast<int>(x), iy = static_cast<int>(y);
-            const double fx = x - ix, fy = y - iy;
-            return (mm(ix, iy) * (1 - fx) + mm(ix + 1, iy) * fx) * (1 - fy) +
-                   (mm(ix, iy + 1) * (1 - fx) + mm(ix + 1, iy + 1) * fx) * fy;
+            return sampled(mm, x, y);
         };
         // Curvature over two pixels, along the stroke and across.
         double along = 0, across = 0, count = 0;
@@ -177,10 +215,7 @@ TEST(StrokeMarks, TurningItTurnsTheResult) {
             for (int x = 30; x < 130; ++x) {
                 const double dx = x - 79.5, dy = 79.5 - y, tx = c * dx - s * dy + 79.5,
                              ty = 79.5 - (s * dx + c * dy);
-                const int ix = static_cast<int>(tx), iy = static_cast<int>(ty);
-                const double fx = tx - ix, fy = ty - iy;
-                const double value = (turned(ix, iy) * (1 - fx) + turned(ix + 1, iy) * fx) * (1 - fy) +
-                                     (turned(ix, iy + 1) * (1 - fx) + turned(ix + 1, iy + 1) * fx) * fy;
+                const double value = sampled(turned, tx, ty);
                 difference += std::pow(value - straight(x, y), 2);
                 size += std::pow(straight(x, y), 2);
                 sum += value;
