@@ -100,10 +100,13 @@ TEST_F(Panels, ProfileAndStatisticsLieBesideEachOther) {
         frames(panels::measurements);
         for (const bool ruler : {ruler_first, !ruler_first}) {
             if (ruler) {
-                state_.profile = HeightProfile{.step_mm = 1, .height_mm = {0, 1, 0}};
+                state_.profile.emplace();
+                state_.profile->height_mm = {0, 1, 0};
             } else {
                 state_.region = Region{0, 0, 10, 10};
-                state_.statistics = RegionStatistics{.region = *state_.region, .pixels = 100};
+                state_.statistics.emplace();
+                state_.statistics->region = *state_.region;
+                state_.statistics->pixels = 100;
             }
             frames(panels::measurements);
         }
