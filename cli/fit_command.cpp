@@ -212,10 +212,14 @@ nlohmann::json run_fit(FitArguments arguments, const Progress& progress) {
 
 }  // namespace
 
-nlohmann::json fit_folder(const std::filesystem::path& folder, const std::filesystem::path& out,
+nlohmann::json fit_folder(const std::filesystem::path& photographs, const std::filesystem::path& out,
                           const Progress& progress) {
     FitArguments arguments;
-    arguments.photos.folder = folder;
+    arguments.photos.folder = photographs;
+    if (std::filesystem::is_regular_file(photographs)) {
+        arguments.photos.lights = photographs;
+        arguments.photos.folder = std::filesystem::absolute(photographs).parent_path();
+    }
     arguments.out = out;
     return run_fit(arguments, progress);
 }

@@ -8,8 +8,9 @@
 
 namespace tangi {
 
-// As `tangipaint fit FOLDER --out OUT`: its result. Throws Error, Cancelled.
-nlohmann::json fit_folder(const std::filesystem::path& folder, const std::filesystem::path& out,
+// As `tangipaint fit FOLDER --out OUT`, or of a lights file `fit ITS_FOLDER --lights FILE --out OUT`: its
+// result. Throws Error, Cancelled.
+nlohmann::json fit_folder(const std::filesystem::path& photographs, const std::filesystem::path& out,
                           const Progress& progress);
 
 }  // namespace tangi

@@ -63,8 +63,8 @@ Workshop workshop_of(const PaintArguments& a) {
         arguments.folder = folder;
         return open_photo_book(arguments, std::move(dry), painting, progress);
     };
-    workshop.fit = [](const fs::path& folder, const fs::path& out, const Progress& progress) {
-        const nlohmann::json result = fit_folder(folder, out, progress);
+    workshop.fit = [](const fs::path& photographs, const fs::path& out, const Progress& progress) {
+        const nlohmann::json result = fit_folder(photographs, out, progress);
         const auto& reasons = result["poor"].empty() ? result["warnings"] : result["poor"];
         return reasons.empty() ? std::string() : reasons.front().get<std::string>();
     };

@@ -51,6 +51,11 @@ Region box_of(const Brush& brush, const Dab& dab) {
     return {x - half_x, y - half_y, x + half_x + 1, y + half_y + 1};
 }
 
+bool touches(const Region& box, const Canvas& canvas) {
+    const Region all = canvas.region();
+    return box.x0 < all.x1 && box.x1 > all.x0 && box.y0 < all.y1 && box.y1 > all.y0;
+}
+
 Region united(const Region& a, const Region& b) {
     if (a.empty()) return b;
     return {std::min(a.x0, b.x0), std::min(a.y0, b.y0), std::max(a.x1, b.x1), std::max(a.y1, b.y1)};
@@ -101,6 +106,11 @@ double paint_dabs(Canvas& canvas, Brush& brush, std::span<const Dab> dabs, std::
     StepBox step;
     // Windows as large as some steps take; dividing the steps otherwise would not change the result.
     for (std::size_t begin = 0; begin < dabs.size();) {
+        // Beside the canvas a brush is in the air, and keeps its paint.
+        if (!touches(box_of(brush, dabs[begin]), canvas)) {
+            ++begin;
+            continue;
+        }
         Region window_region{};
         std::size_t end = begin;
         for (; end < dabs.size() && end < begin + 64; ++end) {
@@ -112,6 +122,7 @@ double paint_dabs(Canvas& canvas, Brush& brush, std::span<const Dab> dabs, std::
         PaintWindow window(canvas, window_region, brush.ingredients(), ride, brush.settings().grain, seed);
         for (std::size_t i = begin; i < end; ++i) {
             const Region box = box_of(brush, dabs[i]);
+            if (!touches(box, canvas)) continue;
             pixels += one_step(window, brush, dabs[i], box, canvas.mm_per_pixel(), underside, step, scratch);
         }
         window.store(canvas);

@@ -229,6 +229,24 @@ TEST(Stroke, AtNoPressureNothingIsTransferredAndAtLittleLittle) {
     EXPECT_EQ(grazing.volumes_mm3(1)[0], 0);
 }
 
+// On its way beside the canvas, which may be long and the brush large, it takes no time and changes nothing.
+TEST(Stroke, BesideTheCanvasABrushKeepsItsPaintAsItIs) {
+    Canvas canvas = flat_canvas();
+    Brush brush(even_brush(), kTestPixel, 1);
+    brush.load({{add_paint(canvas, "Pyrrole Red"), 1}}, 1);
+    stroke(canvas, brush, {-8, 0}, {8, 0});
+    brush.turn_to(0.3f);
+    const auto before = brush.bristles();
+    const Canvas painted = canvas;
+    std::vector<Dab> dabs;
+    for (int i = 0; i < 500; ++i)
+        dabs.push_back({.x = 400.0 + i, .y = -300, .rotation_rad = 0.01f * static_cast<float>(i), .step = i});
+    StepScratch scratch;
+    EXPECT_EQ(paint_dabs(canvas, brush, dabs, 1, scratch), 0) << "pixels under the brush";
+    EXPECT_EQ(brush.bristles().mm, before.mm);
+    EXPECT_EQ(canvas.wet().painted(), painted.wet().painted());
+}
+
 TEST(Stroke, IsWatchedAtTheTimesAskedForAndPaintsTheSame) {
     const auto paint = [](Canvas& canvas, Stroke::Look look) {
         Brush brush(brush_presets().at("flat"), kTestPixel, 4);

@@ -301,6 +301,58 @@ TEST_F(PainterTest, SavingKeepsWhatOtherModulesHaveInTheFile) {
     }
 }
 
+// Another window has the painting: here it is looked at, and neither its journal nor its file is touched.
+TEST_F(PainterTest, APaintingIsPaintedInOneWindow) {
+    write_painting(file_, *flat_surface(200, 150));
+    open();
+    stroke(0);
+    EXPECT_FALSE(settle().state.elsewhere);
+    const std::string before = bytes_of(file_), journal = bytes_of(folder_ / "a.unsaved.jsonl");
+    const std::unique_ptr<Painter> first = std::move(painter_);
+    open();
+    EXPECT_TRUE(settle().state.elsewhere);
+    stroke(5);
+    painter_->save();
+    PainterNews news = settle();
+    EXPECT_FALSE(news.state.unsaved);
+    ASSERT_FALSE(news.messages.empty());
+    EXPECT_THAT(news.messages, testing::Each("a.exr is open in another window: paint there, or save it under "
+                                             "another name here"));
+    EXPECT_THROW(painter_->change([](Canvas&) {}).get(), Error);
+    EXPECT_EQ(bytes_of(file_), before);
+    EXPECT_EQ(bytes_of(folder_ / "a.unsaved.jsonl"), journal);
+
+    // Under a name of its own it is painted on; the other's journal stays.
+    painter_->save_as(folder_ / "b.exr");
+    EXPECT_FALSE(settle().state.elsewhere);
+    stroke(5);
+    EXPECT_TRUE(settle().state.unsaved);
+    EXPECT_TRUE(fs::exists(folder_ / "b.unsaved.jsonl"));
+    EXPECT_EQ(bytes_of(folder_ / "a.unsaved.jsonl"), journal);
+
+    // The first one keeps what it has, though saving makes a new file of it, and does not write over the
+    // other's.
+    first->save();
+    first->wait();
+    painter_->save_as(file_);
+    EXPECT_THAT(settle().messages, testing::Contains("a.exr is open in another window: choose another name"));
+    first->save_as(folder_ / "d.exr");
+    first->wait();
+    painter_->save_as(file_);
+    EXPECT_EQ(settle().state.saves, 2) << "nobody's by now";
+}
+
+TEST_F(PainterTest, ItsOwnNameSpelledOtherwiseIsItsOwn) {
+    write_painting(file_, *flat_surface(200, 150));
+    open();
+    stroke(0);
+    painter_->save_as(folder_.path() / "." / "a.exr");
+    EXPECT_EQ(settle().state.saves, 1);
+    EXPECT_EQ(painter_->file(), file_);
+    EXPECT_TRUE(fs::exists(folder_ / "a.strokes.jsonl"));
+    EXPECT_FALSE(fs::exists(folder_ / "a.discarded.jsonl"));
+}
+
 TEST_F(PainterTest, SavedUnderAnotherNameTheRecordGoesAlong) {
     write_painting(file_, *flat_surface(200, 150));
     const std::string before = bytes_of(file_);

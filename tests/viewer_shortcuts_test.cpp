@@ -111,6 +111,14 @@ TEST(FileDialog, UnderstandsWhatIsTyped) {
     EXPECT_FALSE(choice(Wants::new_file, "b").exists);
     EXPECT_TRUE(choice(Wants::new_file, "a.exr").exists) << "to be asked about";
     EXPECT_NE(choice(Wants::new_file, "nowhere/b.exr").complaint, "");
+    EXPECT_EQ(choice(Wants::new_folder, "").path, folder.path());
+    EXPECT_EQ(choice(Wants::new_folder, "report").path, folder / "report") << "it is made";
+    EXPECT_NE(choice(Wants::new_folder, "nowhere/report").complaint, "");
+    EXPECT_NE(choice(Wants::new_folder, "a.exr").complaint, "");
+    EXPECT_EQ(choice(Wants::folder_or_file, "a.exr").path, folder / "a.exr");
+    EXPECT_EQ(choice(Wants::folder_or_file, "photos").path, folder / "photos");
+    write_text_file(folder / "a.txt", "x");
+    EXPECT_NE(choice(Wants::folder_or_file, "a.txt").complaint, "");
 }
 
 }  // namespace

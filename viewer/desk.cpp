@@ -78,11 +78,12 @@ void Desk::use_palette(Palette palette) {
     other_palette_ = true;
 }
 
-void Desk::fit(const fs::path& folder) {
+void Desk::fit(const fs::path& chosen) {
+    const fs::path folder = fs::is_regular_file(chosen) ? fs::absolute(chosen).parent_path() : chosen;
     const fs::path out = place_for_fit(folder);
     start(fmt::format("fitting {}", folder.filename().string()),
-          [this, folder, out](const Progress& progress) {
-              std::string said = setup_.workshop.fit(folder, out, progress);
+          [this, chosen, out](const Progress& progress) {
+              std::string said = setup_.workshop.fit(chosen, out, progress);
               fitted_ = {out, std::move(said)};
           });
 }

@@ -51,7 +51,7 @@ public:
     void hold_photos(const std::filesystem::path& folder, const Painter& painter);
 
 private:
-    void fit(const std::filesystem::path& folder);
+    void fit(const std::filesystem::path& chosen);
     void step(int by);
     void turn_to(int index);
     void put_photos_away();

@@ -201,6 +201,11 @@ bool Hand::begin_stroke(const InputEvent& event, bool on_painting) {
         state_.message_until_s = event.time_s + 5;
         return false;
     }
+    if (state_.painter.elsewhere) {
+        state_.message = "it is open in another window: paint there, or save it under another name here";
+        state_.message_until_s = event.time_s + 5;
+        return false;
+    }
     if (!state_.treating.no_strokes.empty()) {
         state_.message = state_.treating.no_strokes;
         state_.message_until_s = event.time_s + 5;

@@ -61,6 +61,9 @@ std::filesystem::path Painter::file() const {
 
 void Painter::start(std::shared_ptr<TexelTiles> tiles) {
     tiles_ = std::move(tiles);
+    // Not before: what is opened again is the window's own until then.
+    own_.elsewhere = !file_is_new_ && !claim_.take(file_);
+    news_.state = own_;
     thread_ = std::thread([this] { work(); });
 }
 
@@ -218,7 +221,15 @@ void Painter::record(const Event& event) {
     }
 }
 
+// Two windows would write one journal, and the one that saves last would undo what the other one saved.
+void Painter::refuse_elsewhere() const {
+    if (own_.elsewhere)
+        fail("{} is open in another window: paint there, or save it under another name here",
+             record_.files().painting.filename().string());
+}
+
 void Painter::apply(const Event& event, bool recorded) {
+    refuse_elsewhere();
     // Nothing is recorded that a replay would stumble over.
     const bool undo = std::holds_alternative<UndoEvent>(event);
     if (undo || std::holds_alternative<RedoEvent>(event)) {
@@ -228,8 +239,12 @@ void Painter::apply(const Event& event, bool recorded) {
             fail("there is nothing to {}", undo ? "undo" : "redo");
     }
     if (file_is_new_) {
-        write_canvas(record_.files().painting, session_.canvas());
+        const std::filesystem::path& painting = record_.files().painting;
+        if (std::filesystem::exists(painting))
+            fail("{} has come to be there meanwhile: save under another name", painting.filename().string());
+        write_canvas(painting, session_.canvas());
         file_is_new_ = false;
+        claim_.take(painting);
     }
     if (!recorded) record(event);
     own_.unsaved = true;
@@ -267,6 +282,9 @@ void Painter::write(const std::filesystem::path& to) {
     if (hurry_)
         fail("{} was not saved; its strokes can be recovered when it is opened again",
              from.filename().string());
+    if (to == from) refuse_elsewhere();
+    if (PaintingClaim there; to != from && !there.take(to))
+        fail("{} is open in another window: choose another name", to.filename().string());
     session_.finish();
     record_.let_time_pass();
     if (keep_ && to == from) {
@@ -286,10 +304,14 @@ void Painter::write(const std::filesystem::path& to) {
         say(fmt::format("saved {}", to.filename().string()));
     }
     file_is_new_ = false;
+    const bool is_of_another = own_.elsewhere;
+    own_.elsewhere = !claim_.take(to);
     own_.unsaved = false;
     ++own_.saves;
     if (to == from)
         record_.put_away();
+    else if (is_of_another)
+        record_.leave_for(sitting_files(to));
     else
         record_.move_to(sitting_files(to));
     const std::lock_guard lock(mutex_);
@@ -307,7 +329,11 @@ void Painter::save_as(const std::filesystem::path& to) {
             news_.state.saving = true;
         }
         wake_();
-        guarded([&] { write(to.empty() ? record_.files().painting : to); });
+        guarded([&] {
+            const std::filesystem::path& own = record_.files().painting;
+            std::error_code none;
+            write(to.empty() || std::filesystem::equivalent(to, own, none) ? own : to);
+        });
         own_.saving = false;
         --saves_waiting_;
     });

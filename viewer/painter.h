@@ -22,6 +22,7 @@
 #include "viewer/board_picture.h"
 #include "viewer/horizon.h"
 #include "viewer/measure.h"
+#include "viewer/painting_claim.h"
 #include "viewer/sitting.h"
 #include "viewer/texels.h"
 
@@ -45,6 +46,7 @@ struct Probe {
 
 struct PainterState {
     bool can_undo = false, can_redo = false, unsaved = false, saving = false, has_board = false;
+    bool elsewhere = false;  // it is open in another window: here one may look
     int strokes = 0, undone = 0, saves = 0;
     std::vector<std::string> layers;     // dried, from the bottom up
     std::size_t waiting = 0;             // events not painted yet
@@ -83,7 +85,8 @@ public:
     std::filesystem::path file() const;
     const std::shared_ptr<const Surface>& dry() const { return dry_; }
 
-    // Takes on the tiles that were made of surface(), and keeps them up to date.
+    // Takes on the tiles that were made of surface(), and keeps them up to date. The painting is this
+    // window's from then on, unless another one has it.
     void start(std::shared_ptr<TexelTiles> tiles);
 
     void send(Event event);
@@ -124,6 +127,7 @@ private:
     void post(std::function<void()> job);
     void apply(const Event& event, bool recorded);
     void record(const Event& event);
+    void refuse_elsewhere() const;
     void show_changes();
     Surface& own_surface();
     void show_board();
@@ -145,6 +149,7 @@ private:
     TexelRange range_;
     double mm_per_pixel_;
     SittingRecord record_;
+    PaintingClaim claim_;
     bool file_is_new_, told_of_journal_ = false;
     PainterState own_;
     std::optional<Canvas> shown_;  // instead of the session's

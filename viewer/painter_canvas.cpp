@@ -84,10 +84,13 @@ std::future<void> Painter::change(std::function<void(Canvas&)> work) {
     post([this, promise, work = std::move(work)] {
         try {
             if (hurry_) throw Cancelled();
+            refuse_elsewhere();
             session_.finish();
             Canvas next = session_.canvas();
             next.confine({});
             work(next);
+            // A step of a treatment writes the file anew.
+            own_.elsewhere = !claim_.take(record_.files().painting);
             adopt(std::move(next));
             promise->set_value();
         } catch (...) {

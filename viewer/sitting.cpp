@@ -112,4 +112,14 @@ void SittingRecord::move_to(const SittingFiles& files) {
     files_ = files;
 }
 
+void SittingRecord::leave_for(const SittingFiles& files) {
+    writer_.reset();
+    put_aside(files);
+    if (fs::exists(files_.record))
+        write_text_file(files.record, read_text_file(files_.record));
+    else
+        fs::remove(files.record);
+    files_ = files;
+}
+
 }  // namespace tangi

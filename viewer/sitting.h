@@ -40,6 +40,8 @@ public:
     // After the painting was saved under another name, which it has from now on: its record is what was
     // recorded so far. A journal that another painting of that name left is put aside, as by discard().
     void move_to(const SittingFiles& files);
+    // The same where the painting so far is another window's, whose journal stays with it.
+    void leave_for(const SittingFiles& files);
 
 private:
     // `maybe_there`: it may be at the record's end already.

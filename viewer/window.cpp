@@ -316,7 +316,9 @@ WindowResult WindowApp::run() {
         }
     }
     hand_->let_go();
-    painter_->hurry(false);
+    // Who ends programs kills them soon afterwards: what waits goes into the journal at once, though it was
+    // to be saved.
+    painter_->hurry(stop_wanted_ && stop_wanted_());
     tally();
     result_.tilt_deg = state_.tilt.angle_deg;
     result_.light_azimuth_deg = state_.lamps.front().angles.azimuth_deg;

@@ -168,12 +168,13 @@ void WindowApp::show(OpenedPainting opened, bool is_first) {
     state_.board = {};
     glfwSetWindowTitle(window_.handle(), fmt::format("{} - TangiPaint", state_.title).c_str());
     renderer_.set_painting(opened.tiles, surface.mm_per_pixel);
-    find_left_over(opened.file);
     state_.view = fitted(state_.painting, pane(state_, screen_));
     warm_up();
     painter_->start(std::move(opened.tiles));
     painter_->make_horizon();
     state_.painter = painter_->fetch().state;
+    // The journal of another window is no left-over.
+    if (!state_.painter.elsewhere) find_left_over(opened.file);
     desk_->shows(*painter_);
     treating_->shows(*painter_);
     fitted_ = ready_to_paint_ = false;

@@ -261,14 +261,15 @@ void WindowApp::dialogs(const WindowState::Requests& ask) {
     else if (ask.photos_dialog)
         choose("The folder of photographs", FileDialog::Wants::folder, here, &Requests::photos);
     if (ask.fit_dialog)
-        choose("Fit the photographs of a folder", FileDialog::Wants::folder, here, &Requests::fit_folder);
+        choose("Fit the photographs of a folder, or of a lights file", FileDialog::Wants::folder_or_file,
+               here, &Requests::fit_folder, ".lp");
     if (ask.palette_dialog)
         choose("Another paint box", FileDialog::Wants::file, here, &Requests::palette, ".json");
     if (ask.film_dialog)
         choose("A film of the lamp going round", FileDialog::Wants::new_file,
                here / (painter_->file().stem().string() + "-sweep.mp4"), &Requests::film, ".mp4");
     if (ask.report_dialog)
-        choose("A folder for the report", FileDialog::Wants::folder, here, &Requests::report);
+        choose("A folder for the report", FileDialog::Wants::new_folder, here, &Requests::report);
 }
 
 void WindowApp::requests() {

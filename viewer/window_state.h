@@ -78,6 +78,7 @@ struct Comparing {
     float divider = 0.5f;      // [1] of the screen's width: the photograph is left of it
     bool blink_photo = false;  // what is shown at this moment
     float blink_s = 0.6f;
+    int scrolled_to = -1;  // the photograph that the list was scrolled to
 
     std::optional<HeldPair> pair;  // held up instead of photographs
 

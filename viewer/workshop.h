@@ -20,9 +20,9 @@ struct Workshop {
                                              std::shared_ptr<const Surface> dry,
                                              const std::filesystem::path& file, const Progress& progress)>
         open_photos{};
-    // Fits a painting to the photographs of a folder and writes it to `out`; what is to be said about it, or
-    // nothing. Throws Error, Cancelled.
-    std::function<std::string(const std::filesystem::path& folder, const std::filesystem::path& out,
+    // Fits a painting to the photographs of a folder, or to those that a lights file lists, and writes it to
+    // `out`; what is to be said about it, or nothing. Throws Error, Cancelled.
+    std::function<std::string(const std::filesystem::path& photographs, const std::filesystem::path& out,
                               const Progress& progress)>
         fit{};
 };

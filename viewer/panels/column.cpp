@@ -70,6 +70,10 @@ void file(WindowState& s) {
                             s.painting.width * s.mm_per_pixel, s.painting.height * s.mm_per_pixel);
     else if (s.painting.width > 0)  // not while it is opened
         ImGui::TextDisabled("%d × %d pixels, scale unknown", s.painting.width, s.painting.height);
+    if (s.painter.elsewhere) {
+        ImGui::TextColored({1, 0.8f, 0.3f, 1}, "Open in another window: look only.");
+        tip("Paint there; or save it under another name here, and paint on that");
+    }
     if (s.left_over_strokes > 0) {
         ImGui::TextColored({1, 0.8f, 0.3f, 1}, "A sitting ended without saving.");
         if (ImGui::Button(fmt::format("Recover {} strokes (Enter)", s.left_over_strokes).c_str()))

@@ -3,6 +3,7 @@
 #include <imgui.h>
 
 #include <cmath>
+#include <utility>
 
 #include "viewer/panels/panels.h"
 
@@ -79,7 +80,9 @@ void list(WindowState& s) {
             s.ask.photo = index;
             c.on = true;
         }
-        if (index == c.news.wanted && !ImGui::IsItemVisible()) ImGui::SetScrollHereY();
+        // Once, when it is chosen: else nobody could scroll away from it.
+        if (index == c.news.wanted && std::exchange(c.scrolled_to, index) != index && !ImGui::IsItemVisible())
+            ImGui::SetScrollHereY();
         if (!whole && ImGui::IsItemHovered(ImGuiHoveredFlags_AllowWhenDisabled))
             ImGui::SetTooltip("%s", broken->second.c_str());
     }

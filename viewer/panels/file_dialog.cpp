@@ -34,7 +34,8 @@ void FileDialog::go_to(const fs::path& folder) {
         if (name.starts_with('.')) continue;
         if (entry->is_directory(gone))
             folders_.push_back(name);
-        else if (wants_ != Wants::folder && lower_extension(entry->path()) == ending_)
+        else if (wants_ != Wants::folder && wants_ != Wants::new_folder &&
+                 lower_extension(entry->path()) == ending_)
             files_.push_back(name);
     }
     complaint_ = error ? fmt::format("cannot be listed: {}", error.message()) : "";
@@ -44,8 +45,8 @@ void FileDialog::go_to(const fs::path& folder) {
 
 FileDialog::Choice FileDialog::choice(Wants wants, const std::string& ending, const fs::path& folder,
                                       const std::string& typed) {
-    if (typed.empty())
-        return wants == Wants::folder ? Choice{folder, "", true} : Choice{{}, "type or click a name", false};
+    const bool is_named = wants == Wants::file || wants == Wants::new_file;
+    if (typed.empty()) return is_named ? Choice{{}, "type or click a name", false} : Choice{folder, "", true};
     fs::path path = typed.starts_with('/') ? fs::path(typed) : folder / typed;
     std::error_code gone;
     if (wants == Wants::new_file) {
@@ -54,8 +55,16 @@ FileDialog::Choice FileDialog::choice(Wants wants, const std::string& ending, co
         if (!fs::is_directory(path.parent_path(), gone)) return {{}, "there is no such folder", false};
         return {path, "", fs::exists(path, gone)};
     }
-    if (!fs::exists(path, gone)) return {{}, "there is no such file or folder", false};
-    if (wants == Wants::folder && !fs::is_directory(path, gone)) return {{}, "that is no folder", true};
+    if (!fs::exists(path, gone)) {
+        if (wants == Wants::new_folder && fs::is_directory(path.parent_path(), gone))
+            return {path, "", false};
+        return {{}, "there is no such file or folder", false};
+    }
+    const bool is_folder = fs::is_directory(path, gone);
+    if ((wants == Wants::folder || wants == Wants::new_folder) && !is_folder)
+        return {{}, "that is no folder", true};
+    if (wants == Wants::folder_or_file && !is_folder && lower_extension(path) != ending)
+        return {{}, fmt::format("that is neither a folder nor a file that ends in {}", ending), true};
     return {path, "", true};
 }
 
@@ -94,8 +103,8 @@ bool FileDialog::draw() {
     for (const std::string& name : folders_) {
         if (!ImGui::Selectable((name + "/").c_str(), typed_ == name, ImGuiSelectableFlags_AllowDoubleClick))
             continue;
-        if (wants_ == Wants::folder) typed_ = name;
-        if (wants_ != Wants::folder || ImGui::IsMouseDoubleClicked(0)) next = folder_ / name;
+        if (takes_folders()) typed_ = name;
+        if (!takes_folders() || ImGui::IsMouseDoubleClicked(0)) next = folder_ / name;
     }
     for (const std::string& name : files_)
         if (ImGui::Selectable(name.c_str(), typed_ == name, ImGuiSelectableFlags_AllowDoubleClick)) {
@@ -110,14 +119,18 @@ bool FileDialog::draw() {
     if (focus_) ImGui::SetKeyboardFocusHere();
     since_focus_ = std::exchange(focus_, false) ? 1 : since_focus_ + 1;
     ImGui::PushItemWidth(-1);
-    const char* hint = wants_ == Wants::folder ? "this folder, or the name of one" : "name, or a whole path";
+    const char* hint = wants_ == Wants::folder       ? "this folder, or the name of one"
+                       : wants_ == Wants::new_folder ? "this folder, or the name of one, or of a new one"
+                       : wants_ == Wants::folder_or_file
+                           ? "this folder, or the name of one, or of a file above"
+                           : "name, or a whole path";
     ImGui::InputTextWithHint("##name", hint, &typed_);
     if (std::exchange(entered_, false)) {
         done = accept();
         focus_ = !done;
     }
     ImGui::PopItemWidth();
-    const char* verb = wants_ == Wants::new_file ? "Save" : wants_ == Wants::folder ? "Choose" : "Open";
+    const char* verb = wants_ == Wants::new_file ? "Save" : takes_folders() ? "Choose" : "Open";
     if (ImGui::Button(verb)) done = accept();
     ImGui::SameLine();
     if (ImGui::Button("Cancel") || given_up_) open = false;

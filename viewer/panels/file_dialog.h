@@ -11,7 +11,9 @@ namespace tangi::panels {
 
 class FileDialog {
 public:
-    enum class Wants { file, new_file, folder };
+    // `new_folder`: one that is there, or a new name in one. `folder_or_file`: the photographs of a folder,
+    // or those that one of its lights files lists.
+    enum class Wants { file, new_file, folder, new_folder, folder_or_file };
 
     // `ending`: of the files that are listed, ".exr". `start`: the folder, or of Wants::new_file the file.
     // `chosen` is called once, with what the user chose.
@@ -41,6 +43,8 @@ public:
 private:
     void go_to(const std::filesystem::path& folder);
     bool accept();
+
+    bool takes_folders() const { return wants_ != Wants::file && wants_ != Wants::new_file; }
 
     std::string title_, ending_, typed_, complaint_;
     Wants wants_;

@@ -60,7 +60,8 @@ void measurements(WindowState& s) {
     };
     if (s.profile && s.profile->height_mm.size() >= 2) {
         bool open = true;
-        begin("Height along the ruler", 40 * s.scale, open);
+        // Whichever comes second lies above the other one.
+        begin("Height along the ruler", (s.statistics && s.region ? 250 : 40) * s.scale, open);
         profile(s);
         ImGui::End();
         if (!open) s.profile.reset();

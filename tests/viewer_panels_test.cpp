@@ -1,0 +1,122 @@
+// viewer_panels_test.cpp: panels drawn without a window: what can be reached, and that nothing lies over
+// another.
+#include "viewer/panels/panels.h"
+
+#include <gtest/gtest.h>
+#include <imgui.h>
+#include <imgui_internal.h>
+
+#include <utility>
+
+namespace tangi {
+namespace {
+
+class ManyPhotographs : public PhotoBook {
+public:
+    ManyPhotographs() {
+        for (int i = 0; i < 40; ++i)
+            entries_.push_back({fmt::format("{}.png", i), distant_light({0, 0, 1}), true});
+    }
+    const std::vector<Entry>& entries() const override { return entries_; }
+    const std::vector<std::string>& warnings() const override { return warnings_; }
+    const ColourScale& difference_scale() const override { return scale_; }
+    const ColourScale& delta_e_scale() const override { return scale_; }
+    HeldPhoto hold(int, const Progress&) const override { return {}; }
+    void write_report(const std::filesystem::path&, const std::vector<int>&, const Progress&) const override {
+    }
+
+private:
+    std::vector<Entry> entries_;
+    std::vector<std::string> warnings_;
+    ColourScale scale_;
+};
+
+class Panels : public testing::Test {
+protected:
+    Panels() {
+        ImGui::CreateContext();
+        ImGuiIO& io = ImGui::GetIO();
+        io.IniFilename = nullptr;
+        io.DisplaySize = {1280, 720};
+        unsigned char* pixels = nullptr;
+        int width = 0, height = 0;
+        io.Fonts->GetTexDataAsAlpha8(&pixels, &width, &height);
+    }
+    ~Panels() override { ImGui::DestroyContext(); }
+
+    void frames(void (*panel)(WindowState&), int count = 3) {
+        for (int i = 0; i < count; ++i) {
+            ImGui::NewFrame();
+            ImGui::SetNextWindowPos({0, 0});
+            ImGui::SetNextWindowSize({300, 720});
+            ImGui::Begin("column");
+            panel(state_);
+            ImGui::End();
+            ImGui::Render();
+            ImGui::GetIO().MouseWheel = 0;
+        }
+    }
+    // The photograph that the list shows at this height.
+    int photo_at(float y) {
+        ImGuiIO& io = ImGui::GetIO();
+        io.MousePos = {60, y};
+        frames(panels::photographs);
+        io.MouseDown[0] = true;
+        frames(panels::photographs);
+        io.MouseDown[0] = false;
+        frames(panels::photographs);
+        return std::exchange(state_.ask, {}).photo.value_or(-1);
+    }
+
+    WindowState state_;
+};
+
+TEST_F(Panels, TheListOfPhotographsCanBeScrolledAwayFromTheOneShown) {
+    Comparing& c = state_.comparing;
+    c.loaded = true;
+    const ManyPhotographs book;
+    c.news.book = &book;
+    c.news.wanted = 0;
+    constexpr float kList = 90;
+    const int first = photo_at(kList);
+    EXPECT_GE(first, 0);
+    EXPECT_LT(first, 6);
+    for (int i = 0; i < 4; ++i) {
+        ImGui::GetIO().MouseWheel = -1;
+        frames(panels::photographs);
+    }
+    const int scrolled = photo_at(kList);
+    EXPECT_GT(scrolled, 6);
+    // The next one that is chosen is brought into sight.
+    c.news.wanted = 35;
+    frames(panels::photographs);
+    EXPECT_NEAR(photo_at(kList), 35, 4);
+}
+
+TEST_F(Panels, ProfileAndStatisticsLieBesideEachOther) {
+    for (const bool ruler_first : {true, false}) {
+        state_.profile.reset();
+        state_.statistics.reset();
+        frames(panels::measurements);
+        for (const bool ruler : {ruler_first, !ruler_first}) {
+            if (ruler) {
+                state_.profile.emplace();
+                state_.profile->height_mm = {0, 1, 0};
+            } else {
+                state_.region = Region{0, 0, 10, 10};
+                state_.statistics.emplace();
+                state_.statistics->region = *state_.region;
+                state_.statistics->pixels = 100;
+            }
+            frames(panels::measurements);
+        }
+        const ImRect profile = ImGui::FindWindowByName("Height along the ruler")->Rect(),
+                     region = ImGui::FindWindowByName("Region")->Rect();
+        EXPECT_FALSE(profile.Overlaps(region)) << (ruler_first ? "ruler" : "region") << " first";
+        EXPECT_GE(std::min(profile.Min.y, region.Min.y), 0);
+        EXPECT_LE(std::max(profile.Max.y, region.Max.y), 720);
+    }
+}
+
+}  // namespace
+}  // namespace tangi
