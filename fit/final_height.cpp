@@ -1,5 +1,6 @@
 #include "fit/final_height.h"
 
+#include <algorithm>
 #include <array>
 
 #include "fit/mixed_slopes.h"
@@ -14,6 +15,8 @@ namespace {
 constexpr std::array kMixings = {0.2, 0.4, 0.8};
 // [1] Of the misfit: what gains less is left as it is.
 constexpr double kShadowsClearlyBetter = 0.01;
+// [1] HeightOptions::max_cycles of what is tried: enough for shadows.
+constexpr int kTrialCycles = 30;
 
 }  // namespace
 
@@ -26,9 +29,11 @@ FinalHeight final_height(Surface& surface, const Survey& survey, const Transfer&
         result.choice.mixing = mixing;
         steeper = mixing > 0 ? unmixed_normals(surface.normal, surface.confidence, mixing) : Image<Vec3>();
     };
-    const auto integrate = [&](int robust_sweeps, Image<HalfError>* errors, const Progress& shown) {
+    const auto integrate = [&](int robust_sweeps, int cycles, Image<HalfError>* errors,
+                               const Progress& shown) {
         HeightOptions height = options;
         height.robust_sweeps = robust_sweeps;
+        height.max_cycles = std::min(cycles, options.max_cycles);
         result.report = integrate_normals(steeper.empty() ? surface.normal : steeper, surface.confidence,
                                           surface.mm_per_pixel, surface.height_mm, height, shown, errors);
         result.plane = best_plane(surface.height_mm, surface.confidence);
@@ -37,7 +42,7 @@ FinalHeight final_height(Surface& surface, const Survey& survey, const Transfer&
     constexpr double trials = 2 + kMixings.size();
     double tried = 0;
     const auto misfit_with = [&](int robust_sweeps) {
-        integrate(robust_sweeps, nullptr, Progress([&](std::string_view, double done) {
+        integrate(robust_sweeps, kTrialCycles, nullptr, Progress([&](std::string_view, double done) {
                       return !progress || progress("cliffs", (tried + done) / trials);
                   }));
         ++tried;
@@ -67,7 +72,7 @@ FinalHeight final_height(Surface& surface, const Survey& survey, const Transfer&
         report(progress, "cliffs", 1);  // the steepest are only tried where less steep ones are better
     }
     result.choice.cliffs = sweeps > 0;
-    integrate(sweeps, error_mm, progress);
+    integrate(sweeps, options.max_cycles, error_mm, progress);
     return result;
 }
 

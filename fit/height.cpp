@@ -15,14 +15,20 @@ namespace {
 
 // [1] Residual at which weights are taken anew; they are no better known.
 constexpr double kSweepTolerance = 1e-3;
-// Cycles until the residual is `tolerance` of `flat`, or that of rounding; or there were `most` of them.
-void solve(HeightMultigrid& grid, double flat, double tolerance, int most, HeightReport& result,
+// [1] Cycles after which they are taken anew all the same. Where cliffs are many (a third of the edges of an
+// imported relief of 12.7 megapixels) cycles gain little, and were used up before the weights were right:
+// with 3 for each sweep and 12 at the end, that height is off by 0.14 pixels of 29, of 4 megapixels of it by
+// 0.001.
+constexpr int kSweepCycles = 3;
+
+// Cycles until the residual is `tolerance` of `flat`, or that of rounding; or there were `most` of `all`.
+void solve(HeightMultigrid& grid, double flat, double tolerance, int most, int all, HeightReport& result,
            const Progress& progress) {
     result.converged = !(flat > 0);
     result.residual = result.converged ? 0 : 1;
     double before = std::numeric_limits<double>::infinity();
     while (!result.converged && result.cycles < most) {
-        report(progress, "height", result.cycles / static_cast<double>(most));
+        report(progress, "height", result.cycles / static_cast<double>(all));
         grid.cycle();
         ++result.cycles;
         const double left = grid.residual_norm();
@@ -48,14 +54,16 @@ HeightReport solve_robustly(SlopeEdges& edges, Image<float>& height_mm, const He
     for (int sweep = 0; flat > 0 && sweep < options.robust_sweeps; ++sweep) {
         // Not before the height is nearly that of these weights: else long waves that are still on their way
         // pass for cliffs.
-        solve(grid, flat, std::max(options.tolerance, kSweepTolerance), options.max_cycles, result, progress);
+        solve(grid, flat, std::max(options.tolerance, kSweepTolerance),
+              std::min(result.cycles + kSweepCycles, options.max_cycles), options.max_cycles, result,
+              progress);
         const SlopeEdges::Moved moved = edges.weigh(&height_mm);
         edges.divergence(grid.b());
         grid.coarsen();
         ++result.robust_sweeps;
         if (moved.cliffs == 0) break;
     }
-    solve(grid, flat, options.tolerance, options.max_cycles, result, progress);
+    solve(grid, flat, options.tolerance, options.max_cycles, options.max_cycles, result, progress);
     return result;
 }
 
