@@ -1,5 +1,5 @@
-// height_bench PAINTING.exr: how long it takes to integrate the normals of a painting, as least squares and with
-// cliffs, and how well it converges. All cores.
+// height_bench PAINTING.exr: how long it takes to integrate the normals of a painting, as least squares and
+// with cliffs, and how well it converges. All cores.
 #include <fmt/core.h>
 
 #include <chrono>

@@ -44,7 +44,7 @@ struct LightModel {
 std::string name_of(const LightModel& model);
 
 struct LightCalibrationOptions {
-    int samples = 500;       // [1] pixels to solve for
+    int samples = 500;  // [1] pixels to solve for
     // [1] with fewer, lamps are taken to be equally strong, and only what all share is found: how near they
     // are, ambient light; with fewer than five nothing is
     int fewest_photos = 12;

@@ -54,8 +54,8 @@ private:
     std::vector<float> dome_, shorter_, cover_;  // TipMaps
     std::vector<float> load_;                    // [1] of the load in the middle
     std::array<std::vector<float>, 2>
-        reach_px_;  // to the rim and to kInner, towards directions at equal angles
-    float fullness_ = 1;                         // [1] what makes the whole load the same for any chance
+        reach_px_;        // to the rim and to kInner, towards directions at equal angles
+    float fullness_ = 1;  // [1] what makes the whole load the same for any chance
 };
 
 }  // namespace tangi

@@ -62,7 +62,8 @@ TEST(CliMatch, MakesNoRecipesOfMedia) {
     const TestDir dir;
     const std::string palette = (dir / "p.json").string();
     const auto write = [&](const std::string& white) {
-        write_bytes(palette, R"({"format": "tangipaint palette", "version": 1, "name": "p", "paints": [)" + white +
+        write_bytes(palette, R"({"format": "tangipaint palette", "version": 1, "name": "p", "paints": [)" +
+                                 white +
                                  R"({"name": "Gel", "wavelengths_nm": [400, 450, 500, 550, 600, 650, 700],
             "k_per_mm": [0.001, 0.001, 0.001, 0.001, 0.001, 0.001, 0.001], "s_per_mm": [1, 1, 1, 1, 1, 1, 1]}]})");
     };

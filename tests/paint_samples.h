@@ -1,4 +1,5 @@
-// paint_samples.h: maps of painted thickness between their pixels, for tests that look along and across strokes.
+// paint_samples.h: maps of painted thickness between their pixels, for tests that look along and across
+// strokes.
 #pragma once
 
 #include <cmath>
