@@ -1,10 +1,12 @@
 #include "capture/photo_match.h"
 
+#include <utf8proc.h>
+
 #include <algorithm>
 #include <cctype>
+#include <cstdlib>
 #include <glm/geometric.hpp>
 #include <map>
-#include <string_view>
 #include <utility>
 
 #include "capture/brackets.h"
@@ -19,44 +21,20 @@ namespace {
 
 constexpr float kSameDirection = 1e-3f;  // [1] distance of unit vectors: 0.06 degrees
 
-// Combining marks in UTF-8, and the letters of Latin alphabets that have them, each followed by its letter
-// without.
-constexpr std::pair<std::string_view, std::string_view> kMarkedLetters[] = {
-    {"\xcc\x80", "ÀAÈEÌIÒOÙUàaèeìiòoùu"},
-    {"\xcc\x81", "ÁAÉEÍIÓOÚUÝYáaéeíióoúuýyĆCćcĹLĺlŃNńnŔRŕrŚSśsŹZźz"},
-    {"\xcc\x82", "ÂAÊEÎIÔOÛUâaêeîiôoûuĈCĉcĜGĝgĤHĥhĴJĵjŜSŝsŴWŵwŶYŷy"},
-    {"\xcc\x83", "ÃAÑNÕOãañnõoĨIĩiŨUũu"},
-    {"\xcc\x88", "ÄAËEÏIÖOÜUäaëeïiöoüuÿyŸY"},
-    {"\xcc\x8a", "ÅAåaŮUůu"},
-    {"\xcc\xa7", "ÇCçcĢGģgĶKķkĻLļlŅNņnŖRŗrŞSşsŢTţt"},
-    {"\xcc\x84", "ĀAāaĒEēeĪIīiŌOōoŪUūu"},
-    {"\xcc\x86", "ĂAăaĔEĕeĞGğgĬIĭiŎOŏoŬUŭu"},
-    {"\xcc\xa8", "ĄAąaĘEęeĮIįiŲUųu"},
-    {"\xcc\x87", "ĊCċcĖEėeĠGġgİIŻZżz"},
-    {"\xcc\x8c", "ČCčcĎDďdĚEěeĽLľlŇNňnŘRřrŠSšsŤTťtŽZžz"},
-    {"\xcc\x8b", "ŐOőoŰUűu"},
-};
-
 // Names are alike in whatever case, and whether a letter with a mark is one code point (as most programs
-// write it) or two (as macOS does): all are made two.
-std::string lower(const std::string& text) {
-    std::string result;
-    for (std::size_t i = 0; i < text.size(); ++i) {
-        const std::string_view two = std::string_view(text).substr(i, 2);
-        bool marked = false;
-        if (static_cast<unsigned char>(text[i]) >= 0xC3 && static_cast<unsigned char>(text[i]) <= 0xC5)
-            for (const auto& [mark, letters] : kMarkedLetters)
-                for (std::size_t k = 0; k < letters.size() && !marked; k += 3)
-                    if (letters.substr(k, 2) == two) {
-                        result += static_cast<char>(std::tolower(static_cast<unsigned char>(letters[k + 2])));
-                        result += mark;
-                        marked = true;
-                    }
-        if (marked)
-            ++i;
-        else
-            result += static_cast<char>(std::tolower(static_cast<unsigned char>(text[i])));
+// write it) or two (as macOS does). What is no UTF-8 is alike in its bytes.
+std::string alike(const std::string& text) {
+    utf8proc_uint8_t* mapped = nullptr;
+    const utf8proc_ssize_t size = utf8proc_map(
+        reinterpret_cast<const utf8proc_uint8_t*>(text.data()), static_cast<utf8proc_ssize_t>(text.size()),
+        &mapped, static_cast<utf8proc_option_t>(UTF8PROC_STABLE | UTF8PROC_DECOMPOSE | UTF8PROC_CASEFOLD));
+    if (size < 0) {
+        std::string result = text;
+        for (char& c : result) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+        return result;
     }
+    std::string result(reinterpret_cast<const char*>(mapped), static_cast<std::size_t>(size));
+    std::free(mapped);
     return result;
 }
 
@@ -74,8 +52,8 @@ std::optional<fs::path> match(const std::string& name, const fs::path& folder,
     if (fs::is_regular_file(folder / listed, ignored)) return folder / listed;
     std::vector<fs::path> same_stem;
     for (const fs::path& photo : photos) {
-        if (lower(photo.filename().string()) == lower(listed.filename().string())) return photo;
-        if (lower(photo.stem().string()) == lower(listed.stem().string())) same_stem.push_back(photo);
+        if (alike(photo.filename().string()) == alike(listed.filename().string())) return photo;
+        if (alike(photo.stem().string()) == alike(listed.stem().string())) same_stem.push_back(photo);
     }
     if (same_stem.size() == 1) return same_stem.front();
     // Cameras store a JPEG beside each raw, of the same name.
@@ -262,7 +240,7 @@ std::vector<fs::path> photos_in(const fs::path& folder) {
 
 std::vector<fs::path> take_masks(std::vector<fs::path>& pictures) {
     const auto says_mask = [](const fs::path& path) {
-        return lower(path.filename().string()).find("mask") != std::string::npos;
+        return alike(path.filename().string()).find("mask") != std::string::npos;
     };
     std::vector<fs::path> masks;
     std::copy_if(pictures.begin(), pictures.end(), std::back_inserter(masks), says_mask);

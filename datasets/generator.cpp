@@ -29,7 +29,7 @@ constexpr double kPi = std::numbers::pi;
 constexpr double kDegree = kPi / 180;
 
 // What the seed of the options is split into.
-enum Purpose : std::uint64_t { for_gains = 1, for_held_out, for_directions, for_noise };
+enum Purpose : std::uint64_t { for_gains = 1, for_held_out, for_directions, for_noise, for_aims };
 
 template <class Enum, std::size_t count>
 std::optional<Enum> named(std::string_view name, const std::array<Enum, count>& all) {
@@ -161,10 +161,12 @@ Image<Rgb> render(const Surface& s, const Light& light, const GeneratorOptions& 
     parallel_for(0, s.height(), 16, [&](int begin, int end) {
         for (int y = begin; y < end; ++y)
             for (int x = 0; x < s.width(); ++x) {
-                const Incidence in = incidence(light, s.point_mm(x, y));
-                const float seen = visible.empty() ? 1.0f : visible(x, y);
+                const Vec3 point = s.point_mm(x, y);
+                const Incidence in = incidence(light, point);
+                const float part = (visible.empty() ? 1.0f : visible(x, y)) *
+                                   static_cast<float>(beam_part(light, point, s.width() * s.mm_per_pixel, o));
                 photo(x, y) =
-                    white_level * (seen * in.irradiance * reflected(s, x, y, in.direction, o.reflectance) +
+                    white_level * (part * in.irradiance * reflected(s, x, y, in.direction, o.reflectance) +
                                    everywhere * s.diffuse(x, y));
             }
     });
@@ -271,6 +273,8 @@ void require_valid(const GeneratorOptions& o) {
     if (o.max_elevation_deg < o.min_elevation_deg)
         fail("generator.max_elevation_deg = {} is below min_elevation_deg = {}", o.max_elevation_deg,
              o.min_elevation_deg);
+    if (o.beam_deg > 0 && !o.distance)
+        fail("generator.beam_deg = {} needs near lights: give the distance as well", o.beam_deg);
     if (o.gain_max < o.gain_min)
         fail("generator.gain_max = {} is below gain_min = {}", o.gain_max, o.gain_min);
     if (o.format == PhotoFormat::exr && o.transfer != Transfer{})
@@ -310,6 +314,21 @@ Photography photography_of(const PaintingTruth& truth, const GeneratorOptions& o
                              o.max_elevation_deg * kDegree),
             false);
     return photography;
+}
+
+double beam_part(const Light& light, const Vec3& point_mm, double width_mm, const GeneratorOptions& o) {
+    if (!(o.beam_deg > 0) || !light.position_mm) return 1;
+    Seed seed = hash(o.seed, for_aims);
+    for (const char c : light.name) seed = hash(seed, static_cast<std::uint64_t>(c));
+    const auto [x, y] = normal_pair(seed);
+    const double reach = o.aim_error * width_mm;
+    const glm::dvec3 lamp(*light.position_mm),
+        axis = glm::normalize(lamp - glm::dvec3(x * reach, y * reach, 0));
+    const double power = std::log(0.5) / std::log(std::cos(o.beam_deg * kDegree));
+    const auto strength = [&](const glm::dvec3& to) {
+        return std::pow(std::max(glm::dot(axis, glm::normalize(lamp - to)), 1e-3), power);
+    };
+    return strength(glm::dvec3(point_mm)) / strength(glm::dvec3(0));
 }
 
 Image<Rgb> render_photo(const PaintingTruth& truth, const Light& light, const GeneratorOptions& options) {

@@ -41,6 +41,11 @@ HWY_INLINE void bend(V rx, V ry, V length2, V& x, V& y, V& z) {
     z = hn::Mul(turned_z, scale);
 }
 
+HWY_INLINE V exp_of(V x) {
+    const V small = exp_negative(hn::Neg(hn::Abs(x)));
+    return choose(hn::Gt(x, hn::Zero(Floats())), hn::Div(all(1), small), small);
+}
+
 void Illuminate(const BatchScene& scene, WardBatch& b) {
     const Rig& rig = *scene.rig;
     const auto channels = static_cast<std::size_t>(b.channels);
@@ -74,6 +79,13 @@ void Illuminate(const BatchScene& scene, WardBatch& b) {
                 lx = hn::Mul(lx, inverse);
                 ly = hn::Mul(ly, inverse);
                 lz = hn::Mul(lz, inverse);
+            }
+            if (lamp.uneven) {
+                V log_part = hn::Mul(all(lamp.beam[4]), hn::Mul(y, y));
+                log_part = fma(hn::Mul(all(lamp.beam[3]), x), y, log_part);
+                log_part = fma(hn::Mul(all(lamp.beam[2]), x), x, log_part);
+                log_part = fma(all(lamp.beam[0]), x, fma(all(lamp.beam[1]), y, log_part));
+                falloff = hn::Mul(falloff, exp_of(log_part));
             }
             store(lx, b.light[i][0], at);
             store(ly, b.light[i][1], at);
@@ -127,6 +139,8 @@ BatchSampler::BatchSampler(const Lighting& lighting, const NoiseModel& noise, co
     for (const Light& light : lighting.lights) {
         BatchLamp lamp{.irradiance = light.gain * static_cast<float>(lighting.white_level)};
         lamp.near = light.position_mm.has_value();
+        lamp.uneven = !light.beam.even();
+        lamp.beam = light.beam.terms;
         lamp.at = lamp.near ? *light.position_mm : light.direction;
         lamp.length2 = glm::dot(lamp.at, lamp.at);
         lamps_.push_back(lamp);

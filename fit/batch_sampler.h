@@ -17,6 +17,8 @@ struct BatchLamp {
     bool near = false;
     float length2 = 1;  // [mm^2] of the position
     Rgb irradiance{1};  // [1] white level * gain: at the origin
+    bool uneven = false;
+    std::array<float, 5> beam{};  // as Beam::terms
 };
 
 class BatchSampler {

@@ -132,6 +132,7 @@ std::string table(const FitResult& fit) {
         "<div class=\"wide\"><table><tr><th>photograph</th><th>azimuth °</th><th>elevation °</th>";
     if (turns) html += "<th>turned °</th>";
     if (gains) html += "<th>strength</th>";
+    if (!c.unevenness.empty()) html += "<th>uneven %</th>";
     if (drifts) html += "<th>drift px</th><th></th>";
     html += "<th>misfit, typical %</th><th>as a whole %</th></tr>";
     for (std::size_t i = 0; i < c.lighting.lights.size(); ++i) {
@@ -147,6 +148,9 @@ std::string table(const FitResult& fit) {
                 fmt::format("<td>{}</td>", c.gain_sigma.empty()
                                                ? fmt::format("{:.3f}", light.gain.g)
                                                : with_error(light.gain.g, light.gain.g * c.gain_sigma[i]));
+        if (!c.unevenness.empty())
+            html += fmt::format("<td>{}</td>",
+                                with_error(100 * c.unevenness[i].rms, 100 * c.unevenness[i].sigma));
         if (drifts) {
             const auto found = drift_of.find(light.name);
             html += drift_cells(found == drift_of.end() ? nullptr : found->second);

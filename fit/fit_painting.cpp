@@ -88,6 +88,7 @@ double bulge_deg(const Surface& surface) {
 void describe_lights(const Stack& stack, const LightCalibration& calibration, Photography& photography) {
     photography.rig = calibration.lighting.rig;
     photography.lamps = calibration.lamps;
+    photography.beams = calibration.beams;
     const auto add = [&](const Light& light, bool fitted, const StackPhoto& photo) {
         photography.photos.push_back({light, fitted, photo.homography});
         if (light.direction != photo.light.direction)

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 
 #include "fit/joint_priors.h"
 #include "fit/joint_residual.h"
@@ -27,16 +28,29 @@ constexpr double kBiweight = 4.685;   // [kGainSigma] Beaton & Tukey 1974: 95 % 
 constexpr double kTrendSigma = 0.2;   // [1] ln gain
 constexpr double kFieldSigma = 0.05;  // [rad] rms of each mode of a smooth field of turns
 constexpr double kTurnSigma = 0.1;    // [rad] of a lamp's own turn
+constexpr double kBeamSigma = 0.3;    // [1] ln irradiance at the border, of a term of a beam
 constexpr double kNoTurn = 0.001;     // [rad] what stands for none of its own
 constexpr double kCameraSigma = 0.5;  // [1/width]
 constexpr double kRoughSigma = 0.3;   // [1] of diffuse roughness, from 0
 constexpr int kIterations = 40;
 
-constexpr int kPixel = kJointPixel, kRig = kJointRig, kTurn = kJointTurn;
+constexpr int kPixel = kJointPixel, kRig = kJointRig, kTurn = kJointTurn, kBeam = kJointBeam;
 
 template <int residuals, int... blocks, class Functor>
 ceres::CostFunction* cost(Functor functor) {
     return new ceres::AutoDiffCostFunction<Functor, residuals, blocks...>(new Functor(functor));
+}
+
+// Products of beam_terms(), in mean over the pixels: what carries the terms of a beam to its mean square.
+using BeamMoments = std::array<double, kBeam * kBeam>;
+BeamMoments beam_moments(const std::vector<JointLights::Pixel>& pixels) {
+    BeamMoments moments{};
+    for (const JointLights::Pixel& pixel : pixels) {
+        const std::array<double, kBeam> terms = beam_terms(pixel.position);
+        for (std::size_t i = 0; i < moments.size(); ++i)
+            moments[i] += terms[i / kBeam] * terms[i % kBeam] / static_cast<double>(pixels.size());
+    }
+    return moments;
 }
 
 // The parameters, as Ceres takes them, and the problem they are in. They lie side by side, as Ceres orders
@@ -46,15 +60,18 @@ public:
     Blocks(const JointLights& joint, const JointFreedom& freedom)
         : freedom_(freedom),
           prior_weight_(std::sqrt(std::max(1.0, static_cast<double>(joint.pixels.size()) / kDependent))),
-          photos_(joint.directions.size()) {
+          photos_(joint.directions.size()),
+          moments_(beam_moments(joint.pixels)) {
         if (freedom.directions != DirectionFreedom::listed && freedom.pixels)
             directions = DirectionField(joint.directions, !freedom.gains);
         pixels_ = joint.pixels.size();
-        values_.reserve(kPixel * pixels_ + (1 + kTurn) * photos_ + kJointTrend + kRig + field_size());
+        values_.reserve(kPixel * pixels_ + (1 + kTurn + kBeam) * photos_ + kJointTrend + kRig + field_size());
         for (const JointLights::Pixel& p : joint.pixels)
             values_.insert(values_.end(), {p.slope.x, p.slope.y, p.ln_alpha, p.specular, p.diffuse});
         values_.insert(values_.end(), joint.log_gains.begin(), joint.log_gains.end());
         for (const glm::dvec2& turn : joint.turns) values_.insert(values_.end(), {turn.x, turn.y});
+        for (const std::array<double, kBeam>& beam : joint.beams)
+            values_.insert(values_.end(), beam.begin(), beam.end());
         values_.resize(values_.size() + kJointTrend);
         values_.insert(values_.end(), {joint.rig.lamp_nearness, joint.rig.ambient, joint.rig.camera_nearness,
                                        joint.rig.bend, joint.rig.roughness});
@@ -63,15 +80,18 @@ public:
         add_pixels();
         add_gains(joint);
         add_turns(joint);
+        add_beams();
         add_rig(joint);
     }
 
     DirectionField directions;
+    double final_cost = 0;
     std::size_t field_size() const { return static_cast<std::size_t>(directions.modes()); }
     double* pixel(std::size_t i) { return &values_[kPixel * i]; }
     double* log_gain(std::size_t i) { return &values_[kPixel * pixels_ + i]; }
     double* turn(std::size_t i) { return log_gain(photos_) + kTurn * i; }
-    double* trend() { return turn(photos_); }
+    double* beam(std::size_t i) { return turn(photos_) + kBeam * i; }
+    double* trend() { return beam(photos_); }
     double* rig() { return trend() + kJointTrend; }
     double* field() { return rig() + kRig; }
 
@@ -91,6 +111,7 @@ public:
         options.max_num_iterations = start == JointStart::far ? kIterations : kIterations / 4;
         options.function_tolerance = start == JointStart::far ? 1e-5 : 1e-4;
         ceres::Solve(options, &problem_, &summary);
+        final_cost = summary.final_cost;
         return summary.IsSolutionUsable();
     }
 
@@ -102,6 +123,7 @@ public:
         const bool directed = freedom_.directions != DirectionFreedom::listed;
         for (std::size_t i = 0; i < photos_; ++i) {
             if (directed) wanted.emplace_back(turn(i), turn(i));
+            if (freedom_.beams) wanted.emplace_back(beam(i), beam(i));
             for (std::size_t j = i; freedom_.gains && j < photos_; ++j)
                 wanted.emplace_back(log_gain(i), log_gain(j));
         }
@@ -117,6 +139,11 @@ public:
             std::array<double, kTurn * kTurn> c{};
             covariance.GetCovarianceBlock(turn(i), turn(i), c.data());
             errors.direction_deg.push_back(sigma((c[0] + c[3]) / 2) * 180 / std::numbers::pi);
+        }
+        for (std::size_t i = 0; freedom_.beams && i < photos_; ++i) {
+            std::array<double, kBeam * kBeam> c{};
+            covariance.GetCovarianceBlock(beam(i), beam(i), c.data());
+            errors.beams.push_back(sigma(std::inner_product(c.begin(), c.end(), moments_.begin(), 0.0)));
         }
         if (freedom_.gains) errors.log_gains = gain_errors(covariance, sigma);
         if (rig_moves) {
@@ -159,7 +186,7 @@ private:
             problem_.AddResidualBlock(
                 new JointResidual({joint.directions[photo], joint.nearer[photo], joint.pixels[at].position,
                                    joint.camera_axis, o.value, o.sigma}),
-                robust_, pixel(at), log_gain(photo), rig(), turn(photo));
+                robust_, pixel(at), log_gain(photo), rig(), turn(photo), beam(photo));
         }
     }
 
@@ -226,6 +253,20 @@ private:
         ordering_->AddElementToGroup(field(), 1);
     }
 
+    // What all lamps have in common is left to the albedo, and what goes with their directions to a bulge:
+    // where photographs can't tell, few uneven beams are likelier than many.
+    void add_beams() {
+        auto* outlying = freedom_.beams ? new ceres::CauchyLoss(prior_weight_) : nullptr;
+        for (std::size_t i = 0; i < photos_; ++i) {
+            ordering_->AddElementToGroup(beam(i), 1);
+            if (freedom_.beams)
+                problem_.AddResidualBlock(new PullToZero(kBeam, prior_weight_ / kBeamSigma), outlying,
+                                          beam(i));
+            else
+                problem_.SetParameterBlockConstant(beam(i));
+        }
+    }
+
     double turn_weight(const JointLights& joint, std::size_t photo) const {
         switch (freedom_.directions) {
             case DirectionFreedom::measured:
@@ -274,6 +315,7 @@ private:
     JointFreedom freedom_;
     double prior_weight_;
     std::size_t photos_, pixels_ = 0;
+    BeamMoments moments_;
     std::vector<double> values_;
     ceres::Problem problem_;  // owns costs and losses; a loss may be shared
     ceres::LossFunctionWrapper* robust_ =
@@ -297,12 +339,22 @@ bool JointLights::solve(const JointFreedom& freedom, JointStart start) {
     for (std::size_t i = 0; i < directions.size(); ++i) {
         log_gains[i] = *blocks.log_gain(i);
         turns[i] = {blocks.turn(i)[0], blocks.turn(i)[1]};
+        std::copy_n(blocks.beam(i), kBeam, beams[i].begin());
     }
     const double* r = blocks.rig();
     rig = {r[0], r[1], r[2], r[3], r[4]};
     field = blocks.directions;
+    cost = blocks.final_cost;
     coefficients.assign(blocks.field(), blocks.field() + blocks.field_size());
     return true;
+}
+
+double JointLights::unevenness(std::size_t lamp) const {
+    const BeamMoments moments = beam_moments(pixels);
+    double squares = 0;
+    for (std::size_t i = 0; i < moments.size(); ++i)
+        squares += moments[i] * beams[lamp][i / kBeam] * beams[lamp][i % kBeam];
+    return std::sqrt(std::max(squares, 0.0));
 }
 
 JointLights::Errors JointLights::errors(const JointFreedom& freedom) const {

@@ -1,7 +1,8 @@
-// joint_lights.h: the bundle adjustment of light calibration: grey pixels, gains, directions and rig at once,
-// with Ceres.
+// joint_lights.h: the bundle adjustment of light calibration: grey pixels, gains, beams, directions and rig
+// at once, with Ceres.
 #pragma once
 
+#include <array>
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 #include <optional>
@@ -30,6 +31,7 @@ struct JointFreedom {
     bool rig = true;    // else it stays as it is given
     bool gains = true;  // else they do
     DirectionFreedom directions = DirectionFreedom::listed;
+    bool beams = false;  // else they are even, or as given
     // Else the pixels stay too, and each lamp stands alone: its own turn is only kept small.
     bool pixels = true;
 };
@@ -70,10 +72,16 @@ struct JointLights {
 
     std::vector<double> log_gains;  // one a photograph: start, and result
     std::vector<glm::dvec2>
-        turns;             // of the directions (direction_field.h): start, and result; one a photograph
-    RigParameters rig;     // start, and result
-    DirectionField field;  // result: of the smooth part of the turns ...
-    std::vector<double> coefficients;  // ... by these; none where directions are listed
+        turns;  // of the directions (direction_field.h): start, and result; one a photograph
+    std::vector<std::array<double, 5>> beams;  // by beam_terms() of joint_residual.h: start, and result
+    RigParameters rig;                         // start, and result
+    DirectionField field;                      // result: of the smooth part of the turns ...
+    std::vector<double> coefficients;          // ... by these; none where directions are listed
+
+    double cost = 0;  // result: half the sum of squares, as the robust loss counts them, priors included
+
+    // [1] How uneven a lamp's beam is: rms of ln irradiance over the pixels.
+    double unevenness(std::size_t lamp) const;
 
     // Minimises. False where Ceres fails.
     bool solve(const JointFreedom& freedom, JointStart start);
@@ -83,6 +91,7 @@ struct JointLights {
     struct Errors {
         std::vector<double> log_gains;       // [1] of each, less the mean of all
         std::vector<double> direction_deg;   // of each, across it, in rms of its two components
+        std::vector<double> beams;           // [1] of ln irradiance, of each lamp: rms over the picture
         std::optional<RigParameters> rig{};  // 0: stays as given, or is at a bound
     };
     Errors errors(const JointFreedom& freedom) const;

@@ -70,7 +70,10 @@ bool JointResidual::Evaluate(const double* const* parameters, double* residual, 
     const double n_z = 1 / std::sqrt(1 + p * p + q * q);
     const dvec3 n = n_z * dvec3(-p, -q, 1);
     const Reflected r = reflected(n, l, v, pixel[2], roughness);
-    const double irradiance = std::exp(parameters[1][0]) / distance2;
+    const std::array<double, kJointBeam> terms = beam_terms(s_.position);
+    double log_irradiance = parameters[1][0];
+    for (std::size_t k = 0; k < terms.size(); ++k) log_irradiance += parameters[4][k] * terms[k];
+    const double irradiance = std::exp(log_irradiance) / distance2;
     const double shown = rho_d * (r.matt.value + ambient) + rho_s * r.lobe * r.n_l;
     residual[0] = (irradiance * shown - s_.value) / s_.sigma;
     if (!jacobians) return true;
@@ -94,6 +97,8 @@ bool JointResidual::Evaluate(const double* const* parameters, double* residual, 
         by[4] = scale * (r.matt.value + ambient);
     }
     if (jacobians[1]) jacobians[1][0] = scale * shown;
+    if (double* by = jacobians[4])
+        for (std::size_t k = 0; k < terms.size(); ++k) by[k] = scale * shown * terms[k];
     const auto along = [&](const dvec3& du) {  // u moves
         const dvec3 dl = across(l, du) / distance;
         return scale * (by_n_l * glm::dot(n, dl) + by_l_v * glm::dot(v, dl) -

@@ -7,14 +7,15 @@
 //   d' = d + t.x a + t.y b, unit
 //   e  = d' turned by b x (first order), unit;   u = e - m s (x, 0)        towards the lamp
 //   l  = u / |u|;   v = unit of (c (a - x), 1)                            towards the camera
-//   model = exp(g) / |u|^2 (rho_d (D + k) + rho_s pi lobe(alpha) max(n.l, 0))
-// with g the lamp's ln gain, k the ambient light, the bounded lobe of surface/ward.h and D the diffuse
-// reflection of surface/diffuse.h: max(n.l, 0) where the diffuse roughness is 0. Residual
-// (model - value) / sigma.
+//   model = exp(g + f(x)) / |u|^2 (rho_d (D + k) + rho_s pi lobe(alpha) max(n.l, 0))
+// with g the lamp's ln gain, f its beam (beam_terms()), k the ambient light, the bounded lobe of
+// surface/ward.h and D the diffuse reflection of surface/diffuse.h: max(n.l, 0) where the diffuse roughness
+// is 0. Residual (model - value) / sigma.
 #pragma once
 
 #include <ceres/sized_cost_function.h>
 
+#include <array>
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 
@@ -25,6 +26,14 @@ namespace tangi {
 constexpr int kJointPixel = 5;  // slope x, slope y, ln alpha, rho_s, rho_d
 constexpr int kJointRig = 5;    // lamp nearness, ambient, camera nearness, bend, diffuse roughness
 constexpr int kJointTurn = 2;   // x and y of the turn of the lamp's direction
+constexpr int kJointBeam = 5;   // of its beam
+
+// Of surface/light.h's Beam, in half widths: what the five parameters are multiplied by, so that each is what
+// it adds to ln irradiance at the border.
+inline std::array<double, kJointBeam> beam_terms(const glm::dvec2& position) {
+    const double x = 2 * position.x, y = 2 * position.y;
+    return {x, y, x * x, x * y, y * y};
+}
 
 struct JointSample {
     glm::dvec3 direction{0, 0, 1};  // d
@@ -35,11 +44,12 @@ struct JointSample {
     double sigma = 1;               // [1] > 0
 };
 
-class JointResidual final : public ceres::SizedCostFunction<1, kJointPixel, 1, kJointRig, kJointTurn> {
+class JointResidual final
+    : public ceres::SizedCostFunction<1, kJointPixel, 1, kJointRig, kJointTurn, kJointBeam> {
 public:
     explicit JointResidual(const JointSample& sample) : s_(sample), frame_(tangent_frame(sample.direction)) {}
 
-    // parameters: pixel, ln gain, rig, turn.
+    // parameters: pixel, ln gain, rig, turn, beam.
     bool Evaluate(const double* const* parameters, double* residual, double** jacobians) const override;
 
 private:

@@ -1,14 +1,17 @@
-// light_calibration.h: how strong and how near the lamps were, what light came from all around, and how near
-// the camera was, from the photographs of a stack alone.
+// light_calibration.h: how strong, how near and how even the lamps were, what light came from all around, and
+// how near the camera was, from the photographs of a stack alone.
 //
 // Solved with Ceres jointly with the surface: for a sample of pixels a slope, a grey rho_d, rho_s and alpha
-// each; for each photograph ln gain; for the stack the ambient light and the distances of lamps and camera,
-// all against the photographs, robustly. What is found is used only where it predicts photographs that were
-// left out better.
+// each; for each photograph ln gain, and a polynomial of the place where lamps are uneven; for the stack the
+// ambient light and the distances of lamps and camera, all against the photographs, robustly. What is found
+// is used only where it predicts photographs that were left out better.
 //
 // What photographs cannot tell is fixed so:
 //   strength   the median gain is 1; white_level says what that means
 //   tilt       directions at the picture's centre are those of the lights file
+//   evenness   what all photographs have in common is the painting's: a lens that is darker towards its
+//   corners,
+//              or lamps that all are, are divided out by a flat field (`--flat`) only
 //   bulge      the painting is flat as a whole: slopes are around 0 and do not grow from the centre to the
 //              borders more than the lamps' distance explains (Rig::bend_per_mm takes up the rest)
 #pragma once
@@ -38,6 +41,7 @@ enum class LightFreedom {
 struct LightModel {
     LightFreedom lamps = LightFreedom::none;
     DirectionFreedom directions = DirectionFreedom::listed;
+    bool beams = false;  // each lamp lights the picture unevenly in its own way
 
     friend bool operator==(const LightModel&, const LightModel&) = default;
 };
@@ -85,6 +89,7 @@ struct LightCalibration {
     };
     Lighting lighting;                 // lights in the order of stack.photos
     std::optional<LampModel> lamps{};  // where gains were found
+    std::optional<BeamModel> beams{};  // where they were
     LightModel model{};
     // Where directions were corrected: of lighting.lights.
     struct Turn {
@@ -92,6 +97,12 @@ struct LightCalibration {
         double sigma_deg = 0;    // standard error of the direction; 0 where it can't be told
     };
     std::vector<Turn> turns{};
+    // Where beams were found: of lighting.lights.
+    struct Unevenness {
+        double rms = 0;    // [1] of ln irradiance over the picture, beyond what distance makes of it
+        double sigma = 0;  // standard error of that; 0 where it can't be told
+    };
+    std::vector<Unevenness> unevenness{};
     // Standard errors (68 %), empty and 0 where nothing was found or it can't be told.
     std::vector<double> gain_sigma{};  // [1] relative, of lighting.lights, less what all have in common
     struct RigSigma {

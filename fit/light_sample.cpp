@@ -48,6 +48,20 @@ DirectionFreedom of_its_own(DirectionFreedom directions) {
 
 }  // namespace
 
+Beam beam_of(const std::array<double, 5>& terms, double width_mm) {
+    Beam beam;
+    for (std::size_t i = 0; i < terms.size(); ++i)
+        beam.terms[i] = static_cast<float>(terms[i] * std::pow(2 / width_mm, i < 2 ? 1 : 2));
+    return beam;
+}
+
+std::array<double, 5> scaled_beam(const Beam& beam, double width_mm) {
+    std::array<double, 5> terms{};
+    for (std::size_t i = 0; i < terms.size(); ++i)
+        terms[i] = static_cast<double>(beam.terms[i]) * std::pow(width_mm / 2, i < 2 ? 1 : 2);
+    return terms;
+}
+
 float bright_stored(const Survey& survey) {
     std::vector<float> values;
     std::copy_if(survey.values.begin(), survey.values.end(), std::back_inserter(values),
@@ -289,14 +303,18 @@ Lighting LightSample::located(const std::vector<WardEstimate>& estimates, int ph
     for (int k = 0; k < size(); k += 2)
         add_pixel(k, estimates[static_cast<std::size_t>(k)], {photo}, lighting, joint);
     Lighting result = lighting;
-    const JointFreedom of_lamp{
-        .rig = false, .gains = freedom.gains, .directions = of_its_own(freedom.directions), .pixels = false};
-    const bool fixed = !freedom.gains && of_lamp.directions == DirectionFreedom::listed;
+    const JointFreedom of_lamp{.rig = false,
+                               .gains = freedom.gains,
+                               .directions = of_its_own(freedom.directions),
+                               .beams = freedom.beams,
+                               .pixels = false};
+    const bool fixed = !freedom.gains && !freedom.beams && of_lamp.directions == DirectionFreedom::listed;
     if (fixed || joint.observations.empty() || !joint.solve(of_lamp, JointStart::far)) return result;
     Light& light = result.lights.front();
     light.gain *= static_cast<float>(std::exp(joint.log_gains.front()));
     light.direction = Vec3(turned(joint.directions.front(), joint.turns.front()));
     if (light.position_mm) light.position_mm = light.direction * glm::length(*light.position_mm);
+    light.beam = beam_of(joint.beams.front(), width_mm_);
     return result;
 }
 
@@ -309,6 +327,7 @@ JointLights LightSample::joint_problem(const std::vector<int>& photos, const Lig
     for (std::size_t i = 0; i < photos.size(); ++i) {
         joint.log_gains[i] = solved.log_gains[static_cast<std::size_t>(photos[i])];
         joint.turns[i] = solved.turns[static_cast<std::size_t>(photos[i])];
+        joint.beams[i] = solved.beams[static_cast<std::size_t>(photos[i])];
     }
     for (std::size_t pixel = 0; pixel < joint.pixels.size(); ++pixel)
         add_samples(joint.pixels[pixel].sample, photos, lighting, static_cast<int>(pixel), joint);
@@ -330,6 +349,7 @@ void LightSample::describe(const Lighting& lighting, JointLights& joint) const {
         joint.nearer.push_back(joint.lamps_known ? width_mm_ / glm::length(*light.position_mm) : 1);
         joint.log_gains.push_back(0);
         joint.turns.emplace_back(0);
+        joint.beams.push_back(scaled_beam(light.beam, width_mm_));
     }
     joint.direction_sigma.assign(lighting.lights.size(), 0);
     for (std::size_t i = 0; i < lighting.direction_sigma_deg.size(); ++i)

@@ -14,6 +14,10 @@ namespace tangi {
 // [1] The stored value that all but 2 % of the sample's values, of all photographs, are below; 0 of none.
 float bright_stored(const Survey& survey);
 
+// The terms of JointLights::beams as those of a light, and back. `width_mm`: the unit of the joint problem.
+Beam beam_of(const std::array<double, 5>& terms, double width_mm);
+std::array<double, 5> scaled_beam(const Beam& beam, double width_mm);
+
 class LightSample {
 public:
     // About `wanted` pixels of the survey, which is of the stack. Keeps references to survey and noise.

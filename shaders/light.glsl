@@ -1,5 +1,6 @@
 // light.glsl: where light comes from, and what of it the relief keeps off; mirrors surface/light.cpp and relight.cpp.
 // LIGHTS: their number; NEAR: 1 where some are near; BENDS: 1 where the rig's directions turn over the picture;
+// BEAMS: 1 where lamps light it unevenly by themselves;
 // SHADOWS: 0 none, 1 horizon map, 2 marched over the heights as surface/relight.cpp does, 3 horizons in the directions
 // of far lights, which are all the same: two directions of the map were mixed beforehand, once for all pixels.
 // Software renderers go through both sides of every branch: what is the same for all pixels is decided beforehand.
@@ -7,6 +8,10 @@
 uniform vec4 u_light[LIGHTS];  // direction [unit vector], 0; or position [mm], 1
 uniform vec3 u_gain[LIGHTS];
 uniform vec2 u_place[LIGHTS];  // of far lights: azimuth [turns], elevation [rad]
+#if BEAMS == 1
+uniform vec2 u_beam[LIGHTS];         // [1/mm] x, y of ln irradiance
+uniform vec3 u_beam_curved[LIGHTS];  // [1/mm^2] x^2, x y, y^2
+#endif
 uniform mediump sampler3D u_horizon;  // [1] elevation of the horizon: value^2 * pi/2; x, y, azimuth
 #if SHADOWS == 3
 uniform highp sampler2DArray u_lamp_horizon;  // the same; x, y, light
@@ -36,15 +41,24 @@ vec3 bent(vec3 v, vec3 point) {
 #endif
 }
 
+vec3 gain_at(int i, vec3 point) {
+#if BEAMS == 1
+    vec2 p = point.xy;
+    return gain(i) * exp(dot(u_beam[i], p) + dot(u_beam_curved[i], vec3(p.x * p.x, p.x * p.y, p.y * p.y)));
+#else
+    return gain(i);
+#endif
+}
+
 Incoming incoming(int i, vec3 point) {
     vec4 lamp = light(i);
     vec3 from = bent(lamp.xyz, point);
 #if NEAR == 1
     vec3 to_light = lamp.w == 0.0 ? from : from - point;
     float distance2 = dot(to_light, to_light);
-    return Incoming(to_light * inversesqrt(distance2), gain(i) * (dot(from, from) / distance2));
+    return Incoming(to_light * inversesqrt(distance2), gain_at(i, point) * (dot(from, from) / distance2));
 #else
-    return Incoming(from, gain(i));
+    return Incoming(from, gain_at(i, point));
 #endif
 }
 

@@ -10,9 +10,10 @@ namespace {
 
 using Terms = std::array<double, 6>;
 
-constexpr double kOutlier = 0.1;      // [1] ln gain: leftover from which a lamp counts less for the trend
-constexpr double kTrendSigma = 0.3;   // [1] ln gain: how much of a trend is to be expected
-constexpr double kScoreScale = 0.05;  // [1] ln gain: errors well above count by their number, not their size
+// Of ln gain, and of what a term of a beam makes of ln irradiance at the picture's border:
+constexpr double kOutlier = 0.1;      // [1] leftover from which a lamp counts less for the trend
+constexpr double kTrendSigma = 0.3;   // [1] how much of a trend is to be expected
+constexpr double kScoreScale = 0.05;  // [1] errors well above count by their number, not their size
 
 Terms terms_of(const Vec3& l) { return {1, l.x, l.y, l.x * l.x, l.x * l.y, l.y * l.y}; }
 
@@ -22,8 +23,27 @@ double dot(const Terms& a, const Terms& b) {
     return sum;
 }
 
-double log_gain(const Light& light) {
-    return std::log(std::max((light.gain.r + light.gain.g + light.gain.b) / 3.0, 1e-6));
+// What is known of lamps in some directions.
+struct Known {
+    std::span<const Light> lights;
+    std::vector<double> values;  // one a light
+};
+
+Known log_gains(std::span<const Light> lights) {
+    Known known{lights, {}};
+    for (const Light& light : lights)
+        known.values.push_back(std::log(std::max((light.gain.r + light.gain.g + light.gain.b) / 3.0, 1e-6)));
+    return known;
+}
+
+// [1/mm^degree] What a term of a beam is multiplied by.
+double unit_of(std::size_t term, double radius_mm) { return term < 2 ? radius_mm : radius_mm * radius_mm; }
+
+Known beam_terms(std::span<const Light> lights, std::size_t term, double radius_mm) {
+    Known known{lights, {}};
+    for (const Light& light : lights)
+        known.values.push_back(static_cast<double>(light.beam.terms[term]) * unit_of(term, radius_mm));
+    return known;
 }
 
 // Solves a x = b for a symmetric positive definite a by Cholesky's decomposition.
@@ -49,17 +69,17 @@ Terms solved(std::array<Terms, 6> a, Terms b) {
 }
 
 // `left_out` < 0: none. Without a slope the trend is the robust mean.
-Terms fitted_trend(std::span<const Light> lights, int left_out, bool slopes) {
+Terms fitted_trend(const Known& known, int left_out, bool slopes) {
     Terms trend{};
     for (int iteration = 0; iteration < 8; ++iteration) {
         std::array<Terms, 6> a{};
         Terms b{};
         for (std::size_t i = 0; i < a.size(); ++i)
             a[i][i] = i == 0 ? 1e-9 : (slopes ? kOutlier * kOutlier / (kTrendSigma * kTrendSigma) : 1e12);
-        for (std::size_t i = 0; i < lights.size(); ++i) {
+        for (std::size_t i = 0; i < known.values.size(); ++i) {
             if (static_cast<int>(i) == left_out) continue;
-            const Terms t = terms_of(lights[i].direction);
-            const double value = log_gain(lights[i]), r = (value - dot(trend, t)) / kOutlier;
+            const Terms t = terms_of(known.lights[i].direction);
+            const double value = known.values[i], r = (value - dot(trend, t)) / kOutlier;
             const double weight = iteration == 0 ? 1 : 1 / (1 + r * r);
             for (std::size_t j = 0; j < t.size(); ++j) {
                 for (std::size_t k = 0; k < t.size(); ++k) a[j][k] += weight * t[j] * t[k];
@@ -71,23 +91,20 @@ Terms fitted_trend(std::span<const Light> lights, int left_out, bool slopes) {
     return trend;
 }
 
-double predicted_log_gain(const LampModel& model, std::span<const Light> lights, const Vec3& direction,
-                          int left_out) {
+double predicted(const LampModel& model, const Known& known, const Vec3& direction, int left_out = -1) {
     double sum = 0, weight = model.shrink;
-    for (std::size_t i = 0; i < lights.size(); ++i) {
+    for (std::size_t i = 0; i < known.values.size(); ++i) {
         if (static_cast<int>(i) == left_out) continue;
-        const Vec3 d = lights[i].direction - direction;
+        const Vec3& listed = known.lights[i].direction;
+        const Vec3 d = listed - direction;
         const double w = std::exp(-glm::dot(d, d) / (2 * model.reach * model.reach));
-        sum += w * (log_gain(lights[i]) - dot(model.trend, terms_of(lights[i].direction)));
+        sum += w * (known.values[i] - dot(model.trend, terms_of(listed)));
         weight += w;
     }
     return dot(model.trend, terms_of(direction)) + sum / weight;
 }
 
-}  // namespace
-
-LampModel fit_lamp_model(std::span<const Light> lights) {
-    if (lights.empty()) return {};
+LampModel fitted(const Known& known) {
     struct Candidate {
         bool slopes;
         double reach, shrink, score = 0;
@@ -96,23 +113,46 @@ LampModel fit_lamp_model(std::span<const Light> lights) {
     for (const bool slopes : {false, true})
         for (const double reach : {0.1, 0.2, 0.4})
             for (const double shrink : {0.3, 1.0, 3.0, 1e9}) candidates.push_back({slopes, reach, shrink});
-    for (int i = 0; i < static_cast<int>(lights.size()); ++i) {
-        const std::array<Terms, 2> trends = {fitted_trend(lights, i, false), fitted_trend(lights, i, true)};
-        const Light& light = lights[static_cast<std::size_t>(i)];
+    for (std::size_t i = 0; i < known.values.size(); ++i) {
+        const int out = static_cast<int>(i);
+        const std::array<Terms, 2> trends = {fitted_trend(known, out, false), fitted_trend(known, out, true)};
         for (Candidate& c : candidates) {
             const LampModel model{trends[c.slopes], c.reach, c.shrink};
             const double error =
-                (predicted_log_gain(model, lights, light.direction, i) - log_gain(light)) / kScoreScale;
+                (predicted(model, known, known.lights[i].direction, out) - known.values[i]) / kScoreScale;
             c.score += std::log1p(error * error);
         }
     }
     const Candidate& best = *std::min_element(candidates.begin(), candidates.end(),
                                               [](const auto& a, const auto& b) { return a.score < b.score; });
-    return {fitted_trend(lights, -1, best.slopes), best.reach, best.shrink};
+    return {fitted_trend(known, -1, best.slopes), best.reach, best.shrink};
+}
+
+}  // namespace
+
+LampModel fit_lamp_model(std::span<const Light> lights) {
+    return lights.empty() ? LampModel{} : fitted(log_gains(lights));
 }
 
 double predicted_gain(const LampModel& model, std::span<const Light> lights, const Vec3& direction) {
-    return std::exp(predicted_log_gain(model, lights, direction, -1));
+    return std::exp(predicted(model, log_gains(lights), direction));
+}
+
+BeamModel fit_beam_model(std::span<const Light> lights, double radius_mm) {
+    BeamModel model{.radius_mm = radius_mm};
+    for (std::size_t term = 0; term < model.terms.size() && !lights.empty(); ++term)
+        model.terms[term] = fitted(beam_terms(lights, term, radius_mm));
+    return model;
+}
+
+Beam predicted_beam(const BeamModel& model, std::span<const Light> lights, const Vec3& direction) {
+    Beam beam;
+    for (std::size_t term = 0; term < model.terms.size(); ++term) {
+        const Known known = beam_terms(lights, term, model.radius_mm);
+        beam.terms[term] = static_cast<float>(predicted(model.terms[term], known, direction) /
+                                              unit_of(term, model.radius_mm));
+    }
+    return beam;
 }
 
 }  // namespace tangi

@@ -1,5 +1,5 @@
-// lamp_model.h: the strength of a lamp as a smooth function of its direction, to predict lights that no
-// photograph had from those that were photographed.
+// lamp_model.h: the strength of a lamp, and the shape of its beam, as smooth functions of its direction, to
+// predict lights that no photograph had from those that were photographed.
 #pragma once
 
 #include <array>
@@ -9,7 +9,7 @@
 
 namespace tangi {
 
-// ln gain = trend(x, y) + what is left over in photographs lit from nearby, averaged.
+// ln gain, or a term of the beam, = trend(x, y) + what is left over in photographs lit from nearby, averaged.
 struct LampModel {
     std::array<double, 6> trend{};  // of 1, x, y, x^2, x y, y^2 of the direction
     double reach = 0.2;             // [1] distance of directions over which leftovers are alike (Gaussian)
@@ -25,5 +25,18 @@ LampModel fit_lamp_model(std::span<const Light> photographed);
 
 // [1] Gain of a lamp in this direction; `photographed` as given to fit_lamp_model().
 double predicted_gain(const LampModel& model, std::span<const Light> photographed, const Vec3& direction);
+
+// Each term of the beams likewise, in units of what it makes of ln irradiance `radius_mm` from the origin.
+struct BeamModel {
+    double radius_mm = 1;
+    std::array<LampModel, 5> terms{};
+
+    friend bool operator==(const BeamModel&, const BeamModel&) = default;
+};
+
+// `radius_mm` > 0: half of the picture's longer side.
+BeamModel fit_beam_model(std::span<const Light> photographed, double radius_mm);
+
+Beam predicted_beam(const BeamModel& model, std::span<const Light> photographed, const Vec3& direction);
 
 }  // namespace tangi

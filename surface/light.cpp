@@ -6,6 +6,11 @@
 
 namespace tangi {
 
+float Beam::part(const Vec3& p) const {
+    return std::exp(terms[0] * p.x + terms[1] * p.y + terms[2] * p.x * p.x + terms[3] * p.x * p.y +
+                    terms[4] * p.y * p.y);
+}
+
 Light distant_light(const Vec3& direction, std::string name) {
     const float length = glm::length(direction);
     TP_REQUIRE(length > 0, "a light needs a direction");
@@ -31,13 +36,14 @@ Vec3 bent(const Vec3& v, const Vec3& point_mm, float bend_per_mm) {
 
 Incidence incidence(const Light& light, const Vec3& point_mm, const Rig& rig) {
     const bool bends = rig.bend_per_mm != 0;
+    const Rgb gain = light.beam.even() ? light.gain : light.gain * light.beam.part(point_mm);
     if (!light.position_mm)
-        return {bends ? bent(light.direction, point_mm, rig.bend_per_mm) : light.direction, light.gain};
+        return {bends ? bent(light.direction, point_mm, rig.bend_per_mm) : light.direction, gain};
     const Vec3 position = bends ? bent(*light.position_mm, point_mm, rig.bend_per_mm) : *light.position_mm;
     const Vec3 to_light = position - point_mm;
     const float distance2 = glm::dot(to_light, to_light);
     const float falloff = glm::dot(position, position) / distance2;
-    return {to_light / std::sqrt(distance2), light.gain * falloff};
+    return {to_light / std::sqrt(distance2), gain * falloff};
 }
 
 }  // namespace tangi

@@ -1,6 +1,7 @@
 // light.h: the lights of photographs and of relit pictures.
 #pragma once
 
+#include <array>
 #include <glm/geometric.hpp>
 #include <glm/vec2.hpp>
 #include <optional>
@@ -10,6 +11,20 @@
 
 namespace tangi {
 
+// How unevenly a lamp lights the picture beyond what its distance makes of it (a reflector's hot spot, a lamp
+// that is aimed beside the middle): ln of the irradiance is a polynomial of the second degree of the place,
+// 0 at the origin.
+struct Beam {
+    std::array<float, 5> terms{};  // [1/mm, 1/mm, 1/mm^2, 1/mm^2, 1/mm^2] of x, y, x^2, x y, y^2
+
+    bool even() const { return terms == std::array<float, 5>{}; }
+    // [1] Irradiance at a place of the painting's plane over that of an even beam. Only of use where the
+    // lamp was measured: inside the picture.
+    float part(const Vec3& point_mm) const;
+
+    friend bool operator==(const Beam&, const Beam&) = default;
+};
+
 // A distant light, or a near one where position_mm is set. Strength is relative to the exposure: a matt white
 // surface (rho_d = 1) at the centre of the picture that faces the light has the linear value `gain`.
 struct Light {
@@ -17,6 +32,7 @@ struct Light {
     Vec3 direction{0, 0, 1};  // [unit vector] from the surface to the light, seen from the picture's centre
     std::optional<Vec3> position_mm{};  // [mm] of a near light; direction is its unit vector then
     Rgb gain{1, 1, 1};                  // [1] > 0
+    Beam beam{};
 };
 
 Light distant_light(const Vec3& direction, std::string name = {});  // normalises
@@ -46,7 +62,8 @@ struct Incidence {
     Rgb irradiance;  // [1] that of a surface facing the light, in units of the exposure
 };
 
-// A near light falls off with the inverse square of the distance, and has `gain` at the origin.
+// A near light falls off with the inverse square of the distance; all have `gain` at the origin, times the
+// part of their beam elsewhere.
 Incidence incidence(const Light& light, const Vec3& point_mm, const Rig& rig = {});
 
 // [unit vector] from a point of the painting to the camera.

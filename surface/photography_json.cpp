@@ -13,6 +13,16 @@ namespace {
 
 json array_of(const Vec3& v) { return {v.x, v.y, v.z}; }
 
+json to_json(const LampModel& model) {
+    return {{"trend", model.trend}, {"reach", model.reach}, {"shrink", model.shrink}};
+}
+
+LampModel lamp_model_of(const json& j) {
+    return {.trend = j.at("trend").get<std::array<double, 6>>(),
+            .reach = j.at("reach").get<double>(),
+            .shrink = j.at("shrink").get<double>()};
+}
+
 Vec3 vec3_of(const json& j) { return {j.at(0).get<float>(), j.at(1).get<float>(), j.at(2).get<float>()}; }
 
 }  // namespace
@@ -42,6 +52,7 @@ json to_json(const Photography& photography) {
                       {"fitted", photo.fitted}};
         if (photo.homography) entry["homography"] = to_json(*photo.homography);
         if (photo.light.position_mm) entry["position_mm"] = array_of(*photo.light.position_mm);
+        if (!photo.light.beam.even()) entry["beam"] = photo.light.beam.terms;
         if (photo.listed_direction) entry["listed_direction"] = array_of(*photo.listed_direction);
         photos.push_back(std::move(entry));
     }
@@ -57,8 +68,12 @@ json to_json(const Photography& photography) {
                      {"lamp_distance_mm", distance(rig.lamp_distance_mm)},
                      {"bend_per_mm", rig.bend_per_mm}}}};
     if (photography.to_camera) result["to_camera"] = to_json(*photography.to_camera);
-    if (const auto& lamps = photography.lamps)
-        result["lamps"] = {{"trend", lamps->trend}, {"reach", lamps->reach}, {"shrink", lamps->shrink}};
+    if (photography.lamps) result["lamps"] = to_json(*photography.lamps);
+    if (const auto& beams = photography.beams) {
+        json terms = json::array();
+        for (const LampModel& term : beams->terms) terms.push_back(to_json(term));
+        result["beams"] = {{"radius_mm", beams->radius_mm}, {"terms", std::move(terms)}};
+    }
     return result;
 }
 
@@ -75,6 +90,7 @@ Photography photography_from_json(const json& j) {
         photo.light.direction = vec3_of(entry.at("direction"));
         photo.light.gain = vec3_of(entry.at("gain"));
         if (entry.contains("position_mm")) photo.light.position_mm = vec3_of(entry.at("position_mm"));
+        if (entry.contains("beam")) photo.light.beam.terms = entry.at("beam").get<std::array<float, 5>>();
         if (entry.contains("listed_direction"))
             photo.listed_direction = vec3_of(entry.at("listed_direction"));
         photo.fitted = entry.at("fitted").get<bool>();
@@ -100,11 +116,13 @@ Photography photography_from_json(const json& j) {
         const double size = glm::determinant(*photography.to_camera);
         if (!(std::abs(size) > 1e-9 && std::abs(size) < 1e9)) fail("to_camera has no inverse");
     }
-    if (j.contains("lamps")) {
-        const json& lamps = j.at("lamps");
-        photography.lamps = {.trend = lamps.at("trend").get<std::array<double, 6>>(),
-                             .reach = lamps.at("reach").get<double>(),
-                             .shrink = lamps.at("shrink").get<double>()};
+    if (j.contains("lamps")) photography.lamps = lamp_model_of(j.at("lamps"));
+    if (j.contains("beams")) {
+        photography.beams.emplace();
+        photography.beams->radius_mm = j["beams"].at("radius_mm").get<double>();
+        if (!(photography.beams->radius_mm > 0)) fail("beams.radius_mm is not above 0");
+        for (std::size_t i = 0; i < photography.beams->terms.size(); ++i)
+            photography.beams->terms[i] = lamp_model_of(j["beams"].at("terms").at(i));
     }
     return photography;
 }

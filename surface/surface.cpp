@@ -62,18 +62,19 @@ Light as_photographed(const Light& light, const Photography& photography) {
     Light result = light;
     if (const Photography::Photo* photo = find_photo(photography, light)) {
         result.gain = photo->light.gain;
+        result.beam = photo->light.beam;
         if (!result.position_mm) {
             if (photo->listed_direction) result.direction = photo->light.direction;
             result.position_mm = photo->light.position_mm;
         }
         return result;
     }
-    if (photography.lamps) {
-        std::vector<Light> fitted;
-        for (const Photography::Photo& photo : photography.photos)
-            if (photo.fitted) fitted.push_back(photo.light);
+    std::vector<Light> fitted;
+    for (const Photography::Photo& photo : photography.photos)
+        if (photo.fitted) fitted.push_back(photo.light);
+    if (photography.lamps)
         result.gain = Rgb(static_cast<float>(predicted_gain(*photography.lamps, fitted, light.direction)));
-    }
+    if (photography.beams) result.beam = predicted_beam(*photography.beams, fitted, light.direction);
     if (!result.position_mm && photography.rig.lamp_distance_mm)
         result.position_mm = light.direction * *photography.rig.lamp_distance_mm;
     return result;

@@ -35,6 +35,7 @@ struct Photography {
     std::vector<Photo> photos;
     Rig rig;
     std::optional<LampModel> lamps{};  // of the fitted photographs; empty where lamps count as equal
+    std::optional<BeamModel> beams{};  // likewise; empty where they count as even
     // Linear Rec. 709 -> the photographs' linear channels, white balance included, where a colour chart told;
     // the same where empty.
     std::optional<glm::dmat3> to_camera{};

@@ -34,6 +34,21 @@ TEST(RenderPhoto, ShowsAMattWhiteThatFacesTheLightAtTheWhiteLevel) {
                             Image<Rgb>(8, 6, Rgb(0.9f * slanted.z)), 1e-6));
 }
 
+TEST(BeamPart, IsHalfAtItsAngleFromTheAxis) {
+    const Light light = near_light({0, 0, 500}, "a.png");
+    const GeneratorOptions straight{.distance = 1, .beam_deg = 20};
+    const float aside = 500 * static_cast<float>(std::tan(20 * kDegree));
+    EXPECT_NEAR(beam_part(light, {0, 0, 0}, 500, straight), 1, 1e-12);
+    EXPECT_NEAR(beam_part(light, {aside, 0, 0}, 500, straight), 0.5, 1e-6);
+    EXPECT_NEAR(beam_part(light, {0, -aside, 0}, 500, straight), 0.5, 1e-6);
+    EXPECT_EQ(beam_part(light, {aside, 0, 0}, 500, {.distance = 1}), 1);
+    const GeneratorOptions aimed{.distance = 1, .beam_deg = 20, .aim_error = 0.3};
+    const auto tilt = [&](const Light& l) { return beam_part(l, {aside, 0, 0}, 500, aimed); };
+    EXPECT_NE(tilt(light), 0.5);
+    EXPECT_NE(tilt(light), tilt(near_light({0, 0, 500}, "b.png"))) << "each lamp is aimed by itself";
+    EXPECT_THROW(require_valid({.beam_deg = 20}), Error) << "a distant light has no beam";
+}
+
 TEST(RenderPhoto, MirrorsAsFresnelSaysWhereTheLightFacesAPolishedSurface) {
     PaintingTruth truth(3, 3);
     truth.diffuse = Image<Rgb>(3, 3, Rgb(0));

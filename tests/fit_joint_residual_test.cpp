@@ -8,6 +8,7 @@
 #include <glm/geometric.hpp>
 #include <numbers>
 
+#include "fit/light_sample.h"
 #include "surface/diffuse.h"
 #include "surface/light.h"
 #include "surface/ward.h"
@@ -16,10 +17,10 @@
 namespace tangi {
 namespace {
 
-constexpr int kBlocks = 4, kSizes[kBlocks] = {kJointPixel, 1, kJointRig, kJointTurn};
+constexpr int kBlocks = 5, kSizes[kBlocks] = {kJointPixel, 1, kJointRig, kJointTurn, kJointBeam};
 
 struct Trial {
-    double pixel[kJointPixel], gain[1], rig[kJointRig], turn[kJointTurn];
+    double pixel[kJointPixel], gain[1], rig[kJointRig], turn[kJointTurn], beam[kJointBeam];
     JointSample sample;
 };
 
@@ -30,6 +31,8 @@ Trial random_trial(Random& random) {
             {random.uniform(0, 0.8), random.uniform(0, 0.4), random.uniform(0, 0.8),
              random.uniform(-0.3, 0.3), random.uniform(0, 0.8)},
             {random.uniform(-0.2, 0.2), random.uniform(-0.2, 0.2)},
+            {random.uniform(-0.3, 0.3), random.uniform(-0.3, 0.3), random.uniform(-0.3, 0.3),
+             random.uniform(-0.3, 0.3), random.uniform(-0.3, 0.3)},
             {.direction = glm::dvec3(random.direction(0.2)),
              .nearer = random.uniform(0.7, 1.4),
              .position = {random.uniform(-0.5, 0.5), random.uniform(-0.5, 0.5)},
@@ -39,7 +42,7 @@ Trial random_trial(Random& random) {
 }
 
 double residual_of(const Trial& t) {
-    const double* blocks[] = {t.pixel, t.gain, t.rig, t.turn};
+    const double* blocks[] = {t.pixel, t.gain, t.rig, t.turn, t.beam};
     double residual = 0;
     EXPECT_TRUE(JointResidual(t.sample).Evaluate(blocks, &residual, nullptr));
     return residual;
@@ -49,9 +52,10 @@ TEST(JointResidual, DerivativesAreThoseOfCentralDifferences) {
     Random random(4);
     for (int trial = 0; trial < 500; ++trial) {
         Trial t = random_trial(random);
-        double by_pixel[kJointPixel], by_gain[1], by_rig[kJointRig], by_turn[kJointTurn], residual = 0;
-        double* jacobians[] = {by_pixel, by_gain, by_rig, by_turn};
-        double* blocks[] = {t.pixel, t.gain, t.rig, t.turn};
+        double by_pixel[kJointPixel], by_gain[1], by_rig[kJointRig], by_turn[kJointTurn], by_beam[kJointBeam],
+            residual = 0;
+        double* jacobians[] = {by_pixel, by_gain, by_rig, by_turn, by_beam};
+        double* blocks[] = {t.pixel, t.gain, t.rig, t.turn, t.beam};
         const JointResidual cost(t.sample);
         ASSERT_TRUE(cost.Evaluate(blocks, &residual, jacobians));
         EXPECT_EQ(residual, residual_of(t));
@@ -84,6 +88,7 @@ TEST(JointResidual, IsWhatTheReferenceRendererShows) {
         Light light = near_light(Vec3(turned(t.sample.direction, {t.turn[0], t.turn[1]})) *
                                  static_cast<float>(width_mm / (t.rig[0] * t.sample.nearer)));
         light.gain = Rgb(static_cast<float>(std::exp(t.gain[0])));
+        light.beam = beam_of({t.beam[0], t.beam[1], t.beam[2], t.beam[3], t.beam[4]}, width_mm);
         const Vec3 point_mm(glm::vec2(t.sample.position) * static_cast<float>(width_mm), 0);
         const Incidence in = incidence(light, point_mm, rig);
         const Vec3 normal =

@@ -73,6 +73,21 @@ TEST(RowFitter, FindsItUnderNearLampsABentFieldAndANearCamera) {
     expect_alike(scene.fit(Solver::batch), scene.fit(Solver::ceres), 0.9);
 }
 
+TEST(RowFitter, FindsItUnderUnevenLamps) {
+    Scene scene;
+    Scene even;
+    for (std::size_t i = 0; i < scene.lighting.lights.size(); ++i) {
+        Light& light = scene.lighting.lights[i];
+        const float by = i % 2 ? 0.02f : -0.02f;
+        light.beam.terms = {by, 0.01f, -0.3f * by * by, 5e-4f, by * by};
+        if (i % 3) light.position_mm = light.direction * 40.0f;
+        even.lighting.lights[i].position_mm = light.position_mm;
+    }
+    const Fitted batch = scene.fit(Solver::batch);
+    expect_alike(batch, scene.fit(Solver::ceres), 0.9);
+    EXPECT_NE(batch.at({2, 2}).slope, even.fit(Solver::batch).at({2, 2}).slope) << "beams matter here";
+}
+
 TEST(RowFitter, GivesTheSameBitsForAnyRowsAtOnce) {
     Scene scene;
     const Fitted whole = scene.fit(Solver::batch), rows = scene.fit(Solver::batch, 1);

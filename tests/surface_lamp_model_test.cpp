@@ -71,6 +71,26 @@ TEST(LampModel, IsNotBentByALampThatFailed) {
     EXPECT_NEAR(predicted_gain(model, lights, -lights[20].direction * Vec3(1, 1, -1)), 1, 0.03);
 }
 
+// Each term goes its own way over the directions; what is small a millimetre is large at the border.
+TEST(BeamModel, FollowsSmoothTrendsOfAllTerms) {
+    constexpr double kRadius_mm = 150;
+    const auto beam = [](const Vec3& l) {
+        const float k = 1.0f / 150;
+        return Beam{{0.2f * l.x * k, 0.1f * k, -0.3f * l.x * l.x * k * k, 0.2f * l.x * l.y * k * k,
+                     (0.1f - 0.2f * l.y) * k * k}};
+    };
+    std::vector<Light> lights = dome_lights(60);
+    for (Light& light : lights) light.beam = beam(light.direction);
+    const BeamModel model = fit_beam_model(lights, kRadius_mm);
+    Random random(4);
+    for (int i = 0; i < 200; ++i) {
+        const Vec3 direction = random.direction(0.3),
+                   place(random.real(-150, 150), random.real(-100, 100), 0);
+        EXPECT_NEAR(predicted_beam(model, lights, direction).part(place), beam(direction).part(place), 0.05);
+    }
+    EXPECT_TRUE(predicted_beam(fit_beam_model({}, 1), {}, {0, 0, 1}).even());
+}
+
 TEST(LampModel, OfNoLampsIsOne) { EXPECT_EQ(predicted_gain(fit_lamp_model({}), {}, {0, 0, 1}), 1); }
 
 TEST(AsPhotographed, PredictsLampsThatNoPhotographHad) {

@@ -65,6 +65,22 @@ TEST(NearLight, FarAwayIsADistantOne) {
     EXPECT_NEAR(in.irradiance.r, 1, 4e-4);
 }
 
+TEST(Beam, IsAPolynomialOfThePlaceInTheLogarithm) {
+    Light light = distant_light({0.3f, 0.2f, 0.9f});
+    light.gain = Rgb(2);
+    light.beam.terms = {0.01f, -0.02f, 1e-4f, -2e-4f, 3e-4f};
+    EXPECT_FALSE(light.beam.even());
+    EXPECT_EQ(incidence(light, {0, 0, 0}).irradiance, Rgb(2)) << "strength is that of the origin";
+    // 0.01 * 30 + 0.02 * 10 + 1e-4 * 900 + 2e-4 * 300 + 3e-4 * 100
+    EXPECT_NEAR(incidence(light, {30, -10, 5}).irradiance.g, 2 * std::exp(0.68f), 1e-5);
+    EXPECT_EQ(incidence(light, {30, -10, 5}).direction, light.direction);
+    light.position_mm = light.direction * 400.0f;
+    Light even = light;
+    even.beam = {};
+    EXPECT_NEAR(incidence(light, {30, -10, 5}).irradiance.g,
+                incidence(even, {30, -10, 5}).irradiance.g * std::exp(0.68f), 1e-5);
+}
+
 TEST(Incidence, BendsDirectionsWithTheDistanceFromTheCentre) {
     const Rig rig{.bend_per_mm = 0.001f};
     const Light above = distant_light({0, 0, 1});

@@ -73,11 +73,16 @@ TEST(PhotographyJson, WithAFieldMissingOrOfAnotherTypeThrows) {
 
 TEST(PhotographyJson, RoundTripsRigAndLamps) {
     Photography p;
+    p.photos.emplace_back().light.beam.terms = {0.5f, -0.25f, 0.125f, 0, 1e-3f};
+    p.beams = BeamModel{.radius_mm = 120.5};
+    p.beams->terms[3] = {{1, 2, 3, 4, 5, 6}, 0.25, 3};
     p.rig = {.ambient = 0.0625f, .camera_distance_mm = 612.5f, .lamp_distance_mm = {}, .bend_per_mm = -1e-4f};
     p.lamps = LampModel{{0.1, 0.2, -0.3, 0.4, 0.5, -0.6}, 0.4, 1e9};
     const Photography back = photography_from_json(json::parse(to_json(p).dump()));
     EXPECT_EQ(back.rig, p.rig);
     EXPECT_EQ(back.lamps, p.lamps);
+    EXPECT_EQ(back.beams, p.beams);
+    EXPECT_EQ(back.photos.at(0).light.beam, p.photos[0].light.beam);
 }
 
 TEST(PhotographyJson, OfVersion01HasADistantRig) {

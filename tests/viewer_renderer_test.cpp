@@ -58,6 +58,16 @@ TEST_F(RendererTest, EqualsTheReferenceWithTheRigOfThePhotographs) {
     EXPECT_LT(part_within(gl, relight(s, some_lights(), {}), 1), 0.5) << "the rig matters here";
 }
 
+TEST_F(RendererTest, EqualsTheReferenceUnderUnevenLamps) {
+    const Surface s = painted_surface(140, 90);
+    std::vector<Light> lights = some_lights();
+    for (std::size_t i = 0; i < lights.size(); ++i)
+        lights[i].beam.terms = {0.02f, i % 2 ? 0.01f : -0.03f, 1e-4f, -2e-4f, -3e-4f};
+    const auto gl = by_gl(s, lights, {});
+    EXPECT_GE(part_within(gl, relight(s, lights, {}), 1), 0.999);
+    EXPECT_LT(part_within(gl, relight(s, some_lights(), {}), 1), 0.5) << "beams matter here";
+}
+
 TEST_F(RendererTest, EqualsTheReferenceUnderARoughAndHazyLaw) {
     Surface s = painted_surface(140, 90);
     s.law = {.diffuse_roughness = 0.6, .haze = 0.3};

@@ -84,6 +84,7 @@ const gl::Program& Renderer::program_for(const Scene& scene, const Shot& shot, b
     define("LIGHTS", static_cast<int>(std::max<std::size_t>(scene.lights.size(), 1)));
     define("NEAR", near ? 1 : 0);
     define("BENDS", scene.rig.bend_per_mm != 0 ? 1 : 0);
+    define("BEAMS", std::ranges::all_of(scene.lights, [](const Light& l) { return l.beam.even(); }) ? 0 : 1);
     define("SHADOWS", shadows == Shadows::horizon && all_far(scene) ? 3 : static_cast<int>(shadows));
     define("EYE", shot.eye.w == 0 ? 0 : 1);
     define("MODE", static_cast<int>(scene.mode));
@@ -150,11 +151,15 @@ void Renderer::draw(const Scene& scene, const Shot& shot, GLuint target, bool li
     glUseProgram(program.id());
     std::vector<glm::vec4> lights;
     std::vector<glm::vec3> gains;
-    std::vector<glm::vec2> places;
+    std::vector<glm::vec2> places, beams;
+    std::vector<glm::vec3> curved_beams;
     for (const Light& light : scene.lights) {
         lights.push_back(light.position_mm ? glm::vec4(*light.position_mm, 1)
                                            : glm::vec4(light.direction, 0));
         gains.push_back(light.gain);
+        const auto& beam = light.beam.terms;
+        beams.emplace_back(beam[0], beam[1]);
+        curved_beams.emplace_back(beam[2], beam[3], beam[4]);
         const Angles angles = angles_of(light.direction);
         places.emplace_back(angles.azimuth_deg / 360, angles.elevation_deg * std::numbers::pi / 180);
     }
@@ -162,6 +167,8 @@ void Renderer::draw(const Scene& scene, const Shot& shot, GLuint target, bool li
         lights.emplace_back(0, 0, 1, 0);
         gains.emplace_back(0);
         places.emplace_back(0);
+        beams.emplace_back(0);
+        curved_beams.emplace_back(0);
     }
     const Uniforms u(program.id());
     u.set("u_texels", 0);
@@ -184,6 +191,8 @@ void Renderer::draw(const Scene& scene, const Shot& shot, GLuint target, bool li
     u.set("u_light", lights);
     u.set("u_gain", gains);
     u.set("u_place", places);
+    u.set("u_beam", beams);
+    u.set("u_beam_curved", curved_beams);
     u.set("u_law", glm::vec2(scene.law.diffuse_roughness, scene.law.haze));
     u.set("u_bend", scene.rig.bend_per_mm);
     u.set("u_light_radius", static_cast<float>(scene.light_radius_deg * std::numbers::pi / 180));

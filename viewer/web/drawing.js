@@ -73,7 +73,7 @@ class Drawing {
     }
     const [x, y, z] = scene.light, shadows = scene.shadows && this.horizon ? 1 : 0, [roughness, haze] = data.law;
     const definitions = Object.entries({WARD_MODEL: 2, LAW: roughness || haze ? 1 : 0, COLOURED: data.coloured_lobes ? 1 : 0, DRAWN_OUT: data.drawn_out_lobes ? 1 : 0, FILTER: shot.smooth ? 1 : 0, AT_HOME: 0,
-      LIGHTS: 1, NEAR: 0, BENDS: 0, SHADOWS: shadows, EYE: 1, MODE: scene.look, OUTPUT: 1, BARE: 0}).map(([name, value]) => `#define ${name} ${value}\n`).join('');
+      LIGHTS: 1, NEAR: 0, BENDS: 0, BEAMS: 0, SHADOWS: shadows, EYE: 1, MODE: scene.look, OUTPUT: 1, BARE: 0}).map(([name, value]) => `#define ${name} ${value}\n`).join('');
     const {program, at} = this.program(definitions);
     gl.useProgram(program);
     tiles.bind(0, 2);

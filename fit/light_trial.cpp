@@ -1,0 +1,261 @@
+#include "fit/light_trial.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <numeric>
+
+#include "surface/median.h"
+#include "surface/parallel.h"
+
+namespace tangi {
+
+namespace {
+
+// [deg] Turns that are less than this in rms are not worth trying.
+constexpr double kSmallTurn_deg = 0.5;
+// [1] Nor are beams that are this even: ln irradiance, rms over the picture, of the median lamp.
+constexpr double kEven = 0.005;
+// [1] Nor where they leave more than this of the cost (coin, which is neither flat nor matt: 0.98; leaf:
+// 0.75): what they predict better then is by chance.
+constexpr double kAsGood = 0.9;
+// [dB] By which directions of their own must explain photographs better: two unknowns a lamp take up some of
+// what the model leaves out, and lamps that no photograph had don't share them (real/canvas lost 3.7 dB at
+// 0.1).
+constexpr double kOwnWorth_db = 1.5;
+// [rad] By which a lamp's direction, or the painting as a whole, may be tilted where directions are taken as
+// listed, and which relief that no pixel resolves amounts to. Light that falls at an elevation e changes by
+// so much times cot e.
+constexpr double kTilt = 0.01;
+constexpr double kFar = 0.01;  // [1/width] nearness from which on a distance says something
+
+double mean(const std::vector<double>& values) {
+    return std::accumulate(values.begin(), values.end(), 0.0) /
+           static_cast<double>(std::max<std::size_t>(values.size(), 1));
+}
+
+Lighting subset(const Lighting& lighting, const std::vector<int>& photos) {
+    Lighting result{{}, lighting.rig, lighting.white_level};
+    for (const int i : photos) {
+        result.lights.push_back(lighting.lights[static_cast<std::size_t>(i)]);
+        if (!lighting.direction_sigma_deg.empty())
+            result.direction_sigma_deg.push_back(lighting.direction_sigma_deg[static_cast<std::size_t>(i)]);
+    }
+    return result;
+}
+
+JointFreedom freedom_of(const LightModel& model) {
+    return {.rig = model.lamps != LightFreedom::none,
+            .gains = model.lamps == LightFreedom::rig_and_gains,
+            .directions = model.directions,
+            .beams = model.beams};
+}
+
+void apply_directions(const JointLights& joint, LightCalibration& result) {
+    result.field = joint.field;
+    result.coefficients = joint.coefficients;
+    for (std::size_t i = 0; i < joint.turns.size(); ++i) {
+        Light& light = result.lighting.lights[i];
+        light.direction = Vec3(turned(joint.directions[i], joint.turns[i]));
+        if (light.position_mm) light.position_mm = light.direction * glm::length(*light.position_mm);
+        result.turns.push_back(
+            {.changed_deg = std::atan(glm::length(joint.turns[i])) * 180 / std::numbers::pi, .sigma_deg = 0});
+    }
+}
+
+// The lighting that a solved joint problem means.
+LightCalibration calibration_of(const LightSample& sample, const JointLights& joint, const Lighting& given,
+                                const LightModel& model) {
+    LightCalibration result{.lighting = given, .model = model};
+    Rig& rig = result.lighting.rig;
+    const auto distance = [&](double nearness) {
+        return nearness > kFar ? std::optional(static_cast<float>(sample.width_mm() / nearness))
+                               : std::nullopt;
+    };
+    if (model.lamps != LightFreedom::none) {
+        rig.ambient = static_cast<float>(joint.rig.ambient);
+        if (!joint.lamps_known) {
+            rig.lamp_distance_mm = distance(joint.rig.lamp_nearness);
+            rig.bend_per_mm = static_cast<float>(joint.rig.bend / sample.width_mm());
+        }
+        if (!joint.camera_known) rig.camera_distance_mm = distance(joint.rig.camera_nearness);
+    }
+    if (model.directions != DirectionFreedom::listed) apply_directions(joint, result);
+    if (model.directions == DirectionFreedom::measured) result.diffuse_roughness = joint.rig.roughness;
+    const double middle = median(joint.log_gains);
+    for (std::size_t i = 0; i < joint.log_gains.size(); ++i) {
+        Light& light = result.lighting.lights[i];
+        light.gain *= static_cast<float>(std::exp(joint.log_gains[i] - middle));
+        if (rig.lamp_distance_mm) light.position_mm = light.direction * *rig.lamp_distance_mm;
+        if (model.beams) light.beam = beam_of(joint.beams[i], sample.width_mm());
+    }
+    if (model.beams) {
+        result.beams = fit_beam_model(result.lighting.lights, sample.width_mm() / 2);
+        for (std::size_t i = 0; i < joint.beams.size(); ++i)
+            result.unevenness.push_back({.rms = joint.unevenness(i), .sigma = 0});
+    }
+    // One lamp that was carried around is as strong elsewhere as it was given.
+    if (model.lamps == LightFreedom::rig_and_gains && !joint.lamps_known)
+        result.lamps = fit_lamp_model(result.lighting.lights);
+    return result;
+}
+
+double median_unevenness(const JointLights& joint) {
+    std::vector<double> all;
+    for (std::size_t i = 0; i < joint.beams.size(); ++i) all.push_back(joint.unevenness(i));
+    return median(std::move(all));
+}
+
+// The joint problem of all photographs, solved under one model; nothing where there is nothing to solve, or
+// where directions turn out to be right, or beams to be even.
+std::optional<JointLights> solved(const LightSample& sample, const Lighting& given, const LightModel& model,
+                                  const std::optional<JointLights>& from) {
+    if (model == LightModel{}) return {};
+    std::vector<int> photos(given.lights.size());
+    std::iota(photos.begin(), photos.end(), 0);
+    JointLights joint =
+        from ? sample.joint_problem(photos, given, *from) : sample.joint_problem(photos, given);
+    const JointStart start = from ? JointStart::near : JointStart::far;
+    if (joint.pixels.empty() || !joint.solve(freedom_of(model), start)) return {};
+    if (model.beams && median_unevenness(joint) < kEven) return {};
+    if (model.beams && from && joint.cost > kAsGood * from->cost) return {};
+    double squares = 0;
+    for (const glm::dvec2& turn : joint.turns) squares += glm::dot(turn, turn);
+    const double rms_deg = std::sqrt(squares / static_cast<double>(photos.size())) * 180 / std::numbers::pi;
+    const bool found =
+        model.directions == DirectionFreedom::smooth || model.directions == DirectionFreedom::own;
+    if (found && rms_deg < kSmallTurn_deg) return {};
+    return joint;
+}
+
+struct FoldResult {
+    std::vector<double> photos_db, located_db;  // as in Trial
+};
+
+// The photographs of one trial, predicted from all others. `all` is the solution with all photographs: where
+// to start, so that the trial's own solution is a few steps away. Lamps are located with the gains of
+// `model`, and with directions and beams if it has own ones.
+FoldResult left_out(const LightSample& sample, const Lighting& given, const LightModel& model,
+                    const std::optional<JointLights>& all, const LeftOutPhotos& out, int trial) {
+    std::vector<int> used, left;
+    for (int i = 0; i < static_cast<int>(given.lights.size()); ++i)
+        (out.has(i, trial) ? left : used).push_back(i);
+    LightCalibration c{.lighting = subset(given, used)};
+    if (all) {
+        JointLights joint = sample.joint_problem(used, c.lighting, *all);
+        if (joint.solve(freedom_of(model), JointStart::near))
+            c = calibration_of(sample, joint, c.lighting, model);
+    }
+    const std::vector<WardEstimate> estimates = sample.fit(used, c.lighting);
+    FoldResult result;
+    for (const int i : left) {
+        Lighting one = subset(given, {i});
+        one.rig = c.lighting.rig;
+        Light& light = one.lights.front();
+        light.direction = corrected_direction(c, light.direction);
+        if (light.position_mm) light.position_mm = light.direction * glm::length(*light.position_mm);
+        if (c.lamps)
+            light.gain *= static_cast<float>(predicted_gain(*c.lamps, c.lighting.lights, light.direction));
+        if (one.rig.lamp_distance_mm) light.position_mm = light.direction * *one.rig.lamp_distance_mm;
+        if (c.beams) light.beam = predicted_beam(*c.beams, c.lighting.lights, light.direction);
+        result.photos_db.push_back(sample.psnr_db(estimates, i, one));
+        const Lighting located = sample.located(estimates, i, one, freedom_of(model));
+        result.located_db.push_back(sample.psnr_db(estimates, i, located, 1, 2));
+    }
+    return result;
+}
+
+// [dB] The median by which `a` exceeds `b`, as one photograph whose lamp moved is no reason for or against,
+// and its standard error (that of a median of normal values; their spread by the median absolute deviation).
+struct Gain {
+    double median_db, sigma_db;
+};
+Gain gain(const std::vector<double>& a, const std::vector<double>& b) {
+    std::vector<double> gained;
+    for (std::size_t i = 0; i < a.size(); ++i) gained.push_back(a[i] - b[i]);
+    const double middle = median(gained), count = static_cast<double>(gained.size());
+    for (double& db : gained) db = std::abs(db - middle);
+    return {middle, 1.2533 * 1.4826 * median(std::move(gained)) / std::sqrt(count)};
+}
+
+void add_errors(const JointLights& solution, LightCalibration& c) {
+    const JointLights::Errors errors = solution.errors(freedom_of(c.model));
+    for (std::size_t i = 0; i < errors.direction_deg.size(); ++i)
+        c.turns[i].sigma_deg = errors.direction_deg[i];
+    for (std::size_t i = 0; i < errors.beams.size(); ++i) c.unevenness[i].sigma = errors.beams[i];
+    c.gain_sigma = errors.log_gains;
+    for (std::size_t i = 0; i < c.gain_sigma.size(); ++i) {
+        const Vec3& l = c.lighting.lights[i].direction;
+        c.gain_sigma[i] = std::hypot(c.gain_sigma[i], kTilt * std::hypot(l.x, l.y) / std::max(l.z, 0.05f));
+    }
+    if (!errors.rig) return;
+    const auto relative = [](double sigma, double nearness) {
+        return nearness > kFar ? sigma / nearness : 0;
+    };
+    c.rig_sigma = {errors.rig->ambient, errors.rig->roughness,
+                   relative(errors.rig->lamp_nearness, solution.rig.lamp_nearness),
+                   relative(errors.rig->camera_nearness, solution.rig.camera_nearness)};
+}
+
+}  // namespace
+
+std::vector<TriedModel> tried(const LightSample& sample, const Lighting& given,
+                              const std::vector<LightModel>& models, const LeftOutPhotos& out,
+                              const std::function<void()>& step_done,
+                              const std::optional<JointLights>& from) {
+    const int count = static_cast<int>(models.size());
+    std::vector<TriedModel> result(models.size());
+    parallel_for(0, count, 1, [&](int begin, int end) {
+        for (int i = begin; i < end; ++i) {
+            const auto at = static_cast<std::size_t>(i);
+            result[at].trial.model = models[at];
+            result[at].solution = solved(sample, given, models[at], from);
+            step_done();
+        }
+    });
+    std::vector<std::vector<FoldResult>> folds(models.size(),
+                                               std::vector<FoldResult>(static_cast<std::size_t>(out.trials)));
+    parallel_for(0, out.trials * count, 1, [&](int begin, int end) {
+        for (int task = begin; task < end; ++task) {
+            step_done();
+            const auto at = static_cast<std::size_t>(task / out.trials);
+            if (!result[at].solution && models[at] != LightModel{}) continue;
+            const int fold = task % out.trials;
+            folds[at][static_cast<std::size_t>(fold)] =
+                left_out(sample, given, models[at], result[at].solution, out, fold);
+        }
+    });
+    for (std::size_t i = 0; i < models.size(); ++i) {
+        LightCalibration::Trial& trial = result[i].trial;
+        for (const FoldResult& fold : folds[i]) {
+            trial.photos_db.insert(trial.photos_db.end(), fold.photos_db.begin(), fold.photos_db.end());
+            trial.located_db.insert(trial.located_db.end(), fold.located_db.begin(), fold.located_db.end());
+        }
+        trial.left_out_db = mean(trial.photos_db);
+    }
+    return result;
+}
+
+LightCalibration calibrated(const LightSample& sample, const JointLights& solution, const Lighting& given,
+                            const LightModel& model) {
+    LightCalibration c = calibration_of(sample, solution, given, model);
+    add_errors(solution, c);
+    return c;
+}
+
+bool explains_better(const LightCalibration::Trial& a, const LightCalibration::Trial& b, double explained_db,
+                     double loss_db) {
+    const Gain predicted = gain(a.photos_db, b.photos_db), located = gain(a.located_db, b.located_db);
+    return located.median_db - located.sigma_db > explained_db &&
+           predicted.median_db > -std::min(predicted.sigma_db, loss_db);
+}
+
+bool is_better(const LightCalibration::Trial& a, const LightCalibration::Trial& b, double worth_db) {
+    const Gain predicted = gain(a.photos_db, b.photos_db);
+    if (predicted.median_db - predicted.sigma_db > worth_db) return true;
+    return a.model.directions == DirectionFreedom::own &&
+           explains_better(a, b, kOwnWorth_db, std::numeric_limits<double>::infinity());
+}
+
+}  // namespace tangi

@@ -1,0 +1,50 @@
+// light_trial.h: one way to explain a stack's photographs by its lamps, solved with all of them, and how it
+// predicts those that are left out: what light calibration chooses by.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <vector>
+
+#include "fit/light_calibration.h"
+#include "fit/light_sample.h"
+
+namespace tangi {
+
+// Each model is tried with some photographs left out at a time.
+struct LeftOutPhotos {
+    int trials;
+    int step;  // in each trial every photograph of so many
+
+    bool has(int photo, int trial) const { return photo % step == step / trials * trial; }
+};
+
+// A model, solved with all photographs, and how it predicts those left out.
+struct TriedModel {
+    std::optional<JointLights> solution;  // none where there is nothing to solve, or nothing was found
+    LightCalibration::Trial trial;
+};
+
+// All photographs of a stack, for which lights are given. `from`: a solution with even beams to start from,
+// where there is one. `step_done` is called 1 + out.trials times a model, from any thread.
+std::vector<TriedModel> tried(const LightSample& sample, const Lighting& given,
+                              const std::vector<LightModel>& models, const LeftOutPhotos& out,
+                              const std::function<void()>& step_done,
+                              const std::optional<JointLights>& from = {});
+
+// The lighting that a solved joint problem means, with standard errors.
+LightCalibration calibrated(const LightSample& sample, const JointLights& solution, const Lighting& given,
+                            const LightModel& model);
+
+// Whether `a`, which gives each lamp something of its own that those left out don't share in, explains
+// photographs better than `b` once their lamps are located, and predicts them no worse than by `loss_db`, or
+// than chance does.
+bool explains_better(const LightCalibration::Trial& a, const LightCalibration::Trial& b, double explained_db,
+                     double loss_db);
+
+// Whether `a` predicts photographs better than `b` for sure; directions of their own need only explain them.
+// Where listed directions are far off, so is that of the lamp that was left out: predictions are then poor
+// with any surface, and only a sure loss speaks against a better one.
+bool is_better(const LightCalibration::Trial& a, const LightCalibration::Trial& b, double worth_db);
+
+}  // namespace tangi
