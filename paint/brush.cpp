@@ -264,6 +264,14 @@ BrushSides Brush::sides(const Dab& dab, int x0, int y0) const {
     if (dab.dx == 0 && dab.dy == 0) return sides;
     double x, y;
     contact_centre(dab, x, y);
+    if (dab.stands) {
+        sides.ax = dab.dx;
+        sides.ay = dab.dy;
+        sides.a0 = static_cast<float>(sides.ax * (x0 - x) + sides.ay * (y0 - y));
+        sides.left_px = sides.right_px = static_cast<float>(resolved_length_px(dab) / 2) *
+                                         (1 + static_cast<float>(settings_.splay) * dab.pressure);
+        return sides;
+    }
     sides.ax = -dab.dy;
     sides.ay = dab.dx;
     sides.a0 = static_cast<float>(sides.ax * (x0 - x) + sides.ay * (y0 - y));
@@ -276,6 +284,24 @@ BrushSides Brush::sides(const Dab& dab, int x0, int y0) const {
     sides.band_px = std::min(static_cast<float>(kSide_mm / mm_per_pixel_),
                              0.5f * std::min(sides.left_px, sides.right_px));
     return sides;
+}
+
+StandingTip Brush::standing(const Dab& dab, int x0, int y0) const {
+    StandingTip tip;
+    double x, y;
+    contact_centre(dab, x, y);
+    tip.maps = tip_.maps();
+    tip.x = static_cast<float>(x - x0);
+    tip.y = static_cast<float>(y - y0);
+    tip.cosine = std::cos(dab.rotation_rad);
+    tip.sine = std::sin(dab.rotation_rad);
+    tip.narrowing = 1 / (1 + static_cast<float>(settings_.splay) * dab.pressure);
+    tip.touched = flattened(dab.pressure);
+    tip.band_px =
+        static_cast<float>(std::min(kSide_mm / mm_per_pixel_, 0.5 * std::min(half_width_px_, half_thickness_px_)));
+    tip.towards_x = dab.side * dab.dx;
+    tip.towards_y = dab.side * dab.dy;
+    return tip;
 }
 
 float Brush::ride_mm(float pressure) const {

@@ -13,6 +13,7 @@
 #include "paint/brush_settings.h"
 #include "paint/brush_tip.h"
 #include "paint/canvas.h"
+#include "paint/press_out.h"
 #include "paint/transfer.h"
 
 namespace tangi {
@@ -28,6 +29,12 @@ struct Dab {
     float length_px = 1;   // of the way since the step before, at most 1
     float turn_rad = 0;    // of the rotation since then
     int step = 0;          // number in the stroke
+    float way_px = 0;      // [pixels] since the stroke began
+    // It is pressed down and does not move on; dx, dy say how the tip trails behind. [1] How much of what
+    // pressure drives out from under it leaves in this step, and whether ahead or behind of it (+-1); 0: all
+    // around.
+    bool stands = false;
+    float pressed = 0, side = 0;
 };
 
 // What is on a brush, bit for bit: rows of grid_size() cells.
@@ -80,8 +87,12 @@ public:
     // They carry its volume, so their load is thinner by it.
     double coverage() const { return coverage_; }
 
-    // Where its sides are, in a box of pixels whose first is (x0, y0); none where it does not move.
+    // Where its sides are, in a box of pixels whose first is (x0, y0). Where it stands there are none: ahead is
+    // then to the right.
     BrushSides sides(const Dab& dab, int x0, int y0) const;
+
+    // The tip of a dab that stands, in a box of pixels whose first is (x0, y0).
+    StandingTip standing(const Dab& dab, int x0, int y0) const;
 
     // Turns the loads with the brush, to the nearest step of three pixels at its rim.
     void turn_to(float rotation_rad);

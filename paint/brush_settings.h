@@ -32,7 +32,7 @@ struct BrushSettings {
     double film_mm = 0.006;        // paint that always stays
     double reach_mm = 0.06;        // gap that bristles without paint still bridge
     double load_reach = 0.25;      // [1] further gap for each mm of load
-    double grain = 0.25;           // [1] random variation of the transfer from pixel to pixel
+    double grain = 0.25;           // [1] random variation of the transfer from bristle to bristle
     double yield_slope = 1.2;      // [1] slope that wet paint holds without flowing down
     bool follow = false;           // turns with the stroke, as a hand turns a flat brush
 

@@ -2,7 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "paint/appearance.h"
+#include "paint/appearance_part.h"
 #include "paint/paint_parts.h"
 #include "surface/error.h"
 #include "surface/json_text.h"
@@ -56,9 +56,11 @@ void fill_canvas(const AtomicFile& file, const Canvas& canvas, const Progress& p
     }
     parts.insert(parts.end(), further.begin(), further.end());
     const bool has_overview = std::any_of(further.begin(), further.end(), is_overview);
-    if (!has_overview && wants_overview(canvas.dry()))
-        add_overview(parts, canvas.ingredients().empty() ? canvas.dry() : appearance(canvas, {}, progress),
-                     canvas.dry());
+    if (!has_overview && canvas.ingredients().empty())
+        add_overview(parts, canvas.dry(), canvas.dry());
+    else if (!has_overview)
+        add_overview(
+            parts, [&](const Region& part) { return appearance_in(canvas, part); }, canvas.dry());
     fill_painting(file, canvas.dry(), parts, progress);
 }
 

@@ -27,27 +27,30 @@ constexpr float kDry = 0.85f, kRide = 0.6f, kSink = 0.75f;
 
 // Part of the load that is given, and part of the paint on the canvas that is taken.
 TP_VECTOR_CLONES
-void exchange_row(int n, const TransferRates& r, const BrushSides& sides, const float* __restrict underside,
-                  const float* __restrict relief, const float* __restrict grain,
-                  const float* __restrict cover, const float* __restrict total, const float* __restrict load,
+void exchange_row(int n, const TransferRates& r, const BrushSides& sides, const BristleLanes& lanes,
+                  const float* __restrict underside, const float* __restrict relief,
+                  const float* __restrict open, const float* __restrict cover, const float* __restrict total, const float* __restrict load,
                   float* __restrict give, float* __restrict take) {
     const float pickup = r.pickup, film = r.film_mm, reach0 = r.reach_mm, reach1 = r.load_reach,
                 per_hold = 1 / r.hold_mm, hold = r.hold_mm, tip = r.tip_mm, per_reach0 = 1 / r.reach_mm,
                 deposit_tip = r.deposit * r.tip_mm, ride = r.ride_mm, ax = sides.ax, a0 = sides.a0,
                 right_px = sides.right_px, left_px = sides.left_px,
                 per_band = 1 / std::max(sides.band_px, 1.0f), press = sides.band_px > 0 ? r.press : 0.0f,
-                most = 0.5f * r.tip_mm;
+                most = 0.5f * r.tip_mm, first_lane_px = lanes.first_px;
+    const float* __restrict lane = lanes.factor;
+    const int last_lane = lanes.count - 1;
     for (int x = 0; x < n; ++x) {
         const float bridged = reach1 * std::min(load[x], tip), reach = reach0 + bridged;
         const float top = relief[x] + total[x], room = underside[x] - top;
         const float sunk =
             std::min(std::max(kDry * reach0 + kRide * bridged, underside[x] - kSink * ride), underside[x]);
-        const float here = grain[x] * cover[x];
+        const float across_px = a0 + ax * static_cast<float>(x);
+        const int on = static_cast<int>((across_px - first_lane_px) * BristleLanes::kPerPixel);
+        const float here = open[x] * cover[x] * lane[std::min(std::max(on, 0), last_lane)];
         const float contact = std::min(std::max(reach - (sunk - top), 0.0f), reach);  // times the reach
         const float dry = std::max(1 - 0.5f * per_reach0 * total[x], 0.0f);
         const float fill = kPressed * dry * reach * reach + kFilling * bridged * (reach - contact);
         // Where pressure drives it out, the tuft gives more.
-        const float across_px = a0 + ax * static_cast<float>(x);
         const float beyond_px = std::max(across_px - right_px, -across_px - left_px);
         const float pressed = 1 + press * std::min(std::max(1 + beyond_px * per_band, 0.0f), 1.0f);
         give[x] = std::min(deposit_tip * pressed, most) * here * contact * fill /
@@ -99,9 +102,9 @@ void exchange(const StepBox& box, const TransferRates& rates, StepScratch& scrat
             const std::size_t load = at(y, box.load_stride) + static_cast<std::size_t>(span.begin);
             float *total = box.total_mm + canvas, *load_total = box.load_total_mm + load;
             exchange_row(
-                count, rates, box.sides.row_from(span.begin, y),
+                count, rates, box.sides.row_from(span.begin, y), box.lanes,
                 box.underside_mm + at(y, box.underside_stride) + static_cast<std::size_t>(span.begin),
-                box.relief_mm + canvas, box.grain + canvas,
+                box.relief_mm + canvas, box.open + canvas,
                 box.cover + at(y, box.underside_stride) + static_cast<std::size_t>(span.begin), total,
                 load_total, give, take);
             std::fill_n(total, count, 0.0f);

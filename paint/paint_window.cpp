@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cstring>
 
-#include "surface/noise.h"
-
 namespace tangi {
 
 namespace {
@@ -37,7 +35,7 @@ std::size_t in_tile(int x, int y) { return static_cast<std::size_t>((y % kSize) 
 }  // namespace
 
 PaintWindow::PaintWindow(const Canvas& canvas, const Region& region, std::vector<IngredientId> ingredients,
-                         int ride_px, double grain, std::uint64_t seed)
+                         int ride_px)
     : region_(region),
       on_canvas_(intersection(region, canvas.region())),
       stride_(static_cast<std::size_t>(region.width())),
@@ -46,7 +44,7 @@ PaintWindow::PaintWindow(const Canvas& canvas, const Region& region, std::vector
     const auto pixels = stride_ * static_cast<std::size_t>(region.height());
     total_.assign(pixels, 0.0f);
     relief_.assign(pixels, 0.0f);
-    grain_.assign(pixels, 0.0f);
+    open_.assign(pixels, 0.0f);
     if (!on_canvas_.empty())
         for_tiles(on_canvas_, canvas.wet(), [&](TileIndex at, const Region&) {
             if (const auto& tile = canvas.wet().tile(at))
@@ -57,7 +55,7 @@ PaintWindow::PaintWindow(const Canvas& canvas, const Region& region, std::vector
     paint_.assign(ingredients_.size(), std::vector<float>(pixels, 0.0f));
     if (on_canvas_.empty()) return;
     find_relief(canvas, ride_px);
-    find_grain(canvas, grain, seed);
+    find_open(canvas);
     take_paint(canvas.wet());
 }
 
@@ -83,16 +81,10 @@ void PaintWindow::find_relief(const Canvas& canvas, int ride_px) {
     }
 }
 
-void PaintWindow::find_grain(const Canvas& canvas, double grain, std::uint64_t seed) {
-    using procedural::hash;
-    using procedural::uniform;
-    const auto amount = static_cast<float>(grain);
+void PaintWindow::find_open(const Canvas& canvas) {
     for (int y = on_canvas_.y0; y < on_canvas_.y1; ++y)
-        for (int x = on_canvas_.x0; x < on_canvas_.x1; ++x) {
-            const float fine = uniform(hash(seed, x, y)), coarse = uniform(hash(~seed, x / 3, y / 3));
-            const float part = canvas.mask() ? (*canvas.mask())(x, y) : 1.0f;
-            grain_[index(x, y)] = std::max(1 + amount * (fine + coarse - 1), 0.01f) * part;
-        }
+        for (int x = on_canvas_.x0; x < on_canvas_.x1; ++x)
+            open_[index(x, y)] = canvas.mask() ? (*canvas.mask())(x, y) : 1.0f;
 }
 
 void PaintWindow::take_paint(const PaintLayer& wet) {
@@ -117,7 +109,7 @@ void PaintWindow::take_paint(const PaintLayer& wet) {
 void PaintWindow::attach(StepBox& box, int x0, int y0) {
     const std::size_t at = index(x0, y0);
     box.relief_mm = relief_.data() + at;
-    box.grain = grain_.data() + at;
+    box.open = open_.data() + at;
     box.total_mm = total_.data() + at;
     box.canvas_stride = stride_;
     box.paint.clear();

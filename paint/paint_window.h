@@ -2,7 +2,6 @@
 // back.
 #pragma once
 
-#include <cstdint>
 #include <vector>
 
 #include "paint/canvas.h"
@@ -10,17 +9,16 @@
 
 namespace tangi {
 
-// The wet paint of a region, its support and the grain of the transfer. The paint is taken out of the tiles
+// The wet paint of a region, its support and where brushes may work. The paint is taken out of the tiles
 // and put back when the steps are done: in between this is the paint, not a copy of it to pick up from.
 class PaintWindow {
 public:
-    // `region` may reach beyond the canvas; pixels there, and where the canvas's mask is 0, have
-    // grain 0 and neither take nor give paint.
+    // `region` may reach beyond the canvas; pixels there, and where the canvas's mask is 0, are not
+    // open and neither take nor give paint.
     // `ingredients` are those that will come from a brush; those of the canvas are added. `ride_px`: half the
-    // side of the square over which a brush follows the relief. `grain`: variation of the transfer (1 = none
-    // to double).
+    // side of the square over which a brush follows the relief.
     PaintWindow(const Canvas& canvas, const Region& region, std::vector<IngredientId> ingredients,
-                int ride_px, double grain, std::uint64_t seed);
+                int ride_px);
 
     const Region& region() const { return region_; }
     const std::vector<IngredientId>& ingredients() const { return ingredients_; }
@@ -36,14 +34,14 @@ private:
         return static_cast<std::size_t>(y - region_.y0) * stride_ + static_cast<std::size_t>(x - region_.x0);
     }
     void find_relief(const Canvas& canvas, int ride_px);
-    void find_grain(const Canvas& canvas, double grain, std::uint64_t seed);
+    void find_open(const Canvas& canvas);
     void take_paint(const PaintLayer& wet);
 
     Region region_, on_canvas_;
     std::size_t stride_ = 0;
     std::vector<IngredientId> ingredients_;
     std::vector<std::vector<float>> paint_;
-    std::vector<float> total_, relief_, grain_;
+    std::vector<float> total_, relief_, open_;
 };
 
 }  // namespace tangi

@@ -69,8 +69,8 @@ TransferRates rates_of(const Brush& brush, const Dab& dab, double mm_per_pixel) 
     TransferRates r = rates_of(s, mm_per_pixel);
     r.deposit = rate(s.deposit * squeezing(dab.pressure), length_px) * touch;
     r.press = kPress * dab.pressure * touch;
-    r.squeeze_per_mm =
-        kSqueeze * dab.pressure * touch * dab.length_px / static_cast<float>(resolved_px * mm_per_pixel);
+    const auto passed = dab.stands ? dab.pressed : dab.length_px / static_cast<float>(resolved_px);
+    r.squeeze_per_mm = kSqueeze * dab.pressure * touch * passed / static_cast<float>(mm_per_pixel);
     r.pickup = rate(s.pickup, resolved_px) * static_cast<float>(across) * touch;
     r.push *= static_cast<float>(across) * touch;
     r.hold_mm = static_cast<float>(s.hold_mm * cover);

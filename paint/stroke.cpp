@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "paint/paint_window.h"
+#include "paint/press_out.h"
 #include "paint/step_rates.h"
 #include "surface/error.h"
 #include "surface/noise.h"
@@ -18,6 +19,11 @@ constexpr std::uint64_t kShifts = 29;  // of box_of(): any seed
 // so steps are shorter than the rim's way alone asks for: that many times; and steps for each pixel of the
 // way at most, where it turns on the spot.
 constexpr double kRim = 1.5, kMostSteps = 2;
+
+// A brush that is put down or lifted stands for so many steps; in all for this part [1] of the time in which its
+// contact passes, at full pressure.
+constexpr int kStands = 4;
+constexpr double kStandsFor = 0.7;
 
 constexpr double kStepsOfContact = 8, kShortest = 0.5;  // [1], and of the spacing
 
@@ -40,10 +46,10 @@ Region box_of(const Brush& brush, const Dab& dab) {
     brush.reach_px(dab, half_x, half_y);
     // Loads lie on whole pixels. Rounded to the nearest, they would go along a slanting stroke in stairs,
     // whose print is a sawtooth; shifted across it by up to half a pixel either way, spread evenly over any
-    // eight steps and by chance within them, they go straight in the mean. Shifts along it would leave rungs.
+    // eight steps and by chance within them, in great leaps (3 or 5 eighths), they go straight in the mean. Shifts along it would leave rungs.
     const std::uint64_t chance = procedural::hash(kShifts, dab.step / 8);
     const std::uint64_t turn =
-        (static_cast<std::uint64_t>(dab.step) * (2 * (chance & 3) + 1) + (chance >> 2)) & 7;
+        (static_cast<std::uint64_t>(dab.step) * (2 * (chance & 1) + 3) + (chance >> 2)) & 7;
     const double shift =
         (static_cast<double>(turn) + procedural::uniform(procedural::hash(chance, dab.step))) / 8 - 0.5;
     const int x = static_cast<int>(std::lround(cx - shift * dab.dy)),
@@ -61,9 +67,18 @@ Region united(const Region& a, const Region& b) {
     return {std::min(a.x0, b.x0), std::min(a.y0, b.y0), std::max(a.x1, b.x1), std::max(a.y1, b.y1)};
 }
 
+// Memory that steps reuse.
+struct StepMemory {
+    std::vector<float> underside, lanes;  // and cover
+    Outwards outwards;
+    StepBox box;
+};
+
 // Pixels under the brush.
 double one_step(PaintWindow& window, Brush& brush, const Dab& dab, const Region& box, double mm_per_pixel,
-                std::vector<float>& underside, StepBox& step, StepScratch& scratch) {
+                std::uint64_t seed, StepMemory& memory, StepScratch& scratch) {
+    std::vector<float>& underside = memory.underside;
+    StepBox& step = memory.box;
     brush.turn_to(dab.rotation_rad);
     const int width = box.width(), height = box.height();
     const std::size_t area = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
@@ -87,11 +102,23 @@ double one_step(PaintWindow& window, Brush& brush, const Dab& dab, const Region&
     const TransferRates rates = rates_of(brush, dab, mm_per_pixel);
     double x, y;
     brush.contact_centre(dab, x, y);
-    const BrushMotion motion{dab.dx * dab.length_px, dab.dy * dab.length_px, dab.turn_rad,
-                             static_cast<float>(x - box.x0), static_cast<float>(y - box.y0)};
+    const float way = dab.stands ? 0 : dab.length_px;
+    const BrushMotion motion{dab.dx * way, dab.dy * way, dab.turn_rad, static_cast<float>(x - box.x0),
+                             static_cast<float>(y - box.y0)};
     step.sides = brush.sides(dab, box.x0, box.y0);
+    step.lanes = {};
+    if (!dab.stands)
+        step.lanes = lanes_at(dab.way_px, std::max(step.sides.left_px, step.sides.right_px),
+                              static_cast<float>(brush.settings().bristle_mm / mm_per_pixel),
+                              static_cast<float>(brush.settings().grain), seed, memory.lanes);
+    else if (dab.side != 0)
+        step.lanes = ramp_of(dab.side, step.sides.right_px, memory.lanes);
     exchange(step, rates, scratch);
     push(step, rates, motion, scratch);
+    if (dab.stands && rates.squeeze_per_mm > 0) {
+        find_outwards(brush.standing(dab, box.x0, box.y0), step, memory.outwards);
+        press_out(step, memory.outwards, rates.squeeze_per_mm, rates.film_mm, scratch);
+    }
     double pixels = 0;
     for (const RowSpan& span : step.bristles) pixels += span.end - span.begin;
     return pixels;
@@ -102,8 +129,7 @@ double one_step(PaintWindow& window, Brush& brush, const Dab& dab, const Region&
 double paint_dabs(Canvas& canvas, Brush& brush, std::span<const Dab> dabs, std::uint64_t seed,
                   StepScratch& scratch) {
     double pixels = 0;
-    std::vector<float> underside;
-    StepBox step;
+    StepMemory memory;
     // Windows as large as some steps take; dividing the steps otherwise would not change the result.
     for (std::size_t begin = 0; begin < dabs.size();) {
         // Beside the canvas a brush is in the air, and keeps its paint.
@@ -119,11 +145,11 @@ double paint_dabs(Canvas& canvas, Brush& brush, std::span<const Dab> dabs, std::
             window_region = all;
         }
         const int ride = std::max(static_cast<int>(brush.settings().size_mm / canvas.mm_per_pixel() / 4), 2);
-        PaintWindow window(canvas, window_region, brush.ingredients(), ride, brush.settings().grain, seed);
+        PaintWindow window(canvas, window_region, brush.ingredients(), ride);
         for (std::size_t i = begin; i < end; ++i) {
             const Region box = box_of(brush, dabs[i]);
             if (!touches(box, canvas)) continue;
-            pixels += one_step(window, brush, dabs[i], box, canvas.mm_per_pixel(), underside, step, scratch);
+            pixels += one_step(window, brush, dabs[i], box, canvas.mm_per_pixel(), seed, memory, scratch);
         }
         window.store(canvas);
         begin = end;
@@ -221,10 +247,16 @@ void Stroke::finish() {
         const int rest = static_cast<int>(std::lround(brush_.contact_length_px(dab) / 4)) + 1;
         dabs_.assign(static_cast<std::size_t>(rest), dab);
         ages_s_.assign(dabs_.size(), knots_[0].came_s);
-        for (int i = 0; i < rest; ++i) dabs_[static_cast<std::size_t>(i)].step = i;
+        for (int i = 0; i < rest; ++i) {
+            Dab& now = dabs_[static_cast<std::size_t>(i)];
+            now.step = i;
+            now.stands = true;
+            now.pressed = 1 / static_cast<float>(rest);
+        }
     } else if (n >= 2) {
         const Knot &before = n >= 3 ? knots_[n - 3] : knots_[n - 2], &last = knots_[n - 1];
         segment(before, knots_[n - 2], last, last);
+        if (!dabs_.empty() || last_) stand(dabs_.empty() ? *last_ : dabs_.back(), 1, age_s());
     }
     paint();
     brush_.rest();
@@ -253,7 +285,7 @@ void Stroke::relax(const Dab& last) {
     const int steps = static_cast<int>(std::clamp(8 * bristle_px * bristle_px, 12.0, 64.0));
     constexpr float part_of_yield = 0.15f;
     const Region box = box_of(brush_, last);
-    PaintWindow window(canvas_, box, {}, 2, 0, seed_);
+    PaintWindow window(canvas_, box, {}, 2);
     const int width = box.width(), height = box.height();
     StepBox step;
     step.width = width;
@@ -328,9 +360,31 @@ void Stroke::step_to(const Knot& b, const Knot& c, double u, const PathPoint& at
     }
     spacing_px_ = std::max(wanted / (1 + kRim * turning), options_.spacing_px / kMostSteps);
     rotation_rad_ = dab.rotation_rad;
+    const double age = mix(b.left_s, c.came_s, u);
+    if (steps_ == 0 && dabs_.empty()) stand(dab, -1, age);
+    way_px_ += dab.length_px;
+    dab.way_px = static_cast<float>(way_px_);
     dab.step = steps_ + static_cast<int>(dabs_.size());
     dabs_.push_back(dab);
-    ages_s_.push_back(mix(b.left_s, c.came_s, u));
+    ages_s_.push_back(age);
+}
+
+// Where it is put down, less of the brush passes over a place the nearer it is to its rear, and less the nearer
+// to its front where it is lifted. It stands there for a while, the longer the heavier the hand, and lays the more
+// paint the more is missing, so that this does not run out in a ramp; what it presses out is a rim.
+void Stroke::stand(Dab dab, float side, double age_s) {
+    dab.stands = true;
+    dab.side = side;
+    dab.turn_rad = 0;
+    dab.pressed = 2.0f / (kStands + 1);  // of the pressures' sum
+    const float pressure = dab.pressure;
+    dab.length_px = static_cast<float>(kStandsFor * dab.pressure * brush_.contact_length_px(dab) / kStands);
+    for (int i = 0; i < kStands; ++i) {
+        dab.pressure = pressure * static_cast<float>(side < 0 ? i + 1 : kStands - i) / kStands;
+        dab.step = steps_ + static_cast<int>(dabs_.size());
+        dabs_.push_back(dab);
+        ages_s_.push_back(age_s);
+    }
 }
 
 void Stroke::paint() {

@@ -85,6 +85,7 @@ private:
     Knot knot_of(const StrokePoint& point);
     void segment(const Knot& a, const Knot& b, const Knot& c, const Knot& d);
     void step_to(const Knot& b, const Knot& c, double u, const PathPoint& at, const PathPoint& direction);
+    void stand(Dab dab, float side, double age_s);
     void paint();
     void call_look();
     void relax(const Dab& last);
@@ -96,6 +97,7 @@ private:
     std::vector<Knot> knots_;  // the last four at most
     std::optional<PathPoint> string_end_;
     double spacing_px_ = 1;              // between steps, less where the brush turns
+    double way_px_ = 0;
     double left_px_ = 0;                 // of arc length until the next step
     std::optional<float> rotation_rad_;  // at the last step
     std::optional<float> heading_rad_;

@@ -15,6 +15,9 @@ constexpr int kParallelPixels = 128 * 128;  // smaller boxes are done before a s
 constexpr float kRounding =
     0.125f;  // [1] part of a peak that flows to each side: a chequerboard is flat at once
 constexpr float kMostSqueezed = 0.3f;  // [1] of a pixel's paint in one step, to each of two sides
+// A slope is measured by an octagon: the larger component and this part [1] of the smaller one, at 45 degrees
+// 1.08 times too large at most.
+constexpr float kOctagon = 0.41421356f, kDiagonal = 0.70710678f;
 constexpr int kBandRows = 32;
 constexpr int kRing = 2;                                                   // [pixels] that give no paint
 constexpr int kLanes = 16;                                                 // pixels at once
@@ -43,26 +46,26 @@ struct RowMotion {
 // [mm] What flows to a neighbour that is `drop` lower. Paint flows down steps that are too steep; surface
 // tension rounds off what stands above both neighbours (`peak`), and fills what lies below both, `beyond`
 // being how much higher than here the pixel behind it is.
-TP_INLINE float downhill(const TransferRates& r, float w, float mobile, float peak, float drop,
-                         float beyond) {
+TP_INLINE float downhill(const TransferRates& r, float yield_mm, float w, float mobile, float peak,
+                         float drop, float beyond) {
     const float pit = std::min(drop, drop + beyond) - r.tension_mm;
-    return std::max(r.flow * std::min(std::max(drop - r.yield_mm, 0.0f), w),
+    return std::max(r.flow * std::min(std::max(drop - yield_mm, 0.0f), w),
                     kRounding * std::max(peak, std::min(pit, mobile)));
 }
 
 TP_VECTOR_CLONES
 void outflow_row(int n, const TransferRates& rates, const RowMotion& m, const BrushSides& s,
                  const float* __restrict underside, std::size_t underside_stride, const float* __restrict top,
-                 std::size_t top_stride, const float* __restrict total, const float* __restrict grain,
+                 std::size_t top_stride, const float* __restrict total, const float* __restrict open,
                  std::size_t stride, const Outflow& out) {
     const TransferRates r = rates;  // a copy, which nothing that is written can change
     const float film = r.film_mm, push = r.push, spread = r.spread, tension = r.tension_mm,
-                still = r.still_mm;
+                still = r.still_mm, yield = r.yield_mm;
     float* __restrict left = out.left, * __restrict right = out.right, * __restrict up = out.up, * __restrict down = out.down, * __restrict ahead = out.ahead;
     const float *b_up = underside - underside_stride, *b_down = underside + underside_stride;
     const float *t_up = top - top_stride, *t_down = top + top_stride, *t_up2 = t_up - top_stride,
-                *t_down2 = t_down + top_stride, *g_up = grain - stride, *g_down = grain + stride;
-    const float* g_ahead = (m.sy < 0 ? g_up : g_down) + m.sx;
+                *t_down2 = t_down + top_stride, *o_up = open - stride, *o_down = open + stride;
+    const float* o_ahead = (m.sy < 0 ? o_up : o_down) + m.sx;
     const float to_left = std::min(std::max(-m.vx, 0.0f), 1.0f),
                 to_right = std::min(std::max(m.vx, 0.0f), 1.0f);
     const float across = to_left + to_right, forward = m.sx < 0 ? to_left : to_right, vy0 = m.vy,
@@ -72,16 +75,20 @@ void outflow_row(int n, const TransferRates& rates, const RowMotion& m, const Br
                 both = std::abs(ax) + std::abs(ay);
     for (int x = 0; x < n; ++x) {
         // What lies where brushes may not work stays there.
-        const float lying = total[x], w = grain[x] > 0 ? lying : 0.0f, part = 1 / (w + kTiny), here = top[x];
+        const float lying = total[x], w = open[x] > 0 ? lying : 0.0f, part = 1 / (w + kTiny), here = top[x];
         const float to_l = here - top[x - 1], to_r = here - top[x + 1], to_u = here - t_up[x],
                     to_d = here - t_down[x];
         const float peak_x = std::min(std::max(std::min(to_l, to_r) - tension, 0.0f), w);
         const float peak_y = std::min(std::max(std::min(to_u, to_d) - tension, 0.0f), w);
         const float mobile = std::max(w - still, 0.0f);
-        float l = downhill(r, w, mobile, peak_x, to_l, top[x - 2] - here) * part;
-        float rr = downhill(r, w, mobile, peak_x, to_r, top[x + 2] - here) * part;
-        float u = downhill(r, w, mobile, peak_y, to_u, t_up2[x] - here) * part;
-        float d = downhill(r, w, mobile, peak_y, to_d, t_down2[x] - here) * part;
+        // What it holds is the slope, whichever way it goes: along either axis the less, the steeper the other.
+        const float yield_x = std::max(yield - kOctagon * std::max(to_u, to_d), kDiagonal * yield);
+        const float yield_y = std::max(yield - kOctagon * std::max(to_l, to_r), kDiagonal * yield);
+        const float along_x = std::min(yield_x, yield), along_y = std::min(yield_y, yield);
+        float l = downhill(r, along_x, w, mobile, peak_x, to_l, top[x - 2] - here) * part;
+        float rr = downhill(r, along_x, w, mobile, peak_x, to_r, top[x + 2] - here) * part;
+        float u = downhill(r, along_y, w, mobile, peak_y, to_u, t_up2[x] - here) * part;
+        float d = downhill(r, along_y, w, mobile, peak_y, to_d, t_down2[x] - here) * part;
         // What the bristles push: along the motion, and to where they press less.
         const float excess = std::min(std::max(here - underside[x], 0.0f), std::max(w - film, 0.0f));
         // What they squeeze out: the faster the nearer it is to where the pressure ends, and no further.
@@ -111,11 +118,11 @@ void outflow_row(int n, const TransferRates& rates, const RowMotion& m, const Br
         u += std::max(-out_y, 0.0f);
         d += std::max(out_y, 0.0f);
         // Nothing leaves the canvas.
-        left[x] = grain[x - 1] > 0 ? l : 0.0f;
-        right[x] = grain[x + 1] > 0 ? rr : 0.0f;
-        up[x] = g_up[x] > 0 ? u : 0.0f;
-        down[x] = g_down[x] > 0 ? d : 0.0f;
-        ahead[x] = g_ahead[x] > 0 ? diagonal * scale : 0.0f;
+        left[x] = open[x - 1] > 0 ? l : 0.0f;
+        right[x] = open[x + 1] > 0 ? rr : 0.0f;
+        up[x] = o_up[x] > 0 ? u : 0.0f;
+        down[x] = o_down[x] > 0 ? d : 0.0f;
+        ahead[x] = o_ahead[x] > 0 ? diagonal * scale : 0.0f;
     }
 }
 
@@ -315,7 +322,7 @@ private:
             outflow_row(whole.end - whole.begin, rates_, motion, box_.sides.row_from(whole.begin, y),
                         box_.underside_mm + at(y, box_.underside_stride) + first, box_.underside_stride,
                         spans_.top.data() + at(y, top_stride) + first, top_stride, box_.total_mm + canvas,
-                        box_.grain + canvas, box_.canvas_stride, from(out, first));
+                        box_.open + canvas, box_.canvas_stride, from(out, first));
         }
         for (float* plane : {out.left, out.right, out.up, out.down, out.ahead}) {
             std::fill(plane + looked_at.begin, plane + span.begin, 0.0f);

@@ -11,6 +11,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "paint/bristle_lanes.h"
 #include "paint/brush_sides.h"
 
 namespace tangi {
@@ -55,7 +56,7 @@ struct StepBox {
     std::size_t underside_stride = 0;
     std::vector<RowSpan> bristles;     // of each row: outside of it underside_mm is kOutside
     const float* relief_mm = nullptr;  // of what is dry, above its local mean
-    const float* grain = nullptr;      // [1] random factor of the transfer, about 1; 0 where no brush works
+    const float* open = nullptr;       // [1] factor of the transfer that the canvas allows; 0: no brush works
     float* total_mm = nullptr;         // W, sum of `paint`
     std::size_t canvas_stride = 0;
     std::vector<float*> paint;       // W of each ingredient
@@ -63,6 +64,7 @@ struct StepBox {
     std::size_t load_stride = 0;
     std::vector<float*> load;  // L of each ingredient, in the same order
     BrushSides sides;
+    BristleLanes lanes;
 };
 
 constexpr int kFlowMargin = 3;    // [pixels]

@@ -8,6 +8,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -20,6 +21,11 @@ namespace tangi {
 // `dry`, in the place of one that is among them; none where the painting is so small that it is read as
 // quickly.
 void add_overview(std::vector<PartToWrite>& parts, const Surface& seen, const Surface& dry);
+
+// The same of what is made in bands of rows as it is asked for, from top to bottom, so that it never is in
+// memory as a whole: `seen` gives a part of the painting, whose pixel (0, 0) is the part's upper left.
+void add_overview(std::vector<PartToWrite>& parts, const std::function<Surface(const Region&)>& seen,
+                  const Surface& dry);
 
 // Whether a painting is so large that it has one.
 bool wants_overview(const Surface& dry);

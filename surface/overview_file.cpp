@@ -20,6 +20,7 @@ namespace {
 constexpr const char *kOverview = "overview", *kHash = "dry_hash";
 constexpr int kSide = 1024;                 // [pixels] at most
 constexpr std::size_t kFewest = 4'000'000;  // [pixels] of a painting that has one
+constexpr int kBandRows = 256;              // [pixels] of what is seen at a time, about
 
 // In the order of their names, as parts want it.
 const std::vector<std::string> kChannels = {"confidence", "diffuse.B", "diffuse.G", "diffuse.R", "height",
@@ -74,17 +75,38 @@ void average(const Surface& s, const Region& r, Surface& small, int x, int y) {
     small.roughness(x, y) = std::sqrt(std::max(spread / gloss - mean_x * mean_x - mean_y * mean_y, 1e-8f));
 }
 
-Surface reduced(const Surface& s, int factor) {
-    Surface small((s.width() + factor - 1) / factor, (s.height() + factor - 1) / factor);
-    parallel_for(0, small.height(), 4, [&](int begin, int end) {
+// Rows of `small` from `first` on, as many as there are in `s`.
+void reduce_band(const Surface& s, int factor, Surface& small, int first) {
+    parallel_for(0, (s.height() + factor - 1) / factor, 4, [&](int begin, int end) {
         for (int y = begin; y < end; ++y)
             for (int x = 0; x < small.width(); ++x)
                 average(s,
                         {x * factor, y * factor, std::min((x + 1) * factor, s.width()),
                          std::min((y + 1) * factor, s.height())},
-                        small, x, y);
+                        small, x, first + y);
     });
-    return small;
+}
+
+int factor_of(const Surface& s) { return (std::max(s.width(), s.height()) + kSide - 1) / kSide; }
+
+Surface empty_overview(const Surface& s) {
+    const int factor = factor_of(s);
+    return {(s.width() + factor - 1) / factor, (s.height() + factor - 1) / factor};
+}
+
+PartToWrite part_of_overview(Surface&& overview, const Surface& dry) {
+    const auto small = std::make_shared<Surface>(std::move(overview));
+    PartToWrite part;
+    part.info = {kOverview, small->width(), small->height(), kChannels, {{kHash, hash_of(dry)}}, true};
+    part.fill = [small](int y0, int y1, std::span<float* const> rows) {
+        const std::ptrdiff_t first = static_cast<std::ptrdiff_t>(y0) * small->width(),
+                             count = static_cast<std::ptrdiff_t>(y1 - y0) * small->width();
+        const auto planes = planes_of(*small);
+        for (std::size_t c = 0; c < planes.size(); ++c)
+            for (std::ptrdiff_t i = 0; i < count; ++i)
+                rows[c][i] = planes[c].base[(first + i) * planes[c].stride];
+    };
+    return part;
 }
 
 template <class Attribute, class Value>
@@ -164,19 +186,21 @@ bool is_overview(const PartToWrite& part) { return part.info.name == kOverview; 
 void add_overview(std::vector<PartToWrite>& parts, const Surface& seen, const Surface& dry) {
     std::erase_if(parts, is_overview);
     if (!wants_overview(seen)) return;
-    const int factor = (std::max(seen.width(), seen.height()) + kSide - 1) / kSide;
-    const auto small = std::make_shared<Surface>(reduced(seen, factor));
-    PartToWrite part;
-    part.info = {kOverview, small->width(), small->height(), kChannels, {{kHash, hash_of(dry)}}, true};
-    part.fill = [small](int y0, int y1, std::span<float* const> rows) {
-        const std::ptrdiff_t first = static_cast<std::ptrdiff_t>(y0) * small->width(),
-                             count = static_cast<std::ptrdiff_t>(y1 - y0) * small->width();
-        const auto planes = planes_of(*small);
-        for (std::size_t c = 0; c < planes.size(); ++c)
-            for (std::ptrdiff_t i = 0; i < count; ++i)
-                rows[c][i] = planes[c].base[(first + i) * planes[c].stride];
-    };
-    parts.push_back(std::move(part));
+    Surface small = empty_overview(seen);
+    reduce_band(seen, factor_of(seen), small, 0);
+    parts.push_back(part_of_overview(std::move(small), dry));
+}
+
+void add_overview(std::vector<PartToWrite>& parts, const std::function<Surface(const Region&)>& seen,
+                  const Surface& dry) {
+    std::erase_if(parts, is_overview);
+    if (!wants_overview(dry)) return;
+    const int factor = factor_of(dry), rows = std::max(kBandRows / factor, 1);
+    Surface small = empty_overview(dry);
+    for (int y = 0; y < small.height(); y += rows)
+        reduce_band(seen({0, y * factor, dry.width(), std::min((y + rows) * factor, dry.height())}), factor,
+                    small, y);
+    parts.push_back(part_of_overview(std::move(small), dry));
 }
 
 std::optional<Overview> read_overview(const fs::path& path) {

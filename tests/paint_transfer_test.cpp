@@ -16,7 +16,7 @@ namespace {
 // A box of random paint, loads, relief and underside.
 struct RandomBox {
     static constexpr int kWidth = 37, kHeight = 23, kIngredients = 3;
-    std::vector<float> underside, cover, relief, grain, total, load_total;
+    std::vector<float> underside, cover, relief, open, total, load_total;
     std::vector<std::vector<float>> paint, load;
     StepBox box;
 
@@ -31,7 +31,7 @@ struct RandomBox {
         underside = plane(0, 0.3);
         cover.assign(pixels, 1);
         relief = plane(-0.1, 0.1);
-        grain = plane(0.5, 1.5);
+        open = plane(0.5, 1.5);
         total.assign(pixels, 0);
         load_total.assign(pixels, 0);
         for (int i = 0; i < kIngredients; ++i) {
@@ -50,7 +50,7 @@ struct RandomBox {
         box.underside_stride = box.canvas_stride = box.load_stride = kWidth;
         box.bristles.assign(kHeight, {0, kWidth});
         box.relief_mm = relief.data();
-        box.grain = grain.data();
+        box.open = open.data();
         box.total_mm = total.data();
         box.load_total_mm = load_total.data();
         for (auto& p : paint) box.paint.push_back(p.data());
@@ -149,7 +149,7 @@ TEST(Transfer, PushesPaintAheadAndKeepsItOnTheCanvas) {
     const std::size_t middle = 11 * RandomBox::kWidth + 18;
     b.paint[0][middle] = b.total[middle] = 0.4f;
     std::fill(b.underside.begin(), b.underside.end(), 0.1f);
-    b.grain[middle + 1] = 0;  // the canvas ends there
+    b.open[middle + 1] = 0;  // the canvas ends there
     TransferRates rates = some_rates();
     rates.yield_mm = 10;
     StepScratch scratch;
@@ -174,7 +174,7 @@ TEST(Transfer, DoesNotDependOnTheSizeOfTheBox) {
         }
         auto& [underside, relief, first, second, total] = planes;
         for (std::size_t i = 0; i < total.size(); ++i) total[i] = first[i] + second[i];
-        const std::vector<float> grain(total.size(), 1.0f);
+        const std::vector<float> open(total.size(), 1.0f);
         for (int y = 0; y < height; ++y)
             for (int x = 0; x < width; ++x)
                 if (x < bristles.begin || x >= bristles.end || y < rows.begin || y >= rows.end)
@@ -190,7 +190,7 @@ TEST(Transfer, DoesNotDependOnTheSizeOfTheBox) {
                                        ? RowSpan{}
                                        : RowSpan{bristles.begin - x0, bristles.end - x0});
         box.relief_mm = relief.data() + corner;
-        box.grain = grain.data() + corner;
+        box.open = open.data() + corner;
         box.total_mm = total.data() + corner;
         box.paint = {first.data() + corner, second.data() + corner};
         StepScratch scratch;
@@ -210,7 +210,7 @@ TEST(Transfer, SteepStepsFlowDownAndStop) {
     RandomBox b(5);
     std::fill(b.relief.begin(), b.relief.end(), 0.0f);
     std::fill(b.underside.begin(), b.underside.end(), kOutside);
-    std::fill(b.grain.begin(), b.grain.end(), 1.0f);
+    std::fill(b.open.begin(), b.open.end(), 1.0f);
     for (auto& plane : b.paint) std::fill(plane.begin(), plane.end(), 0.0f);
     std::fill(b.total.begin(), b.total.end(), 0.0f);
     const std::size_t middle = 11 * RandomBox::kWidth + 18;
@@ -233,7 +233,7 @@ TEST(Transfer, SurfaceTensionRoundsWhatIsSmallerThanBristles) {
         RandomBox b(7);
         std::fill(b.relief.begin(), b.relief.end(), 0.0f);
         std::fill(b.underside.begin(), b.underside.end(), kOutside);
-        std::fill(b.grain.begin(), b.grain.end(), 1.0f);
+        std::fill(b.open.begin(), b.open.end(), 1.0f);
         for (auto& plane : b.paint) std::fill(plane.begin(), plane.end(), 0.0f);
         for (int y = 0; y < RandomBox::kHeight; ++y)
             for (int x = 0; x < RandomBox::kWidth; ++x) {
@@ -268,7 +268,7 @@ TEST(Transfer, SurfaceTensionFillsPitsInThickPaintOnly) {
         RandomBox b(8);
         std::fill(b.relief.begin(), b.relief.end(), 0.0f);
         std::fill(b.underside.begin(), b.underside.end(), kOutside);
-        std::fill(b.grain.begin(), b.grain.end(), 1.0f);
+        std::fill(b.open.begin(), b.open.end(), 1.0f);
         for (auto& plane : b.paint) std::fill(plane.begin(), plane.end(), 0.0f);
         std::fill(b.paint[0].begin(), b.paint[0].end(), around);
         const std::size_t pit = 11 * RandomBox::kWidth + 18;

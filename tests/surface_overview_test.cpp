@@ -52,6 +52,49 @@ TEST(Overview, IsTheMeanOfWhatIsSeen) {
     EXPECT_TRUE(painting_parts(dir / "a.exr").empty()) << "it is no map";
 }
 
+// A painting with paint on it is not made as a whole to be seen in small.
+TEST(Overview, MadeInBandsIsTheSame) {
+    const Surface s = large();
+    std::vector<PartToWrite> whole, in_bands;
+    int row = 0;  // from which on nothing was asked for yet
+    add_overview(whole, s, s);
+    add_overview(
+        in_bands,
+        [&](const Region& part) {
+            EXPECT_EQ(part.y0, row) << "each row once";
+            EXPECT_EQ(part.x0, 0);
+            EXPECT_EQ(part.x1, s.width());
+            EXPECT_LE(part.height(), 256);
+            row = part.y1;
+            Surface band(part.width(), part.height());
+            const auto cut = [&](const auto& from, auto& to) {
+                std::copy_n(from.row(part.y0).data(), to.size(), to.data());
+            };
+            cut(s.height_mm, band.height_mm);
+            cut(s.normal, band.normal);
+            cut(s.diffuse, band.diffuse);
+            cut(s.specular, band.specular);
+            cut(s.roughness, band.roughness);
+            cut(s.confidence, band.confidence);
+            return band;
+        },
+        s);
+    EXPECT_EQ(row, s.height());
+    ASSERT_EQ(in_bands.size(), 1u);
+    const PartInfo& info = whole[0].info;
+    ASSERT_EQ(in_bands[0].info.width, info.width);
+    ASSERT_EQ(in_bands[0].info.height, info.height);
+    const auto planes_of = [&](const PartToWrite& part) {
+        std::vector<std::vector<float>> planes(
+            info.channels.size(), std::vector<float>(static_cast<std::size_t>(info.width * info.height)));
+        std::vector<float*> rows;
+        for (std::vector<float>& plane : planes) rows.push_back(plane.data());
+        part.fill(0, info.height, rows);
+        return planes;
+    };
+    EXPECT_EQ(planes_of(in_bands[0]), planes_of(whole[0]));
+}
+
 TEST(Overview, OfAnotherPaintingCountsForNothing) {
     const TestDir dir;
     Surface s = large();
