@@ -28,12 +28,17 @@ uniform int u_first_page[32];      // of each level: where its tiles begin, row 
 
 const int kPageBits = 8;
 
+// The texel of a layer, at a place of the level of detail that it has a tile of: the texture repeats itself, so that the tile's
+// own place need not be known. Not texelFetch, for which Mesa's software renderer (22.3) looks the level up for each pixel.
+uvec4 texel_of(ivec2 at, int layer) {
+    return textureLod(u_texels, vec3((vec2(at) + 0.5) * (1.0 / float(1 << kPageBits)), float(layer)), 0.0);
+}
+
 uvec4 texel_in(ivec2 at, int level, int first_page, int columns) {
     ivec2 tile = at >> kPageBits;
     int page = first_page + tile.y * columns + tile.x;
     uint found = texelFetch(u_pages, ivec2(page & 1023, page >> 10), 0).r;
-    ivec2 place = (at >> (int(found >> 11) - level)) & ((1 << kPageBits) - 1);
-    return texelFetch(u_texels, ivec3(place, int(found & 2047u)), 0);
+    return texel_of(at >> (int(found >> 11) - level), int(found & 2047u));
 }
 
 int columns_at(int level) { return (size_at(level).x + (1 << kPageBits) - 1) >> kPageBits; }
@@ -45,7 +50,7 @@ uvec4 texel_here(ivec2 at) {
 #if AT_HOME == 1
     uvec2 grid = uvec2(v_tiles.z, v_tiles.w & 0xffff), tile = uvec2((at >> kPageBits) + v_tiles.xy);
     tile = min(tile, tile - grid);  // less the grid where it is not below it: else that is a very large number
-    return texelFetch(u_texels, ivec3(at & ((1 << kPageBits) - 1), uint(v_tiles.w >> 16) + tile.y * grid.x + tile.x), 0);
+    return texel_of(at, int(uint(v_tiles.w >> 16) + tile.y * grid.x + tile.x));
 #else
     return texel_in(at, v_size.z, v_tiles.x, v_tiles.y);
 #endif
