@@ -1,63 +1,12 @@
 // viewer_window_test.cpp: the real window, driven by a pointer and a keyboard: tilt, light, paint, undo,
-// save, crash.
+// save, compare, open.
 #include "paint/canvas_file.h"
 #include "paint/journal.h"
+#include "painting_window.h"
 #include "surface/relight.h"
-#include "viewer_support.h"
-#include "window_screen.h"
 
 namespace tangi {
 namespace {
-
-namespace fs = std::filesystem;
-
-constexpr Region kCanvas{310, 10, 780, 660};  // of the window, without panels, probe and status line
-constexpr int kMiddleX = 650, kMiddleY = 350;
-
-Surface small_painting() {
-    Surface s = painted_surface(160, 120);
-    s.mm_per_pixel = 0.5;  // a brush of 12 mm is much smaller than the painting
-    for (int y = 0; y < s.height(); ++y)
-        for (int x = 0; x < s.width(); ++x)
-            s.diffuse(x, y) = {0.6f, 0.5f + 0.001f * static_cast<float>(x), 0.4f};
-    return s;
-}
-
-class Window : public testing::Test {
-protected:
-    void SetUp() override {
-        screen_ = Screen::open();
-        if (!screen_) GTEST_SKIP() << "no Xvfb and xdotool here";
-        painting_ = folder_ / "small.exr";
-        write_painting(painting_, small_painting());
-    }
-
-    void start(const std::vector<std::string>& further = {}) {
-        std::vector<std::string> words = {"paint", painting_.string(), "--size",
-                                          fmt::format("{}x{}", Screen::kWidth, Screen::kHeight)};
-        words.insert(words.end(), further.begin(), further.end());
-        program_ = std::make_unique<Program>(words, screen_->conditions());
-        const bool shown = Screen::until([&] {
-            const auto p = screen_->picture();
-            return !program_->running() || glm::length(p(kMiddleX, kMiddleY)) > 0.3f;
-        });
-        ASSERT_TRUE(shown && program_->running()) << program_->wait().err;
-        screen_->settled();
-    }
-    void paint_a_stroke() {
-        screen_->key("b");
-        screen_->drag(1, {kMiddleX - 150, kMiddleY}, {kMiddleX + 130, kMiddleY + 40});
-    }
-    Finished close(const std::string& key = "ctrl+q") {
-        screen_->key(key);
-        return program_->wait();
-    }
-
-    TestDir folder_;
-    fs::path painting_;
-    std::unique_ptr<Screen> screen_;
-    std::unique_ptr<Program> program_;
-};
 
 TEST_F(Window, TiltsLightsPaintsUndoesAndSaves) {
     start();
@@ -124,17 +73,11 @@ TEST_F(Window, TellsOfThePixelUnderThePointerAndOfNoOther) {
     EXPECT_EQ(close().code, 0);
 }
 
-// All of it comes while the window is held still: for it, that is one very slow frame.
 TEST_F(Window, EveryKeyAndStepOfASlowFrameCounts) {
     Surface other = small_painting();
     for (Rgb& c : other.diffuse.pixels()) c = {0.1f, 0.2f, 0.7f};
     write_painting(folder_ / "blue.exr", other);
     start();
-    const auto in_one_frame = [&](const std::vector<std::string>& words) {
-        program_->signal(SIGSTOP);
-        screen_->x(words);
-        program_->signal(SIGCONT);
-    };
     const auto bare = screen_->settled();
     screen_->key("b");
     for (int i = 0; i < 3; ++i)
@@ -165,92 +108,6 @@ TEST_F(Window, EveryKeyAndStepOfASlowFrameCounts) {
         return c.b > 1.5f * c.r;
     })) << "the name was typed, mended and entered";
     EXPECT_EQ(close().json()["painting"], (folder_ / "blue.exr").string());
-}
-
-TEST_F(Window, StrokesOfACrashAreRecovered) {
-    start();
-    const auto bare = screen_->settled();
-    paint_a_stroke();
-    const auto painted = screen_->settled();
-    program_->signal(SIGKILL);
-    program_->wait();
-    EXPECT_TRUE(fs::exists(folder_ / "small.unsaved.jsonl"));
-    start();
-    EXPECT_TRUE(screen_->becomes_alike(bare, kCanvas, 0.01)) << "not before one asks for it";
-    screen_->key("Return");
-    EXPECT_TRUE(screen_->becomes_alike(painted, kCanvas, 0.01));
-    screen_->key("ctrl+s");
-    screen_->settled();
-    EXPECT_EQ(close().json()["saves"], 1);
-    EXPECT_FALSE(read_canvas(painting_).wet().empty());
-    EXPECT_FALSE(fs::exists(folder_ / "small.unsaved.jsonl"));
-}
-
-TEST_F(Window, ASecondWindowLeavesTheSittingOfTheFirstAlone) {
-    start();
-    paint_a_stroke();
-    screen_->settled();
-    const fs::path unsaved = folder_ / "small.unsaved.jsonl";
-    const std::string journal = bytes_of(unsaved);
-    EXPECT_FALSE(journal.empty());
-    const auto other_screen = Screen::open();
-    ASSERT_TRUE(other_screen);
-    Program second(
-        {"paint", painting_.string(), "--size", fmt::format("{}x{}", Screen::kWidth, Screen::kHeight)},
-        other_screen->conditions());
-    ASSERT_TRUE(Screen::until([&] {
-        return !second.running() || glm::length(other_screen->picture()(kMiddleX, kMiddleY)) > 0.3f;
-    }));
-    other_screen->settled();
-    other_screen->key("Return");  // would recover
-    other_screen->key("b");
-    other_screen->drag(1, {kMiddleX - 150, kMiddleY - 60}, {kMiddleX + 130, kMiddleY - 20});
-    other_screen->settled();
-    other_screen->key("ctrl+q");
-    const auto result = second.wait().json();
-    EXPECT_EQ(result["strokes"], 0);
-    EXPECT_EQ(result["unsaved"], false);
-    EXPECT_EQ(bytes_of(unsaved), journal);
-    screen_->key("ctrl+s");
-    screen_->settled();
-    EXPECT_EQ(close().json()["saves"], 1);
-    EXPECT_FALSE(read_canvas(painting_).wet().empty());
-}
-
-TEST_F(Window, EndedInMidStrokeLosesNothing) {
-    start();
-    screen_->key("b");
-    screen_->x({"mousemove", "600", "300", "mousedown", "1", "mousemove", "640", "310", "sleep", "0.05",
-                "mousemove", "680", "330", "sleep", "0.05"});
-    program_->signal(SIGTERM);
-    const Finished done = program_->wait();
-    EXPECT_EQ(done.code, 0) << done.err;
-    EXPECT_EQ(done.json()["unsaved"], true);
-    const Journal journal = read_journal(folder_ / "small.unsaved.jsonl");
-    ASSERT_GE(journal.entries.size(), 3u);
-    EXPECT_TRUE(std::holds_alternative<EndEvent>(journal.entries.back().event));
-    EXPECT_TRUE(read_canvas(painting_).wet().empty());
-}
-
-TEST_F(Window, AsksBeforeItLosesStrokes) {
-    start();
-    paint_a_stroke();
-    screen_->x({"mousemove", "100", "400", "click", "--repeat", "40", "--delay", "20", "5"});
-    screen_->settled();
-    screen_->key("ctrl+q");
-    const auto asking = screen_->settled();
-    EXPECT_TRUE(program_->running()) << "it asks";
-    bool seen = false;
-    for (int y = 0; y < 120; ++y)
-        for (int x = 0; x < 250; ++x) {
-            const Rgb c = asking(x, y);
-            seen |= c.r > 0.9f && c.g > 0.7f && c.g < 0.9f && c.b < 0.4f;
-        }
-    EXPECT_TRUE(seen) << "the question, though the panels were scrolled down";
-    screen_->key("Return");  // save and close
-    const Finished done = program_->wait();
-    EXPECT_EQ(done.json()["saves"], 1);
-    EXPECT_FALSE(read_canvas(painting_).wet().empty());
 }
 
 // Photographs of a painting, as it would be relit, with a lights file; the second one is damaged.
@@ -342,6 +199,56 @@ TEST_F(Window, OpensAnotherPainting) {
     EXPECT_FALSE(read_canvas(folder_ / "blue.exr").wet().empty());
 }
 
+TEST_F(Window, AKeyAfterTheOneThatClosesADialogCounts) {
+    start();
+    const auto bare = screen_->settled();
+    paint_a_stroke();
+    const Region across{kMiddleX - 60, kMiddleY - 10, kMiddleX + 60, kMiddleY + 50};
+    ASSERT_TRUE(screen_->becomes_different(bare, across, 0.02));
+    screen_->key("ctrl+o");
+    screen_->settled();
+    in_one_frame({"key", "Escape", "key", "ctrl+z"});
+    EXPECT_TRUE(screen_->becomes_alike(bare, across, 0.01)) << "undone";
+    screen_->key("ctrl+s");
+    screen_->settled();
+    EXPECT_EQ(close().code, 0);
+}
+
+TEST_F(Window, AStrokeBesideThePaintingIsNone) {
+    start();
+    screen_->key("b");
+    for (int i = 0; i < 10; ++i) screen_->key("bracketleft");  // 3 mm
+    screen_->drag(1, {400, 40}, {900, 30});
+    screen_->settled();
+    EXPECT_FALSE(fs::exists(folder_ / "small.unsaved.jsonl"));
+    screen_->drag(1, {400, 40}, {kMiddleX, kMiddleY});  // comes in from there
+    screen_->key("ctrl+s");
+    screen_->settled();
+    const auto json = close().json();
+    EXPECT_EQ(json["strokes"], 1);
+    EXPECT_FALSE(read_canvas(painting_).wet().empty());
+}
+
+// Beside the painting, whose right border is at 95 % of the canvas; as it was, it would be larger than that.
+TEST_F(Window, AFittedPaintingIsFittedWhenTheWindowChanges) {
+    start();
+    const auto resize = [&](const char* width, const char* height) {
+        screen_->x({"search", "--name", "TangiPaint", "windowsize", width, height});
+    };
+    const auto is_bright = [&](int x, int y) { return glm::length(screen_->picture()(x, y)) > 0.4f; };
+    resize("800", "560");
+    EXPECT_TRUE(Screen::until([&] { return is_bright(540, 280) && !is_bright(796, 280); }));
+    screen_->x({"mousemove", "540", "280", "click", "4"});  // not fitted any more
+    EXPECT_TRUE(Screen::until([&] { return is_bright(796, 280); }));
+    resize("1000", "700");
+    screen_->settled();
+    EXPECT_FALSE(is_bright(990, kMiddleY));
+    resize("700", "560");
+    screen_->settled();
+    EXPECT_TRUE(is_bright(696, 280)) << "what one has moved stays as large as it is";
+    EXPECT_EQ(close().code, 0);
+}
+
 TEST_F(Window, ResizedToNothingGoesOn) {
     start();
     screen_->x({"search", "--name", "TangiPaint", "windowsize", "1", "1"});
@@ -351,73 +258,6 @@ TEST_F(Window, ResizedToNothingGoesOn) {
     EXPECT_TRUE(Screen::until([&] { return glm::length(screen_->picture()(kMiddleX, kMiddleY)) > 0.1f; }))
         << "back";
     EXPECT_EQ(close().code, 0);
-}
-
-TEST_F(Window, WithoutOpenGl33SaysSo) {
-    Conditions old = screen_->conditions();
-    old.environment["LIBGL_ALWAYS_INDIRECT"] = "1";  // draws in the server, OpenGL 1.4
-    const Finished done = Program({"paint", painting_.string()}, old).wait();
-    EXPECT_EQ(done.code, 1);
-    EXPECT_THAT(done.err, testing::HasSubstr("no window with OpenGL 3.3 can be opened"));
-    EXPECT_THAT(names_in(folder_.path()), testing::ElementsAre("small.exr"));
-}
-
-TEST(NoWindow, SaysWhatIsMissing) {
-    TestDir folder;
-    write_painting(folder / "a.exr", small_painting());
-    Conditions nowhere;
-    nowhere.environment = {{"DISPLAY", ":4711"}, {"WAYLAND_DISPLAY", ""}};
-    const Finished done = Program({"paint", (folder / "a.exr").string()}, nowhere).wait();
-    EXPECT_EQ(done.code, 1);
-    EXPECT_THAT(done.err, testing::HasSubstr("no window can be opened"));
-    EXPECT_THAT(done.err, testing::HasSubstr("display"));
-    EXPECT_THAT(names_in(folder.path()), testing::ElementsAre("a.exr"));
-}
-
-TEST(NoWindow, MistypedIsAUsageError) {
-    for (const std::vector<std::string>& words : {std::vector<std::string>{"paint"},
-                                                  {"paint", "a.exr", "--substrate", "linen"},
-                                                  {"paint", "--substrate", "glass"},
-                                                  {"paint", "--substrate", "linen", "--size", "big"}})
-        EXPECT_EQ(Program(words).wait().code, 2);
-}
-
-// Relit by the program with these further words; what it said on stdout and stderr.
-std::pair<Image<Rgb>, Finished> relit(const TestDir& folder, const std::string& name,
-                                      std::vector<std::string> words, const Conditions& conditions = {}) {
-    words.insert(words.begin(), {"relight", (folder / "a.exr").string(), "--light=-1,0.4,0.5",
-                                 "--point-light=4,5,9", "--out", (folder / name).string()});
-    Finished done = Program(words, conditions).wait();
-    EXPECT_EQ(done.code, 0) << done.err;
-    return {read_picture(folder / name), done};
-}
-
-TEST(RelightGpu, DrawsTheSamePicture) {
-    try {
-        gl::HeadlessContext();
-    } catch (const Error& error) {
-        GTEST_SKIP() << "no OpenGL here: " << error.what();
-    }
-    TestDir folder;
-    write_painting(folder / "a.exr", small_painting());
-    const auto [reference, by_reference] = relit(folder, "r.exr", {});
-    const auto [drawn, by_gl] = relit(folder, "g.exr", {"--gpu"});
-    EXPECT_GE(part_within(drawn, reference, 1), 0.999);
-    EXPECT_EQ(by_reference.json()["drawn_by"], "reference renderer");
-    EXPECT_NE(by_gl.json()["drawn_by"], "reference renderer");
-}
-
-TEST(RelightGpu, FallsBackWithANote) {
-    TestDir folder;
-    write_painting(folder / "a.exr", small_painting());
-    Conditions bare;
-    bare.environment = {{"__EGL_VENDOR_LIBRARY_DIRS", "/nowhere"}, {"LIBGL_DRIVERS_PATH", "/nowhere"}};
-    const auto [reference, by_reference] = relit(folder, "r.exr", {});
-    const auto [fallen, done] = relit(folder, "g.exr", {"--gpu"}, bare);
-    EXPECT_TRUE(images_near(fallen, reference, 0));
-    EXPECT_THAT(done.err, testing::HasSubstr("warning: --gpu: "));
-    EXPECT_THAT(done.err, testing::HasSubstr("the reference renderer draws instead"));
-    EXPECT_EQ(done.json()["drawn_by"], "reference renderer");
 }
 
 }  // namespace

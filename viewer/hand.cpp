@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <random>
+#include <utility>
 
 namespace tangi {
 
@@ -213,9 +214,34 @@ bool Hand::begin_stroke(const InputEvent& event, bool on_painting) {
     }
     stroke_began_s_ = event.time_s;
     seed_ = std::random_device{}();  // bristles differ from stroke to stroke; the journal has the seed
-    painter_.send(pen_ && pen_->eraser ? state_.erasing_stroke(seed_) : state_.stroke(seed_));
-    painter_.send(PointEvent{point(event.time_s)});
+    beside_ = pen_ && pen_->eraser ? state_.erasing_stroke(seed_) : state_.stroke(seed_);
+    points_beside_.clear();
+    add_to_stroke(point(event.time_s));
     return true;
+}
+
+// Of the box round the two points, so that no stroke across a corner is missed. A blade as long as the brush
+// is large reaches 0.71 of that on its diagonal.
+bool Hand::brush_may_reach(const StrokePoint& from, const StrokePoint& to) const {
+    const double reach_mm = 0.75 * beside_->brush.size_mm;
+    const auto overlaps = [&](double a_mm, double b_mm, int pixels) {
+        const double half_mm = 0.5 * pixels * state_.stroke_mm_per_pixel + reach_mm;
+        return std::min(a_mm, b_mm) <= half_mm && std::max(a_mm, b_mm) >= -half_mm;
+    };
+    return overlaps(from.x_mm, to.x_mm, state_.painting.width) &&
+           overlaps(from.y_mm, to.y_mm, state_.painting.height);
+}
+
+void Hand::add_to_stroke(const StrokePoint& point) {
+    if (!beside_) {
+        painter_.send(PointEvent{point});
+        return;
+    }
+    const bool reaches = brush_may_reach(points_beside_.empty() ? point : points_beside_.back(), point);
+    points_beside_.push_back(point);
+    if (!reaches) return;
+    painter_.send(*std::exchange(beside_, {}));
+    for (const StrokePoint& earlier : std::exchange(points_beside_, {})) painter_.send(PointEvent{earlier});
 }
 
 void Hand::move(const InputEvent& event) {
@@ -237,7 +263,7 @@ void Hand::move(const InputEvent& event) {
             break;
         }
         case Drag::paint:
-            painter_.send(PointEvent{point(event.time_s)});
+            add_to_stroke(point(event.time_s));
             break;
         case Drag::mask: {
             glm::dvec2 at;
@@ -294,7 +320,8 @@ void Hand::probe(bool changed) {
 }
 
 void Hand::let_go() {
-    if (drag_ == Drag::paint || drag_ == Drag::board) painter_.send(EndEvent{});
+    if ((drag_ == Drag::paint && !beside_) || drag_ == Drag::board) painter_.send(EndEvent{});
+    beside_.reset();
     if (drag_ == Drag::mask) state_.treating.touches.push_back({MaskTouch::Kind::release, {}});
     if (drag_ == Drag::ruler && state_.ruler) painter_.profile(state_.ruler->first, state_.ruler->second);
     if (drag_ == Drag::region && state_.region) painter_.statistics(*state_.region);

@@ -40,6 +40,8 @@ private:
     void look_act(Action action);
     Drag drag_for(const InputEvent& event) const;
     bool begin_stroke(const InputEvent& event, bool on_painting);
+    bool brush_may_reach(const StrokePoint& from, const StrokePoint& to) const;
+    void add_to_stroke(const StrokePoint& point);
     void press_on_mask(const InputEvent& event, const glm::dvec2& at);
     bool mask_key(const InputEvent& event);
     void close_polygon(bool erase);
@@ -63,6 +65,9 @@ private:
     glm::dvec2 corner_{0};              // [pixels of the painting] where a region began
     double last_time_s_ = 0, stroke_began_s_ = 0;
     std::uint64_t seed_ = 0;
+    // A stroke that has not come near the painting yet, and its points: it is none until it does.
+    std::optional<StrokeEvent> beside_;
+    std::vector<StrokePoint> points_beside_;
 };
 
 }  // namespace tangi

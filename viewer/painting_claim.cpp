@@ -1,45 +1,122 @@
 #include "viewer/painting_claim.h"
 
 #include <fcntl.h>
+#include <fmt/format.h>
 #include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
+#include <cstdint>
+#include <cstdlib>
 #include <utility>
 
 namespace tangi {
 
+namespace fs = std::filesystem;
+
+namespace {
+
+bool same_file(const struct stat& a, const struct stat& b) {
+    return a.st_dev == b.st_dev && a.st_ino == b.st_ino;
+}
+
+// Where this user's programs keep what lasts as long as they run; empty where there is no such folder.
+fs::path folder_of_claims() {
+    const char* runtime = std::getenv("XDG_RUNTIME_DIR");
+    std::error_code error;
+    fs::path folder = runtime && *runtime
+                          ? fs::path(runtime) / "tangipaint"
+                          : fs::temp_directory_path(error) / fmt::format("tangipaint-{}", ::geteuid());
+    if (error) return {};
+    (void)::mkdir(folder.c_str(), 0700);
+    // Where all may write, somebody else may have been there first.
+    struct stat made = {};
+    const bool ours =
+        ::lstat(folder.c_str(), &made) == 0 && S_ISDIR(made.st_mode) && made.st_uid == ::geteuid();
+    return ours ? folder : fs::path();
+}
+
+// The file that stands for a painting's name; empty where there can be none.
+fs::path file_for_name(const fs::path& painting) {
+    const fs::path folder = folder_of_claims();
+    std::error_code error;
+    const fs::path whole = fs::weakly_canonical(fs::absolute(painting, error), error);
+    if (folder.empty() || error) return {};
+    std::uint64_t hash = 0xcbf29ce484222325;  // FNV-1a
+    for (const char c : whole.native()) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3;
+    return folder / fmt::format("{:016x}.lock", hash);
+}
+
+enum class Locked { yes, by_another, cannot };
+
+Locked lock(int descriptor) {
+    if (descriptor < 0) return Locked::cannot;
+    if (::flock(descriptor, LOCK_EX | LOCK_NB) == 0) return Locked::yes;
+    return errno == EWOULDBLOCK ? Locked::by_another : Locked::cannot;
+}
+
+Locked lock_name(const fs::path& file, int& descriptor) {
+    if (file.empty()) return Locked::cannot;
+    // Who gives a name back removes its file: a lock on one that is gone is none.
+    for (int tries = 0; tries < 100; ++tries) {
+        descriptor = ::open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600);
+        const Locked locked = lock(descriptor);
+        struct stat here = {}, there = {};
+        if (locked == Locked::yes && ::fstat(descriptor, &here) == 0 && ::stat(file.c_str(), &there) == 0 &&
+            same_file(here, there))
+            return Locked::yes;
+        if (descriptor >= 0) ::close(descriptor);
+        descriptor = -1;
+        if (locked != Locked::yes) return locked;
+    }
+    return Locked::cannot;
+}
+
+}  // namespace
+
 PaintingClaim::PaintingClaim(PaintingClaim&& other) noexcept
-    : descriptor_(std::exchange(other.descriptor_, -1)) {}
+    : file_(std::exchange(other.file_, -1)),
+      name_(std::exchange(other.name_, -1)),
+      name_file_(std::move(other.name_file_)) {}
 
 PaintingClaim& PaintingClaim::operator=(PaintingClaim&& other) noexcept {
-    std::swap(descriptor_, other.descriptor_);
+    std::swap(file_, other.file_);
+    std::swap(name_, other.name_);
+    std::swap(name_file_, other.name_file_);
     return *this;
 }
 
-void PaintingClaim::give_back() {
-    if (descriptor_ >= 0) ::close(descriptor_);
-    descriptor_ = -1;
+void PaintingClaim::give_name_back() {
+    if (name_ < 0) return;
+    (void)::unlink(name_file_.c_str());  // while it is locked
+    ::close(name_);
+    name_ = -1;
 }
 
-bool PaintingClaim::take(const std::filesystem::path& file) {
-    // The new one first: where it is the file that is held already, nobody gets in between.
-    const int next = ::open(file.c_str(), O_RDONLY | O_CLOEXEC);
+void PaintingClaim::give_back() {
+    if (file_ >= 0) ::close(file_);
+    file_ = -1;
+    give_name_back();
+}
+
+bool PaintingClaim::take(const fs::path& file) {
+    const fs::path name_file = file_for_name(file);
+    const bool name_is_ours = name_ >= 0 && name_file == name_file_;
+    PaintingClaim next;
+    next.name_file_ = name_file;
+    if (!name_is_ours && lock_name(name_file, next.name_) == Locked::by_another) return false;
+    // The new ones first: where it is the file that is held already, nobody gets in between.
+    next.file_ = ::open(file.c_str(), O_RDONLY | O_CLOEXEC);
     struct stat here = {}, held = {};
-    const bool is_ours = next >= 0 && descriptor_ >= 0 && ::fstat(next, &here) == 0 &&
-                         ::fstat(descriptor_, &held) == 0 && here.st_dev == held.st_dev &&
-                         here.st_ino == held.st_ino;
-    if (is_ours) {
-        ::close(next);
-        return true;
+    const bool file_is_ours = next.file_ >= 0 && file_ >= 0 && ::fstat(next.file_, &here) == 0 &&
+                              ::fstat(file_, &held) == 0 && same_file(here, held);
+    if (!file_is_ours && lock(next.file_) == Locked::by_another) return false;
+    if (!file_is_ours) std::swap(file_, next.file_);
+    if (!name_is_ours) {
+        std::swap(name_, next.name_);
+        std::swap(name_file_, next.name_file_);
     }
-    if (next >= 0 && ::flock(next, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
-        ::close(next);
-        return false;
-    }
-    give_back();
-    descriptor_ = next;
     return true;
 }
 

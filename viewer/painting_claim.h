@@ -5,8 +5,10 @@
 
 namespace tangi {
 
-// A lock (flock) on the painting's file, which the system gives back however the program ends. It is on the
-// file and not on its name: who writes the painting anew takes it again.
+// Two locks (flock), which the system gives back however the program ends: one on the painting's name, for
+// this user on this machine, which holds though another program writes the painting anew; and one on its
+// file, whatever it is called and wherever it is seen from, which is to be taken again by who writes the
+// painting anew.
 class PaintingClaim {
 public:
     PaintingClaim() = default;
@@ -14,14 +16,16 @@ public:
     PaintingClaim(PaintingClaim&& other) noexcept;
     PaintingClaim& operator=(PaintingClaim&& other) noexcept;
 
-    // False where another window has the file. What is not there, or lies where there are no locks, is
-    // nobody's.
+    // False where another window has the file or the name. What is not there, or lies where there are no
+    // locks, is nobody's.
     bool take(const std::filesystem::path& file);
 
 private:
     void give_back();
+    void give_name_back();
 
-    int descriptor_ = -1;
+    int file_ = -1, name_ = -1;        // descriptors
+    std::filesystem::path name_file_;  // that stands for the name
 };
 
 }  // namespace tangi

@@ -41,6 +41,7 @@ constexpr double kSweep_deg_per_s = 40;
 constexpr double kFrame_s = 1 / 60.0;
 constexpr std::size_t kFetchBytes = std::size_t(8) << 20;  // for the loupe, in one frame
 constexpr int kMostMoments = 100;                          // of panels in one frame; further ones wait
+constexpr int kMostHeldFrames = 10;                        // that keys wait for what a dialog does
 constexpr double kProgress_s = 0.2;                        // between two pictures of how far something is
 
 }  // namespace
@@ -213,16 +214,39 @@ std::string WindowApp::seen_now(const Placement& place) const {
     return seen;
 }
 
-// Each key does what it does before the next: two Ctrl+Z that come within one slow frame are two.
-void WindowApp::take_input(const std::deque<InputEvent>& events) {
+// A painting that is seen whole, as it was fitted, stays so.
+void WindowApp::resize(Extent screen) {
+    const View was = fitted(state_.painting, pane(state_, screen_), state_.view.turn_deg);
+    const bool is_fitted =
+        !fitted_ || (state_.view.centre_px == was.centre_px && state_.view.zoom == was.zoom);
+    if (screen.width > 0 && screen.height > 0) screen_ = screen;
+    if (is_fitted) state_.view = fitted(state_.painting, pane(state_, screen_), state_.view.turn_deg);
+    fitted_ = true;
+}
+
+// Each key does what it does before the next: two Ctrl+Z that come within one slow frame are two. What comes
+// after one that may close a dialog waits until it is known whether it did.
+void WindowApp::take_input(std::deque<InputEvent> events) {
+    events.insert(events.begin(), held_back_.begin(), held_back_.end());
+    held_back_.clear();
     const bool floating = state_.help || dialog_ || state_.profile || state_.statistics || state_.board.open;
     const bool panels_busy = ImGui::IsPopupOpen(nullptr, ImGuiPopupFlags_AnyPopup) ||
                              (floating && ImGui::GetIO().WantCaptureMouse);
-    for (const InputEvent& event : events) {
+    // A dialog that is gone is typed into until Dear ImGui has noticed.
+    bool undecided = held_frames_ > 0 && (dialog_ ? panel_input_.waits() : ImGui::GetIO().WantTextInput);
+    if (held_frames_ > 0) --held_frames_;
+    while (!events.empty() && !undecided) {
+        const InputEvent event = events.front();
+        events.pop_front();
         panel_input_.put(event);
         hand_->take(event, screen_, left_, panels_busy, dialog_ || ImGui::GetIO().WantTextInput);
-        if (event.kind == InputEvent::Kind::key) requests();
+        if (event.kind != InputEvent::Kind::key) continue;
+        requests();
+        undecided = dialog_ && (event.code == GLFW_KEY_ESCAPE || event.code == GLFW_KEY_ENTER ||
+                                event.code == GLFW_KEY_KP_ENTER);
+        if (undecided) held_frames_ = kMostHeldFrames;
     }
+    held_back_ = std::move(events);
 }
 
 // True while there is something to do.
@@ -230,8 +254,8 @@ bool WindowApp::frame() {
     const double before = now_s_;
     now_s_ = glfwGetTime();
     const bool was_woken = input_.woken();
-    const std::deque<InputEvent> events = input_.take();
-    const bool woken = was_woken || !events.empty();
+    std::deque<InputEvent> events = input_.take();
+    const bool woken = was_woken || !events.empty() || !held_back_.empty();
     glfwGetFramebufferSize(window_.handle(), &window_size_.width, &window_size_.height);
     left_ = hand_->panels_wanted() ? panels::width(state_) : 0;
     state_.canvas_left = static_cast<float>(left_);
@@ -239,10 +263,8 @@ bool WindowApp::frame() {
     const Extent screen{window_size_.width - static_cast<int>(left_ + static_cast<double>(right)),
                         window_size_.height};
     const bool resized = screen.width != screen_.width || screen.height != screen_.height;
-    if (screen.width > 0 && screen.height > 0) screen_ = screen;
-    if (!fitted_) state_.view = fitted(state_.painting, pane(state_, screen_));
-    fitted_ = true;
-    take_input(events);
+    if (resized || !fitted_) resize(screen);
+    take_input(std::move(events));
     take_dropped();
     progress_due_ |= desk_->look();
     progress_due_ |= treating_->look();

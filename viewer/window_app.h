@@ -52,7 +52,8 @@ private:
     void animate(double seconds);
     void draw(bool moved);
     void draw_panels(const Placement& place);
-    void take_input(const std::deque<InputEvent>& events);
+    void resize(Extent screen);
+    void take_input(std::deque<InputEvent> events);
     void snapshot();
     void use_monitor(WindowSetup& setup);
     Scene scene_on_screen() const;
@@ -93,12 +94,14 @@ private:
     MapTexture map_;
     gl::Target loupe_;
     std::optional<Journal> left_over_;
+    std::deque<InputEvent> held_back_;  // came after a key that may close a dialog: for the panels, then
     std::deque<Region> changed_;  // of the painting, not uploaded yet
     Extent screen_{1, 1}, window_size_{1, 1};
     double left_ = 0, now_s_ = 0, horizon_due_s_ = 0, moved_s_ = -1, progress_s_ = 0;
     std::string seen_;                // the scene and placement of the last picture
     int settle_ = kFramesAfterwards;  // frames to be drawn
     bool progress_due_ = false;
+    int held_frames_ = 0;   // as many frames more may what is held back wait
     int cold_shaders_ = 0;  // that are compiled when there is time
     bool dirty_ = true, close_when_saved_ = false, close_unsaved_ = false, open_when_saved_ = false,
          fitted_ = false, ready_to_paint_ = false;

@@ -1,0 +1,66 @@
+// painting_window.h: the real window with a small painting, on a screen of its own.
+#pragma once
+
+#include "surface/painting_file.h"
+#include "viewer_support.h"
+#include "window_screen.h"
+
+namespace tangi {
+
+namespace fs = std::filesystem;
+
+inline constexpr Region kCanvas{310, 10, 780, 660};  // of the window, without panels, probe and status line
+inline constexpr int kMiddleX = 650, kMiddleY = 350;
+
+inline Surface small_painting() {
+    Surface s = painted_surface(160, 120);
+    s.mm_per_pixel = 0.5;  // a brush of 12 mm is much smaller than the painting
+    for (int y = 0; y < s.height(); ++y)
+        for (int x = 0; x < s.width(); ++x)
+            s.diffuse(x, y) = {0.6f, 0.5f + 0.001f * static_cast<float>(x), 0.4f};
+    return s;
+}
+
+class Window : public testing::Test {
+protected:
+    void SetUp() override {
+        screen_ = Screen::open();
+        if (!screen_) GTEST_SKIP() << "no Xvfb and xdotool here";
+        painting_ = folder_ / "small.exr";
+        write_painting(painting_, small_painting());
+    }
+
+    void start(const std::vector<std::string>& further = {}) {
+        std::vector<std::string> words = {"paint", painting_.string(), "--size",
+                                          fmt::format("{}x{}", Screen::kWidth, Screen::kHeight)};
+        words.insert(words.end(), further.begin(), further.end());
+        program_ = std::make_unique<Program>(words, screen_->conditions());
+        const bool shown = Screen::until([&] {
+            const auto p = screen_->picture();
+            return !program_->running() || glm::length(p(kMiddleX, kMiddleY)) > 0.3f;
+        });
+        ASSERT_TRUE(shown && program_->running()) << program_->wait().err;
+        screen_->settled();
+    }
+    // All of it comes while the window is held still: for it, that is one very slow frame.
+    void in_one_frame(const std::vector<std::string>& words) {
+        program_->signal(SIGSTOP);
+        screen_->x(words);
+        program_->signal(SIGCONT);
+    }
+    void paint_a_stroke() {
+        screen_->key("b");
+        screen_->drag(1, {kMiddleX - 150, kMiddleY}, {kMiddleX + 130, kMiddleY + 40});
+    }
+    Finished close(const std::string& key = "ctrl+q") {
+        screen_->key(key);
+        return program_->wait();
+    }
+
+    TestDir folder_;
+    fs::path painting_;
+    std::unique_ptr<Screen> screen_;
+    std::unique_ptr<Program> program_;
+};
+
+}  // namespace tangi
