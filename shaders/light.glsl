@@ -28,7 +28,7 @@ struct Incoming {
 
 vec3 point_mm(vec2 at, float height) {
     vec2 centred = at - 0.5 * vec2(v_size.xy - 1);
-    return vec3(centred.x * v_column0.w, -centred.y * v_column0.w, height);
+    return vec3(centred.x * v_scene.x, -centred.y * v_scene.x, height);
 }
 
 vec3 bent(vec3 v, vec3 point) {
@@ -115,10 +115,10 @@ float visibility(int i, vec2 at, float height, vec3 direction) {
     float floor_tangent = tan(max(elevation - v_exposure1.w, -1.5));
     float best = floor_tangent;
     float room = v_eye.w - height;
-    for (float t = 1.0; room > best * t * v_column0.w; t += 1.0) {
+    for (float t = 1.0; room > best * t * v_scene.x; t += 1.0) {
         vec2 p = at + t * step_px;
         if (p.x < 0.0 || p.y < 0.0 || p.x > float(v_size.xy.x - 1) || p.y > float(v_size.xy.y - 1)) break;
-        best = max(best, (height_between(p) - height) / (t * v_column0.w));
+        best = max(best, (height_between(p) - height) / (t * v_scene.x));
     }
     if (best <= floor_tangent) return 1.0;
     return above(atan(best), elevation);

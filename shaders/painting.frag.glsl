@@ -4,9 +4,10 @@
 //           (visibility (rho_d D + pi rho_s colour lobe max(0, n.l)) + rig_ambient rho_d),   D: surface/diffuse.h
 // MODE: as LookMode in viewer/look.h. EYE: 1 where the viewer has a place. OUTPUT: 0 linear, 1 sRGB, 2 the
 // monitor's own colours; linear values are clipped and encoded by the device where the target is sRGB.
-// BARE: 1 for the background alone.
+// GREY: 1 where the exposure is the same for all colours, and mixes none. BARE: 1 for the background alone.
 
 out vec4 o_colour;
+STRAIGHT in vec3 v_place;
 
 #if OUTPUT == 2
 uniform sampler3D u_monitor;  // MonitorTable in viewer/monitor.h
@@ -53,7 +54,7 @@ vec3 lit(Material m, vec2 at) {
 #else
     vec3 v = v_eye.xyz;
 #endif
-    vec3 sum = v_column1.w * m.diffuse;
+    vec3 sum = v_scene.y * m.diffuse;
 #if DRAWN_OUT == 1
     vec3 shape = shape_of(m.stretch);
 #endif
@@ -79,12 +80,16 @@ vec3 lit(Material m, vec2 at) {
 #endif
             reflected = visibility(i, at, m.height, in_light.direction) * (diffuse + shine) * n_l;
         }
-        sum += in_light.irradiance * (reflected + v_column2.w * m.diffuse);
+        sum += in_light.irradiance * (reflected + v_scene.z * m.diffuse);
     }
     return sum;
 }
 
+#if GREY == 1
+vec3 exposed(vec3 v) { return v_exposure0.x * v; }
+#else
 vec3 exposed(vec3 v) { return mat3(v_exposure0.xyz, v_exposure1.xyz, v_exposure2.xyz) * v; }
+#endif
 
 vec3 looked_at(vec2 at) {
     Material m = material_at(at);
@@ -111,10 +116,9 @@ vec3 looked_at(vec2 at) {
 void main() {
     vec3 colour = v_background.xyz;
 #if BARE == 0
-    vec3 q = mat3(v_column0.xyz, v_column1.xyz, v_column2.xyz) * vec3(gl_FragCoord.xy, 1.0);
-    vec2 at = q.xy * (1.0 / q.z);
+    vec2 at = v_place.xy * (1.0 / v_place.z);
     vec2 last = vec2(v_size.xy) - 0.5;
-    if (q.z > 0.0 && at.x >= -0.5 && at.y >= -0.5 && at.x < last.x && at.y < last.y) {
+    if (v_place.z > 0.0 && at.x >= -0.5 && at.y >= -0.5 && at.x < last.x && at.y < last.y) {
 #if MODE >= 4
         colour = looked_at(at);
 #else

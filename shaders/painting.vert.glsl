@@ -1,6 +1,7 @@
 // painting.vert.glsl: one triangle over the whole picture, and what all of its pixels have in common (picture.glsl).
 
 uniform mat3 u_to_painting;  // gl_FragCoord.xy, 1 -> pixel of the painting times its third component
+uniform vec4 u_viewport;     // left, bottom, width, height [pixels of the target]
 uniform mat3 u_exposure;     // of the linear picture
 uniform vec4 u_eye;          // direction to the viewer [unit vector]; EYE == 1: place [mm]
 uniform float u_ambient, u_rig_ambient;
@@ -22,10 +23,10 @@ uniform int u_first_page[32];  // surface.glsl
 uniform ivec4 u_homes;
 uniform vec4 u_range;          // largest rho_d, largest rho_s; lowest height [mm], heights' range [mm]
 
+STRAIGHT out vec3 v_place;  // as u_to_painting gives it
+
 void main() {
-    v_column0 = vec4(u_to_painting[0], u_mm_per_pixel);
-    v_column1 = vec4(u_to_painting[1], u_ambient);
-    v_column2 = vec4(u_to_painting[2], u_rig_ambient);
+    v_scene = vec3(u_mm_per_pixel, u_ambient, u_rig_ambient);
     v_exposure0 = vec4(u_exposure[0], u_shoulder);
 #if SHADOWS == 2
     v_exposure1 = vec4(u_exposure[1], u_light_radius);
@@ -51,5 +52,6 @@ void main() {
     v_tiles = ivec4(u_first_page[u_level], (((u_size.x + (1 << u_level) - 1) >> u_level) + 255) >> 8, 0, 0);
 #endif
     vec2 corner = vec2(float(gl_VertexID & 1) * 4.0 - 1.0, float(gl_VertexID >> 1) * 4.0 - 1.0);
+    v_place = u_to_painting * vec3(u_viewport.xy + (0.5 * corner + 0.5) * u_viewport.zw, 1.0);
     gl_Position = vec4(corner, 0.0, 1.0);
 }

@@ -2,7 +2,14 @@
 // flat inputs. Mesa's software renderer (22.3) fetches a uniform anew for every pixel, each number with a check of
 // its bounds: two thirds of its time. 15 vectors are what WebGL 2 has everywhere; further lights stay uniforms.
 
-PASSED vec4 v_column0, v_column1, v_column2;        // of p_to_painting; mm per pixel, ambient, rig's ambient
+// What is passed on straight is no flat input, but linear across the screen: all corners have w = 1, and OpenGL ES knows no other way.
+#ifdef GL_ES
+#define STRAIGHT smooth
+#else
+#define STRAIGHT noperspective
+#endif
+
+PASSED vec3 v_scene;                                // mm per pixel, ambient, rig's ambient
 PASSED vec4 v_exposure0, v_exposure1, v_exposure2;  // columns; shoulder, radius of the light (horizons: 1 / it), bend
 PASSED vec4 v_eye;                                  // and the highest point
 PASSED vec4 v_range;

@@ -89,6 +89,7 @@ const gl::Program& Renderer::program_for(const Scene& scene, const Shot& shot, b
     define("EYE", shot.eye.w == 0 ? 0 : 1);
     define("MODE", static_cast<int>(scene.mode));
     define("OUTPUT", linear ? 0 : scene.on_monitor && monitor_ ? 2 : 1);
+    define("GREY", scene.exposure == glm::mat3(scene.exposure[0][0]) ? 1 : 0);
     define("BARE", bare ? 1 : 0);
     auto& program = programs_[definitions];
     if (!program)
@@ -197,6 +198,7 @@ void Renderer::draw(const Scene& scene, const Shot& shot, GLuint target, bool li
     u.set("u_bend", scene.rig.bend_per_mm);
     u.set("u_light_radius", static_cast<float>(scene.light_radius_deg * std::numbers::pi / 180));
     u.set("u_highest", range.height_max_mm);
+    u.set("u_viewport", glm::vec4(corner, shot.width, shot.height));
     // From the target's pixels.
     u.set("u_to_painting", shot.to_painting * glm::mat3({1, 0, 0}, {0, 1, 0}, {-glm::vec2(corner), 1}));
     u.set("u_eye", shot.eye);
