@@ -1,9 +1,10 @@
-// retouch_treatment_test.cpp: the folder of a treatment: its log, its layers, and that nothing is lost.
+// retouch_treatment_test.cpp: the folder of a treatment: its layers, and that nothing is lost.
 #include "paint/retouch/treatment.h"
 
 #include <gmock/gmock.h>
 
-#include <fstream>
+#include <atomic>
+#include <thread>
 
 #include "paint/canvas_file.h"
 #include "paint/retouch/sha256.h"
@@ -24,129 +25,6 @@ using testing::IsEmpty;
 using testing::ThrowsMessage;
 
 const Author kAuthor{"A. Restorer", "tangipaint test"};
-
-std::vector<std::string> lines_of(const std::filesystem::path& path) {
-    std::ifstream stream(path);
-    std::vector<std::string> lines;
-    for (std::string line; std::getline(stream, line);) lines.push_back(line);
-    return lines;
-}
-
-void write_lines(const std::filesystem::path& path, const std::vector<std::string>& lines) {
-    std::string text;
-    for (const std::string& line : lines) text += line + "\n";
-    write_text_file(path, text);
-}
-
-// A log of `count` entries after the first.
-std::filesystem::path a_log(const TestDir& dir, int count) {
-    TreatmentLog log = TreatmentLog::begin(dir / "log.jsonl", {{"action", "begin"}});
-    for (int i = 0; i < count; ++i) log.append({{"action", "note"}, {"number", i}});
-    return dir / "log.jsonl";
-}
-
-TEST(Sha256, IsThatOfTheStandard) {
-    EXPECT_EQ(sha256_of("abc"), "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
-    EXPECT_EQ(sha256_of(""), "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855");
-    const TestDir dir;
-    write_bytes(dir / "a", std::string(3'000'000, 'a'));
-    EXPECT_EQ(sha256_of_file(dir / "a"), sha256_of(std::string(3'000'000, 'a')));
-    EXPECT_THAT([&] { sha256_of_file(dir / "none"); },
-                ThrowsMessage<Error>(HasSubstr("none: cannot be read")));
-}
-
-TEST(TreatmentLog, GoesOnWhereItEnded) {
-    const TestDir dir;
-    const auto path = a_log(dir, 2);
-    TreatmentLog log = TreatmentLog::open(path);
-    log.append({{"action", "later"}});
-    const TreatmentLog again = TreatmentLog::open(path);
-    ASSERT_EQ(again.entries().size(), 4u);
-    EXPECT_EQ(again.entries()[3].content["action"], "later");
-    EXPECT_EQ(again.entries()[3].content["previous"], again.entries()[2].sha256);
-    EXPECT_EQ(again.head(), log.head());
-    EXPECT_THAT([&] { TreatmentLog::begin(path, {}); }, ThrowsMessage<Error>(HasSubstr("a log already")));
-}
-
-TEST(TreatmentLog, AnEditedLineIsNamed) {
-    const TestDir dir;
-    const auto path = a_log(dir, 5);
-    const std::vector<std::string> whole = lines_of(path);
-    for (std::size_t i = 0; i < whole.size(); ++i) {
-        std::vector<std::string> lines = whole;
-        const auto at = lines[i].find("\"action\":\"");
-        lines[i][at + 10] = 'X';
-        write_lines(path, lines);
-        EXPECT_THAT([&] { TreatmentLog::open(path); },
-                    ThrowsMessage<Error>(HasSubstr(fmt::format("log.jsonl:{}: was edited", i + 1))));
-    }
-}
-
-TEST(TreatmentLog, LinesThatWereRemovedMovedOrPutInAreNoticed) {
-    const TestDir dir;
-    const auto path = a_log(dir, 5);
-    const std::vector<std::string> whole = lines_of(path);
-    const auto refused = [&](const std::vector<std::string>& lines, const std::string& said) {
-        write_lines(path, lines);
-        EXPECT_THAT([&] { TreatmentLog::open(path); }, ThrowsMessage<Error>(HasSubstr(said)));
-    };
-    std::vector<std::string> lines = whole;
-    lines.erase(lines.begin() + 2);
-    refused(lines, "log.jsonl:3: does not follow the line before it");
-    lines = whole;
-    std::swap(lines[1], lines[2]);
-    refused(lines, "log.jsonl:2: does not follow");
-    lines = whole;
-    lines.insert(lines.begin() + 4, whole[1]);
-    refused(lines, "log.jsonl:5: does not follow");
-    lines.assign(whole.begin(), whole.end() - 2);  // the chain holds, but its head says more
-    refused(lines, "log.jsonl:5: the log was cut: 2 lines are missing");
-    lines.assign(whole.begin() + 1, whole.end());
-    refused(lines, "log.jsonl:1: is not the first");
-    write_lines(path, whole);
-    EXPECT_NO_THROW(TreatmentLog::open(path));
-}
-
-TEST(TreatmentLog, WrittenAnewIsNoticedByItsHead) {
-    const TestDir dir, other;
-    const auto path = a_log(dir, 3);
-    std::filesystem::copy_file(a_log(other, 4), path, std::filesystem::copy_options::overwrite_existing);
-    // The first lines are the same, so that the fourth is the one that the head names.
-    // One line more than the head: a crash may have come between.
-    EXPECT_THAT(TreatmentLog::open(path).warnings(),
-                ElementsAre(HasSubstr("log.jsonl:5: is not in log.head")));
-    TreatmentLog::open(other / "log.jsonl").append({{"action", "more"}});
-    std::filesystem::copy_file(other / "log.jsonl", path, std::filesystem::copy_options::overwrite_existing);
-    EXPECT_THAT([&] { TreatmentLog::open(path); }, ThrowsMessage<Error>(HasSubstr("lines were put in")));
-    std::filesystem::remove(dir / "log.head.json");
-    EXPECT_THAT([&] { TreatmentLog::open(path); }, ThrowsMessage<Error>(HasSubstr("log.head.json")));
-}
-
-TEST(TreatmentLog, ALineThatACrashCutIsLeftOut) {
-    const TestDir dir;
-    const auto path = a_log(dir, 2);
-    const std::string text = read_text_file(path);
-    write_bytes(path, text + "{\"action\":\"ha");
-    TreatmentLog log = TreatmentLog::open(path);
-    EXPECT_EQ(log.entries().size(), 3u);
-    EXPECT_THAT(log.warnings(), ElementsAre(HasSubstr("log.jsonl:4: was cut short")));
-    log.append({{"action", "next"}});
-    EXPECT_EQ(TreatmentLog::open(path).entries().size(), 4u);
-    EXPECT_THAT(TreatmentLog::open(path).warnings(), IsEmpty());
-}
-
-TEST(TreatmentLog, TwoWritersAtOnceDoNotBreakTheChain) {
-    const TestDir dir;
-    const auto path = a_log(dir, 1);
-    TreatmentLog one = TreatmentLog::open(path), two = TreatmentLog::open(path);
-    one.append({{"action", "one"}});
-    EXPECT_THAT(
-        [&] {
-            two.append({{"action", "two"}});
-        },
-        ThrowsMessage<Error>(HasSubstr("changed by another program")));
-    EXPECT_EQ(TreatmentLog::open(path).entries().size(), 3u);
-}
 
 // A painting of 100 x 70 pixels in a treatment.
 class TreatmentFolder : public testing::Test {
@@ -415,6 +293,38 @@ TEST_F(TreatmentFolder, WrongFoldersAndPaintingsAreRefused) {
     write_canvas(dir_ / "painted.exr", painted);
     EXPECT_THAT([&] { Treatment::begin(dir_ / "other", dir_ / "painted.exr", kAuthor); },
                 ThrowsMessage<Error>(HasSubstr("has been painted on")));
+    // A folder with somebody's painting in it is not written over.
+    std::filesystem::create_directories(dir_ / "full");
+    write_text_file(dir_ / "full/painting.exr", "mine");
+    EXPECT_THAT([&] { Treatment::begin(dir_ / "full", dir_ / "p.exr", kAuthor); },
+                ThrowsMessage<Error>(HasSubstr("painting.exr: is another painting")));
+    EXPECT_EQ(read_text_file(dir_ / "full/painting.exr"), "mine");
+}
+
+TEST_F(TreatmentFolder, OfManyThatBeginAtOnceOneDoes) {
+    std::atomic<int> begun = 0, late = 0;
+    std::vector<std::thread> programs;
+    for (int i = 0; i < 6; ++i)
+        programs.emplace_back([&] {
+            try {
+                begin();
+                ++begun;
+            } catch (const Error& error) {
+                late += std::string(error.what()).find("holds a treatment already") != std::string::npos;
+            }
+        });
+    for (std::thread& program : programs) program.join();
+    EXPECT_EQ(begun, 1);
+    EXPECT_EQ(late, 5);
+    EXPECT_THAT(Treatment::open(folder()).check(), IsEmpty());
+}
+
+// The log makes a treatment: without it, what else a beginning left is begun again.
+TEST_F(TreatmentFolder, ABeginningThatACrashCameIntoIsBegunAgain) {
+    begin();
+    std::filesystem::remove(folder() / "log.jsonl");
+    EXPECT_THAT(begin().check(), IsEmpty());
+    EXPECT_THAT(Treatment::open(folder()).log().warnings(), IsEmpty());
 }
 
 }  // namespace

@@ -83,14 +83,25 @@ std::string sha256_of(const Canvas& canvas, const PaintLayer& layer) {
 
 Treatment Treatment::begin(const fs::path& folder, const fs::path& painting, const Author& author,
                            std::optional<double> mm_per_pixel, const Progress& progress) {
-    if (fs::exists(folder / kTreatmentLog))
-        fail("{}: holds a treatment already; go on with it, or choose another folder", folder.string());
+    const auto require_free = [&] {
+        if (fs::exists(folder / kTreatmentLog))
+            fail("{}: holds a treatment already; go on with it, or choose another folder", folder.string());
+    };
+    require_free();
     const Canvas canvas = tangi::read_canvas(painting, progress, mm_per_pixel);
     if (!canvas.ingredients().empty())
         fail("{}: has been painted on; a treatment begins with a painting as it was fitted",
              painting.string());
     make_folder(folder / kTreatmentMasks);
-    copy_whole(painting, folder / "painting.exr");
+    const LogHold held(folder);  // of two programs that begin at once, the second comes too late
+    require_free();
+    const fs::path copy = folder / kTreatmentPainting;
+    // What a beginning left that did not come to its end is the same.
+    if (fs::exists(copy) && !fs::equivalent(copy, painting) &&
+        sha256_of_file(copy) != sha256_of_file(painting))
+        fail("{}: is another painting, and would be overwritten; choose another folder for the treatment",
+             copy.string());
+    if (!fs::exists(copy)) copy_whole(painting, copy);
     json first = {{"action", "begin"},
                   {"time", utc_now()},
                   {"who", author.who},

@@ -130,11 +130,12 @@ TreatmentLog TreatmentLog::begin(const fs::path& path, json content) {
     content["version"] = kVersion;
     content["previous"] = std::string(kDigits, '0');
     const Line line = sealed(content);
-    write_text_file(path, line.sealed + "\n");
     TreatmentLog log(path);
     log.entries_.push_back({1, std::move(content), line.sha256});
     log.seen_bytes_ = log.whole_bytes_ = line.sealed.size() + 1;
+    // The head first: it is the log that makes a treatment, and no crash may leave one without a head.
     log.write_head();
+    write_text_file(path, line.sealed + "\n");
     return log;
 }
 
