@@ -297,8 +297,8 @@ StandingTip Brush::standing(const Dab& dab, int x0, int y0) const {
     tip.sine = std::sin(dab.rotation_rad);
     tip.narrowing = 1 / (1 + static_cast<float>(settings_.splay) * dab.pressure);
     tip.touched = flattened(dab.pressure);
-    tip.band_px =
-        static_cast<float>(std::min(kSide_mm / mm_per_pixel_, 0.5 * std::min(half_width_px_, half_thickness_px_)));
+    tip.band_px = static_cast<float>(
+        std::min(kSide_mm / mm_per_pixel_, 0.5 * std::min(half_width_px_, half_thickness_px_)));
     tip.towards_x = dab.side * dab.dx;
     tip.towards_y = dab.side * dab.dy;
     return tip;

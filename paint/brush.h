@@ -87,8 +87,8 @@ public:
     // They carry its volume, so their load is thinner by it.
     double coverage() const { return coverage_; }
 
-    // Where its sides are, in a box of pixels whose first is (x0, y0). Where it stands there are none: ahead is
-    // then to the right.
+    // Where its sides are, in a box of pixels whose first is (x0, y0). Where it stands there are none: ahead
+    // is then to the right.
     BrushSides sides(const Dab& dab, int x0, int y0) const;
 
     // The tip of a dab that stands, in a box of pixels whose first is (x0, y0).

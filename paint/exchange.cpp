@@ -29,8 +29,8 @@ constexpr float kDry = 0.85f, kRide = 0.6f, kSink = 0.75f;
 TP_VECTOR_CLONES
 void exchange_row(int n, const TransferRates& r, const BrushSides& sides, const BristleLanes& lanes,
                   const float* __restrict underside, const float* __restrict relief,
-                  const float* __restrict open, const float* __restrict cover, const float* __restrict total, const float* __restrict load,
-                  float* __restrict give, float* __restrict take) {
+                  const float* __restrict open, const float* __restrict cover, const float* __restrict total,
+                  const float* __restrict load, float* __restrict give, float* __restrict take) {
     const float pickup = r.pickup, film = r.film_mm, reach0 = r.reach_mm, reach1 = r.load_reach,
                 per_hold = 1 / r.hold_mm, hold = r.hold_mm, tip = r.tip_mm, per_reach0 = 1 / r.reach_mm,
                 deposit_tip = r.deposit * r.tip_mm, ride = r.ride_mm, ax = sides.ax, a0 = sides.a0,

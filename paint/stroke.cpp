@@ -20,8 +20,8 @@ constexpr std::uint64_t kShifts = 29;  // of box_of(): any seed
 // way at most, where it turns on the spot.
 constexpr double kRim = 1.5, kMostSteps = 2;
 
-// A brush that is put down or lifted stands for so many steps; in all for this part [1] of the time in which its
-// contact passes, at full pressure.
+// A brush that is put down or lifted stands for so many steps; in all for this part [1] of the time in which
+// its contact passes, at full pressure.
 constexpr int kStands = 4;
 constexpr double kStandsFor = 0.7;
 
@@ -46,7 +46,8 @@ Region box_of(const Brush& brush, const Dab& dab) {
     brush.reach_px(dab, half_x, half_y);
     // Loads lie on whole pixels. Rounded to the nearest, they would go along a slanting stroke in stairs,
     // whose print is a sawtooth; shifted across it by up to half a pixel either way, spread evenly over any
-    // eight steps and by chance within them, in great leaps (3 or 5 eighths), they go straight in the mean. Shifts along it would leave rungs.
+    // eight steps and by chance within them, in great leaps (3 or 5 eighths), they go straight in the mean.
+    // Shifts along it would leave rungs.
     const std::uint64_t chance = procedural::hash(kShifts, dab.step / 8);
     const std::uint64_t turn =
         (static_cast<std::uint64_t>(dab.step) * (2 * (chance & 1) + 3) + (chance >> 2)) & 7;
@@ -369,9 +370,10 @@ void Stroke::step_to(const Knot& b, const Knot& c, double u, const PathPoint& at
     ages_s_.push_back(age);
 }
 
-// Where it is put down, less of the brush passes over a place the nearer it is to its rear, and less the nearer
-// to its front where it is lifted. It stands there for a while, the longer the heavier the hand, and lays the more
-// paint the more is missing, so that this does not run out in a ramp; what it presses out is a rim.
+// Where it is put down, less of the brush passes over a place the nearer it is to its rear, and less the
+// nearer to its front where it is lifted. It stands there for a while, the longer the heavier the hand, and
+// lays the more paint the more is missing, so that this does not run out in a ramp; what it presses out is a
+// rim.
 void Stroke::stand(Dab dab, float side, double age_s) {
     dab.stands = true;
     dab.side = side;

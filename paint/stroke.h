@@ -96,7 +96,7 @@ private:
     std::uint64_t seed_;
     std::vector<Knot> knots_;  // the last four at most
     std::optional<PathPoint> string_end_;
-    double spacing_px_ = 1;              // between steps, less where the brush turns
+    double spacing_px_ = 1;  // between steps, less where the brush turns
     double way_px_ = 0;
     double left_px_ = 0;                 // of arc length until the next step
     std::optional<float> rotation_rad_;  // at the last step

@@ -81,7 +81,8 @@ void outflow_row(int n, const TransferRates& rates, const RowMotion& m, const Br
         const float peak_x = std::min(std::max(std::min(to_l, to_r) - tension, 0.0f), w);
         const float peak_y = std::min(std::max(std::min(to_u, to_d) - tension, 0.0f), w);
         const float mobile = std::max(w - still, 0.0f);
-        // What it holds is the slope, whichever way it goes: along either axis the less, the steeper the other.
+        // What it holds is the slope, whichever way it goes: along either axis the less, the steeper the
+        // other.
         const float yield_x = std::max(yield - kOctagon * std::max(to_u, to_d), kDiagonal * yield);
         const float yield_y = std::max(yield - kOctagon * std::max(to_l, to_r), kDiagonal * yield);
         const float along_x = std::min(yield_x, yield), along_y = std::min(yield_y, yield);

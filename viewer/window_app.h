@@ -95,7 +95,7 @@ private:
     gl::Target loupe_;
     std::optional<Journal> left_over_;
     std::deque<InputEvent> held_back_;  // came after a key that may close a dialog: for the panels, then
-    std::deque<Region> changed_;  // of the painting, not uploaded yet
+    std::deque<Region> changed_;        // of the painting, not uploaded yet
     Extent screen_{1, 1}, window_size_{1, 1};
     double left_ = 0, now_s_ = 0, horizon_due_s_ = 0, moved_s_ = -1, progress_s_ = 0;
     std::string seen_;                // the scene and placement of the last picture
