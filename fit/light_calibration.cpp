@@ -160,30 +160,25 @@ LightCalibration calibrate_lights(const Stack& stack, const Survey& survey, cons
             explains_better(found->trial, all[best].trial, explained_db, loss_db))
             best = static_cast<std::size_t>(found - all.begin());
     };
-    const auto attempt_beams = [&] {
-        LightModel uneven = all[best].trial.model;
+    const auto attempt_beams = [&](const TriedModel& even) {
+        LightModel uneven = even.trial.model;
         uneven.beams = true;
-        attempt_own(uneven, kBeamsWorth_db, 0, std::optional(all[best].solution));
+        attempt_own(uneven, kBeamsWorth_db, 0, std::optional(even.solution));
     };
     std::vector<LightModel> models = {{LightFreedom::none}, {LightFreedom::rig}};
     if (!few) models.push_back({LightFreedom::rig_and_gains});
     attempt(models);
-    // Before directions: those of lamps that are aimed otherwise seem to be wrong as well.
-    if (!few) attempt_beams();
     const std::size_t listed = best;
-    const LightModel lamps = all[best].trial.model;
-    const auto with = [&](DirectionFreedom directions) {
-        return LightModel{lamps.lamps, directions, lamps.beams};
-    };
+    const LightFreedom lamps = all[best].trial.model.lamps;
     // A lamp that was left out has no part in directions of each lamp's own: with few photographs leaving
     // some out says nothing of them, and it is up to the user.
     const bool measured = !given.direction_sigma_deg.empty();
     const DirectionFreedom refined = measured ? DirectionFreedom::measured : DirectionFreedom::own;
     const bool refines = !few && (options.refine_directions || measured);
     if (refines)
-        attempt({with(refined)});
+        attempt({{lamps, refined}});
     else if (!few && stack.photos.size() >= kFewestForDirections)
-        attempt({with(DirectionFreedom::smooth), with(DirectionFreedom::own)});
+        attempt({{lamps, DirectionFreedom::smooth}, {lamps, DirectionFreedom::own}});
     if (refines && all.back().trial.model.directions == refined) best = all.size() - 1;
     const auto calibration_of = [&](const TriedModel& one) {
         return one.solution ? calibrated(sample, *one.solution, given, one.trial.model)
@@ -192,12 +187,18 @@ LightCalibration calibrate_lights(const Stack& stack, const Survey& survey, cons
     if (all[best].trial.model.directions == DirectionFreedom::smooth &&
         turns_in_sigmas(calibration_of(all[best])) < kSureTurns)
         best = listed;
-    if (!few && lamps.lamps != LightFreedom::rig_and_gains) {
+    if (!few && lamps != LightFreedom::rig_and_gains) {
         LightModel wanted = all[best].trial.model;
         wanted.lamps = LightFreedom::rig_and_gains;
         attempt_own(wanted, kGainsWorth_db, options.worth_db);
     }
-    if (!few && !lamps.beams && best != listed) attempt_beams();
+    // Lamps that are aimed otherwise seem to stand elsewhere, and the other way round: beams are also tried
+    // with the directions as listed.
+    if (!few) {
+        const TriedModel even = all[best], as_listed = all[listed];
+        attempt_beams(even);
+        if (!refines && even.trial.model.directions != DirectionFreedom::listed) attempt_beams(as_listed);
+    }
     LightCalibration result = calibration_of(all[best]);
     for (TriedModel& one : all) result.trials.push_back(std::move(one.trial));
     return result;
