@@ -32,29 +32,42 @@ double scale_of(const VectorXd& residual, const VectorXd& weight) {
     return std::max(1.4826 * median(std::move(sizes)), 1e-4);
 }
 
-// The smooth part of one photograph: a polynomial of the second degree over the picture, robustly.
+// The smooth part of one photograph: a polynomial of the second degree over the picture, robustly. Sums by
+// pixels of matrices of fixed size: products of matrices of any size take a minute to compile.
 void flatten(RelativeShading& s, Index photo) {
-    constexpr Index terms = 6;
+    using Terms = Eigen::Matrix<double, 6, 1>;
+    using Normal = Eigen::Matrix<double, 6, 6>;
     const Index pixels = s.value.rows();
-    MatrixXd basis(pixels, terms);
-    for (Index i = 0; i < pixels; ++i) {
-        const double x = static_cast<double>(i % s.width) / s.width - 0.5;
-        const double y = static_cast<double>(i / s.width) / s.height - 0.5;
-        basis.row(i) << 1, x, y, x * x, x * y, y * y;
-    }
-    VectorXd weight = s.weight.col(photo), field = VectorXd::Zero(terms);
+    const auto terms = [&](Index pixel) -> Terms {
+        const double x = static_cast<double>(pixel % s.width) / s.width - 0.5;
+        const double y = static_cast<double>(pixel / s.width) / s.height - 0.5;
+        return {1, x, y, x * x, x * y, y * y};
+    };
+    const VectorXd known = s.weight.col(photo);
+    VectorXd weight = known, residual(pixels);
+    Terms field = Terms::Zero();
     for (int iteration = 0; iteration < 6; ++iteration) {
-        const MatrixXd weighted = basis.transpose() * weight.asDiagonal();
-        MatrixXd normal = weighted * basis;
-        normal.diagonal().array() += 1e-9;
-        field = normal.ldlt().solve(weighted * s.value.col(photo));
-        const VectorXd residual = s.value.col(photo) - basis * field;
-        const double scale = kRobust * scale_of(residual, s.weight.col(photo));
-        weight = s.weight.col(photo).array() / (1 + (residual / scale).array().square());
+        Normal normal = Normal::Identity() * 1e-9;
+        Terms right = Terms::Zero();
+        for (Index i = 0; i < pixels; ++i) {
+            if (!(weight[i] > 0)) continue;
+            const Terms t = terms(i), weighted = weight[i] * t;
+            for (Index k = 0; k < 6; ++k) normal.col(k) += weighted[k] * t;
+            right += s.value(i, photo) * weighted;
+        }
+        field = normal.ldlt().solve(right);
+        for (Index i = 0; i < pixels; ++i) residual[i] = s.value(i, photo) - terms(i).dot(field);
+        const double scale = kRobust * scale_of(residual, known);
+        for (Index i = 0; i < pixels; ++i) {
+            const double off = residual[i] / scale;
+            weight[i] = known[i] / (1 + off * off);
+        }
     }
     // The level is the mean over the picture of what the polynomial says.
-    s.log_level[photo] = (basis * field).mean();
-    s.value.col(photo) -= basis * field;
+    double level = 0;
+    for (Index i = 0; i < pixels; ++i) level += terms(i).dot(field);
+    s.log_level[photo] = level / static_cast<double>(pixels);
+    s.value.col(photo) = residual;
     const double longer = std::max(s.width, s.height);
     s.falloff.row(photo) << field[1] * longer / s.width, -field[2] * longer / s.height;
 }
@@ -145,9 +158,13 @@ RelativeShading shading_of(const std::vector<Image<float>>& pictures, float clip
 }
 
 MatrixXd residual_of(const RelativeShading& s, const ShadingFactors& f) {
-    MatrixXd explained = (f.left * f.right.transpose()).array() + 1;
-    explained.array().rowwise() *= f.level.transpose().array();
-    return (s.value.array() + 1 - explained.array()).matrix();
+    MatrixXd residual(s.value.rows(), s.value.cols());
+    for (Index j = 0; j < residual.cols(); ++j)
+        for (Index i = 0; i < residual.rows(); ++i) {
+            const double shading = f.left(i, 0) * f.right(j, 0) + f.left(i, 1) * f.right(j, 1);
+            residual(i, j) = s.value(i, j) + 1 - f.level[j] * (1 + shading);
+        }
+    return residual;
 }
 
 ShadingFactors factored(const RelativeShading& s, const Progress& progress) {
@@ -158,7 +175,10 @@ ShadingFactors factored(const RelativeShading& s, const Progress& progress) {
         const double most = kTame * scale_of(s.value.col(j), s.weight.col(j));
         tame.col(j) = tame.col(j).cwiseMax(-most).cwiseMin(most);
     }
-    const Eigen::SelfAdjointEigenSolver<MatrixXd> start(MatrixXd(tame.transpose() * tame));
+    MatrixXd products(tame.cols(), tame.cols());
+    for (Index j = 0; j < tame.cols(); ++j)
+        for (Index k = 0; k <= j; ++k) products(j, k) = products(k, j) = tame.col(j).dot(tame.col(k));
+    const Eigen::SelfAdjointEigenSolver<MatrixXd> start(products);
     f.right = start.eigenvectors().rightCols(2) * std::sqrt(static_cast<double>(s.value.cols()));
     f.left = MatrixXd::Zero(s.value.rows(), 2);
     f.level = VectorXd::Ones(s.value.cols());
