@@ -16,9 +16,7 @@ constexpr double kZoomPerNotch = 1.15;
 
 Placement Hand::placement() const { return placement_of(state_, screen_); }
 
-StrokePoint Hand::point(double time_s) const {
-    glm::dvec2 at(0);
-    placement().to_painting(cursor_, at);
+StrokePoint Hand::point(const glm::dvec2& at, double time_s) const {
     StrokePoint point;
     point.time_s = std::max(0.0, time_s - stroke_began_s_);
     point.x_mm = (at.x - (state_.painting.width - 1) / 2.0) * state_.stroke_mm_per_pixel;
@@ -191,12 +189,12 @@ void Hand::press(const InputEvent& event) {
     }
     if (state_.tool == Tool::sample && event.code == GLFW_MOUSE_BUTTON_LEFT && hit)
         state_.treating.ask.match_at = at;
-    if (drag_ == Drag::paint && !begin_stroke(event, hit)) drag_ = Drag::panel;
+    if (drag_ == Drag::paint && !begin_stroke(event, hit ? &at : nullptr)) drag_ = Drag::panel;
 }
 
-bool Hand::begin_stroke(const InputEvent& event, bool on_painting) {
+bool Hand::begin_stroke(const InputEvent& event, const glm::dvec2* at) {
     if (state_.finishing) return false;
-    if (!on_painting || state_.left_over_strokes > 0) {
+    if (!at || state_.left_over_strokes > 0) {
         if (state_.left_over_strokes > 0)
             state_.message = "first recover or put aside the strokes of the last sitting";
         state_.message_until_s = event.time_s + 5;
@@ -216,7 +214,7 @@ bool Hand::begin_stroke(const InputEvent& event, bool on_painting) {
     seed_ = std::random_device{}();  // bristles differ from stroke to stroke; the journal has the seed
     beside_ = pen_ && pen_->eraser ? state_.erasing_stroke(seed_) : state_.stroke(seed_);
     points_beside_.clear();
-    add_to_stroke(point(event.time_s));
+    add_to_stroke(point(*at, event.time_s));
     return true;
 }
 
@@ -262,9 +260,11 @@ void Hand::move(const InputEvent& event) {
                 {(cursor_.x - screen_.width / 2.0) / radius, (screen_.height / 2.0 - cursor_.y) / radius});
             break;
         }
-        case Drag::paint:
-            add_to_stroke(point(event.time_s));
+        case Drag::paint: {
+            glm::dvec2 at;  // none beyond the horizon of a painting that is tilted away
+            if (placement().to_painting(cursor_, at)) add_to_stroke(point(at, event.time_s));
             break;
+        }
         case Drag::mask: {
             glm::dvec2 at;
             if (placement().to_painting(cursor_, at))

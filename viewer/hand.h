@@ -39,7 +39,7 @@ private:
     void act(Action action);
     void look_act(Action action);
     Drag drag_for(const InputEvent& event) const;
-    bool begin_stroke(const InputEvent& event, bool on_painting);
+    bool begin_stroke(const InputEvent& event, const glm::dvec2* at);
     bool brush_may_reach(const StrokePoint& from, const StrokePoint& to) const;
     void add_to_stroke(const StrokePoint& point);
     void press_on_mask(const InputEvent& event, const glm::dvec2& at);
@@ -47,7 +47,7 @@ private:
     void close_polygon(bool erase);
     void treatment_act(Action action);
     Placement placement() const;
-    StrokePoint point(double time_s) const;
+    StrokePoint point(const glm::dvec2& at, double time_s) const;
     void hold(StrokePoint& point) const;
     StrokePoint board_point(const InputEvent& event) const;
     void begin_board_stroke(const InputEvent& event);
