@@ -56,16 +56,23 @@ Survey survey(const Stack& stack, const SurveyOptions& options, const Progress& 
                 Survey::Photo& photo = result.photos[static_cast<std::size_t>(i)];
                 for (int c = 0; c < channels; ++c)
                     for (int y = y0; y < y1; ++y) {
+                        // In registers: neighbours of other threads' numbers are slow to write to.
+                        double sum = 0;
+                        float maximum = 0;
+                        int beyond = 0, absent = 0;
                         const float* row = band.row(i, c, y);
                         for (int x = 0; x < stack.width(); ++x) {
-                            if (std::isnan(row[x])) {
-                                ++missing[static_cast<std::size_t>(i)];
-                                continue;
-                            }
-                            photo.mean += row[x];
-                            photo.maximum = std::max<double>(photo.maximum, row[x]);
-                            photo.clipped += row[x] >= clipped;
+                            const bool there = !std::isnan(row[x]);
+                            const float value = there ? row[x] : 0.0f;
+                            absent += !there;
+                            sum += value;
+                            maximum = std::max(maximum, value);
+                            beyond += value >= clipped;
                         }
+                        photo.mean += sum;
+                        photo.maximum = std::max<double>(photo.maximum, maximum);
+                        photo.clipped += beyond;
+                        missing[static_cast<std::size_t>(i)] += absent;
                     }
             }
         });
