@@ -5,9 +5,12 @@
 #include <numbers>
 
 #include "capture/left_out.h"
+#include "fit/colour_rows.h"
+#include "fit/photos_ahead.h"
 #include "surface/error.h"
+#include "surface/median.h"
 #include "surface/parallel.h"
-#include "surface/relight.h"
+#include "surface/relighter.h"
 
 namespace tangi {
 
@@ -15,8 +18,9 @@ using nlohmann::json;
 
 namespace {
 
-constexpr int kBandRows = 256;  // decoded at once
 constexpr double kDegree = std::numbers::pi / 180;
+constexpr double kForeign =
+    0.3;  // [1] median correlation; photographs of the same painting have more than 0.5
 
 void require_comparable(const Surface& surface, const Stack& stack) {
     require_consistent(surface);
@@ -49,57 +53,37 @@ Mask pixels_to_compare(const Surface& surface, const Stack& stack) {
     return mask;
 }
 
-// The one photograph of a stack, values as stored; grey becomes RGB.
-Image<Rgb> stored_picture(const Stack& stack) {
-    StackReader reader(stack);
-    Image<Rgb> picture(stack.width(), stack.height());
-    for (int y0 = 0; y0 < stack.height(); y0 += kBandRows) {
-        const Band band = reader.read(y0, std::min(y0 + kBandRows, stack.height()), Transfer{});
-        for (int y = y0; y < band.y1(); ++y)
-            for (int c = 0; c < 3; ++c) {
-                const float* row = band.row(0, std::min(c, stack.channels - 1), y);
-                for (int x = 0; x < stack.width(); ++x) picture(x, y)[c] = row[x];
-            }
-    }
-    return picture;
-}
-
-// A mask less the pixels that a registered photograph does not reach (NaN), which become black.
-Mask without_missing(Mask mask, Image<Rgb>& photo) {
-    for (std::size_t i = 0; i < photo.size(); ++i) {
-        Rgb& value = photo.pixels()[i];
-        if (!std::isnan(value.r + value.g + value.b)) continue;
-        value = Rgb(0);
-        mask.pixels()[i] = 0;
-    }
+// A mask less the pixels that a photograph does not reach.
+Mask without_missing(Mask mask, const Mask& missing) {
+    for (std::size_t i = 0; i < mask.size(); ++i)
+        if (missing.pixels()[i]) mask.pixels()[i] = 0;
     return mask;
 }
 
-Image<Rgb> decoded(const Image<Rgb>& stored, const Transfer& transfer) {
-    Image<Rgb> linear(stored.width(), stored.height());
-    parallel_for(0, stored.height(), 16, [&](int begin, int end) {
-        for (int y = begin; y < end; ++y)
-            for (int x = 0; x < stored.width(); ++x)
-                for (int c = 0; c < 3; ++c)
-                    linear(x, y)[c] = transfer.decode(std::min(stored(x, y)[c], 1.0f));
-    });
-    return linear;
-}
-
-Image<Rgb> encoded(const Image<Rgb>& linear, const Transfer& transfer, const glm::mat3& colour) {
-    Image<Rgb> stored(linear.width(), linear.height());
+// Stored values as a camera makes them, by rows; `stored` has the size of `linear` or gets it.
+void encode_picture(const Image<Rgb>& linear, const Transfer& transfer, const glm::mat3& colour,
+                    Image<Rgb>& stored) {
+    if (stored.region() != linear.region()) stored = Image<Rgb>(linear.width(), linear.height());
     parallel_for(0, linear.height(), 16, [&](int begin, int end) {
-        for (int y = begin; y < end; ++y)
-            for (int x = 0; x < linear.width(); ++x)
-                stored(x, y) = glm::min(transfer.encode(colour * linear(x, y)), Rgb(1));
+        for (int y = begin; y < end; ++y) {
+            const std::span<Rgb> row = stored.row(y);
+            for (int x = 0; x < linear.width(); ++x) row[static_cast<std::size_t>(x)] = colour * linear(x, y);
+            encode_row(transfer, row, row);
+        }
     });
-    return stored;
 }
 
-// Multiplies every colour.
-Image<Rgb> recoloured(Image<Rgb> linear, const glm::mat3& colour) {
-    for (Rgb& value : linear.pixels()) value = colour * value;
-    return linear;
+// What the camera would have stored under a light.
+void relight_stored(const Relighter& relighter, const Light& light, const Transfer& transfer,
+                    const glm::mat3& colour, Image<Rgb>& stored) {
+    parallel_for(0, stored.height(), 16, [&](int begin, int end) {
+        for (int y = begin; y < end; ++y) {
+            const std::span<Rgb> row = stored.row(y);
+            relighter.draw_row(light, y, row);
+            for (Rgb& value : row) value = colour * value;
+            encode_row(transfer, row, row);
+        }
+    });
 }
 
 // What a camera with these channels saw of radiance in linear Rec. 709.
@@ -133,13 +117,31 @@ PhotoComparison described(const StackPhoto& photo, const Photography& photograph
     return result;
 }
 
+// CIEDE2000 of what was photographed and relit, from linear light.
+void measure_colour(const ComparedPictures& pictures, Image<float>& delta_e) {
+    const int width = delta_e.width();
+    parallel_for(0, delta_e.height(), 8, [&](int begin, int end) {
+        std::vector<Rgb> photo(static_cast<std::size_t>(width)), relit(photo.size());
+        const auto decode = [&](std::span<const Rgb> stored, std::vector<Rgb>& linear) {
+            decode_row(pictures.transfer, stored, linear);
+            if (pictures.from_camera != glm::mat3(1))
+                for (Rgb& value : linear) value = pictures.from_camera * value;
+        };
+        for (int y = begin; y < end; ++y) {
+            decode(pictures.photo.row(y), photo);
+            decode(pictures.relit.row(y), relit);
+            delta_e_2000_row(photo, relit, delta_e.row(y));
+        }
+    });
+}
+
 void measure(const ComparedPictures& pictures, Image<float>& delta_e, PhotoComparison& result) {
-    delta_e = delta_e_2000_map(recoloured(decoded(pictures.photo, pictures.transfer), pictures.from_camera),
-                               recoloured(decoded(pictures.relit, pictures.transfer), pictures.from_camera));
+    measure_colour(pictures, delta_e);
     result.psnr_db = std::min(psnr_db(pictures.photo, pictures.relit, pictures.mask), kPsnrCap_db);
     result.ssim = ssim(pictures.photo, pictures.relit, pictures.mask);
     result.delta_e_2000 = mean(delta_e, pictures.mask);
     result.delta_e_2000_p95 = percentile(delta_e, 0.95, pictures.mask);
+    result.correlation = luma_correlation(pictures.photo, pictures.relit, pictures.mask);
     result.bias = mean_difference(pictures.photo, pictures.relit, pictures.mask);
 }
 
@@ -173,6 +175,17 @@ void summarise(const Stack& stack, int unknown, CompareReport& report) {
             "{}: {} of {} photographs are not among those that the painting lists, by name and light: "
             "they count as held out, and their lights as of gain 1",
             stack.folder.string(), unknown, report.photos.size()));
+    std::vector<double> correlations;
+    for (const PhotoComparison& photo : report.photos)
+        if (photo.correlation) correlations.push_back(*photo.correlation);
+    if (correlations.empty()) return;
+    const double typical = median(std::move(correlations));
+    if (typical < kForeign)
+        report.warnings.push_back(fmt::format(
+            "{}: the photographs and what the painting looks like under their lights have hardly anything "
+            "but brightness in common (correlation {:.2f}, where photographs of the painting have 0.9): "
+            "are they of another painting, or turned or cropped otherwise?",
+            stack.folder.string(), typical));
 }
 
 // Names come from file systems, where any bytes are allowed; JSON wants UTF-8.
@@ -198,46 +211,47 @@ CompareReport compare(const Surface& surface, const Stack& photos, const Compare
 
     std::vector<StackPhoto> all = photos.photos;
     all.insert(all.end(), photos.held_out.begin(), photos.held_out.end());
-    Stack one = photos;  // one photograph is open at a time
-    one.held_out.clear();
+    int unknown = 0;
+    for (StackPhoto& photo : all) {
+        const Photography::Photo* known = find_photo(surface.photography, photo.light);
+        unknown += known == nullptr;
+        // As the fit registered it; a photograph that the painting does not know is taken as it is.
+        if (known) photo.homography = known->homography;
+    }
     const RelightOptions relighting{.cast_shadows = options.cast_shadows,
                                     .light_radius_deg = options.light_radius_deg};
-    int unknown = 0;
+    const Relighter relighter(surface, relighting, static_cast<int>(all.size()));
+    const glm::mat3 exposure = exposure_of(surface.photography), from(from_camera(surface.photography));
+    // Used for one photograph after the other.
+    Image<Rgb> relit(surface.width(), surface.height()), linear, faithful;
+    Image<float> delta_e(surface.width(), surface.height());
+    PhotosAhead ahead(photos, all);
     std::vector<LeftOut> left_out;
     for (std::size_t i = 0; i < all.size(); ++i) {
         report(progress, "compare", static_cast<double>(i) / static_cast<double>(all.size()));
-        one.photos = {all[i]};
-        const Photography::Photo* known = find_photo(surface.photography, all[i].light);
-        unknown += known == nullptr;
-        // As the fit registered it; a photograph that the painting does not know is taken as it is.
-        if (known) one.photos.front().homography = known->homography;
         PhotoComparison result = described(all[i], surface.photography);
-        Image<Rgb> photo;
+        const StoredPhoto* photo = nullptr;
         try {
-            photo = stored_picture(one);
+            photo = &ahead.next();
         } catch (const PhotoError& error) {
             left_out.push_back({all[i].light.name, error.what()});
             report_.warnings.push_back(fmt::format("{}; left out", error.what()));
             require_few(left_out, all.size(), 1, photos.folder.string());
             continue;
         }
-        const Mask present = without_missing(mask, photo);
-        Image<Rgb> linear = relight(surface, {&result.light, 1}, relighting);
-        const Image<Rgb> relit = encoded(linear, report_.transfer, exposure_of(surface.photography));
-        if (!residual.empty()) {
+        const Mask fewer = photo->missing.empty() ? Mask() : without_missing(mask, photo->missing);
+        const Mask& present = fewer.empty() ? mask : fewer;
+        if (residual.empty()) {
+            relight_stored(relighter, result.light, report_.transfer, exposure, relit);
+        } else {
+            linear = relight(surface, {&result.light, 1}, relighting);
+            encode_picture(linear, report_.transfer, exposure, relit);
             add_residual(residual, surface, {&result.light, 1}, {}, linear);
-            const Image<Rgb> faithful = encoded(linear, report_.transfer, exposure_of(surface.photography));
-            result.faithful_psnr_db = std::min(psnr_db(photo, faithful, present), kPsnrCap_db);
+            encode_picture(linear, report_.transfer, exposure, faithful);
+            result.faithful_psnr_db = std::min(psnr_db(photo->picture, faithful, present), kPsnrCap_db);
         }
-        Image<float> delta_e;
-        const ComparedPictures pictures{static_cast<int>(i),
-                                        result,
-                                        photo,
-                                        relit,
-                                        delta_e,
-                                        present,
-                                        report_.transfer,
-                                        glm::mat3(from_camera(surface.photography))};
+        const ComparedPictures pictures{static_cast<int>(i), result, photo->picture, relit, delta_e, present,
+                                        report_.transfer,    from};
         measure(pictures, delta_e, result);
         if (sink) sink(pictures);
         report_.photos.push_back(std::move(result));
@@ -274,8 +288,17 @@ json to_json(const CompareReport& report) {
     };
     json warnings = json::array();
     for (const std::string& warning : report.warnings) warnings.push_back(valid_utf8(warning));
+    // For who reads the means by program or by eye: what they are worth.
+    const bool predicts = report.held_out.count > 0;
+    const char* judged =
+        predicts
+            ? "held-out photographs: how well the painting predicts light that the fit never saw"
+            : "fitted photographs only, as none was held out: how well the fit repeats what it has seen, "
+              "not how well it predicts new light (fit with --hold-out, or compare with other photographs)";
     return {
         {"photos", std::move(photos)},
+        {"judged_by", predicts ? "held_out" : "fitted"},
+        {"judged_by_in_words", judged},
         {"mean",
          {{"held_out", mean(report.held_out)}, {"fitted", mean(report.fitted)}, {"all", mean(report.all)}}},
         {"worst", valid_utf8(report.worst)},
@@ -287,11 +310,31 @@ json to_json(const CompareReport& report) {
 }
 
 Image<Rgb> as_photographed(const Image<Rgb>& linear, const Photography& photography) {
-    return encoded(linear, photography.transfer, exposure_of(photography));
+    Image<Rgb> stored;
+    encode_picture(linear, photography.transfer, exposure_of(photography), stored);
+    return stored;
+}
+
+void for_display(std::span<const Rgb> stored, const ComparedPictures& pictures, std::span<Rgb> shown) {
+    constexpr Transfer srgb{Transfer::Kind::srgb};
+    const bool true_colours = pictures.from_camera == glm::mat3(1);
+    if (true_colours && pictures.transfer == srgb) {
+        std::transform(stored.begin(), stored.end(), shown.begin(),
+                       [](const Rgb& value) { return glm::clamp(value, 0.0f, 1.0f); });
+        return;
+    }
+    decode_row(pictures.transfer, stored, shown);
+    if (!true_colours)
+        for (Rgb& value : shown) value = pictures.from_camera * value;
+    encode_row(srgb, shown, shown);
 }
 
 Image<Rgb> for_display(const Image<Rgb>& stored, const ComparedPictures& pictures) {
-    return encoded(decoded(stored, pictures.transfer), {Transfer::Kind::srgb}, pictures.from_camera);
+    Image<Rgb> shown(stored.width(), stored.height());
+    parallel_for(0, stored.height(), 16, [&](int begin, int end) {
+        for (int y = begin; y < end; ++y) for_display(stored.row(y), pictures, shown.row(y));
+    });
+    return shown;
 }
 
 }  // namespace tangi

@@ -8,6 +8,7 @@
 
 #include <functional>
 #include <nlohmann/json.hpp>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -59,6 +60,7 @@ struct PhotoComparison {
     double ssim = 0;                           // [1] -1..1
     double delta_e_2000 = 0;                   // [1] mean over the pixels
     double delta_e_2000_p95 = 0;               // [1] 95 % of the pixels differ by no more
+    std::optional<double> correlation{};       // [1] luma_correlation()
     double bias = 0;  // [1] mean of relit - photograph, as stored: > 0 where the relit picture is too bright
 };
 
@@ -97,21 +99,25 @@ using ComparisonSink = std::function<void(const ComparedPictures&)>;
 // photograph that is not listed there counts as held out and as lit with gain 1, and a warning says so.
 // Where a residual is given, PSNR is also that of the pictures that add_residual() makes of the relit ones;
 // all else is of the surface alone. Pixels of confidence 0, and those that the stack's mask leaves out, do
-// not count. One photograph is in memory at a time. Throws Error: the surface does not come from photographs,
-// nothing in it was measured, sizes that differ; Cancelled.
+// not count. Photographs that have hardly more than brightness in common with the relit pictures get a
+// warning: they are another painting's. One photograph is in memory at a time. Throws Error: the surface does
+// not come from photographs, nothing in it was measured, sizes that differ; Cancelled.
 CompareReport compare(const Surface& surface, const Stack& photos, const CompareOptions& options = {},
                       const Progress& progress = {}, const ComparisonSink& sink = {},
                       const FaithfulResidual& residual = {});
 
 // {"photos": [{"name", "fitted", "light": [x, y, z], "elevation_deg", …}], "mean": {"held_out": {"count",
-// "psnr_db", "ssim", "delta_e_2000"}, "fitted", "all"}, "worst", …}; names are made valid UTF-8.
+// "psnr_db", "ssim", "delta_e_2000"}, "fitted", "all"}, "judged_by": "held_out" or, where none was, "fitted",
+// "judged_by_in_words", "worst", …}; names are made valid UTF-8.
 nlohmann::json to_json(const CompareReport& report);
 
 // A picture that relight() made, as the camera would have stored it: transfer(white_level * to_camera *
 // linear), at most 1.
 Image<Rgb> as_photographed(const Image<Rgb>& linear, const Photography& photography);
 
-// One of the stored pictures for people to look at: sRGB, with true colours where the chart told them.
+// One of the stored pictures, or a row of it, for people to look at: sRGB, with true colours where the chart
+// told them. `shown` may be `stored`.
+void for_display(std::span<const Rgb> stored, const ComparedPictures& pictures, std::span<Rgb> shown);
 Image<Rgb> for_display(const Image<Rgb>& stored, const ComparedPictures& pictures);
 
 }  // namespace tangi

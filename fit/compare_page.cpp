@@ -1,9 +1,12 @@
 #include "fit/compare_page.h"
 
+#include <array>
+
 #include "fit/compare_page_html.h"
 #include "fit/false_colour.h"
 #include "surface/atomic_file.h"
 #include "surface/atomic_folder.h"
+#include "surface/parallel.h"
 #include "surface/picture_file.h"
 
 namespace tangi {
@@ -49,19 +52,31 @@ std::string picture_stem(int index, const std::string& name) {
 
 // Writes the four pictures of a photograph; their paths in the folder.
 json write_pictures(const fs::path& folder, const ComparedPictures& pictures, const CompareOptions& options) {
+    const int width = pictures.photo.width(), height = pictures.photo.height();
+    const auto mask = [&](int y) { return pictures.mask.row(y); };
+    const std::array<std::pair<const char*, PictureRow>, 4> drawn = {
+        {{"photo", [&](int y, std::span<Rgb> row) { for_display(pictures.photo.row(y), pictures, row); }},
+         {"relit", [&](int y, std::span<Rgb> row) { for_display(pictures.relit.row(y), pictures, row); }},
+         {"error",
+          [&](int y, std::span<Rgb> row) {
+              std::vector<float> error(row.size());
+              luma_difference(pictures.photo.row(y), pictures.relit.row(y), error);
+              map_row(error, -options.error_range, options.error_range, ColourMap::diverging, mask(y), row);
+          }},
+         {"delta_e", [&](int y, std::span<Rgb> row) {
+              map_row(pictures.delta_e.row(y), 0, options.delta_e_range, ColourMap::sequential, mask(y), row);
+          }}}};
     const std::string stem = "pictures/" + picture_stem(pictures.index, pictures.result.name);
-    const auto write = [&](const char* what, const Image<Rgb>& picture) {
-        std::string path = fmt::format("{}_{}.jpg", stem, what);
-        write_picture_8bit(folder / path, shrunk(picture, options.picture_size));
-        return path;
-    };
-    const Image<float> error = luma_difference(pictures.photo, pictures.relit);
-    return {{"photo", write("photo", for_display(pictures.photo, pictures))},
-            {"relit", write("relit", for_display(pictures.relit, pictures))},
-            {"error", write("error", map_picture(error, -options.error_range, options.error_range,
-                                                 ColourMap::diverging, pictures.mask))},
-            {"delta_e", write("delta_e", map_picture(pictures.delta_e, 0, options.delta_e_range,
-                                                     ColourMap::sequential, pictures.mask))}};
+    const auto path = [&](const char* what) { return fmt::format("{}_{}.jpg", stem, what); };
+    parallel_for(0, static_cast<int>(drawn.size()), 1, [&](int begin, int end) {
+        for (int i = begin; i < end; ++i) {
+            const auto& [what, draw] = drawn[static_cast<std::size_t>(i)];
+            write_picture_8bit(folder / path(what), shrunk(width, height, options.picture_size, draw));
+        }
+    });
+    json paths;
+    for (const auto& [what, draw] : drawn) paths[what] = path(what);
+    return paths;
 }
 
 json write_maps(const fs::path& folder, const Surface& surface, const CompareOptions& options) {

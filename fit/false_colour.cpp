@@ -109,15 +109,20 @@ ValueRange robust_range(const Image<float>& values, const Mask& mask, double par
     return {lo, hi};
 }
 
+void map_row(std::span<const float> values, double lo, double hi, ColourMap map,
+             std::span<const unsigned char> mask, std::span<Rgb> row) {
+    for (std::size_t x = 0; x < row.size(); ++x)
+        row[x] = mask.empty() || mask[x] ? colour_at(map, (values[x] - lo) / (hi - lo)) : kNoValue;
+}
+
 Image<Rgb> map_picture(const Image<float>& values, double lo, double hi, ColourMap map, const Mask& mask) {
     TP_REQUIRE(hi > lo, "the range is not empty");
     TP_REQUIRE(mask.empty() || mask.region() == values.region(), "the mask has the size of the map");
-    Image<Rgb> picture(values.width(), values.height(), kNoValue);
+    Image<Rgb> picture(values.width(), values.height());
     parallel_for(0, values.height(), 32, [&](int begin, int end) {
         for (int y = begin; y < end; ++y)
-            for (int x = 0; x < values.width(); ++x)
-                if (mask.empty() || mask(x, y))
-                    picture(x, y) = colour_at(map, (values(x, y) - lo) / (hi - lo));
+            map_row(values.row(y), lo, hi, map, mask.empty() ? std::span<const unsigned char>() : mask.row(y),
+                    picture.row(y));
     });
     return picture;
 }
@@ -215,12 +220,46 @@ Image<Rgb> resized(const Image<Rgb>& picture, int width, int height) {
     return result;
 }
 
+Image<Rgb> shrunk(int width, int height, int longest, const PictureRow& draw) {
+    const int side = std::max(width, height);
+    const double scale = std::min(1.0, static_cast<double>(longest) / side);
+    const auto reduced = [&](int pixels) {
+        return std::max(1, static_cast<int>(std::lround(pixels * scale)));
+    };
+    Image<Rgb> result(reduced(width), reduced(height));
+    const double step_x = static_cast<double>(width) / result.width();
+    const double step_y = static_cast<double>(height) / result.height();
+    parallel_for(0, result.height(), 16, [&](int begin, int end) {
+        std::vector<Rgb> row(static_cast<std::size_t>(width)), sum(row.size());
+        for (int v = begin; v < end; ++v) {
+            std::fill(sum.begin(), sum.end(), Rgb(0));
+            const double top = v * step_y, bottom = std::min((v + 1) * step_y, static_cast<double>(height));
+            for (int y = static_cast<int>(top); y < bottom; ++y) {
+                draw(y, row);
+                const auto part =
+                    static_cast<float>((std::min(y + 1.0, bottom) - std::max<double>(y, top)) / step_y);
+                for (std::size_t x = 0; x < row.size(); ++x) sum[x] += part * row[x];
+            }
+            for (int u = 0; u < result.width(); ++u) {
+                const double left = u * step_x,
+                             right = std::min((u + 1) * step_x, static_cast<double>(width));
+                Rgb mean(0);
+                for (int x = static_cast<int>(left); x < right; ++x)
+                    mean +=
+                        static_cast<float>((std::min(x + 1.0, right) - std::max<double>(x, left)) / step_x) *
+                        sum[static_cast<std::size_t>(x)];
+                result(u, v) = mean;
+            }
+        }
+    });
+    return result;
+}
+
 Image<Rgb> shrunk(const Image<Rgb>& picture, int longest) {
-    const int side = std::max(picture.width(), picture.height());
-    if (side <= longest) return picture;
-    const double scale = static_cast<double>(longest) / side;
-    return resized(picture, std::max(1, static_cast<int>(std::lround(picture.width() * scale))),
-                   std::max(1, static_cast<int>(std::lround(picture.height() * scale))));
+    if (std::max(picture.width(), picture.height()) <= longest) return picture;
+    return shrunk(picture.width(), picture.height(), longest, [&](int y, std::span<Rgb> row) {
+        std::copy(picture.row(y).begin(), picture.row(y).end(), row.begin());
+    });
 }
 
 std::vector<MapPicture> map_pictures(const Surface& surface, int longest) {

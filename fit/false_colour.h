@@ -3,7 +3,9 @@
 // All pictures here are sRGB-encoded, 0..1, ready for write_picture_8bit().
 #pragma once
 
+#include <functional>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -38,6 +40,9 @@ ValueRange robust_range(const Image<float>& values, const Mask& mask = {}, doubl
 // out.
 Image<Rgb> map_picture(const Image<float>& values, double lo, double hi,
                        ColourMap map = ColourMap::sequential, const Mask& mask = {});
+// A row of it; an empty mask leaves nothing out.
+void map_row(std::span<const float> values, double lo, double hi, ColourMap map,
+             std::span<const unsigned char> mask, std::span<Rgb> row);
 
 // The usual picture of normals: 0.5 + 0.5 n, so that flat is (0.5, 0.5, 1).
 Image<Rgb> normal_picture(const Image<Vec3>& normal, const Mask& mask = {});
@@ -59,6 +64,10 @@ int text_width(std::string_view text, int size);
 Image<Rgb> resized(const Image<Rgb>& picture, int width, int height);
 // The same, no side longer than `longest`, proportions kept; the picture itself where it is small enough.
 Image<Rgb> shrunk(const Image<Rgb>& picture, int longest);
+// The same of a picture of width x height that is never there as a whole: draw(y, row) makes a row of it, on
+// any thread, some rows twice.
+using PictureRow = std::function<void(int y, std::span<Rgb> row)>;
+Image<Rgb> shrunk(int width, int height, int longest, const PictureRow& draw);
 
 // A map of a painting for people.
 struct MapPicture {

@@ -5,6 +5,9 @@
 // depend on the number of threads.
 #pragma once
 
+#include <optional>
+#include <span>
+
 #include "surface/colour.h"
 #include "surface/image.h"
 
@@ -25,6 +28,7 @@ double mean_difference(const Image<Rgb>& a, const Image<Rgb>& b, const Mask& mas
 
 // [1] luma of b minus luma of a, both clamped to [0, 1].
 Image<float> luma_difference(const Image<Rgb>& a, const Image<Rgb>& b);
+void luma_difference(std::span<const Rgb> a, std::span<const Rgb> b, std::span<float> difference);
 
 // [1] structural similarity -1..1 of each pixel's neighbourhood, on luma (Rec. 709 weights on the values as
 // they are). Wang, Bovik, Sheikh, Simoncelli 2004, eq. 13: Gaussian window of 11 x 11, sigma 1.5, K1 = 0.01,
@@ -35,6 +39,10 @@ Image<float> ssim_map(const Image<Rgb>& a, const Image<Rgb>& b, const Mask& mask
 // [1] mean of ssim_map over the pixels that count and whose window lies inside the picture, as in the
 // authors' program; over all that count where there are none such.
 double ssim(const Image<Rgb>& a, const Image<Rgb>& b, const Mask& mask = {});
+
+// [1] Pearson's correlation of both lumas, -1..1: near 0 where the pictures have nothing but their brightness
+// in common. Nothing where either hardly varies (standard deviation below 0.01), since then it tells nothing.
+std::optional<double> luma_correlation(const Image<Rgb>& a, const Image<Rgb>& b, const Mask& mask = {});
 
 // [1] CIEDE2000 of each pixel of two linear pictures, clamped to [0, 1], against the white D65.
 Image<float> delta_e_2000_map(const Image<Rgb>& a_linear, const Image<Rgb>& b_linear);

@@ -2,18 +2,19 @@
 
 #include <cmath>
 #include <numbers>
-#include <optional>
 
 #include "surface/anisotropy.h"
-#include "surface/cast_shadows.h"
 #include "surface/diffuse.h"
 #include "surface/parallel.h"
+#include "surface/relighter.h"
 
 namespace tangi {
 
 namespace {
 
 constexpr float kPi = std::numbers::pi_v<float>;
+constexpr int kManyLights =
+    4;  // the steepest horizons take a quarter of the time that marching for one light does
 
 }  // namespace
 
@@ -34,9 +35,8 @@ Rgb reflected(const Surface& s, int x, int y, const Vec3& light, const Vec3& vie
     return s.diffuse(x, y) * matt + gloss * s.lobe_colour(x, y);
 }
 
-namespace {
-
-Image<float> visibility(const CastShadows& shadows, const Surface& s, const Light& light) {
+Image<float> visibility(const Surface& s, const Light& light, double light_radius_deg) {
+    const CastShadows shadows(s.height_mm, s.mm_per_pixel, light_radius_deg);
     Image<float> visible(s.width(), s.height(), 1.0f);
     parallel_for(0, s.height(), 8, [&](int begin, int end) {
         for (int y = begin; y < end; ++y) {
@@ -49,10 +49,44 @@ Image<float> visibility(const CastShadows& shadows, const Surface& s, const Ligh
     return visible;
 }
 
-}  // namespace
+Relighter::Relighter(const Surface& s, const RelightOptions& options, int lights)
+    : surface_(s), options_(options) {
+    if (!options.cast_shadows) return;
+    shadows_ = std::make_unique<CastShadows>(s.height_mm, s.mm_per_pixel, options.light_radius_deg);
+    if (lights < kManyLights) return;
+    horizon_ = Image<float>(s.width(), s.height());
+    parallel_for(0, s.height(), 16, [&](int begin, int end) {
+        for (int y = begin; y < end; ++y)
+            for (int x = 0; x < s.width(); ++x) horizon_(x, y) = shadows_->steepest_horizon(x, y);
+    });
+}
 
-Image<float> visibility(const Surface& s, const Light& light, double light_radius_deg) {
-    return visibility(CastShadows(s.height_mm, s.mm_per_pixel, light_radius_deg), s, light);
+Relighter::~Relighter() = default;
+
+float Relighter::visible_part(int x, int y, const Vec3& l) const {
+    if (!horizon_.empty() && shadows_->clears(horizon_(x, y), std::sqrt(l.x * l.x + l.y * l.y), l.z))
+        return 1;
+    return shadows_->visible_part(x, y, l);
+}
+
+void Relighter::draw_row(const Light& light, int y, std::span<Rgb> row) const {
+    const float ambient = static_cast<float>(options_.ambient);
+    for (int x = 0; x < surface_.width(); ++x)
+        row[static_cast<std::size_t>(x)] = ambient * surface_.diffuse(x, y);
+    add_row(light, y, row);
+}
+
+void Relighter::add_row(const Light& light, int y, std::span<Rgb> row) const {
+    const Surface& s = surface_;
+    const Rig& rig = s.photography.rig;
+    for (int x = 0; x < s.width(); ++x) {
+        const Vec3 point = s.point_mm(x, y);
+        const Incidence in = incidence(light, point, rig);
+        Rgb direct = reflected(s, x, y, in.direction, view_direction(rig, point), options_.model);
+        // What the light does not meet needs no march.
+        if (shadows_ && direct != Rgb(0)) direct *= visible_part(x, y, in.direction);
+        row[static_cast<std::size_t>(x)] += in.irradiance * (direct + rig.ambient * s.diffuse(x, y));
+    }
 }
 
 Image<Rgb> relight(const Surface& s, std::span<const Light> lights, const RelightOptions& options,
@@ -63,24 +97,11 @@ Image<Rgb> relight(const Surface& s, std::span<const Light> lights, const Religh
     const float ambient = static_cast<float>(options.ambient);
     for (std::size_t i = 0; i < picture.size(); ++i) picture.pixels()[i] = ambient * s.diffuse.pixels()[i];
 
-    const Rig& rig = s.photography.rig;
-    std::optional<CastShadows> shadows;
-    if (options.cast_shadows) shadows.emplace(s.height_mm, s.mm_per_pixel, options.light_radius_deg);
+    const Relighter relighter(s, options, static_cast<int>(lights.size()));
     int done = 0;
     for (const Light& light : lights) {
-        const Image<float> visible = shadows ? visibility(*shadows, s, light) : Image<float>();
         parallel_for(0, s.height(), 16, [&](int begin, int end) {
-            for (int y = begin; y < end; ++y) {
-                for (int x = 0; x < s.width(); ++x) {
-                    const Vec3 point = s.point_mm(x, y);
-                    const Incidence in = incidence(light, point, rig);
-                    const float seen = visible.empty() ? 1.0f : visible(x, y);
-                    picture(x, y) +=
-                        in.irradiance *
-                        (seen * reflected(s, x, y, in.direction, view_direction(rig, point), options.model) +
-                         rig.ambient * s.diffuse(x, y));
-                }
-            }
+            for (int y = begin; y < end; ++y) relighter.add_row(light, y, picture.row(y));
         });
         report(progress, "relight", ++done / static_cast<double>(lights.size()));
     }

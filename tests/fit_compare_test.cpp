@@ -185,6 +185,24 @@ TEST(Compare, NeedsAPaintingThatComesFromPhotographsAndWasMeasured) {
     EXPECT_THAT(error_of([&] { compare(blank, stack); }), HasSubstr("was measured nowhere"));
 }
 
+TEST(Compare, WarnsOfPhotographsOfAnotherPainting) {
+    const TestDir folder;
+    const Surface surface = example_surface();
+    write_photographs(folder.path(), surface);
+    EXPECT_THAT(compare(surface, open_stack(folder.path())).warnings,
+                testing::Not(testing::Contains(HasSubstr("another"))));
+    Surface other = surface;  // a quarter of a wave along both axes, other colours
+    for (int y = 0; y < kHeight; ++y)
+        for (int x = 0; x < kWidth; ++x) {
+            const float u = static_cast<float>(x) * 0.37f, v = static_cast<float>(y) * 0.23f;
+            other.height_mm(x, y) = 0.4f * std::cos(u) * std::sin(v);
+            other.diffuse(x, y) = Rgb(0.5f + 0.3f * std::cos(1.3f * u), 0.5f, 0.5f);
+        }
+    other.normal = normals_of(other.height_mm, 1);
+    EXPECT_THAT(compare(other, open_stack(folder.path())).warnings,
+                testing::Contains(HasSubstr("another painting")));
+}
+
 TEST(Compare, StopsWhenAsked) {
     const TestDir folder;
     const Surface surface = example_surface();

@@ -78,6 +78,24 @@ TEST(MeanDifference, IsSigned) {
     EXPECT_NEAR(luma_difference(a, b)(2, 2), -0.1, 1e-6);
 }
 
+TEST(LumaCorrelation, IsTheSignOfALinearDependenceAndNothingOfAFlatPicture) {
+    Image<Rgb> ramp(40, 30), opposite(40, 30), other(40, 30);
+    for (int y = 0; y < 30; ++y)
+        for (int x = 0; x < 40; ++x) {
+            const float u = static_cast<float>(x) / 39, v = static_cast<float>(y) / 29;
+            ramp(x, y) = Rgb(0.2f + 0.5f * u), opposite(x, y) = Rgb(0.9f - 0.3f * u), other(x, y) = Rgb(v);
+        }
+    EXPECT_NEAR(luma_correlation(ramp, ramp).value(), 1, 1e-6);
+    EXPECT_NEAR(luma_correlation(ramp, opposite).value(), -1, 1e-6);
+    EXPECT_NEAR(luma_correlation(ramp, other).value(), 0, 1e-6);
+    EXPECT_FALSE(luma_correlation(ramp, Image<Rgb>(40, 30, Rgb(0.5f))).has_value());
+    Mask half(40, 30, 1);  // what is masked away would turn the sign
+    for (int y = 0; y < 30; ++y)
+        for (int x = 20; x < 40; ++x)
+            half(x, y) = 0, opposite(x, y) = Rgb(0.5f + 0.5f * static_cast<float>(x) / 39);
+    EXPECT_NEAR(luma_correlation(ramp, opposite, half).value(), -1, 1e-6);
+}
+
 TEST(Ssim, IsOneForEqualPicturesAndSymmetric) {
     const Image<Rgb> a = blotches(40, 30, 1), b = blotches(40, 30, 2);
     EXPECT_NEAR(ssim(a, a), 1, 1e-6);

@@ -1,0 +1,34 @@
+// relighter.h: the reference renderer of relight.h, a row at a time.
+#pragma once
+
+#include <memory>
+#include <span>
+
+#include "surface/cast_shadows.h"
+#include "surface/relight.h"
+
+namespace tangi {
+
+// The picture of relight() row by row, for who draws a surface under many lights: what shadows need of the
+// heights is reckoned once. Keeps a reference to the surface.
+class Relighter {
+public:
+    // `lights`: how many there will be. For many, the steepest horizon of each pixel is kept (4 bytes each).
+    Relighter(const Surface& surface, const RelightOptions& options, int lights = 1);
+    ~Relighter();
+
+    // One light in a row of the picture, instead of what was there (ambient light of the options included).
+    void draw_row(const Light& light, int y, std::span<Rgb> row) const;
+    // One more light.
+    void add_row(const Light& light, int y, std::span<Rgb> row) const;
+
+private:
+    float visible_part(int x, int y, const Vec3& direction) const;
+
+    const Surface& surface_;
+    RelightOptions options_;
+    std::unique_ptr<CastShadows> shadows_;  // where there are to be any
+    Image<float> horizon_;                  // [1] CastShadows::steepest_horizon(); may be empty
+};
+
+}  // namespace tangi
