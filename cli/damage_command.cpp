@@ -7,6 +7,7 @@
 #include "cli/treatment_arguments.h"
 #include "paint/retouch/area_suggestion.h"
 #include "paint/retouch/mask_draft.h"
+#include "paint/retouch/treatment_area.h"
 #include "paint/retouch/treatment_picture.h"
 #include "surface/error.h"
 #include "surface/painting_file.h"
@@ -17,6 +18,8 @@ namespace tangi {
 namespace fs = std::filesystem;
 
 namespace {
+
+constexpr double kWorthALook = 0.1;  // [1] an area of less confidence is not spoken of
 
 struct DamageArguments {
     std::string painting, treatment, suggest, as, edit = "add", wand, legend;
@@ -58,8 +61,8 @@ nlohmann::json suggest(Treatment& treatment, const DamageArguments& a, const Pro
         step.masks[name] = s.mask;
         step.masks[name + ".confidence"] = s.confidence;
         const MaskArea area = area_of(s.mask, mm);
-        step.results[name] = {
-            {"count", area.regions}, {"area_cm2", area.mm2 / 100}, {"percent", area.percent}};
+        step.results[name] = area_of_step(treatment, area.mm2);
+        step.results[name]["count"] = area.regions, step.results[name]["percent"] = area.percent;
     };
     if (a.suggest == "loss") {
         const std::string name = a.as.empty() ? "loss_to_ground" : a.as;
@@ -75,7 +78,7 @@ nlohmann::json suggest(Treatment& treatment, const DamageArguments& a, const Pro
         step.parameters["options"] = to_json(a.areas);
         keep(a.as.empty() ? a.suggest : a.as, areas);
         step.results["areas"] = to_json(areas.areas);
-        if (areas.areas.empty() && areas.surest > 0)
+        if (areas.areas.empty() && areas.surest >= kWorthALook)
             step.results["less_sure"] = fmt::format(
                 "nothing that is sure enough; the surest area has {:.2f}: --area-confidence {:.2f} suggests "
                 "it",
@@ -131,7 +134,7 @@ void draw(Treatment& treatment, const DamageArguments& a, const Progress& progre
                        .inputs = drawn.inputs()};
     if (!a.wand.empty()) step.parameters["wand_mm"] = a.wand, step.parameters["tolerance"] = a.tolerance;
     step.masks[name] = after;
-    step.results[name] = {{"area_cm2", area_of(after, treatment.mm_per_pixel()).mm2 / 100}};
+    step.results[name] = area_of_step(treatment, area_of(after, treatment.mm_per_pixel()).mm2);
     treatment.record(step, a.author.author(), progress);
 }
 

@@ -25,8 +25,10 @@ nlohmann::json run_fill(const FillArguments& a) {
     Treatment treatment = open_treatment(a.treatment);
     const StepArea area = a.area.step_area(treatment);
     Canvas canvas = treatment.read_canvas(progress);
-    return fill_step(treatment, canvas, area, *texture, Rgb(rgb[0], rgb[1], rgb[2]), a.fill,
-                     a.author.author(), progress);
+    nlohmann::json result = fill_step(treatment, canvas, area, *texture, Rgb(rgb[0], rgb[1], rgb[2]), a.fill,
+                                      a.author.author(), progress);
+    if (result.contains("warnings")) told(result["warnings"].get<std::vector<std::string>>());
+    return result;
 }
 
 struct VarnishArguments {

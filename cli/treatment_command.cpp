@@ -21,6 +21,7 @@ namespace {
 struct TreatmentArguments {
     std::string action, folder, painting, strokes, palette, layer, state = "varnished",
                                                                    light = "0.35,0.35,0.87", out;
+    std::string published_at;
     bool all = false;
     double feather_mm = 0;
     std::optional<double> mm_per_pixel;
@@ -141,6 +142,16 @@ json show_additions(const Treatment& treatment, const TreatmentArguments& a, con
     return {{"picture", a.out}, {"on_original", layers}};
 }
 
+// Where files are published, with the stroke that their names follow.
+std::string address_of(std::string url) {
+    if (url.empty()) return url;
+    if (url.rfind("https://", 0) != 0 && url.rfind("http://", 0) != 0)
+        throw UsageError(
+            fmt::format("--published-at {}: give the address of a folder: https://museum.example/42/", url));
+    if (!url.ends_with('/')) url += '/';
+    return url;
+}
+
 json run_treatment(const TreatmentArguments& a) {
     const Progress progress = console_progress();
     if (a.action == "begin") {
@@ -150,6 +161,7 @@ json run_treatment(const TreatmentArguments& a) {
     const bool writes = a.action == "show" || a.action == "additions" || a.action == "report";
     if (writes) require(a.out, "--out FILE", a.action);
     if (writes && a.action != "report") require_picture_format(a.out);
+    address_of(a.published_at);
     if (a.action == "report" && lower_extension(a.out) != ".html" && lower_extension(a.out) != ".pdf")
         throw UsageError(fmt::format("--out {}: a report is written as .html and .pdf, side by side", a.out));
     Treatment treatment = open_treatment(a.folder);
@@ -167,7 +179,8 @@ json run_treatment(const TreatmentArguments& a) {
     if (a.action == "show") return show(treatment, a, progress);
     if (a.action == "additions") return show_additions(treatment, a, progress);
     json files = json::array();
-    for (const fs::path& file : write_treatment_report(treatment, a.out, a.author.author().tool, progress))
+    for (const fs::path& file : write_treatment_report(treatment, a.out, a.author.author().tool, progress,
+                                                       address_of(a.published_at)))
         files.push_back(file.string());
     return {{"files", files}, {"log_head", treatment.log().head()}};
 }
@@ -210,6 +223,9 @@ Command treatment_command() {
             flags.option("--light", a->light, "show: direction to the light, X,Y,Z").show_default();
             flags.option("--out", a->out,
                          "show, additions: picture; report: page (.html), with a .pdf beside it");
+            flags.option("--published-at", a->published_at,
+                         "report: address (https://…/) that its files will have, for the IIIF manifest and "
+                         "the annotations");
             a->author.add_to(flags);
             return [a] { return run_treatment(*a); };
         }};

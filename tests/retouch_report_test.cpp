@@ -173,26 +173,37 @@ TEST_F(Report, IsNotMadeOfATreatmentThatWasTamperedWith) {
 
 TEST_F(Report, DamageIsOnAnIiifCanvasAsWebAnnotations) {
     const Treatment treatment = Treatment::open(folder());
-    const nlohmann::json page = web_annotations(treatment, "picture.jpg");
+    const nlohmann::json page = web_annotations(treatment, "my report");
     ASSERT_EQ(page.at("items").size(), 1u);
     const nlohmann::json& item = page["items"][0];
     EXPECT_EQ(item["type"], "Annotation");
-    EXPECT_EQ(item["target"]["source"], "picture.jpg");
+    EXPECT_EQ(item["target"]["source"], "my%20report.picture.jpg");
     EXPECT_EQ(item["target"]["selector"]["type"], "SvgSelector");
     EXPECT_EQ(item["body"][0]["value"], "loss to ground");
     EXPECT_THAT(item["target"]["selector"]["value"].get<std::string>(),
                 AllOf(HasSubstr("<svg xmlns"), HasSubstr("30.0"), HasSubstr("60.0")));
 
-    const nlohmann::json manifest = iiif_manifest(treatment, "picture.jpg");
+    const nlohmann::json manifest = iiif_manifest(treatment, "my report");
     EXPECT_EQ(manifest["@context"], "http://iiif.io/api/presentation/3/context.json");
     EXPECT_TRUE(manifest["label"]["en"].is_array());
     ASSERT_EQ(manifest["items"].size(), 1u);
     const nlohmann::json& canvas = manifest["items"][0];
     EXPECT_EQ(canvas["width"], 90);
-    EXPECT_EQ(canvas["items"][0]["items"][0]["body"]["id"], "picture.jpg");
+    EXPECT_EQ(canvas["items"][0]["items"][0]["body"]["id"], "my%20report.picture.jpg");
     EXPECT_EQ(canvas["items"][0]["items"][0]["target"], canvas["id"]);
     EXPECT_EQ(canvas["annotations"][0]["type"], "AnnotationPage");
     EXPECT_EQ(canvas["annotations"][0]["items"][0]["target"]["source"]["id"], canvas["id"]);
+    EXPECT_EQ(manifest["metadata"][0]["value"]["none"][0], "p.exr");
+
+    // Published, all are addresses (IIIF Presentation 3.0, 3.2: identifiers are HTTP(S) URIs).
+    const std::string there = "https://museum.example/42/";
+    const nlohmann::json published = iiif_manifest(treatment, "r", there);
+    EXPECT_EQ(published["id"], there + "r.manifest.json");
+    const nlohmann::json& shown = published["items"][0];
+    EXPECT_EQ(shown["items"][0]["items"][0]["body"]["id"], there + "r.picture.jpg");
+    EXPECT_EQ(published.dump().find("urn:"), std::string::npos);
+    EXPECT_EQ(web_annotations(treatment, "r", there)["items"][0]["target"]["source"],
+              there + "r.picture.jpg");
 }
 
 TEST_F(Report, PicturesShowDamageAndAdditions) {

@@ -8,6 +8,7 @@
 
 #include "paint/canvas_file.h"
 #include "paint/retouch/sha256.h"
+#include "paint/retouch/treatment_area.h"
 #include "paint/retouch/treatment_steps.h"
 #include "surface/atomic_file.h"
 #include "surface/error.h"
@@ -325,6 +326,46 @@ TEST_F(TreatmentFolder, ABeginningThatACrashCameIntoIsBegunAgain) {
     std::filesystem::remove(folder() / "log.jsonl");
     EXPECT_THAT(begin().check(), IsEmpty());
     EXPECT_THAT(Treatment::open(folder()).log().warnings(), IsEmpty());
+}
+
+TEST_F(TreatmentFolder, WithoutAScaleNoAreaIsStated) {
+    auto surface = flat_surface(60, 40);
+    surface->scale_known = false, surface->mm_per_pixel = 1;
+    write_painting(dir_ / "unscaled.exr", *surface);
+    Treatment treatment = Treatment::begin(dir_ / "unscaled", dir_ / "unscaled.exr", kAuthor);
+    Mask stain(60, 40);
+    for (int x = 10; x < 30; ++x) stain(x, 20) = 1;
+    const nlohmann::json drawn = draw_step(treatment, DamageClass::stain, stain, {}, kAuthor);
+    EXPECT_EQ(drawn["stain"], (nlohmann::json{{"area_px", 20.0}}));
+    const nlohmann::json row = damage_table(treatment)[0];
+    EXPECT_FALSE(row.contains("area_cm2"));
+    EXPECT_EQ(row["area_px"], 20);
+    EXPECT_EQ(area_in_words(row), "20 pixels");
+}
+
+TEST_F(TreatmentFolder, AFillThatHasNothingToFillIsNone) {
+    Treatment treatment = begin();
+    Canvas canvas = treatment.read_canvas();
+    StepArea area{Mask(100, 70), {}};
+    for (int y = 30; y < 40; ++y)
+        for (int x = 30; x < 40; ++x) area.mask(x, y) = 1;
+    EXPECT_THAT(
+        [&] {
+            fill_step(treatment, canvas, area, FillTexture::smooth, Rgb(0.8f), {.offset_mm = -1}, kAuthor);
+        },
+        ThrowsMessage<Error>(AllOf(HasSubstr("nothing to fill"), HasSubstr("--offset-mm"))));
+    EXPECT_TRUE(Treatment::open(folder()).layers().empty());
+    // In part: said, and done.
+    Surface half = canvas.dry();
+    for (int y = 30; y < 40; ++y)
+        for (int x = 30; x < 35; ++x) half.height_mm(x, y) = -0.5f;
+    for (int y = 30; y < 40; ++y)
+        for (int x = 35; x < 40; ++x) half.height_mm(x, y) = 0.5f;
+    write_painting(dir_ / "half.exr", half);
+    Treatment other = Treatment::begin(dir_ / "half", dir_ / "half.exr", kAuthor);
+    Canvas lower = other.read_canvas();
+    const nlohmann::json filled = fill_step(other, lower, area, FillTexture::smooth, Rgb(0.8f), {}, kAuthor);
+    EXPECT_THAT(filled["warnings"][0].get<std::string>(), HasSubstr("lies above the fill's level already"));
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "paint/retouch/treatment_area.h"
 #include "surface/atomic_file.h"
 #include "surface/error.h"
 
@@ -325,8 +326,8 @@ std::string TreatmentDesk::kept(Held& held, Keeping& keeping, Canvas& canvas, co
         retouch_step(treatment, canvas, area, std::move(step), treatment.painting().string(), who);
     keeping.done = true;
     const json& last = result["retouches"].back();
-    return fmt::format("in the log: {}, {:.2f} cm2, {} pixels on original", last["layer"].get<std::string>(),
-                       last["area_cm2"].get<double>(), last["on_original"]["pixels"].get<int>());
+    return fmt::format("in the log: {}, {}, {} pixels on original", last["layer"].get<std::string>(),
+                       area_in_words(last), last["on_original"]["pixels"].get<int>());
 }
 
 std::string TreatmentDesk::no_strokes() const {

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "paint/retouch/treatment_area.h"
 #include "surface/error.h"
 #include "viewer/treatment_desk.h"
 
@@ -312,12 +313,13 @@ void TreatmentDesk::accept() {
                                       {"options", suggested_->options},
                                       {"threshold", shown.threshold}},
                        .results = suggested_->results};
+    const bool known = state_.treating.scale_known;
     const auto keep = [&](const std::string& name, const Mask& mask, const Image<float>& confidence) {
         const MaskArea area = area_of(mask, suggested_->mm_per_pixel);
         step.masks[name] = mask;
         step.masks[name + ".confidence"] = confidence;
-        step.results[name] = {
-            {"count", area.regions}, {"area_cm2", area.mm2 / 100}, {"percent", area.percent}};
+        step.results[name] = area_of_step(area.mm2, suggested_->mm_per_pixel, known);
+        step.results[name]["count"] = area.regions, step.results[name]["percent"] = area.percent;
     };
     keep(std::string(name_of(shown.as)), sure_enough(), suggested_->best.confidence);
     for (const auto& [name, further] : suggested_->further) keep(name, further.mask, further.confidence);

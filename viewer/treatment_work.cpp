@@ -5,6 +5,7 @@
 
 #include "paint/appearance_part.h"
 #include "paint/retouch/recipe_json.h"
+#include "paint/retouch/treatment_area.h"
 #include "paint/retouch/treatment_picture.h"
 #include "paint/retouch/treatment_report.h"
 #include "surface/error.h"
@@ -181,9 +182,10 @@ void TreatmentDesk::fill() {
         const json result = fill_step(treatment, canvas, area_of_classes(treatment, where), texture, colour,
                                       options, who, progress);
         return fmt::format(
-            "in the log: {}, {:.2f} cm2, {:.2f} mm at its deepest; step at its border {:.3f} mm rms",
-            result["layer"].get<std::string>(), result["area_cm2"].get<double>(),
-            result["deepest_mm"].get<double>(), result["border_rms_mm"].get<double>());
+            "in the log: {}, {}, {:.2f} mm at its deepest; step at its border {:.3f} mm rms{}",
+            result["layer"].get<std::string>(), area_in_words(result), result["deepest_mm"].get<double>(),
+            result["border_rms_mm"].get<double>(),
+            result.contains("warnings") ? "; " + result["warnings"][0].get<std::string>() : "");
     });
 }
 
@@ -195,8 +197,8 @@ void TreatmentDesk::varnish(bool isolating) {
              const StepArea area = area_of_classes(treatment, where);
              const json result = varnish_step(treatment, canvas, isolating, isolating ? &area : nullptr,
                                               options, who, progress);
-             return fmt::format("in the log: {}, {:.2f} cm2", result["layer"].get<std::string>(),
-                                result["area_cm2"].get<double>());
+             return fmt::format("in the log: {}, {}", result["layer"].get<std::string>(),
+                                area_in_words(result));
          });
 }
 

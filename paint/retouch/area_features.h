@@ -37,7 +37,8 @@ struct AreaFeatures {
 
     const cv::Mat& of(Cue cue) const { return maps[static_cast<std::size_t>(cue)]; }
 };
-// Blocks as large as needed for at most `most_px` of them along the longer side.
+// Blocks as large as needed for at most `most_px` of them along the longer side. `wear` is told by squares of
+// at most some threads' width, however large the blocks are, where the surface's scale is known.
 AreaFeatures area_features_of(const Surface& surface, double unit_mm, int most_px, const Progress& progress);
 
 // [1] How likely a difference of gloss (both logarithms together) is within one paint: 1 where there is none.

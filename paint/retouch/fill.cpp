@@ -324,6 +324,7 @@ FillReport lay_fill(Canvas& canvas, const std::string& name, const Mask& loss, c
                 if (regions.number(x, y) != static_cast<int>(i) + 1) continue;
                 const float level = patches[i].level_mm(x - patches[i].box.x0, y - patches[i].box.y0);
                 const float wanted = level + static_cast<float>(options.offset_mm) - relief(x, y);
+                ++result.pixels;
                 result.not_reached += wanted < 0 ? 1 : 0;
                 thickness(x, y) = std::max(wanted, 0.0f);
                 filled(x, y) += thickness(x, y);

@@ -51,7 +51,7 @@ struct FillOptions {
 struct FillReport {
     double area_mm2 = 0, volume_mm3 = 0, deepest_mm = 0;
     double border_rms_mm = 0;  // of the step from the fill's edge to the surroundings past the rim
-    int regions = 0;
+    int regions = 0, pixels = 0;
     int not_reached = 0;  // pixels of the mask that lie above the fill's level already: left as they are
 };
 

@@ -23,6 +23,7 @@ double glossier(const Gloss& a, const Gloss& b);
 // What brings paint to a gloss. How much of an agent that takes, nobody can tell without a trial on a card.
 enum class GlossRemedy { none, matting_agent, varnish };
 std::string_view name_of(GlossRemedy remedy);
-GlossRemedy remedy_for(const Gloss& paint, const Gloss& wanted, double tolerance = 0.05);
+inline constexpr double kGlossTolerance = 0.05;  // that is hardly seen
+GlossRemedy remedy_for(const Gloss& paint, const Gloss& wanted, double tolerance = kGlossTolerance);
 
 }  // namespace tangi

@@ -130,8 +130,7 @@ LineColours line_colours(const Image<int>& owner, const Mask& mask, const Image<
         ++(owner.pixels()[i] < 0 ? bare : painted);
         count = std::max(count, owner.pixels()[i] + 1);
     }
-    if (painted == 0)
-        fail("retouch: no line lies in the mask, which is narrower than --pitch-mm; give a finer one");
+    if (painted == 0) fail("no line lies in the mask, which is narrower than --pitch-mm; give a finer one");
     const double bare_share = bare / static_cast<double>(bare + painted);
 
     // Pure colours of each group.

@@ -2,7 +2,10 @@
 // only.
 #pragma once
 
+#include <vector>
+
 #include "paint/canvas.h"
+#include "paint/retouch/gloss.h"
 #include "paint/retouch/modes.h"
 #include "paint/spectrum.h"
 
@@ -15,6 +18,11 @@ struct Loss {
     Image<Rgb> target;  // what the surroundings go on as, where the mask is above 0
     Spectrum below{};   // mean inside
     double mm_per_pixel = 1;
+
+    // The few glosses that are beside the parts of the loss, and the number of its own at each pixel of the
+    // mask. A part beside which nothing was measured has the first.
+    std::vector<Gloss> glosses;
+    Image<unsigned char> gloss;
 };
 
 // Memory is that of the region, for two colours and a mask a pixel. Throws Error where the mask is empty, or

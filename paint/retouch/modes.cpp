@@ -76,12 +76,17 @@ public:
     Layer(Canvas& canvas, const Palette& palette)
         : canvas_(canvas), palette_(palette), paint_(canvas.width(), canvas.height()) {}
 
-    void put(int x, int y, const Colour& colour, float thickness_mm) {
+    // `gloss` is what the paints are brought to; `number` tells it from others; none: they keep their own.
+    void put(int x, int y, const Colour& colour, float thickness_mm, const Gloss* gloss, int number) {
         constexpr int size = PaintTile::kSize;
         PaintTile& tile = paint_.writable({x / size, y / size});
         for (const auto& [paint, volume] : colour.volumes) {
-            const auto [at, added] = ids_.try_emplace(paint, IngredientId(0));
-            if (added) at->second = canvas_.add(palette_.paints[static_cast<std::size_t>(paint)]);
+            const auto [at, added] = ids_.try_emplace({paint, number}, IngredientId(0));
+            if (added) {
+                PaintFinish finish;
+                if (gloss) finish.specular = gloss->specular, finish.roughness = gloss->roughness;
+                at->second = canvas_.add(finished(palette_.paints[static_cast<std::size_t>(paint)], finish));
+            }
             tile.writable_plane(at->second)[static_cast<std::size_t>((y % size) * size + x % size)] +=
                 volume * thickness_mm;
         }
@@ -92,7 +97,7 @@ private:
     Canvas& canvas_;
     const Palette& palette_;
     PaintLayer paint_;
-    std::map<int, IngredientId> ids_;
+    std::map<std::pair<int, int>, IngredientId> ids_;  // by paint and gloss
 };
 
 std::vector<Rgb> targets_inside(const Loss& loss) {
@@ -185,12 +190,11 @@ MarkGeometry geometry_of(const Loss& loss, const RetouchOptions& options) {
     g.seed = static_cast<std::uint64_t>(options.seed);
     if (g.width_px < 1 || g.pitch_px < 2)
         fail(
-            "retouch: lines {} mm wide, {} mm apart, are finer than the painting's pixels of {:.3g} mm; give "
+            "lines {} mm wide, {} mm apart, are finer than the painting's pixels of {:.3g} mm; give "
             "--width-mm {:.3g} and --pitch-mm {:.3g} at least",
             options.width_mm, options.pitch_mm, loss.mm_per_pixel, loss.mm_per_pixel, 2 * loss.mm_per_pixel);
     if (g.width_px > g.pitch_px)
-        fail("retouch: lines of {} mm do not fit side by side at --pitch-mm {}", options.width_mm,
-             options.pitch_mm);
+        fail("lines of {} mm do not fit side by side at --pitch-mm {}", options.width_mm, options.pitch_mm);
     return g;
 }
 
@@ -208,6 +212,16 @@ std::vector<Mark> marks_of(RetouchMode mode, const Loss& loss, const MarkGeometr
             return crossed_marks(loss.mask, g);
         default:
             return dots(loss.mask, g);
+    }
+}
+
+// The paints' own gloss counts by volume; divided by the area in the end.
+void add_to(RetouchGloss& gloss, const Colour& colour, const Palette& palette, double painted_mm2) {
+    gloss.area_mm2 += painted_mm2;
+    for (const auto& [paint, volume] : colour.volumes) {
+        const Pigment& p = palette.paints[static_cast<std::size_t>(paint)];
+        gloss.of_paint.specular += painted_mm2 * static_cast<double>(volume * p.specular);
+        gloss.of_paint.roughness += painted_mm2 * static_cast<double>(volume * p.roughness);
     }
 }
 
@@ -284,6 +298,7 @@ RetouchReport lay_retouch(Canvas& canvas, const Palette& palette, const Mask& ma
     const int cell =
         lines ? static_cast<int>(kFusedPitches * std::round(result.pitch_mm / loss.mm_per_pixel)) : 1;
     FusedDifference difference(loss.mask, cell);
+    for (const Gloss& wanted : loss.glosses) result.glosses.push_back({wanted, {0, 0, 0}, 0});
     for (int y = 0; y < loss.mask.height(); ++y)
         for (int x = 0; x < loss.mask.width(); ++x) {
             const float covered = loss.mask(x, y);
@@ -293,9 +308,14 @@ RetouchReport lay_retouch(Canvas& canvas, const Palette& palette, const Mask& ma
             const float part = lines ? 1.0f : covered;
             if (number >= 0) {
                 const Colour& colour = colours[static_cast<std::size_t>(number)];
+                const double painted_mm2 = pixel_mm2 * static_cast<double>(part);
+                RetouchGloss* const gloss =
+                    loss.glosses.empty() ? nullptr : &result.glosses[loss.gloss(x, y)];
                 laid.put(x + loss.region.x0, y + loss.region.y0, colour,
-                         part * static_cast<float>(options.thickness_mm));
-                result.painted_mm2 += pixel_mm2 * static_cast<double>(part);
+                         part * static_cast<float>(options.thickness_mm), gloss ? &gloss->wanted : nullptr,
+                         gloss ? loss.gloss(x, y) : 0);
+                result.painted_mm2 += painted_mm2;
+                if (gloss) add_to(*gloss, colour, palette, painted_mm2);
                 for (const auto& [pile, share] : colour.piles) {
                     Pile& p = result.piles[static_cast<std::size_t>(pile)];
                     p.share += pixel_mm2 * static_cast<double>(part * share);
@@ -309,6 +329,11 @@ RetouchReport lay_retouch(Canvas& canvas, const Palette& palette, const Mask& ma
     for (Pile& p : result.piles) {
         p.volume_mm3 = p.share * options.thickness_mm;
         p.share /= std::max(result.painted_mm2, 1e-12);
+    }
+    for (RetouchGloss& gloss : result.glosses) {
+        const double part = 1 / std::max(gloss.area_mm2, 1e-12);
+        gloss.of_paint.specular *= part, gloss.of_paint.roughness *= part;
+        gloss.of_paint.luminance = gloss.wanted.luminance;
     }
     result.delta_e_mean = difference.means();
     result.target = std::move(loss.target);

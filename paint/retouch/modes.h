@@ -16,6 +16,7 @@
 
 #include "paint/canvas.h"
 #include "paint/palette.h"
+#include "paint/retouch/gloss.h"
 #include "paint/retouch/marks.h"
 #include "paint/retouch/recipe.h"
 #include "paint/retouch/surroundings.h"
@@ -33,6 +34,7 @@ struct RetouchOptions {
     int piles = 6;
     double neutral_chroma = 0.4, neutral_lightness = -3;
     bool bare_gaps = false;
+    bool own_gloss = false;
     int seed = 1;
     Inpainting inpainting = Inpainting::membrane;
     AnnulusOptions annulus;
@@ -55,6 +57,9 @@ struct RetouchOptions {
             FieldInfo{"bare_gaps", 0, 1, "",
                       "leave what is between lines or dots as it is, instead of in the surroundings' colour"},
             self.bare_gaps);
+        visit(FieldInfo{"own_gloss", 0, 1, "",
+                        "leave the paints their own gloss, instead of bringing them to that beside the loss"},
+              self.own_gloss);
         visit(FieldInfo{"seed", 0, 1e9, "1", "another number gives other lines and dots"}, self.seed);
     }
 };
@@ -69,8 +74,16 @@ struct Pile {
     double volume_mm3 = 0;
 };
 
+// A gloss that the paints are brought to, as with a matting agent or a varnish.
+struct RetouchGloss {
+    Gloss wanted;    // beside the loss
+    Gloss of_paint;  // of the paints by themselves, by volume
+    double area_mm2 = 0;
+};
+
 struct RetouchReport {
     std::vector<Pile> piles;
+    std::vector<RetouchGloss> glosses;     // none where the paints keep their own
     double painted_mm2 = 0, area_mm2 = 0;  // of paint, and of the mask
     int marks = 0;
     double pitch_mm = 0, width_mm = 0;  // as laid: whole pixels
@@ -82,7 +95,8 @@ struct RetouchReport {
 };
 
 // Lays a retouch as a new dried layer on top, named `layer`. Paint lies where `mask` is above 0, as much
-// thinner as coverage is below 1 (lines and dots: where it is 1/2 and more); nowhere else. `damaged`, which
+// thinner as coverage is below 1 (lines and dots: where it is 1/2 and more; on a fill, not thinner there);
+// nowhere else. Each connected part has the gloss of its surroundings. `damaged`, which
 // may be empty, is not taken for surroundings. The original's spectrum is unknown: that of spectrum.h for its
 // colour stands for it. Throws Error where the mask is empty, marks are finer than the painting's pixels, or
 // options are outside of their intervals; Cancelled.

@@ -114,6 +114,13 @@ void Pdf::rectangle(double x_mm, double y_mm, double width_mm, double height_mm,
     cairo_fill(drawing_.get());
 }
 
+void Pdf::patch(double x_mm, double y_mm, double width_mm, double height_mm, const Rgb& srgb) {
+    cairo_set_source_rgb(drawing_.get(), static_cast<double>(srgb.r), static_cast<double>(srgb.g),
+                         static_cast<double>(srgb.b));
+    cairo_rectangle(drawing_.get(), x_mm, y_mm, width_mm, height_mm);
+    cairo_fill(drawing_.get());
+}
+
 void Pdf::frame(double x_mm, double y_mm, double width_mm, double height_mm, double line_mm, double grey) {
     ink(grey);
     cairo_set_line_width(drawing_.get(), line_mm);

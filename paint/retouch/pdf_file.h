@@ -52,6 +52,7 @@ public:
                  double grey = kInk);
 
     void rectangle(double x_mm, double y_mm, double width_mm, double height_mm, double grey);
+    void patch(double x_mm, double y_mm, double width_mm, double height_mm, const Rgb& srgb);
     void frame(double x_mm, double y_mm, double width_mm, double height_mm, double line_mm, double grey);
     void circle(double x_mm, double y_mm, double radius_mm, double line_mm, double grey);
     void disc(double x_mm, double y_mm, double radius_mm, double grey);

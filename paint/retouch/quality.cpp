@@ -106,7 +106,7 @@ Cut cut_of(const Canvas& canvas, const MaskRegions& numbers, const Outline& plac
     for (float& f : cut.hole.pixels()) known += f, f = 1 - f;
     if (!(known > 0))
         fail(
-            "quality: nothing measured and undamaged lies beside the retouch at x {}, y {}; give a wider "
+            "nothing measured and undamaged lies beside the retouch at x {}, y {}; give a wider "
             "--annulus-mm",
             box.x0, box.y0);
     return cut;
@@ -342,7 +342,7 @@ QualityReport quality_of(const Canvas& canvas, const Mask& mask, const Mask& dam
     TP_REQUIRE(mask.region() == canvas.region(), "the mask is the painting's");
     TP_REQUIRE(damaged.empty() || damaged.region() == mask.region(), "the mask is the painting's");
     const MaskRegions numbers = regions_of(mask);
-    if (numbers.regions.empty()) fail("quality: the mask is empty; give that of the retouch");
+    if (numbers.regions.empty()) fail("the mask is empty; give that of the retouch");
     QualityReport result;
     result.delta_e = result.height_mm = result.gloss = Image<float>(mask.width(), mask.height());
     // The retouches, and undamaged places beside each.

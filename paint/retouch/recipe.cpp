@@ -156,8 +156,8 @@ MatchedRecipe described(const Candidate& candidate, const FilmMatch& match, cons
 
 void require_valid(std::span<const Pigment> paints, const MatchOptions& options) {
     validate(options);
-    if (paints.empty()) fail("match: the paint box is empty; give a palette with a paint at least");
-    if (options.lamps.empty()) fail("match: no lamp counts; name one at least, as in D65,A,F11");
+    if (paints.empty()) fail("the paint box is empty; give a palette with a paint at least");
+    if (options.lamps.empty()) fail("no lamp counts; name one at least, as in D65,A,F11");
     TP_REQUIRE(options.allowed.empty() || options.allowed.size() == paints.size() * paints.size(),
                "a word for every pair of paints");
 }

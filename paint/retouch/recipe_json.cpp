@@ -61,6 +61,13 @@ nlohmann::json to_json(const RetouchReport& report, const std::vector<Pigment>& 
                            {"area_mm2", report.area_mm2},
                            {"painted_mm2", report.painted_mm2},
                            {"delta_e_2000_from_target", by_lamp(report.delta_e_mean)}};
+    for (const RetouchGloss& gloss : report.glosses)
+        json["gloss"].push_back(
+            {{"specular", gloss.wanted.specular},
+             {"roughness", gloss.wanted.roughness},
+             {"area_mm2", gloss.area_mm2},
+             {"of_paints", {{"specular", gloss.of_paint.specular}, {"roughness", gloss.of_paint.roughness}}},
+             {"remedy", name_of(remedy_for(gloss.of_paint, gloss.wanted))}});
     if (report.marks > 0)
         json["lines"] = {
             {"number", report.marks}, {"pitch_mm", report.pitch_mm}, {"width_mm", report.width_mm}};

@@ -23,6 +23,7 @@ struct ReportTable {
     std::vector<std::string> head;               // may be empty
     std::vector<std::vector<std::string>> rows;  // as many cells as `widths`
     std::vector<double> widths;                  // of the columns, relative
+    std::vector<Rgb> keys{};                     // sRGB-encoded, shown before each row; may be empty
 };
 struct ReportPicture {
     Image<Rgb> picture;  // sRGB-encoded, 0..1

@@ -1,5 +1,6 @@
 // report_page.cpp: a report as one web page.
 #include <algorithm>
+#include <cmath>
 
 #include "paint/retouch/report_document.h"
 #include "surface/error.h"
@@ -16,11 +17,21 @@ constexpr const char* kPrintStyle =
     "max-width:100%;height:auto}td.text,th.text{text-align:left;"
     "white-space:normal;overflow-wrap:anywhere;vertical-align:top}</style>";
 
-std::string row(const std::vector<std::string>& cells, const char* tag) {
+std::string row(const std::vector<std::string>& cells, const char* tag, const std::string& key = "") {
     std::string text = "<tr>";
-    for (const std::string& cell : cells)
-        text += fmt::format("<{0} class=\"text\">{1}</{0}>", tag, escaped(cell));
+    for (std::size_t i = 0; i < cells.size(); ++i)
+        text += fmt::format("<{0} class=\"text\">{2}{1}</{0}>", tag, escaped(cells[i]), i == 0 ? key : "");
     return text + "</tr>";
+}
+
+// A patch of colour that is printed too.
+std::string key_of(const Rgb& srgb) {
+    const auto byte = [](float v) { return std::lround(255 * std::clamp(v, 0.0f, 1.0f)); };
+    return fmt::format(
+        "<span class=\"key\" style=\"background:rgb({},{},{});print-color-adjust:exact;"
+        "-webkit-print-color-adjust:exact;display:inline-block;width:1em;height:.7em;margin-right:.5em\"></"
+        "span>",
+        byte(srgb.r), byte(srgb.g), byte(srgb.b));
 }
 
 struct Writer {
@@ -33,7 +44,8 @@ struct Writer {
     std::string operator()(const ReportTable& t) const {
         std::string html = "<div class=\"wide\"><table>";
         if (!t.head.empty()) html += row(t.head, "th");
-        for (const auto& cells : t.rows) html += row(cells, "td");
+        for (std::size_t i = 0; i < t.rows.size(); ++i)
+            html += row(t.rows[i], "td", i < t.keys.size() ? key_of(t.keys[i]) : "");
         return html + "</table></div>";
     }
     std::string operator()(const ReportPictures& p) const {

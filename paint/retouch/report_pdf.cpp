@@ -17,7 +17,7 @@ namespace {
 
 constexpr double kPageWidth_mm = 210, kPageHeight_mm = 297, kMargin_mm = 18;
 constexpr double kWidth_mm = kPageWidth_mm - 2 * kMargin_mm, kBottom_mm = kPageHeight_mm - kMargin_mm - 4;
-constexpr double kGap_mm = 3, kCell_mm = 1.5;
+constexpr double kGap_mm = 3, kCell_mm = 1.5, kKey_mm = 4;
 constexpr double kPicture_dpi = 300, kCoarsest_dpi = 100;  // small pictures stay small
 constexpr double kHeading_pt = 13, kText_pt = 9.5, kSmall_pt = 8, kTable_pt = 7.5;
 
@@ -69,7 +69,10 @@ public:
           path_(path),
           pages_(pages) {
         y_ += pdf_.write(document.title, kMargin_mm, y_, kWidth_mm, 18) + 2;
-        for (const ReportBlock& block : document.blocks) std::visit([&](const auto& b) { lay(b); }, block);
+        for (std::size_t i = 0; i < document.blocks.size(); ++i) {
+            next_ = i + 1 < document.blocks.size() ? &document.blocks[i + 1] : nullptr;
+            std::visit([&](const auto& b) { lay(b); }, document.blocks[i]);
+        }
         end_page();
     }
     int pages() const { return page_ - 1; }
@@ -92,8 +95,10 @@ private:
         if (y_ + height_mm > kBottom_mm && y_ > kMargin_mm) end_page();
     }
 
+    // A heading stands with what it is about.
     void lay(const ReportHeading& h) {
-        need(45);  // a heading stands with what it is about
+        const auto* pictures = next_ ? std::get_if<ReportPictures>(next_) : nullptr;
+        need(pictures ? 14 + size_of(*pictures).height_mm() : 45);
         if (y_ > kMargin_mm) y_ += 5;
         pdf_.bookmark(h.text, page_);
         const PdfLayout laid = pdf_.layout(h.text, kHeading_pt, kWidth_mm, true);
@@ -111,7 +116,8 @@ private:
     }
 
     // Rows that fit on a page stay whole; longer ones go on on the next.
-    void lay_row(const ReportTable& t, const std::vector<std::string>& cells, bool head) {
+    void lay_row(const ReportTable& t, const std::vector<std::string>& cells, bool head,
+                 const Rgb* key = nullptr) {
         TP_REQUIRE(cells.size() == t.widths.size(), "a table has as many cells in a row as columns");
         double sum = 0;
         for (const double w : t.widths) sum += w;
@@ -128,9 +134,10 @@ private:
         double x = kMargin_mm;
         for (std::size_t i = 0; i < cells.size(); ++i) {
             const double width = kWidth_mm * t.widths[i] / sum;
-            PdfLayout laid = pdf_.layout(cells[i], kTable_pt, width - kCell_mm, head);
+            const double after = i == 0 && !t.keys.empty() ? kKey_mm + 1.5 : 0;
+            PdfLayout laid = pdf_.layout(cells[i], kTable_pt, width - kCell_mm - after, head);
             std::vector<PdfLine> lines = lines_of(laid.get());
-            row.push_back({std::move(laid), std::move(lines), x});
+            row.push_back({std::move(laid), std::move(lines), x + after});
             x += width;
         }
         const auto left = [&] {
@@ -143,6 +150,7 @@ private:
             if (!head && !t.head.empty()) lay_row(t, t.head, true);
         };
         if (y_ + left() + 1 > kBottom_mm && left() < kBottom_mm - kMargin_mm - 20) next_page();
+        if (key) pdf_.patch(kMargin_mm, y_ + 0.9, kKey_mm, 2.2, *key);
         for (;;) {
             double used = 0;
             bool any = false;
@@ -169,33 +177,42 @@ private:
     void lay(const ReportTable& t) {
         need(16);
         if (!t.head.empty()) lay_row(t, t.head, true);
-        for (const auto& cells : t.rows) lay_row(t, cells, false);
+        for (std::size_t i = 0; i < t.rows.size(); ++i)
+            lay_row(t, t.rows[i], false, i < t.keys.size() ? &t.keys[i] : nullptr);
         y_ += 3;
     }
 
+    // [mm] of a row of pictures and their captions.
+    struct Size {
+        double width = 0, tallest = 0, captions = 0;
+        double height_mm() const { return tallest + captions + 4; }
+    };
+    Size size_of(const ReportPictures& p) {
+        const auto n = static_cast<double>(p.pictures.size());
+        Size size{(kWidth_mm - (n - 1) * kGap_mm) / n, 0, 0};
+        for (const auto& [picture, caption] : p.pictures) {
+            size.width = std::min(size.width, picture.width() / kCoarsest_dpi * 25.4);
+            size.width = std::min(size.width, 175.0 * picture.width() / picture.height());
+        }
+        for (const auto& [picture, caption] : p.pictures) {
+            size.tallest = std::max(size.tallest, size.width * picture.height() / picture.width());
+            const PdfLayout laid = pdf_.layout(caption, kSmall_pt, size.width);
+            size.captions = std::max(size.captions, lines_of(laid.get()).back().bottom_mm);
+        }
+        return size;
+    }
     void lay(const ReportPictures& p) {
         if (p.pictures.empty()) return;
-        const auto n = static_cast<double>(p.pictures.size());
-        double width = (kWidth_mm - (n - 1) * kGap_mm) / n;
-        for (const auto& [picture, caption] : p.pictures) {
-            width = std::min(width, picture.width() / kCoarsest_dpi * 25.4);
-            width = std::min(width, 175.0 * picture.width() / picture.height());
-        }
-        double tallest = 0, captions = 0;
-        for (const auto& [picture, caption] : p.pictures) {
-            tallest = std::max(tallest, width * picture.height() / picture.width());
-            const PdfLayout laid = pdf_.layout(caption, kSmall_pt, width);
-            captions = std::max(captions, lines_of(laid.get()).back().bottom_mm);
-        }
-        need(tallest + captions + 3);
+        const Size size = size_of(p);
+        need(size.height_mm() - 1);
         double x = kMargin_mm;
         for (const auto& [picture, caption] : p.pictures) {
             if (pages_ > 0)
-                pdf_.picture(picture.width(), picture.height(), jpeg_of(picture, path_), x, y_, width);
-            pdf_.write(caption, x, y_ + tallest + 1, width, kSmall_pt, kSoft);
-            x += width + kGap_mm;
+                pdf_.picture(picture.width(), picture.height(), jpeg_of(picture, path_), x, y_, size.width);
+            pdf_.write(caption, x, y_ + size.tallest + 1, size.width, kSmall_pt, kSoft);
+            x += size.width + kGap_mm;
         }
-        y_ += tallest + captions + 4;
+        y_ += size.height_mm();
     }
 
     void lay(const ReportLights& l) {
@@ -234,6 +251,7 @@ private:
     const fs::path& path_;
     int pages_, page_ = 1;
     double y_ = kMargin_mm;
+    const ReportBlock* next_ = nullptr;  // after the one that is laid
 };
 
 void write_bytes(const fs::path& path, const std::string& bytes) {

@@ -1,6 +1,7 @@
 // treatment_annotations.cpp: damage maps for other programs: W3C Web Annotations, IIIF Presentation 3.
 #include <algorithm>
 
+#include "paint/retouch/treatment_area.h"
 #include "paint/retouch/treatment_report.h"
 
 namespace tangi {
@@ -35,9 +36,26 @@ json annotation(const Treatment& treatment, DamageClass damage, const std::strin
                {"purpose", "describing"},
                {"format", "text/plain"},
                {"language", "en"},
-               {"value",
-                fmt::format("{} areas, {:.3g} cm², {:.3g} %", area.regions, area.mm2 / 100, area.percent)}}}},
+               {"value", fmt::format("{} area{}, {}, {:.3g} %", area.regions, area.regions == 1 ? "" : "s",
+                                     area_in_words(area_of_step(treatment, area.mm2)), area.percent)}}}},
             {"target", {{"source", source}, {"selector", {{"type", "SvgSelector"}, {"value", svg}}}}}};
+}
+
+std::string urn_of(const Treatment& treatment) { return "urn:tangipaint:" + treatment.log().head(); }
+
+// A file's name as part of an address (RFC 3986).
+std::string in_address(const std::string& name) {
+    std::string text;
+    for (const char c : name) {
+        const bool plain = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
+                           std::string_view("-._~").find(c) != std::string_view::npos;
+        text += plain ? std::string(1, c) : fmt::format("%{:02X}", static_cast<unsigned char>(c));
+    }
+    return text;
+}
+
+json about_line(const std::string& label, const std::string& value) {
+    return {{"label", {{"en", {label}}}}, {"value", {{"none", {value}}}}};
 }
 
 }  // namespace
@@ -53,22 +71,22 @@ std::string svg_path(const std::vector<Polygon>& polygons, double scale) {
     return path;
 }
 
-json web_annotations(const Treatment& treatment, const std::string& target) {
+json web_annotations(const Treatment& treatment, const std::string& name, const std::string& published_at) {
+    const std::string id =
+        published_at.empty() ? urn_of(treatment) : published_at + in_address(name + ".annotations.json");
     json items = json::array();
     for (const DamageClass damage : kDamageClasses)
         if (treatment.has_mask(damage))
-            items.push_back(annotation(
-                treatment, damage,
-                fmt::format("urn:tangipaint:{}:{}", treatment.log().head().substr(0, 16), name_of(damage)),
-                target));
+            items.push_back(annotation(treatment, damage, fmt::format("{}#{}", id, name_of(damage)),
+                                       published_at + in_address(name + ".picture.jpg")));
     return {{"@context", "http://www.w3.org/ns/anno.jsonld"},
-            {"id", fmt::format("urn:tangipaint:{}", treatment.log().head())},
+            {"id", id},
             {"type", "AnnotationPage"},
             {"items", items}};
 }
 
-json iiif_manifest(const Treatment& treatment, const std::string& picture) {
-    const std::string base = fmt::format("urn:tangipaint:{}", treatment.log().head());
+json iiif_manifest(const Treatment& treatment, const std::string& name, const std::string& published_at) {
+    const std::string base = published_at.empty() ? urn_of(treatment) : published_at + in_address(name);
     const std::string canvas = base + "/canvas/1";
     json annotations = json::array();
     for (const DamageClass damage : kDamageClasses)
@@ -81,19 +99,30 @@ json iiif_manifest(const Treatment& treatment, const std::string& picture) {
                            {"motivation", "painting"},
                            {"target", canvas},
                            {"body",
-                            {{"id", picture},
+                            {{"id", published_at + in_address(name + ".picture.jpg")},
                              {"type", "Image"},
                              {"format", "image/jpeg"},
                              {"width", treatment.width()},
                              {"height", treatment.height()}}}};
+    const json& first = treatment.log().entries().front().content;
+    json about = {about_line("Painting", first.value("painting", "")),
+                  about_line("Treatment begun", first.value("time", "")),
+                  about_line("Head of the log, SHA-256", treatment.log().head())};
+    if (treatment.scale_known())
+        about.push_back(
+            about_line("Size", fmt::format("{:.1f} × {:.1f} mm", treatment.width() * treatment.mm_per_pixel(),
+                                           treatment.height() * treatment.mm_per_pixel())));
+    const json label = {{"en", {treatment.folder().filename().string() + ": damage map"}}};
     return {
         {"@context", "http://iiif.io/api/presentation/3/context.json"},
-        {"id", base + "/manifest"},
+        {"id", published_at.empty() ? base + "/manifest" : base + ".manifest.json"},
         {"type", "Manifest"},
-        {"label", {{"en", {treatment.folder().filename().string() + ": damage map"}}}},
+        {"label", label},
+        {"metadata", about},
         {"items",
          {{{"id", canvas},
            {"type", "Canvas"},
+           {"label", label},
            {"width", treatment.width()},
            {"height", treatment.height()},
            {"items", {{{"id", base + "/page/picture"}, {"type", "AnnotationPage"}, {"items", {painting}}}}},

@@ -1,6 +1,6 @@
 // treatment_layers.cpp: of a treatment: what its layers show in each state, and where they lie.
 #include "paint/appearance.h"
-#include "paint/retouch/treatment.h"
+#include "paint/retouch/treatment_area.h"
 #include "surface/error.h"
 
 namespace tangi {
@@ -60,15 +60,28 @@ json to_json(const OnOriginal& paint) {
     return {{"pixels", paint.pixels}, {"area_mm2", paint.area_mm2}, {"volume_mm3", paint.volume_mm3}};
 }
 
+json area_of_step(double mm2, double mm_per_pixel, bool scale_known) {
+    if (scale_known) return {{"area_cm2", mm2 / 100}};
+    return {{"area_px", mm2 / (mm_per_pixel * mm_per_pixel)}};
+}
+
+json area_of_step(const Treatment& treatment, double mm2) {
+    return area_of_step(mm2, treatment.mm_per_pixel(), treatment.scale_known());
+}
+
+std::string area_in_words(const json& stated) {
+    if (stated.contains("area_cm2")) return fmt::format("{:.2f} cm²", stated["area_cm2"].get<double>());
+    return fmt::format("{:.0f} pixels", stated.at("area_px").get<double>());
+}
+
 json damage_table(const Treatment& treatment) {
     json table = json::array();
     for (const DamageClass damage : kDamageClasses) {
         if (!treatment.has_mask(damage)) continue;
         const MaskArea area = area_of(treatment.mask(damage), treatment.mm_per_pixel());
-        table.push_back({{"class", name_of(damage)},
-                         {"count", area.regions},
-                         {"area_cm2", area.mm2 / 100},
-                         {"percent", area.percent}});
+        json row = {{"class", name_of(damage)}, {"count", area.regions}, {"percent", area.percent}};
+        row.update(area_of_step(treatment, area.mm2));
+        table.push_back(std::move(row));
     }
     return table;
 }

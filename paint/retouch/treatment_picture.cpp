@@ -5,6 +5,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "paint/retouch/matrix.h"
+#include "paint/retouch/treatment_area.h"
 #include "surface/relight.h"
 
 namespace tangi {
@@ -66,30 +67,41 @@ Image<Rgb> look_of(const Surface& surface, const Light& light, int side_px, cons
     return picture;
 }
 
+Image<Rgb> damage_map(const Treatment& treatment, const Surface& surface) {
+    Image<Rgb> picture = in_grey(surface);
+    for (const DamageClass damage : kDamageClasses) {
+        if (!treatment.has_mask(damage)) continue;
+        const Mask mask = treatment.mask(damage);
+        for (std::size_t i = 0; i < mask.size(); ++i)
+            tint(picture.pixels()[i], legend_colour_srgb(damage), mask.pixels()[i]);
+    }
+    return picture;
+}
+
 Image<Rgb> damage_picture(const Treatment& treatment, const Surface& surface) {
-    const Image<Rgb> grey = in_grey(surface);
-    const int width = grey.width(), height = grey.height();
+    const Image<Rgb> map = damage_map(treatment, surface);
+    const int width = map.width(), height = map.height();
     const nlohmann::json table = damage_table(treatment);
     const int line = std::max(width / 30, 12);
     const int rows = std::max(static_cast<int>(table.size()), 1);
     Image<Rgb> picture(width, height + line * (rows + 1), Rgb(1));
-    for (int y = 0; y < height; ++y)
-        std::copy(grey.row(y).begin(), grey.row(y).end(), picture.row(y).begin());
+    for (int y = 0; y < height; ++y) std::copy(map.row(y).begin(), map.row(y).end(), picture.row(y).begin());
     int row = 0;
     for (const auto& entry : table) {
         const auto damage = *damage_class_named(entry.at("class").get<std::string>());
         const Rgb colour = legend_colour_srgb(damage);
-        const Mask mask = treatment.mask(damage);
-        for (int y = 0; y < height; ++y)
-            for (int x = 0; x < width; ++x) tint(picture(x, y), colour, mask(x, y));
         const int top = height + line / 2 + row * line;
         for (int y = top; y < top + line * 7 / 10; ++y)
             for (int x = line / 2; x < line * 3 / 2 && x < width; ++x) picture(x, y) = colour;
         std::string name(name_of(damage));
         std::replace(name.begin(), name.end(), '_', ' ');
+        const std::string stated = area_in_words(entry), square = "²";
+        const std::size_t at = stated.find(square);
+        const std::string area =  // OpenCV's letters are ASCII
+            at == std::string::npos ? stated : stated.substr(0, at) + "2" + stated.substr(at + square.size());
         write_text(picture,
-                   fmt::format("{}: {} x, {:.2f} cm2, {:.2f} %", name, entry.at("count").get<int>(),
-                               entry.at("area_cm2").get<double>(), entry.at("percent").get<double>()),
+                   fmt::format("{}: {} x, {}, {:.2f} %", name, entry.at("count").get<int>(), area,
+                               entry.at("percent").get<double>()),
                    line * 2, top + line * 6 / 10, line * 0.6);
         ++row;
     }

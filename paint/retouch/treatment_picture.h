@@ -19,8 +19,9 @@ Image<Rgb> reduced(const Image<Rgb>& picture, int most_wide, int most_high);
 Image<Rgb> colour_of(const Surface& surface, int side_px = 0);
 Image<Rgb> encoded(Image<Rgb> diffuse);
 
-// Masks in the colours of their classes over the painting in grey, sRGB-encoded; below it, a legend with
-// count, area and percent of each class.
+// Masks in the colours of their classes over the painting in grey, sRGB-encoded.
+Image<Rgb> damage_map(const Treatment& treatment, const Surface& surface);
+// The same with a legend below it: count, area and percent of each class.
 Image<Rgb> damage_picture(const Treatment& treatment, const Surface& surface);
 
 // What was added in false colour over the painting in grey: fills green, varnish yellow, retouches blue where

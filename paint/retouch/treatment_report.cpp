@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "paint/appearance.h"
 #include "paint/appearance_part.h"
 #include "paint/retouch/damage_suggestion.h"
-#include "paint/retouch/report_document.h"
+#include "paint/retouch/report_matter.h"
+#include "paint/retouch/treatment_area.h"
 #include "paint/retouch/treatment_picture.h"
 #include "surface/atomic_file.h"
 #include "surface/atomic_folder.h"
@@ -25,12 +27,6 @@ const std::pair<const char*, Vec3> kLights[] = {{"normal light", {0.35f, 0.35f, 
                                                 {"raking from above", {0.1f, 1, 0.22f}}};
 constexpr double kPlan_dpi = 300;
 constexpr int kPlan_px = 16000;  // of its longer side, at most
-
-// As a page wants it that shows `side_by_side` of them.
-Image<Rgb> fitting(const Image<Rgb>& picture, int side_by_side) {
-    const int side_px = report_picture_px(side_by_side);
-    return reduced(picture, side_px, side_px);
-}
 
 // "texture: surroundings; options: …" of a log's parameters; of long lists, how long they are.
 std::string in_words(const json& value) {
@@ -53,27 +49,7 @@ std::string in_words(const json& value) {
     return text;
 }
 
-std::string spaced(std::string name) {
-    std::replace(name.begin(), name.end(), '_', ' ');
-    return name;
-}
-
-// What the report is of, read once.
-struct Matter {
-    const Treatment& t;
-    const Canvas& canvas;
-    std::vector<TreatmentLayer> layers;
-    Mask belongs;  // where paint may lie: on mapped damage
-    ReportDocument report;
-
-    template <class Block>
-    void add(Block block) {
-        report.blocks.emplace_back(std::move(block));
-    }
-    const std::vector<LogEntry>& log() const { return t.log().entries(); }
-};
-
-void identification(Matter& m, const std::string& tool) {
+void identification(ReportMatter& m, const std::string& tool) {
     const Treatment& t = m.t;
     const json& first = m.log().front().content;
     const std::string size =
@@ -95,7 +71,7 @@ void identification(Matter& m, const std::string& tool) {
 }
 
 // The photographs that the maps come from, by their lights.
-void examination(Matter& m) {
+void examination(ReportMatter& m) {
     ReportLights lights;
     for (const Photography::Photo& photo : m.canvas.dry().photography.photos)
         lights.lights.push_back({photo.light.name, glm::dvec3(photo.light.direction), 0, {}});
@@ -109,32 +85,38 @@ void examination(Matter& m) {
     m.add(std::move(lights));
 }
 
-void condition(Matter& m) {
+void condition(ReportMatter& m) {
     m.add(ReportHeading{"3. Condition"});
-    m.add(ReportPictures{{{fitting(damage_picture(m.t, m.canvas.dry()), 1), "Map of damage"}}});
-    ReportTable table{{"Class", "Count", "Area", "Part of the painting"}, {}, {3, 1, 1, 2}};
-    for (const json& entry : damage_table(m.t))
-        table.rows.push_back({spaced(entry["class"].get<std::string>()), entry["count"].dump(),
-                              fmt::format("{:.2f} cm²", entry["area_cm2"].get<double>()),
+    m.add(ReportPictures{{{fitting(damage_map(m.t, m.canvas.dry()), 1), "Map of damage"}}});
+    ReportTable table{{"Class", "Count", "Area", "Part of the painting"}, {}, {3, 1, 1.4, 2}};
+    for (const json& entry : damage_table(m.t)) {
+        const auto name = entry["class"].get<std::string>();
+        table.rows.push_back({spaced(name), entry["count"].dump(), area_in_words(entry),
                               fmt::format("{:.2f} %", entry["percent"].get<double>())});
+        table.keys.push_back(legend_colour_srgb(*damage_class_named(name)));
+    }
+    if (table.rows.empty()) m.add(ReportText{"No damage is mapped."});
     m.add(std::move(table));
     if (!m.t.has_mask(DamageClass::craquelure)) return;
     const CraquelureMeasure lines = measure_lines(m.t.mask(DamageClass::craquelure), m.t.mm_per_pixel());
+    if (!m.t.scale_known()) {
+        m.add(ReportText{fmt::format("Craquelure: {:.0f} pixels long in all, {:.2f} pixels wide on average.",
+                                     lines.length_mm, lines.width_mm)});
+        return;
+    }
     m.add(ReportText{
         fmt::format("Craquelure: {:.0f} mm long in all, {:.2f} mm wide on average, {:.2f} cm on each cm².",
                     lines.length_mm, lines.width_mm, lines.density_per_cm)});
 }
 
-std::string by_lamp(const json& differences) {
-    std::string text;
-    for (const auto& [lamp, value] : differences.items())
-        text += fmt::format("{}{} {:.1f}", text.empty() ? "" : ", ", lamp, value.get<double>());
-    return text;
+std::string remedy_of(const json& gloss) {
+    const std::string remedy = gloss.value("remedy", "none");
+    return remedy == "none" ? "the paints' own" : "by " + remedy;
 }
 
 // Recipes that were searched for, and those of retouches that are still there, as the log has them.
-void recipes(Matter& m) {
-    ReportTable table{{"For", "Recipe, in measures", "Amount", "ΔE2000 from what was wanted", "Warnings"},
+void recipes(ReportMatter& m) {
+    ReportTable table{{"For", "Recipe, in measures", "Amount", "ΔE2000 from what was wanted", "Remarks"},
                       {},
                       {2, 5, 1.6, 3, 4}};
     const auto there = [&](const std::string& name) {
@@ -145,11 +127,17 @@ void recipes(Matter& m) {
         const bool retouch = results.contains("piles");
         if (retouch ? !there(results.value("layer", "")) : !results.contains("recipes")) continue;
         for (const json& recipe : results[retouch ? "piles" : "recipes"]) {
-            const auto warnings = recipe.value("warnings", std::vector<std::string>());
+            auto warnings = recipe.value("warnings", std::vector<std::string>());
+            if (retouch)
+                for (const json& gloss : results.value("gloss", json::array()))
+                    warnings.push_back(fmt::format("gloss ρs {:.3f}, α {:.2f}: {}",
+                                                   gloss.value("specular", 0.0),
+                                                   gloss.value("roughness", 0.0), remedy_of(gloss)));
             table.rows.push_back(
                 {retouch ? results.value("layer", "") : fmt::format("match, line {}", entry.line),
                  recipe.value("recipe", ""),
-                 retouch ? fmt::format("{:.3g} mm³", recipe.value("volume_mm3", 0.0)) : "",
+                 retouch && m.t.scale_known() ? fmt::format("{:.3g} mm³", recipe.value("volume_mm3", 0.0))
+                                              : "",
                  by_lamp(retouch ? results.value("delta_e_2000_from_target", json::object())
                                  : recipe.value("delta_e_2000", json::object())) +
                      (retouch ? ", in all" : ""),
@@ -161,7 +149,7 @@ void recipes(Matter& m) {
     m.add(std::move(table));
 }
 
-void measures(Matter& m) {
+void measures(ReportMatter& m) {
     const Treatment& t = m.t;
     m.add(ReportHeading{"4. Measures"});
     ReportTable table{
@@ -171,18 +159,22 @@ void measures(Matter& m) {
             if (dried.name != layer.name) continue;
             const auto volumes = volumes_mm3(dried.paint, m.canvas.ingredients().size(), t.mm_per_pixel());
             std::string paints;
+            std::map<std::string, double> by_name;  // of one paint brought to several glosses, all of it
             for (std::size_t i = 0; i < volumes.size(); ++i)
-                if (volumes[i] > 0)
-                    paints += fmt::format("{}{}: {:.3g} mm³", paints.empty() ? "" : ", ",
-                                          m.canvas.ingredients()[i].name, volumes[i]);
+                if (volumes[i] > 0) by_name[m.canvas.ingredients()[i].name] += volumes[i];
+            for (const auto& [name, volume_mm3] : by_name)
+                paints += (paints.empty() ? "" : ", ") + name +
+                          (t.scale_known() ? fmt::format(": {:.3g} mm³", volume_mm3) : "");
             const OnOriginal beside = on_original(dried.paint, m.belongs, t.mm_per_pixel());
             const bool varnish =
                 layer.role == LayerRole::varnish || layer.role == LayerRole::isolating_varnish;
             table.rows.push_back(
                 {layer.name, spaced(std::string(name_of(layer.role))),
-                 fmt::format("{:.2f} cm²", area_of(additions(dried.paint), t.mm_per_pixel()).mm2 / 100),
-                 varnish ? "–" : fmt::format("{} pixels, {:.2f} mm²", beside.pixels, beside.area_mm2), paints,
-                 layer.sha256});
+                 area_in_words(area_of_step(t, area_of(additions(dried.paint), t.mm_per_pixel()).mm2)),
+                 varnish           ? "–"
+                 : t.scale_known() ? fmt::format("{} pixels, {:.2f} mm²", beside.pixels, beside.area_mm2)
+                                   : fmt::format("{} pixels", beside.pixels),
+                 paints, layer.sha256});
         }
     m.add(std::move(table));
     m.add(ReportPictures{
@@ -192,7 +184,7 @@ void measures(Matter& m) {
 }
 
 // States that differ from the one before: those that add layers, and what was photographed.
-std::vector<TreatmentState> shown_states(const Matter& m) {
+std::vector<TreatmentState> shown_states(const ReportMatter& m) {
     std::vector<TreatmentState> shown;
     for (const TreatmentState state :
          {TreatmentState::before, TreatmentState::cleaned, TreatmentState::filled, TreatmentState::retouched,
@@ -208,7 +200,7 @@ std::vector<TreatmentState> shown_states(const Matter& m) {
 
 // Every lamp shows all states side by side. The maps of one state at a time are held: they are as large as
 // the painting.
-void states(Matter& m, const Progress& progress) {
+void states(ReportMatter& m, const Progress& progress) {
     const std::vector<TreatmentState> shown = shown_states(m);
     const int side_px = std::max(report_picture_px(static_cast<int>(shown.size())), 900);
     std::vector<ReportPictures> rows(std::size(kLights));
@@ -228,63 +220,7 @@ void states(Matter& m, const Progress& progress) {
     for (ReportPictures& row : rows) m.add(std::move(row));
 }
 
-// The last time that retouches were compared with what is beside them.
-void quality(Matter& m) {
-    const auto last = std::find_if(m.log().rbegin(), m.log().rend(), [](const LogEntry& e) {
-        return e.content.value("action", "") == "quality";
-    });
-    if (last == m.log().rend()) return;
-    const json& results = last->content.at("results");
-    const bool since =
-        std::any_of(m.log().rbegin(), last, [](const LogEntry& e) { return e.content.contains("layers"); });
-    m.add(ReportText{fmt::format("Retouches against what is beside them (line {} of the log{})", last->line,
-                                 since ? "; layers have changed since" : "")});
-    m.add(
-        ReportText{"ΔE2000 of each retouched area from its surroundings' colour carried on into it, and "
-                   "across its border; steps "
-                   "of height (rms) and gloss across the border. In brackets: the same of undamaged areas of "
-                   "its shape beside "
-                   "it, which tells how much the painting itself varies.",
-                   true});
-    ReportTable table{
-        {"At pixel", "Area", "ΔE2000", "Across the border", "Height", "Gloss"}, {}, {1.3, 1.2, 4, 4, 2.4, 2}};
-    for (const json& region : results.at("regions")) {
-        const json own = region.value("undamaged", json());
-        const auto bracket = [&](const std::string& text) {
-            return own.is_object() ? " (" + text + ")" : "";
-        };
-        const auto colour = [&](const char* key) {
-            return by_lamp(region.at(key)) + (own.is_object() ? bracket(by_lamp(own.at(key))) : "");
-        };
-        const auto number = [&](const json& of, const char* format) {
-            return fmt::format(fmt::runtime(format), of.get<double>());
-        };
-        table.rows.push_back(
-            {fmt::format("{}, {}", region.at("box_px")[0].dump(), region.at("box_px")[1].dump()),
-             fmt::format("{:.1f} mm²", region.at("area_mm2").get<double>()), colour("delta_e_2000"),
-             colour("border_delta_e_2000"),
-             number(region.at("height_step_mm").at("rms"), "{:.3f} mm") +
-                 (own.is_object() ? bracket(number(own.at("height_step_mm").at("rms"), "{:.3f}")) : ""),
-             number(region.at("gloss_step"), "{:.3f}") +
-                 (own.is_object() ? bracket(number(own.at("gloss_step"), "{:.3f}")) : "")});
-    }
-    m.add(std::move(table));
-    ReportPictures maps, raking;
-    for (const auto& [file, hash] : last->content.at("outputs").items()) {
-        const fs::path path = file;
-        if (path.filename() == "delta_e_2000.png")
-            maps.pictures.push_back({read_picture(m.t.folder() / path),
-                                     "ΔE2000, the worst under the lamps: black 0, white 10 and more"});
-        else if (path.stem().string().starts_with("raking_"))
-            raking.pictures.push_back({fitting(read_picture(m.t.folder() / path), 4),
-                                       spaced(path.stem().string()) + ", at 15°, with shadows"});
-    }
-    for (ReportPicture& p : maps.pictures) p.picture = fitting(p.picture, 2);
-    m.add(std::move(maps));
-    m.add(std::move(raking));
-}
-
-void log_table(Matter& m) {
+void log_table(ReportMatter& m) {
     m.add(ReportHeading{"6. Log"});
     m.add(ReportText{
         "Each line holds the hash of the one before; a line that was edited, removed or put in would break "
@@ -302,7 +238,7 @@ void log_table(Matter& m) {
 }
 
 // What was added, to print at scale: in its colours, and as white areas. Varnish over all is no use to print.
-std::pair<ReportPlan, ReportPlan> plans(const Matter& m) {
+std::pair<ReportPlan, ReportPlan> plans(const ReportMatter& m) {
     const Treatment& t = m.t;
     Mask added(t.width(), t.height());
     for (const DriedLayer& dried : m.canvas.dried())
@@ -333,8 +269,8 @@ std::pair<ReportPlan, ReportPlan> plans(const Matter& m) {
 }
 
 // Returns the names, in `folder`.
-std::vector<fs::path> write_files(Matter& m, const fs::path& folder, const std::string& stem,
-                                  const fs::path& page) {
+std::vector<fs::path> write_files(ReportMatter& m, const fs::path& folder, const std::string& stem,
+                                  const fs::path& page, const std::string& published_at) {
     const std::vector<fs::path> names = {
         stem + ".html",        stem + ".pdf",        stem + ".mask.colour.pdf",  stem + ".mask.white.pdf",
         stem + ".picture.jpg", stem + ".damage.png", stem + ".annotations.json", stem + ".manifest.json"};
@@ -350,23 +286,23 @@ std::vector<fs::path> write_files(Matter& m, const fs::path& folder, const std::
     m.report.blocks.clear();
     write_picture_8bit(folder / names[4], colour_of(m.canvas.dry()));
     write_picture_8bit(folder / names[5], damage_picture(m.t, m.canvas.dry()));
-    const std::string picture = names[4].string();
-    write_text_file(folder / names[6], web_annotations(m.t, picture).dump(1) + "\n");
-    write_text_file(folder / names[7], iiif_manifest(m.t, picture).dump(1) + "\n");
+    write_text_file(folder / names[6], web_annotations(m.t, stem, published_at).dump(1) + "\n");
+    write_text_file(folder / names[7], iiif_manifest(m.t, stem, published_at).dump(1) + "\n");
     return names;
 }
 
 }  // namespace
 
 std::vector<fs::path> write_treatment_report(const Treatment& t, const fs::path& page,
-                                             const std::string& tool, const Progress& progress) {
+                                             const std::string& tool, const Progress& progress,
+                                             const std::string& published_at) {
     report(progress, "report", 0);
     const std::vector<std::string> faults = t.check(progress);
     if (!faults.empty()) fail("{}: no report is made of it: {}", t.folder().string(), faults.front());
     const Canvas canvas = t.read_canvas(progress);
     { const AtomicFile writable(page); }  // its folder is there
 
-    Matter m{t, canvas, t.layers(), Mask(t.width(), t.height()), {}};
+    ReportMatter m{t, canvas, t.layers(), Mask(t.width(), t.height()), {}};
     for (const DamageClass damage : kDamageClasses)
         if (t.has_mask(damage)) m.belongs = united(m.belongs, t.mask(damage));
     m.report.title = "Treatment of " + m.log().front().content.value("painting", "");
@@ -377,7 +313,7 @@ std::vector<fs::path> write_treatment_report(const Treatment& t, const fs::path&
         condition(m);
         measures(m);
         states(m, progress);
-        quality(m);
+        add_quality(m);
         log_table(m);
     } catch (const json::exception& unlike) {  // results of a line that somebody wrote anew
         fail("{}: a line's results are not as this program writes them ({}); no report is made of it",
@@ -387,7 +323,7 @@ std::vector<fs::path> write_treatment_report(const Treatment& t, const fs::path&
     FolderFiles written(folder);  // all of them, or none
     std::vector<fs::path> names;
     told_of(written.temporary(), folder,
-            [&] { names = write_files(m, written.temporary(), page.stem().string(), page); });
+            [&] { names = write_files(m, written.temporary(), page.stem().string(), page, published_at); });
     written.place();
     std::vector<fs::path> files;
     for (const fs::path& name : names) files.push_back(page.parent_path() / name);

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "paint/retouch/sha256.h"
+#include "paint/retouch/treatment_area.h"
 #include "surface/error.h"
 
 namespace tangi {
@@ -34,15 +35,25 @@ json fill_step(Treatment& treatment, Canvas& canvas, const StepArea& area, FillT
     const Mask intact =
         without(Mask(area.mask.width(), area.mask.height(), 1.0f), united(area.mask, damaged(treatment)));
     const FillReport report = lay_fill(canvas, name, area.mask, intact, texture, colour, options, progress);
+    if (!(report.volume_mm3 > 0))
+        fail(
+            "{}: there is nothing to fill: all of the area lies above the level asked for already; raise it "
+            "with --offset-mm, or look whether anything is lost there",
+            treatment.folder().string());
     const OnOriginal beside = on_original(canvas.dried().back().paint, area.mask, treatment.mm_per_pixel());
     json result = {{"layer", name},
                    {"regions", report.regions},
-                   {"area_cm2", report.area_mm2 / 100},
                    {"volume_mm3", report.volume_mm3},
                    {"deepest_mm", report.deepest_mm},
                    {"border_rms_mm", report.border_rms_mm},
                    {"pixels_above_level", report.not_reached},
                    {"on_original", to_json(beside)}};
+    result.update(area_of_step(treatment, report.area_mm2));
+    if (const auto pixels = static_cast<double>(report.pixels); report.not_reached > 0.2 * pixels)
+        result["warnings"].push_back(fmt::format(
+            "{:.0f} % of the area lies above the fill's level already and was left as it is: look "
+            "whether it is lost there, or raise the level with --offset-mm",
+            100 * report.not_reached / pixels));
     const json parameters = {{"area", area.described},
                              {"texture", name_of(texture)},
                              {"colour", {colour.r, colour.g, colour.b}},
@@ -66,7 +77,8 @@ json varnish_step(Treatment& treatment, Canvas& canvas, bool isolating, const St
     const LayerRole role = isolating ? LayerRole::isolating_varnish : LayerRole::varnish;
     const std::string name = treatment.new_layer_name(role);
     lay_varnish(canvas, name, mask, options);
-    json result = {{"layer", name}, {"area_cm2", area_of(mask, treatment.mm_per_pixel()).mm2 / 100}};
+    json result = area_of_step(treatment, area_of(mask, treatment.mm_per_pixel()).mm2);
+    result["layer"] = name;
     treatment.record({.action = "varnish",
                       .parameters = {{"role", name_of(role)},
                                      {"area", area ? area->described : json("all")},
@@ -102,12 +114,14 @@ json retouch_step(Treatment& treatment, Canvas& canvas, const StepArea& area, Tr
         json paints = json::object();
         const auto volumes = volumes_mm3(layer->paint, canvas.ingredients().size(), canvas.mm_per_pixel());
         for (std::size_t i = 0; i < volumes.size(); ++i)
-            if (volumes[i] > 0) paints[canvas.ingredients()[i].name] = volumes[i];
-        laid.push_back(
-            {{"layer", added},
-             {"area_cm2", area_of(additions(layer->paint), treatment.mm_per_pixel()).mm2 / 100},
-             {"volumes_mm3", paints},
-             {"on_original", to_json(on_original(layer->paint, area.mask, treatment.mm_per_pixel()))}});
+            if (volumes[i] > 0) {
+                json& of_name = paints[canvas.ingredients()[i].name];
+                of_name = (of_name.is_null() ? 0 : of_name.get<double>()) + volumes[i];
+            }
+        json one = area_of_step(treatment, area_of(additions(layer->paint), treatment.mm_per_pixel()).mm2);
+        one["layer"] = added, one["volumes_mm3"] = paints;
+        one["on_original"] = to_json(on_original(layer->paint, area.mask, treatment.mm_per_pixel()));
+        laid.push_back(std::move(one));
     }
     step.action = "retouch";
     step.parameters["area"] = area.described;
@@ -235,7 +249,7 @@ json draw_step(Treatment& treatment, DamageClass damage, const Mask& mask, const
     TreatmentStep step{.action = "draw damage", .parameters = parameters, .inputs = inputs};
     step.parameters["class"] = name;
     step.masks[name] = mask;
-    step.results[name] = {{"area_cm2", area_of(mask, treatment.mm_per_pixel()).mm2 / 100}};
+    step.results[name] = area_of_step(treatment, area_of(mask, treatment.mm_per_pixel()).mm2);
     treatment.record(step, author, progress);
     return step.results;
 }

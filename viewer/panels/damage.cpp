@@ -46,12 +46,12 @@ void legend(WindowState& s) {
         ImGui::TableNextColumn();
         if (row.there) ImGui::Text("%d", row.count);
         ImGui::TableNextColumn();
-        if (row.there) ImGui::Text("%.2f cm²", row.area_cm2);
+        if (row.there && t.scale_known) ImGui::Text("%.2f cm²", row.area_cm2);
         ImGui::TableNextColumn();
         if (row.there) ImGui::Text("%.2f %%", row.percent);
     }
     ImGui::EndTable();
-    if (!t.scale_known) ImGui::TextDisabled("scale unknown: a pixel counts as one mm");
+    if (!t.scale_known) ImGui::TextDisabled("scale unknown: no areas in cm²; a pixel counts as one mm");
 }
 
 void map(WindowState& s) {
@@ -128,8 +128,9 @@ void suggesting(WindowState& s) {
     tip(s.keys.text(Action::suggest) + ": beside the window; nothing is changed before you take it over");
     if (t.suggestion) {
         ShownSuggestion& shown = *t.suggestion;
-        ImGui::TextColored({0.95f, 0.4f, 0.8f, 1}, "%s: %d of %d, %.2f cm²", shown.title.c_str(), shown.shown,
-                           shown.regions, shown.area_cm2);
+        ImGui::TextColored({0.95f, 0.4f, 0.8f, 1}, "%s: %d of %d%s", shown.title.c_str(), shown.shown,
+                           shown.regions,
+                           t.scale_known ? fmt::format(", {:.2f} cm²", shown.area_cm2).c_str() : "");
         ImGui::SliderFloat("Sure", &shown.threshold, 0, 1, "%.2f and more");
         tip("Only areas of which the program is at least so sure");
         if (!shown.measured.empty()) ImGui::TextWrapped("%s", shown.measured.c_str());

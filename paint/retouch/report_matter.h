@@ -1,0 +1,40 @@
+// report_matter.h: what a treatment's report is made of; for sources of this module only.
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "paint/retouch/report_document.h"
+#include "paint/retouch/treatment.h"
+
+namespace tangi {
+
+// What the report is of, read once.
+struct ReportMatter {
+    const Treatment& t;
+    const Canvas& canvas;
+    std::vector<TreatmentLayer> layers;
+    Mask belongs;  // where paint may lie: on mapped damage
+    ReportDocument report;
+
+    template <class Block>
+    void add(Block block) {
+        report.blocks.emplace_back(std::move(block));
+    }
+    const std::vector<LogEntry>& log() const { return t.log().entries(); }
+};
+
+// As a page wants it that shows `side_by_side` of them.
+Image<Rgb> fitting(const Image<Rgb>& picture, int side_by_side);
+
+// "a_b" -> "a b"
+std::string spaced(std::string name);
+
+// "D65 1.2, A 0.9" of differences by lamp.
+std::string by_lamp(const nlohmann::json& differences);
+
+// The last time that retouches were compared with what is beside them.
+void add_quality(ReportMatter& matter);
+
+}  // namespace tangi

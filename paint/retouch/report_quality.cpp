@@ -1,0 +1,107 @@
+#include <algorithm>
+
+#include "paint/retouch/report_matter.h"
+#include "paint/retouch/treatment_picture.h"
+#include "surface/picture_file.h"
+
+namespace tangi {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+namespace {
+
+// A map that is black but for some places, without what is black beside them.
+Image<Rgb> cut_to_what_is_there(const Image<Rgb>& map) {
+    Region box{map.width(), map.height(), 0, 0};
+    for (int y = 0; y < map.height(); ++y)
+        for (int x = 0; x < map.width(); ++x)
+            if (map(x, y) != Rgb(0))
+                box = {std::min(box.x0, x), std::min(box.y0, y), std::max(box.x1, x + 1),
+                       std::max(box.y1, y + 1)};
+    if (box.x1 <= box.x0) return map;
+    const int margin = std::max(box.width(), box.height()) / 8 + 4;
+    box = intersection({box.x0 - margin, box.y0 - margin, box.x1 + margin, box.y1 + margin}, map.region());
+    Image<Rgb> part(box.width(), box.height());
+    for (int y = 0; y < part.height(); ++y)
+        for (int x = 0; x < part.width(); ++x) part(x, y) = map(x + box.x0, y + box.y0);
+    return part;
+}
+
+}  // namespace
+
+std::string by_lamp(const json& differences) {
+    std::string text;
+    for (const auto& [lamp, value] : differences.items())
+        text += fmt::format("{}{} {:.1f}", text.empty() ? "" : ", ", lamp, value.get<double>());
+    return text;
+}
+
+Image<Rgb> fitting(const Image<Rgb>& picture, int side_by_side) {
+    const int side_px = report_picture_px(side_by_side);
+    return reduced(picture, side_px, side_px);
+}
+
+std::string spaced(std::string name) {
+    std::replace(name.begin(), name.end(), '_', ' ');
+    return name;
+}
+
+void add_quality(ReportMatter& m) {
+    const auto last = std::find_if(m.log().rbegin(), m.log().rend(), [](const LogEntry& e) {
+        return e.content.value("action", "") == "quality";
+    });
+    if (last == m.log().rend()) return;
+    const json& results = last->content.at("results");
+    const bool since =
+        std::any_of(m.log().rbegin(), last, [](const LogEntry& e) { return e.content.contains("layers"); });
+    m.add(ReportText{fmt::format("Retouches against what is beside them (line {} of the log{})", last->line,
+                                 since ? "; layers have changed since" : "")});
+    m.add(
+        ReportText{"ΔE2000 of each retouched area from its surroundings' colour carried on into it, and "
+                   "across its border; steps "
+                   "of height (rms) and gloss across the border. In brackets: the same of undamaged areas of "
+                   "its shape beside "
+                   "it, which tells how much the painting itself varies.",
+                   true});
+    ReportTable table{
+        {"At pixel", "Area", "ΔE2000", "Across the border", "Height", "Gloss"}, {}, {1.3, 1.2, 4, 4, 2.4, 2}};
+    for (const json& region : results.at("regions")) {
+        const json own = region.value("undamaged", json());
+        const auto bracket = [&](const std::string& text) {
+            return own.is_object() ? " (" + text + ")" : "";
+        };
+        const auto colour = [&](const char* key) {
+            return by_lamp(region.at(key)) + (own.is_object() ? bracket(by_lamp(own.at(key))) : "");
+        };
+        const auto number = [&](const json& of, const char* format) {
+            return fmt::format(fmt::runtime(format), of.get<double>());
+        };
+        table.rows.push_back(
+            {fmt::format("{}, {}", region.at("box_px")[0].dump(), region.at("box_px")[1].dump()),
+             fmt::format("{:.1f} {}", region.at("area_mm2").get<double>(),
+                         m.t.scale_known() ? "mm²" : "pixels"),
+             colour("delta_e_2000"), colour("border_delta_e_2000"),
+             number(region.at("height_step_mm").at("rms"), "{:.3f} mm") +
+                 (own.is_object() ? bracket(number(own.at("height_step_mm").at("rms"), "{:.3f}")) : ""),
+             number(region.at("gloss_step"), "{:.3f}") +
+                 (own.is_object() ? bracket(number(own.at("gloss_step"), "{:.3f}")) : "")});
+    }
+    m.add(std::move(table));
+    ReportPictures maps, raking;
+    for (const auto& [file, hash] : last->content.at("outputs").items()) {
+        const fs::path path = file;
+        if (path.filename() == "delta_e_2000.png")
+            maps.pictures.push_back({cut_to_what_is_there(read_picture(m.t.folder() / path)),
+                                     "ΔE2000, the worst under the lamps: black 0, white 10 and more; cut to "
+                                     "the retouches"});
+        else if (path.stem().string().starts_with("raking_"))
+            raking.pictures.push_back({fitting(read_picture(m.t.folder() / path), 4),
+                                       spaced(path.stem().string()) + ", at 15°, with shadows"});
+    }
+    for (ReportPicture& p : maps.pictures) p.picture = fitting(p.picture, 2);
+    m.add(std::move(maps));
+    m.add(std::move(raking));
+}
+
+}  // namespace tangi
