@@ -4,17 +4,15 @@
 #include <cmath>
 #include <numbers>
 
+#include "paint/dabs.h"
 #include "paint/paint_window.h"
-#include "paint/press_out.h"
 #include "paint/step_rates.h"
 #include "surface/error.h"
-#include "surface/noise.h"
 
 namespace tangi {
 
 namespace {
 
-constexpr std::uint64_t kShifts = 29;  // of box_of(): any seed
 // [1] Where the brush turns, what one bristle leaves in a step and another takes in the next shows as rungs,
 // so steps are shorter than the rim's way alone asks for: that many times; and steps for each pixel of the
 // way at most, where it turns on the spot.
@@ -39,124 +37,7 @@ double unwrapped(double angle, double reference) {
     return reference + std::remainder(angle - reference, 2 * std::numbers::pi);
 }
 
-Region box_of(const Brush& brush, const Dab& dab) {
-    double cx, cy;
-    int half_x, half_y;
-    brush.contact_centre(dab, cx, cy);
-    brush.reach_px(dab, half_x, half_y);
-    // Loads lie on whole pixels. Rounded to the nearest, they would go along a slanting stroke in stairs,
-    // whose print is a sawtooth; shifted across it by up to half a pixel either way, spread evenly over any
-    // eight steps and by chance within them, in great leaps (3 or 5 eighths), they go straight in the mean.
-    // Shifts along it would leave rungs.
-    const std::uint64_t chance = procedural::hash(kShifts, dab.step / 8);
-    const std::uint64_t turn =
-        (static_cast<std::uint64_t>(dab.step) * (2 * (chance & 1) + 3) + (chance >> 2)) & 7;
-    const double shift =
-        (static_cast<double>(turn) + procedural::uniform(procedural::hash(chance, dab.step))) / 8 - 0.5;
-    const int x = static_cast<int>(std::lround(cx - shift * dab.dy)),
-              y = static_cast<int>(std::lround(cy + shift * dab.dx));
-    return {x - half_x, y - half_y, x + half_x + 1, y + half_y + 1};
-}
-
-bool touches(const Region& box, const Canvas& canvas) {
-    const Region all = canvas.region();
-    return box.x0 < all.x1 && box.x1 > all.x0 && box.y0 < all.y1 && box.y1 > all.y0;
-}
-
-Region united(const Region& a, const Region& b) {
-    if (a.empty()) return b;
-    return {std::min(a.x0, b.x0), std::min(a.y0, b.y0), std::max(a.x1, b.x1), std::max(a.y1, b.y1)};
-}
-
-// Memory that steps reuse.
-struct StepMemory {
-    std::vector<float> underside, lanes;  // and cover
-    Outwards outwards;
-    StepBox box;
-};
-
-// Pixels under the brush.
-double one_step(PaintWindow& window, Brush& brush, const Dab& dab, const Region& box, double mm_per_pixel,
-                std::uint64_t seed, StepMemory& memory, StepScratch& scratch) {
-    std::vector<float>& underside = memory.underside;
-    StepBox& step = memory.box;
-    brush.turn_to(dab.rotation_rad);
-    const int width = box.width(), height = box.height();
-    const std::size_t area = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
-    underside.resize(2 * area);
-    brush.underside_mm(dab, box.x0, box.y0, width, height, underside.data(), underside.data() + area,
-                       step.bristles);
-    step.width = width;
-    step.height = height;
-    step.underside_mm = underside.data();
-    step.cover = underside.data() + area;
-    step.underside_stride = static_cast<std::size_t>(width);
-    window.attach(step, box.x0, box.y0);
-    step.load_stride = static_cast<std::size_t>(brush.grid_size());
-    const std::size_t corner = static_cast<std::size_t>(brush.grid_half() - height / 2) * step.load_stride +
-                               static_cast<std::size_t>(brush.grid_half() - width / 2);
-    for (const IngredientId id : window.ingredients()) brush.load_plane(id);
-    step.load.clear();
-    for (const IngredientId id : window.ingredients()) step.load.push_back(brush.load_plane(id) + corner);
-    step.load_total_mm = brush.load_total() + corner;
-
-    const TransferRates rates = rates_of(brush, dab, mm_per_pixel);
-    double x, y;
-    brush.contact_centre(dab, x, y);
-    const float way = dab.stands ? 0 : dab.length_px;
-    const BrushMotion motion{dab.dx * way, dab.dy * way, dab.turn_rad, static_cast<float>(x - box.x0),
-                             static_cast<float>(y - box.y0)};
-    step.sides = brush.sides(dab, box.x0, box.y0);
-    step.lanes = {};
-    if (!dab.stands)
-        step.lanes = lanes_at(dab.way_px, std::max(step.sides.left_px, step.sides.right_px),
-                              static_cast<float>(brush.settings().bristle_mm / mm_per_pixel),
-                              static_cast<float>(brush.settings().grain), seed, memory.lanes);
-    else if (dab.side != 0)
-        step.lanes = ramp_of(dab.side, step.sides.right_px, memory.lanes);
-    exchange(step, rates, scratch);
-    push(step, rates, motion, scratch);
-    if (dab.stands && rates.squeeze_per_mm > 0) {
-        find_outwards(brush.standing(dab, box.x0, box.y0), step, memory.outwards);
-        press_out(step, memory.outwards, rates.squeeze_per_mm, rates.film_mm, scratch);
-    }
-    double pixels = 0;
-    for (const RowSpan& span : step.bristles) pixels += span.end - span.begin;
-    return pixels;
-}
-
 }  // namespace
-
-double paint_dabs(Canvas& canvas, Brush& brush, std::span<const Dab> dabs, std::uint64_t seed,
-                  StepScratch& scratch) {
-    double pixels = 0;
-    StepMemory memory;
-    // Windows as large as some steps take; dividing the steps otherwise would not change the result.
-    for (std::size_t begin = 0; begin < dabs.size();) {
-        // Beside the canvas a brush is in the air, and keeps its paint.
-        if (!touches(box_of(brush, dabs[begin]), canvas)) {
-            ++begin;
-            continue;
-        }
-        Region window_region{};
-        std::size_t end = begin;
-        for (; end < dabs.size() && end < begin + 64; ++end) {
-            const Region box = box_of(brush, dabs[end]), all = united(window_region, box);
-            if (end > begin && (all.width() > box.width() + 96 || all.height() > box.height() + 96)) break;
-            window_region = all;
-        }
-        const int ride = std::max(static_cast<int>(brush.settings().size_mm / canvas.mm_per_pixel() / 4), 2);
-        PaintWindow window(canvas, window_region, brush.ingredients(), ride);
-        for (std::size_t i = begin; i < end; ++i) {
-            const Region box = box_of(brush, dabs[i]);
-            if (!touches(box, canvas)) continue;
-            pixels += one_step(window, brush, dabs[i], box, canvas.mm_per_pixel(), seed, memory, scratch);
-        }
-        window.store(canvas);
-        begin = end;
-    }
-    return pixels;
-}
 
 PathPoint catmull_rom(const PathPoint& a, const PathPoint& b, const PathPoint& c, const PathPoint& d,
                       double u) {

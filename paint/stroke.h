@@ -115,9 +115,4 @@ private:
     bool finished_ = false, met_canvas_ = false;
 };
 
-// Applies steps of a brush in order. What Stroke does with its dabs; for tests and benchmarks.
-// Returns the number of pixels under the brush, summed over the steps.
-double paint_dabs(Canvas& canvas, Brush& brush, std::span<const Dab> dabs, std::uint64_t seed,
-                  StepScratch& scratch);
-
 }  // namespace tangi

@@ -1,5 +1,6 @@
 // paint_stroke_test.cpp: the laws of strokes: conservation, mixing, streaks, rotation, sameness on all
 // threads.
+#include "paint/dabs.h"
 #include "paint/stroke.h"
 
 #include <gmock/gmock.h>
