@@ -156,8 +156,13 @@ TEST(CliRetouch, OfATreatmentIsLogged) {
         return tangipaint(words);
     };
     ASSERT_TRUE(ended(run({"match", "--film-mm", "0.05"}, where), 0));
-    ASSERT_TRUE(
-        ended(tangipaint({"fill", treatment, "--class", "loss_to_ground", "--texture", "patches"}), 0));
+    // The painting is flat: there is room for a fill above it only.
+    const std::vector<std::string> fill = {"fill",           treatment,   "--class",
+                                           "loss_to_ground", "--texture", "patches"};
+    EXPECT_TRUE(ended(tangipaint(fill), 1, {"nothing to fill", "--offset-mm"}));
+    ASSERT_TRUE(ended(tangipaint({"fill", treatment, "--class", "loss_to_ground", "--texture", "patches",
+                                  "--offset-mm", "0.05"}),
+                      0));
     ASSERT_TRUE(ended(run({"retouch", "--inpainting", "patches"}, where), 0));
     ASSERT_TRUE(ended(tangipaint({"quality", "--treatment", treatment}), 0));
     EXPECT_EQ(names_in(loss.dir / "p.treatment" / "quality" / "1").size(), 8u);
