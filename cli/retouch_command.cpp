@@ -1,4 +1,5 @@
 // retouch_command.cpp: tangipaint retouch PAINTING.exr --mask MASK.png --mode MODE --out OUT.exr
+#include <algorithm>
 #include <filesystem>
 
 #include "cli/arguments.h"
@@ -44,6 +45,34 @@ std::string layer_name(const RetouchArguments& a, const Canvas& canvas) {
         if (std::none_of(dried.begin(), dried.end(), [&](const auto& d) { return d.name == name; }))
             return name;
     }
+}
+
+// A layer's mask is a file of its name, and later steps find the layer by it: no other layer, mask or class
+// of damage has it or had it.
+void require_new_name(const std::string& name, const Canvas& canvas,
+                      const std::optional<Treatment>& treatment) {
+    constexpr std::size_t longest = 80;
+    const bool odd = std::any_of(name.begin(), name.end(), [](char c) {
+        return c == '/' || c == '\\' || static_cast<unsigned char>(c) < ' ' || c == 0x7f;
+    });
+    if (odd || name.size() > longest || name.front() == '.')
+        throw UsageError(fmt::format(
+            "--layer: a name is of 1 to {} bytes without slashes, and does not begin with a dot", longest));
+    const auto& dried = canvas.dried();
+    bool taken = std::any_of(dried.begin(), dried.end(), [&](const auto& d) { return d.name == name; });
+    if (treatment) {
+        const std::vector<std::string> masks = treatment->mask_names();
+        taken =
+            taken || damage_class_named(name) || std::find(masks.begin(), masks.end(), name) != masks.end();
+        for (const LogEntry& entry : treatment->log().entries())
+            if (entry.content.contains("layers"))
+                for (const nlohmann::json& layer : entry.content["layers"])
+                    taken = taken || layer.value("name", "") == name;
+    }
+    if (taken)
+        throw UsageError(fmt::format(
+            "--layer '{}': there is a layer, mask or class of damage of that name, or was; give another",
+            name));
 }
 
 // Where paint may lie.
@@ -93,6 +122,7 @@ nlohmann::json run_retouch(RetouchArguments a) {
     Mask spoilt = a.damaged.empty() ? Mask() : read_mask(a.damaged, canvas.width(), canvas.height());
     if (treatment) spoilt = spoilt.empty() ? damaged(*treatment) : united(spoilt, damaged(*treatment));
     const bool proposal = a.inpainting != "membrane";
+    if (!a.layer.empty()) require_new_name(a.layer, canvas, treatment);
     const std::string layer = treatment && a.layer.empty()
                                   ? treatment->new_layer_name(LayerRole::retouch, proposal)
                                   : layer_name(a, canvas);

@@ -166,6 +166,13 @@ TEST(CliRetouch, OfATreatmentIsLogged) {
     ASSERT_TRUE(ended(run({"retouch", "--inpainting", "patches"}, where), 0));
     ASSERT_TRUE(ended(tangipaint({"quality", "--treatment", treatment}), 0));
     EXPECT_EQ(names_in(loss.dir / "p.treatment" / "quality" / "1").size(), 8u);
+    // A name that something has would write over it.
+    const std::string before = bytes_of(treatment + "/masks/loss_to_ground.png");
+    for (const char* name : {"proposal fill 1", "loss_to_ground", "abrasion", "../../evil", ".", "a\nb"})
+        EXPECT_TRUE(ended(run({"retouch", "--layer", name}, where), 2, {"--layer"})) << name;
+    EXPECT_TRUE(ended(run({"retouch", "--layer", std::string(300, 'x')}, where), 2, {"--layer"}));
+    EXPECT_EQ(bytes_of(treatment + "/masks/loss_to_ground.png"), before);
+    ASSERT_TRUE(ended(tangipaint({"treatment", "check", treatment}), 0));
     // What was made up is never silent.
     const nlohmann::json status = tangipaint({"treatment", "status", treatment}).json();
     EXPECT_EQ(status["layers"][0]["name"], "proposal fill 1");

@@ -15,7 +15,8 @@ constexpr const char* kPrintStyle =
     "--line:#bbb}body{font-size:10pt}main{padding:0;max-width:none}h2{break-after:avoid}figure,tr{"
     "break-inside:avoid}.wide{overflow:visible}td{white-space:normal;overflow-wrap:anywhere}}figure img{"
     "max-width:100%;height:auto}td.text,th.text{text-align:left;"
-    "white-space:normal;overflow-wrap:anywhere;vertical-align:top}</style>";
+    "white-space:normal;overflow-wrap:anywhere;vertical-align:top}table.laid{table-layout:fixed;width:100%;"
+    "min-width:640px}</style>";
 
 std::string row(const std::vector<std::string>& cells, const char* tag, const std::string& key = "") {
     std::string text = "<tr>";
@@ -42,15 +43,26 @@ struct Writer {
         return (t.soft ? "<p class=\"soft\">" : "<p>") + escaped(t.text) + "</p>";
     }
     std::string operator()(const ReportTable& t) const {
-        std::string html = "<div class=\"wide\"><table>";
+        if (t.rows.empty()) return "";
+        // Widths are the document's: left to itself a browser breaks the words of narrow columns letter by
+        // letter.
+        double all = 0;
+        for (const double width : t.widths) all += width;
+        std::string html =
+            all > 0 ? "<div class=\"wide\"><table class=\"laid\"><colgroup>" : "<div class=\"wide\"><table>";
+        for (const double width : t.widths)
+            html += fmt::format("<col style=\"width:{:.1f}%\">", 100 * width / all);
+        if (all > 0) html += "</colgroup>";
         if (!t.head.empty()) html += row(t.head, "th");
         for (std::size_t i = 0; i < t.rows.size(); ++i)
             html += row(t.rows[i], "td", i < t.keys.size() ? key_of(t.keys[i]) : "");
         return html + "</table></div>";
     }
     std::string operator()(const ReportPictures& p) const {
-        const int most = 1100 / std::max(static_cast<int>(p.pictures.size()), 2);
-        std::string html = "<div class=\"row\">";
+        const int columns = std::max(static_cast<int>(p.pictures.size()), 2), most = 1100 / columns;
+        std::string html = fmt::format(
+            "<div class=\"row\" style=\"display:grid;grid-template-columns:repeat({},minmax(0,1fr))\">",
+            columns);
         for (const auto& [picture, caption] : p.pictures)
             html += fmt::format(
                 "<figure class=\"card\"><img alt=\"{0}\" width=\"{1}\" src=\"{2}\"><figcaption>{0}"

@@ -26,7 +26,11 @@ std::string kept_mask(const std::string& name, int line) {
 // Layers as they lie on the canvas, with the roles that the treatment or the step gives them.
 json layers_on(const Canvas& canvas, const Treatment& treatment, const TreatmentStep& step) {
     std::vector<TreatmentLayer> all = treatment.layers();
-    for (const auto& [name, role] : step.added) all.push_back({name, role, {}});
+    for (const auto& [name, role] : step.added) {
+        if (std::any_of(all.begin(), all.end(), [&](const TreatmentLayer& l) { return l.name == name; }))
+            fail("{}: there is a layer '{}' already; give another name", treatment.folder().string(), name);
+        all.push_back({name, role, {}});
+    }
     json layers = json::array();
     for (const DriedLayer& layer : canvas.dried()) {
         const auto about = std::find_if(all.begin(), all.end(),
