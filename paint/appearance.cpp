@@ -138,6 +138,14 @@ Slope slope_below(const Surface& dry, int x, int y, float levelling_mm) {
             of_height.y + through * (measured.y - of_height.y)};
 }
 
+// Paint that levels at a pixel or, where there is none, beside it: the edge of a fill ends the step down into
+// the loss, which the height has and the measured normal has not.
+float levelled_at(const Thickness& level, int x, int y, const Region& canvas) {
+    if (level(x, y) > 0) return level(x, y);
+    return std::max({level(std::max(x - 1, canvas.x0), y), level(std::min(x + 1, canvas.x1 - 1), y),
+                     level(x, std::max(y - 1, canvas.y0)), level(x, std::min(y + 1, canvas.y1 - 1))});
+}
+
 // A surface that shows a part of the canvas.
 struct Shown {
     Surface& surface;
@@ -163,7 +171,7 @@ void update_normals(const Canvas& canvas, const std::vector<const PaintLayer*>& 
             Vec3& normal = shown.at(&Surface::normal, x, y);
             normal = dry.normal(x, y);
             if (added.x == 0 && added.y == 0 && !(level(x, y) > 0)) continue;
-            const Slope below = slope_below(dry, x, y, level(x, y));
+            const Slope below = slope_below(dry, x, y, levelled_at(level, x, y, canvas.region()));
             normal = normal_of({below.x + added.x, below.y + added.y});
         }
 }
