@@ -7,6 +7,7 @@
 #include "paint/retouch/juxtaposition.h"
 #include "paint/retouch/modes.h"
 #include "paint/retouch/pigment_pairs.h"
+#include "paint/retouch/recipe_json.h"
 #include "paint/retouch/treatment.h"
 #include "paint/retouch/viewing.h"
 #include "tests/test_support.h"
@@ -264,6 +265,26 @@ TEST(PigmentPairs, AreFoundByNameAndColourIndex) {
     EXPECT_TRUE(is_named(numbered, {"PB30"}));
     EXPECT_FALSE(is_named(numbered, {"PB3"})) << "whole words only";
     EXPECT_TRUE(pairs_to_avoid(artist_acrylics().paints, usual_pigment_pairs()).empty());
+}
+
+TEST(PigmentPairs, WordsOfAPalettesCommonSourceNameNoPaint) {
+    const std::vector<PigmentPair> pairs = parse_pigment_pairs(
+        R"({"format": "tangipaint pigment pairs", "version": 1,
+            "pairs": [{"first": ["azurite"], "second": ["masstones"]}]})",
+        "my.json");
+    Pigment copper, other, own;
+    copper.name = "Azurite", other.name = "Chalk", own.name = "Old tube";
+    copper.source = other.source = "K and S from masstones and tints";
+    own.source = "masstones, 1911";
+    const std::vector<Pigment> paints = {copper, other, own};
+    const auto found = pairs_to_avoid(paints, pairs);
+    ASSERT_EQ(found.size(), 1u);
+    EXPECT_EQ(found[0].b, 2);
+    Mixture both;
+    both.count = 2, both.paints = {0, 2}, both.volumes = {0.5, 0.5};
+    const nlohmann::json said = warnings_of(both, paints, found);
+    ASSERT_GE(said.size(), 1u);
+    EXPECT_EQ(said[0], "Azurite with Old tube is a pair of the list to be avoided");
 }
 
 TEST(PigmentPairs, AreReadAsTheyWereWritten) {

@@ -181,6 +181,13 @@ void find_glosses(const Surroundings& around, const MaskRegions& parts, Loss& lo
             loss.glosses.push_back(*own);
         }
     }
+    loss.gloss_parts.resize(loss.glosses.size());
+    for (const std::size_t i : order) {
+        if (of_part[i] >= loss.glosses.size()) continue;  // there is none at all
+        const Region& box = parts.regions[i].box;
+        loss.gloss_parts[of_part[i]].push_back({box.x0 + loss.region.x0, box.y0 + loss.region.y0,
+                                                box.x1 + loss.region.x0, box.y1 + loss.region.y0});
+    }
     loss.gloss = Image<unsigned char>(loss.mask.width(), loss.mask.height());
     for (std::size_t i = 0; i < loss.gloss.size(); ++i)
         if (const int number = parts.number.pixels()[i]; number > 0)

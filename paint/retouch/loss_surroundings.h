@@ -23,6 +23,7 @@ struct Loss {
     // mask. A part beside which nothing was measured has the first.
     std::vector<Gloss> glosses;
     Image<unsigned char> gloss;
+    std::vector<std::vector<Region>> gloss_parts;  // of each gloss, largest first; in the canvas
 };
 
 // Memory is that of the region, for two colours and a mask a pixel. Throws Error where the mask is empty, or

@@ -298,7 +298,8 @@ RetouchReport lay_retouch(Canvas& canvas, const Palette& palette, const Mask& ma
     const int cell =
         lines ? static_cast<int>(kFusedPitches * std::round(result.pitch_mm / loss.mm_per_pixel)) : 1;
     FusedDifference difference(loss.mask, cell);
-    for (const Gloss& wanted : loss.glosses) result.glosses.push_back({wanted, {0, 0, 0}, 0});
+    for (std::size_t i = 0; i < loss.glosses.size(); ++i)
+        result.glosses.push_back({loss.glosses[i], {0, 0, 0}, 0, loss.gloss_parts[i]});
     for (int y = 0; y < loss.mask.height(); ++y)
         for (int x = 0; x < loss.mask.width(); ++x) {
             const float covered = loss.mask(x, y);

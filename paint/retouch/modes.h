@@ -79,6 +79,7 @@ struct RetouchGloss {
     Gloss wanted;    // beside the loss
     Gloss of_paint;  // of the paints by themselves, by volume
     double area_mm2 = 0;
+    std::vector<Region> parts{};  // of the mask that are brought to it, largest first; in the canvas
 };
 
 struct RetouchReport {

@@ -1,6 +1,7 @@
 #include "paint/retouch/pigment_pairs.h"
 
 #include <algorithm>
+#include <map>
 #include <nlohmann/json.hpp>
 
 #include "paint/retouch/pigment_pairs_json.h"
@@ -103,8 +104,8 @@ const std::vector<PigmentPair>& usual_pigment_pairs() {
     return pairs;
 }
 
-bool is_named(const Pigment& paint, const std::vector<std::string>& words) {
-    const std::string name = plain(paint.name), source = plain(paint.source);
+bool is_named(const Pigment& paint, const std::vector<std::string>& words, bool by_source) {
+    const std::string name = plain(paint.name), source = by_source ? plain(paint.source) : " ";
     return std::any_of(words.begin(), words.end(), [&](const std::string& word) {
         const std::string wanted = plain(word);
         return name.find(wanted) != std::string::npos || source.find(wanted) != std::string::npos;
@@ -113,13 +114,20 @@ bool is_named(const Pigment& paint, const std::vector<std::string>& words) {
 
 std::vector<PairWarning> pairs_to_avoid(const std::vector<Pigment>& paints,
                                         const std::vector<PigmentPair>& pairs) {
+    // A source that several paints share is their palette's, and names none of them.
+    std::map<std::string_view, int> of_source;
+    for (const Pigment& paint : paints) ++of_source[paint.source];
+    const auto named = [&](int i, const std::vector<std::string>& words) {
+        const Pigment& paint = paints[static_cast<std::size_t>(i)];
+        return is_named(paint, words, of_source[paint.source] == 1);
+    };
     std::vector<PairWarning> warnings;
+    const int count = static_cast<int>(paints.size());
     for (const PigmentPair& pair : pairs)
-        for (int a = 0; a < static_cast<int>(paints.size()); ++a) {
-            if (!is_named(paints[static_cast<std::size_t>(a)], pair.first)) continue;
-            for (int b = 0; b < static_cast<int>(paints.size()); ++b)
-                if (a != b && is_named(paints[static_cast<std::size_t>(b)], pair.second))
-                    warnings.push_back({a, b, &pair});
+        for (int a = 0; a < count; ++a) {
+            if (!named(a, pair.first)) continue;
+            for (int b = 0; b < count; ++b)
+                if (a != b && named(b, pair.second)) warnings.push_back({a, b, &pair});
         }
     return warnings;
 }

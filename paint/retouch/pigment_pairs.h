@@ -1,8 +1,8 @@
 // pigment_pairs.h: pigments that practice keeps apart, as a list that the user can edit.
 //
 // JSON: {"format": "tangipaint pigment pairs", "version": 1, "pairs": [{"first": ["azurite", "PB30"],
-// "second": ["cadmium"], "why": "…", "source": "…"}]}. Words are looked for in the names and sources of
-// paints, in any case, whole words only; "PB30" finds "P.B. 30" too.
+// "second": ["cadmium"], "why": "…", "source": "…"}]}. Words are looked for in the names of paints,
+// and in a source that is one paint's own, in any case, whole words only; "PB30" finds "P.B. 30" too.
 #pragma once
 
 #include <filesystem>
@@ -36,7 +36,7 @@ struct PairWarning {
 std::vector<PairWarning> pairs_to_avoid(const std::vector<Pigment>& paints,
                                         const std::vector<PigmentPair>& pairs);
 
-// True where one of the words occurs in the paint's name or source.
-bool is_named(const Pigment& paint, const std::vector<std::string>& words);
+// True where one of the words occurs in the paint's name or, by choice, in its source.
+bool is_named(const Pigment& paint, const std::vector<std::string>& words, bool by_source = true);
 
 }  // namespace tangi

@@ -6,6 +6,10 @@
 
 namespace tangi {
 
+namespace {
+constexpr std::size_t kGlossBoxes = 24;  // parts of a retouch that are named, the largest
+}
+
 nlohmann::json by_lamp(const std::array<double, kIlluminants>& values) {
     nlohmann::json json = nlohmann::json::object();
     for (std::size_t lamp = 0; lamp < kIlluminants; ++lamp)
@@ -34,8 +38,10 @@ nlohmann::json warnings_of(const Mixture& mixture, const std::vector<Pigment>& p
     for (const PairWarning& w : pairs) {
         if (std::find(begin, end, w.a) == end || std::find(begin, end, w.b) == end) continue;
         const std::string text =
-            fmt::format("{} with {}: {} ({})", paints[static_cast<std::size_t>(w.a)].name,
-                        paints[static_cast<std::size_t>(w.b)].name, w.pair->why, w.pair->source);
+            fmt::format("{} with {}{}{}", paints[static_cast<std::size_t>(w.a)].name,
+                        paints[static_cast<std::size_t>(w.b)].name,
+                        w.pair->why.empty() ? " is a pair of the list to be avoided" : ": " + w.pair->why,
+                        w.pair->source.empty() ? "" : " (" + w.pair->source + ")");
         if (said.insert(text).second) texts.push_back(text);
     }
     for (auto it = begin; it != end; ++it)
@@ -61,13 +67,19 @@ nlohmann::json to_json(const RetouchReport& report, const std::vector<Pigment>& 
                            {"area_mm2", report.area_mm2},
                            {"painted_mm2", report.painted_mm2},
                            {"delta_e_2000_from_target", by_lamp(report.delta_e_mean)}};
-    for (const RetouchGloss& gloss : report.glosses)
+    for (const RetouchGloss& gloss : report.glosses) {
+        nlohmann::json boxes = nlohmann::json::array();
+        for (const Region& part : gloss.parts)
+            if (boxes.size() < kGlossBoxes) boxes.push_back({part.x0, part.y0, part.x1, part.y1});
         json["gloss"].push_back(
             {{"specular", gloss.wanted.specular},
              {"roughness", gloss.wanted.roughness},
              {"area_mm2", gloss.area_mm2},
+             {"parts", gloss.parts.size()},
+             {"boxes_px", std::move(boxes)},
              {"of_paints", {{"specular", gloss.of_paint.specular}, {"roughness", gloss.of_paint.roughness}}},
              {"remedy", name_of(remedy_for(gloss.of_paint, gloss.wanted))}});
+    }
     if (report.marks > 0)
         json["lines"] = {
             {"number", report.marks}, {"pitch_mm", report.pitch_mm}, {"width_mm", report.width_mm}};
