@@ -12,6 +12,7 @@
 
 #include "capture/raw_file.h"
 #include "cli/command.h"
+#include "paint/retouch/treatment_folder.h"
 #include "surface/error.h"
 
 namespace tangi {
@@ -235,8 +236,15 @@ nlohmann::json PhotosArguments::as_json() const {
             {"raw_colour", develop.raw_colour}};
 }
 
+void refuse_in_treatment(const std::filesystem::path& output) {
+    if (const auto treatment = treatment_that_keeps(output))
+        fail("{}: is a file that the treatment {} keeps by its log; choose another name or folder",
+             output.string(), treatment->string());
+}
+
 void refuse_to_overwrite(const std::filesystem::path& output,
                          const std::vector<std::filesystem::path>& inputs) {
+    refuse_in_treatment(output);
     std::error_code missing;  // what is not there cannot be lost
     for (const std::filesystem::path& input : inputs)
         if (std::filesystem::equivalent(output, input, missing))
@@ -253,6 +261,7 @@ void refuse_typed(const std::vector<std::string>& typed, std::initializer_list<s
 
 void require_writable_folder(const std::filesystem::path& folder) {
     namespace fs = std::filesystem;
+    refuse_in_treatment(folder);
     fs::path there = fs::absolute(folder);
     while (!fs::exists(there) && there.has_relative_path()) there = there.parent_path();
     if (fs::is_directory(there) && ::access(there.c_str(), W_OK | X_OK) != 0)

@@ -33,13 +33,6 @@ struct DamageArguments {
     AreaOptions areas;
 };
 
-nlohmann::json to_json(const CraquelureMeasure& m) {
-    return {{"length_mm", m.length_mm},
-            {"width_mm", m.width_mm},
-            {"density_cm_per_cm2", m.density_per_cm},
-            {"pieces", m.pieces}};
-}
-
 nlohmann::json to_json(const std::vector<SuggestedArea>& areas) {
     nlohmann::json all = nlohmann::json::array();
     for (const SuggestedArea& area : areas)
@@ -72,7 +65,7 @@ nlohmann::json suggest(Treatment& treatment, const DamageArguments& a, const Pro
         const CraquelureSuggestion cracks = suggest_craquelure(surface, mm, a.craquelure, progress);
         step.parameters["options"] = to_json(a.craquelure);
         keep(a.as.empty() ? "craquelure" : a.as, cracks);
-        step.results["measured"] = to_json(cracks.measure);
+        step.results["measured"] = as_stated(cracks.measure, mm, treatment.scale_known());
     } else if (const auto damage = damage_class_named(a.suggest)) {
         const AreaSuggestion areas = suggest_areas(surface, mm, *damage, a.areas, progress);
         step.parameters["options"] = to_json(a.areas);
@@ -97,6 +90,7 @@ nlohmann::json suggest(Treatment& treatment, const DamageArguments& a, const Pro
                                {"specular_ratio", p.specular_ratio}});
         step.results["patches"] = patches;
     }
+    step.results = in_known_units(step.results, treatment);
     const nlohmann::json result = step.results;
     treatment.record(step, a.author.author(), progress);
     return result;
@@ -153,6 +147,7 @@ nlohmann::json run_damage(const DamageArguments& a) {
         fs::exists(fs::path(a.treatment) / "log.jsonl")
             ? open_treatment(a.treatment)
             : Treatment::begin(a.treatment, a.painting, a.author.author(), a.mm_per_pixel, progress);
+    require_its_scale(treatment, a.mm_per_pixel);
     if (sha256_of(read_painting(a.painting, progress)) != treatment.dry_sha256())
         fail("{}: is not the painting that {} began with", a.painting, a.treatment);
     nlohmann::json result = {{"treatment", a.treatment}};
@@ -161,7 +156,8 @@ nlohmann::json run_damage(const DamageArguments& a) {
     result["damage"] = damage_table(treatment);
     if (treatment.has_mask(DamageClass::craquelure))
         result["craquelure"] =
-            to_json(measure_lines(treatment.mask(DamageClass::craquelure), treatment.mm_per_pixel()));
+            as_stated(measure_lines(treatment.mask(DamageClass::craquelure), treatment.mm_per_pixel()),
+                      treatment.mm_per_pixel(), treatment.scale_known());
     if (!treatment.scale_known())
         result["warnings"] =
             told({"the painting's scale is unknown: a pixel counts as one mm; begin with "

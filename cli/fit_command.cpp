@@ -153,6 +153,8 @@ nlohmann::json run_fit(FitArguments arguments, const Progress& progress) {
     if (lower_extension(arguments.out) != ".exr") fail("--out {}: a painting is an .exr file", arguments.out);
     if (!arguments.report.empty() && lower_extension(arguments.report) != ".html")
         throw UsageError(fmt::format("--report {}: a page is an .html file", arguments.report));
+    for (const std::string& output : {arguments.out, arguments.report})
+        if (!output.empty()) refuse_in_treatment(output);
     AtomicFile file(arguments.out);  // before the work: an output that can't be written is known now
     std::optional<AtomicFile> page;
     if (!arguments.report.empty()) page.emplace(arguments.report);

@@ -11,6 +11,7 @@
 #include "paint/appearance.h"
 #include "paint/canvas_file.h"
 #include "paint/retouch/quality.h"
+#include "paint/retouch/treatment_area.h"
 #include "surface/atomic_folder.h"
 #include "surface/error.h"
 #include "surface/picture_file.h"
@@ -129,7 +130,8 @@ nlohmann::json run_quality(const QualityArguments& a) {
     require_sound(a);
     const Progress progress = console_progress();
     std::optional<Treatment> treatment;
-    if (!a.treatment.empty()) treatment = open_treatment(a.treatment);
+    if (!a.treatment.empty())
+        treatment = open_treatment(a.treatment), require_its_scale(*treatment, a.mm_per_pixel);
     Canvas canvas =
         treatment ? treatment->read_canvas(progress) : read_canvas(a.painting, progress, a.mm_per_pixel);
     Mask spoilt = a.damaged.empty() ? Mask() : read_mask(a.damaged, canvas.width(), canvas.height());
@@ -143,6 +145,9 @@ nlohmann::json run_quality(const QualityArguments& a) {
     }
     QualityReport report = quality_of(canvas, mask, spoilt, lamps, a.options, progress);
     mask = spoilt = Mask();
+    const double mm_per_pixel = canvas.mm_per_pixel();
+    const bool scale_known =
+        treatment ? treatment->scale_known() : canvas.dry().scale_known || a.mm_per_pixel;
     const std::string within = treatment ? new_folder(*treatment) : "";
     const fs::path folder = treatment ? treatment->folder() / within : fs::path(a.out);
     FolderFiles written(folder);  // all of them, or none
@@ -157,7 +162,8 @@ nlohmann::json run_quality(const QualityArguments& a) {
             sum += q.area_mm2 * q.delta_e[static_cast<std::size_t>(lamp)], area += q.area_mm2;
         mean[std::string(name_of(lamp))] = sum / area;
     }
-    nlohmann::json result = {{"delta_e_2000", mean}, {"regions", regions}};
+    const nlohmann::json result_in_mm = {{"delta_e_2000", mean}, {"regions", regions}};
+    nlohmann::json result = in_known_units(result_in_mm, mm_per_pixel, scale_known);
     nlohmann::json raking = nlohmann::json::array();
     for (const auto& [name, unused] : kRaking) raking.push_back((folder / raking_picture(name)).string());
     if (treatment) {

@@ -9,7 +9,7 @@
 #include "paint/appearance_part.h"
 #include "paint/canvas_file.h"
 #include "paint/retouch/modes.h"
-#include "paint/retouch/treatment.h"
+#include "paint/retouch/treatment_area.h"
 #include "paint/retouch/viewing.h"
 #include "surface/error.h"
 #include "surface/picture_file.h"
@@ -114,7 +114,7 @@ nlohmann::json run_retouch(RetouchArguments a) {
     if (a.treatment.empty())
         out.emplace(a.out);  // that it can be written is known before the work
     else
-        treatment = open_treatment(a.treatment);
+        treatment = open_treatment(a.treatment), require_its_scale(*treatment, a.mm_per_pixel);
     Canvas canvas =
         treatment ? treatment->read_canvas(progress) : read_canvas(a.painting, progress, a.mm_per_pixel);
     const std::string hash = sha256_of(canvas.dry());
@@ -129,13 +129,25 @@ nlohmann::json run_retouch(RetouchArguments a) {
     const RetouchReport report = lay_retouch(canvas, box.palette, mask, spoilt, *retouch_mode_named(a.mode),
                                              layer, a.options, progress);
     const RetouchViews views = retouch_views(diffuse_in(canvas, canvas.region()), mask, report);
-    nlohmann::json result = to_json(report, box.palette.paints, box.warnings);
+    const double mm = canvas.mm_per_pixel();
+    const bool scale_known =
+        treatment ? treatment->scale_known() : canvas.dry().scale_known || a.mm_per_pixel;
+    nlohmann::json result =
+        in_known_units(to_json(report, box.palette.paints, box.warnings), mm, scale_known);
     result["mode"] = a.mode, result["layer"] = layer, result["dry_sha256"] = hash;
-    result["on_original"] = to_json(on_original(canvas.dried().back().paint, mask, canvas.mm_per_pixel()));
+    if (treatment)
+        count_beside(result, *treatment, canvas.dried().back(), mask);
+    else
+        result["on_original"] =
+            in_known_units(to_json(on_original(canvas.dried().back().paint, mask, mm)), mm, scale_known);
     if (report.marks > 0)
-        result["lines"].update(
-            to_json(fusion_of(views.retouched, views.target, views.mask,
-                              report.pitch_mm / canvas.mm_per_pixel(), canvas.mm_per_pixel(), a.viewing)));
+        result["lines"].update(to_json(
+            fusion_of(views.retouched, views.target, views.mask, report.pitch_mm / mm, mm, a.viewing)));
+    if (!scale_known && (report.marks > 0 || !a.preview.empty()))
+        result["warnings"].push_back(
+            "the painting's scale is unknown: widths, and the distance that a retouch is seen from, take a "
+            "pixel for one mm");
+    if (result.contains("warnings")) told(result["warnings"].get<std::vector<std::string>>());
     for (const Illuminant lamp : a.options.match.lamps)
         if (const double off = report.delta_e_mean[static_cast<std::size_t>(lamp)]; off > kPoor)
             result["poor"].push_back(

@@ -1,6 +1,7 @@
 #include "cli/treatment_arguments.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 
 #include "cli/arguments.h"
@@ -88,6 +89,17 @@ Treatment open_treatment(const std::string& folder) {
     Treatment treatment = Treatment::open(folder);
     for (const std::string& warning : treatment.log().warnings()) warn(warning);
     return treatment;
+}
+
+void require_its_scale(const Treatment& treatment, const std::optional<double>& mm_per_pixel) {
+    if (!mm_per_pixel) return;
+    const bool same = std::abs(*mm_per_pixel / treatment.mm_per_pixel() - 1) < 1e-6;
+    if (same && treatment.scale_known()) return;
+    throw UsageError(fmt::format(
+        "--mm-per-pixel {}: {} began with {}, and keeps that, so that its log stays true; begin another "
+        "treatment with the right scale",
+        *mm_per_pixel, treatment.folder().string(),
+        treatment.scale_known() ? fmt::format("{:.6g} mm a pixel", treatment.mm_per_pixel()) : "no scale"));
 }
 
 }  // namespace tangi

@@ -39,5 +39,7 @@ Polygon parse_polygon(const std::string& text, const Treatment& treatment);
 
 // Opens it and prints its warnings.
 Treatment open_treatment(const std::string& folder);
+// Throws UsageError where a scale is typed that is not the one that the treatment began with.
+void require_its_scale(const Treatment& treatment, const std::optional<double>& mm_per_pixel);
 
 }  // namespace tangi

@@ -1,9 +1,14 @@
 // treatment_command.cpp: tangipaint treatment ACTION DIR: what there is, checked, painted, taken off, shown,
 // reported.
+#include <algorithm>
+#include <cctype>
+#include <functional>
+
 #include "cli/arguments.h"
 #include "cli/command_list.h"
 #include "cli/treatment_arguments.h"
 #include "paint/appearance.h"
+#include "paint/retouch/treatment_area.h"
 #include "paint/retouch/treatment_picture.h"
 #include "paint/retouch/treatment_report.h"
 #include "paint/session.h"
@@ -27,6 +32,7 @@ struct TreatmentArguments {
     std::optional<double> mm_per_pixel;
     AreaArguments area;
     AuthorArguments author;
+    std::function<std::vector<std::string>()> typed;  // flags of the command
 };
 
 void require(const std::string& value, const char* flag, const std::string& action) {
@@ -63,6 +69,10 @@ json check(const Treatment& treatment, const Progress& progress) {
              faults.size(), faults.front());
     json result = status(treatment);
     result["checked"] = true;
+    std::vector<std::string> unlogged = treatment.unlogged(treatment.read_canvas(progress));
+    for (std::string& what : unlogged)
+        what += fmt::format("; tangipaint treatment retouch {} takes it in", treatment.folder().string());
+    if (!unlogged.empty()) result["warnings"] = told(unlogged);
     return result;
 }
 
@@ -90,9 +100,12 @@ json retouch(Treatment& treatment, const TreatmentArguments& a, const Progress& 
         step.inputs.emplace_back(a.strokes);
         step.files[journal_file(treatment)] = read_text_file(a.strokes);
     }
-    return retouch_step(treatment, canvas, area, std::move(step),
-                        a.strokes.empty() ? treatment.painting().string() : a.strokes, a.author.author(),
-                        progress);
+    const std::size_t before = step.results.contains("warnings") ? step.results["warnings"].size() : 0;
+    json result = retouch_step(treatment, canvas, area, std::move(step),
+                               a.strokes.empty() ? treatment.painting().string() : a.strokes,
+                               a.author.author(), progress);
+    if (result.contains("warnings")) told(result["warnings"].get<std::vector<std::string>>(), before);
+    return result;
 }
 
 json remove(Treatment& treatment, const TreatmentArguments& a, const Progress& progress) {
@@ -120,40 +133,77 @@ json undo(Treatment& treatment, const TreatmentArguments& a, const Progress& pro
 
 json show(const Treatment& treatment, const TreatmentArguments& a, const Progress& progress) {
     const auto state = treatment_state_named(a.state);
+    const Vec3 light = parse_direction(a.light, "--light");
+    if (!(light.z > 0))
+        throw UsageError(
+            fmt::format("--light {}: comes from behind the painting; z points to the viewer", a.light));
     Surface surface;
     {
         const Canvas canvas = treatment.read_canvas(progress);
         surface = surface_in_state(treatment, canvas, *state, progress);
     }
-    write_picture_8bit(a.out,
-                       look_of(surface, distant_light(parse_direction(a.light, "--light")), 0, progress));
+    write_picture_8bit(a.out, look_of(surface, distant_light(light), 0, progress));
     return {{"picture", a.out}, {"state", a.state}};
 }
 
 json show_additions(const Treatment& treatment, const TreatmentArguments& a, const Progress& progress) {
     const Canvas canvas = treatment.read_canvas(progress);
-    Mask belongs(treatment.width(), treatment.height());
-    for (const DamageClass damage : kDamageClasses)
-        if (treatment.has_mask(damage)) belongs = united(belongs, treatment.mask(damage));
+    const Mask belongs = mapped_damage(treatment);
     write_picture_8bit(a.out, additions_picture(canvas, treatment.layers(), belongs));
     json layers = json::object();
     for (const DriedLayer& layer : canvas.dried())
-        layers[layer.name] = to_json(on_original(layer.paint, belongs, treatment.mm_per_pixel()));
+        layers[layer.name] =
+            in_known_units(to_json(on_original(layer.paint, belongs, treatment.mm_per_pixel())), treatment);
     return {{"picture", a.out}, {"on_original", layers}};
 }
 
 // Where files are published, with the stroke that their names follow.
 std::string address_of(std::string url) {
     if (url.empty()) return url;
-    if (url.rfind("https://", 0) != 0 && url.rfind("http://", 0) != 0)
+    const auto refuse = [&](std::string_view why) {
         throw UsageError(
-            fmt::format("--published-at {}: give the address of a folder: https://museum.example/42/", url));
+            fmt::format("--published-at {}: {}; give the address of a folder: "
+                        "https://museum.example/42/",
+                        url, why));
+    };
+    const std::size_t slashes = url.find("://");
+    std::string scheme = url.substr(0, slashes == std::string::npos ? 0 : slashes);
+    for (char& c : scheme) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    if (scheme != "https" && scheme != "http") refuse("does not begin with https:// or http://");
+    const std::size_t host = slashes + 3;
+    if (host >= url.size() || !std::isalnum(static_cast<unsigned char>(url[host]))) refuse("names no host");
+    for (const char c : url)
+        if (c <= ' ' || c >= 0x7f || std::string_view("?#\"'<>\\^`{|}").find(c) != std::string_view::npos)
+            refuse("has a letter that no folder's address has (write it as %XX)");
+    url.replace(0, slashes, scheme);
     if (!url.ends_with('/')) url += '/';
     return url;
 }
 
+// Flags that this action has no use for.
+void refuse_useless(const TreatmentArguments& a) {
+    struct Use {
+        std::initializer_list<std::string_view> flags, actions;
+        const char* of;
+    };
+    const Use uses[] = {{{"--painting"}, {"begin", "earlier"}, "begin and earlier"},
+                        {{"--mm-per-pixel"}, {"begin"}, "begin"},
+                        {{"--strokes", "--palette", "--class", "--mask", "--polygon", "--feather-mm"},
+                         {"retouch"},
+                         "retouch"},
+                        {{"--layer", "--all"}, {"remove"}, "remove"},
+                        {{"--state", "--light"}, {"show"}, "show"},
+                        {{"--out"}, {"show", "additions", "report"}, "show, additions and report"},
+                        {{"--published-at"}, {"report"}, "report"}};
+    for (const Use& use : uses)
+        if (std::find(use.actions.begin(), use.actions.end(), a.action) == use.actions.end())
+            refuse_typed(a.typed(), use.flags,
+                         fmt::format("is of {}; {} has no use for it", use.of, a.action));
+}
+
 json run_treatment(const TreatmentArguments& a) {
     const Progress progress = console_progress();
+    refuse_useless(a);
     if (a.action == "begin") {
         require(a.painting, "--painting P.exr", a.action);
         return status(Treatment::begin(a.folder, a.painting, a.author.author(), a.mm_per_pixel, progress));
@@ -227,6 +277,7 @@ Command treatment_command() {
                          "report: address (https://…/) that its files will have, for the IIIF manifest and "
                          "the annotations");
             a->author.add_to(flags);
+            a->typed = flags.typed();
             return [a] { return run_treatment(*a); };
         }};
 }

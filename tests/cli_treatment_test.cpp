@@ -1,5 +1,6 @@
 // cli_treatment_test.cpp: a treatment step by step by commands, and what they refuse.
 #include "cli_program.h"
+#include "surface/atomic_file.h"
 #include "surface/picture_file.h"
 
 namespace tangi {
@@ -170,6 +171,58 @@ TEST_F(CliTreatment, EmptyMasksAndFoldersWithoutANameAreRefused) {
                       {"mask is empty"}));
     EXPECT_TRUE(ended(tangipaint({"damage", stack_.truth(), "--treatment", ""}), 2, {"--treatment"}));
     EXPECT_EQ(tangipaint({"treatment", "status", treatment()}).json()["log_lines"], 3);
+}
+
+TEST_F(CliTreatment, ItsOwnFilesAreNoOutputs) {
+    draw();
+    const std::string painting = treatment() + "/painting.exr",
+                      mask = treatment() + "/masks/loss_to_ground.png";
+    const std::string before = read_text_file(painting), masked = read_text_file(mask);
+    for (const std::vector<std::string>& command : std::vector<std::vector<std::string>>{
+             {"treatment", "show", treatment(), "--out", mask},
+             {"treatment", "additions", treatment(), "--out", treatment() + "/masks/new.png"},
+             {"damage", stack_.truth(), "--treatment", treatment(), "--legend", mask},
+             {"retouch", stack_.truth(), "--mask", mask, "--out", painting},
+             {"match", stack_.truth(), "--mask", mask, "--swatch", treatment() + "/quality/s.png"},
+             {"quality", stack_.truth(), "--mask", mask, "--out", treatment() + "/quality"},
+             {"relight", stack_.truth(), "--out", treatment() + "/strokes/r.png", "--light", "0,0,1"}})
+        EXPECT_TRUE(ended(tangipaint(command), 1, {"keeps by its log", "choose another"})) << command[0];
+    EXPECT_TRUE(read_text_file(painting) == before && read_text_file(mask) == masked);
+    EXPECT_TRUE(ended(tangipaint({"treatment", "check", treatment()}), 0));
+    EXPECT_TRUE(
+        ended(tangipaint({"treatment", "show", treatment(), "--out", treatment() + "/picture.png"}), 0));
+}
+
+TEST_F(CliTreatment, FlagsOfOtherActionsAndWrongAddressesAreRefused) {
+    draw();
+    const auto treat = [&](std::vector<std::string> words) {
+        words.insert(words.begin(), "treatment"), words.insert(words.begin() + 2, treatment());
+        return tangipaint(words);
+    };
+    EXPECT_TRUE(ended(treat({"check", "--state", "before"}), 2, {"--state", "is of show"}));
+    EXPECT_TRUE(ended(treat({"status", "--out", "x.png"}), 2, {"--out", "status"}));
+    EXPECT_TRUE(ended(treat({"remove", "--all", "--mask", "m.png"}), 2, {"--mask", "is of retouch"}));
+    EXPECT_TRUE(ended(treat({"show", "--light", "0,0,-1", "--out", stack_.out("x.png")}), 2,
+                      {"--light", "behind the painting"}));
+    for (const char* address : {"museum.example", "ftp://museum.example/", "https://", "https:///a/",
+                                "https://museum.example/?a=1", "https://museum.example/a b/"})
+        EXPECT_TRUE(ended(treat({"report", "--out", stack_.out("r.html"), "--published-at", address}), 2,
+                          {"--published-at", "museum.example/42/"}));
+    EXPECT_TRUE(ended(
+        treat({"report", "--out", stack_.out("r.html"), "--published-at", "HTTPS://museum.example/42"}), 0));
+    EXPECT_NE(read_text_file(stack_.out("r.manifest.json")).find("\"https://museum.example/42/"),
+              std::string::npos);
+}
+
+TEST_F(CliTreatment, KeepsItsScale) {
+    draw();
+    EXPECT_TRUE(ended(damage({"--mm-per-pixel", "0.9"}), 2, {"--mm-per-pixel 0.9", "begin another"}));
+    EXPECT_TRUE(ended(tangipaint({"retouch", "--treatment", treatment(), "--class", "loss_to_ground",
+                                  "--mm-per-pixel", "0.9"}),
+                      2, {"--mm-per-pixel 0.9"}));
+    EXPECT_TRUE(ended(tangipaint({"quality", "--treatment", treatment(), "--class", "loss_to_ground",
+                                  "--mm-per-pixel", "0.9"}),
+                      2, {"--mm-per-pixel 0.9"}));
 }
 
 TEST_F(CliTreatment, WhatMakesNoSenseIsRefused) {

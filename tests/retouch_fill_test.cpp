@@ -151,6 +151,35 @@ TEST(Fill, HasItsOwnColourAndShapeAndComesOffAgain) {
     EXPECT_EQ(sha256_of(appearance(canvas)), before);
 }
 
+// A pixel outside of a fill has the step down into the loss in its height, and not in the normal that was
+// measured: with the fill's edge it is level again.
+TEST(Fill, LeavesNoRimOfWrongNormalsRoundIt) {
+    const Mask loss = disc(60, 50, 15);
+    auto surface = flat_surface(kWidth, kHeight);
+    for (int y = 0; y < kHeight; ++y)
+        for (int x = 0; x < kWidth; ++x) surface->height_mm(x, y) = loss(x, y) > 0.5f ? -0.4f : 0.0f;
+    Canvas canvas(surface);
+    lay_fill(canvas, "fill 1", loss, {}, FillTexture::smooth, kChalk);
+    const Surface filled = appearance(canvas);
+    for (int y = 0; y < kHeight; ++y)
+        for (int x = 0; x < kWidth; ++x) ASSERT_GT(filled.normal(x, y).z, 0.999f) << x << ", " << y;
+}
+
+TEST(Fill, SaysWhereItFoundNoReliefToGoOnWith) {
+    Mask loss(kWidth, kHeight);
+    for (int y = 20; y < kHeight - 20; ++y)
+        for (int x = 20; x < kWidth - 20; ++x) loss(x, y) = 1;  // nothing near is as large
+    const auto flat = [](int, int) { return 0.0f; };
+    for (const FillTexture texture : {FillTexture::surroundings, FillTexture::weave}) {
+        Canvas canvas = with_loss(loss, flat);
+        EXPECT_EQ(lay_fill(canvas, "fill 1", loss, {}, texture, kChalk).smooth_regions, 1);
+    }
+    Canvas canvas = with_loss(disc(60, 50, 10), flat);
+    EXPECT_EQ(
+        lay_fill(canvas, "fill 1", disc(60, 50, 10), {}, FillTexture::surroundings, kChalk).smooth_regions,
+        0);
+}
+
 TEST(Fill, RefusesWhatCannotBeFilled) {
     Canvas canvas(flat_surface(kWidth, kHeight));
     EXPECT_THAT([&] { lay_fill(canvas, "f", Mask(kWidth, kHeight), {}, FillTexture::smooth, kChalk); },

@@ -101,6 +101,35 @@ TEST(Wand, GoesByColourHeightOrGloss) {
     EXPECT_THAT([&] { wand(s, 40, 3, WandBy::height, 1); }, ThrowsMessage<Error>(HasSubstr("(40, 3)")));
 }
 
+// What a step is told to cover may lie on original, and what is damaged reaches beyond it.
+TEST(TreatmentSteps, OnOriginalIsWhatLiesOutsideOfAllMappedDamage) {
+    const TestDir dir;
+    auto surface = flat_surface(96, 64);
+    for (int x = 20; x < 60; ++x)
+        for (int y = 20; y < 40; ++y) surface->height_mm(x, y) = -0.3f;
+    write_painting(dir / "a.exr", *surface);
+    const Author who{"A. Restorer", "test"};
+    Treatment treatment = Treatment::begin(dir / "a.treatment", dir / "a.exr", who);
+    const auto box = [](int x0, int x1) {
+        Mask mask(96, 64);
+        for (int y = 20; y < 40; ++y)
+            for (int x = x0; x < x1; ++x) mask(x, y) = 1;
+        return mask;
+    };
+    draw_step(treatment, DamageClass::loss_to_ground, box(20, 30), {{"edit", "by hand"}}, who);
+    draw_step(treatment, DamageClass::stain, box(30, 40), {{"edit", "by hand"}}, who);
+    const auto fill = [&](int x0, int x1) {
+        Canvas canvas = treatment.read_canvas();
+        return fill_step(treatment, canvas, {box(x0, x1)}, FillTexture::smooth, Rgb(0.8f), {}, who);
+    };
+    const auto within = fill(25, 38), beyond = fill(38, 50);
+    EXPECT_EQ(within["on_original"]["pixels"], 0);
+    EXPECT_FALSE(within.contains("warnings"));
+    EXPECT_EQ(beyond["on_original"]["pixels"], 10 * 20);
+    EXPECT_EQ(beyond["outside_area"]["pixels"], 0);
+    EXPECT_THAT(beyond["warnings"][0].get<std::string>(), HasSubstr("200 pixels of it lie on original"));
+}
+
 TEST(TreatmentSteps, WhatIsPaintedBesideTheAreaIsCountedAndLogged) {
     const TestDir dir;
     write_painting(dir / "a.exr", *flat_surface(96, 64));
@@ -124,6 +153,9 @@ TEST(TreatmentSteps, WhatIsPaintedBesideTheAreaIsCountedAndLogged) {
     stroke(canvas, brush, {-8, 0}, {8, 0});
     const auto result = retouch_step(treatment, canvas, area, {}, "the canvas", who);
     EXPECT_GT(result["retouches"][0]["on_original"]["pixels"].get<int>(), 100);
+    EXPECT_EQ(result["retouches"][0]["on_original"], result["retouches"][0]["outside_area"]);
+    ASSERT_EQ(result["warnings"].size(), 1u);
+    EXPECT_THAT(result["warnings"][0].get<std::string>(), HasSubstr("on original"));
     const Treatment again = Treatment::open(dir / "a.treatment");
     ASSERT_EQ(again.layers().size(), 1u);
     EXPECT_EQ(again.log().entries().back().content["results"], result);

@@ -8,7 +8,9 @@
 
 #include "paint/retouch/fill.h"
 #include "paint/retouch/report_document.h"
+#include "paint/retouch/treatment_area.h"
 #include "paint/retouch/treatment_picture.h"
+#include "paint/retouch/treatment_steps.h"
 #include "surface/atomic_file.h"
 #include "surface/error.h"
 #include "surface/painting_file.h"
@@ -46,6 +48,20 @@ protected:
 
     TestDir dir_;
 };
+
+TEST(StatedResults, WithoutAScaleAreInPixels) {
+    const nlohmann::json results = {{"deepest_mm", 0.5},
+                                    {"regions", {{{"area_mm2", 8}, {"height_step_mm", {{"rms", 0.1}}}}}},
+                                    {"volumes_mm3", {{"white", 16}}},
+                                    {"own", nullptr}};
+    EXPECT_EQ(in_known_units(results, 2, true), results);
+    const nlohmann::json expected = {{"deepest_px", 0.25},
+                                     {"regions", {{{"area_px", 2.0}, {"height_step_px", {{"rms", 0.05}}}}}},
+                                     {"volumes_px3", {{"white", 2.0}}},
+                                     {"own", nullptr}};
+    EXPECT_EQ(in_known_units(results, 2, false), expected);
+    EXPECT_EQ(stated_length(expected, "deepest").unit, " px");
+}
 
 TEST_F(Report, SaysWhatWasDoneAndByWhomAndWithWhichHashes) {
     const Treatment treatment = Treatment::open(folder());
@@ -130,6 +146,46 @@ TEST_F(Report, TheStateBeforeIsTheEarlierCaptureWhereThereIsOne) {
                 ThrowsMessage<Error>(HasSubstr("--align-to")));
     write_text_file(folder() / "earlier.exr", "edited");
     EXPECT_EQ(treatment.check().size(), 1u);
+}
+
+// A pixel that counts as a millimetre measures nothing: no figure, scale or bar pretends to it.
+TEST_F(Report, OfAPaintingWithoutAScaleStatesNoMillimetres) {
+    auto surface = flat_surface(90, 60);
+    surface->scale_known = false;
+    for (int y = 20; y < 40; ++y)
+        for (int x = 30; x < 60; ++x) surface->height_mm(x, y) = -0.3f;
+    write_painting(dir_ / "u.exr", *surface);
+    Treatment treatment = Treatment::begin(dir_ / "u.treatment", dir_ / "u.exr", kAuthor);
+    Mask loss(90, 60);
+    for (int y = 20; y < 40; ++y)
+        for (int x = 30; x < 60; ++x) loss(x, y) = 1;
+    draw_step(treatment, DamageClass::loss_to_ground, loss, {}, kAuthor);
+    Canvas canvas = treatment.read_canvas();
+    const nlohmann::json filled =
+        fill_step(treatment, canvas, {loss}, FillTexture::smooth, Rgb(0.8f), {}, kAuthor);
+    EXPECT_GT(filled["deepest_px"].get<double>(), 0);
+    EXPECT_EQ(filled.dump().find("_mm"), std::string::npos) << filled;
+    const nlohmann::json gloss = {{"specular", 0.031},
+                                  {"roughness", 0.22},
+                                  {"area_px", 600},
+                                  {"parts", 6},
+                                  {"boxes_px", {{30, 20, 60, 40}, {1, 2, 3, 4}}},
+                                  {"of_paints", {{"specular", 0.04}, {"roughness", 0.15}}},
+                                  {"remedy", "matting agent"}};
+    treatment.record({.action = "test", .results = {{"layer", "fill 1"}, {"gloss", {gloss}}}}, kAuthor);
+    write_treatment_report(treatment, dir_ / "u.html", "tangipaint test");
+    const std::string page = read_text_file(dir_ / "u.html");
+    const std::string measured = page.substr(0, page.find("6. Log"));
+    for (const char* unit : {" mm<", "mm²", "mm³", "cm²"})
+        EXPECT_EQ(measured.find(unit), std::string::npos) << unit;
+    EXPECT_THAT(measured, AllOf(HasSubstr("the scale is unknown"), HasSubstr("600 px"), HasSubstr("0.031"),
+                                HasSubstr("at 30, 20; 1, 2 and 4 more"), HasSubstr("by matting agent")));
+    if (std::system("command -v pdftotext >/dev/null 2>&1") == 0)
+        for (const char* file : {"u.mask.colour.pdf", "u.mask.white.pdf", "u.pdf"}) {
+            const std::string text = text_of_pdf(dir_ / file, dir_ / "mask.txt");
+            EXPECT_THAT(text, HasSubstr("Not at scale")) << file;
+            EXPECT_THAT(text, testing::Not(HasSubstr("on the painting\n"))) << file;
+        }
 }
 
 // A plan larger than the page says at which scale it is.

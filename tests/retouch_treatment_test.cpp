@@ -9,6 +9,8 @@
 #include "paint/canvas_file.h"
 #include "paint/retouch/sha256.h"
 #include "paint/retouch/treatment_area.h"
+#include "paint/retouch/treatment_folder.h"
+#include "paint/retouch/treatment_report.h"
 #include "paint/retouch/treatment_steps.h"
 #include "surface/atomic_file.h"
 #include "surface/error.h"
@@ -144,6 +146,32 @@ TEST_F(TreatmentFolder, APaintingThatWasChangedIsNoticed) {
                 ThrowsMessage<Error>(HasSubstr("the dry layer would change")));
 }
 
+TEST_F(TreatmentFolder, LayersInAnotherOrderAreAFaultAndWhatTheLogDoesNotKnowIsTold) {
+    Treatment treatment = begin();
+    add(treatment, LayerRole::fill, 10);
+    add(treatment, LayerRole::retouch, 10);
+    Canvas canvas = treatment.read_canvas();
+    EXPECT_THAT(treatment.unlogged(canvas), IsEmpty());
+    lay(canvas, "Monday", 40, 8);
+    write_canvas(treatment.painting(), canvas);
+    EXPECT_THAT(treatment.check(), IsEmpty()) << "work in progress is no fault";
+    EXPECT_THAT(treatment.unlogged(treatment.read_canvas()), ElementsAre(HasSubstr("'Monday'")));
+    EXPECT_THAT([&] { write_treatment_report(treatment, dir_ / "r.html", "test"); },
+                ThrowsMessage<Error>(AllOf(HasSubstr("'Monday'"), HasSubstr("treatment retouch"))));
+    std::swap(canvas.writable_dried()[0], canvas.writable_dried()[2]);
+    write_canvas(treatment.painting(), canvas);
+    EXPECT_THAT(treatment.check(), ElementsAre(HasSubstr("does not lie where the log has it")));
+}
+
+TEST_F(TreatmentFolder, KnowsWhichFilesAreItsOwn) {
+    begin();
+    for (const char* own : {"painting.exr", "log.jsonl", "log.head.json", "earlier.exr", "earlier.7.exr",
+                            "masks/new.png", "quality", "strokes/a/b.jsonl"})
+        EXPECT_EQ(treatment_that_keeps(folder() / own), std::filesystem::weakly_canonical(folder())) << own;
+    for (const std::filesystem::path& other : {folder() / "report.html", dir_ / "painting.exr", folder()})
+        EXPECT_EQ(treatment_that_keeps(other), std::nullopt) << other;
+}
+
 TEST_F(TreatmentFolder, PaintOnTheOriginalIsCounted) {
     Canvas canvas(flat_surface(100, 70));
     lay(canvas, "retouch 1", 10, 8);
@@ -151,6 +179,7 @@ TEST_F(TreatmentFolder, PaintOnTheOriginalIsCounted) {
     const Mask half = mask_of_polygons({{{0, 0}, {14.5, 0}, {14.5, 70}, {0, 70}}}, 100, 70);
     const OnOriginal beside = on_original(layer, half, kTestPixel);
     EXPECT_EQ(beside.pixels, 4 * 8);  // columns 14, in half, to 17
+    EXPECT_EQ(beside.whole_pixels, 3 * 8);
     EXPECT_NEAR(beside.area_mm2, 3.5 * 8 * kTestPixel * kTestPixel, 1e-6);
     EXPECT_NEAR(beside.volume_mm3, 0.1 * beside.area_mm2, 1e-6);
     EXPECT_EQ(on_original(layer, Mask(100, 70, 1.0f), kTestPixel).pixels, 0);

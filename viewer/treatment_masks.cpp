@@ -217,8 +217,8 @@ void TreatmentDesk::suggest() {
         "looking for overpaint", "looking for stains",     "looking for abrasion",    "looking for flaking"};
     const auto& title = titles[static_cast<std::size_t>(what)];
     start(title,
-          [this, what, dry = painter_->dry(), mm = t.mm_per_pixel, loss = t.loss, craquelure = t.craquelure,
-           gloss = t.gloss, areas = t.areas](const Progress& progress) -> Finish {
+          [this, what, dry = painter_->dry(), mm = t.mm_per_pixel, known = t.scale_known, loss = t.loss,
+           craquelure = t.craquelure, gloss = t.gloss, areas = t.areas](const Progress& progress) -> Finish {
               Suggested s;
               ShownSuggestion shown;
               s.mm_per_pixel = mm;
@@ -237,13 +237,8 @@ void TreatmentDesk::suggest() {
                   s.options = to_json(craquelure);
                   shown.title = "Craquelure";
                   shown.as = DamageClass::craquelure;
-                  const CraquelureMeasure& m = cracks.measure;
-                  shown.measured = fmt::format("{:.1f} cm long in all, {:.2f} mm wide, {:.2f} cm on each cm2",
-                                               m.length_mm / 10, m.width_mm, m.density_per_cm);
-                  s.results["measured"] = {{"length_mm", m.length_mm},
-                                           {"width_mm", m.width_mm},
-                                           {"density_cm_per_cm2", m.density_per_cm},
-                                           {"pieces", m.pieces}};
+                  shown.measured = in_words(cracks.measure, mm, known);
+                  s.results["measured"] = as_stated(cracks.measure, mm, known);
                   s.best = std::move(cracks);
               } else if (what != Suggesting::gloss) {
                   suggest_areas_into(s, shown, area_class_of(what), *dry, mm, areas, progress);

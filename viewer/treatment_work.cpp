@@ -181,10 +181,11 @@ void TreatmentDesk::fill() {
                      who = author()](Treatment& treatment, Canvas& canvas, const Progress& progress) {
         const json result = fill_step(treatment, canvas, area_of_classes(treatment, where), texture, colour,
                                       options, who, progress);
+        const StatedLength deepest = stated_length(result, "deepest");
         return fmt::format(
-            "in the log: {}, {}, {:.2f} mm at its deepest; step at its border {:.3f} mm rms{}",
-            result["layer"].get<std::string>(), area_in_words(result), result["deepest_mm"].get<double>(),
-            result["border_rms_mm"].get<double>(),
+            "in the log: {}, {}, {:.2f}{} at its deepest; step at its border {:.3f}{} rms{}",
+            result["layer"].get<std::string>(), area_in_words(result), deepest.value.get<double>(),
+            deepest.unit, stated_length(result, "border_rms").value.get<double>(), deepest.unit,
             result.contains("warnings") ? "; " + result["warnings"][0].get<std::string>() : "");
     });
 }
@@ -251,14 +252,13 @@ void TreatmentDesk::preview() {
               const RetouchReport report =
                   lay_retouch(canvas, palette, area.mask, damaged(now), mode, layer, options, progress);
               const double mm = canvas.mm_per_pixel();
-              json results = to_json(report, palette.paints, pairs);
-              const OnOriginal outside = on_original(canvas.dried().back().paint, area.mask, mm);
+              json results = in_known_units(to_json(report, palette.paints, pairs), now);
               results["layer"] = layer;
-              results["on_original"] = to_json(outside);
+              count_beside(results, now, canvas.dried().back(), area.mask);
               ShownRetouch shown;
               shown.mode = name_of(mode);
               shown.delta_e = report.delta_e_mean;
-              shown.outside_px = outside.pixels;
+              shown.outside_px = results["on_original"]["pixels"].get<int>();
               for (const Pile& pile : report.piles)
                   shown.piles.push_back(
                       fmt::format("{:2.0f} %  {}", 100 * pile.share, text_of(pile.steps, palette.paints)));

@@ -116,7 +116,8 @@ void add_relief(Patch& patch, const Shift& shift, const Image<float>& source_mm,
 
 // Relief made of patches whose relief, colour and gloss go on from the rim, on the level smoothed as much as
 // the relief is finer than. `wide` is the loss with its rim. Where there is no whole patch, the level stays.
-void add_patches(Patch& patch, const Surface& dry, const Image<float>& levelled_mm, const Search& s,
+// False where there was nothing to take relief from.
+bool add_patches(Patch& patch, const Surface& dry, const Image<float>& levelled_mm, const Search& s,
                  const Mask& wide, int reach, const Progress& progress) {
     const Region box{std::max(patch.box.x0 - reach, 0), std::max(patch.box.y0 - reach, 0),
                      std::min(patch.box.x1 + reach, wide.width()),
@@ -144,13 +145,14 @@ void add_patches(Patch& patch, const Surface& dry, const Image<float>& levelled_
     const std::array<float, 5> units = {relief, colour, colour, colour, gloss};
     for (std::size_t c = 0; c < channels.size(); ++c)
         for (float& value : channels[c].values.pixels()) value /= units[c];
-    if (!synthesise_into(channels, hole, usable, {}, progress)) return;
+    if (!synthesise_into(channels, hole, usable, {}, progress)) return false;
     for (int y = patch.box.y0; y < patch.box.y1; ++y)
         for (int x = patch.box.x0; x < patch.box.x1; ++x)
             if (wide(x, y) > 0.5f)
                 patch.level_mm(x - patch.box.x0, y - patch.box.y0) =
                     levelled_mm(x, y) - s.detail_mm(x, y) +
                     relief * channels[0].values(x - box.x0, y - box.y0);
+    return true;
 }
 
 // A region of a loss, its rim and a ring around it, with the level as a membrane through the ring.
@@ -276,6 +278,7 @@ FillReport lay_fill(Canvas& canvas, const std::string& name, const Mask& loss, c
     // First the level everywhere, so that no step of a loss is taken for relief.
     std::vector<Patch> patches;
     Image<float> levelled = relief;
+    FillReport result;
     for (const MaskRegion& region : regions.regions) {
         report(progress, "fill",
                0.5 * static_cast<double>(patches.size()) / static_cast<double>(regions.regions.size()));
@@ -293,27 +296,31 @@ FillReport lay_fill(Canvas& canvas, const std::string& name, const Mask& loss, c
         for (std::size_t i = 0; i < patches.size() && texture == FillTexture::patches; ++i) {
             report(progress, "fill",
                    0.5 + 0.5 * static_cast<double>(i) / static_cast<double>(patches.size()));
-            add_patches(patches[i], canvas.dry(), levelled, {detail, usable}, wide, reach, progress);
+            if (!add_patches(patches[i], canvas.dry(), levelled, {detail, usable}, wide, reach, progress))
+                ++result.smooth_regions;
         }
         std::mutex reporting;
         std::size_t done = 0;
         const int searched = texture == FillTexture::patches ? 0 : static_cast<int>(patches.size());
         parallel_for(0, searched, 1, [&](int begin, int end) {
+            int smooth = 0;
             for (int i = begin; i < end; ++i) {
                 Patch& patch = patches[static_cast<std::size_t>(i)];
                 const Shift shift = best_shift(patch, {detail, usable}, reach, fine_px / 4);
                 if (shift.found)
                     add_relief(patch, shift, weave ? detail : levelled, depth_px,
                                weave ? 1e-3 : rim_px + 1.5 / mm);
+                else
+                    ++smooth;
             }
             const std::lock_guard lock(reporting);
+            result.smooth_regions += smooth;
             done += static_cast<std::size_t>(end - begin);
             report(progress, "fill",
                    0.5 + 0.5 * static_cast<double>(done) / static_cast<double>(patches.size()));
         });
     }
 
-    FillReport result;
     result.regions = static_cast<int>(patches.size());
     result.area_mm2 = area_of(loss, mm).mm2;
     Image<float> thickness(canvas.width(), canvas.height()), filled = relief;

@@ -52,7 +52,8 @@ struct FillReport {
     double area_mm2 = 0, volume_mm3 = 0, deepest_mm = 0;
     double border_rms_mm = 0;  // of the step from the fill's edge to the surroundings past the rim
     int regions = 0, pixels = 0;
-    int not_reached = 0;  // pixels of the mask that lie above the fill's level already: left as they are
+    int smooth_regions = 0;  // of those that were to have relief, and found none near them
+    int not_reached = 0;     // pixels of the mask that lie above the fill's level already: left as they are
 };
 
 // Fills `loss` (where it is above 1/2) with a layer called `name`, on top, to the level of what is around:

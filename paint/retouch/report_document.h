@@ -44,6 +44,7 @@ struct ReportPlan {
     Image<Rgb> picture;             // sRGB-encoded, over the whole area; or empty, and
     std::vector<Polygon> outlines;  // in mm from the top left corner, even-odd: white on black
     double width_mm = 0, height_mm = 0;
+    bool scale_known = true;  // else it fills the width of a page, and no scale or bar is told
     std::string caption;
 };
 using ReportBlock =

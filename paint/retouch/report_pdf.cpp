@@ -47,6 +47,7 @@ double draw_plan(Pdf& pdf, const ReportPlan& plan, const fs::path& beside, doubl
                     width);
     }
     pdf.frame(x_mm, y_mm, width, height, 0.1, kLine);  // so that the edge of a white picture can be cut along
+    if (!plan.scale_known) return height;
     const double bar = scale_bar_mm(denominator), paper = bar / denominator, top = y_mm + height + 3;
     for (int part = 0; part < 4; ++part)
         pdf.rectangle(x_mm + part * paper / 4, top, paper / 4, 1.5, part % 2 == 0 ? 0 : 0.75);
@@ -55,8 +56,20 @@ double draw_plan(Pdf& pdf, const ReportPlan& plan, const fs::path& beside, doubl
 }
 
 std::string in_words(const ReportPlan& plan, double denominator) {
+    if (!plan.scale_known) return plan.caption + ". Not at scale: the painting's is unknown.";
     return fmt::format("{}. Scale 1:{:.4g}; the whole is {:.1f} × {:.1f} mm. Print without scaling (100 %).",
                        plan.caption, denominator, plan.width_mm, plan.height_mm);
+}
+
+// The scale 1:n at which a plan goes on a page.
+double fitting(const ReportPlan& plan) {
+    constexpr double high_mm = kBottom_mm - kMargin_mm - 25;
+    if (!plan.scale_known) return std::max(plan.width_mm / kWidth_mm, plan.height_mm / high_mm);
+    double denominator = 1;
+    for (const double next : {2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0, 1000.0})
+        if (plan.width_mm / denominator > kWidth_mm || plan.height_mm / denominator > high_mm)
+            denominator = next;
+    return denominator;
 }
 
 // Lays blocks on pages. Done twice, since each page tells how many there are: the first time without
@@ -237,11 +250,7 @@ private:
 
     void lay(const ReportPlan& plan) {
         if (y_ > kMargin_mm) end_page();
-        double denominator = 1;
-        for (const double next : {2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0, 1000.0})
-            if (plan.width_mm / denominator > kWidth_mm ||
-                plan.height_mm / denominator > kBottom_mm - kMargin_mm - 25)
-                denominator = next;
+        const double denominator = fitting(plan);
         y_ += pdf_.write(in_words(plan, denominator), kMargin_mm, y_, kWidth_mm, kText_pt) + 2;
         y_ += draw_plan(pdf_, plan, path_, kMargin_mm, y_, denominator, pages_ > 0) + 3;
     }
@@ -274,10 +283,11 @@ void write_pdf(const fs::path& path, const ReportDocument& document) {
 
 void write_pdf(const fs::path& path, const ReportPlan& plan) {
     constexpr double margin = 10, caption = 12, bar = 14;
-    const double width = std::max(plan.width_mm, 100.0) + 2 * margin;
-    Pdf pdf(width, plan.height_mm + 2 * margin + caption + bar, plan.caption, "tangipaint");
-    pdf.write(in_words(plan, 1), margin, margin, width - 2 * margin, kSmall_pt);
-    draw_plan(pdf, plan, path, margin, margin + caption, 1, true);
+    const double denominator = plan.scale_known ? 1 : fitting(plan);
+    const double width = std::max(plan.width_mm / denominator, 100.0) + 2 * margin;
+    Pdf pdf(width, plan.height_mm / denominator + 2 * margin + caption + bar, plan.caption, "tangipaint");
+    pdf.write(in_words(plan, denominator), margin, margin, width - 2 * margin, kSmall_pt);
+    draw_plan(pdf, plan, path, margin, margin + caption, denominator, true);
     pdf.end_page();
     write_bytes(path, pdf.finish());
 }

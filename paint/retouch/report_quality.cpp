@@ -1,6 +1,7 @@
 #include <algorithm>
 
 #include "paint/retouch/report_matter.h"
+#include "paint/retouch/treatment_area.h"
 #include "paint/retouch/treatment_picture.h"
 #include "surface/picture_file.h"
 
@@ -74,18 +75,17 @@ void add_quality(ReportMatter& m) {
         const auto colour = [&](const char* key) {
             return by_lamp(region.at(key)) + (own.is_object() ? bracket(by_lamp(own.at(key))) : "");
         };
-        const auto number = [&](const json& of, const char* format) {
-            return fmt::format(fmt::runtime(format), of.get<double>());
-        };
+        const auto number = [&](const json& of) { return fmt::format("{:.3f}", of.get<double>()); };
+        const StatedLength area = stated_length(region, "area", "_mm2"),
+                           height = stated_length(region, "height_step");
         table.rows.push_back(
             {fmt::format("{}, {}", region.at("box_px")[0].dump(), region.at("box_px")[1].dump()),
-             fmt::format("{:.1f} {}", region.at("area_mm2").get<double>(),
-                         m.t.scale_known() ? "mm²" : "pixels"),
-             colour("delta_e_2000"), colour("border_delta_e_2000"),
-             number(region.at("height_step_mm").at("rms"), "{:.3f} mm") +
-                 (own.is_object() ? bracket(number(own.at("height_step_mm").at("rms"), "{:.3f}")) : ""),
-             number(region.at("gloss_step"), "{:.3f}") +
-                 (own.is_object() ? bracket(number(own.at("gloss_step"), "{:.3f}")) : "")});
+             fmt::format("{:.1f}{}", area.value.get<double>(), area.unit), colour("delta_e_2000"),
+             colour("border_delta_e_2000"),
+             number(height.value.at("rms")) + std::string(height.unit) +
+                 (own.is_object() ? bracket(number(stated_length(own, "height_step").value.at("rms"))) : ""),
+             number(region.at("gloss_step")) +
+                 (own.is_object() ? bracket(number(own.at("gloss_step"))) : "")});
     }
     m.add(std::move(table));
     ReportPictures maps, raking;

@@ -25,6 +25,10 @@ const DriedLayer* find(const Canvas& canvas, const std::string& name) {
     return nullptr;
 }
 
+bool is_among(const std::vector<TreatmentLayer>& layers, const std::string& name) {
+    return std::any_of(layers.begin(), layers.end(), [&](const auto& layer) { return layer.name == name; });
+}
+
 void add_name(Sha256& sha, std::string_view name) {
     sha.add(name);
     sha.add("\0", 1);
@@ -173,7 +177,28 @@ std::vector<std::string> Treatment::layer_faults(const Canvas& canvas) const {
         else if (sha256_of(canvas, on_canvas->paint) != layer.sha256)
             faults.push_back(fmt::format("layer '{}' is not the one that was logged", layer.name));
     }
+    if (!faults.empty()) return faults;
+    // What lies on what decides how the painting looks.
+    const std::vector<TreatmentLayer> logged = layers();
+    auto next = logged.begin();
+    for (const DriedLayer& layer : canvas.dried()) {
+        if (next != logged.end() && layer.name == next->name)
+            ++next;
+        else if (is_among(logged, layer.name))
+            faults.push_back(fmt::format("layer '{}' does not lie where the log has it", layer.name));
+    }
     return faults;
+}
+
+std::vector<std::string> Treatment::unlogged(const Canvas& canvas) const {
+    const std::vector<TreatmentLayer> logged = layers();
+    std::vector<std::string> unknown;
+    for (const DriedLayer& layer : canvas.dried())
+        if (!is_among(logged, layer.name))
+            unknown.push_back(
+                fmt::format("the painting has a layer '{}' that the log does not know", layer.name));
+    if (!canvas.wet().empty()) unknown.emplace_back("the painting has wet paint that is not in the log");
+    return unknown;
 }
 
 Canvas Treatment::read_canvas(const Progress& progress) const {

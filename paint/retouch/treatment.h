@@ -139,8 +139,11 @@ public:
     // dry layer is checked before. Throws Error where another program wrote to the log since open().
     void record(const TreatmentStep& step, const Author& author, const Progress& progress = {});
 
-    // All that is not as it was logged, a line each: masks, kept files, layers. Reads everything.
+    // All that is not as it was logged, a line each: masks, kept files, layers and their order. Reads
+    // everything.
     std::vector<std::string> check(const Progress& progress = {}) const;
+    // What lies on the canvas and the log does not know, a line each: dried layers, wet paint.
+    std::vector<std::string> unlogged(const Canvas& canvas) const;
 
 private:
     Treatment(std::filesystem::path folder, TreatmentLog log)
@@ -169,9 +172,13 @@ Surface surface_in_state(const Treatment& treatment, const Canvas& canvas, Treat
 Mask additions(const PaintLayer& layer);
 Mask additions(const Canvas& canvas);
 
+// All that is mapped, of any class: what lies outside of it is original.
+Mask mapped_damage(const Treatment& treatment);
+
 // Paint beside the area where it belongs. What lies on `allowed` in part counts for the rest of its pixel.
 struct OnOriginal {
-    int pixels = 0;  // that hold paint and of which any part is outside of `allowed`
+    int pixels = 0;        // that hold paint and of which any part is outside of `allowed`
+    int whole_pixels = 0;  // of these, that are outside of it as a whole, not only its rim
     double area_mm2 = 0;
     double volume_mm3 = 0;
 };

@@ -1,7 +1,9 @@
 #include "paint/retouch/treatment_folder.h"
 
 #include <algorithm>
+#include <fstream>
 #include <functional>
+#include <set>
 #include <vector>
 
 #include "paint/retouch/sha256.h"
@@ -132,7 +134,33 @@ void move_into_place(const fs::path& folder, const LogEntry& entry) {
     fs::remove_all(pending, there_already_not);
 }
 
+// A log that is edited is one still.
+bool is_treatment(const fs::path& folder) {
+    std::ifstream log(folder / kTreatmentLog, std::ios::binary);
+    std::string line;
+    return std::getline(log, line) && line.find(kTreatmentFormat) != std::string::npos;
+}
+
 }  // namespace
+
+std::optional<fs::path> treatment_that_keeps(const fs::path& file) {
+    std::error_code unreadable;
+    fs::path whole = fs::weakly_canonical(file, unreadable);
+    if (unreadable) return std::nullopt;
+    if (!whole.has_filename()) whole = whole.parent_path();
+    for (fs::path folder = whole.parent_path();; folder = folder.parent_path()) {
+        if (is_treatment(folder)) {
+            const std::string first = whole.lexically_relative(folder).begin()->string();
+            const bool earlier = first.starts_with("earlier") && first.ends_with(".exr");
+            const bool own = std::set<std::string>{kTreatmentLog,   "log.head.json", kTreatmentPainting,
+                                                   kTreatmentMasks, "strokes",       "quality",
+                                                   kPending}
+                                 .contains(first);
+            if (own || earlier) return folder;
+        }
+        if (!folder.has_relative_path()) return std::nullopt;
+    }
+}
 
 bool stays_inside(const std::string& path) {
     const fs::path p(path);

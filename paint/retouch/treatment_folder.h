@@ -4,6 +4,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 
 namespace tangi {
@@ -17,6 +18,10 @@ inline constexpr const char* kTreatmentEarlier = "earlier.exr";
 
 // masks/NAME.png
 std::filesystem::path treatment_mask(const std::string& name);
+
+// The folder of the treatment that keeps this file, or would keep one of its name: its painting, log, masks,
+// and what else its steps write. Nobody else writes there.
+std::optional<std::filesystem::path> treatment_that_keeps(const std::filesystem::path& file);
 
 // Throws Error naming both.
 void copy_whole(const std::filesystem::path& from, const std::filesystem::path& to);

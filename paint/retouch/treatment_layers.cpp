@@ -37,6 +37,13 @@ Mask additions(const Canvas& canvas) {
     return mask;
 }
 
+Mask mapped_damage(const Treatment& treatment) {
+    Mask all(treatment.width(), treatment.height());
+    for (const DamageClass damage : kDamageClasses)
+        if (treatment.has_mask(damage)) all = united(all, treatment.mask(damage));
+    return all;
+}
+
 OnOriginal on_original(const PaintLayer& layer, const Mask& allowed, double mm_per_pixel) {
     TP_REQUIRE(layer.region() == allowed.region(), "a mask has the size of its canvas");
     Image<float> mm(layer.width(), layer.height());
@@ -48,6 +55,7 @@ OnOriginal on_original(const PaintLayer& layer, const Mask& allowed, double mm_p
             const auto outside = static_cast<double>(1 - allowed(x, y));
             if (!(mm(x, y) > 0) || !(outside > 0)) continue;
             ++paint.pixels;
+            paint.whole_pixels += outside == 1 ? 1 : 0;
             area += outside;
             volume += outside * static_cast<double>(mm(x, y));
         }
@@ -57,7 +65,70 @@ OnOriginal on_original(const PaintLayer& layer, const Mask& allowed, double mm_p
 }
 
 json to_json(const OnOriginal& paint) {
-    return {{"pixels", paint.pixels}, {"area_mm2", paint.area_mm2}, {"volume_mm3", paint.volume_mm3}};
+    return {{"pixels", paint.pixels},
+            {"whole_pixels", paint.whole_pixels},
+            {"area_mm2", paint.area_mm2},
+            {"volume_mm3", paint.volume_mm3}};
+}
+
+namespace {
+
+json scaled(const json& value, double by) {
+    if (value.is_number()) return value.get<double>() * by;
+    if (!value.is_structured()) return value;
+    json all = value;
+    for (json& part : all) part = scaled(part, by);
+    return all;
+}
+
+}  // namespace
+
+json in_known_units(const json& results, double mm_per_pixel, bool scale_known) {
+    if (scale_known || !results.is_structured()) return results;
+    if (results.is_array()) {
+        json all = json::array();
+        for (const json& part : results) all.push_back(in_known_units(part, mm_per_pixel, scale_known));
+        return all;
+    }
+    constexpr std::array<std::pair<std::string_view, std::string_view>, 3> units = {
+        {{"_mm", "_px"}, {"_mm2", "_px"}, {"_mm3", "_px3"}}};
+    json all = json::object();
+    for (const auto& [key, value] : results.items()) {
+        std::string name = key;
+        json told = in_known_units(value, mm_per_pixel, scale_known);
+        for (std::size_t i = 0; i < units.size(); ++i)
+            if (key.ends_with(units[i].first)) {
+                name.replace(key.size() - units[i].first.size(), std::string::npos, units[i].second);
+                told = scaled(value, std::pow(mm_per_pixel, -static_cast<double>(i + 1)));
+            }
+        all[name] = std::move(told);
+    }
+    return all;
+}
+
+json in_known_units(const json& results, const Treatment& treatment) {
+    return in_known_units(results, treatment.mm_per_pixel(), treatment.scale_known());
+}
+
+json as_stated(const CraquelureMeasure& measure, double mm_per_pixel, bool scale_known) {
+    json stated = {
+        {"length_mm", measure.length_mm}, {"width_mm", measure.width_mm}, {"pieces", measure.pieces}};
+    if (scale_known) stated["density_cm_per_cm2"] = measure.density_per_cm;
+    return in_known_units(stated, mm_per_pixel, scale_known);
+}
+
+std::string in_words(const CraquelureMeasure& measure, double mm_per_pixel, bool scale_known) {
+    if (!scale_known)
+        return fmt::format("{:.0f} pixels long in all, {:.2f} pixels wide on average",
+                           measure.length_mm / mm_per_pixel, measure.width_mm / mm_per_pixel);
+    return fmt::format("{:.1f} cm long in all, {:.2f} mm wide on average, {:.2f} cm on each cm²",
+                       measure.length_mm / 10, measure.width_mm, measure.density_per_cm);
+}
+
+StatedLength stated_length(const json& results, const std::string& name, const std::string& ending) {
+    if (const auto mm = results.find(name + ending); mm != results.end())
+        return {*mm, ending == "_mm" ? " mm" : " mm²"};
+    return {results.at(name + "_px"), " px"};
 }
 
 json area_of_step(double mm2, double mm_per_pixel, bool scale_known) {

@@ -19,7 +19,6 @@ using nlohmann::json;
 
 namespace {
 
-constexpr const char* kFormat = "tangipaint treatment";
 constexpr int kVersion = 1;
 const std::string kSeal = ",\"sha256\":\"";
 constexpr std::size_t kDigits = 64;
@@ -126,7 +125,7 @@ TreatmentLog TreatmentLog::begin(const fs::path& path, json content) {
     std::error_code missing;
     if (fs::exists(path, missing))
         fail("{}: there is a log already; go on with it, or choose another folder", path.string());
-    content["format"] = kFormat;
+    content["format"] = kTreatmentFormat;
     content["version"] = kVersion;
     content["previous"] = std::string(kDigits, '0');
     const Line line = sealed(content);
@@ -148,7 +147,7 @@ TreatmentLog TreatmentLog::open(const fs::path& path) {
     if (!faults.empty())
         fail("{}:{}: {}; take the log from a backup, nothing is done with this one", path.string(),
              faults.front().line, faults.front().what);
-    if (log.entries_.empty() || log.entries_.front().content.value("format", "") != kFormat)
+    if (log.entries_.empty() || log.entries_.front().content.value("format", "") != kTreatmentFormat)
         fail("{}: is no log of a treatment", path.string());
     if (log.entries_.front().content.value("version", 0) != kVersion)
         fail("{}: is of a newer version of the program; this one reads version {}", path.string(), kVersion);

@@ -14,6 +14,8 @@
 
 namespace tangi {
 
+inline constexpr const char* kTreatmentFormat = "tangipaint treatment";  // in the first line of a log
+
 struct LogEntry {
     int line = 0;            // of the file, from 1
     nlohmann::json content;  // with `previous`, without `sha256`

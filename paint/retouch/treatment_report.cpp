@@ -56,8 +56,7 @@ void identification(ReportMatter& m, const std::string& tool) {
         t.scale_known()
             ? fmt::format("{:.1f} × {:.1f} mm, {} × {} pixels of {:.4g} mm", t.width() * t.mm_per_pixel(),
                           t.height() * t.mm_per_pixel(), t.width(), t.height(), t.mm_per_pixel())
-            : fmt::format("{} × {} pixels; the scale is unknown, a pixel counts as one mm", t.width(),
-                          t.height());
+            : fmt::format("{} × {} pixels; the scale is unknown", t.width(), t.height());
     m.add(ReportHeading{"1. Identification"});
     m.add(ReportTable{
         {},
@@ -99,14 +98,7 @@ void condition(ReportMatter& m) {
     m.add(std::move(table));
     if (!m.t.has_mask(DamageClass::craquelure)) return;
     const CraquelureMeasure lines = measure_lines(m.t.mask(DamageClass::craquelure), m.t.mm_per_pixel());
-    if (!m.t.scale_known()) {
-        m.add(ReportText{fmt::format("Craquelure: {:.0f} pixels long in all, {:.2f} pixels wide on average.",
-                                     lines.length_mm, lines.width_mm)});
-        return;
-    }
-    m.add(ReportText{
-        fmt::format("Craquelure: {:.0f} mm long in all, {:.2f} mm wide on average, {:.2f} cm on each cm².",
-                    lines.length_mm, lines.width_mm, lines.density_per_cm)});
+    m.add(ReportText{fmt::format("Craquelure: {}.", in_words(lines, m.t.mm_per_pixel(), m.t.scale_known()))});
 }
 
 std::string remedy_of(const json& gloss) {
@@ -114,25 +106,59 @@ std::string remedy_of(const json& gloss) {
     return remedy == "none" ? "the paints' own" : "by " + remedy;
 }
 
+bool is_there(const ReportMatter& m, const std::string& layer) {
+    return std::any_of(m.layers.begin(), m.layers.end(), [&](const auto& l) { return l.name == layer; });
+}
+
+// "at 12, 40; 310, 22 and 3 more": corners of the largest parts.
+std::string places_in_words(const json& gloss) {
+    std::string text;
+    const json boxes = gloss.value("boxes_px", json::array());
+    const std::size_t named = std::min(boxes.size(), std::size_t(4));
+    for (std::size_t i = 0; i < named; ++i)
+        text += fmt::format("{}{}, {}", i == 0 ? "at " : "; ", boxes[i][0].dump(), boxes[i][1].dump());
+    if (const std::size_t parts = gloss.value("parts", boxes.size()); parts > named)
+        text += fmt::format(" and {} more", parts - named);
+    return text;
+}
+
+// What gloss each part of a retouch was brought to, and how that is done.
+void glosses(ReportMatter& m) {
+    ReportTable table{
+        {"Retouch", "Parts, at pixel", "Area", "ρs", "α", "Of the paints: ρs, α", "Brought to it"},
+        {},
+        {2, 3.4, 1.4, 1, 1, 2, 3}};
+    for (const LogEntry& entry : m.log()) {
+        const json results = entry.content.value("results", json::object());
+        if (!results.contains("gloss") || !is_there(m, results.value("layer", ""))) continue;
+        for (const json& gloss : results["gloss"]) {
+            const json own = gloss.value("of_paints", json::object());
+            const StatedLength area = stated_length(gloss, "area", "_mm2");
+            table.rows.push_back(
+                {results.value("layer", ""), places_in_words(gloss),
+                 fmt::format("{:.4g}{}", area.value.get<double>(), area.unit),
+                 fmt::format("{:.3f}", gloss.value("specular", 0.0)),
+                 fmt::format("{:.2f}", gloss.value("roughness", 0.0)),
+                 fmt::format("{:.3f}, {:.2f}", own.value("specular", 0.0), own.value("roughness", 0.0)),
+                 remedy_of(gloss)});
+        }
+    }
+    if (table.rows.empty()) return;
+    m.add(ReportText{"Gloss"});
+    m.add(std::move(table));
+}
+
 // Recipes that were searched for, and those of retouches that are still there, as the log has them.
 void recipes(ReportMatter& m) {
     ReportTable table{{"For", "Recipe, in measures", "Amount", "ΔE2000 from what was wanted", "Remarks"},
                       {},
                       {2, 5, 1.6, 3, 4}};
-    const auto there = [&](const std::string& name) {
-        return std::any_of(m.layers.begin(), m.layers.end(), [&](const auto& l) { return l.name == name; });
-    };
     for (const LogEntry& entry : m.log()) {
         const json results = entry.content.value("results", json::object());
         const bool retouch = results.contains("piles");
-        if (retouch ? !there(results.value("layer", "")) : !results.contains("recipes")) continue;
+        if (retouch ? !is_there(m, results.value("layer", "")) : !results.contains("recipes")) continue;
         for (const json& recipe : results[retouch ? "piles" : "recipes"]) {
-            auto warnings = recipe.value("warnings", std::vector<std::string>());
-            if (retouch)
-                for (const json& gloss : results.value("gloss", json::array()))
-                    warnings.push_back(fmt::format("gloss ρs {:.3f}, α {:.2f}: {}",
-                                                   gloss.value("specular", 0.0),
-                                                   gloss.value("roughness", 0.0), remedy_of(gloss)));
+            const auto warnings = recipe.value("warnings", std::vector<std::string>());
             table.rows.push_back(
                 {retouch ? results.value("layer", "") : fmt::format("match, line {}", entry.line),
                  recipe.value("recipe", ""),
@@ -181,6 +207,7 @@ void measures(ReportMatter& m) {
         {{fitting(additions_picture(m.canvas, m.layers, m.belongs), 1),
           "Additions: fills green, varnish yellow, retouches blue; red: retouch on original"}}});
     recipes(m);
+    glosses(m);
 }
 
 // States that differ from the one before: those that add layers, and what was photographed.
@@ -250,9 +277,8 @@ std::pair<ReportPlan, ReportPlan> plans(const ReportMatter& m) {
     ReportPlan colour, white;
     colour.width_mm = white.width_mm = t.width() * mm;
     colour.height_mm = white.height_mm = t.height() * mm;
-    const std::string of =
-        fmt::format("fills and retouches of {}{}", t.folder().filename().string(),
-                    t.scale_known() ? "" : " (its scale is unknown: a pixel counts as one mm)");
+    colour.scale_known = white.scale_known = t.scale_known();
+    const std::string of = fmt::format("fills and retouches of {}", t.folder().filename().string());
     colour.caption = "Mask in colour: " + of;
     white.caption = "Mask in white: " + of;
     colour.picture =
@@ -260,7 +286,9 @@ std::pair<ReportPlan, ReportPlan> plans(const ReportMatter& m) {
     for (std::size_t i = 0; i < added.size(); ++i)
         if (!(added.pixels()[i] > 0.5f)) colour.picture.pixels()[i] = Rgb(1);
     const double longer_mm = std::max(colour.width_mm, colour.height_mm);
-    const int plan_px = static_cast<int>(std::min<double>(longer_mm / 25.4 * kPlan_dpi + 1, kPlan_px));
+    const int plan_px = t.scale_known()
+                            ? static_cast<int>(std::min<double>(longer_mm / 25.4 * kPlan_dpi + 1, kPlan_px))
+                            : report_picture_px(1);
     colour.picture = reduced(colour.picture, plan_px, plan_px);
     white.outlines = outlines_of(added, 0.25);
     for (Polygon& polygon : white.outlines)
@@ -300,11 +328,12 @@ std::vector<fs::path> write_treatment_report(const Treatment& t, const fs::path&
     const std::vector<std::string> faults = t.check(progress);
     if (!faults.empty()) fail("{}: no report is made of it: {}", t.folder().string(), faults.front());
     const Canvas canvas = t.read_canvas(progress);
+    if (const std::vector<std::string> unlogged = t.unlogged(canvas); !unlogged.empty())
+        fail("{}: {}, and a report would not tell of it; tangipaint treatment retouch {} takes it in",
+             t.folder().string(), unlogged.front(), t.folder().string());
     { const AtomicFile writable(page); }  // its folder is there
 
-    ReportMatter m{t, canvas, t.layers(), Mask(t.width(), t.height()), {}};
-    for (const DamageClass damage : kDamageClasses)
-        if (t.has_mask(damage)) m.belongs = united(m.belongs, t.mask(damage));
+    ReportMatter m{t, canvas, t.layers(), mapped_damage(t), {}};
     m.report.title = "Treatment of " + m.log().front().content.value("painting", "");
     m.report.maker = tool;
     try {

@@ -27,6 +27,18 @@ Mask damaged(const Treatment& treatment) {
     return all;
 }
 
+void count_beside(json& results, const Treatment& treatment, const DriedLayer& layer, const Mask& area) {
+    const double mm = treatment.mm_per_pixel();
+    const OnOriginal beside = on_original(layer.paint, mapped_damage(treatment), mm);
+    results["on_original"] = in_known_units(to_json(beside), treatment);
+    results["outside_area"] = in_known_units(to_json(on_original(layer.paint, area, mm)), treatment);
+    if (beside.whole_pixels > 0)  // what the rim of an area is covered by in part is no mistake
+        results["warnings"].push_back(fmt::format(
+            "{}: {} pixels of it lie on original, outside of all damage that is mapped: map it with "
+            "tangipaint damage, or take the layer off again",
+            layer.name, beside.whole_pixels));
+}
+
 json fill_step(Treatment& treatment, Canvas& canvas, const StepArea& area, FillTexture texture,
                const Rgb& colour, const FillOptions& options, const Author& author,
                const Progress& progress) {
@@ -40,20 +52,27 @@ json fill_step(Treatment& treatment, Canvas& canvas, const StepArea& area, FillT
             "{}: there is nothing to fill: all of the area lies above the level asked for already; raise it "
             "with --offset-mm, or look whether anything is lost there",
             treatment.folder().string());
-    const OnOriginal beside = on_original(canvas.dried().back().paint, area.mask, treatment.mm_per_pixel());
-    json result = {{"layer", name},
-                   {"regions", report.regions},
-                   {"volume_mm3", report.volume_mm3},
-                   {"deepest_mm", report.deepest_mm},
-                   {"border_rms_mm", report.border_rms_mm},
-                   {"pixels_above_level", report.not_reached},
-                   {"on_original", to_json(beside)}};
+    json result = in_known_units({{"layer", name},
+                                  {"regions", report.regions},
+                                  {"volume_mm3", report.volume_mm3},
+                                  {"deepest_mm", report.deepest_mm},
+                                  {"border_rms_mm", report.border_rms_mm},
+                                  {"pixels_above_level", report.not_reached}},
+                                 treatment);
     result.update(area_of_step(treatment, report.area_mm2));
+    if (report.smooth_regions > 0) {
+        result["smooth_regions"] = report.smooth_regions;
+        result["warnings"].push_back(fmt::format(
+            "{} of {} regions found no relief near them that goes on from their rim, and are smooth: look "
+            "farther with --search-mm, or choose another --texture",
+            report.smooth_regions, report.regions));
+    }
     if (const auto pixels = static_cast<double>(report.pixels); report.not_reached > 0.2 * pixels)
         result["warnings"].push_back(fmt::format(
             "{:.0f} % of the area lies above the fill's level already and was left as it is: look "
             "whether it is lost there, or raise the level with --offset-mm",
             100 * report.not_reached / pixels));
+    count_beside(result, treatment, canvas.dried().back(), area.mask);
     const json parameters = {{"area", area.described},
                              {"texture", name_of(texture)},
                              {"colour", {colour.r, colour.g, colour.b}},
@@ -118,9 +137,13 @@ json retouch_step(Treatment& treatment, Canvas& canvas, const StepArea& area, Tr
                 json& of_name = paints[canvas.ingredients()[i].name];
                 of_name = (of_name.is_null() ? 0 : of_name.get<double>()) + volumes[i];
             }
-        json one = area_of_step(treatment, area_of(additions(layer->paint), treatment.mm_per_pixel()).mm2);
-        one["layer"] = added, one["volumes_mm3"] = paints;
-        one["on_original"] = to_json(on_original(layer->paint, area.mask, treatment.mm_per_pixel()));
+        json one = in_known_units({{"layer", added}, {"volumes_mm3", paints}}, treatment);
+        one.update(area_of_step(treatment, area_of(additions(layer->paint), treatment.mm_per_pixel()).mm2));
+        count_beside(one, treatment, *layer, area.mask);
+        if (const auto said = one.find("warnings"); said != one.end()) {
+            for (const json& warning : *said) step.results["warnings"].push_back(warning);
+            one.erase(said);
+        }
         laid.push_back(std::move(one));
     }
     step.action = "retouch";

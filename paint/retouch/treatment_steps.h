@@ -26,6 +26,12 @@ StepArea area_of_classes(const Treatment& treatment, const std::set<DamageClass>
 // Where paint, or its ground, is missing: losses, flaking, old fills.
 Mask damaged(const Treatment& treatment);
 
+// Says in `results` of a layer, from its paint, how much of it lies on original ("on_original": outside of
+// all mapped damage) and how much outside of the step's own area ("outside_area"), with a warning of the
+// former.
+void count_beside(nlohmann::json& results, const Treatment& treatment, const DriedLayer& layer,
+                  const Mask& area);
+
 nlohmann::json fill_step(Treatment& treatment, Canvas& canvas, const StepArea& area, FillTexture texture,
                          const Rgb& colour, const FillOptions& options, const Author& author,
                          const Progress& progress = {});
