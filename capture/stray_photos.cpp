@@ -41,7 +41,8 @@ double degrees_between(const Vec3& a, const Vec3& b) {
 void keep_photos(Stack& stack, Survey& survey, const std::vector<bool>& keep) {
     TP_REQUIRE(stack.photos.size() == survey.photos.size() && keep.size() == survey.photos.size(),
                "the survey is of this stack");
-    Survey kept = {.photos = {}, .channels = survey.channels, .positions = survey.positions, .values = {}};
+    Survey kept = survey;
+    kept.photos.clear(), kept.values.clear();
     std::vector<StackPhoto> photos;
     for (std::size_t i = 0; i < keep.size(); ++i)
         if (keep[i]) {

@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <numeric>
+#include <utility>
 
 #include "capture/stray_photos.h"
 #include "surface/error.h"
@@ -14,23 +17,90 @@ namespace {
 constexpr std::size_t kBandBytes = 64u << 20;
 constexpr double kBlack = 0.02;  // [1] of full scale
 
-// Pixels on a jittered grid, so that the weave of a canvas is not sampled in step. Rows ascend.
-std::vector<glm::ivec2> sample_positions(const Stack& stack, int wanted) {
+// Pixels of one axis by how far they are from its middle: 0 is the nearest on either side.
+struct Axis {
+    int length;
+
+    int from_middle() const { return (length + 1) / 2; }
+    int at(int m, bool mirrored) const {
+        const int pixel = length / 2 + m;
+        return mirrored ? length - 1 - pixel : pixel;
+    }
+    bool is_own_mirror(int m) const { return length % 2 == 1 && m == 0; }
+};
+
+std::uint32_t scattered(std::uint32_t x) {
+    x = (x ^ (x >> 16)) * 0x7FEB352Du;
+    x = (x ^ (x >> 15)) * 0x846CA68Bu;
+    return x ^ (x >> 16);
+}
+
+// Where a cell comes in an order in which every beginning is spread evenly (the ordered dither of Bayer
+// 1973).
+std::uint32_t dithered(std::uint32_t x, std::uint32_t y) {
+    std::uint32_t rank = 0;
+    x += 2, y += 2;  // so that the first cells are as far from the picture's axes as from each other
+    for (int bit = 0; bit < 6; ++bit, x >>= 1, y >>= 1) rank = rank << 2 | ((x ^ y) & 1) << 1 | (y & 1);
+    return rank;
+}
+
+struct Place {
+    glm::ivec2 pixel;
+    std::uint32_t rank;
+};
+
+// Pixels on a jittered grid, so that the weave of a canvas is not sampled in step. What is chosen of a
+// picture that is mirrored or turned by a quarter is mirrored and turned as well: the jitter is that of the
+// cell that a cell has in the picture's first octant. Rows ascend.
+std::vector<Place> sample_places(const Stack& stack, int wanted) {
     const double area = static_cast<double>(stack.width()) * stack.height();
     const int step = std::max(1, static_cast<int>(std::floor(std::sqrt(area / wanted))));
-    std::vector<glm::ivec2> positions;
-    std::uint32_t state = 0x9E3779B9u;
-    for (int y = 0; y < stack.height(); y += step)
-        for (int x = 0; x < stack.width(); x += step) {
-            state = state * 1664525u + 1013904223u;
-            const int px =
-                std::min(x + static_cast<int>((state >> 8) % static_cast<unsigned>(step)), stack.width() - 1);
-            if (stack.mask.empty() || stack.mask(px, y)) positions.emplace_back(px, y);
+    const Axis across{stack.width()}, down{stack.height()};
+    const auto in_cell = [step](const Axis& axis, int cell, std::uint32_t random) {
+        const int first = cell * step, size = std::min(step, axis.from_middle() - first);
+        return first + static_cast<int>(random % static_cast<unsigned>(size));
+    };
+    std::vector<Place> places;
+    for (int cy = 0; cy * step < down.from_middle(); ++cy)
+        for (int cx = 0; cx * step < across.from_middle(); ++cx) {
+            const auto far = static_cast<std::uint32_t>(std::max(cx, cy)),
+                       near = static_cast<std::uint32_t>(std::min(cx, cy));
+            const std::uint32_t random = scattered(far << 16 | near);
+            const std::uint32_t along_far = random >> 16,
+                                along_near = far == near ? along_far : random & 0xFFFF;
+            const int mx = in_cell(across, cx, cx >= cy ? along_far : along_near),
+                      my = in_cell(down, cy, cx >= cy ? along_near : along_far);
+            for (const bool up : {false, true})
+                for (const bool left : {false, true}) {
+                    if ((up && down.is_own_mirror(my)) || (left && across.is_own_mirror(mx))) continue;
+                    const glm::ivec2 at(across.at(mx, left), down.at(my, up));
+                    if (stack.mask.empty() || stack.mask(at.x, at.y))
+                        places.push_back({at, dithered(far, near)});
+                }
         }
-    return positions;
+    std::sort(places.begin(), places.end(), [](const Place& a, const Place& b) {
+        return std::pair(a.pixel.y, a.pixel.x) < std::pair(b.pixel.y, b.pixel.x);
+    });
+    return places;
 }
 
 }  // namespace
+
+std::vector<int> Survey::spread(int wanted) const {
+    std::vector<int> chosen(positions.size());
+    std::iota(chosen.begin(), chosen.end(), 0);
+    if (wanted >= sample_count()) return chosen;
+    if (ranks.empty()) {
+        const int step = sample_count() / std::max(wanted, 1);
+        std::erase_if(chosen, [&](int k) { return k % step != 0; });
+        return chosen;
+    }
+    std::vector<std::uint32_t> in_order = ranks;
+    const auto last = in_order.begin() + std::max(wanted, 1) - 1;
+    std::nth_element(in_order.begin(), last, in_order.end());
+    std::erase_if(chosen, [&](int k) { return ranks[static_cast<std::size_t>(k)] > *last; });
+    return chosen;
+}
 
 Survey survey(const Stack& stack, const SurveyOptions& options, const Progress& progress,
               const std::function<void(const Band&)>& seen) {
@@ -38,7 +108,10 @@ Survey survey(const Stack& stack, const SurveyOptions& options, const Progress& 
     Survey result;
     result.photos.resize(static_cast<std::size_t>(photos));
     result.channels = channels;
-    result.positions = sample_positions(stack, options.samples);
+    for (const Place& place : sample_places(stack, options.samples)) {
+        result.positions.push_back(place.pixel);
+        result.ranks.push_back(place.rank);
+    }
     result.values.resize(result.positions.size() * static_cast<std::size_t>(photos * channels));
 
     const float clipped = stack.development ? stack.development->clipped : kClipped;
@@ -93,7 +166,7 @@ Survey survey(const Stack& stack, const SurveyOptions& options, const Progress& 
     return result;
 }
 
-void leave_out_black_photos(Stack& stack, Survey& survey) {
+void leave_out_black_photos(Stack& stack, Survey& survey, std::size_t fewest) {
     TP_REQUIRE(stack.photos.size() == survey.photos.size(), "the survey is of this stack");
     // Files of floats have no full scale: what is black is so beside the other photographs.
     double brightest = 0;
@@ -113,12 +186,12 @@ void leave_out_black_photos(Stack& stack, Survey& survey) {
     stack.warnings.push_back(fmt::format("{}: left out {} photograph{} that {} black: {}",
                                          stack.folder.string(), black, black == 1 ? "" : "s",
                                          black == 1 ? "is" : "are", names));
-    if (stack.photos.size() < 4)
-        fail(
-            "{}: {} of {} photographs are black ({}), which leaves {}; at least 4 under different lights are "
-            "needed",
-            stack.folder.string(), black, all, names, stack.photos.size());
-    require_enough_lights(stack.lights(), stack.folder.string());
+    constexpr std::size_t of_a_fit = 4;
+    if (stack.photos.size() < fewest)
+        fail("{}: {} of {} photographs are black ({}), which leaves {}; at least {} {} needed",
+             stack.folder.string(), black, all, names, stack.photos.size(), fewest,
+             fewest >= of_a_fit ? "under different lights are" : "is");
+    if (fewest >= of_a_fit) require_enough_lights(stack.lights(), stack.folder.string());
 }
 
 }  // namespace tangi

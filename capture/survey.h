@@ -1,6 +1,7 @@
 // survey.h: one look at all photographs of a stack before the fit: samples, exposure, what is unusable.
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <vector>
 
@@ -23,8 +24,13 @@ struct Survey {
     int channels = 3;
     std::vector<glm::ivec2> positions;  // [pixels of the stack] of the samples
     std::vector<float> values;          // [sample][photo][channel]
+    // Of each sample: those of the lowest ranks are spread evenly, too. Samples that change places where the
+    // picture is mirrored or turned by a quarter have one rank. Empty: whatever their order says.
+    std::vector<std::uint32_t> ranks{};
 
     int sample_count() const { return static_cast<int>(positions.size()); }
+    // Samples, in their order, of which there are at least `wanted` (or all) and a few more, spread evenly.
+    std::vector<int> spread(int wanted) const;
     const float* sample(int index) const {
         return &values[static_cast<std::size_t>(index) * photos.size() * static_cast<std::size_t>(channels)];
     }
@@ -42,6 +48,6 @@ Survey survey(const Stack& stack, const SurveyOptions& options = {}, const Progr
 
 // Takes photographs without light out of the stack and the survey, with a warning that names them: brighter
 // than 2 % nowhere. Throws Error where too few remain.
-void leave_out_black_photos(Stack& stack, Survey& survey);
+void leave_out_black_photos(Stack& stack, Survey& survey, std::size_t fewest = 4);
 
 }  // namespace tangi

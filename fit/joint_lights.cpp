@@ -18,6 +18,7 @@ namespace {
 // a lamp's own gain and direction weigh as if one sample in kDependent were independent. The priors on what
 // the whole stack shares (the trends, the camera) stand as they are: all photographs speak against them.
 constexpr double kDependent = 10;  // [1] samples
+constexpr double kSparse = 500;    // [pixels] of which that was found
 // What is known of one number from a measurement, with its standard error, stands against samples of which
 // one in kDependent is independent.
 const double kKnownWeight = std::sqrt(kDependent);
@@ -134,7 +135,12 @@ public:
         ceres::Covariance covariance(options);
         JointLights::Errors errors;
         if (wanted.empty() || !covariance.Compute(wanted, &problem_)) return errors;
-        const auto sigma = [](double variance) { return std::sqrt(std::max(kDependent * variance, 0.0)); };
+        // The denser the samples are, the more of them share an error.
+        const double dependent =
+            kDependent * std::sqrt(std::max(1.0, static_cast<double>(pixels_) / kSparse));
+        const auto sigma = [dependent](double variance) {
+            return std::sqrt(std::max(dependent * variance, 0.0));
+        };
         for (std::size_t i = 0; directed && i < photos_; ++i) {
             std::array<double, kTurn * kTurn> c{};
             covariance.GetCovarianceBlock(turn(i), turn(i), c.data());

@@ -37,7 +37,7 @@ std::vector<double> left_out_db(const LightSample& sample, const Lighting& light
             if (i % kFolds != fold) used.push_back(i);
         const std::vector<WardEstimate> estimates = sample.fit(used, subset(lighting, used), law);
         for (int i = fold; i < photos; i += kFolds)
-            db[static_cast<std::size_t>(i)] = sample.psnr_db(estimates, i, subset(lighting, {i}), 0, 1, law);
+            db[static_cast<std::size_t>(i)] = sample.psnr_db(estimates, i, subset(lighting, {i}), law);
     }
     return db;
 }
@@ -108,7 +108,7 @@ LobeTrial try_lobes(const LightSample& sample, const Lighting& lighting, const R
         for (int i = fold; i < photos && !fits.known.empty(); i += kFolds) {
             trial.plain_db.push_back(sample.psnr_db(fits.plain, i, subset(lighting, {i}), law, fits.marked));
             trial.known_db.push_back(sample.psnr_db(fits.known, i, subset(lighting, {i}), law, fits.marked));
-            trial.whole_db.push_back(sample.psnr_db(fits.known, i, subset(lighting, {i}), 0, 1, law));
+            trial.whole_db.push_back(sample.psnr_db(fits.known, i, subset(lighting, {i}), law));
         }
     }
     return trial;

@@ -13,6 +13,7 @@ namespace {
 constexpr LeftOutPhotos kHalfOfThem = {3, 6};
 // Fewer photographs say nothing of a surface when one of them is left out.
 constexpr int kFewestForRig = 5;
+constexpr int kFiner = 4;            // pixels that the chosen model is solved with at last, by those before
 constexpr double kDoubtful_deg = 5;  // [deg] a correction that the user is told of
 // A smooth correction is believed where lamps turned by so many standard errors: less, and it takes up what
 // the model leaves out (synth_canvas, whose directions are right: 2.6; leaf: 4.7).
@@ -199,6 +200,9 @@ LightCalibration calibrate_lights(const Stack& stack, const Survey& survey, cons
         attempt_beams(even);
         if (!refines && even.trial.model.directions != DirectionFreedom::listed) attempt_beams(as_listed);
     }
+    if (const LightSample fine(stack, survey, transfer, noise, mm_per_pixel, ward, kFiner * options.samples);
+        all[best].solution && fine.size() > sample.size())
+        all[best].solution = solved_finer(fine, *all[best].solution, given, all[best].trial.model);
     LightCalibration result = calibration_of(all[best]);
     for (TriedModel& one : all) result.trials.push_back(std::move(one.trial));
     return result;

@@ -83,7 +83,7 @@ struct LightCalibration {
         LightModel model;
         double left_out_db = 0;         // [dB] mean PSNR of photographs left out in turn, on the sample
         std::vector<double> photos_db;  // [dB] of each of them, the same photographs in all trials
-        // [dB] Of each of them on every second pixel, once strength and direction, as far as the model gives
+        // [dB] Of each of them on half of the pixels, once strength and direction, as far as the model gives
         // each lamp its own, are found again from the others.
         std::vector<double> located_db;
     };

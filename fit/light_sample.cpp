@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <iterator>
 #include <limits>
 #include <numbers>
@@ -46,6 +47,9 @@ DirectionFreedom of_its_own(DirectionFreedom directions) {
     return directions == DirectionFreedom::smooth ? DirectionFreedom::listed : directions;
 }
 
+// Half of the ranks, so that a sample and those that it changes places with are in the same half.
+bool is_other(std::uint32_t rank) { return (rank * 0x9E3779B1u >> 16) % 2 == 1; }
+
 }  // namespace
 
 Beam beam_of(const std::array<double, 5>& terms, double width_mm) {
@@ -77,9 +81,10 @@ LightSample::LightSample(const Stack& stack, const Survey& survey, const Transfe
                          const NoiseModel& noise, double mm_per_pixel, const WardFitOptions& ward, int wanted)
     : survey_(survey), transfer_(transfer), noise_(noise), ward_(ward) {
     width_mm_ = std::max(stack.width(), stack.height()) * mm_per_pixel;
-    const int step = std::max(1, survey.sample_count() / wanted);
-    for (int k = 0; k < survey.sample_count(); k += step) {
-        chosen_.push_back(k);
+    chosen_ = survey.spread(wanted);
+    for (const int k : chosen_) {
+        others_.push_back(survey.ranks.empty() ? others_.size() % 2 == 1
+                                               : is_other(survey.ranks[static_cast<std::size_t>(k)]));
         const glm::dvec2 centred(
             survey.positions[static_cast<std::size_t>(k)].x - (stack.width() - 1) / 2.0,
             (stack.height() - 1) / 2.0 - survey.positions[static_cast<std::size_t>(k)].y);
@@ -196,13 +201,6 @@ std::vector<WardEstimate> LightSample::fit(const std::vector<int>& photos, const
 }
 
 double LightSample::psnr_db(const std::vector<WardEstimate>& estimates, int photo, const Lighting& lighting,
-                            int from, int step, const ReflectanceLaw& law) const {
-    std::vector<bool> marked(static_cast<std::size_t>(size()), false);
-    for (int k = from; k < size(); k += step) marked[static_cast<std::size_t>(k)] = true;
-    return psnr_db(estimates, photo, lighting, law, marked);
-}
-
-double LightSample::psnr_db(const std::vector<WardEstimate>& estimates, int photo, const Lighting& lighting,
                             const ReflectanceLaw& law, const std::vector<bool>& marked) const {
     const double white = transfer_.encode(static_cast<float>(lighting.white_level));
     const float clipped = transfer_.encode(noise_.clipped());
@@ -211,7 +209,7 @@ double LightSample::psnr_db(const std::vector<WardEstimate>& estimates, int phot
     PixelSamples s;
     for (int k = 0; k < size(); ++k) {
         const WardEstimate& e = estimates[static_cast<std::size_t>(k)];
-        if (!e.valid || !marked[static_cast<std::size_t>(k)]) continue;
+        if (!e.valid || !(marked.empty() || marked[static_cast<std::size_t>(k)])) continue;
         illuminate(lighting, point_mm(k), survey_.channels, s);
         const double theta[kWardCommon] = {e.slope.x, e.slope.y, std::log(e.roughness), e.specular};
         const WardTerms t = ward_terms(theta, s.light[0], s.view, law, e.stretch);
@@ -300,8 +298,9 @@ Lighting LightSample::located(const std::vector<WardEstimate>& estimates, int ph
     describe(lighting, joint);
     joint.rig.ambient = lighting.rig.ambient;
     joint.rig.bend = lighting.rig.bend_per_mm * width_mm_;
-    for (int k = 0; k < size(); k += 2)
-        add_pixel(k, estimates[static_cast<std::size_t>(k)], {photo}, lighting, joint);
+    for (int k = 0; k < size(); ++k)
+        if (!others_[static_cast<std::size_t>(k)])
+            add_pixel(k, estimates[static_cast<std::size_t>(k)], {photo}, lighting, joint);
     Lighting result = lighting;
     const JointFreedom of_lamp{.rig = false,
                                .gains = freedom.gains,
@@ -331,6 +330,20 @@ JointLights LightSample::joint_problem(const std::vector<int>& photos, const Lig
     }
     for (std::size_t pixel = 0; pixel < joint.pixels.size(); ++pixel)
         add_samples(joint.pixels[pixel].sample, photos, lighting, static_cast<int>(pixel), joint);
+    return joint;
+}
+
+JointLights LightSample::joint_problem(const std::vector<int>& photos, const Lighting& lighting,
+                                       const JointLights& lamps,
+                                       const std::vector<WardEstimate>& estimates) const {
+    JointLights joint;
+    describe(lighting, joint);
+    joint.rig = lamps.rig;
+    joint.log_gains = lamps.log_gains;
+    joint.turns = lamps.turns;
+    joint.beams = lamps.beams;
+    for (int k = 0; k < size(); ++k)
+        add_pixel(k, estimates[static_cast<std::size_t>(k)], photos, lighting, joint);
     return joint;
 }
 

@@ -42,13 +42,10 @@ public:
                                   const Lighting& lighting, const ReflectanceLaw& law) const;
 
     // [dB] PSNR of one photograph, predicted under this light; a matt white that faces it is the peak. At
-    // most what a thousandth of bright_stored() leaves: better is no matter. Pixels `from`, `from` + `step`,
-    // …
+    // most what a thousandth of bright_stored() leaves: better is no matter. Of the pixels that are marked,
+    // or all.
     double psnr_db(const std::vector<WardEstimate>& estimates, int photo, const Lighting& lighting,
-                   int from = 0, int step = 1, const ReflectanceLaw& law = {}) const;
-    // The same of the pixels that are marked.
-    double psnr_db(const std::vector<WardEstimate>& estimates, int photo, const Lighting& lighting,
-                   const ReflectanceLaw& law, const std::vector<bool>& marked) const;
+                   const ReflectanceLaw& law = {}, const std::vector<bool>& marked = {}) const;
 
     // [dB] That PSNR of a perfect prediction: what the noise to expect of a stored value leaves.
     double noise_db(double white_level) const;
@@ -61,8 +58,11 @@ public:
     // [pixels] of the picture, where pixel k is
     glm::vec2 place_px(int k) const { return places_px_[static_cast<std::size_t>(k)]; }
 
-    // The light of one photograph as its even pixels show it, the pixels being what they are; moves what the
-    // freedom says of gain and direction.
+    // About half of the pixels: those that located() does not look at.
+    const std::vector<bool>& others() const { return others_; }
+
+    // The light of one photograph as its pixels show it, less others(), the pixels being what they are; moves
+    // what the freedom says of gain and direction.
     Lighting located(const std::vector<WardEstimate>& estimates, int photo, const Lighting& lighting,
                      const JointFreedom& freedom) const;
 
@@ -73,6 +73,11 @@ public:
     // The same with some photographs only, started from the solution with all of them.
     JointLights joint_problem(const std::vector<int>& photos, const Lighting& lighting,
                               const JointLights& solved) const;
+
+    // The problem of all photographs with these pixels, started from lamps that another sample's solution
+    // has, and pixels as they are under them.
+    JointLights joint_problem(const std::vector<int>& photos, const Lighting& lighting,
+                              const JointLights& lamps, const std::vector<WardEstimate>& estimates) const;
 
 private:
     const Vec3& point_mm(int k) const { return points_mm_[static_cast<std::size_t>(k)]; }
@@ -91,6 +96,7 @@ private:
     double width_mm_ = 1;
     double bright_ = 1;
     std::vector<int> chosen_;  // of the survey's samples
+    std::vector<bool> others_;
     std::vector<Vec3> points_mm_;
     std::vector<glm::vec2> places_px_;
 };

@@ -161,7 +161,7 @@ FoldResult left_out(const LightSample& sample, const Lighting& given, const Ligh
         if (c.beams) light.beam = predicted_beam(*c.beams, c.lighting.lights, light.direction);
         result.photos_db.push_back(sample.psnr_db(estimates, i, one));
         const Lighting located = sample.located(estimates, i, one, freedom_of(model));
-        result.located_db.push_back(sample.psnr_db(estimates, i, located, 1, 2));
+        result.located_db.push_back(sample.psnr_db(estimates, i, located, {}, sample.others()));
     }
     return result;
 }
@@ -242,6 +242,16 @@ LightCalibration calibrated(const LightSample& sample, const JointLights& soluti
     LightCalibration c = calibration_of(sample, solution, given, model);
     add_errors(solution, c);
     return c;
+}
+
+JointLights solved_finer(const LightSample& fine, const JointLights& solution, const Lighting& given,
+                         const LightModel& model) {
+    std::vector<int> photos(given.lights.size());
+    std::iota(photos.begin(), photos.end(), 0);
+    const LightCalibration coarse = calibration_of(fine, solution, given, model);
+    JointLights joint = fine.joint_problem(photos, given, solution, fine.fit(photos, coarse.lighting));
+    const bool better = !joint.pixels.empty() && joint.solve(freedom_of(model), JointStart::near);
+    return better ? joint : solution;
 }
 
 bool explains_better(const LightCalibration::Trial& a, const LightCalibration::Trial& b, double explained_db,

@@ -36,6 +36,11 @@ std::vector<TriedModel> tried(const LightSample& sample, const Lighting& given,
 LightCalibration calibrated(const LightSample& sample, const JointLights& solution, const Lighting& given,
                             const LightModel& model);
 
+// A solution, solved again with the pixels of a finer sample: what was chosen by few pixels is the better
+// known by more. The solution itself where that fails.
+JointLights solved_finer(const LightSample& fine, const JointLights& solution, const Lighting& given,
+                         const LightModel& model);
+
 // Whether `a`, which gives each lamp something of its own that those left out don't share in, explains
 // photographs better than `b` once their lamps are located, and predicts them no worse than by `loss_db`, or
 // than chance does.

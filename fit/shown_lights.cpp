@@ -78,11 +78,10 @@ double angle_between(const Vector2d& a, const Vector2d& b) {
 
 std::vector<ReliefPixel> relief_pixels(const Survey& survey, const Transfer& transfer, std::size_t photos,
                                        int width, int height) {
-    const int step = std::max(1, (survey.sample_count() + kMostPixels - 1) / kMostPixels);
     const auto channels = static_cast<std::size_t>(survey.channels);
     const double half = std::max(width, height) / 2.0;
     std::vector<ReliefPixel> pixels;
-    for (int k = 0; k < survey.sample_count(); k += step) {
+    for (const int k : survey.spread(kMostPixels)) {
         const glm::ivec2 at = survey.positions[static_cast<std::size_t>(k)];
         ReliefPixel pixel;
         pixel.place = {(at.x - width / 2.0) / half, (height / 2.0 - at.y) / half};

@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <set>
 
 #include "surface/parallel.h"
@@ -41,6 +42,61 @@ TEST(Survey, TakesEveryPixelOfASmallStackOnce) {
     for (const glm::ivec2& p : s.positions) seen.emplace(p.x, p.y);
     EXPECT_EQ(seen.size(), 48u);
     EXPECT_EQ(s.sample_count(), 48);
+}
+
+// Otherwise what is concluded from a sample would depend on which way up a painting was photographed.
+TEST(Survey, SamplesOfAMirroredOrTurnedPictureAreMirroredAndTurned) {
+    const auto sampled = [](int width, int height) {
+        const TestDir dir;
+        write_test_stack(dir, dome_lights(4), width, height);
+        return survey(open_stack(dir.path()), {.samples = 60});
+    };
+    using Samples = std::set<std::array<int, 3>>;  // x, y, and how early in the order
+    const auto early = [](const Survey& s, int wanted) {
+        const std::vector<int> chosen = s.spread(wanted);
+        return std::set<int>(chosen.begin(), chosen.end());
+    };
+    for (const auto& [width, height] : {std::pair(40, 30), {31, 47}, {33, 33}, {64, 5}}) {
+        const Survey upright = sampled(width, height), turned = sampled(height, width);
+        EXPECT_GE(upright.sample_count(), 40);
+        ASSERT_EQ(upright.sample_count(), turned.sample_count());
+        const std::set<int> few = early(upright, 20), few_turned = early(turned, 20);
+        EXPECT_GE(few.size(), 20u);
+        EXPECT_LE(few.size(), 28u);
+        Samples as_is, flopped, flipped, by_a_quarter;
+        for (int k = 0; k < upright.sample_count(); ++k) {
+            const glm::ivec2 at = upright.positions[static_cast<std::size_t>(k)];
+            const int is_early = few.contains(k);
+            as_is.insert({at.x, at.y, is_early});
+            flopped.insert({width - 1 - at.x, at.y, is_early});
+            flipped.insert({at.x, height - 1 - at.y, is_early});
+        }
+        for (int k = 0; k < turned.sample_count(); ++k) {
+            const glm::ivec2 at = turned.positions[static_cast<std::size_t>(k)];
+            by_a_quarter.insert({at.y, height - 1 - at.x, few_turned.contains(k)});
+        }
+        EXPECT_EQ(as_is.size(), static_cast<std::size_t>(upright.sample_count())) << "none twice";
+        EXPECT_EQ(flopped, as_is);
+        EXPECT_EQ(flipped, as_is);
+        EXPECT_EQ(by_a_quarter, as_is);
+    }
+}
+
+// Whether all or few of them: every part of the picture has its share.
+TEST(Survey, SamplesAreSpreadEvenly) {
+    const TestDir dir;
+    write_test_stack(dir, dome_lights(4), 120, 90);
+    const Survey s = survey(open_stack(dir.path()), {.samples = 1000});
+    for (const int wanted : {2000, 400, 100}) {
+        std::array<int, 12> parts{};
+        const std::vector<int> chosen = s.spread(wanted);
+        for (const int k : chosen) {
+            const glm::ivec2 at = s.positions[static_cast<std::size_t>(k)];
+            ++parts[static_cast<std::size_t>(at.y / 30 * 4 + at.x / 30)];
+        }
+        const double share = static_cast<double>(chosen.size()) / 12;
+        for (const int count : parts) EXPECT_NEAR(count, share, 0.35 * share + 1) << wanted;
+    }
 }
 
 TEST(Survey, MeasuresMeanMaximumAndClippedPart) {

@@ -35,7 +35,7 @@ struct Scene {
     }
     double width_mm() const { return stack.width() * kMmPerPixel; }
     LightCalibration calibrated() const {
-        return calibrate_lights(stack, surveyed, Transfer{}, NoiseModel(Transfer{}, 0.006, true),
+        return calibrate_lights(stack, surveyed, Transfer{}, NoiseModel(Transfer{}, 0.002, true),
                                 {stack.lights(), {}, 0.75}, kMmPerPixel, {});
     }
 };
