@@ -306,6 +306,8 @@ CalibrationFiles write_calibration(const std::filesystem::path& out, const Calib
     const std::vector<Light> usable = calibration.lights.usable_lights();
     std::optional<AtomicFile> lights;
     if (!usable.empty()) lights.emplace(files.lights).write(lights_text(usable));
+    std::error_code missing;  // lights of a former run are not those of this capture file
+    if (usable.empty()) std::filesystem::remove(files.lights, missing);
     json.commit();
     page.commit();
     if (lights) lights->commit();

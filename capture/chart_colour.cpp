@@ -236,8 +236,11 @@ void warn_of_outliers(ColourCorrection& c, std::span<const ChartReading> photos)
         const std::string name =
             photos[p].photo.empty() ? fmt::format("photograph {}", p + 1) : photos[p].photo;
         if (!c.lights.lights[p].known) {
-            c.warnings.push_back(fmt::format("{}: only {} patches of the chart can be used; left out", name,
-                                             photos[p].good()));
+            c.warnings.push_back(
+                c.lights.lights[p].dark
+                    ? fmt::format("{}: the chart is black in it; did its lamp fail? Left out", name)
+                    : fmt::format("{}: only {} patches of the chart can be used; left out", name,
+                                  photos[p].good()));
             continue;
         }
         std::string numbers;

@@ -17,6 +17,7 @@ using glm::dvec3;
 namespace {
 
 constexpr int kLeastPatches = 9;      // of a photograph, to know its light
+constexpr double kDark = 0.02;        // [1] of the usual white: a lamp that failed tells no colours
 constexpr double kModelError = 0.01;  // [1] relative: what smooth light and one matrix leave of real charts
 constexpr double kFloor = 1e-3;       // [1] of the white patch's reading, below which errors are absolute
 constexpr double kLossSigmas = 2;     // where Cauchy's function begins to bend
@@ -128,8 +129,14 @@ ChartLights fit_chart_lights(std::span<const ChartReading> photos, const ChartRe
     const auto usable = [&](const ChartReading& photo, std::size_t i) {
         return use[i] && photo.patches[i].state == PatchState::good;
     };
+    std::vector<double> whites;
+    for (const ChartReading& photo : photos)
+        if (const double white = white_of(photo); white > 0) whites.push_back(white);
+    const double dark = whites.empty() ? 0 : kDark * median(whites);
     double* fixed = nullptr;
     for (std::size_t p = 0; p < photos.size(); ++p) {
+        result.lights[p].dark = !(white_of(photos[p]) > dark);
+        if (result.lights[p].dark) continue;
         int good = 0;
         for (std::size_t i = 0; i < kChartPatches; ++i) good += usable(photos[p], i);
         if (good < kLeastPatches) continue;

@@ -19,7 +19,8 @@ namespace tangi {
 struct ChartLight {
     std::array<double, 6>
         terms{};         // of 1, x, y, x^2, xy, y^2, x and y from the chart's middle in half widths
-    bool known = false;  // false: too few good patches
+    bool known = false;  // false: too few good patches, or
+    bool dark = false;   // hardly any light beside that of other photographs
 
     double log_at(int patch) const;
 };

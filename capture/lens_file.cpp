@@ -3,7 +3,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <glm/geometric.hpp>
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
 
@@ -42,6 +45,32 @@ cv::Matx33d matrix_of(const Lens& lens) {
     return {lens.focal_px.x, 0, lens.principal_px.x, 0, lens.focal_px.y, lens.principal_px.y, 0, 0, 1};
 }
 
+// Radial distortion that turns back within the picture shows its middle twice: no lens does.
+void require_no_fold(const Lens& lens, const std::filesystem::path& path) {
+    std::array<double, 8> d{};
+    std::copy_n(lens.distortion.begin(), std::min(lens.distortion.size(), d.size()), d.begin());
+    const auto distorted = [&d](double r) {
+        const double s = r * r;
+        return r * (1 + s * (d[0] + s * (d[1] + s * d[4]))) / (1 + s * (d[5] + s * (d[6] + s * d[7])));
+    };
+    double corner = 0;
+    for (const double x : {0.0, lens.width - 1.0})
+        for (const double y : {0.0, lens.height - 1.0})
+            corner = std::max(corner, glm::length((dvec2(x, y) - lens.principal_px) / lens.focal_px));
+    const double step = corner / 1000, most = 20 * corner;
+    double reached = 0;
+    for (double r = step; reached < corner; r += step) {
+        const double next = distorted(r);
+        if (!(next > reached) || r > most)
+            fail(
+                "{}: its distortion turns back {:.0f} pixels from the middle of the picture, of which the "
+                "corners are {:.0f} pixels away; is it of this lens, and were the photographs of the "
+                "calibration good to the corners?",
+                path.string(), reached * lens.focal_px.x, corner * lens.focal_px.x);
+        reached = next;
+    }
+}
+
 Lens lens_in(const cv::FileStorage& file, const std::filesystem::path& path) {
     const cv::Mat camera = matrix_in(file, "camera_matrix", path);
     if (camera.rows != 3 || camera.cols != 3)
@@ -64,6 +93,7 @@ Lens lens_in(const cv::FileStorage& file, const std::filesystem::path& path) {
           lens.principal_px.y < lens.height))
         fail("{}: the principal point ({:.1f}, {:.1f}) in camera_matrix lies outside its pictures of {} x {}",
              path.string(), lens.principal_px.x, lens.principal_px.y, lens.width, lens.height);
+    require_no_fold(lens, path);
     return lens;
 }
 

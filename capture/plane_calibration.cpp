@@ -26,6 +26,7 @@ constexpr int kSoughtIn = 3;          // photographs, before all are looked thro
 constexpr double kPointSigma_px = 1;  // of corners that people point at
 constexpr double kMostEnlarged = 4;   // [1] area of the picture by that of the photographs
 constexpr double kDoubtfulTilt_deg = 1;
+constexpr double kFocalsDiffer = 0.03;  // [1] relative; a calibrated lens is known to a hundredth
 
 // A plane in the undistorted photographs, in mm or, of a chart of unknown size, in its pitch.
 struct SeenPlane {
@@ -326,6 +327,12 @@ PlaneCalibration calibrate_plane(const PhotoSet& photos, const PlaneOptions& opt
     c.focal_px = options.focal_px;
     c.principal_px = options.principal_px.value_or(dvec2((c.width - 1) / 2.0, (c.height - 1) / 2.0));
     if (g.lens) {
+        if (const double of_lens = (g.lens->focal_px.x + g.lens->focal_px.y) / 2;
+            c.focal_px && std::abs(*c.focal_px / of_lens - 1) > kFocalsDiffer)
+            c.warnings.push_back(fmt::format(
+                "--focal-px {:.6g}: the lens file says {:.6g}; the former is used for the camera's "
+                "distance, the latter to undo the distortion",
+                *c.focal_px, of_lens));
         if (!c.focal_px) c.focal_px = (g.lens->focal_px.x + g.lens->focal_px.y) / 2;
         if (!options.principal_px) c.principal_px = g.lens->principal_px;
     }

@@ -166,7 +166,9 @@ BallCalibration balls_of(const CalibrateArguments& a, const PhotoSet& photos,
     } catch (const NoBallError& error) {
         if (!something_else) throw;
         BallCalibration none = without_balls(photos, options);
-        none.warnings.push_back(fmt::format(
+        // Who describes balls has some in the picture.
+        std::vector<std::string>& said = a.ball_radius_mm > 0 || a.ball_height_mm ? none.poor : none.warnings;
+        said.push_back(fmt::format(
             "{}; the rest is written without lights: --no-balls says that there are none", error.what()));
         return none;
     }

@@ -97,6 +97,9 @@ std::vector<LeftOut> leave_out_damaged_and_copies(Stack& stack, const Progress& 
     std::vector<LeftOut> left_out;
     while (true) try {
             Survey surveyed = survey(stack, {}, progress);
+            const std::vector<std::string> before = names_of(stack);
+            leave_out_black_photos(stack, surveyed, kFewest);
+            note_missing(before, stack, "it is black", left_out);
             leave_out_copies(stack, surveyed, left_out, kFewest);
             return left_out;
         } catch (const PhotoError& error) {

@@ -203,6 +203,17 @@ TEST(ChartColour, OfAPhotographWithFewPatchesIsLeftOut) {
     EXPECT_EQ(c.lights.photos[10], 5);
 }
 
+TEST(ChartColour, OfAPhotographWhoseLampFailedIsLeftOut) {
+    std::vector<ChartReading> photos = several(0.003);
+    const ColourCorrection without =
+        correct_colours(std::vector(photos.begin() + 1, photos.end()), classic_chart());
+    for (PatchReading& patch : photos[0].patches) patch.mean = Rgb(0), patch.sigma = Rgb(0);
+    const ColourCorrection c = correct_colours(photos, classic_chart());
+    EXPECT_FALSE(c.lights.lights[0].known);
+    EXPECT_THAT(c.warnings, ElementsAre(HasSubstr("1.png: the chart is black in it")));
+    EXPECT_NEAR(c.after.mean, without.after.mean, 1e-6);
+}
+
 TEST(ChartColour, GoesFromPicturesToPictures) {
     // The whole way: two pictures with uneven light, noise and the camera's primaries.
     const ChartReference reference = classic_chart();

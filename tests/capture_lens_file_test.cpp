@@ -71,6 +71,9 @@ TEST(LensFile, ThatIsWrongIsAnErrorWithThePlace) {
     EXPECT_THAT(error("f.xml", "not xml at all"), HasSubstr("f.xml: "));
     EXPECT_THAT(error("g.txt", whole), HasSubstr("is read from .yml, .yaml or .xml"));
     EXPECT_THAT(error_of([&] { read_lens(dir / "none.yml"); }), HasSubstr("none.yml: there is no such file"));
+    EXPECT_THAT(error("i.yml", yaml("[ -8., 0., 0., 0., 0. ]")),
+                HasSubstr("i.yml: its distortion turns back 109 pixels from the middle"));
+    EXPECT_EQ(lens_of(yaml("[ -0.4, 0.15, 0., 0., 0. ]")).distortion.size(), 5u);  // a strong barrel
     std::string lying = whole;
     lying.replace(lying.find("camera_matrix: !!opencv-matrix\n   rows: 3"), 41,
                   "camera_matrix: !!opencv-matrix\n   rows: 2");
