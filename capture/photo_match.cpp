@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <glm/geometric.hpp>
 #include <map>
+#include <string_view>
 #include <utility>
 
 #include "capture/brackets.h"
@@ -60,6 +61,31 @@ std::optional<fs::path> match(const std::string& name, const fs::path& folder,
     if (std::count_if(same_stem.begin(), same_stem.end(), is_raw_name) == 1)
         return *std::find_if(same_stem.begin(), same_stem.end(), is_raw_name);
     return std::nullopt;
+}
+
+// As people count: photo_2 before photo_10.
+bool before_as_counted(std::string_view a, std::string_view b) {
+    const auto is_digit = [](char c) { return c >= '0' && c <= '9'; };
+    const auto number = [&](std::string_view& text) {
+        std::size_t end = 0;
+        while (end < text.size() && is_digit(text[end])) ++end;
+        std::string_view digits = text.substr(0, end);
+        text.remove_prefix(end);
+        while (digits.size() > 1 && digits.front() == '0') digits.remove_prefix(1);
+        return digits;
+    };
+    const std::string_view whole_a = a, whole_b = b;
+    while (!a.empty() && !b.empty()) {
+        if (is_digit(a.front()) && is_digit(b.front())) {
+            const std::string_view of_a = number(a), of_b = number(b);
+            if (of_a.size() != of_b.size()) return of_a.size() < of_b.size();
+            if (of_a != of_b) return of_a < of_b;
+        } else {
+            if (a.front() != b.front()) return a.front() < b.front();
+            a.remove_prefix(1), b.remove_prefix(1);
+        }
+    }
+    return a.empty() && b.empty() ? whole_a < whole_b : a.empty();
 }
 
 Brackets brackets_of(const std::optional<std::string>& asked, const fs::path& folder,
@@ -165,20 +191,30 @@ private:
     }
 
     void take_by_order() {
+        // Lamps are numbered as people count, unless the file's own names show that a program sorted them.
+        std::vector<std::string> names;
+        for (const Light& light : lights_) names.push_back(light.name);
+        const bool by_letters = !lights_.front().name.empty() && std::is_sorted(names.begin(), names.end()) &&
+                                !std::is_sorted(names.begin(), names.end(), before_as_counted);
+        if (!by_letters)
+            std::sort(photos_.begin(), photos_.end(), [](const fs::path& a, const fs::path& b) {
+                return before_as_counted(a.filename().string(), b.filename().string());
+            });
         for (std::size_t i = 0; i < photos_.size(); ++i)
             result_.photos.push_back({photos_[i], lights_[i], static_cast<int>(i), {}, {}});
         result_.by_order = true;
+        const std::string order =
+            fmt::format("the order of the file names: the first is {}'s, the last {}'s",
+                        photos_.front().filename().string(), photos_.back().filename().string());
         if (lights_.front().name.empty()) {
             for (StackPhoto& photo : result_.photos) photo.light.name = photo.path.filename().string();
             result_.warnings.push_back(fmt::format(
-                "{}: does not name photographs; its lights are taken in the order of the file names in {}",
-                lights_path_.string(), folder_.string()));
+                "{}: does not name photographs; its lights are taken in {}", lights_path_.string(), order));
             return;
         }
-        result_.warnings.push_back(fmt::format(
-            "{}: none of its names ('{}', …) is a photograph in {}; lights are taken in the order of the "
-            "file names",
-            lights_path_.string(), lights_.front().name, folder_.string()));
+        result_.warnings.push_back(
+            fmt::format("{}: none of its names ('{}', …) is a photograph in {}; lights are taken in {}",
+                        lights_path_.string(), lights_.front().name, folder_.string(), order));
     }
 
     void tell_missing() {

@@ -191,6 +191,13 @@ std::vector<Light> directions_of(const std::vector<Light>& lights) {
     return result;
 }
 
+// Vectors of length 1 are no positions: a lamp 1 mm before the painting's middle is none.
+bool are_directions(const std::vector<Light>& lights) {
+    return std::all_of(lights.begin(), lights.end(), [](const Light& light) {
+        return light.position_mm && std::abs(glm::length(*light.position_mm) - 1) < 0.02f;
+    });
+}
+
 }  // namespace
 
 std::string joined(const std::vector<std::string>& names, std::size_t most) {
@@ -211,6 +218,10 @@ StackCalibration read_stack_calibration(const fs::path& folder, const StackOptio
         lights_path = capture && !capture->lights.empty() ? *options.capture_file : find_lights_file(folder);
     if (lower_extension(lights_path) != ".json") {
         StackCalibration read = read_lights(lights_path, options.lights_in_mm, flips);
+        if (options.lights_in_mm && are_directions(read.lights))
+            fail(
+                "{}: its vectors are all of length 1: directions, not positions in mm; leave out --lights-mm",
+                lights_path.string());
         if (options.lights_in_mm && !(capture && capture->mm_per_pixel))
             fail(
                 "{}: positions in mm need to know how large a pixel is; measure it (tangipaint calibrate {} "

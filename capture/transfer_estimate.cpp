@@ -69,9 +69,8 @@ struct MattSample {
 };
 
 MattSample matt_sample(const Stack& stack, const Survey& survey, const Transfer& transfer) {
-    const int step = std::max(1, survey.sample_count() / kSamples);
     MattSample sample;
-    for (int k = 0; k < survey.sample_count(); k += step) sample.index.push_back(k);
+    sample.index = survey.spread(kSamples);
     sample.pixels.resize(sample.index.size());
     sample.estimates.resize(sample.index.size());
     parallel_for(0, static_cast<int>(sample.index.size()), 16, [&](int begin, int end) {

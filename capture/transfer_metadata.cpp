@@ -2,6 +2,8 @@
 
 #include <lcms2.h>
 
+#include <Eigen/Cholesky>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -31,6 +33,26 @@ double distance(const Curve& curve, const Transfer& transfer) {
     return most;
 }
 
+// Transfer::Kind::curve by least squares of linear values: their logarithms over ln e are a parabola of e.
+template <class Curve>
+Transfer curve_through(const Curve& curve) {
+    Eigen::Matrix3d squares = Eigen::Matrix3d::Zero();
+    Eigen::Vector3d products = Eigen::Vector3d::Zero();
+    for (int i = 1; i < kSteps; ++i) {
+        const double e = i / static_cast<double>(kSteps), linear = static_cast<double>(curve(float(e)));
+        if (!(linear > 0)) continue;
+        const double weight = std::pow(linear * std::log(e), 2);  // an error of the exponent in linear light
+        const Eigen::Vector3d terms(1, e, e * e);
+        squares += weight * terms * terms.transpose();
+        products += weight * std::log(linear) / std::log(e) * terms;
+    }
+    const Eigen::Vector3d t = squares.ldlt().solve(products);
+    const auto rounded = [](double v) { return std::round(v * 1000) / 1000; };
+    Transfer result{Transfer::Kind::curve, rounded(t[0])};
+    result.bend = rounded(t[1]), result.bow = rounded(t[2]);
+    return result;
+}
+
 std::optional<Transfer> named_curve(const cmsToneCurve* curve) {
     const auto value = [&](float stored) { return cmsEvalToneCurveFloat(curve, stored); };
     Transfer best;
@@ -45,6 +67,9 @@ std::optional<Transfer> named_curve(const cmsToneCurve* curve) {
     // The gamma through the middle; one that fits as badly as sRGB is sRGB rounded to 8 bits, not a gamma.
     if (const float middle = value(0.5f); middle > 0 && middle < 1)
         offer(gamma_of(std::log(static_cast<double>(middle)) / std::log(0.5)), 1.5);
+    // What is none of these may be as smooth: CIE L*, as of eciRGB v2.
+    if (least > kSame)
+        if (const Transfer smooth = curve_through(value); smooth.is_increasing()) offer(smooth, 1);
     return least <= kSame ? std::optional(best) : std::nullopt;
 }
 
@@ -128,18 +153,28 @@ std::optional<StatedTransfer> transfer_of_metadata(const PhotoMetadata& m) {
 
 TransferEstimate decide_transfer(const Stack& stack, const Survey& survey) {
     TransferEstimate result = estimate_transfer(stack, survey);
-    if (result.source != "estimated") return result;
+    const bool given = result.source == "given" && !stack.transfer_of_chart && !stack.development;
+    if (result.source != "estimated" && !given) return result;
     const Statement said = statement_of(stack);
+    if (given) {
+        const StatedTransfer* stated = said.stated && said.stated->binding ? &*said.stated : nullptr;
+        if (stated && stated->transfer && difference(*stated->transfer, result.transfer) > kContrary)
+            append(result.warning,
+                   fmt::format("{}: stored as {} by the photographs' {}, but {} is given, which is used",
+                               stack.folder.string(), stated->transfer->name(), stated->source,
+                               result.transfer.name()));
+        return result;
+    }
     if (!said.contradiction.empty()) append(result.warning, said.contradiction);
     if (!said.stated) return result;
     const std::string& source = said.stated->source;
     if (!said.stated->transfer) {
-        append(
-            result.warning,
-            fmt::format(
-                "{}: the tone curve of the photographs' {} is neither linear, nor sRGB, nor a gamma, and is "
-                "not used; {} was estimated from the photographs; convert them to linear light or sRGB",
-                stack.folder.string(), source, result.transfer.name()));
+        append(result.warning,
+               fmt::format(
+                   "{}: the tone curve of the photographs' {} is neither linear, nor sRGB, nor a gamma, nor "
+                   "smooth, and is "
+                   "not used; {} was estimated from the photographs; convert them to linear light or sRGB",
+                   stack.folder.string(), source, result.transfer.name()));
         return result;
     }
     const Transfer stated = *said.stated->transfer;

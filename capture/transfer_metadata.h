@@ -21,9 +21,9 @@ struct StatedTransfer {
 // What the metadata state, the most trustworthy first; empty where they say nothing (EXIF: "uncalibrated").
 std::optional<StatedTransfer> transfer_of_metadata(const PhotoMetadata& metadata);
 
-// The curve of an ICC profile's red, green and blue (or grey) tone curves: linear, sRGB or a gamma, whichever
-// is within 1 % of full scale everywhere. Empty where none is, where the channels differ, or where the
-// profile has tables instead (ICC.1:2010, 9.2, 10.5, 10.15).
+// The curve of an ICC profile's red, green and blue (or grey) tone curves: linear, sRGB, a gamma or a smooth
+// curve (as CIE L*), whichever is within 1 % of full scale everywhere. Empty where none is, where the
+// channels differ, or where the profile has tables instead (ICC.1:2010, 9.2, 10.5, 10.15).
 std::optional<Transfer> transfer_of_icc(std::string_view profile);
 
 // Largest difference of what two curves make of the same stored value [1].

@@ -52,6 +52,10 @@ nlohmann::json provenance_of(const FitArguments& arguments, const Stack& stack,
 // [sigma] Median residual from which on lights that were taken in the order of file names are doubted.
 constexpr double kDoubtfulOrder = 1;
 
+constexpr double kDoubtfulScatter_deg = 6;  // of lights in that order; fit/odd_lights.h says no more beyond
+
+constexpr double kScalesDiffer = 0.01;  // [1] relative, of a pixel's size as given and as measured
+
 constexpr double kDoubtfulBulge_deg = 5;  // of a painting as a whole
 
 // What makes the result doubtful as a whole; empty where nothing does.
@@ -64,6 +68,13 @@ std::vector<std::string> poor_reasons(const FitReport& report, const UsableStack
             "file names, and the photographs differ from the model by {}: is the order the same? Name the "
             "photographs in the lights file as they are called",
             beyond_expected(report.median_rms_residual)));
+    else if (opened.lights_by_order && report.odd_lights.scatter_deg > kDoubtfulScatter_deg)
+        reasons.push_back(fmt::format(
+            "no name in the lights file is that of a photograph, so lights were taken in the order of the "
+            "file names, and those that the photographs show scatter by {:.0f}° round the listed ones: is "
+            "the "
+            "order the same? Name the photographs in the lights file as they are called",
+            report.odd_lights.scatter_deg));
     if (std::string doubt = doubt_of(report.signs, report.shadow_signs, flips); !doubt.empty())
         reasons.push_back(std::move(doubt));
     for (std::string& doubt : doubts_of(report.odd_lights, report.photo_names))
@@ -89,6 +100,9 @@ nlohmann::json colour_of(const FitResult& fit) {
         return is ? nlohmann::json(value) : nlohmann::json(nullptr);
     };
     return {{"corrected", colour.corrected},
+            {"by", !colour.corrected   ? nlohmann::json(nullptr)
+                   : colour.by_profile ? nlohmann::json("ICC profile")
+                                       : nlohmann::json("colour chart")},
             {"chart_delta_e_2000", known(colour.delta_e_2000 >= 0, colour.delta_e_2000)},
             {"clamped_pixels", colour.clamped},
             {"patches", colour.patches},
@@ -162,6 +176,12 @@ nlohmann::json run_fit(FitArguments arguments, const Progress& progress) {
     Stack& stack = opened.stack;
     const std::size_t told_before = stack.warnings.size();
     told(stack.warnings);  // now, not after an hour
+    if (const auto& mm = arguments.options.mm_per_pixel;
+        mm && stack.mm_per_pixel && std::abs(*mm / *stack.mm_per_pixel - 1) > kScalesDiffer)
+        opened.poor.push_back(fmt::format(
+            "--mm-per-pixel {:.6g} is used, but the capture file measured {:.6g}: one of them is wrong, and "
+            "lamps, heights and areas with it; leave the flag out, or measure again",
+            *mm, *stack.mm_per_pixel));
     if (opened.found_mask) arguments.photos.mask = opened.found_mask->string();
     refuse_to_overwrite_photographs(arguments, stack);
     const DevelopReport development = develop_stack(stack, {}, progress);

@@ -136,7 +136,8 @@ int no_command(const std::string& word) {
 
 int main(int argc, char** argv) {
     prepare_streams();
-    google::InitGoogleLogging(argv[0]);  // Ceres logs through it; its numbers are in our reports
+    google::InitGoogleLogging(argv[0]);      // Ceres logs through it; its numbers are in our reports
+    FLAGS_minloglevel = google::GLOG_FATAL;  // and what it cannot solve is told by who asked
 
     CLI::App app(kAbout, "tangipaint");
     app.set_version_flag("--version", "tangipaint " TP_VERSION);

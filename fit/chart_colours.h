@@ -17,6 +17,7 @@ namespace tangi {
 struct ColourReport {
     bool corrected = false;       // rho_d is colorimetric; false: in the photographs' own primaries
     double delta_e_2000 = -1;     // [1] to expect, by the chart in the photographs; negative: not known
+    bool by_profile = false;      // corrected by the primaries of the photographs' ICC profile
     long clamped = 0;             // pixels with a channel that would be negative: colours outside Rec. 709
     int patches = 0;              // of the chart that are in the picture
     double patches_delta_e = 0;   // [1] mean CIEDE2000 of these, as fitted, against the chart's values

@@ -80,6 +80,10 @@ std::string rig_section(const FitResult& fit) {
             html +=
                 fmt::format("<tr><td>{}</td><td>{:.2f}</td></tr>", name_of(trial.model), trial.left_out_db);
         html += "</table>";
+        if (lights.model.directions == DirectionFreedom::measured)
+            html +=
+                "<p>Directions that mirror or matt balls measured are corrected within their standard errors, "
+                "whatever left-out photographs say: the lamp that is left out has no part in that.</p>";
     }
     html += fmt::format(
         "<table><tr><td>light from all around</td><td>{}</td></tr><tr><td>distance of the "

@@ -134,8 +134,37 @@ TEST(OpenStack, MatchesByOrderWithAWarningWhereNoNameMatches) {
     EXPECT_THAT(
         stack.warnings,
         ElementsAre(fmt::format("{0}/lights.lp: none of its names ('IMG_9.jpg', …) is a photograph in {0}; "
-                                "lights are taken in the order of the file names",
+                                "lights are taken in the order of the file names: the first is "
+                                "photo_000.png's, the last photo_004.png's",
                                 r.dir.path().string())));
+}
+
+// Lamps and photographs are numbered as people count; a file that a program sorted by letters says so itself.
+TEST(OpenStack, TakesLightsInTheOrderThatTheirNumbersHave) {
+    for (const bool by_letters : {false, true}) {
+        const TestDir dir;
+        std::vector<Light> lights = dome_lights(12);
+        write_test_stack(dir, lights);
+        std::vector<std::string> order;
+        for (std::size_t i = 0; i < lights.size(); ++i) {
+            const std::string name = fmt::format("shot{}", i + 1);
+            fs::rename(dir / lights[i].name, dir / (name + ".png"));
+            order.push_back(name);
+            lights[i].name = "lamp_" + std::to_string(i + 1) + ".tif";
+        }
+        if (by_letters) {
+            std::sort(order.begin(), order.end());
+            std::sort(lights.begin(), lights.end(), [](auto& a, auto& b) { return a.name < b.name; });
+        }
+        write_lights(dir / "lights.lp", lights);
+        const Stack stack = open_stack(dir.path());
+        ASSERT_EQ(stack.photos.size(), 12u);
+        for (std::size_t i = 0; i < 12; ++i) {
+            EXPECT_EQ(stack.photos[i].path.stem(), order[i]);
+            EXPECT_LE(glm::length(stack.photos[i].light.direction - lights[i].direction), 1e-6f);
+        }
+        EXPECT_THAT(stack.warnings, ElementsAre(HasSubstr("the last " + order.back() + ".png's")));
+    }
 }
 
 TEST(OpenStack, WarnsOfPhotographsThatAreNotListed) {

@@ -7,6 +7,7 @@
 #include <lcms2.h>
 
 #include "capture/develop_stack.h"
+#include "capture/profile_colours.h"
 #include "tests/test_support.h"
 
 namespace tangi {
@@ -19,18 +20,20 @@ namespace fs = std::filesystem;
 
 constexpr Transfer kSrgb{Transfer::Kind::srgb};
 
-// An ICC profile with Rec. 709 primaries and this tone curve.
-std::string profile_of(cmsToneCurve* red, cmsToneCurve* green, cmsToneCurve* blue) {
-    const cmsCIExyY white = {0.3127, 0.3290, 1};
-    const cmsCIExyYTRIPLE primaries = {{0.64, 0.33, 1}, {0.30, 0.60, 1}, {0.15, 0.06, 1}};
-    cmsToneCurve* curves[3] = {red, green, blue};
-    const cmsHPROFILE profile = cmsCreateRGBProfile(&white, &primaries, curves);
+std::string profile_of(const std::array<cmsToneCurve*, 3>& curves, const cmsCIExyY& white,
+                       const cmsCIExyYTRIPLE& primaries) {
+    const cmsHPROFILE profile = cmsCreateRGBProfile(&white, &primaries, curves.data());
     cmsUInt32Number size = 0;
     cmsSaveProfileToMem(profile, nullptr, &size);
     std::string bytes(size, '\0');
     cmsSaveProfileToMem(profile, bytes.data(), &size);
     cmsCloseProfile(profile);
     return bytes;
+}
+// An ICC profile with Rec. 709 primaries and this tone curve.
+std::string profile_of(cmsToneCurve* red, cmsToneCurve* green, cmsToneCurve* blue) {
+    return profile_of({red, green, blue}, {0.3127, 0.3290, 1},
+                      {{0.64, 0.33, 1}, {0.30, 0.60, 1}, {0.15, 0.06, 1}});
 }
 std::string profile_of(cmsToneCurve* curve) {
     const std::string bytes = profile_of(curve, curve, curve);
@@ -61,6 +64,36 @@ TEST(IccProfile, TellsLinearSrgbAndGammaInAllItsForms) {
     EXPECT_EQ(transfer_of_icc(profile_of(table_curve(2, [](double v) { return v; })))->name(), "linear");
     const auto tabulated = transfer_of_icc(profile_of(table_curve(4096, [](double v) { return v * v; })));
     EXPECT_NEAR(tabulated->gamma, 2, 0.002);
+}
+
+// CIE L*, as eciRGB v2 and Metamorfoze's profiles have it.
+TEST(IccProfile, OfAnotherSmoothCurveTellsThat) {
+    const auto lightness = [](double v) { return v > 0.08 ? std::pow((v + 0.16) / 1.16, 3) : v / 9.0329; };
+    const auto curve = transfer_of_icc(profile_of(table_curve(4096, lightness)));
+    ASSERT_TRUE(curve);
+    EXPECT_EQ(curve->kind, Transfer::Kind::curve);
+    for (double v = 0; v <= 1; v += 0.01)
+        EXPECT_NEAR(static_cast<double>(curve->decode(static_cast<float>(v))), lightness(v), 0.004) << v;
+}
+
+TEST(IccProfile, TellsItsPrimaries) {
+    EXPECT_FALSE(to_camera_of_icc(profile_of(srgb_curve())));
+    EXPECT_FALSE(to_camera_of_icc("no profile"));
+    const cmsCIExyY white = {0.3127, 0.3290, 1};
+    const cmsCIExyYTRIPLE adobe = {{0.64, 0.33, 1}, {0.21, 0.71, 1}, {0.15, 0.06, 1}};
+    cmsToneCurve* curve = gamma_curve(2.2);
+    const auto matrix = to_camera_of_icc(profile_of({curve, curve, curve}, white, adobe));
+    cmsFreeToneCurve(curve);
+    ASSERT_TRUE(matrix);
+    // Rec. 709 from Adobe RGB (1998): R = 1.3984 R' - 0.3984 G'; green is itself, blue -0.0429 G' + 1.0429
+    // B'.
+    const glm::dmat3 back = glm::inverse(*matrix);
+    EXPECT_NEAR(back[0][0], 1.398, 0.003);
+    EXPECT_NEAR(back[1][0], -0.398, 0.003);
+    EXPECT_NEAR(back[1][1], 1, 0.003);
+    EXPECT_NEAR(back[1][2], -0.043, 0.003);
+    for (int row = 0; row < 3; ++row)
+        EXPECT_NEAR((*matrix)[0][row] + (*matrix)[1][row] + (*matrix)[2][row], 1, 1e-9);
 }
 
 TEST(IccProfile, IsRefusedWhereItIsNoneOfThese) {
@@ -161,6 +194,19 @@ TEST(DecidedTransfer, IsTheProfilesEvenWherePhotographsLookOtherwiseButSaysSo) {
     EXPECT_EQ(d.transfer, kSrgb);
     EXPECT_THAT(d.warning, AllOf(HasSubstr("ICC profile"), HasSubstr("look like linear"),
                                  HasSubstr("--transfer linear")));
+}
+
+TEST(DecidedTransfer, ThatIsGivenWinsAndAContradictionIsTold) {
+    const SaidStack said({}, ".tif",
+                         [](int, OIIO::ImageSpec& spec) { set_icc(spec, profile_of(gamma_curve(1))); });
+    const auto given = [&](double gamma) {
+        const Stack stack = open_stack(said.dir.path(), {.transfer = Transfer{Transfer::Kind::gamma, gamma}});
+        return decide_transfer(stack, survey(stack));
+    };
+    EXPECT_EQ(given(2.2).source, "given");
+    EXPECT_THAT(given(2.2).warning,
+                AllOf(HasSubstr("linear by the photographs' ICC profile"), HasSubstr("gamma 2.2 is given")));
+    EXPECT_THAT(given(1.05).warning, IsEmpty());
 }
 
 TEST(DecidedTransfer, IsNotWhatExifSaysBlindly) {
