@@ -82,7 +82,8 @@ std::string rig_section(const FitResult& fit) {
         html += "</table>";
         if (lights.model.directions == DirectionFreedom::measured)
             html +=
-                "<p>Directions that mirror or matt balls measured are corrected within their standard errors, "
+                "<p>Directions that mirror or matt balls measured are corrected within their standard "
+                "errors, "
                 "whatever left-out photographs say: the lamp that is left out has no part in that.</p>";
     }
     html += fmt::format(
