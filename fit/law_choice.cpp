@@ -18,6 +18,9 @@ constexpr std::array kRoughnesses = {0.15, 0.3, 0.5, 0.8};
 constexpr double kSureOfHaze = 1, kSureOfRoughness = 2, kSureOfLobes = 2;
 constexpr double kFewestMarked = 0.01;  // [1] of the sample: a few pixels are noise
 constexpr double kWorth = 0.1;  // [dB] of gain at least: as with lamps, what gains less is left as it is
+// [dB] Of many pixels, what lobes leave open gains so much for sure: impasto, whose paint is Lambert's, 0.37,
+// with which its height is off by 0.045 mm instead of 0.036.
+constexpr double kWorthOfRoughness = 0.5;
 constexpr double kTrials = 1 + kHazes.size() + kRoughnesses.size();
 
 Lighting subset(const Lighting& lighting, const std::vector<int>& photos) {
@@ -46,13 +49,13 @@ double mean(const std::vector<double>& values) {
     return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
 }
 
-bool is_better(const std::vector<double>& db, const std::vector<double>& than, double sigmas) {
+bool is_better(const std::vector<double>& db, const std::vector<double>& than, double sigmas, double worth) {
     std::vector<double> gained;
     for (std::size_t i = 0; i < db.size(); ++i) gained.push_back(db[i] - than[i]);
     const double middle = mean(gained), count = static_cast<double>(gained.size());
     double squares = 0;
     for (const double gain : gained) squares += (gain - middle) * (gain - middle);
-    return middle > kWorth + sigmas * std::sqrt(squares / (count * (count - 1)));
+    return middle > worth + sigmas * std::sqrt(squares / (count * (count - 1)));
 }
 
 // Deviations below the noise to expect of stored values are no evidence: rounding, compression and a tone
@@ -66,7 +69,7 @@ struct WithNoise {
     bool is_better(std::vector<double> db, std::vector<double> than, double sigmas) const {
         for (std::vector<double>* values : {&db, &than})
             for (double& value : *values) value = (*this)(value);
-        return tangi::is_better(db, than, sigmas);
+        return tangi::is_better(db, than, sigmas, kWorth);
     }
 };
 
@@ -145,7 +148,7 @@ LawChoice choose_law(const LightSample& sample, const Lighting& lighting, const 
     };
     std::vector<double> best = attempt(choice.law);
     // Along one number of the law: upwards as long as photographs are predicted better.
-    const auto search = [&](double ReflectanceLaw::*number, const auto& values, double sigmas) {
+    const auto search = [&](double ReflectanceLaw::*number, const auto& values, double sigmas, double worth) {
         ReflectanceLaw law = choice.law, found = choice.law;
         std::vector<double> found_db = best;
         for (const double value : values) {
@@ -155,12 +158,13 @@ LawChoice choose_law(const LightSample& sample, const Lighting& lighting, const 
             found_db = std::move(db);
             found = law;
         }
-        if (!is_better(found_db, best, sigmas)) return;
+        if (!is_better(found_db, best, sigmas, worth)) return;
         best = std::move(found_db);
         choice.law = found;
     };
-    search(&ReflectanceLaw::haze, kHazes, kSureOfHaze);
-    if (!diffuse_roughness) search(&ReflectanceLaw::diffuse_roughness, kRoughnesses, kSureOfRoughness);
+    search(&ReflectanceLaw::haze, kHazes, kSureOfHaze, kWorth);
+    if (!diffuse_roughness)
+        search(&ReflectanceLaw::diffuse_roughness, kRoughnesses, kSureOfRoughness, kWorthOfRoughness);
     report(progress, "reflectance", 1);
     return choice;
 }
