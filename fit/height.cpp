@@ -30,11 +30,10 @@ void solve(HeightMultigrid& grid, double flat, double tolerance, int most, int a
         report(progress, "height", result.cycles / static_cast<double>(all));
         grid.cycle();
         ++result.cycles;
-        const double left = grid.residual_norm();
+        const auto [left, rounding] = grid.norms();
         result.residual = left / flat;
         // A residual like that of rounding is not rounding yet while it falls: long waves are the last to
         // come right and show least in it.
-        const double rounding = grid.rounding_norm();
         result.converged = result.residual <= tolerance || left <= 0.3 * rounding ||
                            (left <= rounding && left > 0.5 * before);
         before = left;
@@ -47,7 +46,7 @@ HeightReport solve_robustly(SlopeEdges& edges, Image<float>& height_mm, const He
     HeightMultigrid grid(edges.right, edges.down, height_mm);
     edges.divergence(grid.b());
     grid.coarsen();
-    const double flat = grid.residual_norm();
+    const double flat = grid.norms().residual;
     grid.start();
     HeightReport result;
     for (int sweep = 0; flat > 0 && sweep < options.robust_sweeps; ++sweep) {

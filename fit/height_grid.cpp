@@ -1,8 +1,11 @@
 #include "fit/height_grid.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+#include <numeric>
+#include <utility>
 
 #include "surface/error.h"
 #include "surface/parallel.h"
@@ -11,16 +14,38 @@ namespace tangi {
 
 namespace {
 
+// Calls body(y, a row of scratch) for each row, on all threads. No two threads are at rows beside
+// each other, so that a row may be written while those beside it are read.
+template <class Body>
+void for_rows_apart(int width, int height, const Body& body) {
+    constexpr int kBand = 32;
+    const int bands = (height + kBand - 1) / kBand;
+    for (const int odd : {0, 1})
+        parallel_for(0, (bands + 1 - odd) / 2, 1, [&](int begin, int end) {
+            std::vector<float> scratch(static_cast<std::size_t>(width));
+            for (int band = 2 * begin + odd; band < 2 * end + odd; band += 2)
+                for (int y = band * kBand; y < std::min((band + 1) * kBand, height); ++y)
+                    body(y, scratch.data());
+        });
+}
+
+// A u of a row.
+void apply(const HeightGrid& g, const Image<float>& u, int y, float* applied) {
+    g.with_row(u, y, [&](const auto& row) { apply_row(row, applied); });
+}
+
+// What the pixels of a row are to be.
+void solve(const HeightGrid& g, int y, float* solved) {
+    g.with_row(*g.z, y, [&](const auto& row) { solve_row(row, g.b.row(y).data(), solved); });
+}
+
 // Pixels of one colour depend only on the other colour, so the order within a sweep does not matter.
 void smooth(HeightGrid& g, int sweeps) {
     for (int pass = 0; pass < 2 * sweeps; ++pass)
-        parallel_for(0, g.height, 32, [&](int begin, int end) {
-            for (int y = begin; y < end; ++y)
-                for (int x = (y + pass) & 1; x < g.width; x += 2) {
-                    float weights = 0, weighted = 0;
-                    g.neighbours(*g.z, x, y, weights, weighted);
-                    if (weights > 0) (*g.z)(x, y) = (g.b(x, y) + weighted) / weights;
-                }
+        for_rows_apart(g.width, g.height, [&](int y, float* solved) {
+            solve(g, y, solved);
+            float* z = g.z->row(y).data();
+            for (int x = (y + pass) & 1; x < g.width; x += 2) z[x] = solved[x];
         });
 }
 
@@ -71,63 +96,80 @@ void coarsen_weights(const HeightGrid& fine, HeightGrid& coarse) {
     });
 }
 
-template <class Value>
-void restrict_sum(int fine_width, int fine_height, const Value& value, Image<float>& coarse) {
+// Sums of 2 x 2 values; value(y, scratch) gives a row of them.
+template <class Row>
+void restrict_sum(const HeightGrid& fine, const Row& row, Image<float>& coarse) {
     parallel_for(0, coarse.height(), 16, [&](int begin, int end) {
-        for (int y = begin; y < end; ++y)
-            for (int x = 0; x < coarse.width(); ++x) {
-                float sum = 0;
-                for (int fy = 2 * y; fy < std::min(2 * y + 2, fine_height); ++fy)
-                    for (int fx = 2 * x; fx < std::min(2 * x + 2, fine_width); ++fx) sum += value(fx, fy);
-                coarse(x, y) = sum;
+        std::vector<float> scratch(static_cast<std::size_t>(fine.width));
+        for (int y = begin; y < end; ++y) {
+            float* sums = coarse.row(y).data();
+            std::fill_n(sums, coarse.width(), 0.0f);
+            for (int fy = 2 * y; fy < std::min(2 * y + 2, fine.height); ++fy) {
+                const float* values = row(fy, scratch.data());
+                for (int x = 0; x < fine.width / 2; ++x)
+                    sums[x] = sums[x] + values[2 * x] + values[2 * x + 1];
+                if (fine.width & 1) sums[fine.width / 2] += values[fine.width - 1];
             }
+        }
     });
 }
 
-// step = the coarse correction, interpolated bilinearly: centres of fine pixels lie a quarter coarse pixel
-// off. A neighbour behind a weak edge has less of a say, so that nothing is smeared over the border of what
-// was measured.
+// Each pixel of a fine row has that of the coarse row it lies in, and the coarse pixel beside that which is
+// nearer.
+void spread_row(const Image<float>& coarse, int y, int width, float* own, float* beside) {
+    const float* from = coarse.row(y).data();
+    const int last = coarse.width() - 1;
+    for (int x = 0; x < width; ++x) own[x] = from[x / 2];
+    for (int x = 0; x < width; x += 2) beside[x] = from[std::max(x / 2 - 1, 0)];
+    for (int x = 1; x < width; x += 2) beside[x] = from[std::min(x / 2 + 1, last)];
+}
+
+// step = the coarse correction, interpolated.
 void prolong(const Image<float>& coarse, HeightGrid& fine) {
+    const auto n = static_cast<std::size_t>(fine.width);
     parallel_for(0, fine.height, 32, [&](int begin, int end) {
+        std::vector<float> scratch(4 * n);
+        float *own = scratch.data(), *along = own + n, *across = along + n, *both = across + n;
         for (int y = begin; y < end; ++y) {
-            const int cy = y / 2, ny = std::clamp(cy + (y & 1 ? 1 : -1), 0, coarse.height() - 1);
-            for (int x = 0; x < fine.width; ++x) {
-                const int cx = x / 2, nx = std::clamp(cx + (x & 1 ? 1 : -1), 0, coarse.width() - 1);
-                const float l = fine.weight_right(x - 1, y), r = fine.weight_right(x, y);
-                const float t = fine.weight_down(x, y - 1), d = fine.weight_down(x, y);
-                const float strongest = std::max({l, r, t, d, 1e-20f});
-                const float a = (x & 1 ? r : l) / strongest, b = (y & 1 ? d : t) / strongest;
-                const float sum = 9 * coarse(cx, cy) + 3 * a * coarse(nx, cy) + 3 * b * coarse(cx, ny) +
-                                  a * b * coarse(nx, ny);
-                fine.step(x, y) = sum / (9 + 3 * a + 3 * b + a * b);
-            }
+            const int row_of = y / 2, beside = std::clamp(row_of + (y & 1 ? 1 : -1), 0, coarse.height() - 1);
+            spread_row(coarse, row_of, fine.width, own, along);
+            spread_row(coarse, beside, fine.width, across, both);
+            fine.with_row(fine.step, y, [&](const auto& row) {
+                interpolate_row(row, {own, along, across, both}, y & 1, fine.step.row(y).data());
+            });
         }
     });
 }
 
-// Sums rows one by one, then their sums in order: the same for any number of threads.
-template <class Value>
-double ordered_sum(int width, int height, const Value& value) {
-    std::vector<double> rows(static_cast<std::size_t>(height));
+using TwoSums = std::array<double, 2>;
+
+// Sums rows one by one, row(y, scratch of one row), then their sums in order: the same for any number of
+// threads.
+template <class Row>
+TwoSums ordered_sums(int width, int height, const Row& row) {
+    std::vector<TwoSums> rows(static_cast<std::size_t>(height));
     parallel_for(0, height, 16, [&](int begin, int end) {
-        for (int y = begin; y < end; ++y) {
-            double sum = 0;
-            for (int x = 0; x < width; ++x) sum += value(x, y);
-            rows[static_cast<std::size_t>(y)] = sum;
-        }
+        std::vector<float> scratch(static_cast<std::size_t>(width));
+        for (int y = begin; y < end; ++y) rows[static_cast<std::size_t>(y)] = row(y, scratch.data());
     });
-    double sum = 0;
-    for (const double row : rows) sum += row;
-    return sum;
+    TwoSums sums{};
+    for (const TwoSums& some : rows)
+        for (std::size_t i = 0; i < sums.size(); ++i) sums[i] += some[i];
+    return sums;
 }
 
 // Adds the step, as long as lowers the energy most: coarse grids do not know how weights are spread inside
 // their pixels, and a step as it comes could overshoot without end.
 void take_step(HeightGrid& g) {
-    const double gain =
-        ordered_sum(g.width, g.height, [&](int x, int y) { return double(g.step(x, y)) * g.residual(x, y); });
-    const double bend = ordered_sum(
-        g.width, g.height, [&](int x, int y) { return double(g.step(x, y)) * g.applied(g.step, x, y); });
+    const auto [gain, bend] = ordered_sums(g.width, g.height, [&](int y, float* applied) {
+        const float *step = g.step.row(y).data(), *b = g.b.row(y).data();
+        TwoSums sums{};
+        apply(g, *g.z, y, applied);
+        for (int x = 0; x < g.width; ++x) sums[0] += double(step[x]) * (b[x] - applied[x]);
+        apply(g, g.step, y, applied);
+        for (int x = 0; x < g.width; ++x) sums[1] += double(step[x]) * applied[x];
+        return sums;
+    });
     if (!(bend > 0)) return;
     const float length = static_cast<float>(gain / bend);
     parallel_for(0, g.height, 32, [&](int begin, int end) {
@@ -146,7 +188,14 @@ void v_cycle(std::vector<HeightGrid>& grids, std::size_t level) {
     smooth(g, 2);
     HeightGrid& coarse = grids[level + 1];
     restrict_sum(
-        g.width, g.height, [&](int x, int y) { return g.residual(x, y); }, coarse.b);
+        g,
+        [&](int y, float* residual) {
+            apply(g, *g.z, y, residual);
+            const float* b = g.b.row(y).data();
+            for (int x = 0; x < g.width; ++x) residual[x] = b[x] - residual[x];
+            return residual;
+        },
+        coarse.b);
     std::fill(coarse.z->pixels().begin(), coarse.z->pixels().end(), 0.0f);
     v_cycle(grids, level + 1);
     prolong(*coarse.z, g);
@@ -157,8 +206,11 @@ void v_cycle(std::vector<HeightGrid>& grids, std::size_t level) {
 }  // namespace
 
 void remove_mean(Image<float>& z) {
-    const double mean = ordered_sum(z.width(), z.height(), [&](int x, int y) { return double(z(x, y)); }) /
-                        static_cast<double>(z.size());
+    const auto [sum, unused] = ordered_sums(z.width(), z.height(), [&](int y, float*) {
+        const std::span<const float> row = std::as_const(z).row(y);
+        return TwoSums{std::accumulate(row.begin(), row.end(), 0.0), 0};
+    });
+    const double mean = sum / static_cast<double>(z.size());
     for (float& value : z.pixels()) value -= static_cast<float>(mean);
 }
 
@@ -186,9 +238,9 @@ void HeightMultigrid::coarsen() {
 
 void HeightMultigrid::start() {
     for (std::size_t i = 1; i < grids_.size(); ++i) {
-        const Image<float>& fine = grids_[i - 1].b;
+        const HeightGrid& fine = grids_[i - 1];
         restrict_sum(
-            fine.width(), fine.height(), [&](int x, int y) { return fine(x, y); }, grids_[i].b);
+            fine, [&](int y, float*) { return fine.b.row(y).data(); }, grids_[i].b);
     }
     for (HeightGrid& g : grids_) std::fill(g.z->pixels().begin(), g.z->pixels().end(), 0.0f);
     for (std::size_t i = grids_.size(); i-- > 1;) {
@@ -202,22 +254,20 @@ void HeightMultigrid::start() {
 
 void HeightMultigrid::cycle() { v_cycle(grids_, 0); }
 
-double HeightMultigrid::residual_norm() const {
+HeightMultigrid::Norms HeightMultigrid::norms() const {
     const HeightGrid& g = grids_[0];
-    return std::sqrt(ordered_sum(g.width, g.height, [&](int x, int y) {
-        float weights = 0, weighted = 0;
-        g.neighbours(*g.z, x, y, weights, weighted);
-        if (!(weights > 0)) return 0.0;
-        const double r = (g.b(x, y) + weighted) / weights - (*g.z)(x, y);
-        return r * r;
-    }));
-}
-
-double HeightMultigrid::rounding_norm() const {
-    const HeightGrid& g = grids_[0];
-    return std::numeric_limits<float>::epsilon() *
-           std::sqrt(ordered_sum(g.width, g.height,
-                                 [&](int x, int y) { return double((*g.z)(x, y)) * (*g.z)(x, y); }));
+    const auto [residual, value] = ordered_sums(g.width, g.height, [&](int y, float* solved) {
+        solve(g, y, solved);
+        const float* z = std::as_const(*g.z).row(y).data();
+        TwoSums sums{};
+        for (int x = 0; x < g.width; ++x) {
+            const double r = solved[x] - z[x];
+            sums[0] += r * r;
+            sums[1] += double(z[x]) * z[x];
+        }
+        return sums;
+    });
+    return {std::sqrt(residual), std::numeric_limits<float>::epsilon() * std::sqrt(value)};
 }
 
 }  // namespace tangi

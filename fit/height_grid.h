@@ -6,9 +6,11 @@
 // as lowers the energy most. The result does not depend on the number of threads.
 #pragma once
 
+#include <algorithm>
 #include <vector>
 
 #include "fit/fit_errors.h"
+#include "fit/height_rows.h"
 #include "surface/image.h"
 
 namespace tangi {
@@ -35,25 +37,29 @@ struct HeightGrid {
         return half_down ? float((*half_down)(x, y)) : down(x, y);
     }
 
-    // Sum of weights and of weight * value over the neighbours of a pixel.
-    void neighbours(const Image<float>& u, int x, int y, float& weights, float& weighted) const {
-        const float l = weight_right(x - 1, y), r = weight_right(x, y);
-        const float t = weight_down(x, y - 1), d = weight_down(x, y);
-        weights = l + r + t + d;
-        weighted = 0;
-        if (x > 0) weighted += l * u(x - 1, y);
-        if (x + 1 < width) weighted += r * u(x + 1, y);
-        if (y > 0) weighted += t * u(x, y - 1);
-        if (y + 1 < height) weighted += d * u(x, y + 1);
+    // Calls use(row of u with its weights), as floats or as their halves.
+    template <class Use>
+    void with_row(const Image<float>& u, int y, const Use& use) const {
+        if (half_right)
+            use(row_of(u, y, *half_right, *half_down));
+        else
+            use(row_of(u, y, right, down));
     }
 
-    // (A u)(x, y)
-    float applied(const Image<float>& u, int x, int y) const {
-        float weights = 0, weighted = 0;
-        neighbours(u, x, y, weights, weighted);
-        return weights * u(x, y) - weighted;
+private:
+    template <class Weight>
+    HeightRow<Weight> row_of(const Image<float>& u, int y, const Image<Weight>& to_right,
+                             const Image<Weight>& downwards) const {
+        const int above = std::max(y - 1, 0), below = std::min(y + 1, height - 1);
+        return {width,
+                to_right.row(y).data(),
+                downwards.row(above).data(),
+                downwards.row(y).data(),
+                u.row(above).data(),
+                u.row(y).data(),
+                u.row(below).data(),
+                y > 0 ? 1.0f : 0.0f};
     }
-    float residual(int x, int y) const { return b(x, y) - applied(*z, x, y); }
 };
 
 // Memory beside the weights and z: 15 bytes a pixel.
@@ -71,11 +77,13 @@ public:
     void start();
     void cycle();
 
-    // Norm of the residual, each divided by its pixel's weights: by how much a pixel differs from what its
-    // neighbours ask of it [mm]. Undivided, pixels of low weight would not count.
-    double residual_norm() const;
-    // What is left of that norm when every z is rounded to a float.
-    double rounding_norm() const;
+    // [mm] `residual`: of the residual, each divided by its pixel's weights: by how much a pixel differs from
+    // what its neighbours ask of it; undivided, pixels of low weight would not count. `rounding`: what is
+    // left of it when every z is rounded to a float.
+    struct Norms {
+        double residual, rounding;
+    };
+    Norms norms() const;
 
 private:
     std::vector<HeightGrid> grids_;  // from the finest

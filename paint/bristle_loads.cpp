@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "paint/vector_clones.h"
+#include "surface/vector_clones.h"
 #include "surface/error.h"
 
 namespace tangi {

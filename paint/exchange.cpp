@@ -2,7 +2,7 @@
 #include <algorithm>
 
 #include "paint/transfer.h"
-#include "paint/vector_clones.h"
+#include "surface/vector_clones.h"
 #include "surface/parallel.h"
 
 namespace tangi {

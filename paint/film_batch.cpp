@@ -10,7 +10,7 @@
 #include <cstring>
 
 #include "paint/kubelka_munk.h"
-#include "paint/vector_clones.h"
+#include "surface/vector_clones.h"
 #include "surface/error.h"
 
 namespace tangi {

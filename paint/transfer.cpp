@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstring>
 
-#include "paint/vector_clones.h"
+#include "surface/vector_clones.h"
 #include "surface/parallel.h"
 
 namespace tangi {
