@@ -21,7 +21,7 @@ struct FaithfulOptions {
     int faithful_colour_terms = 6;  // [1] and across it; each has two coefficients
     int faithful_samples = 1500;    // [1] pixels to choose the kernel and the functions by
     double faithful_worth_db =
-        0.1;  // [dB] on photographs left out, less its standard error, that the residual must gain
+        0.1;  // [dB] on photographs left out that the residual must gain, and twice its standard error
 
     static constexpr std::string_view name = "faithful";
     template <class Self, class Visit>

@@ -14,7 +14,7 @@ namespace tangi {
 
 namespace {
 
-constexpr int kForLaws = 8;  // pixels that choose the law of reflectance, by those that calibrate lamps
+constexpr int kForLaws = 4;  // pixels that choose the law of reflectance, by those that calibrate lamps
 
 // Files of floats have no full scale: their noise is relative to the white level.
 NoiseModel noise_model(const Stack& stack, const Transfer& transfer, const FitOptions& options) {

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <numeric>
+#include <utility>
 
 namespace tangi {
 
@@ -49,13 +50,23 @@ double mean(const std::vector<double>& values) {
     return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
 }
 
-bool is_better(const std::vector<double>& db, const std::vector<double>& than, double sigmas, double worth) {
+// [dB] What one gains over the other on average over the photographs, and its standard error.
+struct Gain {
+    double mean = 0, sigma = 0;
+};
+Gain gain_of(const std::vector<double>& db, const std::vector<double>& than) {
     std::vector<double> gained;
     for (std::size_t i = 0; i < db.size(); ++i) gained.push_back(db[i] - than[i]);
     const double middle = mean(gained), count = static_cast<double>(gained.size());
     double squares = 0;
     for (const double gain : gained) squares += (gain - middle) * (gain - middle);
-    return middle > worth + sigmas * std::sqrt(squares / (count * (count - 1)));
+    return {middle, std::sqrt(squares / (count * (count - 1)))};
+}
+
+// Whether it gains for sure, and as much as it is worth.
+bool is_better(const std::vector<double>& db, const std::vector<double>& than, double sigmas, double worth) {
+    const Gain gain = gain_of(db, than);
+    return gain.mean > std::max(worth, sigmas * gain.sigma);
 }
 
 // Deviations below the noise to expect of stored values are no evidence: rounding, compression and a tone
@@ -147,20 +158,25 @@ LawChoice choose_law(const LightSample& sample, const Lighting& lighting, const 
         return db;
     };
     std::vector<double> best = attempt(choice.law);
-    // Along one number of the law: upwards as long as photographs are predicted better.
+    // Along one number of the law: upwards as long as photographs are predicted better. Of those tried, the
+    // least that is not worse for sure: beyond it chance decides, and it would for another sample of pixels
+    // otherwise (one-standard-error rule: Breiman, Friedman, Olshen, Stone 1984, ch. 3).
     const auto search = [&](double ReflectanceLaw::*number, const auto& values, double sigmas, double worth) {
-        ReflectanceLaw law = choice.law, found = choice.law;
-        std::vector<double> found_db = best;
+        std::vector<std::pair<ReflectanceLaw, std::vector<double>>> tried;
+        ReflectanceLaw law = choice.law;
         for (const double value : values) {
             law.*number = value;
             std::vector<double> db = attempt(law);
-            if (mean(db) <= mean(found_db)) break;
-            found_db = std::move(db);
-            found = law;
+            if (mean(db) <= mean(tried.empty() ? best : tried.back().second)) break;
+            tried.emplace_back(law, std::move(db));
         }
-        if (!is_better(found_db, best, sigmas, worth)) return;
-        best = std::move(found_db);
-        choice.law = found;
+        if (tried.empty() || !is_better(tried.back().second, best, sigmas, worth)) return;
+        const auto least = std::find_if(tried.begin(), tried.end(), [&](const auto& one) {
+            const Gain gain = gain_of(tried.back().second, one.second);
+            return gain.mean <= gain.sigma;
+        });
+        best = std::move(least->second);
+        choice.law = least->first;
     };
     search(&ReflectanceLaw::haze, kHazes, kSureOfHaze, kWorth);
     if (!diffuse_roughness)
