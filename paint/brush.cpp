@@ -346,19 +346,20 @@ void Brush::underside_mm(const Dab& dab, int x0, int y0, int width, int height, 
     const float lift_x = per_px * (static_cast<float>(settings_.lift) * dab.dx - dab.tilt_x);
     const float lift_y = per_px * (static_cast<float>(settings_.lift) * dab.dy - dab.tilt_y);
     const TipMaps maps = tip_.maps();
-    UndersideRow row{};
-    row.du = c * narrowing;
-    row.dv = -s * narrowing;
-    row.dlift_mm = lift_x;
-    row.gap_mm = gap;
-    row.groove_mm = groove;
-    row.rise_mm = 2 * depth;
-    row.touched = touched;
-    row.rim_mm = static_cast<float>(std::min(settings_.yield_slope * mm_per_pixel_, settings_.reach_mm));
+    UndersideRow first_row{};
+    first_row.du = c * narrowing;
+    first_row.dv = -s * narrowing;
+    first_row.dlift_mm = lift_x;
+    first_row.gap_mm = gap;
+    first_row.groove_mm = groove;
+    first_row.rise_mm = 2 * depth;
+    first_row.touched = touched;
+    first_row.rim_mm =
+        static_cast<float>(std::min(settings_.yield_slope * mm_per_pixel_, settings_.reach_mm));
     const Outline outline{(half_width_px_ + 1) / narrowing, (half_thickness_px_ + 1) / narrowing, c, s,
                           settings_.shape == "round"};
     spans.resize(static_cast<std::size_t>(height));
-    for (int y = 0; y < height; ++y) {
+    const auto one = [&](int y) {
         const double py = y0 + y - cy;
         RowSpan& span = spans[static_cast<std::size_t>(y)];
         span = outline.across(py, x0 - cx, width);
@@ -367,10 +368,11 @@ void Brush::underside_mm(const Dab& dab, int x0, int y0, int width, int height, 
         if (span.end <= span.begin) {
             std::fill_n(to, width, kOutside);
             std::fill_n(part, width, 0.0f);
-            continue;
+            return;
         }
         const RowSpan whole = widened(span, {0, width});
         const auto dx = static_cast<float>(x0 + whole.begin - cx), dy = static_cast<float>(py);
+        UndersideRow row = first_row;
         row.u = (dx * c + dy * s) * narrowing + static_cast<float>(tip_.half_u());
         row.v = (dy * c - dx * s) * narrowing + static_cast<float>(tip_.half_v());
         row.lift_mm = dx * lift_x + dy * lift_y;
@@ -379,7 +381,10 @@ void Brush::underside_mm(const Dab& dab, int x0, int y0, int width, int height, 
         std::fill(to + span.end, to + width, kOutside);
         std::fill(part, part + span.begin, 0.0f);
         std::fill(part + span.end, part + width, 0.0f);
-    }
+    };
+    for_rows_of_step(width, height, [&](int begin, int end) {
+        for (int y = begin; y < end; ++y) one(y);
+    });
 }
 
 }  // namespace tangi

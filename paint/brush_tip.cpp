@@ -11,6 +11,8 @@ namespace tangi {
 
 namespace {
 
+constexpr float kMostShorter = 1.5f;  // [1] of bristles, before brushes of few tufts get the mean of many
+
 using procedural::hash;
 using procedural::uniform;
 
@@ -117,9 +119,7 @@ BrushTip::BrushTip(const BrushSettings& settings, double mm_per_pixel, double ha
     const int width = 2 * half_u_ + 1, height = 2 * half_v_ + 1;
     const auto texels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
     std::vector<char> inside(texels);  // the texel's middle
-    dome_.assign(texels, 1.0f);
-    shorter_.assign(texels, 0.0f);
-    cover_.assign(texels, 0.0f);
+    std::vector<float> domes(texels, 1.0f), shorter(texels), cover(texels);
     load_.assign(texels, 0.0f);
     for (int v = -half_v_; v <= half_v_; ++v)
         for (int u = -half_u_; u <= half_u_; ++u)
@@ -137,19 +137,21 @@ BrushTip::BrushTip(const BrushSettings& settings, double mm_per_pixel, double ha
             const float dome = dome_at(fu, fv);
             const Filled part = same ? Filled{1, load_of(dome), dome} : filled(u, v);
             const Hair bristles = hair(fu, fv);
-            shorter_[i] = std::min(0.55f * bristles.fine.shorter + 0.7f * bristles.tuft.shorter, 1.5f);
+            shorter[i] = std::min(0.55f * bristles.fine.shorter + 0.7f * bristles.tuft.shorter, kMostShorter);
             if (!(part.cover > 0)) continue;
-            dome_[i] = part.dome;
-            cover_[i] = part.cover;
+            domes[i] = part.dome;
+            cover[i] = part.cover;
             load_[i] = part.load;
             area += part.cover;
-            length += part.cover * shorter_[i];
+            length += part.cover * shorter[i];
             load += part.load;
             lucky += part.load * luck_of(bristles);
         }
     // A brush of few tufts has a hand's pressure and a palette's paint all the same.
-    if (length > 0)
-        for (float& shorter : shorter_) shorter *= static_cast<float>(kMeanShorter * area / length);
+    if (length > 0) longest_ = static_cast<float>(kMeanShorter * area / length) * kMostShorter;
+    dome_ = texel_pairs(domes, width, 1);
+    shorter_ = texel_pairs(shorter, width, kMostShorter);
+    cover_ = texel_pairs(cover, width, 1);
     find_reach();
     const double variation = settings.load_variation;
     if (load > 0) fullness_ = static_cast<float>((1 - variation / 2) * load / (load - variation * lucky));

@@ -21,7 +21,7 @@ public:
              double half_thickness_px, std::uint64_t seed);
 
     TipMaps maps() const {
-        return {dome_.data(), shorter_.data(), cover_.data(), 2 * half_u_ + 1, 2 * half_v_ + 1};
+        return {dome_.data(), shorter_.data(), cover_.data(), longest_, 2 * half_u_ + 1, 2 * half_v_ + 1};
     }
     int half_u() const { return half_u_; }  // [pixels] from the maps' middle to their border
     int half_v() const { return half_v_; }
@@ -51,8 +51,9 @@ private:
     float half_width_px_ = 1, half_thickness_px_ = 1;
     std::uint64_t seed_ = 0;
     int half_u_ = 0, half_v_ = 0;
-    std::vector<float> dome_, shorter_, cover_;  // TipMaps
-    std::vector<float> load_;                    // [1] of the load in the middle
+    std::vector<TexelPair> dome_, shorter_, cover_;  // TipMaps
+    float longest_ = 1;
+    std::vector<float> load_;  // [1] of the load in the middle
     std::array<std::vector<float>, 2>
         reach_px_;        // to the rim and to kInner, towards directions at equal angles
     float fullness_ = 1;  // [1] what makes the whole load the same for any chance

@@ -3,14 +3,12 @@
 
 #include "paint/transfer.h"
 #include "surface/vector_clones.h"
-#include "surface/parallel.h"
 
 namespace tangi {
 
 namespace {
 
-constexpr int kParallelPixels = 128 * 128;  // smaller boxes are done before a second thread wakes up
-constexpr float kTiny = 1e-9f;              // [mm] keeps 0 / 0 away
+constexpr float kTiny = 1e-9f;  // [mm] keeps 0 / 0 away
 
 // Where a brush with paint lifts off, the paint in the room under it parts in the middle: half of it stays.
 // So what is lower takes more, as long as paint reaches down to it, and thick paint levels the valleys. Where
@@ -76,13 +74,6 @@ void apply_row(int n, const float* __restrict give, const float* __restrict take
     }
 }
 
-void for_rows(const StepBox& box, int begin, int end, const std::function<void(int, int)>& body) {
-    if (box.width * box.height < kParallelPixels)
-        body(begin, end);
-    else
-        parallel_for(begin, end, 32, body);
-}
-
 std::size_t at(int y, std::size_t stride) { return static_cast<std::size_t>(y) * stride; }
 
 }  // namespace
@@ -90,7 +81,7 @@ std::size_t at(int y, std::size_t stride) { return static_cast<std::size_t>(y) *
 void exchange(const StepBox& box, const TransferRates& rates, StepScratch& scratch) {
     const auto n = static_cast<std::size_t>(box.width);
     scratch.planes.resize(std::max(scratch.planes.size(), 2 * n * static_cast<std::size_t>(box.height)));
-    for_rows(box, 0, box.height, [&](int begin, int end) {
+    for_rows_of_step(box.width, box.height, [&](int begin, int end) {
         for (int y = begin; y < end; ++y) {
             RowSpan span = box.bristles[static_cast<std::size_t>(y)];
             if (span.end <= span.begin) continue;

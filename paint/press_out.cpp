@@ -17,10 +17,8 @@ float dome_at(const TipMaps& maps, float u, float v) {
     v = std::clamp(v, 0.0f, static_cast<float>(maps.height) - 1.001f);
     const int iu = static_cast<int>(u), iv = static_cast<int>(v);
     const float fu = u - static_cast<float>(iu), fv = v - static_cast<float>(iv);
-    const float* d = maps.dome + iv * maps.width + iu;
-    const float above = d[0] + (d[1] - d[0]) * fu,
-                below = d[maps.width] + (d[maps.width + 1] - d[maps.width]) * fu;
-    return above + (below - above) * fv;
+    const TexelPair* d = maps.dome + iv * maps.width + iu;
+    return between(d[0], d[maps.width], fu, fv);
 }
 
 }  // namespace

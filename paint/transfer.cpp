@@ -4,8 +4,8 @@
 #include <cmath>
 #include <cstring>
 
-#include "surface/vector_clones.h"
 #include "surface/parallel.h"
+#include "surface/vector_clones.h"
 
 namespace tangi {
 
@@ -198,6 +198,13 @@ std::size_t at(int y, std::size_t stride) { return static_cast<std::size_t>(y) *
 
 }  // namespace
 
+void for_rows_of_step(int width, int height, const std::function<void(int, int)>& body) {
+    if (width * height < kParallelPixels)
+        body(0, height);
+    else
+        parallel_for(0, height, kBandRows, body);
+}
+
 RowSpan widened(const RowSpan& span, const RowSpan& room) {
     constexpr int lanes = 8;
     const int wanted = (span.end - span.begin + lanes - 1) / lanes * lanes;
@@ -366,9 +373,12 @@ void push(const StepBox& box, const TransferRates& rates, const BrushMotion& mot
     if (box.width <= 2 * kRing || box.height <= 2 * kRing) return;
     find_flowing(box, scratch.flowing);
     scratch.top.resize(static_cast<std::size_t>(box.width) * static_cast<std::size_t>(box.height));
-    for (int y = 0; y < box.height; ++y)
-        add_row(box.width, box.relief_mm + at(y, box.canvas_stride), box.total_mm + at(y, box.canvas_stride),
-                scratch.top.data() + at(y, static_cast<std::size_t>(box.width)));
+    for_rows_of_step(box.width, box.height, [&](int begin, int end) {
+        for (int y = begin; y < end; ++y)
+            add_row(box.width, box.relief_mm + at(y, box.canvas_stride),
+                    box.total_mm + at(y, box.canvas_stride),
+                    scratch.top.data() + at(y, static_cast<std::size_t>(box.width)));
+    });
     scratch.touched.resize(static_cast<std::size_t>(box.height));
     for (int y = 0; y < box.height; ++y)
         if (RowSpan& span = scratch.touched[static_cast<std::size_t>(y)] = touched_by(scratch.flowing, y);
@@ -380,17 +390,19 @@ void push(const StepBox& box, const TransferRates& rates, const BrushMotion& mot
     scratch.planes.resize(std::max(scratch.planes.size(), floats * static_cast<std::size_t>(bands)));
     std::vector<Band> all;
     all.reserve(static_cast<std::size_t>(bands));
-    for (int i = 0; i < bands; ++i) {
+    for (int i = 0; i < bands; ++i)
         all.emplace_back(box, rates, motion, scratch,
                          scratch.planes.data() + floats * static_cast<std::size_t>(i));
-        all.back().prepare(box.height * i / bands, box.height * (i + 1) / bands);
-    }
-    if (bands == 1)
-        all.front().run();
-    else
+    const auto for_bands = [&](const std::function<void(int)>& body) {
+        if (bands == 1) return body(0);
         parallel_for(0, bands, 1, [&](int begin, int end) {
-            for (int i = begin; i < end; ++i) all[static_cast<std::size_t>(i)].run();
+            for (int i = begin; i < end; ++i) body(i);
         });
+    };
+    for_bands([&](int i) {
+        all[static_cast<std::size_t>(i)].prepare(box.height * i / bands, box.height * (i + 1) / bands);
+    });
+    for_bands([&](int i) { all[static_cast<std::size_t>(i)].run(); });
 }
 
 }  // namespace tangi

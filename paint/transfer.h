@@ -9,6 +9,7 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <vector>
 
 #include "paint/bristle_lanes.h"
@@ -82,6 +83,10 @@ struct BrushMotion {
     float turn_rad = 0;    // from x towards y, about it
     float x = 0, y = 0;
 };
+
+// Calls body(begin, end) over the rows of a box: on all threads where it has so many pixels that waking them
+// pays.
+void for_rows_of_step(int width, int height, const std::function<void(int begin, int end)>& body);
 
 // Both ways at once between bristles and canvas.
 void exchange(const StepBox& box, const TransferRates& rates, StepScratch& scratch);
