@@ -19,12 +19,14 @@ namespace fs = std::filesystem;
 
 namespace {
 
+constexpr double kAlike = 8;         // CIE Delta E 1976
 constexpr double kWorthALook = 0.1;  // [1] an area of less confidence is not spoken of
 
 struct DamageArguments {
     std::string painting, treatment, suggest, as, edit = "add", wand, legend;
     std::optional<double> mm_per_pixel;
-    double tolerance = 8, grow_mm = 0;
+    std::optional<double> tolerance;  // CIE Delta E 1976 that the wand goes on by
+    double grow_mm = 0;
     AreaArguments area;
     AuthorArguments author;
     LossOptions loss;
@@ -102,7 +104,7 @@ Mask wanded(const Treatment& treatment, const DamageArguments& a, const Progress
     const double mm = treatment.mm_per_pixel();
     const auto pixel = [](double v) { return static_cast<int>(std::floor(std::clamp(v, -1e6, 1e6))); };
     return wand(treatment.read_canvas(progress).dry(), pixel(xy[0] / mm + treatment.width() / 2.0),
-                pixel(treatment.height() / 2.0 - xy[1] / mm), WandBy::colour, a.tolerance);
+                pixel(treatment.height() / 2.0 - xy[1] / mm), WandBy::colour, a.tolerance.value_or(kAlike));
 }
 
 // Drawn areas are added to a class, taken away from it, or replace it.
@@ -123,21 +125,35 @@ void draw(Treatment& treatment, const DamageArguments& a, const Progress& progre
                        : a.edit == "remove" ? without(before, area)
                                             : united(before, area);
     const std::string name(name_of(damage));
-    TreatmentStep step{.action = "draw damage",
-                       .parameters = {{"class", name}, {"edit", a.edit}, {"area", drawn.as_json()}},
-                       .inputs = drawn.inputs()};
-    if (!a.wand.empty()) step.parameters["wand_mm"] = a.wand, step.parameters["tolerance"] = a.tolerance;
+    TreatmentStep step{
+        .action = "draw damage",
+        .parameters = {{"class", name}, {"edit", a.edit}, {"area", drawn.as_json()}, {"grow_mm", a.grow_mm}},
+        .inputs = drawn.inputs()};
+    if (!a.wand.empty())
+        step.parameters["wand_mm"] = a.wand, step.parameters["tolerance"] = a.tolerance.value_or(kAlike);
     step.masks[name] = after;
     step.results[name] = area_of_step(treatment, area_of(after, treatment.mm_per_pixel()).mm2);
     treatment.record(step, a.author.author(), progress);
 }
 
+// Flags that have nothing to work on would be passed over in silence.
+void require_use(const DamageArguments& a, bool drawing) {
+    if (!drawing && !a.area.classes.empty())
+        throw UsageError("--class: nothing is drawn; give --polygon, --mask or --wand, or --edit replace");
+    if (!drawing && (a.edit != "add" || a.grow_mm != 0))
+        throw UsageError(
+            "--edit and --grow-mm are of what is drawn; give --class with --polygon, --mask or --wand");
+    if (a.wand.empty() && a.tolerance) throw UsageError("--tolerance is of --wand X,Y, which is not given");
+}
+
 nlohmann::json run_damage(const DamageArguments& a) {
     const Progress progress = console_progress();
-    const bool drawing = !a.area.masks.empty() || !a.area.polygons.empty() || !a.wand.empty();
+    const bool drawing = !a.area.masks.empty() || !a.area.polygons.empty() || !a.wand.empty() ||
+                         (!a.area.classes.empty() && a.edit == "replace");  // by nothing: emptied
     if (!a.suggest.empty() && (drawing || !a.area.classes.empty()))
         throw UsageError("--suggest finds areas by itself: draw in a second run; --as names another class");
     if (!a.as.empty()) damage_class_of(a.as, "--as");
+    require_use(a, drawing);
     if (a.treatment.empty()) throw UsageError("--treatment: name the folder of the treatment: P.treatment");
     if (!a.legend.empty()) {
         require_picture_format(a.legend);
@@ -190,9 +206,10 @@ Command damage_command() {
                 .check(one_of({"add", "replace", "remove"}));
             flags.option("--wand", a->wand,
                          "X,Y in mm from the centre, y up: what is connected to it and of its colour");
-            flags.option("--tolerance", a->tolerance, "of the wand, CIE Delta E 1976")
-                .check(within(0.1, 200))
-                .show_default();
+            flags
+                .option("--tolerance", a->tolerance,
+                        fmt::format("of the wand, CIE Delta E 1976; {} where not given", kAlike))
+                .check(within(0.1, 200));
             flags.option("--grow-mm", a->grow_mm, "make what is drawn so much wider; below 0: narrower")
                 .check(within(-100, 100));
             flags.option("--legend", a->legend, "picture to write: the map of damage with its legend");

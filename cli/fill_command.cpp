@@ -44,8 +44,10 @@ nlohmann::json run_varnish(const VarnishArguments& a) {
     Treatment treatment = open_treatment(a.treatment);
     const StepArea area = a.area.step_area(treatment);
     Canvas canvas = treatment.read_canvas(progress);
-    return varnish_step(treatment, canvas, a.isolating, a.area.empty() ? nullptr : &area, a.varnish,
-                        a.author.author(), progress);
+    nlohmann::json result = varnish_step(treatment, canvas, a.isolating, a.area.empty() ? nullptr : &area,
+                                         a.varnish, a.author.author(), progress);
+    if (result.contains("warnings")) told(result["warnings"].get<std::vector<std::string>>());
+    return result;
 }
 
 }  // namespace

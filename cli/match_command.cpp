@@ -164,6 +164,7 @@ nlohmann::json gloss_advice(const Mixture& mixture, const PaintBox& box, double 
     json["wanted"] = {{"specular", wanted->specular}, {"roughness", wanted->roughness}};
     json["difference"] = gloss_difference(paint, *wanted);
     json["remedy"] = name_of(remedy_for(paint, *wanted));
+    json["within_reach"] = can_reflect(paint, *wanted);
     return json;
 }
 
@@ -281,11 +282,14 @@ nlohmann::json run_match(const MatchArguments& a) {
         result["poor"] = {fmt::format("the nearest recipe of these paints is off by CIEDE2000 {:.1f}",
                                       found.recipes.front().error)};
     if (treatment) {
-        TreatmentStep step{.action = "match", .parameters = to_json(a.match), .inputs = a.box.inputs()};
+        TreatmentStep step{.action = "match", .parameters = parameters_of(options), .inputs = a.box.inputs()};
         step.parameters["area"] = a.area.as_json();
         step.parameters["annulus"] = to_json(a.annulus);
-        step.parameters["goal"] = a.box.goal;
+        step.parameters["palette"] = box.palette.name, step.parameters["avoid_pairs"] = a.box.avoid_pairs;
+        if (a.film_mm) step.parameters["film_mm"] = *a.film_mm;
+        if (!a.below.empty()) step.parameters["below"] = a.below;
         for (const fs::path& file : a.area.inputs()) step.inputs.push_back(file);
+        if (!a.damaged.empty()) step.inputs.emplace_back(a.damaged);
         step.results = result;
         step.results.erase("seconds"), step.results.erase("picture");
         treatment->record(step, a.author.author(), progress);

@@ -47,8 +47,21 @@ std::string layer_name(const RetouchArguments& a, const Canvas& canvas) {
     }
 }
 
-// A layer's mask is a file of its name, and later steps find the layer by it: no other layer, mask or class
-// of damage has it or had it.
+std::string lower(std::string text) {
+    for (char& c : text)
+        if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+    return text;
+}
+
+// What a suggestion of damage writes: a class, "glossier" and "matter", and the confidence of each.
+bool names_a_suggestion(std::string name) {
+    constexpr std::string_view confidence = ".confidence";
+    if (name.ends_with(confidence)) name.resize(name.size() - confidence.size());
+    return damage_class_named(name) || name == "glossier" || name == "matter";
+}
+
+// A layer's mask is a file of its name, and later steps find the layer by it: no other layer, mask or
+// suggestion has it or had it, in whatever case, which some file systems do not tell apart.
 void require_new_name(const std::string& name, const Canvas& canvas,
                       const std::optional<Treatment>& treatment) {
     constexpr std::size_t longest = 80;
@@ -58,16 +71,17 @@ void require_new_name(const std::string& name, const Canvas& canvas,
     if (odd || name.size() > longest || name.front() == '.')
         throw UsageError(fmt::format(
             "--layer: a name is of 1 to {} bytes without slashes, and does not begin with a dot", longest));
+    const std::string wanted = lower(name);
+    const auto same = [&](const std::string& other) { return lower(other) == wanted; };
     const auto& dried = canvas.dried();
-    bool taken = std::any_of(dried.begin(), dried.end(), [&](const auto& d) { return d.name == name; });
+    bool taken = std::any_of(dried.begin(), dried.end(), [&](const auto& d) { return same(d.name); });
     if (treatment) {
         const std::vector<std::string> masks = treatment->mask_names();
-        taken =
-            taken || damage_class_named(name) || std::find(masks.begin(), masks.end(), name) != masks.end();
+        taken = taken || names_a_suggestion(wanted) || std::any_of(masks.begin(), masks.end(), same);
         for (const LogEntry& entry : treatment->log().entries())
             if (entry.content.contains("layers"))
                 for (const nlohmann::json& layer : entry.content["layers"])
-                    taken = taken || layer.value("name", "") == name;
+                    taken = taken || same(layer.value("name", ""));
     }
     if (taken)
         throw UsageError(fmt::format(
@@ -162,11 +176,10 @@ nlohmann::json run_retouch(RetouchArguments a) {
         result["preview"] = {{"picture", a.preview}, {"distance_m", a.distance_m}};
     }
     if (treatment) {
-        nlohmann::json parameters = to_json(a.options);
-        parameters["mode"] = a.mode, parameters["inpainting"] = a.inpainting;
+        nlohmann::json parameters = parameters_of(*retouch_mode_named(a.mode), a.options);
         parameters["area"] = a.area.as_json();
-        parameters["palette"] = box.palette.name, parameters["lamps"] = a.box.lamps,
-        parameters["goal"] = a.box.goal;
+        parameters["palette"] = box.palette.name, parameters["avoid_pairs"] = a.box.avoid_pairs;
+        if (report.marks > 0) parameters["viewing"] = to_json(a.viewing);
         TreatmentStep step;
         step.action = proposal ? "propose" : "retouch";
         step.parameters = parameters, step.results = result;

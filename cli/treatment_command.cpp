@@ -98,6 +98,8 @@ json retouch(Treatment& treatment, const TreatmentArguments& a, const Progress& 
         canvas = session.canvas();
         canvas.confine({});
         step.inputs.emplace_back(a.strokes);
+        if (!a.palette.empty()) step.inputs.emplace_back(a.palette);
+        step.parameters["palette"] = session.palette().name;
         step.files[journal_file(treatment)] = read_text_file(a.strokes);
     }
     const std::size_t before = step.results.contains("warnings") ? step.results["warnings"].size() : 0;

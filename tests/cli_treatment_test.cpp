@@ -107,6 +107,12 @@ TEST_F(CliTreatment, MasksThatMeanNothingAreTold) {
     EXPECT_EQ(emptied.json()["damage"].back()["area_cm2"], 0);
 }
 
+TEST_F(CliTreatment, AClassIsEmptiedByNothing) {
+    draw();
+    EXPECT_TRUE(ended(damage({"--class", "loss_to_ground", "--edit", "replace"}), 0));
+    EXPECT_TRUE(ended(tangipaint({"fill", treatment(), "--class", "loss_to_ground"}), 1));
+}
+
 TEST_F(CliTreatment, AreasAreSuggestedByClassAndMayBeNone) {
     const Finished found = damage({"--suggest", "abrasion"});
     ASSERT_TRUE(ended(found, 0));
@@ -239,6 +245,15 @@ TEST_F(CliTreatment, WhatMakesNoSenseIsRefused) {
     EXPECT_TRUE(ended(damage({"--class", "stain", "--polygon", "90,90;91,90;91,91"}), 1,
                       {"nothing of the polygon lies in the picture"}));
     EXPECT_TRUE(ended(damage({"--suggest", "rot"}), 2, {"--suggest"}));
+    EXPECT_TRUE(ended(damage({"--class", "stain"}), 2, {"--class", "nothing is drawn"}));
+    EXPECT_TRUE(ended(damage({"--edit", "remove"}), 2, {"--edit"}));
+    EXPECT_TRUE(ended(damage({"--suggest", "gloss", "--grow-mm", "3"}), 2, {"--grow-mm"}));
+    EXPECT_TRUE(ended(damage({"--class", "stain", "--polygon", kSquare, "--tolerance", "5"}), 2,
+                      {"--tolerance", "--wand"}));
+    for (const char* name : {"Loss_To_Ground", "loss_to_ground.confidence", "Glossier", "matter.confidence"})
+        EXPECT_TRUE(ended(
+            tangipaint({"retouch", "--treatment", treatment(), "--class", "loss_to_ground", "--layer", name}),
+            2, {"--layer", "give another"}));
     EXPECT_TRUE(ended(damage({"--class", "stain", "--mask", stack_.photo(0) + ".none"}), 1, {".none"}));
 }
 

@@ -6,6 +6,8 @@
 #include "fit/fit_painting.h"
 #include "paint/retouch/damage_suggestion.h"
 #include "paint/retouch/fill.h"
+#include "paint/retouch/modes.h"
+#include "paint/retouch/quality.h"
 #include "surface/picture_file.h"
 #include "tests/damage_truth.h"
 #include "tests/test_support.h"
@@ -88,6 +90,23 @@ TEST(DataRetouch, ImpastosDamageIsSuggestedAndItsLossFilled) {
         const double rms = border_rms_mm(relief_of(canvas), height_mm, loss);
         record(fmt::format("fill_{}_border_rms_mm", name_of(texture)), rms);
         EXPECT_LE(rms, 0.1);
+    }
+
+    // Filled and retouched, it goes with what is around it under each lamp; regions count by their area.
+    Canvas canvas(std::make_shared<Surface>(surface));
+    const Mask lost = truth("loss.png");
+    lay_fill(canvas, "fill 1", lost, {}, FillTexture::surroundings, Rgb(0.8f));
+    lay_retouch(canvas, artist_acrylics(), lost, {}, RetouchMode::mimetic, "retouch 1");
+    const std::array lamps = {Illuminant::d65, Illuminant::a, Illuminant::f11};
+    const QualityReport quality = quality_of(canvas, lost, {}, lamps);
+    for (const Illuminant lamp : lamps) {
+        double sum = 0, area = 0;
+        for (const RetouchQuality& region : quality.regions) {
+            sum += region.area_mm2 * region.delta_e[static_cast<std::size_t>(lamp)];
+            area += region.area_mm2;
+        }
+        record(fmt::format("retouch_delta_e_2000_{}", name_of(lamp)), sum / area);
+        EXPECT_LE(sum / area, 3) << name_of(lamp);
     }
 }
 

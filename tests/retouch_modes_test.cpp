@@ -2,11 +2,13 @@
 #include <gtest/gtest.h>
 
 #include <numbers>
+#include <set>
 
 #include "paint/appearance.h"
 #include "paint/retouch/juxtaposition.h"
 #include "paint/retouch/modes.h"
 #include "paint/retouch/pigment_pairs.h"
+#include "paint/retouch/quality.h"
 #include "paint/retouch/recipe_json.h"
 #include "paint/retouch/treatment.h"
 #include "paint/retouch/viewing.h"
@@ -91,6 +93,81 @@ TEST(Retouch, MimeticLooksLikeItsSurroundings) {
         }
     EXPECT_LT(sum / count, 2.5);
     EXPECT_LE(report.piles.size(), 4u);
+}
+
+// Grounds in one mask: a film that hides neither needs piles of its own over each, and then is as right as
+// over either alone.
+TEST(Retouch, EachGroundThatShowsThroughHasPilesOfItsOwn) {
+    auto surface = std::make_shared<Surface>(kWide, kHigh);
+    surface->mm_per_pixel = kPixel;
+    Mask light(kWide, kHigh), dark = light;
+    for (int y = 0; y < kHigh; ++y)
+        for (int x = 0; x < kWide; ++x) {
+            surface->diffuse(x, y) = Rgb(0.35f, 0.22f, 0.08f);
+            surface->confidence(x, y) = 1;
+            if (std::hypot(x - 60, y - 80) < 25)
+                light(x, y) = 1, surface->diffuse(x, y) = Rgb(0.7f, 0.68f, 0.62f);
+            if (std::hypot(x - 140, y - 80) < 20)
+                dark(x, y) = 1, surface->diffuse(x, y) = Rgb(0.1f, 0.08f, 0.06f);
+        }
+    const Mask both = united(light, dark);
+    const auto off = [&](const Mask& mask, RetouchMode mode, double thickness_mm, int grounds) {
+        Canvas canvas(surface);
+        RetouchOptions options;
+        options.thickness_mm = thickness_mm;
+        const RetouchReport report =
+            lay_retouch(canvas, artist_acrylics(), mask, both, mode, "retouch 1", options);
+        EXPECT_EQ(report.grounds, grounds) << name_of(mode);
+        const QualityReport quality = quality_of(canvas, mask, both, std::array{Illuminant::d65});
+        double worst = 0;
+        for (const RetouchQuality& region : quality.regions)
+            worst = std::max(worst, region.delta_e[static_cast<std::size_t>(Illuminant::d65)]);
+        return worst;
+    };
+    for (const RetouchMode mode : {RetouchMode::mimetic, RetouchMode::tratteggio}) {
+        const double alone = std::max(off(light, mode, 0.01, 1), off(dark, mode, 0.01, 1));
+        EXPECT_NEAR(off(both, mode, 0.01, 2), alone, 0.3) << name_of(mode);
+    }
+    EXPECT_LT(off(both, RetouchMode::mimetic, 2, 1), 2);  // thick paint hides both
+}
+
+TEST(Retouch, PairsThatAreAvoidedLieNowhereTogether) {
+    const Damaged damaged;
+    const std::vector<Pigment>& paints = artist_acrylics().paints;
+    for (const RetouchMode mode : {RetouchMode::mimetic, RetouchMode::tratteggio, RetouchMode::dotting}) {
+        // What a retouch brings together without a list is what the list forbids.
+        Canvas free = damaged.canvas();
+        const RetouchReport before = laid(free, damaged, mode);
+        std::set<std::pair<int, int>> used = before.blended;
+        for (const Pile& pile : before.piles)
+            for (std::size_t i = 0; i < static_cast<std::size_t>(pile.mixture.count); ++i)
+                for (std::size_t j = 0; j < static_cast<std::size_t>(pile.mixture.count); ++j)
+                    if (pile.mixture.paints[i] < pile.mixture.paints[j])
+                        used.insert({pile.mixture.paints[i], pile.mixture.paints[j]});
+        ASSERT_FALSE(used.empty()) << name_of(mode);
+        std::vector<PairWarning> forbidden;
+        const PigmentPair pair;
+        for (const auto& [a, b] : used) forbidden.push_back({a, b, &pair});
+        RetouchOptions options;
+        options.piles = 4;
+        options.match.allowed = without_pairs(paints.size(), forbidden);
+        Canvas canvas = damaged.canvas();
+        lay_retouch(canvas, artist_acrylics(), damaged.loss, {}, mode, "retouch 1", options);
+        const PaintLayer& layer = canvas.dried()[0].paint;
+        std::set<std::pair<std::string, std::string>> together;
+        for (const TileIndex at : layer.painted()) {
+            const PaintTile& tile = *layer.tile(at);
+            for (const IngredientId a : tile.ingredients)
+                for (const IngredientId b : tile.ingredients)
+                    for (std::size_t i = 0; i < tile.plane(a).size(); ++i)
+                        if (tile.plane(a)[i] > 0 && tile.plane(b)[i] > 0)
+                            together.insert({canvas.ingredients()[a].name, canvas.ingredients()[b].name});
+        }
+        for (const PairWarning& w : forbidden)
+            EXPECT_FALSE(together.contains(
+                {paints[static_cast<std::size_t>(w.a)].name, paints[static_cast<std::size_t>(w.b)].name}))
+                << name_of(mode);
+    }
 }
 
 TEST(Retouch, LinesFuseToTheColourTheyStandFor) {

@@ -106,6 +106,53 @@ TEST_F(TreatmentFolder, StatesShowTheLayersUpToTheirs) {
     EXPECT_EQ(count(TreatmentState::varnished), 4u);
 }
 
+TEST_F(TreatmentFolder, ARetouchOnVarnishIsShownOnIt) {
+    Treatment treatment = begin();
+    add(treatment, LayerRole::varnish, 10, 20);
+    add(treatment, LayerRole::retouch, 10);
+    add(treatment, LayerRole::varnish, 10, 20);
+    const Canvas shown = in_state(treatment.read_canvas(), treatment.layers(), TreatmentState::retouched);
+    ASSERT_EQ(shown.dried().size(), 2u);
+    EXPECT_EQ(shown.dried()[0].name, "varnish 1");
+    EXPECT_EQ(shown.dried()[1].name, "retouch 1");
+}
+
+TEST_F(TreatmentFolder, ALawOfReflectanceThatWasChangedIsNoticed) {
+    const Treatment treatment = begin();
+    EXPECT_THAT(treatment.check(), IsEmpty());
+    Surface surface = read_painting(treatment.painting());
+    surface.law.haze = 0.6;
+    write_painting(treatment.painting(), surface);
+    EXPECT_THAT(treatment.check(), ElementsAre(HasSubstr("law of reflectance")));
+}
+
+TEST_F(TreatmentFolder, AnEarlierStateThatWasChangedIsNotShown) {
+    Treatment treatment = begin();
+    treatment.keep_earlier(dir_ / "p.exr", kAuthor);
+    Surface surface = read_painting(dir_ / "p.exr");
+    surface.diffuse(5, 5) = Rgb(1, 0, 0);
+    write_painting(folder() / "earlier.exr", surface);
+    EXPECT_THAT([&] { treatment.read_earlier(); }, ThrowsMessage<Error>(HasSubstr("line 2 of the log")));
+}
+
+TEST_F(TreatmentFolder, InputsOfOneNameAreBothLogged) {
+    Treatment treatment = begin();
+    for (const char* sub : {"a", "b"}) {
+        std::filesystem::create_directory(dir_ / sub);
+        write_text_file(dir_ / sub / "m.txt", sub);
+    }
+    treatment.record({.action = "test", .inputs = {dir_ / "a/m.txt", dir_ / "b/m.txt"}}, kAuthor);
+    EXPECT_EQ(treatment.log().entries().back().content["inputs"].size(), 2u);
+}
+
+TEST_F(TreatmentFolder, AnIsolatingVarnishOverARetouchIsWarnedOf) {
+    Treatment treatment = begin();
+    add(treatment, LayerRole::retouch, 10);
+    Canvas canvas = treatment.read_canvas();
+    const nlohmann::json result = varnish_step(treatment, canvas, true, nullptr, {}, kAuthor, {});
+    EXPECT_THAT(result["warnings"].dump(), HasSubstr("lies over 'retouch 1'"));
+}
+
 TEST_F(TreatmentFolder, MasksComeBackAndChangedOnesAreNamed) {
     Treatment treatment = begin();
     const Mask loss = mask_of_polygons({{{10, 10}, {30, 10}, {30, 30}, {10, 30}}}, 100, 70);

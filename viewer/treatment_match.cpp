@@ -81,9 +81,10 @@ Rgb srgb_of(const Rgb& linear) {
 
 std::string gloss_text(const Gloss& paint, const Gloss& wanted) {
     const std::string_view remedy = name_of(remedy_for(paint, wanted));
-    return fmt::format("Gloss: {}. Strength {:.3f}, there {:.3f}; sheen {:.2f}, there {:.2f}",
-                       remedy == "none" ? "alike" : fmt::format("needs {}", remedy), paint.specular,
-                       wanted.specular, paint.roughness, wanted.roughness);
+    return fmt::format("Gloss: {}{}. Strength {:.3f}, there {:.3f}; sheen {:.2f}, there {:.2f}",
+                       remedy == "none" ? "alike" : fmt::format("needs {}", remedy),
+                       can_reflect(paint, wanted) ? "" : ", but no paint or varnish reflects so much",
+                       paint.specular, wanted.specular, paint.roughness, wanted.roughness);
 }
 
 ShownRecipe shown_of(const MatchedRecipe& r, const Palette& palette, const std::vector<PairWarning>& pairs,

@@ -277,8 +277,7 @@ void TreatmentDesk::preview() {
                                 fusion.distance_m, fusion.delta_e_fused)
                           : fmt::format("they are still seen from {:.0f} m", fusion.distance_m);
               }
-              json parameters = to_json(options);
-              parameters["mode"] = name_of(mode), parameters["inpainting"] = name_of(options.inpainting);
+              json parameters = parameters_of(mode, options);
               parameters["area"] = area.described, parameters["palette"] = palette.name;
               auto made = std::make_shared<const Preview>(Preview{
                   std::move(canvas), std::move(area), std::move(parameters), std::move(results), layer});

@@ -17,6 +17,8 @@ namespace tangi {
 
 namespace {
 
+constexpr float kNothing_mm = 1e-5f;  // rounding of heights of some mm: what was filled before is level
+
 constexpr int kSize = PaintTile::kSize;
 
 // One region of a loss with what is around it, as pictures of their own.
@@ -332,8 +334,8 @@ FillReport lay_fill(Canvas& canvas, const std::string& name, const Mask& loss, c
                 const float level = patches[i].level_mm(x - patches[i].box.x0, y - patches[i].box.y0);
                 const float wanted = level + static_cast<float>(options.offset_mm) - relief(x, y);
                 ++result.pixels;
-                result.not_reached += wanted < 0 ? 1 : 0;
-                thickness(x, y) = std::max(wanted, 0.0f);
+                result.not_reached += wanted < kNothing_mm ? 1 : 0;
+                thickness(x, y) = wanted < kNothing_mm ? 0.0f : wanted;
                 filled(x, y) += thickness(x, y);
                 result.deepest_mm = std::max(result.deepest_mm, static_cast<double>(thickness(x, y)));
                 result.volume_mm3 += static_cast<double>(thickness(x, y)) * mm * mm;

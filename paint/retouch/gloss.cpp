@@ -19,6 +19,11 @@ double glossier(const Gloss& a, const Gloss& b) {
     return peak(a) - peak(b);
 }
 
+bool can_reflect(const Gloss& paint, const Gloss& wanted) {
+    constexpr double hardly_seen = 1.25;
+    return wanted.specular <= hardly_seen * std::max(paint.specular, kMostSpecular);
+}
+
 std::string_view name_of(GlossRemedy remedy) {
     switch (remedy) {
         case GlossRemedy::none:

@@ -20,6 +20,12 @@ double gloss_difference(const Gloss& a, const Gloss& b);
 // logarithm of the ratio.
 double glossier(const Gloss& a, const Gloss& b);
 
+// Whether paint, with what is added to it or laid over it, can reflect so much: rho_s of a varnish is 0.05 at
+// most (Fresnel's reflection at n = 1.57), and agents only spread it. A fitted lobe may hold more, such as
+// that of gilding, or what lamps of unknown distance leave.
+inline constexpr double kMostSpecular = 0.05;
+bool can_reflect(const Gloss& paint, const Gloss& wanted);
+
 // What brings paint to a gloss. How much of an agent that takes, nobody can tell without a trial on a card.
 enum class GlossRemedy { none, matting_agent, varnish };
 std::string_view name_of(GlossRemedy remedy);

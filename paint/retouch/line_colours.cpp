@@ -18,7 +18,7 @@ constexpr int kSweeps = 6;
 
 // The paints by themselves, and let down with white and with black (the paint nearest to it) in
 // easy measures.
-std::vector<Pile> pure_piles(const Palette& palette, const Spectrum& below, double thickness_mm) {
+std::vector<Pile> pure_piles(const Palette& palette, const Spectrum& below, const RetouchOptions& options) {
     const int white = palette.find(white_of(palette).name);
     int black = 0;
     const auto from_black = [&](int paint) {
@@ -32,10 +32,15 @@ std::vector<Pile> pure_piles(const Palette& palette, const Spectrum& below, doub
     // How many measures of what go with one of the paint, or with how many.
     const std::array<std::array<int, 3>, 6> ways = {
         {{-1, 0, 1}, {white, 1, 1}, {white, 3, 1}, {white, 8, 1}, {black, 1, 3}, {black, 1, 1}}};
+    const std::size_t n = palette.paints.size();
+    const auto may_come_together = [&](int a, int b) {
+        return options.match.allowed.empty() ||
+               options.match.allowed[static_cast<std::size_t>(a) * n + static_cast<std::size_t>(b)];
+    };
     std::vector<Pile> piles;
     for (int paint = 0; paint < static_cast<int>(palette.paints.size()); ++paint)
         for (const auto& [other, of_other, of_paint] : ways) {
-            if (of_other > 0 && (other < 0 || paint == other)) continue;
+            if (of_other > 0 && (other < 0 || paint == other || !may_come_together(other, paint))) continue;
             Pile pile;
             if (of_other == 0)
                 pile.steps = {{paint, 0, 1}};
@@ -48,7 +53,7 @@ std::vector<Pile> pure_piles(const Palette& palette, const Spectrum& below, doub
                 pigments.push_back(palette.paints[static_cast<std::size_t>(pile.mixture.paints[i])]);
                 volumes.push_back(static_cast<float>(pile.mixture.volumes[i]));
             }
-            pile.look = film_look(mix(pigments, volumes), static_cast<float>(thickness_mm), below);
+            pile.look = film_look(mix(pigments, volumes), static_cast<float>(options.thickness_mm), below);
             piles.push_back(pile);
         }
     return piles;
@@ -119,8 +124,8 @@ std::vector<int> by_shares(const std::vector<MarkShares>& marks,
 
 LineColours line_colours(const Image<int>& owner, const Mask& mask, const Image<Rgb>& target,
                          const std::vector<Rgb>& groups, const std::vector<Pile>& gaps,
-                         const Palette& palette, const Spectrum& below, double thickness_mm,
-                         const std::vector<Illuminant>& lamps, double blur_px) {
+                         const Palette& palette, const Spectrum& below, const RetouchOptions& options,
+                         double blur_px) {
     TP_REQUIRE(owner.region() == mask.region() && target.region() == mask.region(), "of the same region");
     TP_REQUIRE(!groups.empty() && (gaps.empty() || gaps.size() == groups.size()), "a group of colours");
     const auto xyz = [](const Spectrum& s) { return xyz_of(s, Illuminant::d65); };
@@ -134,7 +139,7 @@ LineColours line_colours(const Image<int>& owner, const Mask& mask, const Image<
     const double bare_share = bare / static_cast<double>(bare + painted);
 
     // Pure colours of each group.
-    const std::vector<Pile> offered = pure_piles(palette, below, thickness_mm);
+    const std::vector<Pile> offered = pure_piles(palette, below, options);
     std::vector<Spectrum> looks;
     for (const Pile& pile : offered) looks.push_back(pile.look);
     LineColours result;
@@ -143,8 +148,8 @@ LineColours line_colours(const Image<int>& owner, const Mask& mask, const Image<
     std::map<int, int> number_of_offered;
     for (std::size_t group = 0; group < groups.size(); ++group) {
         const Spectrum wanted = reflectance_of_rgb(groups[group]);
-        const Juxtaposition pure =
-            juxtapose(looks, wanted, lamps, gaps.empty() ? below : gaps[group].look, bare_share);
+        const Juxtaposition pure = juxtapose(looks, wanted, options.match.lamps,
+                                             gaps.empty() ? below : gaps[group].look, bare_share);
         piles_of_group.emplace_back();
         for (std::size_t i = 0; i < pure.looks.size(); ++i) {
             const int look = pure.looks[i];

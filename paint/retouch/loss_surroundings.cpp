@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <glm/vec4.hpp>
 #include <numeric>
 #include <optional>
 
@@ -194,6 +195,19 @@ void find_glosses(const Surroundings& around, const MaskRegions& parts, Loss& lo
             loss.gloss.pixels()[i] = of_part[static_cast<std::size_t>(number) - 1];
 }
 
+// The mean colour within each part.
+std::vector<PartGround> grounds_in(const Loss& loss) {
+    std::vector<glm::dvec4> sums(loss.parts.regions.size(), glm::dvec4(0));
+    for (std::size_t i = 0; i < loss.mask.size(); ++i)
+        if (const int number = loss.parts.number.pixels()[i]; number > 0)
+            sums[static_cast<std::size_t>(number) - 1] +=
+                static_cast<double>(loss.mask.pixels()[i]) * glm::dvec4(glm::dvec3(loss.seen.pixels()[i]), 1);
+    std::vector<PartGround> grounds;
+    for (const glm::dvec4& sum : sums)
+        grounds.push_back({reflectance_of_rgb(Rgb(glm::dvec3(sum) / sum.w)), sum.w});
+    return grounds;
+}
+
 }  // namespace
 
 Loss loss_of(const Canvas& canvas, const Mask& mask, const Mask& damaged, const RetouchOptions& options) {
@@ -212,24 +226,18 @@ Loss loss_of(const Canvas& canvas, const Mask& mask, const Mask& damaged, const 
     const Surroundings around{canvas, mask, damaged, gap_px, ring_px, margin};
     Mask any = loss.mask;
     for (float& v : any.pixels()) v = v > 0 ? 1.0f : 0.0f;
-    const MaskRegions parts = regions_of(any);
+    loss.parts = regions_of(any);
     any = Mask();  // as large as the region
-    if (!options.own_gloss) find_glosses(around, parts, loss);
+    if (!options.own_gloss) find_glosses(around, loss.parts, loss);
     if (patches) {  // as sharp as they are, and along with the relief of what was filled
         loss.target = loss.seen;
         const Image<float> relief_mm = crop(relief_of(canvas), loss.region);
         inpaint_into(loss.target, around.hole_in(loss.region), options.inpainting, ring_px,
                      filled(canvas) ? &relief_mm : nullptr);
     } else {
-        carry_on(around, parts, options, loss);
+        carry_on(around, loss.parts, options, loss);
     }
-    Rgb sum(0);
-    float weights = 0;
-    for (std::size_t i = 0; i < loss.mask.size(); ++i) {
-        sum += loss.mask.pixels()[i] * loss.seen.pixels()[i];
-        weights += loss.mask.pixels()[i];
-    }
-    loss.below = reflectance_of_rgb(sum / weights);
+    loss.grounds = grounds_in(loss);
     return loss;
 }
 

@@ -6,7 +6,9 @@
 
 #include "paint/canvas.h"
 #include "paint/retouch/gloss.h"
+#include "paint/retouch/mask.h"
 #include "paint/retouch/modes.h"
+#include "paint/retouch/pile_colours.h"
 #include "paint/spectrum.h"
 
 namespace tangi {
@@ -16,8 +18,10 @@ struct Loss {
     Mask mask;          // in the region
     Image<Rgb> seen;    // linear Rec. 709 under D65
     Image<Rgb> target;  // what the surroundings go on as, where the mask is above 0
-    Spectrum below{};   // mean inside
     double mm_per_pixel = 1;
+
+    MaskRegions parts;                // connected parts of the mask
+    std::vector<PartGround> grounds;  // what lies below each of them, in the mean
 
     // The few glosses that are beside the parts of the loss, and the number of its own at each pixel of the
     // mask. A part beside which nothing was measured has the first.

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <map>
 
-#include "paint/kubelka_munk.h"
 #include "paint/retouch/line_colours.h"
 #include "paint/retouch/loss_surroundings.h"
+#include "paint/retouch/pile_colours.h"
 #include "surface/error.h"
 
 namespace tangi {
@@ -15,61 +15,9 @@ namespace {
 
 constexpr std::array<std::string_view, 6> kNames = {"mimetic",     "tratteggio", "selection",
                                                     "abstraction", "dotting",    "neutral"};
-constexpr int kBlends = 8;           // steps from one pile to another
 constexpr double kFusedPitches = 6;  // over which lines and dots are to have the right mean
 
 double square(double v) { return v * v; }
-double distance2(const Lab& a, const Lab& b) {
-    return square(a.l - b.l) + square(a.a - b.a) + square(a.b - b.b);
-}
-
-// Centres of groups of colours: k-means in L*a*b* (Lloyd 1982), from the colours farthest apart (Gonzalez
-// 1985), so that nothing is left to chance.
-std::vector<Rgb> groups_of(const std::vector<Rgb>& colours, int groups) {
-    std::vector<Lab> labs;
-    for (const Rgb& c : colours) labs.push_back(lab_from_linear(c));
-    Rgb mean(0);
-    for (const Rgb& c : colours) mean += c / static_cast<float>(colours.size());
-    std::vector<Lab> centres = {lab_from_linear(mean)};
-    std::vector<Rgb> result = {mean};
-    for (int pass = 1; pass < groups; ++pass) {
-        double farthest = 1;  // nearer than L*a*b* 1, one pile serves for both
-        std::optional<std::size_t> next;
-        for (std::size_t i = 0; i < labs.size(); ++i) {
-            double nearest = 1e300;
-            for (const Lab& c : centres) nearest = std::min(nearest, distance2(labs[i], c));
-            if (nearest > farthest) farthest = nearest, next = i;
-        }
-        if (!next) break;
-        centres.push_back(labs[*next]);
-    }
-    for (int pass = 0; pass < 20; ++pass) {
-        std::vector<glm::dvec4> sums(centres.size(), glm::dvec4(0));
-        for (std::size_t i = 0; i < labs.size(); ++i) {
-            std::size_t best = 0;
-            for (std::size_t c = 1; c < centres.size(); ++c)
-                if (distance2(labs[i], centres[c]) < distance2(labs[i], centres[best])) best = c;
-            sums[best] += glm::dvec4(glm::dvec3(colours[i]), 1);
-        }
-        result.clear();
-        std::vector<Lab> moved;
-        for (const glm::dvec4& sum : sums) {
-            if (!(sum.w > 0)) continue;
-            result.push_back(Rgb(glm::dvec3(sum) / sum.w));
-            moved.push_back(lab_from_linear(result.back()));
-        }
-        centres = moved;
-    }
-    return result;
-}
-
-// A colour at hand: paints by volume (sum 1) and what a film of them looks like.
-struct Colour {
-    std::vector<std::pair<int, float>> volumes;
-    std::vector<std::pair<int, float>> piles;  // and their parts
-    Spectrum look{};
-    Lab lab;
-};
 
 class Layer {
 public:
@@ -100,85 +48,14 @@ private:
     std::map<std::pair<int, int>, IngredientId> ids_;  // by paint and gloss
 };
 
-std::vector<Rgb> targets_inside(const Loss& loss) {
+std::vector<Rgb> targets_inside(const Mask& mask, const Image<Rgb>& target) {
     std::vector<Rgb> colours;
-    for (std::size_t i = 0; i < loss.mask.size(); ++i)
-        if (loss.mask.pixels()[i] > 0) colours.push_back(loss.target.pixels()[i]);
+    for (std::size_t i = 0; i < mask.size(); ++i)
+        if (mask.pixels()[i] > 0) colours.push_back(target.pixels()[i]);
     const std::size_t step = std::max<std::size_t>(colours.size() / 20000, 1);
     std::vector<Rgb> some;
     for (std::size_t i = 0; i < colours.size(); i += step) some.push_back(colours[i]);
     return some;
-}
-
-MatchOptions match_options(const Loss& loss, const RetouchOptions& options) {
-    MatchOptions match = options.match;
-    match.film = FilmOnGround{options.thickness_mm, loss.below};
-    match.alternatives = 1;
-    return match;
-}
-
-Pile pile_for(const Rgb& colour, const Loss& loss, const Palette& palette, const RetouchOptions& options) {
-    const auto found =
-        match_spectrum(palette.paints, reflectance_of_rgb(colour), match_options(loss, options)).recipes[0];
-    Pile pile;
-    pile.steps = found.steps;
-    pile.mixture = found.mixture;
-    pile.look = found.look;
-    pile.target = reflectance_of_rgb(colour);
-    return pile;
-}
-
-Colour colour_of(const std::vector<std::pair<int, float>>& parts, const std::vector<Pile>& piles,
-                 const Palette& palette, const Loss& loss, double thickness_mm) {
-    Colour colour;
-    colour.piles = parts;
-    std::map<int, float> volumes;
-    for (const auto& [pile, part] : parts) {
-        const Mixture& m = piles[static_cast<std::size_t>(pile)].mixture;
-        for (std::size_t i = 0; i < static_cast<std::size_t>(m.count); ++i)
-            volumes[m.paints[i]] += part * static_cast<float>(m.volumes[i]);
-    }
-    std::vector<Pigment> pigments;
-    std::vector<float> amounts;
-    for (const auto& [paint, volume] : volumes) {
-        colour.volumes.emplace_back(paint, volume);
-        pigments.push_back(palette.paints[static_cast<std::size_t>(paint)]);
-        amounts.push_back(volume);
-    }
-    colour.look = film_look(mix(pigments, amounts), static_cast<float>(thickness_mm), loss.below);
-    colour.lab = lab_under(colour.look);
-    return colour;
-}
-
-// Colours of the piles, and, for mimetic retouching, of mixtures of any two.
-std::vector<Colour> colours_of(const std::vector<Pile>& piles, bool blends, const Palette& palette,
-                               const Loss& loss, double thickness_mm) {
-    std::vector<Colour> colours;
-    for (int i = 0; i < static_cast<int>(piles.size()); ++i)
-        colours.push_back(colour_of({{i, 1.0f}}, piles, palette, loss, thickness_mm));
-    for (int i = 0; blends && i < static_cast<int>(piles.size()); ++i)
-        for (int j = i + 1; j < static_cast<int>(piles.size()); ++j)
-            for (int step = 1; step < kBlends; ++step) {
-                const float part = static_cast<float>(step) / kBlends;
-                colours.push_back(colour_of({{i, 1 - part}, {j, part}}, piles, palette, loss, thickness_mm));
-            }
-    return colours;
-}
-
-// For every pixel inside, the number of the colour at hand that looks nearest; -1 elsewhere.
-Image<int> nearest_colours(const Loss& loss, const std::vector<Colour>& colours) {
-    Image<int> chosen(loss.mask.width(), loss.mask.height(), -1);
-    for (std::size_t i = 0; i < loss.mask.size(); ++i) {
-        if (!(loss.mask.pixels()[i] > 0)) continue;
-        const Lab wanted = lab_from_linear(loss.target.pixels()[i]);
-        int best = 0;
-        for (int c = 1; c < static_cast<int>(colours.size()); ++c)
-            if (distance2(colours[static_cast<std::size_t>(c)].lab, wanted) <
-                distance2(colours[static_cast<std::size_t>(best)].lab, wanted))
-                best = c;
-        chosen.pixels()[i] = best;
-    }
-    return chosen;
 }
 
 // What a mark is of, in whole pixels.
@@ -225,6 +102,19 @@ void add_to(RetouchGloss& gloss, const Colour& colour, const Palette& palette, d
     }
 }
 
+void add_pairs(const Colour& blend, RetouchReport& result) {
+    const auto in_a_pile = [&](int a, int b) {
+        return std::any_of(blend.piles.begin(), blend.piles.end(), [&](const auto& pile) {
+            const Mixture& m = result.piles[static_cast<std::size_t>(pile.first)].mixture;
+            const auto begin = m.paints.begin(), end = begin + m.count;
+            return std::find(begin, end, a) != end && std::find(begin, end, b) != end;
+        });
+    };
+    for (const auto& [a, of_a] : blend.volumes)
+        for (const auto& [b, of_b] : blend.volumes)
+            if (a < b && !in_a_pile(a, b)) result.blended.insert({a, b});
+}
+
 Rgb toned_down(const Rgb& colour, const RetouchOptions& options) {
     Lab lab = lab_from_linear(colour);
     lab.l = std::clamp(lab.l + options.neutral_lightness, 0.0, 100.0);
@@ -235,6 +125,131 @@ Rgb toned_down(const Rgb& colour, const RetouchOptions& options) {
         glm::dvec3(back(y + lab.a / 500), back(y), back(y - lab.b / 200)) * white_xyz(Illuminant::d65);
     return to_linear_rgb(smooth_spectrum(xyz, Illuminant::d65));
 }
+
+// Colours for every pixel of the loss, and the piles that they are of.
+class Chosen {
+public:
+    Chosen(const Loss& loss, const Palette& palette, RetouchMode mode, const RetouchOptions& options)
+        : loss_(loss), palette_(palette), mode_(mode), options_(options) {
+        number = Image<int>(loss.mask.width(), loss.mask.height(), -1);
+    }
+
+    // Marks of the whole loss, where there are any.
+    void draw(const MarkGeometry& geometry, RetouchReport& result) {
+        result.pitch_mm = geometry.pitch_px * loss_.mm_per_pixel;
+        result.width_mm = geometry.width_px * loss_.mm_per_pixel;
+        Mask hole = loss_.mask;
+        for (float& v : hole.pixels()) v = v > 0 ? 1.0f : 0.0f;
+        const std::vector<Mark> marks = marks_of(mode_, loss_, geometry, dilated(hole, 1));
+        result.marks = static_cast<int>(marks.size());
+        owner_ = rasterised(marks, loss_.mask, geometry.width_px);
+        blur_px_ = kFusedPitches * geometry.pitch_px;
+    }
+
+    // One ground after the other: paint that looks right over one does not over another that shows through.
+    void choose(const Progress& progress) {
+        share_grounds(progress);
+        for (std::size_t i = 0; i < grounds.spectra.size(); ++i) {
+            const Mask own = grounds.spectra.size() == 1 ? loss_.mask : mask_of(static_cast<int>(i));
+            const auto first = static_cast<int>(colours.size());
+            const Image<int> here = choose_over(own, grounds.spectra[i], progress);
+            for (std::size_t k = 0; k < number.size(); ++k)
+                if (own.pixels()[k] > 0 && here.pixels()[k] >= 0)
+                    number.pixels()[k] = first + here.pixels()[k];
+        }
+    }
+
+    const Spectrum& below(int x, int y) const {
+        return grounds.spectra[grounds.of_part[static_cast<std::size_t>(loss_.parts.number(x, y)) - 1]];
+    }
+
+    Grounds grounds;
+    std::vector<Pile> piles;
+    std::vector<Colour> colours;
+    Image<int> number;  // of each pixel's colour; -1 where nothing is painted
+
+private:
+    bool lines() const { return owner_.size() > 0; }
+    int wanted_piles() const {
+        if (lines()) return std::max(options_.piles / 2, 1);
+        return mode_ == RetouchMode::neutral ? 1 : options_.piles;
+    }
+
+    Mask mask_of(int ground) const {
+        Mask own = loss_.mask;
+        for (std::size_t k = 0; k < own.size(); ++k)
+            if (const int part = loss_.parts.number.pixels()[k];
+                part == 0 || grounds.of_part[static_cast<std::size_t>(part) - 1] != ground)
+                own.pixels()[k] = 0;
+        return own;
+    }
+
+    // A part in which no line lies goes with the largest that has some.
+    void share_grounds(const Progress& progress) {
+        std::vector<PartGround> parts = loss_.grounds;
+        if (lines()) {
+            std::vector<bool> has(parts.size());
+            for (std::size_t k = 0; k < owner_.size(); ++k)
+                if (const int part = loss_.parts.number.pixels()[k];
+                    part > 0 && owner_.pixels()[k] >= 0 && loss_.mask.pixels()[k] >= 0.5f)
+                    has[static_cast<std::size_t>(part) - 1] = true;
+            std::size_t largest = 0;
+            for (std::size_t i = 0; i < parts.size(); ++i)
+                if (has[i] && (!has[largest] || parts[i].pixels > parts[largest].pixels)) largest = i;
+            for (std::size_t i = 0; i < parts.size(); ++i)
+                if (!has[i]) parts[i].below = parts[largest].below;
+        }
+        const auto largest =
+            std::max_element(parts.begin(), parts.end(),
+                             [](const PartGround& a, const PartGround& b) { return a.pixels < b.pixels; });
+        std::vector<Pile> probes;
+        if (parts.size() > 1 && !(lines() && options_.bare_gaps))
+            probes = piles_for(loss_.mask, largest->below, progress);
+        grounds = grounds_of(parts, probes, palette_, options_.thickness_mm);
+    }
+
+    std::vector<Pile> piles_for(const Mask& own, const Spectrum& below, const Progress& progress) {
+        const auto groups = groups_of(targets_inside(own, loss_.target), wanted_piles());
+        std::vector<Pile> found;
+        for (std::size_t i = 0; i < groups.size(); ++i) {
+            report(progress, lines() ? "choose pure colours" : "match colours",
+                   static_cast<double>(i) / static_cast<double>(groups.size()));
+            found.push_back(pile_for(groups[i], below, palette_, options_));
+        }
+        return found;
+    }
+
+    // Numbers of colours from the first that is added.
+    Image<int> choose_over(const Mask& own, const Spectrum& below, const Progress& progress) {
+        std::vector<Pile> found;
+        Image<int> chosen;
+        if (!lines() || !options_.bare_gaps) found = piles_for(own, below, progress);
+        if (lines()) {
+            auto of_lines = line_colours(owner_, own, loss_.target,
+                                         groups_of(targets_inside(own, loss_.target), wanted_piles()), found,
+                                         palette_, below, options_, blur_px_);
+            found = std::move(of_lines.piles);
+            chosen = std::move(of_lines.pile);
+        }
+        std::vector<Colour> own_colours =
+            colours_of(found, mode_ == RetouchMode::mimetic, palette_, below, options_);
+        if (!lines()) chosen = nearest_colours(own, loss_.target, own_colours);
+        const auto first = static_cast<int>(piles.size());
+        for (Colour& colour : own_colours) {
+            for (auto& [pile, part] : colour.piles) pile += first;
+            colours.push_back(std::move(colour));
+        }
+        piles.insert(piles.end(), found.begin(), found.end());
+        return chosen;
+    }
+
+    const Loss& loss_;
+    const Palette& palette_;
+    RetouchMode mode_;
+    const RetouchOptions& options_;
+    Image<int> owner_;  // marks, -1 for none (marks.h)
+    double blur_px_ = 0;
+};
 
 }  // namespace
 
@@ -255,42 +270,20 @@ RetouchReport lay_retouch(Canvas& canvas, const Palette& palette, const Mask& ma
     Loss loss = loss_of(canvas, mask, damaged, options);
     const bool lines = mode != RetouchMode::mimetic && mode != RetouchMode::neutral;
     if (mode == RetouchMode::neutral || mode == RetouchMode::abstraction) {
-        const std::vector<Rgb> inside = targets_inside(loss);
+        const std::vector<Rgb> inside = targets_inside(loss.mask, loss.target);
         Rgb mean = groups_of(inside, 1)[0];
         if (mode == RetouchMode::neutral) mean = toned_down(mean, options);
         for (Rgb& t : loss.target.pixels()) t = mean;
     }
     RetouchReport result;
     result.region = loss.region;
-    Image<int> chosen;
-    std::vector<Colour> colours;
-    if (!lines) {
-        const auto groups = groups_of(targets_inside(loss), mode == RetouchMode::neutral ? 1 : options.piles);
-        for (std::size_t i = 0; i < groups.size(); ++i) {
-            report(progress, "match colours", static_cast<double>(i) / static_cast<double>(groups.size()));
-            result.piles.push_back(pile_for(groups[i], loss, palette, options));
-        }
-        colours = colours_of(result.piles, mode == RetouchMode::mimetic, palette, loss, options.thickness_mm);
-        chosen = nearest_colours(loss, colours);
-    } else {
-        const MarkGeometry g = geometry_of(loss, options);
-        result.pitch_mm = g.pitch_px * loss.mm_per_pixel, result.width_mm = g.width_px * loss.mm_per_pixel;
-        Mask hole = loss.mask;
-        for (float& v : hole.pixels()) v = v > 0 ? 1.0f : 0.0f;
-        const std::vector<Mark> marks = marks_of(mode, loss, g, dilated(hole, 1));
-        result.marks = static_cast<int>(marks.size());
-        const Image<int> owner = rasterised(marks, loss.mask, g.width_px);
-        const auto groups = groups_of(targets_inside(loss), std::max(options.piles / 2, 1));
-        report(progress, "choose pure colours", 0);
-        std::vector<Pile> gaps;
-        for (std::size_t i = 0; i < groups.size() && !options.bare_gaps; ++i)
-            gaps.push_back(pile_for(groups[i], loss, palette, options));
-        auto of_lines = line_colours(owner, loss.mask, loss.target, groups, gaps, palette, loss.below,
-                                     options.thickness_mm, options.match.lamps, kFusedPitches * g.pitch_px);
-        result.piles = std::move(of_lines.piles);
-        chosen = std::move(of_lines.pile);
-        colours = colours_of(result.piles, false, palette, loss, options.thickness_mm);
-    }
+    Chosen chosen(loss, palette, mode, options);
+    if (lines) chosen.draw(geometry_of(loss, options), result);
+    chosen.choose(progress);
+    result.piles = std::move(chosen.piles);
+    result.grounds = static_cast<int>(chosen.grounds.spectra.size());
+    const std::vector<Colour>& colours = chosen.colours;
+    std::vector<bool> used(colours.size());
 
     report(progress, "lay paint", 0);
     Layer laid(canvas, palette);
@@ -305,10 +298,11 @@ RetouchReport lay_retouch(Canvas& canvas, const Palette& palette, const Mask& ma
             const float covered = loss.mask(x, y);
             if (!(covered > 0)) continue;
             result.area_mm2 += pixel_mm2 * static_cast<double>(covered);
-            const int number = chosen(x, y);
+            const int number = chosen.number(x, y);
             const float part = lines ? 1.0f : covered;
             if (number >= 0) {
                 const Colour& colour = colours[static_cast<std::size_t>(number)];
+                used[static_cast<std::size_t>(number)] = true;
                 const double painted_mm2 = pixel_mm2 * static_cast<double>(part);
                 RetouchGloss* const gloss =
                     loss.glosses.empty() ? nullptr : &result.glosses[loss.gloss(x, y)];
@@ -323,9 +317,9 @@ RetouchReport lay_retouch(Canvas& canvas, const Palette& palette, const Mask& ma
                 }
             }
             if (covered >= 0.5f)
-                difference.add(x, y,
-                               number >= 0 ? colours[static_cast<std::size_t>(number)].look : loss.below,
-                               reflectance_of_rgb(loss.target(x, y)));
+                difference.add(
+                    x, y, number >= 0 ? colours[static_cast<std::size_t>(number)].look : chosen.below(x, y),
+                    reflectance_of_rgb(loss.target(x, y)));
         }
     for (Pile& p : result.piles) {
         p.volume_mm3 = p.share * options.thickness_mm;
@@ -336,6 +330,8 @@ RetouchReport lay_retouch(Canvas& canvas, const Palette& palette, const Mask& ma
         gloss.of_paint.specular *= part, gloss.of_paint.roughness *= part;
         gloss.of_paint.luminance = gloss.wanted.luminance;
     }
+    for (std::size_t i = 0; i < colours.size(); ++i)
+        if (used[i] && colours[i].piles.size() > 1) add_pairs(colours[i], result);
     result.delta_e_mean = difference.means();
     result.target = std::move(loss.target);
     PaintLayer paint = laid.take();

@@ -5,13 +5,17 @@
 //              one recipe of that colour, or what lies there
 // selection    such lines along the form of the surroundings (selezione cromatica: Baldini 1978)
 // abstraction  lines in crossing directions, of the mean colour of the surroundings (astrazione: Baldini
-// 1978) dotting      dots of pure colours neutral      one toned-down colour
+//              1978)
+// dotting      dots of pure colours
+// neutral      one toned-down colour
 #pragma once
 
 #include <array>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "paint/canvas.h"
@@ -47,7 +51,9 @@ struct RetouchOptions {
         visit(FieldInfo{"pitch_mm", 0.01, 100, "mm", "between the middles of lines or dots"}, self.pitch_mm);
         visit(FieldInfo{"width_mm", 0.01, 100, "mm", "of a line or dot"}, self.width_mm);
         visit(FieldInfo{"length_mm", 0.1, 1000, "mm", "of a line at most"}, self.length_mm);
-        visit(FieldInfo{"piles", 1, 24, "1", "recipes that are mixed at most"}, self.piles);
+        visit(FieldInfo{"piles", 1, 24, "1",
+                        "recipes that are mixed at most, for each ground that shows through"},
+              self.piles);
         visit(FieldInfo{"neutral_chroma", 0, 1, "1", "chroma of the neutral tone over the surroundings'"},
               self.neutral_chroma);
         visit(FieldInfo{"neutral_lightness", -50, 50, "1",
@@ -86,6 +92,9 @@ struct RetouchReport {
     std::vector<Pile> piles;
     std::vector<RetouchGloss> glosses;     // none where the paints keep their own
     double painted_mm2 = 0, area_mm2 = 0;  // of paint, and of the mask
+    // Paints, the lower number first, that come together only where two piles are mixed.
+    std::set<std::pair<int, int>> blended;
+    int grounds = 1;  // that show through differently, each with piles of its own
     int marks = 0;
     double pitch_mm = 0, width_mm = 0;  // as laid: whole pixels
     // CIEDE2000 from the colour that was aimed at, under each lamp, in the order of Illuminant: pixel by

@@ -30,6 +30,13 @@ nlohmann::json as_json(const std::vector<MixingStep>& steps, const Mixture& mixt
     return {{"recipe", text_of(steps, paints)}, {"parts_by_volume", volumes}, {"steps", measured}};
 }
 
+std::string text_of(const PairWarning& w, const std::vector<Pigment>& paints) {
+    return fmt::format("{} with {}{}{}", paints[static_cast<std::size_t>(w.a)].name,
+                       paints[static_cast<std::size_t>(w.b)].name,
+                       w.pair->why.empty() ? " is a pair of the list to be avoided" : ": " + w.pair->why,
+                       w.pair->source.empty() ? "" : " (" + w.pair->source + ")");
+}
+
 nlohmann::json warnings_of(const Mixture& mixture, const std::vector<Pigment>& paints,
                            const std::vector<PairWarning>& pairs) {
     nlohmann::json texts = nlohmann::json::array();
@@ -37,11 +44,7 @@ nlohmann::json warnings_of(const Mixture& mixture, const std::vector<Pigment>& p
     std::set<std::string> said;
     for (const PairWarning& w : pairs) {
         if (std::find(begin, end, w.a) == end || std::find(begin, end, w.b) == end) continue;
-        const std::string text =
-            fmt::format("{} with {}{}{}", paints[static_cast<std::size_t>(w.a)].name,
-                        paints[static_cast<std::size_t>(w.b)].name,
-                        w.pair->why.empty() ? " is a pair of the list to be avoided" : ": " + w.pair->why,
-                        w.pair->source.empty() ? "" : " (" + w.pair->source + ")");
+        const std::string text = text_of(w, paints);
         if (said.insert(text).second) texts.push_back(text);
     }
     for (auto it = begin; it != end; ++it)
@@ -80,6 +83,18 @@ nlohmann::json to_json(const RetouchReport& report, const std::vector<Pigment>& 
              {"of_paints", {{"specular", gloss.of_paint.specular}, {"roughness", gloss.of_paint.roughness}}},
              {"remedy", name_of(remedy_for(gloss.of_paint, gloss.wanted))}});
     }
+    std::set<std::string> said;
+    for (const PairWarning& w : pairs)
+        if (report.blended.contains({std::min(w.a, w.b), std::max(w.a, w.b)}))
+            if (const std::string text = text_of(w, paints); said.insert(text).second)
+                json["warnings"].push_back("where two piles are mixed: " + text);
+    for (const RetouchGloss& gloss : report.glosses)
+        if (!can_reflect(gloss.of_paint, gloss.wanted))
+            json["warnings"].push_back(fmt::format(
+                "beside the loss rho_s is {:.3f}; no paint or varnish reflects more than {}: a real "
+                "retouch will look less glossy than this one",
+                gloss.wanted.specular, kMostSpecular));
+    json["grounds"] = report.grounds;
     if (report.marks > 0)
         json["lines"] = {
             {"number", report.marks}, {"pitch_mm", report.pitch_mm}, {"width_mm", report.width_mm}};
@@ -111,6 +126,21 @@ std::vector<char> without_pairs(std::size_t paints, const std::vector<PairWarnin
         allowed[i * paints + j] = allowed[j * paints + i] = 0;
     }
     return allowed;
+}
+
+nlohmann::json parameters_of(const MatchOptions& options) {
+    nlohmann::json json = to_json(options);
+    for (const Illuminant lamp : options.lamps) json["lamps"].push_back(name_of(lamp));
+    json["goal"] = options.goal == MatchGoal::worst ? "worst" : "mean";
+    return json;
+}
+
+nlohmann::json parameters_of(RetouchMode mode, const RetouchOptions& options) {
+    nlohmann::json json = to_json(options);
+    json["mode"] = name_of(mode), json["inpainting"] = name_of(options.inpainting);
+    json["annulus"] = to_json(options.annulus);
+    json["match"] = parameters_of(options.match);
+    return json;
 }
 
 RetouchViews retouch_views(const Image<Rgb>& seen, const Mask& mask, const RetouchReport& report) {

@@ -38,6 +38,10 @@ struct RetouchViews {
     Image<Rgb> retouched, target;
     Mask mask;
 };
+// How recipes were sought, and how a retouch was laid, for the log.
+nlohmann::json parameters_of(const MatchOptions& options);
+nlohmann::json parameters_of(RetouchMode mode, const RetouchOptions& options);
+
 RetouchViews retouch_views(const Image<Rgb>& seen, const Mask& mask, const RetouchReport& report);
 
 }  // namespace tangi

@@ -62,14 +62,18 @@ std::string in_words(const ReportPlan& plan, double denominator) {
 }
 
 // The scale 1:n at which a plan goes on a page.
+double denominator_within(const ReportPlan& plan, double width_mm, double height_mm) {
+    double denominator = 1;
+    for (const double next : {2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0, 1000.0})
+        if (plan.width_mm / denominator > width_mm || plan.height_mm / denominator > height_mm)
+            denominator = next;
+    return denominator;
+}
+
 double fitting(const ReportPlan& plan) {
     constexpr double high_mm = kBottom_mm - kMargin_mm - 25;
     if (!plan.scale_known) return std::max(plan.width_mm / kWidth_mm, plan.height_mm / high_mm);
-    double denominator = 1;
-    for (const double next : {2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0, 1000.0})
-        if (plan.width_mm / denominator > kWidth_mm || plan.height_mm / denominator > high_mm)
-            denominator = next;
-    return denominator;
+    return denominator_within(plan, kWidth_mm, high_mm);
 }
 
 // Lays blocks on pages. Done twice, since each page tells how many there are: the first time without
@@ -283,7 +287,9 @@ void write_pdf(const fs::path& path, const ReportDocument& document) {
 
 void write_pdf(const fs::path& path, const ReportPlan& plan) {
     constexpr double margin = 10, caption = 12, bar = 14;
-    const double denominator = plan.scale_known ? 1 : fitting(plan);
+    // Pages of more than 14400 points (ISO 32000-1:2008, annex C) are not shown by every reader.
+    constexpr double most = 14400 * 25.4 / 72 - 2 * margin - caption - bar;
+    const double denominator = plan.scale_known ? denominator_within(plan, most, most) : fitting(plan);
     const double width = std::max(plan.width_mm / denominator, 100.0) + 2 * margin;
     Pdf pdf(width, plan.height_mm / denominator + 2 * margin + caption + bar, plan.caption, "tangipaint");
     pdf.write(in_words(plan, denominator), margin, margin, width - 2 * margin, kSmall_pt);

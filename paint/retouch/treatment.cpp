@@ -11,6 +11,7 @@
 #include "surface/atomic_file.h"
 #include "surface/error.h"
 #include "surface/painting_file.h"
+#include "surface/photography_json.h"
 
 namespace tangi {
 
@@ -59,6 +60,21 @@ std::string sha256_of(const Surface& surface) {
     if (!surface.lobe_axes.empty()) add("lobe_axes", surface.lobe_axes);
     return sha.hex();
 }
+
+namespace {
+
+// What is known of the painting as a whole, which relighting and the report go by: its law of reflectance and
+// its photographs' lamps.
+std::string sha256_of_what_is_known(const Surface& surface) {
+    const json about = {{"law", {surface.law.diffuse_roughness, surface.law.haze}},
+                        {"photography", to_json(surface.photography)}};
+    const std::string text = about.dump();
+    Sha256 sha;
+    sha.add(text.data(), text.size());
+    return sha.hex();
+}
+
+}  // namespace
 
 std::string sha256_of(const Canvas& canvas, const PaintLayer& layer) {
     Sha256 sha;
@@ -118,6 +134,7 @@ Treatment Treatment::begin(const fs::path& folder, const fs::path& painting, con
                   {"scale_known", canvas.dry().scale_known || mm_per_pixel.has_value()},
                   {"dry_hash", hash_of(canvas.dry())},
                   {"dry_sha256", sha256_of(canvas.dry())},
+                  {"about_sha256", sha256_of_what_is_known(canvas.dry())},
                   {"layers", json::array()}};
     return Treatment(folder, TreatmentLog::begin(folder / kTreatmentLog, std::move(first)));
 }
@@ -208,6 +225,13 @@ Canvas Treatment::read_canvas(const Progress& progress) const {
     if (sha256_of(canvas.dry()) != dry_sha256())
         fail("{}: its dry layer is not the painting's that the treatment began with; take it from a backup",
              painting().string());
+    // Logs of before it was kept say nothing of it.
+    const json& first = log_.entries().front().content;
+    if (first.contains("about_sha256") && first["about_sha256"] != sha256_of_what_is_known(canvas.dry()))
+        fail(
+            "{}: its law of reflectance or its lamps are not those that the treatment began with; take it "
+            "from a backup",
+            painting().string());
     const std::vector<std::string> faults = layer_faults(canvas);
     if (!faults.empty()) fail("{}: {}; take the file from a backup", painting().string(), faults.front());
     return canvas;
@@ -253,6 +277,8 @@ bool Treatment::has_earlier() const { return logged_files().contains(kTreatmentE
 
 Surface Treatment::read_earlier(const Progress& progress) const {
     TP_REQUIRE(has_earlier(), "an earlier state was kept");
+    const auto logged = logged_files().at(kTreatmentEarlier);
+    require_logged(folder_ / kTreatmentEarlier, logged.first, logged.second);
     return read_painted(folder_ / kTreatmentEarlier, progress);
 }
 

@@ -128,7 +128,7 @@ Image<Rgb> additions_picture(const Canvas& canvas, const std::vector<TreatmentLa
             if (retouched(x, y) > 0)
                 tint(picture(x, y), belongs(x, y) > 0 ? retouch : beside, 1);
             else if (filled(x, y) > 0)
-                tint(picture(x, y), fill, 1);
+                tint(picture(x, y), belongs(x, y) > 0 ? fill : beside, 1);
             else
                 tint(picture(x, y), varnish, 0.4f * varnished(x, y));
         }

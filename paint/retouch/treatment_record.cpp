@@ -52,7 +52,11 @@ json layers_on(const Canvas& canvas, const Treatment& treatment, const Treatment
 
 void Treatment::record(const TreatmentStep& step, const Author& author, const Progress& progress) {
     json outputs = json::object(), inputs = json::object();
-    for (const fs::path& input : step.inputs) inputs[input.filename().string()] = sha256_of_file(input);
+    for (const fs::path& input : step.inputs) {
+        const std::string hash = sha256_of_file(input), name = input.filename().string();
+        const bool another = inputs.contains(name) && inputs[name] != hash;
+        inputs[another ? input.generic_string() : name] = hash;
+    }
     json entry = {{"action", step.action},
                   {"time", utc_now()},
                   {"who", author.who},

@@ -175,6 +175,21 @@ void recipes(ReportMatter& m) {
     m.add(std::move(table));
 }
 
+// Where a layer was to lie: pixels at its rim are covered in part.
+Mask mask_of(const Treatment& t, const DriedLayer& layer) {
+    const std::vector<std::string> masks = t.mask_names();
+    const bool has = std::find(masks.begin(), masks.end(), layer.name) != masks.end();
+    return has ? t.mask(layer.name) : additions(layer.paint);
+}
+
+std::string in_words(const OnOriginal& paint, bool scale_known) {
+    std::string words = fmt::format("{} pixels", paint.whole_pixels);
+    const int rim = paint.pixels - paint.whole_pixels;
+    if (rim > 0) words += fmt::format(", and {} at the rim in part", rim);
+    if (paint.pixels > 0 && scale_known) words += fmt::format("; {:.2f} mm²", paint.area_mm2);
+    return words;
+}
+
 void measures(ReportMatter& m) {
     const Treatment& t = m.t;
     m.add(ReportHeading{"4. Measures"});
@@ -196,16 +211,12 @@ void measures(ReportMatter& m) {
                 layer.role == LayerRole::varnish || layer.role == LayerRole::isolating_varnish;
             table.rows.push_back(
                 {layer.name, spaced(std::string(name_of(layer.role))),
-                 area_in_words(area_of_step(t, area_of(additions(dried.paint), t.mm_per_pixel()).mm2)),
-                 varnish           ? "–"
-                 : t.scale_known() ? fmt::format("{} pixels, {:.2f} mm²", beside.pixels, beside.area_mm2)
-                                   : fmt::format("{} pixels", beside.pixels),
-                 paints, layer.sha256});
+                 area_in_words(area_of_step(t, area_of(mask_of(t, dried), t.mm_per_pixel()).mm2)),
+                 varnish ? "–" : in_words(beside, t.scale_known()), paints, layer.sha256});
         }
     m.add(std::move(table));
-    m.add(ReportPictures{
-        {{fitting(additions_picture(m.canvas, m.layers, m.belongs), 1),
-          "Additions: fills green, varnish yellow, retouches blue; red: retouch on original"}}});
+    m.add(ReportPictures{{{fitting(additions_picture(m.canvas, m.layers, m.belongs), 1),
+                           "Additions: fills green, varnish yellow, retouches blue; red: on original"}}});
     recipes(m);
     glosses(m);
 }

@@ -95,9 +95,19 @@ json varnish_step(Treatment& treatment, Canvas& canvas, bool isolating, const St
         fail("{}: there is nothing to varnish: the mask is empty", treatment.folder().string());
     const LayerRole role = isolating ? LayerRole::isolating_varnish : LayerRole::varnish;
     const std::string name = treatment.new_layer_name(role);
+    std::vector<std::string>
+        under;  // retouches that an isolating varnish no longer separates from the painting
+    for (const TreatmentLayer& layer : treatment.layers())
+        for (const DriedLayer& dried : canvas.dried())
+            if (isolating && layer.role == LayerRole::retouch && dried.name == layer.name &&
+                area_of(intersected(additions(dried.paint), mask), 1).mm2 > 0)
+                under.push_back(layer.name);
     lay_varnish(canvas, name, mask, options);
     json result = area_of_step(treatment, area_of(mask, treatment.mm_per_pixel()).mm2);
     result["layer"] = name;
+    for (const std::string& retouch : under)
+        result["warnings"].push_back(fmt::format(
+            "the isolating varnish lies over '{}', which is then not apart from the painting", retouch));
     treatment.record({.action = "varnish",
                       .parameters = {{"role", name_of(role)},
                                      {"area", area ? area->described : json("all")},

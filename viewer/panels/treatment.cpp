@@ -222,7 +222,7 @@ void states(WindowState& s) {
         s.keys.text(Action::compare_way) + ")");
     ImGui::Checkbox("Additions in false colour", &t.additions);
     tip(s.keys.text(Action::additions) +
-        ": fills green, varnish yellow, retouches blue, red where they lie on original");
+        ": fills green, varnish yellow, retouches blue, red what lies on original");
     ImGui::PushItemWidth(150 * s.scale);
     ImGui::SliderFloat("##distance", &t.distance_m, 0.3f, 10, "%.1f m");
     ImGui::PopItemWidth();
