@@ -14,13 +14,12 @@ constexpr std::size_t kFewestPhotos = 12;
 constexpr int kFolds = 4;  // trials, each with every fourth photograph left out
 constexpr std::array kHazes = {0.3, 0.6, 0.85};
 constexpr std::array kRoughnesses = {0.15, 0.3, 0.5, 0.8};
-// [sigma] Most varnish and oil paint has haze. Diffuse roughness is rarer, and a little of it also takes up
-// what one pixel's lobe leaves open, which the second pass of the fit knows better.
-constexpr double kSureOfHaze = 1, kSureOfRoughness = 2, kSureOfLobes = 2;
+constexpr double kSure = 2;             // [sigma] of a gain
 constexpr double kFewestMarked = 0.01;  // [1] of the sample: a few pixels are noise
 constexpr double kWorth = 0.1;  // [dB] of gain at least: as with lamps, what gains less is left as it is
-// [dB] Of many pixels, what lobes leave open gains so much for sure: impasto, whose paint is Lambert's, 0.37,
-// with which its height is off by 0.045 mm instead of 0.036.
+// [dB] Diffuse roughness is rarer than haze, and a little of it also takes up what one pixel's lobe leaves
+// open, which the second pass of the fit knows better: impasto, whose paint is Lambert's, gains 0.37, with
+// which its height is off by 0.045 mm instead of 0.036.
 constexpr double kWorthOfRoughness = 0.5;
 constexpr double kTrials = 1 + kHazes.size() + kRoughnesses.size();
 
@@ -138,7 +137,7 @@ LobeVerdict verdict_of(const LightSample& sample, const Lighting& lighting, cons
     if (trial.part < kFewestMarked || trial.plain_db.size() < 2) return verdict;
     verdict.plain_db = mean(trial.plain_db);
     verdict.known_db = mean(trial.known_db);
-    verdict.chosen = WithNoise{sample, lighting}.is_better(trial.known_db, trial.plain_db, kSureOfLobes);
+    verdict.chosen = WithNoise{sample, lighting}.is_better(trial.known_db, trial.plain_db, kSure);
     return verdict;
 }
 
@@ -178,9 +177,9 @@ LawChoice choose_law(const LightSample& sample, const Lighting& lighting, const 
         best = std::move(least->second);
         choice.law = least->first;
     };
-    search(&ReflectanceLaw::haze, kHazes, kSureOfHaze, kWorth);
+    search(&ReflectanceLaw::haze, kHazes, kSure, kWorth);
     if (!diffuse_roughness)
-        search(&ReflectanceLaw::diffuse_roughness, kRoughnesses, kSureOfRoughness, kWorthOfRoughness);
+        search(&ReflectanceLaw::diffuse_roughness, kRoughnesses, kSure, kWorthOfRoughness);
     report(progress, "reflectance", 1);
     return choice;
 }
@@ -241,7 +240,7 @@ void choose_stretches(const LightSample& sample, const Lighting& lighting, bool 
     const LobeTrial without = try_stretches(sample, lighting, sharp);
     const LawChoice::Stretches stretches = summary_of(sample, lighting, without);
     const WithNoise with_noise{sample, lighting};
-    if (!stretches.chosen || with_noise.is_better(trial.whole_db, without.whole_db, kSureOfHaze)) return;
+    if (!stretches.chosen || with_noise.is_better(trial.whole_db, without.whole_db, kSure)) return;
     choice.stretches = stretches;
     choice.law = sharp;
 }

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cstring>
 
+#include "surface/parallel.h"
+
 namespace tangi {
 
 namespace {
@@ -66,19 +68,24 @@ void PaintWindow::find_relief(const Canvas& canvas, int ride_px) {
     const auto stride = static_cast<std::size_t>(wide.width());
     std::vector<float> height(stride * static_cast<std::size_t>(wide.height()), 0.0f), mean(height.size());
     canvas.relief_mm(wide, height.data(), stride);
-    for (int y = 0; y < wide.height(); ++y) {
-        const std::size_t row = static_cast<std::size_t>(y) * stride;
-        box_mean(height.data() + row, 1, mean.data() + row, 1, wide.width(), ride_px);
-    }
-    std::vector<float> column(static_cast<std::size_t>(wide.height()));
-    for (int x = on_canvas_.x0; x < on_canvas_.x1; ++x) {
-        const auto offset = static_cast<std::size_t>(x - wide.x0);
-        box_mean(mean.data() + offset, stride, column.data(), 1, wide.height(), ride_px);
-        for (int y = on_canvas_.y0; y < on_canvas_.y1; ++y) {
-            const auto row = static_cast<std::size_t>(y - wide.y0);
-            relief_[index(x, y)] = height[row * stride + offset] - column[row];
+    constexpr int kLines = 64;  // rows or columns, before a second thread wakes up
+    parallel_for(0, wide.height(), kLines, [&](int begin, int end) {
+        for (int y = begin; y < end; ++y) {
+            const std::size_t row = static_cast<std::size_t>(y) * stride;
+            box_mean(height.data() + row, 1, mean.data() + row, 1, wide.width(), ride_px);
         }
-    }
+    });
+    parallel_for(on_canvas_.x0, on_canvas_.x1, kLines, [&](int begin, int end) {
+        std::vector<float> column(static_cast<std::size_t>(wide.height()));
+        for (int x = begin; x < end; ++x) {
+            const auto offset = static_cast<std::size_t>(x - wide.x0);
+            box_mean(mean.data() + offset, stride, column.data(), 1, wide.height(), ride_px);
+            for (int y = on_canvas_.y0; y < on_canvas_.y1; ++y) {
+                const auto row = static_cast<std::size_t>(y - wide.y0);
+                relief_[index(x, y)] = height[row * stride + offset] - column[row];
+            }
+        }
+    });
 }
 
 void PaintWindow::find_open(const Canvas& canvas) {

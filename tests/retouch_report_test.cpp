@@ -270,8 +270,10 @@ TEST_F(Report, PicturesShowDamageAndAdditions) {
     EXPECT_GT(damage.height(), 60);                        // the legend is below
     EXPECT_GT(damage(45, 30).r - damage(45, 30).b, 0.3f);  // orange
     EXPECT_NEAR(damage(5, 5).r, damage(5, 5).b, 1e-6);
-    const Image<Rgb> additions = additions_picture(canvas, treatment.layers(), Mask(90, 60));
+    const Image<Rgb> additions = additions_picture(canvas, treatment.layers(), mapped_damage(treatment));
     EXPECT_GT(additions(45, 30).g - additions(45, 30).r, 0.2f);  // green
+    const Image<Rgb> beside = additions_picture(canvas, treatment.layers(), Mask(90, 60));
+    EXPECT_GT(beside(45, 30).r - beside(45, 30).g, 0.2f);  // red: no damage is mapped there
     EXPECT_NEAR(additions(5, 5).g, additions(5, 5).r, 1e-6);
     const Image<Rgb> look = look_of(canvas.dry(), distant_light({0, 0, 1}), 45);
     EXPECT_EQ(look.width(), 45);
