@@ -223,7 +223,7 @@ LineColours line_colours(const Image<int>& owner, const Mask& mask, const Image<
         }
     }
     for (std::size_t i = 0; i < owner.size(); ++i)
-        if (owner.pixels()[i] >= 0)
+        if (owner.pixels()[i] >= 0 && mask.pixels()[i] >= 0.5f)
             result.pile.pixels()[i] = chosen[static_cast<std::size_t>(owner.pixels()[i])];
     return result;
 }

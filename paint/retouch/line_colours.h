@@ -17,11 +17,12 @@ struct LineColours {
 };
 
 // `gaps`: recipes for what is between marks, one a group; empty: `below` stays bare there. `owner`: the mark
-// of each pixel, -1 for none (marks.h); `target`: linear Rec. 709 under D65; `groups`: colours that stand for
-// the target's, each of which gets pure colours of its own (juxtaposition.h), from the paints by themselves
-// and with white or black, where options.match.allowed lets them come together. A mark takes that of its
-// group's colours which leaves the least error of XYZ, seen through means over `blur_px`, with what its
-// neighbours have: descent by single marks, as in halftoning by direct search (Analoui & Allebach 1992).
+// of each pixel, -1 for none (marks.h), those outside of `mask` are not looked at; `target`: linear Rec. 709
+// under D65; `groups`: colours that stand for the target's, each of which gets pure colours of its own
+// (juxtaposition.h), from the paints by themselves and with white or black, where options.match.allowed lets
+// them come together. A mark takes that of its group's colours which leaves the least error of XYZ, seen
+// through means over `blur_px`, with what its neighbours have: descent by single marks, as in halftoning by
+// direct search (Analoui & Allebach 1992).
 LineColours line_colours(const Image<int>& owner, const Mask& mask, const Image<Rgb>& target,
                          const std::vector<Rgb>& groups, const std::vector<Pile>& gaps,
                          const Palette& palette, const Spectrum& below, const RetouchOptions& options,
