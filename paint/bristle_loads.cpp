@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "surface/vector_clones.h"
 #include "surface/error.h"
+#include "surface/vector_clones.h"
 
 namespace tangi {
 

@@ -10,8 +10,8 @@
 #include <cstring>
 
 #include "paint/kubelka_munk.h"
-#include "surface/vector_clones.h"
 #include "surface/error.h"
+#include "surface/vector_clones.h"
 
 namespace tangi {
 
