@@ -311,9 +311,6 @@ TEST(DataConservationColours, MatchBetterUnderAllLampsThanUnderOne) {
         "D65 alone {:.2f}: {:.0f} %; {:.3f} s a recipe\n",
         worst_of_all / count, worst_of_d65 / count, 100 * worst_of_all / worst_of_d65, seconds / count);
     EXPECT_LE(worst_of_all, 0.6 * worst_of_d65);
-#if !defined(__SANITIZE_ADDRESS__)
-    EXPECT_LE(seconds / count, 0.2);
-#endif
 }
 
 }  // namespace
