@@ -96,7 +96,7 @@ void coarsen_weights(const HeightGrid& fine, HeightGrid& coarse) {
     });
 }
 
-// Sums of 2 x 2 values; value(y, scratch) gives a row of them.
+// Sums of 2 x 2 values; row(y, scratch) gives a row of them.
 template <class Row>
 void restrict_sum(const HeightGrid& fine, const Row& row, Image<float>& coarse) {
     parallel_for(0, coarse.height(), 16, [&](int begin, int end) {
