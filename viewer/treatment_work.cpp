@@ -198,8 +198,11 @@ void TreatmentDesk::varnish(bool isolating) {
              const StepArea area = area_of_classes(treatment, where);
              const json result = varnish_step(treatment, canvas, isolating, isolating ? &area : nullptr,
                                               options, who, progress);
-             return fmt::format("in the log: {}, {}", result["layer"].get<std::string>(),
-                                area_in_words(result));
+             std::string said =
+                 fmt::format("in the log: {}, {}", result["layer"].get<std::string>(), area_in_words(result));
+             if (result.contains("warnings"))
+                 for (const json& warning : result["warnings"]) said += "; " + warning.get<std::string>();
+             return said;
          });
 }
 
