@@ -10,24 +10,18 @@ using nlohmann::json;
 Canvas in_state(const Canvas& canvas, const std::vector<TreatmentLayer>& layers, TreatmentState state) {
     Canvas shown = canvas;
     shown.writable_wet() = PaintLayer(canvas.width(), canvas.height());
-    const auto about = [&](const DriedLayer& layer) {
-        return std::find_if(layers.begin(), layers.end(),
-                            [&](const TreatmentLayer& l) { return l.name == layer.name; });
-    };
-    const auto belongs = [&](const DriedLayer& layer) {
-        const auto known = about(layer);
-        return known != layers.end() && shown_from(known->role) <= state;
-    };
-    // A retouch that was matched over varnish lies on it: without it there was never such a state.
+    // From the top down. A retouch that was matched over varnish lies on it: without it there was never such
+    // a state.
     auto& dried = shown.writable_dried();
-    const auto top = std::find_if(dried.rbegin(), dried.rend(), belongs).base();
-    std::vector<std::string> below;
-    for (auto layer = dried.begin(); layer != top; ++layer)
-        if (const auto known = about(*layer); known != layers.end() && known->role == LayerRole::varnish)
-            below.push_back(layer->name);
-    std::erase_if(dried, [&](const DriedLayer& layer) {
-        return !belongs(layer) && std::find(below.begin(), below.end(), layer.name) == below.end();
-    });
+    bool on_top = false;
+    for (std::size_t i = dried.size(); i-- > 0;) {
+        const auto about = std::find_if(layers.begin(), layers.end(),
+                                        [&](const TreatmentLayer& l) { return l.name == dried[i].name; });
+        const bool known = about != layers.end(), belongs = known && shown_from(about->role) <= state;
+        on_top = on_top || belongs;
+        if (!belongs && !(known && on_top && about->role == LayerRole::varnish))
+            dried.erase(dried.begin() + static_cast<std::ptrdiff_t>(i));
+    }
     return shown;
 }
 
