@@ -1,7 +1,9 @@
-// exchange.cpp: what goes each way between bristles and canvas in one step (transfer.h).
+// exchange.cpp: what goes each way between bristles and canvas in one step (transfer.h); and how steps go
+// over rows.
 #include <algorithm>
 
 #include "paint/transfer.h"
+#include "surface/parallel.h"
 #include "surface/vector_clones.h"
 
 namespace tangi {
@@ -77,6 +79,20 @@ void apply_row(int n, const float* __restrict give, const float* __restrict take
 std::size_t at(int y, std::size_t stride) { return static_cast<std::size_t>(y) * stride; }
 
 }  // namespace
+
+void for_rows_of_step(int width, int height, const std::function<void(int, int)>& body) {
+    if (width * height < kParallelPixels)
+        body(0, height);
+    else
+        parallel_for(0, height, 32, body);
+}
+
+RowSpan widened(const RowSpan& span, const RowSpan& room) {
+    constexpr int lanes = 8;
+    const int wanted = (span.end - span.begin + lanes - 1) / lanes * lanes;
+    const int end = std::min(span.begin + wanted, room.end);
+    return {std::max(end - wanted, room.begin), end};
+}
 
 void exchange(const StepBox& box, const TransferRates& rates, StepScratch& scratch) {
     const auto n = static_cast<std::size_t>(box.width);

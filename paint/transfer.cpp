@@ -11,7 +11,6 @@ namespace tangi {
 
 namespace {
 
-constexpr int kParallelPixels = 128 * 128;  // smaller boxes are done before a second thread wakes up
 constexpr float kRounding =
     0.125f;  // [1] part of a peak that flows to each side: a chequerboard is flat at once
 constexpr float kMostSqueezed = 0.3f;  // [1] of a pixel's paint in one step, to each of two sides
@@ -195,24 +194,6 @@ void advect_row(int n, const Heading& m, const std::vector<AdvectedRow>& rows, c
 }
 
 std::size_t at(int y, std::size_t stride) { return static_cast<std::size_t>(y) * stride; }
-
-}  // namespace
-
-void for_rows_of_step(int width, int height, const std::function<void(int, int)>& body) {
-    if (width * height < kParallelPixels)
-        body(0, height);
-    else
-        parallel_for(0, height, kBandRows, body);
-}
-
-RowSpan widened(const RowSpan& span, const RowSpan& room) {
-    constexpr int lanes = 8;
-    const int wanted = (span.end - span.begin + lanes - 1) / lanes * lanes;
-    const int end = std::min(span.begin + wanted, room.end);
-    return {std::max(end - wanted, room.begin), end};
-}
-
-namespace {
 
 // Where paint may flow: beside the bristles of the rows around, within the ring.
 void find_flowing(const StepBox& box, std::vector<RowSpan>& flowing) {

@@ -68,8 +68,9 @@ struct StepBox {
     BristleLanes lanes;
 };
 
-constexpr int kFlowMargin = 3;    // [pixels]
-constexpr float kOutside = 1e3f;  // [mm] underside where no bristle is
+constexpr int kFlowMargin = 3;              // [pixels]
+constexpr int kParallelPixels = 128 * 128;  // smaller boxes are done before a second thread wakes up
+constexpr float kOutside = 1e3f;            // [mm] underside where no bristle is
 
 // Memory that steps reuse.
 struct StepScratch {
