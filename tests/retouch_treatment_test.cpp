@@ -15,8 +15,7 @@
 #include "surface/atomic_file.h"
 #include "surface/error.h"
 #include "surface/painting_file.h"
-#include "tests/paint_support.h"
-#include "tests/test_support.h"
+#include "tests/treatment_folder.h"
 
 namespace tangi {
 namespace {
@@ -26,40 +25,6 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::ThrowsMessage;
-
-const Author kAuthor{"A. Restorer", "tangipaint test"};
-
-// A painting of 100 x 70 pixels in a treatment.
-class TreatmentFolder : public testing::Test {
-protected:
-    TreatmentFolder() {
-        auto surface = flat_surface(100, 70);
-        for (int y = 0; y < 70; ++y)
-            for (int x = 0; x < 100; ++x) surface->height_mm(x, y) = 0.01f * static_cast<float>(x % 7);
-        write_painting(dir_ / "p.exr", *surface);
-    }
-    Treatment begin() { return Treatment::begin(folder(), dir_ / "p.exr", kAuthor); }
-    std::filesystem::path folder() const { return dir_ / "p.treatment"; }
-
-    // A layer of paint in a square.
-    static void lay(Canvas& canvas, const std::string& name, int x0, int size) {
-        const IngredientId white = add_paint(canvas, "Titanium White");
-        PaintLayer paint(canvas.width(), canvas.height());
-        for (int y = 10; y < 10 + size; ++y)
-            for (int x = x0; x < x0 + size; ++x)
-                paint.writable({x / 64, y / 64})
-                    .writable_plane(white)[static_cast<std::size_t>((y % 64) * 64 + x % 64)] = 0.1f;
-        canvas.writable_dried().push_back({name, paint});
-    }
-    static void add(Treatment& treatment, LayerRole role, int x0, int size = 8) {
-        Canvas canvas = treatment.read_canvas();
-        const std::string name = treatment.new_layer_name(role);
-        lay(canvas, name, x0, size);
-        treatment.record({.action = "test", .canvas = &canvas, .added = {{name, role}}}, kAuthor);
-    }
-
-    TestDir dir_;
-};
 
 TEST_F(TreatmentFolder, KeepsTheDryLayerThroughAllOfIt) {
     Treatment treatment = begin();
@@ -266,142 +231,6 @@ TEST_F(TreatmentFolder, UndoTakesBackAnEarlierStateBeforeWhatWasLaidBeforeIt) {
     write_text_file(folder() / kept, "edited");
     EXPECT_THAT([&] { undo(); }, ThrowsMessage<Error>(HasSubstr(kept + ": is not what line")));
     EXPECT_EQ(treatment.read_earlier().diffuse(0, 0), Rgb(0.4f));
-}
-
-TEST_F(TreatmentFolder, OfTwoProgramsAtOnceTheSecondChangesNothing) {
-    Treatment one = begin(), two = Treatment::open(folder());
-    Canvas canvas = two.read_canvas();
-    add(one, LayerRole::fill, 10);
-    lay(canvas, "varnish 1", 20, 8);
-    const Mask all(100, 70, 1.0f);
-    EXPECT_THAT(
-        [&] {
-            two.record({.action = "test",
-                        .masks = {{"stain", all}},
-                        .canvas = &canvas,
-                        .added = {{"varnish 1", LayerRole::varnish}}},
-                       kAuthor);
-        },
-        ThrowsMessage<Error>(HasSubstr("changed by another program")));
-    const Treatment after = Treatment::open(folder());
-    EXPECT_THAT(after.check(), IsEmpty());
-    ASSERT_EQ(after.layers().size(), 1u);
-    EXPECT_EQ(after.layers()[0].name, "fill 1");
-    EXPECT_FALSE(std::filesystem::exists(folder() / "masks/stain.png"));
-    EXPECT_FALSE(std::filesystem::exists(folder() / "pending"));
-}
-
-// A crash between two writes, as it would be found: a step's files pending, with its line or without.
-TEST_F(TreatmentFolder, AStepThatACrashCameIntoIsThereAsAWholeOrNotAtAll) {
-    namespace fs = std::filesystem;
-    Treatment treatment = begin();
-    treatment.record({.action = "draw damage", .masks = {{"stain", Mask(100, 70, 1.0f)}}}, kAuthor);
-    const std::string head = treatment.log().head();
-    fs::copy(folder(), dir_ / "before", fs::copy_options::recursive);
-    Canvas canvas = treatment.read_canvas();
-    lay(canvas, "fill 1", 10, 8);
-    treatment.record({.action = "fill",
-                      .masks = {{"stain", Mask(100, 70)}},
-                      .canvas = &canvas,
-                      .added = {{"fill 1", LayerRole::fill}}},
-                     kAuthor);
-    for (const bool in_log : {false, true}) {
-        const fs::path crashed = dir_ / (in_log ? "in_log" : "not");
-        fs::copy(dir_ / "before", crashed, fs::copy_options::recursive);
-        fs::create_directories(crashed / "pending/masks/earlier");
-        for (const char* file : {"painting.exr", "masks/stain.png", "masks/earlier/stain.2.png"})
-            fs::copy_file(folder() / file, crashed / "pending" / file);
-        write_text_file(crashed / "pending/step.json", nlohmann::json{{"previous", head}}.dump());
-        if (in_log)
-            fs::copy_file(folder() / "log.jsonl", crashed / "log.jsonl",
-                          fs::copy_options::overwrite_existing);
-        const Treatment found = Treatment::open(crashed);
-        EXPECT_THAT(found.check(), IsEmpty());
-        EXPECT_EQ(found.layers().size(), in_log ? 1u : 0u);
-        EXPECT_EQ(area_of(found.mask(DamageClass::stain), 1).mm2, in_log ? 0 : 7000);
-        EXPECT_FALSE(fs::exists(crashed / "pending"));
-    }
-}
-
-TEST_F(TreatmentFolder, LogsWithAWholeChainThatNoTreatmentWroteAreNamed) {
-    begin();
-    nlohmann::json first = TreatmentLog::open(folder() / "log.jsonl").entries()[0].content;
-    const auto told = [&](const nlohmann::json& begun, const nlohmann::json& line) {
-        const TestDir dir;
-        TreatmentLog log = TreatmentLog::begin(dir / "log.jsonl", begun);
-        log.append(line);
-        try {
-            Treatment::open(dir.path());
-        } catch (const Error& error) {
-            return std::string(error.what());
-        }
-        return std::string();
-    };
-    EXPECT_EQ(told(first, {{"action", "note"}}), "");
-    for (const auto& [field, value] : std::vector<std::pair<std::string, nlohmann::json>>{
-             {"width", -1}, {"height", "70"}, {"mm_per_pixel", 0}, {"dry_sha256", 7}, {"scale_known", "x"}}) {
-        nlohmann::json begun = first;
-        begun[field] = value;
-        EXPECT_THAT(told(begun, {{"action", "note"}}),
-                    AllOf(HasSubstr("log.jsonl:1: "), HasSubstr("'" + field + "'")));
-    }
-    for (const nlohmann::json& line : std::vector<nlohmann::json>{{{"action", 1}},
-                                                                  {{"layers", {"fill 1"}}},
-                                                                  {{"layers", {{{"name", "fill 1"}}}}},
-                                                                  {{"outputs", {{"../p.exr", "0"}}}},
-                                                                  {{"outputs", {{"masks/stain.png", 1}}}},
-                                                                  {{"kept", {{"stain", "/etc/passwd"}}}},
-                                                                  {{"withdrawn", {"a/../../p.exr"}}},
-                                                                  {{"results", "none"}}}) {
-        nlohmann::json written = {{"action", "test"}};
-        written.update(line);
-        EXPECT_THAT(told(first, written), AllOf(HasSubstr("log.jsonl:2: "), HasSubstr("not written by")));
-    }
-    EXPECT_THAT(told(first, {{"action", "undo"}}), HasSubstr("does not say which line it undoes"));
-}
-
-TEST_F(TreatmentFolder, WrongFoldersAndPaintingsAreRefused) {
-    EXPECT_THAT([&] { Treatment::open(dir_ / "none"); },
-                ThrowsMessage<Error>(AllOf(HasSubstr("is no treatment"), HasSubstr("damage"))));
-    begin();
-    EXPECT_THAT([&] { begin(); }, ThrowsMessage<Error>(HasSubstr("holds a treatment already")));
-    Canvas painted(flat_surface(100, 70));
-    lay(painted, "old", 1, 5);
-    write_canvas(dir_ / "painted.exr", painted);
-    EXPECT_THAT([&] { Treatment::begin(dir_ / "other", dir_ / "painted.exr", kAuthor); },
-                ThrowsMessage<Error>(HasSubstr("has been painted on")));
-    // A folder with somebody's painting in it is not written over.
-    std::filesystem::create_directories(dir_ / "full");
-    write_text_file(dir_ / "full/painting.exr", "mine");
-    EXPECT_THAT([&] { Treatment::begin(dir_ / "full", dir_ / "p.exr", kAuthor); },
-                ThrowsMessage<Error>(HasSubstr("painting.exr: is another painting")));
-    EXPECT_EQ(read_text_file(dir_ / "full/painting.exr"), "mine");
-}
-
-TEST_F(TreatmentFolder, OfManyThatBeginAtOnceOneDoes) {
-    std::atomic<int> begun = 0, late = 0;
-    std::vector<std::thread> programs;
-    for (int i = 0; i < 6; ++i)
-        programs.emplace_back([&] {
-            try {
-                begin();
-                ++begun;
-            } catch (const Error& error) {
-                late += std::string(error.what()).find("holds a treatment already") != std::string::npos;
-            }
-        });
-    for (std::thread& program : programs) program.join();
-    EXPECT_EQ(begun, 1);
-    EXPECT_EQ(late, 5);
-    EXPECT_THAT(Treatment::open(folder()).check(), IsEmpty());
-}
-
-// The log makes a treatment: without it, what else a beginning left is begun again.
-TEST_F(TreatmentFolder, ABeginningThatACrashCameIntoIsBegunAgain) {
-    begin();
-    std::filesystem::remove(folder() / "log.jsonl");
-    EXPECT_THAT(begin().check(), IsEmpty());
-    EXPECT_THAT(Treatment::open(folder()).log().warnings(), IsEmpty());
 }
 
 TEST_F(TreatmentFolder, WithoutAScaleNoAreaIsStated) {
