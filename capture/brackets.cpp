@@ -7,6 +7,7 @@
 #include "capture/photo_metadata.h"
 #include "surface/atomic_file.h"
 #include "surface/error.h"
+#include "surface/letter_case.h"
 
 namespace tangi {
 
@@ -15,11 +16,6 @@ namespace fs = std::filesystem;
 namespace {
 
 using nlohmann::json;
-
-std::string lower(std::string text) {
-    for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-    return text;
-}
 
 BracketFile entry_of(const json& entry, const fs::path& folder, const std::string& where) {
     BracketFile file;
@@ -59,13 +55,13 @@ Brackets find_brackets(const std::vector<fs::path>& photos, const std::vector<st
     Brackets brackets;
     std::map<std::string, std::vector<fs::path>> by_stem;
     for (const fs::path& photo : photos) {
-        const std::string stem = lower(photo.stem().string());
+        const std::string stem = lower_case(photo.stem().string());
         const std::size_t digits = stem.find_last_not_of("0123456789");
         if (digits == std::string::npos || digits + 1 == stem.size() || digits == 0) continue;
         if (stem[digits] == '_' || stem[digits] == '-') by_stem[stem.substr(0, digits)].push_back(photo);
     }
     for (const std::string& light : lights) {
-        const auto found = by_stem.find(lower(fs::path(light).stem().string()));
+        const auto found = by_stem.find(lower_case(fs::path(light).stem().string()));
         if (found == by_stem.end() || found->second.size() < 2) continue;
         for (const fs::path& photo : found->second) brackets[light].push_back({photo, {}});
     }

@@ -3,7 +3,6 @@
 #include <utf8proc.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cstdlib>
 #include <glm/geometric.hpp>
 #include <map>
@@ -13,6 +12,7 @@
 #include "capture/brackets.h"
 #include "capture/raw_file.h"
 #include "surface/error.h"
+#include "surface/letter_case.h"
 
 namespace tangi {
 
@@ -29,11 +29,7 @@ std::string alike(const std::string& text) {
     const utf8proc_ssize_t size = utf8proc_map(
         reinterpret_cast<const utf8proc_uint8_t*>(text.data()), static_cast<utf8proc_ssize_t>(text.size()),
         &mapped, static_cast<utf8proc_option_t>(UTF8PROC_STABLE | UTF8PROC_DECOMPOSE | UTF8PROC_CASEFOLD));
-    if (size < 0) {
-        std::string result = text;
-        for (char& c : result) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-        return result;
-    }
+    if (size < 0) return lower_case(text);
     std::string result(reinterpret_cast<const char*>(mapped), static_cast<std::size_t>(size));
     std::free(mapped);
     return result;

@@ -12,6 +12,7 @@
 #include "paint/retouch/treatment_area.h"
 #include "paint/retouch/viewing.h"
 #include "surface/error.h"
+#include "surface/letter_case.h"
 #include "surface/picture_file.h"
 
 namespace tangi {
@@ -47,12 +48,6 @@ std::string layer_name(const RetouchArguments& a, const Canvas& canvas) {
     }
 }
 
-std::string lower(std::string text) {
-    for (char& c : text)
-        if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-    return text;
-}
-
 // What a suggestion of damage writes: a class, "glossier" and "matter", and the confidence of each.
 bool names_a_suggestion(std::string name) {
     constexpr std::string_view confidence = ".confidence";
@@ -71,8 +66,8 @@ void require_new_name(const std::string& name, const Canvas& canvas,
     if (odd || name.size() > longest || name.front() == '.')
         throw UsageError(fmt::format(
             "--layer: a name is of 1 to {} bytes without slashes, and does not begin with a dot", longest));
-    const std::string wanted = lower(name);
-    const auto same = [&](const std::string& other) { return lower(other) == wanted; };
+    const std::string wanted = lower_case(name);
+    const auto same = [&](const std::string& other) { return lower_case(other) == wanted; };
     const auto& dried = canvas.dried();
     bool taken = std::any_of(dried.begin(), dried.end(), [&](const auto& d) { return same(d.name); });
     if (treatment) {

@@ -14,6 +14,7 @@
 #include "paint/session.h"
 #include "surface/atomic_file.h"
 #include "surface/error.h"
+#include "surface/letter_case.h"
 #include "surface/picture_file.h"
 
 namespace tangi {
@@ -169,8 +170,7 @@ std::string address_of(std::string url) {
                         url, why));
     };
     const std::size_t slashes = url.find("://");
-    std::string scheme = url.substr(0, slashes == std::string::npos ? 0 : slashes);
-    for (char& c : scheme) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    const std::string scheme = lower_case(url.substr(0, slashes == std::string::npos ? 0 : slashes));
     if (scheme != "https" && scheme != "http") refuse("does not begin with https:// or http://");
     const std::size_t host = slashes + 3;
     if (host >= url.size() || !std::isalnum(static_cast<unsigned char>(url[host]))) refuse("names no host");

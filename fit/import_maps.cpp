@@ -1,7 +1,6 @@
 #include "fit/import_maps.h"
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <nlohmann/json.hpp>
@@ -9,6 +8,7 @@
 
 #include "surface/atomic_file.h"
 #include "surface/error.h"
+#include "surface/letter_case.h"
 #include "surface/median.h"
 #include "surface/parallel.h"
 #include "surface/picture_file.h"
@@ -24,8 +24,7 @@ constexpr float kUnglossy = 0.3f;  // [1] roughness where no map says, and nothi
 
 // What comes behind the last '-', '_', '.' or space of a name, in lower case, without "map" at its end.
 std::string last_word(const fs::path& path) {
-    std::string stem = path.stem().string();
-    std::transform(stem.begin(), stem.end(), stem.begin(), [](unsigned char c) { return std::tolower(c); });
+    std::string stem = lower_case(path.stem().string());
     if (stem.ends_with("roughness_v")) return "roughness_v";
     if (const auto at = stem.find_last_of("-_. "); at != std::string::npos) stem = stem.substr(at + 1);
     if (stem.size() > 3 && stem.ends_with("map")) stem.resize(stem.size() - 3);

@@ -13,6 +13,7 @@
 #include "surface/atomic_file.h"
 #include "surface/error.h"
 #include "surface/json_text.h"
+#include "surface/letter_case.h"
 
 namespace tangi {
 
@@ -26,13 +27,6 @@ constexpr int kVersion = 1;
 // include it.
 constexpr float kSpecularReflection = 0.04f;
 constexpr double kLargestCoefficient = 1e5;  // [1/mm]
-
-std::string lower(std::string_view text) {
-    std::string result(text);
-    for (char& c : result)
-        if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-    return result;
-}
 
 // A value in a palette file, which knows where it is.
 struct Place {
@@ -237,9 +231,9 @@ std::string listed(const Spectrum& values) { return fmt::format("[{}]", fmt::joi
 }  // namespace
 
 int Palette::find(std::string_view paint) const {
-    const std::string wanted = lower(paint);
+    const std::string wanted = lower_case(paint);
     for (std::size_t i = 0; i < paints.size(); ++i)
-        if (lower(paints[i].name) == wanted) return static_cast<int>(i);
+        if (lower_case(paints[i].name) == wanted) return static_cast<int>(i);
     return -1;
 }
 

@@ -11,6 +11,7 @@
 #include "surface/error.h"
 #include "surface/icc_profile.h"
 #include "surface/json_text.h"
+#include "surface/letter_case.h"
 #include "surface/picture_with_alpha.h"
 
 namespace tangi {
@@ -117,11 +118,7 @@ void write_samples(const fs::path& path, const float* samples, const Region& siz
 
 }  // namespace
 
-std::string lower_extension(const fs::path& path) {
-    std::string extension = path.extension().string();
-    for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-    return extension;
-}
+std::string lower_extension(const fs::path& path) { return lower_case(path.extension().string()); }
 
 std::string reader_name(const fs::path& path) {
     return path.string().find('?') == std::string::npos ? path.string() : format_of(path);
