@@ -11,15 +11,22 @@ namespace {
 constexpr double kTipOfHold = 1.0 / 3;  // part of what bristles hold that is at their tips
 constexpr float kPerStepAtMost = 0.5f;  // of load or paint in one step: TransferRates
 
+// sigma = 0.03 N/m of linseed oil, tau = 60 Pa of paint that was just sheared.
+constexpr double kYieldOverTension_per_mm = 60 / 0.03 * 1e-3;
+
 // Surface tension levels waves of length l and amplitude a where sigma a (2 pi / l)^2, its stress in a film
 // about as thick as they are long, exceeds the yield stress (after Orchard 1962, "On surface levelling in
 // viscous liquids and gels"). Of waves of two pixels there remain, from trough to crest, 2 tau (2 mm)^2 / (4
-// pi^2 sigma): sigma = 0.03 N/m of linseed oil, tau = 60 Pa of paint that was just sheared.
-constexpr double kTension_per_mm = 2 * 60 * 4 / (4 * std::numbers::pi * std::numbers::pi * 0.03) * 1e-3;
+// pi^2 sigma).
+constexpr double kPit_per_mm = kYieldOverTension_per_mm * 2 / (std::numbers::pi * std::numbers::pi);
 
-// It fills pits in paint of thickness h at a rate of h^3 sigma k^4 / (3 eta) (ibid.): one of two pixels'
-// length, at 0.1 mm a pixel and in 10 Pa s, by a third in the 40 ms in which a brush passes, where h is this
-// part [1] of a pixel, and by a twentieth where h is half of that. Thinner paint stays where it is.
+// By the same law paint is no more curved than by a radius of sigma / tau: a pixel on a ridge stands above
+// those at either side by half a pixel's square over that at most.
+constexpr double kBulge_per_mm = kYieldOverTension_per_mm / 2;
+
+// Surface tension fills pits in paint of thickness h at a rate of h^3 sigma k^4 / (3 eta) (ibid.): one of two
+// pixels' length, at 0.1 mm a pixel and in 10 Pa s, by a third in the 40 ms in which a brush passes, where h
+// is this part [1] of a pixel, and by a twentieth where h is half of that. Thinner paint stays where it is.
 constexpr double kStill = 0.2;
 
 // [1] The lightest touch that all bristles bear which it flattens (kLightest in brush.cpp). Under a lighter
@@ -30,7 +37,7 @@ constexpr float kLightTouch = 0.15f;
 // Pressure drives paint out of the tuft and, under it, to the sides, where it stays as lips: of a film of
 // thickness h a cross-section of kSqueeze p h^2 at most while the contact passes, a ridge a few times as wide
 // as the film is thick. [1] Both at full pressure; kPress over the deposit.
-constexpr float kSqueeze = 12, kPress = 2;
+constexpr float kSqueeze = 10, kPress = 2;
 
 // [1] Pressing squeezes paint out of the tuft: deposit over that at a pressure of 0.6.
 double squeezing(float pressure) { return 0.55 + 0.75 * static_cast<double>(pressure); }
@@ -50,7 +57,8 @@ TransferRates rates_of(const BrushSettings& s, double mm_per_pixel) {
     r.spread = static_cast<float>(s.spread);
     r.yield_mm = static_cast<float>(s.yield_slope * mm_per_pixel);
     r.flow = 0.15f;
-    r.tension_mm = static_cast<float>(kTension_per_mm * mm_per_pixel * mm_per_pixel);
+    r.pit_mm = static_cast<float>(kPit_per_mm * mm_per_pixel * mm_per_pixel);
+    r.bulge_mm = static_cast<float>(kBulge_per_mm * mm_per_pixel * mm_per_pixel);
     r.still_mm = static_cast<float>(kStill * mm_per_pixel);
     return r;
 }

@@ -182,7 +182,8 @@ void Stroke::relax(const Dab& last) {
     window.attach(step, box.x0, box.y0);
     TransferRates rates = rates_of(brush_.settings(), canvas_.mm_per_pixel());
     rates.yield_mm *= part_of_yield;
-    rates.tension_mm *= part_of_yield;
+    rates.pit_mm *= part_of_yield;
+    rates.bulge_mm *= part_of_yield;
     for (int i = 0; i < steps; ++i) push(step, rates, {}, scratch_);
     window.store(canvas_);
 }

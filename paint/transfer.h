@@ -31,11 +31,13 @@ struct TransferRates {
     float press = 0;       // [1] by how much more bristles give at the sides
     // [1/mm] Part of the paint under the sides that is squeezed out to one pixel further, for each mm of it.
     float squeeze_per_mm = 0;
-    float spread = 0;         // [1] how much of the pushing goes towards where the brush presses less, 0..1
-    float yield_mm = 0;       // [mm] step between neighbours that paint holds; more of it flows down
-    float flow = 0;           // [1] part of what is more that flows in one step, 0..0.2
-    float tension_mm = 1e9f;  // [mm] height over both neighbours, or depth, that surface tension leaves
-    float still_mm = 0;       // [mm] thickness of which paint does not flow into pits while a brush passes
+    float spread = 0;    // [1] how much of the pushing goes towards where the brush presses less, 0..1
+    float yield_mm = 0;  // [mm] step between neighbours that paint holds; more of it flows down
+    float flow = 0;      // [1] part of what is more that flows in one step, 0..0.2
+    // What surface tension leaves: depth [mm] below the neighbours of either side, and half of the sum of the
+    // steps down to the four neighbours.
+    float pit_mm = 1e9f, bulge_mm = 1e9f;
+    float still_mm = 0;  // [mm] thickness of which paint does not flow into pits while a brush passes
 };
 
 // Columns begin <= x < end of a row.

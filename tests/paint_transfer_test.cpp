@@ -243,7 +243,7 @@ TEST(Transfer, SurfaceTensionRoundsWhatIsSmallerThanBristles) {
         const double volume = b.sum(0);
         TransferRates rates = some_rates();
         rates.yield_mm = 10;
-        rates.tension_mm = 0.004f;
+        rates.bulge_mm = 0.004f;
         StepScratch scratch;
         for (int step = 0; step < 40; ++step) push(b.box, rates, {}, scratch);
         EXPECT_NEAR(b.sum(0) / volume, 1, 1e-5);
@@ -278,7 +278,7 @@ TEST(Transfer, SurfaceTensionFillsPitsInThickPaintOnly) {
         const double volume = b.sum(0);
         TransferRates rates = some_rates();
         rates.yield_mm = 10;
-        rates.tension_mm = 0.004f;
+        rates.pit_mm = 0.004f;
         rates.still_mm = 0.02f;
         StepScratch scratch;
         for (int step = 0; step < 40; ++step) push(b.box, rates, {}, scratch);
