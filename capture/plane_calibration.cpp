@@ -26,6 +26,9 @@ constexpr int kSoughtIn = 3;          // photographs, before all are looked thro
 constexpr double kPointSigma_px = 1;  // of corners that people point at
 constexpr double kMostEnlarged = 4;   // [1] area of the picture by that of the photographs
 constexpr double kDoubtfulTilt_deg = 1;
+// [1] of the picture or the photographs that undoing a lens's distortion may move out of the other: a zoom at
+// its wide end, 5 % of distortion at the border, moves some 6 %.
+constexpr double kMostMovedOut = 0.15;
 constexpr double kFocalsDiffer = 0.03;  // [1] relative; a calibrated lens is known to a hundredth
 
 // A plane in the undistorted photographs, in mm or, of a chart of unknown size, in its pitch.
@@ -367,6 +370,12 @@ PlaneCalibration calibrate_plane(const PhotoSet& photos, const PlaneOptions& opt
     }
     rank_scales(c.scales, relative_scale(c));
     c.poor = contradictions(c.scales, relative_scale(c));
+    if (g.lens && c.rectified_by.empty() && std::max(c.photo_outside, c.picture_outside) > kMostMovedOut)
+        c.poor.push_back(
+            fmt::format("{}: with its distortion undone, {:.0f} % of the photographs lie outside the "
+                        "picture, and {:.0f} % "
+                        "of the picture is empty; is it of this lens, zoomed and focused as here?",
+                        options.lens->string(), 100 * c.photo_outside, 100 * c.picture_outside));
     if (options.corners_px && options.painting_mm)
         if (auto why =
                 contradiction_of_corners(without_lens(g.lens, *options.corners_px), *options.painting_mm,

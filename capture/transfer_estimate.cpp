@@ -28,7 +28,11 @@ constexpr double kBetterNear = 1.3, kBetterBetween = 1.08;
 constexpr double kBetterCurve = 1.4, kCurveFits = 1.5 / 255;
 constexpr double kFits = 0.5 / 255;  // [1] what no curve could better
 constexpr double kRatioScale = 0.1;  // [1] ln ratio from which on a pixel counts less
-constexpr double kDoubtful = 1.02;   // [1] a rival that fits as well but for this is worth a warning
+// [1] A rival that fits as well but for this is worth a warning; and what is added where one photograph more
+// than pixels have unknowns is all there is. Of generated stacks of four, whatever they were stored with, the
+// curves' residuals differ by a factor of 1.2 at most.
+constexpr double kDoubtful = 1.02, kDoubtfulFew = 0.5;
+constexpr double kUnknowns = 3;  // of matt reflection, a pixel
 
 PixelSamples linearised(const Stack& stack, const Survey& survey, int sample, const Transfer& transfer) {
     PixelSamples s;
@@ -214,7 +218,17 @@ TransferEstimate::Candidate best_curve(const Stack& stack, const Survey& survey,
     return {transfer_of(best), lowest};
 }
 
+double doubtful(const Stack& stack) {
+    return kDoubtful + kDoubtfulFew / std::max(static_cast<double>(stack.photos.size()) - kUnknowns, 1.0);
+}
+
 }  // namespace
+
+bool could_be(const Transfer& other, const TransferEstimate& estimated, const Stack& stack,
+              const Survey& survey) {
+    return residual_of(stack, survey, other) <
+           doubtful(stack) * residual_of(stack, survey, estimated.transfer);
+}
 
 TransferEstimate estimate_transfer(const Stack& stack, const Survey& survey) {
     if (stack.development) return {Transfer{}, "developed, " + stack.development->encoding_source, {}, {}};
@@ -252,7 +266,7 @@ TransferEstimate estimate_transfer(const Stack& stack, const Survey& survey) {
     // sRGB and gamma 2.2 differ by little; linear or not makes all the difference.
     for (const auto& rival : ranked)
         if (is_linear(rival.transfer) != is_linear(ranked[0].transfer) &&
-            rival.residual < kDoubtful * ranked[0].residual)
+            rival.residual < doubtful(stack) * ranked[0].residual)
             result.warning = fmt::format(
                 "{}: taken as {}, but {} fits almost as well ({:.4f} against {:.4f}); if you know how the "
                 "photographs are stored, say so with --transfer",

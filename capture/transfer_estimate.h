@@ -30,4 +30,9 @@ struct TransferEstimate {
 // lamps that differ, or are near, do not pass for a curve.
 TransferEstimate estimate_transfer(const Stack& stack, const Survey& survey);
 
+// Whether the photographs could as well be stored with this other curve: few of them hardly tell curves
+// apart, as their own unknowns (albedo and slopes, three a pixel) take up most of what a wrong one leaves.
+bool could_be(const Transfer& other, const TransferEstimate& estimated, const Stack& stack,
+              const Survey& survey);
+
 }  // namespace tangi

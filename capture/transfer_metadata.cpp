@@ -178,14 +178,14 @@ TransferEstimate decide_transfer(const Stack& stack, const Survey& survey) {
         return result;
     }
     const Transfer stated = *said.stated->transfer;
-    const bool contrary = difference(stated, result.transfer) > kContrary;
-    if (!said.stated->binding) {
-        if (contrary)
-            append(result.warning,
-                   fmt::format(
-                       "{}: the photographs' {} says {}, but they look like {}, which is used; cameras and "
-                       "programs write the former blindly; if it is right, say so with --transfer {}",
-                       stack.folder.string(), source, stated.name(), result.transfer.name(), stated.name()));
+    const bool contrary =
+        difference(stated, result.transfer) > kContrary && !could_be(stated, result, stack, survey);
+    if (!said.stated->binding && contrary) {
+        append(
+            result.warning,
+            fmt::format("{}: the photographs' {} says {}, but they look like {}, which is used; cameras and "
+                        "programs write the former blindly; if it is right, say so with --transfer {}",
+                        stack.folder.string(), source, stated.name(), result.transfer.name(), stated.name()));
         return result;
     }
     if (contrary)

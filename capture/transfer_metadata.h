@@ -29,9 +29,10 @@ std::optional<Transfer> transfer_of_icc(std::string_view profile);
 // Largest difference of what two curves make of the same stored value [1].
 double difference(const Transfer& a, const Transfer& b);
 
-// estimate_transfer(), but for photographs that all state one curve bindingly: then that one, with a warning
-// where the photographs look otherwise. Metadata that do not bind, that contradict each other, or that cannot
-// be used, are told in the warning too. Reads the headers of the photographs.
+// estimate_transfer(), but for photographs that all state one curve: then that one, with a warning where it
+// binds and the photographs look otherwise. Metadata that do not bind, and that the photographs contradict,
+// that contradict each other, or that cannot be used, are told in the warning and not used. Reads the headers
+// of the photographs.
 TransferEstimate decide_transfer(const Stack& stack, const Survey& survey);
 
 }  // namespace tangi

@@ -213,5 +213,25 @@ TEST(PlaneCalibration, RefusesWhatCannotBe) {
                 HasSubstr("no ArUco marker"));
 }
 
+// Undoing a lens's distortion moves a few per cent out of the picture; of a wrong file much more.
+TEST(PlaneCalibration, OfALensThatMovesMuchOutOfThePictureIsPoor) {
+    const TestDir dir;
+    write_picture(dir / "photo.png", Image<Rgb>(640, 480, Rgb(0.4f)), Transfer{});
+    const std::vector<std::filesystem::path> photos = {dir / "photo.png"};
+    const auto with = [&](double k1, double k2) {
+        write_bytes(dir / "lens.yml",
+                    fmt::format("%YAML:1.0\n---\nimage_width: 640\nimage_height: 480\n"
+                                "camera_matrix: !!opencv-matrix\n   rows: 3\n   cols: 3\n   dt: d\n"
+                                "   data: [ 500., 0., 319.5, 0., 500., 239.5, 0., 0., 1. ]\n"
+                                "distortion_coefficients: !!opencv-matrix\n   rows: 4\n   cols: 1\n   dt: d\n"
+                                "   data: [ {}, {}, 0., 0. ]\n",
+                                k1, k2));
+        return calibrate_plane(photos, {.lens = dir / "lens.yml"}, nullptr).poor;
+    };
+    EXPECT_THAT(with(-0.12, 0.02), testing::IsEmpty());
+    EXPECT_THAT(with(-0.3, 0.05), testing::ElementsAre(HasSubstr("% of the photographs lie outside")));
+    EXPECT_THAT(with(0.5, 0), testing::ElementsAre(HasSubstr("lens.yml")));
+}
+
 }  // namespace
 }  // namespace tangi

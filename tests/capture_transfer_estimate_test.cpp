@@ -5,6 +5,7 @@
 
 #include <iostream>
 
+#include "datasets/generator.h"
 #include "tests/test_support.h"
 
 namespace tangi {
@@ -162,6 +163,30 @@ TEST(TransferEstimate, WarnsWhereLinearAndEncodedFitAlike) {
     const TransferEstimate e = estimate_transfer(stack, survey(stack));
     EXPECT_NE(e.warning.find("--transfer"), std::string::npos)
         << e.candidates[0].residual << " " << e.candidates[1].residual;
+}
+
+// Four photographs have one number a pixel more than a matt pixel has: gloss and shadows decide then.
+TEST(TransferEstimate, IsOpenWhereFourPhotographsHardlyTell) {
+    const auto of = [](int lights, const auto& use) {
+        const TestDir dir;
+        const PaintingTruth truth = procedural_painting({.seed = 3, .width = 160, .height = 120});
+        write_stack(
+            dir.path(), truth,
+            {.seed = 3, .lights = lights, .held_out = 0, .format = PhotoFormat::jpg, .jpeg_quality = 60});
+        const Stack stack = open_stack(dir.path());
+        const Survey samples = survey(stack);
+        use(stack, samples, estimate_transfer(stack, samples));
+    };
+    of(4, [](const Stack& stack, const Survey& samples, const TransferEstimate& e) {
+        EXPECT_TRUE(could_be(Transfer{}, e, stack, samples));
+        EXPECT_TRUE(could_be(Transfer{Transfer::Kind::srgb}, e, stack, samples));
+        EXPECT_NE(e.warning.find("--transfer"), std::string::npos) << e.warning;
+    });
+    of(24, [](const Stack& stack, const Survey& samples, const TransferEstimate& e) {
+        EXPECT_EQ(e.transfer, Transfer{});
+        EXPECT_FALSE(could_be(Transfer{Transfer::Kind::srgb}, e, stack, samples));
+        EXPECT_EQ(e.warning, "");
+    });
 }
 
 TEST(DataTransferEstimate, CallsTheRealStacksAsTheyAre) {
