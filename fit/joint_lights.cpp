@@ -9,6 +9,7 @@
 
 #include "fit/joint_priors.h"
 #include "fit/joint_residual.h"
+#include "surface/median.h"
 
 namespace tangi {
 
@@ -24,8 +25,8 @@ constexpr double kSparse = 500;    // [pixels] of which that was found
 const double kKnownWeight = std::sqrt(kDependent);
 constexpr double kStartScale = 20;    // [sigma] at first, so that a lamp three times too strong is no outlier
 constexpr double kRobustScale = 2;    // [sigma] as the pixel fit's
-constexpr double kGainSigma = 0.05;   // [1] ln gain, about its smooth trend
-constexpr double kBiweight = 4.685;   // [kGainSigma] Beaton & Tukey 1974: 95 % efficient on normal values
+constexpr double kGainSigma = 0.05;   // [1] ln gain, about its smooth trend, at least
+constexpr double kBiweight = 4.685;   // [sigma] Beaton & Tukey 1974: 95 % efficient on normal values
 constexpr double kTrendSigma = 0.2;   // [1] ln gain
 constexpr double kFieldSigma = 0.05;  // [rad] rms of each mode of a smooth field of turns
 constexpr double kTurnSigma = 0.1;    // [rad] of a lamp's own turn
@@ -113,6 +114,10 @@ public:
         options.function_tolerance = start == JointStart::far ? 1e-5 : 1e-4;
         ceres::Solve(options, &problem_, &summary);
         final_cost = summary.final_cost;
+        if (start == JointStart::there) {
+            robust_->Reset(new ceres::TukeyLoss(kBiweight), ceres::TAKE_OWNERSHIP);
+            ceres::Solve(options, &problem_, &summary);
+        }
         return summary.IsSolutionUsable();
     }
 
@@ -213,12 +218,13 @@ private:
 
     void add_gains(const JointLights& joint) {
         // A lamp far from the trend must not be drawn to it at all: with Cauchy's loss, which never lets go,
-        // a weak lamp at 15 degrees came out 4 % too strong.
+        // a weak lamp at 15 degrees came out 4 % too strong. Nor must one that is near it by chance where the
+        // others are not: 3 %.
         auto* outlying = new ceres::TukeyLoss(kBiweight * prior_weight_);
+        const double weight = prior_weight_ / std::max(joint.gain_scatter, kGainSigma);
         for (std::size_t i = 0; i < photos_; ++i) {
-            problem_.AddResidualBlock(
-                cost<1, 1, kJointTrend>(GainPrior{joint.directions[i], prior_weight_ / kGainSigma}), outlying,
-                log_gain(i), trend());
+            problem_.AddResidualBlock(cost<1, 1, kJointTrend>(GainPrior{joint.directions[i], weight}),
+                                      outlying, log_gain(i), trend());
             if (!freedom_.gains) problem_.SetParameterBlockConstant(log_gain(i));
             ordering_->AddElementToGroup(log_gain(i), 1);
         }
@@ -347,6 +353,13 @@ bool JointLights::solve(const JointFreedom& freedom, JointStart start) {
         turns[i] = {blocks.turn(i)[0], blocks.turn(i)[1]};
         std::copy_n(blocks.beam(i), kBeam, beams[i].begin());
     }
+    std::vector<double> off_trend;
+    for (std::size_t i = 0; i < directions.size(); ++i) {
+        double off = 0;
+        GainPrior{directions[i], 1}(&log_gains[i], blocks.trend(), &off);
+        off_trend.push_back(std::abs(off));
+    }
+    gain_scatter = 1.4826 * median(std::move(off_trend));
     const double* r = blocks.rig();
     rig = {r[0], r[1], r[2], r[3], r[4]};
     field = blocks.directions;

@@ -12,9 +12,9 @@
 
 namespace tangi {
 
-// Where the parameters start: at values that may be far off (a lamp three times as strong), or near the
-// minimum.
-enum class JointStart { far, near };
+// Where the parameters start: at values that may be far off (a lamp three times as strong), near the minimum,
+// or at it: then what lies far off, as shadows do, does not count at all any more.
+enum class JointStart { far, near, there };
 
 // How the lamps' directions may differ from those listed.
 enum class DirectionFreedom {
@@ -71,6 +71,7 @@ struct JointLights {
     std::vector<double> direction_sigma;
 
     std::vector<double> log_gains;  // one a photograph: start, and result
+    double gain_scatter = 0;        // [1] of log_gains about their smooth trend: what is expected, and result
     std::vector<glm::dvec2>
         turns;  // of the directions (direction_field.h): start, and result; one a photograph
     std::vector<std::array<double, 5>> beams;  // by beam_terms() of joint_residual.h: start, and result

@@ -37,7 +37,9 @@ void add_observation(const PixelSamples& s, int photo, const glm::dvec3& white, 
     const glm::dvec3& l = s.light[static_cast<std::size_t>(photo)];
     const double n_l =
         std::max(l.z - p.slope.x * l.x - p.slope.y * l.y, 0.0) / std::sqrt(1 + glm::dot(p.slope, p.slope));
-    const double model_error = kModelError * std::max(p.diffuse * n_l, value / irradiance);
+    // A weak lamp's shadows would hardly be outliers if its error were that of one of usual strength.
+    const double strength = std::exp(joint.log_gains[static_cast<std::size_t>(photo)]);
+    const double model_error = kModelError * std::max(strength * p.diffuse * n_l, value / irradiance);
     joint.observations.push_back(
         {pixel, photo, value / irradiance, std::hypot(std::sqrt(variance) / irradiance, model_error)});
 }
@@ -323,6 +325,7 @@ JointLights LightSample::joint_problem(const std::vector<int>& photos, const Lig
     joint.pixels = solved.pixels;
     describe(lighting, joint);
     joint.rig = solved.rig;
+    joint.gain_scatter = solved.gain_scatter;
     for (std::size_t i = 0; i < photos.size(); ++i) {
         joint.log_gains[i] = solved.log_gains[static_cast<std::size_t>(photos[i])];
         joint.turns[i] = solved.turns[static_cast<std::size_t>(photos[i])];
@@ -339,6 +342,7 @@ JointLights LightSample::joint_problem(const std::vector<int>& photos, const Lig
     JointLights joint;
     describe(lighting, joint);
     joint.rig = lamps.rig;
+    joint.gain_scatter = lamps.gain_scatter;
     joint.log_gains = lamps.log_gains;
     joint.turns = lamps.turns;
     joint.beams = lamps.beams;

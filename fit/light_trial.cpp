@@ -250,7 +250,7 @@ JointLights solved_finer(const LightSample& fine, const JointLights& solution, c
     std::iota(photos.begin(), photos.end(), 0);
     const LightCalibration coarse = calibration_of(fine, solution, given, model);
     JointLights joint = fine.joint_problem(photos, given, solution, fine.fit(photos, coarse.lighting));
-    const bool better = !joint.pixels.empty() && joint.solve(freedom_of(model), JointStart::near);
+    const bool better = !joint.pixels.empty() && joint.solve(freedom_of(model), JointStart::there);
     return better ? joint : solution;
 }
 
