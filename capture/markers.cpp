@@ -259,18 +259,7 @@ MarkerSearch find_markers(const Image<Rgb>& linear, const std::optional<std::str
             fail("'{}' is no dictionary of markers; those known are {}", *name,
                  fmt::join(marker_dictionaries(), ", "));
         search = {dictionary->name, markers_of(grey, *dictionary), {}};
-        if (search.markers.empty()) {
-            const MarkerSearch other = best_of_all(grey);
-            // A single one may be found in what is none.
-            if (!other.markers.empty())
-                fail(
-                    "there is no marker of dictionary {}, but {} of dictionary {} ({} at ({:.0f}, {:.0f})); "
-                    "ask for "
-                    "that one",
-                    *name, other.markers.size(), other.dictionary, other.markers[0].id,
-                    other.markers[0].corners_px[0].x, other.markers[0].corners_px[0].y);
-            search.dictionary.clear();
-        }
+        if (search.markers.empty()) search.dictionary.clear();
     } else {
         search = best_of_all(grey);
     }

@@ -23,8 +23,8 @@ struct MarkerSearch {
 std::vector<std::string> marker_dictionaries();
 
 // Finds markers of a dictionary, or of the one of all that explains most, the smallest such one, where none
-// is given; corners are refined to a fraction of a pixel. None is no error; but where there are markers of
-// another dictionary than the one that was asked for, Error says which. Error too for a name that is none.
+// is given; corners are refined to a fraction of a pixel. None is no error. Throws Error for a name that is
+// no dictionary's.
 MarkerSearch find_markers(const Image<Rgb>& linear, const std::optional<std::string>& dictionary = {});
 
 // Of the last of several photographs of one place: the markers that an earlier one shows as well, to half of

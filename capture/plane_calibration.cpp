@@ -52,32 +52,52 @@ std::array<dvec2, n> without_lens(const std::optional<Lens>& lens, std::array<dv
 
 // The photograph with the most markers of the brightest few; of all where these show none. Texture can look
 // like one of the smaller markers, but not twice at one place.
-void look_for_markers(const PhotoSet& photos, const PlaneOptions& options, PlaneCalibration& c,
-                      const Progress& progress) {
+struct MarkedPhoto {
+    MarkerSearch markers;
+    std::size_t photo = 0;
+};
+MarkedPhoto best_marked(const PhotoSet& photos, const std::vector<std::size_t>& brightest_first,
+                        const PlaneOptions& options, const std::optional<std::string>& dictionary,
+                        const Progress& progress) {
     const Transfer transfer = options.transfer.value_or(Transfer{Transfer::Kind::srgb});
-    const std::vector<std::size_t> bright = photos.brightest_first("markers: brightness", progress);
+    MarkedPhoto best;
     std::vector<MarkerSearch> all;
-    for (std::size_t i = 0; i < bright.size() && (i < kSoughtIn || c.markers.markers.empty()); ++i) {
-        report(progress, "markers", static_cast<double>(i) / static_cast<double>(bright.size()));
-        try {
-            all.push_back(find_markers(photos.linear(bright[i], transfer), options.dictionary));
-        } catch (const Error& error) {
-            fail("{}: {}", photos.path(bright[i]).string(), error.what());
-        }
+    for (std::size_t i = 0; i < brightest_first.size() && (i < kSoughtIn || best.markers.markers.empty());
+         ++i) {
+        report(progress, "markers", static_cast<double>(i) / static_cast<double>(brightest_first.size()));
+        all.push_back(find_markers(photos.linear(brightest_first[i], transfer), dictionary));
         MarkerSearch found = photos.size() == 1 ? all.back() : seen_twice(all);
-        if (found.markers.size() <= c.markers.markers.size()) continue;
-        c.markers = std::move(found);
-        c.markers_in = photos.name(bright[i]);
+        if (found.markers.size() > best.markers.markers.size()) best = {std::move(found), brightest_first[i]};
     }
     report(progress, "markers", 1);
-    if (c.markers.markers.empty())
+    return best;
+}
+
+void look_for_markers(const PhotoSet& photos, const PlaneOptions& options, PlaneCalibration& c,
+                      const Progress& progress) {
+    const std::vector<std::size_t> bright = photos.brightest_first("markers: brightness", progress);
+    MarkedPhoto best = best_marked(photos, bright, options, options.dictionary, progress);
+    if (best.markers.markers.empty() && options.dictionary) {
+        const MarkedPhoto other = best_marked(photos, bright, options, {}, progress);
+        if (!other.markers.markers.empty()) {
+            const Marker& first = other.markers.markers[0];
+            fail(
+                "{}: there is no marker of dictionary {}, but {} of dictionary {} ({} at ({:.0f}, {:.0f})); "
+                "ask "
+                "for that one",
+                photos.path(other.photo).string(), *options.dictionary, other.markers.markers.size(),
+                other.markers.dictionary, first.id, first.corners_px[0].x, first.corners_px[0].y);
+        }
+    }
+    if (best.markers.markers.empty())
         fail(
             "{}: no ArUco marker is found in {}; leave --marker-mm out, or photograph the markers whole, in "
-            "focus "
-            "and with a white border",
+            "focus and with a white border",
             photos.folder().string(),
             photos.size() == 1 ? "the photograph"
                                : fmt::format("any two of the {} photographs", photos.size()));
+    c.markers = std::move(best.markers);
+    c.markers_in = photos.name(best.photo);
     for (const std::string& warning : c.markers.warnings)
         c.warnings.push_back(fmt::format("{}: {}", c.markers_in, warning));
 }

@@ -80,12 +80,9 @@ TEST(Markers, OfOtherDictionariesAreRecognised) {
     }
 }
 
-TEST(Markers, OfAnotherDictionaryThanTheOneAskedForAreNamed) {
+TEST(Markers, OfAnotherDictionaryThanTheOneAskedForAreNone) {
     const Image<Rgb> picture = picture_of(kFour, cv::aruco::DICT_5X5_50, view(0.1));
-    EXPECT_THAT(
-        error_of([&] { find_markers(picture, "4x4_50"); }),
-        testing::AllOf(HasSubstr("there is no marker of dictionary 4x4_50, but 4 of dictionary 5x5_50"),
-                       HasSubstr("ask for that one")));
+    EXPECT_TRUE(find_markers(picture, "4x4_50").markers.empty());
     EXPECT_THAT(error_of([&] { find_markers(picture, "9x9"); }),
                 HasSubstr("'9x9' is no dictionary of markers; those known are 4x4_50"));
 }

@@ -187,6 +187,15 @@ TEST(PlaneCalibration, MarkersAreSeenTwice) {
     const PlaneCalibration c = calibrate_plane(Paths{path, dir / "photo_001.png", dir / "photo_002.png"},
                                                {.marker_mm = kSide_mm}, nullptr);
     EXPECT_EQ(c.markers.markers.size(), kFour.size());
+    // Nor is another dictionary than the wanted one proposed for the sake of one photograph.
+    const auto refusal = [&](const Paths& photos) {
+        return error_of(
+            [&] { (void)calibrate_plane(photos, {.marker_mm = kSide_mm, .dictionary = "7x7_50"}, nullptr); });
+    };
+    EXPECT_THAT(refusal({path, dir / "photo_001.png"}), HasSubstr("no ArUco marker is found in any two"));
+    EXPECT_THAT(refusal({path, dir / "photo_001.png", dir / "photo_002.png"}),
+                testing::AllOf(HasSubstr("no marker of dictionary 7x7_50, but 4 of dictionary"),
+                               HasSubstr("ask for that one")));
 }
 
 TEST(PlaneCalibration, RefusesWhatCannotBe) {
