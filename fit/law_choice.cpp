@@ -14,7 +14,8 @@ constexpr std::size_t kFewestPhotos = 12;
 constexpr int kFolds = 4;  // trials, each with every fourth photograph left out
 constexpr std::array kHazes = {0.3, 0.6, 0.85};
 constexpr std::array kRoughnesses = {0.15, 0.3, 0.5, 0.8};
-constexpr double kSure = 2;             // [sigma] of a gain
+// [sigma] Most varnish and oil paint has haze, all else is rarer.
+constexpr double kSureOfHaze = 1, kSure = 2;
 constexpr double kFewestMarked = 0.01;  // [1] of the sample: a few pixels are noise
 constexpr double kWorth = 0.1;  // [dB] of gain at least: as with lamps, what gains less is left as it is
 // [dB] Diffuse roughness is rarer than haze, and a little of it also takes up what one pixel's lobe leaves
@@ -63,9 +64,9 @@ Gain gain_of(const std::vector<double>& db, const std::vector<double>& than) {
 }
 
 // Whether it gains for sure, and as much as it is worth.
-bool is_better(const std::vector<double>& db, const std::vector<double>& than, double worth) {
+bool is_better(const std::vector<double>& db, const std::vector<double>& than, double sigmas, double worth) {
     const Gain gain = gain_of(db, than);
-    return gain.mean > std::max(worth, kSure * gain.sigma);
+    return gain.mean > std::max(worth, sigmas * gain.sigma);
 }
 
 // Deviations below the noise to expect of stored values are no evidence: rounding, compression and a tone
@@ -76,10 +77,10 @@ struct WithNoise {
     WithNoise(const LightSample& sample, const Lighting& lighting)
         : noise(std::pow(10, -sample.noise_db(lighting.white_level) / 10)) {}
     double operator()(double db) const { return -10 * std::log10(std::pow(10, -db / 10) + noise); }
-    bool is_better(std::vector<double> db, std::vector<double> than) const {
+    bool is_better(std::vector<double> db, std::vector<double> than, double sigmas = kSure) const {
         for (std::vector<double>* values : {&db, &than})
             for (double& value : *values) value = (*this)(value);
-        return tangi::is_better(db, than, kWorth);
+        return tangi::is_better(db, than, sigmas, kWorth);
     }
 };
 
@@ -160,7 +161,7 @@ LawChoice choose_law(const LightSample& sample, const Lighting& lighting, const 
     // Along one number of the law: upwards as long as photographs are predicted better. Of those tried, the
     // least that is not worse for sure: beyond it chance decides, and it would for another sample of pixels
     // otherwise (one-standard-error rule: Breiman, Friedman, Olshen, Stone 1984, ch. 3).
-    const auto search = [&](double ReflectanceLaw::*number, const auto& values, double worth) {
+    const auto search = [&](double ReflectanceLaw::*number, const auto& values, double sigmas, double worth) {
         std::vector<std::pair<ReflectanceLaw, std::vector<double>>> tried;
         ReflectanceLaw law = choice.law;
         for (const double value : values) {
@@ -169,7 +170,7 @@ LawChoice choose_law(const LightSample& sample, const Lighting& lighting, const 
             if (mean(db) <= mean(tried.empty() ? best : tried.back().second)) break;
             tried.emplace_back(law, std::move(db));
         }
-        if (tried.empty() || !is_better(tried.back().second, best, worth)) return;
+        if (tried.empty() || !is_better(tried.back().second, best, sigmas, worth)) return;
         const auto least = std::find_if(tried.begin(), tried.end(), [&](const auto& one) {
             const Gain gain = gain_of(tried.back().second, one.second);
             return gain.mean <= gain.sigma;
@@ -177,8 +178,9 @@ LawChoice choose_law(const LightSample& sample, const Lighting& lighting, const 
         best = std::move(least->second);
         choice.law = least->first;
     };
-    search(&ReflectanceLaw::haze, kHazes, kWorth);
-    if (!diffuse_roughness) search(&ReflectanceLaw::diffuse_roughness, kRoughnesses, kWorthOfRoughness);
+    search(&ReflectanceLaw::haze, kHazes, kSureOfHaze, kWorth);
+    if (!diffuse_roughness)
+        search(&ReflectanceLaw::diffuse_roughness, kRoughnesses, kSure, kWorthOfRoughness);
     report(progress, "reflectance", 1);
     return choice;
 }
@@ -239,7 +241,7 @@ void choose_stretches(const LightSample& sample, const Lighting& lighting, bool 
     const LobeTrial without = try_stretches(sample, lighting, sharp);
     const LawChoice::Stretches stretches = summary_of(sample, lighting, without);
     const WithNoise with_noise{sample, lighting};
-    if (!stretches.chosen || with_noise.is_better(trial.whole_db, without.whole_db)) return;
+    if (!stretches.chosen || with_noise.is_better(trial.whole_db, without.whole_db, kSureOfHaze)) return;
     choice.stretches = stretches;
     choice.law = sharp;
 }
