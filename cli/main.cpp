@@ -108,8 +108,28 @@ bool is_command(const std::string& word) {
                                          [&](const Command& command) { return word == command.name; });
 }
 
+// Words that a command does not know, of which the first is told.
+std::string told_of_extras(const CLI::App& command) {
+    const std::vector<std::string> extras = command.remaining();
+    const auto flag = std::find_if(extras.begin(), extras.end(),
+                                   [](const std::string& word) { return word.size() > 2 && word[0] == '-'; });
+    if (flag == extras.end())
+        return fmt::format("'{}': is more than {} takes", extras.empty() ? "" : extras.front(),
+                           command.get_name());
+    const std::string word = flag->substr(0, flag->find('='));
+    std::string nearest;
+    for (const CLI::Option* option : command.get_options())
+        for (const std::string& name : option->get_lnames())
+            if (nearest.empty() || edits(word, "--" + name) < edits(word, nearest)) nearest = "--" + name;
+    const bool is_near =
+        !nearest.empty() && edits(word, nearest) <= std::max<std::size_t>(2, word.size() / 3);
+    return fmt::format("{}: {} has no such option{}", word, command.get_name(),
+                       is_near ? fmt::format("; did you mean {}?", nearest) : "");
+}
+
 // What the parser found wrong with a command's words, in ours where its own speak of what it does.
 std::string told_of_usage(const CLI::App* command, const CLI::Error& error) {
+    if (command && dynamic_cast<const CLI::ExtrasError*>(&error)) return told_of_extras(*command);
     const std::string words = error.what(), flag = words.substr(0, words.find(':'));
     const CLI::Option* option = command && dynamic_cast<const CLI::ArgumentMismatch*>(&error)
                                     ? command->get_option_no_throw(flag)

@@ -52,7 +52,9 @@ TEST(CliUsage, UnknownWordsAreNamedWithTheWayToHelp) {
     EXPECT_TRUE(ended(tangipaint({"relihgt"}), 2, {"did you mean 'relight'?"}));
     EXPECT_TRUE(ended(tangipaint({"photographs"}), 2, {"there is no command 'photographs'. See"}));
     EXPECT_TRUE(ended(tangipaint({"fit", "photos", "--out", "a.exr", "--turbo"}), 2, {"--turbo"}));
-    EXPECT_TRUE(ended(tangipaint({"info", "a", "b"}), 2, {"b"}));
+    EXPECT_TRUE(ended(tangipaint({"relight", "a.exr", "--out", "b.png", "--lihgt", "1,0,1"}), 2,
+                      {"--lihgt: relight has no such option; did you mean --light?"}));
+    EXPECT_TRUE(ended(tangipaint({"info", "a", "b"}), 2, {"'b': is more than info takes"}));
 }
 
 TEST(CliUsage, WhatIsMissingIsNamed) {

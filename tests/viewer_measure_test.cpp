@@ -48,6 +48,9 @@ TEST(HeightProfile, CsvHasItsUnits) {
                 testing::StrEq("distance_mm,height_mm\n0,0\n0.5,0.1\n1,0.2\n"));
     s.scale_known = false;
     EXPECT_THAT(csv_of(height_profile(s, {0, 0}, {2, 0})), testing::StartsWith("distance_px,height_px\n"));
+    // A scale that is given to one that has none is that of its heights, too.
+    EXPECT_THAT(csv_of(in_mm(height_profile(s, {0, 0}, {2, 0}), 2)),
+                testing::StrEq("distance_mm,height_mm\n0,0\n1,0.2\n2,0.4\n"));
 }
 
 TEST(RegionStatistics, AreThoseOfItsPixels) {

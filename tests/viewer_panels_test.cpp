@@ -6,6 +6,7 @@
 #include <imgui.h>
 #include <imgui_internal.h>
 
+#include <set>
 #include <utility>
 
 namespace tangi {
@@ -56,6 +57,17 @@ protected:
             ImGui::GetIO().MouseWheel = 0;
         }
     }
+    void tall_frames(void (*panel)(WindowState&)) {
+        for (int i = 0; i < 2; ++i) {
+            ImGui::NewFrame();
+            ImGui::SetNextWindowPos({0, 0});
+            ImGui::SetNextWindowSize({300, 1600});
+            ImGui::Begin("tall");
+            panel(state_);
+            ImGui::End();
+            ImGui::Render();
+        }
+    }
     // The photograph that the list shows at this height.
     int photo_at(float y) {
         ImGuiIO& io = ImGui::GetIO();
@@ -91,6 +103,27 @@ TEST_F(Panels, TheListOfPhotographsCanBeScrolledAwayFromTheOneShown) {
     c.news.wanted = 35;
     frames(panels::photographs);
     EXPECT_NEAR(photo_at(kList), 35, 4);
+}
+
+// A button may be called as the part of the panel that it is in.
+TEST_F(Panels, EveryButtonOfTheStepsCanBeClicked) {
+    ImGuiIO& io = ImGui::GetIO();
+    io.DisplaySize = {1280, 1600};
+    std::set<std::string> clicked;
+    for (int pass = 0; pass < 2; ++pass)  // parts that were folded are open then
+        for (float y = 30; y < 1400; y += 6) {
+            io.MousePos = {40, y};
+            tall_frames(panels::steps);
+            io.MouseDown[0] = true;
+            tall_frames(panels::steps);
+            io.MouseDown[0] = false;
+            tall_frames(panels::steps);
+            const auto ask = std::exchange(state_.treating.ask, {});
+            if (ask.fill) clicked.insert("fill");
+            if (ask.isolate) clicked.insert("isolate");
+            if (ask.varnish) clicked.insert("varnish");
+        }
+    EXPECT_EQ(clicked, (std::set<std::string>{"fill", "isolate", "varnish"}));
 }
 
 TEST_F(Panels, ProfileAndStatisticsLieBesideEachOther) {

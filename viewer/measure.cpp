@@ -65,6 +65,13 @@ HeightProfile height_profile(const Surface& surface, const glm::dvec2& from, con
     return profile;
 }
 
+HeightProfile in_mm(HeightProfile profile, double mm_per_pixel) {
+    profile.scale_known = true;
+    profile.step_mm *= mm_per_pixel;
+    for (float& height : profile.height_mm) height *= static_cast<float>(mm_per_pixel);
+    return profile;
+}
+
 std::string csv_of(const HeightProfile& profile) {
     const char* unit = profile.scale_known ? "mm" : "px";
     std::string text = fmt::format("distance_{},height_{}\n", unit, unit);

@@ -20,6 +20,9 @@ struct HeightProfile {
 // Empty heights where no part of the line lies on the painting.
 HeightProfile height_profile(const Surface& surface, const glm::dvec2& from_px, const glm::dvec2& to_px);
 
+// One of a surface of unknown scale, whose pixels are told to be of this size.
+HeightProfile in_mm(HeightProfile profile, double mm_per_pixel);
+
 // "distance_mm,height_mm" and a line for each height; "_px" where the scale is unknown.
 std::string csv_of(const HeightProfile& profile);
 

@@ -266,7 +266,8 @@ void Painter::recover(Journal journal) {
     post([this, journal = std::move(journal)] {
         for (const Journal::Entry& entry : journal.entries) guarded([&] { apply(entry.event, true); });
         session_.finish();
-        say(fmt::format("recovered {} strokes", session_.totals().strokes));
+        say(fmt::format("recovered {} stroke{}", session_.totals().strokes,
+                        session_.totals().strokes == 1 ? "" : "s"));
     });
 }
 

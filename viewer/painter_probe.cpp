@@ -58,6 +58,7 @@ void Painter::pick(double x, double y, double radius_px) {
 void Painter::profile(const glm::dvec2& from_px, const glm::dvec2& to_px) {
     post([this, from_px, to_px] {
         HeightProfile profile = height_profile(surface(), from_px, to_px);
+        if (!profile.scale_known && mm_per_pixel_ != 1) profile = in_mm(std::move(profile), mm_per_pixel_);
         const std::lock_guard lock(mutex_);
         news_.profile = std::move(profile);
     });
@@ -65,7 +66,9 @@ void Painter::profile(const glm::dvec2& from_px, const glm::dvec2& to_px) {
 
 void Painter::statistics(const Region& region) {
     post([this, region] {
-        const RegionStatistics statistics = statistics_of(surface(), region);
+        RegionStatistics statistics = statistics_of(surface(), region);
+        statistics.height_mm.mean *= session_.canvas().height_unit_mm();
+        statistics.height_mm.deviation *= session_.canvas().height_unit_mm();
         const std::lock_guard lock(mutex_);
         news_.statistics = statistics;
     });

@@ -97,7 +97,9 @@ struct Treating {
     std::vector<LogRow> log;          // newest first
     double mm_per_pixel = 1;
     bool scale_known = false;
-    float width_mm = 0;  // of a painting whose scale is unknown, as a treatment begins; 0: not given
+    float width_mm = 0;        // of a painting whose scale is unknown, as a treatment begins; 0: not given
+    bool scale_asked = false;  // for it, once: a treatment keeps the scale that it began with
+    const char* forward = "";  // the tab that is to be seen: "Colour" when a match was found
 
     // Damage.
     std::array<DamageRow, kDamageClasses.size()> damage;

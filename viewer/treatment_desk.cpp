@@ -174,6 +174,7 @@ void TreatmentDesk::open(const fs::path& folder) {
     t.dry_sha256 = treatment.dry_sha256();
     t.mm_per_pixel = treatment.mm_per_pixel();
     t.scale_known = treatment.scale_known();
+    state_.scale_known = state_.scale_known || t.scale_known;
     // As fine as its pixels, and no finer.
     t.retouch.pitch_mm = std::max(t.retouch.pitch_mm, 2 * t.mm_per_pixel);
     t.retouch.width_mm = std::max(t.retouch.width_mm, t.mm_per_pixel);
@@ -181,6 +182,9 @@ void TreatmentDesk::open(const fs::path& folder) {
     map_ = DamageMap(treatment.width(), treatment.height());
     map_changed_ = map_.picture().region();
     for (const std::string& warning : treatment.log().warnings()) setup_.say(warning);
+    if (treatment.log().entries().size() == 1)
+        setup_.say(fmt::format("a treatment begins in {}: the painting there is a copy, and stays as it is",
+                               folder.filename().string()));
     painter_->keep_by([held = held_, keeping = keeping_](Canvas& canvas, const fs::path& journal) {
         return kept(*held, *keeping, canvas, journal);
     });

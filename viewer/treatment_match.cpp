@@ -213,7 +213,10 @@ void TreatmentDesk::match(const std::optional<glm::dvec2>& at) {
                                           sampled.spread);
               for (const MatchedRecipe& r : found.recipes)
                   shown.recipes.push_back(shown_of(r, palette, pairs, sampled.gloss));
-              return [this, shown = std::move(shown)]() mutable { state_.treating.match = std::move(shown); };
+              return [this, shown = std::move(shown)]() mutable {
+                  state_.treating.match = std::move(shown);
+                  state_.treating.forward = "Colour";
+              };
           });
 }
 

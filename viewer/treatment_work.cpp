@@ -134,10 +134,17 @@ void TreatmentDesk::begin() {
         return;
     }
     std::optional<double> scale;
-    if (state_.scale_known || painter_->mm_per_pixel() != 1)
+    if (state_.scale_known)
         scale = painter_->mm_per_pixel();
     else if (state_.treating.width_mm > 0)
         scale = static_cast<double>(state_.treating.width_mm) / state_.painting.width;
+    if (!scale && !state_.treating.scale_asked) {
+        state_.treating.scale_asked = true;
+        setup_.say(
+            "the painting's scale is unknown, and a treatment keeps the scale that it began with: give the "
+            "width under Treatment, at the left; begun once more without, it has pixels instead of mm");
+        return;
+    }
     start("beginning a treatment",
           [this, painting, folder, scale, who = author()](const Progress& p) -> Finish {
               Treatment::begin(folder, painting, who, scale, p);

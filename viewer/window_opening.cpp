@@ -59,7 +59,7 @@ void WindowApp::warm_up_table() {
 
 // While the painting is read: its overview, and how far it is. False where the window was closed meanwhile.
 bool WindowApp::open_first() {
-    state_.title = file_.filename().string();
+    state_.title = title_of(file_);
     std::shared_ptr<const TexelTiles> tiles;
     double mm_per_pixel = 1;
     if (std::filesystem::exists(file_))
@@ -142,11 +142,11 @@ void WindowApp::show(OpenedPainting opened, bool is_first) {
     painter_ = std::move(opened.painter);
     hand_.emplace(state_, *painter_);
     const Surface& surface = painter_->surface();
-    state_.title = opened.file.filename().string();
+    state_.title = title_of(opened.file);
     state_.painting = {surface.width(), surface.height()};
     state_.mm_per_pixel = surface.mm_per_pixel;
     state_.stroke_mm_per_pixel = painter_->mm_per_pixel();
-    state_.scale_known = surface.scale_known;
+    state_.scale_known = surface.scale_known || state_.stroke_mm_per_pixel != 1;
     state_.law = surface.law;
     state_.from_photographs = !surface.photography.photos.empty();
     const auto [low, high] =

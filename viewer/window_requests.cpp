@@ -76,7 +76,7 @@ void WindowApp::news() {
     PainterNews news = painter_->fetch();
     if (news.state.saves != state_.painter.saves) desk_->remember(painter_->file());
     state_.painter = news.state;
-    const std::string name = painter_->file().filename().string();
+    const std::string name = title_of(painter_->file());
     if (name != state_.title) {  // it was saved under another
         state_.title = name;
         glfwSetWindowTitle(window_.handle(), fmt::format("{} - TangiPaint", name).c_str());
@@ -111,8 +111,12 @@ void WindowApp::news() {
     if (news.profile) state_.profile = std::move(news.profile);
     if (news.statistics) state_.statistics = news.statistics;
     if (news.picked) {
-        state_.take_up(*news.picked);
-        state_.tool = Tool::paint;
+        if (state_.take_up(*news.picked))
+            state_.tool = Tool::paint;
+        else
+            say(fmt::format(
+                "no paint of the palette lies there to be picked up{}",
+                state_.treating.on ? "; Match, under Colour, finds a recipe for what is seen" : ""));
     }
     for (const std::string& message : news.messages) say(message);
     if (horizon_due_s_ > 0 && now_s_ >= horizon_due_s_ && !hand_->holds() && changed_.empty()) {

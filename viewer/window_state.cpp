@@ -112,13 +112,19 @@ StrokeEvent WindowState::erasing_stroke(std::uint64_t seed) const {
     return event;
 }
 
-void WindowState::take_up(const Probe& picked) {
+bool WindowState::take_up(const Probe& picked) {
     std::map<std::string, float> found;
     for (const auto& [name, part] : picked.recipe)
         if (palette.find(name) >= 0 && part > 0.005) found[name] = static_cast<float>(part);
-    if (found.empty()) return;
+    if (found.empty()) return false;
     mix = std::move(found);
     board.in_hand = false;
+    return true;
+}
+
+std::string title_of(const std::filesystem::path& painting) {
+    const std::filesystem::path name = painting.filename(), folder = painting.parent_path().filename();
+    return (folder.extension() == ".treatment" ? folder / name : name).string();
 }
 
 Extent pane(const WindowState& state, Extent screen) {

@@ -117,9 +117,10 @@ struct WindowState {
     // The painting, as opened.
     std::string title;
     Extent painting;
-    double mm_per_pixel = 1;         // of its heights
-    double stroke_mm_per_pixel = 1;  // of strokes and brushes: where no scale is known, one can be given
-    bool scale_known = false;
+    double mm_per_pixel = 1;         // in the unit of its heights, which are pixels where it has no scale
+    double stroke_mm_per_pixel = 1;  // of strokes and brushes, and all that is told: a scale can be given
+    bool scale_known = false;        // the painting's own, or given
+    double height_unit_mm() const { return stroke_mm_per_pixel / mm_per_pixel; }
     ReflectanceLaw law{};
     float lowest_mm = 0, highest_mm = 1;
     bool from_photographs = false;  // and so can be compared with them
@@ -215,8 +216,11 @@ struct WindowState {
         std::uint64_t seed);  // on the palette; washes the brush where that was asked for
     StrokeEvent erasing_stroke(
         std::uint64_t seed) const;  // of the brush `eraser`, as large as the one in use
-    void take_up(const Probe& picked);
+    bool take_up(const Probe& picked);
 };
+
+// How a painting is called: its file's name, with the folder's where that is a treatment.
+std::string title_of(const std::filesystem::path& painting);
 
 // What of the screen the painting is placed in: the half, where it stands beside a photograph.
 Extent pane(const WindowState& state, Extent screen);

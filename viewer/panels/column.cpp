@@ -67,7 +67,8 @@ void file(WindowState& s) {
     ImGui::TextUnformatted(fmt::format("{}{}", s.title, s.painter.unsaved ? " *" : "").c_str());
     if (s.scale_known)
         ImGui::TextDisabled("%d × %d pixels, %.1f × %.1f mm", s.painting.width, s.painting.height,
-                            s.painting.width * s.mm_per_pixel, s.painting.height * s.mm_per_pixel);
+                            s.painting.width * s.stroke_mm_per_pixel,
+                            s.painting.height * s.stroke_mm_per_pixel);
     else if (s.painting.width > 0)  // not while it is opened
         ImGui::TextDisabled("%d × %d pixels, scale unknown", s.painting.width, s.painting.height);
     if (s.painter.elsewhere) {
@@ -76,7 +77,9 @@ void file(WindowState& s) {
     }
     if (s.left_over_strokes > 0) {
         ImGui::TextColored({1, 0.8f, 0.3f, 1}, "A sitting ended without saving.");
-        if (ImGui::Button(fmt::format("Recover {} strokes (Enter)", s.left_over_strokes).c_str()))
+        if (ImGui::Button(fmt::format("Recover {} stroke{} (Enter)", s.left_over_strokes,
+                                      s.left_over_strokes == 1 ? "" : "s")
+                              .c_str()))
             s.ask.recover = true;
         ImGui::SameLine();
         if (ImGui::Button("Put aside")) s.ask.discard = true;
@@ -185,9 +188,6 @@ void column(WindowState& s, float height) {
     ImGui::Begin("column", nullptr,
                  ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove |
                      ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoSavedSettings);
-    const auto section = [](const char* name, bool open) {
-        return ImGui::CollapsingHeader(name, open ? ImGuiTreeNodeFlags_DefaultOpen : 0);
-    };
     ImGui::PushItemWidth(-90 * s.scale);
     // What is asked stands at the top, which may be folded or out of sight.
     const bool asks = s.closing || s.finishing || s.left_over_strokes > 0 || !s.dropped.empty();
@@ -197,20 +197,23 @@ void column(WindowState& s, float height) {
         ImGui::SetNextItemOpen(true);
     }
     *asked = asks;
-    if (section("File", true)) file(s);
+    folding("File", true, [&] { file(s); });
     // Unfolded when there are photographs, however they came.
     bool* unfolded = ImGui::GetStateStorage()->GetBoolRef(ImGui::GetID("photographs are there"));
     if (s.comparing.loaded && !*unfolded) ImGui::SetNextItemOpen(true);
     *unfolded = s.comparing.loaded;
-    if (section("Photographs", false)) photographs(s);
-    if (!s.treating.on && section("Treatment", false)) treatment(s);
-    if (section("Tools", true)) tools(s);
-    if (section("Light", true)) light(s);
-    if (section("Look", false)) look(s);
-    if (section("Devices", false)) devices(s);
-    if (section("Paint", true)) brush(s);
-    if (section("Palette", true)) palette(s);
-    if (section("Canvas", true)) canvas(s);
+    folding("Photographs", false, [&] { photographs(s); });
+    bool* wanted = ImGui::GetStateStorage()->GetBoolRef(ImGui::GetID("a scale is asked for"));
+    if (s.treating.scale_asked && !*wanted) ImGui::SetNextItemOpen(true);
+    *wanted = s.treating.scale_asked;
+    if (!s.treating.on) folding("Treatment", false, [&] { treatment(s); });
+    folding("Tools", true, [&] { tools(s); });
+    folding("Light", true, [&] { light(s); });
+    folding("Look", false, [&] { look(s); });
+    folding("Devices", false, [&] { devices(s); });
+    folding("Paint", true, [&] { brush(s); });
+    folding("Palette", true, [&] { palette(s); });
+    folding("Canvas", true, [&] { canvas(s); });
     ImGui::PopItemWidth();
     ImGui::End();
 }

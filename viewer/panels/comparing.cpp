@@ -112,7 +112,7 @@ void photographs(WindowState& s) {
     if (ImGui::SmallButton("Put away")) s.ask.put_photos_away = true;
     list(s);
     if (const auto& warnings = c.news.book->warnings(); !warnings.empty()) {
-        ImGui::TextDisabled("%zu warnings (?)", warnings.size());
+        ImGui::TextDisabled("%zu warning%s (?)", warnings.size(), warnings.size() == 1 ? "" : "s");
         if (ImGui::IsItemHovered()) {
             std::string all;
             for (const std::string& warning : warnings) all += warning + "\n";

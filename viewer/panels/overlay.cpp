@@ -41,7 +41,7 @@ void ruler(const WindowState& s, const Placement& placement, float left) {
     draw->AddLine(a, b, IM_COL32(0, 0, 0, 200), 4);
     draw->AddLine(a, b, IM_COL32(255, 230, 90, 255), 2);
     const double pixels = glm::length(to - from);
-    const std::string text = s.scale_known ? fmt::format("{:.2f} mm", pixels * s.mm_per_pixel)
+    const std::string text = s.scale_known ? fmt::format("{:.2f} mm", pixels * s.stroke_mm_per_pixel)
                                            : fmt::format("{:.1f} px (scale unknown)", pixels);
     draw->AddText({b.x + 8, b.y + 8}, IM_COL32(255, 230, 90, 255), text.c_str());
 }
@@ -82,13 +82,14 @@ void probe(const WindowState& s, float right) {
     const Material& m = p.material;
     const Lab lab = lab_from_linear(glm::dvec3(m.diffuse));
     const StandardErrors& e = p.errors;
+    const auto unit = static_cast<float>(s.height_unit_mm());
     std::string text = fmt::format(
         "pixel {} {}\ncolour ρd {:.3f} {:.3f} {:.3f}{}\nL*a*b* {:.1f} {:.1f} {:.1f}\ngloss ρs "
         "{:.3f}{}\nroughness α {:.3f}{}\n"
         "normal {:.3f} {:.3f} {:.3f}{}\nheight {:.3f}{} {}\nconfidence {:.2f}",
         p.x, p.y, m.diffuse.r, m.diffuse.g, m.diffuse.b, plus_minus(e.diffuse, 3), lab.l, lab.a, lab.b,
         m.specular, plus_minus(e.specular, 3), m.roughness, plus_minus(e.roughness, 3), m.normal.x,
-        m.normal.y, m.normal.z, plus_minus(e.slope, 3), m.height_mm, plus_minus(e.height_mm, 4),
+        m.normal.y, m.normal.z, plus_minus(e.slope, 3), unit * m.height_mm, plus_minus(unit * e.height_mm, 4),
         s.scale_known ? "mm" : "px", m.confidence);
     if (m.lobe_colour != Rgb(1))
         text += fmt::format("\nlobe {:.2f} {:.2f} {:.2f}", m.lobe_colour.r, m.lobe_colour.g, m.lobe_colour.b);

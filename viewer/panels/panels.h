@@ -1,12 +1,24 @@
 // panels.h: what lies beside and over the painting. Each draws itself with Dear ImGui and changes the state.
 #pragma once
 
+#include <imgui.h>
+
 #include "viewer/window_state.h"
 
 namespace tangi::panels {
 
 // [pixels] of the column at the left.
 inline float width(const WindowState& state) { return 300 * state.scale; }
+
+// A part of a panel that folds. What is in it may have the part's name, such as the button Fill: Dear ImGui
+// takes two items of one name for the same, and the button would not do anything.
+template <class Draw>
+void folding(const char* name, bool open, Draw&& draw) {
+    if (!ImGui::CollapsingHeader(name, open ? ImGuiTreeNodeFlags_DefaultOpen : 0)) return;
+    ImGui::PushID(name);
+    draw();
+    ImGui::PopID();
+}
 
 // The column: File, Photographs, Tools, Light, Look, Devices, Paint, Palette, Canvas.
 void column(WindowState& state, float height);

@@ -246,7 +246,7 @@ void treatment(WindowState& s) {
     if (ImGui::Button("Open …")) s.treating.ask.open_dialog = true;
     ImGui::InputText("By", &s.treating.who);
     tip("Your name, as the log has it");
-    if (s.scale_known || s.stroke_mm_per_pixel != 1) return;
+    if (s.scale_known) return;
     ImGui::InputFloat("Width", &s.treating.width_mm, 0, 0, "%.1f mm");
     s.treating.width_mm = std::clamp(s.treating.width_mm, 0.0f, 1e5f);
     tip("Of the painting, whose scale is unknown; without it, a pixel counts as one mm");
@@ -255,28 +255,21 @@ void treatment(WindowState& s) {
 void steps(WindowState& s) {
     Treating& t = s.treating;
     works_on(s);
-    const auto part = [](const char* name, bool open = false) {
-        return ImGui::CollapsingHeader(name, open ? ImGuiTreeNodeFlags_DefaultOpen : 0);
-    };
-    if (part("States", true)) states(s);
-    if (part("Layers", true)) layers(s);
-    if (part("Fill")) fill(s);
-    if (part("Isolating varnish")) {
-        ImGui::PushID("isolating");
+    folding("States", true, [&] { states(s); });
+    folding("Layers", true, [&] { layers(s); });
+    folding("Fill", false, [&] { fill(s); });
+    folding("Isolating varnish", false, [&] {
         varnish(t.isolating);
         if (ImGui::Button("Isolate")) t.ask.isolate = true;
         tip(s.keys.text(Action::isolate) + ": between original and retouch, where one works");
-        ImGui::PopID();
-    }
-    if (part("Retouch by hand", true)) by_hand(s);
-    if (part("Retouch laid by the program")) laid(s);
-    if (part("Varnish")) {
-        ImGui::PushID("final");
+    });
+    folding("Retouch by hand", true, [&] { by_hand(s); });
+    folding("Retouch laid by the program", false, [&] { laid(s); });
+    folding("Varnish", false, [&] {
         varnish(t.varnish);
         if (ImGui::Button("Varnish all")) t.ask.varnish = true;
         tip(s.keys.text(Action::varnish));
-        ImGui::PopID();
-    }
+    });
 }
 
 void record(WindowState& s) {
@@ -329,7 +322,9 @@ void treatment_column(WindowState& s, float height) {
     if (!t.checking && !t.usable) ImGui::TextColored(kFault, "The treatment is not as its log says: Record");
     if (ImGui::BeginTabBar("parts")) {
         const auto tab = [&](const char* name, void (*panel)(WindowState&)) {
-            if (!ImGui::BeginTabItem(name)) return;
+            const bool forward = std::string_view(name) == t.forward;
+            if (forward) t.forward = "";
+            if (!ImGui::BeginTabItem(name, nullptr, forward ? ImGuiTabItemFlags_SetSelected : 0)) return;
             ImGui::BeginChild(name, {0, -footer_height(t)});
             ImGui::PushItemWidth(-90 * s.scale);
             panel(s);
