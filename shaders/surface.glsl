@@ -27,11 +27,16 @@ uniform highp usampler2D u_pages;  // 1024 wide; of each tile: layer (11 bits) a
 uniform int u_first_page[32];      // of each level: where its tiles begin, row by row
 
 const int kPageBits = 8;
+// A tile lies in its layer as strips of 16 columns, one below the other: the 16 x 16 pixels that a software renderer draws
+// next to each other are then a page of memory, where rows of the tile's own width would be on 16 of them.
+const int kStripBits = 4, kStrips = 1 << (kPageBits - kStripBits);
+const vec2 kStripTexel = 1.0 / vec2(1 << kStripBits, kStrips << kPageBits);
 
-// The texel of a layer, at a place of the level of detail that it has a tile of: the texture repeats itself, so that the tile's
-// own place need not be known. Not texelFetch, for which Mesa's software renderer (22.3) looks the level up for each pixel.
+// The texel of a layer, at a place of the level of detail that it has a tile of: the texture repeats itself across, so that the
+// tile's own place need not be known. Not texelFetch, for which Mesa's software renderer (22.3) looks the level up for each pixel.
 uvec4 texel_of(ivec2 at, int layer) {
-    return textureLod(u_texels, vec3((vec2(at) + 0.5) * (1.0 / float(1 << kPageBits)), float(layer)), 0.0);
+    int strip = (at.x >> kStripBits) & (kStrips - 1), row = at.y & ((1 << kPageBits) - 1);
+    return textureLod(u_texels, vec3((vec2(at.x, strip << kPageBits | row) + 0.5) * kStripTexel, float(layer)), 0.0);
 }
 
 uvec4 texel_in(ivec2 at, int level, int first_page, int columns) {

@@ -16,11 +16,26 @@ constexpr std::size_t kFewestLayers = 16;  // a piece of 256 x 256 pixels needs 
 constexpr int kFirstLayers = 128;          // a screen of 1920 x 1080 and what is around it
 constexpr std::size_t kMostLayers = 2047;  // that the table's 11 bits tell apart
 constexpr std::size_t kTableWidth = 1024;  // as in surface.glsl
+// So do tiles lie in a layer: as strips of columns, one below the other.
+constexpr int kStripBits = 4, kStripSide = 1 << kStripBits, kStrips = kTileSide / kStripSide;
 
 int device_limit(GLenum name) {
     GLint value = 0;
     glGetIntegerv(name, &value);
     return value;
+}
+
+// Texels of a tile into its layer of the texture that is bound. `r`: within the tile.
+void put(std::span<const Texel> tile, const Region& r, int layer) {
+    glPixelStorei(GL_UNPACK_ROW_LENGTH, kTileSide);
+    for (int strip = r.x0 >> kStripBits; strip << kStripBits < r.x1; ++strip) {
+        const int left = strip << kStripBits;
+        const int x0 = std::max(r.x0, left), x1 = std::min(r.x1, left + kStripSide);
+        glTexSubImage3D(GL_TEXTURE_2D_ARRAY, 0, x0 - left, strip * kTileSide + r.y0, layer, x1 - x0,
+                        r.height(), 1, GL_RGBA_INTEGER, GL_UNSIGNED_INT,
+                        &tile[static_cast<std::size_t>((r.y0 << kTileBits) + x0)]);
+    }
+    glPixelStorei(GL_UNPACK_ROW_LENGTH, 0);
 }
 
 std::size_t tile_megabytes(int tiles) { return static_cast<std::size_t>(tiles) * kTileBytes >> 20; }
@@ -39,8 +54,8 @@ bool Renderer::allocated(int layers) {
     glTexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
     glTexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
     glTexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_MAX_LEVEL, 0);
-    glTexImage3D(GL_TEXTURE_2D_ARRAY, 0, GL_RGBA32UI, kTileSide, kTileSide, layers, 0, GL_RGBA_INTEGER,
-                 GL_UNSIGNED_INT, nullptr);
+    glTexImage3D(GL_TEXTURE_2D_ARRAY, 0, GL_RGBA32UI, kStripSide, kStrips * kTileSide, layers, 0,
+                 GL_RGBA_INTEGER, GL_UNSIGNED_INT, nullptr);
     const GLenum error = glGetError();
     TP_REQUIRE(error == GL_NO_ERROR || error == GL_OUT_OF_MEMORY,
                fmt::format("OpenGL error {:#x} for texels", error));
@@ -87,8 +102,7 @@ Renderer::Fetched Renderer::fetch(std::span<const TileView> views, std::size_t m
     glBindTexture(GL_TEXTURE_2D_ARRAY, texels_.id());
     for (const auto& [tile, layer] : wanted.placed) {
         const auto held = tiles_->lock();
-        glTexSubImage3D(GL_TEXTURE_2D_ARRAY, 0, 0, 0, layer, kTileSide, kTileSide, 1, GL_RGBA_INTEGER,
-                        GL_UNSIGNED_INT, tiles_->tile(tile).data());
+        put(tiles_->tile(tile), {0, 0, kTileSide, kTileSide}, layer);
         uploaded_.tiles += kTileBytes;
     }
     std::vector<std::uint32_t> table = cache_.table();
@@ -115,7 +129,6 @@ Renderer::Fetched Renderer::fetch(const Scene& scene, const Shot& shot, std::siz
 void Renderer::upload(const Region& changed) {
     if (!tiles_) return;
     glBindTexture(GL_TEXTURE_2D_ARRAY, texels_.id());
-    glPixelStorei(GL_UNPACK_ROW_LENGTH, kTileSide);
     for (int level = 0; level < tiles_->levels(); ++level) {
         const Region all = tiles_->region_at(level, changed);
         for (int row = all.y0 >> kTileBits; row << kTileBits < all.y1; ++row)
@@ -129,14 +142,11 @@ void Renderer::upload(const Region& changed) {
                 const Region r = {inside(all.x0, column), inside(all.y0, row), inside(all.x1, column),
                                   inside(all.y1, row)};
                 const auto held = tiles_->lock();
-                glTexSubImage3D(GL_TEXTURE_2D_ARRAY, 0, r.x0, r.y0, *layer, r.width(), r.height(), 1,
-                                GL_RGBA_INTEGER, GL_UNSIGNED_INT,
-                                &tiles_->tile(tile)[static_cast<std::size_t>((r.y0 << kTileBits) + r.x0)]);
+                put(tiles_->tile(tile), r, *layer);
                 uploaded_.changes += static_cast<std::size_t>(r.width()) *
                                      static_cast<std::size_t>(r.height()) * sizeof(Texel);
             }
     }
-    glPixelStorei(GL_UNPACK_ROW_LENGTH, 0);
 }
 
 void Renderer::set_horizon(const HorizonMap& map) {

@@ -50,7 +50,7 @@ function unpackTile(bytes, width, height) {
   return words;
 }
 
-const tileBits = 8, tileSide = 1 << tileBits, tableWidth = 1024, fetchesAtOnce = 6, secondsToRetry = 5;
+const tileBits = 8, tileSide = 1 << tileBits, stripSide = 16, tableWidth = 1024, fetchesAtOnce = 6, secondsToRetry = 5;
 
 class Tiles {
   // `layers`: tiles that are kept. `changed` is called when one has come, `missed` with the name of one that has not.
@@ -68,7 +68,7 @@ class Tiles {
     this.free = Array.from({length: this.layers}, (_, i) => i);
     this.table = new Uint16Array(tableWidth * Math.ceil(first / tableWidth));
     this.texels = this.texture(gl.TEXTURE_2D_ARRAY);
-    gl.texStorage3D(gl.TEXTURE_2D_ARRAY, 1, gl.RGBA32UI, tileSide, tileSide, this.layers);
+    gl.texStorage3D(gl.TEXTURE_2D_ARRAY, 1, gl.RGBA32UI, stripSide, tileSide / stripSide * tileSide, this.layers);
     this.pages = this.texture(gl.TEXTURE_2D);
     gl.texStorage2D(gl.TEXTURE_2D, 1, gl.R16UI, tableWidth, this.table.length / tableWidth);
   }
@@ -141,8 +141,15 @@ class Tiles {
     const size = this.levels[tile.level];
     const width = Math.min(tileSide, size.width - tile.x * tileSide), height = Math.min(tileSide, size.height - tile.y * tileSide);
     gl.bindTexture(gl.TEXTURE_2D_ARRAY, this.texels);
-    gl.texSubImage3D(gl.TEXTURE_2D_ARRAY, 0, 0, 0, layer, width, height, 1, gl.RGBA_INTEGER, gl.UNSIGNED_INT,
-      unpackTile(bytes, width, height));
+    const texels = unpackTile(bytes, width, height);
+    gl.pixelStorei(gl.UNPACK_ROW_LENGTH, width);
+    for (let x = 0; x < width; x += stripSide) {
+      gl.pixelStorei(gl.UNPACK_SKIP_PIXELS, x);
+      gl.texSubImage3D(gl.TEXTURE_2D_ARRAY, 0, 0, x / stripSide * tileSide, layer, Math.min(stripSide, width - x), height, 1,
+        gl.RGBA_INTEGER, gl.UNSIGNED_INT, texels);
+    }
+    gl.pixelStorei(gl.UNPACK_ROW_LENGTH, 0);
+    gl.pixelStorei(gl.UNPACK_SKIP_PIXELS, 0);
     this.resident.set(tile.name, {layer, used: this.frame, level: tile.level, x: tile.x, y: tile.y});
     this.stale = true;
   }
