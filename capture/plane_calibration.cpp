@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "capture/chart_order.h"
+#include "capture/marked_photo.h"
 #include "capture/plane_pose.h"
 #include "capture/scale_agreement.h"
 #include "surface/error.h"
@@ -22,7 +23,6 @@ using nlohmann::json;
 namespace {
 
 constexpr double kDegrees = 180 / std::numbers::pi;
-constexpr int kSoughtIn = 3;          // photographs, before all are looked through for markers
 constexpr double kPointSigma_px = 1;  // of corners that people point at
 constexpr double kMostEnlarged = 4;   // [1] area of the picture by that of the photographs
 constexpr double kDoubtfulTilt_deg = 1;
@@ -48,58 +48,6 @@ template <std::size_t n>
 std::array<dvec2, n> without_lens(const std::optional<Lens>& lens, std::array<dvec2, n> places_px) {
     for (dvec2& place : places_px) place = without_lens(lens, place);
     return places_px;
-}
-
-// The photograph with the most markers of the brightest few; of all where these show none. Texture can look
-// like one of the smaller markers, but not twice at one place.
-struct MarkedPhoto {
-    MarkerSearch markers;
-    std::size_t photo = 0;
-};
-MarkedPhoto best_marked(const PhotoSet& photos, const std::vector<std::size_t>& brightest_first,
-                        const PlaneOptions& options, const std::optional<std::string>& dictionary,
-                        const Progress& progress) {
-    const Transfer transfer = options.transfer.value_or(Transfer{Transfer::Kind::srgb});
-    MarkedPhoto best;
-    std::vector<MarkerSearch> all;
-    for (std::size_t i = 0; i < brightest_first.size() && (i < kSoughtIn || best.markers.markers.empty());
-         ++i) {
-        report(progress, "markers", static_cast<double>(i) / static_cast<double>(brightest_first.size()));
-        all.push_back(find_markers(photos.linear(brightest_first[i], transfer), dictionary));
-        MarkerSearch found = photos.size() == 1 ? all.back() : seen_twice(all);
-        if (found.markers.size() > best.markers.markers.size()) best = {std::move(found), brightest_first[i]};
-    }
-    report(progress, "markers", 1);
-    return best;
-}
-
-void look_for_markers(const PhotoSet& photos, const PlaneOptions& options, PlaneCalibration& c,
-                      const Progress& progress) {
-    const std::vector<std::size_t> bright = photos.brightest_first("markers: brightness", progress);
-    MarkedPhoto best = best_marked(photos, bright, options, options.dictionary, progress);
-    if (best.markers.markers.empty() && options.dictionary) {
-        const MarkedPhoto other = best_marked(photos, bright, options, {}, progress);
-        if (!other.markers.markers.empty()) {
-            const Marker& first = other.markers.markers[0];
-            fail(
-                "{}: there is no marker of dictionary {}, but {} of dictionary {} ({} at ({:.0f}, {:.0f})); "
-                "ask "
-                "for that one",
-                photos.path(other.photo).string(), *options.dictionary, other.markers.markers.size(),
-                other.markers.dictionary, first.id, first.corners_px[0].x, first.corners_px[0].y);
-        }
-    }
-    if (best.markers.markers.empty())
-        fail(
-            "{}: no ArUco marker is found in {}; leave --marker-mm out, or photograph the markers whole, in "
-            "focus and with a white border",
-            photos.folder().string(),
-            photos.size() == 1 ? "the photograph"
-                               : fmt::format("any two of the {} photographs", photos.size()));
-    c.markers = std::move(best.markers);
-    c.markers_in = photos.name(best.photo);
-    for (const std::string& warning : c.markers.warnings)
-        c.warnings.push_back(fmt::format("{}: {}", c.markers_in, warning));
 }
 
 // The box of points, as corners from the top left on.
@@ -362,7 +310,12 @@ PlaneCalibration calibrate_plane(const PhotoSet& photos, const PlaneOptions& opt
     std::optional<MarkerPlane> markers;
     std::vector<Marker> seen_markers;
     if (options.marker_mm) {
-        look_for_markers(photos, options, c, progress);
+        MarkedPhoto marked = find_marked_photo(
+            photos, options.transfer.value_or(Transfer{Transfer::Kind::srgb}), options.dictionary, progress);
+        c.markers = std::move(marked.markers);
+        c.markers_in = photos.name(marked.photo);
+        for (const std::string& warning : c.markers.warnings)
+            c.warnings.push_back(fmt::format("{}: {}", c.markers_in, warning));
         seen_markers = c.markers.markers;
         for (Marker& marker : seen_markers) marker.corners_px = without_lens(g.lens, marker.corners_px);
         markers = marker_plane(seen_markers, *options.marker_mm);
@@ -391,11 +344,10 @@ PlaneCalibration calibrate_plane(const PhotoSet& photos, const PlaneOptions& opt
     rank_scales(c.scales, relative_scale(c));
     c.poor = contradictions(c.scales, relative_scale(c));
     if (g.lens && c.rectified_by.empty() && std::max(c.photo_outside, c.picture_outside) > kMostMovedOut)
-        c.poor.push_back(
-            fmt::format("{}: with its distortion undone, {:.0f} % of the photographs lie outside the "
-                        "picture, and {:.0f} % "
-                        "of the picture is empty; is it of this lens, zoomed and focused as here?",
-                        options.lens->string(), 100 * c.photo_outside, 100 * c.picture_outside));
+        c.poor.push_back(fmt::format(
+            "{}: with its distortion undone, {:.0f} % of the photographs lie outside the picture, and "
+            "{:.0f} % of the picture is empty; is it of this lens, zoomed and focused as here?",
+            options.lens->string(), 100 * c.photo_outside, 100 * c.picture_outside));
     if (options.corners_px && options.painting_mm)
         if (auto why =
                 contradiction_of_corners(without_lens(g.lens, *options.corners_px), *options.painting_mm,

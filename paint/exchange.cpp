@@ -10,6 +10,8 @@ namespace tangi {
 
 namespace {
 
+constexpr int kRowsAtOnce = 32;  // by one thread
+
 constexpr float kTiny = 1e-9f;  // [mm] keeps 0 / 0 away
 
 // Where a brush with paint lifts off, the paint in the room under it parts in the middle: half of it stays.
@@ -84,7 +86,7 @@ void for_rows_of_step(int width, int height, const std::function<void(int, int)>
     if (width * height < kParallelPixels)
         body(0, height);
     else
-        parallel_for(0, height, 32, body);
+        parallel_for(0, height, kRowsAtOnce, body);
 }
 
 RowSpan widened(const RowSpan& span, const RowSpan& room) {

@@ -7,14 +7,10 @@
 #include <thread>
 
 #include "paint/canvas_file.h"
-#include "paint/retouch/sha256.h"
 #include "paint/retouch/treatment_area.h"
 #include "paint/retouch/treatment_folder.h"
-#include "paint/retouch/treatment_report.h"
 #include "paint/retouch/treatment_steps.h"
-#include "surface/atomic_file.h"
 #include "surface/error.h"
-#include "surface/painting_file.h"
 #include "tests/treatment_folder.h"
 
 namespace tangi {

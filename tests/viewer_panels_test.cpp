@@ -45,27 +45,16 @@ protected:
     }
     ~Panels() override { ImGui::DestroyContext(); }
 
-    void frames(void (*panel)(WindowState&), int count = 3) {
-        for (int i = 0; i < count; ++i) {
+    void frames(void (*panel)(WindowState&), float height = 720) {
+        for (int i = 0; i < 3; ++i) {
             ImGui::NewFrame();
             ImGui::SetNextWindowPos({0, 0});
-            ImGui::SetNextWindowSize({300, 720});
+            ImGui::SetNextWindowSize({300, height});
             ImGui::Begin("column");
             panel(state_);
             ImGui::End();
             ImGui::Render();
             ImGui::GetIO().MouseWheel = 0;
-        }
-    }
-    void tall_frames(void (*panel)(WindowState&)) {
-        for (int i = 0; i < 2; ++i) {
-            ImGui::NewFrame();
-            ImGui::SetNextWindowPos({0, 0});
-            ImGui::SetNextWindowSize({300, 1600});
-            ImGui::Begin("tall");
-            panel(state_);
-            ImGui::End();
-            ImGui::Render();
         }
     }
     // The photograph that the list shows at this height.
@@ -113,11 +102,11 @@ TEST_F(Panels, EveryButtonOfTheStepsCanBeClicked) {
     for (int pass = 0; pass < 2; ++pass)  // parts that were folded are open then
         for (float y = 30; y < 1400; y += 6) {
             io.MousePos = {40, y};
-            tall_frames(panels::steps);
+            frames(panels::steps, 1600);
             io.MouseDown[0] = true;
-            tall_frames(panels::steps);
+            frames(panels::steps, 1600);
             io.MouseDown[0] = false;
-            tall_frames(panels::steps);
+            frames(panels::steps, 1600);
             const auto ask = std::exchange(state_.treating.ask, {});
             if (ask.fill) clicked.insert("fill");
             if (ask.isolate) clicked.insert("isolate");

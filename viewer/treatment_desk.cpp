@@ -182,9 +182,6 @@ void TreatmentDesk::open(const fs::path& folder) {
     map_ = DamageMap(treatment.width(), treatment.height());
     map_changed_ = map_.picture().region();
     for (const std::string& warning : treatment.log().warnings()) setup_.say(warning);
-    if (treatment.log().entries().size() == 1)
-        setup_.say(fmt::format("a treatment begins in {}: the painting there is a copy, and stays as it is",
-                               folder.filename().string()));
     painter_->keep_by([held = held_, keeping = keeping_](Canvas& canvas, const fs::path& journal) {
         return kept(*held, *keeping, canvas, journal);
     });

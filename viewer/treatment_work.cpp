@@ -148,7 +148,12 @@ void TreatmentDesk::begin() {
     start("beginning a treatment",
           [this, painting, folder, scale, who = author()](const Progress& p) -> Finish {
               Treatment::begin(folder, painting, who, scale, p);
-              return [this, folder] { state_.ask.open = folder / "painting.exr"; };
+              return [this, folder] {
+                  state_.ask.open = folder / "painting.exr";
+                  setup_.say(fmt::format(
+                      "a treatment begins in {}: the painting there is a copy, and stays as it is",
+                      folder.filename().string()));
+              };
           });
 }
 
