@@ -4,6 +4,7 @@
 
 #include "cli/arguments.h"
 #include "cli/command_list.h"
+#include "cli/export_painting.h"
 #include "fit/export_maps.h"
 #include "fit/rti_file.h"
 #include "paint/canvas_file.h"
@@ -145,7 +146,9 @@ nlohmann::json export_ora(const ExportArguments& a, const Canvas& canvas, const 
     if (lower_extension(a.out) != ".ora") fail("--out {}: --to ora writes an .ora file", a.out);
     refuse_to_overwrite(a.out, {a.painting});
     AtomicFile file(a.out);
-    write_ora(file, canvas, progress, parts_beside_paint(a.painting, progress));
+    std::vector<PartToWrite> further;
+    if (fs::exists(a.painting)) further = parts_beside_paint(a.painting, progress);
+    write_ora(file, canvas, progress, further);
     return {{"files", {a.out}}};
 }
 
@@ -189,19 +192,36 @@ void refuse_useless(const ExportArguments& a) {
         refuse_typed(a.typed(), {"--largest-page-mb"}, "is of a page of one file: --out PAGE.html");
 }
 
-nlohmann::json run_export(const ExportArguments& a) {
-    const Progress progress = console_progress();
-    const bool rti = a.to == "ptm" || a.to == "rti";
-    refuse_useless(a);
-    if (a.to == "ora") return export_ora(a, read_canvas(a.painting, progress), progress);
-    if (a.to == "layers") return export_layers(a, read_canvas(a.painting, progress), progress);
-    const Surface surface = read_painted(a.painting, progress);
-    if (rti) return export_rti(a, surface, progress);
+nlohmann::json export_canvas(const ExportArguments& a, const Canvas& canvas, const Progress& progress) {
+    return a.to == "ora" ? export_ora(a, canvas, progress) : export_layers(a, canvas, progress);
+}
+
+nlohmann::json export_surface(const ExportArguments& a, const Surface& surface, const Progress& progress) {
+    if (a.to == "ptm" || a.to == "rti") return export_rti(a, surface, progress);
     if (a.to == "web") return export_web(a, surface, progress);
     return export_maps(a, surface, progress);
 }
 
+bool is_of_layers(const ExportArguments& a) { return a.to == "ora" || a.to == "layers"; }
+
+nlohmann::json run_export(const ExportArguments& a) {
+    const Progress progress = console_progress();
+    refuse_useless(a);
+    if (is_of_layers(a)) return export_canvas(a, read_canvas(a.painting, progress), progress);
+    return export_surface(a, read_painted(a.painting, progress), progress);
+}
+
 }  // namespace
+
+nlohmann::json export_canvas(const Canvas& canvas, const fs::path& painting, const std::string& format,
+                             const fs::path& out, const Progress& progress) {
+    ExportArguments a;
+    a.painting = painting.string();
+    a.to = format;
+    a.out = out.string();
+    if (is_of_layers(a)) return export_canvas(a, canvas, progress);
+    return export_surface(a, appearance(canvas, {}, progress), progress);
+}
 
 Command export_command() {
     return {

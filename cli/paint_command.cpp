@@ -3,6 +3,7 @@
 
 #include "cli/arguments.h"
 #include "cli/command_list.h"
+#include "cli/export_painting.h"
 #include "cli/fit_folder.h"
 #include "cli/photo_book.h"
 #include "cli/substrate_arguments.h"
@@ -39,14 +40,6 @@ std::pair<int, int> size_of(const std::string& text) {
     return {width, height};
 }
 
-// Where a new canvas is saved if nothing is said: untitled-1.exr, or the next that is free.
-fs::path untitled() {
-    for (int i = 1;; ++i) {
-        const fs::path path = fmt::format("untitled-{}.exr", i);
-        if (!fs::exists(path)) return path;
-    }
-}
-
 Canvas canvas_of(const PaintArguments& a, const Progress& progress) {
     if (!a.substrate.given())
         return read_canvas(a.painting, progress,
@@ -67,6 +60,11 @@ Workshop workshop_of(const PaintArguments& a) {
         const nlohmann::json result = fit_folder(photographs, out, progress);
         const auto& reasons = result["poor"].empty() ? result["warnings"] : result["poor"];
         return reasons.empty() ? std::string() : reasons.front().get<std::string>();
+    };
+    workshop.export_canvas = [](const Canvas& canvas, const fs::path& painting, const std::string& format,
+                                const fs::path& out, const Progress& progress) {
+        const nlohmann::json result = export_canvas(canvas, painting, format, out, progress);
+        return result.contains("warnings") ? result["warnings"].front().get<std::string>() : std::string();
     };
     return workshop;
 }
@@ -104,7 +102,7 @@ nlohmann::json run_paint(PaintArguments a) {
     setup.width = width;
     setup.height = height;
     setup.file_is_new = a.substrate.given();
-    setup.file = !setup.file_is_new ? fs::path(a.painting) : a.out.empty() ? untitled() : fs::path(a.out);
+    setup.file = !setup.file_is_new ? fs::path(a.painting) : a.out.empty() ? untitled({}) : fs::path(a.out);
     setup.author = a.author.author();
     setup.stop_wanted = interrupted;
     setup.workshop = workshop_of(a);

@@ -6,26 +6,22 @@
 #include <vector>
 
 #include "cli/flags.h"
-#include "paint/picture_substrate.h"
-#include "paint/substrate.h"
+#include "paint/substrate_choice.h"
 #include "surface/progress.h"
 
 namespace tangi {
 
 struct SubstrateArguments {
-    std::string which, height_from = "luminance", keep_as;
-    SubstrateOptions piece;
-    PictureSubstrateOptions picture;
+    SubstrateChoice choice;
+    std::string tint;
     std::function<std::vector<std::string>()> typed;  // flags of the command
 
     void add_to(Flags& flags);
-    bool given() const { return !which.empty(); }
+    bool given() const { return !choice.which.empty(); }
     // Throws UsageError for a substrate of no such name, and for flags that this substrate, or a painting
     // that is given instead, has no use for.
     void refuse_useless() const;
-    // A procedure's piece, a picture, a painting file's dry layer, or one that was kept under a name; and
-    // keeps it where --keep-substrate says so. Throws UsageError, Error.
-    Surface make(const Progress& progress) const;
+    Surface make(const Progress& progress) const;       // make_substrate(); throws Error
     std::vector<std::filesystem::path> inputs() const;  // files that it is made of
 };
 

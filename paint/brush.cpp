@@ -236,6 +236,13 @@ std::vector<double> Brush::volumes_mm3(std::size_t count) const {
     return sums;
 }
 
+double Brush::full_mm3() const {
+    double sum = 0;
+    for (int v = -loads_.half_v(); v <= loads_.half_v(); ++v)
+        for (int u = -loads_.half_u(); u <= loads_.half_u(); ++u) sum += std::max(fresh_load(u, v), 0.0);
+    return sum * mm_per_pixel_ * mm_per_pixel_;
+}
+
 void Brush::contact_centre(const Dab& dab, double& x, double& y) const {
     const double trail = settings_.bend * half_width_px_ * (0.3 + 0.7 * dab.pressure);
     x = dab.x - trail * (dab.dx + dab.tilt_x);

@@ -67,8 +67,9 @@ public:
     BrushLoad bristles() const;
     void put_back(const BrushLoad& load);
 
-    // Volume [mm^3] on the bristles, for each of `ingredients`.
+    // Volume [mm^3] on the bristles, for each of `ingredients`; and of a full load, which load() of 1 gives.
     std::vector<double> volumes_mm3(std::size_t ingredients) const;
+    double full_mm3() const;
     const std::vector<IngredientId>& ingredients() const { return loads_.ingredients(); }
 
     // Where the middle of the contact is for this dab: the tip trails behind the handle.

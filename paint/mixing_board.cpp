@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "surface/error.h"
 
@@ -83,6 +84,39 @@ void lay_pile(Canvas& canvas, const std::vector<Portion>& recipe, PointMm at, do
             }
             canvas.mark_dirty({tx, ty});
         }
+}
+
+PointMm free_place(const Canvas& board, double size_mm) {
+    const int width = board.width(), height = board.height();
+    const double mm = board.mm_per_pixel();
+    // What lies in any box, by sums from the first corner on.
+    Image<double> sums(width + 1, height + 1);
+    Image<float> film(width, height);
+    for (const TileIndex at : board.wet().painted()) {
+        const Region r = board.wet().region_of(at);
+        board.wet().add_thickness_mm(r, &film(r.x0, r.y0), static_cast<std::size_t>(width));
+    }
+    for (int y = 0; y < height; ++y)
+        for (int x = 0; x < width; ++x)
+            sums(x + 1, y + 1) =
+                static_cast<double>(film(x, y)) + sums(x, y + 1) + sums(x + 1, y) - sums(x, y);
+    const int side = std::clamp(static_cast<int>(std::ceil(size_mm / mm)), 1, std::min(width, height));
+    const int step = std::max(side / 4, 1);
+    PointMm best;
+    double least = std::numeric_limits<double>::infinity(), nearest = least;
+    for (int y = (height - side) / 2 % step; y + side <= height; y += step)
+        for (int x = (width - side) / 2 % step; x + side <= width; x += step) {
+            const double lies =
+                std::max(sums(x + side, y + side) - sums(x, y + side) - sums(x + side, y) + sums(x, y), 0.0);
+            const PointMm at{(x + (side - width) / 2.0) * mm, ((height - side) / 2.0 - y) * mm};
+            const double away = std::hypot(at.x, at.y), little = 1e-6 * side * side;
+            if (lies < least - little || (lies <= least + little && away < nearest)) {
+                least = std::min(lies, least);
+                nearest = away;
+                best = at;
+            }
+        }
+    return best;
 }
 
 void wipe(Canvas& canvas) {

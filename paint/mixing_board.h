@@ -30,6 +30,10 @@ std::vector<PileEvent> laid_out(const std::vector<std::string>& paints, const Bo
 void lay_pile(Canvas& canvas, const std::vector<Portion>& recipe, PointMm at, double size_mm,
               double height_mm);
 
+// Where a pile of this width lies on the least wet paint: nearest to the middle, where there are several such
+// places.
+PointMm free_place(const Canvas& board, double size_mm);
+
 // Takes all wet paint off a canvas.
 void wipe(Canvas& canvas);
 

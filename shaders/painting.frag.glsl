@@ -47,6 +47,24 @@ vec3 false_colour(float t) {
     return mix(mix(low, d, clamp(t - 2.0, 0.0, 1.0)), e, clamp(t - 3.0, 0.0, 1.0));
 }
 
+#if MODE == 10
+// Mean curvature [1/mm] of the relief, half of the divergence of its normals: bumps are positive, hollows negative.
+float curvature_at(vec2 at) {
+    int level = v_size.z;
+    float step_px = exp2(float(level));
+    vec2 x = vec2(step_px, 0.0), y = vec2(0.0, step_px);
+    float along_x = smooth_material(at + x, level).normal.x - smooth_material(at - x, level).normal.x;
+    float along_y = smooth_material(at - y, level).normal.y - smooth_material(at + y, level).normal.y;
+    return (along_x + along_y) / (4.0 * step_px * v_scene.x);
+}
+
+// Blue for hollows, grey where it is flat, orange for bumps.
+vec3 diverging_colour(float t) {
+    vec3 grey = vec3(0.35), end = t < 0.0 ? vec3(0.01, 0.12, 0.60) : vec3(0.85, 0.22, 0.005);
+    return mix(grey, end, min(abs(t), 1.0));
+}
+#endif
+
 vec3 lit(Material m, vec2 at) {
     vec3 point = point_mm(at, m.height);
 #if EYE == 1
@@ -109,6 +127,8 @@ vec3 looked_at(vec2 at) {
     return pow(n, vec3(2.2));
 #elif MODE == 9
     return exposed(m.diffuse);
+#elif MODE == 10
+    return diverging_colour(curvature_at(at) / v_look.w);
 #endif
     return exposed(lit(m, at));
 }

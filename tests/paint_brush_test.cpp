@@ -40,6 +40,7 @@ TEST(Brush, HoldsItsRecipe) {
     EXPECT_EQ(volumes[1], 0);
     const double full = total(brush);
     EXPECT_GT(full, 20);  // [mm^3] a loaded brush of 8 mm
+    EXPECT_NEAR(brush.full_mm3(), full, full * 1e-4);
     brush.load({{0, 1}}, 0.25);
     EXPECT_NEAR(total(brush), full / 4, full * 1e-4);
     brush.clean();

@@ -321,5 +321,24 @@ TEST(MixingBoard, APileTooSmallForThePixelsHasItsVolume) {
         }
 }
 
+TEST(MixingBoard, APileFindsRoom) {
+    Canvas board = make_board({60, 40}, 0.25);
+    EXPECT_NEAR(free_place(board, 12).x, 0, 0.5) << "an empty palette's middle";
+    EXPECT_NEAR(free_place(board, 12).y, 0, 0.5);
+    const std::vector<Portion> white = {{board.add(artist_acrylics().paints.front()), 1}};
+    std::vector<PointMm> places;
+    for (int i = 0; i < 6; ++i) {
+        const PointMm at = free_place(board, 12);
+        EXPECT_LE(std::abs(at.x), 24.5);
+        EXPECT_LE(std::abs(at.y), 14.5);
+        for (const PointMm& other : places) EXPECT_GT(std::hypot(at.x - other.x, at.y - other.y), 11);
+        lay_pile(board, white, at, 12, 1);
+        places.push_back(at);
+    }
+    for (int i = 0; i < 30; ++i) lay_pile(board, white, free_place(board, 12), 12, 1);  // all is full
+    EXPECT_LE(std::abs(free_place(board, 12).x), 24.5);
+    EXPECT_NEAR(free_place(board, 500).x, 0, 10) << "wider than the palette";
+}
+
 }  // namespace
 }  // namespace tangi

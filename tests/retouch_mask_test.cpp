@@ -188,5 +188,22 @@ TEST(Mask, PolygonsThatAreNoneAreRefused) {
         ThrowsMessage<Error>(HasSubstr("nothing of the polygon lies in the picture")));
 }
 
+TEST(Mask, WhatHangsTogetherIsFoundFromAnyOfItsPixels) {
+    Mask mask(12, 8);
+    for (int x = 1; x < 5; ++x) mask(x, 2) = 0.3f;  // of little coverage
+    mask(5, 3) = 1;                                 // across a corner
+    mask(9, 3) = 1;                                 // not there
+    const Mask area = connected_at(mask, 5, 3);
+    int pixels = 0;
+    for (const float v : area.pixels()) pixels += v == 1;
+    EXPECT_EQ(pixels, 5);
+    EXPECT_EQ(area(1, 2), 1);
+    EXPECT_EQ(area(9, 3), 0);
+    EXPECT_TRUE(images_near(connected_at(mask, 2, 2), area, 0));
+    EXPECT_TRUE(connected_at(mask, 0, 0).empty());
+    EXPECT_TRUE(connected_at(mask, -1, 3).empty());
+    EXPECT_TRUE(connected_at(mask, 3, 8).empty());
+}
+
 }  // namespace
 }  // namespace tangi

@@ -266,5 +266,41 @@ TEST_F(PainterTest, SavedUnderAnotherNameTheRecordGoesAlong) {
     EXPECT_EQ(strokes("b.strokes.jsonl"), 2);
 }
 
+TEST_F(PainterTest, WhatIsAllUndoneIsSaved) {
+    write_painting(file_, *flat_surface(200, 150));
+    open();
+    stroke();
+    painter_->save();
+    stroke(5);
+    stroke(-5);
+    EXPECT_TRUE(settle().state.unsaved);
+    painter_->send(UndoEvent{});
+    EXPECT_TRUE(settle().state.unsaved) << "one is left";
+    painter_->send(UndoEvent{});
+    EXPECT_FALSE(settle().state.unsaved) << "as it was saved";
+    painter_->send(UndoEvent{});
+    EXPECT_TRUE(settle().state.unsaved) << "a stroke of the file is missing";
+    painter_->send(RedoEvent{});
+    EXPECT_FALSE(settle().state.unsaved);
+    painter_.reset();
+    EXPECT_THAT(names_in(folder_.path()), testing::ElementsAre("a.exr", "a.strokes.jsonl"))
+        << "nothing to be recovered";
+    // The record is still what makes the painting.
+    Session again(read_canvas(file_).dry_shared(), artist_acrylics());
+    replay(again, read_journal(folder_ / "a.strokes.jsonl"));
+    EXPECT_EQ(again.canvas().volumes_mm3(), read_canvas(file_).volumes_mm3());
+}
+
+TEST_F(PainterTest, DryingThatIsUndoneIsSavedToo) {
+    write_painting(file_, *flat_surface(200, 150));
+    open();
+    stroke();
+    painter_->save();
+    painter_->send(DryEvent{"first", 1});
+    EXPECT_TRUE(settle().state.unsaved);
+    painter_->send(UndoEvent{});
+    EXPECT_FALSE(settle().state.unsaved);
+}
+
 }  // namespace
 }  // namespace tangi

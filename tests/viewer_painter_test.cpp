@@ -129,5 +129,54 @@ TEST_F(PainterTest, ThePaletteIsShownWhereItChanges) {
     EXPECT_LT(changed, whole);
 }
 
+TEST_F(PainterTest, TellsWhatIsOnTheBrush) {
+    write_painting(file_, *flat_surface(200, 150));
+    open();
+    EXPECT_EQ(settle().state.on_brush, OnBrush());
+    StrokeEvent event;
+    event.brush = even_brush();
+    event.paint = {{"Titanium White", 1}, {"Ultramarine Blue", 3}};
+    painter_->send(event);
+    painter_->send(PointEvent{{.x_mm = -10}});
+    const PainterState began = settle().state;
+    EXPECT_TRUE(began.stroking);
+    EXPECT_GT(began.on_brush.fill, 0.8);
+    EXPECT_LE(began.on_brush.fill, 1.001);
+    for (int i = 1; i <= 80; ++i)
+        painter_->send(PointEvent{{.time_s = 0.01 * i, .x_mm = 10 * std::cos(0.2 * i), .y_mm = 0.1 * i}});
+    painter_->send(EndEvent{});
+    const PainterState ended = settle().state;
+    EXPECT_FALSE(ended.stroking);
+    EXPECT_LT(ended.on_brush.fill, 0.9 * began.on_brush.fill) << "what is painted is gone from it";
+    ASSERT_EQ(ended.on_brush.recipe.size(), 2u);
+    EXPECT_EQ(ended.on_brush.recipe.front().first, "Ultramarine Blue");
+    EXPECT_NEAR(ended.on_brush.recipe.front().second, 0.75, 0.02);
+    EXPECT_GT(ended.on_brush.colour.b, ended.on_brush.colour.r);
+}
+
+TEST_F(PainterTest, ThePalettesPilesLieBesideEachOther) {
+    write_painting(file_, *flat_surface(200, 150));
+    open();
+    const auto painted_tiles = [&] {
+        std::vector<Region> tiles;
+        for (const BoardPatch& patch : settle().board) tiles.push_back(patch.region);
+        return tiles;
+    };
+    PileEvent pile;
+    pile.paint = {{"Titanium White", 1}};
+    painter_->squeeze(pile);
+    painted_tiles();
+    pile.paint = {{"Bone Black", 1}};
+    painter_->squeeze(pile);
+    painted_tiles();
+    painter_->save();
+    settle();
+    std::vector<PointMm> at;
+    for (const Journal::Entry& entry : read_journal(folder_ / "a.strokes.jsonl").entries)
+        at.push_back(std::get<PileEvent>(entry.event).at);
+    ASSERT_EQ(at.size(), 2u);
+    EXPECT_GT(std::hypot(at[0].x - at[1].x, at[0].y - at[1].y), 0.9 * pile.size_mm);
+}
+
 }  // namespace
 }  // namespace tangi

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 
+#include "paint/kubelka_munk.h"
 #include "surface/colour.h"
 #include "surface/parallel.h"
 #include "surface/relight.h"
@@ -15,16 +17,30 @@ namespace {
 constexpr float kAround = 0.15f;  // part of the light that comes from all around
 
 // [sRGB, 0..1]
-Rgb seen(const Surface& surface, int x, int y) {
-    static const Vec3 lamp = glm::normalize(Vec3(-0.45f, 0.45f, 0.76f));
+Rgb seen(const Surface& surface, int x, int y, const Vec3& lamp) {
     const Rgb lit = reflected(surface, x, y, lamp, {0, 0, 1}, WardModel::bounded);
     return glm::clamp(Transfer{Transfer::Kind::srgb}.encode(lit + kAround * surface.diffuse(x, y)), 0.0f,
                       1.0f);
 }
 
+constexpr float kThick_mm = 1;
+
 }  // namespace
 
-BoardPatch board_patch(const Surface& board, const Region& region) {
+Rgb thick_film(std::span<const Pigment> paints, std::span<const float> parts) {
+    const float sum = std::accumulate(parts.begin(), parts.end(), 0.0f);
+    std::vector<float> volumes;
+    for (const float part : parts) volumes.push_back(kThick_mm * part / sum);
+    std::vector<std::span<const float>> planes;
+    for (const float& volume : volumes) planes.emplace_back(&volume, 1);
+    const Rgb below(0.5f);
+    Rgb colour;
+    FilmBatch(std::vector(paints.begin(), paints.end()))
+        .look(planes, std::span<const Rgb>(&below, 1), std::span<Rgb>(&colour, 1));
+    return glm::clamp(colour, 0.0f, 1.0f);
+}
+
+BoardPatch board_patch(const Surface& board, const Region& region, const Vec3& lamp) {
     BoardPatch patch{board.width(), board.height(), region, {}};
     const auto width = static_cast<std::size_t>(region.width());
     patch.srgb.resize(width * static_cast<std::size_t>(region.height()));
@@ -33,7 +49,7 @@ BoardPatch board_patch(const Surface& board, const Region& region) {
             for (int x = region.x0; x < region.x1; ++x)
                 patch.srgb[static_cast<std::size_t>(y - region.y0) * width +
                            static_cast<std::size_t>(x - region.x0)] =
-                    glm::u8vec3(glm::round(255.0f * seen(board, x, y)));
+                    glm::u8vec3(glm::round(255.0f * seen(board, x, y, lamp)));
     });
     return patch;
 }
@@ -50,7 +66,7 @@ std::vector<Rgb> gloss_strip(const Rgb& diffuse, double specular, double roughne
         strip.diffuse(i, 0) = diffuse;
         strip.specular(i, 0) = static_cast<float>(specular);
         strip.roughness(i, 0) = static_cast<float>(roughness);
-        colours.push_back(seen(strip, i, 0));
+        colours.push_back(seen(strip, i, 0, kBoardLamp));
     }
     return colours;
 }

@@ -1,9 +1,11 @@
-// board_picture.h: what the palette looks like that paints are mixed on. No OpenGL.
+// board_picture.h: what the palette looks like that paints are mixed on, and paint by itself. No OpenGL.
 #pragma once
 
 #include <glm/gtc/type_precision.hpp>
+#include <span>
 #include <vector>
 
+#include "paint/pigment.h"
 #include "surface/surface.h"
 
 namespace tangi {
@@ -15,8 +17,14 @@ struct BoardPatch {
     std::vector<glm::u8vec3> srgb;
 };
 
-// Lit by a lamp at the upper left, 50 degrees high, and a little from all around, seen from straight ahead.
-BoardPatch board_patch(const Surface& board, const Region& region);
+// Where the lamp stands over the palette: at the upper left, 50 degrees high.
+inline const Vec3 kBoardLamp = glm::normalize(Vec3(-0.45f, 0.45f, 0.76f));
+
+// Lit by a far lamp, and a little from all around, seen from straight ahead.
+BoardPatch board_patch(const Surface& board, const Region& region, const Vec3& lamp = kBoardLamp);
+
+// Linear Rec. 709 of a mixture of these paints, 1 mm thick.
+Rgb thick_film(std::span<const Pigment> paints, std::span<const float> parts);
 
 // A strip of a bent film of this paint under that lamp, sRGB: how it shines.
 std::vector<Rgb> gloss_strip(const Rgb& diffuse, double specular, double roughness, int count);

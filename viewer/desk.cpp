@@ -23,6 +23,17 @@ fs::path place_for_fit(const fs::path& folder) {
     }
 }
 
+// What tells one painting from another by what it was fitted to.
+std::vector<std::string> photographs_of(const Painter& painter) {
+    const Surface& dry = *painter.dry();
+    std::vector<std::string> names = {fmt::format("{} x {}", dry.width(), dry.height())};
+    for (const Photography::Photo& photo : dry.photography.photos) {
+        const Vec3& d = photo.light.direction;
+        names.push_back(fmt::format("{} {} {} {}", photo.light.name, d.x, d.y, d.z));
+    }
+    return names;
+}
+
 }  // namespace
 
 Desk::Desk(WindowState& state, Setup setup) : state_(state), setup_(std::move(setup)) {
@@ -37,8 +48,16 @@ void Desk::put_photos_away() {
 }
 
 void Desk::shows(const Painter& painter) {
+    const Comparing before = state_.comparing;
     put_photos_away();
     measured_.reset();
+    if (before.loaded && photographs_of(painter) == held_of_) {  // the same painting, or its treatment
+        hold_photos(before.folder, painter);
+        state_.comparing.on = before.on && !before.pair;
+        state_.comparing.way = before.way;
+        state_.comparing.divider = before.divider;
+        turn_to(before.news.wanted);
+    }
     if (fs::exists(painter.file())) remember(painter.file());
 }
 
@@ -51,27 +70,34 @@ void Desk::remember(const fs::path& file) {
     state_.recent = recent_paintings(setup_.settings);
 }
 
-void Desk::start(std::string title, std::function<void(const Progress&)> work) {
-    if (job_ && !job_->state().over) {
+bool Desk::start(std::string title, std::function<void(const Progress&)> work) {
+    if (job_) {
         setup_.say(fmt::format("first stop, or wait for: {}", job_->title()));
-        return;
+        return false;
     }
     job_ = std::make_unique<Job>(std::move(title), std::move(work), setup_.wake);
+    return true;
 }
 
 void Desk::open(const fs::path& file) {
     const std::optional<Palette> other = other_palette_ ? std::optional(setup_.palette) : std::nullopt;
-    start("opening " + file.filename().string(),
-          [this, file, other, palette = setup_.palette](const Progress& progress) {
+    std::optional<SubstrateChoice> ground;
+    if (new_canvas_ && new_canvas_->first == file && !fs::exists(file)) ground = new_canvas_->second;
+    start((ground ? "making " : "opening ") + file.filename().string(),
+          [this, file, other, ground, palette = setup_.palette](const Progress& progress) {
               OpenedPainting opened;
               opened.palette = other;
-              Painter::Setup setup{read_canvas(file, progress, treatment_scale(file)), palette, file, false};
+              Canvas canvas = ground ? Canvas(std::make_shared<Surface>(make_substrate(*ground, progress)))
+                                     : read_canvas(file, progress, treatment_scale(file));
+              Painter::Setup setup{std::move(canvas), palette, file, ground.has_value()};
               opened.painter = std::make_unique<Painter>(std::move(setup), setup_.wake, progress);
               opened.tiles = std::make_shared<TexelTiles>(opened.painter->surface(), opened.painter->range());
               opened.file = file;
               opened_ = std::move(opened);
           });
 }
+
+void Desk::make(const fs::path& file, const SubstrateChoice& choice) { new_canvas_ = {file, choice}; }
 
 void Desk::use_palette(Palette palette) {
     setup_.palette = std::move(palette);
@@ -81,10 +107,21 @@ void Desk::use_palette(Palette palette) {
 void Desk::fit(const fs::path& chosen) {
     const fs::path folder = fs::is_regular_file(chosen) ? fs::absolute(chosen).parent_path() : chosen;
     const fs::path out = place_for_fit(folder);
-    start(fmt::format("fitting {}", folder.filename().string()),
-          [this, chosen, out](const Progress& progress) {
-              std::string said = setup_.workshop.fit(chosen, out, progress);
-              fitted_ = {out, std::move(said)};
+    fits_ = start(fmt::format("fitting {}", folder.filename().string()),
+                  [this, chosen, out](const Progress& progress) {
+                      std::string said = setup_.workshop.fit(chosen, out, progress);
+                      written_ = {out, std::move(said)};
+                  });
+}
+
+// With what is on the canvas at this moment.
+void Desk::write_as(const ExportFormat& format, const fs::path& out, Painter& painter) {
+    start("exporting " + out.filename().string(),
+          [this, &format, out, &painter, file = painter.file()](const Progress& progress) {
+              std::optional<Canvas> canvas;
+              painter.look([&](const Surface&, const Canvas& now) { canvas.emplace(now); }).get();
+              std::string said = setup_.workshop.export_canvas(*canvas, file, format.format, out, progress);
+              written_ = {out, std::move(said)};
           });
 }
 
@@ -99,6 +136,7 @@ void Desk::hold_photos(const fs::path& folder, const Painter& painter) {
         },
         setup_.wake);
     comparison_->measure(measured_);
+    held_of_ = photographs_of(painter);
 }
 
 void Desk::turn_to(int index) {
@@ -119,9 +157,11 @@ void Desk::step(int by) {
     turn_to(index);
 }
 
-void Desk::take(const WindowState::Requests& ask, const Painter& painter) {
+void Desk::take(const WindowState::Requests& ask, Painter& painter) {
     if (ask.stop_job && job_) job_->stop();
     if (!ask.fit_folder.empty() && setup_.workshop.fit) fit(ask.fit_folder);
+    if (!ask.export_to.empty() && setup_.workshop.export_canvas)
+        write_as(*ask.format, ask.export_to, painter);
     if (!ask.photos.empty() && setup_.workshop.open_photos) hold_photos(ask.photos, painter);
     if (!comparison_) return;
     if (ask.put_photos_away) {
@@ -149,12 +189,13 @@ bool Desk::look() {
             if (job.cancelled) setup_.say("stopped: " + job_->title());
             job_.reset();  // its thread is done: what it made is ours
             state_.job.reset();
-            if (fitted_) {
-                setup_.say(fmt::format("wrote {}{}", fitted_->first.string(),
-                                       fitted_->second.empty() ? "" : "; " + fitted_->second));
-                state_.ask.open = fitted_->first;
-                fitted_.reset();
+            if (written_) {
+                setup_.say(fmt::format("wrote {}{}", written_->first.string(),
+                                       written_->second.empty() ? "" : "; " + written_->second));
+                if (std::exchange(fits_, false)) state_.ask.open = written_->first;
+                written_.reset();
             }
+            fits_ = false;
         }
     }
     if (!comparison_) return worked;

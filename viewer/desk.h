@@ -34,17 +34,20 @@ public:
     };
     Desk(WindowState& state, Setup setup);
 
-    // Tells what is shown from now on: photographs of another painting are put away.
+    // Tells what is shown from now on: photographs of another painting are put away; those of the same one,
+    // such as its treatment, stay.
     void shows(const Painter& painter);
 
     // Does what was asked for, of what is its business.
-    void take(const WindowState::Requests& ask, const Painter& painter);
+    void take(const WindowState::Requests& ask, Painter& painter);
     // Looks what has become of it; changes the state. True where there may be something to be seen of it.
     bool look();
     // A painting that is to be shown now; once.
     std::optional<OpenedPainting> opened();
 
     void open(const std::filesystem::path& file);
+    // `file`, which is not there, is a new canvas on this from now on: open() makes it.
+    void make(const std::filesystem::path& file, const SubstrateChoice& choice);
     // What is opened from now on is painted on with this paint box.
     void use_palette(Palette palette);
     void remember(const std::filesystem::path& file);  // as one that was opened last
@@ -55,16 +58,20 @@ private:
     void step(int by);
     void turn_to(int index);
     void put_photos_away();
-    void start(std::string title, std::function<void(const Progress&)> work);
+    void write_as(const ExportFormat& format, const std::filesystem::path& out, Painter& painter);
+    bool start(std::string title, std::function<void(const Progress&)> work);
 
     WindowState& state_;
     Setup setup_;
     bool other_palette_ = false;
+    std::optional<std::pair<std::filesystem::path, SubstrateChoice>> new_canvas_;
     std::optional<OpenedPainting> opened_;  // by the job, while it runs; ours once it is over
-    std::optional<std::pair<std::filesystem::path, std::string>> fitted_;  // the same
+    std::optional<std::pair<std::filesystem::path, std::string>> written_;  // the same; what is to be said
+    bool fits_ = false;  // the job does: what it writes is opened
     std::unique_ptr<Job> job_;
     std::unique_ptr<Comparison> comparison_;
-    std::future<void> put_away_;  // one that still measures a photograph that nobody wants any more
+    std::future<void> put_away_;        // one that still measures a photograph that nobody wants any more
+    std::vector<std::string> held_of_;  // the painting that they are of
     std::optional<Region> measured_;
     bool worked_ = false;
     int lit_ = -1;  // the photograph at whose lamp the painting is lit

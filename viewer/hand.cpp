@@ -63,6 +63,7 @@ void Hand::take(const InputEvent& event, Extent screen, double left, bool panels
     const auto follow = [&] {
         cursor_ = event.at - glm::dvec2(left, 0);
         pen_ = event.pen;
+        state_.pen_tilt = pen_ ? std::optional(glm::vec2(pen_->tilt_x, pen_->tilt_y)) : std::nullopt;
         over_canvas_ =
             cursor_.x >= 0 && cursor_.y >= 0 && cursor_.x < screen.width && cursor_.y < screen.height;
         // Beside a photograph, both halves show the same part of the painting.

@@ -26,7 +26,7 @@ void Hand::key(const InputEvent& event) {
     }
     if (event.code == GLFW_KEY_ESCAPE) {
         state_.ask.stay = state_.finishing.has_value();
-        state_.closing = false;
+        state_.closing = state_.new_canvas.open = false;
         state_.open_next.clear();
         state_.dropped.clear();
     }
@@ -132,6 +132,9 @@ void Hand::act(Action action) {
             break;
         case Action::report:
             ask.report_dialog = state_.comparing.news.book != nullptr;
+            break;
+        case Action::fresh:
+            ask.new_canvas = true;
             break;
         case Action::open:
             ask.open_dialog = true;

@@ -28,6 +28,9 @@ void Hand::press_on_mask(const InputEvent& event, const glm::dvec2& at) {
         case MaskTool::wand:
             t.touches.push_back({MaskTouch::Kind::wand, corner, mask_erases_});
             break;
+        case MaskTool::area:
+            t.touches.push_back({MaskTouch::Kind::area, corner, true});
+            break;
         case MaskTool::polygon:
             if (t.polygon.size() >= 3 &&
                 glm::length(placement().to_screen(t.polygon.front()) - cursor_) < kClose_px)

@@ -21,14 +21,15 @@ enum class LookMode {
     specular,
     confidence,
     normals,
-    diffuse
+    diffuse,
+    curvature
 };
 
 struct LookName {
     LookMode mode;
     const char* name;
 };
-inline constexpr std::array<LookName, 10> kLooks = {{{LookMode::painting, "Painting"},
+inline constexpr std::array<LookName, 11> kLooks = {{{LookMode::painting, "Painting"},
                                                      {LookMode::specular_enhancement, "Specular enhancement"},
                                                      {LookMode::diffuse_gain, "Diffuse gain"},
                                                      {LookMode::unsharp_normals, "Unsharp normals"},
@@ -37,7 +38,8 @@ inline constexpr std::array<LookName, 10> kLooks = {{{LookMode::painting, "Paint
                                                      {LookMode::specular, "Specular ρs"},
                                                      {LookMode::confidence, "Confidence"},
                                                      {LookMode::normals, "Normals"},
-                                                     {LookMode::diffuse, "Diffuse colour ρd"}}};
+                                                     {LookMode::diffuse, "Diffuse colour ρd"},
+                                                     {LookMode::curvature, "Curvature"}}};
 
 enum class Shadows {
     none,
@@ -60,6 +62,7 @@ struct Scene {
     float strength = 1;    // of the modes that enhance
     float sharpness = 40;  // exponent of the enhanced gloss; coarseness [levels] of unsharp normals
     float lowest_mm = 0, highest_mm = 1;  // of the height's false colours
+    float most_curvature = 1;             // [1/mm] of the curvature's
     bool on_monitor = false;  // in the colours of Renderer::set_monitor(), where it was called; else sRGB
 };
 

@@ -4,6 +4,7 @@
 
 #include "paint/appearance.h"
 #include "paint/canvas_file.h"
+#include "paint/mixing_board.h"
 #include "paint/tools_file.h"
 #include "surface/error.h"
 #include "surface/overview.h"
@@ -40,6 +41,7 @@ Painter::Painter(Setup setup, std::function<void()> wake, const Progress& progre
     range_ = range_of(surface(), kPaintRoom_mm / static_cast<float>(session_.canvas().height_unit_mm()));
     session_.canvas().take_dirty();
     for (const DriedLayer& layer : session_.canvas().dried()) own_.layers.push_back(layer.name);
+    mark_saved();
     news_.state = own_;
 }
 
@@ -147,6 +149,8 @@ void Painter::work() {
     guarded([&] {
         session_.finish();
         record_.sync();
+        // All of it was undone: nothing is to be recovered.
+        if (!own_.unsaved && !record_.empty()) record_.put_away();
     });
 }
 
@@ -175,6 +179,7 @@ void Painter::show_changes() {
         changed.push_back(region);
     }
     show_board();
+    weigh_brush();
     own_.can_undo = session_.history().can_undo();
     own_.can_redo = session_.history().can_redo();
     own_.strokes = session_.totals().strokes + skipped_strokes_;
@@ -248,18 +253,27 @@ void Painter::apply(const Event& event, bool recorded) {
     }
     if (!recorded) record(event);
     own_.unsaved = true;
+    own_.stroking = std::holds_alternative<StrokeEvent>(event) || std::holds_alternative<PointEvent>(event);
     if (hurry_) {
         skipped_strokes_ += std::holds_alternative<StrokeEvent>(event);
         return;
     }
     session_.apply(event);
     for (std::string warning; !(warning = session_.take_warning()).empty();) say(std::move(warning));
-    if (std::holds_alternative<UndoEvent>(event)) ++own_.undone;
-    if (std::holds_alternative<RedoEvent>(event)) --own_.undone;
+    const bool redo = std::holds_alternative<RedoEvent>(event);
+    own_.undone += undo ? 1 : redo ? -1 : 0;
+    if (undo || redo) own_.unsaved = !is_as_saved();
 }
 
 void Painter::send(Event event) {
     post([this, event = std::move(event)] { apply(event, false); });
+}
+
+void Painter::squeeze(PileEvent pile) {
+    post([this, pile = std::move(pile)]() mutable {
+        if (const Canvas* board = session_.board()) pile.at = free_place(*board, pile.size_mm);
+        apply(pile, false);
+    });
 }
 
 void Painter::recover(Journal journal) {
@@ -307,7 +321,7 @@ void Painter::write(const std::filesystem::path& to) {
     file_is_new_ = false;
     const bool is_of_another = own_.elsewhere;
     own_.elsewhere = !claim_.take(to);
-    own_.unsaved = false;
+    mark_saved();
     ++own_.saves;
     if (to == from)
         record_.put_away();

@@ -44,7 +44,17 @@ struct Probe {
     std::vector<std::pair<std::string, double>> recipe{};  // of paints, parts that sum to 1
 };
 
+// What is on the brush.
+struct OnBrush {
+    double fill = 0;                                       // [1] of a full load; more where it took paint up
+    std::vector<std::pair<std::string, double>> recipe{};  // of paints, parts that sum to 1; most first
+    Rgb colour{0};                                         // [linear] laid on thickly
+    friend bool operator==(const OnBrush&, const OnBrush&) = default;
+};
+
 struct PainterState {
+    OnBrush on_brush;       // as the last stroke has left it so far
+    bool stroking = false;  // a stroke is under way
     bool can_undo = false, can_redo = false, unsaved = false, saving = false, has_board = false;
     bool elsewhere = false;  // it is open in another window: here one may look
     int strokes = 0, undone = 0, saves = 0;
@@ -90,6 +100,7 @@ public:
     void start(std::shared_ptr<TexelTiles> tiles);
 
     void send(Event event);
+    void squeeze(PileEvent pile);   // onto the palette, where there is room for it
     void recover(Journal journal);  // paints what a crash left; it is in the journal already
     void discard();                 // puts the journal of unsaved strokes aside
     void save();
@@ -131,8 +142,11 @@ private:
     void show_changes();
     Surface& own_surface();
     void show_board();
+    void weigh_brush();
     void say(std::string text);
     void guarded(const std::function<void()>& action);
+    void mark_saved();
+    bool is_as_saved() const;
     void write(const std::filesystem::path& to);
     Probe look_at(int x, int y, double radius_px);
     void adopt(Canvas canvas);
@@ -152,7 +166,8 @@ private:
     PaintingClaim claim_;
     bool file_is_new_, told_of_journal_ = false;
     PainterState own_;
-    std::optional<Canvas> shown_;  // instead of the session's
+    std::optional<Canvas> shown_;                // instead of the session's
+    std::optional<Canvas> saved_, saved_board_;  // as they are in the file
     Keep keep_;
     std::shared_ptr<const Image<float>> allowed_;
     struct Counted {
@@ -171,6 +186,9 @@ private:
     std::atomic<bool> horizon_stop_ = false, hurry_ = false;
     std::atomic<int> saves_waiting_ = 0;
     int skipped_strokes_ = 0;
+    std::uint64_t weighed_seed_ = 0;  // of the brush that holds full_mm3_
+    double full_mm3_ = 0;
+    std::chrono::steady_clock::time_point weighed_{};
     std::thread thread_, horizon_thread_;
 };
 

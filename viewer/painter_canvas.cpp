@@ -24,6 +24,27 @@ std::vector<TileIndex> tiles_that_differ(const Canvas& a, const Canvas& b) {
 
 }  // namespace
 
+void Painter::mark_saved() {
+    saved_ = session_.canvas();
+    saved_board_.reset();
+    if (const Canvas* board = session_.board()) saved_board_ = *board;
+    own_.unsaved = false;
+}
+
+// By its tiles, which undo brings back: those that came back from disk count as others.
+bool Painter::is_as_saved() const {
+    const auto names = [](const Canvas& canvas) {
+        std::vector<std::string> all;
+        for (const DriedLayer& layer : canvas.dried()) all.push_back(layer.name);
+        return all;
+    };
+    const Canvas& now = session_.canvas();
+    if (names(now) != names(*saved_) || !tiles_that_differ(now, *saved_).empty()) return false;
+    const Canvas* board = session_.board();
+    if (!board || !saved_board_) return !board || board->wet().painted().empty();
+    return tiles_that_differ(*board, *saved_board_).empty();
+}
+
 // Pixels with wet paint, of the tiles that changed.
 void Painter::count(std::span<const Region> changed) {
     const PaintLayer& wet = session_.canvas().wet();
@@ -77,6 +98,7 @@ void Painter::adopt(Canvas canvas) {
     for (const TileIndex tile : tiles_that_differ(session_.canvas(), canvas)) canvas.mark_dirty(tile);
     session_.canvas() = std::move(canvas);
     session_.forget_history();
+    if (!own_.unsaved) mark_saved();
 }
 
 std::future<void> Painter::change(std::function<void(Canvas&)> work) {

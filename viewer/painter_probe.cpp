@@ -1,9 +1,15 @@
 // painter_probe.cpp: of the painter: what is looked at and measured, and the map of horizons.
 #include "viewer/painter.h"
 
+#include <algorithm>
+#include <chrono>
+#include <numeric>
+
 namespace tangi {
 
 namespace {
+
+constexpr auto kBetweenWeighings = std::chrono::milliseconds(100);
 
 constexpr std::pair<const char*, float StandardErrors::*> kErrors[] = {
     {"diffuse", &StandardErrors::diffuse},
@@ -34,6 +40,33 @@ Probe Painter::look_at(int x, int y, double radius_px) {
                 if (errors_->info().channels[c] == name) probe.errors.*member = values[c];
     }
     return probe;
+}
+
+// What is left on the brush: several times a second while it paints.
+void Painter::weigh_brush() {
+    const Brush* brush = session_.brush();
+    if (!brush) return;
+    const auto now = std::chrono::steady_clock::now();
+    if (own_.stroking && now - weighed_ < kBetweenWeighings) return;
+    weighed_ = now;
+    if (weighed_seed_ != brush->seed() || full_mm3_ == 0) full_mm3_ = brush->full_mm3();
+    weighed_seed_ = brush->seed();
+    const Canvas* canvas = session_.brush_place() == Place::palette ? session_.board() : &session_.canvas();
+    if (!canvas) return;
+    const std::vector<double> mm3 = brush->volumes_mm3(canvas->ingredients().size());
+    const double sum = std::accumulate(mm3.begin(), mm3.end(), 0.0);
+    own_.on_brush = {.fill = full_mm3_ > 0 ? sum / full_mm3_ : 0};
+    if (!(own_.on_brush.fill > 0)) return;
+    std::vector<Pigment> paints;
+    std::vector<float> parts;
+    for (std::size_t i = 0; i < mm3.size(); ++i) {
+        if (!(mm3[i] > 0.001 * sum)) continue;
+        paints.push_back(canvas->ingredients()[i]);
+        parts.push_back(static_cast<float>(mm3[i] / sum));
+        own_.on_brush.recipe.emplace_back(paints.back().name, mm3[i] / sum);
+    }
+    std::ranges::sort(own_.on_brush.recipe, std::greater(), &std::pair<std::string, double>::second);
+    own_.on_brush.colour = thick_film(paints, parts);
 }
 
 void Painter::probe(int x, int y) {

@@ -207,7 +207,8 @@ void Renderer::draw(const Scene& scene, const Shot& shot, GLuint target, bool li
     u.set("u_exposure", scene.exposure);
     u.set("u_shoulder", scene.shoulder);
     u.set("u_background", scene.background);
-    u.set("u_look", glm::vec4(scene.strength, scene.sharpness, scene.lowest_mm, scene.highest_mm));
+    u.set("u_look", glm::vec4(scene.strength, scene.sharpness, scene.lowest_mm,
+                              scene.mode == LookMode::curvature ? scene.most_curvature : scene.highest_mm));
     glDrawArrays(GL_TRIANGLES, 0, 3);
     if (encodes) glDisable(GL_FRAMEBUFFER_SRGB);
     glDisable(GL_SCISSOR_TEST);

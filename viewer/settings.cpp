@@ -24,6 +24,13 @@ fs::path settings_folder() {
     return {};
 }
 
+fs::path untitled(const fs::path& folder) {
+    for (int i = 1;; ++i) {
+        fs::path path = folder / ("untitled-" + std::to_string(i) + ".exr");
+        if (!fs::exists(path)) return path;
+    }
+}
+
 std::vector<fs::path> recent_paintings(const fs::path& folder) {
     std::vector<fs::path> recent;
     std::error_code gone;

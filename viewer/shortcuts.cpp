@@ -114,6 +114,7 @@ const std::vector<Shortcut>& shortcuts() {
         {compare_states, "compare-states", "Ctrl+E", "treatment: hold two states against each other"},
         {additions, "additions", "Ctrl+Shift+X", "treatment: show additions in false colour"},
         {treatment_report, "treatment-report", "Ctrl+Shift+R", "treatment: write the report"},
+        {fresh, "new", "Ctrl+N", "new canvas"},
         {open, "open", "Ctrl+O", "open"},
         {save, "save", "Ctrl+S", "save"},
         {save_as, "save-as", "Ctrl+Shift+S", "save under another name"},

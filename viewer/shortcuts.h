@@ -57,6 +57,7 @@ enum class Action {
     compare_states,
     additions,
     treatment_report,
+    fresh,
     open,
     save,
     save_as,

@@ -20,13 +20,13 @@
 
 namespace tangi {
 
-enum class MaskTool { brush, polygon, wand };
+enum class MaskTool { brush, polygon, wand, area };
 enum class MapStyle { filled, hatched, outlined };
 enum class Suggesting { loss, craquelure, gloss, old_fill, overpaint, stain, abrasion, flaking };
 
 // What the hand does to the mask that is drawn; `at` as in mask.h.
 struct MaskTouch {
-    enum class Kind { press, drag, release, polygon, wand };
+    enum class Kind { press, drag, release, polygon, wand, area };
     Kind kind = Kind::press;
     Corner at;
     bool erase = false;

@@ -65,23 +65,6 @@ std::string told(const json& entry) {
 
 }  // namespace
 
-const char* title_of(DamageClass damage) {
-    constexpr std::array<const char*, kDamageClasses.size()> titles = {
-        "Loss to ground", "Loss to support", "Abrasion",  "Craquelure",
-        "Flaking",        "Old fill",        "Overpaint", "Stain"};
-    return titles[static_cast<std::size_t>(damage)];
-}
-
-const char* title_of(LayerRole role) {
-    constexpr std::array<const char*, 4> titles = {"fill", "isolating varnish", "retouch", "varnish"};
-    return titles[static_cast<std::size_t>(role)];
-}
-
-const char* title_of(TreatmentState state) {
-    constexpr std::array<const char*, 5> titles = {"Before", "Cleaned", "Filled", "Retouched", "Varnished"};
-    return titles[static_cast<std::size_t>(state)];
-}
-
 std::optional<fs::path> treatment_of(const fs::path& painting) {
     if (painting.filename() != "painting.exr") return {};
     const fs::path folder = fs::absolute(painting).parent_path();
@@ -98,6 +81,7 @@ std::optional<double> treatment_scale(const fs::path& painting) {
 }
 
 TreatmentDesk::TreatmentDesk(WindowState& state, Setup setup) : state_(state), setup_(std::move(setup)) {
+    setup_.say = [say = std::move(setup_.say)](const std::string& text) { say(in_panel_words(text)); };
     read_pairs();
 }
 

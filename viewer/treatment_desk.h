@@ -27,6 +27,9 @@ std::optional<std::filesystem::path> treatment_of(const std::filesystem::path& p
 // [mm/px] That its treatment was given, where the painting does not know its own.
 std::optional<double> treatment_scale(const std::filesystem::path& painting);
 
+// What commands say, for the window: "--search-mm" is "search mm", as the panel calls it.
+std::string in_panel_words(const std::string& text);
+
 class TreatmentDesk {
 public:
     struct Setup {

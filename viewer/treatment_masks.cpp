@@ -17,7 +17,7 @@ namespace {
 constexpr double kLeastSure = 0.2;
 
 const char* name_of(MaskTool tool) {
-    constexpr std::array<const char*, 3> names = {"brush", "polygon", "wand"};
+    constexpr std::array<const char*, 4> names = {"brush", "polygon", "wand", "area"};
     return names[static_cast<std::size_t>(tool)];
 }
 
@@ -112,6 +112,20 @@ void TreatmentDesk::touch(const MaskTouch& touch) {
         case MaskTouch::Kind::wand:
             wand_at(touch);
             break;
+        case MaskTouch::Kind::area: {
+            MaskDraft& mask = draft();
+            const Mask area = connected_at(mask.mask(), static_cast<int>(std::floor(touch.at.x)),
+                                           static_cast<int>(std::floor(touch.at.y)));
+            if (area.empty()) {
+                setup_.say(fmt::format("nothing of '{}' lies there", title_of(t.current)));
+                break;
+            }
+            mask.begin();
+            const Region region = mask.combine(area, MaskEdit::remove);
+            mask.end();
+            changed(region);
+            break;
+        }
     }
 }
 

@@ -187,6 +187,7 @@ void WindowApp::draw_panels(const Placement& place) {
     }
     panels::measurements(state_);
     panels::board(state_);
+    panels::new_canvas(state_);
     panels::help(state_);
     if (dialog_ && !dialog_->draw()) dialog_.reset();
     panels::overlay(state_, place, screen_, hand_->cursor(), hand_->over_canvas());
@@ -202,10 +203,10 @@ std::string WindowApp::seen_now(const Placement& place) const {
     for (const Light& light : scene.lights)
         seen += fmt::format("{} {} {} {} {}", light.direction.x, light.direction.y, light.direction.z,
                             light.gain.r, light.position_mm ? light.position_mm->z : 0);
-    seen += fmt::format("{} {} {} {} {} {} {} {} {} {} {}", static_cast<int>(scene.model),
+    seen += fmt::format("{} {} {} {} {} {} {} {} {} {} {} {}", static_cast<int>(scene.model),
                         static_cast<int>(scene.shadows), scene.light_radius_deg, scene.ambient,
                         scene.exposure[0][0], scene.shoulder, static_cast<int>(scene.mode), scene.strength,
-                        scene.sharpness, scene.lowest_mm, scene.highest_mm);
+                        scene.sharpness, scene.lowest_mm, scene.highest_mm, scene.most_curvature);
     const Comparing& comparing = state_.comparing;
     if (comparing.shows())
         return fmt::format("{} {} {} {} {}", seen.substr(0, kShotBytes),
@@ -229,7 +230,8 @@ void WindowApp::resize(Extent screen) {
 void WindowApp::take_input(std::deque<InputEvent> events) {
     events.insert(events.begin(), held_back_.begin(), held_back_.end());
     held_back_.clear();
-    const bool floating = state_.help || dialog_ || state_.profile || state_.statistics || state_.board.open;
+    const bool floating = state_.help || dialog_ || state_.profile || state_.statistics ||
+                          state_.board.open || state_.new_canvas.open;
     const bool panels_busy = ImGui::IsPopupOpen(nullptr, ImGuiPopupFlags_AnyPopup) ||
                              (floating && ImGui::GetIO().WantCaptureMouse);
     // A dialog that is gone is typed into until Dear ImGui has noticed.
@@ -277,6 +279,7 @@ bool WindowApp::frame() {
     ready_to_paint_ |= state_.tool == Tool::paint;
     requests();
     news();
+    preview_canvas();
     hand_->probe(dirty_);
     if (auto opened = desk_->opened()) {
         if (opened->palette) {

@@ -1,7 +1,7 @@
 // window_app.h: the window from inside: what there is of it, and what a frame does.
 //
-// In three parts: window_opening.cpp shows a painting, window.cpp draws and animates, window_requests.cpp
-// does what hand and panels ask for.
+// In four parts: window_opening.cpp shows a painting, window.cpp draws and animates, window_requests.cpp does
+// what hand and panels ask for, window_paintings.cpp what of it is about other paintings.
 #pragma once
 
 #include <deque>
@@ -20,6 +20,7 @@
 #include "viewer/panel_input.h"
 #include "viewer/panels/file_dialog.h"
 #include "viewer/recorder.h"
+#include "viewer/substrate_preview.h"
 #include "viewer/treatment_desk.h"
 #include "viewer/window.h"
 
@@ -61,6 +62,10 @@ private:
     void film();
     void take_board(std::vector<BoardPatch> patches);
     void board_requests(const WindowState::Requests& ask);
+    void choose_canvas(const std::filesystem::path& ground);
+    void preview_canvas();
+    void begin_canvas();
+    void canvas_requests(const WindowState::Requests& ask);
     void say(const std::string& text);
     bool closing();
     bool painted_all();
@@ -91,7 +96,8 @@ private:
     Shot film_shot_;
     std::vector<Scene> film_scenes_;  // of its pictures
     gl::Texture board_;
-    MapTexture map_;
+    MapTexture map_, preview_texture_;
+    std::unique_ptr<SubstratePreview> preview_;  // of a new canvas
     gl::Target loupe_;
     std::optional<Journal> left_over_;
     std::deque<InputEvent> held_back_;  // came after a key that may close a dialog: for the panels, then

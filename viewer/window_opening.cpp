@@ -19,6 +19,7 @@ namespace tangi {
 
 namespace {
 
+constexpr double kMostBent = 0.1;  // [1/pixel] that the false colours of curvature begin with
 constexpr double kLook_s = 0.01,
                  kProgress_s = 0.2;  // between two looks whether it is there; between two pictures
 
@@ -151,6 +152,7 @@ void WindowApp::show(OpenedPainting opened, bool is_first) {
     state_.from_photographs = !surface.photography.photos.empty();
     const auto [low, high] =
         std::minmax_element(surface.height_mm.pixels().begin(), surface.height_mm.pixels().end());
+    state_.most_curvature = static_cast<float>(kMostBent / surface.mm_per_pixel);
     state_.lowest_mm = *low;
     state_.highest_mm = *high;
     state_.ruler.reset();

@@ -69,7 +69,7 @@ void WindowApp::board_requests(const WindowState::Requests& ask) {
     for (const auto& [name, part] : state_.mix)
         if (part > 0) pile.paint.emplace_back(name, part);
     pile.finish = state_.finish;
-    painter_->send(pile);
+    painter_->squeeze(std::move(pile));
 }
 
 void WindowApp::news() {
@@ -184,54 +184,7 @@ void WindowApp::film() {
     recorder_->add(renderer_.read(target));
 }
 
-// Where strokes are not saved, asks first.
-void WindowApp::open_when_allowed(const std::filesystem::path& file) {
-    if (state_.painter.unsaved || state_.left_over_strokes > 0 || state_.treating.edits > 0) {
-        if (state_.left_over_strokes > 0)
-            say("first recover or put aside the strokes of the last sitting");
-        else
-            state_.closing = true;
-        state_.open_next = state_.closing ? file : std::filesystem::path();
-        return;
-    }
-    desk_->open(file);
-}
-
-void WindowApp::take_dropped() {
-    for (const std::filesystem::path& path : input_.take_dropped()) {
-        std::error_code gone;
-        if (std::filesystem::is_regular_file(path / "log.jsonl", gone))
-            open_when_allowed(path / "painting.exr");  // a treatment
-        else if (std::filesystem::is_directory(path, gone))
-            state_.dropped = path;
-        else
-            open_when_allowed(path);
-    }
-}
-
 // Those that were asked for; what is chosen in one is asked for in turn.
-// The painter knows its paints from the start: the painting is opened again with others.
-void WindowApp::take_palette(const std::filesystem::path& file) {
-    if (!std::filesystem::exists(painter_->file())) {
-        say("save the painting first: another paint box comes with opening it again");
-        return;
-    }
-    if (state_.left_over_strokes > 0) {
-        say("first recover or put aside the strokes of the last sitting: they are of the paints that there "
-            "are");
-        return;
-    }
-    try {
-        Palette palette = read_palette(file);
-        if (palette.paints.empty()) fail("{}: there are no paints in it", file.string());
-        desk_->use_palette(std::move(palette));
-    } catch (const Error& error) {
-        say(error.what());
-        return;
-    }
-    open_when_allowed(painter_->file());
-}
-
 void WindowApp::dialogs(const WindowState::Requests& ask) {
     using panels::FileDialog;
     const auto choose = [&](const char* title, FileDialog::Wants wants, const std::filesystem::path& start,
@@ -269,6 +222,25 @@ void WindowApp::dialogs(const WindowState::Requests& ask) {
                here, &Requests::fit_folder, ".lp");
     if (ask.palette_dialog)
         choose("Another paint box", FileDialog::Wants::file, here, &Requests::palette, ".json");
+    if (const ExportFormat* format = ask.export_dialog) {
+        const bool is_folder = *format->ending == 0;
+        const std::string stem = painter_->file().stem().string();
+        dialog_.emplace(fmt::format("Export: {}", format->name),
+                        is_folder ? FileDialog::Wants::new_folder : FileDialog::Wants::new_file,
+                        is_folder ? ".exr" : format->ending,
+                        is_folder ? here : here / (stem + format->ending),
+                        [this, format](const std::filesystem::path& path) {
+                            state_.ask.format = format;
+                            state_.ask.export_to = path;
+                        });
+        settle_ = kFramesAfterwards;
+    }
+    if (ask.substrate_dialog)
+        choose("A picture or painting to paint on", FileDialog::Wants::file, here, &Requests::substrate,
+               ".png .jpg .jpeg .tif .tiff .exr");
+    if (ask.height_dialog)
+        choose("A height map", FileDialog::Wants::file, here, &Requests::height_from,
+               ".png .jpg .jpeg .tif .tiff .exr");
     if (ask.film_dialog)
         choose("A film of the lamp going round", FileDialog::Wants::new_file,
                here / (painter_->file().stem().string() + "-sweep.mp4"), &Requests::film, ".mp4");
@@ -283,6 +255,7 @@ void WindowApp::requests() {
     treating_->take();
     if (!ask.open.empty()) open_when_allowed(ask.open);
     if (!ask.palette.empty()) take_palette(ask.palette);
+    canvas_requests(ask);
     if (ask.fit) state_.view = fitted(state_.painting, pane(state_, screen_), state_.view.turn_deg);
     if (ask.one_to_one) state_.view.zoom = 1;
     if (ask.straighten) {
@@ -348,19 +321,6 @@ void WindowApp::requests() {
     if (ask.close && ask.save) close_when_saved_ = true;
     if (ask.close || ask.close_unsaved) glfwSetWindowShouldClose(window_.handle(), GLFW_TRUE);
     if (ask.close_unsaved) close_unsaved_ = true;
-}
-
-// Another painting, once this one is saved, where that was asked for.
-void WindowApp::finish_and_open() {
-    if (open_when_saved_) {
-        treating_->keep_now();
-        if (!painted_all()) return;
-        open_when_saved_ = false;
-        if (state_.painter.unsaved || state_.treating.edits > 0)
-            return;  // it could not be saved: the message says why
-    }
-    state_.closing = false;
-    desk_->open(std::exchange(state_.open_next, {}));
 }
 
 // True where the painter has done what was sent, and what became of it is known; else the panels say how far

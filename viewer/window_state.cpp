@@ -1,30 +1,10 @@
 #include "viewer/window_state.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
-#include "paint/kubelka_munk.h"
-
 namespace tangi {
-
-namespace {
-
-constexpr float kThick_mm = 1;
-
-Rgb thick_film(const std::vector<Pigment>& paints, const std::vector<float>& parts) {
-    float sum = 0;
-    for (const float part : parts) sum += part;
-    std::vector<float> volumes;
-    for (const float part : parts) volumes.push_back(kThick_mm * part / sum);
-    std::vector<std::span<const float>> planes;
-    for (const float& volume : volumes) planes.emplace_back(&volume, 1);
-    const Rgb below(0.5f);
-    Rgb colour;
-    FilmBatch(paints).look(planes, std::span<const Rgb>(&below, 1), std::span<Rgb>(&colour, 1));
-    return glm::clamp(colour, 0.0f, 1.0f);
-}
-
-}  // namespace
 
 WindowState::WindowState() : brushes(brush_presets()) {
     use_brush("flat");
@@ -35,7 +15,8 @@ void WindowState::use_palette(Palette other) {
     palette = std::move(other);
     paint_colours.clear();
     for (const Pigment& paint : palette.paints)
-        paint_colours.push_back(Transfer{Transfer::Kind::srgb}.encode(thick_film({paint}, {1})));
+        paint_colours.push_back(
+            Transfer{Transfer::Kind::srgb}.encode(thick_film(std::span(&paint, 1), std::array{1.0f})));
     std::erase_if(mix, [&](const auto& part) { return palette.find(part.first) < 0; });
     if (mix.empty() && !palette.paints.empty()) mix[palette.paints.front().name] = 1;
 }
@@ -57,6 +38,18 @@ Rgb WindowState::mixed_colour() const {
             parts.push_back(part);
         }
     return paints.empty() ? Rgb(0) : thick_film(paints, parts);
+}
+
+OnBrush WindowState::on_brush() const {
+    if (painter.stroking || board.in_hand || dirty_brush) return painter.on_brush;
+    if (!(brush.load_mm > 0)) return {};
+    double sum = 0;
+    for (const auto& [name, part] : mix) sum += static_cast<double>(part);
+    OnBrush full{.fill = 1, .colour = mixed_colour()};
+    for (const auto& [name, part] : mix)
+        if (part > 0) full.recipe.emplace_back(name, static_cast<double>(part) / sum);
+    std::ranges::sort(full.recipe, std::greater(), &std::pair<std::string, double>::second);
+    return full;
 }
 
 glm::dvec2 WindowState::mixed_gloss() const {
@@ -163,6 +156,7 @@ Scene scene_of(const WindowState& state, const Placement& placement) {
     scene.sharpness = state.mode == LookMode::unsharp_normals ? 3 : state.sharpness;
     scene.lowest_mm = state.lowest_mm;
     scene.highest_mm = state.highest_mm;
+    scene.most_curvature = state.most_curvature;
     return scene;
 }
 

@@ -11,6 +11,7 @@
 #include "paint/brush_settings.h"
 #include "paint/journal.h"
 #include "paint/palette.h"
+#include "paint/substrate_choice.h"
 #include "viewer/comparison.h"
 #include "viewer/job.h"
 #include "viewer/look.h"
@@ -102,6 +103,35 @@ struct BoardState {
     }
 };
 
+// What the painting can be written as, for other programs.
+struct ExportFormat {
+    const char* name;
+    const char* format;  // as `tangipaint export --to` has it
+    const char* ending;  // of its file; empty: it is a folder
+};
+inline constexpr std::array<ExportFormat, 7> kExportFormats = {
+    {{"OpenRaster: Krita, GIMP, MyPaint (.ora)", "ora", ".ora"},
+     {"Layers of paint, as maps (folder)", "layers", ""},
+     {"Maps of what is seen (folder, EXR)", "maps", ""},
+     {"Web page (.html)", "web", ".html"},
+     {"OpenLIME's maps (folder)", "openlime", ""},
+     {"Polynomial texture map (.ptm)", "ptm", ".ptm"},
+     {"Harmonics (.rti)", "rti", ".rti"}}};
+
+// A new canvas that is being chosen.
+struct NewCanvas {
+    bool open = false;  // the panel is
+    SubstrateChoice choice{.which = "canvas"};
+    std::string picture;            // or painting that was chosen as one; empty: none
+    std::vector<std::string> kept;  // names of those that were kept
+    std::string name;               // of the file
+    std::filesystem::path folder;   // that it is written to
+    Extent size{};                  // [pixels] that it will have; 0 where that is not known
+    unsigned texture = 0;           // OpenGL's name of the preview; 0: there is none
+    Extent preview{};               // [pixels]
+    std::string complaint;          // why it cannot be made
+};
+
 // What devices move the painting and the light, beside mouse and keys.
 struct Following {
     bool head = false, light = false;  // by the webcam
@@ -139,6 +169,7 @@ struct WindowState {
     WardModel model = WardModel::bounded;
     LookMode mode = LookMode::painting;
     float strength = 0.7f, sharpness = 40;
+    float most_curvature = 1;  // [1/mm] in the unit of its heights
     bool loupe = false, probing = true;
 
     // Painting.
@@ -148,10 +179,12 @@ struct WindowState {
     std::string brush_name = "flat";
     BrushSettings brush;
     float pressure = 0.6f, stabiliser_mm = 0;
+    std::optional<glm::vec2> pen_tilt;  // [1] sine of the handle's tilt to the right and up; of a pen
     bool dirty_brush = false;
     std::map<std::string, float> mix;  // parts of paints on the brush
     PaintFinish finish;                // of the mixture
     BoardState board;
+    NewCanvas new_canvas;
     std::vector<Rgb> paint_colours;  // [sRGB] of the palette's paints, opaque
 
     // What the painter told, and the user.
@@ -200,7 +233,11 @@ struct WindowState {
         int step_photo = 0;
         std::optional<int> photo;
         bool palette_dialog = false;
-        std::filesystem::path open, save_as, photos, fit_folder, report, film, palette;
+        const ExportFormat* export_dialog = nullptr;  // one of kExportFormats
+        const ExportFormat* format = nullptr;         // and where to: `export_to`
+        bool new_canvas = false, begin_canvas = false, substrate_dialog = false, height_dialog = false;
+        std::filesystem::path open, save_as, photos, fit_folder, report, film, palette, substrate,
+            height_from, export_to;
         std::string lift;  // name of a layer
     } ask;
 
@@ -209,6 +246,8 @@ struct WindowState {
     void use_palette(Palette other);
     // The mixture on the brush as linear Rec. 709, laid on thickly.
     Rgb mixed_colour() const;
+    // What is on the brush now, or will be when a stroke begins.
+    OnBrush on_brush() const;
     // rho_s and alpha of the mixture: those that were chosen, else of its paints, by their parts.
     glm::dvec2 mixed_gloss() const;
     StrokeEvent stroke(std::uint64_t seed) const;

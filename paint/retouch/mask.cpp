@@ -63,6 +63,18 @@ MaskRegions regions_of(const Mask& mask) {
     return result;
 }
 
+Mask connected_at(const Mask& mask, int x, int y) {
+    if (x < 0 || y < 0 || x >= mask.width() || y >= mask.height() || !(mask(x, y) > 0)) return {};
+    constexpr int kReached = 1;
+    cv::Mat inside = matrix_of(mask) > 0.0f;  // 255
+    cv::floodFill(inside, cv::Point(x, y), cv::Scalar(kReached), nullptr, {}, {}, 8);
+    Mask area(mask.width(), mask.height());
+    for (int row = 0; row < mask.height(); ++row)
+        for (int column = 0; column < mask.width(); ++column)
+            area(column, row) = inside.at<unsigned char>(row, column) == kReached;
+    return area;
+}
+
 void write_mask(const std::filesystem::path& path, const Mask& mask) { write_map(path, mask, {.bits = 8}); }
 
 Mask read_mask(const std::filesystem::path& path, int width, int height) {

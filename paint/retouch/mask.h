@@ -39,6 +39,9 @@ struct MaskRegions {
     std::vector<MaskRegion> regions;  // regions[number - 1]
 };
 MaskRegions regions_of(const Mask& mask);
+// All that hangs together with this pixel, of any coverage, across corners, too: 1 there. Empty where the
+// mask is 0 there, or the place is outside.
+Mask connected_at(const Mask& mask, int x, int y);
 
 // 8-bit grey PNG, white inside. Coverage is rounded to 1/255.
 void write_mask(const std::filesystem::path& path, const Mask& mask);

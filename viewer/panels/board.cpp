@@ -2,11 +2,54 @@
 #include <fmt/format.h>
 #include <imgui.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "viewer/panels/panels.h"
 
 namespace tangi::panels {
+
+namespace {
+
+// What is on the brush, with its paints; and what a stroke here does.
+void carried(const WindowState& s) {
+    const BoardState& b = s.board;
+    const OnBrush on = b.wash ? OnBrush() : s.on_brush();
+    const float line = ImGui::GetTextLineHeight();
+    const ImVec2 at = ImGui::GetCursorScreenPos();
+    ImGui::Dummy({line, line});
+    load_gauge(*ImGui::GetWindowDrawList(), {at.x + line / 2, at.y + line / 2}, line / 2, on);
+    ImGui::SameLine();
+    std::string text = on.fill > 0 ? fmt::format("{:.0f} %", 100 * std::min(on.fill, 9.99)) : "no paint";
+    constexpr std::size_t kMostNamed = 2;
+    for (std::size_t i = 0; i < on.recipe.size(); ++i) {
+        const auto& [name, part] = on.recipe[i];
+        if (i == kMostNamed || part < 0.01) {
+            text += " …";
+            break;
+        }
+        text += i == 0 ? ": " : ", ";
+        text += on.recipe.size() == 1 ? name : fmt::format("{:.0f} % {}", 100 * part, name);
+    }
+    ImGui::TextUnformatted(text.c_str());
+    ImGui::TextDisabled("%s", b.wash      ? "the brush is washed"
+                              : b.in_hand ? "the brush paints with what it took up here"
+                                          : "stroke here to take paint up; then paint with it");
+}
+
+// The palette before there is paint on it, as large as it will be.
+void empty(float width) {
+    const ImVec2 at = ImGui::GetCursorScreenPos(), size(width, 0.75f * width);
+    ImGui::Dummy(size);
+    ImDrawList* draw = ImGui::GetWindowDrawList();
+    draw->AddRectFilled(at, {at.x + size.x, at.y + size.y}, IM_COL32(225, 225, 225, 255));
+    constexpr const char* kText = "Lay out the paints, or squeeze the mixture out";
+    const ImVec2 wide = ImGui::CalcTextSize(kText);
+    draw->AddText({at.x + (size.x - wide.x) / 2, at.y + (size.y - wide.y) / 2}, IM_COL32(60, 60, 60, 255),
+                  kText);
+}
+
+}  // namespace
 
 void board(WindowState& s) {
     BoardState& b = s.board;
@@ -28,10 +71,9 @@ void board(WindowState& s) {
     if (ImGui::IsItemHovered()) ImGui::SetTooltip("a pile of the mixture, in the middle");
     ImGui::SameLine();
     if (ImGui::Button("Wash the brush")) b.wash = true;
-    ImGui::TextDisabled("%s", b.wash      ? "the brush is washed"
-                              : b.in_hand ? "the brush paints with what it took up here"
-                                          : "stroke here to take paint up; then paint with it");
+    carried(s);
     if (!s.painter.has_board || b.texture == 0) {
+        empty(width);
         ImGui::End();
         return;
     }

@@ -112,6 +112,9 @@ void file(WindowState& s) {
             s.open_next.clear();
         }
     }
+    if (ImGui::Button("New …")) s.ask.new_canvas = true;
+    tip(s.keys.text(Action::fresh) + ": a canvas of linen, panel, paper …, or on a picture");
+    ImGui::SameLine();
     if (ImGui::Button("Open …")) s.ask.open_dialog = true;
     tip(s.keys.text(Action::open));
     ImGui::SameLine();
@@ -120,12 +123,19 @@ void file(WindowState& s) {
     ImGui::SameLine();
     if (ImGui::Button("Save as …")) s.ask.save_dialog = true;
     tip(s.keys.text(Action::save_as));
+    if (ImGui::Button("Export …")) ImGui::OpenPopup("formats");
+    tip("For other programs: layers, OpenRaster, RTI viewers, a web page");
+    if (ImGui::BeginPopup("formats")) {
+        for (const ExportFormat& format : kExportFormats)
+            if (ImGui::Selectable(format.name)) s.ask.export_dialog = &format;
+        ImGui::EndPopup();
+    }
     ImGui::SameLine();
-    if (ImGui::Button("Keys")) s.help = !s.help;
-    tip(s.keys.text(Action::help));
     if (ImGui::Button("Snapshot")) s.ask.snapshot = true;
     tip(s.keys.text(Action::snapshot) + ": what is seen, as a PNG beside the painting");
     ImGui::SameLine();
+    if (ImGui::Button("Keys")) s.help = !s.help;
+    tip(s.keys.text(Action::help));
     if (ImGui::Button("Fit photographs …")) s.ask.fit_dialog = true;
     tip("Makes a painting of a folder of photographs and a lights file");
     recent(s);
@@ -208,12 +218,18 @@ void column(WindowState& s, float height) {
     *wanted = s.treating.scale_asked;
     if (!s.treating.on) folding("Treatment", false, [&] { treatment(s); });
     folding("Tools", true, [&] { tools(s); });
-    folding("Light", true, [&] { light(s); });
-    folding("Look", false, [&] { look(s); });
-    folding("Devices", false, [&] { devices(s); });
+    // What the tool in the hand needs comes first: there is not room for all.
+    const auto looking = [&] {
+        folding("Light", true, [&] { light(s); });
+        folding("Look", false, [&] { look(s); });
+        folding("Devices", false, [&] { devices(s); });
+    };
+    const bool paints = s.tool == Tool::paint || s.tool == Tool::pick;
+    if (!paints) looking();
     folding("Paint", true, [&] { brush(s); });
     folding("Palette", true, [&] { palette(s); });
     folding("Canvas", true, [&] { canvas(s); });
+    if (paints) looking();
     ImGui::PopItemWidth();
     ImGui::End();
 }

@@ -51,7 +51,11 @@ void legend(WindowState& s) {
         if (row.there) ImGui::Text("%.2f %%", row.percent);
     }
     ImGui::EndTable();
-    if (!t.scale_known) ImGui::TextDisabled("scale unknown: no areas in cm²; a pixel counts as one mm");
+    if (!t.scale_known) {
+        ImGui::PushStyleColor(ImGuiCol_Text, ImGui::GetStyleColorVec4(ImGuiCol_TextDisabled));
+        ImGui::TextWrapped("scale unknown: no areas in cm²; a pixel counts as one mm");
+        ImGui::PopStyleColor();
+    }
 }
 
 void map(WindowState& s) {
@@ -72,18 +76,20 @@ void drawing(WindowState& s) {
     Treating& t = s.treating;
     int tool = static_cast<int>(t.mask_tool);
     ImGui::Text("Draw %s", title_of(t.current));
-    for (const auto& [index, name] : {std::pair(0, "Brush"), {1, "Polygon"}, {2, "Wand"}}) {
+    for (const auto& [index, name] : {std::pair(0, "Brush"), {1, "Polygon"}, {2, "Wand"}, {3, "Area"}}) {
         if (index > 0) ImGui::SameLine();
         if (ImGui::RadioButton(name, &tool, index)) s.tool = Tool::damage;
     }
     t.mask_tool = static_cast<MaskTool>(tool);
-    ImGui::SameLine();
+    ImGui::BeginDisabled(t.mask_tool == MaskTool::area);
     ImGui::Checkbox("Erase", &t.erase);
+    ImGui::EndDisabled();
     tip("Takes away from the damage; Alt does so for once");
     if (t.mask_tool == MaskTool::brush)
         ImGui::SliderFloat("Brush", &t.brush_mm, 0.2f, 100, "%.1f mm", ImGuiSliderFlags_Logarithmic);
     if (t.mask_tool == MaskTool::polygon)
         ImGui::TextDisabled("click corners; Enter closes, Backspace takes one back");
+    if (t.mask_tool == MaskTool::area) ImGui::TextDisabled("a click takes a whole area away");
     if (t.mask_tool == MaskTool::wand) {
         int by = static_cast<int>(t.wand_by);
         ImGui::PushItemWidth(90 * s.scale);

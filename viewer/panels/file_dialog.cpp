@@ -13,6 +13,15 @@ namespace tangi::panels {
 
 namespace fs = std::filesystem;
 
+namespace {
+
+// One of "`.png .jpg`".
+bool is_listed(const std::string& ending, const std::string& endings) {
+    return !ending.empty() && (' ' + endings + ' ').find(' ' + ending + ' ') != std::string::npos;
+}
+
+}  // namespace
+
 FileDialog::FileDialog(std::string title, Wants wants, std::string ending, const fs::path& start,
                        std::function<void(const fs::path&)> chosen)
     : title_(std::move(title)), ending_(std::move(ending)), wants_(wants), chosen_(std::move(chosen)) {
@@ -35,7 +44,7 @@ void FileDialog::go_to(const fs::path& folder) {
         if (entry->is_directory(gone))
             folders_.push_back(name);
         else if (wants_ != Wants::folder && wants_ != Wants::new_folder &&
-                 lower_extension(entry->path()) == ending_)
+                 is_listed(lower_extension(entry->path()), ending_))
             files_.push_back(name);
     }
     complaint_ = error ? fmt::format("cannot be listed: {}", error.message()) : "";

@@ -15,8 +15,8 @@ public:
     // or those that one of its lights files lists.
     enum class Wants { file, new_file, folder, new_folder, folder_or_file };
 
-    // `ending`: of the files that are listed, ".exr". `start`: the folder, or of Wants::new_file the file.
-    // `chosen` is called once, with what the user chose.
+    // `ending`: of the files that are listed, ".exr"; of Wants::file several, ".png .jpg". `start`: the
+    // folder, or of Wants::new_file the file. `chosen` is called once, with what the user chose.
     FileDialog(std::string title, Wants wants, std::string ending, const std::filesystem::path& start,
                std::function<void(const std::filesystem::path&)> chosen);
 

@@ -109,6 +109,14 @@ void look(WindowState& s) {
     if (s.mode == LookMode::specular_enhancement)
         ImGui::SliderFloat("Sharpness", &s.sharpness, 2, 200, "%.0f");
     if (s.mode == LookMode::height) ImGui::DragFloatRange2("Heights", &s.lowest_mm, &s.highest_mm, 0.005f);
+    if (s.mode == LookMode::curvature) {
+        const auto unit = static_cast<float>(s.height_unit_mm());
+        float most = s.most_curvature / unit;
+        if (ImGui::SliderFloat("Curvature", &most, 0.005f, 50, s.scale_known ? "± %.3g /mm" : "± %.3g /px",
+                               ImGuiSliderFlags_Logarithmic))
+            s.most_curvature = most * unit;
+        tip("Orange: bumps; blue: hollows, cracks, the edges of losses");
+    }
     ImGui::SliderFloat("Exposure", &s.exposure_stops, -4, 4, "%.1f stops");
     ImGui::SliderFloat("Shoulder", &s.shoulder, 0, 0.9f, "%.2f");
     int model = static_cast<int>(s.model);

@@ -31,6 +31,19 @@ void brush_outline(const WindowState& s, const Placement& placement, const glm::
     ImDrawList* draw = ImGui::GetBackgroundDrawList();
     draw->AddPolyline(points.data(), 40, IM_COL32(0, 0, 0, 180), ImDrawFlags_Closed, 2.5f);
     draw->AddPolyline(points.data(), 40, IM_COL32(255, 255, 255, 220), ImDrawFlags_Closed, 1);
+    if (s.pen_tilt && glm::length(*s.pen_tilt) > 0.05f) {  // to where the handle leans
+        const glm::dvec2 lean(1.6 * static_cast<double>(s.pen_tilt->x),
+                              -1.6 * static_cast<double>(s.pen_tilt->y));
+        const ImVec2 foot = in_window(cursor, left),
+                     end = in_window(placement.to_screen(centre + radius * lean), left);
+        draw->AddLine(foot, end, IM_COL32(0, 0, 0, 180), 3);
+        draw->AddLine(foot, end, IM_COL32(255, 255, 255, 220), 1.5f);
+    }
+    // Beside it, so that what is painted is seen.
+    float right = points[0].x, top = points[0].y;
+    for (const ImVec2& p : points) right = std::max(right, p.x), top = std::min(top, p.y);
+    const float size = 7 * s.scale;
+    load_gauge(*draw, {right + size, top - 0.3f * size}, size, s.on_brush());
 }
 
 void ruler(const WindowState& s, const Placement& placement, float left) {
@@ -56,6 +69,15 @@ void region(const WindowState& s, const Placement& placement, float left) {
     ImDrawList* draw = ImGui::GetBackgroundDrawList();
     draw->AddPolyline(points.data(), 4, IM_COL32(0, 0, 0, 200), ImDrawFlags_Closed, 3);
     draw->AddPolyline(points.data(), 4, IM_COL32(120, 220, 255, 255), ImDrawFlags_Closed, 1.5f);
+}
+
+// Some lamp is in front of the painting as it is tilted.
+bool lit_from_front(const WindowState& s, const Placement& placement) {
+    if (s.comparing.shows()) return true;
+    return std::ranges::any_of(s.lamps, [&](const Lamp& lamp) {
+        return lamp.on &&
+               placement.in_surface(direction_of(lamp.angles.azimuth_deg, lamp.angles.elevation_deg)).z > 0;
+    });
 }
 
 // What the window says, as long as it may be, over the status line.
@@ -138,6 +160,7 @@ void overlay(WindowState& s, const Placement& placement, Extent screen, const gl
     std::string status = fmt::format("{:.0f} %   tilt {:.0f}° {:.0f}°   light {:.0f}° {:.0f}°",
                                      100 * s.view.zoom, s.tilt.angle_deg.x, s.tilt.angle_deg.y,
                                      lamp.angles.azimuth_deg, lamp.angles.elevation_deg);
+    if (!lit_from_front(s, placement)) status += "   the lamps light its back: R straightens";
     if (s.treating.state) status += fmt::format("   as it was: {}", title_of(*s.treating.state));
     if (s.treating.preview) status += "   preview";
     if (s.painter.saving) status += "   saving …";

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "viewer/board_picture.h"
 #include "viewer/panels/panels.h"
@@ -34,6 +35,19 @@ void finish(WindowState& s) {
 }
 
 }  // namespace
+
+void load_gauge(ImDrawList& draw, const ImVec2& centre, float radius, const OnBrush& on_brush) {
+    draw.AddCircleFilled(centre, radius, IM_COL32(30, 30, 30, 150), 32);
+    const auto part = static_cast<float>(std::clamp(on_brush.fill, 0.0, 1.0));
+    if (part > 0) {
+        const Rgb c = Transfer{Transfer::Kind::srgb}.encode(on_brush.colour);
+        const auto pi = std::numbers::pi_v<float>;
+        draw.PathLineTo(centre);
+        draw.PathArcTo(centre, radius, -0.5f * pi, (2 * part - 0.5f) * pi, 32);
+        draw.PathFillConvex(ImGui::ColorConvertFloat4ToU32({c.r, c.g, c.b, 1}));
+    }
+    draw.AddCircle(centre, radius, IM_COL32(255, 255, 255, 200), 32, 1);
+}
 
 void brush(WindowState& s) {
     if (ImGui::BeginCombo("Brush", s.brush_name.c_str())) {

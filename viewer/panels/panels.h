@@ -20,7 +20,8 @@ void folding(const char* name, bool open, Draw&& draw) {
     ImGui::PopID();
 }
 
-// The column: File, Photographs, Tools, Light, Look, Devices, Paint, Palette, Canvas.
+// The column: File, Photographs, Tools; Light, Look, Devices; Paint, Palette, Canvas, which come before those
+// while one paints.
 void column(WindowState& state, float height);
 
 void file(WindowState& state);
@@ -58,8 +59,14 @@ void opening(const WindowState& state, const std::string& stage, double fraction
 // state.comparing says.
 void held_photo(const WindowState& state, unsigned photo, unsigned relit, Extent screen);
 
+// How much of which paint is on the brush: a disc [pixels] that empties.
+void load_gauge(ImDrawList& draw, const ImVec2& centre, float radius, const OnBrush& on_brush);
+
 // The palette that paints are mixed on, in a window of its own.
 void board(WindowState& state);
+
+// A new canvas: what it is painted on, its size, colour and gloss, with a preview. In a window of its own.
+void new_canvas(WindowState& state);
 
 // Windows with the height along the ruler and statistics of the region, where there are such.
 void measurements(WindowState& state);

@@ -1,0 +1,104 @@
+#include "paint/substrate_choice.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <array>
+#include <glm/common.hpp>
+
+#include "surface/colour.h"
+#include "surface/error.h"
+#include "surface/painting_file.h"
+#include "surface/picture_file.h"
+
+namespace tangi {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr float kSmoothest = 0.001f;  // [1] alpha
+
+Image<Rgb> linear_picture(const fs::path& path) {
+    Image<Rgb> picture = read_picture(path);
+    const Transfer srgb{Transfer::Kind::srgb};
+    for (Rgb& pixel : picture.pixels())
+        pixel = {srgb.decode(pixel.r), srgb.decode(pixel.g), srgb.decode(pixel.b)};
+    return picture;
+}
+
+Image<float> first_channel(const Image<Rgb>& picture) {
+    Image<float> result(picture.width(), picture.height());
+    for (std::size_t i = 0; i < result.size(); ++i) result.pixels()[i] = picture.pixels()[i].r;
+    return result;
+}
+
+// All of `map` in proportion, so that its mean is this.
+void scale_to(double mean, float least, Image<float>& map) {
+    double sum = 0;
+    for (const float v : map.pixels()) sum += static_cast<double>(v);
+    const double is = sum / static_cast<double>(map.size());
+    for (float& v : map.pixels())
+        v = std::clamp(is > 0 ? static_cast<float>(v * mean / is) : static_cast<float>(mean), least, 1.0f);
+}
+
+Surface made(const SubstrateChoice& choice, const Progress& progress) {
+    if (const auto kind = substrate_named(choice.which)) return make_substrate(*kind, choice.piece, progress);
+    if (is_picture(choice.which)) {
+        const Image<Rgb> colour = linear_picture(choice.which);
+        const Image<float> relief = choice.height_from == "luminance" ? lightness_of(colour)
+                                    : choice.height_from == "none"
+                                        ? Image<float>()
+                                        : first_channel(read_picture(choice.height_from));
+        PictureSubstrateOptions options = choice.picture;
+        options.pixel_mm = choice.piece.pixel_mm;
+        return substrate_of_picture(colour, relief, options);
+    }
+    if (lower_extension(choice.which) == ".exr") return read_painting(choice.which, progress);
+    return read_painting(kept_substrate_file(choice.which), progress);
+}
+
+}  // namespace
+
+void apply(const SubstrateFinish& finish, Surface& surface) {
+    const auto within = [](double v, double low, double high) { return v >= low && v <= high; };
+    if (!within(finish.tint.r, 0, 1) || !within(finish.tint.g, 0, 1) || !within(finish.tint.b, 0, 1))
+        fail("a tint of {:g}, {:g}, {:g}: each is 0 to 1", finish.tint.r, finish.tint.g, finish.tint.b);
+    if (finish.specular && !within(*finish.specular, 0, 1))
+        fail("a gloss (rho_s) of {:g}: it is 0 to 1", *finish.specular);
+    if (finish.roughness && !within(*finish.roughness, static_cast<double>(kSmoothest), 1))
+        fail("a roughness (alpha) of {:g}: it is {:g} to 1", *finish.roughness, kSmoothest);
+    if (finish.tint != Rgb(1))
+        for (Rgb& c : surface.diffuse.pixels()) c *= finish.tint;
+    if (finish.specular) scale_to(*finish.specular, 0, surface.specular);
+    if (!finish.roughness) return;
+    const Image<float> before = surface.roughness;
+    scale_to(*finish.roughness, kSmoothest, surface.roughness);
+    for (std::size_t i = 0; i < surface.lobe_axes.size(); ++i)  // as drawn out as they were
+        surface.lobe_axes.pixels()[i].roughness_v *= surface.roughness.pixels()[i] / before.pixels()[i];
+}
+
+bool is_picture(const fs::path& path) {
+    const std::string extension = lower_extension(path);
+    return std::ranges::any_of(std::array{".png", ".tif", ".tiff", ".jpg", ".jpeg"},
+                               [&](const char* known) { return extension == known; });
+}
+
+fs::path kept_substrate_file(const std::string& name) {
+    const fs::path kept =
+        name.find('/') == std::string::npos ? kept_substrate(substrate_shelf(), name) : fs::path();
+    if (!kept.empty() && fs::exists(kept)) return kept;
+    std::vector<std::string> names = substrate_names();
+    for (std::string& other : kept_substrates(substrate_shelf())) names.push_back(std::move(other));
+    fail("{}: is no picture, no painting and not one of {}", name, fmt::join(names, ", "));
+}
+
+Surface make_substrate(const SubstrateChoice& choice, const Progress& progress) {
+    Surface surface = made(choice, progress);
+    apply(choice.finish, surface);
+    if (!choice.keep_as.empty()) keep_substrate(substrate_shelf(), choice.keep_as, surface);
+    return surface;
+}
+
+}  // namespace tangi

@@ -1,0 +1,48 @@
+// substrate_choice.h: what a new painting is painted on, of everything that it may be: a procedure's piece, a
+// picture, a painting's dry layer, or what was kept under a name.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "paint/picture_substrate.h"
+#include "paint/substrate.h"
+#include "surface/progress.h"
+
+namespace tangi {
+
+// How the whole of a substrate looks otherwise than it would (thesis, figures 4.25 to 4.27).
+struct SubstrateFinish {
+    Rgb tint{1};                        // [1] that rho_d is multiplied by, 0..1
+    std::optional<double> specular{};   // [1] mean of rho_s, 0..1
+    std::optional<double> roughness{};  // [1] mean of alpha, above 0, up to 1
+
+    friend bool operator==(const SubstrateFinish&, const SubstrateFinish&) = default;
+};
+
+// What varies from pixel to pixel stays in the same proportion, within the range of the map. Throws Error
+// where a number is out of range.
+void apply(const SubstrateFinish& finish, Surface& surface);
+
+struct SubstrateChoice {
+    // Name of a procedure (substrate.h), picture (.png, .tif, .jpg), painting file (.exr), or a name that one
+    // is kept under.
+    std::string which;
+    std::string height_from = "luminance";  // of a picture: luminance, none, or another picture as height map
+    SubstrateOptions piece{};               // of a procedure; its pixel_mm of a picture, too
+    PictureSubstrateOptions picture{};
+    SubstrateFinish finish{};
+    std::string keep_as{};  // name that it is kept under from now on; empty: it is not
+};
+
+bool is_picture(const std::filesystem::path& path);  // by its ending
+
+// The file of one that is kept under a name. Throws Error, with all names that there are, where there is
+// none.
+std::filesystem::path kept_substrate_file(const std::string& name);
+
+// The surface; and keeps it where that was asked for. Throws Error.
+Surface make_substrate(const SubstrateChoice& choice, const Progress& progress = {});
+
+}  // namespace tangi

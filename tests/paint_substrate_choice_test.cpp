@@ -1,0 +1,74 @@
+// paint_substrate_choice_test.cpp: what a new painting is painted on, toned and varnished as was asked for.
+#include "paint/substrate_choice.h"
+
+#include <gmock/gmock.h>
+
+#include "surface/painting_file.h"
+#include "tests/test_support.h"
+
+namespace tangi {
+namespace {
+
+using testing::HasSubstr;
+
+SubstrateChoice small(const std::string& which) {
+    SubstrateChoice choice{.which = which};
+    choice.piece = {.width_mm = 10, .height_mm = 8, .pixel_mm = 0.25};
+    return choice;
+}
+
+double mean(const Image<float>& map) {
+    double sum = 0;
+    for (const float v : map.pixels()) sum += static_cast<double>(v);
+    return sum / static_cast<double>(map.size());
+}
+
+TEST(SubstrateChoice, FinishChangesTheWholeAndKeepsWhatVaries) {
+    const Surface plain = make_substrate(small("linen"));
+    SubstrateChoice choice = small("linen");
+    choice.finish = {.tint = {0.5f, 0.25f, 1}, .specular = 0.08, .roughness = 0.2};
+    const Surface toned = make_substrate(choice);
+    EXPECT_NEAR(mean(toned.specular), 0.08, 1e-4);
+    EXPECT_NEAR(mean(toned.roughness), 0.2, 1e-4);
+    EXPECT_TRUE(images_near(toned.height_mm, plain.height_mm, 0)) << "the relief is the linen's";
+    const auto ratio = [&](const Image<float>& map, std::size_t i) {
+        return map.pixels()[i] / map.pixels()[0];
+    };
+    for (const std::size_t i : {7u, 311u, 1000u}) {
+        EXPECT_LT(glm::length(toned.diffuse.pixels()[i] - plain.diffuse.pixels()[i] * choice.finish.tint),
+                  1e-6f);
+        EXPECT_NEAR(ratio(toned.specular, i), ratio(plain.specular, i), 1e-4f);
+        EXPECT_NEAR(ratio(toned.roughness, i), ratio(plain.roughness, i), 1e-4f);
+    }
+    Surface drawn_out = plain;
+    drawn_out.lobe_axes = Image<LobeAxes>(plain.width(), plain.height(), {0.5f, 0.3f});
+    apply(choice.finish, drawn_out);
+    EXPECT_NEAR(drawn_out.lobe_axes.pixels()[9].roughness_v / drawn_out.roughness.pixels()[9],
+                0.5f / plain.roughness.pixels()[9], 1e-4f)
+        << "as drawn out as it was";
+}
+
+TEST(SubstrateChoice, NumbersOutOfRangeAreErrors) {
+    const auto error = [](const SubstrateFinish& finish) {
+        SubstrateChoice choice = small("panel");
+        choice.finish = finish;
+        return error_of([&] { make_substrate(choice); });
+    };
+    EXPECT_THAT(error({.tint = {1, 1.5f, 1}}), HasSubstr("1.5"));
+    EXPECT_THAT(error({.specular = -0.1}), HasSubstr("-0.1"));
+    EXPECT_THAT(error({.roughness = 0}), HasSubstr("0.001 to 1"));
+    EXPECT_THAT(error_of([] { make_substrate(small("velvet")); }),
+                testing::AllOf(HasSubstr("velvet"), HasSubstr("linen")));
+    EXPECT_THAT(error_of([] { make_substrate(small("none.png")); }), HasSubstr("none.png"));
+}
+
+TEST(SubstrateChoice, APaintingsDryLayerIsTakenAsItIs) {
+    TestDir dir;
+    const Surface linen = make_substrate(small("linen"));
+    write_painting(dir / "linen.exr", linen);
+    EXPECT_EQ(hash_of(make_substrate(SubstrateChoice{.which = (dir / "linen.exr").string()})),
+              hash_of(linen));
+}
+
+}  // namespace
+}  // namespace tangi

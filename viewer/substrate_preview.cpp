@@ -1,0 +1,112 @@
+#include "viewer/substrate_preview.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "surface/error.h"
+#include "viewer/board_picture.h"
+
+namespace tangi {
+
+namespace {
+
+// All that the relief and colour depend on.
+std::string base_of(const SubstrateChoice& c) {
+    return fmt::format("{}\n{}\n{} {} {}", c.which, c.height_from, c.piece.pixel_mm, c.piece.seed,
+                       c.picture.relief_mm);
+}
+
+template <class T>
+Image<T> part_of(const Image<T>& map, const Region& r) {
+    if (map.empty()) return {};
+    Image<T> part(r.width(), r.height());
+    for (int y = 0; y < r.height(); ++y)
+        std::copy_n(map.row(r.y0 + y).begin() + r.x0, r.width(), part.row(y).begin());
+    return part;
+}
+
+// The middle of a surface.
+Surface middle_of(const Surface& whole, int width, int height) {
+    const int w = std::min(width, whole.width()), h = std::min(height, whole.height());
+    const int x0 = (whole.width() - w) / 2, y0 = (whole.height() - h) / 2;
+    const Region r{x0, y0, x0 + w, y0 + h};
+    Surface part;
+    part.height_mm = part_of(whole.height_mm, r);
+    part.normal = part_of(whole.normal, r);
+    part.diffuse = part_of(whole.diffuse, r);
+    part.specular = part_of(whole.specular, r);
+    part.roughness = part_of(whole.roughness, r);
+    part.confidence = part_of(whole.confidence, r);
+    part.lobe_colour = part_of(whole.lobe_colour, r);
+    part.lobe_axes = part_of(whole.lobe_axes, r);
+    part.law = whole.law;
+    part.mm_per_pixel = whole.mm_per_pixel;
+    return part;
+}
+
+}  // namespace
+
+SubstratePreview::~SubstratePreview() {
+    if (work_.valid()) work_.wait();
+}
+
+SubstratePreview::Base SubstratePreview::made(const SubstrateChoice& choice, const std::string& of) {
+    SubstrateChoice plain = choice;
+    plain.finish = {};
+    plain.keep_as.clear();
+    if (substrate_named(choice.which)) {
+        plain.piece.width_mm = kWidth * choice.piece.pixel_mm;
+        plain.piece.height_mm = kHeight * choice.piece.pixel_mm;
+        return {of, make_substrate(plain), {}};
+    }
+    const Surface whole = make_substrate(plain);
+    return {of, middle_of(whole, kWidth, kHeight), {whole.width(), whole.height()}};
+}
+
+SubstratePreview::Seen SubstratePreview::seen(const Wanted& wanted, std::shared_ptr<const Base>& base) {
+    Seen result;
+    try {
+        const std::string of = base_of(wanted.choice);
+        if (!base || base->of != of) base = std::make_shared<Base>(made(wanted.choice, of));
+        Surface piece = base->piece;
+        apply(wanted.choice.finish, piece);
+        const BoardPatch patch = board_patch(piece, piece.height_mm.region(), wanted.lamp);
+        result.picture = Image<glm::u8vec4>(piece.width(), piece.height());
+        for (std::size_t i = 0; i < patch.srgb.size(); ++i)
+            result.picture.pixels()[i] = glm::u8vec4(patch.srgb[i], 255);
+        result.size = base->size;
+    } catch (const Error& error) {
+        result.complaint = error.what();
+    }
+    return result;
+}
+
+void SubstratePreview::start() {
+    under_way_ = wanted_;
+    work_ = std::async(std::launch::async, [this] {
+        Seen made = seen(under_way_, base_);
+        wake_();
+        return made;
+    });
+}
+
+void SubstratePreview::want(const SubstrateChoice& choice, const Vec3& lamp) {
+    const SubstrateFinish& f = choice.finish;
+    std::string of =
+        fmt::format("{}\n{} {} {} {} {}\n{} {} {}", base_of(choice), f.tint.r, f.tint.g, f.tint.b,
+                    f.specular.value_or(-1), f.roughness.value_or(-1), lamp.x, lamp.y, lamp.z);
+    if (of == wanted_.of) return;
+    wanted_ = {choice, lamp, std::move(of)};
+    if (!work_.valid()) start();
+}
+
+std::optional<SubstratePreview::Seen> SubstratePreview::fetch() {
+    if (!work_.valid() || work_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return {};
+    Seen made = work_.get();
+    const bool is_old = under_way_.of != wanted_.of;
+    if (is_old) start();
+    return made;
+}
+
+}  // namespace tangi

@@ -1,0 +1,139 @@
+// window_paintings.cpp: of the window: which painting is shown: opened, dropped on it, or a new canvas.
+#include <epoxy/gl.h>
+// GLFW must not bring another loader's headers.
+#define GLFW_INCLUDE_NONE
+#include <GLFW/glfw3.h>
+#include <fmt/format.h>
+
+#include "surface/error.h"
+#include "viewer/settings.h"
+#include "viewer/window_app.h"
+
+namespace tangi {
+
+namespace fs = std::filesystem;
+
+// Where strokes are not saved, asks first.
+void WindowApp::open_when_allowed(const fs::path& file) {
+    if (state_.painter.unsaved || state_.left_over_strokes > 0 || state_.treating.edits > 0) {
+        if (state_.left_over_strokes > 0)
+            say("first recover or put aside the strokes of the last sitting");
+        else
+            state_.closing = true;
+        state_.open_next = state_.closing ? file : fs::path();
+        return;
+    }
+    desk_->open(file);
+}
+
+void WindowApp::take_dropped() {
+    for (const fs::path& path : input_.take_dropped()) {
+        std::error_code gone;
+        if (fs::is_regular_file(path / "log.jsonl", gone))
+            open_when_allowed(path / "painting.exr");  // a treatment
+        else if (fs::is_directory(path, gone))
+            state_.dropped = path;
+        else if (is_picture(path))
+            choose_canvas(path);
+        else
+            open_when_allowed(path);
+    }
+}
+
+// The painter knows its paints from the start: the painting is opened again with others.
+void WindowApp::take_palette(const fs::path& file) {
+    if (!fs::exists(painter_->file())) {
+        say("save the painting first: another paint box comes with opening it again");
+        return;
+    }
+    if (state_.left_over_strokes > 0) {
+        say("first recover or put aside the strokes of the last sitting: they are of the paints that there "
+            "are");
+        return;
+    }
+    try {
+        Palette palette = read_palette(file);
+        if (palette.paints.empty()) fail("{}: there are no paints in it", file.string());
+        desk_->use_palette(std::move(palette));
+    } catch (const Error& error) {
+        say(error.what());
+        return;
+    }
+    open_when_allowed(painter_->file());
+}
+
+// Another painting, once this one is saved, where that was asked for.
+void WindowApp::finish_and_open() {
+    if (open_when_saved_) {
+        treating_->keep_now();
+        if (!painted_all()) return;
+        open_when_saved_ = false;
+        if (state_.painter.unsaved || state_.treating.edits > 0)
+            return;  // it could not be saved: the message says why
+    }
+    state_.closing = false;
+    desk_->open(std::exchange(state_.open_next, {}));
+}
+
+// The panel as it begins: beside the painting that is open.
+void WindowApp::choose_canvas(const fs::path& ground) {
+    NewCanvas& n = state_.new_canvas;
+    n.open = true;
+    n.folder = fs::absolute(painter_->file()).parent_path();
+    if (state_.treating.on) n.folder = n.folder.parent_path();  // a treatment's folder is its own
+    n.name = untitled(n.folder).filename().string();
+    n.complaint.clear();
+    if (!ground.empty()) n.choice.which = n.picture = ground.string();
+    try {
+        n.kept = kept_substrates(substrate_shelf());
+    } catch (const Error&) {
+        n.kept.clear();  // there is no home
+    }
+    settle_ = kFramesAfterwards;
+}
+
+// While it is chosen: the preview under the lamp as it stands.
+void WindowApp::preview_canvas() {
+    NewCanvas& n = state_.new_canvas;
+    if (!n.open) return;
+    if (!preview_) preview_ = std::make_unique<SubstratePreview>([] { glfwPostEmptyEvent(); });
+    const Angles& lamp = state_.lamps[state_.lamp].angles;
+    preview_->want(n.choice, direction_of(lamp.azimuth_deg, lamp.elevation_deg));
+    std::optional<SubstratePreview::Seen> seen = preview_->fetch();
+    if (!seen) return;
+    n.complaint = seen->complaint;
+    n.size = seen->size;
+    n.preview = {seen->picture.width(), seen->picture.height()};
+    preview_texture_.clear();
+    if (!seen->picture.empty()) preview_texture_.update(seen->picture, seen->picture.region());
+    n.texture = preview_texture_.id();
+    settle_ = kFramesAfterwards;
+}
+
+void WindowApp::begin_canvas() {
+    NewCanvas& n = state_.new_canvas;
+    fs::path file = n.folder / n.name;
+    if (n.name.empty() || n.name.find('/') != std::string::npos) {
+        n.complaint = "the file needs a name, without '/'";
+        return;
+    }
+    if (file.extension() != ".exr") file += ".exr";
+    if (fs::exists(file)) {
+        n.complaint = fmt::format("{} is there already: choose another name", file.filename().string());
+        return;
+    }
+    n.open = false;
+    desk_->make(file, n.choice);
+    n.choice.keep_as.clear();  // once
+    open_when_allowed(file);
+}
+
+void WindowApp::canvas_requests(const WindowState::Requests& ask) {
+    if (ask.new_canvas) choose_canvas({});
+    NewCanvas& n = state_.new_canvas;
+    if (!ask.substrate.empty()) n.choice.which = n.picture = ask.substrate.string();
+    if (!ask.height_from.empty()) n.choice.height_from = ask.height_from.string();
+    if (ask.begin_canvas) begin_canvas();
+}
+
+}  // namespace tangi
