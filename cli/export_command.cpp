@@ -132,10 +132,11 @@ nlohmann::json export_maps(const ExportArguments& a, const Surface& surface, con
         nlohmann::json result = export_folder(
             a, "brdf.json", [&](const fs::path& folder) { write_openlime(folder, surface, progress); });
         if (!surface.lobe_axes.empty())
-            result["warnings"] = told({fmt::format(
-                "{}: its lobes are drawn out (brushed metal), which OpenLIME's maps cannot hold: they are "
-                "written as round ones of the same mean roughness; --to maps keeps them",
-                a.painting)});
+            result["warnings"] =
+                told({fmt::format("{}: its gloss is drawn out in one direction in places (brushed metal, a "
+                                  "weave), which OpenLIME's maps cannot hold: they are "
+                                  "written as round ones of the same mean roughness; --to maps keeps them",
+                                  a.painting)});
         return result;
     }
     return export_folder(a, "maps.json",

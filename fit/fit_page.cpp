@@ -208,13 +208,15 @@ std::string fit_page(const FitResult& fit, const std::string& title, const std::
     }
     html += "<h2>Maps</h2><div class=\"row\">";
     for (const MapPicture& map : map_pictures(fit.surface, kMapSize))
-        html += figure(map.picture,
-                       fmt::format("<b>{}</b> {}{}: {}", escaped(map.title), escaped(map.symbol),
-                                   map.range ? fmt::format(", {:.3g} to {:.3g} {}", map.range->lo,
-                                                           map.range->hi, map.unit == "1" ? "" : map.unit)
-                                             : "",
-                                   escaped(map.meaning)),
-                       scratch);
+        html +=
+            figure(map.picture,
+                   fmt::format("<b>{}</b>{}{}: {}", escaped(map.title),
+                               map.symbol.empty() ? "" : " " + escaped(map.symbol),
+                               map.range ? fmt::format(", {:.3g} to {:.3g}{}", map.range->lo, map.range->hi,
+                                                       map.unit == "1" ? "" : " " + map.unit)
+                                         : "",
+                               escaped(map.meaning)),
+                   scratch);
     html += "</div>" + height_note(report.height_choice) +
             "<h2>Lights</h2><div class=\"row\"><figure class=\"card\">";
     const std::map<std::string, Vec3> listed = listed_directions(fit.surface.photography);

@@ -13,8 +13,9 @@ namespace {
 constexpr LeftOutPhotos kHalfOfThem = {3, 6};
 // Fewer photographs say nothing of a surface when one of them is left out.
 constexpr int kFewestForRig = 5;
-constexpr int kFiner = 4;            // pixels that the chosen model is solved with at last, by those before
-constexpr double kDoubtful_deg = 5;  // [deg] a correction that the user is told of
+constexpr int kFiner = 4;              // pixels that the chosen model is solved with at last, by those before
+constexpr std::size_t kMostNamed = 5;  // lamps, in a warning
+constexpr double kDoubtful_deg = 5;    // [deg] a correction that the user is told of
 // A smooth correction is believed where lamps turned by so many standard errors: less, and it takes up what
 // the model leaves out (synth_canvas, whose directions are right: 2.6; leaf: 4.7).
 constexpr double kSureTurns = 3;
@@ -51,18 +52,22 @@ std::string name_of(const LightModel& model) {
 }
 
 std::string warning_of(const LightCalibration& calibration, const std::string& folder) {
+    std::vector<std::size_t> turned;  // the farthest first
+    for (std::size_t i = 0; i < calibration.turns.size(); ++i)
+        if (calibration.turns[i].changed_deg > kDoubtful_deg) turned.push_back(i);
+    if (turned.empty()) return {};
+    std::ranges::stable_sort(turned, std::greater(),
+                             [&](std::size_t i) { return calibration.turns[i].changed_deg; });
     std::string names;
-    for (std::size_t i = 0; i < calibration.turns.size(); ++i) {
-        const LightCalibration::Turn& turn = calibration.turns[i];
-        if (turn.changed_deg <= kDoubtful_deg) continue;
+    for (const std::size_t i : std::span(turned).first(std::min(turned.size(), kMostNamed)))
         names += fmt::format("{}{} by {:.1f} ± {:.1f}", names.empty() ? "" : ", ",
-                             calibration.lighting.lights[i].name, turn.changed_deg, turn.sigma_deg);
-    }
-    if (names.empty()) return {};
+                             calibration.lighting.lights[i].name, calibration.turns[i].changed_deg,
+                             calibration.turns[i].sigma_deg);
+    if (turned.size() > kMostNamed) names += fmt::format(" and {} more", turned.size() - kMostNamed);
     return fmt::format(
-        "{}: the photographs contradict the listed directions of lamps by more than {} degrees: {}; "
-        "corrected, --lights-as-given keeps them",
-        folder, kDoubtful_deg, names);
+        "{}: the photographs contradict the listed directions of {} of {} lamps by more than {} degrees: "
+        "{}; corrected, --lights-as-given keeps them",
+        folder, turned.size(), calibration.turns.size(), kDoubtful_deg, names);
 }
 
 Vec3 corrected_direction(const LightCalibration& calibration, const Vec3& listed) {

@@ -230,6 +230,37 @@ TEST_F(Desks, CorrectionsAreKeptWhenTheWindowCloses) {
     EXPECT_THAT(treatment().check(), testing::IsEmpty());
 }
 
+TEST_F(Desks, AWholeAreaGoesAwayByAClick) {
+    begin();
+    state_.treating.brush_mm = 6;
+    draw(20, 20, 60, 20);
+    draw(20, 140, 60, 140);
+    const auto click = [&](double x, double y) {
+        state_.treating.touches.push_back({MaskTouch::Kind::area, {x, y}, true});
+        settle();
+    };
+    said_.clear();
+    click(100.5, 80.5);
+    EXPECT_THAT(said_, testing::ElementsAre(HasSubstr("Loss to ground")));
+    EXPECT_EQ(state_.treating.edits, 2) << "nothing lies there";
+    click(30.5, 139.5);
+    EXPECT_EQ(state_.treating.edits, 3);
+    state_.treating.ask.keep = true;
+    settle();
+    const Mask mask = treatment().mask(DamageClass::loss_to_ground);
+    EXPECT_EQ(mask(40, 20), 1);
+    for (int x = 0; x < 160; ++x)
+        for (int y = 120; y < 160; ++y) ASSERT_EQ(mask(x, y), 0) << "no speck is left";
+}
+
+TEST(PanelWords, FlagsAreCalledAsThePanelDoes) {
+    EXPECT_EQ(in_panel_words("look farther with --search-mm, or choose another --texture"),
+              "look farther with search mm, or choose another texture");
+    EXPECT_EQ(in_panel_words("-- and a--b stay, and --5"), "-- and a--b stay, and --5");
+    EXPECT_EQ(in_panel_words("change it with tangipaint damage --mask"),
+              "change it with tangipaint damage --mask");
+}
+
 TEST_F(Desks, AnEditedLogIsSaidAndNothingIsDone) {
     begin();
     state_.treating.brush_mm = 10;

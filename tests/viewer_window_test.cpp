@@ -170,6 +170,23 @@ TEST_F(Window, HoldsPhotographsAgainstThePainting) {
     EXPECT_EQ(hash_of(read_painting(folder_ / "copy.exr")), hash_of(painting));
 }
 
+TEST_F(Window, PhotographsStayWhenATreatmentOfThePaintingBegins) {
+    Surface painting = small_painting();
+    painting.scale_known = true;
+    const fs::path photos = photographs_of(painting, folder_ / "photos");
+    write_painting(painting_, painting);
+    start({"--photos", photos.string()});
+    screen_->key("ctrl+t");
+    EXPECT_TRUE(Screen::until([&] { return fs::exists(folder_ / "small.treatment" / "log.jsonl"); }));
+    screen_->settled();
+    screen_->key("ctrl+r");
+    screen_->settled();
+    screen_->enter((folder_ / "report").string());
+    EXPECT_TRUE(Screen::until([&] { return fs::exists(folder_ / "report" / "compare.html"); }));
+    screen_->settled();
+    EXPECT_EQ(close().json()["painting"], (folder_ / "small.treatment" / "painting.exr").string());
+}
+
 TEST_F(Window, OpensAnotherPainting) {
     Surface other = small_painting();
     for (Rgb& c : other.diffuse.pixels()) c = {0.1f, 0.2f, 0.7f};

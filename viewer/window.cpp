@@ -215,13 +215,14 @@ std::string WindowApp::seen_now(const Placement& place) const {
     return seen;
 }
 
-// A painting that is seen whole, as it was fitted, stays so.
+// A painting that is seen whole, as it was fitted, stays so, also in the half beside a photograph.
 void WindowApp::resize(Extent screen) {
-    const View was = fitted(state_.painting, pane(state_, screen_), state_.view.turn_deg);
+    const View was = fitted(state_.painting, pane_, state_.view.turn_deg);
     const bool is_fitted =
         !fitted_ || (state_.view.centre_px == was.centre_px && state_.view.zoom == was.zoom);
     if (screen.width > 0 && screen.height > 0) screen_ = screen;
-    if (is_fitted) state_.view = fitted(state_.painting, pane(state_, screen_), state_.view.turn_deg);
+    pane_ = pane(state_, screen_);
+    if (is_fitted) state_.view = fitted(state_.painting, pane_, state_.view.turn_deg);
     fitted_ = true;
 }
 
@@ -265,7 +266,8 @@ bool WindowApp::frame() {
     const Extent screen{window_size_.width - static_cast<int>(left_ + static_cast<double>(right)),
                         window_size_.height};
     const bool resized = screen.width != screen_.width || screen.height != screen_.height;
-    if (resized || !fitted_) resize(screen);
+    const Extent now = pane(state_, screen_);  // half of it, where a photograph came to its side
+    if (resized || !fitted_ || now.width != pane_.width || now.height != pane_.height) resize(screen);
     take_input(std::move(events));
     take_dropped();
     progress_due_ |= desk_->look();

@@ -86,7 +86,8 @@ void drawing(WindowState& s) {
     ImGui::EndDisabled();
     tip("Takes away from the damage; Alt does so for once");
     if (t.mask_tool == MaskTool::brush)
-        ImGui::SliderFloat("Brush", &t.brush_mm, 0.2f, 100, "%.1f mm", ImGuiSliderFlags_Logarithmic);
+        ImGui::SliderFloat("Brush", &t.brush_mm, 0.2f, 100, length(s, "%.1f").c_str(),
+                           ImGuiSliderFlags_Logarithmic);
     if (t.mask_tool == MaskTool::polygon)
         ImGui::TextDisabled("click corners; Enter closes, Backspace takes one back");
     if (t.mask_tool == MaskTool::area) ImGui::TextDisabled("a click takes a whole area away");
@@ -99,7 +100,8 @@ void drawing(WindowState& s) {
         float& tolerance = t.tolerance[static_cast<std::size_t>(by)];
         if (t.wand_by == WandBy::colour) ImGui::SliderFloat("##tolerance", &tolerance, 1, 50, "ΔE %.0f");
         if (t.wand_by == WandBy::height)
-            ImGui::SliderFloat("##tolerance", &tolerance, 0.005f, 2, "%.3f mm", ImGuiSliderFlags_Logarithmic);
+            ImGui::SliderFloat("##tolerance", &tolerance, 0.005f, 2, length(s, "%.3f").c_str(),
+                               ImGuiSliderFlags_Logarithmic);
         if (t.wand_by == WandBy::gloss) ImGui::SliderFloat("##tolerance", &tolerance, 0.05f, 3, "%.2f");
         tip("How far what is connected may be from the place that is clicked");
     }

@@ -64,16 +64,16 @@ void brush(WindowState& s) {
         if (ImGui::SliderFloat(label, &v, low, high, format, logarithmic ? ImGuiSliderFlags_Logarithmic : 0))
             value = v;
     };
-    slider("Size", s.brush.size_mm, 0.2f, 100, "%.1f mm", true);
-    slider("Load", s.brush.load_mm, 0, 6, "%.2f mm");
+    slider("Size", s.brush.size_mm, 0.2f, 100, length(s, "%.1f").c_str(), true);
+    slider("Load", s.brush.load_mm, 0, 6, length(s, "%.2f").c_str());
     ImGui::SliderFloat("Pressure", &s.pressure, 0.02f, 1, "%.2f");
     if (!ImGui::TreeNode("Bristles")) return;
     slider("Deposit", s.brush.deposit, 0, 3, "%.2f");
     slider("Pick up", s.brush.pickup, 0, 3, "%.2f");
     slider("Push", s.brush.push, 0, 1, "%.2f");
-    slider("Grooves", s.brush.groove_mm, 0, 1, "%.2f mm");
-    slider("Bristle", s.brush.bristle_mm, 0.05f, 2, "%.2f mm");
-    ImGui::SliderFloat("Steady", &s.stabiliser_mm, 0, 20, "%.1f mm");
+    slider("Grooves", s.brush.groove_mm, 0, 1, length(s, "%.2f").c_str());
+    slider("Bristle", s.brush.bristle_mm, 0.05f, 2, length(s, "%.2f").c_str());
+    ImGui::SliderFloat("Steady", &s.stabiliser_mm, 0, 20, length(s, "%.1f").c_str());
     ImGui::Checkbox("Follows the stroke", &s.brush.follow);
     ImGui::Checkbox("Dirty brush: not washed between strokes", &s.dirty_brush);
     ImGui::TreePop();

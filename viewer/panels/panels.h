@@ -3,12 +3,19 @@
 
 #include <imgui.h>
 
+#include <string>
+
 #include "viewer/window_state.h"
 
 namespace tangi::panels {
 
 // [pixels] of the column at the left.
 inline float width(const WindowState& state) { return 300 * state.scale; }
+
+// "%.1f mm", or "%.1f px" where the painting has no scale: its pixels stand for mm then.
+inline std::string length(const WindowState& state, const char* number) {
+    return std::string(number) + (state.scale_known ? " mm" : " px");
+}
 
 // A part of a panel that folds. What is in it may have the part's name, such as the button Fill: Dear ImGui
 // takes two items of one name for the same, and the button would not do anything.

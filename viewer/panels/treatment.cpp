@@ -91,7 +91,7 @@ void fill(WindowState& s) {
                                   Texture(FillTexture::weave, "as the weave"),
                                   Texture(FillTexture::smooth, "smooth")});
     tip("Where the relief of the fill comes from");
-    number("Level", t.fill.offset_mm, -0.5f, 0.2f, "%.2f mm");
+    number("Level", t.fill.offset_mm, -0.5f, 0.2f, length(s, "%.2f").c_str());
     tip("Above the level of the surroundings; below 0, the fill lies lower");
     if (t.texture == FillTexture::weave) number("Threads", t.fill.weave_mm, 0.1f, 5, "%.2f mm apart");
     ImGui::ColorEdit3("Colour", &t.fill_srgb.x, ImGuiColorEditFlags_NoInputs);
@@ -99,8 +99,8 @@ void fill(WindowState& s) {
     tip(s.keys.text(Action::fill_losses) + ": a layer of its own, which comes off again");
 }
 
-void varnish(VarnishOptions& v) {
-    number("Thickness", v.thickness_mm, 0.002f, 0.2f, "%.3f mm", true);
+void varnish(const WindowState& s, VarnishOptions& v) {
+    number("Thickness", v.thickness_mm, 0.002f, 0.2f, length(s, "%.3f").c_str(), true);
     number("Strength", v.specular, 0, 0.1f, "ρs %.3f");
     tip("How much is reflected as gloss: ρs, 0.04 of a resin");
     number("Sheen", v.roughness, 0.03f, 0.5f, "α %.2f");
@@ -113,7 +113,7 @@ void by_hand(WindowState& s) {
     if (!s.painter.unsaved) {
         ImGui::Checkbox("Paint stops at the damage", &t.confined);
         tip("Brushes neither give nor take paint outside of it");
-        ImGui::SliderFloat("Feather", &t.feather_mm, 0, 5, "%.1f mm");
+        ImGui::SliderFloat("Feather", &t.feather_mm, 0, 5, length(s, "%.1f").c_str());
         tip("Width over which paint fades out within the damage; it never goes beyond it");
     }
     if (s.painter.painted_px > 0) {
@@ -147,9 +147,11 @@ void laid(WindowState& s) {
     number("Film", t.retouch.thickness_mm, 0.005f, 0.3f, "%.3f mm thick", true);
     if (t.mode != RetouchMode::mimetic && t.mode != RetouchMode::neutral) {
         const auto pixel = static_cast<float>(t.mm_per_pixel);
-        number("Pitch", t.retouch.pitch_mm, std::max(0.1f, 2 * pixel), 10 + 2 * pixel, "%.2f mm", true);
+        number("Pitch", t.retouch.pitch_mm, std::max(0.1f, 2 * pixel), 10 + 2 * pixel,
+               length(s, "%.2f").c_str(), true);
         tip("From the middle of one line or dot to the next");
-        number("Width", t.retouch.width_mm, std::max(0.05f, pixel), 10 + pixel, "%.2f mm", true);
+        number("Width", t.retouch.width_mm, std::max(0.05f, pixel), 10 + pixel, length(s, "%.2f").c_str(),
+               true);
     }
     if (!t.preview && ImGui::Button("Preview")) t.ask.preview = true;
     if (!t.preview) tip("Lays it from your paints, to be looked at; nothing is changed");
@@ -259,14 +261,14 @@ void steps(WindowState& s) {
     folding("Layers", true, [&] { layers(s); });
     folding("Fill", false, [&] { fill(s); });
     folding("Isolating varnish", false, [&] {
-        varnish(t.isolating);
+        varnish(s, t.isolating);
         if (ImGui::Button("Isolate")) t.ask.isolate = true;
         tip(s.keys.text(Action::isolate) + ": between original and retouch, where one works");
     });
     folding("Retouch by hand", true, [&] { by_hand(s); });
     folding("Retouch laid by the program", false, [&] { laid(s); });
     folding("Varnish", false, [&] {
-        varnish(t.varnish);
+        varnish(s, t.varnish);
         if (ImGui::Button("Varnish all")) t.ask.varnish = true;
         tip(s.keys.text(Action::varnish));
     });

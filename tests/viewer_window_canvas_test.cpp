@@ -1,0 +1,74 @@
+// viewer_window_canvas_test.cpp: in the real window: a new canvas is chosen, and what is on it exported.
+#include <gmock/gmock.h>
+
+#include "paint/canvas_file.h"
+#include "paint/substrate.h"
+#include "painting_window.h"
+
+namespace tangi {
+namespace {
+
+// Places of the panels.
+constexpr std::pair<int, int> kExport{41, 106}, kOpenRaster{150, 121}, kGround{420, 79}, kBurlap{372, 143},
+    kPaintOnIt{385, 501};
+constexpr Region kPreview{350, 290, 640, 415};
+
+TEST_F(Window, ANewCanvasIsChosenAndPaintedOn) {
+    start();
+    const auto click = [&](const std::pair<int, int>& at) {
+        screen_->x({"mousemove", std::to_string(at.first), std::to_string(at.second), "click", "1"});
+        return screen_->settled();
+    };
+    const auto before = screen_->settled();
+    screen_->key("ctrl+n");
+    EXPECT_TRUE(screen_->becomes_different(before, kPreview, 0.1));
+    const auto canvas = screen_->settled();
+    click(kGround);
+    click(kBurlap);
+    EXPECT_TRUE(screen_->becomes_different(canvas, kPreview, 0.1)) << "the preview is of burlap";
+    screen_->key("Escape");
+    EXPECT_TRUE(screen_->becomes_alike(before, kPreview, 0.01)) << "given up";
+    screen_->key("ctrl+n");
+    EXPECT_TRUE(screen_->becomes_different(canvas, kPreview, 0.1)) << "what was chosen is still chosen";
+    screen_->settled();
+    click(kPaintOnIt);
+    EXPECT_TRUE(screen_->becomes_different(before, kCanvas, 0.1));
+    EXPECT_FALSE(fs::exists(folder_ / "untitled-1.exr")) << "not before it is painted on";
+    const auto bare = screen_->settled();
+    paint_a_stroke();
+    EXPECT_TRUE(
+        screen_->becomes_different(bare, {kMiddleX - 60, kMiddleY, kMiddleX + 60, kMiddleY + 30}, 0.05));
+    screen_->settled();
+    screen_->key("ctrl+s");
+    screen_->settled();
+    const auto json = close().json();
+    EXPECT_EQ(json["painting"], (folder_ / "untitled-1.exr").string());
+    EXPECT_EQ(json["saves"], 1);
+    const Canvas painted = read_canvas(folder_ / "untitled-1.exr");
+    EXPECT_FALSE(painted.wet().empty());
+    EXPECT_EQ(hash_of(painted.dry()), hash_of(make_substrate(SubstrateKind::burlap, {})));
+}
+
+TEST_F(Window, ExportsWhatWasNotSavedYet) {
+    start();
+    paint_a_stroke();
+    screen_->settled();
+    const auto click = [&](const std::pair<int, int>& at) {
+        screen_->x({"mousemove", std::to_string(at.first), std::to_string(at.second), "click", "1"});
+        screen_->settled();
+    };
+    click(kExport);
+    click(kOpenRaster);
+    screen_->key("Return");
+    EXPECT_TRUE(Screen::until([&] { return fs::exists(folder_ / "small.ora"); }));
+    screen_->settled();
+    EXPECT_THAT(bytes_of(folder_ / "small.ora"), testing::HasSubstr("data/layer1.png")) << "the stroke's layer";
+    EXPECT_TRUE(read_canvas(painting_).wet().empty()) << "and nothing was saved";
+    screen_->key("ctrl+z");
+    screen_->settled();
+    EXPECT_EQ(close().code, 0) << "all is undone: nothing is asked";
+    EXPECT_FALSE(fs::exists(folder_ / "small.unsaved.jsonl"));
+}
+
+}  // namespace
+}  // namespace tangi
