@@ -48,7 +48,7 @@ private:
                     "t l h b i m g f 1 r comma period s o d c v ctrl+z ctrl+y ctrl+s ctrl+shift+s ctrl+o "
                     "ctrl+r F1 "
                     "F12 Tab Next Prior Left Right Up Down bracketleft bracketright Escape Return space a x "
-                    "F5 ctrl+a "
+                    "F5 ctrl+a ctrl+n "
                     "BackSpace Home");
                 add({"key", keys[static_cast<std::size_t>(random_.below(static_cast<int>(keys.size())))]});
                 break;

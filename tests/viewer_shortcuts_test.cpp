@@ -53,6 +53,26 @@ TEST(Shortcuts, TheFileChangesThem) {
     EXPECT_EQ(keys.action(GLFW_KEY_T, GLFW_MOD_CAPS_LOCK), Action::tool_tilt);
 }
 
+TEST(Shortcuts, WhatIsChangedIsKept) {
+    TestDir folder;
+    const fs::path file = folder / "settings" / "keys.json";  // a folder that is not there yet
+    Keys keys;
+    EXPECT_FALSE(keys.set(Action::loupe, Chord{GLFW_KEY_F5, GLFW_MOD_CONTROL}));
+    EXPECT_EQ(keys.set(Action::redo, chord_named("S")), Action::shadows) << "which had it";
+    EXPECT_EQ(keys.text(Action::shadows), "");
+    EXPECT_EQ(keys.text(Action::redo), "S");
+    EXPECT_FALSE(keys.action(GLFW_KEY_Y, GLFW_MOD_CONTROL)) << "the only key is the new one";
+    EXPECT_FALSE(keys.set(Action::dry, {}));
+    keys.write(file);
+    const Keys again = Keys::read(file);
+    for (const Shortcut& shortcut : shortcuts())
+        EXPECT_EQ(again.text(shortcut.action), keys.text(shortcut.action)) << shortcut.name;
+    EXPECT_EQ(again.action(GLFW_KEY_F5, GLFW_MOD_CONTROL), Action::loupe);
+    EXPECT_FALSE(again.action(GLFW_KEY_D, 0));
+    Keys().write(file);
+    EXPECT_EQ(Keys::read(file).text(Action::shadows), "S") << "the usual ones";
+}
+
 TEST(Shortcuts, AWrongFileIsNamed) {
     TestDir folder;
     const fs::path file = folder / "keys.json";

@@ -39,7 +39,8 @@ public:
         c.environment = {{"DISPLAY", fmt::format(":{}", number_)},
                          {"LIBGL_ALWAYS_SOFTWARE", "1"},
                          {"WAYLAND_DISPLAY", ""},
-                         {"XDG_CONFIG_HOME", (folder_.path() / "config").string()}};
+                         {"XDG_CONFIG_HOME", (folder_.path() / "config").string()},
+                         {"XDG_DATA_HOME", (folder_.path() / "data").string()}};
         c.timeout = std::chrono::seconds(120);
         return c;
     }

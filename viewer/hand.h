@@ -35,6 +35,7 @@ private:
     void press(const InputEvent& event);
     void move(const InputEvent& event);
     void key(const InputEvent& event);
+    void rebind(const InputEvent& event);
     void gesture(const InputEvent& event);
     void act(Action action);
     void look_act(Action action);

@@ -1,5 +1,6 @@
 // hand_keys.cpp: what keys do, of the hand.
 #include <GLFW/glfw3.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <utility>
@@ -14,7 +15,28 @@ constexpr double kLightStep_deg = 3, kTurn_deg = 15;
 
 }  // namespace
 
+// The key that an action is given from now on; Backspace: none.
+void Hand::rebind(const InputEvent& event) {
+    if (is_modifier(event.code)) return;  // what comes with it counts
+    const Action action = *std::exchange(state_.rebinding, {});
+    if (event.code == GLFW_KEY_ESCAPE) return;
+    std::optional<Chord> chord;
+    if (event.code != GLFW_KEY_BACKSPACE) {
+        chord = Chord{event.code, event.mods & (GLFW_MOD_SHIFT | GLFW_MOD_CONTROL | GLFW_MOD_ALT)};
+        if (chord_named(name_of(*chord)) != chord) return;  // a key without a name
+    }
+    const std::optional<Action> loses = state_.keys.set(action, chord);
+    state_.ask.keys_changed = true;
+    state_.message = fmt::format("{}: {}", help_of(action), chord ? name_of(*chord) : "no key");
+    if (loses) state_.message += fmt::format("; no longer: {}", help_of(*loses));
+    state_.message_until_s = event.time_s + 8;
+}
+
 void Hand::key(const InputEvent& event) {
+    if (state_.rebinding) {
+        rebind(event);
+        return;
+    }
     if (state_.tool == Tool::damage && mask_key(event)) return;
     if (event.code == GLFW_KEY_ENTER && event.mods == 0) {
         if (state_.closing)

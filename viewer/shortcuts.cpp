@@ -152,6 +152,11 @@ std::optional<Chord> chord_named(std::string_view text) {
     return chord;
 }
 
+bool is_modifier(int key) {
+    return (key >= GLFW_KEY_LEFT_SHIFT && key <= GLFW_KEY_RIGHT_SUPER) || key == GLFW_KEY_CAPS_LOCK ||
+           key == GLFW_KEY_NUM_LOCK || key == GLFW_KEY_SCROLL_LOCK;
+}
+
 std::string name_of(const Chord& chord) {
     std::string text;
     if (chord.mods & GLFW_MOD_CONTROL) text += "Ctrl+";
@@ -187,6 +192,38 @@ std::string Keys::text(Action action) const {
     if (found == chords_.end()) return text;
     for (const Chord& chord : found->second) text += (text.empty() ? "" : ", ") + name_of(chord);
     return text;
+}
+
+std::optional<Action> Keys::set(Action action, const std::optional<Chord>& chord) {
+    for (const Chord& old : chords_[action]) actions_.erase(old);
+    chords_[action].clear();
+    if (!chord) return {};
+    std::optional<Action> loses;
+    if (const auto had = actions_.find(*chord); had != actions_.end()) {
+        loses = had->second;
+        std::erase(chords_[had->second], *chord);
+    }
+    actions_[*chord] = action;
+    chords_[action] = {*chord};
+    return loses;
+}
+
+void Keys::write(const std::filesystem::path& file) const {
+    const Keys usual;
+    nlohmann::json changes = nlohmann::json::object();
+    for (const Shortcut& shortcut : shortcuts()) {
+        const auto of = [&](const Keys& keys) {
+            const auto found = keys.chords_.find(shortcut.action);
+            return found == keys.chords_.end() ? std::vector<Chord>() : found->second;
+        };
+        const std::vector<Chord> chords = of(*this);
+        if (chords == of(usual)) continue;
+        nlohmann::json names = nlohmann::json::array();
+        for (const Chord& chord : chords) names.push_back(name_of(chord));
+        changes[shortcut.name] = names;
+    }
+    make_folder(file.parent_path());
+    write_text_file(file, changes.dump(2) + "\n");
 }
 
 Keys Keys::read(const std::filesystem::path& file) {

@@ -84,6 +84,7 @@ struct Chord {
 };
 // "Ctrl+Shift+Z", "F1", "PageUp", "["; nothing for anything else.
 std::optional<Chord> chord_named(std::string_view text);
+bool is_modifier(int key);  // by itself it is no chord
 std::string name_of(const Chord& chord);
 
 class Keys {
@@ -92,6 +93,12 @@ public:
 
     std::optional<Action> action(int key, int mods) const;
     std::string text(Action action) const;  // "Ctrl+Y, Ctrl+Shift+Z"; empty where it has none
+
+    // Gives an action this key alone; without one it has none. The action that had the key before loses it,
+    // and is returned.
+    std::optional<Action> set(Action action, const std::optional<Chord>& chord);
+    // What differs from the defaults, as read() takes it; throws Error where it cannot be written.
+    void write(const std::filesystem::path& file) const;
 
     // The defaults, changed by a file; just the defaults where there is none. Throws Error naming the file
     // and what is wrong: no such action, no such key, a key that two actions have.

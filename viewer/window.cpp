@@ -50,6 +50,7 @@ WindowApp::WindowApp(WindowSetup setup, const Progress& progress)
     : stop_wanted_(std::move(setup.stop_wanted)),
       file_(setup.file),
       photos_(setup.photos),
+      settings_(setup.settings),
       first_(opening_of(setup, progress)),
       window_(fmt::format("{} - TangiPaint", setup.file.filename().string()), setup.width, setup.height),
       input_(window_.handle()),

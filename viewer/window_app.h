@@ -66,6 +66,7 @@ private:
     void preview_canvas();
     void begin_canvas();
     void canvas_requests(const WindowState::Requests& ask);
+    void keep_keys();
     void say(const std::string& text);
     bool closing();
     bool painted_all();
@@ -74,6 +75,7 @@ private:
 
     std::function<bool()> stop_wanted_;
     std::filesystem::path file_, photos_;  // to begin with
+    std::filesystem::path settings_;       // folder; empty: nothing is remembered
     std::unique_ptr<FirstOpening> first_;
     Glfw glfw_;
     DesktopWindow window_;

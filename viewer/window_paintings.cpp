@@ -4,6 +4,7 @@
 #define GLFW_INCLUDE_NONE
 #include <GLFW/glfw3.h>
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include "surface/error.h"
 #include "viewer/settings.h"
@@ -12,6 +13,15 @@
 namespace tangi {
 
 namespace fs = std::filesystem;
+
+namespace {
+
+std::size_t memory_bytes() {
+    return static_cast<std::size_t>(::sysconf(_SC_PHYS_PAGES)) *
+           static_cast<std::size_t>(::sysconf(_SC_PAGE_SIZE));
+}
+
+}  // namespace
 
 // Where strokes are not saved, asks first.
 void WindowApp::open_when_allowed(const fs::path& file) {
@@ -120,6 +130,13 @@ void WindowApp::begin_canvas() {
     if (file.extension() != ".exr") file += ".exr";
     if (fs::exists(file)) {
         n.complaint = fmt::format("{} is there already: choose another name", file.filename().string());
+        return;
+    }
+    if (const double gb = 1e-9 * n.bytes(), most = 1e-9 * static_cast<double>(memory_bytes()); gb > most) {
+        n.complaint = fmt::format(
+            "it would take {:.0f} GB to paint on, and this machine has {:.0f}: larger pixels, or a smaller "
+            "canvas",
+            gb, most);
         return;
     }
     n.open = false;

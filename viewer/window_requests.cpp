@@ -248,6 +248,15 @@ void WindowApp::dialogs(const WindowState::Requests& ask) {
         choose("A folder for the report", FileDialog::Wants::new_folder, here, &Requests::report);
 }
 
+void WindowApp::keep_keys() {
+    if (settings_.empty()) return;
+    try {
+        state_.keys.write(settings_ / "keys.json");
+    } catch (const Error& error) {
+        say(error.what());  // they hold until the window closes
+    }
+}
+
 void WindowApp::requests() {
     WindowState::Requests ask = std::exchange(state_.ask, {});
     dialogs(ask);
@@ -256,6 +265,8 @@ void WindowApp::requests() {
     if (!ask.open.empty()) open_when_allowed(ask.open);
     if (!ask.palette.empty()) take_palette(ask.palette);
     canvas_requests(ask);
+    if (ask.usual_keys) state_.keys = {};
+    if (ask.usual_keys || ask.keys_changed) keep_keys();
     if (ask.fit) state_.view = fitted(state_.painting, pane(state_, screen_), state_.view.turn_deg);
     if (ask.one_to_one) state_.view.zoom = 1;
     if (ask.straighten) {

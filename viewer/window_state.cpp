@@ -6,6 +6,16 @@
 
 namespace tangi {
 
+glm::dvec2 NewCanvas::pixels() const {
+    if (!substrate_named(choice.which)) return {size.width, size.height};
+    return glm::round(glm::dvec2(choice.piece.width_mm, choice.piece.height_mm) / choice.piece.pixel_mm);
+}
+
+double NewCanvas::bytes() const {
+    constexpr double kBytesAPixel = 101;  // docs/window.md
+    return kBytesAPixel * pixels().x * pixels().y;
+}
+
 WindowState::WindowState() : brushes(brush_presets()) {
     use_brush("flat");
     use_palette(artist_acrylics());

@@ -126,10 +126,14 @@ struct NewCanvas {
     std::vector<std::string> kept;  // names of those that were kept
     std::string name;               // of the file
     std::filesystem::path folder;   // that it is written to
-    Extent size{};                  // [pixels] that it will have; 0 where that is not known
+    Extent size{};                  // [pixels] of a picture or a painting, by the preview
     unsigned texture = 0;           // OpenGL's name of the preview; 0: there is none
     Extent preview{};               // [pixels]
     std::string complaint;          // why it cannot be made
+
+    // [pixels] It will have; 0 where that is not known yet.
+    glm::dvec2 pixels() const;
+    double bytes() const;  // to paint on it
 };
 
 // What devices move the painting and the light, beside mouse and keys.
@@ -206,6 +210,7 @@ struct WindowState {
     bool help = false;
     float scale = 1;  // [1] of the panels: 2 on a screen of twice the usual density
     Keys keys;
+    std::optional<Action> rebinding;  // the next key is this action's
     std::vector<std::string> pens;
     std::string monitor;  // what its colours are
 
@@ -233,6 +238,7 @@ struct WindowState {
         int step_photo = 0;
         std::optional<int> photo;
         bool palette_dialog = false;
+        bool keys_changed = false, usual_keys = false;
         const ExportFormat* export_dialog = nullptr;  // one of kExportFormats
         const ExportFormat* format = nullptr;         // and where to: `export_to`
         bool new_canvas = false, begin_canvas = false, substrate_dialog = false, height_dialog = false;

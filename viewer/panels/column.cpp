@@ -149,16 +149,15 @@ void tools(WindowState& s) {
     for (const ToolName& tool : kTools) {
         if (!s.treating.on && (tool.tool == Tool::damage || tool.tool == Tool::sample)) continue;
         if (i++ % 3 && tool.tool != Tool::damage) ImGui::SameLine();
-        if (ImGui::RadioButton(fmt::format("{} ({})", tool.name, s.keys.text(tool.action)).c_str(),
-                               s.tool == tool.tool))
+        if (ImGui::RadioButton(with_key(s, tool.name, tool.action).c_str(), s.tool == tool.tool))
             s.tool = tool.tool;
         tip(help_of(tool.action));
     }
-    if (ImGui::Button("Fit (F)")) s.ask.fit = true;
+    if (ImGui::Button(with_key(s, "Fit", Action::fit).c_str())) s.ask.fit = true;
     ImGui::SameLine();
-    if (ImGui::Button("1:1 (1)")) s.ask.one_to_one = true;
+    if (ImGui::Button(with_key(s, "1:1", Action::one_to_one).c_str())) s.ask.one_to_one = true;
     ImGui::SameLine();
-    if (ImGui::Button("Straighten (R)")) s.ask.straighten = true;
+    if (ImGui::Button(with_key(s, "Straighten", Action::straighten).c_str())) s.ask.straighten = true;
     ImGui::Checkbox("Flat: the screen tilts", &s.flat);
     auto turn = static_cast<float>(s.view.turn_deg);
     if (ImGui::SliderFloat("Turn", &turn, -180, 180, "%.0f°")) s.view.turn_deg = turn;
@@ -170,13 +169,13 @@ void tools(WindowState& s) {
 
 void canvas(WindowState& s) {
     if (ImGui::Button("Undo")) s.ask.undo = true;
-    tip("Ctrl+Z");
+    tip(s.keys.text(Action::undo));
     ImGui::SameLine();
     if (ImGui::Button("Redo")) s.ask.redo = true;
-    tip("Ctrl+Y");
+    tip(s.keys.text(Action::redo));
     ImGui::SameLine();
     if (ImGui::Button("Dry")) s.ask.dry = true;
-    tip("D: all wet paint becomes a dry layer");
+    tip(s.keys.text(Action::dry) + ": all wet paint becomes a dry layer");
     ImGui::TextDisabled("%d stroke%s, %zu dried layer%s", s.painter.strokes,
                         s.painter.strokes == 1 ? "" : "s", s.painter.layers.size(),
                         s.painter.layers.size() == 1 ? "" : "s");
@@ -254,17 +253,26 @@ void help(WindowState& s) {
             const bool of_treatment = action == Action::tool_damage || action == Action::tool_sample ||
                                       (action > Action::treatment && action <= Action::treatment_report);
             if (of_treatment && !s.treating.on) continue;
-            row(s.keys.text(action), shortcut.help);
+            const bool asked = s.rebinding == action;
+            const std::string key = s.keys.text(action);
+            const std::string shown = asked ? "press a key" : key.empty() ? "(none)" : key;
+            ImGui::PushID(shortcut.name);
+            if (ImGui::Selectable(shown.c_str(), asked, 0, {160 * s.scale, 0})) s.rebinding = action;
+            ImGui::PopID();
+            tip("Click to give it another key; then Escape leaves it, Backspace takes its keys away");
+            ImGui::SameLine(170 * s.scale);
+            ImGui::TextUnformatted(shortcut.help);
         }
+        if (ImGui::SmallButton("Usual keys")) s.ask.usual_keys = true;
         ImGui::Separator();
         row("wheel", "zoom to the cursor");
         row("right button", "tilt, with any tool");
         row("middle button", "move the painting, with any tool (or Space and drag)");
         row("two fingers", "move, enlarge and turn the painting, with any tool");
         for (const std::string& pen : s.pens) row("pen", pen);
-        ImGui::TextDisabled("keys.json in the settings folder changes keys: docs/window.md");
     }
     ImGui::End();
+    if (!s.help) s.rebinding.reset();
 }
 
 }  // namespace tangi::panels

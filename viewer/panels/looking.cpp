@@ -87,7 +87,7 @@ void light(WindowState& s) {
     ImGui::Checkbox("Near", &lamp.near);
     if (lamp.near) ImGui::SliderFloat("Distance", &lamp.distance, 0.2f, 5, "%.2f widths");
     ImGui::SameLine();
-    ImGui::Checkbox("Shadows (S)", &s.shadows);
+    ImGui::Checkbox(with_key(s, "Shadows", Action::shadows).c_str(), &s.shadows);
     if (s.shadows) ImGui::SliderFloat("Softness", &s.light_radius_deg, 0, 15, "%.1f°");
     ImGui::SliderFloat("Ambient", &s.ambient, 0, 0.5f, "%.2f");
 }
@@ -123,7 +123,7 @@ void look(WindowState& s) {
     if (ImGui::Combo("Ward", &model, "1992\0Duer\0bounded\0")) s.model = static_cast<WardModel>(model);
     ImGui::Checkbox("Probe", &s.probing);
     ImGui::SameLine();
-    ImGui::Checkbox("Loupe (O)", &s.loupe);
+    ImGui::Checkbox(with_key(s, "Loupe", Action::loupe).c_str(), &s.loupe);
 }
 
 }  // namespace tangi::panels

@@ -64,13 +64,8 @@ void size(NewCanvas& n, WindowState& s) {
             ImGui::EndCombo();
         }
     }
-    Extent pixels = n.size;
-    if (is_piece)
-        pixels = {static_cast<int>(std::lround(std::min(c.piece.width_mm / c.piece.pixel_mm, 1e8))),
-                  static_cast<int>(std::lround(std::min(c.piece.height_mm / c.piece.pixel_mm, 1e8)))};
-    if (pixels.width > 0)
-        ImGui::TextDisabled("%d × %d pixels, %.0f MB to paint on", pixels.width, pixels.height,
-                            101e-6 * pixels.width * pixels.height);
+    if (const glm::dvec2 pixels = n.pixels(); pixels.x > 0)
+        ImGui::TextDisabled("%.0f × %.0f pixels, %.0f MB to paint on", pixels.x, pixels.y, 1e-6 * n.bytes());
 }
 
 // One that has a value of its own where none is chosen.

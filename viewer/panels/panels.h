@@ -1,6 +1,7 @@
 // panels.h: what lies beside and over the painting. Each draws itself with Dear ImGui and changes the state.
 #pragma once
 
+#include <fmt/format.h>
 #include <imgui.h>
 
 #include <string>
@@ -11,6 +12,12 @@ namespace tangi::panels {
 
 // [pixels] of the column at the left.
 inline float width(const WindowState& state) { return 300 * state.scale; }
+
+// "Fit (F)": what its key does, too.
+inline std::string with_key(const WindowState& state, const char* label, Action action) {
+    const std::string key = state.keys.text(action);
+    return key.empty() ? label : fmt::format("{} ({})###{}", label, key, label);
+}
 
 // "%.1f mm", or "%.1f px" where the painting has no scale: its pixels stand for mm then.
 inline std::string length(const WindowState& state, const char* number) {
