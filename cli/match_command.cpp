@@ -274,7 +274,7 @@ nlohmann::json run_match(const MatchArguments& a) {
     if (a.film_mm) result["film_mm"] = *a.film_mm;
     if (!a.swatch.empty()) {
         const bool linear = lower_extension(a.swatch) == ".exr";
-        write_picture(a.swatch, recipe_swatches(wanted.reflectance, found.recipes),
+        write_picture(a.swatch, recipe_swatches(wanted.reflectance, found.recipes, box.palette.paints),
                       linear ? Transfer{} : Transfer{Transfer::Kind::srgb}, {.bits = 8});
         result["picture"] = a.swatch;
     }
