@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <glm/common.hpp>
+#include <nlohmann/json.hpp>
 
 #include "surface/colour.h"
 #include "surface/error.h"
@@ -34,13 +35,25 @@ Image<float> first_channel(const Image<Rgb>& picture) {
     return result;
 }
 
-// All of `map` in proportion, so that its mean is this.
-void scale_to(double mean, float least, Image<float>& map) {
-    double sum = 0;
-    for (const float v : map.pixels()) sum += static_cast<double>(v);
-    const double is = sum / static_cast<double>(map.size());
-    for (float& v : map.pixels())
-        v = std::clamp(is > 0 ? static_cast<float>(v * mean / is) : static_cast<float>(mean), least, 1.0f);
+// All that was measured in proportion, so that its mean is this as far as the map's range allows.
+void scale_to(double mean, float least, const Image<float>& confidence, Image<float>& map) {
+    constexpr int kMost = 50;  // what was cut off at the range's end is made up for by the rest
+    for (int i = 0; i < kMost; ++i) {
+        double sum = 0, count = 0;
+        for (std::size_t k = 0; k < map.size(); ++k) {
+            if (!(confidence.pixels()[k] > 0)) continue;
+            sum += static_cast<double>(map.pixels()[k]);
+            ++count;
+        }
+        const double is = count > 0 ? sum / count : mean;
+        if (std::abs(is - mean) <= 1e-5 * mean) return;
+        for (std::size_t k = 0; k < map.size(); ++k) {
+            float& v = map.pixels()[k];
+            if (!(confidence.pixels()[k] > 0)) continue;
+            v = std::clamp(is > 0 ? static_cast<float>(v * mean / is) : static_cast<float>(mean), least,
+                           1.0f);
+        }
+    }
 }
 
 Surface made(const SubstrateChoice& choice, const Progress& progress) {
@@ -59,6 +72,20 @@ Surface made(const SubstrateChoice& choice, const Progress& progress) {
     return read_painting(kept_substrate_file(choice.which), progress);
 }
 
+// What was made otherwise than `before` says.
+std::string provenance_of(const SubstrateChoice& choice, const std::string& before) {
+    const SubstrateFinish& f = choice.finish;
+    nlohmann::json finish = {{"tint", {f.tint.r, f.tint.g, f.tint.b}}};
+    if (f.specular) finish["specular"] = *f.specular;
+    if (f.roughness) finish["roughness"] = *f.roughness;
+    nlohmann::json all = {{"substrate", choice.which}, {"finish", finish}};
+    if (!before.empty()) {
+        const nlohmann::json made = nlohmann::json::parse(before, nullptr, false);
+        all["made_of"] = made.is_discarded() ? nlohmann::json(before) : made;
+    }
+    return all.dump();
+}
+
 }  // namespace
 
 void apply(const SubstrateFinish& finish, Surface& surface) {
@@ -71,10 +98,10 @@ void apply(const SubstrateFinish& finish, Surface& surface) {
         fail("a roughness (alpha) of {:g}: it is {:g} to 1", *finish.roughness, kSmoothest);
     if (finish.tint != Rgb(1))
         for (Rgb& c : surface.diffuse.pixels()) c *= finish.tint;
-    if (finish.specular) scale_to(*finish.specular, 0, surface.specular);
+    if (finish.specular) scale_to(*finish.specular, 0, surface.confidence, surface.specular);
     if (!finish.roughness) return;
     const Image<float> before = surface.roughness;
-    scale_to(*finish.roughness, kSmoothest, surface.roughness);
+    scale_to(*finish.roughness, kSmoothest, surface.confidence, surface.roughness);
     for (std::size_t i = 0; i < surface.lobe_axes.size(); ++i)  // as drawn out as they were
         surface.lobe_axes.pixels()[i].roughness_v *= surface.roughness.pixels()[i] / before.pixels()[i];
 }
@@ -97,6 +124,11 @@ fs::path kept_substrate_file(const std::string& name) {
 Surface make_substrate(const SubstrateChoice& choice, const Progress& progress) {
     Surface surface = made(choice, progress);
     apply(choice.finish, surface);
+    if (choice.finish != SubstrateFinish()) {
+        // It is not what was photographed any more.
+        surface.photography = {};
+        surface.provenance = provenance_of(choice, surface.provenance);
+    }
     if (!choice.keep_as.empty()) keep_substrate(substrate_shelf(), choice.keep_as, surface);
     return surface;
 }

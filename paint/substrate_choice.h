@@ -21,8 +21,9 @@ struct SubstrateFinish {
     friend bool operator==(const SubstrateFinish&, const SubstrateFinish&) = default;
 };
 
-// What varies from pixel to pixel stays in the same proportion, within the range of the map. Throws Error
-// where a number is out of range.
+// What varies from pixel to pixel stays in the same proportion, within the range of the map, where the mean
+// allows for that; pixels that were not measured stay as they are, and do not count. Throws Error where a
+// number is out of range.
 void apply(const SubstrateFinish& finish, Surface& surface);
 
 struct SubstrateChoice {
@@ -42,7 +43,8 @@ bool is_picture(const std::filesystem::path& path);  // by its ending
 // none.
 std::filesystem::path kept_substrate_file(const std::string& name);
 
-// The surface; and keeps it where that was asked for. Throws Error.
+// The surface; and keeps it where that was asked for. With a finish it is no photographs' any more, and its
+// provenance says so. Throws Error.
 Surface make_substrate(const SubstrateChoice& choice, const Progress& progress = {});
 
 }  // namespace tangi

@@ -3,6 +3,7 @@
 
 #include <gmock/gmock.h>
 
+#include "surface/light.h"
 #include "surface/painting_file.h"
 #include "tests/test_support.h"
 
@@ -46,6 +47,38 @@ TEST(SubstrateChoice, FinishChangesTheWholeAndKeepsWhatVaries) {
     EXPECT_NEAR(drawn_out.lobe_axes.pixels()[9].roughness_v / drawn_out.roughness.pixels()[9],
                 0.5f / plain.roughness.pixels()[9], 1e-4f)
         << "as drawn out as it was";
+}
+
+// What is cut off at 1 is made up for by the rest; what was not measured neither counts nor changes.
+TEST(SubstrateChoice, TheMeanIsOfWhatWasMeasured) {
+    Surface s(20, 10);
+    std::ranges::fill(s.confidence.pixels(), 1.0f);
+    for (std::size_t i = 0; i < s.specular.size(); ++i)
+        s.specular.pixels()[i] = s.roughness.pixels()[i] = i % 10 == 0 ? 0.9f : 0.05f;
+    s.confidence.pixels()[7] = 0;
+    apply({.specular = 0.5, .roughness = 0.5}, s);
+    double sum = 0;
+    for (std::size_t i = 0; i < s.specular.size(); ++i)
+        if (i != 7) sum += static_cast<double>(s.specular.pixels()[i]);
+    EXPECT_NEAR(sum / 199, 0.5, 1e-4);
+    EXPECT_EQ(s.specular.pixels()[0], 1);
+    EXPECT_EQ(s.roughness.pixels()[7], 0.05f);
+}
+
+TEST(SubstrateChoice, AFinishIsInItsProvenanceAndItIsNoPhotographsAnyMore) {
+    TestDir dir;
+    Surface painting = make_substrate(small("linen"));
+    painting.photography.photos.push_back({.light = distant_light({0, 0, 1}, "a.png")});
+    painting.provenance = R"({"command": "fit"})";
+    write_painting(dir / "p.exr", painting);
+    SubstrateChoice choice{.which = (dir / "p.exr").string()};
+    EXPECT_EQ(make_substrate(choice).photography.photos.size(), 1u);
+    choice.finish.roughness = 0.3;
+    const Surface matt = make_substrate(choice);
+    EXPECT_TRUE(matt.photography.photos.empty());
+    const auto json = nlohmann::json::parse(matt.provenance);
+    EXPECT_EQ(json["finish"]["roughness"], 0.3);
+    EXPECT_EQ(json["made_of"]["command"], "fit");
 }
 
 TEST(SubstrateChoice, NumbersOutOfRangeAreErrors) {

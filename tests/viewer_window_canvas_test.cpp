@@ -49,6 +49,42 @@ TEST_F(Window, ANewCanvasIsChosenAndPaintedOn) {
     EXPECT_EQ(hash_of(painted.dry()), hash_of(make_substrate(SubstrateKind::burlap, {})));
 }
 
+TEST_F(Window, ANameThatIsTooLongIsNoCanvas) {
+    start();
+    screen_->key("ctrl+n");
+    screen_->settled();
+    screen_->x({"mousemove", "420", "457", "click", "1", "key", "ctrl+a"});
+    screen_->x({"type", "--delay", "1", std::string(300, 'x')});
+    screen_->x(
+        {"mousemove", std::to_string(kPaintOnIt.first), std::to_string(kPaintOnIt.second), "click", "1"});
+    screen_->settled();
+    EXPECT_TRUE(program_->running()) << program_->wait().err;
+    screen_->key("Escape");
+    EXPECT_EQ(close().json()["painting"], painting_.string());
+}
+
+// A wrong file of keys is put aside before it is written.
+TEST_F(Window, AKeyIsGivenToAnActionWhereKeysAreShown) {
+    const fs::path keys = screen_->settings() / "keys.json";
+    fs::create_directories(keys.parent_path());
+    write_bytes(keys, R"({"shadows": "Shift+S", "bogus": "Q"})");
+    start();
+    screen_->key("F1");
+    screen_->settled();
+    screen_->x({"mousemove", "345", "95", "click", "1"});  // Pan
+    screen_->settled();
+    screen_->key("space");  // has a use of its own
+    screen_->settled();
+    EXPECT_THAT(bytes_of(keys), testing::HasSubstr("bogus"));
+    screen_->x({"mousemove", "345", "95", "click", "1"});
+    screen_->settled();
+    screen_->key("j");
+    EXPECT_TRUE(Screen::until([&] { return bytes_of(keys).find("tool-pan") != std::string::npos; }));
+    EXPECT_THAT(bytes_of(keys.parent_path() / "keys.wrong.json"), testing::HasSubstr("bogus"));
+    EXPECT_EQ(nlohmann::json::parse(bytes_of(keys))["tool-pan"][0], "J");
+    EXPECT_EQ(close().code, 0);
+}
+
 TEST_F(Window, ExportsWhatWasNotSavedYet) {
     start();
     paint_a_stroke();
@@ -62,7 +98,8 @@ TEST_F(Window, ExportsWhatWasNotSavedYet) {
     screen_->key("Return");
     EXPECT_TRUE(Screen::until([&] { return fs::exists(folder_ / "small.ora"); }));
     screen_->settled();
-    EXPECT_THAT(bytes_of(folder_ / "small.ora"), testing::HasSubstr("data/layer1.png")) << "the stroke's layer";
+    EXPECT_THAT(bytes_of(folder_ / "small.ora"), testing::HasSubstr("data/layer1.png"))
+        << "the stroke's layer";
     EXPECT_TRUE(read_canvas(painting_).wet().empty()) << "and nothing was saved";
     screen_->key("ctrl+z");
     screen_->settled();

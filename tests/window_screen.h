@@ -45,6 +45,8 @@ public:
         return c;
     }
 
+    std::filesystem::path settings() const { return folder_ / "config" / "tangipaint"; }
+
     // Words of xdotool: {"mousemove", "10", "20"}.
     void x(const std::vector<std::string>& words) const {
         const Finished done = Program(words, conditions(), kXdotool).wait();

@@ -53,12 +53,13 @@ void Desk::shows(const Painter& painter) {
     measured_.reset();
     if (before.loaded && photographs_of(painter) == held_of_) {  // the same painting, or its treatment
         hold_photos(before.folder, painter);
-        state_.comparing.on = before.on && !before.pair;
+        state_.comparing.on = false;  // who begins a treatment wants to see it, and to draw on it
         state_.comparing.way = before.way;
         state_.comparing.divider = before.divider;
         turn_to(before.news.wanted);
     }
-    if (fs::exists(painter.file())) remember(painter.file());
+    std::error_code unknown;
+    if (fs::exists(painter.file(), unknown)) remember(painter.file());
 }
 
 void Desk::remember(const fs::path& file) {
@@ -82,7 +83,8 @@ bool Desk::start(std::string title, std::function<void(const Progress&)> work) {
 void Desk::open(const fs::path& file) {
     const std::optional<Palette> other = other_palette_ ? std::optional(setup_.palette) : std::nullopt;
     std::optional<SubstrateChoice> ground;
-    if (new_canvas_ && new_canvas_->first == file && !fs::exists(file)) ground = new_canvas_->second;
+    std::error_code unknown;
+    if (new_canvas_ && new_canvas_->first == file && !fs::exists(file, unknown)) ground = new_canvas_->second;
     start((ground ? "making " : "opening ") + file.filename().string(),
           [this, file, other, ground, palette = setup_.palette](const Progress& progress) {
               OpenedPainting opened;
@@ -107,22 +109,28 @@ void Desk::use_palette(Palette palette) {
 void Desk::fit(const fs::path& chosen) {
     const fs::path folder = fs::is_regular_file(chosen) ? fs::absolute(chosen).parent_path() : chosen;
     const fs::path out = place_for_fit(folder);
-    fits_ = start(fmt::format("fitting {}", folder.filename().string()),
-                  [this, chosen, out](const Progress& progress) {
-                      std::string said = setup_.workshop.fit(chosen, out, progress);
-                      written_ = {out, std::move(said)};
-                  });
+    const bool started = start(fmt::format("fitting {}", folder.filename().string()),
+                               [this, chosen, out](const Progress& progress) {
+                                   std::string said = setup_.workshop.fit(chosen, out, progress);
+                                   written_ = {out, std::move(said)};
+                               });
+    if (started) fits_ = writes_ = true;
 }
 
 // With what is on the canvas at this moment.
 void Desk::write_as(const ExportFormat& format, const fs::path& out, Painter& painter) {
-    start("exporting " + out.filename().string(),
-          [this, &format, out, &painter, file = painter.file()](const Progress& progress) {
-              std::optional<Canvas> canvas;
-              painter.look([&](const Surface&, const Canvas& now) { canvas.emplace(now); }).get();
-              std::string said = setup_.workshop.export_canvas(*canvas, file, format.format, out, progress);
-              written_ = {out, std::move(said)};
-          });
+    auto canvas = std::make_shared<std::optional<Canvas>>();
+    // The painter may be gone before the job runs; it does first what it was asked for.
+    std::shared_future<void> looked =
+        painter.look([canvas](const Surface&, const Canvas& now) { canvas->emplace(now); }).share();
+    const bool started = start(
+        "exporting " + out.filename().string(),
+        [this, &format, out, canvas, looked, file = painter.file()](const Progress& progress) {
+            looked.get();
+            std::string said = setup_.workshop.export_canvas(**canvas, file, format.format, out, progress);
+            written_ = {out, in_panel_words(said)};
+        });
+    if (started) writes_ = true;
 }
 
 void Desk::hold_photos(const fs::path& folder, const Painter& painter) {
@@ -195,7 +203,7 @@ bool Desk::look() {
                 if (std::exchange(fits_, false)) state_.ask.open = written_->first;
                 written_.reset();
             }
-            fits_ = false;
+            fits_ = writes_ = false;
         }
     }
     if (!comparison_) return worked;

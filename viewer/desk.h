@@ -45,6 +45,9 @@ public:
     // A painting that is to be shown now; once.
     std::optional<OpenedPainting> opened();
 
+    // A file is being written beside the window (an export, a fit), which would be given up.
+    bool writes() const { return job_ && writes_ && !job_->state().over; }
+
     void open(const std::filesystem::path& file);
     // `file`, which is not there, is a new canvas on this from now on: open() makes it.
     void make(const std::filesystem::path& file, const SubstrateChoice& choice);
@@ -67,6 +70,7 @@ private:
     std::optional<std::pair<std::filesystem::path, SubstrateChoice>> new_canvas_;
     std::optional<OpenedPainting> opened_;  // by the job, while it runs; ours once it is over
     std::optional<std::pair<std::filesystem::path, std::string>> written_;  // the same; what is to be said
+    bool writes_ = false;
     bool fits_ = false;  // the job does: what it writes is opened
     std::unique_ptr<Job> job_;
     std::unique_ptr<Comparison> comparison_;

@@ -21,15 +21,21 @@ void Hand::rebind(const InputEvent& event) {
     const Action action = *std::exchange(state_.rebinding, {});
     if (event.code == GLFW_KEY_ESCAPE) return;
     std::optional<Chord> chord;
+    state_.message_until_s = event.time_s + 8;
     if (event.code != GLFW_KEY_BACKSPACE) {
         chord = Chord{event.code, event.mods & (GLFW_MOD_SHIFT | GLFW_MOD_CONTROL | GLFW_MOD_ALT)};
-        if (chord_named(name_of(*chord)) != chord) return;  // a key without a name
+        const bool has_its_use =
+            event.code == GLFW_KEY_SPACE || event.code == GLFW_KEY_ENTER || event.code == GLFW_KEY_KP_ENTER;
+        if (has_its_use || chord_named(name_of(*chord)) != chord) {
+            state_.message = has_its_use ? "Space and Enter have uses of their own: choose another key"
+                                         : "this key has no name that the program knows: choose another one";
+            return;
+        }
     }
     const std::optional<Action> loses = state_.keys.set(action, chord);
     state_.ask.keys_changed = true;
     state_.message = fmt::format("{}: {}", help_of(action), chord ? name_of(*chord) : "no key");
     if (loses) state_.message += fmt::format("; no longer: {}", help_of(*loses));
-    state_.message_until_s = event.time_s + 8;
 }
 
 void Hand::key(const InputEvent& event) {
@@ -39,7 +45,7 @@ void Hand::key(const InputEvent& event) {
     }
     if (state_.tool == Tool::damage && mask_key(event)) return;
     if (event.code == GLFW_KEY_ENTER && event.mods == 0) {
-        if (state_.closing)
+        if (state_.closing && (state_.painter.unsaved || state_.treating.edits > 0))
             state_.ask.save = state_.ask.close = true;
         else if (state_.left_over_strokes > 0)
             state_.ask.recover = true;

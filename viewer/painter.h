@@ -166,8 +166,20 @@ private:
     PaintingClaim claim_;
     bool file_is_new_, told_of_journal_ = false;
     PainterState own_;
-    std::optional<Canvas> shown_;                // instead of the session's
-    std::optional<Canvas> saved_, saved_board_;  // as they are in the file
+    std::optional<Canvas> shown_;  // instead of the session's
+    // All tiles of a canvas by where they are, without keeping them in memory.
+    struct SavedTile {
+        const PaintTile* tile = nullptr;  // null: no paint
+        std::weak_ptr<const PaintTile> alive;
+    };
+    struct SavedTiles {
+        std::vector<std::string> layers;  // dried
+        std::map<TileIndex, std::vector<SavedTile>> stacks;
+    };
+    static SavedTiles tiles_of(const Canvas& canvas);
+    static bool are_tiles_of(const SavedTiles& saved, const Canvas& canvas);
+    SavedTiles saved_;                       // as in the file
+    std::optional<SavedTiles> saved_board_;  // likewise
     Keep keep_;
     std::shared_ptr<const Image<float>> allowed_;
     struct Counted {

@@ -1,4 +1,6 @@
 // painter_canvas.cpp: of the painter: the canvas changed, confined and shown otherwise than by strokes.
+#include <algorithm>
+
 #include "viewer/painter.h"
 
 namespace tangi {
@@ -24,25 +26,42 @@ std::vector<TileIndex> tiles_that_differ(const Canvas& a, const Canvas& b) {
 
 }  // namespace
 
+Painter::SavedTiles Painter::tiles_of(const Canvas& canvas) {
+    SavedTiles saved;
+    for (const DriedLayer& layer : canvas.dried()) saved.layers.push_back(layer.name);
+    for (int y = 0; y < canvas.wet().rows(); ++y)
+        for (int x = 0; x < canvas.wet().columns(); ++x) {
+            const auto stack = stack_at(canvas, {x, y});
+            if (std::ranges::all_of(stack, [](const auto& tile) { return !tile; })) continue;
+            for (const auto& tile : stack) saved.stacks[{x, y}].push_back({tile.get(), tile});
+        }
+    return saved;
+}
+
+// Tiles that undo brought back are the same, unless they were on disk meanwhile: these count as others.
+bool Painter::are_tiles_of(const SavedTiles& saved, const Canvas& canvas) {
+    const SavedTiles now = tiles_of(canvas);
+    const auto same = [](const SavedTile& a, const SavedTile& b) {
+        return a.tile == b.tile && (!a.tile || !a.alive.expired());
+    };
+    return now.layers == saved.layers &&
+           std::ranges::equal(saved.stacks, now.stacks, [&](const auto& a, const auto& b) {
+               return a.first == b.first && std::ranges::equal(a.second, b.second, same);
+           });
+}
+
 void Painter::mark_saved() {
-    saved_ = session_.canvas();
+    saved_ = tiles_of(session_.canvas());
     saved_board_.reset();
-    if (const Canvas* board = session_.board()) saved_board_ = *board;
+    if (const Canvas* board = session_.board()) saved_board_ = tiles_of(*board);
     own_.unsaved = false;
 }
 
-// By its tiles, which undo brings back: those that came back from disk count as others.
 bool Painter::is_as_saved() const {
-    const auto names = [](const Canvas& canvas) {
-        std::vector<std::string> all;
-        for (const DriedLayer& layer : canvas.dried()) all.push_back(layer.name);
-        return all;
-    };
-    const Canvas& now = session_.canvas();
-    if (names(now) != names(*saved_) || !tiles_that_differ(now, *saved_).empty()) return false;
+    if (!are_tiles_of(saved_, session_.canvas())) return false;
     const Canvas* board = session_.board();
     if (!board || !saved_board_) return !board || board->wet().painted().empty();
-    return tiles_that_differ(*board, *saved_board_).empty();
+    return are_tiles_of(*saved_board_, *board);
 }
 
 // Pixels with wet paint, of the tiles that changed.

@@ -27,7 +27,8 @@ fs::path settings_folder() {
 fs::path untitled(const fs::path& folder) {
     for (int i = 1;; ++i) {
         fs::path path = folder / ("untitled-" + std::to_string(i) + ".exr");
-        if (!fs::exists(path)) return path;
+        std::error_code unknown;  // a folder that cannot be looked into: writing there says so
+        if (!fs::exists(path, unknown)) return path;
     }
 }
 

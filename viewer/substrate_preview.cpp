@@ -11,10 +11,17 @@ namespace tangi {
 
 namespace {
 
+// When a file was written last; 0 for what is none.
+long written(const std::string& file) {
+    std::error_code none;
+    const auto time = std::filesystem::last_write_time(file, none);
+    return none ? 0 : static_cast<long>(time.time_since_epoch().count());
+}
+
 // All that the relief and colour depend on.
 std::string base_of(const SubstrateChoice& c) {
-    return fmt::format("{}\n{}\n{} {} {}", c.which, c.height_from, c.piece.pixel_mm, c.piece.seed,
-                       c.picture.relief_mm);
+    return fmt::format("{} {}\n{} {}\n{} {} {}", c.which, written(c.which), c.height_from,
+                       written(c.height_from), c.piece.pixel_mm, c.piece.seed, c.picture.relief_mm);
 }
 
 template <class T>
@@ -48,23 +55,25 @@ Surface middle_of(const Surface& whole, int width, int height) {
 }  // namespace
 
 SubstratePreview::~SubstratePreview() {
+    stop_ = true;
     if (work_.valid()) work_.wait();
 }
 
-SubstratePreview::Base SubstratePreview::made(const SubstrateChoice& choice, const std::string& of) {
+SubstratePreview::Base SubstratePreview::made(const SubstrateChoice& choice, const std::string& of) const {
+    const Progress going_on = [this](std::string_view, double) { return !stop_; };
     SubstrateChoice plain = choice;
     plain.finish = {};
     plain.keep_as.clear();
     if (substrate_named(choice.which)) {
         plain.piece.width_mm = kWidth * choice.piece.pixel_mm;
         plain.piece.height_mm = kHeight * choice.piece.pixel_mm;
-        return {of, make_substrate(plain), {}};
+        return {of, make_substrate(plain, going_on), {}};
     }
-    const Surface whole = make_substrate(plain);
+    const Surface whole = make_substrate(plain, going_on);
     return {of, middle_of(whole, kWidth, kHeight), {whole.width(), whole.height()}};
 }
 
-SubstratePreview::Seen SubstratePreview::seen(const Wanted& wanted, std::shared_ptr<const Base>& base) {
+SubstratePreview::Seen SubstratePreview::seen(const Wanted& wanted, std::shared_ptr<const Base>& base) const {
     Seen result;
     try {
         const std::string of = base_of(wanted.choice);
@@ -76,7 +85,9 @@ SubstratePreview::Seen SubstratePreview::seen(const Wanted& wanted, std::shared_
         for (std::size_t i = 0; i < patch.srgb.size(); ++i)
             result.picture.pixels()[i] = glm::u8vec4(patch.srgb[i], 255);
         result.size = base->size;
-    } catch (const Error& error) {
+    } catch (const Cancelled&) {
+        return result;
+    } catch (const std::exception& error) {
         result.complaint = error.what();
     }
     return result;

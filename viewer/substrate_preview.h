@@ -1,6 +1,7 @@
 // substrate_preview.h: what a new canvas will look like, made beside the window. No OpenGL.
 #pragma once
 
+#include <atomic>
 #include <functional>
 #include <future>
 #include <glm/gtc/type_precision.hpp>
@@ -23,6 +24,7 @@ public:
 
     // This one from now on, under a far lamp in this direction; what else was wanted is forgotten.
     void want(const SubstrateChoice& choice, const Vec3& lamp);
+    void again() { wanted_.of.clear(); }  // what is wanted next is made, also where it is what was shown last
 
     struct Seen {
         Image<glm::u8vec4> picture;  // sRGB; empty where it cannot be made
@@ -42,13 +44,14 @@ private:
         Vec3 lamp{0};
         std::string of;
     };
-    static Base made(const SubstrateChoice& choice, const std::string& of);
-    static Seen seen(const Wanted& wanted, std::shared_ptr<const Base>& base);
+    Base made(const SubstrateChoice& choice, const std::string& of) const;
+    Seen seen(const Wanted& wanted, std::shared_ptr<const Base>& base) const;
     void start();
 
     std::function<void()> wake_;
     Wanted wanted_, under_way_;
     std::shared_ptr<const Base> base_;  // the work's, while it runs
+    std::atomic<bool> stop_ = false;
     std::future<Seen> work_;
 };
 

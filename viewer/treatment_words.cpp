@@ -1,20 +1,24 @@
 // treatment_words.cpp: how things of a treatment are called in the window.
-#include <cctype>
-
 #include "viewer/treatment_desk.h"
 
 namespace tangi {
+
+namespace {
+
+bool is_small(char c) { return c >= 'a' && c <= 'z'; }
+
+}  // namespace
 
 std::string in_panel_words(const std::string& text) {
     if (text.find("tangipaint ") != std::string::npos) return text;  // a whole command
     std::string words;
     for (std::size_t i = 0; i < text.size(); ++i) {
         const bool begins = i == 0 || text[i - 1] == ' ';
-        if (!begins || text.compare(i, 2, "--") != 0 || i + 2 == text.size() || !std::islower(text[i + 2])) {
+        if (!begins || text.compare(i, 2, "--") != 0 || i + 2 == text.size() || !is_small(text[i + 2])) {
             words += text[i];
             continue;
         }
-        for (i += 2; i < text.size() && (std::islower(text[i]) || text[i] == '-'); ++i)
+        for (i += 2; i < text.size() && (is_small(text[i]) || text[i] == '-'); ++i)
             words += text[i] == '-' ? ' ' : text[i];
         --i;
     }

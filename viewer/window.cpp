@@ -73,6 +73,7 @@ WindowApp::WindowApp(WindowSetup setup, const Progress& progress)
     try {
         if (!setup.settings.empty()) state_.keys = Keys::read(setup.settings / "keys.json");
     } catch (const Error& error) {
+        keys_are_bad_ = true;
         say(error.what());  // the usual keys, then
     }
 }

@@ -65,6 +65,7 @@ private:
     void choose_canvas(const std::filesystem::path& ground);
     void preview_canvas();
     void begin_canvas();
+    std::string against_canvas(const std::filesystem::path& file) const;
     void canvas_requests(const WindowState::Requests& ask);
     void keep_keys();
     void say(const std::string& text);
@@ -110,8 +111,9 @@ private:
     std::string seen_;                // the scene and placement of the last picture
     int settle_ = kFramesAfterwards;  // frames to be drawn
     bool progress_due_ = false;
-    int held_frames_ = 0;   // as many frames more may what is held back wait
-    int cold_shaders_ = 0;  // that are compiled when there is time
+    int held_frames_ = 0;        // as many frames more may what is held back wait
+    int cold_shaders_ = 0;       // that are compiled when there is time
+    bool keys_are_bad_ = false;  // in the user's file, which is put aside before it is written
     bool dirty_ = true, close_when_saved_ = false, close_unsaved_ = false, open_when_saved_ = false,
          fitted_ = false, ready_to_paint_ = false;
     WindowResult result_;

@@ -93,6 +93,8 @@ void WindowApp::choose_canvas(const fs::path& ground) {
     if (state_.treating.on) n.folder = n.folder.parent_path();  // a treatment's folder is its own
     n.name = untitled(n.folder).filename().string();
     n.complaint.clear();
+    n.choice.keep_as.clear();
+    if (preview_) preview_->again();
     if (!ground.empty()) n.choice.which = n.picture = ground.string();
     try {
         n.kept = kept_substrates(substrate_shelf());
@@ -120,35 +122,50 @@ void WindowApp::preview_canvas() {
     settle_ = kFramesAfterwards;
 }
 
-void WindowApp::begin_canvas() {
-    NewCanvas& n = state_.new_canvas;
-    fs::path file = n.folder / n.name;
-    if (n.name.empty() || n.name.find('/') != std::string::npos) {
-        n.complaint = "the file needs a name, without '/'";
-        return;
-    }
-    if (file.extension() != ".exr") file += ".exr";
-    if (fs::exists(file)) {
-        n.complaint = fmt::format("{} is there already: choose another name", file.filename().string());
-        return;
-    }
-    if (const double gb = 1e-9 * n.bytes(), most = 1e-9 * static_cast<double>(memory_bytes()); gb > most) {
-        n.complaint = fmt::format(
+// Why a canvas of this name, size and ground cannot be begun now; empty where it can.
+std::string WindowApp::against_canvas(const fs::path& file) const {
+    const NewCanvas& n = state_.new_canvas;
+    if (n.name.empty() || n.name.find('/') != std::string::npos) return "the file needs a name, without '/'";
+    // Its journal and what is written before it is whole have longer ones.
+    constexpr std::size_t kLongestName = 200;
+    if (n.name.size() > kLongestName) return "the file's name is too long";
+    std::error_code unknown;
+    if (fs::exists(file, unknown))
+        return fmt::format("{} is there already: choose another name", file.filename().string());
+    if (const double gb = 1e-9 * n.bytes(), most = 1e-9 * static_cast<double>(memory_bytes()); gb > most)
+        return fmt::format(
             "it would take {:.0f} GB to paint on, and this machine has {:.0f}: larger pixels, or a smaller "
             "canvas",
             gb, most);
-        return;
+    if (state_.job) return fmt::format("first stop, or wait for: {}", state_.job_title);
+    if (n.choice.keep_as.empty()) return {};
+    try {
+        if (fs::exists(kept_substrate(substrate_shelf(), n.choice.keep_as)))
+            return fmt::format("a ground is kept as '{}' already: choose another name", n.choice.keep_as);
+    } catch (const std::exception& error) {
+        return error.what();
     }
+    return {};
+}
+
+void WindowApp::begin_canvas() {
+    NewCanvas& n = state_.new_canvas;
+    fs::path file = n.folder / n.name;
+    if (file.extension() != ".exr") file += ".exr";
+    n.complaint = against_canvas(file);
+    if (!n.complaint.empty()) return;
     n.open = false;
     desk_->make(file, n.choice);
-    n.choice.keep_as.clear();  // once
     open_when_allowed(file);
 }
 
 void WindowApp::canvas_requests(const WindowState::Requests& ask) {
     if (ask.new_canvas) choose_canvas({});
     NewCanvas& n = state_.new_canvas;
-    if (!ask.substrate.empty()) n.choice.which = n.picture = ask.substrate.string();
+    if (!ask.substrate.empty()) {
+        n.choice.which = n.picture = ask.substrate.string();
+        n.size = {};
+    }
     if (!ask.height_from.empty()) n.choice.height_from = ask.height_from.string();
     if (ask.begin_canvas) begin_canvas();
 }

@@ -25,7 +25,7 @@ constexpr std::size_t kUploadBytes = std::size_t(8) << 20;  // in one frame
 void WindowApp::find_left_over(const std::filesystem::path& file) {
     try {
         left_over_ = left_over(sitting_files(file));
-    } catch (const Error& error) {
+    } catch (const std::exception& error) {
         say(error.what());  // one can look at the painting all the same
     }
     if (!left_over_) return;
@@ -250,9 +250,15 @@ void WindowApp::dialogs(const WindowState::Requests& ask) {
 
 void WindowApp::keep_keys() {
     if (settings_.empty()) return;
+    const std::filesystem::path file = settings_ / "keys.json", aside = settings_ / "keys.wrong.json";
     try {
-        state_.keys.write(settings_ / "keys.json");
-    } catch (const Error& error) {
+        if (std::exchange(keys_are_bad_, false) && std::filesystem::exists(file)) {
+            std::filesystem::rename(file, aside);
+            say(fmt::format("{} could not be read, and is kept as {}", file.string(),
+                            aside.filename().string()));
+        }
+        state_.keys.write(file);
+    } catch (const std::exception& error) {
         say(error.what());  // they hold until the window closes
     }
 }
@@ -361,7 +367,8 @@ bool WindowApp::closing() {
         if (!painted_all()) return false;
         close_when_saved_ = false;
     }
-    if (!state_.painter.unsaved && state_.treating.edits == 0) return true;
+    const bool writes = desk_->writes();
+    if (!state_.painter.unsaved && state_.treating.edits == 0 && !writes) return true;
     state_.closing = true;  // asks
     glfwSetWindowShouldClose(window_.handle(), GLFW_FALSE);
     settle_ = kFramesAfterwards;

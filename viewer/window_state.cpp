@@ -51,8 +51,9 @@ Rgb WindowState::mixed_colour() const {
 }
 
 OnBrush WindowState::on_brush() const {
-    if (painter.stroking || board.in_hand || dirty_brush) return painter.on_brush;
-    if (!(brush.load_mm > 0)) return {};
+    if (painter.stroking || board.in_hand) return painter.on_brush;
+    // A dirty brush is filled up with the mixture; what it had is told once it paints.
+    if (!(brush.load_mm > 0)) return dirty_brush ? painter.on_brush : OnBrush();
     double sum = 0;
     for (const auto& [name, part] : mix) sum += static_cast<double>(part);
     OnBrush full{.fill = 1, .colour = mixed_colour()};

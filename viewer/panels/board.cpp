@@ -68,7 +68,7 @@ void board(WindowState& s) {
     if (ImGui::Button("Wipe clean")) s.ask.wipe_board = true;
     ImGui::SameLine();
     if (ImGui::Button("Squeeze out")) s.ask.squeeze = true;
-    if (ImGui::IsItemHovered()) ImGui::SetTooltip("a pile of the mixture, in the middle");
+    if (ImGui::IsItemHovered()) ImGui::SetTooltip("a pile of the mixture, where there is room");
     ImGui::SameLine();
     if (ImGui::Button("Wash the brush")) b.wash = true;
     carried(s);

@@ -96,17 +96,23 @@ void file(WindowState& s) {
         if (ImGui::Button("Go on painting (Esc)")) s.ask.stay = true;
     }
     if (s.closing && !s.finishing) {
+        const bool unsaved = s.painter.unsaved || s.treating.edits > 0;
         ImGui::TextColored({1, 0.8f, 0.3f, 1}, "%s",
-                           s.painter.unsaved ? "There are strokes that are not saved."
-                                             : "The damage map was corrected, and is not in the log.");
+                           s.painter.unsaved      ? "There are strokes that are not saved."
+                           : s.treating.edits > 0 ? "The damage map was corrected, and is not in the log."
+                           : s.job                ? "A file is still being written."
+                                                  : "All is written.");
         if (!s.open_next.empty())
             ImGui::TextUnformatted(("To open: " + s.open_next.filename().string()).c_str());
         const bool opens = !s.open_next.empty();
-        if (ImGui::Button(opens ? "Save and open (Enter)" : "Save and close (Enter)"))
-            s.ask.save = s.ask.close = true;
-        ImGui::SameLine();
+        if (unsaved) {
+            if (ImGui::Button(opens ? "Save and open (Enter)" : "Save and close (Enter)"))
+                s.ask.save = s.ask.close = true;
+            ImGui::SameLine();
+        }
         if (ImGui::Button(opens ? "Open" : "Close")) s.ask.close_unsaved = true;
-        tip("The strokes stay in the journal: next time they can be recovered");
+        tip(unsaved ? "The strokes stay in the journal: next time they can be recovered"
+                    : "What is being written is given up");
         if (ImGui::Button("Go on painting (Esc)")) {
             s.closing = false;
             s.open_next.clear();
@@ -264,6 +270,10 @@ void help(WindowState& s) {
             ImGui::TextUnformatted(shortcut.help);
         }
         if (ImGui::SmallButton("Usual keys")) s.ask.usual_keys = true;
+        if (!s.message.empty()) {  // which this window may lie over
+            ImGui::SameLine();
+            ImGui::TextColored({1, 0.88f, 0.6f, 1}, "%s", s.message.c_str());
+        }
         ImGui::Separator();
         row("wheel", "zoom to the cursor");
         row("right button", "tilt, with any tool");

@@ -21,7 +21,10 @@ void ground(NewCanvas& n, WindowState& s) {
             if (ImGui::Selectable(name.c_str(), c.which == name)) c.which = name;
         if (!n.kept.empty()) ImGui::Separator();
         for (const std::string& name : n.kept)
-            if (ImGui::Selectable(fmt::format("{} (kept)", name).c_str(), c.which == name)) c.which = name;
+            if (ImGui::Selectable(fmt::format("{} (kept)", name).c_str(), c.which == name)) {
+                c.which = name;
+                n.size = {};
+            }
         ImGui::EndCombo();
     }
     ImGui::SameLine();
@@ -113,7 +116,7 @@ void new_canvas(WindowState& s) {
         }
         ImGui::InputText("Keep it as", &n.choice.keep_as);
         tip("A name under which this ground is there for the next canvas; empty: it is not kept");
-        ImGui::InputText("File", &n.name);
+        if (ImGui::InputText("File", &n.name)) n.complaint.clear();
         ImGui::TextDisabled("in %s", n.folder.string().c_str());
         if (!n.complaint.empty()) {
             ImGui::PushTextWrapPos(ImGui::GetCursorPosX() + 300 * s.scale);

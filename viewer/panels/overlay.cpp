@@ -122,7 +122,7 @@ void probe(const WindowState& s, float right) {
                             axes.roughness_v);
     }
     if (p.paint_mm > 0) {
-        text += fmt::format("\nwet paint {:.3f} mm", p.paint_mm);
+        text += fmt::format("\nwet paint {:.3f} {}", p.paint_mm, s.scale_known ? "mm" : "px");
         for (const auto& [name, part] : p.recipe)
             if (part > 0.01) text += fmt::format("\n  {:.0f} % {}", 100 * part, name);
     }

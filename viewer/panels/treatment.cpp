@@ -93,7 +93,8 @@ void fill(WindowState& s) {
     tip("Where the relief of the fill comes from");
     number("Level", t.fill.offset_mm, -0.5f, 0.2f, length(s, "%.2f").c_str());
     tip("Above the level of the surroundings; below 0, the fill lies lower");
-    if (t.texture == FillTexture::weave) number("Threads", t.fill.weave_mm, 0.1f, 5, "%.2f mm apart");
+    if (t.texture == FillTexture::weave)
+        number("Threads", t.fill.weave_mm, 0.1f, 5, (length(s, "%.2f") + " apart").c_str());
     ImGui::ColorEdit3("Colour", &t.fill_srgb.x, ImGuiColorEditFlags_NoInputs);
     if (ImGui::Button("Fill")) t.ask.fill = true;
     tip(s.keys.text(Action::fill_losses) + ": a layer of its own, which comes off again");
@@ -105,7 +106,7 @@ void varnish(const WindowState& s, VarnishOptions& v) {
     tip("How much is reflected as gloss: ρs, 0.04 of a resin");
     number("Sheen", v.roughness, 0.03f, 0.5f, "α %.2f");
     tip("Width of the highlight: 0.05 is glossy, 0.3 matt");
-    number("Yellowing", v.yellowing, 0, 20, "%.1f /mm");
+    number("Yellowing", v.yellowing, 0, 20, s.scale_known ? "%.1f /mm" : "%.1f /px");
 }
 
 void by_hand(WindowState& s) {
@@ -144,7 +145,7 @@ void laid(WindowState& s) {
                Mode(RetouchMode::selection, "chromatic selection"),
                Mode(RetouchMode::abstraction, "chromatic abstraction"), Mode(RetouchMode::dotting, "dotting"),
                Mode(RetouchMode::neutral, "neutral tone")});
-    number("Film", t.retouch.thickness_mm, 0.005f, 0.3f, "%.3f mm thick", true);
+    number("Film", t.retouch.thickness_mm, 0.005f, 0.3f, (length(s, "%.3f") + " thick").c_str(), true);
     if (t.mode != RetouchMode::mimetic && t.mode != RetouchMode::neutral) {
         const auto pixel = static_cast<float>(t.mm_per_pixel);
         number("Pitch", t.retouch.pitch_mm, std::max(0.1f, 2 * pixel), 10 + 2 * pixel,

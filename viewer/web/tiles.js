@@ -67,6 +67,7 @@ class Tiles {
     this.layers = Math.min(layers, first, gl.getParameter(gl.MAX_ARRAY_TEXTURE_LAYERS), 2047);
     this.free = Array.from({length: this.layers}, (_, i) => i);
     this.table = new Uint16Array(tableWidth * Math.ceil(first / tableWidth));
+    if (gl.getParameter(gl.MAX_TEXTURE_SIZE) < tileSide / stripSide * tileSide) throw new Error('This graphics device is too old.');
     this.texels = this.texture(gl.TEXTURE_2D_ARRAY);
     gl.texStorage3D(gl.TEXTURE_2D_ARRAY, 1, gl.RGBA32UI, stripSide, tileSide / stripSide * tileSide, this.layers);
     this.pages = this.texture(gl.TEXTURE_2D);
