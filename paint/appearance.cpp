@@ -10,6 +10,7 @@
 #include "paint/kubelka_munk.h"
 #include "surface/anisotropy.h"
 #include "surface/parallel.h"
+#include "surface/surface_part.h"
 
 namespace tangi {
 
@@ -284,17 +285,6 @@ std::vector<Region> painted_parts(const Canvas& canvas) {
     return parts;
 }
 
-template <class T>
-Image<T> cut(const Image<T>& image, const Region& part) {
-    if (image.empty()) return {};
-    Image<T> result(part.width(), part.height());
-    for (int y = part.y0; y < part.y1; ++y) {
-        const auto row = image.row(y);
-        std::copy(row.begin() + part.x0, row.begin() + part.x1, result.row(y - part.y0).begin());
-    }
-    return result;
-}
-
 }  // namespace
 
 void update_appearance(const Canvas& canvas, std::span<const Region> changed, Surface& surface,
@@ -323,19 +313,7 @@ Surface appearance(const Canvas& canvas, const AppearanceOptions& options, const
 Surface appearance_in(const Canvas& canvas, const Region& part, const AppearanceOptions& options) {
     validate(options);
     TP_REQUIRE(!part.empty() && intersection(part, canvas.region()) == part, "the part is of the canvas");
-    const Surface& dry = canvas.dry();
-    Surface surface;
-    surface.height_mm = cut(dry.height_mm, part);
-    surface.normal = cut(dry.normal, part);
-    surface.diffuse = cut(dry.diffuse, part);
-    surface.specular = cut(dry.specular, part);
-    surface.roughness = cut(dry.roughness, part);
-    surface.confidence = cut(dry.confidence, part);
-    surface.lobe_colour = cut(dry.lobe_colour, part);
-    surface.lobe_axes = cut(dry.lobe_axes, part);
-    surface.law = dry.law;
-    surface.mm_per_pixel = dry.mm_per_pixel;
-    surface.scale_known = dry.scale_known;
+    Surface surface = cut(canvas.dry(), part);
     std::vector<Region> parts;
     const Region around = intersection(grown(part), canvas.region());
     for (int y = around.y0 / kSize; y * kSize < around.y1; ++y)

@@ -48,6 +48,12 @@ protected:
         screen_->x(words);
         program_->signal(SIGCONT);
     }
+    // Left, until it is seen what came of it.
+    void click(int x, int y) {
+        screen_->x({"mousemove", std::to_string(x), std::to_string(y), "click", "1"});
+        screen_->settled();
+    }
+    void click(const std::pair<int, int>& at) { click(at.first, at.second); }
     void paint_a_stroke() {
         screen_->key("b");
         screen_->drag(1, {kMiddleX - 150, kMiddleY}, {kMiddleX + 130, kMiddleY + 40});

@@ -15,10 +15,6 @@ constexpr Region kPreview{350, 290, 640, 415};
 
 TEST_F(Window, ANewCanvasIsChosenAndPaintedOn) {
     start();
-    const auto click = [&](const std::pair<int, int>& at) {
-        screen_->x({"mousemove", std::to_string(at.first), std::to_string(at.second), "click", "1"});
-        return screen_->settled();
-    };
     const auto before = screen_->settled();
     screen_->key("ctrl+n");
     EXPECT_TRUE(screen_->becomes_different(before, kPreview, 0.1));
@@ -55,9 +51,7 @@ TEST_F(Window, ANameThatIsTooLongIsNoCanvas) {
     screen_->settled();
     screen_->x({"mousemove", "420", "457", "click", "1", "key", "ctrl+a"});
     screen_->x({"type", "--delay", "1", std::string(300, 'x')});
-    screen_->x(
-        {"mousemove", std::to_string(kPaintOnIt.first), std::to_string(kPaintOnIt.second), "click", "1"});
-    screen_->settled();
+    click(kPaintOnIt);
     EXPECT_TRUE(program_->running()) << program_->wait().err;
     screen_->key("Escape");
     EXPECT_EQ(close().json()["painting"], painting_.string());
@@ -71,13 +65,11 @@ TEST_F(Window, AKeyIsGivenToAnActionWhereKeysAreShown) {
     start();
     screen_->key("F1");
     screen_->settled();
-    screen_->x({"mousemove", "345", "95", "click", "1"});  // Pan
-    screen_->settled();
+    click(345, 95);         // Pan
     screen_->key("space");  // has a use of its own
     screen_->settled();
     EXPECT_THAT(bytes_of(keys), testing::HasSubstr("bogus"));
-    screen_->x({"mousemove", "345", "95", "click", "1"});
-    screen_->settled();
+    click(345, 95);
     screen_->key("j");
     EXPECT_TRUE(Screen::until([&] { return bytes_of(keys).find("tool-pan") != std::string::npos; }));
     EXPECT_THAT(bytes_of(keys.parent_path() / "keys.wrong.json"), testing::HasSubstr("bogus"));
@@ -89,10 +81,6 @@ TEST_F(Window, ExportsWhatWasNotSavedYet) {
     start();
     paint_a_stroke();
     screen_->settled();
-    const auto click = [&](const std::pair<int, int>& at) {
-        screen_->x({"mousemove", std::to_string(at.first), std::to_string(at.second), "click", "1"});
-        screen_->settled();
-    };
     click(kExport);
     click(kOpenRaster);
     screen_->key("Return");

@@ -18,10 +18,6 @@ constexpr std::pair<int, int> kFile{143, 18}, kTools{143, 93}, kMixing{18, 424},
 
 class DataWindow : public Window {
 protected:
-    void click(const std::pair<int, int>& at) {
-        screen_->x({"mousemove", std::to_string(at.first), std::to_string(at.second), "click", "1"});
-        screen_->settled();
-    }
     // Waits for the program, since a real painting need not be bright in its middle.
     void open(const std::vector<std::string>& further = {}) {
         std::vector<std::string> words = {"paint", painting_.string(), "--size",

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "surface/error.h"
+#include "surface/surface_part.h"
 #include "viewer/board_picture.h"
 
 namespace tangi {
@@ -24,32 +25,11 @@ std::string base_of(const SubstrateChoice& c) {
                        written(c.height_from), c.piece.pixel_mm, c.piece.seed, c.picture.relief_mm);
 }
 
-template <class T>
-Image<T> part_of(const Image<T>& map, const Region& r) {
-    if (map.empty()) return {};
-    Image<T> part(r.width(), r.height());
-    for (int y = 0; y < r.height(); ++y)
-        std::copy_n(map.row(r.y0 + y).begin() + r.x0, r.width(), part.row(y).begin());
-    return part;
-}
-
 // The middle of a surface.
 Surface middle_of(const Surface& whole, int width, int height) {
     const int w = std::min(width, whole.width()), h = std::min(height, whole.height());
     const int x0 = (whole.width() - w) / 2, y0 = (whole.height() - h) / 2;
-    const Region r{x0, y0, x0 + w, y0 + h};
-    Surface part;
-    part.height_mm = part_of(whole.height_mm, r);
-    part.normal = part_of(whole.normal, r);
-    part.diffuse = part_of(whole.diffuse, r);
-    part.specular = part_of(whole.specular, r);
-    part.roughness = part_of(whole.roughness, r);
-    part.confidence = part_of(whole.confidence, r);
-    part.lobe_colour = part_of(whole.lobe_colour, r);
-    part.lobe_axes = part_of(whole.lobe_axes, r);
-    part.law = whole.law;
-    part.mm_per_pixel = whole.mm_per_pixel;
-    return part;
+    return cut(whole, {x0, y0, x0 + w, y0 + h});
 }
 
 }  // namespace

@@ -12,6 +12,7 @@
 #include "paint/retouch/fill.h"
 #include "surface/error.h"
 #include "surface/median.h"
+#include "surface/surface_part.h"
 
 namespace tangi {
 
@@ -30,14 +31,6 @@ Region box_of(const Mask& mask, int margin) {
             std::min(box.x1 + margin, mask.width()), std::min(box.y1 + margin, mask.height())};
 }
 
-template <class T>
-Image<T> crop(const Image<T>& image, const Region& region) {
-    Image<T> part(region.width(), region.height());
-    for (int y = 0; y < part.height(); ++y)
-        for (int x = 0; x < part.width(); ++x) part(x, y) = image(x + region.x0, y + region.y0);
-    return part;
-}
-
 // Layers that level are fills.
 bool filled(const Canvas& canvas) {
     return std::any_of(canvas.dried().begin(), canvas.dried().end(), [](const auto& l) { return l.levels; });
@@ -46,11 +39,11 @@ bool filled(const Canvas& canvas) {
 // What is no good to go on from: losses and other damage with the gap beside them, what was not measured.
 Mask hole_in(const Canvas& canvas, const Mask& mask, const Mask& damaged, const Region& window,
              double gap_px) {
-    Mask hole = crop(mask, window);
-    if (!damaged.empty()) hole = united(hole, crop(damaged, window));
+    Mask hole = cut(mask, window);
+    if (!damaged.empty()) hole = united(hole, cut(damaged, window));
     for (float& v : hole.pixels()) v = v > 0 ? 1.0f : 0.0f;
     hole = dilated(hole, gap_px);
-    const Image<float> confidence = crop(canvas.dry().confidence, window);
+    const Image<float> confidence = cut(canvas.dry().confidence, window);
     for (std::size_t i = 0; i < hole.size(); ++i)
         if (!(confidence.pixels()[i] > 0)) hole.pixels()[i] = 1;
     return hole;
@@ -107,7 +100,7 @@ void carry_on(const Surroundings& around, const MaskRegions& parts, const Retouc
             window = all;  // damage all round: from farther away
             hole = around.hole_in(on_canvas());
         }
-        Image<Rgb> target = smoothed_around(crop(loss.seen, window), hole, around.ring_px / 4);
+        Image<Rgb> target = smoothed_around(cut(loss.seen, window), hole, around.ring_px / 4);
         inpaint_into(target, hole, options.inpainting, around.ring_px);
         for (int y = window.y0; y < window.y1; ++y)
             for (int x = window.x0; x < window.x1; ++x)
@@ -220,7 +213,7 @@ Loss loss_of(const Canvas& canvas, const Mask& mask, const Mask& damaged, const 
     const bool patches = options.inpainting == Inpainting::patches;
     const int margin = static_cast<int>(std::ceil(gap_px + (patches ? 6 : 2) * ring_px)) + 2;
     loss.region = box_of(mask, margin);
-    loss.mask = crop(mask, loss.region);
+    loss.mask = cut(mask, loss.region);
     cover_filled_pixels(canvas, loss);
     loss.seen = diffuse_in(canvas, loss.region);
     const Surroundings around{canvas, mask, damaged, gap_px, ring_px, margin};
@@ -231,7 +224,7 @@ Loss loss_of(const Canvas& canvas, const Mask& mask, const Mask& damaged, const 
     if (!options.own_gloss) find_glosses(around, loss.parts, loss);
     if (patches) {  // as sharp as they are, and along with the relief of what was filled
         loss.target = loss.seen;
-        const Image<float> relief_mm = crop(relief_of(canvas), loss.region);
+        const Image<float> relief_mm = cut(relief_of(canvas), loss.region);
         inpaint_into(loss.target, around.hole_in(loss.region), options.inpainting, ring_px,
                      filled(canvas) ? &relief_mm : nullptr);
     } else {

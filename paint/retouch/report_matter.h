@@ -1,6 +1,7 @@
 // report_matter.h: what a treatment's report is made of; for sources of this module only.
 #pragma once
 
+#include <map>
 #include <string>
 #include <utility>
 #include <vector>
@@ -33,6 +34,9 @@ std::string spaced(std::string name);
 
 // "D65 1.2, A 0.9" of differences by lamp.
 std::string by_lamp(const nlohmann::json& differences);
+
+// Each paint of a layer with its part of the volume, most first, and the volume where there is a scale.
+std::string paints_in_words(const std::map<std::string, double>& volumes_mm3, bool scale_known);
 
 // The last time that retouches were compared with what is beside them.
 void add_quality(ReportMatter& matter);
