@@ -23,6 +23,7 @@ struct LightTurn {
     glm::dvec2 applied(const glm::dvec2& v) const;
     LightTurn opposite() const;                     // then by half a turn more
     LightTurn after(const LightTurn& first) const;  // both in one
+    friend bool operator==(const LightTurn&, const LightTurn&) = default;
 };
 
 struct SignCheck {
