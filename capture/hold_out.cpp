@@ -9,13 +9,13 @@ namespace tangi {
 void hold_out(Stack& stack, const std::string& which) {
     if (stack.photos.empty()) fail("--hold-out {}: {} has no photographs", which, stack.folder.string());
     std::vector<bool> held(stack.photos.size(), false);
-    const auto hold = [&](const std::string& word, const auto& is_meant) {
+    const auto hold = [&](const std::string& word, const auto& is_meant, const char* remedy = "") {
         bool any = false;
         for (std::size_t i = 0; i < held.size(); ++i)
             if (is_meant(stack.photos[i])) held[i] = any = true;
         if (!any)
-            fail("--hold-out {}: there is no photograph {}; {} has photographs {} to {}", which, word,
-                 stack.folder.string(), stack.photos.front().number, stack.photos.back().number);
+            fail("--hold-out {}: there is no photograph {}; {} has photographs {} to {}{}", which, word,
+                 stack.folder.string(), stack.photos.front().number, stack.photos.back().number, remedy);
     };
     const auto number = [](const std::string& text) -> std::optional<int> {
         if (text.empty() || text.size() > 9 || text.find_first_not_of("0123456789") != std::string::npos)
@@ -38,9 +38,12 @@ void hold_out(Stack& stack, const std::string& which) {
         } else if (start) {
             hold(word, [&](const StackPhoto& photo) { return photo.number == *start; });
         } else {
-            hold(word, [&](const StackPhoto& photo) {
-                return photo.light.name == word || photo.path.filename().string() == word;
-            });
+            hold(
+                word,
+                [&](const StackPhoto& photo) {
+                    return photo.light.name == word || photo.path.filename().string() == word;
+                },
+                "; give such numbers, names, or START:STEP for every STEPth from START on");
         }
     }
     std::vector<StackPhoto> kept;

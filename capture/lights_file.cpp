@@ -92,6 +92,21 @@ std::optional<long> whole_number(std::string_view word) {
     return value;
 }
 
+// The first bytes of JPEG, PNG, TIFF (and most camera raws) and OpenEXR.
+bool begins_as_picture(std::string_view text) {
+    using namespace std::string_view_literals;
+    const std::string_view beginnings[] = {"\xFF\xD8\xFF"sv, "\x89PNG\r\n"sv, "II*\0"sv, "MM\0*"sv,
+                                           "\x76\x2F\x31\x01"sv};
+    return std::any_of(std::begin(beginnings), std::end(beginnings),
+                       [&](std::string_view bytes) { return text.starts_with(bytes); });
+}
+
+// Whether it begins with what no text has. A zero further on is a damaged line, which alone is left out.
+bool begins_as_binary(std::string_view text) {
+    constexpr std::size_t beginning = 64;
+    return text.substr(0, beginning).find('\0') != std::string_view::npos;
+}
+
 // Old programs for the Macintosh end lines with a carriage return alone.
 std::string with_newlines(std::string text) {
     if (text.find('\n') == std::string::npos) std::replace(text.begin(), text.end(), '\r', '\n');
@@ -204,6 +219,12 @@ LightsFile parse_lights(const std::string& text, const std::string& file_name) {
     std::optional<long> count;
     if (text.starts_with("\xFF\xFE") || text.starts_with("\xFE\xFF"))
         fail("{}: is UTF-16 text; save it as UTF-8", file_name);
+    if (begins_as_picture(text))
+        fail("{}: is a picture, and no lights file (.lp); name the list of photographs and their lights",
+             file_name);
+    if (begins_as_binary(text))
+        fail("{}: is no text, and so no lights file (.lp); name the list of photographs and their lights",
+             file_name);
     std::istringstream stream(with_newlines(text.starts_with("\xEF\xBB\xBF") ? text.substr(3) : text));
     LineReader reader(file_name);
     int number_of_line = 0;

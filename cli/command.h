@@ -33,6 +33,8 @@ struct Command {
     const char* name;
     const char* summary;
     std::function<std::function<nlohmann::json()>(Flags& flags)> set_up;
+    // Lines for a person at a terminal, of a result; null where the JSON is short (cli/result_words.h).
+    std::vector<std::string> (*in_words)(const nlohmann::json& result) = nullptr;
 };
 
 // The table of commands, in the order in which help lists them.
@@ -61,6 +63,12 @@ constexpr std::size_t kLongestMessage = 4000;
 
 // Writes a warning to stderr, without disturbing the bar.
 void warn(const std::string& text);
+
+// The same of a line that is none.
+void tell(const std::string& text);
+
+// True where standard output is a terminal: a person reads what is written there, and not a program.
+bool stdout_is_terminal();
 
 // The one JSON value for numbers that JSON has no word for.
 inline nlohmann::json finite(double value) {

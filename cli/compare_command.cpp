@@ -5,6 +5,7 @@
 #include "cli/arguments.h"
 #include "cli/command_list.h"
 #include "cli/photo_book.h"
+#include "cli/result_words.h"
 #include "fit/compare_page.h"
 #include "fit/look_over.h"
 #include "surface/error.h"
@@ -110,7 +111,8 @@ Command compare_command() {
                     .required();
                 flags.fields(a->options);
                 return [a] { return run_compare(*a); };
-            }};
+            },
+            compare_in_words};
 }
 
 }  // namespace tangi

@@ -148,4 +148,8 @@ void warn(const std::string& text) {
     console().say("warning: " + printable(shortened(text, kLongestMessage)));
 }
 
+void tell(const std::string& text) { console().say(printable(shortened(text, kLongestMessage))); }
+
+bool stdout_is_terminal() { return ::isatty(STDOUT_FILENO) != 0; }
+
 }  // namespace tangi

@@ -3,6 +3,7 @@
 #include "cli/arguments.h"
 #include "cli/command_list.h"
 #include "cli/fit_folder.h"
+#include "cli/result_words.h"
 #include "fit/faithful_fit.h"
 #include "fit/fit_page.h"
 #include "fit/fit_painting.h"
@@ -247,7 +248,8 @@ nlohmann::json fit_folder(const std::filesystem::path& photographs, const std::f
 }
 
 Command fit_command() {
-    return {"fit", "fit height, normals and Ward parameters to photographs: the main job", [](Flags& flags) {
+    return {"fit", "fit height, normals and Ward parameters to photographs: the main job",
+            [](Flags& flags) {
                 auto arguments = std::make_shared<FitArguments>();
                 arguments->photos.add_to(flags, true);
                 flags.option("--out", arguments->out, "the painting file to write (.exr)").required();
@@ -266,7 +268,8 @@ Command fit_command() {
                            "also store what the photographs show beyond the surface, for relight --faithful");
                 flags.fields(arguments->faithful_options);
                 return [arguments] { return run_fit(*arguments, console_progress()); };
-            }};
+            },
+            fit_in_words};
 }
 
 }  // namespace tangi

@@ -8,8 +8,25 @@
 
 namespace tangi {
 
+namespace {
+
+// What is wrong with "0,3", and what to write; empty where the text is no number with a decimal comma.
+// Without it, "2,5" would be taken for 2 by what looks at the beginning alone.
+std::string told_of_comma(const std::string& text) {
+    const auto comma = text.find(',');
+    if (comma == std::string::npos || text.find_first_of("0123456789", comma) == std::string::npos ||
+        text.find_first_not_of("+-0123456789") != comma ||
+        text.find_first_not_of("0123456789eE+-", comma + 1) != std::string::npos)
+        return "";
+    const std::string point = text.substr(0, comma) + "." + text.substr(comma + 1);
+    return fmt::format("{} has a decimal comma: write {} with a point", text, point);
+}
+
+}  // namespace
+
 FlagCheck within(double minimum, double maximum) {
     return [=](const std::string& text) {
+        if (std::string comma = told_of_comma(text); !comma.empty()) return comma;
         try {
             const double x = std::stod(text);
             if (x >= minimum && x <= maximum) return std::string();
@@ -21,6 +38,7 @@ FlagCheck within(double minimum, double maximum) {
 
 FlagCheck positive() {
     return [](const std::string& text) {
+        if (std::string comma = told_of_comma(text); !comma.empty()) return comma;
         try {
             const double x = std::stod(text);
             if (x > 0 && std::isfinite(x)) return std::string();

@@ -13,6 +13,7 @@
 #include <cstring>
 #include <filesystem>
 #include <sstream>
+#include <utility>
 
 #include "cli/command.h"
 #include "surface/error.h"
@@ -47,8 +48,9 @@ int ended(int code, const std::string& message) {
     return code;
 }
 
-int run(const std::string& name, const std::function<nlohmann::json()>& body) {
+int run(const Command& command, const std::function<nlohmann::json()>& body) {
     const auto start = std::chrono::steady_clock::now();
+    const std::string name = command.name;
     const std::string who = "tangipaint " + name + ": ";
     try {
         nlohmann::json result = body();
@@ -57,9 +59,11 @@ int run(const std::string& name, const std::function<nlohmann::json()>& body) {
         result["seconds"] = seconds.count();
         result["peak_memory_mb"] = peak_memory_mb();
         write_stdout(result.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
-        if (!result.contains("poor") || result["poor"].empty()) return kDone;
-        for (const auto& reason : result["poor"]) warn("poor result: " + reason.get<std::string>());
-        return kPoorNumbers;
+        const nlohmann::json poor = result.value("poor", nlohmann::json::array());
+        for (const auto& reason : poor) warn("poor result: " + reason.get<std::string>());
+        if (command.in_words && stdout_is_terminal())
+            for (const std::string& line : command.in_words(result)) tell(line);
+        return poor.empty() ? kDone : kPoorNumbers;
     } catch (const Cancelled& stop) {
         return ended(kInterrupted, "\n" + who + stop.what() + "; nothing half-written is left");
     } catch (const UsageError& error) {
@@ -87,17 +91,19 @@ int show(const std::string& text) {
     }
 }
 
-// How many letters must be put in, taken out or replaced to turn one word into the other (Levenshtein 1966).
+// How many letters must be put in, taken out, replaced or exchanged with their neighbour to turn one word
+// into the other (Damerau 1964; no letter is touched twice).
 std::size_t edits(std::string_view from, std::string_view to) {
-    std::vector<std::size_t> row(to.size() + 1);
+    std::vector<std::size_t> before_last, last(to.size() + 1), row(to.size() + 1);
     for (std::size_t j = 0; j < row.size(); ++j) row[j] = j;
     for (std::size_t i = 1; i <= from.size(); ++i) {
-        std::size_t diagonal = row[0];
+        before_last = std::exchange(last, row);
         row[0] = i;
         for (std::size_t j = 1; j < row.size(); ++j) {
-            const std::size_t replaced = diagonal + (from[i - 1] == to[j - 1] ? 0 : 1);
-            diagonal = row[j];
-            row[j] = std::min({replaced, row[j] + 1, row[j - 1] + 1});
+            const std::size_t replaced = last[j - 1] + (from[i - 1] == to[j - 1] ? 0 : 1);
+            row[j] = std::min({replaced, last[j] + 1, row[j - 1] + 1});
+            if (i > 1 && j > 1 && from[i - 1] == to[j - 2] && from[i - 2] == to[j - 1])
+                row[j] = std::min(row[j], before_last[j - 2] + 1);
         }
     }
     return row.back();
@@ -108,14 +114,12 @@ bool is_command(const std::string& word) {
                                          [&](const Command& command) { return word == command.name; });
 }
 
-// Words that a command does not know, of which the first is told.
-std::string told_of_extras(const CLI::App& command) {
+// The first flag that a command does not know, and the one that is meant; empty where it knows all.
+std::string told_of_unknown_flag(const CLI::App& command) {
     const std::vector<std::string> extras = command.remaining();
     const auto flag = std::find_if(extras.begin(), extras.end(),
                                    [](const std::string& word) { return word.size() > 2 && word[0] == '-'; });
-    if (flag == extras.end())
-        return fmt::format("'{}': is more than {} takes", extras.empty() ? "" : extras.front(),
-                           command.get_name());
+    if (flag == extras.end()) return "";
     const std::string word = flag->substr(0, flag->find('='));
     std::string nearest;
     for (const CLI::Option* option : command.get_options())
@@ -127,10 +131,22 @@ std::string told_of_extras(const CLI::App& command) {
                        is_near ? fmt::format("; did you mean {}?", nearest) : "");
 }
 
+// Words that a command does not know, of which the first is told.
+std::string told_of_extras(const CLI::App& command) {
+    if (const std::string flag = told_of_unknown_flag(command); !flag.empty()) return flag;
+    const std::vector<std::string> extras = command.remaining();
+    return fmt::format("'{}': is more than {} takes", extras.empty() ? "" : extras.front(),
+                       command.get_name());
+}
+
 // What the parser found wrong with a command's words, in ours where its own speak of what it does.
 std::string told_of_usage(const CLI::App* command, const CLI::Error& error) {
     if (command && dynamic_cast<const CLI::ExtrasError*>(&error)) return told_of_extras(*command);
     const std::string words = error.what(), flag = words.substr(0, words.find(':'));
+    if (command && dynamic_cast<const CLI::RequiredError*>(&error)) {  // it may be there, misspelt
+        const std::string unknown = told_of_unknown_flag(*command);
+        return unknown.empty() ? words : words + "; " + unknown;
+    }
     const CLI::Option* option = command && dynamic_cast<const CLI::ArgumentMismatch*>(&error)
                                     ? command->get_option_no_throw(flag)
                                     : nullptr;
@@ -148,8 +164,8 @@ int no_command(const std::string& word) {
     for (const Command& command : commands())
         if (edits(word, command.name) < edits(word, nearest)) nearest = command.name;
     const bool is_near = edits(word, nearest) <= std::max<std::size_t>(1, std::strlen(nearest) / 2);
-    return ended(kUsage, fmt::format("tangipaint: there is no command '{}'{}. See: tangipaint help", word,
-                                     is_near ? fmt::format("; did you mean '{}'?", nearest) : ""));
+    return ended(kUsage, fmt::format("tangipaint: there is no command '{}'{} See: tangipaint help", word,
+                                     is_near ? fmt::format("; did you mean '{}'?", nearest) : "."));
 }
 
 }  // namespace
@@ -170,16 +186,16 @@ int main(int argc, char** argv) {
     });
     int threads = 0;
     std::function<nlohmann::json()> body;
-    std::string name;
+    const Command* asked = nullptr;
     for (const Command& command : commands()) {
         CLI::App* sub = app.add_subcommand(command.name, command.summary);
         sub->add_option("--threads", threads, "threads to use; all cores where not given")
             ->check(within(1, 1024));
         Flags flags(*sub);
         const auto action = command.set_up(flags);
-        sub->callback([&body, &name, action, n = command.name] {
+        sub->callback([&body, &asked, action, &command] {
             body = action;
-            name = n;
+            asked = &command;
         });
     }
     std::string topic;
@@ -199,7 +215,7 @@ int main(int argc, char** argv) {
     if (!topic.empty()) return show(app.get_subcommand(topic)->help("tangipaint"));
     if (body) {
         set_thread_count(threads);
-        return run(name, body);
+        return run(*asked, body);
     }
     // Not app.help(): after `tangipaint help` that would explain the command `help` alone.
     const std::string all = app.get_formatter()->make_help(&app, app.get_name(), CLI::AppFormatMode::Normal);

@@ -15,12 +15,14 @@ namespace tangi {
 // From the doctype to the headline; "</main></body></html>" ends the page. The title stays text.
 std::string page_head(const std::string& title);
 
-// A light of a hemisphere plot: a dot, a disc of its standard error, and a line from where it was listed.
+// A light of a hemisphere plot: a dot, a disc of its standard error, and a line from where it was listed. A
+// ring instead of the dot where its photograph was held out of the fit.
 struct HemisphereLight {
     std::string name;
     std::optional<glm::dvec3> direction;  // [unit vector]; empty: not shown, but counted
     double sigma_deg = 0;
     std::optional<glm::dvec3> listed;  // [unit vector]
+    bool held_out = false;
 };
 
 // The lights as seen from the camera, numbered from 1: the middle is straight above the painting, the rim its

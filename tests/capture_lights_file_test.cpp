@@ -191,11 +191,21 @@ TEST(LightsFile, ThatIsMissingOrAFolderIsAnError) {
               dir.path().string() + ": is a folder; name the lights file (.lp) in it");
 }
 
-TEST(LightsFile, ThatIsAPictureIsAnErrorThatNamesTheLine) {
+TEST(LightsFile, ThatIsAPictureOrNoTextIsAnErrorThatSaysSo) {
     const TestDir dir;
-    write_picture_8bit(dir / "x.png", Image<Rgb>(9, 9, Rgb(0.3f)));
-    EXPECT_THAT(error_of([&] { read_lights_file(dir / "x.png"); }),
-                StartsWith((dir / "x.png").string() + ", line 1: expected 'name x y z', but "));
+    for (const char* name : {"x.png", "x.jpg", "x.tif"}) {
+        write_picture_8bit(dir / name, Image<Rgb>(9, 9, Rgb(0.3f)));
+        EXPECT_EQ(
+            error_of([&] { read_lights_file(dir / name); }),
+            (dir / name).string() +
+                ": is a picture, and no lights file (.lp); name the list of photographs and their lights");
+    }
+    EXPECT_THAT(error_in(std::string("\0\0\0\030ftyp", 8)), StartsWith("x.lp: is no text"));
+    // Damaged further on, it is a lights file still.
+    std::string text =
+        "3\n" + std::string(60, '\n') + "a.jpg 0 0 1\nb.jpg 1 0 1\nc.jpg 0 1 1\nd.jpg 0 \x7f 1\n";
+    text[text.find('\x7f')] = '\0';
+    EXPECT_EQ(parse(text).lights.size(), 3u);
 }
 
 TEST(LightsFile, RoundTripsWithinItsSixDecimals) {

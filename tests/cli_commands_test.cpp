@@ -258,11 +258,13 @@ TEST(CliInfo, RefusesWhatItDoesNotKnow) {
     const TinyStack stack;
     write_bytes(stack.out("junk.exr"), "not an EXR at all");
     write_bytes(stack.out("junk.txt"), "hello");
-    write_bytes(stack.out("junk.lp"), "\x89PNG\r\n");
+    write_bytes(stack.out("junk.lp"), "\x89JPEG\r\n");
+    write_bytes(stack.out("picture.lp"), "\x89PNG\r\n");
     EXPECT_TRUE(
         ended(tangipaint({"info", stack.out("junk.exr")}), 1, {"junk.exr", "is not a painting file"}));
     EXPECT_TRUE(ended(tangipaint({"info", stack.out("junk.txt")}), 1, {"junk.txt", "is not a picture"}));
     EXPECT_TRUE(ended(tangipaint({"info", stack.out("junk.lp")}), 1, {"junk.lp, line 1"}));
+    EXPECT_TRUE(ended(tangipaint({"info", stack.out("picture.lp")}), 1, {"picture.lp: is a picture"}));
     EXPECT_TRUE(ended(tangipaint({"info", stack.out("none")}), 1, {"none: no such file"}));
     EXPECT_TRUE(ended(tangipaint({"info", stack.path()}), 1, {"is a folder", "name a painting (.exr)"}));
     EXPECT_TRUE(ended(tangipaint({"info", std::string(300, 'a')}), 1, {"File name too long"}));

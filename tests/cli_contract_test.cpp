@@ -51,6 +51,8 @@ TEST(CliUsage, UnknownWordsAreNamedWithTheWayToHelp) {
                           {"there is no command 'fot'; did you mean 'fit'?", "tangipaint help"}));
     EXPECT_TRUE(ended(tangipaint({"relihgt"}), 2, {"did you mean 'relight'?"}));
     EXPECT_TRUE(ended(tangipaint({"photographs"}), 2, {"there is no command 'photographs'. See"}));
+    for (const char* typed : {"fti", "ift"})  // neighbours exchanged
+        EXPECT_TRUE(ended(tangipaint({typed}), 2, {"; did you mean 'fit'? See: tangipaint help"})) << typed;
     EXPECT_TRUE(ended(tangipaint({"fit", "photos", "--out", "a.exr", "--turbo"}), 2, {"--turbo"}));
     EXPECT_TRUE(ended(tangipaint({"relight", "a.exr", "--out", "b.png", "--lihgt", "1,0,1"}), 2,
                       {"--lihgt: relight has no such option; did you mean --light?"}));
@@ -66,6 +68,8 @@ TEST(CliUsage, WhatIsMissingIsNamed) {
     EXPECT_TRUE(ended(tangipaint({"info"}), 2, {"FILE"}));
     EXPECT_TRUE(ended(tangipaint({"generate"}), 2, {"--out"}));
     EXPECT_TRUE(ended(tangipaint({"generate", "--out"}), 2, {"--out: has no value"}));
+    EXPECT_TRUE(ended(tangipaint({"fit", "photos", "--ot", "a.exr"}), 2,
+                      {"--out is required; --ot: fit has no such option; did you mean --out?"}));
 }
 
 TEST(CliUsage, WhatIsGivenTwiceIsNamedWithBothValues) {
@@ -98,6 +102,9 @@ const std::vector<WrongFlag>& wrong_flags() {
                   {"--white-level", "bright is not in ["}},
         WrongFlag{{"fit", "p", "--out", "a.exr", "--white-level", "1x"}, {"--white-level", "1x"}},
         WrongFlag{{"fit", "p", "--out", "a.exr", "--mm-per-pixel", "0"}, {"--mm-per-pixel", "[1e-06, 1000]"}},
+        WrongFlag{{"fit", "p", "--out", "a.exr", "--mm-per-pixel", "0,3"},
+                  {"--mm-per-pixel", "0,3 has a decimal comma: write 0.3 with a point"}},
+        WrongFlag{{"fit", "p", "--out", "a.exr", "--white-level", "2,5"}, {"--white-level", "write 2.5"}},
         WrongFlag{{"fit", "p", "--out", "a.exr", "--crop", "1,2,3"}, {"--crop 1,2,3", "X,Y,WIDTH,HEIGHT"}},
         WrongFlag{{"fit", "p", "--out", "a.exr", "--crop", "0,0,8.5,8"}, {"--crop", "whole numbers"}},
         WrongFlag{{"fit", "p", "--out", "a.exr", "--crop", "0,0,8,x"}, {"--crop", "'x' is not a number"}},
@@ -171,6 +178,7 @@ TEST(CliContract, OneJsonObjectOnStdoutAndTheRestOnStderr) {
     ASSERT_EQ(result["warnings"].size(), 1u);
     EXPECT_THAT(result["warnings"][0], HasSubstr("says 99 lights"));
     EXPECT_EQ(leftovers_in(stack.root()), std::vector<std::string>());
+    EXPECT_THAT(fit.err, Not(HasSubstr("next:")));  // is for those at a terminal
 }
 
 TEST(CliContract, PoorNumbersEndWith3AndSayWhich) {

@@ -237,6 +237,12 @@ TEST_F(CliTreatment, WhatMakesNoSenseIsRefused) {
     EXPECT_TRUE(ended(tangipaint({"fill", treatment(), "--class", "hole"}), 2, {"--class hole", "stain"}));
     EXPECT_TRUE(ended(tangipaint({"fill", treatment(), "--class", "stain"}), 1, {"no such damage"}));
     EXPECT_TRUE(ended(tangipaint({"fill", stack_.out("none"), "--class", "stain"}), 1, {"is no treatment"}));
+    std::filesystem::copy_file(stack_.truth(), stack_.out("p.exr"));
+    EXPECT_TRUE(ended(tangipaint({"fill", stack_.out("p.exr"), "--class", "stain"}), 1,
+                      {"p.exr: is a file, and a treatment is a folder",
+                       "damage " + stack_.out("p.exr") + " --treatment " + treatment() + " begins one"}));
+    EXPECT_TRUE(ended(tangipaint({"damage", stack_.truth(), "--treatment", stack_.out("p.exr")}), 1,
+                      {"p.exr: is a file, and a treatment is a folder", "such as " + treatment()}));
     EXPECT_TRUE(ended(tangipaint({"treatment", "report", treatment(), "--out", stack_.out("r.txt")}), 2,
                       {"--out", ".pdf"}));
     EXPECT_TRUE(ended(tangipaint({"treatment", "dance", treatment()}), 2, {"dance"}));

@@ -22,6 +22,7 @@ namespace {
 
 using testing::AllOf;
 using testing::HasSubstr;
+using testing::Not;
 using testing::ThrowsMessage;
 
 const Author kAuthor{"A. <Restorer>", "tangipaint test"};
@@ -74,6 +75,29 @@ TEST_F(Report, SaysWhatWasDoneAndByWhomAndWithWhichHashes) {
                             HasSubstr(treatment.dry_sha256()), HasSubstr(treatment.layers()[0].sha256)));
     EXPECT_THAT(page, AllOf(HasSubstr("0.38 cm²"), HasSubstr("before, normal light"),
                             HasSubstr("filled, raking from the left"), HasSubstr("@page")));
+}
+
+TEST_F(Report, CountsHeldOutPhotographsApart) {
+    auto surface = flat_surface(90, 60);
+    for (int i = 0; i < 5; ++i)
+        surface->photography.photos.push_back(
+            {.light = distant_light({0.1f * static_cast<float>(i), 0, 1}, fmt::format("{}.jpg", i)),
+             .fitted = i != 3});
+    const auto page_of = [&](const std::string& name) {
+        write_painting(dir_ / (name + ".exr"), *surface);
+        const Treatment treatment = Treatment::begin(dir_ / name, dir_ / (name + ".exr"), kAuthor);
+        write_treatment_report(treatment, dir_ / (name + ".html"), "tangipaint test");
+        return read_text_file(dir_ / (name + ".html"));
+    };
+    const std::string some = page_of("some");
+    EXPECT_THAT(some,
+                HasSubstr("of the 4 photographs that the maps were fitted from, and, as rings, of 1 more "
+                          "that were held out; the middle"));
+    EXPECT_THAT(some, testing::ContainsRegex("3.jpg: elevation [^<]*, held out</title>"));
+    EXPECT_THAT(some, Not(testing::ContainsRegex("2.jpg: elevation [^<]*, held out</title>")));
+    surface->photography.photos[3].fitted = true;
+    EXPECT_THAT(page_of("none"), AllOf(HasSubstr("of the 5 photographs that the maps were fitted from; the"),
+                                       Not(HasSubstr("held out"))));
 }
 
 // What a PDF says, by another program; lines end where the page does.

@@ -2,6 +2,7 @@
 #include "viewer/renderer.h"
 
 #include "surface/parallel.h"
+#include "viewer/scene_picture.h"
 #include "viewer/view.h"
 #include "viewer_support.h"
 
@@ -349,6 +350,33 @@ TEST_F(RendererTest, TheDeviceEncodesAsTheShaderDoes) {
         good += std::max({off.r, off.g, off.b}) <= 1.0f / 255;
     }
     EXPECT_GE(static_cast<double>(good) / static_cast<double>(by_device.size()), 0.999);
+}
+
+TEST_F(RendererTest, AgreesWithThePictureOfASceneOnTheProcessor) {
+    const Surface s = painted_surface(150, 120);
+    show(s);
+    Scene scene{.lights = some_lights(), .ambient = 0.05, .exposure = glm::mat3(1.4f), .shoulder = 0.15f};
+    const Image<Rgb> by_gl = drawn(scene, pixel_by_pixel(s), false), by_cpu = scene_picture(s, scene);
+    std::size_t good = 0;
+    for (std::size_t i = 0; i < by_gl.size(); ++i) {
+        const Rgb off = glm::abs(by_gl.pixels()[i] - by_cpu.pixels()[i]);
+        good += std::max({off.r, off.g, off.b}) <= 1.0f / 255;
+    }
+    EXPECT_GE(static_cast<double>(good) / static_cast<double>(by_gl.size()), 0.999);
+}
+
+TEST_F(RendererTest, FalseColoursAreThoseOfTheirScale) {
+    Surface s = painted_surface(64, 16);
+    for (int y = 0; y < 16; ++y)
+        for (int x = 0; x < 64; ++x) s.confidence(x, y) = static_cast<float>(x) / 63;
+    show(s);
+    Scene scene{.lights = some_lights()};
+    scene.mode = LookMode::confidence;
+    const Image<Rgb> picture = drawn(scene, pixel_by_pixel(s));
+    for (int x = 0; x < 64; ++x) {
+        const Rgb off = glm::abs(picture(x, 8) - false_colour(s.confidence(x, 8)));
+        EXPECT_LT(std::max({off.r, off.g, off.b}), 0.02f) << x;
+    }
 }
 
 // Where texels' centres are hit, what lies between them has no weight.

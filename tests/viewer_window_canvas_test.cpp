@@ -77,6 +77,41 @@ TEST_F(Window, AKeyIsGivenToAnActionWhereKeysAreShown) {
     EXPECT_EQ(close().code, 0);
 }
 
+// Dear ImGui would undo what was typed into the field before, beyond the end of what is in it now.
+TEST_F(Window, UndoInAFieldThatIsUsedAgainKeepsToItsText) {
+    start();
+    for (int i = 0; i < 2; ++i) {
+        screen_->key("ctrl+o");
+        screen_->settled();
+        if (i == 0) screen_->x({"type", "--delay", "5", std::string(60, 'a')});
+        screen_->x({"key", "ctrl+z", "ctrl+z", "ctrl+z", "ctrl+y"});
+        screen_->settled();
+        ASSERT_TRUE(program_->running()) << program_->wait().err;
+        if (i == 0) screen_->x({"type", "--delay", "5", std::string(60, 'b')});
+        screen_->key("Escape");
+        screen_->settled();
+    }
+    EXPECT_EQ(close().code, 0);
+}
+
+TEST_F(Window, EscapeFoldsAListAndNothingElse) {
+    constexpr Region kList{350, 95, 500, 180};
+    start();
+    const auto before = screen_->settled();
+    screen_->key("ctrl+n");
+    EXPECT_TRUE(screen_->becomes_different(before, kPreview, 0.1));
+    screen_->x({"mousemove", "420", "70"});
+    const auto panel = screen_->settled();
+    click(kGround);
+    EXPECT_TRUE(screen_->becomes_different(panel, kList, 0.02));
+    screen_->key("Escape");
+    EXPECT_TRUE(screen_->becomes_alike(panel, kList, 0.01));
+    EXPECT_TRUE(screen_->becomes_different(before, kPreview, 0.1)) << "the panel is still there";
+    screen_->key("Escape");
+    EXPECT_TRUE(screen_->becomes_alike(before, kPreview, 0.01));
+    EXPECT_EQ(close().code, 0);
+}
+
 TEST_F(Window, ExportsWhatWasNotSavedYet) {
     start();
     paint_a_stroke();

@@ -89,6 +89,7 @@ void Desk::open(const fs::path& file) {
           [this, file, other, ground, palette = setup_.palette](const Progress& progress) {
               OpenedPainting opened;
               opened.palette = other;
+              opened.is_new = ground.has_value();
               Canvas canvas = ground ? Canvas(std::make_shared<Surface>(make_substrate(*ground, progress)))
                                      : read_canvas(file, progress, treatment_scale(file));
               Painter::Setup setup{std::move(canvas), palette, file, ground.has_value()};

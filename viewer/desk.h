@@ -21,6 +21,7 @@ struct OpenedPainting {
     std::shared_ptr<TexelTiles> tiles;
     std::filesystem::path file;
     std::optional<Palette> palette{};  // that it is painted on with, where another one was chosen
+    bool is_new = false;               // a canvas that was just begun
 };
 
 class Desk {

@@ -11,6 +11,7 @@ namespace tangi {
 namespace {
 
 constexpr double kZoomPerNotch = 1.15;
+constexpr double kShortestRuler_px = 2;  // [pixels of the painting] a click puts it away
 
 }  // namespace
 
@@ -320,11 +321,21 @@ void Hand::probe(bool changed) {
     probed_ = pixel;
 }
 
+void Hand::put_ruler_away() {
+    state_.ruler.reset();
+    state_.profile.reset();
+}
+
 void Hand::let_go() {
     if ((drag_ == Drag::paint && !beside_) || drag_ == Drag::board) painter_.send(EndEvent{});
     beside_.reset();
     if (drag_ == Drag::mask) state_.treating.touches.push_back({MaskTouch::Kind::release, {}});
-    if (drag_ == Drag::ruler && state_.ruler) painter_.profile(state_.ruler->first, state_.ruler->second);
+    if (drag_ == Drag::ruler && state_.ruler) {
+        if (glm::length(state_.ruler->second - state_.ruler->first) < kShortestRuler_px)
+            put_ruler_away();
+        else
+            painter_.profile(state_.ruler->first, state_.ruler->second);
+    }
     if (drag_ == Drag::region && state_.region) painter_.statistics(*state_.region);
     drag_ = Drag::none;
 }

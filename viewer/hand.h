@@ -20,6 +20,7 @@ public:
     void probe(bool changed);
     // The button is up, whatever the window system said: it lost the pointer, or closes.
     void let_go();
+    void put_ruler_away();
 
     const glm::dvec2& cursor() const { return cursor_; }  // [pixels of the canvas area]
     bool over_canvas() const { return over_canvas_; }

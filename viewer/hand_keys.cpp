@@ -57,6 +57,7 @@ void Hand::key(const InputEvent& event) {
         state_.closing = state_.new_canvas.open = false;
         state_.open_next.clear();
         state_.dropped.clear();
+        put_ruler_away();
     }
     if (event.code == GLFW_KEY_SPACE) space_ = true;
     const std::optional<Action> action = state_.keys.action(event.code, event.mods);

@@ -1,6 +1,7 @@
 // look.h: how a painting is looked at: its lights, and what of it is shown.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <glm/mat3x3.hpp>
 #include <string_view>
@@ -40,6 +41,16 @@ inline constexpr std::array<LookName, 11> kLooks = {{{LookMode::painting, "Paint
                                                      {LookMode::normals, "Normals"},
                                                      {LookMode::diffuse, "Diffuse colour ρd"},
                                                      {LookMode::curvature, "Curvature"}}};
+
+// [linear] As the shader has it: dark blue over green to yellow, even in lightness.
+inline Rgb false_colour(float t) {
+    constexpr std::array<Rgb, 5> stops = {Rgb(0.058f, 0.0003f, 0.089f), Rgb(0.042f, 0.084f, 0.258f),
+                                          Rgb(0.015f, 0.279f, 0.264f), Rgb(0.107f, 0.578f, 0.125f),
+                                          Rgb(0.983f, 0.799f, 0.018f)};
+    const float at = 4 * std::clamp(t, 0.0f, 1.0f);
+    const auto below = std::min(static_cast<std::size_t>(at), std::size_t(3));
+    return glm::mix(stops[below], stops[below + 1], at - static_cast<float>(below));
+}
 
 enum class Shadows {
     none,

@@ -2,6 +2,7 @@
 
 #include <GLFW/glfw3.h>
 #include <imgui.h>
+#include <imgui_internal.h>
 
 #include <algorithm>
 #include <limits>
@@ -23,6 +24,13 @@ bool acts(const InputEvent& event) {
     const bool changes_others = event.code >= GLFW_KEY_LEFT_SHIFT && event.code <= GLFW_KEY_RIGHT_SUPER;
     if (event.kind != Kind::key || changes_others) return false;
     return event.code >= GLFW_KEY_ESCAPE || (event.mods & (GLFW_MOD_CONTROL | GLFW_MOD_SUPER)) != 0;
+}
+
+// Dear ImGui (1.86) keeps what can be undone in a text field until another field is used, and believes it
+// when this one is used again: where it holds a shorter text by then, undoing reads beyond its end.
+void forget_fields_that_were_left() {
+    ImGuiContext& context = *ImGui::GetCurrentContext();
+    if (context.InputTextState.ID != context.ActiveId) context.InputTextState.ID = 0;
 }
 
 }  // namespace
@@ -123,6 +131,7 @@ void PanelInput::take(const InputEvent& event, Moment& m, Fed& fed) {
 }
 
 PanelInput::Fed PanelInput::feed(const std::optional<glm::dvec2>& finger, bool ready_to_type) {
+    forget_fields_that_were_left();
     ImGuiIO& io = ImGui::GetIO();
     Fed fed;
     Moment moment;
@@ -142,6 +151,12 @@ PanelInput::Fed PanelInput::feed(const std::optional<glm::dvec2>& finger, bool r
     io.KeyAlt = keys_[GLFW_KEY_LEFT_ALT] || keys_[GLFW_KEY_RIGHT_ALT];
     io.KeySuper = keys_[GLFW_KEY_LEFT_SUPER] || keys_[GLFW_KEY_RIGHT_SUPER];
     return fed;
+}
+
+bool PanelInput::popup_is_open() { return ImGui::IsPopupOpen(nullptr, ImGuiPopupFlags_AnyPopup); }
+
+void PanelInput::close_popups() {
+    if (popup_is_open()) ImGui::ClosePopupToLevel(0, true);
 }
 
 }  // namespace tangi

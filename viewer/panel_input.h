@@ -27,6 +27,10 @@ public:
     // wait: what they are meant for is not there yet.
     Fed feed(const std::optional<glm::dvec2>& finger, bool ready_to_type);
 
+    // A list that is unfolded, or a menu: keys are meant for it.
+    static bool popup_is_open();
+    static void close_popups();  // within a frame
+
 private:
     struct Moment;
     bool fits(const InputEvent& event, const Moment& moment) const;

@@ -92,6 +92,7 @@ struct Treating {
     bool usable = false;  // and was found to be as its log says
     bool checking = false;
     std::string folder, who, dry_sha256;
+    std::string usual_who;            // where `who` is empty
     std::vector<std::string> faults;  // that the check found
     std::string no_strokes;           // why one may not paint now; empty where one may
     std::vector<LogRow> log;          // newest first
@@ -138,8 +139,8 @@ struct Treating {
     std::optional<ShownRetouch> preview;
     std::vector<LayerRow> layers;
     std::optional<TreatmentState> state;  // that is shown instead of what is there now
-    TreatmentState left = TreatmentState::before, right = TreatmentState::varnished;
-    bool additions = false;  // in false colour
+    std::optional<TreatmentState> left = TreatmentState::before, right;  // held against each other; or now
+    bool additions = false;                                              // in false colour
     float distance_m = 2;
 
     // Colour.

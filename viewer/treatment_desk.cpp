@@ -129,7 +129,8 @@ void TreatmentDesk::leave() {
     confined_by_.clear();
     refresh_due_ = confine_due_ = false;
     Treating blank;
-    blank.who = state_.treating.who.empty() ? setup_.author.who : state_.treating.who;
+    blank.who = std::move(state_.treating.who);
+    blank.usual_who = setup_.author.who;
     blank.pairs = *pairs_;
     state_.treating = std::move(blank);
     for (DamageRow& row : state_.treating.damage)

@@ -103,7 +103,10 @@ private:
 
     // `ours`: what nobody asked for, and what is asked for meanwhile waits for.
     bool start(std::string title, Work work, bool ours = false);
-    Author author() const { return {state_.treating.who, setup_.author.tool}; }
+    Author author() const {
+        const std::string& who = state_.treating.who;
+        return {who.empty() ? setup_.author.who : who, setup_.author.tool};
+    }
     Treatment treatment() const;  // a copy, of this moment
     static Facts facts_of(const Treatment& treatment, const Canvas& canvas);
     static Canvas canvas_of(Painter& painter);

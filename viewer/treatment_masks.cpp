@@ -312,6 +312,10 @@ void TreatmentDesk::show_suggestion() {
 // What was suggested takes the place of what the class has, as the log says.
 void TreatmentDesk::accept() {
     const ShownSuggestion shown = *state_.treating.suggestion;
+    if (shown.shown == 0) {
+        setup_.say("nothing was found that could be taken over; what is mapped stays");
+        return;
+    }
     if (const auto drawn = drafts_.find(shown.as); drawn != drafts_.end() && drawn->second.can_undo()) {
         setup_.say(
             fmt::format("first enter the corrections of '{}' in the log, or drop them", title_of(shown.as)));

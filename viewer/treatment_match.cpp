@@ -81,7 +81,7 @@ Rgb srgb_of(const Rgb& linear) {
 
 std::string gloss_text(const Gloss& paint, const Gloss& wanted) {
     const std::string_view remedy = name_of(remedy_for(paint, wanted));
-    return fmt::format("Gloss: {}{}. Strength {:.3f}, there {:.3f}; sheen {:.2f}, there {:.2f}",
+    return fmt::format("Gloss: {}{}. Strength {:.3f}, there {:.3f}; roughness α {:.2f}, there {:.2f}",
                        remedy == "none" ? "alike" : fmt::format("needs {}", remedy),
                        can_reflect(paint, wanted) ? "" : ", but no paint or varnish reflects so much",
                        paint.specular, wanted.specular, paint.roughness, wanted.roughness);
@@ -148,7 +148,7 @@ void TreatmentDesk::change_pairs(const Treating::Ask& ask) {
             setup_.say("give a word at least for both: as they occur in names of paints");
             return;
         }
-        pairs.push_back({first, second, pair.why, state_.treating.who});
+        pairs.push_back({first, second, pair.why, author().who});
         state_.treating.new_pair = {};
     } else {
         return;

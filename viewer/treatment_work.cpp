@@ -9,6 +9,7 @@
 #include "paint/retouch/treatment_picture.h"
 #include "paint/retouch/treatment_report.h"
 #include "surface/error.h"
+#include "viewer/scene_picture.h"
 #include "viewer/treatment_desk.h"
 
 namespace tangi {
@@ -363,18 +364,20 @@ void TreatmentDesk::hold(const HeldPair& pair) {
 
 void TreatmentDesk::compare_states() {
     const Treating& t = state_.treating;
-    const Angles& lamp = state_.lamps[state_.lamp].angles;
-    const Light light = distant_light(direction_of(lamp.azimuth_deg, lamp.elevation_deg));
+    // As they are held against each other: not tilted.
+    const Placement straight(state_.view, {}, false, state_.painting, state_.painting, state_.mm_per_pixel);
     start("relighting two states",
-          [this, painter = painter_, light, left = t.left,
+          [this, painter = painter_, scene = scene_of(state_, straight), left = t.left,
            right = t.right](const Progress& progress) -> Finish {
               const Canvas canvas = canvas_of(*painter);
-              const auto picture = [&](TreatmentState state) {
-                  return look_of(surface_in_state(treatment(), canvas, state, progress), light, kMostPixels,
-                                 progress);
+              const auto picture = [&](const std::optional<TreatmentState>& state) {
+                  return scene_picture(state ? surface_in_state(treatment(), canvas, *state, progress)
+                                             : appearance(canvas, {}, progress),
+                                       scene, kMostPixels, progress);
               };
+              const auto title = [](const auto& state) { return state ? title_of(*state) : "Now"; };
               const Image<Rgb> first = picture(left);
-              HeldPair pair{title_of(left), title_of(right), pair_of(first, picture(right))};
+              HeldPair pair{title(left), title(right), pair_of(first, picture(right))};
               return [this, pair = std::move(pair)] { hold(pair); };
           });
 }

@@ -167,6 +167,7 @@ void WindowApp::draw(bool moved) {
         if (dialog_ && enter) dialog_->enter();
         if (dialog_ && escape) dialog_->escape();
         ImGui::NewFrame();
+        if (escape) PanelInput::close_popups();
         draw_panels(place);
         ImGui::Render();
         if (!panel_input_.waits() || moment == kMostMoments) break;
@@ -235,8 +236,8 @@ void WindowApp::take_input(std::deque<InputEvent> events) {
     held_back_.clear();
     const bool floating = state_.help || dialog_ || state_.profile || state_.statistics ||
                           state_.board.open || state_.new_canvas.open;
-    const bool panels_busy = ImGui::IsPopupOpen(nullptr, ImGuiPopupFlags_AnyPopup) ||
-                             (floating && ImGui::GetIO().WantCaptureMouse);
+    const bool unfolded = PanelInput::popup_is_open();
+    const bool panels_busy = unfolded || (floating && ImGui::GetIO().WantCaptureMouse);
     // A dialog that is gone is typed into until Dear ImGui has noticed.
     bool undecided = held_frames_ > 0 && (dialog_ ? panel_input_.waits() : ImGui::GetIO().WantTextInput);
     if (held_frames_ > 0) --held_frames_;
@@ -244,7 +245,7 @@ void WindowApp::take_input(std::deque<InputEvent> events) {
         const InputEvent event = events.front();
         events.pop_front();
         panel_input_.put(event);
-        hand_->take(event, screen_, left_, panels_busy, dialog_ || ImGui::GetIO().WantTextInput);
+        hand_->take(event, screen_, left_, panels_busy, dialog_ || unfolded || ImGui::GetIO().WantTextInput);
         if (event.kind != InputEvent::Kind::key) continue;
         requests();
         undecided = dialog_ && (event.code == GLFW_KEY_ESCAPE || event.code == GLFW_KEY_ENTER ||

@@ -143,6 +143,7 @@ void WindowApp::show(OpenedPainting opened, bool is_first) {
     painter_ = std::move(opened.painter);
     hand_.emplace(state_, *painter_);
     const Surface& surface = painter_->surface();
+    if (opened.is_new) state_.tool = Tool::paint;
     state_.title = title_of(opened.file);
     state_.painting = {surface.width(), surface.height()};
     state_.mm_per_pixel = surface.mm_per_pixel;

@@ -209,7 +209,8 @@ void WindowApp::dialogs(const WindowState::Requests& ask) {
                              &Treating::Ask::open);
     if (treating.report_dialog)
         choose_for_treatment("Report of the treatment", FileDialog::Wants::new_file, ".html",
-                             here.parent_path() / (here.stem().string() + ".html"), &Treating::Ask::report);
+                             here.parent_path() / (here.stem().string() + "-treatment.html"),
+                             &Treating::Ask::report);
     if (ask.open_dialog) choose("Open a painting", FileDialog::Wants::file, here, &Requests::open);
     if (ask.save_dialog)
         choose("Save the painting as", FileDialog::Wants::new_file, painter_->file(), &Requests::save_as);

@@ -51,7 +51,7 @@ Rgb WindowState::mixed_colour() const {
 }
 
 OnBrush WindowState::on_brush() const {
-    if (painter.stroking || board.in_hand) return painter.on_brush;
+    if (painter.stroking || board.carried == Carried::taken_up) return painter.on_brush;
     // A dirty brush is filled up with the mixture; what it had is told once it paints.
     if (!(brush.load_mm > 0)) return dirty_brush ? painter.on_brush : OnBrush();
     double sum = 0;
@@ -78,7 +78,7 @@ glm::dvec2 WindowState::mixed_gloss() const {
 StrokeEvent WindowState::stroke(std::uint64_t seed) const {
     StrokeEvent event;
     event.brush = brush;
-    if (board.in_hand) {
+    if (board.carried == Carried::taken_up) {
         event.start = BrushStart::same;
     } else {
         if (brush.load_mm > 0)
@@ -93,14 +93,14 @@ StrokeEvent WindowState::stroke(std::uint64_t seed) const {
 }
 
 StrokeEvent WindowState::board_stroke(std::uint64_t seed) {
-    // A brush that was loaded from the mixture brings that along.
     StrokeEvent event = stroke(seed);
     event.on = Place::palette;
-    event.paint.clear();
-    event.finish = {};
-    event.start = board.wash ? BrushStart::clean : BrushStart::same;
-    board.wash = false;
-    board.in_hand = true;
+    if (board.carried == Carried::nothing) {
+        event.paint.clear();
+        event.finish = {};
+        event.start = dirty_brush ? BrushStart::same : BrushStart::clean;
+    }
+    board.carried = Carried::taken_up;
     return event;
 }
 
@@ -122,7 +122,7 @@ bool WindowState::take_up(const Probe& picked) {
         if (palette.find(name) >= 0 && part > 0.005) found[name] = static_cast<float>(part);
     if (found.empty()) return false;
     mix = std::move(found);
-    board.in_hand = false;
+    board.carried = Carried::chosen;
     return true;
 }
 

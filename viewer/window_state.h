@@ -90,13 +90,16 @@ struct Comparing {
 };
 
 // The palette that paints are mixed on, as it lies on the screen.
+// What a brush brings along to the palette that paints are mixed on: nothing, what was chosen since the last
+// stroke there, or what it took up there, which it paints with on the painting as well.
+enum class Carried { nothing, chosen, taken_up };
+
 struct BoardState {
     bool open = false;
     Extent size{};                // [pixels of the palette]
     unsigned texture = 0;         // OpenGL's name of its picture
     std::array<float, 4> rect{};  // [pixels of the window] x0, y0, x1, y1; all 0 where it is not seen
-    bool in_hand = false;         // strokes go on with what the brush took up there
-    bool wash = false;            // before the next stroke on it
+    Carried carried = Carried::nothing;
 
     bool has(const glm::dvec2& at) const {
         return at.x >= rect[0] && at.y >= rect[1] && at.x < rect[2] && at.y < rect[3];

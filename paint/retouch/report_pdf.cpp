@@ -245,7 +245,10 @@ private:
             const auto& direction = l.lights[i].direction;
             if (!direction) continue;
             const double x = cx + radius * direction->x, y = cy - radius * direction->y;
-            pdf_.disc(x, y, 0.5, kInk);
+            if (l.lights[i].held_out)
+                pdf_.circle(x, y, 0.5, 0.2, kInk);
+            else
+                pdf_.disc(x, y, 0.5, kInk);
             pdf_.write(std::to_string(i + 1), x + 0.6, y - 2.4, 8, 5, kSoft);
         }
         y_ += 2 * radius + 6;

@@ -12,6 +12,7 @@
 #include "surface/error.h"
 #include "surface/painting_file.h"
 #include "surface/photography_json.h"
+#include "surface/picture_file.h"
 
 namespace tangi {
 
@@ -34,6 +35,9 @@ void add_name(Sha256& sha, std::string_view name) {
     sha.add(name);
     sha.add("\0", 1);
 }
+
+// A name for the treatment, where a file was named that was taken for one.
+fs::path folder_beside(const fs::path& file) { return fs::path(file).replace_extension(".treatment"); }
 
 template <class Number>
 void add_numbers(Sha256& sha, std::span<const Number> numbers) {
@@ -108,6 +112,9 @@ Treatment Treatment::begin(const fs::path& folder, const fs::path& painting, con
             fail("{}: holds a treatment already; go on with it, or choose another folder", folder.string());
     };
     require_free();
+    if (fs::exists(folder) && !fs::is_directory(folder))
+        fail("{}: is a file, and a treatment is a folder; name one that is to be made, such as {}",
+             folder.string(), folder_beside(folder).string());
     const Canvas canvas = tangi::read_canvas(painting, progress, mm_per_pixel);
     if (!canvas.ingredients().empty())
         fail("{}: has been painted on; a treatment begins with a painting as it was fitted",
@@ -140,6 +147,10 @@ Treatment Treatment::begin(const fs::path& folder, const fs::path& painting, con
 }
 
 Treatment Treatment::open(const fs::path& folder) {
+    if (fs::is_regular_file(folder))
+        fail("{}: is a file, and a treatment is a folder; tangipaint damage {} --treatment {} begins one",
+             folder.string(), lower_extension(folder) == ".exr" ? folder.string() : "P.exr",
+             folder_beside(folder).string());
     if (!fs::is_regular_file(folder / kTreatmentLog))
         fail("{}: is no treatment (there is no {} in it); tangipaint damage P.exr --treatment {} begins one",
              folder.string(), kTreatmentLog, folder.string());

@@ -72,14 +72,17 @@ void identification(ReportMatter& m, const std::string& tool) {
 // The photographs that the maps come from, by their lights.
 void examination(ReportMatter& m) {
     ReportLights lights;
-    for (const Photography::Photo& photo : m.canvas.dry().photography.photos)
-        lights.lights.push_back({photo.light.name, glm::dvec3(photo.light.direction), 0, {}});
+    int held_out = 0;
+    for (const Photography::Photo& photo : m.canvas.dry().photography.photos) {
+        lights.lights.push_back({photo.light.name, glm::dvec3(photo.light.direction), 0, {}, !photo.fitted});
+        held_out += photo.fitted ? 0 : 1;
+    }
     if (lights.lights.empty()) return;
     lights.caption = fmt::format(
-        "Light directions of the {} photographs that the maps were fitted from; the middle is straight above "
-        "the "
-        "painting.",
-        lights.lights.size());
+        "Light directions of the {} photographs that the maps were fitted from{}; the middle is straight "
+        "above the painting.",
+        static_cast<int>(lights.lights.size()) - held_out,
+        held_out > 0 ? fmt::format(", and, as rings, of {} more that were held out", held_out) : "");
     m.add(ReportHeading{"2. Examination"});
     m.add(std::move(lights));
 }

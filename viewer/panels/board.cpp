@@ -14,7 +14,8 @@ namespace {
 // What is on the brush, with its paints; and what a stroke here does.
 void carried(const WindowState& s) {
     const BoardState& b = s.board;
-    const OnBrush on = b.wash ? OnBrush() : s.on_brush();
+    const OnBrush left = s.dirty_brush ? s.painter.on_brush : OnBrush();
+    const OnBrush on = b.carried == Carried::nothing ? left : s.on_brush();
     const float line = ImGui::GetTextLineHeight();
     const ImVec2 at = ImGui::GetCursorScreenPos();
     ImGui::Dummy({line, line});
@@ -32,9 +33,10 @@ void carried(const WindowState& s) {
         text += on.recipe.size() == 1 ? name : fmt::format("{:.0f} % {}", 100 * part, name);
     }
     ImGui::TextUnformatted(text.c_str());
-    ImGui::TextDisabled("%s", b.wash      ? "the brush is washed"
-                              : b.in_hand ? "the brush paints with what it took up here"
-                                          : "stroke here to take paint up; then paint with it");
+    ImGui::TextDisabled("%s", b.carried == Carried::taken_up ? "the brush paints with what it took up here"
+                              : b.carried == Carried::chosen
+                                  ? "stroke here to mix it with what lies here"
+                                  : "stroke here to take paint up; then paint with it");
 }
 
 // The palette before there is paint on it, as large as it will be.
@@ -70,7 +72,7 @@ void board(WindowState& s) {
     if (ImGui::Button("Squeeze out")) s.ask.squeeze = true;
     if (ImGui::IsItemHovered()) ImGui::SetTooltip("a pile of the mixture, where there is room");
     ImGui::SameLine();
-    if (ImGui::Button("Wash the brush")) b.wash = true;
+    if (ImGui::Button("Wash the brush")) b.carried = Carried::nothing;
     carried(s);
     if (!s.painter.has_board || b.texture == 0) {
         empty(width);

@@ -61,20 +61,8 @@ void dropped(WindowState& s) {
     if (done) s.dropped.clear();
 }
 
-}  // namespace
-
-void file(WindowState& s) {
-    ImGui::TextUnformatted(fmt::format("{}{}", s.title, s.painter.unsaved ? " *" : "").c_str());
-    if (s.scale_known)
-        ImGui::TextDisabled("%d × %d pixels, %.1f × %.1f mm", s.painting.width, s.painting.height,
-                            s.painting.width * s.stroke_mm_per_pixel,
-                            s.painting.height * s.stroke_mm_per_pixel);
-    else if (s.painting.width > 0)  // not while it is opened
-        ImGui::TextDisabled("%d × %d pixels, scale unknown", s.painting.width, s.painting.height);
-    if (s.painter.elsewhere) {
-        ImGui::TextColored({1, 0.8f, 0.3f, 1}, "Open in another window: look only.");
-        tip("Paint there; or save it under another name here, and paint on that");
-    }
+// What is asked before strokes or files may be lost.
+void questions(WindowState& s) {
     if (s.left_over_strokes > 0) {
         ImGui::TextColored({1, 0.8f, 0.3f, 1}, "A sitting ended without saving.");
         if (ImGui::Button(fmt::format("Recover {} stroke{} (Enter)", s.left_over_strokes,
@@ -118,6 +106,42 @@ void file(WindowState& s) {
             s.open_next.clear();
         }
     }
+}
+
+// What comes and goes, below the panels, which stay where they are: what is asked, and jobs. Returns its
+// height.
+float footer(WindowState& s, float height) {
+    const bool asks = s.closing || s.finishing || s.left_over_strokes > 0 || !s.dropped.empty();
+    if (!asks && !s.job && !s.film) return 0;
+    ImGui::SetNextWindowPos({0, height}, ImGuiCond_Always, {0, 1});
+    ImGui::SetNextWindowSizeConstraints({width(s), 0}, {width(s), height});
+    ImGui::Begin("footer", nullptr,
+                 ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove |
+                     ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoSavedSettings |
+                     ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoFocusOnAppearing);
+    questions(s);
+    dropped(s);
+    job(s);
+    film(s);
+    const float taken = ImGui::GetWindowHeight();
+    ImGui::End();
+    return taken;
+}
+
+}  // namespace
+
+void file(WindowState& s) {
+    ImGui::TextUnformatted(fmt::format("{}{}", s.title, s.painter.unsaved ? " *" : "").c_str());
+    if (s.scale_known)
+        ImGui::TextDisabled("%d × %d pixels, %.1f × %.1f mm", s.painting.width, s.painting.height,
+                            s.painting.width * s.stroke_mm_per_pixel,
+                            s.painting.height * s.stroke_mm_per_pixel);
+    else if (s.painting.width > 0)  // not while it is opened
+        ImGui::TextDisabled("%d × %d pixels, scale unknown", s.painting.width, s.painting.height);
+    if (s.painter.elsewhere) {
+        ImGui::TextColored({1, 0.8f, 0.3f, 1}, "Open in another window: look only.");
+        tip("Paint there; or save it under another name here, and paint on that");
+    }
     if (ImGui::Button("New …")) s.ask.new_canvas = true;
     tip(s.keys.text(Action::fresh) + ": a canvas of linen, panel, paper …, or on a picture");
     ImGui::SameLine();
@@ -145,9 +169,6 @@ void file(WindowState& s) {
     if (ImGui::Button("Fit photographs …")) s.ask.fit_dialog = true;
     tip("Makes a painting of a folder of photographs and a lights file");
     recent(s);
-    job(s);
-    film(s);
-    dropped(s);
 }
 
 void tools(WindowState& s) {
@@ -198,20 +219,13 @@ void canvas(WindowState& s) {
 }
 
 void column(WindowState& s, float height) {
+    const float room = height - footer(s, height);
     ImGui::SetNextWindowPos({0, 0});
-    ImGui::SetNextWindowSize({width(s), height});
+    ImGui::SetNextWindowSize({width(s), room});
     ImGui::Begin("column", nullptr,
                  ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove |
                      ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoSavedSettings);
     ImGui::PushItemWidth(-90 * s.scale);
-    // What is asked stands at the top, which may be folded or out of sight.
-    const bool asks = s.closing || s.finishing || s.left_over_strokes > 0 || !s.dropped.empty();
-    bool* asked = ImGui::GetStateStorage()->GetBoolRef(ImGui::GetID("something is asked"));
-    if (asks && !*asked) {
-        ImGui::SetScrollY(0);
-        ImGui::SetNextItemOpen(true);
-    }
-    *asked = asks;
     folding("File", true, [&] { file(s); });
     // Unfolded when there are photographs, however they came.
     bool* unfolded = ImGui::GetStateStorage()->GetBoolRef(ImGui::GetID("photographs are there"));

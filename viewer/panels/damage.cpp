@@ -147,7 +147,15 @@ void suggesting(WindowState& s) {
                 if (ImGui::Selectable(title_of(damage), damage == shown.as)) shown.as = damage;
             ImGui::EndCombo();
         }
+        const auto there = std::ranges::find(t.damage, shown.as, &DamageRow::damage);
+        if (shown.shown > 0 && there != t.damage.end() && there->there && there->count > 0)
+            ImGui::TextColored(
+                {1, 0.8f, 0.3f, 1}, "%s",
+                fmt::format("takes the place of {} mapped area{}", there->count, there->count == 1 ? "" : "s")
+                    .c_str());
+        ImGui::BeginDisabled(shown.shown == 0);
         if (ImGui::Button("Take over")) t.ask.accept = true;
+        ImGui::EndDisabled();
         tip(s.keys.text(Action::accept) +
             ": takes the place of what this class has, and is entered in the log");
         ImGui::SameLine();

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 #include <imgui.h>
 
+#include <array>
 #include <cmath>
 
 #include "viewer/panels/panels.h"
@@ -51,6 +52,47 @@ void presets(Lamp& lamp) {
                     .c_str()))
             lamp.angles = {preset.azimuth_deg, preset.elevation_deg};
     ImGui::EndCombo();
+}
+
+// What the false colours mean: the scale under the numbers at its ends and in its middle.
+void scale_of_colours(const WindowState& s) {
+    const auto number = [](double value) { return fmt::format("{:.3g}", value); };
+    std::array<std::string, 3> labels;
+    const double low = static_cast<double>(s.lowest_mm) * s.height_unit_mm(),
+                 high = static_cast<double>(s.highest_mm) * s.height_unit_mm();
+    switch (s.mode) {  // as the shader has them
+        case LookMode::height:
+            labels = {number(low), number((low + high) / 2), number(high) + (s.scale_known ? " mm" : " px")};
+            break;
+        case LookMode::roughness:
+            labels = {"0.02", "0.16", "1.28"};
+            break;
+        case LookMode::specular:
+            labels = {"0", "0.075", "0.3"};
+            break;
+        case LookMode::confidence:
+            labels = {"0: unknown", "0.5", "1: certain"};
+            break;
+        default:
+            return;
+    }
+    constexpr int kCells = 48;
+    const float line = ImGui::GetTextLineHeight(), wide = ImGui::CalcItemWidth();
+    const ImVec2 at = ImGui::GetCursorScreenPos();
+    ImGui::Dummy({wide, 2 * line});
+    ImDrawList* draw = ImGui::GetWindowDrawList();
+    for (int i = 0; i < kCells; ++i) {
+        const Rgb c =
+            Transfer{Transfer::Kind::srgb}.encode(false_colour((static_cast<float>(i) + 0.5f) / kCells));
+        draw->AddRectFilled({at.x + wide * static_cast<float>(i) / kCells, at.y + line},
+                            {at.x + wide * static_cast<float>(i + 1) / kCells, at.y + 2 * line},
+                            ImGui::ColorConvertFloat4ToU32({c.r, c.g, c.b, 1}));
+    }
+    for (std::size_t i = 0; i < labels.size(); ++i) {
+        const float room = wide - ImGui::CalcTextSize(labels[i].c_str()).x;
+        draw->AddText({at.x + room * static_cast<float>(i) / 2, at.y}, IM_COL32(200, 200, 200, 255),
+                      labels[i].c_str());
+    }
 }
 
 }  // namespace
@@ -108,6 +150,7 @@ void look(WindowState& s) {
         ImGui::SliderFloat("Effect", &s.strength, 0, 1, "%.2f");
     if (s.mode == LookMode::specular_enhancement)
         ImGui::SliderFloat("Sharpness", &s.sharpness, 2, 200, "%.0f");
+    scale_of_colours(s);
     if (s.mode == LookMode::height) ImGui::DragFloatRange2("Heights", &s.lowest_mm, &s.highest_mm, 0.005f);
     if (s.mode == LookMode::curvature) {
         const auto unit = static_cast<float>(s.height_unit_mm());

@@ -28,7 +28,7 @@ void recipe(WindowState& s, const ShownMatch& match, const ShownRecipe& r) {
     if (ImGui::Button("Take up on the brush")) {
         s.mix = r.mix;
         s.finish = {};
-        s.board.in_hand = false;
+        s.board.carried = Carried::chosen;
         s.tool = Tool::paint;
     }
     tip("The brush is loaded with this mixture, and paints");

@@ -64,7 +64,10 @@ void measurements(WindowState& s) {
         begin("Height along the ruler", (s.statistics && s.region ? 250 : 40) * s.scale, open);
         profile(s);
         ImGui::End();
-        if (!open) s.profile.reset();
+        if (!open) {
+            s.profile.reset();
+            s.ruler.reset();
+        }
     }
     if (s.statistics && s.region) {
         bool open = true;

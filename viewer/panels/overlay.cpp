@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 #include <imgui.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -56,7 +57,11 @@ void ruler(const WindowState& s, const Placement& placement, float left) {
     const double pixels = glm::length(to - from);
     const std::string text = s.scale_known ? fmt::format("{:.2f} mm", pixels * s.stroke_mm_per_pixel)
                                            : fmt::format("{:.1f} px (scale unknown)", pixels);
-    draw->AddText({b.x + 8, b.y + 8}, IM_COL32(255, 230, 90, 255), text.c_str());
+    const ImVec2 size = ImGui::CalcTextSize(text.c_str()), screen = ImGui::GetIO().DisplaySize;
+    const ImVec2 at(std::clamp(b.x + 8, 0.0f, std::max(screen.x - size.x - 8, 0.0f)),
+                    std::clamp(b.y + 8, 0.0f, std::max(screen.y - size.y - 30, 0.0f)));
+    draw->AddRectFilled({at.x - 4, at.y - 2}, {at.x + size.x + 4, at.y + size.y + 2}, IM_COL32(0, 0, 0, 190));
+    draw->AddText(at, IM_COL32(255, 230, 90, 255), text.c_str());
 }
 
 void region(const WindowState& s, const Placement& placement, float left) {

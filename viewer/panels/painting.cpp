@@ -95,7 +95,7 @@ void palette(WindowState& s) {
         if (ImGui::ColorButton("paint", as_colour(s.paint_colours[i]), ImGuiColorEditFlags_NoTooltip,
                                {26 * s.scale, 26 * s.scale})) {
             if (!ImGui::GetIO().KeyShift) s.mix.clear();
-            s.board.in_hand = false;
+            s.board.carried = Carried::chosen;
             s.mix[paint.name] += 1;
             s.tool = Tool::paint;
         }

@@ -104,7 +104,7 @@ void varnish(const WindowState& s, VarnishOptions& v) {
     number("Thickness", v.thickness_mm, 0.002f, 0.2f, length(s, "%.3f").c_str(), true);
     number("Strength", v.specular, 0, 0.1f, "ρs %.3f");
     tip("How much is reflected as gloss: ρs, 0.04 of a resin");
-    number("Sheen", v.roughness, 0.03f, 0.5f, "α %.2f");
+    number("Roughness", v.roughness, 0.03f, 0.5f, "α %.2f");
     tip("Width of the highlight: 0.05 is glossy, 0.3 matt");
     number("Yellowing", v.yellowing, 0, 20, s.scale_known ? "%.1f /mm" : "%.1f /px");
 }
@@ -208,12 +208,12 @@ void states(WindowState& s) {
         if (i != 2) ImGui::SameLine();
         if (ImGui::RadioButton(title_of(state), t.state == state)) t.state = state;
     }
-    using State = std::pair<TreatmentState, const char*>;
+    using State = std::pair<std::optional<TreatmentState>, const char*>;
     // Before and cleaned differ where the treatment has the painting as it was before (treatment earlier).
-    static constexpr std::array<State, 5> kStates = {
-        State(TreatmentState::before, "Before"), State(TreatmentState::cleaned, "Cleaned"),
-        State(TreatmentState::filled, "Filled"), State(TreatmentState::retouched, "Retouched"),
-        State(TreatmentState::varnished, "Varnished")};
+    static constexpr std::array<State, 6> kStates = {
+        State(TreatmentState::before, "Before"),       State(TreatmentState::cleaned, "Cleaned"),
+        State(TreatmentState::filled, "Filled"),       State(TreatmentState::retouched, "Retouched"),
+        State(TreatmentState::varnished, "Varnished"), State(std::nullopt, "Now")};
     ImGui::PushItemWidth(100 * s.scale);
     choice("##left", t.left, kStates);
     ImGui::SameLine();
@@ -238,6 +238,11 @@ void states(WindowState& s) {
     }
 }
 
+void by(Treating& t) {
+    ImGui::InputTextWithHint("By", t.usual_who.c_str(), &t.who);
+    tip("Your name, as the log has it");
+}
+
 }  // namespace
 
 void treatment(WindowState& s) {
@@ -247,8 +252,7 @@ void treatment(WindowState& s) {
     tip(s.keys.text(Action::treatment) + ": in a folder beside the painting, with a copy of it");
     ImGui::SameLine();
     if (ImGui::Button("Open …")) s.treating.ask.open_dialog = true;
-    ImGui::InputText("By", &s.treating.who);
-    tip("Your name, as the log has it");
+    by(s.treating);
     if (s.scale_known) return;
     ImGui::InputFloat("Width", &s.treating.width_mm, 0, 0, "%.1f mm");
     s.treating.width_mm = std::clamp(s.treating.width_mm, 0.0f, 1e5f);
@@ -277,8 +281,7 @@ void steps(WindowState& s) {
 
 void record(WindowState& s) {
     Treating& t = s.treating;
-    ImGui::InputText("By", &t.who);
-    tip("Your name, as the log has it");
+    by(t);
     ImGui::TextWrapped("%s", std::filesystem::path(t.folder).filename().string().c_str());
     tip(t.folder);
     if (t.checking)
