@@ -48,8 +48,14 @@ void print_row(const std::string& argument, const std::string& which) {
     // Files of floats are linear light, and what RTI viewers show is not.
     const bool comparable = test.bits != 32;
     const auto rti = [&](RtiBasis basis) {
-        return comparable ? fmt::format("{:.2f}", psnr_of(fit_rti(stack, basis), test.photos))
-                          : std::string("–");
+        const std::string none = "–";
+        if (!comparable) return none;
+        try {
+            return fmt::format("{:.2f}", psnr_of(fit_rti(stack, basis), test.photos));
+        } catch (const Error& error) {  // too few lights, or all at one height
+            fmt::print(stderr, "{}\n", error.what());
+            return none;
+        }
     };
     const std::string ptm = rti(RtiBasis::ptm), hsh = rti(RtiBasis::hsh9);
     Clock::time_point start = Clock::now();
