@@ -51,9 +51,12 @@ TEST(RandomHand, TheWindowGoesOn) {
     const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(seconds);
     int rounds = 0;
     for (; window.running() && std::chrono::steady_clock::now() < end; ++rounds) log += hand.act() + '\n';
-    ASSERT_TRUE(window.running()) << "seed " << seed << ", round " << rounds << ":\n"
-                                  << window.wait().err << "\nwhat the hand did:\n"
-                                  << (log.size() > 20'000 ? log.substr(log.size() - 20'000) : log);
+    if (!window.running()) {
+        const Finished ended = window.wait();
+        FAIL() << "seed " << seed << ", round " << rounds << ": ended with code " << ended.code << ":\n"
+               << ended.err << ended.out << "\nwhat the hand did:\n"
+               << (log.size() > 20'000 ? log.substr(log.size() - 20'000) : log);
+    }
     EXPECT_GT(rounds, 0);
     window.signal(SIGTERM);
     const Finished done = window.wait();
