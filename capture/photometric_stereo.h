@@ -21,10 +21,6 @@ struct PhotometricStereoOptions {
     }
 };
 
-// [1] Of the brightness of a pixel's bright samples: what is darker is taken for shadow at first. Where
-// relief is high and lamps are low, more than a fifth of the samples are.
-constexpr double kShadow = 0.2;
-
 struct LambertEstimate {
     glm::dvec3 normal{0, 0, 1};  // [unit vector], z > 0
     glm::dvec3 diffuse{0};       // [1] rho_d per channel; the same in all three for grey photographs

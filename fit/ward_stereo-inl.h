@@ -138,8 +138,7 @@ HWY_INLINE M stereo(Grey* grey, const WardScratch& scratch, V count, int at, Vec
         high[lane] = grey[k - 1 - k / 5].key[lane];
         typical[lane] = grey[k / 2].key[lane];
     }
-    const V highest = load(high, at), middle = load(typical, at);
-    const V lowest = hn::Max(load(low, at), hn::Mul(highest, all(static_cast<float>(kShadow))));
+    const V lowest = load(low, at), highest = load(high, at), middle = load(typical, at);
     M valid = hn::And(hn::Ge(count, all(3)), hn::Gt(middle, all(1e-5f)));
     const V zero = hn::Zero(d);
     normal = {zero, zero, all(1)};
