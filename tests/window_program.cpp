@@ -5,6 +5,7 @@
 
 #include "paint/canvas_file.h"
 #include "surface/error.h"
+#include "viewer/settings.h"
 #include "viewer/window.h"
 
 namespace {
@@ -22,7 +23,8 @@ int main(int count, char** words) {
             .open = [file](const tangi::Progress& p) { return tangi::read_canvas(file, p); },
             .palette = tangi::artist_acrylics(),
             .brushes = tangi::brush_presets(),
-            .file = words[2]};
+            .file = words[2],
+            .settings = tangi::settings_folder()};
         setup.width = 1000;
         setup.height = 700;
         setup.camera = "/nowhere";

@@ -42,7 +42,7 @@ void carried(const WindowState& s) {
 // The palette before there is paint on it, as large as it will be.
 void empty(float width) {
     const ImVec2 at = ImGui::GetCursorScreenPos(), size(width, 0.75f * width);
-    ImGui::Dummy(size);
+    ImGui::InvisibleButton("empty", size);  // else a drag would move the window
     ImDrawList* draw = ImGui::GetWindowDrawList();
     draw->AddRectFilled(at, {at.x + size.x, at.y + size.y}, IM_COL32(225, 225, 225, 255));
     constexpr const char* kText = "Lay out the paints, or squeeze the mixture out";
