@@ -212,7 +212,7 @@ void ward_fitter(benchmark::State& state) {
 
 void photometric_stereo_alone(benchmark::State& state) {
     run(state, [](const Pixel& pixel) {
-        const LambertEstimate e = photometric_stereo(pixel.samples);
+        const LambertEstimate e = photometric_stereo(pixel.samples, kWardStereo);
         return WardVector{-e.normal.x / e.normal.z,
                           -e.normal.y / e.normal.z,
                           0,

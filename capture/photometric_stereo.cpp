@@ -79,7 +79,8 @@ LambertEstimate photometric_stereo(const PixelSamples& s, const PhotometricStere
         brightness.push_back(sample.value / std::max(sample.light.z + sample.ambient, 1e-3));
     std::vector<double> sorted = brightness;
     std::sort(sorted.begin(), sorted.end());
-    const double low = sorted[sorted.size() / 5], high = sorted[sorted.size() - 1 - sorted.size() / 5];
+    const double high = sorted[sorted.size() - 1 - sorted.size() / 5],
+                 low = std::max(sorted[sorted.size() / 5], options.shadow * high);
     const double typical = sorted[sorted.size() / 2];
     if (!(typical > 1e-5)) return result;
     std::vector<double> weights(samples.size());

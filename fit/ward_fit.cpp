@@ -175,7 +175,7 @@ WardEstimate WardFitter::fit(const PixelSamples& given) { return fit(given, opti
 
 WardEstimate WardFitter::fit(const PixelSamples& given, const WardPrior& prior) {
     WardEstimate estimate;
-    const LambertEstimate start = photometric_stereo(given);
+    const LambertEstimate start = photometric_stereo(given, kWardStereo);
     if (!start.valid) return estimate;
     PixelSamples& samples = workspace_->samples;
     samples = given;

@@ -53,6 +53,8 @@ struct WardEstimate {
     bool converged = false;
 };
 
+// Photometric stereo as the fit starts from it.
+constexpr PhotometricStereoOptions kWardStereo = {.shadow = 0.2};
 // [sigma] Residual of a fit from which on it is tried from the highlight: metal that hardly has a matt part,
 // whose wide lobe photometric stereo takes for one.
 constexpr double kPoorFit = 1.2;

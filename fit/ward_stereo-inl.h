@@ -138,7 +138,9 @@ HWY_INLINE M stereo(Grey* grey, const WardScratch& scratch, V count, int at, Vec
         high[lane] = grey[k - 1 - k / 5].key[lane];
         typical[lane] = grey[k / 2].key[lane];
     }
-    const V lowest = load(low, at), highest = load(high, at), middle = load(typical, at);
+    const PhotometricStereoOptions& options = kWardStereo;
+    const V highest = load(high, at), middle = load(typical, at);
+    const V lowest = hn::Max(load(low, at), hn::Mul(highest, all(static_cast<float>(options.shadow))));
     M valid = hn::And(hn::Ge(count, all(3)), hn::Gt(middle, all(1e-5f)));
     const V zero = hn::Zero(d);
     normal = {zero, zero, all(1)};
@@ -154,7 +156,6 @@ HWY_INLINE M stereo(Grey* grey, const WardScratch& scratch, V count, int at, Vec
             load(s.value, at), normal);
     }
     valid = hn::And(valid, solve(start, g));
-    const PhotometricStereoOptions options;
     const auto outlier = static_cast<float>(options.outlier_scale);
     const V smallest = hn::Mul(middle, all(outlier));
     V scale = hn::Mul(middle, all(4 * outlier));

@@ -98,6 +98,39 @@ TEST(PhotometricStereo, IsRobustToAFifthOfShadowsAndHighlights) {
     EXPECT_LE(errors[errors.size() * 95 / 100], 1.0);
 }
 
+// Beside a ridge: a third of low lamps all around, all those from one side, are hidden, and only two are
+// high.
+TEST(PhotometricStereo, IsNotMisledByShadowsFromOneSide) {
+    std::vector<Light> lights = dome_lights(14, 15);
+    for (Light& light : lights) {
+        const double across = std::hypot(light.direction.x, light.direction.y);
+        light.direction = Vec3(glm::vec2(light.direction) * static_cast<float>(0.966 / across), 0.259f);
+    }
+    lights.push_back(distant_light(glm::normalize(Vec3(0, 0.174f, 0.985f))));
+    lights.push_back(distant_light(glm::normalize(Vec3(0, -0.174f, 0.985f))));
+    Random random(5);
+    std::vector<double> errors;
+    for (int i = 0; i < 100; ++i) {
+        const glm::dvec3 n = random_normal(random, 0.9);
+        PixelSamples s = lambertian(lights, n, {0.5, 0.3, 0.2});
+        int hidden = 0;
+        for (int photo = 0; photo < s.photos(); ++photo) {
+            const glm::dvec3 l(lights[static_cast<std::size_t>(photo)].direction);
+            if (l.z > 0.5 || l.x < 0.45) continue;
+            ++hidden;
+            for (int c = 0; c < 3; ++c) s.value[static_cast<std::size_t>(photo * 3 + c)] *= 0.02;
+        }
+        ASSERT_GE(hidden, 4);
+        const LambertEstimate e = photometric_stereo(s, {.shadow = 0.2});
+        ASSERT_TRUE(e.valid);
+        errors.push_back(degrees_between(e.normal, n));
+    }
+    std::sort(errors.begin(), errors.end());
+    // Started from samples that are in shadow as well, a tenth of the pixels are 34 degrees off and more.
+    EXPECT_LE(errors[errors.size() / 2], 0.4);
+    EXPECT_LE(errors[errors.size() * 9 / 10], 3.0);
+}
+
 TEST(PhotometricStereo, LeavesOutSamplesOfSigmaZero) {
     const glm::dvec3 n = glm::normalize(glm::dvec3(-0.3, 0.2, 1));
     PixelSamples s = lambertian(dome_lights(12, 45), n, {0.6, 0.5, 0.4});
