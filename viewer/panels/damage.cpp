@@ -86,7 +86,7 @@ void drawing(WindowState& s) {
     ImGui::EndDisabled();
     tip("Takes away from the damage; Alt does so for once");
     if (t.mask_tool == MaskTool::brush)
-        ImGui::SliderFloat("Brush", &t.brush_mm, 0.2f, 100, length(s, "%.1f").c_str(),
+        ImGui::SliderFloat("Size", &t.brush_mm, 0.2f, 100, length(s, "%.1f").c_str(),
                            ImGuiSliderFlags_Logarithmic);
     if (t.mask_tool == MaskTool::polygon)
         ImGui::TextDisabled("click corners; Enter closes, Backspace takes one back");
