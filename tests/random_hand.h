@@ -10,9 +10,18 @@ namespace tangi {
 
 class RandomHand {
 public:
-    // `named`: paths that it may type into a dialog.
-    RandomHand(const Screen& screen, std::uint64_t seed, std::vector<std::string> named)
-        : screen_(screen), random_(seed), named_(std::move(named)) {}
+    // `named`: paths that it may type into a dialog; `further`: keys that it presses, beside the usual ones.
+    RandomHand(const Screen& screen, std::uint64_t seed, std::vector<std::string> named,
+               const std::string& further)
+        : screen_(screen),
+          random_(seed),
+          named_(std::move(named)),
+          // All that has a meaning, and some that has none; not those that close the window.
+          keys_(words_of(
+              "t l h b i m g f 1 r comma period s o d c v ctrl+z ctrl+y ctrl+s ctrl+shift+s ctrl+o ctrl+r F1 "
+              "F12 Tab Next Prior Left Right Up Down bracketleft bracketright Escape Return space a x F5 "
+              "ctrl+a ctrl+n BackSpace Home " +
+              further)) {}
 
     // Some tens of actions; returns them as xdotool's words, to be repeated.
     std::string act() {
@@ -42,17 +51,9 @@ private:
         const auto add = [&](std::initializer_list<std::string> more) { words.insert(words.end(), more); };
         switch (random_.below(12)) {
             case 0:
-            case 1: {
-                // All that has a meaning, and some that has none; not those that close the window.
-                static const std::vector<std::string> keys = words_of(
-                    "t l h b i m g f 1 r comma period s o d c v ctrl+z ctrl+y ctrl+s ctrl+shift+s ctrl+o "
-                    "ctrl+r F1 "
-                    "F12 Tab Next Prior Left Right Up Down bracketleft bracketright Escape Return space a x "
-                    "F5 ctrl+a ctrl+n "
-                    "BackSpace Home");
-                add({"key", keys[static_cast<std::size_t>(random_.below(static_cast<int>(keys.size())))]});
+            case 1:
+                add({"key", keys_[static_cast<std::size_t>(random_.below(static_cast<int>(keys_.size())))]});
                 break;
-            }
             case 2:
                 to_anywhere(words);
                 add({"click", std::to_string(4 + random_.below(2))});
@@ -96,7 +97,7 @@ private:
 
     const Screen& screen_;
     Random random_;
-    std::vector<std::string> named_;
+    std::vector<std::string> named_, keys_;
 };
 
 }  // namespace tangi

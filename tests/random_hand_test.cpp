@@ -28,7 +28,8 @@ bool gave_close_another_key(const Screen& screen) {
     return changed.is_object() && changed.contains("close");
 }
 
-TEST(RandomHand, TheWindowGoesOn) {
+// `first` is pressed before anything else, `further` among the hand's keys.
+void expect_to_go_on(const std::string& first, const std::string& further) {
     const auto screen = Screen::open();
     if (!screen) GTEST_SKIP() << "no Xvfb and xdotool here";
     const TestDir folder;
@@ -56,11 +57,15 @@ TEST(RandomHand, TheWindowGoesOn) {
                                      fmt::format("{}x{}", Screen::kWidth, Screen::kHeight), "--camera",
                                      "/nowhere"},
             conditions);
-        return screen->becomes_different(before, {0, 0, Screen::kWidth, Screen::kHeight}, 0.02);
+        if (!screen->becomes_different(before, {0, 0, Screen::kWidth, Screen::kHeight}, 0.02)) return false;
+        screen->settled();
+        if (!first.empty()) screen->key(first);
+        return true;
     };
     ASSERT_TRUE(open());
     RandomHand hand(*screen, seed,
-                    {(deep / "a.exr").string(), "b.exr", "broken.exr", "new", "../d", "\\\\ ?*", "3.5"});
+                    {(deep / "a.exr").string(), "b.exr", "broken.exr", "new", "../d", "\\\\ ?*", "3.5"},
+                    further);
     std::string log;
     const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(seconds);
     int rounds = 0;
@@ -82,6 +87,14 @@ TEST(RandomHand, TheWindowGoesOn) {
     window->signal(SIGTERM);
     const Finished done = window->wait();
     EXPECT_EQ(done.code, 0) << "seed " << seed << ", round " << rounds << ":\n" << done.err << "\n" << log;
+}
+
+TEST(RandomHand, TheWindowGoesOn) { expect_to_go_on("", ""); }
+
+TEST(RandomHand, TheTreatmentGoesOn) {
+    expect_to_go_on("ctrl+t",
+                    "k k p ctrl+t ctrl+g ctrl+g ctrl+Return ctrl+Return ctrl+k ctrl+k ctrl+f ctrl+f ctrl+i "
+                    "ctrl+shift+i n ctrl+e ctrl+shift+x ctrl+shift+r");
 }
 
 }  // namespace
