@@ -63,10 +63,10 @@ std::string hemisphere(const std::vector<HemisphereLight>& lights) {
                 middle + radius * light.listed->x, middle - radius * light.listed->y);
         svg += fmt::format(
             "<circle cx=\"{0:.1f}\" cy=\"{1:.1f}\" r=\"{2:.1f}\" fill=\"var(--accent)\" opacity=\"{9:.2f}\"/>"
-            "<circle cx=\"{0:.1f}\" cy=\"{1:.1f}\" r=\"2.5\" {10}><title>{3}: elevation {4:.1f}°, "
-            "± {5:.2f}°{11}</title></circle><text x=\"{6:.1f}\" y=\"{7:.1f}\">{8}</text>",
+            "<circle cx=\"{0:.1f}\" cy=\"{1:.1f}\" r=\"2.5\" {10}><title>{3}: elevation {4:.1f}°"
+            "{5}{11}</title></circle><text x=\"{6:.1f}\" y=\"{7:.1f}\">{8}</text>",
             x, y, error, escaped(light.name), std::asin(light.direction->z) * 180 / std::numbers::pi,
-            light.sigma_deg, x + 5, y - 4, i + 1,
+            light.sigma_deg > 0 ? plus_minus(light.sigma_deg, 2) + "°" : "", x + 5, y - 4, i + 1,
             0.25 * std::min(1.0, 8 / error),  // large ones hide the rest
             light.held_out ? "fill=\"var(--card)\" stroke=\"var(--accent)\"" : "fill=\"var(--accent)\"",
             light.held_out ? ", held out" : "");

@@ -45,6 +45,15 @@ TEST(PageParts, AnErrorNeverReadsZero) {
     EXPECT_EQ(plus_minus(0, 4), "");  // not known
 }
 
+TEST(PageParts, ALightWithoutAnErrorHasNone) {
+    const glm::dvec3 up(0, 0, 1);
+    const std::string lights =
+        hemisphere({{.name = "sure", .direction = up, .listed = {}},
+                    {.name = "off", .direction = up, .sigma_deg = 0.25, .listed = {}}});
+    EXPECT_NE(lights.find("sure: elevation 90.0°<"), std::string::npos);
+    EXPECT_NE(lights.find("off: elevation 90.0° ± 0.25°<"), std::string::npos);
+}
+
 TEST(FitPage, ShowsEachPhotographsLightAndMisfit) {
     const TestDir folder;
     write_stack(folder.path(), painting(32, 32), {.lights = 12, .held_out = 0, .gain_min = 0.5});
