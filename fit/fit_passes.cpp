@@ -96,8 +96,10 @@ void store(const WardEstimate& e, int x, int y, FitResult& result) {
 // What a pass is given of those before, and leaves to those after it.
 struct Pass {
     std::string name;
-    FirstPass* first = nullptr;               // of a second pass
-    Image<LobeEvidence>* evidence = nullptr;  // to be filled in
+    bool judged = true;                           // RowFitter::fit(): if another pass follows, that one is
+    FirstPass* first = nullptr;                   // of a second pass
+    Image<LobeEvidence>* colours = nullptr;       // to be filled in
+    Image<StretchEvidence>* stretches = nullptr;  // likewise: of every so many-th pixel (stretch_step())
 };
 
 // What is known of pixels beside their photographs. Lobes have the colours that the surface says.
@@ -141,16 +143,21 @@ void fit_band(const Stack& stack, const Band& band, const Lighting& lighting, co
         [&] { return RowFitter(ward, options.solver, lighting, noise, band.channels()); });
     // Enough pixels at once to keep registers full; with Ceres alone a row takes long enough.
     const int rows = options.solver == Solver::batch ? std::max(1, 4096 / band.width()) : 1;
+    const int step = stretch_step(surface.width(), surface.height());
     parallel_for(band.y0(), band.y1(), rows, [&](int begin, int end) {
         long fitted = 0, not_converged = 0;
         fitters.local().fit(
-            band, begin, end, stack.mask, surface, known, [&](int x, int y, const WardEstimate& e) {
+            band, begin, end, stack.mask, surface, known, pass.judged,
+            [&](int x, int y, const WardEstimate& e) {
                 ++fitted;
                 not_converged += !e.converged;
                 store(e, x, y, result);
-                if (pass.evidence)
-                    (*pass.evidence)(x, y) =
-                        lobe_evidence(fitters.local().samples_at(band, x, y, surface, {}), e, ward);
+                const auto samples = [&]() -> const PixelSamples& {
+                    return fitters.local().samples_at(band, x, y, surface, {});
+                };
+                if (pass.colours) (*pass.colours)(x, y) = lobe_evidence(samples(), e, ward);
+                if (pass.stretches && x % step == 0 && y % step == 0)
+                    (*pass.stretches)(x / step, y / step) = stretch_evidence(samples(), e, ward);
                 const std::size_t index =
                     static_cast<std::size_t>(y) * static_cast<std::size_t>(surface.width()) +
                     static_cast<std::size_t>(x);
@@ -221,41 +228,11 @@ void fit_bands(const Stack& stack, const Transfer& transfer, const Lighting& lig
     summarise(result.surface, counters, options.ward.bounds.diffuse_max, result.report);
 }
 
-// What the surface has of a pixel, as the fit left it.
-WardEstimate estimate_at(const Surface& s, int x, int y) {
-    const Slope slope = slope_of(s.normal(x, y));
-    WardEstimate e;
-    e.slope = {slope.x, slope.y};
-    e.diffuse = glm::dvec3(s.diffuse(x, y));
-    e.specular = s.specular(x, y);
-    e.roughness = s.roughness(x, y);
-    return e;
-}
-
-// How lobes are drawn out, from a pass over some pixels; leaves the surface without axes where none is.
-void find_stretches(const Stack& stack, const Transfer& transfer, const Lighting& lighting,
-                    const NoiseModel& noise, const FitOptions& options, FitResult& result,
-                    const Progress& progress) {
+// How lobes are drawn out, by what a pass has shown; leaves the surface without axes where none is.
+void find_stretches(const Image<StretchEvidence>& evidence, FitResult& result, const Progress& progress) {
     Surface& surface = result.surface;
+    report(progress, "directions of lobes", 0);
     const int step = stretch_step(surface.width(), surface.height());
-    Image<StretchEvidence> evidence((surface.width() - 1) / step + 1, (surface.height() - 1) / step + 1);
-    WardFitOptions ward = options.ward;
-    ward.law = surface.law;
-    each_band(stack, transfer, [&](const Band& band) {
-        oneapi::tbb::enumerable_thread_specific<RowFitter> fitters(
-            [&] { return RowFitter(ward, options.solver, lighting, noise, band.channels()); });
-        parallel_for((band.y0() + step - 1) / step, (band.y1() - 1) / step + 1, 1, [&](int begin, int end) {
-            for (int row = begin; row < end; ++row)
-                for (int column = 0; column < evidence.width(); ++column) {
-                    const int x = column * step, y = row * step;
-                    if (!(surface.confidence(x, y) > 0)) continue;
-                    const WardEstimate e = estimate_at(surface, x, y);
-                    evidence(column, row) =
-                        stretch_evidence(fitters.local().samples_at(band, x, y, surface, {}), e, ward);
-                }
-        });
-        report(progress, "directions of lobes", band.y1() / static_cast<double>(surface.height()));
-    });
     const Image<Stretch> stretches = lobe_stretches(surface, evidence, step);
     const auto shown = std::count_if(stretches.pixels().begin(), stretches.pixels().end(),
                                      [](const Stretch& stretch) { return stretch != Stretch(0); });
@@ -287,7 +264,8 @@ void refine(const Stack& stack, const Transfer& transfer, const Lighting& lighti
     FitOptions second = options;
     second.ward.robust_scale =
         robust_scale_after(result.report.median_rms_residual, options.ward.robust_scale);
-    fit_bands(stack, transfer, lighting, noise, second, {"refine", &first}, result, progress);
+    fit_bands(stack, transfer, lighting, noise, second, {.name = "refine", .first = &first}, result,
+              progress);
 }
 
 }  // namespace
@@ -318,39 +296,52 @@ void fit_passes(Stack& stack, const Transfer& transfer, const Lighting& lighting
                 const Progress& progress) {
     Surface& surface = result.surface;
     FitReport& report_ = result.report;
-    Image<LobeEvidence> evidence;
-    if (lobes.coloured) evidence = Image<LobeEvidence>(surface.width(), surface.height());
-    Image<LobeEvidence>* const colours = lobes.coloured ? &evidence : nullptr;
-    const auto fit = [&](const char* name, Image<LobeEvidence>* shown) {
-        fit_bands(stack, transfer, lighting, noise, options, {name, nullptr, shown}, result, progress);
+    Image<LobeEvidence> colours;
+    if (lobes.coloured) colours = Image<LobeEvidence>(surface.width(), surface.height());
+    Image<LobeEvidence>* const shown_colours = lobes.coloured ? &colours : nullptr;
+    bool judged = false;
+    const auto fit = [&](Pass pass) {
+        judged = pass.judged = pass.judged || !options.refine;
+        fit_bands(stack, transfer, lighting, noise, options, pass, result, progress);
     };
-    fit("fit", colours);
+    Image<StretchEvidence> stretches;
+    if (lobes.drawn_out) {
+        const int step = stretch_step(surface.width(), surface.height());
+        stretches = {(surface.width() - 1) / step + 1, (surface.height() - 1) / step + 1};
+    }
+    fit({.name = "fit",
+         .judged = false,
+         .colours = shown_colours,
+         .stretches = lobes.drawn_out ? &stretches : nullptr});
     look(false);
     if (lobes.drawn_out) {
-        find_stretches(stack, transfer, lighting, noise, options, result, progress);
-        if (!surface.lobe_axes.empty()) fit("drawn out lobes", colours);
+        find_stretches(stretches, result, progress);
+        if (!surface.lobe_axes.empty())
+            fit({.name = "drawn out lobes", .judged = false, .colours = shown_colours});
     }
     if (lobes.coloured) {
-        surface.lobe_colour = lobe_colours(surface, evidence);
-        evidence = {};
+        surface.lobe_colour = lobe_colours(surface, colours);
+        colours = {};
         const auto shown =
             std::count_if(surface.lobe_colour.pixels().begin(), surface.lobe_colour.pixels().end(),
                           [](const Rgb& colour) { return colour != Rgb(1); });
         report_.coloured = static_cast<double>(shown) / static_cast<double>(std::max(report_.fitted, 1L));
         if (shown == 0) surface.lobe_colour = {};
-        if (shown > 0 && !(options.refine && explains_photographs(report_))) fit("coloured lobes", nullptr);
+        if (shown > 0 && !(options.refine && explains_photographs(report_))) fit({.name = "coloured lobes"});
     }
     // Where it is not refined, too: the lights may be what is wrong.
     const Plane plane = first_height(options, surface, progress);
     look(true);
     if (!options.refine) return;
-    if (believes_height(report_))
+    if (believes_height(report_)) {
         refine(stack, transfer, lighting, noise, options, plane, result, progress);
-    else
-        stack.warnings.push_back(fmt::format(
-            "{}: photographs differ from the model by {}: shadows and neighbours' lobes are not believed, so "
-            "the fit is not refined; metal and glass look like that, and wrong light directions",
-            stack.folder.string(), beyond_expected(report_.median_rms_residual)));
+        return;
+    }
+    if (!judged) fit({.name = "fit, once more"});
+    stack.warnings.push_back(fmt::format(
+        "{}: photographs differ from the model by {}: shadows and neighbours' lobes are not believed, so "
+        "the fit is not refined; metal and glass look like that, and wrong light directions",
+        stack.folder.string(), beyond_expected(report_.median_rms_residual)));
 }
 
 }  // namespace tangi

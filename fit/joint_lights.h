@@ -70,6 +70,8 @@ struct JointLights {
     // directions are measured.
     std::vector<double> direction_sigma;
 
+    double robust_scale = 2;  // [sigma] of the observations' loss: where not started far; and result
+
     std::vector<double> log_gains;  // one a photograph: start, and result
     double gain_scatter = 0;        // [1] of log_gains about their smooth trend: what is expected, and result
     std::vector<glm::dvec2>

@@ -326,6 +326,7 @@ JointLights LightSample::joint_problem(const std::vector<int>& photos, const Lig
     describe(lighting, joint);
     joint.rig = solved.rig;
     joint.gain_scatter = solved.gain_scatter;
+    joint.robust_scale = solved.robust_scale;
     for (std::size_t i = 0; i < photos.size(); ++i) {
         joint.log_gains[i] = solved.log_gains[static_cast<std::size_t>(photos[i])];
         joint.turns[i] = solved.turns[static_cast<std::size_t>(photos[i])];
@@ -343,6 +344,7 @@ JointLights LightSample::joint_problem(const std::vector<int>& photos, const Lig
     describe(lighting, joint);
     joint.rig = lamps.rig;
     joint.gain_scatter = lamps.gain_scatter;
+    joint.robust_scale = lamps.robust_scale;
     joint.log_gains = lamps.log_gains;
     joint.turns = lamps.turns;
     joint.beams = lamps.beams;

@@ -165,8 +165,30 @@ std::vector<WardSolution> RowFitter::fit_again(const Band& band, int first, cons
     return solutions;
 }
 
+void RowFitter::judge(const Band& band, int x, int y, const Surface& surface, const PixelKnowledge& known,
+                      const WardSolution& solution, WardEstimate& e) {
+    const bool compared = is_compared(x, y, surface.width(), surface.height());
+    if (!solution.doubtful && !compared) return;
+    const WardEstimate other = by_ceres(band, x, y, surface, known);
+    const double ratio =
+        e.rms_residual * e.rms_residual / std::max(other.rms_residual * other.rms_residual, 1e-12);
+    if (compared && e.valid && other.valid) {
+        const bool agrees = std::abs(ratio - 1) <= 0.01;
+        ++agreement_.compared;
+        agreement_.cost_agrees += agrees;
+        agreement_.cheaper += !agrees && ratio < 1;
+        agreement_.slope_agrees += glm::length(e.slope - other.slope) <= 0.01;
+    }
+    if (!solution.doubtful) return;
+    ++agreement_.doubtful;
+    // Not a number is not below anything.
+    if (!other.valid || (e.valid && ratio <= 1)) return;
+    ++agreement_.polished;
+    e = other;
+}
+
 void RowFitter::fit(const Band& band, int y0, int y1, const Image<unsigned char>& mask,
-                    const Surface& surface, const PixelKnowledge& known,
+                    const Surface& surface, const PixelKnowledge& known, bool judged,
                     const std::function<void(int x, int y, const WardEstimate&)>& done) {
     const int width = band.width();
     if (solver_ == Solver::ceres) {
@@ -192,27 +214,7 @@ void RowFitter::fit(const Band& band, int y0, int y1, const Image<unsigned char>
                 if (!solution.valid && !solution.doubtful) continue;
                 WardEstimate e = solution.estimate(band.channels());
                 if (known.prior) e.stretch = known.prior(x, y).stretch;
-                const bool compared = is_compared(x, y, surface.width(), surface.height());
-                if (solution.doubtful || compared) {
-                    const WardEstimate other = by_ceres(band, x, y, surface, known);
-                    const double ratio = e.rms_residual * e.rms_residual /
-                                         std::max(other.rms_residual * other.rms_residual, 1e-12);
-                    if (compared && e.valid && other.valid) {
-                        const bool agrees = std::abs(ratio - 1) <= 0.01;
-                        ++agreement_.compared;
-                        agreement_.cost_agrees += agrees;
-                        agreement_.cheaper += !agrees && ratio < 1;
-                        agreement_.slope_agrees += glm::length(e.slope - other.slope) <= 0.01;
-                    }
-                    if (solution.doubtful) {
-                        ++agreement_.doubtful;
-                        // Not a number is not below anything.
-                        if (other.valid && !(e.valid && ratio <= 1)) {
-                            ++agreement_.polished;
-                            e = other;
-                        }
-                    }
-                }
+                if (judged) judge(band, x, y, surface, known, solution, e);
                 if (e.valid) done(x, y, known.lobe_colour ? coloured(e, known.lobe_colour(x, y)) : e);
             }
     }

@@ -47,9 +47,11 @@ public:
               int channels);
 
     // Fits rows y0 <= y < y1 of the band and calls `done` for each pixel that the mask (empty: all) has and
-    // that could be fitted. A pixel's estimate does not depend on which rows it is fitted with.
+    // that could be fitted. A pixel's estimate does not depend on which rows it is fitted with. Ceres has no
+    // say where nothing is `judged`.
     void fit(const Band& band, int y0, int y1, const Image<unsigned char>& mask, const Surface& surface,
-             const PixelKnowledge& known, const std::function<void(int x, int y, const WardEstimate&)>& done);
+             const PixelKnowledge& known, bool judged,
+             const std::function<void(int x, int y, const WardEstimate&)>& done);
 
     // What the photographs of the band say of a pixel; until the next call.
     PixelSamples& samples_at(const Band& band, int x, int y, const Surface& surface,
@@ -64,6 +66,9 @@ private:
                    const Surface& surface, const PixelKnowledge& known);
     void whiten_lane(const Rgb& colour, int lane);
     void shade(const CastShadows& shadows, int x0, int y, int count);
+    // Takes Ceres' estimate where the batches' is in doubt and dearer; counts how both compare.
+    void judge(const Band& band, int x, int y, const Surface& surface, const PixelKnowledge& known,
+               const WardSolution& solution, WardEstimate& estimate);
     std::vector<WardSolution> fit_again(const Band& band, int first, const Surface& surface,
                                         const PixelKnowledge& known);
 

@@ -74,18 +74,31 @@ struct WardTerms {
     double dstretch[2] = {0, 0};  // Lambda by the stretch
 };
 
+// What the stretch of a lobe comes to under any light.
+struct StretchTerms {
+    glm::dvec2 stretch;
+    StretchShape<double> shape;
+    double k;     // [1] sinh(2 s) / s
+    double bend;  // [1] of k by the stretch, over the stretch
+
+    explicit StretchTerms(const glm::dvec2& ab) : stretch(ab), shape(shape_of(ab.x, ab.y)) {
+        const double s2 = glm::dot(ab, ab);
+        k = s2 > 1e-8 ? std::sinh(2 * std::sqrt(s2)) / std::sqrt(s2) : 2 + 4 * s2 / 3;
+        bend = s2 > 1e-6 ? (2 * shape.c - k) / s2 : 8.0 / 3;
+    }
+};
+
 // The stretch of a lobe: what it adds to tan^2 of the angle between normal and half vector, in the frame of
 // surface/anisotropy.h. tan2' = c tan2 - tilt / (h.n)^2.
 struct DrawnOut {
-    StretchShape<double> shape;
     double part = 0;              // tilt / (h.n)^2
     double dpart[2] = {0, 0};     // by slope x, slope y
     double dstretch[2] = {0, 0};  // tan2' by the stretch
 
     // n: the normal; h: l + v; dh_n: h.n by slope x, slope y.
-    DrawnOut(const glm::dvec2& stretch, const glm::dvec3& n, const glm::dvec3& h, double h_n,
-             const glm::dvec2& dh_n)
-        : shape(shape_of(stretch.x, stretch.y)) {
+    DrawnOut(const StretchTerms& terms, const glm::dvec3& n, const glm::dvec3& h, double h_n,
+             const glm::dvec2& dh_n) {
+        const auto& [stretch, shape, k, bend] = terms;
         const double u = (h_n + h.z) / (1 + n.z), inverse_h_n2 = 1 / (h_n * h_n);
         const double x = h.x - n.x * u, y = h.y - n.y * u;
         const double difference = (x * x - y * y) * inverse_h_n2, twice = 2 * x * y * inverse_h_n2;
@@ -99,9 +112,6 @@ struct DrawnOut {
             dpart[i] = 2 * inverse_h_n2 * (shape.a * (x * dx - y * dy) + shape.b * (x * dy + y * dx)) -
                        2 * part / h_n * dh_n[i];
         }
-        const double s2 = glm::dot(stretch, stretch);
-        const double k = s2 > 1e-8 ? std::sinh(2 * std::sqrt(s2)) / std::sqrt(s2) : 2 + 4 * s2 / 3;
-        const double bend = s2 > 1e-6 ? (2 * shape.c - k) / s2 : 8.0 / 3;  // of k by the stretch, over it
         const double tan2 = glm::dot(h, h) * inverse_h_n2 - 1;
         for (int i = 0; i < 2; ++i)
             dstretch[i] = 2 * k * stretch[i] * tan2 - k * (i == 0 ? difference : twice) -
@@ -109,9 +119,9 @@ struct DrawnOut {
     }
 };
 
+// `stretch`: null where the lobe is not drawn out, and derivatives by the stretch are of no use.
 inline WardTerms ward_terms(const double* theta, const glm::dvec3& l, const glm::dvec3& v,
-                            const ReflectanceLaw& law = {}, const glm::dvec2& stretch = glm::dvec2(0),
-                            bool by_stretch = false) {
+                            const ReflectanceLaw& law = {}, const StretchTerms* stretch = nullptr) {
     WardTerms t;
     const double p = theta[0], q = theta[1];
     const double inverse2 = 1 / (1 + p * p + q * q), inverse = std::sqrt(inverse2);
@@ -127,9 +137,9 @@ inline WardTerms ward_terms(const double* theta, const glm::dvec3& l, const glm:
     const glm::dvec2 slopes(p, q),
         by_slope = -glm::dvec2(h.x, h.y) * inverse - h_n * inverse2 * slopes;  // h.n
     std::optional<DrawnOut> drawn_out;
-    if (by_stretch || stretch != glm::dvec2(0)) {
-        drawn_out.emplace(stretch, inverse * glm::dvec3(-p, -q, 1), h, h_n, by_slope);
-        wider = drawn_out->shape.c;
+    if (stretch) {
+        drawn_out.emplace(*stretch, inverse * glm::dvec3(-p, -q, 1), h, h_n, by_slope);
+        wider = stretch->shape.c;
         tan2 = std::max(wider * tan2 - drawn_out->part, 0.0);
     }
     const double geometry = h_h * inverse_h_n2 * inverse_h_n2;
@@ -158,6 +168,13 @@ inline WardTerms ward_terms(const double* theta, const glm::dvec3& l, const glm:
     }
     t.dlobe[2] = dln_alpha * n_l;
     return t;
+}
+
+inline WardTerms ward_terms(const double* theta, const glm::dvec3& l, const glm::dvec3& v,
+                            const ReflectanceLaw& law, const glm::dvec2& stretch) {
+    if (stretch == glm::dvec2(0)) return ward_terms(theta, l, v, law);
+    const StretchTerms terms(stretch);
+    return ward_terms(theta, l, v, law, &terms);
 }
 
 // Square root of Cauchy's loss rho(s) = c^2 ln(1 + s / c^2), signed, so that least squares on it minimise the
