@@ -168,8 +168,13 @@ void BatchSampler::fill(const Band& band, const Surface& surface, int x0, int y,
     for (int i = 0; i < band.photos(); ++i)
         for (int c = 0; c < channels_; ++c, ++k) {
             const float* row = band.row(i, c, y) + x0;
-            std::copy(row, row + count, batch.value[k].data());
-            std::fill(batch.value[k].data() + count, batch.value[k].data() + kWardLanes, 0.0f);
+            float* lanes = batch.value[k].data();
+            if (count == kWardLanes) {  // a copy of known size takes no call
+                std::copy(row, row + kWardLanes, lanes);
+                continue;
+            }
+            std::copy(row, row + count, lanes);
+            std::fill(lanes + count, lanes + kWardLanes, 0.0f);
         }
     HWY_DYNAMIC_DISPATCH(Doubt)(noise_, count, batch);
 }

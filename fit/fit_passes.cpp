@@ -96,6 +96,7 @@ void store(const WardEstimate& e, int x, int y, FitResult& result) {
 // What a pass is given of those before, and leaves to those after it.
 struct Pass {
     std::string name;
+    int rows_apart = 1;                           // only rows that are multiples of it
     bool judged = true;                           // RowFitter::fit(): if another pass follows, that one is
     FirstPass* first = nullptr;                   // of a second pass
     Image<LobeEvidence>* colours = nullptr;       // to be filled in
@@ -146,24 +147,28 @@ void fit_band(const Stack& stack, const Band& band, const Lighting& lighting, co
     const int step = stretch_step(surface.width(), surface.height());
     parallel_for(band.y0(), band.y1(), rows, [&](int begin, int end) {
         long fitted = 0, not_converged = 0;
-        fitters.local().fit(
-            band, begin, end, stack.mask, surface, known, pass.judged,
-            [&](int x, int y, const WardEstimate& e) {
-                ++fitted;
-                not_converged += !e.converged;
-                store(e, x, y, result);
-                const auto samples = [&]() -> const PixelSamples& {
-                    return fitters.local().samples_at(band, x, y, surface, {});
-                };
-                if (pass.colours) (*pass.colours)(x, y) = lobe_evidence(samples(), e, ward);
-                if (pass.stretches && x % step == 0 && y % step == 0)
-                    (*pass.stretches)(x / step, y / step) = stretch_evidence(samples(), e, ward);
-                const std::size_t index =
-                    static_cast<std::size_t>(y) * static_cast<std::size_t>(surface.width()) +
-                    static_cast<std::size_t>(x);
-                if (index % rms_step(surface) == 0)
-                    counters.rms_residuals[index / rms_step(surface)] = static_cast<float>(e.rms_residual);
-            });
+        const auto done = [&](int x, int y, const WardEstimate& e) {
+            ++fitted;
+            not_converged += !e.converged;
+            store(e, x, y, result);
+            const auto samples = [&]() -> const PixelSamples& {
+                return fitters.local().samples_at(band, x, y, surface, {});
+            };
+            if (pass.colours) (*pass.colours)(x, y) = lobe_evidence(samples(), e, ward);
+            if (pass.stretches && x % step == 0 && y % step == 0)
+                (*pass.stretches)(x / step, y / step) = stretch_evidence(samples(), e, ward);
+            const std::size_t index =
+                static_cast<std::size_t>(y) * static_cast<std::size_t>(surface.width()) +
+                static_cast<std::size_t>(x);
+            if (index % rms_step(surface) == 0)
+                counters.rms_residuals[index / rms_step(surface)] = static_cast<float>(e.rms_residual);
+        };
+        const auto fit = [&](int first, int last) {
+            fitters.local().fit(band, first, last, stack.mask, surface, known, pass.judged, done);
+        };
+        if (pass.rows_apart == 1) fit(begin, end);
+        for (int y = begin; pass.rows_apart > 1 && y < end; ++y)
+            if (y % pass.rows_apart == 0) fit(y, y + 1);
         const std::lock_guard lock(counters.mutex);
         counters.fitted += fitted;
         counters.not_converged += not_converged;
@@ -228,16 +233,21 @@ void fit_bands(const Stack& stack, const Transfer& transfer, const Lighting& lig
     summarise(result.surface, counters, options.ward.bounds.diffuse_max, result.report);
 }
 
-// How lobes are drawn out, by what a pass has shown; leaves the surface without axes where none is.
+// How lobes are drawn out, by what some rows have shown; leaves the surface without axes where none is.
 void find_stretches(const Image<StretchEvidence>& evidence, FitResult& result, const Progress& progress) {
     Surface& surface = result.surface;
     report(progress, "directions of lobes", 0);
     const int step = stretch_step(surface.width(), surface.height());
     const Image<Stretch> stretches = lobe_stretches(surface, evidence, step);
-    const auto shown = std::count_if(stretches.pixels().begin(), stretches.pixels().end(),
-                                     [](const Stretch& stretch) { return stretch != Stretch(0); });
-    result.report.drawn_out =
-        static_cast<double>(shown) / static_cast<double>(std::max(result.report.fitted, 1L));
+    long known = 0, shown = 0;
+    for (int y = 0; y < surface.height(); ++y) {
+        const int row = look_row(y, look_step(step), surface.height());
+        for (int x = 0; x < surface.width(); ++x) {
+            known += surface.confidence(x, row) > 0;
+            shown += stretches(x, y) != Stretch(0);
+        }
+    }
+    result.report.drawn_out = static_cast<double>(shown) / static_cast<double>(std::max(known, 1L));
     if (shown == 0) return;
     surface.lobe_axes = Image<LobeAxes>(surface.width(), surface.height());
     for (std::size_t i = 0; i < stretches.size(); ++i)
@@ -286,11 +296,10 @@ static bool believes_height(const FitReport& report) {
                                             shadows.certain() && shadows.contrast < kShadowed);
 }
 
-// The first pass with white and isotropic lobes; where they may be drawn out, what some pixels then show of
-// that, and all once more, since from lobes that are not drawn out though they should be, slopes and
-// neighbours' lobes are no ground for anything; where they may have colours, what the pass before shows of
-// them; then the others. Where white lobes explain too little to be refined, coloured ones may explain
-// enough.
+// Where lobes may be drawn out, some rows with white and isotropic lobes, and what these show of that: from
+// lobes that are not drawn out though they should be, slopes and neighbours' lobes are no ground for
+// anything. Then all pixels; where lobes may have colours, what that shows of them; then the second pass.
+// Where white lobes explain too little to be refined, coloured ones may explain enough.
 void fit_passes(Stack& stack, const Transfer& transfer, const Lighting& lighting, const NoiseModel& noise,
                 const FitOptions& options, const LobeFreedom& lobes, const FirstLook& look, FitResult& result,
                 const Progress& progress) {
@@ -304,21 +313,17 @@ void fit_passes(Stack& stack, const Transfer& transfer, const Lighting& lighting
         judged = pass.judged = pass.judged || !options.refine;
         fit_bands(stack, transfer, lighting, noise, options, pass, result, progress);
     };
-    Image<StretchEvidence> stretches;
     if (lobes.drawn_out) {
         const int step = stretch_step(surface.width(), surface.height());
-        stretches = {(surface.width() - 1) / step + 1, (surface.height() - 1) / step + 1};
-    }
-    fit({.name = "fit",
-         .judged = false,
-         .colours = shown_colours,
-         .stretches = lobes.drawn_out ? &stretches : nullptr});
-    look(false);
-    if (lobes.drawn_out) {
+        Image<StretchEvidence> stretches((surface.width() - 1) / step + 1, (surface.height() - 1) / step + 1);
+        fit({.name = "directions of lobes",
+             .rows_apart = look_step(step),
+             .judged = false,
+             .stretches = &stretches});
         find_stretches(stretches, result, progress);
-        if (!surface.lobe_axes.empty())
-            fit({.name = "drawn out lobes", .judged = false, .colours = shown_colours});
     }
+    fit({.name = "fit", .judged = false, .colours = shown_colours});
+    look(false);
     if (lobes.coloured) {
         surface.lobe_colour = lobe_colours(surface, colours);
         colours = {};

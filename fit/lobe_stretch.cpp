@@ -23,6 +23,7 @@ constexpr double kSpread = 0.1;                // [1] of what a pixel says: othe
 constexpr double kWidest = 0.6;                // [1] alpha from which on a lobe may be diffuse light
 constexpr double kLeastGloss = 0.005;          // [1] rho_s from which on there is a lobe
 constexpr float kClear = 0.1f;  // [1] stretch below which a lobe is not drawn out: relief finer than a pixel
+constexpr int kLookStep = 4;    // [pixels] between rows that say how pixels look
 constexpr int kReach = 3;       // [steps] how far neighbours are asked
 constexpr float kAlike = 0.3f,
                 kAlikeFloor = 0.04f;  // [1] relative difference of looks that are others, and noise
@@ -195,17 +196,23 @@ Stretch stretch_of(const StretchEvidence& evidence) {
 }
 
 int stretch_step(int width, int height) {
-    return std::max(2, static_cast<int>(std::ceil(std::sqrt(static_cast<double>(width) * height / kAsked))));
+    const double step = std::sqrt(static_cast<double>(width) * height / kAsked);
+    if (step <= kLookStep) return std::max(2, static_cast<int>(std::ceil(step)));
+    return static_cast<int>(std::ceil(step / kLookStep)) * kLookStep;
 }
 
+int look_step(int step) { return std::min(step, kLookStep); }
+
 Image<Stretch> lobe_stretches(const Surface& s, const Image<StretchEvidence>& evidence, int step) {
+    const int apart = look_step(step);
     const auto look_of = [&](int x, int y) { return s.diffuse(x, y) + s.specular(x, y); };
     Image<Stretch> stretches(s.width(), s.height(), Stretch(0));
     parallel_for(0, s.height(), 4, [&](int begin, int end) {
-        for (int y = begin; y < end; ++y)
+        for (int y = begin; y < end; ++y) {
+            const int row = look_row(y, apart, s.height());
             for (int x = 0; x < s.width(); ++x) {
-                if (!(s.confidence(x, y) > 0)) continue;
-                const Rgb look = look_of(x, y);
+                if (!(s.confidence(x, row) > 0)) continue;
+                const Rgb look = look_of(x, row);
                 const float scale2 = square(kAlike * (look.r + look.g + look.b) / 3 + kAlikeFloor);
                 StretchEvidence sum;
                 glm::dvec2 weighted(0);
@@ -224,6 +231,7 @@ Image<Stretch> lobe_stretches(const Surface& s, const Image<StretchEvidence>& ev
                 sum.stretch = glm::inverse(sum.information) * weighted;
                 stretches(x, y) = stretch_of(sum);
             }
+        }
     });
     return stretches;
 }

@@ -5,6 +5,7 @@
 // pixel free, and pooled over neighbours of the same look, each with its whole covariance.
 #pragma once
 
+#include <algorithm>
 #include <glm/mat2x2.hpp>
 
 #include "capture/pixel_samples.h"
@@ -32,9 +33,17 @@ Stretch stretch_of(const StretchEvidence& evidence);
 constexpr double kAsked = 30000;
 int stretch_step(int width, int height);
 
+// Rows from one to the next of those that say how pixels look: what pixels are asked is on some of them. Row
+// nearest to y.
+int look_step(int stretch_step);
+inline int look_row(int y, int look_step, int height) {
+    return std::min((y + look_step / 2) / look_step, (height - 1) / look_step) * look_step;
+}
+
 // Stretches of all pixels from evidence of those whose x and y are multiples of the step (at x / step, y /
-// step): each with the neighbours that look like it. Of the surface diffuse and specular are read. The same
-// bits on any number of threads.
+// step): each with the neighbours that look like it. Of the surface diffuse, specular and confidence are
+// read, of rows that are multiples of look_step(); pixels between have the look of the nearest. The same bits
+// on any number of threads.
 Image<Stretch> lobe_stretches(const Surface& surface, const Image<StretchEvidence>& evidence, int step);
 
 }  // namespace tangi

@@ -94,8 +94,8 @@ float CastShadows::steepest_horizon(int x, int y) const {
 }
 
 // Tangent of the horizon's elevation in direction (dx, dy) [unit, pixels, y down] as seen from a pixel, or
-// `floor` where it is lower.
-float CastShadows::horizon(int x, int y, float dx, float dy, float floor) const {
+// `floor` where it is lower; of one that is above `enough`, only that it is.
+float CastShadows::horizon(int x, int y, float dx, float dy, float floor, float enough) const {
     const float z0 = height_mm_(x, y);
     const float right = static_cast<float>(height_mm_.width() - 1);
     const float bottom = static_cast<float>(height_mm_.height() - 1);
@@ -124,6 +124,7 @@ float CastShadows::horizon(int x, int y, float dx, float dy, float floor) const 
             if (!(sx >= 0 && sy >= 0 && sx <= right && sy <= bottom)) return best;
             best = std::max(best, (bilinear(height_mm_, sx, sy) - z0) / (t * mm_per_pixel_));
         }
+        if (best > enough) return best;
     }
 }
 
@@ -135,7 +136,12 @@ float CastShadows::visible_part(int x, int y, const Vec3& l) const {
     // Tangent of the light's lower rim; by the addition theorem, since most pixels need no more than it.
     const float floor = l.z > 0 ? (l.z * cosine_ - across * sine_) / (across * cosine_ + l.z * sine_)
                                 : std::tan(std::max(elevation() - light_radius_rad_, -1.5f));
-    const float tangent = horizon(x, y, l.x / across, -l.y / across, floor);
+    // That of its upper rim, and a little more than rounding: what is above hides all of it.
+    const float upper = across * cosine_ - l.z * sine_;
+    const float rim =
+        upper > 0 ? (l.z * cosine_ + across * sine_) / upper : std::numeric_limits<float>::max();
+    const float enough = rim + 1e-3f * std::abs(rim) + 1e-4f;
+    const float tangent = horizon(x, y, l.x / across, -l.y / across, floor, enough);
     if (tangent <= floor) return 1;
     // At least -1: rounding can put a horizon that touches the light's lower rim below it.
     const float covered = light_radius_rad_ > 0

@@ -34,7 +34,7 @@ public:
     }
 
 private:
-    float horizon(int x, int y, float dx, float dy, float floor) const;
+    float horizon(int x, int y, float dx, float dy, float floor, float enough) const;
     float highest_around(std::size_t level, int x, int y) const;
 
     const Image<float>& height_mm_;
