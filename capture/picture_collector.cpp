@@ -74,9 +74,11 @@ void PictureCollector::add(const Band& band) {
                 // What lies outside a warped photograph is dark, and so without edges beyond its own.
                 for (float& value : grey)
                     value = std::isnan(value) ? 0 : value / static_cast<float>(band.channels());
-                for (int x = 0; x < width_; ++x)
-                    overview_.pictures[photo](x / r, y / r) +=
-                        grey[static_cast<std::size_t>(x)] / counts_[0](x / r, y / r);
+                float* const reduced = &overview_.pictures[photo](0, y / r);
+                const float* const counts = &counts_[0](0, y / r);
+                for (int x = 0, column = 0; x < width_; ++column)
+                    for (const int next = std::min(x + r, width_); x < next; ++x)
+                        reduced[column] += grey[static_cast<std::size_t>(x)] / counts[column];
                 for (AlignmentWindow& patch : patches_) {
                     const int x0 = static_cast<int>(patch.origin.x - corner_.x);
                     const int row = y - static_cast<int>(patch.origin.y - corner_.y);

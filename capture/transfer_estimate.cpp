@@ -135,18 +135,23 @@ private:
 // Median deviation from robust matt reflection under lamps of any strength, in the stored encoding.
 double residual_of(const Stack& stack, const Survey& survey, const Transfer& transfer) {
     const MattSample sample = matt_sample(stack, survey, transfer);
-    std::vector<double> deviations;
-    for (std::size_t photo = 0; photo < stack.photos.size(); ++photo) {
-        const IlluminationPlane plane(sample, photo, survey, stack);
-        for (std::size_t k = 0; k < sample.index.size(); ++k) {
-            const double predicted = sample.predicted(k, photo);
-            if (!(predicted > 0)) continue;
-            const double model = predicted * plane.factor(sample.index[k]);
-            deviations.push_back(
-                std::abs(transfer.encode(static_cast<float>(model)) -
-                         transfer.encode(static_cast<float>(sample.pixels[k].value[photo]))));
+    std::vector<std::vector<double>> of_photo(stack.photos.size());
+    parallel_for(0, static_cast<int>(of_photo.size()), 1, [&](int begin, int end) {
+        for (auto photo = static_cast<std::size_t>(begin); photo < static_cast<std::size_t>(end); ++photo) {
+            const IlluminationPlane plane(sample, photo, survey, stack);
+            for (std::size_t k = 0; k < sample.index.size(); ++k) {
+                const double predicted = sample.predicted(k, photo);
+                if (!(predicted > 0)) continue;
+                const double model = predicted * plane.factor(sample.index[k]);
+                of_photo[photo].push_back(
+                    std::abs(transfer.encode(static_cast<float>(model)) -
+                             transfer.encode(static_cast<float>(sample.pixels[k].value[photo]))));
+            }
         }
-    }
+    });
+    std::vector<double> deviations;
+    for (const std::vector<double>& some : of_photo)
+        deviations.insert(deviations.end(), some.begin(), some.end());
     return median(std::move(deviations));
 }
 

@@ -73,13 +73,13 @@ Solved solve_channel(const PixelSamples& s, const std::vector<WardTerms>& terms,
             const double l = s.irradiance[at] * terms[photo].lobe;
             const double predicted = result.diffuse * d + result.specular * l;
             if (iteration > 0 && s.sigma[at] < 0 && predicted >= s.value[at]) continue;
-            const double sigma =
-                std::hypot(s.sigma[at], model_error * std::max(result.diffuse * d, s.value[at]),
-                           (1 - s.visible[photo]) * result.diffuse * d);
-            const double r = (predicted - s.value[at]) / (sigma * robust_scale);
-            const double robust = iteration > 0 ? 1 / (1 + r * r) : 1;
-            sums.add(robust / (sigma * sigma), d, l, s.value[at]);
-            chi2 += robust * r * r * robust_scale * robust_scale;
+            const double left_out = model_error * std::max(result.diffuse * d, s.value[at]);
+            const double shadow = (1 - s.visible[photo]) * result.diffuse * d;
+            const double variance = s.sigma[at] * s.sigma[at] + left_out * left_out + shadow * shadow;
+            const double off = predicted - s.value[at], r2 = off * off / variance;
+            const double robust = iteration > 0 ? 1 / (1 + r2 / (robust_scale * robust_scale)) : 1;
+            sums.add(robust / variance, d, l, s.value[at]);
+            chi2 += robust * r2;
             ++used;
         }
         if (!sums.solve()) return {};
