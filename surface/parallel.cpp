@@ -33,8 +33,12 @@ int thread_count() {
 
 void parallel_for(int begin, int end, int grain, const std::function<void(int, int)>& body) {
     if (begin >= end) return;
-    oneapi::tbb::parallel_for(oneapi::tbb::blocked_range<int>(begin, end, static_cast<std::size_t>(grain)),
-                              [&](const auto& range) { body(range.begin(), range.end()); });
+    // A loop within another one's body is done as a whole, though an exception ends the other meanwhile: what
+    // follows it in the body takes its results for there.
+    oneapi::tbb::task_group_context context(oneapi::tbb::task_group_context::isolated);
+    oneapi::tbb::parallel_for(
+        oneapi::tbb::blocked_range<int>(begin, end, static_cast<std::size_t>(grain)),
+        [&](const auto& range) { body(range.begin(), range.end()); }, context);
 }
 
 }  // namespace tangi

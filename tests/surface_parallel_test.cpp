@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <chrono>
 #include <thread>
 
 #include "surface/progress.h"
@@ -73,6 +74,24 @@ TEST(ParallelFor, MayBeNested) {
         for (int i = b; i < e; ++i) parallel_for(0, 30, 1, [&](int c, int d) { sum += d - c; });
     });
     EXPECT_EQ(sum, 600);
+}
+
+// What follows it in the other's body takes its results for there.
+TEST(ParallelFor, WithinAnotherThatAnExceptionEndsIsDoneAsAWhole) {
+    std::atomic<int> cut_short = 0;
+    const auto body = [&](int begin, int end) {
+        for (int i = begin; i < end; ++i) {
+            std::atomic<int> done = 0;
+            parallel_for(0, 100, 1, [&](int b, int e) {
+                std::this_thread::sleep_for(std::chrono::microseconds(20 * (e - b)));
+                done += e - b;
+            });
+            cut_short += done != 100;
+            if (i % 3 == 2) throw Error("enough");
+        }
+    };
+    for (int trial = 0; trial < 10; ++trial) EXPECT_THROW(parallel_for(0, 12, 1, body), Error);
+    EXPECT_EQ(cut_short, 0);
 }
 
 TEST(ThreadCount, IsWhatWasSetAndGoesBack) {
