@@ -234,19 +234,21 @@ void fit_bands(const Stack& stack, const Transfer& transfer, const Lighting& lig
 }
 
 // How lobes are drawn out, by what some rows have shown; leaves the surface without axes where none is.
-void find_stretches(const Image<StretchEvidence>& evidence, FitResult& result, const Progress& progress) {
+void find_stretches(const Image<StretchEvidence>& evidence, const Image<unsigned char>& mask,
+                    FitResult& result, const Progress& progress) {
     Surface& surface = result.surface;
-    report(progress, "directions of lobes", 0);
     const int step = stretch_step(surface.width(), surface.height());
-    const Image<Stretch> stretches = lobe_stretches(surface, evidence, step);
+    Image<Stretch> stretches = lobe_stretches(surface, evidence, step);
     long known = 0, shown = 0;
     for (int y = 0; y < surface.height(); ++y) {
         const int row = look_row(y, look_step(step), surface.height());
         for (int x = 0; x < surface.width(); ++x) {
-            known += surface.confidence(x, row) > 0;
+            if (!mask.empty() && !mask(x, y)) stretches(x, y) = Stretch(0);
+            known += (mask.empty() || mask(x, y)) && surface.confidence(x, row) > 0;
             shown += stretches(x, y) != Stretch(0);
         }
     }
+    report(progress, "directions of lobes", 1);
     result.report.drawn_out = static_cast<double>(shown) / static_cast<double>(std::max(known, 1L));
     if (shown == 0) return;
     surface.lobe_axes = Image<LobeAxes>(surface.width(), surface.height());
@@ -309,8 +311,8 @@ void fit_passes(Stack& stack, const Transfer& transfer, const Lighting& lighting
     if (lobes.coloured) colours = Image<LobeEvidence>(surface.width(), surface.height());
     Image<LobeEvidence>* const shown_colours = lobes.coloured ? &colours : nullptr;
     bool judged = false;
-    const auto fit = [&](Pass pass) {
-        judged = pass.judged = pass.judged || !options.refine;
+    const auto fit = [&](const Pass& pass) {
+        judged = pass.judged;
         fit_bands(stack, transfer, lighting, noise, options, pass, result, progress);
     };
     if (lobes.drawn_out) {
@@ -320,9 +322,11 @@ void fit_passes(Stack& stack, const Transfer& transfer, const Lighting& lighting
              .rows_apart = look_step(step),
              .judged = false,
              .stretches = &stretches});
-        find_stretches(stretches, result, progress);
+        find_stretches(stretches, stack.mask, result, progress);
     }
-    fit({.name = "fit", .judged = false, .colours = shown_colours});
+    fit({.name = "fit",
+         .judged = !options.refine || options.solver == Solver::ceres,
+         .colours = shown_colours});
     look(false);
     if (lobes.coloured) {
         surface.lobe_colour = lobe_colours(surface, colours);

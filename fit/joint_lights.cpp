@@ -5,7 +5,6 @@
 #include <array>
 #include <cmath>
 #include <numbers>
-#include <numeric>
 
 #include "fit/joint_priors.h"
 #include "fit/joint_residual.h"
@@ -61,8 +60,8 @@ BeamMoments beam_moments(const std::vector<JointLights::Pixel>& pixels) {
     return moments;
 }
 
-// The parameters, as Ceres takes them, and the problem they are in. They lie side by side, as Ceres orders
-// blocks by their address, and so its sums.
+// The parameters, as Ceres takes them, and the problem they are in. They lie side by side, as schur_system.h
+// orders blocks by their address, and so its sums.
 class Blocks {
 public:
     Blocks(const JointLights& joint, const JointFreedom& freedom)
@@ -122,7 +121,8 @@ public:
         SchurSummary summary = minimise(iterations, tolerance);
         final_cost = summary.final_cost;
         if (start == JointStart::there) {
-            robust_->Reset(new ceres::TukeyLoss(kBiweight), ceres::TAKE_OWNERSHIP);
+            robust_->Reset(new ceres::TukeyLoss(kBiweight * robust_scale / kRobustScale),
+                           ceres::TAKE_OWNERSHIP);
             summary = minimise(iterations, tolerance);
         }
         return summary.usable;

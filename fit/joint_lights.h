@@ -1,5 +1,5 @@
 // joint_lights.h: the bundle adjustment of light calibration: grey pixels, gains, beams, directions and rig
-// at once, with Ceres.
+// at once.
 #pragma once
 
 #include <array>
@@ -86,7 +86,7 @@ struct JointLights {
     // [1] How uneven a lamp's beam is: rms of ln irradiance over the pixels.
     double unevenness(std::size_t lamp) const;
 
-    // Minimises. False where Ceres fails.
+    // Minimises. False where the start cannot be evaluated.
     bool solve(const JointFreedom& freedom, JointStart start);
 
     // Standard errors (68 %) of what a solved problem moved; empty what it did not, and all where the

@@ -264,7 +264,7 @@ bool explains_better(const LightCalibration::Trial& a, const LightCalibration::T
 
 bool is_better(const LightCalibration::Trial& a, const LightCalibration::Trial& b, double worth_db) {
     const Gain predicted = gain(a.photos_db, b.photos_db);
-    // A smooth field of turns is as many numbers more, which take up what the model leaves out.
+    // Turns, of a smooth field or each lamp's own, take up what the model leaves out.
     const bool turned = a.model.directions != b.model.directions;
     if (predicted.median_db - (turned ? 2 : 1) * predicted.sigma_db > worth_db) return true;
     return a.model.directions == DirectionFreedom::own &&

@@ -28,8 +28,9 @@ StretchEvidence stretch_evidence(const PixelSamples& samples, const WardEstimate
 // [1] What evidence comes to: drawn to 0, and 0 unless it clearly is not; s at most kMostStretch.
 Stretch stretch_of(const StretchEvidence& evidence);
 
-// Where a picture's pixels are asked: every `step` pixels in both directions, so that it is about kAsked of
-// them, however large the picture is.
+// Where a picture's pixels are asked: every `step` pixels in both directions, so that it is kAsked of them at
+// most, however large the picture is, and hardly less than a quarter of that: their rows are such of
+// look_step().
 constexpr double kAsked = 30000;
 int stretch_step(int width, int height);
 

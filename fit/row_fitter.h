@@ -47,8 +47,8 @@ public:
               int channels);
 
     // Fits rows y0 <= y < y1 of the band and calls `done` for each pixel that the mask (empty: all) has and
-    // that could be fitted. A pixel's estimate does not depend on which rows it is fitted with. Ceres has no
-    // say where nothing is `judged`.
+    // that could be fitted. A pixel's estimate does not depend on which rows it is fitted with. With batches,
+    // Ceres has no say where nothing is `judged`.
     void fit(const Band& band, int y0, int y1, const Image<unsigned char>& mask, const Surface& surface,
              const PixelKnowledge& known, bool judged,
              const std::function<void(int x, int y, const WardEstimate&)>& done);

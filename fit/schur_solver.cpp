@@ -50,19 +50,22 @@ SchurSummary solve_by_schur(ceres::Problem& problem, const std::vector<double*>&
     SchurSystem here, there;
     ReducedSystem reduced;
     SchurSummary summary;
-    if (!here.evaluate(s, state)) return summary;
-    summary.usable = true;
     VectorXd x(s.free_parameters());
     for (std::size_t i = 0; i < s.place.size(); ++i)
         x[static_cast<Eigen::Index>(i)] = state[static_cast<std::size_t>(s.place[i])];
+    x = x.cwiseMax(s.lower).cwiseMin(s.upper);
+    place(x);
+    if (!here.evaluate(s, state)) return summary;
+    summary.usable = true;
     // Damping is relative to the diagonal, but no less than to a part of what that was at the start.
     const VectorXd least = kLeastDiagonal * (1 + here.diagonal(s).cwiseSqrt().array()).square().matrix();
     double radius = kFirstRadius, shrink = 2;
     for (bool done = x.size() == 0; !done && radius >= kSmallestRadius;) {
-        if (summary.iterations++ == options.max_iterations) break;
+        if (summary.iterations == options.max_iterations) break;
         const VectorXd open = open_parameters(s, x, here.gradient);
         const VectorXd gradient = here.gradient.cwiseProduct(open);
         if (gradient.lpNorm<Eigen::Infinity>() <= kGradientTolerance) break;
+        ++summary.iterations;
         const VectorXd damping = here.diagonal(s).cwiseMax(least).cwiseMin(kLargestDiagonal) / radius;
         reduced.reduce(s, here, damping, open);
         const VectorXd step = reduced.step(s, here, open);
@@ -101,7 +104,7 @@ std::optional<SharedCovariance> SharedCovariance::of(const ceres::Problem& probl
     ReducedSystem reduced;
     reduced.reduce(s, system, VectorXd::Zero(s.free_parameters()), VectorXd::Ones(s.free_parameters()));
     const VectorXd scale = system.shared.diagonal().cwiseSqrt().cwiseInverse();
-    if (!scale.allFinite()) return {};
+    if (!scale.allFinite() || !reduced.matrix.allFinite()) return {};
     const MatrixXd scaled = scale.asDiagonal() * reduced.matrix * scale.asDiagonal();
     const Eigen::LLT<MatrixXd> factors = scaled.selfadjointView<Eigen::Lower>().llt();
     if (factors.info() != Eigen::Success) return {};

@@ -4,7 +4,7 @@
 //
 // Scaling, damping and stops are those of ceres::Solve() with DENSE_SCHUR, and so are the minima; it is
 // several times faster where blocks have few parameters, as sums go into dense rows of each small block
-// instead of a matrix of blocks, a rejected step costs no derivatives, and all threads work on one problem.
+// instead of a matrix of blocks, and up to eight threads work on one problem.
 // What differs: a parameter at a bound that the gradient pushes it over is left out of the step, where Ceres
 // searches along the line.
 #pragma once
@@ -31,7 +31,8 @@ struct SchurSummary {
 
 // Moves the parameters of `problem` to a minimum. No two of `eliminated` may be in one residual block; all
 // that are not constant have as many free parameters. Manifolds must be subsets, losses concave (Cauchy,
-// Tukey …): else ContractError. The result is the same bits for any number of threads.
+// Tukey …): else ContractError. A start beyond a bound is moved to it. The result is
+// the same bits for any number of threads, as long as the addresses of the blocks are in the same order.
 SchurSummary solve_by_schur(ceres::Problem& problem, const std::vector<double*>& eliminated,
                             const SchurOptions& options);
 

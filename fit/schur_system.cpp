@@ -7,6 +7,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <unordered_set>
 
 #include "surface/error.h"
@@ -22,8 +23,9 @@ using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMaj
 using Block = SchurStructure::Block;
 using Residual = SchurStructure::Residual;
 
-// Sums are taken over so many parts of the eliminated blocks, each in its order, and then over the parts.
-constexpr int kParts = 8;
+// Sums are taken over parts of the eliminated blocks, each in its order, and then over the parts: each has a
+// matrix of the shared parameters, of which there are thousands where hundreds of lamps have beams.
+int parts_for(int shared) { return shared <= 400 ? 8 : shared <= 1000 ? 4 : 1; }
 constexpr int kAtOnce = 32;  // eliminated blocks whose rows are multiplied at once
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
@@ -31,8 +33,8 @@ std::size_t at(int i) { return static_cast<std::size_t>(i); }
 struct Part {
     int begin, end;
 };
-Part part_of(int owners, int part) {
-    const auto edge = [&](int k) { return static_cast<int>(static_cast<long>(owners) * k / kParts); };
+Part part_of(int owners, int part, int parts) {
+    const auto edge = [&](int k) { return static_cast<int>(static_cast<long>(owners) * k / parts); };
     return {edge(part), edge(part + 1)};
 }
 
@@ -224,8 +226,9 @@ bool SchurSystem::evaluate(const SchurStructure& s, const std::vector<double>& s
     gradient.setZero(s.free_parameters());
     own.assign(at(s.owners) * size * size, 0);
     both.assign(at(s.owners) * size * columns, 0);
-    sums_.resize(kParts + 1);  // the last: of residuals that no eliminated block is in
-    parallel_for(0, kParts + 1, 1, [&](int first, int last) {
+    const int parts = parts_for(s.shared);
+    sums_.resize(at(parts + 1));  // the last: of residuals that no eliminated block is in
+    parallel_for(0, parts + 1, 1, [&](int first, int last) {
         Evaluation evaluation(s);
         for (int k = first; k < last; ++k) {
             Sum& sum = sums_[at(k)];
@@ -233,7 +236,7 @@ bool SchurSystem::evaluate(const SchurStructure& s, const std::vector<double>& s
             sum.cost = 0;
             sum.shared.setZero(s.shared, s.shared);
             sum.gradient.setZero(s.shared);
-            const Part part = k < kParts ? part_of(s.owners, k) : Part{s.owners, s.owners + 1};
+            const Part part = k < parts ? part_of(s.owners, k, parts) : Part{s.owners, s.owners + 1};
             for (int owner = part.begin; owner < part.end; ++owner) {
                 const std::size_t mine = owner < s.owners ? at(owner) : 0;
                 for (int i = s.first_residual[at(owner)]; i < s.first_residual[at(owner) + 1]; ++i) {
@@ -255,7 +258,7 @@ bool SchurSystem::evaluate(const SchurStructure& s, const std::vector<double>& s
         shared += sum.shared;
         gradient.head(s.shared) += sum.gradient;
     }
-    return std::isfinite(cost);
+    return std::isfinite(cost) && gradient.allFinite();
 }
 
 VectorXd SchurSystem::diagonal(const SchurStructure& s) const {
@@ -271,14 +274,15 @@ void ReducedSystem::reduce(const SchurStructure& s, const SchurSystem& system, c
     const int n = s.shared, size = s.own;
     factors_.resize(system.own.size());
     own_side_ = -system.gradient.cwiseProduct(open);
-    matrices_.resize(kParts);
-    sides_.resize(kParts);
-    parallel_for(0, kParts, 1, [&](int first, int last) {
+    const int parts = parts_for(n);
+    matrices_.resize(at(parts));
+    sides_.resize(at(parts));
+    parallel_for(0, parts, 1, [&](int first, int last) {
         Rows rows(kAtOnce * size, n);
         for (int k = first; k < last; ++k) {
             matrices_[at(k)].setZero(n, n);
             sides_[at(k)].setZero(n);
-            const Part part = part_of(s.owners, k);
+            const Part part = part_of(s.owners, k, parts);
             for (int begin = part.begin; begin < part.end; begin += kAtOnce) {
                 const int end = std::min(begin + kAtOnce, part.end);
                 for (int owner = begin; owner < end; ++owner) {
@@ -290,7 +294,11 @@ void ReducedSystem::reduce(const SchurStructure& s, const SchurSystem& system, c
                         mine.asDiagonal();
                     square.diagonal() += damping.segment(n + owner * size, size);
                     square.diagonal().array() += 1 - mine.array();
-                    lower = square.llt().matrixL();
+                    const Eigen::LLT<MatrixXd> factor(square);
+                    lower = factor.matrixL();
+                    // Of what has no factors, Eigen leaves numbers that mean nothing.
+                    if (factor.info() != Eigen::Success)
+                        lower.setConstant(std::numeric_limits<double>::quiet_NaN());
                     auto both = rows.middleRows((owner - begin) * size, size);
                     both = mine.asDiagonal() *
                            Eigen::Map<const Rows>(system.both.data() + at(owner * size) * at(n), size, n) *
@@ -309,7 +317,7 @@ void ReducedSystem::reduce(const SchurStructure& s, const SchurSystem& system, c
     matrix.diagonal() += damping.head(n);
     matrix.diagonal().array() += 1 - open.head(n).array();
     side = own_side_.head(n);
-    for (int k = 0; k < kParts; ++k) {
+    for (int k = 0; k < parts; ++k) {
         matrix += matrices_[at(k)];
         side -= sides_[at(k)];
     }
@@ -318,7 +326,11 @@ void ReducedSystem::reduce(const SchurStructure& s, const SchurSystem& system, c
 VectorXd ReducedSystem::step(const SchurStructure& s, const SchurSystem& system, const VectorXd& open) const {
     const int n = s.shared, size = s.own;
     VectorXd step = own_side_;
-    if (n > 0) step.head(n) = matrix.selfadjointView<Eigen::Lower>().llt().solve(side);
+    if (n > 0) {
+        const Eigen::LLT<MatrixXd> factor(matrix.selfadjointView<Eigen::Lower>());
+        step.head(n) = factor.solve(side);
+        if (factor.info() != Eigen::Success) step.setConstant(std::numeric_limits<double>::quiet_NaN());
+    }
     const VectorXd shared_step = step.head(n).cwiseProduct(open.head(n));
     parallel_for(0, s.owners, kAtOnce, [&](int begin, int end) {
         VectorXd along(size);

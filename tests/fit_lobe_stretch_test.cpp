@@ -236,6 +236,18 @@ TEST(LobeStretches, AreThoseOfNeighboursOfTheSameLook) {
     EXPECT_LT(paint, 0.03);
     EXPECT_EQ(stretches(10, 3), Stretch(0)) << "not measured";
     EXPECT_EQ(stretch_step(100, 80), 2);
+    for (const int side : {200, 500, 710, 1000, 1420, 3000, 9000}) {
+        const int step = stretch_step(side, side);
+        EXPECT_EQ(step % look_step(step), 0) << side;  // what is asked is on rows that are fitted
+        EXPECT_LE(1.0 * side * side / (step * step), kAsked * 1.001) << side;
+        EXPECT_GE(1.0 * side * side / (step * step), kAsked / 4) << side;
+        for (int y = 0; y < side; ++y) {
+            const int row = look_row(y, look_step(step), side);
+            ASSERT_TRUE(row >= 0 && row < side && row % look_step(step) == 0 &&
+                        std::abs(row - y) < look_step(step))
+                << side << " " << y;
+        }
+    }
     EXPECT_NEAR(4000.0 * 3000 / (stretch_step(4000, 3000) * stretch_step(4000, 3000)), kAsked, 0.2 * kAsked);
 }
 

@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <memory>
 #include <vector>
 
 #include "surface/error.h"
@@ -213,6 +212,56 @@ TEST(SchurSolver, RefusesWhatItCannotEliminate) {
     std::vector<double*> blocks = bundle.points();
     blocks.push_back(bundle.lamp(0));  // meets points
     EXPECT_THROW(solve_by_schur(bundle.problem, blocks, {}), ContractError);
+}
+
+struct Distance {
+    double from;
+    template <class T>
+    bool operator()(const T* x, T* residual) const {
+        residual[0] = x[0] - from;
+        return from < 100;
+    }
+};
+
+TEST(SchurSolver, DoesWithoutBlocksToEliminateOrSharedOnes) {
+    for (const bool eliminated : {false, true}) {
+        double x = 9;
+        ceres::Problem problem;
+        problem.AddResidualBlock(new ceres::AutoDiffCostFunction<Distance, 1, 1>(new Distance{2}), nullptr,
+                                 &x);
+        std::vector<double*> blocks;
+        if (eliminated) blocks.push_back(&x);
+        EXPECT_TRUE(solve_by_schur(problem, blocks, {}).usable);
+        EXPECT_NEAR(x, 2, 1e-6);
+        problem.SetParameterBlockConstant(&x);
+        x = 5;
+        EXPECT_TRUE(solve_by_schur(problem, blocks, {}).usable);
+        EXPECT_EQ(x, 5);
+    }
+}
+
+TEST(SchurSolver, MovesAStartBeyondABoundToItAndSaysWhatItCannotEvaluate) {
+    double x = 9;
+    ceres::Problem problem;
+    problem.AddResidualBlock(new ceres::AutoDiffCostFunction<Distance, 1, 1>(new Distance{8}), nullptr, &x);
+    problem.SetParameterUpperBound(&x, 0, 3);
+    const SchurSummary summary = solve_by_schur(problem, {}, {});
+    EXPECT_TRUE(summary.usable);
+    EXPECT_EQ(x, 3);
+    EXPECT_EQ(summary.iterations, 0);
+    problem.AddResidualBlock(new ceres::AutoDiffCostFunction<Distance, 1, 1>(new Distance{200}), nullptr, &x);
+    EXPECT_FALSE(solve_by_schur(problem, {}, {}).usable);
+}
+
+TEST(SchurSolver, RefusesALossThatIsNotConcave) {
+    double x = 9;
+    ceres::Problem problem;
+    class Square final : public ceres::LossFunction {
+        void Evaluate(double s, double rho[3]) const override { rho[0] = s * s, rho[1] = 2 * s, rho[2] = 2; }
+    };
+    problem.AddResidualBlock(new ceres::AutoDiffCostFunction<Distance, 1, 1>(new Distance{2}), new Square,
+                             &x);
+    EXPECT_THROW(solve_by_schur(problem, {}, {}), ContractError);
 }
 
 }  // namespace
