@@ -121,8 +121,8 @@ public:
         SchurSummary summary = minimise(iterations, tolerance);
         final_cost = summary.final_cost;
         if (start == JointStart::there) {
-            robust_->Reset(new ceres::TukeyLoss(kBiweight * robust_scale / kRobustScale),
-                           ceres::TAKE_OWNERSHIP);
+            // Also after a wide loss: what the lamps' model explains from that minimum on is what tells them.
+            robust_->Reset(new ceres::TukeyLoss(kBiweight), ceres::TAKE_OWNERSHIP);
             summary = minimise(iterations, tolerance);
         }
         return summary.usable;

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "fit/schur_system.h"
+#include "surface/error.h"
 
 namespace tangi {
 
@@ -42,6 +43,7 @@ VectorXd open_parameters(const SchurStructure& s, const VectorXd& x, const Vecto
 SchurSummary solve_by_schur(ceres::Problem& problem, const std::vector<double*>& eliminated,
                             const SchurOptions& options) {
     const SchurStructure s(problem, eliminated);
+    TP_REQUIRE(s.shared > 0 || s.owners == 0, "shared parameters that may move");
     std::vector<double> state = state_of(s);
     const auto place = [&](const VectorXd& values) {
         for (std::size_t i = 0; i < s.place.size(); ++i)

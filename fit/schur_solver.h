@@ -29,10 +29,11 @@ struct SchurSummary {
     int iterations = 0;
 };
 
-// Moves the parameters of `problem` to a minimum. No two of `eliminated` may be in one residual block; all
-// that are not constant have as many free parameters. Manifolds must be subsets, losses concave (Cauchy,
-// Tukey …): else ContractError. A start beyond a bound is moved to it. The result is
-// the same bits for any number of threads, as long as the addresses of the blocks are in the same order.
+// Moves the parameters of `problem` to a minimum. Some shared parameter may move, or none at all. No two of
+// `eliminated` may be in one residual block; all that are not constant have as many free parameters.
+// Manifolds must be subsets, losses concave (Cauchy, Tukey …): else ContractError. A start beyond a bound is
+// moved to it. The result is the same bits for any number of threads, as long as the addresses of the blocks
+// are in the same order.
 SchurSummary solve_by_schur(ceres::Problem& problem, const std::vector<double*>& eliminated,
                             const SchurOptions& options);
 

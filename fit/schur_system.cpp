@@ -255,6 +255,7 @@ bool SchurSystem::evaluate(const SchurStructure& s, const std::vector<double>& s
     for (const Sum& sum : sums_) {
         if (!sum.usable) return false;
         cost += sum.cost;
+        if (s.shared == 0) continue;
         shared += sum.shared;
         gradient.head(s.shared) += sum.gradient;
     }
@@ -263,7 +264,7 @@ bool SchurSystem::evaluate(const SchurStructure& s, const std::vector<double>& s
 
 VectorXd SchurSystem::diagonal(const SchurStructure& s) const {
     VectorXd result(s.free_parameters());
-    result.head(s.shared) = shared.diagonal();
+    if (s.shared > 0) result.head(s.shared) = shared.diagonal();
     for (int k = 0; k < s.owners * s.own; ++k) result[s.shared + k] = own[at(k * s.own + k % s.own)];
     return result;
 }
