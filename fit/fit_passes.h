@@ -16,10 +16,10 @@ struct LobeFreedom {
 };
 
 // Fills in the maps of `result` but for the final height, and what its report says of pixels. The first pass
-// takes lobes for white and knows no shadows; where lobes may have colours, it shows these, and where they may
-// be drawn out, some rows that are fitted before it show how; to refine, all pixels are fitted once
-// more, with what neighbours say about lobe and slope and with the shadows of a first height. result.surface
-// has size, scale and law, result.errors the size. Adds warnings to the stack's. Throws as fit_painting().
+// takes lobes for white and knows no shadows; where lobes may have colours, it shows these, and where they
+// may be drawn out, some rows that are fitted before it show how; to refine, all pixels are fitted once more,
+// with what neighbours say about lobe and slope and with the shadows of a first height. result.surface has
+// size, scale and law, result.errors the size. Adds warnings to the stack's. Throws as fit_painting().
 void fit_passes(Stack& stack, const Transfer& transfer, const Lighting& lighting, const NoiseModel& noise,
                 const FitOptions& options, const LobeFreedom& lobes, const FirstLook& look, FitResult& result,
                 const Progress& progress);

@@ -95,7 +95,7 @@ struct JointLights {
         std::vector<double> log_gains;       // [1] of each, less the mean of all
         std::vector<double> direction_deg;   // of each, across it, in rms of its two components
         std::vector<double> beams;           // [1] of ln irradiance, of each lamp: rms over the picture
-        std::optional<RigParameters> rig{};  // 0: stays as given, or is at a bound
+        std::optional<RigParameters> rig{};  // 0: stays as given
     };
     Errors errors(const JointFreedom& freedom) const;
 };
