@@ -7,6 +7,7 @@
 #include "fit/final_height.h"
 #include "fit/fit_passes.h"
 #include "fit/look_over.h"
+#include "fit/odd_lights_vote.h"
 #include "fit/shot_order.h"
 #include "surface/error.h"
 
@@ -216,6 +217,7 @@ FitResult fit_painting(Stack stack, const FitOptions& options, const Progress& p
     const LobeFreedom lobes = choose_reflectance(sample, lighting, stack.channels, options,
                                                  report_.lights.diffuse_roughness, report_.law, progress);
     surface.law = report_.law.law;
+    take_vote(report_.odd_lights, sample, stack.lights(), lighting, surface.law);
     report_.misfit = light_misfit(stack, surveyed, transfer, noise, lighting, surface.mm_per_pixel,
                                   options.ward, surface.law);
     result.errors = FitErrors(stack.width(), stack.height());

@@ -36,9 +36,9 @@ struct LawChoice {
 
 // `lighting` has one light for each photograph of the sample's stack. Haze and then diffuse roughness are
 // only believed where they predict photographs better by 0.1 dB more than its standard error (twice that for
-// roughness), the noise to expect of stored values counted as part of every error; else they are 0, as they
-// are with fewer than 12 photographs. A roughness that is known already is kept. Deterministic for any number
-// of threads.
+// roughness), the noise to expect of stored values counted as part of every error, haze also only where more
+// than half of the pixels are predicted better; else they are 0, as they are with fewer than 12 photographs.
+// A roughness that is known already is kept. Deterministic for any number of threads.
 LawChoice choose_law(const LightSample& sample, const Lighting& lighting, const Progress& progress = {},
                      const std::optional<double>& diffuse_roughness = {});
 

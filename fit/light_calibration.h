@@ -24,6 +24,7 @@
 #include "capture/survey.h"
 #include "fit/joint_lights.h"
 #include "fit/lighting.h"
+#include "fit/pixel_scores.h"
 #include "fit/ward_fit.h"
 #include "surface/lamp_model.h"
 #include "surface/progress.h"
@@ -86,6 +87,7 @@ struct LightCalibration {
         // [dB] Of each of them on half of the pixels, once strength and direction, as far as the model gives
         // each lamp its own, are found again from the others.
         std::vector<double> located_db;
+        PixelScores pixels;  // the same half, pixel by pixel
     };
     Lighting lighting;                 // lights in the order of stack.photos
     std::optional<LampModel> lamps{};  // where gains were found

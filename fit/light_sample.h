@@ -41,14 +41,20 @@ public:
     std::vector<Rgb> lobe_colours(const std::vector<WardEstimate>& estimates, const std::vector<int>& photos,
                                   const Lighting& lighting, const ReflectanceLaw& law) const;
 
+    // By how much the stored values of each pixel in one photograph differ from those predicted under this
+    // light, in units of a matt white that faces it: the mean of its channels' squares [1]; NaN where there
+    // is none to compare.
+    std::vector<double> squared_errors(const std::vector<WardEstimate>& estimates, int photo,
+                                       const Lighting& lighting, const ReflectanceLaw& law = {}) const;
+
     // [dB] PSNR of one photograph, predicted under this light; a matt white that faces it is the peak. At
     // most what a thousandth of bright_stored() leaves: better is no matter. Of the pixels that are marked,
     // or all.
     double psnr_db(const std::vector<WardEstimate>& estimates, int photo, const Lighting& lighting,
                    const ReflectanceLaw& law = {}, const std::vector<bool>& marked = {}) const;
 
-    // [dB] That PSNR of a perfect prediction: what the noise to expect of a stored value leaves.
-    double noise_db(double white_level) const;
+    // [1] What squared_errors() of a perfect prediction are: the noise to expect of a stored value.
+    double squared_noise(double white_level) const;
 
     // [1] ln(measured / predicted) of each pixel's green, or grey, in one photograph, under this light; NaN
     // where the photograph is clipped, dark or not there, or the pixel is not measurable.

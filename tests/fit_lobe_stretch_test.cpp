@@ -269,10 +269,10 @@ Surface half_brushed(const Stretch& stretch) {
     return s;
 }
 
-FitResult fit_of(const Surface& truth, const FitOptions& options) {
+FitResult fit_of(const Surface& truth, const FitOptions& options, unsigned seed = 10) {
     const TestDir folder;
     std::vector<Light> lights = dome_lights(40, 25);
-    Random random(10);
+    Random random(seed);
     for (std::size_t i = 0; i < lights.size(); ++i) {
         lights[i].name = fmt::format("photo{:02}.tif", i);
         Image<Rgb> picture = relight(truth, {&lights[i], 1});
@@ -289,48 +289,41 @@ FitResult fit_of(const Surface& truth, const FitOptions& options) {
     return fit_painting(open_stack(folder.path(), {.transfer = Transfer{}}), given);
 }
 
-TEST(FitPainting, FindsHowMetalIsBrushedAndLeavesPaintAsItIs) {
+TEST(FitPainting, FindsHowMetalIsBrushedAndLeavesPaintAndLampsAsTheyAre) {
     const Stretch is(0.4f, 0.3f);
     const Surface truth = half_brushed(is);
-    const FitResult fit = fit_of(truth, {});
-    EXPECT_TRUE(fit.report.law.stretches.chosen);
-    EXPECT_GT(fit.report.law.stretches.drawn_out_db, fit.report.law.stretches.isotropic_db + 1);
-    ASSERT_FALSE(fit.surface.lobe_axes.empty());
     const double half = static_cast<double>(truth.height_mm.size()) / 2;
-    double metal = 0, paint = 0, slope = 0;
-    for (int y = 0; y < truth.height(); ++y)
-        for (int x = 0; x < truth.width(); ++x) {
-            const Stretch found = stretch_of(fit.surface.lobe_axes(x, y), fit.surface.roughness(x, y));
-            const Slope a = slope_of(fit.surface.normal(x, y)), b = slope_of(truth.normal(x, y));
-            slope += std::hypot(a.x - b.x, a.y - b.y) / (2 * half);
-            if (x >= truth.width() / 2) {
-                paint += glm::length(found) / half;
-                continue;
+    for (const unsigned seed : {10u, 15u}) {
+        const FitResult fit = fit_of(truth, {}, seed);
+        // Turns of 20 degrees and other strengths explain brushed metal better than no stretch does.
+        EXPECT_EQ(fit.report.lights.model, LightModel{}) << name_of(fit.report.lights.model);
+        EXPECT_TRUE(fit.report.law.stretches.chosen);
+        EXPECT_EQ(fit.report.law.law.haze, 0);
+        EXPECT_GT(fit.report.law.stretches.drawn_out_db, fit.report.law.stretches.isotropic_db + 1);
+        ASSERT_FALSE(fit.surface.lobe_axes.empty());
+        double metal = 0, paint = 0, specular = 0, alpha = 0, slope = 0;
+        for (int y = 0; y < truth.height(); ++y)
+            for (int x = 0; x < truth.width(); ++x) {
+                const Stretch found = stretch_of(fit.surface.lobe_axes(x, y), fit.surface.roughness(x, y));
+                const Slope a = slope_of(fit.surface.normal(x, y)), b = slope_of(truth.normal(x, y));
+                slope += std::hypot(a.x - b.x, a.y - b.y) / (2 * half);
+                if (x >= truth.width() / 2) {
+                    paint += glm::length(found) / half;
+                    continue;
+                }
+                metal += glm::length(found - is) / half;
+                specular += fit.surface.specular(x, y) / half;
+                alpha += fit.surface.roughness(x, y) / half;
             }
-            metal += glm::length(found - is) / half;
-        }
-    EXPECT_LT(metal, 0.07);
-    EXPECT_LT(paint, 0.02);
-    EXPECT_LT(slope, 0.01);
-    EXPECT_NEAR(fit.report.drawn_out, 0.5, 0.1);  // paint beside the metal gets a little of its stretch
-    EXPECT_GE(fit.report.solvers.cost_agrees + fit.report.solvers.cheaper,
-              0.97 * static_cast<double>(fit.report.solvers.compared));
-}
-
-// With the law of the lobes known: 40 lamps hardly tell a little haze from none.
-TEST(FitPainting, FindsLobesOfBrushedMetalOfAKnownLaw) {
-    const Surface truth = half_brushed(Stretch(0.4f, 0.3f));
-    const FitResult fit = fit_of(truth, {.haze = 0.0});
-    EXPECT_TRUE(fit.report.law.stretches.chosen);
-    const double half = static_cast<double>(truth.height_mm.size()) / 2;
-    double specular = 0, alpha = 0;
-    for (int y = 0; y < truth.height(); ++y)
-        for (int x = 0; x < truth.width() / 2; ++x) {
-            specular += fit.surface.specular(x, y) / half;
-            alpha += fit.surface.roughness(x, y) / half;
-        }
-    EXPECT_NEAR(specular, 0.15, 0.01);
-    EXPECT_NEAR(alpha, 0.25, 0.015);
+        EXPECT_LT(metal, 0.05);
+        EXPECT_LT(paint, 0.01);
+        EXPECT_NEAR(specular, 0.15, 0.005);
+        EXPECT_NEAR(alpha, 0.25, 0.005);
+        EXPECT_LT(slope, 0.005);
+        EXPECT_NEAR(fit.report.drawn_out, 0.5, 0.02);
+        EXPECT_GE(fit.report.solvers.cost_agrees + fit.report.solvers.cheaper,
+                  0.97 * static_cast<double>(fit.report.solvers.compared));
+    }
 }
 
 TEST(FitPainting, LeavesLobesIsotropicWhereTheyAreAndWhereItIsTold) {
