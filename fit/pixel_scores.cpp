@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
+
+#include "surface/median.h"
 
 namespace tangi {
 
@@ -25,14 +28,24 @@ void PixelScores::add(const PixelScores& other) {
     }
 }
 
+std::vector<double> PixelScores::gains_db(const PixelScores& other) const {
+    std::vector<double> gains;
+    for (std::size_t k = 0; k < std::min(sum_db_.size(), other.sum_db_.size()); ++k)
+        if (photos_[k] > 0 && other.photos_[k] > 0)
+            gains.push_back(sum_db_[k] / photos_[k] - other.sum_db_[k] / other.photos_[k]);
+    return gains;
+}
+
 double PixelScores::part_better_than(const PixelScores& other) const {
-    long better = 0, compared = 0;
-    for (std::size_t k = 0; k < std::min(sum_db_.size(), other.sum_db_.size()); ++k) {
-        if (photos_[k] == 0 || other.photos_[k] == 0) continue;
-        ++compared;
-        better += sum_db_[k] / photos_[k] > other.sum_db_[k] / other.photos_[k];
-    }
-    return compared > 0 ? static_cast<double>(better) / static_cast<double>(compared) : 0;
+    const std::vector<double> gains = gains_db(other);
+    if (gains.empty()) return 0;
+    const auto better = std::ranges::count_if(gains, [](double gain) { return gain > 0; });
+    return static_cast<double>(better) / static_cast<double>(gains.size());
+}
+
+double PixelScores::median_gain_db(const PixelScores& other) const {
+    std::vector<double> gains = gains_db(other);
+    return gains.empty() ? 0 : median(std::move(gains));
 }
 
 }  // namespace tangi

@@ -20,8 +20,12 @@ public:
     // [1] Part of the pixels, of those that both know, whose mean over photographs of the error in dB is less
     // here; 0 where there are none.
     double part_better_than(const PixelScores& other) const;
+    // [dB] By how much the median pixel's is less; 0 likewise.
+    double median_gain_db(const PixelScores& other) const;
 
 private:
+    std::vector<double> gains_db(const PixelScores& other) const;
+
     std::vector<double> sum_db_;
     std::vector<int> photos_;
 };

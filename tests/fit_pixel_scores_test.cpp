@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <limits>
 
 namespace tangi {
@@ -17,6 +18,8 @@ TEST(PixelScores, CountPixelsNotErrors) {
     EXPECT_EQ(metal.part_better_than(paint), 0.25);
     EXPECT_EQ(paint.part_better_than(metal), 0.75);
     EXPECT_EQ(paint.part_better_than(paint), 0);
+    EXPECT_NEAR(paint.median_gain_db(metal), 10 * std::log10(4), 1e-9);
+    EXPECT_EQ(paint.median_gain_db(PixelScores()), 0);
 }
 
 TEST(PixelScores, AreMeansOverThePhotographsThatShowThePixel) {
