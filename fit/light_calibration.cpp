@@ -22,9 +22,15 @@ constexpr double kSureTurns = 3;
 // [dB] Likewise by strengths of their own: one unknown a lamp. They are looked at last, since lamps of wrong
 // direction seem to be of wrong strength.
 constexpr double kGainsWorth_db = 0.75;
+// Or so many pixels, where metal outweighs all others in a photograph (generated gold beside paint, lamps
+// twice apart: 0.82, 2.2 dB).
+constexpr PixelWorth kGainsWorth{0.8, 1};
+constexpr double kMostPixels = 0.5;  // [1]
 // [dB] Likewise by beams of their own, five unknowns a lamp, and then lamps that no photograph had must not
 // be predicted any worse (fresco lost 0.8 dB where 0.1 was let pass).
 constexpr double kBeamsWorth_db = 1.5;
+// Or so many pixels (generated reflectors: 0.98 to 0.99, 1.2 to 4.5 dB; fresco: 0.94, 0.7 dB).
+constexpr PixelWorth kBeamsWorth{0.9, 1.5};
 // Fewer photographs don't tell a lamp's direction from what the model leaves out: of 16 lamps whose
 // directions were right, some were "corrected" by 5 degrees.
 constexpr std::size_t kFewestForDirections = 24;
@@ -157,19 +163,19 @@ LightCalibration calibrate_lights(const Stack& stack, const Survey& survey, cons
     };
     // Whether a model that gives each lamp more of its own is to be taken: tried where it has not been.
     const auto attempt_own = [&](const LightModel& wanted, double explained_db, double loss_db,
-                                 const std::optional<JointLights>& from = {}) {
+                                 const PixelWorth& of_pixels, const std::optional<JointLights>& from = {}) {
         const auto is_wanted = [&](const TriedModel& one) { return one.trial.model == wanted; };
         const std::size_t before = best;
         if (std::none_of(all.begin(), all.end(), is_wanted)) attempt({wanted}, from);
         const auto found = std::find_if(all.begin(), all.end(), is_wanted);
         if (best == before && found != all.end() &&
-            explains_better(found->trial, all[best].trial, explained_db, loss_db))
+            explains_better(found->trial, all[best].trial, explained_db, loss_db, of_pixels))
             best = static_cast<std::size_t>(found - all.begin());
     };
     const auto attempt_beams = [&](const TriedModel& even) {
         LightModel uneven = even.trial.model;
         uneven.beams = true;
-        attempt_own(uneven, kBeamsWorth_db, 0, std::optional(even.solution));
+        attempt_own(uneven, kBeamsWorth_db, 0, kBeamsWorth, std::optional(even.solution));
     };
     std::vector<LightModel> models = {{LightFreedom::none}, {LightFreedom::rig}};
     if (!few) models.push_back({LightFreedom::rig_and_gains});
@@ -193,10 +199,17 @@ LightCalibration calibrate_lights(const Stack& stack, const Survey& survey, cons
     if (all[best].trial.model.directions == DirectionFreedom::smooth &&
         turns_in_sigmas(calibration_of(all[best])) < kSureTurns)
         best = listed;
+    // Lamps of other strength seem to stand elsewhere, too: what explains more of the pixels is it.
+    const auto strengths = std::find_if(all.begin(), all.end(), [](const TriedModel& one) {
+        return one.trial.model == LightModel{LightFreedom::rig_and_gains};
+    });
+    if (all[best].trial.model.directions == DirectionFreedom::own && !refines && strengths != all.end() &&
+        strengths->trial.pixels.part_better_than(all[best].trial.pixels) > kMostPixels)
+        best = listed;
     if (!few && lamps != LightFreedom::rig_and_gains) {
         LightModel wanted = all[best].trial.model;
         wanted.lamps = LightFreedom::rig_and_gains;
-        attempt_own(wanted, kGainsWorth_db, options.worth_db);
+        attempt_own(wanted, kGainsWorth_db, options.worth_db, kGainsWorth);
     }
     // Lamps that are aimed otherwise seem to stand elsewhere, and the other way round: beams are also tried
     // with the directions as listed.

@@ -31,11 +31,13 @@ constexpr double kOwnWorth_db = 2.5;
 // worsens the paint beside it (half brushed metal, half paint under lamps that are right: strengths 0.31 to
 // 0.35, directions 0.43 to 0.50).
 constexpr double kPixels = 0.5, kPixelsOfTurned = 0.55;
-// Directions of their own are also taken where so many pixels are explained better, the median one by so much
-// [dB], though the photographs as a whole, with metal that is no Ward lobe, hardly are (a generated painting
-// with brushed gold, lamps 5 degrees off: 0.93, 2.6 dB; where directions are right: 0.94 and 0.6 of varied_5,
-// 0.88 and 0.7 of canvas, 0.70 and 0.8 of varied_1).
-constexpr double kPixelsOfOwn = 0.9, kOwnWorthOfPixels_db = 1.5;
+// What all lamps share is also taken where so many pixels are explained better, the median one by so much:
+// the photographs as a whole, with metal that is no Ward lobe, hardly tell (generated gold beside paint under
+// near lamps and light from all around: 0.78, 1.7 dB; where there is nothing to find: 0.66, 0.2 dB at most).
+constexpr PixelWorth kRigWorth{0.7, 0.5};
+// Likewise directions of their own (generated gold, lamps 5 degrees off: 0.93, 2.6 dB; where directions are
+// right: 0.94 and 0.6 dB of varied_5, 0.88 and 0.7 of canvas, 0.70 and 0.8 of varied_1).
+constexpr PixelWorth kOwnWorth{0.9, 1.5};
 // [rad] By which a lamp's direction, or the painting as a whole, may be tilted where directions are taken as
 // listed, and which relief that no pixel resolves amounts to. Light that falls at an elevation e changes by
 // so much times cot e.
@@ -271,25 +273,28 @@ JointLights solved_finer(const LightSample& fine, const JointLights& solution, c
 }
 
 bool explains_better(const LightCalibration::Trial& a, const LightCalibration::Trial& b, double explained_db,
-                     double loss_db) {
+                     double loss_db, const PixelWorth& of_pixels) {
+    const double part = a.pixels.part_better_than(b.pixels);
+    if (part > of_pixels.part && a.pixels.median_gain_db(b.pixels) > of_pixels.db) return true;
     const Gain predicted = gain(a.photos_db, b.photos_db), located = gain(a.located_db, b.located_db);
     const bool turned = a.model.directions != b.model.directions || a.model.beams != b.model.beams;
     return located.median_db - located.sigma_db > explained_db &&
            predicted.median_db > -std::min(predicted.sigma_db, loss_db) &&
-           a.pixels.part_better_than(b.pixels) > (turned ? kPixelsOfTurned : kPixels);
+           part > (turned ? kPixelsOfTurned : kPixels);
 }
 
 bool is_better(const LightCalibration::Trial& a, const LightCalibration::Trial& b, double worth_db) {
     const Gain predicted = gain(a.photos_db, b.photos_db);
     // Turns, of a smooth field or each lamp's own, take up what the model leaves out.
     const bool turned = a.model.directions != b.model.directions;
+    const double part = a.pixels.part_better_than(b.pixels);
     if (predicted.median_db - (turned ? 2 : 1) * predicted.sigma_db > worth_db &&
-        a.pixels.part_better_than(b.pixels) > (turned ? kPixelsOfTurned : kPixels))
+        part > (turned ? kPixelsOfTurned : kPixels))
         return true;
-    if (a.model.directions != DirectionFreedom::own) return false;
-    return explains_better(a, b, kOwnWorth_db, std::numeric_limits<double>::infinity()) ||
-           (a.pixels.part_better_than(b.pixels) > kPixelsOfOwn &&
-            a.pixels.median_gain_db(b.pixels) > kOwnWorthOfPixels_db);
+    if (a.model.lamps == LightFreedom::rig && !turned)
+        return part > kRigWorth.part && a.pixels.median_gain_db(b.pixels) > kRigWorth.db;
+    return a.model.directions == DirectionFreedom::own &&
+           explains_better(a, b, kOwnWorth_db, std::numeric_limits<double>::infinity(), kOwnWorth);
 }
 
 }  // namespace tangi

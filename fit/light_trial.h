@@ -41,11 +41,16 @@ LightCalibration calibrated(const LightSample& sample, const JointLights& soluti
 JointLights solved_finer(const LightSample& fine, const JointLights& solution, const Lighting& given,
                          const LightModel& model);
 
+// So many pixels [1], and what the median one gains [dB].
+struct PixelWorth {
+    double part = 1, db = 0;
+};
+
 // Whether `a`, which gives each lamp something of its own that those left out don't share in, explains
 // photographs better than `b` once their lamps are located, and predicts them no worse than by `loss_db`, or
-// than chance does.
+// than chance does; or explains that many pixels better.
 bool explains_better(const LightCalibration::Trial& a, const LightCalibration::Trial& b, double explained_db,
-                     double loss_db);
+                     double loss_db, const PixelWorth& of_pixels = {});
 
 // Whether `a` predicts photographs better than `b` for sure; directions of their own need only explain them.
 // Where listed directions are far off, so is that of the lamp that was left out: predictions are then poor
