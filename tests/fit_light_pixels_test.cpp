@@ -1,0 +1,90 @@
+// fit_light_pixels_test.cpp: lamps are found, or left alone, where part of the picture is brushed gold, which
+// outweighs the paint beside it in every mean over pixels.
+#include <gtest/gtest.h>
+
+#include <iostream>
+
+#include "datasets/generator.h"
+#include "fit/light_calibration.h"
+#include "surface/median.h"
+#include "surface/photography_json.h"
+#include "test_support.h"
+
+namespace tangi {
+namespace {
+
+constexpr double kMmPerPixel = 0.4;
+constexpr int kSize = 120;
+
+struct GildedPanel {
+    TestDir folder;
+    Stack stack;
+    LightCalibration found;
+
+    explicit GildedPanel(GeneratorOptions options, double brushed = 0.5, std::uint64_t seed = 3) {
+        options.held_out = 0;
+        options.seed = seed;
+        write_stack(folder.path(),
+                    procedural_painting({.seed = seed,
+                                         .width = kSize,
+                                         .height = kSize,
+                                         .mm_per_pixel = kMmPerPixel,
+                                         .gilding = true,
+                                         .brushed = brushed}),
+                    options);
+        stack = open_stack(folder.path(), {.transfer = Transfer{}});
+        found = calibrate_lights(stack, survey(stack), Transfer{}, NoiseModel(Transfer{}, 0.002, true),
+                                 {stack.lights(), {}, 0.75}, kMmPerPixel, {});
+        for (const LightCalibration::Trial& trial : found.trials)
+            std::cout << fmt::format("{}: {:.2f} dB; ", name_of(trial.model), trial.left_out_db);
+        std::cout << "\n" << name_of(found.model) << "\n";
+    }
+    // [1] Greatest relative error of the strengths.
+    double worst_gain() const {
+        const Photography truth =
+            photography_from_json(nlohmann::json::parse(bytes_of(folder / "gt/lights.json")));
+        std::vector<double> ratios;
+        for (const Light& light : found.lighting.lights)
+            for (const Photography::Photo& photo : truth.photos)
+                if (photo.light.name == light.name) ratios.push_back(light.gain.g / photo.light.gain.g);
+        const double scale = median(ratios);
+        double worst = 0;
+        for (const double ratio : ratios) worst = std::max(worst, std::abs(ratio / scale - 1));
+        return worst;
+    }
+};
+
+TEST(LightPixels, LampsThatAreRightAreLeftAloneBesideGold) {
+    for (const std::uint64_t seed : {3u, 4u})
+        EXPECT_EQ(GildedPanel({.lights = 36}, 0.5, seed).found.model, LightModel{}) << "seed " << seed;
+}
+
+TEST(LightPixels, NearLampsAreFoundBesideGold) {
+    const GildedPanel panel({.lights = 32,
+                             .arrangement = Arrangement::spiral,
+                             .distance = 2.9,
+                             .nominal_direction_error_deg = 1.1,
+                             .reflectance = Reflectance::ward_bounded,
+                             .ambient = 0.08},
+                            0.3);
+    EXPECT_EQ(panel.found.model, LightModel{LightFreedom::rig});
+    ASSERT_TRUE(panel.found.lighting.rig.lamp_distance_mm);
+    EXPECT_NEAR(*panel.found.lighting.rig.lamp_distance_mm / (2.9 * kSize * kMmPerPixel), 1, 0.1);
+    EXPECT_NEAR(panel.found.lighting.rig.ambient, 0.08, 0.01);
+}
+
+TEST(LightPixels, StrengthsAreFoundBesideGold) {
+    const GildedPanel panel(
+        {.lights = 32, .distance = 1.5, .gain_min = 0.7, .gain_max = 1.4, .ambient = 0.04}, 0.8, 4);
+    EXPECT_EQ(panel.found.model, LightModel{LightFreedom::rig_and_gains});
+    EXPECT_LT(panel.worst_gain(), 0.1);
+}
+
+TEST(LightPixels, DirectionsAreFoundBesideGold) {
+    const GildedPanel panel({.lights = 40, .nominal_direction_error_deg = 5});
+    EXPECT_EQ(panel.found.model.directions, DirectionFreedom::own);
+    EXPECT_EQ(panel.found.model.lamps, LightFreedom::none);
+}
+
+}  // namespace
+}  // namespace tangi
