@@ -24,8 +24,7 @@ constexpr float kSmoothest = 0.001f;  // [1] alpha
 Image<Rgb> linear_picture(const fs::path& path) {
     Image<Rgb> picture = read_picture(path);
     const Transfer srgb{Transfer::Kind::srgb};
-    for (Rgb& pixel : picture.pixels())
-        pixel = {srgb.decode(pixel.r), srgb.decode(pixel.g), srgb.decode(pixel.b)};
+    for (Rgb& pixel : picture.pixels()) pixel = srgb.decode(pixel);
     return picture;
 }
 

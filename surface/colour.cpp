@@ -86,6 +86,10 @@ Rgb Transfer::encode(const Rgb& linear) const {
     return {encode(linear.r), encode(linear.g), encode(linear.b)};
 }
 
+Rgb Transfer::decode(const Rgb& encoded) const {
+    return {decode(encoded.r), decode(encoded.g), decode(encoded.b)};
+}
+
 std::string Transfer::name() const {
     switch (kind) {
         case Kind::linear:

@@ -25,6 +25,7 @@ struct Transfer {
     float encode(float linear) const;  // negative values encode as 0
     float decode(float encoded) const;
     Rgb encode(const Rgb& linear) const;
+    Rgb decode(const Rgb& encoded) const;
     std::string name() const;    // "linear", "srgb", "gamma 2.2", "curve 2.2 -0.5 0.1" (gamma, bend, bow)
     bool is_increasing() const;  // and so has an inverse
 

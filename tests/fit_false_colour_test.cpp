@@ -10,8 +10,7 @@ namespace tangi {
 namespace {
 
 Lab lab_of(const Rgb& srgb) {
-    const Transfer transfer{Transfer::Kind::srgb};
-    return lab_from_linear({transfer.decode(srgb.r), transfer.decode(srgb.g), transfer.decode(srgb.b)});
+    return lab_from_linear(glm::dvec3(Transfer{Transfer::Kind::srgb}.decode(srgb)));
 }
 
 TEST(ColourMap, SequentialRisesEvenlyInLightness) {

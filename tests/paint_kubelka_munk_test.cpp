@@ -293,7 +293,7 @@ TEST(ThesisModel, IsFarFromTheSpectralOne) {
                 srgb.encode(glm::clamp(to_linear_rgb(opaque_look({paint.k, paint.s})), Rgb(0), Rgb(1))));
         }
         const Rgb thesis = thesis_mixture_srgb(colours, parts);
-        const Rgb linear(srgb.decode(thesis.r), srgb.decode(thesis.g), srgb.decode(thesis.b));
+        const Rgb linear = srgb.decode(thesis);
         // What a screen can show of the spectral one, so that only mixing is compared.
         const Rgb spectral = glm::clamp(to_linear_rgb(opaque_look(mix(chosen, parts))), Rgb(0), Rgb(1));
         mean += delta_e_2000(lab_from_linear(linear), lab_from_linear(spectral)) / kMixtures;

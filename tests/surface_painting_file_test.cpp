@@ -9,7 +9,7 @@
 #include <limits>
 
 #include "surface/parallel.h"
-#include "tests/test_support.h"
+#include "tests/painting_file_support.h"
 
 namespace tangi {
 namespace {
@@ -18,20 +18,6 @@ using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
 using testing::StartsWith;
-
-Surface random_surface(int width, int height, std::uint64_t seed = 1) {
-    Random random(seed);
-    Surface s(width, height);
-    for (std::size_t i = 0; i < s.height_mm.size(); ++i) {
-        s.height_mm.pixels()[i] = random.real(-2, 2);
-        s.normal.pixels()[i] = random.direction(0.1);
-        s.diffuse.pixels()[i] = {random.real(), random.real(), random.real()};
-        s.specular.pixels()[i] = random.real(0, 0.1);
-        s.roughness.pixels()[i] = random.real(0.01, 1);
-        s.confidence.pixels()[i] = random.real();
-    }
-    return s;
-}
 
 void expect_same_maps(const Surface& a, const Surface& b) {
     EXPECT_TRUE(images_identical(a.height_mm, b.height_mm));
@@ -356,54 +342,6 @@ TEST(PaintingFile, WithAnyByteDamagedIsAnErrorOrHoldsTheSameMaps) {
         }
     }
     EXPECT_GT(refused, 450);
-}
-
-TEST(PaintingFile, OnAFullDiskLeavesTheOldFileAndNoTemporary) {
-    const TestDir dir;
-    write_painting(dir / "a.exr", random_surface(30, 40));
-    const std::string old = bytes_of(dir / "a.exr");
-    const Surface next = random_surface(30, 40, 2);
-    write_painting(dir / "b.exr", next);
-    const std::size_t size = std::filesystem::file_size(dir / "b.exr");
-    std::filesystem::remove(dir / "b.exr");
-    for (const std::size_t room : {std::size_t{0}, std::size_t{100}, size / 2, size - 100, size - 1}) {
-        std::string message;
-        {
-            const FullDisk full(room);
-            message = error_of([&] { write_painting(dir / "a.exr", next); });
-        }
-        EXPECT_THAT(message, StartsWith((dir / "a.exr").string() + ": cannot be written: ")) << room;
-        EXPECT_EQ(names_in(dir.path()), std::vector<std::string>{"a.exr"}) << room;
-        EXPECT_TRUE(bytes_of(dir / "a.exr") == old) << room;
-    }
-    const FullDisk just_enough(size);
-    EXPECT_NO_THROW(write_painting(dir / "a.exr", next));
-}
-
-TEST(PaintingFile, CannotGoToAMissingFolderOrOntoAFolder) {
-    const TestDir dir;
-    const std::string target = (dir / "no").string() + "/a.exr";
-    EXPECT_EQ(
-        error_of([&] { write_painting(target, Surface(2, 2)); }),
-        target + ": there is no folder " + (dir / "no").string() + "; make it, or choose another place");
-    EXPECT_EQ(error_of([&] { write_painting(dir.path(), Surface(2, 2)); }),
-              dir.path().string() + ": is a folder; give the name of a file");
-}
-
-TEST(PaintingFile, CancelledInTheMiddleLeavesNothing) {
-    const TestDir dir;
-    const Surface s = random_surface(4, 1000);
-    const auto until_half = [](std::string_view, double fraction) { return fraction < 0.5; };
-    EXPECT_THROW(write_painting(dir / "a.exr", s, until_half), Cancelled);
-    EXPECT_EQ(names_in(dir.path()), std::vector<std::string>{});
-    write_painting(dir / "a.exr", s);
-    EXPECT_THROW(read_painting(dir / "a.exr", until_half), Cancelled);
-}
-
-TEST(PaintingFile, OfNoPixelsBreaksTheContract) {
-    const TestDir dir;
-    EXPECT_THROW(write_painting(dir / "a.exr", Surface()), ContractError);
-    EXPECT_EQ(names_in(dir.path()), std::vector<std::string>{});
 }
 
 }  // namespace

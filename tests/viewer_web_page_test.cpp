@@ -33,7 +33,7 @@ Image<Rgb> middle_of(const Image<Rgb>& screenshot) {
     for (int y = 0; y < kHeight; ++y)
         for (int x = 0; x < kWidth; ++x) {
             const Rgb& c = screenshot(x + (kScreenWidth - kWidth) / 2, y + (kScreenHeight - kHeight) / 2);
-            picture(x, y) = {srgb.decode(c.r), srgb.decode(c.g), srgb.decode(c.b)};
+            picture(x, y) = srgb.decode(c);
         }
     return picture;
 }

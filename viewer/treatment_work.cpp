@@ -1,4 +1,4 @@
-// treatment_work.cpp: of the treatment: what is asked of it; steps that are laid, and states that are shown.
+// treatment_work.cpp: of the treatment: what is asked of it, and steps that are laid.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -18,28 +18,6 @@ namespace fs = std::filesystem;
 using nlohmann::json;
 
 namespace {
-
-constexpr int kMostPixels = 4000;       // of a side of pictures that are held against each other
-constexpr int kDistanceMost_px = 2000;  // the eye's blur is wide
-
-Rgb decoded(const Rgb& srgb) {
-    const Transfer transfer{Transfer::Kind::srgb};
-    return {transfer.decode(srgb.r), transfer.decode(srgb.g), transfer.decode(srgb.b)};
-}
-
-HeldPhoto::Picture bytes_of(const Image<Rgb>& srgb) {
-    HeldPhoto::Picture picture(srgb.width(), srgb.height());
-    for (std::size_t i = 0; i < srgb.size(); ++i)
-        picture.pixels()[i] = glm::u8vec3(255.0f * glm::clamp(srgb.pixels()[i], 0.0f, 1.0f) + 0.5f);
-    return picture;
-}
-
-std::shared_ptr<const HeldPhoto> pair_of(const Image<Rgb>& left_srgb, const Image<Rgb>& right_srgb) {
-    auto held = std::make_shared<HeldPhoto>();
-    held->photo = bytes_of(left_srgb);
-    held->relit = bytes_of(right_srgb);
-    return held;
-}
 
 // The retouch, and nothing else, is on top of what the painting is.
 bool goes_on_from(const Canvas& now, const Canvas& preview) {
@@ -190,17 +168,18 @@ void TreatmentDesk::step(std::string title, Step work) {
 
 void TreatmentDesk::fill() {
     const Treating& t = state_.treating;
-    step("filling", [where = t.where, texture = t.texture, colour = decoded(t.fill_srgb), options = t.fill,
-                     who = author()](Treatment& treatment, Canvas& canvas, const Progress& progress) {
-        const json result = fill_step(treatment, canvas, area_of_classes(treatment, where), texture, colour,
-                                      options, who, progress);
-        const StatedLength deepest = stated_length(result, "deepest");
-        return fmt::format(
-            "in the log: {}, {}, {:.2f}{} at its deepest; step at its border {:.3f}{} rms{}",
-            result["layer"].get<std::string>(), area_in_words(result), deepest.value.get<double>(),
-            deepest.unit, stated_length(result, "border_rms").value.get<double>(), deepest.unit,
-            result.contains("warnings") ? "; " + result["warnings"][0].get<std::string>() : "");
-    });
+    step("filling",
+         [where = t.where, texture = t.texture, colour = Transfer{Transfer::Kind::srgb}.decode(t.fill_srgb),
+          options = t.fill, who = author()](Treatment& treatment, Canvas& canvas, const Progress& progress) {
+             const json result = fill_step(treatment, canvas, area_of_classes(treatment, where), texture,
+                                           colour, options, who, progress);
+             const StatedLength deepest = stated_length(result, "deepest");
+             return fmt::format(
+                 "in the log: {}, {}, {:.2f}{} at its deepest; step at its border {:.3f}{} rms{}",
+                 result["layer"].get<std::string>(), area_in_words(result), deepest.value.get<double>(),
+                 deepest.unit, stated_length(result, "border_rms").value.get<double>(), deepest.unit,
+                 result.contains("warnings") ? "; " + result["warnings"][0].get<std::string>() : "");
+         });
 }
 
 void TreatmentDesk::varnish(bool isolating) {
@@ -337,68 +316,6 @@ void TreatmentDesk::report(const fs::path& html) {
             setup_.say(fmt::format("wrote {} and {} files beside it", html.string(), count - 1));
         };
     });
-}
-
-// The painting as it was in a state, until another is chosen.
-void TreatmentDesk::show_state() {
-    state_shown_ = state_.treating.state;
-    if (preview_ && state_shown_) {
-        preview_.reset();
-        state_.treating.preview.reset();
-    }
-    if (preview_) return;
-    if (!state_shown_)
-        painter_->show_as({});
-    else
-        painter_->show_as([layers = treatment().layers(), state = *state_shown_](const Canvas& canvas) {
-            return in_state(canvas, layers, state);
-        });
-}
-
-void TreatmentDesk::hold(const HeldPair& pair) {
-    Comparing& c = state_.comparing;
-    c.pair = pair;
-    c.on = true;
-    if (c.way != CompareWay::aside && c.way != CompareWay::blink) c.way = CompareWay::wipe;
-}
-
-void TreatmentDesk::compare_states() {
-    const Treating& t = state_.treating;
-    // As they are held against each other: not tilted.
-    const Placement straight(state_.view, {}, false, state_.painting, state_.painting, state_.mm_per_pixel);
-    start("relighting two states",
-          [this, painter = painter_, scene = scene_of(state_, straight), left = t.left,
-           right = t.right](const Progress& progress) -> Finish {
-              const Canvas canvas = canvas_of(*painter);
-              const auto picture = [&](const std::optional<TreatmentState>& state) {
-                  return scene_picture(state ? surface_in_state(treatment(), canvas, *state, progress)
-                                             : appearance(canvas, {}, progress),
-                                       scene, kMostPixels, progress);
-              };
-              const auto title = [](const auto& state) { return state ? title_of(*state) : "Now"; };
-              const Image<Rgb> first = picture(left);
-              HeldPair pair{title(left), title(right), pair_of(first, picture(right))};
-              return [this, pair = std::move(pair)] { hold(pair); };
-          });
-}
-
-// The colours from near, and as they are seen from further away.
-void TreatmentDesk::see_from() {
-    const auto distance_m = static_cast<double>(state_.treating.distance_m);
-    start("looking from afar",
-          [this, painter = painter_, distance_m, view = preview_](const Progress& p) -> Finish {
-              Surface surface = appearance(view ? view->canvas : canvas_of(*painter), {}, p);
-              const double mm = treatment().mm_per_pixel();
-              Image<Rgb> near = colour_of(surface, kDistanceMost_px);
-              const double reduced = static_cast<double>(surface.width()) / near.width();
-              const Transfer srgb{Transfer::Kind::srgb};
-              Image<Rgb> far = near;
-              for (Rgb& c : far.pixels()) c = decoded(c);
-              far = seen_from(far, mm * reduced, distance_m);
-              for (Rgb& c : far.pixels()) c = srgb.encode(glm::max(c, Rgb(0)));
-              HeldPair pair{"from near", fmt::format("from {:.1f} m", distance_m), pair_of(near, far)};
-              return [this, pair = std::move(pair)] { hold(pair); };
-          });
 }
 
 }  // namespace tangi
