@@ -243,12 +243,12 @@ void refuse_in_treatment(const std::filesystem::path& output) {
 }
 
 void refuse_to_overwrite(const std::filesystem::path& output,
-                         const std::vector<std::filesystem::path>& inputs) {
+                         const std::vector<std::filesystem::path>& inputs, std::string_view flag) {
     refuse_in_treatment(output);
     std::error_code missing;  // what is not there cannot be lost
     for (const std::filesystem::path& input : inputs)
         if (std::filesystem::equivalent(output, input, missing))
-            fail("--out {}: would overwrite {}, from which it is made; choose another name or folder",
+            fail("{} {}: would overwrite {}, from which it is made; choose another name or folder", flag,
                  output.string(), input.string());
 }
 

@@ -52,7 +52,7 @@ void refuse_in_treatment(const std::filesystem::path& output);
 // Throws Error, naming the flag --out, where writing `output` would replace one of `inputs`: photographs
 // cannot be taken again; and where a treatment keeps it.
 void refuse_to_overwrite(const std::filesystem::path& output,
-                         const std::vector<std::filesystem::path>& inputs);
+                         const std::vector<std::filesystem::path>& inputs, std::string_view flag = "--out");
 
 // Throws UsageError where one of `flags` is among those that were `typed`, with the reason: what is typed has
 // an effect or is refused, so that nobody takes a result for another one.

@@ -79,14 +79,8 @@ nlohmann::json describe(const Surface& s) {
 // Wet paint and dried layers, from the bottom up: how much of what they hold.
 nlohmann::json describe_paint(const Canvas& canvas) {
     const auto layer = [&](const std::string& name, const PaintLayer& paint) {
-        nlohmann::json volumes = nlohmann::json::object();
         const auto mm3 = volumes_mm3(paint, canvas.ingredients().size(), canvas.mm_per_pixel());
-        for (std::size_t i = 0; i < mm3.size(); ++i)
-            if (mm3[i] > 0) {
-                nlohmann::json& sum = volumes[canvas.ingredients()[i].name];
-                sum = (sum.is_null() ? 0.0 : sum.get<double>()) + mm3[i];
-            }
-        return nlohmann::json{{"layer", name}, {"volumes_mm3", volumes}};
+        return nlohmann::json{{"layer", name}, {"volumes_mm3", volumes_by_name(canvas.ingredients(), mm3)}};
     };
     nlohmann::json layers = nlohmann::json::array();
     for (const DriedLayer& dried : canvas.dried()) layers.push_back(layer(dried.name, dried.paint));

@@ -50,8 +50,8 @@ nlohmann::json run_replay(const ReplayArguments& a) {
         if (!file.empty()) inputs.emplace_back(file);
     for (const fs::path& file : a.substrate.inputs()) inputs.push_back(file);
     refuse_to_overwrite(a.out, inputs);
-    if (!a.board.empty()) refuse_to_overwrite(a.board, inputs);
-    if (!a.frames.video.empty()) refuse_to_overwrite(a.frames.video, inputs);
+    if (!a.board.empty()) refuse_to_overwrite(a.board, inputs, "--board");
+    if (!a.frames.video.empty()) refuse_to_overwrite(a.frames.video, inputs, "--video");
     for (const std::string& file : {a.out, a.board})
         if (!file.empty() && lower_extension(file) != ".exr") fail("{}: a painting is an .exr file", file);
     if (!a.board.empty() && fs::weakly_canonical(a.board) == fs::weakly_canonical(a.out))
@@ -83,12 +83,6 @@ nlohmann::json run_replay(const ReplayArguments& a) {
     write_canvas(out, canvas, progress, with_tools(std::move(further), session));
     if (board) write_canvas(*board, *session.board(), progress);
 
-    nlohmann::json volumes = nlohmann::json::object();
-    const auto mm3 = canvas.volumes_mm3();
-    for (std::size_t i = 0; i < mm3.size(); ++i) {  // a paint with two finishes is two ingredients
-        nlohmann::json& sum = volumes[canvas.ingredients()[i].name];
-        sum = (sum.is_null() ? 0.0 : sum.get<double>()) + mm3[i];
-    }
     nlohmann::json layers = nlohmann::json::array();
     for (const DriedLayer& layer : canvas.dried()) layers.push_back(layer.name);
     return {{"painting", a.out},
@@ -100,7 +94,7 @@ nlohmann::json run_replay(const ReplayArguments& a) {
             {"steps", session.totals().steps},
             {"bristle_pixels", session.totals().bristle_pixels},
             {"seconds", seconds.count()},
-            {"volumes_mm3", volumes},
+            {"volumes_mm3", volumes_by_name(canvas.ingredients(), canvas.volumes_mm3())},
             {"layers", layers},
             {"dry_hash", dry_hash},
             {"frames", frames ? frames->frames() : 0},

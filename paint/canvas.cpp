@@ -10,6 +10,7 @@ namespace tangi {
 namespace {
 
 constexpr int kSize = PaintTile::kSize;
+constexpr float kDust_mm = 1e-6f;  // thinner paint is none: what rounding leaves where an eraser was
 
 }  // namespace
 
@@ -31,7 +32,8 @@ Canvas::Canvas(std::shared_ptr<const Surface> dry, std::optional<double> mm_per_
 IngredientId Canvas::add(const Pigment& ingredient) {
     const auto found = std::find_if(ingredients_.begin(), ingredients_.end(), [&](const Pigment& p) {
         return p.name == ingredient.name && p.k == ingredient.k && p.s == ingredient.s &&
-               p.specular == ingredient.specular && p.roughness == ingredient.roughness;
+               p.specular == ingredient.specular && p.roughness == ingredient.roughness &&
+               p.medium == ingredient.medium;
     });
     if (found != ingredients_.end()) return static_cast<IngredientId>(found - ingredients_.begin());
     if (ingredients_.size() > 65535) fail("a canvas holds at most 65536 different paints");
@@ -89,6 +91,46 @@ std::size_t Canvas::bytes() const {
     return sum;
 }
 
+namespace {
+
+// The same paint, whatever its gloss, and with medium or without.
+bool same_paint(const Pigment& a, const Pigment& b) {
+    const auto near = [&](const Spectrum& of_a, const Spectrum& of_b) {
+        for (std::size_t band = 0; band < kBands; ++band) {
+            const float full_a = of_a[band] / (1 - a.medium), full_b = of_b[band] / (1 - b.medium);
+            if (std::abs(full_a - full_b) > 1e-3f * std::max(full_a, full_b)) return false;
+        }
+        return true;
+    };
+    return near(a.k, b.k) && near(a.s, b.s);
+}
+
+}  // namespace
+
+std::map<std::string, double> volumes_by_name(const std::vector<Pigment>& ingredients,
+                                              const std::vector<double>& mm3) {
+    TP_REQUIRE(mm3.size() <= ingredients.size(), "volumes of these ingredients");
+    std::map<std::string, double> sums;
+    for (std::size_t i = 0; i < mm3.size(); ++i) {
+        if (!(mm3[i] > 0)) continue;
+        const Pigment& paint = ingredients[i];
+        std::vector<const Pigment*> others;  // of this name: the first of each paint, down to this one
+        for (std::size_t k = 0; k <= i; ++k)
+            if (ingredients[k].name == paint.name && std::ranges::none_of(others, [&](const Pigment* p) {
+                    return same_paint(*p, ingredients[k]);
+                }))
+                others.push_back(&ingredients[k]);
+        const auto number =
+            std::ranges::find_if(others, [&](const Pigment* p) { return same_paint(*p, paint); }) -
+            others.begin();
+        const auto medium = static_cast<double>(paint.medium);
+        sums[number == 0 ? paint.name : fmt::format("{} ({})", paint.name, number + 1)] +=
+            (1 - medium) * mm3[i];
+        if (medium > 0) sums[kClearMedium] += medium * mm3[i];
+    }
+    return sums;
+}
+
 Recipe recipe_at(const Canvas& canvas, double x, double y, double radius_px) {
     const double radius = std::max(radius_px, 0.5);
     const Region box = intersection(
@@ -118,7 +160,9 @@ Recipe recipe_at(const Canvas& canvas, double x, double y, double radius_px) {
 
 std::string free_layer_name(const Canvas& canvas, const std::string& name) {
     const auto taken = [&](const std::string& wanted) {
-        return std::ranges::any_of(canvas.dried(), [&](const auto& layer) { return layer.name == wanted; });
+        return wanted == "wet" ||
+               wanted == "dry" ||  // what files and lists call those that are no such layer
+               std::ranges::any_of(canvas.dried(), [&](const auto& layer) { return layer.name == wanted; });
     };
     if (!taken(name)) return name;
     std::string stem = name;
@@ -149,7 +193,8 @@ std::string dry(Canvas& canvas, const std::string& name, const CanvasPart& where
                 const auto first = static_cast<std::size_t>((y - tile.y0) * kSize + x0 - tile.x0);
                 if (x1 > x0) runs.emplace_back(first, first + static_cast<std::size_t>(x1 - x0));
             }
-        if (runs.empty()) continue;
+        const auto& thickness = canvas.wet().tile(at)->thickness_mm;
+        if (runs.empty() || std::ranges::none_of(thickness, [](float mm) { return mm > kDust_mm; })) continue;
         if (!dried) {
             layers.push_back({free_layer_name(canvas, name), PaintLayer(canvas.width(), canvas.height())});
             dried = &layers.back().paint;

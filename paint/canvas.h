@@ -95,6 +95,14 @@ private:
     std::shared_ptr<const Image<float>> mask_;
 };
 
+inline constexpr const char* kClearMedium = "clear medium";
+
+// [mm^3] What there is of each paint, by its name: of one brought to several glosses, all of it; of one with
+// medium, what is not medium, which is counted by itself. Paints of one name that are others have numbers:
+// "Sky", "Sky (2)". `mm3`: of the ingredients, as volumes_mm3().
+std::map<std::string, double> volumes_by_name(const std::vector<Pigment>& ingredients,
+                                              const std::vector<double>& mm3);
+
 // What a spot is made of: the ingredients of the wet paint within a circle.
 struct Recipe {
     std::vector<Portion> portions;  // parts sum to 1; empty where there is no paint
@@ -108,8 +116,8 @@ Recipe recipe_at(const Canvas& canvas, double x, double y, double radius_px);
 // changes.
 std::string dry(Canvas& canvas, const std::string& name, const CanvasPart& where = {}, double share = 1);
 
-// `name`, or where a dried layer has that already the next in number that is free: after "retouch", "retouch
-// 2"; after "layer 2", "layer 3".
+// `name`, or where a dried layer has that already, or it is "wet" or "dry", the next in number that is free:
+// after "retouch", "retouch 2"; after "layer 2", "layer 3".
 std::string free_layer_name(const Canvas& canvas, const std::string& name);
 
 // Takes a dried layer off again (the topmost, in a file in which several have the name). Throws Error where

@@ -21,10 +21,11 @@ using nlohmann::json;
 constexpr const char* kWet = "wet";
 const std::string kDried = "dried.";
 
-// The scale that a painting of unknown scale was painted on with.
-std::optional<double> scale_of(const PartInfo& wet, const fs::path& path) {
+// The scale that a painting of unknown scale was painted on with: of its own where nothing says another.
+std::optional<double> scale_of(const PartInfo& wet, const Surface& dry, const fs::path& path) {
     const auto found = wet.attributes.find("paint_mm_per_pixel");
-    if (found == wet.attributes.end()) return {};
+    if (found == wet.attributes.end())
+        return dry.scale_known ? std::nullopt : std::optional(dry.mm_per_pixel);
     const json value = json::parse(found->second, nullptr, false);
     if (!value.is_number() || !(value.get<double>() > 0))
         fail("{}: attribute 'paint_mm_per_pixel' of part 'wet' is '{}', not a size above 0", path.string(),
@@ -104,9 +105,10 @@ Canvas read_canvas(const fs::path& path, const Progress& progress, std::optional
     const auto dry = std::make_shared<Surface>(read_painting(path, progress));
     const std::vector<PartInfo> parts = painting_parts(path);
     const PartInfo* wet = find(parts, kWet);
-    if (const auto stored = wet ? scale_of(*wet, path) : std::nullopt) {
+    if (const auto stored = wet ? scale_of(*wet, *dry, path) : std::nullopt) {
         if (mm_per_pixel && !same_scale(*mm_per_pixel, *stored))
-            fail("{}: was painted on with pixels of {} mm, not {} mm", path.string(), *stored, *mm_per_pixel);
+            fail("{}: was painted on with pixels of {} mm, not {} mm; leave --mm-per-pixel out",
+                 path.string(), *stored, *mm_per_pixel);
         mm_per_pixel = stored;
     }
     if (mm_per_pixel && dry->scale_known && !same_scale(*mm_per_pixel, dry->mm_per_pixel))

@@ -111,6 +111,7 @@ nlohmann::json volumes_of(const Canvas& canvas, const PaintLayer& paint) {
             volumes.push_back({{"paint", canvas.ingredients()[i].name},
                                {"specular", shortest(canvas.ingredients()[i].specular)},
                                {"roughness", shortest(canvas.ingredients()[i].roughness)},
+                               {"medium", shortest(canvas.ingredients()[i].medium)},
                                {"mm3", mm3[i]}});
     return volumes;
 }

@@ -19,13 +19,15 @@ constexpr int kSize = PaintTile::kSize;
 const std::string kVolume = "volume.";
 
 json to_json(const Pigment& p) {
-    return {{"name", p.name},
-            {"k", p.k},
-            {"s", p.s},
-            {"origin", name_of(p.origin)},
-            {"source", p.source},
-            {"specular", p.specular},
-            {"roughness", p.roughness}};
+    json result = {{"name", p.name},
+                   {"k", p.k},
+                   {"s", p.s},
+                   {"origin", name_of(p.origin)},
+                   {"source", p.source},
+                   {"specular", p.specular},
+                   {"roughness", p.roughness}};
+    if (p.medium > 0) result["medium"] = p.medium;
+    return result;
 }
 
 Pigment pigment_from(const json& object) {
@@ -39,6 +41,9 @@ Pigment pigment_from(const json& object) {
         if (object.value("origin", std::string()) == name_of(origin)) p.origin = origin;
     p.specular = object.at("specular").get<float>();
     p.roughness = object.at("roughness").get<float>();
+    p.medium = object.value("medium", 0.0f);
+    if (!(p.medium >= 0 && p.medium < 1))
+        throw std::runtime_error(fmt::format("'{}' has medium {}", shortened(p.name), p.medium));
     for (int band = 0; band < kBands; ++band) {
         const auto i = static_cast<std::size_t>(band);
         if (!(p.k[i] >= 0) || !(p.s[i] >= 0) || !std::isfinite(p.k[i]) || !std::isfinite(p.s[i]))

@@ -182,6 +182,7 @@ Pigment finished(Pigment paint, const PaintFinish& finish) {
         const auto left = static_cast<float>(1 - finish.medium);
         for (float& k : paint.k) k *= left;
         for (float& s : paint.s) s *= left;
+        paint.medium = 1 - (1 - paint.medium) * left;
     }
     return paint;
 }

@@ -28,6 +28,7 @@ struct Pigment {
     // The surface of a thick film of it: Ward's rho_s and alpha (surface/ward.h).
     float specular = 0.04f;
     float roughness = 0.15f;
+    float medium = 0;  // [1] part of it, by volume, that is clear medium which was stirred in (PaintFinish)
 
     // Looks right by itself, but mixtures and thin films are a guess.
     bool approximate() const { return origin == PigmentOrigin::masstone || origin == PigmentOrigin::colour; }
@@ -39,7 +40,7 @@ bool is_clear(const Pigment& paint);
 
 // What a painter does to a paint before it goes on the brush.
 struct PaintFinish {
-    std::optional<double> specular, roughness;  // [1] rho_s and alpha instead of the paint's own
+    std::optional<double> specular{}, roughness{};  // [1] rho_s and alpha instead of the paint's own
     double medium = 0;  // [1] part of clear medium, by volume: 0 as from the tube, 0.9 a glaze
 
     static constexpr std::string_view name = "paint";

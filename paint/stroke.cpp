@@ -184,6 +184,8 @@ void Stroke::relax(const Dab& last) {
     rates.yield_mm *= part_of_yield;
     rates.pit_mm *= part_of_yield;
     rates.bulge_mm *= part_of_yield;
+    // Films do not run off the crests of a weave: their rate falls with the cube of the thickness.
+    rates.stay_mm = rates.still_mm;
     for (int i = 0; i < steps; ++i) push(step, rates, {}, scratch_);
     window.store(canvas_);
 }

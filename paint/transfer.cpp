@@ -42,9 +42,9 @@ struct RowMotion {
     float vy, turn;  // [pixels] across it at its first pixel, and what is added from pixel to pixel
 };
 
-// [mm] What flows to a neighbour that is `drop` lower. Paint flows down steps that are too steep; surface
-// tension rounds off what bulges too much, and fills what lies below both neighbours, `beyond` being how much
-// higher than here the pixel behind it is.
+// [mm] What flows to a neighbour that is `drop` lower, `w` being what can flow at all. Paint flows down steps
+// that are too steep; surface tension rounds off what bulges too much, and fills what lies below both
+// neighbours, `beyond` being how much higher than here the pixel behind it is.
 TP_INLINE float downhill(const TransferRates& r, float yield_mm, float w, float mobile, float bulge,
                          float drop, float beyond) {
     const float pit = std::min(drop, drop + beyond) - r.pit_mm;
@@ -59,7 +59,7 @@ void outflow_row(int n, const TransferRates& rates, const RowMotion& m, const Br
                  std::size_t stride, const Outflow& out) {
     const TransferRates r = rates;  // a copy, which nothing that is written can change
     const float film = r.film_mm, push = r.push, spread = r.spread, most_bulge = r.bulge_mm,
-                still = r.still_mm, yield = r.yield_mm;
+                still = r.still_mm, stay = r.stay_mm, yield = r.yield_mm;
     float* __restrict left = out.left, * __restrict right = out.right, * __restrict up = out.up, * __restrict down = out.down, * __restrict ahead = out.ahead;
     const float *b_up = underside - underside_stride, *b_down = underside + underside_stride;
     const float *t_up = top - top_stride, *t_down = top + top_stride, *t_up2 = t_up - top_stride,
@@ -77,17 +77,18 @@ void outflow_row(int n, const TransferRates& rates, const RowMotion& m, const Br
         const float lying = total[x], w = open[x] > 0 ? lying : 0.0f, part = 1 / (w + kTiny), here = top[x];
         const float to_l = here - top[x - 1], to_r = here - top[x + 1], to_u = here - t_up[x],
                     to_d = here - t_down[x];
-        const float bulge = std::min(0.5f * (to_l + to_r + to_u + to_d) - most_bulge, w);
+        const float flowing = std::max(w - stay, 0.0f);
+        const float bulge = std::min(0.5f * (to_l + to_r + to_u + to_d) - most_bulge, flowing);
         const float mobile = std::max(w - still, 0.0f);
         // What it holds is the slope, whichever way it goes: along either axis the less, the steeper the
         // other.
         const float yield_x = std::max(yield - kOctagon * std::max(to_u, to_d), kDiagonal * yield);
         const float yield_y = std::max(yield - kOctagon * std::max(to_l, to_r), kDiagonal * yield);
         const float along_x = std::min(yield_x, yield), along_y = std::min(yield_y, yield);
-        float l = downhill(r, along_x, w, mobile, bulge, to_l, top[x - 2] - here) * part;
-        float rr = downhill(r, along_x, w, mobile, bulge, to_r, top[x + 2] - here) * part;
-        float u = downhill(r, along_y, w, mobile, bulge, to_u, t_up2[x] - here) * part;
-        float d = downhill(r, along_y, w, mobile, bulge, to_d, t_down2[x] - here) * part;
+        float l = downhill(r, along_x, flowing, mobile, bulge, to_l, top[x - 2] - here) * part;
+        float rr = downhill(r, along_x, flowing, mobile, bulge, to_r, top[x + 2] - here) * part;
+        float u = downhill(r, along_y, flowing, mobile, bulge, to_u, t_up2[x] - here) * part;
+        float d = downhill(r, along_y, flowing, mobile, bulge, to_d, t_down2[x] - here) * part;
         // What the bristles push: along the motion, and to where they press less.
         const float excess = std::min(std::max(here - underside[x], 0.0f), std::max(w - film, 0.0f));
         // What they squeeze out: the faster the nearer it is to where the pressure ends, and no further.

@@ -38,6 +38,7 @@ struct TransferRates {
     // steps down to the four neighbours.
     float pit_mm = 1e9f, bulge_mm = 1e9f;
     float still_mm = 0;  // [mm] thickness of which paint does not flow into pits while a brush passes
+    float stay_mm = 0;   // [mm] thickness of which paint does not flow at all, however steep it lies
 };
 
 // Columns begin <= x < end of a row.

@@ -139,7 +139,11 @@ TEST(CliReplay, RefusesWhatIsWrongAndLeavesNothing) {
     refused(tangipaint({"replay", f.path("gone.exr"), journal, "--out", f.path("a.exr")}), 1,
             {"gone.exr: no such file"});
     refused(tangipaint({"replay", "--substrate", "linen", journal, "--out", journal}), 1,
-            {"a.jsonl", "overwrite"});
+            {"--out", "a.jsonl", "overwrite"});
+    for (const char* flag : {"--board", "--video"})
+        refused(
+            tangipaint({"replay", "--substrate", "linen", journal, "--out", f.path("a.exr"), flag, journal}),
+            1, {std::string(flag) + " " + journal, "overwrite"});
     refused(
         tangipaint({"replay", "--substrate", "linen", "--pixel-mm", "0", journal, "--out", f.path("a.exr")}),
         2, {"--pixel-mm"});

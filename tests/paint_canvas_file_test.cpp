@@ -154,5 +154,28 @@ TEST(CanvasFile, ErrorsNameFileAndPart) {
     EXPECT_THAT(error_of([&] { read_canvas(dir / "cut.exr"); }), HasSubstr("cut.exr"));
 }
 
+// A pixel of unknown size counts as one mm: what was painted so is not made another size later.
+TEST(CanvasFile, AScaleThatWasTakenStays) {
+    const TestDir dir;
+    auto surface = flat_surface(20, 10);
+    surface->scale_known = false;
+    surface->mm_per_pixel = 1;
+    Canvas canvas{std::shared_ptr<const Surface>(surface)};
+    add_paint(canvas, "Titanium White");
+    write_canvas(dir / "a.exr", canvas);
+    EXPECT_EQ(read_canvas(dir / "a.exr").mm_per_pixel(), 1);
+    EXPECT_EQ(read_canvas(dir / "a.exr", {}, 1).mm_per_pixel(), 1);
+    EXPECT_THAT(error_of([&] { read_canvas(dir / "a.exr", {}, 0.5); }),
+                AllOf(HasSubstr("a.exr"), HasSubstr("of 1 mm, not 0.5 mm"), HasSubstr("--mm-per-pixel")));
+}
+
+TEST(CanvasFile, KeepsThePartThatIsMedium) {
+    const TestDir dir;
+    Canvas canvas = flat_canvas(20, 10);
+    canvas.add(finished(artist_acrylics().at("Ultramarine Blue"), {.medium = 0.9}));
+    write_canvas(dir / "a.exr", canvas);
+    EXPECT_NEAR(read_canvas(dir / "a.exr").ingredients().at(0).medium, 0.9, 1e-6);
+}
+
 }  // namespace
 }  // namespace tangi

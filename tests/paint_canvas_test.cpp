@@ -145,5 +145,38 @@ TEST(Canvas, TellsWhatChangedOfWhichTile) {
     EXPECT_LT(canvas.bytes(), 100000u);  // one tile of one ingredient
 }
 
+TEST(Canvas, VolumesByNameCountMediumByItselfAndTellPaintsOfOneNameApart) {
+    const Pigment blue = artist_acrylics().at("Ultramarine Blue");
+    Pigment matt = finished(blue, {.roughness = 0.5}), other = artist_acrylics().at("Titanium White");
+    other.name = blue.name;
+    const std::vector<Pigment> paints = {blue, finished(blue, {.medium = 0.75}), matt, other,
+                                         artist_acrylics().at("Bone Black")};
+    const auto volumes = volumes_by_name(paints, {1, 8, 3, 5, 0});
+    ASSERT_EQ(volumes.size(), 3u);  // nothing of black
+    EXPECT_NEAR(volumes.at("Ultramarine Blue"), 1 + 2 + 3, 1e-5);
+    EXPECT_NEAR(volumes.at("clear medium"), 6, 1e-5);
+    EXPECT_EQ(volumes.at("Ultramarine Blue (2)"), 5);
+}
+
+TEST(Canvas, LayersAreNotCalledWetOrDry) {
+    Canvas canvas = flat_canvas();
+    const auto white = add_paint(canvas, "Titanium White");
+    Brush brush(even_brush(), kTestPixel, 1);
+    brush.load({{white, 1}}, 1);
+    stroke(canvas, brush, {-8, 0}, {8, 0});
+    EXPECT_EQ(dry(canvas, "wet", {}, 0.5), "wet 2");
+    EXPECT_EQ(dry(canvas, "dry"), "dry 2");
+}
+
+TEST(Canvas, WhatAnEraserLeavesIsNoLayer) {
+    Canvas canvas = flat_canvas();
+    const auto white = add_paint(canvas, "Titanium White");
+    PaintTile& tile = canvas.writable_wet().writable({0, 0});
+    tile.writable_plane(white)[100] = 1e-9f;
+    tile.thickness_mm[100] = 1e-9f;
+    EXPECT_EQ(dry(canvas, "ghost"), "");
+    EXPECT_TRUE(canvas.dried().empty());
+}
+
 }  // namespace
 }  // namespace tangi

@@ -156,6 +156,7 @@ TEST(Journal, ErrorsNameFileAndLine) {
     EXPECT_THAT(error(kHeader + "{\"event\": \"stroke\", \"start\": \"wet\"}\n"), HasSubstr("'start'"));
     EXPECT_THAT(error(kHeader + "{\"event\": \"stroke\", \"brush\": {\"sise\": 1}}\n"), HasSubstr("'sise'"));
     EXPECT_THAT(error(kHeader + "{\"event\": \"dry\"}\n"), HasSubstr("'layer'"));
+    EXPECT_THAT(error(kHeader + "{\"event\": \"dry\", \"layer\": \"a\\nb\"}\n"), HasSubstr("one line"));
     const auto dry = [&](const std::string& part) {
         return error(kHeader + "{\"event\": \"dry\", \"layer\": \"a\", " + part + "}\n");
     };

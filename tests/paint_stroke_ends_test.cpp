@@ -6,6 +6,7 @@
 
 #include "paint/press_out.h"
 #include "paint/stroke.h"
+#include "paint/substrate.h"
 #include "tests/paint_support.h"
 
 namespace tangi {
@@ -127,6 +128,42 @@ TEST(StrokeEnds, ThinPaintLiesInStreaks) {
                 across += std::pow(mm(x, y + 1) + mm(x, y - 1) - 2 * mm(x, y), 2);
             }
         EXPECT_LT(std::sqrt(along / across), 0.5) << preset;
+    }
+}
+
+// Where a brush is lifted, thin paint stays on the crests of a weave, as along the stroke: it does not run
+// off into outlines around them.
+TEST(StrokeEnds, ThinPaintStaysOnTheCrests) {
+    for (const double pixel : {0.1, 0.2}) {
+        const auto ground = std::make_shared<const Surface>(
+            make_substrate(SubstrateKind::canvas, {.width_mm = 44, .height_mm = 16, .pixel_mm = pixel}));
+        Canvas canvas(ground);
+        const auto black = add_paint(canvas, "Bone Black");
+        BrushSettings settings = brush_presets().at("flat");
+        settings.size_mm = 10;
+        Brush brush(settings, pixel, 1);
+        brush.load({{black, 1}}, 0.1);
+        stroke(canvas, brush, {-17, 0}, {17, 0}, 0.6);
+        const Image<float> mm = thickness_of(canvas);
+        const int rows = static_cast<int>(3.5 / pixel), middle = mm.height() / 2;
+        int end = 0;
+        for (int x = 0; x < mm.width(); ++x)
+            if (mm(x, middle) > 0.001f) end = x;
+        std::vector<std::pair<float, float>> of_height;  // relief and paint of the last 1.8 mm
+        for (int y = middle - rows; y < middle + rows; ++y)
+            for (int x = end - static_cast<int>(1.8 / pixel); x < end; ++x)
+                of_height.emplace_back(ground->height_mm(x, y), mm(x, y));
+        std::sort(of_height.begin(), of_height.end());
+        const auto covered = [&](auto from, auto to) {
+            return static_cast<double>(
+                       std::count_if(from, to, [](const auto& p) { return p.second > 0.001f; })) /
+                   static_cast<double>(to - from);
+        };
+        const auto fifth = static_cast<std::ptrdiff_t>(of_height.size() / 5);
+        const double crests = covered(of_height.end() - fifth, of_height.end()),
+                     valleys = covered(of_height.begin(), of_height.begin() + fifth);
+        EXPECT_GT(crests, 0.5) << pixel;
+        EXPECT_GT(crests, valleys + 0.3) << pixel;
     }
 }
 

@@ -93,6 +93,9 @@ TEST(SubstrateChoice, NumbersOutOfRangeAreErrors) {
     EXPECT_THAT(error_of([] { make_substrate(small("velvet")); }),
                 testing::AllOf(HasSubstr("velvet"), HasSubstr("linen")));
     EXPECT_THAT(error_of([] { make_substrate(small("none.png")); }), HasSubstr("none.png"));
+    SubstrateChoice kept = small("panel");
+    kept.keep_as = "mine.PNG";
+    EXPECT_THAT(error_of([&] { make_substrate(kept); }), HasSubstr("leave its ending out"));
 }
 
 TEST(SubstrateChoice, APaintingsDryLayerIsTakenAsItIs) {

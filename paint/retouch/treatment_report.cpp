@@ -202,9 +202,7 @@ void measures(ReportMatter& m) {
         for (const DriedLayer& dried : m.canvas.dried()) {
             if (dried.name != layer.name) continue;
             const auto volumes = volumes_mm3(dried.paint, m.canvas.ingredients().size(), t.mm_per_pixel());
-            std::map<std::string, double> by_name;  // of one paint brought to several glosses, all of it
-            for (std::size_t i = 0; i < volumes.size(); ++i)
-                if (volumes[i] > 0) by_name[m.canvas.ingredients()[i].name] += volumes[i];
+            const auto by_name = volumes_by_name(m.canvas.ingredients(), volumes);
             const OnOriginal beside = on_original(dried.paint, m.belongs, t.mm_per_pixel());
             const bool varnish =
                 layer.role == LayerRole::varnish || layer.role == LayerRole::isolating_varnish;

@@ -140,14 +140,9 @@ json retouch_step(Treatment& treatment, Canvas& canvas, const StepArea& area, Tr
     for (const auto& [added, role] : step.added) {
         const auto layer = std::find_if(canvas.dried().begin(), canvas.dried().end(),
                                         [&added = added](const DriedLayer& l) { return l.name == added; });
-        json paints = json::object();
         const auto volumes = volumes_mm3(layer->paint, canvas.ingredients().size(), canvas.mm_per_pixel());
-        for (std::size_t i = 0; i < volumes.size(); ++i)
-            if (volumes[i] > 0) {
-                json& of_name = paints[canvas.ingredients()[i].name];
-                of_name = (of_name.is_null() ? 0 : of_name.get<double>()) + volumes[i];
-            }
-        json one = in_known_units({{"layer", added}, {"volumes_mm3", paints}}, treatment);
+        json one = in_known_units(
+            {{"layer", added}, {"volumes_mm3", volumes_by_name(canvas.ingredients(), volumes)}}, treatment);
         one.update(area_of_step(treatment, area_of(additions(layer->paint), treatment.mm_per_pixel()).mm2));
         count_beside(one, treatment, *layer, area.mask);
         if (const auto said = one.find("warnings"); said != one.end()) {
