@@ -49,7 +49,7 @@ private:
 
 // Throws Error where `output` is a file that a treatment keeps, or would be: its log would no longer be true.
 void refuse_in_treatment(const std::filesystem::path& output);
-// Throws Error, naming the flag --out, where writing `output` would replace one of `inputs`: photographs
+// Throws Error, naming the flag, where writing `output` would replace one of `inputs`: photographs
 // cannot be taken again; and where a treatment keeps it.
 void refuse_to_overwrite(const std::filesystem::path& output,
                          const std::vector<std::filesystem::path>& inputs, std::string_view flag = "--out");

@@ -18,11 +18,10 @@ constexpr std::array kHazes = {0.3, 0.6, 0.85};
 constexpr std::array kRoughnesses = {0.15, 0.3, 0.5, 0.8};
 // [sigma] Most varnish and oil paint has haze, all else is rarer.
 constexpr double kSureOfHaze = 1, kSure = 2;
-// [1] Of the pixels, what haze must predict better: it also stands in for lobes that are drawn out (half
+// Haze must predict most of the pixels better: it also stands in for lobes that are drawn out (half
 // brushed metal, half paint without haze: 0.3, 0.06 where single pixels tell how they are drawn out; impasto,
 // whose paint is hazy: 0.78 and 0.76). Rough reflection need not: of coin it serves the relief only, 0.43 of
 // the pixels, but held-out photographs gain 2 dB by it.
-constexpr double kPixels = 0.5;
 constexpr double kFewestMarked = 0.01;  // [1] of the sample: a few pixels are noise
 constexpr double kWorth = 0.1;  // [dB] of gain at least: as with lamps, what gains less is left as it is
 // [dB] Diffuse roughness is rarer than haze, and a little of it also takes up what one pixel's lobe leaves
@@ -53,9 +52,9 @@ Prediction left_out(const LightSample& sample, const Lighting& lighting, const R
             if (i % kFolds != fold) used.push_back(i);
         const std::vector<WardEstimate> estimates = sample.fit(used, subset(lighting, used), law);
         for (int i = fold; i < photos; i += kFolds) {
-            const Lighting lamp = subset(lighting, {i});
-            result.db[static_cast<std::size_t>(i)] = sample.psnr_db(estimates, i, lamp, law);
-            result.pixels.add(sample.squared_errors(estimates, i, lamp, law), noise);
+            const auto errors = sample.squared_errors(estimates, i, subset(lighting, {i}), law);
+            result.db[static_cast<std::size_t>(i)] = sample.psnr_db(errors, lighting.white_level);
+            result.pixels.add(errors, noise);
         }
     }
     return result;
@@ -137,10 +136,13 @@ LobeTrial try_lobes(const LightSample& sample, const Lighting& lighting, const R
         const LobeFits fits = fit(used, subset(lighting, used));
         trial.part += fits.part() / kFolds;
         for (int i = fold; i < photos && !fits.known.empty(); i += kFolds) {
-            trial.plain_db.push_back(sample.psnr_db(fits.plain, i, subset(lighting, {i}), law, fits.marked));
-            trial.known_db.push_back(sample.psnr_db(fits.known, i, subset(lighting, {i}), law, fits.marked));
-            trial.whole_db.push_back(sample.psnr_db(fits.known, i, subset(lighting, {i}), law));
-            trial.pixels.add(sample.squared_errors(fits.known, i, subset(lighting, {i}), law), noise);
+            const Lighting lamp = subset(lighting, {i});
+            const auto plain = sample.squared_errors(fits.plain, i, lamp, law),
+                       known = sample.squared_errors(fits.known, i, lamp, law);
+            trial.plain_db.push_back(sample.psnr_db(plain, lighting.white_level, fits.marked));
+            trial.known_db.push_back(sample.psnr_db(known, lighting.white_level, fits.marked));
+            trial.whole_db.push_back(sample.psnr_db(known, lighting.white_level));
+            trial.pixels.add(known, noise);
         }
     }
     return trial;
@@ -199,7 +201,7 @@ LawChoice choose_law(const LightSample& sample, const Lighting& lighting, const 
         best = std::move(least->second);
         choice.law = least->first;
     };
-    search(&ReflectanceLaw::haze, kHazes, kSureOfHaze, kWorth, kPixels);
+    search(&ReflectanceLaw::haze, kHazes, kSureOfHaze, kWorth, kMostPixels);
     if (!diffuse_roughness)
         search(&ReflectanceLaw::diffuse_roughness, kRoughnesses, kSure, kWorthOfRoughness, 0);
     report(progress, "reflectance", 1);
@@ -263,7 +265,7 @@ void choose_stretches(const LightSample& sample, const Lighting& lighting, bool 
     const LawChoice::Stretches stretches = summary_of(sample, lighting, without);
     const WithNoise with_noise{sample, lighting};
     const bool hazy = with_noise.is_better(trial.whole_db, without.whole_db, kSureOfHaze) &&
-                      trial.pixels.part_better_than(without.pixels) > kPixels;
+                      trial.pixels.part_better_than(without.pixels) > kMostPixels;
     if (!stretches.chosen || hazy) return;
     choice.stretches = stretches;
     choice.law = sharp;

@@ -25,7 +25,6 @@ constexpr double kGainsWorth_db = 0.75;
 // Or so many pixels, where metal outweighs all others in a photograph (generated gold beside paint, lamps
 // twice apart: 0.82, 2.2 dB).
 constexpr PixelWorth kGainsWorth{0.8, 1};
-constexpr double kMostPixels = 0.5;  // [1]
 // [dB] Likewise by beams of their own, five unknowns a lamp, and then lamps that no photograph had must not
 // be predicted any worse (fresco lost 0.8 dB where 0.1 was let pass).
 constexpr double kBeamsWorth_db = 1.5;

@@ -185,17 +185,16 @@ std::vector<double> LightSample::squared_errors(const std::vector<WardEstimate>&
     return errors;
 }
 
-double LightSample::psnr_db(const std::vector<WardEstimate>& estimates, int photo, const Lighting& lighting,
-                            const ReflectanceLaw& law, const std::vector<bool>& marked) const {
-    const std::vector<double> errors = squared_errors(estimates, photo, lighting, law);
+double LightSample::psnr_db(const std::vector<double>& squared_errors, double white_level,
+                            const std::vector<bool>& marked) const {
     double squares = 0;
     long count = 0;
-    for (std::size_t k = 0; k < errors.size(); ++k) {
-        if (std::isnan(errors[k]) || !(marked.empty() || marked[k])) continue;
-        squares += errors[k];
+    for (std::size_t k = 0; k < squared_errors.size(); ++k) {
+        if (std::isnan(squared_errors[k]) || !(marked.empty() || marked[k])) continue;
+        squares += squared_errors[k];
         ++count;
     }
-    const double white = transfer_.encode(static_cast<float>(lighting.white_level));
+    const double white = transfer_.encode(static_cast<float>(white_level));
     // Of photographs that are dark as a whole, a thousandth of white would be a large part.
     const double best_db = kBestDb - 20 * std::log10(std::clamp(bright_ / white, 1e-3, 1.0));
     if (count == 0 || squares <= 0) return best_db;

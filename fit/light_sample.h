@@ -47,11 +47,11 @@ public:
     std::vector<double> squared_errors(const std::vector<WardEstimate>& estimates, int photo,
                                        const Lighting& lighting, const ReflectanceLaw& law = {}) const;
 
-    // [dB] PSNR of one photograph, predicted under this light; a matt white that faces it is the peak. At
-    // most what a thousandth of bright_stored() leaves: better is no matter. Of the pixels that are marked,
-    // or all.
-    double psnr_db(const std::vector<WardEstimate>& estimates, int photo, const Lighting& lighting,
-                   const ReflectanceLaw& law = {}, const std::vector<bool>& marked = {}) const;
+    // [dB] PSNR of a photograph with these squared_errors(); a matt white that faces its light is the peak.
+    // At most what a thousandth of bright_stored() leaves: better is no matter. Of the pixels that are
+    // marked, or all.
+    double psnr_db(const std::vector<double>& squared_errors, double white_level,
+                   const std::vector<bool>& marked = {}) const;
 
     // [1] What squared_errors() of a perfect prediction are: the noise to expect of a stored value.
     double squared_noise(double white_level) const;

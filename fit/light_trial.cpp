@@ -25,12 +25,12 @@ constexpr double kAsGood = 0.9;
 // 0.1; synth_canvas/varied_1, whose metal is no Ward lobe, gains 1.8 by turns of 7 degrees that are wrong,
 // generated stacks whose lamps are 6 degrees off 6.4).
 constexpr double kOwnWorth_db = 2.5;
-// [1] Part of the pixels that must be explained better, by lamps' strengths and distances, and by what
-// they are turned or aimed otherwise. A lamp lights all of them: what is true of it explains metal and paint
-// better alike (generated stacks: 0.62 to 1.00 of the pixels), what takes up that metal is no Ward lobe
+// [1] Part of the pixels that must be explained better by what lamps are turned or aimed otherwise; by their
+// strengths and distances most of them. A lamp lights all of them: what is true of it explains metal and
+// paint better alike (generated stacks: 0.62 to 1.00 of the pixels), what takes up that metal is no Ward lobe
 // worsens the paint beside it (half brushed metal, half paint under lamps that are right: strengths 0.31 to
 // 0.35, directions 0.43 to 0.50).
-constexpr double kPixels = 0.5, kPixelsOfTurned = 0.55;
+constexpr double kPixelsOfTurned = 0.55;
 // What all lamps share is also taken where so many pixels are explained better, the median one by so much:
 // the photographs as a whole, with metal that is no Ward lobe, hardly tell (generated gold beside paint under
 // near lamps and light from all around: 0.78, 1.7 dB; where there is nothing to find: 0.66, 0.2 dB at most).
@@ -175,10 +175,12 @@ FoldResult left_out(const LightSample& sample, const Lighting& given, const Ligh
             light.gain *= static_cast<float>(predicted_gain(*c.lamps, c.lighting.lights, light.direction));
         if (one.rig.lamp_distance_mm) light.position_mm = light.direction * *one.rig.lamp_distance_mm;
         if (c.beams) light.beam = predicted_beam(*c.beams, c.lighting.lights, light.direction);
-        result.photos_db.push_back(sample.psnr_db(estimates, i, one));
+        result.photos_db.push_back(
+            sample.psnr_db(sample.squared_errors(estimates, i, one), given.white_level));
         const Lighting located = sample.located(estimates, i, one, freedom_of(model));
-        result.located_db.push_back(sample.psnr_db(estimates, i, located, {}, sample.others()));
-        result.pixels.add(sample.squared_errors(estimates, i, located), noise, sample.others());
+        const std::vector<double> errors = sample.squared_errors(estimates, i, located);
+        result.located_db.push_back(sample.psnr_db(errors, given.white_level, sample.others()));
+        result.pixels.add(errors, noise, sample.others());
     }
     return result;
 }
@@ -280,7 +282,7 @@ bool explains_better(const LightCalibration::Trial& a, const LightCalibration::T
     const bool turned = a.model.directions != b.model.directions || a.model.beams != b.model.beams;
     return located.median_db - located.sigma_db > explained_db &&
            predicted.median_db > -std::min(predicted.sigma_db, loss_db) &&
-           part > (turned ? kPixelsOfTurned : kPixels);
+           part > (turned ? kPixelsOfTurned : kMostPixels);
 }
 
 bool is_better(const LightCalibration::Trial& a, const LightCalibration::Trial& b, double worth_db) {
@@ -289,7 +291,7 @@ bool is_better(const LightCalibration::Trial& a, const LightCalibration::Trial& 
     const bool turned = a.model.directions != b.model.directions;
     const double part = a.pixels.part_better_than(b.pixels);
     if (predicted.median_db - (turned ? 2 : 1) * predicted.sigma_db > worth_db &&
-        part > (turned ? kPixelsOfTurned : kPixels))
+        part > (turned ? kPixelsOfTurned : kMostPixels))
         return true;
     if (a.model.lamps == LightFreedom::rig && !turned)
         return part > kRigWorth.part && a.pixels.median_gain_db(b.pixels) > kRigWorth.db;

@@ -11,7 +11,6 @@ namespace tangi {
 
 namespace {
 
-constexpr double kVotes = 0.5;            // [1] of the pixels
 constexpr std::size_t kFewestPixels = 20;  // that show a photograph
 
 // How the pixels predict the photograph under a light from this direction; nothing where too few do.
@@ -51,7 +50,7 @@ void take_vote(LightOutliers& outliers, const LightSample& sample, const std::ve
             return scores_of(sample, estimates, odd.photo, direction, lighting, law);
         };
         const auto as_listed = scores(listed[odd.photo].direction), as_shown = scores(odd.shown);
-        return as_listed && as_shown && as_shown->part_better_than(*as_listed) <= kVotes;
+        return as_listed && as_shown && as_shown->part_better_than(*as_listed) <= kMostPixels;
     };
     std::erase_if(outliers.odd, outvoted);
     // An exchange takes two.

@@ -9,6 +9,8 @@
 
 namespace tangi {
 
+inline constexpr double kMostPixels = 0.5;  // [1] part that is most of them, to be exceeded
+
 class PixelScores {
 public:
     // One more photograph: squared errors [1], NaN where there is none; `noise` [1] is the square that is to

@@ -12,6 +12,18 @@ namespace {
 constexpr int kSize = PaintTile::kSize;
 constexpr float kDust_mm = 1e-6f;  // thinner paint is none: what rounding leaves where an eraser was
 
+// The same paint, whatever its gloss, and with medium or without.
+bool same_paint(const Pigment& a, const Pigment& b) {
+    const auto near = [&](const Spectrum& of_a, const Spectrum& of_b) {
+        for (std::size_t band = 0; band < kBands; ++band) {
+            const float full_a = of_a[band] / (1 - a.medium), full_b = of_b[band] / (1 - b.medium);
+            if (std::abs(full_a - full_b) > 1e-3f * std::max(full_a, full_b)) return false;
+        }
+        return true;
+    };
+    return near(a.k, b.k) && near(a.s, b.s);
+}
+
 }  // namespace
 
 bool same_scale(double a_mm, double b_mm) { return static_cast<float>(a_mm) == static_cast<float>(b_mm); }
@@ -91,40 +103,20 @@ std::size_t Canvas::bytes() const {
     return sum;
 }
 
-namespace {
-
-// The same paint, whatever its gloss, and with medium or without.
-bool same_paint(const Pigment& a, const Pigment& b) {
-    const auto near = [&](const Spectrum& of_a, const Spectrum& of_b) {
-        for (std::size_t band = 0; band < kBands; ++band) {
-            const float full_a = of_a[band] / (1 - a.medium), full_b = of_b[band] / (1 - b.medium);
-            if (std::abs(full_a - full_b) > 1e-3f * std::max(full_a, full_b)) return false;
-        }
-        return true;
-    };
-    return near(a.k, b.k) && near(a.s, b.s);
-}
-
-}  // namespace
-
 std::map<std::string, double> volumes_by_name(const std::vector<Pigment>& ingredients,
                                               const std::vector<double>& mm3) {
     TP_REQUIRE(mm3.size() <= ingredients.size(), "volumes of these ingredients");
     std::map<std::string, double> sums;
+    std::map<std::string, std::vector<const Pigment*>> known;  // different paints of a name
     for (std::size_t i = 0; i < mm3.size(); ++i) {
-        if (!(mm3[i] > 0)) continue;
         const Pigment& paint = ingredients[i];
-        std::vector<const Pigment*> others;  // of this name: the first of each paint, down to this one
-        for (std::size_t k = 0; k <= i; ++k)
-            if (ingredients[k].name == paint.name && std::ranges::none_of(others, [&](const Pigment* p) {
-                    return same_paint(*p, ingredients[k]);
-                }))
-                others.push_back(&ingredients[k]);
-        const auto number =
-            std::ranges::find_if(others, [&](const Pigment* p) { return same_paint(*p, paint); }) -
-            others.begin();
+        std::vector<const Pigment*>& others = known[paint.name];
+        const auto found = std::ranges::find_if(others, [&](const auto* p) { return same_paint(*p, paint); });
+        const auto before = found - others.begin();
+        if (found == others.end()) others.push_back(&paint);
+        if (!(mm3[i] > 0)) continue;
         const auto medium = static_cast<double>(paint.medium);
-        sums[number == 0 ? paint.name : fmt::format("{} ({})", paint.name, number + 1)] +=
+        sums[before == 0 ? paint.name : fmt::format("{} ({})", paint.name, before + 1)] +=
             (1 - medium) * mm3[i];
         if (medium > 0) sums[kClearMedium] += medium * mm3[i];
     }
@@ -194,7 +186,12 @@ std::string dry(Canvas& canvas, const std::string& name, const CanvasPart& where
                 if (x1 > x0) runs.emplace_back(first, first + static_cast<std::size_t>(x1 - x0));
             }
         const auto& thickness = canvas.wet().tile(at)->thickness_mm;
-        if (runs.empty() || std::ranges::none_of(thickness, [](float mm) { return mm > kDust_mm; })) continue;
+        const bool lies = std::ranges::any_of(runs, [&](const auto& run) {
+            return std::any_of(thickness.begin() + static_cast<std::ptrdiff_t>(run.first),
+                               thickness.begin() + static_cast<std::ptrdiff_t>(run.second),
+                               [](float mm) { return mm > kDust_mm; });
+        });
+        if (!lies) continue;
         if (!dried) {
             layers.push_back({free_layer_name(canvas, name), PaintLayer(canvas.width(), canvas.height())});
             dried = &layers.back().paint;

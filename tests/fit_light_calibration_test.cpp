@@ -8,7 +8,7 @@
 
 #include "datasets/generator.h"
 #include "fit/fit_painting.h"
-#include "surface/median.h"
+#include "lamp_errors.h"
 #include "surface/parallel.h"
 #include "surface/photography_json.h"
 #include "test_support.h"
@@ -45,19 +45,14 @@ struct GainErrors {
     double rms_in_sigmas = 0;    // of the errors, in units of what is stated
 };
 GainErrors gain_errors(const LightCalibration& found, const Photography& truth) {
-    std::vector<double> ratios;
-    for (const Light& light : found.lighting.lights)
-        for (const Photography::Photo& photo : truth.photos)
-            if (photo.light.name == light.name) ratios.push_back(light.gain.g / photo.light.gain.g);
-    EXPECT_EQ(ratios.size(), found.lighting.lights.size());
-    const double scale = median(ratios);
+    const std::vector<double> of_lamps = errors_of_gains(found, truth);
+    const auto count = static_cast<double>(of_lamps.size());
     GainErrors errors;
-    EXPECT_EQ(found.gain_sigma.size(), ratios.size());
-    for (std::size_t i = 0; i < ratios.size(); ++i) {
-        const double error = std::abs(ratios[i] / scale - 1);
-        errors.mean += error / static_cast<double>(ratios.size());
-        errors.worst = std::max(errors.worst, error);
-        errors.rms_in_sigmas += std::pow(error / found.gain_sigma[i], 2) / static_cast<double>(ratios.size());
+    EXPECT_EQ(found.gain_sigma.size(), of_lamps.size());
+    for (std::size_t i = 0; i < of_lamps.size(); ++i) {
+        errors.mean += of_lamps[i] / count;
+        errors.worst = std::max(errors.worst, of_lamps[i]);
+        errors.rms_in_sigmas += std::pow(of_lamps[i] / found.gain_sigma[i], 2) / count;
     }
     errors.rms_in_sigmas = std::sqrt(errors.rms_in_sigmas);
     return errors;

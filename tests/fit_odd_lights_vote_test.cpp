@@ -23,7 +23,8 @@ std::vector<std::size_t> photos_of(const LightOutliers& outliers) {
 
 TEST(OddLightsVote, GoldThatWasBrushedMakesNoLightOddAndHidesNone) {
     const TestDir folder;
-    PaintingOptions options{.width = 120, .height = 120, .mm_per_pixel = 0.4, .gilding = true, .brushed = 0.6};
+    PaintingOptions options{
+        .width = 120, .height = 120, .mm_per_pixel = 0.4, .gilding = true, .brushed = 0.6};
     write_stack(folder.path(), procedural_painting(options), {.lights = 32, .held_out = 0});
     Stack stack = open_stack(folder.path(), {.transfer = Transfer{}});
     const FitOptions quick{.register_photos = false, .refine = false};

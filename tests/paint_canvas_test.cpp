@@ -175,7 +175,12 @@ TEST(Canvas, WhatAnEraserLeavesIsNoLayer) {
     tile.writable_plane(white)[100] = 1e-9f;
     tile.thickness_mm[100] = 1e-9f;
     EXPECT_EQ(dry(canvas, "ghost"), "");
+    // Nor is a part of a tile where there is none.
+    tile.writable_plane(white)[20 * PaintTile::kSize] = 0.1f;
+    tile.thickness_mm[20 * PaintTile::kSize] = 0.1f;
+    EXPECT_EQ(dry(canvas, "ghost", CirclePart{{0, 0}, 1}), "");
     EXPECT_TRUE(canvas.dried().empty());
+    EXPECT_EQ(dry(canvas, "all"), "all");
 }
 
 }  // namespace

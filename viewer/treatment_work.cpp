@@ -9,7 +9,6 @@
 #include "paint/retouch/treatment_picture.h"
 #include "paint/retouch/treatment_report.h"
 #include "surface/error.h"
-#include "viewer/scene_picture.h"
 #include "viewer/treatment_desk.h"
 
 namespace tangi {
