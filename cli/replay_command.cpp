@@ -45,6 +45,8 @@ nlohmann::json run_replay(const ReplayArguments& a) {
     a.substrate.refuse_useless();
     a.frames.refuse_useless();
     const std::string& strokes = a.files.back();
+    if (lower_extension(strokes) == ".exr")
+        throw UsageError(fmt::format("{}: is a painting; the journal of strokes comes last", strokes));
     std::vector<fs::path> inputs(a.files.begin(), a.files.end());
     for (const std::string& file : {a.palette, a.brushes})
         if (!file.empty()) inputs.emplace_back(file);
@@ -70,7 +72,7 @@ nlohmann::json run_replay(const ReplayArguments& a) {
     std::optional<TimeLapse> frames;
     if (a.frames.given()) frames.emplace(a.frames, journal, session);
     for (std::string& warning : replay(session, journal, progress)) warnings.push_back(std::move(warning));
-    if (frames) frames->finish();
+    if (frames) frames->complete();
     const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
     const Canvas& canvas = session.canvas();
     std::vector<PartToWrite> further;  // goes with the dry layer, which painting does not change
@@ -80,8 +82,12 @@ nlohmann::json run_replay(const ReplayArguments& a) {
             "--board {}: is not written: nothing was done on the palette, so there is none", a.board));
         board.reset();
     }
-    write_canvas(out, canvas, progress, with_tools(std::move(further), session));
-    if (board) write_canvas(*board, *session.board(), progress);
+    // What a run makes belongs together: all of it is written before any of it takes its place.
+    fill_canvas(out, canvas, progress, with_tools(std::move(further), session));
+    if (board) fill_canvas(*board, *session.board(), progress, {});
+    if (frames) frames->place();
+    if (board) board->commit();
+    out.commit();
 
     nlohmann::json layers = nlohmann::json::array();
     for (const DriedLayer& layer : canvas.dried()) layers.push_back(layer.name);

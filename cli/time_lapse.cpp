@@ -77,9 +77,13 @@ TimeLapse::TimeLapse(const TimeLapseArguments& a, const Journal& journal, Sessio
     });
 }
 
-void TimeLapse::finish() {
+void TimeLapse::complete() {
     write();
-    for (const auto& film : films_) film->finish();
+    for (const auto& film : films_) film->complete();
+}
+
+void TimeLapse::place() {
+    for (const auto& film : films_) film->place();
 }
 
 void TimeLapse::write() {

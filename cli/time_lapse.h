@@ -34,7 +34,8 @@ public:
     TimeLapse(const TimeLapse&) = delete;  // the session looks here
     TimeLapse& operator=(const TimeLapse&) = delete;
 
-    void finish();  // the finished painting
+    void complete();  // with the finished painting; all is written, under temporary names
+    void place();
     int frames() const { return frames_; }
 
 private:

@@ -215,7 +215,14 @@ std::map<std::string, BrushSettings> read_brush_presets(const std::filesystem::p
     if (!json.contains("brushes") || !json["brushes"].is_object())
         fail("{}: has no object \"brushes\"", path.string());
     auto presets = brush_presets();
+    for (const auto& [key, value] : json.items())
+        if (warnings && key != "format" && key != "version" && key != "brushes")
+            warnings->push_back(fmt::format(
+                "{}: '{}' is not a field of a file of brushes, and is not looked at; brushes are in "
+                "\"brushes\"",
+                path.string(), shortened(key)));
     for (const auto& [key, value] : json["brushes"].items()) {
+        if (key.empty()) fail("{}: a brush in it has no name; strokes call it by one", path.string());
         if (warnings && presets.contains(key))
             warnings->push_back(
                 fmt::format("{}: its brush '{}' takes the place of the preset of that name; strokes that "

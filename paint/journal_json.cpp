@@ -63,6 +63,8 @@ BrushStart start_of(const json* value, const std::string& where) {
     fail("{}: 'start' is {}, not clean, dirty or same", where, shown(*value));
 }
 
+constexpr double kMostParts = 1e6;  // of one paint beside one of another
+
 PaintParts paint_from(Fields& fields, const std::string& where) {
     PaintParts parts;
     const json* paint = fields.find("paint");
@@ -70,9 +72,9 @@ PaintParts paint_from(Fields& fields, const std::string& where) {
     if (!paint->is_object())
         fail("{}: 'paint' is {}, not an object of names and parts", where, shown(*paint));
     for (const auto& [name, part] : paint->items()) {
-        if (!part.is_number() || !(part.get<double>() > 0) || !(part.get<double>() <= 1e6))
-            fail("{}: 'paint' has {} parts of {}; a part is a number above 0", where, shown(part),
-                 shortened(name));
+        if (!part.is_number() || !(part.get<double>() > 0) || !(part.get<double>() <= kMostParts))
+            fail("{}: 'paint' has {} parts of {}; a part is a number above 0, {} at most", where, shown(part),
+                 shortened(name), kMostParts);
         parts.emplace_back(name, part.get<double>());
     }
     return parts;

@@ -242,8 +242,8 @@ const Pigment& Palette::at(std::string_view paint) const {
     if (index >= 0) return paints[static_cast<std::size_t>(index)];
     std::vector<std::string> names;
     for (const Pigment& pigment : paints) names.push_back(pigment.name);
-    fail("palette '{}' has no paint '{}'; it has: {}", shortened(name), shortened(paint),
-         shortened(fmt::format("{}", fmt::join(names, ", ")), 2000));
+    fail("palette '{}' has no paint '{}'; name one that it has, or give a palette that has it: {}",
+         shortened(name), shortened(paint), shortened(fmt::format("{}", fmt::join(names, ", ")), 2000));
 }
 
 Palette parse_palette(std::string_view text, const std::string& where) {

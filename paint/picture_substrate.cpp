@@ -32,8 +32,8 @@ Surface substrate_of_picture(const Image<Rgb>& linear, const Image<float>& relie
     if (least < 8 || most > 65536)
         fail("a picture of {} x {} pixels is no support: 8 to 65536 a side", linear.width(), linear.height());
     if (!relief.empty() && relief.region() != linear.region())
-        fail("the relief is {} x {}, but the picture is {} x {}", relief.width(), relief.height(),
-             linear.width(), linear.height());
+        fail("the relief is {} x {} pixels, but the picture is {} x {}; give a relief of its size",
+             relief.width(), relief.height(), linear.width(), linear.height());
     Surface surface(linear.width(), linear.height());
     surface.mm_per_pixel = kept_scale_mm(options.pixel_mm);
     surface.scale_known = true;

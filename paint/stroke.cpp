@@ -75,7 +75,11 @@ Stroke::Knot Stroke::knot_of(const StrokePoint& p) {
     knot.at = {p.x_mm / mm + (canvas_.width() - 1) / 2.0, (canvas_.height() - 1) / 2.0 - p.y_mm / mm};
     // A point far away is a mistake, and the way to it would take for ever.
     const double far = 4.0 * (canvas_.width() + canvas_.height()) + 4000;
-    if (length(knot.at) > far) fail("the point ({}, {}) mm is far from the canvas", p.x_mm, p.y_mm);
+    if (length(knot.at) > far)
+        fail(
+            "the point ({}, {}) mm is far from the canvas, which is {} x {} mm around (0, 0); places are in "
+            "mm from its middle, y up",
+            p.x_mm, p.y_mm, canvas_.width() * mm, canvas_.height() * mm);
     knot.pressure = std::pow(p.pressure, options_.pressure_gamma);
     knot.tilt_x = p.tilt_x;
     knot.tilt_y = -p.tilt_y;

@@ -65,7 +65,13 @@ Surface made(const SubstrateChoice& choice, const Progress& progress) {
                                         : first_channel(read_picture(choice.height_from));
         PictureSubstrateOptions options = choice.picture;
         options.pixel_mm = choice.piece.pixel_mm;
-        return substrate_of_picture(colour, relief, options);
+        try {
+            return substrate_of_picture(colour, relief, options);
+        } catch (const Error& error) {
+            const bool is_file = choice.height_from != "luminance" && choice.height_from != "none";
+            fail("{}{}: {}", choice.which, is_file ? " with the relief of " + choice.height_from : "",
+                 error.what());
+        }
     }
     if (lower_extension(choice.which) == ".exr") return read_painting(choice.which, progress);
     return read_painting(kept_substrate_file(choice.which), progress);

@@ -78,8 +78,10 @@ BrushInHand read_brush(const fs::path& path, const PartInfo& info, const Canvas&
     // Earlier versions gave a brush that is too small to be resolved a cell or two less.
     const int margin = hand.brush->coverage() < 1 ? std::clamp((size - info.width) / 2, 0, 2) : 0;
     if (info.width != size - 2 * margin || info.height != info.width)
-        fail("{}: part 'brush' is {} x {}, but a brush of these settings is {} x {}", path.string(),
-             info.width, info.height, size, size);
+        fail(
+            "{}: part 'brush' is {} x {}, but a brush of these settings is {} x {}: the file is damaged; "
+            "take a copy from before",
+            path.string(), info.width, info.height, size, size);
     PartInfo volumes = info;
     if (volumes.channels.empty() || volumes.channels.front() != kTotal)
         fail("{}: part 'brush' has no channel 'total'", path.string());

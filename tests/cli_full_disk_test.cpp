@@ -60,6 +60,36 @@ TEST(CliFullDisk, ReportsAndStacksAreWholeOrNot) {
     EXPECT_EQ(leftovers_in(stack.root()), std::vector<std::string>());
 }
 
+// A painting, its palette and its film are of one run: none of them is replaced where one does not fit.
+TEST(CliFullDisk, WhatAReplayMakesIsThereAsAWholeOrNot) {
+    const TinyStack stack;
+    const std::string journal = stack.out("a.jsonl"),
+                      points =
+                          "{\"event\": \"point\", \"t\": 0, \"x\": -3, \"y\": 0}\n"
+                          "{\"event\": \"point\", \"t\": 1, \"x\": 3, \"y\": 0}\n";
+    write_bytes(journal,
+                "{\"format\": \"tangipaint strokes\", \"version\": 1}\n"
+                "{\"event\": \"pile\", \"paint\": {\"Pyrrole Red\": 1}, \"x\": 0, \"y\": 0, \"size_mm\": 8}\n"
+                "{\"event\": \"stroke\", \"on\": \"palette\", \"brush\": {\"size_mm\": 4}}\n" +
+                    points + "{\"event\": \"stroke\", \"brush\": {\"size_mm\": 4}, \"start\": \"same\"}\n" +
+                    points);
+    const std::vector<std::string> made = {stack.out("a.exr"), stack.out("board.exr"), stack.out("film.mp4")};
+    const std::vector<std::string> command = {
+        "replay",     "--substrate", "gesso",          "--width-mm", "20",    "--height-mm", "15",
+        "--pixel-mm", "0.25",        journal,          "--out",      made[0], "--board",     made[1],
+        "--video",    made[2],       "--frames-width", "32"};
+    ASSERT_TRUE(ended(tangipaint(command), 0));
+    std::vector<std::uintmax_t> sizes;
+    for (const std::string& file : made) sizes.push_back(fs::file_size(file));
+    const std::uintmax_t largest = std::ranges::max(sizes);
+    ASSERT_EQ(std::ranges::count(sizes, largest), 1);
+    for (const std::string& file : made) write_bytes(file, "old");
+    const auto before = everything_in(stack.root());
+    EXPECT_TRUE(ended(tangipaint(command, nearly_full(largest - 1)), 1, {": cannot be written"}));
+    for (const std::string& file : made) EXPECT_TRUE(bytes_of(file) == "old") << file;
+    EXPECT_EQ(everything_in(stack.root()), before);
+}
+
 TEST(CliReadOnly, WhereNothingCanBeWrittenIsKnownBeforeTheWork) {
     const TinyStack stack;
     const auto before = everything_in(stack.root());

@@ -209,6 +209,8 @@ TEST(CliReplay, MixesOnThePaletteAndShowsHowItCameIntoBeing) {
     std::filesystem::remove(painting);
     EXPECT_TRUE(ended(f.replay(kHeader + kStroke, {"--board", painting.string()}), 2, {"another name"}));
     EXPECT_TRUE(ended(f.replay(kHeader + kStroke, {"--board", f.path("b.png")}), 1, {"b.png", ".exr"}));
+    EXPECT_TRUE(ended(tangipaint({"replay", f.path("a.jsonl"), f.path("p.exr"), "--out", painting.string()}),
+                      2, {"p.exr: is a painting; the journal of strokes comes last"}));
     EXPECT_FALSE(std::filesystem::exists(painting)) << "nothing is replaced where something is wrong";
     EXPECT_GT(redness(read_picture(f.dir / "frames" / "frame-00004.png")),
               1.5 * redness(read_picture(f.dir / "frames" / "frame-00001.png")));

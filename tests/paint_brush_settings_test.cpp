@@ -59,6 +59,11 @@ TEST(BrushSettings, FilesAddToThePresets) {
     EXPECT_THAT(warnings[0], HasSubstr("b.json: its brush 'round' takes the place of the preset"));
     EXPECT_EQ(presets.at("broom").shape, "fan");
     EXPECT_EQ(presets.size(), brush_presets().size() + 1);
+    write_bytes(dir / "c.json", R"({"format": "tangipaint brushes", "version": 1, "brushes": {},
+                                    "brooms": {"besom": {"size_mm": 60}}})");
+    EXPECT_FALSE(read_brush_presets(dir / "c.json", &warnings).contains("besom"));
+    ASSERT_EQ(warnings.size(), 2u);
+    EXPECT_THAT(warnings[1], AllOf(HasSubstr("c.json: 'brooms' is not"), HasSubstr("\"brushes\"")));
 
     const auto error = [&](const std::string& text) {
         write_bytes(dir / "b.json", text);
@@ -70,6 +75,8 @@ TEST(BrushSettings, FilesAddToThePresets) {
     EXPECT_THAT(error(R"({"format": "tangipaint brushes", "version": 1})"), HasSubstr("\"brushes\""));
     EXPECT_THAT(error(R"({"format": "tangipaint brushes", "version": 1, "brushes": {"x": {"gap_mm": 99}}})"),
                 AllOf(HasSubstr("'x'"), HasSubstr("gap_mm")));
+    EXPECT_THAT(error(R"({"format": "tangipaint brushes", "version": 1, "brushes": {"": {}}})"),
+                AllOf(HasSubstr("b.json"), HasSubstr("no name")));
 }
 
 TEST(BrushSettings, FilesSayNothingTwice) {

@@ -153,6 +153,8 @@ TEST(Journal, ErrorsNameFileAndLine) {
                 HasSubstr("not a number"));
     EXPECT_THAT(error(kHeader + "{\"event\": \"end\", \"now\": 1}\n"), HasSubstr("'now'"));
     EXPECT_THAT(error(kHeader + "{\"event\": \"stroke\", \"paint\": {\"a\": 0}}\n"), HasSubstr("parts of a"));
+    EXPECT_THAT(error(kHeader + "{\"event\": \"stroke\", \"paint\": {\"a\": 1e7}}\n"),
+                HasSubstr("above 0, 1000000 at most"));
     EXPECT_THAT(error(kHeader + "{\"event\": \"stroke\", \"start\": \"wet\"}\n"), HasSubstr("'start'"));
     EXPECT_THAT(error(kHeader + "{\"event\": \"stroke\", \"brush\": {\"sise\": 1}}\n"), HasSubstr("'sise'"));
     EXPECT_THAT(error(kHeader + "{\"event\": \"dry\"}\n"), HasSubstr("'layer'"));

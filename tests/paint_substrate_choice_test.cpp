@@ -93,6 +93,13 @@ TEST(SubstrateChoice, NumbersOutOfRangeAreErrors) {
     EXPECT_THAT(error_of([] { make_substrate(small("velvet")); }),
                 testing::AllOf(HasSubstr("velvet"), HasSubstr("linen")));
     EXPECT_THAT(error_of([] { make_substrate(small("none.png")); }), HasSubstr("none.png"));
+    const TestDir dir;
+    SubstrateChoice picture{.which = (dir / "a.png").string()};
+    write_picture_8bit(picture.which, Image<Rgb>(20, 10, Rgb(0.5f)));
+    picture.height_from = (dir / "b.png").string();
+    write_picture_8bit(picture.height_from, Image<Rgb>(10, 10, Rgb(0.5f)));
+    EXPECT_THAT(error_of([&] { make_substrate(picture); }),
+                testing::AllOf(HasSubstr("a.png"), HasSubstr("b.png"), HasSubstr("10 x 10")));
     SubstrateChoice kept = small("panel");
     kept.keep_as = "mine.PNG";
     EXPECT_THAT(error_of([&] { make_substrate(kept); }), HasSubstr("leave its ending out"));

@@ -26,7 +26,8 @@ public:
         told_of(files_.temporary(), folder_,
                 [&] { write_picture_8bit(files_.temporary() / frame(++frames_), encoded_srgb); });
     }
-    void finish() override { files_.place(); }
+    void complete() override {}
+    void place() override { files_.place(); }
 
 private:
     static std::string frame(int number) { return fmt::format("frame-{:05}.png", number); }

@@ -17,7 +17,13 @@ public:
 
     // The next picture, sRGB-encoded 0..1; all have the size of the first.
     virtual void add(const Image<Rgb>& encoded_srgb) = 0;
-    virtual void finish() = 0;
+    // All of it is written, under a temporary name. Throws Error, as on a full disk.
+    virtual void complete() = 0;
+    virtual void place() = 0;  // under its own; after complete()
+    void finish() {
+        complete();
+        place();
+    }
 
 protected:
     Film() = default;

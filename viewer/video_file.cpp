@@ -72,13 +72,13 @@ public:
         encode(frame_.get());
     }
 
-    void finish() override {
+    void complete() override {
         TP_REQUIRE(context_, "a video has pictures");
         encode(nullptr);
         require(av_write_trailer(format_.get()), "writing");
         require(avio_closep(&format_->pb), "writing");
-        file_.commit();
     }
+    void place() override { file_.commit(); }
 
 private:
     void require(int code, const char* what) const {
