@@ -100,7 +100,10 @@ double Brush::fresh_load(int u, int v) const {
 }
 
 void Brush::turn_to(float rotation_rad) {
-    const float step = 3.0f / static_cast<float>(disc_);  // pixels at the rim: at most half of it off
+    // Pixels at the rim, at most half of it off: of a thin tip less, whose contact is soon beside its load,
+    // and each new view of that would leave a rung.
+    const double most_px = std::clamp(half_thickness_px_ / 8, 0.5, 3.0);
+    const float step = static_cast<float>(most_px) / static_cast<float>(disc_);
     loads_.turn_to(std::round(rotation_rad / step) * step);
     weigh();
 }

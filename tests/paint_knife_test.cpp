@@ -1,6 +1,7 @@
 // paint_knife_test.cpp: the palette knife: it spreads smooth sheets, and scrapes where it brings no paint.
 #include <gtest/gtest.h>
 
+#include <complex>
 #include <numbers>
 
 #include "paint/stroke.h"
@@ -96,6 +97,49 @@ TEST(Knife, ScrapesWhereItBringsNoPaint) {
     float end = 0;
     for (int x = 195; x < 215; ++x) end = std::max(end, after(x, 80));
     EXPECT_GT(end, there);
+}
+
+// On a tight curve the load turns with the blade in small steps: where these were of three pixels at its
+// ends, paint lay in rungs as far apart, a sixth of its thickness high.
+TEST(Knife, LeavesNoRungsOnATightCurve) {
+    constexpr double pi = std::numbers::pi, radius_mm = 9, size_mm = 6;
+    for (const double pixel_mm : {0.1, 0.2}) {
+        const int side = static_cast<int>(28 / pixel_mm);
+        auto ground = std::make_shared<Surface>(side, side);
+        ground->mm_per_pixel = pixel_mm;
+        ground->scale_known = true;
+        Canvas canvas(ground);
+        const auto white = add_paint(canvas, "Titanium White");
+        BrushSettings settings = brush_presets().at("knife");
+        settings.size_mm = size_mm;
+        Brush brush(settings, pixel_mm, 4);
+        brush.load({{white, 1}}, 1);
+        Stroke s(canvas, brush, {}, 1);
+        for (int i = 0; i <= 18; ++i)
+            s.add({i * 0.05, radius_mm * std::cos(0.3 * i), radius_mm * std::sin(0.3 * i), 0.6, 0, 0, 0});
+        s.finish();
+        const Image<float> mm = thickness_of(canvas);
+        for (const double lane_mm : {-2.0, 2.0}) {
+            const double radius_px = (radius_mm + lane_mm) / pixel_mm, begin = 40 * pi / 180,
+                         end = 290 * pi / 180;
+            const auto at = [&](double angle) {
+                return sampled(mm, (side - 1) / 2.0 + radius_px * std::cos(angle),
+                               (side - 1) / 2.0 - radius_px * std::sin(angle));
+            };
+            // Of the thickness over its mean around, the part that repeats with each such step.
+            const double period = 3 / (std::hypot(1, settings.thickness) * size_mm / pixel_mm / 2 + 2.5);
+            for (const double of_it : {0.94, 1.0, 1.06}) {
+                std::complex<double> wave = 0;
+                int count = 0;
+                for (double angle = begin; angle < end; angle += 0.002, ++count) {
+                    double around = 0;
+                    for (int i = -30; i <= 30; ++i) around += at(angle + i * period / 60) / 61;
+                    wave += (at(angle) / around - 1) * std::polar(1.0, 2 * pi * angle / (period * of_it));
+                }
+                EXPECT_LT(2 * std::abs(wave) / count, 0.06) << pixel_mm << " " << lane_mm << " " << of_it;
+            }
+        }
+    }
 }
 
 }  // namespace
