@@ -148,6 +148,7 @@ nlohmann::json result_of(const FitResult& fit, const std::vector<LeftOut>& left_
         {"scale_known", fit.surface.scale_known},
         {"support_tilt_deg", r.support_tilt_deg},
         {"support_bulge_deg", r.support_bulge_deg},
+        {"refined", r.refined},
         {"final_height", to_json(r.height_choice)},
         {"height_solver",
          {{"cycles", r.height.cycles}, {"residual", r.height.residual}, {"converged", r.height.converged}}},

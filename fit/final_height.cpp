@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <utility>
 
 #include "fit/mixed_slopes.h"
 #include "fit/shadow_signs.h"
@@ -21,12 +22,16 @@ constexpr int kTrialCycles = 30;
 }  // namespace
 
 FinalHeight final_height(Surface& surface, const Survey& survey, const Transfer& transfer,
-                         const Lighting& lighting, const HeightOptions& options, bool shadows_tell,
-                         Image<HalfError>* error_mm, const Progress& progress) {
+                         const Lighting& lighting, const HeightOptions& options,
+                         const HeightEvidence& evidence, Image<HalfError>* error_mm,
+                         const Progress& progress) {
     FinalHeight result;
+    HeightChoice& choice = result.choice;
+    Image<float> before;  // as `refined`
+    if (evidence.refined) before = std::exchange(surface.height_mm, {});
     Image<Vec3> steeper;  // empty: slopes as they are
     const auto take = [&](double mixing) {
-        result.choice.mixing = mixing;
+        choice.mixing = mixing;
         steeper = mixing > 0 ? unmixed_normals(surface.normal, surface.confidence, mixing) : Image<Vec3>();
     };
     const auto integrate = [&](int robust_sweeps, int cycles, Image<HalfError>* errors,
@@ -39,6 +44,9 @@ FinalHeight final_height(Surface& surface, const Survey& survey, const Transfer&
         result.plane = best_plane(surface.height_mm, surface.confidence);
         subtract(result.plane, surface.height_mm);
     };
+    const auto misfit = [&] {
+        return shadow_misfit(surface, survey, transfer, lighting.lights, lighting.white_level);
+    };
     constexpr double trials = 2 + kMixings.size();
     double tried = 0;
     const auto misfit_with = [&](int robust_sweeps) {
@@ -46,12 +54,11 @@ FinalHeight final_height(Surface& surface, const Survey& survey, const Transfer&
                       return !progress || progress("cliffs", (tried + done) / trials);
                   }));
         ++tried;
-        const double misfit = shadow_misfit(surface, survey, transfer, lighting.lights, lighting.white_level);
-        result.choice.trials.push_back({robust_sweeps > 0, result.choice.mixing, misfit});
-        return misfit;
+        choice.trials.push_back({robust_sweeps > 0, choice.mixing, false, misfit()});
+        return choice.trials.back().shadow_misfit;
     };
     int sweeps = 0;
-    if (shadows_tell) {
+    if (evidence.shadows_tell) {
         double least = misfit_with(0);
         // Cliffs are where photographs show their shadows. Slopes that err by more than they say disagree
         // everywhere.
@@ -71,8 +78,20 @@ FinalHeight final_height(Surface& surface, const Survey& survey, const Transfer&
         take(chosen);
         report(progress, "cliffs", 1);  // the steepest are only tried where less steep ones are better
     }
-    result.choice.cliffs = sweeps > 0;
+    choice.cliffs = sweeps > 0;
     integrate(sweeps, options.max_cycles, error_mm, progress);
+    if (!before.empty()) {
+        const double now = misfit();
+        std::swap(surface.height_mm, before);
+        const double then = misfit();
+        if (!evidence.shadows_tell) choice.trials.push_back({choice.cliffs, choice.mixing, false, now});
+        choice.trials.push_back({false, 0, true, then});
+        choice.before_refining = then < (1 - kShadowsClearlyBetter) * now;
+        if (choice.before_refining)
+            choice.cliffs = false, choice.mixing = 0;
+        else
+            std::swap(surface.height_mm, before);
+    }
     return result;
 }
 
@@ -81,8 +100,12 @@ nlohmann::json to_json(const HeightChoice& choice) {
     for (const HeightChoice::Trial& trial : choice.trials)
         trials.push_back({{"cliffs", trial.cliffs},
                           {"slope_mixing", trial.mixing},
+                          {"before_refining", trial.before_refining},
                           {"shadow_misfit", trial.shadow_misfit}});
-    return {{"cliffs", choice.cliffs}, {"slope_mixing", choice.mixing}, {"tried", trials}};
+    return {{"cliffs", choice.cliffs},
+            {"slope_mixing", choice.mixing},
+            {"before_refining", choice.before_refining},
+            {"tried", trials}};
 }
 
 }  // namespace tangi

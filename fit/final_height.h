@@ -17,9 +17,12 @@ namespace tangi {
 struct HeightChoice {
     bool cliffs = false;  // the height may have cliffs (HeightOptions::robust_sweeps)
     double mixing = 0;    // [1] of unmixed_normals(); 0: slopes were integrated as they are
+    // It is the height that hid lamps in the second pass, though that left other slopes.
+    bool before_refining = false;
     struct Trial {
         bool cliffs;
         double mixing;
+        bool before_refining;
         double shadow_misfit;  // [1] shadow_misfit(), less is better
     };
     std::vector<Trial> trials{};  // in this order; none where shadows do not tell
@@ -31,15 +34,27 @@ struct FinalHeight {
     HeightChoice choice;
 };
 
-// Fills in surface.height_mm less its plane, and its standard errors. Where `shadows_tell`, the height is
-// that whose cast shadows agree best with the light that the survey's samples show (shadow_misfit()): with
-// cliffs or without (options.robust_sweeps), and of slopes as they are or as steep as what their pixels mix
-// (mixed_slopes.h). Where there are no shadows to see, slopes are taken as they are.
-FinalHeight final_height(Surface& surface, const Survey& survey, const Transfer& transfer,
-                         const Lighting& lighting, const HeightOptions& options, bool shadows_tell,
-                         Image<HalfError>* error_mm, const Progress& progress);
+// What photographs' shadows are good for.
+struct HeightEvidence {
+    bool shadows_tell = false;  // the model explains the photographs, and what it does not is shadow
+    // surface.height_mm is the height that hid lamps in the second pass, and is compared: where a cliff
+    // stands, the first pass takes its shadow for slopes that lead up to it, the second for shadow, and no
+    // slope shows the cliff any more.
+    bool refined = false;
+};
 
-// {"cliffs", "slope_mixing", "tried": [{"cliffs", "slope_mixing", "shadow_misfit"}, …]}
+// Fills in surface.height_mm less its plane, and its standard errors (those of slopes). Where `shadows_tell`,
+// the height is that whose cast shadows agree best with the light that the survey's samples show
+// (shadow_misfit()): with cliffs or without (options.robust_sweeps), and of slopes as they are or as steep as
+// what their pixels mix (mixed_slopes.h); or, where `refined`, as it is. Where there are no shadows to see,
+// slopes are taken as they are.
+FinalHeight final_height(Surface& surface, const Survey& survey, const Transfer& transfer,
+                         const Lighting& lighting, const HeightOptions& options,
+                         const HeightEvidence& evidence, Image<HalfError>* error_mm,
+                         const Progress& progress);
+
+// {"cliffs", "slope_mixing", "before_refining", "tried": [{"cliffs", "slope_mixing", "before_refining",
+// "shadow_misfit"}, …]}
 nlohmann::json to_json(const HeightChoice& choice);
 
 }  // namespace tangi

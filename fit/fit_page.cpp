@@ -102,6 +102,12 @@ std::string rig_section(const FitResult& fit) {
 
 std::string height_note(const HeightChoice& choice) {
     if (choice.trials.empty()) return {};
+    if (choice.before_refining)
+        return fmt::format(
+            "<p class=\"soft\">The height is the one of {} whose cast shadows agree best with the "
+            "photographs: that of "
+            "slopes before shadows were taken for shadows, which leads up to cliffs that no slope shows.</p>",
+            choice.trials.size());
     return fmt::format(
         "<p class=\"soft\">The height is the one of {} whose cast shadows agree best with the photographs: "
         "{} "

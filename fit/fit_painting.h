@@ -99,6 +99,7 @@ struct FitReport {
     // [deg] By how much the normals turn outwards from the middle of the picture to its corners, as on a
     // painting that bulges (negative: is hollow) as a whole: lamps that are nearer than is thought look so.
     double support_bulge_deg = 0;
+    bool refined = false;  // a second pass, with shadows and neighbours (fit_passes.h)
     HeightReport height;
     HeightChoice height_choice;
     SignCheck signs;                       // whether the lights' axes point the way that the slopes say

@@ -22,13 +22,14 @@ namespace tangi {
 namespace {
 
 // [sigma] Median residual beyond which the model does not explain the pixels, so that its height and errors
-// are no ground for a second pass (real/coin: 1.5, which it costs 0.4 dB; icon, with its gold, 1.05; the
-// other stacks: 0.56 to 0.76).
+// are no ground for a second pass (real/coin: 1.5; icon, with its gold, 1.05; the other stacks: 0.56 to
+// 0.76).
 constexpr double kTrusted = 1;
-// Unless what is not explained is shadow, which the first pass does not know: ln of how much darker
-// photographs are where the relief hides the lamp. Cast shadows on paint take off three quarters and more
-// (generated stacks: -1.5 to -1.7); metal is dark and bright for other reasons (coin: -1.1).
-constexpr double kShadowed = -1.3;
+// Unless the height's own shadows are found in the photographs: ln of how much darker they are where it hides
+// the lamp. Cast shadows on paint take off three quarters and more (generated stacks: -1.5 to -1.7; in
+// ambient light -1.0 to -1.2; coin: -1.2). Where it is a third or less, it is not the height that made it
+// dark.
+constexpr double kShadowed = -0.5;
 // One band; two are in memory at a time. Small ones stay in the processor's caches, and their memory is used
 // again instead of given back; but photographs that are resampled share rows between bands, and each thread
 // needs rows of its own.
@@ -344,13 +345,17 @@ void fit_passes(Stack& stack, const Transfer& transfer, const Lighting& lighting
     if (!options.refine) return;
     if (believes_height(report_)) {
         refine(stack, transfer, lighting, noise, options, plane, result, progress);
-        return;
+        report_.refined = true;
+    } else if (!judged) {
+        fit({.name = "fit, once more"});
     }
-    if (!judged) fit({.name = "fit, once more"});
+    if (report_.refined && explains_photographs(report_)) return;
     stack.warnings.push_back(fmt::format(
-        "{}: photographs differ from the model by {}: shadows and neighbours' lobes are not believed, so "
-        "the fit is not refined; metal and glass look like that, and wrong light directions",
-        stack.folder.string(), beyond_expected(report_.median_rms_residual)));
+        "{}: photographs differ from the model by {}{}; metal and glass look like that, and wrong light "
+        "directions",
+        stack.folder.string(), beyond_expected(report_.median_rms_residual),
+        report_.refined ? ""
+                        : ": shadows and neighbours' lobes are not believed, so the fit is not refined"));
 }
 
 }  // namespace tangi

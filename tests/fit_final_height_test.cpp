@@ -81,9 +81,9 @@ Image<float> height_with(const Surface& surface, double mixing) {
 }
 
 FinalHeight found(Surface& surface, const Image<float>& height_mm, const std::vector<Light>& lights,
-                  bool shadows_tell = true, const Progress& progress = {}) {
+                  const HeightEvidence& evidence = {.shadows_tell = true}, const Progress& progress = {}) {
     return final_height(surface, photographed(surface, height_mm, lights), {}, {.lights = lights, .rig = {}},
-                        kNoCliffs, shadows_tell, nullptr, progress);
+                        kNoCliffs, evidence, nullptr, progress);
 }
 
 double rms(const Image<float>& a, const Image<float>& b) {
@@ -111,7 +111,7 @@ TEST(FinalHeight, WithoutShadowsSlopesAreTakenAsTheyAre) {
     EXPECT_EQ(found(surface, steep, ring(80)).choice.mixing, 0);
     EXPECT_LT(rms(surface.height_mm, height_with(surface, 0)), 1e-6);
     // Nor where the photographs are not explained.
-    EXPECT_EQ(found(surface, steep, ring(25), false).choice.mixing, 0);
+    EXPECT_EQ(found(surface, steep, ring(25), {}).choice.mixing, 0);
 }
 
 TEST(FinalHeight, TellsWhatItTriedAndThatItIsDone) {
@@ -119,7 +119,7 @@ TEST(FinalHeight, TellsWhatItTriedAndThatItIsDone) {
     const Image<float> truth = height_with(surface, 0.2);
     double tried = 0;
     const FinalHeight result =
-        found(surface, truth, ring(25), true, [&](std::string_view stage, double done) {
+        found(surface, truth, ring(25), {.shadows_tell = true}, [&](std::string_view stage, double done) {
             if (stage == "cliffs") {
                 EXPECT_GE(done, tried);
                 tried = done;
@@ -134,6 +134,31 @@ TEST(FinalHeight, TellsWhatItTriedAndThatItIsDone) {
     EXPECT_EQ(json["tried"][2]["slope_mixing"], 0.4);
     EXPECT_LT(json["tried"][1]["shadow_misfit"], json["tried"][0]["shadow_misfit"]);
     EXPECT_LT(json["tried"][1]["shadow_misfit"], json["tried"][2]["shadow_misfit"]);
+}
+
+// A plateau whose walls no slope shows: only the height that the second pass had throws its shadow.
+TEST(FinalHeight, IsThatBeforeRefiningWhereOnlyItCastsTheShadows) {
+    for (const bool shadows_tell : {false, true}) {
+        Surface flat(kSide, kSide);
+        for (Rgb& diffuse : flat.diffuse.pixels()) diffuse = Rgb(0.5f);
+        for (float& confidence : flat.confidence.pixels()) confidence = 0.99f;
+        Image<float> plateau(kSide, kSide);
+        for (int y = 30; y < 60; ++y)
+            for (int x = 30; x < 60; ++x) plateau(x, y) = 4;
+        subtract(best_plane(plateau, flat.confidence), plateau);
+        const HeightEvidence evidence{.shadows_tell = shadows_tell, .refined = true};
+        Surface surface = flat;
+        surface.height_mm = plateau;
+        const FinalHeight kept = found(surface, plateau, ring(25), evidence);
+        EXPECT_TRUE(kept.choice.before_refining);
+        EXPECT_EQ(rms(surface.height_mm, plateau), 0);
+        EXPECT_EQ(to_json(kept.choice)["tried"].back()["before_refining"], true);
+        // Photographs without that shadow do not believe in it.
+        surface = flat;
+        surface.height_mm = plateau;
+        EXPECT_FALSE(found(surface, Image<float>(kSide, kSide), ring(25), evidence).choice.before_refining);
+        EXPECT_LT(rms(surface.height_mm, Image<float>(kSide, kSide)), 1e-6);
+    }
 }
 
 }  // namespace

@@ -11,7 +11,6 @@
 
 #include "capture/lights_file.h"
 #include "datasets/generator.h"
-#include "fit/compare.h"
 #include "fit_test_support.h"
 #include "surface/painting_file.h"
 #include "surface/parallel.h"
@@ -23,11 +22,6 @@ namespace {
 namespace fs = std::filesystem;
 using testing::HasSubstr;
 using testing::Not;
-
-// Held-out photographs are compared through a stack of their own.
-double held_out_psnr_db(const Surface& surface, const fs::path& folder, Transfer transfer) {
-    return compare(surface, open_stack(folder / "heldout", {.transfer = transfer})).held_out.psnr_db;
-}
 
 // The usual curve that fits the photographs best, whatever their metadata say.
 Transfer estimate_of(const TransferEstimate& e) {
@@ -85,32 +79,6 @@ TEST(FitPainting, RecoversAGlossyPaintingFromJpegs) {
                      .jpeg_quality = 95},
                     2.5,
                     28});
-}
-
-// Most pixels are in shadow of some lamp, which the first pass does not know: it explains them badly, and is
-// believed all the same, since its height casts the shadows that the photographs show.
-TEST(FitPainting, HeavyImpastoIsRefinedByTheShadowsItCasts) {
-    const TestDir folder;
-    const PaintingTruth truth =
-        procedural_painting({.seed = 51, .width = 120, .height = 96, .mm_per_pixel = 0.2, .impasto = 3});
-    const GeneratorOptions generator{.lights = 32, .held_out = 4};
-    write_stack(folder.path(), truth, generator);
-    const auto fitted = [&](bool refine) {
-        return fit_painting(open_stack(folder.path()),
-                            {.white_level = generator.white_level, .mm_per_pixel = 0.2, .refine = refine});
-    };
-    const FitResult once = fitted(false), twice = fitted(true);
-    EXPECT_GT(once.report.median_rms_residual, 1);
-    EXPECT_LT(twice.report.median_rms_residual, 0.7 * once.report.median_rms_residual);
-    const double before = held_out_psnr_db(once.surface, folder.path(), generator.transfer),
-                 after = held_out_psnr_db(twice.surface, folder.path(), generator.transfer);
-    std::cout << fmt::format(
-        "median residual {:.2f}, then {:.2f}; shadows darker by ln {:.2f}; held out {:.2f}, then {:.2f} dB\n",
-        once.report.median_rms_residual, twice.report.median_rms_residual, twice.report.shadow_signs.contrast,
-        before, after);
-    EXPECT_GT(after, before + 1);
-    EXPECT_LT(mean_normal_error_deg(twice.surface, truth), mean_normal_error_deg(once.surface, truth));
-    for (const std::string& warning : twice.report.warnings) EXPECT_THAT(warning, Not(HasSubstr("refined")));
 }
 
 TEST(FitPainting, LeavesOutWhatTheMaskLeavesOut) {

@@ -1,10 +1,17 @@
-// fit_passes_test.cpp: what is said of photographs that differ from the model.
+// fit_passes_test.cpp: what is refined, and what is said of photographs that differ from the model.
 #include "fit/fit_passes.h"
 
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
+
+#include <iostream>
+
+#include "fit_test_support.h"
 
 namespace tangi {
 namespace {
+
+using testing::HasSubstr;
+using testing::Not;
 
 // "1.0 times what is expected" would say that nothing is wrong.
 TEST(FitPasses, SayByHowMuchPhotographsDiffer) {
@@ -13,6 +20,43 @@ TEST(FitPasses, SayByHowMuchPhotographsDiffer) {
     EXPECT_EQ(beyond_expected(1.9), "90 % more than is expected (in the median)");
     EXPECT_EQ(beyond_expected(1.96), "2.0 times what is expected (in the median)");
     EXPECT_EQ(beyond_expected(2.34), "2.3 times what is expected (in the median)");
+}
+
+// Most pixels are in shadow of some lamp, which the first pass does not know: it explains them badly, and is
+// believed all the same, since its height casts the shadows that the photographs show, however much light
+// reaches them from all around.
+TEST(FitPasses, HeavyImpastoIsRefinedByTheShadowsItCasts) {
+    for (const double ambient : {0.0, 0.06}) {
+        const TestDir folder;
+        const PaintingTruth truth =
+            procedural_painting({.seed = 51, .width = 120, .height = 96, .mm_per_pixel = 0.2, .impasto = 3});
+        const GeneratorOptions generator{.lights = 32, .held_out = 4, .ambient = ambient};
+        write_stack(folder.path(), truth, generator);
+        const auto fitted = [&](bool refine) {
+            return fit_painting(
+                open_stack(folder.path()),
+                {.white_level = generator.white_level, .mm_per_pixel = 0.2, .refine = refine});
+        };
+        const FitResult once = fitted(false), twice = fitted(true);
+        EXPECT_FALSE(once.report.refined);
+        EXPECT_TRUE(twice.report.refined);
+        EXPECT_GT(once.report.median_rms_residual, 1);
+        EXPECT_LT(twice.report.median_rms_residual, 0.7 * once.report.median_rms_residual);
+        const double before = held_out_psnr_db(once.surface, folder.path(), generator.transfer),
+                     after = held_out_psnr_db(twice.surface, folder.path(), generator.transfer),
+                     error_before = mean_normal_error_deg(once.surface, truth),
+                     error_after = mean_normal_error_deg(twice.surface, truth);
+        std::cout << fmt::format(
+            "ambient {}: median residual {:.2f}, then {:.2f}; shadows darker by ln {:.2f}; held out {:.2f}, "
+            "then {:.2f} "
+            "dB; normals {:.2f}, then {:.2f} deg\n",
+            ambient, once.report.median_rms_residual, twice.report.median_rms_residual,
+            twice.report.shadow_signs.contrast, before, after, error_before, error_after);
+        EXPECT_GT(after, before + 1);
+        EXPECT_LT(error_after, error_before);
+        for (const std::string& warning : twice.report.warnings)
+            EXPECT_THAT(warning, Not(HasSubstr("refined")));
+    }
 }
 
 }  // namespace

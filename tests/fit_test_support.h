@@ -6,6 +6,7 @@
 
 #include "capture/stack.h"
 #include "datasets/generator.h"
+#include "fit/compare.h"
 #include "surface/surface.h"
 #include "test_support.h"
 
@@ -26,6 +27,12 @@ inline double mean_normal_error_deg(const Surface& surface, const PaintingTruth&
         ++count;
     }
     return sum / count;
+}
+
+// Held-out photographs of a generated stack are compared through a stack of their own.
+inline double held_out_psnr_db(const Surface& surface, const std::filesystem::path& folder,
+                               Transfer transfer) {
+    return compare(surface, open_stack(folder / "heldout", {.transfer = transfer})).held_out.psnr_db;
 }
 
 // The small stack that most tests use: 16 lights, linear 16 bit.
