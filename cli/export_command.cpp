@@ -1,4 +1,5 @@
 // export_command.cpp: tangipaint export PAINTING.exr --to FORMAT --out PATH
+#include <array>
 #include <filesystem>
 #include <set>
 
@@ -14,6 +15,7 @@
 #include "surface/error.h"
 #include "surface/picture_file.h"
 #include "surface/png_bytes.h"
+#include "surface/relight.h"
 #include "viewer/web_page.h"
 
 namespace tangi {
@@ -26,6 +28,7 @@ struct ExportArguments {
     std::string painting, out, to, photos, lights;
     int terms = 9, directions = 80;
     bool lrgb = false;
+    std::string light = "-0.5,0.5,0.7";
     WebWords words;
     WebOptions web;
     std::function<std::vector<std::string>()> typed;  // flags of the command
@@ -171,6 +174,22 @@ nlohmann::json export_web(const ExportArguments& a, const Surface& surface, cons
             {"first_picture_bytes", report.first_bytes}};
 }
 
+// As under one lamp, with shadows: for people, so sRGB, as bright as the photographs were. `relight` has more
+// lamps.
+nlohmann::json export_snapshot(const ExportArguments& a, const Surface& surface, const Progress& progress) {
+    require_picture_format(a.out);
+    refuse_to_overwrite(a.out, {a.painting});
+    const Vec3 direction = parse_direction(a.light, "--light");
+    if (!(direction.z > 0))
+        throw UsageError(fmt::format("--light {}: comes from behind the painting; z is above 0", a.light));
+    Image<Rgb> picture =
+        relight(surface, std::array{distant_light(direction)}, {.cast_shadows = true}, progress);
+    for (Rgb& pixel : picture.pixels()) pixel *= static_cast<float>(surface.photography.white_level);
+    write_picture(a.out, picture,
+                  lower_extension(a.out) == ".exr" ? Transfer{} : Transfer{Transfer::Kind::srgb});
+    return {{"files", {a.out}}};
+}
+
 // Flags that this format has no use for.
 void refuse_useless(const ExportArguments& a) {
     const auto refuse = [&](bool useless, std::initializer_list<std::string_view> flags, const char* reason) {
@@ -179,6 +198,7 @@ void refuse_useless(const ExportArguments& a) {
     const bool ptm = a.to == "ptm", rti = a.to == "rti";
     refuse(!ptm && !rti, {"--photos", "--lights", "--directions"}, "is of the RTI files ptm and rti");
     refuse(!rti, {"--terms"}, "is of an rti file");
+    refuse(a.to != "snapshot", {"--light"}, "is of a snapshot");
     refuse(!ptm, {"--lrgb"}, "is a way to write ptm files");
     refuse(a.to != "web",
            {"--title", "--credit", "--shadow-side", "--light-azimuth-deg", "--light-elevation-deg",
@@ -200,6 +220,7 @@ nlohmann::json export_canvas(const ExportArguments& a, const Canvas& canvas, con
 nlohmann::json export_surface(const ExportArguments& a, const Surface& surface, const Progress& progress) {
     if (a.to == "ptm" || a.to == "rti") return export_rti(a, surface, progress);
     if (a.to == "web") return export_web(a, surface, progress);
+    if (a.to == "snapshot") return export_snapshot(a, surface, progress);
     return export_maps(a, surface, progress);
 }
 
@@ -225,39 +246,45 @@ nlohmann::json export_canvas(const Canvas& canvas, const fs::path& painting, con
 }
 
 Command export_command() {
-    return {
-        "export", "write a painting for others: a web page, RTI viewers, OpenLIME, OpenRaster, maps",
-        [](Flags& flags) {
-            auto a = std::make_shared<ExportArguments>();
-            flags.option("PAINTING", a->painting, "painting file (.exr)").required();
-            flags
-                .option("--to", a->to,
+    return {"export", "write a painting for others: a web page, RTI viewers, OpenLIME, OpenRaster, maps",
+            [](Flags& flags) {
+                auto a = std::make_shared<ExportArguments>();
+                flags.option("PAINTING", a->painting, "painting file (.exr)").required();
+                flags
+                    .option(
+                        "--to", a->to,
                         "web (a page), ptm, rti (harmonics), maps (EXR), openlime (kd, ks, normals, gloss), "
-                        "layers (maps of each layer of paint) or ora (OpenRaster, for Krita, GIMP, MyPaint)")
-                .required()
-                .check(one_of({"web", "ptm", "rti", "maps", "openlime", "layers", "ora"}));
-            flags
-                .option("--out", a->out,
-                        "file to write (.ptm, .rti, .ora; .html for a page of one file), or folder for maps "
-                        "or a page")
-                .required();
-            flags.option("--photos", a->photos,
-                         "ptm, rti: fit the photographs in this folder instead of the painting relit");
-            flags.option("--lights", a->lights, "lights file of these photographs");
-            flags.option("--terms", a->terms, "rti: harmonics, 4, 9 or 16").show_default();
-            flags.flag("--lrgb", a->lrgb,
-                       "ptm: one colour a pixel and the brightness by light, in half the size");
-            flags.option("--directions", a->directions, "ptm, rti: lights to relight the painting from")
-                .check(within(20, 1000))
-                .show_default();
-            flags.option("--title", a->words.title,
-                         "web: the painting's name; that of its file where not given");
-            flags.option("--credit", a->words.credit,
-                         "web: artist, year, owner, licence: a line below the name");
-            flags.fields(a->web);
-            a->typed = flags.typed();
-            return [a] { return run_export(*a); };
-        }};
+                        "layers (maps of each layer of paint), ora (OpenRaster, for Krita, GIMP, MyPaint) or "
+                        "snapshot (a picture as lit)")
+                    .required()
+                    .check(one_of({"web", "ptm", "rti", "maps", "openlime", "layers", "ora", "snapshot"}));
+                flags
+                    .option("--out", a->out,
+                            "file to write (.ptm, .rti, .ora, a snapshot's .png .tif .jpg .exr; .html for a "
+                            "page of one file), or folder for maps "
+                            "or a page")
+                    .required();
+                flags.option("--photos", a->photos,
+                             "ptm, rti: fit the photographs in this folder instead of the painting relit");
+                flags.option("--lights", a->lights, "lights file of these photographs");
+                flags
+                    .option("--light", a->light,
+                            "snapshot: direction to its lamp, X,Y,Z; relight has more to choose")
+                    .show_default();
+                flags.option("--terms", a->terms, "rti: harmonics, 4, 9 or 16").show_default();
+                flags.flag("--lrgb", a->lrgb,
+                           "ptm: one colour a pixel and the brightness by light, in half the size");
+                flags.option("--directions", a->directions, "ptm, rti: lights to relight the painting from")
+                    .check(within(20, 1000))
+                    .show_default();
+                flags.option("--title", a->words.title,
+                             "web: the painting's name; that of its file where not given");
+                flags.option("--credit", a->words.credit,
+                             "web: artist, year, owner, licence: a line below the name");
+                flags.fields(a->web);
+                a->typed = flags.typed();
+                return [a] { return run_export(*a); };
+            }};
 }
 
 }  // namespace tangi

@@ -27,6 +27,7 @@ namespace {
 
 struct RelightArguments {
     std::string painting, out, lights_file, encoding, model = "bounded";
+    std::string illuminant = "D65", paint_model = "spectral";
     std::vector<std::string> directions, positions;
     double gain = 1;
     bool faithful = false, gpu = false;
@@ -42,7 +43,23 @@ struct Painting {
     Image<float> bare;
 };
 
+// How paint, and under another lamp all of the painting, is seen.
+AppearanceOptions look_of(const RelightArguments& arguments) {
+    const auto illuminant = illuminant_named(arguments.illuminant);
+    if (!illuminant)
+        throw UsageError(
+            fmt::format("--illuminant {}: is not A, D50, D65, F11 or LED", arguments.illuminant));
+    const auto model = paint_model_named(arguments.paint_model);
+    if (!model)
+        throw UsageError(fmt::format("--paint-model {}: is not spectral or thesis", arguments.paint_model));
+    if (arguments.faithful && *illuminant != Illuminant::d65)
+        throw UsageError(
+            "--illuminant: what --faithful adds is of the light of the photographs; leave one of them out");
+    return {.illuminant = *illuminant, .model = *model};
+}
+
 Painting read_all(const RelightArguments& arguments, const Progress& progress) {
+    const AppearanceOptions look = look_of(arguments);
     Canvas canvas = read_canvas(arguments.painting, progress);
     FaithfulResidual residual;
     if (arguments.faithful) {
@@ -57,7 +74,7 @@ Painting read_all(const RelightArguments& arguments, const Progress& progress) {
                             "--light-radius-deg {}, and is no residual of anything else",
                             residual.light_radius_deg));
     }
-    Surface surface = canvas.ingredients().empty() ? canvas.dry() : appearance(canvas, {}, progress);
+    Surface surface = appearance(canvas, look, progress);
     Image<float> bare = arguments.faithful ? bare_part(canvas) : Image<float>();
     return {std::move(canvas), std::move(surface), std::move(residual), std::move(bare)};
 }
@@ -307,6 +324,16 @@ Command relight_command() {
             flags.option("--encoding", a->encoding,
                          "srgb, linear or a gamma; where not given, as the photographs were (EXR: linear)");
             flags.option("--model", a->model, "ward1992, duer or bounded").show_default();
+            flags
+                .option("--illuminant", a->illuminant,
+                        "lamps that paint is seen under, by eyes used to them: A, D50, D65, F11 or LED; what "
+                        "is dry by a "
+                        "reflectance estimated from its colour")
+                .show_default();
+            flags
+                .option("--paint-model", a->paint_model,
+                        "how paints make a colour: spectral, or thesis, its RGB model, for comparison")
+                .show_default();
             flags.option("--gain", a->gain, "strength of the lights, 1 = as for the photographs")
                 .check(within(0, 1e4));
             flags.flag(

@@ -67,6 +67,9 @@ nlohmann::json run_replay(const ReplayArguments& a) {
     if (!a.board.empty()) board.emplace(a.board);
     Session session(canvas_of(a, progress), a.palette.empty() ? artist_acrylics() : read_palette(a.palette));
     if (!a.substrate.given()) read_tools(a.files.front(), session, progress);
+    if (!session.canvas().dry().scale_known && !a.mm_per_pixel && session.canvas().mm_per_pixel() == 1)
+        warnings.push_back(fmt::format(
+            "{}: its scale is unknown: a pixel is taken for one mm; give --mm-per-pixel", a.files.front()));
     const std::string dry_hash = hash_of(session.canvas().dry());
     const auto start = std::chrono::steady_clock::now();
     std::optional<TimeLapse> frames;

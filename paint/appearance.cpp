@@ -80,9 +80,53 @@ struct PartOfTile {
     std::vector<std::span<const float>> planes() const { return {volumes_mm.begin(), volumes_mm.end()}; }
 };
 
+// Of what is dry; more than a reflectance can hold is as much more under any lamp.
+Rgb seen_under(Illuminant illuminant, const Rgb& dry) {
+    if (illuminant == Illuminant::d65) return dry;
+    const float most = std::max({dry.r, dry.g, dry.b, 1.0f});
+    return glm::max(to_linear_rgb(reflectance_of_rgb(dry / most), illuminant) * most, Rgb(0));
+}
+
+void see_all_under(Illuminant illuminant, Surface& surface) {
+    if (illuminant == Illuminant::d65) return;
+    parallel_for(0, surface.height(), 16, [&](int begin, int end) {
+        for (int y = begin; y < end; ++y)
+            for (int x = 0; x < surface.width(); ++x)
+                surface.diffuse(x, y) = seen_under(illuminant, surface.diffuse(x, y));
+    });
+}
+
+// As colours_of(), by the model of the thesis.
+std::vector<Rgb> thesis_colours(const std::vector<PartOfTile>& layers, std::vector<Rgb> dry,
+                                const AppearanceOptions& options) {
+    const Transfer srgb{Transfer::Kind::srgb};
+    for (Rgb& colour : dry) colour = seen_under(options.illuminant, colour);
+    for (const PartOfTile& layer : layers) {
+        std::vector<Rgb> masstones;
+        std::vector<const std::vector<float>*> planes;
+        for (std::size_t k = 0; k < layer.pigments.size(); ++k) {
+            const Pigment& paint = layer.pigments[k];
+            if (is_clear(paint)) continue;
+            const Rgb colour = to_linear_rgb(opaque_look({paint.k, paint.s}), options.illuminant);
+            masstones.push_back(srgb.encode(glm::clamp(colour, 0.0f, 1.0f)));
+            planes.push_back(&layer.volumes_mm[k]);
+        }
+        std::vector<float> volumes(masstones.size());
+        for (std::size_t i = 0; i < dry.size(); ++i) {
+            float mm = 0;
+            for (std::size_t k = 0; k < volumes.size(); ++k) mm += volumes[k] = (*planes[k])[i];
+            if (!(mm > 0)) continue;
+            const float covered = 1 - std::exp(-mm / static_cast<float>(options.covering_mm));
+            dry[i] += covered * (srgb.decode(thesis_mixture_srgb(masstones, volumes)) - dry[i]);
+        }
+    }
+    return dry;
+}
+
 // The colours of a part of a tile, row by row: films of its layers over what is dry.
 std::vector<Rgb> colours_of(const std::vector<PartOfTile>& layers, std::vector<Rgb> dry,
                             const AppearanceOptions& options) {
+    if (options.model == PaintModel::thesis) return thesis_colours(layers, std::move(dry), options);
     if (layers.size() == 1) {
         FilmBatch(layers[0].pigments, options.illuminant).look(layers[0].planes(), dry, dry);
         return dry;
@@ -208,7 +252,7 @@ void update_part(const Canvas& canvas, const std::vector<const PaintLayer*>& lay
             float& roughness = shown.at(&Surface::roughness, x, y);
             float& confidence = shown.at(&Surface::confidence, x, y);
             shown.at(&Surface::height_mm, x, y) = dry.height_mm(x, y) + mm[i] / unit_mm;
-            diffuse = dry.diffuse(x, y);
+            diffuse = seen_under(options.illuminant, dry.diffuse(x, y));
             specular = dry.specular(x, y);
             roughness = dry.roughness(x, y);
             confidence = dry.confidence(x, y);
@@ -287,6 +331,14 @@ std::vector<Region> painted_parts(const Canvas& canvas) {
 
 }  // namespace
 
+std::string_view name_of(PaintModel model) { return model == PaintModel::thesis ? "thesis" : "spectral"; }
+
+std::optional<PaintModel> paint_model_named(std::string_view name) {
+    for (const PaintModel model : {PaintModel::spectral, PaintModel::thesis})
+        if (name == name_of(model)) return model;
+    return std::nullopt;
+}
+
 void update_appearance(const Canvas& canvas, std::span<const Region> changed, Surface& surface,
                        const AppearanceOptions& options, const Progress& progress) {
     validate(options);
@@ -306,6 +358,7 @@ Image<float> bare_part(const Canvas& canvas, const AppearanceOptions& options) {
 
 Surface appearance(const Canvas& canvas, const AppearanceOptions& options, const Progress& progress) {
     Surface surface = canvas.dry();
+    see_all_under(options.illuminant, surface);
     update_appearance(canvas, painted_parts(canvas), surface, options, progress);
     return surface;
 }
@@ -314,6 +367,7 @@ Surface appearance_in(const Canvas& canvas, const Region& part, const Appearance
     validate(options);
     TP_REQUIRE(!part.empty() && intersection(part, canvas.region()) == part, "the part is of the canvas");
     Surface surface = cut(canvas.dry(), part);
+    see_all_under(options.illuminant, surface);
     std::vector<Region> parts;
     const Region around = intersection(grown(part), canvas.region());
     for (int y = around.y0 / kSize; y * kSize < around.y1; ++y)

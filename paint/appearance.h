@@ -8,7 +8,9 @@
 // alike in all directions, so colour and stretch of the lobe of what is dry fade as they cover it.
 #pragma once
 
+#include <optional>
 #include <span>
+#include <string_view>
 
 #include "paint/canvas.h"
 #include "paint/spectrum.h"
@@ -18,8 +20,20 @@
 
 namespace tangi {
 
+// How paints make a colour.
+enum class PaintModel {
+    spectral,  // films on 12 bands (kubelka_munk.h)
+    thesis  // thesis_mixture_srgb() of their masstones, for comparison: opaque as far as it covers, as gloss
+            // does
+};
+std::string_view name_of(PaintModel model);  // "spectral", "thesis"
+std::optional<PaintModel> paint_model_named(std::string_view name);
+
 struct AppearanceOptions {
+    // Under another than D65, what is dry is seen by a reflectance that is estimated from its colour
+    // (reflectance_of_rgb()), also where it is bare.
     Illuminant illuminant = Illuminant::d65;
+    PaintModel model = PaintModel::spectral;
     double covering_mm = 0.01;  // thickness at which paint's skin hides 63 % of the gloss below
 
     static constexpr std::string_view name = "appearance";
@@ -31,7 +45,8 @@ struct AppearanceOptions {
     }
 };
 
-// The whole canvas. Where there is no paint, the dry surface comes out bit for bit.
+// The whole canvas. Where there is no paint, the dry surface comes out bit for bit, but for its diffuse
+// colour under another illuminant than D65.
 Surface appearance(const Canvas& canvas, const AppearanceOptions& options = {},
                    const Progress& progress = {});
 

@@ -132,6 +132,12 @@ std::map<std::string, BrushSettings> make_presets() {
     eraser.grain = 0;
     eraser.reach_mm = 1;
     all["eraser"] = eraser;
+
+    // Takes height only: a film stays, which has the paint's colour as far as paint so thin hides what is
+    // below.
+    BrushSettings leveller = eraser;
+    leveller.film_mm = 0.03;
+    all["height eraser"] = leveller;
     return all;
 }
 

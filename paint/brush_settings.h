@@ -73,7 +73,7 @@ struct BrushSettings {
 };
 
 // The tools that come with the program, by name: round, flat, filbert, fan, knife, rag, and what is done with
-// them: smudge, scrape, eraser.
+// them: smudge, scrape, eraser, height eraser.
 const std::map<std::string, BrushSettings>& brush_presets();
 
 // Settings from JSON: {"preset": "flat", "size_mm": 12, ...}; fields that are not given are the preset's, or

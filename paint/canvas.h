@@ -95,8 +95,6 @@ private:
     std::shared_ptr<const Image<float>> mask_;
 };
 
-inline constexpr const char* kClearMedium = "clear medium";
-
 // [mm^3] What there is of each paint, by its name: of one brought to several glosses, all of it; of one with
 // medium, what is not medium, which is counted by itself. Paints of one name that are others have numbers:
 // "Sky", "Sky (2)". `mm3`: of the ingredients, as volumes_mm3().

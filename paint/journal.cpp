@@ -94,7 +94,11 @@ Journal read_journal(const std::filesystem::path& path, const std::map<std::stri
         }
         const auto object = parsed_line(content, where);
         if (!object) {
-            if (whole) fail("{}: is not JSON; one event is one line", where);
+            if (whole)
+                fail("{}: is not JSON; one event is one line{}", where,
+                     content.find("NaN") != std::string::npos || content.find("Infinity") != std::string::npos
+                         ? ", and JSON has no NaN and no Infinity"
+                         : "");
             journal.warnings.push_back({line, "the last line is cut short, as by a crash; it is left out"});
             break;
         }

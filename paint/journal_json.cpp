@@ -133,7 +133,7 @@ CanvasPart part_from(Fields& fields, const std::string& where) {
 Event dry_from(Fields& fields, const std::string& where) {
     DryEvent event;
     event.layer = fields.text("layer");
-    if (std::ranges::any_of(event.layer, [](unsigned char c) { return c < ' ' || c == 0x7f; }))
+    if (!is_one_line(event.layer))
         fail("{}: 'layer' is a name in one line, without control characters", where);
     event.part = fields.number_within("part", 1e-6, 1, 1);
     event.where = part_from(fields, where);

@@ -199,6 +199,7 @@ void add_paint(Palette& palette, const Place& paint, const std::vector<double>& 
     const Place name_place = paint.at("name");
     const std::string name = name_place.text();
     if (name.empty()) name_place.refuse("is empty");
+    if (!is_one_line(name)) name_place.refuse("is to be in one line, without control characters");
     if (palette.find(name) >= 0) name_place.refuse("there are two paints '{}'", shortened(name));
     const std::vector<double> own =
         paint.has("wavelengths_nm") ? wavelengths_at(paint.at("wavelengths_nm")) : std::vector<double>();
@@ -215,6 +216,8 @@ void add_paint(Palette& palette, const Place& paint, const std::vector<double>& 
     if (pigment.source.empty()) pigment.source = palette.source;
     if (paint.has("specular")) pigment.specular = static_cast<float>(paint.at("specular").number(0, 1));
     if (paint.has("roughness")) pigment.roughness = static_cast<float>(paint.at("roughness").number(1e-4, 1));
+    if (name == kClearMedium && !is_clear(pigment))
+        name_place.refuse("is what medium without pigment is counted as; give it another name");
     palette.paints.push_back(std::move(pigment));
 }
 

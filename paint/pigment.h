@@ -37,6 +37,8 @@ struct Pigment {
 // A clear medium, as glazes are thinned with: a film of 1 mm absorbs and scatters less than 2 % in every
 // band. No film of it hides, so it has no look of its own.
 bool is_clear(const Pigment& paint);
+// What medium without pigment is counted as; the name of no paint that has a colour.
+inline constexpr const char* kClearMedium = "clear medium";
 
 // What a painter does to a paint before it goes on the brush.
 struct PaintFinish {

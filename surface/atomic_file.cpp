@@ -25,17 +25,26 @@ void sync_to_disk(const fs::path& path, const fs::path& named) {
     if (!synced) fail("{}: cannot be written to disk: {}", named.string(), std::strerror(reason));
 }
 
+// Where links lead, also to a file that is not there yet.
+fs::path followed(fs::path path) {
+    for (int links = 0; fs::is_symlink(path); ++links) {
+        if (links == 40) fail("{}: is a link that leads round in a circle", path.string());
+        path = path.parent_path() / fs::read_symlink(path);
+    }
+    return path;
+}
+
 }  // namespace
 
-AtomicFile::AtomicFile(fs::path target) : target_(std::move(target)) {
+AtomicFile::AtomicFile(fs::path target) : target_(std::move(target)), place_(followed(target_)) {
     if (target_.filename().empty()) fail("{}: is not a file name", target_.string());
     if (fs::is_directory(target_)) fail("{}: is a folder; give the name of a file", target_.string());
-    const fs::path folder = target_.has_parent_path() ? target_.parent_path() : fs::path(".");
+    const fs::path folder = place_.has_parent_path() ? place_.parent_path() : fs::path(".");
     if (!fs::is_directory(folder))
         fail("{}: there is no folder {}; make it, or choose another place", target_.string(),
              folder.string());
-    remove_stale_temporaries(target_);
-    temporary_ = folder / temporary_name(target_.stem().string(), target_.extension().string());
+    remove_stale_temporaries(place_, place_.stem().string(), target_.extension().string());
+    temporary_ = folder / temporary_name(place_.stem().string(), target_.extension().string());
     const int file = ::open(temporary_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
     if (file < 0)
         fail("{}: cannot be written: {}; choose a folder where you may write", target_.string(),
@@ -59,12 +68,12 @@ void AtomicFile::write(std::string_view bytes) {
 void AtomicFile::commit() {
     sync_to_disk(temporary_, target_);
     std::error_code status;
-    fs::rename(temporary_, target_, status);
+    fs::rename(temporary_, place_, status);
     if (status) fail("{}: cannot be put in place: {}", target_.string(), status.message());
     committed_ = true;
     // The new name is safe only once its folder is; a file system that cannot sync folders is no reason to
     // fail.
-    const fs::path folder = target_.has_parent_path() ? target_.parent_path() : fs::path(".");
+    const fs::path folder = place_.has_parent_path() ? place_.parent_path() : fs::path(".");
     const int handle = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
     if (handle >= 0) {
         ::fsync(handle);

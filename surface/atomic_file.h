@@ -8,7 +8,8 @@
 namespace tangi {
 
 // Holds a temporary file beside the target until commit() puts it in the target's place. Destroyed without
-// commit(), it removes the temporary file, and what was at the target before is still there.
+// commit(), it removes the temporary file, and what was at the target before is still there. Where the target
+// is a link, it stays one, and the file that it leads to is written.
 class AtomicFile {
 public:
     // Creates the temporary file, so that an output that cannot be written is known before hours of work.
@@ -27,7 +28,7 @@ public:
     void commit();
 
 private:
-    std::filesystem::path target_, temporary_;
+    std::filesystem::path target_, place_, temporary_;  // place_: what a link as the target leads to
     bool committed_ = false;
 };
 

@@ -122,6 +122,10 @@ std::string valid_utf8(std::string_view text) {
     return valid;
 }
 
+bool is_one_line(std::string_view text) {
+    return std::ranges::none_of(text, [](unsigned char c) { return c < ' ' || c == 0x7f; });
+}
+
 std::string first_line(std::string_view text) {
     text.remove_prefix(std::min(text.find_first_not_of(" \t\r\n"), text.size()));
     return shortened(text.substr(0, text.find_first_of("\r\n")), 400);

@@ -26,6 +26,8 @@ std::size_t utf8_length(std::string_view text);
 // Text of unknown origin (lines and attributes of files) as valid UTF-8, for messages and JSON: each byte
 // that is none becomes U+FFFD. shown() and shortened() do it too.
 std::string valid_utf8(std::string_view text);
+// A name that fits in one line: no control characters (of ASCII).
+bool is_one_line(std::string_view text);
 // The first line of what a library says of an error, as valid UTF-8: theirs run on and repeat themselves.
 std::string first_line(std::string_view text);
 

@@ -30,6 +30,24 @@ TEST(CliExport, PtmAndRtiOfAPaintingAndOfItsPhotographsAreReadBack) {
             << file;
 }
 
+TEST(CliExport, ASnapshotIsTheRelitPicture) {
+    const TinyStack stack;
+    ASSERT_TRUE(ended(tangipaint({"export", stack.truth(), "--to", "snapshot", "--light", "0.3,0.2,0.9",
+                                  "--out", stack.out("a.tif")}),
+                      0));
+    ASSERT_TRUE(ended(tangipaint({"relight", stack.truth(), "--light", "0.3,0.2,0.9", "--encoding", "srgb",
+                                  "--out", stack.out("b.tif")}),
+                      0));
+    EXPECT_TRUE(images_identical(read_picture(stack.out("a.tif")), read_picture(stack.out("b.tif"))));
+    const auto refused = [&](std::vector<std::string> flags, const std::string& said) {
+        flags.insert(flags.begin(), {"export", stack.truth()});
+        EXPECT_TRUE(ended(tangipaint(flags), 2, {said}));
+    };
+    refused({"--to", "snapshot", "--light", "0,0,-1", "--out", stack.out("c.png")}, "from behind");
+    refused({"--to", "ptm", "--light", "0,0,1", "--out", stack.out("c.ptm")},
+            "is of a snapshot; --to ptm is none");
+}
+
 TEST(CliExport, MapsGoOutAndComeBack) {
     const TinyStack stack;
     ASSERT_TRUE(ended(tangipaint({"export", stack.truth(), "--to", "maps", "--out", stack.out("maps")}), 0));

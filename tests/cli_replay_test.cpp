@@ -84,6 +84,7 @@ TEST(CliReplay, PaintsOnAPaintingAndGoesOn) {
         f.journal(kHeader + kStroke + "{\"event\": \"dry\", \"layer\": \"one\"}\n" + kStroke);
     const Finished first = tangipaint({"replay", f.path("a.exr"), strokes, "--out", f.path("b.exr")});
     ASSERT_TRUE(ended(first, 0));
+    EXPECT_TRUE(first.json()["warnings"].empty());
     const Finished second = tangipaint({"replay", f.path("b.exr"), strokes, "--out", f.path("c.exr")});
     ASSERT_TRUE(ended(second, 0));
     EXPECT_EQ(first.json()["dry_hash"], second.json()["dry_hash"]);
@@ -93,6 +94,10 @@ TEST(CliReplay, PaintsOnAPaintingAndGoesOn) {
     EXPECT_TRUE(std::any_of(parts.begin(), parts.end(), [](const auto& part) {
         return part.name == "errors";
     })) << "what the fit says of the dry layer stays";
+    Surface unscaled(80, 60);
+    write_painting(f.path("u.exr"), unscaled);
+    const std::vector<std::string> on_it = {"replay", f.path("u.exr"), strokes, "--out", f.path("v.exr")};
+    EXPECT_TRUE(ended(tangipaint(on_it), 0, {"u.exr: its scale is unknown", "--mm-per-pixel"}));
     // The same strokes on the same painting are the same file.
     ASSERT_TRUE(ended(tangipaint({"replay", f.path("a.exr"), strokes, "--out", f.path("d.exr")}), 0));
     EXPECT_EQ(bytes_of(f.path("b.exr")), bytes_of(f.path("d.exr")));
@@ -294,6 +299,25 @@ TEST(CliReplay, FlagsWithoutEffectAreRefused) {
     EXPECT_TRUE(
         ended(tangipaint({"paint", "--substrate", "linen", "--out", f.path("a.png")}), 1, {"a.png", ".exr"}));
     EXPECT_FALSE(std::filesystem::exists(f.path("b.exr")));
+}
+
+TEST(CliReplay, PaintIsSeenUnderLampsAndByTheModelOfTheThesis) {
+    const Folder f;
+    ASSERT_TRUE(ended(f.replay(kHeader + kStroke), 0));
+    const auto relit = [&](std::vector<std::string> flags) {
+        std::vector<std::string> arguments = {"relight", f.path("a.exr"), "--light",
+                                              "0,0,1",   "--out",         f.path("a.png")};
+        arguments.insert(arguments.end(), flags.begin(), flags.end());
+        return tangipaint(arguments);
+    };
+    ASSERT_TRUE(ended(relit({}), 0));
+    const double daylight = redness(read_picture(f.path("a.png")));
+    ASSERT_TRUE(ended(relit({"--illuminant", "a"}), 0));
+    EXPECT_GT(redness(read_picture(f.path("a.png"))), 1.03 * daylight);
+    ASSERT_TRUE(ended(relit({"--paint-model", "thesis"}), 0));
+    EXPECT_GT(std::abs(redness(read_picture(f.path("a.png"))) / daylight - 1), 0.02);
+    EXPECT_TRUE(ended(relit({"--illuminant", "C"}), 2, {"--illuminant C", "F11"}));
+    EXPECT_TRUE(ended(relit({"--paint-model", "rgb"}), 2, {"--paint-model rgb", "thesis"}));
 }
 
 }  // namespace

@@ -36,6 +36,46 @@ TEST(Appearance, IsTheDrySurfaceWhereThereIsNoPaint) {
     EXPECT_NE(s.diffuse(30, 30), half.dry().diffuse(30, 30));
 }
 
+// Bare canvas and the thinnest film on it are seen under the same lamp; grey is grey under each.
+TEST(Appearance, IsSeenUnderALampWithAndWithoutPaint) {
+    for (int i = 0; i < kIlluminants; ++i) {
+        const auto lamp = static_cast<Illuminant>(i);
+        Canvas canvas = half_covered("Bone Black", 1e-5f);
+        Surface dry = canvas.dry();
+        std::ranges::fill(dry.diffuse.pixels(), Rgb(0.6f, 0.3f, 0.1f));
+        dry.diffuse(100, 30) = Rgb(0.4f);
+        dry.diffuse(101, 30) = Rgb(2.0f);
+        Canvas brown(std::make_shared<Surface>(dry));
+        brown.add(canvas.ingredients()[0]);
+        brown.writable_wet() = canvas.wet();
+        const Surface s = appearance(brown, {.illuminant = lamp});
+        for (int c = 0; c < 3; ++c) {
+            EXPECT_NEAR(s.diffuse(30, 30)[c], s.diffuse(100, 31)[c], 0.002) << name_of(lamp);
+            EXPECT_NEAR(s.diffuse(100, 30)[c], 0.4, 1e-4) << name_of(lamp);
+            EXPECT_NEAR(s.diffuse(101, 30)[c], 2, 1e-3) << name_of(lamp);
+        }
+        const bool daylight = lamp == Illuminant::d65;
+        EXPECT_EQ(s.diffuse(100, 31) == Rgb(0.6f, 0.3f, 0.1f), daylight) << name_of(lamp);
+    }
+}
+
+// For comparison: one constant and three channels, opaque where it covers. It mixes no green.
+TEST(Appearance, ByTheModelOfTheThesisIsOpaqueAndItsMixturesAreItsOwn) {
+    EXPECT_EQ(paint_model_named("thesis"), PaintModel::thesis);
+    EXPECT_EQ(paint_model_named(name_of(PaintModel::spectral)), PaintModel::spectral);
+    EXPECT_FALSE(paint_model_named("rgb"));
+    const AppearanceOptions thesis{.model = PaintModel::thesis};
+    const Canvas thin = half_covered("Titanium White", 0.05f), thick = half_covered("Titanium White", 1.0f);
+    const Rgb once = appearance(thin, thesis).diffuse(30, 30),
+              more = appearance(thick, thesis).diffuse(30, 30);
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(once[c], more[c], 0.01);
+    EXPECT_EQ(appearance(thin, thesis).diffuse(100, 30), thin.dry().diffuse(100, 30));
+    const Rgb film = appearance(thin).diffuse(30, 30), hiding = appearance(thick).diffuse(30, 30);
+    EXPECT_GT(glm::length(hiding - film), 0.05f);
+    // Of one paint that hides, both models have the colour.
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(more[c], hiding[c], 0.02);
+}
+
 TEST(Appearance, OfAPartIsThatOfTheWhole) {
     Canvas canvas = half_covered("Bone Black", 0.02f);  // its edge is a slope
     canvas.writable_dried().push_back({"varnish", canvas.wet(), true});

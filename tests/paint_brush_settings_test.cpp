@@ -13,7 +13,8 @@ using testing::HasSubstr;
 
 TEST(BrushSettings, PresetsAreValidAndDiffer) {
     for (const auto& [name, settings] : brush_presets()) EXPECT_NO_THROW(validate(settings)) << name;
-    for (const char* name : {"round", "flat", "filbert", "fan", "knife", "rag", "smudge", "scrape", "eraser"})
+    for (const char* name :
+         {"round", "flat", "filbert", "fan", "knife", "rag", "smudge", "scrape", "eraser", "height eraser"})
         EXPECT_TRUE(brush_presets().contains(name)) << name;
     EXPECT_EQ(brush_presets().at("smudge").load_mm, 0);
 }

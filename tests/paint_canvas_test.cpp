@@ -168,6 +168,29 @@ TEST(Canvas, LayersAreNotCalledWetOrDry) {
     EXPECT_EQ(dry(canvas, "dry"), "dry 2");
 }
 
+// Relief goes, colour stays: a film of the paint that was there.
+TEST(Canvas, AHeightEraserLeavesAFilmOfTheSamePaints) {
+    Canvas canvas = flat_canvas(160, 60);
+    const auto red = add_paint(canvas, "Pyrrole Red"), white = add_paint(canvas, "Titanium White");
+    BrushSettings flat = brush_presets().at("flat");
+    flat.size_mm = 12;
+    Brush brush(flat, kTestPixel, 1);
+    brush.load({{red, 1}, {white, 3}}, 2);
+    stroke(canvas, brush, {-12, 0}, {12, 0});
+    const float before = canvas.wet().thickness_mm(80, 30);
+    ASSERT_GT(before, 0.08f);
+    BrushSettings settings = brush_presets().at("height eraser");
+    settings.size_mm = 14;
+    Brush eraser(settings, kTestPixel, 2);
+    for (int i = 0; i < 2; ++i) stroke(canvas, eraser, {-14, 0}, {14, 0});
+    for (int x = 60; x <= 100; x += 5) {
+        EXPECT_NEAR(canvas.wet().thickness_mm(x, 30), settings.film_mm, 0.25 * settings.film_mm) << x;
+        const PaintTile& tile = *canvas.wet().tile({x / PaintTile::kSize, 0});
+        const std::size_t i = static_cast<std::size_t>(30 * PaintTile::kSize + x % PaintTile::kSize);
+        EXPECT_NEAR(tile.plane(white)[i] / tile.plane(red)[i], 3, 0.01) << x;
+    }
+}
+
 TEST(Canvas, WhatAnEraserLeavesIsNoLayer) {
     Canvas canvas = flat_canvas();
     const auto white = add_paint(canvas, "Titanium White");

@@ -153,6 +153,8 @@ TEST(Journal, ErrorsNameFileAndLine) {
                 HasSubstr("not a number"));
     EXPECT_THAT(error(kHeader + "{\"event\": \"end\", \"now\": 1}\n"), HasSubstr("'now'"));
     EXPECT_THAT(error(kHeader + "{\"event\": \"stroke\", \"paint\": {\"a\": 0}}\n"), HasSubstr("parts of a"));
+    EXPECT_THAT(error(kHeader + "{\"event\": \"point\", \"t\": 0, \"x\": 0, \"y\": 0, \"p\": NaN}\n"),
+                AllOf(HasSubstr(":2: is not JSON"), HasSubstr("no NaN")));
     EXPECT_THAT(error(kHeader + "{\"event\": \"stroke\", \"paint\": {\"a\": 1e7}}\n"),
                 HasSubstr("above 0, 1000000 at most"));
     EXPECT_THAT(error(kHeader + "{\"event\": \"stroke\", \"start\": \"wet\"}\n"), HasSubstr("'start'"));

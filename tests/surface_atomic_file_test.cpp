@@ -42,6 +42,25 @@ TEST(AtomicFile, ReplacesWhatWasThereWhenCommitted) {
     EXPECT_EQ(bytes_of(dir / "a.txt"), "new");
 }
 
+TEST(AtomicFile, WritesWhereALinkLeads) {
+    namespace fs = std::filesystem;
+    const TestDir dir;
+    fs::create_directory(dir / "disk");
+    write_bytes(dir / "disk/real.txt", "old");
+    fs::create_symlink("disk/real.txt", dir / "link.txt");
+    fs::create_symlink("link.txt", dir / "second.txt");
+    fs::create_symlink(dir / "disk/new.txt", dir / "dangling.txt");
+    fs::create_symlink("loop.txt", dir / "loop.txt");
+    write_text_file(dir / "second.txt", "new");
+    write_text_file(dir / "dangling.txt", "first");
+    EXPECT_EQ(bytes_of(dir / "disk/real.txt"), "new");
+    EXPECT_EQ(bytes_of(dir / "disk/new.txt"), "first");
+    for (const char* link : {"link.txt", "second.txt", "dangling.txt"})
+        EXPECT_TRUE(fs::is_symlink(dir / link)) << link;
+    EXPECT_EQ(names_in(dir / "disk"), (Names{"new.txt", "real.txt"}));
+    EXPECT_THAT(error_of([&] { write_text_file(dir / "loop.txt", ""); }), testing::HasSubstr("in a circle"));
+}
+
 TEST(AtomicFile, KeepsTheExtensionAndTheFolderOfItsTarget) {
     const TestDir dir;
     const AtomicFile file(dir / "my painting.v2.exr");

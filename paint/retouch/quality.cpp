@@ -226,23 +226,6 @@ void compare_relief_and_gloss(const Cut& cut, const Surface& seen, double height
         }
 }
 
-// What is not painted looks like its colour's reflectance.
-Image<Rgb> look_of(const Canvas& canvas, Image<Rgb> look, const Region& part, Illuminant lamp) {
-    if (lamp == Illuminant::d65) return look;
-    Image<float> painted_mm(part.width(), part.height());
-    const auto add = [&](const PaintLayer& layer) {
-        layer.add_thickness_mm(part, painted_mm.data(), static_cast<std::size_t>(part.width()));
-    };
-    for (const DriedLayer& layer : canvas.dried()) add(layer.paint);
-    add(canvas.wet());
-    parallel_for(0, look.height(), 16, [&](int begin, int end) {
-        for (int y = begin; y < end; ++y)
-            for (int x = 0; x < look.width(); ++x)
-                if (!(painted_mm(x, y) > 0)) look(x, y) = to_linear_rgb(reflectance_of_rgb(look(x, y)), lamp);
-    });
-    return look;
-}
-
 // A place that is compared, and where its figures go; of a retouch, the maps too.
 struct ComparedPlace {
     Outline outline;
@@ -269,8 +252,7 @@ struct Comparison {
         const Cut cut = cut_of(canvas, numbers, place.outline, damaged, options);
         q.border_px = static_cast<int>(cut.border.size());
         for (const Illuminant lamp : lamps) {
-            Image<Rgb> seen = appearance_in(canvas, cut.region, {.illuminant = lamp}).diffuse;
-            compare_colour(cut, look_of(canvas, std::move(seen), cut.region, lamp),
+            compare_colour(cut, appearance_in(canvas, cut.region, {.illuminant = lamp}).diffuse,
                            static_cast<std::size_t>(lamp), q, place.retouch ? &result.delta_e : nullptr);
         }
         compare_relief_and_gloss(cut, appearance_in(canvas, cut.region), canvas.height_unit_mm(), q,
@@ -308,7 +290,7 @@ struct Comparison {
 }  // namespace
 
 Image<Rgb> look_under(const Canvas& canvas, Illuminant lamp, const Progress& progress) {
-    return look_of(canvas, appearance(canvas, {.illuminant = lamp}, progress).diffuse, canvas.region(), lamp);
+    return appearance(canvas, {.illuminant = lamp}, progress).diffuse;
 }
 
 RetouchQuality mean_of(std::vector<RetouchQuality> regions) {
