@@ -57,7 +57,7 @@ Light changed(Light light, const Change& change) {
 }
 
 // A photograph as stored; pixels that it does not reach leave the mask.
-Image<Rgb> read_photo(const Stack& one, Mask& mask) {
+Image<Rgb> read_photo(const Stack& one, PixelMask& mask) {
     StackReader reader(one);
     const Band band = reader.read(0, one.height(), Transfer{});
     Image<Rgb> picture(one.width(), one.height());
@@ -88,7 +88,7 @@ void run(const char* painting, const char* folder) {
         Stack one = stack;
         one.photos = {photo};
         one.photos.front().homography = known->homography;
-        Mask mask = measured(surface.confidence);
+        PixelMask mask = measured(surface.confidence);
         const Image<Rgb> taken = read_photo(one, mask);
         const Light light = as_photographed(photo.light, surface.photography);
         fmt::print("| {} | {:.0f}° ", photo.light.name,

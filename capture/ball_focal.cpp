@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
-#include <numbers>
 #include <utility>
 
 namespace tangi {
@@ -13,10 +12,9 @@ using glm::dvec2;
 
 namespace {
 
-constexpr double kDegrees = 180 / std::numbers::pi;
-constexpr double kTurned = 1;           // [deg] that the unknown focal length may turn before it is told
-constexpr double kTurnedPoor = 3;       // [deg] before it is poor
-constexpr double kClearlyBetter = 0.8;  // [1] of the misfit of outlines
+constexpr double kTurned = 1;      // [deg] that the unknown focal length may turn before it is told
+constexpr double kTurnedPoor = 3;  // [deg] before it is poor
+constexpr double kClearlyBetterMisfit = 0.8;  // [1] of the misfit of outlines
 constexpr double kFarLamps = 2;   // [1] diagonals of the picture, as far away as lamps are at least, about
 constexpr double kCertain = 2.5;  // [standard errors] of a focal length that is used
 constexpr double kFar35mm =
@@ -74,7 +72,7 @@ void measure_without_bias(BallCalibration& c) {
     const std::vector<FoundBall> as_given = c.balls;
     const std::optional<double> focal_px = std::exchange(c.camera.focal_px, std::nullopt);
     for (FoundBall& ball : c.balls) measure_again(ball, c.camera);
-    if (misfit_px(c.balls) < kClearlyBetter * misfit_px(as_given)) return;
+    if (misfit_px(c.balls) < kClearlyBetterMisfit * misfit_px(as_given)) return;
     c.balls = as_given;
     c.camera.focal_px = focal_px;
 }

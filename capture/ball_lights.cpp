@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
-#include <numbers>
 
 #include "surface/error.h"
 #include "surface/median.h"
@@ -16,7 +15,6 @@ using glm::dvec3;
 
 namespace {
 
-constexpr double kDegrees = 180 / std::numbers::pi;
 constexpr double kFarthest = 0.5;       // [1] standard error / distance from which on a position is none
 constexpr double kUnknown = 60;         // [deg] standard error of a direction that may as well be any other
 constexpr double kWorstDirection = 10;  // [deg] standard error from which on a light is left out
@@ -67,15 +65,15 @@ void directions_from_balls(BallCalibration& c, const std::vector<BallView>& view
 }
 
 // Where the painting's frame lies in that of the balls.
-struct Frame {
+struct BallFrame {
     dvec3 offset{0};  // of the balls' frame
     double mm_per_pixel = 1;
     dvec3 to_surface(const dvec3& point) const { return point + offset; }
 };
 
-Frame frame_of(const BallCalibration& c, const PositionResult& result, double height_mm) {
+BallFrame frame_of(const BallCalibration& c, const PositionResult& result, double height_mm) {
     const dvec2 origin = (c.origin_px - c.camera.principal_px) * dvec2(1, -1);
-    Frame frame;
+    BallFrame frame;
     frame.mm_per_pixel = (1 + result.inverse_distance_mm() * height_mm) / result.px_per_mm;
     frame.offset = dvec3(-origin * frame.mm_per_pixel, height_mm);
     return frame;
@@ -113,7 +111,7 @@ double across_sigma(const glm::dmat3& covariance, const dvec3& position) {
 }
 
 // Lights that one ball alone shows lie on its ray, as far from the origin as the others do.
-void directions_at_distance(BallCalibration& c, const std::vector<BallView>& views, const Frame& frame,
+void directions_at_distance(BallCalibration& c, const std::vector<BallView>& views, const BallFrame& frame,
                             const PositionResult& result, double distance_mm, double radius_mm) {
     for (std::size_t i = 0; i < c.lights.size(); ++i) {
         CalibratedLight& light = c.lights[i];
@@ -152,7 +150,7 @@ std::vector<std::vector<std::optional<dvec3>>> alternatives(const BallCalibratio
         const PositionResult result = lamp_positions(other);
         const auto add = [&](double height_mm, double scale) {
             if (std::abs(height_mm) > kHighest * input.ball_radius_mm) return;  // balls do not float
-            const Frame frame = frame_of(c, result, height_mm / scale);
+            const BallFrame frame = frame_of(c, result, height_mm / scale);
             ways.emplace_back(result.lamps.size());
             for (std::size_t i = 0; i < result.lamps.size(); ++i)
                 if (result.lamps[i]) ways.back()[i] = scale * frame.to_surface(result.lamps[i]->position_mm);
@@ -199,7 +197,7 @@ void widen(BallCalibration& c, const std::vector<std::vector<std::optional<dvec3
 }
 
 // Positions of the lamps that two balls or more show; the distances of those that have one.
-std::vector<double> place_lamps(BallCalibration& c, const PositionResult& result, const Frame& frame,
+std::vector<double> place_lamps(BallCalibration& c, const PositionResult& result, const BallFrame& frame,
                                 const Known& height, bool in_mm, const std::string& why_far) {
     std::vector<double> distances;
     std::vector<std::string> distant;
@@ -248,7 +246,7 @@ void positions_from_balls(BallCalibration& c, const BallCalibrationOptions& opti
     if (verdict.uses(FocalSource::lengths)) input.depth_mm = lengths.depth();
     const PositionResult result = lamp_positions(input);
     const Known height = height_of(lengths, result, radius_px, verdict.uses(FocalSource::lengths));
-    const Frame frame = frame_of(c, result, height.value);
+    const BallFrame frame = frame_of(c, result, height.value);
     if (options.ball_radius_mm) {
         for (const dvec3& centre : result.ball_centres_mm)
             c.ball_centres_mm.push_back(frame.to_surface(centre));

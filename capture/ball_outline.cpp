@@ -23,13 +23,13 @@ constexpr double kBounded = 0.15;    // [1 per pixel] slope of the logarithm tha
 constexpr double kClearEdge = 0.06;  // [1 per pixel] mean of those that counts fully
 constexpr double kOutside = 0.8;     // how much an edge beyond the outline counts against it
 constexpr double kNear = 1.25;       // [pixels] from the expected outline, within which its edge is sought
-constexpr double kFaintest = 0.25;   // [1] of the strong edges; fainter ones are left out
+constexpr double kFaintestEdge = 0.25;  // [1] of the strong edges; fainter ones are left out
 constexpr double kLeastCoverage = 0.2;
 constexpr double kCentreSystematic = 0.1, kRadiusSystematic = 0.4;  // [pixels] of a limb that fades
 constexpr double kShapeSystematic =
     0.25;  // [pixels] half the length's error against the width, for the same reason
 
-struct Edge {
+struct OutlineEdge {
     dvec2 place;
     dvec2 outwards;
     double strength = 0;  // [1 per pixel] of the contrast along the profile, mean of all photographs
@@ -37,7 +37,7 @@ struct Edge {
 
 // Edges along the radius at one angle, mean over the photographs, kSample apart, the middle one at `middle`;
 // empty where it leaves the picture.
-struct Profile {
+struct EdgeProfile {
     dvec2 middle, outwards;
     std::vector<double> clear;  // [0..1] of the logarithm, bounded: whether there is an edge, however strong
     std::vector<double>
@@ -51,8 +51,8 @@ struct Profile {
     }
 };
 
-Profile profile_along(const BallCrops& crops, const dvec2& middle, const dvec2& outwards, double reach) {
-    Profile profile{middle, outwards, {}, {}};
+EdgeProfile profile_along(const BallCrops& crops, const dvec2& middle, const dvec2& outwards, double reach) {
+    EdgeProfile profile{middle, outwards, {}, {}};
     if (!crops.holds(middle + reach * outwards) || !crops.holds(middle - reach * outwards)) return profile;
     const int half = static_cast<int>(std::ceil(reach / kSample));
     constexpr std::size_t ends = 10;  // samples on which the contrast nearby rests
@@ -80,10 +80,10 @@ Profile profile_along(const BallCrops& crops, const dvec2& middle, const dvec2& 
     return profile;
 }
 
-std::vector<Profile> profiles_around(const BallCrops& crops, const BallImage& ball, const BallCamera& camera,
-                                     double reach) {
+std::vector<EdgeProfile> profiles_around(const BallCrops& crops, const BallImage& ball,
+                                         const BallCamera& camera, double reach) {
     const int angles = std::clamp(static_cast<int>(2 * std::numbers::pi * ball.radius_px), 72, 360);
-    std::vector<Profile> profiles(static_cast<std::size_t>(angles));
+    std::vector<EdgeProfile> profiles(static_cast<std::size_t>(angles));
     parallel_for(0, angles, 8, [&](int begin, int end) {
         for (int i = begin; i < end; ++i) {
             const double angle = 2 * std::numbers::pi * (i + 0.5) / angles;
@@ -91,15 +91,15 @@ std::vector<Profile> profiles_around(const BallCrops& crops, const BallImage& ba
                                                                   {std::cos(angle), -std::sin(angle)}, reach);
         }
     });
-    std::erase_if(profiles, [](const Profile& profile) { return profile.slope.empty(); });
+    std::erase_if(profiles, [](const EdgeProfile& profile) { return profile.slope.empty(); });
     return profiles;
 }
 
 // How well the outline moved by `step` (centre, radius) agrees with the profiles; edges outside count against
 // it.
-double agreement(const std::vector<Profile>& profiles, const dvec3& step) {
+double agreement(const std::vector<EdgeProfile>& profiles, const dvec3& step) {
     double sum = 0;
-    for (const Profile& profile : profiles) {
+    for (const EdgeProfile& profile : profiles) {
         const double offset = glm::dot(dvec3(profile.outwards, 1), step);
         double outside = 0;
         for (const double beyond : {2.0, 3.0, 4.0}) outside += profile.at(offset + beyond) / 3;
@@ -109,7 +109,7 @@ double agreement(const std::vector<Profile>& profiles, const dvec3& step) {
 }
 
 // The step of at most `reach` in each coordinate that agrees best: from a coarse grid to a fine one.
-dvec3 best_step(const std::vector<Profile>& profiles, double reach) {
+dvec3 best_step(const std::vector<EdgeProfile>& profiles, double reach) {
     dvec3 best(0);
     double most = agreement(profiles, best);
     for (double grid = std::max(0.5, reach / 4); grid > 0.1; grid /= 2) {
@@ -130,14 +130,14 @@ dvec3 best_step(const std::vector<Profile>& profiles, double reach) {
 }
 
 // The peaks of the profiles next to the outline.
-std::vector<Edge> edges_near(const std::vector<Profile>& profiles, const dvec3& step) {
-    std::vector<Edge> edges;
+std::vector<OutlineEdge> edges_near(const std::vector<EdgeProfile>& profiles, const dvec3& step) {
+    std::vector<OutlineEdge> edges;
     std::vector<double> strengths;
-    for (const Profile& profile : profiles) {
+    for (const EdgeProfile& profile : profiles) {
         const double expected = glm::dot(dvec3(profile.outwards, 1), step);
         const auto half = static_cast<double>(profile.slope.size() / 2);
         double nearest = kNear;
-        std::optional<Edge> edge;
+        std::optional<OutlineEdge> edge;
         for (std::size_t k = 1; k + 1 < profile.slope.size(); ++k) {
             const double here = profile.slope[k], before = profile.slope[k - 1], after = profile.slope[k + 1];
             if (here < before || here < after) continue;
@@ -147,7 +147,7 @@ std::vector<Edge> edges_near(const std::vector<Profile>& profiles, const dvec3& 
                 kSample;
             if (std::abs(at - expected) >= nearest) continue;
             nearest = std::abs(at - expected);
-            edge = Edge{profile.middle + at * profile.outwards, profile.outwards, here};
+            edge = OutlineEdge{profile.middle + at * profile.outwards, profile.outwards, here};
         }
         if (!edge) continue;
         edges.push_back(*edge);
@@ -156,7 +156,7 @@ std::vector<Edge> edges_near(const std::vector<Profile>& profiles, const dvec3& 
     if (edges.empty()) return edges;
     const auto strong = strengths.begin() + static_cast<std::ptrdiff_t>(strengths.size() * 4 / 5);
     std::nth_element(strengths.begin(), strong, strengths.end());
-    std::erase_if(edges, [&](const Edge& edge) { return edge.strength < kFaintest * *strong; });
+    std::erase_if(edges, [&](const OutlineEdge& edge) { return edge.strength < kFaintestEdge * *strong; });
     return edges;
 }
 
@@ -168,7 +168,8 @@ double robust_sigma(std::vector<double> values) {
 }
 
 // Fits centre and radius; false where the edges leave them open.
-bool fit(const std::vector<Edge>& edges, const BallCamera& camera, BallOutline& outline, double widest) {
+bool fit(const std::vector<OutlineEdge>& edges, const BallCamera& camera, BallOutline& outline,
+         double widest) {
     BallImage& ball = outline.ball;
     std::vector<double> residuals(edges.size());
     for (int iteration = 0; iteration < 30; ++iteration) {
@@ -234,10 +235,10 @@ std::optional<BallOutline> refine_outline(const BallCrops& crops, const BallImag
     BallOutline outline{.ball = start, .edges_px = {}};
     for (const double part : {0.05, 0.02, 0.01}) {
         const double reach = std::max(part * start.radius_px, part > 0.04 ? 2.0 : 0.75);
-        const std::vector<Profile> profiles = profiles_around(crops, outline.ball, camera, 2 * reach + 5);
+        const std::vector<EdgeProfile> profiles = profiles_around(crops, outline.ball, camera, 2 * reach + 5);
         if (profiles.size() < 12) return std::nullopt;
         const dvec3 step = best_step(profiles, reach);
-        const std::vector<Edge> edges = edges_near(profiles, step);
+        const std::vector<OutlineEdge> edges = edges_near(profiles, step);
         outline.ball.centre_px += dvec2(step);
         outline.ball.radius_px += step.z;
         if (edges.size() < 12 || !fit(edges, camera, outline, 0.5)) return std::nullopt;

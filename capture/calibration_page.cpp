@@ -191,9 +191,9 @@ std::string plane_section(const PlaneCalibration& c) {
 namespace {
 
 bool is_capture_file(const std::filesystem::path& path) {
-    const nlohmann::json json = nlohmann::json::parse(read_text_file(path), nullptr, false);
-    return json.is_object() && json.contains("format") && json["format"].is_string() &&
-           json["format"].get<std::string>().starts_with("tangipaint capture");
+    const nlohmann::json root = nlohmann::json::parse(read_text_file(path), nullptr, false);
+    return root.is_object() && root.contains("format") && root["format"].is_string() &&
+           root["format"].get<std::string>().starts_with("tangipaint capture");
 }
 
 }  // namespace
@@ -300,15 +300,15 @@ CalibrationFiles write_calibration(const std::filesystem::path& out, const Calib
     for (const FoundBall& ball : calibration.lights.balls)
         urls.push_back(picture_url(ball_picture(ball), out));
     const nlohmann::json capture = to_json(calibration);
-    AtomicFile json(files.json), page(files.page);
-    json.write(capture.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
+    AtomicFile record(files.json), page(files.page);
+    record.write(capture.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
     page.write(calibration_page(calibration, urls));
     const std::vector<Light> usable = calibration.lights.usable_lights();
     std::optional<AtomicFile> lights;
     if (!usable.empty()) lights.emplace(files.lights).write(lights_text(usable));
     std::error_code missing;  // lights of a former run are not those of this capture file
     if (usable.empty()) std::filesystem::remove(files.lights, missing);
-    json.commit();
+    record.commit();
     page.commit();
     if (lights) lights->commit();
     return files;

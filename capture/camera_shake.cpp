@@ -21,9 +21,9 @@ using glm::dvec3;
 namespace {
 
 constexpr double kMoved = 0.25;  // [pixels of the reduced photographs] rms from which on a camera moved
-constexpr std::size_t kMostPixels = 20000;  // for three unknowns
-constexpr float kClear = 0.02f;             // [1 per pixel] mean edge that is worth following
-constexpr int kTurns = 3;                   // of the template, at most
+constexpr std::size_t kMostShakePixels = 20000;  // for three unknowns
+constexpr float kClear = 0.02f;                  // [1 per pixel] mean edge that is worth following
+constexpr int kTurns = 3;                        // of the template, at most
 // [standard deviations of chance] by which the median photograph agrees with the others, for a photograph to
 // be missed that does so by a quarter of it: a rock among grey balls of which all of the background is alike
 // has 1.8 of 9.8, the least of any photograph of canvas, coin, door, fresco, icon and leaf 12.7 of 27.6.
@@ -71,10 +71,10 @@ std::vector<TemplatePixel> template_pixels(const Directions& mean, const dvec2& 
             const float strength = std::hypot(mean.cosine.at<float>(y, x), mean.sine.at<float>(y, x));
             if (strength > kClear) clear.push_back({strength, {x, y}});
         }
-    if (clear.size() > kMostPixels) {
-        std::nth_element(clear.begin(), clear.begin() + static_cast<std::ptrdiff_t>(kMostPixels), clear.end(),
-                         [](const auto& a, const auto& b) { return a.first > b.first; });
-        clear.resize(kMostPixels);
+    if (clear.size() > kMostShakePixels) {
+        std::nth_element(clear.begin(), clear.begin() + static_cast<std::ptrdiff_t>(kMostShakePixels),
+                         clear.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
+        clear.resize(kMostShakePixels);
     }
     std::vector<TemplatePixel> pixels;
     for (const auto& [strength, at] : clear) {

@@ -21,7 +21,7 @@ namespace {
 
 constexpr const char* kFormat = "tangipaint capture 1";
 
-glm::dvec3 dvec3(const JsonField& field, double size) {
+glm::dvec3 vector_in(const JsonField& field, double size) {
     const std::vector<JsonField> n = field.list();
     if (n.size() != 3) fail("{}: {} has {} numbers, not 3", field.file(), field.path(), n.size());
     return {n[0].number(-size, size), n[1].number(-size, size), n[2].number(-size, size)};
@@ -30,21 +30,22 @@ glm::dvec3 dvec3(const JsonField& field, double size) {
 glm::dmat3 mat3(const JsonField& field, double size) {  // a list of rows
     const std::vector<JsonField> rows = field.list();
     if (rows.size() != 3) fail("{}: {} has {} rows, not 3", field.file(), field.path(), rows.size());
-    return glm::transpose(glm::dmat3(dvec3(rows[0], size), dvec3(rows[1], size), dvec3(rows[2], size)));
+    return glm::transpose(
+        glm::dmat3(vector_in(rows[0], size), vector_in(rows[1], size), vector_in(rows[2], size)));
 }
 
-constexpr double kFarthest = 1e6;  // [mm] 1 km
+constexpr double kFarthest_mm = 1e6;  // 1 km
 
 std::optional<Light> light_of(const JsonField& entry, const std::string& file) {
     if (entry["direction"].is_null()) return {};  // left out
     const std::string name = entry["name"].text();
     if (!entry["position_mm"].is_null()) {
-        const Vec3 position = Vec3(dvec3(entry["position_mm"], kFarthest));
+        const Vec3 position = Vec3(vector_in(entry["position_mm"], kFarthest_mm));
         if (!(position.z > 0))
             fail("{}: the lamp of {} is at z = {} mm, below the painting", file, name, position.z);
         return near_light(position, name);
     }
-    const Vec3 direction = Vec3(dvec3(entry["direction"], 2));
+    const Vec3 direction = Vec3(vector_in(entry["direction"], 2));
     if (!(glm::length(direction) > 0.5f)) fail("{}: the direction of {} is no unit vector", file, name);
     return distant_light(direction, name);
 }
@@ -72,7 +73,7 @@ void complete_positions(CaptureFile& capture, const std::string& file) {
 CaptureColour colour_of(const JsonField& colour, const std::string& file) {
     CaptureColour result;
     const JsonField correction = colour["correction"];
-    const glm::dvec3 balance = dvec3(correction["white_balance"], 1e3);
+    const glm::dvec3 balance = vector_in(correction["white_balance"], 1e3);
     if (!(std::min({balance.r, balance.g, balance.b}) > 1e-3))
         fail("{}: colour.correction.white_balance is not positive", file);
     const glm::dmat3 matrix = mat3(correction["matrix"], 1e3);
@@ -96,7 +97,7 @@ CaptureColour colour_of(const JsonField& colour, const std::string& file) {
         bool known = true;  // files of version 0.1 do not say
         for (std::size_t n = 0; n < patches.size() && known; ++n) {
             known = patches[n].has("reference");
-            if (known) chart.reference[n] = Rgb(dvec3(patches[n]["reference"], 10));
+            if (known) chart.reference[n] = Rgb(vector_in(patches[n]["reference"], 10));
         }
         if (known) result.chart = chart;
     }
@@ -158,7 +159,8 @@ CaptureFile read_capture_file(const std::filesystem::path& path) {
     if (origin.size() != 2) fail("{}: frame.origin_px has {} numbers, not 2", file, origin.size());
     capture.origin_px = {origin[0].number(-1e6, 1e6), origin[1].number(-1e6, 1e6)};
     if (!camera["mm_per_pixel"].is_null()) capture.mm_per_pixel = camera["mm_per_pixel"].number(1e-6, 1e3);
-    if (!camera["position_mm"].is_null()) capture.camera_mm = Vec3(dvec3(camera["position_mm"], kFarthest));
+    if (!camera["position_mm"].is_null())
+        capture.camera_mm = Vec3(vector_in(camera["position_mm"], kFarthest_mm));
     if (capture.camera_mm && !(capture.camera_mm->z > 0))
         fail("{}: camera.position_mm is below the painting", file);
     const bool by_balls = whole.contains("method") && top["method"].text().find("ball") != std::string::npos;

@@ -14,8 +14,8 @@ using glm::dvec3;
 
 namespace {
 
-constexpr int kLeastPatches = 10;      // of 24 that must be seen as flat patches
-constexpr int kLargestSide_px = 1600;  // larger pictures are reduced first
+constexpr int kLeastFlatPatches = 10;    // of 24 that must be seen as flat patches
+constexpr int kLargestSought_px = 1600;  // larger pictures are reduced first
 
 // Cell coordinates of chart coordinates, for each quarter turn of a window of the grid with its corner at (u,
 // v).
@@ -33,19 +33,19 @@ Homography chart_to_grid(int u, int v, int turn) {
     }
 }
 
-struct Window {
+struct GridWindow {
     int u, v;
     bool tall;  // four cells wide and six high
     int cells;
 };
 
-std::vector<Window> windows_of(const PatchGrid& grid) {
+std::vector<GridWindow> windows_of(const PatchGrid& grid) {
     int low_u = 1000, low_v = 1000, high_u = -1000, high_v = -1000;
     for (const PatchGrid::Cell& cell : grid.cells) {
         low_u = std::min(low_u, cell.u), high_u = std::max(high_u, cell.u);
         low_v = std::min(low_v, cell.v), high_v = std::max(high_v, cell.v);
     }
-    std::vector<Window> windows;
+    std::vector<GridWindow> windows;
     int most = 0;
     for (const bool tall : {false, true}) {
         const int width = tall ? kChartRows : kChartColumns, height = tall ? kChartColumns : kChartRows;
@@ -56,12 +56,12 @@ std::vector<Window> windows_of(const PatchGrid& grid) {
                     std::count_if(grid.cells.begin(), grid.cells.end(), [&](const auto& cell) {
                         return cell.u >= u && cell.u < u + width && cell.v >= v && cell.v < v + height;
                     });
-                if (inside < kLeastPatches) continue;
+                if (inside < kLeastFlatPatches) continue;
                 windows.push_back({u, v, tall, static_cast<int>(inside)});
                 most = std::max(most, static_cast<int>(inside));
             }
     }
-    std::erase_if(windows, [&](const Window& w) { return w.cells < most - 5; });
+    std::erase_if(windows, [&](const GridWindow& w) { return w.cells < most - 5; });
     return windows;
 }
 
@@ -97,7 +97,7 @@ void refine(FoundChart& chart, const std::vector<FlatPatch>& patches) {
             from.push_back(cell);
             to.push_back(middle);
         }
-        if (from.size() < kLeastPatches) return;
+        if (from.size() < kLeastFlatPatches) return;
         const double pitch_px = glm::length(mapped(before, {3.5, 2}) - mapped(before, {2.5, 2}));
         const double stray_px = round == 0 ? std::max(0.8, 0.03 * pitch_px) : 0;
         const std::optional<Homography> h = homography_through(from, to, stray_px);
@@ -126,10 +126,10 @@ double doubt(const FoundChart& chart) {
 std::vector<FoundChart> charts_in(const Image<Rgb>& linear, const ChartOptions& options) {
     const std::vector<FlatPatch> patches = flat_patches(linear, options.smallest_patch_px);
     std::vector<FoundChart> charts;
-    for (const PatchGrid& grid : patch_grids(patches, kLeastPatches)) {
+    for (const PatchGrid& grid : patch_grids(patches, kLeastFlatPatches)) {
         // Several charts may lie on one grid: every window that fits, the best first.
         std::vector<FoundChart> fitting;
-        for (const Window& window : windows_of(grid))
+        for (const GridWindow& window : windows_of(grid))
             for (const int turn : {window.tall ? 1 : 0, window.tall ? 3 : 2}) {
                 FoundChart chart;
                 chart.chart_to_picture = grid.grid_to_picture * chart_to_grid(window.u, window.v, turn);
@@ -168,7 +168,7 @@ Image<Rgb> reduced(const Image<Rgb>& linear, double scale) {
 std::optional<FoundChart> find_chart(const Image<Rgb>& linear, const ChartOptions& options) {
     validate(options);
     const double side = std::max(linear.width(), linear.height());
-    std::vector<double> scales = {std::min(1.0, kLargestSide_px / side)};
+    std::vector<double> scales = {std::min(1.0, kLargestSought_px / side)};
     scales.push_back(scales[0] / 2);         // where patches are noisy or textured
     if (scales[0] < 1) scales.push_back(1);  // where the chart is small
     for (const double scale : scales) {

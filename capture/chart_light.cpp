@@ -16,12 +16,12 @@ using glm::dvec3;
 
 namespace {
 
-constexpr int kLeastPatches = 9;      // of a photograph, to know its light
-constexpr double kDark = 0.02;        // [1] of the usual white: a lamp that failed tells no colours
-constexpr double kModelError = 0.01;  // [1] relative: what smooth light and one matrix leave of real charts
-constexpr double kFloor = 1e-3;       // [1] of the white patch's reading, below which errors are absolute
-constexpr double kLossSigmas = 2;     // where Cauchy's function begins to bend
-constexpr double kOutlier = 0.08;     // [1] relative, of the brightness
+constexpr int kLeastLitPatches = 9;     // of a photograph, to know its light
+constexpr double kDark = 0.02;          // [1] of the usual white: a lamp that failed tells no colours
+constexpr double kModelError = 0.01;    // [1] relative: what smooth light and one matrix leave of real charts
+constexpr double kReadingFloor = 1e-3;  // [1] of the white patch's reading, below which errors are absolute
+constexpr double kLossSigmas = 2;       // where Cauchy's function begins to bend
+constexpr double kOutlier = 0.08;       // [1] relative, of the brightness
 constexpr double kOutlierFloor = 0.004;  // [1] of the white patch, beside it: stray light on dark patches
 
 std::array<double, 6> basis_at(int patch) {
@@ -58,7 +58,7 @@ dvec3 sigma_of(const PatchReading& reading, double white) {
     for (int k = 0; k < 3; ++k) {
         const double model = kModelError * 0.5 * (size + std::abs(double(reading.mean[k])));
         sigma[k] = std::sqrt(double(reading.sigma[k]) * reading.sigma[k] + model * model +
-                             kFloor * kFloor * white * white);
+                             kReadingFloor * kReadingFloor * white * white);
     }
     return sigma;
 }
@@ -139,7 +139,7 @@ ChartLights fit_chart_lights(std::span<const ChartReading> photos, const ChartRe
         if (result.lights[p].dark) continue;
         int good = 0;
         for (std::size_t i = 0; i < kChartPatches; ++i) good += usable(photos[p], i);
-        if (good < kLeastPatches) continue;
+        if (good < kLeastLitPatches) continue;
         ChartLight& light = result.lights[p];
         light.known = true;
         if (start)

@@ -17,8 +17,8 @@ using glm::dvec3;
 
 namespace {
 
-constexpr double kDark = 0.02;     // [1] reflectance below which errors count absolutely
-constexpr double kOutlier = 0.06;  // [1] misfit, in cube roots, at which a patch weighs half
+constexpr double kDarkReflectance = 0.02;  // [1] reflectance below which errors count absolutely
+constexpr double kOutlierMisfit = 0.06;    // [1] misfit, in cube roots, at which a patch weighs half
 constexpr int kReweightings = 8;
 
 dvec3 roots(const dvec3& linear) {
@@ -26,7 +26,7 @@ dvec3 roots(const dvec3& linear) {
             std::cbrt(std::max(0.0, linear.b))};
 }
 
-double brightness(const dvec3& c) { return 0.2126 * c.r + 0.7152 * c.g + 0.0722 * c.b; }
+double luminance_of(const dvec3& c) { return 0.2126 * c.r + 0.7152 * c.g + 0.0722 * c.b; }
 
 dvec2 centre_of(std::size_t patch) {
     return {static_cast<double>(patch % kChartColumns) + 0.5,
@@ -104,7 +104,7 @@ double order_misfit(const ChartColours& colours) {
     std::array<double, 24> weight{}, base{}, light{};
     int seen = 0;
     for (std::size_t i = 0; i < kChartPatches; ++i) {
-        const double size = brightness(target[i]) + kDark;
+        const double size = luminance_of(target[i]) + kDarkReflectance;
         base[i] = colours[i].r < 0 ? 0 : 1 / (size * size);
         seen += base[i] > 0;
     }
@@ -121,10 +121,11 @@ double order_misfit(const ChartColours& colours) {
             const dvec3 fitted = matrix * evened[i];
             const double misfit = glm::length(roots(fitted) - roots(target[i]));
             misfits.push_back(misfit);
-            const double robust = 1 / (1 + misfit * misfit / (kOutlier * kOutlier));
+            const double robust = 1 / (1 + misfit * misfit / (kOutlierMisfit * kOutlierMisfit));
             weight[i] = base[i] * robust;
             trust[i] = robust;
-            ratio[i] = std::log(std::max(1e-3, brightness(fitted)) / std::max(1e-3, brightness(target[i])));
+            ratio[i] =
+                std::log(std::max(1e-3, luminance_of(fitted)) / std::max(1e-3, luminance_of(target[i])));
         }
         const dvec3 plane = plane_through(ratio, trust);
         for (std::size_t i = 0; i < kChartPatches; ++i) {

@@ -18,8 +18,9 @@ constexpr int kSize = 256;              // [pixels] longest side of what is corr
 constexpr double kBetter = 1.3;         // [1] correlation at the shift against that at none
 constexpr double kLeast = 0.1;          // [1] correlation at the shift
 constexpr double kLeastShift = 1.5;     // [pixels of what is correlated]
-constexpr double kFarthest = 0.3;       // [1] of the side
-constexpr std::size_t kNeighbours = 4;  // that each picture is laid onto: one or two may be of something else
+constexpr double kFarthestShift = 0.3;  // [1] of the side
+// That each picture is laid onto: one or two may be of something else.
+constexpr std::size_t kNeighboursLaidOnto = 4;
 
 cv::Mat spectrum_of(const Image<float>& picture, int reduction, const cv::Size& size) {
     const cv::Mat whole(picture.height(), picture.width(), CV_32F, const_cast<float*>(picture.data()));
@@ -44,7 +45,7 @@ struct Link {
 class Spectra {
 public:
     Spectra(const std::vector<Image<float>>& pictures, int reduction) : spectra_(pictures.size()) {
-        farthest_ = kFarthest * glm::dvec2(pictures.front().width(), pictures.front().height()) /
+        farthest_ = kFarthestShift * glm::dvec2(pictures.front().width(), pictures.front().height()) /
                     static_cast<double>(reduction);
         size_ = {cv::getOptimalDFTSize(2 * (pictures.front().width() / reduction)),
                  cv::getOptimalDFTSize(2 * (pictures.front().height() / reduction))};
@@ -91,7 +92,7 @@ std::vector<std::size_t> neighbours(std::size_t of, const std::vector<glm::dvec3
     std::vector<std::size_t> others;
     for (std::size_t i = 0; i < lights.size(); ++i)
         if (i != of && in_model[i]) others.push_back(i);
-    const auto count = static_cast<std::ptrdiff_t>(std::min<std::size_t>(kNeighbours, others.size()));
+    const auto count = static_cast<std::ptrdiff_t>(std::min<std::size_t>(kNeighboursLaidOnto, others.size()));
     std::partial_sort(
         others.begin(), others.begin() + count, others.end(), [&](std::size_t a, std::size_t b) {
             const double da = glm::length(lights[a] - lights[of]), db = glm::length(lights[b] - lights[of]);

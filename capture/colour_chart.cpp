@@ -26,8 +26,6 @@ constexpr ChartCorners kCorners = {dvec2(kMargin, kMargin), dvec2(kChartColumns 
                                    dvec2(kMargin, kChartRows - kMargin)};
 constexpr double kPatchWidth = 1 - 2 * kMargin;
 
-double cross(const dvec2& a, const dvec2& b) { return a.x * b.y - a.y * b.x; }
-
 // A pixel of a patch, and where in its inner part it lies: -1..1 each.
 struct PatchPixel {
     dvec2 place;

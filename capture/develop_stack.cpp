@@ -11,6 +11,7 @@
 #include "capture/raw_file.h"
 #include "capture/survey.h"
 #include "capture/transfer_metadata.h"
+#include "capture/unusable_photos.h"
 #include "surface/error.h"
 #include "surface/median.h"
 #include "surface/parallel.h"
@@ -21,8 +22,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr int kRows = 64;                          // at a time
-constexpr int kLookedAt = 5;                       // photographs that checks and brackets read
+constexpr int kDevelopedRows = 64;                 // at a time
+constexpr int kPhotosLookedAt = 5;                 // photographs that checks and brackets read
 constexpr std::size_t kRawBytesPerPixel = 30;      // of memory, while LibRaw decodes
 constexpr std::size_t kMostRawBytesPerPixel = 60;  // ... by AAHD; DCB takes 45
 constexpr std::size_t kRawMemory = std::size_t{6} << 30;
@@ -37,13 +38,6 @@ std::vector<StackPhoto*> all_photos(Stack& stack) {
     for (StackPhoto& photo : stack.photos) all.push_back(&photo);
     for (StackPhoto& photo : stack.held_out) all.push_back(&photo);
     return all;
-}
-
-std::vector<fs::path> files_of(const StackPhoto& photo) {
-    if (photo.exposures.empty()) return {photo.path};
-    std::vector<fs::path> files;
-    for (const Exposure& exposure : photo.exposures) files.push_back(exposure.path);
-    return files;
 }
 
 TransferEstimate encoding_of(const Stack& stack, const Progress& progress) {
@@ -90,8 +84,8 @@ std::vector<float> sample_of(const Stack& stack, const fs::path& file, const Lig
     const int step =
         std::max(1, static_cast<int>(std::sqrt(static_cast<double>(part.width()) * part.height() / 20000)));
     std::vector<float> rows, sample;
-    for (int y0 = 0; y0 < part.y1; y0 += kRows) {
-        const int y1 = std::min(y0 + kRows, header.height);
+    for (int y0 = 0; y0 < part.y1; y0 += kDevelopedRows) {
+        const int y1 = std::min(y0 + kDevelopedRows, header.height);
         rows.resize(row * static_cast<std::size_t>(y1 - y0));
         source.read_rows(y0, y1, rows);
         for (int y = std::max(y0, part.y0); y < std::min(y1, part.y1); ++y)
@@ -120,7 +114,7 @@ double mean_of(const std::vector<float>& sample) {
 // Photographs to look at, spread over the stack.
 std::vector<const StackPhoto*> some_photos(const Stack& stack) {
     std::vector<const StackPhoto*> some;
-    const std::size_t count = stack.photos.size(), wanted = std::min<std::size_t>(count, kLookedAt);
+    const std::size_t count = stack.photos.size(), wanted = std::min<std::size_t>(count, kPhotosLookedAt);
     for (std::size_t i = 0; i < wanted; ++i) some.push_back(&stack.photos[i * count / wanted]);
     return some;
 }

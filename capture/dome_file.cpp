@@ -90,9 +90,9 @@ DomeFile dome_in(const JsonField& dome) {
 }
 
 DomeFile parse_dome(const std::string& text, const std::string& file_name) {
-    const nlohmann::json json = json_in(text, file_name);
-    if (!json.is_object()) fail("{}: is no dome; expected a JSON object with directions", file_name);
-    DomeFile dome = dome_in(JsonField(file_name, json));
+    const nlohmann::json root = json_in(text, file_name);
+    if (!root.is_object()) fail("{}: is no dome; expected a JSON object with directions", file_name);
+    DomeFile dome = dome_in(JsonField(file_name, root));
     if (dome.lights.empty())
         fail("{}: holds no lights; expected directions, positionsSphere or positions3d", file_name);
     return dome;

@@ -19,8 +19,8 @@ using Eigen::VectorXd;
 
 namespace {
 
-constexpr int kIterations = 200;
-constexpr int kRounds = 3;  // of taking strengths for as equal as they turned out to be
+constexpr int kSolverIterations = 200;
+constexpr int kStrengthRounds = 3;  // of taking strengths for as equal as they turned out to be
 // [1] ln strength by which lamps differ at ease: at first, at least and at most.
 constexpr double kStrengthSigma = 0.15, kLeastSigma = 0.01, kMostSigma = 0.5;
 constexpr double kMost = 0.8, kMostSigmas = 1.2816;  // [1] part of the lamps, and what it lies within
@@ -90,11 +90,11 @@ public:
     double solve() {
         ceres::Solver::Options options;
         options.linear_solver_type = ceres::DENSE_SCHUR;
-        options.max_num_iterations = kIterations;
+        options.max_num_iterations = kSolverIterations;
         options.num_threads = 1;  // sums in a fixed order
         options.logging_type = ceres::SILENT;
         ceres::Solver::Summary summary;
-        for (int round = 0; round < kRounds; ++round) {
+        for (int round = 0; round < kStrengthRounds; ++round) {
             if (round > 0) {
                 std::vector<double> sizes;
                 for (std::size_t j = 0; j < t_.size(); ++j) sizes.push_back(std::abs(log_strength(j)));

@@ -10,8 +10,9 @@ namespace tangi {
 
 namespace {
 
-constexpr float kDarkest = 0.02f;  // [1] of full scale: below, offsets that no dark frame took off would tell
-constexpr std::size_t kPixels = 50;  // fewer well exposed ones tell nothing
+// [1] Of full scale: below, offsets that no dark frame took off would tell.
+constexpr float kDarkestExposed = 0.02f;
+constexpr std::size_t kFewestExposed = 50;  // fewer well exposed ones tell nothing
 
 }  // namespace
 
@@ -53,13 +54,13 @@ RefinedExposures refine_exposures(std::span<const double> settings, std::span<co
                 // Chosen by the longer exposure, whose noise is the smaller part of the ratio's.
                 const float l = pair.longer_values[i], s = pair.shorter_values[i];
                 if (std::isnan(l) || std::isnan(s) ||
-                    l < kDarkest * static_cast<float>(settings[k] / settings[k - 1]))
+                    l < kDarkestExposed * static_cast<float>(settings[k] / settings[k - 1]))
                     continue;
                 longer += static_cast<double>(l);
                 shorter += static_cast<double>(s);
                 ++used;
             }
-            if (used >= kPixels && shorter > 0) ratios.push_back(longer / shorter);
+            if (used >= kFewestExposed && shorter > 0) ratios.push_back(longer / shorter);
         }
         if (ratios.empty()) {
             result.relative[k] = result.relative[k - 1] * settings[k] / settings[k - 1];

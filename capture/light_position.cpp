@@ -21,7 +21,7 @@ namespace {
 using Vector = std::array<double, 3>;
 
 constexpr double kOnePlane = 0.05;     // [radii] standard error of how deep a ball lies among the others
-constexpr double kShared = 0.9;        // [1] of the smallest error of a radius, which all have in common
+constexpr double kSharedError = 0.9;   // [1] of the smallest error of a radius, which all have in common
 constexpr double kFarAway = 30;        // [1] of the balls' distance, where lamps start whose rays do not meet
 constexpr double kInverseFocal = 1e3;  // the unit of 1 / focal length is 1 / 1000 px
 
@@ -167,7 +167,7 @@ public:
         if (problem_.NumResidualBlocks() == 0) return;
         double shared_px = 1e9;
         for (const BallImage& ball : input.balls)
-            shared_px = std::min(shared_px, kShared * ball.radius_sigma_px);
+            shared_px = std::min(shared_px, kSharedError * ball.radius_sigma_px);
         for (std::size_t b = 0; b < input.balls.size(); ++b)
             problem_.AddResidualBlock(new ceres::AutoDiffCostFunction<OutlineError, 5, 3, 3>(
                                           new OutlineError{input.camera.principal_px, input.ball_radius_mm,

@@ -17,8 +17,6 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr float kSameDirection = 1e-3f;  // [1] distance of unit vectors: 0.06 degrees
-
 // Bytes of the printable letter that `text` begins with, in UTF-8 (RFC 3629, section 4); 0 where it begins
 // with another byte.
 std::size_t letter_length(std::string_view text) {
@@ -56,7 +54,7 @@ std::string_view cut_last_word(std::string_view& rest) {
 }
 
 // Text of a file as messages show it: binary files may hold what upsets a terminal, and lines without end.
-std::string shown(std::string_view text) {
+std::string in_message(std::string_view text) {
     constexpr std::size_t most = 60;
     std::string result;
     for (std::size_t i = 0; i < text.size() && result.size() < most;) {
@@ -124,19 +122,20 @@ Light parse_line(std::string_view line, const std::string& place, std::string& n
     for (int i = 2; i >= 0; --i) {
         const std::string_view word = words[i];
         const auto value = number(word);
-        if (!value) fail("{}: expected 'name x y z', but '{}' is not a number", place, shown(word));
+        if (!value) fail("{}: expected 'name x y z', but '{}' is not a number", place, in_message(word));
         if (std::isinf(*value) && word.find_first_of("0123456789") != std::string_view::npos)
             fail("{}: '{}' is out of range; only the light's direction counts, so give a smaller vector",
-                 place, shown(word));
+                 place, in_message(word));
         vector[i] = *value;
     }
     if (rest.empty()) fail("{}: expected 'name x y z', but the photograph's name is missing", place);
     if (!std::isfinite(vector.x) || !std::isfinite(vector.y) || !std::isfinite(vector.z))
-        fail("{}: the light of '{}' is not finite; give a direction or remove the line", place, shown(rest));
+        fail("{}: the light of '{}' is not finite; give a direction or remove the line", place,
+             in_message(rest));
     const double largest = std::max({std::abs(vector.x), std::abs(vector.y), std::abs(vector.z)});
     if (!(largest > 1e-6))
         fail("{}: the light of '{}' is a zero vector; give a direction or remove the line", place,
-             shown(rest));
+             in_message(rest));
     length = largest * glm::length(vector / largest);  // squares of huge numbers would overflow
     return distant_light(Vec3(vector / largest), std::string(rest));
 }
@@ -191,7 +190,7 @@ private:
     // Which of two different lights is right, nobody knows.
     void add_again(const Light& light, const std::string& place, int earlier) {
         const std::string what =
-            fmt::format("{}: '{}' has a light in line {} already", place, shown(light.name), earlier);
+            fmt::format("{}: '{}' has a light in line {} already", place, in_message(light.name), earlier);
         const auto at = std::find(numbers_.begin(), numbers_.end(), earlier);
         if (at == numbers_.end()) return leave_out(light.name, what);
         const auto index = at - numbers_.begin();

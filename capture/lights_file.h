@@ -18,6 +18,9 @@
 
 namespace tangi {
 
+// [1] Distance of unit vectors that are one direction: 0.06 degrees.
+constexpr float kSameDirection = 1e-3f;
+
 struct LightsFile {
     std::vector<Light> lights;          // in the file's order; directions are unit vectors, gains 1
     std::vector<std::string> warnings;  // a count that disagrees with the lines, …

@@ -6,7 +6,7 @@ namespace tangi {
 
 namespace {
 
-constexpr std::size_t kSoughtIn = 3;  // photographs, before all are looked through
+constexpr std::size_t kSoughtFirst = 3;  // photographs, before all are looked through
 
 MarkedPhoto best_of(const PhotoSet& photos, const std::vector<std::size_t>& brightest_first,
                     const Transfer& transfer, const std::optional<std::string>& dictionary,
@@ -14,7 +14,7 @@ MarkedPhoto best_of(const PhotoSet& photos, const std::vector<std::size_t>& brig
     MarkedPhoto best;
     std::vector<MarkerSearch> all;
     const std::size_t count = brightest_first.size();
-    for (std::size_t i = 0; i < count && (i < kSoughtIn || best.markers.markers.empty()); ++i) {
+    for (std::size_t i = 0; i < count && (i < kSoughtFirst || best.markers.markers.empty()); ++i) {
         report(progress, "markers", static_cast<double>(i) / static_cast<double>(count));
         all.push_back(find_markers(photos.linear(brightest_first[i], transfer), dictionary));
         MarkerSearch found = photos.size() == 1 ? all.back() : seen_twice(all);

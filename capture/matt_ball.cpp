@@ -22,7 +22,7 @@ namespace {
 constexpr double kInner = 0.93;  // [1] of the radius: outside, a pixel is not of the ball alone
 constexpr double kLit = 0.12;    // n.l from which on a normal is taken for lit, clear of the terminator
 constexpr double kPatchPx = 25;  // pixels that count as one independent sample: the ball's own texture
-constexpr double kLargestResidual = 0.15;
+constexpr double kLargestMattResidual = 0.15;
 constexpr double kClearResidual = 0.04;  // of a matt ball that nobody spoke of
 constexpr double kClearOutline = 0.25;   // [1] part of its outline that shows
 
@@ -212,7 +212,7 @@ MattBall find_matt_ball(const PhotoSet& set, const GreyPhotos& photos, const Cam
             candidate.transfer = curve;
             candidate.photos = std::move(shadings);
         }
-        if (2 * quality.shaded < static_cast<int>(set.size()) || quality.residual > kLargestResidual)
+        if (2 * quality.shaded < static_cast<int>(set.size()) || quality.residual > kLargestMattResidual)
             continue;
         // Of circles that shade alike the one with the clearest outline; a part of a ball shades as well as
         // all of it.

@@ -31,8 +31,6 @@ struct Node {
 
 using Nodes = std::map<Place, Node>;
 
-double cross(const dvec2& a, const dvec2& b) { return a.x * b.y - a.y * b.x; }
-
 bool alike(double a, double b) { return a < 1.7 * b && b < 1.7 * a; }
 
 // Patches of about the same size around one, the nearest first, at most as far as a diagonal neighbour.

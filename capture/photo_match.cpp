@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "capture/brackets.h"
+#include "capture/lights_file.h"
 #include "capture/raw_file.h"
 #include "surface/error.h"
 #include "surface/letter_case.h"
@@ -19,8 +20,6 @@ namespace tangi {
 namespace fs = std::filesystem;
 
 namespace {
-
-constexpr float kSameDirection = 1e-3f;  // [1] distance of unit vectors: 0.06 degrees
 
 // Names are alike in whatever case, and whether a letter with a mark is one code point (as most programs
 // write it) or two (as macOS does). What is no UTF-8 is alike in its bytes.

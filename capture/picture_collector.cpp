@@ -10,9 +10,9 @@ namespace tangi {
 
 namespace {
 
-constexpr std::size_t kBytes = 96u << 20;  // for the overviews, and again for the patches
-constexpr double kMostPixels = 1.0e6;      // of an overview
-constexpr int kPatch = 80;                 // [pixels] side of a patch
+constexpr std::size_t kBytes = 96u << 20;      // for the overviews, and again for the patches
+constexpr double kMostOverviewPixels = 1.0e6;  // of an overview
+constexpr int kPatch = 80;                     // [pixels] side of a patch
 
 }  // namespace
 
@@ -24,7 +24,8 @@ PictureCollector::PictureCollector(const Stack& stack)
     if (photos_ == 0) return;
     const double budget = static_cast<double>(kBytes) / sizeof(float) / photos_;
     const double area = static_cast<double>(width_) * height_;
-    const int r = std::max(1, static_cast<int>(std::ceil(std::sqrt(area / std::min(budget, kMostPixels)))));
+    const int r =
+        std::max(1, static_cast<int>(std::ceil(std::sqrt(area / std::min(budget, kMostOverviewPixels)))));
     overview_.reduction = r;
     overview_.origin = corner_ + glm::dvec2((r - 1) / 2.0);
     const Image<float> empty((width_ + r - 1) / r, (height_ + r - 1) / r);

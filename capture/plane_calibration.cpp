@@ -4,7 +4,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
-#include <numbers>
+#include <glm/trigonometric.hpp>
 
 #include "capture/chart_order.h"
 #include "capture/marked_photo.h"
@@ -22,9 +22,7 @@ using nlohmann::json;
 
 namespace {
 
-constexpr double kDegrees = 180 / std::numbers::pi;
-constexpr double kPointSigma_px = 1;  // of corners that people point at
-constexpr double kMostEnlarged = 4;   // [1] area of the picture by that of the photographs
+constexpr double kMostEnlarged = 4;  // [1] area of the picture by that of the photographs
 constexpr double kDoubtfulTilt_deg = 1;
 // [1] of the picture or the photographs that undoing a lens's distortion may move out of the other: a zoom at
 // its wide end, 5 % of distortion at the border, moves some 6 %.
@@ -177,7 +175,7 @@ double tilt_sigma(const SeenPlane& plane, double focal_px, const dvec2& principa
             const dvec2 slope = (tilt(moved) - middle) / 0.1;
             variance += glm::dot(slope, slope) / 2 * plane.point_sigma_px * plane.point_sigma_px;
         }
-    return std::sqrt(variance) * kDegrees;
+    return glm::degrees(std::sqrt(variance));
 }
 
 // How the camera stands over the picture's plane, where the focal length is known.

@@ -18,9 +18,9 @@ constexpr int kFeatures = 4000;
 constexpr double kRatio = 0.8;   // [1] of distances to the best and second-best descriptor (Lowe 2004)
 constexpr double kInlierPx = 3;  // [pixels of what features are sought in]
 constexpr int kLeastInliers = 15;
-constexpr int kRounds = 6;
-constexpr int kPixels = 24000;
-constexpr double kFloor = 0.05;  // [1] of the mean brightness
+constexpr int kRegisteringRounds = 6;
+constexpr int kPatchPixels = 24000;
+constexpr double kContrastFloor = 0.05;  // [1] of the mean brightness
 
 Image<float> image_of(const cv::Mat& mat) {
     Image<float> image(mat.cols, mat.rows);
@@ -28,7 +28,9 @@ Image<float> image_of(const cv::Mat& mat) {
     return image;
 }
 
-double floor_of(const Image<float>& image) { return std::max(kFloor * cv::mean(view_of(image))[0], 1e-12); }
+double floor_of(const Image<float>& image) {
+    return std::max(kContrastFloor * cv::mean(view_of(image))[0], 1e-12);
+}
 
 // Local contrast in 8 bits, reduced; `scale` gets the factor of its size.
 cv::Mat for_features(const Image<float>& picture, double& scale) {
@@ -95,8 +97,8 @@ PhotoDrift register_pictures(const Image<float>& reference, const Image<float>& 
         std::vector<AlignmentWindow> windows(1);
         windows[0].pictures = {contrast, local_contrast(brightness, floor_of(brightness))};
         Alignment alignment(frame, {{0, 0, 1}, {0, 0, 1}}, {true, true});
-        alignment.look_at(windows, kPixels);
-        for (int round = 0; round < kRounds; ++round) {
+        alignment.look_at(windows, kPatchPixels);
+        for (int round = 0; round < kRegisteringRounds; ++round) {
             alignment.iterate(MotionModel::homography, 1);
             alignment.pictures[0].homography = Homography(1);
         }

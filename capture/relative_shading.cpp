@@ -19,11 +19,11 @@ using Eigen::VectorXd;
 
 namespace {
 
-constexpr int kIterations = 12;
-constexpr double kRobust = 2;         // [robust sigma] of Cauchy's weights
-constexpr double kTame = 3;           // [robust sigma] of the values that the factors start from
-constexpr double kLeastLevel = 0.05;  // [1]
-constexpr double kDarkest = 0.02;     // [1] of a pixel's median: a cast shadow
+constexpr int kShadingIterations = 12;
+constexpr double kRobust = 2;              // [robust sigma] of Cauchy's weights
+constexpr double kTame = 3;                // [robust sigma] of the values that the factors start from
+constexpr double kLeastPhotoLevel = 0.05;  // [1]
+constexpr double kDarkest = 0.02;          // [1] of a pixel's median: a cast shadow
 
 double scale_of(const VectorXd& residual, const VectorXd& weight) {
     std::vector<double> sizes;
@@ -101,7 +101,7 @@ void solve_photos(const MatrixXd& value, const MatrixXd& weight, ShadingFactors&
             right += w * (1 + value(i, j)) * row;
         }
         const Vector3d found = normal.ldlt().solve(right);
-        f.level[j] = std::max(found[0], kLeastLevel);
+        f.level[j] = std::max(found[0], kLeastPhotoLevel);
         f.right.row(j) = found.tail<2>().transpose() / f.level[j];
     }
 }
@@ -184,8 +184,8 @@ ShadingFactors factored(const RelativeShading& s, const Progress& progress) {
     f.level = VectorXd::Ones(s.value.cols());
     MatrixXd weight = s.weight, residual;
     VectorXd scales(s.value.cols());
-    for (int iteration = 0; iteration < kIterations; ++iteration) {
-        report(progress, "lights", iteration / static_cast<double>(kIterations));
+    for (int iteration = 0; iteration < kShadingIterations; ++iteration) {
+        report(progress, "lights", iteration / static_cast<double>(kShadingIterations));
         solve_pixels(s.value, weight, f);
         centre_pixels(s.weight, f.left);
         solve_photos(s.value, weight, f);

@@ -18,7 +18,7 @@ struct ListedPhoto {
     bool skip = false;
 };
 
-std::vector<ListedPhoto> photos_in(const JsonField& project) {
+std::vector<ListedPhoto> listed_photos(const JsonField& project) {
     std::vector<ListedPhoto> photos;
     for (const JsonField& image : project["images"].list())
         photos.push_back({image["filename"].text(), image.has("skip") && image["skip"].truth()});
@@ -67,10 +67,10 @@ std::vector<std::optional<Light>> lights_of_spheres(const JsonField& project, st
 }  // namespace
 
 RelightFile parse_relight(const std::string& text, const std::string& file_name) {
-    const nlohmann::json json = json_in(text, file_name);
-    const JsonField project(file_name, json);
+    const nlohmann::json root = json_in(text, file_name);
+    const JsonField project(file_name, root);
     if (!project.has("images")) fail("{}: is no project of Relight; it has no list of images", file_name);
-    const std::vector<ListedPhoto> photos = photos_in(project);
+    const std::vector<ListedPhoto> photos = listed_photos(project);
     const auto kept = static_cast<std::size_t>(
         std::count_if(photos.begin(), photos.end(), [](const ListedPhoto& photo) { return !photo.skip; }));
     RelightFile result;

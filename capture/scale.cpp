@@ -24,8 +24,6 @@ void require_positive(double value, const char* what) {
     if (!(value > 0 && std::isfinite(value))) fail("{} is {}; give a positive number", what, value);
 }
 
-double cross(const dvec2& a, const dvec2& b) { return a.x * b.y - a.y * b.x; }
-
 void require_convex(const Corners& corners) {
     int clockwise = 0;
     double longest = 0, smallest = 1e300;

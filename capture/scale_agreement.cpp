@@ -17,7 +17,6 @@ namespace {
 constexpr double kDisagree = 3;                  // [sigma] from which on two scales are said to disagree
 constexpr double kDisagreeLeast = 0.01;          // [1] and by which part at least
 constexpr double kAspectLeast = 0.02;            // [1] of width by height
-constexpr double kPointSigma_px = 1;             // of corners that people point at
 constexpr double kShortest = 0.5, kLongest = 4;  // [diagonals] focal lengths
 constexpr int kFocalSteps = 40;
 

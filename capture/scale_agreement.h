@@ -11,6 +11,8 @@
 
 namespace tangi {
 
+constexpr double kPointSigma_px = 1;  // of corners that people point at
+
 // How large a pixel at a place [px] is on the plane, in any unit that is the same for all places: 1
 // everywhere where the camera looks straight.
 using RelativeScale = std::function<double(const glm::dvec2& place_px)>;

@@ -13,8 +13,8 @@ namespace {
 
 constexpr int kMostTerms = 8;
 constexpr double kExceeds = 4;        // [1] ratio of variances a degree of freedom
-constexpr double kCauchy = 2;         // [scales]
-constexpr double kLeastScale = 0.01;  // [pixels]
+constexpr double kShadingCauchy = 2;  // [scales]
+constexpr double kLeastScale_px = 0.01;
 
 cv::Mat1d terms_of(const glm::dvec3& l) {
     const double z = std::max(l.z, 0.2);
@@ -38,7 +38,7 @@ SharedShading shared_shading(const std::vector<glm::dvec2>& shifts, const std::v
             const cv::Mat1d f = terms_of(lights[i]).rowRange(0, n);
             const cv::Mat1d d = (cv::Mat1d(1, 2) << shifts[i].x, shifts[i].y);
             const double r = cv::norm(d - f.t() * c);
-            const double t = round == 0 ? 0 : r / (kCauchy * scale);
+            const double t = round == 0 ? 0 : r / (kShadingCauchy * scale);
             const double w = 1 / (1 + t * t);
             a += w * f * f.t();
             b += w * f * d;
@@ -49,7 +49,7 @@ SharedShading shared_shading(const std::vector<glm::dvec2>& shifts, const std::v
             const cv::Mat1d p = terms_of(lights[i]).rowRange(0, n).t() * c;
             deviations.push_back(std::hypot(shifts[i].x - p(0), shifts[i].y - p(1)));
         }
-        scale = std::max(median(std::move(deviations)), kLeastScale);
+        scale = std::max(median(std::move(deviations)), kLeastScale_px);
     }
     double smooth = 0, x = 0, y = 0;
     for (std::size_t i = 0; i < shifts.size(); ++i) {

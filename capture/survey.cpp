@@ -14,8 +14,8 @@ namespace tangi {
 
 namespace {
 
-constexpr std::size_t kBandBytes = 64u << 20;
-constexpr double kBlack = 0.02;  // [1] of full scale
+constexpr std::size_t kSurveyBandBytes = 64u << 20;
+constexpr double kBlackLevel = 0.02;  // [1] of full scale
 
 // Pixels of one axis by how far they are from its middle: 0 is the nearest on either side.
 struct Axis {
@@ -44,7 +44,7 @@ std::uint32_t dithered(std::uint32_t x, std::uint32_t y) {
     return rank;
 }
 
-struct Place {
+struct SamplePlace {
     glm::ivec2 pixel;
     std::uint32_t rank;
 };
@@ -52,7 +52,7 @@ struct Place {
 // Pixels on a jittered grid, so that the weave of a canvas is not sampled in step. What is chosen of a
 // picture that is mirrored or turned by a quarter is mirrored and turned as well: the jitter is that of the
 // cell that a cell has in the picture's first octant. Rows ascend.
-std::vector<Place> sample_places(const Stack& stack, int wanted) {
+std::vector<SamplePlace> sample_places(const Stack& stack, int wanted) {
     const double area = static_cast<double>(stack.width()) * stack.height();
     const int step = std::max(1, static_cast<int>(std::floor(std::sqrt(area / wanted))));
     const Axis across{stack.width()}, down{stack.height()};
@@ -60,7 +60,7 @@ std::vector<Place> sample_places(const Stack& stack, int wanted) {
         const int first = cell * step, size = std::min(step, axis.from_middle() - first);
         return first + static_cast<int>(random % static_cast<unsigned>(size));
     };
-    std::vector<Place> places;
+    std::vector<SamplePlace> places;
     for (int cy = 0; cy * step < down.from_middle(); ++cy)
         for (int cx = 0; cx * step < across.from_middle(); ++cx) {
             const auto far = static_cast<std::uint32_t>(std::max(cx, cy)),
@@ -78,7 +78,7 @@ std::vector<Place> sample_places(const Stack& stack, int wanted) {
                         places.push_back({at, dithered(far, near)});
                 }
         }
-    std::sort(places.begin(), places.end(), [](const Place& a, const Place& b) {
+    std::sort(places.begin(), places.end(), [](const SamplePlace& a, const SamplePlace& b) {
         return std::pair(a.pixel.y, a.pixel.x) < std::pair(b.pixel.y, b.pixel.x);
     });
     return places;
@@ -108,7 +108,7 @@ Survey survey(const Stack& stack, const SurveyOptions& options, const Progress& 
     Survey result;
     result.photos.resize(static_cast<std::size_t>(photos));
     result.channels = channels;
-    for (const Place& place : sample_places(stack, options.samples)) {
+    for (const SamplePlace& place : sample_places(stack, options.samples)) {
         result.positions.push_back(place.pixel);
         result.ranks.push_back(place.rank);
     }
@@ -116,7 +116,7 @@ Survey survey(const Stack& stack, const SurveyOptions& options, const Progress& 
 
     const float clipped = stack.development ? stack.development->clipped : kClipped;
     StackReader reader(stack);
-    const int rows = reader.rows_for(kBandBytes);
+    const int rows = reader.rows_for(kSurveyBandBytes);
     std::vector<long> missing(static_cast<std::size_t>(photos));
     std::size_t next = 0;
     for (int y0 = 0; y0 < stack.height(); y0 += rows) {
@@ -173,7 +173,7 @@ void leave_out_black_photos(Stack& stack, Survey& survey, std::size_t fewest) {
     // Files of floats have no full scale: what is black is so beside the other photographs.
     double brightest = 0;
     for (const Survey::Photo& photo : survey.photos) brightest = std::max(brightest, photo.maximum);
-    const double black_level = stack.bits == 32 ? kBlack * std::min(brightest, 1.0) : kBlack;
+    const double black_level = stack.bits == 32 ? kBlackLevel * std::min(brightest, 1.0) : kBlackLevel;
     std::string names;
     int black = 0;
     std::vector<bool> keep;

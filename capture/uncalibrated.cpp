@@ -24,7 +24,7 @@ using Eigen::VectorXd;
 
 namespace {
 
-constexpr std::size_t kFewestPhotos = 8;
+constexpr std::size_t kFewestUncalibrated = 8;
 constexpr double kFalloffTells = 0.6, kCurlTells = 0.3;  // [1] as UncalibratedLights has them
 constexpr double kAnyAzimuth_deg = 52;  // standard deviation of what lies anywhere in a half turn
 constexpr double kAlong = 0.5;          // [1] of what two factors do not explain that may go along with them
@@ -124,15 +124,15 @@ double skewness_of_curvature(const MatrixXd& slopes, int width, int height) {
 }
 
 // What photographs, or a part of them, say.
-struct Solution {
+struct StereoSolution {
     ShadingFactors factors;
     EqualStrength lamps;
     MatrixXd t, slopes;  // turned, so that slopes are those of a surface
     double curl = 0, falloff = 0;
 };
 
-Solution upgraded(const RelativeShading& shading, const ShadingFactors& factors, bool glossy) {
-    Solution s{.factors = factors, .lamps = {}, .t = {}, .slopes = {}};
+StereoSolution upgraded(const RelativeShading& shading, const ShadingFactors& factors, bool glossy) {
+    StereoSolution s{.factors = factors, .lamps = {}, .t = {}, .slopes = {}};
     s.lamps =
         by_equal_strength(factors.right, shading.log_level + factors.level.array().log().matrix(), glossy);
     // 1 + value = 1 - slopes . t with t = g right: the shift is in the pixels' albedo.
@@ -146,13 +146,13 @@ Solution upgraded(const RelativeShading& shading, const ShadingFactors& factors,
     return s;
 }
 
-Solution solved(const RelativeShading& shading, bool glossy, const Progress& progress = {}) {
+StereoSolution solved(const RelativeShading& shading, bool glossy, const Progress& progress = {}) {
     return upgraded(shading, factored(shading, progress), glossy);
 }
 
 // Quarters of the picture, each by itself.
-std::vector<Solution> parts_solved(const RelativeShading& s) {
-    std::vector<Solution> parts;
+std::vector<StereoSolution> parts_solved(const RelativeShading& s) {
+    std::vector<StereoSolution> parts;
     for (const int top : {0, s.height / 2})
         for (const int left : {0, s.width / 2}) {
             RelativeShading part = s;
@@ -176,9 +176,9 @@ glm::dvec3 direction_of(const Eigen::RowVector2d& t) { return glm::normalize(glm
 // of it, since that is told by the levels alone, what its own strength may have turned it by, the azimuth
 // where nothing tells it, and what the shading that two factors do not explain would make of the elevations
 // if it went along with them. What is wrong in all of it alike is not seen otherwise.
-std::vector<double> errors_deg(const Solution& all, const Solution& matt, const std::vector<Solution>& parts,
-                               double strength_scatter) {
-    const auto square_deg = [&](const Solution& other, Index j) {
+std::vector<double> errors_deg(const StereoSolution& all, const StereoSolution& matt,
+                               const std::vector<StereoSolution>& parts, double strength_scatter) {
+    const auto square_deg = [&](const StereoSolution& other, Index j) {
         const double side = (other.t.array() * all.t.array()).sum() < 0 ? -1 : 1;  // either reading
         const glm::dvec3 a = direction_of(all.t.row(j)), b = direction_of(side * other.t.row(j));
         const double deg = std::atan2(glm::length(glm::cross(a, b)), glm::dot(a, b)) * 180 / std::numbers::pi;
@@ -193,7 +193,7 @@ std::vector<double> errors_deg(const Solution& all, const Solution& matt, const 
         const glm::dvec3 l = direction_of(all.t.row(j));
         const double across = std::hypot(l.x, l.y);
         double spread = 0;
-        for (const Solution& part : parts) spread += square_deg(part, j);
+        for (const StereoSolution& part : parts) spread += square_deg(part, j);
         const double strength_deg =
             strength_scatter * l.z / std::max(across, 0.2) / std::sqrt(photos / 4) * 180 / std::numbers::pi;
         const double unexplained_deg =
@@ -206,9 +206,9 @@ std::vector<double> errors_deg(const Solution& all, const Solution& matt, const 
 }
 
 void require_usable(const std::vector<Image<float>>& pictures) {
-    if (pictures.size() < kFewestPhotos)
+    if (pictures.size() < kFewestUncalibrated)
         fail("{} photographs; without balls and without a lights file at least {} are needed",
-             pictures.size(), kFewestPhotos);
+             pictures.size(), kFewestUncalibrated);
     for (const Image<float>& picture : pictures)
         TP_REQUIRE(picture.region() == pictures.front().region(), "all pictures have one size");
     if (pictures.front().width() < 16 || pictures.front().height() < 16)
@@ -249,11 +249,11 @@ UncalibratedLights uncalibrated_lights(const std::vector<Image<float>>& pictures
     const double known = shading.weight.sum() / static_cast<double>(shading.weight.size());
     if (known < 0.2)
         fail("only {:.0f} % of the pixels are lit and not clipped; the lights can't be told", 100 * known);
-    const Solution matt = solved(shading, false, progress);
+    const StereoSolution matt = solved(shading, false, progress);
     if (!(matt.factors.left.array().square().mean() * matt.factors.right.array().square().mean() > 1e-7))
         fail("the photographs show no relief, from which alone the lights could be told");
-    const Solution glossy = upgraded(shading, matt.factors, true);
-    const std::vector<Solution> parts = parts_solved(shading);
+    const StereoSolution glossy = upgraded(shading, matt.factors, true);
+    const std::vector<StereoSolution> parts = parts_solved(shading);
 
     UncalibratedLights result;
     MatrixXd slopes = glossy.slopes, t = glossy.t;

@@ -15,8 +15,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr std::size_t kPixels = 128 * 128;  // of a reduced picture
-constexpr float kBlack = 0.02f;             // [1] as stored: brighter nowhere
+constexpr std::size_t kReducedPixels = 128 * 128;  // of a reduced picture
+constexpr float kBlack = 0.02f;                    // [1] as stored: brighter nowhere
 
 Transfer transfer_for(const PhotoSet& set, const UncalibratedStackOptions& options,
                       std::vector<std::string>& warnings) {
@@ -47,7 +47,7 @@ UncalibratedStack calibrate_uncalibrated(const PhotoSet& set, const Uncalibrated
                                          const Progress& progress) {
     UncalibratedStack result;
     BallCalibration& c = result.calibration;
-    const GreyPhotos photos = read_grey_photos(set, progress, set.size() * kPixels);
+    const GreyPhotos photos = read_grey_photos(set, progress, set.size() * kReducedPixels);
     require_same_subject(set, camera_shakes(photos, progress));
     result.transfer = transfer_for(set, options, c.warnings);
     c.method = "uncalibrated";

@@ -35,8 +35,8 @@ GivenBall ball_of(const std::string& text) {
 }
 
 // So many numbers; nothing where the flag was not given.
-std::optional<std::vector<double>> numbers_of(const std::string& text, const std::string& flag,
-                                              std::size_t count, const std::string& form) {
+std::optional<std::vector<double>> numbers_if_given(const std::string& text, const std::string& flag,
+                                                    std::size_t count, const std::string& form) {
     if (text.empty()) return {};
     std::vector<double> n = numbers_in(text, flag, form);
     if (n.size() != count) throw UsageError(fmt::format("{} {}: expected {}", flag, text, form));
@@ -44,7 +44,7 @@ std::optional<std::vector<double>> numbers_of(const std::string& text, const std
 }
 
 std::optional<glm::dvec2> point_of(const std::string& text, const std::string& flag) {
-    const auto n = numbers_of(text, flag, 2, "X,Y in pixels");
+    const auto n = numbers_if_given(text, flag, 2, "X,Y in pixels");
     if (n) require_within(*n, -kFarthest_px, kFarthest_px, text, flag);
     return n ? std::optional(glm::dvec2((*n)[0], (*n)[1])) : std::nullopt;
 }
@@ -163,8 +163,8 @@ std::optional<ColourCalibrationOptions> CalibrateArguments::colour_options() con
     if (!chart_reference.empty()) options.reference = chart_reference;
     if (chart == "auto") return options;
     const auto n =
-        numbers_of(chart, "--chart", 8,
-                   "auto, off, or the corners X,Y,X,Y,X,Y,X,Y in pixels, in order around the chart");
+        numbers_if_given(chart, "--chart", 8,
+                         "auto, off, or the corners X,Y,X,Y,X,Y,X,Y in pixels, in order around the chart");
     options.corners_px = corners_of(*n);
     return options;
 }
@@ -182,15 +182,15 @@ PlaneOptions CalibrateArguments::plane_options(int width, int height) const {
         options.dictionary = marker_dictionary;
     }
     if (const auto n =
-            numbers_of(scale_bar, "--scale-bar", 5, "X,Y,X,Y,MM: two points in pixels and a length")) {
+            numbers_if_given(scale_bar, "--scale-bar", 5, "X,Y,X,Y,MM: two points in pixels and a length")) {
         require_within(std::span(*n).last(1), kShortest_mm, kLongest_mm, scale_bar, "--scale-bar");
         options.bar = ScaleBar{{(*n)[0], (*n)[1]}, {(*n)[2], (*n)[3]}, (*n)[4]};
     }
     options.pixels_per_inch = if_given(ppi);
-    if (const auto n =
-            numbers_of(corners, "--corners", 8, "X,Y,X,Y,X,Y,X,Y in pixels, from the top left clockwise"))
+    if (const auto n = numbers_if_given(corners, "--corners", 8,
+                                        "X,Y,X,Y,X,Y,X,Y in pixels, from the top left clockwise"))
         options.corners_px = corners_of(*n);
-    if (const auto n = numbers_of(painting_mm, "--painting-mm", 2, "WIDTH,HEIGHT in mm")) {
+    if (const auto n = numbers_if_given(painting_mm, "--painting-mm", 2, "WIDTH,HEIGHT in mm")) {
         require_within(*n, kShortest_mm, kLongest_mm, painting_mm, "--painting-mm");
         options.painting_mm = glm::dvec2((*n)[0], (*n)[1]);
     }

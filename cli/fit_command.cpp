@@ -55,7 +55,7 @@ constexpr double kDoubtfulOrder = 1;
 
 constexpr double kDoubtfulScatter_deg = 6;  // of lights in that order; fit/odd_lights.h says no more beyond
 
-constexpr double kScalesDiffer = 0.01;  // [1] relative, of a pixel's size as given and as measured
+constexpr double kSizesDiffer = 0.01;  // [1] relative, of a pixel's size as given and as measured
 
 constexpr double kDoubtfulBulge_deg = 5;  // of a painting as a whole
 
@@ -179,7 +179,7 @@ nlohmann::json run_fit(FitArguments arguments, const Progress& progress) {
     const std::size_t told_before = stack.warnings.size();
     told(stack.warnings);  // now, not after an hour
     if (const auto& mm = arguments.options.mm_per_pixel;
-        mm && stack.mm_per_pixel && std::abs(*mm / *stack.mm_per_pixel - 1) > kScalesDiffer)
+        mm && stack.mm_per_pixel && std::abs(*mm / *stack.mm_per_pixel - 1) > kSizesDiffer)
         opened.poor.push_back(fmt::format(
             "--mm-per-pixel {:.6g} is used, but the capture file measured {:.6g}: one of them is wrong, and "
             "lamps, heights and areas with it; leave the flag out, or measure again",

@@ -24,7 +24,6 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr double kPoor = 5;       // CIEDE2000 that nobody would call a match
 constexpr double kMetameric = 1;  // index from which on a match is warned of
 constexpr double kVisible = 1;    // CIEDE2000 of mixtures that count as having a colour
 constexpr double kVaried = 5;     // CIEDE2000 of surroundings that no single recipe matches
@@ -278,7 +277,7 @@ nlohmann::json run_match(const MatchArguments& a) {
                       linear ? Transfer{} : Transfer{Transfer::Kind::srgb}, {.bits = 8});
         result["picture"] = a.swatch;
     }
-    if (found.recipes.front().error > kPoor)
+    if (found.recipes.front().error > kPoorMatch)
         result["poor"] = {fmt::format("the nearest recipe of these paints is off by CIEDE2000 {:.1f}",
                                       found.recipes.front().error)};
     if (treatment) {

@@ -101,13 +101,13 @@ Image<T> part_of(const Image<T>& image, const Region& region) {
 struct Measured {
     Image<Rgb> photo, relit;
     Image<float> delta_e;
-    Mask mask;
+    PixelMask mask;
 
     Likeness in(Region region) const {
         region = {std::max(region.x0, 0), std::max(region.y0, 0), std::min(region.x1, photo.width()),
                   std::min(region.y1, photo.height())};
         if (region.empty()) return {};
-        const Mask counts = part_of(mask, region);
+        const PixelMask counts = part_of(mask, region);
         Likeness likeness;
         for (const unsigned char pixel : counts.pixels()) likeness.pixels += pixel != 0;
         if (likeness.pixels == 0) return likeness;

@@ -98,9 +98,9 @@ Encoding encoding_of(const RelightArguments& arguments, const Surface& surface, 
 }
 
 // Pictures of one painting: by the reference renderer, or with --gpu by OpenGL as far as that goes.
-class Relighter {
+class PaintingRelighter {
 public:
-    Relighter(const Painting& painting, const RelightArguments& arguments)
+    PaintingRelighter(const Painting& painting, const RelightArguments& arguments)
         : painting_(painting), options_(arguments.options) {
         if (arguments.gpu) by_gpu([&] { gpu_.emplace(painting.surface); });
     }
@@ -133,7 +133,7 @@ private:
 };
 
 void write_relit(const fs::path& path, const Surface& surface, const std::vector<Light>& lights,
-                 const RelightArguments& arguments, Relighter& relighter, const Progress& progress) {
+                 const RelightArguments& arguments, PaintingRelighter& relighter, const Progress& progress) {
     const Encoding encoding = encoding_of(arguments, surface, path);
     const Photography& photography = surface.photography;
     Image<Rgb> picture = relighter.picture(lights, progress);
@@ -187,7 +187,7 @@ nlohmann::json relight_one(const Painting& painting, const RelightArguments& arg
     refuse_to_overwrite(arguments.out, {arguments.painting});
     const std::vector<Light> lights = lights_named(painting, arguments);
     const nlohmann::json warnings = told(lights_behind(arguments));
-    Relighter relighter(painting, arguments);
+    PaintingRelighter relighter(painting, arguments);
     write_relit(arguments.out, painting.surface, lights, arguments, relighter, progress);
     return {{"pictures", {arguments.out}}, {"warnings", warnings}, {"drawn_by", relighter.drawn_by()}};
 }
@@ -198,7 +198,7 @@ nlohmann::json relight_sweep(const Painting& painting, const RelightArguments& a
     refuse_to_overwrite(arguments.out, {arguments.painting});
     std::vector<Light> lights = lights_named(painting, arguments);
     lights.emplace_back();
-    Relighter relighter(painting, arguments);
+    PaintingRelighter relighter(painting, arguments);
     const auto draw = [&](const Light& lamp) {
         lights.back() = lamp;
         lights.back().gain = Rgb(static_cast<float>(arguments.gain));
@@ -257,7 +257,7 @@ nlohmann::json relight_all(const Painting& painting, const RelightArguments& arg
         refuse_to_overwrite_photograph(outputs.back(), arguments.lights_file, light);
     }
     FolderFiles written(arguments.out);  // all of them, or none
-    Relighter relighter(painting, arguments);
+    PaintingRelighter relighter(painting, arguments);
     nlohmann::json pictures = nlohmann::json::array();
     for (std::size_t i = 0; i < outputs.size(); ++i) {
         // As strong, and as near, as it was estimated for the photograph of its name.

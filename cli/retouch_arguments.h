@@ -16,6 +16,8 @@
 
 namespace tangi {
 
+constexpr double kPoorMatch = 5;  // CIEDE2000 that nobody would call a match
+
 // A box of paints and how recipes are chosen from it.
 struct PaintBoxArguments {
     std::string palette, lamps = "D65,A,F11", goal = "worst", pairs;

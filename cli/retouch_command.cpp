@@ -21,8 +21,6 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr double kPoor = 5;  // CIEDE2000 that nobody would call a match
-
 struct RetouchArguments {
     std::string painting, damaged, mode = "mimetic", out, layer, inpainting = "membrane", preview;
     std::string treatment;
@@ -158,7 +156,7 @@ nlohmann::json run_retouch(RetouchArguments a) {
             "pixel for one mm");
     if (result.contains("warnings")) told(result["warnings"].get<std::vector<std::string>>());
     for (const Illuminant lamp : a.options.match.lamps)
-        if (const double off = report.delta_e_mean[static_cast<std::size_t>(lamp)]; off > kPoor)
+        if (const double off = report.delta_e_mean[static_cast<std::size_t>(lamp)]; off > kPoorMatch)
             result["poor"].push_back(
                 fmt::format("under {} the retouch is off by CIEDE2000 {:.1f} on average: these paints, so "
                             "thin, over this "

@@ -40,8 +40,8 @@ void require_comparable(const Surface& surface, const Stack& stack) {
         fail("{}: no photographs to compare with", stack.folder.string());
 }
 
-Mask pixels_to_compare(const Surface& surface, const Stack& stack) {
-    Mask mask = measured(surface.confidence);
+PixelMask pixels_to_compare(const Surface& surface, const Stack& stack) {
+    PixelMask mask = measured(surface.confidence);
     bool any = false;
     for (std::size_t i = 0; i < mask.size(); ++i) {
         if (!stack.mask.empty() && !stack.mask.pixels()[i]) mask.pixels()[i] = 0;
@@ -54,7 +54,7 @@ Mask pixels_to_compare(const Surface& surface, const Stack& stack) {
 }
 
 // A mask less the pixels that a photograph does not reach.
-Mask without_missing(Mask mask, const Mask& missing) {
+PixelMask without_missing(PixelMask mask, const PixelMask& missing) {
     for (std::size_t i = 0; i < mask.size(); ++i)
         if (missing.pixels()[i]) mask.pixels()[i] = 0;
     return mask;
@@ -189,7 +189,7 @@ void summarise(const Stack& stack, int unknown, CompareReport& report) {
 }
 
 // Names come from file systems, where any bytes are allowed; JSON wants UTF-8.
-std::string valid_utf8(const std::string& text) {
+std::string utf8_of(const std::string& text) {
     const std::string quoted = json(text).dump(-1, ' ', false, json::error_handler_t::replace);
     return json::parse(quoted).get<std::string>();
 }
@@ -207,7 +207,7 @@ CompareReport compare(const Surface& surface, const Stack& photos, const Compare
     report_.options = options;
     report_.warnings = photos.warnings;
     report_.transfer = encoding_of(photos, surface.photography, report_.warnings);
-    const Mask mask = pixels_to_compare(surface, photos);
+    const PixelMask mask = pixels_to_compare(surface, photos);
 
     std::vector<StackPhoto> all = photos.photos;
     all.insert(all.end(), photos.held_out.begin(), photos.held_out.end());
@@ -239,8 +239,8 @@ CompareReport compare(const Surface& surface, const Stack& photos, const Compare
             require_few(left_out, all.size(), 1, photos.folder.string());
             continue;
         }
-        const Mask fewer = photo->missing.empty() ? Mask() : without_missing(mask, photo->missing);
-        const Mask& present = fewer.empty() ? mask : fewer;
+        const PixelMask fewer = photo->missing.empty() ? PixelMask() : without_missing(mask, photo->missing);
+        const PixelMask& present = fewer.empty() ? mask : fewer;
         if (residual.empty()) {
             relight_stored(relighter, result.light, report_.transfer, exposure, relit);
         } else {
@@ -265,7 +265,7 @@ json to_json(const CompareReport& report) {
     json photos = json::array();
     for (const PhotoComparison& p : report.photos) {
         const Vec3& l = p.light.direction;
-        photos.push_back({{"name", valid_utf8(p.name)},
+        photos.push_back({{"name", utf8_of(p.name)},
                           {"fitted", p.fitted},
                           {"light", {l.x, l.y, l.z}},
                           {"elevation_deg", p.elevation_deg},
@@ -287,7 +287,7 @@ json to_json(const CompareReport& report) {
         return means;
     };
     json warnings = json::array();
-    for (const std::string& warning : report.warnings) warnings.push_back(valid_utf8(warning));
+    for (const std::string& warning : report.warnings) warnings.push_back(utf8_of(warning));
     // For who reads the means by program or by eye: what they are worth.
     const bool predicts = report.held_out.count > 0;
     const char* judged =
@@ -301,7 +301,7 @@ json to_json(const CompareReport& report) {
         {"judged_by_in_words", judged},
         {"mean",
          {{"held_out", mean(report.held_out)}, {"fitted", mean(report.fitted)}, {"all", mean(report.all)}}},
-        {"worst", valid_utf8(report.worst)},
+        {"worst", utf8_of(report.worst)},
         {"transfer", report.transfer.name()},
         {"width", report.width},
         {"height", report.height},

@@ -88,7 +88,7 @@ struct ComparedPictures {
     const Image<Rgb>& photo;      // as stored
     const Image<Rgb>& relit;      // encoded alike, 0..1
     const Image<float>& delta_e;  // [1] CIEDE2000
-    const Mask& mask;             // pixels that were compared
+    const PixelMask& mask;        // pixels that were compared
     const Transfer& transfer;     // how both pictures are encoded
     glm::mat3 from_camera{1};     // their linear channels -> linear Rec. 709
 };

@@ -26,7 +26,7 @@ constexpr double kSureOfGain = 2;
 
 constexpr int kBandRows = 256;
 constexpr std::size_t kKeptBytes = 256u << 20;  // of residual pictures
-constexpr std::size_t kFewestPhotos = 8;
+constexpr std::size_t kFewestFaithful = 8;
 constexpr double kEnergyKept = 0.998;  // [1] of the predicted residual's, by the terms that are kept
 
 // The photographs that were fitted, each as a stack of its own, and their light as the fit found it.
@@ -217,12 +217,12 @@ FaithfulFit fit_faithful(const Surface& surface, const Stack& stack, const Faith
             "fitted from",
             stack.folder.string(), stack.width(), stack.height(), surface.width(), surface.height());
     const std::vector<FittedPhoto> photos = fitted_photos(surface, stack);
-    if (photos.size() < kFewestPhotos)
+    if (photos.size() < kFewestFaithful)
         fail(
             "{}: {} photographs are too few for a residual over the light's direction, which needs {}; fit "
             "without "
             "--faithful",
-            stack.folder.string(), photos.size(), kFewestPhotos);
+            stack.folder.string(), photos.size(), kFewestFaithful);
     FaithfulFit result;
     const Colours colours = colours_of(surface, stack);
     const std::vector<glm::ivec2> positions = sample_positions(surface, options.faithful_samples);

@@ -101,7 +101,7 @@ Rgb colour_at(ColourMap map, double t) {
                     static_cast<float>(position - static_cast<double>(i)));
 }
 
-ValueRange robust_range(const Image<float>& values, const Mask& mask, double part) {
+ValueRange robust_range(const Image<float>& values, const PixelMask& mask, double part) {
     const double lo = percentile(values, part, mask), hi = percentile(values, 1 - part, mask);
     if (std::isnan(lo)) return {};
     const double least = std::max(1e-6, 1e-4 * std::max(std::abs(lo), std::abs(hi)));
@@ -115,7 +115,8 @@ void map_row(std::span<const float> values, double lo, double hi, ColourMap map,
         row[x] = mask.empty() || mask[x] ? colour_at(map, (values[x] - lo) / (hi - lo)) : kNoValue;
 }
 
-Image<Rgb> map_picture(const Image<float>& values, double lo, double hi, ColourMap map, const Mask& mask) {
+Image<Rgb> map_picture(const Image<float>& values, double lo, double hi, ColourMap map,
+                       const PixelMask& mask) {
     TP_REQUIRE(hi > lo, "the range is not empty");
     TP_REQUIRE(mask.empty() || mask.region() == values.region(), "the mask has the size of the map");
     Image<Rgb> picture(values.width(), values.height());
@@ -127,7 +128,7 @@ Image<Rgb> map_picture(const Image<float>& values, double lo, double hi, ColourM
     return picture;
 }
 
-Image<Rgb> normal_picture(const Image<Vec3>& normal, const Mask& mask) {
+Image<Rgb> normal_picture(const Image<Vec3>& normal, const PixelMask& mask) {
     Image<Rgb> picture(normal.width(), normal.height(), kNoValue);
     for (std::size_t i = 0; i < normal.size(); ++i)
         if (mask.empty() || mask.pixels()[i])
@@ -263,7 +264,7 @@ Image<Rgb> shrunk(const Image<Rgb>& picture, int longest) {
 }
 
 std::vector<MapPicture> map_pictures(const Surface& surface, int longest) {
-    const Mask mask = measured(surface.confidence);
+    const PixelMask mask = measured(surface.confidence);
     const auto scalar = [&](const Image<float>& map, const ValueRange& range) {
         return shrunk(map_picture(map, range.lo, range.hi, ColourMap::sequential, mask), longest);
     };

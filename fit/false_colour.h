@@ -34,18 +34,18 @@ struct ValueRange {
 
 // From percentile `part` to percentile 1 - part of the values that count, so that a few wild pixels do not
 // flatten the rest; never empty: a constant gets a range around it.
-ValueRange robust_range(const Image<float>& values, const Mask& mask = {}, double part = 0.01);
+ValueRange robust_range(const Image<float>& values, const PixelMask& mask = {}, double part = 0.01);
 
 // lo and below has the scale's first colour, hi and above its last; kNoValue where the mask leaves a pixel
 // out.
 Image<Rgb> map_picture(const Image<float>& values, double lo, double hi,
-                       ColourMap map = ColourMap::sequential, const Mask& mask = {});
+                       ColourMap map = ColourMap::sequential, const PixelMask& mask = {});
 // A row of it; an empty mask leaves nothing out.
 void map_row(std::span<const float> values, double lo, double hi, ColourMap map,
              std::span<const unsigned char> mask, std::span<Rgb> row);
 
 // The usual picture of normals: 0.5 + 0.5 n, so that flat is (0.5, 0.5, 1).
-Image<Rgb> normal_picture(const Image<Vec3>& normal, const Mask& mask = {});
+Image<Rgb> normal_picture(const Image<Vec3>& normal, const PixelMask& mask = {});
 
 // Round numbers in [lo, hi], at most `most` (>= 2) of them, with steps of 1, 2 or 5 times a power of ten.
 std::vector<double> ticks(const ValueRange& range, int most = 6);

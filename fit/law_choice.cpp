@@ -12,12 +12,12 @@ namespace tangi {
 
 namespace {
 
-constexpr std::size_t kFewestPhotos = 12;
+constexpr std::size_t kFewestForLaw = 12;
 constexpr int kFolds = 4;  // trials, each with every fourth photograph left out
 constexpr std::array kHazes = {0.3, 0.6, 0.85};
 constexpr std::array kRoughnesses = {0.15, 0.3, 0.5, 0.8};
 // [sigma] Most varnish and oil paint has haze, all else is rarer.
-constexpr double kSureOfHaze = 1, kSure = 2;
+constexpr double kSureOfHaze = 1, kSureOfRarer = 2;
 // Haze must predict most of the pixels better: it also stands in for lobes that are drawn out (half
 // brushed metal, half paint without haze: 0.3, 0.06 where single pixels tell how they are drawn out; impasto,
 // whose paint is hazy: 0.78 and 0.76). Rough reflection need not: of coin it serves the relief only, 0.43 of
@@ -30,7 +30,7 @@ constexpr double kWorth = 0.1;  // [dB] of gain at least: as with lamps, what ga
 constexpr double kWorthOfRoughness = 0.5;
 constexpr double kTrials = 1 + kHazes.size() + kRoughnesses.size();
 
-Lighting subset(const Lighting& lighting, const std::vector<int>& photos) {
+Lighting lights_alone(const Lighting& lighting, const std::vector<int>& photos) {
     Lighting result{{}, lighting.rig, lighting.white_level};
     for (const int i : photos) result.lights.push_back(lighting.lights[static_cast<std::size_t>(i)]);
     return result;
@@ -50,9 +50,9 @@ Prediction left_out(const LightSample& sample, const Lighting& lighting, const R
         std::vector<int> used;
         for (int i = 0; i < photos; ++i)
             if (i % kFolds != fold) used.push_back(i);
-        const std::vector<WardEstimate> estimates = sample.fit(used, subset(lighting, used), law);
+        const std::vector<WardEstimate> estimates = sample.fit(used, lights_alone(lighting, used), law);
         for (int i = fold; i < photos; i += kFolds) {
-            const auto errors = sample.squared_errors(estimates, i, subset(lighting, {i}), law);
+            const auto errors = sample.squared_errors(estimates, i, lights_alone(lighting, {i}), law);
             result.db[static_cast<std::size_t>(i)] = sample.psnr_db(errors, lighting.white_level);
             result.pixels.add(errors, noise);
         }
@@ -91,7 +91,7 @@ struct WithNoise {
     WithNoise(const LightSample& sample, const Lighting& lighting)
         : noise(sample.squared_noise(lighting.white_level)) {}
     double operator()(double db) const { return -10 * std::log10(std::pow(10, -db / 10) + noise); }
-    bool is_better(std::vector<double> db, std::vector<double> than, double sigmas = kSure) const {
+    bool is_better(std::vector<double> db, std::vector<double> than, double sigmas = kSureOfRarer) const {
         for (std::vector<double>* values : {&db, &than})
             for (double& value : *values) value = (*this)(value);
         return tangi::is_better(db, than, sigmas, kWorth);
@@ -133,10 +133,10 @@ LobeTrial try_lobes(const LightSample& sample, const Lighting& lighting, const R
         std::vector<int> used;
         for (int i = 0; i < photos; ++i)
             if (i % kFolds != fold) used.push_back(i);
-        const LobeFits fits = fit(used, subset(lighting, used));
+        const LobeFits fits = fit(used, lights_alone(lighting, used));
         trial.part += fits.part() / kFolds;
         for (int i = fold; i < photos && !fits.known.empty(); i += kFolds) {
-            const Lighting lamp = subset(lighting, {i});
+            const Lighting lamp = lights_alone(lighting, {i});
             const auto plain = sample.squared_errors(fits.plain, i, lamp, law),
                        known = sample.squared_errors(fits.known, i, lamp, law);
             trial.plain_db.push_back(sample.psnr_db(plain, lighting.white_level, fits.marked));
@@ -168,7 +168,7 @@ LawChoice choose_law(const LightSample& sample, const Lighting& lighting, const 
                      const std::optional<double>& diffuse_roughness) {
     LawChoice choice;
     choice.law.diffuse_roughness = diffuse_roughness.value_or(0);
-    if (lighting.lights.size() < kFewestPhotos) return choice;
+    if (lighting.lights.size() < kFewestForLaw) return choice;
     const WithNoise with_noise{sample, lighting};
     const auto attempt = [&](const ReflectanceLaw& law) {
         report(progress, "reflectance", static_cast<double>(choice.trials.size()) / kTrials);
@@ -203,14 +203,14 @@ LawChoice choose_law(const LightSample& sample, const Lighting& lighting, const 
     };
     search(&ReflectanceLaw::haze, kHazes, kSureOfHaze, kWorth, kMostPixels);
     if (!diffuse_roughness)
-        search(&ReflectanceLaw::diffuse_roughness, kRoughnesses, kSure, kWorthOfRoughness, 0);
+        search(&ReflectanceLaw::diffuse_roughness, kRoughnesses, kSureOfRarer, kWorthOfRoughness, 0);
     report(progress, "reflectance", 1);
     return choice;
 }
 
 LawChoice::Colours choose_lobe_colours(const LightSample& sample, const Lighting& lighting,
                                        const ReflectanceLaw& law, bool drawn_out) {
-    if (lighting.lights.size() < kFewestPhotos) return {};
+    if (lighting.lights.size() < kFewestForLaw) return {};
     const LobeTrial trial =
         try_lobes(sample, lighting, law, [&](const std::vector<int>& used, const Lighting& lamps) {
             LobeFits fits{.plain = sample.fit(used, lamps, law), .known = {}, .marked = {}};
@@ -255,7 +255,7 @@ LawChoice::Stretches summary_of(const LightSample& sample, const Lighting& light
 
 void choose_stretches(const LightSample& sample, const Lighting& lighting, bool haze_is_open,
                       LawChoice& choice) {
-    if (lighting.lights.size() < kFewestPhotos) return;
+    if (lighting.lights.size() < kFewestForLaw) return;
     const LobeTrial trial = try_stretches(sample, lighting, choice.law);
     choice.stretches = summary_of(sample, lighting, trial);
     if (!choice.stretches.chosen || !haze_is_open || !(choice.law.haze > 0)) return;

@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <vector>
 
 #include "surface/error.h"
+#include "surface/light.h"
 
 namespace tangi {
 
@@ -20,7 +20,6 @@ constexpr float kLeastZ = 0.1f;          // steeper normals are edges or errors
 constexpr double kSteepest = 0.5;        // [1/pixel] changes of slope beyond are steps, not relief
 constexpr double kClose = 1.1;           // [1] ratio of curls that are as good
 constexpr double kRightAngle_deg = 4;    // within which a turn is one by a multiple of 90 degrees
-constexpr double kDegrees = 180 / std::numbers::pi;
 
 double remainder_of(double degrees, double period) {
     const double rest = std::fmod(degrees, period);

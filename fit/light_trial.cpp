@@ -44,7 +44,7 @@ constexpr PixelWorth kOwnWorth{0.9, 1.5};
 constexpr double kTilt = 0.01;
 constexpr double kFar = 0.01;  // [1/width] nearness from which on a distance says something
 
-double mean(const std::vector<double>& values) {
+double mean_or_zero(const std::vector<double>& values) {
     return std::accumulate(values.begin(), values.end(), 0.0) /
            static_cast<double>(std::max<std::size_t>(values.size(), 1));
 }
@@ -187,10 +187,10 @@ FoldResult left_out(const LightSample& sample, const Lighting& given, const Ligh
 
 // [dB] The median by which `a` exceeds `b`, as one photograph whose lamp moved is no reason for or against,
 // and its standard error (that of a median of normal values; their spread by the median absolute deviation).
-struct Gain {
+struct MedianGain {
     double median_db, sigma_db;
 };
-Gain gain(const std::vector<double>& a, const std::vector<double>& b) {
+MedianGain gain(const std::vector<double>& a, const std::vector<double>& b) {
     std::vector<double> gained;
     for (std::size_t i = 0; i < a.size(); ++i) gained.push_back(a[i] - b[i]);
     const double middle = median(gained), count = static_cast<double>(gained.size());
@@ -252,7 +252,7 @@ std::vector<TriedModel> tried(const LightSample& sample, const Lighting& given,
             trial.located_db.insert(trial.located_db.end(), fold.located_db.begin(), fold.located_db.end());
             trial.pixels.add(fold.pixels);
         }
-        trial.left_out_db = mean(trial.photos_db);
+        trial.left_out_db = mean_or_zero(trial.photos_db);
     }
     return result;
 }
@@ -278,7 +278,7 @@ bool explains_better(const LightCalibration::Trial& a, const LightCalibration::T
                      double loss_db, const PixelWorth& of_pixels) {
     const double part = a.pixels.part_better_than(b.pixels);
     if (part > of_pixels.part && a.pixels.median_gain_db(b.pixels) > of_pixels.db) return true;
-    const Gain predicted = gain(a.photos_db, b.photos_db), located = gain(a.located_db, b.located_db);
+    const MedianGain predicted = gain(a.photos_db, b.photos_db), located = gain(a.located_db, b.located_db);
     const bool turned = a.model.directions != b.model.directions || a.model.beams != b.model.beams;
     return located.median_db - located.sigma_db > explained_db &&
            predicted.median_db > -std::min(predicted.sigma_db, loss_db) &&
@@ -286,7 +286,7 @@ bool explains_better(const LightCalibration::Trial& a, const LightCalibration::T
 }
 
 bool is_better(const LightCalibration::Trial& a, const LightCalibration::Trial& b, double worth_db) {
-    const Gain predicted = gain(a.photos_db, b.photos_db);
+    const MedianGain predicted = gain(a.photos_db, b.photos_db);
     // Turns, of a smooth field or each lamp's own, take up what the model leaves out.
     const bool turned = a.model.directions != b.model.directions;
     const double part = a.pixels.part_better_than(b.pixels);

@@ -10,14 +10,14 @@ namespace tangi {
 
 namespace {
 
-constexpr int kIterations = 5;       // of reweighting
+constexpr int kReweightings = 5;
 constexpr double kSpread = 0.05;     // [1] of rho_s,c, relative: what one Gaussian leaves open
 constexpr double kWidest = 0.4;      // [1] alpha from which on a lobe may be diffuse light, and of its colour
 constexpr double kWhiteSigma = 0.5;  // [1] of the prior, around white
 // [1] Deviation from white below which a lobe is white: unequal lamps and tone curves make as much.
 constexpr float kClear = 0.1f;
 constexpr float kLeastColour = 0.02f;  // [1] whiten() divides by it
-constexpr int kStep = 2;               // [pixels] between neighbours that are asked
+constexpr int kLookStep_px = 2;        // [pixels] between neighbours that are asked
 constexpr float kAlike = 0.3f,
                 kAlikeFloor = 0.04f;  // [1] relative difference of looks that are others, and noise
 
@@ -51,18 +51,18 @@ struct Channel {
     double variance() const { return matt / determinant(); }  // of rho_s
 };
 
-struct Solved {
+struct SolvedColour {
     double specular = 0, variance = 0;
     bool known = false;
 };
 
 // rho_s of channel c, and its variance.
-Solved solve_channel(const PixelSamples& s, const std::vector<WardTerms>& terms, int c, double model_error,
-                     double robust_scale) {
+SolvedColour solve_channel(const PixelSamples& s, const std::vector<WardTerms>& terms, int c,
+                           double model_error, double robust_scale) {
     Channel result;
     double chi2 = 0;
     int used = 0;
-    for (int iteration = 0; iteration < kIterations; ++iteration) {
+    for (int iteration = 0; iteration < kReweightings; ++iteration) {
         Channel sums;
         chi2 = 0;
         used = 0;
@@ -88,8 +88,6 @@ Solved solve_channel(const PixelSamples& s, const std::vector<WardTerms>& terms,
     return {result.specular, result.variance() * std::max(chi2 / std::max(used - 2, 1), 1.0), true};
 }
 
-float square(float v) { return v * v; }
-
 // What a pixel looks like from all sides: matt and shiny light together.
 Rgb look_of(const Surface& s, const Image<LobeEvidence>& evidence, int x, int y) {
     return s.diffuse(x, y) + s.specular(x, y) * evidence(x, y).colour;
@@ -106,7 +104,7 @@ LobeEvidence lobe_evidence(const PixelSamples& s, const WardEstimate& e, const W
     glm::dvec3 specular;
     double variance = 0;
     for (int c = 0; c < 3; ++c) {
-        const Solved solved = solve_channel(s, terms, c, options.model_error, options.robust_scale);
+        const SolvedColour solved = solve_channel(s, terms, c, options.model_error, options.robust_scale);
         if (!solved.known) return {};
         specular[c] = solved.specular;
         variance += solved.variance / 3;
@@ -138,10 +136,10 @@ Image<Rgb> lobe_colours(const Surface& s, const Image<LobeEvidence>& evidence) {
                 const float scale2 = square(kAlike * (look.r + look.g + look.b) / 3 + kAlikeFloor);
                 Rgb sum(0);
                 float weight = 0;
-                for (int v = std::max(y - kLobeReach, y % kStep);
-                     v <= std::min(y + kLobeReach, s.height() - 1); v += kStep)
-                    for (int u = std::max(x - kLobeReach, x % kStep);
-                         u <= std::min(x + kLobeReach, s.width() - 1); u += kStep) {
+                for (int v = std::max(y - kLobeReach, y % kLookStep_px);
+                     v <= std::min(y + kLobeReach, s.height() - 1); v += kLookStep_px)
+                    for (int u = std::max(x - kLobeReach, x % kLookStep_px);
+                         u <= std::min(x + kLobeReach, s.width() - 1); u += kLookStep_px) {
                         const LobeEvidence& e = evidence(u, v);
                         if (!(e.weight > 0)) continue;
                         const Rgb off = look_of(s, evidence, u, v) - look;

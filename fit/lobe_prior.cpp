@@ -17,8 +17,6 @@ constexpr float kLnAlphaSpread = 0.15f;   // [1] within one material, at least
 constexpr float kSpecularSpread = 0.01f;  // [1] likewise
 constexpr float kSpecularPart = 0.1f;     // [1] of rho_s, likewise
 
-float square(float v) { return v * v; }
-
 // What pixels of a row say, with columns beyond both ends that say nothing: the loops over neighbours have no
 // special cases and can be vectorised.
 struct Row {

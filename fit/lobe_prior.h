@@ -16,6 +16,8 @@ namespace tangi {
 
 constexpr int kLobeReach = 6;  // [pixels] how far neighbours are asked
 
+inline float square(float v) { return v * v; }
+
 // The prior of each pixel's ln alpha and rho_s: mean and spread of what the neighbours within kLobeReach
 // pixels have, weighted by how certain they are and how alike in colour; drawn to `general`, which is all
 // there is where no neighbour is alike. The pixel itself has no say in it.

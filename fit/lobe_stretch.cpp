@@ -10,6 +10,7 @@
 #include <glm/matrix.hpp>
 #include <numbers>
 
+#include "fit/lobe_prior.h"
 #include "surface/parallel.h"
 
 namespace tangi {
@@ -19,15 +20,16 @@ namespace {
 constexpr int kFree = kWardParameters + 2;
 constexpr double kBound = 1.2 * kMostStretch;  // [1] of each number of the stretch, while it is looked for
 constexpr double kPriorSigma = 0.5;            // [1] of both numbers, around 0
-constexpr double kSpread = 0.1;                // [1] of what a pixel says: other lobes than Ward's
-constexpr double kWidest = 0.6;                // [1] alpha from which on a lobe may be diffuse light
+constexpr double kStretchSpread = 0.1;         // [1] of what a pixel says: other lobes than Ward's
+constexpr double kWidestStretched = 0.6;       // [1] alpha from which on a lobe may be diffuse light
 constexpr double kLeastGloss = 0.005;          // [1] rho_s from which on there is a lobe
-constexpr float kClear = 0.1f;  // [1] stretch below which a lobe is not drawn out: relief finer than a pixel
-constexpr int kLookStep = 4;    // [pixels] between rows that say how pixels look
-constexpr int kReach = 3;       // [steps] how far neighbours are asked
-constexpr float kAlike = 0.1f,
-                kAlikeFloor = 0.04f;  // [1] relative difference of looks that are others, and noise
-constexpr int kIterations = 15;       // what is not found by then is told by neighbours
+// [1] Stretch below which a lobe is not drawn out: relief finer than a pixel.
+constexpr float kClearStretch = 0.1f;
+constexpr int kLookStep = 4;  // [pixels] between rows that say how pixels look
+constexpr int kReach = 3;     // [steps] how far neighbours are asked
+constexpr float kAlikeStretched = 0.1f,
+                kAlikeStretchedFloor = 0.04f;  // [1] relative difference of looks that are others, and noise
+constexpr int kStretchIterations = 15;         // what is not found by then is told by neighbours
 constexpr int kDirections = 6;
 constexpr std::array kStarts = {0.35, 0.8};  // [1] s
 
@@ -77,8 +79,8 @@ private:
     WardBounds bounds_;
 };
 
-using Solver = ceres::TinySolver<StretchFunction>;
-using Matrix = Eigen::Matrix<double, kFree, kFree>;
+using StretchSolver = ceres::TinySolver<StretchFunction>;
+using StretchMatrix = Eigen::Matrix<double, kFree, kFree>;
 using Parameters = Eigen::Matrix<double, kFree, 1>;
 
 struct Start {
@@ -128,7 +130,7 @@ double solve(const StretchFunction& function, const WardBounds& bounds, int iter
     Parameters u;
     for (int i = 0; i < kWardParameters; ++i) u[i] = u0[static_cast<std::size_t>(i)];
     for (int i = 0; i < 2; ++i) u[kWardParameters + i] = std::asin(start.stretch[i] / kBound);
-    Solver solver;
+    StretchSolver solver;
     solver.options.max_num_iterations = iterations;
     solver.options.parameter_tolerance = 1e-4;
     solver.options.function_tolerance = 1e-3;
@@ -146,9 +148,9 @@ StretchEvidence evidence_at(const StretchFunction& function, const Start& found,
     Eigen::Matrix<double, Eigen::Dynamic, kFree> jacobian(rows, kFree);
     function.evaluate(found.theta, found.stretch, residuals.data(), jacobian.data());
     const double chi2 = std::max(residuals.squaredNorm() / std::max(samples - kFree, 1), 1.0);
-    Matrix information = jacobian.transpose() * jacobian;
+    StretchMatrix information = jacobian.transpose() * jacobian;
     information.diagonal().array() += 1e-9;
-    const Matrix covariance = information.ldlt().solve(Matrix::Identity());
+    const StretchMatrix covariance = information.ldlt().solve(StretchMatrix::Identity());
     constexpr int a = kWardParameters, b = a + 1;
     const glm::dmat2 of_both(covariance(a, a), covariance(a, b), covariance(b, a), covariance(b, b));
     constexpr double prior = 1 / (kPriorSigma * kPriorSigma);
@@ -160,24 +162,22 @@ StretchEvidence evidence_at(const StretchFunction& function, const Start& found,
     const glm::dvec2 stretch = glm::inverse(alone * chi2) * (posterior * found.stretch);
     const double length = glm::length(stretch);
     return {length > kBound ? stretch * (kBound / length) : stretch,
-            glm::inverse(glm::inverse(alone) + glm::dmat2(kSpread * kSpread))};
+            glm::inverse(glm::inverse(alone) + glm::dmat2(kStretchSpread * kStretchSpread))};
 }
-
-float square(float v) { return v * v; }
 
 }  // namespace
 
 StretchEvidence stretch_evidence(const PixelSamples& given, const WardEstimate& e,
                                  const WardFitOptions& options) {
-    if (e.roughness > kWidest || e.specular < kLeastGloss) return {};
+    if (e.roughness > kWidestStretched || e.specular < kLeastGloss) return {};
     const PixelSamples samples = with_model_error(given, e, options.model_error);
     const WardResiduals residuals(samples, options.prior, options.robust_scale, options.law);
     const StretchFunction function(residuals, options.bounds);
     Start plain{.theta = {e.slope.x, e.slope.y, std::log(e.roughness), e.specular, 0, 0, 0}};
     for (int c = 0; c < 3; ++c) plain.theta[static_cast<std::size_t>(kWardCommon + c)] = e.diffuse[c];
     Start drawn_out = drawn_out_start(residuals, plain);
-    const double cost = solve(function, options.bounds, kIterations, drawn_out);
-    if (solve(function, options.bounds, kIterations, plain) <= cost) drawn_out = plain;
+    const double cost = solve(function, options.bounds, kStretchIterations, drawn_out);
+    if (solve(function, options.bounds, kStretchIterations, plain) <= cost) drawn_out = plain;
     const auto used =
         std::count_if(samples.sigma.begin(), samples.sigma.end(), [](double v) { return v > 0; });
     return evidence_at(function, drawn_out, static_cast<int>(used));
@@ -188,7 +188,7 @@ Stretch stretch_of(const StretchEvidence& evidence) {
     const glm::dmat2 covariance = glm::inverse(evidence.information + glm::dmat2(prior));
     const Stretch mean(covariance * (evidence.information * evidence.stretch));
     // As lobe_colour_of(): what is small is nothing, what is large is kept.
-    const float doubt2 = square(kClear) + 2 * static_cast<float>(covariance[0][0] + covariance[1][1]);
+    const float doubt2 = square(kClearStretch) + 2 * static_cast<float>(covariance[0][0] + covariance[1][1]);
     const float kept = std::max(1 - doubt2 / std::max(glm::dot(mean, mean), 1e-12f), 0.0f);
     const Stretch shrunk = kept * mean;
     const float s = glm::length(shrunk);
@@ -213,7 +213,8 @@ Image<Stretch> lobe_stretches(const Surface& s, const Image<StretchEvidence>& ev
             for (int x = 0; x < s.width(); ++x) {
                 if (!(s.confidence(x, row) > 0)) continue;
                 const Rgb look = look_of(x, row);
-                const float scale2 = square(kAlike * (look.r + look.g + look.b) / 3 + kAlikeFloor);
+                const float scale2 =
+                    square(kAlikeStretched * (look.r + look.g + look.b) / 3 + kAlikeStretchedFloor);
                 StretchEvidence sum;
                 glm::dvec2 weighted(0);
                 for (int v = std::max(y / step - kReach, 0);

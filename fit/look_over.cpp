@@ -9,7 +9,7 @@ namespace tangi {
 
 namespace {
 
-constexpr std::size_t kFewestPhotos = 4;
+constexpr std::size_t kFewestUsable = 4;
 
 std::vector<std::string> names_of(const Stack& stack) {
     std::vector<std::string> names;
@@ -125,7 +125,7 @@ LookOver look_over(Stack& stack, bool register_photos, const Progress& progress)
             return result;
         } catch (const PhotoError& error) {
             leave_out_damaged(stack, error, damaged);
-            require_few(damaged, all, kFewestPhotos, stack.folder.string());
+            require_few(damaged, all, kFewestUsable, stack.folder.string());
             require_enough_lights(stack.lights(), stack.folder.string());
         }
     }

@@ -27,7 +27,7 @@ constexpr std::size_t kBins = 1u << 16;  // of half a rank
 constexpr float kC1 = 0.01f * 0.01f, kC2 = 0.03f * 0.03f;
 
 template <class A, class B>
-void require_alike(const Image<A>& a, const Image<B>& b, const Mask& mask) {
+void require_alike(const Image<A>& a, const Image<B>& b, const PixelMask& mask) {
     TP_REQUIRE(a.region() == b.region(), "both pictures have the same size");
     TP_REQUIRE(mask.empty() || mask.region() == a.region(), "the mask has the size of the pictures");
 }
@@ -36,12 +36,12 @@ Rgb clamped(const Rgb& c) {
     return {std::clamp(c.r, 0.0f, 1.0f), std::clamp(c.g, 0.0f, 1.0f), std::clamp(c.b, 0.0f, 1.0f)};
 }
 
-bool counts(const Mask& mask, int x, int y) { return mask.empty() || mask(x, y) != 0; }
+bool counts(const PixelMask& mask, int x, int y) { return mask.empty() || mask(x, y) != 0; }
 
 // Mean of value(x, y) over the pixels of `region` that count; nothing where none do. Rows are summed apart,
 // then in order, so that threads change nothing.
 template <class Value>
-std::optional<double> mean_over(const Region& region, const Mask& mask, Value&& value) {
+std::optional<double> mean_over(const Region& region, const PixelMask& mask, Value&& value) {
     std::vector<double> sums(static_cast<std::size_t>(std::max(region.y1, 0)));
     std::vector<long> numbers(sums.size());
     parallel_for(region.y0, region.y1, 16, [&](int begin, int end) {
@@ -68,7 +68,7 @@ std::optional<double> mean_over(const Region& region, const Mask& mask, Value&& 
 }
 
 template <class Value>
-double required_mean(const Region& region, const Mask& mask, Value&& value) {
+double required_mean(const Region& region, const PixelMask& mask, Value&& value) {
     const auto result = mean_over(region, mask, value);
     TP_REQUIRE(result.has_value(), "the mask leaves pixels to compare");
     return *result;
@@ -85,7 +85,7 @@ cv::Mat windowed(const cv::Mat& values) {
 struct LumaRows {
     cv::Mat a, b, weight;
 };
-LumaRows luma_rows(const Image<Rgb>& a, const Image<Rgb>& b, const Mask& mask, int y0, int y1) {
+LumaRows luma_rows(const Image<Rgb>& a, const Image<Rgb>& b, const PixelMask& mask, int y0, int y1) {
     const int width = a.width();
     LumaRows rows{cv::Mat(y1 - y0, width, CV_32F), cv::Mat(y1 - y0, width, CV_32F),
                   cv::Mat(y1 - y0, width, CV_32F)};
@@ -102,7 +102,7 @@ LumaRows luma_rows(const Image<Rgb>& a, const Image<Rgb>& b, const Mask& mask, i
 }
 
 // Rows y0 to y1 of ssim_map(): a strip is small enough to stay in the cache.
-void ssim_strip(const Image<Rgb>& a, const Image<Rgb>& b, const Mask& mask, int y0, int y1,
+void ssim_strip(const Image<Rgb>& a, const Image<Rgb>& b, const PixelMask& mask, int y0, int y1,
                 Image<float>& map) {
     const int first = std::max(y0 - kWindow / 2, 0), last = std::min(y1 + kWindow / 2, a.height());
     const LumaRows rows = luma_rows(a, b, mask, first, last);
@@ -137,13 +137,13 @@ float value_of(std::uint32_t rank) {
 
 }  // namespace
 
-Mask measured(const Image<float>& confidence) {
-    Mask mask(confidence.width(), confidence.height());
+PixelMask measured(const Image<float>& confidence) {
+    PixelMask mask(confidence.width(), confidence.height());
     for (std::size_t i = 0; i < mask.size(); ++i) mask.pixels()[i] = confidence.pixels()[i] > 0;
     return mask;
 }
 
-double psnr_db(const Image<Rgb>& a, const Image<Rgb>& b, const Mask& mask) {
+double psnr_db(const Image<Rgb>& a, const Image<Rgb>& b, const PixelMask& mask) {
     require_alike(a, b, mask);
     const double error2 = required_mean(a.region(), mask, [&](int x, int y) {
         const glm::dvec3 d(clamped(a(x, y)) - clamped(b(x, y)));
@@ -152,7 +152,7 @@ double psnr_db(const Image<Rgb>& a, const Image<Rgb>& b, const Mask& mask) {
     return error2 == 0 ? std::numeric_limits<double>::infinity() : -10 * std::log10(error2);
 }
 
-double mean_difference(const Image<Rgb>& a, const Image<Rgb>& b, const Mask& mask) {
+double mean_difference(const Image<Rgb>& a, const Image<Rgb>& b, const PixelMask& mask) {
     require_alike(a, b, mask);
     return required_mean(a.region(), mask, [&](int x, int y) {
         const glm::dvec3 d(clamped(b(x, y)) - clamped(a(x, y)));
@@ -174,7 +174,7 @@ void luma_difference(std::span<const Rgb> a, std::span<const Rgb> b, std::span<f
         difference[i] = luminance(clamped(b[i])) - luminance(clamped(a[i]));
 }
 
-Image<float> ssim_map(const Image<Rgb>& a, const Image<Rgb>& b, const Mask& mask) {
+Image<float> ssim_map(const Image<Rgb>& a, const Image<Rgb>& b, const PixelMask& mask) {
     require_alike(a, b, mask);
     Image<float> map(a.width(), a.height());
     const int strips = (a.height() + kStripRows - 1) / kStripRows;
@@ -185,7 +185,7 @@ Image<float> ssim_map(const Image<Rgb>& a, const Image<Rgb>& b, const Mask& mask
     return map;
 }
 
-double ssim(const Image<Rgb>& a, const Image<Rgb>& b, const Mask& mask) {
+double ssim(const Image<Rgb>& a, const Image<Rgb>& b, const PixelMask& mask) {
     const Image<float> map = ssim_map(a, b, mask);
     const auto value = [&](int x, int y) { return static_cast<double>(map(x, y)); };
     constexpr int half = kWindow / 2;
@@ -194,7 +194,7 @@ double ssim(const Image<Rgb>& a, const Image<Rgb>& b, const Mask& mask) {
     return inside ? *inside : required_mean(map.region(), mask, value);
 }
 
-std::optional<double> luma_correlation(const Image<Rgb>& a, const Image<Rgb>& b, const Mask& mask) {
+std::optional<double> luma_correlation(const Image<Rgb>& a, const Image<Rgb>& b, const PixelMask& mask) {
     require_alike(a, b, mask);
     constexpr double least_deviation = 0.01;
     using Sums = std::array<double, 6>;  // 1, a, b, aa, bb, ab
@@ -230,13 +230,13 @@ Image<float> delta_e_2000_map(const Image<Rgb>& a, const Image<Rgb>& b) {
     return map;
 }
 
-double mean(const Image<float>& values, const Mask& mask) {
+double mean(const Image<float>& values, const PixelMask& mask) {
     require_alike(values, values, mask);
     return required_mean(values.region(), mask,
                          [&](int x, int y) { return static_cast<double>(values(x, y)); });
 }
 
-double percentile(const Image<float>& values, double part, const Mask& mask) {
+double percentile(const Image<float>& values, double part, const PixelMask& mask) {
     require_alike(values, values, mask);
     TP_REQUIRE(part >= 0 && part <= 1, "a part lies in 0..1");
     // The upper half of the rank first, then the lower half among those: no copy, and whole numbers add up to

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <functional>
 #include <limits>
-#include <numbers>
 #include <numeric>
 #include <utility>
 
@@ -35,7 +34,6 @@ constexpr double kExplained = 4, kLeastExplained_deg = 5;  // [scatters] off ano
 constexpr double kFarBetter = 3;     // times nearer that it must be than the photograph's own
 constexpr double kLeastPlane = 0.2;  // [1] of a light in the picture's plane, for it to have a side
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
-constexpr double kDegrees = 180 / std::numbers::pi;
 
 // [deg] Between two lights of one height whose sides differ by an angle [rad]; `plane` [1] is the length of
 // what they have in the picture's plane.

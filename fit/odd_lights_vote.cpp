@@ -11,7 +11,7 @@ namespace tangi {
 
 namespace {
 
-constexpr std::size_t kFewestPixels = 20;  // that show a photograph
+constexpr std::size_t kFewestVotes = 20;  // that show a photograph
 
 // How the pixels predict the photograph under a light from this direction; nothing where too few do.
 std::optional<PixelScores> scores_of(const LightSample& sample, const std::vector<WardEstimate>& estimates,
@@ -25,7 +25,7 @@ std::optional<PixelScores> scores_of(const LightSample& sample, const std::vecto
     const int at = static_cast<int>(photo);
     std::vector<float> ratios = sample.log_ratios(estimates, at, one, law);
     std::erase_if(ratios, [](float ratio) { return std::isnan(ratio); });
-    if (ratios.size() < kFewestPixels) return {};
+    if (ratios.size() < kFewestVotes) return {};
     light.gain *= std::exp(median(std::move(ratios)));
     PixelScores scores;
     scores.add(sample.squared_errors(estimates, at, one, law), sample.squared_noise(one.white_level));

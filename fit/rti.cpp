@@ -13,7 +13,7 @@ namespace tangi {
 
 namespace {
 
-constexpr std::size_t kBandBytes = 96u << 20;
+constexpr std::size_t kRtiBandBytes = 96u << 20;
 
 using Matrix = Eigen::MatrixXd;
 
@@ -213,7 +213,7 @@ RtiImage fit_rti(const Stack& stack, RtiBasis basis, bool lrgb, const Progress& 
     RtiImage image = empty_image(basis, lrgb, stack.width(), stack.height());
     const Transfer srgb{Transfer::Kind::srgb};
     StackReader reader(stack);
-    const int rows = reader.rows_for(kBandBytes);
+    const int rows = reader.rows_for(kRtiBandBytes);
     for (int y0 = 0; y0 < stack.height(); y0 += rows) {
         const Band band = reader.read(y0, std::min(y0 + rows, stack.height()), Transfer{});
         parallel_for(band.y0(), band.y1(), 1, [&](int begin, int end) {

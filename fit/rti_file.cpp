@@ -15,7 +15,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr int kMostPixels = 1 << 20;  // of a side
+constexpr int kLargestSide_px = 1 << 20;  // of a side
 constexpr std::size_t kSampled = 1u << 20;
 
 // How bytes stand for the coefficients of one term: low + byte / 255 * (high - low).
@@ -167,7 +167,7 @@ public:
     }
     std::pair<int, int> size(double width, double height) const {
         for (const double side : {width, height})
-            if (!(side >= 1 && side <= kMostPixels && side == std::floor(side)))
+            if (!(side >= 1 && side <= kLargestSide_px && side == std::floor(side)))
                 fail("{}: it says it is {} x {} pixels", path_.string(), width, height);
         return {static_cast<int>(width), static_cast<int>(height)};
     }

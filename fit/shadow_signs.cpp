@@ -16,11 +16,11 @@ namespace tangi {
 
 namespace {
 
-constexpr double kLeastCertainty = 6;    // [standard errors]
+constexpr double kLeastShadowCertainty = 6;  // [standard errors]
 constexpr double kLeastContrast = -0.1;  // ln: shadows that hide nearly all of a lamp take off 10 % and more
 constexpr float kHighest = 0.75f;        // [1] z of lights that are looked at: below 49 degrees
-constexpr float kLeastCosine = 0.1f;  // [1] n·l: beyond, small errors of the normal are large ones of light
-constexpr double kDark = 0.02;        // [1] of the white level: noise
+constexpr float kLeastCosine = 0.1f;   // [1] n·l: beyond, small errors of the normal are large ones of light
+constexpr double kDarkAsNoise = 0.02;  // [1] of the white level: noise
 constexpr double kLeastLog = -2, kMostLog = 0.7;  // ln(measured / predicted) beyond tells no more
 constexpr float kHidden = 0.2f, kSeen = 0.8f;     // [1] visible part of the light
 constexpr int kLeastHidden = 12;                  // samples in shadow that a photograph must have
@@ -37,7 +37,7 @@ std::vector<Lit> lit_by(const Surface& s, const Survey& survey, std::size_t phot
                         const Light& light, double white_level) {
     std::vector<Lit> lit;
     const auto channels = static_cast<std::size_t>(survey.channels), green = channels / 2;
-    const double dark = kDark * white_level;
+    const double dark = kDarkAsNoise * white_level;
     for (int k = 0; k < survey.sample_count(); ++k) {
         const glm::ivec2 at = survey.positions[static_cast<std::size_t>(k)];
         const float stored = survey.sample(k)[photo * channels + green];
@@ -146,7 +146,7 @@ void integrate(Surface& s, const Progress& progress) {
 
 }  // namespace
 
-bool ShadowCheck::certain() const { return certainty > kLeastCertainty && contrast < kLeastContrast; }
+bool ShadowCheck::certain() const { return certainty > kLeastShadowCertainty && contrast < kLeastContrast; }
 
 ShadowCheck check_shadows(Surface& surface, const SignCheck& signs, const Survey& survey,
                           const Transfer& transfer, const std::vector<Light>& lights, double white_level,

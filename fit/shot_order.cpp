@@ -7,8 +7,8 @@ namespace tangi {
 
 namespace {
 
-constexpr double kScoreScale = 0.05;  // [1] ln gain: errors well above count by their number, not their size
-constexpr double kWorth = 0.9;        // [1] part of the model's score that order must stay below
+constexpr double kScoreScale = 0.05;   // [1] ln gain: errors well above count by their number, not their size
+constexpr double kWorthOfOrder = 0.9;  // [1] part of the model's score that order must stay below
 
 double log_gain(const Light& light) {
     return std::log(std::max((light.gain.r + light.gain.g + light.gain.b) / 3.0, 1e-6));
@@ -54,7 +54,7 @@ std::vector<Light> without(std::span<const Light> lights, int left_out) {
 
 ShotOrder fit_shot_order(const LampModel& model, std::span<const Light> lights) {
     ShotOrder best;
-    double best_score = kWorth * score(lights, [&](int i) {
+    double best_score = kWorthOfOrder * score(lights, [&](int i) {
                             return std::log(predicted_gain(model, without(lights, i),
                                                            lights[static_cast<std::size_t>(i)].direction));
                         });

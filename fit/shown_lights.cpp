@@ -23,8 +23,8 @@ using ShownUnknowns = Eigen::Matrix<double, 8, 1>;
 using ShownNormal = Eigen::Matrix<double, 8, 8>;
 
 constexpr std::size_t kFewestPixels = 100;
-constexpr int kMostPixels = 4000;
-constexpr double kDark = 0.03;         // [1] of what the pixel would reflect: shadow
+constexpr int kMostLookedAt = 4000;
+constexpr double kLeastLit = 0.03;     // [1] of what the pixel would reflect: shadow
 constexpr double kTukeyShown = 4.685;  // [standard deviations] (Beaton and Tukey 1974)
 constexpr int kShownSweeps = 8;
 constexpr double kLeastUnclipped = 0.7;  // [1] of a photograph: what is left over is chosen by its shading
@@ -81,7 +81,7 @@ std::vector<ReliefPixel> relief_pixels(const Survey& survey, const Transfer& tra
     const auto channels = static_cast<std::size_t>(survey.channels);
     const double half = std::max(width, height) / 2.0;
     std::vector<ReliefPixel> pixels;
-    for (const int k : survey.spread(kMostPixels)) {
+    for (const int k : survey.spread(kMostLookedAt)) {
         const glm::ivec2 at = survey.positions[static_cast<std::size_t>(k)];
         ReliefPixel pixel;
         pixel.place = {(at.x - width / 2.0) / half, (height / 2.0 - at.y) / half};
@@ -142,7 +142,7 @@ std::optional<ShownLight> shown_light(std::size_t photo, const std::vector<Relie
         std::count_if(pixels.begin(), pixels.end(), [](const ReliefPixel& p) { return p.valid; }));
     if (samples.size() < kFewestPixels || static_cast<double>(samples.size()) < kLeastUnclipped * valid)
         return std::nullopt;
-    const double dark = kDark * median(brightness);
+    const double dark = kLeastLit * median(brightness);
     std::erase_if(samples, [&](const Sample& s) { return s.value < dark; });
     if (samples.size() < kFewestPixels) return std::nullopt;
     std::array<ShownSums, kReliefParts * kReliefParts> parts;

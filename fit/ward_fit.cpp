@@ -40,11 +40,11 @@ private:
 
 }  // namespace
 
-using Solver = ceres::TinySolver<WardFunction>;
-using Matrix = Eigen::Matrix<double, kWardParameters, kWardParameters>;
+using WardSolver = ceres::TinySolver<WardFunction>;
+using WardMatrix = Eigen::Matrix<double, kWardParameters, kWardParameters>;
 
 struct WardFitter::Workspace {
-    Solver solver;
+    WardSolver solver;
     PixelSamples samples;  // with the model's error in sigma
     Eigen::Matrix<double, Eigen::Dynamic, kWardParameters> jacobian;
     Eigen::VectorXd residuals;
@@ -53,7 +53,7 @@ struct WardFitter::Workspace {
 namespace {
 
 // Where a solver ended.
-struct Solved {
+struct SolvedWard {
     WardVector theta;
     double cost;
     bool converged;
@@ -200,19 +200,19 @@ WardEstimate WardFitter::fit(const PixelSamples& given, const WardPrior& prior) 
         w.solver.options.function_tolerance = 1e-3;
         w.solver.options.gradient_tolerance = 1e-8;
         w.solver.options.initial_trust_region_radius = 1e3;
-        const bool converged = w.solver.Solve(function, &u).status != Solver::HIT_MAX_ITERATIONS;
+        const bool converged = w.solver.Solve(function, &u).status != WardSolver::HIT_MAX_ITERATIONS;
         theta = natural_of(u.data(), bounds, nullptr);
-        return Solved{theta, residuals.cost(theta.data()), converged};
+        return SolvedWard{theta, residuals.cost(theta.data()), converged};
     };
     const double free_samples = static_cast<double>(std::max<std::ptrdiff_t>(
         std::count_if(samples.sigma.begin(), samples.sigma.end(), [](double sigma) { return sigma > 0; }) +
             2 - residuals.parameters(),
         1));
-    Solved solved = solve({.slope = {-start.normal.x / start.normal.z, -start.normal.y / start.normal.z},
-                           .diffuse = start.diffuse});
+    SolvedWard solved = solve({.slope = {-start.normal.x / start.normal.z, -start.normal.y / start.normal.z},
+                               .diffuse = start.diffuse});
     if (options_.by_highlight && solved.cost > kPoorFit * kPoorFit * free_samples)
         if (const auto highlight = highlight_start(given, bounds)) {
-            const Solved other = solve(*highlight);
+            const SolvedWard other = solve(*highlight);
             if (other.cost < kClearlyCheaper * solved.cost) solved = other;
         }
     const WardVector& theta = solved.theta;
@@ -225,11 +225,11 @@ WardEstimate WardFitter::fit(const PixelSamples& given, const WardPrior& prior) 
     estimate.specular = theta[3];
     for (int c = 0; c < 3; ++c)
         estimate.diffuse[c] = theta[static_cast<std::size_t>(kWardCommon + (c < samples.channels ? c : 0))];
-    Matrix information = w.jacobian.transpose() * w.jacobian;
+    WardMatrix information = w.jacobian.transpose() * w.jacobian;
     // A parameter that no sample depends on (n.l <= 0 under every light, a channel that grey photographs do
     // not have) has no error; the floor keeps it finite.
     information.diagonal().array() += 1e-9;
-    const Matrix covariance = information.ldlt().solve(Matrix::Identity()) * std::max(chi2, 1.0);
+    const WardMatrix covariance = information.ldlt().solve(WardMatrix::Identity()) * std::max(chi2, 1.0);
     const auto error_of = [&](int i) { return std::sqrt(std::max(covariance(i, i), 0.0)); };
     estimate.slope_error = std::sqrt(std::max(covariance(0, 0) + covariance(1, 1), 0.0) / 2);
     double diffuse_variance = 0;

@@ -16,7 +16,6 @@ namespace tangi {
 
 namespace {
 
-constexpr int kSize = PaintTile::kSize;
 constexpr int kBorder = 2;             // [pixels] that slopes look beyond a tile
 constexpr float kLevelled_mm = 0.02f;  // of a layer that levels lets 37 % of the detail below through
 
@@ -72,7 +71,7 @@ struct PartOfTile {
             std::vector<float>& to = volumes_mm.emplace_back();
             to.reserve(static_cast<std::size_t>(part.width()) * static_cast<std::size_t>(part.height()));
             for (int y = part.y0; y < part.y1; ++y) {
-                const float* from = tile.plane(id).data() + (y % kSize) * kSize + part.x0 % kSize;
+                const float* from = tile.plane(id).data() + (y % kTileSize) * kTileSize + part.x0 % kTileSize;
                 to.insert(to.end(), from, from + part.width());
             }
         }
@@ -293,14 +292,15 @@ void update(const Canvas& canvas, std::span<const Region> changed, const Shown& 
     std::map<TileIndex, Changed> wanted;
     for (const Region& part : changed) {
         if (part.empty()) continue;
-        TP_REQUIRE(part.x0 / kSize == (part.x1 - 1) / kSize && part.y0 / kSize == (part.y1 - 1) / kSize,
+        TP_REQUIRE(part.x0 / kTileSize == (part.x1 - 1) / kTileSize &&
+                       part.y0 / kTileSize == (part.y1 - 1) / kTileSize,
                    "a part lies within one tile");
         if (const Region seen = intersection(part, shown.part); !seen.empty())
-            unite(wanted[{part.x0 / kSize, part.y0 / kSize}].part, seen);
+            unite(wanted[{part.x0 / kTileSize, part.y0 / kTileSize}].part, seen);
         const Region around = intersection(grown(part), shown.part);
         if (around.empty()) continue;
-        for (int y = around.y0 / kSize; y * kSize < around.y1; ++y)
-            for (int x = around.x0 / kSize; x * kSize < around.x1; ++x)
+        for (int y = around.y0 / kTileSize; y * kTileSize < around.y1; ++y)
+            for (int x = around.x0 / kTileSize; x * kTileSize < around.x1; ++x)
                 unite(wanted[{x, y}].normals, intersection(around, canvas.wet().region_of({x, y})));
     }
     const std::vector<std::pair<TileIndex, Changed>> all(wanted.begin(), wanted.end());
@@ -370,8 +370,8 @@ Surface appearance_in(const Canvas& canvas, const Region& part, const Appearance
     see_all_under(options.illuminant, surface);
     std::vector<Region> parts;
     const Region around = intersection(grown(part), canvas.region());
-    for (int y = around.y0 / kSize; y * kSize < around.y1; ++y)
-        for (int x = around.x0 / kSize; x * kSize < around.x1; ++x)
+    for (int y = around.y0 / kTileSize; y * kTileSize < around.y1; ++y)
+        for (int x = around.x0 / kTileSize; x * kTileSize < around.x1; ++x)
             for (const PaintLayer* layer : layers_of(canvas))
                 if (layer->tile({x, y})) {
                     parts.push_back(layer->region_of({x, y}));
@@ -383,7 +383,7 @@ Surface appearance_in(const Canvas& canvas, const Region& part, const Appearance
 
 Image<Rgb> diffuse_in(const Canvas& canvas, const Region& part, const AppearanceOptions& options) {
     Image<Rgb> result(part.width(), part.height());
-    constexpr int kRows = 4 * kSize;
+    constexpr int kRows = 4 * kTileSize;
     for (int y = part.y0; y < part.y1; y += kRows) {
         const Region rows{part.x0, y, part.x1, std::min(y + kRows, part.y1)};
         const Surface seen = appearance_in(canvas, rows, options);

@@ -167,17 +167,17 @@ const std::map<std::string, BrushSettings>& brush_presets() {
     return presets;
 }
 
-BrushSettings brush_from_json(const nlohmann::json& json, const std::string& where,
+BrushSettings brush_from_json(const nlohmann::json& brush, const std::string& where,
                               const std::map<std::string, BrushSettings>& presets) {
-    if (!json.is_object()) fail("{}: a brush is a JSON object, not {}", where, shown(json));
+    if (!brush.is_object()) fail("{}: a brush is a JSON object, not {}", where, shown(brush));
     BrushSettings settings;
-    if (const auto preset = json.find("preset"); preset != json.end()) {
+    if (const auto preset = brush.find("preset"); preset != brush.end()) {
         const auto found = preset->is_string() ? presets.find(preset->get<std::string>()) : presets.end();
         if (found == presets.end())
             fail("{}: there is no brush preset {}; there are: {}", where, shown(*preset), listed(presets));
         settings = found->second;
     }
-    for (const auto& [key, value] : json.items()) {
+    for (const auto& [key, value] : brush.items()) {
         if (key == "preset") continue;
         if (key == "shape") {
             const auto is_it = [&](const char* shape) { return value == shape; };
@@ -199,35 +199,35 @@ BrushSettings brush_from_json(const nlohmann::json& json, const std::string& whe
 }
 
 nlohmann::json brush_to_json(const BrushSettings& settings) {
-    nlohmann::json json = to_json(settings);
-    json["shape"] = settings.shape;
-    return json;
+    nlohmann::json result = to_json(settings);
+    result["shape"] = settings.shape;
+    return result;
 }
 
 std::map<std::string, BrushSettings> read_brush_presets(const std::filesystem::path& path,
                                                         std::vector<std::string>* warnings) {
     const std::string text = read_text_file(path);
-    nlohmann::json json;
+    nlohmann::json root;
     try {
-        json = parse_json(text, path.string());
+        root = parse_json(text, path.string());
     } catch (const nlohmann::json::parse_error& error) {
         fail("{}:{}: is not JSON as files of brushes are", path.string(), line_of(text, error.byte));
     }
-    if (!json.is_object() || json.value("format", nlohmann::json()) != "tangipaint brushes")
+    if (!root.is_object() || root.value("format", nlohmann::json()) != "tangipaint brushes")
         fail("{}: is not a file of brushes; it must have \"format\": \"tangipaint brushes\"", path.string());
-    if (!json.contains("version")) fail("{}: has no \"version\"; it must be 1", path.string());
-    if (json["version"] != 1)
-        fail("{}: has version {}, but this program reads version 1", path.string(), shown(json["version"]));
-    if (!json.contains("brushes") || !json["brushes"].is_object())
+    if (!root.contains("version")) fail("{}: has no \"version\"; it must be 1", path.string());
+    if (root["version"] != 1)
+        fail("{}: has version {}, but this program reads version 1", path.string(), shown(root["version"]));
+    if (!root.contains("brushes") || !root["brushes"].is_object())
         fail("{}: has no object \"brushes\"", path.string());
     auto presets = brush_presets();
-    for (const auto& [key, value] : json.items())
+    for (const auto& [key, value] : root.items())
         if (warnings && key != "format" && key != "version" && key != "brushes")
             warnings->push_back(fmt::format(
                 "{}: '{}' is not a field of a file of brushes, and is not looked at; brushes are in "
                 "\"brushes\"",
                 path.string(), shortened(key)));
-    for (const auto& [key, value] : json["brushes"].items()) {
+    for (const auto& [key, value] : root["brushes"].items()) {
         if (key.empty()) fail("{}: a brush in it has no name; strokes call it by one", path.string());
         if (warnings && presets.contains(key))
             warnings->push_back(

@@ -79,7 +79,7 @@ const std::map<std::string, BrushSettings>& brush_presets();
 // Settings from JSON: {"preset": "flat", "size_mm": 12, ...}; fields that are not given are the preset's, or
 // the defaults. Throws Error that names `where` and the field: unknown, of the wrong kind, outside its
 // interval.
-BrushSettings brush_from_json(const nlohmann::json& json, const std::string& where,
+BrushSettings brush_from_json(const nlohmann::json& brush, const std::string& where,
                               const std::map<std::string, BrushSettings>& presets = brush_presets());
 nlohmann::json brush_to_json(const BrushSettings& settings);
 

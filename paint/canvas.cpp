@@ -9,7 +9,6 @@ namespace tangi {
 
 namespace {
 
-constexpr int kSize = PaintTile::kSize;
 constexpr float kDust_mm = 1e-6f;  // thinner paint is none: what rounding leaves where an eraser was
 
 // The same paint, whatever its gloss, and with medium or without.
@@ -182,7 +181,7 @@ std::string dry(Canvas& canvas, const std::string& name, const CanvasPart& where
         for (int y = tile.y0; y < tile.y1; ++y)
             for (const RowSpan& span : rows[static_cast<std::size_t>(y)]) {
                 const int x0 = std::max(span.begin, tile.x0), x1 = std::min(span.end, tile.x1);
-                const auto first = static_cast<std::size_t>((y - tile.y0) * kSize + x0 - tile.x0);
+                const auto first = static_cast<std::size_t>((y - tile.y0) * kTileSize + x0 - tile.x0);
                 if (x1 > x0) runs.emplace_back(first, first + static_cast<std::size_t>(x1 - x0));
             }
         const auto& thickness = canvas.wet().tile(at)->thickness_mm;

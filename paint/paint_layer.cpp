@@ -9,9 +9,7 @@ namespace tangi {
 
 namespace {
 
-constexpr int kSize = PaintTile::kSize;
-
-int tiles_for(int pixels) { return (pixels + kSize - 1) / kSize; }
+int tiles_for(int pixels) { return (pixels + kTileSize - 1) / kTileSize; }
 
 }  // namespace
 
@@ -60,26 +58,26 @@ std::vector<TileIndex> PaintLayer::painted() const {
 
 float PaintLayer::thickness_mm(int x, int y, IngredientId ingredient) const {
     TP_REQUIRE(x >= 0 && y >= 0 && x < width_ && y < height_, "the pixel is on the canvas");
-    const TilePtr& at = tile({x / kSize, y / kSize});
+    const TilePtr& at = tile({x / kTileSize, y / kTileSize});
     if (!at) return 0;
     const auto plane = at->plane(ingredient);
-    return plane.empty() ? 0 : plane[static_cast<std::size_t>((y % kSize) * kSize + x % kSize)];
+    return plane.empty() ? 0 : plane[static_cast<std::size_t>((y % kTileSize) * kTileSize + x % kTileSize)];
 }
 
 float PaintLayer::thickness_mm(int x, int y) const {
     TP_REQUIRE(x >= 0 && y >= 0 && x < width_ && y < height_, "the pixel is on the canvas");
-    const TilePtr& at = tile({x / kSize, y / kSize});
+    const TilePtr& at = tile({x / kTileSize, y / kTileSize});
     if (!at) return 0;
     float sum = 0;
-    for (std::size_t i = static_cast<std::size_t>((y % kSize) * kSize + x % kSize);
+    for (std::size_t i = static_cast<std::size_t>((y % kTileSize) * kTileSize + x % kTileSize);
          i < at->thickness_mm.size(); i += PaintTile::kPixels)
         sum += at->thickness_mm[i];
     return sum;
 }
 
 void PaintLayer::add_thickness_mm(const Region& region, float* out, std::size_t stride) const {
-    for (int ty = region.y0 / kSize; ty * kSize < region.y1; ++ty)
-        for (int tx = region.x0 / kSize; tx * kSize < region.x1; ++tx) {
+    for (int ty = region.y0 / kTileSize; ty * kTileSize < region.y1; ++ty)
+        for (int tx = region.x0 / kTileSize; tx * kTileSize < region.x1; ++tx) {
             const TilePtr& at = tile({tx, ty});
             if (!at) continue;
             const Region whole = region_of({tx, ty});
@@ -88,7 +86,7 @@ void PaintLayer::add_thickness_mm(const Region& region, float* out, std::size_t 
             for (std::size_t plane = 0; plane < at->ingredients.size(); ++plane)
                 for (int y = y0; y < y1; ++y) {
                     const float* from = at->thickness_mm.data() + plane * PaintTile::kPixels +
-                                        static_cast<std::size_t>((y - whole.y0) * kSize + x0 - whole.x0);
+                                        static_cast<std::size_t>((y - whole.y0) * kTileSize + x0 - whole.x0);
                     float* to = out + static_cast<std::size_t>(y - region.y0) * stride +
                                 static_cast<std::size_t>(x0 - region.x0);
                     for (int x = 0; x < x1 - x0; ++x) to[x] += from[x];
@@ -104,8 +102,8 @@ std::size_t PaintLayer::bytes() const {
 }
 
 Region PaintLayer::region_of(TileIndex at) const {
-    const int x0 = at.x * kSize, y0 = at.y * kSize;
-    return {x0, y0, std::min(x0 + kSize, width_), std::min(y0 + kSize, height_)};
+    const int x0 = at.x * kTileSize, y0 = at.y * kTileSize;
+    return {x0, y0, std::min(x0 + kTileSize, width_), std::min(y0 + kTileSize, height_)};
 }
 
 std::vector<double> volumes_mm3(const PaintLayer& layer, std::size_t ingredients, double mm_per_pixel) {

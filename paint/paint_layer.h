@@ -32,6 +32,8 @@ struct PaintTile {
     std::size_t bytes() const { return sizeof(PaintTile) + thickness_mm.capacity() * sizeof(float); }
 };
 
+constexpr int kTileSize = PaintTile::kSize;  // [pixels]
+
 // What lies in both.
 inline Region intersection(const Region& a, const Region& b) {
     return {std::max(a.x0, b.x0), std::max(a.y0, b.y0), std::min(a.x1, b.x1), std::min(a.y1, b.y1)};

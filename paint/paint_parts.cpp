@@ -15,7 +15,6 @@ namespace {
 
 using nlohmann::json;
 
-constexpr int kSize = PaintTile::kSize;
 const std::string kVolume = "volume.";
 
 json to_json(const Pigment& p) {
@@ -68,13 +67,13 @@ int ingredient_in(const std::string& channel) {
 // Puts a run of one ingredient's row into the tiles.
 void put_row(PaintLayer& layer, IngredientId id, int y, const float* row) {
     for (int tx = 0; tx < layer.columns(); ++tx) {
-        const TileIndex at{tx, y / kSize};
+        const TileIndex at{tx, y / kTileSize};
         const Region region = layer.region_of(at);
         const float* from = row + region.x0;
         if (std::all_of(from, from + region.width(), [](float v) { return v == 0; })) continue;
         PaintTile& tile = layer.writable(at);
         std::copy_n(from, region.width(),
-                    tile.writable_plane(id).data() + static_cast<std::size_t>((y - region.y0) * kSize));
+                    tile.writable_plane(id).data() + static_cast<std::size_t>((y - region.y0) * kTileSize));
     }
 }
 
@@ -92,7 +91,7 @@ PartToWrite part_of(const std::string& name, const PaintLayer& layer) {
     part.info = {name, layer.width(), layer.height(), {}, {}};
     for (const IngredientId id : ids) part.info.channels.push_back(volume_channel(id));
     part.fill = [&layer, ids](int y0, int y1, std::span<float* const> planes) {
-        for (int ty = y0 / kSize; ty * kSize < y1; ++ty)
+        for (int ty = y0 / kTileSize; ty * kTileSize < y1; ++ty)
             for (int tx = 0; tx < layer.columns(); ++tx) {
                 const auto& tile = layer.tile({tx, ty});
                 if (!tile) continue;
@@ -102,7 +101,8 @@ PartToWrite part_of(const std::string& name, const PaintLayer& layer) {
                     if (plane.empty()) continue;
                     for (int y = std::max(region.y0, y0); y < std::min(region.y1, y1); ++y)
                         std::copy_n(
-                            plane.data() + static_cast<std::size_t>((y - region.y0) * kSize), region.width(),
+                            plane.data() + static_cast<std::size_t>((y - region.y0) * kTileSize),
+                            region.width(),
                             planes[c] +
                                 static_cast<std::size_t>(y - y0) * static_cast<std::size_t>(layer.width()) +
                                 region.x0);

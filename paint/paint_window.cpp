@@ -9,8 +9,6 @@ namespace tangi {
 
 namespace {
 
-constexpr int kSize = PaintTile::kSize;
-
 // Mean over 2 * radius + 1 values around each, of which those beyond the ends count as the ends.
 void box_mean(const float* in, std::size_t in_step, float* out, std::size_t out_step, int count, int radius) {
     const auto value = [&](int i) {
@@ -27,12 +25,14 @@ void box_mean(const float* in, std::size_t in_step, float* out, std::size_t out_
 // Calls body(tile, part of the region in it) for all tiles of a region that lies on the canvas.
 template <class Body>
 void for_tiles(const Region& region, const PaintLayer& layer, const Body& body) {
-    for (int ty = region.y0 / kSize; ty * kSize < region.y1; ++ty)
-        for (int tx = region.x0 / kSize; tx * kSize < region.x1; ++tx)
+    for (int ty = region.y0 / kTileSize; ty * kTileSize < region.y1; ++ty)
+        for (int tx = region.x0 / kTileSize; tx * kTileSize < region.x1; ++tx)
             body(TileIndex{tx, ty}, intersection(region, layer.region_of({tx, ty})));
 }
 
-std::size_t in_tile(int x, int y) { return static_cast<std::size_t>((y % kSize) * kSize + x % kSize); }
+std::size_t in_tile(int x, int y) {
+    return static_cast<std::size_t>((y % kTileSize) * kTileSize + x % kTileSize);
+}
 
 }  // namespace
 

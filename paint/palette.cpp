@@ -29,7 +29,7 @@ constexpr float kSpecularReflection = 0.04f;
 constexpr double kLargestCoefficient = 1e5;  // [1/mm]
 
 // A value in a palette file, which knows where it is.
-struct Place {
+struct JsonPlace {
     const json& value;
     std::string where;  // "file.json: /paints/3"
 
@@ -39,11 +39,11 @@ struct Place {
         fail("{}{}{}", where, whole ? "" : ": ", fmt::format(format, std::forward<Args>(args)...));
     }
     bool has(const char* key) const { return value.contains(key); }
-    Place at(const char* key) const {
+    JsonPlace at(const char* key) const {
         if (!has(key)) refuse("has no \"{}\"", key);
         return {value[key], where + "/" + key};
     }
-    Place at(std::size_t index) const { return {value[index], fmt::format("{}/{}", where, index)}; }
+    JsonPlace at(std::size_t index) const { return {value[index], fmt::format("{}/{}", where, index)}; }
 
     std::string text() const {
         if (!value.is_string()) refuse("is {}, not a text in quotes", shown(value));
@@ -72,7 +72,7 @@ struct Place {
     }
 };
 
-std::vector<double> wavelengths_at(const Place& place) {
+std::vector<double> wavelengths_at(const JsonPlace& place) {
     std::vector<double> nm = place.numbers(300, 900);
     if (nm.size() < 2)
         place.refuse("needs wavelengths from {} nm to {} nm", kBand_nm.front(), kBand_nm.back());
@@ -87,7 +87,7 @@ std::vector<double> wavelengths_at(const Place& place) {
 }
 
 // A list over the wavelengths, interpolated linearly at the bands.
-Spectrum spectrum_at(const Place& place, const std::vector<double>& nm, double maximum) {
+Spectrum spectrum_at(const JsonPlace& place, const std::vector<double>& nm, double maximum) {
     const std::vector<double> values = place.numbers(0, maximum);
     if (values.size() != nm.size())
         place.refuse("has {} numbers for {} wavelengths", values.size(), nm.size());
@@ -102,10 +102,10 @@ Spectrum spectrum_at(const Place& place, const std::vector<double>& nm, double m
     return result;
 }
 
-Spectrum reflectance_at(const Place& paint, const char* key, const std::vector<double>& nm) {
+Spectrum reflectance_at(const JsonPlace& paint, const char* key, const std::vector<double>& nm) {
     Spectrum reflectance = spectrum_at(paint.at(key), nm, 1);
     if (!paint.has("specular_included")) return reflectance;
-    const Place included = paint.at("specular_included");
+    const JsonPlace included = paint.at("specular_included");
     if (!included.value.is_boolean()) included.refuse("is neither true nor false");
     if (!included.value.get<bool>()) return reflectance;
     for (float& r : reflectance) r = std::max(r - kSpecularReflection, 0.0f) / (1 - kSpecularReflection);
@@ -113,7 +113,7 @@ Spectrum reflectance_at(const Place& paint, const char* key, const std::vector<d
 }
 
 // "#8040c0" or three numbers from 0 to 255.
-Rgb linear_at(const Place& place) {
+Rgb linear_at(const JsonPlace& place) {
     const Transfer srgb{Transfer::Kind::srgb};
     Rgb encoded;
     if (place.value.is_string()) {
@@ -135,14 +135,14 @@ Rgb linear_at(const Place& place) {
     return linear;
 }
 
-float hiding_mm_at(const Place& paint) {
+float hiding_mm_at(const JsonPlace& paint) {
     return paint.has("hiding_mm") ? static_cast<float>(paint.at("hiding_mm").number(0.001, 10))
                                   : kHidingThickness_mm;
 }
 
-PigmentOrigin origin_at(const Place& paint) {
+PigmentOrigin origin_at(const JsonPlace& paint) {
     if (!paint.has("origin")) return PigmentOrigin::measured;
-    const Place place = paint.at("origin");
+    const JsonPlace place = paint.at("origin");
     std::vector<std::string_view> names;
     for (const auto origin : {PigmentOrigin::measured, PigmentOrigin::masstone_and_tint,
                               PigmentOrigin::masstone, PigmentOrigin::colour}) {
@@ -152,15 +152,15 @@ PigmentOrigin origin_at(const Place& paint) {
     place.refuse("'{}' is none of: {}", shortened(place.text()), fmt::join(names, ", "));
 }
 
-const Pigment& white_of(const Place& paint, const Palette& before) {
-    const Place place = paint.at("white");
+const Pigment& white_of(const JsonPlace& paint, const Palette& before) {
+    const JsonPlace place = paint.at("white");
     const int index = before.find(place.text());
     if (index < 0)
         place.refuse("there is no paint '{}' before this one; put the white first", shortened(place.text()));
     return before.paints[static_cast<std::size_t>(index)];
 }
 
-Pigment pigment_at(const Place& paint, const std::string& name, const std::vector<double>& nm,
+Pigment pigment_at(const JsonPlace& paint, const std::string& name, const std::vector<double>& nm,
                    const Palette& before) {
     const std::set<std::string> common = {"name", "source", "specular", "roughness"};
     const auto allow = [&](std::set<std::string> keys) {
@@ -194,9 +194,9 @@ Pigment pigment_at(const Place& paint, const std::string& name, const std::vecto
                  shortened(name));
 }
 
-void add_paint(Palette& palette, const Place& paint, const std::vector<double>& nm) {
+void add_paint(Palette& palette, const JsonPlace& paint, const std::vector<double>& nm) {
     paint.require_object();
-    const Place name_place = paint.at("name");
+    const JsonPlace name_place = paint.at("name");
     const std::string name = name_place.text();
     if (name.empty()) name_place.refuse("is empty");
     if (!is_one_line(name)) name_place.refuse("is to be in one line, without control characters");
@@ -251,11 +251,11 @@ const Pigment& Palette::at(std::string_view paint) const {
 
 Palette parse_palette(std::string_view text, const std::string& where) {
     const json document = parsed(text, where);
-    const Place root{document, where + ": "};
+    const JsonPlace root{document, where + ": "};
     root.require_object();
     if (!root.has("format") || document["format"] != kFormat)
         fail("{}: is no palette: a palette file has \"format\": \"{}\"", where, kFormat);
-    const Place version = root.at("version");
+    const JsonPlace version = root.at("version");
     if (!version.value.is_number_integer() || version.value != kVersion)
         version.refuse("this program reads version {}; the file was made by a newer one", kVersion);
     root.allow_only({"format", "version", "name", "source", "wavelengths_nm", "paints"});
@@ -266,7 +266,7 @@ Palette parse_palette(std::string_view text, const std::string& where) {
     const std::vector<double> nm = root.has("wavelengths_nm")
                                        ? wavelengths_at(root.at("wavelengths_nm"))
                                        : std::vector<double>(kBand_nm.begin(), kBand_nm.end());
-    const Place paints = root.at("paints");
+    const JsonPlace paints = root.at("paints");
     if (!paints.value.is_array() || paints.value.empty()) paints.refuse("is not a list of paints in [ ]");
     for (std::size_t i = 0; i < paints.value.size(); ++i) add_paint(palette, paints.at(i), nm);
     return palette;

@@ -11,7 +11,7 @@ namespace tangi {
 
 namespace {
 
-constexpr std::array<std::string_view, kIlluminants> kNames = {"A", "D50", "D65", "F11", "LED"};
+constexpr std::array<std::string_view, kIlluminants> kIlluminantNames = {"A", "D50", "D65", "F11", "LED"};
 
 const std::array<Spectrum, 3>& weights_of(Illuminant illuminant) {
     return kXyzWeights[static_cast<std::size_t>(illuminant)];
@@ -56,12 +56,14 @@ const std::array<Spectrum, 3>& cached_rgb_weights(Illuminant illuminant) {
 
 }  // namespace
 
-std::string_view name_of(Illuminant illuminant) { return kNames[static_cast<std::size_t>(illuminant)]; }
+std::string_view name_of(Illuminant illuminant) {
+    return kIlluminantNames[static_cast<std::size_t>(illuminant)];
+}
 
 std::optional<Illuminant> illuminant_named(std::string_view name) {
     const auto upper = [](char c) { return c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c; };
     for (std::size_t i = 0; i < kIlluminants; ++i)
-        if (std::equal(name.begin(), name.end(), kNames[i].begin(), kNames[i].end(),
+        if (std::equal(name.begin(), name.end(), kIlluminantNames[i].begin(), kIlluminantNames[i].end(),
                        [&](char a, char b) { return upper(a) == upper(b); }))
             return static_cast<Illuminant>(i);
     return std::nullopt;

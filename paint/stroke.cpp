@@ -30,7 +30,7 @@ PathPoint operator-(const PathPoint& a, const PathPoint& b) { return {a.x - b.x,
 PathPoint operator+(const PathPoint& a, const PathPoint& b) { return {a.x + b.x, a.y + b.y}; }
 PathPoint operator*(double s, const PathPoint& p) { return {s * p.x, s * p.y}; }
 
-double mix(double a, double b, double t) { return a + (b - a) * t; }
+double interpolated(double a, double b, double t) { return a + (b - a) * t; }
 
 // The angle nearest to `reference` that is the same direction as `angle`.
 double unwrapped(double angle, double reference) {
@@ -46,7 +46,7 @@ PathPoint catmull_rom(const PathPoint& a, const PathPoint& b, const PathPoint& c
         return std::sqrt(std::max(length(q - p), 1e-9));
     };
     const double t0 = 0, t1 = t0 + knot(a, b), t2 = t1 + knot(b, c), t3 = t2 + knot(c, d);
-    const double t = mix(t1, t2, u);
+    const double t = interpolated(t1, t2, u);
     const auto blend = [t](const PathPoint& p, double tp, const PathPoint& q, double tq) {
         return ((tq - t) / (tq - tp)) * p + ((t - tp) / (tq - tp)) * q;
     };
@@ -222,12 +222,12 @@ void Stroke::step_to(const Knot& b, const Knot& c, double u, const PathPoint& at
     dab.length_px = static_cast<float>(spacing_px_);
     dab.x = at.x;
     dab.y = at.y;
-    dab.pressure = static_cast<float>(mix(b.pressure, c.pressure, u));
-    dab.tilt_x = static_cast<float>(mix(b.tilt_x, c.tilt_x, u));
-    dab.tilt_y = static_cast<float>(mix(b.tilt_y, c.tilt_y, u));
+    dab.pressure = static_cast<float>(interpolated(b.pressure, c.pressure, u));
+    dab.tilt_x = static_cast<float>(interpolated(b.tilt_x, c.tilt_x, u));
+    dab.tilt_y = static_cast<float>(interpolated(b.tilt_y, c.tilt_y, u));
     dab.dx = static_cast<float>(direction.x);
     dab.dy = static_cast<float>(direction.y);
-    double rotation = mix(b.rotation_rad, c.rotation_rad, u);
+    double rotation = interpolated(b.rotation_rad, c.rotation_rad, u);
     if (brush_.settings().follow) {
         // The hand turns the width across the stroke, not at once.
         const double heading = std::atan2(direction.y, direction.x) + std::numbers::pi / 2;
@@ -249,7 +249,7 @@ void Stroke::step_to(const Knot& b, const Knot& c, double u, const PathPoint& at
     }
     spacing_px_ = std::max(wanted / (1 + kRim * turning), options_.spacing_px / kMostSteps);
     rotation_rad_ = dab.rotation_rad;
-    const double age = mix(b.left_s, c.came_s, u);
+    const double age = interpolated(b.left_s, c.came_s, u);
     if (steps_ == 0 && dabs_.empty()) stand(dab, -1, age);
     way_px_ += dab.length_px;
     dab.way_px = static_cast<float>(way_px_);

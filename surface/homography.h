@@ -15,6 +15,9 @@ inline glm::dvec2 mapped(const Homography& h, const glm::dvec2& p) {
     return glm::dvec2(q) / q.z;
 }
 
+// Of vectors in the plane: positive where b is turned clockwise from a, as seen in the picture.
+inline double cross(const glm::dvec2& a, const glm::dvec2& b) { return a.x * b.y - a.y * b.x; }
+
 // The same map, scaled so that its last element is 1.
 inline Homography normalised(const Homography& h) { return h / h[2][2]; }
 

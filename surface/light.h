@@ -4,12 +4,15 @@
 #include <array>
 #include <glm/geometric.hpp>
 #include <glm/vec2.hpp>
+#include <numbers>
 #include <optional>
 #include <string>
 
 #include "surface/image.h"
 
 namespace tangi {
+
+constexpr double kDegrees = 180 / std::numbers::pi;  // in a radian
 
 // How unevenly a lamp lights the picture beyond what its distance makes of it (a reflector's hot spot, a lamp
 // that is aimed beside the middle): ln of the irradiance is a polynomial of the second degree of the place,

@@ -55,17 +55,17 @@ void validate(const Options& options) {
 // The options as JSON, for provenance. Optional fields that are not set are null.
 template <class Options>
 nlohmann::json to_json(const Options& options) {
-    nlohmann::json json = nlohmann::json::object();
+    nlohmann::json result = nlohmann::json::object();
     Options::fields(options, [&](const FieldInfo& info, const auto& value) {
         using T = std::remove_cvref_t<decltype(value)>;
-        auto& slot = json[std::string(info.name)];
+        auto& slot = result[std::string(info.name)];
         if constexpr (is_optional<T>::value) {
             if (value) slot = *value;
         } else {
             slot = value;
         }
     });
-    return json;
+    return result;
 }
 
 }  // namespace tangi

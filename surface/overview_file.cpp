@@ -6,6 +6,7 @@
 
 #include <cmath>
 
+#include "surface/exr_attribute.h"
 #include "surface/overview.h"
 #include "surface/painting_errors.h"
 #include "surface/painting_file.h"
@@ -26,12 +27,12 @@ constexpr int kBandRows = 256;              // [pixels] of what is seen at a tim
 const std::vector<std::string> kChannels = {"confidence", "diffuse.B", "diffuse.G", "diffuse.R", "height",
                                             "normal.X",   "normal.Y",  "normal.Z",  "roughness", "specular"};
 
-struct Plane {
+struct ChannelPlane {
     float* base;
     std::ptrdiff_t stride;
 };
 
-std::array<Plane, 10> planes_of(Surface& s) {
+std::array<ChannelPlane, 10> planes_of(Surface& s) {
     float *diffuse = &s.diffuse.data()->r, *normal = &s.normal.data()->x;
     return {{{s.confidence.data(), 1},
              {diffuse + 2, 3},
@@ -109,12 +110,6 @@ PartToWrite part_of_overview(Surface&& overview, const Surface& dry) {
     return part;
 }
 
-template <class Attribute, class Value>
-Value attribute(const Imf::Header& header, const char* name, const Value& otherwise) {
-    const auto* found = header.findTypedAttribute<Attribute>(name);
-    return found ? found->value() : otherwise;
-}
-
 const Imf::Header* header_of(const Imf::MultiPartInputFile& file, const char* name) {
     for (int part = 0; part < file.parts(); ++part)
         if (file.header(part).hasName() && file.header(part).name() == name) return &file.header(part);
@@ -125,7 +120,7 @@ const Imf::Header* header_of(const Imf::MultiPartInputFile& file, const char* na
 bool can_be_drawn(Surface& s) {
     for (std::size_t i = 0; i < s.normal.size(); ++i) {
         float sum = 0;  // of what is finite
-        for (const Plane& plane : planes_of(s))
+        for (const ChannelPlane& plane : planes_of(s))
             sum += plane.base[static_cast<std::ptrdiff_t>(i) * plane.stride];
         Vec3& n = s.normal.pixels()[i];
         if (!std::isfinite(sum) || !(n.z > 0) || !(s.roughness.pixels()[i] > 0)) return false;

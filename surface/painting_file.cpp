@@ -29,6 +29,7 @@
 
 #include "surface/dry_channels.h"
 #include "surface/error.h"
+#include "surface/exr_attribute.h"
 #include "surface/exr_claim.h"
 #include "surface/json_text.h"
 #include "surface/overview.h"
@@ -97,8 +98,8 @@ private:
 };
 
 // Names of photographs come from file systems, where any bytes are allowed.
-std::string utf8_of(const nlohmann::json& json) {
-    return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+std::string utf8_of(const nlohmann::json& value) {
+    return value.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
 Imf::Header header_of(const Surface& s) {
@@ -165,12 +166,6 @@ int find_part(const Imf::MultiPartInputFile& file, const std::string& name) {
     for (int part = 0; part < file.parts(); ++part)
         if (file.header(part).hasName() && file.header(part).name() == name) return part;
     return -1;
-}
-
-template <class Attribute, class Value>
-Value attribute(const Imf::Header& header, const char* name, const Value& otherwise) {
-    const auto* found = header.findTypedAttribute<Attribute>(name);
-    return found ? found->value() : otherwise;
 }
 
 // The maps that `names` has, as the file has them; their hash, and what cannot be relit, looked at while rows

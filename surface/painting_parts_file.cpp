@@ -17,7 +17,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr int kRowsAtOnce = 64;
+constexpr int kPartRowsAtOnce = 64;
 
 PartInfo info_of(const Imf::Header& header) {
     PartInfo info;
@@ -60,13 +60,13 @@ void read_painting_part(const fs::path& path, const PartInfo& info,
         if (window.min.x != 0 || window.min.y != 0)
             fail("{}: the data window of part '{}' does not start at 0, 0", path.string(), info.name);
         Imf::InputPart part(file, number);
-        const auto band = static_cast<std::size_t>(info.width) * kRowsAtOnce;
+        const auto band = static_cast<std::size_t>(info.width) * kPartRowsAtOnce;
         std::vector<float> values(band * info.channels.size());
         std::vector<const float*> planes;
         for (std::size_t c = 0; c < info.channels.size(); ++c) planes.push_back(values.data() + c * band);
-        for (int y = 0; y < info.height; y += kRowsAtOnce) {
+        for (int y = 0; y < info.height; y += kPartRowsAtOnce) {
             report(progress, "read paint", y / static_cast<double>(info.height));
-            const int end = std::min(y + kRowsAtOnce, info.height);
+            const int end = std::min(y + kPartRowsAtOnce, info.height);
             Imf::FrameBuffer buffer;
             const std::size_t row_bytes = static_cast<std::size_t>(info.width) * sizeof(float);
             for (std::size_t c = 0; c < info.channels.size(); ++c)  // Slices begin where row 0 would be

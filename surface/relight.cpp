@@ -12,7 +12,6 @@ namespace tangi {
 
 namespace {
 
-constexpr float kPi = std::numbers::pi_v<float>;
 constexpr int kManyLights =
     4;  // the steepest horizons take a quarter of the time that marching for one light does
 
@@ -30,7 +29,7 @@ Rgb reflected(const Surface& s, int x, int y, const Vec3& light, const Vec3& vie
     const float matt =
         angles.n_v > 0 ? rough_diffuse(angles.n_l, angles.n_v, angles.h_h / 2 - 1, diffuse_roughness).value
                        : angles.n_l;
-    const float gloss = kPi * s.specular(x, y) * lobe * angles.n_l;
+    const float gloss = std::numbers::pi_v<float> * s.specular(x, y) * lobe * angles.n_l;
     if (s.lobe_colour.empty()) return s.diffuse(x, y) * matt + gloss;
     return s.diffuse(x, y) * matt + gloss * s.lobe_colour(x, y);
 }

@@ -96,9 +96,9 @@ TEST(ExposureMerge, RefinesRoundedExposures) {
 }
 
 // A stack of which every light was taken with three exposures; the middle one is 1.06 times what EXIF says.
-constexpr int kSide = 64;
+constexpr int kBracketSide = 64;
 float truth(int light, int x, int y) {
-    return 0.01f + 0.004f * static_cast<float>(x * (y + 8 * light)) / kSide;
+    return 0.01f + 0.004f * static_cast<float>(x * (y + 8 * light)) / kBracketSide;
 }
 
 struct BracketStack {
@@ -110,9 +110,9 @@ struct BracketStack {
         for (int i = 0; i < 4; ++i) {
             lights[static_cast<std::size_t>(i)].name = fmt::format("light {}", i);
             for (int k = 0; k < 3; ++k) {
-                Image<Rgb> picture(kSide, kSide);
-                for (int y = 0; y < kSide; ++y)
-                    for (int x = 0; x < kSide; ++x)
+                Image<Rgb> picture(kBracketSide, kBracketSide);
+                for (int y = 0; y < kBracketSide; ++y)
+                    for (int x = 0; x < kBracketSide; ++x)
                         picture(x, y) = Rgb(3 * truth(i, x, y) * static_cast<float>(actual[k]));
                 write_dng(dir / fmt::format("light {}_{}.dng", i, k + 1), picture,
                           {.exposure_s = nominal[k]});
@@ -126,21 +126,21 @@ struct BracketStack {
 };
 
 void expect_merged(const Stack& stack) {
-    const Band band = StackReader(stack).read(0, kSide, Transfer{});
+    const Band band = StackReader(stack).read(0, kBracketSide, Transfer{});
     // Refining keeps the mean of the exposures, not one of them: the scale is free, the same for all.
     const double scale = double(band.row(0, 1, 32)[32]) / double(truth(0, 32, 32));
     EXPECT_NEAR(scale, 3, 0.1);
     double worst = 0, sum = 0;
     for (int i = 0; i < 4; ++i)
-        for (int y = 4; y < kSide - 4; ++y)
-            for (int x = 4; x < kSide - 4; ++x) {
+        for (int y = 4; y < kBracketSide - 4; ++y)
+            for (int x = 4; x < kBracketSide - 4; ++x) {
                 const double off = double(band.row(i, 1, y)[x]) / scale / double(truth(i, x, y)) - 1;
                 worst = std::max(worst, std::abs(off));
                 sum += std::abs(off);
             }
     EXPECT_LT(worst,
               0.02);  // where the longest exposure begins to clip, demosaicing mixes what is clipped in
-    EXPECT_LT(sum / (4 * (kSide - 8) * (kSide - 8)), 0.002);
+    EXPECT_LT(sum / (4 * (kBracketSide - 8) * (kBracketSide - 8)), 0.002);
 }
 
 TEST(Brackets, AreFoundByNameAndMergedByWhatExifSays) {

@@ -18,25 +18,27 @@ using testing::IsEmpty;
 using testing::StartsWith;
 namespace fs = std::filesystem;
 
-constexpr int kWidth = 40, kHeight = 150;  // more rows than are read at a time
+constexpr int kFrameWidth = 40, kFrameHeight = 150;  // more rows than are read at a time
 
-using Scene = std::function<double(int x, int y, int channel)>;
+using PixelFunction = std::function<double(int x, int y, int channel)>;
 
-Image<Rgb> picture_of(const Scene& scene) {
-    Image<Rgb> picture(kWidth, kHeight);
-    for (int y = 0; y < kHeight; ++y)
-        for (int x = 0; x < kWidth; ++x)
+Image<Rgb> picture_of(const PixelFunction& scene) {
+    Image<Rgb> picture(kFrameWidth, kFrameHeight);
+    for (int y = 0; y < kFrameHeight; ++y)
+        for (int x = 0; x < kFrameWidth; ++x)
             for (int c = 0; c < 3; ++c) picture(x, y)[c] = static_cast<float>(scene(x, y, c));
     return picture;
 }
 
 double vignette(int x, int y, int c) {
-    const double u = (x - kWidth / 2.0) / kWidth, v = (y - kHeight / 2.0) / kHeight;
+    const double u = (x - kFrameWidth / 2.0) / kFrameWidth, v = (y - kFrameHeight / 2.0) / kFrameHeight;
     return 0.8 - 0.9 * (u * u + v * v) + 0.03 * c;
 }
 double dark(int x, int, int c) { return 0.01 + 0.002 * c + (x == 7 ? 0.05 : 0); }
 double ambient(int x, int, int) { return 0.02 + 0.0005 * x; }
-double truth(int photo, int x, int y, int c) { return 0.1 + 0.1 * photo + 0.002 * y + 0.1 * c * x / kWidth; }
+double truth(int photo, int x, int y, int c) {
+    return 0.1 + 0.1 * photo + 0.002 * y + 0.1 * c * x / kFrameWidth;
+}
 
 // Photographs as a sensor with a dark signal, behind a lens that vignettes, stores them.
 struct Scenes {
@@ -56,7 +58,7 @@ struct Scenes {
         save("frames/ambient.png",
              [](int x, int y, int c) { return dark(x, y, c) + vignette(x, y, c) * ambient(x, y, c); });
     }
-    void save(const std::string& name, const Scene& scene) const {
+    void save(const std::string& name, const PixelFunction& scene) const {
         write_picture(dir / name, picture_of(scene), transfer, {.bits = 16});
     }
     DevelopOptions frames() const {
@@ -72,21 +74,21 @@ struct Scenes {
 // The mean of the vignette: what development keeps of it.
 double mean_vignette(int c) {
     double sum = 0;
-    for (int y = 0; y < kHeight; ++y)
-        for (int x = 0; x < kWidth; ++x) sum += vignette(x, y, c);
-    return sum / (kWidth * kHeight);
+    for (int y = 0; y < kFrameHeight; ++y)
+        for (int x = 0; x < kFrameWidth; ++x) sum += vignette(x, y, c);
+    return sum / (kFrameWidth * kFrameHeight);
 }
 
 void expect_truth(const Stack& stack, double tolerance) {
     const double mean[3] = {mean_vignette(0), mean_vignette(1), mean_vignette(2)};
     StackReader reader(stack);
-    for (int y0 = 0; y0 < kHeight; y0 += 37) {
-        const Band band = reader.read(y0, std::min(y0 + 37, kHeight), Transfer{});
+    for (int y0 = 0; y0 < kFrameHeight; y0 += 37) {
+        const Band band = reader.read(y0, std::min(y0 + 37, kFrameHeight), Transfer{});
         double worst = 0;
         for (int i = 0; i < 4; ++i)
             for (int c = 0; c < 3; ++c)
                 for (int y = y0; y < band.y1(); ++y)
-                    for (int x = 0; x < kWidth; ++x)
+                    for (int x = 0; x < kFrameWidth; ++x)
                         worst = std::max(
                             worst, std::abs(double(band.row(i, c, y)[x]) - mean[c] * truth(i, x, y, c)));
         EXPECT_LT(worst, tolerance) << "from row " << y0;
@@ -103,11 +105,11 @@ TEST(Frames, GiveLinearLightBackUpToTheRoundingOfTheFiles) {
     EXPECT_EQ(stack.transfer, Transfer{});
     EXPECT_THAT(stack.warnings, IsEmpty());
     expect_truth(stack, 1.5e-4);  // a few codes of 16 bits, divided by down to 0.5
-    EXPECT_NEAR(report.dark->mean, 0.012 + 0.05 / kWidth, 1e-4);
+    EXPECT_NEAR(report.dark->mean, 0.012 + 0.05 / kFrameWidth, 1e-4);
     EXPECT_EQ(report.flat->unusable, 0);
     EXPECT_GT(report.flat->darkest, 0.4);
     EXPECT_GT(report.ambient->mean, 0.01);
-    EXPECT_EQ(report.scratch_bytes, 3u * kWidth * kHeight * 3 * sizeof(float));
+    EXPECT_EQ(report.scratch_bytes, 3u * kFrameWidth * kFrameHeight * 3 * sizeof(float));
 }
 
 TEST(Frames, AreTakenInLinearLightOfEncodedFilesToo) {
@@ -122,7 +124,7 @@ TEST(Frames, AreDoneInBandsOfAnyHeightAndBackwards) {
     const Scenes scenes;
     Stack stack = scenes.open(scenes.frames());
     develop_stack(stack);
-    const Band whole = StackReader(stack).read(0, kHeight, Transfer{});
+    const Band whole = StackReader(stack).read(0, kFrameHeight, Transfer{});
     StackReader reader(stack);
     for (const int y : {90, 3, 149, 64, 0})
         for (int i = 0; i < 4; ++i)
@@ -145,7 +147,7 @@ TEST(Frames, KeepClippedValuesApartFromAllOthers) {
     const Scenes scenes;
     // In photograph 0, one value at the sensor's limit in the bright middle and one in the dim corner; beside
     // each a value just below the limit.
-    const int mx = kWidth / 2, my = kHeight / 2;
+    const int mx = kFrameWidth / 2, my = kFrameHeight / 2;
     scenes.save(scenes.lights[0].name, [&](int x, int y, int c) {
         if ((x == mx && y == my) || (x == 0 && y == 0)) return 1.0;
         if ((x == mx + 1 && y == my) || (x == 1 && y == 0)) return 0.985;
@@ -154,13 +156,13 @@ TEST(Frames, KeepClippedValuesApartFromAllOthers) {
     Stack stack = scenes.open({.dark = scenes.frames().dark, .flat = scenes.frames().flat});
     develop_stack(stack);
     const float clipped = stack.development->clipped;
-    const Band band = StackReader(stack).read(0, kHeight, Transfer{});
+    const Band band = StackReader(stack).read(0, kFrameHeight, Transfer{});
     EXPECT_GE(band.row(0, 1, my)[mx], clipped);
     EXPECT_GE(band.row(0, 1, 0)[0], clipped);
     EXPECT_LT(band.row(0, 1, my)[mx + 1], clipped);
     EXPECT_LT(band.row(0, 1, 0)[1], clipped);
     EXPECT_GT(band.row(0, 1, 0)[1], 1.2f);  // the corner is brighter than full scale now, and yet not clipped
-    EXPECT_NEAR(survey(stack).photos[0].clipped, 2.0 / (kWidth * kHeight), 1e-9);
+    EXPECT_NEAR(survey(stack).photos[0].clipped, 2.0 / (kFrameWidth * kFrameHeight), 1e-9);
     EXPECT_EQ(survey(stack).photos[1].clipped, 0);
 }
 
@@ -218,7 +220,7 @@ TEST(Frames, ThatDoNotFitAreErrorsThatNameTheFile) {
     write_picture(file("small.png"), Image<Rgb>(20, 10, Rgb(0.5f)), {});
     EXPECT_THAT(trouble({.flat = file("small.png")}),
                 AllOf(HasSubstr("small.png"), HasSubstr("20 x 10"), HasSubstr("40 x 150")));
-    write_map(file("grey.png"), Image<float>(kWidth, kHeight, 0.5f));
+    write_map(file("grey.png"), Image<float>(kFrameWidth, kFrameHeight, 0.5f));
     EXPECT_THAT(trouble({.flat = file("grey.png")}), AllOf(HasSubstr("grey.png"), HasSubstr("grey")));
 
     scenes.save("frames/black.png", [](int, int, int) { return 0.0; });

@@ -14,13 +14,13 @@ using OIIO::TypeDesc;
 using testing::StartsWith;
 namespace fs = std::filesystem;
 
-constexpr int kWidth = 53, kHeight = 37;  // no multiple of a tile
+constexpr int kPhotoWidth = 53, kPhotoHeight = 37;  // no multiple of a tile
 
 // Codes of `bits` bits as numbers 0..1, interleaved, so that integers store them without loss.
 std::vector<float> random_codes(int channels, int bits) {
     Random random(1);
     const double top = (1 << bits) - 1;
-    std::vector<float> values(static_cast<std::size_t>(kWidth * kHeight * channels));
+    std::vector<float> values(static_cast<std::size_t>(kPhotoWidth * kPhotoHeight * channels));
     for (float& v : values) v = static_cast<float>(std::round(random.uniform() * top) / top);
     return values;
 }
@@ -31,7 +31,9 @@ void write(const fs::path& path, OIIO::ImageSpec spec, const std::vector<float>&
     ASSERT_TRUE(output->write_image(TypeDesc::FLOAT, values.data()) && output->close()) << output->geterror();
 }
 
-OIIO::ImageSpec spec_of(TypeDesc type, int channels = 3) { return {kWidth, kHeight, channels, type}; }
+OIIO::ImageSpec spec_of(TypeDesc type, int channels = 3) {
+    return {kPhotoWidth, kPhotoHeight, channels, type};
+}
 
 OIIO::ImageSpec tiled(OIIO::ImageSpec spec, int tile) {
     spec.tile_width = spec.tile_height = tile;
@@ -78,16 +80,16 @@ void expect_values(const fs::path& path, const std::vector<float>& expected, dou
 void write_tga(const fs::path& path, const std::vector<float>& values, bool bottom_left) {
     std::string bytes(18, '\0');
     bytes[2] = 2;  // true colour
-    bytes[12] = kWidth;
-    bytes[14] = kHeight;
+    bytes[12] = kPhotoWidth;
+    bytes[14] = kPhotoHeight;
     bytes[16] = 24;
     bytes[17] = bottom_left ? 0 : 0x20;
-    for (int i = 0; i < kHeight; ++i) {
-        const int y = bottom_left ? kHeight - 1 - i : i;
-        for (int x = 0; x < kWidth; ++x)
+    for (int i = 0; i < kPhotoHeight; ++i) {
+        const int y = bottom_left ? kPhotoHeight - 1 - i : i;
+        for (int x = 0; x < kPhotoWidth; ++x)
             for (int c = 2; c >= 0; --c)  // blue first
                 bytes += static_cast<char>(
-                    std::lround(values[static_cast<std::size_t>((y * kWidth + x) * 3 + c)] * 255));
+                    std::lround(values[static_cast<std::size_t>((y * kPhotoWidth + x) * 3 + c)] * 255));
     }
     write_bytes(path, bytes);
 }
@@ -109,8 +111,8 @@ TEST(PhotoFile, ReadsIntegerFormatsWithoutLoss) {
         const std::vector<float> values = random_codes(spec.nchannels, bits);
         write(dir / name, spec, values);
         const PhotoHeader header = PhotoFile(dir / name).header();
-        EXPECT_EQ(header.width, kWidth) << name;
-        EXPECT_EQ(header.height, kHeight) << name;
+        EXPECT_EQ(header.width, kPhotoWidth) << name;
+        EXPECT_EQ(header.height, kPhotoHeight) << name;
         EXPECT_EQ(header.channels, spec.nchannels) << name;
         EXPECT_EQ(header.bits, bits) << name;
         EXPECT_FALSE(header.is_float) << name;
@@ -121,7 +123,7 @@ TEST(PhotoFile, ReadsIntegerFormatsWithoutLoss) {
 TEST(PhotoFile, ReadsFloatFormatsWithoutLoss) {
     const TestDir dir;
     Random random(2);
-    std::vector<float> values(static_cast<std::size_t>(kWidth * kHeight * 3));
+    std::vector<float> values(static_cast<std::size_t>(kPhotoWidth * kPhotoHeight * 3));
     for (float& v : values) v = static_cast<float>(random.below(2048)) / 128 - 1;  // -1..15, exact in a half
     OIIO::ImageSpec moved = spec_of(TypeDesc::FLOAT);
     moved.x = 5;
@@ -157,8 +159,8 @@ TEST(PhotoFile, ReadsTgaFromBothOrigins) {
 TEST(PhotoFile, ReadsJpegWithinItsLoss) {
     const TestDir dir;
     std::vector<float> values;  // a gentle ramp: quality 95 leaves two or three codes
-    for (int y = 0; y < kHeight; ++y)
-        for (int x = 0; x < kWidth; ++x)
+    for (int y = 0; y < kPhotoHeight; ++y)
+        for (int x = 0; x < kPhotoWidth; ++x)
             values.insert(values.end(), 3, static_cast<float>(0.2 + 0.01 * x + 0.005 * y));
     OIIO::ImageSpec spec = spec_of(TypeDesc::UINT8);
     spec.attribute("Compression", "jpeg:95");
@@ -166,14 +168,15 @@ TEST(PhotoFile, ReadsJpegWithinItsLoss) {
     expect_values(dir / "a.JPG", values, 3.0 / 255);
     EXPECT_EQ(PhotoFile(dir / "a.JPG").header().bits, 8);
     OIIO::ImageSpec grey = spec_of(TypeDesc::UINT8, 1);
-    write(dir / "grey.jpeg", grey, std::vector<float>(static_cast<std::size_t>(kWidth * kHeight), 0.5f));
+    write(dir / "grey.jpeg", grey,
+          std::vector<float>(static_cast<std::size_t>(kPhotoWidth * kPhotoHeight), 0.5f));
     EXPECT_EQ(PhotoFile(dir / "grey.jpeg").header().channels, 1);
 }
 
 TEST(PhotoFile, DropsAlphaWithoutMultiplyingByIt) {
     const TestDir dir;
     std::vector<float> rgba, rgb;
-    for (int i = 0; i < kWidth * kHeight; ++i) {
+    for (int i = 0; i < kPhotoWidth * kPhotoHeight; ++i) {
         rgba.insert(rgba.end(), {0.2f, 0.4f, 0.8f, 0.5f});  // codes 51, 102, 204
         rgb.insert(rgb.end(), {0.2f, 0.4f, 0.8f});
     }
@@ -266,7 +269,7 @@ TEST(PhotoFile, OfPngTruncatedIsAnError) {
             << kept;
     }
     write_bytes(dir / "b.png", whole + std::string(1000, '\0'));  // padding does no harm
-    EXPECT_EQ(PhotoFile(dir / "b.png").header().width, kWidth);
+    EXPECT_EQ(PhotoFile(dir / "b.png").header().width, kPhotoWidth);
 }
 
 // OpenImageIO would take what follows for arguments, as in an address of the web.
@@ -308,7 +311,7 @@ TEST(PhotoFile, TruncatedIsAnErrorAtTheLatestWhereItsRowsAreRead) {
     }
     const std::string cut = bytes_of(dir / "a.png");
     write_bytes(dir / "a.png", cut + std::string("\0\0\0\0IEND\xAE\x42\x60\x82", 12));  // a hole, not the end
-    EXPECT_THAT(error_of([&] { read_in_bands(dir / "a.png", kHeight); }),
+    EXPECT_THAT(error_of([&] { read_in_bands(dir / "a.png", kPhotoHeight); }),
                 StartsWith((dir / "a.png").string() + ": cannot be decoded at rows 0 to 36: "));
 }
 
@@ -316,12 +319,12 @@ TEST(PhotoFile, ReadOutsideItsRowsOrIntoTooLittleBreaksTheContract) {
     const TestDir dir;
     write(dir / "a.png", spec_of(TypeDesc::UINT8), random_codes(3, 8));
     PhotoFile file(dir / "a.png");
-    std::vector<float> row(kWidth * 3);
+    std::vector<float> row(kPhotoWidth * 3);
     EXPECT_THROW(file.read_rows(-1, 0, row), ContractError);
-    EXPECT_THROW(file.read_rows(kHeight, kHeight + 1, row), ContractError);
+    EXPECT_THROW(file.read_rows(kPhotoHeight, kPhotoHeight + 1, row), ContractError);
     EXPECT_THROW(file.read_rows(3, 3, row), ContractError);
     EXPECT_THROW(file.read_rows(0, 2, row), ContractError);
-    EXPECT_NO_THROW(file.read_rows(kHeight - 1, kHeight, row));
+    EXPECT_NO_THROW(file.read_rows(kPhotoHeight - 1, kPhotoHeight, row));
 }
 
 }  // namespace

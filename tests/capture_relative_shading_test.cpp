@@ -13,7 +13,7 @@
 namespace tangi {
 namespace {
 
-constexpr int kWidth = 24, kHeight = 20, kPhotos = 24;
+constexpr int kShadedWidth = 24, kShadedHeight = 20, kPhotos = 24;
 
 double noise(int x, int y, int seed) {
     return procedural::uniform(procedural::hash(static_cast<procedural::Seed>(seed), x, y)) - 0.5;
@@ -30,12 +30,12 @@ struct Scene {
         for (int j = 0; j < kPhotos; ++j) {
             const double angle = 2 * M_PI * j / kPhotos, strength = 0.3 + 0.01 * j;
             lamps.emplace_back(std::cos(angle), std::sin(angle));
-            Image<float>& picture = pictures.emplace_back(kWidth, kHeight);
-            for (int y = 0; y < kHeight; ++y)
-                for (int x = 0; x < kWidth; ++x) {
+            Image<float>& picture = pictures.emplace_back(kShadedWidth, kShadedHeight);
+            for (int y = 0; y < kShadedHeight; ++y)
+                for (int x = 0; x < kShadedWidth; ++x) {
                     const double albedo = 0.5 + 0.8 * (noise(x, y, 3) + 0.5);
                     const double shade = 1 - glm::dot(lamps.back(), slope(x, y));
-                    const double fall = std::exp(kFalloff * (static_cast<double>(x) / kWidth - 0.5));
+                    const double fall = std::exp(kFalloff * (static_cast<double>(x) / kShadedWidth - 0.5));
                     picture(x, y) = static_cast<float>(albedo * strength * shade * fall);
                 }
         }
@@ -48,11 +48,11 @@ TEST(RelativeShading, HasNeitherAlbedoNorStrengthNorFalloff) {
     for (int j = 0; j < kPhotos; ++j) {
         EXPECT_NEAR(shading.falloff(j, 0), 0, 0.03) << j;  // all photographs share it: it is the albedo's
         double worst = 0;
-        for (int y = 0; y < kHeight; ++y)
-            for (int x = 0; x < kWidth; ++x) {
+        for (int y = 0; y < kShadedHeight; ++y)
+            for (int x = 0; x < kShadedWidth; ++x) {
                 const double expected =
                     -glm::dot(scene.lamps[static_cast<std::size_t>(j)], Scene::slope(x, y));
-                worst = std::max(worst, std::abs(shading.value(y * kWidth + x, j) - expected));
+                worst = std::max(worst, std::abs(shading.value(y * kShadedWidth + x, j) - expected));
             }
         EXPECT_LT(worst, 0.06) << j;
     }
@@ -61,13 +61,13 @@ TEST(RelativeShading, HasNeitherAlbedoNorStrengthNorFalloff) {
 
 TEST(RelativeShading, FalloffOfOnePhotographIsItsLamps) {
     Scene scene;
-    for (int y = 0; y < kHeight; ++y)
-        for (int x = 0; x < kWidth; ++x)
+    for (int y = 0; y < kShadedHeight; ++y)
+        for (int x = 0; x < kShadedWidth; ++x)
             scene.pictures[3](x, y) *=
-                static_cast<float>(std::exp(0.5 * (static_cast<double>(y) / kHeight - 0.5)));
+                static_cast<float>(std::exp(0.5 * (static_cast<double>(y) / kShadedHeight - 0.5)));
     const RelativeShading shading = shading_of(scene.pictures, 0.99f);
     // It grows downwards, a picture height of 20 pixels; falloff is upwards, a width of 24.
-    EXPECT_NEAR(shading.falloff(3, 1), -0.5 * kWidth / kHeight, 0.05);
+    EXPECT_NEAR(shading.falloff(3, 1), -0.5 * kShadedWidth / kShadedHeight, 0.05);
     EXPECT_NEAR(shading.falloff(4, 1), 0, 0.05);
 }
 
@@ -77,7 +77,7 @@ TEST(ShadingFactors, AreFoundInSpiteOfShadowsAndHighlights) {
     const ShadingFactors clean = factored(shading);
     EXPECT_GT(clean.explained, 0.98);
     EXPECT_LT(clean.residual, 0.02);
-    for (int i = 0; i < kWidth * kHeight; ++i)
+    for (int i = 0; i < kShadedWidth * kShadedHeight; ++i)
         for (int j = 0; j < kPhotos; ++j)
             if (const double draw = noise(i, j, 9) + 0.5; draw < 0.05)
                 shading.value(i, j) = draw < 0.025 ? -1 : 2;
@@ -97,7 +97,7 @@ TEST(RelativeShading, ClippedAndShadowedSamplesDoNotCount) {
     scene.pictures[2](5, 6) = 1;
     scene.pictures[4](5, 6) = 0;
     const RelativeShading shading = shading_of(scene.pictures, 0.99f);
-    const int at = 6 * kWidth + 5;
+    const int at = 6 * kShadedWidth + 5;
     EXPECT_EQ(shading.weight(at, 2), 0);
     EXPECT_EQ(shading.weight(at, 4), 0);
     EXPECT_EQ(shading.weight(at, 3), 1);

@@ -18,8 +18,6 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 namespace fs = std::filesystem;
 
-constexpr Transfer kSrgb{Transfer::Kind::srgb};
-
 std::string profile_of(const std::array<cmsToneCurve*, 3>& curves, const cmsCIExyY& white,
                        const cmsCIExyYTRIPLE& primaries) {
     const cmsHPROFILE profile = cmsCreateRGBProfile(&white, &primaries, curves.data());

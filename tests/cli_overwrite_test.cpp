@@ -7,8 +7,8 @@ namespace {
 namespace fs = std::filesystem;
 
 // Runs a command that must end with exit code 1 and say all of `words`; no file may have changed.
-void expect_refused(const TinyStack& stack, const std::vector<std::string>& command,
-                    std::vector<std::string> words) {
+void expect_not_overwritten(const TinyStack& stack, const std::vector<std::string>& command,
+                            std::vector<std::string> words) {
     const auto contents = [&] {
         std::map<std::string, std::string> all;
         for (const std::string& path : everything_in(stack.root()))
@@ -29,13 +29,17 @@ TEST(CliOverwrite, FitDoesNotReplaceItsPhotographs) {
     fs::copy_file(stack.photo(1), folder + "/spare.exr");  // a photograph that is not listed
     fs::create_directory_symlink(folder, stack.out("link"));
     stack.change_lights([&](auto& lines) { lines[12].insert(lines[12].rfind(' ') + 1, "-"); });  // from below
-    expect_refused(stack, {"fit", folder, "--out", stack.photo(0)}, {"would overwrite " + stack.photo(0)});
-    expect_refused(stack, {"fit", folder, "--out", stack.out("link/" + stack.name(3))}, {stack.photo(3)});
-    expect_refused(stack, {"fit", folder, "--out", stack.photo(4), "--hold-out", "4"}, {stack.photo(4)});
-    expect_refused(stack, {"fit", folder, "--out", folder + "/spare.exr"}, {folder + "/spare.exr"});
-    expect_refused(stack, {"fit", folder, "--out", stack.photo(11)}, {stack.photo(11)});
-    expect_refused(stack, {"fit", folder, "--mask", stack.out("mask.exr"), "--out", stack.out("mask.exr")},
-                   {"mask.exr"});
+    expect_not_overwritten(stack, {"fit", folder, "--out", stack.photo(0)},
+                           {"would overwrite " + stack.photo(0)});
+    expect_not_overwritten(stack, {"fit", folder, "--out", stack.out("link/" + stack.name(3))},
+                           {stack.photo(3)});
+    expect_not_overwritten(stack, {"fit", folder, "--out", stack.photo(4), "--hold-out", "4"},
+                           {stack.photo(4)});
+    expect_not_overwritten(stack, {"fit", folder, "--out", folder + "/spare.exr"}, {folder + "/spare.exr"});
+    expect_not_overwritten(stack, {"fit", folder, "--out", stack.photo(11)}, {stack.photo(11)});
+    expect_not_overwritten(stack,
+                           {"fit", folder, "--mask", stack.out("mask.exr"), "--out", stack.out("mask.exr")},
+                           {"mask.exr"});
     // A painting beside the photographs may be made again.
     for (int run = 0; run < 2; ++run)
         EXPECT_TRUE(ended(tangipaint({"fit", folder, "--out", folder + "/painting.exr"}), 0));
@@ -43,12 +47,12 @@ TEST(CliOverwrite, FitDoesNotReplaceItsPhotographs) {
 
 TEST(CliOverwrite, RelightDoesNotReplaceThePainting) {
     const TinyStack stack;
-    expect_refused(stack, {"relight", stack.truth(), "--light", "1,0,1", "--out", stack.truth()},
-                   {"would overwrite " + stack.truth()});
+    expect_not_overwritten(stack, {"relight", stack.truth(), "--light", "1,0,1", "--out", stack.truth()},
+                           {"would overwrite " + stack.truth()});
     fs::create_hard_link(stack.truth(), stack.out("img_000.png"));
-    expect_refused(stack,
-                   {"relight", stack.truth(), "--lights", stack.lights(), "--out", stack.root().string()},
-                   {"would overwrite " + stack.truth()});
+    expect_not_overwritten(
+        stack, {"relight", stack.truth(), "--lights", stack.lights(), "--out", stack.root().string()},
+        {"would overwrite " + stack.truth()});
 }
 
 TEST(CliOverwrite, RelightDoesNotReplaceThePhotographsBesideTheLightsFile) {
@@ -56,14 +60,15 @@ TEST(CliOverwrite, RelightDoesNotReplaceThePhotographsBesideTheLightsFile) {
     const auto relight = [&](const std::string& lights, const std::string& out) {
         return std::vector<std::string>{"relight", stack.truth(), "--lights", lights, "--out", out};
     };
-    expect_refused(stack, relight(stack.lights(), stack.path()), {"the photograph " + stack.photo(0)});
-    expect_refused(stack, relight(stack.lights(), stack.path() + "/heldout/.."), {"img_000.png"});
+    expect_not_overwritten(stack, relight(stack.lights(), stack.path()),
+                           {"the photograph " + stack.photo(0)});
+    expect_not_overwritten(stack, relight(stack.lights(), stack.path() + "/heldout/.."), {"img_000.png"});
     // Names with folders, and those that open_stack() takes loosely.
     write_bytes(stack.out("above.lp"), "1\nphotos/img_002.png 0 0 1\n");
-    expect_refused(stack, relight(stack.out("above.lp"), stack.path()), {stack.photo(2)});
+    expect_not_overwritten(stack, relight(stack.out("above.lp"), stack.path()), {stack.photo(2)});
     for (const char* loose : {"C:\\of may\\img_003.png", "img_003.jpg", "img_003.PNG"}) {
         write_bytes(stack.path() + "/loose.lp", fmt::format("1\n{} 0 0 1\n", loose));
-        expect_refused(stack, relight(stack.path() + "/loose.lp", stack.path()), {stack.photo(3)});
+        expect_not_overwritten(stack, relight(stack.path() + "/loose.lp", stack.path()), {stack.photo(3)});
     }
     fs::remove(stack.path() + "/loose.lp");
     // A second run replaces what the first one made, also beside photographs of another format.
@@ -78,14 +83,15 @@ TEST(CliOverwrite, RelightDoesNotReplaceThePhotographsBesideTheLightsFile) {
 TEST(CliOverwrite, CompareDoesNotReplaceWhatItCompares) {
     const TinyStack stack;
     fs::copy_file(stack.truth(), stack.out("compare.json"));
-    expect_refused(stack,
-                   {"compare", stack.out("compare.json"), stack.path(), "--out", stack.root().string()},
-                   {"would overwrite " + stack.out("compare.json")});
+    expect_not_overwritten(
+        stack, {"compare", stack.out("compare.json"), stack.path(), "--out", stack.root().string()},
+        {"would overwrite " + stack.out("compare.json")});
     fs::remove(stack.out("compare.json"));
     const std::string pictures = stack.out("pictures");
     fs::rename(stack.folder(), pictures);
-    expect_refused(stack, {"compare", pictures + "/gt/truth.exr", pictures, "--out", stack.root().string()},
-                   {"among the photographs", pictures + "/img_000.png"});
+    expect_not_overwritten(stack,
+                           {"compare", pictures + "/gt/truth.exr", pictures, "--out", stack.root().string()},
+                           {"among the photographs", pictures + "/img_000.png"});
     for (int run = 0; run < 2; ++run)
         EXPECT_TRUE(
             ended(tangipaint({"compare", pictures + "/gt/truth.exr", pictures, "--out", stack.out("c")}), 0));
@@ -98,9 +104,9 @@ TEST(CliOverwrite, GenerateDoesNotReplacePhotographsThatItDidNotMake) {
     for (int run = 0; run < 2; ++run) EXPECT_TRUE(ended(tangipaint(generate), 0));  // these it made
     EXPECT_FALSE(fs::exists(stack.path() + "/gt/truth.exr")) << "of the stack before";
     fs::remove_all(stack.path() + "/gt");
-    expect_refused(stack, generate, {"would overwrite " + stack.path(), "not a generated stack's"});
+    expect_not_overwritten(stack, generate, {"would overwrite " + stack.path(), "not a generated stack's"});
     fs::remove(stack.lights());
-    expect_refused(stack, generate, {"would overwrite " + stack.path() + "/img_0"});
+    expect_not_overwritten(stack, generate, {"would overwrite " + stack.path() + "/img_0"});
 }
 
 }  // namespace

@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
 
-PaintingTruth small_painting() {
+PaintingTruth rendered_painting() {
     return procedural_painting({.width = 64, .height = 48, .brush_width_mm = 2, .crack_distance_mm = 3});
 }
 
@@ -61,7 +61,7 @@ TEST(RenderPhoto, MirrorsAsFresnelSaysWhereTheLightFacesAPolishedSurface) {
 }
 
 TEST(RenderPhoto, IsLinearInTheLight) {
-    const PaintingTruth truth = small_painting();
+    const PaintingTruth truth = rendered_painting();
     for (const Reflectance reflectance :
          {Reflectance::ggx, Reflectance::ward_bounded, Reflectance::lambert}) {
         const GeneratorOptions options{.reflectance = reflectance, .interreflection = 0.1};
@@ -73,7 +73,7 @@ TEST(RenderPhoto, IsLinearInTheLight) {
 }
 
 TEST(RenderPhoto, AgreesWithTheReferenceRendererOnTheWardModel) {
-    const PaintingTruth truth = small_painting();
+    const PaintingTruth truth = rendered_painting();
     const Light light = lit_from({-0.7f, 0.4f, 0.5f}, 1.3f);
     const GeneratorOptions options{
         .reflectance = Reflectance::ward_bounded, .ambient = 0.02, .white_level = 1};
@@ -84,7 +84,7 @@ TEST(RenderPhoto, AgreesWithTheReferenceRendererOnTheWardModel) {
 }
 
 TEST(RenderPhoto, DoesNotDependOnTheNumberOfThreads) {
-    const PaintingTruth truth = small_painting();
+    const PaintingTruth truth = rendered_painting();
     set_thread_count(1);
     const Image<Rgb> one = apply_sensor(render_photo(truth, lit_from({1, -1, 1})), {}, 3);
     set_thread_count(2);

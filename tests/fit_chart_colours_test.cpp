@@ -18,8 +18,8 @@ namespace {
 using nlohmann::json;
 using testing::HasSubstr;
 
-constexpr int kWidth = 66, kHeight = 60, kChartTop = 32;
-constexpr double kPitch = 7, kWhite = 0.55;
+constexpr int kChartPhotoWidth = 66, kChartPhotoHeight = 60, kChartTop = 32;
+constexpr double kPitch = 7, kWhiteLevel = 0.55;
 
 // Overlapping primaries, weak in blue; with a luminance of 1 for white in green.
 glm::dmat3 camera() {
@@ -29,10 +29,10 @@ glm::dmat3 camera() {
 
 // Waves in many colours with gloss above, a matt chart below.
 Surface truth() {
-    Surface s(kWidth, kHeight);
+    Surface s(kChartPhotoWidth, kChartPhotoHeight);
     const ChartReference chart = classic_chart();
-    for (int y = 0; y < kHeight; ++y)
-        for (int x = 0; x < kWidth; ++x) {
+    for (int y = 0; y < kChartPhotoHeight; ++y)
+        for (int x = 0; x < kChartPhotoWidth; ++x) {
             s.confidence(x, y) = 1;
             s.roughness(x, y) = 0.15f;
             if (y < kChartTop - 2) {
@@ -60,9 +60,9 @@ json capture_of(const glm::dmat3& to_camera) {
     for (const auto& patch : classic_chart().patches)
         patches.push_back({{"reference", {patch.linear.r, patch.linear.g, patch.linear.b}}});
     return {{"format", "tangipaint capture 1"},
-            {"photographs", {{"width", kWidth}, {"height", kHeight}}},
+            {"photographs", {{"width", kChartPhotoWidth}, {"height", kChartPhotoHeight}}},
             {"camera", {{"position_mm", nullptr}, {"mm_per_pixel", nullptr}}},
-            {"frame", {{"origin_px", {(kWidth - 1) / 2.0, (kHeight - 1) / 2.0}}}},
+            {"frame", {{"origin_px", {(kChartPhotoWidth - 1) / 2.0, (kChartPhotoHeight - 1) / 2.0}}}},
             {"lights", json::array()},
             {"colour",
              {{"chart", {{"chart_to_picture", {{kPitch, 0, -0.5}, {0, kPitch, kChartTop - 0.5}, {0, 0, 1}}}}},
@@ -79,7 +79,7 @@ struct Photographed {
     Surface painted = truth();
     Photographed() {
         const std::vector<Light> lights = dome_lights(14, 25);
-        const glm::mat3 to_camera(kWhite * camera());
+        const glm::mat3 to_camera(kWhiteLevel * camera());
         for (const Light& light : lights) {
             Image<Rgb> photo = relight(painted, {&light, 1});
             for (Rgb& value : photo.pixels()) value = to_camera * value;
@@ -114,7 +114,7 @@ TEST(ChartColours, MakeReflectanceColorimetricAndAbsoluteAndRelitPhotographsAsBe
     EXPECT_EQ(with.report.colour.patches, 24);
     EXPECT_LT(with.report.colour.patches_delta_e, 0.5);
     EXPECT_TRUE(with.report.colour.white_by_chart);
-    EXPECT_NEAR(with.surface.photography.white_level, kWhite, 0.01 * kWhite);
+    EXPECT_NEAR(with.surface.photography.white_level, kWhiteLevel, 0.01 * kWhiteLevel);
     EXPECT_LT(mean_delta_e(with.surface.diffuse, photographed.painted.diffuse), 1);
     EXPECT_GT(mean_delta_e(without.surface.diffuse, photographed.painted.diffuse), 8);
     // Gloss is white in the light of the lamps, not in the camera's channels.
@@ -135,7 +135,7 @@ TEST(ChartColours, MakeReflectanceColorimetricAndAbsoluteAndRelitPhotographsAsBe
 TEST(ChartColours, OfAMattPaintingArePaidForWithNothing) {
     Photographed photographed;
     for (float& specular : photographed.painted.specular.pixels()) specular = 0;
-    const glm::mat3 to_camera(kWhite * camera());
+    const glm::mat3 to_camera(kWhiteLevel * camera());
     Random random(5);
     for (const Light& light : dome_lights(14, 25)) {
         Image<Rgb> photo = relight(photographed.painted, {&light, 1});
@@ -160,12 +160,12 @@ TEST(ChartColours, OfAMattPaintingArePaidForWithNothing) {
 // The chart tells the white level where a crop leaves it out, too.
 TEST(ChartColours, TheChartNeedNotBeInThePicture) {
     const Photographed photographed;
-    StackOptions options{.crop = Region{0, 0, kWidth, kChartTop - 2}, .transfer = Transfer{}};
+    StackOptions options{.crop = Region{0, 0, kChartPhotoWidth, kChartTop - 2}, .transfer = Transfer{}};
     options.capture_file = photographed.dir / "capture.json";
     const FitResult fit =
         fit_painting(open_stack(photographed.dir.path(), options), {.lights_as_given = true});
     EXPECT_EQ(fit.report.colour.patches, 0);
-    EXPECT_NEAR(fit.surface.photography.white_level, kWhite, 0.01 * kWhite);
+    EXPECT_NEAR(fit.surface.photography.white_level, kWhiteLevel, 0.01 * kWhiteLevel);
     EXPECT_NEAR(fit.surface.diffuse(20, 10).g, photographed.painted.diffuse(20, 10).g, 0.02);
 }
 
@@ -175,7 +175,8 @@ TEST(ChartColours, AGivenWhiteLevelWins) {
         fit_painting(photographed.open(true), {.white_level = 0.8, .lights_as_given = true});
     EXPECT_EQ(fit.surface.photography.white_level, 0.8);
     EXPECT_FALSE(fit.report.colour.white_by_chart);
-    EXPECT_NEAR(fit.surface.diffuse(20, 10).g, photographed.painted.diffuse(20, 10).g * kWhite / 0.8, 0.01);
+    EXPECT_NEAR(fit.surface.diffuse(20, 10).g, photographed.painted.diffuse(20, 10).g * kWhiteLevel / 0.8,
+                0.01);
 }
 
 TEST(ChartColours, TheChartsCurveIsUsedUnlessOneIsGiven) {
@@ -210,7 +211,7 @@ TEST(ChartColours, OfOtherPhotographsAreNotUsedOrWarnedOf) {
     write_bytes(photographed.dir / "capture.json", capture.dump());
     EXPECT_THAT(photographed.open(true).warnings, testing::Contains(HasSubstr("was read with --dark")));
     for (const Light& light : dome_lights(14, 25))
-        write_map(photographed.dir / light.name, Image<float>(kWidth, kHeight, 0.5f));
+        write_map(photographed.dir / light.name, Image<float>(kChartPhotoWidth, kChartPhotoHeight, 0.5f));
     const Stack grey = photographed.open(true);
     EXPECT_FALSE(grey.colour);
     EXPECT_THAT(grey.warnings, testing::Contains(HasSubstr("are grey")));

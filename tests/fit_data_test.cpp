@@ -78,7 +78,7 @@ TEST(DataRealStacks, CoinReaches24_5dB) {
     expect_held_out_psnr(folder, 24.5);
 }
 
-double mean_angle_deg(const Image<Vec3>& a, const Image<Vec3>& b, const Mask& mask = {}) {
+double mean_angle_deg(const Image<Vec3>& a, const Image<Vec3>& b, const PixelMask& mask = {}) {
     double sum = 0;
     long count = 0;
     for (std::size_t i = 0; i < a.size(); ++i) {
@@ -122,7 +122,7 @@ struct TruthErrors {
 TruthErrors errors_against(const fs::path& truth, const Surface& s) {
     const Image<Rgb> valid_picture = read_picture(truth / "valid.png");
     const Image<Rgb> height_picture = read_picture(truth / "height.exr");
-    Mask valid(s.width(), s.height());
+    PixelMask valid(s.width(), s.height());
     Image<float> difference(s.width(), s.height()), weight(s.width(), s.height());
     for (std::size_t i = 0; i < valid.size(); ++i) {
         valid.pixels()[i] = valid_picture.pixels()[i].r > 0.5f;

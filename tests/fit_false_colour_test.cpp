@@ -53,7 +53,7 @@ TEST(ColourMap, ClampsAndMarksWhatIsNotANumber) {
 TEST(MapPicture, PutsTheRangeAtTheEndsOfTheScaleAndLeavesOutTheMask) {
     Image<float> values(4, 1);
     for (int x = 0; x < 4; ++x) values(x, 0) = static_cast<float>(x);
-    Mask mask(4, 1, 1);
+    PixelMask mask(4, 1, 1);
     mask(3, 0) = 0;
     const Image<Rgb> picture = map_picture(values, 0, 2, ColourMap::sequential, mask);
     EXPECT_EQ(picture(0, 0), colour_at(ColourMap::sequential, 0));

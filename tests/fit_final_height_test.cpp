@@ -8,9 +8,9 @@
 #include <numbers>
 
 #include "fit/mixed_slopes.h"
+#include "fit_test_support.h"
 #include "surface/cast_shadows.h"
 #include "surface/relight.h"
-#include "test_support.h"
 
 namespace tangi {
 namespace {
@@ -86,12 +86,6 @@ FinalHeight found(Surface& surface, const Image<float>& height_mm, const std::ve
                         kNoCliffs, evidence, nullptr, progress);
 }
 
-double rms(const Image<float>& a, const Image<float>& b) {
-    double square = 0;
-    for (std::size_t i = 0; i < a.size(); ++i) square += std::pow(a.pixels()[i] - b.pixels()[i], 2);
-    return std::sqrt(square / static_cast<double>(a.size()));
-}
-
 TEST(FinalHeight, ShadowsSayWhetherSlopesAreSteeperThanTheyLook) {
     Surface surface = hills();
     const Image<float> plain = height_with(surface, 0);
@@ -100,8 +94,8 @@ TEST(FinalHeight, ShadowsSayWhetherSlopesAreSteeperThanTheyLook) {
         const FinalHeight result = found(surface, truth, ring(25));
         EXPECT_EQ(result.choice.mixing, mixing);
         EXPECT_TRUE(result.report.converged);
-        EXPECT_LT(rms(surface.height_mm, truth), 0.01) << mixing;
-        EXPECT_GE(rms(plain, truth), mixing > 0 ? 0.03 : 0) << mixing;
+        EXPECT_LT(rms_difference(surface.height_mm, truth), 0.01) << mixing;
+        EXPECT_GE(rms_difference(plain, truth), mixing > 0 ? 0.03 : 0) << mixing;
     }
 }
 
@@ -109,7 +103,7 @@ TEST(FinalHeight, WithoutShadowsSlopesAreTakenAsTheyAre) {
     Surface surface = hills();
     const Image<float> steep = height_with(surface, 0.8);
     EXPECT_EQ(found(surface, steep, ring(80)).choice.mixing, 0);
-    EXPECT_LT(rms(surface.height_mm, height_with(surface, 0)), 1e-6);
+    EXPECT_LT(rms_difference(surface.height_mm, height_with(surface, 0)), 1e-6);
     // Nor where the photographs are not explained.
     EXPECT_EQ(found(surface, steep, ring(25), {}).choice.mixing, 0);
 }
@@ -127,13 +121,13 @@ TEST(FinalHeight, TellsWhatItTriedAndThatItIsDone) {
             return true;
         });
     EXPECT_EQ(tried, 1);  // though 0.8 was not tried
-    const nlohmann::json json = to_json(result.choice);
-    EXPECT_EQ(json["cliffs"], false);
-    EXPECT_EQ(json["slope_mixing"], 0.2);
-    ASSERT_EQ(json["tried"].size(), 3u);
-    EXPECT_EQ(json["tried"][2]["slope_mixing"], 0.4);
-    EXPECT_LT(json["tried"][1]["shadow_misfit"], json["tried"][0]["shadow_misfit"]);
-    EXPECT_LT(json["tried"][1]["shadow_misfit"], json["tried"][2]["shadow_misfit"]);
+    const nlohmann::json written = to_json(result.choice);
+    EXPECT_EQ(written["cliffs"], false);
+    EXPECT_EQ(written["slope_mixing"], 0.2);
+    ASSERT_EQ(written["tried"].size(), 3u);
+    EXPECT_EQ(written["tried"][2]["slope_mixing"], 0.4);
+    EXPECT_LT(written["tried"][1]["shadow_misfit"], written["tried"][0]["shadow_misfit"]);
+    EXPECT_LT(written["tried"][1]["shadow_misfit"], written["tried"][2]["shadow_misfit"]);
 }
 
 // A plateau whose walls no slope shows: only the height that the second pass had throws its shadow.

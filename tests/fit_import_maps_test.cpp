@@ -35,12 +35,6 @@ Surface example_surface() {
     return s;
 }
 
-double rms(const Image<float>& a, const Image<float>& b) {
-    double sum = 0;
-    for (std::size_t i = 0; i < a.size(); ++i) sum += std::pow(a.pixels()[i] - b.pixels()[i], 2);
-    return std::sqrt(sum / static_cast<double>(a.size()));
-}
-
 TEST(ImportMaps, ExportedMapsComeBack) {
     const TestDir dir;
     const Surface s = example_surface();
@@ -92,7 +86,7 @@ TEST(ImportMaps, HeightIsIntegratedFromNormals) {
     ImportReport report;
     const Surface back = import_maps(find_maps(dir.path()), {.mm_per_pixel = 0.5}, report);
     EXPECT_TRUE(report.height.converged);
-    EXPECT_LT(rms(back.height_mm, s.height_mm), 0.03 * 0.4);
+    EXPECT_LT(rms_difference(back.height_mm, s.height_mm), 0.03 * 0.4);
     EXPECT_TRUE(images_near(back.normal, s.normal, 1e-5));
 }
 
@@ -121,7 +115,7 @@ TEST(ImportMaps, OpenLimeMapsComeBackToEightBits) {
         if (back.confidence.pixels()[i] > 0) {
             EXPECT_GT(glm::dot(back.normal.pixels()[i], s.normal.pixels()[i]), std::cos(0.01f));
         }
-    EXPECT_LT(rms(back.height_mm, s.height_mm), 0.05 * 0.4);
+    EXPECT_LT(rms_difference(back.height_mm, s.height_mm), 0.05 * 0.4);
 }
 
 TEST(ImportMaps, NamesAreFoundAndConventionsAreFollowed) {

@@ -14,15 +14,15 @@
 namespace tangi {
 namespace {
 
-constexpr int kSize = 20;
+constexpr int kPatchSize = 20;
 
 // Waves of semi-gloss paint that follow this law, seen under 30 lamps.
 Surface waves(const ReflectanceLaw& law) {
-    Surface s(kSize, kSize);
+    Surface s(kPatchSize, kPatchSize);
     s.law = law;
     Random random(9);
-    for (int y = 0; y < kSize; ++y)
-        for (int x = 0; x < kSize; ++x) {
+    for (int y = 0; y < kPatchSize; ++y)
+        for (int x = 0; x < kPatchSize; ++x) {
             s.normal(x, y) = normal_of({static_cast<float>(0.7 * std::sin(0.9 * x + 0.3)),
                                         static_cast<float>(0.7 * std::cos(0.7 * y))});
             s.diffuse(x, y) = Rgb(0.5f, 0.4f, 0.3f) * static_cast<float>(random.uniform(0.8, 1.2));

@@ -8,15 +8,14 @@
 #include "datasets/generator.h"
 #include "fit/fit_painting.h"
 #include "fit/light_calibration.h"
+#include "fit_test_support.h"
 #include "surface/median.h"
 #include "surface/photography_json.h"
-#include "test_support.h"
 
 namespace tangi {
 namespace {
 
-constexpr double kMmPerPixel = 0.4;
-constexpr int kSize = 128;
+constexpr int kPaintingSize = 128;
 
 struct BeamScene {
     TestDir folder;
@@ -27,8 +26,8 @@ struct BeamScene {
     Photography truth;
     explicit BeamScene(const GeneratorOptions& o) : options(o) {
         options.arrangement = Arrangement::spiral;
-        painting =
-            procedural_painting({.seed = 5, .width = kSize, .height = kSize, .mm_per_pixel = kMmPerPixel});
+        painting = procedural_painting(
+            {.seed = 5, .width = kPaintingSize, .height = kPaintingSize, .mm_per_pixel = kMmPerPixel});
         truth = write_stack(folder.path(), painting, options);
         stack = open_stack(folder.path(), {.transfer = Transfer{}});
         surveyed = survey(stack);
@@ -53,12 +52,12 @@ struct BeamScene {
             double sum = 0;
             for (int k = 0; k < kGrid * kGrid; ++k) {
                 const auto at = [](int j) {
-                    return static_cast<float>((j / (kGrid - 1.0) - 0.5) * kSize * kMmPerPixel);
+                    return static_cast<float>((j / (kGrid - 1.0) - 0.5) * kPaintingSize * kMmPerPixel);
                 };
                 const Vec3 place(at(k % kGrid), at(k / kGrid), 0);
                 const double shown = incidence(lights[i], place, rig).irradiance.g /
                                      (incidence(real, place).irradiance.g *
-                                      beam_part(real, place, kSize * kMmPerPixel, options));
+                                      beam_part(real, place, kPaintingSize * kMmPerPixel, options));
                 errors[i].push_back(std::log(shown));
                 sum += errors[i].back() / (kGrid * kGrid);
             }
@@ -98,9 +97,9 @@ TEST(LightBeams, OfReflectorsThatAreAimedByHandAreFound) {
     }
     EXPECT_GT(median(rms), 3 * median(sigma)) << "and known to be there";
     EXPECT_GT(median(sigma), 0.0005);
-    const nlohmann::json json = to_json(found);
-    EXPECT_EQ(json["beams"].size(), 30u);
-    EXPECT_TRUE(json["beams"]["img_000.png"].contains("terms"));
+    const nlohmann::json written = to_json(found);
+    EXPECT_EQ(written["beams"].size(), 30u);
+    EXPECT_TRUE(written["beams"]["img_000.png"].contains("terms"));
 }
 
 // Lamps of a dome, all aimed at the middle: their beams are a smooth function of the direction, so that of a

@@ -8,23 +8,21 @@
 
 #include "datasets/generator.h"
 #include "fit/fit_painting.h"
+#include "fit_test_support.h"
 #include "lamp_errors.h"
 #include "surface/parallel.h"
 #include "surface/photography_json.h"
-#include "test_support.h"
 
 namespace tangi {
 namespace {
 
-constexpr double kMmPerPixel = 0.4;
-
 // A stack on disk, opened, and what the generator knows of it.
-struct Scene {
+struct LampScene {
     TestDir folder;
     Stack stack;
     Survey surveyed;
     Photography truth;
-    explicit Scene(GeneratorOptions options, int size = 160) {
+    explicit LampScene(GeneratorOptions options, int size = 160) {
         options.held_out = 0;
         const PaintingTruth painting =
             procedural_painting({.seed = 5, .width = size, .height = size, .mm_per_pixel = kMmPerPixel});
@@ -60,7 +58,7 @@ GainErrors gain_errors(const LightCalibration& found, const Photography& truth) 
 
 TEST(LightCalibration, FindsStrengthAndDistanceOfNearLampsThatDifferSevenfold) {
     for (const Reflectance reflectance : {Reflectance::ggx, Reflectance::lambert}) {
-        const Scene scene(
+        const LampScene scene(
             {.lights = 40, .distance = 1.5, .gain_min = 0.3, .gain_max = 2, .reflectance = reflectance});
         const LightCalibration found = scene.calibrated();
         const GainErrors errors = gain_errors(found, scene.truth);
@@ -81,7 +79,7 @@ TEST(LightCalibration, FindsStrengthAndDistanceOfNearLampsThatDifferSevenfold) {
 // Few pixels, few lamps, and a third of them so low that a degree of tilt is 6 % of their light: what is
 // stated says so.
 TEST(LightCalibration, StatesErrorsOfStrengthThatHoldTheTruthForATinyPicture) {
-    const Scene scene({.lights = 24, .distance = 1.5, .gain_min = 0.3, .gain_max = 2}, 96);
+    const LampScene scene({.lights = 24, .distance = 1.5, .gain_min = 0.3, .gain_max = 2}, 96);
     const LightCalibration found = scene.calibrated();
     ASSERT_EQ(found.model.lamps, LightFreedom::rig_and_gains);
     const GainErrors errors = gain_errors(found, scene.truth);
@@ -96,7 +94,7 @@ TEST(LightCalibration, StatesErrorsOfStrengthThatHoldTheTruthForATinyPicture) {
 
 TEST(LightCalibration, FindsAmbientLight) {
     // The generator's interreflection grows with the light's elevation; its ambient light does not.
-    const Scene scene({.lights = 40, .reflectance = Reflectance::ward_bounded, .ambient = 0.1});
+    const LampScene scene({.lights = 40, .reflectance = Reflectance::ward_bounded, .ambient = 0.1});
     const LightCalibration found = scene.calibrated();
     EXPECT_NE(found.model.lamps, LightFreedom::none);
     EXPECT_NEAR(found.lighting.rig.ambient, 0.1, 0.02);
@@ -104,7 +102,7 @@ TEST(LightCalibration, FindsAmbientLight) {
 }
 
 TEST(LightCalibration, LeavesLightsAloneThatAreRight) {
-    const Scene scene({.lights = 40});
+    const LampScene scene({.lights = 40});
     const LightCalibration found = scene.calibrated();
     EXPECT_EQ(found.model.lamps, LightFreedom::none);
     EXPECT_EQ(found.lighting.rig, Rig{});
@@ -114,7 +112,7 @@ TEST(LightCalibration, LeavesLightsAloneThatAreRight) {
 
 // One unknown a photograph would be one too many: strengths are not tried.
 TEST(LightCalibration, OfAFewPhotographsTakesDistantLightsAsGiven) {
-    const Scene scene({.lights = 8, .gain_min = 0.3, .gain_max = 2}, 64);
+    const LampScene scene({.lights = 8, .gain_min = 0.3, .gain_max = 2}, 64);
     const LightCalibration found = scene.calibrated();
     EXPECT_EQ(found.model.lamps, LightFreedom::none);
     EXPECT_EQ(found.lighting.rig, Rig{});
@@ -127,7 +125,7 @@ TEST(LightCalibration, OfAFewPhotographsTakesDistantLightsAsGiven) {
 // Taken for distant, near lamps make a bulge of the painting that is many times its relief.
 TEST(LightCalibration, OfAFewPhotographsTellsHowNearTheirLampsAre) {
     for (const int lights : {5, 6, 8, 11}) {
-        const Scene scene({.lights = lights, .arrangement = Arrangement::spiral, .distance = 3}, 96);
+        const LampScene scene({.lights = lights, .arrangement = Arrangement::spiral, .distance = 3}, 96);
         const LightCalibration found = scene.calibrated();
         const double distance = found.lighting.rig.lamp_distance_mm.value_or(0) / scene.width_mm();
         std::cout << fmt::format("[  FIGURE  ] {} lamps 3 widths away: found {:.2f} ± {:.2f}\n", lights,
@@ -135,13 +133,13 @@ TEST(LightCalibration, OfAFewPhotographsTellsHowNearTheirLampsAre) {
         EXPECT_EQ(found.model.lamps, LightFreedom::rig) << lights;
         EXPECT_NEAR(distance, 3, 0.5) << lights;
     }
-    const Scene four({.lights = 4, .arrangement = Arrangement::spiral, .distance = 3}, 64);
+    const LampScene four({.lights = 4, .arrangement = Arrangement::spiral, .distance = 3}, 64);
     EXPECT_TRUE(four.calibrated().trials.empty());  // leaving one out leaves nothing to judge by
 }
 
 // What an exposure that is too short makes of the same photographs.
 TEST(LightCalibration, FindsNearLampsInDarkPhotographs) {
-    const Scene scene({.lights = 24, .distance = 2, .white_level = 0.03}, 96);
+    const LampScene scene({.lights = 24, .distance = 2, .white_level = 0.03}, 96);
     const LightCalibration found =
         calibrate_lights(scene.stack, scene.surveyed, Transfer{}, NoiseModel(Transfer{}, 0.006, true),
                          {scene.stack.lights(), {}, 1}, kMmPerPixel, {});
@@ -150,7 +148,7 @@ TEST(LightCalibration, FindsNearLampsInDarkPhotographs) {
 }
 
 TEST(LightCalibration, HasTheSameBitsOnOneThreadAndOnTwo) {
-    const Scene scene({.lights = 16, .distance = 2, .gain_min = 0.5}, 64);
+    const LampScene scene({.lights = 16, .distance = 2, .gain_min = 0.5}, 64);
     const int before = thread_count();
     set_thread_count(1);
     const LightCalibration one = scene.calibrated();

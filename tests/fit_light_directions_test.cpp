@@ -4,19 +4,16 @@
 
 #include <Eigen/QR>
 #include <iostream>
-#include <numbers>
 
 #include "capture/lights_file.h"
 #include "datasets/generator.h"
 #include "fit/direction_field.h"
 #include "fit/light_calibration.h"
+#include "fit_test_support.h"
 #include "surface/photography_json.h"
-#include "test_support.h"
 
 namespace tangi {
 namespace {
-
-constexpr double kMmPerPixel = 0.4, kDegree = std::numbers::pi / 180;
 
 double angle_deg(const glm::dvec3& a, const glm::dvec3& b) {
     return std::atan2(glm::length(glm::cross(a, b)), glm::dot(a, b)) / kDegree;
@@ -48,7 +45,7 @@ double told_error_deg(const std::vector<glm::dvec3>& found, const std::vector<gl
     return sum / static_cast<double>(right.size()) / kDegree;
 }
 
-struct Errors {
+struct DirectionErrors {
     double before = 0, after = 0;  // [deg] mean
 };
 
@@ -83,12 +80,12 @@ struct WrongLights {
                                  kMmPerPixel, {}, {.samples = 250, .refine_directions = refine});
         for (const auto& trial : found.trials)
             std::cout << fmt::format("{}: {:.2f} dB; ", name_of(trial.model), trial.left_out_db);
-        const Errors e = errors();
+        const DirectionErrors e = errors();
         std::cout << fmt::format("\n{}: {:.2f} deg before, {:.2f} after\n", name_of(found.model), e.before,
                                  e.after);
     }
     // Of the directions, without what all of them have of the motions that photographs cannot tell.
-    Errors errors() const {
+    DirectionErrors errors() const {
         std::vector<glm::dvec3> listed, after, right;
         for (std::size_t i = 0; i < stack.photos.size(); ++i) {
             listed.emplace_back(stack.photos[i].light.direction);
@@ -167,9 +164,9 @@ TEST(LightDirections, RandomErrorsOfSixDegreesAreFound) {
     }
     EXPECT_LE(sigmas, 2);
     EXPECT_NEAR(changes, 4.4, 1);
-    const nlohmann::json json = to_json(lights.found);
-    EXPECT_EQ(json["calibrated"], "as given, own directions");
-    EXPECT_EQ(json["directions"].size(), lights.found.turns.size());
+    const nlohmann::json written = to_json(lights.found);
+    EXPECT_EQ(written["calibrated"], "as given, own directions");
+    EXPECT_EQ(written["directions"].size(), lights.found.turns.size());
 }
 
 // A lamp that is left out is then as far off itself, and predicted badly with any surface.
@@ -212,11 +209,11 @@ TEST(LightDirections, OfFewLampsAreCorrectedWhereTheUserSaysSo) {
     const WrongLights refined(options, error, true);
     EXPECT_EQ(refined.found.model.directions, DirectionFreedom::own);
     EXPECT_EQ(refined.found.turns.size(), 14u);
-    const Errors e = refined.errors();
+    const DirectionErrors e = refined.errors();
     EXPECT_GT(e.before, 2);
     EXPECT_LT(e.after, 0.4 * e.before);
     // Right directions stay, also where the user doubts them.
-    const Errors right = WrongLights(options, {}, true).errors();
+    const DirectionErrors right = WrongLights(options, {}, true).errors();
     EXPECT_LT(right.after, 1);
 }
 
@@ -232,14 +229,14 @@ TEST(LightDirections, ThatWereMeasuredAreCorrectedAsFarAsTheirErrorsAllow) {
     EXPECT_EQ(to_json(measured.found)["calibrated"].get<std::string>().find("measured directions") ==
                   std::string::npos,
               false);
-    const Errors e = measured.errors();
+    const DirectionErrors e = measured.errors();
     EXPECT_GT(e.before, 1);
     EXPECT_LT(e.after, 0.65 * e.before);  // what all share is a motion that photographs cannot tell
     // Lambert's paint is not taken for rough.
     ASSERT_TRUE(measured.found.diffuse_roughness);
     EXPECT_LT(*measured.found.diffuse_roughness, 0.1);
     // What is measured well stays where it is, whatever the photographs seem to say.
-    const Errors sure = WrongLights(options, error, false, 0.02).errors();
+    const DirectionErrors sure = WrongLights(options, error, false, 0.02).errors();
     EXPECT_NEAR(sure.after, sure.before, 0.1);
     EXPECT_LT(WrongLights(options, {}, false, 1.5).errors().after, 0.7);
 }

@@ -7,15 +7,14 @@
 
 #include "datasets/generator.h"
 #include "fit/light_calibration.h"
+#include "fit_test_support.h"
 #include "lamp_errors.h"
 #include "surface/photography_json.h"
-#include "test_support.h"
 
 namespace tangi {
 namespace {
 
-constexpr double kMmPerPixel = 0.4;
-constexpr int kSize = 120;
+constexpr int kPanelSize = 120;
 
 struct GildedPanel {
     TestDir folder;
@@ -27,8 +26,8 @@ struct GildedPanel {
         options.seed = seed;
         write_stack(folder.path(),
                     procedural_painting({.seed = seed,
-                                         .width = kSize,
-                                         .height = kSize,
+                                         .width = kPanelSize,
+                                         .height = kPanelSize,
                                          .mm_per_pixel = kMmPerPixel,
                                          .gilding = true,
                                          .brushed = brushed}),
@@ -60,7 +59,7 @@ TEST(LightPixels, NearLampsAreFoundBesideGold) {
                             0.3);
     EXPECT_EQ(panel.found.model, LightModel{LightFreedom::rig});
     ASSERT_TRUE(panel.found.lighting.rig.lamp_distance_mm);
-    EXPECT_NEAR(*panel.found.lighting.rig.lamp_distance_mm / (2.9 * kSize * kMmPerPixel), 1, 0.1);
+    EXPECT_NEAR(*panel.found.lighting.rig.lamp_distance_mm / (2.9 * kPanelSize * kMmPerPixel), 1, 0.1);
     EXPECT_NEAR(panel.found.lighting.rig.ambient, 0.08, 0.01);
 }
 

@@ -57,7 +57,7 @@ WardVector vector_of(const Metal& m) {
 }
 
 TEST(DrawnOutLobe, DerivativesAreThoseOfCentralDifferences) {
-    constexpr int kColumns = kWardParameters + 2;
+    constexpr int kUnknowns = kWardParameters + 2;
     Random random(1);
     for (int trial = 0; trial < 60; ++trial) {
         // The last ones are next to no stretch.
@@ -77,9 +77,9 @@ TEST(DrawnOutLobe, DerivativesAreThoseOfCentralDifferences) {
             residuals.evaluate(theta.data(), stretch, r.data(), nullptr);
             return r;
         };
-        std::vector<double> here(rows), jacobian(rows * kColumns);
+        std::vector<double> here(rows), jacobian(rows * kUnknowns);
         residuals.evaluate(vector_of(is).data(), is.stretch, here.data(), jacobian.data());
-        for (std::size_t column = 0; column < kColumns; ++column) {
+        for (std::size_t column = 0; column < kUnknowns; ++column) {
             const auto up = at(column, 1e-6), down = at(column, -1e-6);
             for (std::size_t row = 0; row < rows; ++row) {
                 const double analytic = jacobian[column * rows + row];
@@ -269,7 +269,7 @@ Surface half_brushed(const Stretch& stretch) {
     return s;
 }
 
-FitResult fit_of(const Surface& truth, const FitOptions& options, unsigned seed = 10) {
+FitResult seeded_fit_of(const Surface& truth, const FitOptions& options, unsigned seed = 10) {
     const TestDir folder;
     std::vector<Light> lights = dome_lights(40, 25);
     Random random(seed);
@@ -294,7 +294,7 @@ TEST(FitPainting, FindsHowMetalIsBrushedAndLeavesPaintAndLampsAsTheyAre) {
     const Surface truth = half_brushed(is);
     const double half = static_cast<double>(truth.height_mm.size()) / 2;
     for (const unsigned seed : {10u, 15u}) {
-        const FitResult fit = fit_of(truth, {}, seed);
+        const FitResult fit = seeded_fit_of(truth, {}, seed);
         // Turns of 20 degrees and other strengths explain brushed metal better than no stretch does.
         EXPECT_EQ(fit.report.lights.model, LightModel{}) << name_of(fit.report.lights.model);
         EXPECT_TRUE(fit.report.law.stretches.chosen);
@@ -327,10 +327,10 @@ TEST(FitPainting, FindsHowMetalIsBrushedAndLeavesPaintAndLampsAsTheyAre) {
 }
 
 TEST(FitPainting, LeavesLobesIsotropicWhereTheyAreAndWhereItIsTold) {
-    const FitResult fit = fit_of(half_brushed(Stretch(0)), {.refine = false});
+    const FitResult fit = seeded_fit_of(half_brushed(Stretch(0)), {.refine = false});
     EXPECT_FALSE(fit.report.law.stretches.chosen);
     EXPECT_TRUE(fit.surface.lobe_axes.empty());
-    const FitResult told = fit_of(half_brushed({0.5f, 0}), {.drawn_out_lobes = 0, .refine = false});
+    const FitResult told = seeded_fit_of(half_brushed({0.5f, 0}), {.drawn_out_lobes = 0, .refine = false});
     EXPECT_TRUE(told.surface.lobe_axes.empty());
     EXPECT_EQ(told.report.drawn_out, 0);
 }

@@ -52,7 +52,7 @@ TEST(Psnr, IsSymmetricInfiniteForEqualPicturesAndClamps) {
 
 TEST(Psnr, LeavesOutWhatTheMaskLeavesOut) {
     Image<Rgb> a(8, 8, Rgb(0.2f)), b(8, 8, Rgb(0.3f));
-    Mask mask(8, 8, 1);
+    PixelMask mask(8, 8, 1);
     for (int x = 0; x < 8; ++x) {
         b(x, 3) = Rgb(0.9f);
         mask(x, 3) = 0;
@@ -67,8 +67,8 @@ TEST(Metrics, RefusePicturesOfDifferentSizeAndEmptyMasks) {
     EXPECT_THROW(psnr_db(a, b), ContractError);
     EXPECT_THROW(ssim(a, b), ContractError);
     EXPECT_THROW(delta_e_2000_map(a, b), ContractError);
-    EXPECT_THROW(psnr_db(a, a, Mask(4, 4, 0)), ContractError);
-    EXPECT_THROW(psnr_db(a, a, Mask(5, 4, 1)), ContractError);
+    EXPECT_THROW(psnr_db(a, a, PixelMask(4, 4, 0)), ContractError);
+    EXPECT_THROW(psnr_db(a, a, PixelMask(5, 4, 1)), ContractError);
 }
 
 TEST(MeanDifference, IsSigned) {
@@ -89,7 +89,7 @@ TEST(LumaCorrelation, IsTheSignOfALinearDependenceAndNothingOfAFlatPicture) {
     EXPECT_NEAR(luma_correlation(ramp, opposite).value(), -1, 1e-6);
     EXPECT_NEAR(luma_correlation(ramp, other).value(), 0, 1e-6);
     EXPECT_FALSE(luma_correlation(ramp, Image<Rgb>(40, 30, Rgb(0.5f))).has_value());
-    Mask half(40, 30, 1);  // what is masked away would turn the sign
+    PixelMask half(40, 30, 1);  // what is masked away would turn the sign
     for (int y = 0; y < 30; ++y)
         for (int x = 20; x < 40; ++x)
             half(x, y) = 0, opposite(x, y) = Rgb(0.5f + 0.5f * static_cast<float>(x) / 39);
@@ -128,7 +128,7 @@ TEST(Ssim, OfLoweredContrastFollowsTheContrastTerm) {
 TEST(Ssim, MaskedPixelsTouchNeitherTheMeanNorTheirNeighbours) {
     const Image<Rgb> a = blotches(40, 40);
     Image<Rgb> b = a;
-    Mask mask(40, 40, 1);
+    PixelMask mask(40, 40, 1);
     for (int y = 15; y < 25; ++y)
         for (int x = 15; x < 25; ++x) {
             b(x, y) = Rgb(1) - a(x, y);
@@ -168,7 +168,7 @@ TEST(Percentile, IsTheValueAtThatRank) {
     EXPECT_EQ(percentile(values, 1), 100);
     values(0, 0) = std::nanf("");  // 100 is gone
     EXPECT_EQ(percentile(values, 1), 99);
-    Mask mask(101, 1, 0);
+    PixelMask mask(101, 1, 0);
     EXPECT_TRUE(std::isnan(percentile(values, 0.5, mask)));
     mask(40, 0) = 1;
     EXPECT_EQ(percentile(values, 0.5, mask), 60);
@@ -177,7 +177,7 @@ TEST(Percentile, IsTheValueAtThatRank) {
 TEST(Measured, IsWhereConfidenceIsNotZero) {
     Image<float> confidence(2, 1);
     confidence(1, 0) = 0.01f;
-    const Mask mask = measured(confidence);
+    const PixelMask mask = measured(confidence);
     EXPECT_EQ(mask(0, 0), 0);
     EXPECT_EQ(mask(1, 0), 1);
 }

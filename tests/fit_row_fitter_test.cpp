@@ -15,7 +15,7 @@ namespace {
 
 using Fitted = std::map<std::pair<int, int>, WardEstimate>;
 
-struct Scene {
+struct BandScene {
     SmallStack small;
     Stack stack = small.open();
     Lighting lighting{stack.lights(), {}, 1};
@@ -23,7 +23,7 @@ struct Scene {
     Surface surface{stack.width(), stack.height()};
     Band band = StackReader(stack).read(0, stack.height(), Transfer{});
 
-    Scene() { surface.mm_per_pixel = 0.4; }
+    BandScene() { surface.mm_per_pixel = 0.4; }
     Fitted fit(Solver solver, int rows = 1000, const Image<unsigned char>& mask = {},
                const PixelKnowledge& known = {}, SolverAgreement* agreement = nullptr) {
         RowFitter fitter({}, solver, lighting, noise, band.channels());
@@ -48,7 +48,7 @@ void expect_alike(const Fitted& a, const Fitted& b, double part) {
 }
 
 TEST(RowFitter, FindsInBatchesWhatCeresFinds) {
-    Scene scene;
+    BandScene scene;
     SolverAgreement agreement;
     const Fitted batch = scene.fit(Solver::batch, 1000, {}, {}, &agreement);
     expect_alike(batch, scene.fit(Solver::ceres), 0.95);
@@ -59,7 +59,7 @@ TEST(RowFitter, FindsInBatchesWhatCeresFinds) {
 }
 
 TEST(RowFitter, FindsItUnderNearLampsABentFieldAndANearCamera) {
-    Scene scene;
+    BandScene scene;
     scene.lighting.rig.ambient = 0.03f;
     scene.lighting.rig.camera_distance_mm = 60;
     scene.lighting.rig.camera_axis_mm = {2, -1};
@@ -74,8 +74,8 @@ TEST(RowFitter, FindsItUnderNearLampsABentFieldAndANearCamera) {
 }
 
 TEST(RowFitter, FindsItUnderUnevenLamps) {
-    Scene scene;
-    Scene even;
+    BandScene scene;
+    BandScene even;
     for (std::size_t i = 0; i < scene.lighting.lights.size(); ++i) {
         Light& light = scene.lighting.lights[i];
         const float by = i % 2 ? 0.02f : -0.02f;
@@ -89,7 +89,7 @@ TEST(RowFitter, FindsItUnderUnevenLamps) {
 }
 
 TEST(RowFitter, GivesTheSameBitsForAnyRowsAtOnce) {
-    Scene scene;
+    BandScene scene;
     const Fitted whole = scene.fit(Solver::batch), rows = scene.fit(Solver::batch, 1);
     ASSERT_EQ(whole.size(), rows.size());
     for (const auto& [place, e] : whole) {
@@ -99,7 +99,7 @@ TEST(RowFitter, GivesTheSameBitsForAnyRowsAtOnce) {
 }
 
 TEST(RowFitter, LeavesOutWhatIsMaskedOrMissing) {
-    Scene scene;
+    BandScene scene;
     Image<unsigned char> mask(scene.surface.width(), scene.surface.height(), 1);
     for (int x = 0; x < mask.width(); ++x) mask(x, 4) = 0;
     mask(7, 9) = 0;
@@ -116,7 +116,7 @@ TEST(RowFitter, LeavesOutWhatIsMaskedOrMissing) {
 }
 
 TEST(RowFitter, HandsOnWhatIsKnownOfAPixel) {
-    Scene scene;
+    BandScene scene;
     PixelKnowledge known;
     known.prior = [](int x, int) {
         return WardPrior{x % 2 ? -1.2 : -2.0, 0.1, 0.05, 0.02, {0.2, -0.1}, {0.05, x % 2 ? 1e-4 : 0.02}};

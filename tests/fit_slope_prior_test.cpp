@@ -18,12 +18,12 @@ namespace tangi {
 namespace {
 
 // A generated relief whose slopes were fitted with errors: most are known well, every twentieth badly.
-struct Fitted {
+struct FittedRelief {
     PaintingTruth truth;
     Surface surface;
     Image<float> sigma;
 
-    explicit Fitted(int size, double good = 0.005, double bad = 0.15)
+    explicit FittedRelief(int size, double good = 0.005, double bad = 0.15)
         : truth(procedural_painting({.seed = 3,
                                      .width = size,
                                      .height = size,
@@ -55,7 +55,7 @@ WardPrior prior_at(const SlopePriors& priors, int x, int y) {
 }
 
 // The slope that least squares makes of a pixel's own and of the prior.
-glm::dvec2 combined(const Fitted& f, const SlopePriors& priors, int x, int y) {
+glm::dvec2 combined(const FittedRelief& f, const SlopePriors& priors, int x, int y) {
     const Slope own = slope_of(f.surface.normal(x, y));
     const WardPrior prior = prior_at(priors, x, y);
     const double information = 1 / (double(f.sigma(x, y)) * f.sigma(x, y));
@@ -71,7 +71,7 @@ struct Errors {
     double good = 0, bad = 0;  // [1] rms of slopes
 };
 template <class SlopeAt>
-Errors errors_of(const Fitted& f, const SlopeAt& slope_at) {
+Errors errors_of(const FittedRelief& f, const SlopeAt& slope_at) {
     double square[2] = {}, count[2] = {};
     for (int y = 0; y < f.sigma.height(); ++y)
         for (int x = 0; x < f.sigma.width(); ++x) {
@@ -85,7 +85,7 @@ Errors errors_of(const Fitted& f, const SlopeAt& slope_at) {
 }
 
 // z_j - z_i = mean of both slopes.
-struct EdgeCost {
+struct SlopeEdgeCost {
     double inverse_tolerance;
     int component;
     double sign;
@@ -107,7 +107,7 @@ struct SlopeCost {
 };
 
 // Slopes of the joint minimum over height and slopes.
-std::vector<glm::dvec2> joint_slopes(const Fitted& f) {
+std::vector<glm::dvec2> joint_slopes(const FittedRelief& f) {
     const int size = f.sigma.width();
     std::vector<glm::dvec2> slopes;
     std::vector<double> z(f.sigma.size());
@@ -119,10 +119,10 @@ std::vector<glm::dvec2> joint_slopes(const Fitted& f) {
             const double mixed = kMixed * slope_spread(f.surface.normal, f.surface.confidence, px, py);
             return mixed * mixed / 2 + kSharpest * kSharpest;
         };
-        problem.AddResidualBlock(new ceres::AutoDiffCostFunction<EdgeCost, 1, 1, 1, 2, 2>(new EdgeCost{
-                                     1 / std::sqrt(tolerance2(x, y) + tolerance2(u, v)), component, sign}),
-                                 nullptr, &z[at(x, y)], &z[at(u, v)], &slopes[at(x, y)].x,
-                                 &slopes[at(u, v)].x);
+        problem.AddResidualBlock(
+            new ceres::AutoDiffCostFunction<SlopeEdgeCost, 1, 1, 1, 2, 2>(
+                new SlopeEdgeCost{1 / std::sqrt(tolerance2(x, y) + tolerance2(u, v)), component, sign}),
+            nullptr, &z[at(x, y)], &z[at(u, v)], &slopes[at(x, y)].x, &slopes[at(u, v)].x);
     };
     for (int y = 0; y < size; ++y)
         for (int x = 0; x < size; ++x) {
@@ -144,10 +144,10 @@ std::vector<glm::dvec2> joint_slopes(const Fitted& f) {
 }
 
 TEST(SlopePriors, BringSlopesNearTheJointMinimumThatCeresFinds) {
-    constexpr int kSize = 48;
-    const Fitted f(kSize);
+    constexpr int kReliefSize = 48;
+    const FittedRelief f(kReliefSize);
     SlopePriors priors(f.surface, {});
-    priors.advance(0, kSize);
+    priors.advance(0, kReliefSize);
     const std::vector<glm::dvec2> joint = joint_slopes(f);
     const Errors fitted = errors_of(f, [&](int x, int y) {
         const Slope s = slope_of(f.surface.normal(x, y));
@@ -155,7 +155,7 @@ TEST(SlopePriors, BringSlopesNearTheJointMinimumThatCeresFinds) {
     });
     const Errors once = errors_of(f, [&](int x, int y) { return combined(f, priors, x, y); });
     const Errors minimum =
-        errors_of(f, [&](int x, int y) { return joint[static_cast<std::size_t>(y * kSize + x)]; });
+        errors_of(f, [&](int x, int y) { return joint[static_cast<std::size_t>(y * kReliefSize + x)]; });
     std::cout << fmt::format(
         "[  FIGURE  ] slopes off by, of the badly known and the others: fitted {:.4f} {:.4f}, with the "
         "height's say {:.4f} {:.4f}, joint minimum by Ceres {:.4f} {:.4f}\n",
@@ -195,7 +195,7 @@ TEST(SlopePriors, SayNothingOfWhatWasNotMeasured) {
 }
 
 TEST(SlopePriors, RowsMayBeOverwrittenOnceTheyWereUsed) {
-    const Fitted f(40);
+    const FittedRelief f(40);
     SlopePriors whole(f.surface, {});
     whole.advance(0, 40);
     Surface overwritten = f.surface;

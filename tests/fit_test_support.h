@@ -12,8 +12,10 @@
 
 namespace tangi {
 
+inline constexpr double kMmPerPixel = 0.4, kDegree = std::numbers::pi / 180;
+
 inline PaintingTruth painting(int width, int height) {
-    return procedural_painting({.seed = 3, .width = width, .height = height, .mm_per_pixel = 0.4});
+    return procedural_painting({.seed = 3, .width = width, .height = height, .mm_per_pixel = kMmPerPixel});
 }
 
 // Mean angle between the normals where the truth has one surface a pixel.
@@ -33,6 +35,12 @@ inline double mean_normal_error_deg(const Surface& surface, const PaintingTruth&
 inline double held_out_psnr_db(const Surface& surface, const std::filesystem::path& folder,
                                Transfer transfer) {
     return compare(surface, open_stack(folder / "heldout", {.transfer = transfer})).held_out.psnr_db;
+}
+
+inline double rms_difference(const Image<float>& a, const Image<float>& b) {
+    double sum = 0;
+    for (std::size_t i = 0; i < a.size(); ++i) sum += std::pow(a.pixels()[i] - b.pixels()[i], 2);
+    return std::sqrt(sum / static_cast<double>(a.size()));
 }
 
 // The small stack that most tests use: 16 lights, linear 16 bit.

@@ -10,12 +10,10 @@
 #include <iostream>
 #include <limits>
 
-#include "test_support.h"
+#include "fit_test_support.h"
 
 namespace tangi {
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180;
 
 WardVector random_paint(Random& random) {
     WardVector theta = {0.3 * random.normal(), 0.3 * random.normal(), std::log(random.uniform(0.12, 0.4)),

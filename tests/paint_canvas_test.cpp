@@ -13,7 +13,7 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 
 // A canvas with a stroke of three parts white and one blue.
-Canvas painted() {
+Canvas painted_once() {
     Canvas canvas = flat_canvas();
     const auto white = add_paint(canvas, "Titanium White"), blue = add_paint(canvas, "Ultramarine Blue");
     Brush brush(even_brush(), kTestPixel, 1);
@@ -49,7 +49,7 @@ TEST(Canvas, GivesAScaleToASurfaceThatHasNone) {
 }
 
 TEST(Canvas, RecipesCanBeReadBack) {
-    const Canvas canvas = painted();
+    const Canvas canvas = painted_once();
     const Recipe recipe = recipe_at(canvas, 64, 48, 3);
     ASSERT_EQ(recipe.portions.size(), 2u);
     EXPECT_NEAR(recipe.portions[0].part, 0.75, 1e-5);
@@ -60,7 +60,7 @@ TEST(Canvas, RecipesCanBeReadBack) {
 }
 
 TEST(Canvas, DryingMovesPaintAndKeepsItsVolume) {
-    Canvas canvas = painted();
+    Canvas canvas = painted_once();
     const auto before = canvas.volumes_mm3();
     const float mm = canvas.wet().thickness_mm(64, 48);
     dry(canvas, "first", {}, 0.25);
@@ -107,7 +107,7 @@ TEST(Canvas, WhatDriesIsALayerOfItsOwnWithANameOfItsOwn) {
 }
 
 TEST(Canvas, DriesARegionOnly) {
-    Canvas canvas = painted();
+    Canvas canvas = painted_once();
     const float mm = canvas.wet().thickness_mm(64, 48);
     dry(canvas, "left", PolygonPart{{{-16, 12}, {-1, 12}, {-1, -12}, {-16, -12}}});  // 60 columns
     EXPECT_EQ(canvas.wet().thickness_mm(59, 48), 0);
@@ -117,7 +117,7 @@ TEST(Canvas, DriesARegionOnly) {
 }
 
 TEST(Canvas, DriedLayersAreReliefAndCanBeLiftedOff) {
-    Canvas canvas = painted();
+    Canvas canvas = painted_once();
     dry(canvas, "first");
     float height = 0;
     canvas.relief_mm({64, 48, 65, 49}, &height, 1);

@@ -14,8 +14,6 @@ namespace {
 using testing::AllOf;
 using testing::HasSubstr;
 
-Event point(double t, double x, double y, double p = 0.6) { return PointEvent{{t, x, y, p, 0, 0, 0}}; }
-
 PileEvent pile_of(PaintParts paint, PointMm at) {
     PileEvent pile;
     pile.paint = std::move(paint);

@@ -22,8 +22,6 @@ StrokeEvent stroke_of(const std::string& preset, const std::string& paint, std::
     return event;
 }
 
-Event point(double t, double x, double y) { return PointEvent{{t, x, y, 0.6, 0, 0, 0}}; }
-
 std::vector<Event> a_little_picture() {
     std::vector<Event> events;
     const auto line = [&](StrokeEvent stroke, double y, double slope) {

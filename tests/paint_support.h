@@ -58,6 +58,9 @@ inline void stroke(Canvas& canvas, Brush& brush, PathPoint from, PathPoint to, d
     s.finish();
 }
 
+// Of a sitting: where [mm] the hand is, t seconds after it began.
+inline Event point(double t, double x, double y, double p = 0.6) { return PointEvent{{t, x, y, p, 0, 0, 0}}; }
+
 inline std::vector<double> on_both(const Canvas& canvas, const Brush& brush) {
     std::vector<double> sums = canvas.volumes_mm3();
     const auto more = brush.volumes_mm3(sums.size());

@@ -10,7 +10,6 @@ namespace tangi {
 namespace fs = std::filesystem;
 
 inline constexpr Region kCanvas{310, 10, 780, 660};  // of the window, without panels, probe and status line
-inline constexpr int kMiddleX = 650, kMiddleY = 350;
 
 inline Surface small_painting() {
     Surface s = painted_surface(160, 120);

@@ -11,15 +11,15 @@
 namespace tangi {
 namespace {
 
-constexpr int kWide = 200, kHigh = 160;
+constexpr int kLossesWide = 200, kLossesHigh = 160;
 
 // Two losses, in paint that is matt and in paint that is glossy: each retouch shines as what is round it.
 TEST(Retouch, HasTheGlossOfItsSurroundings) {
-    const auto surface = flat_surface(kWide, kHigh);
-    Mask loss(kWide, kHigh);
-    for (int y = 0; y < kHigh; ++y)
-        for (int x = 0; x < kWide; ++x) {
-            const bool left = x < kWide / 2;
+    const auto surface = flat_surface(kLossesWide, kLossesHigh);
+    Mask loss(kLossesWide, kLossesHigh);
+    for (int y = 0; y < kLossesHigh; ++y)
+        for (int x = 0; x < kLossesWide; ++x) {
+            const bool left = x < kLossesWide / 2;
             surface->specular(x, y) = left ? 0.08f : 0.03f;
             surface->roughness(x, y) = left ? 0.4f : 0.08f;
             loss(x, y) = y > 60 && y < 100 && ((x > 30 && x < 60) || (x > 140 && x < 170)) ? 1.0f : 0.0f;
@@ -50,18 +50,18 @@ TEST(Retouch, HasTheGlossOfItsSurroundings) {
 
 // A fill covers what its mask covers by half; a retouch as thin as coverage says would let it shine through.
 TEST(Retouch, LeavesNoRimOfTheFill) {
-    Mask soft(kWide, kHigh);
+    Mask soft(kLossesWide, kLossesHigh);
     for (int y = 60; y < 100; ++y)
         for (int x = 60; x < 120; ++x) soft(x, y) = x == 60 ? 0.55f : 1;
-    Canvas canvas = flat_canvas(kWide, kHigh);
-    Image<float> fill_mm(kWide, kHigh);
+    Canvas canvas = flat_canvas(kLossesWide, kLossesHigh);
+    Image<float> fill_mm(kLossesWide, kLossesHigh);
     for (std::size_t i = 0; i < soft.size(); ++i)
         fill_mm.pixels()[i] = soft.pixels()[i] >= 0.5f ? 0.2f : 0.0f;
     add_layer(canvas, "fill", pigment_of_rgb("chalk", Rgb(0.8f)), fill_mm, true);
     lay_retouch(canvas, artist_acrylics(), soft, {}, RetouchMode::mimetic, "retouch 1");
     const PaintLayer& paint = canvas.dried().back().paint;
-    for (int y = 0; y < kHigh; ++y)
-        for (int x = 0; x < kWide; ++x)
+    for (int y = 0; y < kLossesHigh; ++y)
+        for (int x = 0; x < kLossesWide; ++x)
             ASSERT_NEAR(paint.thickness_mm(x, y), soft(x, y) > 0 ? 0.05f : 0.0f, 1e-5f) << x << ", " << y;
 }
 

@@ -8,6 +8,7 @@
 #include "paint/retouch/treatment_steps.h"
 #include "surface/error.h"
 #include "surface/painting_file.h"
+#include "tests/damage_truth.h"
 #include "tests/paint_support.h"
 #include "tests/test_support.h"
 
@@ -16,8 +17,6 @@ namespace {
 
 using testing::HasSubstr;
 using testing::ThrowsMessage;
-
-double sum(const Mask& mask) { return area_of(mask, 1).mm2; }
 
 TEST(MaskDraft, TheBrushCoversItsAreaOnceHoweverItIsDrawn) {
     MaskDraft draft(Mask(200, 150));

@@ -25,7 +25,7 @@ using testing::HasSubstr;
 using testing::Not;
 using testing::ThrowsMessage;
 
-const Author kAuthor{"A. <Restorer>", "tangipaint test"};
+const Author kAuthorToEscape{"A. <Restorer>", "tangipaint test"};
 
 class Report : public testing::Test {
 protected:
@@ -34,16 +34,16 @@ protected:
         for (int y = 20; y < 40; ++y)
             for (int x = 30; x < 60; ++x) surface->height_mm(x, y) = -0.3f;
         write_painting(dir_ / "p.exr", *surface);
-        Treatment treatment = Treatment::begin(folder(), dir_ / "p.exr", kAuthor);
+        Treatment treatment = Treatment::begin(folder(), dir_ / "p.exr", kAuthorToEscape);
         const Mask loss = mask_of_polygons({{{30, 20}, {60, 20}, {60, 40}, {30, 40}}}, 90, 60);
-        treatment.record({.action = "draw", .masks = {{"loss_to_ground", loss}}}, kAuthor);
+        treatment.record({.action = "draw", .masks = {{"loss_to_ground", loss}}}, kAuthorToEscape);
         Canvas canvas = treatment.read_canvas();
         lay_fill(canvas, "fill 1", loss, {}, FillTexture::smooth, Rgb(0.8f));
         treatment.record({.action = "fill",
                           .parameters = {{"texture", "smooth"}},
                           .canvas = &canvas,
                           .added = {{"fill 1", LayerRole::fill}}},
-                         kAuthor);
+                         kAuthorToEscape);
     }
     std::filesystem::path folder() const { return dir_ / "p.treatment"; }
 
@@ -85,7 +85,7 @@ TEST_F(Report, CountsHeldOutPhotographsApart) {
              .fitted = i != 3});
     const auto page_of = [&](const std::string& name) {
         write_painting(dir_ / (name + ".exr"), *surface);
-        const Treatment treatment = Treatment::begin(dir_ / name, dir_ / (name + ".exr"), kAuthor);
+        const Treatment treatment = Treatment::begin(dir_ / name, dir_ / (name + ".exr"), kAuthorToEscape);
         write_treatment_report(treatment, dir_ / (name + ".html"), "tangipaint test");
         return read_text_file(dir_ / (name + ".html"));
     };
@@ -155,7 +155,7 @@ TEST_F(Report, TheStateBeforeIsTheEarlierCaptureWhereThereIsOne) {
     write_painting(dir_ / "dirty.exr", *dirty);
     const Canvas canvas = treatment.read_canvas();
     const Rgb clean = surface_in_state(treatment, canvas, TreatmentState::before).diffuse(5, 5);
-    treatment.keep_earlier(dir_ / "dirty.exr", kAuthor);
+    treatment.keep_earlier(dir_ / "dirty.exr", kAuthorToEscape);
     treatment = Treatment::open(folder());
     EXPECT_TRUE(treatment.has_earlier());
     EXPECT_NEAR(surface_in_state(treatment, canvas, TreatmentState::before).diffuse(5, 5).b, 0.2f * clean.b,
@@ -166,7 +166,7 @@ TEST_F(Report, TheStateBeforeIsTheEarlierCaptureWhereThereIsOne) {
     EXPECT_THAT(read_text_file(dir_ / "report.html"), HasSubstr("cleaned, raking from above"));
     // Of another size, or changed behind the log's back.
     write_painting(dir_ / "small.exr", *flat_surface(80, 60));
-    EXPECT_THAT([&] { treatment.keep_earlier(dir_ / "small.exr", kAuthor); },
+    EXPECT_THAT([&] { treatment.keep_earlier(dir_ / "small.exr", kAuthorToEscape); },
                 ThrowsMessage<Error>(HasSubstr("--align-to")));
     write_text_file(folder() / "earlier.exr", "edited");
     EXPECT_EQ(treatment.check().size(), 1u);
@@ -179,14 +179,14 @@ TEST_F(Report, OfAPaintingWithoutAScaleStatesNoMillimetres) {
     for (int y = 20; y < 40; ++y)
         for (int x = 30; x < 60; ++x) surface->height_mm(x, y) = -0.3f;
     write_painting(dir_ / "u.exr", *surface);
-    Treatment treatment = Treatment::begin(dir_ / "u.treatment", dir_ / "u.exr", kAuthor);
+    Treatment treatment = Treatment::begin(dir_ / "u.treatment", dir_ / "u.exr", kAuthorToEscape);
     Mask loss(90, 60);
     for (int y = 20; y < 40; ++y)
         for (int x = 30; x < 60; ++x) loss(x, y) = 1;
-    draw_step(treatment, DamageClass::loss_to_ground, loss, {}, kAuthor);
+    draw_step(treatment, DamageClass::loss_to_ground, loss, {}, kAuthorToEscape);
     Canvas canvas = treatment.read_canvas();
     const nlohmann::json filled =
-        fill_step(treatment, canvas, {loss}, FillTexture::smooth, Rgb(0.8f), {}, kAuthor);
+        fill_step(treatment, canvas, {loss}, FillTexture::smooth, Rgb(0.8f), {}, kAuthorToEscape);
     EXPECT_GT(filled["deepest_px"].get<double>(), 0);
     EXPECT_EQ(filled.dump().find("_mm"), std::string::npos) << filled;
     const nlohmann::json gloss = {{"specular", 0.031},
@@ -196,7 +196,8 @@ TEST_F(Report, OfAPaintingWithoutAScaleStatesNoMillimetres) {
                                   {"boxes_px", {{30, 20, 60, 40}, {1, 2, 3, 4}}},
                                   {"of_paints", {{"specular", 0.04}, {"roughness", 0.15}}},
                                   {"remedy", "matting agent"}};
-    treatment.record({.action = "test", .results = {{"layer", "fill 1"}, {"gloss", {gloss}}}}, kAuthor);
+    treatment.record({.action = "test", .results = {{"layer", "fill 1"}, {"gloss", {gloss}}}},
+                     kAuthorToEscape);
     write_treatment_report(treatment, dir_ / "u.html", "tangipaint test");
     const std::string page = read_text_file(dir_ / "u.html");
     const std::string measured = page.substr(0, page.find("6. Log"));

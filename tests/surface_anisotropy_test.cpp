@@ -12,7 +12,7 @@
 namespace tangi {
 namespace {
 
-constexpr float kPi = std::numbers::pi_v<float>;
+constexpr float kFloatPi = std::numbers::pi_v<float>;
 
 struct Brushed {
     float alpha = 0.2f;
@@ -36,10 +36,10 @@ TEST(Anisotropy, StretchesAreToldInOneWayOnly) {
         const auto alpha = static_cast<float>(random.uniform(0.03, 0.7));
         const LobeAxes axes = axes_of(stretch, alpha);
         EXPECT_LE(axes.roughness_v, alpha);
-        EXPECT_LE(std::abs(axes.tangent), kPi / 2 + 1e-6f);
+        EXPECT_LE(std::abs(axes.tangent), kFloatPi / 2 + 1e-6f);
         EXPECT_LT(glm::length(stretch_of(axes, alpha) - stretch), 2e-6f);
         // The same lobe, told by the other axis.
-        const LobeAxes other{alpha * alpha / axes.roughness_v, axes.tangent + kPi / 2};
+        const LobeAxes other{alpha * alpha / axes.roughness_v, axes.tangent + kFloatPi / 2};
         EXPECT_LT(glm::length(stretch_of(other, alpha) - stretch), 3e-6f);
     }
     EXPECT_EQ(axes_of(Stretch(0), 0.3f), (LobeAxes{0.3f, 0}));
@@ -83,14 +83,14 @@ double albedo(const Brushed& brushed, const Vec3& n, const Vec3& v, int count = 
     for (int i = 0; i < count; ++i)
         for (int j = 0; j < count; ++j) {
             const float u = (static_cast<float>(i) + 0.5f) / static_cast<float>(count);
-            const float angle = 2 * kPi * (static_cast<float>(j) + 0.5f) / static_cast<float>(count);
+            const float angle = 2 * kFloatPi * (static_cast<float>(j) + 0.5f) / static_cast<float>(count);
             const float r = std::sqrt(-std::log(u));
             const float x = along * r * std::cos(angle), y = across * r * std::sin(angle);
             const Vec3 h = glm::normalize(x * t + y * b + n);
             const float v_h = glm::dot(v, h), h_n = glm::dot(h, n);
             const Vec3 l = 2 * v_h * h - v;
             if (v_h <= 0 || glm::dot(l, n) <= 0) continue;
-            const double density = u / (kPi * along * across * h_n * h_n * h_n);
+            const double density = u / (kFloatPi * along * across * h_n * h_n * h_n);
             sum += brushed.lobe(n, l, v) * glm::dot(l, n) * 4 * v_h / density;
         }
     return sum / (count * count);
@@ -140,7 +140,7 @@ TEST(Anisotropy, IsWideAlongItsTangentWhenRelit) {
         return relight(s, {&light, 1})(0, 0).g;
     };
     EXPECT_GT(shine({0.5f, 0, 1}), 5 * shine({0, 0.5f, 1}));
-    s.lobe_axes(0, 0).tangent = kPi / 4;
+    s.lobe_axes(0, 0).tangent = kFloatPi / 4;
     EXPECT_GT(shine({0.35f, 0.35f, 1}), 5 * shine({0.35f, -0.35f, 1}));
     s.lobe_axes = {};
     EXPECT_FLOAT_EQ(shine({0.5f, 0, 1}), shine({0, 0.5f, 1}));

@@ -12,8 +12,6 @@
 namespace tangi {
 namespace {
 
-constexpr Transfer kLinear{Transfer::Kind::linear};
-constexpr Transfer kSrgb{Transfer::Kind::srgb};
 Transfer gamma(double value) { return {Transfer::Kind::gamma, value}; }
 Transfer curve(double gamma, double bend, double bow) { return {Transfer::Kind::curve, gamma, bend, bow}; }
 

@@ -7,17 +7,13 @@
 #include <glm/geometric.hpp>
 
 #include "surface/ward.h"
+#include "tests/reflectance_support.h"
 #include "tests/test_support.h"
 
 namespace tangi {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr double kRoughnesses[] = {0, 0.1, 0.3, 0.6, 1};
-
-glm::dvec3 direction(double theta, double phi) {
-    return {std::sin(theta) * std::cos(phi), std::sin(theta) * std::sin(phi), std::cos(theta)};
-}
 
 TEST(RoughDiffuse, IsLambertsLawWhereItIsNotRough) {
     Random random(1);

@@ -10,7 +10,7 @@
 namespace tangi {
 namespace {
 
-Surface random_surface(int width, int height) {
+Surface random_channels(int width, int height) {
     Random random(1);
     Surface s(width, height);
     for (const DryChannel& channel : channels_of(s))
@@ -19,7 +19,7 @@ Surface random_surface(int width, int height) {
 }
 
 TEST(HashOf, ChangesWithEveryMapAndStaysOtherwise) {
-    Surface s = random_surface(20, 33);
+    Surface s = random_channels(20, 33);
     const std::string hash = hash_of(s);
     EXPECT_EQ(hash.size(), 16u);
     const auto changes = [&](float& value) {
@@ -44,7 +44,7 @@ TEST(HashOf, ChangesWithEveryMapAndStaysOtherwise) {
 }
 
 TEST(HashOf, SeesRowsThatChangePlaces) {
-    Surface s = random_surface(5, 4);
+    Surface s = random_channels(5, 4);
     const std::string hash = hash_of(s);
     for (int x = 0; x < 5; ++x) std::swap(s.specular(x, 1), s.specular(x, 2));
     EXPECT_NE(hash_of(s), hash);

@@ -55,8 +55,8 @@ TEST(Options, OfWhichSeveralAreWrongNameTheFirst) {
 }
 
 TEST(Options, BecomeJsonFieldByField) {
-    const nlohmann::json json = to_json(TestOptions{.steps = 7, .scale = 1.5, .fast = true});
-    EXPECT_EQ(json.dump(), R"({"fast":true,"scale":1.5,"size_mm":0.5,"steps":7})");
+    const nlohmann::json written = to_json(TestOptions{.steps = 7, .scale = 1.5, .fast = true});
+    EXPECT_EQ(written.dump(), R"({"fast":true,"scale":1.5,"size_mm":0.5,"steps":7})");
     EXPECT_TRUE(to_json(TestOptions{})["scale"].is_null());
 }
 

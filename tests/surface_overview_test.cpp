@@ -10,14 +10,14 @@
 namespace tangi {
 namespace {
 
-constexpr int kWidth = 4001, kHeight = 1000;  // four million pixels, in squares of 4
+constexpr int kLargeWidth = 4001, kLargeHeight = 1000;  // four million pixels, in squares of 4
 
 Surface large() {
-    Surface s(kWidth, kHeight);
+    Surface s(kLargeWidth, kLargeHeight);
     s.mm_per_pixel = 0.5;
     s.law = {.diffuse_roughness = 0.25, .haze = 0.5};
-    for (int y = 0; y < kHeight; ++y)
-        for (int x = 0; x < kWidth; ++x) {
+    for (int y = 0; y < kLargeHeight; ++y)
+        for (int x = 0; x < kLargeWidth; ++x) {
             s.diffuse(x, y) = Rgb(x < 2000 ? 0.25f : 0.75f, y < 400 ? 0.5f : 0.0f, 0.125f);
             s.normal(x, y) = normal_of({x % 2 ? 0.3f : -0.3f, 0});
             s.specular(x, y) = 0.05f;
@@ -34,8 +34,8 @@ TEST(Overview, IsTheMeanOfWhatIsSeen) {
     write_painting(dir / "a.exr", s);
     const std::optional<Overview> overview = read_overview(dir / "a.exr");
     ASSERT_TRUE(overview);
-    EXPECT_EQ(overview->width, kWidth);
-    EXPECT_EQ(overview->height, kHeight);
+    EXPECT_EQ(overview->width, kLargeWidth);
+    EXPECT_EQ(overview->height, kLargeHeight);
     const Surface& small = overview->surface;
     EXPECT_EQ(small.width(), 1001);
     EXPECT_EQ(small.height(), 250);

@@ -14,23 +14,23 @@ using testing::AllOf;
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-constexpr int kWidth = 70, kHeight = 150;  // more than two bands of rows
+constexpr int kPartWidth = 70, kPartHeight = 150;  // more than two bands of rows
 
 float value_at(int channel, int x, int y) { return static_cast<float>(channel * 100000 + y * 100 + x) / 7; }
 
 void write_two_parts(const std::filesystem::path& path) {
     std::vector<PartToWrite> parts(2);
-    parts[0].info = {"one", kWidth, kHeight, {"a", "b.x"}, {{"said", "some \"text\""}}};
+    parts[0].info = {"one", kPartWidth, kPartHeight, {"a", "b.x"}, {{"said", "some \"text\""}}};
     parts[0].fill = [](int y0, int y1, std::span<float* const> planes) {
         for (int c = 0; c < 2; ++c)
             for (int y = y0; y < y1; ++y)
-                for (int x = 0; x < kWidth; ++x)
-                    planes[static_cast<std::size_t>(c)][(y - y0) * kWidth + x] = value_at(c, x, y);
+                for (int x = 0; x < kPartWidth; ++x)
+                    planes[static_cast<std::size_t>(c)][(y - y0) * kPartWidth + x] = value_at(c, x, y);
     };
-    parts[1].info = {"two", kWidth, kHeight, {"c"}, {}};
+    parts[1].info = {"two", kPartWidth, kPartHeight, {"c"}, {}};
     parts[1].fill = [](int, int, std::span<float* const>) {};  // 0 everywhere
     AtomicFile file(path);
-    write_painting(file, Surface(kWidth, kHeight), parts);
+    write_painting(file, Surface(kPartWidth, kPartHeight), parts);
 }
 
 TEST(PaintingParts, ComeBackBitForBit) {
@@ -41,21 +41,22 @@ TEST(PaintingParts, ComeBackBitForBit) {
     EXPECT_EQ(parts[0].name, "one");
     EXPECT_THAT(parts[0].channels, ElementsAre("a", "b.x"));
     EXPECT_EQ(parts[0].attributes.at("said"), "some \"text\"");
-    EXPECT_EQ(parts[1].width, kWidth);
+    EXPECT_EQ(parts[1].width, kPartWidth);
     int next = 0;
     read_painting_part(dir / "a.exr", parts[0], [&](int y0, int y1, std::span<const float* const> planes) {
         EXPECT_EQ(y0, next);
         next = y1;
         for (int c = 0; c < 2; ++c)
             for (int y = y0; y < y1; ++y)
-                for (int x = 0; x < kWidth; ++x)
-                    ASSERT_EQ(planes[static_cast<std::size_t>(c)][(y - y0) * kWidth + x], value_at(c, x, y))
+                for (int x = 0; x < kPartWidth; ++x)
+                    ASSERT_EQ(planes[static_cast<std::size_t>(c)][(y - y0) * kPartWidth + x],
+                              value_at(c, x, y))
                         << x << ' ' << y;
     });
-    EXPECT_EQ(next, kHeight);
+    EXPECT_EQ(next, kPartHeight);
     read_painting_part(dir / "a.exr", parts[1],
                        [&](int, int, std::span<const float* const> planes) { EXPECT_EQ(planes[0][5], 0); });
-    EXPECT_EQ(read_painting(dir / "a.exr").width(), kWidth);  // the dry part is what it always was
+    EXPECT_EQ(read_painting(dir / "a.exr").width(), kPartWidth);  // the dry part is what it always was
 }
 
 TEST(PaintingParts, PixelsAreReadWhereTheyAreAskedFor) {
@@ -63,7 +64,7 @@ TEST(PaintingParts, PixelsAreReadWhereTheyAreAskedFor) {
     write_two_parts(dir / "a.exr");
     const PartInfo one = painting_parts(dir / "a.exr")[0];
     PartPixels pixels(dir / "a.exr", one);
-    write_painting(dir / "a.exr", Surface(kWidth, kHeight));  // takes its place
+    write_painting(dir / "a.exr", Surface(kPartWidth, kPartHeight));  // takes its place
     for (const auto& [x, y] : {std::pair(0, 0), {69, 149}, {3, 15}, {4, 16}, {68, 148}, {5, 16}})
         for (int c = 0; c < 2; ++c)
             EXPECT_EQ(pixels.at(x, y)[static_cast<std::size_t>(c)], value_at(c, x, y)) << x << ' ' << y;

@@ -13,9 +13,6 @@ namespace {
 using testing::HasSubstr;
 using testing::StartsWith;
 
-constexpr Transfer kLinear{Transfer::Kind::linear};
-constexpr Transfer kSrgb{Transfer::Kind::srgb};
-
 Image<Rgb> random_picture(int width, int height, double low = 0, double high = 1) {
     Random random(1);
     Image<Rgb> picture(width, height);

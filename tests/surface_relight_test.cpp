@@ -7,12 +7,11 @@
 #include <numbers>
 
 #include "surface/parallel.h"
+#include "tests/reflectance_support.h"
 #include "tests/test_support.h"
 
 namespace tangi {
 namespace {
-
-constexpr WardModel kModels[] = {WardModel::ward1992, WardModel::duer, WardModel::bounded};
 
 // A surface with relief and paints of all kinds.
 Surface bumpy(int width, int height, std::uint64_t seed = 1) {

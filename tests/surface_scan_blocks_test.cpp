@@ -11,14 +11,14 @@
 namespace tangi {
 namespace {
 
-constexpr int kWidth = 37, kHeight = 61;  // no whole number of blocks, nor of vectors
+constexpr int kOddWidth = 37, kOddHeight = 61;  // no whole number of blocks, nor of vectors
 
 // Rows that are noise cannot be packed, even ones can; both kinds of blocks.
 void write_a_painting(const std::filesystem::path& path) {
     Random random(3);
-    Surface s(kWidth, kHeight);
-    for (int y = 0; y < kHeight; ++y)
-        for (int x = 0; x < kWidth; ++x) {
+    Surface s(kOddWidth, kOddHeight);
+    for (int y = 0; y < kOddHeight; ++y)
+        for (int x = 0; x < kOddWidth; ++x) {
             s.height_mm(x, y) = y < 20 ? static_cast<float>(random.real(-1, 1)) : 0.5f;
             s.diffuse(x, y) = {0.001f * static_cast<float>(x), 0.25f, static_cast<float>(random.real(0, 1))};
             s.confidence(x, y) = 1;
@@ -29,12 +29,12 @@ void write_a_painting(const std::filesystem::path& path) {
 std::vector<float> by_openexr(const std::filesystem::path& path, const std::string& channel) {
     PartInfo info;
     info.name = "dry";
-    info.width = kWidth;
-    info.height = kHeight;
+    info.width = kOddWidth;
+    info.height = kOddHeight;
     info.channels = {channel};
     std::vector<float> values;
     read_painting_part(path, info, [&](int y0, int y1, std::span<const float* const> planes) {
-        values.insert(values.end(), planes[0], planes[0] + (y1 - y0) * kWidth);
+        values.insert(values.end(), planes[0], planes[0] + (y1 - y0) * kOddWidth);
     });
     return values;
 }
@@ -42,10 +42,10 @@ std::vector<float> by_openexr(const std::filesystem::path& path, const std::stri
 TEST(ScanBlocks, AreWhatOpenExrReads) {
     const TestDir dir;
     write_a_painting(dir / "a.exr");
-    std::vector<float> height(kWidth * kHeight), colour(3 * kWidth * kHeight);
+    std::vector<float> height(kOddWidth * kOddHeight), colour(3 * kOddWidth * kOddHeight);
     const std::vector<FloatPlane> planes = {
         {"height", height.data(), 1}, {"diffuse.R", colour.data(), 3}, {"diffuse.B", colour.data() + 2, 3}};
-    std::vector<std::atomic<int>> seen(kHeight);
+    std::vector<std::atomic<int>> seen(kOddHeight);
     ASSERT_TRUE(read_scan_blocks(dir / "a.exr", "dry", planes, [&](int y0, int y1) {
         for (int y = y0; y < y1; ++y) ++seen[static_cast<std::size_t>(y)];
     }));
@@ -88,7 +88,7 @@ TEST(ScanBlocks, DamageIsAnError) {
     for (std::size_t i = bytes.size() - 60; i < bytes.size() - 20; ++i)
         bytes[i] = static_cast<char>(~bytes[i]);
     write_bytes(dir / "bad.exr", bytes);
-    std::vector<float> values(kWidth * kHeight);
+    std::vector<float> values(kOddWidth * kOddHeight);
     const std::vector<FloatPlane> planes = {{"height", values.data(), 1}};
     EXPECT_THROW(read_scan_blocks(dir / "bad.exr", "dry", planes, [](int, int) {}), std::runtime_error);
     EXPECT_THAT(error_of([&] { read_painting(dir / "bad.exr"); }),

@@ -9,18 +9,13 @@
 #include <numbers>
 #include <sstream>
 
+#include "tests/reflectance_support.h"
 #include "tests/test_support.h"
 
 namespace tangi {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-constexpr WardModel kModels[] = {WardModel::ward1992, WardModel::duer, WardModel::bounded};
 using DVec3 = glm::dvec3;
-
-DVec3 direction(double theta, double phi) {
-    return {std::sin(theta) * std::cos(phi), std::sin(theta) * std::sin(phi), std::cos(theta)};
-}
 
 // Angles in the frame of the surface itself: n = z, tangent = x, bitangent = y.
 WardAngles<double> angles_between(const DVec3& l, const DVec3& v) {

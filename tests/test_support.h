@@ -56,6 +56,8 @@ private:
     std::filesystem::path path_;
 };
 
+inline constexpr Transfer kLinear{Transfer::Kind::linear}, kSrgb{Transfer::Kind::srgb};
+
 // The message of the Error that `call` throws; fails the test where it throws none, or something else.
 template <class Call>
 std::string error_of(Call&& call) {

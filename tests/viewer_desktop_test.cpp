@@ -12,8 +12,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kMiddleX = 650, kMiddleY = 350;
-
 Surface painting_of(const Rgb& colour) {
     Surface s = painted_surface(160, 120);
     for (Rgb& c : s.diffuse.pixels()) c = colour;

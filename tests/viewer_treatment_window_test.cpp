@@ -15,7 +15,7 @@ namespace {
 namespace fs = std::filesystem;
 
 // Of the window: the painting between the two columns.
-constexpr Region kCanvas{310, 200, 660, 500};
+constexpr Region kCanvasBesidePanels{310, 200, 660, 500};
 constexpr int kX = 485, kY = 350;  // its middle
 
 class TreatmentWindow : public testing::Test {
@@ -85,7 +85,8 @@ TEST_F(TreatmentWindow, TheWholeSequence) {
     const auto bare = screen_->picture();
 
     screen_->key("ctrl+g");
-    EXPECT_TRUE(screen_->becomes_different(bare, kCanvas, 0.002)) << "the suggestion lies over the painting";
+    EXPECT_TRUE(screen_->becomes_different(bare, kCanvasBesidePanels, 0.002))
+        << "the suggestion lies over the painting";
     rest();
     EXPECT_EQ(logged("suggest damage"), 0) << "nothing is changed before one takes it over";
     screen_->key("ctrl+Return");
@@ -139,10 +140,10 @@ TEST_F(TreatmentWindow, TheWholeSequence) {
     start(treatment_);
     const auto now = screen_->picture();
     screen_->key("n");
-    EXPECT_TRUE(screen_->becomes_different(now, kCanvas, 0.002)) << "before";
+    EXPECT_TRUE(screen_->becomes_different(now, kCanvasBesidePanels, 0.002)) << "before";
     rest();
     screen_->x({"key", "n", "key", "n", "key", "n", "key", "n"});
-    EXPECT_TRUE(screen_->becomes_alike(now, kCanvas, 0.002)) << "now";
+    EXPECT_TRUE(screen_->becomes_alike(now, kCanvasBesidePanels, 0.002)) << "now";
     rest();
     screen_->key("ctrl+shift+r");
     rest();

@@ -14,7 +14,7 @@ namespace {
 
 constexpr int kPanels = 300;  // [pixels] of the column
 // Places of the panels, with File and Tools folded while one paints.
-constexpr std::pair<int, int> kFile{143, 18}, kTools{143, 93}, kMixing{18, 424}, kLayOut{615, 51};
+constexpr std::pair<int, int> kFile{143, 18}, kToolsPart{143, 93}, kMixing{18, 424}, kLayOut{615, 51};
 
 class DataWindow : public Window {
 protected:
@@ -97,7 +97,7 @@ TEST_F(DataWindow, TheFittedIconIsTiltedLitPaintedMixedSavedAndCompared) {
 
     screen_->key("b");
     click(kFile);
-    click(kTools);
+    click(kToolsPart);
     auto before = screen_->settled();
     for (int i = 0; i < 3; ++i) {
         const int y = kMiddleY + 100 + 60 * i;

@@ -11,6 +11,8 @@
 
 namespace tangi {
 
+inline constexpr int kMiddleX = 650, kMiddleY = 350;  // [pixels] of the window's canvas
+
 class Screen {
 public:
     static constexpr int kWidth = 1000, kHeight = 700;

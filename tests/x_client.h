@@ -34,7 +34,7 @@ public:
     // Drags this text/uri-list over the first window that takes such, and lets go (XDND, version 5). False
     // where none takes it within ten seconds.
     bool drop(const std::string& uris, int x, int y) {
-        const std::optional<Window> target = aware_window();
+        const std::optional<::Window> target = aware_window();
         if (!target) return false;
         const auto l = [](Atom atom) { return static_cast<long>(atom); };
         XSetSelectionOwner(display_, atom("XdndSelection"), window_, CurrentTime);
@@ -48,7 +48,8 @@ public:
     }
 
 private:
-    Window root() const { return DefaultRootWindow(display_); }
+    // X's, not the tests of that name.
+    ::Window root() const { return DefaultRootWindow(display_); }
     Atom atom(const char* name) const { return XInternAtom(display_, name, False); }
 
     void set_on_root(const char* name, Atom type, const std::string& bytes) const {
@@ -57,10 +58,10 @@ private:
         XSync(display_, False);
     }
 
-    std::optional<Window> aware_window() const {
-        Window top = 0, parent = 0, *children = nullptr;
+    std::optional<::Window> aware_window() const {
+        ::Window top = 0, parent = 0, *children = nullptr;
         unsigned count = 0;
-        std::optional<Window> found;
+        std::optional<::Window> found;
         XQueryTree(display_, root(), &top, &parent, &children, &count);
         for (unsigned i = 0; i < count && !found; ++i) {
             int properties = 0;
@@ -73,7 +74,7 @@ private:
         return found;
     }
 
-    void send(Window to, const char* type, std::initializer_list<long> data) const {
+    void send(::Window to, const char* type, std::initializer_list<long> data) const {
         XEvent event{};
         event.xclient.type = ClientMessage;
         event.xclient.window = to;
@@ -114,7 +115,7 @@ private:
     }
 
     Display* display_;
-    Window window_ = 0;
+    ::Window window_ = 0;
 };
 
 }  // namespace tangi

@@ -1,11 +1,9 @@
 #include "viewer/desktop.h"
 
-#include <epoxy/gl.h>
-// GLFW must not bring another loader's headers.
-#define GLFW_INCLUDE_NONE
 #include <GLFW/glfw3.h>
 #include <backends/imgui_impl_glfw.h>
 #include <backends/imgui_impl_opengl3.h>
+#include <epoxy/gl.h>
 #include <fontconfig/fontconfig.h>
 #include <imgui.h>
 #include <imgui_freetype.h>

@@ -4,13 +4,13 @@
 #include <cmath>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
+#include <glm/trigonometric.hpp>
 #include <numbers>
 
 namespace tangi {
 
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180;
 constexpr double kDegreesPerHeight = 120;
 constexpr double kHalfSpeed_s = 0.15, kHalfWay_s = 0.06;
 constexpr double kStill_deg_per_s = 1, kThere_deg = 0.05;
@@ -35,7 +35,9 @@ glm::dmat3 rotation_xyz(double x, double y, double z) {
     return rotation_x(x) * rotation_y(y) * rotation_z(z);
 }
 
-glm::dmat3 Tilt::rotation() const { return rotation_xyz(angle_deg.x * kDegree, angle_deg.y * kDegree, 0); }
+glm::dmat3 Tilt::rotation() const {
+    return rotation_xyz(glm::radians(angle_deg.x), glm::radians(angle_deg.y), 0);
+}
 
 bool Tilt::moves() const { return returning || speed_deg_per_s != glm::dvec2(0); }
 

@@ -1,11 +1,9 @@
 #include "viewer/window.h"
 
-#include <epoxy/gl.h>
-// GLFW must not bring another loader's headers.
-#define GLFW_INCLUDE_NONE
 #include <GLFW/glfw3.h>
 #include <backends/imgui_impl_glfw.h>
 #include <backends/imgui_impl_opengl3.h>
+#include <epoxy/gl.h>
 #include <imgui.h>
 
 #include <algorithm>
@@ -42,7 +40,6 @@ constexpr double kFrame_s = 1 / 60.0;
 constexpr std::size_t kFetchBytes = std::size_t(8) << 20;  // for the loupe, in one frame
 constexpr int kMostMoments = 100;                          // of panels in one frame; further ones wait
 constexpr int kMostHeldFrames = 10;                        // that keys wait for what a dialog does
-constexpr double kProgress_s = 0.2;                        // between two pictures of how far something is
 
 }  // namespace
 

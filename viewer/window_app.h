@@ -33,6 +33,7 @@ public:
 
 private:
     static constexpr int kFramesAfterwards = 3;  // panels need some to settle
+    static constexpr double kProgress_s = 0.2;   // between two pictures of how far something is
 
     bool open_first();
     void draw_opening(std::shared_ptr<const TexelTiles> overview, double mm_per_pixel);

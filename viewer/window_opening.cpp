@@ -1,10 +1,8 @@
 // window_opening.cpp: the window opens: what is seen while a painting is read, and from then on.
-#include <epoxy/gl.h>
-// GLFW must not bring another loader's headers.
-#define GLFW_INCLUDE_NONE
 #include <GLFW/glfw3.h>
 #include <backends/imgui_impl_glfw.h>
 #include <backends/imgui_impl_opengl3.h>
+#include <epoxy/gl.h>
 #include <fmt/format.h>
 #include <imgui.h>
 
@@ -20,8 +18,7 @@ namespace tangi {
 namespace {
 
 constexpr double kMostBent = 0.1;  // [1/pixel] that the false colours of curvature begin with
-constexpr double kLook_s = 0.01,
-                 kProgress_s = 0.2;  // between two looks whether it is there; between two pictures
+constexpr double kLook_s = 0.01;   // between two looks whether it is there
 
 // No shadows, until the painter has made a map of them: the shader is the same.
 HorizonMap no_horizon() {

@@ -1,8 +1,6 @@
 // window_paintings.cpp: of the window: which painting is shown: opened, dropped on it, or a new canvas.
-#include <epoxy/gl.h>
-// GLFW must not bring another loader's headers.
-#define GLFW_INCLUDE_NONE
 #include <GLFW/glfw3.h>
+#include <epoxy/gl.h>
 #include <fmt/format.h>
 #include <unistd.h>
 

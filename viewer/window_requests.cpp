@@ -1,8 +1,6 @@
 // window_requests.cpp: what hand and panels ask of the window, and what comes back from the painter.
-#include <epoxy/gl.h>
-// GLFW must not bring another loader's headers.
-#define GLFW_INCLUDE_NONE
 #include <GLFW/glfw3.h>
+#include <epoxy/gl.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -16,7 +14,6 @@ namespace tangi {
 
 namespace {
 
-constexpr double kProgress_s = 0.2;      // between two pictures of how far something is
 constexpr double kHorizonPause_s = 0.4;  // after the last change, before shadows are made again
 constexpr std::size_t kUploadBytes = std::size_t(8) << 20;  // in one frame
 

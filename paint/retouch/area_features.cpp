@@ -165,10 +165,6 @@ RimStep step_of(const std::vector<double>& in, const std::vector<double>& out,
     return r;
 }
 
-cv::Mat disc(int radius) {
-    return cv::getStructuringElement(cv::MORPH_ELLIPSE, {2 * radius + 1, 2 * radius + 1});
-}
-
 }  // namespace
 
 AreaFeatures area_features_of(const Surface& surface, double unit_mm, int most_px, const Progress& progress) {

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <opencv2/core.hpp>
+#include <string>
 #include <vector>
 
 #include "surface/progress.h"
@@ -78,5 +79,13 @@ std::vector<Area> areas_above(const cv::Mat& evidence, const std::vector<double>
 
 // Wider by `blocks` all round.
 Area grown(const Area& area, int blocks, const cv::Size& picture);
+
+constexpr int kSide_px = 640;  // areas are looked for in a copy of this size at most
+
+// How sure an area is, and by what.
+struct Judged {
+    double confidence = 0;
+    std::string cues;
+};
 
 }  // namespace tangi

@@ -17,17 +17,9 @@ namespace tangi {
 
 namespace {
 
-constexpr int kSide_px = 640;        // areas are looked for in a copy of this size at most
 constexpr double kMost = 0.4;        // [1] of the picture: larger areas are the picture
 constexpr double kStroke_mm2 = 100;  // what lies on the paint and is smaller may be a stroke of a broad brush
 constexpr int kLeast = 60;           // [blocks] fewer have no rim to judge by
-
-double rising(double v, double width) { return 1 / (1 + std::exp((1 - v) / width)); }  // 1/2 at 1
-
-struct Judged {
-    double confidence = 0;
-    std::string cues;
-};
 
 double colour_step(const Rim& rim) {
     return std::hypot(rim.of(Cue::lightness).step, rim.of(Cue::a).step, rim.of(Cue::b).step);
@@ -111,7 +103,7 @@ cv::Mat deviation(const cv::Mat& m, double part = 0.25) {
     return m - local_statistics(m, std::max(static_cast<int>(part * side), 8)).median;
 }
 
-struct Search {
+struct AreaSearch {
     std::vector<cv::Mat> evidence;
     std::vector<double> thresholds;
     int close, far;  // [blocks] from the rim
@@ -125,7 +117,7 @@ cv::Mat blurred(const cv::Mat& m, double sigma) {
     return result;
 }
 
-Search search_for(DamageClass damage, const AreaFeatures& f) {
+AreaSearch search_for(DamageClass damage, const AreaFeatures& f) {
     const cv::Mat rough = deviation(f.of(Cue::roughness)) / 0.25,
                   weak = -deviation(f.of(Cue::specular)) / 0.45;
     switch (damage) {
@@ -209,7 +201,7 @@ std::vector<Found> found_by_rims(const Surface& surface, double mm_per_pixel, Da
     block = f.block;
     const double block_mm2 = mm_per_pixel * mm_per_pixel * block * block;
     const int least = std::max(kLeast, static_cast<int>(std::ceil(options.smallest_area_mm2 / block_mm2)));
-    const Search search = search_for(damage, f);
+    const AreaSearch search = search_for(damage, f);
     // What suggest_loss() finds is neither worn nor filled, though it is lower, matt, and may be smooth.
     const Mask lost = damage == DamageClass::abrasion || damage == DamageClass::old_fill
                           ? suggest_loss(surface, mm_per_pixel).mask

@@ -37,7 +37,7 @@ struct Shift {
     bool found = false;
 };
 
-struct Search {
+struct PatchSearch {
     const Image<float>& detail_mm;  // the fine relief of the whole canvas
     const Mask& usable;             // where relief may come from
 };
@@ -45,7 +45,7 @@ struct Search {
 // The place nearby whose relief fits the ring around the patch best: least mean squared difference of the
 // fine relief on the ring, of which half must be usable there, and all of the patch. Of a wide reach every
 // `stride`-th place is tried, at most every `phase_px`-th, then those next to the best.
-Shift best_shift(const Patch& patch, const Search& s, int reach, double phase_px) {
+Shift best_shift(const Patch& patch, const PatchSearch& s, int reach, double phase_px) {
     std::vector<std::array<int, 2>> inside;  // some of the patch's pixels, to see that they are usable
     for (int y = 0; y < patch.unknown.height(); ++y)
         for (int x = 0; x < patch.unknown.width(); ++x)
@@ -119,7 +119,7 @@ void add_relief(Patch& patch, const Shift& shift, const Image<float>& source_mm,
 // Relief made of patches whose relief, colour and gloss go on from the rim, on the level smoothed as much as
 // the relief is finer than. `wide` is the loss with its rim. Where there is no whole patch, the level stays.
 // False where there was nothing to take relief from.
-bool add_patches(Patch& patch, const Surface& dry, const Image<float>& levelled_mm, const Search& s,
+bool add_patches(Patch& patch, const Surface& dry, const Image<float>& levelled_mm, const PatchSearch& s,
                  const Mask& wide, int reach, const Progress& progress) {
     const Region box{std::max(patch.box.x0 - reach, 0), std::max(patch.box.y0 - reach, 0),
                      std::min(patch.box.x1 + reach, wide.width()),

@@ -9,19 +9,19 @@
 
 #include "paint/retouch/area_features.h"
 #include "paint/retouch/flaking_suggestion.h"
+#include "paint/retouch/local_deviation.h"
 
 namespace tangi {
 
 namespace {
 
-constexpr int kSide_px = 640;        // areas are made in a copy of this size at most
-constexpr double kMost = 0.7;        // [1] of the picture: flaking may be nearly all of it
-constexpr int kDirections = 8;       // in which a crack may be crossed
-constexpr double kLifted_mm = 0.03;  // of an edge above its plate: along sound cracks paint curls by less
-constexpr double kDeep_mm = 0.10;    // of the gap below its edges: through paint that stands up by that much
-constexpr double kNear_mm = 3;       // sigma over which cracks are looked at together
-constexpr double kFewCracks = 0.04;  // [1] of the area; where there are no more, single ones tell nothing
-constexpr double kLeast_mm2 = 7;     // of lifted edges, some 0.7 mm wide: of four or five plates
+constexpr double kMostFlaking = 0.7;  // [1] of the picture: flaking may be nearly all of it
+constexpr int kDirections = 8;        // in which a crack may be crossed
+constexpr double kLifted_mm = 0.03;   // of an edge above its plate: along sound cracks paint curls by less
+constexpr double kDeep_mm = 0.10;     // of the gap below its edges: through paint that stands up by that much
+constexpr double kNear_mm = 3;        // sigma over which cracks are looked at together
+constexpr double kFewCracks = 0.04;   // [1] of the area; where there are no more, single ones tell nothing
+constexpr double kLeast_mm2 = 7;      // of lifted edges, some 0.7 mm wide: of four or five plates
 constexpr std::array<double, 4> kThresholds = {0.06, 0.09, 0.13, 0.18};
 
 // What stands beside a pixel of a crack, which is crossed where it is deepest.
@@ -32,7 +32,7 @@ struct Crossing {
 };
 
 // [pixels] from a crack: its gap, the edges beside it, and where their plates lie.
-struct Reach {
+struct CrackReach {
     float gap, edge, plate;
 };
 
@@ -54,7 +54,7 @@ private:
     double unit_mm_;
 };
 
-Crossing crossing_at(const Heights& heights, int x, int y, const Reach& reach) {
+Crossing crossing_at(const Heights& heights, int x, int y, const CrackReach& reach) {
     Crossing best;
     double deepest = -1e30;
     for (int i = 0; i < kDirections; ++i) {
@@ -103,7 +103,7 @@ Cracks cracks_of(const Surface& s, const Mask& lines, double mm_per_pixel) {
     const auto px = [mm_per_pixel](double mm, double least) {
         return static_cast<float>(std::max(mm / mm_per_pixel, least));
     };
-    const Reach reach{px(0.2, 0.7), px(0.9, 3), px(2.1, 7)};
+    const CrackReach reach{px(0.2, 0.7), px(0.9, 3), px(2.1, 7)};
     const Heights heights(s, mm_per_pixel / s.mm_per_pixel);
     for (int y = 0; y < s.height(); ++y)
         for (int x = 0; x < s.width(); ++x) {
@@ -135,13 +135,6 @@ cv::Mat evidence_of(const Cracks& c, double mm_per_pixel) {
     cv::magnitude(cosine, sine, along);
     return (lifted - along) / (all + kFewCracks * c.block * c.block);
 }
-
-double rising(double v, double width) { return 1 / (1 + std::exp((1 - v) / width)); }  // 1/2 at 1
-
-struct Judged {
-    double confidence = 0;
-    std::string cues;
-};
 
 double sum_in(const cv::Mat& m, const Area& area) {
     double sum = 0;
@@ -183,7 +176,7 @@ std::vector<FlakingArea> flaking_areas(const Surface& surface, double mm_per_pix
     const int least = std::max(static_cast<int>(std::ceil(smallest_mm2 / block_mm2)), 60);
     std::vector<FlakingArea> areas;
     for (Area& area : areas_above(evidence_of(cracks, mm_per_pixel), {kThresholds.begin(), kThresholds.end()},
-                                  least, kMost)) {
+                                  least, kMostFlaking)) {
         Judged judged = judge(cracks, area, mm_per_pixel);
         areas.push_back({std::move(area), judged.confidence, std::move(judged.cues)});
     }

@@ -13,21 +13,21 @@ namespace tangi {
 
 namespace {
 
-constexpr int kSide_px = 640;  // patches are looked for in a copy of this size at most
+constexpr int kGlossSide_px = 640;  // patches are looked for in a copy of this size at most
 
 // Logarithms of alpha and rho_s; medians of 5 x 5 pixels, as single pixels of both are noisy.
-struct Gloss {
+struct GlossMaps {
     cv::Mat roughness, specular;
 };
 
-Gloss gloss_of(const Surface& s, double factor) {
+GlossMaps gloss_of(const Surface& s, double factor) {
     cv::Mat roughness(s.height(), s.width(), CV_32F), specular(s.height(), s.width(), CV_32F);
     for (int y = 0; y < s.height(); ++y)
         for (int x = 0; x < s.width(); ++x) {
             roughness.at<float>(y, x) = std::log(std::max(s.roughness(x, y), 1e-3f));
             specular.at<float>(y, x) = std::log(std::max(s.specular(x, y), 0.0f) + 0.004f);
         }
-    Gloss gloss;
+    GlossMaps gloss;
     for (auto [from, to] : {std::pair{&roughness, &gloss.roughness}, {&specular, &gloss.specular}}) {
         cv::Mat small, smooth;
         cv::resize(*from, small, {}, factor, factor, cv::INTER_AREA);
@@ -43,7 +43,7 @@ struct Contrast {
     cv::Mat glossier, matter;
 };
 
-Contrast contrast_of(const Gloss& gloss, int radius, float wanted) {
+Contrast contrast_of(const GlossMaps& gloss, int radius, float wanted) {
     const cv::Mat wider = gloss.roughness - local_statistics(gloss.roughness, radius).median;
     const cv::Mat weaker = local_statistics(gloss.specular, radius).median - gloss.specular;
     cv::Mat matter = cv::max(wider, weaker);
@@ -59,10 +59,6 @@ float median_in(const cv::Mat& values, const cv::Mat& inside) {
     return median(std::move(some));
 }
 
-cv::Mat disc(int radius) {
-    return cv::getStructuringElement(cv::MORPH_ELLIPSE, {2 * radius + 1, 2 * radius + 1});
-}
-
 }  // namespace
 
 GlossSuggestion suggest_gloss(const Surface& surface, double mm_per_pixel, const GlossOptions& options,
@@ -75,8 +71,8 @@ GlossSuggestion suggest_gloss(const Surface& surface, double mm_per_pixel, const
         *s = {Mask(width, height), Image<float>(width, height)};
     if (width < 32 || height < 32) return result;
     report(progress, "compare gloss", 0);
-    const double factor = std::min(1.0, kSide_px / static_cast<double>(std::max(width, height)));
-    const Gloss gloss = gloss_of(surface, factor);
+    const double factor = std::min(1.0, kGlossSide_px / static_cast<double>(std::max(width, height)));
+    const GlossMaps gloss = gloss_of(surface, factor);
     const int side = std::min(gloss.roughness.cols, gloss.roughness.rows);
     const auto wanted = static_cast<float>(std::log(options.contrast));
     const Contrast contrast = contrast_of(gloss, std::max(static_cast<int>(0.3 * side), 8), wanted);

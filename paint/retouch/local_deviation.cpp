@@ -57,4 +57,8 @@ cv::Mat local_spread(const cv::Mat& deviations, int radius) {
     return 1.4826 * median_of(bytes_of(deviations), radius);
 }
 
+cv::Mat disc(int radius) {
+    return cv::getStructuringElement(cv::MORPH_ELLIPSE, {2 * radius + 1, 2 * radius + 1});
+}
+
 }  // namespace tangi

@@ -2,6 +2,7 @@
 // sources of this module only.
 #pragma once
 
+#include <cmath>
 #include <opencv2/core.hpp>
 
 namespace tangi {
@@ -19,5 +20,11 @@ cv::Mat local_spread(const cv::Mat& deviations, int radius);
 
 // The value that `part` of all values are below.
 float quantile(const cv::Mat& values, double part);
+
+// [1] How sure what stands out makes one: 1/2 at 1, the steeper the smaller `width` is.
+inline double rising(double v, double width) { return 1 / (1 + std::exp((1 - v) / width)); }
+
+// What areas are widened or narrowed by that many pixels with.
+cv::Mat disc(int radius);
 
 }  // namespace tangi

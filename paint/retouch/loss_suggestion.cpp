@@ -225,9 +225,6 @@ double judged(const Features& f, const cv::Mat& inside, float level_mm, const Lo
                                        std::abs(f.roughness.at<float>(o) - f.roughness.at<float>(i))));
         }
     if (colours.size() < 8) return 0;
-    const auto rising = [](double v, double width) {
-        return 1 / (1 + std::exp((1 - v) / width));
-    };  // 1/2 at 1
     const double look = std::max(static_cast<double>(median(std::move(colours))) / 8,
                                  static_cast<double>(median(std::move(glosses))) / 0.7);
     return rising(static_cast<double>(step) / options.depth_mm, 0.25) *

@@ -27,12 +27,12 @@ std::uint64_t number_of(const glm::vec2& p) {
     return static_cast<std::uint64_t>(p.y) << 32 | static_cast<std::uint64_t>(p.x);
 }
 
-bool inside(const Mask& mask, float x, float y) {
+bool covered(const Mask& mask, float x, float y) {
     const int u = static_cast<int>(std::floor(x)), v = static_cast<int>(std::floor(y));
     return u >= 0 && v >= 0 && u < mask.width() && v < mask.height() && mask(u, v) >= 0.5f;
 }
 
-// Middles of the pixels inside, in an order by chance.
+// Middles of the pixels covered, in an order by chance.
 std::vector<glm::vec2> shuffled_pixels(const Mask& mask, std::uint64_t seed) {
     std::vector<std::pair<std::uint64_t, glm::vec2>> all;
     for (int y = 0; y < mask.height(); ++y)
@@ -96,7 +96,7 @@ std::vector<glm::vec2> traced(const Mask& mask, const Image<float>& direction, c
             along = -along;
         last = along;
         at += 0.5f * along;
-        if (!inside(mask, at.x, at.y) || others.near(at, 0.7 * g.pitch_px, owner)) break;
+        if (!covered(mask, at.x, at.y) || others.near(at, 0.7 * g.pitch_px, owner)) break;
         path.push_back(at);
     }
     return path;
@@ -120,7 +120,7 @@ std::vector<Mark> vertical_marks(const Mask& mask, const MarkGeometry& g) {
             bool any = false;
             for (int v = y; v < end && !any; ++v)
                 for (int u = x - static_cast<int>(g.width_px); u <= x + static_cast<int>(g.width_px); ++u)
-                    any = any || inside(mask, static_cast<float>(u), static_cast<float>(v));
+                    any = any || covered(mask, static_cast<float>(u), static_cast<float>(v));
             if (any)
                 marks.push_back({{{static_cast<float>(left + g.width_px / 2), static_cast<float>(y)},
                                   {static_cast<float>(left + g.width_px / 2), static_cast<float>(end)}}});

@@ -15,6 +15,8 @@ namespace tangi {
 
 using Mask = Image<float>;
 
+inline bool inside(float coverage) { return coverage >= 0.5f; }
+
 struct Corner {
     double x = 0, y = 0;  // [pixels] from the top left corner
 };

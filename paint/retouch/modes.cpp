@@ -13,11 +13,9 @@ namespace tangi {
 
 namespace {
 
-constexpr std::array<std::string_view, 6> kNames = {"mimetic",     "tratteggio", "selection",
-                                                    "abstraction", "dotting",    "neutral"};
+constexpr std::array<std::string_view, 6> kModeNames = {"mimetic",     "tratteggio", "selection",
+                                                        "abstraction", "dotting",    "neutral"};
 constexpr double kFusedPitches = 6;  // over which lines and dots are to have the right mean
-
-double square(double v) { return v * v; }
 
 class Layer {
 public:
@@ -253,11 +251,11 @@ private:
 
 }  // namespace
 
-std::string_view name_of(RetouchMode mode) { return kNames[static_cast<std::size_t>(mode)]; }
+std::string_view name_of(RetouchMode mode) { return kModeNames[static_cast<std::size_t>(mode)]; }
 
 std::optional<RetouchMode> retouch_mode_named(std::string_view name) {
-    for (std::size_t i = 0; i < kNames.size(); ++i)
-        if (kNames[i] == name) return static_cast<RetouchMode>(i);
+    for (std::size_t i = 0; i < kModeNames.size(); ++i)
+        if (kModeNames[i] == name) return static_cast<RetouchMode>(i);
     return std::nullopt;
 }
 
@@ -287,7 +285,7 @@ RetouchReport lay_retouch(Canvas& canvas, const Palette& palette, const Mask& ma
 
     report(progress, "lay paint", 0);
     Layer laid(canvas, palette);
-    const double pixel_mm2 = square(loss.mm_per_pixel);
+    const double pixel_mm2 = loss.mm_per_pixel * loss.mm_per_pixel;
     const int cell =
         lines ? static_cast<int>(kFusedPitches * std::round(result.pitch_mm / loss.mm_per_pixel)) : 1;
     FusedDifference difference(loss.mask, cell);

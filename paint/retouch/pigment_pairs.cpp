@@ -59,17 +59,17 @@ std::vector<std::string> words_at(const nlohmann::json& pair, const char* key, c
 }  // namespace
 
 std::vector<PigmentPair> parse_pigment_pairs(std::string_view text, const std::string& where) {
-    const nlohmann::json json = nlohmann::json::parse(text, nullptr, false);
-    if (json.is_discarded()) fail("{}: is not JSON", where);
-    if (!json.is_object() || json.value("format", nlohmann::json()) != "tangipaint pigment pairs" ||
-        json.value("version", nlohmann::json()) != 1)
+    const nlohmann::json root = nlohmann::json::parse(text, nullptr, false);
+    if (root.is_discarded()) fail("{}: is not JSON", where);
+    if (!root.is_object() || root.value("format", nlohmann::json()) != "tangipaint pigment pairs" ||
+        root.value("version", nlohmann::json()) != 1)
         fail("{}: is no list of pigment pairs of version 1; match --save-pairs writes one to start from",
              where);
-    if (!json.contains("pairs") || !json["pairs"].is_array()) fail("{}: /pairs is not a list", where);
-    for (const auto& [key, value] : json.items())
+    if (!root.contains("pairs") || !root["pairs"].is_array()) fail("{}: /pairs is not a list", where);
+    for (const auto& [key, value] : root.items())
         if (key != "format" && key != "version" && key != "pairs") fail("{}: /{} means nothing", where, key);
     std::vector<PigmentPair> pairs;
-    for (const auto& pair : json["pairs"]) {
+    for (const auto& pair : root["pairs"]) {
         const std::string place = fmt::format("{}: /pairs/{}", where, pairs.size());
         if (!pair.is_object()) fail("{}: is not an object", place);
         for (const auto& [key, value] : pair.items()) {
@@ -89,12 +89,12 @@ std::vector<PigmentPair> read_pigment_pairs(const std::filesystem::path& path) {
 }
 
 void write_pigment_pairs(const std::filesystem::path& path, const std::vector<PigmentPair>& pairs) {
-    nlohmann::ordered_json json = {
+    nlohmann::ordered_json root = {
         {"format", "tangipaint pigment pairs"}, {"version", 1}, {"pairs", nlohmann::ordered_json::array()}};
     for (const PigmentPair& pair : pairs)
-        json["pairs"].push_back(
+        root["pairs"].push_back(
             {{"first", pair.first}, {"second", pair.second}, {"why", pair.why}, {"source", pair.source}});
-    write_text_file(path, json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
+    write_text_file(path, root.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
 }
 
 std::string_view usual_pigment_pairs_text() { return kPigmentPairsJson; }

@@ -17,8 +17,6 @@ namespace tangi {
 
 namespace {
 
-bool inside(float coverage) { return coverage >= 0.5f; }
-
 // Gaussian means over pixels of weight 1, wherever there are some near.
 Image<float> means(const Image<float>& values, const Mask& weight, double sigma_px) {
     cv::Mat sum = matrix_of(values).mul(matrix_of(weight)), weights;

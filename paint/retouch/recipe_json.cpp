@@ -11,11 +11,11 @@ constexpr std::size_t kGlossBoxes = 24;  // parts of a retouch that are named, t
 }
 
 nlohmann::json by_lamp(const std::array<double, kIlluminants>& values) {
-    nlohmann::json json = nlohmann::json::object();
+    nlohmann::json result = nlohmann::json::object();
     for (std::size_t lamp = 0; lamp < kIlluminants; ++lamp)
         if (std::isfinite(values[lamp]))
-            json[std::string(name_of(static_cast<Illuminant>(lamp)))] = values[lamp];
-    return json;
+            result[std::string(name_of(static_cast<Illuminant>(lamp)))] = values[lamp];
+    return result;
 }
 
 nlohmann::json as_json(const std::vector<MixingStep>& steps, const Mixture& mixture,
@@ -58,23 +58,23 @@ nlohmann::json to_json(const RetouchReport& report, const std::vector<Pigment>& 
                        const std::vector<PairWarning>& pairs) {
     nlohmann::json piles = nlohmann::json::array();
     for (const Pile& pile : report.piles) {
-        nlohmann::json json = as_json(pile.steps, pile.mixture, paints);
+        nlohmann::json one = as_json(pile.steps, pile.mixture, paints);
         const Lab lab = lab_under(pile.look);
-        json["lab"] = {lab.l, lab.a, lab.b};
-        json["share"] = pile.share;
-        json["volume_mm3"] = pile.volume_mm3;
-        json["warnings"] = warnings_of(pile.mixture, paints, pairs);
-        piles.push_back(json);
+        one["lab"] = {lab.l, lab.a, lab.b};
+        one["share"] = pile.share;
+        one["volume_mm3"] = pile.volume_mm3;
+        one["warnings"] = warnings_of(pile.mixture, paints, pairs);
+        piles.push_back(one);
     }
-    nlohmann::json json = {{"piles", piles},
-                           {"area_mm2", report.area_mm2},
-                           {"painted_mm2", report.painted_mm2},
-                           {"delta_e_2000_from_target", by_lamp(report.delta_e_mean)}};
+    nlohmann::json result = {{"piles", piles},
+                             {"area_mm2", report.area_mm2},
+                             {"painted_mm2", report.painted_mm2},
+                             {"delta_e_2000_from_target", by_lamp(report.delta_e_mean)}};
     for (const RetouchGloss& gloss : report.glosses) {
         nlohmann::json boxes = nlohmann::json::array();
         for (const Region& part : gloss.parts)
             if (boxes.size() < kGlossBoxes) boxes.push_back({part.x0, part.y0, part.x1, part.y1});
-        json["gloss"].push_back(
+        result["gloss"].push_back(
             {{"specular", gloss.wanted.specular},
              {"roughness", gloss.wanted.roughness},
              {"area_mm2", gloss.area_mm2},
@@ -87,18 +87,18 @@ nlohmann::json to_json(const RetouchReport& report, const std::vector<Pigment>& 
     for (const PairWarning& w : pairs)
         if (report.blended.contains({std::min(w.a, w.b), std::max(w.a, w.b)}))
             if (const std::string text = text_of(w, paints); said.insert(text).second)
-                json["warnings"].push_back("where two piles are mixed: " + text);
+                result["warnings"].push_back("where two piles are mixed: " + text);
     for (const RetouchGloss& gloss : report.glosses)
         if (!can_reflect(gloss.of_paint, gloss.wanted))
-            json["warnings"].push_back(fmt::format(
+            result["warnings"].push_back(fmt::format(
                 "beside the loss rho_s is {:.3f}; no paint or varnish reflects more than {}: a real "
                 "retouch will look less glossy than this one",
                 gloss.wanted.specular, kMostSpecular));
-    json["grounds"] = report.grounds;
+    result["grounds"] = report.grounds;
     if (report.marks > 0)
-        json["lines"] = {
+        result["lines"] = {
             {"number", report.marks}, {"pitch_mm", report.pitch_mm}, {"width_mm", report.width_mm}};
-    return json;
+    return result;
 }
 
 nlohmann::json to_json(const Fusion& fusion) {
@@ -129,18 +129,18 @@ std::vector<char> without_pairs(std::size_t paints, const std::vector<PairWarnin
 }
 
 nlohmann::json parameters_of(const MatchOptions& options) {
-    nlohmann::json json = to_json(options);
-    for (const Illuminant lamp : options.lamps) json["lamps"].push_back(name_of(lamp));
-    json["goal"] = options.goal == MatchGoal::worst ? "worst" : "mean";
-    return json;
+    nlohmann::json result = to_json(options);
+    for (const Illuminant lamp : options.lamps) result["lamps"].push_back(name_of(lamp));
+    result["goal"] = options.goal == MatchGoal::worst ? "worst" : "mean";
+    return result;
 }
 
 nlohmann::json parameters_of(RetouchMode mode, const RetouchOptions& options) {
-    nlohmann::json json = to_json(options);
-    json["mode"] = name_of(mode), json["inpainting"] = name_of(options.inpainting);
-    json["annulus"] = to_json(options.annulus);
-    json["match"] = parameters_of(options.match);
-    return json;
+    nlohmann::json result = to_json(options);
+    result["mode"] = name_of(mode), result["inpainting"] = name_of(options.inpainting);
+    result["annulus"] = to_json(options.annulus);
+    result["match"] = parameters_of(options.match);
+    return result;
 }
 
 RetouchViews retouch_views(const Image<Rgb>& seen, const Mask& mask, const RetouchReport& report) {

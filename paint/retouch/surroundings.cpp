@@ -17,9 +17,7 @@ namespace tangi {
 namespace {
 
 constexpr double kModeBandwidth = 4;  // [L*a*b*] of the mean shift
-constexpr std::array<std::string_view, 4> kNames = {"membrane", "telea", "navier-stokes", "patches"};
-
-bool inside(float coverage) { return coverage >= 0.5f; }
+constexpr std::array<std::string_view, 4> kMethodNames = {"membrane", "telea", "navier-stokes", "patches"};
 
 glm::dvec3 vector_of(const Lab& lab) { return {lab.l, lab.a, lab.b}; }
 
@@ -172,11 +170,11 @@ Annulus annulus_of(const Surface& surface, const Mask& loss, const Mask& damaged
     return a;
 }
 
-std::string_view name_of(Inpainting method) { return kNames[static_cast<std::size_t>(method)]; }
+std::string_view name_of(Inpainting method) { return kMethodNames[static_cast<std::size_t>(method)]; }
 
 std::optional<Inpainting> inpainting_named(std::string_view name) {
-    for (std::size_t i = 0; i < kNames.size(); ++i)
-        if (kNames[i] == name) return static_cast<Inpainting>(i);
+    for (std::size_t i = 0; i < kMethodNames.size(); ++i)
+        if (kMethodNames[i] == name) return static_cast<Inpainting>(i);
     return std::nullopt;
 }
 

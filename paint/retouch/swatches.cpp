@@ -12,7 +12,7 @@ namespace tangi {
 
 namespace {
 
-constexpr float kPaper = 0.35f, kInk = 0.02f;  // a grey surround, as for judging colours (ISO 3664)
+constexpr float kPaper = 0.35f, kSwatchInk = 0.02f;  // a grey surround, as for judging colours (ISO 3664)
 
 void write(cv::Mat& ink, const std::string& text, double x, double y, double scale) {
     cv::putText(ink, text, cv::Point(static_cast<int>(x), static_cast<int>(y)), cv::FONT_HERSHEY_SIMPLEX,
@@ -80,7 +80,7 @@ Image<Rgb> recipe_swatches(const Spectrum& target, std::span<const MatchedRecipe
     for (int y = 0; y < height; ++y)
         for (int x = 0; x < width; ++x) {
             const float part = static_cast<float>(ink.at<unsigned char>(y, x)) / 255;
-            picture(x, y) += part * (Rgb(kInk) - picture(x, y));
+            picture(x, y) += part * (Rgb(kSwatchInk) - picture(x, y));
         }
     return picture;
 }

@@ -20,8 +20,9 @@ using nlohmann::json;
 namespace {
 
 constexpr const char* kPending = "pending";
-constexpr const char* kStep = "step.json";  // in it: the hash of the line that the step's line is to follow
-constexpr int kMostPixels = 1 << 20;        // of a side: more is no picture
+// In it: the hash of the line that the step's line is to follow.
+constexpr const char* kStepFile = "step.json";
+constexpr int kMostPixels = 1 << 20;  // of a side: more is no picture
 
 using Holds = std::function<bool(const json&)>;
 
@@ -54,14 +55,14 @@ bool is_layer(const json& v) {
 
 bool names_files(const json& v) { return v.is_object() && std::all_of(v.begin(), v.end(), is_inside); }
 
-struct Field {
+struct LineField {
     const char* name;
     bool needed;
     Holds holds;
 };
 
-void require_fields(const TreatmentLog& log, const LogEntry& entry, const std::vector<Field>& fields) {
-    for (const Field& field : fields) {
+void require_fields(const TreatmentLog& log, const LogEntry& entry, const std::vector<LineField>& fields) {
+    for (const LineField& field : fields) {
         const auto found = entry.content.find(field.name);
         if (found == entry.content.end() ? field.needed : !field.holds(*found))
             fail("{}:{}: {} '{}': the line was not written by this program; take the log from a backup",
@@ -70,11 +71,11 @@ void require_fields(const TreatmentLog& log, const LogEntry& entry, const std::v
     }
 }
 
-const std::vector<Field>& fields_of_a_first_line() {
+const std::vector<LineField>& fields_of_a_first_line() {
     const auto is_side = [](const json& v) {
         return v.is_number_integer() && v.get<double>() >= 1 && v.get<double>() <= kMostPixels;
     };
-    static const std::vector<Field> fields = {
+    static const std::vector<LineField> fields = {
         {"width", true, is_side},
         {"height", true, is_side},
         {"mm_per_pixel", true,
@@ -85,27 +86,27 @@ const std::vector<Field>& fields_of_a_first_line() {
     return fields;
 }
 
-const std::vector<Field>& fields_of_a_line() {
+const std::vector<LineField>& fields_of_a_line() {
     const auto is_object = [](const json& v) { return v.is_object(); };
-    static const std::vector<Field> fields = {{"action", true, is_text},
-                                              {"time", false, is_text},
-                                              {"who", false, is_text},
-                                              {"tool", false, is_text},
-                                              {"parameters", false, is_object},
-                                              {"results", false, is_object},
-                                              {"inputs", false, texts(false)},
-                                              {"outputs", false, texts(true)},
-                                              {"layers", false, list_of(is_layer)},
-                                              {"kept", false, names_files},
-                                              {"withdrawn", false, list_of(is_inside)}};
+    static const std::vector<LineField> fields = {{"action", true, is_text},
+                                                  {"time", false, is_text},
+                                                  {"who", false, is_text},
+                                                  {"tool", false, is_text},
+                                                  {"parameters", false, is_object},
+                                                  {"results", false, is_object},
+                                                  {"inputs", false, texts(false)},
+                                                  {"outputs", false, texts(true)},
+                                                  {"layers", false, list_of(is_layer)},
+                                                  {"kept", false, names_files},
+                                                  {"withdrawn", false, list_of(is_inside)}};
     return fields;
 }
 
 // The line of the log that the pending step wrote; null where it wrote none.
 const LogEntry* pending_line(const fs::path& pending, const TreatmentLog& log) {
     std::error_code missing;
-    if (!fs::exists(pending / kStep, missing)) return nullptr;
-    const json step = json::parse(read_text_file(pending / kStep), nullptr, false);
+    if (!fs::exists(pending / kStepFile, missing)) return nullptr;
+    const json step = json::parse(read_text_file(pending / kStepFile), nullptr, false);
     if (!step.is_object() || !step.contains("previous")) return nullptr;
     for (const LogEntry& entry : log.entries())
         if (entry.content.at("previous") == step["previous"]) return &entry;
@@ -116,7 +117,7 @@ void move_into_place(const fs::path& folder, const LogEntry& entry) {
     const fs::path pending = folder / kPending;
     std::vector<fs::path> files;
     for (const auto& file : fs::recursive_directory_iterator(pending))
-        if (file.is_regular_file() && file.path() != pending / kStep) files.push_back(file.path());
+        if (file.is_regular_file() && file.path() != pending / kStepFile) files.push_back(file.path());
     for (const fs::path& file : files) {
         const fs::path place = folder / file.lexically_relative(pending);
         make_folder(place.parent_path());
@@ -216,7 +217,7 @@ PendingStep::PendingStep(fs::path folder, const TreatmentLog& log)
     std::error_code left;
     fs::remove_all(folder_ / kPending, left);
     make_folder(folder_ / kPending);
-    write_text_file(folder_ / kPending / kStep, json{{"previous", log.head()}}.dump() + "\n");
+    write_text_file(folder_ / kPending / kStepFile, json{{"previous", log.head()}}.dump() + "\n");
 }
 
 PendingStep::~PendingStep() {

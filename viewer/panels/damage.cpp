@@ -15,10 +15,6 @@ namespace {
 // Cells that the map is drawn in, along a side: within one, perspective is as good as straight.
 constexpr int kCells = 24;
 
-ImVec2 in_window(const glm::dvec2& at, float left) {
-    return {static_cast<float>(at.x) + left, static_cast<float>(at.y)};
-}
-
 void legend(WindowState& s) {
     Treating& t = s.treating;
     if (!ImGui::BeginTable("legend", 4, ImGuiTableFlags_SizingFixedFit)) return;

@@ -5,14 +5,6 @@
 
 namespace tangi::panels {
 
-namespace {
-
-void tip(const char* text) {
-    if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", text);
-}
-
-}  // namespace
-
 void devices(WindowState& s) {
     Following& follow = s.follow;
     ImGui::Checkbox("My head (webcam)", &follow.head);

@@ -9,8 +9,6 @@ namespace tangi::panels {
 
 namespace {
 
-const ImVec4 kWarning(1, 0.8f, 0.3f, 1);
-
 // The colour there, and the recipe beside it without a gap.
 void swatches(const Rgb& wanted, const Rgb& recipe, float scale) {
     const ImVec2 at = ImGui::GetCursorScreenPos(), size(130 * scale, 22 * scale);

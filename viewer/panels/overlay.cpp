@@ -14,10 +14,6 @@ namespace tangi::panels {
 
 namespace {
 
-ImVec2 in_window(const glm::dvec2& screen, float left) {
-    return {static_cast<float>(screen.x) + left, static_cast<float>(screen.y)};
-}
-
 void brush_outline(const WindowState& s, const Placement& placement, const glm::dvec2& cursor, float left) {
     glm::dvec2 centre;
     if (!placement.to_painting(cursor, centre)) return;

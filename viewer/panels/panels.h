@@ -10,6 +10,13 @@
 
 namespace tangi::panels {
 
+inline const ImVec4 kWarning(1, 0.8f, 0.3f, 1);
+
+// A place on the canvas area, which begins `left` [pixels] from the window's edge.
+inline ImVec2 in_window(const glm::dvec2& screen, float left) {
+    return {static_cast<float>(screen.x) + left, static_cast<float>(screen.y)};
+}
+
 // [pixels] of the column at the left.
 inline float width(const WindowState& state) { return 300 * state.scale; }
 

@@ -11,7 +11,7 @@ namespace tangi::panels {
 
 namespace {
 
-const ImVec4 kWarning(1, 0.8f, 0.3f, 1), kFault(1, 0.45f, 0.4f, 1), kGood(0.55f, 0.9f, 0.55f, 1);
+const ImVec4 kFault(1, 0.45f, 0.4f, 1), kGood(0.55f, 0.9f, 0.55f, 1);
 
 bool number(const char* label, double& value, float low, float high, const char* format,
             bool logarithmic = false) {
