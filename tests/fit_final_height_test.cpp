@@ -145,13 +145,13 @@ TEST(FinalHeight, IsThatBeforeRefiningWhereOnlyItCastsTheShadows) {
         surface.height_mm = plateau;
         const FinalHeight kept = found(surface, plateau, ring(25), evidence);
         EXPECT_TRUE(kept.choice.before_refining);
-        EXPECT_EQ(rms(surface.height_mm, plateau), 0);
+        EXPECT_EQ(rms_difference(surface.height_mm, plateau), 0);
         EXPECT_EQ(to_json(kept.choice)["tried"].back()["before_refining"], true);
         // Photographs without that shadow do not believe in it.
         surface = flat;
         surface.height_mm = plateau;
         EXPECT_FALSE(found(surface, Image<float>(kSide, kSide), ring(25), evidence).choice.before_refining);
-        EXPECT_LT(rms(surface.height_mm, Image<float>(kSide, kSide)), 1e-6);
+        EXPECT_LT(rms_difference(surface.height_mm, Image<float>(kSide, kSide)), 1e-6);
     }
 }
 
