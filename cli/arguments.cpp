@@ -277,6 +277,20 @@ Vec3 parse_direction(const std::string& text, const std::string& flag) {
     return Vec3(glm::normalize(v / largest));  // squares of huge or tiny numbers would be lost
 }
 
+Vec3 parse_direction_in_front(const std::string& text, const std::string& flag) {
+    const Vec3 direction = parse_direction(text, flag);
+    if (!(direction.z > 0))
+        throw UsageError(fmt::format(
+            "{} {}: comes from behind the painting; z is above 0, towards the viewer", flag, text));
+    return direction;
+}
+
+Illuminant parse_illuminant(const std::string& word, const std::string& flag) {
+    const auto illuminant = illuminant_named(word);
+    if (!illuminant) throw UsageError(fmt::format("{} {}: is not A, D50, D65, F11 or LED", flag, word));
+    return *illuminant;
+}
+
 Vec3 parse_position(const std::string& text, const std::string& flag) {
     constexpr double nearest_mm = 0.001, farthest_mm = 1e6;  // squares of which a float holds with ease
     const auto n = numbers_of(text, flag, 3, "X,Y,Z");

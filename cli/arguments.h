@@ -8,6 +8,7 @@
 
 #include "capture/usable_stack.h"
 #include "cli/flags.h"
+#include "paint/spectrum.h"
 
 namespace tangi {
 
@@ -72,6 +73,9 @@ std::vector<double> numbers_in(const std::string& text, const std::string& flag,
 // "1,0,0.5" as a unit vector, whatever its length. Throws UsageError naming the flag: no three numbers, or
 // all zero.
 Vec3 parse_direction(const std::string& text, const std::string& flag);
+// The same, of a lamp that is in front of the painting: z > 0.
+Vec3 parse_direction_in_front(const std::string& text, const std::string& flag);
+Illuminant parse_illuminant(const std::string& word, const std::string& flag);
 
 // "10,-20,300" as a place [mm] in front of the painting. Throws UsageError naming the flag: no three numbers,
 // a place behind the painting's plane or in it, or one beyond 1 km.

@@ -179,9 +179,7 @@ nlohmann::json export_web(const ExportArguments& a, const Surface& surface, cons
 nlohmann::json export_snapshot(const ExportArguments& a, const Surface& surface, const Progress& progress) {
     require_picture_format(a.out);
     refuse_to_overwrite(a.out, {a.painting});
-    const Vec3 direction = parse_direction(a.light, "--light");
-    if (!(direction.z > 0))
-        throw UsageError(fmt::format("--light {}: comes from behind the painting; z is above 0", a.light));
+    const Vec3 direction = parse_direction_in_front(a.light, "--light");
     Image<Rgb> picture =
         relight(surface, std::array{distant_light(direction)}, {.cast_shadows = true}, progress);
     for (Rgb& pixel : picture.pixels()) pixel *= static_cast<float>(surface.photography.white_level);
@@ -254,23 +252,19 @@ Command export_command() {
                     .option(
                         "--to", a->to,
                         "web (a page), ptm, rti (harmonics), maps (EXR), openlime (kd, ks, normals, gloss), "
-                        "layers (maps of each layer of paint), ora (OpenRaster, for Krita, GIMP, MyPaint) or "
+                        "layers (maps of each layer of paint), ora (OpenRaster, for Krita, GIMP, MyPaint), "
                         "snapshot (a picture as lit)")
                     .required()
                     .check(one_of({"web", "ptm", "rti", "maps", "openlime", "layers", "ora", "snapshot"}));
                 flags
                     .option("--out", a->out,
-                            "file to write (.ptm, .rti, .ora, a snapshot's .png .tif .jpg .exr; .html for a "
-                            "page of one file), or folder for maps "
-                            "or a page")
+                            "file to write (.ptm, .rti, .ora; .html for a page of one file; a picture for a "
+                            "snapshot), or folder for maps or a page")
                     .required();
                 flags.option("--photos", a->photos,
                              "ptm, rti: fit the photographs in this folder instead of the painting relit");
                 flags.option("--lights", a->lights, "lights file of these photographs");
-                flags
-                    .option("--light", a->light,
-                            "snapshot: direction to its lamp, X,Y,Z; relight has more to choose")
-                    .show_default();
+                flags.option("--light", a->light, "snapshot: direction to its lamp, X,Y,Z").show_default();
                 flags.option("--terms", a->terms, "rti: harmonics, 4, 9 or 16").show_default();
                 flags.flag("--lrgb", a->lrgb,
                            "ptm: one colour a pixel and the brightness by light, in half the size");

@@ -150,9 +150,8 @@ Wanted wanted_by(const MatchArguments& a, const std::optional<Treatment>& treatm
         return wanted;
     }
     if (treatment || !a.painting.empty()) return of_painting(a, treatment, box, options, progress);
-    const auto lamp = illuminant_named(a.under);
-    if (!lamp) throw UsageError(fmt::format("--under {}: is not A, D50, D65, F11 or LED", a.under));
-    return of_colour(xyz_wanted(a, *lamp), *lamp, box, options);
+    const Illuminant lamp = parse_illuminant(a.under, "--under");
+    return of_colour(xyz_wanted(a, lamp), lamp, box, options);
 }
 
 nlohmann::json gloss_advice(const Mixture& mixture, const PaintBox& box, double luminance,

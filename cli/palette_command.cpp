@@ -49,9 +49,7 @@ void refuse_to_save_over(const fs::path& palette, const std::vector<fs::path>& o
 }
 
 nlohmann::json run_palette(const PaletteArguments& a) {
-    const auto illuminant = illuminant_named(a.illuminant);
-    if (!illuminant)
-        throw UsageError(fmt::format("--illuminant {}: is not A, D50, D65, F11 or LED", a.illuminant));
+    const Illuminant illuminant = parse_illuminant(a.illuminant, "--illuminant");
     if (a.out.empty())
         refuse_typed(a.typed(), {"--card-px", "--columns", "--thickest-mm", "--tint"},
                      "is of the drawdown cards: give a picture for them with --out");
@@ -61,11 +59,10 @@ nlohmann::json run_palette(const PaletteArguments& a) {
     const Progress progress = console_progress();
     const Palette palette = a.file.empty() ? artist_acrylics() : read_palette(a.file);
     nlohmann::json paints = nlohmann::json::array();
-    for (const Pigment& paint : palette.paints) paints.push_back(described(paint, *illuminant));
-    nlohmann::json result = {
-        {"name", palette.name}, {"illuminant", name_of(*illuminant)}, {"paints", paints}};
+    for (const Pigment& paint : palette.paints) paints.push_back(described(paint, illuminant));
+    nlohmann::json result = {{"name", palette.name}, {"illuminant", name_of(illuminant)}, {"paints", paints}};
     if (!a.out.empty()) {
-        const Image<Rgb> cards = drawdown_cards(palette, *illuminant, a.drawdown, progress);
+        const Image<Rgb> cards = drawdown_cards(palette, illuminant, a.drawdown, progress);
         const bool linear = lower_extension(a.out) == ".exr";
         write_picture(a.out, cards, linear ? Transfer{} : Transfer{Transfer::Kind::srgb}, {.bits = 8});
         result["picture"] = a.out;

@@ -45,17 +45,14 @@ struct Painting {
 
 // How paint, and under another lamp all of the painting, is seen.
 AppearanceOptions look_of(const RelightArguments& arguments) {
-    const auto illuminant = illuminant_named(arguments.illuminant);
-    if (!illuminant)
-        throw UsageError(
-            fmt::format("--illuminant {}: is not A, D50, D65, F11 or LED", arguments.illuminant));
+    const Illuminant illuminant = parse_illuminant(arguments.illuminant, "--illuminant");
     const auto model = paint_model_named(arguments.paint_model);
     if (!model)
         throw UsageError(fmt::format("--paint-model {}: is not spectral or thesis", arguments.paint_model));
-    if (arguments.faithful && *illuminant != Illuminant::d65)
+    if (arguments.faithful && illuminant != Illuminant::d65)
         throw UsageError(
             "--illuminant: what --faithful adds is of the light of the photographs; leave one of them out");
-    return {.illuminant = *illuminant, .model = *model};
+    return {.illuminant = illuminant, .model = *model};
 }
 
 Painting read_all(const RelightArguments& arguments, const Progress& progress) {
@@ -326,9 +323,8 @@ Command relight_command() {
             flags.option("--model", a->model, "ward1992, duer or bounded").show_default();
             flags
                 .option("--illuminant", a->illuminant,
-                        "lamps that paint is seen under, by eyes used to them: A, D50, D65, F11 or LED; what "
-                        "is dry by a "
-                        "reflectance estimated from its colour")
+                        "lamps that paint is seen under, by eyes used to them: A, D50, D65, F11 or LED; "
+                        "what is dry by a reflectance estimated from its colour")
                 .show_default();
             flags
                 .option("--paint-model", a->paint_model,

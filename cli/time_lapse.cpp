@@ -53,10 +53,7 @@ void TimeLapseArguments::refuse_useless() const {
 
 TimeLapse::TimeLapse(const TimeLapseArguments& a, const Journal& journal, Session& session)
     : width_(a.film.width), session_(session) {
-    light_.direction = parse_direction(a.light, "--frames-light");
-    if (!(light_.direction.z > 0))
-        throw UsageError(
-            fmt::format("--frames-light {}: comes from behind the painting; z is above 0", a.light));
+    light_.direction = parse_direction_in_front(a.light, "--frames-light");
     if (!a.video.empty() && !names_a_video(a.video))
         throw UsageError(
             fmt::format("--video {}: a video is .mp4 or .webm; --frames writes pictures", a.video));

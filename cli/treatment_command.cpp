@@ -136,10 +136,7 @@ json undo(Treatment& treatment, const TreatmentArguments& a, const Progress& pro
 
 json show(const Treatment& treatment, const TreatmentArguments& a, const Progress& progress) {
     const auto state = treatment_state_named(a.state);
-    const Vec3 light = parse_direction(a.light, "--light");
-    if (!(light.z > 0))
-        throw UsageError(
-            fmt::format("--light {}: comes from behind the painting; z points to the viewer", a.light));
+    const Vec3 light = parse_direction_in_front(a.light, "--light");
     Surface surface;
     {
         const Canvas canvas = treatment.read_canvas(progress);

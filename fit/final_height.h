@@ -25,7 +25,7 @@ struct HeightChoice {
         bool before_refining;
         double shadow_misfit;  // [1] shadow_misfit(), less is better
     };
-    std::vector<Trial> trials{};  // in this order; none where shadows do not tell
+    std::vector<Trial> trials{};  // in this order; where shadows do not tell, none but of a refined fit
 };
 
 struct FinalHeight {

@@ -105,8 +105,8 @@ std::string height_note(const HeightChoice& choice) {
     if (choice.before_refining)
         return fmt::format(
             "<p class=\"soft\">The height is the one of {} whose cast shadows agree best with the "
-            "photographs: that of "
-            "slopes before shadows were taken for shadows, which leads up to cliffs that no slope shows.</p>",
+            "photographs: that of slopes before shadows were taken for shadows, which leads up to cliffs "
+            "that no slope shows.</p>",
             choice.trials.size());
     return fmt::format(
         "<p class=\"soft\">The height is the one of {} whose cast shadows agree best with the photographs: "

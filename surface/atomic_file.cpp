@@ -25,8 +25,9 @@ void sync_to_disk(const fs::path& path, const fs::path& named) {
     if (!synced) fail("{}: cannot be written to disk: {}", named.string(), std::strerror(reason));
 }
 
-// Where links lead, also to a file that is not there yet.
-fs::path followed(fs::path path) {
+}  // namespace
+
+fs::path where_links_lead(fs::path path) {
     for (int links = 0; fs::is_symlink(path); ++links) {
         if (links == 40) fail("{}: is a link that leads round in a circle", path.string());
         path = path.parent_path() / fs::read_symlink(path);
@@ -34,9 +35,7 @@ fs::path followed(fs::path path) {
     return path;
 }
 
-}  // namespace
-
-AtomicFile::AtomicFile(fs::path target) : target_(std::move(target)), place_(followed(target_)) {
+AtomicFile::AtomicFile(fs::path target) : target_(std::move(target)), place_(where_links_lead(target_)) {
     if (target_.filename().empty()) fail("{}: is not a file name", target_.string());
     if (fs::is_directory(target_)) fail("{}: is a folder; give the name of a file", target_.string());
     const fs::path folder = place_.has_parent_path() ? place_.parent_path() : fs::path(".");

@@ -7,6 +7,10 @@
 
 namespace tangi {
 
+// The path that a link, and links that it leads to, stand for, also where no file is there yet; any other
+// path as it is. Throws Error for links in a circle.
+std::filesystem::path where_links_lead(std::filesystem::path path);
+
 // Holds a temporary file beside the target until commit() puts it in the target's place. Destroyed without
 // commit(), it removes the temporary file, and what was at the target before is still there. Where the target
 // is a link, it stays one, and the file that it leads to is written.

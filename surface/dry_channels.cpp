@@ -14,9 +14,10 @@ namespace tangi {
 
 namespace {
 
-constexpr std::size_t kLobeAt = 10;          // place of the lobe's colours and axes among the channels
 constexpr float kSmallestRoughness = 1e-6f;  // [1] its square divides
 constexpr std::uint64_t kHashOffset = 0xcbf29ce484222325u, kHashPrime = 0x100000001b3u;  // FNV-1a
+
+bool is_lobe_colour(const Rgb& c) { return std::min({c.r, c.g, c.b}) >= 0 && std::max({c.r, c.g, c.b}) <= 1; }
 
 // What a pixel must not hold where it was measured; empty where all is well.
 std::string wrong_at(const Surface& s, std::span<const DryChannel> channels, std::size_t i) {
@@ -28,7 +29,7 @@ std::string wrong_at(const Surface& s, std::span<const DryChannel> channels, std
         return fmt::format("map 'roughness' holds {}, less than {}", roughness, kSmallestRoughness);
     if (!s.lobe_colour.empty()) {
         const Rgb& colour = s.lobe_colour.pixels()[i];
-        if (!(std::min({colour.r, colour.g, colour.b}) >= 0 && std::max({colour.r, colour.g, colour.b}) <= 1))
+        if (!is_lobe_colour(colour))
             return fmt::format("map 'lobe' holds ({}, {}, {}), which is not from 0 to 1", colour.r, colour.g,
                                colour.b);
     }
@@ -60,7 +61,7 @@ void clear_pixel(Surface& s, std::size_t i) {
 
 // Nothing to do about a pixel: numbers, and a unit vector to rounding. What is not told here may still be all
 // right.
-bool is_plain(std::span<const DryChannel> channels, std::size_t i) {
+bool is_plain(const Surface& s, std::span<const DryChannel> channels, std::size_t i) {
     float none = 0;  // x - x is 0 unless x is infinite or no number
     for (const DryChannel& c : channels) {
         const float value = c.base[i * c.stride];
@@ -68,12 +69,8 @@ bool is_plain(std::span<const DryChannel> channels, std::size_t i) {
     }
     const float *normal = channels[1].base + 3 * i,
                 length2 = normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2];
-    // Colours lie in 0..1; of axes, tangents are any numbers.
-    for (const DryChannel& c : channels.subspan(kLobeAt)) {
-        const float value = c.base[i * c.stride];
-        if (c.name == kAxesChannels[0] && !(value >= kSmallestRoughness)) return false;
-        if (c.stride == 3 && !(value >= 0 && value <= 1)) return false;
-    }
+    if (!s.lobe_colour.empty() && !is_lobe_colour(s.lobe_colour.pixels()[i])) return false;
+    if (!s.lobe_axes.empty() && !(s.lobe_axes.pixels()[i].roughness_v >= kSmallestRoughness)) return false;
     return none == 0 && channels[8].base[i] >= kSmallestRoughness && normal[2] > 0 &&
            std::abs(length2 - 1) <= 1.5e-5f;
 }
@@ -109,7 +106,7 @@ void make_usable(Surface& s, int y0, int y1, std::vector<std::string>& wrong) {
         for (int x = 0; x < s.width(); ++x) {
             const auto i = static_cast<std::size_t>(y) * static_cast<std::size_t>(s.width()) +
                            static_cast<std::size_t>(x);
-            if (is_plain(channels, i)) continue;
+            if (is_plain(s, channels, i)) continue;
             const std::string what = wrong_at(s, channels, i);
             Vec3& normal = s.normal.pixels()[i];
             if (what.empty()) {

@@ -178,6 +178,13 @@ TEST_F(TreatmentFolder, KnowsWhichFilesAreItsOwn) {
         EXPECT_EQ(treatment_that_keeps(folder() / own), std::filesystem::weakly_canonical(folder())) << own;
     for (const std::filesystem::path& other : {folder() / "report.html", dir_ / "painting.exr", folder()})
         EXPECT_EQ(treatment_that_keeps(other), std::nullopt) << other;
+    // Links are followed when they are written to, also where no file is there yet.
+    for (const char* own : {"painting.exr", "masks/new.png"}) {
+        const std::filesystem::path link = dir_ / "link";
+        std::filesystem::create_symlink(folder() / own, link);
+        EXPECT_EQ(treatment_that_keeps(link), std::filesystem::weakly_canonical(folder())) << own;
+        std::filesystem::remove(link);
+    }
 }
 
 TEST_F(TreatmentFolder, PaintOnTheOriginalIsCounted) {

@@ -146,7 +146,7 @@ bool is_treatment(const fs::path& folder) {
 
 std::optional<fs::path> treatment_that_keeps(const fs::path& file) {
     std::error_code unreadable;
-    fs::path whole = fs::weakly_canonical(file, unreadable);
+    fs::path whole = fs::weakly_canonical(where_links_lead(file), unreadable);
     if (unreadable) return std::nullopt;
     if (!whole.has_filename()) whole = whole.parent_path();
     for (fs::path folder = whole.parent_path();; folder = folder.parent_path()) {
