@@ -4,7 +4,9 @@
 #include <unistd.h>
 
 #include <cstdint>
+#include <fstream>
 #include <memory>
+#include <sstream>
 #include <thread>
 
 #include "cli_program.h"
@@ -111,17 +113,26 @@ public:
         return sum / (static_cast<double>(region.width()) * region.height());
     }
 
-    // The picture once it has not changed for three seconds: a busy machine draws slowly.
+    // The picture once nothing more comes: it has not changed for a second in which the server and the
+    // programs on its screen had nothing to do, or for three whatever they do.
     Image<Rgb> settled() const {
         const std::filesystem::path file = folder_ / "Xvfb_screen0";
         std::string last = bytes_of(file);
-        auto since = std::chrono::steady_clock::now();
+        auto since = std::chrono::steady_clock::now(), idle_since = since;
+        Work before = work();
         until([&] {
-            std::this_thread::sleep_for(std::chrono::milliseconds(150));
+            std::this_thread::sleep_for(std::chrono::milliseconds(50));
+            const auto now = std::chrono::steady_clock::now();
             std::string next = bytes_of(file);
-            if (next != last) since = std::chrono::steady_clock::now();
+            if (next != last) since = now;
             last = std::move(next);
-            return std::chrono::steady_clock::now() - since >= std::chrono::seconds(3);
+            const Work sum = work();
+            if (sum.runs || sum.ticks > before.ticks + kTicksAtRest) {
+                idle_since = now;
+                before = sum;
+            }
+            return now - since >= std::chrono::seconds(3) ||
+                   now - std::max(since, idle_since) >= std::chrono::seconds(1);
         });
         return picture();
     }
@@ -147,6 +158,45 @@ public:
 private:
     static constexpr const char* kXvfb = "/usr/bin/Xvfb";
     static constexpr const char* kXdotool = "/usr/bin/xdotool";
+
+    // What a window that waits for input still uses, in a second [1/100 s of a processor].
+    static constexpr long kTicksAtRest = 3;
+
+    struct Work {
+        long ticks = 0;     // of processor time so far [1/100 s]
+        bool runs = false;  // there is a thread that runs, or would if there were a processor for it
+    };
+
+    // Of the server and of all programs that were told to draw on its screen.
+    Work work() const {
+        const std::string display = fmt::format("DISPLAY=:{}", number_) + '\0';
+        Work sum;
+        std::error_code gone;  // processes and threads end while they are looked at
+        for (const auto& process : std::filesystem::directory_iterator("/proc", gone)) {
+            const std::string id = process.path().filename().string();
+            if (id.find_first_not_of("0123456789") != std::string::npos) continue;
+            if (id != std::to_string(server_->pid()) &&
+                ('\0' + text_of(process.path() / "environ")).find('\0' + display) == std::string::npos)
+                continue;
+            for (const auto& thread : std::filesystem::directory_iterator(process.path() / "task", gone)) {
+                const std::string stat = text_of(thread.path() / "stat");
+                std::istringstream fields(stat.substr(std::min(stat.rfind(')') + 1, stat.size())));
+                std::string state, field;
+                long user = 0, system = 0;
+                fields >> state;
+                for (int i = 0; i < 10; ++i) fields >> field;
+                fields >> user >> system;
+                sum.ticks += user + system;
+                sum.runs = sum.runs || state == "R" || state == "D";
+            }
+        }
+        return sum;
+    }
+
+    static std::string text_of(const std::filesystem::path& file) {
+        std::ifstream stream(file, std::ios::binary);
+        return {std::istreambuf_iterator<char>(stream), {}};
+    }
 
     static std::string socket_of(int number) { return fmt::format("/tmp/.X11-unix/X{}", number); }
 
