@@ -18,8 +18,10 @@ constexpr float kTiny = 1e-9f;  // [mm] keeps 0 / 0 away
 // So what is lower takes more, as long as paint reaches down to it, and thick paint levels the valleys. Where
 // there is no room, bristles still rub a film onto the dry, twice as thick at most as they reach without
 // paint, and leave nothing on paint that is thicker. [1] Deposit onto what is dry where there is no room, and
-// what is added where the room is as wide as paint reaches: about 1 at the most.
-constexpr float kPressed = 0.6f, kFilling = 3.3f;
+// what is added where the room is as wide as paint reaches: about 1 at the most. Where bristles reach nothing
+// but the paint that lies there, the film between them parts into two that are alike: the canvas gets no more
+// of it than without that paint. So the second of two equal strokes always leaves less.
+constexpr float kPressed = 0.66f, kFilling = 3.8f;
 
 // Bristles ride on the paint that they bring. Those that have little of it sink until they are as high above
 // the relief's mean as these parts [1] of what they bridge without paint and of what the paint adds, and by
@@ -49,13 +51,15 @@ void exchange_row(int n, const TransferRates& r, const BrushSides& sides, const 
         const float across_px = a0 + ax * static_cast<float>(x);
         const int on = static_cast<int>((across_px - first_lane_px) * BristleLanes::kPerPixel);
         const float here = open[x] * cover[x] * lane[std::min(std::max(on, 0), last_lane)];
-        const float contact = std::min(std::max(reach - (sunk - top), 0.0f), reach);  // times the reach
+        // How far [mm] bristles reach beyond what lies there, and beyond what is dry.
+        const float contact = std::min(std::max(reach - (sunk - top), 0.0f), reach);
+        const float dry_contact = std::min(std::max(reach - (sunk - relief[x]), 0.0f), reach);
         const float dry = std::max(1 - 0.5f * per_reach0 * total[x], 0.0f);
         const float fill = kPressed * dry * reach * reach + kFilling * bridged * (reach - contact);
         // Where pressure drives it out, the tuft gives more.
         const float beyond_px = std::max(across_px - right_px, -across_px - left_px);
         const float pressed = 1 + press * std::min(std::max(1 + beyond_px * per_band, 0.0f), 1.0f);
-        give[x] = std::min(deposit_tip * pressed, most) * here * contact * fill /
+        give[x] = std::min(deposit_tip * pressed, most) * here * dry_contact * fill /
                   (reach * reach * reach * std::max(load[x], tip));
         // Paint is lifted where the bristle itself dips into it: what hangs from it flows down only.
         const float dip = std::min(std::max(1 - room * per_reach0, 0.0f), 1.0f) * here;

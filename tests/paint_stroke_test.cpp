@@ -97,7 +97,7 @@ TEST(Stroke, MixingAPaintWithItselfChangesNothing) {
     EXPECT_TRUE(images_near(thickness_of(two), thickness_of(one), 2e-5));
 }
 
-TEST(Stroke, ASecondPassDepositsLess) {
+TEST(Stroke, ASecondPassOfTheSameBrushDepositsLess) {
     Canvas canvas = flat_canvas();
     const auto red = add_paint(canvas, "Pyrrole Red");
     Brush brush(brush_presets().at("round"), kTestPixel, 4);
@@ -108,6 +108,30 @@ TEST(Stroke, ASecondPassDepositsLess) {
     const double second = canvas.volumes_mm3()[0] - first;
     EXPECT_GT(first, 1);
     EXPECT_LT(second, 0.7 * first);
+}
+
+// Loaded anew: from a brush with so little that it scrapes over the crests to a full one.
+TEST(Stroke, ASecondEqualStrokeDepositsLess) {
+    SubstrateOptions piece;
+    piece.width_mm = piece.height_mm = 32;
+    piece.pixel_mm = kTestPixel;
+    const auto linen = std::make_shared<Surface>(make_substrate(SubstrateKind::linen, piece));
+    for (const auto& surface : {flat_surface(128, 128), linen})
+        for (const char* preset : {"round", "flat", "filbert", "fan", "knife"})
+            for (const double load : {0.05, 0.2, 0.5, 1.0}) {
+                Canvas canvas(surface);
+                const auto red = add_paint(canvas, "Pyrrole Red");
+                std::vector<double> laid = {0};
+                for (int pass = 0; pass < 2; ++pass) {
+                    Brush brush(brush_presets().at(preset), kTestPixel, 4);
+                    brush.load({{red, 1}}, load);
+                    stroke(canvas, brush, {-10, 0}, {10, 0});
+                    laid.push_back(canvas.volumes_mm3()[0]);
+                }
+                EXPECT_GT(laid[1], 0.1) << preset << ", load " << load;
+                EXPECT_LT(laid[2] - laid[1], 0.995 * laid[1])
+                    << preset << ", load " << load << (surface == linen ? ", linen" : ", flat");
+            }
 }
 
 TEST(Stroke, RunsDry) {
