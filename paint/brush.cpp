@@ -101,11 +101,11 @@ double Brush::fresh_load(int u, int v) const {
 
 void Brush::turn_to(float rotation_rad) {
     // Pixels at the rim, at most half of it off: of a thin tip less, whose contact is soon beside its load,
-    // and each new view of that would leave a rung.
-    const double most_px = std::clamp(half_thickness_px_ / 8, 0.5, 3.0);
+    // and each new view of that would leave a rung; and least of a blade, whose edge is sharp.
+    const double most_px = settings_.shape == "knife" ? std::clamp(half_thickness_px_ / 32, 0.1, 1.0)
+                                                      : std::clamp(half_thickness_px_ / 8, 0.5, 3.0);
     const float step = static_cast<float>(most_px) / static_cast<float>(disc_);
     loads_.turn_to(std::round(rotation_rad / step) * step);
-    weigh();
 }
 
 std::vector<float> Brush::total_of(const std::vector<std::vector<float>>& cells) {
@@ -327,18 +327,23 @@ float Brush::gap_mm(float pressure) const {
     return gap * (carried + (1 - carried) * kPressedOut * (1 - pressure));
 }
 
-void Brush::weigh() {
-    if (settings_.shape != "knife") return;
+void Brush::weigh(int step) {
+    const bool blade = settings_.shape == "knife";
+    constexpr int often = 8;  // it changes slowly
+    if (!blade && mean_load_mm_ >= 0 && step % often != 0) return;
     const float* load = loads_.view_total();
     const auto cells = static_cast<std::size_t>(grid_size()) * static_cast<std::size_t>(grid_size());
-    const double sum = std::accumulate(load, load + cells, 0.0);
+    const double mean_mm =
+        std::accumulate(load, load + cells, 0.0) / (4 * half_width_px_ * half_thickness_px_);
+    mean_load_mm_ = mean_mm / coverage_;
     // What it scrapes up lies on its face and does not lift it before the next stroke.
-    bead_mm_ = std::min(bead_mm_, static_cast<float>(sum / (4 * half_width_px_ * half_thickness_px_)));
+    if (blade) bead_mm_ = std::min(bead_mm_, static_cast<float>(mean_mm));
 }
 
 void Brush::rest() {
     loads_.rest();
     bead_mm_ = kOutside;
+    mean_load_mm_ = -1;
 }
 
 void Brush::underside_mm(const Dab& dab, int x0, int y0, int width, int height, float* out, float* cover,

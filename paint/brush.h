@@ -95,8 +95,13 @@ public:
     // The tip of a dab that stands, in a box of pixels whose first is (x0, y0).
     StandingTip standing(const Dab& dab, int x0, int y0) const;
 
-    // Turns the loads with the brush, to the nearest step of three pixels at its rim.
+    // Turns the loads with the brush, in small steps.
     void turn_to(float rotation_rad);
+    // Looks at how much is on the bristles, once in a while; before each step.
+    void weigh(int step);
+    // [mm] Mean load of the bristles that stand for the brush, by the last weigh(), as if they were all of
+    // its.
+    double mean_load_mm() const { return mean_load_mm_; }
     // Where a stroke ends: what comes next depends on what is on the bristles only.
     void rest();
 
@@ -116,7 +121,6 @@ public:
 private:
     double fresh_load(int u, int v) const;  // [mm] of a cell
     float gap_mm(float pressure) const;
-    void weigh();
     static std::vector<float> total_of(const std::vector<std::vector<float>>& cells);
 
     BrushSettings settings_;
@@ -126,6 +130,7 @@ private:
     double half_width_px_, half_thickness_px_;  // of what stands for it: kLeastHalf_px at least
     double coverage_ = 1;
     float bead_mm_ = kOutside;  // under a blade: the least mean load since it rested, by weigh()
+    double mean_load_mm_ = -1;  // < 0: not known
     int disc_ = 0, half_ = 0;   // radius [pixels] of what turns, and half the grid
     BrushTip tip_;
     BristleLoads loads_;

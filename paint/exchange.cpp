@@ -21,7 +21,7 @@ constexpr float kTiny = 1e-9f;  // [mm] keeps 0 / 0 away
 // what is added where the room is as wide as paint reaches: about 1 at the most. Where bristles reach nothing
 // but the paint that lies there, the film between them parts into two that are alike: the canvas gets no more
 // of it than without that paint. So the second of two equal strokes always leaves less.
-constexpr float kPressed = 0.66f, kFilling = 3.8f;
+constexpr float kPressed = 0.66f, kFilling = 4.2f;
 
 // Bristles ride on the paint that they bring. Those that have little of it sink until they are as high above
 // the relief's mean as these parts [1] of what they bridge without paint and of what the paint adds, and by

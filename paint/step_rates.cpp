@@ -37,7 +37,7 @@ constexpr float kLightTouch = 0.15f;
 // Pressure drives paint out of the tuft and, under it, to the sides, where it stays as lips: of a film of
 // thickness h a cross-section of kSqueeze p h^2 at most while the contact passes, a ridge a few times as wide
 // as the film is thick. [1] Both at full pressure; kPress over the deposit.
-constexpr float kSqueeze = 10, kPress = 2;
+constexpr float kSqueeze = 10, kPress = 2.6f;
 
 // [1] Pressing squeezes paint out of the tuft: deposit over that at a pressure of 0.6.
 double squeezing(float pressure) { return 0.55 + 0.75 * static_cast<double>(pressure); }

@@ -23,7 +23,7 @@ constexpr double kRim = 1.5, kMostSteps = 2;
 constexpr int kStands = 4;
 constexpr double kStandsFor = 0.7;
 
-constexpr double kStepsOfContact = 8, kShortest = 0.5;  // [1], and of the spacing
+constexpr double kStepsOfContact = 6;
 
 double length(const PathPoint& p) { return std::hypot(p.x, p.y); }
 PathPoint operator-(const PathPoint& a, const PathPoint& b) { return {a.x - b.x, a.y - b.y}; }
@@ -238,9 +238,12 @@ void Stroke::step_to(const Knot& b, const Knot& c, double u, const PathPoint& at
         rotation += *heading_rad_;
     }
     dab.rotation_rad = static_cast<float>(rotation);
-    // What is given and taken back within one step must be little of the whole: a short contact takes eight.
-    const double wanted =
-        options_.spacing_px * std::clamp(brush_.resolved_length_px(dab) / kStepsOfContact, kShortest, 1.0);
+    // What is given and taken back within one step must be little of the whole: a short contact takes six or
+    // more. Paint goes a pixel in a step at most: a blade goes slower than what it pushes ahead. Loads lie on
+    // whole pixels, and steps of other parts of one would leave rungs.
+    const bool in_halves =
+        brush_.settings().shape == "knife" || brush_.resolved_length_px(dab) < kStepsOfContact;
+    const double wanted = options_.spacing_px * (in_halves ? 0.5 : 1);
     // Where the brush turns, its rim goes further than its middle: no bristle shall go more than the spacing.
     double turning = 0;
     if (rotation_rad_) {

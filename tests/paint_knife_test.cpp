@@ -3,6 +3,7 @@
 
 #include <complex>
 #include <numbers>
+#include <numeric>
 
 #include "paint/stroke.h"
 #include "tests/paint_samples.h"
@@ -65,38 +66,55 @@ TEST(Knife, SpreadsASmoothSheetThatTapers) {
     }
 }
 
-// A blade without paint scrapes wet paint to a film and leaves it beside its way and at the end of it.
+// A blade without paint scrapes wet paint to a film and leaves it beside its way and at the end of it, in any
+// direction and with any pixels.
 TEST(Knife, ScrapesWhereItBringsNoPaint) {
-    Canvas canvas = flat_canvas(240, 160);
-    const auto blue = add_paint(canvas, "Ultramarine Blue");
-    BrushSettings flat = brush_presets().at("flat");
-    flat.size_mm = 24;
-    Brush brush(flat, kTestPixel, 4);
-    brush.load({{blue, 1}}, 3);
-    stroke(canvas, brush, {-25, 0}, {12, 0});
-    const Image<float> before = thickness_of(canvas);
-    BrushSettings settings = brush_presets().at("knife");
-    settings.size_mm = 12;
-    Brush knife(settings, kTestPixel, 5);
-    const auto volume = on_both(canvas, knife);
-    stroke(canvas, knife, {-26, 0}, {20, 0});
-    EXPECT_NEAR(on_both(canvas, knife)[0] / volume[0], 1, 1e-5);
-    const Image<float> after = thickness_of(canvas);
-    const auto mean = [](const Image<float>& mm, int x0, int y0, int x1, int y1) {
-        double sum = 0;
-        for (int y = y0; y < y1; ++y)
-            for (int x = x0; x < x1; ++x) sum += mm(x, y);
-        return sum / ((x1 - x0) * (y1 - y0));
-    };
-    const double there = mean(before, 60, 65, 140, 95), film = mean(after, 60, 65, 140, 95);
-    EXPECT_GT(there, 0.15);
-    EXPECT_LT(film, 0.4 * there);
-    EXPECT_GT(film, 0.005);
-    // Beside the blade's ends, 24 pixels from its middle, and where it was lifted.
-    EXPECT_GT(mean(after, 60, 104, 140, 108), mean(before, 60, 104, 140, 108) + 0.02);
-    float end = 0;
-    for (int x = 195; x < 215; ++x) end = std::max(end, after(x, 80));
-    EXPECT_GT(end, there);
+    for (const auto& [degrees, pixel_mm] :
+         {std::pair(0.0, 0.25), {30.0, 0.25}, {0.0, 0.125}, {30.0, 0.125}}) {
+        const auto what = std::to_string(degrees) + " " + std::to_string(pixel_mm);
+        const int side = static_cast<int>(64 / pixel_mm);
+        auto ground = std::make_shared<Surface>(side, side);
+        ground->mm_per_pixel = pixel_mm;
+        ground->scale_known = true;
+        Canvas canvas(ground);
+        const auto blue = add_paint(canvas, "Ultramarine Blue");
+        const double c = std::cos(degrees * std::numbers::pi / 180),
+                     s = std::sin(degrees * std::numbers::pi / 180);
+        BrushSettings flat = brush_presets().at("flat");
+        flat.size_mm = 24;
+        Brush brush(flat, pixel_mm, 4);
+        brush.load({{blue, 1}}, 3);
+        stroke(canvas, brush, {-25 * c, -25 * s}, {12 * c, 12 * s});
+        const Image<float> before = thickness_of(canvas);
+        BrushSettings settings = brush_presets().at("knife");
+        settings.size_mm = 12;
+        Brush knife(settings, pixel_mm, 5);
+        const auto volume = on_both(canvas, knife);
+        stroke(canvas, knife, {-26 * c, -26 * s}, {20 * c, 20 * s});
+        EXPECT_NEAR(on_both(canvas, knife)[0] / volume[0], 1, 1e-5) << what;
+        const Image<float> after = thickness_of(canvas);
+        // From there to there [mm], along the stroke and across it.
+        const auto over = [&](const Image<float>& mm, double x0, double y0, double x1, double y1) {
+            std::vector<double> there;
+            for (double x = x0; x < x1; x += pixel_mm)
+                for (double y = y0; y < y1; y += pixel_mm)
+                    there.push_back(sampled(mm, (side - 1) / 2.0 + (c * x - s * y) / pixel_mm,
+                                            (side - 1) / 2.0 - (s * x + c * y) / pixel_mm));
+            return there;
+        };
+        const auto mean = [](const std::vector<double>& mm) {
+            return std::accumulate(mm.begin(), mm.end(), 0.0) / static_cast<double>(mm.size());
+        };
+        const double there = mean(over(before, -15, -3.75, 5, 3.75)),
+                     film = mean(over(after, -15, -3.75, 5, 3.75));
+        EXPECT_GT(there, 0.15) << what;
+        EXPECT_LT(film, 0.4 * there) << what;
+        EXPECT_GT(film, 0.005) << what;
+        // Beside the blade's ends, 6 mm from its middle, and where it was lifted.
+        EXPECT_GT(mean(over(after, -15, 6, 5, 7)), mean(over(before, -15, 6, 5, 7)) + 0.02) << what;
+        const auto end = over(after, 18, -0.25, 24, 0.25);
+        EXPECT_GT(*std::max_element(end.begin(), end.end()), there) << what;
+    }
 }
 
 // On a tight curve the load turns with the blade in small steps: where these were of three pixels at its

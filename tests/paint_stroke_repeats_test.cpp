@@ -1,0 +1,84 @@
+// paint_stroke_repeats_test.cpp: what varies along a stroke: it does not repeat, and there are no rungs.
+#include <gtest/gtest.h>
+
+#include <numbers>
+
+#include "paint/stroke.h"
+#include "tests/paint_samples.h"
+#include "tests/paint_support.h"
+#include "tests/test_support.h"
+
+namespace tangi {
+namespace {
+
+struct Marks {
+    double largest = 0;  // correlation with itself, past the dab
+    double rungs = 0;    // [1] rms of what all rows have in common, of their thickness
+};
+
+// Of a stroke at an angle, within half of the brush's width.
+Marks marks_of(const char* preset, double size_mm, double load, double degrees, std::uint64_t seed) {
+    constexpr int side = 840, first = 60, count = 640, half = 10;
+    Canvas canvas = flat_canvas(side, side);
+    const auto red = add_paint(canvas, "Pyrrole Red");
+    BrushSettings settings = brush_presets().at(preset);
+    settings.size_mm = size_mm;
+    Brush brush(settings, kTestPixel, seed);
+    brush.load({{red, 1}}, load);
+    const double turn = degrees * std::numbers::pi / 180, c = std::cos(turn), s = std::sin(turn);
+    stroke(canvas, brush, {-95 * c, -95 * s}, {95 * c, 95 * s}, 0.6, seed);
+    const Image<float> mm = thickness_of(canvas);
+    const auto at = [&](int along, int across) {
+        const double x = along - 380, y = across, middle = (side - 1) / 2.0;
+        return static_cast<double>(sampled(mm, middle + c * x - s * y, middle - s * x - c * y));
+    };
+    // Each row over its mean around, which falls as the brush runs dry.
+    std::vector<std::vector<double>> rows;
+    const int rim = static_cast<int>(size_mm / kTestPixel / 4);
+    for (int y = -rim; y <= rim; ++y) {
+        rows.emplace_back();
+        for (int i = first; i < first + count; ++i) {
+            double mean = 0;
+            for (int k = -half; k <= half; ++k) mean += at(i + k, y) / (2 * half + 1);
+            rows.back().push_back((at(i, y) - mean) / (mean + 0.002));
+        }
+    }
+    Marks marks;
+    for (int i = 0; i < count; ++i) {
+        double common = 0;
+        for (const auto& row : rows)
+            common += row[static_cast<std::size_t>(i)] / static_cast<double>(rows.size());
+        marks.rungs += common * common / count;
+    }
+    marks.rungs = std::sqrt(marks.rungs);
+    for (int lag = static_cast<int>(size_mm / kTestPixel) + 2; lag < count / 2; ++lag) {
+        double both = 0, one = 0, other = 0;
+        for (const auto& row : rows)
+            for (std::size_t i = 0, j = static_cast<std::size_t>(lag); j < row.size(); ++i, ++j) {
+                both += row[i] * row[j];
+                one += row[i] * row[i];
+                other += row[j] * row[j];
+            }
+        marks.largest = std::max(marks.largest, both / std::sqrt(one * other));
+    }
+    return marks;
+}
+
+TEST(StrokeRepeats, MarksDoNotRepeat) {
+    for (const char* preset : {"round", "flat", "filbert", "fan", "knife"})
+        for (const std::uint64_t seed : {1, 4, 9})
+            EXPECT_LT(marks_of(preset, 5, 3, 0, seed).largest, 0.5) << preset << " " << seed;
+}
+
+// Loads lie on whole pixels, wherever a slanting stroke goes.
+TEST(StrokeRepeats, SlantingStrokesHaveNoRungs) {
+    for (const char* preset : {"round", "flat", "filbert", "knife"})
+        for (const double degrees : {20.0, 45.0}) {
+            const Marks marks = marks_of(preset, 10, 1.5, degrees, 4);
+            EXPECT_LT(marks.largest, 0.5) << preset << " " << degrees;
+            EXPECT_LT(marks.rungs, 0.06) << preset << " " << degrees;
+        }
+}
+
+}  // namespace
+}  // namespace tangi
