@@ -45,7 +45,8 @@ struct Part {
 
 class Reader {
 public:
-    explicit Reader(const std::filesystem::path& path) : file_(path, std::ios::binary) {}
+    Reader(const std::filesystem::path& path, std::uint64_t length)
+        : file_(path, std::ios::binary), length_(length) {}
 
     template <class T>
     bool number(T& value) {
@@ -62,6 +63,11 @@ public:
         text.resize(size);
         return static_cast<bool>(file_.read(text.data(), static_cast<std::streamsize>(size)));
     }
+    // Whether the file goes on for so many bytes.
+    bool has(std::uint32_t size) {
+        const auto here = file_.tellg();
+        return here >= 0 && size <= length_ - std::min(length_, static_cast<std::uint64_t>(here));
+    }
     bool skip(std::uint32_t size) { return static_cast<bool>(file_.seekg(size, std::ios::cur)); }
     bool go_to(std::uint64_t place) {
         return static_cast<bool>(file_.seekg(static_cast<std::streamoff>(place)));
@@ -69,6 +75,7 @@ public:
 
 private:
     std::ifstream file_;
+    std::uint64_t length_;
 };
 
 template <class T>
@@ -110,18 +117,22 @@ bool wanted(const std::string& name) {
            name == "tiles" || name == "type";
 }
 
-// One header up to the byte 0 that ends it. `empty`: that byte is all there is.
-bool read_part(Reader& in, Part& part, bool& empty) {
-    empty = true;
+enum class Header { whole, empty, too_long, unreadable };
+
+// One header up to the byte 0 that ends it: empty where that is all there is, too long where it claims an
+// attribute of more bytes than the file has left.
+Header read_part(Reader& in, Part& part) {
+    bool empty = true;
     for (std::string name, type, value; in.name(name); empty = false) {
-        if (name.empty()) return true;
+        if (name.empty()) return empty ? Header::empty : Header::whole;
         std::uint32_t size = 0;
-        if (!in.name(type) || !in.number(size) || size > INT32_MAX) return false;
+        if (!in.name(type) || !in.number(size) || size > INT32_MAX) return Header::unreadable;
+        if (!in.has(size)) return Header::too_long;
         const bool look = wanted(name) && size <= kMostRead;
-        if (look ? !in.bytes(value, size) : !in.skip(size)) return false;
+        if (look ? !in.bytes(value, size) : !in.skip(size)) return Header::unreadable;
         if (look) keep(part, name, value);
     }
-    return false;
+    return Header::unreadable;
 }
 
 // [bytes] that a file with this part has at least.
@@ -162,7 +173,7 @@ std::optional<ExrClaim> exr_claim(const std::filesystem::path& path) {
     std::error_code unknown;
     const auto length = std::filesystem::file_size(path, unknown);
     if (unknown) return {};
-    Reader in(path);
+    Reader in(path, length);
     std::uint32_t magic = 0, version = 0;
     if (!in.number(magic) || magic != kMagic || !in.number(version)) return {};
     ExrClaim claim;
@@ -172,9 +183,14 @@ std::optional<ExrClaim> exr_claim(const std::filesystem::path& path) {
     std::vector<double> blocks;
     for (bool more = true; more;) {
         Part part;
-        bool empty = false;
-        if (!read_part(in, part, empty)) return {};
-        if (empty) break;
+        const Header header = read_part(in, part);
+        if (header == Header::unreadable) return {};
+        if (header == Header::empty) break;
+        claim.cut_off = header == Header::too_long;
+        if (claim.cut_off) {
+            claim.parts.push_back(part.name);
+            return claim;
+        }
         more = (version & kPartsBit) != 0;
         claim.parts.push_back(part.name);
         if (!part.window) return {};

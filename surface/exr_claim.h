@@ -15,9 +15,10 @@ namespace tangi {
 struct ExrClaim {
     std::vector<std::string> parts;         // their names; "" of a part without
     std::optional<std::string> impossible;  // which size the file is too short for: "4 x 2000000000"
-    // The file ends before the last block that its tables of offsets name, or they name no place for a block:
-    // it was cut off, or never written to its end. Not looked for beside `impossible`, nor in files that have
-    // a part of deep pixels, or of tiles in several sizes.
+    // The file ends before an attribute of its headers, which OpenEXR would ask for memory for, or before the
+    // last block that its tables of offsets name, or they name no place for a block: it was cut off, or never
+    // written to its end. Blocks are not looked for beside `impossible`, nor in files that have a part of
+    // deep pixels, or of tiles in several sizes.
     bool cut_off = false;
 };
 

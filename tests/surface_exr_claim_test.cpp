@@ -89,6 +89,23 @@ TEST(ExrClaim, WithoutItsLastByteIsAnErrorWhateverPartIsRead) {
     }
 }
 
+// OpenEXR would ask for memory for all of it.
+TEST(ExrClaim, AnAttributeLongerThanTheFileIsAnError) {
+    const TestDir dir;
+    std::string bytes = painting_of_two_parts(dir);
+    using namespace std::string_literals;
+    const std::string attribute = "photography\0string\0"s;
+    const std::size_t at = bytes.find(attribute);
+    ASSERT_NE(at, std::string::npos);
+    bytes[at + attribute.size() + 3] = 0x5b;  // 1.5 GB
+    write_bytes(dir / "b.exr", bytes);
+    const auto claim = exr_claim(dir / "b.exr");
+    ASSERT_TRUE(claim);
+    EXPECT_TRUE(claim->cut_off);
+    EXPECT_TRUE(is_painting(dir / "b.exr"));
+    EXPECT_THAT(error_of([&] { read_painting(dir / "b.exr"); }), testing::HasSubstr("ends before the last"));
+}
+
 // As a program that dies while it writes leaves them: tables come first, and are filled in last.
 TEST(ExrClaim, WithoutAPlaceForABlockIsAnError) {
     const TestDir dir;
