@@ -287,7 +287,7 @@ Vec3 parse_direction_in_front(const std::string& text, const std::string& flag) 
 
 Illuminant parse_illuminant(const std::string& word, const std::string& flag) {
     const auto illuminant = illuminant_named(word);
-    if (!illuminant) throw UsageError(fmt::format("{}: '{}' is not A, D50, D65, F11 or LED", flag, word));
+    if (!illuminant) throw UsageError(fmt::format("{} {}: is not A, D50, D65, F11 or LED", flag, word));
     return *illuminant;
 }
 

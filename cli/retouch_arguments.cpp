@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <sstream>
 
-#include "cli/arguments.h"
 #include "cli/command.h"
 #include "paint/retouch/paint_media.h"
 
@@ -53,8 +52,10 @@ std::vector<Illuminant> lamps_in(const std::string& text, const std::string& fla
     std::vector<Illuminant> lamps;
     std::istringstream words(text);
     for (std::string word; std::getline(words, word, ',');) {
-        const Illuminant lamp = parse_illuminant(word, flag);
-        if (std::find(lamps.begin(), lamps.end(), lamp) == lamps.end()) lamps.push_back(lamp);
+        const auto lamp = illuminant_named(word);
+        if (!lamp)
+            throw UsageError(fmt::format("{} {}: '{}' is not A, D50, D65, F11 or LED", flag, text, word));
+        if (std::find(lamps.begin(), lamps.end(), *lamp) == lamps.end()) lamps.push_back(*lamp);
     }
     if (lamps.empty()) throw UsageError(fmt::format("{}: name a lamp, as in D65,A,F11", flag));
     return lamps;
