@@ -115,14 +115,17 @@ std::vector<float> Brush::total_of(const std::vector<std::vector<float>>& cells)
     return total;
 }
 
-void Brush::clean() { loads_.clear(); }
+void Brush::clean() {
+    loads_.clear();
+    forget();
+}
 
 void Brush::load(const std::vector<Portion>& recipe, double amount, bool keep) {
     double parts = 0;
     for (const Portion& portion : recipe) parts += portion.part;
     if (!(parts > 0)) fail("a brush is loaded with parts of paint that sum to {}", parts);
     if (!keep) clean();
-    bead_mm_ = kOutside;
+    forget();
     std::map<IngredientId, std::vector<float>> planes;
     auto there = loads_.cells();
     std::vector<float> total = total_of(there);
@@ -187,6 +190,7 @@ BrushLoad Brush::bristles() const {
 }
 
 void Brush::put_back(const BrushLoad& load) {
+    forget();
     const auto size = static_cast<std::size_t>(grid_size());
     TP_REQUIRE(load.total_mm.size() == size * size && load.mm.size() == load.ingredients.size(),
                "a load of this brush");
@@ -337,13 +341,17 @@ void Brush::weigh(int step) {
         std::accumulate(load, load + cells, 0.0) / (4 * half_width_px_ * half_thickness_px_);
     mean_load_mm_ = mean_mm / coverage_;
     // What it scrapes up lies on its face and does not lift it before the next stroke.
-    if (blade) bead_mm_ = std::min(bead_mm_, static_cast<float>(mean_mm));
+    if (blade) bead_mm_ = std::min(bead_mm_, static_cast<float>(mean_load_mm_));
+}
+
+void Brush::forget() {
+    bead_mm_ = kOutside;
+    mean_load_mm_ = -1;
 }
 
 void Brush::rest() {
     loads_.rest();
-    bead_mm_ = kOutside;
-    mean_load_mm_ = -1;
+    forget();
 }
 
 void Brush::underside_mm(const Dab& dab, int x0, int y0, int width, int height, float* out, float* cover,

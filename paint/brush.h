@@ -99,8 +99,7 @@ public:
     void turn_to(float rotation_rad);
     // Looks at how much is on the bristles, once in a while; before each step.
     void weigh(int step);
-    // [mm] Mean load of the bristles that stand for the brush, by the last weigh(), as if they were all of
-    // its.
+    // [mm] Volume on the brush over the area of the rectangle around its tip, by the last weigh().
     double mean_load_mm() const { return mean_load_mm_; }
     // Where a stroke ends: what comes next depends on what is on the bristles only.
     void rest();
@@ -121,6 +120,7 @@ public:
 private:
     double fresh_load(int u, int v) const;  // [mm] of a cell
     float gap_mm(float pressure) const;
+    void forget();  // what weigh() found
     static std::vector<float> total_of(const std::vector<std::vector<float>>& cells);
 
     BrushSettings settings_;

@@ -117,8 +117,10 @@ Region box_of(const Brush& brush, const Dab& dab) {
         (static_cast<std::uint64_t>(dab.step) * (2 * (chance & 1) + 3) + (chance >> 2)) & 7;
     const double shift =
         (static_cast<double>(turn) + procedural::uniform(procedural::hash(chance, dab.step))) / 8 - 0.5;
-    const int x = static_cast<int>(std::lround(cx - shift * dab.dy)),
-              y = static_cast<int>(std::lround(cy + shift * dab.dx));
+    // Halves go along the motion, whichever way that is.
+    constexpr double tie_px = 1e-4;
+    const int x = static_cast<int>(std::lround(cx - shift * dab.dy + tie_px * dab.dx)),
+              y = static_cast<int>(std::lround(cy + shift * dab.dx + tie_px * dab.dy));
     return {x - half_x, y - half_y, x + half_x + 1, y + half_y + 1};
 }
 

@@ -18,9 +18,9 @@ constexpr float kTiny = 1e-9f;  // [mm] keeps 0 / 0 away
 // So what is lower takes more, as long as paint reaches down to it, and thick paint levels the valleys. Where
 // there is no room, bristles still rub a film onto the dry, twice as thick at most as they reach without
 // paint, and leave nothing on paint that is thicker. [1] Deposit onto what is dry where there is no room, and
-// what is added where the room is as wide as paint reaches: about 1 at the most. Where bristles reach nothing
-// but the paint that lies there, the film between them parts into two that are alike: the canvas gets no more
-// of it than without that paint. So the second of two equal strokes always leaves less.
+// what is added where the room is as wide as paint reaches: both together 1.4 at the most. Where bristles
+// reach nothing but the paint that lies there, the film between them parts into two that are alike: the
+// canvas gets no more of it than without that paint. So the second of two equal strokes always leaves less.
 constexpr float kPressed = 0.66f, kFilling = 4.2f;
 
 // Bristles ride on the paint that they bring. Those that have little of it sink until they are as high above
@@ -59,8 +59,10 @@ void exchange_row(int n, const TransferRates& r, const BrushSides& sides, const 
         // Where pressure drives it out, the tuft gives more.
         const float beyond_px = std::max(across_px - right_px, -across_px - left_px);
         const float pressed = 1 + press * std::min(std::max(1 + beyond_px * per_band, 0.0f), 1.0f);
-        give[x] = std::min(deposit_tip * pressed, most) * here * dry_contact * fill /
-                  (reach * reach * reach * std::max(load[x], tip));
+        // No more than there is, however uneven the lanes are.
+        give[x] = std::min(std::min(deposit_tip * pressed, most) * here * dry_contact * fill /
+                               (reach * reach * reach * std::max(load[x], tip)),
+                           1.0f);
         // Paint is lifted where the bristle itself dips into it: what hangs from it flows down only.
         const float dip = std::min(std::max(1 - room * per_reach0, 0.0f), 1.0f) * here;
         const float thirst = std::max(1 - per_hold * load[x], 0.0f);

@@ -28,7 +28,8 @@ void sync_to_disk(const fs::path& path, const fs::path& named) {
 }  // namespace
 
 fs::path where_links_lead(fs::path path) {
-    for (int links = 0; fs::is_symlink(path); ++links) {
+    std::error_code unreadable;  // then it is for those who open it to say why
+    for (int links = 0; fs::is_symlink(path, unreadable); ++links) {
         if (links == 40) fail("{}: is a link that leads round in a circle", path.string());
         path = path.parent_path() / fs::read_symlink(path);
     }

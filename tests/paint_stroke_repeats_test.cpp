@@ -76,7 +76,7 @@ TEST(StrokeRepeats, SlantingStrokesHaveNoRungs) {
         for (const double degrees : {20.0, 45.0}) {
             const Marks marks = marks_of(preset, 10, 1.5, degrees, 4);
             EXPECT_LT(marks.largest, 0.5) << preset << " " << degrees;
-            EXPECT_LT(marks.rungs, 0.06) << preset << " " << degrees;
+            EXPECT_LT(marks.rungs, std::string(preset) == "knife" ? 0.035 : 0.05) << preset << " " << degrees;
         }
 }
 

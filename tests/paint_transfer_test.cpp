@@ -123,6 +123,28 @@ TEST(Transfer, MovesPaintBothWaysAtOnce) {
     EXPECT_FLOAT_EQ(b.paint[1][middle] + b.load[1][middle], 0.1f);
 }
 
+// The rate at its most, lanes at twice the mean, and paint that bridges far more than bristles reach.
+TEST(Transfer, GivesNoMoreThanThereIs) {
+    RandomBox b(5);
+    for (float& mm : b.underside) mm += 0.3f;
+    for (auto& plane : b.paint) std::fill(plane.begin(), plane.end(), 0.0f);
+    std::fill(b.total.begin(), b.total.end(), 0.0f);
+    double before[RandomBox::kIngredients];
+    for (int i = 0; i < RandomBox::kIngredients; ++i) before[i] = b.sum(i);
+    const float twice = 2;
+    b.box.lanes.factor = &twice;
+    TransferRates rates = some_rates();
+    rates.deposit = 0.5f;
+    rates.tip_mm = 0.5f;
+    rates.pickup = 0;
+    rates.reach_mm = 0.001f;
+    rates.load_reach = 2;
+    StepScratch scratch;
+    for (int step = 0; step < 5; ++step) exchange(b.box, rates, scratch);
+    EXPECT_GE(b.smallest(), -1e-6f);
+    for (int i = 0; i < RandomBox::kIngredients; ++i) EXPECT_NEAR(b.sum(i) / before[i], 1, 1e-5) << i;
+}
+
 TEST(Transfer, LeavesAFilm) {
     RandomBox b(3);
     StepScratch scratch;

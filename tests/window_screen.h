@@ -127,7 +127,8 @@ public:
             if (next != last) since = now;
             last = std::move(next);
             const Work sum = work();
-            if (sum.runs || sum.ticks > before.ticks + kTicksAtRest) {
+            // Those of a program that ends go with it.
+            if (sum.runs || sum.ticks > before.ticks + kTicksAtRest || sum.ticks < before.ticks) {
                 idle_since = now;
                 before = sum;
             }
