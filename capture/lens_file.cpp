@@ -109,8 +109,12 @@ Lens read_lens(const std::filesystem::path& path) {
         const cv::FileStorage file(path.string(), cv::FileStorage::READ);
         if (!file.isOpened()) fail("{}: cannot be read", path.string());
         return lens_in(file, path);
+    } catch (const Error&) {
+        throw;
     } catch (const cv::Exception& error) {
         fail("{}: is no whole calibration file of OpenCV ({})", path.string(), error.err);
+    } catch (const std::exception&) {  // of a name that is empty, about texts that nobody sees
+        fail("{}: is no whole calibration file of OpenCV", path.string());
     }
 }
 

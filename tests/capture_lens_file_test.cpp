@@ -80,6 +80,15 @@ TEST(LensFile, ThatIsWrongIsAnErrorWithThePlace) {
     EXPECT_THAT(error("h.yml", lying), HasSubstr("h.yml: "));
 }
 
+// OpenCV throws something else than its own exceptions for it.
+TEST(LensFile, WithAnEmptyNameIsAnError) {
+    std::string text = yaml();
+    const std::string rows = "   rows: 5\n";
+    text.insert(text.find(rows) + rows.size(), "   : d\n");
+    EXPECT_THAT(error_of([&] { lens_of(text); }),
+                testing::AllOf(HasSubstr("lens.yml"), HasSubstr("no whole calibration file of OpenCV")));
+}
+
 TEST(Lens, DistortsAndUndistortsBackAndForth) {
     const Lens lens = lens_of(yaml());
     const Image<glm::vec2> map = undistortion_map(lens, 640, 480);
