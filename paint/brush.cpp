@@ -124,8 +124,7 @@ void Brush::load(const std::vector<Portion>& recipe, double amount, bool keep) {
     double parts = 0;
     for (const Portion& portion : recipe) parts += portion.part;
     if (!(parts > 0)) fail("a brush is loaded with parts of paint that sum to {}", parts);
-    if (!keep) clean();
-    forget();
+    keep ? forget() : clean();
     std::map<IngredientId, std::vector<float>> planes;
     auto there = loads_.cells();
     std::vector<float> total = total_of(there);

@@ -23,7 +23,7 @@ constexpr double kRim = 1.5, kMostSteps = 2;
 constexpr int kStands = 4;
 constexpr double kStandsFor = 0.7;
 
-constexpr double kStepsOfContact = 6;
+constexpr double kShortContact_px = 6;  // shorter ones take steps of half the spacing
 
 double length(const PathPoint& p) { return std::hypot(p.x, p.y); }
 PathPoint operator-(const PathPoint& a, const PathPoint& b) { return {a.x - b.x, a.y - b.y}; }
@@ -242,7 +242,7 @@ void Stroke::step_to(const Knot& b, const Knot& c, double u, const PathPoint& at
     // more. Paint goes a pixel in a step at most: a blade goes slower than what it pushes ahead. Loads lie on
     // whole pixels, and steps of other parts of one would leave rungs.
     const bool in_halves =
-        brush_.settings().shape == "knife" || brush_.resolved_length_px(dab) < kStepsOfContact;
+        brush_.settings().shape == "knife" || brush_.resolved_length_px(dab) < kShortContact_px;
     const double wanted = options_.spacing_px * (in_halves ? 0.5 : 1);
     // Where the brush turns, its rim goes further than its middle: no bristle shall go more than the spacing.
     double turning = 0;

@@ -31,7 +31,9 @@ fs::path where_links_lead(fs::path path) {
     std::error_code unreadable;  // then it is for those who open it to say why
     for (int links = 0; fs::is_symlink(path, unreadable); ++links) {
         if (links == 40) fail("{}: is a link that leads round in a circle", path.string());
-        path = path.parent_path() / fs::read_symlink(path);
+        const fs::path next = fs::read_symlink(path, unreadable);
+        if (unreadable) break;
+        path = path.parent_path() / next;
     }
     return path;
 }

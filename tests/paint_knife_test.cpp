@@ -73,10 +73,7 @@ TEST(Knife, ScrapesWhereItBringsNoPaint) {
          {std::pair(0.0, 0.25), {30.0, 0.25}, {0.0, 0.125}, {30.0, 0.125}}) {
         const auto what = std::to_string(degrees) + " " + std::to_string(pixel_mm);
         const int side = static_cast<int>(64 / pixel_mm);
-        auto ground = std::make_shared<Surface>(side, side);
-        ground->mm_per_pixel = pixel_mm;
-        ground->scale_known = true;
-        Canvas canvas(ground);
+        Canvas canvas = flat_canvas(side, side, pixel_mm);
         const auto blue = add_paint(canvas, "Ultramarine Blue");
         const double c = std::cos(degrees * std::numbers::pi / 180),
                      s = std::sin(degrees * std::numbers::pi / 180);
@@ -123,10 +120,7 @@ TEST(Knife, LeavesNoRungsOnATightCurve) {
     constexpr double pi = std::numbers::pi, radius_mm = 9, size_mm = 6;
     for (const double pixel_mm : {0.1, 0.2}) {
         const int side = static_cast<int>(28 / pixel_mm);
-        auto ground = std::make_shared<Surface>(side, side);
-        ground->mm_per_pixel = pixel_mm;
-        ground->scale_known = true;
-        Canvas canvas(ground);
+        Canvas canvas = flat_canvas(side, side, pixel_mm);
         const auto white = add_paint(canvas, "Titanium White");
         BrushSettings settings = brush_presets().at("knife");
         settings.size_mm = size_mm;

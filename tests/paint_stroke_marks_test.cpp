@@ -36,10 +36,7 @@ TEST(StrokeMarks, PressesOutLipsAtItsSides) {
     // tufts.
     const auto lip = [](const char* preset, double load, double pressure) {
         constexpr double pixel_mm = 0.125;
-        auto ground = std::make_shared<Surface>(480, 200);
-        ground->mm_per_pixel = pixel_mm;
-        ground->scale_known = true;
-        Canvas canvas(ground);
+        Canvas canvas = flat_canvas(480, 200, pixel_mm);
         const auto white = add_paint(canvas, "Titanium White");
         BrushSettings settings = brush_presets().at(preset);
         settings.size_mm = 14;

@@ -17,8 +17,10 @@ struct Marks {
 };
 
 // Of a stroke at an angle, within half of the brush's width.
-Marks marks_of(const char* preset, double size_mm, double load, double degrees, std::uint64_t seed) {
-    constexpr int side = 840, first = 60, count = 640, half = 10;
+// `half` of the pixels over which the mean around is taken.
+Marks marks_of(const char* preset, double size_mm, double load, double degrees, std::uint64_t seed,
+               int half = 10) {
+    constexpr int side = 840, first = 60, count = 640;
     Canvas canvas = flat_canvas(side, side);
     const auto red = add_paint(canvas, "Pyrrole Red");
     BrushSettings settings = brush_presets().at(preset);
@@ -68,6 +70,9 @@ TEST(StrokeRepeats, MarksDoNotRepeat) {
     for (const char* preset : {"round", "flat", "filbert", "fan", "knife"})
         for (const std::uint64_t seed : {1, 4, 9})
             EXPECT_LT(marks_of(preset, 5, 3, 0, seed).largest, 0.5) << preset << " " << seed;
+    // Over two dabs, where the load lasts.
+    for (const std::uint64_t seed : {1, 4, 9})
+        EXPECT_LT(marks_of("round", 5, 3, 0, seed, 20).largest, 0.5) << seed;
 }
 
 // Loads lie on whole pixels, wherever a slanting stroke goes.

@@ -15,16 +15,18 @@ namespace tangi {
 
 constexpr double kTestPixel = 0.25;  // [mm]
 
-inline std::shared_ptr<Surface> flat_surface(int width, int height) {
+inline std::shared_ptr<Surface> flat_surface(int width, int height, double pixel_mm = kTestPixel) {
     auto surface = std::make_shared<Surface>(width, height);
-    surface->mm_per_pixel = kTestPixel;
+    surface->mm_per_pixel = pixel_mm;
     surface->scale_known = true;
     for (Rgb& colour : surface->diffuse.pixels()) colour = Rgb(0.5f, 0.4f, 0.3f);
     for (float& confidence : surface->confidence.pixels()) confidence = 1;
     return surface;
 }
 
-inline Canvas flat_canvas(int width = 128, int height = 96) { return Canvas(flat_surface(width, height)); }
+inline Canvas flat_canvas(int width = 128, int height = 96, double pixel_mm = kTestPixel) {
+    return Canvas(flat_surface(width, height, pixel_mm));
+}
 
 // A brush without chance: even bristles, even load, no grain.
 inline BrushSettings even_brush(double size_mm = 5) {

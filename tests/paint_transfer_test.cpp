@@ -57,6 +57,15 @@ struct RandomBox {
         for (auto& l : load) box.load.push_back(l.data());
     }
 
+    std::vector<double> sums() const {
+        std::vector<double> sums;
+        for (int i = 0; i < kIngredients; ++i) sums.push_back(sum(i));
+        return sums;
+    }
+    void expect_sums(const std::vector<double>& before) const {
+        for (int i = 0; i < kIngredients; ++i)
+            EXPECT_NEAR(sum(i) / before[static_cast<std::size_t>(i)], 1, 1e-5) << i;
+    }
     double sum(int ingredient) const {
         double sum = 0;
         for (const float v : paint[static_cast<std::size_t>(ingredient)]) sum += v;
@@ -89,8 +98,7 @@ TransferRates some_rates() {
 TEST(Transfer, ConservesEachIngredientOverManySteps) {
     RandomBox b(1);
     StepScratch scratch;
-    double before[RandomBox::kIngredients];
-    for (int i = 0; i < RandomBox::kIngredients; ++i) before[i] = b.sum(i);
+    const std::vector<double> before = b.sums();
     for (int step = 0; step < 300; ++step) {
         exchange(b.box, some_rates(), scratch);
         const double turn = step * 0.37;
@@ -98,7 +106,7 @@ TEST(Transfer, ConservesEachIngredientOverManySteps) {
              {static_cast<float>(std::cos(turn)), static_cast<float>(std::sin(turn)), 0.02f, 18, 11},
              scratch);
     }
-    for (int i = 0; i < RandomBox::kIngredients; ++i) EXPECT_NEAR(b.sum(i) / before[i], 1, 1e-5) << i;
+    b.expect_sums(before);
     EXPECT_GE(b.smallest(), -1e-9f);
 }
 
@@ -129,8 +137,7 @@ TEST(Transfer, GivesNoMoreThanThereIs) {
     for (float& mm : b.underside) mm += 0.3f;
     for (auto& plane : b.paint) std::fill(plane.begin(), plane.end(), 0.0f);
     std::fill(b.total.begin(), b.total.end(), 0.0f);
-    double before[RandomBox::kIngredients];
-    for (int i = 0; i < RandomBox::kIngredients; ++i) before[i] = b.sum(i);
+    const std::vector<double> before = b.sums();
     const float twice = 2;
     b.box.lanes.factor = &twice;
     TransferRates rates = some_rates();
@@ -142,7 +149,7 @@ TEST(Transfer, GivesNoMoreThanThereIs) {
     StepScratch scratch;
     for (int step = 0; step < 5; ++step) exchange(b.box, rates, scratch);
     EXPECT_GE(b.smallest(), -1e-6f);
-    for (int i = 0; i < RandomBox::kIngredients; ++i) EXPECT_NEAR(b.sum(i) / before[i], 1, 1e-5) << i;
+    b.expect_sums(before);
 }
 
 TEST(Transfer, LeavesAFilm) {
