@@ -16,6 +16,7 @@
 #include "surface/error.h"
 #include "surface/json_text.h"
 #include "surface/picture_file.h"
+#include "surface/png_chunks.h"
 
 namespace tangi {
 
@@ -58,16 +59,6 @@ void require_complete_jpeg(const fs::path& path) {
         fail_photo(path, "the JPEG file is truncated; copy it again from the camera or the archive");
 }
 
-// A truncated PNG file is found when its last rows are wanted, perhaps after an hour, and libpng writes to
-// stderr then. It lacks the last chunk (ISO/IEC 15948, 11.2.5).
-void require_complete_png(const fs::path& path) {
-    std::ifstream stream(path, std::ios::binary);
-    std::string signature(8, '\0');
-    if (!stream.read(signature.data(), 8) || signature != "\x89PNG\r\n\x1a\n") return;
-    if (tail_of(stream, path, 8).find("IEND\xAE\x42\x60\x82") == std::string::npos)
-        fail_photo(path, "the PNG file is truncated; copy it again from the camera or the archive");
-}
-
 }  // namespace
 
 struct PhotoFile::Decoder {
@@ -101,7 +92,8 @@ PhotoFile::PhotoFile(fs::path path, std::string demosaic)
                    .orientation = raw.orientation};
         return;
     }
-    require_complete_png(path_);
+    if (!is_whole_png(path_))
+        fail_photo(path_, "the PNG file is truncated; copy it again from the camera or the archive");
     OIIO::ImageSpec config, spec;
     config.attribute("oiio:UnassociatedAlpha", 1);
     decoder_->input = OIIO::ImageInput::create(reader_name(path_), false, &config);

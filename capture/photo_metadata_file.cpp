@@ -11,6 +11,7 @@
 #include "capture/raw_file.h"
 #include "surface/error.h"
 #include "surface/picture_file.h"
+#include "surface/png_chunks.h"
 
 namespace tangi {
 
@@ -59,6 +60,9 @@ std::optional<double> positive_number(const OIIO::ImageSpec& spec, const char* n
 
 PhotoMetadata read_photo_metadata(const fs::path& path) {
     if (!fs::exists(path)) fail("{}: no such photograph", path.string());
+    if (!is_whole_png(path))
+        fail("{}: is not a picture that can be read: the PNG file is cut off, or damaged; copy it again",
+             path.string());
     OIIO::attribute("debug", 0);
     const auto input = OIIO::ImageInput::create(is_raw_name(path) ? "raw" : reader_name(path));
     OIIO::ImageSpec spec;

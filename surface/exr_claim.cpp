@@ -178,6 +178,7 @@ std::optional<ExrClaim> exr_claim(const std::filesystem::path& path) {
     if (!in.number(magic) || magic != kMagic || !in.number(version)) return {};
     ExrClaim claim;
     double least = 0;
+    bool sized = true;  // all parts say how large they are
     bool plain = true;  // whose tables of offsets are as long as blocks() says
     std::vector<Part> parts;
     std::vector<double> blocks;
@@ -193,10 +194,11 @@ std::optional<ExrClaim> exr_claim(const std::filesystem::path& path) {
         }
         more = (version & kPartsBit) != 0;
         claim.parts.push_back(part.name);
-        if (!part.window) return {};
-        const auto& [x0, y0, x1, y1] = *part.window;
+        // What is wrong with one header OpenEXR says after it has read all.
+        const auto [x0, y0, x1, y1] = part.window.value_or(std::array{0, 0, -1, -1});
         const double width = static_cast<double>(x1) - x0 + 1, height = static_cast<double>(y1) - y0 + 1;
-        if (width < 1 || height < 1) return {};
+        sized = sized && width >= 1 && height >= 1;
+        if (!sized) continue;
         least += least_bytes(part, width, height);
         if (least > static_cast<double>(length) && !claim.impossible)
             claim.impossible = fmt::format("{} x {}", width, height);
@@ -205,6 +207,7 @@ std::optional<ExrClaim> exr_claim(const std::filesystem::path& path) {
         blocks.push_back(part.blocks(width, height));
         parts.push_back(std::move(part));
     }
+    if (!sized) return {};
     if (plain && !claim.impossible) claim.cut_off = ends_too_soon(in, version, length, parts, blocks);
     return claim;
 }

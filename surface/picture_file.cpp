@@ -13,6 +13,7 @@
 #include "surface/json_text.h"
 #include "surface/letter_case.h"
 #include "surface/picture_with_alpha.h"
+#include "surface/png_chunks.h"
 
 namespace tangi {
 
@@ -153,6 +154,8 @@ namespace {
 
 // `alpha`: where to put it; its channel is not read where that is null.
 Image<Rgb> read_as_stored(const fs::path& path, Image<float>* alpha) {
+    if (!is_whole_png(path))
+        fail("{}: cannot be read: the PNG file is cut off, or damaged; copy it again", path.string());
     OIIO::ImageSpec as_stored;
     as_stored.attribute("oiio:UnassociatedAlpha", 1);
     const auto input = OIIO::ImageInput::create(reader_name(path), false, &as_stored);

@@ -5,12 +5,14 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "capture/photo_metadata.h"
 #include "tests/test_support.h"
 
 namespace tangi {
 namespace {
 
 using OIIO::TypeDesc;
+using testing::HasSubstr;
 using testing::StartsWith;
 namespace fs = std::filesystem;
 
@@ -268,6 +270,11 @@ TEST(PhotoFile, OfPngTruncatedIsAnError) {
                       ": the PNG file is truncated; copy it again from the camera or the archive")
             << kept;
     }
+    std::string damaged = whole;
+    damaged[33] = '\x60';  // the length of its second chunk: 1.6 GB, which libpng would ask for
+    write_bytes(dir / "b.png", damaged);
+    EXPECT_THAT(error_of([&] { PhotoFile(dir / "b.png"); }), HasSubstr("the PNG file is truncated"));
+    EXPECT_THAT(error_of([&] { read_photo_metadata(dir / "b.png"); }), HasSubstr("cut off, or damaged"));
     write_bytes(dir / "b.png", whole + std::string(1000, '\0'));  // padding does no harm
     EXPECT_EQ(PhotoFile(dir / "b.png").header().width, kPhotoWidth);
 }
@@ -288,8 +295,7 @@ TEST(PhotoFile, MayHaveAQuestionMarkInItsPath) {
     write_bytes(folder / "text.png", "this is no picture");
     EXPECT_THAT(error_of([&] { PhotoFile(folder / "text.png"); }),
                 StartsWith((folder / "text.png").string() + ": is not a picture that can be read: "));
-    EXPECT_THAT(error_of([&] { PhotoFile(folder / "text.png?x"); }),
-                testing::HasSubstr("no such photograph"));
+    EXPECT_THAT(error_of([&] { PhotoFile(folder / "text.png?x"); }), HasSubstr("no such photograph"));
 }
 
 TEST(PhotoFile, TruncatedIsAnErrorAtTheLatestWhereItsRowsAreRead) {
@@ -309,10 +315,16 @@ TEST(PhotoFile, TruncatedIsAnErrorAtTheLatestWhereItsRowsAreRead) {
         EXPECT_THAT(error_of([&] { read_in_bands(dir / name, 8); }), StartsWith((dir / name).string() + ": "))
             << name;
     }
-    const std::string cut = bytes_of(dir / "a.png");
-    write_bytes(dir / "a.png", cut + std::string("\0\0\0\0IEND\xAE\x42\x60\x82", 12));  // a hole, not the end
+    write(dir / "a.png", formats[0].spec, random_codes(3, 8));
+    std::string damaged = bytes_of(dir / "a.png");
+    const std::size_t hole = damaged.size() * 6 / 10;
+    std::fill(damaged.begin() + static_cast<std::ptrdiff_t>(hole), damaged.end() - 40, '\0');
+    write_bytes(dir / "a.png", damaged);
     EXPECT_THAT(error_of([&] { read_in_bands(dir / "a.png", kPhotoHeight); }),
                 StartsWith((dir / "a.png").string() + ": cannot be decoded at rows 0 to 36: "));
+    // Its last chunk is there, but the one before does not lead to it.
+    write_bytes(dir / "a.png", damaged.substr(0, hole) + std::string("\0\0\0\0IEND\xAE\x42\x60\x82", 12));
+    EXPECT_THAT(error_of([&] { PhotoFile(dir / "a.png"); }), HasSubstr("the PNG file is truncated"));
 }
 
 TEST(PhotoFile, ReadOutsideItsRowsOrIntoTooLittleBreaksTheContract) {

@@ -104,6 +104,19 @@ TEST(ExrClaim, AnAttributeLongerThanTheFileIsAnError) {
     EXPECT_TRUE(claim->cut_off);
     EXPECT_TRUE(is_painting(dir / "b.exr"));
     EXPECT_THAT(error_of([&] { read_painting(dir / "b.exr"); }), testing::HasSubstr("ends before the last"));
+
+    // Also behind a header that lacks its size.
+    const std::size_t window = bytes.find("dataWindow");
+    ASSERT_LT(window, at);
+    bytes[window] = 'D';
+    bytes[at + attribute.size() + 3] = 0;
+    const std::size_t later = bytes.rfind("screenWindowWidth\0float\0"s);
+    ASSERT_GT(later, at);
+    bytes[later + 24 + 3] = 0x5b;
+    write_bytes(dir / "b.exr", bytes);
+    const auto unsized = exr_claim(dir / "b.exr");
+    ASSERT_TRUE(unsized);
+    EXPECT_TRUE(unsized->cut_off);
 }
 
 // As a program that dies while it writes leaves them: tables come first, and are filled in last.

@@ -125,6 +125,23 @@ TEST(PictureFile, MayHaveAQuestionMarkInItsPath) {
     EXPECT_EQ(names_in(folder).size(), 4u);
 }
 
+// libpng would ask for memory by a damaged length.
+TEST(PictureFile, OfPngCutOffOrWithADamagedLengthIsAnError) {
+    const TestDir dir;
+    write_picture(dir / "a.png", random_picture(17, 9), kLinear);
+    const std::string whole = bytes_of(dir / "a.png");
+    std::string damaged = whole;
+    damaged[33] = '\x60';  // of the second chunk: 1.6 GB
+    for (const std::string& bytes : {damaged, whole.substr(0, whole.size() - 1), whole.substr(0, 8)}) {
+        write_bytes(dir / "b.png", bytes);
+        EXPECT_EQ(error_of([&] { read_picture(dir / "b.png"); }),
+                  (dir / "b.png").string() +
+                      ": cannot be read: the PNG file is cut off, or damaged; copy it again");
+    }
+    write_bytes(dir / "b.png", whole + std::string(100, '\0'));  // padding does no harm
+    EXPECT_EQ(read_picture(dir / "b.png").width(), 17);
+}
+
 TEST(PictureFile, ExtensionsAreToldInAnyCase) {
     EXPECT_EQ(lower_extension("which? folder/A.b.EXR"), ".exr");
     EXPECT_EQ(lower_extension("a"), "");
