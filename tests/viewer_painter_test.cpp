@@ -1,4 +1,5 @@
 // viewer_painter_test.cpp: what the window sends is painted and shown, on a thread of its own.
+#include "paint/appearance.h"
 #include "painter_support.h"
 #include "surface/painting_parts.h"
 
@@ -70,6 +71,64 @@ TEST_F(PainterTest, UndoBringsTheOldTexelsBack) {
     for (int y = 0; y < 150; ++y)
         for (int x = 0; x < 200; ++x)
             ASSERT_NEAR(unpack(shown_->at(x, y), painter_->range()).diffuse.r, 0.5f, 0.01f);
+}
+
+// Cadmium red over a blue ground, by an incandescent lamp: as appearance() has it, also what is painted then,
+// and daylight brings the texels of before back. Measures and files stay in daylight.
+TEST_F(PainterTest, ShowsTheColoursOfAnotherLight) {
+    const auto ground = flat_surface(200, 600);
+    ground->diffuse = Image<Rgb>(200, 600, Rgb(0.1f, 0.15f, 0.5f));
+    write_painting(file_, *ground);
+    open();
+    stroke();
+    PaletteEvent lay_out;
+    lay_out.paints = {"Cadmium Red Light", "Ultramarine Blue"};
+    painter_->send(lay_out);
+    const PainterNews daylight = settle();
+    const auto texels = [&] {
+        std::vector<Texel> all;
+        for (int level = 0; level < shown_->levels(); ++level) {
+            const LevelSize size = level_size(200, 600, level);
+            for (int y = 0; y < size.height; ++y)
+                for (int x = 0; x < size.width; ++x) all.push_back(shown_->at(x, y, level));
+        }
+        return all;
+    };
+    const auto expected = [&](Illuminant light) {
+        std::optional<Surface> seen;
+        painter_->look([&](const Surface&, const Canvas& c) { seen = appearance(c, {.illuminant = light}); });
+        settle();
+        return TexelTiles(*seen, painter_->range());
+    };
+    const auto expect_shown = [&](const TexelTiles& as) {
+        for (int y = 0; y < 600; ++y)
+            for (int x = 0; x < 200; ++x) ASSERT_EQ(shown_->at(x, y), as.at(x, y)) << x << " " << y;
+        EXPECT_EQ(shown_->at(0, 0, 4), as.at(0, 0, 4));
+    };
+    const std::vector<Texel> before = texels();
+    painter_->show_in(Illuminant::a);
+    PainterNews news = settle();
+    int rows = 0;
+    for (const Region& region : news.changed) rows += region.width() == 200 ? region.height() : 0;
+    EXPECT_EQ(rows, 600) << "all of it is to be uploaded";
+    ASSERT_EQ(news.board.size(), 1u) << "the palette too, as a whole";
+    EXPECT_NE(news.board[0].srgb, daylight.board[0].srgb);
+    expect_shown(expected(Illuminant::a));
+    EXPECT_NE(texels(), before);
+
+    stroke(3);
+    settle();
+    expect_shown(expected(Illuminant::a));
+    painter_->probe(100, 20);
+    news = settle();
+    ASSERT_TRUE(news.probe);
+    EXPECT_NEAR(news.probe->material.diffuse.b, 0.5f, 1e-6) << "in daylight";
+
+    painter_->send(UndoEvent{});
+    painter_->show_in(Illuminant::f11);
+    painter_->show_in(Illuminant::d65);
+    settle();
+    EXPECT_EQ(texels(), before);
 }
 
 TEST_F(PainterTest, ProbesAndPicks) {

@@ -48,6 +48,26 @@ TEST_F(Window, TiltsLightsPaintsUndoesAndSaves) {
     EXPECT_GT(read_journal(folder_ / "small.strokes.jsonl").entries.size(), 5u);
 }
 
+TEST_F(Window, GoesThroughKindsOfLight) {
+    Surface red = small_painting();
+    for (Rgb& colour : red.diffuse.pixels()) colour *= Rgb(1, 0.2f, 0.1f);
+    write_painting(painting_, red);
+    start();
+    const auto daylight = screen_->settled();
+    for (int i = 0; i < 3; ++i) screen_->key("j");
+    EXPECT_TRUE(screen_->becomes_different(daylight, kCanvas, 0.004)) << "fluorescent";
+    const auto fluorescent = screen_->settled();
+    screen_->key("j");
+    screen_->key("j");
+    EXPECT_TRUE(screen_->becomes_alike(daylight, kCanvas, 0.001)) << "and daylight again";
+    paint_a_stroke();
+    screen_->settled();
+    screen_->key("ctrl+z");
+    for (int i = 0; i < 3; ++i) screen_->key("j");
+    EXPECT_TRUE(screen_->becomes_alike(fluorescent, kCanvas, 0.001));
+    EXPECT_EQ(close().code, 0);
+}
+
 TEST_F(Window, TellsOfThePixelUnderThePointerAndOfNoOther) {
     start();
     screen_->x({"search", "--name", "TangiPaint", "windowsize", "900", "650", "mousemove", "20", "640"});

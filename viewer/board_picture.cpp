@@ -27,7 +27,7 @@ constexpr float kThick_mm = 1;
 
 }  // namespace
 
-Rgb thick_film(std::span<const Pigment> paints, std::span<const float> parts) {
+Rgb thick_film(std::span<const Pigment> paints, std::span<const float> parts, Illuminant illuminant) {
     const float sum = std::accumulate(parts.begin(), parts.end(), 0.0f);
     std::vector<float> volumes;
     for (const float part : parts) volumes.push_back(kThick_mm * part / sum);
@@ -35,7 +35,7 @@ Rgb thick_film(std::span<const Pigment> paints, std::span<const float> parts) {
     for (const float& volume : volumes) planes.emplace_back(&volume, 1);
     const Rgb below(0.5f);
     Rgb colour;
-    FilmBatch(std::vector(paints.begin(), paints.end()))
+    FilmBatch(std::vector(paints.begin(), paints.end()), illuminant)
         .look(planes, std::span<const Rgb>(&below, 1), std::span<Rgb>(&colour, 1));
     return glm::clamp(colour, 0.0f, 1.0f);
 }

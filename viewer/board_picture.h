@@ -24,7 +24,8 @@ inline const Vec3 kBoardLamp = glm::normalize(Vec3(-0.45f, 0.45f, 0.76f));
 BoardPatch board_patch(const Surface& board, const Region& region, const Vec3& lamp = kBoardLamp);
 
 // Linear Rec. 709 of a mixture of these paints, 1 mm thick.
-Rgb thick_film(std::span<const Pigment> paints, std::span<const float> parts);
+Rgb thick_film(std::span<const Pigment> paints, std::span<const float> parts,
+               Illuminant illuminant = Illuminant::d65);
 
 // A strip of a bent film of this paint under that lamp, sRGB: how it shines.
 std::vector<Rgb> gloss_strip(const Rgb& diffuse, double specular, double roughness, int count);

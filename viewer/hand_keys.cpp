@@ -78,6 +78,9 @@ void Hand::look_act(Action action) {
         case Action::shadows:
             state_.shadows = !state_.shadows;
             break;
+        case Action::illuminant:
+            state_.see_in(light_after(state_.illuminant));
+            break;
         case Action::loupe:
             state_.loupe = !state_.loupe;
             break;

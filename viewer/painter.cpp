@@ -175,7 +175,7 @@ void Painter::show_changes() {
     for (Region region : dirty) {
         // Slopes look two pixels far at most.
         region = {region.x0 - 2, region.y0 - 2, region.x1 + 2, region.y1 + 2};
-        tiles_->update(*painted_, region);
+        make_texels(region);
         changed.push_back(region);
     }
     show_board();
@@ -201,10 +201,10 @@ void Painter::show_board() {
     const std::vector<Region> dirty = board->take_dirty();
     std::vector<BoardPatch> patches;
     if (!board_) {
-        board_ = appearance(*board);
+        board_ = appearance(*board, look_);
         patches.push_back(board_patch(*board_, board->region()));
     } else {
-        update_appearance(*board, dirty, *board_);
+        update_appearance(*board, dirty, *board_, look_);
         for (const Region& r : dirty) {
             const Region all = board->region();
             patches.push_back(board_patch(*board_, {std::max(r.x0 - 1, 0), std::max(r.y0 - 1, 0),

@@ -17,6 +17,7 @@
 #include <thread>
 #include <vector>
 
+#include "paint/appearance.h"
 #include "paint/session.h"
 #include "surface/part_pixels.h"
 #include "viewer/board_picture.h"
@@ -122,6 +123,9 @@ public:
     // Shows the painting as `view` makes it of what it is, until something else is shown or it is changed by
     // change(). Empty: as it is.
     void show_as(std::function<Canvas(const Canvas&)> view);
+    // Shows the painting and the palette as they look in this light, some rows after others, so that strokes
+    // come between. What is probed, measured, looked at and saved stays as it is in daylight (D65).
+    void show_in(Illuminant illuminant);
     // Saving in its place is `keep`'s business, which may change the canvas and says what was done.
     using Keep = std::function<std::string(Canvas& canvas, const std::filesystem::path& journal)>;
     void keep_by(Keep keep);
@@ -141,6 +145,8 @@ private:
     void refuse_elsewhere() const;
     void show_changes();
     Surface& own_surface();
+    void make_texels(const Region& region);
+    void show_rows_in(Illuminant illuminant, int row);
     void show_board();
     void weigh_brush();
     void say(std::string text);
@@ -167,6 +173,7 @@ private:
     bool file_is_new_, told_of_journal_ = false;
     PainterState own_;
     std::optional<Canvas> shown_;  // instead of the session's
+    AppearanceOptions look_;       // by which it is shown
     // All tiles of a canvas by where they are, without keeping them in memory.
     struct SavedTile {
         const PaintTile* tile = nullptr;  // null: no paint

@@ -1,6 +1,7 @@
 // painter_canvas.cpp: of the painter: the canvas changed, confined and shown otherwise than by strokes.
 #include <algorithm>
 
+#include "paint/appearance_part.h"
 #include "viewer/painter.h"
 
 namespace tangi {
@@ -160,6 +161,38 @@ void Painter::show_as(std::function<Canvas(const Canvas&)> view) {
         session_.finish();
         show(view ? std::optional(view(session_.canvas())) : std::nullopt);
     });
+}
+
+// Of pixels, as far as the painting goes.
+void Painter::make_texels(const Region& region) {
+    const Canvas& canvas = shown_ ? *shown_ : session_.canvas();
+    const Region part = intersection(region, canvas.region());
+    if (look_.illuminant == Illuminant::d65)
+        tiles_->update(surface(), part);
+    else
+        tiles_->update_part(appearance_in(canvas, part, look_), part);
+}
+
+void Painter::show_in(Illuminant illuminant) {
+    post([this, illuminant] {
+        if (illuminant == look_.illuminant) return;
+        look_.illuminant = illuminant;
+        board_.reset();
+        show_rows_in(illuminant, 0);
+    });
+}
+
+void Painter::show_rows_in(Illuminant illuminant, int row) {
+    constexpr int kRows = 256;
+    const Region all = session_.canvas().region();
+    if (illuminant != look_.illuminant || row >= all.y1 || hurry_) return;  // another one has begun
+    const Region rows{all.x0, row, all.x1, std::min(row + kRows, all.y1)};
+    make_texels(rows);
+    {
+        const std::lock_guard lock(mutex_);
+        news_.changed.push_back(rows);
+    }
+    post([=, this] { show_rows_in(illuminant, row + kRows); });
 }
 
 void Painter::keep_by(Keep keep) {

@@ -66,7 +66,7 @@ void Painter::weigh_brush() {
         own_.on_brush.recipe.emplace_back(paints.back().name, mm3[i] / sum);
     }
     std::ranges::sort(own_.on_brush.recipe, std::greater(), &std::pair<std::string, double>::second);
-    own_.on_brush.colour = thick_film(paints, parts);
+    own_.on_brush.colour = thick_film(paints, parts, look_.illuminant);
 }
 
 void Painter::probe(int x, int y) {

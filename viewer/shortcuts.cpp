@@ -90,6 +90,7 @@ const std::vector<Shortcut>& shortcuts() {
         {light_up, "light-up", "Up", "light: elevation"},
         {light_down, "light-down", "Down", "the other way"},
         {shadows, "shadows", "S", "shadows"},
+        {illuminant, "illuminant", "J", "the next kind of light: daylight, incandescent, fluorescent, LED"},
         {loupe, "loupe", "O", "loupe"},
         {brush_smaller, "brush-smaller", "[", "smaller brush"},
         {brush_larger, "brush-larger", "]", "larger brush"},

@@ -34,6 +34,7 @@ enum class Action {
     light_up,
     light_down,
     shadows,
+    illuminant,
     loupe,
     brush_smaller,
     brush_larger,

@@ -331,7 +331,16 @@ void TexelTiles::make(int level, const Region& r, const Make& make) {
 
 void TexelTiles::update(const Surface& s, const Region& region) {
     TP_REQUIRE(s.width() == width_ && s.height() == height_, "tiles are of this surface");
-    make(0, region_at(0, region), [&](int x, int y) { return pack(material_at(s, x, y), range_); });
+    update(region, [&](int x, int y) { return material_at(s, x, y); });
+}
+
+void TexelTiles::update_part(const Surface& s, const Region& region) {
+    TP_REQUIRE(s.width() == region.width() && s.height() == region.height(), "the surface is of this region");
+    update(region, [&](int x, int y) { return material_at(s, x - region.x0, y - region.y0); });
+}
+
+void TexelTiles::update(const Region& region, const std::function<Material(int, int)>& material) {
+    make(0, region_at(0, region), [&](int x, int y) { return pack(material(x, y), range_); });
     for (int level = 1; level < levels(); ++level) {
         const LevelSize below = level_size(width_, height_, level - 1);
         make(level, region_at(level, region), [&](int x, int y) {

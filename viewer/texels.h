@@ -28,6 +28,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <span>
@@ -102,12 +103,15 @@ public:
 
     // Packs these pixels again, and what holds them of all levels above.
     void update(const Surface& surface, const Region& region);
+    // The same of a surface that shows this region only, which is within the picture.
+    void update_part(const Surface& part, const Region& region);
 
     // The texels of a level that hold these pixels, as far as there are such.
     Region region_at(int level, const Region& region) const;
 
 private:
     std::size_t offset(int x, int y, int level) const;
+    void update(const Region& region, const std::function<Material(int x, int y)>& material);
     template <class Make>
     void make(int level, const Region& texels, const Make& make);
 

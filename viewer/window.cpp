@@ -280,6 +280,7 @@ bool WindowApp::frame() {
     if (state_.tool == Tool::paint && !ready_to_paint_) painter_->get_ready();
     ready_to_paint_ |= state_.tool == Tool::paint;
     requests();
+    if (state_.illuminant_now() != shown_in_) painter_->show_in(shown_in_ = state_.illuminant_now());
     news();
     preview_canvas();
     hand_->probe(dirty_);

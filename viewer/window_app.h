@@ -107,6 +107,7 @@ private:
     std::deque<InputEvent> held_back_;  // came after a key that may close a dialog: for the panels, then
     std::deque<Region> changed_;        // of the painting, not uploaded yet
     Extent screen_{1, 1}, window_size_{1, 1};
+    Illuminant shown_in_ = Illuminant::d65;
     Extent pane_{1, 1};  // what of the screen the view was fitted to
     double left_ = 0, now_s_ = 0, horizon_due_s_ = 0, moved_s_ = -1, progress_s_ = 0;
     std::string seen_;                // the scene and placement of the last picture

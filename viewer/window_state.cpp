@@ -6,6 +6,21 @@
 
 namespace tangi {
 
+namespace {
+
+auto place_of(Illuminant illuminant) {
+    return std::ranges::find(kLights, illuminant, &LightName::illuminant);
+}
+
+}  // namespace
+
+const char* light_named(Illuminant illuminant) { return place_of(illuminant)->name; }
+
+Illuminant light_after(Illuminant illuminant) {
+    const auto next = place_of(illuminant) + 1;
+    return next == kLights.end() ? kLights.front().illuminant : next->illuminant;
+}
+
 glm::dvec2 NewCanvas::pixels() const {
     if (!substrate_named(choice.which)) return {size.width, size.height};
     return glm::round(glm::dvec2(choice.piece.width_mm, choice.piece.height_mm) / choice.piece.pixel_mm);
@@ -23,12 +38,17 @@ WindowState::WindowState() : brushes(brush_presets()) {
 
 void WindowState::use_palette(Palette other) {
     palette = std::move(other);
+    see_in(illuminant);
+    std::erase_if(mix, [&](const auto& part) { return palette.find(part.first) < 0; });
+    if (mix.empty() && !palette.paints.empty()) mix[palette.paints.front().name] = 1;
+}
+
+void WindowState::see_in(Illuminant light) {
+    illuminant = light;
     paint_colours.clear();
     for (const Pigment& paint : palette.paints)
         paint_colours.push_back(
-            Transfer{Transfer::Kind::srgb}.encode(thick_film(std::span(&paint, 1), std::array{1.0f})));
-    std::erase_if(mix, [&](const auto& part) { return palette.find(part.first) < 0; });
-    if (mix.empty() && !palette.paints.empty()) mix[palette.paints.front().name] = 1;
+            Transfer{Transfer::Kind::srgb}.encode(thick_film(std::span(&paint, 1), std::array{1.0f}, light)));
 }
 
 void WindowState::use_brush(const std::string& name) {
@@ -47,7 +67,7 @@ Rgb WindowState::mixed_colour() const {
             paints.push_back(finished(palette.at(name), finish));
             parts.push_back(part);
         }
-    return paints.empty() ? Rgb(0) : thick_film(paints, parts);
+    return paints.empty() ? Rgb(0) : thick_film(paints, parts, illuminant);
 }
 
 OnBrush WindowState::on_brush() const {

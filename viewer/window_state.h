@@ -40,6 +40,20 @@ inline constexpr std::array<ToolName, 9> kTools = {{{Tool::tilt, "Tilt", Action:
                                                     {Tool::damage, "Damage", Action::tool_damage},
                                                     {Tool::sample, "Match", Action::tool_sample}}};
 
+// What the light is made of, for paint: in what order the key goes through them.
+struct LightName {
+    Illuminant illuminant;
+    const char* name;
+};
+inline constexpr std::array<LightName, kIlluminants> kLights = {
+    {{Illuminant::d65, "daylight (D65)"},
+     {Illuminant::d50, "warm daylight (D50)"},
+     {Illuminant::a, "incandescent (A)"},
+     {Illuminant::f11, "fluorescent (F11)"},
+     {Illuminant::warm_led, "warm LED (3000 K)"}}};
+const char* light_named(Illuminant illuminant);
+Illuminant light_after(Illuminant illuminant);
+
 struct Lamp {
     Angles angles{135, 50};
     float gain = 1;
@@ -168,6 +182,7 @@ struct WindowState {
     bool flat = false;
     Vec3 viewer{0, 0, 1};  // direction from the middle of the screen, for gloss
     Following follow;
+    Illuminant illuminant = Illuminant::d65;  // the colour of all lamps
     std::vector<Lamp> lamps{Lamp{}};
     std::size_t lamp = 0;  // that is moved
     bool sweeping = false;
@@ -251,6 +266,10 @@ struct WindowState {
     } ask;
 
     void use_brush(const std::string& name);
+    // All that has a colour, as it looks in this light.
+    void see_in(Illuminant light);
+    // That of the lamps; photographs are held against the painting in daylight.
+    Illuminant illuminant_now() const { return comparing.on ? Illuminant::d65 : illuminant; }
     // Another paint box: of the mixture, the paints stay that it has too; its first where there are none.
     void use_palette(Palette other);
     // The mixture on the brush as linear Rec. 709, laid on thickly.

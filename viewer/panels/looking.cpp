@@ -160,6 +160,15 @@ void look(WindowState& s) {
             s.most_curvature = most * unit;
         tip("Orange: bumps; blue: hollows, cracks, the edges of losses");
     }
+    if (ImGui::BeginCombo(with_key(s, "In", Action::illuminant).c_str(), light_named(s.illuminant_now()))) {
+        for (const LightName& light : kLights)
+            if (ImGui::Selectable(light.name, light.illuminant == s.illuminant)) s.see_in(light.illuminant);
+        ImGui::EndCombo();
+    }
+    tip(s.comparing.on
+            ? "Photographs are held against the painting in daylight"
+            : "What the lamps' light is made of: paints that match in one can differ in another. What "
+              "is below the paint is seen by a reflectance guessed from its colour");
     ImGui::SliderFloat("Exposure", &s.exposure_stops, -4, 4, "%.1f stops");
     ImGui::SliderFloat("Shoulder", &s.shoulder, 0, 0.9f, "%.2f");
     int model = static_cast<int>(s.model);

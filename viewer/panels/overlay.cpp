@@ -161,6 +161,8 @@ void overlay(WindowState& s, const Placement& placement, Extent screen, const gl
     std::string status = fmt::format("{:.0f} %   tilt {:.0f}° {:.0f}°   light {:.0f}° {:.0f}°",
                                      100 * s.view.zoom, s.tilt.angle_deg.x, s.tilt.angle_deg.y,
                                      lamp.angles.azimuth_deg, lamp.angles.elevation_deg);
+    if (s.illuminant_now() != Illuminant::d65)
+        status += fmt::format("   in {}", light_named(s.illuminant_now()));
     if (!lit_from_front(s, placement)) status += "   the lamps light its back: straighten it, or move them";
     if (s.treating.state) status += fmt::format("   as it was: {}", title_of(*s.treating.state));
     if (s.treating.preview) status += "   preview";
