@@ -72,8 +72,13 @@ BrushInHand read_brush(const fs::path& path, const PartInfo& info, const Canvas&
         fail("{}: it was used on a palette, which is not there", where);
     const Canvas& canvas = hand.place == Place::palette ? *board : painting;
 
-    hand.brush = std::make_unique<Brush>(brush_from_json(about["settings"], where), painting.mm_per_pixel(),
-                                         about["seed"].get<std::uint64_t>());
+    const BrushSettings settings = brush_from_json(about["settings"], where);
+    try {
+        hand.brush =
+            std::make_unique<Brush>(settings, painting.mm_per_pixel(), about["seed"].get<std::uint64_t>());
+    } catch (const Error& error) {  // it knows of no file
+        fail("{}: {}", where, error.what());
+    }
     const int size = hand.brush->grid_size();
     // Earlier versions gave a brush that is too small to be resolved a cell or two less.
     const int margin = hand.brush->coverage() < 1 ? std::clamp((size - info.width) / 2, 0, 2) : 0;

@@ -62,6 +62,14 @@ private:
     std::optional<std::pair<std::string, int>> twice_;  // and its number among all fields
 };
 
+bool is_control(unsigned char c) { return c < ' ' || c == 0x7f; }
+
+std::string in_one_line(const std::string& text) {
+    std::string line;
+    for (const char c : text) is_control(static_cast<unsigned char>(c)) ? line += "\ufffd" : line += c;
+    return line;
+}
+
 }  // namespace
 
 json parse_json(std::string_view text, const std::string& where) {
@@ -91,10 +99,10 @@ std::string shown(const json& value) {
 }
 
 std::string shortened(std::string_view text, std::size_t most_bytes) {
-    if (text.size() <= most_bytes) return valid_utf8(text);
+    if (text.size() <= most_bytes) return in_one_line(valid_utf8(text));
     std::size_t end = most_bytes;
     while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xc0) == 0x80) --end;  // whole characters
-    return fmt::format("{}… ({} bytes)", valid_utf8(text.substr(0, end)), text.size());
+    return fmt::format("{}… ({} bytes)", in_one_line(valid_utf8(text.substr(0, end))), text.size());
 }
 
 std::size_t utf8_length(std::string_view text) {
@@ -122,9 +130,7 @@ std::string valid_utf8(std::string_view text) {
     return valid;
 }
 
-bool is_one_line(std::string_view text) {
-    return std::ranges::none_of(text, [](unsigned char c) { return c < ' ' || c == 0x7f; });
-}
+bool is_one_line(std::string_view text) { return std::ranges::none_of(text, is_control); }
 
 std::string first_line(std::string_view text) {
     text.remove_prefix(std::min(text.find_first_not_of(" \t\r\n"), text.size()));

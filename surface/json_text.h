@@ -15,7 +15,8 @@ nlohmann::json parse_json(std::string_view text, const std::string& where);
 // The line that a place in a text is in, from 1.
 int line_of(std::string_view text, std::size_t byte);
 
-// A value in a message: numbers as short as they are exact, and nothing longer than a line.
+// A value in a message: numbers as short as they are exact, nothing longer than a line, and each control
+// character of ASCII as U+FFFD.
 std::string shown(const nlohmann::json& value);
 std::string shortened(std::string_view text, std::size_t most_bytes = 80);
 

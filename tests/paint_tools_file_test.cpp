@@ -167,6 +167,8 @@ TEST(ToolsFile, DamagedToolsSayWhatIsWrong) {
     EXPECT_THAT(message(with_brush("\"size_mm\":12.0", "\"size_mm\":14.0"), "brush"),
                 HasSubstr("a brush of these settings is"));
     EXPECT_THAT(message(with_brush("\"size_mm\":12.0", "\"size_mm\":-1"), "brush"), HasSubstr("size_mm"));
+    EXPECT_THAT(message(with_brush("\"size_mm\":12.0", "\"size_mm\":999"), "brush"),
+                AllOf(HasSubstr("bad.exr"), HasSubstr("pixels wide here")));
     EXPECT_THAT(message([](PartToWrite& part) { part.info.channels.back() = "volume.00077"; }, "brush"),
                 HasSubstr("no ingredient"));
     EXPECT_THAT(message(
