@@ -1,6 +1,7 @@
 // exchange.cpp: what goes each way between bristles and canvas in one step (transfer.h); and how steps go
 // over rows.
 #include <algorithm>
+#include <cstring>
 
 #include "paint/transfer.h"
 #include "surface/parallel.h"
@@ -11,6 +12,9 @@ namespace tangi {
 namespace {
 
 constexpr int kRowsAtOnce = 32;  // by one thread
+
+constexpr int kLanes = 8;  // pixels at once: rows are widened() to as many
+using Lanes = float __attribute__((vector_size(kLanes * sizeof(float))));
 
 constexpr float kTiny = 1e-9f;  // [mm] keeps 0 / 0 away
 
@@ -72,16 +76,40 @@ void exchange_row(int n, const TransferRates& r, const BrushSides& sides, const 
     }
 }
 
-TP_VECTOR_CLONES
-void apply_row(int n, const float* __restrict give, const float* __restrict take, float* __restrict paint,
-               float* __restrict load, float* __restrict total, float* __restrict load_total) {
-    for (int x = 0; x < n; ++x) {
-        const float moved = give[x] * load[x] - take[x] * paint[x];
-        paint[x] += moved;
-        load[x] -= moved;
-        total[x] += paint[x];
-        load_total[x] += load[x];
+// A row of an ingredient, on the canvas and on the bristles.
+struct SharedRow {
+    float *paint, *load;
+};
+
+// As many pixels of all ingredients as T holds, from x on: what goes either way is read once for all of them.
+template <class T>
+TP_INLINE void apply_some(int x, const float* give, const float* take, const std::vector<SharedRow>& rows,
+                          float* total, float* load_total) {
+    T given, taken, sum{}, load_sum{};
+    std::memcpy(&given, give + x, sizeof given);
+    std::memcpy(&taken, take + x, sizeof taken);
+    for (const SharedRow& row : rows) {
+        T paint, load;
+        std::memcpy(&paint, row.paint + x, sizeof paint);
+        std::memcpy(&load, row.load + x, sizeof load);
+        const T moved = given * load - taken * paint;
+        paint += moved;
+        load -= moved;
+        std::memcpy(row.paint + x, &paint, sizeof paint);
+        std::memcpy(row.load + x, &load, sizeof load);
+        sum += paint;
+        load_sum += load;
     }
+    std::memcpy(total + x, &sum, sizeof sum);
+    std::memcpy(load_total + x, &load_sum, sizeof load_sum);
+}
+
+TP_VECTOR_CLONES
+void apply_row(int n, const float* give, const float* take, const std::vector<SharedRow>& rows, float* total,
+               float* load_total) {
+    int x = 0;
+    for (; x + kLanes <= n; x += kLanes) apply_some<Lanes>(x, give, take, rows, total, load_total);
+    for (; x < n; ++x) apply_some<float>(x, give, take, rows, total, load_total);
 }
 
 std::size_t at(int y, std::size_t stride) { return static_cast<std::size_t>(y) * stride; }
@@ -96,8 +124,7 @@ void for_rows_of_step(int width, int height, const std::function<void(int, int)>
 }
 
 RowSpan widened(const RowSpan& span, const RowSpan& room) {
-    constexpr int lanes = 8;
-    const int wanted = (span.end - span.begin + lanes - 1) / lanes * lanes;
+    const int wanted = (span.end - span.begin + kLanes - 1) / kLanes * kLanes;
     const int end = std::min(span.begin + wanted, room.end);
     return {std::max(end - wanted, room.begin), end};
 }
@@ -106,6 +133,7 @@ void exchange(const StepBox& box, const TransferRates& rates, StepScratch& scrat
     const auto n = static_cast<std::size_t>(box.width);
     scratch.planes.resize(std::max(scratch.planes.size(), 2 * n * static_cast<std::size_t>(box.height)));
     for_rows_of_step(box.width, box.height, [&](int begin, int end) {
+        std::vector<SharedRow> rows(box.paint.size());
         for (int y = begin; y < end; ++y) {
             RowSpan span = box.bristles[static_cast<std::size_t>(y)];
             if (span.end <= span.begin) continue;
@@ -122,10 +150,9 @@ void exchange(const StepBox& box, const TransferRates& rates, StepScratch& scrat
                 box.relief_mm + canvas, box.open + canvas,
                 box.cover + at(y, box.underside_stride) + static_cast<std::size_t>(span.begin), total,
                 load_total, give, take);
-            std::fill_n(total, count, 0.0f);
-            std::fill_n(load_total, count, 0.0f);
-            for (std::size_t i = 0; i < box.paint.size(); ++i)
-                apply_row(count, give, take, box.paint[i] + canvas, box.load[i] + load, total, load_total);
+            for (std::size_t i = 0; i < rows.size(); ++i)
+                rows[i] = {box.paint[i] + canvas, box.load[i] + load};
+            apply_row(count, give, take, rows, total, load_total);
         }
     });
 }

@@ -21,7 +21,8 @@ constexpr int kBandRows = 32;
 constexpr int kRing = 2;                                                   // [pixels] that give no paint
 constexpr int kLanes = 16;                                                 // pixels at once
 using Lanes = float __attribute__((vector_size(kLanes * sizeof(float))));  // as many registers as it takes
-constexpr float kTiny = 1e-9f;                                             // [mm] keeps 0 / 0 away
+using HalfLanes = float __attribute__((vector_size(kLanes / 2 * sizeof(float))));
+constexpr float kTiny = 1e-9f;  // [mm] keeps 0 / 0 away
 
 // Signs of the step: the diagonal neighbour ahead is at (x + sx, y + sy).
 struct Heading {
@@ -186,11 +187,16 @@ TP_INLINE void advect_some(int x, const Heading& m, const std::vector<AdvectedRo
 TP_VECTOR_CLONES
 void advect_row(int n, const Heading& m, const std::vector<AdvectedRow>& rows, const FlowsAround& flows,
                 float* total) {
-    if (n < kLanes)
+    if (n < kLanes) {
         for (int x = 0; x < n; ++x) advect_some<float>(x, m, rows, flows, total);
-    else
-        for (int x = 0; x < n; x += kLanes)
-            advect_some<Lanes>(std::min(x, n - kLanes), m, rows, flows, total);
+        return;
+    }
+    int x = 0;
+    for (; x + kLanes <= n; x += kLanes) advect_some<Lanes>(x, m, rows, flows, total);
+    if (n - x > kLanes / 2)
+        advect_some<Lanes>(n - kLanes, m, rows, flows, total);
+    else if (n > x)
+        advect_some<HalfLanes>(n - kLanes / 2, m, rows, flows, total);
 }
 
 std::size_t at(int y, std::size_t stride) { return static_cast<std::size_t>(y) * stride; }
