@@ -59,6 +59,12 @@ public:
     // from motion, or nothing like it is in the picture.
     std::vector<std::optional<ShownLight>> shown_lights(const std::vector<std::size_t>& of);
 
+    // [1] Contrast that three terms of the light leave unexplained at the pixels that are looked at, where
+    // the pictures lie as they do: rms of the pictures in the model, of which there are 4 or more, over what
+    // they have beyond three, median of the pixels. As telling with few pictures, which is all that it is
+    // for.
+    double unexplained();
+
     // Predicts a picture under this light [unit vector] from now on.
     void set_light(std::size_t picture, const glm::dvec3& light);
 

@@ -18,11 +18,15 @@ namespace {
 constexpr int kLeastSide = 96;          // [pixels] of a picture whose cells are enough to judge motion by
 constexpr int kLookedAt = 1000000;      // pixels of all photographs together
 constexpr int kIterations = 8;          // on the finest level; half on the coarser
+constexpr float kBrightest = 1000;      // [1] times the median of a photograph: no painting shines so
 constexpr double kFloor = 0.05;         // [1] of the stack's mean brightness: contrast fades below it
 constexpr double kDoubtfulLight = 0.6;  // [1] of the median correlation: less, and the light may be another
 constexpr double kShownLight = 0.6;     // [1] of it that another light must reach ...
 constexpr double kClearlyBetter = 0.2;  // [1] ... and by which it must be better
-constexpr double kFarPx = 12;           // [pixels] from which patches are read again where they moved to
+// [1] Part of what three terms of the light leave unexplained where nothing moved, that motions found from
+// few photographs may leave at most to be believed.
+constexpr double kBelieved = 0.8;
+constexpr double kFarPx = 12;  // [pixels] from which patches are read again where they moved to
 constexpr std::size_t kBandBytes = 64u << 20;
 
 Image<float> halved(const Image<float>& image) {
@@ -76,6 +80,7 @@ public:
         if (!fitted.patches_.empty()) align_patches(alignment, fitted, held_out);
         Registration result = camera_motions(aligned_, alignment);
         apply(result, showing_something_else(aligned_, alignment));
+        if (result.moved && are_few()) warn_of_few(result);
         report(progress_, "register", 1);
         return result;
     }
@@ -93,8 +98,17 @@ private:
     AlignmentWindow merged(const AlignmentWindow& a, const AlignmentWindow& b) const {
         AlignmentWindow window = a;
         window.pictures.insert(window.pictures.end(), b.pictures.begin(), b.pictures.end());
-        for (Image<float>& picture : window.pictures)
-            for (float& value : picture.pixels()) value = transfer_.decode(value);
+        parallel_for(0, static_cast<int>(window.pictures.size()), 1, [&](int begin, int end) {
+            for (int i = begin; i < end; ++i) {
+                Image<float>& picture = window.pictures[static_cast<std::size_t>(i)];
+                for (float& value : picture.pixels()) value = transfer_.decode(value);
+                // What files of floats hold where something is wrong would be all that their mean shows.
+                const float most =
+                    kBrightest * median(std::vector<float>(picture.pixels().begin(), picture.pixels().end()));
+                if (most > 0)
+                    for (float& value : picture.pixels()) value = std::min(value, most);
+            }
+        });
         return window;
     }
 
@@ -142,6 +156,32 @@ private:
             }
         if (again) iterate(alignment, MotionModel::homography, kIterations / 2, 0.5, 0.55);
         if (relight(alignment)) iterate(alignment, MotionModel::homography, kIterations, 0.55, 0.6);
+        weigh_few(alignment);
+    }
+
+    bool are_few() const { return aligned_.fitted < Alignment::kEnoughForRelief; }
+
+    void warn_of_few(const Registration& result) {
+        double farthest = 0;
+        for (const PhotoDrift& photo : result.photos)
+            if (photo.warped) farthest = std::max(farthest, photo.drift_px);
+        stack_.warnings.push_back(fmt::format(
+            "{}: the camera seems to have moved, by {:.1f} px at most; {} photographs tell that to half a "
+            "pixel at best: photograph under {} lights or more, or with the camera on a stand, and say "
+            "--register off",
+            stack_.folder.string(), farthest, aligned_.fitted, Alignment::kEnoughForRelief));
+    }
+
+    // Few photographs are laid onto the mean of the others: relief, which that has not, looks like motion
+    // there. Three terms of the light have it: where the motions leave no less unexplained than none at all
+    // do, the camera stood still.
+    void weigh_few(Alignment& alignment) const {
+        if (!are_few() || aligned_.fitted < 4) return;
+        const double found = alignment.unexplained();
+        const std::vector<AlignedPicture> pictures = alignment.pictures;
+        for (AlignedPicture& picture : alignment.pictures) picture.homography = Homography(1);
+        const double none = alignment.unexplained();
+        if (found < kBelieved * none) alignment.pictures = pictures;
     }
 
     // A light that is listed wrongly (lines that are exchanged) predicts shading that is not there, and moves
@@ -205,6 +245,7 @@ private:
         }
         alignment.look_at(windows, pixels_to_look_at());
         iterate(alignment, MotionModel::homography, kIterations, 0.6, 1);
+        if (before.empty()) weigh_few(alignment);
         for (std::size_t i = 0; i < before.size(); ++i)
             alignment.pictures[i].homography = before[i] * alignment.pictures[i].homography;
     }

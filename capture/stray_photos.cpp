@@ -81,7 +81,7 @@ void leave_out_copies(Stack& stack, Survey& survey, std::vector<LeftOut>& left_o
         fail("{}: all {} photographs are the same picture; give photographs under different lights",
              stack.folder.string(), all);
     std::vector<bool> keep(all, true);
-    std::vector<LeftOut> lost;
+    std::vector<LeftOut> lost, copies;  // what a copy shows is there all the same
     for (const std::vector<std::size_t>& group : groups) {
         const Light& first = stack.photos[group.front()].light;
         std::vector<std::string> names;
@@ -103,13 +103,17 @@ void leave_out_copies(Stack& stack, Survey& survey, std::vector<LeftOut>& left_o
         for (const std::size_t i : group) {
             if (same_light && i == group.front()) continue;
             keep[i] = false;
-            lost.push_back({stack.photos[i].light.name, what});
+            (same_light ? copies : lost).push_back({stack.photos[i].light.name, what});
         }
         stack.warnings.push_back(same_light ? what : what + "; left out");
     }
-    require_few(lost, all, fewest, stack.folder.string());
+    const std::size_t different = all - copies.size();
+    if (different < fewest)
+        fail("{}: {} of {} photographs are copies of others, which leaves {}; at least {} are needed",
+             stack.folder.string(), copies.size(), all, different, fewest);
+    require_few(lost, different, fewest, stack.folder.string());
     keep_photos(stack, survey, keep);
-    left_out.insert(left_out.end(), lost.begin(), lost.end());
+    for (const auto& list : {copies, lost}) left_out.insert(left_out.end(), list.begin(), list.end());
 }
 
 }  // namespace tangi

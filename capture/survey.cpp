@@ -15,7 +15,8 @@ namespace tangi {
 namespace {
 
 constexpr std::size_t kSurveyBandBytes = 64u << 20;
-constexpr double kBlackLevel = 0.02;  // [1] of full scale
+constexpr double kBlackLevel = 0.02;          // [1] of full scale
+constexpr double kDarkest16 = 128.0 / 65535;  // [1] that lenses with their caps on show, in raw files
 
 // Pixels of one axis by how far they are from its middle: 0 is the nearest on either side.
 struct Axis {
@@ -170,10 +171,12 @@ Survey survey(const Stack& stack, const SurveyOptions& options, const Progress& 
 
 void leave_out_black_photos(Stack& stack, Survey& survey, std::size_t fewest) {
     TP_REQUIRE(stack.photos.size() == survey.photos.size(), "the survey is of this stack");
-    // Files of floats have no full scale: what is black is so beside the other photographs.
+    // Files of floats have no full scale, and those of 16 bits hold pictures that are much too dark: what is
+    // black is so beside the other photographs.
     double brightest = 0;
     for (const Survey::Photo& photo : survey.photos) brightest = std::max(brightest, photo.maximum);
-    const double black_level = stack.bits == 32 ? kBlackLevel * std::min(brightest, 1.0) : kBlackLevel;
+    const bool is_fine = stack.bits == 32 || (stack.bits == 16 && brightest > kDarkest16);
+    const double black_level = is_fine ? kBlackLevel * std::min(brightest, 1.0) : kBlackLevel;
     std::string names;
     int black = 0;
     std::vector<bool> keep;

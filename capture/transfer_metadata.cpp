@@ -15,8 +15,9 @@ namespace tangi {
 
 namespace {
 
-constexpr double kSame = 0.01;      // [1] of full scale: curves that are taken for the same
-constexpr double kContrary = 0.08;  // [1] from which on two curves contradict each other; sRGB and 2.2: 0.01
+constexpr double kSame = 0.01;       // [1] of full scale: curves that are taken for the same
+constexpr double kContrary = 0.08;   // [1] from which on two curves contradict each other; sRGB and 2.2: 0.01
+constexpr std::size_t kTelling = 7;  // photographs: of fewer, three numbers a pixel explain nearly all
 constexpr int kSteps = 256;
 
 Transfer gamma_of(double gamma) {
@@ -188,7 +189,7 @@ TransferEstimate decide_transfer(const Stack& stack, const Survey& survey) {
                         stack.folder.string(), source, stated.name(), result.transfer.name(), stated.name()));
         return result;
     }
-    if (contrary)
+    if (contrary && stack.photos.size() >= kTelling)
         result.warning = fmt::format(
             "{}: stored as {} by the photographs' {}, which is used, but they look like {}; if the profile "
             "is "

@@ -91,6 +91,54 @@ TEST(RegisterStack, FindsNoMotionWhereThereIsNone) {
     for (const StackPhoto& photo : stack.photos) EXPECT_FALSE(photo.homography);
 }
 
+// Of few photographs, the mean of the others is all that one can be laid onto: relief looks like motion.
+TEST(RegisterStack, FindsNoMotionInAFewPhotographs) {
+    const PaintingTruth rough = procedural_painting({.seed = 3,
+                                                     .width = 2 * (kWidth + 2 * kBorder),
+                                                     .height = 2 * (kHeight + 2 * kBorder),
+                                                     .mm_per_pixel = 0.125,
+                                                     .supersampling = 1});
+    for (const int lights : {4, 5, 6}) {
+        const RegistrationScene scene(lights, 0, 0, rough, 30);
+        Stack stack = open_stack(scene.folder.path());
+        const Registration r = register_stack(stack, {});
+        EXPECT_FALSE(r.moved) << lights;
+        EXPECT_THAT(stack.warnings, testing::IsEmpty()) << lights;
+    }
+}
+
+TEST(RegisterStack, FollowsAFewPhotographsThatMovedAndSaysHowWell) {
+    for (const int lights : {5, 6}) {
+        const RegistrationScene scene(lights, 4, 0);
+        Stack stack = open_stack(scene.folder.path());
+        const Registration r = register_stack(stack, {});
+        EXPECT_TRUE(r.moved) << lights;
+        EXPECT_LE(scene.rms_error_px(r), 1) << lights;
+        EXPECT_THAT(stack.warnings,
+                    testing::ElementsAre(testing::HasSubstr("the camera seems to have moved")))
+            << lights;
+    }
+}
+
+// Files of floats can hold anything; such a pixel was all that a photograph's mean showed.
+TEST(RegisterStack, OnePixelBeyondAllMeasureChangesNothing) {
+    const TestDir dir;
+    std::vector<Light> lights = open_stack(still().folder.path()).lights();
+    lights.resize(8);
+    for (std::size_t i = 0; i < lights.size(); ++i) {
+        Image<Rgb> photo = read_picture(still().folder / lights[i].name);
+        if (i == 3) photo(100, 80) = Rgb(1e30f);
+        lights[i].name = fmt::format("photo_{:03d}.exr", i);
+        write_picture(dir / lights[i].name, photo, {});
+    }
+    write_lights(dir / "lights.lp", lights);
+    Stack stack = open_stack(dir.path());
+    const Registration r = register_stack(stack, {});
+    EXPECT_FALSE(r.moved);
+    EXPECT_EQ(stack.photos.size(), 8u);
+    EXPECT_THAT(stack.warnings, testing::IsEmpty());
+}
+
 TEST(RegisterStack, FindsTheOnePhotographThatMoved) {
     const RegistrationScene scene(16, 0, 0);
     const RegistrationScene moved(16, 1.5, 0);

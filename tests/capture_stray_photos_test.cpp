@@ -73,6 +73,25 @@ TEST(StrayPhotos, ACopyUnderTheSameLightIsUsedOnce) {
     EXPECT_EQ(stack.photos.size(), 8u);
 }
 
+// Nine photographs, four of which are others once more, are five good ones.
+TEST(StrayPhotos, CopiesUnderTheSameLightCostNothing) {
+    Copied copied({{0, 5}, {1, 6}, {2, 7}, {3, 8}});
+    for (const std::size_t i : {0u, 1u, 2u, 3u}) copied.lights[i + 5].direction = copied.lights[i].direction;
+    write_lights(copied.dir / "lights.lp", copied.lights);
+    Stack stack = open_stack(copied.dir.path());
+    Survey surveyed = survey(stack);
+    std::vector<LeftOut> left_out;
+    leave_out_copies(stack, surveyed, left_out);
+    EXPECT_EQ(left_out.size(), 4u);
+    EXPECT_EQ(stack.photos.size(), 5u);
+    EXPECT_THAT(error_of([&] {
+                    Stack again = open_stack(copied.dir.path());
+                    Survey of_again = survey(again);
+                    leave_out_copies(again, of_again, left_out, 6);
+                }),
+                HasSubstr("4 of 9 photographs are copies of others, which leaves 5; at least 6 are needed"));
+}
+
 TEST(StrayPhotos, AThirdOfCopiesIsAnError) {
     const auto message = [](const std::vector<std::pair<int, int>>& copies) {
         const Copied copied(copies);

@@ -198,6 +198,29 @@ TEST(LeaveOutBlackPhotos, SaysNothingWhereThereAreNone) {
     EXPECT_THAT(stack.warnings, IsEmpty());
 }
 
+// A hundredth of the light is left some hundreds of codes of 16 bits: a black one is so beside these.
+TEST(LeaveOutBlackPhotos, OfADarkStackAreThoseWithoutLight) {
+    const TestDir dir;
+    const std::vector<Light> lights = dome_lights(6);
+    for (std::size_t i = 0; i < lights.size(); ++i) {
+        Image<Rgb> photo(8, 6);
+        for (std::size_t k = 0; k < photo.size(); ++k)
+            photo.pixels()[k] = Rgb(i == 2 ? 1e-4f : 0.002f + 1e-4f * static_cast<float>(k));
+        write_picture(dir / lights[i].name, photo, {}, {.bits = 16});
+    }
+    write_lights(dir / "lights.lp", lights);
+    Stack stack = open_stack(dir.path());
+    Survey s = survey(stack);
+    leave_out_black_photos(stack, s);
+    EXPECT_THAT(stack.warnings,
+                ElementsAre(dir.path().string() + ": left out 1 photograph that is black: photo_002.png"));
+    for (const Light& light : lights)  // caps on
+        write_picture(dir / light.name, Image<Rgb>(8, 6, Rgb(1e-3f)), {}, {.bits = 16});
+    Stack black = open_stack(dir.path());
+    Survey nothing = survey(black);
+    EXPECT_THAT(error_of([&] { leave_out_black_photos(black, nothing); }), testing::HasSubstr("are black"));
+}
+
 TEST(LeaveOutBlackPhotos, IsAnErrorWhereTooFewRemain) {
     const TestDir dir;
     write_test_stack(dir, dome_lights(4));

@@ -194,6 +194,15 @@ TEST(DecidedTransfer, IsTheProfilesEvenWherePhotographsLookOtherwiseButSaysSo) {
                                  HasSubstr("--transfer linear")));
 }
 
+// A pixel's albedo and normal explain three photographs of any curve.
+TEST(DecidedTransfer, AFewPhotographsDoNotDoubtAProfile) {
+    SaidStack said({}, ".tif", [](int, OIIO::ImageSpec& spec) { set_icc(spec, profile_of(srgb_curve())); });
+    said.lights = {said.lights[0], said.lights[4], said.lights[8], said.lights[11], said.lights[15]};
+    write_lights(said.dir / "lights.lp", said.lights);
+    EXPECT_EQ(said.decided().transfer, kSrgb);
+    EXPECT_THAT(said.decided().warning, IsEmpty());
+}
+
 TEST(DecidedTransfer, ThatIsGivenWinsAndAContradictionIsTold) {
     const SaidStack said({}, ".tif",
                          [](int, OIIO::ImageSpec& spec) { set_icc(spec, profile_of(gamma_curve(1))); });
