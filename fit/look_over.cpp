@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "capture/compression.h"
 #include "capture/stray_photos.h"
 #include "capture/transfer_metadata.h"
 
@@ -47,6 +48,7 @@ void leave_out_strays(Stack& stack, Survey& surveyed, std::vector<LeftOut>& left
 
 LookOver look_once(Stack& stack, bool register_photos, const Progress& progress) {
     LookOver result;
+    warn_of_compression(stack);
     if (!register_photos) {
         result.survey = survey(stack, {}, progress);
         leave_out_strays(stack, result.survey, result.left_out);

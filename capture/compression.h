@@ -1,0 +1,20 @@
+// compression.h: what compression took from photographs.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+
+#include "capture/stack.h"
+
+namespace tangi {
+
+// [1..100] Quality of a JPEG file as the Independent JPEG Group's library counts it, by the sum of its table
+// for brightness (ITU-T T.81, B.2.4.1 and table K.1). Nothing for other files.
+std::optional<int> jpeg_quality(const std::filesystem::path& path);
+
+// Warns where compression tells more of the photographs' finest detail than the painting does: JPEG below a
+// quality of 90. Its errors are the same in neighbours and differ between lamps as relief does, so no stated
+// error has them.
+void warn_of_compression(Stack& stack);
+
+}  // namespace tangi
