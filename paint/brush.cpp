@@ -59,9 +59,11 @@ Brush::Brush(const BrushSettings& settings, double mm_per_pixel, std::uint64_t s
     tip_ = BrushTip(settings, mm_per_pixel, half_width_px_, half_thickness_px_, seed);
 }
 
-double Brush::fresh_load(int u, int v) const {
+double Brush::fresh_load(int u, int v, double middle_mm) const {
     const float widening = 1 + static_cast<float>(settings_.splay);
-    return tip_.fresh_load_mm(static_cast<float>(u) / widening, static_cast<float>(v) / widening) * coverage_;
+    return tip_.fresh_load_mm(static_cast<float>(u) / widening, static_cast<float>(v) / widening,
+                              static_cast<float>(middle_mm)) *
+           coverage_;
 }
 
 void Brush::turn_to(float rotation_rad) {
@@ -86,6 +88,10 @@ void Brush::clean() {
 }
 
 void Brush::load(const std::vector<Portion>& recipe, double amount, bool keep) {
+    fill(recipe, amount, settings_.load_mm, keep);
+}
+
+void Brush::fill(const std::vector<Portion>& recipe, double amount, double middle_mm, bool keep) {
     double parts = 0;
     for (const Portion& portion : recipe) parts += portion.part;
     if (!(parts > 0)) fail("a brush is loaded with parts of paint that sum to {}", parts);
@@ -100,7 +106,7 @@ void Brush::load(const std::vector<Portion>& recipe, double amount, bool keep) {
     std::size_t i = 0;
     for (int v = -half_v; v <= half_v; ++v)
         for (int u = -half_u; u <= half_u; ++u, ++i) {
-            const float room = static_cast<float>(fresh_load(u, v) * amount) - total[i];
+            const float room = static_cast<float>(fresh_load(u, v, middle_mm) * amount) - total[i];
             if (!(room > 0)) continue;
             for (const Portion& portion : recipe)
                 planes[portion.ingredient][i] += room * static_cast<float>(portion.part / parts);
@@ -127,11 +133,12 @@ void Brush::take_over(const Brush& other) {
         on_other += sum * area;
     }
     if (!(on_other > 0)) return;
-    load(recipe, 1);
+    // A rag, or a smudge, is never loaded, and yet holds what comes onto it.
+    const double middle_mm = settings_.load_mm >= 1e-3 ? settings_.load_mm : 1;
+    fill(recipe, 1, middle_mm, false);
     for (const float mm : total_of(loads_.cells())) here += mm * mm_per_pixel_ * mm_per_pixel_;
-    const double scale = here > 0 ? on_other / here : 0;
-    if (!(scale > 0)) return clean();
-    load(recipe, scale);
+    TP_REQUIRE(here > 0, "a brush has bristles");
+    fill(recipe, on_other / here, middle_mm, false);
 }
 
 BrushLoad Brush::bristles() const {
@@ -210,7 +217,8 @@ std::vector<double> Brush::volumes_mm3(std::size_t count) const {
 double Brush::full_mm3() const {
     double sum = 0;
     for (int v = -loads_.half_v(); v <= loads_.half_v(); ++v)
-        for (int u = -loads_.half_u(); u <= loads_.half_u(); ++u) sum += std::max(fresh_load(u, v), 0.0);
+        for (int u = -loads_.half_u(); u <= loads_.half_u(); ++u)
+            sum += std::max(fresh_load(u, v, settings_.load_mm), 0.0);
     return sum * mm_per_pixel_ * mm_per_pixel_;
 }
 

@@ -56,7 +56,8 @@ public:
     // stays and is filled up. Throws Error where the parts of the recipe do not sum to more than 0.
     void load(const std::vector<Portion>& recipe, double amount, bool keep = false);
     void clean();
-    // Takes over what is on another brush, evenly: for a brush that was not cleaned between strokes.
+    // Takes over all that is on another brush, evenly, however much that is, and whether or not it is loaded
+    // itself: for a brush that was not cleaned between strokes.
     void take_over(const Brush& other);
     // For a brush that goes to another canvas, where its paints have other numbers: number[i] is the one
     // there of the paint that is i here.
@@ -118,7 +119,9 @@ public:
     int grid_half() const { return half_; }
 
 private:
-    double fresh_load(int u, int v) const;  // [mm] of a cell
+    double fresh_load(int u, int v, double middle_mm) const;  // [mm] of a cell
+    // load(), where a full load has `middle_mm` in the middle.
+    void fill(const std::vector<Portion>& recipe, double amount, double middle_mm, bool keep);
     float gap_mm(float pressure) const;
     void forget();  // what weigh() found
     static std::vector<float> total_of(const std::vector<std::vector<float>>& cells);

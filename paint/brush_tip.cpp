@@ -191,13 +191,13 @@ float BrushTip::reach_px(float u, float v, float dome) const {
     return rim * std::pow(towards(reach_px_[1]) / rim, std::log(std::max(dome, 1e-3f)) / std::log(kInner));
 }
 
-float BrushTip::fresh_load_mm(float u, float v) const {
+float BrushTip::fresh_load_mm(float u, float v, float middle_mm) const {
     const int x = static_cast<int>(std::lround(u)) + half_u_, y = static_cast<int>(std::lround(v)) + half_v_;
     const int width = 2 * half_u_ + 1, height = 2 * half_v_ + 1;
     if (x < 0 || y < 0 || x >= width || y >= height) return 0;
     const float load = load_[static_cast<std::size_t>(y * width + x)];
     if (!(load > 0)) return 0;
-    return static_cast<float>(settings_.load_mm) * load * fullness_ *
+    return middle_mm * load * fullness_ *
            (1 - static_cast<float>(settings_.load_variation) * luck_of(hair(u, v)));
 }
 

@@ -30,9 +30,9 @@ public:
     // vector.
     float reach_px(float u, float v, float dome) const;
 
-    // [mm] Paint of a full load at a place [pixels from the middle]: load_mm in the middle, nothing at the
-    // rim.
-    float fresh_load_mm(float u, float v) const;
+    // [mm] Paint at a place [pixels from the middle] of a load that has `middle_mm` in the middle, nothing at
+    // the rim.
+    float fresh_load_mm(float u, float v, float middle_mm) const;
 
 private:
     // The finest bristles around a place, and the tufts in which they stick together.

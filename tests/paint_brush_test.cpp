@@ -63,6 +63,30 @@ TEST(Brush, ADirtyBrushIsFilledUpAndKeepsWhatItHad) {
     EXPECT_NEAR(taken[1], half, half * 1e-4);
 }
 
+// Whatever it is loaded with itself, and however small it is.
+TEST(Brush, AnyBrushTakesOverAllThatIsOnAnother) {
+    for (const auto& [from, settings] : brush_presets()) {
+        Brush before(settings, kTestPixel, 1);
+        Brush loaded(brush_presets().at("flat"), kTestPixel, 1);
+        loaded.load({{0, 1}, {2, 0.01}}, 1);
+        before.take_over(loaded);
+        const auto there = before.volumes_mm3(3);
+        ASSERT_GT(there[2], 0.1) << from;
+        for (const auto& [to, preset] : brush_presets())
+            for (const double size_mm : {preset.size_mm, 0.5, 60.0}) {
+                BrushSettings other = preset;
+                other.size_mm = size_mm;
+                Brush after(other, kTestPixel, 2);
+                after.take_over(before);
+                const auto here = after.volumes_mm3(3);
+                for (const std::size_t paint : {0u, 2u})
+                    EXPECT_NEAR(here[paint] / there[paint], 1, 1e-5)
+                        << from << " to " << to << " of " << size_mm << " mm";
+                EXPECT_EQ(here[1], 0);
+            }
+    }
+}
+
 TEST(Brush, BristlesDifferInLoadAndLength) {
     Brush brush(brush_presets().at("round"), kTestPixel, 1);
     brush.load({{0, 1}}, 1);

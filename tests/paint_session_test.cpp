@@ -131,6 +131,25 @@ TEST(Session, ADirtyBrushCarriesTheLastPaint) {
     EXPECT_GT(black_on_canvas(BrushStart::dirty), 0.01);
 }
 
+TEST(Session, ABrushWithoutALoadGoesOnWithThePaintOfTheOneBefore) {
+    for (const std::string next : {"smudge", "rag", "scrape", "eraser", "height eraser", "fan"})
+        for (const double size_mm : {6.0, 1.0}) {
+            Session session(flat_surface(128, 96), artist_acrylics());
+            const auto line = [&](const StrokeEvent& stroke, double y) {
+                session.apply(stroke);
+                session.apply(point(0, -10, y));
+                session.apply(point(0.1, 10, y));
+                session.apply(EndEvent{});
+                return on_both(session.canvas(), *session.brush())[0];
+            };
+            const double before = line(stroke_of("flat", "Titanium White", 1), 4);
+            StrokeEvent same = stroke_of(next, "", 2);
+            same.brush.size_mm = size_mm;
+            same.start = BrushStart::same;
+            EXPECT_NEAR(line(same, -4) / before, 1, 1e-5) << next << " of " << size_mm << " mm";
+        }
+}
+
 TEST(Session, SaysWhatHasNoEffectAndWhichNameALayerGot) {
     const TestDir dir;
     write_bytes(dir / "a.jsonl", R"({"format": "tangipaint strokes", "version": 1}
