@@ -6,7 +6,9 @@
 #include <atomic>
 #include <chrono>
 #include <csignal>
+#include <cstdint>
 #include <cstdio>
+#include <ctime>
 #include <memory>
 #include <mutex>
 
@@ -18,11 +20,23 @@ namespace tangi {
 namespace {
 
 std::atomic<bool> stop_wanted = false;
+std::atomic<std::int64_t> asked_ms = 0;  // when
+
+// `timeout -s INT` signals the program and then its group: that is one request.
+constexpr std::int64_t kOneRequest_ms = 500;
 
 // The first Ctrl-C asks for an orderly stop, a second one kills.
 extern "C" void on_interrupt(int signal) {
-    stop_wanted = true;
-    std::signal(signal, SIG_DFL);
+    timespec now{};
+    ::clock_gettime(CLOCK_MONOTONIC, &now);
+    const std::int64_t ms = std::int64_t(now.tv_sec) * 1000 + now.tv_nsec / 1000000 + 1;
+    std::int64_t first = 0;
+    if (asked_ms.compare_exchange_strong(first, ms)) {
+        stop_wanted = true;
+    } else if (ms - first >= kOneRequest_ms) {
+        std::signal(signal, SIG_DFL);
+        ::raise(signal);
+    }
 }
 
 // A signal that was ignored when the program started stays so: whoever started it (nohup, a shell's trap)

@@ -98,6 +98,33 @@ TEST(CliInterrupt, FitLeavesTheOldPaintingAndNothingElse) {
     EXPECT_GE(stopped, 3);
 }
 
+std::string journal_of_strokes(int count) {
+    std::string text = "{\"format\": \"tangipaint strokes\", \"version\": 1}\n";
+    for (int i = 0; i < count; ++i)
+        text += fmt::format(
+            "{{\"event\": \"stroke\", \"paint\": {{\"Bone Black\": 1}}, \"seed\": {}}}\n{{\"event\": "
+            "\"point\", \"x\": -20, \"y\": {}}}\n{{\"event\": \"point\", \"x\": 20, \"y\": "
+            "{}}}\n{{\"event\": \"end\"}}\n",
+            i, 2 * (i % 12) - 12, i % 12);
+    return text;
+}
+
+// `timeout -s INT` signals the program, and then all of its group.
+TEST(CliInterrupt, TwoSignalsInOneMomentAreOneRequest) {
+    const TestDir dir;
+    const std::string journal = (dir / "a.jsonl").string();
+    write_bytes(journal, journal_of_strokes(600));
+    Program program({"replay", "--substrate", "linen", "--width-mm", "60", "--height-mm", "40", "--pixel-mm",
+                     "0.1", journal, "--out", (dir / "a.exr").string()});
+    ASSERT_TRUE(listens(program));
+    sleep_for(0.2);
+    program.signal(SIGINT);
+    sleep_for(0.002);
+    program.signal(SIGINT);
+    EXPECT_TRUE(ended(program.wait(), 130, {"stopped at your request; nothing half-written is left"}));
+    EXPECT_EQ(everything_in(dir.path()), std::vector<std::string>{"a.jsonl"});
+}
+
 // A long fit stops soon, wherever it is.
 TEST(CliInterrupt, FitOfTheSampleStopsWithinSeconds) {
     const TestDir dir;
@@ -259,14 +286,7 @@ TEST(CliInterrupt, AKillInReplayAndExportLeavesTheOldOneOrTheNewOne) {
     const TestDir dir;
     const std::string journal = (dir / "a.jsonl").string(), painting = (dir / "a.exr").string(),
                       out = (dir / "out").string();
-    std::string text = "{\"format\": \"tangipaint strokes\", \"version\": 1}\n";
-    for (int i = 0; i < 12; ++i)
-        text += fmt::format(
-            "{{\"event\": \"stroke\", \"paint\": {{\"Bone Black\": 1}}, \"seed\": {}}}\n{{\"event\": "
-            "\"point\", \"x\": -20, \"y\": {}}}\n{{\"event\": \"point\", \"x\": 20, \"y\": "
-            "{}}}\n{{\"event\": \"end\"}}\n",
-            i, 2 * i - 12, i);
-    write_bytes(journal, text);
+    write_bytes(journal, journal_of_strokes(12));
     const std::vector<std::string> replay = {"replay", "--substrate", "linen", "--width-mm",
                                              "60",     "--height-mm", "40",    "--pixel-mm",
                                              "0.1",    journal,       "--out", painting};
