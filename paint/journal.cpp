@@ -80,6 +80,7 @@ Journal read_journal(const std::filesystem::path& path, const std::map<std::stri
     journal.source = path.string();
     int line = 0;
     bool has_header = false;
+    std::uint64_t strokes = 0;
     for (std::size_t begin = 0; begin < text.size();) {
         const std::size_t end = end_of_line(text, begin);
         const bool whole = end < text.size();
@@ -102,7 +103,13 @@ Journal read_journal(const std::filesystem::path& path, const std::map<std::stri
             journal.warnings.push_back({line, "the last line is cut short, as by a crash; it is left out"});
             break;
         }
-        journal.entries.push_back({line, event_from_json(*object, where, presets)});
+        Event event = event_from_json(*object, where, presets);
+        if (auto* stroke = std::get_if<StrokeEvent>(&event)) {
+            // Strokes of one seed have the same streaks.
+            if (!object->contains("seed")) stroke->seed = strokes;
+            ++strokes;
+        }
+        journal.entries.push_back({line, std::move(event)});
     }
     if (!has_header) fail("{}: is empty; its first line must be {}", path.string(), kFirstLine);
     for (JournalWarning& warning : misplaced(journal)) journal.warnings.push_back(std::move(warning));
@@ -125,7 +132,11 @@ JournalWriter::JournalWriter(const std::filesystem::path& path) : path_(path) {
                     "with; save it with line ends LF",
                     path.string());
             const auto end = text.rfind('\n');
-            const auto length = static_cast<off_t>(end == std::string::npos ? 0 : end + 1);
+            const std::size_t torn = end == std::string::npos ? 0 : end + 1;
+            // What was written whole but for its line end counts, as it does for who reads it.
+            const bool is_whole = torn < text.size() && parsed_line(text.substr(torn), path.string());
+            const auto length = static_cast<off_t>(is_whole ? text.size() : torn);
+            if (is_whole) write("\n");
             if (::ftruncate(file_, length) != 0 || ::lseek(file_, 0, SEEK_END) < 0)
                 fail("{}: cannot be written: {}", path.string(), std::strerror(errno));
             if (length == 0) write(fmt::format("{}\n", kFirstLine));

@@ -1,7 +1,8 @@
 // journal.h: the record of a painting: one JSON object a line, append-only (docs/paint.md: the format).
 //
 // The first line is {"format": "tangipaint strokes", "version": 1}; then one event a line, in the order in
-// which they happened. A line that a crash cut short is left out with a warning; all before it count.
+// which they happened. A line that a crash cut short is left out with a warning; all before it count. A
+// stroke without "seed" has its number among the file's strokes for one, from 0.
 #pragma once
 
 #include <filesystem>
@@ -100,8 +101,9 @@ Journal read_journal(const std::filesystem::path& path,
 // Appends events to a file, whole lines at once; what was written survives the program's death.
 class JournalWriter {
 public:
-    // Makes the file with its first line, or goes on with one that is there (cutting off a torn last line).
-    // Throws Error naming the file where it cannot be written, or is something else.
+    // Makes the file with its first line, or goes on with one that is there (cutting off a torn last line,
+    // and ending one that only lacks its line end). Throws Error naming the file where it cannot be written,
+    // or is something else.
     explicit JournalWriter(const std::filesystem::path& path);
     ~JournalWriter();
     JournalWriter(const JournalWriter&) = delete;

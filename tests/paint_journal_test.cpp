@@ -104,6 +104,33 @@ TEST(Journal, GoesOnWithAFileAndMendsATornLine) {
     EXPECT_TRUE(mended.warnings.empty());
 }
 
+// An event counts with or without its line end, for who reads the file and for who goes on with it.
+TEST(Journal, AWholeLastLineCountsWithoutItsEnd) {
+    const TestDir dir;
+    for (const std::string& text :
+         {kHeader + "{\"event\": \"undo\"}", kHeader.substr(0, kHeader.size() - 1)}) {
+        write_bytes(dir / "a.jsonl", text);
+        const Journal before = read_journal(dir / "a.jsonl");
+        EXPECT_EQ(before.entries.size(), text.size() > kHeader.size() ? 1u : 0u);
+        EXPECT_TRUE(before.warnings.empty());
+        JournalWriter(dir / "a.jsonl").append(RedoEvent{});
+        EXPECT_EQ(bytes_of(dir / "a.jsonl"), text + "\n{\"event\":\"redo\"}\n");
+    }
+}
+
+// Else they would have the same streaks.
+TEST(Journal, StrokesWithoutASeedHaveTheirNumber) {
+    const TestDir dir;
+    const std::string stroke = "{\"event\": \"stroke\"}\n", end = "{\"event\": \"end\"}\n",
+                      seeded = "{\"event\": \"stroke\", \"seed\": 0}\n";
+    write_bytes(dir / "a.jsonl", kHeader + stroke + end + seeded + end + "{\"event\": \"undo\"}\n" + stroke +
+                                     end + stroke + end);
+    std::vector<std::uint64_t> seeds;
+    for (const Journal::Entry& entry : read_journal(dir / "a.jsonl").entries)
+        if (const auto* event = std::get_if<StrokeEvent>(&entry.event)) seeds.push_back(event->seed);
+    EXPECT_THAT(seeds, ElementsAre(0, 0, 2, 3));
+}
+
 TEST(Journal, SurvivesItsWritersDeath) {
     const TestDir dir;
     const auto path = dir / "a.jsonl";
