@@ -8,6 +8,8 @@
 #include "cli/command_list.h"
 #include "fit/fit_errors.h"
 #include "paint/canvas_file.h"
+#include "paint/session.h"
+#include "paint/tools_file.h"
 #include "surface/error.h"
 #include "surface/painting_file.h"
 #include "surface/painting_parts.h"
@@ -100,9 +102,23 @@ nlohmann::json describe(const FitErrors& errors, const Surface& s) {
             {"roughness", of(errors.roughness)}};
 }
 
-nlohmann::json describe(const Canvas& canvas) {
+nlohmann::json describe(const Session& session) {
+    const Canvas& canvas = session.canvas();
     nlohmann::json json = describe(canvas.dry());
     json["paint"] = describe_paint(canvas);
+    json["palette"] = json["brush"] = nullptr;
+    if (const Canvas* board = session.board())
+        json["palette"] = {{"width_mm", board->width() * board->mm_per_pixel()},
+                           {"height_mm", board->height() * board->mm_per_pixel()},
+                           {"volumes_mm3", volumes_by_name(board->ingredients(), board->volumes_mm3())}};
+    if (const Brush* brush = session.brush()) {
+        const bool on_palette = session.brush_place() == Place::palette;
+        const auto& paints = (on_palette ? *session.board() : canvas).ingredients();
+        json["brush"] = {{"shape", brush->settings().shape},
+                         {"size_mm", brush->settings().size_mm},
+                         {"used_on", on_palette ? "palette" : "painting"},
+                         {"volumes_mm3", volumes_by_name(paints, brush->volumes_mm3(paints.size()))}};
+    }
     return json;
 }
 
@@ -128,10 +144,12 @@ nlohmann::json run_info(const std::string& file) {
     const std::string extension = lower_extension(path);
     if (extension == ".lp") return describe_lights(path);
     if (extension == ".exr" && is_painting(path)) {
-        const Canvas canvas = read_canvas(path, console_progress());
-        nlohmann::json json = describe(canvas);
+        const Progress progress = console_progress();
+        Session session(read_canvas(path, progress), artist_acrylics());
+        read_tools(path, session, progress);
+        nlohmann::json json = describe(session);
         json["standard_errors"] =
-            has_errors(path) ? describe(read_errors(path), canvas.dry()) : nlohmann::json(nullptr);
+            has_errors(path) ? describe(read_errors(path), session.canvas().dry()) : nlohmann::json(nullptr);
         return json;
     }
     if (extension == ".exr") painting_parts(path);  // says what is wrong with one that is damaged

@@ -156,6 +156,14 @@ void require_volumes(const fs::path& path, const PartInfo& info, std::size_t cha
                  path.string(), info.name, info.channels[channel], row[x], x, y);
 }
 
+void require_thickness(const fs::path& path, const PartInfo& info, int y, std::span<const float> sums,
+                       float most_mm) {
+    for (std::size_t x = 0; x < sums.size(); ++x)
+        if (!(sums[x] <= most_mm))
+            fail("{}: part '{}' holds {} mm of paint at pixel ({}, {}); there are never more than {:g}",
+                 path.string(), info.name, sums[x], x, y, most_mm);
+}
+
 PaintLayer read_layer(const fs::path& path, const PartInfo& info, const Canvas& canvas,
                       const Progress& progress) {
     if (info.width != canvas.width() || info.height != canvas.height())
@@ -164,15 +172,20 @@ PaintLayer read_layer(const fs::path& path, const PartInfo& info, const Canvas& 
     const std::vector<IngredientId> ids = ingredients_of(path, info, canvas.ingredients().size());
     PaintLayer layer(canvas.width(), canvas.height());
     const auto width = static_cast<std::size_t>(info.width);
+    std::vector<float> sums(width);
     read_painting_part(
         path, info,
         [&](int y0, int y1, std::span<const float* const> planes) {
-            for (std::size_t c = 0; c < planes.size(); ++c)
-                for (int y = y0; y < y1; ++y) {
+            for (int y = y0; y < y1; ++y) {
+                std::ranges::fill(sums, 0.0f);
+                for (std::size_t c = 0; c < planes.size(); ++c) {
                     const float* row = planes[c] + static_cast<std::size_t>(y - y0) * width;
                     require_volumes(path, info, c, y, {row, width});
+                    for (std::size_t x = 0; x < width; ++x) sums[x] += row[x];
                     put_row(layer, ids[c], y, row);
                 }
+                require_thickness(path, info, y, sums, kMostPaint_mm);
+            }
         },
         progress);
     return layer;

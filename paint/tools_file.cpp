@@ -47,6 +47,15 @@ Canvas read_board(const fs::path& path, const PartInfo& info, double mm_per_pixe
     return board;
 }
 
+// `total` is what earlier versions counted along the way, from step to step.
+void require_total(const fs::path& path, const PartInfo& info, int y, std::span<const float> total,
+                   std::span<const float> sums) {
+    for (std::size_t x = 0; x < total.size(); ++x)
+        if (!(std::abs(total[x] - sums[x]) <= 1e-3f * (1 + sums[x])))
+            fail("{}: part '{}', channel '{}' holds {} at pixel ({}, {}), but the volumes there sum to {}",
+                 path.string(), info.name, kTotal, total[x], x, y, sums[x]);
+}
+
 struct BrushInHand {
     std::unique_ptr<Brush> brush;
     Place place = Place::painting;
@@ -97,13 +106,19 @@ BrushInHand read_brush(const fs::path& path, const PartInfo& info, const Canvas&
     load.total_mm.resize(cells);
     for (std::vector<float>& plane : load.mm) plane.resize(cells);
     read_painting_part(path, info, [&](int y0, int y1, std::span<const float* const> planes) {
-        for (std::size_t c = 0; c < planes.size(); ++c) {
-            std::vector<float>& plane = c == 0 ? load.total_mm : load.mm[c - 1];
-            for (int y = y0; y < y1; ++y) {
-                const std::span row(planes[c] + static_cast<std::size_t>(y - y0) * width, width);
-                require_volumes(path, info, c, y, row);
-                std::ranges::copy(row, plane.begin() + (y + margin) * size + margin);
+        for (int y = y0; y < y1; ++y) {
+            std::vector<float> sums(width);
+            const auto row_of = [&](std::size_t c) {
+                return std::span(planes[c] + static_cast<std::size_t>(y - y0) * width, width);
+            };
+            for (std::size_t c = 0; c < planes.size(); ++c) {
+                std::vector<float>& plane = c == 0 ? load.total_mm : load.mm[c - 1];
+                require_volumes(path, info, c, y, row_of(c));
+                for (std::size_t x = 0; c > 0 && x < width; ++x) sums[x] += row_of(c)[x];
+                std::ranges::copy(row_of(c), plane.begin() + (y + margin) * size + margin);
             }
+            require_thickness(path, info, y, sums, kMostOnBristles_mm);
+            require_total(path, info, y, row_of(0), sums);
         }
     });
     hand.brush->put_back(load);

@@ -59,6 +59,9 @@ TEST(CliReplay, PaintsOnASubstrateThatInfoAndRelightShow) {
     EXPECT_NEAR(paint[0]["volumes_mm3"]["Pyrrole Red"].get<double>(),
                 said["volumes_mm3"]["Pyrrole Red"].get<double>(), 1e-3);
     EXPECT_EQ(info.json()["dry_hash"], said["dry_hash"]);
+    EXPECT_TRUE(info.json()["palette"].is_null());
+    EXPECT_EQ(info.json()["brush"]["size_mm"], 4);
+    EXPECT_GT(info.json()["brush"]["volumes_mm3"]["Pyrrole Red"], 1);
 
     // Lit from aside: under a lamp beside the eye, wet paint mirrors it.
     ASSERT_TRUE(
@@ -67,6 +70,27 @@ TEST(CliReplay, PaintsOnASubstrateThatInfoAndRelightShow) {
     ASSERT_TRUE(
         ended(tangipaint({"relight", f.path("a.exr"), "--light=-1,1,1", "--out", f.path("b.png")}), 0));
     EXPECT_GT(redness(read_picture(f.path("a.png"))), 2 * redness(read_picture(f.path("b.png"))));
+}
+
+TEST(CliReplay, ADamagedBrushIsRefusedByInfoToo) {
+    const Folder f;
+    ASSERT_TRUE(ended(f.replay(kHeader + kStroke), 0));
+    std::string bytes = bytes_of(f.path("a.exr"));
+    const std::string size = "\"size_mm\":4.0";
+    ASSERT_NE(bytes.find(size), std::string::npos);
+    bytes.replace(bytes.find(size), size.size(), "\"size_mm\":9e9");
+    write_bytes(f.path("bad.exr"), bytes);
+    for (const std::vector<std::string>& command :
+         {std::vector<std::string>{"info", f.path("bad.exr")},
+          {"replay", f.path("bad.exr"), f.path("a.jsonl"), "--out", f.path("b.exr")}})
+        EXPECT_TRUE(ended(tangipaint(command), 1, {"bad.exr: attribute 'brush' of part 'brush'", "size_mm"}));
+}
+
+TEST(CliReplay, ATintOutOfRangeIsNamedWithItsOption) {
+    const Folder f;
+    for (const std::string tint : {"2,0.5,0.1", "0,0,-1", "nan,0,0"})
+        EXPECT_TRUE(ended(f.replay(kHeader, {"--tint", tint}), 2, {"--tint " + tint}));
+    EXPECT_TRUE(ended(f.replay(kHeader, {"--tint", "1,0.5,0"}), 0));
 }
 
 TEST(CliReplay, PaintsOnAPaintingAndGoesOn) {

@@ -4,6 +4,8 @@
 #include <gmock/gmock.h>
 
 #include "paint/appearance.h"
+#include "paint/mixing_board.h"
+#include "paint/paint_parts.h"
 #include "surface/overview.h"
 #include "surface/painting_file.h"
 #include "surface/painting_parts.h"
@@ -138,6 +140,11 @@ TEST(CanvasFile, ErrorsNameFileAndPart) {
     EXPECT_THAT(error_of_part(dir, fine, -0.5f),
                 AllOf(HasSubstr("bad.exr"), HasSubstr("'wet'"), HasSubstr("(3, 1)")));
     EXPECT_THAT(error_of_part(dir, fine, NAN), HasSubstr("nan"));
+    EXPECT_THAT(
+        error_of_part(dir, fine, 1e30f),
+        HasSubstr("bad.exr: part 'wet' holds 1e+30 mm of paint at pixel (3, 1); there are never more"));
+    EXPECT_THAT(error_of_part(dir, fine, 10001), HasSubstr("10001 mm of paint at pixel (3, 1)"));
+    EXPECT_GT(kMostPaint_mm, 2 * kThickestPile_mm) << "what is painted can be read";
     PartInfo info = fine;
     info.attributes["ingredients"] = "[{\"name\": \"x\"}]";
     EXPECT_THAT(error_of_part(dir, info, 0), AllOf(HasSubstr("bad.exr"), HasSubstr("ingredients")));

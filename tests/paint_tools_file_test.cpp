@@ -177,6 +177,22 @@ TEST(ToolsFile, DamagedToolsSayWhatIsWrong) {
                     },
                     "palette"),
                 AllOf(HasSubstr("part 'palette'"), HasSubstr("pixel (5, ")));
+    const auto with_value = [](std::size_t channel, float value) {
+        return [=](PartToWrite& part) {
+            part.fill = [=, fill = part.fill](int y0, int y1, std::span<float* const> planes) {
+                fill(y0, y1, planes);
+                if (y0 == 0) planes[channel][5] = value;
+            };
+        };
+    };
+    EXPECT_THAT(message(with_value(0, 1e30f), "palette"),
+                AllOf(HasSubstr("bad.exr: part 'palette' holds 1e+30 mm of paint at pixel (5, 0)")));
+    EXPECT_THAT(message(with_value(1, 1e30f), "brush"),
+                HasSubstr("bad.exr: part 'brush' holds 1e+30 mm of paint at pixel (5, 0)"));
+    for (const std::size_t channel : {0u, 1u})
+        EXPECT_THAT(message(with_value(channel, 500), "brush"),
+                    AllOf(HasSubstr("bad.exr: part 'brush', channel 'total' holds"),
+                          HasSubstr("at pixel (5, 0), but the volumes there sum to")));
     EXPECT_THAT(message([](PartToWrite& part) { part.info.attributes["ingredients"] = "[{"; }, "palette"),
                 HasSubstr("attribute 'ingredients' of part 'palette'"));
 }
