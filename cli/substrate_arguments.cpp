@@ -1,5 +1,7 @@
 #include "cli/substrate_arguments.h"
 
+#include <algorithm>
+
 #include "cli/arguments.h"
 #include "cli/command.h"
 #include "surface/error.h"
@@ -66,6 +68,8 @@ Surface SubstrateArguments::make(const Progress& progress) const {
     if (!tint.empty()) {
         const std::vector<double> rgb = numbers_in(tint, "--tint", "R,G,B");
         if (rgb.size() != 3) throw UsageError(fmt::format("--tint {}: give three numbers: R,G,B", tint));
+        if (std::ranges::any_of(rgb, [](double part) { return !(part >= 0 && part <= 1); }))
+            throw UsageError(fmt::format("--tint {}: each of R,G,B is from 0 to 1", tint));
         whole.finish.tint = Rgb(rgb[0], rgb[1], rgb[2]);
     }
     return make_substrate(whole, progress);

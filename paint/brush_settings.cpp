@@ -211,7 +211,8 @@ std::map<std::string, BrushSettings> read_brush_presets(const std::filesystem::p
     try {
         root = parse_json(text, path.string());
     } catch (const nlohmann::json::parse_error& error) {
-        fail("{}:{}: is not JSON as files of brushes are", path.string(), line_of(text, error.byte));
+        fail("{}:{}: is not JSON as files of brushes are: {}", path.string(), line_of(text, error.byte),
+             why_no_json(text, error.byte));
     }
     if (!root.is_object() || root.value("format", nlohmann::json()) != "tangipaint brushes")
         fail("{}: is not a file of brushes; it must have \"format\": \"tangipaint brushes\"", path.string());
@@ -229,14 +230,23 @@ std::map<std::string, BrushSettings> read_brush_presets(const std::filesystem::p
                 path.string(), shortened(key)));
     for (const auto& [key, value] : root["brushes"].items()) {
         if (key.empty()) fail("{}: a brush in it has no name; strokes call it by one", path.string());
+        if (!is_one_line(key) || key.size() > kMostOfName)
+            fail(
+                "{}: brush '{}': its name is to be in one line, without control characters, {} bytes at most",
+                path.string(), shortened(key), kMostOfName);
         if (warnings && presets.contains(key))
             warnings->push_back(
                 fmt::format("{}: its brush '{}' takes the place of the preset of that name; strokes that "
                             "name it are of the "
                             "file's",
                             path.string(), key));
-        presets[key] = brush_from_json(value, fmt::format("{}: brush '{}'", path.string(), shortened(key)),
-                                       brush_presets());
+        const std::string where = fmt::format("{}: brush '{}'", path.string(), shortened(key));
+        const BrushSettings& brush = presets[key] = brush_from_json(value, where, brush_presets());
+        if (warnings && brush.load_mm > brush.hold_mm)
+            warnings->push_back(fmt::format(
+                "{}: its load_mm {} is more than its hold_mm {}: freshly loaded, it has more on it than its "
+                "bristles hold, and takes nothing up",
+                where, brush.load_mm, brush.hold_mm));
     }
     return presets;
 }

@@ -158,7 +158,7 @@ Image<Rgb> drawdown_cards(const Palette& palette, Illuminant illuminant, const D
     const std::int64_t width = gap + std::int64_t(columns) * (options.card_px + gap);
     const std::int64_t height = gap + std::int64_t(rows) * (card_height + gap);
     if (width * height > 100'000'000)
-        fail("{} cards of {} x {} pixels make a picture of {} x {}; make card_px smaller", count,
+        fail("{} cards of {} x {} pixels make a picture of {} x {}; make them smaller with --card-px", count,
              options.card_px, card_height, width, height);
 
     const Pigment& white = white_of(palette);

@@ -19,11 +19,12 @@ using nlohmann::json;
 
 const char* const kFirstLine = R"({"format": "tangipaint strokes", "version": 1})";
 
-// Nothing where a line is no JSON.
-std::optional<json> parsed_line(std::string_view line, const std::string& where) {
+// Nothing where a line is no JSON; `why` says why.
+std::optional<json> parsed_line(std::string_view line, const std::string& where, std::string* why = nullptr) {
     try {
         return parse_json(line, where);
-    } catch (const json::parse_error&) {
+    } catch (const json::parse_error& error) {
+        if (why) *why = why_no_json(line, error.byte);
         return {};
     }
 }
@@ -79,8 +80,8 @@ Journal read_journal(const std::filesystem::path& path, const std::map<std::stri
     Journal journal;
     journal.source = path.string();
     int line = 0;
-    bool has_header = false;
     std::uint64_t strokes = 0;
+    bool has_header = false;
     for (std::size_t begin = 0; begin < text.size();) {
         const std::size_t end = end_of_line(text, begin);
         const bool whole = end < text.size();
@@ -93,13 +94,10 @@ Journal read_journal(const std::filesystem::path& path, const std::map<std::stri
             has_header = true;
             continue;
         }
-        const auto object = parsed_line(content, where);
+        std::string why;
+        const auto object = parsed_line(content, where, &why);
         if (!object) {
-            if (whole)
-                fail("{}: is not JSON; one event is one line{}", where,
-                     content.find("NaN") != std::string::npos || content.find("Infinity") != std::string::npos
-                         ? ", and JSON has no NaN and no Infinity"
-                         : "");
+            if (whole) fail("{}: is not JSON: {}; one event is one line", where, why);
             journal.warnings.push_back({line, "the last line is cut short, as by a crash; it is left out"});
             break;
         }
@@ -136,9 +134,9 @@ JournalWriter::JournalWriter(const std::filesystem::path& path) : path_(path) {
             // What was written whole but for its line end counts, as it does for who reads it.
             const bool is_whole = torn < text.size() && parsed_line(text.substr(torn), path.string());
             const auto length = static_cast<off_t>(is_whole ? text.size() : torn);
-            if (is_whole) write("\n");
             if (::ftruncate(file_, length) != 0 || ::lseek(file_, 0, SEEK_END) < 0)
                 fail("{}: cannot be written: {}", path.string(), std::strerror(errno));
+            if (is_whole) write("\n");
             if (length == 0) write(fmt::format("{}\n", kFirstLine));
         }
     } catch (...) {

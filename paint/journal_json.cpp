@@ -40,8 +40,9 @@ public:
     }
     std::string text(const char* name) {
         const json* value = find(name);
-        if (!value || !value->is_string() || value->get<std::string>().empty())
-            fail("{}: '{}' must be a text that is not empty", where_, name);
+        if (!value) fail("{}: has no '{}'", where_, name);
+        if (!value->is_string() || value->get<std::string>().empty())
+            fail("{}: '{}' is {}; it must be a text that is not empty", where_, name, shown(*value));
         return value->get<std::string>();
     }
     void end() const {
@@ -135,6 +136,8 @@ Event dry_from(Fields& fields, const std::string& where) {
     event.layer = fields.text("layer");
     if (!is_one_line(event.layer))
         fail("{}: 'layer' is a name in one line, without control characters", where);
+    if (event.layer.size() > kMostOfName)
+        fail("{}: 'layer' is a name of {} bytes; {} at most", where, event.layer.size(), kMostOfName);
     event.part = fields.number_within("part", 1e-6, 1, 1);
     event.where = part_from(fields, where);
     return event;

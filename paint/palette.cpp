@@ -200,6 +200,8 @@ void add_paint(Palette& palette, const JsonPlace& paint, const std::vector<doubl
     const std::string name = name_place.text();
     if (name.empty()) name_place.refuse("is empty");
     if (!is_one_line(name)) name_place.refuse("is to be in one line, without control characters");
+    if (name.size() > kMostOfName)
+        name_place.refuse("is a name of {} bytes; {} at most", name.size(), kMostOfName);
     if (palette.find(name) >= 0) name_place.refuse("there are two paints '{}'", shortened(name));
     const std::vector<double> own =
         paint.has("wavelengths_nm") ? wavelengths_at(paint.at("wavelengths_nm")) : std::vector<double>();
@@ -225,7 +227,8 @@ json parsed(std::string_view text, const std::string& where) {
     try {
         return parse_json(text, where);
     } catch (const json::parse_error& error) {
-        fail("{}: line {}: is not JSON as palette files are", where, line_of(text, error.byte));
+        fail("{}: line {}: is not JSON as palette files are: {}", where, line_of(text, error.byte),
+             why_no_json(text, error.byte));
     }
 }
 
@@ -256,8 +259,13 @@ Palette parse_palette(std::string_view text, const std::string& where) {
     if (!root.has("format") || document["format"] != kFormat)
         fail("{}: is no palette: a palette file has \"format\": \"{}\"", where, kFormat);
     const JsonPlace version = root.at("version");
-    if (!version.value.is_number_integer() || version.value != kVersion)
-        version.refuse("this program reads version {}; the file was made by a newer one", kVersion);
+    if (!version.value.is_number_integer())
+        version.refuse("is {}, not the whole number {}",
+                       version.value.is_number_float() ? version.value.dump() : shown(version.value),
+                       kVersion);
+    if (version.value != kVersion)
+        version.refuse("is {}, but this program reads version {}{}", shown(version.value), kVersion,
+                       version.value > kVersion ? "; the file was made by a newer one" : "");
     root.allow_only({"format", "version", "name", "source", "wavelengths_nm", "paints"});
 
     Palette palette;
@@ -267,7 +275,8 @@ Palette parse_palette(std::string_view text, const std::string& where) {
                                        ? wavelengths_at(root.at("wavelengths_nm"))
                                        : std::vector<double>(kBand_nm.begin(), kBand_nm.end());
     const JsonPlace paints = root.at("paints");
-    if (!paints.value.is_array() || paints.value.empty()) paints.refuse("is not a list of paints in [ ]");
+    if (!paints.value.is_array()) paints.refuse("is not a list of paints in [ ]");
+    if (paints.value.empty()) paints.refuse("is an empty list; a palette has one paint at least");
     for (std::size_t i = 0; i < paints.value.size(); ++i) add_paint(palette, paints.at(i), nm);
     return palette;
 }

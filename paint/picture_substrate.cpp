@@ -94,15 +94,15 @@ fs::path kept_substrate(const fs::path& shelf, const std::string& name) {
     const bool plain =
         !name.empty() && name.size() <= 100 && name[0] != '.' &&
         std::none_of(name.begin(), name.end(), [](unsigned char c) { return c < ' ' || c == '/'; });
-    if (!plain) fail("'{}' can't be the name of a support: no '/', and no '.' in front", name);
-    if (substrate_named(name)) fail("'{}' is a support that the program makes; choose another name", name);
+    if (!plain) fail("'{}' can't be the name of a substrate: no '/', and no '.' in front", name);
+    if (substrate_named(name)) fail("'{}' is a substrate that the program makes; choose another name", name);
     return shelf / (name + ".exr");
 }
 
 void keep_substrate(const fs::path& shelf, const std::string& name, const Surface& surface) {
     const fs::path path = kept_substrate(shelf, name);
     if (fs::exists(path))
-        fail("{}: there is a support '{}' already; choose another name", path.string(), name);
+        fail("{}: there is a substrate '{}' already; choose another name", path.string(), name);
     make_folder(shelf);
     write_painting(path, surface);
 }

@@ -71,8 +71,9 @@ void Session::take_brush(const StrokeEvent& event, Canvas& canvas) {
     if (event.start != BrushStart::same && !event.paint.empty() && !zero.empty())
         warnings_.push_back(fmt::format("'paint' is not used: {} is 0, so no paint is loaded", zero));
     why_bare_ = event.start == BrushStart::same ? "'start' is \"same\", and nothing was left on it"
-                : event.paint.empty()           ? "'paint' is missing or empty"
-                                                : fmt::format("{} is 0", zero);
+                : !event.paint.empty()          ? fmt::format("{} is 0", zero)
+                : event.brush.load_mm > 0       ? "'paint' is missing or empty"
+                                                : "";  // a rag is never loaded
     if (event.start == BrushStart::same && !event.paint.empty())
         warnings_.emplace_back(
             "'paint' is not used: where 'start' is \"same\", the brush goes on with what is on it");
@@ -205,8 +206,10 @@ void Session::warn_of_no_effect(bool changed) {
                         on(stroke_place_).height() * canvas_.mm_per_pixel() / 2));
     else if (is_empty)
         warnings_.push_back(fmt::format(
-            "the stroke changes nothing: no paint is on the brush ({}), and no wet paint lies under it",
-            why_bare_));
+            "the stroke changes nothing: {}no wet paint lies under it{}",
+            why_bare_.empty() ? "" : fmt::format("no paint is on the brush ({}), and ", why_bare_),
+            stroke_place_ == Place::painting && !canvas_.dried().empty() ? "; what is dry stays as it is"
+                                                                         : ""));
     else
         warnings_.emplace_back("the stroke changes nothing");
 }

@@ -129,7 +129,8 @@ fs::path kept_substrate_file(const std::string& name) {
 Surface make_substrate(const SubstrateChoice& choice, const Progress& progress) {
     if (is_picture(choice.keep_as) || lower_extension(choice.keep_as) == ".exr")
         fail(
-            "'{}' can't be the name of a support: --substrate would take it for a file; leave its ending out",
+            "'{}' can't be the name of a substrate: --substrate would take it for a file; leave its ending "
+            "out",
             choice.keep_as);
     Surface surface = made(choice, progress);
     apply(choice.finish, surface);

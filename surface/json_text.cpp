@@ -63,6 +63,20 @@ private:
 };
 
 bool is_control(unsigned char c) { return c < ' ' || c == 0x7f; }
+bool is_space(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\n'; }
+bool is_of_word(char c) {
+    return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '.' ||
+           c == '-' || c == '+' || c == '_';
+}
+
+// The word around a place, or the character there.
+std::string_view word_at(std::string_view text, std::size_t at) {
+    std::size_t begin = at, end = at;
+    while (end < text.size() && is_of_word(text[end])) ++end;
+    if (end == at) return text.substr(at, std::max<std::size_t>(utf8_length(text.substr(at)), 1));
+    while (begin > 0 && is_of_word(text[begin - 1])) --begin;
+    return text.substr(begin, end - begin);
+}
 
 std::string in_one_line(const std::string& text) {
     std::string line;
@@ -90,6 +104,32 @@ json parse_json(std::string_view text, const std::string& where) {
 int line_of(std::string_view text, std::size_t byte) {
     const std::string_view before = text.substr(0, std::min(byte, text.size()));
     return 1 + static_cast<int>(std::ranges::count(before, '\n'));
+}
+
+std::string why_no_json(std::string_view text, std::size_t byte) {
+    if (std::ranges::all_of(text, is_space)) return "it is empty";
+    const std::size_t at = std::min(byte > 0 ? byte - 1 : 0, text.size());
+    const std::size_t line = at == 0 ? 0 : text.find_last_of('\n', at - 1) + 1;
+    int column = 0;  // characters, from 1
+    for (std::size_t i = line; i < text.size() && i <= at;) {
+        ++column;
+        const std::size_t length = utf8_length(text.substr(i));
+        const auto first = static_cast<unsigned char>(text[i]);
+        if (length == 0 && at < text.size())
+            return fmt::format("column {}: the byte 0x{:02x} is no UTF-8; save it as a text in UTF-8", column,
+                               first);
+        if (first < ' ' && !is_space(text[i]))
+            return fmt::format("column {}: a byte 0x{:02x}, which no text has; it is damaged or no text",
+                               column, first);
+        i += std::max<std::size_t>(length, 1);
+    }
+    if (at == text.size()) return "it ends before it is complete, as if cut off";
+    if (is_space(text[at]))
+        return fmt::format("column {}: a tab or line end where the text before it is not over", column);
+    const std::string_view word = word_at(text, at);
+    for (const std::string_view none : {"NaN", "nan", "Infinity", "-Infinity", "inf", "-inf"})
+        if (word == none) return fmt::format("column {}: JSON has no NaN and no Infinity", column);
+    return fmt::format("column {}: '{}' does not belong there", column, shortened(word, 40));
 }
 
 std::string shown(const json& value) {

@@ -14,6 +14,9 @@ nlohmann::json parse_json(std::string_view text, const std::string& where);
 
 // The line that a place in a text is in, from 1.
 int line_of(std::string_view text, std::size_t byte);
+// Why a text is no JSON, at the place where a parser gave up (parse_error::byte), with its column: cut off,
+// not UTF-8, not a text at all, NaN, or what does not belong there.
+std::string why_no_json(std::string_view text, std::size_t byte);
 
 // A value in a message: numbers as short as they are exact, nothing longer than a line, and each control
 // character of ASCII as U+FFFD.
@@ -29,6 +32,7 @@ std::size_t utf8_length(std::string_view text);
 std::string valid_utf8(std::string_view text);
 // A name that fits in one line: no control characters (of ASCII).
 bool is_one_line(std::string_view text);
+constexpr std::size_t kMostOfName = 200;  // [bytes] of names of paints, layers and brushes
 // The first line of what a library says of an error, as valid UTF-8: theirs run on and repeat themselves.
 std::string first_line(std::string_view text);
 

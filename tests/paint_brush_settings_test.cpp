@@ -78,6 +78,24 @@ TEST(BrushSettings, FilesAddToThePresets) {
                 AllOf(HasSubstr("'x'"), HasSubstr("gap_mm")));
     EXPECT_THAT(error(R"({"format": "tangipaint brushes", "version": 1, "brushes": {"": {}}})"),
                 AllOf(HasSubstr("b.json"), HasSubstr("no name")));
+    EXPECT_THAT(error(R"({"format": "tangipaint brushes", "version": 1, "brushes": {"a\nb": {}}})"),
+                AllOf(HasSubstr("b.json: brush 'a"), HasSubstr("in one line")));
+    EXPECT_THAT(error(R"({"format": "tangipaint brushes", "version": 1, "brushes": {")" +
+                      std::string(201, 'x') + R"(": {}}})"),
+                HasSubstr("200 bytes at most"));
+    EXPECT_THAT(error("{\"format\": \"tangipaint brushes\",\n \"version\": NaN}"),
+                AllOf(HasSubstr("b.json:2: is not JSON"), HasSubstr("column 13: JSON has no NaN")));
+}
+
+TEST(BrushSettings, FilesSayThatABrushHoldsLessThanItIsLoadedWith) {
+    const TestDir dir;
+    write_bytes(dir / "a.json", R"({"format": "tangipaint brushes", "version": 1,
+        "brushes": {"a": {"load_mm": 15, "hold_mm": 1}, "b": {"load_mm": 8, "hold_mm": 8}}})");
+    std::vector<std::string> warnings;
+    read_brush_presets(dir / "a.json", &warnings);
+    ASSERT_EQ(warnings.size(), 1u);
+    EXPECT_THAT(warnings[0], HasSubstr("a.json: brush 'a': its load_mm 15 is more than its hold_mm 1"));
+    for (const auto& [name, preset] : brush_presets()) EXPECT_LE(preset.load_mm, preset.hold_mm) << name;
 }
 
 TEST(BrushSettings, FilesSayNothingTwice) {

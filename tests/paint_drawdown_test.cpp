@@ -97,7 +97,7 @@ TEST(DrawdownCards, CanBeStoppedAndAreNotTooLarge) {
                         }(),
                         Illuminant::d65, options);
                 }),
-                HasSubstr("make card_px smaller"));
+                HasSubstr("make them smaller with --card-px"));
     options.card_px = 1;
     EXPECT_THAT(error_of([&] { drawdown_cards(palette, Illuminant::d65, options); }),
                 HasSubstr("drawdown.card_px = 1"));

@@ -181,12 +181,20 @@ TEST(Journal, ErrorsNameFileAndLine) {
     EXPECT_THAT(error(kHeader + "{\"event\": \"end\", \"now\": 1}\n"), HasSubstr("'now'"));
     EXPECT_THAT(error(kHeader + "{\"event\": \"stroke\", \"paint\": {\"a\": 0}}\n"), HasSubstr("parts of a"));
     EXPECT_THAT(error(kHeader + "{\"event\": \"point\", \"t\": 0, \"x\": 0, \"y\": 0, \"p\": NaN}\n"),
-                AllOf(HasSubstr(":2: is not JSON"), HasSubstr("no NaN")));
+                AllOf(HasSubstr(":2: is not JSON"), HasSubstr("column 49: JSON has no NaN")));
+    EXPECT_THAT(error(kHeader + "{\"event\": \"dry\", \"layer\": \"\xff\"}\n"),
+                HasSubstr(":2: is not JSON: column 28: the byte 0xff is no UTF-8"));
+    EXPECT_THAT(error(kHeader + std::string(3, '\0') + "\n"),
+                HasSubstr(":2: is not JSON: column 1: a byte 0x00"));
+    EXPECT_THAT(error(kHeader + "{\"event\": \"po\n"), HasSubstr("is not JSON: it ends before"));
     EXPECT_THAT(error(kHeader + "{\"event\": \"stroke\", \"paint\": {\"a\": 1e7}}\n"),
                 HasSubstr("above 0, 1000000 at most"));
     EXPECT_THAT(error(kHeader + "{\"event\": \"stroke\", \"start\": \"wet\"}\n"), HasSubstr("'start'"));
     EXPECT_THAT(error(kHeader + "{\"event\": \"stroke\", \"brush\": {\"sise\": 1}}\n"), HasSubstr("'sise'"));
-    EXPECT_THAT(error(kHeader + "{\"event\": \"dry\"}\n"), HasSubstr("'layer'"));
+    EXPECT_THAT(error(kHeader + "{\"event\": \"dry\"}\n"), HasSubstr(":2: has no 'layer'"));
+    EXPECT_THAT(error(kHeader + "{\"event\": \"dry\", \"layer\": \"\"}\n"), HasSubstr("that is not empty"));
+    EXPECT_THAT(error(kHeader + "{\"event\": \"dry\", \"layer\": \"" + std::string(201, 'x') + "\"}\n"),
+                HasSubstr("'layer' is a name of 201 bytes; 200 at most"));
     EXPECT_THAT(error(kHeader + "{\"event\": \"dry\", \"layer\": \"a\\nb\"}\n"), HasSubstr("one line"));
     const auto dry = [&](const std::string& part) {
         return error(kHeader + "{\"event\": \"dry\", \"layer\": \"a\", " + part + "}\n");

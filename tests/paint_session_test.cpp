@@ -218,6 +218,26 @@ TEST(Session, SaysOfStrokesThatChangeNothingWhy) {
     EXPECT_THAT(warning(unpressed, 500), HasSubstr("outside of the palette"));
 }
 
+TEST(Session, SaysThatWhatIsDryStays) {
+    Session session(flat_surface(128, 96), artist_acrylics());
+    const auto warning = [&](const StrokeEvent& stroke) {
+        session.apply(stroke);
+        session.apply(point(0, 0, 0));
+        session.apply(point(0.1, 5, 0));
+        session.apply(EndEvent{});
+        return session.take_warning();
+    };
+    EXPECT_EQ(warning(stroke_of("rag", "", 1)), "the stroke changes nothing: no wet paint lies under it");
+    EXPECT_EQ(warning(stroke_of("round", "Bone Black", 1)), "");
+    session.apply(DryEvent{"ground", 1});
+    for (const std::string preset : {"rag", "smudge", "scrape", "eraser"})
+        EXPECT_EQ(warning(stroke_of(preset, "", 1)),
+                  "the stroke changes nothing: no wet paint lies under it; what is dry stays as it is");
+    StrokeEvent elsewhere = stroke_of("rag", "", 1);
+    elsewhere.on = Place::palette;
+    EXPECT_THAT(warning(elsewhere), testing::EndsWith("no wet paint lies under it"));
+}
+
 TEST(Session, SaysWhyABrushHasNoPaint) {
     const auto warnings = [](StrokeEvent stroke) {
         Session session(flat_surface(128, 96), artist_acrylics());

@@ -32,6 +32,30 @@ TEST(JsonText, AFieldThatIsThereTwiceIsNamedWithItsLine) {
     EXPECT_THAT(error("[1e400]"), HasSubstr("a.json: holds a number that is too large"));
 }
 
+TEST(JsonText, SaysWhyATextIsNone) {
+    const auto why = [](const std::string& text) -> std::string {
+        try {
+            parse_json(text, "x");
+        } catch (const json::parse_error& error) {
+            return why_no_json(text, error.byte);
+        }
+        return "it is JSON";
+    };
+    EXPECT_EQ(why("[1]"), "it is JSON");
+    EXPECT_EQ(why(" \n"), "it is empty");
+    for (const char* cut : {"{\"a\": 1", "[\n", "[\"caf\xc3", "[tr"})
+        EXPECT_THAT(why(cut), HasSubstr("as if cut off")) << cut;
+    EXPECT_EQ(why("[1,\n  \"caf\xc3\xa9\", NaN]"), "column 11: JSON has no NaN and no Infinity");
+    EXPECT_THAT(why("[-Infinity]"), HasSubstr("no Infinity"));
+    EXPECT_EQ(why("[\"\xc3\xa9\xff\"]"), "column 4: the byte 0xff is no UTF-8; save it as a text in UTF-8");
+    EXPECT_THAT(why("[\"\xc3\x28\"]"), HasSubstr("column 3: the byte 0xc3"));
+    EXPECT_THAT(why(std::string("\0\1", 2)), HasSubstr("column 1: a byte 0x00, which no text has"));
+    EXPECT_EQ(why("{}xx"), "column 3: 'xx' does not belong there");
+    EXPECT_EQ(why("{\"a\": 1,}"), "column 9: '}' does not belong there");
+    EXPECT_THAT(why("[\"a\nb\"]"), HasSubstr("column 4: a tab or line end"));
+    EXPECT_LT(why("[" + std::string(100000, 'x')).size(), 120u);
+}
+
 TEST(JsonText, MessagesAreValidUtf8) {
     EXPECT_EQ(valid_utf8("caf\xc3\xa9 \xe2\x82\xac \xf0\x9f\x8e\xa8"),
               "caf\xc3\xa9 \xe2\x82\xac \xf0\x9f\x8e\xa8");
