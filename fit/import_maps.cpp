@@ -21,6 +21,10 @@ namespace {
 
 constexpr float kLowestZ = 0.05f;  // [1] of a normal: about 3 degrees above the horizon
 constexpr float kUnglossy = 0.3f;  // [1] roughness where no map says, and nothing is specular
+// A cliff is where photographs show its shadow (final_height.h), and maps come without any: slopes that are
+// no gradient, as of the blocks of a JPEG, would break a flat frame into steps, and edges that lose their
+// weight all along such lines leave the equations hardly determined.
+constexpr HeightOptions kWithoutPhotographs{.robust_sweeps = 0};
 
 // What comes behind the last '-', '_', '.' or space of a name, in lower case, without "map" at its end.
 std::string last_word(const fs::path& path) {
@@ -232,7 +236,8 @@ Surface import_maps(const MapFiles& files, const ImportOptions& options, ImportR
     }
     report_.height.converged = true;
     if (!files.height)
-        report_.height = integrate_normals(s.normal, s.confidence, s.mm_per_pixel, s.height_mm, {}, progress);
+        report_.height = integrate_normals(s.normal, s.confidence, s.mm_per_pixel, s.height_mm,
+                                           kWithoutPhotographs, progress);
     const Plane plane = best_plane(s.height_mm, s.confidence);
     subtract(plane, s.height_mm);
     report_.support_tilt_deg =

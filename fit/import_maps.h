@@ -70,7 +70,8 @@ struct ImportReport {
 
 // One map is in memory at a time beside the surface. Normals of a length under 0.5 say that nothing was
 // measured; those that point away (z not above 0) are bent up to the horizon, with a warning that says how
-// many. Without normals, they are those of the height; without height, it is integrated from them. Throws
+// many. Without normals, they are those of the height; without height, it is integrated from them, without
+// cliffs, of which only photographs could tell. Throws
 // Error naming the file: neither diffuse map, nor normals or height; only one of roughness_v and tangent, or
 // either without roughness; sizes that differ; values that are no numbers; normals most of which point away.
 Surface import_maps(const MapFiles& files, const ImportOptions& options, ImportReport& report,

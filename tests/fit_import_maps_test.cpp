@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 
 #include <cmath>
+#include <iostream>
 #include <nlohmann/json.hpp>
 
 #include "fit/export_maps.h"
@@ -88,6 +89,39 @@ TEST(ImportMaps, HeightIsIntegratedFromNormals) {
     EXPECT_TRUE(report.height.converged);
     EXPECT_LT(rms_difference(back.height_mm, s.height_mm), 0.03 * 0.4);
     EXPECT_TRUE(images_near(back.normal, s.normal, 1e-5));
+}
+
+// Relief in a flat frame. Its slopes are no gradient: each goes with a wave of its own. As a JPEG, blocks of
+// 16 pixels have slopes of their own besides.
+TEST(ImportMaps, SlopesThatAreNoGradientLeaveAFlatFrameWithoutSteps) {
+    const TestDir dir;
+    constexpr int kSide = 288, kFrame = 80;
+    Image<Rgb> normals(kSide, kSide);
+    Random random(5);
+    for (int y = 0; y < kSide; ++y)
+        for (int x = 0; x < kSide; ++x) {
+            const bool relief = std::min({x, y, kSide - 1 - x, kSide - 1 - y}) >= kFrame;
+            const auto u = static_cast<float>(x), v = static_cast<float>(y);
+            const Slope s =
+                relief ? Slope{std::sin(0.31f * v + 0.1f * u) + 0.3f * static_cast<float>(random.normal()),
+                               std::sin(0.27f * u) + 0.3f * static_cast<float>(random.normal())}
+                       : Slope{0.008f * std::sin(0.05f * v), 0.008f * std::sin(0.05f * u)};
+            normals(x, y) = 0.5f * normal_of(s) + 0.5f;
+        }
+    write_picture(dir / "normal.jpg", normals, Transfer{});
+    write_picture(dir / "kd.png", Image<Rgb>(kSide, kSide, Rgb(0.5f)), Transfer{});
+    ImportReport report;
+    const Surface s = import_maps(find_maps(dir.path()), {}, report);
+    float step = 0;
+    for (int y = 0; y < kFrame - 16; ++y)
+        for (int x = 1; x < kSide; ++x)
+            step = std::max(step, std::abs(s.height_mm(x, y) - s.height_mm(x - 1, y)));
+    std::cout << fmt::format(
+        "[  FIGURE  ] a flat frame around slopes that are no gradient: steps of {:.3f} px at most, {} "
+        "cycles, residual {}\n",
+        step, report.height.cycles, report.height.residual);
+    EXPECT_TRUE(report.height.converged);
+    EXPECT_LT(step, 0.1);
 }
 
 TEST(ImportMaps, OpenLimeMapsComeBackToEightBits) {
