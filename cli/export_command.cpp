@@ -130,16 +130,33 @@ nlohmann::json export_layers(const ExportArguments& a, const Canvas& canvas, con
     });
 }
 
+std::vector<std::string> lost_to_openlime(const std::string& painting, const Surface& surface) {
+    std::vector<std::string> lost;
+    if (!surface.lobe_axes.empty())
+        lost.push_back(fmt::format(
+            "{}: its gloss is drawn out in one direction in places (brushed metal, a weave), which "
+            "OpenLIME's maps cannot hold: they are written as round ones of the same mean "
+            "roughness; --to maps keeps them",
+            painting));
+    if (surface.law.haze > 0)
+        lost.push_back(fmt::format(
+            "{}: a part of its gloss, {:.2g}, is a haze of twice the roughness, which OpenLIME's maps "
+            "cannot hold: highlights are shown narrower than they are; --to maps keeps it",
+            painting, surface.law.haze));
+    if (surface.law.diffuse_roughness > 0)
+        lost.push_back(fmt::format(
+            "{}: its matt paint reflects as rough surfaces do (diffuse roughness {:.2g}), which OpenLIME's "
+            "maps cannot hold: slopes are shown after Lambert's law; --to maps keeps it",
+            painting, surface.law.diffuse_roughness));
+    return lost;
+}
+
 nlohmann::json export_maps(const ExportArguments& a, const Surface& surface, const Progress& progress) {
     if (a.to == "openlime") {
         nlohmann::json result = export_folder(
             a, "brdf.json", [&](const fs::path& folder) { write_openlime(folder, surface, progress); });
-        if (!surface.lobe_axes.empty())
-            result["warnings"] =
-                told({fmt::format("{}: its gloss is drawn out in one direction in places (brushed metal, a "
-                                  "weave), which OpenLIME's maps cannot hold: they are "
-                                  "written as round ones of the same mean roughness; --to maps keeps them",
-                                  a.painting)});
+        if (const auto lost = lost_to_openlime(a.painting, surface); !lost.empty())
+            result["warnings"] = told(lost);
         return result;
     }
     return export_folder(a, "maps.json",

@@ -16,7 +16,8 @@ namespace fs = std::filesystem;
 namespace {
 
 struct ImportArguments {
-    std::string folder, out, diffuse, specular, normals, gloss, roughness, height, lobe, roughness_v, tangent;
+    std::string folder, out, diffuse, specular, normals, gloss, roughness, height, lobe, roughness_v, tangent,
+        confidence;
     ImportOptions options;
     std::function<std::vector<std::string>()> typed;  // flags of the command
 };
@@ -43,7 +44,7 @@ nlohmann::json run_import(const ImportArguments& a) {
     const Progress progress = console_progress();
     if (lower_extension(a.out) != ".exr") fail("--out {}: a painting is an .exr file", a.out);
     MapFiles files;
-    const std::array<std::tuple<const char*, const std::string*, std::optional<fs::path>*>, 9> given = {
+    const std::array<std::tuple<const char*, const std::string*, std::optional<fs::path>*>, 10> given = {
         {{"diffuse", &a.diffuse, &files.diffuse},
          {"specular", &a.specular, &files.specular},
          {"normals", &a.normals, &files.normals},
@@ -52,7 +53,8 @@ nlohmann::json run_import(const ImportArguments& a) {
          {"height", &a.height, &files.height},
          {"lobe", &a.lobe, &files.lobe},
          {"roughness_v", &a.roughness_v, &files.across},
-         {"tangent", &a.tangent, &files.tangent}}};
+         {"tangent", &a.tangent, &files.tangent},
+         {"confidence", &a.confidence, &files.confidence}}};
     for (const auto& [name, text, file] : given)
         if (!text->empty()) *file = *text;
     // A map that is named comes before those that are found.
@@ -69,8 +71,7 @@ nlohmann::json run_import(const ImportArguments& a) {
         maps[name] = (*file)->string();
     }
     refuse_useless(a, files);
-    ImportOptions wanted = a.options;
-    if (!wanted.mm_per_pixel && !a.folder.empty()) wanted.mm_per_pixel = scale_beside(a.folder);
+    const ImportOptions wanted = a.folder.empty() ? a.options : as_described(a.folder, a.options);
     AtomicFile out(a.out);
     ImportReport report;
     Surface surface = import_maps(files, wanted, report, progress);
@@ -92,6 +93,8 @@ nlohmann::json run_import(const ImportArguments& a) {
              {{"all", report.pixels}, {"measured", report.measured}, {"facing_away", report.facing_away}}},
             {"mm_per_pixel", surface.mm_per_pixel},
             {"scale_known", surface.scale_known},
+            {"haze", surface.law.haze},
+            {"diffuse_roughness", surface.law.diffuse_roughness},
             {"median_tilt_deg", report.median_tilt_deg},
             {"support_tilt_deg", report.support_tilt_deg},
             {"height_solver",
@@ -113,7 +116,8 @@ Command import_command() {
             flags.option(
                 "MAPS", a->folder,
                 "folder whose maps are found by name: kd or albedo, ks, normals, gloss, roughness, height, "
-                "lobe, roughness_v, tangent");
+                "lobe, roughness_v, tangent, confidence; maps.json of export --to maps says scale, haze and "
+                "diffuse roughness");
             flags.option("--out", a->out, "painting file to write (.exr)").required();
             flags.option("--diffuse", a->diffuse, "diffuse map (kd, albedo)");
             flags.option("--specular", a->specular, "specular map (ks)");
@@ -130,6 +134,7 @@ Command import_command() {
             flags.option(
                 "--tangent", a->tangent,
                 "direction of the tangent, from x towards y, in radians (EXR): where lobes are wide");
+            flags.option("--confidence", a->confidence, "0 where nothing was measured, up to 1; 1 without");
             flags.fields(a->options);
             a->typed = flags.typed();
             return [a] { return run_import(*a); };

@@ -6,6 +6,7 @@
 
 #include "surface/anisotropy.h"
 #include "surface/atomic_file.h"
+#include "surface/photography_json.h"
 #include "surface/picture_file.h"
 
 namespace tangi {
@@ -18,6 +19,16 @@ constexpr float kLeastAlpha = 0.01f, kMostAlpha = 1.0f;
 
 // A float as the shortest number that is this float.
 double shortest(float value) { return std::stod(fmt::format("{}", value)); }
+
+// How bright the painting was taken and from where; the photographs themselves are not in the maps.
+Photography exposure_and_camera(const Photography& p) {
+    Photography kept;
+    kept.transfer = p.transfer;
+    kept.white_level = p.white_level;
+    kept.rig = p.rig;
+    kept.to_camera = p.to_camera;
+    return kept;
+}
 
 class Writer {
 public:
@@ -59,7 +70,10 @@ std::vector<fs::path> write_maps(const fs::path& folder, const Surface& s, const
     const nlohmann::json about = {{"width", s.width()},
                                   {"height", s.height()},
                                   {"mm_per_pixel", s.mm_per_pixel},
-                                  {"scale_known", s.scale_known}};
+                                  {"scale_known", s.scale_known},
+                                  {"diffuse_roughness", s.law.diffuse_roughness},
+                                  {"haze", s.law.haze},
+                                  {"photography", to_json(exposure_and_camera(s.photography))}};
     write("maps.json", [&](const fs::path& path) { write_text_file(path, about.dump(2) + "\n"); });
     return write.paths;
 }

@@ -11,6 +11,7 @@
 #include "surface/letter_case.h"
 #include "surface/median.h"
 #include "surface/parallel.h"
+#include "surface/photography_json.h"
 #include "surface/picture_file.h"
 
 namespace tangi {
@@ -49,6 +50,7 @@ std::optional<fs::path>* map_named(MapFiles& files, const std::string& word) {
     if (is_one_of(word, {"height", "displacement"})) return &files.height;
     if (word == "roughness_v") return &files.across;
     if (word == "tangent") return &files.tangent;
+    if (word == "confidence") return &files.confidence;
     return nullptr;
 }
 
@@ -109,6 +111,16 @@ void take_normals(const Image<Rgb>& map, const fs::path& path, bool y_down, Surf
             path.string(), report_.median_tilt_deg));
 }
 
+void take_confidence(const Image<Rgb>& map, const fs::path& path, Surface& s, ImportReport& report_) {
+    for (std::size_t i = 0; i < map.size(); ++i) {
+        float& confidence = s.confidence.pixels()[i];
+        if (!(confidence > 0)) continue;
+        confidence = std::clamp(map.pixels()[i].r, 0.0f, 1.0f);
+        report_.measured -= !(confidence > 0);
+    }
+    if (report_.measured == 0) fail("{}: is 0 everywhere, so that nothing was measured", path.string());
+}
+
 void take_height(const Image<Rgb>& map, const fs::path& path, const ImportOptions& options, Surface& s) {
     const float scale = lower_extension(path) == ".exr" ? 1.0f : static_cast<float>(options.height_range_mm);
     for (std::size_t i = 0; i < map.size(); ++i) s.height_mm.pixels()[i] = scale * map.pixels()[i].r;
@@ -159,14 +171,30 @@ void take_axes(const MapFiles& files, const fs::path& first, Surface& s) {
 
 }  // namespace
 
-std::optional<double> scale_beside(const fs::path& folder) {
+ImportOptions as_described(const fs::path& folder, ImportOptions options) {
     const fs::path path = folder / "maps.json";
-    if (!fs::is_regular_file(path)) return {};
+    if (!fs::is_regular_file(path)) return options;
     const nlohmann::json about = nlohmann::json::parse(read_text_file(path), nullptr, false);
-    if (!about.is_object() || about.value("scale_known", nlohmann::json()) != true) return {};
-    const nlohmann::json scale = about.value("mm_per_pixel", nlohmann::json());
-    if (!scale.is_number() || !(scale.get<double>() >= 1e-6 && scale.get<double>() <= 1e3)) return {};
-    return scale.get<double>();
+    if (!about.is_object() || !about.value("scale_known", nlohmann::json()).is_boolean()) return options;
+    const auto number = [&](const char* field, double least, double most) -> std::optional<double> {
+        const nlohmann::json value = about.value(field, nlohmann::json());
+        if (!value.is_number() || !(value.get<double>() >= least && value.get<double>() <= most)) return {};
+        return value.get<double>();
+    };
+    options.levelled = true;
+    if (!options.mm_per_pixel) {
+        options.mm_per_pixel = number("mm_per_pixel", 1e-6, 1e3);
+        options.scale_known = about["scale_known"].get<bool>();
+    }
+    try {
+        options.photography = photography_from_json(about.value("photography", nlohmann::json::object()));
+    } catch (const std::exception&) {  // of a parser, about columns that nobody sees
+        fail("{}: what it says of the photography cannot be read; export the maps again, or take that out",
+             path.string());
+    }
+    if (!options.haze) options.haze = number("haze", 0, 1);
+    if (!options.diffuse_roughness) options.diffuse_roughness = number("diffuse_roughness", 0, 1);
+    return options;
 }
 
 MapFiles find_maps(const fs::path& folder, const MapFiles& named) {
@@ -209,7 +237,9 @@ Surface import_maps(const MapFiles& files, const ImportOptions& options, ImportR
                 s.diffuse.pixels()[i][c] = transfer.decode(std::max(map.pixels()[i][c], 0.0f));
     }
     s.mm_per_pixel = options.mm_per_pixel.value_or(1);
-    s.scale_known = options.mm_per_pixel.has_value();
+    s.scale_known = options.mm_per_pixel.has_value() && options.scale_known;
+    s.photography = options.photography;
+    s.law = {.diffuse_roughness = options.diffuse_roughness.value_or(0), .haze = options.haze.value_or(0)};
     report_.pixels = static_cast<long>(s.height_mm.size());
     report(progress, "read maps", 0.2);
     if (files.specular) {
@@ -234,10 +264,13 @@ Surface import_maps(const MapFiles& files, const ImportOptions& options, ImportR
         for (float& confidence : s.confidence.pixels()) confidence = 1;
         report_.measured = report_.pixels;
     }
+    if (files.confidence)
+        take_confidence(read_map(*files.confidence, s, first), *files.confidence, s, report_);
     report_.height.converged = true;
     if (!files.height)
         report_.height = integrate_normals(s.normal, s.confidence, s.mm_per_pixel, s.height_mm,
                                            kWithoutPhotographs, progress);
+    if (options.levelled && files.height) return s;
     const Plane plane = best_plane(s.height_mm, s.confidence);
     subtract(plane, s.height_mm);
     report_.support_tilt_deg =

@@ -22,18 +22,15 @@ namespace tangi {
 struct MapFiles {
     std::optional<std::filesystem::path> diffuse, specular, normals, gloss, roughness, height, lobe;
     std::optional<std::filesystem::path> across, tangent;  // roughness_v and tangent, of roughness
+    std::optional<std::filesystem::path> confidence;       // [1] 0 = not measured
 };
 
 // The maps in a folder by their names, in any case: kd, diffuse, albedo, basecolor (also as NAME-kdmap,
 // NAME_kd); ks, specular; no, nomap, normal, normals; gl, glmap, gloss; roughness, alpha; height,
 // displacement; lobe (colours of lobes), roughness_v and tangent (alpha across
-// it; both as write_maps() writes them). Those in `named` are taken instead of
+// it), confidence (all as write_maps() writes them). Those in `named` are taken instead of
 // what the folder has. Throws Error where two files claim to be the same map.
 MapFiles find_maps(const std::filesystem::path& folder, const MapFiles& named = {});
-
-// The scale of maps that write_maps() wrote (export_maps.h), in the folder's maps.json; nothing where there
-// is none, or it says that the scale is not known.
-std::optional<double> scale_beside(const std::filesystem::path& folder);
 
 struct ImportOptions {
     std::optional<double> mm_per_pixel{};
@@ -41,6 +38,11 @@ struct ImportOptions {
     bool normals_y_down = false;               // green grows downwards (DirectX)
     bool diffuse_srgb = false;                 // the diffuse map is sRGB-encoded
     double height_range_mm = 1;  // [mm] from 0 to full scale of an integer height map; EXR is in mm
+    std::optional<double> haze{}, diffuse_roughness{};  // [1] as ReflectanceLaw's
+    // No flags, but what the maps' description says:
+    bool scale_known = true;  // of mm_per_pixel, where that is given
+    bool levelled = false;    // the height is above the support already: no plane is taken off it
+    Photography photography{};
 
     static constexpr std::string_view name = "import";
     template <class Self, class Visit>
@@ -56,8 +58,21 @@ struct ImportOptions {
         visit(FieldInfo{"height_range_mm", 1e-6, 1e4, "mm",
                         "height of full scale over 0 in an integer height map"},
               self.height_range_mm);
+        visit(FieldInfo{"haze", 0, 1, "1",
+                        "part of the gloss in a lobe of twice the roughness (of maps.json, or 0)"},
+              self.haze);
+        visit(
+            FieldInfo{
+                "diffuse_roughness", 0, 1, "1",
+                "0: matt paint follows Lambert's law; above: that of rough surfaces (of maps.json, or 0)"},
+            self.diffuse_roughness);
     }
 };
+
+// What the maps.json that write_maps() wrote (export_maps.h) says of the maps in this folder: scale, law
+// and photography, where `options` do not say it. Another program's file of that name says nothing. Throws
+// Error naming it where it cannot be read.
+ImportOptions as_described(const std::filesystem::path& folder, ImportOptions options);
 
 struct ImportReport {
     long pixels = 0, measured = 0;  // measured: with a normal
@@ -68,12 +83,12 @@ struct ImportReport {
     std::vector<std::string> warnings;
 };
 
-// One map is in memory at a time beside the surface. Normals of a length under 0.5 say that nothing was
-// measured; those that point away (z not above 0) are bent up to the horizon, with a warning that says how
-// many. Without normals, they are those of the height; without height, it is integrated from them, without
-// cliffs, of which only photographs could tell. Throws
-// Error naming the file: neither diffuse map, nor normals or height; only one of roughness_v and tangent, or
-// either without roughness; sizes that differ; values that are no numbers; normals most of which point away.
+// One map is in memory at a time beside the surface. Normals of a length under 0.5 and a confidence of 0 say
+// that nothing was measured; those that point away (z not above 0) are bent up to the horizon, with a warning
+// that says how many. Without normals, they are those of the height; without height, it is integrated from
+// them, without cliffs, of which only photographs could tell. Throws Error naming the file: neither diffuse
+// map, nor normals or height; only one of roughness_v and tangent, or either without roughness; sizes that
+// differ; values that are no numbers; normals most of which point away.
 Surface import_maps(const MapFiles& files, const ImportOptions& options, ImportReport& report,
                     const Progress& progress = {});
 

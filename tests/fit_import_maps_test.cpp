@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 
+#include <array>
 #include <cmath>
 #include <iostream>
 #include <nlohmann/json.hpp>
@@ -10,6 +11,7 @@
 #include "fit_test_support.h"
 #include "surface/atomic_file.h"
 #include "surface/picture_file.h"
+#include "surface/relight.h"
 
 namespace tangi {
 namespace {
@@ -77,6 +79,52 @@ TEST(ImportMaps, AxesOfLobesComeBack) {
     EXPECT_THAT(
         error_of([&] { import_maps(find_maps(dir.path()), {}, report); }),
         testing::AllOf(testing::HasSubstr("roughness_v.exr"), testing::HasSubstr("tangent is missing")));
+}
+
+// With everything that a surface can have of reflectance, a corner that was not measured, and a height that
+// is tilted, as that of a painting with much paint on one side.
+TEST(ImportMaps, WhatComesBackLooksAlikeUnderEveryLight) {
+    const TestDir dir;
+    for (const bool scale_known : {true, false}) {
+        Surface s = example_surface();
+        s.law = {.diffuse_roughness = 0.7, .haze = 0.6};
+        s.scale_known = scale_known;
+        s.photography.white_level = 0.4;
+        s.photography.rig = {.ambient = 0.1f, .camera_distance_mm = 40.0f};
+        s.lobe_axes = Image<LobeAxes>(s.width(), s.height(), {0.05f, -0.7f});
+        s.lobe_colour = Image<Rgb>(s.width(), s.height(), Rgb(1, 0.77f, 0.34f));
+        for (int y = 0; y < s.height(); ++y)
+            for (int x = 0; x < s.width(); ++x) s.height_mm(x, y) += 0.05f * static_cast<float>(x);
+        for (int y = 0; y < 5; ++y)
+            for (int x = 0; x < 5; ++x) {
+                s.confidence(x, y) = s.specular(x, y) = 0;
+                s.normal(x, y) = Vec3(0, 0, 1);
+                s.diffuse(x, y) = Rgb(0);
+            }
+        write_maps(dir.path(), s);
+        ImportReport report;
+        const Surface back = import_maps(find_maps(dir.path()), as_described(dir.path(), {}), report);
+        EXPECT_EQ(report.measured, 48 * 40 - 25);
+        EXPECT_EQ(back.law, s.law);
+        EXPECT_EQ(back.scale_known, scale_known);
+        EXPECT_EQ(back.photography.white_level, 0.4);
+        EXPECT_EQ(back.mm_per_pixel, 0.5);
+        EXPECT_TRUE(images_near(back.height_mm, s.height_mm, 1e-6));
+        EXPECT_TRUE(images_identical(back.confidence, s.confidence));
+        for (const Vec3& direction : {Vec3(0, 0, 1), Vec3(-1, 0.3f, 0.4f), Vec3(0.5f, 0.6f, 0.2f)}) {
+            const std::array lights = {distant_light(direction)};
+            EXPECT_TRUE(images_near(relight(back, lights, {.cast_shadows = true}),
+                                    relight(s, lights, {.cast_shadows = true}), 1e-4));
+        }
+    }
+    const ImportOptions own = as_described(dir.path(), {.mm_per_pixel = 2, .haze = 0});
+    EXPECT_EQ(own.mm_per_pixel, 2);
+    EXPECT_TRUE(own.scale_known);
+    EXPECT_EQ(own.haze, 0);
+    write_text_file(dir / "maps.json", "{\"scale_known\": false, \"photography\": 7}");
+    EXPECT_THAT(error_of([&] { as_described(dir.path(), {}); }), HasSubstr("maps.json"));
+    write_text_file(dir / "maps.json", "{\"haze\": 0.5}");  // of another program
+    EXPECT_FALSE(as_described(dir.path(), {}).haze);
 }
 
 TEST(ImportMaps, HeightIsIntegratedFromNormals) {
