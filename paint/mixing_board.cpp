@@ -68,14 +68,6 @@ void lay_pile(Canvas& canvas, const std::vector<Portion>& recipe, PointMm at, do
     const int x1 = std::min(static_cast<int>(std::ceil(cx + radius)) + 1, canvas.width());
     const int y1 = std::min(static_cast<int>(std::ceil(cy + radius)) + 1, canvas.height());
     if (x0 >= x1 || y0 >= y1) return;
-    for (int y = y0; y < y1; ++y)
-        for (int x = x0; x < x1; ++x) {
-            const double r2 = ((x - cx) * (x - cx) + (y - cy) * (y - cy)) / (radius * radius),
-                         thick = static_cast<double>(wet.thickness_mm(x, y)) + height_mm * lower * (1 - r2);
-            if (r2 < 1 && thick > kThickestPile_mm)
-                fail("the pile at ({:.6g}, {:.6g}) mm would lie on others, {:.0f} mm high; {} mm at most",
-                     at.x, at.y, thick, kThickestPile_mm);
-        }
     for (int ty = y0 / size; ty * size < y1; ++ty)
         for (int tx = x0 / size; tx * size < x1; ++tx) {
             const Region tile = wet.region_of({tx, ty});

@@ -24,11 +24,9 @@ Canvas make_board(const BoardSize& size, double mm_per_pixel);
 // paint or more.
 std::vector<PileEvent> laid_out(const std::vector<std::string>& paints, const BoardSize& size);
 
-constexpr double kThickestPile_mm = 1000;
-
 // Adds a dome (a paraboloid) of paint to what is on a canvas already: `recipe` in parts, with its middle
 // `at`, as wide and high as said. What lies beyond the canvas is left out. Throws Error where the recipe's
-// parts do not sum to more than 0, and where piles on each other would be thicker than kThickestPile_mm.
+// parts do not sum to more than 0.
 void lay_pile(Canvas& canvas, const std::vector<Portion>& recipe, PointMm at, double size_mm,
               double height_mm);
 

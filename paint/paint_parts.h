@@ -34,9 +34,10 @@ std::vector<IngredientId> ingredients_of(const std::filesystem::path& path, cons
 void require_volumes(const std::filesystem::path& path, const PartInfo& info, std::size_t channel, int y,
                      std::span<const float> row);
 
-// More than there can be on one pixel, all ingredients together: strokes of any brush lay less than a metre,
-// piles a metre (kThickestPile_mm). On bristles there may be all that was on a brush of another size.
-constexpr float kMostPaint_mm = 1e4f, kMostOnBristles_mm = 1e12f;
+// More than there can be on one pixel, all ingredients together. There is no law that bounds it: sixty
+// strokes of the thickest brush that settings allow, over each other, heap up 14 m. On bristles there may be
+// all that was on a brush of another size.
+constexpr float kMostPaint_mm = 1e9f, kMostOnBristles_mm = 1e12f;
 // What row y holds of each ingredient, summed.
 void require_thickness(const std::filesystem::path& path, const PartInfo& info, int y,
                        std::span<const float> sums, float most_mm);

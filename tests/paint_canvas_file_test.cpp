@@ -4,7 +4,6 @@
 #include <gmock/gmock.h>
 
 #include "paint/appearance.h"
-#include "paint/mixing_board.h"
 #include "paint/paint_parts.h"
 #include "surface/overview.h"
 #include "surface/painting_file.h"
@@ -143,8 +142,7 @@ TEST(CanvasFile, ErrorsNameFileAndPart) {
     EXPECT_THAT(
         error_of_part(dir, fine, 1e30f),
         HasSubstr("bad.exr: part 'wet' holds 1e+30 mm of paint at pixel (3, 1); there are never more"));
-    EXPECT_THAT(error_of_part(dir, fine, 10001), HasSubstr("10001 mm of paint at pixel (3, 1)"));
-    EXPECT_GT(kMostPaint_mm, 2 * kThickestPile_mm) << "what is painted can be read";
+    EXPECT_GT(kMostPaint_mm, 1e6) << "what is painted can be read";
     PartInfo info = fine;
     info.attributes["ingredients"] = "[{\"name\": \"x\"}]";
     EXPECT_THAT(error_of_part(dir, info, 0), AllOf(HasSubstr("bad.exr"), HasSubstr("ingredients")));

@@ -338,22 +338,5 @@ TEST(MixingBoard, APileFindsRoom) {
     EXPECT_NEAR(free_place(board, 500).x, 0, 10) << "wider than the palette";
 }
 
-// What is laid can be read again: paint_parts.h refuses what is thicker than paint can be.
-TEST(MixingBoard, PilesOnEachOtherEndAtAMetre) {
-    Session session(flat_surface(64, 64), artist_acrylics());
-    PileEvent pile;
-    pile.on = Place::painting;
-    pile.paint = {{"Bone Black", 1}, {"Titanium White", 1}};
-    pile.height_mm = 50;
-    for (int i = 0; i < 19; ++i) session.apply(pile);
-    const double before = session.canvas().volumes_mm3()[0];
-    pile.height_mm = 49;
-    session.apply(pile);
-    EXPECT_GT(session.canvas().volumes_mm3()[0], before);
-    const double full = session.canvas().volumes_mm3()[0];
-    EXPECT_THAT(error_of([&] { session.apply(pile); }), testing::HasSubstr("1000 mm at most"));
-    EXPECT_EQ(session.canvas().volumes_mm3()[0], full);
-}
-
 }  // namespace
 }  // namespace tangi
