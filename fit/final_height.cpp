@@ -4,6 +4,7 @@
 #include <array>
 #include <utility>
 
+#include "fit/height_error.h"
 #include "fit/mixed_slopes.h"
 #include "fit/shadow_signs.h"
 
@@ -58,6 +59,8 @@ FinalHeight final_height(Surface& surface, const Survey& survey, const Transfer&
         return choice.trials.back().shadow_misfit;
     };
     int sweeps = 0;
+    // Shadows tell one mixing for all pixels, in steps of two: at a pixel it may as well be half of that.
+    Image<float> less_steep;
     if (evidence.shadows_tell) {
         double least = misfit_with(0);
         // Cliffs are where photographs show their shadows. Slopes that err by more than they say disagree
@@ -75,11 +78,17 @@ FinalHeight final_height(Surface& surface, const Survey& survey, const Transfer&
             least = now;
             chosen = mixing;
         }
+        if (chosen > 0 && error_mm) {
+            take(chosen / 2);
+            integrate(sweeps, kTrialCycles, nullptr, {});
+            less_steep = surface.height_mm;
+        }
         take(chosen);
         report(progress, "cliffs", 1);  // the steepest are only tried where less steep ones are better
     }
     choice.cliffs = sweeps > 0;
     integrate(sweeps, options.max_cycles, error_mm, progress);
+    if (!less_steep.empty()) add_disagreement(surface.height_mm, less_steep, *error_mm);
     if (!before.empty()) {
         const double now = misfit();
         std::swap(surface.height_mm, before);
@@ -87,9 +96,11 @@ FinalHeight final_height(Surface& surface, const Survey& survey, const Transfer&
         if (!evidence.shadows_tell) choice.trials.push_back({choice.cliffs, choice.mixing, false, now});
         choice.trials.push_back({false, 0, true, then});
         choice.before_refining = then < (1 - kShadowsClearlyBetter) * now;
-        if (choice.before_refining)
+        if (choice.before_refining) {
             choice.cliffs = false, choice.mixing = 0;
-        else
+            // The errors are of the height that the slopes lead to; this one differs from it by more.
+            if (error_mm) add_disagreement(surface.height_mm, before, *error_mm);
+        } else
             std::swap(surface.height_mm, before);
     }
     return result;

@@ -79,7 +79,7 @@ HeightReport integrate_normals(const Image<Vec3>& normal, const Image<float>& co
     SlopeEdges edges(normal, confidence, mm_per_pixel, options.weight_floor);
     edges.weigh(nullptr);
     HeightReport result = solve_robustly(edges, height_mm, options, progress);
-    if (error_mm) *error_mm = height_errors(edges, progress);
+    if (error_mm) *error_mm = height_errors(edges, height_mm, progress);
     const Slope tilt = edges.tilt();
     subtract({-tilt.x * mm_per_pixel, -tilt.y * mm_per_pixel, 0}, height_mm);
     remove_mean(height_mm);

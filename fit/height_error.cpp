@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "fit/height_grid.h"
+#include "surface/error.h"
 #include "surface/parallel.h"
 
 namespace tangi {
@@ -72,7 +73,8 @@ void box_mean(Image<float>& image, int radius) {
     });
 }
 
-Image<HalfError> height_errors(const SlopeEdges& edges, const Progress& progress) {
+Image<HalfError> height_errors(const SlopeEdges& edges, const Image<float>& height_mm,
+                               const Progress& progress) {
     const int width = edges.right.width(), height = edges.right.height();
     Image<HalfError> squares(width, height);
     Image<float> z(width, height);
@@ -80,7 +82,7 @@ Image<HalfError> height_errors(const SlopeEdges& edges, const Progress& progress
     grid.coarsen();
     for (int draw = 0; draw < kDraws; ++draw) {
         report(progress, "height error", draw / static_cast<double>(kDraws));
-        edges.divergence_of_errors(draw, grid.b());
+        edges.divergence_of_errors(draw, height_mm, grid.b());
         std::fill(z.pixels().begin(), z.pixels().end(), 0.0f);
         for (int cycle = 0; cycle < kCycles; ++cycle) grid.cycle();
         Image<float>& mean = grid.b();
@@ -88,12 +90,35 @@ Image<HalfError> height_errors(const SlopeEdges& edges, const Progress& progress
         box_mean(mean, kHeightErrorWindow / 2);
         add_squares(z, mean, squares);
     }
-    std::copy(squares.pixels().begin(), squares.pixels().end(), z.pixels().begin());
+    parallel_for(0, height, 16, [&](int begin, int end) {
+        for (int y = begin; y < end; ++y)
+            for (int x = 0; x < width; ++x) {
+                const float offset = edges.offset_mm(x, y);
+                z(x, y) = squares(x, y) + offset * offset;
+            }
+    });
     box_mean(z, kSmooth);
     for (std::size_t i = 0; i < z.size(); ++i)
         squares.pixels()[i] = edges.confidence().pixels()[i] > 0 ? std::sqrt(z.pixels()[i]) : 0.0f;
     report(progress, "height error", 1);
     return squares;
+}
+
+void add_disagreement(const Image<float>& height_mm, Image<float>& other, Image<HalfError>& errors) {
+    TP_REQUIRE(height_mm.region() == other.region() && errors.region() == other.region(), "one size");
+    Image<float> mean(other.width(), other.height());
+    for (std::size_t i = 0; i < other.size(); ++i)
+        mean.pixels()[i] = other.pixels()[i] -= height_mm.pixels()[i];
+    box_mean(mean, kHeightErrorWindow / 2);
+    for (std::size_t i = 0; i < other.size(); ++i) {
+        const float off = other.pixels()[i] - mean.pixels()[i];
+        other.pixels()[i] = off * off;
+    }
+    box_mean(other, kSmooth);
+    for (std::size_t i = 0; i < other.size(); ++i) {
+        HalfError& error = errors.pixels()[i];
+        if (error > 0) error = std::sqrt(error * error + other.pixels()[i]);
+    }
 }
 
 }  // namespace tangi

@@ -104,24 +104,21 @@ float SlopeEdges::difference_down(int x, int y) const {
     return -mm_ * (0.5f * (slope_of(normal_(x, y)).y + slope_of(normal_(x, y + 1)).y) - tilt_.y);
 }
 
-// [pixels^2] What the slope's own error adds to the variance of an edge; the rest is what pixels mix.
-float SlopeEdges::slope_part(int x, int y) const {
+// [pixels] Standard deviation of what the slope's own error adds to a difference. What was measured badly may
+// be off by more than its weight, which has a floor, says.
+float SlopeEdges::slope_error(int x, int y) const {
     const float c = confidence_(x, y);
-    return c > 0 ? std::min(slope_variance_of(c) / 4, float(variance_(x, y))) : 0.0f;
+    return std::sqrt(c > 0 ? slope_variance_of(c) / 4 : float(variance_(x, y)));
 }
 
-// A slope's error is shared by the edges of its pixel; what a trapezoid misses is the edge's own.
-float SlopeEdges::error_right(int x, int y, int draw) const {
-    const float a = slope_part(x, y), b = slope_part(x + 1, y);
-    const float rest = std::max(variance_(x, y) + variance_(x + 1, y) - a - b, 0.0f);
-    return mm_ * (sign_at(x, y, draw, 0) * std::sqrt(a) + sign_at(x + 1, y, draw, 0) * std::sqrt(b) +
-                  sign_at(x, y, draw, 1) * std::sqrt(rest));
+// [mm] What is left of an edge beyond its variance is an error that shows, and around a loop of edges as
+// large a part of the errors does not.
+float SlopeEdges::unexplained(float off_mm, float variance, int x, int y, int draw, int which) const {
+    return sign_at(x, y, draw, which) * std::sqrt(std::max(off_mm * off_mm - mm_ * mm_ * variance, 0.0f));
 }
-float SlopeEdges::error_down(int x, int y, int draw) const {
-    const float a = slope_part(x, y), b = slope_part(x, y + 1);
-    const float rest = std::max(variance_(x, y) + variance_(x, y + 1) - a - b, 0.0f);
-    return mm_ * (sign_at(x, y, draw, 2) * std::sqrt(a) + sign_at(x, y + 1, draw, 2) * std::sqrt(b) +
-                  sign_at(x, y, draw, 3) * std::sqrt(rest));
+
+float SlopeEdges::offset_mm(int x, int y) const {
+    return mm_ * kOffset * slope_spread(normal_, confidence_, x, y);
 }
 
 void SlopeEdges::weigh(const Image<float>* z, float off_mm, float variance, HalfError& weight,
@@ -162,10 +159,25 @@ void SlopeEdges::divergence(Image<float>& b) const {
         [&](int x, int y) { return difference_down(x, y); }, b);
 }
 
-void SlopeEdges::divergence_of_errors(int draw, Image<float>& b) const {
+void SlopeEdges::divergence_of_errors(int draw, const Image<float>& z, Image<float>& b) const {
+    // A slope's error is shared by the edges of its pixel.
+    const auto shared = [&](int x, int y, int which) {
+        return mm_ * sign_at(x, y, draw, which) * slope_error(x, y);
+    };
+    const auto variance = [&](int x, int y, int u, int v) { return variance_(x, y) + variance_(u, v); };
     divergence_of(
-        *this, [&](int x, int y) { return error_right(x, y, draw); },
-        [&](int x, int y) { return error_down(x, y, draw); }, b);
+        *this,
+        [&](int x, int y) {
+            const float off = z(x + 1, y) - z(x, y) - difference_right(x, y);
+            return shared(x, y, 0) + shared(x + 1, y, 0) +
+                   unexplained(off, variance(x, y, x + 1, y), x, y, draw, 1);
+        },
+        [&](int x, int y) {
+            const float off = z(x, y + 1) - z(x, y) - difference_down(x, y);
+            return shared(x, y, 2) + shared(x, y + 1, 2) +
+                   unexplained(off, variance(x, y, x, y + 1), x, y, draw, 3);
+        },
+        b);
 }
 
 }  // namespace tangi

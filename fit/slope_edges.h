@@ -30,6 +30,13 @@ constexpr float kMixed = 0.08f;
 // [1] No slope is better known: a third of a code of 8 bits.
 constexpr float kSharpest = 0.002f;
 
+// [1] Part of the spread by which the height of a pixel is off from its mean, in pixels, where it is the
+// integral of true slopes by trapezoids. Where slopes change evenly that is a twelfth of the second
+// difference, h^2 z'' / 12; with relief as fine as pixels it is 0.08 to 0.1 (the same tests). It is a
+// height's error, not a slope's: differences between neighbours have it as a gradient, which no loop of edges
+// shows and no weight averages out.
+constexpr float kOffset = 0.1f;
+
 // [1] What one end of an edge adds to the variance of the edge's difference in height, in pixels.
 inline float edge_variance(float slope_variance, float spread) {
     const float mixed = kMixed * spread;
@@ -67,15 +74,19 @@ public:
 
     // Right-hand side of the heights' equations: the divergence of weight * difference.
     void divergence(Image<float>& b) const;
-    // The same of errors such as the differences have, +- one standard deviation each, for `draw` < 16.
-    void divergence_of_errors(int draw, Image<float>& b) const;
+    // The same of errors such as the differences have, +- one standard deviation each, for `draw` < 4: those
+    // of slopes, and what this height [mm, without the tilt] leaves of an edge beyond its variance.
+    void divergence_of_errors(int draw, const Image<float>& height_mm, Image<float>& b) const;
+
+    // [mm] By how much a height is off, standard deviation, where it was integrated from slopes without
+    // error.
+    float offset_mm(int x, int y) const;
 
 private:
     float difference_right(int x, int y) const;  // [mm]
     float difference_down(int x, int y) const;
-    float error_right(int x, int y, int draw) const;
-    float error_down(int x, int y, int draw) const;
-    float slope_part(int x, int y) const;
+    float slope_error(int x, int y) const;
+    float unexplained(float off_mm, float variance, int x, int y, int draw, int which) const;
     void weigh(const Image<float>* z, float off_mm, float variance, HalfError& weight, Moved& moved) const;
 
     const Image<Vec3>& normal_;

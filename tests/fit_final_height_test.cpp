@@ -108,6 +108,24 @@ TEST(FinalHeight, WithoutShadowsSlopesAreTakenAsTheyAre) {
     EXPECT_EQ(found(surface, steep, ring(25), {}).choice.mixing, 0);
 }
 
+// Half of it may be too much.
+TEST(FinalHeight, ItsErrorSaysThatHowSteepSlopesAreIsRoughlyKnown) {
+    Surface surface = hills();
+    Image<HalfError> errors, alone;
+    final_height(surface, photographed(surface, height_with(surface, 0.8), ring(25)), {},
+                 {.lights = ring(25), .rig = {}}, kNoCliffs, {.shadows_tell = true}, &errors, {});
+    Image<float> z;
+    integrate_normals(unmixed_normals(surface.normal, surface.confidence, 0.8), surface.confidence,
+                      surface.mm_per_pixel, z, kNoCliffs, {}, &alone);
+    const double off = rms_difference(height_with(surface, 0.8), height_with(surface, 0.4));
+    double sum = 0, expected = 0;
+    for (std::size_t i = 0; i < errors.size(); ++i) {
+        sum += std::pow(errors.pixels()[i], 2) / static_cast<double>(errors.size());
+        expected += std::pow(alone.pixels()[i], 2) / static_cast<double>(errors.size());
+    }
+    EXPECT_NEAR(std::sqrt(sum - expected), off, 0.2 * off);
+}
+
 TEST(FinalHeight, TellsWhatItTriedAndThatItIsDone) {
     Surface surface = hills();
     const Image<float> truth = height_with(surface, 0.2);

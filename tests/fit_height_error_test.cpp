@@ -116,6 +116,61 @@ TEST(HeightError, DoesNotDependOnTheNumberOfThreads) {
     EXPECT_TRUE(images_identical(one, two));
 }
 
+// Relief of waves whose slopes are known exactly: what is left is the trapezoids' error.
+TEST(HeightError, HoldsTheTruthWhereSlopesAreRightAndReliefIsAsFineAsPixels) {
+    Image<Vec3> normal(120, 120);
+    const Image<float> known(120, 120, 1.0f);
+    Image<float> truth(120, 120), z;
+    for (int y = 0; y < 120; ++y)
+        for (int x = 0; x < 120; ++x) {
+            const double k = 2 * std::numbers::pi / 6, u = k * (x + 0.4 * y), v = k * (y - 0.3 * x);
+            truth(x, y) = static_cast<float>(0.3 * (std::sin(u) + std::sin(v)));
+            normal(x, y) = normal_of({static_cast<float>(0.3 * k * (std::cos(u) - 0.3 * std::cos(v))),
+                                      static_cast<float>(-0.3 * k * (0.4 * std::cos(u) + std::cos(v)))});
+        }
+    Image<HalfError> error;
+    integrate_normals(normal, known, 1, z, {.robust_sweeps = 0}, {}, &error);
+    for (std::size_t i = 0; i < z.size(); ++i) z.pixels()[i] -= truth.pixels()[i];
+    const Image<float> off = without_mean(z);
+    double inside = 0;
+    for (std::size_t i = 0; i < z.size(); ++i)
+        inside +=
+            std::abs(off.pixels()[i]) < 1.96f * error.pixels()[i] ? 1.0 / static_cast<double>(z.size()) : 0;
+    EXPECT_GE(inside, 0.9);
+}
+
+// One pixel's normal is wrong, and does not know: its edges disagree with the height, which says so.
+TEST(HeightError, IsLargerWhereEdgesDisagreeWithTheHeight) {
+    Image<Vec3> normal(60, 60, Vec3(0, 0, 1));
+    const Image<float> confidence(60, 60, 0.999f);
+    const auto error_at_the_pixel = [&] {
+        Image<float> z;
+        Image<HalfError> error;
+        integrate_normals(normal, confidence, 1, z, {.robust_sweeps = 0}, {}, &error);
+        return float(error(30, 30));
+    };
+    // Relief all around, so that spreads are alike with and without.
+    for (int y = 0; y < 60; ++y)
+        for (int x = 0; x < 60; ++x) normal(x, y) = normal_of({(x + y) % 2 ? 0.05f : -0.05f, 0});
+    const float before = error_at_the_pixel();
+    normal(30, 30) = normal_of({2, 0});
+    const float spread_alone = kOffset * 2.05f * 3 / 13;  // 9 of 169 pixels have it
+    EXPECT_GT(error_at_the_pixel(), 1.1f * std::hypot(before, spread_alone));
+}
+
+TEST(HeightError, GrowsByWhatTwoHeightsDisagreeAbout) {
+    Image<float> one(80, 80), other(80, 80);
+    for (int y = 0; y < 80; ++y)
+        for (int x = 0; x < 80; ++x)
+            other(x, y) = 7 + (x < 40 ? 0.0f : (x + y) % 2 ? 0.3f : -0.3f);  // the constant is the window's
+    Image<HalfError> errors(80, 80, HalfError(0.4f));
+    errors(70, 41) = 0;
+    add_disagreement(one, other, errors);
+    EXPECT_NEAR(errors(70, 40), 0.5, 0.005);
+    EXPECT_NEAR(errors(8, 40), 0.4, 0.003);
+    EXPECT_EQ(errors(70, 41), 0.0f);
+}
+
 TEST(BoxMean, IsTheMeanOfThePixelsAround) {
     Random random(3);
     Image<float> image(75, 21);  // more than one block of columns

@@ -1,0 +1,147 @@
+// fit_height_coverage_test.cpp: the stated errors of whole fits hold the truth: of the height, and, as
+// figures, of the other maps.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <iostream>
+
+#include "fit/fit_painting.h"
+#include "fit/height.h"
+#include "fit/height_error.h"
+#include "fit/slope_edges.h"
+#include "fit_test_support.h"
+
+namespace tangi {
+namespace {
+
+// Part of the measured pixels for which |off(i)| is within 1.96 of the stated error.
+double coverage(const FitResult& fit, const Image<HalfError>& error,
+                const std::function<float(std::size_t)>& off) {
+    double inside = 0, count = 0;
+    for (std::size_t i = 0; i < error.size(); ++i) {
+        if (!(fit.surface.confidence.pixels()[i] > 0)) continue;
+        inside += std::abs(off(i)) <= 1.96f * error.pixels()[i];
+        ++count;
+    }
+    return inside / count;
+}
+
+// Generates, fits with the lamps as they are, prints. Returns the part of the pixels whose height is inside.
+double height_coverage(const PaintingOptions& painting, const GeneratorOptions& generator) {
+    const TestDir folder;
+    const PaintingTruth truth = procedural_painting(painting);
+    write_stack(folder.path(), truth, generator);
+    const FitResult fit = fit_painting(open_stack(folder.path(), {.transfer = Transfer{}}),
+                                       {.white_level = 0.75,
+                                        .mm_per_pixel = painting.mm_per_pixel,
+                                        .register_photos = false,
+                                        .lights_as_given = true});
+    const Surface& s = fit.surface;
+    Image<float> off = s.height_mm;
+    for (std::size_t i = 0; i < off.size(); ++i) off.pixels()[i] -= truth.height_mm.pixels()[i];
+    Image<float> mean = off;
+    box_mean(mean, kHeightErrorWindow / 2);
+    const auto slope_off = [&](std::size_t i, bool y) {
+        const Slope a = slope_of(s.normal.pixels()[i]), b = slope_of(truth.normal.pixels()[i]);
+        return y ? a.y - b.y : a.x - b.x;
+    };
+    const FitErrors& e = fit.errors;
+    const double height =
+        coverage(fit, e.height, [&](std::size_t i) { return off.pixels()[i] - mean.pixels()[i]; });
+    const double slope = (coverage(fit, e.slope, [&](std::size_t i) { return slope_off(i, false); }) +
+                          coverage(fit, e.slope, [&](std::size_t i) { return slope_off(i, true); })) /
+                         2;
+    double diffuse = 0;
+    for (int c = 0; c < 3; ++c)
+        diffuse +=
+            coverage(fit, e.diffuse,
+                     [&](std::size_t i) { return s.diffuse.pixels()[i][c] - truth.diffuse.pixels()[i][c]; }) /
+            3;
+    const auto difference = [](const Image<float>& a, const Image<float>& b) {
+        return [&](std::size_t i) { return a.pixels()[i] - b.pixels()[i]; };
+    };
+    std::cout << fmt::format(
+        "[  FIGURE  ] seed {}, impasto {}, {} mm a pixel, {} lamps, {}: inside the 95 % interval {:.3f} of "
+        "height, "
+        "{:.3f} slope, {:.3f} rho_d, {:.3f} rho_s, {:.3f} alpha\n",
+        painting.seed, painting.impasto, painting.mm_per_pixel, generator.lights,
+        name_of(generator.reflectance), height, slope, diffuse,
+        coverage(fit, e.specular, difference(s.specular, truth.specular)),
+        coverage(fit, e.roughness, difference(s.roughness, truth.roughness)));
+    return height;
+}
+
+// kOffset: how far the integral of true slopes is from the height, of the spread of the slopes.
+TEST(SlopeEdges, HeightsOfTrueSlopesAreOffByThePartOfTheSpreadThatIsAssumed) {
+    for (const double mm : {0.1, 0.25}) {
+        const PaintingTruth truth =
+            procedural_painting({.seed = 9, .width = 160, .height = 160, .mm_per_pixel = mm});
+        const Image<float> known(160, 160, 1.0f);
+        Image<float> off;
+        integrate_normals(truth.normal, known, mm, off, {.robust_sweeps = 0});
+        for (std::size_t i = 0; i < off.size(); ++i) off.pixels()[i] -= truth.height_mm.pixels()[i];
+        Image<float> mean = off;
+        box_mean(mean, kHeightErrorWindow / 2);
+        double square = 0, spread2 = 0;
+        for (int y = 0; y < 160; ++y)
+            for (int x = 0; x < 160; ++x) {
+                square += std::pow((off(x, y) - mean(x, y)) / mm, 2);
+                spread2 += std::pow(slope_spread(truth.normal, known, x, y), 2);
+            }
+        const double part = std::sqrt(square / spread2);
+        std::cout << fmt::format(
+            "[  FIGURE  ] heights of true slopes, {} mm a pixel: off by {:.3f} of the spread\n", mm, part);
+        EXPECT_GT(part, 0.7 * kOffset);
+        EXPECT_LT(part, 1.15 * kOffset);
+    }
+}
+
+struct Case {
+    PaintingOptions painting;
+    int lights;
+    Reflectance reflectance;
+};
+
+TEST(HeightCoverage, OfGeneratedPaintingsIs95Percent) {
+    const Case cases[] = {
+        {{.seed = 3, .width = 200, .height = 150}, 24, Reflectance::ward_bounded},
+        {{.seed = 3, .width = 200, .height = 150, .impasto = 0.3}, 24, Reflectance::ward_bounded},
+        {{.seed = 7, .width = 160, .height = 140, .impasto = 2}, 40, Reflectance::ward_bounded},
+        {{.seed = 11,
+          .width = 160,
+          .height = 140,
+          .weave_mm = 0,
+          .impasto = 0.15,
+          .craquelure = 0,
+          .losses = false},
+         60,
+         Reflectance::ward_bounded},
+        {{.seed = 21, .width = 160, .height = 140}, 16, Reflectance::ggx},
+        {{.seed = 23, .width = 160, .height = 140, .mm_per_pixel = 0.15, .craquelure = 0, .losses = false},
+         20,
+         Reflectance::lambert},
+    };
+    for (const Case& c : cases) {
+        const double inside = height_coverage(
+            c.painting,
+            {.seed = c.painting.seed, .lights = c.lights, .held_out = 0, .reflectance = c.reflectance});
+        EXPECT_GE(inside, 0.90) << c.painting.seed;
+        EXPECT_LE(inside, 0.98) << c.painting.seed;
+    }
+}
+
+// 16 lamps over cracks as wide as pixels leave slopes that are off by more than they say, and heights with
+// them; and a height whose slopes were made steeper, as shadows ask for, is better than its error says.
+TEST(HeightCoverage, OfHardGeneratedPaintingsIsNotFarFromIt) {
+    EXPECT_GE(height_coverage({.seed = 12, .width = 160, .height = 140, .mm_per_pixel = 0.1},
+                              {.seed = 12, .lights = 16, .held_out = 0, .reflectance = Reflectance::ggx}),
+              0.80);
+    EXPECT_GE(
+        height_coverage({.seed = 22, .width = 160, .height = 140, .mm_per_pixel = 0.4},
+                        {.seed = 22, .lights = 32, .held_out = 0, .reflectance = Reflectance::ward_bounded}),
+        0.90);
+}
+
+}  // namespace
+}  // namespace tangi
