@@ -5,16 +5,16 @@
 
 #include "cli/arguments.h"
 #include "cli/command_list.h"
+#include "cli/export_layers.h"
 #include "cli/export_painting.h"
 #include "fit/export_maps.h"
 #include "fit/rti_file.h"
+#include "paint/appearance.h"
 #include "paint/canvas_file.h"
-#include "paint/layer_pictures.h"
 #include "paint/ora_file.h"
 #include "surface/atomic_folder.h"
 #include "surface/error.h"
 #include "surface/picture_file.h"
-#include "surface/png_bytes.h"
 #include "surface/relight.h"
 #include "viewer/web_page.h"
 
@@ -72,45 +72,6 @@ nlohmann::json export_rti(const ExportArguments& a, const Surface& surface, cons
             {"lights", stack ? static_cast<int>(stack->photos.size()) : a.directions}};
 }
 
-std::string file_name_of(const std::string& layer) {
-    constexpr std::size_t most_bytes = 100;  // file systems take 255
-    std::string name = layer;
-    for (char& c : name)
-        if (c == '/' || static_cast<unsigned char>(c) < ' ') c = '_';
-    std::size_t end = std::min(name.size(), most_bytes);
-    while (end < name.size() && (static_cast<unsigned char>(name[end]) & 0xc0) == 0x80) --end;
-    name.resize(end);
-    return name;
-}
-
-// Each layer of paint: a folder with its colour, its thickness and the volume of each paint.
-void write_layers(const fs::path& out, const Canvas& canvas, const Progress& progress) {
-    const std::vector<LayerPicture> layers = layer_pictures(canvas, {}, progress);
-    const auto folder_of = [&](std::size_t number) {
-        return out / fmt::format("{}-{}", number, file_name_of(layers[number].name));
-    };
-    for (std::size_t i = 1; i < layers.size(); ++i) {
-        make_folder(folder_of(i));
-        AtomicFile colour(folder_of(i) / "colour.png");
-        colour.write(png_bytes(layers[i].srgb, layers[i].alpha, 16));
-        colour.commit();
-        write_map(folder_of(i) / "thickness_mm.exr", layers[i].thickness_mm);
-    }
-    const auto put_volumes = [&](std::size_t number, const PaintLayer& paint) {
-        for (std::size_t id = 0; id < canvas.ingredients().size(); ++id) {
-            const Image<float> mm = thickness_mm_of(paint, static_cast<IngredientId>(id));
-            if (std::ranges::all_of(mm.pixels(), [](float v) { return v == 0; })) continue;
-            write_map(folder_of(number) /
-                          fmt::format("{:05}-{}_mm.exr", id, file_name_of(canvas.ingredients()[id].name)),
-                      mm);
-        }
-    };
-    std::size_t number = 0;
-    for (const DriedLayer& dried : canvas.dried())
-        if (!dried.paint.empty()) put_volumes(++number, dried.paint);
-    if (!canvas.wet().empty()) put_volumes(++number, canvas.wet());
-}
-
 // A folder that appears as a whole: what `write` writes to the folder that it is given.
 nlohmann::json export_folder(const ExportArguments& a, const char* contents,
                              const std::function<void(const fs::path&)>& write) {
@@ -124,9 +85,9 @@ nlohmann::json export_folder(const ExportArguments& a, const char* contents,
 // A folder with the dry surface's maps, each layer of paint, and the maps of it all.
 nlohmann::json export_layers(const ExportArguments& a, const Canvas& canvas, const Progress& progress) {
     return export_folder(a, "layers.json", [&](const fs::path& folder) {
-        write_maps(folder / "dry", canvas.dry(), progress);
+        write_maps(folder / "dry", in_scale_of(canvas, canvas.dry()), progress);
         write_layers(folder, canvas, progress);
-        write_maps(folder / "painted", appearance(canvas, {}, progress), progress);
+        write_maps(folder / "painted", in_scale_of(canvas, appearance(canvas, {}, progress)), progress);
     });
 }
 
@@ -232,6 +193,13 @@ nlohmann::json export_canvas(const ExportArguments& a, const Canvas& canvas, con
     return a.to == "ora" ? export_ora(a, canvas, progress) : export_layers(a, canvas, progress);
 }
 
+// What is written of a painting as it looks, and for maps also in millimetres where a scale was given.
+Surface seen(const ExportArguments& a, const Canvas& canvas, const Progress& progress) {
+    Surface surface = canvas.ingredients().empty() ? canvas.dry() : appearance(canvas, {}, progress);
+    const bool maps = a.to == "maps" || a.to == "openlime";
+    return maps ? in_scale_of(canvas, std::move(surface)) : surface;
+}
+
 nlohmann::json export_surface(const ExportArguments& a, const Surface& surface, const Progress& progress) {
     if (a.to == "ptm" || a.to == "rti") return export_rti(a, surface, progress);
     if (a.to == "web") return export_web(a, surface, progress);
@@ -245,7 +213,7 @@ nlohmann::json run_export(const ExportArguments& a) {
     const Progress progress = console_progress();
     refuse_useless(a);
     if (is_of_layers(a)) return export_canvas(a, read_canvas(a.painting, progress), progress);
-    return export_surface(a, read_painted(a.painting, progress), progress);
+    return export_surface(a, seen(a, read_canvas(a.painting, progress), progress), progress);
 }
 
 }  // namespace
@@ -257,7 +225,7 @@ nlohmann::json export_canvas(const Canvas& canvas, const fs::path& painting, con
     a.to = format;
     a.out = out.string();
     if (is_of_layers(a)) return export_canvas(a, canvas, progress);
-    return export_surface(a, appearance(canvas, {}, progress), progress);
+    return export_surface(a, seen(a, canvas, progress), progress);
 }
 
 Command export_command() {

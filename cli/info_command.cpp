@@ -36,7 +36,8 @@ nlohmann::json spread(const Surface& s, const Value& value) {
 // [1] 0: white .. 1: a channel is missing.
 float saturation(const Rgb& colour) { return 1 - std::min({colour.r, colour.g, colour.b}); }
 
-nlohmann::json describe(const Surface& s) {
+// Heights in units of `unit_mm` as the file has them.
+nlohmann::json describe(const Surface& s, float unit_mm) {
     const Photography& p = s.photography;
     const auto fitted =
         std::count_if(p.photos.begin(), p.photos.end(), [](const auto& photo) { return photo.fitted; });
@@ -56,7 +57,7 @@ nlohmann::json describe(const Surface& s) {
         {"drawn_out_lobes", !s.lobe_axes.empty()},
         {"measured_pixels", measured},
         {"maps",
-         {{"height_mm", spread(s, [&](std::size_t i) { return s.height_mm.pixels()[i]; })},
+         {{"height_mm", spread(s, [&](std::size_t i) { return unit_mm * s.height_mm.pixels()[i]; })},
           {"diffuse_luminance", spread(s, [&](std::size_t i) { return luminance(s.diffuse.pixels()[i]); })},
           {"specular", spread(s, [&](std::size_t i) { return s.specular.pixels()[i]; })},
           {"roughness", spread(s, [&](std::size_t i) { return s.roughness.pixels()[i]; })},
@@ -91,20 +92,28 @@ nlohmann::json describe_paint(const Canvas& canvas) {
 }
 
 // Standard errors, as the fit stated them.
-nlohmann::json describe(const FitErrors& errors, const Surface& s) {
+nlohmann::json describe(const FitErrors& errors, const Surface& s, float unit_mm) {
     const auto of = [&](const Image<HalfError>& map) {
         return spread(s, [&](std::size_t i) { return float(map.pixels()[i]); });
     };
-    return {{"height_mm", of(errors.height)},
-            {"slope", of(errors.slope)},
-            {"diffuse", of(errors.diffuse)},
-            {"specular", of(errors.specular)},
-            {"roughness", of(errors.roughness)}};
+    return {
+        {"height_mm", spread(s, [&](std::size_t i) { return unit_mm * float(errors.height.pixels()[i]); })},
+        {"slope", of(errors.slope)},
+        {"diffuse", of(errors.diffuse)},
+        {"specular", of(errors.specular)},
+        {"roughness", of(errors.roughness)}};
 }
 
 nlohmann::json describe(const Session& session) {
     const Canvas& canvas = session.canvas();
-    nlohmann::json json = describe(canvas.dry());
+    nlohmann::json json = describe(canvas.dry(), static_cast<float>(canvas.height_unit_mm()));
+    json["mm_per_pixel"] = canvas.mm_per_pixel();
+    json["scale_known"] = canvas.scale_known();
+    json["scale_from"] = canvas.dry().scale_known     ? "painting"
+                         : canvas.scale_known()       ? "given to paint with"
+                         : canvas.mm_per_pixel() == 1 ? "nothing"
+                                                      : "assumed";
+    json["height_unit"] = height_unit_of(canvas.mm_per_pixel(), canvas.scale_known());
     json["paint"] = describe_paint(canvas);
     json["palette"] = json["brush"] = nullptr;
     if (const Canvas* board = session.board())
@@ -147,9 +156,11 @@ nlohmann::json run_info(const std::string& file) {
         const Progress progress = console_progress();
         Session session(read_canvas(path, progress), artist_acrylics());
         read_tools(path, session, progress);
+        const Canvas& canvas = session.canvas();
         nlohmann::json json = describe(session);
-        json["standard_errors"] =
-            has_errors(path) ? describe(read_errors(path), session.canvas().dry()) : nlohmann::json(nullptr);
+        json["standard_errors"] = has_errors(path) ? describe(read_errors(path), canvas.dry(),
+                                                              static_cast<float>(canvas.height_unit_mm()))
+                                                   : nlohmann::json(nullptr);
         return json;
     }
     if (extension == ".exr") painting_parts(path);  // says what is wrong with one that is damaged

@@ -71,6 +71,7 @@ std::vector<fs::path> write_maps(const fs::path& folder, const Surface& s, const
                                   {"height", s.height()},
                                   {"mm_per_pixel", s.mm_per_pixel},
                                   {"scale_known", s.scale_known},
+                                  {"height_unit", height_unit_of(s.mm_per_pixel, s.scale_known)},
                                   {"diffuse_roughness", s.law.diffuse_roughness},
                                   {"haze", s.law.haze},
                                   {"photography", to_json(exposure_and_camera(s.photography))}};

@@ -102,6 +102,23 @@ std::size_t Canvas::bytes() const {
     return sum;
 }
 
+Surface in_scale_of(const Canvas& canvas, Surface surface) {
+    const auto unit_mm = static_cast<float>(canvas.height_unit_mm());
+    if (unit_mm == 1) return surface;
+    for (float& height : surface.height_mm.pixels()) height *= unit_mm;
+    surface.mm_per_pixel = canvas.mm_per_pixel();
+    surface.scale_known = canvas.scale_known();
+    Photography& p = surface.photography;
+    p.photos.clear();
+    p.lamps.reset();
+    p.beams.reset();
+    for (auto* mm : {&p.rig.camera_distance_mm, &p.rig.lamp_distance_mm})
+        if (*mm) **mm *= unit_mm;
+    p.rig.camera_axis_mm *= unit_mm;
+    p.rig.bend_per_mm /= unit_mm;
+    return surface;
+}
+
 std::map<std::string, double> volumes_by_name(const std::vector<Pigment>& ingredients,
                                               const std::vector<double>& mm3) {
     TP_REQUIRE(mm3.size() <= ingredients.size(), "volumes of these ingredients");

@@ -50,6 +50,8 @@ public:
     int height() const { return dry_->height(); }
     Region region() const { return dry_->height_mm.region(); }
     double mm_per_pixel() const { return mm_per_pixel_; }
+    // Of the dry surface, or given to paint on it with.
+    bool scale_known() const { return dry_->scale_known || mm_per_pixel_ != dry_->mm_per_pixel; }
     // [mm] that one unit of the dry surface's height is: 1, or a pixel where the surface's scale is unknown.
     double height_unit_mm() const { return mm_per_pixel_ / dry_->mm_per_pixel; }
 
@@ -94,6 +96,11 @@ private:
     std::map<TileIndex, Region> dirty_;
     std::shared_ptr<const Image<float>> mask_;
 };
+
+// The dry surface or the appearance of this canvas for who knows nothing of canvases: where a scale was given
+// to paint with, in that scale, heights in mm as those of the paint. Of the photographs only the rig goes
+// along.
+Surface in_scale_of(const Canvas& canvas, Surface surface);
 
 // [mm^3] What there is of each paint, by its name: of one brought to several glosses, all of it; of one with
 // medium, what is not medium, which is counted by itself. Paints of one name that are others have numbers:

@@ -7,6 +7,7 @@
 
 #include "paint/canvas_file.h"
 #include "paint/layer_pictures.h"
+#include "paint/paint_words.h"
 #include "surface/error.h"
 #include "surface/html_text.h"
 #include "surface/png_bytes.h"
@@ -100,19 +101,11 @@ std::string png_of(const LayerPicture& layer) {
     return layer.thickness_mm.empty() ? png_bytes(layer.srgb) : png_bytes(layer.srgb, layer.alpha);
 }
 
-// A float as the shortest number that is this float: 0.3, not 0.30000001192092896.
-double shortest(float value) { return std::stod(fmt::format("{}", value)); }
-
 nlohmann::json volumes_of(const Canvas& canvas, const PaintLayer& paint) {
     nlohmann::json volumes = nlohmann::json::array();
     const auto mm3 = volumes_mm3(paint, canvas.ingredients().size(), canvas.mm_per_pixel());
     for (std::size_t i = 0; i < mm3.size(); ++i)
-        if (mm3[i] > 0)
-            volumes.push_back({{"paint", canvas.ingredients()[i].name},
-                               {"specular", shortest(canvas.ingredients()[i].specular)},
-                               {"roughness", shortest(canvas.ingredients()[i].roughness)},
-                               {"medium", shortest(canvas.ingredients()[i].medium)},
-                               {"mm3", mm3[i]}});
+        if (mm3[i] > 0) volumes.push_back(in_words(canvas.ingredients()[i], mm3[i]));
     return volumes;
 }
 
@@ -171,9 +164,12 @@ void write_ora(AtomicFile& file, const Canvas& canvas, const Progress& progress,
     Image<float> height = painted.height_mm;
     for (float& h : height.pixels()) h *= static_cast<float>(canvas.height_unit_mm());
     archive.add("tangipaint/height.png", png_bytes(stretched(std::move(height), low_mm, high_mm)));
-    nlohmann::json about = {{"format", "tangipaint painting"},       {"version", 1},
-                            {"mm_per_pixel", canvas.mm_per_pixel()}, {"height_low_mm", shortest(low_mm)},
-                            {"height_high_mm", shortest(high_mm)},   {"layers", nlohmann::json::array()}};
+    nlohmann::json about = scale_in_words(canvas);
+    about.update({{"format", "tangipaint painting"},
+                  {"version", 1},
+                  {"height_low_mm", shortest(low_mm)},
+                  {"height_high_mm", shortest(high_mm)},
+                  {"layers", nlohmann::json::array()}});
     for (const DriedLayer& dried : canvas.dried())
         about["layers"].push_back({{"name", dried.name}, {"paint", volumes_of(canvas, dried.paint)}});
     about["layers"].push_back({{"name", "wet"}, {"paint", volumes_of(canvas, canvas.wet())}});

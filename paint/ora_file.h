@@ -3,8 +3,8 @@
 //
 // Colours are the paints' (rho_d), without light. Further members, which those programs leave alone:
 // tangipaint/height.png (16 bit, 0..1 between the heights that painting.json says), tangipaint/painting.json
-// (scale, heights, paints, and volumes [mm^3] in each layer), and tangipaint/painting.exr, the painting file
-// itself with every recipe.
+// (scale, heights, and the paints of each layer as paint_words.h has them), and tangipaint/painting.exr, the
+// painting file itself with every recipe.
 #pragma once
 
 #include <span>
