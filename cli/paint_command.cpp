@@ -44,6 +44,7 @@ Canvas canvas_of(const PaintArguments& a, const Progress& progress) {
     if (!a.substrate.given())
         return read_canvas(a.painting, progress,
                            a.mm_per_pixel ? a.mm_per_pixel : treatment_scale(a.painting));
+    for (const std::string& warning : a.substrate.warnings()) warn(warning);
     return Canvas(std::make_shared<Surface>(a.substrate.make(progress)));
 }
 

@@ -59,7 +59,7 @@ nlohmann::json run_replay(const ReplayArguments& a) {
     if (!a.board.empty() && fs::weakly_canonical(a.board) == fs::weakly_canonical(a.out))
         throw UsageError(fmt::format("--board {}: is where the painting goes; give another name", a.board));
     const Progress progress = console_progress();
-    std::vector<std::string> warnings;
+    std::vector<std::string> warnings = a.substrate.warnings();
     const auto brushes = a.brushes.empty() ? brush_presets() : read_brush_presets(a.brushes, &warnings);
     const Journal journal = read_journal(strokes, brushes);
     AtomicFile out(a.out);  // that it can be written is known before the work

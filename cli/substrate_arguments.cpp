@@ -15,7 +15,8 @@ void SubstrateArguments::add_to(Flags& flags) {
     flags.option(
         "--substrate", choice.which,
         "paint on a new canvas, linen, burlap, panel, gesso or paper instead of a painting; on a picture "
-        "(.png, .tif, .jpg), a painting's dry layer (.exr), or what --keep-substrate kept");
+        "(.png, .tif, .jpg), a painting's dry layer (.exr), or what --keep-substrate kept; 200 x 150 mm of "
+        "0.2 mm a pixel where no size is given, a picture as many pixels as it has");
     flags.option(
         "--height-from", choice.height_from,
         "relief of a picture: luminance (bright is high), none, or another picture, as a height map");
@@ -63,8 +64,21 @@ void SubstrateArguments::refuse_useless() const {
     if (height_from == "none") refuse({"--relief-mm"}, "with --height-from none, there is no relief");
 }
 
+bool SubstrateArguments::assumes_scale() const {
+    return is_picture(choice.which) && !std::ranges::count(typed(), "--pixel-mm");
+}
+
+std::vector<std::string> SubstrateArguments::warnings() const {
+    if (!assumes_scale()) return {};
+    return {fmt::format(
+        "--substrate {}: a picture does not say how large it is: {} mm a pixel are assumed, and the scale "
+        "counts as unknown; give --pixel-mm",
+        choice.which, choice.piece.pixel_mm)};
+}
+
 Surface SubstrateArguments::make(const Progress& progress) const {
     SubstrateChoice whole = choice;
+    whole.picture.pixel_known = !assumes_scale();
     if (!tint.empty()) {
         const std::vector<double> rgb = numbers_in(tint, "--tint", "R,G,B");
         if (rgb.size() != 3) throw UsageError(fmt::format("--tint {}: give three numbers: R,G,B", tint));

@@ -21,6 +21,8 @@ struct SubstrateArguments {
     // Throws UsageError for a substrate of no such name, and for flags that this substrate, or a painting
     // that is given instead, has no use for.
     void refuse_useless() const;
+    bool assumes_scale() const;                         // of a picture without --pixel-mm
+    std::vector<std::string> warnings() const;          // that it does
     Surface make(const Progress& progress) const;       // make_substrate(); throws Error
     std::vector<std::filesystem::path> inputs() const;  // files that it is made of
 };

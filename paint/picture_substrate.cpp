@@ -36,7 +36,7 @@ Surface substrate_of_picture(const Image<Rgb>& linear, const Image<float>& relie
              relief.width(), relief.height(), linear.width(), linear.height());
     Surface surface(linear.width(), linear.height());
     surface.mm_per_pixel = kept_scale_mm(options.pixel_mm);
-    surface.scale_known = true;
+    surface.scale_known = options.pixel_known;
     for (std::size_t i = 0; i < linear.size(); ++i) {
         const Rgb c = linear.pixels()[i];
         if (!std::isfinite(c.r) || !std::isfinite(c.g) || !std::isfinite(c.b))

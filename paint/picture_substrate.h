@@ -14,6 +14,7 @@ struct PictureSubstrateOptions {
     double pixel_mm = 0.2;
     double relief_mm = 0.2;
     double specular = 0.02, roughness = 0.35;  // of a sized, unvarnished support
+    bool pixel_known = true;                   // false: pixel_mm is a guess, and the surface says so
 
     static constexpr std::string_view name = "picture_substrate";
     template <class Self, class Visit>

@@ -55,6 +55,18 @@ void scale_to(double mean, float least, const Image<float>& confidence, Image<fl
     }
 }
 
+// The names of files, not where they lay.
+std::string provenance_of_picture(const SubstrateChoice& choice, const PictureSubstrateOptions& options) {
+    const bool is_file = choice.height_from != "luminance" && choice.height_from != "none";
+    nlohmann::json all = {
+        {"substrate", fs::path(choice.which).filename().string()},
+        {"height_from", is_file ? fs::path(choice.height_from).filename().string() : choice.height_from},
+        {"pixel_mm", options.pixel_mm},
+        {"pixel_known", options.pixel_known}};
+    if (choice.height_from != "none") all["relief_mm"] = options.relief_mm;
+    return all.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
 Surface made(const SubstrateChoice& choice, const Progress& progress) {
     if (const auto kind = substrate_named(choice.which)) return make_substrate(*kind, choice.piece, progress);
     if (is_picture(choice.which)) {
@@ -66,7 +78,9 @@ Surface made(const SubstrateChoice& choice, const Progress& progress) {
         PictureSubstrateOptions options = choice.picture;
         options.pixel_mm = choice.piece.pixel_mm;
         try {
-            return substrate_of_picture(colour, relief, options);
+            Surface surface = substrate_of_picture(colour, relief, options);
+            surface.provenance = provenance_of_picture(choice, options);
+            return surface;
         } catch (const Error& error) {
             const bool is_file = choice.height_from != "luminance" && choice.height_from != "none";
             fail("{}{}: {}", choice.which, is_file ? " with the relief of " + choice.height_from : "",

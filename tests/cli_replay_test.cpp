@@ -200,8 +200,21 @@ TEST(CliReplay, PaintsOnAPictureAndKeepsItUnderAName) {
     EXPECT_NEAR(dry.height_mm(15, 20) - dry.height_mm(5, 20), 0.3, 1e-4);
     ASSERT_TRUE(ended(replay({"--substrate", "my cloth"}), 0));
     EXPECT_TRUE(images_near(read_painting(f.path("a.exr")).height_mm, dry.height_mm, 0));
-    ASSERT_TRUE(ended(replay({"--substrate", f.path("cloth.png"), "--height-from", "none"}), 0));
-    EXPECT_EQ(read_painting(f.path("a.exr")).height_mm(15, 20), 0);
+    EXPECT_TRUE(dry.scale_known);
+    const auto made_of = nlohmann::json::parse(dry.provenance);
+    EXPECT_EQ(made_of["substrate"], "cloth.png");
+    EXPECT_EQ(made_of["height_from"], "luminance");
+    EXPECT_EQ(made_of["relief_mm"], 0.3);
+    const Finished assumed = replay({"--substrate", f.path("cloth.png"), "--height-from", "none"});
+    ASSERT_TRUE(ended(assumed, 0, {"cloth.png: a picture does not say how large it is", "0.2 mm"}));
+    EXPECT_EQ(assumed.json()["warnings"].size(), 1u);
+    const Surface unknown = read_painting(f.path("a.exr"));
+    EXPECT_EQ(unknown.height_mm(15, 20), 0);
+    EXPECT_FALSE(unknown.scale_known);
+    EXPECT_EQ(unknown.mm_per_pixel, 0.2);
+    const Finished info = tangipaint({"info", f.path("a.exr")});
+    EXPECT_EQ(info.json()["scale_from"], "assumed");
+    EXPECT_FALSE(info.json()["paint"].empty()) << "painted on, with brushes of 0.2 mm a pixel";
     EXPECT_TRUE(ended(replay({"--substrate", "velvet"}), 2, {"velvet", "linen", "my cloth"}));
     EXPECT_TRUE(ended(replay({"--substrate", f.path("none.png")}), 1, {"none.png"}));
     EXPECT_TRUE(
