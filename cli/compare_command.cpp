@@ -80,8 +80,14 @@ nlohmann::json run_compare(CompareArguments arguments) {
     require_place_for_report(arguments, photos);
     auto [stack, development] = photos_to_compare(std::move(photos), arguments.photos, surface, progress);
     const std::vector<LeftOut> left_out = leave_out_damaged_and_copies(stack, progress);
-    const CompareReport report = write_comparison(arguments.out, surface, stack, arguments.options, progress,
-                                                  read_faithful(arguments.painting, surface, progress));
+    const FaithfulResidual residual = read_faithful(arguments.painting, surface, progress);
+    CompareReport report =
+        write_comparison(arguments.out, surface, stack, arguments.options, progress, residual);
+    if (residual.empty() && faithful_in_vain(surface))
+        report.warnings.push_back(
+            fmt::format("{}: fit --faithful found no residual that predicts photographs better than the "
+                        "surface alone, so only that is compared",
+                        arguments.painting));
     nlohmann::json result = to_json(report);
     result["development"] = to_json(development);
     result["page"] = (fs::path(arguments.out) / "compare.html").string();

@@ -217,6 +217,8 @@ nlohmann::json run_fit(FitArguments arguments, const Progress& progress) {
             "--faithful: a residual predicts photographs that were left out no better than the surface "
             "alone, "
             "so none is stored");
+    if (arguments.faithful && !faithful.report.used)
+        fit.surface.provenance = with_faithful_in_vain(fit.surface.provenance);
     add_overview(parts, fit.surface, fit.surface);
     write_painting(file, fit.surface, parts, progress);
     if (page) {

@@ -41,6 +41,7 @@ struct Painting {
     Surface surface;
     FaithfulResidual residual;  // empty without --faithful
     Image<float> bare;
+    std::vector<std::string> warnings;
 };
 
 // How paint, and under another lamp all of the painting, is seen.
@@ -59,13 +60,21 @@ Painting read_all(const RelightArguments& arguments, const Progress& progress) {
     const AppearanceOptions look = look_of(arguments);
     Canvas canvas = read_canvas(arguments.painting, progress);
     FaithfulResidual residual;
+    std::vector<std::string> warnings;
     if (arguments.faithful) {
         residual = read_faithful(arguments.painting, canvas.dry(), progress);
-        if (residual.empty())
+        const bool in_vain = residual.empty() && faithful_in_vain(canvas.dry());
+        if (in_vain)
+            warnings.push_back(
+                fmt::format("--faithful: {} holds no residual, since fit --faithful found none that predicts "
+                            "photographs better than the surface alone, which is what is shown",
+                            arguments.painting));
+        else if (residual.empty())
             fail("{}: has no part 'faithful'; make it with: tangipaint fit --faithful", arguments.painting);
         const RelightOptions& o = arguments.options;
-        if (!o.cast_shadows || o.model != WardModel::bounded ||
-            o.light_radius_deg != residual.light_radius_deg)
+        if (in_vain) {  // any model will do
+        } else if (!o.cast_shadows || o.model != WardModel::bounded ||
+                   o.light_radius_deg != residual.light_radius_deg)
             throw UsageError(
                 fmt::format("--faithful: was fitted with --cast-shadows, --model bounded and "
                             "--light-radius-deg {}, and is no residual of anything else",
@@ -73,7 +82,7 @@ Painting read_all(const RelightArguments& arguments, const Progress& progress) {
     }
     Surface surface = appearance(canvas, look, progress);
     Image<float> bare = arguments.faithful ? bare_part(canvas) : Image<float>();
-    return {std::move(canvas), std::move(surface), std::move(residual), std::move(bare)};
+    return {std::move(canvas), std::move(surface), std::move(residual), std::move(bare), std::move(warnings)};
 }
 
 struct Encoding {
@@ -183,7 +192,9 @@ nlohmann::json relight_one(const Painting& painting, const RelightArguments& arg
     require_picture_format(arguments.out);
     refuse_to_overwrite(arguments.out, {arguments.painting});
     const std::vector<Light> lights = lights_named(painting, arguments);
-    const nlohmann::json warnings = told(lights_behind(arguments));
+    std::vector<std::string> all = painting.warnings;
+    for (std::string& warning : lights_behind(arguments)) all.push_back(std::move(warning));
+    const nlohmann::json warnings = told(all);
     PaintingRelighter relighter(painting, arguments);
     write_relit(arguments.out, painting.surface, lights, arguments, relighter, progress);
     return {{"pictures", {arguments.out}}, {"warnings", warnings}, {"drawn_by", relighter.drawn_by()}};
@@ -194,6 +205,7 @@ nlohmann::json relight_sweep(const Painting& painting, const RelightArguments& a
                              const Progress& progress) {
     refuse_to_overwrite(arguments.out, {arguments.painting});
     std::vector<Light> lights = lights_named(painting, arguments);
+    const nlohmann::json warnings = told(painting.warnings);
     lights.emplace_back();
     PaintingRelighter relighter(painting, arguments);
     const auto draw = [&](const Light& lamp) {
@@ -204,7 +216,10 @@ nlohmann::json relight_sweep(const Painting& painting, const RelightArguments& a
         return picture;
     };
     const int frames = write_sweep(arguments.sweep, arguments.out, draw, progress);
-    return {{"film", arguments.out}, {"frames", frames}, {"drawn_by", relighter.drawn_by()}};
+    return {{"film", arguments.out},
+            {"frames", frames},
+            {"warnings", warnings},
+            {"drawn_by", relighter.drawn_by()}};
 }
 
 // Windows programs write their folders with backslashes.
@@ -242,7 +257,9 @@ LightsFile lights_in(const fs::path& path) {
 nlohmann::json relight_all(const Painting& painting, const RelightArguments& arguments,
                            const Progress& progress) {
     const LightsFile file = lights_in(arguments.lights_file);
-    nlohmann::json warnings = told(file.warnings);
+    std::vector<std::string> all = painting.warnings;
+    all.insert(all.end(), file.warnings.begin(), file.warnings.end());
+    const nlohmann::json warnings = told(all);
     std::vector<fs::path> outputs;
     std::set<fs::path> seen;
     for (const Light& light : file.lights) {

@@ -16,6 +16,7 @@ using nlohmann::json;
 namespace {
 
 constexpr const char* kPart = "faithful";
+constexpr const char* kInVain = "no gain";
 
 std::string channel_of(const char* kind, std::size_t term) { return fmt::format("{}.{:03}", kind, term); }
 
@@ -150,6 +151,18 @@ PartToWrite part_of(const FaithfulResidual& residual) {
             }
     };
     return part;
+}
+
+std::string with_faithful_in_vain(const std::string& provenance) {
+    json all = json::parse(provenance, nullptr, false);
+    if (!all.is_object()) all = {{"made_of", provenance}};
+    all["faithful"] = kInVain;
+    return all.dump(-1, ' ', false, json::error_handler_t::replace);
+}
+
+bool faithful_in_vain(const Surface& surface) {
+    const json all = json::parse(surface.provenance, nullptr, false);
+    return all.is_object() && all.value("faithful", json()) == kInVain;
 }
 
 FaithfulResidual read_faithful(const std::filesystem::path& path, const Surface& dry,

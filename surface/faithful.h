@@ -56,6 +56,11 @@ void add_residual(const FaithfulResidual& residual, const Surface& dry, std::spa
 // The part `faithful`, to write with write_painting(): it refers to the residual. Half floats.
 PartToWrite part_of(const FaithfulResidual& residual);
 
+// Provenance (JSON) that says that a residual was looked for, and none was stored since it gained nothing;
+// and whether a surface's says so.
+std::string with_faithful_in_vain(const std::string& provenance);
+bool faithful_in_vain(const Surface& surface);
+
 // Of a painting file; empty where it has none. Throws Error naming the file and the part: damaged, of another
 // size, of another dry layer than `dry`, values that are not finite.
 FaithfulResidual read_faithful(const std::filesystem::path& path, const Surface& dry,

@@ -345,5 +345,32 @@ TEST(CliCompare, RefusesWhatCannotBeCompared) {
     refused(stack.out("dark.exr"), stack.path(), {"measured nowhere"});
 }
 
+TEST(CliRelight, FaithfulOfAFitThatFoundNothingIsWardsPicture) {
+    const TinyStack stack;
+    const auto relit = [&](const std::string& painting, bool faithful, const std::string& name) {
+        std::vector<std::string> words = {"relight",     painting, "--light",
+                                          "0.5,0.3,0.8", "--out",  stack.out(name)};
+        if (faithful) words.emplace_back("--faithful");
+        return tangipaint(words);
+    };
+    EXPECT_TRUE(ended(relit(stack.truth(), true, "never.png"), 1, {"has no part 'faithful'"}));
+    // Bounds that no residual meets.
+    const std::string tried = stack.out("tried.exr");
+    const Finished fit =
+        tangipaint({"fit", stack.path(), "--faithful", "--faithful-worth-db", "20", "--transfer", "linear",
+                    "--register", "off", "--lights-as-given", "--out", tried});
+    ASSERT_TRUE(fit.code == 0 || fit.code == 3) << fit.err;
+    ASSERT_EQ(fit.json()["faithful"]["used"], false) << fit.out;
+    const Finished run = relit(tried, true, "a.png");
+    ASSERT_TRUE(ended(run, 0, {"fit --faithful found none"}));
+    EXPECT_EQ(run.json()["warnings"].size(), 1u);
+    ASSERT_TRUE(ended(relit(tried, false, "b.png"), 0));
+    EXPECT_EQ(bytes_of(stack.out("a.png")), bytes_of(stack.out("b.png")));
+    const Finished compare =
+        tangipaint({"compare", tried, stack.path(), "--transfer", "linear", "--out", stack.out("report")});
+    ASSERT_TRUE(compare.code == 0 || compare.code == 3) << compare.err;
+    EXPECT_NE(compare.err.find("fit --faithful found no residual"), std::string::npos) << compare.err;
+}
+
 }  // namespace
 }  // namespace tangi
