@@ -2,7 +2,9 @@
 // truth.
 #include <filesystem>
 #include <fstream>
+#include <set>
 
+#include "capture/lights_file.h"
 #include "capture/photo_file.h"
 #include "cli/command_list.h"
 #include "datasets/generator.h"
@@ -46,6 +48,39 @@ void refuse_to_overwrite_photographs(const fs::path& folder) {
     }
 }
 
+// Photographs of a stack that generate wrote here before, as its lights files name them.
+std::vector<fs::path> photographs_before(const fs::path& folder) {
+    std::vector<fs::path> photographs;
+    if (!is_generated(folder)) return photographs;
+    for (const fs::path& lights : {folder / "lights.lp", folder / "heldout" / "heldout.lp"}) {
+        if (!fs::is_regular_file(lights)) continue;
+        try {
+            for (const Light& light : read_lights_file(lights).lights)
+                if (const fs::path name = light.name;
+                    name == name.filename() &&
+                    (light.name.starts_with("img_") || light.name.starts_with("heldout_")))
+                    photographs.push_back(lights.parent_path() / name);
+        } catch (const Error&) {  // somebody's own: what it names is not looked for
+        }
+    }
+    return photographs;
+}
+
+// What is left of them would be taken for photographs of the new stack.
+void remove_left_over(const fs::path& folder, const std::vector<fs::path>& before, const Photography& now) {
+    std::set<fs::path> written;
+    for (const auto& photo : now.photos)
+        written.insert((photo.fitted ? folder : folder / "heldout") / photo.light.name);
+    std::error_code ignored;
+    for (const fs::path& photo : before)
+        if (!written.contains(photo)) fs::remove(photo, ignored);
+    const bool holds_out = std::ranges::any_of(now.photos, [](const auto& photo) { return !photo.fitted; });
+    if (holds_out || before.empty()) return;
+    fs::remove(folder / "heldout" / "heldout.lp", ignored);
+    if (fs::is_directory(folder / "heldout") && fs::is_empty(folder / "heldout"))
+        fs::remove(folder / "heldout", ignored);
+}
+
 nlohmann::json run_generate(GenerateArguments a) {
     a.painting.seed = a.photos.seed = a.seed;
     a.photos.reflectance = chosen(reflectance_named(a.reflectance), "--reflectance", a.reflectance,
@@ -56,9 +91,11 @@ nlohmann::json run_generate(GenerateArguments a) {
         chosen(photo_format_named(a.format), "--format", a.format, "png16, png8, jpg, exr, tif");
     a.photos.transfer = chosen(transfer_named(a.transfer), "--transfer", a.transfer, "linear, srgb, a gamma");
     refuse_to_overwrite_photographs(a.out);
+    const std::vector<fs::path> before = photographs_before(a.out);
     const Progress progress = console_progress();
     const PaintingTruth truth = procedural_painting(a.painting, progress);
     const Photography photography = write_stack(a.out, truth, a.photos, progress);
+    remove_left_over(a.out, before, photography);
     return {{"folder", a.out},
             {"photographs", photography.photos.size()},
             {"width", truth.width()},
@@ -79,7 +116,8 @@ Command generate_command() {
     return {"generate", "make photographs of a procedural painting, with ground truth, to test with",
             [](Flags& flags) {
                 auto a = std::make_shared<GenerateArguments>();
-                flags.option("--out", a->out, "folder to write").required();
+                flags.option("--out", a->out, "folder to write; one of an earlier generate is written anew")
+                    .required();
                 flags.option("--seed", a->seed, "another painting for each number")
                     .check(within(0.0, 9e15))
                     .show_default();

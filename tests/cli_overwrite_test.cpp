@@ -109,5 +109,25 @@ TEST(CliOverwrite, GenerateDoesNotReplacePhotographsThatItDidNotMake) {
     expect_not_overwritten(stack, generate, {"would overwrite " + stack.path() + "/img_0"});
 }
 
+TEST(CliOverwrite, GenerateLeavesNothingOfAnEarlierStack) {
+    const TestDir dir;
+    const std::string out = (dir / "s").string();
+    const auto generate = [&](const std::string& lights, const std::string& held_out,
+                              const std::string& format) {
+        return tangipaint({"generate", "--out", out, "--width", "16", "--height", "16", "--supersampling",
+                           "1", "--lights", lights, "--held-out", held_out, "--format", format});
+    };
+    ASSERT_TRUE(ended(generate("8", "3", "png16"), 0));
+    write_bytes(out + "/notes.png", "mine");
+    ASSERT_TRUE(ended(generate("5", "0", "tif"), 0));
+    std::vector<std::string> pictures;
+    for (const auto& entry : fs::directory_iterator(out))
+        if (entry.path().filename().string().starts_with("img_"))
+            pictures.push_back(entry.path().extension().string());
+    EXPECT_EQ(pictures, std::vector<std::string>(5, ".tif"));
+    EXPECT_FALSE(fs::exists(out + "/heldout"));
+    EXPECT_EQ(bytes_of(out + "/notes.png"), "mine");
+}
+
 }  // namespace
 }  // namespace tangi
