@@ -61,7 +61,8 @@ nlohmann::json export_rti(const ExportArguments& a, const Surface& surface, cons
     }
     refuse_to_overwrite(a.out, inputs);
     AtomicFile file(a.out);
-    const RtiImage image = stack ? fit_rti(*stack, basis, a.lrgb, progress)
+    const bool linear = surface.photography.transfer.kind == Transfer::Kind::linear;
+    const RtiImage image = stack ? fit_rti(*stack, basis, a.lrgb, progress, linear)
                                  : rti_of(surface, basis, a.lrgb, {Transfer::Kind::srgb},
                                           {.directions = a.directions}, progress);
     write_rti_file(file, image, progress);
@@ -69,6 +70,7 @@ nlohmann::json export_rti(const ExportArguments& a, const Surface& surface, cons
             {"basis", name_of(basis)},
             {"lrgb", a.lrgb},
             {"from", stack ? "photographs" : "painting"},
+            {"encoding", stack && !linear ? "as stored" : "srgb"},
             {"lights", stack ? static_cast<int>(stack->photos.size()) : a.directions}};
 }
 
@@ -246,8 +248,10 @@ Command export_command() {
                             "file to write (.ptm, .rti, .ora; .html for a page of one file; a picture for a "
                             "snapshot), or folder for maps or a page")
                     .required();
-                flags.option("--photos", a->photos,
-                             "ptm, rti: fit the photographs in this folder instead of the painting relit");
+                flags.option(
+                    "--photos", a->photos,
+                    "ptm, rti: fit the photographs in this folder instead of the painting relit; linear ones "
+                    "are encoded as sRGB, as viewers show values as they are");
                 flags.option("--lights", a->lights, "lights file of these photographs");
                 flags.option("--light", a->light, "snapshot: direction to its lamp, X,Y,Z").show_default();
                 flags.option("--terms", a->terms, "rti: harmonics, 4, 9 or 16").show_default();

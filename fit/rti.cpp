@@ -206,12 +206,14 @@ std::array<double, kMostRtiTerms> rti_terms(RtiBasis basis, const Vec3& directio
     return h;
 }
 
-RtiImage fit_rti(const Stack& stack, RtiBasis basis, bool lrgb, const Progress& progress) {
+RtiImage fit_rti(const Stack& stack, RtiBasis basis, bool lrgb, const Progress& progress,
+                 bool stored_linear) {
     std::vector<Vec3> directions;
     for (const StackPhoto& photo : stack.photos) directions.push_back(photo.light.direction);
     const PixelFitter fitter(basis, directions, stack.folder.string());
     RtiImage image = empty_image(basis, lrgb, stack.width(), stack.height());
     const Transfer srgb{Transfer::Kind::srgb};
+    const bool is_linear = stored_linear || stack.development;
     StackReader reader(stack);
     const int rows = reader.rows_for(kRtiBandBytes);
     for (int y0 = 0; y0 < stack.height(); y0 += rows) {
@@ -225,8 +227,7 @@ RtiImage fit_rti(const Stack& stack, RtiBasis basis, bool lrgb, const Progress& 
                         for (std::size_t i = 0; i < directions.size(); ++i) {
                             const float value = band.row(
                                 static_cast<int>(i), std::min(static_cast<int>(c), stack.channels - 1), y)[x];
-                            values[c][i] =
-                                stack.development && !std::isnan(value) ? srgb.encode(value) : value;
+                            values[c][i] = is_linear && !std::isnan(value) ? srgb.encode(value) : value;
                         }
                     fitter.fit(values, image, x, y);
                 }

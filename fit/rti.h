@@ -47,9 +47,11 @@ struct RtiImage {
 // Least squares over all photographs of the stack (not those held out), each channel on its own; values as
 // stored. Clipped values count as they are, those that a registered photograph does not have are left out; a
 // pixel with fewer of them than terms is 0. Read in bands: memory is that of the coefficients, whatever the
-// number of photographs. Developed stacks (linear) are encoded as sRGB. Throws Error where there are fewer
+// number of photographs. Developed stacks, and photographs that are `stored_linear`, are encoded as sRGB:
+// viewers show values as they are. Throws Error where there are fewer
 // photographs than terms, or their lights leave a term open (all at one elevation); Cancelled.
-RtiImage fit_rti(const Stack& stack, RtiBasis basis, bool lrgb = false, const Progress& progress = {});
+RtiImage fit_rti(const Stack& stack, RtiBasis basis, bool lrgb = false, const Progress& progress = {},
+                 bool stored_linear = false);
 
 // Of a painting, relit from `directions` distant lights of strength 1 evenly over the hemisphere down to
 // lowest_deg, encoded by `transfer`; one relit picture is in memory at a time.

@@ -1,6 +1,7 @@
 // cli_maps_test.cpp: what exported maps, layers and RTI files say and keep, run as a user would run them.
 #include "cli_program.h"
 #include "fit/metrics.h"
+#include "fit/rti_file.h"
 #include "surface/atomic_file.h"
 
 namespace tangi {
@@ -160,6 +161,22 @@ TEST(CliMaps, OneScaleIsToldOfAPaintingThatWasGivenOne) {
                 0.4 * before["maps"]["height_mm"]["maximum"].get<double>(), 1e-5);
     ASSERT_TRUE(ended(tangipaint({"import", maps, "--out", stack.out("back.exr")}), 0));
     EXPECT_EQ(read_painting(stack.out("back.exr")).mm_per_pixel, 0.4);
+}
+
+// Viewers show values as they are: linear photographs would be dark.
+TEST(CliMaps, PtmOfLinearPhotographsIsEncodedForViewers) {
+    const TinyStack stack;
+    const Finished run = tangipaint(
+        {"export", stack.truth(), "--to", "ptm", "--photos", stack.path(), "--out", stack.out("a.ptm")});
+    ASSERT_TRUE(ended(run, 0));
+    ASSERT_EQ(read_painting(stack.truth()).photography.transfer.kind, Transfer::Kind::linear);
+    EXPECT_EQ(run.json()["encoding"], "srgb");
+    const Photography::Photo& photo = stack.photography().photos[3];
+    Image<Rgb> wanted = read_picture(stack.photo(3));
+    for (Rgb& pixel : wanted.pixels()) pixel = Transfer{Transfer::Kind::srgb}.encode(pixel);
+    const Image<Rgb> shown = evaluate(read_rti_file(stack.out("a.ptm")), photo.light.direction);
+    EXPECT_GT(psnr_db(shown, wanted), 20);
+    EXPECT_GT(psnr_db(shown, wanted), psnr_db(shown, read_picture(stack.photo(3))) + 5);
 }
 
 }  // namespace
