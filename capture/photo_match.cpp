@@ -14,6 +14,7 @@
 #include "capture/raw_file.h"
 #include "surface/error.h"
 #include "surface/letter_case.h"
+#include "surface/painting_file.h"
 
 namespace tangi {
 
@@ -222,10 +223,16 @@ private:
         for (const std::string& name : missing_) result_.left_out.push_back({name, what});
     }
 
+    // What a fit of them made may lie beside photographs, and is none.
+    static bool is_painting_file(const fs::path& file) {
+        return lower_extension(file) == ".exr" && is_painting(file);
+    }
+
     void tell_unlisted() {
         std::vector<std::string> unlisted;
         for (const fs::path& photo : photos_)
-            if (!used_.contains(photo.lexically_normal())) unlisted.push_back(photo.filename().string());
+            if (!used_.contains(photo.lexically_normal()) && !is_painting_file(photo))
+                unlisted.push_back(photo.filename().string());
         std::erase_if(result_.masks,
                       [&](const fs::path& mask) { return used_.contains(mask.lexically_normal()); });
         if (!unlisted.empty())

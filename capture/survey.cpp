@@ -1,11 +1,14 @@
 #include "capture/survey.h"
 
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <numeric>
 #include <utility>
 
+#include "capture/stack_calibration.h"
 #include "capture/stray_photos.h"
 #include "surface/error.h"
 #include "surface/parallel.h"
@@ -177,25 +180,28 @@ void leave_out_black_photos(Stack& stack, Survey& survey, std::size_t fewest) {
     for (const Survey::Photo& photo : survey.photos) brightest = std::max(brightest, photo.maximum);
     const bool is_fine = stack.bits == 32 || (stack.bits == 16 && brightest > kDarkest16);
     const double black_level = is_fine ? kBlackLevel * std::min(brightest, 1.0) : kBlackLevel;
-    std::string names;
-    int black = 0;
+    std::vector<std::string> names;
     std::vector<bool> keep;
     for (std::size_t i = 0; i < stack.photos.size(); ++i) {
         keep.push_back(survey.photos[i].maximum >= black_level);
-        if (!keep.back()) names += (black++ ? ", " : "") + stack.photos[i].light.name;
+        if (!keep.back()) names.push_back(stack.photos[i].light.name);
     }
-    if (black == 0) return;
+    if (names.empty()) return;
+    const std::size_t black = names.size();
 
     const std::size_t all = keep.size();
     keep_photos(stack, survey, keep);
     stack.warnings.push_back(fmt::format("{}: left out {} photograph{} that {} black: {}",
                                          stack.folder.string(), black, black == 1 ? "" : "s",
-                                         black == 1 ? "is" : "are", names));
+                                         black == 1 ? "is" : "are", fmt::join(names, ", ")));
     constexpr std::size_t of_a_fit = 4;
+    const std::string needed = fmt::format("at least {} {} needed", fewest,
+                                           fewest >= of_a_fit ? "under different lights are" : "is");
+    if (stack.photos.empty())
+        fail("{}: all {} photographs are black; {}", stack.folder.string(), all, needed);
     if (stack.photos.size() < fewest)
-        fail("{}: {} of {} photographs are black ({}), which leaves {}; at least {} {} needed",
-             stack.folder.string(), black, all, names, stack.photos.size(), fewest,
-             fewest >= of_a_fit ? "under different lights are" : "is");
+        fail("{}: {} of {} photographs are black ({}), which leaves {}; {}", stack.folder.string(), black,
+             all, joined(names), stack.photos.size(), needed);
     if (fewest >= of_a_fit) require_enough_lights(stack.lights(), stack.folder.string());
 }
 

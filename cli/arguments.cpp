@@ -198,7 +198,14 @@ Stack PhotosArguments::open_any() const {
 
 UsableStack PhotosArguments::open() const {
     UsableStack opened = open_usable_stack(folder, options(), usable_options());
-    if (!hold_out.empty()) tangi::hold_out(opened.stack, hold_out);
+    if (hold_out.empty()) return opened;
+    tangi::hold_out(opened.stack, hold_out);
+    if (opened.stack.photos.empty())
+        fail(
+            "--hold-out {}: all {} photographs are held out, which leaves 0 usable photographs; at least 4 "
+            "under "
+            "different lights are needed",
+            hold_out, opened.stack.held_out.size());
     return opened;
 }
 
@@ -274,7 +281,12 @@ Vec3 parse_direction(const std::string& text, const std::string& flag) {
     const glm::dvec3 v(n[0], n[1], n[2]);
     const double largest = std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
     if (!(largest > 0)) throw UsageError(fmt::format("{} {}: a direction cannot be zero", flag, text));
-    return Vec3(glm::normalize(v / largest));  // squares of huge or tiny numbers would be lost
+    const Vec3 direction(glm::normalize(v / largest));  // squares of huge or tiny numbers would be lost
+    if (v.z != 0 && direction.z == 0)
+        throw UsageError(fmt::format(
+            "{} {}: its numbers are too far apart for one direction: beside the largest, z is nothing", flag,
+            text));
+    return direction;
 }
 
 Vec3 parse_direction_in_front(const std::string& text, const std::string& flag) {

@@ -7,6 +7,7 @@
 #include "cli/arguments.h"
 #include "cli/command_list.h"
 #include "fit/fit_errors.h"
+#include "fit/rti_file.h"
 #include "paint/canvas_file.h"
 #include "paint/session.h"
 #include "paint/tools_file.h"
@@ -144,6 +145,14 @@ nlohmann::json describe_lights(const fs::path& path) {
     return {{"kind", "lights"}, {"lights", lights}, {"warnings", told(file.warnings)}};
 }
 
+nlohmann::json describe_rti(const fs::path& path) {
+    const RtiImage image = read_rti_file(path);
+    return {
+        {"kind", "rti"},          {"for", "RTI viewers; made by export"}, {"width", image.width},
+        {"height", image.height}, {"basis", name_of(image.basis)},        {"terms", terms_of(image.basis)},
+        {"lrgb", image.lrgb}};
+}
+
 nlohmann::json run_info(const std::string& file) {
     const fs::path path(file);
     if (!fs::exists(path)) fail("{}: no such file", file);
@@ -151,6 +160,7 @@ nlohmann::json run_info(const std::string& file) {
         fail("{}: is a folder; name a painting (.exr), a lights file (.lp) or a photograph", file);
     if (!fs::is_regular_file(path)) fail("{}: is a pipe or a device, not a file", file);
     const std::string extension = lower_extension(path);
+    if (extension == ".ptm" || extension == ".rti") return describe_rti(path);
     if (extension == ".lp") return describe_lights(path);
     if (extension == ".exr" && is_painting(path)) {
         const Progress progress = console_progress();
@@ -179,7 +189,10 @@ nlohmann::json run_info(const std::string& file) {
 Command info_command() {
     return {"info", "say what a painting, lights file or photograph holds", [](Flags& flags) {
                 auto file = std::make_shared<std::string>();
-                flags.option("FILE", *file, "painting (.exr), lights file (.lp) or photograph").required();
+                flags
+                    .option("FILE", *file,
+                            "painting (.exr), lights file (.lp), RTI file (.ptm, .rti) or photograph")
+                    .required();
                 return [file] { return run_info(*file); };
             }};
 }

@@ -48,6 +48,9 @@ AtomicFile::AtomicFile(fs::path target) : target_(std::move(target)), place_(whe
     remove_stale_temporaries(place_, place_.stem().string(), target_.extension().string());
     temporary_ = folder / temporary_name(place_.stem().string(), target_.extension().string());
     const int file = ::open(temporary_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+    if (file < 0 && errno == ENOENT)  // /proc and the like: the folder is there, as was seen
+        fail("{}: cannot be written: {} takes no files; choose another folder", target_.string(),
+             folder.string());
     if (file < 0)
         fail("{}: cannot be written: {}; choose a folder where you may write", target_.string(),
              std::strerror(errno));

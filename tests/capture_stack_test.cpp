@@ -6,6 +6,7 @@
 
 #include <functional>
 
+#include "surface/painting_file.h"
 #include "tests/test_support.h"
 
 namespace tangi {
@@ -176,6 +177,13 @@ TEST(OpenStack, WarnsOfPhotographsThatAreNotListed) {
     EXPECT_THAT(open_stack(dir.path()).warnings,
                 ElementsAre(dir.path().string() +
                             ": 1 photographs are not listed in lights.lp and not used: chart.png"));
+}
+
+TEST(OpenStack, APaintingBesidePhotographsIsNone) {
+    const TestDir dir;
+    write_test_stack(dir, dome_lights(5));
+    write_painting(dir / "fitted.exr", Surface(8, 6));
+    EXPECT_THAT(open_stack(dir.path()).warnings, IsEmpty());
 }
 
 TEST(OpenStack, PassesOnTheWarningsOfTheLightsFile) {

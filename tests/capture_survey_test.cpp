@@ -233,6 +233,24 @@ TEST(LeaveOutBlackPhotos, IsAnErrorWhereTooFewRemain) {
                   "different lights are needed");
 }
 
+TEST(LeaveOutBlackPhotos, NamesFewOfManyAndNoneOfAll) {
+    const TestDir dir;
+    write_test_stack(dir, dome_lights(12));
+    const auto error_with_black = [&](int black) {
+        for (int i = 0; i < black; ++i)
+            write_picture_8bit(dir / fmt::format("photo_{:03}.png", i), Image<Rgb>(8, 6, Rgb(0)));
+        Stack stack = open_stack(dir.path());
+        Survey s = survey(stack);
+        return error_of([&] { leave_out_black_photos(stack, s); });
+    };
+    const std::string most = error_with_black(10);
+    EXPECT_NE(most.find("10 of 12 photographs are black"), std::string::npos) << most;
+    EXPECT_EQ(most.find("photo_008"), std::string::npos) << most;
+    EXPECT_EQ(error_with_black(12), dir.path().string() +
+                                        ": all 12 photographs are black; at least 4 under different lights "
+                                        "are needed");
+}
+
 TEST(LeaveOutBlackPhotos, OfAnotherSurveyBreaksTheContract) {
     const TestDir dir;
     write_test_stack(dir, dome_lights(4));

@@ -317,6 +317,7 @@ TEST(CliBadLights, TooManyHeldOut) {
     const TinyStack stack;
     expect_refused(stack, {"3 usable photographs; at least 4"}, {"--hold-out", "3:1"});
     expect_refused(stack, {"0 usable photographs; at least 4"}, {"--hold-out", "0:1"});
+    expect_refused(stack, {"--hold-out 0:1: all 12 photographs are held out"}, {"--hold-out", "0:1"});
 }
 
 TEST(CliBadLights, AllInALine) {

@@ -177,6 +177,10 @@ TEST(CliMaps, PtmOfLinearPhotographsIsEncodedForViewers) {
     const Image<Rgb> shown = evaluate(read_rti_file(stack.out("a.ptm")), photo.light.direction);
     EXPECT_GT(psnr_db(shown, wanted), 20);
     EXPECT_GT(psnr_db(shown, wanted), psnr_db(shown, read_picture(stack.photo(3))) + 5);
+    const auto info = tangipaint({"info", stack.out("a.ptm")}).json();
+    EXPECT_EQ(info["kind"], "rti");
+    EXPECT_EQ(info["basis"], "ptm");
+    EXPECT_EQ(info["width"], wanted.width());
 }
 
 }  // namespace

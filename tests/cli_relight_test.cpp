@@ -372,5 +372,15 @@ TEST(CliRelight, FaithfulOfAFitThatFoundNothingIsWardsPicture) {
     EXPECT_NE(compare.err.find("fit --faithful found no residual"), std::string::npos) << compare.err;
 }
 
+TEST(CliRelight, ALightWhoseHeightIsLostIsRefused) {
+    const TinyStack stack;
+    const auto run = [&](const std::string& light) {
+        return tangipaint({"relight", stack.truth(), "--light", light, "--out", stack.out("a.png")});
+    };
+    EXPECT_TRUE(ended(run("1e300,0,1"), 2, {"--light 1e300,0,1", "too far apart"}));
+    EXPECT_TRUE(ended(run("1e300,0,1e300"), 0));
+    EXPECT_TRUE(ended(run("1e-300,0,1"), 0));
+}
+
 }  // namespace
 }  // namespace tangi

@@ -143,5 +143,11 @@ TEST(MakeFolder, RefusesWhereAFileHasItsName) {
                 StartsWith((dir / "a/b").string() + ": cannot be made a folder: "));
 }
 
+// The folder is there: it is not said to be missing.
+TEST(AtomicFile, AFolderThatTakesNoFilesIsToldAsSuch) {
+    EXPECT_EQ(error_of([] { AtomicFile("/proc/a.exr"); }),
+              "/proc/a.exr: cannot be written: /proc takes no files; choose another folder");
+}
+
 }  // namespace
 }  // namespace tangi
