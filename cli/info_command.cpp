@@ -12,6 +12,7 @@
 #include "paint/session.h"
 #include "paint/tools_file.h"
 #include "surface/error.h"
+#include "surface/height_unit.h"
 #include "surface/painting_file.h"
 #include "surface/painting_parts.h"
 #include "surface/picture_file.h"

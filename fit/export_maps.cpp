@@ -6,6 +6,7 @@
 
 #include "surface/anisotropy.h"
 #include "surface/atomic_file.h"
+#include "surface/height_unit.h"
 #include "surface/photography_json.h"
 #include "surface/picture_file.h"
 

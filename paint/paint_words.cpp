@@ -1,4 +1,5 @@
 #include "paint/paint_words.h"
+#include "surface/height_unit.h"
 
 #include <fmt/format.h>
 

@@ -6,7 +6,6 @@
 
 #include <optional>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "surface/colour.h"
@@ -92,12 +91,6 @@ struct Surface {
     int height() const { return height_mm.height(); }
     Vec3 point_mm(int x, int y) const;  // [mm] of a pixel's centre in the surface frame
 };
-
-// What one unit of height_mm is: "mm", as far as mm_per_pixel is right, and "pixel" where nothing is known of
-// that.
-inline std::string_view height_unit_of(double mm_per_pixel, bool scale_known) {
-    return scale_known || mm_per_pixel != 1 ? "mm" : "pixel";
-}
 
 // Throws ContractError where the maps differ in size; lobe_colour and lobe_axes may be empty.
 void require_consistent(const Surface& surface);
