@@ -119,6 +119,11 @@ TEST(OraFile, IsAnOpenRasterFileWithThePaintingInIt) {
     const auto about = nlohmann::json::parse(ora["tangipaint/painting.json"]);
     EXPECT_EQ(about["layers"].size(), 3u);
     EXPECT_GT(about["height_high_mm"], 0.05);
+    const auto& glaze = about["layers"][1]["paint"][0];
+    EXPECT_EQ(glaze["paint"], "Ultramarine Blue");
+    EXPECT_FALSE(glaze["origin"].get<std::string>().empty());
+    EXPECT_NEAR(glaze["paint_mm3"].get<double>(), 0.05 * glaze["mm3"].get<double>(), 1e-6);
+    EXPECT_EQ(about["height_unit"], "mm");
     // Floats are written as short as they are exact.
     const std::string specular = about["layers"][0]["paint"][0]["specular"].dump();
     EXPECT_LE(specular.size(), 6u) << specular;
