@@ -78,9 +78,16 @@ std::string_view word_at(std::string_view text, std::size_t at) {
     return text.substr(begin, end - begin);
 }
 
+// As the program prints names on a terminal (cli/command.h).
 std::string in_one_line(const std::string& text) {
     std::string line;
-    for (const char c : text) is_control(static_cast<unsigned char>(c)) ? line += "\ufffd" : line += c;
+    for (const char c : text) {
+        const auto byte = static_cast<unsigned char>(c);
+        if (!is_control(byte))
+            line += c;
+        else
+            line += c == '\n' ? "\\n" : c == '\t' ? "\\t" : fmt::format("\\x{:02x}", byte);
+    }
     return line;
 }
 

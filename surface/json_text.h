@@ -19,7 +19,7 @@ int line_of(std::string_view text, std::size_t byte);
 std::string why_no_json(std::string_view text, std::size_t byte);
 
 // A value in a message: numbers as short as they are exact, nothing longer than a line, and each control
-// character of ASCII as U+FFFD.
+// character of ASCII as \n, \t or \x1b.
 std::string shown(const nlohmann::json& value);
 std::string shortened(std::string_view text, std::size_t most_bytes = 80);
 

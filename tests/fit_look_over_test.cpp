@@ -26,7 +26,7 @@ TEST(LookOver, LeavesBlackPhotographsOutBeforeLightsAreKnown) {
         write_picture_8bit(dir / fmt::format("photo_{:03}.png", i), Image<Rgb>(8, 6, Rgb(0)));
     Stack black = open_stack(dir.path());
     EXPECT_THAT(error_of([&] { leave_out_damaged_and_copies(black, {}); }),
-                testing::HasSubstr("4 of 4 photographs are black"));
+                testing::HasSubstr("all 4 photographs are black"));
 }
 
 }  // namespace
