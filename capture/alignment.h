@@ -8,6 +8,7 @@
 
 #include "capture/local_contrast.h"
 #include "capture/motion.h"
+#include "capture/three_terms.h"
 #include "surface/image.h"
 
 namespace tangi {
@@ -69,8 +70,6 @@ public:
     void set_light(std::size_t picture, const glm::dvec3& light);
 
 private:
-    using Three = std::array<double, 3>;
-    using Small = std::array<Three, 3>;
     struct Pixel {
         int window = 0, cell = 0;
         glm::dvec2 position{0};  // of the joint frame

@@ -80,7 +80,7 @@ struct Surface {
 
     ReflectanceLaw law;        // of the whole painting
     double mm_per_pixel = 1;   // [mm] > 0; 1 where unknown
-    bool scale_known = false;  // false: mm_per_pixel is a guess, heights are in pixels
+    bool scale_known = false;  // false: mm_per_pixel is a guess; what heights are in: height_unit.h
     Photography photography;   // empty where the surface does not come from photographs
     std::string provenance;    // JSON: program, version, options, inputs
 

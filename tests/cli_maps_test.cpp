@@ -138,7 +138,7 @@ TEST(CliMaps, OneScaleIsToldOfAPaintingThatWasGivenOne) {
     ASSERT_TRUE(ended(tangipaint({"export", painted, "--to", "layers", "--out", layers}), 0));
     ASSERT_TRUE(ended(tangipaint({"export", painted, "--to", "maps", "--out", maps}), 0));
     for (const std::string& file : {layers + "/layers.json", layers + "/dry/maps.json",
-                                   layers + "/painted/maps.json", maps + "/maps.json"}) {
+                                    layers + "/painted/maps.json", maps + "/maps.json"}) {
         const auto about = nlohmann::json::parse(read_text_file(file));
         EXPECT_EQ(about["mm_per_pixel"], 0.4) << file;
         EXPECT_EQ(about["height_unit"], "mm") << file;
