@@ -16,6 +16,23 @@ constexpr float kColourFloor = 0.02f;     // [1] ... and what noise makes of dar
 constexpr float kLnAlphaSpread = 0.15f;   // [1] within one material, at least
 constexpr float kSpecularSpread = 0.01f;  // [1] likewise
 constexpr float kSpecularPart = 0.1f;     // [1] of rho_s, likewise
+constexpr float kToldNothing = 0.98f;  // [1] of the prior's variance that is left: photographs told nothing
+
+// What the photographs of a pixel say of a number of its lobe, by itself; weight: 1 / variance, 0 where
+// nothing.
+struct Told {
+    float value = 0, weight = 0;
+};
+
+// From what the fit left, `value` with `error`, the prior that it was fitted with is taken off again. Else
+// neighbours that know little, and were all drawn to the same prior, would together bear witness to it.
+Told told(float value, float error, float prior, float prior_sigma, float spread2) {
+    const float variance = square(error), prior_variance = square(prior_sigma);
+    if (!(variance < kToldNothing * prior_variance)) return {};
+    const float left = 1 / (prior_variance - variance);
+    return {(value * prior_variance - prior * variance) * left,
+            1 / (variance * prior_variance * left + spread2)};
+}
 
 // What pixels of a row say, with columns beyond both ends that say nothing: the loops over neighbours have no
 // special cases and can be vectorised.
@@ -23,7 +40,11 @@ struct Row {
     std::vector<float> red, green, blue, ln_alpha, ln_alpha_weight, specular, specular_weight;
 
     Row() = default;
-    Row(const Surface& s, const FitErrors& errors, int y) {
+    Row(const Surface& s, const FitErrors& errors, const WardPrior& general, int y) {
+        const auto middle = static_cast<float>(general.ln_alpha),
+                   rho_middle = static_cast<float>(general.specular);
+        const auto sigma = static_cast<float>(general.ln_alpha_sigma),
+                   rho_sigma = static_cast<float>(general.specular_sigma);
         const auto size = static_cast<std::size_t>(s.width() + 2 * kLobeReach);
         for (std::vector<float>* values :
              {&red, &green, &blue, &ln_alpha, &ln_alpha_weight, &specular, &specular_weight})
@@ -36,11 +57,14 @@ struct Row {
             blue[at] = colour.b;
             if (!(s.confidence(x, y) > 0)) continue;
             const float alpha = s.roughness(x, y), rho = s.specular(x, y);
-            ln_alpha[at] = std::log(alpha);
-            ln_alpha_weight[at] = 1 / (square(errors.roughness(x, y) / alpha) + square(kLnAlphaSpread));
-            specular[at] = rho;
-            specular_weight[at] =
-                1 / (square(errors.specular(x, y)) + square(kSpecularSpread) + square(kSpecularPart * rho));
+            const Told width =
+                told(std::log(alpha), errors.roughness(x, y) / alpha, middle, sigma, square(kLnAlphaSpread));
+            ln_alpha[at] = width.value;
+            ln_alpha_weight[at] = width.weight;
+            const Told strength = told(rho, errors.specular(x, y), rho_middle, rho_sigma,
+                                       square(kSpecularSpread) + square(kSpecularPart * rho));
+            specular[at] = strength.value;
+            specular_weight[at] = strength.weight;
         }
     }
 };
@@ -48,13 +72,20 @@ struct Row {
 // Weighted sums of what neighbours have, for each pixel of a row.
 struct Moments {
     std::vector<float> weight, sum, squares;
+    std::vector<float> count;  // [neighbours] that say something, as far as they are alike
     // Starts with one pseudo-neighbour.
     Moments(std::size_t size, double value, double sigma)
         : weight(size, static_cast<float>(1 / (sigma * sigma))),
           sum(size, static_cast<float>(value / (sigma * sigma))),
-          squares(size, static_cast<float>(value * value / (sigma * sigma))) {}
+          squares(size, static_cast<float>(value * value / (sigma * sigma))),
+          count(size, 1.0f) {}
     float mean(std::size_t i) const { return sum[i] / weight[i]; }
-    float variance(std::size_t i) const { return std::max(squares[i] / weight[i] - square(mean(i)), 0.0f); }
+    // Of the mean, and by how much neighbours differ beyond what their errors explain (DerSimonian & Laird
+    // 1986, "Meta-analysis in clinical trials"): weighted squares of errors alone would add up to the count.
+    float variance(std::size_t i) const {
+        const float differ = squares[i] - square(sum[i]) / weight[i];
+        return (1 + std::max(differ - count[i], 0.0f)) / weight[i];
+    }
 };
 
 // 1 / distance^2 at which another colour is another material, of each pixel of a row.
@@ -86,9 +117,11 @@ void add_neighbours(const Row& own, const Row& row, int shift, const std::vector
         ln_alpha.weight[i] += wa;
         ln_alpha.sum[i] += wa * a[i];
         ln_alpha.squares[i] += wa * a[i] * a[i];
+        ln_alpha.count[i] += aw[i] > 0 ? alike : 0.0f;
         specular.weight[i] += ws;
         specular.sum[i] += ws * s[i];
         specular.squares[i] += ws * s[i] * s[i];
+        specular.count[i] += sw[i] > 0 ? alike : 0.0f;
     }
 }
 
@@ -107,7 +140,8 @@ void LobePriors::advance(int y0, int y1) {
     const int top = std::max(begin - kLobeReach, 0), bottom = std::min(end_ + kLobeReach, surface_.height());
     std::vector<Row> rows(static_cast<std::size_t>(bottom - top));
     parallel_for(top, bottom, 16, [&](int from, int to) {
-        for (int y = from; y < to; ++y) rows[static_cast<std::size_t>(y - top)] = Row(surface_, errors_, y);
+        for (int y = from; y < to; ++y)
+            rows[static_cast<std::size_t>(y - top)] = Row(surface_, errors_, general_, y);
     });
     parallel_for(begin, end_, 4, [&](int from, int to) {
         for (int y = from; y < to; ++y) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "fit/lobe_error.h"
 #include "fit/ward_kernel.h"
 #include "surface/error.h"
 
@@ -146,7 +147,12 @@ void WardBatchFitter::deliver(const WardSlots& slots, int lane) {
     };
     s.slope_error = error(slots.slope_variance);
     s.ln_alpha_error = error(slots.ln_alpha_variance);
-    s.specular_error = error(slots.specular_variance);
+    s.specular_error =
+        static_cast<float>(specular_error(s.theta[3], s.theta[2],
+                                          {.ln_alpha = slots.ln_alpha_variance[lane] * inflation,
+                                           .specular = slots.specular_variance[lane] * inflation,
+                                           .both = slots.lobe_covariance[lane] * inflation},
+                                          options_.bounds));
     s.diffuse_error = error(slots.diffuse_variance);
     s.iterations = static_cast<int>(slots.iterations[lane]);
     s.converged = slots.converged[lane] > 0;

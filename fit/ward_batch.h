@@ -83,6 +83,7 @@ struct WardSlots {
     WardLane resumed;                                                 // 1 where `system` is that of theta
     std::array<WardLane, 33> system;  // cost, gradient and J^T J, as the kernel lays them out
     WardLane valid, converged, slope_variance, ln_alpha_variance, specular_variance, diffuse_variance;
+    WardLane lobe_covariance;  // of ln alpha and rho_s
     std::array<int, kWardLanes> pixel{};
 
     void resize(int photo_count, int channel_count);

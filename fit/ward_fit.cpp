@@ -8,6 +8,8 @@
 #include <array>
 #include <glm/geometric.hpp>
 
+#include "fit/lobe_error.h"
+
 namespace tangi {
 
 namespace {
@@ -237,7 +239,9 @@ WardEstimate WardFitter::fit(const PixelSamples& given, const WardPrior& prior) 
         diffuse_variance += std::max(covariance(kWardCommon + c, kWardCommon + c), 0.0) / samples.channels;
     estimate.diffuse_error = std::sqrt(diffuse_variance);
     estimate.roughness_error = error_of(2) * estimate.roughness;
-    estimate.specular_error = error_of(3);
+    estimate.specular_error = specular_error(
+        theta[3], theta[2],
+        {.ln_alpha = covariance(2, 2), .specular = covariance(3, 3), .both = covariance(2, 3)}, bounds);
     estimate.rms_residual = std::sqrt(chi2);
     estimate.converged = solved.converged;
     estimate.valid = std::isfinite(estimate.slope.x) && std::isfinite(estimate.slope.y);

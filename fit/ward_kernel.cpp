@@ -104,10 +104,10 @@ HWY_INLINE V step_of(const System<C>& h, const Point<C>& point, const Limits<C>&
     return falls;
 }
 
-// Variances of the common parameters from the inverse of J^T J: of the mean of both slopes, ln alpha, rho_s,
-// and of the mean of the diffuse channels.
+// From the inverse of J^T J: the variances of the mean of both slopes, ln alpha, rho_s and the mean of the
+// diffuse channels, and the covariance of ln alpha and rho_s.
 template <int C>
-HWY_INLINE void variances(const System<C>& h, V (&out)[4]) {
+HWY_INLINE void variances(const System<C>& h, V (&out)[5]) {
     V a[4][4];
     for (int i = 0; i < 4; ++i) {
         for (int j = 0; j < i; ++j) a[i][j] = h.common[kAt[i][j]];
@@ -127,6 +127,7 @@ HWY_INLINE void variances(const System<C>& h, V (&out)[4]) {
         x[k] = all(1);
         back_substitute(factors, x);
         diagonal[k] = x[k];
+        if (k == 3) out[4] = x[2];
     }
     out[0] = hn::Mul(all(0.5f), hn::Add(diagonal[0], diagonal[1]));
     out[1] = diagonal[2];
@@ -213,7 +214,7 @@ HWY_INLINE void run(WardSlots& s, const WardFitOptions& options, int at, int few
     for (int i = 0; i < 4 + C; ++i) store(point.theta[i], s.theta[static_cast<std::size_t>(i)], at);
     each<C>(system, [&](V& v, int k) HWY_ATTR { store(v, s.system[static_cast<std::size_t>(k)], at); });
     store(one, s.resumed, at);
-    V variance[4];
+    V variance[5];
     variances<C>(system, variance);
     store(damping, s.damping, at);
     store(growth, s.damping_growth, at);
@@ -225,6 +226,7 @@ HWY_INLINE void run(WardSlots& s, const WardFitOptions& options, int at, int few
     store(variance[1], s.ln_alpha_variance, at);
     store(variance[2], s.specular_variance, at);
     store(variance[3], s.diffuse_variance, at);
+    store(variance[4], s.lobe_covariance, at);
 }
 
 void RunSlots(WardSlots& slots, const WardFitOptions& options, int fewest) {

@@ -12,23 +12,39 @@ namespace {
 
 constexpr int kSize = 24;
 
-// Left half red and glossy, right half blue and matt; what is known of each pixel is as noisy as it says.
+// What a fit with a prior makes of what the photographs say.
+struct Fitted {
+    double value, error;
+};
+Fitted fitted(double told, double error, double prior, double prior_sigma) {
+    const double information = 1 / (error * error), other = 1 / (prior_sigma * prior_sigma);
+    return {(told * information + prior * other) / (information + other),
+            std::sqrt(1 / (information + other))};
+}
+
+// Left half red and glossy, right half blue and matt; what photographs say of each pixel is as noisy as it
+// says, or `noisier` times that. It was fitted with the general prior.
 struct TwoPaints {
     Surface surface{kSize, kSize};
     FitErrors errors{kSize, kSize};
-    explicit TwoPaints(double ln_alpha_error, double specular_error) {
+    explicit TwoPaints(double ln_alpha_error, double specular_error, double noisier = 1) {
         Random random(5);
+        const WardPrior prior;
         for (int y = 0; y < kSize; ++y)
             for (int x = 0; x < kSize; ++x) {
                 const bool left = x < kSize / 2;
                 surface.diffuse(x, y) = left ? Rgb(0.5f, 0.1f, 0.1f) : Rgb(0.1f, 0.1f, 0.5f);
-                const double alpha = (left ? 0.1 : 0.4) * std::exp(ln_alpha_error * random.normal());
-                surface.roughness(x, y) = static_cast<float>(alpha);
-                surface.specular(x, y) =
-                    static_cast<float>((left ? 0.08 : 0.02) + specular_error * random.normal());
+                const auto [ln_alpha, alpha_error] =
+                    fitted(std::log(left ? 0.1 : 0.4) + noisier * ln_alpha_error * random.normal(),
+                           ln_alpha_error, prior.ln_alpha, prior.ln_alpha_sigma);
+                const auto [specular, specular_off] =
+                    fitted((left ? 0.08 : 0.02) + noisier * specular_error * random.normal(), specular_error,
+                           prior.specular, prior.specular_sigma);
+                surface.roughness(x, y) = static_cast<float>(std::exp(ln_alpha));
+                surface.specular(x, y) = static_cast<float>(specular);
                 surface.confidence(x, y) = 1;
-                errors.roughness(x, y) = static_cast<float>(ln_alpha_error * alpha);
-                errors.specular(x, y) = static_cast<float>(specular_error);
+                errors.roughness(x, y) = static_cast<float>(alpha_error * std::exp(ln_alpha));
+                errors.specular(x, y) = static_cast<float>(specular_off);
             }
     }
 };
@@ -54,12 +70,34 @@ TEST(LobePrior, IsThatOfTheNeighboursOfTheSameColour) {
 }
 
 TEST(LobePrior, IsWeakerWhereNeighboursDiffer) {
-    const TwoPaints alike(0.05, 0.003), different(0.5, 0.05);
+    const TwoPaints alike(0.05, 0.003), different(0.05, 0.003, 20);
     const WardPrior a = prior_at(alike.surface, alike.errors, {}, 5, 12),
                     b = prior_at(different.surface, different.errors, {}, 5, 12);
     EXPECT_LT(a.ln_alpha_sigma, 0.25);
     EXPECT_GT(b.ln_alpha_sigma, 0.35);
     EXPECT_GT(b.specular_sigma, 2 * a.specular_sigma);
+}
+
+// Each pixel hardly knows more than the prior that all of them were fitted with: what they say together is
+// what photographs say, not that prior once more.
+TEST(LobePrior, OfNeighboursThatKnowLittleIsNotThePriorTheyWereFittedWith) {
+    const TwoPaints paints(1.0, 0.003);
+    double left = 0, right = 0, sigma = 0;
+    int count = 0;
+    for (int y = 6; y < 18; ++y)
+        for (const int x : {5, 6}) {
+            const WardPrior a = prior_at(paints.surface, paints.errors, {}, x, y),
+                            b = prior_at(paints.surface, paints.errors, {}, kSize - 1 - x, y);
+            left += a.ln_alpha;
+            right += b.ln_alpha;
+            sigma += a.ln_alpha_sigma;
+            ++count;
+        }
+    EXPECT_GT(sigma / count, 0.2);  // 1 / sqrt(36 neighbours), and the spread of a material
+    EXPECT_LT(sigma / count, 0.4);
+    // By the general prior alone, whose weight is that of two of them, means are off by 0.04.
+    EXPECT_NEAR(left / count, std::log(0.1), 0.15);
+    EXPECT_NEAR(right / count, std::log(0.4), 0.15);
 }
 
 TEST(LobePrior, ListensToThosePixelsThatKnow) {
