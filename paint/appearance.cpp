@@ -60,14 +60,15 @@ Slope slope_at(const Thickness& t, int x, int y, const Region& canvas, double mm
             (t(x, up) - t(x, down)) / (static_cast<float>(std::max(down - up, 1)) * mm)};
 }
 
-// The paint of one tile of a layer in a part of it, row by row.
+// One of the films that a tile of a layer has, in a part of it, row by row.
 struct PartOfTile {
     std::vector<Pigment> pigments;
     std::vector<std::vector<float>> volumes_mm;  // of each
 
-    PartOfTile(const PaintTile& tile, const std::vector<Pigment>& all, const Region& part) {
+    PartOfTile(const PaintTile& tile, bool upper, const std::vector<Pigment>& all, const Region& part) {
         for (const IngredientId id : tile.ingredients) {
-            pigments.push_back(all[id]);
+            if (is_upper(id) != upper) continue;
+            pigments.push_back(all[paint_of(id)]);
             std::vector<float>& to = volumes_mm.emplace_back();
             to.reserve(static_cast<std::size_t>(part.width()) * static_cast<std::size_t>(part.height()));
             for (int y = part.y0; y < part.y1; ++y) {
@@ -227,7 +228,10 @@ void update_part(const Canvas& canvas, const std::vector<const PaintLayer*>& lay
     const auto unit_mm = static_cast<float>(canvas.height_unit_mm());
     std::vector<PartOfTile> films;
     for (const PaintLayer* layer : layers)
-        if (const auto& tile = layer->tile(at)) films.emplace_back(*tile, canvas.ingredients(), part);
+        if (const auto& tile = layer->tile(at)) {
+            films.emplace_back(*tile, false, canvas.ingredients(), part);
+            if (tile->has_upper()) films.emplace_back(*tile, true, canvas.ingredients(), part);
+        }
     std::vector<Rgb> colours;
     std::vector<Sheen> sheen;
     for (int y = part.y0; y < part.y1; ++y)

@@ -47,7 +47,7 @@ IngredientId Canvas::add(const Pigment& ingredient) {
                p.medium == ingredient.medium;
     });
     if (found != ingredients_.end()) return static_cast<IngredientId>(found - ingredients_.begin());
-    if (ingredients_.size() > 65535) fail("a canvas holds at most 65536 different paints");
+    if (ingredients_.size() >= kUpper) fail("a canvas holds at most {} different paints", kUpper);
     ingredients_.push_back(ingredient);
     return static_cast<IngredientId>(ingredients_.size() - 1);
 }

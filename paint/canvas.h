@@ -56,7 +56,7 @@ public:
     double height_unit_mm() const { return mm_per_pixel_ / dry_->mm_per_pixel; }
 
     // The number of this paint, which is added where it is new: another name, colour or gloss. Throws Error
-    // beyond 65535.
+    // beyond 32768.
     IngredientId add(const Pigment& ingredient);
     const std::vector<Pigment>& ingredients() const { return ingredients_; }
 

@@ -125,7 +125,7 @@ Region box_of(const Brush& brush, const Dab& dab) {
 }
 
 double paint_dabs(Canvas& canvas, Brush& brush, std::span<const Dab> dabs, std::uint64_t seed,
-                  StepScratch& scratch) {
+                  OtherPaint& other, StepScratch& scratch) {
     double pixels = 0;
     StepMemory memory;
     // Windows as large as some steps take; dividing the steps otherwise would not change the result.
@@ -143,7 +143,7 @@ double paint_dabs(Canvas& canvas, Brush& brush, std::span<const Dab> dabs, std::
             window_region = all;
         }
         const int ride = std::max(static_cast<int>(brush.settings().size_mm / canvas.mm_per_pixel() / 4), 2);
-        PaintWindow window(canvas, window_region, brush.ingredients(), ride);
+        PaintWindow window(canvas, window_region, brush.ingredients(), ride, &other);
         for (std::size_t i = begin; i < end; ++i) {
             const Region box = box_of(brush, dabs[i]);
             if (!touches(box, canvas)) continue;

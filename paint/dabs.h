@@ -6,6 +6,7 @@
 
 #include "paint/brush.h"
 #include "paint/canvas.h"
+#include "paint/paint_window.h"
 #include "paint/transfer.h"
 
 namespace tangi {
@@ -13,9 +14,9 @@ namespace tangi {
 // The whole pixels that a step may change, not cut to the canvas.
 Region box_of(const Brush& brush, const Dab& dab);
 
-// Applies steps of a brush in order. What Stroke does with its dabs; for tests and benchmarks.
-// Returns the number of pixels under the brush, summed over the steps.
+// Applies steps of a brush in order. What Stroke does with its dabs; for tests and benchmarks. `other` is
+// that of the whole stroke. Returns the number of pixels under the brush, summed over the steps.
 double paint_dabs(Canvas& canvas, Brush& brush, std::span<const Dab> dabs, std::uint64_t seed,
-                  StepScratch& scratch);
+                  OtherPaint& other, StepScratch& scratch);
 
 }  // namespace tangi

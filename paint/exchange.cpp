@@ -33,6 +33,9 @@ constexpr float kPressed = 0.66f, kFilling = 4.2f;
 // stands out holds them up, thin paint keeps to the crests.
 constexpr float kDry = 0.85f, kRide = 0.6f, kSink = 0.75f;
 
+// [1] Bristles in wet paint change places with it so many times as fast as both films with each other.
+constexpr float kSwap = 2;
+
 // Part of the load that is given, and part of the paint on the canvas that is taken.
 TP_VECTOR_CLONES
 void exchange_row(int n, const TransferRates& r, const BrushSides& sides, const BristleLanes& lanes,
@@ -112,6 +115,104 @@ void apply_row(int n, const float* give, const float* take, const std::vector<Sh
     for (; x < n; ++x) apply_some<float>(x, give, take, rows, total, load_total);
 }
 
+// An ingredient's rows where there is an upper film.
+struct FilmRow {
+    float *mixed, *upper, *load;
+};
+
+// What all of them share.
+struct FilmsRow {
+    const float *give, *take, *laid_above, *underside, *relief, *open, *cover;
+    float *total, *load_total;
+    float stir, per_reach;  // [1], [1/mm]
+};
+
+template <class T>
+TP_INLINE void load(T& value, const float* from) {
+    std::memcpy(&value, from, sizeof value);
+}
+
+// As many pixels of all ingredients as T holds, from x on. Where there is no upper film, bits are those of
+// apply_some(): how steps are grouped to windows does not show.
+template <class T>
+TP_INLINE void apply_films_some(int x, const FilmsRow& r, const std::vector<FilmRow>& rows) {
+    const T zero{}, one = zero + 1.0f;
+    T give, take, laid_above, underside, relief, open, cover, total, held;
+    load(give, r.give + x);
+    load(take, r.take + x);
+    load(laid_above, r.laid_above + x);
+    load(underside, r.underside + x);
+    load(relief, r.relief + x);
+    load(open, r.open + x);
+    load(cover, r.cover + x);
+    load(total, r.total + x);
+    load(held, r.load_total + x);
+    T mixed{}, upper{};  // [mm]
+    for (const FilmRow& row : rows) {
+        T m, u;
+        load(m, row.mixed + x);
+        load(u, row.upper + x);
+        mixed += m;
+        upper += u;
+    }
+    // How much bristles that dip into the paint stir it: the part that changes places.
+    const T dip = one - (underside - relief - total) * r.per_reach, dips = dip > zero ? dip : zero;
+    const T stir = r.stir * (dips < one ? dips : one) * open * cover;
+    const T above = (laid_above > upper ? laid_above : upper) > zero ? one : zero;
+    // They change places with it themselves: what they bring stays, and they carry on what was there.
+    const T all = upper + mixed, wanted = take * all, first = wanted < upper ? wanted : upper;
+    const T left = (one - give) * held;
+    const T swapped = kSwap * above * stir * (left < mixed ? left : mixed), both = wanted + swapped;
+    const T taken = both < all ? both : all;
+    give += swapped / (held + kTiny);
+    const T upper_taken = first / (upper + kTiny);
+    const T mixed_taken = above > zero ? (taken - first) / (mixed + kTiny) : take;
+    // What is laid pushes as much down as there is too much of it.
+    const T laid = give * held, laid_on = above * laid, u1 = upper - first + laid_on;
+    const T excess = u1 > kUpper_mm ? u1 - kUpper_mm : zero, sunk = excess < laid_on ? excess : laid_on;
+    const T sinking = sunk / (u1 + kTiny), u2 = u1 - sunk;
+    const T rest = mixed - (taken - first) + (laid - laid_on) + sunk, m2 = rest > zero ? rest : zero;
+    const T stirred = stir * (u2 < m2 ? u2 : m2);
+    const T upper_stirred = stirred / (u2 + kTiny), mixed_stirred = stirred / (m2 + kTiny);
+    T sum{}, load_sum{};
+    for (const FilmRow& row : rows) {
+        T m, u, on_brush;
+        load(m, row.mixed + x);
+        load(u, row.upper + x);
+        load(on_brush, row.load + x);
+        const T given = give * on_brush, onto = above * given;
+        const T to_upper = onto - upper_taken * u, to_mixed = (given - onto) - mixed_taken * m;
+        on_brush -= to_mixed + to_upper;
+        u += to_upper;
+        m += to_mixed;
+        const T sinks = sinking * u;
+        u -= sinks;
+        m += sinks;
+        const T up = mixed_stirred * m - upper_stirred * u;
+        u += up;
+        m -= up;
+        std::memcpy(row.mixed + x, &m, sizeof m);
+        std::memcpy(row.upper + x, &u, sizeof u);
+        std::memcpy(row.load + x, &on_brush, sizeof on_brush);
+        sum += m;
+        load_sum += on_brush;
+    }
+    for (const FilmRow& row : rows) {
+        T u;
+        load(u, row.upper + x);
+        sum += u;
+    }
+    std::memcpy(r.total + x, &sum, sizeof sum);
+    std::memcpy(r.load_total + x, &load_sum, sizeof load_sum);
+}
+
+TP_VECTOR_CLONES
+void apply_films_row(int n, const FilmsRow& r, const std::vector<FilmRow>& rows) {
+    int x = 0;
+    for (; x + kLanes <= n; x += kLanes) apply_films_some<Lanes>(x, r, rows);
+    for (; x < n; ++x) apply_films_some<float>(x, r, rows);
+}
+
 std::size_t at(int y, std::size_t stride) { return static_cast<std::size_t>(y) * stride; }
 
 }  // namespace
@@ -132,8 +233,10 @@ RowSpan widened(const RowSpan& span, const RowSpan& room) {
 void exchange(const StepBox& box, const TransferRates& rates, StepScratch& scratch) {
     const auto n = static_cast<std::size_t>(box.width);
     scratch.planes.resize(std::max(scratch.planes.size(), 2 * n * static_cast<std::size_t>(box.height)));
+    const std::size_t paints = box.load.size();
     for_rows_of_step(box.width, box.height, [&](int begin, int end) {
-        std::vector<SharedRow> rows(box.paint.size());
+        std::vector<SharedRow> rows(paints);
+        std::vector<FilmRow> films(box.laid_above ? paints : 0);
         for (int y = begin; y < end; ++y) {
             RowSpan span = box.bristles[static_cast<std::size_t>(y)];
             if (span.end <= span.begin) continue;
@@ -141,18 +244,26 @@ void exchange(const StepBox& box, const TransferRates& rates, StepScratch& scrat
             const int count = span.end - span.begin;
             float* give = scratch.planes.data() + at(y, 2 * n);
             float* take = give + n;
-            const std::size_t canvas = at(y, box.canvas_stride) + static_cast<std::size_t>(span.begin);
-            const std::size_t load = at(y, box.load_stride) + static_cast<std::size_t>(span.begin);
+            const auto first = static_cast<std::size_t>(span.begin);
+            const std::size_t canvas = at(y, box.canvas_stride) + first,
+                              load = at(y, box.load_stride) + first,
+                              below = at(y, box.underside_stride) + first;
+            const float *underside = box.underside_mm + below, *relief = box.relief_mm + canvas,
+                        *open = box.open + canvas, *cover = box.cover + below;
             float *total = box.total_mm + canvas, *load_total = box.load_total_mm + load;
-            exchange_row(
-                count, rates, box.sides.row_from(span.begin, y), box.lanes,
-                box.underside_mm + at(y, box.underside_stride) + static_cast<std::size_t>(span.begin),
-                box.relief_mm + canvas, box.open + canvas,
-                box.cover + at(y, box.underside_stride) + static_cast<std::size_t>(span.begin), total,
-                load_total, give, take);
-            for (std::size_t i = 0; i < rows.size(); ++i)
+            exchange_row(count, rates, box.sides.row_from(span.begin, y), box.lanes, underside, relief, open,
+                         cover, total, load_total, give, take);
+            for (std::size_t i = 0; i < paints; ++i) {
                 rows[i] = {box.paint[i] + canvas, box.load[i] + load};
-            apply_row(count, give, take, rows, total, load_total);
+                if (box.laid_above) films[i] = {rows[i].paint, box.paint[paints + i] + canvas, rows[i].load};
+            }
+            if (box.laid_above)
+                apply_films_row(count,
+                                {give, take, box.laid_above + canvas, underside, relief, open, cover, total,
+                                 load_total, rates.stir, 1 / rates.reach_mm},
+                                films);
+            else
+                apply_row(count, give, take, rows, total, load_total);
         }
     });
 }

@@ -72,12 +72,14 @@ Image<float> thickness_mm_of(const PaintLayer& paint, IngredientId ingredient) {
     constexpr int size = PaintTile::kSize;
     Image<float> result(paint.width(), paint.height());
     for (const TileIndex at : paint.painted()) {
-        const auto plane = paint.tile(at)->plane(ingredient);
-        if (plane.empty()) continue;
         const Region region = paint.region_of(at);
-        for (int y = region.y0; y < region.y1; ++y)
-            std::copy_n(plane.data() + static_cast<std::size_t>((y - region.y0) * size), region.width(),
-                        &result(region.x0, y));
+        for (const IngredientId id : {ingredient, upper_of(ingredient)}) {
+            const auto plane = paint.tile(at)->plane(id);
+            if (plane.empty()) continue;
+            for (int y = region.y0; y < region.y1; ++y)
+                for (int x = region.x0; x < region.x1; ++x)
+                    result(x, y) += plane[static_cast<std::size_t>((y - region.y0) * size + x - region.x0)];
+        }
     }
     return result;
 }

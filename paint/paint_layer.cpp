@@ -56,12 +56,13 @@ std::vector<TileIndex> PaintLayer::painted() const {
     return result;
 }
 
-float PaintLayer::thickness_mm(int x, int y, IngredientId ingredient) const {
+float PaintLayer::thickness_mm(int x, int y, IngredientId paint) const {
     TP_REQUIRE(x >= 0 && y >= 0 && x < width_ && y < height_, "the pixel is on the canvas");
     const TilePtr& at = tile({x / kTileSize, y / kTileSize});
     if (!at) return 0;
-    const auto plane = at->plane(ingredient);
-    return plane.empty() ? 0 : plane[static_cast<std::size_t>((y % kTileSize) * kTileSize + x % kTileSize)];
+    const auto i = static_cast<std::size_t>((y % kTileSize) * kTileSize + x % kTileSize);
+    const auto mixed = at->plane(paint), upper = at->plane(upper_of(paint));
+    return (mixed.empty() ? 0 : mixed[i]) + (upper.empty() ? 0 : upper[i]);
 }
 
 float PaintLayer::thickness_mm(int x, int y) const {
@@ -111,10 +112,10 @@ std::vector<double> volumes_mm3(const PaintLayer& layer, std::size_t ingredients
     for (const TileIndex at : layer.painted()) {
         const PaintTile& tile = *layer.tile(at);
         for (const IngredientId id : tile.ingredients) {
-            TP_REQUIRE(id < ingredients, "the layer's ingredients are those that are counted");
+            TP_REQUIRE(paint_of(id) < ingredients, "the layer's ingredients are those that are counted");
             double sum = 0;
             for (const float mm : tile.plane(id)) sum += mm;
-            sums[id] += sum;
+            sums[paint_of(id)] += sum;
         }
     }
     for (double& sum : sums) sum *= mm_per_pixel * mm_per_pixel;

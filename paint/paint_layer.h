@@ -4,6 +4,9 @@
 // alone would have, that is its volume over the pixel's area. The thickness of the paint is their sum, its
 // recipe their ratio, so that mixing is bookkeeping and every volume can be counted again. Tiles without
 // paint take no memory, and a copy of a layer shares all tiles with it, which makes undo cheap.
+//
+// Paint laid on other wet paint lies on it until bristles stir both. Where that happened a tile has planes of
+// two kinds: what is mixed, and on it the upper film, which has a recipe of its own.
 #pragma once
 
 #include <algorithm>
@@ -16,19 +19,26 @@
 
 namespace tangi {
 
-using IngredientId = std::uint16_t;  // index into Canvas::ingredients()
+// Index into Canvas::ingredients(); in tiles, with kUpper added, what of that paint is in the upper film.
+using IngredientId = std::uint16_t;
+
+constexpr IngredientId kUpper = 0x8000;
+constexpr bool is_upper(IngredientId id) { return (id & kUpper) != 0; }
+constexpr IngredientId upper_of(IngredientId paint) { return static_cast<IngredientId>(paint | kUpper); }
+constexpr IngredientId paint_of(IngredientId id) { return static_cast<IngredientId>(id & ~kUpper); }
 
 struct PaintTile {
     static constexpr int kSize = 64;  // [pixels] of a side
     static constexpr int kPixels = kSize * kSize;
 
-    std::vector<IngredientId> ingredients;  // ascending
+    std::vector<IngredientId> ingredients;  // ascending: those of the upper film last
     std::vector<float> thickness_mm;        // [ingredients][row][column]
 
     // The plane of an ingredient, or an empty span where the tile has none of it.
     std::span<const float> plane(IngredientId ingredient) const;
     // The plane to write to; made, full of 0, where the tile has none. Other planes may move.
     std::span<float> writable_plane(IngredientId ingredient);
+    bool has_upper() const { return !ingredients.empty() && is_upper(ingredients.back()); }
     std::size_t bytes() const { return sizeof(PaintTile) + thickness_mm.capacity() * sizeof(float); }
 };
 
@@ -68,8 +78,8 @@ public:
     std::vector<TileIndex> painted() const;
     bool empty() const { return painted().empty(); }
 
-    // Thickness [mm] of one ingredient and of all of them at a pixel of the canvas.
-    float thickness_mm(int x, int y, IngredientId ingredient) const;
+    // Thickness [mm] of one paint, in both films, and of all of them at a pixel of the canvas.
+    float thickness_mm(int x, int y, IngredientId paint) const;
     float thickness_mm(int x, int y) const;
 
     // Adds the thickness [mm] of all paint in `region`, which lies on the canvas, to `out`, row by row.

@@ -15,7 +15,7 @@ namespace {
 
 using nlohmann::json;
 
-const std::string kVolume = "volume.";
+const std::string kVolume = "volume.", kUpperVolume = "volume_upper.";  // in the order of numbers with kUpper
 
 json to_json(const Pigment& p) {
     json result = {{"name", p.name},
@@ -55,10 +55,10 @@ Pigment pigment_from(const json& object) {
     return p;
 }
 
-// The number in a channel's name, or -1.
-int ingredient_in(const std::string& channel) {
-    if (!channel.starts_with(kVolume)) return -1;
-    const std::string digits = channel.substr(kVolume.size());
+// The number in a channel's name after a prefix, or -1.
+int number_after(const std::string& prefix, const std::string& channel) {
+    if (!channel.starts_with(prefix)) return -1;
+    const std::string digits = channel.substr(prefix.size());
     if (digits.empty() || digits.size() > 5 || digits.find_first_not_of("0123456789") != std::string::npos)
         return -1;
     return std::stoi(digits);
@@ -79,7 +79,9 @@ void put_row(PaintLayer& layer, IngredientId id, int y, const float* row) {
 
 }  // namespace
 
-std::string volume_channel(IngredientId id) { return fmt::format("{}{:05}", kVolume, id); }
+std::string volume_channel(IngredientId id) {
+    return fmt::format("{}{:05}", is_upper(id) ? kUpperVolume : kVolume, paint_of(id));
+}
 
 PartToWrite part_of(const std::string& name, const PaintLayer& layer) {
     PartToWrite part;
@@ -135,15 +137,18 @@ void read_ingredients(const fs::path& path, const PartInfo& info, Canvas& canvas
     }
 }
 
-std::vector<IngredientId> ingredients_of(const fs::path& path, const PartInfo& info, std::size_t known) {
+std::vector<IngredientId> ingredients_of(const fs::path& path, const PartInfo& info, std::size_t known,
+                                         bool upper) {
     std::vector<IngredientId> ids;
     for (const std::string& channel : info.channels) {
-        const int id = ingredient_in(channel);
+        const int mixed = number_after(kVolume, channel),
+                  above = upper ? number_after(kUpperVolume, channel) : -1, id = std::max(mixed, above);
         // An EXR part has a channel, even where nothing was painted with.
         if (!(id >= 0 && static_cast<std::size_t>(id) < known) && !(id == 0 && known == 0))
             fail("{}: part '{}' has a channel '{}' for which there is no ingredient", path.string(),
                  info.name, shortened(channel));
-        ids.push_back(static_cast<IngredientId>(id));
+        const auto paint = static_cast<IngredientId>(id);
+        ids.push_back(mixed >= 0 ? paint : upper_of(paint));
     }
     return ids;
 }
@@ -169,7 +174,7 @@ PaintLayer read_layer(const fs::path& path, const PartInfo& info, const Canvas& 
     if (info.width != canvas.width() || info.height != canvas.height())
         fail("{}: part '{}' is {} x {}, but the painting is {} x {}", path.string(), info.name, info.width,
              info.height, canvas.width(), canvas.height());
-    const std::vector<IngredientId> ids = ingredients_of(path, info, canvas.ingredients().size());
+    const std::vector<IngredientId> ids = ingredients_of(path, info, canvas.ingredients().size(), true);
     PaintLayer layer(canvas.width(), canvas.height());
     const auto width = static_cast<std::size_t>(info.width);
     std::vector<float> sums(width);

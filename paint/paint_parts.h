@@ -1,5 +1,6 @@
 // paint_parts.h: layers of paint as parts of a painting file: a channel `volume.NNNNN` [mm^3/mm^2 = mm] for
-// each ingredient that occurs, NNNNN its number among the canvas's ingredients.
+// each ingredient that occurs, NNNNN its number among the canvas's ingredients, and `volume_upper.NNNNN` for
+// what of it is in the upper film (paint_layer.h).
 //
 // What is read throws Error naming the file, the part and the place.
 #pragma once
@@ -27,9 +28,9 @@ PaintLayer read_layer(const std::filesystem::path& path, const PartInfo& info, c
 void add_ingredients(PartInfo& info, const std::vector<Pigment>& ingredients);
 void read_ingredients(const std::filesystem::path& path, const PartInfo& info, Canvas& canvas);
 
-// The ingredients that a part's channels are of, of which `known` are there.
+// The ingredients that a part's channels are of, of which `known` are there; `upper`: of an upper film, too.
 std::vector<IngredientId> ingredients_of(const std::filesystem::path& path, const PartInfo& info,
-                                         std::size_t known);
+                                         std::size_t known, bool upper);
 // Volumes are finite and not negative (to rounding).
 void require_volumes(const std::filesystem::path& path, const PartInfo& info, std::size_t channel, int y,
                      std::span<const float> row);

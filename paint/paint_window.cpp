@@ -1,13 +1,19 @@
 #include "paint/paint_window.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
+#include <iterator>
+#include <numeric>
 
 #include "surface/parallel.h"
 
 namespace tangi {
 
 namespace {
+
+constexpr double kNoPaint_mm3 = 1e-9;  // on a brush
+constexpr double kSame = 0.02;         // [1] part by volume up to which two recipes are one
 
 // Mean over 2 * radius + 1 values around each, of which those beyond the ends count as the ends.
 void box_mean(const float* in, std::size_t in_step, float* out, std::size_t out_step, int count, int radius) {
@@ -36,8 +42,36 @@ std::size_t in_tile(int x, int y) {
 
 }  // namespace
 
+OtherPaint::OtherPaint(const Brush& brush) {
+    const IngredientId last = brush.ingredients().empty() ? IngredientId(0) : brush.ingredients().back();
+    const std::vector<double> mm3 = brush.volumes_mm3(last + std::size_t(1));
+    const double all = std::accumulate(mm3.begin(), mm3.end(), 0.0);
+    for (const IngredientId id : brush.ingredients())
+        if (all > kNoPaint_mm3) brought_[id] = mm3[id] / all;
+}
+
+bool OtherPaint::in(const PaintLayer& wet, TileIndex at) {
+    const auto& tile = wet.tile(at);
+    const auto [found, is_new] = known_.try_emplace(at, false);
+    if (!is_new || !tile) return found->second;
+    if (tile->has_upper()) return found->second = true;
+    if (brought_.empty()) return false;
+    std::map<IngredientId, double> parts;
+    double all = 0;
+    for (const IngredientId id : tile->ingredients) {
+        const auto plane = tile->plane(id);
+        all += parts[id] = std::accumulate(plane.begin(), plane.end(), 0.0);
+    }
+    if (!(all > 0)) return false;
+    for (auto& [id, part] : parts) part /= all;
+    for (const auto& [id, part] : brought_) parts[id] -= part;
+    double differ = 0;
+    for (const auto& [id, part] : parts) differ += std::abs(part) / 2;
+    return found->second = differ > kSame;
+}
+
 PaintWindow::PaintWindow(const Canvas& canvas, const Region& region, std::vector<IngredientId> ingredients,
-                         int ride_px)
+                         int ride_px, OtherPaint* other)
     : region_(region),
       on_canvas_(intersection(region, canvas.region())),
       stride_(static_cast<std::size_t>(region.width())),
@@ -47,14 +81,26 @@ PaintWindow::PaintWindow(const Canvas& canvas, const Region& region, std::vector
     total_.assign(pixels, 0.0f);
     relief_.assign(pixels, 0.0f);
     open_.assign(pixels, 0.0f);
+    bool upper = false;
     if (!on_canvas_.empty())
-        for_tiles(on_canvas_, canvas.wet(), [&](TileIndex at, const Region&) {
-            if (const auto& tile = canvas.wet().tile(at))
-                ingredients_.insert(ingredients_.end(), tile->ingredients.begin(), tile->ingredients.end());
+        for_tiles(on_canvas_, canvas.wet(), [&](TileIndex at, const Region& part) {
+            if (const auto& tile = canvas.wet().tile(at)) {
+                for (const IngredientId id : tile->ingredients) ingredients_.push_back(paint_of(id));
+                upper = upper || tile->has_upper();
+            }
+            if (!other || !other->in(canvas.wet(), at)) return;
+            laid_above_.resize(pixels);
+            for (int y = part.y0; y < part.y1; ++y)
+                std::fill_n(laid_above_.data() + index(part.x0, y), part.width(), 1.0f);
         });
     std::sort(ingredients_.begin(), ingredients_.end());
     ingredients_.erase(std::unique(ingredients_.begin(), ingredients_.end()), ingredients_.end());
-    paint_.assign(ingredients_.size(), std::vector<float>(pixels, 0.0f));
+    planes_ = ingredients_;
+    if (upper || !laid_above_.empty()) {
+        laid_above_.resize(pixels);
+        std::ranges::transform(ingredients_, std::back_inserter(planes_), upper_of);
+    }
+    paint_.assign(planes_.size(), std::vector<float>(pixels, 0.0f));
     if (on_canvas_.empty()) return;
     find_relief(canvas, ride_px);
     find_open(canvas);
@@ -98,8 +144,8 @@ void PaintWindow::take_paint(const PaintLayer& wet) {
     for_tiles(on_canvas_, wet, [&](TileIndex at, const Region& part) {
         const auto& tile = wet.tile(at);
         if (!tile) return;
-        for (std::size_t i = 0; i < ingredients_.size(); ++i) {
-            const auto plane = tile->plane(ingredients_[i]);
+        for (std::size_t i = 0; i < planes_.size(); ++i) {
+            const auto plane = tile->plane(planes_[i]);
             if (plane.empty()) continue;
             for (int y = part.y0; y < part.y1; ++y) {
                 const float* from = plane.data() + in_tile(part.x0, y);
@@ -119,6 +165,7 @@ void PaintWindow::attach(StepBox& box, int x0, int y0) {
     box.open = open_.data() + at;
     box.total_mm = total_.data() + at;
     box.canvas_stride = stride_;
+    box.laid_above = laid_above_.empty() ? nullptr : laid_above_.data() + at;
     box.paint.clear();
     for (auto& plane : paint_) box.paint.push_back(plane.data() + at);
 }
@@ -130,8 +177,8 @@ void PaintWindow::store(Canvas& canvas) const {
         const auto row_bytes = static_cast<std::size_t>(part.width()) * sizeof(float);
         std::vector<std::size_t> occurring;  // of this window's ingredients, in this tile
         bool changed = false;
-        for (std::size_t i = 0; i < ingredients_.size(); ++i) {
-            const auto old = wet.tile(at) ? wet.tile(at)->plane(ingredients_[i]) : std::span<const float>();
+        for (std::size_t i = 0; i < planes_.size(); ++i) {
+            const auto old = wet.tile(at) ? wet.tile(at)->plane(planes_[i]) : std::span<const float>();
             bool any = !old.empty();
             for (int y = part.y0; y < part.y1 && !(any && changed); ++y) {
                 const float* row = paint_[i].data() + index(part.x0, y);
@@ -145,7 +192,7 @@ void PaintWindow::store(Canvas& canvas) const {
         if (!changed) return;
         PaintTile& tile = wet.writable(at);
         for (const std::size_t i : occurring) {
-            const IngredientId id = ingredients_[i];
+            const IngredientId id = planes_[i];
             float* plane = tile.writable_plane(id).data();
             for (int y = part.y0; y < part.y1; ++y)
                 std::memcpy(plane + in_tile(part.x0, y), paint_[i].data() + index(part.x0, y), row_bytes);

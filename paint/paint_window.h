@@ -2,12 +2,26 @@
 // back.
 #pragma once
 
+#include <map>
 #include <vector>
 
+#include "paint/brush.h"
 #include "paint/canvas.h"
 #include "paint/transfer.h"
 
 namespace tangi {
+
+// Which tiles of a canvas have other wet paint than a brush brings, when it is about to come there first: on
+// that, what it lays stays as an upper film. One a stroke, so that it does not matter how steps are grouped.
+class OtherPaint {
+public:
+    explicit OtherPaint(const Brush& brush);
+    bool in(const PaintLayer& wet, TileIndex at);
+
+private:
+    std::map<IngredientId, double> brought_;  // parts by volume; empty where the brush has no paint
+    std::map<TileIndex, bool> known_;
+};
 
 // The wet paint of a region, its support and where brushes may work. The paint is taken out of the tiles
 // and put back when the steps are done: in between this is the paint, not a copy of it to pick up from.
@@ -16,12 +30,12 @@ public:
     // `region` may reach beyond the canvas; pixels there, and where the canvas's mask is 0, are not
     // open and neither take nor give paint.
     // `ingredients` are those that will come from a brush; those of the canvas are added. `ride_px`: half the
-    // side of the square over which a brush follows the relief.
+    // side of the square over which a brush follows the relief. `other`: null where nothing is laid.
     PaintWindow(const Canvas& canvas, const Region& region, std::vector<IngredientId> ingredients,
-                int ride_px);
+                int ride_px, OtherPaint* other);
 
     const Region& region() const { return region_; }
-    const std::vector<IngredientId>& ingredients() const { return ingredients_; }
+    const std::vector<IngredientId>& ingredients() const { return ingredients_; }  // but for the upper film
 
     // Points the box's canvas side at the part of the window that begins at pixel (x0, y0) of the canvas.
     void attach(StepBox& box, int x0, int y0);
@@ -39,9 +53,9 @@ private:
 
     Region region_, on_canvas_;
     std::size_t stride_ = 0;
-    std::vector<IngredientId> ingredients_;
-    std::vector<std::vector<float>> paint_;
-    std::vector<float> total_, relief_, open_;
+    std::vector<IngredientId> ingredients_, planes_;  // planes_: with the upper film's, if there is one
+    std::vector<std::vector<float>> paint_;           // of planes_
+    std::vector<float> total_, relief_, open_, laid_above_;
 };
 
 }  // namespace tangi

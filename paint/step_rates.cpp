@@ -39,6 +39,10 @@ constexpr float kLightTouch = 0.15f;
 // as the film is thick. [1] Both at full pressure; kPress over the deposit.
 constexpr float kSqueeze = 10, kPress = 2.6f;
 
+// [1] Bristles that are pressed through an upper film mix it with what it lies on: part of it that has
+// changed places once the contact has passed, at full pressure, as a rate. Light ones slide over it.
+constexpr double kStir = 1.5;
+
 // [1] Pressing squeezes paint out of the tuft: deposit over that at a pressure of 0.6.
 double squeezing(float pressure) { return 0.55 + 0.75 * static_cast<double>(pressure); }
 
@@ -80,6 +84,9 @@ TransferRates rates_of(const Brush& brush, const Dab& dab, double mm_per_pixel) 
     const auto passed = dab.stands ? dab.pressed : dab.length_px / static_cast<float>(resolved_px);
     r.squeeze_per_mm = kSqueeze * dab.pressure * touch * passed / static_cast<float>(mm_per_pixel);
     r.pickup = rate(s.pickup, resolved_px) * static_cast<float>(across) * touch;
+    r.stir =
+        rate(kStir * static_cast<double>(dab.pressure) * static_cast<double>(dab.pressure), resolved_px) *
+        static_cast<float>(across);
     r.push *= static_cast<float>(across) * touch;
     r.hold_mm = static_cast<float>(s.hold_mm * cover);
     r.tip_mm *= static_cast<float>(cover);

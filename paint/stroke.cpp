@@ -55,7 +55,7 @@ PathPoint catmull_rom(const PathPoint& a, const PathPoint& b, const PathPoint& c
 }
 
 Stroke::Stroke(Canvas& canvas, Brush& brush, const StrokeOptions& options, std::uint64_t seed)
-    : canvas_(canvas), brush_(brush), options_(options), seed_(seed) {
+    : canvas_(canvas), brush_(brush), options_(options), seed_(seed), other_(brush) {
     validate(options);
     spacing_px_ = options.spacing_px;
 }
@@ -171,7 +171,7 @@ void Stroke::relax(const Dab& last) {
     const int steps = static_cast<int>(std::clamp(8 * bristle_px * bristle_px, 12.0, 64.0));
     constexpr float part_of_yield = 0.15f;
     const Region box = box_of(brush_, last);
-    PaintWindow window(canvas_, box, {}, 2);
+    PaintWindow window(canvas_, box, {}, 2, nullptr);
     const int width = box.width(), height = box.height();
     StepBox step;
     step.width = width;
@@ -292,8 +292,8 @@ void Stroke::paint() {
         while (look_ && look_at_s_ <= ages_s_[begin] && look_at_s_ < age_s()) call_look();
         if (look_ && look_at_s_ < age_s())
             end = static_cast<std::size_t>(std::ranges::lower_bound(ages_s_, look_at_s_) - ages_s_.begin());
-        bristle_pixels_ +=
-            paint_dabs(canvas_, brush_, std::span(dabs_).subspan(begin, end - begin), seed_, scratch_);
+        bristle_pixels_ += paint_dabs(canvas_, brush_, std::span(dabs_).subspan(begin, end - begin), seed_,
+                                      other_, scratch_);
         begin = end;
     }
     steps_ += static_cast<int>(dabs_.size());

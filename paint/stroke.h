@@ -12,6 +12,7 @@
 
 #include "paint/brush.h"
 #include "paint/canvas.h"
+#include "paint/paint_window.h"
 #include "paint/transfer.h"
 
 namespace tangi {
@@ -94,6 +95,7 @@ private:
     Brush& brush_;
     StrokeOptions options_;
     std::uint64_t seed_;
+    OtherPaint other_;
     std::vector<Knot> knots_;  // the last four at most
     std::optional<PathPoint> string_end_;
     double spacing_px_ = 1;  // between steps, less where the brush turns

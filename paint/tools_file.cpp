@@ -100,7 +100,7 @@ BrushInHand read_brush(const fs::path& path, const PartInfo& info, const Canvas&
     if (volumes.channels.empty() || volumes.channels.front() != kTotal)
         fail("{}: part 'brush' has no channel 'total'", path.string());
     volumes.channels.erase(volumes.channels.begin());
-    load.ingredients = ingredients_of(path, volumes, canvas.ingredients().size());
+    load.ingredients = ingredients_of(path, volumes, canvas.ingredients().size(), false);
     load.mm.resize(load.ingredients.size());
     const auto width = static_cast<std::size_t>(info.width), cells = static_cast<std::size_t>(size * size);
     load.total_mm.resize(cells);

@@ -24,6 +24,7 @@ struct TransferRates {
     float push = 0;        // [1] part of the paint above the underside that moves on, 0..1
     float hold_mm = 1e9f;  // [mm] > 0: load of which bristles take no more; the fuller, the less they take
     float film_mm = 0;     // [mm] paint that always stays on the canvas
+    float stir = 0;        // [1] part of the upper film that mixes with what it lies on, 0..0.5
     float reach_mm = 0;    // [mm] > 0: gap that a bristle without paint still bridges
     float load_reach = 0;  // [1] further gap for each mm of load: wet paint bridges what is dry
     float ride_mm = 0;     // [mm] >= 0: mean height of the bristles over what they touch, on paint enough
@@ -63,7 +64,10 @@ struct StepBox {
     const float* open = nullptr;       // [1] factor of the transfer that the canvas allows; 0: no brush works
     float* total_mm = nullptr;         // W, sum of `paint`
     std::size_t canvas_stride = 0;
-    std::vector<float*> paint;       // W of each ingredient
+    // W of each ingredient; where there is an upper film, followed by what of each is in that.
+    std::vector<float*> paint;
+    // [1] Above 0 where what is laid goes into the upper film, strided as the canvas; null: there is none.
+    const float* laid_above = nullptr;
     float* load_total_mm = nullptr;  // L, sum of `load`
     std::size_t load_stride = 0;
     std::vector<float*> load;  // L of each ingredient, in the same order
@@ -92,7 +96,11 @@ struct BrushMotion {
 // pays.
 void for_rows_of_step(int width, int height, const std::function<void(int begin, int end)>& body);
 
-// Both ways at once between bristles and canvas.
+// Both ways at once between bristles and canvas. Paint that is laid on other paint stays on it: up to
+// kUpper_mm of it, of which what comes last is most, as an upper film that is taken first, and that bristles
+// which dip into the paint stir into what it lies on. Where they lay more than that, what was there before is
+// mixed in.
+constexpr float kUpper_mm = 0.02f;
 void exchange(const StepBox& box, const TransferRates& rates, StepScratch& scratch);
 
 // Moves what is above the underside as the bristles move, and sideways, and lets steps steeper than the yield

@@ -250,7 +250,9 @@ TEST(Stroke, AtNoPressureNothingIsTransferredAndAtLittleLittle) {
     brush.load({{add_paint(canvas, "Pyrrole Red"), 1}}, 1);
     stroke(canvas, brush, {-8, 0}, {8, 0});
     StepScratch scratch;
-    paint_dabs(canvas, grazing, std::vector<Dab>(20, Dab{.x = 64, .y = 48, .pressure = 0}), 1, scratch);
+    OtherPaint other(grazing);
+    paint_dabs(canvas, grazing, std::vector<Dab>(20, Dab{.x = 64, .y = 48, .pressure = 0}), 1, other,
+               scratch);
     EXPECT_EQ(grazing.volumes_mm3(1)[0], 0);
 }
 
@@ -267,7 +269,8 @@ TEST(Stroke, BesideTheCanvasABrushKeepsItsPaintAsItIs) {
     for (int i = 0; i < 500; ++i)
         dabs.push_back({.x = 400.0 + i, .y = -300, .rotation_rad = 0.01f * static_cast<float>(i), .step = i});
     StepScratch scratch;
-    EXPECT_EQ(paint_dabs(canvas, brush, dabs, 1, scratch), 0) << "pixels under the brush";
+    OtherPaint other(brush);
+    EXPECT_EQ(paint_dabs(canvas, brush, dabs, 1, other, scratch), 0) << "pixels under the brush";
     EXPECT_EQ(brush.bristles().mm, before.mm);
     EXPECT_EQ(canvas.wet().painted(), painted.wet().painted());
 }

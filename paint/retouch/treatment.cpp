@@ -89,8 +89,8 @@ std::string sha256_of(const Canvas& canvas, const PaintLayer& layer) {
             if (std::all_of(plane.begin(), plane.end(), [](float mm) { return mm == 0; })) continue;
             const std::array<std::int32_t, 2> place = {at.x, at.y};
             add_numbers(sha, std::span<const std::int32_t>(place));
-            const Pigment& paint = canvas.ingredients()[id];
-            add_name(sha, paint.name);
+            const Pigment& paint = canvas.ingredients()[paint_of(id)];
+            add_name(sha, is_upper(id) ? "upper film: " + paint.name : paint.name);
             add_numbers(sha, std::span<const float>(paint.k));
             add_numbers(sha, std::span<const float>(paint.s));
             const std::array<float, 2> gloss = {paint.specular, paint.roughness};

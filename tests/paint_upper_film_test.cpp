@@ -1,0 +1,183 @@
+// paint_upper_film_test.cpp: paint that is laid on other wet paint lies on it, until bristles stir both.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "paint/appearance.h"
+#include "paint/canvas_file.h"
+#include "paint/layer_pictures.h"
+#include "paint/paint_window.h"
+#include "tests/paint_support.h"
+#include "tests/test_support.h"
+
+namespace tangi {
+namespace {
+
+BrushSettings flat_of(double size_mm) {
+    BrushSettings s = brush_presets().at("flat");
+    s.size_mm = size_mm;
+    return s;
+}
+
+// Thick wet yellow all over the middle, and on it a stroke of white.
+struct WhiteOnYellow {
+    Canvas canvas = flat_canvas(200, 120);
+    IngredientId yellow = add_paint(canvas, "Hansa Yellow Opaque"),
+                 white = add_paint(canvas, "Titanium White");
+    std::vector<double> brought = {0, 0};  // [mm^3]
+    std::vector<double> left = {0, 0};     // on brushes
+
+    explicit WhiteOnYellow(double pressure) {
+        for (int k = -2; k <= 2; ++k) paint(yellow, 8, {-20, 4.0 * k}, {20, 4.0 * k}, 0.6, 10 + k);
+        paint(white, 8, {-14, 0}, {14, 0}, pressure, 3);
+    }
+    void paint(IngredientId id, double size_mm, PathPoint from, PathPoint to, double pressure, int seed) {
+        Brush brush(flat_of(size_mm), kTestPixel, static_cast<std::uint64_t>(seed));
+        brush.load({{id, 1}}, 1.5);
+        count(brush, brought);
+        stroke(canvas, brush, from, to, pressure);
+        count(brush, left);
+    }
+    static void count(const Brush& brush, std::vector<double>& sums) {
+        const auto volumes = brush.volumes_mm3(2);
+        for (std::size_t i = 0; i < 2; ++i) sums[i] += volumes[i];
+    }
+    // Of the middle of the white stroke, [1] of 0..1; yellow has 0.02 of blue, white 0.7.
+    float blue() const {
+        const Surface seen = appearance(canvas);
+        float sum = 0;
+        for (int y = 55; y < 65; ++y)
+            for (int x = 90; x < 110; ++x) sum += seen.diffuse(x, y).b / 200;
+        return sum;
+    }
+};
+
+// The same volumes, mixed through.
+Canvas mixed(const Canvas& canvas) {
+    Canvas result = canvas;
+    for (const TileIndex at : canvas.wet().painted()) {
+        auto tile = std::make_shared<PaintTile>();
+        for (const IngredientId id : canvas.wet().tile(at)->ingredients) {
+            const auto from = canvas.wet().tile(at)->plane(id);
+            const auto to = tile->writable_plane(paint_of(id));
+            for (std::size_t i = 0; i < from.size(); ++i) to[i] += from[i];
+        }
+        result.writable_wet().set_tile(at, tile);
+    }
+    return result;
+}
+
+bool has_upper(const PaintLayer& layer) {
+    for (const TileIndex at : layer.painted())
+        if (layer.tile(at)->has_upper()) return true;
+    return false;
+}
+
+TEST(UpperFilm, OfWhiteOnWetYellowIsWhiteUnderALightHand) {
+    WhiteOnYellow light(0.2), firm(0.9);
+    const float seen = light.blue(), pressed = firm.blue();
+    light.canvas = mixed(light.canvas);
+    EXPECT_GT(seen, 0.45f);
+    EXPECT_GT(seen, 2 * light.blue()) << "than of the same paint, mixed";
+    EXPECT_LT(pressed, 0.8f * seen) << "a firm one stirs";
+    EXPECT_GT(pressed, 0.05f);
+}
+
+TEST(UpperFilm, KeepsEachPaintsVolume) {
+    for (const double pressure : {0.1, 0.5, 1.0}) {
+        const WhiteOnYellow paints(pressure);
+        const auto volumes = paints.canvas.volumes_mm3();
+        for (std::size_t i = 0; i < 2; ++i)
+            EXPECT_NEAR((volumes[i] + paints.left[i]) / paints.brought[i], 1, 1e-5) << pressure;
+        for (const TileIndex at : paints.canvas.wet().painted())
+            for (const float mm : paints.canvas.wet().tile(at)->thickness_mm) ASSERT_GE(mm, -1e-6f);
+    }
+}
+
+TEST(UpperFilm, IsWhereOtherPaintIsOnly) {
+    Canvas canvas = flat_canvas(200, 120);
+    const auto red = add_paint(canvas, "Pyrrole Red");
+    for (const double y : {-4.0, 0.0, 4.0}) {
+        Brush brush(flat_of(8), kTestPixel, 5);
+        brush.load({{red, 1}}, 1.5);
+        stroke(canvas, brush, {-20, y}, {20, y});
+    }
+    EXPECT_FALSE(has_upper(canvas.wet()));
+    EXPECT_TRUE(has_upper(WhiteOnYellow(0.4).canvas.wet()));
+}
+
+TEST(UpperFilm, IsStirredInByBristlesThatGoOverIt) {
+    WhiteOnYellow paints(0.2);
+    float before = paints.blue();
+    const float first = before;
+    for (int k = 0; k < 4; ++k) {
+        Brush brush(brush_presets().at("smudge"), kTestPixel, 7);
+        stroke(paints.canvas, brush, {-14, 0}, {14, 0}, 0.6);
+        const float now = paints.blue();
+        EXPECT_LE(now, 1.02f * before) << k;
+        before = now;
+    }
+    EXPECT_LT(before, 0.6f * first);
+}
+
+TEST(UpperFilm, CountsInRecipesAndMapsOfAPaint) {
+    const WhiteOnYellow paints(0.3);
+    const Recipe recipe = recipe_at(paints.canvas, 100, 60, 3);
+    ASSERT_EQ(recipe.portions.size(), 2u);
+    EXPECT_NEAR(recipe.portions[0].part + recipe.portions[1].part, 1, 1e-6);
+    EXPECT_GT(recipe.portions[paints.white].part, 0.05);
+    const Image<float> white = thickness_mm_of(paints.canvas.wet(), paints.white);
+    EXPECT_FLOAT_EQ(white(100, 60), paints.canvas.wet().thickness_mm(100, 60, paints.white));
+    double sum = 0;
+    for (const float mm : white.pixels()) sum += mm * kTestPixel * kTestPixel;
+    EXPECT_NEAR(sum, paints.canvas.volumes_mm3()[paints.white], 1e-3 * sum);
+}
+
+TEST(UpperFilm, DriesAsItLies) {
+    WhiteOnYellow paints(0.3);
+    const Surface wet = appearance(paints.canvas);
+    dry(paints.canvas, "alla prima");
+    EXPECT_TRUE(paints.canvas.wet().empty());
+    EXPECT_TRUE(has_upper(paints.canvas.dried()[0].paint));
+    const Surface dried = appearance(paints.canvas);
+    EXPECT_TRUE(std::ranges::equal(wet.diffuse.pixels(), dried.diffuse.pixels()));
+    EXPECT_TRUE(std::ranges::equal(wet.specular.pixels(), dried.specular.pixels()));
+}
+
+TEST(UpperFilm, IsInTheFile) {
+    const TestDir dir;
+    const WhiteOnYellow paints(0.3);
+    write_canvas(dir / "a.exr", paints.canvas);
+    const Canvas read = read_canvas(dir / "a.exr");
+    EXPECT_TRUE(identical(read.wet(), paints.canvas.wet()));
+    EXPECT_TRUE(has_upper(read.wet()));
+}
+
+// A stroke from bare canvas over two tiles with other paint and out again, looked at seldom and often: how
+// steps are grouped to windows does not show.
+TEST(UpperFilm, DoesNotDependOnHowStepsAreGrouped) {
+    const auto painted = [](double every_s) {
+        Canvas canvas = flat_canvas(400, 100);
+        const auto yellow = add_paint(canvas, "Hansa Yellow Opaque"),
+                   white = add_paint(canvas, "Titanium White");
+        Brush first(flat_of(8), kTestPixel, 4), second(flat_of(6), kTestPixel, 5);
+        first.load({{yellow, 1}}, 1.5);
+        stroke(canvas, first, {-6, 10}, {-6, -10});
+        stroke(canvas, first, {14, 10}, {14, -10});
+        second.load({{white, 1}}, 1.5);
+        Stroke s(canvas, second, {}, 9);
+        if (every_s > 0) s.watch(every_s, [&](double age_s) { return age_s + every_s; });
+        // Few points: many steps at once.
+        for (int i = 0; i <= 4; ++i)
+            s.add({.time_s = 0.5 * i, .x_mm = -40 + 20.0 * i, .y_mm = 0.6 * i, .pressure = 0.5});
+        s.finish();
+        return canvas;
+    };
+    const Canvas together = painted(0);
+    EXPECT_TRUE(has_upper(together.wet()));
+    for (const double every_s : {0.003, 0.05, 0.7})
+        EXPECT_TRUE(identical(painted(every_s).wet(), together.wet())) << every_s;
+}
+
+}  // namespace
+}  // namespace tangi
