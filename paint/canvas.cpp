@@ -186,12 +186,38 @@ std::string free_layer_name(const Canvas& canvas, const std::string& name) {
         if (std::string next = fmt::format("{} {}", stem, ++number); !taken(next)) return next;
 }
 
+namespace {
+
+// What part of either film of a tile is a share of all of its paint, from below: what lies above stays above.
+struct FilmShares {
+    std::vector<float> mixed, upper;  // [1] of each pixel
+};
+FilmShares shares_of(const PaintTile& tile, double share) {
+    const auto fraction = static_cast<float>(share);
+    FilmShares shares{std::vector<float>(PaintTile::kPixels, fraction),
+                      std::vector<float>(PaintTile::kPixels, fraction)};
+    if (fraction == 1 || !tile.has_upper()) return shares;
+    std::vector<float> mixed_mm(PaintTile::kPixels), upper_mm(PaintTile::kPixels);
+    for (const IngredientId id : tile.ingredients) {
+        const auto plane = tile.plane(id);
+        std::vector<float>& sum = is_upper(id) ? upper_mm : mixed_mm;
+        for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += plane[i];
+    }
+    for (std::size_t i = 0; i < mixed_mm.size(); ++i) {
+        const float wanted = fraction * (mixed_mm[i] + upper_mm[i]), below = std::min(wanted, mixed_mm[i]);
+        shares.mixed[i] = mixed_mm[i] > 0 ? below / mixed_mm[i] : 0;
+        shares.upper[i] = upper_mm[i] > 0 ? (wanted - below) / upper_mm[i] : 0;
+    }
+    return shares;
+}
+
+}  // namespace
+
 std::string dry(Canvas& canvas, const std::string& name, const CanvasPart& where, double share) {
     if (!(share > 0 && share <= 1)) fail("drying: part = {} is outside (0, 1]", share);
     const auto rows = rows_of(where, canvas.width(), canvas.height(), canvas.mm_per_pixel());
     PaintLayer &wet = canvas.writable_wet(), *dried = nullptr;
     auto& layers = canvas.writable_dried();
-    const auto fraction = static_cast<float>(share);
     for (const TileIndex at : canvas.wet().painted()) {
         const Region tile = wet.region_of(at);
         std::vector<std::pair<std::size_t, std::size_t>> runs;  // pixels of the tile
@@ -201,11 +227,14 @@ std::string dry(Canvas& canvas, const std::string& name, const CanvasPart& where
                 const auto first = static_cast<std::size_t>((y - tile.y0) * kTileSize + x0 - tile.x0);
                 if (x1 > x0) runs.emplace_back(first, first + static_cast<std::size_t>(x1 - x0));
             }
-        const auto& thickness = canvas.wet().tile(at)->thickness_mm;
-        const bool lies = std::ranges::any_of(runs, [&](const auto& run) {
-            return std::any_of(thickness.begin() + static_cast<std::ptrdiff_t>(run.first),
-                               thickness.begin() + static_cast<std::ptrdiff_t>(run.second),
-                               [](float mm) { return mm > kDust_mm; });
+        const PaintTile& tile_there = *canvas.wet().tile(at);
+        const bool lies = std::ranges::any_of(tile_there.ingredients, [&](IngredientId id) {
+            const auto plane = tile_there.plane(id);
+            return std::ranges::any_of(runs, [&](const auto& run) {
+                return std::any_of(plane.begin() + static_cast<std::ptrdiff_t>(run.first),
+                                   plane.begin() + static_cast<std::ptrdiff_t>(run.second),
+                                   [](float mm) { return mm > kDust_mm; });
+            });
         });
         if (!lies) continue;
         if (!dried) {
@@ -213,15 +242,19 @@ std::string dry(Canvas& canvas, const std::string& name, const CanvasPart& where
             dried = &layers.back().paint;
         }
         PaintTile &from = wet.writable(at), &to = dried->writable(at);
+        const FilmShares shares = shares_of(from, share);
         for (const IngredientId id : from.ingredients) {
             const std::span<float> source = from.writable_plane(id), target = to.writable_plane(id);
+            const std::vector<float>& part = is_upper(id) ? shares.upper : shares.mixed;
             for (const auto& [begin, end] : runs)
                 for (std::size_t i = begin; i < end; ++i) {
-                    const float moved = fraction == 1 ? source[i] : source[i] * fraction;
+                    const float moved = part[i] == 1 ? source[i] : source[i] * part[i];
                     target[i] += moved;
                     source[i] -= moved;
                 }
         }
+        from.drop_empty_upper();
+        to.drop_empty_upper();
         if (std::all_of(from.thickness_mm.begin(), from.thickness_mm.end(), [](float v) { return v == 0; }))
             wet.set_tile(at, nullptr);
         canvas.mark_dirty(at);

@@ -142,11 +142,15 @@ double paint_dabs(Canvas& canvas, Brush& brush, std::span<const Dab> dabs, std::
             if (end > begin && (all.width() > box.width() + 96 || all.height() > box.height() + 96)) break;
             window_region = all;
         }
+        std::vector<bool> above;
+        for (std::size_t i = begin; i < end; ++i)
+            above.push_back(other.met(canvas.wet(), box_of(brush, dabs[i])));
         const int ride = std::max(static_cast<int>(brush.settings().size_mm / canvas.mm_per_pixel() / 4), 2);
-        PaintWindow window(canvas, window_region, brush.ingredients(), ride, &other);
+        PaintWindow window(canvas, window_region, brush.ingredients(), ride, above.back());
         for (std::size_t i = begin; i < end; ++i) {
             const Region box = box_of(brush, dabs[i]);
             if (!touches(box, canvas)) continue;
+            memory.box.laid_above = above[i - begin];
             pixels += one_step(window, brush, dabs[i], box, canvas.mm_per_pixel(), seed, memory, scratch);
         }
         window.store(canvas);

@@ -33,9 +33,6 @@ constexpr float kPressed = 0.66f, kFilling = 4.2f;
 // stands out holds them up, thin paint keeps to the crests.
 constexpr float kDry = 0.85f, kRide = 0.6f, kSink = 0.75f;
 
-// [1] Bristles in wet paint change places with it so many times as fast as both films with each other.
-constexpr float kSwap = 2;
-
 // Part of the load that is given, and part of the paint on the canvas that is taken.
 TP_VECTOR_CLONES
 void exchange_row(int n, const TransferRates& r, const BrushSides& sides, const BristleLanes& lanes,
@@ -122,9 +119,10 @@ struct FilmRow {
 
 // What all of them share.
 struct FilmsRow {
-    const float *give, *take, *laid_above, *underside, *relief, *open, *cover;
+    const float *give, *take, *underside, *relief, *open, *cover;
     float *total, *load_total;
-    float stir, per_reach;  // [1], [1/mm]
+    bool laid_above;
+    float stir, swap, per_reach;  // [1], [1], [1/mm]
 };
 
 template <class T>
@@ -137,10 +135,9 @@ TP_INLINE void load(T& value, const float* from) {
 template <class T>
 TP_INLINE void apply_films_some(int x, const FilmsRow& r, const std::vector<FilmRow>& rows) {
     const T zero{}, one = zero + 1.0f;
-    T give, take, laid_above, underside, relief, open, cover, total, held;
+    T give, take, underside, relief, open, cover, total, held;
     load(give, r.give + x);
     load(take, r.take + x);
-    load(laid_above, r.laid_above + x);
     load(underside, r.underside + x);
     load(relief, r.relief + x);
     load(open, r.open + x);
@@ -155,14 +152,18 @@ TP_INLINE void apply_films_some(int x, const FilmsRow& r, const std::vector<Film
         mixed += m;
         upper += u;
     }
-    // How much bristles that dip into the paint stir it: the part that changes places.
+    // Rounding may leave a little less than nothing.
+    mixed = mixed > zero ? mixed : zero;
+    upper = upper > zero ? upper : zero;
+    held = held > zero ? held : zero;
+    // How far bristles dip into the paint.
     const T dip = one - (underside - relief - total) * r.per_reach, dips = dip > zero ? dip : zero;
-    const T stir = r.stir * (dips < one ? dips : one) * open * cover;
-    const T above = (laid_above > upper ? laid_above : upper) > zero ? one : zero;
-    // They change places with it themselves: what they bring stays, and they carry on what was there.
+    const T dipped = (dips < one ? dips : one) * open * cover;
+    const T above = r.laid_above ? one : (upper > zero ? one : zero);
+    // They change places with it: what they bring stays, and they carry on what was there.
     const T all = upper + mixed, wanted = take * all, first = wanted < upper ? wanted : upper;
     const T left = (one - give) * held;
-    const T swapped = kSwap * above * stir * (left < mixed ? left : mixed), both = wanted + swapped;
+    const T swapped = above * r.swap * dipped * (left < mixed ? left : mixed), both = wanted + swapped;
     const T taken = both < all ? both : all;
     give += swapped / (held + kTiny);
     const T upper_taken = first / (upper + kTiny);
@@ -172,7 +173,7 @@ TP_INLINE void apply_films_some(int x, const FilmsRow& r, const std::vector<Film
     const T excess = u1 > kUpper_mm ? u1 - kUpper_mm : zero, sunk = excess < laid_on ? excess : laid_on;
     const T sinking = sunk / (u1 + kTiny), u2 = u1 - sunk;
     const T rest = mixed - (taken - first) + (laid - laid_on) + sunk, m2 = rest > zero ? rest : zero;
-    const T stirred = stir * (u2 < m2 ? u2 : m2);
+    const T stirred = r.stir * dipped * (u2 < m2 ? u2 : m2);
     const T upper_stirred = stirred / (u2 + kTiny), mixed_stirred = stirred / (m2 + kTiny);
     T sum{}, load_sum{};
     for (const FilmRow& row : rows) {
@@ -236,7 +237,8 @@ void exchange(const StepBox& box, const TransferRates& rates, StepScratch& scrat
     const std::size_t paints = box.load.size();
     for_rows_of_step(box.width, box.height, [&](int begin, int end) {
         std::vector<SharedRow> rows(paints);
-        std::vector<FilmRow> films(box.laid_above ? paints : 0);
+        const bool upper = box.paint.size() > paints;
+        std::vector<FilmRow> films(upper ? paints : 0);
         for (int y = begin; y < end; ++y) {
             RowSpan span = box.bristles[static_cast<std::size_t>(y)];
             if (span.end <= span.begin) continue;
@@ -255,12 +257,12 @@ void exchange(const StepBox& box, const TransferRates& rates, StepScratch& scrat
                          cover, total, load_total, give, take);
             for (std::size_t i = 0; i < paints; ++i) {
                 rows[i] = {box.paint[i] + canvas, box.load[i] + load};
-                if (box.laid_above) films[i] = {rows[i].paint, box.paint[paints + i] + canvas, rows[i].load};
+                if (upper) films[i] = {rows[i].paint, box.paint[paints + i] + canvas, rows[i].load};
             }
-            if (box.laid_above)
+            if (upper)
                 apply_films_row(count,
-                                {give, take, box.laid_above + canvas, underside, relief, open, cover, total,
-                                 load_total, rates.stir, 1 / rates.reach_mm},
+                                {give, take, underside, relief, open, cover, total, load_total,
+                                 box.laid_above, rates.stir, rates.swap, 1 / rates.reach_mm},
                                 films);
             else
                 apply_row(count, give, take, rows, total, load_total);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "paint/transfer.h"
 #include "surface/error.h"
 
 namespace tangi {
@@ -51,6 +52,28 @@ std::vector<PileEvent> laid_out(const std::vector<std::string>& paints, const Bo
     return piles;
 }
 
+namespace {
+
+bool has_other_than(const std::vector<Portion>& recipe, const PaintTile& tile) {
+    return std::ranges::any_of(tile.ingredients, [&](IngredientId id) {
+        return is_upper(id) || std::ranges::none_of(recipe, [&](const Portion& portion) {
+                   return portion.ingredient == paint_of(id);
+               });
+    });
+}
+
+// Of pixel `i` of the tile.
+void mix_films(PaintTile& tile, std::size_t i) {
+    for (const IngredientId id : std::vector(tile.ingredients)) {
+        if (!is_upper(id)) continue;
+        const float mm = tile.plane(id)[i];
+        tile.writable_plane(id)[i] = 0;
+        tile.writable_plane(paint_of(id))[i] += mm;
+    }
+}
+
+}  // namespace
+
 void lay_pile(Canvas& canvas, const std::vector<Portion>& recipe, PointMm at, double size_mm,
               double height_mm) {
     double parts = 0;
@@ -71,17 +94,25 @@ void lay_pile(Canvas& canvas, const std::vector<Portion>& recipe, PointMm at, do
     for (int ty = y0 / size; ty * size < y1; ++ty)
         for (int tx = x0 / size; tx * size < x1; ++tx) {
             const Region tile = wet.region_of({tx, ty});
-            for (const Portion& portion : recipe) {
-                const auto plane = wet.writable({tx, ty}).writable_plane(portion.ingredient);
-                const double share = height_mm * lower * portion.part / parts;
-                for (int y = std::max(y0, tile.y0); y < std::min(y1, tile.y1); ++y)
-                    for (int x = std::max(x0, tile.x0); x < std::min(x1, tile.x1); ++x) {
-                        const double r2 = ((x - cx) * (x - cx) + (y - cy) * (y - cy)) / (radius * radius);
-                        if (r2 < 1)
-                            plane[static_cast<std::size_t>((y - tile.y0) * size + x - tile.x0)] +=
-                                static_cast<float>(share * (1 - r2));
+            PaintTile& paint = wet.writable({tx, ty});
+            const bool on_other = has_other_than(recipe, paint);
+            for (int y = std::max(y0, tile.y0); y < std::min(y1, tile.y1); ++y)
+                for (int x = std::max(x0, tile.x0); x < std::min(x1, tile.x1); ++x) {
+                    const double r2 = ((x - cx) * (x - cx) + (y - cy) * (y - cy)) / (radius * radius);
+                    if (!(r2 < 1)) continue;
+                    const auto i = static_cast<std::size_t>((y - tile.y0) * size + x - tile.x0);
+                    const double mm_there = height_mm * lower * (1 - r2),
+                                 above = on_other ? std::min(mm_there, double(kUpper_mm)) / mm_there : 0;
+                    if (on_other) mix_films(paint, i);
+                    for (const Portion& portion : recipe) {
+                        const double share = height_mm * lower * portion.part / parts * (1 - r2);
+                        paint.writable_plane(portion.ingredient)[i] +=
+                            static_cast<float>(share * (1 - above));
+                        if (on_other)
+                            paint.writable_plane(upper_of(portion.ingredient))[i] +=
+                                static_cast<float>(share * above);
                     }
-            }
+                }
             canvas.mark_dirty({tx, ty});
         }
 }

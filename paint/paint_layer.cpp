@@ -32,6 +32,21 @@ std::span<float> PaintTile::writable_plane(IngredientId ingredient) {
     return std::span(thickness_mm).subspan(static_cast<std::size_t>(offset), kPixels);
 }
 
+bool PaintTile::has_upper() const {
+    const auto first = std::ranges::find_if(ingredients, is_upper);
+    const auto begin = (first - ingredients.begin()) * kPixels;
+    return std::any_of(thickness_mm.begin() + begin, thickness_mm.end(), [](float mm) { return mm != 0; });
+}
+
+void PaintTile::drop_empty_upper() {
+    for (std::size_t i = ingredients.size(); i-- > 0 && is_upper(ingredients[i]);) {
+        const auto begin = thickness_mm.begin() + static_cast<std::ptrdiff_t>(i * kPixels);
+        if (std::any_of(begin, begin + kPixels, [](float mm) { return mm != 0; })) continue;
+        ingredients.erase(ingredients.begin() + static_cast<std::ptrdiff_t>(i));
+        thickness_mm.erase(begin, begin + kPixels);
+    }
+}
+
 PaintLayer::PaintLayer(int width, int height)
     : width_(width),
       height_(height),
@@ -58,6 +73,7 @@ std::vector<TileIndex> PaintLayer::painted() const {
 
 float PaintLayer::thickness_mm(int x, int y, IngredientId paint) const {
     TP_REQUIRE(x >= 0 && y >= 0 && x < width_ && y < height_, "the pixel is on the canvas");
+    TP_REQUIRE(!is_upper(paint), "both films of a paint are asked for");
     const TilePtr& at = tile({x / kTileSize, y / kTileSize});
     if (!at) return 0;
     const auto i = static_cast<std::size_t>((y % kTileSize) * kTileSize + x % kTileSize);

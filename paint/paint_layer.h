@@ -38,7 +38,10 @@ struct PaintTile {
     std::span<const float> plane(IngredientId ingredient) const;
     // The plane to write to; made, full of 0, where the tile has none. Other planes may move.
     std::span<float> writable_plane(IngredientId ingredient);
-    bool has_upper() const { return !ingredients.empty() && is_upper(ingredients.back()); }
+    // Whether there is anything in the upper film; planes of it that hold nothing do not count.
+    bool has_upper() const;
+    // Takes such planes away.
+    void drop_empty_upper();
     std::size_t bytes() const { return sizeof(PaintTile) + thickness_mm.capacity() * sizeof(float); }
 };
 

@@ -64,16 +64,16 @@ int number_after(const std::string& prefix, const std::string& channel) {
     return std::stoi(digits);
 }
 
-// Puts a run of one ingredient's row into the tiles.
+// Puts a run of one ingredient's row into the tiles; less than nothing, to rounding, is nothing.
 void put_row(PaintLayer& layer, IngredientId id, int y, const float* row) {
     for (int tx = 0; tx < layer.columns(); ++tx) {
         const TileIndex at{tx, y / kTileSize};
         const Region region = layer.region_of(at);
         const float* from = row + region.x0;
-        if (std::all_of(from, from + region.width(), [](float v) { return v == 0; })) continue;
-        PaintTile& tile = layer.writable(at);
-        std::copy_n(from, region.width(),
-                    tile.writable_plane(id).data() + static_cast<std::size_t>((y - region.y0) * kTileSize));
+        if (std::all_of(from, from + region.width(), [](float v) { return v <= 0; })) continue;
+        float* to = layer.writable(at).writable_plane(id).data() +
+                    static_cast<std::size_t>((y - region.y0) * kTileSize);
+        std::transform(from, from + region.width(), to, [](float v) { return std::max(v, 0.0f); });
     }
 }
 
@@ -144,7 +144,7 @@ std::vector<IngredientId> ingredients_of(const fs::path& path, const PartInfo& i
         const int mixed = number_after(kVolume, channel),
                   above = upper ? number_after(kUpperVolume, channel) : -1, id = std::max(mixed, above);
         // An EXR part has a channel, even where nothing was painted with.
-        if (!(id >= 0 && static_cast<std::size_t>(id) < known) && !(id == 0 && known == 0))
+        if (!(id >= 0 && static_cast<std::size_t>(id) < known) && !(mixed == 0 && known == 0))
             fail("{}: part '{}' has a channel '{}' for which there is no ingredient", path.string(),
                  info.name, shortened(channel));
         const auto paint = static_cast<IngredientId>(id);
@@ -186,6 +186,13 @@ PaintLayer read_layer(const fs::path& path, const PartInfo& info, const Canvas& 
                 for (std::size_t c = 0; c < planes.size(); ++c) {
                     const float* row = planes[c] + static_cast<std::size_t>(y - y0) * width;
                     require_volumes(path, info, c, y, {row, width});
+                    if (canvas.ingredients().empty() &&
+                        std::any_of(row, row + width, [](float v) { return v > 0; }))
+                        fail(
+                            "{}: is damaged: part '{}' holds paint, but its list of paints is empty; copy it "
+                            "again, "
+                            "or take a copy from before",
+                            path.string(), info.name);
                     for (std::size_t x = 0; x < width; ++x) sums[x] += row[x];
                     put_row(layer, ids[c], y, row);
                 }

@@ -50,28 +50,35 @@ OtherPaint::OtherPaint(const Brush& brush) {
         if (all > kNoPaint_mm3) brought_[id] = mm3[id] / all;
 }
 
-bool OtherPaint::in(const PaintLayer& wet, TileIndex at) {
+bool OtherPaint::met(const PaintLayer& wet, const Region& box) {
+    const Region part = intersection(box, wet.region());
+    if (met_ || part.empty()) return met_;
+    for_tiles(part, wet, [&](TileIndex at, const Region&) {
+        if (!met_ && seen_.insert(at).second) met_ = is_in(wet, at);
+    });
+    return met_;
+}
+
+bool OtherPaint::is_in(const PaintLayer& wet, TileIndex at) const {
     const auto& tile = wet.tile(at);
-    const auto [found, is_new] = known_.try_emplace(at, false);
-    if (!is_new || !tile) return found->second;
-    if (tile->has_upper()) return found->second = true;
-    if (brought_.empty()) return false;
+    if (!tile) return false;
+    if (tile->has_upper()) return true;
     std::map<IngredientId, double> parts;
     double all = 0;
     for (const IngredientId id : tile->ingredients) {
         const auto plane = tile->plane(id);
         all += parts[id] = std::accumulate(plane.begin(), plane.end(), 0.0);
     }
-    if (!(all > 0)) return false;
+    if (!(all > 0) || brought_.empty()) return all > 0;
     for (auto& [id, part] : parts) part /= all;
     for (const auto& [id, part] : brought_) parts[id] -= part;
     double differ = 0;
     for (const auto& [id, part] : parts) differ += std::abs(part) / 2;
-    return found->second = differ > kSame;
+    return differ > kSame;
 }
 
 PaintWindow::PaintWindow(const Canvas& canvas, const Region& region, std::vector<IngredientId> ingredients,
-                         int ride_px, OtherPaint* other)
+                         int ride_px, bool upper)
     : region_(region),
       on_canvas_(intersection(region, canvas.region())),
       stride_(static_cast<std::size_t>(region.width())),
@@ -81,25 +88,17 @@ PaintWindow::PaintWindow(const Canvas& canvas, const Region& region, std::vector
     total_.assign(pixels, 0.0f);
     relief_.assign(pixels, 0.0f);
     open_.assign(pixels, 0.0f);
-    bool upper = false;
     if (!on_canvas_.empty())
-        for_tiles(on_canvas_, canvas.wet(), [&](TileIndex at, const Region& part) {
-            if (const auto& tile = canvas.wet().tile(at)) {
-                for (const IngredientId id : tile->ingredients) ingredients_.push_back(paint_of(id));
-                upper = upper || tile->has_upper();
-            }
-            if (!other || !other->in(canvas.wet(), at)) return;
-            laid_above_.resize(pixels);
-            for (int y = part.y0; y < part.y1; ++y)
-                std::fill_n(laid_above_.data() + index(part.x0, y), part.width(), 1.0f);
+        for_tiles(on_canvas_, canvas.wet(), [&](TileIndex at, const Region&) {
+            const auto& tile = canvas.wet().tile(at);
+            if (!tile || tile->ingredients.empty()) return;
+            for (const IngredientId id : tile->ingredients) ingredients_.push_back(paint_of(id));
+            upper = upper || is_upper(tile->ingredients.back());
         });
     std::sort(ingredients_.begin(), ingredients_.end());
     ingredients_.erase(std::unique(ingredients_.begin(), ingredients_.end()), ingredients_.end());
     planes_ = ingredients_;
-    if (upper || !laid_above_.empty()) {
-        laid_above_.resize(pixels);
-        std::ranges::transform(ingredients_, std::back_inserter(planes_), upper_of);
-    }
+    if (upper) std::ranges::transform(ingredients_, std::back_inserter(planes_), upper_of);
     paint_.assign(planes_.size(), std::vector<float>(pixels, 0.0f));
     if (on_canvas_.empty()) return;
     find_relief(canvas, ride_px);
@@ -165,7 +164,6 @@ void PaintWindow::attach(StepBox& box, int x0, int y0) {
     box.open = open_.data() + at;
     box.total_mm = total_.data() + at;
     box.canvas_stride = stride_;
-    box.laid_above = laid_above_.empty() ? nullptr : laid_above_.data() + at;
     box.paint.clear();
     for (auto& plane : paint_) box.paint.push_back(plane.data() + at);
 }
@@ -197,6 +195,7 @@ void PaintWindow::store(Canvas& canvas) const {
             for (int y = part.y0; y < part.y1; ++y)
                 std::memcpy(plane + in_tile(part.x0, y), paint_[i].data() + index(part.x0, y), row_bytes);
         }
+        tile.drop_empty_upper();
         canvas.mark_dirty(at, part);
     });
 }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <map>
+#include <set>
 #include <vector>
 
 #include "paint/brush.h"
@@ -11,16 +12,20 @@
 
 namespace tangi {
 
-// Which tiles of a canvas have other wet paint than a brush brings, when it is about to come there first: on
-// that, what it lays stays as an upper film. One a stroke, so that it does not matter how steps are grouped.
+// Whether a stroke has met other wet paint than its brush brought: from then on, what it lays stays above as
+// an upper film. Of one stroke, and by what lay there before it: how steps are grouped does not matter.
 class OtherPaint {
 public:
     explicit OtherPaint(const Brush& brush);
-    bool in(const PaintLayer& wet, TileIndex at);
+    // To be asked for each step in its turn, before it is painted; `box`: the pixels that it may change.
+    bool met(const PaintLayer& wet, const Region& box);
 
 private:
+    bool is_in(const PaintLayer& wet, TileIndex at) const;
+
     std::map<IngredientId, double> brought_;  // parts by volume; empty where the brush has no paint
-    std::map<TileIndex, bool> known_;
+    std::set<TileIndex> seen_;
+    bool met_ = false;
 };
 
 // The wet paint of a region, its support and where brushes may work. The paint is taken out of the tiles
@@ -30,9 +35,9 @@ public:
     // `region` may reach beyond the canvas; pixels there, and where the canvas's mask is 0, are not
     // open and neither take nor give paint.
     // `ingredients` are those that will come from a brush; those of the canvas are added. `ride_px`: half the
-    // side of the square over which a brush follows the relief. `other`: null where nothing is laid.
+    // side of the square over which a brush follows the relief. `upper`: something will be laid above.
     PaintWindow(const Canvas& canvas, const Region& region, std::vector<IngredientId> ingredients,
-                int ride_px, OtherPaint* other);
+                int ride_px, bool upper);
 
     const Region& region() const { return region_; }
     const std::vector<IngredientId>& ingredients() const { return ingredients_; }  // but for the upper film
@@ -55,7 +60,7 @@ private:
     std::size_t stride_ = 0;
     std::vector<IngredientId> ingredients_, planes_;  // planes_: with the upper film's, if there is one
     std::vector<std::vector<float>> paint_;           // of planes_
-    std::vector<float> total_, relief_, open_, laid_above_;
+    std::vector<float> total_, relief_, open_;
 };
 
 }  // namespace tangi

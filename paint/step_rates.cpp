@@ -40,8 +40,12 @@ constexpr float kLightTouch = 0.15f;
 constexpr float kSqueeze = 10, kPress = 2.6f;
 
 // [1] Bristles that are pressed through an upper film mix it with what it lies on: part of it that has
-// changed places once the contact has passed, at full pressure, as a rate. Light ones slide over it.
+// changed places once the contact has passed, at full pressure, as a rate. Light ones slide over it, and
+// tools that take up less than a brush (blades) stir less.
 constexpr double kStir = 1.5;
+// [1] Bristles change places with the paint that they are in so many times as fast, those that give less than
+// a brush (rags) the less.
+constexpr double kSwap = 2;
 
 // [1] Pressing squeezes paint out of the tuft: deposit over that at a pressure of 0.6.
 double squeezing(float pressure) { return 0.55 + 0.75 * static_cast<double>(pressure); }
@@ -84,9 +88,11 @@ TransferRates rates_of(const Brush& brush, const Dab& dab, double mm_per_pixel) 
     const auto passed = dab.stands ? dab.pressed : dab.length_px / static_cast<float>(resolved_px);
     r.squeeze_per_mm = kSqueeze * dab.pressure * touch * passed / static_cast<float>(mm_per_pixel);
     r.pickup = rate(s.pickup, resolved_px) * static_cast<float>(across) * touch;
-    r.stir =
-        rate(kStir * static_cast<double>(dab.pressure) * static_cast<double>(dab.pressure), resolved_px) *
-        static_cast<float>(across);
+    const BrushSettings usual;
+    const double pressed = static_cast<double>(dab.pressure) * static_cast<double>(dab.pressure);
+    r.stir = rate(kStir * pressed * std::min(s.pickup / usual.pickup, 1.0), resolved_px) *
+             static_cast<float>(across) * touch;
+    r.swap = static_cast<float>(kSwap * std::min(s.deposit / usual.deposit, 1.0)) * r.stir;
     r.push *= static_cast<float>(across) * touch;
     r.hold_mm = static_cast<float>(s.hold_mm * cover);
     r.tip_mm *= static_cast<float>(cover);

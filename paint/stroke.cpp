@@ -171,7 +171,7 @@ void Stroke::relax(const Dab& last) {
     const int steps = static_cast<int>(std::clamp(8 * bristle_px * bristle_px, 12.0, 64.0));
     constexpr float part_of_yield = 0.15f;
     const Region box = box_of(brush_, last);
-    PaintWindow window(canvas_, box, {}, 2, nullptr);
+    PaintWindow window(canvas_, box, {}, 2, false);
     const int width = box.width(), height = box.height();
     StepBox step;
     step.width = width;

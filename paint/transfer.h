@@ -25,6 +25,7 @@ struct TransferRates {
     float hold_mm = 1e9f;  // [mm] > 0: load of which bristles take no more; the fuller, the less they take
     float film_mm = 0;     // [mm] paint that always stays on the canvas
     float stir = 0;        // [1] part of the upper film that mixes with what it lies on, 0..0.5
+    float swap = 0;        // [1] part of what it lies on that changes places with paint of the bristles, 0..1
     float reach_mm = 0;    // [mm] > 0: gap that a bristle without paint still bridges
     float load_reach = 0;  // [1] further gap for each mm of load: wet paint bridges what is dry
     float ride_mm = 0;     // [mm] >= 0: mean height of the bristles over what they touch, on paint enough
@@ -66,8 +67,7 @@ struct StepBox {
     std::size_t canvas_stride = 0;
     // W of each ingredient; where there is an upper film, followed by what of each is in that.
     std::vector<float*> paint;
-    // [1] Above 0 where what is laid goes into the upper film, strided as the canvas; null: there is none.
-    const float* laid_above = nullptr;
+    bool laid_above = false;         // what is laid goes into the upper film, which there is
     float* load_total_mm = nullptr;  // L, sum of `load`
     std::size_t load_stride = 0;
     std::vector<float*> load;  // L of each ingredient, in the same order
