@@ -127,17 +127,15 @@ std::vector<Rgb> thesis_colours(const std::vector<PartOfTile>& layers, std::vect
 std::vector<Rgb> colours_of(const std::vector<PartOfTile>& layers, std::vector<Rgb> dry,
                             const AppearanceOptions& options) {
     if (options.model == PaintModel::thesis) return thesis_colours(layers, std::move(dry), options);
-    if (layers.size() == 1) {
-        FilmBatch(layers[0].pigments, options.illuminant).look(layers[0].planes(), dry, dry);
-        return dry;
-    }
-    std::vector<Spectrum> below(dry.size()), above(dry.size());
-    for (std::size_t i = 0; i < dry.size(); ++i) below[i] = reflectance_of_rgb(dry[i]);
+    std::vector<FilmBatch> paints;
+    std::vector<std::vector<std::span<const float>>> planes;
     for (const PartOfTile& layer : layers) {
-        FilmBatch(layer.pigments, options.illuminant).look(layer.planes(), below, above);
-        std::swap(below, above);
+        paints.emplace_back(layer.pigments, options.illuminant);
+        planes.push_back(layer.planes());
     }
-    for (std::size_t i = 0; i < dry.size(); ++i) dry[i] = to_linear_rgb(below[i], options.illuminant);
+    std::vector<FilmBatch::Film> films;
+    for (std::size_t i = 0; i < layers.size(); ++i) films.push_back({&paints[i], planes[i]});
+    FilmBatch::look_through(films, dry, dry);
     return dry;
 }
 

@@ -58,7 +58,6 @@ TP_INLINE float look_of(float k, float s, float dry, float k2) {
 struct Block {
     std::vector<std::size_t> present;
     std::vector<Lanes> volumes;
-    Lanes kx, sx;
 
     explicit Block(std::size_t pigments) { present.reserve(pigments), volumes.resize(pigments); }
 
@@ -80,7 +79,7 @@ struct Block {
     }
 
     // Sums stay in registers over all pigments: the compiler does not see by itself that they can.
-    TP_INLINE void mix(const Spectrum* k, const Spectrum* s, std::size_t band) {
+    TP_INLINE void mix(const Spectrum* k, const Spectrum* s, std::size_t band, Lanes& kx, Lanes& sx) const {
         for (std::size_t i = 0; i < kBlock; i += kWide) {
             Wide k_sum{}, s_sum{};
             for (std::size_t j = 0; j < present.size(); ++j) {
@@ -95,52 +94,42 @@ struct Block {
     }
 };
 
+// A film's paints, and how much of them there is.
+struct FilmToShow {
+    std::span<const std::span<const float>> volumes;
+    const Spectrum *k, *s;
+};
+
 TP_VECTOR_CLONES
-void look_rgb(std::span<const std::span<const float>> volumes, std::span<const Rgb> dry,
-              std::span<Rgb> colour, const Spectrum* k, const Spectrum* s,
+void look_rgb(std::span<const FilmToShow> films, std::span<const Rgb> dry, std::span<Rgb> colour,
               const std::array<Spectrum, 3>& weights, float k2) {
     const std::array<Spectrum, 3>& basis = rgb_basis();
-    Block block(volumes.size());
-    Lanes below[3], sum[3];
+    std::vector<Block> blocks;
+    for (const FilmToShow& film : films) blocks.emplace_back(film.volumes.size());
+    Lanes below[3], sum[3], seen, kx, sx;
     for (std::size_t first = 0; first < dry.size(); first += kBlock) {
         const std::size_t count = std::min(kBlock, dry.size() - first);
-        block.load(volumes, first, count);
+        for (std::size_t f = 0; f < films.size(); ++f) blocks[f].load(films[f].volumes, first, count);
         for (std::size_t i = 0; i < kBlock; ++i) {
             const Rgb& pixel = dry[first + std::min(i, count - 1)];
             below[0][i] = pixel.r, below[1][i] = pixel.g, below[2][i] = pixel.b;
         }
         for (Lanes& lanes : sum) lanes.fill(0);
         for (std::size_t band = 0; band < kBands; ++band) {
-            block.mix(k, s, band);
+            for (std::size_t i = 0; i < kBlock; ++i)
+                seen[i] = below[0][i] * basis[0][band] + below[1][i] * basis[1][band] +
+                          below[2][i] * basis[2][band];
+            for (std::size_t f = 0; f < films.size(); ++f) {
+                blocks[f].mix(films[f].k, films[f].s, band, kx, sx);
+                for (std::size_t i = 0; i < kBlock; ++i) seen[i] = look_of(kx[i], sx[i], seen[i], k2);
+            }
             for (std::size_t i = 0; i < kBlock; ++i) {
-                const float look = look_of(block.kx[i], block.sx[i],
-                                           below[0][i] * basis[0][band] + below[1][i] * basis[1][band] +
-                                               below[2][i] * basis[2][band],
-                                           k2);
-                sum[0][i] += weights[0][band] * look;
-                sum[1][i] += weights[1][band] * look;
-                sum[2][i] += weights[2][band] * look;
+                sum[0][i] += weights[0][band] * seen[i];
+                sum[1][i] += weights[1][band] * seen[i];
+                sum[2][i] += weights[2][band] * seen[i];
             }
         }
         for (std::size_t i = 0; i < count; ++i) colour[first + i] = Rgb(sum[0][i], sum[1][i], sum[2][i]);
-    }
-}
-
-TP_VECTOR_CLONES
-void look_spectra(std::span<const std::span<const float>> volumes, std::span<const Spectrum> dry,
-                  std::span<Spectrum> reflectance, const Spectrum* k, const Spectrum* s, float k2) {
-    Block block(volumes.size());
-    Lanes below, look;
-    for (std::size_t first = 0; first < dry.size(); first += kBlock) {
-        const std::size_t count = std::min(kBlock, dry.size() - first);
-        block.load(volumes, first, count);
-        for (std::size_t band = 0; band < kBands; ++band) {
-            block.mix(k, s, band);
-            for (std::size_t i = 0; i < kBlock; ++i) below[i] = dry[first + std::min(i, count - 1)][band];
-            for (std::size_t i = 0; i < kBlock; ++i)
-                look[i] = look_of(block.kx[i], block.sx[i], below[i], k2);
-            for (std::size_t i = 0; i < count; ++i) reflectance[first + i][band] = look[i];
-        }
     }
 }
 
@@ -164,14 +153,19 @@ FilmBatch::FilmBatch(std::span<const Pigment> pigments, Illuminant illuminant, f
 
 void FilmBatch::look(std::span<const std::span<const float>> volumes_mm, std::span<const Rgb> dry,
                      std::span<Rgb> colour) const {
-    require_sizes(volumes_mm, k_.size(), dry.size(), colour.size());
-    look_rgb(volumes_mm, dry, colour, k_.data(), s_.data(), weights_, k2_);
+    const Film film{this, volumes_mm};
+    look_through({&film, 1}, dry, colour);
 }
 
-void FilmBatch::look(std::span<const std::span<const float>> volumes_mm, std::span<const Spectrum> dry,
-                     std::span<Spectrum> reflectance) const {
-    require_sizes(volumes_mm, k_.size(), dry.size(), reflectance.size());
-    look_spectra(volumes_mm, dry, reflectance, k_.data(), s_.data(), k2_);
+void FilmBatch::look_through(std::span<const Film> films, std::span<const Rgb> dry, std::span<Rgb> colour) {
+    TP_REQUIRE(!films.empty(), "there is a film");
+    std::vector<FilmToShow> shown;
+    for (const Film& film : films) {
+        require_sizes(film.volumes_mm, film.paints->k_.size(), dry.size(), colour.size());
+        shown.push_back({film.volumes_mm, film.paints->k_.data(), film.paints->s_.data()});
+    }
+    const FilmBatch& last = *films.back().paints;
+    look_rgb(shown, dry, colour, last.weights_, last.k2_);
 }
 
 }  // namespace tangi

@@ -100,9 +100,14 @@ public:
     void look(std::span<const std::span<const float>> volumes_mm, std::span<const Rgb> dry,
               std::span<Rgb> colour) const;
 
-    // The same over layers of known reflectance (outside), as reflectance: to paint layer upon layer.
-    void look(std::span<const std::span<const float>> volumes_mm, std::span<const Spectrum> dry,
-              std::span<Spectrum> reflectance) const;
+    // Films on each other, from the bottom up, of as many pixels each: each lies over what those below it
+    // look like, band by band. Illuminant and k2 are the last one's. Throws ContractError where there is
+    // none.
+    struct Film {
+        const FilmBatch* paints;
+        std::span<const std::span<const float>> volumes_mm;
+    };
+    static void look_through(std::span<const Film> films, std::span<const Rgb> dry, std::span<Rgb> colour);
 
     std::size_t pigments() const { return k_.size(); }
 

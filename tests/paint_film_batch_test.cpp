@@ -1,6 +1,8 @@
 // paint_film_batch_test.cpp: many films at once against one at a time.
 #include <gtest/gtest.h>
 
+#include <array>
+
 #include "paint/kubelka_munk.h"
 #include "paint/palette.h"
 #include "surface/parallel.h"
@@ -56,16 +58,18 @@ TEST(FilmBatch, AgreesWithOneFilmAtATime) {
     }
 }
 
-TEST(FilmBatch, OverSpectraAgreesWithOneFilmAtATime) {
-    const Pixels pixels(257);
-    std::vector<Spectrum> below, look(257);
-    for (const Rgb& dry : pixels.dry) below.push_back(reflectance_of_rgb(dry));
-    FilmBatch(pixels.paints).look(pixels.planes, below, look);
+TEST(FilmBatch, FilmsOnEachOtherAgreeWithOneFilmAtATime) {
+    const Pixels below(257), above(257, 7);
+    const FilmBatch one(below.paints), other(above.paints, Illuminant::a);
+    const std::array<FilmBatch::Film, 2> films = {{{&one, below.planes}, {&other, above.planes}}};
+    std::vector<Rgb> colour(257);
+    FilmBatch::look_through(films, below.dry, colour);
     for (std::size_t i = 0; i < 257; ++i) {
-        const Spectrum expected = pixels.one_by_one(i, below[i]);
-        for (std::size_t band = 0; band < kBands; ++band)
-            ASSERT_NEAR(look[i][band], expected[band], 5e-6) << i;
+        const Spectrum first = below.one_by_one(i, reflectance_of_rgb(below.dry[i]));
+        const Rgb expected = to_linear_rgb(above.one_by_one(i, first), Illuminant::a);
+        for (int c = 0; c < 3; ++c) ASSERT_NEAR(colour[i][c], expected[c], 5e-6) << i;
     }
+    EXPECT_THROW(FilmBatch::look_through({}, below.dry, colour), ContractError);
 }
 
 TEST(FilmBatch, WithoutPaintGivesTheDryLayerEvenOutsideOfTheGamut) {
