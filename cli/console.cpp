@@ -114,30 +114,7 @@ Console& console() {
 
 }  // namespace
 
-std::string printable(std::string_view text) {
-    std::string result;
-    for (std::size_t i = 0; i < text.size(); ++i) {
-        const auto byte = static_cast<unsigned char>(text[i]);
-        const std::size_t length = utf8_length(text.substr(i));
-        // U+0080 to U+009F are control characters too: some terminals take U+009B for an escape sequence.
-        const bool wide = byte == 0xc2 && i + 1 < text.size() &&
-                          static_cast<unsigned char>(text[i + 1]) >= 0x80 &&
-                          static_cast<unsigned char>(text[i + 1]) < 0xa0;
-        if (byte == '\n')
-            result += "\\n";
-        else if (byte == '\t')
-            result += "\\t";
-        else if (byte < 0x20 || byte == 0x7f)
-            result += fmt::format("\\x{:02x}", byte);
-        else if (wide)
-            result += fmt::format("\\u{:04x}", static_cast<unsigned char>(text[++i]));
-        else if (length == 0)  // names of files may have any bytes; logs and terminals want UTF-8
-            result += fmt::format("\\x{:02x}", byte);
-        else
-            result += text.substr(i, length), i += length - 1;
-    }
-    return result;
-}
+std::string printable(std::string_view text) { return shortened(text, text.size()); }
 
 void write_stderr(std::string_view text) { std::fwrite(text.data(), 1, text.size(), stderr); }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstring>
 
+#include "paint/paint_layer.h"
 #include "paint/transfer.h"
 #include "surface/parallel.h"
 #include "surface/vector_clones.h"

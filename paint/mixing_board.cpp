@@ -4,7 +4,6 @@
 #include <cmath>
 #include <limits>
 
-#include "paint/transfer.h"
 #include "surface/error.h"
 
 namespace tangi {

@@ -22,6 +22,7 @@ namespace tangi {
 // Index into Canvas::ingredients(); in tiles, with kUpper added, what of that paint is in the upper film.
 using IngredientId = std::uint16_t;
 
+constexpr float kUpper_mm = 0.02f;  // [mm] of the upper film that strokes and piles leave
 constexpr IngredientId kUpper = 0x8000;
 constexpr bool is_upper(IngredientId id) { return (id & kUpper) != 0; }
 constexpr IngredientId upper_of(IngredientId paint) { return static_cast<IngredientId>(paint | kUpper); }

@@ -2,31 +2,12 @@
 // back.
 #pragma once
 
-#include <map>
-#include <set>
 #include <vector>
 
-#include "paint/brush.h"
 #include "paint/canvas.h"
 #include "paint/transfer.h"
 
 namespace tangi {
-
-// Whether a stroke has met other wet paint than its brush brought: from then on, what it lays stays above as
-// an upper film. Of one stroke, and by what lay there before it: how steps are grouped does not matter.
-class OtherPaint {
-public:
-    explicit OtherPaint(const Brush& brush);
-    // To be asked for each step in its turn, before it is painted; `box`: the pixels that it may change.
-    bool met(const PaintLayer& wet, const Region& box);
-
-private:
-    bool is_in(const PaintLayer& wet, TileIndex at) const;
-
-    std::map<IngredientId, double> brought_;  // parts by volume; empty where the brush has no paint
-    std::set<TileIndex> seen_;
-    bool met_ = false;
-};
 
 // The wet paint of a region, its support and where brushes may work. The paint is taken out of the tiles
 // and put back when the steps are done: in between this is the paint, not a copy of it to pick up from.

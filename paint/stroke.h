@@ -12,7 +12,7 @@
 
 #include "paint/brush.h"
 #include "paint/canvas.h"
-#include "paint/paint_window.h"
+#include "paint/other_paint.h"
 #include "paint/transfer.h"
 
 namespace tangi {

@@ -100,7 +100,6 @@ void for_rows_of_step(int width, int height, const std::function<void(int begin,
 // kUpper_mm of it, of which what comes last is most, as an upper film that is taken first, and that bristles
 // which dip into the paint stir into what it lies on. Where they lay more than that, what was there before is
 // mixed in.
-constexpr float kUpper_mm = 0.02f;
 void exchange(const StepBox& box, const TransferRates& rates, StepScratch& scratch);
 
 // Moves what is above the underside as the bristles move, and sideways, and lets steps steeper than the yield

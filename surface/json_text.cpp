@@ -78,15 +78,22 @@ std::string_view word_at(std::string_view text, std::size_t at) {
     return text.substr(begin, end - begin);
 }
 
-// As the program prints names on a terminal (cli/command.h).
-std::string in_one_line(const std::string& text) {
+// Without control characters, which would give orders to a terminal; names of files may have any bytes, and
+// logs and JSON want UTF-8.
+std::string in_one_line(std::string_view text) {
     std::string line;
-    for (const char c : text) {
-        const auto byte = static_cast<unsigned char>(c);
-        if (!is_control(byte))
-            line += c;
+    for (std::size_t i = 0; i < text.size();) {
+        const auto byte = static_cast<unsigned char>(text[i]);
+        const std::size_t length = utf8_length(text.substr(i));
+        // U+0080 to U+009F are control characters too: some terminals take U+009B for an escape sequence.
+        const bool wide = byte == 0xc2 && length == 2 && static_cast<unsigned char>(text[i + 1]) < 0xa0;
+        if (wide)
+            line += fmt::format("\\u{:04x}", static_cast<unsigned char>(text[i + 1]));
+        else if (length > 0 && !is_control(byte))
+            line += text.substr(i, length);
         else
-            line += c == '\n' ? "\\n" : c == '\t' ? "\\t" : fmt::format("\\x{:02x}", byte);
+            line += byte == '\n' ? "\\n" : byte == '\t' ? "\\t" : fmt::format("\\x{:02x}", byte);
+        i += std::max<std::size_t>(length, 1);
     }
     return line;
 }
@@ -146,10 +153,10 @@ std::string shown(const json& value) {
 }
 
 std::string shortened(std::string_view text, std::size_t most_bytes) {
-    if (text.size() <= most_bytes) return in_one_line(valid_utf8(text));
+    if (text.size() <= most_bytes) return in_one_line(text);
     std::size_t end = most_bytes;
     while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xc0) == 0x80) --end;  // whole characters
-    return fmt::format("{}… ({} bytes)", in_one_line(valid_utf8(text.substr(0, end))), text.size());
+    return fmt::format("{}… ({} bytes)", in_one_line(text.substr(0, end)), text.size());
 }
 
 std::size_t utf8_length(std::string_view text) {
