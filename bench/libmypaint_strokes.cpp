@@ -3,7 +3,6 @@
 #include <benchmark/benchmark.h>
 #include <libmypaint/mypaint-brush.h>
 #include <libmypaint/mypaint-tiled-surface.h>
-#include <time.h>
 
 #include <algorithm>
 #include <cmath>
@@ -11,6 +10,8 @@
 #include <numbers>
 #include <string>
 #include <vector>
+
+#include "bench/cpu_clock.h"
 
 namespace {
 
@@ -63,13 +64,6 @@ struct Surface {
                              colorize, posterize, levels, paint);
     }
 };
-
-// Time that this process had a processor for, as in stroke_bench.cpp.
-double cpu_seconds() {
-    timespec now{};
-    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
-    return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
 
 // Arguments: size of the brush in pixels, speed of the stroke in pixels a second.
 void BM_Libmypaint(benchmark::State& state) {

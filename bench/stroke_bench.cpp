@@ -3,7 +3,6 @@
 // The canvas is fully wet where the brush goes, with the paints of the brush and of the canvas: both
 // directions of the transfer work on every pixel. A frame is one sample of the pen: the way of 1/60 s.
 #include <benchmark/benchmark.h>
-#include <time.h>
 
 #include <algorithm>
 #include <chrono>
@@ -11,6 +10,7 @@
 #include <memory>
 #include <vector>
 
+#include "bench/cpu_clock.h"
 #include "paint/appearance.h"
 #include "paint/history.h"
 #include "paint/palette.h"
@@ -48,13 +48,6 @@ Canvas wet_canvas(int width, int height, int paints) {
     for (int y = 0; y < canvas.wet().rows(); ++y)
         for (int x = 0; x < canvas.wet().columns(); ++x) canvas.writable_wet().set_tile({x, y}, shared);
     return canvas;
-}
-
-// Time that this process had a processor for: what a frame takes where nothing else runs.
-double cpu_seconds() {
-    timespec now{};
-    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
-    return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
 struct Frames {

@@ -351,8 +351,8 @@ void Brush::underside_mm(const Dab& dab, int x0, int y0, int width, int height, 
     first_row.touched = touched;
     first_row.rim_mm =
         static_cast<float>(std::min(settings_.yield_slope * mm_per_pixel_, settings_.reach_mm));
-    const TipOutline outline{(half_width_px_ + 1) / narrowing, (half_thickness_px_ + 1) / narrowing, c, s,
-                             settings_.shape == "round"};
+    const TipOutline outline((half_width_px_ + 1) / narrowing, (half_thickness_px_ + 1) / narrowing, c, s,
+                             settings_.shape == "round");
     spans.resize(static_cast<std::size_t>(height));
     const auto one = [&](int y) {
         const double py = y0 + y - cy;

@@ -14,8 +14,7 @@ namespace {
 
 constexpr int kRowsAtOnce = 32;  // by one thread
 
-constexpr int kLanes = 8;  // pixels at once: rows are widened() to as many
-using Lanes = float __attribute__((vector_size(kLanes * sizeof(float))));
+constexpr int kWidened = 8;  // [pixels] of which rows have a multiple, where there is room
 
 constexpr float kTiny = 1e-9f;  // [mm] keeps 0 / 0 away
 
@@ -105,12 +104,28 @@ TP_INLINE void apply_some(int x, const float* give, const float* take, const std
     std::memcpy(load_total + x, &load_sum, sizeof load_sum);
 }
 
+template <int kLanes>
+TP_INLINE void apply_all(int n, const float* give, const float* take, const std::vector<SharedRow>& rows,
+                         float* total, float* load_total) {
+    int x = 0;
+    for (; x + kLanes <= n; x += kLanes)
+        apply_some<FloatLanes<kLanes>>(x, give, take, rows, total, load_total);
+    for (; kLanes > kWidened && x + kWidened <= n; x += kWidened)
+        apply_some<FloatLanes<kWidened>>(x, give, take, rows, total, load_total);
+    for (; x < n; ++x) apply_some<float>(x, give, take, rows, total, load_total);
+}
+
 TP_VECTOR_CLONES
 void apply_row(int n, const float* give, const float* take, const std::vector<SharedRow>& rows, float* total,
                float* load_total) {
-    int x = 0;
-    for (; x + kLanes <= n; x += kLanes) apply_some<Lanes>(x, give, take, rows, total, load_total);
-    for (; x < n; ++x) apply_some<float>(x, give, take, rows, total, load_total);
+    switch (lanes_of_clone()) {
+        case 16:
+            return apply_all<16>(n, give, take, rows, total, load_total);
+        case 8:
+            return apply_all<8>(n, give, take, rows, total, load_total);
+        default:
+            return apply_all<4>(n, give, take, rows, total, load_total);
+    }
 }
 
 // An ingredient's rows where there is an upper film.
@@ -197,22 +212,32 @@ TP_INLINE void apply_films_some(int x, const FilmsRow& r, const std::vector<Film
         std::memcpy(row.upper + x, &u, sizeof u);
         std::memcpy(row.load + x, &on_brush, sizeof on_brush);
         sum += m;
-        load_sum += on_brush;
-    }
-    for (const FilmRow& row : rows) {
-        T u;
-        load(u, row.upper + x);
         sum += u;
+        load_sum += on_brush;
     }
     std::memcpy(r.total + x, &sum, sizeof sum);
     std::memcpy(r.load_total + x, &load_sum, sizeof load_sum);
 }
 
+template <int kLanes>
+TP_INLINE void apply_films_all(int n, const FilmsRow& r, const std::vector<FilmRow>& rows) {
+    int x = 0;
+    for (; x + kLanes <= n; x += kLanes) apply_films_some<FloatLanes<kLanes>>(x, r, rows);
+    for (; kLanes > kWidened && x + kWidened <= n; x += kWidened)
+        apply_films_some<FloatLanes<kWidened>>(x, r, rows);
+    for (; x < n; ++x) apply_films_some<float>(x, r, rows);
+}
+
 TP_VECTOR_CLONES
 void apply_films_row(int n, const FilmsRow& r, const std::vector<FilmRow>& rows) {
-    int x = 0;
-    for (; x + kLanes <= n; x += kLanes) apply_films_some<Lanes>(x, r, rows);
-    for (; x < n; ++x) apply_films_some<float>(x, r, rows);
+    switch (lanes_of_clone()) {
+        case 16:
+            return apply_films_all<16>(n, r, rows);
+        case 8:
+            return apply_films_all<8>(n, r, rows);
+        default:
+            return apply_films_all<4>(n, r, rows);
+    }
 }
 
 std::size_t at(int y, std::size_t stride) { return static_cast<std::size_t>(y) * stride; }
@@ -227,7 +252,7 @@ void for_rows_of_step(int width, int height, const std::function<void(int, int)>
 }
 
 RowSpan widened(const RowSpan& span, const RowSpan& room) {
-    const int wanted = (span.end - span.begin + kLanes - 1) / kLanes * kLanes;
+    const int wanted = (span.end - span.begin + kWidened - 1) / kWidened * kWidened;
     const int end = std::min(span.begin + wanted, room.end);
     return {std::max(end - wanted, room.begin), end};
 }
@@ -257,8 +282,11 @@ void exchange(const StepBox& box, const TransferRates& rates, StepScratch& scrat
             exchange_row(count, rates, box.sides.row_from(span.begin, y), box.lanes, underside, relief, open,
                          cover, total, load_total, give, take);
             for (std::size_t i = 0; i < paints; ++i) {
-                rows[i] = {box.paint[i] + canvas, box.load[i] + load};
-                if (upper) films[i] = {rows[i].paint, box.paint[paints + i] + canvas, rows[i].load};
+                float* on_brush = box.load[i] + load;
+                if (upper)
+                    films[i] = {box.paint[2 * i] + canvas, box.paint[2 * i + 1] + canvas, on_brush};
+                else
+                    rows[i] = {box.paint[i] + canvas, on_brush};
             }
             if (upper)
                 apply_films_row(count,

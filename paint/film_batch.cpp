@@ -19,8 +19,6 @@ namespace {
 
 constexpr std::size_t kBlock = 32;  // pixels
 using Lanes = std::array<float, kBlock>;
-constexpr std::size_t kWide = 16;
-using Wide = float __attribute__((vector_size(kWide * sizeof(float))));  // as many registers as it takes
 
 // exp(x) - 1 to rounding, for 0 <= x <= 60.
 TP_INLINE float smaller(float a, float b) { return a < b ? a : b; }
@@ -79,11 +77,12 @@ struct Block {
     }
 
     // Sums stay in registers over all pigments: the compiler does not see by itself that they can.
+    template <int kLanes>
     TP_INLINE void mix(const Spectrum* k, const Spectrum* s, std::size_t band, Lanes& kx, Lanes& sx) const {
-        for (std::size_t i = 0; i < kBlock; i += kWide) {
-            Wide k_sum{}, s_sum{};
+        for (std::size_t i = 0; i < kBlock; i += kLanes) {
+            FloatLanes<kLanes> k_sum{}, s_sum{};
             for (std::size_t j = 0; j < present.size(); ++j) {
-                Wide volume;
+                FloatLanes<kLanes> volume;
                 std::memcpy(&volume, volumes[j].data() + i, sizeof volume);
                 k_sum += volume * k[present[j]][band];
                 s_sum += volume * s[present[j]][band];
@@ -100,9 +99,9 @@ struct FilmToShow {
     const Spectrum *k, *s;
 };
 
-TP_VECTOR_CLONES
-void look_rgb(std::span<const FilmToShow> films, std::span<const Rgb> dry, std::span<Rgb> colour,
-              const std::array<Spectrum, 3>& weights, float k2) {
+template <int kLanes>
+TP_INLINE void look_rgb_in(std::span<const FilmToShow> films, std::span<const Rgb> dry, std::span<Rgb> colour,
+                           const std::array<Spectrum, 3>& weights, float k2) {
     const std::array<Spectrum, 3>& basis = rgb_basis();
     std::vector<Block> blocks;
     for (const FilmToShow& film : films) blocks.emplace_back(film.volumes.size());
@@ -120,7 +119,7 @@ void look_rgb(std::span<const FilmToShow> films, std::span<const Rgb> dry, std::
                 seen[i] = below[0][i] * basis[0][band] + below[1][i] * basis[1][band] +
                           below[2][i] * basis[2][band];
             for (std::size_t f = 0; f < films.size(); ++f) {
-                blocks[f].mix(films[f].k, films[f].s, band, kx, sx);
+                blocks[f].mix<kLanes>(films[f].k, films[f].s, band, kx, sx);
                 for (std::size_t i = 0; i < kBlock; ++i) seen[i] = look_of(kx[i], sx[i], seen[i], k2);
             }
             for (std::size_t i = 0; i < kBlock; ++i) {
@@ -130,6 +129,19 @@ void look_rgb(std::span<const FilmToShow> films, std::span<const Rgb> dry, std::
             }
         }
         for (std::size_t i = 0; i < count; ++i) colour[first + i] = Rgb(sum[0][i], sum[1][i], sum[2][i]);
+    }
+}
+
+TP_VECTOR_CLONES
+void look_rgb(std::span<const FilmToShow> films, std::span<const Rgb> dry, std::span<Rgb> colour,
+              const std::array<Spectrum, 3>& weights, float k2) {
+    switch (lanes_of_clone()) {
+        case 16:
+            return look_rgb_in<16>(films, dry, colour, weights, k2);
+        case 8:
+            return look_rgb_in<8>(films, dry, colour, weights, k2);
+        default:
+            return look_rgb_in<4>(films, dry, colour, weights, k2);
     }
 }
 

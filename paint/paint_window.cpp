@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cstring>
-#include <iterator>
 
 #include "surface/parallel.h"
+#include "surface/vector_clones.h"
 
 namespace tangi {
 
@@ -23,12 +23,24 @@ void box_mean(const float* in, std::size_t in_step, float* out, std::size_t out_
     }
 }
 
+TP_VECTOR_CLONES
+void take_row(int n, const float* __restrict from, float* __restrict to, float* __restrict sum) {
+    for (int x = 0; x < n; ++x) {
+        to[x] = from[x];
+        sum[x] += from[x];
+    }
+}
+
 // Calls body(tile, part of the region in it) for all tiles of a region that lies on the canvas.
 template <class Body>
 void for_tiles(const Region& region, const PaintLayer& layer, const Body& body) {
     for (int ty = region.y0 / kTileSize; ty * kTileSize < region.y1; ++ty)
         for (int tx = region.x0 / kTileSize; tx * kTileSize < region.x1; ++tx)
             body(TileIndex{tx, ty}, intersection(region, layer.region_of({tx, ty})));
+}
+
+bool holds_paint(const float* row, int n) {
+    return std::any_of(row, row + n, [](float mm) { return mm != 0; });
 }
 
 std::size_t in_tile(int x, int y) {
@@ -57,8 +69,10 @@ PaintWindow::PaintWindow(const Canvas& canvas, const Region& region, std::vector
         });
     std::sort(ingredients_.begin(), ingredients_.end());
     ingredients_.erase(std::unique(ingredients_.begin(), ingredients_.end()), ingredients_.end());
-    planes_ = ingredients_;
-    if (upper) std::ranges::transform(ingredients_, std::back_inserter(planes_), upper_of);
+    for (const IngredientId id : ingredients_) {
+        planes_.push_back(id);
+        if (upper) planes_.push_back(upper_of(id));
+    }
     paint_.assign(planes_.size(), std::vector<float>(pixels, 0.0f));
     if (on_canvas_.empty()) return;
     find_relief(canvas, ride_px);
@@ -94,9 +108,13 @@ void PaintWindow::find_relief(const Canvas& canvas, int ride_px) {
 }
 
 void PaintWindow::find_open(const Canvas& canvas) {
-    for (int y = on_canvas_.y0; y < on_canvas_.y1; ++y)
-        for (int x = on_canvas_.x0; x < on_canvas_.x1; ++x)
-            open_[index(x, y)] = canvas.mask() ? (*canvas.mask())(x, y) : 1.0f;
+    for (int y = on_canvas_.y0; y < on_canvas_.y1; ++y) {
+        float* row = open_.data() + index(on_canvas_.x0, y);
+        if (canvas.mask())
+            for (int x = on_canvas_.x0; x < on_canvas_.x1; ++x) *row++ = (*canvas.mask())(x, y);
+        else
+            std::fill_n(row, on_canvas_.width(), 1.0f);
+    }
 }
 
 void PaintWindow::take_paint(const PaintLayer& wet) {
@@ -106,14 +124,9 @@ void PaintWindow::take_paint(const PaintLayer& wet) {
         for (std::size_t i = 0; i < planes_.size(); ++i) {
             const auto plane = tile->plane(planes_[i]);
             if (plane.empty()) continue;
-            for (int y = part.y0; y < part.y1; ++y) {
-                const float* from = plane.data() + in_tile(part.x0, y);
-                float *to = paint_[i].data() + index(part.x0, y), *sum = total_.data() + index(part.x0, y);
-                for (int x = 0; x < part.width(); ++x) {
-                    to[x] = from[x];
-                    sum[x] += from[x];
-                }
-            }
+            for (int y = part.y0; y < part.y1; ++y)
+                take_row(part.width(), plane.data() + in_tile(part.x0, y),
+                         paint_[i].data() + index(part.x0, y), total_.data() + index(part.x0, y));
         }
     });
 }
@@ -142,20 +155,26 @@ void PaintWindow::store(Canvas& canvas) const {
                 const float* row = paint_[i].data() + index(part.x0, y);
                 if (!old.empty())
                     changed = changed || std::memcmp(row, old.data() + in_tile(part.x0, y), row_bytes) != 0;
-                else if (std::any_of(row, row + part.width(), [](float v) { return v != 0; }))
+                else if (holds_paint(row, part.width()))
                     any = changed = true;
             }
             if (any) occurring.push_back(i);
         }
         if (!changed) return;
         PaintTile& tile = wet.writable(at);
+        bool gone = false;  // the upper film of a paint, from here
         for (const std::size_t i : occurring) {
             const IngredientId id = planes_[i];
             float* plane = tile.writable_plane(id).data();
-            for (int y = part.y0; y < part.y1; ++y)
-                std::memcpy(plane + in_tile(part.x0, y), paint_[i].data() + index(part.x0, y), row_bytes);
+            bool here = false;
+            for (int y = part.y0; y < part.y1; ++y) {
+                const float* row = paint_[i].data() + index(part.x0, y);
+                std::memcpy(plane + in_tile(part.x0, y), row, row_bytes);
+                here = here || holds_paint(row, part.width());
+            }
+            gone = gone || (is_upper(id) && !here);
         }
-        tile.drop_empty_upper();
+        if (gone) tile.drop_empty_upper();
         canvas.mark_dirty(at, part);
     });
 }

@@ -65,7 +65,7 @@ struct StepBox {
     const float* open = nullptr;       // [1] factor of the transfer that the canvas allows; 0: no brush works
     float* total_mm = nullptr;         // W, sum of `paint`
     std::size_t canvas_stride = 0;
-    // W of each ingredient; where there is an upper film, followed by what of each is in that.
+    // W of each ingredient; where there is an upper film, each followed by what of it is in that.
     std::vector<float*> paint;
     bool laid_above = false;         // what is laid goes into the upper film, which there is
     float* load_total_mm = nullptr;  // L, sum of `load`

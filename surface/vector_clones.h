@@ -5,9 +5,29 @@
 
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__)
 #define TP_VECTOR_CLONES __attribute__((target_clones("avx512f", "avx2", "default")))
+#define TP_HAS_VECTOR_CLONES 1
 #else
 #define TP_VECTOR_CLONES
+#define TP_HAS_VECTOR_CLONES 0
 #endif
 
 // What such a function calls becomes part of it.
 #define TP_INLINE inline __attribute__((always_inline))
+
+namespace tangi {
+
+// N floats that are computed with at once.
+template <int N>
+using FloatLanes __attribute__((vector_size(N * sizeof(float)))) = float;
+
+// Floats that a register holds in the clone that runs here. Compilers keep vectors of more of them in memory,
+// which takes up to twice as long as one of these after the other.
+inline int lanes_of_clone() {
+#if TP_HAS_VECTOR_CLONES
+    if (__builtin_cpu_supports("avx512f")) return 16;
+    if (__builtin_cpu_supports("avx2")) return 8;
+#endif
+    return 4;
+}
+
+}  // namespace tangi
