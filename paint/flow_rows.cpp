@@ -85,12 +85,16 @@ TP_INLINE void advect_all(int n, const Heading& m, const std::vector<AdvectedRow
 
 template <int kLanes>
 TP_INLINE void copy(int n, const float* from, float* to) {
-    int x = 0;
-    for (FloatLanes<kLanes> some; x + kLanes <= n; x += kLanes) {
+    if (n < kLanes) {
+        for (int x = 0; x < n; ++x) to[x] = from[x];
+        return;
+    }
+    FloatLanes<kLanes> some;
+    for (int x = 0;; x = std::min(x + kLanes, n - kLanes)) {
         load(some, from + x);
         std::memcpy(to + x, &some, sizeof some);
+        if (x == n - kLanes) return;
     }
-    for (; x < n; ++x) to[x] = from[x];
 }
 
 template <int kLanes>
@@ -174,6 +178,16 @@ void outflow_row(int n, const TransferRates& rates, const RowMotion& m, const Br
         up[x] = o_up[x] > 0 ? u : 0.0f;
         down[x] = o_down[x] > 0 ? d : 0.0f;
         ahead[x] = o_ahead[x] > 0 ? diagonal * scale : 0.0f;
+    }
+}
+
+void clear_beside(const RowSpan& span, const RowSpan& looked_at, const Outflow& out) {
+    constexpr int lanes = kBesideFlows;
+    const FloatLanes<lanes> nothing{};
+    for (float* flow : {out.left, out.right, out.up, out.down, out.ahead}) {
+        for (int x = span.begin; x > looked_at.begin; x -= lanes)
+            std::memcpy(flow + x - lanes, &nothing, sizeof nothing);
+        for (int x = span.end; x < looked_at.end; x += lanes) std::memcpy(flow + x, &nothing, sizeof nothing);
     }
 }
 

@@ -34,6 +34,11 @@ void outflow_row(int n, const TransferRates& rates, const RowMotion& motion, con
                  std::size_t top_stride, const float* total, const float* open, std::size_t stride,
                  const Outflow& out);
 
+// Clears flows of a row on either side of `span`, as far as they are looked at, and up to kBesideFlows - 1
+// more.
+void clear_beside(const RowSpan& span, const RowSpan& looked_at, const Outflow& out);
+constexpr int kBesideFlows = 8;
+
 void add_row(int n, const float* relief, const float* total, float* top);
 
 // What a row's paint can come from: the flows of the row itself and of those beside it.

@@ -10,16 +10,29 @@ namespace tangi {
 
 namespace {
 
-// Mean over 2 * radius + 1 values around each, of which those beyond the ends count as the ends.
-void box_mean(const float* in, std::size_t in_step, float* out, std::size_t out_step, int count, int radius) {
-    const auto value = [&](int i) {
-        return in[static_cast<std::size_t>(std::clamp(i, 0, count - 1)) * in_step];
-    };
+// Mean over 2 * radius + 1 values of a row around each, of which those beyond the ends count as the ends.
+// `padded` has room for 2 * radius + 1 more.
+void mean_along(const float* in, float* out, int count, int radius, std::vector<double>& padded) {
+    const auto r = static_cast<std::size_t>(radius), n = static_cast<std::size_t>(count);
+    padded.resize(n + 2 * r + 1);
+    std::fill_n(padded.begin(), r, double(in[0]));
+    std::copy_n(in, n, padded.begin() + radius);
+    std::fill_n(padded.begin() + radius + count, r + 1, double(in[n - 1]));
     double sum = 0;
-    for (int i = -radius; i <= radius; ++i) sum += value(i);
-    for (int i = 0; i < count; ++i) {
-        out[static_cast<std::size_t>(i) * out_step] = static_cast<float>(sum / (2 * radius + 1));
-        sum += static_cast<double>(value(i + radius + 1)) - static_cast<double>(value(i - radius));
+    for (std::size_t i = 0; i <= 2 * r; ++i) sum += padded[i];
+    for (std::size_t i = 0; i < n; ++i) {
+        out[i] = static_cast<float>(sum / static_cast<double>(2 * radius + 1));
+        sum += padded[i + 2 * r + 1] - padded[i];
+    }
+}
+
+// out = here - sum / all; and the sum goes on by a row.
+TP_VECTOR_CLONES
+void above_mean_row(int n, const float* __restrict here, const float* __restrict next,
+                    const float* __restrict last, double all, double* __restrict sum, float* __restrict out) {
+    for (int x = 0; x < n; ++x) {
+        out[x] = here[x] - static_cast<float>(sum[x] / all);
+        sum[x] += static_cast<double>(next[x]) - static_cast<double>(last[x]);
     }
 }
 
@@ -89,21 +102,27 @@ void PaintWindow::find_relief(const Canvas& canvas, int ride_px) {
     canvas.relief_mm(wide, height.data(), stride);
     constexpr int kLines = 64;  // rows or columns, before a second thread wakes up
     parallel_for(0, wide.height(), kLines, [&](int begin, int end) {
+        std::vector<double> padded;
         for (int y = begin; y < end; ++y) {
             const std::size_t row = static_cast<std::size_t>(y) * stride;
-            box_mean(height.data() + row, 1, mean.data() + row, 1, wide.width(), ride_px);
+            mean_along(height.data() + row, mean.data() + row, wide.width(), ride_px, padded);
         }
     });
     parallel_for(on_canvas_.x0, on_canvas_.x1, kLines, [&](int begin, int end) {
-        std::vector<float> column(static_cast<std::size_t>(wide.height()));
-        for (int x = begin; x < end; ++x) {
-            const auto offset = static_cast<std::size_t>(x - wide.x0);
-            box_mean(mean.data() + offset, stride, column.data(), 1, wide.height(), ride_px);
-            for (int y = on_canvas_.y0; y < on_canvas_.y1; ++y) {
-                const auto row = static_cast<std::size_t>(y - wide.y0);
-                relief_[index(x, y)] = height[row * stride + offset] - column[row];
-            }
-        }
+        // Rows of means and of heights, of which those beyond the ends count as the ends.
+        const auto at = [&](int y) {
+            return static_cast<std::size_t>(std::clamp(y, wide.y0, wide.y1 - 1) - wide.y0) * stride +
+                   static_cast<std::size_t>(begin - wide.x0);
+        };
+        std::vector<double> sum(static_cast<std::size_t>(end - begin), 0.0);
+        const int n = end - begin, first = on_canvas_.y0;
+        for (int y = first - ride_px; y <= first + ride_px; ++y)
+            for (int x = 0; x < n; ++x)
+                sum[static_cast<std::size_t>(x)] += mean[at(y) + static_cast<std::size_t>(x)];
+        for (int y = first; y < on_canvas_.y1; ++y)
+            above_mean_row(n, height.data() + at(y), mean.data() + at(y + ride_px + 1),
+                           mean.data() + at(y - ride_px), 2 * ride_px + 1, sum.data(),
+                           relief_.data() + index(begin, y));
     });
 }
 

@@ -14,32 +14,37 @@ constexpr int kRing = 2;  // [pixels] that give no paint
 
 std::size_t at(int y, std::size_t stride) { return static_cast<std::size_t>(y) * stride; }
 
-// What the spans of rows y - margin to y + margin cover, and `margin` more on either side; nothing where all
-// are empty.
+constexpr RowSpan kNothing{1 << 28, -(1 << 28)};  // least and greatest of no columns
+
+// What the spans of rows y - margin to y + margin cover, and `margin` more on either side; empty where all
+// are kNothing.
 RowSpan around(const std::vector<RowSpan>& spans, int y, int margin) {
-    RowSpan all{1 << 30, 0};
-    for (int k = std::max(y - margin, 0); k <= std::min(y + margin, static_cast<int>(spans.size()) - 1);
-         ++k) {
+    RowSpan all = kNothing;
+    for (int k = std::max(y - margin, 0), last = std::min(y + margin, static_cast<int>(spans.size()) - 1);
+         k <= last; ++k) {
         const RowSpan span = spans[static_cast<std::size_t>(k)];
-        if (span.end <= span.begin) continue;
-        all.begin = std::min(all.begin, span.begin - margin);
-        all.end = std::max(all.end, span.end + margin);
+        all.begin = std::min(all.begin, span.begin);
+        all.end = std::max(all.end, span.end);
     }
-    return all;
+    return {all.begin - margin, all.end + margin};
 }
 
 // Where paint may flow, beside the bristles of the rows around and within the ring; the rows and columns that
 // change; and where flows are looked at.
 void find_spans(const StepBox& box, StepScratch& scratch) {
     const auto rows = static_cast<std::size_t>(box.height);
-    scratch.flowing.assign(rows, {0, 0});
+    scratch.touched.resize(rows);
+    for (std::size_t y = 0; y < rows; ++y) {
+        const RowSpan span = box.bristles[y];
+        scratch.touched[y] = span.end > span.begin ? span : kNothing;
+    }
+    scratch.flowing.assign(rows, kNothing);
     for (int y = kRing; y < box.height - kRing; ++y) {
-        const RowSpan all = around(box.bristles, y, kFlowMargin);
+        const RowSpan all = around(scratch.touched, y, kFlowMargin);
         if (all.end > all.begin)
             scratch.flowing[static_cast<std::size_t>(y)] = {std::max(all.begin, kRing),
                                                             std::min(all.end, box.width - kRing)};
     }
-    scratch.touched.resize(rows);
     for (int y = 0; y < box.height; ++y)
         if (RowSpan& span = scratch.touched[static_cast<std::size_t>(y)] = around(scratch.flowing, y, 1);
             span.end > span.begin && span.end - span.begin < kLeastAdvected)  // one vector at least
@@ -64,7 +69,9 @@ public:
           rows_(box.paint.size()) {}
 
     // Floats of memory.
-    static std::size_t line_of(const StepBox& box) { return static_cast<std::size_t>(box.width) + 2; }
+    static std::size_t line_of(const StepBox& box) {
+        return static_cast<std::size_t>(box.width + 2 * kBesideFlows);
+    }
     static std::size_t floats(const StepBox& box) {
         return line_of(box) * (kFlows * kPlanes + kRows * box.paint.size());
     }
@@ -105,13 +112,13 @@ private:
     float* row(std::size_t ingredient, int y) const {
         return box_.paint[ingredient] + at(y, box_.canvas_stride);
     }
-    // One pixel more on either side.
+    // There is room beside it.
     float* kept(std::size_t ingredient, int which) const {
         return memory_ + line_ * (kFlows * kPlanes + kRows * ingredient + static_cast<std::size_t>(which)) +
-               1;
+               kBesideFlows;
     }
     Outflow flow(int which) const {
-        float* first = memory_ + line_ * kPlanes * static_cast<std::size_t>(which) + 1;
+        float* first = memory_ + line_ * kPlanes * static_cast<std::size_t>(which) + kBesideFlows;
         return {first, first + line_, first + 2 * line_, first + 3 * line_, first + 4 * line_};
     }
 
@@ -137,12 +144,7 @@ private:
                         spans_.top.data() + at(y, top_stride) + first, top_stride, box_.total_mm + canvas,
                         box_.open + canvas, box_.canvas_stride, from(out, first));
         }
-        const auto nothing = [&out](int begin, int end) {  // a few pixels
-            for (int x = begin; x < end; ++x)
-                out.left[x] = out.right[x] = out.up[x] = out.down[x] = out.ahead[x] = 0;
-        };
-        nothing(looked_at.begin, span.begin);
-        nothing(span.end, looked_at.end);
+        clear_beside(span, looked_at, out);
     }
 
     static Outflow from(const Outflow& flow, std::size_t x) {
