@@ -76,27 +76,30 @@ void exchange_row(int n, const TransferRates& r, const BrushSides& sides, const 
     }
 }
 
-// A row of an ingredient, on the canvas and on the bristles.
+// A row of each of `count` ingredients, on the canvas and on the bristles.
 struct SharedRow {
-    float *paint, *load;
+    std::size_t count;
+    RowOfEach paint, load;
 };
 
 // As many pixels of all ingredients as T holds, from x on: what goes either way is read once for all of them.
 template <class T>
-TP_INLINE void apply_some(int x, const float* give, const float* take, const std::vector<SharedRow>& rows,
-                          float* total, float* load_total) {
+TP_INLINE void apply_some(int x, const float* give, const float* take, const SharedRow& row, float* total,
+                          float* load_total) {
     T given, taken, sum{}, load_sum{};
     std::memcpy(&given, give + x, sizeof given);
     std::memcpy(&taken, take + x, sizeof taken);
-    for (const SharedRow& row : rows) {
+    const auto [count, on_canvas, on_bristles] = row;  // a copy, which nothing that is written can change
+    for (std::size_t i = 0; i < count; ++i) {
+        float *at_paint = on_canvas[i] + x, *at_load = on_bristles[i] + x;
         T paint, load;
-        std::memcpy(&paint, row.paint + x, sizeof paint);
-        std::memcpy(&load, row.load + x, sizeof load);
+        std::memcpy(&paint, at_paint, sizeof paint);
+        std::memcpy(&load, at_load, sizeof load);
         const T moved = given * load - taken * paint;
         paint += moved;
         load -= moved;
-        std::memcpy(row.paint + x, &paint, sizeof paint);
-        std::memcpy(row.load + x, &load, sizeof load);
+        std::memcpy(at_paint, &paint, sizeof paint);
+        std::memcpy(at_load, &load, sizeof load);
         sum += paint;
         load_sum += load;
     }
@@ -105,36 +108,32 @@ TP_INLINE void apply_some(int x, const float* give, const float* take, const std
 }
 
 template <int kLanes>
-TP_INLINE void apply_all(int n, const float* give, const float* take, const std::vector<SharedRow>& rows,
-                         float* total, float* load_total) {
+TP_INLINE void apply_all(int n, const float* give, const float* take, const SharedRow& row, float* total,
+                         float* load_total) {
     int x = 0;
     for (; x + kLanes <= n; x += kLanes)
-        apply_some<FloatLanes<kLanes>>(x, give, take, rows, total, load_total);
+        apply_some<FloatLanes<kLanes>>(x, give, take, row, total, load_total);
     for (; kLanes > kWidened && x + kWidened <= n; x += kWidened)
-        apply_some<FloatLanes<kWidened>>(x, give, take, rows, total, load_total);
-    for (; x < n; ++x) apply_some<float>(x, give, take, rows, total, load_total);
+        apply_some<FloatLanes<kWidened>>(x, give, take, row, total, load_total);
+    for (; x < n; ++x) apply_some<float>(x, give, take, row, total, load_total);
 }
 
 TP_VECTOR_CLONES
-void apply_row(int n, const float* give, const float* take, const std::vector<SharedRow>& rows, float* total,
+void apply_row(int n, const float* give, const float* take, const SharedRow& row, float* total,
                float* load_total) {
     switch (lanes_of_clone()) {
         case 16:
-            return apply_all<16>(n, give, take, rows, total, load_total);
+            return apply_all<16>(n, give, take, row, total, load_total);
         case 8:
-            return apply_all<8>(n, give, take, rows, total, load_total);
+            return apply_all<8>(n, give, take, row, total, load_total);
         default:
-            return apply_all<4>(n, give, take, rows, total, load_total);
+            return apply_all<4>(n, give, take, row, total, load_total);
     }
 }
 
-// An ingredient's rows where there is an upper film.
-struct FilmRow {
-    float *mixed, *upper, *load;
-};
-
-// What all of them share.
+// The same where there is an upper film: paint[2 i] is mixed, paint[2 i + 1] in the upper film.
 struct FilmsRow {
+    SharedRow shared;
     const float *give, *take, *underside, *relief, *open, *cover;
     float *total, *load_total;
     bool laid_above;
@@ -149,7 +148,7 @@ TP_INLINE void load(T& value, const float* from) {
 // As many pixels of all ingredients as T holds, from x on. Where there is no upper film, bits are those of
 // apply_some(): how steps are grouped to windows does not show.
 template <class T>
-TP_INLINE void apply_films_some(int x, const FilmsRow& r, const std::vector<FilmRow>& rows) {
+TP_INLINE void apply_films_some(int x, const FilmsRow& r) {
     const T zero{}, one = zero + 1.0f;
     T give, take, underside, relief, open, cover, total, held;
     load(give, r.give + x);
@@ -160,11 +159,12 @@ TP_INLINE void apply_films_some(int x, const FilmsRow& r, const std::vector<Film
     load(cover, r.cover + x);
     load(total, r.total + x);
     load(held, r.load_total + x);
-    T mixed{}, upper{};  // [mm]
-    for (const FilmRow& row : rows) {
+    T mixed{}, upper{};                                 // [mm]
+    const auto [count, paint, on_bristles] = r.shared;  // a copy, which nothing that is written can change
+    for (std::size_t i = 0; i < count; ++i) {
         T m, u;
-        load(m, row.mixed + x);
-        load(u, row.upper + x);
+        load(m, paint[2 * i] + x);
+        load(u, paint[2 * i + 1] + x);
         mixed += m;
         upper += u;
     }
@@ -192,11 +192,12 @@ TP_INLINE void apply_films_some(int x, const FilmsRow& r, const std::vector<Film
     const T stirred = r.stir * dipped * (u2 < m2 ? u2 : m2);
     const T upper_stirred = stirred / (u2 + kTiny), mixed_stirred = stirred / (m2 + kTiny);
     T sum{}, load_sum{};
-    for (const FilmRow& row : rows) {
+    for (std::size_t i = 0; i < count; ++i) {
+        float *at_mixed = paint[2 * i] + x, *at_upper = paint[2 * i + 1] + x, *at_brush = on_bristles[i] + x;
         T m, u, on_brush;
-        load(m, row.mixed + x);
-        load(u, row.upper + x);
-        load(on_brush, row.load + x);
+        load(m, at_mixed);
+        load(u, at_upper);
+        load(on_brush, at_brush);
         const T given = give * on_brush, onto = above * given;
         const T to_upper = onto - upper_taken * u, to_mixed = (given - onto) - mixed_taken * m;
         on_brush -= to_mixed + to_upper;
@@ -208,9 +209,9 @@ TP_INLINE void apply_films_some(int x, const FilmsRow& r, const std::vector<Film
         const T up = mixed_stirred * m - upper_stirred * u;
         u += up;
         m -= up;
-        std::memcpy(row.mixed + x, &m, sizeof m);
-        std::memcpy(row.upper + x, &u, sizeof u);
-        std::memcpy(row.load + x, &on_brush, sizeof on_brush);
+        std::memcpy(at_mixed, &m, sizeof m);
+        std::memcpy(at_upper, &u, sizeof u);
+        std::memcpy(at_brush, &on_brush, sizeof on_brush);
         sum += m;
         sum += u;
         load_sum += on_brush;
@@ -220,23 +221,23 @@ TP_INLINE void apply_films_some(int x, const FilmsRow& r, const std::vector<Film
 }
 
 template <int kLanes>
-TP_INLINE void apply_films_all(int n, const FilmsRow& r, const std::vector<FilmRow>& rows) {
+TP_INLINE void apply_films_all(int n, const FilmsRow& r) {
     int x = 0;
-    for (; x + kLanes <= n; x += kLanes) apply_films_some<FloatLanes<kLanes>>(x, r, rows);
+    for (; x + kLanes <= n; x += kLanes) apply_films_some<FloatLanes<kLanes>>(x, r);
     for (; kLanes > kWidened && x + kWidened <= n; x += kWidened)
-        apply_films_some<FloatLanes<kWidened>>(x, r, rows);
-    for (; x < n; ++x) apply_films_some<float>(x, r, rows);
+        apply_films_some<FloatLanes<kWidened>>(x, r);
+    for (; x < n; ++x) apply_films_some<float>(x, r);
 }
 
 TP_VECTOR_CLONES
-void apply_films_row(int n, const FilmsRow& r, const std::vector<FilmRow>& rows) {
+void apply_films_row(int n, const FilmsRow& r) {
     switch (lanes_of_clone()) {
         case 16:
-            return apply_films_all<16>(n, r, rows);
+            return apply_films_all<16>(n, r);
         case 8:
-            return apply_films_all<8>(n, r, rows);
+            return apply_films_all<8>(n, r);
         default:
-            return apply_films_all<4>(n, r, rows);
+            return apply_films_all<4>(n, r);
     }
 }
 
@@ -262,9 +263,7 @@ void exchange(const StepBox& box, const TransferRates& rates, StepScratch& scrat
     scratch.planes.resize(std::max(scratch.planes.size(), 2 * n * static_cast<std::size_t>(box.height)));
     const std::size_t paints = box.load.size();
     for_rows_of_step(box.width, box.height, [&](int begin, int end) {
-        std::vector<SharedRow> rows(paints);
         const bool upper = box.paint.size() > paints;
-        std::vector<FilmRow> films(upper ? paints : 0);
         for (int y = begin; y < end; ++y) {
             RowSpan span = box.bristles[static_cast<std::size_t>(y)];
             if (span.end <= span.begin) continue;
@@ -281,20 +280,14 @@ void exchange(const StepBox& box, const TransferRates& rates, StepScratch& scrat
             float *total = box.total_mm + canvas, *load_total = box.load_total_mm + load;
             exchange_row(count, rates, box.sides.row_from(span.begin, y), box.lanes, underside, relief, open,
                          cover, total, load_total, give, take);
-            for (std::size_t i = 0; i < paints; ++i) {
-                float* on_brush = box.load[i] + load;
-                if (upper)
-                    films[i] = {box.paint[2 * i] + canvas, box.paint[2 * i + 1] + canvas, on_brush};
-                else
-                    rows[i] = {box.paint[i] + canvas, on_brush};
-            }
+            const SharedRow row{paints,
+                                {box.paint.data(), static_cast<std::ptrdiff_t>(canvas)},
+                                {box.load.data(), static_cast<std::ptrdiff_t>(load)}};
             if (upper)
-                apply_films_row(count,
-                                {give, take, underside, relief, open, cover, total, load_total,
-                                 box.laid_above, rates.stir, rates.swap, 1 / rates.reach_mm},
-                                films);
+                apply_films_row(count, {row, give, take, underside, relief, open, cover, total, load_total,
+                                        box.laid_above, rates.stir, rates.swap, 1 / rates.reach_mm});
             else
-                apply_row(count, give, take, rows, total, load_total);
+                apply_row(count, give, take, row, total, load_total);
         }
     });
 }

@@ -35,8 +35,13 @@ TP_INLINE void load(T& value, const float* from) {
 
 // As many pixels of all ingredients as T holds, from x on: flows are read once for all of them.
 template <class T>
-TP_INLINE void advect_some(int x, const Heading& m, const std::vector<AdvectedRow>& rows,
-                           const FlowsAround& flows, float* total) {
+TP_INLINE void advect_some(int x, const Heading& m, const AdvectedRow& row, const FlowsAround& flows,
+                           float* total) {
+    // Copies, which nothing that is written can change.
+    const RowOfEach row_old = row.old, row_above = row.above, row_below = row.below, row_now = row.now,
+                    row_behind = m.sy < 0 ? row.below : row.above;
+    const std::size_t count = row.count;
+    const std::ptrdiff_t behind_x = x - m.sx;
     const Outflow& here = flows.here;
     T left, right, up, down, ahead, from_left, from_right, from_above, from_below, from_behind;
     load(left, here.left + x);
@@ -48,61 +53,63 @@ TP_INLINE void advect_some(int x, const Heading& m, const std::vector<AdvectedRo
     load(from_right, here.left + x + 1);
     load(from_above, flows.above.down + x);
     load(from_below, flows.below.up + x);
-    load(from_behind, (m.sy < 0 ? flows.below.ahead : flows.above.ahead) + x - m.sx);
+    load(from_behind, (m.sy < 0 ? flows.below.ahead : flows.above.ahead) + behind_x);
     const T out = left + right + up + down + ahead;
     T sum{};
-    for (const AdvectedRow& row : rows) {
+    for (std::size_t i = 0; i < count; ++i) {
+        const float* at = row_old[i] + x;
         T old, on_left, on_right, above, below, behind;
-        load(old, row.old + x);
-        load(on_left, row.old + x - 1);
-        load(on_right, row.old + x + 1);
-        load(above, row.above + x);
-        load(below, row.below + x);
-        load(behind, (m.sy < 0 ? row.below : row.above) + x - m.sx);
+        load(old, at);
+        load(on_left, at - 1);
+        load(on_right, at + 1);
+        load(above, row_above[i] + x);
+        load(below, row_below[i] + x);
+        load(behind, row_behind[i] + behind_x);
         const T now = old - old * out + on_left * from_left + on_right * from_right + above * from_above +
                       below * from_below + behind * from_behind;
-        std::memcpy(row.now + x, &now, sizeof now);
+        std::memcpy(row_now[i] + x, &now, sizeof now);
         sum += now;
     }
     std::memcpy(total + x, &sum, sizeof sum);
 }
 
-// The last pixels are done twice rather than one by one: nothing that is read is written.
+// The last columns are done twice rather than one by one: nothing that is read is written.
 template <int kLanes>
-TP_INLINE void advect_all(int n, const Heading& m, const std::vector<AdvectedRow>& rows,
+TP_INLINE void advect_all(const RowSpan& span, const Heading& m, const AdvectedRow& row,
                           const FlowsAround& flows, float* total) {
-    if (n < kLanes) {
-        for (int x = 0; x < n; ++x) advect_some<float>(x, m, rows, flows, total);
+    int x = span.begin;
+    if (span.end - x < kLanes) {
+        for (; x < span.end; ++x) advect_some<float>(x, m, row, flows, total);
         return;
     }
-    int x = 0;
-    for (; x + kLanes <= n; x += kLanes) advect_some<FloatLanes<kLanes>>(x, m, rows, flows, total);
-    if (n - x > kLanes / 2)
-        advect_some<FloatLanes<kLanes>>(n - kLanes, m, rows, flows, total);
-    else if (n > x)
-        advect_some<FloatLanes<kLanes / 2>>(n - kLanes / 2, m, rows, flows, total);
+    for (; x + kLanes <= span.end; x += kLanes) advect_some<FloatLanes<kLanes>>(x, m, row, flows, total);
+    if (span.end - x > kLanes / 2)
+        advect_some<FloatLanes<kLanes>>(span.end - kLanes, m, row, flows, total);
+    else if (span.end > x)
+        advect_some<FloatLanes<kLanes / 2>>(span.end - kLanes / 2, m, row, flows, total);
 }
 
 template <int kLanes>
-TP_INLINE void copy(int n, const float* from, float* to) {
-    if (n < kLanes) {
-        for (int x = 0; x < n; ++x) to[x] = from[x];
+TP_INLINE void copy(const RowSpan& span, const float* from, float* to) {
+    const int last = span.end - kLanes;
+    if (last < span.begin) {
+        for (int x = span.begin; x < span.end; ++x) to[x] = from[x];
         return;
     }
     FloatLanes<kLanes> some;
-    for (int x = 0;; x = std::min(x + kLanes, n - kLanes)) {
+    for (int x = span.begin; x < last; x += kLanes) {
         load(some, from + x);
         std::memcpy(to + x, &some, sizeof some);
-        if (x == n - kLanes) return;
     }
+    load(some, from + last);
+    std::memcpy(to + last, &some, sizeof some);
 }
 
 template <int kLanes>
-TP_INLINE void advect_and_copy(int n, const RowSpan& done, const Heading& heading,
-                               const std::vector<AdvectedRow>& rows, const FlowsAround& flows, float* total) {
-    advect_all<kLanes>(n, heading, rows, flows, total);
-    for (const AdvectedRow& row : rows)
-        copy<kLanes>(done.end - done.begin, row.above_now + done.begin, row.above + done.begin);
+TP_INLINE void advect_and_copy(const RowSpan& span, const RowSpan& done, const Heading& heading,
+                               const AdvectedRow& row, const FlowsAround& flows, float* total) {
+    advect_all<kLanes>(span, heading, row, flows, total);
+    for (std::size_t i = 0; i < row.count; ++i) copy<kLanes>(done, row.above_now[i], row.above[i]);
 }
 
 }  // namespace
@@ -197,15 +204,15 @@ void add_row(int n, const float* __restrict relief, const float* __restrict tota
 }
 
 TP_VECTOR_CLONES
-void advect_row(int n, const RowSpan& done, const Heading& heading, const std::vector<AdvectedRow>& rows,
+void advect_row(const RowSpan& span, const RowSpan& done, const Heading& heading, const AdvectedRow& row,
                 const FlowsAround& flows, float* total) {
     switch (lanes_of_clone()) {
         case 16:
-            return advect_and_copy<16>(n, done, heading, rows, flows, total);
+            return advect_and_copy<16>(span, done, heading, row, flows, total);
         case 8:
-            return advect_and_copy<8>(n, done, heading, rows, flows, total);
+            return advect_and_copy<8>(span, done, heading, row, flows, total);
         default:
-            return advect_and_copy<4>(n, done, heading, rows, flows, total);
+            return advect_and_copy<4>(span, done, heading, row, flows, total);
     }
 }
 

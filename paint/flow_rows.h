@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstddef>
-#include <vector>
 
 #include "paint/transfer.h"
 
@@ -46,21 +45,18 @@ struct FlowsAround {
     Outflow above, here, below;
 };
 
-// One row of an ingredient and those beside it as they were, what becomes of it, and what became of that
-// above.
+// One row of each of `count` ingredients and those beside it as they were, what becomes of it, and what
+// became of that above.
 struct AdvectedRow {
-    const float* old;
-    float* above;
-    const float* below;
-    float* now;
-    const float* above_now;
+    std::size_t count;
+    RowOfEach old, above, below, now, above_now;
 };
 
 constexpr int kLeastAdvected = 16;  // [pixels] of a row: with fewer, advect_row() is slow
 
-// All ingredients of n pixels of a row after the flow, and their sum. Thereafter columns `done` of the row
-// above, at which nobody looks any more, become what they are now.
-void advect_row(int n, const RowSpan& done, const Heading& heading, const std::vector<AdvectedRow>& rows,
+// Columns `span` of all ingredients of a row after the flow, and of their sum. Thereafter columns `done` of
+// the row above, at which nobody looks any more, become what they are now.
+void advect_row(const RowSpan& span, const RowSpan& done, const Heading& heading, const AdvectedRow& row,
                 const FlowsAround& flows, float* total);
 
 }  // namespace tangi

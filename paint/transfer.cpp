@@ -66,7 +66,10 @@ public:
           spans_(spans),
           line_(line_of(box)),
           memory_(memory),
-          rows_(box.paint.size()) {}
+          kept_(box.paint.size()) {
+        float* first = memory + line_ * kFlows * kPlanes + kBesideFlows;
+        for (std::size_t i = 0; i < kept_.size(); ++i) kept_[i] = first + line_ * kRows * i;
+    }
 
     // Floats of memory.
     static std::size_t line_of(const StepBox& box) {
@@ -86,9 +89,9 @@ public:
         find_flow(end, 4);
         for (std::size_t i = 0; i < box_.paint.size(); ++i) {
             // A row beside these is looked at one pixel beyond its ends, where nothing flows.
-            for (const int which : {kAbove, kBelow}) kept(i, which)[-1] = kept(i, which)[box_.width] = 0;
-            if (begin > 0) std::copy_n(row(i, begin - 1), box_.width, kept(i, kAbove));
-            std::copy_n(row(i, std::min(end, box_.height - 1)), box_.width, kept(i, kBelow));
+            for (const int which : {kAbove, kBelow}) kept(which)[i][-1] = kept(which)[i][box_.width] = 0;
+            if (begin > 0) std::copy_n(row(begin - 1)[i], box_.width, kept(kAbove)[i]);
+            std::copy_n(row(std::min(end, box_.height - 1))[i], box_.width, kept(kBelow)[i]);
         }
     }
 
@@ -109,14 +112,11 @@ private:
     static constexpr std::size_t kRows = 4;                // of each ingredient: two that go round, and
     static constexpr int kAbove = 2, kBelow = 3;           // those beside the band
 
-    float* row(std::size_t ingredient, int y) const {
-        return box_.paint[ingredient] + at(y, box_.canvas_stride);
+    RowOfEach row(int y) const {
+        return {box_.paint.data(), static_cast<std::ptrdiff_t>(at(y, box_.canvas_stride))};
     }
-    // There is room beside it.
-    float* kept(std::size_t ingredient, int which) const {
-        return memory_ + line_ * (kFlows * kPlanes + kRows * ingredient + static_cast<std::size_t>(which)) +
-               kBesideFlows;
-    }
+    // Copies of rows. There is room beside them.
+    RowOfEach kept(int which) const { return {kept_.data(), static_cast<std::ptrdiff_t>(line_) * which}; }
     Outflow flow(int which) const {
         float* first = memory_ + line_ * kPlanes * static_cast<std::size_t>(which) + kBesideFlows;
         return {first, first + line_, first + 2 * line_, first + 3 * line_, first + 4 * line_};
@@ -155,20 +155,14 @@ private:
     void move_row(int y, const FlowsAround& flows) {
         const RowSpan span = y < end_ ? spans_.touched[static_cast<std::size_t>(y)] : RowSpan{0, 0},
                       done = y > begin_ ? spans_.touched[static_cast<std::size_t>(y - 1)] : RowSpan{0, 0};
-        const int n = std::max(span.end - span.begin, 0), first = n > 0 ? span.begin : 0;
-        if (n == 0 && done.end <= done.begin) return;
-        for (std::size_t i = 0; i < rows_.size(); ++i) {
-            float* old = row(i, y);
-            rows_[i] = {
-                old + first, (y == begin_ ? kept(i, kAbove) : old - box_.canvas_stride) + first,
-                (y + 1 >= std::min(end_, box_.height - 1) ? kept(i, kBelow) : old + box_.canvas_stride) +
-                    first,
-                kept(i, y & 1) + first, kept(i, ~y & 1) + first};
-        }
-        const auto x = static_cast<std::size_t>(first);
-        advect_row(n, {done.begin - first, done.end - first}, heading_, rows_,
-                   {from(flows.above, x), from(flows.here, x), from(flows.below, x)},
-                   box_.total_mm + at(y, box_.canvas_stride) + x);
+        if (span.end <= span.begin && done.end <= done.begin) return;
+        const AdvectedRow rows{kept_.size(),
+                               row(y),
+                               y == begin_ ? kept(kAbove) : row(y - 1),
+                               y + 1 >= std::min(end_, box_.height - 1) ? kept(kBelow) : row(y + 1),
+                               kept(y & 1),
+                               kept(~y & 1)};
+        advect_row(span, done, heading_, rows, flows, box_.total_mm + at(y, box_.canvas_stride));
     }
 
     const StepBox& box_;
@@ -179,7 +173,7 @@ private:
     std::size_t line_;
     float* memory_;
     int begin_ = 0, end_ = 0;
-    std::vector<AdvectedRow> rows_;
+    std::vector<float*> kept_;  // of each ingredient
 };
 
 }  // namespace

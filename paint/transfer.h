@@ -48,6 +48,13 @@ struct RowSpan {
     int begin = 0, end = 0;
 };
 
+// A row of each ingredient: `offset` floats from the beginning of its plane.
+struct RowOfEach {
+    float* const* planes;
+    std::ptrdiff_t offset;
+    float* operator[](std::size_t i) const { return planes[i] + offset; }
+};
+
 // The columns of whole vectors around those of `span`, which is not empty, as far as there is room: loops
 // over them need no remainder. Nothing must happen in those that come in addition.
 RowSpan widened(const RowSpan& span, const RowSpan& room);
