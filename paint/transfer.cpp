@@ -83,10 +83,7 @@ public:
     void prepare(int begin, int end) {
         begin_ = begin;
         end_ = end;
-        find_flow(begin - 1, 0);
-        find_flow(begin, 1);
-        find_flow(end - 1, 3);
-        find_flow(end, 4);
+        for (const int y : {begin - 1, begin, end - 1, end}) find_flow(y);
         for (std::size_t i = 0; i < box_.paint.size(); ++i) {
             // A row beside these is looked at one pixel beyond its ends, where nothing flows.
             for (const int which : {kAbove, kBelow}) kept(which)[i][-1] = kept(which)[i][box_.width] = 0;
@@ -96,13 +93,9 @@ public:
     }
 
     void run() {
-        int above = 0, here = 1, free = 2;  // flows
         for (int y = begin_; y < end_; ++y) {
-            const int below = y + 1 == end_ ? 4 : y + 2 == end_ ? 3 : free;
-            if (below == free) find_flow(y + 1, below);
-            move_row(y, {flow(above), flow(here), flow(below)});
-            free = above;
-            above = here, here = below;
+            if (y + 1 < end_ - 1) find_flow(y + 1);
+            move_row(y, {flow(y - 1), flow(y), flow(y + 1)});
         }
         move_row(end_, {});
     }
@@ -117,19 +110,20 @@ private:
     }
     // Copies of rows. There is room beside them.
     RowOfEach kept(int which) const { return {kept_.data(), static_cast<std::ptrdiff_t>(line_) * which}; }
-    Outflow flow(int which) const {
+    Outflow flow(int y) const {
+        const int which = y == end_ ? 4 : y == end_ - 1 ? 3 : (y - begin_ + 1) % 3;
         float* first = memory_ + line_ * kPlanes * static_cast<std::size_t>(which) + kBesideFlows;
         return {first, first + line_, first + 2 * line_, first + 3 * line_, first + 4 * line_};
     }
 
-    void find_flow(int y, int which) const {
+    void find_flow(int y) const {
         // Where nothing flows but neighbours look, flows are 0.
         const RowSpan looked_at = around(spans_.touched, y, 1);
         if (looked_at.end <= looked_at.begin) return;
         const bool inside = y >= 0 && y < box_.height;
         RowSpan span = inside ? spans_.flowing[static_cast<std::size_t>(y)] : RowSpan{0, 0};
         if (span.end <= span.begin) span = {looked_at.begin, looked_at.begin};
-        const Outflow out = flow(which);
+        const Outflow out = flow(y);
         if (span.end > span.begin) {
             const RowSpan whole = widened(span, {kRing, box_.width - kRing});
             const auto first = static_cast<std::size_t>(whole.begin);
