@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "paint/kubelka_munk.h"
 #include "surface/error.h"
 
 namespace tangi {
@@ -139,30 +140,84 @@ std::map<std::string, double> volumes_by_name(const std::vector<Pigment>& ingred
     return sums;
 }
 
+namespace {
+
+// Volumes of ingredients in one of the films of a spot, summed over its pixels [mm].
+struct FilmAt {
+    std::vector<float> mm;
+    float all = 0;
+
+    explicit FilmAt(const Canvas& canvas) : mm(canvas.ingredients().size(), 0.0f) {}
+
+    void add(const Canvas& canvas, int x, int y, IngredientId film) {
+        const auto& tile = canvas.wet().tile({x / kTileSize, y / kTileSize});
+        const auto pixel = static_cast<std::size_t>((y % kTileSize) * kTileSize + x % kTileSize);
+        for (std::size_t id = 0; tile && id < mm.size(); ++id) {
+            const auto plane = tile->plane(static_cast<IngredientId>(id | film));
+            if (plane.empty()) continue;
+            mm[id] += plane[pixel];
+            all += plane[pixel];
+        }
+    }
+};
+
+// [1] Part of `upper` in the mixture with `lower` that looks most like a film of `upper`, so thick, over much
+// of `lower`: least colour difference in daylight, by golden section (Kiefer 1953).
+double part_that_shows(const std::vector<Pigment>& paints, const FilmAt& upper, const FilmAt& lower,
+                       double thickness_mm) {
+    const Medium above = mix(paints, upper.mm), below = mix(paints, lower.mm);
+    const Lab seen =
+        lab_under(film_look(above, static_cast<float>(thickness_mm), opaque_look(below)), Illuminant::d65);
+    const auto off = [&](double part) {
+        Medium mixed;
+        for (std::size_t i = 0; i < kBands; ++i) {
+            mixed.k[i] = static_cast<float>(part * above.k[i] + (1 - part) * below.k[i]);
+            mixed.s[i] = static_cast<float>(part * above.s[i] + (1 - part) * below.s[i]);
+        }
+        return delta_e_2000(lab_under(opaque_look(mixed), Illuminant::d65), seen);
+    };
+    constexpr double kGolden = 0.6180339887498949;
+    double low = 0, high = 1;
+    for (int step = 0; step < 24; ++step) {
+        const double a = high - kGolden * (high - low), b = low + kGolden * (high - low);
+        if (off(a) < off(b))
+            high = b;
+        else
+            low = a;
+    }
+    return (low + high) / 2;
+}
+
+}  // namespace
+
 Recipe recipe_at(const Canvas& canvas, double x, double y, double radius_px) {
     const double radius = std::max(radius_px, 0.5);
     const Region box = intersection(
         {static_cast<int>(std::floor(x - radius)), static_cast<int>(std::floor(y - radius)),
          static_cast<int>(std::ceil(x + radius)) + 1, static_cast<int>(std::ceil(y + radius)) + 1},
         canvas.region());
-    std::vector<double> sums(canvas.ingredients().size(), 0.0);
-    double total = 0;
+    FilmAt lower(canvas), upper(canvas);
     int pixels = 0;
     for (int py = box.y0; py < box.y1; ++py)
         for (int px = box.x0; px < box.x1; ++px) {
             if ((px - x) * (px - x) + (py - y) * (py - y) > radius * radius) continue;
             ++pixels;
-            for (std::size_t id = 0; id < sums.size(); ++id) {
-                const double mm = canvas.wet().thickness_mm(px, py, static_cast<IngredientId>(id));
-                sums[id] += mm;
-                total += mm;
-            }
+            lower.add(canvas, px, py, 0);
+            upper.add(canvas, px, py, kUpper);
         }
     Recipe recipe;
-    if (total <= 0) return recipe;
-    recipe.thickness_mm = total / pixels;
-    for (std::size_t id = 0; id < sums.size(); ++id)
-        if (sums[id] > 0) recipe.portions.push_back({static_cast<IngredientId>(id), sums[id] / total});
+    const double all = double(lower.all) + upper.all;
+    if (!(all > 0)) return recipe;
+    recipe.thickness_mm = all / pixels;
+    const double on_top = !(upper.all > 0) ? 0
+                          : !(lower.all > 0)
+                              ? 1
+                              : part_that_shows(canvas.ingredients(), upper, lower, upper.all / pixels);
+    for (std::size_t id = 0; id < upper.mm.size(); ++id) {
+        const double part = (lower.all > 0 ? (1 - on_top) * lower.mm[id] / lower.all : 0) +
+                            (upper.all > 0 ? on_top * upper.mm[id] / upper.all : 0);
+        if (part > 0) recipe.portions.push_back({static_cast<IngredientId>(id), part});
+    }
     return recipe;
 }
 

@@ -2,9 +2,11 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstdio>
 
 #include "paint/appearance.h"
 #include "paint/canvas_file.h"
+#include "paint/kubelka_munk.h"
 #include "paint/layer_pictures.h"
 #include "paint/mixing_board.h"
 #include "paint/paint_window.h"
@@ -132,6 +134,26 @@ TEST(UpperFilm, CountsInRecipesAndMapsOfAPaint) {
     double sum = 0;
     for (const float mm : white.pixels()) sum += mm * kTestPixel * kTestPixel;
     EXPECT_NEAR(sum, paints.canvas.volumes_mm3()[paints.white], 1e-3 * sum);
+}
+
+TEST(UpperFilm, RecipesLookLikeTheSpot) {
+    const WhiteOnYellow paints(0.2);
+    const Surface shown = appearance(paints.canvas);
+    const Lab seen = lab_from_linear(glm::dvec3(shown.diffuse(100, 60)));
+    const auto look_of = [&](const std::vector<float>& volumes) {
+        const Medium medium = mix(paints.canvas.ingredients(), volumes);
+        return delta_e_2000(lab_from_linear(glm::dvec3(to_linear_rgb(opaque_look(medium)))), seen);
+    };
+    const std::size_t count = paints.canvas.ingredients().size();
+    std::vector<float> picked(count), all(count);
+    for (const Portion& portion : recipe_at(paints.canvas, 100, 60, 0.5).portions)
+        picked[portion.ingredient] = static_cast<float>(portion.part);
+    for (std::size_t id = 0; id < count; ++id)
+        all[id] = paints.canvas.wet().thickness_mm(100, 60, static_cast<IngredientId>(id));
+    // The nearest mixture of white and yellow is 3.6 off: none is quite like white that yellow shows through.
+    std::printf("dE2000 of the recipe %.1f, of all paint %.1f\n", look_of(picked), look_of(all));
+    EXPECT_LT(look_of(picked), 5);
+    EXPECT_GT(look_of(all), 2 * look_of(picked));
 }
 
 TEST(UpperFilm, DriesAsItLies) {
