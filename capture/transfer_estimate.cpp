@@ -155,6 +155,19 @@ double residual_of(const Stack& stack, const Survey& survey, const Transfer& tra
     return median(std::move(deviations));
 }
 
+// Cameras compress light from the middle upwards, more than they steepen it there for contrast, and lift
+// shadows by a toe. Near lamps and gloss bend what photometric stereo sees into anything, also into curves
+// that have one stored value for nearly all light.
+bool is_of_a_camera(const Transfer& curve) {
+    constexpr int steps = 64;
+    constexpr double middle = 0.5, least = 0.9, least_of_shadows = 0.4;
+    for (int i = 1; i <= steps; ++i) {
+        const double encoded = i / static_cast<double>(steps);
+        if (!(curve.log_slope(encoded) >= (encoded < middle ? least_of_shadows : least))) return false;
+    }
+    return true;
+}
+
 bool is_linear(const Transfer& transfer) { return transfer.kind == Transfer::Kind::linear; }
 
 // The gamma that fits best, from a row of them, then in ever smaller steps, to 0.025.
@@ -189,7 +202,7 @@ TransferEstimate::Candidate best_curve(const Stack& stack, const Survey& survey,
     };
     const auto at = [&](const Parameters& p) {
         const Transfer t = transfer_of(p);
-        if (!(t.gamma >= 0.2 && t.gamma <= 5 && t.is_increasing())) return std::numeric_limits<double>::max();
+        if (!(t.gamma >= 0.2 && t.gamma <= 5 && is_of_a_camera(t))) return std::numeric_limits<double>::max();
         return residual_of(stack, survey, t);
     };
     Parameters best = {from.transfer.gamma, 0, 0};

@@ -21,11 +21,6 @@ double decode_curve(const Transfer& t, double e) {
     return e <= 0 ? 0 : std::pow(e, exponent(t, std::min(e, 1.0)));
 }
 
-// d ln(linear) / d ln(e); > 0 where the curve increases.
-double log_slope(const Transfer& t, double e) {
-    return e > 0 ? exponent(t, e) + e * std::log(e) * (t.bend + 2 * e * t.bow) : t.gamma;
-}
-
 // Newton in ln e, kept between bounds that bisection would give.
 double encode_curve(const Transfer& t, double linear) {
     if (linear <= 0) return 0;
@@ -36,7 +31,7 @@ double encode_curve(const Transfer& t, double linear) {
         const double e = std::exp(u), miss = exponent(t, e) * u - target;
         if (std::abs(miss) < 1e-9) break;
         (miss > 0 ? high : low) = u;
-        const double next = u - miss / log_slope(t, e);
+        const double next = u - miss / t.log_slope(e);
         u = next > low && next < high ? next : (std::max(low, 2 * u - 1) + high) / 2;
     }
     return std::exp(u);
@@ -44,11 +39,16 @@ double encode_curve(const Transfer& t, double linear) {
 
 }  // namespace
 
+double Transfer::log_slope(double encoded) const {
+    if (!(encoded > 0)) return gamma;
+    return exponent(*this, encoded) + encoded * std::log(encoded) * (bend + 2 * encoded * bow);
+}
+
 bool Transfer::is_increasing() const {
     if (kind != Kind::curve) return true;
     constexpr int steps = 512;
     for (int i = 0; i <= steps; ++i)
-        if (!(log_slope(*this, i / static_cast<double>(steps)) > 0.02)) return false;
+        if (!(log_slope(i / static_cast<double>(steps)) > 0.02)) return false;
     return true;
 }
 

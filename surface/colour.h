@@ -28,6 +28,8 @@ struct Transfer {
     Rgb decode(const Rgb& encoded) const;
     std::string name() const;    // "linear", "srgb", "gamma 2.2", "curve 2.2 -0.5 0.1" (gamma, bend, bow)
     bool is_increasing() const;  // and so has an inverse
+    // Of Kind::curve, d ln(linear) / d ln(encoded) at `encoded`, 0..1: its gamma there.
+    double log_slope(double encoded) const;
 
     friend bool operator==(const Transfer&, const Transfer&) = default;
 };

@@ -80,6 +80,21 @@ bool is_readable(const fs::path& path) {
     return true;
 }
 
+// As OpenImageIO's writers take it; nothing where a file has no word for it.
+std::string colour_space_of(const Transfer& transfer) {
+    switch (transfer.kind) {
+        case Transfer::Kind::linear:
+            return "Linear";
+        case Transfer::Kind::srgb:
+            return "sRGB";
+        case Transfer::Kind::gamma:
+            return fmt::format("Gamma{}", transfer.gamma);
+        case Transfer::Kind::curve:
+            break;
+    }
+    return {};
+}
+
 // `samples` holds width * height * channels numbers, interleaved.
 void write_samples(const fs::path& path, const float* samples, const Region& size, int channels, Depth depth,
                    const std::string& colour_space, int jpeg_quality = 95, bool is_srgb = false) {
@@ -93,7 +108,7 @@ void write_samples(const fs::path& path, const float* samples, const Region& siz
     // A PNG says how it is encoded once: a profile, or an sRGB chunk (ISO/IEC 15948, 11.3.3.3).
     const bool is_png = lower_extension(path) == ".png";
     const bool is_tiff = lower_extension(path).starts_with(".tif");
-    if (!(is_png && is_srgb)) spec.attribute("oiio:ColorSpace", colour_space);
+    if (!(is_png && is_srgb) && !colour_space.empty()) spec.attribute("oiio:ColorSpace", colour_space);
     if (is_tiff || depth == Depth::real) spec.attribute("DateTime", date_of_file());
     if (is_srgb) {
         const std::string profile = srgb_icc_profile();
@@ -136,9 +151,8 @@ void write_picture(const fs::path& path, const Image<Rgb>& linear, const Transfe
     for (std::size_t i = 0; i < encoded.size(); ++i) {
         encoded.pixels()[i] = depth == Depth::real ? linear.pixels()[i] : transfer.encode(linear.pixels()[i]);
     }
-    write_samples(path, &encoded.data()->r, encoded.region(), 3, depth,
-                  transfer.kind == Transfer::Kind::linear ? "Linear" : "sRGB", storage.jpeg_quality,
-                  transfer.kind == Transfer::Kind::srgb);
+    write_samples(path, &encoded.data()->r, encoded.region(), 3, depth, colour_space_of(transfer),
+                  storage.jpeg_quality, transfer.kind == Transfer::Kind::srgb);
 }
 
 void write_map(const fs::path& path, const Image<float>& values, const PictureStorage& storage) {

@@ -225,6 +225,12 @@ TEST(PictureFile, OfPngSaysOnceHowItIsEncoded) {
     }
     write_picture(dir / "c.png", random_picture(5, 4), kLinear);
     EXPECT_EQ(std::ranges::count(chunks_of(bytes_of(dir / "c.png")), "gAMA"), 1);
+    write_picture(dir / "d.png", random_picture(5, 4), *transfer_named("1.8"));
+    const std::string gamma = bytes_of(dir / "d.png");
+    EXPECT_THAT(chunks_of(gamma), testing::Not(testing::Contains("sRGB")));
+    const auto at = gamma.find("gAMA");
+    ASSERT_NE(at, std::string::npos);
+    EXPECT_EQ(gamma.substr(at + 4, 4), std::string("\x00\x00\xd9\x04", 4)) << "100000 / 1.8";
 }
 
 TEST(PictureFile, OfTheSamePictureIsTheSameAtAnyTime) {
