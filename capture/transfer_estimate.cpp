@@ -24,7 +24,7 @@ constexpr double kLowestCosine = 0.25;  // [1] below 15 degrees shadows and inte
 constexpr double kBetterNear = 1.3, kBetterBetween = 1.08;
 // A smooth curve of three numbers is believed only where it fits better than any of one number by this, and
 // down to the noise: gloss and interreflection bend what they are seen through as well (real/coin: 1.46 times
-// better, but 3 codes off; it is linear).
+// better, but 3 codes off; it is linear). The same against what files state.
 constexpr double kBetterCurve = 1.4, kCurveFits = 1.5 / 255;
 constexpr double kFits = 0.5 / 255;  // [1] what no curve could better
 constexpr double kRatioScale = 0.1;  // [1] ln ratio from which on a pixel counts less
@@ -242,10 +242,12 @@ double doubtful(const Stack& stack) {
 
 }  // namespace
 
-bool could_be(const Transfer& other, const TransferEstimate& estimated, const Stack& stack,
-              const Survey& survey) {
-    return residual_of(stack, survey, other) <
-           doubtful(stack) * residual_of(stack, survey, estimated.transfer);
+bool speaks_against(const Transfer& stated, const TransferEstimate& estimated, const Stack& stack,
+                    const Survey& survey) {
+    const double least = residual_of(stack, survey, estimated.transfer);
+    const double much =
+        is_linear(estimated.transfer) || least < kCurveFits ? kBetterNear : kBetterNear * kBetterCurve;
+    return residual_of(stack, survey, stated) > std::max(much, doubtful(stack)) * least;
 }
 
 TransferEstimate estimate_transfer(const Stack& stack, const Survey& survey) {

@@ -30,9 +30,11 @@ struct TransferEstimate {
 // lamps that differ, or are near, do not pass for a curve.
 TransferEstimate estimate_transfer(const Stack& stack, const Survey& survey);
 
-// Whether the photographs could as well be stored with this other curve: few of them hardly tell curves
-// apart, as their own unknowns (albedo and slopes, three a pixel) take up most of what a wrong one leaves.
-bool could_be(const Transfer& other, const TransferEstimate& estimated, const Stack& stack,
-              const Survey& survey);
+// Whether the photographs contradict what files state, `estimated` being what they look like. Near lamps,
+// metal and high relief bend what photometric stereo sees through: of generated stacks in sRGB, a third
+// looks more like linear light or a gamma of 1.3 to 1.6. And few photographs hardly tell curves apart, as
+// their own unknowns (albedo and slopes, three a pixel) take up most of what a wrong one leaves.
+bool speaks_against(const Transfer& stated, const TransferEstimate& estimated, const Stack& stack,
+                    const Survey& survey);
 
 }  // namespace tangi

@@ -180,7 +180,7 @@ TransferEstimate decide_transfer(const Stack& stack, const Survey& survey) {
     }
     const Transfer stated = *said.stated->transfer;
     const bool contrary =
-        difference(stated, result.transfer) > kContrary && !could_be(stated, result, stack, survey);
+        difference(stated, result.transfer) > kContrary && speaks_against(stated, result, stack, survey);
     if (!said.stated->binding && contrary) {
         append(
             result.warning,
