@@ -22,11 +22,10 @@ constexpr double kLowestCosine = 0.25;  // [1] below 15 degrees shadows and inte
 // [1] By which a gamma must fit better than the usual curves: near one of them (linear; 2 to 2.4) it is
 // likely that one, seen through what the model leaves out; between them it is likely another.
 constexpr double kBetterNear = 1.3, kBetterBetween = 1.08;
-// A smooth curve of three numbers is believed only where it fits better than any of one number by this, and
-// down to the noise: gloss and interreflection bend what they are seen through as well (real/coin: 1.46 times
-// better, but 3 codes off; it is linear). The same against what files state.
+// A smooth curve of three numbers is believed only where it fits down to the noise, none of one number does,
+// and it is better by this: gloss, interreflection and near lamps bend what they are seen through as well
+// (real/coin: 1.46 times better, but 3 codes off; it is linear). The same against what files state.
 constexpr double kBetterCurve = 1.4, kCurveFits = 1.5 / 255;
-constexpr double kFits = 0.5 / 255;  // [1] what no curve could better
 constexpr double kRatioScale = 0.1;  // [1] ln ratio from which on a pixel counts less
 // [1] A rival that fits as well but for this is worth a warning; and what is added where one photograph more
 // than pixels have unknowns is all there is. Of generated stacks of four, whatever they were stored with, the
@@ -266,7 +265,7 @@ TransferEstimate estimate_transfer(const Stack& stack, const Survey& survey) {
     result.candidates.push_back(other);
     const double single = std::min(other.residual, ranked[0].residual);
     const TransferEstimate::Candidate curve =
-        single > kFits ? best_curve(stack, survey, other) : TransferEstimate::Candidate{other};
+        single > kCurveFits ? best_curve(stack, survey, other) : TransferEstimate::Candidate{other};
     if (curve.residual < kCurveFits && curve.residual * kBetterCurve < single) {
         result.candidates.push_back(curve);
         result.transfer = curve.transfer;
