@@ -52,7 +52,7 @@ struct LightCalibrationOptions {
     int samples = 500;  // [1] pixels to solve for
     // [1] with fewer, lamps are taken to be equally strong, and only what all share is found: how near they
     // are, ambient light; with fewer than five nothing is
-    int fewest_photos = 12;
+    int fewest_photos = 6;
     double worth_db =
         0.1;  // [dB] by which it must predict left-out photographs better, less the standard error
     bool refine_directions = false;  // each lamp's direction is corrected, whatever left-out photographs say
