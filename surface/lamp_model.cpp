@@ -14,6 +14,10 @@ using Terms = std::array<double, 6>;
 constexpr double kOutlier = 0.1;      // [1] leftover from which a lamp counts less for the trend
 constexpr double kTrendSigma = 0.3;   // [1] how much of a trend is to be expected
 constexpr double kScoreScale = 0.05;  // [1] errors well above count by their number, not their size
+// [standard errors] By which a lamp must be predicted better from its direction than by the mean of all: of
+// many ways, one is the best by chance (generated lamps of random strengths: 0.35 dB of held-out photographs
+// on average, 2.2 at most; real stacks, whose strengths go with their directions, stay as they were).
+constexpr double kSure = 2;
 
 Terms terms_of(const Vec3& l) { return {1, l.x, l.y, l.x * l.x, l.x * l.y, l.y * l.y}; }
 
@@ -104,15 +108,29 @@ double predicted(const LampModel& model, const Known& known, const Vec3& directi
     return dot(model.trend, terms_of(direction)) + sum / weight;
 }
 
+// Whether errors are smaller by kSure standard errors of the mean difference.
+bool is_surely_better(const std::vector<double>& errors, const std::vector<double>& others) {
+    double sum = 0, squares = 0;
+    for (std::size_t i = 0; i < errors.size(); ++i) {
+        const double gain = others[i] - errors[i];
+        sum += gain;
+        squares += gain * gain;
+    }
+    const double n = static_cast<double>(errors.size()), mean = sum / n;
+    return mean > kSure * std::sqrt(std::max(squares / n - mean * mean, 0.0) / std::max(n - 1, 1.0));
+}
+
 LampModel fitted(const Known& known) {
     struct Candidate {
         bool slopes;
         double reach, shrink, score = 0;
+        std::vector<double> scores{};  // one a light
     };
     std::vector<Candidate> candidates;
     for (const bool slopes : {false, true})
         for (const double reach : {0.1, 0.2, 0.4})
-            for (const double shrink : {0.3, 1.0, 3.0, 1e9}) candidates.push_back({slopes, reach, shrink});
+            for (const double shrink : {1e9, 3.0, 1.0, 0.3}) candidates.push_back({slopes, reach, shrink});
+    constexpr std::size_t kSame = 0;  // all lamps have the mean
     for (std::size_t i = 0; i < known.values.size(); ++i) {
         const int out = static_cast<int>(i);
         const std::array<Terms, 2> trends = {fitted_trend(known, out, false), fitted_trend(known, out, true)};
@@ -120,12 +138,15 @@ LampModel fitted(const Known& known) {
             const LampModel model{trends[c.slopes], c.reach, c.shrink};
             const double error =
                 (predicted(model, known, known.lights[i].direction, out) - known.values[i]) / kScoreScale;
-            c.score += std::log1p(error * error);
+            c.scores.push_back(std::log1p(error * error));
+            c.score += c.scores.back();
         }
     }
     const Candidate& best = *std::min_element(candidates.begin(), candidates.end(),
                                               [](const auto& a, const auto& b) { return a.score < b.score; });
-    return {fitted_trend(known, -1, best.slopes), best.reach, best.shrink};
+    const Candidate& same = candidates[kSame];
+    const Candidate& chosen = is_surely_better(best.scores, same.scores) ? best : same;
+    return {fitted_trend(known, -1, chosen.slopes), chosen.reach, chosen.shrink};
 }
 
 }  // namespace

@@ -20,7 +20,7 @@ struct LampModel {
 
 // The trend robustly, by least squares reweighted with Cauchy's function, slightly pulled to a constant;
 // reach, shrink and whether there is a trend at all such that each light is predicted best from all others
-// (leave-one-out). No lights: gain 1 everywhere.
+// (leave-one-out); the mean of all where that is not better for sure. No lights: gain 1 everywhere.
 LampModel fit_lamp_model(std::span<const Light> photographed);
 
 // [1] Gain of a lamp in this direction; `photographed` as given to fit_lamp_model().

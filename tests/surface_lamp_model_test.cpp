@@ -1,7 +1,12 @@
 // surface_lamp_model_test.cpp: unseen lamps are predicted from those that were photographed.
 #include "surface/lamp_model.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
+
+#include <cmath>
+#include <iostream>
+#include <numeric>
 
 #include "surface/surface.h"
 #include "tests/test_support.h"
@@ -62,6 +67,28 @@ TEST(LampModel, OfRandomStrengthsPredictsTheMiddleAndNoNeighbour) {
         EXPECT_GE(gain, 0.7);
         EXPECT_LE(gain, 1.45);
     }
+}
+
+// Of many ways to follow directions, one fits a few lamps of random strengths by chance.
+TEST(LampModel, OfFewRandomStrengthsPredictsTheirMean) {
+    double squares = 0;
+    constexpr int stacks = 40, looks = 40;
+    constexpr double sigma = 0.25;
+    for (int seed = 1; seed <= stacks; ++seed) {
+        Random random(static_cast<std::uint64_t>(seed));
+        std::vector<double> logs;
+        const std::vector<Light> lights = lamps(8 + seed % 17, [&](const Vec3&) {
+            logs.push_back(sigma * random.normal());
+            return std::exp(logs.back());
+        });
+        const double mean = std::accumulate(logs.begin(), logs.end(), 0.0) / static_cast<double>(logs.size());
+        const LampModel model = fit_lamp_model(lights);
+        for (int i = 0; i < looks; ++i)
+            squares += std::pow(std::log(predicted_gain(model, lights, random.direction(0.3))) - mean, 2);
+    }
+    const double off = std::sqrt(squares / (stacks * looks));
+    std::cout << fmt::format("[  FIGURE  ] ln gain off the mean by {:.3f} rms, lamps by {}\n", off, sigma);
+    EXPECT_LE(off, 0.4 * sigma);
 }
 
 TEST(LampModel, IsNotBentByALampThatFailed) {
