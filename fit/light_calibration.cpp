@@ -139,7 +139,8 @@ LightCalibration calibrate_lights(const Stack& stack, const Survey& survey, cons
     if (photos < kFewestForRig) return {.lighting = given};
     // Few photographs tell what all lamps share, fewer not each lamp's strength: one more unknown a
     // photograph.
-    const bool few = photos < kFewestForOwn, gains = photos >= options.fewest_photos;
+    const bool few = photos < std::max(kFewestForOwn, options.fewest_photos),
+               gains = photos >= options.fewest_photos;
     const LeftOutPhotos out = few ? LeftOutPhotos{photos, photos} : kHalfOfThem;
     const LightSample sample(stack, survey, transfer, noise, mm_per_pixel, ward, options.samples);
     std::mutex mutex;

@@ -155,8 +155,9 @@ struct FilmAt {
         for (std::size_t id = 0; tile && id < mm.size(); ++id) {
             const auto plane = tile->plane(static_cast<IngredientId>(id | film));
             if (plane.empty()) continue;
-            mm[id] += plane[pixel];
-            all += plane[pixel];
+            const float there = std::max(plane[pixel], 0.0f);  // rounding may leave a little less
+            mm[id] += there;
+            all += there;
         }
     }
 };
@@ -185,7 +186,9 @@ double part_that_shows(const std::vector<Pigment>& paints, const FilmAt& upper, 
         else
             low = a;
     }
-    return (low + high) / 2;
+    constexpr double kAlone = 1e-3;  // [1] one film as good as alone
+    const double part = (low + high) / 2;
+    return part < kAlone ? 0 : part > 1 - kAlone ? 1 : part;
 }
 
 }  // namespace

@@ -109,7 +109,7 @@ std::map<std::string, double> volumes_by_name(const std::vector<Pigment>& ingred
                                               const std::vector<double>& mm3);
 
 // What a spot is made of: the ingredients of the wet paint within a circle. Where paint lies on other wet
-// paint, it is the mixture of both that looks most like the spot.
+// paint, it is the mixture of both that looks most like the spot, were the lower film thick.
 struct Recipe {
     std::vector<Portion> portions;  // parts sum to 1; empty where there is no paint
     double thickness_mm = 0;        // mean over the circle

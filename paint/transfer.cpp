@@ -87,7 +87,7 @@ public:
         for (std::size_t i = 0; i < box_.paint.size(); ++i) {
             // A row beside these is looked at one pixel beyond its ends, where nothing flows.
             for (const int which : {kAbove, kBelow}) kept(which)[i][-1] = kept(which)[i][box_.width] = 0;
-            if (begin > 0) std::copy_n(row(begin - 1)[i], box_.width, kept(kAbove)[i]);
+            std::copy_n(row(std::max(begin - 1, 0))[i], box_.width, kept(kAbove)[i]);
             std::copy_n(row(std::min(end, box_.height - 1))[i], box_.width, kept(kBelow)[i]);
         }
     }
@@ -152,11 +152,12 @@ private:
         if (span.end <= span.begin && done.end <= done.begin) return;
         const AdvectedRow rows{kept_.size(),
                                row(y),
-                               y == begin_ ? kept(kAbove) : row(y - 1),
+                               y <= std::max(begin_, 1) ? kept(kAbove) : row(y - 1),
                                y + 1 >= std::min(end_, box_.height - 1) ? kept(kBelow) : row(y + 1),
                                kept(y & 1),
                                kept(~y & 1)};
-        advect_row(span, done, heading_, rows, flows, box_.total_mm + at(y, box_.canvas_stride));
+        advect_row(span, done, heading_, rows, flows,
+                   box_.total_mm + at(std::min(y, box_.height - 1), box_.canvas_stride));
     }
 
     const StepBox& box_;
@@ -182,7 +183,9 @@ void push(const StepBox& box, const TransferRates& rates, const BrushMotion& mot
                     box.total_mm + at(y, box.canvas_stride),
                     scratch.top.data() + at(y, static_cast<std::size_t>(box.width)));
     });
-    const int bands = box.width * box.height < kParallelPixels ? 1 : std::max(box.height / kBandRows, 1);
+    // Rows of narrow boxes are looked at one pixel beyond their ends, which may be another band's.
+    const bool one = box.width * box.height < kParallelPixels || box.width <= kLeastAdvected;
+    const int bands = one ? 1 : std::max(box.height / kBandRows, 1);
     const std::size_t floats = Band::floats(box);
     scratch.planes.resize(std::max(scratch.planes.size(), floats * static_cast<std::size_t>(bands)));
     std::vector<Band> all;

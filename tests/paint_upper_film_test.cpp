@@ -156,6 +156,16 @@ TEST(UpperFilm, RecipesLookLikeTheSpot) {
     EXPECT_GT(look_of(all), 2 * look_of(picked));
 }
 
+TEST(UpperFilm, RecipesBearWhatRoundingLeaves) {
+    WhiteOnYellow paints(0.2);
+    const auto blue = add_paint(paints.canvas, "Phthalo Blue (Green Shade)");
+    PaintTile& tile = paints.canvas.writable_wet().writable({100 / kTileSize, 60 / kTileSize});
+    const auto pixel = static_cast<std::size_t>((60 % kTileSize) * kTileSize + 100 % kTileSize);
+    tile.writable_plane(upper_of(blue))[pixel] = -1e-9f;
+    const Recipe recipe = recipe_at(paints.canvas, 100, 60, 0.5);
+    EXPECT_EQ(recipe.portions.size(), 2u);
+}
+
 TEST(UpperFilm, DriesAsItLies) {
     WhiteOnYellow paints(0.3);
     const Surface wet = appearance(paints.canvas);
