@@ -121,14 +121,7 @@ TP_INLINE void apply_all(int n, const float* give, const float* take, const Shar
 TP_VECTOR_CLONES
 void apply_row(int n, const float* give, const float* take, const SharedRow& row, float* total,
                float* load_total) {
-    switch (lanes_of_clone()) {
-        case 16:
-            return apply_all<16>(n, give, take, row, total, load_total);
-        case 8:
-            return apply_all<8>(n, give, take, row, total, load_total);
-        default:
-            return apply_all<4>(n, give, take, row, total, load_total);
-    }
+    with_lanes([&](auto lanes) TP_INLINE_LAMBDA { apply_all<lanes>(n, give, take, row, total, load_total); });
 }
 
 // The same where there is an upper film: paint[2 i] is mixed, paint[2 i + 1] in the upper film.
@@ -231,14 +224,7 @@ TP_INLINE void apply_films_all(int n, const FilmsRow& r) {
 
 TP_VECTOR_CLONES
 void apply_films_row(int n, const FilmsRow& r) {
-    switch (lanes_of_clone()) {
-        case 16:
-            return apply_films_all<16>(n, r);
-        case 8:
-            return apply_films_all<8>(n, r);
-        default:
-            return apply_films_all<4>(n, r);
-    }
+    with_lanes([&](auto lanes) TP_INLINE_LAMBDA { apply_films_all<lanes>(n, r); });
 }
 
 std::size_t at(int y, std::size_t stride) { return static_cast<std::size_t>(y) * stride; }

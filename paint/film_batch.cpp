@@ -135,14 +135,7 @@ TP_INLINE void look_rgb_in(std::span<const FilmToShow> films, std::span<const Rg
 TP_VECTOR_CLONES
 void look_rgb(std::span<const FilmToShow> films, std::span<const Rgb> dry, std::span<Rgb> colour,
               const std::array<Spectrum, 3>& weights, float k2) {
-    switch (lanes_of_clone()) {
-        case 16:
-            return look_rgb_in<16>(films, dry, colour, weights, k2);
-        case 8:
-            return look_rgb_in<8>(films, dry, colour, weights, k2);
-        default:
-            return look_rgb_in<4>(films, dry, colour, weights, k2);
-    }
+    with_lanes([&](auto lanes) TP_INLINE_LAMBDA { look_rgb_in<lanes>(films, dry, colour, weights, k2); });
 }
 
 void require_sizes(std::span<const std::span<const float>> volumes, std::size_t pigments, std::size_t dry,

@@ -206,14 +206,8 @@ void add_row(int n, const float* __restrict relief, const float* __restrict tota
 TP_VECTOR_CLONES
 void advect_row(const RowSpan& span, const RowSpan& done, const Heading& heading, const AdvectedRow& row,
                 const FlowsAround& flows, float* total) {
-    switch (lanes_of_clone()) {
-        case 16:
-            return advect_and_copy<16>(span, done, heading, row, flows, total);
-        case 8:
-            return advect_and_copy<8>(span, done, heading, row, flows, total);
-        default:
-            return advect_and_copy<4>(span, done, heading, row, flows, total);
-    }
+    with_lanes([&](auto lanes)
+                   TP_INLINE_LAMBDA { advect_and_copy<lanes>(span, done, heading, row, flows, total); });
 }
 
 }  // namespace tangi

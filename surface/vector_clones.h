@@ -3,6 +3,8 @@
 // -ffp-contract=off), so that every processor gives the same bits.
 #pragma once
 
+#include <type_traits>
+
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__)
 #define TP_VECTOR_CLONES __attribute__((target_clones("avx512f", "avx2", "default")))
 #define TP_HAS_VECTOR_CLONES 1
@@ -13,6 +15,7 @@
 
 // What such a function calls becomes part of it.
 #define TP_INLINE inline __attribute__((always_inline))
+#define TP_INLINE_LAMBDA __attribute__((always_inline))
 
 namespace tangi {
 
@@ -28,6 +31,20 @@ inline int lanes_of_clone() {
     if (__builtin_cpu_supports("avx2")) return 8;
 #endif
     return 4;
+}
+
+// Calls body(std::integral_constant) with that number. `body` is a TP_INLINE_LAMBDA, or it is not compiled
+// for the clone.
+template <class Body>
+TP_INLINE void with_lanes(const Body& body) {
+    switch (lanes_of_clone()) {
+        case 16:
+            return body(std::integral_constant<int, 16>());
+        case 8:
+            return body(std::integral_constant<int, 8>());
+        default:
+            return body(std::integral_constant<int, 4>());
+    }
 }
 
 }  // namespace tangi
