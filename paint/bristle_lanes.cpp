@@ -45,6 +45,18 @@ BristleLanes lanes_at(float way_px, float half_px, float bristle_px, float amoun
     return {memory.data(), count, -static_cast<float>(nodes) * width_px};
 }
 
+float side_bears(float way_mm, float amount, std::uint64_t seed, int side) {
+    using namespace procedural;
+    const auto wave = [&](int which, float length_mm) {
+        const auto own = hash(hash(seed, 77), side, which);
+        const float at = way_mm / length_mm + uniform(own), whole = std::floor(at);
+        const auto i = static_cast<std::uint64_t>(whole);
+        return mix(uniform(hash(own, i)), uniform(hash(own, i + 1)), smooth_step(0, 1, at - whole)) - 0.5f;
+    };
+    const float n = 2.2f * wave(0, 8.0f) + 1.6f * wave(1, 3.5f);
+    return std::clamp(1 + std::min(4 * amount, 1.0f) * n, 0.0f, 2.0f);
+}
+
 BristleLanes ramp_of(float side, float half_px, std::vector<float>& memory) {
     const int count = static_cast<int>(2 * half_px * BristleLanes::kPerPixel) + 1;
     memory.resize(static_cast<std::size_t>(count));

@@ -22,6 +22,10 @@ struct BristleLanes {
 BristleLanes lanes_at(float way_px, float half_px, float bristle_px, float amount, std::uint64_t seed,
                       std::vector<float>& memory);
 
+// [1] How hard the tuft bears on one of its sides, over the mean: bristles there go apart and together again,
+// and the hand is not quite steady, so lips swell and break off. From 0 to 2 at an amount of 0.25 and more.
+float side_bears(float way_mm, float amount, std::uint64_t seed, int side);
+
 // For a brush that stands: from 0 behind it to 1 ahead, half_px from its middle, or the other way round where
 // `side` is -1. Lanes lie along its way then.
 BristleLanes ramp_of(float side, float half_px, std::vector<float>& memory);

@@ -12,6 +12,8 @@ struct BrushSides {
     float ax = 0, ay = 0, a0 = 0;
     float left_px = 1, right_px = 1;
     float band_px = 0;  // width of what counts as a side; 0: the brush stands, and has none
+    // [1] How hard the tuft bears on either side, over the mean: what is pressed out there goes with it.
+    float left_bears = 1, right_bears = 1;
 
     // The sides of a row of the box from a pixel on.
     BrushSides row_from(int x, int y) const {

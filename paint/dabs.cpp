@@ -84,11 +84,15 @@ double one_step(PaintWindow& window, Brush& brush, const Dab& wanted, const Regi
                              static_cast<float>(y - box.y0)};
     step.sides = brush.sides(dab, box.x0, box.y0);
     step.lanes = {};
-    if (!dab.stands)
+    const auto grain = static_cast<float>(brush.settings().grain);
+    if (!dab.stands) {
         step.lanes = lanes_at(dab.way_px, std::max(step.sides.left_px, step.sides.right_px),
-                              static_cast<float>(brush.settings().bristle_mm / mm_per_pixel),
-                              static_cast<float>(brush.settings().grain), seed, memory.lanes);
-    else if (dab.side != 0)
+                              static_cast<float>(brush.settings().bristle_mm / mm_per_pixel), grain, seed,
+                              memory.lanes);
+        const float way_mm = dab.way_px * static_cast<float>(mm_per_pixel);
+        step.sides.left_bears = side_bears(way_mm, grain, seed, -1);
+        step.sides.right_bears = side_bears(way_mm, grain, seed, 1);
+    } else if (dab.side != 0)
         step.lanes = ramp_of(dab.side, step.sides.right_px, memory.lanes);
     exchange(step, rates, scratch);
     push(step, rates, motion, scratch);

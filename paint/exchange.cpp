@@ -44,6 +44,7 @@ void exchange_row(int n, const TransferRates& r, const BrushSides& sides, const 
                 deposit_tip = r.deposit * r.tip_mm, ride = r.ride_mm, ax = sides.ax, a0 = sides.a0,
                 right_px = sides.right_px, left_px = sides.left_px,
                 per_band = 1 / std::max(sides.band_px, 1.0f), press = sides.band_px > 0 ? r.press : 0.0f,
+                press_left = press * sides.left_bears, press_right = press * sides.right_bears,
                 most = 0.5f * r.tip_mm, first_lane_px = lanes.first_px;
     const float* __restrict lane = lanes.factor;
     const int last_lane = lanes.count - 1;
@@ -62,7 +63,8 @@ void exchange_row(int n, const TransferRates& r, const BrushSides& sides, const 
         const float fill = kPressed * dry * reach * reach + kFilling * bridged * (reach - contact);
         // Where pressure drives it out, the tuft gives more.
         const float beyond_px = std::max(across_px - right_px, -across_px - left_px);
-        const float pressed = 1 + press * std::min(std::max(1 + beyond_px * per_band, 0.0f), 1.0f);
+        const float pressed = 1 + (across_px > 0 ? press_right : press_left) *
+                                      std::min(std::max(1 + beyond_px * per_band, 0.0f), 1.0f);
         // No more than there is, however uneven the lanes are.
         give[x] = std::min(std::min(deposit_tip * pressed, most) * here * dry_contact * fill /
                                (reach * reach * reach * std::max(load[x], tip)),

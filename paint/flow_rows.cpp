@@ -133,6 +133,7 @@ void outflow_row(int n, const TransferRates& rates, const RowMotion& m, const Br
                 turn = m.turn, sy = static_cast<float>(m.sy);
     const float ax = s.ax, ay = s.ay, a0 = s.a0, right_px = s.right_px, left_px = s.left_px,
                 per_band = 1 / std::max(s.band_px, 1.0f), squeeze = s.band_px > 0 ? r.squeeze_per_mm : 0.0f,
+                squeeze_left = squeeze * s.left_bears, squeeze_right = squeeze * s.right_bears,
                 both = std::abs(ax) + std::abs(ay);
     for (int x = 0; x < n; ++x) {
         // What lies where brushes may not work stays there.
@@ -160,7 +161,10 @@ void outflow_row(int n, const TransferRates& rates, const RowMotion& m, const Br
         const float speed =
             underside[x] < kOutside ? near * near * std::min(std::max(1 - beyond_px, 0.0f), 1.0f) : 0.0f;
         const float rest = 1 - (l + rr + u + d);
-        const float squeezed = std::min(squeeze * std::max(w - film, 0.0f), kMostSqueezed) * speed * rest;
+        const float squeezed =
+            std::min((across_px > 0 ? squeeze_right : squeeze_left) * std::max(w - film, 0.0f),
+                     kMostSqueezed) *
+            speed * rest;
         const float outwards = across_px > 0 ? squeezed : -squeezed, out_x = outwards * ax,
                     out_y = outwards * ay;
         const float pushed = push * excess * part * (rest - squeezed * both);

@@ -6,6 +6,7 @@ import sys
 
 sys.dont_write_bytecode = True
 rng = random.Random()
+wrist = random.Random(3)  # how strokes are put down and lifted; of its own, so that it moves nothing else
 count = 0
 seconds = 0.0  # with the brush on the painting
 spacing = 6    # [mm] of points, and the fewest pieces of a path
@@ -34,6 +35,34 @@ def shade(piles, light):
     return mixed(piles[int(at)], piles[int(at) + 1], at - int(at))
 
 
+def with_ends(path, size):
+    """Points (x, y, part of the pressure): brushes are put down in a short way and lifted in a longer one, as the
+    wrist has it. A third of the strokes is pressed off at once, and dabs are, too."""
+    ways = [0.0]
+    for (x0, y0), (x1, y1) in zip(path, path[1:]):
+        ways.append(ways[-1] + math.dist((x0, y0), (x1, y1)))
+    length = ways[-1]
+    if length < 1.5 * size or wrist.random() < 0.35:
+        return [(x, y, 1.0) for x, y in path]
+    down = min(wrist.uniform(0.05, 0.25) * size, 0.15 * length)
+    up = min(wrist.uniform(0.3, 1.3) * size, 0.4 * length)
+
+    def part(way):
+        return min(1.0, 0.25 + 0.75 * way / down, 0.04 + 0.96 * ((length - way) / up) ** 0.7)
+
+    points = [(way, x, y) for way, (x, y) in zip(ways, path)]
+    for way in (down, length - up, length - 0.6 * up, length - 0.25 * up):
+        k = max(i for i in range(len(path) - 1) if ways[i] <= way)
+        t = (way - ways[k]) / (ways[k + 1] - ways[k])
+        points.append((way, path[k][0] + t * (path[k + 1][0] - path[k][0]), path[k][1] + t * (path[k + 1][1] - path[k][1])))
+    points.sort()
+    apart = [points[0]]
+    for point in points[1:-1]:
+        if min(point[0] - apart[-1][0], length - point[0]) > 0.02 * length:
+            apart.append(point)
+    return [(x, y, part(way)) for way, x, y in apart + [points[-1]]]
+
+
 def stroke(path, brush, size, paint, pressure=0.6, load=1.0, start="clean", turn=0.0, speed=90, tilt=None, medium=0):
     """path: points in mm, speed in mm/s. The pressure is let go at the end, as a wrist does."""
     global count, seconds
@@ -43,13 +72,17 @@ def stroke(path, brush, size, paint, pressure=0.6, load=1.0, start="clean", turn
     if medium:
         event["medium"] = medium
     say(**event)
-    time = 0.0
-    for i, (x, y) in enumerate(path):
-        t = i / max(len(path) - 1, 1)
+    time, way = 0.0, 0.0
+    points = with_ends(path, size)
+    length = sum(math.dist(a[:2], b[:2]) for a, b in zip(points, points[1:]))
+    for i, (x, y, part) in enumerate(points):
         if i:
-            time += math.dist(path[i - 1], path[i]) / speed
-        p = pressure * (0.55 + 0.5 * math.sin(math.pi * min(0.25 + t, 1))) + jitter(0.03)
-        point = dict(event="point", t=round(time, 3), x=round(x, 2), y=round(y, 2), p=round(min(max(p, 0), 1), 2))
+            step = math.dist(points[i - 1][:2], (x, y))
+            time += step / speed
+            way += step
+        t = way / max(length, 1e-9)
+        p = pressure * part * (0.55 + 0.5 * math.sin(math.pi * min(0.25 + t, 1))) + part * wrist.uniform(-0.03, 0.03)
+        point = dict(event="point", t=round(time, 3), x=round(x, 2), y=round(y, 2), p=round(min(max(p, 0), 1), 3))
         if tilt:
             point["tx"], point["ty"] = tilt
         if turn:

@@ -65,6 +65,46 @@ TEST(StrokeMarks, PressesOutLipsAtItsSides) {
     }
 }
 
+// They swell and break off: no edge is as if drawn with a ruler. A blade's is.
+TEST(StrokeMarks, LipsAreUneven) {
+    // Of the highest paint within 2 mm of either edge, over its mean along 8 mm: how much it varies.
+    const auto unevenness = [](const char* preset) {
+        constexpr double pixel_mm = 0.125;
+        double sum = 0;
+        for (const std::uint64_t seed : {1, 2, 3, 4}) {
+            Canvas canvas = flat_canvas(480, 200, pixel_mm);
+            const auto white = add_paint(canvas, "Titanium White");
+            BrushSettings settings = brush_presets().at(preset);
+            settings.size_mm = 14;
+            Brush brush(settings, pixel_mm, seed);
+            brush.load({{white, 1}}, 1.5);
+            Stroke s(canvas, brush, {}, seed);
+            for (int i = 0; i <= 50; ++i) s.add({i * 0.01, i - 25.0, 0, 0.7, 0, 0, 0});
+            s.finish();
+            const Image<float> mm = thickness_of(canvas);
+            for (const int side : {-1, 1}) {
+                std::vector<double> highest;
+                for (int x = 68; x < 332; ++x) {
+                    int edge = side < 0 ? 0 : mm.height() - 1;
+                    while (edge != mm.height() / 2 && mm(x, edge) < 0.005f) edge -= side;
+                    float high = 0;
+                    for (int k = 0; k < 16; ++k) high = std::max(high, mm(x, edge - side * k));
+                    highest.push_back(high);
+                }
+                double squares = 0, count = 0;
+                for (auto at = highest.begin() + 32; at + 32 < highest.end(); ++at, ++count) {
+                    const double around = std::accumulate(at - 32, at + 33, 0.0) / 65;
+                    squares += std::pow(*at / around - 1, 2);
+                }
+                sum += std::sqrt(squares / count) / 8;
+            }
+        }
+        return sum;
+    };
+    for (const char* preset : {"round", "flat", "filbert"}) EXPECT_GT(unevenness(preset), 0.03) << preset;
+    EXPECT_LT(unevenness("knife"), 0.02);
+}
+
 TEST(StrokeMarks, BristlesLeaveStreaksAlongIt) {
     Canvas canvas = flat_canvas(240, 80);
     const auto red = add_paint(canvas, "Pyrrole Red");
