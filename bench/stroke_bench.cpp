@@ -77,7 +77,7 @@ Frames stroke_frames(Canvas& canvas, int size_px, int paints, double speed_px, i
         const double cpu_start = cpu_seconds();
         stroke.add({i / 60.0, x * kPixel_mm, 30 * std::sin(0.05 * i) * kPixel_mm, 0.6, 0, 0, 0});
         if (look) {
-            const auto dirty = canvas.take_dirty();
+            const auto dirty = canvas.take_painted();
             update_appearance(canvas, dirty, shown);
         }
         const std::chrono::duration<double> passed = std::chrono::steady_clock::now() - start;

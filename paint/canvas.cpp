@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "paint/kubelka_munk.h"
+#include "paint/settle.h"
 #include "surface/error.h"
 
 namespace tangi {
@@ -54,14 +55,22 @@ IngredientId Canvas::add(const Pigment& ingredient) {
 }
 
 void Canvas::mark_dirty(TileIndex tile, const Region& part) {
-    const auto [found, is_new] = dirty_.try_emplace(tile, part);
-    Region& all = found->second;
-    if (!is_new)
-        all = {std::min(all.x0, part.x0), std::min(all.y0, part.y0), std::max(all.x1, part.x1),
-               std::max(all.y1, part.y1)};
+    Region& all = dirty_.try_emplace(tile, Region{}).first->second;
+    all = united(all, part);
+}
+
+void Canvas::mark_settled(TileIndex tile, const Region& part) {
+    Region& all = settled_.try_emplace(tile, Region{}).first->second;
+    all = united(all, part);
 }
 
 std::vector<Region> Canvas::take_dirty() {
+    for (const auto& [tile, part] : settled_) mark_dirty(tile, part);
+    settled_.clear();
+    return take_painted();
+}
+
+std::vector<Region> Canvas::take_painted() {
     std::vector<Region> parts;
     for (const auto& [tile, part] : dirty_) parts.push_back(part);
     dirty_.clear();
@@ -306,15 +315,15 @@ std::string dry(Canvas& canvas, const std::string& name, const CanvasPart& where
             const std::vector<float>& part = is_upper(id) ? shares.upper : shares.mixed;
             for (const auto& [begin, end] : runs)
                 for (std::size_t i = begin; i < end; ++i) {
-                    const float moved = part[i] == 1 ? source[i] : source[i] * part[i];
+                    const float moved =
+                        part[i] == 1 ? source[i] : std::min(on_grid(source[i] * part[i]), source[i]);
                     target[i] += moved;
                     source[i] -= moved;
                 }
         }
-        from.drop_empty_upper();
-        to.drop_empty_upper();
-        if (std::all_of(from.thickness_mm.begin(), from.thickness_mm.end(), [](float v) { return v == 0; }))
-            wet.set_tile(at, nullptr);
+        from.drop_empty();
+        to.drop_empty();
+        if (from.ingredients.empty()) wet.set_tile(at, nullptr);
         canvas.mark_dirty(at);
     }
     return dried ? layers.back().name : std::string();

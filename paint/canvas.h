@@ -69,8 +69,12 @@ public:
 
     void mark_dirty(TileIndex tile) { mark_dirty(tile, wet_.region_of(tile)); }
     void mark_dirty(TileIndex tile, const Region& part);
+    // Changed, but by less than can be seen (settle.h).
+    void mark_settled(TileIndex tile, const Region& part);
     // What changed since the last call: a part of each tile that did, tile by tile.
     std::vector<Region> take_dirty();
+    // The same without what has only settled, which the next take_dirty() tells: for as long as one paints.
+    std::vector<Region> take_painted();
 
     // Confines brushes: where `mask` (one number a pixel, the canvas's size) is 0 they neither give nor take
     // nor push paint, where it is below 1 the less of it. Empty: brushes work everywhere, as at first. Goes
@@ -93,7 +97,7 @@ private:
     std::vector<Pigment> ingredients_;
     PaintLayer wet_;
     std::vector<DriedLayer> dried_;
-    std::map<TileIndex, Region> dirty_;
+    std::map<TileIndex, Region> dirty_, settled_;
     std::shared_ptr<const Image<float>> mask_;
 };
 

@@ -25,11 +25,6 @@ bool touches(const Region& box, const Canvas& canvas) {
     return box.x0 < all.x1 && box.x1 > all.x0 && box.y0 < all.y1 && box.y1 > all.y0;
 }
 
-Region united(const Region& a, const Region& b) {
-    if (a.empty()) return b;
-    return {std::min(a.x0, b.x0), std::min(a.y0, b.y0), std::max(a.x1, b.x1), std::max(a.y1, b.y1)};
-}
-
 // Memory that steps reuse.
 struct StepMemory {
     std::vector<float> underside, lanes;  // and cover

@@ -38,13 +38,28 @@ bool PaintTile::has_upper() const {
     return std::any_of(thickness_mm.begin() + begin, thickness_mm.end(), [](float mm) { return mm != 0; });
 }
 
+void PaintTile::drop_empty() { drop_empty_from(0); }
+
 void PaintTile::drop_empty_upper() {
-    for (std::size_t i = ingredients.size(); i-- > 0 && is_upper(ingredients[i]);) {
-        const auto begin = thickness_mm.begin() + static_cast<std::ptrdiff_t>(i * kPixels);
-        if (std::any_of(begin, begin + kPixels, [](float mm) { return mm != 0; })) continue;
-        ingredients.erase(ingredients.begin() + static_cast<std::ptrdiff_t>(i));
-        thickness_mm.erase(begin, begin + kPixels);
+    drop_empty_from(
+        static_cast<std::size_t>(std::ranges::find_if(ingredients, is_upper) - ingredients.begin()));
+}
+
+void PaintTile::drop_empty_from(std::size_t first) {
+    std::size_t kept = first;
+    for (std::size_t i = first; i < ingredients.size(); ++i) {
+        const auto plane = thickness_mm.begin() + static_cast<std::ptrdiff_t>(i * kPixels);
+        if (std::all_of(plane, plane + kPixels, [](float mm) { return mm == 0; })) continue;
+        if (kept < i) {
+            ingredients[kept] = ingredients[i];
+            std::copy_n(plane, kPixels, thickness_mm.begin() + static_cast<std::ptrdiff_t>(kept * kPixels));
+        }
+        ++kept;
     }
+    if (kept == ingredients.size()) return;
+    ingredients.resize(kept);
+    thickness_mm.resize(kept * kPixels);
+    thickness_mm.shrink_to_fit();
 }
 
 PaintLayer::PaintLayer(int width, int height)

@@ -41,9 +41,13 @@ struct PaintTile {
     std::span<float> writable_plane(IngredientId ingredient);
     // Whether there is anything in the upper film; planes of it that hold nothing do not count.
     bool has_upper() const;
-    // Takes such planes away.
+    // Takes planes away that hold nothing: all, or those of the upper film.
+    void drop_empty();
     void drop_empty_upper();
     std::size_t bytes() const { return sizeof(PaintTile) + thickness_mm.capacity() * sizeof(float); }
+
+private:
+    void drop_empty_from(std::size_t first);
 };
 
 constexpr int kTileSize = PaintTile::kSize;  // [pixels]
@@ -51,6 +55,12 @@ constexpr int kTileSize = PaintTile::kSize;  // [pixels]
 // What lies in both.
 inline Region intersection(const Region& a, const Region& b) {
     return {std::max(a.x0, b.x0), std::max(a.y0, b.y0), std::min(a.x1, b.x1), std::min(a.y1, b.y1)};
+}
+
+// The smallest that holds both; `a` does not count where it is empty.
+inline Region united(const Region& a, const Region& b) {
+    if (a.empty()) return b;
+    return {std::min(a.x0, b.x0), std::min(a.y0, b.y0), std::max(a.x1, b.x1), std::max(a.y1, b.y1)};
 }
 
 // Where a tile is: column and row in the grid of tiles.

@@ -59,6 +59,8 @@ public:
     // numbers of that canvas's ingredients.
     const Brush* brush() const { return brush_.get(); }
     Place brush_place() const { return brush_place_; }
+    // A stroke has begun and not ended.
+    bool in_stroke() const { return stroke_.has_value(); }
 
     // What was done so far.
     struct Totals {

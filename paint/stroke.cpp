@@ -2,12 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "paint/dabs.h"
 #include "paint/paint_window.h"
+#include "paint/settle.h"
 #include "paint/step_rates.h"
 #include "surface/error.h"
+#include "surface/parallel.h"
 
 namespace tangi {
 
@@ -22,6 +25,9 @@ constexpr double kRim = 1.5, kMostSteps = 2;
 // its contact passes, at full pressure.
 constexpr int kStands = 4;
 constexpr double kStandsFor = 0.7;
+
+// Every so many steps, what was not touched for so many is left alone.
+constexpr int kSettle = 64;
 
 constexpr double kShortContact_px = 6;  // shorter ones take steps of half the spacing
 
@@ -147,6 +153,7 @@ void Stroke::finish() {
     paint();
     brush_.rest();
     if (last_) relax(*last_);
+    settle_paint(std::numeric_limits<int>::max());
     while (look_ && look_at_s_ < age_s()) call_look();
 }
 
@@ -192,6 +199,29 @@ void Stroke::relax(const Dab& last) {
     rates.stay_mm = rates.still_mm;
     for (int i = 0; i < steps; ++i) push(step, rates, {}, scratch_);
     window.store(canvas_);
+}
+
+void Stroke::settle_paint(int before_step) {
+    std::vector<std::pair<TileIndex, UnderWay>> changed;
+    for (auto at = under_way_.begin(); at != under_way_.end();) {
+        if (at->second.last_step >= before_step) {
+            ++at;
+            continue;
+        }
+        if (canvas_.wet().tile(at->first) != at->second.as_it_was)
+            changed.emplace_back(at->first, std::move(at->second));
+        at = under_way_.erase(at);
+    }
+    if (changed.empty()) return;
+    PaintLayer& wet = canvas_.writable_wet();
+    parallel_for(0, static_cast<int>(changed.size()), 4, [&](int begin, int end) {
+        for (int i = begin; i < end; ++i) {
+            const auto& [at, under_way] = changed[static_cast<std::size_t>(i)];
+            settle(wet.writable(at), under_way.as_it_was.get());
+            if (wet.tile(at)->ingredients.empty()) wet.set_tile(at, nullptr);
+        }
+    });
+    for (const auto& [at, under_way] : changed) canvas_.mark_settled(at, under_way.part);
 }
 
 void Stroke::segment(const Knot& a, const Knot& b, const Knot& c, const Knot& d) {
@@ -280,21 +310,35 @@ void Stroke::stand(Dab dab, float side, double age_s) {
     }
 }
 
+void Stroke::come_over(const Dab& dab) {
+    const Region there = intersection(box_of(brush_, dab), canvas_.region());
+    if (there.empty()) return;
+    met_canvas_ = true;
+    for (int y = there.y0 / kTileSize; y * kTileSize < there.y1; ++y)
+        for (int x = there.x0 / kTileSize; x * kTileSize < there.x1; ++x) {
+            const TileIndex at{x, y};
+            UnderWay& tile = under_way_.try_emplace(at, UnderWay{canvas_.wet().tile(at)}).first->second;
+            tile.part = united(tile.part, intersection(there, canvas_.wet().region_of(at)));
+            tile.last_step = dab.step;
+        }
+}
+
 void Stroke::paint() {
     if (dabs_.empty()) return;
-    for (const Dab& dab : dabs_) {
-        const Region there = intersection(box_of(brush_, dab), canvas_.region());
-        met_canvas_ = met_canvas_ || (there.width() > 0 && there.height() > 0);
-    }
     for (std::size_t begin = 0; begin < dabs_.size();) {
-        std::size_t end = dabs_.size();
         // What is asked for at the very end of the stroke is seen when the next one begins.
         while (look_ && look_at_s_ <= ages_s_[begin] && look_at_s_ < age_s()) call_look();
+        std::size_t end = dabs_.size();
         if (look_ && look_at_s_ < age_s())
             end = static_cast<std::size_t>(std::ranges::lower_bound(ages_s_, look_at_s_) - ages_s_.begin());
-        bristle_pixels_ += paint_dabs(canvas_, brush_, std::span(dabs_).subspan(begin, end - begin), seed_,
-                                      other_, scratch_);
+        // Whatever way a stroke is divided, paint settles after the same steps.
+        const int first = steps_ + static_cast<int>(begin), rest_at = (first / kSettle + 1) * kSettle;
+        end = std::min(end, begin + static_cast<std::size_t>(rest_at - first));
+        const std::span<const Dab> dabs = std::span(dabs_).subspan(begin, end - begin);
+        for (const Dab& dab : dabs) come_over(dab);
+        bristle_pixels_ += paint_dabs(canvas_, brush_, dabs, seed_, other_, scratch_);
         begin = end;
+        if (steps_ + static_cast<int>(end) == rest_at) settle_paint(rest_at - kSettle);
     }
     steps_ += static_cast<int>(dabs_.size());
     last_ = dabs_.back();

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <functional>
+#include <map>
 #include <optional>
 #include <span>
 #include <vector>
@@ -90,6 +91,9 @@ private:
     void paint();
     void call_look();
     void relax(const Dab& last);
+    void come_over(const Dab& dab);
+    // Of tiles that no step came over from this one on: paint that the stroke left there (settle.h).
+    void settle_paint(int before_step);
 
     Canvas& canvas_;
     Brush& brush_;
@@ -103,6 +107,12 @@ private:
     double left_px_ = 0;                 // of arc length until the next step
     std::optional<float> rotation_rad_;  // at the last step
     std::optional<float> heading_rad_;
+    struct UnderWay {
+        PaintLayer::TilePtr as_it_was;
+        Region part{};  // that steps came over
+        int last_step = 0;
+    };
+    std::map<TileIndex, UnderWay> under_way_;  // what the stroke came over and is not settled
     std::vector<Dab> dabs_;
     std::vector<double> ages_s_;  // of the stroke, at each of them
     std::optional<Dab> last_;

@@ -166,7 +166,8 @@ void Painter::get_ready() {
 
 // Texels of what was painted since the last time.
 void Painter::show_changes() {
-    const std::vector<Region> dirty = session_.canvas().take_dirty();
+    Canvas& canvas = session_.canvas();
+    const std::vector<Region> dirty = session_.in_stroke() ? canvas.take_painted() : canvas.take_dirty();
     if (!dirty.empty()) {
         update_appearance(shown_ ? *shown_ : session_.canvas(), dirty, own_surface());
         count(dirty);

@@ -1,0 +1,68 @@
+#include "paint/settle.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "surface/vector_clones.h"
+
+namespace tangi {
+
+namespace {
+
+constexpr int kSize = PaintTile::kSize;
+constexpr float kCoarse_mm = 2;  // from here on floats are no finer than the grid
+
+static_assert(kCoarse_mm * 0x1p-23f == kVolumeGrid_mm);
+
+// Adding 2 mm leaves no room for digits finer than the grid.
+TP_INLINE float rounded(float mm) {
+    return mm < kCoarse_mm ? std::max(0.0f, (mm + kCoarse_mm) - kCoarse_mm) : mm;
+}
+
+// `owed` [mm]: for each column, what is still to be added.
+TP_VECTOR_CLONES
+void settle_row(const float* __restrict before, const float* __restrict there, float* __restrict owed,
+                float* __restrict row) {
+    for (int x = 0; x < kSize; ++x) {
+        const float now = there[x] != before[x] ? rounded(there[x] + owed[x]) : there[x];
+        owed[x] += there[x] - now;
+        row[x] = now;
+    }
+}
+
+using Plane = std::array<float, PaintTile::kPixels>;
+
+void settle(const float* before, float* plane) {
+    Plane there;
+    std::copy_n(plane, there.size(), there.data());
+    std::array<float, kSize> owed{};
+    for (int y = 0; y < kSize; ++y)
+        settle_row(before + y * kSize, there.data() + y * kSize, owed.data(), plane + y * kSize);
+    // What columns are still owed, in single steps.
+    double rest = 0;
+    for (const float mm : owed) rest += static_cast<double>(mm);
+    for (std::size_t i = 0; i < there.size() && std::abs(rest) > kVolumeGrid_mm / 2; ++i) {
+        const float step = rest > 0 ? kVolumeGrid_mm : -kVolumeGrid_mm;
+        if (there[i] == before[i] || !(there[i] > 0) || plane[i] + step < 0 || plane[i] >= kCoarse_mm)
+            continue;
+        plane[i] += step;
+        rest -= static_cast<double>(step);
+    }
+}
+
+}  // namespace
+
+float on_grid(float mm) { return rounded(mm); }
+
+void settle(PaintTile& tile, const PaintTile* as_it_was) {
+    static constexpr Plane kNothing{};
+    for (std::size_t i = 0; i < tile.ingredients.size(); ++i) {
+        const auto before = as_it_was ? as_it_was->plane(tile.ingredients[i]) : std::span<const float>();
+        settle(before.empty() ? kNothing.data() : before.data(),
+               tile.thickness_mm.data() + i * PaintTile::kPixels);
+    }
+    tile.drop_empty();
+}
+
+}  // namespace tangi
