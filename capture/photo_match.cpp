@@ -15,6 +15,7 @@
 #include "surface/error.h"
 #include "surface/letter_case.h"
 #include "surface/painting_file.h"
+#include "surface/picture_file.h"
 
 namespace tangi {
 
