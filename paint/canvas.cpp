@@ -77,6 +77,15 @@ std::vector<Region> Canvas::take_painted() {
     return parts;
 }
 
+std::vector<Region> Canvas::take_settled(std::size_t most) {
+    std::vector<Region> parts;
+    while (parts.size() < most && has_settled()) {
+        parts.push_back(settled_.begin()->second);
+        settled_.erase(settled_.begin());
+    }
+    return parts;
+}
+
 void Canvas::confine(std::shared_ptr<const Image<float>> mask) {
     TP_REQUIRE(!mask || mask->region() == region(), "a mask has the size of its canvas");
     if (mask)
@@ -313,10 +322,13 @@ std::string dry(Canvas& canvas, const std::string& name, const CanvasPart& where
         for (const IngredientId id : from.ingredients) {
             const std::span<float> source = from.writable_plane(id), target = to.writable_plane(id);
             const std::vector<float>& part = is_upper(id) ? shares.upper : shares.mixed;
+            float owed = 0;  // [mm] what rounding to the grid left wet: given by the next pixels
             for (const auto& [begin, end] : runs)
                 for (std::size_t i = begin; i < end; ++i) {
-                    const float moved =
-                        part[i] == 1 ? source[i] : std::min(on_grid(source[i] * part[i]), source[i]);
+                    const float wanted = source[i] * part[i];
+                    const float rounded = wanted > 0 ? std::min(on_grid(wanted + owed), source[i]) : 0.0f;
+                    const float moved = part[i] == 1 ? source[i] : rounded;
+                    owed += wanted - moved;
                     target[i] += moved;
                     source[i] -= moved;
                 }
@@ -324,7 +336,12 @@ std::string dry(Canvas& canvas, const std::string& name, const CanvasPart& where
         from.drop_empty();
         to.drop_empty();
         if (from.ingredients.empty()) wet.set_tile(at, nullptr);
+        if (to.ingredients.empty()) dried->set_tile(at, nullptr);
         canvas.mark_dirty(at);
+    }
+    if (dried && dried->empty()) {  // less than can be told
+        layers.pop_back();
+        dried = nullptr;
     }
     return dried ? layers.back().name : std::string();
 }

@@ -73,8 +73,10 @@ public:
     void mark_settled(TileIndex tile, const Region& part);
     // What changed since the last call: a part of each tile that did, tile by tile.
     std::vector<Region> take_dirty();
-    // The same without what has only settled, which the next take_dirty() tells: for as long as one paints.
+    // The same without what has only settled; and some of that, to be drawn when there is time.
     std::vector<Region> take_painted();
+    std::vector<Region> take_settled(std::size_t most);
+    bool has_settled() const { return !settled_.empty(); }
 
     // Confines brushes: where `mask` (one number a pixel, the canvas's size) is 0 they neither give nor take
     // nor push paint, where it is below 1 the less of it. Empty: brushes work everywhere, as at first. Goes

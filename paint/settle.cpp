@@ -13,6 +13,8 @@ namespace {
 constexpr int kSize = PaintTile::kSize;
 constexpr float kCoarse_mm = 2;  // from here on floats are no finer than the grid
 
+constexpr double kNothing_mm = 1e-3 * double(kVolumeGrid_mm);  // of a paint in a tile
+
 static_assert(kCoarse_mm * 0x1p-23f == kVolumeGrid_mm);
 
 // Adding 2 mm leaves no room for digits finer than the grid.
@@ -25,7 +27,9 @@ TP_VECTOR_CLONES
 void settle_row(const float* __restrict before, const float* __restrict there, float* __restrict owed,
                 float* __restrict row) {
     for (int x = 0; x < kSize; ++x) {
-        const float now = there[x] != before[x] ? rounded(there[x] + owed[x]) : there[x];
+        // Where there is nothing any more, nothing comes.
+        const float settled = there[x] > 0 ? rounded(there[x] + owed[x]) : 0.0f;
+        const float now = there[x] != before[x] ? settled : there[x];
         owed[x] += there[x] - now;
         row[x] = now;
     }
@@ -39,16 +43,22 @@ void settle(const float* before, float* plane) {
     std::array<float, kSize> owed{};
     for (int y = 0; y < kSize; ++y)
         settle_row(before + y * kSize, there.data() + y * kSize, owed.data(), plane + y * kSize);
-    // What columns are still owed, in single steps.
+    // What columns are still owed, in single steps; and what is less than one where least of it lies, where
+    // floats are finest, but for next to nothing.
     double rest = 0;
     for (const float mm : owed) rest += static_cast<double>(mm);
-    for (std::size_t i = 0; i < there.size() && std::abs(rest) > kVolumeGrid_mm / 2; ++i) {
+    float* least = nullptr;
+    for (std::size_t i = 0; i < there.size(); ++i) {
+        if (there[i] == before[i] || !(there[i] > 0)) continue;
         const float step = rest > 0 ? kVolumeGrid_mm : -kVolumeGrid_mm;
-        if (there[i] == before[i] || !(there[i] > 0) || plane[i] + step < 0 || plane[i] >= kCoarse_mm)
-            continue;
-        plane[i] += step;
-        rest -= static_cast<double>(step);
+        if (std::abs(rest) > kVolumeGrid_mm / 2 && plane[i] + step >= 0 && plane[i] < kCoarse_mm) {
+            plane[i] += step;
+            rest -= static_cast<double>(step);
+        }
+        const bool takes = plane[i] >= kVolumeGrid_mm;
+        if (!least || (takes && (*least < kVolumeGrid_mm || plane[i] < *least))) least = plane + i;
     }
+    if (least && std::abs(rest) > kNothing_mm) *least = std::max(*least + static_cast<float>(rest), 0.0f);
 }
 
 }  // namespace
@@ -56,10 +66,10 @@ void settle(const float* before, float* plane) {
 float on_grid(float mm) { return rounded(mm); }
 
 void settle(PaintTile& tile, const PaintTile* as_it_was) {
-    static constexpr Plane kNothing{};
+    static constexpr Plane kEmpty{};
     for (std::size_t i = 0; i < tile.ingredients.size(); ++i) {
         const auto before = as_it_was ? as_it_was->plane(tile.ingredients[i]) : std::span<const float>();
-        settle(before.empty() ? kNothing.data() : before.data(),
+        settle(before.empty() ? kEmpty.data() : before.data(),
                tile.thickness_mm.data() + i * PaintTile::kPixels);
     }
     tile.drop_empty();

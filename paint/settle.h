@@ -15,8 +15,9 @@ constexpr float kVolumeGrid_mm = 0x1p-22f;
 float on_grid(float mm);
 
 // Rounds those volumes of a tile to the grid that differ from `as_it_was` (null: there was none). What one
-// pixel loses or gains, the next such one in the same column gains or loses, so an ingredient's volume in the
-// tile stays what it was to half a step of the grid. Planes in which nothing is left are taken away.
+// pixel loses or gains, the next such one in the same column gains or loses, and what is left in the end,
+// less than a step, is given to the pixel that has least, beside the grid: an ingredient's volume in the tile
+// stays what it was, to a thousandth of a step. Planes in which nothing is left are taken away.
 void settle(PaintTile& tile, const PaintTile* as_it_was);
 
 }  // namespace tangi

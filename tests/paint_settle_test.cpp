@@ -14,12 +14,19 @@ namespace {
 
 bool lies_on_grid(float mm) { return std::fmod(mm, kVolumeGrid_mm) == 0; }
 
-bool lies_on_grid(const PaintLayer& layer) {
+// But for one pixel, which has what is left, for each time that it settled.
+bool lies_on_grid(std::span<const float> plane, int times = 1) {
+    return std::ranges::count_if(plane, [](float mm) { return !lies_on_grid(mm); }) <= times;
+}
+
+bool lies_on_grid(const PaintLayer& layer, int times) {
     for (const TileIndex at : layer.painted())
-        if (!std::ranges::all_of(layer.tile(at)->thickness_mm, [](float mm) { return lies_on_grid(mm); }))
-            return false;
+        for (const IngredientId id : layer.tile(at)->ingredients)
+            if (!lies_on_grid(layer.tile(at)->plane(id), times)) return false;
     return true;
 }
+
+constexpr int kTimes = 8;  // a few strokes, each of which may settle more than once
 
 double sum_of(std::span<const float> plane) {
     double sum = 0;
@@ -37,15 +44,16 @@ PaintTile random_tile(float most_mm, float part) {
     return tile;
 }
 
-TEST(Settle, KeepsTheVolumeToHalfAStepOfTheGrid) {
+TEST(Settle, KeepsTheVolume) {
     for (const float most_mm : {1e-9f, 1e-6f, 1e-3f, 0.3f, 1.9f})
         for (const float part : {1.0f, 0.3f, 0.002f}) {
             PaintTile tile = random_tile(most_mm, part);
             const double before = sum_of(tile.plane(3));
             settle(tile, nullptr);
-            EXPECT_NEAR(sum_of(tile.plane(3)), before, (0.5 + 1e-3 * before) * kVolumeGrid_mm)
+            EXPECT_NEAR(sum_of(tile.plane(3)), before, (2e-3 + 1e-3 * before) * kVolumeGrid_mm)
                 << most_mm << " " << part;
-            for (const float mm : tile.thickness_mm) ASSERT_TRUE(mm >= 0 && lies_on_grid(mm)) << mm;
+            EXPECT_TRUE(lies_on_grid(tile.plane(3)));
+            EXPECT_TRUE(std::ranges::all_of(tile.plane(3), [](float mm) { return mm >= 0; }));
         }
 }
 
@@ -56,7 +64,7 @@ TEST(Settle, ManyThatRoundTheSameWayDoNotAddUp) {
         for (std::size_t x = 0; x < PaintTile::kSize; ++x)
             tile.writable_plane(3)[64 * (x % 7) + x] = steps * kVolumeGrid_mm;
         settle(tile, nullptr);
-        EXPECT_NEAR(sum_of(tile.plane(3)) / kVolumeGrid_mm, 64 * steps, 0.501) << steps;
+        EXPECT_NEAR(sum_of(tile.plane(3)) / kVolumeGrid_mm, 64 * steps, 0.002) << steps;
     }
 }
 
@@ -75,11 +83,13 @@ TEST(Settle, LeavesAloneWhatDidNotChange) {
     PaintTile tile = before;
     for (std::size_t i = 0; i < PaintTile::kPixels; i += 7) tile.writable_plane(3)[i] += 0.01f;
     settle(tile, &before);
+    int off_grid = 0;
     for (std::size_t i = 0; i < PaintTile::kPixels; ++i)
         if (i % 7)
             ASSERT_EQ(tile.plane(3)[i], before.plane(3)[i]) << i;
         else
-            ASSERT_TRUE(lies_on_grid(tile.plane(3)[i])) << i;
+            off_grid += !lies_on_grid(tile.plane(3)[i]);
+    EXPECT_LE(off_grid, 1);
 }
 
 TEST(Settle, WhatIsThickStaysAsItIs) {
@@ -93,7 +103,7 @@ TEST(Settle, WhatIsThickStaysAsItIs) {
 TEST(Settle, PaintsOfWhichNothingIsLeftLeaveTheTile) {
     PaintTile tile = random_tile(0.1f, 1);
     tile.writable_plane(7)[100] = 1e-12f;
-    tile.writable_plane(upper_of(3))[5] = 1e-9f;
+    tile.writable_plane(upper_of(3))[5] = 1e-20f;
     settle(tile, nullptr);
     EXPECT_EQ(tile.ingredients, std::vector<IngredientId>{3});
     EXPECT_EQ(tile.thickness_mm.size(), std::size_t(PaintTile::kPixels));
@@ -116,13 +126,53 @@ TEST(Settle, WhatStrokesLeaveLiesOnTheGridWetAndDry) {
             left[k] += after[k];
         }
     }
-    EXPECT_TRUE(lies_on_grid(canvas.wet()));
+    EXPECT_TRUE(lies_on_grid(canvas.wet(), kTimes));
     dry(canvas, "part", {}, 0.37);
     ASSERT_EQ(canvas.dried().size(), 1u);
-    EXPECT_TRUE(lies_on_grid(canvas.wet()));
-    EXPECT_TRUE(lies_on_grid(canvas.dried()[0].paint));
+    EXPECT_TRUE(lies_on_grid(canvas.wet(), kTimes));
+    EXPECT_TRUE(lies_on_grid(canvas.dried()[0].paint, kTimes));
     const auto there = canvas.volumes_mm3();
     for (std::size_t k = 0; k < 4; ++k) EXPECT_NEAR((there[k] + left[k]) / brought[k], 1, 1e-6) << k;
+}
+
+// What was erased stays so, however much is owed.
+TEST(Settle, NothingComesWhereNothingIsLeft) {
+    PaintTile before = random_tile(1.99f, 1), tile = before;
+    for (std::size_t i = 0; i < PaintTile::kPixels; ++i) {
+        float& mm = tile.writable_plane(3)[i];
+        mm = i / PaintTile::kSize % 2 ? 0 : 0.73f * mm;
+    }
+    settle(tile, &before);
+    for (std::size_t i = 0; i < PaintTile::kPixels; ++i)
+        ASSERT_TRUE(i / PaintTile::kSize % 2 == 0 || tile.plane(3)[i] == 0) << i;
+}
+
+// Traces of a strong paint, by shares that are less than a step of the grid.
+TEST(Settle, AShareThatDriesHasTheRecipe) {
+    for (const double share : {0.01, 0.1, 0.5}) {
+        Canvas canvas = flat_canvas(400, 160);
+        const auto white = add_paint(canvas, "Titanium White"), blue = add_paint(canvas, "Ultramarine Blue");
+        Brush brush(brush_presets().at("flat"), kTestPixel, 1);
+        brush.load({{white, 10000}, {blue, 1}}, 0.1);
+        stroke(canvas, brush, {-40, 0}, {40, 0});
+        dry(canvas, "share", {}, share);
+        ASSERT_EQ(canvas.dried().size(), 1u);
+        const auto wet = volumes_mm3(canvas.wet(), 2, kTestPixel),
+                   dried = volumes_mm3(canvas.dried()[0].paint, 2, kTestPixel);
+        EXPECT_NEAR(1e4 * wet[blue] / wet[white], 1, 0.01) << share;
+        EXPECT_NEAR(1e4 * dried[blue] / dried[white], 1, 0.02) << share;
+        EXPECT_NEAR(dried[white] / (wet[white] + dried[white]), share, 1e-3 * share);
+    }
+}
+
+TEST(Settle, ConservesTheVolumeOfTraces) {
+    Canvas canvas = flat_canvas(400, 160);
+    const auto white = add_paint(canvas, "Titanium White"), blue = add_paint(canvas, "Ultramarine Blue");
+    Brush brush(brush_presets().at("flat"), kTestPixel, 1);
+    brush.load({{white, 1e6}, {blue, 1}}, 1);
+    const auto before = on_both(canvas, brush);
+    for (int i = 0; i < 10; ++i) stroke(canvas, brush, {-40, i - 5.0}, {40, 5.0 - i});
+    EXPECT_NEAR(on_both(canvas, brush)[blue] / before[blue], 1, 1e-5);
 }
 
 // For as long as a stroke lasts, what settles is not drawn again.
@@ -140,10 +190,11 @@ TEST(Settle, IsToldApartFromWhatIsPainted) {
     }
     EXPECT_LE(painted, 64u);
     EXPECT_LT(painted, 60u) << "a step's part of a tile, not all of it";
-    const auto settled = canvas.take_dirty();
-    EXPECT_GE(settled.size(), 8u);
+    EXPECT_EQ(canvas.take_settled(2).size(), 2u);
+    EXPECT_GE(canvas.take_dirty().size(), 6u);
+    EXPECT_FALSE(canvas.has_settled());
     s.finish();
-    EXPECT_TRUE(lies_on_grid(canvas.wet()));
+    EXPECT_TRUE(lies_on_grid(canvas.wet(), kTimes));
 }
 
 }  // namespace

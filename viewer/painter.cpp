@@ -18,6 +18,8 @@ using Clock = std::chrono::steady_clock;
 constexpr float kPaintRoom_mm = 20;                             // what can stand on a painting
 constexpr const char* kErrorsPart = "errors";                   // docs/quantities.md
 constexpr auto kBeforeShowing = std::chrono::milliseconds(25);  // of painting, at most
+constexpr std::size_t kSettledAtOnce = 4;                       // [tiles] a few milliseconds
+constexpr auto kBetweenSettled = std::chrono::milliseconds(5);
 
 }  // namespace
 
@@ -118,12 +120,16 @@ void Painter::work() {
     bool changed = session_.board() != nullptr;  // that an earlier sitting left: it is shown
     for (;;) {
         std::function<void()> job;
+        // What only settled is drawn when there is nothing else to do, a few tiles at a time: drawn when the
+        // brush is lifted, all that a long stroke came over would keep the next one waiting.
+        const bool settling = !session_.in_stroke() && session_.canvas().has_settled();
         {
             std::unique_lock lock(mutex_);
-            busy_ = changed;
+            busy_ = changed || settling;
             if (jobs_.empty() && !busy_) idle_.notify_all();
             if (!changed)
-                something_.wait_for(lock, std::chrono::seconds(1), [&] { return stop_ || !jobs_.empty(); });
+                something_.wait_for(lock, settling ? kBetweenSettled : std::chrono::milliseconds(1000),
+                                    [&] { return stop_ || !jobs_.empty(); });
             if (!jobs_.empty()) {
                 job = std::move(jobs_.front());
                 jobs_.pop_front();
@@ -137,9 +143,11 @@ void Painter::work() {
             changed = true;
         }
         if (changed && (!job || Clock::now() - shown >= kBeforeShowing)) {
-            guarded([&] { show_changes(); });
+            guarded([&] { show_changes(session_.canvas().take_painted()); });
             shown = Clock::now();
             changed = false;
+        } else if (!job && settling) {
+            guarded([&] { show_changes(session_.canvas().take_settled(kSettledAtOnce)); });
         }
         if (Clock::now() - synced >= std::chrono::seconds(1)) {
             guarded([&] { record_.sync(); });
@@ -165,9 +173,7 @@ void Painter::get_ready() {
 }
 
 // Texels of what was painted since the last time.
-void Painter::show_changes() {
-    Canvas& canvas = session_.canvas();
-    const std::vector<Region> dirty = session_.in_stroke() ? canvas.take_painted() : canvas.take_dirty();
+void Painter::show_changes(const std::vector<Region>& dirty) {
     if (!dirty.empty()) {
         update_appearance(shown_ ? *shown_ : session_.canvas(), dirty, own_surface());
         count(dirty);

@@ -143,7 +143,7 @@ private:
     void apply(const Event& event, bool recorded);
     void record(const Event& event);
     void refuse_elsewhere() const;
-    void show_changes();
+    void show_changes(const std::vector<Region>& dirty);
     Surface& own_surface();
     void make_texels(const Region& region);
     void show_rows_in(Illuminant illuminant, int row);
