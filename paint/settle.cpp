@@ -43,11 +43,11 @@ void settle(const float* before, float* plane) {
     std::array<float, kSize> owed{};
     for (int y = 0; y < kSize; ++y)
         settle_row(before + y * kSize, there.data() + y * kSize, owed.data(), plane + y * kSize);
-    // What columns are still owed, in single steps; and what is less than one where least of it lies, where
-    // floats are finest, but for next to nothing.
+    // What columns are still owed, in single steps; and what is less than one where there is paint, but for
+    // next to nothing.
     double rest = 0;
     for (const float mm : owed) rest += static_cast<double>(mm);
-    float* least = nullptr;
+    float* takes = nullptr;
     for (std::size_t i = 0; i < there.size(); ++i) {
         if (there[i] == before[i] || !(there[i] > 0)) continue;
         const float step = rest > 0 ? kVolumeGrid_mm : -kVolumeGrid_mm;
@@ -55,10 +55,10 @@ void settle(const float* before, float* plane) {
             plane[i] += step;
             rest -= static_cast<double>(step);
         }
-        const bool takes = plane[i] >= kVolumeGrid_mm;
-        if (!least || (takes && (*least < kVolumeGrid_mm || plane[i] < *least))) least = plane + i;
+        if (!takes || *takes < kVolumeGrid_mm) takes = plane + i;
+        if (std::abs(rest) <= kVolumeGrid_mm / 2 && *takes >= kVolumeGrid_mm) break;
     }
-    if (least && std::abs(rest) > kNothing_mm) *least = std::max(*least + static_cast<float>(rest), 0.0f);
+    if (takes && std::abs(rest) > kNothing_mm) *takes = std::max(*takes + static_cast<float>(rest), 0.0f);
 }
 
 }  // namespace
