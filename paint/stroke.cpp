@@ -26,7 +26,7 @@ constexpr double kRim = 1.5, kMostSteps = 2;
 constexpr int kStands = 4;
 constexpr double kStandsFor = 0.7;
 
-// Every so many steps, what was not touched for so many is left alone.
+// Paint settles every so many steps, in tiles that none of the last so many came over.
 constexpr int kSettle = 64;
 
 constexpr double kShortContact_px = 6;  // shorter ones take steps of half the spacing
