@@ -107,7 +107,7 @@ Pigment pigment_of_tint(std::string name, const Spectrum& masstone, const Spectr
 
     std::array<double, kBands> q_masstone{}, s{};
     const double c = concentration;
-    int told = 0, contradictions = 0;
+    int told = 0, contradictions = 0, same = 0;
     for (std::size_t band = 0; band < kBands; ++band) {
         const double kw = white.k[band], sw = white.s[band];
         const double q = q_masstone[band] = opaque_k_over_s(masstone[band]),
@@ -115,7 +115,11 @@ Pigment pigment_of_tint(std::string name, const Spectrum& masstone, const Spectr
         // (c K + (1-c) Kw) / (c S + (1-c) Sw) = q_tint with K = q S.
         const double from_white = (1 - c) * (q_tint * sw - kw), against = c * (q - q_tint);
         const double q_white = kw / sw;
-        if (std::abs(q - q_white) < 0.05 * (q + q_white) || std::abs(q - q_tint) < 0.01 * q) continue;
+        if (std::abs(q - q_white) < 0.05 * (q + q_white)) continue;
+        if (std::abs(q - q_tint) < 0.01 * q) {
+            ++same;
+            continue;
+        }
         ++told;
         const double solved = from_white / against;
         if (!(solved > 0)) {
@@ -124,6 +128,12 @@ Pigment pigment_of_tint(std::string name, const Spectrum& masstone, const Spectr
         }
         s[band] = std::clamp(solved, kLeastScattering * sw, kMostScattering * sw);
     }
+    if (same > told)
+        fail(
+            "paint '{}': its tint is its masstone in {} of {} bands: where there is no '{}' in it, nothing "
+            "tells how "
+            "the paint scatters. Give the reflectance of a mixture, or leave the tint out",
+            name, same, told + same, white.name);
     if (contradictions > told / 2)
         fail(
             "paint '{}': its tint is no mixture of its masstone with '{}' in {} of {} bands: masstone and "

@@ -67,7 +67,8 @@ inline constexpr float kHidingThickness_mm = 0.1f;
 // K and S from reflectances (outside, without specular reflection, 0..1) of films that hide: of the paint by
 // itself, and of `tint`, `concentration` parts by volume of it and 1 - concentration of `white`. Bands where
 // both look the same say nothing about S: it is taken from their neighbours. Throws Error naming the paint:
-// reflectances outside of [0, 1], concentration outside of (0, 1), a tint that no mixture of both can be.
+// reflectances outside of [0, 1], concentration outside of (0, 1), a tint that no mixture of both can be, or
+// that is the masstone in most bands that could tell.
 Pigment pigment_of_tint(std::string name, const Spectrum& masstone, const Spectrum& tint, float concentration,
                         const Pigment& white);
 

@@ -50,6 +50,11 @@ TEST(PigmentOfTint, SaysWhatCannotBe) {
                 testing::AllOf(HasSubstr("paint 'Cobalt'"), HasSubstr("may be exchanged")));
     EXPECT_THAT(error_of([&] { pigment_of_tint("Cobalt", masstone, tint, 1, white()); }),
                 HasSubstr("concentration 1 of the tint"));
+    EXPECT_THAT(error_of([&] { pigment_of_tint("Cobalt", masstone, masstone, 0.2f, white()); }),
+                testing::AllOf(HasSubstr("paint 'Cobalt'"), HasSubstr("its tint is its masstone")));
+    // Another white with white in it is as white: that is no fault of the measurement.
+    const Spectrum bright = opaque_look({white().k, white().s});
+    EXPECT_NO_THROW(pigment_of_tint("Zinc", bright, bright, 0.2f, white()));
     Spectrum percent = tint;
     for (float& r : percent) r *= 100;
     EXPECT_THAT(error_of([&] { pigment_of_tint("Cobalt", masstone, percent, 0.2f, white()); }),

@@ -16,10 +16,10 @@ struct Marks {
     double rungs = 0;    // [1] rms of what all rows have in common, of their thickness
 };
 
-// Of a stroke at an angle, within half of the brush's width.
-// `half` of the pixels over which the mean around is taken.
+// Of a stroke at an angle. `half` of the pixels over which the mean around is taken; `width` [1] of the
+// brush's that is looked at.
 Marks marks_of(const char* preset, double size_mm, double load, double degrees, std::uint64_t seed,
-               int half = 10) {
+               int half = 10, double width = 0.5) {
     constexpr int side = 840, first = 60, count = 640;
     Canvas canvas = flat_canvas(side, side);
     const auto red = add_paint(canvas, "Pyrrole Red");
@@ -36,7 +36,7 @@ Marks marks_of(const char* preset, double size_mm, double load, double degrees, 
     };
     // Each row over its mean around, which falls as the brush runs dry.
     std::vector<std::vector<double>> rows;
-    const int rim = static_cast<int>(size_mm / kTestPixel / 4);
+    const int rim = static_cast<int>(size_mm / kTestPixel / 2 * width);
     for (int y = -rim; y <= rim; ++y) {
         rows.emplace_back();
         for (int i = first; i < first + count; ++i) {
@@ -73,6 +73,13 @@ TEST(StrokeRepeats, MarksDoNotRepeat) {
     // Over two dabs, where the load lasts.
     for (const std::uint64_t seed : {1, 4, 9})
         EXPECT_LT(marks_of("round", 5, 3, 0, seed, 20).largest, 0.5) << seed;
+}
+
+// With its lips, which swell and break off.
+TEST(StrokeRepeats, NorDoLips) {
+    for (const char* preset : {"round", "flat", "filbert", "fan", "knife"})
+        for (const std::uint64_t seed : {1, 4, 9})
+            EXPECT_LT(marks_of(preset, 5, 3, 0, seed, 10, 1.1).largest, 0.5) << preset << " " << seed;
 }
 
 // Loads lie on whole pixels, wherever a slanting stroke goes.
