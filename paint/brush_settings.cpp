@@ -118,8 +118,9 @@ std::map<std::string, BrushSettings> make_presets() {
     scrape.reach_mm = 0.06;
     all["scrape"] = scrape;
 
-    // Takes all wet paint away; it is emptied after each stroke like any other brush.
+    // Takes all wet paint away.
     BrushSettings eraser = rag;
+    eraser.erases = true;
     eraser.shape = "round";
     eraser.size_mm = 10;
     eraser.hold_mm = 1000;

@@ -35,6 +35,7 @@ struct BrushSettings {
     double grain = 0.25;           // [1] random variation of the transfer from bristle to bristle
     double yield_slope = 1.2;      // [1] slope that wet paint holds without flowing down
     bool follow = false;           // turns with the stroke, as a hand turns a flat brush
+    bool erases = false;           // what it takes is gone; the brush in the hand keeps what is on it
 
     static constexpr std::string_view name = "brush";
     template <class Self, class Visit>
@@ -68,6 +69,7 @@ struct BrushSettings {
         visit(FieldInfo{"grain", 0, 1, "1", "random variation of the transfer"}, self.grain);
         visit(FieldInfo{"yield_slope", 0.01, 20, "1", "slope that wet paint holds"}, self.yield_slope);
         visit(FieldInfo{"follow", 0, 1, "", "turns with the stroke"}, self.follow);
+        visit(FieldInfo{"erases", 0, 1, "", "what it takes is gone"}, self.erases);
     }
     friend bool operator==(const BrushSettings&, const BrushSettings&) = default;
 };

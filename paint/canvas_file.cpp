@@ -1,5 +1,6 @@
 #include "paint/canvas_file.h"
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "paint/appearance_part.h"
@@ -105,6 +106,18 @@ Canvas read_canvas(const fs::path& path, const Progress& progress, std::optional
     const auto dry = std::make_shared<Surface>(read_painting(path, progress));
     const std::vector<PartInfo> parts = painting_parts(path);
     const PartInfo* wet = find(parts, kWet);
+    // All of them are written together: 'wet' lists what the volumes of the others are of, and layers are
+    // numbered from 0.
+    const auto dried_count = static_cast<int>(
+        std::ranges::count_if(parts, [](const PartInfo& part) { return part.name.starts_with(kDried); }));
+    for (int i = 0; i < dried_count; ++i)
+        if (!wet || !find(parts, kDried + std::to_string(i)))
+            fail(
+                "{}: has {} of dried paint, but no part '{}': the file is damaged, or another program left "
+                "parts "
+                "out; take a copy from before",
+                path.string(), dried_count == 1 ? "a layer" : fmt::format("{} layers", dried_count),
+                wet ? kDried + std::to_string(i) : kWet);
     if (const auto stored = wet ? scale_of(*wet, *dry, path) : std::nullopt) {
         if (mm_per_pixel && !same_scale(*mm_per_pixel, *stored))
             fail("{}: was painted on with pixels of {} mm, not {} mm; leave --mm-per-pixel out",
@@ -118,7 +131,8 @@ Canvas read_canvas(const fs::path& path, const Progress& progress, std::optional
     if (!wet) return canvas;
     read_ingredients(path, *wet, canvas);
     canvas.writable_wet() = read_layer(path, *wet, canvas, progress);
-    for (int i = 0; const PartInfo* part = find(parts, kDried + std::to_string(i)); ++i) {
+    for (int i = 0; i < dried_count; ++i) {
+        const PartInfo* part = find(parts, kDried + std::to_string(i));
         const auto layer = part->attributes.find("layer");
         canvas.writable_dried().push_back(
             {layer == part->attributes.end() ? part->name : valid_utf8(layer->second),

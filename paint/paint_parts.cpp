@@ -144,9 +144,11 @@ std::vector<IngredientId> ingredients_of(const fs::path& path, const PartInfo& i
         const int mixed = number_after(kVolume, channel),
                   above = upper ? number_after(kUpperVolume, channel) : -1, id = std::max(mixed, above);
         // An EXR part has a channel, even where nothing was painted with.
-        if (!(id >= 0 && static_cast<std::size_t>(id) < known) && !(mixed == 0 && known == 0))
-            fail("{}: part '{}' has a channel '{}' for which there is no ingredient", path.string(),
-                 info.name, shortened(channel));
+        if (!(id >= 0 && static_cast<std::size_t>(id) < known) && !(upper && mixed == 0 && known == 0))
+            fail(
+                "{}: part '{}' has a channel '{}' for which there is no ingredient: the file is damaged, or "
+                "another program left parts out; take a copy from before",
+                path.string(), info.name, shortened(channel));
         const auto paint = static_cast<IngredientId>(id);
         ids.push_back(mixed >= 0 ? paint : upper_of(paint));
     }

@@ -129,6 +129,10 @@ Rgb linear_at(const JsonPlace& place) {
         const std::vector<double> numbers = place.numbers(0, 255);
         if (numbers.size() != 3) place.refuse("has {} numbers; a colour has three", numbers.size());
         for (int c = 0; c < 3; ++c) encoded[c] = static_cast<float>(numbers[static_cast<std::size_t>(c)]);
+        if (std::ranges::max(numbers) <= 1 &&
+            std::ranges::any_of(numbers, [](double n) { return n != std::floor(n); }))
+            place.refuse("[{}] are parts of 1, as it seems; write numbers from 0 to 255",
+                         fmt::join(numbers, ", "));
     }
     Rgb linear;
     for (int c = 0; c < 3; ++c) linear[c] = std::min(srgb.decode(encoded[c] / 255), 1.0f);
@@ -190,8 +194,12 @@ Pigment pigment_at(const JsonPlace& paint, const std::string& name, const std::v
         allow({"srgb", "hiding_mm"});
         return pigment_of_rgb(name, linear_at(paint.at("srgb")), hiding_mm_at(paint));
     }
-    paint.refuse("'{}' has no colour: give k_per_mm and s_per_mm, masstone (with or without tint), or srgb",
-                 shortened(name));
+    std::string unknown;
+    for (const auto& [key, value] : paint.value.items())
+        if (!common.contains(key))
+            unknown += fmt::format("{}'{}'", unknown.empty() ? "" : ", ", shortened(key));
+    paint.refuse("'{}' has no colour: give k_per_mm and s_per_mm, masstone (with or without tint), or srgb{}",
+                 shortened(name), unknown.empty() ? "" : fmt::format("; {} is none of these", unknown));
 }
 
 void add_paint(Palette& palette, const JsonPlace& paint, const std::vector<double>& nm) {

@@ -14,6 +14,8 @@ constexpr double kSmallestPile_mm = 3;  // the width of a small brush
 constexpr double kSmallestPile_px =
     3;  // lower ones are as wide as this (lay_pile()), and run into each other
 
+constexpr std::size_t kManyPaints = 50;  // strokes through all of them take ten times as long as through four
+
 }  // namespace
 
 Session::Session(std::shared_ptr<const Surface> dry, Palette palette, std::size_t undo_bytes)
@@ -37,12 +39,19 @@ Canvas& Session::on(Place place) {
     return *board_;
 }
 
-std::vector<Portion> Session::recipe_of(Canvas& canvas, PaintParts paint, const PaintFinish& finish) const {
+std::vector<Portion> Session::recipe_of(Canvas& canvas, PaintParts paint, const PaintFinish& finish) {
     // As a journal has them, where names are in order: replayed, paints have the same numbers.
     std::sort(paint.begin(), paint.end());
+    const std::size_t before = canvas.ingredients().size();
     std::vector<Portion> recipe;
     for (const auto& [name, part] : paint)
         recipe.push_back({canvas.add(finished(palette_.at(name), finish)), part});
+    if (before < kManyPaints && canvas.ingredients().size() >= kManyPaints)
+        warnings_.push_back(
+            fmt::format("there are {} paints by now: a paint with another 'specular', 'roughness' or "
+                        "'medium' is one of its "
+                        "own, and each that lies at a place makes strokes there slower and the file larger",
+                        canvas.ingredients().size()));
     return recipe;
 }
 
@@ -59,24 +68,53 @@ void Session::watch(double first_s, Stroke::Look look) {
     look_ = std::move(look);
 }
 
-// The brush for a stroke, with what is on it.
-void Session::take_brush(const StrokeEvent& event, Canvas& canvas) {
-    if (event.start == BrushStart::same && !brush_ && event.on == Place::painting)
+void Session::warn_of_what_is_not_used(const StrokeEvent& event) {
+    const bool same = event.start == BrushStart::same && !event.brush.erases;
+    if (same && !brush_ && event.on == Place::painting)
         warnings_.emplace_back(
             "'start' is \"same\", but no brush was used before this stroke: it begins with a clean one, "
             "without paint");
     const std::string_view zero = event.load == 0            ? "'load'"
                                   : event.brush.load_mm == 0 ? "the brush's load_mm"
                                                              : "";
-    if (event.start != BrushStart::same && !event.paint.empty() && !zero.empty())
+    if (!same && !event.paint.empty() && !zero.empty())
         warnings_.push_back(fmt::format("'paint' is not used: {} is 0, so no paint is loaded", zero));
-    why_bare_ = event.start == BrushStart::same ? "'start' is \"same\", and nothing was left on it"
-                : !event.paint.empty()          ? fmt::format("{} is 0", zero)
-                : event.brush.load_mm > 0       ? "'paint' is missing or empty"
-                                                : "";  // a rag is never loaded
-    if (event.start == BrushStart::same && !event.paint.empty())
+    why_bare_ = same                      ? "'start' is \"same\", and nothing was left on it"
+                : !event.paint.empty()    ? fmt::format("{} is 0", zero)
+                : event.brush.load_mm > 0 ? "'paint' is missing or empty"
+                                          : "";  // a rag is never loaded
+    if (same && !event.paint.empty())
         warnings_.emplace_back(
             "'paint' is not used: where 'start' is \"same\", the brush goes on with what is on it");
+    // What is said of paint that is not loaded.
+    std::string unused;
+    const auto note = [&](bool given, const char* key) {
+        if (given) unused += fmt::format("{}'{}'", unused.empty() ? "" : ", ", key);
+    };
+    note(event.finish.specular.has_value(), "specular");
+    note(event.finish.roughness.has_value(), "roughness");
+    note(event.finish.medium != 0, "medium");
+    note(event.load != 1 && event.load != 0, "load");
+    if (!unused.empty() && (same || event.paint.empty()))
+        warnings_.push_back(fmt::format("{} {} not used: no paint is loaded for this stroke{}", unused,
+                                        unused.find(',') == std::string::npos ? "is" : "are",
+                                        same ? ", whose 'start' is \"same\"" : " ('paint' is missing)"));
+}
+
+// What the stroke is made with. An eraser is none of the hand's brushes: what it takes is gone, and the brush
+// in the hand keeps what is on it.
+Brush& Session::tool_for(const StrokeEvent& event, Canvas& canvas) {
+    warn_of_what_is_not_used(event);
+    if (!event.brush.erases) {
+        take_brush(event, canvas);
+        return *brush_;
+    }
+    eraser_ = std::make_unique<Brush>(event.brush, canvas_.mm_per_pixel(), procedural::hash(event.seed, 1));
+    return *eraser_;
+}
+
+// The brush in the hand for a stroke, with what is on it.
+void Session::take_brush(const StrokeEvent& event, Canvas& canvas) {
     if (event.start != BrushStart::clean && brush_) {
         if (brush_place_ != event.on) {
             const auto& paints = on(brush_place_).ingredients();
@@ -99,12 +137,12 @@ void Session::take_brush(const StrokeEvent& event, Canvas& canvas) {
 void Session::begin(const StrokeEvent& event) {
     Canvas& canvas = on(event.on);
     const std::vector<Portion> recipe = recipe_of(canvas, event.paint, event.finish);
-    take_brush(event, canvas);
+    Brush& tool = tool_for(event, canvas);
     if (event.start != BrushStart::same && !recipe.empty())
-        brush_->load(recipe, event.load, event.start == BrushStart::dirty);
+        tool.load(recipe, event.load, event.start == BrushStart::dirty);
     history_.begin(canvas, event.on);
     stroke_place_ = event.on;
-    stroke_.emplace(canvas, *brush_, event.options, procedural::hash(event.seed, 2));
+    stroke_.emplace(canvas, tool, event.options, procedural::hash(event.seed, 2));
     if (look_ && event.on == Place::painting)
         stroke_->watch(look_at_s_ - painted_s_, [this](double age_s) {
             look_at_s_ = look_(painted_s_ + age_s);
@@ -191,7 +229,7 @@ void Session::lay_out(const PaletteEvent& event) {
 
 // Of the stroke that is over: why it is not to be seen.
 void Session::warn_of_no_effect(bool changed) {
-    const auto& load = brush_->bristles().total_mm;
+    const auto& load = (eraser_ ? *eraser_ : *brush_).bristles().total_mm;
     const bool is_empty = std::all_of(load.begin(), load.end(), [](float mm) { return mm == 0; });
     if (stroke_->steps() == 0 || changed) return;
     if (stroke_->greatest_pressure() == 0)
@@ -223,6 +261,7 @@ void Session::finish(std::string_view by) {
     if (stroke_place_ == Place::painting) painted_s_ += stroke_->age_s();
     warn_of_no_effect(history_.end(on(stroke_place_)));
     stroke_.reset();
+    eraser_.reset();
 }
 
 void Session::apply(const Event& event) {

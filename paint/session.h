@@ -71,8 +71,10 @@ public:
 
 private:
     Canvas& on(Place place);
-    std::vector<Portion> recipe_of(Canvas& canvas, PaintParts paint, const PaintFinish& finish) const;
+    std::vector<Portion> recipe_of(Canvas& canvas, PaintParts paint, const PaintFinish& finish);
+    Brush& tool_for(const StrokeEvent& event, Canvas& canvas);
     void take_brush(const StrokeEvent& event, Canvas& canvas);
+    void warn_of_what_is_not_used(const StrokeEvent& event);
     void begin(const StrokeEvent& event);
     void act(Place place, const std::function<void(Canvas&)>& action);
     void dry_paint(const DryEvent& event);
@@ -86,6 +88,7 @@ private:
     History history_;
     std::unique_ptr<Brush> brush_;
     Place brush_place_ = Place::painting, stroke_place_ = Place::painting;
+    std::unique_ptr<Brush> eraser_;  // of the stroke under way, beside what is in the hand
     std::optional<Stroke> stroke_;
     Totals totals_;
     std::deque<std::string> warnings_;

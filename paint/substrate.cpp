@@ -85,9 +85,9 @@ struct Piece {
         return tiled_noise(x_mm / width_mm * static_cast<float>(columns),
                            y_mm / height_mm * static_cast<float>(rows), columns, rows, hash(seed, which));
     }
-    // Without preferred directions.
-    float felt(float x_mm, float y_mm, float size, Seed which) const {
-        const int columns = std::max(1, static_cast<int>(std::lround(width_mm / size)));
+    // Without preferred directions, or drawn out along x.
+    float felt(float x_mm, float y_mm, float size, Seed which, float drawn_out = 1) const {
+        const int columns = std::max(1, static_cast<int>(std::lround(width_mm / (size * drawn_out))));
         const int rows = std::max(1, static_cast<int>(std::lround(height_mm / size)));
         return tiled_slopes(x_mm / width_mm * static_cast<float>(columns),
                             y_mm / height_mm * static_cast<float>(rows), columns, rows, hash(seed, which));
@@ -201,7 +201,7 @@ Spot weave_at(const Weave& w, const Piece& piece, float x, float y) {
 // A tangential board, planed: growth rings run along x, wide and narrow by the years, pale early wood that
 // ends in a dark line; vessels as fine dashes, most of them in the early wood; the plane's shallow waves.
 Spot panel_at(const Piece& piece, float x, float y) {
-    const float bend = 9 * piece.felt(x / 2, y, 38, 31) + 2.2f * piece.noise(x, y, 60, 7, 32) +
+    const float bend = 9 * piece.felt(x, y, 38, 31, 2) + 2.2f * piece.noise(x, y, 60, 7, 32) +
                        0.35f * piece.noise(x, y, 14, 2.5f, 36);
     const int bands = std::max(1, static_cast<int>(std::lround(piece.height_mm / 4.5f)));
     const float years = (y / piece.height_mm) * static_cast<float>(bands) + bend / 4.5f;

@@ -159,6 +159,33 @@ TEST(CanvasFile, ErrorsNameFileAndPart) {
     EXPECT_THAT(error_of([&] { read_canvas(dir / "cut.exr"); }), HasSubstr("cut.exr"));
 }
 
+// Other programs copy some parts of a file and not others.
+TEST(CanvasFile, APartThatIsMissingIsMissed) {
+    const TestDir dir;
+    Canvas canvas = painted();
+    dry(canvas, "above");
+    write_canvas(dir / "good.exr", canvas);
+    const auto error_without = [&](const std::string& missing) {
+        std::vector<PartToWrite> kept = parts_beside_paint(dir / "good.exr");
+        for (PartToWrite part : {part_of("wet", canvas.wet()), part_of("dried.0", canvas.dried()[0].paint),
+                                 part_of("dried.1", canvas.dried()[1].paint)}) {
+            if (part.info.name == "wet") add_ingredients(part.info, canvas.ingredients());
+            if (part.info.name != missing) kept.push_back(std::move(part));
+        }
+        AtomicFile file(dir / "bad.exr");
+        fill_painting(file, canvas.dry(), kept, {});
+        file.commit();
+        return error_of([&] { read_canvas(dir / "bad.exr"); });
+    };
+    EXPECT_THAT(
+        error_without("wet"),
+        AllOf(HasSubstr("bad.exr: has 2 layers of dried paint, but no part 'wet'"), HasSubstr("copy")));
+    EXPECT_THAT(error_without("dried.0"),
+                AllOf(HasSubstr("bad.exr: has a layer of dried paint, but no part 'dried.0'")));
+    write_canvas(dir / "bad.exr", canvas);
+    EXPECT_EQ(read_canvas(dir / "bad.exr").dried().size(), 2u);
+}
+
 // A pixel of unknown size counts as one mm: what was painted so is not made another size later.
 TEST(CanvasFile, AScaleThatWasTakenStays) {
     const TestDir dir;

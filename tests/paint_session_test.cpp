@@ -150,6 +150,79 @@ TEST(Session, ABrushWithoutALoadGoesOnWithThePaintOfTheOneBefore) {
         }
 }
 
+// The brush in the hand has nothing to do with it, so no stroke lays again what was erased.
+TEST(Session, WhatIsErasedIsGone) {
+    for (const std::string tool : {"eraser", "height eraser"})
+        for (const BrushStart start : {BrushStart::same, BrushStart::dirty, BrushStart::clean}) {
+            Session session(flat_surface(128, 96), artist_acrylics());
+            const auto line = [&](const StrokeEvent& stroke, double y) {
+                session.apply(stroke);
+                session.apply(point(0, -10, y));
+                session.apply(point(0.1, 10, y));
+                session.apply(EndEvent{});
+            };
+            line(stroke_of("flat", "Titanium White", 1), 4);
+            const BrushLoad held = session.brush()->bristles();
+            const double laid = session.canvas().volumes_mm3()[0];
+            StrokeEvent erase = stroke_of(tool, "", 2);
+            erase.start = start;
+            line(erase, 4);
+            EXPECT_LT(session.canvas().volumes_mm3()[0], 0.6 * laid) << tool;
+            EXPECT_EQ(session.brush()->bristles().mm, held.mm) << tool;
+            EXPECT_EQ(session.brush()->settings().shape, "flat");
+            EXPECT_EQ(session.take_warning(), "");
+            const double left = on_both(session.canvas(), *session.brush())[0];
+            StrokeEvent next = stroke_of("flat", "", 3);
+            next.start = BrushStart::same;
+            line(next, -4);
+            EXPECT_NEAR(on_both(session.canvas(), *session.brush())[0] / left, 1, 1e-5) << tool;
+        }
+}
+
+TEST(Session, SaysWhatIsNotUsedOfPaintThatIsNotLoaded) {
+    Session session(flat_surface(128, 96), artist_acrylics());
+    const auto warning_of = [&](StrokeEvent stroke) {
+        session.apply(stroke);
+        session.apply(point(0, -10, 0));
+        session.apply(point(0.1, 10, 0));
+        session.apply(EndEvent{});
+        std::string all;
+        for (std::string text; !(text = session.take_warning()).empty();) all += text;
+        return all;
+    };
+    StrokeEvent loaded = stroke_of("flat", "Titanium White", 1);
+    loaded.finish.specular = 0.3;
+    loaded.load = 0.5;
+    EXPECT_EQ(warning_of(loaded), "");
+    StrokeEvent same = stroke_of("flat", "", 2);
+    same.start = BrushStart::same;
+    EXPECT_EQ(warning_of(same), "");
+    same.finish.medium = 0.3;
+    EXPECT_THAT(warning_of(same), AllOf(HasSubstr("'medium' is not used"), HasSubstr("\"same\"")));
+    StrokeEvent bare = stroke_of("smudge", "", 3);
+    bare.finish.specular = 0.2;
+    bare.finish.roughness = 0.2;
+    EXPECT_THAT(warning_of(bare),
+                AllOf(HasSubstr("'specular', 'roughness' are not used"), HasSubstr("'paint' is missing")));
+}
+
+TEST(Session, SaysThatPaintsOfManyFinishesAreManyPaints) {
+    Session session(flat_surface(128, 96), artist_acrylics());
+    int told = 0;
+    for (int i = 0; i < 60; ++i) {
+        StrokeEvent stroke = stroke_of("flat", "Titanium White", 1);
+        stroke.finish.specular = 0.001 * (i + 1);
+        session.apply(stroke);
+        session.apply(point(0, i * 0.1 - 3, 0));
+        session.apply(EndEvent{});
+        if (const std::string text = session.take_warning(); !text.empty()) {
+            EXPECT_THAT(text, HasSubstr("50 paints"));
+            ++told;
+        }
+    }
+    EXPECT_EQ(told, 1);
+}
+
 TEST(Session, SaysWhatHasNoEffectAndWhichNameALayerGot) {
     const TestDir dir;
     write_bytes(dir / "a.jsonl", R"({"format": "tangipaint strokes", "version": 1}

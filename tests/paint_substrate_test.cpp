@@ -23,21 +23,35 @@ SubstrateOptions small() {
     return options;
 }
 
-// Root mean square of the step from a column to the next.
+// Root mean square of the step from a column to the next, and from a row to the next.
 double step(const Surface& s, int from, int to) {
     double sum = 0;
     for (int y = 0; y < s.height(); ++y) sum += std::pow(s.height_mm(to, y) - s.height_mm(from, y), 2);
     return std::sqrt(sum / s.height());
 }
+double step_down(const Surface& s, int from, int to) {
+    double sum = 0;
+    for (int x = 0; x < s.width(); ++x) sum += std::pow(s.height_mm(x, to) - s.height_mm(x, from), 2);
+    return std::sqrt(sum / s.width());
+}
 
-TEST(Substrate, BordersMatchLikeAnyTwoColumns) {
-    for (const SubstrateKind kind : kKinds) {
-        const Surface s = make_substrate(kind, small());
-        double largest = 0;
-        for (int x = 0; x + 1 < s.width(); ++x) largest = std::max(largest, step(s, x, x + 1));
-        EXPECT_LE(step(s, s.width() - 1, 0), 1.05 * largest) << name_of(kind);
-        EXPECT_GT(largest, 0) << name_of(kind);
-    }
+TEST(Substrate, BordersMatchLikeAnyTwoColumnsAndRows) {
+    SubstrateOptions large;  // several of the widest features
+    large.width_mm = 180;
+    large.height_mm = 130;
+    large.pixel_mm = 0.4;
+    for (const SubstrateOptions& options : {small(), large})
+        for (const SubstrateKind kind : kKinds) {
+            const Surface s = make_substrate(kind, options);
+            double largest = 0, largest_down = 0;
+            for (int x = 0; x + 1 < s.width(); ++x) largest = std::max(largest, step(s, x, x + 1));
+            for (int y = 0; y + 1 < s.height(); ++y)
+                largest_down = std::max(largest_down, step_down(s, y, y + 1));
+            EXPECT_LE(step(s, s.width() - 1, 0), 1.05 * largest) << name_of(kind) << " " << options.width_mm;
+            EXPECT_LE(step_down(s, s.height() - 1, 0), 1.05 * largest_down)
+                << name_of(kind) << " " << options.height_mm;
+            EXPECT_GT(largest, 0) << name_of(kind);
+        }
 }
 
 TEST(Substrate, CanBeRelitAndIsLevel) {

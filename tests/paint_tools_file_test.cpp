@@ -193,6 +193,17 @@ TEST(ToolsFile, DamagedToolsSayWhatIsWrong) {
         EXPECT_THAT(message(with_value(channel, 500), "brush"),
                     AllOf(HasSubstr("bad.exr: part 'brush', channel 'total' holds"),
                           HasSubstr("at pixel (5, 0), but the volumes there sum to")));
+    // Paint on the brush, of a painting that lists none.
+    {
+        Session bare(flat_canvas(160, 120), artist_acrylics());
+        std::vector<PartToWrite> parts = with_tools({}, session);
+        std::erase_if(parts, [](const PartToWrite& part) { return part.info.name != "brush"; });
+        with_brush("\"on\":\"palette\"", "\"on\":\"painting\"")(parts.at(0));
+        AtomicFile file(dir / "bad.exr");
+        write_canvas(file, bare.canvas(), {}, parts);
+        EXPECT_THAT(error_of([&] { read_tools(dir / "bad.exr", bare); }),
+                    AllOf(HasSubstr("bad.exr: part 'brush'"), HasSubstr("no ingredient")));
+    }
     EXPECT_THAT(message([](PartToWrite& part) { part.info.attributes["ingredients"] = "[{"; }, "palette"),
                 HasSubstr("attribute 'ingredients' of part 'palette'"));
 }
