@@ -53,14 +53,23 @@ std::vector<History::LayerChange> History::changes(const std::vector<DriedLayer>
     return result;
 }
 
-void History::begin(const Canvas& canvas, Place place) {
+History::KeptHand History::kept_hand(const std::optional<BrushInHand>& hand) {
+    KeptHand result{hand, {}};
+    if (!hand) return result;
+    for (const PaintLayer::TilePtr& cells : hand->cells) result.cells.push_back({cells, nullptr});
+    result.brush->cells.clear();
+    return result;
+}
+
+void History::begin(const Canvas& canvas, Place place, const std::optional<BrushInHand>& hand) {
     TP_REQUIRE(!wet_before_, "an action ends before the next begins");
     place_ = place;
+    hand_before_ = hand;
     wet_before_ = canvas.wet();
     dried_before_ = canvas.dried();
 }
 
-bool History::end(const Canvas& canvas) {
+bool History::end(const Canvas& canvas, const std::optional<BrushInHand>& hand) {
     TP_REQUIRE(wet_before_, "an action that ends has begun");
     Action action;
     action.place = place_;
@@ -74,6 +83,10 @@ bool History::end(const Canvas& canvas) {
     };
     count(action.wet);
     for (const LayerChange& layer : action.dried) count(layer.tiles);
+    action.hand_before = kept_hand(hand_before_);
+    action.hand_after = kept_hand(hand);
+    if (hand && hand != hand_before_)
+        for (const PaintLayer::TilePtr& cells : hand->cells) action.bytes += cells->bytes();
     const bool changed = !action.wet.empty() || !action.dried.empty();
     wet_before_.reset();
     dried_before_.clear();
@@ -89,23 +102,26 @@ void History::abandon(Canvas& canvas) {
     Action action;
     action.wet = changes(*wet_before_, canvas.wet());
     action.dried = changes(dried_before_, canvas.dried());
-    restore(canvas, action, false);
+    restore(canvas, action, false, nullptr);
     wet_before_.reset();
     dried_before_.clear();
 }
 
 // Moves an action's tiles to the disk. Where that fails, those that are not there yet stay in memory.
 void History::store(Action& action) {
+    const auto put = [&](Kept& kept) {
+        if (!kept.tile) return;
+        kept.stored = store_.put(kept.tile);
+        kept.tile.reset();
+    };
     const auto move = [&](std::vector<Change>& all) {
         for (Change& change : all)
-            for (Kept* kept : {&change.before, &change.after}) {
-                if (!kept->tile) continue;
-                kept->stored = store_.put(kept->tile);
-                kept->tile.reset();
-            }
+            for (Kept* kept : {&change.before, &change.after}) put(*kept);
     };
     move(action.wet);
     for (LayerChange& layer : action.dried) move(layer.tiles);
+    for (KeptHand* hand : {&action.hand_before, &action.hand_after})
+        for (Kept& cells : hand->cells) put(cells);
     action.bytes = 0;
 }
 
@@ -141,16 +157,21 @@ Place History::place_to_redo() const {
     return actions_[done_].place;
 }
 
-void History::restore(Canvas& canvas, const Action& action, bool forwards) {
+PaintLayer::TilePtr History::tile_of(const Kept& kept) {
+    return kept.stored ? store_.get(kept.stored) : kept.tile;
+}
+
+void History::restore(Canvas& canvas, const Action& action, bool forwards, std::optional<BrushInHand>* hand) {
     // All are read before anything changes: the disk may fail.
     const auto tiles_of = [&](const std::vector<Change>& all) {
         Tiles tiles;
-        for (const Change& change : all) {
-            const Kept& kept = forwards ? change.after : change.before;
-            tiles.emplace_back(change.at, kept.stored ? store_.get(kept.stored) : kept.tile);
-        }
+        for (const Change& change : all)
+            tiles.emplace_back(change.at, tile_of(forwards ? change.after : change.before));
         return tiles;
     };
+    const KeptHand& kept = forwards ? action.hand_after : action.hand_before;
+    std::optional<BrushInHand> held = kept.brush;
+    for (const Kept& cells : kept.cells) held->cells.push_back(tile_of(cells));
     const auto put = [&](PaintLayer& layer, Tiles tiles) {
         for (auto& [at, tile] : tiles) {
             layer.set_tile(at, std::move(tile));
@@ -161,6 +182,7 @@ void History::restore(Canvas& canvas, const Action& action, bool forwards) {
     std::vector<Tiles> dried;
     for (const LayerChange& layer : action.dried) dried.push_back(tiles_of(layer.tiles));
 
+    if (hand) *hand = std::move(held);
     put(canvas.writable_wet(), std::move(wet));
     auto& layers = canvas.writable_dried();
     for (std::size_t i = 0; i < action.dried.size(); ++i) {
@@ -174,16 +196,16 @@ void History::restore(Canvas& canvas, const Action& action, bool forwards) {
     }
 }
 
-bool History::undo(Canvas& canvas) {
+bool History::undo(Canvas& canvas, std::optional<BrushInHand>* hand) {
     if (!can_undo()) return false;
-    restore(canvas, actions_[done_ - 1], false);
+    restore(canvas, actions_[done_ - 1], false, hand);
     --done_;
     return true;
 }
 
-bool History::redo(Canvas& canvas) {
+bool History::redo(Canvas& canvas, std::optional<BrushInHand>* hand) {
     if (!can_redo()) return false;
-    restore(canvas, actions_[done_], true);
+    restore(canvas, actions_[done_], true, hand);
     ++done_;
     return true;
 }

@@ -1,4 +1,5 @@
-// history.h: undo and redo: the tiles that each action changed, as they were before and after it.
+// history.h: undo and redo: the tiles that each action changed, and the brush, as they were before and after
+// it.
 #pragma once
 
 #include <cstddef>
@@ -8,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "paint/brush_in_hand.h"
 #include "paint/canvas.h"
 #include "paint/tile_store.h"
 
@@ -22,9 +24,11 @@ public:
     History& operator=(const History&) = delete;
 
     // Between these two, everything that changes on the canvas is one action, and it changes at no other
-    // time. What was undone before cannot be redone after it.
-    void begin(const Canvas& canvas, Place place = Place::painting);
-    bool end(const Canvas& canvas);  // whether something changed
+    // time. What was undone before cannot be redone after it. `hand`: what is in it then.
+    void begin(const Canvas& canvas, Place place = Place::painting,
+               const std::optional<BrushInHand>& hand = {});
+    bool end(const Canvas& canvas,
+             const std::optional<BrushInHand>& hand = {});  // whether something changed on the canvas
     // Instead of end(): brings the canvas back to what it was, and nothing was done.
     void abandon(Canvas& canvas);
 
@@ -33,10 +37,11 @@ public:
     // Which canvas undo() and redo() are to be given. There must be something to undo or redo.
     Place place_to_undo() const;
     Place place_to_redo() const;
-    // False where there is nothing to undo or redo. Tiles come back bit for bit and are marked as dirty.
-    // Throws Error, and changes nothing, where they are on disk and it fails.
-    bool undo(Canvas& canvas);
-    bool redo(Canvas& canvas);
+    // False where there is nothing to undo or redo. Tiles come back bit for bit and are marked as dirty;
+    // `hand`, where given, becomes what was in it. Throws Error, and changes nothing, where they are on disk
+    // and it fails.
+    bool undo(Canvas& canvas, std::optional<BrushInHand>* hand = nullptr);
+    bool redo(Canvas& canvas, std::optional<BrushInHand>* hand = nullptr);
 
     // What was done so far can no longer be undone.
     void forget();
@@ -63,10 +68,16 @@ private:
         bool was = false, is = false;
         std::vector<Change> tiles;
     };
+    // What was in the hand; where it was a brush, `brush` has no cells, which are kept as tiles.
+    struct KeptHand {
+        std::optional<BrushInHand> brush;
+        std::vector<Kept> cells;
+    };
     struct Action {
         Place place = Place::painting;
         std::vector<Change> wet;
         std::vector<LayerChange> dried;
+        KeptHand hand_before, hand_after;
         std::size_t bytes = 0;  // of memory that goes with it
     };
     using Tiles = std::vector<std::pair<TileIndex, PaintLayer::TilePtr>>;
@@ -74,7 +85,9 @@ private:
     static std::vector<Change> changes(const PaintLayer& before, const PaintLayer& after);
     static std::vector<LayerChange> changes(const std::vector<DriedLayer>& before,
                                             const std::vector<DriedLayer>& after);
-    void restore(Canvas& canvas, const Action& action, bool forwards);
+    static KeptHand kept_hand(const std::optional<BrushInHand>& hand);
+    PaintLayer::TilePtr tile_of(const Kept& kept);
+    void restore(Canvas& canvas, const Action& action, bool forwards, std::optional<BrushInHand>* hand);
     void store(Action& action);
     void keep_to_budget();
 
@@ -85,6 +98,7 @@ private:
     Place place_ = Place::painting;  // of the action under way
     std::optional<PaintLayer> wet_before_;
     std::vector<DriedLayer> dried_before_;
+    std::optional<BrushInHand> hand_before_;
     std::deque<Action> actions_;
     std::size_t done_ = 0;  // actions_[0 .. done_) are on the canvas
 };

@@ -30,6 +30,7 @@ void Session::take_up(std::optional<Canvas> board, std::unique_ptr<Brush> brush,
     board_ = std::move(board);
     brush_ = std::move(brush);
     brush_place_ = place;
+    hand_ = kept(brush_.get(), place);
 }
 
 Canvas& Session::on(Place place) {
@@ -140,7 +141,7 @@ void Session::begin(const StrokeEvent& event) {
     Brush& tool = tool_for(event, canvas);
     if (event.start != BrushStart::same && !recipe.empty())
         tool.load(recipe, event.load, event.start == BrushStart::dirty);
-    history_.begin(canvas, event.on);
+    history_.begin(canvas, event.on, hand_);
     stroke_place_ = event.on;
     stroke_.emplace(canvas, tool, event.options, procedural::hash(event.seed, 2));
     if (look_ && event.on == Place::painting)
@@ -154,14 +155,14 @@ void Session::begin(const StrokeEvent& event) {
 // One action of the history. Where it ends by an error, nothing has changed.
 void Session::act(Place place, const std::function<void(Canvas&)>& action) {
     Canvas& canvas = on(place);
-    history_.begin(canvas, place);
+    history_.begin(canvas, place, hand_);
     try {
         action(canvas);
     } catch (...) {
         history_.abandon(canvas);
         throw;
     }
-    history_.end(canvas);
+    history_.end(canvas, hand_);
 }
 
 void Session::dry_paint(const DryEvent& event) {
@@ -259,9 +260,31 @@ void Session::finish(std::string_view by) {
     totals_.steps += stroke_->steps();
     totals_.bristle_pixels += stroke_->bristle_pixels();
     if (stroke_place_ == Place::painting) painted_s_ += stroke_->age_s();
-    warn_of_no_effect(history_.end(on(stroke_place_)));
+    if (!eraser_) hand_ = kept(brush_.get(), brush_place_);
+    warn_of_no_effect(history_.end(on(stroke_place_), hand_));
     stroke_.reset();
     eraser_.reset();
+}
+
+void Session::undo() {
+    if (!history_.can_undo()) fail("there is nothing to undo");
+    std::optional<BrushInHand> hand;
+    history_.undo(on(history_.place_to_undo()), &hand);
+    take_hand(hand);
+}
+
+void Session::redo() {
+    if (!history_.can_redo()) fail("there is nothing to redo");
+    std::optional<BrushInHand> hand;
+    history_.redo(on(history_.place_to_redo()), &hand);
+    take_hand(hand);
+}
+
+void Session::take_hand(const std::optional<BrushInHand>& hand) {
+    if (hand == hand_) return;
+    brush_ = taken_up(hand, canvas_.mm_per_pixel());
+    brush_place_ = hand ? hand->place : Place::painting;
+    hand_ = hand;
 }
 
 void Session::apply(const Event& event) {
@@ -283,11 +306,9 @@ void Session::apply(const Event& event) {
     if (const auto* stroke = std::get_if<StrokeEvent>(&event)) {
         begin(*stroke);
     } else if (std::holds_alternative<UndoEvent>(event)) {
-        if (!history_.can_undo()) fail("there is nothing to undo");
-        history_.undo(on(history_.place_to_undo()));
+        undo();
     } else if (std::holds_alternative<RedoEvent>(event)) {
-        if (!history_.can_redo()) fail("there is nothing to redo");
-        history_.redo(on(history_.place_to_redo()));
+        redo();
     } else if (const auto* drying = std::get_if<DryEvent>(&event)) {
         dry_paint(*drying);
     } else if (const auto* lift = std::get_if<LiftEvent>(&event)) {

@@ -43,8 +43,8 @@ public:
     Canvas* board() { return board_ ? &*board_ : nullptr; }
     const Palette& palette() const { return palette_; }
 
-    // Undo and redo take what was done last, on the painting or on the palette. They do not change what is on
-    // the brush.
+    // Undo and redo take what was done last, on the painting or on the palette, and what was on the brush
+    // with it.
     const History& history() const { return history_; }
     void forget_history() { history_.forget(); }
     // What the user should know, once: that a layer has another name than was asked for, that a stroke
@@ -80,6 +80,9 @@ private:
     void dry_paint(const DryEvent& event);
     void lay(const PileEvent& event);
     void lay_out(const PaletteEvent& event);
+    void undo();
+    void redo();
+    void take_hand(const std::optional<BrushInHand>& hand);
     void warn_of_no_effect(bool changed);
 
     Canvas canvas_;
@@ -87,6 +90,7 @@ private:
     Palette palette_;
     History history_;
     std::unique_ptr<Brush> brush_;
+    std::optional<BrushInHand> hand_;  // the brush as the last stroke left it
     Place brush_place_ = Place::painting, stroke_place_ = Place::painting;
     std::unique_ptr<Brush> eraser_;  // of the stroke under way, beside what is in the hand
     std::optional<Stroke> stroke_;

@@ -56,15 +56,15 @@ void require_total(const fs::path& path, const PartInfo& info, int y, std::span<
                  path.string(), info.name, kTotal, total[x], x, y, sums[x]);
 }
 
-struct BrushInHand {
+struct ReadBrush {
     std::unique_ptr<Brush> brush;
     Place place = Place::painting;
 };
 
-BrushInHand read_brush(const fs::path& path, const PartInfo& info, const Canvas& painting,
-                       const std::optional<Canvas>& board) {
+ReadBrush read_brush(const fs::path& path, const PartInfo& info, const Canvas& painting,
+                     const std::optional<Canvas>& board) {
     const std::string where = fmt::format("{}: attribute 'brush' of part 'brush'", path.string());
-    BrushInHand hand;
+    ReadBrush hand;
     BrushLoad load;
     const auto text = info.attributes.find("brush");
     const json about = text == info.attributes.end() ? json() : json::parse(text->second, nullptr, false);
@@ -141,7 +141,7 @@ std::vector<PartToWrite> with_tools(std::vector<PartToWrite> beside, const Sessi
 
 void read_tools(const fs::path& path, Session& session, const Progress& progress) {
     std::optional<Canvas> board;
-    BrushInHand hand;
+    ReadBrush hand;
     const std::vector<PartInfo> parts = painting_parts(path);
     for (const PartInfo& part : parts)
         if (part.name == kPalette)

@@ -143,12 +143,12 @@ TEST(ImportMaps, HeightIsIntegratedFromNormals) {
 // 16 pixels have slopes of their own besides.
 TEST(ImportMaps, SlopesThatAreNoGradientLeaveAFlatFrameWithoutSteps) {
     const TestDir dir;
-    constexpr int kSide = 288, kFrame = 80;
-    Image<Rgb> normals(kSide, kSide);
+    constexpr int kWhole = 288, kFrame = 80;
+    Image<Rgb> normals(kWhole, kWhole);
     Random random(5);
-    for (int y = 0; y < kSide; ++y)
-        for (int x = 0; x < kSide; ++x) {
-            const bool relief = std::min({x, y, kSide - 1 - x, kSide - 1 - y}) >= kFrame;
+    for (int y = 0; y < kWhole; ++y)
+        for (int x = 0; x < kWhole; ++x) {
+            const bool relief = std::min({x, y, kWhole - 1 - x, kWhole - 1 - y}) >= kFrame;
             const auto u = static_cast<float>(x), v = static_cast<float>(y);
             const Slope s =
                 relief ? Slope{std::sin(0.31f * v + 0.1f * u) + 0.3f * static_cast<float>(random.normal()),
@@ -157,12 +157,12 @@ TEST(ImportMaps, SlopesThatAreNoGradientLeaveAFlatFrameWithoutSteps) {
             normals(x, y) = 0.5f * normal_of(s) + 0.5f;
         }
     write_picture(dir / "normal.jpg", normals, Transfer{});
-    write_picture(dir / "kd.png", Image<Rgb>(kSide, kSide, Rgb(0.5f)), Transfer{});
+    write_picture(dir / "kd.png", Image<Rgb>(kWhole, kWhole, Rgb(0.5f)), Transfer{});
     ImportReport report;
     const Surface s = import_maps(find_maps(dir.path()), {}, report);
     float step = 0;
     for (int y = 0; y < kFrame - 16; ++y)
-        for (int x = 1; x < kSide; ++x)
+        for (int x = 1; x < kWhole; ++x)
             step = std::max(step, std::abs(s.height_mm(x, y) - s.height_mm(x - 1, y)));
     std::cout << fmt::format(
         "[  FIGURE  ] a flat frame around slopes that are no gradient: steps of {:.3f} px at most, {} "

@@ -179,6 +179,58 @@ TEST(Session, WhatIsErasedIsGone) {
         }
 }
 
+// Each pigment is on the painting or on the brush, whatever is undone: with the stroke goes what it took up.
+TEST(Session, UndoGivesBackWhatWasOnTheBrush) {
+    for (const std::size_t budget : {std::size_t(1) << 30, std::size_t(0)}) {  // in memory, and on disk
+        Session session(flat_surface(160, 120), artist_acrylics(), budget);
+        PileEvent pile;
+        pile.on = Place::painting;
+        pile.size_mm = 20;
+        std::vector<std::vector<double>> sums;
+        std::vector<std::vector<std::vector<float>>> loads;
+        const auto note = [&] {
+            sums.push_back(on_both(session.canvas(), *session.brush()));
+            loads.push_back(session.brush()->bristles().mm);
+        };
+        for (const std::string paint : {"Titanium White", "Pyrrole Red"}) {
+            pile.paint = {{paint, 1}};
+            pile.at.x = paint == "Pyrrole Red" ? 6 : -6;
+            session.apply(pile);
+        }
+        const std::string tools[] = {"flat", "flat", "smudge", "eraser", "rag", "round", "flat"};
+        StrokeEvent first = stroke_of("flat", "", 1);  // bare, on the palette, which has nothing to give
+        session.apply(first);
+        session.apply(point(0, 18, 14));
+        session.apply(EndEvent{});
+        note();
+        for (int i = 0; i < 7; ++i) {
+            StrokeEvent stroke = stroke_of(tools[i], "", static_cast<std::uint64_t>(i));
+            stroke.start = BrushStart::same;
+            session.apply(stroke);
+            session.apply(point(0, -12, i - 3));
+            session.apply(point(0.1, 12, 3 - i));
+            session.apply(EndEvent{});
+            note();
+        }
+        ASSERT_GT(session.brush()->volumes_mm3(2)[0], 1);
+        for (std::size_t i = loads.size() - 1; i-- > 0;) {
+            session.apply(UndoEvent{});
+            EXPECT_EQ(session.brush()->bristles().mm, loads[i]) << i;
+            const std::vector<double> now = on_both(session.canvas(), *session.brush());
+            for (std::size_t k = 0; k < now.size(); ++k) EXPECT_EQ(now[k], sums[i][k]) << i;
+        }
+        for (std::size_t i = 1; i < loads.size(); ++i) {
+            session.apply(RedoEvent{});
+            EXPECT_EQ(session.brush()->bristles().mm, loads[i]) << i;
+            EXPECT_EQ(on_both(session.canvas(), *session.brush()), sums[i]) << i;
+        }
+        EXPECT_EQ(session.history().bytes_on_disk() > 0, budget == 0);
+        // Before the first stroke there was no brush.
+        for (std::size_t i = 0; i < loads.size(); ++i) session.apply(UndoEvent{});
+        EXPECT_EQ(session.brush(), nullptr);
+    }
+}
+
 TEST(Session, SaysWhatIsNotUsedOfPaintThatIsNotLoaded) {
     Session session(flat_surface(128, 96), artist_acrylics());
     const auto warning_of = [&](StrokeEvent stroke) {
