@@ -113,9 +113,8 @@ Canvas read_canvas(const fs::path& path, const Progress& progress, std::optional
     for (int i = 0; i < dried_count; ++i)
         if (!wet || !find(parts, kDried + std::to_string(i)))
             fail(
-                "{}: has {} of dried paint, but no part '{}': the file is damaged, or another program left "
-                "parts "
-                "out; take a copy from before",
+                "{}: has {} of dried paint, but no part '{}': the file is damaged, or another program "
+                "left parts out; take a copy from before",
                 path.string(), dried_count == 1 ? "a layer" : fmt::format("{} layers", dried_count),
                 wet ? kDried + std::to_string(i) : kWet);
     if (const auto stored = wet ? scale_of(*wet, *dry, path) : std::nullopt) {

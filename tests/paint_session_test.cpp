@@ -13,15 +13,6 @@ namespace {
 using testing::AllOf;
 using testing::HasSubstr;
 
-StrokeEvent stroke_of(const std::string& preset, const std::string& paint, std::uint64_t seed) {
-    StrokeEvent event;
-    event.brush = brush_presets().at(preset);
-    event.brush.size_mm = 6;
-    if (!paint.empty()) event.paint = {{paint, 1}};
-    event.seed = seed;
-    return event;
-}
-
 std::vector<Event> a_little_picture() {
     std::vector<Event> events;
     const auto line = [&](StrokeEvent stroke, double y, double slope) {
@@ -29,16 +20,16 @@ std::vector<Event> a_little_picture() {
         for (int i = 0; i <= 10; ++i) events.push_back(point(i * 0.02, 2.0 * i - 10, y + slope * i));
         events.push_back(EndEvent{});
     };
-    line(stroke_of("flat", "Titanium White", 1), 5, 0);
-    line(stroke_of("round", "Ultramarine Blue", 2), -5, 1);
+    line(tool_stroke("flat", "Titanium White", 1), 5, 0);
+    line(tool_stroke("round", "Ultramarine Blue", 2), -5, 1);
     events.push_back(UndoEvent{});
     events.push_back(RedoEvent{});
     events.push_back(DryEvent{"under", 0.5});
-    line(stroke_of("filbert", "Pyrrole Red", 3), 0, 0.2);
-    StrokeEvent dirty = stroke_of("filbert", "Titanium White", 4);
+    line(tool_stroke("filbert", "Pyrrole Red", 3), 0, 0.2);
+    StrokeEvent dirty = tool_stroke("filbert", "Titanium White", 4);
     dirty.start = BrushStart::dirty;
     line(dirty, 3, -0.5);
-    line(stroke_of("smudge", "", 5), 0, 0);
+    line(tool_stroke("smudge", "", 5), 0, 0);
     return events;
 }
 
@@ -78,9 +69,9 @@ TEST(Session, BrushesStopAtTheMask) {
     const PaintLayer before = session.canvas().wet();
     const double volume_before = session.canvas().volumes_mm3()[0];
     session.canvas().confine(mask);
-    StrokeEvent wide = stroke_of("flat", "Bone Black", 9);
+    StrokeEvent wide = tool_stroke("flat", "Bone Black", 9);
     wide.brush.size_mm = 12;
-    for (StrokeEvent stroke : {wide, stroke_of("smudge", "", 10), stroke_of("knife", "Bone Black", 11)}) {
+    for (StrokeEvent stroke : {wide, tool_stroke("smudge", "", 10), tool_stroke("knife", "Bone Black", 11)}) {
         session.apply(stroke);
         for (int i = 0; i <= 10; ++i) session.apply(point(i * 0.02, 3.0 * i - 15, 1.0 * i - 5));
         session.apply(EndEvent{});
@@ -102,7 +93,7 @@ TEST(Session, BrushesStopAtTheMask) {
 
 TEST(Session, UndoneStrokesLeaveNothing) {
     Session session(flat_surface(128, 96), artist_acrylics());
-    session.apply(stroke_of("round", "Bone Black", 1));
+    session.apply(tool_stroke("round", "Bone Black", 1));
     session.apply(point(0, -5, 0));
     session.apply(point(0.1, 5, 0));
     session.apply(UndoEvent{});  // ends the stroke first
@@ -114,12 +105,12 @@ TEST(Session, UndoneStrokesLeaveNothing) {
 TEST(Session, ADirtyBrushCarriesTheLastPaint) {
     const auto black_on_canvas = [](BrushStart start) {
         Session session(flat_surface(128, 96), artist_acrylics());
-        session.apply(stroke_of("round", "Bone Black", 1));
+        session.apply(tool_stroke("round", "Bone Black", 1));
         session.apply(point(0, -12, 8));
         session.apply(point(0.1, 12, 8));
         session.apply(EndEvent{});
         const double before = session.canvas().volumes_mm3()[0];
-        StrokeEvent white = stroke_of("round", "Titanium White", 2);
+        StrokeEvent white = tool_stroke("round", "Titanium White", 2);
         white.start = start;
         session.apply(white);
         session.apply(point(0, -12, -8));
@@ -136,14 +127,11 @@ TEST(Session, ABrushWithoutALoadGoesOnWithThePaintOfTheOneBefore) {
         for (const double size_mm : {6.0, 1.0}) {
             Session session(flat_surface(128, 96), artist_acrylics());
             const auto line = [&](const StrokeEvent& stroke, double y) {
-                session.apply(stroke);
-                session.apply(point(0, -10, y));
-                session.apply(point(0.1, 10, y));
-                session.apply(EndEvent{});
+                draw_line(session, stroke, y);
                 return on_both(session.canvas(), *session.brush())[0];
             };
-            const double before = line(stroke_of("flat", "Titanium White", 1), 4);
-            StrokeEvent same = stroke_of(next, "", 2);
+            const double before = line(tool_stroke("flat", "Titanium White", 1), 4);
+            StrokeEvent same = tool_stroke(next, "", 2);
             same.brush.size_mm = size_mm;
             same.start = BrushStart::same;
             EXPECT_NEAR(line(same, -4) / before, 1, 1e-5) << next << " of " << size_mm << " mm";
@@ -155,26 +143,20 @@ TEST(Session, WhatIsErasedIsGone) {
     for (const std::string tool : {"eraser", "height eraser"})
         for (const BrushStart start : {BrushStart::same, BrushStart::dirty, BrushStart::clean}) {
             Session session(flat_surface(128, 96), artist_acrylics());
-            const auto line = [&](const StrokeEvent& stroke, double y) {
-                session.apply(stroke);
-                session.apply(point(0, -10, y));
-                session.apply(point(0.1, 10, y));
-                session.apply(EndEvent{});
-            };
-            line(stroke_of("flat", "Titanium White", 1), 4);
+            draw_line(session, tool_stroke("flat", "Titanium White", 1), 4);
             const BrushLoad held = session.brush()->bristles();
             const double laid = session.canvas().volumes_mm3()[0];
-            StrokeEvent erase = stroke_of(tool, "", 2);
+            StrokeEvent erase = tool_stroke(tool, "", 2);
             erase.start = start;
-            line(erase, 4);
+            draw_line(session, erase, 4);
             EXPECT_LT(session.canvas().volumes_mm3()[0], 0.6 * laid) << tool;
             EXPECT_EQ(session.brush()->bristles().mm, held.mm) << tool;
             EXPECT_EQ(session.brush()->settings().shape, "flat");
             EXPECT_EQ(session.take_warning(), "");
             const double left = on_both(session.canvas(), *session.brush())[0];
-            StrokeEvent next = stroke_of("flat", "", 3);
+            StrokeEvent next = tool_stroke("flat", "", 3);
             next.start = BrushStart::same;
-            line(next, -4);
+            draw_line(session, next, -4);
             EXPECT_NEAR(on_both(session.canvas(), *session.brush())[0] / left, 1, 1e-5) << tool;
         }
 }
@@ -198,13 +180,13 @@ TEST(Session, UndoGivesBackWhatWasOnTheBrush) {
             session.apply(pile);
         }
         const std::string tools[] = {"flat", "flat", "smudge", "eraser", "rag", "round", "flat"};
-        StrokeEvent first = stroke_of("flat", "", 1);  // bare, on the palette, which has nothing to give
+        StrokeEvent first = tool_stroke("flat", "", 1);  // bare, on the palette, which has nothing to give
         session.apply(first);
         session.apply(point(0, 18, 14));
         session.apply(EndEvent{});
         note();
         for (int i = 0; i < 7; ++i) {
-            StrokeEvent stroke = stroke_of(tools[i], "", static_cast<std::uint64_t>(i));
+            StrokeEvent stroke = tool_stroke(tools[i], "", static_cast<std::uint64_t>(i));
             stroke.start = BrushStart::same;
             session.apply(stroke);
             session.apply(point(0, -12, i - 3));
@@ -231,233 +213,6 @@ TEST(Session, UndoGivesBackWhatWasOnTheBrush) {
     }
 }
 
-TEST(Session, SaysWhatIsNotUsedOfPaintThatIsNotLoaded) {
-    Session session(flat_surface(128, 96), artist_acrylics());
-    const auto warning_of = [&](StrokeEvent stroke) {
-        session.apply(stroke);
-        session.apply(point(0, -10, 0));
-        session.apply(point(0.1, 10, 0));
-        session.apply(EndEvent{});
-        std::string all;
-        for (std::string text; !(text = session.take_warning()).empty();) all += text;
-        return all;
-    };
-    StrokeEvent loaded = stroke_of("flat", "Titanium White", 1);
-    loaded.finish.specular = 0.3;
-    loaded.load = 0.5;
-    EXPECT_EQ(warning_of(loaded), "");
-    StrokeEvent same = stroke_of("flat", "", 2);
-    same.start = BrushStart::same;
-    EXPECT_EQ(warning_of(same), "");
-    same.finish.medium = 0.3;
-    EXPECT_THAT(warning_of(same), AllOf(HasSubstr("'medium' is not used"), HasSubstr("\"same\"")));
-    StrokeEvent bare = stroke_of("smudge", "", 3);
-    bare.finish.specular = 0.2;
-    bare.finish.roughness = 0.2;
-    EXPECT_THAT(warning_of(bare),
-                AllOf(HasSubstr("'specular', 'roughness' are not used"), HasSubstr("'paint' is missing")));
-}
-
-TEST(Session, SaysThatPaintsOfManyFinishesAreManyPaints) {
-    Session session(flat_surface(128, 96), artist_acrylics());
-    int told = 0;
-    for (int i = 0; i < 60; ++i) {
-        StrokeEvent stroke = stroke_of("flat", "Titanium White", 1);
-        stroke.finish.specular = 0.001 * (i + 1);
-        session.apply(stroke);
-        session.apply(point(0, i * 0.1 - 3, 0));
-        session.apply(EndEvent{});
-        if (const std::string text = session.take_warning(); !text.empty()) {
-            EXPECT_THAT(text, HasSubstr("50 paints"));
-            ++told;
-        }
-    }
-    EXPECT_EQ(told, 1);
-}
-
-TEST(Session, SaysWhatHasNoEffectAndWhichNameALayerGot) {
-    const TestDir dir;
-    write_bytes(dir / "a.jsonl", R"({"format": "tangipaint strokes", "version": 1}
-{"event": "dry", "layer": "ground"}
-{"event": "stroke", "start": "same", "paint": {"Bone Black": 1}}
-{"event": "point", "x": 0, "y": 0}
-{"event": "stroke", "paint": {"Bone Black": 1}}
-{"event": "point", "x": 0, "y": 0}
-{"event": "dry", "layer": "retouch"}
-{"event": "stroke", "paint": {"Bone Black": 1}}
-{"event": "point", "x": 0, "y": 0, "p": 0}
-{"event": "point", "x": 3, "y": 0, "p": 0}
-{"event": "stroke", "paint": {"Titanium White": 1}}
-{"event": "point", "x": 0, "y": 0}
-{"event": "dry", "layer": "retouch"}
-{"event": "lift", "layer": "retouch"}
-{"event": "stroke", "brush": {"preset": "smudge"}, "paint": {"Bone Black": 1}}
-)");
-    Session session(flat_surface(128, 96), artist_acrylics());
-    const std::string file = (dir / "a.jsonl").string();
-    Journal journal = read_journal(dir / "a.jsonl");
-    journal.warnings.clear();  // of strokes without 'end'
-    EXPECT_THAT(
-        replay(session, journal),
-        testing::ElementsAre(
-            AllOf(HasSubstr(file + ":2: "), HasSubstr("no wet paint"), HasSubstr("'ground'")),
-            AllOf(HasSubstr(file + ":3: "), HasSubstr("'start' is \"same\"")),
-            AllOf(HasSubstr(file + ":3: "), HasSubstr("'paint' is not used")),
-            AllOf(HasSubstr(file + ":3: "), HasSubstr("changes nothing: no paint is on the brush")),
-            AllOf(HasSubstr(file + ":8: "), HasSubstr("not pressed")),
-            AllOf(HasSubstr(file + ":13: "), HasSubstr("'retouch'"), HasSubstr("'retouch 2'")),
-            AllOf(HasSubstr(file + ":15: "), HasSubstr("'paint' is not used"), HasSubstr("load_mm"))));
-    ASSERT_EQ(session.canvas().dried().size(), 1u);
-    EXPECT_EQ(session.canvas().dried()[0].name, "retouch 2");
-    EXPECT_TRUE(session.take_warning().empty());
-}
-
-TEST(Session, SaysOfStrokesThatChangeNothingWhy) {
-    const auto warning = [](StrokeEvent stroke, double x, bool on_paint = false) {
-        Session session(flat_surface(128, 96), artist_acrylics());
-        PileEvent pile;
-        pile.on = Place::painting;
-        pile.paint = {{"Bone Black", 1}};
-        if (on_paint) session.apply(pile);
-        session.apply(stroke);
-        session.apply(point(0, x, 0));
-        session.apply(point(0.1, x + 5, 0));
-        session.apply(EndEvent{});
-        const std::string first = session.take_warning();
-        EXPECT_TRUE(session.take_warning().empty()) << "once";
-        return first;
-    };
-    const StrokeEvent bare = stroke_of("round", "", 1), painting = stroke_of("round", "Bone Black", 1);
-    EXPECT_THAT(warning(bare, 0), HasSubstr("no paint is on the brush ('paint' is missing or empty)"));
-    EXPECT_THAT(warning(stroke_of("smudge", "", 1), 0), HasSubstr("no wet paint lies under it"));
-    EXPECT_EQ(warning(stroke_of("smudge", "", 1), 0, true), "");
-    EXPECT_EQ(warning(bare, 0, true), "");
-    EXPECT_EQ(warning(painting, 0), "");
-    const Session session(flat_surface(128, 96), artist_acrylics());
-    const double edge = 64 * session.canvas().mm_per_pixel();
-    EXPECT_THAT(warning(painting, edge + 40), AllOf(HasSubstr("wholly outside of the painting"),
-                                                    HasSubstr(fmt::format("({:.4g}, ", edge))));
-    EXPECT_EQ(warning(painting, edge - 4), "") << "a part of it lies inside";
-    StrokeEvent unpressed = painting;
-    unpressed.on = Place::palette;
-    EXPECT_THAT(warning(unpressed, 500), HasSubstr("outside of the palette"));
-}
-
-TEST(Session, SaysThatWhatIsDryStays) {
-    Session session(flat_surface(128, 96), artist_acrylics());
-    const auto warning = [&](const StrokeEvent& stroke) {
-        session.apply(stroke);
-        session.apply(point(0, 0, 0));
-        session.apply(point(0.1, 5, 0));
-        session.apply(EndEvent{});
-        return session.take_warning();
-    };
-    EXPECT_EQ(warning(stroke_of("rag", "", 1)), "the stroke changes nothing: no wet paint lies under it");
-    EXPECT_EQ(warning(stroke_of("round", "Bone Black", 1)), "");
-    session.apply(DryEvent{"ground", 1});
-    for (const std::string preset : {"rag", "smudge", "scrape", "eraser"})
-        EXPECT_EQ(warning(stroke_of(preset, "", 1)),
-                  "the stroke changes nothing: no wet paint lies under it; what is dry stays as it is");
-    StrokeEvent elsewhere = stroke_of("rag", "", 1);
-    elsewhere.on = Place::palette;
-    EXPECT_THAT(warning(elsewhere), testing::EndsWith("no wet paint lies under it"));
-}
-
-TEST(Session, SaysWhyABrushHasNoPaint) {
-    const auto warnings = [](StrokeEvent stroke) {
-        Session session(flat_surface(128, 96), artist_acrylics());
-        session.apply(stroke);
-        session.apply(point(0, 0, 0));
-        session.apply(point(0.1, 5, 0));
-        session.apply(EndEvent{});
-        std::string all;
-        for (std::string text; !(text = session.take_warning()).empty();) all += text + "\n";
-        return all;
-    };
-    StrokeEvent dry = stroke_of("round", "Bone Black", 1);
-    dry.load = 0;
-    EXPECT_THAT(warnings(dry), AllOf(HasSubstr("'paint' is not used: 'load' is 0"),
-                                     HasSubstr("no paint is on the brush ('load' is 0)"),
-                                     testing::Not(HasSubstr("missing"))));
-    dry.load = 1;
-    dry.brush.load_mm = 0;
-    EXPECT_THAT(warnings(dry), HasSubstr("no paint is on the brush (the brush's load_mm is 0)"));
-    dry.start = BrushStart::same;
-    EXPECT_THAT(warnings(dry), AllOf(HasSubstr("no paint is on the brush ('start' is \"same\", and nothing"),
-                                     testing::Not(HasSubstr("load"))));
-    EXPECT_THAT(warnings(stroke_of("round", "", 1)), HasSubstr("('paint' is missing or empty)"));
-}
-
-TEST(Session, SaysThingsInTheOrderOfTheLines) {
-    const TestDir dir;
-    write_bytes(dir / "a.jsonl", R"({"format": "tangipaint strokes", "version": 1}
-{"event": "dry", "layer": "ground"}
-{"event": "stroke"}
-{"event": "end"}
-{"event": "dry", "layer": "ground"}
-{"event": "end"}
-{"event": "dry", "layer": "ground"}
-)");
-    Session session(flat_surface(32, 32), artist_acrylics());
-    const std::string file = (dir / "a.jsonl").string();
-    EXPECT_THAT(replay(session, read_journal(dir / "a.jsonl")),
-                testing::ElementsAre(AllOf(HasSubstr(file + ":2: "), HasSubstr("no wet paint")),
-                                     AllOf(HasSubstr(file + ":3: "), HasSubstr("no points")),
-                                     AllOf(HasSubstr(file + ":5: "), HasSubstr("no wet paint")),
-                                     AllOf(HasSubstr(file + ":6: "), HasSubstr("without a stroke")),
-                                     AllOf(HasSubstr(file + ":7: "), HasSubstr("no wet paint"))));
-}
-
-TEST(Session, PilesOutsideOfThePaletteAreNotLaid) {
-    Session session(flat_surface(128, 96), artist_acrylics());
-    PaletteEvent palette;
-    palette.width_mm = 60;
-    palette.height_mm = 40;
-    session.apply(palette);
-    PileEvent pile;
-    pile.paint = {{"Bone Black", 1}};
-    pile.size_mm = 12;
-    const auto laid_mm3 = [&](PointMm at) {
-        const auto volume = [&] {
-            const auto all = session.board()->volumes_mm3();
-            return all.empty() ? 0 : all[0];
-        };
-        const double before = volume();
-        pile.at = at;
-        session.apply(pile);
-        return volume() - before;
-    };
-    const double whole = laid_mm3({-10, 0});
-    EXPECT_GT(whole, 50);
-    EXPECT_EQ(session.take_warning(), "");
-    EXPECT_NEAR(laid_mm3({30, 0}) / whole, 0.5, 0.05);
-    EXPECT_THAT(session.take_warning(),
-                AllOf(HasSubstr("(30, 0) mm lies in part outside of the palette"), HasSubstr("(30, 20) mm")));
-    EXPECT_GT(laid_mm3({33, 0}), 0) << "though its middle is beyond";
-    EXPECT_THAT(session.take_warning(), HasSubstr("in part"));
-    for (const PointMm at : {PointMm{900, 0}, PointMm{0, -26}, PointMm{35, 25}}) {
-        EXPECT_EQ(laid_mm3(at), 0);
-        EXPECT_THAT(session.take_warning(), HasSubstr("wholly outside of the palette"));
-    }
-    pile.paint = {{"Vantablack", 1}};
-    EXPECT_THAT(error_of([&] { session.apply(pile); }), HasSubstr("Vantablack"));
-}
-
-TEST(Session, SaysThatPilesDoNotFitOnThePalette) {
-    const auto warning = [](double width_mm, std::size_t paints) {
-        Session session(flat_surface(128, 96), artist_acrylics());
-        PaletteEvent event;
-        event.width_mm = event.height_mm = width_mm;
-        for (std::size_t i = 0; i < paints; ++i) event.paints.push_back(artist_acrylics().paints[i].name);
-        session.apply(event);
-        return session.take_warning();
-    };
-    EXPECT_EQ(warning(200, 19), "");
-    EXPECT_EQ(warning(25, 3), "");
-    EXPECT_THAT(warning(25, 19),
-                AllOf(HasSubstr("25 x 25 mm"), HasSubstr("19 paints"), HasSubstr("'width_mm'")));
-}
-
 TEST(Session, IsWatchedWhileBrushesAreOnThePainting) {
     Session session(flat_surface(128, 96), artist_acrylics());
     std::vector<double> seen;
@@ -466,7 +221,7 @@ TEST(Session, IsWatchedWhileBrushesAreOnThePainting) {
         return at_s + 1;
     });
     for (const Place place : {Place::painting, Place::palette, Place::painting}) {
-        StrokeEvent stroke = stroke_of("round", "Bone Black", 1);
+        StrokeEvent stroke = tool_stroke("round", "Bone Black", 1);
         stroke.on = place;
         session.apply(stroke);
         session.apply(point(0, -5, 0));
@@ -505,7 +260,7 @@ TEST(Session, MistakesNameTheLine) {
 TEST(Session, ReplayCanBeStopped) {
     Session session(flat_surface(32, 32), artist_acrylics());
     Journal journal;
-    journal.entries = {{2, stroke_of("round", "Bone Black", 1)}, {3, point(0, 0, 0)}};
+    journal.entries = {{2, tool_stroke("round", "Bone Black", 1)}, {3, point(0, 0, 0)}};
     EXPECT_THROW(replay(session, journal, [](std::string_view, double) { return false; }), Cancelled);
 }
 

@@ -77,4 +77,22 @@ inline Image<float> thickness_of(const Canvas& canvas) {
     return result;
 }
 
+// With a preset's tool, 6 mm wide.
+inline StrokeEvent tool_stroke(const std::string& preset, const std::string& paint, std::uint64_t seed) {
+    StrokeEvent event;
+    event.brush = brush_presets().at(preset);
+    event.brush.size_mm = 6;
+    if (!paint.empty()) event.paint = {{paint, 1}};
+    event.seed = seed;
+    return event;
+}
+
+// A whole stroke from (-10, y) to (10, y) mm.
+inline void draw_line(Session& session, const StrokeEvent& stroke, double y) {
+    session.apply(stroke);
+    session.apply(point(0, -10, y));
+    session.apply(point(0.1, 10, y));
+    session.apply(EndEvent{});
+}
+
 }  // namespace tangi
