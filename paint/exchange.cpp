@@ -233,11 +233,8 @@ std::size_t at(int y, std::size_t stride) { return static_cast<std::size_t>(y) *
 
 }  // namespace
 
-void for_rows_of_step(int width, int height, const std::function<void(int, int)>& body) {
-    if (width * height < kParallelPixels)
-        body(0, height);
-    else
-        parallel_for(0, height, kRowsAtOnce, body);
+void for_rows_in_parallel(int height, const std::function<void(int, int)>& body) {
+    parallel_for(0, height, kRowsAtOnce, body);
 }
 
 RowSpan widened(const RowSpan& span, const RowSpan& room) {

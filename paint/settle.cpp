@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstring>
 
 #include "surface/vector_clones.h"
 
@@ -37,18 +38,28 @@ void settle_row(const float* __restrict before, const float* __restrict there, f
 
 using Plane = std::array<float, PaintTile::kPixels>;
 
+bool same_row(const float* before, const float* plane, int y) {
+    return std::memcmp(before + y * kSize, plane + y * kSize, kSize * sizeof(float)) == 0;
+}
+
 void settle(const float* before, float* plane) {
+    // A stroke changed a few rows of the tile.
+    int first = 0, end = kSize;
+    while (first < end && same_row(before, plane, first)) ++first;
+    while (first < end && same_row(before, plane, end - 1)) --end;
     Plane there;
-    std::copy_n(plane, there.size(), there.data());
     std::array<float, kSize> owed{};
-    for (int y = 0; y < kSize; ++y)
-        settle_row(before + y * kSize, there.data() + y * kSize, owed.data(), plane + y * kSize);
+    for (int y = first; y < end; ++y) {
+        float *row = plane + y * kSize, *was = there.data() + y * kSize;
+        std::copy_n(row, kSize, was);
+        settle_row(before + y * kSize, was, owed.data(), row);
+    }
     // What columns are still owed, in single steps; and what is less than one where there is paint, but for
     // next to nothing.
     double rest = 0;
     for (const float mm : owed) rest += static_cast<double>(mm);
     float* takes = nullptr;
-    for (std::size_t i = 0; i < there.size(); ++i) {
+    for (auto i = static_cast<std::size_t>(first * kSize); i < static_cast<std::size_t>(end * kSize); ++i) {
         if (there[i] == before[i] || !(there[i] > 0)) continue;
         const float step = rest > 0 ? kVolumeGrid_mm : -kVolumeGrid_mm;
         if (std::abs(rest) > kVolumeGrid_mm / 2 && plane[i] + step >= 0 && plane[i] < kCoarse_mm) {

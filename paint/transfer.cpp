@@ -16,40 +16,47 @@ std::size_t at(int y, std::size_t stride) { return static_cast<std::size_t>(y) *
 
 constexpr RowSpan kNothing{1 << 28, -(1 << 28)};  // least and greatest of no columns
 
-// What the spans of rows y - margin to y + margin cover, and `margin` more on either side; empty where all
-// are kNothing.
-RowSpan around(const std::vector<RowSpan>& spans, int y, int margin) {
-    RowSpan all = kNothing;
-    for (int k = std::max(y - margin, 0), last = std::min(y + margin, static_cast<int>(spans.size()) - 1);
-         k <= last; ++k) {
-        const RowSpan span = spans[static_cast<std::size_t>(k)];
-        all.begin = std::min(all.begin, span.begin);
-        all.end = std::max(all.end, span.end);
+bool empty(const RowSpan& span) { return span.end <= span.begin; }
+
+// What the spans of a row and of those beside it cover, and one column more on either side.
+RowSpan around(const RowSpan& above, const RowSpan& here, const RowSpan& below) {
+    return {std::min(std::min(above.begin, below.begin), here.begin) - 1,
+            std::max(std::max(above.end, below.end), here.end) + 1};
+}
+
+// around() for all rows, beyond the first and the last of which there is nothing.
+void widen(std::vector<RowSpan>& spans) {
+    RowSpan above = kNothing;
+    for (std::size_t y = 0; y < spans.size(); ++y) {
+        const RowSpan here = spans[y], below = y + 1 < spans.size() ? spans[y + 1] : kNothing;
+        spans[y] = around(above, here, below);
+        above = here;
     }
-    return {all.begin - margin, all.end + margin};
 }
 
 // Where paint may flow, beside the bristles of the rows around and within the ring; the rows and columns that
-// change; and where flows are looked at.
+// change; and where flows are looked at, from the row above the box to that below.
 void find_spans(const StepBox& box, StepScratch& scratch) {
-    const auto rows = static_cast<std::size_t>(box.height);
-    scratch.touched.resize(rows);
-    for (std::size_t y = 0; y < rows; ++y) {
-        const RowSpan span = box.bristles[y];
-        scratch.touched[y] = span.end > span.begin ? span : kNothing;
+    std::vector<RowSpan>&flowing = scratch.flowing, &touched = scratch.touched, &seen = scratch.looked_at;
+    flowing = box.bristles;
+    for (RowSpan& span : flowing)
+        if (empty(span)) span = kNothing;
+    for (int i = 0; i < kFlowMargin; ++i) widen(flowing);
+    for (int y = 0; y < box.height; ++y) {
+        RowSpan& span = flowing[static_cast<std::size_t>(y)];
+        const bool inside = y >= kRing && y < box.height - kRing && !empty(span);
+        span =
+            inside ? RowSpan{std::max(span.begin, kRing), std::min(span.end, box.width - kRing)} : kNothing;
     }
-    scratch.flowing.assign(rows, kNothing);
-    for (int y = kRing; y < box.height - kRing; ++y) {
-        const RowSpan all = around(scratch.touched, y, kFlowMargin);
-        if (all.end > all.begin)
-            scratch.flowing[static_cast<std::size_t>(y)] = {std::max(all.begin, kRing),
-                                                            std::min(all.end, box.width - kRing)};
-    }
-    for (int y = 0; y < box.height; ++y)
-        if (RowSpan& span = scratch.touched[static_cast<std::size_t>(y)] = around(scratch.flowing, y, 1);
-            span.end > span.begin && span.end - span.begin < kLeastAdvected)  // one vector at least
+    touched = flowing;
+    widen(touched);
+    for (RowSpan& span : touched)
+        if (!empty(span) && span.end - span.begin < kLeastAdvected)  // one vector at least
             span = {std::max(std::min(span.begin, box.width - kLeastAdvected), 0),
                     std::min(std::max(span.end, std::max(span.begin, 0) + kLeastAdvected), box.width)};
+    seen.assign(touched.size() + 2, kNothing);
+    std::copy(touched.begin(), touched.end(), seen.begin() + 1);
+    widen(seen);
 }
 
 // Rows of a box that one thread moves, from top to bottom: flows of three rows at a time, which stay in the
@@ -118,8 +125,8 @@ private:
 
     void find_flow(int y) const {
         // Where nothing flows but neighbours look, flows are 0.
-        const RowSpan looked_at = around(spans_.touched, y, 1);
-        if (looked_at.end <= looked_at.begin) return;
+        const RowSpan looked_at = spans_.looked_at[static_cast<std::size_t>(y + 1)];
+        if (empty(looked_at)) return;
         const bool inside = y >= 0 && y < box_.height;
         RowSpan span = inside ? spans_.flowing[static_cast<std::size_t>(y)] : RowSpan{0, 0};
         if (span.end <= span.begin) span = {looked_at.begin, looked_at.begin};
@@ -193,7 +200,7 @@ void push(const StepBox& box, const TransferRates& rates, const BrushMotion& mot
     for (int i = 0; i < bands; ++i)
         all.emplace_back(box, rates, motion, scratch,
                          scratch.planes.data() + floats * static_cast<std::size_t>(i));
-    const auto for_bands = [&](const std::function<void(int)>& body) {
+    const auto for_bands = [&](const auto& body) {
         if (bands == 1) return body(0);
         parallel_for(0, bands, 1, [&](int begin, int end) {
             for (int i = begin; i < end; ++i) body(i);

@@ -89,7 +89,7 @@ constexpr float kOutside = 1e3f;            // [mm] underside where no bristle i
 // Memory that steps reuse.
 struct StepScratch {
     std::vector<float> planes, top;
-    std::vector<RowSpan> flowing, touched;
+    std::vector<RowSpan> flowing, touched, looked_at;
 };
 
 // How bristles move in one step, in pixels, y down: at most one pixel anywhere.
@@ -101,7 +101,14 @@ struct BrushMotion {
 
 // Calls body(begin, end) over the rows of a box: on all threads where it has so many pixels that waking them
 // pays.
-void for_rows_of_step(int width, int height, const std::function<void(int begin, int end)>& body);
+void for_rows_in_parallel(int height, const std::function<void(int begin, int end)>& body);
+template <class Body>
+void for_rows_of_step(int width, int height, const Body& body) {
+    if (width * height < kParallelPixels)
+        body(0, height);
+    else
+        for_rows_in_parallel(height, body);
+}
 
 // Both ways at once between bristles and canvas. Paint that is laid on other paint stays on it: up to
 // kUpper_mm of it, of which what comes last is most, as an upper film that is taken first, and that bristles
