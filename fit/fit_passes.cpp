@@ -7,6 +7,7 @@
 #include <future>
 #include <mutex>
 
+#include "fit/crevices.h"
 #include "fit/lobe_colour.h"
 #include "fit/lobe_prior.h"
 #include "fit/lobe_stretch.h"
@@ -72,11 +73,14 @@ struct FirstPass {
     LobePriors lobes;
     SlopePriors slopes;
     CastShadows shadows;
+    const Image<unsigned char>& crevices;
 
-    FirstPass(const Surface& surface, const Plane& plane, const FitErrors& errors, const WardPrior& general)
+    FirstPass(const Surface& surface, const Plane& plane, const FitErrors& errors, const WardPrior& general,
+              const Image<unsigned char>& crevices_)
         : lobes(surface, errors, general),
           slopes(surface, plane),
-          shadows(surface.height_mm, surface.mm_per_pixel, RelightOptions{}.light_radius_deg) {}
+          shadows(surface.height_mm, surface.mm_per_pixel, RelightOptions{}.light_radius_deg),
+          crevices(crevices_) {}
 };
 
 void store(const WardEstimate& e, int x, int y, FitResult& result) {
@@ -131,6 +135,7 @@ PixelKnowledge knowledge_of(const Pass& pass, const Surface& surface, const Ward
         return prior;
     };
     known.shadows = &pass.first->shadows;
+    known.crevices = &pass.first->crevices;
     return known;
 }
 
@@ -270,10 +275,13 @@ Plane first_height(const FitOptions& options, Surface& surface, const Progress& 
     return plane;
 }
 
-// All pixels once more, with the shadows of the first height and what neighbours say of lobes.
+// All pixels once more, with the shadows of the first height and what neighbours say of lobes, and of
+// crevices as a whole.
 void refine(const Stack& stack, const Transfer& transfer, const Lighting& lighting, const NoiseModel& noise,
-            const FitOptions& options, const Plane& plane, FitResult& result, const Progress& progress) {
-    FirstPass first(result.surface, plane, result.errors, options.ward.prior);
+            const FitOptions& options, const Plane& plane, const Image<unsigned char>& crevices,
+            FitResult& result, const Progress& progress) {
+    stand_in(crevices, result.surface, result.errors);
+    FirstPass first(result.surface, plane, result.errors, options.ward.prior, crevices);
     FitOptions second = options;
     second.ward.robust_scale =
         robust_scale_after(result.report.median_rms_residual, options.ward.robust_scale);
@@ -339,12 +347,15 @@ void fit_passes(Stack& stack, const Transfer& transfer, const Lighting& lighting
         if (shown == 0) surface.lobe_colour = {};
         if (shown > 0 && !(options.refine && explains_photographs(report_))) fit({.name = "coloured lobes"});
     }
+    const Image<unsigned char> crevices =
+        options.refine ? find_crevices(surface) : Image<unsigned char>(surface.width(), surface.height());
+    distrust(crevices, surface);
     // Where it is not refined, too: the lights may be what is wrong.
     const Plane plane = first_height(options, surface, progress);
     look(true);
     if (!options.refine) return;
     if (believes_height(report_)) {
-        refine(stack, transfer, lighting, noise, options, plane, result, progress);
+        refine(stack, transfer, lighting, noise, options, plane, crevices, result, progress);
         report_.refined = true;
     } else if (!judged) {
         fit({.name = "fit, once more"});

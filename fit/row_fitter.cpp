@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "fit/crevices.h"
 #include "fit/lobe_colour.h"
 
 namespace tangi {
@@ -13,6 +14,17 @@ namespace {
 // half, many enough that registers are full nearly all the time.
 constexpr int kPixelsAtOnce = 8192;
 constexpr double kSampleSize = 512;
+
+bool in_crevice(int x, int y, const PixelKnowledge& known) {
+    return known.crevices && (*known.crevices)(x, y);
+}
+
+// Of a crevice, under lamps of the colour of its lobe.
+WardStart start_in_shade(int x, int y, const Surface& surface, const PixelKnowledge& known,
+                         const WardPrior& prior) {
+    const Rgb colour = known.lobe_colour ? known.lobe_colour(x, y) : Rgb(1);
+    return {.slope = prior.slope, .diffuse = glm::dvec3(surface.diffuse(x, y) / colour)};
+}
 
 }  // namespace
 
@@ -60,11 +72,30 @@ PixelSamples& RowFitter::samples_at(const Band& band, int x, int y, const Surfac
     return samples_;
 }
 
-WardEstimate RowFitter::by_ceres(const Band& band, int x, int y, const Surface& surface,
-                                 const PixelKnowledge& known) {
+PixelSamples& RowFitter::white_samples_at(const Band& band, int x, int y, const Surface& surface,
+                                          const PixelKnowledge& known) {
     PixelSamples& samples = samples_at(band, x, y, surface, known);
     if (known.lobe_colour) whiten(known.lobe_colour(x, y), samples);
-    return ceres_.fit(samples, known.prior ? known.prior(x, y) : prior_);
+    return samples;
+}
+
+WardPrior RowFitter::prior_at(int x, int y, const PixelKnowledge& known) const {
+    const WardPrior prior = known.prior ? known.prior(x, y) : prior_;
+    return in_crevice(x, y, known) ? of_its_own(prior) : prior;
+}
+
+WardEstimate RowFitter::by_ceres(const Band& band, int x, int y, const Surface& surface,
+                                 const PixelKnowledge& known) {
+    PixelSamples& samples = white_samples_at(band, x, y, surface, known);
+    const WardEstimate as_it_is = ceres_.fit(samples, prior_at(x, y, known));
+    if (!in_crevice(x, y, known)) return as_it_is;
+    const WardPrior prior = known.prior(x, y);
+    const WardStart start = start_in_shade(x, y, surface, known, prior);
+    const double unexplained = hide_dark(start, samples);
+    const WardEstimate in_shade = ceres_.fit(samples, prior, &start);
+    const bool cheaper = in_shade.valid && in_shade.converged &&
+                         (!as_it_is.valid || in_shade.cost + unexplained < as_it_is.cost);
+    return cheaper ? in_shade : as_it_is;
 }
 
 // What the relief leaves of the lamps on the lanes of the batch. Most lamps are above any horizon, which is
@@ -115,7 +146,7 @@ void RowFitter::start_row(const Band& band, int y, int first_name, const Image<u
                 batch_.pixel[static_cast<std::size_t>(lane)] = -1;
                 continue;
             }
-            if (known.prior) batch_.set_prior(lane, known.prior(x0 + lane, y));
+            if (known.prior) batch_.set_prior(lane, prior_at(x0 + lane, y, known));
             if (known.lobe_colour) whiten_lane(known.lobe_colour(x0 + lane, y), lane);
         }
         if (known.shadows) shade(*known.shadows, x0, y, count);
@@ -123,46 +154,75 @@ void RowFitter::start_row(const Band& band, int y, int first_name, const Image<u
     }
 }
 
-// The solutions of rows from `first` on that batches just fitted; those that explain little, from their
-// highlight where that explains more.
-std::vector<WardSolution> RowFitter::fit_again(const Band& band, int first, const Surface& surface,
-                                               const PixelKnowledge& known) {
+std::vector<int> RowFitter::fit_again(const Band& band, std::size_t count,
+                                      const std::function<std::optional<Offer>(int name)>& offer) {
+    std::vector<int> names;
+    again_.start(static_cast<int>(count));
+    int lane = kWardLanes;
+    for (int name = 0; name < static_cast<int>(count); ++name) {
+        const std::optional<Offer> other = offer(name);
+        if (!other) continue;
+        if (lane == kWardLanes) {
+            if (!names.empty()) again_.fit(other_batch_);
+            other_batch_.resize(band.photos(), band.channels(), prior_);
+            lane = 0;
+        }
+        other_batch_.set(lane, name, *other->samples);
+        other_batch_.set_prior(lane, other->prior);
+        other_batch_.set_start(lane, other->start);
+        names.push_back(name);
+        ++lane;
+    }
+    if (!names.empty()) again_.fit(other_batch_);
+    again_.finish();
+    return names;
+}
+
+// Of rows from `first` on that batches just fitted, those that explain little: from their highlight, where
+// that explains more.
+void RowFitter::fit_by_highlight(const Band& band, int first, const Surface& surface,
+                                 const PixelKnowledge& known, std::vector<WardSolution>& solutions) {
     constexpr auto poor = static_cast<float>(kPoorFit * kPoorFit);
     constexpr auto clearly = static_cast<float>(kClearlyCheaper);
     const int width = band.width();
-    std::vector<WardSolution> solutions(batches_.solutions());
-    std::vector<int> names;  // of those that are fitted again
-    again_.start(highlights_ ? static_cast<int>(solutions.size()) : 0);
-    int lane = kWardLanes;
-    const auto flush = [&] {
-        if (!names.empty()) again_.fit(by_highlight_);
-    };
-    for (std::size_t name = 0; highlights_ && name < solutions.size(); ++name) {
-        if (!solutions[name].valid || !(solutions[name].chi2 > poor)) continue;
-        const int x = static_cast<int>(name) % width, y = first + static_cast<int>(name) / width;
-        PixelSamples& samples = samples_at(band, x, y, surface, known);
-        if (known.lobe_colour) whiten(known.lobe_colour(x, y), samples);
+    const auto names = fit_again(band, solutions.size(), [&](int name) -> std::optional<Offer> {
+        const WardSolution& solution = solutions[static_cast<std::size_t>(name)];
+        if (!solution.valid || !(solution.chi2 > poor)) return {};
+        const int x = name % width, y = first + name / width;
+        const PixelSamples& samples = white_samples_at(band, x, y, surface, known);
         const auto start = highlight_start(samples, bounds_);
-        if (!start) continue;
-        if (lane == kWardLanes) {
-            flush();
-            by_highlight_.resize(band.photos(), band.channels(), prior_);
-            lane = 0;
-        }
-        by_highlight_.set(lane, static_cast<int>(name), samples);
-        if (known.prior) by_highlight_.set_prior(lane, known.prior(x, y));
-        by_highlight_.set_start(lane, *start);
-        names.push_back(static_cast<int>(name));
-        ++lane;
-    }
-    flush();
-    again_.finish();
+        if (!start) return {};
+        return Offer{&samples, prior_at(x, y, known), *start};
+    });
     for (const int name : names) {
         const WardSolution& other = again_.solutions()[static_cast<std::size_t>(name)];
         WardSolution& solution = solutions[static_cast<std::size_t>(name)];
         if (other.valid && !other.doubtful && other.cost < clearly * solution.cost) solution = other;
     }
-    return solutions;
+}
+
+// Crevices as part of what is around them, where that explains more.
+void RowFitter::fit_in_shade(const Band& band, int first, const Surface& surface, const PixelKnowledge& known,
+                             std::vector<WardSolution>& solutions) {
+    const int width = band.width();
+    std::vector<double> unexplained;
+    const auto names = fit_again(band, solutions.size(), [&](int name) -> std::optional<Offer> {
+        const int x = name % width, y = first + name / width;
+        if (!in_crevice(x, y, known)) return {};
+        PixelSamples& samples = white_samples_at(band, x, y, surface, known);
+        const WardPrior prior = known.prior(x, y);
+        const WardStart start = start_in_shade(x, y, surface, known, prior);
+        unexplained.push_back(hide_dark(start, samples));
+        return Offer{&samples, prior, start};
+    });
+    for (std::size_t i = 0; i < names.size(); ++i) {
+        const auto name = static_cast<std::size_t>(names[i]);
+        const WardSolution& other = again_.solutions()[name];
+        WardSolution& solution = solutions[name];
+        const double cost = static_cast<double>(other.cost) + unexplained[i];
+        if (other.valid && !other.doubtful && (!solution.valid || cost < static_cast<double>(solution.cost)))
+            solution = other;
+    }
 }
 
 void RowFitter::judge(const Band& band, int x, int y, const Surface& surface, const PixelKnowledge& known,
@@ -206,7 +266,9 @@ void RowFitter::fit(const Band& band, int y0, int y1, const Image<unsigned char>
         batches_.start((last - first) * width);
         for (int y = first; y < last; ++y) start_row(band, y, (y - first) * width, mask, surface, known);
         batches_.finish();
-        const std::vector<WardSolution> solutions = fit_again(band, first, surface, known);
+        std::vector<WardSolution> solutions(batches_.solutions());
+        if (highlights_) fit_by_highlight(band, first, surface, known, solutions);
+        if (known.crevices) fit_in_shade(band, first, surface, known, solutions);
         for (int y = first; y < last; ++y)
             for (int x = 0; x < width; ++x) {
                 const auto name = static_cast<std::size_t>((y - first) * width + x);

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <string>
 
 #include "fit/batch_sampler.h"
@@ -38,6 +39,8 @@ struct PixelKnowledge {
     std::function<WardPrior(int x, int y)> prior;
     const CastShadows* shadows = nullptr;            // of the relief
     std::function<Rgb(int x, int y)> lobe_colour{};  // as Surface::lobe_colour
+    // As find_crevices(), of a surface on which the neighbours stand in for them.
+    const Image<unsigned char>* crevices = nullptr;
 };
 
 // Keeps its memory; one a thread. Keeps references to lighting and noise.
@@ -69,8 +72,22 @@ private:
     // Takes Ceres' estimate where the batches' is in doubt and dearer; counts how both compare.
     void judge(const Band& band, int x, int y, const Surface& surface, const PixelKnowledge& known,
                const WardSolution& solution, WardEstimate& estimate);
-    std::vector<WardSolution> fit_again(const Band& band, int first, const Surface& surface,
-                                        const PixelKnowledge& known);
+    // samples_at(), under lamps of the colour of the lobe.
+    PixelSamples& white_samples_at(const Band& band, int x, int y, const Surface& surface,
+                                   const PixelKnowledge& known);
+    WardPrior prior_at(int x, int y, const PixelKnowledge& known) const;
+    // Fits those of `solutions` again for which `offer` has another start; names and what became of them.
+    struct Offer {
+        const PixelSamples* samples;
+        WardPrior prior;
+        WardStart start;
+    };
+    std::vector<int> fit_again(const Band& band, std::size_t count,
+                               const std::function<std::optional<Offer>(int name)>& offer);
+    void fit_by_highlight(const Band& band, int first, const Surface& surface, const PixelKnowledge& known,
+                          std::vector<WardSolution>& solutions);
+    void fit_in_shade(const Band& band, int first, const Surface& surface, const PixelKnowledge& known,
+                      std::vector<WardSolution>& solutions);
 
     Solver solver_;
     const Lighting& lighting_;
@@ -78,7 +95,7 @@ private:
     BatchSampler sampler_;
     WardFitter ceres_;
     WardBatchFitter batches_, again_;
-    WardBatch batch_, by_highlight_;
+    WardBatch batch_, other_batch_;
     bool highlights_;
     WardBounds bounds_;
     PixelSamples samples_;

@@ -214,6 +214,7 @@ WardEstimate WardSolution::estimate(int channels) const {
     e.diffuse_error = diffuse_error;
     e.roughness_error = ln_alpha_error * e.roughness;
     e.rms_residual = std::sqrt(static_cast<double>(chi2));
+    e.cost = cost;
     e.converged = converged;
     return e;
 }

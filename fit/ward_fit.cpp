@@ -175,7 +175,7 @@ WardFitter::~WardFitter() = default;
 
 WardEstimate WardFitter::fit(const PixelSamples& given) { return fit(given, options_.prior); }
 
-WardEstimate WardFitter::fit(const PixelSamples& given, const WardPrior& prior) {
+WardEstimate WardFitter::fit(const PixelSamples& given, const WardPrior& prior, const WardStart* known) {
     WardEstimate estimate;
     const LambertEstimate start = photometric_stereo(given, kWardStereo);
     if (!start.valid) return estimate;
@@ -210,16 +210,18 @@ WardEstimate WardFitter::fit(const PixelSamples& given, const WardPrior& prior) 
         std::count_if(samples.sigma.begin(), samples.sigma.end(), [](double sigma) { return sigma > 0; }) +
             2 - residuals.parameters(),
         1));
-    SolvedWard solved = solve({.slope = {-start.normal.x / start.normal.z, -start.normal.y / start.normal.z},
-                               .diffuse = start.diffuse});
-    if (options_.by_highlight && solved.cost > kPoorFit * kPoorFit * free_samples)
+    const WardStart by_stereo{.slope = {-start.normal.x / start.normal.z, -start.normal.y / start.normal.z},
+                              .diffuse = start.diffuse};
+    SolvedWard solved = solve(known ? *known : by_stereo);
+    if (options_.by_highlight && !known && solved.cost > kPoorFit * kPoorFit * free_samples)
         if (const auto highlight = highlight_start(given, bounds)) {
             const SolvedWard other = solve(*highlight);
             if (other.cost < kClearlyCheaper * solved.cost) solved = other;
         }
     const WardVector& theta = solved.theta;
     residuals.evaluate(theta.data(), w.residuals.data(), w.jacobian.data());
-    const double chi2 = w.residuals.squaredNorm() / free_samples;
+    estimate.cost = w.residuals.squaredNorm();
+    const double chi2 = estimate.cost / free_samples;
 
     estimate.slope = {theta[0], theta[1]};
     estimate.stretch = prior.stretch;

@@ -49,6 +49,7 @@ struct WardEstimate {
     double specular_error = 0;   // [1]
     double roughness_error = 0;  // [1]
     double rms_residual = 0;     // [sigma] of the robust residuals
+    double cost = 0;             // [sigma^2] sum of their squares, priors included
     bool valid = false;          // false: not measurable (see LambertEstimate)
     bool converged = false;
 };
@@ -78,7 +79,8 @@ public:
     ~WardFitter();
 
     WardEstimate fit(const PixelSamples& samples);  // with the prior of the options
-    WardEstimate fit(const PixelSamples& samples, const WardPrior& prior);
+    // `start`: null where it is for photometric stereo and the highlight to find.
+    WardEstimate fit(const PixelSamples& samples, const WardPrior& prior, const WardStart* start = nullptr);
 
 private:
     struct Workspace;

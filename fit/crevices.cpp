@@ -1,0 +1,129 @@
+#include "fit/crevices.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+
+#include "surface/parallel.h"
+
+namespace tangi {
+
+namespace {
+
+// Of paint in the shade that passes for a black mirror (generated stacks of thick paint, lamps low and few):
+// rho_d next to 0, rho_s 0.1 to 1, alpha 0.06 to 0.25. Metal leaf is as bright as what is around it, and gold
+// on paint has wider lobes (real/leaf, icon: none is below all of these).
+constexpr float kDarker = 0.3f;     // [1] rho_d over the mean around
+constexpr float kCertain = 0.9f;    // [1] confidence
+constexpr float kStrong = 0.15f;    // [1] rho_s
+constexpr float kNarrow = 0.4f;     // [1] alpha
+constexpr float kUnknown = 0.04f;   // [1] confidence, from a slope that is off by half its length
+constexpr float kDistrust = 1e-3f;  // [1] confidence
+constexpr float kNoWitness = 10;    // [1] standard error
+constexpr int kAround = 6, kStep = 2, kNear = 3;         // [pixels]
+constexpr double kOwnSpecular = 0.1, kOwnLnAlpha = 0.7;  // [1] sigma of a lobe that is not its neighbours'
+constexpr double kHidden = 0.5;                          // [1] of what is predicted
+// [sigma^2] For each photograph: one in seven is hidden by relief that the height does not show.
+constexpr double kUnexplained = 4;
+
+float sum(const Rgb& c) { return c.r + c.g + c.b; }
+
+// Calls body(u, v) for every `step`-th pixel up to `reach` from another, but not for that.
+template <class Body>
+void for_around(const Surface& s, int x, int y, int reach, int step, const Body& body) {
+    for (int v = y - reach; v <= y + reach; v += step)
+        for (int u = x - reach; u <= x + reach; u += step)
+            if (u >= 0 && v >= 0 && u < s.width() && v < s.height() && (u != x || v != y)) body(u, v);
+}
+
+bool may_be_misread(const Surface& s, int x, int y) {
+    const float confidence = s.confidence(x, y);
+    if (!(confidence > 0)) return false;
+    if (confidence < kUnknown) return true;
+    const bool mirror = s.specular(x, y) > kStrong && s.roughness(x, y) < kNarrow;
+    if (confidence >= kCertain && !mirror) return false;
+    float around = 0;
+    int count = 0;
+    for_around(s, x, y, kAround, kStep, [&](int u, int v) {
+        if (!(s.confidence(u, v) > 0)) return;
+        around += sum(s.diffuse(u, v));
+        ++count;
+    });
+    return sum(s.diffuse(x, y)) * static_cast<float>(count) < kDarker * around;
+}
+
+}  // namespace
+
+Image<unsigned char> find_crevices(const Surface& surface) {
+    Image<unsigned char> crevices(surface.width(), surface.height());
+    parallel_for(0, surface.height(), 16, [&](int begin, int end) {
+        for (int y = begin; y < end; ++y)
+            for (int x = 0; x < surface.width(); ++x) crevices(x, y) = may_be_misread(surface, x, y);
+    });
+    return crevices;
+}
+
+void distrust(const Image<unsigned char>& crevices, Surface& surface) {
+    for (std::size_t i = 0; i < crevices.size(); ++i)
+        if (crevices.pixels()[i])
+            surface.confidence.pixels()[i] = std::min(surface.confidence.pixels()[i], kDistrust);
+}
+
+void stand_in(const Image<unsigned char>& crevices, Surface& s, FitErrors& errors) {
+    // Only what is not a crevice is looked at, and only crevices are changed.
+    parallel_for(0, s.height(), 16, [&](int begin, int end) {
+        for (int y = begin; y < end; ++y)
+            for (int x = 0; x < s.width(); ++x) {
+                if (!crevices(x, y)) continue;
+                errors.specular(x, y) = errors.roughness(x, y) = kNoWitness;
+                float weights = 0, specular = 0, roughness = 0;
+                Rgb diffuse(0);
+                for_around(s, x, y, kNear, 1, [&](int u, int v) {
+                    if (crevices(u, v) || !(s.confidence(u, v) > 0)) return;
+                    const auto dx = static_cast<float>(u - x), dy = static_cast<float>(v - y);
+                    const float weight = s.confidence(u, v) / (1 + dx * dx + dy * dy);
+                    weights += weight;
+                    specular += weight * s.specular(u, v);
+                    roughness += weight * s.roughness(u, v);
+                    diffuse += weight * s.diffuse(u, v);
+                });
+                if (!(weights > 0)) continue;
+                s.specular(x, y) = specular / weights;
+                s.roughness(x, y) = roughness / weights;
+                s.diffuse(x, y) = diffuse / weights;
+            }
+    });
+}
+
+WardPrior of_its_own(WardPrior prior) {
+    prior.specular_sigma = std::max(prior.specular_sigma, kOwnSpecular);
+    prior.ln_alpha_sigma = std::max(prior.ln_alpha_sigma, kOwnLnAlpha);
+    return prior;
+}
+
+double hide_dark(const WardStart& start, PixelSamples& samples) {
+    const glm::dvec3 normal = glm::normalize(glm::dvec3(-start.slope.x, -start.slope.y, 1));
+    double unexplained = 0;
+    for (int i = 0; i < samples.photos(); ++i) {
+        const auto photo = static_cast<std::size_t>(i),
+                   first = photo * static_cast<std::size_t>(samples.channels);
+        const double n_l = std::max(glm::dot(normal, samples.light[photo]), 0.0) + samples.ambient[photo];
+        const auto predicted = [&](std::size_t c) {
+            return samples.irradiance[first + c] * start.diffuse[static_cast<int>(c)] * n_l;
+        };
+        const auto channels = static_cast<std::size_t>(samples.channels);
+        double value = 0, all = 0;
+        for (std::size_t c = 0; c < channels; ++c) {
+            value += samples.value[first + c];
+            all += predicted(c);
+        }
+        if (value >= kHidden * all) continue;
+        unexplained += kUnexplained * samples.visible[photo];
+        for (std::size_t c = 0; c < channels; ++c)
+            if (double& sigma = samples.sigma[first + c]; sigma != 0)
+                sigma = std::copysign(std::hypot(sigma, predicted(c)), sigma);
+    }
+    return unexplained;
+}
+
+}  // namespace tangi

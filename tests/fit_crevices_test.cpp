@@ -1,0 +1,163 @@
+// fit_crevices_test.cpp: pixels that few lamps reach are part of what is around them; lines of gold and of
+// black paint are not.
+#include "fit/crevices.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <iostream>
+
+#include "fit/fit_painting.h"
+#include "fit_test_support.h"
+
+namespace tangi {
+namespace {
+
+float brightness(const Rgb& c) { return (c.r + c.g + c.b) / 3; }
+
+// [1] Part of the pixels that are black where the paint is not.
+double part_black(const Surface& surface, const PaintingTruth& truth) {
+    int black = 0, all = 0;
+    for (std::size_t i = 0; i < truth.diffuse.size(); ++i) {
+        const float real = brightness(truth.diffuse.pixels()[i]);
+        if (!truth.valid.pixels()[i] || real < 0.1f) continue;
+        ++all;
+        black += brightness(surface.diffuse.pixels()[i]) < 0.15f * real;
+    }
+    return static_cast<double>(black) / all;
+}
+
+FitResult fitted(const TestDir& folder, const PaintingTruth& truth, const GeneratorOptions& generator,
+                 const FitOptions& options = {}) {
+    write_stack(folder.path(), truth, generator);
+    FitOptions all = options;
+    all.white_level = generator.white_level;
+    all.mm_per_pixel = truth.mm_per_pixel;
+    return fit_painting(open_stack(folder.path()), all);
+}
+
+// Two lamps overhead and 14 low ones: between thick strokes only the former are seen.
+TEST(Crevices, AreNoBlackMirrors) {
+    for (const Solver solver : {Solver::batch, Solver::ceres}) {
+        const PaintingTruth truth = procedural_painting(
+            {.seed = 62, .width = 120, .height = 90, .mm_per_pixel = 0.2, .impasto = 1.5});
+        const GeneratorOptions generator{.lights = 16, .held_out = 4};
+        const TestDir folder;
+        FitOptions options;
+        options.solver = solver;
+        const FitResult fit = fitted(folder, truth, generator, options);
+        ASSERT_TRUE(fit.report.refined);
+        const double black = part_black(fit.surface, truth),
+                     held_out = held_out_psnr_db(fit.surface, folder.path(), generator.transfer);
+        std::cout << fmt::format("{}: black {:.4f}, held out {:.2f} dB\n",
+                                 solver == Solver::batch ? "batches" : "Ceres", black, held_out);
+        EXPECT_LT(black, 0.01);
+        EXPECT_GT(held_out, 30);
+    }
+}
+
+// Lines two pixels wide on flat paint: burnished gold, and glossy black.
+TEST(Crevices, LinesOfGoldAndOfBlackStayWhatTheyAre) {
+    PaintingTruth truth(72, 60, 0.2);
+    truth.lobe_colour = Image<Rgb>(truth.width(), truth.height(), Rgb(1));
+    const auto is_gold = [](int x) { return x % 24 == 8 || x % 24 == 9; };
+    const auto is_black = [](int x) { return x % 24 == 18 || x % 24 == 19; };
+    for (int y = 0; y < truth.height(); ++y)
+        for (int x = 0; x < truth.width(); ++x) {
+            truth.diffuse(x, y) = Rgb(0.6f, 0.5f, 0.4f);
+            truth.specular(x, y) = 0.04f;
+            truth.roughness(x, y) = 0.25f;
+            if (is_gold(x)) {
+                truth.diffuse(x, y) = Rgb(0.03f, 0.02f, 0.01f);
+                truth.specular(x, y) = 0.6f;
+                truth.roughness(x, y) = 0.2f;
+                truth.lobe_colour(x, y) = Rgb(1, 0.78f, 0.4f);
+            } else if (is_black(x)) {
+                truth.diffuse(x, y) = Rgb(0.015f);
+                truth.roughness(x, y) = 0.12f;
+            }
+        }
+    const TestDir folder;
+    const FitResult fit = fitted(folder, truth, {.lights = 24, .reflectance = Reflectance::ward_bounded});
+    ASSERT_TRUE(fit.report.refined);
+    double gold = 0, black = 0;
+    int of_gold = 0, of_black = 0;
+    for (int y = 2; y < truth.height() - 2; ++y)
+        for (int x = 2; x < truth.width() - 2; ++x) {
+            if (is_gold(x)) gold += fit.surface.specular(x, y) > 0.3f, ++of_gold;
+            if (is_black(x)) black += brightness(fit.surface.diffuse(x, y)) < 0.05f, ++of_black;
+        }
+    std::cout << fmt::format("gold {:.3f}, black {:.3f}\n", gold / of_gold, black / of_black);
+    EXPECT_GT(gold / of_gold, 0.95);
+    EXPECT_GT(black / of_black, 0.98);
+}
+
+Surface even_paint(int size) {
+    Surface surface(size, size);
+    for (std::size_t i = 0; i < surface.diffuse.size(); ++i) {
+        surface.diffuse.pixels()[i] = Rgb(0.5f);
+        surface.specular.pixels()[i] = 0.04f;
+        surface.roughness.pixels()[i] = 0.2f;
+        surface.confidence.pixels()[i] = 0.99f;
+    }
+    return surface;
+}
+
+TEST(Crevices, AreDarkAndUncertainOrMirrors) {
+    Surface surface = even_paint(21);
+    const auto set = [&](int x, float diffuse, float specular, float roughness, float confidence) {
+        surface.diffuse(x, 10) = Rgb(diffuse);
+        surface.specular(x, 10) = specular;
+        surface.roughness(x, 10) = roughness;
+        surface.confidence(x, 10) = confidence;
+    };
+    set(3, 0.01f, 0.8f, 0.1f, 0.99f);   // a black mirror
+    set(5, 0.01f, 0.05f, 0.1f, 0.5f);   // black and uncertain
+    set(7, 0.01f, 0.05f, 0.1f, 0.99f);  // black paint
+    set(9, 0.4f, 0.8f, 0.1f, 0.99f);    // a glint
+    set(11, 0.01f, 0.8f, 0.5f, 0.99f);  // dull metal
+    set(13, 0.5f, 0.04f, 0.2f, 0.01f);  // of no known slope
+    set(15, 0.01f, 0.8f, 0.1f, 0);      // was not measured
+    const Image<unsigned char> crevices = find_crevices(surface);
+    std::vector<int> found;
+    for (int y = 0; y < 21; ++y)
+        for (int x = 0; x < 21; ++x)
+            if (crevices(x, y)) found.push_back(y == 10 ? x : -1);
+    EXPECT_EQ(found, (std::vector{3, 5, 13}));
+
+    FitErrors errors(21, 21);
+    distrust(crevices, surface);
+    EXPECT_LT(surface.confidence(3, 10), 0.01f);
+    EXPECT_EQ(surface.confidence(7, 10), 0.99f);
+    EXPECT_EQ(surface.confidence(15, 10), 0);
+    stand_in(crevices, surface, errors);
+    EXPECT_NEAR(brightness(surface.diffuse(13, 10)), 0.5, 0.06);
+    EXPECT_LT(surface.specular(3, 10), 0.2f);
+    EXPECT_GT(errors.specular(3, 10), 1);
+    EXPECT_EQ(surface.diffuse(7, 10), Rgb(0.01f));
+}
+
+TEST(Crevices, HideTheDarkPhotographsThatTheReliefDoesNotExplain) {
+    PixelSamples samples;
+    samples.resize(3, 1);
+    for (std::size_t i = 0; i < 3; ++i) {
+        samples.light[i] = {0, 0, 1};
+        samples.irradiance[i] = 1;
+        samples.sigma[i] = 0.01;
+        samples.visible[i] = 1;
+    }
+    samples.value = {0.5, 0.1, 0.1};
+    samples.visible[2] = 0;
+    const WardStart start{.slope = {0, 0}, .diffuse = glm::dvec3(0.5)};
+    const double cost = hide_dark(start, samples);
+    EXPECT_EQ(samples.sigma[0], 0.01);
+    EXPECT_NEAR(samples.sigma[1], 0.5, 0.001);
+    EXPECT_NEAR(samples.sigma[2], 0.5, 0.001);
+    EXPECT_GT(cost, 1);
+    samples.visible = {1, 1, 1};
+    samples.sigma = {0.01, 0.01, 0.01};
+    EXPECT_EQ(hide_dark(start, samples), 2 * cost);
+}
+
+}  // namespace
+}  // namespace tangi
