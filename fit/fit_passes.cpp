@@ -22,15 +22,9 @@ namespace tangi {
 
 namespace {
 
-// [sigma] Median residual beyond which the model does not explain the pixels, so that its height and errors
-// are no ground for a second pass (real/coin: 1.5; icon, with its gold, 1.05; the other stacks: 0.56 to
-// 0.76).
+// [sigma] Median residual beyond which the model does not explain the photographs (real/coin: 1.5; icon, with
+// its gold, 1.05; the other stacks: 0.56 to 0.76).
 constexpr double kTrusted = 1;
-// Unless the height's own shadows are found in the photographs: ln of how much darker they are where it hides
-// the lamp. Cast shadows on paint take off three quarters and more (generated stacks: -1.5 to -1.7; in
-// ambient light -1.0 to -1.2; coin: -1.2). Where it is a third or less, it is not the height that made it
-// dark.
-constexpr double kShadowed = -0.5;
 // One band; two are in memory at a time. Small ones stay in the processor's caches, and their memory is used
 // again instead of given back; but photographs that are resampled share rows between bands, and each thread
 // needs rows of its own.
@@ -300,17 +294,17 @@ std::string beyond_expected(double median_sigma) {
 
 bool explains_photographs(const FitReport& report) { return report.median_rms_residual <= kTrusted; }
 
-// Whether the height is right, as far as the photographs tell.
+// Whether hills and valleys are what they are, as far as the photographs tell: else the height casts shadows
+// where there are none. How well the model explains them does not matter: that the first pass knows neither
+// shadows nor neighbours is most of what it lacks, on metal, too, and under lamps that are somewhere else.
 static bool believes_height(const FitReport& report) {
     const ShadowCheck& shadows = report.shadow_signs;
-    return explains_photographs(report) || (!report.signs.wrong() && shadows.best == LightTurn{} &&
-                                            shadows.certain() && shadows.contrast < kShadowed);
+    return !report.signs.wrong() && (!shadows.certain() || shadows.best == LightTurn{});
 }
 
 // Where lobes may be drawn out, some rows with white and isotropic lobes, and what these show of that: from
 // lobes that are not drawn out though they should be, slopes and neighbours' lobes are no ground for
 // anything. Then all pixels; where lobes may have colours, what that shows of them; then the second pass.
-// Where white lobes explain too little to be refined, coloured ones may explain enough.
 void fit_passes(Stack& stack, const Transfer& transfer, const Lighting& lighting, const NoiseModel& noise,
                 const FitOptions& options, const LobeFreedom& lobes, const FirstLook& look, FitResult& result,
                 const Progress& progress) {
@@ -345,7 +339,7 @@ void fit_passes(Stack& stack, const Transfer& transfer, const Lighting& lighting
                           [](const Rgb& colour) { return colour != Rgb(1); });
         report_.coloured = static_cast<double>(shown) / static_cast<double>(std::max(report_.fitted, 1L));
         if (shown == 0) surface.lobe_colour = {};
-        if (shown > 0 && !(options.refine && explains_photographs(report_))) fit({.name = "coloured lobes"});
+        if (shown > 0 && !options.refine) fit({.name = "coloured lobes"});
     }
     const Image<unsigned char> crevices =
         options.refine ? find_crevices(surface) : Image<unsigned char>(surface.width(), surface.height());
