@@ -70,11 +70,11 @@ struct FirstPass {
     const Image<unsigned char>& crevices;
 
     FirstPass(const Surface& surface, const Plane& plane, const FitErrors& errors, const WardPrior& general,
-              const Image<unsigned char>& crevices_)
+              const Image<unsigned char>& few_lamps)
         : lobes(surface, errors, general),
           slopes(surface, plane),
           shadows(surface.height_mm, surface.mm_per_pixel, RelightOptions{}.light_radius_deg),
-          crevices(crevices_) {}
+          crevices(few_lamps) {}
 };
 
 void store(const WardEstimate& e, int x, int y, FitResult& result) {
