@@ -63,10 +63,22 @@ Image<unsigned char> find_crevices(const Surface& surface) {
     return crevices;
 }
 
-void distrust(const Image<unsigned char>& crevices, Surface& surface) {
+std::vector<float> distrust(const Image<unsigned char>& crevices, Surface& surface) {
+    std::vector<float> before;
+    for (std::size_t i = 0; i < crevices.size(); ++i) {
+        if (!crevices.pixels()[i]) continue;
+        float& confidence = surface.confidence.pixels()[i];
+        before.push_back(confidence);
+        confidence = std::min(confidence, kDistrust);
+    }
+    return before;
+}
+
+void trust_again(const Image<unsigned char>& crevices, const std::vector<float>& confidences,
+                 Surface& surface) {
+    auto before = confidences.begin();
     for (std::size_t i = 0; i < crevices.size(); ++i)
-        if (crevices.pixels()[i])
-            surface.confidence.pixels()[i] = std::min(surface.confidence.pixels()[i], kDistrust);
+        if (crevices.pixels()[i]) surface.confidence.pixels()[i] = *before++;
 }
 
 void stand_in(const Image<unsigned char>& crevices, Surface& s, FitErrors& errors) {
@@ -89,6 +101,8 @@ void stand_in(const Image<unsigned char>& crevices, Surface& s, FitErrors& error
                 });
                 if (!(weights > 0)) continue;
                 s.specular(x, y) = specular / weights;
+                if (!s.lobe_axes.empty())
+                    s.lobe_axes(x, y).roughness_v *= roughness / weights / s.roughness(x, y);
                 s.roughness(x, y) = roughness / weights;
                 s.diffuse(x, y) = diffuse / weights;
             }
@@ -114,10 +128,11 @@ double hide_dark(const WardStart& start, PixelSamples& samples) {
         const auto channels = static_cast<std::size_t>(samples.channels);
         double value = 0, all = 0;
         for (std::size_t c = 0; c < channels; ++c) {
+            if (samples.sigma[first + c] == 0) continue;
             value += samples.value[first + c];
             all += predicted(c);
         }
-        if (value >= kHidden * all) continue;
+        if (!(value < kHidden * all)) continue;
         unexplained += kUnexplained * samples.visible[photo];
         for (std::size_t c = 0; c < channels; ++c)
             if (double& sigma = samples.sigma[first + c]; sigma != 0)

@@ -8,6 +8,8 @@
 // is, and the pixel as part of what is around it with the dark photographs hidden.
 #pragma once
 
+#include <vector>
+
 #include "capture/pixel_samples.h"
 #include "fit/fit_errors.h"
 #include "fit/ward_fit.h"
@@ -19,10 +21,14 @@ namespace tangi {
 // not quite certain or its highlight is strong and narrow; or nothing is known of its slope at all.
 Image<unsigned char> find_crevices(const Surface& surface);
 
-// From now on these bear no witness to the height: next to no confidence.
-void distrust(const Image<unsigned char>& crevices, Surface& surface);
+// From now on these bear no witness to the height: next to no confidence. Returns what they had, row by row,
+// for trust_again().
+std::vector<float> distrust(const Image<unsigned char>& crevices, Surface& surface);
+void trust_again(const Image<unsigned char>& crevices, const std::vector<float>& confidences,
+                 Surface& surface);
 
-// Gives them the reflectance of what is around, with errors so large that nobody is told by them.
+// Gives them the reflectance of what is around, with errors so large that nobody is told by them. How their
+// lobes are drawn out stays.
 void stand_in(const Image<unsigned char>& crevices, Surface& surface, FitErrors& errors);
 
 // The prior of such a pixel where it is taken for what it seems: its lobe need not be its neighbours'.
@@ -30,7 +36,7 @@ WardPrior of_its_own(WardPrior prior);
 
 // Photographs that are much darker than the start predicts are hidden from the lamp: what they say is taken
 // to be off by as much as they miss. Returns what has to be added to the cost for those that the relief does
-// not explain (`visible`).
+// not explain (`visible`). Samples that are left out do not count.
 double hide_dark(const WardStart& start, PixelSamples& samples);
 
 }  // namespace tangi

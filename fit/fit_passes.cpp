@@ -295,11 +295,12 @@ std::string beyond_expected(double median_sigma) {
 bool explains_photographs(const FitReport& report) { return report.median_rms_residual <= kTrusted; }
 
 // Whether hills and valleys are what they are, as far as the photographs tell: else the height casts shadows
-// where there are none. How well the model explains them does not matter: that the first pass knows neither
+// where there are none. How well the model explains them matters little: that the first pass knows neither
 // shadows nor neighbours is most of what it lacks, on metal, too, and under lamps that are somewhere else.
 static bool believes_height(const FitReport& report) {
     const ShadowCheck& shadows = report.shadow_signs;
-    return !report.signs.wrong() && (!shadows.certain() || shadows.best == LightTurn{});
+    return explains_photographs(report) ||
+           (!report.signs.wrong() && (!shadows.certain() || shadows.best == LightTurn{}));
 }
 
 // Where lobes may be drawn out, some rows with white and isotropic lobes, and what these show of that: from
@@ -343,7 +344,7 @@ void fit_passes(Stack& stack, const Transfer& transfer, const Lighting& lighting
     }
     const Image<unsigned char> crevices =
         options.refine ? find_crevices(surface) : Image<unsigned char>(surface.width(), surface.height());
-    distrust(crevices, surface);
+    const std::vector<float> confidences = distrust(crevices, surface);
     // Where it is not refined, too: the lights may be what is wrong.
     const Plane plane = first_height(options, surface, progress);
     look(true);
@@ -351,10 +352,11 @@ void fit_passes(Stack& stack, const Transfer& transfer, const Lighting& lighting
     if (believes_height(report_)) {
         refine(stack, transfer, lighting, noise, options, plane, crevices, result, progress);
         report_.refined = true;
-    } else if (!judged) {
-        fit({.name = "fit, once more"});
+    } else {
+        trust_again(crevices, confidences, surface);
+        if (!judged || !surface.lobe_colour.empty()) fit({.name = "fit, once more"});
     }
-    if (report_.refined && explains_photographs(report_)) return;
+    if (explains_photographs(report_)) return;
     stack.warnings.push_back(fmt::format(
         "{}: photographs differ from the model by {}{}; metal and glass look like that, and wrong light "
         "directions",

@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <iostream>
+#include <limits>
 
 #include "fit/fit_painting.h"
 #include "fit_test_support.h"
@@ -126,14 +127,24 @@ TEST(Crevices, AreDarkAndUncertainOrMirrors) {
     EXPECT_EQ(found, (std::vector{3, 5, 13}));
 
     FitErrors errors(21, 21);
-    distrust(crevices, surface);
+    const std::vector<float> before = distrust(crevices, surface);
     EXPECT_LT(surface.confidence(3, 10), 0.01f);
     EXPECT_EQ(surface.confidence(7, 10), 0.99f);
     EXPECT_EQ(surface.confidence(15, 10), 0);
+    trust_again(crevices, before, surface);
+    EXPECT_EQ(surface.confidence(3, 10), 0.99f);
+    EXPECT_EQ(surface.confidence(5, 10), 0.5f);
+    EXPECT_EQ(surface.confidence(13, 10), 0.01f);
+    // Lobes twice as wide along one axis as along the other.
+    surface.lobe_axes = Image<LobeAxes>(21, 21);
+    for (std::size_t i = 0; i < surface.lobe_axes.size(); ++i)
+        surface.lobe_axes.pixels()[i].roughness_v = surface.roughness.pixels()[i] / 2;
     stand_in(crevices, surface, errors);
     EXPECT_NEAR(brightness(surface.diffuse(13, 10)), 0.5, 0.06);
     EXPECT_LT(surface.specular(3, 10), 0.2f);
     EXPECT_GT(errors.specular(3, 10), 1);
+    for (const int x : {3, 5, 7, 13})
+        EXPECT_NEAR(surface.lobe_axes(x, 10).roughness_v, surface.roughness(x, 10) / 2, 1e-6) << x;
     EXPECT_EQ(surface.diffuse(7, 10), Rgb(0.01f));
 }
 
@@ -157,6 +168,11 @@ TEST(Crevices, HideTheDarkPhotographsThatTheReliefDoesNotExplain) {
     samples.visible = {1, 1, 1};
     samples.sigma = {0.01, 0.01, 0.01};
     EXPECT_EQ(hide_dark(start, samples), 2 * cost);
+    // What is not in the picture is not dark.
+    samples.value = {0.5, std::numeric_limits<double>::quiet_NaN(), 0.1};
+    samples.sigma = {0.01, 0, 0.01};
+    EXPECT_EQ(hide_dark(start, samples), cost);
+    EXPECT_EQ(samples.sigma[1], 0);
 }
 
 }  // namespace
