@@ -13,20 +13,20 @@ namespace {
 // Of paint in the shade that passes for a black mirror (generated stacks of thick paint, lamps low and few):
 // rho_d next to 0, rho_s 0.1 to 1, alpha 0.06 to 0.25. Metal leaf is as bright as what is around it, and gold
 // on paint has wider lobes (real/leaf, icon: none is below all of these).
-constexpr float kDarker = 0.3f;     // [1] rho_d over the mean around
+constexpr float kDarkPart = 0.3f;   // [1] rho_d over the mean around
 constexpr float kCertain = 0.9f;    // [1] confidence
 constexpr float kStrong = 0.15f;    // [1] rho_s
 constexpr float kNarrow = 0.4f;     // [1] alpha
-constexpr float kUnknown = 0.04f;   // [1] confidence, from a slope that is off by half its length
+constexpr float kNoSlope = 0.04f;   // [1] confidence, from a slope that is off by half its length
 constexpr float kDistrust = 1e-3f;  // [1] confidence
 constexpr float kNoWitness = 10;    // [1] standard error
-constexpr int kAround = 6, kStep = 2, kNear = 3;         // [pixels]
-constexpr double kOwnSpecular = 0.1, kOwnLnAlpha = 0.7;  // [1] sigma of a lobe that is not its neighbours'
-constexpr double kHidden = 0.5;                          // [1] of what is predicted
+constexpr int kAround = 6, kAroundStep = 2, kBeside = 3;  // [pixels]
+constexpr double kOwnSpecular = 0.1, kOwnLnAlpha = 0.7;   // [1] sigma of a lobe that is not its neighbours'
+constexpr double kDarkPhoto = 0.5;                        // [1] of what is predicted
 // [sigma^2] For each photograph: one in seven is hidden by relief that the height does not show.
 constexpr double kUnexplained = 4;
 
-float sum(const Rgb& c) { return c.r + c.g + c.b; }
+float rgb_sum(const Rgb& c) { return c.r + c.g + c.b; }
 
 // Calls body(u, v) for every `step`-th pixel up to `reach` from another, but not for that.
 template <class Body>
@@ -39,17 +39,17 @@ void for_around(const Surface& s, int x, int y, int reach, int step, const Body&
 bool may_be_misread(const Surface& s, int x, int y) {
     const float confidence = s.confidence(x, y);
     if (!(confidence > 0)) return false;
-    if (confidence < kUnknown) return true;
+    if (confidence < kNoSlope) return true;
     const bool mirror = s.specular(x, y) > kStrong && s.roughness(x, y) < kNarrow;
     if (confidence >= kCertain && !mirror) return false;
     float around = 0;
     int count = 0;
-    for_around(s, x, y, kAround, kStep, [&](int u, int v) {
+    for_around(s, x, y, kAround, kAroundStep, [&](int u, int v) {
         if (!(s.confidence(u, v) > 0)) return;
-        around += sum(s.diffuse(u, v));
+        around += rgb_sum(s.diffuse(u, v));
         ++count;
     });
-    return sum(s.diffuse(x, y)) * static_cast<float>(count) < kDarker * around;
+    return rgb_sum(s.diffuse(x, y)) * static_cast<float>(count) < kDarkPart * around;
 }
 
 }  // namespace
@@ -90,7 +90,7 @@ void stand_in(const Image<unsigned char>& crevices, Surface& s, FitErrors& error
                 errors.specular(x, y) = errors.roughness(x, y) = kNoWitness;
                 float weights = 0, specular = 0, roughness = 0;
                 Rgb diffuse(0);
-                for_around(s, x, y, kNear, 1, [&](int u, int v) {
+                for_around(s, x, y, kBeside, 1, [&](int u, int v) {
                     if (crevices(u, v) || !(s.confidence(u, v) > 0)) return;
                     const auto dx = static_cast<float>(u - x), dy = static_cast<float>(v - y);
                     const float weight = s.confidence(u, v) / (1 + dx * dx + dy * dy);
@@ -132,7 +132,7 @@ double hide_dark(const WardStart& start, PixelSamples& samples) {
             value += samples.value[first + c];
             all += predicted(c);
         }
-        if (!(value < kHidden * all)) continue;
+        if (!(value < kDarkPhoto * all)) continue;
         unexplained += kUnexplained * samples.visible[photo];
         for (std::size_t c = 0; c < channels; ++c)
             if (double& sigma = samples.sigma[first + c]; sigma != 0)
