@@ -11,13 +11,13 @@ namespace tangi {
 namespace {
 
 // Of paint in the shade that passes for a black mirror (generated stacks of thick paint, lamps low and few):
-// rho_d next to 0, rho_s 0.1 to 1, alpha 0.06 to 0.25. Metal leaf is as bright as what is around it, and gold
-// on paint has wider lobes (real/leaf, icon: none is below all of these).
+// rho_d next to 0, rho_s 0.1 to 1, alpha 0.06 to 0.25. Metal leaf is as bright as what is around it, or has
+// wider lobes (real/leaf: alpha 0.46 and more where it is dark).
 constexpr float kDarkPart = 0.3f;   // [1] rho_d over the mean around
 constexpr float kCertain = 0.9f;    // [1] confidence
 constexpr float kStrong = 0.15f;    // [1] rho_s
 constexpr float kNarrow = 0.4f;     // [1] alpha
-constexpr float kNoSlope = 0.04f;   // [1] confidence, from a slope that is off by half its length
+constexpr float kNoSlope = 0.04f;   // [1] confidence of a slope whose standard error is 0.5
 constexpr float kDistrust = 1e-3f;  // [1] confidence
 constexpr float kNoWitness = 10;    // [1] standard error
 constexpr int kAround = 6, kAroundStep = 2, kBeside = 3;  // [pixels]

@@ -129,9 +129,9 @@ private:
         if (empty(looked_at)) return;
         const bool inside = y >= 0 && y < box_.height;
         RowSpan span = inside ? spans_.flowing[static_cast<std::size_t>(y)] : RowSpan{0, 0};
-        if (span.end <= span.begin) span = {looked_at.begin, looked_at.begin};
+        if (empty(span)) span = {looked_at.begin, looked_at.begin};
         const Outflow out = flow(y);
-        if (span.end > span.begin) {
+        if (!empty(span)) {
             const RowSpan whole = widened(span, {kRing, box_.width - kRing});
             const auto first = static_cast<std::size_t>(whole.begin);
             const std::size_t canvas = at(y, box_.canvas_stride) + first,
@@ -156,7 +156,7 @@ private:
     void move_row(int y, const FlowsAround& flows) {
         const RowSpan span = y < end_ ? spans_.touched[static_cast<std::size_t>(y)] : RowSpan{0, 0},
                       done = y > begin_ ? spans_.touched[static_cast<std::size_t>(y - 1)] : RowSpan{0, 0};
-        if (span.end <= span.begin && done.end <= done.begin) return;
+        if (empty(span) && empty(done)) return;
         const AdvectedRow rows{kept_.size(),
                                row(y),
                                y <= std::max(begin_, 1) ? kept(kAbove) : row(y - 1),

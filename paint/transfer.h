@@ -99,9 +99,10 @@ struct BrushMotion {
     float x = 0, y = 0;
 };
 
-// Calls body(begin, end) over the rows of a box: on all threads where it has so many pixels that waking them
-// pays.
+// Calls body(begin, end) over rows, on all threads.
 void for_rows_in_parallel(int height, const std::function<void(int begin, int end)>& body);
+
+// The same over the rows of a box, where it has so many pixels that waking the threads pays; else at once.
 template <class Body>
 void for_rows_of_step(int width, int height, const Body& body) {
     if (width * height < kParallelPixels)
