@@ -20,6 +20,41 @@ constexpr double kShadowsClearlyBetter = 0.01;
 // [1] HeightOptions::max_cycles of what is tried: enough for shadows.
 constexpr int kTrialCycles = 30;
 
+// The edges with the weights that the height came from.
+SlopeEdges edges_of(const Surface& surface, const Image<Vec3>& normal, const HeightOptions& options,
+                    const HeightChoice& choice, const Plane& plane) {
+    SlopeEdges edges(normal, surface.confidence, surface.mm_per_pixel, options.weight_floor);
+    edges.weigh(nullptr);
+    if (!choice.cliffs) return edges;
+    Image<float> untilted = surface.height_mm;
+    const Slope tilt = edges.tilt();
+    subtract({tilt.x * surface.mm_per_pixel - plane.a, tilt.y * surface.mm_per_pixel - plane.b, 0}, untilted);
+    edges.weigh(&untilted);
+    return edges;
+}
+
+// `steeper`: empty where slopes were integrated as they are. Errors stay those of the height that the slopes
+// lead to: this one is nearer to the truth (fit_tests --gtest_filter='HeightCoverage.*').
+void carve(Surface& surface, const Lighting& lighting, const HeightOptions& options,
+           const Image<Vec3>& steeper, const LampsSeen& lamps, const std::function<double()>& misfit,
+           FinalHeight& result, const Progress& progress) {
+    const SlopeEdges edges =
+        edges_of(surface, steeper.empty() ? surface.normal : steeper, options, result.choice, result.plane);
+    HeightChoice& choice = result.choice;
+    const double then = misfit();
+    Image<float> before = surface.height_mm;
+    choice.carved = carve_shadows(lamps, lighting, edges, surface, progress);
+    if (choice.carved.contradicted == 0) return;
+    const Plane plane = best_plane(surface.height_mm, surface.confidence);
+    subtract(plane, surface.height_mm);
+    choice.carving_kept = misfit() < (1 - kShadowsClearlyBetter) * then;
+    if (!choice.carving_kept) {
+        std::swap(surface.height_mm, before);
+        return;
+    }
+    result.plane = {result.plane.a + plane.a, result.plane.b + plane.b, result.plane.c + plane.c};
+}
+
 }  // namespace
 
 FinalHeight final_height(Surface& surface, const Survey& survey, const Transfer& transfer,
@@ -103,6 +138,9 @@ FinalHeight final_height(Surface& surface, const Survey& survey, const Transfer&
         } else
             std::swap(surface.height_mm, before);
     }
+    before = {};
+    if (evidence.lamps && !evidence.lamps->empty())
+        carve(surface, lighting, options, steeper, *evidence.lamps, misfit, result, progress);
     return result;
 }
 
@@ -116,6 +154,11 @@ nlohmann::json to_json(const HeightChoice& choice) {
     return {{"cliffs", choice.cliffs},
             {"slope_mixing", choice.mixing},
             {"before_refining", choice.before_refining},
+            {"carved", choice.carving_kept},
+            {"lamps_seen",
+             {{"all", choice.carved.lamps},
+              {"contradicted_before", choice.carved.contradicted},
+              {"contradicted", choice.carved.left}}},
             {"tried", trials}};
 }
 

@@ -7,7 +7,9 @@
 #include "capture/survey.h"
 #include "fit/fit_errors.h"
 #include "fit/height.h"
+#include "fit/lamps_seen.h"
 #include "fit/lighting.h"
+#include "fit/shadow_carving.h"
 #include "surface/progress.h"
 #include "surface/surface.h"
 
@@ -25,6 +27,8 @@ struct HeightChoice {
         bool before_refining;
         double shadow_misfit;  // [1] shadow_misfit(), less is better
     };
+    CarveReport carved{};         // by all shadows that were seen, last; 0 lamps where none were
+    bool carving_kept = false;    // whether the height is that
     std::vector<Trial> trials{};  // in this order; where shadows do not tell, none but of a refined fit
 };
 
@@ -41,13 +45,14 @@ struct HeightEvidence {
     // stands, the first pass takes its shadow for slopes that lead up to it, the second for shadow, and no
     // slope shows the cliff any more.
     bool refined = false;
+    const LampsSeen* lamps = nullptr;  // in the second pass
 };
 
 // Fills in surface.height_mm less its plane, and its standard errors (those of slopes). Where `shadows_tell`,
 // the height is that whose cast shadows agree best with the light that the survey's samples show
 // (shadow_misfit()): with cliffs or without (options.robust_sweeps), and of slopes as they are or as steep as
 // what their pixels mix (mixed_slopes.h); or, where `refined`, as it is. Where there are no shadows to see,
-// slopes are taken as they are.
+// slopes are taken as they are. Last it is carved (shadow_carving.h), where that makes shadows agree better.
 FinalHeight final_height(Surface& surface, const Survey& survey, const Transfer& transfer,
                          const Lighting& lighting, const HeightOptions& options,
                          const HeightEvidence& evidence, Image<HalfError>* error_mm,

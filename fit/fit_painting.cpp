@@ -228,14 +228,15 @@ FitResult fit_painting(Stack stack, const FitOptions& options, const Progress& p
             report_.shadow_signs = check_shadows(surface, report_.signs, surveyed, transfer, lighting.lights,
                                                  lighting.white_level, progress);
     };
-    fit_passes(stack, transfer, lighting, noise, options, lobes, look_at_signs, result, progress);
+    const LampsSeen lamps =
+        fit_passes(stack, transfer, lighting, noise, options, lobes, look_at_signs, result, progress);
     const bool by_profile = report_.colour.by_profile;
     report_.colour = correct_colours(stack, surface);
     report_.colour.by_profile = by_profile;
     report_.colour.white_by_chart = white.has_value();
-    const FinalHeight height =
-        final_height(surface, surveyed, transfer, lighting, options.height,
-                     {explains_photographs(report_), report_.refined}, &result.errors.height, progress);
+    const FinalHeight height = final_height(surface, surveyed, transfer, lighting, options.height,
+                                            {explains_photographs(report_), report_.refined, &lamps},
+                                            &result.errors.height, progress);
     report_.height = height.report;
     report_.height_choice = height.choice;
     report_.support_bulge_deg = bulge_deg(surface);

@@ -68,13 +68,15 @@ struct FirstPass {
     SlopePriors slopes;
     CastShadows shadows;
     const Image<unsigned char>& crevices;
+    LampsSeen lamps;
 
     FirstPass(const Surface& surface, const Plane& plane, const FitErrors& errors, const WardPrior& general,
-              const Image<unsigned char>& few_lamps)
+              const Image<unsigned char>& few_lamps, int photos)
         : lobes(surface, errors, general),
           slopes(surface, plane),
           shadows(surface.height_mm, surface.mm_per_pixel, RelightOptions{}.light_radius_deg),
-          crevices(few_lamps) {}
+          crevices(few_lamps),
+          lamps(surface.width(), surface.height(), photos) {}
 };
 
 void store(const WardEstimate& e, int x, int y, FitResult& result) {
@@ -130,6 +132,7 @@ PixelKnowledge knowledge_of(const Pass& pass, const Surface& surface, const Ward
     };
     known.shadows = &pass.first->shadows;
     known.crevices = &pass.first->crevices;
+    known.lamps = &pass.first->lamps;
     return known;
 }
 
@@ -271,16 +274,19 @@ Plane first_height(const FitOptions& options, Surface& surface, const Progress& 
 
 // All pixels once more, with the shadows of the first height and what neighbours say of lobes, and of
 // crevices as a whole.
-void refine(const Stack& stack, const Transfer& transfer, const Lighting& lighting, const NoiseModel& noise,
-            const FitOptions& options, const Plane& plane, const Image<unsigned char>& crevices,
-            FitResult& result, const Progress& progress) {
+LampsSeen refine(const Stack& stack, const Transfer& transfer, const Lighting& lighting,
+                 const NoiseModel& noise, const FitOptions& options, const Plane& plane,
+                 const Image<unsigned char>& crevices, FitResult& result, const Progress& progress) {
     stand_in(crevices, result.surface, result.errors);
-    FirstPass first(result.surface, plane, result.errors, options.ward.prior, crevices);
+    FirstPass first(result.surface, plane, result.errors, options.ward.prior, crevices,
+                    static_cast<int>(stack.photos.size()));
     FitOptions second = options;
     second.ward.robust_scale =
         robust_scale_after(result.report.median_rms_residual, options.ward.robust_scale);
     fit_bands(stack, transfer, lighting, noise, second, {.name = "refine", .first = &first}, result,
               progress);
+    first.lamps.find_runs(result.surface, lighting);
+    return std::move(first.lamps);
 }
 
 }  // namespace
@@ -306,9 +312,9 @@ static bool believes_height(const FitReport& report) {
 // Where lobes may be drawn out, some rows with white and isotropic lobes, and what these show of that: from
 // lobes that are not drawn out though they should be, slopes and neighbours' lobes are no ground for
 // anything. Then all pixels; where lobes may have colours, what that shows of them; then the second pass.
-void fit_passes(Stack& stack, const Transfer& transfer, const Lighting& lighting, const NoiseModel& noise,
-                const FitOptions& options, const LobeFreedom& lobes, const FirstLook& look, FitResult& result,
-                const Progress& progress) {
+LampsSeen fit_passes(Stack& stack, const Transfer& transfer, const Lighting& lighting,
+                     const NoiseModel& noise, const FitOptions& options, const LobeFreedom& lobes,
+                     const FirstLook& look, FitResult& result, const Progress& progress) {
     Surface& surface = result.surface;
     FitReport& report_ = result.report;
     Image<LobeEvidence> colours;
@@ -348,21 +354,23 @@ void fit_passes(Stack& stack, const Transfer& transfer, const Lighting& lighting
     // Where it is not refined, too: the lights may be what is wrong.
     const Plane plane = first_height(options, surface, progress);
     look(true);
-    if (!options.refine) return;
+    LampsSeen seen(surface.width(), surface.height(), static_cast<int>(stack.photos.size()));
+    if (!options.refine) return seen;
     if (believes_height(report_)) {
-        refine(stack, transfer, lighting, noise, options, plane, crevices, result, progress);
+        seen = refine(stack, transfer, lighting, noise, options, plane, crevices, result, progress);
         report_.refined = true;
     } else {
         trust_again(crevices, confidences, surface);
         if (!judged || !surface.lobe_colour.empty()) fit({.name = "fit, once more"});
     }
-    if (explains_photographs(report_)) return;
+    if (explains_photographs(report_)) return seen;
     stack.warnings.push_back(fmt::format(
         "{}: photographs differ from the model by {}{}; metal and glass look like that, and wrong light "
         "directions",
         stack.folder.string(), beyond_expected(report_.median_rms_residual),
         report_.refined ? ""
                         : ": shadows and neighbours' lobes are not believed, so the fit is not refined"));
+    return seen;
 }
 
 }  // namespace tangi

@@ -4,6 +4,7 @@
 #include <functional>
 
 #include "fit/fit_painting.h"
+#include "fit/lamps_seen.h"
 
 namespace tangi {
 
@@ -20,9 +21,10 @@ struct LobeFreedom {
 // may be drawn out, some rows that are fitted before it show how; to refine, all pixels are fitted once more,
 // with what neighbours say about lobe and slope and with the shadows of a first height. result.surface has
 // size, scale and law, result.errors the size. Adds warnings to the stack's. Throws as fit_painting().
-void fit_passes(Stack& stack, const Transfer& transfer, const Lighting& lighting, const NoiseModel& noise,
-                const FitOptions& options, const LobeFreedom& lobes, const FirstLook& look, FitResult& result,
-                const Progress& progress);
+// Returns which lamps were seen where; none where it is not refined.
+LampsSeen fit_passes(Stack& stack, const Transfer& transfer, const Lighting& lighting,
+                     const NoiseModel& noise, const FitOptions& options, const LobeFreedom& lobes,
+                     const FirstLook& look, FitResult& result, const Progress& progress);
 
 // Whether the residuals of the last pass are small enough to believe what it says of errors.
 bool explains_photographs(const FitReport& report);

@@ -154,6 +154,14 @@ void RowFitter::start_row(const Band& band, int y, int first_name, const Image<u
     }
 }
 
+void RowFitter::look_at_row(const Band& band, int y, const Surface& surface, const PixelKnowledge& known) {
+    for (int x0 = 0; known.lamps && x0 < band.width(); x0 += kWardLanes) {
+        const int count = std::min(kWardLanes, band.width() - x0);
+        sampler_.fill(band, surface, x0, y, count, x0, batch_);
+        known.lamps->look(batch_, surface, *known.shadows, x0, y, count);
+    }
+}
+
 std::vector<int> RowFitter::fit_again(const Band& band, std::size_t count,
                                       const std::function<std::optional<Offer>(int name)>& offer) {
     std::vector<int> names;
@@ -252,12 +260,14 @@ void RowFitter::fit(const Band& band, int y0, int y1, const Image<unsigned char>
                     const std::function<void(int x, int y, const WardEstimate&)>& done) {
     const int width = band.width();
     if (solver_ == Solver::ceres) {
-        for (int y = y0; y < y1; ++y)
+        for (int y = y0; y < y1; ++y) {
             for (int x = 0; x < width; ++x) {
                 if (!mask.empty() && !mask(x, y)) continue;
                 const WardEstimate e = by_ceres(band, x, y, surface, known);
                 if (e.valid) done(x, y, known.lobe_colour ? coloured(e, known.lobe_colour(x, y)) : e);
             }
+            look_at_row(band, y, surface, known);
+        }
         return;
     }
     const int rows = std::max(1, kPixelsAtOnce / width);
@@ -279,6 +289,7 @@ void RowFitter::fit(const Band& band, int y0, int y1, const Image<unsigned char>
                 if (judged) judge(band, x, y, surface, known, solution, e);
                 if (e.valid) done(x, y, known.lobe_colour ? coloured(e, known.lobe_colour(x, y)) : e);
             }
+        for (int y = first; y < last; ++y) look_at_row(band, y, surface, known);
     }
 }
 

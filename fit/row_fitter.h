@@ -7,6 +7,7 @@
 #include <string>
 
 #include "fit/batch_sampler.h"
+#include "fit/lamps_seen.h"
 #include "fit/lighting.h"
 #include "fit/ward_batch.h"
 #include "fit/ward_fit.h"
@@ -41,6 +42,8 @@ struct PixelKnowledge {
     std::function<Rgb(int x, int y)> lobe_colour{};  // as Surface::lobe_colour
     // As find_crevices(), of a surface on which the neighbours stand in for them.
     const Image<unsigned char>* crevices = nullptr;
+    // With `shadows`, to be filled in: what the surface as it is makes of the photographs.
+    LampsSeen* lamps = nullptr;
 };
 
 // Keeps its memory; one a thread. Keeps references to lighting and noise.
@@ -67,6 +70,7 @@ private:
                           const PixelKnowledge& known);
     void start_row(const Band& band, int y, int first_name, const Image<unsigned char>& mask,
                    const Surface& surface, const PixelKnowledge& known);
+    void look_at_row(const Band& band, int y, const Surface& surface, const PixelKnowledge& known);
     void whiten_lane(const Rgb& colour, int lane);
     void shade(const CastShadows& shadows, int x0, int y, int count);
     // Takes Ceres' estimate where the batches' is in doubt and dearer; counts how both compare.

@@ -1,0 +1,128 @@
+#include "fit/lamps_seen.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "surface/error.h"
+#include "surface/parallel.h"
+
+namespace tangi {
+
+namespace {
+
+constexpr std::uint8_t kToBorder = 255;         // a run
+constexpr float kLit = 0.7f, kInShadow = 0.3f;  // [1] of what the lamp would show by itself
+constexpr float kGrazing = 0.1f;                // [1] n.l: below it slopes that are a little off tell more
+constexpr float kVisible = 5;                   // [sigma]
+constexpr float kSlopeKnown = 0.04f;            // [1] confidence: a standard error of 0.5
+constexpr float kMoreRelief = 0.1f;             // [1] tangent of the horizon; with 0.2 as well
+
+// Pixels in lanes, as the surface has them.
+struct Lanes {
+    std::array<WardLane, 3> normal, diffuse;
+    WardLane horizon, known;  // tangent that hides what is below; 1 where the slope is known
+};
+
+Lanes lanes_of(const Surface& surface, const CastShadows& shadows, int x0, int y, int count) {
+    Lanes lanes;
+    for (int lane = 0; lane < count; ++lane) {
+        const int x = x0 + lane;
+        for (int c = 0; c < 3; ++c) {
+            const auto at = static_cast<std::size_t>(c);
+            lanes.normal[at][lane] = surface.normal(x, y)[c];
+            lanes.diffuse[at][lane] = surface.diffuse(x, y)[c];
+        }
+        lanes.horizon[lane] = shadows.steepest_horizon(x, y);
+        lanes.known[lane] = surface.confidence(x, y) > kSlopeKnown ? 1.0f : 0.0f;
+    }
+    return lanes;
+}
+
+}  // namespace
+
+LampsSeen::LampsSeen(int width, int height, int photos)
+    : width_(width), photos_(photos), rows_(static_cast<std::size_t>(height)) {
+    TP_REQUIRE(photos <= std::numeric_limits<std::uint16_t>::max(), "as many photographs as can be named");
+}
+
+bool LampsSeen::empty() const {
+    return std::all_of(rows_.begin(), rows_.end(), [](const auto& row) { return row.empty(); });
+}
+
+void LampsSeen::look(const WardBatch& batch, const Surface& surface, const CastShadows& shadows, int x0,
+                     int y, int count) {
+    const Lanes lanes = lanes_of(surface, shadows, x0, y, count);
+    std::vector<LampSeen>& row = rows_[static_cast<std::size_t>(y)];
+    const auto channels = static_cast<std::size_t>(batch.channels);
+    for (std::size_t photo = 0; photo < batch.light.size(); ++photo) {
+        const auto& [lx, ly, lz] = batch.light[photo];
+        WardLane n_l, full, value, noise, missing;
+        for (int lane = 0; lane < kWardLanes; ++lane) {
+            n_l[lane] = lanes.normal[0][lane] * lx[lane] + lanes.normal[1][lane] * ly[lane] +
+                        lanes.normal[2][lane] * lz[lane];
+            missing[lane] = n_l[lane] > kGrazing ? 1 - lanes.known[lane] : 1.0f;
+        }
+        for (std::size_t c = 0; c < channels; ++c) {
+            const std::size_t at = photo * channels + c;
+            for (int lane = 0; lane < kWardLanes; ++lane) {
+                const float matt = batch.irradiance[at][lane] * lanes.diffuse[c][lane];
+                full[lane] += matt * n_l[lane];
+                value[lane] += batch.value[at][lane] - matt * batch.ambient[photo][lane];
+                noise[lane] += std::abs(batch.sigma[at][lane]);
+                missing[lane] = batch.sigma[at][lane] == 0 ? 1.0f : missing[lane];
+            }
+        }
+        for (int lane = 0; lane < count; ++lane) {
+            if (missing[lane] != 0 || !(full[lane] > kVisible * noise[lane])) continue;
+            const bool hidden = value[lane] < kInShadow * full[lane];
+            if (!hidden && !(value[lane] > kLit * full[lane])) continue;
+            const float across = std::sqrt(lx[lane] * lx[lane] + ly[lane] * ly[lane]);
+            const float lower = lz[lane] - kMoreRelief * across;
+            if (!hidden &&
+                (shadows.clears(lanes.horizon[lane], across, lower) ||
+                 shadows.visible_part(x0 + lane, y, glm::normalize(Vec3(lx[lane], ly[lane], lower))) == 1))
+                continue;
+            row.push_back(
+                {static_cast<std::uint32_t>(x0 + lane), static_cast<std::uint16_t>(photo), 0, !hidden});
+        }
+    }
+}
+
+void LampsSeen::find_runs_of(std::size_t photo, const Surface& surface, const Lighting& lighting) {
+    const auto width = static_cast<std::size_t>(width_);
+    std::vector<bool> hidden(width * rows_.size());
+    const auto for_hidden = [&](const auto& act) {
+        for (std::size_t y = 0; y < rows_.size(); ++y)
+            for (LampSeen& lamp : rows_[y])
+                if (lamp.photo == photo && !lamp.lit) act(lamp, y);
+    };
+    for_hidden([&](const LampSeen& lamp, std::size_t y) { hidden[y * width + lamp.x] = true; });
+    for_hidden([&](LampSeen& lamp, std::size_t y) {
+        const auto x = static_cast<int>(lamp.x), row = static_cast<int>(y);
+        const Vec3 l = incidence(lighting.lights[photo], surface.point_mm(x, row), lighting.rig).direction;
+        const float across = std::hypot(l.x, l.y);
+        for (int run = 0; run < kShadowReach && across > 0; ++run) {
+            const float t = static_cast<float>(run + 1) / across;
+            const auto u = static_cast<int>(std::lround(static_cast<float>(x) + t * l.x)),
+                       v = static_cast<int>(std::lround(static_cast<float>(row) - t * l.y));
+            if (u < 0 || v < 0 || u >= width_ || v >= height()) {
+                lamp.run = kToBorder;
+                return;
+            }
+            if (!hidden[static_cast<std::size_t>(v) * width + static_cast<std::size_t>(u)]) return;
+            lamp.run = static_cast<std::uint8_t>(run + 1);
+        }
+    });
+}
+
+void LampsSeen::find_runs(const Surface& surface, const Lighting& lighting) {
+    parallel_for(0, photos_, 1, [&](int begin, int end) {
+        for (int photo = begin; photo < end; ++photo)
+            find_runs_of(static_cast<std::size_t>(photo), surface, lighting);
+    });
+    for (std::vector<LampSeen>& row : rows_)
+        std::erase_if(row, [](const LampSeen& lamp) { return lamp.run == kToBorder; });
+}
+
+}  // namespace tangi

@@ -1,0 +1,352 @@
+#include "fit/shadow_carving.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "fit/height_rows.h"
+#include "surface/error.h"
+#include "surface/parallel.h"
+
+namespace tangi {
+
+namespace {
+
+// What a shadow's edge is off by: a part of a pixel, and what the lamp's direction is. Figures hardly depend
+// on either (a factor of two: 0.1 dB of held-out photographs of the generated stacks with the highest
+// relief).
+constexpr float kEdgePixels = 0.02f;  // [pixels] of height
+constexpr float kDirection = 0.005f;  // [rad]
+// [standard deviations] Pairs that are farther off count less. Walls whose slopes no pixel shows are far off
+// at first: with 3, half of what coin gains is lost.
+constexpr float kFarOff = 30;
+constexpr int kRounds = 4;
+constexpr double kGains = 0.02;  // [1] of what contradicts; less is no round worth
+constexpr int kSteps = 20;       // of conjugate gradients in each
+constexpr double kSmall = 1e-4;  // [1] of the residual, squared, at which they stop
+constexpr float kMostLoose = 1;  // [pixels^2] variance of an edge
+// [rows] Constraints of one strip write to it and to kShadowReach + 1 rows above and below: every other strip
+// can be worked on at the same time.
+constexpr int kStrip = 160;
+static_assert(kStrip >= 2 * (kShadowReach + 1));
+
+// z_q - z_p is to be `want`: q between the pixel `q` and its neighbours to the right, below and both.
+struct Pair {
+    int p, q;
+    float right, down;  // [1] weights of those neighbours
+    float want;         // [mm]
+    float weight;       // as an edge's
+};
+
+using Field = Image<float>;
+
+class Carving {
+public:
+    Carving(const LampsSeen& lamps, const Lighting& lighting, const SlopeEdges& edges, Surface& surface);
+    // Finds what contradicts; how many.
+    long find();
+    // Towards the minimum, with what was found.
+    void improve();
+    long lamps() const { return sum(seen_); }
+
+private:
+    // What a march from a pixel towards a lamp meets.
+    struct March {
+        bool leaves = false;  // the picture, where more relief may stand
+        int hides = 0,
+            rises = 0;      // [pixels] to what hides it most, and to what has to rise least; 0: nothing
+        float top = 0;      // [mm/pixel] horizon
+        float rise_mm = 0;  // by how much
+    };
+    March march(int x, int y, float dx, float dy, float climb, const LampSeen& lamp) const;
+    void find_in_row(int y, std::vector<Pair>& pairs, long& seen, long& contradicted) const;
+    Pair pair_of(int x, int y, float dx, float dy, int distance, float climb, float off_mm) const;
+    float rise_of(const Pair& pair, const Field& field) const;
+    void scatter(const Pair& pair, float value, Field& field) const;
+    // Calls act(pair) for all, never two at once that write to the same rows.
+    template <class Act>
+    void for_pairs(const Act& act) const;
+    void apply(const Field& field, Field& applied) const;  // of edges alone
+    HeightRow<HalfError> row_of(const Field& field, int y) const;
+    static long sum(const std::vector<long>& rows) { return std::accumulate(rows.begin(), rows.end(), 0L); }
+    template <class Product>
+    double sum_over(const Product& product) const;
+
+    const LampsSeen& lamps_;
+    const Lighting& lighting_;
+    const SlopeEdges& edges_;
+    const Surface& surface_;
+    Field& z_;
+    const Field before_;
+    int width_, height_;
+    float mm_, unit_;  // unit: [mm^2] variance of an edge of weight 1
+    float highest_ = 0;
+    Image<HalfError> loose_;  // [mm^2] variance of what lies between a pixel and the next
+    std::vector<std::vector<Pair>> strips_;
+    std::vector<long> seen_;
+    Field residual_, direction_, applied_, diagonal_;
+};
+
+Carving::Carving(const LampsSeen& lamps, const Lighting& lighting, const SlopeEdges& edges, Surface& surface)
+    : lamps_(lamps),
+      lighting_(lighting),
+      edges_(edges),
+      surface_(surface),
+      z_(surface.height_mm),
+      before_(surface.height_mm),
+      width_(surface.width()),
+      height_(surface.height()),
+      mm_(static_cast<float>(surface.mm_per_pixel)),
+      unit_(2 * kSharpest * kSharpest * mm_ * mm_),
+      loose_(width_, height_),
+      strips_(static_cast<std::size_t>((height_ + kStrip - 1) / kStrip)),
+      seen_(static_cast<std::size_t>(height_)),
+      residual_(width_, height_),
+      direction_(width_, height_),
+      applied_(width_, height_),
+      diagonal_(width_, height_) {
+    parallel_for(0, height_, 16, [&](int begin, int end) {
+        for (int y = begin; y < end; ++y)
+            for (int x = 0; x < width_; ++x) {
+                const float right = edges_.right(std::min(x, width_ - 2), y),
+                            down = edges_.down(x, std::min(y, height_ - 2));
+                const float variance = unit_ * (1 / right + 1 / down) / 2;
+                loose_(x, y) = std::min(variance, kMostLoose * mm_ * mm_);
+            }
+    });
+}
+
+Carving::March Carving::march(int x, int y, float dx, float dy, float climb, const LampSeen& lamp) const {
+    March found;
+    const float z0 = z_(x, y), most = highest_ - z0;
+    float loose = loose_(x, y), least = std::numeric_limits<float>::max();
+    found.top = std::numeric_limits<float>::lowest();
+    for (int distance = 1; distance <= kShadowReach; ++distance) {
+        const auto t = static_cast<float>(distance);
+        const float px = static_cast<float>(x) + t * dx, py = static_cast<float>(y) + t * dy;
+        if (!(px >= 0 && py >= 0 && px <= static_cast<float>(width_ - 1) &&
+              py <= static_cast<float>(height_ - 1)))
+            break;
+        const float short_of = climb * t - most;  // [mm] at least, from here on
+        if (short_of > 0 && (lamp.lit || short_of * short_of > 4 * least * loose)) break;
+        const int x0 = std::min(static_cast<int>(px), width_ - 2),
+                  y0 = std::min(static_cast<int>(py), height_ - 2);
+        const float fx = px - static_cast<float>(x0), fy = py - static_cast<float>(y0);
+        const float *above = &z_(x0, y0), *below = &z_(x0, y0 + 1);
+        const float a = above[0] + fx * (above[1] - above[0]), b = below[0] + fx * (below[1] - below[0]);
+        const float rise = a + fy * (b - a) - z0;
+        if (rise > found.top * t) found.top = rise / t, found.hides = distance;
+        const float off = climb * t - rise;
+        if (lamp.lit) continue;
+        if (off <= 0) return found;  // it is hidden
+        loose += loose_(static_cast<int>(px + 0.5f), static_cast<int>(py + 0.5f));
+        if (distance > lamp.run && off * off < least * loose) {
+            least = off * off / loose;
+            found.rises = distance;
+            found.rise_mm = off;
+        }
+    }
+    return found;
+}
+
+Pair Carving::pair_of(int x, int y, float dx, float dy, int distance, float climb, float off_mm) const {
+    const auto t = static_cast<float>(distance);
+    const float px = static_cast<float>(x) + t * dx, py = static_cast<float>(y) + t * dy;
+    const int x0 = std::min(static_cast<int>(px), width_ - 2),
+              y0 = std::min(static_cast<int>(py), height_ - 2);
+    const float slope = climb / mm_;
+    const float turned = kDirection * (1 + slope * slope) * t;
+    const float variance = mm_ * mm_ * (kEdgePixels * kEdgePixels + turned * turned);
+    const float far_off = off_mm * off_mm / (kFarOff * kFarOff * variance);
+    return {y * width_ + x,
+            y0 * width_ + x0,
+            px - static_cast<float>(x0),
+            py - static_cast<float>(y0),
+            climb * t,
+            unit_ / (variance * (1 + far_off))};
+}
+
+void Carving::find_in_row(int y, std::vector<Pair>& pairs, long& seen, long& contradicted) const {
+    for (const LampSeen& lamp : lamps_.row(y)) {
+        const auto x = static_cast<int>(lamp.x);
+        const Vec3 l =
+            incidence(lighting_.lights[lamp.photo], surface_.point_mm(x, y), lighting_.rig).direction;
+        const float across = std::hypot(l.x, l.y);
+        if (!(across > 0.1f)) continue;
+        const float dx = l.x / across, dy = -l.y / across, climb = l.z / across * mm_;
+        const March met = march(x, y, dx, dy, climb, lamp);
+        ++seen;
+        const bool hidden = met.hides > 0 && met.top > climb;
+        if (hidden != bool(lamp.lit)) continue;
+        const int distance = lamp.lit ? met.hides : met.rises;
+        if (distance == 0) continue;
+        ++contradicted;
+        const float off = lamp.lit ? (met.top - climb) * static_cast<float>(distance) : met.rise_mm;
+        pairs.push_back(pair_of(x, y, dx, dy, distance, climb, off));
+    }
+}
+
+long Carving::find() {
+    highest_ = *std::max_element(z_.pixels().begin(), z_.pixels().end());
+    std::vector<std::vector<Pair>> rows(static_cast<std::size_t>(height_));
+    std::vector<long> contradicted(static_cast<std::size_t>(height_));
+    parallel_for(0, height_, 4, [&](int begin, int end) {
+        for (auto y = static_cast<std::size_t>(begin); y < static_cast<std::size_t>(end); ++y) {
+            seen_[y] = 0;
+            find_in_row(static_cast<int>(y), rows[y], seen_[y], contradicted[y]);
+        }
+    });
+    for (std::vector<Pair>& strip : strips_) strip.clear();
+    for (std::size_t y = 0; y < rows.size(); ++y) {
+        std::vector<Pair>& strip = strips_[y / kStrip];
+        strip.insert(strip.end(), rows[y].begin(), rows[y].end());
+        rows[y] = {};
+    }
+    return sum(contradicted);
+}
+
+float Carving::rise_of(const Pair& pair, const Field& field) const {
+    const float *above = &field.pixels()[static_cast<std::size_t>(pair.q)], *below = above + width_;
+    const float a = above[0] + pair.right * (above[1] - above[0]),
+                b = below[0] + pair.right * (below[1] - below[0]);
+    return a + pair.down * (b - a) - field.pixels()[static_cast<std::size_t>(pair.p)];
+}
+
+void Carving::scatter(const Pair& pair, float value, Field& field) const {
+    float *above = &field.pixels()[static_cast<std::size_t>(pair.q)], *below = above + width_;
+    const float lower = value * pair.down, upper = value - lower;
+    above[0] += upper * (1 - pair.right);
+    above[1] += upper * pair.right;
+    below[0] += lower * (1 - pair.right);
+    below[1] += lower * pair.right;
+    field.pixels()[static_cast<std::size_t>(pair.p)] -= value;
+}
+
+template <class Act>
+void Carving::for_pairs(const Act& act) const {
+    const auto strips = static_cast<int>(strips_.size());
+    for (int odd = 0; odd < 2; ++odd)
+        parallel_for(0, (strips + 1 - odd) / 2, 1, [&](int begin, int end) {
+            for (int strip = begin; strip < end; ++strip)
+                for (const Pair& pair : strips_[static_cast<std::size_t>(2 * strip + odd)]) act(pair);
+        });
+}
+
+HeightRow<HalfError> Carving::row_of(const Field& field, int y) const {
+    const int above = std::max(y - 1, 0), below = std::min(y + 1, height_ - 1);
+    return {width_,
+            edges_.right.row(y).data(),
+            edges_.down.row(above).data(),
+            edges_.down.row(y).data(),
+            field.row(above).data(),
+            field.row(y).data(),
+            field.row(below).data(),
+            y > 0 ? 1.0f : 0.0f};
+}
+
+void Carving::apply(const Field& field, Field& applied) const {
+    parallel_for(0, height_, 16, [&](int begin, int end) {
+        for (int y = begin; y < end; ++y) apply_row(row_of(field, y), applied.row(y).data());
+    });
+}
+
+// In the same order whatever the number of threads.
+template <class Product>
+double Carving::sum_over(const Product& product) const {
+    std::vector<double> rows(static_cast<std::size_t>(height_));
+    parallel_for(0, height_, 16, [&](int begin, int end) {
+        for (int y = begin; y < end; ++y) rows[static_cast<std::size_t>(y)] = product(y);
+    });
+    return std::accumulate(rows.begin(), rows.end(), 0.0);
+}
+
+// Conjugate gradients (Hestenes & Stiefel 1952), preconditioned by the diagonal.
+void Carving::improve() {
+    const auto square = [](float v) { return v * v; };
+    parallel_for(0, height_, 16, [&](int begin, int end) {
+        for (int y = begin; y < end; ++y)
+            for (int x = 0; x < width_; ++x) {
+                direction_(x, y) = z_(x, y) - before_(x, y);
+                float weights = 0;
+                if (x > 0) weights += edges_.right(x - 1, y);
+                if (x + 1 < width_) weights += edges_.right(x, y);
+                if (y > 0) weights += edges_.down(x, y - 1);
+                if (y + 1 < height_) weights += edges_.down(x, y);
+                diagonal_(x, y) = weights;
+            }
+    });
+    apply(direction_, residual_);
+    for (float& r : residual_.pixels()) r = -r;
+    for_pairs([&](const Pair& pair) {
+        scatter(pair, pair.weight * (pair.want - rise_of(pair, z_)), residual_);
+        float *above = &diagonal_.pixels()[static_cast<std::size_t>(pair.q)], *below = above + width_;
+        above[0] += pair.weight * square((1 - pair.right) * (1 - pair.down));
+        above[1] += pair.weight * square(pair.right * (1 - pair.down));
+        below[0] += pair.weight * square((1 - pair.right) * pair.down);
+        below[1] += pair.weight * square(pair.right * pair.down);
+        diagonal_.pixels()[static_cast<std::size_t>(pair.p)] += pair.weight;
+    });
+    const auto preconditioned = [&](int x, int y) {
+        return diagonal_(x, y) > 0 ? residual_(x, y) / diagonal_(x, y) : 0.0f;
+    };
+    const auto step = [&](double along) {  // the new residual, and its square
+        return sum_over([&](int y) {
+            double sum = 0;
+            for (int x = 0; x < width_; ++x) {
+                z_(x, y) += static_cast<float>(along) * direction_(x, y);
+                residual_(x, y) -= static_cast<float>(along) * applied_(x, y);
+                sum += static_cast<double>(residual_(x, y) * preconditioned(x, y));
+            }
+            return sum;
+        });
+    };
+    const auto turn = [&](double kept) {
+        parallel_for(0, height_, 16, [&](int begin, int end) {
+            for (int y = begin; y < end; ++y)
+                for (int x = 0; x < width_; ++x)
+                    direction_(x, y) = preconditioned(x, y) +
+                                       static_cast<float>(kept) * (kept == 0 ? 0.0f : direction_(x, y));
+        });
+    };
+    double left = step(0);
+    const double first = left;
+    turn(0);
+    for (int i = 0; i < kSteps && left > kSmall * first && left > 0; ++i) {
+        apply(direction_, applied_);
+        for_pairs(
+            [&](const Pair& pair) { scatter(pair, pair.weight * rise_of(pair, direction_), applied_); });
+        const double curvature = sum_over([&](int y) {
+            double sum = 0;
+            for (int x = 0; x < width_; ++x) sum += static_cast<double>(direction_(x, y) * applied_(x, y));
+            return sum;
+        });
+        if (!(curvature > 0)) break;
+        const double now = step(left / curvature);
+        turn(now / left);
+        left = now;
+    }
+}
+
+}  // namespace
+
+CarveReport carve_shadows(const LampsSeen& lamps, const Lighting& lighting, const SlopeEdges& edges,
+                          Surface& surface, const Progress& progress) {
+    TP_REQUIRE(lamps.height() == surface.height() && edges.right.region() == surface.height_mm.region(),
+               "one size");
+    CarveReport result;
+    if (surface.width() < 2 || surface.height() < 2 || lamps.empty()) return result;
+    Carving carving(lamps, lighting, edges, surface);
+    result.contradicted = result.left = carving.find();
+    result.lamps = carving.lamps();
+    for (int round = 0; round < kRounds && result.left > 0; ++round) {
+        report(progress, "cast shadows", round / double{kRounds});
+        const long before = result.left;
+        carving.improve();
+        result.left = carving.find();
+        if (static_cast<double>(before - result.left) < kGains * static_cast<double>(before)) break;
+    }
+    report(progress, "cast shadows", 1);
+    return result;
+}
+
+}  // namespace tangi
