@@ -16,13 +16,19 @@ constexpr float kLit = 0.7f, kInShadow = 0.3f;  // [1] of what the lamp would sh
 constexpr float kGrazing = 0.1f;                // [1] n.l: below it slopes that are a little off tell more
 constexpr float kVisible = 5;                   // [sigma]
 constexpr float kSlopeKnown = 0.04f;            // [1] confidence: a standard error of 0.5
+constexpr float kMetal = 0.5f;                  // [1] rho_s over rho_d: beside its lobe it looks hidden
 constexpr float kMoreRelief = 0.1f;             // [1] tangent of the horizon; with 0.2 as well
 
 // Pixels in lanes, as the surface has them.
 struct Lanes {
     std::array<WardLane, 3> normal, diffuse;
-    WardLane horizon, known;  // tangent that hides what is below; 1 where the slope is known
+    WardLane horizon, known;  // tangent that hides what is below; 1 where a matt surface and its slope are
 };
+
+bool is_matt(const Surface& surface, int x, int y) {
+    const Rgb& diffuse = surface.diffuse(x, y);
+    return 3 * surface.specular(x, y) < kMetal * (diffuse.r + diffuse.g + diffuse.b);
+}
 
 Lanes lanes_of(const Surface& surface, const CastShadows& shadows, int x0, int y, int count) {
     Lanes lanes;
@@ -34,7 +40,7 @@ Lanes lanes_of(const Surface& surface, const CastShadows& shadows, int x0, int y
             lanes.diffuse[at][lane] = surface.diffuse(x, y)[c];
         }
         lanes.horizon[lane] = shadows.steepest_horizon(x, y);
-        lanes.known[lane] = surface.confidence(x, y) > kSlopeKnown ? 1.0f : 0.0f;
+        lanes.known[lane] = surface.confidence(x, y) > kSlopeKnown && is_matt(surface, x, y) ? 1.0f : 0.0f;
     }
     return lanes;
 }

@@ -31,7 +31,7 @@ public:
 
     // Pixels (x0, y) … (x0 + count - 1, y) of the batch, under lamps of their own colour: what a matt surface
     // of this normal and rho_d would show, and what there is. Half lights count for nothing, nor do lamps
-    // that graze the surface, and pixels whose slope is not known. `shadows`: of the surface's height.
+    // that graze the surface, metal, and pixels whose slope is not known. `shadows`: of the surface's height.
     void look(const WardBatch& batch, const Surface& surface, const CastShadows& shadows, int x0, int y,
               int count);
 

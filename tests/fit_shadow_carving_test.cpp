@@ -235,7 +235,7 @@ TEST(LampsSeen, AreRememberedLitWhereMoreReliefWouldHideThem) {
     EXPECT_EQ(shown.back().x, 15u);
 }
 
-TEST(LampsSeen, SayNothingWhereTheSlopeIsNotKnownOrTheLampGrazes) {
+TEST(LampsSeen, SayNothingOfMetalOfUnknownSlopesAndUnderLampsThatGraze) {
     Surface s = flat();
     const Lighting lighting = lamps(1, {30});
     WardBatch dark = photographed(s, s.height_mm, lighting, 0, 0, kWardLanes);
@@ -244,6 +244,9 @@ TEST(LampsSeen, SayNothingWhereTheSlopeIsNotKnownOrTheLampGrazes) {
     EXPECT_EQ(looked_at(s, dark).size(), static_cast<std::size_t>(kWardLanes));
     for (int x = 0; x < kWardLanes; ++x) s.confidence(x, 0) = x % 2 == 0 ? 0.0f : 0.9f;
     EXPECT_EQ(looked_at(s, dark).size(), static_cast<std::size_t>(kWardLanes) / 2);
+    s = flat();
+    for (int x = 0; x < 4; ++x) s.specular(x, 0) = 0.3f;
+    EXPECT_EQ(looked_at(s, dark).size(), static_cast<std::size_t>(kWardLanes) - 4);
     s = flat();
     const Vec3 l = lighting.lights[0].direction;
     for (int x = 0; x < kWardLanes; ++x) s.normal(x, 0) = glm::normalize(Vec3(-l.z, 0, l.x) + 0.05f * l);
