@@ -17,8 +17,9 @@ namespace {
 constexpr std::array kMixings = {0.2, 0.4, 0.8};
 // [1] Of the misfit: what gains less is left as it is.
 constexpr double kShadowsClearlyBetter = 0.01;
-// [1] HeightOptions::max_cycles of what is tried: enough for shadows.
+// [1] HeightOptions::max_cycles and tolerance of what is tried: enough for shadows.
 constexpr int kTrialCycles = 30;
+constexpr double kTrialTolerance = 1e-3;
 
 // The edges with the weights that the height came from.
 SlopeEdges edges_of(const Surface& surface, const Image<Vec3>& normal, const HeightOptions& options,
@@ -50,6 +51,7 @@ void carve(Surface& surface, const Lighting& lighting, const HeightOptions& opti
     choice.carving_kept = misfit() < (1 - kShadowsClearlyBetter) * then;
     if (!choice.carving_kept) {
         std::swap(surface.height_mm, before);
+        choice.carved.left = choice.carved.contradicted;
         return;
     }
     result.plane = {result.plane.a + plane.a, result.plane.b + plane.b, result.plane.c + plane.c};
@@ -70,11 +72,18 @@ FinalHeight final_height(Surface& surface, const Survey& survey, const Transfer&
         choice.mixing = mixing;
         steeper = mixing > 0 ? unmixed_normals(surface.normal, surface.confidence, mixing) : Image<Vec3>();
     };
-    const auto integrate = [&](int robust_sweeps, int cycles, Image<HalfError>* errors,
-                               const Progress& shown) {
+    const auto with_sweeps = [&](int robust_sweeps) {
         HeightOptions height = options;
         height.robust_sweeps = robust_sweeps;
-        height.max_cycles = std::min(cycles, options.max_cycles);
+        return height;
+    };
+    const auto trial = [&](int robust_sweeps) {
+        HeightOptions height = with_sweeps(robust_sweeps);
+        height.max_cycles = std::min(kTrialCycles, options.max_cycles);
+        height.tolerance = std::max(kTrialTolerance, options.tolerance);
+        return height;
+    };
+    const auto integrate = [&](const HeightOptions& height, Image<HalfError>* errors, const Progress& shown) {
         result.report = integrate_normals(steeper.empty() ? surface.normal : steeper, surface.confidence,
                                           surface.mm_per_pixel, surface.height_mm, height, shown, errors);
         result.plane = best_plane(surface.height_mm, surface.confidence);
@@ -86,7 +95,7 @@ FinalHeight final_height(Surface& surface, const Survey& survey, const Transfer&
     constexpr double trials = 2 + kMixings.size();
     double tried = 0;
     const auto misfit_with = [&](int robust_sweeps) {
-        integrate(robust_sweeps, kTrialCycles, nullptr, Progress([&](std::string_view, double done) {
+        integrate(trial(robust_sweeps), nullptr, Progress([&](std::string_view, double done) {
                       return !progress || progress("cliffs", (tried + done) / trials);
                   }));
         ++tried;
@@ -115,14 +124,14 @@ FinalHeight final_height(Surface& surface, const Survey& survey, const Transfer&
         }
         if (chosen > 0 && error_mm) {
             take(chosen / 2);
-            integrate(sweeps, kTrialCycles, nullptr, {});
+            integrate(trial(sweeps), nullptr, {});
             less_steep = surface.height_mm;
         }
         take(chosen);
         report(progress, "cliffs", 1);  // the steepest are only tried where less steep ones are better
     }
     choice.cliffs = sweeps > 0;
-    integrate(sweeps, options.max_cycles, error_mm, progress);
+    integrate(with_sweeps(sweeps), error_mm, progress);
     if (!less_steep.empty()) add_disagreement(surface.height_mm, less_steep, *error_mm);
     if (!before.empty()) {
         const double now = misfit();
@@ -132,7 +141,7 @@ FinalHeight final_height(Surface& surface, const Survey& survey, const Transfer&
         choice.trials.push_back({false, 0, true, then});
         choice.before_refining = then < (1 - kShadowsClearlyBetter) * now;
         if (choice.before_refining) {
-            choice.cliffs = false, choice.mixing = 0;
+            choice.cliffs = false, choice.mixing = 0, steeper = {};
             // The errors are of the height that the slopes lead to; this one differs from it by more.
             if (error_mm) add_disagreement(surface.height_mm, before, *error_mm);
         } else

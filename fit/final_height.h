@@ -58,7 +58,8 @@ FinalHeight final_height(Surface& surface, const Survey& survey, const Transfer&
                          const HeightEvidence& evidence, Image<HalfError>* error_mm,
                          const Progress& progress);
 
-// {"cliffs", "slope_mixing", "before_refining", "tried": [{"cliffs", "slope_mixing", "before_refining",
+// {"cliffs", "slope_mixing", "before_refining", "carved", "lamps_seen": {"all", "contradicted_before",
+// "contradicted"}, "tried": [{"cliffs", "slope_mixing", "before_refining",
 // "shadow_misfit"}, …]}
 nlohmann::json to_json(const HeightChoice& choice);
 

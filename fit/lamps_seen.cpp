@@ -11,7 +11,7 @@ namespace tangi {
 
 namespace {
 
-constexpr std::uint8_t kToBorder = 255;         // a run
+constexpr std::uint8_t kForgotten = 255;        // a run
 constexpr float kLit = 0.7f, kInShadow = 0.3f;  // [1] of what the lamp would show by itself
 constexpr float kGrazing = 0.1f;                // [1] n.l: below it slopes that are a little off tell more
 constexpr float kVisible = 5;                   // [sigma]
@@ -63,7 +63,7 @@ void LampsSeen::look(const WardBatch& batch, const Surface& surface, const CastS
     const auto channels = static_cast<std::size_t>(batch.channels);
     for (std::size_t photo = 0; photo < batch.light.size(); ++photo) {
         const auto& [lx, ly, lz] = batch.light[photo];
-        WardLane n_l, full, value, noise, missing;
+        WardLane n_l, full, value, noise, missing, clipped;
         for (int lane = 0; lane < kWardLanes; ++lane) {
             n_l[lane] = lanes.normal[0][lane] * lx[lane] + lanes.normal[1][lane] * ly[lane] +
                         lanes.normal[2][lane] * lz[lane];
@@ -77,11 +77,13 @@ void LampsSeen::look(const WardBatch& batch, const Surface& surface, const CastS
                 value[lane] += batch.value[at][lane] - matt * batch.ambient[photo][lane];
                 noise[lane] += std::abs(batch.sigma[at][lane]);
                 missing[lane] = batch.sigma[at][lane] == 0 ? 1.0f : missing[lane];
+                clipped[lane] = batch.sigma[at][lane] < 0 ? 1.0f : clipped[lane];
             }
         }
         for (int lane = 0; lane < count; ++lane) {
             if (missing[lane] != 0 || !(full[lane] > kVisible * noise[lane])) continue;
             const bool hidden = value[lane] < kInShadow * full[lane];
+            if (hidden && clipped[lane] != 0) continue;  // it is at least as bright
             if (!hidden && !(value[lane] > kLit * full[lane])) continue;
             const float across = std::sqrt(lx[lane] * lx[lane] + ly[lane] * ly[lane]);
             const float lower = lz[lane] - kMoreRelief * across;
@@ -100,20 +102,21 @@ void LampsSeen::find_runs_of(std::size_t photo, const Surface& surface, const Li
     std::vector<bool> hidden(width * rows_.size());
     const auto for_hidden = [&](const auto& act) {
         for (std::size_t y = 0; y < rows_.size(); ++y)
-            for (LampSeen& lamp : rows_[y])
-                if (lamp.photo == photo && !lamp.lit) act(lamp, y);
+            for (LampSeen& lamp : std::ranges::equal_range(rows_[y], photo, {}, &LampSeen::photo))
+                if (!lamp.lit) act(lamp, static_cast<int>(lamp.x), static_cast<int>(y));
     };
-    for_hidden([&](const LampSeen& lamp, std::size_t y) { hidden[y * width + lamp.x] = true; });
-    for_hidden([&](LampSeen& lamp, std::size_t y) {
-        const auto x = static_cast<int>(lamp.x), row = static_cast<int>(y);
-        const Vec3 l = incidence(lighting.lights[photo], surface.point_mm(x, row), lighting.rig).direction;
+    for_hidden([&](const LampSeen& lamp, int, int y) {
+        hidden[static_cast<std::size_t>(y) * width + lamp.x] = true;
+    });
+    for_hidden([&](LampSeen& lamp, int x, int y) {
+        const Vec3 l = incidence(lighting.lights[photo], surface.point_mm(x, y), lighting.rig).direction;
         const float across = std::hypot(l.x, l.y);
         for (int run = 0; run < kShadowReach && across > 0; ++run) {
             const float t = static_cast<float>(run + 1) / across;
             const auto u = static_cast<int>(std::lround(static_cast<float>(x) + t * l.x)),
-                       v = static_cast<int>(std::lround(static_cast<float>(row) - t * l.y));
+                       v = static_cast<int>(std::lround(static_cast<float>(y) - t * l.y));
             if (u < 0 || v < 0 || u >= width_ || v >= height()) {
-                lamp.run = kToBorder;
+                lamp.run = kForgotten;
                 return;
             }
             if (!hidden[static_cast<std::size_t>(v) * width + static_cast<std::size_t>(u)]) return;
@@ -123,12 +126,18 @@ void LampsSeen::find_runs_of(std::size_t photo, const Surface& surface, const Li
 }
 
 void LampsSeen::find_runs(const Surface& surface, const Lighting& lighting) {
+    parallel_for(0, height(), 16, [&](int begin, int end) {
+        for (int y = begin; y < end; ++y)
+            std::ranges::stable_sort(rows_[static_cast<std::size_t>(y)], {}, &LampSeen::photo);
+    });
     parallel_for(0, photos_, 1, [&](int begin, int end) {
         for (int photo = begin; photo < end; ++photo)
             find_runs_of(static_cast<std::size_t>(photo), surface, lighting);
     });
-    for (std::vector<LampSeen>& row : rows_)
-        std::erase_if(row, [](const LampSeen& lamp) { return lamp.run == kToBorder; });
+    for (std::vector<LampSeen>& row : rows_) {
+        std::erase_if(row, [](const LampSeen& lamp) { return lamp.run == kForgotten; });
+        row.shrink_to_fit();
+    }
 }
 
 }  // namespace tangi

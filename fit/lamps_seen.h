@@ -22,8 +22,9 @@ struct LampSeen {
     bool lit = false;
 };
 
-// Filled in row by row; different rows at the same time. 8 bytes for each lamp that is remembered: all that
-// are hidden, but of those that reach a pixel only ones that a little more relief would hide.
+// Filled in row by row; different rows at the same time. 8 bytes for each lamp that is remembered (up to 16
+// until find_runs()): all that are hidden, but of those that reach a pixel only ones that a little more
+// relief would hide.
 class LampsSeen {
 public:
     // `photos`: 65 535 at most.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <numeric>
 
 #include "fit/height_rows.h"
@@ -46,7 +47,7 @@ public:
     // Finds what contradicts; how many.
     long find();
     // Towards the minimum, with what was found.
-    void improve();
+    void improve(const std::function<void(double done)>& report);
     long lamps() const { return sum(seen_); }
 
 private:
@@ -57,9 +58,10 @@ private:
             rises = 0;      // [pixels] to what hides it most, and to what has to rise least; 0: nothing
         float top = 0;      // [mm/pixel] horizon
         float rise_mm = 0;  // by how much
+        float cost = std::numeric_limits<float>::max();  // [1] of that, squared, over its variance
     };
     March march(int x, int y, float dx, float dy, float climb, const LampSeen& lamp) const;
-    void find_in_row(int y, std::vector<Pair>& pairs, long& seen, long& contradicted) const;
+    void find_in_row(int y, const CastShadows& shadows, std::vector<Pair>& pairs, long& seen) const;
     Pair pair_of(int x, int y, float dx, float dy, int distance, float climb, float off_mm) const;
     float rise_of(const Pair& pair, const Field& field) const;
     void scatter(const Pair& pair, float value, Field& field) const;
@@ -119,16 +121,18 @@ Carving::Carving(const LampsSeen& lamps, const Lighting& lighting, const SlopeEd
 Carving::March Carving::march(int x, int y, float dx, float dy, float climb, const LampSeen& lamp) const {
     March found;
     const float z0 = z_(x, y), most = highest_ - z0;
-    float loose = loose_(x, y), least = std::numeric_limits<float>::max();
+    float loose = loose_(x, y);
     found.top = std::numeric_limits<float>::lowest();
     for (int distance = 1; distance <= kShadowReach; ++distance) {
         const auto t = static_cast<float>(distance);
         const float px = static_cast<float>(x) + t * dx, py = static_cast<float>(y) + t * dy;
         if (!(px >= 0 && py >= 0 && px <= static_cast<float>(width_ - 1) &&
-              py <= static_cast<float>(height_ - 1)))
+              py <= static_cast<float>(height_ - 1))) {
+            found.leaves = true;
             break;
+        }
         const float short_of = climb * t - most;  // [mm] at least, from here on
-        if (short_of > 0 && (lamp.lit || short_of * short_of > 4 * least * loose)) break;
+        if (short_of > 0 && (lamp.lit || short_of * short_of > 4 * found.cost * loose)) break;
         const int x0 = std::min(static_cast<int>(px), width_ - 2),
                   y0 = std::min(static_cast<int>(py), height_ - 2);
         const float fx = px - static_cast<float>(x0), fy = py - static_cast<float>(y0);
@@ -140,8 +144,8 @@ Carving::March Carving::march(int x, int y, float dx, float dy, float climb, con
         if (lamp.lit) continue;
         if (off <= 0) return found;  // it is hidden
         loose += loose_(static_cast<int>(px + 0.5f), static_cast<int>(py + 0.5f));
-        if (distance > lamp.run && off * off < least * loose) {
-            least = off * off / loose;
+        if (distance > lamp.run && off * off < found.cost * loose) {
+            found.cost = off * off / loose;
             found.rises = distance;
             found.rise_mm = off;
         }
@@ -166,7 +170,7 @@ Pair Carving::pair_of(int x, int y, float dx, float dy, int distance, float clim
             unit_ / (variance * (1 + far_off))};
 }
 
-void Carving::find_in_row(int y, std::vector<Pair>& pairs, long& seen, long& contradicted) const {
+void Carving::find_in_row(int y, const CastShadows& shadows, std::vector<Pair>& pairs, long& seen) const {
     for (const LampSeen& lamp : lamps_.row(y)) {
         const auto x = static_cast<int>(lamp.x);
         const Vec3 l =
@@ -177,10 +181,10 @@ void Carving::find_in_row(int y, std::vector<Pair>& pairs, long& seen, long& con
         const March met = march(x, y, dx, dy, climb, lamp);
         ++seen;
         const bool hidden = met.hides > 0 && met.top > climb;
-        if (hidden != bool(lamp.lit)) continue;
+        if (hidden != lamp.lit) continue;
         const int distance = lamp.lit ? met.hides : met.rises;
         if (distance == 0) continue;
-        ++contradicted;
+        if (!lamp.lit && (met.leaves || shadows.visible_part(x, y, l) < 0.5f)) continue;
         const float off = lamp.lit ? (met.top - climb) * static_cast<float>(distance) : met.rise_mm;
         pairs.push_back(pair_of(x, y, dx, dy, distance, climb, off));
     }
@@ -188,21 +192,21 @@ void Carving::find_in_row(int y, std::vector<Pair>& pairs, long& seen, long& con
 
 long Carving::find() {
     highest_ = *std::max_element(z_.pixels().begin(), z_.pixels().end());
-    std::vector<std::vector<Pair>> rows(static_cast<std::size_t>(height_));
-    std::vector<long> contradicted(static_cast<std::size_t>(height_));
-    parallel_for(0, height_, 4, [&](int begin, int end) {
-        for (auto y = static_cast<std::size_t>(begin); y < static_cast<std::size_t>(end); ++y) {
-            seen_[y] = 0;
-            find_in_row(static_cast<int>(y), rows[y], seen_[y], contradicted[y]);
+    const CastShadows shadows(z_, surface_.mm_per_pixel, 0);
+    parallel_for(0, static_cast<int>(strips_.size()), 1, [&](int begin, int end) {
+        for (int strip = begin; strip < end; ++strip) {
+            std::vector<Pair>& pairs = strips_[static_cast<std::size_t>(strip)];
+            pairs.clear();
+            for (int y = strip * kStrip; y < std::min((strip + 1) * kStrip, height_); ++y) {
+                long& seen = seen_[static_cast<std::size_t>(y)];
+                seen = 0;
+                find_in_row(y, shadows, pairs, seen);
+            }
         }
     });
-    for (std::vector<Pair>& strip : strips_) strip.clear();
-    for (std::size_t y = 0; y < rows.size(); ++y) {
-        std::vector<Pair>& strip = strips_[y / kStrip];
-        strip.insert(strip.end(), rows[y].begin(), rows[y].end());
-        rows[y] = {};
-    }
-    return sum(contradicted);
+    long contradicted = 0;
+    for (const std::vector<Pair>& pairs : strips_) contradicted += static_cast<long>(pairs.size());
+    return contradicted;
 }
 
 float Carving::rise_of(const Pair& pair, const Field& field) const {
@@ -261,7 +265,7 @@ double Carving::sum_over(const Product& product) const {
 }
 
 // Conjugate gradients (Hestenes & Stiefel 1952), preconditioned by the diagonal.
-void Carving::improve() {
+void Carving::improve(const std::function<void(double done)>& report) {
     const auto square = [](float v) { return v * v; };
     parallel_for(0, height_, 16, [&](int begin, int end) {
         for (int y = begin; y < end; ++y)
@@ -312,6 +316,7 @@ void Carving::improve() {
     const double first = left;
     turn(0);
     for (int i = 0; i < kSteps && left > kSmall * first && left > 0; ++i) {
+        report(i / double{kSteps});
         apply(direction_, applied_);
         for_pairs(
             [&](const Pair& pair) { scatter(pair, pair.weight * rise_of(pair, direction_), applied_); });
@@ -339,9 +344,9 @@ CarveReport carve_shadows(const LampsSeen& lamps, const Lighting& lighting, cons
     result.contradicted = result.left = carving.find();
     result.lamps = carving.lamps();
     for (int round = 0; round < kRounds && result.left > 0; ++round) {
-        report(progress, "cast shadows", round / double{kRounds});
         const long before = result.left;
-        carving.improve();
+        carving.improve(
+            [&](double done) { report(progress, "cast shadows", (round + done) / double{kRounds}); });
         result.left = carving.find();
         if (static_cast<double>(before - result.left) < kGains * static_cast<double>(before)) break;
     }

@@ -25,8 +25,10 @@ struct CarveReport {
 // whose elevation has the tangent t: of a lit pixel that which hides the lamp, of one in shadow that which
 // has to rise least, by what its edges allow. 1 / v is the variance of a shadow's edge: a part of a pixel,
 // and of the lamp's direction, over the distance; pairs that are far off count less, as in Cauchy's loss.
-// What contradicts is found anew some times. Result independent of the number of threads. Memory beside
-// surface and edges: 22 bytes a pixel and 24 for each lamp that contradicts.
+// What contradicts is found anew some times. A hidden pixel from which nothing is seen to hide the lamp up to
+// the border of the picture, or only from farther than kShadowReach, contradicts nothing. Result independent
+// of the number of threads. Memory beside surface and edges: 23 bytes a pixel, and 24 to 48 for each lamp
+// that contradicts.
 CarveReport carve_shadows(const LampsSeen& lamps, const Lighting& lighting, const SlopeEdges& edges,
                           Surface& surface, const Progress& progress = {});
 

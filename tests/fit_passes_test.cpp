@@ -52,6 +52,11 @@ TEST(FitPasses, HeavyImpastoIsRefinedByTheShadowsItCasts) {
             "dB; normals {:.2f}, then {:.2f} deg\n",
             ambient, once.report.median_rms_residual, twice.report.median_rms_residual,
             twice.report.shadow_signs.contrast, before, after, error_before, error_after);
+        const HeightChoice& choice = twice.report.height_choice;
+        EXPECT_TRUE(choice.carving_kept);
+        EXPECT_GT(choice.carved.contradicted, 1000);
+        EXPECT_LT(choice.carved.left, 0.75 * static_cast<double>(choice.carved.contradicted));
+        EXPECT_EQ(once.report.height_choice.carved.lamps, 0);
         EXPECT_GT(after, before + 1);
         EXPECT_LT(error_after, error_before);
         for (const std::string& warning : twice.report.warnings)
