@@ -116,10 +116,10 @@ struct FitResult {
 };
 
 // Surveys the stack, linearises, fits every pixel in bands (so that memory does not depend on the number of
-// photographs, but for what their shadows say) and integrates the height; then, to refine, all pixels once more, each with what its
-// neighbours say about its lobe and with the shadows that the relief casts; where lobes have colours, or are
-// drawn out, also with those. Deterministic for any number of threads. Throws Error on what the photographs
-// make impossible; Cancelled where progress asks for it.
+// photographs, but for what their shadows say) and integrates the height; then, to refine, all pixels once
+// more, each with what its neighbours say about its lobe and with the shadows that the relief casts; where
+// lobes have colours, or are drawn out, also with those. Deterministic for any number of threads. Throws
+// Error on what the photographs make impossible; Cancelled where progress asks for it.
 FitResult fit_painting(Stack stack, const FitOptions& options = {}, const Progress& progress = {});
 
 }  // namespace tangi

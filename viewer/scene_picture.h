@@ -7,8 +7,8 @@
 
 namespace tangi {
 
-// [1] Straight up to s = 1 - shoulder, then bent towards 1 with the same slope: 1 - (1 - s)^2 / (1 - 2 s + v).
-// Without a shoulder it clips at 1.
+// [1] Straight up to s = 1 - shoulder, then bent towards 1 with the same slope: 1 - (1 - s)^2 / (1 - 2 s +
+// v). Without a shoulder it clips at 1.
 float toned(float value, float shoulder);
 
 // The painting (LookMode::painting) under the scene's lights, with its shadows, exposure and tone curve:
