@@ -41,24 +41,9 @@ struct HeightGrid {
     template <class Use>
     void with_row(const Image<float>& u, int y, const Use& use) const {
         if (half_right)
-            use(row_of(u, y, *half_right, *half_down));
+            use(height_row(u, y, *half_right, *half_down));
         else
-            use(row_of(u, y, right, down));
-    }
-
-private:
-    template <class Weight>
-    HeightRow<Weight> row_of(const Image<float>& u, int y, const Image<Weight>& to_right,
-                             const Image<Weight>& downwards) const {
-        const int above = std::max(y - 1, 0), below = std::min(y + 1, height - 1);
-        return {width,
-                to_right.row(y).data(),
-                downwards.row(above).data(),
-                downwards.row(y).data(),
-                u.row(above).data(),
-                u.row(y).data(),
-                u.row(below).data(),
-                y > 0 ? 1.0f : 0.0f};
+            use(height_row(u, y, right, down));
     }
 };
 

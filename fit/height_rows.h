@@ -2,7 +2,10 @@
 // beside it, whose edges are weighted in floats or, on the finest grid, in their halves.
 #pragma once
 
+#include <algorithm>
+
 #include "fit/fit_errors.h"
+#include "surface/image.h"
 
 namespace tangi {
 
@@ -15,6 +18,15 @@ struct HeightRow {
     const float *above = nullptr, *here = nullptr, *below = nullptr;
     float has_above = 1;
 };
+
+// Row y of u, with the weights of the edges to the right and downwards.
+template <class Weight>
+HeightRow<Weight> height_row(const Image<float>& u, int y, const Image<Weight>& right,
+                             const Image<Weight>& down) {
+    const int above = std::max(y - 1, 0), below = std::min(y + 1, u.height() - 1);
+    return {u.width(),           right.row(y).data(), down.row(above).data(), down.row(y).data(),
+            u.row(above).data(), u.row(y).data(),     u.row(below).data(),    y > 0 ? 1.0f : 0.0f};
+}
 
 // (A u)(x) of the row.
 void apply_row(const HeightRow<float>& row, float* applied);

@@ -155,7 +155,7 @@ void RowFitter::start_row(const Band& band, int y, int first_name, const Image<u
 }
 
 // After the row was fitted, for which its samples are gone: what the second pass has found tells shadows
-// better than what the first had (0.2 to 0.5 dB of held-out photographs of generated thick paint).
+// better than what the first had (0.1 to 0.5 dB of held-out photographs of generated thick paint).
 void RowFitter::look_at_row(const Band& band, int y, const Surface& surface, const PixelKnowledge& known) {
     for (int x0 = 0; known.lamps && x0 < band.width(); x0 += kWardLanes) {
         const int count = std::min(kWardLanes, band.width() - x0);

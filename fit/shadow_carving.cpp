@@ -31,12 +31,18 @@ constexpr float kMostLoose = 1;  // [pixels^2] variance of an edge
 constexpr int kStrip = 160;
 static_assert(kStrip >= 2 * (kShadowReach + 1));
 
-// z_q - z_p is to be `want`: q between the pixel `q` and its neighbours to the right, below and both.
-struct Pair {
-    int p, q;
+// Between a pixel and its neighbours to the right, below and both.
+struct Place {
+    int pixel;
     float right, down;  // [1] weights of those neighbours
-    float want;         // [mm]
-    float weight;       // as an edge's
+};
+
+// z_q - z_p is to be `want`.
+struct Pair {
+    int p;
+    Place q;
+    float want;    // [mm]
+    float weight;  // as an edge's
 };
 
 using Field = Image<float>;
@@ -62,6 +68,8 @@ private:
     };
     March march(int x, int y, float dx, float dy, float climb, const LampSeen& lamp) const;
     void find_in_row(int y, const CastShadows& shadows, std::vector<Pair>& pairs, long& seen) const;
+    Place place_at(float x, float y) const;
+    float at(const Place& place, const Field& field) const;
     Pair pair_of(int x, int y, float dx, float dy, int distance, float climb, float off_mm) const;
     float rise_of(const Pair& pair, const Field& field) const;
     void scatter(const Pair& pair, float value, Field& field) const;
@@ -69,7 +77,6 @@ private:
     template <class Act>
     void for_pairs(const Act& act) const;
     void apply(const Field& field, Field& applied) const;  // of edges alone
-    HeightRow<HalfError> row_of(const Field& field, int y) const;
     static long sum(const std::vector<long>& rows) { return std::accumulate(rows.begin(), rows.end(), 0L); }
     template <class Product>
     double sum_over(const Product& product) const;
@@ -118,6 +125,18 @@ Carving::Carving(const LampsSeen& lamps, const Lighting& lighting, const SlopeEd
     });
 }
 
+Place Carving::place_at(float x, float y) const {
+    const int x0 = std::min(static_cast<int>(x), width_ - 2), y0 = std::min(static_cast<int>(y), height_ - 2);
+    return {y0 * width_ + x0, x - static_cast<float>(x0), y - static_cast<float>(y0)};
+}
+
+float Carving::at(const Place& place, const Field& field) const {
+    const float *above = &field.pixels()[static_cast<std::size_t>(place.pixel)], *below = above + width_;
+    const float a = above[0] + place.right * (above[1] - above[0]),
+                b = below[0] + place.right * (below[1] - below[0]);
+    return a + place.down * (b - a);
+}
+
 Carving::March Carving::march(int x, int y, float dx, float dy, float climb, const LampSeen& lamp) const {
     March found;
     const float z0 = z_(x, y), most = highest_ - z0;
@@ -133,12 +152,7 @@ Carving::March Carving::march(int x, int y, float dx, float dy, float climb, con
         }
         const float short_of = climb * t - most;  // [mm] at least, from here on
         if (short_of > 0 && (lamp.lit || short_of * short_of > 4 * found.cost * loose)) break;
-        const int x0 = std::min(static_cast<int>(px), width_ - 2),
-                  y0 = std::min(static_cast<int>(py), height_ - 2);
-        const float fx = px - static_cast<float>(x0), fy = py - static_cast<float>(y0);
-        const float *above = &z_(x0, y0), *below = &z_(x0, y0 + 1);
-        const float a = above[0] + fx * (above[1] - above[0]), b = below[0] + fx * (below[1] - below[0]);
-        const float rise = a + fy * (b - a) - z0;
+        const float rise = at(place_at(px, py), z_) - z0;
         if (rise > found.top * t) found.top = rise / t, found.hides = distance;
         const float off = climb * t - rise;
         if (lamp.lit) continue;
@@ -155,19 +169,12 @@ Carving::March Carving::march(int x, int y, float dx, float dy, float climb, con
 
 Pair Carving::pair_of(int x, int y, float dx, float dy, int distance, float climb, float off_mm) const {
     const auto t = static_cast<float>(distance);
-    const float px = static_cast<float>(x) + t * dx, py = static_cast<float>(y) + t * dy;
-    const int x0 = std::min(static_cast<int>(px), width_ - 2),
-              y0 = std::min(static_cast<int>(py), height_ - 2);
     const float slope = climb / mm_;
     const float turned = kDirection * (1 + slope * slope) * t;
     const float variance = mm_ * mm_ * (kEdgePixels * kEdgePixels + turned * turned);
     const float far_off = off_mm * off_mm / (kFarOff * kFarOff * variance);
-    return {y * width_ + x,
-            y0 * width_ + x0,
-            px - static_cast<float>(x0),
-            py - static_cast<float>(y0),
-            climb * t,
-            unit_ / (variance * (1 + far_off))};
+    return {y * width_ + x, place_at(static_cast<float>(x) + t * dx, static_cast<float>(y) + t * dy),
+            climb * t, unit_ / (variance * (1 + far_off))};
 }
 
 void Carving::find_in_row(int y, const CastShadows& shadows, std::vector<Pair>& pairs, long& seen) const {
@@ -210,19 +217,16 @@ long Carving::find() {
 }
 
 float Carving::rise_of(const Pair& pair, const Field& field) const {
-    const float *above = &field.pixels()[static_cast<std::size_t>(pair.q)], *below = above + width_;
-    const float a = above[0] + pair.right * (above[1] - above[0]),
-                b = below[0] + pair.right * (below[1] - below[0]);
-    return a + pair.down * (b - a) - field.pixels()[static_cast<std::size_t>(pair.p)];
+    return at(pair.q, field) - field.pixels()[static_cast<std::size_t>(pair.p)];
 }
 
 void Carving::scatter(const Pair& pair, float value, Field& field) const {
-    float *above = &field.pixels()[static_cast<std::size_t>(pair.q)], *below = above + width_;
-    const float lower = value * pair.down, upper = value - lower;
-    above[0] += upper * (1 - pair.right);
-    above[1] += upper * pair.right;
-    below[0] += lower * (1 - pair.right);
-    below[1] += lower * pair.right;
+    float *above = &field.pixels()[static_cast<std::size_t>(pair.q.pixel)], *below = above + width_;
+    const float lower = value * pair.q.down, upper = value - lower;
+    above[0] += upper * (1 - pair.q.right);
+    above[1] += upper * pair.q.right;
+    below[0] += lower * (1 - pair.q.right);
+    below[1] += lower * pair.q.right;
     field.pixels()[static_cast<std::size_t>(pair.p)] -= value;
 }
 
@@ -236,21 +240,10 @@ void Carving::for_pairs(const Act& act) const {
         });
 }
 
-HeightRow<HalfError> Carving::row_of(const Field& field, int y) const {
-    const int above = std::max(y - 1, 0), below = std::min(y + 1, height_ - 1);
-    return {width_,
-            edges_.right.row(y).data(),
-            edges_.down.row(above).data(),
-            edges_.down.row(y).data(),
-            field.row(above).data(),
-            field.row(y).data(),
-            field.row(below).data(),
-            y > 0 ? 1.0f : 0.0f};
-}
-
 void Carving::apply(const Field& field, Field& applied) const {
     parallel_for(0, height_, 16, [&](int begin, int end) {
-        for (int y = begin; y < end; ++y) apply_row(row_of(field, y), applied.row(y).data());
+        for (int y = begin; y < end; ++y)
+            apply_row(height_row(field, y, edges_.right, edges_.down), applied.row(y).data());
     });
 }
 
@@ -283,11 +276,11 @@ void Carving::improve(const std::function<void(double done)>& report) {
     for (float& r : residual_.pixels()) r = -r;
     for_pairs([&](const Pair& pair) {
         scatter(pair, pair.weight * (pair.want - rise_of(pair, z_)), residual_);
-        float *above = &diagonal_.pixels()[static_cast<std::size_t>(pair.q)], *below = above + width_;
-        above[0] += pair.weight * square((1 - pair.right) * (1 - pair.down));
-        above[1] += pair.weight * square(pair.right * (1 - pair.down));
-        below[0] += pair.weight * square((1 - pair.right) * pair.down);
-        below[1] += pair.weight * square(pair.right * pair.down);
+        float *above = &diagonal_.pixels()[static_cast<std::size_t>(pair.q.pixel)], *below = above + width_;
+        above[0] += pair.weight * square((1 - pair.q.right) * (1 - pair.q.down));
+        above[1] += pair.weight * square(pair.q.right * (1 - pair.q.down));
+        below[0] += pair.weight * square((1 - pair.q.right) * pair.q.down);
+        below[1] += pair.weight * square(pair.q.right * pair.q.down);
         diagonal_.pixels()[static_cast<std::size_t>(pair.p)] += pair.weight;
     });
     const auto preconditioned = [&](int x, int y) {
