@@ -97,10 +97,15 @@ Image<float> fine_relief(const Image<float>& height_mm, double sigma_px) {
     return detail;
 }
 
-// What of another place differs from its own membrane, which has the same rim as the patch; it grows over
-// `ramp_px` from the rim, so that the fill is flush where no thread has to go on.
+// What of another place differs from its own membrane, which has the same rim as the patch. It grows from
+// `from_px` inside the rim to `to_px`: from the edge of the loss, so that the fill is flush there, where no
+// thread has to go on.
+struct Ramp {
+    float from_px = 0, to_px = 1e-3f;
+};
+
 void add_relief(Patch& patch, const Shift& shift, const Image<float>& source_mm, const Image<float>& depth_px,
-                double ramp_px) {
+                const Ramp& ramp) {
     Image<float> there(patch.box.width(), patch.box.height());
     for (int y = 0; y < there.height(); ++y)
         for (int x = 0; x < there.width(); ++x)
@@ -111,7 +116,7 @@ void add_relief(Patch& patch, const Shift& shift, const Image<float>& source_mm,
         for (int x = 0; x < there.width(); ++x)
             if (patch.unknown(x, y) > 0.5f) {
                 const float depth = depth_px(patch.box.x0 + x, patch.box.y0 + y);
-                const float part = procedural::smooth_step(0, static_cast<float>(ramp_px), depth);
+                const float part = procedural::smooth_step(ramp.from_px, ramp.to_px, depth);
                 patch.level_mm(x, y) += part * (there(x, y) - membrane(x, y));
             }
 }
@@ -301,6 +306,7 @@ FillReport lay_fill(Canvas& canvas, const std::string& name, const Mask& loss, c
             if (!add_patches(patches[i], canvas.dry(), levelled, {detail, usable}, wide, reach, progress))
                 ++result.smooth_regions;
         }
+        const Ramp flush{static_cast<float>(rim_px), static_cast<float>(rim_px + 1.5 / mm)};
         std::mutex reporting;
         std::size_t done = 0;
         const int searched = texture == FillTexture::patches ? 0 : static_cast<int>(patches.size());
@@ -310,8 +316,7 @@ FillReport lay_fill(Canvas& canvas, const std::string& name, const Mask& loss, c
                 Patch& patch = patches[static_cast<std::size_t>(i)];
                 const Shift shift = best_shift(patch, {detail, usable}, reach, fine_px / 4);
                 if (shift.found)
-                    add_relief(patch, shift, weave ? detail : levelled, depth_px,
-                               weave ? 1e-3 : rim_px + 1.5 / mm);
+                    add_relief(patch, shift, weave ? detail : levelled, depth_px, weave ? Ramp{} : flush);
                 else
                     ++smooth;
             }
