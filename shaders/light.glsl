@@ -1,7 +1,7 @@
 // light.glsl: where light comes from, and what of it the relief keeps off; mirrors surface/light.cpp and relight.cpp.
 // LIGHTS: their number; NEAR: 1 where some are near; BENDS: 1 where the rig's directions turn over the picture;
 // BEAMS: 1 where lamps light it unevenly by themselves;
-// SHADOWS: 0 none, 1 horizon map, 2 marched over the heights as surface/relight.cpp does, 3 horizons in the directions
+// SHADOWS: 0 none, 1 horizon map, 2 marched over the heights as surface/cast_shadows.cpp does, 3 horizons in the directions
 // of far lights, which are all the same: two directions of the map were mixed beforehand, once for all pixels.
 // Software renderers go through both sides of every branch: what is the same for all pixels is decided beforehand.
 
@@ -73,20 +73,23 @@ float above(float horizon, float elevation) {
     return 0.5 - covered * (0.63662 - covered2 * (0.02324 + 0.11338 * covered2));
 }
 #elif SHADOWS == 2
-// The same, exactly.
-float above(float horizon, float elevation) {
-    if (v_exposure1.w <= 0.0) return horizon < elevation ? 1.0 : 0.0;
-    float covered = max((horizon - elevation) / v_exposure1.w, -1.0);
-    if (covered >= 1.0) return 0.0;
-    return clamp((acos(covered) - covered * sqrt(max(1.0 - covered * covered, 0.0))) / kPi, 0.0, 1.0);
-}
-
 float height_between(vec2 at) {
     ivec2 i = min(ivec2(at), v_size.xy - 2);
     vec2 f = at - vec2(i);
     float a = height_in(texel_at(i, 0)), b = height_in(texel_at(i + ivec2(1, 0), 0));
     float c = height_in(texel_at(i + ivec2(0, 1), 0)), d = height_in(texel_at(i + 1, 0));
     return mix(mix(a, b, f.x), mix(c, d, f.x), f.y);
+}
+
+bool inside(vec2 p) { return p.x >= 0.0 && p.y >= 0.0 && p.x <= float(v_size.x - 1) && p.y <= float(v_size.y - 1); }
+
+// Slope of the ground itself, not that of a step beside it.
+float slope_towards(vec2 at, float height, vec2 step_px) {
+    if (!inside(at + step_px)) return 0.0;
+    float after = height_between(at + step_px) - height;
+    float before = inside(at - step_px) ? height - height_between(at - step_px) : after;
+    if (before * after <= 0.0) return 0.0;
+    return (abs(before) < abs(after) ? before : after) / v_scene.x;
 }
 #endif
 
@@ -110,17 +113,22 @@ float visibility(int i, vec2 at, float height, vec3 direction) {
 #else
     float across = length(direction.xy);
     if (across < 1e-6) return 1.0;
-    float elevation = atan(direction.z, across);
     vec2 step_px = vec2(direction.x, -direction.y) / across;
-    float floor_tangent = tan(max(elevation - v_exposure1.w, -1.5));
-    float best = floor_tangent;
-    float room = v_eye.w - height;
-    for (float t = 1.0; room > best * t * v_scene.x; t += 1.0) {
+    float slope = slope_towards(at, height, step_px);
+    float radius = tan(v_exposure1.w), width = max(direction.z - slope * across, 0.0) * 0.57735027;
+    float covered = -1.0, highest = (v_eye.w - height) / v_scene.x;
+    for (float t = 1.0; covered < 1.0; t += 1.0) {
+        float lean = covered * radius;
+        bool matters = highest * (across - lean * direction.z) >
+                       t * (direction.z + lean * across) - max(-covered, 0.0) * width;
         vec2 p = at + t * step_px;
-        if (p.x < 0.0 || p.y < 0.0 || p.x > float(v_size.xy.x - 1) || p.y > float(v_size.xy.y - 1)) break;
-        best = max(best, (height_between(p) - height) / (t * v_scene.x));
+        if (!matters || !inside(p)) break;
+        float rise = (height_between(p) - height) / v_scene.x;
+        float far = radius * max(rise * direction.z + t * across, 0.0);
+        float disc = max(sqrt(far * far + width * width), 1e-6);
+        covered = max(covered, (rise * across - t * direction.z) / disc);
     }
-    if (best <= floor_tangent) return 1.0;
-    return above(atan(best), elevation);
+    if (covered >= 1.0) return 0.0;
+    return clamp((acos(covered) - covered * sqrt(max(1.0 - covered * covered, 0.0))) / kPi, 0.0, 1.0);
 #endif
 }

@@ -1,5 +1,6 @@
 #include "surface/cast_shadows.h"
 
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -57,15 +58,24 @@ float bilinear(const Image<float>& image, float x, float y) {
     return top + fy * (bottom - top);
 }
 
+// The largest second difference across a pixel, if there is one above 0.
+float hollow_mm(const Image<float>& z, int x, int y) {
+    constexpr std::array<std::array<int, 2>, 4> ways = {{{1, 0}, {0, 1}, {1, 1}, {1, -1}}};
+    float most = 0;
+    for (const auto& [dx, dy] : ways)
+        if (x >= dx && x + dx < z.width() && y >= std::abs(dy) && y + std::abs(dy) < z.height())
+            most = std::max(most, z(x + dx, y + dy) + z(x - dx, y - dy) - 2 * z(x, y));
+    return most;
+}
+
 }  // namespace
 
 CastShadows::CastShadows(const Image<float>& height_mm, double mm_per_pixel, double light_radius_deg)
     : height_mm_(height_mm),
       mm_per_pixel_(static_cast<float>(mm_per_pixel)),
-      light_radius_rad_(static_cast<float>(light_radius_deg) * kPi / 180),
-      cosine_(std::cos(light_radius_rad_)),
-      sine_(std::sin(light_radius_rad_)) {
-    TP_REQUIRE(mm_per_pixel > 0 && light_radius_deg >= 0, "a scale and an angular radius");
+      tangent_(std::tan(static_cast<float>(light_radius_deg) * kPi / 180)) {
+    TP_REQUIRE(mm_per_pixel > 0 && light_radius_deg >= 0 && light_radius_deg < 90,
+               "a scale and an angular radius");
     Image<float> maxima = block_maxima(height_mm, kFinestBlock);
     highest_.push_back(with_neighbours(maxima));
     // Until a block and its neighbours are all there is.
@@ -85,31 +95,103 @@ float CastShadows::highest_around(std::size_t level, int x, int y) const {
 float CastShadows::steepest_horizon(int x, int y) const {
     const float z0 = height_mm_(x, y);
     if (std::isnan(z0)) return std::numeric_limits<float>::infinity();
-    // One pixel away; 2 to 3, 4 to 7 … pixels away; beyond.
-    float steepest = highest_of(height_mm_, x - 1, y - 1, x + 2, y + 2) - z0;
+    // Relief with the tangent h, d pixels away, hides nothing where d (z - h across) >= kPixel w; and the
+    // ground slopes away from the light by no more than what is beside the pixel rises, so w <= z + beside
+    // across. One pixel away w <= z, as relief that rises there is no slope away from the light; and it rises
+    // by no more than the ground's slope and how hollow the ground is.
+    const float beside =
+        std::max(highest_of(height_mm_, x - 1, y - 1, x + 2, y + 2) - z0, 0.0f) / mm_per_pixel_;
+    const float hollow = hollow_mm(height_mm_, x, y) / mm_per_pixel_;
+    float steepest = std::min(beside / kLeastRest, beside + hollow / kLeastRest);
+    const auto meet = [&](float highest_mm, float distance) {
+        const float tangent = (highest_mm - z0) / (distance * mm_per_pixel_), widened = kPixel / distance;
+        steepest = std::max(steepest, (tangent + widened * beside) / (1 - widened));
+    };
+    // 2 to 3, 4 to 7 … pixels away; beyond.
     float distance = kFinestBlock / 2;
     for (std::size_t level = 0; level < highest_.size(); ++level, distance *= 2)
-        steepest = std::max(steepest, (highest_around(level, x, y) - z0) / distance);
-    return std::max(steepest, (highest_mm_ - z0) / distance) / mm_per_pixel_;
+        meet(highest_around(level, x, y), distance);
+    meet(highest_mm_, distance);
+    return steepest;
 }
 
-// Tangent of the horizon's elevation in direction (dx, dy) [unit, pixels, y down] as seen from a pixel, or
-// `floor` where it is lower; of one that is above `enough`, only that it is.
-float CastShadows::horizon(int x, int y, float dx, float dy, float floor, float enough) const {
-    const float z0 = height_mm_(x, y);
-    const float right = static_cast<float>(height_mm_.width() - 1);
-    const float bottom = static_cast<float>(height_mm_.height() - 1);
-    float best = floor;
+// From a pixel to a light, and how much of it is covered so far: c of the class's comment, from -1 on.
+class CastShadows::Way {
+public:
+    // `across`: length of the direction's x and y.
+    Way(const CastShadows& shadows, int x, int y, const Vec3& l, float across)
+        : heights_(shadows.height_mm_),
+          mm_(shadows.mm_per_pixel_),
+          tangent_(shadows.tangent_),
+          x_(static_cast<float>(x)),
+          y_(static_cast<float>(y)),
+          dx_(l.x / across),
+          dy_(-l.y / across),
+          z0_(heights_(x, y)),
+          cosine_(across),
+          sine_(l.z),
+          width_(kPixel * std::max(sine_ - slope() * cosine_, 0.0f)) {
+        is(-1);
+    }
+
+    bool is_inside(float t) const {
+        const float px = x_ + t * dx_, py = y_ + t * dy_;
+        return px >= 0 && py >= 0 && px <= static_cast<float>(heights_.width() - 1) &&
+               py <= static_cast<float>(heights_.height() - 1);
+    }
+    // [pixels] Height over the pixel, t pixels away, inside.
+    float rise(float t) const { return rise_of(bilinear(heights_, x_ + t * dx_, y_ + t * dy_)); }
+    int column(float t) const { return static_cast<int>(x_ + t * dx_); }
+    int row(float t) const { return static_cast<int>(y_ + t * dy_); }
+    float rise_of(float height_mm) const { return (height_mm - z0_) / mm_; }
+
+    // Relief of this rise, t pixels away, hides no more than is hidden.
+    bool hides_no_more(float rise, float t) const { return rise * per_rise_ <= t * per_step_ - lag_; }
+    // The same of all that is farther away.
+    bool falls_behind() const { return per_step_ >= 0; }
+
+    void meet(float rise, float t) {
+        if (hides_no_more(rise, t)) return;
+        const float far = tangent_ * std::max(rise * sine_ + t * cosine_, 0.0f);
+        const float radius = std::max(std::sqrt(far * far + width_ * width_), kPoint);
+        const float now = (rise * cosine_ - t * sine_) / radius;
+        if (now > covered_) is(now);
+    }
+    float covered() const { return covered_; }
+
+private:
+    // [1] Of the ground towards the light: its own, not that of a step beside it.
+    float slope() const {
+        if (!is_inside(1)) return 0;
+        const float after = rise(1), before = is_inside(-1) ? -rise(-1) : after;
+        if (!(before * after > 0)) return 0;
+        return std::abs(before) < std::abs(after) ? before : after;
+    }
+
+    static constexpr float kPoint = 1e-6f;  // [pixels] radius of a point
+
+    // p > c sqrt((q tan)^2 + width^2) needs p > c q tan where c > 0, and p > c (q tan + width) where not:
+    // with p and q by rise and t, both are linear.
+    void is(float covered) {
+        covered_ = covered;
+        const float lean = covered * tangent_;
+        per_rise_ = cosine_ - lean * sine_;
+        per_step_ = sine_ + lean * cosine_;
+        lag_ = std::max(-covered, 0.0f) * width_;
+    }
+
+    const Image<float>& heights_;
+    float mm_, tangent_, x_, y_, dx_, dy_, z0_, cosine_, sine_, width_;
+    float covered_, per_rise_, per_step_, lag_;
+};
+
+float CastShadows::covered(Way& way) const {
+    const float highest = way.rise_of(highest_mm_);
     std::size_t level = 0;
-    for (float t = 1;;) {
-        const float px = static_cast<float>(x) + t * dx, py = static_cast<float>(y) + t * dy;
-        if (!(px >= 0 && py >= 0 && px <= right && py <= bottom)) return best;  // NaN leaves, too
-        const float matters = best * t * mm_per_pixel_;
-        if (highest_mm_ - z0 <= matters) return best;
-        // What a horizon below the horizontal hides grows with the distance.
-        if (best >= 0) {
-            const float above = highest_around(level, static_cast<int>(px), static_cast<int>(py)) - z0;
-            if (above <= matters) {
+    for (float t = 1; way.covered() < 1 && way.is_inside(t) && !way.hides_no_more(highest, t);) {
+        if (way.falls_behind()) {
+            const float around = highest_around(level, way.column(t), way.row(t));
+            if (way.hides_no_more(way.rise_of(around), t)) {
                 t += static_cast<float>(kFinestBlock << level);
                 level = std::min(level + 1, highest_.size() - 1);
                 continue;
@@ -119,38 +201,21 @@ float CastShadows::horizon(int x, int y, float dx, float dy, float floor, float 
                 continue;
             }
         }
-        for (int step = 0; step < kFinestBlock; ++step, t += 1) {
-            const float sx = static_cast<float>(x) + t * dx, sy = static_cast<float>(y) + t * dy;
-            if (!(sx >= 0 && sy >= 0 && sx <= right && sy <= bottom)) return best;
-            best = std::max(best, (bilinear(height_mm_, sx, sy) - z0) / (t * mm_per_pixel_));
-        }
-        if (best > enough) return best;
+        for (int step = 0; step < kFinestBlock && way.is_inside(t); ++step, t += 1) way.meet(way.rise(t), t);
     }
+    return way.covered();
 }
 
 float CastShadows::visible_part(int x, int y, const Vec3& l) const {
     const float across = std::sqrt(l.x * l.x + l.y * l.y);
     // Straight from above nothing can stand in the way.
     if (across < 1e-6f || height_mm_.width() < 2 || height_mm_.height() < 2) return 1;
-    const auto elevation = [&] { return std::atan2(l.z, across); };
-    // Tangent of the light's lower rim; by the addition theorem, since most pixels need no more than it.
-    const float floor = l.z > 0 ? (l.z * cosine_ - across * sine_) / (across * cosine_ + l.z * sine_)
-                                : std::tan(std::max(elevation() - light_radius_rad_, -1.5f));
-    // That of its upper rim, and a little more than rounding: what is above hides all of it.
-    const float upper = across * cosine_ - l.z * sine_;
-    const float rim =
-        upper > 0 ? (l.z * cosine_ + across * sine_) / upper : std::numeric_limits<float>::max();
-    const float enough = rim + 1e-3f * std::abs(rim) + 1e-4f;
-    const float tangent = horizon(x, y, l.x / across, -l.y / across, floor, enough);
-    if (tangent <= floor) return 1;
-    // At least -1: rounding can put a horizon that touches the light's lower rim below it.
-    const float covered = light_radius_rad_ > 0
-                              ? std::max((std::atan(tangent) - elevation()) / light_radius_rad_, -1.0f)
-                              : 1.0f;
-    if (covered >= 1) return 0;
-    // Area of the part of a unit disc above the line at height `covered`.
-    const float area = std::acos(covered) - covered * std::sqrt(1 - covered * covered);
-    return std::clamp(area / kPi, 0.0f, 1.0f);
+    Way way(*this, x, y, l, across);
+    const float c = covered(way);
+    if (c <= -1) return 1;
+    if (c >= 1) return 0;
+    // Area of the part of a unit disc above the line at height c.
+    return std::clamp((std::acos(c) - c * std::sqrt(1 - c * c)) / kPi, 0.0f, 1.0f);
 }
 
 }  // namespace tangi

@@ -7,9 +7,14 @@
 
 namespace tangi {
 
-// A pixel is marched in steps of one pixel towards the light; the highest horizon seen, bilinear between
-// pixels, hides part of a disc around the light's direction. A pixel beyond the picture's border casts no
-// shadow; nor do heights of one row or column.
+// From a pixel one looks along the way to the light, in steps of one pixel, at the relief there (bilinear
+// between pixels). Relief that ends p pixels above that line (below: p < 0), q pixels along it, hides the
+// part of a disc that lies below c = p / sqrt((q tan(radius))^2 + w^2 / 3) of its radius: the disc of the
+// light, widened by what the pixel's own extent adds to it. For within a pixel the light's line rises by w =
+// sin(elevation) - slope cos(elevation) pixels against the ground, which slopes by `slope` towards the light;
+// both are taken together by their variances, R^2 / 4 of a disc and w^2 / 12 of a pixel. So shadows are what
+// a camera sees of them, their mean over a pixel: also those of a point. What hides most counts. A pixel
+// beyond the picture's border casts no shadow; nor do heights of one row or column.
 //
 // Stretches over which nothing rises high enough to matter are skipped: of blocks of 4, 8, 16 … pixels the
 // highest point of them and their eight neighbours is known (a maximum mipmap: Tevs, Ihrke & Seidel 2008,
@@ -20,25 +25,29 @@ public:
     // `light_radius_deg`: angular radius of the lights, at least 0.
     CastShadows(const Image<float>& height_mm, double mm_per_pixel, double light_radius_deg);
 
-    // Part, 0..1, of a light in this direction [unit vector] that reaches a pixel.
+    // Part, 0..1, of a light in this direction [unit vector] that reaches a pixel, in the mean over it.
     float visible_part(int x, int y, const Vec3& direction) const;
 
-    // [1] Upper bound of the tangent of the horizon's elevation as seen from a pixel, whatever the direction;
-    // infinite where the height is not a number.
+    // [1] Tangent of an elevation above which a point is seen by all of a pixel, whatever the direction;
+    // infinite where the height is not a number. An upper bound, at least 0.
     float steepest_horizon(int x, int y) const;
 
-    // Whether all of a light is above a horizon of this tangent: then visible_part() of a pixel with this
-    // steepest_horizon() is 1. `across`: length of the direction's x and y.
+    // Whether all of a light is so far above a horizon of this tangent that visible_part() of a pixel with
+    // this steepest_horizon() is 1. `across`: length of the direction's x and y.
     bool clears(float horizon, float across, float z) const {
-        return z * cosine_ - across * sine_ >= horizon * (across * cosine_ + z * sine_);
+        return z - horizon * across >= tangent_ / kLeastRest * (across + horizon * z);
     }
 
 private:
-    float horizon(int x, int y, float dx, float dy, float floor, float enough) const;
+    // [1] Radius of the disc that a pixel one wide adds, one pixel away, and what it leaves of 1.
+    static constexpr float kPixel = 0.57735027f, kLeastRest = 1 - kPixel;
+    class Way;
+
+    float covered(Way& way) const;
     float highest_around(std::size_t level, int x, int y) const;
 
     const Image<float>& height_mm_;
-    float mm_per_pixel_, light_radius_rad_, cosine_, sine_, highest_mm_;
+    float mm_per_pixel_, tangent_, highest_mm_;  // tangent_: of the lights' radius
     // [kFinest + k] of the blocks of 2^(kFinest + k) pixels: the highest point of each and its neighbours
     std::vector<Image<float>> highest_;
 };
