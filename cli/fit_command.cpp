@@ -150,6 +150,7 @@ nlohmann::json result_of(const FitResult& fit, const std::vector<LeftOut>& left_
         {"support_bulge_deg", r.support_bulge_deg},
         {"refined", r.refined},
         {"final_height", to_json(r.height_choice)},
+        {"lamp_radius", to_json(r.lamp_radius)},
         {"height_solver",
          {{"cycles", r.height.cycles}, {"residual", r.height.residual}, {"converged", r.height.converged}}},
         {"dry_hash", hash_of(fit.surface)}};

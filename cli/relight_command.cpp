@@ -74,7 +74,7 @@ Painting read_all(const RelightArguments& arguments, const Progress& progress) {
         const RelightOptions& o = arguments.options;
         if (in_vain) {  // any model will do
         } else if (!o.cast_shadows || o.model != WardModel::bounded ||
-                   o.light_radius_deg != residual.light_radius_deg)
+                   light_radius_deg(canvas.dry(), o) != residual.light_radius_deg)
             throw UsageError(
                 fmt::format("--faithful: was fitted with --cast-shadows, --model bounded and "
                             "--light-radius-deg {}, and is no residual of anything else",

@@ -22,9 +22,9 @@
 namespace tangi {
 
 struct CompareOptions {
-    bool cast_shadows = true;        // relit pictures have the shadows that the relief casts
-    double light_radius_deg = 0.25;  // [deg] angular radius of the lights, for the penumbra of cast shadows
-    int picture_size = 1200;         // [pixels] longest side of the pictures in the page
+    bool cast_shadows = true;                  // relit pictures have the shadows that the relief casts
+    std::optional<double> light_radius_deg{};  // [deg] as RelightOptions
+    int picture_size = 1200;                   // [pixels] longest side of the pictures in the page
     double error_range =
         0.15;  // [1] brightness difference at the ends of the error maps' scale, full scale = 1
     double delta_e_range = 15;  // [1] CIEDE2000 at the end of the colour difference maps' scale
@@ -35,7 +35,7 @@ struct CompareOptions {
         visit(FieldInfo{"cast_shadows", 0, 1, "", "relight with the shadows that the relief casts"},
               self.cast_shadows);
         visit(FieldInfo{"light_radius_deg", 0, 45, "deg",
-                        "angular radius of the lights (softness of cast shadows)"},
+                        "angular radius of the lights: softness of cast shadows (else as photographed)"},
               self.light_radius_deg);
         visit(
             FieldInfo{"picture_size", 16, 16384, "1", "longest side of the pictures in the page, in pixels"},

@@ -259,7 +259,7 @@ FaithfulFit fit_faithful(const Surface& surface, const Stack& stack, const Faith
     FaithfulResidual& residual = result.residual;
     residual.kernel = choice.kernel;
     residual.reach = choice.reach;
-    residual.light_radius_deg = RelightOptions{}.light_radius_deg;
+    residual.light_radius_deg = light_radius_deg(surface, {});
     residual.directions = directions;
     residual.brightness_weights = rows_of(along.transpose() * inverse);
     residual.colour_weights = rows_of(across.transpose() * inverse);

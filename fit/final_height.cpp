@@ -7,6 +7,7 @@
 #include "fit/height_error.h"
 #include "fit/mixed_slopes.h"
 #include "fit/shadow_signs.h"
+#include "surface/relight.h"
 
 namespace tangi {
 
@@ -90,7 +91,8 @@ FinalHeight final_height(Surface& surface, const Survey& survey, const Transfer&
         subtract(result.plane, surface.height_mm);
     };
     const auto misfit = [&] {
-        return shadow_misfit(surface, survey, transfer, lighting.lights, lighting.white_level);
+        return shadow_misfit(surface, survey, transfer, lighting.lights, lighting.white_level,
+                             light_radius_deg(surface, {}));
     };
     constexpr double trials = 2 + kMixings.size();
     double tried = 0;

@@ -66,6 +66,14 @@ std::string distance(const std::optional<float>& mm, double relative, const Surf
     return surface.scale_known ? fmt::format("{:.0f} mm, {}", *mm, in_widths) : in_widths;
 }
 
+std::string lamp_radius(const FitResult& fit) {
+    const LampRadius& found = fit.report.lamp_radius;
+    const float deg = fit.surface.photography.rig.lamp_radius_deg;
+    if (found.tried.empty()) return fmt::format("{:.2g}°, not looked for", deg);
+    if (deg == Rig::kPointLamp_deg) return fmt::format("{:.2g}°: no shadows tell another", deg);
+    return fmt::format("{:.1f}°, by the softness of shadows", deg);
+}
+
 std::string rig_section(const FitResult& fit) {
     const LightCalibration& lights = fit.report.lights;
     const Rig& rig = lights.lighting.rig;
@@ -89,13 +97,14 @@ std::string rig_section(const FitResult& fit) {
     html += fmt::format(
         "<table><tr><td>light from all around</td><td>{}</td></tr><tr><td>distance of the "
         "lamps</td><td>{}</td></tr><tr>"
-        "<td>distance of the camera</td><td>{}</td></tr><tr><td>tilt of the "
+        "<td>distance of the camera</td><td>{}</td></tr><tr><td>angular radius of the "
+        "lamps</td><td>{}</td></tr><tr><td>tilt of the "
         "support</td><td>{:.1f}°</td></tr><tr><td>its bulge, middle to "
         "corners</td><td>{:.1f}°</td></tr></table></div>",
         lights.rig_sigma.ambient > 0 ? with_error(rig.ambient, lights.rig_sigma.ambient)
                                      : fmt::format("{:.3f}", rig.ambient),
         distance(rig.lamp_distance_mm, lights.rig_sigma.lamp_distance, fit.surface),
-        distance(rig.camera_distance_mm, lights.rig_sigma.camera_distance, fit.surface),
+        distance(rig.camera_distance_mm, lights.rig_sigma.camera_distance, fit.surface), lamp_radius(fit),
         fit.report.support_tilt_deg, fit.report.support_bulge_deg);
     return html;
 }

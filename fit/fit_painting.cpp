@@ -211,6 +211,8 @@ FitResult fit_painting(Stack stack, const FitOptions& options, const Progress& p
     if (std::string warning = warning_of(report_.lights, stack.folder.string()); !warning.empty())
         stack.warnings.push_back(std::move(warning));
     describe_lights(stack, report_.lights, surface.photography);
+    float& lamp_radius_deg = surface.photography.rig.lamp_radius_deg;
+    lamp_radius_deg = static_cast<float>(options.lamp_radius_deg.value_or(Rig::kPointLamp_deg));
     // Batches fit these pixels in no time, and laws that few pixels choose differ from sample to sample.
     const LightSample sample(stack, surveyed, transfer, noise, surface.mm_per_pixel, options.ward,
                              kForLaws * options.calibration.samples);
@@ -239,6 +241,10 @@ FitResult fit_painting(Stack stack, const FitOptions& options, const Progress& p
                                             &result.errors.height, progress);
     report_.height = height.report;
     report_.height_choice = height.choice;
+    if (!options.lamp_radius_deg && (explains_photographs(report_) || report_.refined)) {
+        report_.lamp_radius = find_lamp_radius(surface, surveyed, transfer, lighting);
+        lamp_radius_deg = static_cast<float>(report_.lamp_radius.deg);
+    }
     report_.support_bulge_deg = bulge_deg(surface);
     report_.support_tilt_deg =
         std::atan(std::hypot(height.plane.a, height.plane.b) / surface.mm_per_pixel) * 180 / M_PI;

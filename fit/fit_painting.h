@@ -12,6 +12,7 @@
 #include "fit/final_height.h"
 #include "fit/fit_errors.h"
 #include "fit/height.h"
+#include "fit/lamp_radius.h"
 #include "fit/law_choice.h"
 #include "fit/light_calibration.h"
 #include "fit/light_misfit.h"
@@ -36,6 +37,8 @@ struct FitOptions {
     std::optional<double> coloured_lobes{};   // 1: lobes may have colours; 0: all are white; likewise
     std::optional<double> drawn_out_lobes{};  // 1: lobes may be drawn out; 0: all are isotropic; likewise
     Solver solver = Solver::batch;
+    // [deg] Angular radius of the lamps; where empty, what cast shadows say (lamp_radius.h).
+    std::optional<double> lamp_radius_deg{};
     bool refine = true;  // fit twice: the second time with neighbours' lobes and cast shadows known
     LightCalibrationOptions calibration = {};
     WardFitOptions ward = {};
@@ -70,6 +73,10 @@ struct FitOptions {
                 "1: lobes may be drawn out in one direction, as those of brushed metal; 0: none is (else "
                 "the photographs decide)"},
             self.drawn_out_lobes);
+        visit(
+            FieldInfo{"lamp_radius_deg", 0, 45, "deg",
+                      "angular radius of the lamps: softness of cast shadows (else the photographs decide)"},
+            self.lamp_radius_deg);
         visit(FieldInfo{"refine", 0, 1, "",
                         "fit twice: the second time with the lobes of neighbours and cast shadows known"},
               self.refine);
@@ -102,6 +109,7 @@ struct FitReport {
     bool refined = false;  // a second pass, with shadows and neighbours (fit_passes.h)
     HeightReport height;
     HeightChoice height_choice;
+    LampRadius lamp_radius;
     SignCheck signs;                       // whether the lights' axes point the way that the slopes say
     ShadowCheck shadow_signs;              // and that cast shadows say
     LightOutliers odd_lights;              // photographs that are shaded by another light than theirs

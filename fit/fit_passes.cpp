@@ -74,7 +74,7 @@ struct FirstPass {
               const Image<unsigned char>& few_lamps, int photos)
         : lobes(surface, errors, general),
           slopes(surface, plane),
-          shadows(surface.height_mm, surface.mm_per_pixel, RelightOptions{}.light_radius_deg),
+          shadows(surface.height_mm, surface.mm_per_pixel, light_radius_deg(surface, {})),
           crevices(few_lamps),
           lamps(surface.width(), surface.height(), photos) {}
 };

@@ -27,10 +27,12 @@ constexpr int kLeastHidden = 12;                  // samples in shadow that a ph
 constexpr std::size_t kLeastPhotos = 4;
 constexpr double kTolerance = 1e-3;  // HeightOptions::tolerance: what is left are long waves
 
-// A sample that a light should shine on: where it is, and how much less it does.
+// A sample that a light should shine on: where it is, and how much less it does. In linear light, without
+// that from all around.
 struct Lit {
     int x = 0, y = 0;
-    double log_ratio = 0;
+    double measured = 0, predicted = 0;
+    double log_ratio = 0;  // of both, above noise
 };
 
 std::vector<Lit> lit_by(const Surface& s, const Survey& survey, std::size_t photo, const Transfer& transfer,
@@ -47,9 +49,10 @@ std::vector<Lit> lit_by(const Surface& s, const Survey& survey, std::size_t phot
         const double predicted =
             white_level * static_cast<double>(s.diffuse(at.x, at.y).g * cosine * light.gain.g);
         if (predicted < 3 * dark) continue;
-        const double measured = static_cast<double>(transfer.decode(stored));
-        lit.push_back(
-            {at.x, at.y, std::clamp(std::log((measured + dark) / (predicted + dark)), kLeastLog, kMostLog)});
+        const double around = predicted * static_cast<double>(s.photography.rig.ambient / cosine);
+        const double measured = std::max(static_cast<double>(transfer.decode(stored)) - around, 0.0);
+        lit.push_back({at.x, at.y, measured, predicted,
+                       std::clamp(std::log((measured + dark) / (predicted + dark)), kLeastLog, kMostLog)});
     }
     return lit;
 }
@@ -99,7 +102,7 @@ struct Contrast {
 // One a photograph.
 std::vector<Contrast> contrasts(const Image<float>& height_mm, double mm_per_pixel, const LightTurn& turn,
                                 const std::vector<std::vector<Lit>>& lit, const std::vector<Light>& lights) {
-    const CastShadows shadows(height_mm, mm_per_pixel, RelightOptions{}.light_radius_deg);
+    const CastShadows shadows(height_mm, mm_per_pixel, Rig::kPointLamp_deg);
     std::vector<Contrast> result(lights.size());
     parallel_for(0, static_cast<int>(lights.size()), 1, [&](int begin, int end) {
         for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
@@ -192,18 +195,20 @@ ShadowCheck check_shadows(Surface& surface, const SignCheck& signs, const Survey
 }
 
 double shadow_misfit(const Surface& surface, const Survey& survey, const Transfer& transfer,
-                     const std::vector<Light>& lights, double white_level) {
+                     const std::vector<Light>& lights, double white_level, double light_radius_deg) {
     TP_REQUIRE(survey.photos.size() == lights.size(), "one light a photograph");
-    const CastShadows shadows(surface.height_mm, surface.mm_per_pixel, RelightOptions{}.light_radius_deg);
+    const CastShadows shadows(surface.height_mm, surface.mm_per_pixel, light_radius_deg);
     std::vector<double> squares(lights.size()), samples(lights.size());
     parallel_for(0, static_cast<int>(lights.size()), 1, [&](int begin, int end) {
         for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i)
             for (const Lit& sample : lit_by(surface, survey, i, transfer, lights[i], white_level)) {
                 // Gloss is brighter than any lamp that is seen whole.
-                const double part = std::min(std::exp(sample.log_ratio), 1.0);
+                const double shown = std::min(sample.measured, sample.predicted);
                 const auto visible =
                     static_cast<double>(shadows.visible_part(sample.x, sample.y, lights[i].direction));
-                squares[i] += (part - visible) * (part - visible);
+                const double off =
+                    (shown - visible * sample.predicted) / (sample.predicted + kDarkAsNoise * white_level);
+                squares[i] += off * off;
                 ++samples[i];
             }
     });

@@ -32,9 +32,9 @@ ShadowCheck check_shadows(Surface& surface, const SignCheck& signs, const Survey
                           const Progress& progress = {});
 
 // [1] Mean square of the part of a lamp's light that photographs show at samples of matt paint, less the part
-// that gets past the surface's height.
+// that gets past the surface's height, from lamps of this angular radius.
 double shadow_misfit(const Surface& surface, const Survey& survey, const Transfer& transfer,
-                     const std::vector<Light>& lights, double white_level);
+                     const std::vector<Light>& lights, double white_level, double light_radius_deg);
 
 // What is to be done about it, with the numbers, for people; empty where nothing is. `taken`: what was done
 // to the lights already, as the user asked.

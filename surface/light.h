@@ -43,6 +43,8 @@ Light near_light(const Vec3& position_mm, std::string name = {});
 
 // What all photographs of a stack have in common beside the painting.
 struct Rig {
+    static constexpr float kPointLamp_deg = 0.25f;  // of a small lamp at some distance
+
     // [1] Light from all around (the room, the dome, the relief itself), as a part of the lamp's: a matt
     // surface shows rho_d (max(n.l, 0) + ambient).
     float ambient = 0;
@@ -55,6 +57,8 @@ struct Rig {
     // [1/mm] Directions turn by this angle for each mm from the centre, as if the painting were bent: the
     // part of the lamps' field of directions that photographs of a matt painting cannot tell from a bulge.
     float bend_per_mm = 0;
+    // [deg] Angular radius of the lamps, as seen from the painting: how soft the shadows are that they cast.
+    float lamp_radius_deg = kPointLamp_deg;
 
     friend bool operator==(const Rig&, const Rig&) = default;
 };

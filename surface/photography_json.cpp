@@ -66,7 +66,8 @@ json to_json(const Photography& photography) {
                      {"camera_distance_mm", distance(rig.camera_distance_mm)},
                      {"camera_axis_mm", {rig.camera_axis_mm.x, rig.camera_axis_mm.y}},
                      {"lamp_distance_mm", distance(rig.lamp_distance_mm)},
-                     {"bend_per_mm", rig.bend_per_mm}}}};
+                     {"bend_per_mm", rig.bend_per_mm},
+                     {"lamp_radius_deg", rig.lamp_radius_deg}}}};
     if (photography.to_camera) result["to_camera"] = to_json(*photography.to_camera);
     if (photography.lamps) result["lamps"] = to_json(*photography.lamps);
     if (const auto& beams = photography.beams) {
@@ -107,6 +108,11 @@ Photography photography_from_json(const json& j) {
                            .camera_axis_mm = {},
                            .lamp_distance_mm = distance("lamp_distance_mm"),
                            .bend_per_mm = rig.at("bend_per_mm").get<float>()};
+        if (rig.contains("lamp_radius_deg")) {  // in no file of before it was looked for
+            photography.rig.lamp_radius_deg = rig["lamp_radius_deg"].get<float>();
+            if (!(photography.rig.lamp_radius_deg >= 0 && photography.rig.lamp_radius_deg <= 45))
+                fail("rig.lamp_radius_deg = {} is outside [0, 45] deg", photography.rig.lamp_radius_deg);
+        }
         if (rig.contains("camera_axis_mm"))
             photography.rig.camera_axis_mm = {rig["camera_axis_mm"].at(0).get<float>(),
                                               rig["camera_axis_mm"].at(1).get<float>()};

@@ -34,6 +34,10 @@ Rgb reflected(const Surface& s, int x, int y, const Vec3& light, const Vec3& vie
     return s.diffuse(x, y) * matt + gloss * s.lobe_colour(x, y);
 }
 
+double light_radius_deg(const Surface& s, const RelightOptions& options) {
+    return options.light_radius_deg.value_or(static_cast<double>(s.photography.rig.lamp_radius_deg));
+}
+
 Image<float> visibility(const Surface& s, const Light& light, double light_radius_deg) {
     const CastShadows shadows(s.height_mm, s.mm_per_pixel, light_radius_deg);
     Image<float> visible(s.width(), s.height(), 1.0f);
@@ -51,7 +55,7 @@ Image<float> visibility(const Surface& s, const Light& light, double light_radiu
 Relighter::Relighter(const Surface& s, const RelightOptions& options, int lights)
     : surface_(s), options_(options) {
     if (!options.cast_shadows) return;
-    shadows_ = std::make_unique<CastShadows>(s.height_mm, s.mm_per_pixel, options.light_radius_deg);
+    shadows_ = std::make_unique<CastShadows>(s.height_mm, s.mm_per_pixel, light_radius_deg(s, options));
     if (lights < kManyLights) return;
     horizon_ = Image<float>(s.width(), s.height());
     parallel_for(0, s.height(), 16, [&](int begin, int end) {

@@ -2,6 +2,7 @@
 // photographed.
 #pragma once
 
+#include <optional>
 #include <span>
 
 #include "surface/options.h"
@@ -13,9 +14,11 @@ namespace tangi {
 
 struct RelightOptions {
     WardModel model = WardModel::bounded;
-    bool cast_shadows = false;       // march the height map towards each light
-    double light_radius_deg = 0.25;  // [deg] angular radius of the lights, for the penumbra of cast shadows
-    double ambient = 0;              // [1] part of rho_d that shines without any light
+    bool cast_shadows = false;  // march the height map towards each light
+    // [deg] Angular radius of the lights, for the penumbra of cast shadows; where empty, that of the lamps
+    // that the surface was photographed with (Rig::lamp_radius_deg).
+    std::optional<double> light_radius_deg{};
+    double ambient = 0;  // [1] part of rho_d that shines without any light
 
     static constexpr std::string_view name = "relight";
     template <class Self, class Visit>
@@ -23,7 +26,7 @@ struct RelightOptions {
         visit(FieldInfo{"cast_shadows", 0, 1, "", "shadows that the relief casts, from the height map"},
               self.cast_shadows);
         visit(FieldInfo{"light_radius_deg", 0, 45, "deg",
-                        "angular radius of the lights (softness of cast shadows)"},
+                        "angular radius of the lights: softness of cast shadows (else as photographed)"},
               self.light_radius_deg);
         visit(FieldInfo{"ambient", 0, 1, "1", "part of the diffuse colour seen without any light"},
               self.ambient);
@@ -43,6 +46,9 @@ Image<Rgb> relight(const Surface& surface, std::span<const Light> lights, const 
 
 // One pixel of it: pi f cos(theta) for one light direction, without visibility.
 Rgb reflected(const Surface& surface, int x, int y, const Vec3& light, const Vec3& view, WardModel model);
+
+// Of the lights that a surface is relit with.
+double light_radius_deg(const Surface& surface, const RelightOptions& options);
 
 // Part of the light, 0..1, that reaches each pixel past the relief (cast_shadows.h). Light from a disc of the
 // given angular radius around each direction.

@@ -7,6 +7,7 @@
 #include <glm/geometric.hpp>
 #include <numbers>
 
+#include "fit/lamp_radius.h"
 #include "fit/mixed_slopes.h"
 #include "fit_test_support.h"
 #include "surface/cast_shadows.h"
@@ -43,11 +44,12 @@ Surface hills() {
 }
 
 // What photographs of relief with these normals and this height show, at every other pixel.
-Survey photographed(const Surface& surface, const Image<float>& height_mm, const std::vector<Light>& lights) {
+Survey photographed(const Surface& surface, const Image<float>& height_mm, const std::vector<Light>& lights,
+                    double radius_deg = Rig::kPointLamp_deg) {
     Survey survey;
     survey.channels = 1;
     survey.photos.resize(lights.size());
-    const CastShadows shadows(height_mm, surface.mm_per_pixel, RelightOptions{}.light_radius_deg);
+    const CastShadows shadows(height_mm, surface.mm_per_pixel, radius_deg);
     for (int y = 0; y < kSide; y += 2)
         for (int x = 0; x < kSide; x += 2) {
             survey.positions.emplace_back(x, y);
@@ -171,6 +173,31 @@ TEST(FinalHeight, IsThatBeforeRefiningWhereOnlyItCastsTheShadows) {
         EXPECT_FALSE(found(surface, Image<float>(kSide, kSide), ring(25), evidence).choice.before_refining);
         EXPECT_LT(rms_difference(surface.height_mm, Image<float>(kSide, kSide)), 1e-6);
     }
+}
+
+double found_radius_deg(double radius_deg, double elevation_deg, float higher = 1) {
+    Surface surface = hills();
+    surface.height_mm = height_with(surface, 0);
+    const std::vector<Light> lights = ring(elevation_deg);
+    const Survey survey = photographed(surface, surface.height_mm, lights, radius_deg);
+    for (float& z : surface.height_mm.pixels()) z *= higher;
+    return find_lamp_radius(surface, survey, {}, {.lights = lights, .rig = {}}).deg;
+}
+
+TEST(LampRadius, IsThatOfTheLampsWhoseShadowsAreSeen) {
+    for (const double deg : {1.5, 2.0, 3.0, 4.0, 5.0})
+        EXPECT_NEAR(found_radius_deg(deg, 25) / deg, 1, 0.25) << deg;
+    EXPECT_EQ(found_radius_deg(12, 25), 8);  // larger ones are not looked for
+}
+
+TEST(LampRadius, IsSmallWhereShadowsAreHardOrNone) {
+    EXPECT_EQ(found_radius_deg(0, 25), 0.25);
+    EXPECT_EQ(found_radius_deg(0.25, 25), 0.25);
+    EXPECT_EQ(found_radius_deg(4, 75), 0.25);
+}
+
+TEST(LampRadius, OfAHeightThatIsOffIsNotBelowTheTrueOne) {
+    for (const double deg : {0.25, 2.0, 4.0}) EXPECT_GE(found_radius_deg(deg, 25, 1.1f), 0.9 * deg);
 }
 
 }  // namespace

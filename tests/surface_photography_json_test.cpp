@@ -76,13 +76,28 @@ TEST(PhotographyJson, RoundTripsRigAndLamps) {
     p.photos.emplace_back().light.beam.terms = {0.5f, -0.25f, 0.125f, 0, 1e-3f};
     p.beams = BeamModel{.radius_mm = 120.5};
     p.beams->terms[3] = {{1, 2, 3, 4, 5, 6}, 0.25, 3};
-    p.rig = {.ambient = 0.0625f, .camera_distance_mm = 612.5f, .lamp_distance_mm = {}, .bend_per_mm = -1e-4f};
+    p.rig = {.ambient = 0.0625f,
+             .camera_distance_mm = 612.5f,
+             .lamp_distance_mm = {},
+             .bend_per_mm = -1e-4f,
+             .lamp_radius_deg = 2.5f};
     p.lamps = LampModel{{0.1, 0.2, -0.3, 0.4, 0.5, -0.6}, 0.4, 1e9};
     const Photography back = photography_from_json(json::parse(to_json(p).dump()));
     EXPECT_EQ(back.rig, p.rig);
     EXPECT_EQ(back.lamps, p.lamps);
     EXPECT_EQ(back.beams, p.beams);
     EXPECT_EQ(back.photos.at(0).light.beam, p.photos[0].light.beam);
+}
+
+TEST(PhotographyJson, HasLampsOfAPossibleSize) {
+    json j = to_json(Photography{});
+    j["rig"].erase("lamp_radius_deg");  // as before it was looked for
+    EXPECT_EQ(photography_from_json(j).rig.lamp_radius_deg, Rig::kPointLamp_deg);
+    for (const double deg : {-1.0, 46.0}) {
+        j["rig"]["lamp_radius_deg"] = deg;
+        EXPECT_EQ(error_of([&] { photography_from_json(j); }),
+                  fmt::format("rig.lamp_radius_deg = {} is outside [0, 45] deg", deg));
+    }
 }
 
 TEST(PhotographyJson, OfVersion01HasADistantRig) {

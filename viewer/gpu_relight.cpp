@@ -64,7 +64,7 @@ Image<Rgb> relight_with(Renderer& renderer, const Surface& surface, const std::v
              kMostLights);
     Scene scene{.lights = lights, .law = surface.law, .rig = surface.photography.rig, .model = options.model};
     scene.shadows = options.cast_shadows ? Shadows::marched : Shadows::none;
-    scene.light_radius_deg = options.light_radius_deg;
+    scene.light_radius_deg = light_radius_deg(surface, options);
     scene.ambient = options.ambient;
     const Shot whole = pixel_by_pixel(surface);
     Image<Rgb> picture(whole.width, whole.height);
