@@ -86,7 +86,8 @@ FinalHeight final_height(Surface& surface, const Survey& survey, const Transfer&
     };
     const auto integrate = [&](const HeightOptions& height, Image<HalfError>* errors, const Progress& shown) {
         result.report = integrate_normals(steeper.empty() ? surface.normal : steeper, surface.confidence,
-                                          surface.mm_per_pixel, surface.height_mm, height, shown, errors);
+                                          surface.mm_per_pixel, surface.height_mm, height, shown, errors,
+                                          !steeper.empty());
         result.plane = best_plane(surface.height_mm, surface.confidence);
         subtract(result.plane, surface.height_mm);
     };

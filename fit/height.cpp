@@ -69,7 +69,7 @@ HeightReport solve_robustly(SlopeEdges& edges, Image<float>& height_mm, const He
 
 HeightReport integrate_normals(const Image<Vec3>& normal, const Image<float>& confidence, double mm_per_pixel,
                                Image<float>& height_mm, const HeightOptions& options,
-                               const Progress& progress, Image<HalfError>* error_mm) {
+                               const Progress& progress, Image<HalfError>* error_mm, bool unmixed) {
     TP_REQUIRE(normal.region() == confidence.region(), "normals and confidence have one size");
     TP_REQUIRE(normal.size() > 0 && mm_per_pixel > 0, "there are pixels, of a positive size");
     validate(options);
@@ -79,6 +79,7 @@ HeightReport integrate_normals(const Image<Vec3>& normal, const Image<float>& co
     SlopeEdges edges(normal, confidence, mm_per_pixel, options.weight_floor);
     edges.weigh(nullptr);
     HeightReport result = solve_robustly(edges, height_mm, options, progress);
+    if (unmixed) edges.offset_part = kUnmixedOffset;
     if (error_mm) *error_mm = height_errors(edges, height_mm, progress);
     const Slope tilt = edges.tilt();
     subtract({-tilt.x * mm_per_pixel, -tilt.y * mm_per_pixel, 0}, height_mm);

@@ -118,7 +118,7 @@ float SlopeEdges::unexplained(float off_mm, float variance, int x, int y, int dr
 }
 
 float SlopeEdges::offset_mm(int x, int y) const {
-    return mm_ * kOffset * slope_spread(normal_, confidence_, x, y);
+    return mm_ * offset_part * slope_spread(normal_, confidence_, x, y);
 }
 
 void SlopeEdges::weigh(const Image<float>* z, float off_mm, float variance, HalfError& weight,

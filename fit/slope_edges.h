@@ -36,6 +36,9 @@ constexpr float kSharpest = 0.002f;
 // height's error, not a slope's: differences between neighbours have it as a gradient, which no loop of edges
 // shows and no weight averages out.
 constexpr float kOffset = 0.1f;
+// The same where what pixels mix was taken out of the slopes (mixed_slopes.h), by as much as is right: 0.06
+// to 0.08 (the same tests).
+constexpr float kUnmixedOffset = 0.07f;
 
 // [1] What one end of an edge adds to the variance of the edge's difference in height, in pixels.
 inline float edge_variance(float slope_variance, float spread) {
@@ -57,6 +60,7 @@ inline float cliff_factor(float r2) {
 class SlopeEdges {
 public:
     Image<HalfError> right, down;  // weights relative to the best edge's, as HeightMultigrid takes them
+    float offset_part = kOffset;   // of offset_mm(): kOffset or kUnmixedOffset
 
     // `unmeasured_weight`: of pixels of confidence 0, relative to the best.
     SlopeEdges(const Image<Vec3>& normal, const Image<float>& confidence, double mm_per_pixel,
