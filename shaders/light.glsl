@@ -83,14 +83,8 @@ float height_between(vec2 at) {
 
 bool inside(vec2 p) { return p.x >= 0.0 && p.y >= 0.0 && p.x <= float(v_size.x - 1) && p.y <= float(v_size.y - 1); }
 
-// Slope of the ground itself, not that of a step beside it.
-float slope_towards(vec2 at, float height, vec2 step_px) {
-    if (!inside(at + step_px)) return 0.0;
-    float after = height_between(at + step_px) - height;
-    float before = inside(at - step_px) ? height - height_between(at - step_px) : after;
-    if (before * after <= 0.0) return 0.0;
-    return (abs(before) < abs(after) ? before : after) / v_scene.x;
-}
+// Half of what the light's line rises within a pixel against ground of this slope [pixels].
+float half_width(vec3 direction, float across, float slope) { return 0.5 * max(direction.z - slope * across, 0.0); }
 #endif
 
 // Of light i, which comes from `direction`.
@@ -114,19 +108,21 @@ float visibility(int i, vec2 at, float height, vec3 direction) {
     float across = length(direction.xy);
     if (across < 1e-6) return 1.0;
     vec2 step_px = vec2(direction.x, -direction.y) / across;
-    float slope = slope_towards(at, height, step_px);
-    float radius = tan(v_exposure1.w), width = max(direction.z - slope * across, 0.0) * 0.57735027;
+    if (!inside(at + step_px)) return 1.0;
+    float radius = tan(v_exposure1.w);
+    float before = half_width(direction, across, (height_between(at + step_px) - height) / v_scene.x), behind = before;
+    if (inside(at - step_px)) behind = half_width(direction, across, (height - height_between(at - step_px)) / v_scene.x);
     float covered = -1.0, highest = (v_eye.w - height) / v_scene.x;
     for (float t = 1.0; covered < 1.0; t += 1.0) {
         float lean = covered * radius;
         bool matters = highest * (across - lean * direction.z) >
-                       t * (direction.z + lean * across) - max(-covered, 0.0) * width;
+                       t * (direction.z + lean * across) - max(-covered, 0.0) * before;
         vec2 p = at + t * step_px;
         if (!matters || !inside(p)) break;
         float rise = (height_between(p) - height) / v_scene.x;
         float far = radius * max(rise * direction.z + t * across, 0.0);
-        float disc = max(sqrt(far * far + width * width), 1e-6);
-        covered = max(covered, (rise * across - t * direction.z) / disc);
+        float above = rise * across - t * direction.z, width = above < 0.0 ? before : behind;
+        covered = max(covered, above / max(sqrt(far * far + width * width), 1e-6));
     }
     if (covered >= 1.0) return 0.0;
     return clamp((acos(covered) - covered * sqrt(max(1.0 - covered * covered, 0.0))) / kPi, 0.0, 1.0);

@@ -1,6 +1,5 @@
 #include "surface/cast_shadows.h"
 
-#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -26,6 +25,14 @@ float highest_of(const Image<float>& image, int x0, int y0, int x1, int y1) {
         for (int x = std::max(x0, 0); x < std::min(x1, image.width()); ++x)
             highest = std::max(highest, image(x, y));
     return highest;
+}
+
+float lowest_of(const Image<float>& image, int x0, int y0, int x1, int y1) {
+    float lowest = std::numeric_limits<float>::max();
+    for (int y = std::max(y0, 0); y < std::min(y1, image.height()); ++y)
+        for (int x = std::max(x0, 0); x < std::min(x1, image.width()); ++x)
+            lowest = std::min(lowest, image(x, y));
+    return lowest;
 }
 
 // One pixel for each block of `size` pixels a side.
@@ -58,16 +65,6 @@ float bilinear(const Image<float>& image, float x, float y) {
     return top + fy * (bottom - top);
 }
 
-// The largest second difference across a pixel, if there is one above 0.
-float hollow_mm(const Image<float>& z, int x, int y) {
-    constexpr std::array<std::array<int, 2>, 4> ways = {{{1, 0}, {0, 1}, {1, 1}, {1, -1}}};
-    float most = 0;
-    for (const auto& [dx, dy] : ways)
-        if (x >= dx && x + dx < z.width() && y >= std::abs(dy) && y + std::abs(dy) < z.height())
-            most = std::max(most, z(x + dx, y + dy) + z(x - dx, y - dy) - 2 * z(x, y));
-    return most;
-}
-
 }  // namespace
 
 CastShadows::CastShadows(const Image<float>& height_mm, double mm_per_pixel, double light_radius_deg)
@@ -95,17 +92,14 @@ float CastShadows::highest_around(std::size_t level, int x, int y) const {
 float CastShadows::steepest_horizon(int x, int y) const {
     const float z0 = height_mm_(x, y);
     if (std::isnan(z0)) return std::numeric_limits<float>::infinity();
-    // Relief with the tangent h, d pixels away, hides nothing where d (z - h across) >= kPixel w; and the
-    // ground slopes away from the light by no more than what is beside the pixel rises, so w <= z + beside
-    // across. One pixel away w <= z, as relief that rises there is no slope away from the light; and it rises
-    // by no more than the ground's slope and how hollow the ground is.
-    const float beside =
-        std::max(highest_of(height_mm_, x - 1, y - 1, x + 2, y + 2) - z0, 0.0f) / mm_per_pixel_;
-    const float hollow = hollow_mm(height_mm_, x, y) / mm_per_pixel_;
-    float steepest = std::min(beside / kLeastRest, beside + hollow / kLeastRest);
+    // Relief with the tangent h, d pixels away, hides nothing where d (z - h across) >= w / 2. One pixel away
+    // it is the ground's own slope, and w the same as what is left of it; farther away w <= z + drop across.
+    const float beside = (highest_of(height_mm_, x - 1, y - 1, x + 2, y + 2) - z0) / mm_per_pixel_;
+    const float drop = (z0 - lowest_of(height_mm_, x - 1, y - 1, x + 2, y + 2)) / mm_per_pixel_;
+    float steepest = std::max(beside, 0.0f);
     const auto meet = [&](float highest_mm, float distance) {
         const float tangent = (highest_mm - z0) / (distance * mm_per_pixel_), widened = kPixel / distance;
-        steepest = std::max(steepest, (tangent + widened * beside) / (1 - widened));
+        steepest = std::max(steepest, (tangent + widened * drop) / (1 - widened));
     };
     // 2 to 3, 4 to 7 … pixels away; beyond.
     float distance = kFinestBlock / 2;
@@ -129,8 +123,9 @@ public:
           dy_(-l.y / across),
           z0_(heights_(x, y)),
           cosine_(across),
-          sine_(l.z),
-          width_(kPixel * std::max(sine_ - slope() * cosine_, 0.0f)) {
+          sine_(l.z) {
+        if (is_inside(1))
+            before_ = half_width(rise(1)), behind_ = is_inside(-1) ? half_width(-rise(-1)) : before_;
         is(-1);
     }
 
@@ -153,35 +148,31 @@ public:
     void meet(float rise, float t) {
         if (hides_no_more(rise, t)) return;
         const float far = tangent_ * std::max(rise * sine_ + t * cosine_, 0.0f);
-        const float radius = std::max(std::sqrt(far * far + width_ * width_), kPoint);
-        const float now = (rise * cosine_ - t * sine_) / radius;
+        const float above = rise * cosine_ - t * sine_, width = above < 0 ? before_ : behind_;
+        const float now = above / std::max(std::sqrt(far * far + width * width), kPoint);
         if (now > covered_) is(now);
     }
     float covered() const { return covered_; }
 
 private:
-    // [1] Of the ground towards the light: its own, not that of a step beside it.
-    float slope() const {
-        if (!is_inside(1)) return 0;
-        const float after = rise(1), before = is_inside(-1) ? -rise(-1) : after;
-        if (!(before * after > 0)) return 0;
-        return std::abs(before) < std::abs(after) ? before : after;
-    }
+    // [pixels] Half of w.
+    float half_width(float slope) const { return kPixel * std::max(sine_ - slope * cosine_, 0.0f); }
 
     static constexpr float kPoint = 1e-6f;  // [pixels] radius of a point
 
-    // p > c sqrt((q tan)^2 + width^2) needs p > c q tan where c > 0, and p > c (q tan + width) where not:
+    // p > c sqrt((q tan)^2 + (w / 2)^2) needs p > c q tan where c > 0, and p > c (q tan + w / 2) where not:
     // with p and q by rise and t, both are linear.
     void is(float covered) {
         covered_ = covered;
         const float lean = covered * tangent_;
         per_rise_ = cosine_ - lean * sine_;
         per_step_ = sine_ + lean * cosine_;
-        lag_ = std::max(-covered, 0.0f) * width_;
+        lag_ = std::max(-covered, 0.0f) * before_;
     }
 
     const Image<float>& heights_;
-    float mm_, tangent_, x_, y_, dx_, dy_, z0_, cosine_, sine_, width_;
+    float mm_, tangent_, x_, y_, dx_, dy_, z0_, cosine_, sine_;
+    float before_ = 0, behind_ = 0;  // half_width() on the pixel's side towards the light, and on the other
     float covered_, per_rise_, per_step_, lag_;
 };
 

@@ -9,12 +9,13 @@ namespace tangi {
 
 // From a pixel one looks along the way to the light, in steps of one pixel, at the relief there (bilinear
 // between pixels). Relief that ends p pixels above that line (below: p < 0), q pixels along it, hides the
-// part of a disc that lies below c = p / sqrt((q tan(radius))^2 + w^2 / 3) of its radius: the disc of the
-// light, widened by what the pixel's own extent adds to it. For within a pixel the light's line rises by w =
-// sin(elevation) - slope cos(elevation) pixels against the ground, which slopes by `slope` towards the light;
-// both are taken together by their variances, R^2 / 4 of a disc and w^2 / 12 of a pixel. So shadows are what
-// a camera sees of them, their mean over a pixel: also those of a point. What hides most counts. A pixel
-// beyond the picture's border casts no shadow; nor do heights of one row or column.
+// part of a disc that lies below c = p / sqrt((q tan(radius))^2 + (w / 2)^2) of its radius: the disc of the
+// light, widened by the pixel's own extent. For within a pixel the light's line rises by w = sin(elevation) -
+// slope cos(elevation) pixels against the ground, which slopes by `slope` towards the light: before the
+// pixel's middle, where the edge of a shadow is that leaves the middle lit, else behind it. So shadows are
+// what a camera sees of them, their mean over a pixel: also those of a point, which begin where they reach
+// the pixel's border. What hides most counts. A pixel beyond the picture's border casts no shadow; nor do
+// heights of one row or column.
 //
 // Stretches over which nothing rises high enough to matter are skipped: of blocks of 4, 8, 16 … pixels the
 // highest point of them and their eight neighbours is known (a maximum mipmap: Tevs, Ihrke & Seidel 2008,
@@ -39,8 +40,8 @@ public:
     }
 
 private:
-    // [1] Radius of the disc that a pixel one wide adds, one pixel away, and what it leaves of 1.
-    static constexpr float kPixel = 0.57735027f, kLeastRest = 1 - kPixel;
+    // [1] Half a pixel, and what it leaves of the way to the next one.
+    static constexpr float kPixel = 0.5f, kLeastRest = 1 - kPixel;
     class Way;
 
     float covered(Way& way) const;

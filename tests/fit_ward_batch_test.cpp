@@ -20,7 +20,7 @@ WardFitOptions plain_options() {
 
 // Rendered once: tests take as many of them as they need.
 std::vector<PixelSamples> some_pixels(int count, int channels) {
-    static const std::vector<PixelSamples> grey = generated_pixels(101, 1), colour = generated_pixels(151, 3);
+    static const std::vector<PixelSamples> grey = generated_pixels(101, 1), colour = generated_pixels(401, 3);
     const std::vector<PixelSamples>& all = channels == 1 ? grey : colour;
     return {all.begin(), all.begin() + count};
 }
@@ -93,7 +93,7 @@ void expect_agreement(const std::vector<PixelSamples>& pixels, const WardFitOpti
     EXPECT_LE(ours, 1.005 * theirs);
 }
 
-TEST_P(WardBatchFit, FindsWhatWardFitterFinds) { expect_agreement(some_pixels(151, 3), plain_options()); }
+TEST_P(WardBatchFit, FindsWhatWardFitterFinds) { expect_agreement(some_pixels(401, 3), plain_options()); }
 
 TEST_P(WardBatchFit, FindsItForGreyPhotographs) { expect_agreement(some_pixels(101, 1), plain_options()); }
 
