@@ -74,11 +74,12 @@ Painting read_all(const RelightArguments& arguments, const Progress& progress) {
         const RelightOptions& o = arguments.options;
         if (in_vain) {  // any model will do
         } else if (!o.cast_shadows || o.model != WardModel::bounded ||
-                   light_radius_deg(canvas.dry(), o) != residual.light_radius_deg)
+                   static_cast<float>(light_radius_deg(canvas.dry(), o)) !=
+                       static_cast<float>(residual.light_radius_deg))
             throw UsageError(
                 fmt::format("--faithful: was fitted with --cast-shadows, --model bounded and "
                             "--light-radius-deg {}, and is no residual of anything else",
-                            residual.light_radius_deg));
+                            static_cast<float>(residual.light_radius_deg)));
     }
     Surface surface = appearance(canvas, look, progress);
     Image<float> bare = arguments.faithful ? bare_part(canvas) : Image<float>();

@@ -295,6 +295,7 @@ Photography photography_of(const PaintingTruth& truth, const GeneratorOptions& o
     Photography photography;  // without a model of gains: they are drawn one by one
     photography.transfer = o.transfer;
     photography.white_level = o.white_level;
+    photography.rig.lamp_radius_deg = static_cast<float>(o.light_radius_deg);
     const auto add = [&](const std::string& stem, int i, const Vec3& l, bool fitted) {
         const std::string name = fmt::format("{}_{:03}{}", stem, i, extension_of(o.format));
         const float width_mm = static_cast<float>(truth.width() * truth.mm_per_pixel);

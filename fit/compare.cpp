@@ -205,6 +205,8 @@ CompareReport compare(const Surface& surface, const Stack& photos, const Compare
     report_.width = surface.width();
     report_.height = surface.height();
     report_.options = options;
+    report_.options.light_radius_deg =
+        light_radius_deg(surface, {.light_radius_deg = options.light_radius_deg});
     report_.warnings = photos.warnings;
     report_.transfer = encoding_of(photos, surface.photography, report_.warnings);
     const PixelMask mask = pixels_to_compare(surface, photos);
@@ -221,6 +223,10 @@ CompareReport compare(const Surface& surface, const Stack& photos, const Compare
     const RelightOptions relighting{.cast_shadows = options.cast_shadows,
                                     .light_radius_deg = options.light_radius_deg};
     const Relighter relighter(surface, relighting, static_cast<int>(all.size()));
+    // A residual is one of a picture with these shadows.
+    const RelightOptions residuals_own{.cast_shadows = true, .light_radius_deg = residual.light_radius_deg};
+    const bool as_fitted =
+        options.cast_shadows && report_.options.light_radius_deg == residual.light_radius_deg;
     const glm::mat3 exposure = exposure_of(surface.photography), from(from_camera(surface.photography));
     // Used for one photograph after the other.
     Image<Rgb> relit(surface.width(), surface.height()), linear, faithful;
@@ -246,6 +252,7 @@ CompareReport compare(const Surface& surface, const Stack& photos, const Compare
         } else {
             linear = relight(surface, {&result.light, 1}, relighting);
             encode_picture(linear, report_.transfer, exposure, relit);
+            if (!as_fitted) linear = relight(surface, {&result.light, 1}, residuals_own);
             add_residual(residual, surface, {&result.light, 1}, {}, linear);
             encode_picture(linear, report_.transfer, exposure, faithful);
             result.faithful_psnr_db = std::min(psnr_db(photo->picture, faithful, present), kPsnrCap_db);

@@ -69,7 +69,7 @@ std::string distance(const std::optional<float>& mm, double relative, const Surf
 std::string lamp_radius(const FitResult& fit) {
     const LampRadius& found = fit.report.lamp_radius;
     const float deg = fit.surface.photography.rig.lamp_radius_deg;
-    if (found.tried.empty()) return fmt::format("{:.2g}°, not looked for", deg);
+    if (found.tried.empty()) return fmt::format("{:.2g}°, given or not looked for", deg);
     if (deg == Rig::kPointLamp_deg) return fmt::format("{:.2g}°: no shadows tell another", deg);
     return fmt::format("{:.1f}°, by the softness of shadows", deg);
 }

@@ -212,7 +212,8 @@ FitResult fit_painting(Stack stack, const FitOptions& options, const Progress& p
         stack.warnings.push_back(std::move(warning));
     describe_lights(stack, report_.lights, surface.photography);
     float& lamp_radius_deg = surface.photography.rig.lamp_radius_deg;
-    lamp_radius_deg = static_cast<float>(options.lamp_radius_deg.value_or(Rig::kPointLamp_deg));
+    report_.lamp_radius.deg = options.lamp_radius_deg.value_or(Rig::kPointLamp_deg);
+    lamp_radius_deg = static_cast<float>(report_.lamp_radius.deg);
     // Batches fit these pixels in no time, and laws that few pixels choose differ from sample to sample.
     const LightSample sample(stack, surveyed, transfer, noise, surface.mm_per_pixel, options.ward,
                              kForLaws * options.calibration.samples);

@@ -23,7 +23,7 @@ struct LampRadius {
 // shadows that the surface's height casts agree best with those of the photographs; a small lamp's where that
 // is not clearly better, or no shadows are seen. Where the height or the lamps' directions are a little off,
 // shadows end where they should not, and are softer in the mean than the lamps are large: so it is what
-// predicts photographs, and an upper bound of what a ruler would measure.
+// predicts photographs, not what a ruler would measure.
 LampRadius find_lamp_radius(const Surface& surface, const Survey& survey, const Transfer& transfer,
                             const Lighting& lighting);
 

@@ -31,6 +31,7 @@ constexpr double kTolerance = 1e-3;  // HeightOptions::tolerance: what is left a
 // that from all around.
 struct Lit {
     int x = 0, y = 0;
+    Vec3 direction{};  // of the light, from there
     double measured = 0, predicted = 0;
     double log_ratio = 0;  // of both, above noise
 };
@@ -44,14 +45,15 @@ std::vector<Lit> lit_by(const Surface& s, const Survey& survey, std::size_t phot
         const glm::ivec2 at = survey.positions[static_cast<std::size_t>(k)];
         const float stored = survey.sample(k)[photo * channels + green];
         if (!(s.confidence(at.x, at.y) > 0) || !std::isfinite(stored)) continue;
-        const float cosine = glm::dot(s.normal(at.x, at.y), light.direction);
+        const Incidence in = incidence(light, s.point_mm(at.x, at.y), s.photography.rig);
+        const float cosine = glm::dot(s.normal(at.x, at.y), in.direction);
         if (cosine < kLeastCosine) continue;
         const double predicted =
-            white_level * static_cast<double>(s.diffuse(at.x, at.y).g * cosine * light.gain.g);
+            white_level * static_cast<double>(s.diffuse(at.x, at.y).g * cosine * in.irradiance.g);
         if (predicted < 3 * dark) continue;
         const double around = predicted * static_cast<double>(s.photography.rig.ambient / cosine);
         const double measured = std::max(static_cast<double>(transfer.decode(stored)) - around, 0.0);
-        lit.push_back({at.x, at.y, measured, predicted,
+        lit.push_back({at.x, at.y, in.direction, measured, predicted,
                        std::clamp(std::log((measured + dark) / (predicted + dark)), kLeastLog, kMostLog)});
     }
     return lit;
@@ -205,7 +207,7 @@ double shadow_misfit(const Surface& surface, const Survey& survey, const Transfe
                 // Gloss is brighter than any lamp that is seen whole.
                 const double shown = std::min(sample.measured, sample.predicted);
                 const auto visible =
-                    static_cast<double>(shadows.visible_part(sample.x, sample.y, lights[i].direction));
+                    static_cast<double>(shadows.visible_part(sample.x, sample.y, sample.direction));
                 const double off =
                     (shown - visible * sample.predicted) / (sample.predicted + kDarkAsNoise * white_level);
                 squares[i] += off * off;

@@ -115,7 +115,8 @@ float visibility(int i, vec2 at, float height, vec3 direction) {
     float covered = -1.0, highest = (v_eye.w - height) / v_scene.x;
     for (float t = 1.0; covered < 1.0; t += 1.0) {
         float lean = covered * radius;
-        bool matters = highest * (across - lean * direction.z) >
+        bool matters = direction.z + lean * across < 0.0 ||
+                       highest * (across - lean * direction.z) >
                        t * (direction.z + lean * across) - max(-covered, 0.0) * before;
         vec2 p = at + t * step_px;
         if (!matters || !inside(p)) break;

@@ -141,7 +141,9 @@ public:
     float rise_of(float height_mm) const { return (height_mm - z0_) / mm_; }
 
     // Relief of this rise, t pixels away, hides no more than is hidden.
-    bool hides_no_more(float rise, float t) const { return rise * per_rise_ <= t * per_step_ - lag_; }
+    bool hides_no_more(float rise, float t) const {
+        return rise * sine_ + t * cosine_ >= 0 && rise * per_rise_ <= t * per_step_ - lag_;
+    }
     // The same of all that is farther away.
     bool falls_behind() const { return per_step_ >= 0; }
 
@@ -156,7 +158,9 @@ public:
 
 private:
     // [pixels] Half of w.
-    float half_width(float slope) const { return kPixel * std::max(sine_ - slope * cosine_, 0.0f); }
+    float half_width(float slope) const {
+        return kPixel * std::max(0.0f, sine_ - slope * cosine_);
+    }  // NaN: 0
 
     static constexpr float kPoint = 1e-6f;  // [pixels] radius of a point
 
@@ -179,8 +183,9 @@ private:
 float CastShadows::covered(Way& way) const {
     const float highest = way.rise_of(highest_mm_);
     std::size_t level = 0;
-    for (float t = 1; way.covered() < 1 && way.is_inside(t) && !way.hides_no_more(highest, t);) {
+    for (float t = 1; way.covered() < 1 && way.is_inside(t);) {
         if (way.falls_behind()) {
+            if (way.hides_no_more(highest, t)) break;
             const float around = highest_around(level, way.column(t), way.row(t));
             if (way.hides_no_more(way.rise_of(around), t)) {
                 t += static_cast<float>(kFinestBlock << level);

@@ -36,7 +36,7 @@ public:
     // Whether all of a light is so far above a horizon of this tangent that visible_part() of a pixel with
     // this steepest_horizon() is 1. `across`: length of the direction's x and y.
     bool clears(float horizon, float across, float z) const {
-        return z - horizon * across >= tangent_ / kLeastRest * (across + horizon * z);
+        return z > 0 && z - horizon * across >= tangent_ / kLeastRest * (across + horizon * z);
     }
 
 private:

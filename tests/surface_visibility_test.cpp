@@ -221,6 +221,40 @@ TEST(CastShadows, AreThoseOfAMarchOverEveryPixel) {
     }
 }
 
+// Large lamps, points, lights below the horizon and near the zenith; pits and cliffs many pixels deep.
+TEST(CastShadows, AreThoseOfAMarchWhateverTheLight) {
+    Random random(9);
+    Image<float> z = hills(60, 50);
+    for (int y = 10; y < 20; ++y)
+        for (int x = 30; x < 34; ++x) z(x, y) -= 25;
+    for (int y = 0; y < 50; ++y)
+        for (int x = 45; x < 60; ++x) z(x, y) += 15;
+    for (const double radius_deg : {0.0, 0.25, 8.0, 45.0}) {
+        const CastShadows shadows(z, 0.7, radius_deg);
+        int clear_at_sight = 0;
+        for (int i = 0; i < 4000; ++i) {
+            const int x = random.below(60), y = random.below(50);
+            const double azimuth = random.uniform(0, 2 * std::numbers::pi);
+            const double elevation = random.uniform(-60, 89.9) * kDegree;
+            const glm::dvec3 l(std::cos(elevation) * std::cos(azimuth),
+                               std::cos(elevation) * std::sin(azimuth), std::sin(elevation));
+            const double expected = marched(z, x, y, l, 0.7, radius_deg * kDegree);
+            const float part = shadows.visible_part(x, y, Vec3(l));
+            // Where a point just meets an edge, rounding decides.
+            if (radius_deg > 0 || (expected > 0 && expected < 1)) {
+                ASSERT_NEAR(part, expected, 3e-3)
+                    << x << ", " << y << " radius " << radius_deg << " elevation " << elevation / kDegree;
+            }
+            if (shadows.clears(shadows.steepest_horizon(x, y), static_cast<float>(std::cos(elevation)),
+                               static_cast<float>(l.z))) {
+                ++clear_at_sight;
+                ASSERT_EQ(part, 1) << x << ", " << y << " radius " << radius_deg;
+            }
+        }
+        EXPECT_GT(clear_at_sight, radius_deg < 10 ? 10 : -1) << radius_deg;
+    }
+}
+
 TEST(CastShadows, OfWhatIsNotANumberAreNone) {
     Image<float> z(40, 40);
     z(20, 20) = std::numeric_limits<float>::quiet_NaN();
@@ -228,6 +262,8 @@ TEST(CastShadows, OfWhatIsNotANumberAreNone) {
     const CastShadows shadows(z, 1, 0);
     EXPECT_EQ(shadows.visible_part(20, 20, glm::normalize(Vec3(1, 0, 0.1f))), 1);
     EXPECT_EQ(shadows.visible_part(15, 20, glm::normalize(Vec3(1, 0, 0.5f))), 1);
+    EXPECT_EQ(shadows.visible_part(25, 20, glm::normalize(Vec3(1, 0, 0.5f))), 0);
+    z(24, 20) = z(20, 20);  // behind a pixel
     EXPECT_EQ(shadows.visible_part(25, 20, glm::normalize(Vec3(1, 0, 0.5f))), 0);
     EXPECT_FALSE(shadows.clears(shadows.steepest_horizon(20, 20), 0.1f, 0.9f));
 }
