@@ -113,7 +113,8 @@ FinalHeight final_height(Surface& surface, const Survey& survey, const Transfer&
         // Cliffs are where photographs show their shadows. Slopes that err by more than they say disagree
         // everywhere.
         if (options.robust_sweeps > 0)
-            if (const double now = misfit_with(options.robust_sweeps); now < least) {
+            if (const double now = misfit_with(options.robust_sweeps);
+                now < (1 - kShadowsClearlyBetter) * least) {
                 least = now;
                 sweeps = options.robust_sweeps;
             }
