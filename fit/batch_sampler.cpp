@@ -2,10 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
 #include "surface/error.h"
 
-#include "fit/ward_targets.h"  // before Highway
+#include "surface/vector_targets.h"  // before Highway
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "fit/batch_sampler.cpp"
@@ -170,7 +171,7 @@ void BatchSampler::fill(const Band& band, const Surface& surface, int x0, int y,
             const float* row = band.row(i, c, y) + x0;
             float* lanes = batch.value[k].data();
             if (count == kWardLanes) {  // a copy of known size takes no call
-                std::copy(row, row + kWardLanes, lanes);
+                std::memcpy(lanes, row, sizeof(WardLane));
                 continue;
             }
             std::copy(row, row + count, lanes);

@@ -7,7 +7,7 @@
 
 #include "surface/error.h"
 
-#include "fit/ward_targets.h"  // before Highway
+#include "surface/vector_targets.h"  // before Highway
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "fit/colour_rows.cpp"

@@ -84,10 +84,15 @@ FinalHeight final_height(Surface& surface, const Survey& survey, const Transfer&
         height.tolerance = std::max(kTrialTolerance, options.tolerance);
         return height;
     };
-    const auto integrate = [&](const HeightOptions& height, Image<HalfError>* errors, const Progress& shown) {
-        result.report = integrate_normals(steeper.empty() ? surface.normal : steeper, surface.confidence,
-                                          surface.mm_per_pixel, surface.height_mm, height, shown, errors,
-                                          !steeper.empty());
+    // `resumes`: from what was integrated last. Past cliffs long waves come right slowly, and slopes that mix
+    // less have nearly the same cliffs.
+    const auto integrate = [&](const HeightOptions& height, bool resumes, Image<HalfError>* errors,
+                               const Progress& shown) {
+        if (resumes) subtract({-result.plane.a, -result.plane.b, -result.plane.c}, surface.height_mm);
+        result.report =
+            integrate_normals(steeper.empty() ? surface.normal : steeper, surface.confidence,
+                              surface.mm_per_pixel, surface.height_mm, height, shown,
+                              {.error_mm = errors, .unmixed = !steeper.empty(), .resumes = resumes});
         result.plane = best_plane(surface.height_mm, surface.confidence);
         subtract(result.plane, surface.height_mm);
     };
@@ -97,23 +102,23 @@ FinalHeight final_height(Surface& surface, const Survey& survey, const Transfer&
     };
     constexpr double trials = 2 + kMixings.size();
     double tried = 0;
-    const auto misfit_with = [&](int robust_sweeps) {
-        integrate(trial(robust_sweeps), nullptr, Progress([&](std::string_view, double done) {
+    const auto misfit_with = [&](bool cliffs, int robust_sweeps) {
+        integrate(trial(robust_sweeps), cliffs, nullptr, Progress([&](std::string_view, double done) {
                       return !progress || progress("cliffs", (tried + done) / trials);
                   }));
         ++tried;
-        choice.trials.push_back({robust_sweeps > 0, choice.mixing, false, misfit()});
+        choice.trials.push_back({cliffs, choice.mixing, false, misfit()});
         return choice.trials.back().shadow_misfit;
     };
     int sweeps = 0;
     // Shadows tell one mixing for all pixels, in steps of two: at a pixel it may as well be half of that.
     Image<float> less_steep;
     if (evidence.shadows_tell) {
-        double least = misfit_with(0);
+        double least = misfit_with(false, 0);
         // Cliffs are where photographs show their shadows. Slopes that err by more than they say disagree
         // everywhere.
         if (options.robust_sweeps > 0)
-            if (const double now = misfit_with(options.robust_sweeps);
+            if (const double now = misfit_with(true, options.robust_sweeps);
                 now < (1 - kShadowsClearlyBetter) * least) {
                 least = now;
                 sweeps = options.robust_sweeps;
@@ -121,21 +126,21 @@ FinalHeight final_height(Surface& surface, const Survey& survey, const Transfer&
         double chosen = 0;
         for (const double mixing : kMixings) {
             take(mixing);
-            const double now = misfit_with(sweeps);
+            const double now = misfit_with(sweeps > 0, 0);
             if (!(now < (1 - kShadowsClearlyBetter) * least)) break;
             least = now;
             chosen = mixing;
         }
         if (chosen > 0 && error_mm) {
             take(chosen / 2);
-            integrate(trial(sweeps), nullptr, {});
+            integrate(trial(0), sweeps > 0, nullptr, {});
             less_steep = surface.height_mm;
         }
         take(chosen);
         report(progress, "cliffs", 1);  // the steepest are only tried where less steep ones are better
     }
     choice.cliffs = sweeps > 0;
-    integrate(with_sweeps(sweeps), error_mm, progress);
+    integrate(with_sweeps(sweeps), sweeps > 0, error_mm, progress);
     if (!less_steep.empty()) add_disagreement(surface.height_mm, less_steep, *error_mm);
     if (!before.empty()) {
         const double now = misfit();

@@ -42,12 +42,12 @@ void solve(HeightMultigrid& grid, double flat, double tolerance, int most, int a
 
 // The grid and its memory are gone when this returns.
 HeightReport solve_robustly(SlopeEdges& edges, Image<float>& height_mm, const HeightOptions& options,
-                            const Progress& progress) {
+                            bool resumes, const Progress& progress) {
     HeightMultigrid grid(edges.right, edges.down, height_mm);
     edges.divergence(grid.b());
     grid.coarsen();
-    const double flat = grid.norms().residual;
-    grid.start();
+    const double flat = grid.flat();
+    if (!resumes) grid.start();
     HeightReport result;
     for (int sweep = 0; flat > 0 && sweep < options.robust_sweeps; ++sweep) {
         // Not before the height is nearly that of these weights: else long waves that are still on their way
@@ -69,19 +69,23 @@ HeightReport solve_robustly(SlopeEdges& edges, Image<float>& height_mm, const He
 
 HeightReport integrate_normals(const Image<Vec3>& normal, const Image<float>& confidence, double mm_per_pixel,
                                Image<float>& height_mm, const HeightOptions& options,
-                               const Progress& progress, Image<HalfError>* error_mm, bool unmixed) {
+                               const Progress& progress, const HeightTask& task) {
     TP_REQUIRE(normal.region() == confidence.region(), "normals and confidence have one size");
     TP_REQUIRE(normal.size() > 0 && mm_per_pixel > 0, "there are pixels, of a positive size");
     validate(options);
+    const bool resumes = task.resumes && height_mm.region() == normal.region();
     if (height_mm.region() != normal.region()) height_mm = Image<float>(normal.width(), normal.height());
-    std::fill(height_mm.pixels().begin(), height_mm.pixels().end(), 0.0f);
 
     SlopeEdges edges(normal, confidence, mm_per_pixel, options.weight_floor);
-    edges.weigh(nullptr);
-    HeightReport result = solve_robustly(edges, height_mm, options, progress);
-    if (unmixed) edges.offset_part = kUnmixedOffset;
-    if (error_mm) *error_mm = height_errors(edges, height_mm, progress);
     const Slope tilt = edges.tilt();
+    if (resumes)
+        subtract({tilt.x * mm_per_pixel, tilt.y * mm_per_pixel, 0}, height_mm);
+    else
+        std::fill(height_mm.pixels().begin(), height_mm.pixels().end(), 0.0f);
+    edges.weigh(resumes ? &height_mm : nullptr);
+    HeightReport result = solve_robustly(edges, height_mm, options, resumes, progress);
+    if (task.unmixed) edges.offset_part = kUnmixedOffset;
+    if (task.error_mm) *task.error_mm = height_errors(edges, height_mm, progress);
     subtract({-tilt.x * mm_per_pixel, -tilt.y * mm_per_pixel, 0}, height_mm);
     remove_mean(height_mm);
     report(progress, "height", 1);

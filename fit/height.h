@@ -48,11 +48,15 @@ struct HeightReport {
 // 1977): slopes of a cliff are no integral of its height, and what goes around it knows better. The constant
 // is fixed by a mean of 0. Solved by multigrid (height_grid.h), down to the tolerance or to the rounding of
 // floats; the result does not depend on the number of threads. Memory beyond the surface: 21 bytes a pixel.
-// `error_mm`, where not null, becomes height_errors() (height_error.h); `unmixed`: what pixels mix was taken
-// out of these normals (mixed_slopes.h), which leaves less.
+// With `resumes`, height_mm is already one of about these slopes: cycles and weights begin with it.
+struct HeightTask {
+    Image<HalfError>* error_mm = nullptr;  // where not null, becomes height_errors() (height_error.h)
+    // What pixels mix was taken out of these normals (mixed_slopes.h), which leaves less.
+    bool unmixed = false;
+    bool resumes = false;
+};
 HeightReport integrate_normals(const Image<Vec3>& normal, const Image<float>& confidence, double mm_per_pixel,
                                Image<float>& height_mm, const HeightOptions& options = {},
-                               const Progress& progress = {}, Image<HalfError>* error_mm = nullptr,
-                               bool unmixed = false);
+                               const Progress& progress = {}, const HeightTask& task = {});
 
 }  // namespace tangi

@@ -163,12 +163,10 @@ TwoSums ordered_sums(int width, int height, const Row& row) {
 void take_step(HeightGrid& g) {
     const auto [gain, bend] = ordered_sums(g.width, g.height, [&](int y, float* applied) {
         const float *step = g.step.row(y).data(), *b = g.b.row(y).data();
-        TwoSums sums{};
         apply(g, *g.z, y, applied);
-        for (int x = 0; x < g.width; ++x) sums[0] += double(step[x]) * (b[x] - applied[x]);
+        const double gained = product_of_rest(g.width, step, b, applied);
         apply(g, g.step, y, applied);
-        for (int x = 0; x < g.width; ++x) sums[1] += double(step[x]) * applied[x];
-        return sums;
+        return TwoSums{gained, product(g.width, step, applied)};
     });
     if (!(bend > 0)) return;
     const float length = static_cast<float>(gain / bend);
@@ -259,15 +257,22 @@ HeightMultigrid::Norms HeightMultigrid::norms() const {
     const auto [residual, value] = ordered_sums(g.width, g.height, [&](int y, float* solved) {
         solve(g, y, solved);
         const float* z = std::as_const(*g.z).row(y).data();
-        TwoSums sums{};
-        for (int x = 0; x < g.width; ++x) {
-            const double r = solved[x] - z[x];
-            sums[0] += r * r;
-            sums[1] += double(z[x]) * z[x];
-        }
-        return sums;
+        return TwoSums{squared_difference(g.width, solved, z), product(g.width, z, z)};
     });
     return {std::sqrt(residual), std::numeric_limits<float>::epsilon() * std::sqrt(value)};
+}
+
+double HeightMultigrid::flat() const {
+    const HeightGrid& g = grids_[0];
+    const std::vector<float> zeros(static_cast<std::size_t>(g.width));
+    const auto [residual, unused] = ordered_sums(g.width, g.height, [&](int y, float* solved) {
+        g.with_row(*g.z, y, [&](auto row) {
+            row.above = row.here = row.below = zeros.data();
+            solve_row(row, g.b.row(y).data(), solved);
+        });
+        return TwoSums{product(g.width, solved, solved), 0};
+    });
+    return std::sqrt(residual);
 }
 
 }  // namespace tangi

@@ -69,6 +69,7 @@ public:
         double residual, rounding;
     };
     Norms norms() const;
+    double flat() const;  // [mm] the residual of z = 0
 
 private:
     std::vector<HeightGrid> grids_;  // from the finest

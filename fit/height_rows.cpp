@@ -95,4 +95,41 @@ void interpolate_row(const HeightRow<HalfError>& row, const CoarseAround& coarse
     interpolate(row, coarse, downwards, values);
 }
 
+namespace {
+
+constexpr int kSums = 16;  // side by side
+
+// Sum of term(i) over i < n.
+template <class Term>
+TP_INLINE double sum_of(int n, const Term& term) {
+    double sums[kSums] = {};
+    int i = 0;
+    for (; i + kSums <= n; i += kSums)
+        for (int k = 0; k < kSums; ++k) sums[k] += term(i + k);
+    for (int k = 0; i + k < n; ++k) sums[k] += term(i + k);
+    double all = 0;
+    for (const double sum : sums) all += sum;
+    return all;
+}
+
+}  // namespace
+
+TP_VECTOR_CLONES
+double product(int n, const float* a, const float* b) {
+    return sum_of(n, [&](int i) TP_INLINE_LAMBDA { return double(a[i]) * double(b[i]); });
+}
+
+TP_VECTOR_CLONES
+double product_of_rest(int n, const float* a, const float* b, const float* c) {
+    return sum_of(n, [&](int i) TP_INLINE_LAMBDA { return double(a[i]) * double(b[i] - c[i]); });
+}
+
+TP_VECTOR_CLONES
+double squared_difference(int n, const float* a, const float* b) {
+    return sum_of(n, [&](int i) TP_INLINE_LAMBDA {
+        const double off = a[i] - b[i];
+        return off * off;
+    });
+}
+
 }  // namespace tangi

@@ -50,4 +50,10 @@ void interpolate_row(const HeightRow<float>& row, const CoarseAround& coarse, bo
 void interpolate_row(const HeightRow<HalfError>& row, const CoarseAround& coarse, bool downwards,
                      float* values);
 
+// Sums over rows of n floats, in doubles and in an order that no processor changes: of a b, of a (b - c) and
+// of (a - b)^2.
+double product(int n, const float* a, const float* b);
+double product_of_rest(int n, const float* a, const float* b, const float* c);
+double squared_difference(int n, const float* a, const float* b);
+
 }  // namespace tangi

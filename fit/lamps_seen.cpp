@@ -6,6 +6,7 @@
 
 #include "surface/error.h"
 #include "surface/parallel.h"
+#include "surface/vector_clones.h"
 
 namespace tangi {
 
@@ -45,6 +46,45 @@ Lanes lanes_of(const Surface& surface, const CastShadows& shadows, int x0, int y
     return lanes;
 }
 
+// Of a photograph, sums over the channels: what a matt surface would show of the lamp, what it shows of it,
+// and the noise of that; 1 where that tells nothing, and where it is at least as much.
+struct Shown {
+    WardLane full, value, noise, missing, clipped;
+};
+
+TP_VECTOR_CLONES
+void find_shown(const WardBatch& batch, const Lanes& lanes, std::size_t photo, Shown& shown) {
+    const float *lx = batch.light[photo][0].data(), *ly = batch.light[photo][1].data(),
+                *lz = batch.light[photo][2].data(), *ambient = batch.ambient[photo].data();
+    float n_l[kWardLanes], full[kWardLanes] = {}, value[kWardLanes] = {}, noise[kWardLanes] = {},
+                           missing[kWardLanes], clipped[kWardLanes] = {};
+    for (int i = 0; i < kWardLanes; ++i) {
+        n_l[i] = lanes.normal[0].data()[i] * lx[i] + lanes.normal[1].data()[i] * ly[i] +
+                 lanes.normal[2].data()[i] * lz[i];
+        missing[i] = n_l[i] > kGrazing ? 1 - lanes.known.data()[i] : 1.0f;
+    }
+    const auto channels = static_cast<std::size_t>(batch.channels);
+    for (std::size_t c = 0; c < channels; ++c) {
+        const std::size_t at = photo * channels + c;
+        const float *irradiance = batch.irradiance[at].data(), *measured = batch.value[at].data(),
+                    *sigma = batch.sigma[at].data(), *diffuse = lanes.diffuse[c].data();
+        for (int i = 0; i < kWardLanes; ++i) {
+            const float matt = irradiance[i] * diffuse[i];
+            full[i] += matt * n_l[i];
+            value[i] += measured[i] - matt * ambient[i];
+            noise[i] += std::abs(sigma[i]);
+            missing[i] = sigma[i] == 0 ? 1.0f : missing[i];
+            clipped[i] = sigma[i] < 0 ? 1.0f : clipped[i];
+        }
+    }
+    for (const auto& [from, to] : {std::pair{full, &shown.full},
+                                   {value, &shown.value},
+                                   {noise, &shown.noise},
+                                   {missing, &shown.missing},
+                                   {clipped, &shown.clipped}})
+        std::copy_n(from, kWardLanes, to->data());
+}
+
 }  // namespace
 
 LampsSeen::LampsSeen(int width, int height, int photos)
@@ -60,40 +100,39 @@ void LampsSeen::look(const WardBatch& batch, const Surface& surface, const CastS
                      int y, int count) {
     const Lanes lanes = lanes_of(surface, shadows, x0, y, count);
     std::vector<LampSeen>& row = rows_[static_cast<std::size_t>(y)];
-    const auto channels = static_cast<std::size_t>(batch.channels);
+    Shown shown;
     for (std::size_t photo = 0; photo < batch.light.size(); ++photo) {
         const auto& [lx, ly, lz] = batch.light[photo];
-        WardLane n_l, full, value, noise, missing, clipped;
-        for (int lane = 0; lane < kWardLanes; ++lane) {
-            n_l[lane] = lanes.normal[0][lane] * lx[lane] + lanes.normal[1][lane] * ly[lane] +
-                        lanes.normal[2][lane] * lz[lane];
-            missing[lane] = n_l[lane] > kGrazing ? 1 - lanes.known[lane] : 1.0f;
-        }
-        for (std::size_t c = 0; c < channels; ++c) {
-            const std::size_t at = photo * channels + c;
-            for (int lane = 0; lane < kWardLanes; ++lane) {
-                const float matt = batch.irradiance[at][lane] * lanes.diffuse[c][lane];
-                full[lane] += matt * n_l[lane];
-                value[lane] += batch.value[at][lane] - matt * batch.ambient[photo][lane];
-                noise[lane] += std::abs(batch.sigma[at][lane]);
-                missing[lane] = batch.sigma[at][lane] == 0 ? 1.0f : missing[lane];
-                clipped[lane] = batch.sigma[at][lane] < 0 ? 1.0f : clipped[lane];
-            }
-        }
+        find_shown(batch, lanes, photo, shown);
+        const auto& [full, value, noise, missing, clipped] = shown;
+        std::uint32_t hidden = 0, lit = 0;
+        std::array<WardLane, 3> lower;  // towards the lamp, but under a horizon that were higher
         for (int lane = 0; lane < count; ++lane) {
             if (missing[lane] != 0 || !(full[lane] > kVisible * noise[lane])) continue;
-            const bool hidden = value[lane] < kInShadow * full[lane];
-            if (hidden && clipped[lane] != 0) continue;  // it is at least as bright
-            if (!hidden && !(value[lane] > kLit * full[lane])) continue;
-            const float across = std::sqrt(lx[lane] * lx[lane] + ly[lane] * ly[lane]);
-            const float lower = lz[lane] - kMoreRelief * across;
-            if (!hidden &&
-                (shadows.clears(lanes.horizon[lane], across, lower) ||
-                 shadows.visible_part(x0 + lane, y, glm::normalize(Vec3(lx[lane], ly[lane], lower))) == 1))
+            const std::uint32_t bit = std::uint32_t{1} << lane;
+            if (value[lane] < kInShadow * full[lane]) {
+                if (clipped[lane] == 0) hidden |= bit;  // else it is at least as bright
                 continue;
-            row.push_back(
-                {static_cast<std::uint32_t>(x0 + lane), static_cast<std::uint16_t>(photo), 0, !hidden});
+            }
+            if (!(value[lane] > kLit * full[lane])) continue;
+            const float across = std::sqrt(lx[lane] * lx[lane] + ly[lane] * ly[lane]);
+            const Vec3 l(lx[lane], ly[lane], lz[lane] - kMoreRelief * across);
+            if (shadows.clears(lanes.horizon[lane], across, l.z)) continue;
+            lit |= bit;
+            const Vec3 direction = glm::normalize(l);
+            for (int k = 0; k < 3; ++k) lower[static_cast<std::size_t>(k)][lane] = direction[k];
         }
+        if (lit != 0) {
+            WardLane parts;
+            shadows.visible_parts(x0, y, {lower[0].data(), lower[1].data(), lower[2].data()}, lit,
+                                  parts.data());
+            for (int lane = 0; lane < count; ++lane)
+                if ((lit >> lane & 1) && parts[lane] == 1) lit &= ~(std::uint32_t{1} << lane);
+        }
+        for (int lane = 0; lane < count; ++lane)
+            if ((hidden | lit) >> lane & 1)
+                row.push_back({static_cast<std::uint32_t>(x0 + lane), static_cast<std::uint16_t>(photo), 0,
+                               (lit >> lane & 1) != 0});
     }
 }
 

@@ -5,6 +5,7 @@
 
 #include "surface/error.h"
 #include "surface/parallel.h"
+#include "surface/vector_clones.h"
 
 namespace tangi {
 
@@ -99,29 +100,38 @@ std::vector<float> inverse_scales2(const Row& row, std::size_t width) {
     return result;
 }
 
+// Adds what a neighbour says of a number of the lobe of pixel i, as far as it is `alike`.
+TP_INLINE void add_told(float alike, float value, float weight, int i, float* __restrict weights,
+                        float* __restrict sums, float* __restrict squares, float* __restrict counts) {
+    const float w = alike * weight;
+    weights[i] += w;
+    sums[i] += w * value;
+    squares[i] += w * value * value;
+    counts[i] += weight > 0 ? alike : 0.0f;
+}
+
 // Adds what `row` has `shift` columns to the right of each pixel of `own`. How alike two colours are falls
 // from 1 to 0 by Tukey's biweight, which near 1 is a Gaussian.
-void add_neighbours(const Row& own, const Row& row, int shift, const std::vector<float>& inverse_scale2,
+TP_VECTOR_CLONES
+void add_neighbours(const Row& own, const Row& row, int shift, const std::vector<float>& inverse_scales2,
                     Moments& ln_alpha, Moments& specular) {
-    const std::size_t size = inverse_scale2.size();
-    const float *r = own.red.data() + kLobeReach, *g = own.green.data() + kLobeReach,
-                *b = own.blue.data() + kLobeReach;
-    const std::ptrdiff_t at = kLobeReach + shift;
+    const int size = static_cast<int>(inverse_scales2.size());
+    const std::ptrdiff_t here = kLobeReach, at = kLobeReach + shift;
+    const float *r = own.red.data() + here, *g = own.green.data() + here, *b = own.blue.data() + here;
     const float *nr = row.red.data() + at, *ng = row.green.data() + at, *nb = row.blue.data() + at;
-    const float *a = row.ln_alpha.data() + at, *aw = row.ln_alpha_weight.data() + at;
-    const float *s = row.specular.data() + at, *sw = row.specular_weight.data() + at;
-    for (std::size_t i = 0; i < size; ++i) {
-        const float distance2 = square(nr[i] - r[i]) + square(ng[i] - g[i]) + square(nb[i] - b[i]);
-        const float alike = square(std::max(1 - distance2 * inverse_scale2[i], 0.0f));
-        const float wa = alike * aw[i], ws = alike * sw[i];
-        ln_alpha.weight[i] += wa;
-        ln_alpha.sum[i] += wa * a[i];
-        ln_alpha.squares[i] += wa * a[i] * a[i];
-        ln_alpha.count[i] += aw[i] > 0 ? alike : 0.0f;
-        specular.weight[i] += ws;
-        specular.sum[i] += ws * s[i];
-        specular.squares[i] += ws * s[i] * s[i];
-        specular.count[i] += sw[i] > 0 ? alike : 0.0f;
+    const float *a = row.ln_alpha.data() + at, *a_weight = row.ln_alpha_weight.data() + at;
+    const float *s = row.specular.data() + at, *s_weight = row.specular_weight.data() + at;
+    const float* inverse_scale2 = inverse_scales2.data();
+    float *__restrict aw = ln_alpha.weight.data(), *__restrict as = ln_alpha.sum.data(),
+          *__restrict aq = ln_alpha.squares.data(), *__restrict an = ln_alpha.count.data();
+    float *__restrict sw = specular.weight.data(), *__restrict ss = specular.sum.data(),
+          *__restrict sq = specular.squares.data(), *__restrict sn = specular.count.data();
+    for (int i = 0; i < size; ++i) {
+        const float red = nr[i] - r[i], green = ng[i] - g[i], blue = nb[i] - b[i];
+        const float distance2 = red * red + green * green + blue * blue;
+        const float near = std::max(1 - distance2 * inverse_scale2[i], 0.0f), alike = near * near;
+        add_told(alike, a[i], a_weight[i], i, aw, as, aq, an);
+        add_told(alike, s[i], s_weight[i], i, sw, ss, sq, sn);
     }
 }
 

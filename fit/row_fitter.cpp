@@ -105,14 +105,14 @@ void RowFitter::shade(const CastShadows& shadows, int x0, int y, int count) {
     for (int lane = 0; lane < count; ++lane) steepest[lane] = shadows.steepest_horizon(x0 + lane, y);
     for (std::size_t i = 0; i < batch_.light.size(); ++i) {
         const auto& [lx, ly, lz] = batch_.light[i];
-        WardLane clear;
-        for (int lane = 0; lane < kWardLanes; ++lane) {
+        std::uint32_t doubtful = 0;
+        for (int lane = 0; lane < count; ++lane) {
             const float across = std::sqrt(lx[lane] * lx[lane] + ly[lane] * ly[lane]);
-            clear[lane] = shadows.clears(steepest[lane], across, lz[lane]);
+            doubtful |= std::uint32_t{!shadows.clears(steepest[lane], across, lz[lane])} << lane;
         }
-        for (int lane = 0; lane < count; ++lane)
-            if (clear[lane] == 0)
-                batch_.visible[i][lane] = shadows.visible_part(x0 + lane, y, {lx[lane], ly[lane], lz[lane]});
+        if (doubtful != 0)
+            shadows.visible_parts(x0, y, {lx.data(), ly.data(), lz.data()}, doubtful,
+                                  batch_.visible[i].data());
     }
 }
 

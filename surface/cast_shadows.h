@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "surface/image.h"
+#include "surface/shadow_march.h"
 
 namespace tangi {
 
@@ -25,9 +26,16 @@ class CastShadows {
 public:
     // `light_radius_deg`: angular radius of the lights, at least 0.
     CastShadows(const Image<float>& height_mm, double mm_per_pixel, double light_radius_deg);
+    CastShadows(const CastShadows&) = delete;
+    CastShadows& operator=(const CastShadows&) = delete;
 
     // Part, 0..1, of a light in this direction [unit vector] that reaches a pixel, in the mean over it.
     float visible_part(int x, int y, const Vec3& direction) const;
+
+    // The same of the pixels (x, y) to (x + kMarchLanes - 1, y) whose bit of `which`, from the lowest on, is
+    // set; each has a light of its own. Other parts stay what they are. Several times as fast as one by one;
+    // differs from that by rounding.
+    void visible_parts(int x, int y, const MarchLights& lights, std::uint32_t which, float* parts) const;
 
     // [1] Tangent of an elevation above which a point is seen by all of a pixel, whatever the direction;
     // infinite where the height is not a number. An upper bound, at least 0.
@@ -36,21 +44,17 @@ public:
     // Whether all of a light is so far above a horizon of this tangent that visible_part() of a pixel with
     // this steepest_horizon() is 1. `across`: length of the direction's x and y.
     bool clears(float horizon, float across, float z) const {
-        return z > 0 && z - horizon * across >= tangent_ / kLeastRest * (across + horizon * z);
+        return z > 0 && z - horizon * across >= scene_.tangent / kLeastRest * (across + horizon * z);
     }
 
 private:
     // [1] Half a pixel, and what it leaves of the way to the next one.
     static constexpr float kPixel = 0.5f, kLeastRest = 1 - kPixel;
-    class Way;
-
-    float covered(Way& way) const;
-    float highest_around(std::size_t level, int x, int y) const;
 
     const Image<float>& height_mm_;
-    float mm_per_pixel_, tangent_, highest_mm_;  // tangent_: of the lights' radius
-    // [kFinest + k] of the blocks of 2^(kFinest + k) pixels: the highest point of each and its neighbours
+    // [k] of the blocks of 2^(kFinestBlock + k) pixels: the highest point of each and its neighbours
     std::vector<Image<float>> highest_;
+    ShadowScene scene_;  // of both
 };
 
 }  // namespace tangi

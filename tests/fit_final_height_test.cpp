@@ -118,7 +118,7 @@ TEST(FinalHeight, ItsErrorSaysThatHowSteepSlopesAreIsRoughlyKnown) {
                  {.lights = ring(25), .rig = {}}, kNoCliffs, {.shadows_tell = true}, &errors, {});
     Image<float> z;
     integrate_normals(unmixed_normals(surface.normal, surface.confidence, 0.8), surface.confidence,
-                      surface.mm_per_pixel, z, kNoCliffs, {}, &alone);
+                      surface.mm_per_pixel, z, kNoCliffs, {}, {.error_mm = &alone});
     const double off = rms_difference(height_with(surface, 0.8), height_with(surface, 0.4));
     double sum = 0, expected = 0;
     for (std::size_t i = 0; i < errors.size(); ++i) {

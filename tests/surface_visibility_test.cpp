@@ -1,7 +1,9 @@
 // surface_visibility_test.cpp: cast shadows of relight.h: how long, how soft, and never NaN.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
+#include <cstdint>
 #include <glm/geometric.hpp>
 #include <limits>
 #include <numbers>
@@ -252,6 +254,53 @@ TEST(CastShadows, AreThoseOfAMarchWhateverTheLight) {
             }
         }
         EXPECT_GT(clear_at_sight, radius_deg < 10 ? 10 : -1) << radius_deg;
+    }
+}
+
+// A lamp for all pixels, a near one, and lights from everywhere; of some of the pixels, up to the border and
+// beyond it.
+TEST(CastShadows, AreTheSameOfPixelsSideBySide) {
+    Random random(10);
+    for (const auto& [width, height] : {std::pair{150, 97}, {40, 30}, {5, 30}, {2, 2}}) {
+        const Image<float> z = hills(width, height);
+        for (const double radius_deg : {0.25, 3.0}) {
+            const CastShadows shadows(z, 0.7, radius_deg);
+            int partly = 0;
+            for (int i = 0; i < 3000; ++i) {
+                const int x0 = random.below(width), y = random.below(height);
+                const auto which = static_cast<std::uint32_t>(random.below(1 << kMarchLanes));
+                std::array<glm::dvec3, kMarchLanes> l;
+                const glm::dvec3 lamp(random.uniform(-90, 90), random.uniform(-90, 90),
+                                      random.uniform(0, 60));
+                for (int lane = 0; lane < kMarchLanes; ++lane) {
+                    const glm::dvec3 from = i % 3 == 0 ? glm::dvec3(0) : glm::dvec3(0.4 * lane, 0, 0);
+                    l[static_cast<std::size_t>(lane)] = glm::normalize(lamp - from);
+                    if (i % 3 == 2)
+                        l[static_cast<std::size_t>(lane)] = glm::normalize(
+                            glm::dvec3(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(0, 1)));
+                }
+                std::array<float, kMarchLanes> lx, ly, lz, parts;
+                for (std::size_t lane = 0; lane < kMarchLanes; ++lane) {
+                    lx[lane] = static_cast<float>(l[lane].x), ly[lane] = static_cast<float>(l[lane].y);
+                    lz[lane] = static_cast<float>(l[lane].z);
+                }
+                parts.fill(7);
+                shadows.visible_parts(x0, y, {lx.data(), ly.data(), lz.data()}, which, parts.data());
+                for (int lane = 0; lane < kMarchLanes; ++lane) {
+                    const auto at = static_cast<std::size_t>(lane);
+                    if (!(which >> lane & 1)) {
+                        ASSERT_EQ(parts[at], 7);
+                        continue;
+                    }
+                    if (x0 + lane >= width) continue;
+                    const double expected = marched(z, x0 + lane, y, l[at], 0.7, radius_deg * kDegree);
+                    ASSERT_NEAR(parts[at], expected, 3e-3)
+                        << x0 << " + " << lane << ", " << y << " of " << width << " x " << height;
+                    partly += expected > 0.01 && expected < 0.99;
+                }
+            }
+            EXPECT_GT(partly, width < 10 ? -1 : 100);
+        }
     }
 }
 

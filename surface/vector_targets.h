@@ -1,5 +1,4 @@
-// ward_targets.h: for which instruction sets the vector code of the fit is compiled; before any header of
-// Highway.
+// vector_targets.h: for which instruction sets code written with Highway is compiled; before any header of it.
 #pragma once
 
 #ifdef __SANITIZE_ADDRESS__
