@@ -46,14 +46,16 @@ Lanes lanes_of(const Surface& surface, const CastShadows& shadows, int x0, int y
     return lanes;
 }
 
-// Of a photograph, sums over the channels: what a matt surface would show of the lamp, what it shows of it,
-// and the noise of that; 1 where that tells nothing, and where it is at least as much.
+// Of a photograph, 1 where it shows the lamp hidden; where it shows it lit, and a horizon that were higher
+// might hide it; and the direction that counts then.
 struct Shown {
-    WardLane full, value, noise, missing, clipped;
+    WardLane hidden, lit;
+    std::array<WardLane, 3> lower;
 };
 
 TP_VECTOR_CLONES
-void find_shown(const WardBatch& batch, const Lanes& lanes, std::size_t photo, Shown& shown) {
+void find_shown(const WardBatch& batch, const Lanes& lanes, const CastShadows& shadows, std::size_t photo,
+                Shown& shown) {
     const float *lx = batch.light[photo][0].data(), *ly = batch.light[photo][1].data(),
                 *lz = batch.light[photo][2].data(), *ambient = batch.ambient[photo].data();
     float n_l[kWardLanes], full[kWardLanes] = {}, value[kWardLanes] = {}, noise[kWardLanes] = {},
@@ -77,12 +79,26 @@ void find_shown(const WardBatch& batch, const Lanes& lanes, std::size_t photo, S
             clipped[i] = sigma[i] < 0 ? 1.0f : clipped[i];
         }
     }
-    for (const auto& [from, to] : {std::pair{full, &shown.full},
-                                   {value, &shown.value},
-                                   {noise, &shown.noise},
-                                   {missing, &shown.missing},
-                                   {clipped, &shown.clipped}})
-        std::copy_n(from, kWardLanes, to->data());
+    const float* horizon = lanes.horizon.data();
+    float *hidden = shown.hidden.data(), *lit = shown.lit.data(), *to_x = shown.lower[0].data(),
+          *to_y = shown.lower[1].data(), *to_z = shown.lower[2].data();
+    for (int i = 0; i < kWardLanes; ++i) {
+        const bool told = missing[i] == 0 && full[i] > kVisible * noise[i];
+        const bool dark = value[i] < kInShadow * full[i];  // what is clipped is at least as bright
+        hidden[i] = told && dark && clipped[i] == 0 ? 1.0f : 0.0f;
+        const float across = std::sqrt(lx[i] * lx[i] + ly[i] * ly[i]), z = lz[i] - kMoreRelief * across;
+        const bool bright = told && !dark && value[i] > kLit * full[i];
+        lit[i] = bright && !shadows.clears(horizon[i], across, z) ? 1.0f : 0.0f;
+        const float scale = 1 / std::sqrt(across * across + z * z);
+        to_x[i] = scale * lx[i], to_y[i] = scale * ly[i], to_z[i] = scale * z;
+    }
+}
+
+// Bit i: whether lane i < count is not 0.
+std::uint32_t bits_of(const WardLane& lanes, int count) {
+    std::uint32_t bits = 0;
+    for (int lane = 0; lane < count; ++lane) bits |= std::uint32_t{lanes[lane] != 0} << lane;
+    return bits;
 }
 
 }  // namespace
@@ -102,30 +118,13 @@ void LampsSeen::look(const WardBatch& batch, const Surface& surface, const CastS
     std::vector<LampSeen>& row = rows_[static_cast<std::size_t>(y)];
     Shown shown;
     for (std::size_t photo = 0; photo < batch.light.size(); ++photo) {
-        const auto& [lx, ly, lz] = batch.light[photo];
-        find_shown(batch, lanes, photo, shown);
-        const auto& [full, value, noise, missing, clipped] = shown;
-        std::uint32_t hidden = 0, lit = 0;
-        std::array<WardLane, 3> lower;  // towards the lamp, but under a horizon that were higher
-        for (int lane = 0; lane < count; ++lane) {
-            if (missing[lane] != 0 || !(full[lane] > kVisible * noise[lane])) continue;
-            const std::uint32_t bit = std::uint32_t{1} << lane;
-            if (value[lane] < kInShadow * full[lane]) {
-                if (clipped[lane] == 0) hidden |= bit;  // else it is at least as bright
-                continue;
-            }
-            if (!(value[lane] > kLit * full[lane])) continue;
-            const float across = std::sqrt(lx[lane] * lx[lane] + ly[lane] * ly[lane]);
-            const Vec3 l(lx[lane], ly[lane], lz[lane] - kMoreRelief * across);
-            if (shadows.clears(lanes.horizon[lane], across, l.z)) continue;
-            lit |= bit;
-            const Vec3 direction = glm::normalize(l);
-            for (int k = 0; k < 3; ++k) lower[static_cast<std::size_t>(k)][lane] = direction[k];
-        }
+        find_shown(batch, lanes, shadows, photo, shown);
+        const std::uint32_t hidden = bits_of(shown.hidden, count);
+        std::uint32_t lit = bits_of(shown.lit, count);
         if (lit != 0) {
             WardLane parts;
-            shadows.visible_parts(x0, y, {lower[0].data(), lower[1].data(), lower[2].data()}, lit,
-                                  parts.data());
+            const auto& [to_x, to_y, to_z] = shown.lower;
+            shadows.visible_parts(x0, y, {to_x.data(), to_y.data(), to_z.data()}, lit, parts.data());
             for (int lane = 0; lane < count; ++lane)
                 if ((lit >> lane & 1) && parts[lane] == 1) lit &= ~(std::uint32_t{1} << lane);
         }

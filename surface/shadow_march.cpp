@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "surface/vector_targets.h"  // before Highway
 
@@ -34,29 +35,30 @@ public:
           x_(x),
           y_(y),
           first_level_(std::min(kFinestUseful, static_cast<int>(scene.levels.size()) - 1)) {
-        alignas(64) float dx[kLanes], dy[kLanes], z0[kLanes], across[kLanes], up[kLanes], live[kLanes];
-        for (int i = 0; i < kLanes; ++i) {
-            const bool there = x + i < scene.width;
-            z0[i] = there ? scene.height_mm[index(x + i, y)] : 0.0f;
-            across[i] = std::sqrt(lights.x[i] * lights.x[i] + lights.y[i] * lights.y[i]);
-            const bool asked = there && (which >> i & 1) && across[i] >= kStraight && z0[i] == z0[i];
-            live[i] = asked ? 1.0f : 0.0f;
-            dx[i] = asked ? lights.x[i] / across[i] : 0.0f;
-            dy[i] = asked ? -lights.y[i] / across[i] : 0.0f;
-            up[i] = lights.z[i];
-        }
-        bool any = false;
-        for (int i = 0; i < kLanes; ++i) {
-            if (live[i] == 0) continue;
-            left_ = any ? std::min(left_, dx[i]) : dx[i], right_ = any ? std::max(right_, dx[i]) : dx[i];
-            top_ = any ? std::min(top_, dy[i]) : dy[i], bottom_ = any ? std::max(bottom_, dy[i]) : dy[i];
-            any = true;
-        }
-        for (int i = 0; i < kLanes; ++i)
-            if (live[i] == 0) dx[i] = left_, dy[i] = top_;
-        dx_ = hn::Load(d_, dx), dy_ = hn::Load(d_, dy), z0_ = hn::Load(d_, z0);
-        cosine_ = hn::Load(d_, across), sine_ = hn::Load(d_, up);
-        live_ = hn::Gt(hn::Load(d_, live), hn::Zero(d_));
+        const V infinite = hn::Set(d_, std::numeric_limits<float>::infinity());
+        const V lx = hn::LoadU(d_, lights.x), ly = hn::LoadU(d_, lights.y);
+        const float* row = scene.height_mm + index(0, y);
+        if (x + kLanes <= scene.width)
+            z0_ = hn::LoadU(d_, row + x);
+        else
+            z0_ = hn::GatherIndex(d_, row, hn::Min(hn::Iota(Ints(), x), hn::Set(Ints(), scene.width - 1)));
+        cosine_ = hn::Sqrt(hn::Add(hn::Mul(lx, lx), hn::Mul(ly, ly)));
+        sine_ = hn::LoadU(d_, lights.z);
+        const auto bits = hn::Shl(hn::Set(Ints(), 1), hn::Iota(Ints(), 0));
+        const M asked = hn::RebindMask(d_, hn::TestBit(hn::Set(Ints(), static_cast<int>(which)), bits));
+        const M there =
+            hn::Lt(hn::Iota(d_, static_cast<float>(x)), hn::Set(d_, static_cast<float>(scene.width)));
+        live_ = hn::And(hn::And(asked, there),
+                        hn::And(hn::Ge(cosine_, hn::Set(d_, kStraight)), hn::Eq(z0_, z0_)));
+        const auto least = [&](V v) HWY_ATTR {
+            return hn::GetLane(hn::MinOfLanes(d_, hn::IfThenElse(live_, v, infinite)));
+        };
+        dx_ = hn::Div(lx, cosine_), dy_ = hn::Neg(hn::Div(ly, cosine_));
+        left_ = least(dx_), right_ = -least(hn::Neg(dx_));
+        top_ = least(dy_), bottom_ = -least(hn::Neg(dy_));
+        if (hn::AllFalse(d_, live_)) left_ = right_ = top_ = bottom_ = 0;
+        dx_ = hn::IfThenElse(live_, dx_, hn::Set(d_, left_));
+        dy_ = hn::IfThenElse(live_, dy_, hn::Set(d_, top_));
         find_widths();
         is(hn::Set(d_, -1));
     }
