@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <numeric>
 #include <utility>
@@ -14,21 +15,6 @@ namespace tangi {
 
 namespace {
 
-// Calls body(y, a row of scratch) for each row, on all threads. No two threads are at rows beside
-// each other, so that a row may be written while those beside it are read.
-template <class Body>
-void for_rows_apart(int width, int height, const Body& body) {
-    constexpr int kBand = 32;
-    const int bands = (height + kBand - 1) / kBand;
-    for (const int odd : {0, 1})
-        parallel_for(0, (bands + 1 - odd) / 2, 1, [&](int begin, int end) {
-            std::vector<float> scratch(static_cast<std::size_t>(width));
-            for (int band = 2 * begin + odd; band < 2 * end + odd; band += 2)
-                for (int y = band * kBand; y < std::min((band + 1) * kBand, height); ++y)
-                    body(y, scratch.data());
-        });
-}
-
 // A u of a row.
 void apply(const HeightGrid& g, const Image<float>& u, int y, float* applied) {
     g.with_row(u, y, [&](const auto& row) { apply_row(row, applied); });
@@ -39,14 +25,47 @@ void solve(const HeightGrid& g, int y, float* solved) {
     g.with_row(*g.z, y, [&](const auto& row) { solve_row(row, g.b.row(y).data(), solved); });
 }
 
-// Pixels of one colour depend only on the other colour, so the order within a sweep does not matter.
-void smooth(HeightGrid& g, int sweeps) {
-    for (int pass = 0; pass < 2 * sweeps; ++pass)
-        for_rows_apart(g.width, g.height, [&](int y, float* solved) {
-            solve(g, y, solved);
-            float* z = g.z->row(y).data();
-            for (int x = (y + pass) & 1; x < g.width; x += 2) z[x] = solved[x];
+// Passes over the pixels of one colour, then of the other, as on a chequerboard: those of a colour depend
+// only on the other, so the order within a pass does not matter. Four passes go through a band of rows
+// together, each a row behind the one before, so that what they look at stays in the processor's caches; at
+// the border of two bands, where a pass has to wait for both, rows are left for the end. Bands side by side
+// are never worked on at once.
+void smooth(HeightGrid& g, int rounds) {
+    constexpr int kPasses = 4, kBand = 64;
+    const int bands = std::max(g.height / kBand, 1);
+    const auto begin_of = [&](int band) {
+        return static_cast<int>(static_cast<std::int64_t>(g.height) * band / bands);
+    };
+    const auto relax = [&](int y, int pass, float* solved) {
+        solve(g, y, solved);
+        float* z = g.z->row(y).data();
+        for (int x = (y + pass) & 1; x < g.width; x += 2) z[x] = solved[x];
+    };
+    const auto inside = [&](int band, float* solved) {
+        const int first = begin_of(band), end = begin_of(band + 1);
+        for (int front = first; front < end + kPasses - 1; ++front)
+            for (int pass = 0; pass < kPasses; ++pass) {
+                const int y = front - pass;
+                if (y >= first + (band > 0 ? pass : 0) && y < end - (band + 1 < bands ? pass : 0))
+                    relax(y, pass, solved);
+            }
+    };
+    const auto at_border = [&](int band, float* solved) {  // with the band above
+        for (int pass = 1; pass < kPasses; ++pass)
+            for (int y = begin_of(band) - pass; y < begin_of(band) + pass; ++y) relax(y, pass, solved);
+    };
+    const auto every_second = [&](int first, int count, const auto& work) {
+        parallel_for(0, (count - first + 1) / 2, 1, [&](int begin, int end) {
+            std::vector<float> scratch(static_cast<std::size_t>(g.width));
+            for (int i = begin; i < end; ++i) work(first + 2 * i, scratch.data());
         });
+    };
+    for (int round = 0; round < rounds; ++round) {
+        every_second(0, bands, inside);
+        every_second(1, bands, inside);
+        every_second(1, bands, at_border);
+        every_second(2, bands, at_border);
+    }
 }
 
 // [1] An edge inside a coarse pixel counts as this part of the one between it and the next, at least: beside
@@ -179,11 +198,11 @@ void take_step(HeightGrid& g) {
 void v_cycle(std::vector<HeightGrid>& grids, std::size_t level) {
     HeightGrid& g = grids[level];
     if (level + 1 == grids.size()) {
-        smooth(g, 30);
+        smooth(g, 15);
         remove_mean(*g.z);
         return;
     }
-    smooth(g, 2);
+    smooth(g, 1);
     HeightGrid& coarse = grids[level + 1];
     restrict_sum(
         g,
@@ -198,7 +217,7 @@ void v_cycle(std::vector<HeightGrid>& grids, std::size_t level) {
     v_cycle(grids, level + 1);
     prolong(*coarse.z, g);
     take_step(g);
-    smooth(g, 2);
+    smooth(g, 1);
 }
 
 }  // namespace
