@@ -84,7 +84,7 @@ const std::vector<PackageRule> kPackages = {
     {"fontconfig and FreeType", {"fontconfig/"}, {"PkgConfig::fonts"}, {"viewer"}, Where::sources},
     {"zlib", {"zlib.h"}, {"ZLIB::"}, {"viewer"}, Where::sources},
     {"TBB", {"tbb/", "oneapi/tbb"}, {"TBB::"}, kBelowCli, Where::sources},
-    {"Highway", {"hwy/"}, {"${HWY_LIBRARY}"}, {"fit"}, Where::anywhere},
+    {"Highway", {"hwy/"}, {"${HWY_LIBRARY}"}, {"surface", "fit"}, Where::anywhere},
 };
 
 bool contains(const Names& names, const std::string& name) {
