@@ -21,6 +21,7 @@ constexpr double kShadowsClearlyBetter = 0.01;
 // [1] HeightOptions::max_cycles and tolerance of what is tried: enough for shadows.
 constexpr int kTrialCycles = 30;
 constexpr double kTrialTolerance = 1e-3;
+constexpr int kSweepsOfTrial = 1;  // once cliffs are known
 
 // The edges with the weights that the height came from.
 SlopeEdges edges_of(const Surface& surface, const Image<Vec3>& normal, const HeightOptions& options,
@@ -84,8 +85,7 @@ FinalHeight final_height(Surface& surface, const Survey& survey, const Transfer&
         height.tolerance = std::max(kTrialTolerance, options.tolerance);
         return height;
     };
-    // `resumes`: from what was integrated last. Past cliffs long waves come right slowly, and slopes that mix
-    // less have nearly the same cliffs.
+    // `resumes`: from what was integrated last. Past cliffs long waves come right slowly.
     const auto integrate = [&](const HeightOptions& height, bool resumes, Image<HalfError>* errors,
                                const Progress& shown) {
         if (resumes) subtract({-result.plane.a, -result.plane.b, -result.plane.c}, surface.height_mm);
@@ -111,6 +111,8 @@ FinalHeight final_height(Surface& surface, const Survey& survey, const Transfer&
         return choice.trials.back().shadow_misfit;
     };
     int sweeps = 0;
+    // Slopes that mix less have nearly the same cliffs, but not the same differences beside them.
+    const auto sweeps_of_trial = [&] { return std::min(sweeps, kSweepsOfTrial); };
     // Shadows tell one mixing for all pixels, in steps of two: at a pixel it may as well be half of that.
     Image<float> less_steep;
     if (evidence.shadows_tell) {
@@ -126,14 +128,14 @@ FinalHeight final_height(Surface& surface, const Survey& survey, const Transfer&
         double chosen = 0;
         for (const double mixing : kMixings) {
             take(mixing);
-            const double now = misfit_with(sweeps > 0, 0);
+            const double now = misfit_with(sweeps > 0, sweeps_of_trial());
             if (!(now < (1 - kShadowsClearlyBetter) * least)) break;
             least = now;
             chosen = mixing;
         }
         if (chosen > 0 && error_mm) {
             take(chosen / 2);
-            integrate(trial(0), sweeps > 0, nullptr, {});
+            integrate(trial(sweeps_of_trial()), sweeps > 0, nullptr, {});
             less_steep = surface.height_mm;
         }
         take(chosen);

@@ -37,6 +37,16 @@ struct HeightReport {
     int robust_sweeps = 0;  // taken
 };
 
+// What an integration is for, beside the slopes.
+struct HeightTask {
+    Image<HalfError>* error_mm = nullptr;  // where not null, becomes height_errors() (height_error.h)
+    // What pixels mix was taken out of these normals (mixed_slopes.h), which leaves less.
+    bool unmixed = false;
+    // height_mm, where it has the size of the normals, is one of about these slopes: cycles begin with it,
+    // and the weights of cliffs with what it leaves of the slopes (also without robust_sweeps).
+    bool resumes = false;
+};
+
 // Fills height_mm with the z that minimises
 //   sum over edges (i, j) of w_ij u_ij (z_j - z_i - g_ij)^2,   g_ij = mean slope of i and j times
 //   mm_per_pixel, 1 / w_ij = v_i + v_j,   v_i = edge_variance() of slope_edges.h: of the slope's error, by
@@ -48,13 +58,6 @@ struct HeightReport {
 // 1977): slopes of a cliff are no integral of its height, and what goes around it knows better. The constant
 // is fixed by a mean of 0. Solved by multigrid (height_grid.h), down to the tolerance or to the rounding of
 // floats; the result does not depend on the number of threads. Memory beyond the surface: 21 bytes a pixel.
-// With `resumes`, height_mm is already one of about these slopes: cycles and weights begin with it.
-struct HeightTask {
-    Image<HalfError>* error_mm = nullptr;  // where not null, becomes height_errors() (height_error.h)
-    // What pixels mix was taken out of these normals (mixed_slopes.h), which leaves less.
-    bool unmixed = false;
-    bool resumes = false;
-};
 HeightReport integrate_normals(const Image<Vec3>& normal, const Image<float>& confidence, double mm_per_pixel,
                                Image<float>& height_mm, const HeightOptions& options = {},
                                const Progress& progress = {}, const HeightTask& task = {});

@@ -12,6 +12,8 @@ namespace tangi {
 
 namespace {
 
+static_assert(kWardLanes == kMarchLanes);
+
 constexpr std::uint8_t kForgotten = 255;        // a run
 constexpr float kLit = 0.7f, kInShadow = 0.3f;  // [1] of what the lamp would show by itself
 constexpr float kGrazing = 0.1f;                // [1] n.l: below it slopes that are a little off tell more

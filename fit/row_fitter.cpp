@@ -10,6 +10,8 @@ namespace tangi {
 
 namespace {
 
+static_assert(kWardLanes == kMarchLanes);
+
 // Pixels that batches are fed before the last of them are waited for: few enough to stay in memory's nearer
 // half, many enough that registers are full nearly all the time.
 constexpr int kPixelsAtOnce = 8192;

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <numbers>
 
@@ -68,6 +69,7 @@ CastShadows::CastShadows(const Image<float>& height_mm, double mm_per_pixel, dou
     : height_mm_(height_mm) {
     TP_REQUIRE(mm_per_pixel > 0 && light_radius_deg >= 0 && light_radius_deg < 90,
                "a scale and an angular radius");
+    TP_REQUIRE(height_mm.size() <= std::numeric_limits<std::int32_t>::max(), "lanes count pixels in 32 bits");
     Image<float> maxima = block_maxima(height_mm, 1 << kFinestBlock);
     highest_.push_back(with_neighbours(maxima));
     // Until a block and its neighbours are all there is.

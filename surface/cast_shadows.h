@@ -33,8 +33,9 @@ public:
     float visible_part(int x, int y, const Vec3& direction) const;
 
     // The same of the pixels (x, y) to (x + kMarchLanes - 1, y) whose bit of `which`, from the lowest on, is
-    // set; each has a light of its own. Other parts stay what they are. Several times as fast as one by one;
-    // differs from that by rounding.
+    // set; each has a light of its own. 1 beyond the border; parts that are not asked for stay what they are.
+    // Faster than one by one the more are asked for. Differs from that, and from one processor to another, by
+    // rounding; beside heights that are not a number, by whether a way that just touches them meets them.
     void visible_parts(int x, int y, const MarchLights& lights, std::uint32_t which, float* parts) const;
 
     // [1] Tangent of an elevation above which a point is seen by all of a pixel, whatever the direction;

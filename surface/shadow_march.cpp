@@ -31,10 +31,7 @@ class March {
 public:
     // Lane i: pixel (x + i, y); the least and the greatest step of all lanes bound what they look at.
     HWY_INLINE March(const ShadowScene& scene, int x, int y, const MarchLights& lights, std::uint32_t which)
-        : scene_(scene),
-          x_(x),
-          y_(y),
-          first_level_(std::min(kFinestUseful, static_cast<int>(scene.levels.size()) - 1)) {
+        : scene_(scene), x_(x), y_(y), first_level_(std::min(kFinestUseful, last_level())) {
         const V infinite = hn::Set(d_, std::numeric_limits<float>::infinity());
         const V lx = hn::LoadU(d_, lights.x), ly = hn::LoadU(d_, lights.y);
         const float* row = scene.height_mm + index(0, y);
@@ -71,15 +68,16 @@ public:
             live_ = hn::And(live_, hn::Lt(covered_, hn::Set(d_, 1)));
             live_ = hn::AndNot(hn::And(behind, hides_no_more(highest, t)), hn::And(live_, inside(t)));
             if (hn::AllFalse(d_, live_)) return covered_;
+            while (level < last_level() && reach(level, t) < kSteps) ++level;
             if (const int skip = reach(level, t);
                 skip >= kSteps && hn::AllTrue(d_, hn::Or(hn::Not(live_), behind))) {
                 const V around = rise_of(hn::Set(d_, highest_around(level, t)));
                 if (hn::AllTrue(d_, hn::Or(hn::Not(live_), hides_no_more(around, t)))) {
                     t += static_cast<float>(skip);
-                    level = std::min(level + 1, static_cast<int>(scene_.levels.size()) - 1);
+                    level = std::min(level + 1, last_level());
                     continue;
                 }
-                if (level > first_level_) {
+                if (level > first_level_ && reach(level - 1, t) >= kSteps) {
                     --level;
                     continue;
                 }
@@ -91,8 +89,9 @@ public:
 private:
     static constexpr int kLanes = static_cast<int>(hn::MaxLanes(D()));
     static constexpr int kSteps = 1 << kFinestBlock;
-    static constexpr int kFinestUseful = kLanes > 8 ? 2 : kLanes > 1 ? 1 : 0;  // level: see reach()
+    static constexpr int kFinestUseful = kLanes >= 8 ? 2 : kLanes > 1 ? 1 : 0;  // level: see reach()
 
+    int last_level() const { return static_cast<int>(scene_.levels.size()) - 1; }
     std::size_t index(int x, int y) const {
         return static_cast<std::size_t>(y) * static_cast<std::size_t>(scene_.width) +
                static_cast<std::size_t>(x);
@@ -227,7 +226,7 @@ void MarchLanes(const ShadowScene& scene, int x, int y, const MarchLights& light
         hn::Store(March<Floats>(scene, x + at, y, {lights.x + at, lights.y + at, lights.z + at}, some).run(),
                   Floats(), result);
         for (int i = 0; i < lanes; ++i)
-            if (some >> i & 1) covered[at + i] = result[i];
+            if ((some >> i & 1) && x + at + i < scene.width) covered[at + i] = result[i];
     }
 }
 
