@@ -6,22 +6,16 @@
 #include <cmath>
 #include <cstdint>
 #include <glm/geometric.hpp>
-#include <string>
 
-#include "fit/ward_batch.h"
 #include "surface/cast_shadows.h"
+#include "tests/instruction_sets.h"
 #include "tests/test_support.h"
 
 namespace tangi {
 namespace {
 
-class ShadowSets : public testing::TestWithParam<std::string> {
-protected:
-    void SetUp() override { use_ward_instruction_set(GetParam()); }
-    void TearDown() override { use_ward_instruction_set(""); }
-};
-INSTANTIATE_TEST_SUITE_P(Sets, ShadowSets, testing::ValuesIn(ward_instruction_sets()),
-                         [](const auto& set) { return set.param; });
+class ShadowSets : public OnInstructionSet {};
+INSTANTIATE_TEST_SUITE_P(Sets, ShadowSets, every_instruction_set(), name_of_set);
 
 // Ridges of all sizes, under far and near lamps.
 TEST_P(ShadowSets, AreThoseOfSinglePixels) {

@@ -7,6 +7,7 @@
 #include <iostream>
 #include <limits>
 
+#include "tests/instruction_sets.h"
 #include "ward_samples.h"
 
 namespace tangi {
@@ -47,14 +48,8 @@ double cost_at(const PixelSamples& s, const WardFitOptions& options, const WardE
     return WardResiduals(s, options.prior, options.robust_scale, options.law).cost(theta.data());
 }
 
-// Runs a test on every instruction set.
-class WardBatchFit : public testing::TestWithParam<std::string> {
-protected:
-    void SetUp() override { use_ward_instruction_set(GetParam()); }
-    void TearDown() override { use_ward_instruction_set(""); }
-};
-INSTANTIATE_TEST_SUITE_P(Sets, WardBatchFit, testing::ValuesIn(ward_instruction_sets()),
-                         [](const auto& set) { return set.param; });
+class WardBatchFit : public OnInstructionSet {};
+INSTANTIATE_TEST_SUITE_P(Sets, WardBatchFit, every_instruction_set(), name_of_set);
 
 // `errors`: part of the pixels whose standard errors are to agree.
 void expect_agreement(const std::vector<PixelSamples>& pixels, const WardFitOptions& options,
