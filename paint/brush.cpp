@@ -1,6 +1,7 @@
 #include "paint/brush.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <numeric>
@@ -276,7 +277,7 @@ StandingTip Brush::standing(const Dab& dab, int x0, int y0) const {
     StandingTip tip;
     double x, y;
     contact_centre(dab, x, y);
-    tip.maps = tip_.maps();
+    tip.map = tip_.map();
     tip.x = static_cast<float>(x - x0);
     tip.y = static_cast<float>(y - y0);
     tip.cosine = std::cos(dab.rotation_rad);
@@ -309,8 +310,10 @@ void Brush::weigh(int step) {
     if (!blade && mean_load_mm_ >= 0 && step % often != 0) return;
     const float* load = loads_.view_total();
     const auto cells = static_cast<std::size_t>(grid_size()) * static_cast<std::size_t>(grid_size());
+    std::array<double, 8> sums{};  // of every eighth: one sum would wait for each addition
+    for (std::size_t i = 0; i < cells; ++i) sums[i % sums.size()] += static_cast<double>(load[i]);
     const double mean_mm =
-        std::accumulate(load, load + cells, 0.0) / (4 * half_width_px_ * half_thickness_px_);
+        std::accumulate(sums.begin(), sums.end(), 0.0) / (4 * half_width_px_ * half_thickness_px_);
     mean_load_mm_ = mean_mm / coverage_;
     // What it scrapes up lies on its face and does not lift it before the next stroke.
     if (blade) bead_mm_ = std::min(bead_mm_, static_cast<float>(mean_load_mm_));
@@ -340,7 +343,7 @@ void Brush::underside_mm(const Dab& dab, int x0, int y0, int width, int height, 
     const float per_px = depth / static_cast<float>(half_width_px_);
     const float lift_x = per_px * (static_cast<float>(settings_.lift) * dab.dx - dab.tilt_x);
     const float lift_y = per_px * (static_cast<float>(settings_.lift) * dab.dy - dab.tilt_y);
-    const TipMaps maps = tip_.maps();
+    const TipMap map = tip_.map();
     UndersideRow first_row{};
     first_row.du = c * narrowing;
     first_row.dv = -s * narrowing;
@@ -371,7 +374,7 @@ void Brush::underside_mm(const Dab& dab, int x0, int y0, int width, int height, 
         row.u = (dx * c + dy * s) * narrowing + static_cast<float>(tip_.half_u());
         row.v = (dy * c - dx * s) * narrowing + static_cast<float>(tip_.half_v());
         row.lift_mm = dx * lift_x + dy * lift_y;
-        underside_row(whole.end - whole.begin, maps, row, to + whole.begin, part + whole.begin);
+        underside_row(whole.end - whole.begin, map, row, to + whole.begin, part + whole.begin);
         std::fill(to, to + span.begin, kOutside);
         std::fill(to + span.end, to + width, kOutside);
         std::fill(part, part + span.begin, 0.0f);

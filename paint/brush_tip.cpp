@@ -149,9 +149,8 @@ BrushTip::BrushTip(const BrushSettings& settings, double mm_per_pixel, double ha
         }
     // A brush of few tufts has a hand's pressure and a palette's paint all the same.
     if (length > 0) longest_ = static_cast<float>(kMeanShorter * area / length) * kMostShorter;
-    dome_ = texel_pairs(domes, width, 1);
-    shorter_ = texel_pairs(shorter, width, kMostShorter);
-    cover_ = texel_pairs(cover, width, 1);
+    for (float& s : shorter) s /= kMostShorter;
+    texels_ = texel_pairs(domes, shorter, cover, width);
     find_reach();
     const double variation = settings.load_variation;
     if (load > 0) fullness_ = static_cast<float>((1 - variation / 2) * load / (load - variation * lucky));

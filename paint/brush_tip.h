@@ -1,4 +1,4 @@
-// brush_tip.h: the tip of a brush as maps of pixels that lie along its width and thickness: its dome, its
+// brush_tip.h: the tip of a brush as a map of pixels that lie along its width and thickness: its dome, its
 // bristles, and how much of each pixel it covers.
 #pragma once
 
@@ -13,17 +13,15 @@ namespace tangi {
 
 class BrushTip {
 public:
-    static constexpr double kMeanShorter = 0.436;  // [1] of TipMaps::tip over many tufts, by counting
+    static constexpr double kMeanShorter = 0.436;  // [1] of kTipField over many tufts, by counting
 
     BrushTip() = default;
-    // The half extents [pixels] are those that the maps have: more than the brush's where it is too small.
+    // The half extents [pixels] are those that the map has: more than the brush's where it is too small.
     BrushTip(const BrushSettings& settings, double mm_per_pixel, double half_width_px,
              double half_thickness_px, std::uint64_t seed);
 
-    TipMaps maps() const {
-        return {dome_.data(), shorter_.data(), cover_.data(), longest_, 2 * half_u_ + 1, 2 * half_v_ + 1};
-    }
-    int half_u() const { return half_u_; }  // [pixels] from the maps' middle to their border
+    TipMap map() const { return {texels_.data(), longest_, 2 * half_u_ + 1, 2 * half_v_ + 1}; }
+    int half_u() const { return half_u_; }  // [pixels] from the map's middle to their border
     int half_v() const { return half_v_; }
 
     // [pixels] How far the part of the tip whose dome is below this reaches from its middle towards a unit
@@ -51,7 +49,7 @@ private:
     float half_width_px_ = 1, half_thickness_px_ = 1;
     std::uint64_t seed_ = 0;
     int half_u_ = 0, half_v_ = 0;
-    std::vector<TexelPair> dome_, shorter_, cover_;  // TipMaps
+    std::vector<TexelPair> texels_;  // TipMap
     float longest_ = 1;
     std::vector<float> load_;  // [1] of the load in the middle
     std::array<std::vector<float>, 2>

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "paint/paint_window.h"
-#include "paint/press_out.h"
 #include "paint/step_rates.h"
 #include "surface/noise.h"
 
@@ -25,13 +23,6 @@ bool touches(const Region& box, const Canvas& canvas) {
     return box.x0 < all.x1 && box.x1 > all.x0 && box.y0 < all.y1 && box.y1 > all.y0;
 }
 
-// Memory that steps reuse.
-struct StepMemory {
-    std::vector<float> underside, lanes;  // and cover
-    Outwards outwards;
-    StepBox box;
-};
-
 // The step with its contact, along the stroke, as far with the loads as it goes with them.
 Dab with_loads(const Brush& brush, Dab dab, const Region& box) {
     double x, y;
@@ -46,7 +37,7 @@ Dab with_loads(const Brush& brush, Dab dab, const Region& box) {
 
 // Pixels under the brush.
 double one_step(PaintWindow& window, Brush& brush, const Dab& wanted, const Region& box, double mm_per_pixel,
-                std::uint64_t seed, StepMemory& memory, StepScratch& scratch) {
+                std::uint64_t seed, DabMemory& memory) {
     std::vector<float>& underside = memory.underside;
     StepBox& step = memory.box;
     brush.turn_to(wanted.rotation_rad);
@@ -89,11 +80,10 @@ double one_step(PaintWindow& window, Brush& brush, const Dab& wanted, const Regi
         step.sides.right_bears = side_bears(way_mm, grain, seed, 1);
     } else if (dab.side != 0)
         step.lanes = ramp_of(dab.side, step.sides.right_px, memory.lanes);
-    exchange(step, rates, scratch);
-    push(step, rates, motion, scratch);
+    exchange_and_push(step, rates, motion, memory.step);
     if (dab.stands && rates.squeeze_per_mm > 0) {
         find_outwards(brush.standing(dab, box.x0, box.y0), step, memory.outwards);
-        press_out(step, memory.outwards, rates.squeeze_per_mm, rates.film_mm, scratch);
+        press_out(step, memory.outwards, rates.squeeze_per_mm, rates.film_mm, memory.step);
     }
     double pixels = 0;
     for (const RowSpan& span : step.bristles) pixels += span.end - span.begin;
@@ -124,9 +114,8 @@ Region box_of(const Brush& brush, const Dab& dab) {
 }
 
 double paint_dabs(Canvas& canvas, Brush& brush, std::span<const Dab> dabs, std::uint64_t seed,
-                  OtherPaint& other, StepScratch& scratch) {
+                  OtherPaint& other, DabMemory& memory) {
     double pixels = 0;
-    StepMemory memory;
     // Windows as large as some steps take; dividing the steps otherwise would not change the result.
     for (std::size_t begin = 0; begin < dabs.size();) {
         // Beside the canvas a brush is in the air, and keeps its paint.
@@ -145,12 +134,12 @@ double paint_dabs(Canvas& canvas, Brush& brush, std::span<const Dab> dabs, std::
         for (std::size_t i = begin; i < end; ++i)
             above.push_back(other.met(canvas.wet(), box_of(brush, dabs[i])));
         const int ride = std::max(static_cast<int>(brush.settings().size_mm / canvas.mm_per_pixel() / 4), 2);
-        PaintWindow window(canvas, window_region, brush.ingredients(), ride, above.back());
+        PaintWindow window(canvas, window_region, brush.ingredients(), ride, above.back(), memory.window);
         for (std::size_t i = begin; i < end; ++i) {
             const Region box = box_of(brush, dabs[i]);
             if (!touches(box, canvas)) continue;
             memory.box.laid_above = above[i - begin];
-            pixels += one_step(window, brush, dabs[i], box, canvas.mm_per_pixel(), seed, memory, scratch);
+            pixels += one_step(window, brush, dabs[i], box, canvas.mm_per_pixel(), seed, memory);
         }
         window.store(canvas);
         begin = end;

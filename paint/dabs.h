@@ -7,9 +7,20 @@
 #include "paint/brush.h"
 #include "paint/canvas.h"
 #include "paint/other_paint.h"
+#include "paint/paint_window.h"
+#include "paint/press_out.h"
 #include "paint/transfer.h"
 
 namespace tangi {
+
+// Memory that the steps of a stroke reuse.
+struct DabMemory {
+    StepScratch step;
+    PaintWindow::Memory window;
+    std::vector<float> underside, lanes;  // and cover
+    Outwards outwards;
+    StepBox box;
+};
 
 // The whole pixels that a step may change, not cut to the canvas.
 Region box_of(const Brush& brush, const Dab& dab);
@@ -17,6 +28,6 @@ Region box_of(const Brush& brush, const Dab& dab);
 // Applies steps of a brush in order. What Stroke does with its dabs; for tests and benchmarks. `other` is
 // that of the whole stroke. Returns the number of pixels under the brush, summed over the steps.
 double paint_dabs(Canvas& canvas, Brush& brush, std::span<const Dab> dabs, std::uint64_t seed,
-                  OtherPaint& other, StepScratch& scratch);
+                  OtherPaint& other, DabMemory& memory);
 
 }  // namespace tangi

@@ -1,18 +1,15 @@
-// exchange.cpp: what goes each way between bristles and canvas in one step (transfer.h); and how steps go
-// over rows.
+// exchange.cpp: what goes each way between bristles and canvas in one step (transfer.h).
 #include <algorithm>
 #include <cstring>
 
+#include "paint/exchange_rows.h"
 #include "paint/paint_layer.h"
 #include "paint/transfer.h"
-#include "surface/parallel.h"
 #include "surface/vector_clones.h"
 
 namespace tangi {
 
 namespace {
-
-constexpr int kRowsAtOnce = 32;  // by one thread
 
 constexpr int kWidened = 8;  // [pixels] of which rows have a multiple, where there is room
 
@@ -233,48 +230,39 @@ std::size_t at(int y, std::size_t stride) { return static_cast<std::size_t>(y) *
 
 }  // namespace
 
-void for_rows_in_parallel(int height, const std::function<void(int, int)>& body) {
-    parallel_for(0, height, kRowsAtOnce, body);
-}
-
 RowSpan widened(const RowSpan& span, const RowSpan& room) {
     const int wanted = (span.end - span.begin + kWidened - 1) / kWidened * kWidened;
     const int end = std::min(span.begin + wanted, room.end);
     return {std::max(end - wanted, room.begin), end};
 }
 
+void exchange_in_row(const StepBox& box, const TransferRates& rates, int y, float* memory) {
+    if (box.bristles[static_cast<std::size_t>(y)].end <= box.bristles[static_cast<std::size_t>(y)].begin)
+        return;
+    const RowSpan span = widened(box.bristles[static_cast<std::size_t>(y)], {0, box.width});
+    const int count = span.end - span.begin;
+    float *give = memory, *take = memory + box.width;
+    const auto first = static_cast<std::size_t>(span.begin);
+    const std::size_t canvas = at(y, box.canvas_stride) + first, load = at(y, box.load_stride) + first,
+                      below = at(y, box.underside_stride) + first;
+    const float *underside = box.underside_mm + below, *relief = box.relief_mm + canvas,
+                *open = box.open + canvas, *cover = box.cover + below;
+    float *total = box.total_mm + canvas, *load_total = box.load_total_mm + load;
+    exchange_row(count, rates, box.sides.row_from(span.begin, y), box.lanes, underside, relief, open, cover,
+                 total, load_total, give, take);
+    const SharedRow row{box.load.size(),
+                        {box.paint.data(), static_cast<std::ptrdiff_t>(canvas)},
+                        {box.load.data(), static_cast<std::ptrdiff_t>(load)}};
+    if (box.paint.size() > box.load.size())
+        apply_films_row(count, {row, give, take, underside, relief, open, cover, total, load_total,
+                                box.laid_above, rates.stir, rates.swap, 1 / rates.reach_mm});
+    else
+        apply_row(count, give, take, row, total, load_total);
+}
+
 void exchange(const StepBox& box, const TransferRates& rates, StepScratch& scratch) {
-    const auto n = static_cast<std::size_t>(box.width);
-    scratch.planes.resize(std::max(scratch.planes.size(), 2 * n * static_cast<std::size_t>(box.height)));
-    const std::size_t paints = box.load.size();
-    for_rows_of_step(box.width, box.height, [&](int begin, int end) {
-        const bool upper = box.paint.size() > paints;
-        for (int y = begin; y < end; ++y) {
-            RowSpan span = box.bristles[static_cast<std::size_t>(y)];
-            if (span.end <= span.begin) continue;
-            span = widened(span, {0, box.width});
-            const int count = span.end - span.begin;
-            float* give = scratch.planes.data() + at(y, 2 * n);
-            float* take = give + n;
-            const auto first = static_cast<std::size_t>(span.begin);
-            const std::size_t canvas = at(y, box.canvas_stride) + first,
-                              load = at(y, box.load_stride) + first,
-                              below = at(y, box.underside_stride) + first;
-            const float *underside = box.underside_mm + below, *relief = box.relief_mm + canvas,
-                        *open = box.open + canvas, *cover = box.cover + below;
-            float *total = box.total_mm + canvas, *load_total = box.load_total_mm + load;
-            exchange_row(count, rates, box.sides.row_from(span.begin, y), box.lanes, underside, relief, open,
-                         cover, total, load_total, give, take);
-            const SharedRow row{paints,
-                                {box.paint.data(), static_cast<std::ptrdiff_t>(canvas)},
-                                {box.load.data(), static_cast<std::ptrdiff_t>(load)}};
-            if (upper)
-                apply_films_row(count, {row, give, take, underside, relief, open, cover, total, load_total,
-                                        box.laid_above, rates.stir, rates.swap, 1 / rates.reach_mm});
-            else
-                apply_row(count, give, take, row, total, load_total);
-        }
-    });
+    scratch.planes.resize(std::max(scratch.planes.size(), 2 * static_cast<std::size_t>(box.width)));
+    for (int y = 0; y < box.height; ++y) exchange_in_row(box, rates, y, scratch.planes.data());
 }
 
 }  // namespace tangi

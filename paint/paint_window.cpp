@@ -44,14 +44,6 @@ void take_row(int n, const float* __restrict from, float* __restrict to, float* 
     }
 }
 
-// Calls body(tile, part of the region in it) for all tiles of a region that lies on the canvas.
-template <class Body>
-void for_tiles(const Region& region, const PaintLayer& layer, const Body& body) {
-    for (int ty = region.y0 / kTileSize; ty * kTileSize < region.y1; ++ty)
-        for (int tx = region.x0 / kTileSize; tx * kTileSize < region.x1; ++tx)
-            body(TileIndex{tx, ty}, intersection(region, layer.region_of({tx, ty})));
-}
-
 bool holds_paint(const float* row, int n) {
     return std::any_of(row, row + n, [](float mm) { return mm != 0; });
 }
@@ -62,35 +54,58 @@ std::size_t in_tile(int x, int y) {
 
 }  // namespace
 
+template <class Body>
+void PaintWindow::for_tiles(const PaintLayer& layer, const Body& body) const {
+    const auto some = [&](int begin, int end) {
+        for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i)
+            body(i, intersection(on_canvas_, layer.region_of(tiles_[i])));
+    };
+    const int count = static_cast<int>(tiles_.size());
+    if (region_.width() * region_.height() < kParallelPixels)
+        some(0, count);
+    else
+        parallel_for(0, count, 1, some);
+}
+
 PaintWindow::PaintWindow(const Canvas& canvas, const Region& region, std::vector<IngredientId> ingredients,
-                         int ride_px, bool upper)
+                         int ride_px, bool upper, Memory& memory)
     : region_(region),
       on_canvas_(intersection(region, canvas.region())),
       stride_(static_cast<std::size_t>(region.width())),
-      ingredients_(std::move(ingredients)) {
+      ingredients_(std::move(ingredients)),
+      memory_(memory) {
     if (on_canvas_.empty()) on_canvas_ = {};
-    const auto pixels = stride_ * static_cast<std::size_t>(region.height());
-    total_.assign(pixels, 0.0f);
-    relief_.assign(pixels, 0.0f);
-    open_.assign(pixels, 0.0f);
-    if (!on_canvas_.empty())
-        for_tiles(on_canvas_, canvas.wet(), [&](TileIndex at, const Region&) {
-            const auto& tile = canvas.wet().tile(at);
-            if (!tile || tile->ingredients.empty()) return;
-            for (const IngredientId id : tile->ingredients) ingredients_.push_back(paint_of(id));
-            upper = upper || is_upper(tile->ingredients.back());
-        });
+    for (int y = on_canvas_.y0 / kTileSize; y * kTileSize < on_canvas_.y1; ++y)
+        for (int x = on_canvas_.x0 / kTileSize; x * kTileSize < on_canvas_.x1; ++x) tiles_.push_back({x, y});
+    for (const TileIndex at : tiles_) {
+        const auto& tile = canvas.wet().tile(at);
+        if (!tile || tile->ingredients.empty()) continue;
+        for (const IngredientId id : tile->ingredients) ingredients_.push_back(paint_of(id));
+        upper = upper || is_upper(tile->ingredients.back());
+    }
     std::sort(ingredients_.begin(), ingredients_.end());
     ingredients_.erase(std::unique(ingredients_.begin(), ingredients_.end()), ingredients_.end());
     for (const IngredientId id : ingredients_) {
         planes_.push_back(id);
         if (upper) planes_.push_back(upper_of(id));
     }
-    paint_.assign(planes_.size(), std::vector<float>(pixels, 0.0f));
+    const auto pixels = stride_ * static_cast<std::size_t>(region.height());
+    memory_.paint.resize(std::max(memory_.paint.size(), planes_.size()));
+    for (std::size_t i = 0; i < planes_.size(); ++i) memory_.paint[i].resize(pixels);
+    for (auto* plane : {&memory_.total, &memory_.relief, &memory_.open}) plane->resize(pixels);
+    if (!(on_canvas_ == region_)) clear();
     if (on_canvas_.empty()) return;
     find_relief(canvas, ride_px);
-    find_open(canvas);
-    take_paint(canvas.wet());
+    for_tiles(canvas.wet(), [&](std::size_t i, const Region& part) {
+        find_open(canvas, part);
+        take_paint(canvas.wet(), tiles_[i], part);
+    });
+}
+
+// Beside the canvas nothing lies, and nothing is open.
+void PaintWindow::clear() {
+    for (std::size_t i = 0; i < planes_.size(); ++i) std::ranges::fill(memory_.paint[i], 0.0f);
+    for (auto* plane : {&memory_.total, &memory_.relief, &memory_.open}) std::ranges::fill(*plane, 0.0f);
 }
 
 void PaintWindow::find_relief(const Canvas& canvas, int ride_px) {
@@ -98,15 +113,18 @@ void PaintWindow::find_relief(const Canvas& canvas, int ride_px) {
         {on_canvas_.x0 - ride_px, on_canvas_.y0 - ride_px, on_canvas_.x1 + ride_px, on_canvas_.y1 + ride_px},
         canvas.region());
     const auto stride = static_cast<std::size_t>(wide.width());
-    std::vector<float> height(stride * static_cast<std::size_t>(wide.height()), 0.0f), mean(height.size());
-    canvas.relief_mm(wide, height.data(), stride);
+    std::vector<float>&height = memory_.height, &mean = memory_.mean;
+    height.resize(stride * static_cast<std::size_t>(wide.height()));
+    mean.resize(height.size());
     constexpr int kLines = 64;  // rows or columns, before a second thread wakes up
     parallel_for(0, wide.height(), kLines, [&](int begin, int end) {
+        const auto row = [&](int y) { return static_cast<std::size_t>(y) * stride; };
+        std::fill_n(height.data() + row(begin), row(end - begin), 0.0f);
+        canvas.relief_mm({wide.x0, wide.y0 + begin, wide.x1, wide.y0 + end}, height.data() + row(begin),
+                         stride);
         std::vector<double> padded;
-        for (int y = begin; y < end; ++y) {
-            const std::size_t row = static_cast<std::size_t>(y) * stride;
-            mean_along(height.data() + row, mean.data() + row, wide.width(), ride_px, padded);
-        }
+        for (int y = begin; y < end; ++y)
+            mean_along(height.data() + row(y), mean.data() + row(y), wide.width(), ride_px, padded);
     });
     parallel_for(on_canvas_.x0, on_canvas_.x1, kLines, [&](int begin, int end) {
         // Rows of means and of heights, of which those beyond the ends count as the ends.
@@ -122,80 +140,90 @@ void PaintWindow::find_relief(const Canvas& canvas, int ride_px) {
         for (int y = first; y < on_canvas_.y1; ++y)
             above_mean_row(n, height.data() + at(y), mean.data() + at(y + ride_px + 1),
                            mean.data() + at(y - ride_px), 2 * ride_px + 1, sum.data(),
-                           relief_.data() + index(begin, y));
+                           memory_.relief.data() + index(begin, y));
     });
 }
 
-void PaintWindow::find_open(const Canvas& canvas) {
-    for (int y = on_canvas_.y0; y < on_canvas_.y1; ++y) {
-        float* row = open_.data() + index(on_canvas_.x0, y);
+void PaintWindow::find_open(const Canvas& canvas, const Region& part) {
+    for (int y = part.y0; y < part.y1; ++y) {
+        float* row = memory_.open.data() + index(part.x0, y);
         if (canvas.mask())
-            for (int x = on_canvas_.x0; x < on_canvas_.x1; ++x) *row++ = (*canvas.mask())(x, y);
+            for (int x = part.x0; x < part.x1; ++x) *row++ = (*canvas.mask())(x, y);
         else
-            std::fill_n(row, on_canvas_.width(), 1.0f);
+            std::fill_n(row, part.width(), 1.0f);
     }
 }
 
-void PaintWindow::take_paint(const PaintLayer& wet) {
-    for_tiles(on_canvas_, wet, [&](TileIndex at, const Region& part) {
-        const auto& tile = wet.tile(at);
-        if (!tile) return;
-        for (std::size_t i = 0; i < planes_.size(); ++i) {
-            const auto plane = tile->plane(planes_[i]);
-            if (plane.empty()) continue;
-            for (int y = part.y0; y < part.y1; ++y)
-                take_row(part.width(), plane.data() + in_tile(part.x0, y),
-                         paint_[i].data() + index(part.x0, y), total_.data() + index(part.x0, y));
+void PaintWindow::take_paint(const PaintLayer& wet, TileIndex at, const Region& part) {
+    const auto& tile = wet.tile(at);
+    for (int y = part.y0; y < part.y1; ++y)
+        std::fill_n(memory_.total.data() + index(part.x0, y), part.width(), 0.0f);
+    for (std::size_t i = 0; i < planes_.size(); ++i) {
+        const auto plane = tile ? tile->plane(planes_[i]) : std::span<const float>();
+        for (int y = part.y0; y < part.y1; ++y) {
+            float* row = memory_.paint[i].data() + index(part.x0, y);
+            if (plane.empty())
+                std::fill_n(row, part.width(), 0.0f);
+            else
+                take_row(part.width(), plane.data() + in_tile(part.x0, y), row,
+                         memory_.total.data() + index(part.x0, y));
         }
-    });
+    }
 }
 
 void PaintWindow::attach(StepBox& box, int x0, int y0) {
     const std::size_t at = index(x0, y0);
-    box.relief_mm = relief_.data() + at;
-    box.open = open_.data() + at;
-    box.total_mm = total_.data() + at;
+    box.relief_mm = memory_.relief.data() + at;
+    box.open = memory_.open.data() + at;
+    box.total_mm = memory_.total.data() + at;
     box.canvas_stride = stride_;
     box.paint.clear();
-    for (auto& plane : paint_) box.paint.push_back(plane.data() + at);
+    for (std::size_t i = 0; i < planes_.size(); ++i) box.paint.push_back(memory_.paint[i].data() + at);
+}
+
+bool PaintWindow::put_back(PaintLayer& wet, TileIndex at, const Region& part) const {
+    const auto row_bytes = static_cast<std::size_t>(part.width()) * sizeof(float);
+    std::vector<std::size_t> occurring;  // of this window's ingredients, in this tile
+    bool changed = false;
+    for (std::size_t i = 0; i < planes_.size(); ++i) {
+        const auto old = wet.tile(at) ? wet.tile(at)->plane(planes_[i]) : std::span<const float>();
+        bool any = !old.empty();
+        for (int y = part.y0; y < part.y1 && !(any && changed); ++y) {
+            const float* row = memory_.paint[i].data() + index(part.x0, y);
+            if (!old.empty())
+                changed = changed || std::memcmp(row, old.data() + in_tile(part.x0, y), row_bytes) != 0;
+            else if (holds_paint(row, part.width()))
+                any = changed = true;
+        }
+        if (any) occurring.push_back(i);
+    }
+    if (!changed) return false;
+    PaintTile& tile = wet.writable(at);
+    bool gone = false;  // the upper film of a paint, from here
+    for (const std::size_t i : occurring) {
+        const IngredientId id = planes_[i];
+        float* plane = tile.writable_plane(id).data();
+        bool here = false;
+        for (int y = part.y0; y < part.y1; ++y) {
+            const float* row = memory_.paint[i].data() + index(part.x0, y);
+            std::memcpy(plane + in_tile(part.x0, y), row, row_bytes);
+            here = here || holds_paint(row, part.width());
+        }
+        gone = gone || (is_upper(id) && !here);
+    }
+    if (gone) tile.drop_empty_upper();
+    return true;
 }
 
 void PaintWindow::store(Canvas& canvas) const {
     if (on_canvas_.empty()) return;
     PaintLayer& wet = canvas.writable_wet();
-    for_tiles(on_canvas_, wet, [&](TileIndex at, const Region& part) {
-        const auto row_bytes = static_cast<std::size_t>(part.width()) * sizeof(float);
-        std::vector<std::size_t> occurring;  // of this window's ingredients, in this tile
-        bool changed = false;
-        for (std::size_t i = 0; i < planes_.size(); ++i) {
-            const auto old = wet.tile(at) ? wet.tile(at)->plane(planes_[i]) : std::span<const float>();
-            bool any = !old.empty();
-            for (int y = part.y0; y < part.y1 && !(any && changed); ++y) {
-                const float* row = paint_[i].data() + index(part.x0, y);
-                if (!old.empty())
-                    changed = changed || std::memcmp(row, old.data() + in_tile(part.x0, y), row_bytes) != 0;
-                else if (holds_paint(row, part.width()))
-                    any = changed = true;
-            }
-            if (any) occurring.push_back(i);
-        }
-        if (!changed) return;
-        PaintTile& tile = wet.writable(at);
-        bool gone = false;  // the upper film of a paint, from here
-        for (const std::size_t i : occurring) {
-            const IngredientId id = planes_[i];
-            float* plane = tile.writable_plane(id).data();
-            bool here = false;
-            for (int y = part.y0; y < part.y1; ++y) {
-                const float* row = paint_[i].data() + index(part.x0, y);
-                std::memcpy(plane + in_tile(part.x0, y), row, row_bytes);
-                here = here || holds_paint(row, part.width());
-            }
-            gone = gone || (is_upper(id) && !here);
-        }
-        if (gone) tile.drop_empty_upper();
-        canvas.mark_dirty(at, part);
+    std::vector<Region> changed(tiles_.size(), Region{});
+    for_tiles(wet, [&](std::size_t i, const Region& part) {
+        if (put_back(wet, tiles_[i], part)) changed[i] = part;
     });
+    for (std::size_t i = 0; i < tiles_.size(); ++i)
+        if (!changed[i].empty()) canvas.mark_dirty(tiles_[i], changed[i]);
 }
 
 }  // namespace tangi

@@ -12,13 +12,13 @@ constexpr float kMostPressed = 0.3f;  // [1] of a pixel's paint in one step, alo
 std::size_t at(int y, std::size_t stride) { return static_cast<std::size_t>(y) * stride; }
 
 // Bilinear; the border's values beyond it.
-float dome_at(const TipMaps& maps, float u, float v) {
-    u = std::clamp(u, 0.0f, static_cast<float>(maps.width) - 1.001f);
-    v = std::clamp(v, 0.0f, static_cast<float>(maps.height) - 1.001f);
+float dome_at(const TipMap& map, float u, float v) {
+    u = std::clamp(u, 0.0f, static_cast<float>(map.width) - 1.001f);
+    v = std::clamp(v, 0.0f, static_cast<float>(map.height) - 1.001f);
     const int iu = static_cast<int>(u), iv = static_cast<int>(v);
     const float fu = u - static_cast<float>(iu), fv = v - static_cast<float>(iv);
-    const TexelPair* d = maps.dome + iv * maps.width + iu;
-    return between(d[0], d[maps.width], fu, fv);
+    const TexelPair* texel = map.texels + iv * map.width + iu;
+    return between<kDomeField>(texel[0], texel[map.width], fu, fv);
 }
 
 }  // namespace
@@ -35,14 +35,14 @@ void find_outwards(const StandingTip& tip, const StepBox& box, Outwards& out) {
             if (box.underside_mm[at(y, box.underside_stride) + static_cast<std::size_t>(x)] >= kOutside)
                 continue;
             const float dx = static_cast<float>(x) - tip.x, dy = static_cast<float>(y) - tip.y;
-            const float u = (dx * c + dy * s) * tip.narrowing + static_cast<float>(tip.maps.width / 2);
-            const float v = (dy * c - dx * s) * tip.narrowing + static_cast<float>(tip.maps.height / 2);
-            const float gu = dome_at(tip.maps, u + 1, v) - dome_at(tip.maps, u - 1, v),
-                        gv = dome_at(tip.maps, u, v + 1) - dome_at(tip.maps, u, v - 1);
+            const float u = (dx * c + dy * s) * tip.narrowing + static_cast<float>(tip.map.width / 2);
+            const float v = (dy * c - dx * s) * tip.narrowing + static_cast<float>(tip.map.height / 2);
+            const float gu = dome_at(tip.map, u + 1, v) - dome_at(tip.map, u - 1, v),
+                        gv = dome_at(tip.map, u, v + 1) - dome_at(tip.map, u, v - 1);
             const float steepness = std::sqrt(gu * gu + gv * gv);  // over two texels
             if (steepness < 1e-6f) continue;
             const float nx = (gu * c - gv * s) / steepness, ny = (gu * s + gv * c) / steepness;
-            const float beyond_px = (dome_at(tip.maps, u, v) - tip.touched) * 2 / (steepness * tip.narrowing);
+            const float beyond_px = (dome_at(tip.map, u, v) - tip.touched) * 2 / (steepness * tip.narrowing);
             const float near = std::clamp(1 + beyond_px / tip.band_px, 0.0f, 1.0f);
             const float side = all_around ? 1.0f : std::max(nx * tip.towards_x + ny * tip.towards_y, 0.0f);
             const float speed = near * near * std::clamp(1 - beyond_px, 0.0f, 1.0f) * side;

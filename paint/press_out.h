@@ -11,10 +11,10 @@ namespace tangi {
 
 // A tip that stands on the canvas, in pixels (y down).
 struct StandingTip {
-    TipMaps maps;
+    TipMap map;
     float x = 0, y = 0;                  // its middle
     float cosine = 1, sine = 0;          // of the rotation
-    float narrowing = 1;                 // [texels] of the maps for each pixel
+    float narrowing = 1;                 // [texels] of the map for each pixel
     float touched = 1;                   // [1] dome that is flattened: pressure ends there
     float band_px = 1;                   // width of the part of it out of which paint is pressed
     float towards_x = 0, towards_y = 0;  // unit vector of the side where this happens; 0, 0: all around

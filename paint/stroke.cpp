@@ -178,17 +178,18 @@ void Stroke::relax(const Dab& last) {
     const int steps = static_cast<int>(std::clamp(8 * bristle_px * bristle_px, 12.0, 64.0));
     constexpr float part_of_yield = 0.15f;
     const Region box = box_of(brush_, last);
-    PaintWindow window(canvas_, box, {}, 2, false);
+    PaintWindow window(canvas_, box, {}, 2, false, memory_.window);
     const int width = box.width(), height = box.height();
     StepBox step;
     step.width = width;
     step.height = height;
     const std::size_t pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
-    underside_.resize(2 * pixels);
-    brush_.underside_mm(last, box.x0, box.y0, width, height, underside_.data(), underside_.data() + pixels,
+    std::vector<float>& underside = memory_.underside;
+    underside.resize(2 * pixels);
+    brush_.underside_mm(last, box.x0, box.y0, width, height, underside.data(), underside.data() + pixels,
                         step.bristles);
-    std::fill(underside_.begin(), underside_.end(), kOutside);  // the bristles are gone
-    step.underside_mm = underside_.data();
+    std::fill(underside.begin(), underside.end(), kOutside);  // the bristles are gone
+    step.underside_mm = underside.data();
     step.underside_stride = static_cast<std::size_t>(width);
     window.attach(step, box.x0, box.y0);
     TransferRates rates = rates_of(brush_.settings(), canvas_.mm_per_pixel());
@@ -197,7 +198,7 @@ void Stroke::relax(const Dab& last) {
     rates.bulge_mm *= part_of_yield;
     // Films do not run off the crests of a weave: their rate falls with the cube of the thickness.
     rates.stay_mm = rates.still_mm;
-    for (int i = 0; i < steps; ++i) push(step, rates, {}, scratch_);
+    for (int i = 0; i < steps; ++i) push(step, rates, {}, memory_.step);
     window.store(canvas_);
 }
 
@@ -336,7 +337,7 @@ void Stroke::paint() {
         end = std::min(end, begin + static_cast<std::size_t>(rest_at - first));
         const std::span<const Dab> dabs = std::span(dabs_).subspan(begin, end - begin);
         for (const Dab& dab : dabs) come_over(dab);
-        bristle_pixels_ += paint_dabs(canvas_, brush_, dabs, seed_, other_, scratch_);
+        bristle_pixels_ += paint_dabs(canvas_, brush_, dabs, seed_, other_, memory_);
         begin = end;
         if (steps_ + static_cast<int>(end) == rest_at) settle_paint(rest_at - kSettle);
     }

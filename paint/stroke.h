@@ -13,8 +13,8 @@
 
 #include "paint/brush.h"
 #include "paint/canvas.h"
+#include "paint/dabs.h"
 #include "paint/other_paint.h"
-#include "paint/transfer.h"
 
 namespace tangi {
 
@@ -118,8 +118,7 @@ private:
     std::optional<Dab> last_;
     double look_at_s_ = 0;
     Look look_;
-    StepScratch scratch_;
-    std::vector<float> underside_;  // and cover
+    DabMemory memory_;
     double bristle_pixels_ = 0;
     int steps_ = 0;
     double last_time_s_ = 0, greatest_pressure_ = 0;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "paint/exchange_rows.h"
 #include "paint/flow_rows.h"
 #include "surface/parallel.h"
 
@@ -9,8 +10,10 @@ namespace tangi {
 
 namespace {
 
-constexpr int kBandRows = 32;
-constexpr int kRing = 2;  // [pixels] that give no paint
+constexpr int kRowsAtOnce = 32;  // by one thread
+constexpr int kBandRows = 32;    // about as many
+constexpr int kRing = 2;         // [pixels] that give no paint
+constexpr int kFlowsFrom = 3;    // [rows] beside a band, on whose paint what flows into it depends
 
 std::size_t at(int y, std::size_t stride) { return static_cast<std::size_t>(y) * stride; }
 
@@ -59,22 +62,32 @@ void find_spans(const StepBox& box, StepScratch& scratch) {
     widen(seen);
 }
 
-// Rows of a box that one thread moves, from top to bottom: flows of three rows at a time, which stay in the
-// nearest cache. What becomes of a row is put back when the next one is done, which looks at it as it was.
-// Bands are independent: what a band needs of the rows beside it is kept before any begins.
+// What is the same for all bands of a box.
+struct Step {
+    const StepBox& box;
+    const TransferRates& rates;
+    const BrushMotion& motion;
+    bool exchanges;
+    const StepScratch& spans;
+    float* top;
+};
+
+// Rows of a box that one thread moves, from top to bottom: first the bristles and the canvas exchange, three
+// rows further down what is left flows, so that paint is fetched once from where memory is slow. What becomes
+// of a row is put back when the next one is done, which looks at it as it was. Bands are independent: the
+// rows at their edges come first, and what a band needs of those beside it is kept before any goes on.
 class Band {
 public:
-    Band(const StepBox& box, const TransferRates& rates, const BrushMotion& motion, const StepScratch& spans,
-         float* memory)
-        : box_(box),
-          rates_(rates),
-          motion_(motion),
-          heading_{motion.dx < 0 ? -1 : 1, motion.dy < 0 ? -1 : 1},
-          spans_(spans),
-          line_(line_of(box)),
+    Band(const Step& step, int begin, int end, float* memory)
+        : step_(step),
+          box_(step.box),
+          begin_(begin),
+          end_(end),
+          heading_{step.motion.dx < 0 ? -1 : 1, step.motion.dy < 0 ? -1 : 1},
+          line_(line_of(box_)),
           memory_(memory),
-          kept_(box.paint.size()) {
-        float* first = memory + line_ * kFlows * kPlanes + kBesideFlows;
+          kept_(box_.paint.size()) {
+        float* first = memory + line_ * (kFlows * kPlanes + kExchanged) + kBesideFlows;
         for (std::size_t i = 0; i < kept_.size(); ++i) kept_[i] = first + line_ * kRows * i;
     }
 
@@ -83,31 +96,41 @@ public:
         return static_cast<std::size_t>(box.width + 2 * kBesideFlows);
     }
     static std::size_t floats(const StepBox& box) {
-        return line_of(box) * (kFlows * kPlanes + kRows * box.paint.size());
+        return line_of(box) * (kFlows * kPlanes + kExchanged + kRows * box.paint.size());
+    }
+
+    // Rows on which other bands depend too.
+    void exchange_edges() {
+        middle_ = std::min(begin_ + kFlowsFrom, end_);
+        middle_end_ = std::max(end_ - kFlowsFrom, middle_);
+        for (int y = begin_; y < middle_; ++y) exchange_row(y);
+        for (int y = middle_end_; y < end_; ++y) exchange_row(y);
     }
 
     // Keeps what other bands may change before it is needed here.
-    void prepare(int begin, int end) {
-        begin_ = begin;
-        end_ = end;
-        for (const int y : {begin - 1, begin, end - 1, end}) find_flow(y);
+    void prepare() {
+        for (const int y : {begin_ - 1, begin_, end_ - 1, end_}) find_flow(y);
         for (std::size_t i = 0; i < box_.paint.size(); ++i) {
             // A row beside these is looked at one pixel beyond its ends, where nothing flows.
             for (const int which : {kAbove, kBelow}) kept(which)[i][-1] = kept(which)[i][box_.width] = 0;
-            std::copy_n(row(std::max(begin - 1, 0))[i], box_.width, kept(kAbove)[i]);
-            std::copy_n(row(std::min(end, box_.height - 1))[i], box_.width, kept(kBelow)[i]);
+            std::copy_n(row(std::max(begin_ - 1, 0))[i], box_.width, kept(kAbove)[i]);
+            std::copy_n(row(std::min(end_, box_.height - 1))[i], box_.width, kept(kBelow)[i]);
         }
     }
 
     void run() {
         for (int y = begin_; y < end_; ++y) {
-            if (y + 1 < end_ - 1) find_flow(y + 1);
+            if (y + 1 < end_ - 1) {
+                exchange_until(y + 1 + kFlowsFrom);
+                find_flow(y + 1);
+            }
             move_row(y, {flow(y - 1), flow(y), flow(y + 1)});
         }
         move_row(end_, {});
     }
 
 private:
+    static constexpr std::size_t kExchanged = 2;           // lines for exchange_in_row()
     static constexpr std::size_t kPlanes = 5, kFlows = 5;  // three that go round, the last two of the band
     static constexpr std::size_t kRows = 4;                // of each ingredient: two that go round, and
     static constexpr int kAbove = 2, kBelow = 3;           // those beside the band
@@ -123,12 +146,23 @@ private:
         return {first, first + line_, first + 2 * line_, first + 3 * line_, first + 4 * line_};
     }
 
+    // And the height of what lies there.
+    void exchange_row(int y) const {
+        if (step_.exchanges) exchange_in_row(box_, step_.rates, y, memory_ + line_ * kFlows * kPlanes);
+        const std::size_t canvas = at(y, box_.canvas_stride);
+        add_row(box_.width, box_.relief_mm + canvas, box_.total_mm + canvas,
+                step_.top + at(y, static_cast<std::size_t>(box_.width)));
+    }
+    void exchange_until(int end) {
+        for (; middle_ < std::min(end, middle_end_); ++middle_) exchange_row(middle_);
+    }
+
     void find_flow(int y) const {
         // Where nothing flows but neighbours look, flows are 0.
-        const RowSpan looked_at = spans_.looked_at[static_cast<std::size_t>(y + 1)];
+        const RowSpan looked_at = step_.spans.looked_at[static_cast<std::size_t>(y + 1)];
         if (empty(looked_at)) return;
         const bool inside = y >= 0 && y < box_.height;
-        RowSpan span = inside ? spans_.flowing[static_cast<std::size_t>(y)] : RowSpan{0, 0};
+        RowSpan span = inside ? step_.spans.flowing[static_cast<std::size_t>(y)] : RowSpan{0, 0};
         if (empty(span)) span = {looked_at.begin, looked_at.begin};
         const Outflow out = flow(y);
         if (!empty(span)) {
@@ -137,12 +171,13 @@ private:
             const std::size_t canvas = at(y, box_.canvas_stride) + first,
                               top_stride = static_cast<std::size_t>(box_.width);
             const RowMotion motion{
-                heading_.sx, heading_.sy, motion_.dx - motion_.turn_rad * (static_cast<float>(y) - motion_.y),
-                motion_.dy + motion_.turn_rad * (static_cast<float>(whole.begin) - motion_.x),
-                motion_.turn_rad};
-            outflow_row(whole.end - whole.begin, rates_, motion, box_.sides.row_from(whole.begin, y),
+                heading_.sx, heading_.sy,
+                step_.motion.dx - step_.motion.turn_rad * (static_cast<float>(y) - step_.motion.y),
+                step_.motion.dy + step_.motion.turn_rad * (static_cast<float>(whole.begin) - step_.motion.x),
+                step_.motion.turn_rad};
+            outflow_row(whole.end - whole.begin, step_.rates, motion, box_.sides.row_from(whole.begin, y),
                         box_.underside_mm + at(y, box_.underside_stride) + first, box_.underside_stride,
-                        spans_.top.data() + at(y, top_stride) + first, top_stride, box_.total_mm + canvas,
+                        step_.top + at(y, top_stride) + first, top_stride, box_.total_mm + canvas,
                         box_.open + canvas, box_.canvas_stride, from(out, first));
         }
         clear_beside(span, looked_at, out);
@@ -154,8 +189,9 @@ private:
 
     // And puts back what became of the row above.
     void move_row(int y, const FlowsAround& flows) {
-        const RowSpan span = y < end_ ? spans_.touched[static_cast<std::size_t>(y)] : RowSpan{0, 0},
-                      done = y > begin_ ? spans_.touched[static_cast<std::size_t>(y - 1)] : RowSpan{0, 0};
+        const RowSpan span = y < end_ ? step_.spans.touched[static_cast<std::size_t>(y)] : RowSpan{0, 0},
+                      done =
+                          y > begin_ ? step_.spans.touched[static_cast<std::size_t>(y - 1)] : RowSpan{0, 0};
         if (empty(span) && empty(done)) return;
         const AdvectedRow rows{kept_.size(),
                                row(y),
@@ -167,49 +203,59 @@ private:
                    box_.total_mm + at(std::min(y, box_.height - 1), box_.canvas_stride));
     }
 
+    const Step& step_;
     const StepBox& box_;
-    const TransferRates& rates_;
-    const BrushMotion& motion_;
+    int begin_, end_, middle_ = 0, middle_end_ = 0;  // rows from middle_ on have not exchanged yet
     Heading heading_;
-    const StepScratch& spans_;
     std::size_t line_;
     float* memory_;
-    int begin_ = 0, end_ = 0;
     std::vector<float*> kept_;  // of each ingredient
 };
 
-}  // namespace
-
-void push(const StepBox& box, const TransferRates& rates, const BrushMotion& motion, StepScratch& scratch) {
-    if (box.width <= 2 * kRing || box.height <= 2 * kRing) return;
+void move(const StepBox& box, const TransferRates& rates, const BrushMotion& motion, bool exchanges,
+          StepScratch& scratch) {
     find_spans(box, scratch);
     scratch.top.resize(static_cast<std::size_t>(box.width) * static_cast<std::size_t>(box.height));
-    for_rows_of_step(box.width, box.height, [&](int begin, int end) {
-        for (int y = begin; y < end; ++y)
-            add_row(box.width, box.relief_mm + at(y, box.canvas_stride),
-                    box.total_mm + at(y, box.canvas_stride),
-                    scratch.top.data() + at(y, static_cast<std::size_t>(box.width)));
-    });
     // Rows of narrow boxes are looked at one pixel beyond their ends, which may be another band's.
     const bool one = box.width * box.height < kParallelPixels || box.width <= kLeastAdvected;
-    const int bands = one ? 1 : std::max(box.height / kBandRows, 1);
+    // As many for each thread; what comes out is the same however many there are.
+    const int threads = thread_count(), each = box.height / (kBandRows * threads);
+    const int bands = one ? 1 : each > 0 ? each * threads : std::max(box.height / kBandRows, 1);
     const std::size_t floats = Band::floats(box);
     scratch.planes.resize(std::max(scratch.planes.size(), floats * static_cast<std::size_t>(bands)));
+    const Step step{box, rates, motion, exchanges, scratch, scratch.top.data()};
     std::vector<Band> all;
     all.reserve(static_cast<std::size_t>(bands));
     for (int i = 0; i < bands; ++i)
-        all.emplace_back(box, rates, motion, scratch,
+        all.emplace_back(step, box.height * i / bands, box.height * (i + 1) / bands,
                          scratch.planes.data() + floats * static_cast<std::size_t>(i));
-    const auto for_bands = [&](const auto& body) {
-        if (bands == 1) return body(0);
+    const auto for_bands = [&](void (Band::*part)()) {
+        if (bands == 1) return (all.front().*part)();
         parallel_for(0, bands, 1, [&](int begin, int end) {
-            for (int i = begin; i < end; ++i) body(i);
+            for (int i = begin; i < end; ++i) (all[static_cast<std::size_t>(i)].*part)();
         });
     };
-    for_bands([&](int i) {
-        all[static_cast<std::size_t>(i)].prepare(box.height * i / bands, box.height * (i + 1) / bands);
-    });
-    for_bands([&](int i) { all[static_cast<std::size_t>(i)].run(); });
+    for_bands(&Band::exchange_edges);
+    for_bands(&Band::prepare);
+    for_bands(&Band::run);
+}
+
+}  // namespace
+
+void for_rows_in_parallel(int height, const std::function<void(int, int)>& body) {
+    parallel_for(0, height, kRowsAtOnce, body);
+}
+
+void push(const StepBox& box, const TransferRates& rates, const BrushMotion& motion, StepScratch& scratch) {
+    if (box.width > 2 * kRing && box.height > 2 * kRing) move(box, rates, motion, false, scratch);
+}
+
+void exchange_and_push(const StepBox& box, const TransferRates& rates, const BrushMotion& motion,
+                       StepScratch& scratch) {
+    if (box.width > 2 * kRing && box.height > 2 * kRing)
+        move(box, rates, motion, true, scratch);
+    else
+        exchange(box, rates, scratch);
 }
 
 }  // namespace tangi

@@ -121,4 +121,8 @@ void exchange(const StepBox& box, const TransferRates& rates, StepScratch& scrat
 // flow down.
 void push(const StepBox& box, const TransferRates& rates, const BrushMotion& motion, StepScratch& scratch);
 
+// Both, in this order, to the same bits, while a row is at hand.
+void exchange_and_push(const StepBox& box, const TransferRates& rates, const BrushMotion& motion,
+                       StepScratch& scratch);
+
 }  // namespace tangi

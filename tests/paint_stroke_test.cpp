@@ -249,10 +249,9 @@ TEST(Stroke, AtNoPressureNothingIsTransferredAndAtLittleLittle) {
     Brush brush(even_brush(), kTestPixel, 1), grazing(brush_presets().at("knife"), kTestPixel, 2);
     brush.load({{add_paint(canvas, "Pyrrole Red"), 1}}, 1);
     stroke(canvas, brush, {-8, 0}, {8, 0});
-    StepScratch scratch;
+    DabMemory memory;
     OtherPaint other(grazing);
-    paint_dabs(canvas, grazing, std::vector<Dab>(20, Dab{.x = 64, .y = 48, .pressure = 0}), 1, other,
-               scratch);
+    paint_dabs(canvas, grazing, std::vector<Dab>(20, Dab{.x = 64, .y = 48, .pressure = 0}), 1, other, memory);
     EXPECT_EQ(grazing.volumes_mm3(1)[0], 0);
 }
 
@@ -268,9 +267,9 @@ TEST(Stroke, BesideTheCanvasABrushKeepsItsPaintAsItIs) {
     std::vector<Dab> dabs;
     for (int i = 0; i < 500; ++i)
         dabs.push_back({.x = 400.0 + i, .y = -300, .rotation_rad = 0.01f * static_cast<float>(i), .step = i});
-    StepScratch scratch;
+    DabMemory memory;
     OtherPaint other(brush);
-    EXPECT_EQ(paint_dabs(canvas, brush, dabs, 1, other, scratch), 0) << "pixels under the brush";
+    EXPECT_EQ(paint_dabs(canvas, brush, dabs, 1, other, memory), 0) << "pixels under the brush";
     EXPECT_EQ(brush.bristles().mm, before.mm);
     EXPECT_EQ(canvas.wet().painted(), painted.wet().painted());
 }

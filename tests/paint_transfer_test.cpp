@@ -2,12 +2,14 @@
 // from nowhere.
 #include "paint/transfer.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <array>
 #include <cmath>
 #include <numbers>
 
+#include "surface/parallel.h"
 #include "tests/test_support.h"
 
 namespace tangi {
@@ -20,9 +22,9 @@ struct RandomBox {
     std::vector<std::vector<float>> paint, load;
     StepBox box;
 
-    explicit RandomBox(std::uint64_t seed) {
+    explicit RandomBox(std::uint64_t seed, int width = kWidth, int height = kHeight) {
         Random random(seed);
-        constexpr std::size_t pixels = kWidth * kHeight;
+        const auto pixels = static_cast<std::size_t>(width * height);
         const auto plane = [&](double low, double high) {
             std::vector<float> values(pixels);
             for (float& v : values) v = random.real(low, high);
@@ -43,12 +45,12 @@ struct RandomBox {
                 load_total[p] += load.back()[p];
             }
         }
-        box.width = kWidth;
-        box.height = kHeight;
+        box.width = width;
+        box.height = height;
         box.underside_mm = underside.data();
         box.cover = cover.data();
-        box.underside_stride = box.canvas_stride = box.load_stride = kWidth;
-        box.bristles.assign(kHeight, {0, kWidth});
+        box.underside_stride = box.canvas_stride = box.load_stride = static_cast<std::size_t>(width);
+        box.bristles.assign(static_cast<std::size_t>(height), {0, width});
         box.relief_mm = relief.data();
         box.open = open.data();
         box.total_mm = total.data();
@@ -233,6 +235,38 @@ TEST(Transfer, DoesNotDependOnTheSizeOfTheBox) {
     const auto large = painted_in(0, 0, width, height), small = painted_in(50, 20, 110, 110);
     for (std::size_t plane = 0; plane < large.size(); ++plane) EXPECT_TRUE(large[plane] == small[plane]);
     for (std::size_t i = 0; i < large[2].size(); ++i) ASSERT_EQ(large[2][i], large[0][i] + large[1][i]) << i;
+}
+
+// Rows exchange just before they flow, in bands, small ones in one.
+TEST(Transfer, BothAtOnceAreOneAfterTheOther) {
+    for (const auto& [width, height] : {std::pair{3, 9}, {37, 23}, {37, 5}, {150, 260}, {260, 150}})
+        for (const int threads : {1, 2, 3}) {
+            RandomBox expected(9, width, height), both(9, width, height);
+            for (RandomBox* b : {&expected, &both}) {
+                for (int y = 0; y < height; ++y)
+                    b->box.bristles[static_cast<std::size_t>(y)] = {0, y % 50 == 3 ? 0 : width - y % 3};
+                for (int y = 0; y < height; ++y)
+                    for (int x = b->box.bristles[static_cast<std::size_t>(y)].end; x < width; ++x) {
+                        b->underside[static_cast<std::size_t>(y * width + x)] = kOutside;
+                        b->cover[static_cast<std::size_t>(y * width + x)] = 0;
+                    }
+            }
+            StepScratch scratch, other;
+            for (int step = 0; step < 6; ++step) {
+                const auto s = static_cast<float>(step);
+                const BrushMotion motion{std::cos(2 * s), std::sin(2 * s), 0.01f, 12, 9};
+                set_thread_count(1);
+                exchange(expected.box, some_rates(), scratch);
+                push(expected.box, some_rates(), motion, scratch);
+                set_thread_count(threads);
+                exchange_and_push(both.box, some_rates(), motion, other);
+            }
+            set_thread_count(0);
+            const std::string at = fmt::format("{} x {}, {} threads", width, height, threads);
+            EXPECT_TRUE(both.paint == expected.paint) << at;
+            EXPECT_TRUE(both.load == expected.load) << at;
+            EXPECT_TRUE(both.total == expected.total && both.load_total == expected.load_total) << at;
+        }
 }
 
 TEST(Transfer, SteepStepsFlowDownAndStop) {

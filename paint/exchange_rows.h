@@ -1,0 +1,11 @@
+// exchange_rows.h: what bristles and canvas exchange along one row, for exchange() and step() (transfer.h).
+#pragma once
+
+#include "paint/transfer.h"
+
+namespace tangi {
+
+// Row y of the box. `memory` has room for two rows of it.
+void exchange_in_row(const StepBox& box, const TransferRates& rates, int y, float* memory);
+
+}  // namespace tangi
