@@ -1,6 +1,9 @@
 #include "surface/relight.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
 #include <numbers>
 
 #include "surface/anisotropy.h"
@@ -14,6 +17,25 @@ namespace {
 
 constexpr int kManyLights =
     4;  // the steepest horizons take a quarter of the time that marching for one light does
+
+// Directions to the light from pixels that are marched together, and which of them are to be.
+struct Marched {
+    std::array<float, kMarchLanes> x{}, y{}, z{}, part;
+    std::uint32_t which = 0;
+
+    Marched() { part.fill(1); }
+    void ask(int lane, const Vec3& direction) {
+        const auto i = static_cast<std::size_t>(lane);
+        x[i] = direction.x;
+        y[i] = direction.y;
+        z[i] = direction.z;
+        which |= std::uint32_t{1} << lane;
+    }
+    // Finds the part of the light that reaches each that was asked for; all of it reaches the others.
+    void march(const CastShadows& shadows, int x0, int row) {
+        if (which != 0) shadows.visible_parts(x0, row, {x.data(), y.data(), z.data()}, which, part.data());
+    }
+};
 
 }  // namespace
 
@@ -43,9 +65,13 @@ Image<float> visibility(const Surface& s, const Light& light, double light_radiu
     Image<float> visible(s.width(), s.height(), 1.0f);
     parallel_for(0, s.height(), 8, [&](int begin, int end) {
         for (int y = begin; y < end; ++y) {
-            for (int x = 0; x < s.width(); ++x) {
-                const Vec3 l = incidence(light, s.point_mm(x, y), s.photography.rig).direction;
-                visible(x, y) = shadows.visible_part(x, y, l);
+            for (int x0 = 0; x0 < s.width(); x0 += kMarchLanes) {
+                const int count = std::min(kMarchLanes, s.width() - x0);
+                Marched marched;
+                for (int i = 0; i < count; ++i)
+                    marched.ask(i, incidence(light, s.point_mm(x0 + i, y), s.photography.rig).direction);
+                marched.march(shadows, x0, y);
+                std::copy_n(marched.part.begin(), count, visible.row(y).begin() + x0);
             }
         }
     });
@@ -66,10 +92,8 @@ Relighter::Relighter(const Surface& s, const RelightOptions& options, int lights
 
 Relighter::~Relighter() = default;
 
-float Relighter::visible_part(int x, int y, const Vec3& l) const {
-    if (!horizon_.empty() && shadows_->clears(horizon_(x, y), std::sqrt(l.x * l.x + l.y * l.y), l.z))
-        return 1;
-    return shadows_->visible_part(x, y, l);
+bool Relighter::clears(int x, int y, const Vec3& l) const {
+    return !horizon_.empty() && shadows_->clears(horizon_(x, y), std::sqrt(l.x * l.x + l.y * l.y), l.z);
 }
 
 void Relighter::draw_row(const Light& light, int y, std::span<Rgb> row) const {
@@ -82,13 +106,26 @@ void Relighter::draw_row(const Light& light, int y, std::span<Rgb> row) const {
 void Relighter::add_row(const Light& light, int y, std::span<Rgb> row) const {
     const Surface& s = surface_;
     const Rig& rig = s.photography.rig;
-    for (int x = 0; x < s.width(); ++x) {
-        const Vec3 point = s.point_mm(x, y);
-        const Incidence in = incidence(light, point, rig);
-        Rgb direct = reflected(s, x, y, in.direction, view_direction(rig, point), options_.model);
-        // What the light does not meet needs no march.
-        if (shadows_ && direct != Rgb(0)) direct *= visible_part(x, y, in.direction);
-        row[static_cast<std::size_t>(x)] += in.irradiance * (direct + rig.ambient * s.diffuse(x, y));
+    for (int x0 = 0; x0 < s.width(); x0 += kMarchLanes) {
+        const int count = std::min(kMarchLanes, s.width() - x0);
+        std::array<Rgb, kMarchLanes> direct, irradiance;
+        Marched marched;
+        for (int i = 0; i < count; ++i) {
+            const auto lane = static_cast<std::size_t>(i);
+            const Vec3 point = s.point_mm(x0 + i, y);
+            const Incidence in = incidence(light, point, rig);
+            direct[lane] = reflected(s, x0 + i, y, in.direction, view_direction(rig, point), options_.model);
+            irradiance[lane] = in.irradiance;
+            // What the light does not meet needs no march.
+            if (shadows_ && direct[lane] != Rgb(0) && !clears(x0 + i, y, in.direction))
+                marched.ask(i, in.direction);
+        }
+        if (shadows_) marched.march(*shadows_, x0, y);
+        for (int i = 0; i < count; ++i) {
+            const auto lane = static_cast<std::size_t>(i);
+            row[static_cast<std::size_t>(x0 + i)] +=
+                irradiance[lane] * (marched.part[lane] * direct[lane] + rig.ambient * s.diffuse(x0 + i, y));
+        }
     }
 }
 

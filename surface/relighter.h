@@ -23,7 +23,8 @@ public:
     void add_row(const Light& light, int y, std::span<Rgb> row) const;
 
 private:
-    float visible_part(int x, int y, const Vec3& direction) const;
+    // Whether it is known without a march that the light reaches all of a pixel.
+    bool clears(int x, int y, const Vec3& direction) const;
 
     const Surface& surface_;
     RelightOptions options_;
