@@ -7,7 +7,6 @@
 #include <numeric>
 
 #include "paint/bristle_rows.h"
-#include "paint/tip_outline.h"
 #include "paint/transfer.h"
 #include "surface/error.h"
 
@@ -329,6 +328,12 @@ void Brush::rest() {
     forget();
 }
 
+TipOutline Brush::outline(const Dab& dab) const {
+    const double widening = 1 + settings_.splay * dab.pressure;
+    return {(half_width_px_ + 1) * widening, (half_thickness_px_ + 1) * widening, std::cos(dab.rotation_rad),
+            std::sin(dab.rotation_rad), settings_.shape == "round"};
+}
+
 void Brush::underside_mm(const Dab& dab, int x0, int y0, int width, int height, float* out, float* cover,
                          std::vector<RowSpan>& spans) const {
     double cx, cy;
@@ -354,8 +359,7 @@ void Brush::underside_mm(const Dab& dab, int x0, int y0, int width, int height, 
     first_row.touched = touched;
     first_row.rim_mm =
         static_cast<float>(std::min(settings_.yield_slope * mm_per_pixel_, settings_.reach_mm));
-    const TipOutline outline((half_width_px_ + 1) / narrowing, (half_thickness_px_ + 1) / narrowing, c, s,
-                             settings_.shape == "round");
+    const TipOutline outline = this->outline(dab);
     spans.resize(static_cast<std::size_t>(height));
     const auto one = [&](int y) {
         const double py = y0 + y - cy;

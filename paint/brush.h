@@ -14,6 +14,7 @@
 #include "paint/brush_tip.h"
 #include "paint/canvas.h"
 #include "paint/press_out.h"
+#include "paint/tip_outline.h"
 #include "paint/transfer.h"
 
 namespace tangi {
@@ -104,6 +105,9 @@ public:
     double mean_load_mm() const { return mean_load_mm_; }
     // Where a stroke ends: what comes next depends on what is on the bristles only.
     void rest();
+
+    // Of the bristles, around contact_centre(), a pixel wider than they are.
+    TipOutline outline(const Dab& dab) const;
 
     // The underside [mm] of the bristles over a box of pixels whose first is (x0, y0), row-major; kOutside
     // where there are none; and the part of each pixel that they cover, 0..1, in rows as long. Row y has

@@ -132,7 +132,7 @@ double paint_dabs(Canvas& canvas, Brush& brush, std::span<const Dab> dabs, std::
         }
         std::vector<bool> above;
         for (std::size_t i = begin; i < end; ++i)
-            above.push_back(other.met(canvas.wet(), box_of(brush, dabs[i])));
+            above.push_back(other.met(canvas.wet(), brush, dabs[i], box_of(brush, dabs[i])));
         const int ride = std::max(static_cast<int>(brush.settings().size_mm / canvas.mm_per_pixel() / 4), 2);
         PaintWindow window(canvas, window_region, brush.ingredients(), ride, above.back(), memory.window);
         for (std::size_t i = begin; i < end; ++i) {

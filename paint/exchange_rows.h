@@ -1,4 +1,5 @@
-// exchange_rows.h: what bristles and canvas exchange along one row, for exchange() and step() (transfer.h).
+// exchange_rows.h: what bristles and canvas exchange along one row, for exchange() and exchange_and_push()
+// (transfer.h).
 #pragma once
 
 #include "paint/transfer.h"

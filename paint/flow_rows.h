@@ -1,4 +1,5 @@
-// flow_rows.h: what bristles push and what flows by itself, row by row, for push() (transfer.h).
+// flow_rows.h: what bristles push and what flows by itself, row by row, for push() and exchange_and_push()
+// (transfer.h).
 #pragma once
 
 #include <cstddef>

@@ -1,8 +1,8 @@
 #include "paint/other_paint.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numeric>
-#include <vector>
 
 namespace tangi {
 
@@ -10,42 +10,89 @@ namespace {
 
 constexpr double kNoPaint_mm3 = 1e-9;  // on a brush
 constexpr double kSame = 0.02;         // [1] part by volume up to which two recipes are one
+constexpr float kThin_mm = 5e-4f;      // other paint of which there is less is none
+
+// Columns begin <= x < end of a row of a tile.
+std::uint64_t bits(int begin, int end) {
+    const std::uint64_t below_end = end < kTileSize ? (std::uint64_t{1} << end) - 1 : ~std::uint64_t{0};
+    return below_end & ~((std::uint64_t{1} << begin) - 1);
+}
 
 }  // namespace
 
 OtherPaint::OtherPaint(const Brush& brush) {
-    const IngredientId last = brush.ingredients().empty() ? IngredientId(0) : brush.ingredients().back();
-    const std::vector<double> mm3 = brush.volumes_mm3(last + std::size_t(1));
+    if (brush.ingredients().empty()) return;
+    std::vector<double> mm3 = brush.volumes_mm3(brush.ingredients().back() + std::size_t(1));
     const double all = std::accumulate(mm3.begin(), mm3.end(), 0.0);
-    for (const IngredientId id : brush.ingredients())
-        if (all > kNoPaint_mm3) brought_[id] = mm3[id] / all;
+    if (!(all > kNoPaint_mm3)) return;
+    for (double& part : mm3) part /= all;
+    brought_ = std::move(mm3);
 }
 
-bool OtherPaint::met(const PaintLayer& wet, const Region& box) {
+bool OtherPaint::met(const PaintLayer& wet, const Brush& brush, const Dab& dab, const Region& box) {
     const Region part = intersection(box, wet.region());
     if (met_ || part.empty()) return met_;
+    bool near = false;
     for (int y = part.y0 / kTileSize; y * kTileSize < part.y1; ++y)
-        for (int x = part.x0 / kTileSize; x * kTileSize < part.x1; ++x)
-            if (seen_.insert({x, y}).second && is_in(wet, {x, y})) met_ = true;
+        for (int x = part.x0 / kTileSize; x * kTileSize < part.x1; ++x) {
+            const auto [at, first] = seen_.try_emplace({x, y});
+            if (const auto& tile = wet.tile({x, y}); first && tile) at->second = where(*tile);
+            near = near || at->second;
+        }
+    met_ = near && is_under(brush, dab, part);
     return met_;
 }
 
-bool OtherPaint::is_in(const PaintLayer& wet, TileIndex at) const {
-    const auto& tile = wet.tile(at);
-    if (!tile) return false;
-    if (tile->has_upper()) return true;
-    std::map<IngredientId, double> parts;
-    double all = 0;
-    for (const IngredientId id : tile->ingredients) {
-        const auto plane = tile->plane(id);
-        all += parts[id] = std::accumulate(plane.begin(), plane.end(), 0.0);
+bool OtherPaint::is_under(const Brush& brush, const Dab& dab, const Region& part) const {
+    const TipOutline outline = brush.outline(dab);
+    double cx, cy;
+    brush.contact_centre(dab, cx, cy);
+    for (int y = part.y0; y < part.y1; ++y) {
+        const RowSpan span = outline.across(y - cy, part.x0 - cx, part.width());
+        const int begin = part.x0 + span.begin, end = part.x0 + span.end;
+        for (int x = begin / kTileSize; x * kTileSize < end; ++x) {
+            const auto& mask = seen_.at({x, y / kTileSize});
+            if (!mask) continue;
+            const int first = x * kTileSize;
+            if ((*mask)[static_cast<std::size_t>(y % kTileSize)] &
+                bits(std::max(begin - first, 0), std::min(end - first, kTileSize)))
+                return true;
+        }
     }
-    if (!(all > 0) || brought_.empty()) return all > 0;
-    for (auto& [id, part] : parts) part /= all;
-    for (const auto& [id, part] : brought_) parts[id] -= part;
-    double differ = 0;
-    for (const auto& [id, part] : parts) differ += std::abs(part) / 2;
-    return differ > kSame;
+    return false;
+}
+
+std::unique_ptr<const OtherPaint::Mask> OtherPaint::where(const PaintTile& tile) const {
+    constexpr auto pixels = static_cast<std::size_t>(PaintTile::kPixels);
+    std::array<float, pixels> all{}, above{}, differ{};
+    const auto part_of = [&](IngredientId id) {
+        return id < brought_.size() ? static_cast<float>(brought_[id]) : 0.0f;
+    };
+    for (const IngredientId id : tile.ingredients) {
+        const auto plane = tile.plane(id);
+        std::array<float, pixels>& sum = is_upper(id) ? above : all;
+        for (std::size_t i = 0; i < pixels; ++i) sum[i] += plane[i];
+    }
+    // Half of the sum of what each part differs by; those of paints that are not here differ whole.
+    float elsewhere = 1;
+    for (const IngredientId id : tile.ingredients) {
+        if (is_upper(id)) continue;
+        const auto plane = tile.plane(id);
+        const float part = part_of(id);
+        elsewhere -= part;
+        for (std::size_t i = 0; i < pixels; ++i) differ[i] += std::abs(plane[i] - part * all[i]) / 2;
+    }
+    auto mask = std::make_unique<Mask>();
+    bool any = false;
+    for (std::size_t i = 0; i < pixels; ++i) {
+        const float other_mm = differ[i] + std::max(elsewhere, 0.0f) / 2 * all[i];
+        if (above[i] <= kThin_mm && !(other_mm > kThin_mm && other_mm > static_cast<float>(kSame) * all[i]))
+            continue;
+        (*mask)[i / kTileSize] |= std::uint64_t{1} << (i % kTileSize);
+        any = true;
+    }
+    if (!any) return nullptr;
+    return mask;
 }
 
 }  // namespace tangi

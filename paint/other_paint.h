@@ -1,8 +1,11 @@
 // other_paint.h: where what a stroke lays stays above.
 #pragma once
 
+#include <array>
+#include <cstdint>
 #include <map>
-#include <set>
+#include <memory>
+#include <vector>
 
 #include "paint/brush.h"
 #include "paint/paint_layer.h"
@@ -10,18 +13,25 @@
 namespace tangi {
 
 // Whether a stroke has met other wet paint than its brush brought: from then on, what it lays stays above as
-// an upper film. Of one stroke, and by what lay there before it: how steps are grouped does not matter.
+// an upper film. Of one stroke, and by what lay there before it: how steps are grouped does not matter, nor
+// where tiles begin.
 class OtherPaint {
 public:
     explicit OtherPaint(const Brush& brush);
     // To be asked for each step in its turn, before it is painted; `box`: the pixels that it may change.
-    bool met(const PaintLayer& wet, const Region& box);
+    // Other paint is met where bristles come over it.
+    bool met(const PaintLayer& wet, const Brush& brush, const Dab& dab, const Region& box);
 
 private:
-    bool is_in(const PaintLayer& wet, TileIndex at) const;
+    // A bit for each pixel that other paint is in, the leftmost of a row is the lowest; null: nowhere.
+    using Mask = std::array<std::uint64_t, static_cast<std::size_t>(kTileSize)>;
+    static_assert(kTileSize == 64);
 
-    std::map<IngredientId, double> brought_;  // parts by volume; empty where the brush has no paint
-    std::set<TileIndex> seen_;
+    std::unique_ptr<const Mask> where(const PaintTile& tile) const;
+    bool is_under(const Brush& brush, const Dab& dab, const Region& part) const;
+
+    std::vector<double> brought_;  // parts by volume of each paint; empty where the brush has none
+    std::map<TileIndex, std::unique_ptr<const Mask>> seen_;  // as tiles were before the stroke
     bool met_ = false;
 };
 

@@ -29,12 +29,30 @@ constexpr double kStandsFor = 0.7;
 // Paint settles every so many steps, in tiles that none of the last so many came over.
 constexpr int kSettle = 64;
 
+// [1] Part of the contact's length, from its rear on, in which what runs together when the brush is lifted
+// does so ever more.
+constexpr double kFades = 0.7;
+
 constexpr double kShortContact_px = 6;  // shorter ones take steps of half the spacing
 
 double length(const PathPoint& p) { return std::hypot(p.x, p.y); }
 PathPoint operator-(const PathPoint& a, const PathPoint& b) { return {a.x - b.x, a.y - b.y}; }
 PathPoint operator+(const PathPoint& a, const PathPoint& b) { return {a.x + b.x, a.y + b.y}; }
 PathPoint operator*(double s, const PathPoint& p) { return {s * p.x, s * p.y}; }
+
+// What of a contact the whole brush has come over by at least this far.
+std::vector<RowSpan> come_over_by(float way_px, const std::vector<RowSpan>& contact, const Dab& dab) {
+    const int x = static_cast<int>(std::lround(way_px * dab.dx)),
+              y = static_cast<int>(std::lround(way_px * dab.dy)), height = static_cast<int>(contact.size());
+    std::vector<RowSpan> over(contact.size());
+    for (int row = std::max(y, 0); row < std::min(height + y, height); ++row) {
+        const RowSpan &here = contact[static_cast<std::size_t>(row)],
+                      &before = contact[static_cast<std::size_t>(row - y)];
+        over[static_cast<std::size_t>(row)] = {std::max(here.begin, before.begin + x),
+                                               std::min(here.end, before.end + x)};
+    }
+    return over;
+}
 
 double interpolated(double a, double b, double t) { return a + (b - a) * t; }
 
@@ -170,7 +188,8 @@ void Stroke::call_look() {
 }
 
 // Where the brush is lifted off, paint that was just sheared is thinner than paint at rest: the prints of
-// single bristles run together, and it comes to rest less steep.
+// single bristles run together, and it comes to rest less steep; the less the longer ago the bristles
+// passed, so that it does not show where they were last.
 void Stroke::relax(const Dab& last) {
     // Flow spreads with the root of the steps: enough of them for neighbouring bristles, within a frame's
     // time.
@@ -198,7 +217,13 @@ void Stroke::relax(const Dab& last) {
     rates.bulge_mm *= part_of_yield;
     // Films do not run off the crests of a weave: their rate falls with the cube of the thickness.
     rates.stay_mm = rates.still_mm;
-    for (int i = 0; i < steps; ++i) push(step, rates, {}, memory_.step);
+    const std::vector<RowSpan> contact = step.bristles;
+    const auto fades_px = static_cast<float>(kFades * brush_.resolved_length_px(last));
+    for (int i = 0; i < steps; ++i) {
+        const float part = std::sqrt(static_cast<float>(i) / static_cast<float>(steps));
+        step.bristles = come_over_by(part * fades_px, contact, last);
+        push(step, rates, {}, memory_.step);
+    }
     window.store(canvas_);
 }
 

@@ -72,10 +72,10 @@ struct Step {
     float* top;
 };
 
-// Rows of a box that one thread moves, from top to bottom: first the bristles and the canvas exchange, three
-// rows further down what is left flows, so that paint is fetched once from where memory is slow. What becomes
-// of a row is put back when the next one is done, which looks at it as it was. Bands are independent: the
-// rows at their edges come first, and what a band needs of those beside it is kept before any goes on.
+// Rows of a box that one thread moves, from top to bottom: bristles and canvas exchange, and a few rows
+// further up what is left flows, so that paint is fetched once from where memory is slow. What becomes of a
+// row is put back when the next one is done, which looks at it as it was. Bands are independent: the rows at
+// their edges come first, and what a band needs of those beside it is kept before any goes on.
 class Band {
 public:
     Band(const Step& step, int begin, int end, float* memory)
@@ -205,7 +205,7 @@ private:
 
     const Step& step_;
     const StepBox& box_;
-    int begin_, end_, middle_ = 0, middle_end_ = 0;  // rows from middle_ on have not exchanged yet
+    int begin_, end_, middle_ = 0, middle_end_ = 0;  // those from middle_ to middle_end_ have yet to exchange
     Heading heading_;
     std::size_t line_;
     float* memory_;

@@ -112,6 +112,35 @@ TEST(StrokeEnds, SmallDabsAreRound) {
     }
 }
 
+// Streaks run together where the brush was lifted, and not from one pixel to the next where its rear was.
+TEST(StrokeEnds, StreaksFadeTowardsTheEnd) {
+    constexpr int kSeeds = 12, kWidth = 480;
+    std::vector<double> rough(kWidth, 0.0);  // [mm] of the rows in the middle, at each column
+    for (int seed = 1; seed <= kSeeds; ++seed) {
+        Canvas canvas = fine_canvas(kWidth, 160);
+        const auto white = add_paint(canvas, "Titanium White");
+        BrushSettings settings = brush_presets().at("flat");
+        settings.size_mm = 8;
+        Brush brush(settings, kFine, static_cast<std::uint64_t>(seed));
+        brush.load({{white, 1}}, 2);
+        stroke(canvas, brush, {-22, 0}, {16, 0}, 0.7, static_cast<std::uint64_t>(seed));
+        const Image<float> mm = thickness_of(canvas);
+        for (int x = 0; x < kWidth; ++x)
+            for (int y = 64; y < 96; ++y)
+                rough[static_cast<std::size_t>(x)] +=
+                    std::abs(mm(x, y + 1) - 2 * mm(x, y) + mm(x, y - 1)) / (32 * kSeeds);
+    }
+    // Of 2 by 2 columns from well inside of the stroke to 1.5 mm before its end.
+    const auto end = std::find_if(rough.rbegin(), rough.rend(), [](double mm) { return mm > 1e-4; }).base();
+    double along = 0, most = 0;
+    for (auto at = end - 80; at < end - 68; ++at) along += *at / 12;
+    const auto pair = [](auto at) { return (at[0] + at[1]) / 2; };
+    for (auto at = end - 60; at < end - 12; ++at) most = std::max(most, pair(at) - pair(at + 4));
+    const double drop = along - pair(end - 12);
+    EXPECT_GT(drop, 0.4 * along);
+    EXPECT_LT(most, 0.6 * drop);
+}
+
 // Little paint on an even ground lies in streaks, not in grains of single pixels.
 TEST(StrokeEnds, ThinPaintLiesInStreaks) {
     for (const char* preset : {"round", "flat", "filbert"}) {

@@ -8,6 +8,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <tuple>
 
 #include "surface/parallel.h"
 #include "tests/test_support.h"
@@ -22,7 +23,8 @@ struct RandomBox {
     std::vector<std::vector<float>> paint, load;
     StepBox box;
 
-    explicit RandomBox(std::uint64_t seed, int width = kWidth, int height = kHeight) {
+    // With an upper film there are twice as many planes of paint; sum() is of boxes without.
+    explicit RandomBox(std::uint64_t seed, int width = kWidth, int height = kHeight, bool upper = false) {
         Random random(seed);
         const auto pixels = static_cast<std::size_t>(width * height);
         const auto plane = [&](double low, double high) {
@@ -36,15 +38,20 @@ struct RandomBox {
         open = plane(0.5, 1.5);
         total.assign(pixels, 0);
         load_total.assign(pixels, 0);
-        for (int i = 0; i < kIngredients; ++i) {
-            paint.push_back(plane(0, 0.2));
-            load.push_back(plane(0, 1));
+        const auto add_paint = [&](double most_mm) {
+            paint.push_back(plane(0, most_mm));
             for (std::size_t p = 0; p < pixels; ++p) {
                 if (random.uniform() < 0.3) paint.back()[p] = 0;
                 total[p] += paint.back()[p];
-                load_total[p] += load.back()[p];
             }
+        };
+        for (int i = 0; i < kIngredients; ++i) {
+            add_paint(0.2);
+            if (upper) add_paint(0.9 * kUpper_mm / kIngredients);
+            load.push_back(plane(0, 1));
+            for (std::size_t p = 0; p < pixels; ++p) load_total[p] += load.back()[p];
         }
+        box.laid_above = upper;
         box.width = width;
         box.height = height;
         box.underside_mm = underside.data();
@@ -239,34 +246,41 @@ TEST(Transfer, DoesNotDependOnTheSizeOfTheBox) {
 
 // Rows exchange just before they flow, in bands, small ones in one.
 TEST(Transfer, BothAtOnceAreOneAfterTheOther) {
-    for (const auto& [width, height] : {std::pair{3, 9}, {37, 23}, {37, 5}, {150, 260}, {260, 150}})
-        for (const int threads : {1, 2, 3}) {
-            RandomBox expected(9, width, height), both(9, width, height);
-            for (RandomBox* b : {&expected, &both}) {
-                for (int y = 0; y < height; ++y)
-                    b->box.bristles[static_cast<std::size_t>(y)] = {0, y % 50 == 3 ? 0 : width - y % 3};
-                for (int y = 0; y < height; ++y)
-                    for (int x = b->box.bristles[static_cast<std::size_t>(y)].end; x < width; ++x) {
-                        b->underside[static_cast<std::size_t>(y * width + x)] = kOutside;
-                        b->cover[static_cast<std::size_t>(y * width + x)] = 0;
-                    }
-            }
-            StepScratch scratch, other;
-            for (int step = 0; step < 6; ++step) {
-                const auto s = static_cast<float>(step);
-                const BrushMotion motion{std::cos(2 * s), std::sin(2 * s), 0.01f, 12, 9};
-                set_thread_count(1);
-                exchange(expected.box, some_rates(), scratch);
-                push(expected.box, some_rates(), motion, scratch);
-                set_thread_count(threads);
-                exchange_and_push(both.box, some_rates(), motion, other);
-            }
-            set_thread_count(0);
-            const std::string at = fmt::format("{} x {}, {} threads", width, height, threads);
-            EXPECT_TRUE(both.paint == expected.paint) << at;
-            EXPECT_TRUE(both.load == expected.load) << at;
-            EXPECT_TRUE(both.total == expected.total && both.load_total == expected.load_total) << at;
+    for (const auto& [width, height, threads, upper] : {std::tuple{3, 9, 1, false},
+                                                        {37, 23, 1, false},
+                                                        {37, 5, 2, true},
+                                                        {37, 23, 3, true},
+                                                        {150, 260, 1, true},
+                                                        {150, 260, 2, true},
+                                                        {150, 260, 3, false},
+                                                        {260, 150, 2, false},
+                                                        {260, 150, 3, true}}) {
+        RandomBox expected(9, width, height, upper), both(9, width, height, upper);
+        for (RandomBox* b : {&expected, &both}) {
+            for (int y = 0; y < height; ++y)
+                b->box.bristles[static_cast<std::size_t>(y)] = {0, y % 50 == 3 ? 0 : width - y % 3};
+            for (int y = 0; y < height; ++y)
+                for (int x = b->box.bristles[static_cast<std::size_t>(y)].end; x < width; ++x) {
+                    b->underside[static_cast<std::size_t>(y * width + x)] = kOutside;
+                    b->cover[static_cast<std::size_t>(y * width + x)] = 0;
+                }
         }
+        StepScratch scratch, other;
+        for (int step = 0; step < 6; ++step) {
+            const auto s = static_cast<float>(step);
+            const BrushMotion motion{std::cos(2 * s), std::sin(2 * s), 0.01f, 12, 9};
+            set_thread_count(1);
+            exchange(expected.box, some_rates(), scratch);
+            push(expected.box, some_rates(), motion, scratch);
+            set_thread_count(threads);
+            exchange_and_push(both.box, some_rates(), motion, other);
+        }
+        set_thread_count(0);
+        const std::string at = fmt::format("{} x {}, {} threads, {} film", width, height, threads, upper);
+        EXPECT_TRUE(both.paint == expected.paint) << at;
+        EXPECT_TRUE(both.load == expected.load) << at;
+        EXPECT_TRUE(both.total == expected.total && both.load_total == expected.load_total) << at;
+    }
 }
 
 TEST(Transfer, SteepStepsFlowDownAndStop) {
