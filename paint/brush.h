@@ -27,7 +27,7 @@ struct Dab {
     float tilt_x = 0,
           tilt_y = 0;      // [1] sine of the handle's tilt from the normal, towards x and y; length < 1
     float dx = 1, dy = 0;  // unit vector of the motion; 0, 0 where it stands
-    float length_px = 1;   // of the way since the step before, at most 1
+    float length_px = 1;   // of the way since the step before: two diagonals of pixels at most
     float turn_rad = 0;    // of the rotation since then
     int step = 0;          // number in the stroke
     float way_px = 0;      // [pixels] since the stroke began

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "paint/load_rows.h"
 #include "paint/step_rates.h"
 #include "surface/noise.h"
 
@@ -12,26 +13,28 @@ namespace {
 
 constexpr std::uint64_t kShifts = 29;  // of box_of(): any seed
 
-// [mm] Where the loads fall behind a contact or catch up, by a pixel, bristles at its rim come down with all
-// that they could not leave before; beside what the others leave when they run dry, that is a rung. So the
-// contact goes with the loads where these are no more than kLittle_mm in the mean, and where they are more
-// than kMuch_mm its own way, from which thick paint is smoother.
-constexpr double kLittle_mm = 0.4, kMuch_mm = 1.1;
+// [mm] Where the contact is beside its loads, by a part of a pixel that is another one in each step, bristles
+// at its rim come down now and then with all that they could not leave before; beside what the others leave
+// when they run dry, that is a rung, or a tick at the edge. So the contact goes with the loads where these
+// are no more than kLittle_mm in the mean, kAside of the way to the side, which blurs the prints of bristles;
+// and its own way where they are more than kMuch_mm, from which thick paint is smoother.
+constexpr double kLittle_mm = 0.9, kMuch_mm = 1.5, kAside = 0.7;
 
 bool touches(const Region& box, const Canvas& canvas) {
     const Region all = canvas.region();
     return box.x0 < all.x1 && box.x1 > all.x0 && box.y0 < all.y1 && box.y1 > all.y0;
 }
 
-// The step with its contact, along the stroke, as far with the loads as it goes with them.
+// The step with its contact as far with the loads as it goes with them.
 Dab with_loads(const Brush& brush, Dab dab, const Region& box) {
     double x, y;
     brush.contact_centre(dab, x, y);
-    const double ahead_px =
-        ((box.x0 + box.x1 - 1) / 2.0 - x) * dab.dx + ((box.y0 + box.y1 - 1) / 2.0 - y) * dab.dy;
+    const double off_x = (box.x0 + box.x1 - 1) / 2.0 - x, off_y = (box.y0 + box.y1 - 1) / 2.0 - y;
     const double part = std::clamp((kMuch_mm - brush.mean_load_mm()) / (kMuch_mm - kLittle_mm), 0.0, 1.0);
-    dab.x += part * ahead_px * dab.dx;
-    dab.y += part * ahead_px * dab.dy;
+    const double along = part * (off_x * dab.dx + off_y * dab.dy),
+                 aside = part * kAside * (off_y * dab.dx - off_x * dab.dy);
+    dab.x += along * dab.dx - aside * dab.dy;
+    dab.y += along * dab.dy + aside * dab.dx;
     return dab;
 }
 
@@ -97,20 +100,17 @@ Region box_of(const Brush& brush, const Dab& dab) {
     int half_x, half_y;
     brush.contact_centre(dab, cx, cy);
     brush.reach_px(dab, half_x, half_y);
-    // Loads lie on whole pixels. Rounded to the nearest, they would go along a slanting stroke in stairs,
-    // whose print is a sawtooth; shifted across it by up to half a pixel either way, spread evenly over any
-    // eight steps and by chance within them, in great leaps (3 or 5 eighths), they go straight in the mean.
-    // Shifts along it would leave rungs.
+    // Nearest to the way, loads would go along a slanting stroke in stairs, whose print is a sawtooth; to
+    // either side of it, spread evenly over any eight steps and by chance within them, in great leaps (3 or 5
+    // eighths), they go straight in the mean.
     const std::uint64_t chance = procedural::hash(kShifts, dab.step / 8);
     const std::uint64_t turn =
         (static_cast<std::uint64_t>(dab.step) * (2 * (chance & 1) + 3) + (chance >> 2)) & 7;
     const double shift =
         (static_cast<double>(turn) + procedural::uniform(procedural::hash(chance, dab.step))) / 8 - 0.5;
-    // Halves go along the motion, whichever way that is.
-    constexpr double tie_px = 1e-4;
-    const int x = static_cast<int>(std::lround(cx - shift * dab.dy + tie_px * dab.dx)),
-              y = static_cast<int>(std::lround(cy + shift * dab.dx + tie_px * dab.dy));
-    return {x - half_x, y - half_y, x + half_x + 1, y + half_y + 1};
+    const bool moves = dab.dx != 0 || dab.dy != 0;
+    const LoadPixel at = pixel_of_row(cx, cy, dab.dx, dab.dy, moves ? shift : 0);
+    return {at.x - half_x, at.y - half_y, at.x + half_x + 1, at.y + half_y + 1};
 }
 
 double paint_dabs(Canvas& canvas, Brush& brush, std::span<const Dab> dabs, std::uint64_t seed,

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "paint/dabs.h"
+#include "paint/load_rows.h"
 #include "paint/paint_window.h"
 #include "paint/settle.h"
 #include "paint/step_rates.h"
@@ -34,6 +35,8 @@ constexpr int kSettle = 64;
 constexpr double kFades = 0.7;
 
 constexpr double kShortContact_px = 6;  // shorter ones take steps of half the spacing
+// Longer ones may take longer steps, so many times the spacing, where all goes straight on.
+constexpr double kLongContact_px = 40, kStride = 1.55;
 
 double length(const PathPoint& p) { return std::hypot(p.x, p.y); }
 PathPoint operator-(const PathPoint& a, const PathPoint& b) { return {a.x - b.x, a.y - b.y}; }
@@ -264,8 +267,8 @@ void Stroke::segment(const Knot& a, const Knot& b, const Knot& c, const Knot& d)
         double done = 0;
         while (left_px_ <= along - done) {
             done += left_px_;
-            left_px_ = spacing_px_;
             step_to(b, c, (i - 1 + done / along) / pieces, from + (done / along) * way, (1 / along) * way);
+            left_px_ = spacing_px_;
         }
         left_px_ -= along - done;
         from = to;
@@ -306,7 +309,13 @@ void Stroke::step_to(const Knot& b, const Knot& c, double u, const PathPoint& at
         dab.turn_rad = dab.rotation_rad - *rotation_rad_;
         turning = std::abs(dab.turn_rad) / spacing_px_ * brush_.rim_px();
     }
-    spacing_px_ = std::max(wanted / (1 + kRim * turning), options_.spacing_px / kMostSteps);
+    const double spacing = std::max(wanted / (1 + kRim * turning), options_.spacing_px / kMostSteps);
+    double x, y;
+    brush_.contact_centre(dab, x, y);
+    const LoadRows rows = rows_across(dab.dx, dab.dy);
+    spacing_px_ =
+        way_to_row_px(rows, rows.at(x, y), spacing,
+                      brush_.resolved_length_px(dab) < kLongContact_px ? spacing : kStride * spacing);
     rotation_rad_ = dab.rotation_rad;
     const double age = interpolated(b.left_s, c.came_s, u);
     if (steps_ == 0 && dabs_.empty()) stand(dab, -1, age);

@@ -31,7 +31,7 @@ struct StrokePoint {
 struct StrokeOptions {
     double stabiliser_mm = 0;   // length of the string; 0 = none
     double pressure_gamma = 1;  // pressure is raised to this power
-    double spacing_px = 1;      // [pixels] of arc length between steps, at most 1
+    double spacing_px = 1;      // [pixels] of arc length between steps, about (load_rows.h), at most 1
 
     static constexpr std::string_view name = "stroke";
     template <class Self, class Visit>
@@ -40,7 +40,8 @@ struct StrokeOptions {
               self.stabiliser_mm);
         visit(FieldInfo{"pressure_gamma", 0.1, 10, "1", "pressure is raised to this power"},
               self.pressure_gamma);
-        visit(FieldInfo{"spacing_px", 0.25, 1, "1", "arc length between steps, in pixels"}, self.spacing_px);
+        visit(FieldInfo{"spacing_px", 0.25, 1, "1", "about the arc length between steps, in pixels"},
+              self.spacing_px);
     }
 };
 

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <numbers>
+#include <numeric>
 
 #include "paint/stroke.h"
 #include "tests/paint_samples.h"
@@ -90,6 +91,60 @@ TEST(StrokeRepeats, SlantingStrokesHaveNoRungs) {
             EXPECT_LT(marks.largest, 0.5) << preset << " " << degrees;
             EXPECT_LT(marks.rungs, std::string(preset) == "knife" ? 0.035 : 0.05) << preset << " " << degrees;
         }
+}
+
+// [1] Rms of what varies along a stroke of a small flat brush that runs dry, from what is around it: of the
+// outermost pixel and a half at either side with what lies beyond, and of all between.
+struct Small {
+    double edges = 0, rungs = 0;
+};
+
+Small marks_of_small(double size_mm, double degrees) {
+    constexpr double pixel = 0.15;
+    constexpr int side = 400, count = 200, half = 6, seeds = 4;
+    const double turn = degrees * std::numbers::pi / 180, c = std::cos(turn), s = std::sin(turn);
+    const double rim = size_mm / pixel / 2, end = 130 * pixel;
+    Small marks;
+    for (std::uint64_t seed = 1; seed <= seeds; ++seed) {
+        Canvas canvas = flat_canvas(side, side, pixel);
+        const auto red = add_paint(canvas, "Pyrrole Red");
+        BrushSettings settings = brush_presets().at("flat");
+        settings.size_mm = size_mm;
+        Brush brush(settings, pixel, seed);
+        brush.load({{red, 1}}, 2);
+        stroke(canvas, brush, {-end * c, -end * s}, {end * c, end * s}, 0.6, seed);
+        const Image<float> mm = thickness_of(canvas);
+        std::vector<double> edges(count + 2 * half, 0.0), inner(edges.size(), 0.0);
+        for (std::size_t i = 0; i < edges.size(); ++i)
+            for (double y = -rim - 3; y <= rim + 3; y += 0.5) {
+                const double x = static_cast<double>(i) - 110, middle = (side - 1) / 2.0;
+                (std::abs(y) > rim - 1.5 ? edges : inner)[i] +=
+                    0.5 * static_cast<double>(sampled(mm, middle + c * x - s * y, middle - s * x - c * y));
+            }
+        const auto unevenness = [&](const std::vector<double>& sums, double little) {
+            double squares = 0;
+            for (auto at = sums.begin() + half; at < sums.end() - half; ++at) {
+                const double mean = std::accumulate(at - half, at + half + 1, 0.0) / (2 * half + 1);
+                squares += std::pow((*at - mean) / (mean + little), 2) / count;
+            }
+            return std::sqrt(squares) / seeds;
+        };
+        marks.edges += unevenness(edges, 0.01);
+        marks.rungs += unevenness(inner, 0.02);
+    }
+    return marks;
+}
+
+// Loads and contact are no part of a pixel apart that matters: no ticks beside slanting strokes of brushes
+// that are a few pixels thin.
+TEST(StrokeRepeats, SmallSlantingOnesHaveCleanEdges) {
+    for (const double degrees : {1.5, 4.0, 9.0, 21.0, 27.0, 42.0}) {
+        const Small three = marks_of_small(3, degrees), four = marks_of_small(4, degrees);
+        EXPECT_LT(three.edges, 0.145) << degrees;
+        EXPECT_LT(three.rungs, 0.034) << degrees;
+        EXPECT_LT(four.edges, 0.09) << degrees;
+        EXPECT_LT(four.rungs, 0.018) << degrees;
+    }
 }
 
 }  // namespace

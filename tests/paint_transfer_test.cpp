@@ -10,6 +10,7 @@
 #include <numbers>
 #include <tuple>
 
+#include "paint/paint_layer.h"
 #include "surface/parallel.h"
 #include "tests/test_support.h"
 

@@ -1,0 +1,33 @@
+// load_rows.h: how loads, which lie on whole pixels, go along a stroke of any direction.
+//
+// Steps go from row to row of pixels across the motion: columns, rows or diagonals, whichever are nearest to
+// being square to it. So loads neither fall behind the bristles that they are on nor catch up, which would
+// leave rungs; only to the side are they off, by up to half of the way from one pixel of a row to the next.
+#pragma once
+
+namespace tangi {
+
+// Rows of the pixels p on which ax px + ay py has one value, a whole number.
+struct LoadRows {
+    int ax, ay;     // each -1, 0 or 1; towards where the motion goes
+    double per_px;  // rows that one pixel of the way crosses
+
+    double at(double x, double y) const { return ax * x + ay * y; }
+};
+
+// Of a motion in the direction of this unit vector; columns where it is 0, 0.
+LoadRows rows_across(double dx, double dy);
+
+// The pixel of the row that is nearest to (x, y), at the point where a motion through (x, y) crosses it, or
+// beside that point by `shift`, -0.5..0.5, parts of the way from one pixel of the row to the next.
+struct LoadPixel {
+    int x, y;
+};
+LoadPixel pixel_of_row(double x, double y, double dx, double dy, double shift);
+
+// [pixels] The way of the next step of a brush at row `at`, of about `wanted_px`: to the next row, to a whole
+// part of the way there where that is much too far, or further than one row where that is less than
+// `at_most_px`. From between rows it comes to one in a few steps.
+double way_to_row_px(const LoadRows& rows, double at, double wanted_px, double at_most_px);
+
+}  // namespace tangi
