@@ -87,9 +87,9 @@ nlohmann::json export_folder(const ExportArguments& a, const char* contents,
 // A folder with the dry surface's maps, each layer of paint, and the maps of it all.
 nlohmann::json export_layers(const ExportArguments& a, const Canvas& canvas, const Progress& progress) {
     return export_folder(a, "layers.json", [&](const fs::path& folder) {
-        write_maps(folder / "dry", in_scale_of(canvas, canvas.dry()), progress);
+        write_maps(folder / "dry", *in_scale_of(canvas, canvas.dry_shared()), progress);
         write_layers(folder, canvas, progress);
-        write_maps(folder / "painted", in_scale_of(canvas, appearance(canvas, {}, progress)), progress);
+        write_maps(folder / "painted", *in_scale_of(canvas, shown(canvas, {}, progress)), progress);
     });
 }
 
@@ -196,10 +196,10 @@ nlohmann::json export_canvas(const ExportArguments& a, const Canvas& canvas, con
 }
 
 // What is written of a painting as it looks, and for maps also in millimetres where a scale was given.
-Surface seen(const ExportArguments& a, const Canvas& canvas, const Progress& progress) {
-    Surface surface = canvas.ingredients().empty() ? canvas.dry() : appearance(canvas, {}, progress);
+std::shared_ptr<const Surface> seen(const ExportArguments& a, const Canvas& canvas,
+                                    const Progress& progress) {
     const bool maps = a.to == "maps" || a.to == "openlime";
-    return maps ? in_scale_of(canvas, std::move(surface)) : surface;
+    return maps ? in_scale_of(canvas, shown(canvas, {}, progress)) : shown(canvas, {}, progress);
 }
 
 nlohmann::json export_surface(const ExportArguments& a, const Surface& surface, const Progress& progress) {
@@ -215,7 +215,7 @@ nlohmann::json run_export(const ExportArguments& a) {
     const Progress progress = console_progress();
     refuse_useless(a);
     if (is_of_layers(a)) return export_canvas(a, read_canvas(a.painting, progress), progress);
-    return export_surface(a, seen(a, read_canvas(a.painting, progress), progress), progress);
+    return export_surface(a, *seen(a, read_canvas(a.painting, progress), progress), progress);
 }
 
 }  // namespace
@@ -227,7 +227,7 @@ nlohmann::json export_canvas(const Canvas& canvas, const fs::path& painting, con
     a.to = format;
     a.out = out.string();
     if (is_of_layers(a)) return export_canvas(a, canvas, progress);
-    return export_surface(a, seen(a, canvas, progress), progress);
+    return export_surface(a, *seen(a, canvas, progress), progress);
 }
 
 Command export_command() {

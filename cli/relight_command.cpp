@@ -38,7 +38,7 @@ struct RelightArguments {
 // A painting with its paint, and what --faithful adds where none lies.
 struct Painting {
     Canvas canvas;
-    Surface surface;
+    std::shared_ptr<const Surface> surface;
     FaithfulResidual residual;  // empty without --faithful
     Image<float> bare;
     std::vector<std::string> warnings;
@@ -81,7 +81,7 @@ Painting read_all(const RelightArguments& arguments, const Progress& progress) {
                             "--light-radius-deg {}, and is no residual of anything else",
                             static_cast<float>(residual.light_radius_deg)));
     }
-    Surface surface = appearance(canvas, look, progress);
+    auto surface = shown(canvas, look, progress);
     Image<float> bare = arguments.faithful ? bare_part(canvas) : Image<float>();
     return {std::move(canvas), std::move(surface), std::move(residual), std::move(bare), std::move(warnings)};
 }
@@ -109,13 +109,13 @@ class PaintingRelighter {
 public:
     PaintingRelighter(const Painting& painting, const RelightArguments& arguments)
         : painting_(painting), options_(arguments.options) {
-        if (arguments.gpu) by_gpu([&] { gpu_.emplace(painting.surface); });
+        if (arguments.gpu) by_gpu([&] { gpu_.emplace(*painting.surface); });
     }
 
     Image<Rgb> picture(const std::vector<Light>& lights, const Progress& progress) {
         Image<Rgb> picture;
         if (!gpu_ || !by_gpu([&] { picture = gpu_->relight(lights, options_); }))
-            picture = relight(painting_.surface, lights, options_, progress);
+            picture = relight(*painting_.surface, lights, options_, progress);
         add_residual(painting_.residual, painting_.canvas.dry(), lights, painting_.bare, picture);
         return picture;
     }
@@ -170,7 +170,7 @@ std::vector<Light> lights_named(const Painting& painting, const RelightArguments
         lights.push_back(distant_light(parse_direction(text, "--light")));
     for (const std::string& text : arguments.positions) {
         lights.push_back(near_light(parse_position(text, "--point-light")));
-        require_above_paint(painting.surface, *lights.back().position_mm, "--point-light " + text);
+        require_above_paint(*painting.surface, *lights.back().position_mm, "--point-light " + text);
     }
     for (Light& light : lights) light.gain = Rgb(static_cast<float>(arguments.gain));
     return lights;
@@ -197,7 +197,7 @@ nlohmann::json relight_one(const Painting& painting, const RelightArguments& arg
     for (std::string& warning : lights_behind(arguments)) all.push_back(std::move(warning));
     const nlohmann::json warnings = told(all);
     PaintingRelighter relighter(painting, arguments);
-    write_relit(arguments.out, painting.surface, lights, arguments, relighter, progress);
+    write_relit(arguments.out, *painting.surface, lights, arguments, relighter, progress);
     return {{"pictures", {arguments.out}}, {"warnings", warnings}, {"drawn_by", relighter.drawn_by()}};
 }
 
@@ -213,7 +213,7 @@ nlohmann::json relight_sweep(const Painting& painting, const RelightArguments& a
         lights.back() = lamp;
         lights.back().gain = Rgb(static_cast<float>(arguments.gain));
         Image<Rgb> picture = relighter.picture(lights, {});
-        for (Rgb& pixel : picture.pixels()) pixel *= painting.surface.photography.white_level;
+        for (Rgb& pixel : picture.pixels()) pixel *= painting.surface->photography.white_level;
         return picture;
     };
     const int frames = write_sweep(arguments.sweep, arguments.out, draw, progress);
@@ -276,10 +276,10 @@ nlohmann::json relight_all(const Painting& painting, const RelightArguments& arg
     nlohmann::json pictures = nlohmann::json::array();
     for (std::size_t i = 0; i < outputs.size(); ++i) {
         // As strong, and as near, as it was estimated for the photograph of its name.
-        Light light = as_photographed(file.lights[i], painting.surface.photography);
+        Light light = as_photographed(file.lights[i], painting.surface->photography);
         light.gain *= static_cast<float>(arguments.gain);
         told_of(written.temporary(), arguments.out, [&] {
-            write_relit(written.temporary() / outputs[i].filename(), painting.surface, {light}, arguments,
+            write_relit(written.temporary() / outputs[i].filename(), *painting.surface, {light}, arguments,
                         relighter, {});
         });
         pictures.push_back(outputs[i].string());

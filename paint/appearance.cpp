@@ -365,6 +365,13 @@ Surface appearance(const Canvas& canvas, const AppearanceOptions& options, const
     return surface;
 }
 
+std::shared_ptr<const Surface> shown(const Canvas& canvas, const AppearanceOptions& options,
+                                     const Progress& progress) {
+    validate(options);
+    if (options.illuminant == Illuminant::d65 && painted_parts(canvas).empty()) return canvas.dry_shared();
+    return std::make_shared<const Surface>(appearance(canvas, options, progress));
+}
+
 Surface appearance_in(const Canvas& canvas, const Region& part, const AppearanceOptions& options) {
     validate(options);
     TP_REQUIRE(!part.empty() && intersection(part, canvas.region()) == part, "the part is of the canvas");

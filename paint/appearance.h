@@ -8,6 +8,7 @@
 // alike in all directions, so colour and stretch of the lobe of what is dry fade as they cover it.
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <span>
 #include <string_view>
@@ -49,6 +50,10 @@ struct AppearanceOptions {
 // colour under another illuminant than D65.
 Surface appearance(const Canvas& canvas, const AppearanceOptions& options = {},
                    const Progress& progress = {});
+
+// The same without a copy where it would be the dry surface.
+std::shared_ptr<const Surface> shown(const Canvas& canvas, const AppearanceOptions& options = {},
+                                     const Progress& progress = {});
 
 // [1] Part of each pixel, 0..1, that no paint covers: what is left there of what photographs showed beyond
 // the dry surface (surface/faithful.h). Empty where nothing was painted.

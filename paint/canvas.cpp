@@ -121,13 +121,14 @@ std::size_t Canvas::bytes() const {
     return sum;
 }
 
-Surface in_scale_of(const Canvas& canvas, Surface surface) {
+std::shared_ptr<const Surface> in_scale_of(const Canvas& canvas, std::shared_ptr<const Surface> surface) {
     const auto unit_mm = static_cast<float>(canvas.height_unit_mm());
     if (unit_mm == 1) return surface;
-    for (float& height : surface.height_mm.pixels()) height *= unit_mm;
-    surface.mm_per_pixel = canvas.mm_per_pixel();
-    surface.scale_known = canvas.scale_known();
-    Photography& p = surface.photography;
+    auto scaled = std::make_shared<Surface>(*surface);
+    for (float& height : scaled->height_mm.pixels()) height *= unit_mm;
+    scaled->mm_per_pixel = canvas.mm_per_pixel();
+    scaled->scale_known = canvas.scale_known();
+    Photography& p = scaled->photography;
     p.photos.clear();
     p.lamps.reset();
     p.beams.reset();
@@ -135,7 +136,7 @@ Surface in_scale_of(const Canvas& canvas, Surface surface) {
         if (*mm) **mm *= unit_mm;
     p.rig.camera_axis_mm *= unit_mm;
     p.rig.bend_per_mm /= unit_mm;
-    return surface;
+    return scaled;
 }
 
 std::map<std::string, double> volumes_by_name(const std::vector<Pigment>& ingredients,

@@ -106,7 +106,7 @@ private:
 // The dry surface or the appearance of this canvas for who knows nothing of canvases: where a scale was given
 // to paint with, in that scale, heights in mm as those of the paint. Of the photographs only the rig goes
 // along.
-Surface in_scale_of(const Canvas& canvas, Surface surface);
+std::shared_ptr<const Surface> in_scale_of(const Canvas& canvas, std::shared_ptr<const Surface> surface);
 
 // [mm^3] What there is of each paint, by its name: of one brought to several glosses, all of it; of one with
 // medium, what is not medium, which is counted by itself. Paints of one name that are others have numbers:

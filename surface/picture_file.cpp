@@ -3,15 +3,19 @@
 #include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
 
+#include <algorithm>
 #include <array>
 #include <cstdlib>
 #include <ctime>
+#include <functional>
+#include <utility>
 
 #include "surface/atomic_file.h"
 #include "surface/error.h"
 #include "surface/icc_profile.h"
 #include "surface/json_text.h"
 #include "surface/letter_case.h"
+#include "surface/parallel.h"
 #include "surface/picture_with_alpha.h"
 #include "surface/png_chunks.h"
 
@@ -95,8 +99,12 @@ std::string colour_space_of(const Transfer& transfer) {
     return {};
 }
 
-// `samples` holds width * height * channels numbers, interleaved.
-void write_samples(const fs::path& path, const float* samples, const Region& size, int channels, Depth depth,
+constexpr int kStrip = 256;  // [rows] that are encoded at once: whole blocks of any format
+
+// Numbers of the rows from `begin` on, interleaved.
+using RowSource = std::function<const float*(int begin, int end)>;
+
+void write_samples(const fs::path& path, const RowSource& rows, const Region& size, int channels, Depth depth,
                    const std::string& colour_space, int jpeg_quality = 95, bool is_srgb = false) {
     AtomicFile file(path);
     const auto output = OIIO::ImageOutput::create(format_of(path));  // a path may hold a '?'
@@ -115,15 +123,22 @@ void write_samples(const fs::path& path, const float* samples, const Region& siz
         spec.attribute("ICCProfile", OIIO::TypeDesc(OIIO::TypeDesc::UINT8, static_cast<int>(profile.size())),
                        profile.data());
     }
-    spec.attribute("Compression",
-                   lower_extension(path).starts_with(".jp") ? fmt::format("jpeg:{}", jpeg_quality) : "zip");
+    // The lower half of 16 bits is noise, in which looking for more than the nearest matches finds 1 %.
+    const bool quick = depth == Depth::sixteen;
+    spec.attribute("Compression", lower_extension(path).starts_with(".jp")
+                                      ? fmt::format("jpeg:{}", jpeg_quality)
+                                      : (quick ? "zip:1" : "zip"));
+    if (quick) spec.attribute("png:compressionLevel", 1);
     // On a full disk OpenImageIO's writers notice little, and libjpeg ends the process: they write to memory.
     // All but that of TIFF, which fails there (OpenImageIO 2.4); what it wrote is read back instead.
     std::vector<unsigned char> bytes;
     OIIO::Filesystem::IOVecOutput memory(bytes);
     if (!is_tiff) output->set_ioproxy(&memory);
-    const bool written =
-        output->open(file.temporary().string(), spec) && output->write_image(OIIO::TypeDesc::FLOAT, samples);
+    bool written = output->open(file.temporary().string(), spec);
+    for (int y = 0; y < size.height() && written; y += kStrip) {
+        const int end = std::min(y + kStrip, size.height());
+        written = output->write_scanlines(y, end, 0, OIIO::TypeDesc::FLOAT, rows(y, end));
+    }
     if (!written || !output->close())
         fail("{}: cannot be written: {}", path.string(), first_line(output->geterror()));
     if (is_tiff && !is_readable(file.temporary()))
@@ -147,21 +162,31 @@ void write_picture(const fs::path& path, const Image<Rgb>& linear, const Transfe
     const Depth depth = depth_of(path, storage);
     if (depth == Depth::real && transfer.kind != Transfer::Kind::linear)
         fail("{}: EXR files hold linear light; use --encoding linear, or write .png or .tif", path.string());
-    Image<Rgb> encoded(linear.width(), linear.height());
-    for (std::size_t i = 0; i < encoded.size(); ++i) {
-        encoded.pixels()[i] = depth == Depth::real ? linear.pixels()[i] : transfer.encode(linear.pixels()[i]);
-    }
-    write_samples(path, &encoded.data()->r, encoded.region(), 3, depth, colour_space_of(transfer),
-                  storage.jpeg_quality, transfer.kind == Transfer::Kind::srgb);
+    Image<Rgb> strip;
+    const auto encoded = [&](int begin, int end) {
+        if (depth == Depth::real) return &linear(0, begin).r;
+        if (strip.empty()) strip = Image<Rgb>(linear.width(), std::min(kStrip, linear.height()));
+        parallel_for(begin, end, 8, [&](int first, int last) {
+            for (int y = first; y < last; ++y)
+                std::ranges::transform(linear.row(y), strip.row(y - begin).begin(),
+                                       [&](const Rgb& pixel) { return transfer.encode(pixel); });
+        });
+        return &std::as_const(strip)(0, 0).r;
+    };
+    write_samples(path, encoded, linear.region(), 3, depth, colour_space_of(transfer), storage.jpeg_quality,
+                  transfer.kind == Transfer::Kind::srgb);
 }
 
 void write_map(const fs::path& path, const Image<float>& values, const PictureStorage& storage) {
-    write_samples(path, values.data(), values.region(), 1, depth_of(path, storage), "Linear",
-                  storage.jpeg_quality);
+    write_samples(
+        path, [&](int y, int) { return &values(0, y); }, values.region(), 1, depth_of(path, storage),
+        "Linear", storage.jpeg_quality);
 }
 
 void write_picture_8bit(const fs::path& path, const Image<Rgb>& encoded_srgb) {
-    write_samples(path, &encoded_srgb.data()->r, encoded_srgb.region(), 3, Depth::eight, "sRGB", 95, true);
+    write_samples(
+        path, [&](int y, int) { return &encoded_srgb(0, y).r; }, encoded_srgb.region(), 3, Depth::eight,
+        "sRGB", 95, true);
 }
 
 namespace {
