@@ -7,6 +7,8 @@
 #include <set>
 
 #include "paint/appearance_part.h"
+#include "paint/appearance_rows.h"
+#include "paint/appearance_slopes.h"
 #include "paint/kubelka_munk.h"
 #include "surface/anisotropy.h"
 #include "surface/parallel.h"
@@ -16,48 +18,12 @@ namespace tangi {
 
 namespace {
 
-constexpr int kBorder = 2;             // [pixels] that slopes look beyond a tile
-constexpr float kLevelled_mm = 0.02f;  // of a layer that levels lets 37 % of the detail below through
-
-Region grown(const Region& r) { return {r.x0 - kBorder, r.y0 - kBorder, r.x1 + kBorder, r.y1 + kBorder}; }
-
 // All paint of the canvas, from the bottom up.
 std::vector<const PaintLayer*> layers_of(const Canvas& canvas) {
     std::vector<const PaintLayer*> layers;
     for (const DriedLayer& layer : canvas.dried()) layers.push_back(&layer.paint);
     layers.push_back(&canvas.wet());
     return layers;
-}
-
-// The thickness of all layers in a region and two pixels around it, as far as the canvas goes.
-class Thickness {
-public:
-    Thickness(const std::vector<const PaintLayer*>& layers, const Region& region, const Region& canvas)
-        : region_(intersection(grown(region), canvas)), values_(region_.width(), region_.height()) {
-        for (const PaintLayer* layer : layers)
-            layer->add_thickness_mm(region_, values_.data(), static_cast<std::size_t>(region_.width()));
-    }
-    float operator()(int x, int y) const { return values_(x - region_.x0, y - region_.y0); }
-
-private:
-    Region region_;
-    Image<float> values_;
-};
-
-// The two places that a central difference along one axis is taken of: at the canvas's border, those of the
-// pixel beside it. A one-sided difference sees twice the slope of bristle marks, which is black in raking
-// light.
-std::pair<int, int> beside(int x, int begin, int end) {
-    const int middle = end - begin < 3 ? x : std::clamp(x, begin + 1, end - 2);
-    return {std::max(middle - 1, begin), std::min(middle + 1, end - 1)};
-}
-
-Slope slope_at(const Thickness& t, int x, int y, const Region& canvas, double mm_per_pixel) {
-    const auto [left, right] = beside(x, canvas.x0, canvas.x1);
-    const auto [up, down] = beside(y, canvas.y0, canvas.y1);
-    const auto mm = static_cast<float>(mm_per_pixel);
-    return {(t(right, y) - t(left, y)) / (static_cast<float>(std::max(right - left, 1)) * mm),
-            (t(x, up) - t(x, down)) / (static_cast<float>(std::max(down - up, 1)) * mm)};
 }
 
 // One of the films that a tile of a layer has, in a part of it, row by row.
@@ -139,83 +105,45 @@ std::vector<Rgb> colours_of(const std::vector<PartOfTile>& layers, std::vector<R
     return dry;
 }
 
+// The gloss of a part of a tile, row by row.
 struct Sheen {
-    float specular = 0, roughness = 0;
-    float coloured = 0;  // part of rho_s that is of what is dry: paints shine white
+    std::vector<float> specular, roughness;
+    std::vector<float> coloured;  // part of rho_s that is of what is dry: paints shine white
+
+    SheenRows rows() { return {specular.data(), roughness.data(), coloured.data()}; }
 };
 
 // The gloss of a part of a layer, its paints' by volume, over that of what lies below, in place. A varnish
-// shines the same over thick paint as over thin.
-void lay_sheen(const PartOfTile& layer, const AppearanceOptions& options, std::vector<Sheen>& below) {
-    std::vector<Sheen> own(below.size());
-    std::vector<float> mm(below.size());
+// shines the same over thick paint as over thin. And its thickness is added to `mm`.
+void lay_sheen(const PartOfTile& layer, const AppearanceOptions& options, Sheen& below,
+               std::vector<float>& mm) {
+    const std::size_t n = mm.size();
+    std::vector<float> own(3 * n, 0.0f);
+    const FilmRows film{own.data(), own.data() + n, own.data() + 2 * n};
     for (std::size_t k = 0; k < layer.pigments.size(); ++k)
-        for (std::size_t i = 0; i < below.size(); ++i) {
-            const float volume = layer.volumes_mm[k][i];
-            mm[i] += volume;
-            own[i].specular += volume * layer.pigments[k].specular;
-            own[i].roughness += volume * layer.pigments[k].roughness;
-        }
-    for (std::size_t i = 0; i < below.size(); ++i) {
-        if (!(mm[i] > 0)) continue;
-        const float covered = 1 - std::exp(-mm[i] / static_cast<float>(options.covering_mm));
-        below[i].specular += covered * (own[i].specular / mm[i] - below[i].specular);
-        below[i].roughness += covered * (own[i].roughness / mm[i] - below[i].roughness);
-        below[i].coloured *= 1 - covered;
-    }
+        add_paint_rows(n, layer.volumes_mm[k].data(), layer.pigments[k].specular, layer.pigments[k].roughness,
+                       film);
+    lay_sheen_rows(n, film, static_cast<float>(options.covering_mm), below.rows());
+    for (std::size_t i = 0; i < n; ++i) mm[i] += film.mm[i];
 }
 
-// What is below paint that levels has the slope of its height only; elsewhere the slope that was measured.
-Slope slope_below(const Surface& dry, int x, int y, float levelling_mm) {
-    const Slope measured = slope_of(dry.normal(x, y));
-    if (!(levelling_mm > 0)) return measured;
-    const int left = std::max(x - 1, 0), right = std::min(x + 1, dry.width() - 1);
-    const int up = std::max(y - 1, 0), down = std::min(y + 1, dry.height() - 1);
-    const auto unit = static_cast<float>(dry.mm_per_pixel);
-    const auto& h = dry.height_mm;
-    const Slope of_height = {
-        (h(right, y) - h(left, y)) / (static_cast<float>(std::max(right - left, 1)) * unit),
-        (h(x, up) - h(x, down)) / (static_cast<float>(std::max(down - up, 1)) * unit)};
-    const float through = std::exp(-levelling_mm / kLevelled_mm);
-    return {of_height.x + through * (measured.x - of_height.x),
-            of_height.y + through * (measured.y - of_height.y)};
-}
-
-// Paint that levels at a pixel or, where there is none, beside it: the edge of a fill ends the step down into
-// the loss, which the height has and the measured normal has not.
-float levelled_at(const Thickness& level, int x, int y, const Region& canvas) {
-    if (level(x, y) > 0) return level(x, y);
-    return std::max({level(std::max(x - 1, canvas.x0), y), level(std::min(x + 1, canvas.x1 - 1), y),
-                     level(x, std::max(y - 1, canvas.y0)), level(x, std::min(y + 1, canvas.y1 - 1))});
-}
-
-// A surface that shows a part of the canvas.
-struct Shown {
-    Surface& surface;
-    Region part;
-
-    template <class T>
-    T& at(Image<T> Surface::*map, int x, int y) const {
-        return (surface.*map)(x - part.x0, y - part.y0);
-    }
-};
-
-void update_normals(const Canvas& canvas, const std::vector<const PaintLayer*>& layers, const Region& region,
-                    const Shown& shown) {
-    const Surface& dry = canvas.dry();
-    const Thickness thickness(layers, region, canvas.region());
-    std::vector<const PaintLayer*> levelling;
-    for (const DriedLayer& layer : canvas.dried())
-        if (layer.levels) levelling.push_back(&layer.paint);
-    const Thickness level(levelling, region, canvas.region());
-    for (int y = region.y0; y < region.y1; ++y)
-        for (int x = region.x0; x < region.x1; ++x) {
-            const Slope added = slope_at(thickness, x, y, canvas.region(), canvas.mm_per_pixel());
-            Vec3& normal = shown.at(&Surface::normal, x, y);
-            normal = dry.normal(x, y);
-            if (added.x == 0 && added.y == 0 && !(level(x, y) > 0)) continue;
-            const Slope below = slope_below(dry, x, y, levelled_at(level, x, y, canvas.region()));
-            normal = normal_of({below.x + added.x, below.y + added.y});
+// Colour and stretch of the lobe of what is dry, as far as it shows.
+void update_lobes(const Surface& dry, const Region& part, const std::vector<float>& mm, const Sheen& sheen,
+                  const Shown& shown) {
+    std::size_t i = 0;
+    for (int y = part.y0; y < part.y1; ++y)
+        for (int x = part.x0; x < part.x1; ++x, ++i) {
+            const float specular = sheen.specular[i],
+                        of_dry = specular > 0 ? std::min(sheen.coloured[i] / specular, 1.0f) : 0.0f;
+            if (!dry.lobe_colour.empty())
+                shown.at(&Surface::lobe_colour, x, y) =
+                    mm[i] > 0 && specular > 0 ? Rgb(1) + of_dry * (dry.lobe_colour(x, y) - Rgb(1))
+                                              : dry.lobe_colour(x, y);
+            if (!dry.lobe_axes.empty())
+                shown.at(&Surface::lobe_axes, x, y) =
+                    mm[i] > 0 ? axes_of(of_dry * stretch_of(dry.lobe_axes(x, y), dry.roughness(x, y)),
+                                        sheen.roughness[i])
+                              : dry.lobe_axes(x, y);
         }
 }
 
@@ -231,49 +159,42 @@ void update_part(const Canvas& canvas, const std::vector<const PaintLayer*>& lay
             if (tile->has_upper()) films.emplace_back(*tile, true, canvas.ingredients(), part);
         }
     std::vector<Rgb> colours;
-    std::vector<Sheen> sheen;
-    for (int y = part.y0; y < part.y1; ++y)
-        for (int x = part.x0; x < part.x1; ++x) {
-            colours.push_back(dry.diffuse(x, y));
-            sheen.push_back({dry.specular(x, y), dry.roughness(x, y)});
-            sheen.back().coloured = dry.specular(x, y);
-        }
-    std::vector<float> mm(colours.size());
-    for (const PartOfTile& film : films) {
-        for (const std::vector<float>& volume_mm : film.volumes_mm)
-            for (std::size_t i = 0; i < mm.size(); ++i) mm[i] += volume_mm[i];
-        lay_sheen(film, options, sheen);
+    Sheen sheen;
+    for (int y = part.y0; y < part.y1; ++y) {
+        const auto row = [&](auto& to, const auto& map) {
+            const auto from =
+                map.row(y).subspan(static_cast<std::size_t>(part.x0), static_cast<std::size_t>(part.width()));
+            to.insert(to.end(), from.begin(), from.end());
+        };
+        row(colours, dry.diffuse);
+        row(sheen.specular, dry.specular);
+        row(sheen.roughness, dry.roughness);
     }
+    sheen.coloured = sheen.specular;
+    std::vector<float> mm(colours.size()), covered(colours.size());
+    for (const PartOfTile& film : films) lay_sheen(film, options, sheen, mm);
+    covered_rows(mm.size(), mm.data(), static_cast<float>(options.covering_mm), covered.data());
     if (!films.empty()) colours = colours_of(films, std::move(colours), options);
-    std::size_t i = 0;
-    for (int y = part.y0; y < part.y1; ++y)
-        for (int x = part.x0; x < part.x1; ++x, ++i) {
-            Rgb& diffuse = shown.at(&Surface::diffuse, x, y);
-            float& specular = shown.at(&Surface::specular, x, y);
-            float& roughness = shown.at(&Surface::roughness, x, y);
-            float& confidence = shown.at(&Surface::confidence, x, y);
-            shown.at(&Surface::height_mm, x, y) = dry.height_mm(x, y) + mm[i] / unit_mm;
-            diffuse = seen_under(options.illuminant, dry.diffuse(x, y));
-            specular = dry.specular(x, y);
-            roughness = dry.roughness(x, y);
-            confidence = dry.confidence(x, y);
-            if (!dry.lobe_colour.empty()) shown.at(&Surface::lobe_colour, x, y) = dry.lobe_colour(x, y);
-            if (!dry.lobe_axes.empty()) shown.at(&Surface::lobe_axes, x, y) = dry.lobe_axes(x, y);
-            if (!(mm[i] > 0)) continue;
-            const float covered = 1 - std::exp(-mm[i] / static_cast<float>(options.covering_mm));
+    const auto width = static_cast<std::size_t>(part.width());
+    for (int y = part.y0; y < part.y1; ++y) {
+        const std::size_t first = static_cast<std::size_t>(y - part.y0) * width;
+        const auto to = [&](auto map) { return &shown.at(map, part.x0, y); };
+        std::copy_n(sheen.specular.data() + first, width, to(&Surface::specular));
+        std::copy_n(sheen.roughness.data() + first, width, to(&Surface::roughness));
+        Rgb* diffuse = to(&Surface::diffuse);
+        float *height = to(&Surface::height_mm), *confidence = to(&Surface::confidence);
+        const Rgb* dry_diffuse = &dry.diffuse(part.x0, y);
+        const float *dry_height = &dry.height_mm(part.x0, y), *known = &dry.confidence(part.x0, y);
+        for (std::size_t x = 0; x < width; ++x) {
+            const std::size_t i = first + x;
             // What a reflectance cannot hold (rho_d beyond 1) is covered like the rest.
-            diffuse = glm::max(colours[i], Rgb(0));
-            specular = sheen[i].specular;
-            roughness = sheen[i].roughness;
-            const float of_dry =
-                sheen[i].specular > 0 ? std::min(sheen[i].coloured / sheen[i].specular, 1.0f) : 0.0f;
-            if (!dry.lobe_colour.empty() && sheen[i].specular > 0)
-                shown.at(&Surface::lobe_colour, x, y) = Rgb(1) + of_dry * (dry.lobe_colour(x, y) - Rgb(1));
-            if (!dry.lobe_axes.empty())
-                shown.at(&Surface::lobe_axes, x, y) =
-                    axes_of(of_dry * stretch_of(dry.lobe_axes(x, y), dry.roughness(x, y)), roughness);
-            confidence = std::max(confidence, covered);
+            diffuse[x] =
+                mm[i] > 0 ? glm::max(colours[i], Rgb(0)) : seen_under(options.illuminant, dry_diffuse[x]);
+            height[x] = dry_height[x] + mm[i] / unit_mm;
+            confidence[x] = std::max(known[x], covered[i]);
         }
+    }
+    if (!dry.lobe_colour.empty() || !dry.lobe_axes.empty()) update_lobes(dry, part, mm, sheen, shown);
 }
 
 // What is to be made anew in one tile.

@@ -5,13 +5,12 @@
 // between what every one of them has and AVX2 or AVX-512. Products and sums are not fused, so all of them
 // give the same bits.
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <cstring>
 
+#include "paint/exp_lanes.h"
 #include "paint/kubelka_munk.h"
 #include "surface/error.h"
-#include "surface/vector_clones.h"
 
 namespace tangi {
 
@@ -19,21 +18,6 @@ namespace {
 
 constexpr std::size_t kBlock = 32;  // pixels
 using Lanes = std::array<float, kBlock>;
-
-// exp(x) - 1 to rounding, for 0 <= x <= 60.
-TP_INLINE float smaller(float a, float b) { return a < b ? a : b; }
-TP_INLINE float larger(float a, float b) { return a > b ? a : b; }
-
-TP_INLINE float expm1_of(float x) {
-    const float halves = x * 1.44269504f + 0.5f;  // x is not negative: cutting off rounds
-    const int n = static_cast<int>(halves);
-    const float whole = static_cast<float>(n);
-    const float r = (x - whole * 0.693359375f) + whole * 2.12194440e-4f;
-    const float tail =
-        0.5f + r * (1.0f / 6 + r * (1.0f / 24 + r * (1.0f / 120 + r * (1.0f / 720 + r / 5040))));
-    const float power = std::bit_cast<float>((n + 127) << 23);
-    return power * (r + r * r * tail) + (power - 1);
-}
 
 // One band of one pixel: film_look(), with its three divisions made two; `dry` need not lie in [0, 1].
 TP_INLINE float look_of(float k, float s, float dry, float k2) {

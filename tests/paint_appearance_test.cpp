@@ -3,7 +3,12 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+#include <cmath>
+#include <vector>
+
 #include "paint/appearance_part.h"
+#include "paint/appearance_rows.h"
 #include "paint/kubelka_munk.h"
 #include "surface/anisotropy.h"
 #include "surface/error.h"
@@ -243,6 +248,65 @@ TEST(Appearance, UpdatingChangedTilesIsAsGoodAsAll) {
     EXPECT_TRUE(images_identical(kept.diffuse, whole.diffuse));
     EXPECT_TRUE(images_identical(kept.normal, whole.normal));
     EXPECT_TRUE(images_identical(kept.height_mm, whole.height_mm));
+}
+
+// Many pixels at once are as each by itself, wherever it lies, and as the formulas say.
+TEST(Appearance, RowsAreWhatOnePixelIs) {
+    Random random(3);
+    constexpr std::size_t n = 150;
+    const auto some = [&](double low, double high) {
+        std::vector<float> values(n);
+        for (float& v : values) v = random.real(low, high);
+        return values;
+    };
+    std::vector<float> mm = some(0, 0.05), specular_mm = some(0, 0.01), roughness_mm = some(0, 0.02);
+    for (std::size_t i = 0; i < n; i += 3) mm[i] = specular_mm[i] = roughness_mm[i] = 0;
+    mm[1] = 1e-9f, mm[2] = 900;
+    const auto below = std::array{some(0, 1), some(0, 1), some(0, 1)};
+    auto laid = below;
+    std::vector<float> covered(n);
+    lay_sheen_rows(n, {mm.data(), specular_mm.data(), roughness_mm.data()}, 0.01f,
+                   {laid[0].data(), laid[1].data(), laid[2].data()});
+    covered_rows(n, mm.data(), 0.01f, covered.data());
+    for (std::size_t i = 0; i < n; ++i) {
+        const double c = -std::expm1(-static_cast<double>(mm[i]) / 0.01f);
+        EXPECT_NEAR(covered[i], c, 2e-7 * c) << i;
+        if (mm[i] == 0) {
+            for (std::size_t k = 0; k < 3; ++k) EXPECT_EQ(laid[k][i], below[k][i]) << i;
+        } else {
+            EXPECT_NEAR(laid[0][i], below[0][i] + c * (specular_mm[i] / mm[i] - below[0][i]),
+                        1e-6 * (1 + specular_mm[i] / mm[i]));
+            EXPECT_NEAR(laid[2][i], (1 - c) * below[2][i], 1e-6);
+        }
+        auto one = std::array{below[0][i], below[1][i], below[2][i]};
+        lay_sheen_rows(1, {&mm[i], &specular_mm[i], &roughness_mm[i]}, 0.01f, {&one[0], &one[1], &one[2]});
+        for (std::size_t k = 0; k < 3; ++k) EXPECT_EQ(one[k], laid[k][i]) << i;
+    }
+    std::vector<Vec3> dry(n), tilted(n), again(1);
+    for (Vec3& normal : dry) normal = normal_of({random.real(-1, 1), random.real(-1, 1)});
+    auto right = some(0, 1), left = some(0, 1), above = some(0, 1), under = some(0, 1);
+    for (std::size_t i = 0; i < n; i += 4) right[i] = left[i], above[i] = under[i];
+    tilt_rows(n, {right.data(), left.data(), above.data(), under.data(), 2, 3}, dry.data(), tilted.data());
+    for (std::size_t i = 0; i < n; ++i) {
+        if (i % 4 == 0) {
+            EXPECT_EQ(tilted[i], dry[i]);
+            continue;
+        }
+        const Slope slope = slope_of(dry[i]);
+        const Vec3 expected =
+            normal_of({slope.x + 2 * (right[i] - left[i]), slope.y + 3 * (above[i] - under[i])});
+        EXPECT_LT(glm::length(tilted[i] - expected), 1e-6) << i;
+        tilt_rows(1, {&right[i], &left[i], &above[i], &under[i], 2, 3}, &dry[i], again.data());
+        EXPECT_EQ(again[0], tilted[i]) << i;
+    }
+}
+
+TEST(Appearance, OfWhatIsNotPaintedIsShared) {
+    const Canvas empty = flat_canvas();
+    EXPECT_EQ(shown(empty), empty.dry_shared());
+    EXPECT_NE(shown(empty, {.illuminant = Illuminant::a}), empty.dry_shared());
+    const Canvas half = half_covered("Bone Black", 0.1f);
+    EXPECT_TRUE(images_identical(shown(half)->diffuse, appearance(half).diffuse));
 }
 
 }  // namespace
