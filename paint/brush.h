@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "paint/bristle_loads.h"
+#include "paint/bristle_rows.h"
 #include "paint/brush_settings.h"
 #include "paint/brush_tip.h"
 #include "paint/canvas.h"
@@ -27,7 +28,7 @@ struct Dab {
     float tilt_x = 0,
           tilt_y = 0;      // [1] sine of the handle's tilt from the normal, towards x and y; length < 1
     float dx = 1, dy = 0;  // unit vector of the motion; 0, 0 where it stands
-    float length_px = 1;   // of the way since the step before: two diagonals of pixels at most
+    float length_px = 1;   // of the way since the step before
     float turn_rad = 0;    // of the rotation since then
     int step = 0;          // number in the stroke
     float way_px = 0;      // [pixels] since the stroke began
@@ -109,6 +110,10 @@ public:
     // Of the bristles, around contact_centre(), a pixel wider than they are.
     TipOutline outline(const Dab& dab) const;
 
+    // [mm] The underside at a pixel if there were no paint and all bristles were as long; kOutside where
+    // there are none.
+    float lowest_mm(const Dab& dab, int x, int y) const;
+
     // The underside [mm] of the bristles over a box of pixels whose first is (x0, y0), row-major; kOutside
     // where there are none; and the part of each pixel that they cover, 0..1, in rows as long. Row y has
     // bristles at columns spans[y].begin <= x < spans[y].end at most.
@@ -123,7 +128,10 @@ public:
     int grid_half() const { return half_; }
 
 private:
-    double fresh_load(int u, int v, double middle_mm) const;  // [mm] of a cell
+    static constexpr int kMargin = 4;  // [pixels] around the contact for paint that is pushed out of it
+
+    UndersideRow underside_of(const Dab& dab, float gap_mm, float groove_mm) const;  // but for the place
+    double fresh_load(int u, int v, double middle_mm) const;                         // [mm] of a cell
     // load(), where a full load has `middle_mm` in the middle.
     void fill(const std::vector<Portion>& recipe, double amount, double middle_mm, bool keep);
     float gap_mm(float pressure) const;

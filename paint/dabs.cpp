@@ -109,7 +109,7 @@ Region box_of(const Brush& brush, const Dab& dab) {
     const double shift =
         (static_cast<double>(turn) + procedural::uniform(procedural::hash(chance, dab.step))) / 8 - 0.5;
     const bool moves = dab.dx != 0 || dab.dy != 0;
-    const LoadPixel at = pixel_of_row(cx, cy, dab.dx, dab.dy, moves ? shift : 0);
+    const LoadPixel at = pixel_of_row(cx, cy, dab.dx, dab.dy, moves ? shift : 0, moves && !dab.stands);
     return {at.x - half_x, at.y - half_y, at.x + half_x + 1, at.y + half_y + 1};
 }
 

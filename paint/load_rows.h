@@ -18,16 +18,16 @@ struct LoadRows {
 // Of a motion in the direction of this unit vector; columns where it is 0, 0.
 LoadRows rows_across(double dx, double dy);
 
-// The pixel of the row that is nearest to (x, y), at the point where a motion through (x, y) crosses it, or
-// beside that point by `shift`, -0.5..0.5, parts of the way from one pixel of the row to the next.
+// The pixel of a row, at the point where a motion through (x, y) crosses it, or beside that point by `shift`,
+// -0.5..0.5, parts of the way from one pixel of the row to the next. Of the nearest row, or, of a step that
+// `passes` one, of that: up to where the next one begins.
 struct LoadPixel {
     int x, y;
 };
-LoadPixel pixel_of_row(double x, double y, double dx, double dy, double shift);
+LoadPixel pixel_of_row(double x, double y, double dx, double dy, double shift, bool passes);
 
-// [pixels] The way of the next step of a brush at row `at`, of about `wanted_px`: to the next row, to a whole
-// part of the way there where that is much too far, or further than one row where that is less than
-// `at_most_px`. From between rows it comes to one in a few steps.
-double way_to_row_px(const LoadRows& rows, double at, double wanted_px, double at_most_px);
+// [pixels] The way of the next step of a brush at row `at`: of about `wanted_px`, and so that it passes each
+// row in whole steps.
+double way_to_row_px(const LoadRows& rows, double at, double wanted_px);
 
 }  // namespace tangi

@@ -12,12 +12,6 @@ constexpr double kNoPaint_mm3 = 1e-9;  // on a brush
 constexpr double kSame = 0.02;         // [1] part by volume up to which two recipes are one
 constexpr float kThin_mm = 5e-4f;      // other paint of which there is less is none
 
-// Columns begin <= x < end of a row of a tile.
-std::uint64_t bits(int begin, int end) {
-    const std::uint64_t below_end = end < kTileSize ? (std::uint64_t{1} << end) - 1 : ~std::uint64_t{0};
-    return below_end & ~((std::uint64_t{1} << begin) - 1);
-}
-
 }  // namespace
 
 OtherPaint::OtherPaint(const Brush& brush) {
@@ -45,24 +39,28 @@ bool OtherPaint::met(const PaintLayer& wet, const Brush& brush, const Dab& dab, 
 
 bool OtherPaint::is_under(const Brush& brush, const Dab& dab, const Region& part) const {
     const TipOutline outline = brush.outline(dab);
+    const auto reach_mm = static_cast<float>(brush.settings().reach_mm);
     double cx, cy;
     brush.contact_centre(dab, cx, cy);
     for (int y = part.y0; y < part.y1; ++y) {
         const RowSpan span = outline.across(y - cy, part.x0 - cx, part.width());
-        const int begin = part.x0 + span.begin, end = part.x0 + span.end;
-        for (int x = begin / kTileSize; x * kTileSize < end; ++x) {
-            const auto& mask = seen_.at({x, y / kTileSize});
-            if (!mask) continue;
-            const int first = x * kTileSize;
-            if ((*mask)[static_cast<std::size_t>(y % kTileSize)] &
-                bits(std::max(begin - first, 0), std::min(end - first, kTileSize)))
-                return true;
+        const Depths* depths = nullptr;
+        for (int x = part.x0 + span.begin; x < part.x0 + span.end; ++x) {
+            if (!depths || x % kTileSize == 0) {
+                depths = seen_.at({x / kTileSize, y / kTileSize}).get();
+                if (!depths) {
+                    x = (x / kTileSize + 1) * kTileSize - 1;
+                    continue;
+                }
+            }
+            const float mm = (*depths)[static_cast<std::size_t>(y % kTileSize * kTileSize + x % kTileSize)];
+            if (mm > 0 && brush.lowest_mm(dab, x, y) < mm + reach_mm) return true;
         }
     }
     return false;
 }
 
-std::unique_ptr<const OtherPaint::Mask> OtherPaint::where(const PaintTile& tile) const {
+std::unique_ptr<const OtherPaint::Depths> OtherPaint::where(const PaintTile& tile) const {
     constexpr auto pixels = static_cast<std::size_t>(PaintTile::kPixels);
     std::array<float, pixels> all{}, above{}, differ{};
     const auto part_of = [&](IngredientId id) {
@@ -82,17 +80,17 @@ std::unique_ptr<const OtherPaint::Mask> OtherPaint::where(const PaintTile& tile)
         elsewhere -= part;
         for (std::size_t i = 0; i < pixels; ++i) differ[i] += std::abs(plane[i] - part * all[i]) / 2;
     }
-    auto mask = std::make_unique<Mask>();
+    auto depths = std::make_unique<Depths>();
     bool any = false;
     for (std::size_t i = 0; i < pixels; ++i) {
         const float other_mm = differ[i] + std::max(elsewhere, 0.0f) / 2 * all[i];
         if (above[i] <= kThin_mm && !(other_mm > kThin_mm && other_mm > static_cast<float>(kSame) * all[i]))
             continue;
-        (*mask)[i / kTileSize] |= std::uint64_t{1} << (i % kTileSize);
+        (*depths)[i] = all[i] + above[i];
         any = true;
     }
     if (!any) return nullptr;
-    return mask;
+    return depths;
 }
 
 }  // namespace tangi

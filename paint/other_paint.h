@@ -2,7 +2,6 @@
 #pragma once
 
 #include <array>
-#include <cstdint>
 #include <map>
 #include <memory>
 #include <vector>
@@ -23,15 +22,14 @@ public:
     bool met(const PaintLayer& wet, const Brush& brush, const Dab& dab, const Region& box);
 
 private:
-    // A bit for each pixel that other paint is in, the leftmost of a row is the lowest; null: nowhere.
-    using Mask = std::array<std::uint64_t, static_cast<std::size_t>(kTileSize)>;
-    static_assert(kTileSize == 64);
+    // [mm] Thickness of all paint at each pixel that other paint is in, 0 at others; null: nowhere.
+    using Depths = std::array<float, static_cast<std::size_t>(PaintTile::kPixels)>;
 
-    std::unique_ptr<const Mask> where(const PaintTile& tile) const;
+    std::unique_ptr<const Depths> where(const PaintTile& tile) const;
     bool is_under(const Brush& brush, const Dab& dab, const Region& part) const;
 
     std::vector<double> brought_;  // parts by volume of each paint; empty where the brush has none
-    std::map<TileIndex, std::unique_ptr<const Mask>> seen_;  // as tiles were before the stroke
+    std::map<TileIndex, std::unique_ptr<const Depths>> seen_;  // as tiles were before the stroke
     bool met_ = false;
 };
 

@@ -22,9 +22,9 @@ namespace {
 // way at most, where it turns on the spot.
 constexpr double kRim = 1.5, kMostSteps = 2;
 
-// A brush that is put down or lifted stands for so many steps; in all for this part [1] of the time in which
-// its contact passes, at full pressure.
-constexpr int kStands = 4;
+// A brush that is put down or lifted stands for so many steps, or more where its rim would go more than a
+// pixel in each; in all for this part [1] of the time in which its contact passes, at full pressure.
+constexpr int kStands = 4, kMostStands = 12;
 constexpr double kStandsFor = 0.7;
 
 // Paint settles every so many steps, in tiles that none of the last so many came over.
@@ -35,8 +35,6 @@ constexpr int kSettle = 64;
 constexpr double kFades = 0.7;
 
 constexpr double kShortContact_px = 6;  // shorter ones take steps of half the spacing
-// Longer ones may take longer steps, so many times the spacing, where all goes straight on.
-constexpr double kLongContact_px = 40, kStride = 1.55;
 
 double length(const PathPoint& p) { return std::hypot(p.x, p.y); }
 PathPoint operator-(const PathPoint& a, const PathPoint& b) { return {a.x - b.x, a.y - b.y}; }
@@ -291,7 +289,8 @@ void Stroke::step_to(const Knot& b, const Knot& c, double u, const PathPoint& at
         // The hand turns the width across the stroke, not at once.
         const double heading = std::atan2(direction.y, direction.x) + std::numbers::pi / 2;
         if (!heading_rad_) heading_rad_ = static_cast<float>(heading);
-        const double wanted = unwrapped(heading, *heading_rad_);
+        // Backwards it is the same as forwards: the hand does not turn it round where a stroke reverses.
+        const double wanted = *heading_rad_ + std::remainder(heading - *heading_rad_, std::numbers::pi);
         const double lag_px = std::max(4.0, brush_.settings().size_mm / canvas_.mm_per_pixel() / 4);
         *heading_rad_ += static_cast<float>((wanted - *heading_rad_) * spacing_px_ / lag_px);
         rotation += *heading_rad_;
@@ -313,9 +312,7 @@ void Stroke::step_to(const Knot& b, const Knot& c, double u, const PathPoint& at
     double x, y;
     brush_.contact_centre(dab, x, y);
     const LoadRows rows = rows_across(dab.dx, dab.dy);
-    spacing_px_ =
-        way_to_row_px(rows, rows.at(x, y), spacing,
-                      brush_.resolved_length_px(dab) < kLongContact_px ? spacing : kStride * spacing);
+    spacing_px_ = way_to_row_px(rows, rows.at(x, y), spacing);
     rotation_rad_ = dab.rotation_rad;
     const double age = interpolated(b.left_s, c.came_s, u);
     if (steps_ == 0 && dabs_.empty()) stand(dab, -1, age);
@@ -334,11 +331,21 @@ void Stroke::stand(Dab dab, float side, double age_s) {
     dab.stands = true;
     dab.side = side;
     dab.turn_rad = 0;
-    dab.pressed = 2.0f / (kStands + 1);  // of the pressures' sum
+    const double widens_px = brush_.settings().splay * dab.pressure * brush_.rim_px();
+    const int stands = std::clamp(static_cast<int>(std::ceil(widens_px)), kStands, kMostStands);
+    const auto count = static_cast<float>(stands);
+    dab.pressed = 2 / (count + 1);  // of the pressures' sum
     const float pressure = dab.pressure;
-    dab.length_px = static_cast<float>(kStandsFor * dab.pressure * brush_.contact_length_px(dab) / kStands);
-    for (int i = 0; i < kStands; ++i) {
-        dab.pressure = pressure * static_cast<float>(side < 0 ? i + 1 : kStands - i) / kStands;
+    dab.length_px = static_cast<float>(kStandsFor * dab.pressure * brush_.contact_length_px(dab)) / count;
+    // The tip stays where it is, whatever it trails behind by.
+    double held_x, held_y;
+    brush_.contact_centre(dab, held_x, held_y);
+    for (int i = 0; i < stands; ++i) {
+        dab.pressure = pressure * static_cast<float>(side < 0 ? i + 1 : stands - i) / count;
+        double x, y;
+        brush_.contact_centre(dab, x, y);
+        dab.x += held_x - x;
+        dab.y += held_y - y;
         dab.step = steps_ + static_cast<int>(dabs_.size());
         dabs_.push_back(dab);
         ages_s_.push_back(age_s);

@@ -31,7 +31,7 @@ struct StrokePoint {
 struct StrokeOptions {
     double stabiliser_mm = 0;   // length of the string; 0 = none
     double pressure_gamma = 1;  // pressure is raised to this power
-    double spacing_px = 1;      // [pixels] of arc length between steps, about (load_rows.h), at most 1
+    double spacing_px = 1;      // [pixels] of arc length between steps, to whole parts of a row of pixels
 
     static constexpr std::string_view name = "stroke";
     template <class Self, class Visit>

@@ -17,7 +17,7 @@
 
 namespace tangi {
 
-// Rates for one step of the brush, which is one pixel long at most.
+// Rates for one step of the brush, from one row of pixels to the next at most.
 struct TransferRates {
     float deposit = 0;     // [1] part of a bristle's load that goes to the canvas in full contact, 0..0.5
     float pickup = 0;      // [1] part of the canvas's paint above the film that goes to the bristle, 0..0.5
@@ -92,7 +92,7 @@ struct StepScratch {
     std::vector<RowSpan> flowing, touched, looked_at;
 };
 
-// How bristles move in one step, in pixels, y down: at most one pixel anywhere.
+// How bristles move in one step, in pixels, y down. Paint goes one pixel along each axis at most.
 struct BrushMotion {
     float dx = 0, dy = 0;  // of the place (x, y) of the box
     float turn_rad = 0;    // from x towards y, about it

@@ -141,6 +141,25 @@ TEST(StrokeEnds, StreaksFadeTowardsTheEnd) {
     EXPECT_LT(most, 0.6 * drop);
 }
 
+// Where a stroke turns back, the hand pulls the flat the other way and does not turn it round.
+TEST(StrokeEnds, AFlatGoesBackAsItCame) {
+    Canvas canvas = fine_canvas(320, 160);
+    const auto white = add_paint(canvas, "Titanium White");
+    Brush brush(without_chance("flat", 9), kFine, 1);
+    brush.load({{white, 1}}, 1);
+    Stroke s(canvas, brush, {}, 1);
+    for (int i = 0; i <= 40; ++i) {
+        const double x = i <= 20 ? i - 10 : 30 - i;  // [mm] to 10 and back
+        s.add({i * 0.02, x, 0, 0.6, 0, 0, 0});
+    }
+    s.finish();
+    const Image<float> mm = thickness_of(canvas);
+    double beyond = 0;
+    for (int y = 0; y < 160; ++y)
+        for (int x = 160 + static_cast<int>(13 / kFine); x < 320; ++x) beyond += mm(x, y);
+    EXPECT_EQ(beyond, 0) << "half of its width is 4.5 mm";
+}
+
 // Little paint on an even ground lies in streaks, not in grains of single pixels.
 TEST(StrokeEnds, ThinPaintLiesInStreaks) {
     for (const char* preset : {"round", "flat", "filbert"}) {

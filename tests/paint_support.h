@@ -38,6 +38,19 @@ inline BrushSettings even_brush(double size_mm = 5) {
     return s;
 }
 
+inline BrushSettings flat_of(double size_mm) {
+    BrushSettings s = brush_presets().at("flat");
+    s.size_mm = size_mm;
+    return s;
+}
+
+// Of any tile.
+inline bool has_upper(const PaintLayer& layer) {
+    for (const TileIndex at : layer.painted())
+        if (layer.tile(at)->has_upper()) return true;
+    return false;
+}
+
 inline IngredientId add_paint(Canvas& canvas, const std::string& name) {
     return canvas.add(artist_acrylics().at(name));
 }

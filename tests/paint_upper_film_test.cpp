@@ -16,12 +16,6 @@
 namespace tangi {
 namespace {
 
-BrushSettings flat_of(double size_mm) {
-    BrushSettings s = brush_presets().at("flat");
-    s.size_mm = size_mm;
-    return s;
-}
-
 // Thick wet yellow all over the middle, and on it a stroke of white.
 struct WhiteOnYellow {
     Canvas canvas = flat_canvas(200, 120);
@@ -70,12 +64,6 @@ Canvas mixed(const Canvas& canvas) {
     return result;
 }
 
-bool has_upper(const PaintLayer& layer) {
-    for (const TileIndex at : layer.painted())
-        if (layer.tile(at)->has_upper()) return true;
-    return false;
-}
-
 TEST(UpperFilm, OfWhiteOnWetYellowIsWhiteUnderALightHand) {
     constexpr int kSeeds = 12;  // bristles differ
     float seen = 0, pressed = 0, through = 0;
@@ -113,64 +101,6 @@ TEST(UpperFilm, IsWhereOtherPaintIsOnly) {
     }
     EXPECT_FALSE(has_upper(canvas.wet()));
     EXPECT_TRUE(has_upper(WhiteOnYellow(0.4).canvas.wet()));
-}
-
-TEST(UpperFilm, PaintBesideAStrokeChangesNothing) {
-    const auto painted = [](bool beside) {
-        Canvas canvas = flat_canvas(200, 120);
-        const auto red = add_paint(canvas, "Pyrrole Red"), yellow = add_paint(canvas, "Hansa Yellow Opaque");
-        const auto paint = [&](IngredientId id, double y, int seed) {
-            Brush brush(flat_of(3), kTestPixel, static_cast<std::uint64_t>(seed));
-            brush.load({{id, 1}}, 1);
-            stroke(canvas, brush, {-12, y}, {12, y}, 0.5);
-        };
-        if (beside) paint(yellow, 5, 1);
-        paint(red, 0, 2);
-        return canvas;
-    };
-    const Canvas with = painted(true), without = painted(false);
-    bool shared_tile = false;
-    for (const TileIndex at : with.wet().painted()) {
-        const auto& ids = with.wet().tile(at)->ingredients;
-        shared_tile = shared_tile || ids.size() == 2;
-    }
-    ASSERT_TRUE(shared_tile);
-    EXPECT_FALSE(has_upper(with.wet()));
-    for (int y = 0; y < 120; ++y)
-        for (int x = 0; x < 200; ++x)
-            ASSERT_EQ(with.wet().thickness_mm(x, y, 0), without.wet().thickness_mm(x, y, 0)) << x << ' ' << y;
-}
-
-// The same scene anywhere on a canvas: where tiles begin does not show.
-TEST(UpperFilm, DoesNotKnowOfTiles) {
-    const auto painted = [](int pixels) {  // to the right and down
-        Canvas canvas = flat_canvas(200 + 2 * pixels, 120 + 2 * pixels);
-        const auto yellow = add_paint(canvas, "Hansa Yellow Opaque"),
-                   white = add_paint(canvas, "Titanium White");
-        const auto paint = [&](IngredientId id, PathPoint from, PathPoint to) {
-            Brush brush(flat_of(4), kTestPixel, 3);
-            brush.load({{id, 1}}, 1);
-            stroke(canvas, brush, from, to, 0.4);
-        };
-        paint(yellow, {4, -10}, {4, 10});
-        paint(white, {-14, 2}, {14, -3});
-        return canvas;
-    };
-    constexpr int kShift = 24;
-    const Canvas here = painted(0), there = painted(kShift);
-    ASSERT_TRUE(has_upper(here.wet()));
-    for (const IngredientId id : {IngredientId(0), IngredientId(1), upper_of(0), upper_of(1)})
-        for (int y = 0; y < 120; ++y)
-            for (int x = 0; x < 200; ++x) {
-                const auto at = [&](const Canvas& canvas, int px, int py) {
-                    const auto& tile = canvas.wet().tile({px / kTileSize, py / kTileSize});
-                    const auto plane = tile ? tile->plane(id) : std::span<const float>();
-                    if (plane.empty()) return 0.0f;
-                    return plane[static_cast<std::size_t>(py % kTileSize * kTileSize + px % kTileSize)];
-                };
-                ASSERT_NEAR(at(here, x, y), at(there, x + kShift, y + kShift), 2e-4)
-                    << id << ' ' << x << ' ' << y;
-            }
 }
 
 TEST(UpperFilm, IsStirredInByBristlesThatGoOverIt) {
