@@ -24,7 +24,7 @@ constexpr double kRim = 1.5, kMostSteps = 2;
 
 // A brush that is put down or lifted stands for so many steps, or more where its rim would go more than a
 // pixel in each; in all for this part [1] of the time in which its contact passes, at full pressure.
-constexpr int kStands = 4, kMostStands = 12;
+constexpr int kStands = 4, kMostStands = 8;
 constexpr double kStandsFor = 0.7;
 
 // Paint settles every so many steps, in tiles that none of the last so many came over.
