@@ -22,6 +22,7 @@ using TexelPair = std::uint64_t;
 struct TipMap {
     const TexelPair* texels = nullptr;
     float longest = 1;          // [1] unit of kTipField
+    float steepest = 1;         // [1/texel] slope of the dome at most
     int width = 0, height = 0;  // at least 2
 };
 

@@ -66,6 +66,16 @@ Bristle bristle_at(float u, float v, std::uint64_t seed) {
 // printed wherever the brush's cells go over to other pixels.
 float load_of(float dome) { return std::max(1 - dome * dome, 0.0f); }
 
+// The greatest slope between neighbours, and a little for rounding.
+float steepest_of(const std::vector<float>& map, int width) {
+    float along = 0, across = 0;
+    for (std::size_t i = 1; i < map.size(); ++i)
+        if (i % static_cast<std::size_t>(width) != 0) along = std::max(along, std::abs(map[i] - map[i - 1]));
+    for (auto i = static_cast<std::size_t>(width); i < map.size(); ++i)
+        across = std::max(across, std::abs(map[i] - map[i - static_cast<std::size_t>(width)]));
+    return 1.01f * std::hypot(along, across) + 1e-3f;
+}
+
 }  // namespace
 
 struct BrushTip::Hair {
@@ -151,6 +161,7 @@ BrushTip::BrushTip(const BrushSettings& settings, double mm_per_pixel, double ha
     if (length > 0) longest_ = static_cast<float>(kMeanShorter * area / length) * kMostShorter;
     for (float& s : shorter) s /= kMostShorter;
     texels_ = texel_pairs(domes, shorter, cover, width);
+    steepest_ = steepest_of(domes, width);
     find_reach();
     const double variation = settings.load_variation;
     if (load > 0) fullness_ = static_cast<float>((1 - variation / 2) * load / (load - variation * lucky));

@@ -20,7 +20,7 @@ public:
     BrushTip(const BrushSettings& settings, double mm_per_pixel, double half_width_px,
              double half_thickness_px, std::uint64_t seed);
 
-    TipMap map() const { return {texels_.data(), longest_, 2 * half_u_ + 1, 2 * half_v_ + 1}; }
+    TipMap map() const { return {texels_.data(), longest_, steepest_, 2 * half_u_ + 1, 2 * half_v_ + 1}; }
     int half_u() const { return half_u_; }  // [pixels] from the map's middle to their border
     int half_v() const { return half_v_; }
 
@@ -50,7 +50,7 @@ private:
     std::uint64_t seed_ = 0;
     int half_u_ = 0, half_v_ = 0;
     std::vector<TexelPair> texels_;  // TipMap
-    float longest_ = 1;
+    float longest_ = 1, steepest_ = 1;
     std::vector<float> load_;  // [1] of the load in the middle
     std::array<std::vector<float>, 2>
         reach_px_;        // to the rim and to kInner, towards directions at equal angles
