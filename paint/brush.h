@@ -110,8 +110,8 @@ public:
     // Of the bristles, around contact_centre(), a pixel wider than they are.
     TipOutline outline(const Dab& dab) const;
 
-    // [mm] The underside at a pixel if there were no paint and all bristles were as long; kOutside where
-    // there are none.
+    // [mm] The underside at a pixel if there were no paint, all bristles were as long and the tip level;
+    // kOutside where there are none.
     float lowest_mm(const Dab& dab, int x, int y) const;
 
     // The underside [mm] of the bristles over a box of pixels whose first is (x0, y0), row-major; kOutside
@@ -130,8 +130,9 @@ public:
 private:
     static constexpr int kMargin = 4;  // [pixels] around the contact for paint that is pushed out of it
 
-    UndersideRow underside_of(const Dab& dab, float gap_mm, float groove_mm) const;  // but for the place
-    double fresh_load(int u, int v, double middle_mm) const;                         // [mm] of a cell
+    // Of a row that begins at contact_centre(), but for the lift.
+    UndersideRow underside_of(const Dab& dab, float gap_mm, float groove_mm) const;
+    double fresh_load(int u, int v, double middle_mm) const;  // [mm] of a cell
     // load(), where a full load has `middle_mm` in the middle.
     void fill(const std::vector<Portion>& recipe, double amount, double middle_mm, bool keep);
     float gap_mm(float pressure) const;

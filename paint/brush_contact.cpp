@@ -1,10 +1,9 @@
+// brush_contact.cpp: where a brush touches the canvas.
 #include <algorithm>
 #include <cmath>
 
-#include "paint/bristle_rows.h"
 #include "paint/brush.h"
 
-// brush_contact.cpp: where a brush touches the canvas.
 namespace tangi {
 
 namespace {
@@ -24,6 +23,13 @@ float flattened(float pressure) { return kLightest + (1 - kLightest) * pressure;
 
 float gap_of(const BrushSettings& settings, float pressure) {
     return static_cast<float>(settings.gap_mm) * (1 - 0.3f * pressure);
+}
+
+// The row that begins so many pixels farther to the right and down.
+UndersideRow moved(UndersideRow row, float dx, float dy) {
+    row.u += dx * row.du - dy * row.dv;
+    row.v += dy * row.du + dx * row.dv;
+    return row;
 }
 
 }  // namespace
@@ -117,13 +123,14 @@ TipOutline Brush::outline(const Dab& dab) const {
 
 UndersideRow Brush::underside_of(const Dab& dab, float gap_mm, float groove_mm) const {
     const float narrowing = 1 / (1 + static_cast<float>(settings_.splay) * dab.pressure);
-    const auto depth = static_cast<float>(settings_.depth_mm);
     UndersideRow row{};
+    row.u = static_cast<float>(tip_.half_u());
+    row.v = static_cast<float>(tip_.half_v());
     row.du = std::cos(dab.rotation_rad) * narrowing;
     row.dv = -std::sin(dab.rotation_rad) * narrowing;
     row.gap_mm = gap_mm;
     row.groove_mm = groove_mm;
-    row.rise_mm = 2 * depth;
+    row.rise_mm = 2 * static_cast<float>(settings_.depth_mm);
     row.touched = flattened(dab.pressure);
     row.rim_mm = static_cast<float>(std::min(settings_.yield_slope * mm_per_pixel_, settings_.reach_mm));
     return row;
@@ -132,10 +139,8 @@ UndersideRow Brush::underside_of(const Dab& dab, float gap_mm, float groove_mm) 
 float Brush::lowest_mm(const Dab& dab, int x, int y) const {
     double cx, cy;
     contact_centre(dab, cx, cy);
-    const auto dx = static_cast<float>(x - cx), dy = static_cast<float>(y - cy);
-    UndersideRow row = underside_of(dab, 0, 0);
-    row.u = dx * row.du - dy * row.dv + static_cast<float>(tip_.half_u());
-    row.v = dy * row.du + dx * row.dv + static_cast<float>(tip_.half_v());
+    const UndersideRow row =
+        moved(underside_of(dab, 0, 0), static_cast<float>(x - cx), static_cast<float>(y - cy));
     float underside, cover;
     underside_row(1, tip_.map(), row, &underside, &cover);
     return underside;
@@ -145,15 +150,13 @@ void Brush::underside_mm(const Dab& dab, int x0, int y0, int width, int height, 
                          std::vector<RowSpan>& spans) const {
     double cx, cy;
     contact_centre(dab, cx, cy);
-    const float c = std::cos(dab.rotation_rad), s = std::sin(dab.rotation_rad);
-    const float narrowing = 1 / (1 + static_cast<float>(settings_.splay) * dab.pressure);
     // The leading edge is higher; tilt lifts the side that the handle leans away from.
     const float per_px = static_cast<float>(settings_.depth_mm) / static_cast<float>(half_width_px_);
     const float lift_x = per_px * (static_cast<float>(settings_.lift) * dab.dx - dab.tilt_x);
     const float lift_y = per_px * (static_cast<float>(settings_.lift) * dab.dy - dab.tilt_y);
     const TipMap map = tip_.map();
-    UndersideRow first_row = underside_of(dab, gap_mm(dab.pressure), static_cast<float>(settings_.groove_mm));
-    first_row.dlift_mm = lift_x;
+    UndersideRow middle = underside_of(dab, gap_mm(dab.pressure), static_cast<float>(settings_.groove_mm));
+    middle.dlift_mm = lift_x;
     const TipOutline outline = this->outline(dab);
     spans.resize(static_cast<std::size_t>(height));
     const auto one = [&](int y) {
@@ -169,9 +172,7 @@ void Brush::underside_mm(const Dab& dab, int x0, int y0, int width, int height, 
         }
         const RowSpan whole = widened(span, {0, width});
         const auto dx = static_cast<float>(x0 + whole.begin - cx), dy = static_cast<float>(py);
-        UndersideRow row = first_row;
-        row.u = (dx * c + dy * s) * narrowing + static_cast<float>(tip_.half_u());
-        row.v = (dy * c - dx * s) * narrowing + static_cast<float>(tip_.half_v());
+        UndersideRow row = moved(middle, dx, dy);
         row.lift_mm = dx * lift_x + dy * lift_y;
         underside_row(whole.end - whole.begin, map, row, to + whole.begin, part + whole.begin);
         std::fill(to, to + span.begin, kOutside);

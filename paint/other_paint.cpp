@@ -9,7 +9,7 @@ namespace tangi {
 namespace {
 
 constexpr double kNoPaint_mm3 = 1e-9;  // on a brush
-constexpr double kSame = 0.02;         // [1] part by volume up to which two recipes are one
+constexpr float kSame = 0.02f;         // [1] part by volume up to which two recipes are one
 constexpr float kThin_mm = 5e-4f;      // other paint of which there is less is none
 
 }  // namespace
@@ -84,8 +84,7 @@ std::unique_ptr<const OtherPaint::Depths> OtherPaint::where(const PaintTile& til
     bool any = false;
     for (std::size_t i = 0; i < pixels; ++i) {
         const float other_mm = differ[i] + std::max(elsewhere, 0.0f) / 2 * all[i];
-        if (above[i] <= kThin_mm && !(other_mm > kThin_mm && other_mm > static_cast<float>(kSame) * all[i]))
-            continue;
+        if (above[i] <= kThin_mm && !(other_mm > kThin_mm && other_mm > kSame * all[i])) continue;
         (*depths)[i] = all[i] + above[i];
         any = true;
     }

@@ -18,8 +18,8 @@ namespace tangi {
 namespace {
 
 // [1] Where the brush turns, what one bristle leaves in a step and another takes in the next shows as rungs,
-// so steps are shorter than the rim's way alone asks for: that many times; and steps for each pixel of the
-// way at most, where it turns on the spot.
+// so steps are shorter than the rim's way alone asks for: that many times; and so many for each pixel of the
+// way, or each row of pixels, at most, where it turns on the spot.
 constexpr double kRim = 1.5, kMostSteps = 2;
 
 // A brush that is put down or lifted stands for so many steps, or more where its rim would go more than a

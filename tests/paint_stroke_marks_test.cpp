@@ -162,10 +162,8 @@ TEST(StrokeMarks, ATurningBrushLeavesCleanStreaks) {
 TEST(StrokeMarks, CrossingWetPaintLeavesStreaksOfBoth) {
     BrushSettings settings = brush_presets().at("flat");
     settings.size_mm = 14;
-    // Means over brushes of the part of yellow, and of its unevenness from row to row, over that.
-    double carried = 0, unevenness = 0;
-    constexpr int kBrushes = 10;
-    for (std::uint64_t seed = 3; seed < 3 + 2 * kBrushes; seed += 2) {
+    double unevenness = 0;  // of the part of yellow from row to row, over its mean
+    for (const std::uint64_t seed : {3, 5, 7, 9}) {
         Canvas canvas = flat_canvas(400, 160);
         const auto yellow = add_paint(canvas, "Hansa Yellow Opaque"),
                    blue = add_paint(canvas, "Ultramarine Blue");
@@ -189,11 +187,9 @@ TEST(StrokeMarks, CrossingWetPaintLeavesStreaksOfBoth) {
         for (const double part : parts) mean += part / static_cast<double>(parts.size());
         for (const double part : parts)
             squares += std::pow(part - mean, 2) / static_cast<double>(parts.size());
-        EXPECT_GT(mean, 0.07) << seed;
-        carried += mean / kBrushes;
-        unevenness += std::sqrt(squares) / mean / kBrushes;
+        EXPECT_GT(mean, 0.1) << seed;  // it is carried along
+        unevenness += std::sqrt(squares) / mean / 4;
     }
-    EXPECT_GT(carried, 0.11);
     EXPECT_GT(unevenness, 0.11);
 }
 
