@@ -123,7 +123,7 @@ json remove(Treatment& treatment, const TreatmentArguments& a, const Progress& p
     json result = status(treatment);
     result["removed"] = removed;
     if (canvas.dried().empty())
-        result["identical_to_original"] = sha256_of(appearance(canvas)) == treatment.dry_sha256();
+        result["identical_to_original"] = sha256_of(*shown(canvas)) == treatment.dry_sha256();
     return result;
 }
 

@@ -202,7 +202,7 @@ void TreatmentDesk::remove(const std::vector<std::string>& layers) {
          [layers, who = author()](Treatment& treatment, Canvas& canvas, const Progress& progress) {
              remove_step(treatment, canvas, layers, who, progress);
              std::string said = fmt::format("in the log: {} taken off", fmt::join(layers, ", "));
-             if (canvas.dried().empty() && sha256_of(appearance(canvas)) == treatment.dry_sha256())
+             if (canvas.dried().empty() && sha256_of(*tangi::shown(canvas)) == treatment.dry_sha256())
                  said += "; the painting is the original again, bit for bit";
              return said;
          });
