@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "paint/blade_face.h"
 #include "paint/load_rows.h"
 #include "paint/step_rates.h"
 #include "surface/noise.h"
@@ -19,6 +20,10 @@ constexpr std::uint64_t kShifts = 29;  // of box_of(): any seed
 // are no more than kLittle_mm in the mean, kAside of the way to the side, which blurs the prints of bristles;
 // and its own way where they are more than kMuch_mm, from which thick paint is smoother.
 constexpr double kLittle_mm = 0.9, kMuch_mm = 1.5, kAside = 0.7;
+
+// Paint climbs the face of a blade where it stands this high [mm] above its edge, as fast as it is heaped up
+// there [1, of a step].
+constexpr float kFace_mm = 2, kClimbs = 0.2f;
 
 bool touches(const Region& box, const Canvas& canvas) {
     const Region all = canvas.region();
@@ -83,6 +88,7 @@ double one_step(PaintWindow& window, Brush& brush, const Dab& wanted, const Regi
         step.sides.right_bears = side_bears(way_mm, grain, seed, 1);
     } else if (dab.side != 0)
         step.lanes = ramp_of(dab.side, step.sides.right_px, memory.lanes);
+    if (brush.settings().shape == "knife") lift_onto_face(step, kFace_mm, kClimbs);
     exchange_and_push(step, rates, motion, memory.step);
     if (dab.stands && rates.squeeze_per_mm > 0) {
         find_outwards(brush.standing(dab, box.x0, box.y0), step, memory.outwards);

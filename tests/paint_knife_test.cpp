@@ -114,6 +114,38 @@ TEST(Knife, ScrapesWhereItBringsNoPaint) {
     }
 }
 
+// Pushed through a heap, what stands high before the blade climbs its face and comes along on it: before, it
+// stood there as a wall, one pixel wide and up to 50 mm high.
+TEST(Knife, LiftsWhatItHeapsUp) {
+    constexpr double pixel_mm = 0.25, heap_mm = 2;
+    for (const double degrees : {0.0, 20.0, 90.0}) {
+        Canvas canvas = flat_canvas(280, 280, pixel_mm);
+        const auto white = add_paint(canvas, "Titanium White"), blue = add_paint(canvas, "Ultramarine Blue");
+        PaintLayer& wet = canvas.writable_wet();
+        for (int y = 0; y < 280; ++y)
+            for (int x = 0; x < 280; ++x)
+                if (std::hypot(x - 139.5, y - 139.5) < 60)
+                    wet.writable({x / kTileSize, y / kTileSize})
+                        .writable_plane(
+                            x < 140
+                                ? white
+                                : blue)[static_cast<std::size_t>(y % kTileSize * kTileSize + x % kTileSize)] =
+                        static_cast<float>(heap_mm);
+        Brush knife(brush_presets().at("knife"), pixel_mm, 5);
+        const auto before = on_both(canvas, knife);
+        const double c = std::cos(degrees * std::numbers::pi / 180),
+                     s = std::sin(degrees * std::numbers::pi / 180);
+        stroke(canvas, knife, {-24 * c, -24 * s}, {24 * c, 24 * s});
+        const auto after = on_both(canvas, knife);
+        for (const IngredientId paint : {white, blue}) {
+            EXPECT_NEAR(after[paint] / before[paint], 1, 1e-5) << degrees;
+            EXPECT_GT(knife.volumes_mm3(2)[paint], 0.1 * before[paint]) << degrees;
+        }
+        const Image<float> left = thickness_of(canvas);
+        for (const float mm : left.pixels()) ASSERT_LT(mm, 3 * heap_mm) << degrees;
+    }
+}
+
 // On a tight curve the load turns with the blade in small steps: where these were of three pixels at its
 // ends, paint lay in rungs as far apart, a sixth of its thickness high.
 TEST(Knife, LeavesNoRungsOnATightCurve) {
