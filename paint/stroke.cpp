@@ -5,6 +5,7 @@
 #include <limits>
 #include <numbers>
 
+#include "paint/collapse.h"
 #include "paint/dabs.h"
 #include "paint/load_rows.h"
 #include "paint/paint_window.h"
@@ -29,6 +30,9 @@ constexpr double kStandsFor = 0.7;
 
 // Paint settles every so many steps, in tiles that none of the last so many came over.
 constexpr int kSettle = 64;
+
+// So often walls collapse at the end of a stroke, at most.
+constexpr int kCollapses = 8;
 
 // [1] Part of the contact's length, from its rear on, in which what runs together when the brush is lifted
 // does so ever more.
@@ -172,6 +176,7 @@ void Stroke::finish() {
     paint();
     brush_.rest();
     if (last_) relax(*last_);
+    for (int i = 0; i < kCollapses && collapse_walls(steps_); ++i) continue;
     settle_paint(std::numeric_limits<int>::max());
     while (look_ && look_at_s_ < age_s()) call_look();
 }
@@ -226,6 +231,18 @@ void Stroke::relax(const Dab& last) {
         push(step, rates, {}, memory_.step);
     }
     window.store(canvas_);
+}
+
+bool Stroke::collapse_walls(int step) {
+    std::vector<Region> parts;
+    for (const auto& [at, under_way] : under_way_) parts.push_back(under_way.part);
+    const TransferRates rates = rates_of(brush_.settings(), canvas_.mm_per_pixel());
+    const std::vector<Region> walls = walls_in(canvas_, parts, rates);
+    for (const Region& wall : walls) {
+        come_over(wall, step);
+        collapse(canvas_, wall, rates, memory_);
+    }
+    return !walls.empty();
 }
 
 void Stroke::settle_paint(int before_step) {
@@ -356,12 +373,16 @@ void Stroke::come_over(const Dab& dab) {
     const Region there = intersection(box_of(brush_, dab), canvas_.region());
     if (there.empty()) return;
     met_canvas_ = true;
+    come_over(there, dab.step);
+}
+
+void Stroke::come_over(const Region& there, int step) {
     for (int y = there.y0 / kTileSize; y * kTileSize < there.y1; ++y)
         for (int x = there.x0 / kTileSize; x * kTileSize < there.x1; ++x) {
             const TileIndex at{x, y};
             UnderWay& tile = under_way_.try_emplace(at, UnderWay{canvas_.wet().tile(at)}).first->second;
             tile.part = united(tile.part, intersection(there, canvas_.wet().region_of(at)));
-            tile.last_step = dab.step;
+            tile.last_step = step;
         }
 }
 
@@ -380,7 +401,10 @@ void Stroke::paint() {
         for (const Dab& dab : dabs) come_over(dab);
         bristle_pixels_ += paint_dabs(canvas_, brush_, dabs, seed_, other_, memory_);
         begin = end;
-        if (steps_ + static_cast<int>(end) == rest_at) settle_paint(rest_at - kSettle);
+        if (steps_ + static_cast<int>(end) == rest_at) {
+            collapse_walls(rest_at);
+            settle_paint(rest_at - kSettle);
+        }
     }
     steps_ += static_cast<int>(dabs_.size());
     last_ = dabs_.back();

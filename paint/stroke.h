@@ -93,6 +93,9 @@ private:
     void call_look();
     void relax(const Dab& last);
     void come_over(const Dab& dab);
+    void come_over(const Region& part, int step);
+    // Where the brush went (collapse.h). Whether there was any.
+    bool collapse_walls(int step);
     // Of tiles that no step came over from this one on: paint that the stroke left there (settle.h).
     void settle_paint(int before_step);
 
