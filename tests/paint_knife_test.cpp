@@ -17,6 +17,7 @@ namespace {
 struct Sheet {
     std::vector<double> middle_mm;
     double roughness = 0;
+    double lattice_mm = 0;  // rms of pixels against the mean of those beside them
 };
 
 Sheet knife_sheet(double degrees, double pixel_mm) {
@@ -48,14 +49,26 @@ Sheet knife_sheet(double degrees, double pixel_mm) {
             count += 2;
         }
     sheet.roughness = std::sqrt(squares / count) / step;
+    squares = count = 0;
+    for (int y = 1; y + 1 < mm.height(); ++y)
+        for (int x = 1; x + 1 < mm.width(); ++x) {
+            const double dx = (x - (mm.width() - 1) / 2.0) * pixel_mm,
+                         dy = ((mm.height() - 1) / 2.0 - y) * pixel_mm;
+            if (std::abs(c * dx + s * dy) > 10 || std::abs(c * dy - s * dx) > 6) continue;
+            const float beside = mm(x - 1, y) + mm(x + 1, y) + mm(x, y - 1) + mm(x, y + 1);
+            squares += std::pow(static_cast<double>(mm(x, y) - beside / 4), 2);
+            ++count;
+        }
+    sheet.lattice_mm = std::sqrt(squares / count);
     return sheet;
 }
 
 // No crosshatch at any angle, and no cliff where the load runs out.
 TEST(Knife, SpreadsASmoothSheetThatTapers) {
-    for (const double degrees : {0.0, 10.0, 45.0}) {
+    for (const double degrees : {0.0, 10.0, 22.0, 45.0}) {
         const Sheet sheet = knife_sheet(degrees, 0.2);
         EXPECT_LT(sheet.roughness, 0.03) << degrees;
+        EXPECT_LT(sheet.lattice_mm, 0.5e-3) << degrees;
         for (std::size_t i = 1; i < sheet.middle_mm.size(); ++i) {
             EXPECT_NEAR(sheet.middle_mm[i], sheet.middle_mm[i - 1], 0.15 * sheet.middle_mm[i - 1])
                 << degrees << " " << i;
