@@ -112,6 +112,11 @@ void Flags::field(const FieldInfo& info, bool& value) {
     flag(name + ",!--no-" + name.substr(2), value, std::string(info.help));
 }
 
+void Flags::field(const FieldInfo& info, std::optional<bool>& value) {
+    const std::string name = flag_name(info);
+    app_.add_flag(name + ",!--no-" + name.substr(2), value, std::string(info.help));
+}
+
 std::string Flags::flag_name(const FieldInfo& info) {
     std::string name = "--" + std::string(info.name);
     for (char& c : name) c = c == '_' ? '-' : c;

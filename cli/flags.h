@@ -65,6 +65,7 @@ public:
 
 private:
     void field(const FieldInfo& info, bool& value);
+    void field(const FieldInfo& info, std::optional<bool>& value);  // said or not
     template <class T>
     void field(const FieldInfo& info, T& value) {
         option(flag_name(info), value, std::string(info.help))

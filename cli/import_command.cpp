@@ -27,9 +27,9 @@ void refuse_useless(const ImportArguments& a, const MapFiles& files) {
     const auto refuse = [&](bool useless, std::initializer_list<std::string_view> flags, const char* reason) {
         if (useless) refuse_typed(a.typed(), flags, reason);
     };
-    if (!(a.options.alpha_min < a.options.alpha_max))
-        throw UsageError(fmt::format("--alpha-min {}: is not less than --alpha-max {}", a.options.alpha_min,
-                                     a.options.alpha_max));
+    if (!(least_alpha(a.options) < greatest_alpha(a.options)))
+        throw UsageError(fmt::format("--alpha-min {}: is not less than --alpha-max {}",
+                                     least_alpha(a.options), greatest_alpha(a.options)));
     refuse(files.gloss && files.roughness, {"--gloss"},
            "says what --roughness says too; leave out one of them");
     refuse(!files.gloss || files.roughness, {"--alpha-min", "--alpha-max"},
@@ -117,7 +117,7 @@ Command import_command() {
                 "MAPS", a->folder,
                 "folder whose maps are found by name: kd or albedo, ks, normals, gloss, roughness, height, "
                 "lobe, roughness_v, tangent, confidence; maps.json of export --to maps says scale, haze and "
-                "diffuse roughness");
+                "diffuse roughness, brdf.json of export --to openlime scale, encoding and limits of alpha");
             flags.option("--out", a->out, "painting file to write (.exr)").required();
             flags.option("--diffuse", a->diffuse, "diffuse map (kd, albedo)");
             flags.option("--specular", a->specular, "specular map (ks)");

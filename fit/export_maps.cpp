@@ -123,6 +123,7 @@ std::vector<fs::path> write_openlime(const fs::path& folder, const Surface& s, c
         {"colorspaces", {{"kd", "srgb"}, {"ks", "linear"}}},
         {"alphaLimits", {shortest(least), shortest(most)}},
         {"mm_per_pixel", s.mm_per_pixel},
+        {"scale_known", s.scale_known},
         {"clamped_pixels", clamped}};
     write("brdf.json", [&](const fs::path& path) { write_text_file(path, brdf.dump(2) + "\n"); });
     return write.paths;

@@ -138,7 +138,8 @@ void take_roughness(const MapFiles& files, const ImportOptions& options, const f
         return;
     }
     const Image<Rgb> map = read_map(*files.gloss, s, first);
-    const double m = 1 - std::pow(options.alpha_max, 0.25), most = 1 - std::pow(options.alpha_min, 0.25);
+    const double m = 1 - std::pow(greatest_alpha(options), 0.25),
+                 most = 1 - std::pow(least_alpha(options), 0.25);
     for (std::size_t i = 0; i < map.size(); ++i) {
         const double root = 1 - std::clamp(map.pixels()[i].r, 0.0f, 1.0f) * (most - m) - m;
         s.roughness.pixels()[i] = static_cast<float>(root * root * root * root);
@@ -169,23 +170,53 @@ void take_axes(const MapFiles& files, const fs::path& first, Surface& s) {
     for (std::size_t i = 0; i < tangent.size(); ++i) s.lobe_axes.pixels()[i].tangent = tangent.pixels()[i].r;
 }
 
+// A number within these limits.
+std::optional<double> number_in(const nlohmann::json& value, double least, double most) {
+    if (!value.is_number() || !(value.get<double>() >= least && value.get<double>() <= most)) return {};
+    return value.get<double>();
+}
+
+void take_scale(const nlohmann::json& about, ImportOptions& options) {
+    if (options.mm_per_pixel) return;
+    options.mm_per_pixel = number_in(about.value("mm_per_pixel", nlohmann::json()), 1e-6, 1e3);
+    options.scale_known = about.value("scale_known", nlohmann::json(true)) == true;
+}
+
+// What a layer of OpenLIME has to be told beside its maps.
+ImportOptions as_openlime_is_told(const fs::path& path, ImportOptions options) {
+    if (!fs::is_regular_file(path)) return options;
+    const nlohmann::json about = nlohmann::json::parse(read_text_file(path), nullptr, false);
+    if (!about.is_object()) return options;
+    take_scale(about, options);
+    const nlohmann::json spaces = about.value("colorspaces", nlohmann::json());
+    if (spaces.is_object() && spaces.contains("kd") && !options.diffuse_srgb)
+        options.diffuse_srgb = spaces["kd"] != "linear";  // as OpenLIME reads it
+    const nlohmann::json limits = about.value("alphaLimits", nlohmann::json());
+    if (limits.is_array() && limits.size() == 2 && !options.alpha_min && !options.alpha_max) {
+        const auto least = number_in(limits[0], 1e-3, 1), most = number_in(limits[1], 1e-3, 1);
+        if (least && most && *least < *most) {
+            options.alpha_min = least;
+            options.alpha_max = most;
+        }
+    }
+    return options;
+}
+
 }  // namespace
+
+double least_alpha(const ImportOptions& options) { return options.alpha_min.value_or(0.01); }
+double greatest_alpha(const ImportOptions& options) { return options.alpha_max.value_or(0.5); }
 
 ImportOptions as_described(const fs::path& folder, ImportOptions options) {
     const fs::path path = folder / "maps.json";
-    if (!fs::is_regular_file(path)) return options;
+    if (!fs::is_regular_file(path)) return as_openlime_is_told(folder / "brdf.json", std::move(options));
     const nlohmann::json about = nlohmann::json::parse(read_text_file(path), nullptr, false);
     if (!about.is_object() || !about.value("scale_known", nlohmann::json()).is_boolean()) return options;
-    const auto number = [&](const char* field, double least, double most) -> std::optional<double> {
-        const nlohmann::json value = about.value(field, nlohmann::json());
-        if (!value.is_number() || !(value.get<double>() >= least && value.get<double>() <= most)) return {};
-        return value.get<double>();
+    const auto number = [&](const char* field, double least, double most) {
+        return number_in(about.value(field, nlohmann::json()), least, most);
     };
     options.levelled = true;
-    if (!options.mm_per_pixel) {
-        options.mm_per_pixel = number("mm_per_pixel", 1e-6, 1e3);
-        options.scale_known = about["scale_known"].get<bool>();
-    }
+    take_scale(about, options);
     try {
         options.photography = photography_from_json(about.value("photography", nlohmann::json::object()));
     } catch (const std::exception&) {  // of a parser, about columns that nobody sees
@@ -220,7 +251,8 @@ MapFiles find_maps(const fs::path& folder, const MapFiles& named) {
 Surface import_maps(const MapFiles& files, const ImportOptions& options, ImportReport& report_,
                     const Progress& progress) {
     validate(options);
-    if (!(options.alpha_min < options.alpha_max)) fail("import.alpha_min must be less than import.alpha_max");
+    if (!(least_alpha(options) < greatest_alpha(options)))
+        fail("import.alpha_min must be less than import.alpha_max");
     if (!files.diffuse)
         fail("no diffuse map: give a folder with kd, diffuse or albedo in it, or --diffuse FILE");
     if (!files.normals && !files.height)
@@ -228,7 +260,8 @@ Surface import_maps(const MapFiles& files, const ImportOptions& options, ImportR
              files.diffuse->string());
     const fs::path& first = *files.diffuse;
     Surface s;
-    const Transfer transfer{options.diffuse_srgb ? Transfer::Kind::srgb : Transfer::Kind::linear};
+    const Transfer transfer{options.diffuse_srgb.value_or(false) ? Transfer::Kind::srgb
+                                                                 : Transfer::Kind::linear};
     report(progress, "read maps", 0);
     {
         const Image<Rgb> map = read_map(first, s, first);

@@ -34,9 +34,9 @@ MapFiles find_maps(const std::filesystem::path& folder, const MapFiles& named = 
 
 struct ImportOptions {
     std::optional<double> mm_per_pixel{};
-    double alpha_min = 0.01, alpha_max = 0.5;  // [1] what gloss 1 and 0 stand for
-    bool normals_y_down = false;               // green grows downwards (DirectX)
-    bool diffuse_srgb = false;                 // the diffuse map is sRGB-encoded
+    std::optional<double> alpha_min{}, alpha_max{};  // [1] what gloss 1 and 0 stand for; 0.01 and 0.5
+    bool normals_y_down = false;                     // green grows downwards (DirectX)
+    std::optional<bool> diffuse_srgb{};              // the diffuse map is sRGB-encoded; linear
     double height_range_mm = 1;  // [mm] from 0 to full scale of an integer height map; EXR is in mm
     std::optional<double> haze{}, diffuse_roughness{};  // [1] as ReflectanceLaw's
     // No flags, but what the maps' description says:
@@ -49,11 +49,16 @@ struct ImportOptions {
     static void fields(Self& self, Visit&& visit) {
         visit(FieldInfo{"mm_per_pixel", 1e-6, 1e3, "mm", "size of a pixel on the painting (1 where unknown)"},
               self.mm_per_pixel);
-        visit(FieldInfo{"alpha_min", 1e-3, 1, "1", "roughness that gloss 1 stands for"}, self.alpha_min);
-        visit(FieldInfo{"alpha_max", 1e-3, 1, "1", "roughness that gloss 0 stands for"}, self.alpha_max);
+        visit(
+            FieldInfo{"alpha_min", 1e-3, 1, "1", "roughness that gloss 1 stands for (of brdf.json, or 0.01)"},
+            self.alpha_min);
+        visit(
+            FieldInfo{"alpha_max", 1e-3, 1, "1", "roughness that gloss 0 stands for (of brdf.json, or 0.5)"},
+            self.alpha_max);
         visit(FieldInfo{"normals_y_down", 0, 1, "", "green of the normal map grows downwards"},
               self.normals_y_down);
-        visit(FieldInfo{"diffuse_srgb", 0, 1, "", "the diffuse map is sRGB-encoded, not linear"},
+        visit(FieldInfo{"diffuse_srgb", 0, 1, "",
+                        "the diffuse map is sRGB-encoded, not linear (of brdf.json, or linear)"},
               self.diffuse_srgb);
         visit(FieldInfo{"height_range_mm", 1e-6, 1e4, "mm",
                         "height of full scale over 0 in an integer height map"},
@@ -69,8 +74,13 @@ struct ImportOptions {
     }
 };
 
-// What the maps.json that write_maps() wrote (export_maps.h) says of the maps in this folder: scale, law
-// and photography, where `options` do not say it. Another program's file of that name says nothing. Throws
+// [1] What gloss 1 and 0 stand for.
+double least_alpha(const ImportOptions& options);
+double greatest_alpha(const ImportOptions& options);
+
+// What the maps.json or brdf.json that write_maps() or write_openlime() wrote (export_maps.h) says of the
+// maps in this folder, where `options` do not say it: scale, law and photography; scale, encoding and limits
+// of alpha. Another program's file of that name says nothing but what OpenLIME's layers need, too. Throws
 // Error naming it where it cannot be read.
 ImportOptions as_described(const std::filesystem::path& folder, ImportOptions options);
 

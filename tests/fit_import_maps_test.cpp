@@ -182,12 +182,16 @@ TEST(ImportMaps, OpenLimeMapsComeBackToEightBits) {
     EXPECT_NEAR(brdf["alphaLimits"][1].get<double>(), 0.49, 1e-6);
     EXPECT_EQ(brdf["colorspaces"]["kd"], "srgb");
     ImportReport report;
-    const Surface back = import_maps(find_maps(dir.path()),
-                                     {.mm_per_pixel = 0.5,
-                                      .alpha_min = brdf["alphaLimits"][0],
-                                      .alpha_max = brdf["alphaLimits"][1],
-                                      .diffuse_srgb = true},
-                                     report);
+    // The file says how they are to be read, unless somebody else does.
+    const Surface back = import_maps(find_maps(dir.path()), as_described(dir.path(), {}), report);
+    EXPECT_EQ(back.mm_per_pixel, s.mm_per_pixel);
+    EXPECT_EQ(back.scale_known, s.scale_known);
+    const ImportOptions said =
+        as_described(dir.path(), {.mm_per_pixel = 2, .alpha_max = 0.3, .diffuse_srgb = false});
+    EXPECT_EQ(said.mm_per_pixel, 2);
+    EXPECT_EQ(said.alpha_max, 0.3);
+    EXPECT_EQ(least_alpha(said), 0.01);
+    EXPECT_EQ(said.diffuse_srgb, false);
     EXPECT_EQ(report.measured, 48 * 40 - 1);
     EXPECT_EQ(back.confidence(3, 2), 0);
     EXPECT_TRUE(images_near(back.diffuse, s.diffuse, 0.006));
