@@ -9,7 +9,7 @@ namespace tangi {
 
 namespace {
 
-constexpr int kFineQuality = 90;
+constexpr int kFineQuality = 95;
 constexpr std::size_t kCells = 64;        // of a table
 constexpr double kSumOfQuality50 = 3690;  // of table K.1
 
@@ -60,7 +60,7 @@ void warn_of_compression(Stack& stack) {
     if (!least || *least >= kFineQuality) return;
     stack.warnings.push_back(fmt::format(
         "{}: the photographs are JPEG of quality {}: what compression does to relief of some pixels is "
-        "in no stated error; TIFF, raw or JPEG of quality 95 show more",
+        "in no stated error; TIFF, raw or JPEG of quality 95 and more show more",
         stack.folder.string(), *least));
 }
 

@@ -143,6 +143,7 @@ nlohmann::json result_of(const FitResult& fit, const std::vector<LeftOut>& left_
           {"doubtful", r.solvers.doubtful},
           {"polished", r.solvers.polished}}},
         {"median_confidence", r.median_confidence},
+        {"unsure_pixels", r.unsure},
         {"median_residual_sigma", r.median_rms_residual},
         {"mm_per_pixel", fit.surface.mm_per_pixel},
         {"scale_known", fit.surface.scale_known},
@@ -271,7 +272,14 @@ Command fit_command() {
                 flags.flag("--faithful", arguments->faithful,
                            "also store what the photographs show beyond the surface, for relight --faithful");
                 flags.fields(arguments->faithful_options);
-                return [arguments] { return run_fit(*arguments, console_progress()); };
+                return [arguments, typed = flags.typed()] {
+                    if (!arguments->faithful)
+                        refuse_typed(typed(),
+                                     {"--faithful-terms", "--faithful-colour-terms", "--faithful-samples",
+                                      "--faithful-worth-db"},
+                                     "is of --faithful, which is not asked for");
+                    return run_fit(*arguments, console_progress());
+                };
             },
             fit_in_words};
 }

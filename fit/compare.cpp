@@ -173,7 +173,7 @@ void summarise(const Stack& stack, int unknown, CompareReport& report) {
     if (unknown > 0)
         report.warnings.push_back(fmt::format(
             "{}: {} of {} photographs are not among those that the painting lists, by name and light: "
-            "they count as held out, and their lights as of gain 1",
+            "they count as held out, and their lights as predicted from those of the others",
             stack.folder.string(), unknown, report.photos.size()));
     std::vector<double> correlations;
     for (const PhotoComparison& photo : report.photos)

@@ -153,6 +153,25 @@ LobeFreedom choose_reflectance(const LightSample& sample, const Lighting& lighti
             drawn_out};
 }
 
+// Whether so much is clipped that what paint reflects is open: only lower bounds are left.
+bool warn_of_clipping(Stack& stack, const Survey& surveyed) {
+    constexpr double kMuch = 0.05;  // [1] of the values: highlights alone are less
+    double clipped = 0;
+    std::size_t worst = 0;
+    for (std::size_t i = 0; i < surveyed.photos.size(); ++i) {
+        clipped += surveyed.photos[i].clipped / static_cast<double>(surveyed.photos.size());
+        if (surveyed.photos[i].clipped > surveyed.photos[worst].clipped) worst = i;
+    }
+    if (!(clipped > kMuch)) return false;
+    stack.warnings.push_back(
+        fmt::format("{}: {:.0f} % of the values are clipped, in {} {:.0f} %: the photographs are "
+                    "overexposed, and how much "
+                    "the brightest paint reflects is lost; expose less, or take --brackets",
+                    stack.folder.string(), 100 * clipped, stack.photos[worst].light.name,
+                    100 * surveyed.photos[worst].clipped));
+    return true;
+}
+
 }  // namespace
 
 FitResult fit_painting(Stack stack, const FitOptions& options, const Progress& progress) {
@@ -249,7 +268,8 @@ FitResult fit_painting(Stack stack, const FitOptions& options, const Progress& p
     report_.support_bulge_deg = bulge_deg(surface);
     report_.support_tilt_deg =
         std::atan(std::hypot(height.plane.a, height.plane.b) / surface.mm_per_pixel) * 180 / M_PI;
-    if (report_.too_bright > report_.fitted / 20)
+    const bool overexposed = warn_of_clipping(stack, surveyed);
+    if (report_.too_bright > report_.fitted / 20 && !overexposed)
         stack.warnings.push_back(
             fmt::format("{}: {:.0f} % of the pixels would reflect more than {} times the light that falls on "
                         "them: the white "
@@ -257,6 +277,13 @@ FitResult fit_painting(Stack stack, const FitOptions& options, const Progress& p
                         stack.folder.string(),
                         100.0 * static_cast<double>(report_.too_bright) / static_cast<double>(report_.fitted),
                         options.ward.bounds.diffuse_max, lighting.white_level));
+    constexpr double kManyUnsure = 0.1;
+    if (report_.unsure > kManyUnsure)
+        stack.warnings.push_back(
+            fmt::format("{}: of {:.0f} % of the pixels the photographs hardly tell the slope (confidence "
+                        "below 0.5): they are "
+                        "too dark, or too few lamps reach them, and lamps higher above the painting would",
+                        stack.folder.string(), 100 * report_.unsure));
     report_.warnings = stack.warnings;
     return result;
 }

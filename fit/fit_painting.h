@@ -97,6 +97,7 @@ struct FitReport {
     long not_converged = 0;          // of those fitted
     SolverAgreement solvers;         // how the batched kernel compares with Ceres, in the last pass
     long too_bright = 0;             // of those fitted: at the upper bound of rho_d
+    double unsure = 0;               // [1] part of those fitted whose confidence is below 0.5
     double coloured = 0;             // [1] part of the fitted pixels whose lobe is not white
     double drawn_out = 0;            // [1] part of them whose lobe is drawn out
     double median_confidence = 0;    // [1] of the fitted pixels

@@ -13,6 +13,7 @@
 #include "fit/lobe_stretch.h"
 #include "fit/slope_edges.h"
 #include "fit/slope_prior.h"
+#include "fit/unseen.h"
 #include "surface/error.h"
 #include "surface/median.h"
 #include "surface/parallel.h"
@@ -194,6 +195,10 @@ void summarise(const Surface& surface, Counters& counters, double diffuse_max, F
     for (std::size_t i = 0; i < surface.height_mm.size(); i += rms_step(surface))
         if (surface.confidence.pixels()[i] > 0) confidences.push_back(surface.confidence.pixels()[i]);
     report.median_rms_residual = median(std::move(counters.rms_residuals));
+    const auto unsure =
+        std::count_if(confidences.begin(), confidences.end(), [](float c) { return c < 0.5f; });
+    report.unsure =
+        static_cast<double>(unsure) / static_cast<double>(std::max<std::size_t>(confidences.size(), 1));
     report.median_confidence = median(std::move(confidences));
 }
 
@@ -286,6 +291,7 @@ LampsSeen refine(const Stack& stack, const Transfer& transfer, const Lighting& l
     fit_bands(stack, transfer, lighting, noise, second, {.name = "refine", .first = &first}, result,
               progress);
     first.lamps.find_runs(result.surface, lighting);
+    borrow_from_around(result.surface);
     return std::move(first.lamps);
 }
 

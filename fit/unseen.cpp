@@ -1,0 +1,87 @@
+#include "fit/unseen.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+
+#include "fit/slope_edges.h"
+#include "surface/parallel.h"
+
+namespace tangi {
+
+namespace {
+
+constexpr float kUnsure = 0.3f;  // [1] confidence
+constexpr int kReach = 6;        // [pixels]
+// Standard errors are those of the side that was taken for granted: the slope is off by twice as much.
+constexpr float kDiscount = 4;
+constexpr float kLeastSpread = 0.1f;  // [1] of slopes
+
+struct Around {
+    float weights = 0, square = 0;  // sum of squares of the slope's components
+    Slope slope{0, 0};
+    Rgb diffuse{0};
+    float specular = 0, roughness = 0;
+
+    void add(const Surface& s, int x, int y, float weight) {
+        const Slope here = slope_of(s.normal(x, y));
+        weights += weight;
+        slope.x += weight * here.x;
+        slope.y += weight * here.y;
+        square += weight * (here.x * here.x + here.y * here.y);
+        diffuse += weight * s.diffuse(x, y);
+        specular += weight * s.specular(x, y);
+        roughness += weight * s.roughness(x, y);
+    }
+    void finish() {
+        const float each = 1 / weights;
+        slope = {slope.x * each, slope.y * each};
+        square = std::max(square * each - slope.x * slope.x - slope.y * slope.y, 0.0f);
+        diffuse *= each;
+        specular *= each;
+        roughness *= each;
+    }
+    // [1] Variance of a slope's component.
+    float variance() const { return square / 2 + kLeastSpread * kLeastSpread; }
+};
+
+Around around(const Surface& s, int x, int y) {
+    Around sum;
+    for (int v = std::max(y - kReach, 0); v <= std::min(y + kReach, s.height() - 1); ++v)
+        for (int u = std::max(x - kReach, 0); u <= std::min(x + kReach, s.width() - 1); ++u) {
+            const float confidence = s.confidence(u, v);
+            if (confidence < kUnsure) continue;
+            const auto dx = static_cast<float>(u - x), dy = static_cast<float>(v - y);
+            sum.add(s, u, v, confidence / (1 + dx * dx + dy * dy));
+        }
+    if (sum.weights > 0) sum.finish();
+    return sum;
+}
+
+}  // namespace
+
+void borrow_from_around(Surface& s) {
+    // Only what is sure is looked at, and only the rest is changed.
+    parallel_for(0, s.height(), 16, [&](int begin, int end) {
+        for (int y = begin; y < end; ++y)
+            for (int x = 0; x < s.width(); ++x) {
+                const float confidence = s.confidence(x, y);
+                if (!(confidence > 0 && confidence < kUnsure)) continue;
+                const Around there = around(s, x, y);
+                if (!(there.weights > 0)) continue;
+                const float own = there.variance() /
+                                  (there.variance() + kDiscount * slope_variance_of(confidence)),
+                            other = 1 - own;
+                const Slope slope = slope_of(s.normal(x, y));
+                s.normal(x, y) = glm::normalize(Vec3(-(own * slope.x + other * there.slope.x),
+                                                     -(own * slope.y + other * there.slope.y), 1));
+                s.diffuse(x, y) = own * s.diffuse(x, y) + other * there.diffuse;
+                s.specular(x, y) = own * s.specular(x, y) + other * there.specular;
+                const float roughness = own * s.roughness(x, y) + other * there.roughness;
+                if (!s.lobe_axes.empty()) s.lobe_axes(x, y).roughness_v *= roughness / s.roughness(x, y);
+                s.roughness(x, y) = roughness;
+            }
+    });
+}
+
+}  // namespace tangi
