@@ -117,13 +117,25 @@ Image<Vec3> residual_of(const Surface& surface, const FittedPhoto& photo, const 
     return residual;
 }
 
-// Measured pixels spread evenly over the picture.
+// An even number of places among so many pixels, about a step apart, the same from either end.
+std::vector<int> spread_over(int pixels, double step) {
+    const int half = std::max(static_cast<int>(std::lround(pixels / (2 * step))), 1);
+    std::vector<int> places;
+    for (int i = 0; i < half; ++i) places.push_back(static_cast<int>((i + 0.5) * pixels / (2 * half)));
+    for (int i = half - 1; i >= 0; --i) {
+        const int other = pixels - 1 - places[static_cast<std::size_t>(i)];
+        if (other != places.back()) places.push_back(other);
+    }
+    return places;
+}
+
+// Measured pixels spread evenly over the picture: the same ones when it is turned or mirrored.
 std::vector<glm::ivec2> sample_positions(const Surface& surface, int count) {
     std::vector<glm::ivec2> measured;
     const double step = std::max(std::sqrt(static_cast<double>(surface.height_mm.size()) / count), 1.0);
-    for (double y = step / 2; y < surface.height(); y += step)
-        for (double x = step / 2; x < surface.width(); x += step)
-            if (const glm::ivec2 at(x, y); surface.confidence(at.x, at.y) > 0) measured.push_back(at);
+    for (const int y : spread_over(surface.height(), step))
+        for (const int x : spread_over(surface.width(), step))
+            if (surface.confidence(x, y) > 0) measured.emplace_back(x, y);
     return measured;
 }
 
