@@ -11,13 +11,13 @@ namespace tangi {
 
 namespace {
 
-constexpr float kUnsure = 0.3f;  // [1] confidence
-constexpr int kReach = 6;        // [pixels]
+constexpr float kUnsureBelow = 0.3f;  // [1] confidence
+constexpr int kBorrowsFrom = 6;       // [pixels]
 // Standard errors are those of the side that was taken for granted: the slope is off by twice as much.
-constexpr float kDiscount = 4;
+constexpr float kOwnDoubt = 4;
 constexpr float kLeastSpread = 0.1f;  // [1] of slopes
 
-struct Around {
+struct Neighbours {
     float weights = 0, square = 0;  // sum of squares of the slope's components
     Slope slope{0, 0};
     Rgb diffuse{0};
@@ -45,12 +45,12 @@ struct Around {
     float variance() const { return square / 2 + kLeastSpread * kLeastSpread; }
 };
 
-Around around(const Surface& s, int x, int y) {
-    Around sum;
-    for (int v = std::max(y - kReach, 0); v <= std::min(y + kReach, s.height() - 1); ++v)
-        for (int u = std::max(x - kReach, 0); u <= std::min(x + kReach, s.width() - 1); ++u) {
+Neighbours neighbours_of(const Surface& s, int x, int y) {
+    Neighbours sum;
+    for (int v = std::max(y - kBorrowsFrom, 0); v <= std::min(y + kBorrowsFrom, s.height() - 1); ++v)
+        for (int u = std::max(x - kBorrowsFrom, 0); u <= std::min(x + kBorrowsFrom, s.width() - 1); ++u) {
             const float confidence = s.confidence(u, v);
-            if (confidence < kUnsure) continue;
+            if (confidence < kUnsureBelow) continue;
             const auto dx = static_cast<float>(u - x), dy = static_cast<float>(v - y);
             sum.add(s, u, v, confidence / (1 + dx * dx + dy * dy));
         }
@@ -66,11 +66,11 @@ void borrow_from_around(Surface& s) {
         for (int y = begin; y < end; ++y)
             for (int x = 0; x < s.width(); ++x) {
                 const float confidence = s.confidence(x, y);
-                if (!(confidence > 0 && confidence < kUnsure)) continue;
-                const Around there = around(s, x, y);
+                if (!(confidence > 0 && confidence < kUnsureBelow)) continue;
+                const Neighbours there = neighbours_of(s, x, y);
                 if (!(there.weights > 0)) continue;
                 const float own = there.variance() /
-                                  (there.variance() + kDiscount * slope_variance_of(confidence)),
+                                  (there.variance() + kOwnDoubt * slope_variance_of(confidence)),
                             other = 1 - own;
                 const Slope slope = slope_of(s.normal(x, y));
                 s.normal(x, y) = glm::normalize(Vec3(-(own * slope.x + other * there.slope.x),
