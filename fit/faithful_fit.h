@@ -19,7 +19,7 @@ namespace tangi {
 struct FaithfulOptions {
     int faithful_terms = 24;  // [1] most functions of the direction for the residual along the pixel's colour
     int faithful_colour_terms = 6;  // [1] and across it; each has two coefficients
-    int faithful_samples = 1500;    // [1] pixels to choose the kernel and the functions by
+    int faithful_samples = 5000;    // [1] pixels to choose the kernel and the functions by
     double faithful_worth_db =
         0.1;  // [dB] on photographs left out that the residual must gain, and twice its standard error
 
