@@ -10,8 +10,7 @@ namespace tangi {
 
 namespace {
 
-// [1] Of the step that paint holds: higher ones are walls, and flow until none is higher than the other.
-constexpr float kWall = 1.5f, kFlowed = 1.2f;
+constexpr float kFlowed = 1.2f;  // [1] of the step that paint holds: enough has flowed
 
 // Steps that paint flows at once, how often one looks whether that is enough, and [pixels] how far from a
 // wall it is seen.
@@ -64,11 +63,10 @@ Region wall_in(const Canvas& canvas, const Region& part, float step_mm) {
 
 }  // namespace
 
-std::vector<Region> walls_in(const Canvas& canvas, std::span<const Region> parts,
-                             const TransferRates& rates) {
+std::vector<Region> walls_in(const Canvas& canvas, std::span<const Region> parts, float step_mm) {
     std::vector<Region> walls;
     for (const Region& part : parts) {
-        Region wall = wall_in(canvas, part, kWall * rates.yield_mm);
+        Region wall = wall_in(canvas, part, step_mm);
         if (wall.empty()) continue;
         wall = widened(wall, kAround, canvas.region());
         // One that grows may come to overlap others.

@@ -13,8 +13,8 @@
 namespace tangi {
 
 // Parts of the canvas around walls: where paint in one of `parts`, with what is dry, stands higher than a
-// neighbouring pixel by 1.5 rates.yield_mm [mm], and not only since what is dry does. None overlaps another.
-std::vector<Region> walls_in(const Canvas& canvas, std::span<const Region> parts, const TransferRates& rates);
+// neighbouring pixel by `step_mm`, and not only since what is dry does. None overlaps another.
+std::vector<Region> walls_in(const Canvas& canvas, std::span<const Region> parts, float step_mm);
 
 // Lets paint in `region`, one of walls_in(), flow down until no step is higher than 1.2 rates.yield_mm, or as
 // far as it comes in some dozen steps. Films and bulges stay as they are. Conservative, the same on any

@@ -26,8 +26,10 @@ constexpr double kStandsFor = 0.7;
 // Paint settles every so many steps, in tiles that none of the last so many came over.
 constexpr int kSettle = 64;
 
-// So often walls collapse at the end of a stroke, at most.
-constexpr int kCollapses = 8;
+// Walls that are so many times [1] as steep as paint holds collapse every so many steps, and lower ones when
+// the brush is lifted, so often at most: to look for them, and to let them flow, takes time.
+constexpr float kHighWall = 2, kWall = 1.5f;
+constexpr int kLooksForWalls = 4 * kSettle, kCollapses = 8;
 
 constexpr double kShortContact_px = 6;  // shorter ones take steps of half the spacing
 
@@ -153,7 +155,7 @@ void Stroke::finish() {
     paint();
     brush_.rest();
     if (last_) relax(*last_);
-    for (int i = 0; i < kCollapses && collapse_walls(steps_); ++i) continue;
+    for (int i = 0; i < kCollapses && collapse_walls(kWall, steps_); ++i) continue;
     settle_paint(std::numeric_limits<int>::max());
     while (look_ && look_at_s_ < age_s()) call_look();
 }
@@ -287,7 +289,7 @@ void Stroke::paint() {
         bristle_pixels_ += paint_dabs(canvas_, brush_, dabs, seed_, other_, memory_);
         begin = end;
         if (steps_ + static_cast<int>(end) == rest_at) {
-            collapse_walls(rest_at);
+            if (rest_at % kLooksForWalls == 0) collapse_walls(kHighWall, rest_at);
             settle_paint(rest_at - kSettle);
         }
     }

@@ -94,8 +94,8 @@ private:
     void relax(const Dab& last);
     void come_over(const Dab& dab);
     void come_over(const Region& part, int step);
-    // Where the brush went (collapse.h). Whether there was any.
-    bool collapse_walls(int step);
+    // Where the brush went, so many times [1] as steep as paint holds (collapse.h). Whether there was any.
+    bool collapse_walls(float times, int step);
     // Of tiles that no step came over from this one on: paint that the stroke left there (settle.h).
     void settle_paint(int before_step);
 

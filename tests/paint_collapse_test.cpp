@@ -47,7 +47,8 @@ TEST(Collapse, AWallBecomesASlopeWhateverTheThreads) {
         DabMemory memory;
         int times = 0;
         for (; times < 20; ++times) {
-            const std::vector<Region> walls = walls_in(canvas, std::vector{canvas.region()}, rates);
+            const std::vector<Region> walls =
+                walls_in(canvas, std::vector{canvas.region()}, 1.5f * rates.yield_mm);
             if (walls.empty()) break;
             for (const Region& wall : walls) collapse(canvas, wall, rates, memory);
         }
@@ -77,8 +78,8 @@ TEST(Collapse, OnlyWallsOfPaintAreWalls) {
                 .writable_plane(white)[static_cast<std::size_t>(y % kTileSize * kTileSize + x % kTileSize)] =
                 0.2f + 0.1f * static_cast<float>(x % 2);
     const TransferRates rates = rates_of(BrushSettings{}, 0.1);
-    EXPECT_TRUE(walls_in(canvas, std::vector{canvas.region()}, rates).empty());
-    EXPECT_FALSE(walls_in(block(1), std::vector{Region{60, 60, 80, 80}}, rates).empty());
+    EXPECT_TRUE(walls_in(canvas, std::vector{canvas.region()}, 1.5f * rates.yield_mm).empty());
+    EXPECT_FALSE(walls_in(block(1), std::vector{Region{60, 60, 80, 80}}, 1.5f * rates.yield_mm).empty());
 }
 
 // Before, dabs in one place were octagons with sides along the pixels, and strokes trays with vertical rims.
