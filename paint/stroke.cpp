@@ -28,7 +28,7 @@ constexpr int kSettle = 64;
 
 // Walls that are so many times [1] as steep as paint holds collapse every so many steps, and lower ones when
 // the brush is lifted, so often at most: to look for them, and to let them flow, takes time.
-constexpr float kHighWall = 2, kWall = 1.5f;
+constexpr float kHighWall = 3, kWall = 1.5f;
 constexpr int kLooksForWalls = 4 * kSettle, kCollapses = 8;
 
 constexpr double kShortContact_px = 6;  // shorter ones take steps of half the spacing
