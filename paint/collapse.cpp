@@ -10,7 +10,7 @@ namespace tangi {
 
 namespace {
 
-constexpr float kFlowed = 1.2f;  // [1] of the step that paint holds: enough has flowed
+constexpr float kFlowed = 1.4f;  // [1] of the step that paint holds: enough has flowed
 
 // Steps that paint flows at once, how often one looks whether that is enough, and [pixels] how far from a
 // wall it is seen.
