@@ -156,6 +156,7 @@ LobeFreedom choose_reflectance(const LightSample& sample, const Lighting& lighti
 // Whether so much is clipped that what paint reflects is open: only lower bounds are left.
 bool warn_of_clipping(Stack& stack, const Survey& surveyed) {
     constexpr double kMuch = 0.05;  // [1] of the values: highlights alone are less
+    if (stack.bits == 32) return false;
     double clipped = 0;
     std::size_t worst = 0;
     for (std::size_t i = 0; i < surveyed.photos.size(); ++i) {

@@ -16,6 +16,8 @@ constexpr int kBorrowsFrom = 6;       // [pixels]
 // Standard errors are those of the side that was taken for granted: the slope is off by twice as much.
 constexpr float kOwnDoubt = 4;
 constexpr float kLeastSpread = 0.1f;  // [1] of slopes
+// [1] Nearer to the slopes around, a pixel is as noisy as dark paint is, and no flank that is none.
+constexpr float kFlank = 0.5f;
 
 struct Neighbours {
     float weights = 0, square = 0;  // sum of squares of the slope's components
@@ -73,6 +75,7 @@ void borrow_from_around(Surface& s) {
                                   (there.variance() + kOwnDoubt * slope_variance_of(confidence)),
                             other = 1 - own;
                 const Slope slope = slope_of(s.normal(x, y));
+                if (std::hypot(slope.x - there.slope.x, slope.y - there.slope.y) < kFlank) continue;
                 s.normal(x, y) = glm::normalize(Vec3(-(own * slope.x + other * there.slope.x),
                                                      -(own * slope.y + other * there.slope.y), 1));
                 s.diffuse(x, y) = own * s.diffuse(x, y) + other * there.diffuse;

@@ -10,7 +10,8 @@
 
 namespace tangi {
 
-// Where the standard error of the slope is above 0.15 (confidence below 0.3, but not 0), slope and
+// Where the standard error of the slope is above 0.15 (confidence below 0.3, but not 0) and the slope is off
+// by more than 0.5 from those around, slope and
 // reflectance become the mean of what was measured and of what pixels around that are surer say, by their
 // variances; those without any of these within 6 pixels stay as they are, and so do confidences.
 void borrow_from_around(Surface& surface);
