@@ -114,7 +114,8 @@ void Flags::field(const FieldInfo& info, bool& value) {
 
 void Flags::field(const FieldInfo& info, std::optional<bool>& value) {
     const std::string name = flag_name(info);
-    app_.add_flag(name + ",!--no-" + name.substr(2), value, std::string(info.help));
+    const auto say = [&value](std::int64_t count) { value = count > 0; };
+    app_.add_flag_function(name + ",!--no-" + name.substr(2), say, std::string(info.help));
 }
 
 std::string Flags::flag_name(const FieldInfo& info) {
