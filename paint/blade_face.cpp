@@ -37,9 +37,10 @@ void lift_onto_face(const StepBox& box, float face_mm, float rate) {
         for (int x = span.begin; x < span.end; ++x) {
             const std::size_t canvas = at(x, y, box.canvas_stride);
             const float mm = box.total_mm[canvas],
-                        rise = box.relief_mm[canvas] + mm - box.underside_mm[at(x, y, box.underside_stride)];
-            if (rise > face_mm && box.open[canvas] > 0)
-                lift(box, canvas, at(x, y, box.load_stride), rate * std::min((rise - face_mm) / mm, 1.0f));
+                        above = box.relief_mm[canvas] + mm - box.underside_mm[at(x, y, box.underside_stride)],
+                        rise = std::min(above, mm);  // what is dry stays, and the film on it
+            if (rise > face_mm)
+                lift(box, canvas, at(x, y, box.load_stride), box.open[canvas] * rate * (rise - face_mm) / mm);
         }
     }
 }

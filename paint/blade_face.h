@@ -5,9 +5,10 @@
 
 namespace tangi {
 
-// What stands more than face_mm [mm] above the underside goes onto the blade, the part `rate` [1, 0..1] of it
-// in this step, films and ingredients as they lie there; volume is conserved as in exchange(). Reads and
-// changes the box's paint and load where there are bristles and `open` is more than 0.
+// Paint that stands more than face_mm [mm], above 0, over the underside and over what is dry goes onto the
+// blade, the part `rate` [1, 0..1] of it in this step, films and ingredients as they lie there, and as far as
+// `open` allows; volume is conserved as in exchange(). Changes the box's paint and load where there are
+// bristles.
 void lift_onto_face(const StepBox& box, float face_mm, float rate);
 
 }  // namespace tangi

@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "paint/paint_window.h"
-#include "surface/vector_clones.h"
 
 namespace tangi {
 
@@ -12,13 +11,12 @@ namespace {
 
 constexpr float kFlowed = 1.4f;  // [1] of the step that paint holds: enough has flowed
 
-// Steps that paint flows at once, how often one looks whether that is enough, and [pixels] how far from a
-// wall it is seen.
-constexpr int kMostSteps = 64, kLooks = 8, kAround = 16;
+// Steps that paint flows before one looks whether that is enough, how often one looks at most, and [pixels]
+// how far from a wall paint may flow.
+constexpr int kSteps = 8, kLooks = 8, kAround = 16;
 
 // The highest step between neighbours of a row, and to those of the next one.
-TP_VECTOR_CLONES
-float highest_step(int n, const float* __restrict row, const float* __restrict next) {
+float highest_step(int n, const float* row, const float* next) {
     float highest = 0;
     for (int x = 0; x < n; ++x)
         highest = std::max(highest, std::max(std::abs(row[x] - row[x + 1]), std::abs(row[x] - next[x])));
@@ -99,13 +97,11 @@ void collapse(Canvas& canvas, const Region& region, const TransferRates& rates, 
     step.underside_mm = memory.underside.data();
     step.underside_stride = static_cast<std::size_t>(step.width);
     window.attach(step, region.x0, region.y0);
-    for (int i = 0; i < kMostSteps; ++i) {
-        push(step, flows, {}, memory.step);
-        if (i % kLooks != kLooks - 1) continue;
+    for (int look = 0; look < kLooks; ++look) {
+        for (int i = 0; i < kSteps; ++i) push(step, flows, {}, memory.step);
         window.store(canvas);
         if (wall_in(canvas, region, kFlowed * rates.yield_mm).empty()) break;
     }
-    window.store(canvas);
 }
 
 }  // namespace tangi

@@ -39,7 +39,7 @@ std::vector<RowSpan> inside_by(int margin, const std::vector<RowSpan>& contact) 
         RowSpan& span = inside[y];
         span = contact[y];
         for (int by = -margin; by <= margin; ++by) {
-            const std::size_t row = y + static_cast<std::size_t>(by);  // beyond the ends of all
+            const std::size_t row = y + static_cast<std::size_t>(by);  // above the first: more than there are
             const RowSpan other = row < contact.size() ? contact[row] : RowSpan{};
             span.begin = std::max(span.begin, other.begin + margin - std::abs(by));
             span.end = std::min(span.end, other.end - margin + std::abs(by));
