@@ -98,11 +98,11 @@ void store(const WardEstimate& e, int x, int y, FitResult& result) {
 // What a pass is given of those before, and leaves to those after it.
 struct Pass {
     std::string name;
-    int rows_apart = 1;                           // only rows that are multiples of it
+    const Image<unsigned char>& mask;             // pixels that are fitted; empty: all
     bool judged = true;                           // RowFitter::fit(): if another pass follows, that one is
     FirstPass* first = nullptr;                   // of a second pass
     Image<LobeEvidence>* colours = nullptr;       // to be filled in
-    Image<StretchEvidence>* stretches = nullptr;  // likewise: of every so many-th pixel (stretch_step())
+    Image<StretchEvidence>* stretches = nullptr;  // likewise, of those that are asked
 };
 
 // What is known of pixels beside their photographs. Lobes have the colours that the surface says.
@@ -137,9 +137,8 @@ PixelKnowledge knowledge_of(const Pass& pass, const Surface& surface, const Ward
     return known;
 }
 
-void fit_band(const Stack& stack, const Band& band, const Lighting& lighting, const NoiseModel& noise,
-              const FitOptions& options, const Pass& pass, FitResult& result, Counters& counters,
-              const Progress& progress) {
+void fit_band(const Band& band, const Lighting& lighting, const NoiseModel& noise, const FitOptions& options,
+              const Pass& pass, FitResult& result, Counters& counters, const Progress& progress) {
     const Surface& surface = result.surface;
     WardFitOptions ward = options.ward;
     ward.law = surface.law;
@@ -148,7 +147,7 @@ void fit_band(const Stack& stack, const Band& band, const Lighting& lighting, co
         [&] { return RowFitter(ward, options.solver, lighting, noise, band.channels()); });
     // Enough pixels at once to keep registers full; with Ceres alone a row takes long enough.
     const int rows = options.solver == Solver::batch ? std::max(1, 4096 / band.width()) : 1;
-    const int step = stretch_step(surface.width(), surface.height());
+    const AskedPixels asked = asked_pixels(surface.width(), surface.height());
     parallel_for(band.y0(), band.y1(), rows, [&](int begin, int end) {
         long fitted = 0, not_converged = 0;
         const auto done = [&](int x, int y, const WardEstimate& e) {
@@ -159,20 +158,16 @@ void fit_band(const Stack& stack, const Band& band, const Lighting& lighting, co
                 return fitters.local().samples_at(band, x, y, surface, {});
             };
             if (pass.colours) (*pass.colours)(x, y) = lobe_evidence(samples(), e, ward);
-            if (pass.stretches && x % step == 0 && y % step == 0)
-                (*pass.stretches)(x / step, y / step) = stretch_evidence(samples(), e, ward);
+            if (pass.stretches && asked.x.has(x) && asked.y.has(y))
+                (*pass.stretches)(asked.x.nearest(x), asked.y.nearest(y)) =
+                    stretch_evidence(samples(), e, ward);
             const std::size_t index =
                 static_cast<std::size_t>(y) * static_cast<std::size_t>(surface.width()) +
                 static_cast<std::size_t>(x);
             if (index % rms_step(surface) == 0)
                 counters.rms_residuals[index / rms_step(surface)] = static_cast<float>(e.rms_residual);
         };
-        const auto fit = [&](int first, int last) {
-            fitters.local().fit(band, first, last, stack.mask, surface, known, pass.judged, done);
-        };
-        if (pass.rows_apart == 1) fit(begin, end);
-        for (int y = begin; pass.rows_apart > 1 && y < end; ++y)
-            if (y % pass.rows_apart == 0) fit(y, y + 1);
+        fitters.local().fit(band, begin, end, pass.mask, surface, known, pass.judged, done);
         const std::lock_guard lock(counters.mutex);
         counters.fitted += fitted;
         counters.not_converged += not_converged;
@@ -236,28 +231,37 @@ void fit_bands(const Stack& stack, const Transfer& transfer, const Lighting& lig
             pass.first->lobes.advance(band.y0(), band.y1());
             pass.first->slopes.advance(band.y0(), band.y1());
         }
-        fit_band(stack, band, lighting, noise, options, pass, result, counters, progress);
+        fit_band(band, lighting, noise, options, pass, result, counters, progress);
     });
     summarise(result.surface, counters, options.ward.bounds.diffuse_max, result.report);
 }
 
-// How lobes are drawn out, by what some rows have shown; leaves the surface without axes where none is.
+// Of those that are fitted, the ones that say how pixels look.
+Image<unsigned char> looks_of(const AskedPixels& asked, const Surface& surface,
+                              const Image<unsigned char>& mask) {
+    Image<unsigned char> looks(surface.width(), surface.height(), 0);
+    for (int j = 0; j < asked.look_y.count; ++j)
+        for (int i = 0; i < asked.look_x.count; ++i) {
+            const int x = asked.look_x.at(i), y = asked.look_y.at(j);
+            looks(x, y) = mask.empty() || mask(x, y);
+        }
+    return looks;
+}
+
+// How lobes are drawn out, by what some pixels have shown; leaves the surface without axes where none is.
 void find_stretches(const Image<StretchEvidence>& evidence, const Image<unsigned char>& mask,
                     FitResult& result, const Progress& progress) {
     Surface& surface = result.surface;
-    const int step = stretch_step(surface.width(), surface.height());
-    Image<Stretch> stretches = lobe_stretches(surface, evidence, step);
-    long known = 0, shown = 0;
-    for (int y = 0; y < surface.height(); ++y) {
-        const int row = look_row(y, look_step(step), surface.height());
-        for (int x = 0; x < surface.width(); ++x) {
-            if (!mask.empty() && !mask(x, y)) stretches(x, y) = Stretch(0);
-            known += (mask.empty() || mask(x, y)) && surface.confidence(x, row) > 0;
-            shown += stretches(x, y) != Stretch(0);
-        }
+    Image<Stretch> stretches = lobe_stretches(surface, evidence);
+    long all = 0, shown = 0;
+    for (std::size_t i = 0; i < stretches.size(); ++i) {
+        const bool fitted = mask.empty() || mask.pixels()[i];
+        if (!fitted) stretches.pixels()[i] = Stretch(0);
+        all += fitted;
+        shown += stretches.pixels()[i] != Stretch(0);
     }
     report(progress, "directions of lobes", 1);
-    result.report.drawn_out = static_cast<double>(shown) / static_cast<double>(std::max(known, 1L));
+    result.report.drawn_out = static_cast<double>(shown) / static_cast<double>(std::max(all, 1L));
     if (shown == 0) return;
     surface.lobe_axes = Image<LobeAxes>(surface.width(), surface.height());
     for (std::size_t i = 0; i < stretches.size(); ++i)
@@ -288,8 +292,8 @@ LampsSeen refine(const Stack& stack, const Transfer& transfer, const Lighting& l
     FitOptions second = options;
     second.ward.robust_scale =
         robust_scale_after(result.report.median_rms_residual, options.ward.robust_scale);
-    fit_bands(stack, transfer, lighting, noise, second, {.name = "refine", .first = &first}, result,
-              progress);
+    fit_bands(stack, transfer, lighting, noise, second,
+              {.name = "refine", .mask = stack.mask, .first = &first}, result, progress);
     first.lamps.find_runs(result.surface, lighting);
     borrow_from_around(result.surface);
     return std::move(first.lamps);
@@ -315,7 +319,7 @@ static bool believes_height(const FitReport& report) {
            (!report.signs.wrong() && (!shadows.certain() || shadows.best == LightTurn{}));
 }
 
-// Where lobes may be drawn out, some rows with white and isotropic lobes, and what these show of that: from
+// Where lobes may be drawn out, some pixels with white and isotropic lobes, and what these show of that: from
 // lobes that are not drawn out though they should be, slopes and neighbours' lobes are no ground for
 // anything. Then all pixels; where lobes may have colours, what that shows of them; then the second pass.
 LampsSeen fit_passes(Stack& stack, const Transfer& transfer, const Lighting& lighting,
@@ -332,15 +336,16 @@ LampsSeen fit_passes(Stack& stack, const Transfer& transfer, const Lighting& lig
         fit_bands(stack, transfer, lighting, noise, options, pass, result, progress);
     };
     if (lobes.drawn_out) {
-        const int step = stretch_step(surface.width(), surface.height());
-        Image<StretchEvidence> stretches((surface.width() - 1) / step + 1, (surface.height() - 1) / step + 1);
+        const AskedPixels asked = asked_pixels(surface.width(), surface.height());
+        Image<StretchEvidence> stretches(asked.x.count, asked.y.count);
         fit({.name = "directions of lobes",
-             .rows_apart = look_step(step),
+             .mask = looks_of(asked, surface, stack.mask),
              .judged = false,
              .stretches = &stretches});
         find_stretches(stretches, stack.mask, result, progress);
     }
     fit({.name = "fit",
+         .mask = stack.mask,
          .judged = !options.refine || options.solver == Solver::ceres,
          .colours = shown_colours});
     look(false);
@@ -352,7 +357,7 @@ LampsSeen fit_passes(Stack& stack, const Transfer& transfer, const Lighting& lig
                           [](const Rgb& colour) { return colour != Rgb(1); });
         report_.coloured = static_cast<double>(shown) / static_cast<double>(std::max(report_.fitted, 1L));
         if (shown == 0) surface.lobe_colour = {};
-        if (shown > 0 && !options.refine) fit({.name = "coloured lobes"});
+        if (shown > 0 && !options.refine) fit({.name = "coloured lobes", .mask = stack.mask});
     }
     const Image<unsigned char> crevices =
         options.refine ? find_crevices(surface) : Image<unsigned char>(surface.width(), surface.height());
@@ -367,7 +372,7 @@ LampsSeen fit_passes(Stack& stack, const Transfer& transfer, const Lighting& lig
         report_.refined = true;
     } else {
         trust_again(crevices, confidences, surface);
-        if (!judged || !surface.lobe_colour.empty()) fit({.name = "fit, once more"});
+        if (!judged || !surface.lobe_colour.empty()) fit({.name = "fit, once more", .mask = stack.mask});
     }
     if (explains_photographs(report_)) return seen;
     stack.warnings.push_back(fmt::format(

@@ -25,8 +25,9 @@ constexpr double kWidestStretched = 0.6;       // [1] alpha from which on a lobe
 constexpr double kLeastGloss = 0.005;          // [1] rho_s from which on there is a lobe
 // [1] Stretch below which a lobe is not drawn out: relief finer than a pixel.
 constexpr float kClearStretch = 0.1f;
-constexpr int kLookStep = 4;  // [pixels] between rows that say how pixels look
-constexpr int kReach = 3;     // [steps] how far neighbours are asked
+constexpr int kLooksApart = 3;                     // [pixels] at most, between those that say how pixels look
+constexpr int kNextAsked = 1, kFarthestAsked = 3;  // [asked pixels] how far neighbours are asked
+constexpr double kOthers2 = 30;  // [1] squared, in standard errors: what is drawn out some other way
 constexpr float kAlikeStretched = 0.1f,
                 kAlikeStretchedFloor = 0.04f;  // [1] relative difference of looks that are others, and noise
 constexpr int kStretchIterations = 15;         // what is not found by then is told by neighbours
@@ -165,6 +166,54 @@ StretchEvidence evidence_at(const StretchFunction& function, const Start& found,
             glm::inverse(glm::inverse(alone) + glm::dmat2(kStretchSpread * kStretchSpread))};
 }
 
+// As many of them as have their middle in the middle.
+EvenPlaces every_so_many(int pixels, int apart) {
+    int count = (pixels - 1) / apart + 1;
+    if ((pixels - 1 - (count - 1) * apart) % 2 != 0 && count > 1) --count;
+    return {(pixels - 1 - (count - 1) * apart) / 2, apart, count};
+}
+
+// Whether a neighbour is drawn out as the mean of those next to a pixel, by both their errors: 1 to 0.
+double agreement(const StretchEvidence& neighbour, const StretchEvidence& mean) {
+    const glm::dvec2 off = neighbour.stretch - mean.stretch;
+    const glm::dmat2 covariance = glm::inverse(neighbour.information) + glm::inverse(mean.information);
+    return square(std::max(1 - glm::dot(off, glm::inverse(covariance) * off) / kOthers2, 0.0));
+}
+
+// What those around a pixel say together: the ones that look like it and, of those farther away, are drawn
+// out as the ones next to it.
+StretchEvidence pooled(const Surface& s, const Image<StretchEvidence>& evidence, const AskedPixels& asked,
+                       int x, int y) {
+    const auto look_of = [&](int u, int v) { return s.diffuse(u, v) + s.specular(u, v); };
+    const Rgb look = look_of(x, y);
+    const float scale2 = square(kAlikeStretched * (look.r + look.g + look.b) / 3 + kAlikeStretchedFloor);
+    const auto mean = [&](int reach, const StretchEvidence* near) {
+        StretchEvidence sum;
+        glm::dvec2 weighted(0);
+        const auto first = [&](const EvenPlaces& places, int at) {
+            return std::max(places.nearest(at) - reach, 0);
+        };
+        const auto last = [&](const EvenPlaces& places, int at) {
+            return std::min(places.nearest(at) + reach, places.count - 1);
+        };
+        for (int v = first(asked.y, y); v <= last(asked.y, y); ++v)
+            for (int u = first(asked.x, x); u <= last(asked.x, x); ++u) {
+                const StretchEvidence& one = evidence(u, v);
+                if (!(glm::determinant(one.information) > 0)) continue;
+                const Rgb off = look_of(asked.x.at(u), asked.y.at(v)) - look;
+                // Tukey's biweight, as of lobe_prior.cpp.
+                double alike = square(std::max(1 - glm::dot(off, off) / (12 * scale2), 0.0f));
+                if (alike > 0 && near) alike *= agreement(one, *near);
+                sum.information += alike * one.information;
+                weighted += alike * (one.information * one.stretch);
+            }
+        if (glm::determinant(sum.information) > 0) sum.stretch = glm::inverse(sum.information) * weighted;
+        return sum;
+    };
+    const StretchEvidence near = mean(kNextAsked, nullptr);
+    return mean(kFarthestAsked, glm::determinant(near.information) > 0 ? &near : nullptr);
+}
+
 }  // namespace
 
 StretchEvidence stretch_evidence(const PixelSamples& given, const WardEstimate& e,
@@ -195,44 +244,41 @@ Stretch stretch_of(const StretchEvidence& evidence) {
     return s > static_cast<float>(kMostStretch) ? shrunk * (static_cast<float>(kMostStretch) / s) : shrunk;
 }
 
-int stretch_step(int width, int height) {
-    const double step = std::sqrt(static_cast<double>(width) * height / kAsked);
-    if (step <= kLookStep) return std::max(2, static_cast<int>(std::ceil(step)));
-    return static_cast<int>(std::ceil(step / kLookStep)) * kLookStep;
+AskedPixels asked_pixels(int width, int height) {
+    // Odd multiples of odd distances: else what is in the middle is not the same from both ends.
+    const int least =
+        std::max(static_cast<int>(std::ceil(std::sqrt(static_cast<double>(width) * height / kAsked))), 1);
+    const int looks_apart = std::min(least | 1, kLooksApart);
+    const int every = (least + looks_apart - 1) / looks_apart | 1;
+    const auto asked = [&](const EvenPlaces& looks) {
+        const EvenPlaces some = every_so_many(looks.count, every);
+        return EvenPlaces{looks.at(some.first), every * looks_apart, some.count};
+    };
+    const EvenPlaces look_x = every_so_many(width, looks_apart), look_y = every_so_many(height, looks_apart);
+    return {asked(look_x), asked(look_y), look_x, look_y};
 }
 
-int look_step(int step) { return std::min(step, kLookStep); }
-
-Image<Stretch> lobe_stretches(const Surface& s, const Image<StretchEvidence>& evidence, int step) {
-    const int apart = look_step(step);
-    const auto look_of = [&](int x, int y) { return s.diffuse(x, y) + s.specular(x, y); };
+Image<Stretch> lobe_stretches(const Surface& s, const Image<StretchEvidence>& evidence) {
+    const AskedPixels asked = asked_pixels(s.width(), s.height());
     Image<Stretch> stretches(s.width(), s.height(), Stretch(0));
-    parallel_for(0, s.height(), 4, [&](int begin, int end) {
-        for (int y = begin; y < end; ++y) {
-            const int row = look_row(y, apart, s.height());
-            for (int x = 0; x < s.width(); ++x) {
-                if (!(s.confidence(x, row) > 0)) continue;
-                const Rgb look = look_of(x, row);
-                const float scale2 =
-                    square(kAlikeStretched * (look.r + look.g + look.b) / 3 + kAlikeStretchedFloor);
-                StretchEvidence sum;
-                glm::dvec2 weighted(0);
-                for (int v = std::max(y / step - kReach, 0);
-                     v <= std::min(y / step + kReach, evidence.height() - 1); ++v)
-                    for (int u = std::max(x / step - kReach, 0);
-                         u <= std::min(x / step + kReach, evidence.width() - 1); ++u) {
-                        const Rgb off = look_of(u * step, v * step) - look;
-                        // Tukey's biweight, as of lobe_prior.cpp.
-                        const double alike = square(std::max(1 - glm::dot(off, off) / (12 * scale2), 0.0f));
-                        const StretchEvidence& one = evidence(u, v);
-                        sum.information += alike * one.information;
-                        weighted += alike * (one.information * one.stretch);
-                    }
-                if (!(glm::determinant(sum.information) > 0)) continue;
-                sum.stretch = glm::inverse(sum.information) * weighted;
-                stretches(x, y) = stretch_of(sum);
+    const int rows = asked.look_y.count;
+    // Pixels between the places look as the nearest of these.
+    const auto begin_of = [](const EvenPlaces& looks, int i) {
+        return i == 0 ? 0 : looks.at(i) - looks.apart / 2;
+    };
+    const auto end_of = [&](const EvenPlaces& looks, int i, int pixels) {
+        return i == looks.count - 1 ? pixels : begin_of(looks, i + 1);
+    };
+    parallel_for(0, rows, 1, [&](int begin, int end) {
+        for (int j = begin; j < end; ++j)
+            for (int i = 0; i < asked.look_x.count; ++i) {
+                const int x = asked.look_x.at(i), y = asked.look_y.at(j);
+                if (!(s.confidence(x, y) > 0)) continue;
+                const Stretch stretch = stretch_of(pooled(s, evidence, asked, x, y));
+                for (int v = begin_of(asked.look_y, j); v < end_of(asked.look_y, j, s.height()); ++v)
+                    for (int u = begin_of(asked.look_x, i); u < end_of(asked.look_x, i, s.width()); ++u)
+                        stretches(u, v) = stretch;
             }
-        }
     });
     return stretches;
 }

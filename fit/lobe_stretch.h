@@ -28,23 +28,29 @@ StretchEvidence stretch_evidence(const PixelSamples& samples, const WardEstimate
 // [1] What evidence comes to: drawn to 0, and 0 unless it clearly is not; s at most kMostStretch.
 Stretch stretch_of(const StretchEvidence& evidence);
 
-// Where a picture's pixels are asked: every `step` pixels in both directions, so that it is kAsked of them at
-// most, however large the picture is, and hardly less than a quarter of that: their rows are such of
-// look_step().
+// Places on a line of pixels that are equally far apart, and the same ones from either end: a picture that is
+// turned or mirrored is asked the same pixels.
+struct EvenPlaces {
+    int first = 0, apart = 1, count = 1;
+
+    int at(int i) const { return first + i * apart; }
+    // Of the place that is next to x.
+    int nearest(int x) const { return std::clamp((x - first + apart / 2) / apart, 0, count - 1); }
+    bool has(int x) const { return x >= first && x <= at(count - 1) && (x - first) % apart == 0; }
+};
+
+// Which pixels of a picture are asked how their lobes are drawn out: no more than this, however large it is.
 constexpr double kAsked = 30000;
-int stretch_step(int width, int height);
+struct AskedPixels {
+    EvenPlaces x, y;            // in columns and rows of these
+    EvenPlaces look_x, look_y;  // these, and pixels between them, say how pixels look
+};
+AskedPixels asked_pixels(int width, int height);
 
-// Rows from one to the next of those that say how pixels look: what pixels are asked is on some of them. Row
-// nearest to y.
-int look_step(int stretch_step);
-inline int look_row(int y, int look_step, int height) {
-    return std::min((y + look_step / 2) / look_step, (height - 1) / look_step) * look_step;
-}
-
-// Stretches of all pixels from evidence of those whose x and y are multiples of the step (at x / step, y /
-// step): each with the neighbours that look like it. Of the surface diffuse, specular and confidence are
-// read, of rows that are multiples of look_step(); pixels between have the look of the nearest. The same bits
-// on any number of threads.
-Image<Stretch> lobe_stretches(const Surface& surface, const Image<StretchEvidence>& evidence, int step);
+// Stretches of all pixels from evidence of those that are asked: each with the neighbours that look like it
+// and are drawn out as those next to it, so that what is brushed one way and what is brushed another keep
+// the line between them. Of the surface diffuse, specular and confidence are read, of pixels that say how
+// pixels look; those between look as the nearest. The same bits on any number of threads.
+Image<Stretch> lobe_stretches(const Surface& surface, const Image<StretchEvidence>& evidence);
 
 }  // namespace tangi
