@@ -1,4 +1,6 @@
 // tangipaint calibrate, run as a user would.
+#include <gmock/gmock.h>
+
 #include "ball_pictures.h"
 #include "capture/lights_file.h"
 #include "chart_pictures.h"

@@ -1,4 +1,5 @@
 // fit, info, generate and demo, run as a user would run them.
+#include <gmock/gmock.h>
 #include <sys/stat.h>
 
 #include "cli_program.h"

@@ -1,5 +1,7 @@
 // What the program promises before any command does its work: help, usage errors, exit codes, where it
 // writes.
+#include <gmock/gmock.h>
+
 #include "cli_program.h"
 
 namespace tangi {

@@ -1,4 +1,6 @@
 // match, retouch and quality, run as a user would run them.
+#include <gmock/gmock.h>
+
 #include "cli_program.h"
 
 namespace tangi {

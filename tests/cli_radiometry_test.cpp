@@ -1,4 +1,6 @@
 // Camera raw, frames and brackets, as a user gives them to fit and compare.
+#include <gmock/gmock.h>
+
 #include "cli_program.h"
 #include "dng_writer.h"
 

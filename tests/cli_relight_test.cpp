@@ -1,4 +1,6 @@
 // relight and compare, run as a user would run them, against what the library says.
+#include <gmock/gmock.h>
+
 #include "capture/lights_file.h"
 #include "capture/photo_file.h"
 #include "cli_program.h"

@@ -1,6 +1,7 @@
 // cli_result_words_test.cpp: what is told after a result, and to whom.
 #include "cli/result_words.h"
 
+#include <gmock/gmock.h>
 #include <stdlib.h>
 
 #include "cli_program.h"

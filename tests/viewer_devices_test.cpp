@@ -2,6 +2,7 @@
 // folders.
 #include "viewer/devices.h"
 
+#include <gmock/gmock.h>
 #include <opencv2/imgproc.hpp>
 #include <opencv2/objdetect.hpp>
 

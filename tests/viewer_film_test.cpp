@@ -2,6 +2,7 @@
 // all.
 #include "viewer/film.h"
 
+#include <gmock/gmock.h>
 #include <opencv2/videoio.hpp>
 
 #include "test_support.h"

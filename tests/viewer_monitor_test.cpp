@@ -1,6 +1,7 @@
 // viewer_monitor_test.cpp: what is drawn for a monitor's profile is what lcms2 says of the same colours.
 #include "viewer/monitor.h"
 
+#include <gmock/gmock.h>
 #include <lcms2.h>
 
 #include "viewer_support.h"

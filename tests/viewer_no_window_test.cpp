@@ -1,5 +1,7 @@
 // viewer_no_window_test.cpp: where there is no display or no OpenGL, what the program says, and what draws
 // without one.
+#include <gmock/gmock.h>
+
 #include "painting_window.h"
 #include "surface/relight.h"
 

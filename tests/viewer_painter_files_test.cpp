@@ -1,4 +1,6 @@
 // viewer_painter_files_test.cpp: strokes are recorded, saved and recovered, in one window at a time.
+#include <gmock/gmock.h>
+
 #include "painter_support.h"
 #include "surface/painting_parts.h"
 

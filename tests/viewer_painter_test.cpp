@@ -1,4 +1,6 @@
 // viewer_painter_test.cpp: what the window sends is painted and shown, on a thread of its own.
+#include <gmock/gmock.h>
+
 #include "paint/appearance.h"
 #include "painter_support.h"
 #include "surface/painting_parts.h"

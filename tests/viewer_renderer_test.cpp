@@ -1,4 +1,6 @@
 // viewer_renderer_test.cpp: OpenGL draws what the reference renderer computes, near and from afar.
+#include <gmock/gmock.h>
+
 #include "viewer/renderer.h"
 
 #include "surface/parallel.h"

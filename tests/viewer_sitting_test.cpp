@@ -1,5 +1,6 @@
 // viewer_sitting_test.cpp: of what was painted, nothing is lost and nothing is painted twice, whenever a
 // program dies.
+#include <gmock/gmock.h>
 #include <signal.h>
 #include <sys/wait.h>
 #include <unistd.h>

@@ -1,5 +1,7 @@
 // viewer_treatment_desk_test.cpp: a treatment beside the window, without one: damage is suggested and drawn,
 // filled, retouched; painting stops at it; all of it is in the log.
+#include <gmock/gmock.h>
+
 #include "paint/appearance.h"
 #include "surface/atomic_file.h"
 #include "tests/treatment_desks.h"

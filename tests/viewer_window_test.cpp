@@ -1,5 +1,7 @@
 // viewer_window_test.cpp: the real window, driven by a pointer and a keyboard: tilt, light, paint, undo,
 // save, compare, open.
+#include <gmock/gmock.h>
+
 #include "paint/canvas_file.h"
 #include "paint/journal.h"
 #include "painting_window.h"
