@@ -34,8 +34,8 @@ struct FitOptions {
     bool lights_as_given = false;   // distant lamps of equal strength, as a lights file describes them
     // Of the whole painting; where empty, what predicts left-out photographs best.
     std::optional<double> diffuse_roughness{}, haze{};
-    std::optional<double> coloured_lobes{};   // 1: lobes may have colours; 0: all are white; likewise
-    std::optional<double> drawn_out_lobes{};  // 1: lobes may be drawn out; 0: all are isotropic; likewise
+    std::optional<int> coloured_lobes{};   // 1: lobes may have colours; 0: all are white; likewise
+    std::optional<int> drawn_out_lobes{};  // 1: lobes may be drawn out; 0: all are isotropic; likewise
     Solver solver = Solver::batch;
     // [deg] Angular radius of the lamps; where empty, what cast shadows say (lamp_radius.h).
     std::optional<double> lamp_radius_deg{};
