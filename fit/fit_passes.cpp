@@ -237,8 +237,8 @@ void fit_bands(const Stack& stack, const Transfer& transfer, const Lighting& lig
 }
 
 // Of those that are fitted, the ones that say how pixels look.
-Image<unsigned char> looks_of(const AskedPixels& asked, const Surface& surface,
-                              const Image<unsigned char>& mask) {
+Image<unsigned char> mask_of_looks(const AskedPixels& asked, const Surface& surface,
+                                   const Image<unsigned char>& mask) {
     Image<unsigned char> looks(surface.width(), surface.height(), 0);
     for (int j = 0; j < asked.look_y.count; ++j)
         for (int i = 0; i < asked.look_x.count; ++i) {
@@ -339,7 +339,7 @@ LampsSeen fit_passes(Stack& stack, const Transfer& transfer, const Lighting& lig
         const AskedPixels asked = asked_pixels(surface.width(), surface.height());
         Image<StretchEvidence> stretches(asked.x.count, asked.y.count);
         fit({.name = "directions of lobes",
-             .mask = looks_of(asked, surface, stack.mask),
+             .mask = mask_of_looks(asked, surface, stack.mask),
              .judged = false,
              .stretches = &stretches});
         find_stretches(stretches, stack.mask, result, progress);

@@ -8,7 +8,10 @@
 #include <array>
 #include <cmath>
 #include <glm/matrix.hpp>
+#include <limits>
 #include <numbers>
+#include <span>
+#include <vector>
 
 #include "fit/lobe_prior.h"
 #include "surface/parallel.h"
@@ -180,38 +183,94 @@ double agreement(const StretchEvidence& neighbour, const StretchEvidence& mean) 
     return square(std::max(1 - glm::dot(off, glm::inverse(covariance) * off) / kOthers2, 0.0));
 }
 
-// What those around a pixel say together: the ones that look like it and, of those farther away, are drawn
-// out as the ones next to it.
-StretchEvidence pooled(const Surface& s, const Image<StretchEvidence>& evidence, const AskedPixels& asked,
-                       int x, int y) {
-    const auto look_of = [&](int u, int v) { return s.diffuse(u, v) + s.specular(u, v); };
-    const Rgb look = look_of(x, y);
+Rgb look_at(const Surface& s, int x, int y) { return s.diffuse(x, y) + s.specular(x, y); }
+
+// Whether pixels look alike, 1 to 0: Tukey's biweight, as of lobe_prior.cpp.
+double alikeness(const Rgb& other, const Rgb& look) {
     const float scale2 = square(kAlikeStretched * (look.r + look.g + look.b) / 3 + kAlikeStretchedFloor);
-    const auto mean = [&](int reach, const StretchEvidence* near) {
+    const Rgb off = other - look;
+    return square(std::max(1 - glm::dot(off, off) / (12 * scale2), 0.0f));
+}
+
+// What those around one that is asked say together: the ones that look like it and, of those farther away,
+// are drawn out as the ones next to it.
+StretchEvidence pooled(const Surface& s, const Image<StretchEvidence>& evidence, const AskedPixels& asked,
+                       int i, int j) {
+    const Rgb look = look_at(s, asked.x.at(i), asked.y.at(j));
+    const auto mean = [&](int reach, const StretchEvidence& near) {
         StretchEvidence sum;
         glm::dvec2 weighted(0);
-        const auto first = [&](const EvenPlaces& places, int at) {
-            return std::max(places.nearest(at) - reach, 0);
-        };
-        const auto last = [&](const EvenPlaces& places, int at) {
-            return std::min(places.nearest(at) + reach, places.count - 1);
-        };
-        for (int v = first(asked.y, y); v <= last(asked.y, y); ++v)
-            for (int u = first(asked.x, x); u <= last(asked.x, x); ++u) {
+        const bool known = glm::determinant(near.information) > 0;
+        for (int v = std::max(j - reach, 0); v <= std::min(j + reach, asked.y.count - 1); ++v)
+            for (int u = std::max(i - reach, 0); u <= std::min(i + reach, asked.x.count - 1); ++u) {
                 const StretchEvidence& one = evidence(u, v);
                 if (!(glm::determinant(one.information) > 0)) continue;
-                const Rgb off = look_of(asked.x.at(u), asked.y.at(v)) - look;
-                // Tukey's biweight, as of lobe_prior.cpp.
-                double alike = square(std::max(1 - glm::dot(off, off) / (12 * scale2), 0.0f));
-                if (alike > 0 && near) alike *= agreement(one, *near);
+                double alike = alikeness(look_at(s, asked.x.at(u), asked.y.at(v)), look);
+                if (alike > 0 && known) alike *= agreement(one, near);
                 sum.information += alike * one.information;
                 weighted += alike * (one.information * one.stretch);
             }
         if (glm::determinant(sum.information) > 0) sum.stretch = glm::inverse(sum.information) * weighted;
         return sum;
     };
-    const StretchEvidence near = mean(kNextAsked, nullptr);
-    return mean(kFarthestAsked, glm::determinant(near.information) > 0 ? &near : nullptr);
+    return mean(kFarthestAsked, mean(kNextAsked, {}));
+}
+
+// How those that say how pixels look do, each the median of itself and the four next to it: where a glint or
+// a crack was fitted badly, it looks like nothing around. Not a number where nothing was measured.
+Image<Rgb> looks_of(const Surface& s, const AskedPixels& asked) {
+    const int columns = asked.look_x.count, rows = asked.look_y.count;
+    Image<Rgb> looks(columns, rows, Rgb(std::numeric_limits<float>::quiet_NaN()));
+    parallel_for(0, rows, 16, [&](int begin, int end) {
+        for (int j = begin; j < end; ++j)
+            for (int i = 0; i < columns; ++i) {
+                std::array<std::array<float, 5>, 3> values;
+                std::size_t count = 0;
+                for (const auto& [u, v] :
+                     {std::array{i, j}, {i - 1, j}, {i + 1, j}, {i, j - 1}, {i, j + 1}}) {
+                    if (u < 0 || u >= columns || v < 0 || v >= rows) continue;
+                    const int x = asked.look_x.at(u), y = asked.look_y.at(v);
+                    if (!(s.confidence(x, y) > 0)) {
+                        if (count == 0) break;  // the pixel itself
+                        continue;
+                    }
+                    const Rgb look = look_at(s, x, y);
+                    for (int c = 0; c < 3; ++c) values[static_cast<std::size_t>(c)][count] = look[c];
+                    ++count;
+                }
+                if (count == 0) continue;
+                for (int c = 0; c < 3; ++c) {
+                    auto& of_channel = values[static_cast<std::size_t>(c)];
+                    std::sort(of_channel.begin(), of_channel.begin() + count);
+                    looks(i, j)[c] = (of_channel[(count - 1) / 2] + of_channel[count / 2]) / 2;
+                }
+            }
+    });
+    return looks;
+}
+
+// An asked pixel beside another one: how it is drawn out, and how much it counts there.
+struct Beside {
+    Stretch stretch;
+    float weight;
+};
+
+// Their mean, or, where there are two kinds of them, that of the kind that has more weight.
+Stretch mode_of(std::span<const Beside> beside) {
+    Stretch found(0);
+    for (const float reach : {std::numeric_limits<float>::infinity(), 1.0f, 0.8f, 0.6f}) {
+        Stretch sum(0);
+        float weights = 0;
+        for (const auto& [stretch, weight] : beside) {
+            const Stretch off = stretch - found;
+            const float w = weight * square(std::max(1 - glm::dot(off, off) / (reach * reach), 0.0f));
+            sum += w * stretch;
+            weights += w;
+        }
+        if (!(weights > 0)) return found;
+        found = sum / weights;
+    }
+    return found;
 }
 
 }  // namespace
@@ -260,21 +319,48 @@ AskedPixels asked_pixels(int width, int height) {
 
 Image<Stretch> lobe_stretches(const Surface& s, const Image<StretchEvidence>& evidence) {
     const AskedPixels asked = asked_pixels(s.width(), s.height());
+    constexpr float nothing = std::numeric_limits<float>::quiet_NaN();
+    Image<Stretch> told(asked.x.count, asked.y.count, Stretch(nothing));
+    parallel_for(0, asked.y.count, 1, [&](int begin, int end) {
+        for (int j = begin; j < end; ++j)
+            for (int i = 0; i < asked.x.count; ++i) {
+                if (!(s.confidence(asked.x.at(i), asked.y.at(j)) > 0)) continue;
+                const StretchEvidence all = pooled(s, evidence, asked, i, j);
+                if (glm::determinant(all.information) > 0) told(i, j) = stretch_of(all);
+            }
+    });
+    const Image<Rgb> looks = looks_of(s, asked);
+    // Those between look as the nearest.
+    const auto begin_of = [](const EvenPlaces& places, int i) {
+        return i == 0 ? 0 : places.at(i) - places.apart / 2;
+    };
+    const auto end_of = [&](const EvenPlaces& places, int i, int pixels) {
+        return i == places.count - 1 ? pixels : begin_of(places, i + 1);
+    };
+    const auto nearness = [](const EvenPlaces& places, int i, int at) {
+        const float off = static_cast<float>(std::abs(places.at(i) - at)) / static_cast<float>(places.apart);
+        return square(square(std::max(1 - off / kFarthestAsked, 0.0f)));
+    };
     Image<Stretch> stretches(s.width(), s.height(), Stretch(0));
-    const int rows = asked.look_y.count;
-    // Pixels between the places look as the nearest of these.
-    const auto begin_of = [](const EvenPlaces& looks, int i) {
-        return i == 0 ? 0 : looks.at(i) - looks.apart / 2;
-    };
-    const auto end_of = [&](const EvenPlaces& looks, int i, int pixels) {
-        return i == looks.count - 1 ? pixels : begin_of(looks, i + 1);
-    };
-    parallel_for(0, rows, 1, [&](int begin, int end) {
+    parallel_for(0, asked.look_y.count, 1, [&](int begin, int end) {
+        std::vector<Beside> beside;
         for (int j = begin; j < end; ++j)
             for (int i = 0; i < asked.look_x.count; ++i) {
+                const Rgb look = looks(i, j);
+                if (std::isnan(look.r)) continue;
                 const int x = asked.look_x.at(i), y = asked.look_y.at(j);
-                if (!(s.confidence(x, y) > 0)) continue;
-                const Stretch stretch = stretch_of(pooled(s, evidence, asked, x, y));
+                const int u0 = asked.x.nearest(x), v0 = asked.y.nearest(y);
+                beside.clear();
+                for (int v = std::max(v0 - kFarthestAsked, 0);
+                     v <= std::min(v0 + kFarthestAsked, asked.y.count - 1); ++v)
+                    for (int u = std::max(u0 - kFarthestAsked, 0);
+                         u <= std::min(u0 + kFarthestAsked, asked.x.count - 1); ++u) {
+                        const float near = nearness(asked.x, u, x) * nearness(asked.y, v, y);
+                        if (!(near > 0) || std::isnan(told(u, v).x)) continue;
+                        const double alike = alikeness(look_at(s, asked.x.at(u), asked.y.at(v)), look);
+                        if (alike > 0) beside.push_back({told(u, v), near * static_cast<float>(alike)});
+                    }
+                const Stretch stretch = mode_of(beside);
                 for (int v = begin_of(asked.look_y, j); v < end_of(asked.look_y, j, s.height()); ++v)
                     for (int u = begin_of(asked.look_x, i); u < end_of(asked.look_x, i, s.width()); ++u)
                         stretches(u, v) = stretch;
