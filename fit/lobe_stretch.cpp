@@ -255,9 +255,16 @@ struct Beside {
     float weight;
 };
 
-// Their mean, or, where there are two kinds of them, that of the kind that has more weight.
+// Their mean, or, where there are two kinds of them, that of the kind that has more weight: none where most
+// are not drawn out.
 Stretch mode_of(std::span<const Beside> beside) {
+    float all = 0, plain = 0;
+    for (const auto& [stretch, weight] : beside) {
+        all += weight;
+        if (stretch == Stretch(0)) plain += weight;
+    }
     Stretch found(0);
+    if (2 * plain >= all) return found;
     for (const float reach : {std::numeric_limits<float>::infinity(), 1.0f, 0.8f, 0.6f}) {
         Stretch sum(0);
         float weights = 0;
