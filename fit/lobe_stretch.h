@@ -39,7 +39,8 @@ struct EvenPlaces {
     bool has(int x) const { return x >= first && x <= at(count - 1) && (x - first) % apart == 0; }
 };
 
-// Which pixels of a picture are asked how their lobes are drawn out: no more than this, however large it is.
+// Which pixels of a picture are asked how their lobes are drawn out: about this many at most, however large
+// it is.
 constexpr double kAsked = 30000;
 struct AskedPixels {
     EvenPlaces x, y;            // in columns and rows of these
