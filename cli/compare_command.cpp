@@ -96,6 +96,7 @@ nlohmann::json run_compare(CompareArguments arguments) {
     result["poor"] = opened.poor;
     if (const std::string doubt = doubt_of_crop(arguments.photos, stack, surface); !doubt.empty())
         result["poor"].push_back(doubt);
+    if (!report.foreign.empty()) result["poor"].push_back(report.foreign);
     if (report.all.psnr_db < kPoorPsnr_db)
         result["poor"].push_back(
             fmt::format("the relit pictures differ from the photographs by {:.1f} dB on average; are these "

@@ -181,11 +181,11 @@ void summarise(const Stack& stack, int unknown, CompareReport& report) {
     if (correlations.empty()) return;
     const double typical = median(std::move(correlations));
     if (typical < kForeign)
-        report.warnings.push_back(fmt::format(
+        report.foreign = fmt::format(
             "{}: the photographs and what the painting looks like under their lights have hardly anything "
             "but brightness in common (correlation {:.2f}, where photographs of the painting have 0.9): "
             "are they of another painting, or turned or cropped otherwise?",
-            stack.folder.string(), typical));
+            stack.folder.string(), typical);
 }
 
 // Names come from file systems, where any bytes are allowed; JSON wants UTF-8.

@@ -79,6 +79,7 @@ struct CompareReport {
     int width = 0, height = 0;
     CompareOptions options;
     std::vector<std::string> warnings;
+    std::string foreign;  // what says that the photographs are another painting's; empty where they aren't
 };
 
 // One photograph beside its relit picture, for as long as the call lasts.
@@ -99,8 +100,8 @@ using ComparisonSink = std::function<void(const ComparedPictures&)>;
 // photograph that is not listed there counts as held out and as lit with gain 1, and a warning says so.
 // Where a residual is given, PSNR is also that of the pictures that add_residual() makes of the relit ones;
 // all else is of the surface alone. Pixels of confidence 0, and those that the stack's mask leaves out, do
-// not count. Photographs that have hardly more than brightness in common with the relit pictures get a
-// warning: they are another painting's. One photograph is in memory at a time. Throws Error: the surface does
+// not count. Photographs that have hardly more than brightness in common with the relit pictures are
+// another painting's (`foreign`). One photograph is in memory at a time. Throws Error: the surface does
 // not come from photographs, nothing in it was measured, sizes that differ; Cancelled.
 CompareReport compare(const Surface& surface, const Stack& photos, const CompareOptions& options = {},
                       const Progress& progress = {}, const ComparisonSink& sink = {},
