@@ -20,8 +20,9 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr float kLowestZ = 0.05f;  // [1] of a normal: about 3 degrees above the horizon
-constexpr float kUnglossy = 0.3f;  // [1] roughness where no map says, and nothing is specular
+constexpr float kLowestZ = 0.05f;      // [1] of a normal: about 3 degrees above the horizon
+constexpr float kMirrorAlpha = 1e-3f;  // [1]
+constexpr float kUnglossy = 0.3f;      // [1] roughness where no map says, and nothing is specular
 // A cliff is where photographs show its shadow (final_height.h), and maps come without any: slopes that are
 // no gradient, as of the blocks of a JPEG, would break a flat frame into steps, and edges that lose their
 // weight all along such lines leave the equations hardly determined.
@@ -126,11 +127,35 @@ void take_height(const Image<Rgb>& map, const fs::path& path, const ImportOption
     for (std::size_t i = 0; i < map.size(); ++i) s.height_mm.pixels()[i] = scale * map.pixels()[i].r;
 }
 
-void take_roughness(const MapFiles& files, const ImportOptions& options, const fs::path& first, Surface& s) {
+// Says how many values are none that the map can have: of another encoding or scale, as a rule.
+void warn_outside(const Image<Rgb>& map, float least, float most, const fs::path& path, const char* what,
+                  ImportReport& report_) {
+    const auto outside = std::count_if(map.pixels().begin(), map.pixels().end(), [&](const Rgb& value) {
+        const float one = what == std::string("rho_s") ? luminance(value) : value.r;
+        return one < least || one > most;
+    });
+    if (outside > 0)
+        report_.warnings.push_back(fmt::format(
+            "{}: {} of its {} pixels ({:.2g} %) are outside {} to {}, where {} is; is it the right map, and "
+            "linear?",
+            path.string(), outside, map.size(),
+            100.0 * static_cast<double>(outside) / static_cast<double>(map.size()), least, most, what));
+}
+
+void take_roughness(const MapFiles& files, const ImportOptions& options, const fs::path& first, Surface& s,
+                    ImportReport& report_) {
     if (files.roughness) {
         const Image<Rgb> map = read_map(*files.roughness, s, first);
+        warn_outside(map, 0, 1, *files.roughness, "alpha", report_);
+        const auto mirrors = std::count_if(map.pixels().begin(), map.pixels().end(),
+                                           [](const Rgb& value) { return value.r < kMirrorAlpha; });
+        if (2 * static_cast<std::size_t>(mirrors) > map.size())
+            report_.warnings.push_back(fmt::format(
+                "{}: {} of its {} pixels are less than {}, and are taken for that: paint whose lobes are a "
+                "mirror's; is it the right map?",
+                files.roughness->string(), mirrors, map.size(), kMirrorAlpha));
         for (std::size_t i = 0; i < map.size(); ++i)
-            s.roughness.pixels()[i] = std::clamp(map.pixels()[i].r, 1e-3f, 1.0f);
+            s.roughness.pixels()[i] = std::clamp(map.pixels()[i].r, kMirrorAlpha, 1.0f);
         return;
     }
     if (!files.gloss) {
@@ -170,34 +195,54 @@ void take_axes(const MapFiles& files, const fs::path& first, Surface& s) {
     for (std::size_t i = 0; i < tangent.size(); ++i) s.lobe_axes.pixels()[i].tangent = tangent.pixels()[i].r;
 }
 
-// A number within these limits.
-std::optional<double> number_in(const nlohmann::json& value, double least, double most) {
-    if (!value.is_number() || !(value.get<double>() >= least && value.get<double>() <= most)) return {};
+// What is told of maps beside them. Throws Error where that cannot be read.
+nlohmann::json told_in(const fs::path& path) {
+    nlohmann::json about = nlohmann::json::parse(read_text_file(path), nullptr, false);
+    if (about.is_discarded())
+        fail("{}: is no JSON, so what it says of the maps is lost; export them again, or take it away",
+             path.string());
+    return about.is_object() ? about : nlohmann::json::object();
+}
+
+// A number within these limits; none where nothing is said.
+std::optional<double> number_in(const fs::path& path, const std::string& name, const nlohmann::json& value,
+                                double least, double most) {
+    if (value.is_null()) return {};
+    if (!value.is_number() || !(value.get<double>() >= least && value.get<double>() <= most))
+        fail("{}: {} = {} is no number from {} to {}; mend it, or take it away", path.string(), name,
+             value.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace), least, most);
     return value.get<double>();
 }
 
-void take_scale(const nlohmann::json& about, ImportOptions& options) {
+void take_scale(const fs::path& path, const nlohmann::json& about, ImportOptions& options) {
     if (options.mm_per_pixel) return;
-    options.mm_per_pixel = number_in(about.value("mm_per_pixel", nlohmann::json()), 1e-6, 1e3);
+    options.mm_per_pixel =
+        number_in(path, "mm_per_pixel", about.value("mm_per_pixel", nlohmann::json()), 1e-6, 1e3);
     options.scale_known = about.value("scale_known", nlohmann::json(true)) == true;
 }
 
 // What a layer of OpenLIME has to be told beside its maps.
 ImportOptions as_openlime_is_told(const fs::path& path, ImportOptions options) {
     if (!fs::is_regular_file(path)) return options;
-    const nlohmann::json about = nlohmann::json::parse(read_text_file(path), nullptr, false);
-    if (!about.is_object()) return options;
-    take_scale(about, options);
+    const nlohmann::json about = told_in(path);
+    take_scale(path, about, options);
     const nlohmann::json spaces = about.value("colorspaces", nlohmann::json());
     if (spaces.is_object() && spaces.contains("kd") && !options.diffuse_srgb)
         options.diffuse_srgb = spaces["kd"] != "linear";  // as OpenLIME reads it
     const nlohmann::json limits = about.value("alphaLimits", nlohmann::json());
-    if (limits.is_array() && limits.size() == 2 && !options.alpha_min && !options.alpha_max) {
-        const auto least = number_in(limits[0], 1e-3, 1), most = number_in(limits[1], 1e-3, 1);
-        if (least && most && *least < *most) {
-            options.alpha_min = least;
-            options.alpha_max = most;
-        }
+    if (!limits.is_null() && !options.alpha_min && !options.alpha_max) {
+        const bool two = limits.is_array() && limits.size() == 2;
+        const auto limit = [&](int i) {
+            return two ? number_in(path, fmt::format("alphaLimits[{}]", i), limits[i], 1e-3, 1)
+                       : std::optional<double>();
+        };
+        options.alpha_min = limit(0);
+        options.alpha_max = limit(1);
+        if (!options.alpha_min || !options.alpha_max || !(*options.alpha_min < *options.alpha_max))
+            fail(
+                "{}: alphaLimits are to be two numbers, the least alpha and the greatest; mend them, or give "
+                "--alpha-min and --alpha-max",
+                path.string());
     }
     return options;
 }
@@ -210,13 +255,13 @@ double greatest_alpha(const ImportOptions& options) { return options.alpha_max.v
 ImportOptions as_described(const fs::path& folder, ImportOptions options) {
     const fs::path path = folder / "maps.json";
     if (!fs::is_regular_file(path)) return as_openlime_is_told(folder / "brdf.json", std::move(options));
-    const nlohmann::json about = nlohmann::json::parse(read_text_file(path), nullptr, false);
-    if (!about.is_object() || !about.value("scale_known", nlohmann::json()).is_boolean()) return options;
+    const nlohmann::json about = told_in(path);
+    if (!about.value("scale_known", nlohmann::json()).is_boolean()) return options;  // another program's
     const auto number = [&](const char* field, double least, double most) {
-        return number_in(about.value(field, nlohmann::json()), least, most);
+        return number_in(path, field, about.value(field, nlohmann::json()), least, most);
     };
     options.levelled = true;
-    take_scale(about, options);
+    take_scale(path, about, options);
     try {
         options.photography = photography_from_json(about.value("photography", nlohmann::json::object()));
     } catch (const std::exception&) {  // of a parser, about columns that nobody sees
@@ -277,6 +322,7 @@ Surface import_maps(const MapFiles& files, const ImportOptions& options, ImportR
     report(progress, "read maps", 0.2);
     if (files.specular) {
         const Image<Rgb> map = read_map(*files.specular, s, first);
+        warn_outside(map, 0, 1, *files.specular, "rho_s", report_);
         for (std::size_t i = 0; i < map.size(); ++i)
             s.specular.pixels()[i] = std::max(luminance(map.pixels()[i]), 0.0f);
     }
@@ -285,7 +331,7 @@ Surface import_maps(const MapFiles& files, const ImportOptions& options, ImportR
         for (Rgb& colour : s.lobe_colour.pixels()) colour = glm::clamp(colour, 0.0f, 1.0f);
     }
     report(progress, "read maps", 0.4);
-    take_roughness(files, options, first, s);
+    take_roughness(files, options, first, s, report_);
     take_axes(files, first, s);
     report(progress, "read maps", 0.6);
     if (files.height) take_height(read_map(*files.height, s, first), *files.height, options, s);

@@ -125,6 +125,34 @@ TEST(ImportMaps, WhatComesBackLooksAlikeUnderEveryLight) {
     EXPECT_THAT(error_of([&] { as_described(dir.path(), {}); }), HasSubstr("maps.json"));
     write_text_file(dir / "maps.json", "{\"haze\": 0.5}");  // of another program
     EXPECT_FALSE(as_described(dir.path(), {}).haze);
+    for (const auto& [text, named] :
+         {std::pair("{", "no JSON"), std::pair("{\"scale_known\": true, \"haze\": 7}", "haze = 7"),
+          std::pair("{\"scale_known\": true, \"mm_per_pixel\": -3}", "mm_per_pixel = -3"),
+          std::pair("{\"scale_known\": true, \"haze\": \"x\"}", "haze = \"x\"")}) {
+        write_text_file(dir / "maps.json", text);
+        EXPECT_THAT(error_of([&] { as_described(dir.path(), {}); }), HasSubstr("maps.json: ")) << text;
+        EXPECT_THAT(error_of([&] { as_described(dir.path(), {}); }), HasSubstr(named)) << text;
+    }
+    fs::remove(dir / "maps.json");
+    for (const char* text : {"junk", "{\"alphaLimits\": \"x\"}", "{\"alphaLimits\": [0.7, 0.1]}",
+                             "{\"alphaLimits\": [0.1, 7]}"}) {
+        write_text_file(dir / "brdf.json", text);
+        EXPECT_THAT(error_of([&] { as_described(dir.path(), {}); }), HasSubstr("brdf.json: ")) << text;
+    }
+}
+
+TEST(ImportMaps, ValuesThatAreNoneOfTheMapAreTold) {
+    const TestDir dir;
+    Surface s = example_surface();
+    for (float& specular : s.specular.pixels()) specular *= 100;
+    for (float& roughness : s.roughness.pixels()) roughness = 0;
+    write_maps(dir.path(), s);
+    ImportReport report;
+    import_maps(find_maps(dir.path()), as_described(dir.path(), {}), report);
+    EXPECT_THAT(report.warnings,
+                testing::Contains(testing::AllOf(HasSubstr("specular.exr: "), HasSubstr("outside 0 to 1"))));
+    EXPECT_THAT(report.warnings,
+                testing::Contains(testing::AllOf(HasSubstr("roughness.exr: "), HasSubstr("a mirror's"))));
 }
 
 TEST(ImportMaps, HeightIsIntegratedFromNormals) {
