@@ -17,7 +17,9 @@ constexpr double kWhiteSigma = 0.5;  // [1] of the prior, around white
 // [1] Deviation from white below which a lobe is white: unequal lamps and tone curves make as much.
 constexpr float kClear = 0.1f;
 constexpr float kLeastColour = 0.02f;  // [1] whiten() divides by it
-constexpr int kLookStep_px = 2;        // [pixels] between neighbours that are asked
+// [1] Part of the neighbours that counts: pixels next to each other share what sharpening, compression and
+// mosaics made of colours.
+constexpr float kIndependent = 0.25f;
 constexpr float kAlike = 0.3f,
                 kAlikeFloor = 0.04f;  // [1] relative difference of looks that are others, and noise
 
@@ -136,10 +138,9 @@ Image<Rgb> lobe_colours(const Surface& s, const Image<LobeEvidence>& evidence) {
                 const float scale2 = square(kAlike * (look.r + look.g + look.b) / 3 + kAlikeFloor);
                 Rgb sum(0);
                 float weight = 0;
-                for (int v = std::max(y - kLobeReach, y % kLookStep_px);
-                     v <= std::min(y + kLobeReach, s.height() - 1); v += kLookStep_px)
-                    for (int u = std::max(x - kLobeReach, x % kLookStep_px);
-                         u <= std::min(x + kLobeReach, s.width() - 1); u += kLookStep_px) {
+                for (int v = std::max(y - kLobeReach, 0); v <= std::min(y + kLobeReach, s.height() - 1); ++v)
+                    for (int u = std::max(x - kLobeReach, 0); u <= std::min(x + kLobeReach, s.width() - 1);
+                         ++u) {
                         const LobeEvidence& e = evidence(u, v);
                         if (!(e.weight > 0)) continue;
                         const Rgb off = look_of(s, evidence, u, v) - look;
@@ -152,7 +153,7 @@ Image<Rgb> lobe_colours(const Surface& s, const Image<LobeEvidence>& evidence) {
                         sum += w * e.colour;
                         weight += w;
                     }
-                if (weight > 0) colours(x, y) = lobe_colour_of({sum / weight, weight});
+                if (weight > 0) colours(x, y) = lobe_colour_of({sum / weight, kIndependent * weight});
             }
     });
     return colours;

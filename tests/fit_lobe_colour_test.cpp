@@ -107,6 +107,28 @@ TEST(Whiten, MakesAColouredLobeAWhiteOne) {
     }
 }
 
+// Pixels of one look have one material: what is measured of it alternates by chance or by a camera's mosaic.
+TEST(LobeColours, AreSmoothWhereEvidenceAlternates) {
+    constexpr int size = 24;
+    for (const int pattern : {0, 1, 2}) {  // columns, rows, a chessboard
+        Surface s(size, size);
+        Image<LobeEvidence> evidence(size, size);
+        for (int y = 0; y < size; ++y)
+            for (int x = 0; x < size; ++x) {
+                s.confidence(x, y) = 1;
+                s.diffuse(x, y) = Rgb(0.1f, 0.07f, 0.03f);
+                s.specular(x, y) = 0.3f;
+                const int odd = (pattern == 0 ? x : pattern == 1 ? y : x + y) % 2;
+                evidence(x, y) = {kGold / 0.7033f + Rgb(odd ? 0.15f : -0.15f, odd ? -0.15f : 0.15f, 0), 16};
+            }
+        const Image<Rgb> colours = lobe_colours(s, evidence);
+        for (int y = 0; y < size; ++y)
+            for (int x = 1; x < size; ++x)
+                EXPECT_LE(glm::length(colours(x, y) - colours(x - 1, y)), 0.08f)
+                    << pattern << ": " << x << ", " << y;
+    }
+}
+
 TEST(LobeColours, AreThoseOfNeighboursOfTheSameLook) {
     Surface s(40, 20);
     Image<LobeEvidence> evidence(40, 20);
