@@ -53,6 +53,12 @@ LightSample::LightSample(const Stack& stack, const Survey& survey, const Transfe
     bright_ = bright_stored(survey);
 }
 
+LightSample LightSample::with_ln_alpha(double ln_alpha) const {
+    LightSample result = *this;
+    result.ward_.prior.ln_alpha = ln_alpha;
+    return result;
+}
+
 // Samples of pixel k in these photographs; the lighting has one light for each of them.
 void LightSample::gather(int k, const std::vector<int>& photos, const Lighting& lighting,
                          PixelSamples& s) const {

@@ -24,6 +24,9 @@ public:
     LightSample(const Stack& stack, const Survey& survey, const Transfer& transfer, const NoiseModel& noise,
                 double mm_per_pixel, const WardFitOptions& ward, int wanted);
 
+    // The same pixels, of which lobes are taken to be as wide as this before any photograph.
+    LightSample with_ln_alpha(double ln_alpha) const;
+
     int size() const { return static_cast<int>(chosen_.size()); }
     double width_mm() const { return width_mm_; }  // of the picture's longer side
 
