@@ -66,6 +66,14 @@ std::string distance(const std::optional<float>& mm, double relative, const Surf
     return surface.scale_known ? fmt::format("{:.0f} mm, {}", *mm, in_widths) : in_widths;
 }
 
+std::string surface_above(const Rig& rig, double sigma_mm, const Surface& surface) {
+    if (!rig.lamp_distance_mm || !(sigma_mm > 0)) return "as given";
+    const double width_mm = std::max(surface.width(), surface.height()) * surface.mm_per_pixel;
+    const std::string in_widths =
+        with_error(rig.surface_above_mm / width_mm, sigma_mm / width_mm) + " picture widths";
+    return surface.scale_known ? fmt::format("{:.2f} mm, {}", rig.surface_above_mm, in_widths) : in_widths;
+}
+
 std::string lamp_radius(const FitResult& fit) {
     const LampRadius& found = fit.report.lamp_radius;
     const float deg = fit.surface.photography.rig.lamp_radius_deg;
@@ -96,7 +104,8 @@ std::string rig_section(const FitResult& fit) {
     }
     html += fmt::format(
         "<table><tr><td>light from all around</td><td>{}</td></tr><tr><td>distance of the "
-        "lamps</td><td>{}</td></tr><tr>"
+        "lamps</td><td>{}</td></tr><tr><td>height of the surface above the point that their directions are "
+        "from</td><td>{}</td></tr><tr>"
         "<td>distance of the camera</td><td>{}</td></tr><tr><td>angular radius of the "
         "lamps</td><td>{}</td></tr><tr><td>tilt of the "
         "support</td><td>{:.1f}°</td></tr><tr><td>its bulge, middle to "
@@ -104,6 +113,7 @@ std::string rig_section(const FitResult& fit) {
         lights.rig_sigma.ambient > 0 ? with_error(rig.ambient, lights.rig_sigma.ambient)
                                      : fmt::format("{:.3f}", rig.ambient),
         distance(rig.lamp_distance_mm, lights.rig_sigma.lamp_distance, fit.surface),
+        surface_above(rig, lights.rig_sigma.surface_above_mm, fit.surface),
         distance(rig.camera_distance_mm, lights.rig_sigma.camera_distance, fit.surface), lamp_radius(fit),
         fit.report.support_tilt_deg, fit.report.support_bulge_deg);
     return html;

@@ -121,7 +121,7 @@ void describe_lights(const Stack& stack, const LightCalibration& calibration, Ph
             const auto before = std::count_if(stack.photos.begin(), stack.photos.end(),
                                               [&](const StackPhoto& p) { return p.path < photo.path; });
             photographed.gain = Rgb(static_cast<float>(predicted_gain(
-                order, *photography.lamps, lights, light.direction, static_cast<int>(before))));
+                order, *photography.lamps, lights, photographed.direction, static_cast<int>(before))));
         }
         add(photographed, false, photo);
     }

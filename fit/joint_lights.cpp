@@ -29,16 +29,17 @@ constexpr double kRobustScale = 2;  // [sigma] as the pixel fit's, at least
 // metal would be one: at 2 sigma coin's minimum is that of a few pixels, and photographs left out are
 // predicted 0.8 dB worse (at 4 sigma 0.5, at 5 sigma 0.3).
 constexpr double kWideScale = 10;
-constexpr double kGainSigma = 0.05;   // [1] ln gain, about its smooth trend, at least
-constexpr double kBiweight = 4.685;   // [sigma] Beaton & Tukey 1974: 95 % efficient on normal values
-constexpr double kTrendSigma = 0.2;   // [1] ln gain
-constexpr double kFieldSigma = 0.05;  // [rad] rms of each mode of a smooth field of turns
-constexpr double kTurnSigma = 0.1;    // [rad] of a lamp's own turn
-constexpr double kBeamSigma = 0.3;    // [1] ln irradiance at the border, of a term of a beam
-constexpr double kNoTurn = 0.001;     // [rad] what stands for none of its own
-constexpr double kSurest = 1e-4;      // [rad] of a direction that was measured
-constexpr double kCameraSigma = 0.5;  // [1/width]
-constexpr double kRoughSigma = 0.3;   // [1] of diffuse roughness, from 0
+constexpr double kGainSigma = 0.05;    // [1] ln gain, about its smooth trend, at least
+constexpr double kBiweight = 4.685;    // [sigma] Beaton & Tukey 1974: 95 % efficient on normal values
+constexpr double kTrendSigma = 0.2;    // [1] ln gain
+constexpr double kFieldSigma = 0.05;   // [rad] rms of each mode of a smooth field of turns
+constexpr double kTurnSigma = 0.1;     // [rad] of a lamp's own turn
+constexpr double kBeamSigma = 0.3;     // [1] ln irradiance at the border, of a term of a beam
+constexpr double kNoTurn = 0.001;      // [rad] what stands for none of its own
+constexpr double kSurest = 1e-4;       // [rad] of a direction that was measured
+constexpr double kCameraSigma = 0.5;   // [1/width]
+constexpr double kRoughSigma = 0.3;    // [1] of diffuse roughness, from 0
+constexpr double kHeightSigma = 0.02;  // [width] of the surface above where directions are from
 constexpr int kIterations = 40;
 
 constexpr int kPixel = kJointPixel, kRig = kJointRig, kTurn = kJointTurn, kBeam = kJointBeam;
@@ -82,7 +83,7 @@ public:
             values_.insert(values_.end(), beam.begin(), beam.end());
         values_.resize(values_.size() + kJointTrend);
         values_.insert(values_.end(), {joint.rig.lamp_nearness, joint.rig.ambient, joint.rig.camera_nearness,
-                                       joint.rig.bend, joint.rig.roughness});
+                                       joint.rig.bend, joint.rig.roughness, joint.rig.height});
         values_.resize(values_.size() + field_size());
         add_observations(joint);
         add_pixels();
@@ -160,7 +161,7 @@ public:
         if (freedom_.gains) errors.log_gains = gain_errors(*covariance, sigma);
         if (rig_moves) {
             const auto of = [&](int i) { return sigma(covariance->at(rig(), i, rig(), i)); };
-            errors.rig = {of(0), of(1), of(2), of(3), of(4)};
+            errors.rig = {of(0), of(1), of(2), of(3), of(4), of(5)};
         }
         return errors;
     }
@@ -312,21 +313,26 @@ private:
 
     void add_rig(const JointLights& joint) {
         const double rough = measured() ? kKnownWeight / kRoughSigma : 0;
-        problem_.AddResidualBlock(cost<kRig, kRig>(Weighted<kRig>{{0, 0, 1 / kCameraSigma, 0, rough}}),
-                                  nullptr, rig());
+        problem_.AddResidualBlock(
+            cost<kRig, kRig>(Weighted<kRig>{{0, 0, 1 / kCameraSigma, 0, rough, 1 / kHeightSigma}}), nullptr,
+            rig());
         const std::array<std::array<double, 2>, kRig> bounds = {
-            {{0, 1.2}, {0, 0.6}, {0, 1.2}, {-0.5, 0.5}, {0, 1}}};
+            {{0, 1.2}, {0, 0.6}, {0, 1.2}, {-0.5, 0.5}, {0, 1}, {-0.2, 0.2}}};
         for (int i = 0; i < kRig; ++i) {
-            const bool known = i == 2 ? joint.camera_known : (i == 0 || i == 3) && joint.lamps_known;
+            const bool known =
+                i == 2 ? joint.camera_known : (i == 0 || i == 3 || i == 5) && joint.lamps_known;
             if (known) continue;  // may lie outside, and stays
             problem_.SetParameterLowerBound(rig(), i, bounds[static_cast<std::size_t>(i)][0]);
             problem_.SetParameterUpperBound(rig(), i, bounds[static_cast<std::size_t>(i)][1]);
         }
+        // Strengths of their own take up what the surface's height makes of the light, and of directions
+        // alone it would be whatever is wrong with them.
+        const bool lamps = joint.lamps_known || !freedom_.rig, height = lamps || freedom_.gains;
+        const std::array<bool, kRig> holds = {lamps, !freedom_.rig, joint.camera_known || !freedom_.rig,
+                                              lamps, !measured(),   height};
         std::vector<int> known;
-        if (joint.lamps_known || !freedom_.rig) known = {0, 3};
-        if (joint.camera_known || !freedom_.rig) known.push_back(2);
-        if (!freedom_.rig) known.push_back(1);
-        if (!measured()) known.push_back(4);
+        for (int i = 0; i < kRig; ++i)
+            if (holds[static_cast<std::size_t>(i)]) known.push_back(i);
         if (known.size() == kRig)
             problem_.SetParameterBlockConstant(rig());
         else if (!known.empty())
@@ -369,7 +375,7 @@ bool JointLights::solve(const JointFreedom& freedom, JointStart start) {
     gain_scatter = 1.4826 * median(std::move(off_trend));
     robust_scale = blocks.robust_scale;
     const double* r = blocks.rig();
-    rig = {r[0], r[1], r[2], r[3], r[4]};
+    rig = {r[0], r[1], r[2], r[3], r[4], r[5]};
     field = blocks.directions;
     cost = blocks.final_cost;
     coefficients.assign(blocks.field(), blocks.field() + blocks.field_size());

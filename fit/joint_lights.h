@@ -55,6 +55,7 @@ struct JointLights {
         double camera_nearness = 0;  // [1/width]
         double bend = 0;             // [1/width] as Rig::bend_per_mm
         double roughness = 0;        // [1] as ReflectanceLaw::diffuse_roughness
+        double height = 0;           // [width] as Rig::surface_above_mm
     };
 
     std::vector<glm::dvec3> directions;  // [unit vectors] of the lamps, one a photograph

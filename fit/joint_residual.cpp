@@ -56,11 +56,14 @@ bool JointResidual::Evaluate(const double* const* parameters, double* residual, 
     const auto turning = [&](const dvec3& d) {
         return dvec3(s_.position * d.z, -glm::dot(s_.position, glm::dvec2(d)));
     };
-    const dvec3 turn = turning(direction);
-    const dvec3 bent = direction + bend * turn;
+    const dvec3 from_centre = direction - dvec3(0, 0, nearness * rig[5]);
+    const double centre_distance = glm::length(from_centre);
+    const dvec3 straight = from_centre / centre_distance;
+    const dvec3 turn = turning(straight);
+    const dvec3 bent = straight + bend * turn;
     const double bent_length = glm::length(bent);
     const dvec3 e = bent / bent_length;
-    const dvec3 u = e - nearness * x;
+    const dvec3 u = centre_distance * e - nearness * x;
     const double distance2 = glm::dot(u, u), distance = std::sqrt(distance2);
     const dvec3 l = u / distance;
     const dvec3 sight = dvec3(0, 0, 1) - camera * from_axis;
@@ -104,18 +107,21 @@ bool JointResidual::Evaluate(const double* const* parameters, double* residual, 
         return scale * (by_n_l * glm::dot(n, dl) + by_l_v * glm::dot(v, dl) -
                         2 * shown * glm::dot(u, du) / distance2);
     };
+    const auto of_centre = [&](const dvec3& moved) {  // u, as from_centre moves
+        const dvec3 turned = across(straight, moved);
+        return glm::dot(straight, moved) * e + across(e, turned + bend * turning(turned)) / bent_length;
+    };
     if (double* by = jacobians[3])
-        for (int k = 0; k < kJointTurn; ++k) {
-            const dvec3 dd = across(direction, k == 0 ? frame_.a : frame_.b) / off_length;
-            by[k] = along(across(e, dd + bend * turning(dd)) / bent_length);
-        }
+        for (int k = 0; k < kJointTurn; ++k)
+            by[k] = along(of_centre(across(direction, k == 0 ? frame_.a : frame_.b) / off_length));
     if (double* by = jacobians[2]) {
         const dvec3 dv = across(v, -from_axis) / sight_length;
-        by[0] = along(-s_.nearer * x);
+        by[0] = along(of_centre(dvec3(0, 0, -s_.nearer * rig[5])) - s_.nearer * x);
         by[1] = scale * rho_d;
         by[2] = scale * (by_n_v * glm::dot(n, dv) + by_l_v * glm::dot(l, dv));
-        by[3] = along(across(e, turn) / bent_length);
+        by[3] = along(centre_distance * across(e, turn) / bent_length);
         by[4] = scale * rho_d * r.matt.by_sigma;
+        by[5] = along(of_centre(dvec3(0, 0, -nearness)));
     }
     return true;
 }

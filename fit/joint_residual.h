@@ -3,9 +3,11 @@
 //
 // Lengths are in picture widths, positions from the picture's centre. With d the lamp's given direction, s
 // how much nearer it is than the others, t its turn (direction_field.h), x the pixel's position, a that of
-// the camera, the rig's bend b, the lamps' nearness m and the camera's nearness c:
+// the camera, the rig's bend b, the lamps' nearness m, the camera's nearness c and the height h of the
+// surface:
 //   d' = d + t.x a + t.y b, unit
-//   e  = d' turned by b x (first order), unit;   u = e - m s (x, 0)        towards the lamp
+//   q  = d' - m s (0, 0, h)                                               from the centre of the surface
+//   e  = q turned by b x (first order), as long;   u = e - m s (x, 0)     towards the lamp
 //   l  = u / |u|;   v = unit of (c (a - x), 1)                            towards the camera
 //   model = exp(g + f(x)) / |u|^2 (rho_d (D + k) + rho_s pi lobe(alpha) max(n.l, 0))
 // with g the lamp's ln gain, f its beam (beam_terms()), k the ambient light, the bounded lobe of
@@ -24,7 +26,7 @@
 namespace tangi {
 
 constexpr int kJointPixel = 5;  // slope x, slope y, ln alpha, rho_s, rho_d
-constexpr int kJointRig = 5;    // lamp nearness, ambient, camera nearness, bend, diffuse roughness
+constexpr int kJointRig = 6;    // lamp nearness, ambient, camera nearness, bend, diffuse roughness, height
 constexpr int kJointTurn = 2;   // x and y of the turn of the lamp's direction
 constexpr int kJointBeam = 5;   // of its beam
 

@@ -113,6 +113,7 @@ nlohmann::json to_json(const LightCalibration& calibration) {
             {"left_out_db", trials},
             {"ambient", rig.ambient},
             {"lamp_distance_mm", distance(rig.lamp_distance_mm)},
+            {"surface_above_mm", rig.surface_above_mm},
             {"camera_distance_mm", distance(rig.camera_distance_mm)},
             {"bend_per_mm", rig.bend_per_mm},
             {"diffuse_roughness",
@@ -123,6 +124,9 @@ nlohmann::json to_json(const LightCalibration& calibration) {
               {"diffuse_roughness",
                calibration.diffuse_roughness ? json(calibration.rig_sigma.diffuse_roughness) : json(nullptr)},
               {"lamp_distance_mm", error(rig.lamp_distance_mm, calibration.rig_sigma.lamp_distance)},
+              {"surface_above_mm",
+               calibration.rig_sigma.surface_above_mm > 0 ? json(calibration.rig_sigma.surface_above_mm)
+                                                          : json(nullptr)},
               {"camera_distance_mm", error(rig.camera_distance_mm, calibration.rig_sigma.camera_distance)},
               {"gains", sigmas}}},
             {"gains", gains},

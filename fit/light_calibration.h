@@ -110,6 +110,7 @@ struct LightCalibration {
     struct RigSigma {
         double ambient = 0, diffuse_roughness = 0;      // [1]
         double lamp_distance = 0, camera_distance = 0;  // [1] relative
+        double surface_above_mm = 0;
     } rig_sigma{};
     // [1] As ReflectanceLaw's, where directions are measured: photographs tell both only together.
     std::optional<double> diffuse_roughness{};

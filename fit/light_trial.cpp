@@ -91,6 +91,8 @@ LightCalibration calibration_of(const LightSample& sample, const JointLights& jo
         rig.ambient = static_cast<float>(joint.rig.ambient);
         if (!joint.lamps_known) {
             rig.lamp_distance_mm = distance(joint.rig.lamp_nearness);
+            if (rig.lamp_distance_mm)
+                rig.surface_above_mm = static_cast<float>(joint.rig.height * sample.width_mm());
             rig.bend_per_mm = static_cast<float>(joint.rig.bend / sample.width_mm());
         }
         if (!joint.camera_known) rig.camera_distance_mm = distance(joint.rig.camera_nearness);
@@ -101,7 +103,7 @@ LightCalibration calibration_of(const LightSample& sample, const JointLights& jo
     for (std::size_t i = 0; i < joint.log_gains.size(); ++i) {
         Light& light = result.lighting.lights[i];
         light.gain *= static_cast<float>(std::exp(joint.log_gains[i] - middle));
-        if (rig.lamp_distance_mm) light.position_mm = light.direction * *rig.lamp_distance_mm;
+        place(light, rig);
         if (model.beams) light.beam = beam_of(joint.beams[i], sample.width_mm());
     }
     if (model.beams) {
@@ -171,9 +173,11 @@ FoldResult left_out(const LightSample& sample, const Lighting& given, const Ligh
         Light& light = one.lights.front();
         light.direction = corrected_direction(c, light.direction);
         if (light.position_mm) light.position_mm = light.direction * glm::length(*light.position_mm);
+        const Rgb given_gain = light.gain;
+        place(light, one.rig);
         if (c.lamps)
-            light.gain *= static_cast<float>(predicted_gain(*c.lamps, c.lighting.lights, light.direction));
-        if (one.rig.lamp_distance_mm) light.position_mm = light.direction * *one.rig.lamp_distance_mm;
+            light.gain =
+                given_gain * static_cast<float>(predicted_gain(*c.lamps, c.lighting.lights, light.direction));
         if (c.beams) light.beam = predicted_beam(*c.beams, c.lighting.lights, light.direction);
         result.photos_db.push_back(
             sample.psnr_db(sample.squared_errors(estimates, i, one), given.white_level));
@@ -198,7 +202,7 @@ MedianGain gain(const std::vector<double>& a, const std::vector<double>& b) {
     return {middle, 1.2533 * 1.4826 * median(std::move(gained)) / std::sqrt(count)};
 }
 
-void add_errors(const JointLights& solution, LightCalibration& c) {
+void add_errors(const JointLights& solution, double width_mm, LightCalibration& c) {
     const JointLights::Errors errors = solution.errors(freedom_of(c.model));
     for (std::size_t i = 0; i < errors.direction_deg.size(); ++i)
         c.turns[i].sigma_deg = errors.direction_deg[i];
@@ -214,7 +218,8 @@ void add_errors(const JointLights& solution, LightCalibration& c) {
     };
     c.rig_sigma = {errors.rig->ambient, errors.rig->roughness,
                    relative(errors.rig->lamp_nearness, solution.rig.lamp_nearness),
-                   relative(errors.rig->camera_nearness, solution.rig.camera_nearness)};
+                   relative(errors.rig->camera_nearness, solution.rig.camera_nearness),
+                   errors.rig->height * width_mm};
 }
 
 }  // namespace
@@ -260,7 +265,7 @@ std::vector<TriedModel> tried(const LightSample& sample, const Lighting& given,
 LightCalibration calibrated(const LightSample& sample, const JointLights& solution, const Lighting& given,
                             const LightModel& model) {
     LightCalibration c = calibration_of(sample, solution, given, model);
-    add_errors(solution, c);
+    add_errors(solution, sample.width_mm(), c);
     return c;
 }
 

@@ -135,6 +135,7 @@ std::shared_ptr<const Surface> in_scale_of(const Canvas& canvas, std::shared_ptr
     for (auto* mm : {&p.rig.camera_distance_mm, &p.rig.lamp_distance_mm})
         if (*mm) **mm *= unit_mm;
     p.rig.camera_axis_mm *= unit_mm;
+    p.rig.surface_above_mm *= unit_mm;
     p.rig.bend_per_mm /= unit_mm;
     return scaled;
 }

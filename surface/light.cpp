@@ -46,4 +46,15 @@ Incidence incidence(const Light& light, const Vec3& point_mm, const Rig& rig) {
     return {to_light / std::sqrt(distance2), gain * falloff};
 }
 
+void place(Light& light, const Rig& rig) {
+    if (!rig.lamp_distance_mm) return;
+    const float listed = *rig.lamp_distance_mm;
+    light.position_mm = light.direction * listed;
+    if (rig.surface_above_mm == 0) return;
+    light.position_mm->z -= rig.surface_above_mm;
+    const float distance = glm::length(*light.position_mm);
+    light.direction = *light.position_mm / distance;
+    light.gain *= listed * listed / (distance * distance);
+}
+
 }  // namespace tangi

@@ -54,6 +54,8 @@ struct Rig {
     glm::vec2 camera_axis_mm{0, 0};
     // [mm] Of lamps whose own position is not known, from the origin; far away where empty.
     std::optional<float> lamp_distance_mm{};
+    // [mm] How high the painting's surface is above the point that their directions and distance are from.
+    float surface_above_mm = 0;
     // [1/mm] Directions turn by this angle for each mm from the centre, as if the painting were bent: the
     // part of the lamps' field of directions that photographs of a matt painting cannot tell from a bulge.
     float bend_per_mm = 0;
@@ -72,6 +74,10 @@ struct Incidence {
 // A near light falls off with the inverse square of the distance; all have `gain` at the origin, times the
 // part of their beam elsewhere.
 Incidence incidence(const Light& light, const Vec3& point_mm, const Rig& rig = {});
+
+// Puts a lamp of which only the direction is known where the rig says that it is: position, direction from
+// the origin, and gain, since lamps that are as strong light what is nearer to them more. Far lamps stay.
+void place(Light& light, const Rig& rig);
 
 // [unit vector] from a point of the painting to the camera.
 inline Vec3 view_direction(const Rig& rig, const Vec3& point_mm) {

@@ -66,6 +66,7 @@ json to_json(const Photography& photography) {
                      {"camera_distance_mm", distance(rig.camera_distance_mm)},
                      {"camera_axis_mm", {rig.camera_axis_mm.x, rig.camera_axis_mm.y}},
                      {"lamp_distance_mm", distance(rig.lamp_distance_mm)},
+                     {"surface_above_mm", rig.surface_above_mm},
                      {"bend_per_mm", rig.bend_per_mm},
                      {"lamp_radius_deg", rig.lamp_radius_deg}}}};
     if (photography.to_camera) result["to_camera"] = to_json(*photography.to_camera);
@@ -108,6 +109,7 @@ Photography photography_from_json(const json& j) {
                            .camera_axis_mm = {},
                            .lamp_distance_mm = distance("lamp_distance_mm"),
                            .bend_per_mm = rig.at("bend_per_mm").get<float>()};
+        photography.rig.surface_above_mm = rig.value("surface_above_mm", 0.0f);  // not in older files
         if (rig.contains("lamp_radius_deg")) {  // in no file of before it was looked for
             photography.rig.lamp_radius_deg = rig["lamp_radius_deg"].get<float>();
             if (!(photography.rig.lamp_radius_deg >= 0 && photography.rig.lamp_radius_deg <= 45))

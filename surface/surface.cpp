@@ -72,11 +72,10 @@ Light as_photographed(const Light& light, const Photography& photography) {
     std::vector<Light> fitted;
     for (const Photography::Photo& photo : photography.photos)
         if (photo.fitted) fitted.push_back(photo.light);
+    if (!result.position_mm) place(result, photography.rig);
     if (photography.lamps)
-        result.gain = Rgb(static_cast<float>(predicted_gain(*photography.lamps, fitted, light.direction)));
-    if (photography.beams) result.beam = predicted_beam(*photography.beams, fitted, light.direction);
-    if (!result.position_mm && photography.rig.lamp_distance_mm)
-        result.position_mm = light.direction * *photography.rig.lamp_distance_mm;
+        result.gain = Rgb(static_cast<float>(predicted_gain(*photography.lamps, fitted, result.direction)));
+    if (photography.beams) result.beam = predicted_beam(*photography.beams, fitted, result.direction);
     return result;
 }
 

@@ -29,7 +29,7 @@ Trial random_trial(Random& random) {
              random.uniform(0, 0.5), random.uniform(0, 1)},
             {random.uniform(-1, 1)},
             {random.uniform(0, 0.8), random.uniform(0, 0.4), random.uniform(0, 0.8),
-             random.uniform(-0.3, 0.3), random.uniform(0, 0.8)},
+             random.uniform(-0.3, 0.3), random.uniform(0, 0.8), random.uniform(-0.2, 0.2)},
             {random.uniform(-0.2, 0.2), random.uniform(-0.2, 0.2)},
             {random.uniform(-0.3, 0.3), random.uniform(-0.3, 0.3), random.uniform(-0.3, 0.3),
              random.uniform(-0.3, 0.3), random.uniform(-0.3, 0.3)},
@@ -83,11 +83,12 @@ TEST(JointResidual, IsWhatTheReferenceRendererShows) {
         const Rig rig{.ambient = static_cast<float>(t.rig[1]),
                       .camera_distance_mm = static_cast<float>(width_mm / t.rig[2]),
                       .camera_axis_mm = glm::vec2(t.sample.camera_axis * width_mm),
-                      .lamp_distance_mm = {},
+                      .lamp_distance_mm = static_cast<float>(width_mm / (t.rig[0] * t.sample.nearer)),
+                      .surface_above_mm = static_cast<float>(t.rig[5] * width_mm),
                       .bend_per_mm = static_cast<float>(t.rig[3] / width_mm)};
-        Light light = near_light(Vec3(turned(t.sample.direction, {t.turn[0], t.turn[1]})) *
-                                 static_cast<float>(width_mm / (t.rig[0] * t.sample.nearer)));
+        Light light = distant_light(Vec3(turned(t.sample.direction, {t.turn[0], t.turn[1]})));
         light.gain = Rgb(static_cast<float>(std::exp(t.gain[0])));
+        place(light, rig);
         light.beam = beam_of({t.beam[0], t.beam[1], t.beam[2], t.beam[3], t.beam[4]}, width_mm);
         const Vec3 point_mm(glm::vec2(t.sample.position) * static_cast<float>(width_mm), 0);
         const Incidence in = incidence(light, point_mm, rig);

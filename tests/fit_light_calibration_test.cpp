@@ -12,6 +12,7 @@
 #include "lamp_errors.h"
 #include "surface/parallel.h"
 #include "surface/photography_json.h"
+#include "surface/picture_file.h"
 
 namespace tangi {
 namespace {
@@ -32,6 +33,12 @@ struct LampScene {
         truth = photography_from_json(nlohmann::json::parse(bytes_of(folder / "gt/lights.json")));
     }
     double width_mm() const { return stack.width() * kMmPerPixel; }
+    double mean_height_mm() const {
+        const Image<Rgb> height = read_picture(folder / "gt/height.exr");
+        double sum = 0;
+        for (const Rgb& value : height.pixels()) sum += value.g;
+        return sum / static_cast<double>(height.size());
+    }
     LightCalibration calibrated() const {
         return calibrate_lights(stack, surveyed, Transfer{}, NoiseModel(Transfer{}, 0.002, true),
                                 {stack.lights(), {}, 0.75}, kMmPerPixel, {});
@@ -152,6 +159,30 @@ TEST(LightCalibration, OfAFewPhotographsTellsHowNearTheirLampsAre) {
     }
     const LampScene four({.lights = 4, .arrangement = Arrangement::spiral, .distance = 3}, 64);
     EXPECT_TRUE(four.calibrated().trials.empty());  // leaving one out leaves nothing to judge by
+}
+
+// Lamps light paint that lies above the plane which their directions are from as if they were nearer, the
+// steep ones most. A bend of their directions would make much the same of the photographs, and bow the
+// painting.
+TEST(LightCalibration, OfNearLampsTellsTheHeightOfThePaintFromABend) {
+    for (const Reflectance reflectance : {Reflectance::ward_bounded, Reflectance::lambert}) {
+        const LampScene scene({.lights = 24, .distance = 1.5, .reflectance = reflectance});
+        const LightCalibration found = scene.calibrated();
+        const Rig& rig = found.lighting.rig;
+        const double bend_deg = rig.bend_per_mm * scene.width_mm() / 2 / kDegree,
+                     distance = rig.lamp_distance_mm.value_or(0) / scene.width_mm();
+        const double height_mm = scene.mean_height_mm();
+        std::cout << fmt::format(
+            "[  FIGURE  ] {}: distance {:.3f} widths, paint {:.2f} mm high, found {:.2f} ± {:.2f}, a bend of "
+            "{:.2f}° at "
+            "the border\n",
+            name_of(reflectance), distance, height_mm, rig.surface_above_mm, found.rig_sigma.surface_above_mm,
+            bend_deg);
+        EXPECT_EQ(found.model.lamps, LightFreedom::rig);
+        EXPECT_NEAR(distance, 1.5, 0.02);
+        EXPECT_NEAR(rig.surface_above_mm, height_mm, 3 * found.rig_sigma.surface_above_mm);
+        EXPECT_LE(std::abs(bend_deg), 0.4);
+    }
 }
 
 // What an exposure that is too short makes of the same photographs.

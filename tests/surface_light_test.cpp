@@ -34,6 +34,33 @@ TEST(DistantLight, IsTheSameEverywhere) {
     EXPECT_EQ(in.irradiance, light.gain);
 }
 
+// A lamp of which the direction and distance are from a point below the paint lights it as one that stands
+// there.
+TEST(NearLight, IsPlacedAsFarBelowAsTheSurfaceIsAbove) {
+    Random random(3);
+    for (int i = 0; i < 100; ++i) {
+        const Rig rig{.lamp_distance_mm = random.real(150, 900), .surface_above_mm = random.real(-20, 20)};
+        Light listed = distant_light(random.direction(0.2));
+        listed.gain = {0.5f, 1, 2};
+        Light placed = listed;
+        place(placed, rig);
+        ASSERT_TRUE(placed.position_mm);
+        EXPECT_LE(glm::length(placed.direction - glm::normalize(*placed.position_mm)), 1e-6f);
+        Light there = near_light(listed.direction * *rig.lamp_distance_mm);
+        there.gain = listed.gain;
+        const Vec3 point(random.real(-60, 60), random.real(-60, 60), 0);
+        const Incidence seen = incidence(placed, point),
+                        true_one = incidence(there, point + Vec3(0, 0, rig.surface_above_mm));
+        EXPECT_LE(glm::length(seen.direction - true_one.direction), 1e-6f);
+        EXPECT_LE(glm::length(seen.irradiance - true_one.irradiance),
+                  1e-5f * glm::length(true_one.irradiance));
+    }
+    Light far = distant_light({1, 2, 2});
+    place(far, {.surface_above_mm = 5});
+    EXPECT_FALSE(far.position_mm);
+    EXPECT_EQ(far.gain, Rgb(1));
+}
+
 TEST(NearLight, HasItsGainAtTheOrigin) {
     Light light = near_light({300, -400, 1200});
     light.gain = {0.5f, 1, 2};

@@ -79,6 +79,7 @@ TEST(PhotographyJson, RoundTripsRigAndLamps) {
     p.rig = {.ambient = 0.0625f,
              .camera_distance_mm = 612.5f,
              .lamp_distance_mm = {},
+             .surface_above_mm = 3.5f,
              .bend_per_mm = -1e-4f,
              .lamp_radius_deg = 2.5f};
     p.lamps = LampModel{{0.1, 0.2, -0.3, 0.4, 0.5, -0.6}, 0.4, 1e9};
