@@ -191,9 +191,9 @@ TransferEstimate decide_transfer(const Stack& stack, const Survey& survey) {
     }
     if (contrary && stack.photos.size() >= kTelling)
         result.warning = fmt::format(
-            "{}: stored as {} by the photographs' {}, which is used, but they look like {}; if the profile "
-            "is "
-            "wrong, say so with --transfer {}",
+            "{}: stored as {} by the photographs' {}, which is used, but they look like {}, as photographs "
+            "under near or unequal lamps can; only where the profile is known to be wrong, say so with "
+            "--transfer {}",
             stack.folder.string(), stated.name(), source, result.transfer.name(), result.transfer.name());
     else
         result.warning.clear();  // what was doubtful is settled

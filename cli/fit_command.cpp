@@ -210,6 +210,11 @@ nlohmann::json run_fit(FitArguments arguments, const Progress& progress) {
             "(capture.json, --lights-mm), or more photographs, would tell",
             bulge > 0 ? "outwards" : "inwards", std::abs(bulge), bulge > 0 ? "bulges" : "is hollow",
             bulge > 0 ? "nearer" : "farther away"));
+    if (fit.report.fitted > 0 && !fit.report.height.converged)
+        warnings.push_back(fmt::format(
+            "the height has not converged after {} cycles (residual {:.1g}), so that its long waves "
+            "may be off; give --max-cycles more",
+            fit.report.height.cycles, fit.report.height.residual));
     FaithfulFit faithful;
     if (arguments.faithful) faithful = fit_faithful(fit.surface, stack, arguments.faithful_options, progress);
     std::vector<PartToWrite> parts = {part_of(fit.errors)};
