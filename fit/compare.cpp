@@ -295,6 +295,7 @@ json to_json(const CompareReport& report) {
     };
     json warnings = json::array();
     for (const std::string& warning : report.warnings) warnings.push_back(utf8_of(warning));
+    if (!report.foreign.empty()) warnings.push_back(utf8_of(report.foreign));
     // For who reads the means by program or by eye: what they are worth.
     const bool predicts = report.held_out.count > 0;
     const char* judged =

@@ -127,26 +127,26 @@ void take_height(const Image<Rgb>& map, const fs::path& path, const ImportOption
     for (std::size_t i = 0; i < map.size(); ++i) s.height_mm.pixels()[i] = scale * map.pixels()[i].r;
 }
 
-// Says how many values are none that the map can have: of another encoding or scale, as a rule.
-void warn_outside(const Image<Rgb>& map, float least, float most, const fs::path& path, const char* what,
-                  ImportReport& report_) {
-    const auto outside = std::count_if(map.pixels().begin(), map.pixels().end(), [&](const Rgb& value) {
-        const float one = what == std::string("rho_s") ? luminance(value) : value.r;
-        return one < least || one > most;
+// Says how many pixels have a value that is none of the map's: of another encoding or scale, as a rule.
+template <class Value>
+void warn_outside_unit(const Image<Rgb>& map, const fs::path& path, const char* what, ImportReport& report_,
+                       Value&& value_of) {
+    const auto outside = std::count_if(map.pixels().begin(), map.pixels().end(), [&](const Rgb& pixel) {
+        return value_of(pixel) < 0 || value_of(pixel) > 1;
     });
     if (outside > 0)
-        report_.warnings.push_back(fmt::format(
-            "{}: {} of its {} pixels ({:.2g} %) are outside {} to {}, where {} is; is it the right map, and "
-            "linear?",
-            path.string(), outside, map.size(),
-            100.0 * static_cast<double>(outside) / static_cast<double>(map.size()), least, most, what));
+        report_.warnings.push_back(
+            fmt::format("{}: {} of its {} pixels ({:.2g} %) are outside 0 to 1, where {} is; is it the right "
+                        "map, and linear?",
+                        path.string(), outside, map.size(),
+                        100.0 * static_cast<double>(outside) / static_cast<double>(map.size()), what));
 }
 
 void take_roughness(const MapFiles& files, const ImportOptions& options, const fs::path& first, Surface& s,
                     ImportReport& report_) {
     if (files.roughness) {
         const Image<Rgb> map = read_map(*files.roughness, s, first);
-        warn_outside(map, 0, 1, *files.roughness, "alpha", report_);
+        warn_outside_unit(map, *files.roughness, "alpha", report_, [](const Rgb& value) { return value.r; });
         const auto mirrors = std::count_if(map.pixels().begin(), map.pixels().end(),
                                            [](const Rgb& value) { return value.r < kMirrorAlpha; });
         if (2 * static_cast<std::size_t>(mirrors) > map.size())
@@ -322,7 +322,7 @@ Surface import_maps(const MapFiles& files, const ImportOptions& options, ImportR
     report(progress, "read maps", 0.2);
     if (files.specular) {
         const Image<Rgb> map = read_map(*files.specular, s, first);
-        warn_outside(map, 0, 1, *files.specular, "rho_s", report_);
+        warn_outside_unit(map, *files.specular, "rho_s", report_, luminance);
         for (std::size_t i = 0; i < map.size(); ++i)
             s.specular.pixels()[i] = std::max(luminance(map.pixels()[i]), 0.0f);
     }

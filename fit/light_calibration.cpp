@@ -124,9 +124,9 @@ nlohmann::json to_json(const LightCalibration& calibration) {
               {"diffuse_roughness",
                calibration.diffuse_roughness ? json(calibration.rig_sigma.diffuse_roughness) : json(nullptr)},
               {"lamp_distance_mm", error(rig.lamp_distance_mm, calibration.rig_sigma.lamp_distance)},
-              {"surface_above_mm",
-               calibration.rig_sigma.surface_above_mm > 0 ? json(calibration.rig_sigma.surface_above_mm)
-                                                          : json(nullptr)},
+              {"surface_above_mm", calibration.rig_sigma.surface_above_mm > 0
+                                       ? json(calibration.rig_sigma.surface_above_mm)
+                                       : json(nullptr)},
               {"camera_distance_mm", error(rig.camera_distance_mm, calibration.rig_sigma.camera_distance)},
               {"gains", sigmas}}},
             {"gains", gains},

@@ -173,11 +173,9 @@ FoldResult left_out(const LightSample& sample, const Lighting& given, const Ligh
         Light& light = one.lights.front();
         light.direction = corrected_direction(c, light.direction);
         if (light.position_mm) light.position_mm = light.direction * glm::length(*light.position_mm);
-        const Rgb given_gain = light.gain;
         place(light, one.rig);
         if (c.lamps)
-            light.gain =
-                given_gain * static_cast<float>(predicted_gain(*c.lamps, c.lighting.lights, light.direction));
+            light.gain *= static_cast<float>(predicted_gain(*c.lamps, c.lighting.lights, light.direction));
         if (c.beams) light.beam = predicted_beam(*c.beams, c.lighting.lights, light.direction);
         result.photos_db.push_back(
             sample.psnr_db(sample.squared_errors(estimates, i, one), given.white_level));

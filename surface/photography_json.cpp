@@ -109,7 +109,11 @@ Photography photography_from_json(const json& j) {
                            .camera_axis_mm = {},
                            .lamp_distance_mm = distance("lamp_distance_mm"),
                            .bend_per_mm = rig.at("bend_per_mm").get<float>()};
+        const Rig& found = photography.rig;
         photography.rig.surface_above_mm = rig.value("surface_above_mm", 0.0f);  // not in older files
+        if (found.lamp_distance_mm && !(std::abs(found.surface_above_mm) < *found.lamp_distance_mm))
+            fail("rig.surface_above_mm = {} is as high as the lamps are far away, {} mm",
+                 found.surface_above_mm, *found.lamp_distance_mm);
         if (rig.contains("lamp_radius_deg")) {  // in no file of before it was looked for
             photography.rig.lamp_radius_deg = rig["lamp_radius_deg"].get<float>();
             if (!(photography.rig.lamp_radius_deg >= 0 && photography.rig.lamp_radius_deg <= 45))

@@ -198,7 +198,9 @@ TEST(Compare, TellsPhotographsOfAnotherPainting) {
             other.diffuse(x, y) = Rgb(0.5f + 0.3f * std::cos(1.3f * u), 0.5f, 0.5f);
         }
     other.normal = normals_of(other.height_mm, 1);
-    EXPECT_THAT(compare(other, open_stack(folder.path())).foreign, HasSubstr("another painting"));
+    const CompareReport report = compare(other, open_stack(folder.path()));
+    EXPECT_THAT(report.foreign, HasSubstr("another painting"));
+    EXPECT_EQ(to_json(report)["warnings"].back(), report.foreign) << "the page shows it, too";
 }
 
 TEST(Compare, StopsWhenAsked) {

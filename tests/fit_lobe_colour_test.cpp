@@ -130,15 +130,12 @@ TEST(LobeColours, AreSmoothWhereEvidenceAlternates) {
 }
 
 TEST(LobeColours, AreThoseOfNeighboursOfTheSameLook) {
-    Surface s(40, 20);
+    const Surface s = metal_beside_paint(40, 20, 30);
     Image<LobeEvidence> evidence(40, 20);
     Random random(5);
     for (int y = 0; y < 20; ++y)
         for (int x = 0; x < 40; ++x) {
             const bool metal = x < 20;
-            s.confidence(x, y) = x == 30 ? 0.0f : 1.0f;
-            s.diffuse(x, y) = metal ? Rgb(0.1f, 0.07f, 0.03f) : Rgb(0.2f, 0.3f, 0.6f);
-            s.specular(x, y) = metal ? 0.3f : 0.04f;
             const Rgb colour = metal ? kGold / 0.7033f : kWhite;
             const auto noisy = [&](float v) { return v + 0.25f * static_cast<float>(random.normal()); };
             evidence(x, y) = {{noisy(colour.r), noisy(colour.g), noisy(colour.b)}, 16};

@@ -8,13 +8,14 @@
 #include <vector>
 
 #include "fit/lobe_stretch.h"
+#include "fit_test_support.h"
 #include "test_support.h"
 
 namespace tangi {
 namespace {
 
 TEST(LobeStretches, AreThoseOfNeighboursOfTheSameLook) {
-    Surface s(40, 24);
+    const Surface s = metal_beside_paint(40, 24, 10);
     const AskedPixels asked = asked_pixels(40, 24);
     Image<StretchEvidence> evidence(asked.x.count, asked.y.count);
     ASSERT_EQ(asked.x.apart, 1);
@@ -22,9 +23,6 @@ TEST(LobeStretches, AreThoseOfNeighboursOfTheSameLook) {
     for (int y = 0; y < 24; ++y)
         for (int x = 0; x < 40; ++x) {
             const bool metal = x < 20;
-            s.confidence(x, y) = x == 10 ? 0.0f : 1.0f;
-            s.diffuse(x, y) = metal ? Rgb(0.1f, 0.07f, 0.03f) : Rgb(0.2f, 0.3f, 0.6f);
-            s.specular(x, y) = metal ? 0.3f : 0.04f;
             // Each pixel tells one direction well and the other hardly.
             const double angle = random.uniform(0, 2 * M_PI);
             const glm::dvec2 well(std::cos(angle), std::sin(angle));

@@ -18,6 +18,19 @@ inline PaintingTruth painting(int width, int height) {
     return procedural_painting({.seed = 3, .width = width, .height = height, .mm_per_pixel = kMmPerPixel});
 }
 
+// Brushed or gilded metal on the left half, blue paint on the right; nothing is measured in one column.
+inline Surface metal_beside_paint(int width, int height, int unmeasured) {
+    Surface s(width, height);
+    for (int y = 0; y < height; ++y)
+        for (int x = 0; x < width; ++x) {
+            const bool metal = x < width / 2;
+            s.confidence(x, y) = x == unmeasured ? 0.0f : 1.0f;
+            s.diffuse(x, y) = metal ? Rgb(0.1f, 0.07f, 0.03f) : Rgb(0.2f, 0.3f, 0.6f);
+            s.specular(x, y) = metal ? 0.3f : 0.04f;
+        }
+    return s;
+}
+
 // Mean angle between the normals where the truth has one surface a pixel.
 inline double mean_normal_error_deg(const Surface& surface, const PaintingTruth& truth) {
     double sum = 0;

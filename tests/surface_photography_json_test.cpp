@@ -54,6 +54,13 @@ TEST(PhotographyJson, WithAnUnknownTransferIsAnError) {
     EXPECT_EQ(error_of([&] { photography_from_json(j); }), "unknown transfer curve 'rec709'");
 }
 
+TEST(PhotographyJson, WithASurfaceAboveTheLampsIsAnError) {
+    Photography p;
+    p.rig = {.lamp_distance_mm = 70, .surface_above_mm = 70};
+    EXPECT_THAT(error_of([&] { photography_from_json(to_json(p)); }),
+                testing::HasSubstr("surface_above_mm = 70"));
+}
+
 TEST(PhotographyJson, WithAFieldMissingOrOfAnotherTypeThrows) {
     Photography one;
     one.photos = {{distant_light({0, 0, 1}, "a"), true}};
