@@ -141,9 +141,11 @@ void LampsSeen::find_runs_of(std::size_t photo, const Surface& surface, const Li
     const auto width = static_cast<std::size_t>(width_);
     std::vector<bool> hidden(width * rows_.size());
     const auto for_hidden = [&](const auto& act) {
-        for (std::size_t y = 0; y < rows_.size(); ++y)
-            for (LampSeen& lamp : std::ranges::equal_range(rows_[y], photo, {}, &LampSeen::photo))
-                if (!lamp.lit) act(lamp, static_cast<int>(lamp.x), static_cast<int>(y));
+        for (std::size_t y = 0; y < rows_.size(); ++y) {
+            const auto first = std::ranges::lower_bound(rows_[y], photo, {}, &LampSeen::photo);
+            for (auto lamp = first; lamp != rows_[y].end() && lamp->photo == photo; ++lamp)
+                if (!lamp->lit) act(*lamp, static_cast<int>(lamp->x), static_cast<int>(y));
+        }
     };
     for_hidden([&](const LampSeen& lamp, int, int y) {
         hidden[static_cast<std::size_t>(y) * width + lamp.x] = true;

@@ -181,7 +181,7 @@ BrushSettings brush_from_json(const nlohmann::json& brush, const std::string& wh
     for (const auto& [key, value] : brush.items()) {
         if (key == "preset") continue;
         if (key == "shape") {
-            const auto is_it = [&](const char* shape) { return value == shape; };
+            const auto is_it = [&value = value](const char* shape) { return value == shape; };
             if (std::none_of(kShapes.begin(), kShapes.end(), is_it))
                 fail("{}: 'shape' is {}, not one of round, flat, filbert, fan, knife, rag", where,
                      shown(value));
@@ -189,7 +189,7 @@ BrushSettings brush_from_json(const nlohmann::json& brush, const std::string& wh
             continue;
         }
         bool known = false;
-        BrushSettings::fields(settings, [&](const FieldInfo& info, auto& field) {
+        BrushSettings::fields(settings, [&, &key = key, &value = value](const FieldInfo& info, auto& field) {
             if (info.name != key) return;
             known = true;
             read_field(value, where, info, field);

@@ -312,7 +312,8 @@ TEST(PhotoFile, TruncatedIsAnErrorAtTheLatestWhereItsRowsAreRead) {
         write(dir / name, spec, random_codes(3, 8));
         const std::string whole = bytes_of(dir / name);
         write_bytes(dir / name, whole.substr(0, whole.size() * 6 / 10));
-        EXPECT_THAT(error_of([&] { read_in_bands(dir / name, 8); }), StartsWith((dir / name).string() + ": "))
+        EXPECT_THAT(error_of([&, &name = name] { read_in_bands(dir / name, 8); }),
+                    StartsWith((dir / name).string() + ": "))
             << name;
     }
     write(dir / "a.png", formats[0].spec, random_codes(3, 8));

@@ -184,7 +184,7 @@ TEST(ShadowCarving, TinyPicturesStayAsTheyAre) {
         Surface s(width, height);
         std::fill(s.confidence.pixels().begin(), s.confidence.pixels().end(), 0.9f);
         const Lighting lighting = lamps(8, {20});
-        const Image<float> fins = [&] {
+        const Image<float> fins = [width = width, height = height] {
             Image<float> z(width, height);
             for (int i = 0; i < width * height; i += 3) z.pixels()[static_cast<std::size_t>(i)] = 2;
             return z;

@@ -104,7 +104,8 @@ TEST(Knife, ScrapesWhereItBringsNoPaint) {
         EXPECT_NEAR(on_both(canvas, knife)[0] / volume[0], 1, 1e-5) << what;
         const Image<float> after = thickness_of(canvas);
         // From there to there [mm], along the stroke and across it.
-        const auto over = [&](const Image<float>& mm, double x0, double y0, double x1, double y1) {
+        const auto over = [&, pixel_mm = pixel_mm](const Image<float>& mm, double x0, double y0, double x1,
+                                                   double y1) {
             std::vector<double> there;
             for (double x = x0; x < x1; x += pixel_mm)
                 for (double y = y0; y < y1; y += pixel_mm)

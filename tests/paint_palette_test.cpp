@@ -177,7 +177,7 @@ TEST(Palettes, SayWhatIsWrongAndWhere) {
     };
     for (const auto& [text, parts] : bad)
         for (const char* part : parts)
-            EXPECT_THAT(error_of([&] { parse_palette(text, "x.json"); }),
+            EXPECT_THAT(error_of([&text = text] { parse_palette(text, "x.json"); }),
                         AllOf(HasSubstr("x.json"), HasSubstr(part)))
                 << text;
 }

@@ -236,7 +236,7 @@ Keys Keys::read(const std::filesystem::path& file) {
     std::set<Action> changed;
     for (const auto& [name, value] : changes.items()) {
         const auto known = std::find_if(shortcuts().begin(), shortcuts().end(),
-                                        [&](const Shortcut& s) { return name == s.name; });
+                                        [&name = name](const Shortcut& s) { return name == s.name; });
         if (known == shortcuts().end())
             fail("{}: there is no action '{}'; docs/window.md lists them", where, name);
         std::vector<Chord> chords;

@@ -27,7 +27,8 @@ std::string kept_mask(const std::string& name, int line) {
 json layers_on(const Canvas& canvas, const Treatment& treatment, const TreatmentStep& step) {
     std::vector<TreatmentLayer> all = treatment.layers();
     for (const auto& [name, role] : step.added) {
-        if (std::any_of(all.begin(), all.end(), [&](const TreatmentLayer& l) { return l.name == name; }))
+        if (std::any_of(all.begin(), all.end(),
+                        [&name = name](const TreatmentLayer& l) { return l.name == name; }))
             fail("{}: there is a layer '{}' already; give another name", treatment.folder().string(), name);
         all.push_back({name, role, {}});
     }
