@@ -17,6 +17,9 @@ constexpr double kWhiteSigma = 0.5;  // [1] of the prior, around white
 // [1] Deviation from white below which a lobe is white: unequal lamps and tone curves make as much.
 constexpr float kClear = 0.1f;
 constexpr float kLeastColour = 0.02f;  // [1] whiten() divides by it
+// [1] Part of the matt reflectance that may pass for a lobe: no paint is Lambert's, and where a file keeps
+// little of chroma, highlights have the hue of what is below. Neighbours share it: it does not average out.
+constexpr float kMattInLobe = 0.15f;
 // [1] Part of the neighbours that counts: pixels next to each other share what sharpening, compression and
 // mosaics made of colours.
 constexpr float kIndependent = 0.25f;
@@ -54,7 +57,7 @@ struct Channel {
 };
 
 struct SolvedColour {
-    double specular = 0, variance = 0;
+    double diffuse = 0, specular = 0, variance = 0;
     bool known = false;
 };
 
@@ -87,7 +90,8 @@ SolvedColour solve_channel(const PixelSamples& s, const std::vector<WardTerms>& 
         if (!sums.solve()) return {};
         result = sums;
     }
-    return {result.specular, result.variance() * std::max(chi2 / std::max(used - 2, 1), 1.0), true};
+    return {result.diffuse, result.specular, result.variance() * std::max(chi2 / std::max(used - 2, 1), 1.0),
+            true};
 }
 
 // What a pixel looks like from all sides: matt and shiny light together.
@@ -103,26 +107,32 @@ LobeEvidence lobe_evidence(const PixelSamples& s, const WardEstimate& e, const W
     std::vector<WardTerms> terms;
     for (const glm::dvec3& light : s.light)
         terms.push_back(ward_terms(theta, light, s.view, options.law, e.stretch));
-    glm::dvec3 specular;
+    glm::dvec3 diffuse(0), specular(0);
     double variance = 0;
     for (int c = 0; c < 3; ++c) {
         const SolvedColour solved = solve_channel(s, terms, c, options.model_error, options.robust_scale);
         if (!solved.known) return {};
+        diffuse[c] = solved.diffuse;
         specular[c] = solved.specular;
         variance += solved.variance / 3;
     }
     const double mean = (specular.r + specular.g + specular.b) / 3;
     if (!(mean > 0)) return {};
-    return {Rgb(specular / mean), static_cast<float>(1 / (variance / (mean * mean) + kSpread * kSpread))};
+    const glm::dvec3 hue = diffuse - (diffuse.r + diffuse.g + diffuse.b) / 3;
+    return {Rgb(specular / mean), static_cast<float>(1 / (variance / (mean * mean) + kSpread * kSpread)),
+            static_cast<float>(glm::length(hue) / mean)};
 }
 
 Rgb lobe_colour_of(const LobeEvidence& evidence) {
     constexpr auto prior = static_cast<float>(1 / (kWhiteSigma * kWhiteSigma));
     const Rgb colour = (evidence.weight * evidence.colour + prior) / (evidence.weight + prior);
-    // The positive part of James and Stein's estimator: what is small is nothing, what is large is kept.
+    // The positive part of James and Stein's estimator: what is small is nothing, what is large is kept. What
+    // the matt part explains is nothing either, but takes little of a colour that is far beyond it.
     const Rgb off = colour - Rgb(1);
-    const float doubt2 = square(kClear) + 3 / (evidence.weight + prior);
-    const float kept = std::max(1 - doubt2 / std::max(glm::dot(off, off), 1e-12f), 0.0f);
+    const float off2 = std::max(glm::dot(off, off), 1e-12f);
+    const float by_chance = (square(kClear) + 3 / (evidence.weight + prior)) / off2;
+    const float by_matt = square(kMattInLobe * evidence.matt_hue) / off2;
+    const float kept = std::max(1 - by_chance, 0.0f) * std::max(1 - square(by_matt), 0.0f);
     if (!(kept > 0)) return Rgb(1);
     const Rgb shrunk = glm::max(Rgb(1) + kept * off, Rgb(0));
     return glm::max(shrunk / std::max({shrunk.r, shrunk.g, shrunk.b}), Rgb(kLeastColour));
@@ -137,7 +147,7 @@ Image<Rgb> lobe_colours(const Surface& s, const Image<LobeEvidence>& evidence) {
                 const Rgb look = look_of(s, evidence, x, y);
                 const float scale2 = square(kAlike * (look.r + look.g + look.b) / 3 + kAlikeFloor);
                 Rgb sum(0);
-                float weight = 0;
+                float weight = 0, hue = 0;
                 for (int v = std::max(y - kLobeReach, 0); v <= std::min(y + kLobeReach, s.height() - 1); ++v)
                     for (int u = std::max(x - kLobeReach, 0); u <= std::min(x + kLobeReach, s.width() - 1);
                          ++u) {
@@ -151,9 +161,11 @@ Image<Rgb> lobe_colours(const Surface& s, const Image<LobeEvidence>& evidence) {
                         const float inverse2 = 1 / (3 * (scale2 + 4 * noise2));
                         const float w = e.weight * square(std::max(1 - glm::dot(off, off) * inverse2, 0.0f));
                         sum += w * e.colour;
+                        hue += w * e.matt_hue;
                         weight += w;
                     }
-                if (weight > 0) colours(x, y) = lobe_colour_of({sum / weight, kIndependent * weight});
+                if (weight > 0)
+                    colours(x, y) = lobe_colour_of({sum / weight, kIndependent * weight, hue / weight});
             }
     });
     return colours;

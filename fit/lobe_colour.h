@@ -22,6 +22,7 @@ namespace tangi {
 struct LobeEvidence {
     Rgb colour{1};
     float weight = 0;
+    float matt_hue = 0;  // |rho_d - its mean| / mean rho_s: how saturated the matt part is, against the lobe
 };
 
 // Of samples in three channels, whose estimate had a white lobe or the one that it says.

@@ -89,6 +89,28 @@ TEST(LobeEvidence, ShrinksWhatIsNearlyWhiteToWhite) {
     EXPECT_GT(std::min(missing.g, missing.b), 0) << "whiten() divides by it";
 }
 
+// Where a file keeps little of chroma, a paint's white highlight has the paint's own hue, in all pixels
+// alike.
+TEST(LobeEvidence, OfTheHueOfSaturatedPaintIsWhite) {
+    Paint red{.alpha = 0.3, .specular = 0.05, .diffuse = {0.6, 0.12, 0.08}};
+    red.lobe = Rgb(1.8f, 0.7f, 0.5f);
+    Paint copper{.alpha = 0.3, .specular = 0.3, .diffuse = {0.08, 0.05, 0.03}};
+    copper.lobe = Rgb(1.5f, 0.9f, 0.6f);
+    const auto of_many = [](const Paint& paint) {
+        WardFitter fitter({});
+        const PixelSamples s = samples_of(paint);
+        LobeEvidence e = lobe_evidence(s, fitter.fit(s), {});
+        e.weight *= 50;
+        return e;
+    };
+    LobeEvidence evidence = of_many(red);
+    EXPECT_GT(evidence.weight, 100);
+    EXPECT_EQ(lobe_colour_of(evidence), kWhite);
+    evidence.matt_hue = 0;
+    EXPECT_LT(lobe_colour_of(evidence).b, 0.5f) << "only the matt part speaks against it";
+    EXPECT_LT(glm::length(lobe_colour_of(of_many(copper)) - copper.lobe / 1.5f), 0.08f);
+}
+
 TEST(Whiten, MakesAColouredLobeAWhiteOne) {
     Random random(4);
     WardFitOptions exact;
