@@ -35,10 +35,19 @@ Told told(float value, float error, float prior, float prior_sigma, float spread
             1 / (variance * prior_variance * left + spread2)};
 }
 
+// [1] alpha from which on a lobe is so wide that it may stand in for matt reflection, and where all of it
+// may.
+constexpr float kWide = 0.3f, kAllWide = 0.45f;
+
+// Part of a lobe that may stand in for matt reflection.
+float wide_part(float alpha) { return std::clamp((alpha - kWide) / (kAllWide - kWide), 0.0f, 1.0f); }
+
 // What pixels of a row say, with columns beyond both ends that say nothing: the loops over neighbours have no
 // special cases and can be vectorised.
 struct Row {
-    std::vector<float> red, green, blue, ln_alpha, ln_alpha_weight, specular, specular_weight;
+    std::vector<float> red, green, blue;  // of rho_d
+    std::vector<float> wide;              // rho_s, as far as it may stand in for that
+    std::vector<float> ln_alpha, ln_alpha_weight, specular, specular_weight;
 
     Row() = default;
     Row(const Surface& s, const FitErrors& errors, const WardPrior& general, int y) {
@@ -48,7 +57,7 @@ struct Row {
                    rho_sigma = static_cast<float>(general.specular_sigma);
         const auto size = static_cast<std::size_t>(s.width() + 2 * kLobeReach);
         for (std::vector<float>* values :
-             {&red, &green, &blue, &ln_alpha, &ln_alpha_weight, &specular, &specular_weight})
+             {&red, &green, &blue, &wide, &ln_alpha, &ln_alpha_weight, &specular, &specular_weight})
             values->assign(size, 0.0f);
         for (int x = 0; x < s.width(); ++x) {
             const auto at = static_cast<std::size_t>(x + kLobeReach);
@@ -58,6 +67,7 @@ struct Row {
             blue[at] = colour.b;
             if (!(s.confidence(x, y) > 0)) continue;
             const float alpha = s.roughness(x, y), rho = s.specular(x, y);
+            wide[at] = wide_part(alpha) * rho;
             const Told width =
                 told(std::log(alpha), errors.roughness(x, y) / alpha, middle, sigma, square(kLnAlphaSpread));
             ln_alpha[at] = width.value;
@@ -89,16 +99,22 @@ struct Moments {
     }
 };
 
-// 1 / distance^2 at which another colour is another material, of each pixel of a row.
-std::vector<float> inverse_scales2(const Row& row, std::size_t width) {
-    std::vector<float> result(width);
-    for (std::size_t x = 0; x < width; ++x) {
-        const std::size_t at = x + kLobeReach;
-        const float brightness = (row.red[at] + row.green[at] + row.blue[at]) / 3;
-        result[x] = 1 / (3 * square(2 * (kColour * brightness + kColourFloor)));
+// 1 / distance^2 at which another colour is another material, of each pixel of a row: by rho_d, and by rho_d
+// with wide lobes.
+struct InverseScales2 {
+    std::vector<float> matt, both;
+    InverseScales2(const Row& row, std::size_t width) : matt(width), both(width) {
+        const auto of = [](float brightness) {
+            return 1 / (3 * square(2 * (kColour * brightness + kColourFloor)));
+        };
+        for (std::size_t x = 0; x < width; ++x) {
+            const std::size_t at = x + kLobeReach;
+            const float brightness = (row.red[at] + row.green[at] + row.blue[at]) / 3;
+            matt[x] = of(brightness);
+            both[x] = of(brightness + row.wide[at]);
+        }
     }
-    return result;
-}
+};
 
 // Adds what a neighbour says of a number of the lobe of pixel i, as far as it is `alike`.
 TP_INLINE void add_told(float alike, float value, float weight, int i, float* __restrict weights,
@@ -111,25 +127,30 @@ TP_INLINE void add_told(float alike, float value, float weight, int i, float* __
 }
 
 // Adds what `row` has `shift` columns to the right of each pixel of `own`. How alike two colours are falls
-// from 1 to 0 by Tukey's biweight, which near 1 is a Gaussian.
+// from 1 to 0 by Tukey's biweight, which near 1 is a Gaussian. Pixels of one material have rho_d in common,
+// or, where the fit took a wide lobe of some for a part of it, both together.
 TP_VECTOR_CLONES
-void add_neighbours(const Row& own, const Row& row, int shift, const std::vector<float>& inverse_scales2,
+void add_neighbours(const Row& own, const Row& row, int shift, const InverseScales2& scales,
                     Moments& ln_alpha, Moments& specular) {
-    const int size = static_cast<int>(inverse_scales2.size());
+    const int size = static_cast<int>(scales.matt.size());
     const std::ptrdiff_t here = kLobeReach, at = kLobeReach + shift;
     const float *r = own.red.data() + here, *g = own.green.data() + here, *b = own.blue.data() + here;
     const float *nr = row.red.data() + at, *ng = row.green.data() + at, *nb = row.blue.data() + at;
+    const float *wide = own.wide.data() + here, *n_wide = row.wide.data() + at;
     const float *a = row.ln_alpha.data() + at, *a_weight = row.ln_alpha_weight.data() + at;
     const float *s = row.specular.data() + at, *s_weight = row.specular_weight.data() + at;
-    const float* inverse_scale2 = inverse_scales2.data();
+    const float *matt_scale = scales.matt.data(), *both_scale = scales.both.data();
     float *__restrict aw = ln_alpha.weight.data(), *__restrict as = ln_alpha.sum.data(),
           *__restrict aq = ln_alpha.squares.data(), *__restrict an = ln_alpha.count.data();
     float *__restrict sw = specular.weight.data(), *__restrict ss = specular.sum.data(),
           *__restrict sq = specular.squares.data(), *__restrict sn = specular.count.data();
     for (int i = 0; i < size; ++i) {
         const float red = nr[i] - r[i], green = ng[i] - g[i], blue = nb[i] - b[i];
-        const float distance2 = red * red + green * green + blue * blue;
-        const float near = std::max(1 - distance2 * inverse_scale2[i], 0.0f), alike = near * near;
+        const float more = n_wide[i] - wide[i];
+        const float by_matt = red * red + green * green + blue * blue;
+        const float by_both = by_matt + more * (3 * more + 2 * (red + green + blue));
+        const float distance2 = std::min(by_matt * matt_scale[i], by_both * both_scale[i]);
+        const float near = std::max(1 - distance2, 0.0f), alike = near * near;
         add_told(alike, a[i], a_weight[i], i, aw, as, aq, an);
         add_told(alike, s[i], s_weight[i], i, sw, ss, sq, sn);
     }
@@ -156,15 +177,15 @@ void LobePriors::advance(int y0, int y1) {
     parallel_for(begin, end_, 4, [&](int from, int to) {
         for (int y = from; y < to; ++y) {
             const Row& own = rows[static_cast<std::size_t>(y - top)];
-            const std::vector<float> inverse_scale2 = inverse_scales2(own, width);
+            const InverseScales2 scales(own, width);
             Moments ln_alpha(width, general_.ln_alpha, general_.ln_alpha_sigma),
                 specular(width, general_.specular, general_.specular_sigma);
             for (int v = y - kLobeReach; v <= y + kLobeReach; v += kStep) {
                 if (v < 0 || v >= surface_.height()) continue;
                 for (int shift = -kLobeReach; shift <= kLobeReach; shift += kStep)
                     if (v != y || shift != 0)
-                        add_neighbours(own, rows[static_cast<std::size_t>(v - top)], shift, inverse_scale2,
-                                       ln_alpha, specular);
+                        add_neighbours(own, rows[static_cast<std::size_t>(v - top)], shift, scales, ln_alpha,
+                                       specular);
             }
             Prior* prior = &priors_[offset_of(y)];
             for (std::size_t x = 0; x < width; ++x)

@@ -19,8 +19,9 @@ constexpr int kLobeReach = 6;  // [pixels] how far neighbours are asked
 inline float square(float v) { return v * v; }
 
 // The prior of each pixel's ln alpha and rho_s: mean and spread of what the neighbours within kLobeReach
-// pixels have, weighted by how certain they are and how alike in colour; drawn to `general`, which is all
-// there is where no neighbour is alike. The pixel itself has no say in it.
+// pixels have, weighted by how certain they are and how alike in colour (of rho_d, or of rho_d and a lobe so
+// wide that it may stand in for it); drawn to `general`, which is all there is where no neighbour is alike.
+// The pixel itself has no say in it.
 //
 // Rows are gone through from top to bottom and may be overwritten once they have been used: what is kept is
 // memory for a few rows. References to surface and errors are kept.

@@ -136,6 +136,22 @@ TEST(LobePrior, DoesNotHearThePixelItself) {
     EXPECT_EQ(before.specular, after.specular);
 }
 
+// A lobe that is wide enough looks like matt paint: a pixel that was fitted as one, and has hardly any rho_d
+// left, is of the material of its neighbours all the same. A narrow lobe of that strength is another
+// material.
+TEST(LobePrior, IsThatOfTheNeighboursWhereALobeStandsInForMattPaint) {
+    TwoPaints paints(0.05, 0.003);
+    paints.surface.diffuse(16, 12) = Rgb(0, 0, 0.35f);
+    paints.surface.specular(16, 12) = 0.15f;
+    paints.surface.roughness(16, 12) = 0.5f;
+    const WardPrior general, p = prior_at(paints.surface, paints.errors, general, 16, 12);
+    EXPECT_NEAR(p.ln_alpha, std::log(0.4), 0.12);
+    EXPECT_NEAR(p.specular, 0.02, 0.006);
+    paints.surface.roughness(16, 12) = 0.2f;
+    const WardPrior narrow = prior_at(paints.surface, paints.errors, general, 16, 12);
+    EXPECT_GT(narrow.specular_sigma, 3 * p.specular_sigma);
+}
+
 TEST(LobePrior, IsTheSameWhereRowsAreOverwrittenOnceTheyWereUsed) {
     const TwoPaints paints(0.2, 0.01);
     LobePriors whole(paints.surface, paints.errors, {});
