@@ -2,9 +2,11 @@
 
 #include <gmock/gmock.h>
 
+#include <Eigen/Cholesky>
 #include <iostream>
 
 #include "fit/compare.h"
+#include "fit/faithful_kernel.h"
 #include "surface/parallel.h"
 #include "surface/picture_file.h"
 #include "surface/relight.h"
@@ -97,6 +99,40 @@ TEST(FaithfulFit, NoiseIsNoResidual) {
     const FaithfulFit fit = fit_faithful(scene.surface, scene.stack, {.faithful_samples = 200});
     EXPECT_FALSE(fit.report.used);
     EXPECT_TRUE(fit.residual.empty());
+}
+
+// Residuals that change within the step between lamps: left-out photographs tell hardly anything of them, and
+// nothing of how near a photograph one may go by it.
+TEST(FaithfulFit, OfKernelsThatGainAsMuchTheMostCarefulOneIsTaken) {
+    using namespace faithful;
+    constexpr int kSamples = 400;
+    std::vector<Vec3> directions;
+    for (int i = 0; i < 24; ++i) {
+        const float azimuth = 0.4833f * static_cast<float>(i), up = i < 13 ? 0.26f : 0.83f;
+        directions.emplace_back(std::cos(up) * std::cos(azimuth), std::cos(up) * std::sin(azimuth),
+                                std::sin(up));
+    }
+    const Matrix kernel = kernel_matrix(directions, Kernel::gaussian, 0.25);
+    const Matrix root = kernel.llt().matrixL();
+    Random random(8);
+    Samples samples;
+    samples.residual.resize(24, 3 * kSamples);
+    for (double& v : samples.residual.reshaped()) v = 0.02 * random.normal();
+    samples.residual = root * samples.residual;
+    samples.to_rgb.assign(kSamples, glm::mat3(1));
+    for (int i = 0; i < 24; ++i) {
+        Sampled& photo = samples.photos.emplace_back();
+        photo.irradiance.assign(kSamples, Rgb(1));
+        photo.relit.assign(kSamples, Rgb(0.4f));
+        for (int j = 0; j < kSamples; ++j)
+            photo.stored.push_back(Rgb(0.4f) +
+                                   Rgb(Vec3(samples.residual(i, 3 * j), samples.residual(i, 3 * j + 1),
+                                            samples.residual(i, 3 * j + 2))));
+    }
+    const Choice choice = choose_kernel(samples, {}, directions, {});
+    const double alone = psnr_with(samples, {}, 0, [](std::size_t) { return Vec3(0); });
+    EXPECT_LT(choice.mean_db, alone + 1.5) << "hardly anything is told";
+    EXPECT_GE(choice.ridge, 0.3);
 }
 
 TEST(FaithfulFit, FewPhotographsAndOtherSizesAreErrors) {
