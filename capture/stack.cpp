@@ -42,14 +42,20 @@ void relate_to_reference(std::vector<StackPhoto>& photos) {
     }
 }
 
-void leave_out_lights_from_below(Stack& stack, const fs::path& lights_path) {
+void leave_out_lights_from_below(Stack& stack, const fs::path& lights_path, std::vector<LeftOut>& left_out) {
     std::vector<std::string> below;
     std::vector<StackPhoto> kept;
     for (StackPhoto& photo : stack.photos) {
-        if (photo.light.direction.z > 0)
+        if (photo.light.direction.z > 0) {
             kept.push_back(std::move(photo));
-        else
-            below.push_back(fmt::format("{} (z = {:.4f})", photo.light.name, photo.light.direction.z));
+            continue;
+        }
+        const double z = photo.light.direction.z;
+        below.push_back(fmt::format("{} (z = {:.4f})", photo.light.name, z));
+        left_out.push_back(
+            {photo.light.name,
+             fmt::format("{}: its light comes from below the painting's plane (z = {:.4f}); correct it there",
+                         lights_path.string(), z)});
     }
     stack.photos = std::move(kept);
     if (below.empty()) return;
@@ -196,7 +202,7 @@ UsableStack opened(const fs::path& folder, const StackOptions& options, const Us
             require_few(result.left_out, stack.photos.size() + result.left_out.size(), kFewestPhotos,
                         folder.string());
     }
-    leave_out_lights_from_below(stack, calibration.lights_path);
+    leave_out_lights_from_below(stack, calibration.lights_path, result.left_out);
     check_headers(stack);
     const Region photo = stack.crop;
     apply_geometry(stack, calibration);

@@ -15,8 +15,8 @@ struct UsableOptions {
 
 struct UsableStack {
     Stack stack;
-    std::vector<LeftOut> left_out;
-    bool lights_by_order = false;  // no name in the lights file is that of a photograph
+    std::vector<LeftOut> left_out;  // lit from below the painting's plane, too
+    bool lights_by_order = false;   // no name in the lights file is that of a photograph
     std::optional<std::filesystem::path> found_mask{};
     std::vector<std::string> poor{};  // what calibrate called poor of what is used
 };

@@ -6,6 +6,7 @@
 
 #include <functional>
 
+#include "capture/usable_stack.h"
 #include "surface/painting_file.h"
 #include "tests/test_support.h"
 
@@ -207,6 +208,10 @@ TEST(OpenStack, LeavesOutALightFromBelowWithAWarning) {
                 ElementsAre(dir.path().string() +
                             "/lights.lp: left out 1 photograph lit from below the painting's plane: "
                             "photo_001.png (z = -0.4472)"));
+    const UsableStack usable = open_usable_stack(dir.path(), {});
+    ASSERT_EQ(usable.left_out.size(), 1u);
+    EXPECT_EQ(usable.left_out[0].name, "photo_001.png");
+    EXPECT_THAT(usable.left_out[0].reason, HasSubstr("below the painting's plane (z = -0.4472)"));
 }
 
 TEST(HoldOut, TakesPositionsNamesAndSteps) {
