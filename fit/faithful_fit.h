@@ -3,9 +3,9 @@
 // Gaussian-process regression (Rasmussen, Williams 2006, ch. 2) of the residual over the light's direction,
 // with one kernel for all pixels, so that every pixel takes the same few matrix products. Kernel, reach and
 // ridge are those that predict each fitted photograph best from all others, in the photographs' encoding
-// (leave-one-out in closed form, the same book, eq. 5.12). Where that gains nothing, there is no residual.
-// The functions of the direction are the principal components of what the regression predicts at the
-// photographs.
+// (leave-one-out in closed form, the same book, eq. 5.12); of those that do so as well, the most careful
+// ones. Where that gains nothing, there is no residual. The functions of the direction are the principal
+// components of what the regression predicts at the photographs.
 #pragma once
 
 #include <nlohmann/json.hpp>

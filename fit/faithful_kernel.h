@@ -53,7 +53,8 @@ struct Choice {
     double mean_db = -1e9;
 };
 
-// Of all kernels, reaches and ridges the one that predicts each photograph best from the others.
+// Of all kernels, reaches and ridges the one that predicts each photograph best from the others; of those
+// that do so as well, the one of the largest ridge, then of the least reach.
 Choice choose_kernel(const Samples& samples, const Colours& colours, const std::vector<Vec3>& directions,
                      const Progress& progress);
 

@@ -29,7 +29,8 @@ struct LobeEvidence {
 LobeEvidence lobe_evidence(const PixelSamples& samples, const WardEstimate& estimate,
                            const WardFitOptions& options);
 
-// [1] What evidence comes to, as Surface::lobe_colour: the largest channel 1; white unless it clearly is not.
+// [1] What evidence comes to, as Surface::lobe_colour: the largest channel 1; white unless it clearly is not,
+// and beyond what the matt part explains.
 Rgb lobe_colour_of(const LobeEvidence& evidence);
 
 // The same of all pixels, each with the neighbours that look like it (as kLobeReach of lobe_prior.h). Of the
