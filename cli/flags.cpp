@@ -91,6 +91,7 @@ template Flag Flags::option(const std::string&, int&, const std::string&);
 template Flag Flags::option(const std::string&, std::uint64_t&, const std::string&);
 template Flag Flags::option(const std::string&, float&, const std::string&);
 template Flag Flags::option(const std::string&, double&, const std::string&);
+template Flag Flags::option(const std::string&, std::optional<int>&, const std::string&);
 template Flag Flags::option(const std::string&, std::optional<float>&, const std::string&);
 template Flag Flags::option(const std::string&, std::optional<double>&, const std::string&);
 
