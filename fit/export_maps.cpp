@@ -56,7 +56,7 @@ private:
 std::vector<fs::path> write_maps(const fs::path& folder, const Surface& s, const Progress& progress) {
     Writer write(folder, 7 + (s.lobe_colour.empty() ? 0 : 1) + (s.lobe_axes.empty() ? 0 : 2), progress);
     write("height.exr", [&](const fs::path& path) { write_map(path, s.height_mm); });
-    write("normal.exr", [&](const fs::path& path) { write_picture(path, s.normal, Transfer{}); });
+    write("normal.exr", [&](const fs::path& path) { write_map(path, s.normal); });
     write("diffuse.exr", [&](const fs::path& path) { write_picture(path, s.diffuse, Transfer{}); });
     write("specular.exr", [&](const fs::path& path) { write_map(path, s.specular); });
     write("roughness.exr", [&](const fs::path& path) { write_map(path, s.roughness); });
@@ -101,14 +101,14 @@ std::vector<fs::path> write_openlime(const fs::path& folder, const Surface& s, c
         if (s.lobe_colour.empty()) return write_map(path, s.specular, storage);
         Image<Rgb> ks = s.lobe_colour;
         for (std::size_t i = 0; i < ks.size(); ++i) ks.pixels()[i] *= s.specular.pixels()[i];
-        write_picture(path, ks, Transfer{}, storage);
+        write_map(path, ks, storage);
     });
     write("normals.png", [&](const fs::path& path) {
         Image<Rgb> encoded = s.normal;
         for (std::size_t i = 0; i < encoded.size(); ++i)  // one that was not measured is shown as a hole
             encoded.pixels()[i] =
                 s.confidence.pixels()[i] > 0 ? (encoded.pixels()[i] + 1.0f) / 2.0f : Rgb(0.5f);
-        write_picture(path, encoded, Transfer{}, storage);
+        write_map(path, encoded, storage);
     });
     write("gloss.png", [&](const fs::path& path) {
         const float m = 1 - std::pow(most, 0.25f), high = 1 - std::pow(least, 0.25f);

@@ -21,7 +21,8 @@ std::vector<std::filesystem::path> write_maps(const std::filesystem::path& folde
                                               const Progress& progress = {});
 
 // What OpenLIME's Ward shader takes: kd.png (sRGB), ks.png (in colour where lobes are), normals.png (2 c -
-// 1), gloss.png (of lobes that are drawn out the mean), 8 bit, since browsers show no more; and brdf.json
+// 1), gloss.png (of lobes that are drawn out the mean), 8 bit, since browsers show no more, all but kd.png
+// without a colour space, so that a page's shader has the numbers as they are; and brdf.json
 // with colorspaces and alphaLimits, which its channels need. Lobes outside the limits [0.01, 1] and rho_d
 // above 1 are clamped; the number of clamped pixels is in brdf.json. Haze and diffuse roughness have no place
 // there and are left out.

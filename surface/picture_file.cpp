@@ -179,8 +179,14 @@ void write_picture(const fs::path& path, const Image<Rgb>& linear, const Transfe
 
 void write_map(const fs::path& path, const Image<float>& values, const PictureStorage& storage) {
     write_samples(
-        path, [&](int y, int) { return &values(0, y); }, values.region(), 1, depth_of(path, storage),
-        "Linear", storage.jpeg_quality);
+        path, [&](int y, int) { return &values(0, y); }, values.region(), 1, depth_of(path, storage), {},
+        storage.jpeg_quality);
+}
+
+void write_map(const fs::path& path, const Image<Rgb>& values, const PictureStorage& storage) {
+    write_samples(
+        path, [&](int y, int) { return &values(0, y).r; }, values.region(), 3, depth_of(path, storage), {},
+        storage.jpeg_quality);
 }
 
 void write_picture_8bit(const fs::path& path, const Image<Rgb>& encoded_srgb) {

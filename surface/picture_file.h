@@ -22,8 +22,11 @@ struct PictureStorage {
 void write_picture(const std::filesystem::path& path, const Image<Rgb>& linear, const Transfer& transfer,
                    const PictureStorage& storage = {});
 
-// Writes numbers as they are, one channel, in the same formats; integers hold 0..1.
+// Writes numbers as they are, one or three channels, in the same formats; integers hold 0..1. Numbers are no
+// colours: the file says nothing of a colour space, by which browsers and editors would convert them.
 void write_map(const std::filesystem::path& path, const Image<float>& values,
+               const PictureStorage& storage = {});
+void write_map(const std::filesystem::path& path, const Image<Rgb>& values,
                const PictureStorage& storage = {});
 
 // Writes numbers that are pictures already (0..1, sRGB-encoded), 8 bit: contact sheets, error maps.

@@ -15,7 +15,7 @@ std::string png_of(const float* samples, const Region& size, int channels, int b
     OIIO::ImageSpec spec(size.width(), size.height(), channels,
                          bits == 16 ? OIIO::TypeDesc::UINT16 : OIIO::TypeDesc::UINT8);
     spec.attribute("oiio:UnassociatedAlpha", 1);
-    spec.attribute("oiio:ColorSpace", channels >= 3 ? "sRGB" : "Linear");
+    if (channels >= 3) spec.attribute("oiio:ColorSpace", "sRGB");
     spec.attribute("png:compressionLevel", 4);
     std::vector<unsigned char> bytes;
     OIIO::Filesystem::IOVecOutput memory(bytes);
@@ -40,8 +40,8 @@ std::string png_bytes(const Image<Rgb>& encoded, const Image<float>& alpha, int 
     return png_of(samples.data(), encoded.region(), 4, bits);
 }
 
-std::string png_bytes(const Image<float>& grey, int bits) {
-    return png_of(grey.data(), grey.region(), 1, bits);
+std::string png_bytes(const Image<float>& values, int bits) {
+    return png_of(values.data(), values.region(), 1, bits);
 }
 
 }  // namespace tangi
