@@ -44,8 +44,9 @@ protected:
         if (browser_program().empty()) GTEST_SKIP() << "no Chromium here (Debian: chromium-headless-shell)";
         browser_.emplace(scratch_.path());
     }
-    void open(const std::string& url) {
-        browser_->open(url, kScreenWidth, kScreenHeight);
+    void open(const std::string& url) { open_at(url, {kScreenWidth, kScreenHeight}); }
+    void open_at(const std::string& url, glm::ivec2 screen) {
+        browser_->open(url, screen.x, screen.y);
         ASSERT_TRUE(browser_->becomes_true("document.documentElement.dataset.drawn === 'whole'"))
             << browser_->errors;
     }
@@ -105,6 +106,77 @@ TEST_F(WebPageInABrowser, FollowsTheHand) {
     EXPECT_EQ(browser_->errors, "");
 }
 
+// A link that is followed within the page, as between figures of a text; and numbers that nobody could reach
+// by hand.
+TEST_F(WebPageInABrowser, FollowsLinksAndShowsWhatCanBeShown) {
+    write_web_page(scratch_ / "page.html", painted_surface(kWidth, kHeight), {.title = "Ridges"});
+    open("file://" + (scratch_ / "page.html").string() + "#zoom=1&azimuth=20&elevation=500&exposure=99");
+    const auto angles_are = [&](const std::string& text) {
+        return browser_->becomes_true(
+            fmt::format("document.getElementById('angles').textContent === '{}'", text));
+    };
+    EXPECT_TRUE(angles_are("20° · 90° high"));
+    EXPECT_EQ(browser_->evaluate("+document.getElementById('exposure').value"), 3);
+    const Image<Rgb> before = browser_->screenshot();
+    for (const auto& [hash, angles] : std::vector<std::pair<std::string, std::string>>{
+             {"azimuth=150&elevation=20", "150° · 20° high"},
+             {"azimuth=-730&elevation=-5&x=-1e9&tilt_x=800", "350° · 2° high"},
+             {"azimuth=12,5&elevation=33,2", "13° · 33° high"},
+             {"azimuth=abc&elevation=&zoom=nan&look=77", "13° · 33° high"}}) {
+        browser_->evaluate(fmt::format("location.hash = '{}'", hash));
+        EXPECT_TRUE(angles_are(angles)) << hash;
+    }
+    browser_->evaluate("location.hash = 'azimuth=200&elevation=15&tilt_x=0&x=150&y=135&exposure=0&look=0'");
+    EXPECT_TRUE(angles_are("200° · 15° high"));
+    EXPECT_TRUE(browser_->becomes_true("document.documentElement.dataset.drawn === 'whole'"));
+    EXPECT_LT(part_within(before, browser_->screenshot(), 3), 0.9) << "the picture follows the link";
+    browser_->evaluate("location.hash = 'ui=0'");
+    EXPECT_TRUE(browser_->becomes_true("document.body.classList.contains('bare')"));
+    EXPECT_EQ(browser_->errors, "");
+}
+
+// Every control can be reached, also on a phone.
+TEST_F(WebPageInABrowser, HasAllControlsOnAnyScreen) {
+    write_web_page(scratch_ / "page.html", painted_surface(kWidth, kHeight), {.title = "Ridges"});
+    for (const glm::ivec2 screen : {glm::ivec2{360, 640}, {844, 390}, {768, 1024}, {1366, 768}}) {
+        open_at("file://" + (scratch_ / "page.html").string(), screen);
+        browser_->evaluate(
+            "{ const more = document.getElementById('more'); if (more.offsetWidth) more.click(); }");
+        const nlohmann::json hidden = browser_->evaluate(
+            "[...document.querySelectorAll('#controls button, #controls select, #controls input')].filter(e "
+            "=> {"
+            "const b = e.getBoundingClientRect(); return e.id !== 'more' && !(b.width > 0 && b.left >= 0 &&"
+            "b.right <= innerWidth && b.bottom <= innerHeight); }).map(e => e.id)");
+        EXPECT_EQ(hidden, nlohmann::json::array()) << screen.x << " x " << screen.y;
+    }
+    EXPECT_EQ(browser_->errors, "");
+}
+
+// What is painted below a pane: with the panes hidden the screen shows there what is around the painting.
+TEST_F(WebPageInABrowser, BeginsBesideItsCaption) {
+    for (const glm::ivec2 painting : {glm::ivec2{300, 200}, {200, 300}}) {
+        write_web_page(scratch_ / "page.html", painted_surface(painting.x, painting.y),
+                       {.title = "Ridges and grains", .credit = "A. Painter, 1901"});
+        for (const glm::ivec2 screen : {glm::ivec2{390, 844}, {844, 390}, {1366, 768}}) {
+            open_at("file://" + (scratch_ / "page.html").string(), screen);
+            const nlohmann::json panes = browser_->evaluate(
+                "['caption', 'lighting'].map(id => { const b = "
+                "document.getElementById(id).getBoundingClientRect();"
+                "return [b.left, b.top, b.right, b.bottom]; })");
+            browser_->evaluate(
+                "['caption', 'lighting', 'scale'].forEach(id => document.getElementById(id).style.visibility "
+                "= 'hidden')");
+            const Image<Rgb> picture = browser_->screenshot();
+            const Rgb around = picture(1, 1);
+            for (const nlohmann::json& box : panes)
+                for (int y = box[1].get<int>() + 1; y < box[3].get<int>(); ++y)
+                    for (int x = box[0].get<int>() + 1; x < box[2].get<int>(); ++x)
+                        ASSERT_LT(glm::distance(picture(x, y), around), 0.02f)
+                            << x << ", " << y << " of " << screen.x << " x " << screen.y;
+        }
+    }
+}
+
 TEST_F(WebPageInABrowser, SaysWhatTheBrowserLacks) {
     write_web_page(scratch_ / "page.html", painted_surface(kWidth, kHeight), {});
     browser_.emplace(scratch_.path(), "--disable-3d-apis");
@@ -144,6 +216,12 @@ TEST(WebPage, IsPublishedAsAWhole) {
         write_web_page(dir / "page", s, {.title = "</script><b>bold</b>", .credit = "me"});
     EXPECT_EQ(report.levels, 2);
     EXPECT_EQ(report.tiles, 3);
+    std::size_t on_disk = 0;
+    for (const auto& entry : fs::recursive_directory_iterator(dir / "page"))
+        if (entry.is_regular_file()) on_disk += entry.file_size();
+    EXPECT_EQ(report.bytes, on_disk);
+    EXPECT_EQ(report.first_bytes,
+              fs::file_size(dir / "page/index.html") + fs::file_size(dir / "page/parts/1/0_0.js"));
     const std::string page = read_text_file(dir / "page/index.html");
     EXPECT_EQ(page.find("</script><b>"), std::string::npos) << "a title stays text";
     EXPECT_EQ(page.find("http"), std::string::npos) << "nothing comes from elsewhere";

@@ -30,14 +30,15 @@ namespace {
 class Parts {
 public:
     virtual ~Parts() = default;
-    virtual void add(const std::string& name, const std::string& bytes) = 0;  // from any thread
+    // From any thread. Returns how many bytes it takes as it is sent.
+    virtual std::size_t add(const std::string& name, const std::string& bytes) = 0;
 };
 
 // <script type="text/plain"> is not run and not shown: text that the page looks up by its id.
 class PartsInside : public Parts {
 public:
     PartsInside(const fs::path& page, double largest_mb) : page_(page), largest_mb_(largest_mb) {}
-    void add(const std::string& name, const std::string& bytes) override {
+    std::size_t add(const std::string& name, const std::string& bytes) override {
         const std::string element =
             fmt::format("<script type=\"text/plain\" id=\"part-{}\">{}</script>\n", name, base64(bytes));
         const std::lock_guard lock(mutex_);
@@ -49,6 +50,7 @@ public:
                 "from "
                 "which browsers fetch what they show, or raise --largest-page-mb",
                 page_.string(), largest_mb_);
+        return element.size();
     }
     std::string text() const {  // in the order of their names, whatever thread was first
         std::string all;
@@ -79,11 +81,12 @@ public:
         fs::remove_all(hidden_, ignored);
         if (made_ && !placed_) fs::remove(folder_, ignored);
     }
-    void add(const std::string& name, const std::string& bytes) override {
+    std::size_t add(const std::string& name, const std::string& bytes) override {
         const fs::path path = hidden_ / (name + ".js");
+        const std::string text = fmt::format("tangiPart('{}','{}');\n", name, base64(bytes));
         make_folder(path.parent_path());
-        told_of(hidden_, folder_ / "parts",
-                [&] { write_text_file(path, fmt::format("tangiPart('{}','{}');\n", name, base64(bytes))); });
+        told_of(hidden_, folder_ / "parts", [&] { write_text_file(path, text); });
+        return text.size();
     }
     // The old parts are gone once the new ones are there.
     void place() {
@@ -189,18 +192,14 @@ void add_parts(Parts& parts, const TexelTiles& tiles, const HorizonMap& horizon,
         parallel_for(first, std::min(first + kAtOnce, count), 1, [&](int begin, int end) {
             for (int i = begin; i < end; ++i) {
                 const TileName& p = places[static_cast<std::size_t>(i)];
-                const std::string tile = web_tile(tiles, p);
-                bytes += tile.size();
-                if (i == 0) report.first_bytes = tile.size();
-                parts.add(fmt::format("{}/{}_{}", p.level, p.column, p.row), tile);
+                const std::size_t sent =
+                    parts.add(fmt::format("{}/{}_{}", p.level, p.column, p.row), web_tile(tiles, p));
+                bytes += sent;
+                if (i == 0) report.first_bytes = sent;
             }
         });
     }
-    if (!horizon.values.empty()) {
-        const std::string packed = web_horizon(horizon);
-        bytes += packed.size();
-        parts.add("horizon", packed);
-    }
+    if (!horizon.values.empty()) bytes += parts.add("horizon", web_horizon(horizon));
     report.levels = levels;
     report.tiles = count;
     report.bytes = bytes;

@@ -46,7 +46,7 @@ struct WebWords {
 struct WebReport {
     std::vector<std::filesystem::path> files;  // the page, and the folder of its parts where there is one
     int levels = 0, tiles = 0;
-    std::size_t bytes = 0;        // of all parts as they are sent
+    std::size_t bytes = 0;        // of all files, as they lie on the disk and are sent
     std::size_t first_bytes = 0;  // before the first picture: page and coarsest tile
 };
 

@@ -3,9 +3,9 @@
 const degreesPerHeight = 120, halfSpeed = 0.15, halfWay = 0.06, sweepSpeed = 40;
 
 class Hand {
-  // state: view, tilt, light, tool, …; changed() after every change.
-  constructor(canvas, state, screen, changed) {
-    Object.assign(this, {canvas, state, screen, changed, pointers: new Map(), cursor: null});
+  // state: view, tilt, light, tool, …; changed() after every change. fit() shows the whole painting.
+  constructor(canvas, state, screen, fit, changed) {
+    Object.assign(this, {canvas, state, screen, fit, changed, pointers: new Map(), cursor: null});
     this.still = matchMedia('(prefers-reduced-motion: reduce)').matches;
     canvas.addEventListener('pointerdown', event => this.down(event));
     canvas.addEventListener('pointermove', event => this.move(event));
@@ -139,7 +139,7 @@ class Hand {
     if (tools[key]) state.tool = tools[key];
     else if (key === '+' || key === '=') this.zoom(1.25, middle);
     else if (key === '-') this.zoom(0.8, middle);
-    else if (key === 'f') state.view = fitted(screen, state.view.turn);
+    else if (key === 'f') this.fit();
     else if (key === '1') this.zoom(1 / state.view.zoom, middle);
     else if (key === ',' || key === '.') state.view = {...state.view, turn: state.view.turn + (key === ',' ? 15 : -15)};
     else if (key === 'r') Object.assign(state, {tilt: {...state.tilt, vx: 0, vy: 0, returning: true}, view: {...state.view, turn: 0}});

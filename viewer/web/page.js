@@ -9,23 +9,32 @@ const state = {
   loupe: false, ruler: null, exposure: 0, ambient: 0.03, shoulder: 0.15, ui: true,
 };
 const screen = {width: 1, height: 1};
-let drawing, scale = 1, wanted = false, frameTime = 0, placed = false;
+let drawing, scale = 1, wanted = false, frameTime = 0, placed = false, fittedZoom = 0;
 
-// A link holds what it shows: #azimuth=135&elevation=20&look=1&x=…&y=…&zoom=…; zoom=fit where it is left out.
-const linked = {azimuth: ['light', 'azimuth'], elevation: ['light', 'elevation'], tilt_x: ['tilt', 'x'], tilt_y: ['tilt', 'y'], x: ['view', 'x'],
-  y: ['view', 'y'], zoom: ['view', 'zoom'], turn: ['view', 'turn'], look: ['look'], exposure: ['exposure'], ambient: ['ambient'], shoulder: ['shoulder']};
+// A link holds what it shows: #azimuth=135&elevation=20&look=1&x=…&y=…&zoom=…; the whole painting where zoom is left out.
+// Of each number: where it is in the state, and what of any number can be shown, as the hand would reach it.
+const within = (low, high) => value => clamp(value, low, high), around = value => value - 360 * Math.ceil((value - 180) / 360);
+const linked = {
+  azimuth: ['light', 'azimuth', around], elevation: ['light', 'elevation', within(lowestLight, 90)],
+  tilt_x: ['tilt', 'x', within(-mostTilt, mostTilt)], tilt_y: ['tilt', 'y', within(-mostTilt, mostTilt)],
+  x: ['view', 'x', within(0, data.width - 1)], y: ['view', 'y', within(0, data.height - 1)], zoom: ['view', 'zoom', within(leastZoom, mostZoom)],
+  turn: ['view', 'turn', around], look: ['look', '', value => clamp(Math.round(value), 0, data.looks.length - 1)],
+  exposure: ['exposure', '', within(-3, 3)], ambient: ['ambient', '', within(0, 1)], shoulder: ['shoulder', '', within(0, 1)],
+};
+// True where it says what part of the painting to show.
 function readLink() {
   const words = new URLSearchParams(location.hash.slice(1));
-  for (const [name, [key, inner]] of Object.entries(linked)) {
-    const value = parseFloat(words.get(name));
-    if (!Number.isFinite(value)) continue;
-    if (inner) state[key] = {...state[key], [inner]: value};
-    else state[key] = value;
+  for (const [name, [key, inner, shown]] of Object.entries(linked)) {
+    const word = (words.get(name) ?? '').trim().replace(',', '.'), value = Number(word);
+    if (!word || !Number.isFinite(value)) continue;
+    if (inner) state[key] = {...state[key], [inner]: shown(value)};
+    else state[key] = shown(value);
+    if (key === 'light') state.sweeping = false;
+    if (key === 'tilt') Object.assign(state.tilt, {vx: 0, vy: 0, returning: false});
   }
-  state.look = clamp(Math.round(state.look), 0, data.looks.length - 1);
-  state.view.zoom = clamp(state.view.zoom, 1 / 1024, 64);
   for (const key of ['shadows', 'ui']) if (words.has(key)) state[key] = words.get(key) !== '0';
   if (toolNames.some(([name]) => name === words.get('tool'))) state.tool = words.get('tool');
+  document.body.classList.toggle('bare', !state.ui);
   return words.has('zoom');
 }
 function link() {
@@ -132,14 +141,33 @@ function scaleBar() {
     `${+shown.toPrecision(1)} px`;
 }
 
+// Rectangles of the screen that the caption and the dome leave free: below both, between them, or below the one and
+// beside the other. Where they leave too little, the whole screen.
+function free() {
+  const stage = canvas.getBoundingClientRect(), toScreen = screen.width / Math.max(stage.width, 1), gap = 8;
+  const whole = {x0: 0, y0: 0, x1: screen.width, y1: screen.height};
+  const panes = ['caption', 'lighting'].map(id => at(id).getBoundingClientRect()).filter(box => box.width > 0);
+  const [caption, lighting] = panes.map(box => ({x0: (box.left - stage.left - gap) * toScreen, x1: (box.right - stage.left + gap) * toScreen,
+    y1: (box.bottom - stage.top + gap) * toScreen}));
+  if (!lighting) return [whole];
+  const candidates = [{...whole, y0: Math.max(caption.y1, lighting.y1)}, {...whole, x0: caption.x1, x1: lighting.x0},
+    {...whole, x1: lighting.x0, y0: caption.y1}, {...whole, x0: caption.x1, y0: lighting.y1}];
+  const usable = candidates.filter(r => r.x1 - r.x0 > 0.3 * screen.width && r.y1 - r.y0 > 0.3 * screen.height);
+  return usable.length ? usable : [whole];
+}
+
 function resized() {
   const ratio = Math.min(devicePixelRatio || 1, 3);
   const width = Math.max(1, Math.round(canvas.clientWidth * ratio)), height = Math.max(1, Math.round(canvas.clientHeight * ratio));
-  const fits = !placed || Math.abs(state.view.zoom / fitted(screen, state.view.turn).zoom - 1) < 1e-6;
+  const fits = !placed || state.view.zoom === fittedZoom;
   Object.assign(screen, {width, height});
-  if (fits) state.view = {...fitted(screen, state.view.turn)};
+  if (fits) fit();
   placed = true;
   ask();
+}
+function fit() {
+  state.view = fitted(screen, state.view.turn, free());
+  fittedZoom = state.view.zoom;
 }
 
 function caption() {
@@ -166,11 +194,14 @@ function setUp() {
   for (const key of ['shadows', 'loupe', 'sweeping']) at(key).onclick = () => { state[key] = !state[key]; ask(); };
   at('shadows').hidden = data.horizon[0] === 0;
   for (const [id, key] of [['fit', 'f'], ['one', '1'], ['straight', 'r']]) at(id).onclick = () => { hand.key({key}); ask(); };
+  at('full').hidden = !document.fullscreenEnabled;
   at('full').onclick = () => document.fullscreenElement ? document.exitFullscreen() : document.documentElement.requestFullscreen?.();
   at('link').onclick = () => {
     location.replace(link());
     navigator.clipboard?.writeText(location.href).then(() => { at('said').textContent = 'The link to this view has been copied.'; }, () => {});
   };
+  at('more').onclick = () => at('more').setAttribute('aria-expanded', at('more').getAttribute('aria-expanded') !== 'true');
+  window.addEventListener('hashchange', () => { readLink(); ask(); });
   const aim = event => {
     const box = at('dome').getBoundingClientRect(), x = (event.clientX - box.left) / box.width, y = (event.clientY - box.top) / box.height;
     state.sweeping = false;
@@ -189,13 +220,10 @@ function setUp() {
   new ResizeObserver(resized).observe(canvas);
 }
 
-const hand = new Hand(canvas, state, () => screen, ask);
+const hand = new Hand(canvas, state, () => screen, fit, ask);
 try {
   caption();
-  const given = readLink();
-  if (!given) Object.assign(state.view, fitted({width: canvas.clientWidth, height: canvas.clientHeight}));
-  placed = given;
-  document.body.classList.toggle('bare', !state.ui);
+  placed = readLink();
   // Twice what the screen shows at once, in megabytes: a tile has one.
   const pixels = canvas.clientWidth * canvas.clientHeight * Math.min(devicePixelRatio || 1, 3) ** 2;
   drawing = new Drawing(canvas, clamp(Math.round(5 * pixels / tileSide ** 2) + 24, 64, 512), ask,

@@ -1,7 +1,7 @@
 // placement.js: where the painting lies in space, and the light: as viewer/view.cpp and tilt.cpp have it.
 // Matrices are 3 x 3, column by column. Screen: device pixels from its upper left corner. Painting: pixels, whole
 // numbers are centres.
-const degree = Math.PI / 180, eyeHeights = 3, fitMargin = 0.95, lowestLight = 2, mostTilt = 75;
+const degree = Math.PI / 180, eyeHeights = 3, fitMargin = 0.95, lowestLight = 2, mostTilt = 75, leastZoom = 1 / 1024, mostZoom = 64;
 const clamp = (v, low, high) => Math.min(Math.max(v, low), high);
 
 function times(a, b) {
@@ -71,11 +71,15 @@ class Placement {
   level(scale) { return clamp(Math.round(Math.log2(Math.max(1, 1 / (scale * this.view.zoom)))), 0, data.levels - 1); }
 }
 
-function fitted(screen, turn = 0) {
+// The whole painting, as large as it can be in one of the rectangles `free` of the screen: {x0, y0, x1, y1}.
+function fitted(screen, turn = 0, free = [{x0: 0, y0: 0, x1: screen.width, y1: screen.height}]) {
   const c = Math.abs(Math.cos(turn * degree)), s = Math.abs(Math.sin(turn * degree));
   const width = c * data.width + s * data.height, height = s * data.width + c * data.height;
-  const zoom = clamp(fitMargin * Math.min(screen.width / width, screen.height / height), 1 / 1024, 64);
-  return {x: (data.width - 1) / 2, y: (data.height - 1) / 2, zoom, turn};
+  const zoomIn = r => clamp(fitMargin * Math.min((r.x1 - r.x0) / width, (r.y1 - r.y0) / height), leastZoom, mostZoom);
+  const best = free.reduce((a, b) => zoomIn(b) > zoomIn(a) * (1 + 1e-9) ? b : a);
+  const view = {x: (data.width - 1) / 2, y: (data.height - 1) / 2, zoom: zoomIn(best), turn};
+  const aside = unturned(view, (screen.width - best.x0 - best.x1) / 2, (screen.height - best.y0 - best.y1) / 2);
+  return {...view, x: view.x + aside[0], y: view.y + aside[1]};
 }
 
 // Right and down [pixels of the painting] of a vector on the screen.
@@ -86,7 +90,7 @@ function unturned(view, x, y) {
 // Larger by `factor`; what is at x, y of the screen stays there.
 function zoomed(view, factor, x, y, screen) {
   const before = unturned(view, x - screen.width / 2, y - screen.height / 2);
-  const next = {...view, zoom: clamp(view.zoom * factor, 1 / 1024, 64)};
+  const next = {...view, zoom: clamp(view.zoom * factor, leastZoom, mostZoom)};
   const after = unturned(next, x - screen.width / 2, y - screen.height / 2);
   return {...next, x: view.x + before[0] - after[0], y: view.y + before[1] - after[1]};
 }
