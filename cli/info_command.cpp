@@ -38,8 +38,19 @@ nlohmann::json spread(const Surface& s, const Value& value) {
 // [1] 0: white .. 1: a channel is missing.
 float saturation(const Rgb& colour) { return 1 - std::min({colour.r, colour.g, colour.b}); }
 
-// Heights in units of `unit_mm` as the file has them.
-nlohmann::json describe(const Surface& s, float unit_mm) {
+// Heights are counted in `unit` (height_unit.h) of `in_unit`, as the file has them.
+struct HeightUnit {
+    std::string_view unit;
+    float in_unit;
+    std::string key() const { return unit == "mm" ? "height_mm" : "height_px"; }
+};
+
+HeightUnit heights_of(const Canvas& canvas) {
+    return {height_unit_of(canvas.mm_per_pixel(), canvas.scale_known()),
+            static_cast<float>(canvas.height_unit_mm())};
+}
+
+nlohmann::json describe(const Surface& s, const HeightUnit& height) {
     const Photography& p = s.photography;
     const auto fitted =
         std::count_if(p.photos.begin(), p.photos.end(), [](const auto& photo) { return photo.fitted; });
@@ -59,7 +70,7 @@ nlohmann::json describe(const Surface& s, float unit_mm) {
         {"drawn_out_lobes", !s.lobe_axes.empty()},
         {"measured_pixels", measured},
         {"maps",
-         {{"height_mm", spread(s, [&](std::size_t i) { return unit_mm * s.height_mm.pixels()[i]; })},
+         {{height.key(), spread(s, [&](std::size_t i) { return height.in_unit * s.height_mm.pixels()[i]; })},
           {"diffuse_luminance", spread(s, [&](std::size_t i) { return luminance(s.diffuse.pixels()[i]); })},
           {"specular", spread(s, [&](std::size_t i) { return s.specular.pixels()[i]; })},
           {"roughness", spread(s, [&](std::size_t i) { return s.roughness.pixels()[i]; })},
@@ -94,28 +105,29 @@ nlohmann::json describe_paint(const Canvas& canvas) {
 }
 
 // Standard errors, as the fit stated them.
-nlohmann::json describe(const FitErrors& errors, const Surface& s, float unit_mm) {
+nlohmann::json describe(const FitErrors& errors, const Surface& s, const HeightUnit& height) {
     const auto of = [&](const Image<HalfError>& map) {
         return spread(s, [&](std::size_t i) { return float(map.pixels()[i]); });
     };
-    return {
-        {"height_mm", spread(s, [&](std::size_t i) { return unit_mm * float(errors.height.pixels()[i]); })},
-        {"slope", of(errors.slope)},
-        {"diffuse", of(errors.diffuse)},
-        {"specular", of(errors.specular)},
-        {"roughness", of(errors.roughness)}};
+    return {{height.key(),
+             spread(s, [&](std::size_t i) { return height.in_unit * float(errors.height.pixels()[i]); })},
+            {"slope", of(errors.slope)},
+            {"diffuse", of(errors.diffuse)},
+            {"specular", of(errors.specular)},
+            {"roughness", of(errors.roughness)}};
 }
 
 nlohmann::json describe(const Session& session) {
     const Canvas& canvas = session.canvas();
-    nlohmann::json json = describe(canvas.dry(), static_cast<float>(canvas.height_unit_mm()));
+    const HeightUnit height = heights_of(canvas);
+    nlohmann::json json = describe(canvas.dry(), height);
     json["mm_per_pixel"] = canvas.mm_per_pixel();
     json["scale_known"] = canvas.scale_known();
     json["scale_from"] = canvas.dry().scale_known     ? "painting"
                          : canvas.scale_known()       ? "given to paint with"
                          : canvas.mm_per_pixel() == 1 ? "nothing"
                                                       : "assumed";
-    json["height_unit"] = height_unit_of(canvas.mm_per_pixel(), canvas.scale_known());
+    json["height_unit"] = height.unit;
     json["paint"] = describe_paint(canvas);
     json["palette"] = json["brush"] = nullptr;
     if (const Canvas* board = session.board())
@@ -169,9 +181,9 @@ nlohmann::json run_info(const std::string& file) {
         read_tools(path, session, progress);
         const Canvas& canvas = session.canvas();
         nlohmann::json json = describe(session);
-        json["standard_errors"] = has_errors(path) ? describe(read_errors(path), canvas.dry(),
-                                                              static_cast<float>(canvas.height_unit_mm()))
-                                                   : nlohmann::json(nullptr);
+        json["standard_errors"] = has_errors(path)
+                                      ? describe(read_errors(path), canvas.dry(), heights_of(canvas))
+                                      : nlohmann::json(nullptr);
         return json;
     }
     if (extension == ".exr") painting_parts(path);  // says what is wrong with one that is damaged
