@@ -7,6 +7,8 @@
 #include "capture/photo_metadata.h"
 #include "surface/atomic_file.h"
 #include "surface/error.h"
+#include "surface/json_reading.h"
+#include "surface/json_text.h"
 #include "surface/letter_case.h"
 
 namespace tangi {
@@ -16,6 +18,8 @@ namespace fs = std::filesystem;
 namespace {
 
 using nlohmann::json;
+
+constexpr std::size_t kLongestPath = 300;  // [bytes] in a message
 
 BracketFile entry_of(const json& entry, const fs::path& folder, const std::string& where) {
     BracketFile file;
@@ -30,9 +34,11 @@ BracketFile entry_of(const json& entry, const fs::path& folder, const std::strin
             file.exposure = exposure;
         }
     } else {
-        fail("{}: '{}' is neither a file name nor {{\"file\": …, \"exposure\": …}}", where, entry.dump());
+        fail("{}: '{}' is neither a file name nor {{\"file\": …, \"exposure\": …}}", where, shown(entry));
     }
-    if (!fs::is_regular_file(file.path)) fail("{}: there is no photograph {}", where, file.path.string());
+    std::error_code unknown;  // names that are too long, folders that nobody may look into
+    if (!fs::is_regular_file(file.path, unknown))
+        fail("{}: there is no photograph {}", where, shortened(file.path.string(), kLongestPath));
     return file;
 }
 
@@ -40,11 +46,11 @@ BracketFile entry_of(const json& entry, const fs::path& folder, const std::strin
 
 Brackets read_brackets(const fs::path& file, const fs::path& folder) {
     if (!fs::is_regular_file(file)) fail("{}: no such file of brackets", file.string());
-    const json parsed = json::parse(read_text_file(file), nullptr, false);
+    const json parsed = read_json(read_text_file(file), file.string());
     if (!parsed.is_object()) fail("{}: is not a JSON object {{\"LIGHT\": [\"FILE\", …], …}}", file.string());
     Brackets brackets;
     for (const auto& [light, list] : parsed.items()) {
-        const std::string where = fmt::format("{}: '{}'", file.string(), light);
+        const std::string where = fmt::format("{}: '{}'", file.string(), shortened(light));
         if (!list.is_array() || list.empty()) fail("{}: is not a list of photographs", where);
         for (const json& entry : list) brackets[light].push_back(entry_of(entry, folder, where));
     }

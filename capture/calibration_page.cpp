@@ -11,6 +11,8 @@
 #include "surface/atomic_file.h"
 #include "surface/error.h"
 #include "surface/html_text.h"
+#include "surface/json_reading.h"
+#include "surface/json_text.h"
 #include "surface/median.h"
 #include "surface/page_parts.h"
 #include "surface/picture_file.h"
@@ -191,7 +193,7 @@ std::string plane_section(const PlaneCalibration& c) {
 namespace {
 
 bool is_capture_file(const std::filesystem::path& path) {
-    const nlohmann::json root = nlohmann::json::parse(read_text_file(path), nullptr, false);
+    const nlohmann::json root = json_or_discarded(read_text_file(path));
     return root.is_object() && root.contains("format") && root["format"].is_string() &&
            root["format"].get<std::string>().starts_with("tangipaint capture");
 }

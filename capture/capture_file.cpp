@@ -10,6 +10,8 @@
 #include "capture/json_field.h"
 #include "capture/lights_file.h"
 #include "surface/error.h"
+#include "surface/json_reading.h"
+#include "surface/json_text.h"
 #include "surface/median.h"
 #include "surface/picture_file.h"
 
@@ -34,7 +36,8 @@ glm::dmat3 mat3(const JsonField& field, double size) {  // a list of rows
         glm::dmat3(vector_in(rows[0], size), vector_in(rows[1], size), vector_in(rows[2], size)));
 }
 
-constexpr double kFarthest_mm = 1e6;  // 1 km
+constexpr double kFarthest_mm = 1e6;        // 1 km
+constexpr std::size_t kMostOfReason = 500;  // [bytes] why it is poor; calibrate writes 200
 
 std::optional<Light> light_of(const JsonField& entry, const std::string& file) {
     if (entry["direction"].is_null()) return {};  // left out
@@ -145,8 +148,9 @@ CaptureFile read_capture_file(const std::filesystem::path& path) {
     const std::string file = path.string();
     std::ifstream stream(path, std::ios::binary);
     if (!stream) fail("{}: cannot be read; give the capture.json that tangipaint calibrate wrote", file);
-    const json whole = json::parse(stream, nullptr, false);
-    if (whole.is_discarded()) fail("{}: is no JSON, or cut off; calibrate again", file);
+    const std::string text(std::istreambuf_iterator<char>(stream), {});
+    if (text.empty()) fail("{}: is empty, or no file; calibrate again", file);
+    const json whole = read_json(text, file);
     const JsonField top(file, whole, "");
     if (!whole.is_object() || !whole.contains("format") || whole["format"] != kFormat)
         fail("{}: is not a capture file of this program (format \"{}\")", file, kFormat);
@@ -178,7 +182,7 @@ CaptureFile read_capture_file(const std::filesystem::path& path) {
         try {
             capture.geometry = geometry_from_json(whole["geometry"]);
         } catch (const std::exception& error) {
-            fail("{}: {}; calibrate again", file, error.what());
+            fail("{}: geometry: {}; calibrate again", file, why_wrong_field(error));
         }
         if (capture.geometry->photo_width != capture.width ||
             capture.geometry->photo_height != capture.height)
@@ -193,8 +197,8 @@ CaptureFile read_capture_file(const std::filesystem::path& path) {
     if (const json& poor = whole.value("poor", json()); poor.is_array())
         for (const json& reason : poor)
             if (reason.is_string())
-                capture.poor.push_back(
-                    fmt::format("{}: calibrate called it poor: {}", file, reason.get<std::string>()));
+                capture.poor.push_back(fmt::format("{}: calibrate called it poor: {}", file,
+                                                   shortened(reason.get<std::string>(), kMostOfReason)));
     return capture;
 }
 

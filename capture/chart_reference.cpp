@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "surface/error.h"
+#include "surface/json_reading.h"
 #include "surface/json_text.h"
 #include "surface/picture_file.h"
 
@@ -121,8 +122,8 @@ glm::dvec3 three_numbers(const json& list, const std::string& where) {
     return {list[0].get<double>(), list[1].get<double>(), list[2].get<double>()};
 }
 
-ChartReference read_json(const std::filesystem::path& path) {
-    const json list = json::parse(text_of(path), nullptr, false);
+ChartReference read_json_chart(const std::filesystem::path& path) {
+    const json list = read_json(text_of(path), path.string());
     if (!list.is_array() || list.size() != kChartPatches)
         fail("{}: is not a JSON list of {} patches", path.string(), kChartPatches);
     ChartReference reference{{}, path.filename().string()};
@@ -167,7 +168,7 @@ ChartReference classic_chart() {
 ChartReference read_chart_reference(const std::filesystem::path& path) {
     const std::string extension = lower_extension(path);
     if (extension == ".csv") return read_csv(path);
-    if (extension == ".json") return read_json(path);
+    if (extension == ".json") return read_json_chart(path);
     fail("{}: the values of a chart are read from .csv or .json files", path.string());
 }
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "surface/error.h"
+#include "surface/json_text.h"
 
 namespace tangi {
 
@@ -45,7 +46,10 @@ public:
     }
     std::string text() const {
         if (!value_.is_string()) fail_as("not a text");
-        return value_.get<std::string>();
+        std::string text = value_.get<std::string>();
+        if (text.size() > kMostOfText)
+            fail("{}: {} is a text of {} bytes; {} at most", file_, path_, text.size(), kMostOfText);
+        return text;
     }
     std::vector<JsonField> list() const {
         if (!value_.is_array()) fail_as("not a list");
@@ -57,6 +61,8 @@ public:
     bool is_list() const { return value_.is_array(); }
 
 private:
+    static constexpr std::size_t kMostOfText = 1000;  // [bytes] names of photographs have up to 255
+
     [[noreturn]] void fail_as(const char* what) const {
         fail("{}: {} is {}", file_, path_, is_null() ? "missing" : what);
     }
@@ -69,9 +75,7 @@ private:
 // The text of a JSON file. Throws Error naming the file, line and column of what is no JSON.
 inline nlohmann::json json_in(const std::string& text, const std::string& file) {
     try {
-        return nlohmann::json::parse(text);
-    } catch (const nlohmann::json::out_of_range&) {
-        fail("{}: holds a number that is too large, as 1e400 is", file);
+        return parse_json(text, file);
     } catch (const nlohmann::json::parse_error& error) {
         const std::size_t end = std::min(error.byte > 0 ? error.byte - 1 : 0, text.size());
         const std::string before = text.substr(0, end);

@@ -1,4 +1,4 @@
-// lens_file.cpp: through OpenCV's FileStorage and its camera model.
+// lens_file.cpp: through OpenCV's camera model.
 #include "capture/lens_file.h"
 
 #include <fmt/format.h>
@@ -10,6 +10,8 @@
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "capture/storage_text.h"
+#include "surface/atomic_file.h"
 #include "surface/error.h"
 #include "surface/picture_file.h"
 
@@ -18,28 +20,6 @@ namespace tangi {
 using glm::dvec2;
 
 namespace {
-
-cv::Mat matrix_in(const cv::FileStorage& file, const char* name, const std::filesystem::path& path) {
-    const cv::FileNode node = file[name];
-    if (node.empty())
-        fail("{}: has no {}; is it a calibration file of OpenCV, and whole?", path.string(), name);
-    cv::Mat matrix;
-    node >> matrix;
-    if (matrix.empty() || matrix.channels() != 1) fail("{}: {} is no matrix of numbers", path.string(), name);
-    matrix.convertTo(matrix, CV_64F);
-    for (int i = 0; i < matrix.rows; ++i)
-        for (int j = 0; j < matrix.cols; ++j)
-            if (!std::isfinite(matrix.at<double>(i, j)))
-                fail("{}: {} has a number that is not finite", path.string(), name);
-    return matrix;
-}
-
-int size_in(const cv::FileStorage& file, const char* name, const std::filesystem::path& path) {
-    const cv::FileNode node = file[name];
-    if (node.empty() || !node.isInt() || static_cast<int>(node) < 1)
-        fail("{}: has no {}, or it is not a whole positive number", path.string(), name);
-    return static_cast<int>(node);
-}
 
 cv::Matx33d matrix_of(const Lens& lens) {
     return {lens.focal_px.x, 0, lens.principal_px.x, 0, lens.focal_px.y, lens.principal_px.y, 0, 0, 1};
@@ -71,21 +51,19 @@ void require_no_fold(const Lens& lens, const std::filesystem::path& path) {
     }
 }
 
-Lens lens_in(const cv::FileStorage& file, const std::filesystem::path& path) {
-    const cv::Mat camera = matrix_in(file, "camera_matrix", path);
-    if (camera.rows != 3 || camera.cols != 3)
-        fail("{}: camera_matrix is {} x {} instead of 3 x 3", path.string(), camera.rows, camera.cols);
-    const cv::Mat distortion = matrix_in(file, "distortion_coefficients", path);
-    const std::size_t count = distortion.total();
+Lens lens_in(const StorageNode& file, const std::filesystem::path& path) {
+    const StorageMatrix camera = matrix_in(file, "camera_matrix", path.string());
+    if (camera.rows != 3 || camera.columns != 3)
+        fail("{}: camera_matrix is {} x {} instead of 3 x 3", path.string(), camera.rows, camera.columns);
+    Lens lens;
+    lens.distortion = matrix_in(file, "distortion_coefficients", path.string()).values;
+    const std::size_t count = lens.distortion.size();
     if (count != 4 && count != 5 && count != 8 && count != 12 && count != 14)
         fail("{}: distortion_coefficients has {} numbers instead of 4, 5, 8, 12 or 14", path.string(), count);
-    Lens lens;
-    lens.width = size_in(file, "image_width", path);
-    lens.height = size_in(file, "image_height", path);
-    lens.focal_px = {camera.at<double>(0, 0), camera.at<double>(1, 1)};
-    lens.principal_px = {camera.at<double>(0, 2), camera.at<double>(1, 2)};
-    const cv::Mat row = distortion.reshape(1, 1);
-    for (int i = 0; i < row.cols; ++i) lens.distortion.push_back(row.at<double>(0, i));
+    lens.width = size_in(file, "image_width", path.string());
+    lens.height = size_in(file, "image_height", path.string());
+    lens.focal_px = {camera.values[0], camera.values[4]};
+    lens.principal_px = {camera.values[2], camera.values[5]};
     if (!(lens.focal_px.x > 0 && lens.focal_px.y > 0))
         fail("{}: the focal lengths in camera_matrix are {:g} and {:g} pixels", path.string(),
              lens.focal_px.x, lens.focal_px.y);
@@ -103,19 +81,8 @@ Lens read_lens(const std::filesystem::path& path) {
     const std::string extension = lower_extension(path);
     if (extension != ".yml" && extension != ".yaml" && extension != ".xml")
         fail("{}: a lens is read from .yml, .yaml or .xml files of OpenCV's calibration", path.string());
-    // Asked first, since OpenCV writes to the terminal otherwise.
     if (!std::filesystem::is_regular_file(path)) fail("{}: there is no such file", path.string());
-    try {
-        const cv::FileStorage file(path.string(), cv::FileStorage::READ);
-        if (!file.isOpened()) fail("{}: cannot be read", path.string());
-        return lens_in(file, path);
-    } catch (const Error&) {
-        throw;
-    } catch (const cv::Exception& error) {
-        fail("{}: is no whole calibration file of OpenCV ({})", path.string(), error.err);
-    } catch (const std::exception&) {  // of a name that is empty, about texts that nobody sees
-        fail("{}: is no whole calibration file of OpenCV", path.string());
-    }
+    return lens_in(parse_storage(read_text_file(path), extension == ".xml", path.string()), path);
 }
 
 Lens lens_for(const Lens& lens, int width, int height) {

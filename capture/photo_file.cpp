@@ -8,15 +8,16 @@
 #include <cerrno>
 #include <cstring>
 #include <fstream>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "capture/left_out.h"
 #include "capture/raw_file.h"
 #include "surface/error.h"
-#include "surface/json_text.h"
 #include "surface/picture_file.h"
 #include "surface/png_chunks.h"
+#include "surface/safe_picture.h"
 
 namespace tangi {
 
@@ -59,9 +60,18 @@ void require_complete_jpeg(const fs::path& path) {
         fail_photo(path, "the JPEG file is truncated; copy it again from the camera or the archive");
 }
 
+std::optional<SafePicture> safe_photo(const fs::path& path) {
+    try {
+        return std::optional<SafePicture>(path);
+    } catch (const Error& error) {
+        throw PhotoError(path, error.what());
+    }
+}
+
 }  // namespace
 
 struct PhotoFile::Decoder {
+    std::optional<SafePicture> safe;  // what `input` reads
     std::unique_ptr<OIIO::ImageInput> input;
     std::vector<char> stored;      // scratch for rows as stored
     std::vector<float> tile_rows;  // scratch for tiled files
@@ -96,11 +106,13 @@ PhotoFile::PhotoFile(fs::path path, std::string demosaic)
         fail_photo(path_, "the PNG file is truncated; copy it again from the camera or the archive");
     OIIO::ImageSpec config, spec;
     config.attribute("oiio:UnassociatedAlpha", 1);
-    decoder_->input = OIIO::ImageInput::create(reader_name(path_), false, &config);
+    decoder_->safe = safe_photo(path_);
+    decoder_->input = OIIO::ImageInput::create(decoder_->safe->reader());
     if (!decoder_->input)
-        fail_photo(path_, "is not a picture that can be read: {}", first_line(OIIO::geterror()));
-    if (!decoder_->input->open(path_.string(), spec, config))
-        fail_photo(path_, "is not a picture that can be read: {}", first_line(decoder_->input->geterror()));
+        fail_photo(path_, "is not a picture that can be read: {}", trouble_with_picture(OIIO::geterror()));
+    if (!decoder_->input->open(decoder_->safe->path(), spec, config))
+        fail_photo(path_, "is not a picture that can be read: {}",
+                   trouble_with_picture(decoder_->input->geterror()));
     if (spec.nchannels < 1 || spec.width < 1 || spec.height < 1) fail_photo(path_, "holds no pixels");
     const std::string extension = lower_extension(path_);
     if (extension == ".jpg" || extension == ".jpeg") require_complete_jpeg(path_);
@@ -171,8 +183,8 @@ void PhotoFile::read_rows(int y0, int y1, std::span<float> values) {
     }
     if (!read ||
         input.has_error())  // strips of a TIFF file that cannot be read show only there (OpenImageIO 2.4)
-        fail_photo(path_, "cannot be decoded at rows {} to {}: {}; the file is damaged or truncated", y0,
-                   y1 - 1, first_line(input.geterror()));
+        fail_photo(path_, "cannot be decoded at rows {} to {}: {}", y0, y1 - 1,
+                   trouble_with_picture(input.geterror()));
 }
 
 }  // namespace tangi

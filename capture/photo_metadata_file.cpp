@@ -12,6 +12,7 @@
 #include "surface/error.h"
 #include "surface/picture_file.h"
 #include "surface/png_chunks.h"
+#include "surface/safe_picture.h"
 
 namespace tangi {
 
@@ -64,11 +65,12 @@ PhotoMetadata read_photo_metadata(const fs::path& path) {
         fail("{}: is not a picture that can be read: the PNG file is cut off, or damaged; copy it again",
              path.string());
     OIIO::attribute("debug", 0);
-    const auto input = OIIO::ImageInput::create(is_raw_name(path) ? "raw" : reader_name(path));
+    const auto safe = is_raw_name(path) ? std::nullopt : std::optional<SafePicture>(path);
+    const auto input = OIIO::ImageInput::create(safe ? safe->reader() : "raw");
     OIIO::ImageSpec spec;
-    if (!input || !input->open(path.string(), spec))
+    if (!input || !input->open(safe ? safe->path() : path.string(), spec))
         fail("{}: is not a picture that can be read: {}", path.string(),
-             input ? input->geterror() : OIIO::geterror());
+             trouble_with_picture(input ? input->geterror() : OIIO::geterror()));
     PhotoMetadata metadata;
     metadata.exposure_s = positive_number(spec, "ExposureTime");
     metadata.f_number = positive_number(spec, "FNumber");

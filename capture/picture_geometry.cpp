@@ -1,5 +1,8 @@
 #include "capture/picture_geometry.h"
 
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 
 #include "surface/error.h"
@@ -35,6 +38,15 @@ Lens lens_from(const json& j, int width, int height) {
     Lens lens{width, height, pair_from(j.at("focal_px")), pair_from(j.at("principal_px")),
               j.at("distortion").get<std::vector<double>>()};
     if (!(lens.focal_px.x > 0 && lens.focal_px.y > 0)) fail("geometry.lens.focal_px is not positive");
+    // As read_lens() takes them; pixels and coefficients of any lens are far below.
+    constexpr double most = 1e7;
+    const std::size_t count = lens.distortion.size();
+    const auto is_large = [](double number) { return !(std::abs(number) <= most); };
+    if (count != 4 && count != 5 && count != 8 && count != 12 && count != 14)
+        fail("geometry.lens.distortion has {} numbers instead of 4, 5, 8, 12 or 14", count);
+    if (std::ranges::any_of(lens.distortion, is_large) || is_large(lens.focal_px.x) ||
+        is_large(lens.focal_px.y) || is_large(lens.principal_px.x) || is_large(lens.principal_px.y))
+        fail("geometry.lens has a number beyond {}", most);
     return lens;
 }
 
@@ -62,6 +74,12 @@ PictureGeometry geometry_from_json(const json& j) {
     g.photo_height = pixels_of(j.at("photograph_px").at(1));
     g.width = pixels_of(j.at("picture_px").at(0));
     g.height = pixels_of(j.at("picture_px").at(1));
+    // A picture has as many pixels as the part of the photograph that shows it, not many times more.
+    constexpr double most_enlarged = 16;
+    if (static_cast<double>(g.width) * g.height >
+        most_enlarged * static_cast<double>(g.photo_width) * g.photo_height)
+        fail("geometry.picture_px = {} x {} is far more than the photographs' {} x {}", g.width, g.height,
+             g.photo_width, g.photo_height);
     if (!j.at("lens").is_null()) g.lens = lens_from(j.at("lens"), g.photo_width, g.photo_height);
     if (!j.at("rectification").is_null()) {
         g.rectification = homography_from_json(j.at("rectification"));
@@ -82,6 +100,8 @@ PictureGeometry geometry_from_json(const json& j) {
         const json& mm = j.at("camera_mm");
         g.camera_mm = {mm.at(0).get<double>(), mm.at(1).get<double>(), mm.at(2).get<double>()};
         if (!(g.camera_mm->z > 0)) fail("geometry.camera_mm is below the painting");
+        constexpr double farthest_mm = 1e6;  // 1 km
+        if (!(glm::length(*g.camera_mm) <= farthest_mm)) fail("geometry.camera_mm is farther away than 1 km");
     }
     return g;
 }

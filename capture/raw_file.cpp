@@ -9,6 +9,7 @@
 #include "capture/left_out.h"
 #include "surface/error.h"
 #include "surface/picture_file.h"
+#include "surface/safe_picture.h"
 
 namespace tangi {
 
@@ -47,7 +48,8 @@ std::unique_ptr<OIIO::ImageInput> opened(const fs::path& path, const OIIO::Image
              kRemedy);
     OIIO::ImageSpec spec;
     if (!input->open(path.string(), spec, config))
-        fail_photo(path, "is not a camera raw that can be read: {}; {}", input->geterror(), kRemedy);
+        fail_photo(path, "is not a camera raw that can be read: {}; or {}",
+                   trouble_with_picture(input->geterror()), kRemedy);
     if (spec.nchannels != 3)
         fail_photo(path, "has {} colours, and only cameras with three are supported; {}", spec.nchannels,
                    kRemedy);
@@ -122,10 +124,10 @@ std::vector<std::uint16_t> develop_raw(const fs::path& path, const std::string& 
     std::vector<std::uint16_t> values(static_cast<std::size_t>(header.width) *
                                       static_cast<std::size_t>(header.height) * 3);
     if (!input->read_image(0, 0, 0, 3, TypeDesc::UINT16, values.data()))
-        fail_photo(path,
-                   "cannot be developed: {}; the file is damaged or of a kind that LibRaw does not know; "
-                   "copy it again, or {}",
-                   input->geterror(), kRemedy);
+        fail_photo(
+            path,
+            "cannot be developed: {}; the file is damaged or of a kind that LibRaw does not know; or {}",
+            trouble_with_picture(input->geterror()), kRemedy);
     // LibRaw cuts the fractions of the scaled values off: half a step is what that takes on average.
     for (std::size_t i = 0; i < values.size(); ++i) {
         const float back = most / wb[i % 3];

@@ -92,7 +92,7 @@ RelightFile parse_relight(const std::string& text, const std::string& file_name)
         fail("{}: has {} lights for {} photographs ({} of them not skipped)", file_name, lights.size(),
              photos.size(), kept);
     if (project.has("pixelSize") && project["pixelSize"].number() > 0)
-        result.mm_per_pixel = project["pixelSize"].number();
+        result.mm_per_pixel = project["pixelSize"].number(1e-6, 1e3);
     std::string without;
     std::size_t next = 0;
     const bool skipped_too = lights.size() == photos.size();

@@ -4,15 +4,17 @@
 #include <unistd.h>
 
 #include <atomic>
+#include <cerrno>
 #include <chrono>
 #include <csignal>
 #include <cstdint>
-#include <cstdio>
+#include <cstdlib>
 #include <ctime>
 #include <memory>
 #include <mutex>
 
 #include "cli/command.h"
+#include "cli/message_length.h"
 #include "surface/json_text.h"
 
 namespace tangi {
@@ -45,6 +47,23 @@ void stop_at(int signal) {
     struct sigaction now {};
     if (::sigaction(signal, nullptr, &now) == 0 && now.sa_handler == SIG_IGN) return;
     std::signal(signal, on_interrupt);
+}
+
+// Where our own messages go. Libraries write to the stream of this number by themselves ("libpng error: …",
+// OpenCV's log), whatever they are told; what they found is in our message, in our words, and theirs go
+// nowhere.
+int own_stderr = STDERR_FILENO;
+
+void keep_stderr_for_us() {
+#ifndef __SANITIZE_ADDRESS__  // which has something to say
+    // For who looks for a fault of a library.
+    if (std::getenv("TANGIPAINT_LIBRARY_WORDS")) return;
+    const int own = ::fcntl(STDERR_FILENO, F_DUPFD_CLOEXEC, STDERR_FILENO + 1);
+    const int nowhere = own < 0 ? -1 : ::open("/dev/null", O_WRONLY | O_CLOEXEC);
+    if (nowhere < 0 || ::dup2(nowhere, STDERR_FILENO) < 0) return;
+    ::close(nowhere);
+    own_stderr = own;
+#endif
 }
 
 class Console {
@@ -104,7 +123,7 @@ private:
     std::string stage_;
     std::chrono::steady_clock::time_point started_, shown_;
     bool line_open_ = false;
-    const bool is_terminal_ = ::isatty(STDERR_FILENO) != 0;
+    const bool is_terminal_ = ::isatty(own_stderr) != 0;
 };
 
 Console& console() {
@@ -116,7 +135,14 @@ Console& console() {
 
 std::string printable(std::string_view text) { return shortened(text, text.size()); }
 
-void write_stderr(std::string_view text) { std::fwrite(text.data(), 1, text.size(), stderr); }
+void write_stderr(std::string_view text) {
+    while (!text.empty()) {
+        const ssize_t count = ::write(own_stderr, text.data(), text.size());
+        if (count < 0 && errno == EINTR) continue;
+        if (count <= 0) return;
+        text.remove_prefix(static_cast<std::size_t>(count));
+    }
+}
 
 void prepare_streams() {
     // A disk or quota that is full, and a pipe that nobody reads, show as a failed write instead of a signal.
@@ -126,6 +152,7 @@ void prepare_streams() {
     // end up in a painting. What takes its place refuses to be written, or read.
     for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
         if (::fcntl(stream, F_GETFD) < 0) ::open("/dev/null", stream == STDIN_FILENO ? O_WRONLY : O_RDONLY);
+    keep_stderr_for_us();
 }
 
 Progress console_progress() {
@@ -136,10 +163,10 @@ Progress console_progress() {
 bool interrupted() { return stop_wanted; }
 
 void warn(const std::string& text) {
-    console().say("warning: " + printable(shortened(text, kLongestMessage)));
+    console().say("warning: " + printable(shortened(text, kMostOfMessage)));
 }
 
-void tell(const std::string& text) { console().say(printable(shortened(text, kLongestMessage))); }
+void tell(const std::string& text) { console().say(printable(shortened(text, kMostOfMessage))); }
 
 bool stdout_is_terminal() { return ::isatty(STDOUT_FILENO) != 0; }
 

@@ -9,6 +9,7 @@
 #include "cli/command_list.h"
 #include "datasets/generator.h"
 #include "surface/error.h"
+#include "surface/json_reading.h"
 
 namespace tangi {
 
@@ -32,8 +33,8 @@ Value chosen(const std::optional<Value>& value, const char* flag, const std::str
 
 // It writes the truth before the photographs.
 bool is_generated(const fs::path& folder) {
-    std::ifstream stream(folder / "gt" / "meta.json");
-    const auto meta = nlohmann::json::parse(stream, nullptr, false);
+    std::ifstream stream(folder / "gt" / "meta.json", std::ios::binary);
+    const auto meta = json_or_discarded(std::string(std::istreambuf_iterator<char>(stream), {}));
     return meta.is_object() && meta.contains("generator");
 }
 

@@ -13,6 +13,7 @@
 #include "paint/tools_file.h"
 #include "surface/error.h"
 #include "surface/height_unit.h"
+#include "surface/json_reading.h"
 #include "surface/painting_file.h"
 #include "surface/painting_parts.h"
 #include "surface/picture_file.h"
@@ -56,7 +57,7 @@ nlohmann::json describe(const Surface& s, const HeightUnit& height) {
         std::count_if(p.photos.begin(), p.photos.end(), [](const auto& photo) { return photo.fitted; });
     const auto measured = std::count_if(s.confidence.pixels().begin(), s.confidence.pixels().end(),
                                         [](float c) { return c > 0; });
-    nlohmann::json provenance = nlohmann::json::parse(s.provenance, nullptr, false);
+    nlohmann::json provenance = json_or_discarded(s.provenance);
     if (provenance.is_discarded()) provenance = s.provenance;
     return {
         {"kind", "painting"},

@@ -16,6 +16,7 @@
 #include <utility>
 
 #include "cli/command.h"
+#include "cli/message_length.h"
 #include "surface/error.h"
 #include "surface/json_text.h"
 #include "surface/parallel.h"
@@ -48,12 +49,26 @@ int ended(int code, const std::string& message) {
     return code;
 }
 
+// Warnings and reasons as long as messages are: they may name what a file that is damaged holds.
+void shorten_messages(nlohmann::json& value, bool is_message) {
+    if (value.is_string() && is_message) {
+        const auto& text = value.get_ref<const std::string&>();
+        if (text.size() > kMostOfMessage) value = shortened(text, kMostOfMessage);
+    } else if (value.is_object()) {
+        for (auto& [name, inner] : value.items())
+            shorten_messages(inner, is_message || name == "warnings" || name == "poor" || name == "reason");
+    } else if (value.is_array()) {
+        for (nlohmann::json& inner : value) shorten_messages(inner, is_message);
+    }
+}
+
 int run(const Command& command, const std::function<nlohmann::json()>& body) {
     const auto start = std::chrono::steady_clock::now();
     const std::string name = command.name;
     const std::string who = "tangipaint " + name + ": ";
     try {
         nlohmann::json result = body();
+        shorten_messages(result, false);
         const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
         result["command"] = name;
         result["seconds"] = seconds.count();
@@ -67,13 +82,14 @@ int run(const Command& command, const std::function<nlohmann::json()>& body) {
     } catch (const Cancelled& stop) {
         return ended(kInterrupted, "\n" + who + stop.what() + "; nothing half-written is left");
     } catch (const UsageError& error) {
-        return ended(kUsage, who + printable(shortened(error.what(), kLongestMessage)) +
+        return ended(kUsage, who + printable(shortened(error.what(), kMostOfMessage)) +
                                  fmt::format("\nSee: tangipaint {} --help", name));
     } catch (const Error& error) {
-        return ended(kWorldIsWrong, who + printable(shortened(error.what(), kLongestMessage)));
+        return ended(kWorldIsWrong, who + printable(shortened(error.what(), kMostOfMessage)));
     } catch (
         const std::filesystem::filesystem_error& error) {  // no permission to look, a name that is too long
-        return ended(kWorldIsWrong, who + printable(error.path1().string()) + ": " + error.code().message());
+        return ended(kWorldIsWrong, who + shortened(error.path1().string(), kMostOfMessage / 2) + ": " +
+                                        error.code().message());
     } catch (const std::bad_alloc&) {
         const char* remedy = name == "fit" ? "; try a part of the picture with --crop" : "";
         return ended(kWorldIsWrong, who + "not enough memory" + remedy);

@@ -3,6 +3,8 @@
 #include "fit/compare_page.h"
 #include "fit/false_colour.h"
 #include "surface/error.h"
+#include "surface/json_reading.h"
+#include "surface/json_text.h"
 
 namespace tangi {
 
@@ -17,9 +19,7 @@ nlohmann::json member(const nlohmann::json& object, const char* name) {
     return object.is_object() && object.contains(name) ? object[name] : nlohmann::json();
 }
 
-nlohmann::json provenance_of(const Surface& surface) {
-    return nlohmann::json::parse(surface.provenance, nullptr, false);
-}
+nlohmann::json provenance_of(const Surface& surface) { return json_or_discarded(surface.provenance); }
 
 // How the files were encoded that the painting was fitted from, where they were developed first: their light
 // must be found in the same way again.

@@ -8,6 +8,8 @@
 
 #include "surface/atomic_file.h"
 #include "surface/error.h"
+#include "surface/json_reading.h"
+#include "surface/json_text.h"
 #include "surface/letter_case.h"
 #include "surface/median.h"
 #include "surface/parallel.h"
@@ -197,10 +199,7 @@ void take_axes(const MapFiles& files, const fs::path& first, Surface& s) {
 
 // What is told of maps beside them. Throws Error where that cannot be read.
 nlohmann::json told_in(const fs::path& path) {
-    nlohmann::json about = nlohmann::json::parse(read_text_file(path), nullptr, false);
-    if (about.is_discarded())
-        fail("{}: is no JSON, so what it says of the maps is lost; export them again, or take it away",
-             path.string());
+    nlohmann::json about = read_json(read_text_file(path), path.string());
     return about.is_object() ? about : nlohmann::json::object();
 }
 
@@ -210,7 +209,7 @@ std::optional<double> number_in(const fs::path& path, const std::string& name, c
     if (value.is_null()) return {};
     if (!value.is_number() || !(value.get<double>() >= least && value.get<double>() <= most))
         fail("{}: {} = {} is no number from {} to {}; mend it, or take it away", path.string(), name,
-             value.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace), least, most);
+             shown(value), least, most);
     return value.get<double>();
 }
 

@@ -6,6 +6,7 @@
 #include "paint/appearance_part.h"
 #include "paint/paint_parts.h"
 #include "surface/error.h"
+#include "surface/json_reading.h"
 #include "surface/json_text.h"
 #include "surface/overview.h"
 #include "surface/painting_file.h"
@@ -27,7 +28,7 @@ std::optional<double> scale_of(const PartInfo& wet, const Surface& dry, const fs
     const auto found = wet.attributes.find("paint_mm_per_pixel");
     if (found == wet.attributes.end())
         return dry.scale_known ? std::nullopt : std::optional(dry.mm_per_pixel);
-    const json value = json::parse(found->second, nullptr, false);
+    const json value = json_or_discarded(found->second);
     if (!value.is_number() || !(value.get<double>() > 0))
         fail("{}: attribute 'paint_mm_per_pixel' of part 'wet' is '{}', not a size above 0", path.string(),
              shortened(found->second));

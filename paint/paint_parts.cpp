@@ -5,6 +5,7 @@
 #include <set>
 
 #include "surface/error.h"
+#include "surface/json_reading.h"
 #include "surface/json_text.h"
 
 namespace tangi {
@@ -124,7 +125,9 @@ void read_ingredients(const fs::path& path, const PartInfo& info, Canvas& canvas
     try {
         const auto text = info.attributes.find("ingredients");
         if (text == info.attributes.end()) throw std::runtime_error("it is missing");
-        for (const json& ingredient : json::parse(text->second))
+        const json listed = json_or_discarded(text->second);
+        if (!listed.is_array()) throw std::runtime_error("it is no list");
+        for (const json& ingredient : listed)
             if (canvas.add(pigment_from(ingredient)) + std::size_t(1) != canvas.ingredients().size())
                 throw std::runtime_error("two of them are the same");
     } catch (const json::exception&) {  // of a parser, about columns that nobody sees

@@ -222,6 +222,10 @@ void add_paint(Palette& palette, const JsonPlace& paint, const std::vector<doubl
         if (message.starts_with(paint.where)) throw;
         paint.refuse("{}", message);
     }
+    for (std::size_t band = 0; band < kBands; ++band)
+        if (!(pigment.k[band] <= kLargestCoefficient && pigment.s[band] <= kLargestCoefficient))
+            paint.refuse("no paint looks like that: at {} nm it would have K = {} and S = {} per mm",
+                         kBand_nm[band], pigment.k[band], pigment.s[band]);
     if (paint.has("source")) pigment.source = paint.at("source").text();
     if (pigment.source.empty()) pigment.source = palette.source;
     if (paint.has("specular")) pigment.specular = static_cast<float>(paint.at("specular").number(0, 1));

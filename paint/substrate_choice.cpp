@@ -10,6 +10,7 @@
 
 #include "surface/colour.h"
 #include "surface/error.h"
+#include "surface/json_reading.h"
 #include "surface/painting_file.h"
 #include "surface/picture_file.h"
 
@@ -99,7 +100,7 @@ std::string provenance_of(const SubstrateChoice& choice, const std::string& befo
     if (f.roughness) finish["roughness"] = *f.roughness;
     nlohmann::json all = {{"substrate", choice.which}, {"finish", finish}};
     if (!before.empty()) {
-        const nlohmann::json made = nlohmann::json::parse(before, nullptr, false);
+        const nlohmann::json made = json_or_discarded(before);
         all["made_of"] = made.is_discarded() ? nlohmann::json(before) : made;
     }
     return all.dump();

@@ -6,6 +6,7 @@
 #include "paint/mixing_board.h"
 #include "paint/paint_parts.h"
 #include "surface/error.h"
+#include "surface/json_reading.h"
 #include "surface/json_text.h"
 
 namespace tangi {
@@ -67,7 +68,7 @@ ReadBrush read_brush(const fs::path& path, const PartInfo& info, const Canvas& p
     ReadBrush hand;
     BrushLoad load;
     const auto text = info.attributes.find("brush");
-    const json about = text == info.attributes.end() ? json() : json::parse(text->second, nullptr, false);
+    const json about = text == info.attributes.end() ? json() : json_or_discarded(text->second);
     if (!about.is_object() || !about.value("seed", json()).is_number_unsigned() ||
         !about.value("rotation_rad", json()).is_number() || !about.contains("settings"))
         fail("{}: has no settings, seed and rotation_rad", where);

@@ -12,6 +12,7 @@
 
 #include "surface/atomic_file.h"
 #include "surface/error.h"
+#include "surface/json_reading.h"
 #include "surface/stale_temporaries.h"
 
 namespace tangi {
@@ -34,7 +35,7 @@ std::set<std::string> files_in(const fs::path& folder) {
 std::set<std::string> listed_in(const fs::path& list) {
     std::set<std::string> files;
     if (!fs::is_regular_file(list)) return files;
-    const nlohmann::json content = nlohmann::json::parse(read_text_file(list), nullptr, false);
+    const nlohmann::json content = json_or_discarded(read_text_file(list));
     if (!content.is_object() || !content.contains("files") || !content["files"].is_array()) return files;
     for (const nlohmann::json& file : content["files"])
         if (file.is_string()) files.insert(file.get<std::string>());

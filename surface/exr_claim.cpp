@@ -9,6 +9,8 @@
 #include <cstdint>
 #include <cstring>
 #include <fstream>
+#include <map>
+#include <string_view>
 
 namespace tangi {
 
@@ -16,11 +18,16 @@ namespace {
 
 constexpr std::uint32_t kMagic = 20000630, kTilesBit = 1u << 9, kPartsBit = 1u << 12;
 constexpr double kBlockBytes = 16, kMostDeflated = 1032;
+// What a byte can become at most, by the number of the compression: runs of 127 bytes from 2; deflate; of
+// PIZ's Huffman codes, runs of 255 numbers from 9 bits; of PXR24's, 3 of 4 bytes deflated; B44's blocks of 32
+// bytes from 3 at least. Nothing is known of DWA's.
+constexpr std::array<double, 8> kMostUnpacked = {1, 64, kMostDeflated, kMostDeflated, 512, 1376, 16, 16};
+// A tile is unpacked as a whole: [pixels] how many more it may have than the picture.
+constexpr double kMostOfTile = 4 * 1024.0 * 1024;
 constexpr std::size_t kLongestName = 255;
 constexpr std::uint32_t kMostRead = 1u << 20;  // [bytes] of an attribute that is looked at
 // Rows in a block, by the number of the compression: none, RLE, ZIPS, ZIP, PIZ, PXR24, B44, B44A, DWAA, DWAB.
 constexpr std::array<int, 10> kRowsOf = {1, 1, 1, 16, 32, 16, 32, 32, 32, 256};
-constexpr unsigned char kNone = 0, kZips = 2, kZip = 3;
 
 struct Part {
     std::string name;
@@ -100,6 +107,65 @@ double pixel_bytes_of(const std::string& channels) {
     return sum;
 }
 
+// Bytes of a value of a kind whose values all have as many (OpenEXR file layout, "Predefined attribute
+// types").
+const std::map<std::string_view, std::uint32_t> kBytesOfKind = {{"box2i", 16},
+                                                                {"box2f", 16},
+                                                                {"chromaticities", 32},
+                                                                {"compression", 1},
+                                                                {"deepImageState", 1},
+                                                                {"double", 8},
+                                                                {"envmap", 1},
+                                                                {"float", 4},
+                                                                {"int", 4},
+                                                                {"keycode", 28},
+                                                                {"lineOrder", 1},
+                                                                {"m33f", 36},
+                                                                {"m33d", 72},
+                                                                {"m44f", 64},
+                                                                {"m44d", 128},
+                                                                {"rational", 8},
+                                                                {"tiledesc", 9},
+                                                                {"timecode", 8},
+                                                                {"v2i", 8},
+                                                                {"v2f", 8},
+                                                                {"v2d", 16},
+                                                                {"v3i", 12},
+                                                                {"v3f", 12},
+                                                                {"v3d", 24}};
+
+// Names that end with 0, and 16 bytes each, up to an empty one, which is the end.
+bool is_channel_list(const std::string& value) {
+    for (std::size_t at = 0; at < value.size();) {
+        if (value[at] == 0) return at + 1 == value.size();
+        const auto end = value.find('\0', at);
+        if (end == std::string::npos) return false;
+        at = end + 17;
+    }
+    return false;
+}
+
+// Texts with their lengths before them.
+bool is_list_of_texts(const std::string& value) {
+    std::uint64_t at = 0;
+    while (at + 4 <= value.size()) at += 4 + std::uint64_t{number_at<std::uint32_t>(value, at)};
+    return at == value.size();
+}
+
+// Whether a value is as long as its kind is; `value` is there where looks_into(kind).
+bool looks_into(const std::string& kind) {
+    return kind == "chlist" || kind == "preview" || kind == "stringvector";
+}
+bool has_its_length(const std::string& kind, std::uint32_t size, const std::string& value) {
+    if (const auto fixed = kBytesOfKind.find(kind); fixed != kBytesOfKind.end()) return size == fixed->second;
+    if (kind == "chlist") return is_channel_list(value);
+    if (kind == "stringvector") return is_list_of_texts(value);
+    if (kind != "preview") return true;
+    return size >= 8 && 8 + 4 * std::uint64_t{number_at<std::uint32_t>(value, 0)} *
+                                    std::uint64_t{number_at<std::uint32_t>(value, 4)} ==
+                            size;
+}
+
 void keep(Part& part, const std::string& name, const std::string& value) {
     if (name == "name") part.name = value;
     if (name == "channels") part.pixel_bytes = pixel_bytes_of(value);
@@ -117,7 +183,7 @@ bool wanted(const std::string& name) {
            name == "tiles" || name == "type";
 }
 
-enum class Header { whole, empty, too_long, unreadable };
+enum class Header { whole, empty, too_long, malformed, unreadable };
 
 // One header up to the byte 0 that ends it: empty where that is all there is, too long where it claims an
 // attribute of more bytes than the file has left.
@@ -128,8 +194,9 @@ Header read_part(Reader& in, Part& part) {
         std::uint32_t size = 0;
         if (!in.name(type) || !in.number(size) || size > INT32_MAX) return Header::unreadable;
         if (!in.has(size)) return Header::too_long;
-        const bool look = wanted(name) && size <= kMostRead;
+        const bool look = (wanted(name) || looks_into(type)) && size <= kMostRead;
         if (look ? !in.bytes(value, size) : !in.skip(size)) return Header::unreadable;
+        if ((look || !looks_into(type)) && !has_its_length(type, size, value)) return Header::malformed;
         if (look) keep(part, name, value);
     }
     return Header::unreadable;
@@ -139,9 +206,9 @@ Header read_part(Reader& in, Part& part) {
 double least_bytes(const Part& part, double width, double height) {
     const double tables = kBlockBytes * part.blocks(width, height),
                  pixels = part.pixel_bytes * width * height;
-    if (part.tile) return tables;
-    const bool deflated = part.compression == kZip || part.compression == kZips;
-    return tables + (part.compression == kNone ? pixels : deflated ? pixels / kMostDeflated : 0);
+    const bool flat = part.type.empty() || part.type == "scanlineimage" || part.type == "tiledimage";
+    const bool known = part.compression < kMostUnpacked.size();
+    return tables + (flat && known ? pixels / kMostUnpacked[part.compression] : 0);
 }
 
 // Whether the file ends before the last block of the tables of offsets, which `in` has come to, or a block
@@ -188,7 +255,8 @@ std::optional<ExrClaim> exr_claim(const std::filesystem::path& path) {
         if (header == Header::unreadable) return {};
         if (header == Header::empty) break;
         claim.cut_off = header == Header::too_long;
-        if (claim.cut_off) {
+        claim.malformed = header == Header::malformed;
+        if (claim.cut_off || claim.malformed) {
             claim.parts.push_back(part.name);
             return claim;
         }
@@ -200,7 +268,9 @@ std::optional<ExrClaim> exr_claim(const std::filesystem::path& path) {
         sized = sized && width >= 1 && height >= 1;
         if (!sized) continue;
         least += least_bytes(part, width, height);
-        if (least > static_cast<double>(length) && !claim.impossible)
+        claim.pixels = std::max(claim.pixels, width * height);
+        const double tile = part.tile ? static_cast<double>((*part.tile)[0]) * (*part.tile)[1] : 0;
+        if ((least > static_cast<double>(length) || tile > width * height + kMostOfTile) && !claim.impossible)
             claim.impossible = fmt::format("{} x {}", width, height);
         plain = plain && !part.in_levels && part.has_tiles(version) == part.tile.has_value() &&
                 (part.type.empty() || part.type == "scanlineimage" || part.type == "tiledimage");

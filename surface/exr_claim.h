@@ -20,6 +20,10 @@ struct ExrClaim {
     // written to its end. Blocks are not looked for beside `impossible`, nor in files that have a part of
     // deep pixels, or of tiles in several sizes.
     bool cut_off = false;
+    // A header holds an attribute that is shorter or longer than its kind is. OpenEXR does not compare: what
+    // it takes for the next one then is anything, and asks for gigabytes.
+    bool malformed = false;
+    double pixels = 0;  // of the largest part
 };
 
 // Nothing where the header cannot be followed to its end: what is wrong with it is for OpenEXR to say. Each

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "surface/error.h"
+#include "surface/json_reading.h"
 #include "surface/painting_file.h"
 #include "surface/parallel.h"
 
@@ -154,14 +155,14 @@ PartToWrite part_of(const FaithfulResidual& residual) {
 }
 
 std::string with_faithful_in_vain(const std::string& provenance) {
-    json all = json::parse(provenance, nullptr, false);
+    json all = json_or_discarded(provenance);
     if (!all.is_object()) all = {{"made_of", provenance}};
     all["faithful"] = kInVain;
     return all.dump(-1, ' ', false, json::error_handler_t::replace);
 }
 
 bool faithful_in_vain(const Surface& surface) {
-    const json all = json::parse(surface.provenance, nullptr, false);
+    const json all = json_or_discarded(surface.provenance);
     return all.is_object() && all.value("faithful", json()) == kInVain;
 }
 
@@ -180,12 +181,12 @@ FaithfulResidual read_faithful(const std::filesystem::path& path, const Surface&
     };
     FaithfulResidual r;
     try {
-        r = from_model(json::parse(text("model")));
+        r = from_model(json_or_discarded(text("model")));
     } catch (const Error&) {
         throw;
     } catch (const std::exception& error) {
         fail("{}: part '{}', attribute 'model': {}; fit again with --faithful", path.string(), kPart,
-             error.what());
+             why_wrong_field(error));
     }
     r.dry_hash = text("dry_hash");
     if (found->width != dry.width() || found->height != dry.height())

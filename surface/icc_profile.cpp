@@ -7,6 +7,8 @@
 #include <utility>
 #include <vector>
 
+#include "surface/json_text.h"
+
 namespace tangi {
 
 namespace {
@@ -92,6 +94,52 @@ std::string srgb_icc_profile() {
     for (const double d50 : {0.9642, 1.0, 0.8249}) put_fixed(header, d50);
     header.resize(128, '\0');
     return header + table + data;
+}
+
+namespace {
+
+std::uint64_t icc_number(std::string_view bytes, std::uint64_t at) {
+    std::uint64_t number = 0;
+    for (const char byte : bytes.substr(at, 4)) number = number << 8 | static_cast<unsigned char>(byte);
+    return number;
+}
+
+// Texts in several languages: a record of 12 bytes each, with the length of the text and where it begins in
+// the tag (ICC.1:2010, 10.13).
+bool texts_lie_in(std::string_view tag, std::string_view from_tag_on) {
+    if (tag.size() < 16) return false;
+    const std::uint64_t records = icc_number(tag, 8);
+    if (icc_number(tag, 12) != 12) return true;  // nobody reads them
+    if (16 + 12 * records > tag.size()) return false;
+    for (std::uint64_t i = 0; i < records; ++i) {
+        const std::uint64_t length = icc_number(tag, 16 + 12 * i + 4),
+                            begin = icc_number(tag, 16 + 12 * i + 8);
+        if (begin + length > from_tag_on.size()) return false;
+    }
+    return true;
+}
+
+}  // namespace
+
+std::optional<std::string> damage_of_icc(std::string_view profile) {
+    constexpr std::uint64_t header = 128, entry = 12;
+    if (profile.size() < header + 4 || profile.substr(36, 4) != "acsp") return {};
+    const std::uint64_t tags = icc_number(profile, header);
+    if (header + 4 + entry * tags > profile.size())
+        return fmt::format("it has {} tags by its header, for which it is too short", tags);
+    for (std::uint64_t i = 0; i < tags; ++i) {
+        const std::uint64_t at = header + 4 + entry * i, offset = icc_number(profile, at + 4),
+                            size = icc_number(profile, at + 8);
+        const std::string name = shortened(profile.substr(at, 4));
+        if (offset + size > profile.size()) return fmt::format("its tag '{}' lies outside of it", name);
+        if (offset + 4 > profile.size()) return fmt::format("its tag '{}' begins at its end", name);
+        const std::string_view type = profile.substr(offset, 4);
+        const bool too_short = (type == "text" && size < 8) || (type == "desc" && size < 12);
+        if (too_short ||
+            (type == "mluc" && !texts_lie_in(profile.substr(offset, size), profile.substr(offset))))
+            return fmt::format("the text in its tag '{}' is longer than the tag", name);
+    }
+    return {};
 }
 
 }  // namespace tangi

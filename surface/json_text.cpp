@@ -6,14 +6,13 @@
 #include <vector>
 
 #include "surface/error.h"
+#include "surface/json_reading.h"
 
 namespace tangi {
 
 namespace {
 
 using nlohmann::json;
-
-constexpr int kDeepest = 64;
 
 // Where the field with this number begins; fields are texts that a colon follows. The text is JSON.
 std::size_t place_of_field(std::string_view text, int number) {
@@ -34,8 +33,8 @@ public:
     Watcher(std::string_view text, const std::string& where) : text_(text), where_(where) {}
 
     bool operator()(int depth, json::parse_event_t event, const json& parsed) {
-        if (depth > kDeepest)
-            fail("{}: has lists and objects in each other, deeper than {}", where_, kDeepest);
+        if (depth > kDeepestJson)
+            fail("{}: has lists and objects in each other, deeper than {}", where_, kDeepestJson);
         if (event == json::parse_event_t::object_start) seen_.emplace_back();
         if (event == json::parse_event_t::object_end) seen_.pop_back();
         if (event != json::parse_event_t::key) return true;
@@ -101,6 +100,9 @@ std::string in_one_line(std::string_view text) {
 }  // namespace
 
 json parse_json(std::string_view text, const std::string& where) {
+    if (text.size() > kLongestJson)
+        fail("{}: has {} bytes, and JSON of up to {} is read; is it the file that was meant?", where,
+             text.size(), kLongestJson);
     Watcher watcher(text, where);
     const auto watch = [&](int depth, json::parse_event_t event, const json& parsed) {
         return watcher(depth, event, parsed);

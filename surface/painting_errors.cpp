@@ -52,6 +52,8 @@ void fail_reading(const std::filesystem::path& path, const std::exception& error
 
 void require_whole(const std::filesystem::path& path) {
     const auto claim = exr_claim(path);
+    if (claim && claim->malformed)
+        fail("{}: is damaged: its header makes no sense; {}", path.string(), kRemedy);
     if (claim && claim->impossible)
         fail("{}: is damaged: it is too short for the {} pixels that its header speaks of; {}", path.string(),
              *claim->impossible, kRemedy);

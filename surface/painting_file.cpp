@@ -31,6 +31,7 @@
 #include "surface/error.h"
 #include "surface/exr_attribute.h"
 #include "surface/exr_claim.h"
+#include "surface/json_reading.h"
 #include "surface/json_text.h"
 #include "surface/overview.h"
 #include "surface/painting_errors.h"
@@ -238,7 +239,7 @@ Surface read_dry_part(const fs::path& path, const Progress& progress) {
     s.provenance = attribute<Imf::StringAttribute>(header, "provenance", std::string());
     const std::string photography = attribute<Imf::StringAttribute>(header, "photography", std::string("{}"));
     try {
-        s.photography = photography_from_json(nlohmann::json::parse(photography));
+        s.photography = photography_from_json(json_or_discarded(photography));
     } catch (const std::exception&) {  // of a parser, about columns that nobody sees
         fail(
             "{}: is damaged: what it says of its photographs (attribute 'photography') cannot be read; copy "

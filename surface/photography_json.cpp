@@ -23,7 +23,17 @@ LampModel lamp_model_of(const json& j) {
             .shrink = j.at("shrink").get<double>()};
 }
 
-Vec3 vec3_of(const json& j) { return {j.at(0).get<float>(), j.at(1).get<float>(), j.at(2).get<float>()}; }
+// No number of a capture is as large: the squares of larger ones overflow.
+float number_of_light(const json& j) {
+    constexpr float most = 1e9f;
+    const float number = j.get<float>();
+    if (!(std::abs(number) <= most)) fail("{} is beyond {}", number, most);
+    return number;
+}
+
+Vec3 vec3_of(const json& j) {
+    return {number_of_light(j.at(0)), number_of_light(j.at(1)), number_of_light(j.at(2))};
+}
 
 }  // namespace
 

@@ -18,6 +18,7 @@
 #include "surface/parallel.h"
 #include "surface/picture_with_alpha.h"
 #include "surface/png_chunks.h"
+#include "surface/safe_picture.h"
 
 namespace tangi {
 
@@ -55,22 +56,6 @@ std::string date_of_file() {
     if (!::gmtime_r(&time, &utc) || std::strftime(date.data(), date.size(), "%Y:%m:%d %H:%M:%S", &utc) == 0)
         return {};
     return date.data();
-}
-
-// A damaged size is found before memory for it is asked for: deflate, which packs closest, makes 1032 bytes
-// of one, of 8 pixels each in pictures of 1 bit.
-void require_plausible(const fs::path& path, const OIIO::ImageSpec& spec) {
-    constexpr double most_per_byte = 8 * 1032;  // a bit is a byte in memory
-    std::error_code unknown;
-    const auto bytes = fs::file_size(path, unknown);
-    const double unpacked = static_cast<double>(spec.width) * spec.height * spec.nchannels *
-                            static_cast<double>(spec.format.size());
-    if (spec.width < 1 || spec.height < 1 || spec.nchannels < 1 ||
-        (!unknown && unpacked > most_per_byte * static_cast<double>(bytes)))
-        fail(
-            "{}: is damaged: it says that it has {} x {} pixels, which its {} bytes cannot hold; copy it "
-            "again",
-            path.string(), spec.width, spec.height, bytes);
 }
 
 bool is_readable(const fs::path& path) {
@@ -201,20 +186,20 @@ namespace {
 Image<Rgb> read_as_stored(const fs::path& path, Image<float>* alpha) {
     if (!is_whole_png(path))
         fail("{}: cannot be read: the PNG file is cut off, or damaged; copy it again", path.string());
+    const SafePicture safe(path);
     OIIO::ImageSpec as_stored;
     as_stored.attribute("oiio:UnassociatedAlpha", 1);
-    const auto input = OIIO::ImageInput::create(reader_name(path), false, &as_stored);
-    if (!input) fail("{}: cannot be read: {}", path.string(), first_line(OIIO::geterror()));
+    const auto input = OIIO::ImageInput::create(safe.reader());
     OIIO::ImageSpec spec;
-    if (!input->open(path.string(), spec, as_stored))
-        fail("{}: cannot be read: {}", path.string(), first_line(input->geterror()));
-    require_plausible(path, spec);
+    if (!input || !input->open(safe.path(), spec, as_stored))
+        fail("{}: cannot be read: {}", path.string(),
+             trouble_with_picture(input ? input->geterror() : OIIO::geterror()));
     const bool wants_alpha = alpha && spec.alpha_channel >= 0;
     const int channels = wants_alpha ? spec.nchannels : std::min(spec.nchannels, 3);
     std::vector<float> values(static_cast<std::size_t>(spec.width) * spec.height * channels);
     // Strips of a TIFF file that cannot be read show only in has_error() (OpenImageIO 2.4).
     if (!input->read_image(0, 0, 0, channels, OIIO::TypeDesc::FLOAT, values.data()) || input->has_error())
-        fail("{}: cannot be read: {}", path.string(), first_line(input->geterror()));
+        fail("{}: cannot be read: {}", path.string(), trouble_with_picture(input->geterror()));
     const bool coloured = spec.nchannels >= 3,
                multiplied = spec.get_int_attribute("oiio:UnassociatedAlpha") == 0;
     Image<Rgb> image(spec.width, spec.height);

@@ -93,6 +93,51 @@ TEST(CaptureFile, SaysWhatIsWrongWithIt) {
     EXPECT_THROW((void)read_capture_file(folder / "gone.json"), Error);
 }
 
+TEST(CaptureFile, SaysWhatIsWrongWithItsGeometry) {
+    const json geometry = {{"photograph_px", {41, 31}}, {"picture_px", {41, 31}},
+                           {"lens", nullptr},           {"rectification", nullptr},
+                           {"mm_per_pixel", 0.5},       {"turn", {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}},
+                           {"camera_mm", nullptr}};
+    const auto refused = [&](const char* field, const json& value) {
+        json j = capture_json();
+        j["geometry"] = geometry;
+        if (field) j["geometry"][field] = value;
+        const std::string says = refusal(j);
+        EXPECT_THAT(says, testing::Not(HasSubstr("[json"))) << says;
+        return says;
+    };
+    EXPECT_EQ(refused(nullptr, {}), "read");
+    json j = capture_json();
+    j["geometry"] = true;
+    EXPECT_THAT(refusal(j), testing::AllOf(HasSubstr("geometry"), testing::Not(HasSubstr("[json"))));
+    EXPECT_THAT(refused("mm_per_pixel", "wide"),
+                HasSubstr("geometry: a field is a string where a number belongs"));
+    // 4 gigapixels of a photograph of 1271
+    EXPECT_THAT(refused("picture_px", {65535, 65535}), HasSubstr("far more than the photographs' 41 x 31"));
+    const json lens = {{"focal_px", {90, 90}}, {"principal_px", {20, 15}}, {"distortion", {0.1, 0, 0, 0}}};
+    EXPECT_EQ(refused("lens", lens), "read");
+    json odd = lens;
+    odd["distortion"] = json::array({0.1});
+    EXPECT_THAT(refused("lens", odd), HasSubstr("distortion has 1 numbers instead of 4"));
+    odd = lens;
+    odd["focal_px"] = {1e300, 90};
+    EXPECT_THAT(refused("lens", odd), HasSubstr("lens has a number beyond"));
+    EXPECT_THAT(refused("camera_mm", {0, 0, 1e30}), HasSubstr("farther away than 1 km"));
+}
+
+TEST(CaptureFile, OfAnotherKindIsRefusedInAShortMessage) {
+    const TestDir folder;
+    const std::string deep = "{\"poor\": " + std::string(140'000, '[') + std::string(140'000, ']') + "}";
+    write_bytes(folder / "capture.json", deep);
+    EXPECT_THAT(error_of([&] { read_capture_file(folder / "capture.json"); }), HasSubstr("deeper than 64"));
+    json j = capture_json();
+    j["lights"][0]["name"] = std::string(100'000, 'x');
+    EXPECT_THAT(refusal(j), HasSubstr("lights[0].name is a text of 100000 bytes"));
+    j = capture_json();
+    j["poor"] = {std::string(100'000, 'x')};
+    EXPECT_LT(read_capture_file(written(folder, j)).poor.at(0).size(), 700u);
+}
+
 TEST(CaptureFile, APartOfThePhotographsSeesLampsAndCameraFromItsOwnCentre) {
     const TestDir folder;
     const CaptureFile whole = read_capture_file(written(folder, capture_json()));

@@ -80,13 +80,73 @@ TEST(LensFile, ThatIsWrongIsAnErrorWithThePlace) {
     EXPECT_THAT(error("h.yml", lying), HasSubstr("h.yml: "));
 }
 
-// OpenCV throws something else than its own exceptions for it.
 TEST(LensFile, WithAnEmptyNameIsAnError) {
     std::string text = yaml();
     const std::string rows = "   rows: 5\n";
     text.insert(text.find(rows) + rows.size(), "   : d\n");
     EXPECT_THAT(error_of([&] { lens_of(text); }),
-                testing::AllOf(HasSubstr("lens.yml"), HasSubstr("no whole calibration file of OpenCV")));
+                testing::AllOf(HasSubstr("lens.yml: line 12: "),
+                               HasSubstr("a calibration file of OpenCV, and whole")));
+}
+
+std::string xml(const std::string& distortion) {
+    return "<?xml version=\"1.0\"?>\n<opencv_storage>\n<!-- of <my> lens "
+           "-->\n<image_width>640</image_width>\n"
+           "<image_height>480</image_height>\n<camera_matrix type_id=\"opencv-matrix\">\n<rows>3</rows>\n"
+           "<cols>3</cols>\n<dt>d</dt>\n<data>\n800. 0. 325.5 0. 790. 236.25 0. 0. "
+           "1.</data></camera_matrix>\n" +
+           distortion + "\n</opencv_storage>\n";
+}
+const std::string kXmlDistortion =
+    "<distortion_coefficients type_id=\"opencv-matrix\"><rows>5</rows><cols>1</cols><dt>d</dt>"
+    "<data>-0.2 0.05 0. 0. 0.</data></distortion_coefficients>";
+
+// OpenCV's own reader ends the process at some of these.
+TEST(LensFile, OfXmlThatIsDamagedIsAnErrorWithThePlace) {
+    const TestDir dir;
+    const auto error = [&](const std::string& text) {
+        write_bytes(dir / "a.xml", text);
+        return error_of([&] { read_lens(dir / "a.xml"); });
+    };
+    const std::string whole = xml(kXmlDistortion);
+    write_bytes(dir / "whole.xml", whole);
+    EXPECT_EQ(read_lens(dir / "whole.xml").distortion.size(), 5u);
+    for (std::size_t length = 0; length + 3 < whole.size(); length += 5)
+        EXPECT_THAT(error(whole.substr(0, length)), HasSubstr("a.xml: ")) << length;
+    EXPECT_THAT(error(xml("<distortion_coefficients><rows>5</rows><cols>1</cols><dt>d</dt><data>0.1 0. "
+                          "\xc0\xc1\xff"
+                          "a></distortion_coefficients>")),
+                HasSubstr("a.xml: line "));
+    EXPECT_THAT(error(xml("<distortion_coefficients><rows>2000000000</rows><cols>2000000000</cols><dt>d</dt>"
+                          "<data>0.1</data></distortion_coefficients>")),
+                HasSubstr("distortion_coefficients: has no rows"));
+    EXPECT_THAT(error(xml("<distortion_coefficients><rows>5</rows><cols>1</cols><dt>3d</dt>"
+                          "<data>0.1</data></distortion_coefficients>")),
+                HasSubstr("is no matrix of numbers"));
+    EXPECT_THAT(error(xml("<distortion_coefficients><rows>5</rows><cols>1</cols><dt>d</dt>"
+                          "<data>0.1 0 0 0Z 0</data></distortion_coefficients>")),
+                HasSubstr("distortion_coefficients: '0Z' is no number"));
+    EXPECT_THAT(error(xml("<distortion_coefficients><rows>6</rows><cols>1</cols><dt>d</dt>"
+                          "<data>0.1 0 0 0 0</data></distortion_coefficients>")),
+                HasSubstr("is 6 x 1 by its rows and cols, and has 5 numbers"));
+    std::string nested;
+    for (int i = 0; i < 100'000; ++i) nested += "<a>";
+    EXPECT_THAT(error(nested), HasSubstr("deeper than 16"));
+}
+
+// As OpenCV's calibration program writes it, with more than is needed.
+TEST(LensFile, OfYamlMayHoldMore) {
+    const Lens lens = lens_of(
+        "%YAML:1.0\n---\ncalibration_time: \"Thu 05 Nov 2026 10:21:07\"\nnr_of_frames: 13 # all of them\n"
+        "image_width: 640\nimage_height: 480\ncamera_matrix: !!opencv-matrix\n   rows: 3\n   cols: 3\n   dt: "
+        "d\n"
+        "   data: [ 800., 0., 325.5, 0., 790.,\n       236.25, 0., 0., 1. ]\n"
+        "distortion_coefficients: !!opencv-matrix\n   rows: 1\n   cols: 5\n   dt: f\n   data: [ -2.0e-01, "
+        "0.05,\n"
+        "       1.0000000000000000e-03, -5e-4, 0. ]\nflags:\n   - 1\n   - { a: 1 }\n"
+        "avg_reprojection_error: 2.4e-01\n");
+    EXPECT_THAT(lens.distortion, testing::ElementsAre(-0.2, 0.05, 1e-3, -5e-4, 0));
+    EXPECT_EQ(lens.principal_px, dvec2(325.5, 236.25));
 }
 
 TEST(Lens, DistortsAndUndistortsBackAndForth) {

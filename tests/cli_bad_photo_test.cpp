@@ -55,7 +55,7 @@ TEST(CliBadPhoto, IsATruncatedJpeg) {
         expect_warned(stack, {stack.name(2), "truncated", "copy it again"});
     }
     write_bytes(stack.photo(2), whole.substr(0, 300));  // not even all of its header
-    expect_warned(stack, {stack.name(2), "is not a picture", "Premature end"});
+    expect_warned(stack, {stack.name(2), "is not a picture", "as if cut off"});
     write_bytes(stack.photo(2), "");
     expect_warned(stack, {stack.name(2), "is not a picture"});
 }

@@ -29,6 +29,7 @@ struct Finished {
     int code = -1;
     std::string out, err;
     bool timed_out = false;
+    long peak_kib = 0;  // of memory
 
     // The one JSON object on stdout; fails the test where there is anything else.
     nlohmann::json json() const {
@@ -154,7 +155,9 @@ private:
 
     bool reaped(int how) {
         int status = 0;
-        if (done_ || ::waitpid(pid_, &status, how) != pid_) return done_;
+        rusage usage{};
+        if (done_ || ::wait4(pid_, &status, how, &usage) != pid_) return done_;
+        result_.peak_kib = usage.ru_maxrss;
         result_.code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
         return done_ = true;
     }

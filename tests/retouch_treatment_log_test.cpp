@@ -7,6 +7,7 @@
 #include <fstream>
 
 #include "paint/retouch/sha256.h"
+#include "paint/retouch/treatment_folder.h"
 #include "surface/atomic_file.h"
 #include "surface/error.h"
 #include "tests/test_support.h"
@@ -14,6 +15,7 @@
 namespace tangi {
 namespace {
 
+using nlohmann::json;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
@@ -99,6 +101,46 @@ TEST(TreatmentLog, LinesThatWereRemovedMovedOrPutInAreNoticed) {
     refused(lines, "log.jsonl:1: is not the first");
     write_lines(path, whole);
     EXPECT_NO_THROW(TreatmentLog::open(path));
+}
+
+// Whose chain holds, and whose fields are of another kind: no bug of ours, but a log that somebody wrote.
+TEST(TreatmentLog, WhoseFirstLineIsOfAnotherKindIsAnError) {
+    const TestDir dir;
+    const auto first = [&](const json& format, const json& version) {
+        const json line = {{"format", format}, {"version", version}, {"previous", std::string(64, '0')}};
+        const std::string body = line.dump(), hash = sha256_of(body);
+        write_bytes(dir / "log.jsonl", body.substr(0, body.size() - 1) + ",\"sha256\":\"" + hash + "\"}\n");
+        write_bytes(dir / "log.head.json", json{{"lines", 1}, {"sha256", hash}}.dump());
+        return error_of([&] { TreatmentLog::open(dir / "log.jsonl"); });
+    };
+    EXPECT_THAT(first(1e30, 1), HasSubstr("log.jsonl:1: is not the first line of a treatment's log"));
+    EXPECT_THAT(first(json::array(), 1), HasSubstr("log.jsonl:1: "));
+    EXPECT_THAT(first(kTreatmentFormat, "one"), HasSubstr("log.jsonl: is of a newer version"));
+}
+
+// Names that no window or message can show, and places that are none.
+TEST(TreatmentLog, ALineThatIsOfAnotherFormIsNamed) {
+    const TestDir dir;
+    const auto form = [&](const char* field, const json& value) {
+        std::filesystem::remove(dir / "log.jsonl");
+        TreatmentLog log = TreatmentLog::begin(
+            dir / "log.jsonl",
+            {{"action", "begin"}, {"width", 2}, {"height", 2}, {"mm_per_pixel", 1.0}, {"dry_sha256", "00"}});
+        json line = {{"action", "undo"},
+                     {"parameters", {{"step", {{"line", 1}}}}},
+                     {"layers", {{{"name", "fill 1"}, {"role", "fill"}, {"sha256", "00"}}}}};
+        if (field) line[field] = value;
+        log.append(line);
+        return log;
+    };
+    EXPECT_NO_THROW(require_form(form(nullptr, {})));
+    const json layer = {{"name", std::string(2000, 'x')}, {"role", "fill"}, {"sha256", "00"}};
+    EXPECT_THAT(error_of([&] { require_form(form("layers", json::array({layer}))); }),
+                HasSubstr("log.jsonl:2: cannot have such a 'layers'"));
+    EXPECT_THAT(error_of([&] {
+                    require_form(form("parameters", {{"step", {1, 2}}}));
+                }),
+                HasSubstr("log.jsonl:2: does not say which line it undoes"));
 }
 
 TEST(TreatmentLog, WrittenAnewIsNoticedByItsHead) {

@@ -138,6 +138,31 @@ TEST(ExrClaim, WithoutAPlaceForABlockIsAnError) {
     EXPECT_THAT(error_of([&] { read_painting(dir / "b.exr"); }), testing::HasSubstr("ends before the last"));
 }
 
+// OpenEXR reads a list of channels to its end, whatever length is stated, and takes what follows for an
+// attribute: of any name, and of gigabytes.
+TEST(ExrClaim, AnAttributeOfAnotherLengthThanItsKindIsAnError) {
+    using namespace std::string_literals;
+    const TestDir dir;
+    const std::string whole = painting_of_two_parts(dir);
+    for (const std::string& attribute :
+         {"channels\0chlist\0"s, "dataWindow\0box2i\0"s, "mm_per_pixel\0float\0"s}) {
+        const std::size_t at = whole.find(attribute);
+        ASSERT_NE(at, std::string::npos) << attribute;
+        for (const int more : {-3, 1}) {
+            std::string bytes = whole;
+            bytes[at + attribute.size()] = static_cast<char>(bytes[at + attribute.size()] + more);
+            write_bytes(dir / "b.exr", bytes);
+            ASSERT_TRUE(exr_claim(dir / "b.exr"));
+            EXPECT_TRUE(exr_claim(dir / "b.exr")->malformed) << attribute << more;
+            EXPECT_EQ(
+                error_of([&] { read_painting(dir / "b.exr"); }),
+                (dir / "b.exr").string() +
+                    ": is damaged: its header makes no sense; copy it again, or take a copy from before");
+        }
+    }
+    EXPECT_FALSE(exr_claim(dir / "whole.exr")->malformed);
+}
+
 TEST(ExrClaim, FollowsTheTablesOfOtherPrograms) {
     const TestDir dir;
     for (const std::string compression :
@@ -147,6 +172,7 @@ TEST(ExrClaim, FollowsTheTablesOfOtherPrograms) {
             const std::string whole = bytes_of(dir / "a.exr");
             ASSERT_TRUE(exr_claim(dir / "a.exr"));
             EXPECT_FALSE(exr_claim(dir / "a.exr")->cut_off) << compression << tiled;
+            EXPECT_FALSE(exr_claim(dir / "a.exr")->malformed || exr_claim(dir / "a.exr")->impossible);
             write_bytes(dir / "b.exr", whole.substr(0, whole.size() - 1));
             EXPECT_TRUE(exr_claim(dir / "b.exr")->cut_off) << compression << tiled;
         }

@@ -3,6 +3,7 @@
 
 #include <gmock/gmock.h>
 
+#include "surface/json_reading.h"
 #include "tests/test_support.h"
 
 namespace tangi {
@@ -30,6 +31,37 @@ TEST(JsonText, AFieldThatIsThereTwiceIsNamedWithItsLine) {
                 AllOf(HasSubstr("kkk… (5000 bytes)"), Not(HasSubstr(std::string(100, 'k')))));
     EXPECT_THAT(error(std::string(100000, '[')), HasSubstr("deeper than 64"));
     EXPECT_THAT(error("[1e400]"), HasSubstr("a.json: holds a number that is too large"));
+}
+
+// 140,000 lists in each other are no more than a text to a parser; whoever writes them into a message calls
+// himself as often.
+TEST(JsonText, OfAFileIsReadWithinLimits) {
+    const auto error = [](const std::string& text) { return error_of([&] { read_json(text, "a.json"); }); };
+    const std::string deep = "{\"poor\": " + std::string(140'000, '[') + std::string(140'000, ']') + "}";
+    EXPECT_THAT(error(deep), HasSubstr("a.json: has lists and objects in each other, deeper than 64"));
+    EXPECT_TRUE(json_or_discarded(deep).is_discarded());
+    EXPECT_EQ(error("{\n\"a\": NaN}"),
+              "a.json: line 2: is not JSON: column 6: JSON has no NaN and no Infinity");
+    EXPECT_EQ(read_json("{\"a\": [1]}", "x"), json_or_discarded("{\"a\": [1]}"));
+    EXPECT_TRUE(json_or_discarded("{\"a\": 1").is_discarded());
+    EXPECT_TRUE(json_or_discarded("[1e400]").is_discarded());
+    EXPECT_THAT(error("[" + std::string(kLongestJson, ' ') + "]"), HasSubstr("a.json: has 67108866 bytes"));
+    const std::string nest = std::string(kDeepestJson, '[') + std::string(kDeepestJson, ']');
+    EXPECT_EQ(json_or_discarded(nest).dump(), nest);
+}
+
+TEST(JsonText, WordsOfTheLibraryAreNotShown) {
+    const auto why = [](const std::string& text) -> std::string {
+        try {
+            const json value = json::parse(text);
+            return value.at("lens").get<std::string>();
+        } catch (const json::exception& error) {
+            return why_wrong_field(error);
+        }
+    };
+    EXPECT_EQ(why("{}"), "the field 'lens' is missing");
+    EXPECT_EQ(why("{\"lens\": 3}"), "a field is a number where a string belongs");
+    EXPECT_THAT(why("true"), Not(HasSubstr("json")));
 }
 
 TEST(JsonText, SaysWhyATextIsNone) {

@@ -195,7 +195,7 @@ TEST(PictureFile, ThatCannotBeReadIsAnError) {
                 StartsWith((dir / "no.png").string() + ": cannot be read: "));
     write_bytes(dir / "text.png", "this is no picture");
     EXPECT_THAT(error_of([&] { read_picture(dir / "text.png"); }),
-                StartsWith((dir / "text.png").string() + ": cannot be read: "));
+                StartsWith((dir / "text.png").string() + ": is not a picture that can be read: "));
     write_picture(dir / "a.png", random_picture(64, 64), kLinear);
     write_bytes(dir / "cut.png", bytes_of(dir / "a.png").substr(0, 9000));
     EXPECT_THAT(error_of([&] { read_picture(dir / "cut.png"); }),

@@ -5,6 +5,7 @@
 
 #include "surface/atomic_file.h"
 #include "surface/error.h"
+#include "surface/json_reading.h"
 
 namespace tangi {
 
@@ -38,7 +39,7 @@ std::vector<fs::path> recent_paintings(const fs::path& folder) {
     if (folder.empty() || !fs::exists(folder / "recent.json", gone)) return recent;
     nlohmann::json list;
     try {
-        list = nlohmann::json::parse(read_text_file(folder / "recent.json"), nullptr, false);
+        list = json_or_discarded(read_text_file(folder / "recent.json"));
     } catch (const Error&) {
         return recent;
     }

@@ -11,6 +11,7 @@
 
 #include "surface/atomic_file.h"
 #include "surface/error.h"
+#include "surface/json_reading.h"
 
 namespace tangi {
 
@@ -231,7 +232,7 @@ Keys Keys::read(const std::filesystem::path& file) {
     Keys keys;
     if (!std::filesystem::exists(file)) return keys;
     const std::string where = file.string();
-    const nlohmann::json changes = nlohmann::json::parse(read_text_file(file), nullptr, false);
+    const nlohmann::json changes = json_or_discarded(read_text_file(file));
     if (!changes.is_object()) fail("{}: is not a JSON object such as {{\"shadows\": \"Shift+S\"}}", where);
     std::set<Action> changed;
     for (const auto& [name, value] : changes.items()) {

@@ -7,6 +7,8 @@
 #include "paint/retouch/treatment_area.h"
 #include "surface/atomic_file.h"
 #include "surface/error.h"
+#include "surface/json_reading.h"
+#include "surface/json_text.h"
 
 namespace tangi {
 
@@ -26,13 +28,14 @@ json sitting_of(const Treating& t) {
 // What was painted on at the last sitting; what cannot be read counts as nothing.
 void read_sitting(const fs::path& folder, Treating& t) {
     if (!fs::exists(folder / kSitting)) return;
-    const json sitting = json::parse(read_text_file(folder / kSitting), nullptr, false);
+    const json sitting = json_or_discarded(read_text_file(folder / kSitting));
     if (!sitting.is_object()) return;
     if (const auto classes = sitting.find("retouched"); classes != sitting.end() && classes->is_array()) {
         t.where.clear();
         for (const json& name : *classes)
             if (name.is_string())
-                if (const auto damage = damage_class_named(name.get<std::string>())) t.where.insert(*damage);
+                if (const auto damage = damage_class_named(name.is_string() ? name.get<std::string>() : ""))
+                    t.where.insert(*damage);
     }
     if (const auto it = sitting.find("confined"); it != sitting.end() && it->is_boolean())
         t.confined = it->get<bool>();

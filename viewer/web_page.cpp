@@ -11,6 +11,8 @@
 #include "surface/atomic_file.h"
 #include "surface/atomic_folder.h"
 #include "surface/base64.h"
+#include "surface/json_reading.h"
+#include "surface/json_text.h"
 #include "surface/parallel.h"
 #include "surface/picture_file.h"
 #include "surface/stale_temporaries.h"
@@ -117,7 +119,7 @@ json looks() {
 
 // Program and version of whatever the painting came from, for the page's caption.
 json origin(const Surface& surface) {
-    const json provenance = json::parse(surface.provenance, nullptr, false);
+    const json provenance = json_or_discarded(surface.provenance);
     json told = json::object();
     if (provenance.is_object())
         for (const char* key : {"program", "version", "command"})

@@ -7,6 +7,7 @@
 #include "paint/retouch/pigment_pairs_json.h"
 #include "surface/atomic_file.h"
 #include "surface/error.h"
+#include "surface/json_reading.h"
 
 namespace tangi {
 
@@ -59,8 +60,7 @@ std::vector<std::string> words_at(const nlohmann::json& pair, const char* key, c
 }  // namespace
 
 std::vector<PigmentPair> parse_pigment_pairs(std::string_view text, const std::string& where) {
-    const nlohmann::json root = nlohmann::json::parse(text, nullptr, false);
-    if (root.is_discarded()) fail("{}: is not JSON", where);
+    const nlohmann::json root = read_json(text, where);
     if (!root.is_object() || root.value("format", nlohmann::json()) != "tangipaint pigment pairs" ||
         root.value("version", nlohmann::json()) != 1)
         fail("{}: is no list of pigment pairs of version 1; match --save-pairs writes one to start from",

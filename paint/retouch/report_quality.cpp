@@ -79,7 +79,7 @@ void add_quality(ReportMatter& m) {
         const StatedLength area = stated_length(region, "area", "_mm2"),
                            height = stated_length(region, "height_step");
         table.rows.push_back(
-            {fmt::format("{}, {}", region.at("box_px")[0].dump(), region.at("box_px")[1].dump()),
+            {fmt::format("{}, {}", region.at("box_px").at(0).dump(), region.at("box_px").at(1).dump()),
              fmt::format("{:.1f}{}", area.value.get<double>(), area.unit), colour("delta_e_2000"),
              colour("border_delta_e_2000"),
              number(height.value.at("rms")) + std::string(height.unit) +

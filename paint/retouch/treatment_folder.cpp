@@ -11,6 +11,8 @@
 #include "paint/retouch/treatment_pending.h"
 #include "surface/atomic_file.h"
 #include "surface/error.h"
+#include "surface/json_reading.h"
+#include "surface/json_text.h"
 
 namespace tangi {
 
@@ -50,7 +52,8 @@ bool is_layer(const json& v) {
     if (!v.is_object()) return false;
     for (const char* field : {"name", "role", "sha256"})
         if (!v.contains(field) || !v[field].is_string()) return false;
-    return true;
+    const std::string name = v["name"].get<std::string>();
+    return !name.empty() && name.size() <= kMostOfName && is_one_line(name);
 }
 
 bool names_files(const json& v) { return v.is_object() && std::all_of(v.begin(), v.end(), is_inside); }
@@ -106,7 +109,7 @@ const std::vector<LineField>& fields_of_a_line() {
 const LogEntry* pending_line(const fs::path& pending, const TreatmentLog& log) {
     std::error_code missing;
     if (!fs::exists(pending / kStepFile, missing)) return nullptr;
-    const json step = json::parse(read_text_file(pending / kStepFile), nullptr, false);
+    const json step = json_or_discarded(read_text_file(pending / kStepFile));
     if (!step.is_object() || !step.contains("previous")) return nullptr;
     for (const LogEntry& entry : log.entries())
         if (entry.content.at("previous") == step["previous"]) return &entry;
@@ -204,8 +207,11 @@ void require_form(const TreatmentLog& log) {
     require_fields(log, log.entries().front(), fields_of_a_first_line());
     for (const LogEntry& entry : log.entries()) {
         require_fields(log, entry, fields_of_a_line());
+        const auto inner = [](const json& of, const char* name) {
+            return of.is_object() ? of.value(name, json()) : json();
+        };
         if (entry.content["action"] == "undo" &&
-            !entry.content.value("/parameters/step/line"_json_pointer, json()).is_number_integer())
+            !inner(inner(inner(entry.content, "parameters"), "step"), "line").is_number_integer())
             fail("{}:{}: does not say which line it undoes; take the log from a backup", log.path().string(),
                  entry.line);
     }

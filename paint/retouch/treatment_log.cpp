@@ -11,6 +11,7 @@
 #include "paint/retouch/sha256.h"
 #include "surface/atomic_file.h"
 #include "surface/error.h"
+#include "surface/json_reading.h"
 
 namespace tangi {
 
@@ -96,7 +97,7 @@ std::vector<LogEntry> chained_entries(const std::string& text, std::vector<LogFa
             faults.push_back({number, "was edited: its text does not have the hash that it ends with"});
             break;
         }
-        entry.content = json::parse(body, nullptr, false);
+        entry.content = json_or_discarded(body);
         if (!entry.content.is_object() || !entry.content.contains("previous")) {
             faults.push_back({number, "is no line of a log"});
             break;
@@ -147,9 +148,9 @@ TreatmentLog TreatmentLog::open(const fs::path& path) {
     if (!faults.empty())
         fail("{}:{}: {}; take the log from a backup, nothing is done with this one", path.string(),
              faults.front().line, faults.front().what);
-    if (log.entries_.empty() || log.entries_.front().content.value("format", "") != kTreatmentFormat)
-        fail("{}: is no log of a treatment", path.string());
-    if (log.entries_.front().content.value("version", 0) != kVersion)
+    if (log.entries_.empty() || log.entries_.front().content.value("format", json()) != kTreatmentFormat)
+        fail("{}:1: is not the first line of a treatment's log; take the log from a backup", path.string());
+    if (log.entries_.front().content.value("version", json()) != kVersion)
         fail("{}: is of a newer version of the program; this one reads version {}", path.string(), kVersion);
     log.whole_bytes_ = text.rfind('\n') + 1;
     log.seen_bytes_ = text.size();
@@ -158,7 +159,7 @@ TreatmentLog TreatmentLog::open(const fs::path& path) {
                                             log.entries_.size() + 1));
 
     const fs::path head = head_path(path);
-    const json stored = json::parse(read_text_file(head), nullptr, false);
+    const json stored = json_or_discarded(read_text_file(head));
     if (!stored.is_object() || !stored.contains("lines") || !stored["lines"].is_number_unsigned() ||
         !stored.contains("sha256") || !stored["sha256"].is_string())
         fail("{}: is not the head of a log; take it from a backup", head.string());

@@ -119,7 +119,7 @@ std::string places_in_words(const json& gloss) {
     const json boxes = gloss.value("boxes_px", json::array());
     const std::size_t named = std::min(boxes.size(), std::size_t(4));
     for (std::size_t i = 0; i < named; ++i)
-        text += fmt::format("{}{}, {}", i == 0 ? "at " : "; ", boxes[i][0].dump(), boxes[i][1].dump());
+        text += fmt::format("{}{}, {}", i == 0 ? "at " : "; ", boxes[i].at(0).dump(), boxes[i].at(1).dump());
     if (const std::size_t parts = gloss.value("parts", boxes.size()); parts > named)
         text += fmt::format(" and {} more", parts - named);
     return text;

@@ -1,0 +1,33 @@
+// file_bytes.h: bytes of a file from anywhere in it, for who looks at a file before a library reads it.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+
+namespace tangi {
+
+class FileBytes {
+public:
+    // Throws Error naming the file where it cannot be opened.
+    explicit FileBytes(const std::filesystem::path& path);
+    ~FileBytes();
+    FileBytes(const FileBytes&) = delete;
+    FileBytes& operator=(const FileBytes&) = delete;
+
+    std::uint64_t size() const { return size_; }
+    // What there is of `length` bytes from a place on.
+    std::string bytes(std::uint64_t at, std::uint64_t length) const;
+    // A whole number of 1 to 8 bytes; nothing where the file ends before it does.
+    std::optional<std::uint64_t> number(std::uint64_t at, int length, bool big_endian) const;
+
+private:
+    int file_;
+    std::uint64_t size_ = 0;
+};
+
+// The same of bytes that are there.
+std::uint64_t number_in(std::string_view bytes, bool big_endian);
+
+}  // namespace tangi

@@ -1,0 +1,184 @@
+// jpeg_header.cpp: the segments of a JPEG file (ITU-T T.81, annex B).
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <string_view>
+
+#include "surface/exif_block.h"
+#include "surface/icc_profile.h"
+#include "surface/picture_header.h"
+
+namespace tangi {
+
+namespace {
+
+using std::string_view_literals::operator""sv;
+
+constexpr int kExifMarker = 0xE1, kProfileMarker = 0xE2, kPhotoshopMarker = 0xED, kComment = 0xFE;
+constexpr int kScanMarker = 0xDA, kEndMarker = 0xD9;
+constexpr std::string_view kExifName = "Exif\0\0"sv, kXmpName = "http://ns.adobe.com/xap/1.0/\0"sv,
+                           kProfileName = "ICC_PROFILE\0"sv, kPhotoshopName = "Photoshop 3.0\0"sv;
+
+struct JpegSegment {
+    int marker = 0;
+    std::uint64_t begin = 0, end = 0;  // the marker's first byte, and what follows the segment
+    std::string content{};             // behind the length; of those that a library looks into
+};
+
+bool stands_alone(int marker) { return marker == 0x01 || (marker >= 0xD0 && marker <= 0xD8); }
+bool is_metadata(int marker) { return (marker >= 0xE0 && marker <= 0xEF) || marker == kComment; }
+bool is_frame(int marker) {
+    return marker >= 0xC0 && marker <= 0xCF && marker != 0xC4 && marker != 0xC8 && marker != 0xCC;
+}
+
+// The next marker at or behind a place, as libjpeg looks for it: bytes before it do not count, nor do those
+// within the packed data of a scan. Nothing where the file has none any more.
+std::optional<std::uint64_t> next_marker(const FileBytes& file, std::uint64_t at, bool in_scan) {
+    constexpr std::uint64_t ahead = 1u << 20;
+    while (at < file.size()) {
+        const std::string bytes = file.bytes(at, ahead);
+        for (std::size_t i = bytes.find('\xFF'); i != std::string::npos && i + 1 < bytes.size();
+             i = bytes.find('\xFF', i + 1)) {
+            const int marker = static_cast<unsigned char>(bytes[i + 1]);
+            const bool restarts = marker >= 0xD0 && marker <= 0xD7;
+            if (marker != 0 && marker != 0xFF && !(in_scan && restarts)) return at + i;
+        }
+        if (bytes.size() < ahead) break;
+        at += ahead - 1;  // a marker may lie across
+    }
+    return {};
+}
+
+std::optional<JpegSegment> segment_at(const FileBytes& file, std::uint64_t begin) {
+    const auto marker = file.number(begin + 1, 1, true);
+    if (!marker) return {};
+    JpegSegment segment{static_cast<int>(*marker), begin, begin + 2};
+    if (stands_alone(segment.marker) || segment.marker == kEndMarker) return segment;
+    const auto length = file.number(begin + 2, 2, true);
+    if (!length || *length < 2 || begin + 2 + *length > file.size()) return {};
+    segment.end = begin + 2 + *length;
+    const bool looked_at =
+        is_metadata(segment.marker) || is_frame(segment.marker) || segment.marker == kScanMarker;
+    if (looked_at) segment.content = file.bytes(begin + 4, *length - 2);
+    return segment;
+}
+
+std::string as_segment(int marker, const std::string& content) {
+    const std::size_t length = content.size() + 2;
+    return {'\xFF', static_cast<char>(marker), static_cast<char>(length >> 8),
+            static_cast<char>(length & 255)};
+}
+
+// Photoshop's block: its first resource is IPTC's, of which OpenImageIO 2.4 believes the length.
+bool is_plain_photoshop(std::string_view content) {
+    constexpr std::size_t head = 26;
+    if (content.size() < head) return false;
+    return number_in(content.substr(18, 2), true) != 1028 ||
+           head + number_in(content.substr(24, 2), true) <= content.size();
+}
+
+// What to show a library instead of a segment of metadata: nothing where that is the segment itself.
+std::optional<std::string> instead_of_segment(const JpegSegment& segment) {
+    const std::string_view content = segment.content;
+    // Names are compared as texts that end with a 0, which must be there.
+    const bool named = content.substr(0, kXmpName.size()).find('\0') != std::string_view::npos;
+    const bool looked_at = segment.marker == kExifMarker || segment.marker == kProfileMarker ||
+                           segment.marker == kPhotoshopMarker;
+    if (!looked_at) return {};
+    if (segment.marker == kExifMarker && content.starts_with("Exif\0"sv)) {
+        if (content.size() < kExifName.size()) return "";
+        const std::string_view block = content.substr(kExifName.size());
+        if (is_sound_exif(block)) return {};
+        const std::string sound = sound_part_of_exif(block);
+        const std::string whole = std::string(kExifName) + sound;
+        return sound.empty() ? sound : as_segment(kExifMarker, whole) + whole;
+    }
+    const bool plain = segment.marker == kExifMarker && content.starts_with(kXmpName) ? is_plain_xmp(content)
+                       : segment.marker == kProfileMarker && content.starts_with(kProfileName)
+                           ? content.size() >= kProfileName.size() + 2
+                       : segment.marker == kPhotoshopMarker && content.starts_with(kPhotoshopName)
+                           ? is_plain_photoshop(content)
+                           : named;
+    return plain ? std::nullopt : std::optional<std::string>("");
+}
+
+// The profile, which lies in parts of 64 KiB, each with its number and their count (ICC.1:2010, B.4).
+class ProfileParts {
+public:
+    void add(const std::string& content) {
+        const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(content[i]); };
+        if (!content.starts_with(kProfileName) || content.size() < kProfileName.size() + 2) return;
+        count_ = byte(kProfileName.size() + 1);
+        parts_.emplace(byte(kProfileName.size()), content.substr(kProfileName.size() + 2));
+    }
+    std::optional<std::string> damage() const {
+        if (parts_.empty()) return {};
+        std::string whole;
+        for (int number = 1; number <= count_; ++number) {
+            const auto part = parts_.find(number);
+            if (part == parts_.end()) return fmt::format("its part {} of {} is missing", number, count_);
+            whole += part->second;
+        }
+        return damage_of_icc(whole);
+    }
+
+private:
+    int count_ = 0;
+    std::map<int, std::string> parts_;
+};
+
+struct JpegScans {
+    int channels = 0;
+    bool progressive = false, arithmetic = false;
+    bool in_several = false;  // of which libjpeg reads all before it gives the first row
+};
+
+void read_frame(const JpegSegment& segment, PictureHeader& header, JpegScans& scans) {
+    const std::string_view content = segment.content;
+    if (content.size() < 6) return;
+    header.height = static_cast<double>(number_in(content.substr(1, 2), true));
+    header.width = static_cast<double>(number_in(content.substr(3, 2), true));
+    scans.channels = static_cast<unsigned char>(content[5]);
+    header.bytes = header.width * header.height * scans.channels;
+    scans.progressive = (segment.marker & 3) == 2;
+    scans.arithmetic = segment.marker >= 0xC9;
+}
+
+}  // namespace
+
+void read_jpeg_header(const FileBytes& file, PictureHeader& header) {
+    std::vector<FilePiece> pieces = {{0, 2}};
+    ProfileParts profile;
+    JpegScans scans;
+    bool changed = false, in_scan = false;
+    std::uint64_t at = 2;
+    while (const auto begin = next_marker(file, at, in_scan)) {
+        const auto segment = segment_at(file, *begin);
+        if (!segment || segment->marker == kEndMarker) break;
+        if (in_scan) pieces.push_back({at, *begin - at});
+        const bool behind_pixels = in_scan;
+        in_scan = segment->marker == kScanMarker;
+        at = segment->end;
+        std::optional<std::string> instead;
+        if (is_frame(segment->marker)) read_frame(*segment, header, scans);
+        if (is_metadata(segment->marker)) {
+            if (segment->marker == kProfileMarker) profile.add(segment->content);
+            instead = behind_pixels ? std::optional<std::string>("") : instead_of_segment(*segment);
+        }
+        changed = changed || instead;
+        pieces.push_back(instead ? FilePiece{*begin, 0, *instead} : FilePiece{*begin, segment->end - *begin});
+        if (!in_scan) continue;
+        const int here = segment->content.empty() ? 0 : static_cast<unsigned char>(segment->content[0]);
+        scans.in_several = scans.in_several || scans.progressive || here < scans.channels;
+        if (!scans.in_several) break;
+    }
+    pieces.push_back({at, file.size() - std::min(at, file.size())});
+    if (changed) header.without = std::move(pieces);
+    if (const auto damage = profile.damage()) header.damage = "its colour profile (ICC): " + *damage;
+    // A code is a bit at least, and 8 x 8 pixels of the brightness begin with one (ITU-T T.81, F.1.2);
+    // arithmetic coding can do with less.
+    header.least_file = scans.arithmetic ? 0 : header.width * header.height / 512;
+}
+
+}  // namespace tangi

@@ -1,0 +1,50 @@
+#include "surface/picture_header.h"
+
+#include <algorithm>
+
+namespace tangi {
+
+namespace {
+
+// Uncompressed, or runs of up to 128 pixels that take a byte and one pixel (Truevision TGA 2.0).
+void read_tga_header(const FileBytes& file, PictureHeader& header) {
+    const auto kind = file.number(2, 1, false), width = file.number(12, 2, false),
+               height = file.number(14, 2, false), bits = file.number(16, 1, false);
+    if (!kind || !width || !height || !bits) return;
+    const double pixel = std::max(1.0, static_cast<double>(*bits) / 8);
+    header.width = static_cast<double>(*width);
+    header.height = static_cast<double>(*height);
+    header.bytes = header.width * header.height * pixel;
+    const bool has_runs = (*kind & 8) != 0;
+    header.least_file = has_runs ? header.width * header.height / 128 * (1 + pixel) : header.bytes;
+}
+
+}  // namespace
+
+std::optional<PictureFormat> picture_format(const FileBytes& file, const std::string& extension) {
+    using namespace std::string_view_literals;
+    const std::string head = file.bytes(0, 8);
+    if (head == "\x89PNG\r\n\x1a\n"sv) return PictureFormat::png;
+    if (head.starts_with("\xFF\xD8\xFF"sv)) return PictureFormat::jpeg;
+    for (const std::string_view tiff : {"II*\0"sv, "MM\0*"sv, "II+\0"sv, "MM\0+"sv})
+        if (head.starts_with(tiff)) return PictureFormat::tiff;
+    if (head.starts_with("\x76\x2f\x31\x01"sv)) return PictureFormat::exr;
+    return extension == ".tga" ? std::optional(PictureFormat::tga) : std::nullopt;
+}
+
+PictureHeader picture_header(const FileBytes& file, PictureFormat format) {
+    PictureHeader header;
+    header.format = format;
+    if (format == PictureFormat::png) read_png_header(file, header);
+    if (format == PictureFormat::jpeg) read_jpeg_header(file, header);
+    if (format == PictureFormat::tiff) read_tiff_header(file, header);
+    if (format == PictureFormat::tga) read_tga_header(file, header);
+    return header;
+}
+
+bool is_plain_xmp(std::string_view xmp) {
+    constexpr std::ptrdiff_t most_elements = 4000;
+    return std::ranges::count(xmp, '<') <= 2 * most_elements;
+}
+
+}  // namespace tangi

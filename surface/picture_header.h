@@ -1,0 +1,50 @@
+// picture_header.h: what a picture's file says of itself, read by ourselves before a library decodes it: how
+// large it is, and what lies beside its pixels.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "surface/file_bytes.h"
+
+namespace tangi {
+
+enum class PictureFormat { png, jpeg, tiff, exr, tga };
+
+// A part of a file as a library is to see it: bytes of it, or others in their place.
+struct FilePiece {
+    std::uint64_t begin = 0, length = 0;
+    std::string instead{};
+};
+
+struct PictureHeader {
+    PictureFormat format = PictureFormat::png;
+    double width = 0, height = 0;  // of the largest picture in it
+    double bytes = 0;              // of its pixels, unpacked as the file stores them
+    // [bytes] that a file with these pixels has at least, by what its packing can do at best.
+    double least_file = 0;
+    // What is damaged, in words that follow "is damaged: ": only what nobody can do without.
+    std::optional<std::string> damage{};
+    // Where metadata would lead a library astray: the file without them. Else empty.
+    std::vector<FilePiece> without{};
+};
+
+// By the first bytes, or else by the extension (".tga", which has none of its own). Nothing for other files.
+std::optional<PictureFormat> picture_format(const FileBytes& file, const std::string& extension);
+
+// Of a PNG, JPEG, TIFF or TGA file. What cannot be followed is left to the library to complain of; nothing
+// for EXR, which exr_claim() reads.
+PictureHeader picture_header(const FileBytes& file, PictureFormat format);
+
+// The formats, one by one.
+void read_png_header(const FileBytes& file, PictureHeader& header);
+void read_jpeg_header(const FileBytes& file, PictureHeader& header);
+void read_tiff_header(const FileBytes& file, PictureHeader& header);
+
+// XMP with more elements than this is not shown to OpenImageIO 2.4, which calls itself for each that lies in
+// another: they take 300 bytes of stack, of which threads have 8 MiB.
+bool is_plain_xmp(std::string_view xmp);
+
+}  // namespace tangi

@@ -1,0 +1,42 @@
+// safe_picture.h: a picture's file, looked through before a library opens it.
+//
+// A file of a few bytes that claims to be large costs hours and gigabytes before a library notices; metadata
+// that nobody needs ends the process in OpenImageIO 2.4 (profiles, EXIF, XMP). Every picture from outside is
+// opened through this.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+namespace tangi {
+
+class SafePicture {
+public:
+    // Throws Error naming the file where it is none of PNG, JPEG, TIFF, EXR and TGA, where it claims more
+    // pixels than a file of its length can hold or this program takes, or a profile by which its colours
+    // would be read is damaged. Reads headers only. Metadata that would lead a library astray are left out of
+    // what it sees.
+    explicit SafePicture(const std::filesystem::path& path);
+    ~SafePicture();
+    SafePicture(SafePicture&& other) noexcept;
+    SafePicture& operator=(SafePicture&& other) noexcept;
+
+    // What to open: the file, or a copy of what is sound of it, which is there as long as this is.
+    const std::string& path() const { return path_; }
+    // OpenImageIO's reader for it: "png". It looks at no other, whatever the file is called.
+    const char* reader() const { return reader_; }
+
+private:
+    std::string path_;
+    const char* reader_ = nullptr;
+    int copy_ = -1;
+};
+
+// What a library said of a picture that it cannot read, in words of ours, with what to do.
+std::string trouble_with_picture(std::string_view library_words);
+
+// [pixels] Of a picture: as many as OpenCV takes (CV_IO_MAX_IMAGE_PIXELS, 2^30). Photographs have a tenth.
+constexpr double kMostPixels = 1024.0 * 1024 * 1024;
+
+}  // namespace tangi
