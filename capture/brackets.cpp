@@ -4,7 +4,9 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "capture/photo_match.h"
 #include "capture/photo_metadata.h"
+#include "capture/photo_names.h"
 #include "surface/atomic_file.h"
 #include "surface/error.h"
 #include "surface/json_reading.h"
@@ -20,13 +22,17 @@ namespace {
 using nlohmann::json;
 
 constexpr std::size_t kLongestPath = 300;  // [bytes] in a message
+// In the folder that was named, as names of a lights file are (photo_names.h); else where it is said to be.
+fs::path file_named(const std::string& name, const fs::path& folder) {
+    return photo_named(name, folder, photos_in(folder)).photo.value_or(folder / portable(name));
+}
 
 BracketFile entry_of(const json& entry, const fs::path& folder, const std::string& where) {
     BracketFile file;
     if (entry.is_string()) {
-        file.path = folder / entry.get<std::string>();
+        file.path = file_named(entry.get<std::string>(), folder);
     } else if (entry.is_object() && entry.contains("file") && entry["file"].is_string()) {
-        file.path = folder / entry["file"].get<std::string>();
+        file.path = file_named(entry["file"].get<std::string>(), folder);
         if (entry.contains("exposure")) {
             const double exposure = entry["exposure"].is_number() ? entry["exposure"].get<double>() : 0;
             if (!(exposure > 0 && std::isfinite(exposure)))

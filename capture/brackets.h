@@ -21,8 +21,9 @@ struct BracketFile {
 using Brackets = std::map<std::string, std::vector<BracketFile>>;
 
 // A JSON file: {"NAME": ["FILE", {"file": "FILE", "exposure": NUMBER}, …], …}, NAME as in the lights file,
-// FILE in `folder`; lights that are not in it have one photograph as usual. Throws Error naming the file and
-// the light: no JSON of that form, a photograph that is missing, an exposure that is not positive.
+// FILE in `folder`, as photo_names.h finds it; lights that are not in it have one photograph as usual. Throws
+// Error naming the file and the light: no JSON of that form, a photograph that is missing, an exposure that
+// is not positive.
 Brackets read_brackets(const std::filesystem::path& file, const std::filesystem::path& folder);
 
 // Photographs NAME_1, NAME_2 … or NAME-1, NAME-2 … (any digits) for a light NAME, whose own extension, if it

@@ -60,7 +60,7 @@ std::optional<ColourCalibration> calibrate_colours(const PhotoSet& photos,
     } else if (options.transfer) {
         attempts.push_back({*options.transfer, {}});
     } else {
-        const auto metadata = transfer_of_metadata(read_photo_metadata(photos.path(0)));
+        const auto metadata = transfer_of_metadata(photos.metadata(0));
         if (metadata && metadata->binding && metadata->transfer) {
             stated = metadata->source;
             attempts.push_back({*metadata->transfer, {}});

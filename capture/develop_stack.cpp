@@ -353,6 +353,11 @@ DevelopReport develop_stack(Stack& stack, const DevelopRun& run, const Progress&
     if (stack.is_raw && stack.develop.raw_colour == RawColour::rec709)
         d.colour = colour_of(read_raw_header(first));
     find_clipping(stack, report_, d);
+    for (const auto* frame : {&report_.dark, &report_.flat, &report_.ambient})
+        if (*frame && (*frame)->without_number > 0)
+            stack.warnings.push_back(fmt::format(
+                "{}: {} pixels hold no number that light can have (NaN, infinite); nothing is measured there",
+                (*frame)->files.front().string(), (*frame)->without_number));
     return report_;
 }
 

@@ -13,8 +13,9 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr int kRows = 64;             // at a time
-constexpr double kDarkestFlat = 0.1;  // [1] of the mean: below, noise and stray light rule
+constexpr int kRows = 64;              // at a time
+constexpr double kDarkestFlat = 0.1;   // [1] of the mean: below, noise and stray light rule
+constexpr double kDarkestMean = 1e-4;  // [1] of full scale, which floats have not
 constexpr double kMostClipped = 0.01, kMostUnusable = 0.05;
 
 std::vector<fs::path> files_of(const fs::path& path, const std::string& role) {
@@ -73,20 +74,25 @@ void add(PhotoFile& file, const FrameContext& context, float weight, AveragedFra
     const float clipped = header.is_float ? std::numeric_limits<float>::infinity() : kClipped;
     std::vector<float> stored;
     double sum = 0;
-    std::size_t bright = 0;
+    std::size_t bright = 0, missing = 0;
     for_rows(*average.frame, context, [&](int y0, std::vector<float>& rows) {
         stored.resize(rows.size());
         file.read_rows(y0, y0 + static_cast<int>(rows.size() / row_of(context)), stored);
         for (std::size_t i = 0; i < rows.size(); ++i) {
+            if (std::isnan(stored[i])) {  // no sample: the mean is not known there
+                rows[i] = stored[i];
+                ++missing;
+                continue;
+            }
             const float linear = transfer.decode(stored[i]);
-            if (!std::isfinite(linear))
-                fail("{}: holds values that are no numbers; it cannot be averaged", file.path().string());
             rows[i] += weight * linear;
             sum += static_cast<double>(linear);
             bright += stored[i] >= clipped;
         }
     });
-    const double values = static_cast<double>(row_of(context)) * header.height;
+    const double values = static_cast<double>(row_of(context)) * header.height - static_cast<double>(missing);
+    if (!(values > 0)) fail("{}: no pixel holds a number; it cannot be used", file.path().string());
+    average.summary.without_number += file.without_number();
     average.summary.mean += static_cast<double>(weight) * sum / values;
     average.summary.clipped += static_cast<double>(weight) * static_cast<double>(bright) / values;
 }
@@ -111,14 +117,17 @@ AveragedFrame average_frame(const fs::path& path, const std::string& role, const
 void subtract_dark(AveragedFrame& frame, const Frame* dark, double exposure, const FrameContext& context) {
     std::vector<float> offset(row_of(context) * kRows);
     double sum = 0;
+    long values = 0;
     for_rows(*frame.frame, context, [&](int y0, std::vector<float>& rows) {
         if (dark) dark->read(0, y0, std::span(offset).first(rows.size()));
         for (std::size_t i = 0; i < rows.size(); ++i) {
             rows[i] = static_cast<float>((rows[i] - (dark ? offset[i] : 0)) / exposure);
+            if (std::isnan(rows[i])) continue;
             sum += static_cast<double>(rows[i]);
+            ++values;
         }
     });
-    frame.summary.mean = sum / (static_cast<double>(row_of(context)) * context.like.height);
+    frame.summary.mean = sum / static_cast<double>(std::max(values, 1L));
 }
 
 std::shared_ptr<Frame> gain_of_flat(AveragedFrame& flat, const Frame* dark, const FrameContext& context) {
@@ -133,13 +142,19 @@ std::shared_ptr<Frame> gain_of_flat(AveragedFrame& flat, const Frame* dark, cons
     subtract_dark(flat, dark, 1, context);
     const auto channels = static_cast<std::size_t>(context.like.channels);
     std::vector<double> mean(channels, 0.0);
+    std::size_t known = 0;  // values
     for_rows(*flat.frame, context, [&](int, std::vector<float>& rows) {
-        for (std::size_t i = 0; i < rows.size(); ++i) mean[i % channels] += static_cast<double>(rows[i]);
+        for (std::size_t i = 0; i < rows.size(); ++i) {
+            if (std::isnan(rows[i])) continue;
+            mean[i % channels] += static_cast<double>(rows[i]);
+            ++known;
+        }
     });
     const double pixels = static_cast<double>(context.like.width) * context.like.height;
+    const double darkest = context.like.is_float ? 0 : kDarkestMean;
     for (double& m : mean) {
-        m /= pixels;
-        if (!(m > 1e-4))
+        m /= static_cast<double>(std::max(known / channels, std::size_t{1}));
+        if (!(m > darkest))
             fail("{}: the flat field is black{}; it must show an even white surface in the light", name,
                  dark ? " once the dark frame is taken off" : "");
     }

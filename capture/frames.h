@@ -21,10 +21,11 @@ struct FrameContext {
 
 struct FrameSummary {
     std::vector<std::filesystem::path> files;
-    double mean = 0;      // [1] linear, of all channels
-    double clipped = 0;   // [1] part of the values, in any of the files
-    double darkest = 1;   // [1] of a flat field, of its mean: the lowest value that is used
-    double unusable = 0;  // [1] part of a flat field's values that are too dark to divide by
+    double mean = 0;          // [1] linear, of all channels
+    double clipped = 0;       // [1] part of the values, in any of the files
+    double darkest = 1;       // [1] of a flat field, of its mean: the lowest value that is used
+    double unusable = 0;      // [1] part of a flat field's values that are too dark to divide by
+    long without_number = 0;  // pixels of all files together that held none (PhotoFile::without_number())
 };
 
 struct AveragedFrame {
@@ -32,7 +33,8 @@ struct AveragedFrame {
     FrameSummary summary;
 };
 
-// The mean of the pictures at `path` (one, or a folder of them), linear. `role` is the word for messages
+// The mean of the pictures at `path` (one, or a folder of them), linear; NaN where one of them has no sample.
+// `role` is the word for messages
 // ("dark frame"). Throws Error naming the file: no such file or folder, no picture in it, another size or
 // number of channels than the photographs.
 AveragedFrame average_frame(const std::filesystem::path& path, const std::string& role,

@@ -5,20 +5,31 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <vector>
 
 namespace tangi {
 
 // What a photograph's header says.
 struct PhotoHeader {
-    int width = 0, height = 0;
-    int channels = 0;       // 1 (grey) or 3; alpha is dropped
-    int bits = 0;           // 8 or 16; 32 for any kind of float
-    bool is_float = false;  // EXR or float TIFF: linear light
-    bool is_raw = false;    // camera raw: linear light in the camera's primaries, 16 bit
-    int orientation = 1;    // EXIF; anything but 1 means that viewers turn the picture
+    int width = 0, height = 0;  // of an EXR file's display window
+    int channels = 0;           // 1 (grey) or 3; alpha is dropped
+    int bits = 0;               // 8 or 16; 32 for any kind of float
+    bool is_float = false;      // EXR, float TIFF or L*a*b*: linear light
+    bool is_raw = false;        // camera raw: linear light in the camera's primaries, 16 bit
+    int orientation = 1;        // EXIF; anything but 1 means that viewers turn the picture
+    // What is to be told of how the file was understood, without its name: several pictures in it, pixels
+    // that are not square, an EXR file whose data window is not all of its display window.
+    std::vector<std::string> doubts{};
 };
 
-// JPEG, PNG, TIFF, EXR, TGA or camera raw, judged by the extension (in any case).
+// Whether a file of floats means light by this value, and not that there is nothing: not NaN or infinite; not
+// 65504, the largest half, for which programs take what is infinite; below 1e10, as no unit gives even the
+// sun's disc more (1.6e9 cd/m2), and marks for "no data" are 1e20 to 3.4e38. And above -1000: -9999 and
+// -32768 are such marks as well, while noise below black is small beside full scale, of which 65535 is the
+// largest in use.
+bool is_light(float value);
+
+// JPEG, PNG, TIFF, EXR, TGA, BMP or camera raw, judged by the extension (in any case).
 bool is_photo_name(const std::filesystem::path& path);
 
 // An open photograph. Rows are decoded once when read in ascending order; going back starts over. Camera raw
@@ -36,14 +47,23 @@ public:
     const std::filesystem::path& path() const { return path_; }
 
     // Rows y0 <= y < y1 as stored, interleaved, width * channels values a row; integers are scaled to 0..1.
-    // `values` holds at least (y1 - y0) * width * channels floats. Throws Error naming file and row.
+    // NaN in all channels, which is no sample, where the file has no pixel (outside of an EXR file's data
+    // window) or a channel holds no number that light can have (is_light()). `values` holds at least
+    // (y1 - y0) * width * channels floats. Throws Error naming file and row.
     void read_rows(int y0, int y1, std::span<float> values);
+
+    // Pixels of the rows read so far that held what is no number.
+    long without_number() const { return without_number_; }
 
 private:
     struct Decoder;
     void read_raw_rows(int y0, int y1, std::span<float> values);
+    void decode_rows(int y0, int y1, std::span<float> values);
+    void read_window(int y0, int y1, std::span<float> values);
+    void mask_what_is_no_number(std::span<float> values);
     std::filesystem::path path_;
     PhotoHeader header_;
+    long without_number_ = 0;
     std::unique_ptr<Decoder> decoder_;
 };
 

@@ -1,9 +1,6 @@
 #include "capture/photo_match.h"
 
-#include <utf8proc.h>
-
 #include <algorithm>
-#include <cstdlib>
 #include <glm/geometric.hpp>
 #include <map>
 #include <string_view>
@@ -11,9 +8,8 @@
 
 #include "capture/brackets.h"
 #include "capture/lights_file.h"
-#include "capture/raw_file.h"
+#include "capture/photo_names.h"
 #include "surface/error.h"
-#include "surface/letter_case.h"
 #include "surface/painting_file.h"
 #include "surface/picture_file.h"
 
@@ -22,43 +18,6 @@ namespace tangi {
 namespace fs = std::filesystem;
 
 namespace {
-
-// Names are alike in whatever case, and whether a letter with a mark is one code point (as most programs
-// write it) or two (as macOS does). What is no UTF-8 is alike in its bytes.
-std::string alike(const std::string& text) {
-    utf8proc_uint8_t* mapped = nullptr;
-    const utf8proc_ssize_t size = utf8proc_map(
-        reinterpret_cast<const utf8proc_uint8_t*>(text.data()), static_cast<utf8proc_ssize_t>(text.size()),
-        &mapped, static_cast<utf8proc_option_t>(UTF8PROC_STABLE | UTF8PROC_DECOMPOSE | UTF8PROC_CASEFOLD));
-    if (size < 0) return lower_case(text);
-    std::string result(reinterpret_cast<const char*>(mapped), static_cast<std::size_t>(size));
-    std::free(mapped);
-    return result;
-}
-
-// Windows programs write their folders with backslashes.
-fs::path portable(std::string name) {
-    std::replace(name.begin(), name.end(), '\\', '/');
-    return fs::path(name);
-}
-
-// The photograph that a lights file means by `name`, tried from the strictest reading to the loosest.
-std::optional<fs::path> match(const std::string& name, const fs::path& folder,
-                              const std::vector<fs::path>& photos) {
-    const fs::path listed = portable(name);
-    std::error_code ignored;
-    if (fs::is_regular_file(folder / listed, ignored)) return folder / listed;
-    std::vector<fs::path> same_stem;
-    for (const fs::path& photo : photos) {
-        if (alike(photo.filename().string()) == alike(listed.filename().string())) return photo;
-        if (alike(photo.stem().string()) == alike(listed.stem().string())) same_stem.push_back(photo);
-    }
-    if (same_stem.size() == 1) return same_stem.front();
-    // Cameras store a JPEG beside each raw, of the same name.
-    if (std::count_if(same_stem.begin(), same_stem.end(), is_raw_name) == 1)
-        return *std::find_if(same_stem.begin(), same_stem.end(), is_raw_name);
-    return std::nullopt;
-}
 
 // As people count: photo_2 before photo_10.
 bool before_as_counted(std::string_view a, std::string_view b) {
@@ -121,13 +80,14 @@ public:
         result_.masks = take_masks(photos_);
         // Photographs of lights that cannot be read are known, and need no second warning.
         for (const LeftOut& light : calibration.left_out)
-            if (const auto photo = match(light.name, folder_, pictures_))
+            if (const auto photo = photo_named(light.name, folder_, pictures_).photo)
                 used_.emplace(photo->lexically_normal(), light.name);
         brackets_ = brackets_of(develop.brackets, folder_, photos_, lights_);
     }
 
     PhotoMatch run() {
         for (std::size_t i = 0; i < lights_.size(); ++i) add(i);
+        if (result_.photos.empty() && pictures_.empty()) take_from_elsewhere();
         if (result_.photos.empty() && photos_.size() == lights_.size() && !photos_.empty()) {
             take_by_order();
             return std::move(result_);
@@ -139,6 +99,7 @@ public:
                 "the order of the lights",
                 lights_path_.string(), lights_.size(), photos_.size(), folder_.string());
         tell_missing();
+        tell_choices();
         tell_unlisted();
         return std::move(result_);
     }
@@ -154,17 +115,44 @@ private:
             result_.photos.push_back({exposures.front().path, light, position, {}, exposures});
             return;
         }
-        const auto photo = match(light.name, folder_, pictures_);
+        const NamedPhoto named = photo_named(light.name, folder_, pictures_);
+        const std::optional<fs::path>& photo = named.photo;
         if (!photo) {
-            missing_.push_back(light.name);
+            (named.candidates.empty() ? missing_ : ambiguous_).push_back(light.name);
+            if (!named.candidates.empty() && ambiguous_.size() == 1) candidates_ = named.candidates;
             return;
         }
+        note_choice(light.name, named);
         const auto [earlier, is_new] =
             used_.emplace(photo->lexically_normal(), light.name);  // "./name" is "name"
         if (is_new)
             result_.photos.push_back({*photo, light, position, {}, {}});
         else
             add_again(*earlier, light);
+    }
+
+    // What was not meant by the letter.
+    void note_choice(const std::string& name, const NamedPhoto& named) {
+        for (const fs::path& file : named.beside) beside_.push_back(file.lexically_normal());
+        if (!named.beside.empty()) chosen_.push_back(named.photo->filename().string());
+        const auto listed = file_listed(name, lights_path_);
+        std::error_code unknown;
+        if (listed && !fs::equivalent(*listed, *named.photo, unknown) && !unknown)
+            elsewhere_.push_back(*listed);
+    }
+
+    // A folder without photographs holds a lights file that says where they are.
+    void take_from_elsewhere() {
+        for (std::size_t i = 0; i < lights_.size(); ++i)
+            if (const auto file = file_listed(lights_[i].name, lights_path_);
+                file && used_.emplace(*file, lights_[i].name).second) {
+                std::erase(missing_, lights_[i].name);
+                result_.photos.push_back({*file, lights_[i], static_cast<int>(i), {}, {}});
+            }
+        if (!result_.photos.empty())
+            result_.warnings.push_back(fmt::format(
+                "{}: holds no photographs, and those that {} lists are used, in {}", folder_.string(),
+                lights_path_.filename().string(), result_.photos.front().path.parent_path().string()));
     }
 
     // A photograph that an earlier light has already.
@@ -215,13 +203,45 @@ private:
     }
 
     void tell_missing() {
+        if (!ambiguous_.empty()) {
+            std::vector<std::string> files;
+            for (const fs::path& file : candidates_) files.push_back(file.filename().string());
+            leave_out(
+                ambiguous_,
+                fmt::format("{}: {} of {} listed photographs may be one of several files in {}: '{}' {}. "
+                            "Name the one that is meant with its extension, or leave one there",
+                            lights_path_.string(), ambiguous_.size(), lights_.size(), folder_.string(),
+                            ambiguous_.front(), joined(files)));
+        }
         if (missing_.empty()) return;
-        const std::string what = fmt::format(
+        std::string what = fmt::format(
             "{}: {} of {} listed photographs are not in {}: {}. Put them there, or remove their "
             "lines",
             lights_path_.string(), missing_.size(), lights_.size(), folder_.string(), joined(missing_));
+        if (const auto unread = unread_pictures(missing_.front(), folder_); !unread.empty())
+            what += fmt::format(". {} is there, but {} files are not read: convert them to TIFF or PNG",
+                                unread.front().filename().string(), lower_extension(unread.front()));
+        leave_out(missing_, what);
+    }
+
+    void leave_out(const std::vector<std::string>& names, const std::string& what) {
         if (all_or_none_) throw Error(what);
-        for (const std::string& name : missing_) result_.left_out.push_back({name, what});
+        for (const std::string& name : names) result_.left_out.push_back({name, what});
+    }
+
+    void tell_choices() {
+        if (!chosen_.empty())
+            result_.warnings.push_back(fmt::format(
+                "{}: several files have the names of listed photographs; {} are used, and not the "
+                "JPEG files beside them",
+                folder_.string(), joined(chosen_)));
+        if (!elsewhere_.empty())
+            result_.warnings.push_back(
+                fmt::format("{}: lists {} of {} photographs in another folder ({}); those of the same names "
+                            "in {} are used, "
+                            "as that folder was named",
+                            lights_path_.string(), elsewhere_.size(), lights_.size(),
+                            elsewhere_.front().parent_path().string(), folder_.string()));
     }
 
     // What a fit of them made may lie beside photographs, and is none.
@@ -232,7 +252,10 @@ private:
     void tell_unlisted() {
         std::vector<std::string> unlisted;
         for (const fs::path& photo : photos_)
-            if (!used_.contains(photo.lexically_normal()) && !is_painting_file(photo))
+            if (const fs::path normal = photo.lexically_normal();
+                !used_.contains(normal) &&
+                std::find(beside_.begin(), beside_.end(), normal) == beside_.end() &&
+                !is_painting_file(photo))
                 unlisted.push_back(photo.filename().string());
         std::erase_if(result_.masks,
                       [&](const fs::path& mask) { return used_.contains(mask.lexically_normal()); });
@@ -250,7 +273,10 @@ private:
     std::vector<fs::path> photos_;          // without them
     Brackets brackets_;
     std::map<fs::path, std::string> used_;
-    std::vector<std::string> missing_;
+    std::vector<std::string> missing_, ambiguous_;  // names of lights
+    std::vector<fs::path> candidates_;              // of the first ambiguous one
+    std::vector<fs::path> beside_, elsewhere_;      // files that were not meant
+    std::vector<std::string> chosen_;               // files that were, beside others
     PhotoMatch result_;
 };
 

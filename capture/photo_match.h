@@ -29,9 +29,10 @@ struct PhotoMatch {
     std::vector<std::string> warnings;
 };
 
-// Matches by name (path, file name, stem; case does not matter), or by order with a warning where no name at
-// all matches and the numbers agree. Throws Error naming the lights file and the remedy where nothing is
-// matched; `all_or_none`: also where a light has no photograph, or a photograph two lights.
+// Matches by name (photo_names.h) among the photographs of the folder; those that the lights file lists
+// elsewhere are only used where the folder holds none. By order with a warning where no name at all matches
+// and the numbers agree. Throws Error naming the lights file and the remedy where nothing is matched;
+// `all_or_none`: also where a light has no photograph, or a photograph two lights.
 PhotoMatch match_photos(const std::filesystem::path& folder, const DevelopOptions& develop,
                         const StackCalibration& calibration, bool all_or_none);
 

@@ -13,6 +13,7 @@
 #include "surface/picture_file.h"
 #include "surface/png_chunks.h"
 #include "surface/safe_picture.h"
+#include "surface/tiff_pages.h"
 
 namespace tangi {
 
@@ -50,6 +51,18 @@ void read_png_chunks(const fs::path& path, PhotoMetadata& metadata) {
     }
 }
 
+// What the picture's page of a TIFF file says, and the first one, which may be a preview, where that says
+// nothing.
+OIIO::ImageSpec spec_of_picture(const fs::path& path, OIIO::ImageInput& input, const OIIO::ImageSpec& first) {
+    const auto pages = tiff_pages(path);
+    if (!pages || pages->chosen == 0 || !input.seek_subimage(static_cast<int>(pages->chosen), 0))
+        return first;
+    OIIO::ImageSpec spec = input.spec();
+    for (const OIIO::ParamValue& said : first.extra_attribs)
+        if (!spec.find_attribute(said.name())) spec.extra_attribs.push_back(said);
+    return spec;
+}
+
 std::optional<double> positive_number(const OIIO::ImageSpec& spec, const char* name) {
     const OIIO::ParamValue* value = spec.find_attribute(name);
     if (!value) return std::nullopt;
@@ -71,6 +84,7 @@ PhotoMetadata read_photo_metadata(const fs::path& path) {
     if (!input || !input->open(safe ? safe->path() : path.string(), spec))
         fail("{}: is not a picture that can be read: {}", path.string(),
              trouble_with_picture(input ? input->geterror() : OIIO::geterror()));
+    spec = spec_of_picture(path, *input, spec);
     PhotoMetadata metadata;
     metadata.exposure_s = positive_number(spec, "ExposureTime");
     metadata.f_number = positive_number(spec, "FNumber");

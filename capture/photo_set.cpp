@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "capture/photo_profiles.h"
 #include "surface/error.h"
 
 namespace tangi {
@@ -17,12 +18,18 @@ PhotoSet::PhotoSet(const std::vector<std::filesystem::path>& paths) {
                                  {}});
 }
 
+PhotoMetadata PhotoSet::metadata(std::size_t photo) const { return metadata_in(stack_, path(photo)); }
+
 void PhotoSet::Reader::read_rows(int y0, int y1, std::span<float> values) {
     source_.read_rows(y0, y1, values);
     const Development* d = set_.stack_.development.get();
-    if (!d || !std::isfinite(d->clipped)) return;
     const std::size_t count = static_cast<std::size_t>(y1 - y0) * static_cast<std::size_t>(header().width) *
                               static_cast<std::size_t>(header().channels);
+    // Of integers, only colours that are partly clipped have no sample (photo_profiles.h).
+    if (!d && !header().is_float)
+        for (float& value : values.first(count))
+            if (std::isnan(value)) value = 1;
+    if (!d || !std::isfinite(d->clipped)) return;
     // What the flat field tells nothing about is as unknown as what is clipped.
     for (float& value : values.first(count)) value = std::isnan(value) ? 1.0f : value / d->clipped;
 }

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "capture/photo_metadata.h"
 #include "capture/photo_source.h"
 #include "capture/stack.h"
 
@@ -29,6 +30,8 @@ public:
         return developed() ? std::optional(stack_.development->encoding) : std::nullopt;
     }
     bool developed() const { return stack_.development != nullptr; }
+    // What the photograph's file says, once it is read as the others (photo_profiles.h).
+    PhotoMetadata metadata(std::size_t photo) const;
 
     // An open photograph; it keeps a reference to the set.
     class Reader {

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "capture/exposure_merge.h"
+#include "capture/photo_profiles.h"
 #include "capture/survey.h"
 #include "surface/error.h"
 
@@ -43,6 +44,7 @@ PhotoSource::PhotoSource(const Stack& stack, const StackPhoto& photo) : stack_(s
     const std::string demosaic = development ? development->demosaic : stack.develop.demosaic;
     const auto add = [&](const std::filesystem::path& path, double relative) {
         files_.emplace_back(path, demosaic);
+        profiles_.push_back(conversion_of(stack, path));
         relative_.push_back(static_cast<float>(relative));
         const bool kept = development && development->raw_index.contains(path);
         raws_.push_back(kept ? development->raw_index.at(path) : -1);
@@ -53,8 +55,21 @@ PhotoSource::PhotoSource(const Stack& stack, const StackPhoto& photo) : stack_(s
         for (const Exposure& exposure : photo.exposures) add(exposure.path, exposure.relative);
 }
 
+long PhotoSource::without_number() const {
+    long pixels = 0;
+    for (const PhotoFile& file : files_) pixels += file.without_number();
+    return pixels;
+}
+
 void PhotoSource::read_stored(std::size_t exposure, int y0, int y1, std::span<float> values) {
-    if (raws_[exposure] < 0) return files_[exposure].read_rows(y0, y1, values);
+    if (raws_[exposure] < 0) {
+        files_[exposure].read_rows(y0, y1, values);
+        const auto row =
+            static_cast<std::size_t>(header().width) * static_cast<std::size_t>(header().channels);
+        if (profiles_[exposure])
+            profiles_[exposure]->convert(values.first(row * static_cast<std::size_t>(y1 - y0)));
+        return;
+    }
     codes_.resize(values.size());
     stack_.development->raws->read(raws_[exposure], y0, codes_);
     std::transform(codes_.begin(), codes_.end(), values.begin(),
@@ -62,7 +77,7 @@ void PhotoSource::read_stored(std::size_t exposure, int y0, int y1, std::span<fl
 }
 
 void PhotoSource::read_rows(int y0, int y1, std::span<float> values) {
-    if (!stack_.development) return files_.front().read_rows(y0, y1, values);
+    if (!stack_.development) return read_stored(0, y0, y1, values);
     const Development& d = *stack_.development;
     const std::size_t exposures = files_.size();
     const std::size_t count = static_cast<std::size_t>(header().width) *
@@ -79,13 +94,15 @@ void PhotoSource::read_rows(int y0, int y1, std::span<float> values) {
     std::vector<float> linear(exposures);
     for (std::size_t i = 0; i < count; ++i) {
         const float dark = dark_.empty() ? 0 : dark_[i];
+        bool missing = false;
         for (std::size_t k = 0; k < exposures; ++k) {
             const float stored = stored_[k * count + i];
-            linear[k] = stored >= stored_clipped ? nan : d.decode(stored) - dark;
+            missing = missing || std::isnan(stored) || std::isnan(dark);
+            linear[k] = std::isnan(stored) || stored >= stored_clipped ? nan : d.decode(stored) - dark;
         }
         float value = exposures == 1 ? linear[0] / relative_[0] : merge_exposures(linear, relative_);
         if (std::isnan(value)) {
-            values[i] = d.sensor_clipped;
+            values[i] = missing ? nan : d.sensor_clipped;
             continue;
         }
         if (!ambient_.empty()) value -= ambient_[i];

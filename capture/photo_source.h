@@ -9,6 +9,8 @@
 
 namespace tangi {
 
+class ProfileConversion;
+
 class PhotoSource {
 public:
     // Keeps a reference to the stack. Throws as PhotoFile.
@@ -18,14 +20,18 @@ public:
 
     // As PhotoFile::read_rows(). Of a stack that is developed: linear light (development.h), not below 0;
     // what is clipped has the value Development::clipped in all channels that it touches, everything else is
-    // less; NaN where the flat field tells nothing.
+    // less; NaN where the flat field tells nothing, or a photograph or frame has no sample.
     void read_rows(int y0, int y1, std::span<float> values);
+
+    // As PhotoFile::without_number(), of all its files.
+    long without_number() const;
 
 private:
     void read_stored(std::size_t exposure, int y0, int y1, std::span<float> values);
 
     const Stack& stack_;
     std::vector<PhotoFile> files_;
+    std::vector<const ProfileConversion*> profiles_;  // of files that have another ICC profile; else null
     std::vector<int> raws_;  // in the scratch file; -1 for what is read from its own file
     std::vector<float> relative_;
     std::vector<float> stored_, dark_, ambient_, gain_;  // rows

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <memory>
 
-#include "capture/photo_metadata.h"
+#include "capture/photo_profiles.h"
 
 namespace tangi {
 
@@ -67,7 +67,7 @@ std::optional<CaptureColour> colour_of_profiles(const Stack& stack) {
     if (stack.channels != 3 || stack.is_raw || stack.photos.empty()) return {};
     std::optional<dmat3> common;
     for (const StackPhoto& photo : stack.photos) {
-        const auto own = to_camera_of_icc(read_photo_metadata(photo.path).icc_profile);
+        const auto own = to_camera_of_icc(metadata_in(stack, photo.path).icc_profile);
         if (!own || (common && largest_difference(*own, *common) > kSamePrimaries)) return {};
         if (!common) common = own;
     }

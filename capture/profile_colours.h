@@ -13,7 +13,8 @@ namespace tangi {
 // 9.2, r/g/bXYZ, relative to D50). Empty where it has none, or they are Rec. 709's within 2 % of white.
 std::optional<glm::dmat3> to_camera_of_icc(std::string_view profile);
 
-// The colours of photographs whose profiles all have the same primaries, other than Rec. 709's: Adobe RGB,
+// The colours of photographs whose profiles, once related (photo_profiles.h), all have the same primaries,
+// other than Rec. 709's: Adobe RGB,
 // Display P3, eciRGB, ProPhoto RGB. Empty for grey photographs, camera raw, and what says nothing. Reads the
 // headers of the photographs.
 std::optional<CaptureColour> colour_of_profiles(const Stack& stack);

@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <set>
 
 #include "capture/brackets.h"
 #include "capture/photo_match.h"
+#include "capture/photo_profiles.h"
 #include "capture/stack_calibration.h"
 #include "capture/unusable_photos.h"
 #include "capture/usable_stack.h"
@@ -74,13 +76,19 @@ void leave_out_lights_from_below(Stack& stack, const fs::path& lights_path, std:
 void check_headers(Stack& stack) {
     std::optional<PhotoHeader> first;
     std::string name;
+    std::map<std::string, std::vector<std::string>> doubted;  // by doubt: files
     for (const StackPhoto& photo : stack.photos)
         for (const fs::path& path : files_of(photo)) {
             const PhotoHeader header = PhotoFile(path).header();
             if (!first) first = header, name = path.filename().string();
             if (const std::string why = difference(header, *first, name); !why.empty())
                 fail("{}: {}", path.string(), why);
+            for (const std::string& doubt : header.doubts) doubted[doubt].push_back(path.filename().string());
         }
+    for (const auto& [doubt, names] : doubted)
+        stack.warnings.push_back(fmt::format(
+            "{}: {}{}", (stack.folder / names.front()).string(), doubt,
+            names.size() == 1 ? std::string() : fmt::format(" (so {} of the photographs)", names.size())));
     if (first->orientation != 1)
         stack.warnings.push_back(
             fmt::format("{}: the EXIF orientation ({}) is not applied; lights and maps are in the frame of "
@@ -204,6 +212,7 @@ UsableStack opened(const fs::path& folder, const StackOptions& options, const Us
     }
     leave_out_lights_from_below(stack, calibration.lights_path, result.left_out);
     check_headers(stack);
+    relate_profiles(stack);
     const Region photo = stack.crop;
     apply_geometry(stack, calibration);
     if (options.crop) apply_crop(stack, *options.crop);
@@ -222,6 +231,7 @@ UsableStack opened(const fs::path& folder, const StackOptions& options, const Us
 Stack open_photographs(const std::vector<fs::path>& paths, const StackOptions& options) {
     Stack stack = photographs_of(paths, options);
     check_headers(stack);
+    relate_profiles(stack);
     return stack;
 }
 
@@ -231,6 +241,7 @@ Stack open_usable_photographs(const std::vector<fs::path>& paths, const StackOpt
     leave_out_unusable(stack, left_out);
     require_few(left_out, stack.photos.size() + left_out.size(), 1, stack.folder.string());
     check_headers(stack);
+    relate_profiles(stack);
     return stack;
 }
 

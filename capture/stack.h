@@ -51,6 +51,8 @@ struct StackPhoto {
 
 // Photographs of one size on disk, and all that is known of them. Pixels are read by StackReader. A stack of
 // camera raws, or for which `develop` asks something, is to be developed before it is read (develop_stack).
+struct PhotoProfiles;
+
 struct Stack {
     std::filesystem::path folder;
     std::vector<StackPhoto> photos;    // to fit
@@ -72,6 +74,7 @@ struct Stack {
     std::vector<std::string> warnings;                 // for the user, each naming the file it is about
     DevelopOptions develop{};                          // what was asked for
     std::shared_ptr<const Development> development{};  // how photographs are read; empty: as stored
+    std::shared_ptr<const PhotoProfiles> profiles{};   // where they have not all the same ICC profile
 
     int width() const { return crop.width(); }
     int height() const { return crop.height(); }
@@ -135,10 +138,14 @@ public:
 
     // Linearised by `transfer`; Transfer{} (linear) gives the values as stored. Uses all threads. Photographs
     // with a homography, and all of a stack with a geometry, are resampled (Lanczos 3) in what `transfer`
-    // gives: NaN where a pixel lies outside, and the highest value it is made of where one of its nearest
+    // gives: NaN where a pixel lies outside or a neighbour is NaN, as pixels without a sample are
+    // (PhotoFile::read_rows()), and the highest value it is made of where one of its nearest
     // four is clipped. Of a developed stack, clipped values are Development::clipped; else those from
     // kClipped on are.
     Band read(int y0, int y1, const Transfer& transfer);
+
+    // Of the rows of a photograph read so far (PhotoFile::without_number()).
+    long without_number(std::size_t photo) const;
 
     // Rows a band may have for it to take about `bytes` of memory; at least 1.
     int rows_for(std::size_t bytes) const;

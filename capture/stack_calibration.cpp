@@ -30,7 +30,8 @@ fs::path find_lights_file(const fs::path& folder) {
     std::sort(found.begin(), found.end());
     if (found.empty() && photos_in(folder).empty())
         fail(
-            "{}: neither photographs (JPEG, PNG, TIFF, EXR, TGA or camera raw) nor a lights file in this "
+            "{}: neither photographs (JPEG, PNG, TIFF, EXR, TGA, BMP or camera raw) nor a lights file in "
+            "this "
             "folder",
             folder.string());
     if (found.empty())

@@ -65,6 +65,8 @@ StackReader::StackReader(const Stack& stack) : stack_(stack), rows_(stack.photos
 
 StackReader::~StackReader() = default;
 
+long StackReader::without_number(std::size_t photo) const { return files_[photo].without_number(); }
+
 int StackReader::rows_for(std::size_t bytes) const {
     const std::size_t row = sizeof(float) * files_.size() * static_cast<std::size_t>(stack_.channels) *
                             static_cast<std::size_t>(stack_.width());
@@ -176,7 +178,7 @@ Band StackReader::read(int y0, int y1, const Transfer& transfer) {
     const bool developed = stack_.development != nullptr;
     TP_REQUIRE(!developed || transfer == Transfer{}, "developed values are linear already");
     const auto decode = [&](float stored) {
-        if (developed) return stored;  // NaN stays
+        if (developed || std::isnan(stored)) return stored;  // no sample is no black
         return codes == 0 ? transfer.decode(stored) : table_[static_cast<std::size_t>(stored * scale + 0.5f)];
     };
     const int width = stack_.width();
@@ -203,8 +205,10 @@ Band StackReader::read(int y0, int y1, const Transfer& transfer) {
                         continue;
                     }
                     const float* table = table_.data();
-                    for (int x = 0; x < width; ++x)
-                        target[x] = table[static_cast<int>(source[x * channels + c] * scale + 0.5f)];
+                    for (int x = 0; x < width; ++x) {
+                        const float value = source[x * channels + c];
+                        target[x] = std::isnan(value) ? value : table[static_cast<int>(value * scale + 0.5f)];
+                    }
                 }
             }
         }

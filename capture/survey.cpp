@@ -167,9 +167,24 @@ Survey survey(const Stack& stack, const SurveyOptions& options, const Progress& 
         const double present = std::max(1.0, count - static_cast<double>(missing[i]));
         result.photos[i].mean /= present;
         result.photos[i].clipped /= present;
+        result.photos[i].present = (count - static_cast<double>(missing[i])) / count;
+        result.photos[i].without_number = reader.without_number(i);
     }
     report(progress, "survey", 1);
     return result;
+}
+
+void tell_pixels_without_number(Stack& stack, const Survey& survey) {
+    TP_REQUIRE(stack.photos.size() == survey.photos.size(), "the survey is of this stack");
+    std::vector<std::string> told;
+    for (std::size_t i = 0; i < stack.photos.size(); ++i)
+        if (const long pixels = survey.photos[i].without_number; pixels > 0)
+            told.push_back(fmt::format("{} of {}", pixels, stack.photos[i].light.name));
+    if (told.empty()) return;
+    stack.warnings.push_back(
+        fmt::format("{}: pixels hold no number that light can have (NaN, infinite), and count as not "
+                    "photographed: {}",
+                    stack.folder.string(), joined(told)));
 }
 
 void leave_out_black_photos(Stack& stack, Survey& survey, std::size_t fewest) {
@@ -180,20 +195,27 @@ void leave_out_black_photos(Stack& stack, Survey& survey, std::size_t fewest) {
     for (const Survey::Photo& photo : survey.photos) brightest = std::max(brightest, photo.maximum);
     const bool is_fine = stack.bits == 32 || (stack.bits == 16 && brightest > kDarkest16);
     const double black_level = is_fine ? kBlackLevel * std::min(brightest, 1.0) : kBlackLevel;
-    std::vector<std::string> names;
+    std::vector<std::string> names, empty;
     std::vector<bool> keep;
     for (std::size_t i = 0; i < stack.photos.size(); ++i) {
-        keep.push_back(survey.photos[i].maximum >= black_level);
-        if (!keep.back()) names.push_back(stack.photos[i].light.name);
+        const bool is_empty = survey.photos[i].present == 0;
+        keep.push_back(!is_empty && survey.photos[i].maximum >= black_level);
+        if (!keep.back()) (is_empty ? empty : names).push_back(stack.photos[i].light.name);
     }
-    if (names.empty()) return;
-    const std::size_t black = names.size();
+    if (names.empty() && empty.empty()) return;
+    const std::size_t black = names.size() + empty.size();
 
     const std::size_t all = keep.size();
     keep_photos(stack, survey, keep);
-    stack.warnings.push_back(fmt::format("{}: left out {} photograph{} that {} black: {}",
-                                         stack.folder.string(), black, black == 1 ? "" : "s",
-                                         black == 1 ? "is" : "are", fmt::join(names, ", ")));
+    const auto tell = [&](const std::vector<std::string>& of, const char* one, const char* several) {
+        if (!of.empty())
+            stack.warnings.push_back(fmt::format("{}: left out {} photograph{} that {}: {}",
+                                                 stack.folder.string(), of.size(), of.size() == 1 ? "" : "s",
+                                                 of.size() == 1 ? one : several, fmt::join(of, ", ")));
+    };
+    tell(names, "is black", "are black");
+    tell(empty, "has no pixel here with a number", "have no pixel here with a number");
+    names.insert(names.end(), empty.begin(), empty.end());
     constexpr std::size_t of_a_fit = 4;
     const std::string needed = fmt::format("at least {} {} needed", fewest,
                                            fewest >= of_a_fit ? "under different lights are" : "is");

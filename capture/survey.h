@@ -19,6 +19,9 @@ struct Survey {
         double mean = 0;     // [1] of all channels, encoded
         double maximum = 0;  // [1]
         double clipped = 0;  // [1] part of the values that are clipped
+        double present = 1;  // [1] part of the values that are there: not NaN
+        // Pixels of its rows that held no number (PhotoFile::without_number())
+        long without_number = 0;
     };
     std::vector<Photo> photos;
     int channels = 3;
@@ -46,8 +49,11 @@ constexpr float kClipped = 253.0f / 255;
 Survey survey(const Stack& stack, const SurveyOptions& options = {}, const Progress& progress = {},
               const std::function<void(const Band&)>& seen = {});
 
+// Warns of photographs in which pixels held no number, naming each, and how many pixels.
+void tell_pixels_without_number(Stack& stack, const Survey& survey);
+
 // Takes photographs without light out of the stack and the survey, with a warning that names them: brighter
-// than 2 % nowhere. Throws Error where too few remain.
+// than 2 % nowhere, or without a single value. Throws Error where too few remain.
 void leave_out_black_photos(Stack& stack, Survey& survey, std::size_t fewest = 4);
 
 }  // namespace tangi

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <memory>
 
+#include "capture/photo_profiles.h"
 #include "surface/error.h"
 
 namespace tangi {
@@ -90,7 +91,7 @@ Statement statement_of(const Stack& stack) {
     Statement result;
     const StackPhoto* first = nullptr;
     for (const StackPhoto& photo : stack.photos) {
-        const auto stated = transfer_of_metadata(read_photo_metadata(photo.path));
+        const auto stated = transfer_of_metadata(metadata_in(stack, photo.path));
         if (!first) {
             first = &photo;
             result.stated = stated;

@@ -4,6 +4,7 @@
 
 #include "capture/calibration_page.h"
 #include "capture/develop_stack.h"
+#include "capture/photo_profiles.h"
 #include "capture/transfer_metadata.h"
 #include "capture/uncalibrated_report.h"
 #include "capture/usable_stack.h"
@@ -125,7 +126,7 @@ PhotoSet photographs(const CalibrateArguments& a, const std::vector<fs::path>& p
     Stack stack = open_usable_photographs(paths, options, left_out);
     if (a.develop.asks_anything() && !stack.is_raw && stack.bits != 32 && !stack.transfer) {
         // Frames are subtracted from light, and no light is known yet to tell the curve by.
-        const auto stated = transfer_of_metadata(read_photo_metadata(stack.photos.front().path));
+        const auto stated = transfer_of_metadata(metadata_in(stack, stack.photos.front().path));
         if (!stated || !stated->binding || !stated->transfer)
             throw UsageError(
                 "--dark, --flat, --ambient and --brackets need to know how the photographs are encoded: give "

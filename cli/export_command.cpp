@@ -16,6 +16,7 @@
 #include "surface/error.h"
 #include "surface/picture_file.h"
 #include "surface/relight.h"
+#include "surface/viewing_exposure.h"
 #include "viewer/web_page.h"
 
 namespace tangi {
@@ -162,7 +163,10 @@ nlohmann::json export_snapshot(const ExportArguments& a, const Surface& surface,
     const Vec3 direction = parse_direction_in_front(a.light, "--light");
     Image<Rgb> picture =
         relight(surface, std::array{distant_light(direction)}, {.cast_shadows = true}, progress);
-    for (Rgb& pixel : picture.pixels()) pixel *= static_cast<float>(surface.photography.white_level);
+    const bool any_unit = lower_extension(a.out) == ".exr";  // only files of floats hold any
+    const double white = surface.photography.white_level;
+    for (Rgb& pixel : picture.pixels())
+        pixel *= static_cast<float>(any_unit ? white : viewing_exposure(white));
     write_picture(a.out, picture,
                   lower_extension(a.out) == ".exr" ? Transfer{} : Transfer{Transfer::Kind::srgb});
     return {{"files", {a.out}}};

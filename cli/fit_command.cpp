@@ -117,13 +117,20 @@ nlohmann::json result_of(const FitResult& fit, const std::vector<LeftOut>& left_
     nlohmann::json candidates = nlohmann::json::array();
     for (const auto& candidate : r.transfer.candidates)
         candidates.push_back({{"transfer", candidate.transfer.name()}, {"residual", candidate.residual}});
+    nlohmann::json without_number = nlohmann::json::array();
+    for (const auto& [name, pixels] : r.without_number)
+        without_number.push_back({{"name", name}, {"pixels", pixels}});
     int fitted_photos = 0, held_out = 0;
     for (const auto& photo : fit.surface.photography.photos) ++(photo.fitted ? fitted_photos : held_out);
     return {
         {"painting", out},
         {"width", fit.surface.width()},
         {"height", fit.surface.height()},
-        {"photographs", {{"fitted", fitted_photos}, {"held_out", held_out}, {"left_out", to_json(left_out)}}},
+        {"photographs",
+         {{"fitted", fitted_photos},
+          {"held_out", held_out},
+          {"left_out", to_json(left_out)},
+          {"without_number", without_number}}},
         {"transfer",
          {{"name", r.transfer.transfer.name()}, {"source", r.transfer.source}, {"tried", candidates}}},
         {"colour", colour_of(fit)},

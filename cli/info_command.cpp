@@ -195,7 +195,8 @@ nlohmann::json run_info(const std::string& file) {
             {"channels", header.channels},
             {"bits", header.bits},
             {"float", header.is_float},
-            {"orientation", header.orientation}};
+            {"orientation", header.orientation},
+            {"doubts", header.doubts}};
 }
 
 }  // namespace

@@ -17,6 +17,7 @@
 #include "surface/painting_file.h"
 #include "surface/picture_file.h"
 #include "surface/relight.h"
+#include "surface/viewing_exposure.h"
 #include "viewer/gpu_relight.h"
 
 namespace tangi {
@@ -144,7 +145,10 @@ void write_relit(const fs::path& path, const Surface& surface, const std::vector
     const Encoding encoding = encoding_of(arguments, surface, path);
     const Photography& photography = surface.photography;
     Image<Rgb> picture = relighter.picture(lights, progress);
-    glm::mat3 exposure(static_cast<float>(photography.white_level));
+    // Only files of floats hold any unit.
+    const bool any_unit = lower_extension(path) == ".exr";
+    glm::mat3 exposure(
+        static_cast<float>(any_unit ? photography.white_level : viewing_exposure(photography.white_level)));
     if (encoding.as_camera_sees && photography.to_camera)
         exposure = exposure * glm::mat3(*photography.to_camera);
     for (Rgb& pixel : picture.pixels()) pixel = exposure * pixel;
@@ -213,7 +217,8 @@ nlohmann::json relight_sweep(const Painting& painting, const RelightArguments& a
         lights.back() = lamp;
         lights.back().gain = Rgb(static_cast<float>(arguments.gain));
         Image<Rgb> picture = relighter.picture(lights, {});
-        for (Rgb& pixel : picture.pixels()) pixel *= painting.surface->photography.white_level;
+        for (Rgb& pixel : picture.pixels())
+            pixel *= viewing_exposure(painting.surface->photography.white_level);
         return picture;
     };
     const int frames = write_sweep(arguments.sweep, arguments.out, draw, progress);

@@ -11,6 +11,7 @@
 #include "surface/median.h"
 #include "surface/parallel.h"
 #include "surface/relighter.h"
+#include "surface/viewing_exposure.h"
 
 namespace tangi {
 
@@ -90,6 +91,13 @@ void relight_stored(const Relighter& relighter, const Light& light, const Transf
 glm::mat3 exposure_of(const Photography& photography) {
     return static_cast<float>(photography.white_level) *
            glm::mat3(photography.to_camera.value_or(glm::dmat3(1)));
+}
+
+// [1] Pictures are compared as bright as people see them: floats in a unit of their own (fit/float_scale.h)
+// would be all alike, or all wrong, beside a full scale of 1.
+float unit_of(const Photography& photography, const Transfer& transfer) {
+    if (transfer != Transfer{}) return 1;
+    return static_cast<float>(viewing_exposure(photography.white_level) / photography.white_level);
 }
 
 // Files of floats hold linear light whatever the painting was fitted from.
@@ -227,11 +235,13 @@ CompareReport compare(const Surface& surface, const Stack& photos, const Compare
     const RelightOptions residuals_own{.cast_shadows = true, .light_radius_deg = residual.light_radius_deg};
     const bool as_fitted =
         options.cast_shadows && report_.options.light_radius_deg == residual.light_radius_deg;
-    const glm::mat3 exposure = exposure_of(surface.photography), from(from_camera(surface.photography));
+    const float unit = unit_of(surface.photography, report_.transfer);
+    const glm::mat3 exposure = unit * exposure_of(surface.photography),
+                    from(from_camera(surface.photography));
     // Used for one photograph after the other.
     Image<Rgb> relit(surface.width(), surface.height()), linear, faithful;
     Image<float> delta_e(surface.width(), surface.height());
-    PhotosAhead ahead(photos, all);
+    PhotosAhead ahead(photos, all, unit);
     std::vector<LeftOut> left_out;
     for (std::size_t i = 0; i < all.size(); ++i) {
         report(progress, "compare", static_cast<double>(i) / static_cast<double>(all.size()));

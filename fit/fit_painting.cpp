@@ -6,6 +6,7 @@
 #include "capture/profile_colours.h"
 #include "fit/final_height.h"
 #include "fit/fit_passes.h"
+#include "fit/float_scale.h"
 #include "fit/look_over.h"
 #include "fit/odd_lights_vote.h"
 #include "fit/shot_order.h"
@@ -18,13 +19,18 @@ namespace {
 constexpr int kForLaws = 4;  // pixels that choose the law of reflectance, by those that calibrate lamps
 
 // Files of floats have no full scale: their noise is relative to the white level.
+// Floats in a unit of their own (float_scale.h) have noise in that unit, too.
+double unit_of_noise(double white_level) {
+    return white_level > kBright ? white_level : std::min(white_level, 1.0);
+}
+
 NoiseModel noise_model(const Stack& stack, const Transfer& transfer, const FitOptions& options) {
     if (const Development* d = stack.development.get(); d && d->bits != 32)
         return NoiseModel(d->encoding, options.noise.value_or(d->bits == 8 ? 0.012 : 0.006), true,
                           d->clipped);
     if (stack.bits == 32)
         return NoiseModel(
-            transfer, options.noise.value_or(0.006 * std::min(options.white_level.value_or(1), 1.0)), false);
+            transfer, options.noise.value_or(0.006 * unit_of_noise(options.white_level.value_or(1))), false);
     return NoiseModel(transfer, options.noise.value_or(stack.bits == 8 ? 0.012 : 0.006), true);
 }
 
@@ -54,9 +60,6 @@ std::vector<double> direction_sigmas(const Stack& stack) {
                ? std::vector<double>{}
                : sigmas;
 }
-
-// [1] Linear light: photographs of which nearly all values are below it have few of the codes of their files.
-constexpr double kDark = 0.08;
 
 // Empty where they are not.
 std::string says_too_dark(const Stack& stack, const Survey& surveyed, const Transfer& transfer,
@@ -173,10 +176,23 @@ bool warn_of_clipping(Stack& stack, const Survey& surveyed) {
     return true;
 }
 
+// The white level that was found for photographs in a unit of their own, told.
+void take_unit(Stack& stack, const Survey& surveyed, FitOptions& options) {
+    if (options.white_level) return;
+    options.white_level = white_level_of_unit(stack, surveyed);
+    if (options.white_level)
+        stack.warnings.push_back(fmt::format(
+            "{}: the photographs are floats in a unit of their own: 98 % of their values are below {:.2g}. "
+            "A white that faces the light is taken for {:.2g}, so that colours are right up to a "
+            "common factor; give the linear value of a matt white as --white-level",
+            stack.folder.string(), bright_stored(surveyed), *options.white_level));
+}
+
 }  // namespace
 
-FitResult fit_painting(Stack stack, const FitOptions& options, const Progress& progress) {
-    validate(options);
+FitResult fit_painting(Stack stack, const FitOptions& asked, const Progress& progress) {
+    validate(asked);
+    FitOptions options = asked;
     require_enough_lights(stack.lights(), stack.folder.string());
     // Sums are taken in this order, so the order of the lines in a lights file changes no bit of the result.
     std::sort(stack.photos.begin(), stack.photos.end(),
@@ -197,6 +213,7 @@ FitResult fit_painting(Stack stack, const FitOptions& options, const Progress& p
     }
     if (!report_.transfer.warning.empty()) stack.warnings.push_back(report_.transfer.warning);
     const Transfer transfer = report_.transfer.transfer;
+    take_unit(stack, surveyed, options);
 
     result.surface = Surface(stack.width(), stack.height());
     Surface& surface = result.surface;
@@ -222,9 +239,14 @@ FitResult fit_painting(Stack stack, const FitOptions& options, const Progress& p
             : calibrate_lights(stack, surveyed, transfer, noise_for_lights(stack, transfer, options), given,
                                surface.mm_per_pixel, options.ward, options.calibration, progress);
     report_.odd_lights = odd_lights_of(stack, report_.lights, surveyed, transfer);
-    for (const StackPhoto& photo : stack.photos) report_.photo_names.push_back(photo.light.name);
+    for (std::size_t i = 0; i < stack.photos.size(); ++i) {
+        const std::string& name = stack.photos[i].light.name;
+        report_.photo_names.push_back(name);
+        if (const long pixels = surveyed.photos[i].without_number; pixels > 0)
+            report_.without_number.emplace_back(name, pixels);
+    }
     std::optional<double> white;
-    if (!options.white_level)
+    if (!asked.white_level)
         white = white_level_by_chart(stack, transfer, report_.lights.lighting, surface.mm_per_pixel);
     if (white) surface.photography.white_level = report_.lights.lighting.white_level = *white;
     const Lighting lighting = as_camera_sees(report_.lights.lighting, stack);

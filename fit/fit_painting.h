@@ -48,7 +48,7 @@ struct FitOptions {
     template <class Self, class Visit>
     static void fields(Self& self, Visit&& visit) {
         visit(
-            FieldInfo{"white_level", 1e-3, 1e3, "1", "linear pixel value of a matt white that faces a light"},
+            FieldInfo{"white_level", 1e-9, 1e9, "1", "linear pixel value of a matt white that faces a light"},
             self.white_level);
         visit(FieldInfo{"mm_per_pixel", 1e-6, 1e3, "mm", "size of a pixel on the painting (1 where unknown)"},
               self.mm_per_pixel);
@@ -115,6 +115,8 @@ struct FitReport {
     ShadowCheck shadow_signs;              // and that cast shadows say
     LightOutliers odd_lights;              // photographs that are shaded by another light than theirs
     std::vector<std::string> photo_names;  // that these are of
+    // Of the photographs fitted: pixels that held no number (Survey::Photo), where any did.
+    std::vector<std::pair<std::string, long>> without_number;
     std::vector<std::string> warnings;
 };
 

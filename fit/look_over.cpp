@@ -51,6 +51,7 @@ LookOver look_once(Stack& stack, bool register_photos, const Progress& progress)
     warn_of_compression(stack);
     if (!register_photos) {
         result.survey = survey(stack, {}, progress);
+        tell_pixels_without_number(stack, result.survey);
         leave_out_strays(stack, result.survey, result.left_out);
         result.transfer = decide_transfer(stack, result.survey);
         return result;
@@ -58,6 +59,7 @@ LookOver look_once(Stack& stack, bool register_photos, const Progress& progress)
     const std::vector<StackPhoto> all = stack.photos;
     PictureCollector collected(stack);
     result.survey = survey(stack, {}, progress, [&](const Band& band) { collected.add(band); });
+    tell_pixels_without_number(stack, result.survey);
     leave_out_strays(stack, result.survey, result.left_out);
     collected.keep(still_in(stack, all));
     result.transfer = decide_transfer(stack, result.survey);
@@ -99,6 +101,7 @@ std::vector<LeftOut> leave_out_damaged_and_copies(Stack& stack, const Progress& 
     std::vector<LeftOut> left_out;
     while (true) try {
             Survey surveyed = survey(stack, {}, progress);
+            tell_pixels_without_number(stack, surveyed);
             const std::vector<std::string> before = names_of(stack);
             leave_out_black_photos(stack, surveyed, kFewest);
             note_missing(before, stack, "it is black", left_out);

@@ -15,8 +15,8 @@ constexpr int kDecodedRows = 256;  // at once
 
 }  // namespace
 
-PhotosAhead::PhotosAhead(const Stack& stack, std::vector<StackPhoto> photos)
-    : one_(stack), photos_(std::move(photos)) {
+PhotosAhead::PhotosAhead(const Stack& stack, std::vector<StackPhoto> photos, float unit)
+    : one_(stack), photos_(std::move(photos)), unit_(unit) {
     one_.held_out.clear();
     one_.photos.clear();
     start();
@@ -63,7 +63,7 @@ void PhotosAhead::decode(std::size_t index, StoredPhoto& into) {
             const std::span<Rgb> row = into.picture.row(y);
             for (int x = 0; x < width; ++x) {
                 Rgb& value = row[static_cast<std::size_t>(x)];
-                value = {channel[0][x], channel[1][x], channel[2][x]};
+                value = Rgb(channel[0][x], channel[1][x], channel[2][x]) * unit_;
                 if (!std::isnan(value.r + value.g + value.b)) continue;
                 if (into.missing.empty()) into.missing = Image<unsigned char>(width, height);
                 into.missing(x, y) = 1;

@@ -8,17 +8,17 @@
 
 namespace tangi {
 
-// One photograph, values as stored; grey is RGB. Pixels that a registered photograph does not reach are
-// black.
+// One photograph, values as stored; grey is RGB. Pixels that a registered photograph does not reach, or of
+// which it has no sample, are black.
 struct StoredPhoto {
     Image<Rgb> picture;
-    Image<unsigned char> missing;  // 1 where it does not reach; empty where it reaches all
+    Image<unsigned char> missing;  // 1 for these; empty where there are none
 };
 
 class PhotosAhead {
 public:
-    // `photos`: which, instead of those of the stack.
-    PhotosAhead(const Stack& stack, std::vector<StackPhoto> photos);
+    // `photos`: which, instead of those of the stack. Values are multiplied by `unit`.
+    PhotosAhead(const Stack& stack, std::vector<StackPhoto> photos, float unit = 1);
     ~PhotosAhead();  // waits for the one being decoded
     PhotosAhead(const PhotosAhead&) = delete;
     PhotosAhead& operator=(const PhotosAhead&) = delete;
@@ -33,6 +33,7 @@ private:
 
     Stack one_;  // with one photograph at a time
     std::vector<StackPhoto> photos_;
+    const float unit_;
     std::size_t started_ = 0;  // photographs begun
     StoredPhoto now_, ahead_;  // used again: room for new ones takes the system as long as decoding
     std::future<void> decoding_;

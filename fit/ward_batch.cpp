@@ -158,7 +158,7 @@ void WardBatchFitter::deliver(const WardSlots& slots, int lane) {
     s.converged = slots.converged[lane] > 0;
     const bool finite = std::isfinite(s.cost) && std::isfinite(s.theta[0]) && std::isfinite(s.theta[1]) &&
                         std::isfinite(s.slope_error);
-    s.valid = std::isfinite(s.theta[0]) && std::isfinite(s.theta[1]);
+    s.valid = std::isfinite(s.theta[0]) && std::isfinite(s.theta[1]) && std::isfinite(s.slope_error);
     const auto bound = static_cast<float>(options_.bounds.slope);
     s.doubtful = !s.converged || !finite || std::abs(s.theta[0]) >= bound || std::abs(s.theta[1]) >= bound;
 }

@@ -246,7 +246,8 @@ WardEstimate WardFitter::fit(const PixelSamples& given, const WardPrior& prior, 
         {.ln_alpha = covariance(2, 2), .specular = covariance(3, 3), .both = covariance(2, 3)}, bounds);
     estimate.rms_residual = std::sqrt(chi2);
     estimate.converged = solved.converged;
-    estimate.valid = std::isfinite(estimate.slope.x) && std::isfinite(estimate.slope.y);
+    estimate.valid = std::isfinite(estimate.slope.x) && std::isfinite(estimate.slope.y) &&
+                     std::isfinite(estimate.slope_error);
     return estimate;
 }
 

@@ -46,6 +46,10 @@ std::string wrong_at(const Surface& s, std::span<const DryChannel> channels, std
     return {};
 }
 
+std::string said_at(const std::string& what, int x, int y) {
+    return what.empty() ? what : fmt::format("{} at pixel ({}, {})", what, x, y);
+}
+
 // Other programs write zeros where nothing was measured: what surface.h promises of such pixels.
 void clear_pixel(Surface& s, std::size_t i) {
     static const Surface unmeasured(1, 1);
@@ -116,9 +120,26 @@ void make_usable(Surface& s, int y0, int y1, std::vector<std::string>& wrong) {
             } else if (s.confidence.pixels()[i] <= 0) {
                 clear_pixel(s, i);
             } else if (wrong[static_cast<std::size_t>(y)].empty()) {
-                wrong[static_cast<std::size_t>(y)] = fmt::format("{} at pixel ({}, {})", what, x, y);
+                wrong[static_cast<std::size_t>(y)] = said_at(what, x, y);
             }
         }
+}
+
+std::string first_wrong(const Surface& s) {
+    const auto channels = channels_of(const_cast<Surface&>(s));  // read only
+    std::vector<std::string> wrong(static_cast<std::size_t>(s.height()));
+    parallel_for(0, s.height(), 16, [&](int begin, int end) {
+        for (int y = begin; y < end; ++y)
+            for (int x = 0; x < s.width() && wrong[static_cast<std::size_t>(y)].empty(); ++x) {
+                const auto i = static_cast<std::size_t>(y) * static_cast<std::size_t>(s.width()) +
+                               static_cast<std::size_t>(x);
+                if (!is_plain(s, channels, i) && !(s.confidence.pixels()[i] <= 0))
+                    wrong[static_cast<std::size_t>(y)] = said_at(wrong_at(s, channels, i), x, y);
+            }
+    });
+    const auto found =
+        std::find_if(wrong.begin(), wrong.end(), [](const auto& text) { return !text.empty(); });
+    return found == wrong.end() ? std::string() : *found;
 }
 
 // Four rows at a time: each waits for its own products only.

@@ -31,6 +31,10 @@ std::vector<DryChannel> channels_of(Surface& surface);
 // bit. What is wrong in the rows [y0, y1), the first of each row, goes into wrong[y].
 void make_usable(Surface& surface, int y0, int y1, std::vector<std::string>& wrong);
 
+// The first of what make_usable() would call wrong, of all rows; empty where a surface can be written and
+// read again.
+std::string first_wrong(const Surface& surface);
+
 // Hashes of the rows [y0, y1), into hashes[y].
 void hash_rows(std::span<const DryChannel> channels, int width, int y0, int y1,
                std::span<std::uint64_t> hashes);

@@ -279,6 +279,9 @@ void fill_painting(const AtomicFile& file, const Surface& s, std::span<const Par
                    const Progress& progress) {
     require_consistent(s);
     TP_REQUIRE(s.width() > 0 && s.height() > 0, "a painting has pixels");
+    if (const std::string wrong = first_wrong(s); !wrong.empty())
+        throw ContractError(fmt::format("{}: is not written, since it could not be read again: {}",
+                                        file.target().string(), wrong));
     const std::string target = file.target().string();
     std::string failure;
     let_openexr_use_threads();

@@ -13,12 +13,14 @@
 #include "surface/atomic_file.h"
 #include "surface/error.h"
 #include "surface/icc_profile.h"
+#include "surface/jpeg_markers.h"
 #include "surface/json_text.h"
 #include "surface/letter_case.h"
 #include "surface/parallel.h"
 #include "surface/picture_with_alpha.h"
 #include "surface/png_chunks.h"
 #include "surface/safe_picture.h"
+#include "surface/tiff_pages.h"
 
 namespace tangi {
 
@@ -194,11 +196,16 @@ Image<Rgb> read_as_stored(const fs::path& path, Image<float>* alpha) {
     if (!input || !input->open(safe.path(), spec, as_stored))
         fail("{}: cannot be read: {}", path.string(),
              trouble_with_picture(input ? input->geterror() : OIIO::geterror()));
+    const auto pages = tiff_pages(path);
+    const int page = pages ? static_cast<int>(pages->chosen) : 0;
+    if (page > 0 && input->seek_subimage(page, 0)) spec = input->spec();
+    if (!is_whole_jpeg(path))
+        fail("{}: cannot be read: the JPEG file is cut off, or damaged; copy it again", path.string());
     const bool wants_alpha = alpha && spec.alpha_channel >= 0;
     const int channels = wants_alpha ? spec.nchannels : std::min(spec.nchannels, 3);
     std::vector<float> values(static_cast<std::size_t>(spec.width) * spec.height * channels);
     // Strips of a TIFF file that cannot be read show only in has_error() (OpenImageIO 2.4).
-    if (!input->read_image(0, 0, 0, channels, OIIO::TypeDesc::FLOAT, values.data()) || input->has_error())
+    if (!input->read_image(page, 0, 0, channels, OIIO::TypeDesc::FLOAT, values.data()) || input->has_error())
         fail("{}: cannot be read: {}", path.string(), trouble_with_picture(input->geterror()));
     const bool coloured = spec.nchannels >= 3,
                multiplied = spec.get_int_attribute("oiio:UnassociatedAlpha") == 0;

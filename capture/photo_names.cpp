@@ -1,0 +1,112 @@
+#include "capture/photo_names.h"
+
+#include <utf8proc.h>
+
+#include <algorithm>
+#include <cstdlib>
+
+#include "capture/raw_file.h"
+#include "surface/letter_case.h"
+#include "surface/picture_file.h"
+
+namespace tangi {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+bool leads_out(const fs::path& relative) {
+    return relative.empty() || relative.is_absolute() || *relative.begin() == "..";
+}
+
+// The path where it lies in the folder, from there.
+std::optional<fs::path> inside(const fs::path& folder, const fs::path& listed) {
+    fs::path relative = listed.lexically_normal();
+    if (listed.is_absolute()) {
+        std::error_code unknown;
+        const fs::path here = fs::weakly_canonical(fs::absolute(folder), unknown);
+        if (unknown) return {};
+        relative = fs::weakly_canonical(listed, unknown).lexically_relative(here);
+    }
+    if (leads_out(relative)) return {};
+    std::error_code unknown;
+    return fs::is_regular_file(folder / relative, unknown) ? std::optional(folder / relative) : std::nullopt;
+}
+
+bool is_jpeg_name(const fs::path& path) {
+    const std::string extension = lower_extension(path);
+    return extension == ".jpg" || extension == ".jpeg";
+}
+
+// Of several files with one stem.
+NamedPhoto choose(std::vector<fs::path> files) {
+    if (files.size() == 1) return {files.front()};
+    const auto only = [&](auto is) -> std::optional<fs::path> {
+        if (std::count_if(files.begin(), files.end(), is) != 1) return {};
+        return *std::find_if(files.begin(), files.end(), is);
+    };
+    // Cameras store a JPEG beside each raw, of the same name.
+    if (const auto raw = only(is_raw_name)) return {raw};
+    if (const auto better = only([](const fs::path& path) { return !is_jpeg_name(path); })) {
+        std::erase(files, *better);
+        return {better, {}, std::move(files)};
+    }
+    return {std::nullopt, std::move(files)};
+}
+
+}  // namespace
+
+std::string alike(const std::string& text) {
+    utf8proc_uint8_t* mapped = nullptr;
+    const utf8proc_ssize_t size = utf8proc_map(
+        reinterpret_cast<const utf8proc_uint8_t*>(text.data()), static_cast<utf8proc_ssize_t>(text.size()),
+        &mapped, static_cast<utf8proc_option_t>(UTF8PROC_STABLE | UTF8PROC_DECOMPOSE | UTF8PROC_CASEFOLD));
+    if (size < 0) return lower_case(text);
+    std::string result(reinterpret_cast<const char*>(mapped), static_cast<std::size_t>(size));
+    std::free(mapped);
+    return result;
+}
+
+fs::path portable(std::string name) {
+    std::replace(name.begin(), name.end(), '\\', '/');
+    return fs::path(name);
+}
+
+NamedPhoto photo_named(const std::string& name, const fs::path& folder, const std::vector<fs::path>& photos) {
+    const fs::path listed = portable(name);
+    if (auto path = inside(folder, listed)) return {std::move(path)};
+    std::error_code unknown;
+    if (const fs::path file = folder / listed.filename(); fs::is_regular_file(file, unknown)) return {file};
+    const std::string file_name = alike(listed.filename().string()), stem = alike(listed.stem().string());
+    std::vector<fs::path> same_name, same_stem;
+    for (const fs::path& photo : photos) {
+        if (alike(photo.filename().string()) == file_name) same_name.push_back(photo);
+        if (alike(photo.stem().string()) == stem) same_stem.push_back(photo);
+    }
+    if (!same_name.empty()) return choose(std::move(same_name));
+    return same_stem.empty() ? NamedPhoto{} : choose(std::move(same_stem));
+}
+
+std::optional<fs::path> file_listed(const std::string& name, const fs::path& lights_file) {
+    const fs::path listed = portable(name).lexically_normal();
+    if (!listed.has_parent_path()) return {};
+    const fs::path file = lights_file.parent_path() / listed;
+    std::error_code unknown;
+    return fs::is_regular_file(file, unknown) ? std::optional(file.lexically_normal()) : std::nullopt;
+}
+
+std::vector<fs::path> unread_pictures(const std::string& name, const fs::path& folder) {
+    static const std::vector<std::string> formats = {".heic", ".heif", ".avif", ".webp", ".gif",
+                                                     ".jp2",  ".j2k",  ".jxl",  ".psd",  ".psb"};
+    const std::string stem = alike(portable(name).stem().string());
+    std::vector<fs::path> found;
+    std::error_code unknown;
+    for (const auto& entry : fs::directory_iterator(folder, unknown))
+        if (std::find(formats.begin(), formats.end(), lower_extension(entry.path())) != formats.end() &&
+            alike(entry.path().stem().string()) == stem)
+            found.push_back(entry.path());
+    std::sort(found.begin(), found.end());
+    return found;
+}
+
+}  // namespace tangi
