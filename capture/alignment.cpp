@@ -23,6 +23,7 @@ constexpr double kTiedStep = 1.5;     // [1] over-relaxed: it converges by halve
 constexpr double kLeastZ = 0.2;       // [1] lights are taken for no lower than 12 degrees
 constexpr double kMisfitPx = 0.12;    // [pixels] of shift for misfit as large as what fits, light from above
 constexpr double kModelErrors = 1.5;  // [1] times that error, a finer model must move a picture by
+constexpr double kMany = 0.4;         // [1] of the pictures: what they tell, the others are free to have
 constexpr float kShared = 36;         // pictures, squared, from which on pixels have scales of their own
 constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 
@@ -187,24 +188,31 @@ void Alignment::add_tied_rows(std::size_t k, const Small& factor, const Three& c
     const Sample* s = &samples_[k * count];
     const Pixel& pixel = pixels_[k];
     const double reduction = (*windows_)[static_cast<std::size_t>(pixel.window)].reduction;
+    const auto basis = motion_basis(frame_.normalised(pixel.position));
+    const auto parameters = static_cast<std::size_t>(least_);
     const auto rows_of = [&](std::size_t i) {
         const double u = terms_of_[i][1] / reduction, v = terms_of_[i][2] / reduction;
-        return std::array<double, 4>{s[i].dx * u, s[i].dx * v, s[i].dy * u, s[i].dy * v};
+        std::array<double, kTied> row{};
+        for (std::size_t p = 0; p < parameters; ++p) {
+            const double along = s[i].dx * basis[p].x + s[i].dy * basis[p].y;
+            row[2 * p] = along * u, row[2 * p + 1] = along * v;
+        }
+        return row;
     };
-    std::array<Three, 4> taken_up{};
+    std::array<Three, kTied> taken_up{};
     for (std::size_t i = 0; i < count; ++i) {
         if (!(s[i].weight > 0)) continue;
         const auto row = rows_of(i);
-        for (std::size_t q = 0; q < 4; ++q)
+        for (std::size_t q = 0; q < 2 * parameters; ++q)
             for (std::size_t p = 0; p < 3; ++p) taken_up[q][p] += s[i].weight * terms_of_[i][p] * row[q];
     }
-    for (Three& t : taken_up) solve(factor, 3, t);
+    for (std::size_t q = 0; q < 2 * parameters; ++q) solve(factor, 3, taken_up[q]);
     for (std::size_t i = 0; i < count; ++i) {
         if (!(s[i].weight > 0)) continue;
-        const auto row = rows_of(i);
-        MotionVector left{};
-        for (std::size_t q = 0; q < 4; ++q) left[q] = row[q] - dot(taken_up[q], terms_of_[i], 3);
-        tied_[k].add(left, s[i].value - dot(c, terms_of_[i], 3), s[i].weight / (pixel.scale * pixel.scale));
+        auto row = rows_of(i);
+        for (std::size_t q = 0; q < 2 * parameters; ++q) row[q] -= dot(taken_up[q], terms_of_[i], 3);
+        tied_[k].add(row, s[i].value - dot(c, terms_of_[i], 3), s[i].weight / (pixel.scale * pixel.scale),
+                     2 * parameters);
     }
 }
 
@@ -227,8 +235,10 @@ void Alignment::predict() {
     std::vector<float> of_pixels;
     for (const Pixel& pixel : pixels_) of_pixels.push_back(pixel.scale);
     typical_scale_ = median(std::move(of_pixels));
-    const float middle =
-        std::max(median(std::vector<float>(scales_)), 1e-6f);  // relative: pixels have theirs
+    std::vector<float> of_model;
+    for (std::size_t i = 0; i < pictures.size(); ++i)
+        if (in_model_[i]) of_model.push_back(scales_[i]);
+    const float middle = std::max(median(std::move(of_model)), 1e-6f);  // relative: pixels have theirs
     for (float& scale : scales_) scale = std::clamp(scale / middle, 0.2f, 20.0f);
 }
 
@@ -279,8 +289,9 @@ void Alignment::move(std::size_t i, MotionModel largest) {
     picture.certainty = variance > 0 ? sum / std::sqrt(count * variance) : 0;
 
     const MotionVector so_far = motion_of(picture.homography, frame_);
-    picture.last =
-        solve_motion(cells, supported_model(cells, so_far, largest, kModelErrors * picture.model_error_px));
+    picture.told = supported_model(cells, so_far, largest, kModelErrors * picture.model_error_px);
+    picture.last = solve_motion(cells, std::max(picture.told, std::min(least_, largest)));
+    if (picture.last.model == MotionModel::none) picture.last = solve_motion(cells, picture.told);
     picture.covariance = picture.last.covariance;
 }
 
@@ -289,35 +300,30 @@ void Alignment::move(std::size_t i, MotionModel largest) {
 void Alignment::replace_tied_part() {
     tied = {};
     if (terms_ < 3) return;
-    std::vector<MotionCell> cells(static_cast<std::size_t>(cells_));
-    for (std::size_t k = 0; k < pixels_.size(); ++k) {
-        MotionCell& cell = cells[static_cast<std::size_t>(pixels_[k].cell)];
-        for (std::size_t q = 0; q < cell.normal.size(); ++q) cell.normal[q] += tied_[k].normal[q];
-        for (std::size_t q = 0; q < kMotion; ++q) cell.right[q] += tied_[k].right[q];
-        cell.count += tied_[k].count;
-    }
-    tied = solve_motion(cells, MotionModel::similarity);  // four parameters
+    std::vector<TiedCell> cells(static_cast<std::size_t>(cells_));
+    for (std::size_t k = 0; k < pixels_.size(); ++k)
+        cells[static_cast<std::size_t>(pixels_[k].cell)] += tied_[k];
+    tied = solve_tied(cells, least_);
+    const auto replaced = static_cast<std::size_t>(least_);
     Small a{};
-    Three x{}, y{};
+    std::array<Three, kMotion> linear{};
     for (std::size_t i = 0; i < pictures.size(); ++i) {
         if (!in_model_[i]) continue;
         const Three& f = terms_of_[i];
-        const MotionVector& step = pictures[i].last.motion;
         for (std::size_t p = 0; p < 3; ++p) {
             for (std::size_t q = 0; q <= p; ++q) a[p][q] += f[p] * f[q];
-            x[p] += f[p] * step[0];
-            y[p] += f[p] * step[1];
+            for (std::size_t q = 0; q < replaced; ++q) linear[q][p] += f[p] * pictures[i].last.motion[q];
         }
     }
     if (!factorise(a, 3)) return;
-    solve(a, 3, x), solve(a, 3, y);
+    for (std::size_t q = 0; q < replaced; ++q) solve(a, 3, linear[q]);
     const auto& t = tied.motion;
     for (std::size_t i = 0; i < pictures.size(); ++i) {
         if (!in_model_[i]) continue;  // the others' fits did not follow it
         const Three& f = terms_of_[i];
-        MotionVector& step = pictures[i].last.motion;
-        step[0] += (kTiedStep * t[0] - x[1]) * f[1] + (kTiedStep * t[1] - x[2]) * f[2];
-        step[1] += (kTiedStep * t[2] - y[1]) * f[1] + (kTiedStep * t[3] - y[2]) * f[2];
+        for (std::size_t q = 0; q < replaced; ++q)
+            pictures[i].last.motion[q] += (kTiedStep * t[2 * q] - linear[q][1]) * f[1] +
+                                          (kTiedStep * t[2 * q + 1] - linear[q][2]) * f[2];
     }
 }
 
@@ -336,36 +342,19 @@ void Alignment::apply_steps() {
     }
 }
 
-double Alignment::unexplained() {
-    sample();
-    std::vector<double> left(pixels_.size(), 0);
-    parallel_for(0, static_cast<int>(pixels_.size()), 64, [&](int begin, int end) {
-        for (auto k = static_cast<std::size_t>(begin); k < static_cast<std::size_t>(end); ++k) {
-            const Sample* s = &samples_[k * pictures.size()];
-            Small a{};
-            Three b{};
-            std::vector<std::size_t> seen;
-            for (std::size_t i = 0; i < pictures.size(); ++i) {
-                if (std::isnan(s[i].value) || !in_model_[i]) continue;
-                const Three& f = terms_of_[i];
-                for (std::size_t p = 0; p < 3; ++p) {
-                    for (std::size_t q = 0; q <= p; ++q) a[p][q] += f[p] * f[q];
-                    b[p] += f[p] * static_cast<double>(s[i].value);
-                }
-                seen.push_back(i);
-            }
-            if (seen.size() <= 3 || !factorise(a, 3)) continue;
-            solve(a, 3, b);
-            double squares = 0;
-            for (const std::size_t i : seen) {
-                const double r = static_cast<double>(s[i].value) - dot(b, terms_of_[i], 3);
-                squares += r * r;
-            }
-            left[k] = std::sqrt(squares / static_cast<double>(seen.size() - 3));
-        }
-    });
-    std::erase(left, 0.0);
-    return left.empty() ? 0 : median(std::move(left));
+// A camera that zooms, rolls or tilts does so from photograph to photograph, by less than many of them tell
+// by themselves.
+void Alignment::free_all() {
+    double all = 0, similar = 0, homographic = 0;
+    for (std::size_t i = 0; i < pictures.size(); ++i) {
+        if (!in_model_[i]) continue;
+        all += 1;
+        similar += pictures[i].told >= MotionModel::similarity;
+        homographic += pictures[i].told >= MotionModel::homography;
+    }
+    least_ = homographic > kMany * all ? MotionModel::homography
+             : similar > kMany * all   ? MotionModel::similarity
+                                       : MotionModel::translation;
 }
 
 void Alignment::iterate(MotionModel largest, int times) {
@@ -378,6 +367,7 @@ void Alignment::iterate(MotionModel largest, int times) {
         });
         replace_tied_part();
         apply_steps();
+        free_all();
     }
 }
 

@@ -21,8 +21,10 @@ struct AlignmentWindow {
 };
 
 struct AlignedPicture {
-    Homography homography{1};   // pixel of the joint frame -> pixel of the picture
-    MotionEstimate last;        // of the last step, covariance included
+    Homography homography{1};  // pixel of the joint frame -> pixel of the picture
+    MotionEstimate last;       // of the last step, covariance included
+    MotionModel told =
+        MotionModel::none;      // the largest that this picture by itself tells from the next smaller
     MotionMatrix covariance{};  // [pixels^2] of the homography's motion
     double correlation = 0;     // [1] with its prediction, where there are edges
     double certainty = 0;       // [standard errors] by which that differs from 0
@@ -41,13 +43,15 @@ public:
     Alignment(const MotionFrame& frame, const std::vector<glm::dvec3>& lights, std::vector<bool> in_model);
 
     std::vector<AlignedPicture> pictures;
-    MotionEstimate tied;  // the last step of the part that is linear in the light: dx/du, dx/dv, dy/du, dy/dv
+    // The last step of the part that is linear in the light: of shifts, and where many pictures tell more
+    // (free_all()), of that.
+    TiedMotion tied;
 
     // Takes new windows, and chooses the pixels to look at: those with edges in the mean of all pictures.
     void look_at(const std::vector<AlignmentWindow>& windows, int pixels);
 
     // Alternates predictions and motions; `largest` bounds the motion of every picture, which the data may
-    // narrow.
+    // narrow: to what many pictures tell, or this one by itself.
     void iterate(MotionModel largest, int times);
 
     // The light that a picture shows where it lies, whatever is listed for it: the one under which the
@@ -90,6 +94,7 @@ private:
     void move(std::size_t picture, MotionModel largest);
     void replace_tied_part();
     void apply_steps();
+    void free_all();
 
     MotionFrame frame_;
     std::vector<Three> terms_of_;  // of each picture's light: 1, l.x / l.z, l.y / l.z
@@ -97,11 +102,12 @@ private:
     int terms_ = 1;  // of these that predict a pixel
     const std::vector<AlignmentWindow>* windows_ = nullptr;
     std::vector<Pixel> pixels_;
-    std::vector<Sample> samples_;   // [pixel][picture]
-    std::vector<MotionCell> tied_;  // of each pixel
-    std::vector<float> scales_;     // of each picture's residuals, relative to the pixels'
-    float typical_scale_ = 0.1f;    // median of the pixels'
+    std::vector<Sample> samples_;  // [pixel][picture]
+    std::vector<TiedCell> tied_;   // of each pixel
+    std::vector<float> scales_;    // of each picture's residuals, relative to the pixels'
+    float typical_scale_ = 0.1f;   // median of the pixels'
     int cells_ = 0;
+    MotionModel least_ = MotionModel::translation;  // that every picture is free to have
 };
 
 }  // namespace tangi

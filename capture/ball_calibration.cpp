@@ -150,15 +150,16 @@ void check_fixed_camera(BallCalibration& c, const PhotoSet& set) {
     const CameraShakes measured = c.drifts;
     c.drifts = {.photos = std::vector<CameraShake>(set.size())};
     if (!measured.moved) return;
+    const dvec2 centre((c.width - 1) / 2.0, (c.height - 1) / 2.0);
     std::size_t farthest = 0;
     for (std::size_t i = 0; i < set.size(); ++i)
-        if (glm::length(measured.photos[i].shift_px) > glm::length(measured.photos[farthest].shift_px))
+        if (measured.photos[i].displacement_px(centre) > measured.photos[farthest].displacement_px(centre))
             farthest = i;
     std::string doubt = fmt::format(
         "--fixed-camera says that the camera stood still, but the photographs' edges moved by {:.2f} pixels "
         "(rms), those of {} by {:.2f} from the first: leave --fixed-camera out, and places of highlights are "
         "corrected for it",
-        measured.rms_px, set.name(farthest), glm::length(measured.photos[farthest].shift_px));
+        measured.rms_px, set.name(farthest), measured.photos[farthest].displacement_px(centre));
     (measured.rms_px > kPoorMotion_px ? c.poor : c.warnings).push_back(std::move(doubt));
 }
 

@@ -74,8 +74,10 @@ json light_of(const BallCalibration& c, std::size_t i) {
             {"brightness", s.brightness}, {"ambient", s.ambient}, {"residual", s.residual}, {"lit", s.lit}};
     }
     const CameraShake& drift = c.drifts.photos[i];
-    entry["drift"] = {
-        {"shift_px", list(drift.shift_px)}, {"roll_rad", drift.roll_rad}, {"sigma_px", drift.sigma_px}};
+    entry["drift"] = {{"shift_px", list(drift.shift_px)},
+                      {"roll_rad", drift.roll_rad},
+                      {"zoom", drift.zoom},
+                      {"sigma_px", drift.sigma_px}};
     return entry;
 }
 

@@ -117,7 +117,7 @@ std::string table(const Calibration& calibration) {
     if (positions) html += "<th>x mm</th><th>y mm</th><th>z mm</th><th>± mm</th>";
     if (balls) html += "<th>balls</th>";
     if (!strengths.empty()) html += "<th>light on the chart</th>";
-    if (moved) html += "<th>drift px</th><th>± px</th><th>roll mrad</th>";
+    if (moved) html += "<th>drift px</th><th>± px</th><th>roll mrad</th><th>zoom ‰</th>";
     html += "</tr>";
     for (std::size_t i = 0; i < c.lights.size(); ++i) {
         const CalibratedLight& light = c.lights[i];
@@ -134,8 +134,9 @@ std::string table(const Calibration& calibration) {
         }
         if (moved) {
             const CameraShake& drift = c.drifts.photos[i];
-            html += fmt::format("<td>{:.2f}, {:.2f}</td><td>{:.2f}</td><td>{:.2f}</td>", drift.shift_px.x,
-                                drift.shift_px.y, drift.sigma_px, 1000 * drift.roll_rad);
+            html += fmt::format("<td>{:.2f}, {:.2f}</td><td>{:.2f}</td><td>{:.2f}</td><td>{:.2f}</td>",
+                                drift.shift_px.x, drift.shift_px.y, drift.sigma_px, 1000 * drift.roll_rad,
+                                1000 * (drift.zoom - 1));
         }
         html += "</tr>";
     }
@@ -278,7 +279,8 @@ std::string calibration_page(const Calibration& calibration, const std::vector<s
         html += fmt::format("<p class=\"soft\">Taken as {}.</p>", c.matt_transfer->name());
     if (c.drifts.moved)
         html +=
-            "<p class=\"soft\">Drift is from the first photograph; roll is around the picture's centre.</p>";
+            "<p class=\"soft\">Drift is from the first photograph; roll and zoom are around the picture's "
+            "centre.</p>";
     return html + table(calibration) + "</main></body></html>\n";
 }
 

@@ -1,5 +1,6 @@
 #include "capture/motion.h"
 
+#include <algorithm>
 #include <cmath>
 #include <opencv2/core.hpp>
 
@@ -10,12 +11,50 @@ namespace {
 // Upper 0.001 quantile of chi-squared with 2 and 4 degrees of freedom.
 constexpr double kWald2 = 13.82, kWald4 = 18.47;
 
-cv::Matx<double, kMotion, kMotion> normal_of(const MotionCell& cell) {
-    cv::Matx<double, kMotion, kMotion> m;
-    std::size_t at = 0;
-    for (int i = 0; i < kMotion; ++i)
-        for (int j = 0; j <= i; ++j) m(i, j) = m(j, i) = cell.normal[at++];
-    return m;
+template <std::size_t N>
+double normal_of(const DisplacementCell<N>& cell, int i, int j) {
+    const auto row = static_cast<std::size_t>(std::max(i, j)),
+               column = static_cast<std::size_t>(std::min(i, j));
+    return cell.normal[row * (row + 1) / 2 + column];
+}
+
+// The first n parameters and their covariance; returns the cells that said anything, 0 where they are too few
+// or leave the parameters open.
+template <std::size_t N>
+int solve_cells(const std::vector<DisplacementCell<N>>& cells, int n, cv::Mat1d& x, cv::Mat1d& covariance) {
+    cv::Mat1d bread = cv::Mat1d::zeros(n, n), right = cv::Mat1d::zeros(n, 1), meat = cv::Mat1d::zeros(n, n);
+    int telling = 0;
+    for (const auto& cell : cells) {
+        if (cell.count == 0) continue;
+        ++telling;
+        for (int i = 0; i < n; ++i) {
+            right(i) += cell.right[static_cast<std::size_t>(i)];
+            for (int j = 0; j < n; ++j) bread(i, j) += normal_of(cell, i, j);
+        }
+    }
+    cv::Mat1d inverse;
+    if (telling <= n || cv::invert(bread, inverse, cv::DECOMP_SVD) < 1e-9) return 0;
+    x = inverse * right;
+    for (const auto& cell : cells) {
+        if (cell.count == 0) continue;
+        cv::Mat1d score(n, 1);
+        for (int i = 0; i < n; ++i) {
+            score(i) = cell.right[static_cast<std::size_t>(i)];
+            for (int j = 0; j < n; ++j) score(i) -= normal_of(cell, i, j) * x(j);
+        }
+        meat += score * score.t();
+    }
+    covariance = inverse * meat * inverse * (static_cast<double>(telling) / (telling - n));
+    return telling;
+}
+
+template <class Vector, class Matrix>
+void take(const cv::Mat1d& x, const cv::Mat1d& of, Vector& motion, Matrix& covariance) {
+    for (int i = 0; i < x.rows; ++i) {
+        motion[static_cast<std::size_t>(i)] = x(i);
+        for (int j = 0; j < x.rows; ++j)
+            covariance[static_cast<std::size_t>(i)][static_cast<std::size_t>(j)] = of(i, j);
+    }
 }
 
 }  // namespace
@@ -94,55 +133,22 @@ double rms_displacement(const MotionMatrix& covariance) {
     return std::sqrt(std::max(sum, 0.0));
 }
 
-void MotionCell::add(const MotionVector& row, double residual, double weight) {
-    std::size_t at = 0;
-    for (std::size_t i = 0; i < kMotion; ++i) {
-        for (std::size_t j = 0; j <= i; ++j) normal[at++] += weight * row[i] * row[j];
-        right[i] -= weight * row[i] * residual;
-    }
-    count += 1;
-}
-
 MotionEstimate solve_motion(const std::vector<MotionCell>& cells, MotionModel model) {
     MotionEstimate result;
+    if (model == MotionModel::none) return result;
+    cv::Mat1d x, covariance;
+    result.cells = solve_cells(cells, static_cast<int>(model), x, covariance);
+    if (result.cells == 0) return result;
     result.model = model;
-    const int n = static_cast<int>(model);
-    if (n == 0) return result;
-    cv::Mat1d bread = cv::Mat1d::zeros(n, n), right = cv::Mat1d::zeros(n, 1), meat = cv::Mat1d::zeros(n, n);
-    for (const MotionCell& cell : cells) {
-        if (cell.count == 0) continue;
-        ++result.cells;
-        const auto normal = normal_of(cell);
-        for (int i = 0; i < n; ++i) {
-            right(i) += cell.right[static_cast<std::size_t>(i)];
-            for (int j = 0; j < n; ++j) bread(i, j) += normal(i, j);
-        }
-    }
-    const auto give_up = [&] {
-        result.model = MotionModel::none;
-        return result;
-    };
-    if (result.cells <= n) return give_up();
-    cv::Mat1d inverse;
-    if (cv::invert(bread, inverse, cv::DECOMP_SVD) < 1e-9) return give_up();
-    const cv::Mat1d x = inverse * right;
-    for (const MotionCell& cell : cells) {
-        if (cell.count == 0) continue;
-        const auto normal = normal_of(cell);
-        cv::Mat1d score(n, 1);
-        for (int i = 0; i < n; ++i) {
-            score(i) = cell.right[static_cast<std::size_t>(i)];
-            for (int j = 0; j < n; ++j) score(i) -= normal(i, j) * x(j);
-        }
-        meat += score * score.t();
-    }
-    const cv::Mat1d covariance =
-        inverse * meat * inverse * (static_cast<double>(result.cells) / (result.cells - n));
-    for (int i = 0; i < n; ++i) {
-        result.motion[static_cast<std::size_t>(i)] = x(i);
-        for (int j = 0; j < n; ++j)
-            result.covariance[static_cast<std::size_t>(i)][static_cast<std::size_t>(j)] = covariance(i, j);
-    }
+    take(x, covariance, result.motion, result.covariance);
+    return result;
+}
+
+TiedMotion solve_tied(const std::vector<TiedCell>& cells, MotionModel model) {
+    TiedMotion result;
+    cv::Mat1d x, covariance;
+    if (solve_cells(cells, 2 * static_cast<int>(model), x, covariance) > 0)
+        take(x, covariance, result.motion, result.covariance);
     return result;
 }
 

@@ -52,12 +52,29 @@ double rms_displacement(const MotionVector& motion);
 double rms_displacement(const MotionMatrix& covariance);
 
 // Normal equations of displacement, summed over one cell of the picture: residual + row . motion = 0.
-struct MotionCell {
-    std::array<double, kMotion*(kMotion + 1) / 2> normal{};
-    MotionVector right{};
+template <std::size_t N>
+struct DisplacementCell {
+    std::array<double, N*(N + 1) / 2> normal{};
+    std::array<double, N> right{};
     double count = 0;
-    void add(const MotionVector& row, double residual, double weight);
+
+    // Of the first `parameters`, the others being 0.
+    void add(const std::array<double, N>& row, double residual, double weight, std::size_t parameters = N) {
+        std::size_t at = 0;
+        for (std::size_t i = 0; i < parameters; ++i) {
+            for (std::size_t j = 0; j <= i; ++j) normal[at++] += weight * row[i] * row[j];
+            right[i] -= weight * row[i] * residual;
+        }
+        count += 1;
+    }
+    DisplacementCell& operator+=(const DisplacementCell& other) {
+        for (std::size_t i = 0; i < normal.size(); ++i) normal[i] += other.normal[i];
+        for (std::size_t i = 0; i < N; ++i) right[i] += other.right[i];
+        count += other.count;
+        return *this;
+    }
 };
+using MotionCell = DisplacementCell<kMotion>;
 
 struct MotionEstimate {
     MotionVector motion{};      // [pixels]; 0 beyond the model's parameters
@@ -69,6 +86,17 @@ struct MotionEstimate {
 // Least squares; its covariance is that of cells that are independent of each other, whatever the errors
 // inside a cell have in common (the cluster-robust sandwich of Liang & Zeger 1986, White 1980).
 MotionEstimate solve_motion(const std::vector<MotionCell>& cells, MotionModel model);
+
+// A motion that is linear in the slope (u, v) of a light: of each parameter of a motion, in their order, what
+// it has for u = 1, then for v = 1.
+constexpr std::size_t kTied = 2 * kMotion;
+using TiedCell = DisplacementCell<kTied>;
+struct TiedMotion {
+    std::array<double, kTied> motion{};                         // [pixels]; 0 beyond the model's parameters
+    std::array<std::array<double, kTied>, kTied> covariance{};  // [pixels^2]
+};
+// As solve_motion(); zero where that gives up.
+TiedMotion solve_tied(const std::vector<TiedCell>& cells, MotionModel model);
 
 // The largest model at most `largest` whose parameters beyond the next smaller one are told from 0 by Wald's
 // test at a level of 0.001, and move the picture by more than `least_px`. `motion_so_far` is what the cells'

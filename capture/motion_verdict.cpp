@@ -11,6 +11,7 @@ namespace tangi {
 
 namespace {
 
+// Motions are measured by what they displace over the whole picture (rms): shift, zoom, roll and tilt alike.
 constexpr double kMovedPx = 0.12;      // [pixels] typical motion beyond shading from which on a stack moved
 constexpr double kJumpPx = 0.25;       // [pixels] of single photographs of a stack that did not
 constexpr double kJumpScales = 5;      // [1] and of the typical motion
@@ -40,11 +41,56 @@ double tied_error_px(const AlignedStack& stack, const Alignment& alignment, std:
         return glm::dvec2(l.x, l.y) / std::max(l.z, kLowLight);
     };
     const glm::dvec2 d = slopes(i) - slopes(reference);
-    const MotionMatrix& c = alignment.tied.covariance;
-    const auto variance = [&](std::size_t p) {
-        return d.x * d.x * c[p][p] + 2 * d.x * d.y * c[p][p + 1] + d.y * d.y * c[p + 1][p + 1];
-    };
-    return std::hypot(std::sqrt(std::max(variance(0) + variance(2), 0.0)), kTiedErrorPx * glm::length(d));
+    const auto& c = alignment.tied.covariance;
+    MotionMatrix of_motion;
+    for (std::size_t p = 0; p < kMotion; ++p)
+        for (std::size_t q = 0; q < kMotion; ++q)
+            of_motion[p][q] = d.x * d.x * c[2 * p][2 * q] + d.y * d.y * c[2 * p + 1][2 * q + 1] +
+                              d.x * d.y * (c[2 * p][2 * q + 1] + c[2 * p + 1][2 * q]);
+    return std::hypot(rms_displacement(of_motion), kTiedErrorPx * glm::length(d));
+}
+
+// What the motions have beyond the shifts that go with the light.
+struct Rest {
+    SharedShading shading;
+    std::vector<MotionVector> motions;  // [pixels]
+    MotionVector middle{};              // [pixels] their median
+    double typical_px = 0;              // [pixels] median displacement from that
+
+    MotionVector from_middle(std::size_t i) const {
+        MotionVector d = motions[i];
+        for (std::size_t p = 0; p < kMotion; ++p) d[p] -= middle[p];
+        return d;
+    }
+};
+
+// A highlight or shadow that shifts edges shifts them alike all over the picture, or nearly so: what zooms,
+// turns or tilts it is the camera.
+Rest rest_of(const AlignedStack& stack, const Alignment& alignment, const std::vector<bool>& counted) {
+    Rest result;
+    std::vector<glm::dvec2> shifts;
+    for (const AlignedPicture& picture : alignment.pictures) {
+        result.motions.push_back(motion_of(picture.homography, stack.frame));
+        shifts.emplace_back(result.motions.back()[0], result.motions.back()[1]);
+    }
+    result.shading = shared_shading(shifts, stack.lights, counted);
+    std::array<std::vector<double>, kMotion> values;
+    for (std::size_t i = 0; i < result.motions.size(); ++i) {
+        result.motions[i][0] = result.shading.rest[i].x;
+        result.motions[i][1] = result.shading.rest[i].y;
+        for (std::size_t p = 0; p < kMotion; ++p)
+            if (counted[i]) values[p].push_back(result.motions[i][p]);
+    }
+    for (std::size_t p = 0; p < kMotion; ++p) result.middle[p] = median(std::move(values[p]));
+    std::vector<double> lengths;
+    for (std::size_t i = 0; i < result.motions.size(); ++i) {
+        if (!counted[i]) continue;
+        MotionVector d = result.from_middle(i);
+        d[0] *= result.shading.taken_up, d[1] *= result.shading.taken_up;
+        lengths.push_back(rms_displacement(d));
+    }
+    result.typical_px = median(std::move(lengths));
+    return result;
 }
 
 }  // namespace
@@ -56,26 +102,23 @@ bool was_found(const AlignedPicture& picture) {
 
 Registration camera_motions(const AlignedStack& stack, const Alignment& alignment) {
     const std::size_t count = stack.photos.size();
-    std::vector<glm::dvec2> shifts;
     std::vector<bool> found, counted;
     std::vector<double> errors, drifts;
     for (std::size_t i = 0; i < count; ++i) {
-        const AlignedPicture& picture = alignment.pictures[i];
-        const MotionVector m = motion_of(picture.homography, stack.frame);
-        shifts.emplace_back(m[0], m[1]);
-        found.push_back(was_found(picture));
+        found.push_back(was_found(alignment.pictures[i]));
         counted.push_back(found[i] && stack.in_model[i]);
-        if (counted[i]) errors.push_back(own_error_px(picture));
+        if (counted[i]) errors.push_back(own_error_px(alignment.pictures[i]));
     }
-    const SharedShading shading = shared_shading(shifts, stack.lights, counted);
+    const Rest rest = rest_of(stack, alignment, counted);
+    const SharedShading& shading = rest.shading;
     const double flat = stack.fitted < Alignment::kEnoughForRelief ? kFlatErrorPx : 0;
     const bool all_moved =
-        shading.typical_rest_px > std::max({kMovedPx, flat, kMovedErrors * median(std::move(errors))});
+        rest.typical_px > std::max({kMovedPx, flat, kMovedErrors * median(std::move(errors))});
     const bool shading_is_motion = all_moved && !shading.exceeds_motion;
     const auto jumped = [&](std::size_t i) {
         return alignment.pictures[i].correlation > kTrustedAlone &&
-               glm::length(shading.rest[i] - shading.middle_rest) >
-                   std::max({kJumpPx, flat, kJumpScales * shading.typical_rest_px,
+               rms_displacement(rest.from_middle(i)) >
+                   std::max({kJumpPx, flat, kJumpScales * rest.typical_px,
                              kJumpErrors * own_error_px(alignment.pictures[i])});
     };
     std::vector<double> correlations;
@@ -100,8 +143,7 @@ Registration camera_motions(const AlignedStack& stack, const Alignment& alignmen
     };
     // Where the camera stood still but for jumps, it is where it stood that counts, not one photograph.
     const Homography back =
-        glm::inverse(all_moved ? without_shading(reference)
-                               : homography_of({shading.middle_rest.x, shading.middle_rest.y}, stack.frame));
+        glm::inverse(all_moved ? without_shading(reference) : homography_of(rest.middle, stack.frame));
     const double of_reference = all_moved ? own_error_px(alignment.pictures[reference]) : 0;
     for (std::size_t i = 0; i < count; ++i) {
         const AlignedPicture& picture = alignment.pictures[i];
@@ -116,7 +158,7 @@ Registration camera_motions(const AlignedStack& stack, const Alignment& alignmen
         d.drift_px = rms_displacement(motion_of(d.homography, stack.frame));
         d.error_px = std::hypot(own_error_px(picture), of_reference, flat);
         // In a stack that stood still, what is left is the error.
-        if (!all_moved) d.error_px = std::hypot(d.error_px, shading.typical_rest_px);
+        if (!all_moved) d.error_px = std::hypot(d.error_px, rest.typical_px);
         d.warped = i != reference && found[i] && d.drift_px > d.error_px && (all_moved || jumped(i));
         // Shared by all photographs alike, it is no reason to leave one of them as it is.
         if (shading_is_motion)

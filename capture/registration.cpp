@@ -96,6 +96,7 @@ private:
 
     // Windows of both lists of photographs, in linear light.
     AlignmentWindow merged(const AlignmentWindow& a, const AlignmentWindow& b) const {
+        TP_REQUIRE(a.origin == b.origin && a.reduction == b.reduction, "windows of one grid");
         AlignmentWindow window = a;
         window.pictures.insert(window.pictures.end(), b.pictures.begin(), b.pictures.end());
         parallel_for(0, static_cast<int>(window.pictures.size()), 1, [&](int begin, int end) {
@@ -127,8 +128,8 @@ private:
 
     void align_overviews(Alignment& alignment, AlignmentWindow whole) {
         double sum = 0, count = 0;
-        for (const Image<float>& picture : whole.pictures)
-            for (const float value : picture.pixels()) sum += value, count += 1;
+        for (std::size_t i = 0; i < aligned_.fitted; ++i)
+            for (const float value : whole.pictures[i].pixels()) sum += value, count += 1;
         floor_ = std::max(kFloor * sum / std::max(count, 1.0), 1e-12);
         AlignmentWindow half = whole;
         half.reduction *= 2;
@@ -190,7 +191,8 @@ private:
     bool relight(Alignment& alignment) {
         std::vector<double> correlations;
         for (const AlignedPicture& picture : alignment.pictures) correlations.push_back(picture.correlation);
-        const double usual = median(correlations);
+        const double usual = median(std::vector<double>(
+            correlations.begin(), correlations.begin() + static_cast<std::ptrdiff_t>(aligned_.fitted)));
         std::vector<std::size_t> doubtful;
         for (std::size_t i = 0; i < correlations.size(); ++i)
             if (correlations[i] < kDoubtfulLight * usual) doubtful.push_back(i);
@@ -221,33 +223,34 @@ private:
         double farthest = 0;
         for (const AlignedPicture& picture : alignment.pictures)
             farthest = std::max(farthest, rms_displacement(motion_of(picture.homography, aligned_.frame)));
-        std::vector<Homography> before;
+        const std::vector<AlignedPicture> overviews = alignment.pictures;
         const PictureCollector *of_fitted = &fitted, *of_held_out = &held_out;
         Stack warped = stack_, warped_held_out = only_held_out(stack_);
         std::optional<PictureCollector> again, again_held_out;
         if (farthest > kFarPx) {
             for (std::size_t i = 0; i < aligned_.photos.size(); ++i) {
-                before.push_back(alignment.pictures[i].homography);
                 (i < aligned_.fitted ? warped.photos[i] : warped_held_out.photos[i - aligned_.fitted])
-                    .homography = before.back();
+                    .homography = overviews[i].homography;
                 alignment.pictures[i].homography = Homography(1);
             }
-            collect(warped, again.emplace(warped));
-            collect(warped_held_out, again_held_out.emplace(warped_held_out));
+            collect(warped, again.emplace(fitted.grid(), fitted.photos()));
+            collect(warped_held_out, again_held_out.emplace(held_out.grid(), held_out.photos()));
             of_fitted = &*again, of_held_out = &*again_held_out;
         }
         std::vector<AlignmentWindow> windows;
         for (std::size_t k = 0; k < of_fitted->patches_.size(); ++k) {
-            windows.push_back(merged(of_fitted->patches_[k], of_held_out->patches_.empty()
-                                                                 ? AlignmentWindow{}
-                                                                 : of_held_out->patches_[k]));
+            windows.push_back(merged(of_fitted->patches_[k], of_held_out->patches_[k]));
             to_contrast(windows.back());
         }
         alignment.look_at(windows, pixels_to_look_at());
         iterate(alignment, MotionModel::homography, kIterations, 0.6, 1);
-        if (before.empty()) weigh_few(alignment);
-        for (std::size_t i = 0; i < before.size(); ++i)
-            alignment.pictures[i].homography = before[i] * alignment.pictures[i].homography;
+        if (!again) return weigh_few(alignment);
+        for (std::size_t i = 0; i < overviews.size(); ++i) {
+            AlignedPicture& picture = alignment.pictures[i];
+            picture.homography = overviews[i].homography * picture.homography;
+            if (picture.last.model != MotionModel::none)
+                picture.last.model = std::max(picture.last.model, overviews[i].last.model);
+        }
     }
 
     void apply(const Registration& result, const std::vector<bool>& strange) {
@@ -304,7 +307,7 @@ Registration register_stack(Stack& stack, const PictureCollector& collected, con
     TP_REQUIRE(collected.photos() == static_cast<int>(stack.photos.size()), "the pictures are of this stack");
     if (stack.photos.size() < 2 || std::min(stack.width(), stack.height()) < kLeastSide) return {};
     const Stack held_out = only_held_out(stack);
-    PictureCollector collected_held_out(held_out);
+    PictureCollector collected_held_out(collected.grid(), static_cast<int>(held_out.photos.size()));
     collect(held_out, collected_held_out);
     return Registrar(stack, transfer, progress).run(collected, collected_held_out);
 }

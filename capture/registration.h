@@ -12,28 +12,41 @@
 
 namespace tangi {
 
-// What registration needs of a stack's photographs: an overview of each, and where that is reduced, patches
-// in full resolution. Takes bands as they are read for another purpose; a bounded number of bytes.
+// Where registration looks at photographs: an overview of each, and where that is reduced, patches in full
+// resolution. One for all photographs of a stack, fitted or held out, since they are laid onto each other.
+struct RegistrationGrid {
+    // By the pictures' size and the number of all photographs, of which a bounded number of bytes is kept.
+    // Which of them are held out changes nothing.
+    explicit RegistrationGrid(const Stack& stack);
+
+    int width = 0, height = 0;
+    glm::dvec2 corner{0};             // of the stack, in the photographs
+    int reduction = 1;                // of the overview
+    std::vector<glm::ivec2> patches;  // [pixels of the stack] corners; none where the overview is whole
+};
+
+// What registration needs of photographs. Takes bands as they are read for another purpose.
 class PictureCollector {
 public:
-    explicit PictureCollector(const Stack& stack);
+    explicit PictureCollector(const Stack& stack);               // of stack.photos, on the whole stack's grid
+    PictureCollector(const RegistrationGrid& grid, int photos);  // of others of that stack
 
-    // A band of the stack, as stored (Transfer{}). Bands must cover the stack, ascending.
+    // A band of these photographs, as stored (Transfer{}). Bands must cover the stack, ascending.
     void add(const Band& band);
 
     int photos() const { return photos_; }
+    const RegistrationGrid& grid() const { return grid_; }
 
     // Forgets the photographs that are not kept, in their order.
     void keep(const std::vector<bool>& kept);
 
 private:
     friend class Registrar;
-    int photos_ = 0, width_ = 0, height_ = 0;
-    glm::dvec2 corner_{0};  // of the stack, in the photographs
+    RegistrationGrid grid_;
+    int photos_ = 0;
     AlignmentWindow overview_;
-    std::vector<AlignmentWindow>
-        patches_;                       // brightness as stored, as the overview's; none where that is whole
-    std::vector<Image<float>> counts_;  // stored pixels in each of the overview's
+    std::vector<AlignmentWindow> patches_;  // brightness as stored, as the overview's; the grid's
+    Image<float> counts_;                   // stored pixels in each of the overview's
 };
 
 struct PhotoDrift {

@@ -60,7 +60,7 @@ SharedShading shared_shading(const std::vector<glm::dvec2>& shifts, const std::v
         if (counted[i]) x += p(0), y += p(1);
     }
     const glm::dvec2 mean = glm::dvec2(x, y) / static_cast<double>(std::max<std::ptrdiff_t>(count, 1));
-    std::vector<double> xs, ys, lengths;
+    std::vector<double> xs, ys;
     for (std::size_t i = 0; i < shifts.size(); ++i) {
         result.of_photo[i] -= mean;
         result.rest.push_back(shifts[i] - result.of_photo[i]);
@@ -68,16 +68,15 @@ SharedShading shared_shading(const std::vector<glm::dvec2>& shifts, const std::v
         smooth += glm::dot(result.of_photo[i], result.of_photo[i]);
         xs.push_back(result.rest[i].x), ys.push_back(result.rest[i].y);
     }
-    result.middle_rest = {median(std::move(xs)), median(std::move(ys))};
+    const glm::dvec2 middle(median(std::move(xs)), median(std::move(ys)));
     double rest = 0;
     for (std::size_t i = 0; i < shifts.size(); ++i) {
         if (!counted[i]) continue;
-        const double length = glm::length(result.rest[i] - result.middle_rest);
-        lengths.push_back(length);
-        rest += length * length;
+        const glm::dvec2 beyond = result.rest[i] - middle;
+        rest += glm::dot(beyond, beyond);
     }
     const double free = std::max<double>(1, static_cast<double>(count - n));
-    result.typical_rest_px = median(std::move(lengths)) * std::sqrt(static_cast<double>(count) / free);
+    result.taken_up = std::sqrt(static_cast<double>(std::max<std::ptrdiff_t>(count, 1)) / free);
     result.rms_px = std::sqrt(smooth / std::max<double>(1, static_cast<double>(count)));
     result.exceeds_motion = n > 1 && smooth / (n - 1) > kExceeds * rest / free;
     return result;

@@ -12,9 +12,8 @@ namespace tangi {
 struct SharedShading {
     std::vector<glm::dvec2> of_photo;  // [pixels] the smooth part, its mean left out
     std::vector<glm::dvec2> rest;      // [pixels] what is left of each photograph's motion
-    glm::dvec2 middle_rest{0};         // [pixels] their median
-    double typical_rest_px = 0;        // [pixels] median distance from that, enlarged by what was taken up
-    double rms_px = 0;                 // [pixels] of the smooth part
+    double taken_up = 1;          // [1] by which the rest is smaller than what it is the rest of, typically
+    double rms_px = 0;            // [pixels] of the smooth part
     bool exceeds_motion = false;  // the smooth part is larger than a camera's motion would have left there
 };
 

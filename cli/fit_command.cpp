@@ -95,6 +95,20 @@ std::vector<std::string> poor_reasons(const FitReport& report, const UsableStack
     return reasons;
 }
 
+// What is asked for is a number that the result then does not have; empty where some photograph is still held
+// out.
+std::string says_none_is_held_out(std::size_t asked, const FitResult& fit) {
+    const auto& photos = fit.surface.photography.photos;
+    if (asked == 0 ||
+        std::any_of(photos.begin(), photos.end(), [](const auto& photo) { return !photo.fitted; }))
+        return {};
+    return fmt::format(
+        "all {} photographs of --hold-out were left out (photographs.left_out has the reasons), so that "
+        "nothing tells "
+        "how well the painting predicts light that the fit never saw; hold out others",
+        asked);
+}
+
 nlohmann::json colour_of(const FitResult& fit) {
     const ColourReport& colour = fit.report.colour;
     const auto known = [](bool is, double value) {
@@ -197,6 +211,7 @@ nlohmann::json run_fit(FitArguments arguments, const Progress& progress) {
     refuse_to_overwrite_photographs(arguments, stack);
     const DevelopReport development = develop_stack(stack, {}, progress);
     const nlohmann::json provenance = provenance_of(arguments, stack, development);
+    const std::size_t held_out = stack.held_out.size();
     FitOptions fit_options = arguments.options;
     fit_options.solver = arguments.solver == "ceres" ? Solver::ceres : Solver::batch;
     fit_options.register_photos = arguments.photos.registration != "off";
@@ -247,6 +262,8 @@ nlohmann::json run_fit(FitArguments arguments, const Progress& progress) {
     result["development"] = to_json(development);
     result["warnings"] = told(warnings, told_before);
     result["poor"] = poor_reasons(fit.report, opened, arguments.photos.flips());
+    if (const std::string none = says_none_is_held_out(held_out, fit); !none.empty())
+        result["poor"].push_back(none);
     return result;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cmath>
+#include <functional>
 
 #include "capture/registration.h"
 #include "datasets/generator.h"
@@ -66,14 +67,21 @@ struct RegistrationScene {
     MotionFrame frame{kWidth, kHeight};
 
     RegistrationScene(int lights, double shift_px, double turn_px, const PaintingTruth& of = painting(),
-                      double lowest_deg = 25, Arrangement arrangement = Arrangement::dome) {
+                      double lowest_deg = 25, Arrangement arrangement = Arrangement::dome)
+        : RegistrationScene(
+              lights, [=](int i) { return jitter(i, shift_px, turn_px); }, of, lowest_deg, arrangement) {}
+
+    // `motion` is that of each photograph [pixels].
+    RegistrationScene(int lights, const std::function<MotionVector(int)>& motion,
+                      const PaintingTruth& of = painting(), double lowest_deg = 25,
+                      Arrangement arrangement = Arrangement::dome) {
         const GeneratorOptions options{
             .lights = lights, .held_out = 0, .arrangement = arrangement, .min_elevation_deg = lowest_deg};
         const Photography photography = photography_of(of, options);
         std::vector<Light> listed;
         for (int i = 0; i < lights; ++i) {
             const Light& light = photography.photos[static_cast<std::size_t>(i)].light;
-            truth.push_back(homography_of(jitter(i, shift_px, turn_px), frame));
+            truth.push_back(homography_of(motion(i), frame));
             const Image<Rgb> photo = photographed(render_photo(of, light, options), truth.back());
             listed.push_back(light);
             listed.back().name = fmt::format("photo_{:03d}.png", i);
