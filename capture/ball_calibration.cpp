@@ -104,7 +104,9 @@ std::vector<std::optional<MattShading>> shaded_without(const Lens& lens, const M
             for (std::size_t i = 0; i < seen.photos.size(); ++i)
                 crops.photos[i](x, y) = seen.value(i, seen.to_photo(i, place));
         }
-    if (const auto outline = refine_outline(crops, ideal.image, camera)) ideal.image = outline->ball;
+    const auto outline =
+        matt.ball.outline_coverage > 0 ? refine_outline(crops, ideal.image, camera) : std::nullopt;
+    if (outline) ideal.image = outline->ball;
     std::vector<std::optional<MattShading>> shadings;
     for (std::size_t i = 0; i < seen.photos.size(); ++i)
         shadings.push_back(shading_of(crops, i, ideal.image, camera, matt.transfer));

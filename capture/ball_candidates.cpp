@@ -5,6 +5,7 @@
 #include <glm/geometric.hpp>
 
 #include "capture/ball_sizes.h"
+#include "capture/given_outline.h"
 #include "capture/highlight_clusters.h"
 #include "surface/error.h"
 
@@ -18,7 +19,12 @@ constexpr double kLeastOutline = 0.3;  // outline_score() of a circle that is ta
 constexpr double kGivenOutline = 0.2;  // of one where the user says that there is a ball
 constexpr double kClearer =
     1.5;  // by which another circle's edges must be clearer than those of what is given
-constexpr double kTwinSize = 1.13, kExpectedSize = 1.2;  // ratios of radii within which circles are sought
+// [1] By which it must also be better: patterns have circles, too.
+constexpr double kClearlyBetter = 0.3;
+constexpr double kHorizon =
+    0.65;  // [1] of the radius; sin 45 degrees of a camera far away, less what outlines err
+constexpr double kBoxError = 0.1;  // [1] of its size, by which a box is larger than what it is drawn around
+constexpr double kExpectedSize = 1.2;  // ratio of radii within which circles are sought
 
 Region within(double x0, double y0, double x1, double y1, const EdgeField& field) {
     const auto bound = [](double v, int end) { return std::clamp(static_cast<int>(std::lround(v)), 0, end); };
@@ -60,10 +66,6 @@ BallImage image_of(const Circle& circle) {
             .radius_sigma_px = 0.02 * circle.radius_px};
 }
 
-bool overlap(const BallImage& a, const BallImage& b) {
-    return glm::length(a.centre_px - b.centre_px) < 0.7 * (a.radius_px + b.radius_px);
-}
-
 // Circles anywhere in the picture of a radius [px] within a factor of `loose`.
 std::vector<BallCandidate> circles_of_size(double radius_px, double loose, const GreyPhotos& photos,
                                            const EdgeField& field) {
@@ -96,7 +98,7 @@ std::vector<BallCandidate> sought(const GreyPhotos& photos, const EdgeField& fie
     std::vector<BallCandidate> apart;
     for (const BallCandidate& candidate : candidates)
         if (std::none_of(apart.begin(), apart.end(),
-                         [&](const auto& other) { return overlap(other.image, candidate.image); }))
+                         [&](const auto& other) { return cannot_both_be(other.image, candidate.image); }))
             apart.push_back(candidate);
     return apart;
 }
@@ -110,12 +112,13 @@ std::vector<BallCandidate> sought_where_given(const GreyPhotos& photos, const Ed
         std::string contradiction;
         const auto circle = circle_near(field, photos, ball, contradiction);
         BallCandidate candidate{.image = image_of(circle.value_or(Circle{ball.centre_px, ball.radius_px, 0})),
+                                .before = before_of(ball, circle.has_value(), contradiction),
                                 .given = &ball,
                                 .score = circle ? circle->score : 0,
-                                .outline_seen = circle.has_value(),
                                 .contradiction = std::move(contradiction)};
         const auto same = std::find_if(candidates.begin(), candidates.end(), [&](const BallCandidate& other) {
-            return overlap(other.image, candidate.image);
+            return cannot_both_be(other.before.value_or(other.image),
+                                  candidate.before.value_or(candidate.image));
         });
         if (same == candidates.end())
             candidates.push_back(std::move(candidate));
@@ -131,7 +134,8 @@ std::vector<BallCandidate> twins_of(const FoundBall& ball, const std::vector<Bal
     std::vector<BallCandidate> candidates = circles_of_size(ball.image.radius_px, kTwinSize, photos, field);
     std::erase_if(candidates, [&](const BallCandidate& candidate) {
         return std::any_of(known.begin(), known.end(), [&](const BallImage& other) {
-            return is_of_size(other.radius_px, ball.image.radius_px) && overlap(other, candidate.image);
+            return is_of_size(other.radius_px, ball.image.radius_px) &&
+                   cannot_both_be(other, candidate.image);
         });
     });
     return candidates;
@@ -144,12 +148,21 @@ std::vector<BallCandidate> of_expected_size(double radius_px, const std::vector<
         return std::any_of(found.begin(), found.end(), [&](const FoundBall& other) {
             const dvec2 centre(photos.reduced(other.image.centre_px.x),
                                photos.reduced(other.image.centre_px.y));
-            return overlap(other.image, candidate.image) &&
+            return cannot_both_be(other.image, candidate.image) &&
                    kClearer * candidate.score <
                        outline_score(field, centre, other.image.radius_px / photos.reduction);
         });
     });
     return candidates;
+}
+
+std::optional<BallImage> before_of(const GivenBall& given, bool circle_seen,
+                                   const std::string& contradiction) {
+    const BallImage circle{.centre_px = given.centre_px, .radius_px = given.radius_px};
+    if (!contradiction.empty() || (given.is_box && circle_seen)) return std::nullopt;
+    BallImage before = with_click_errors(circle);
+    if (given.is_box) before.centre_sigma_px = before.radius_sigma_px = kBoxError * given.radius_px;
+    return before;
 }
 
 void require_in_picture(const GivenBall& given, int width, int height) {
@@ -172,8 +185,9 @@ std::optional<Circle> circle_near(const EdgeField& field, const GreyPhotos& phot
     search.centres = within(centre.x - loose * radius - 1, centre.y - loose * radius - 1,
                             centre.x + loose * radius + 2, centre.y + loose * radius + 2, field);
     const std::vector<Circle> circles = find_circles(field, search);
-    const bool near = !circles.empty() && circles.front().score >= kGivenOutline;
-    if (near && kClearer * circles.front().score >= 1) return in_full(circles.front(), photos);
+    const double here = circles.empty() ? 0 : circles.front().score;
+    const bool near = !circles.empty() && here >= kGivenOutline;
+    if (near && kClearer * here >= 1) return in_full(circles.front(), photos);
     CircleSearch wide = search;
     wide.smallest_px = std::max(4.0, 0.3 * radius);
     wide.largest_px = std::min(3 * radius, 0.6 * std::min(field.width(), field.height()));
@@ -181,9 +195,11 @@ std::optional<Circle> circle_near(const EdgeField& field, const GreyPhotos& phot
     wide.centres =
         within(centre.x - reach, centre.y - reach, centre.x + reach + 1, centre.y + reach + 1, field);
     for (const Circle& circle : find_circles(field, wide)) {
-        if (circle.score < std::max(kLeastOutline, kClearer * (near ? circles.front().score : 0))) break;
+        if (circle.score < std::max(here + kClearlyBetter, kClearer * here)) break;
         if (glm::length(circle.centre_px - centre) > 0.5 * circle.radius_px) continue;
         if (circle.radius_px >= search.smallest_px && circle.radius_px <= search.largest_px) continue;
+        // A mirror's horizon, and what lies before it, are rings inside its outline.
+        if (circle.radius_px < search.smallest_px && circle.radius_px > kHorizon * radius) continue;
         const Circle seen = in_full(circle, photos);
         contradiction = fmt::format(
             "--sphere {}: what shows there is the outline of a circle of {:.1f} pixels around ({:.1f}, "

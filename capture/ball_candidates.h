@@ -7,9 +7,9 @@ namespace tangi {
 
 struct BallCandidate {
     BallImage image;
+    std::optional<BallImage> before{};  // FoundBall's
     const GivenBall* given = nullptr;
-    double score = 0;  // [1] outline_score()
-    bool outline_seen = true;
+    double score = 0;             // [1] outline_score()
     std::string contradiction{};  // of what is given by what shows there
 };
 

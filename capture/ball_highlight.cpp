@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <limits>
 #include <numbers>
 
 #include "capture/highlight_clusters.h"
@@ -21,7 +22,10 @@ constexpr float kAbsent = 0.2f;     // of the median photograph's highlight
 constexpr float kFaintest = 0.05f;  // of the brightest one, where a ball shows the lamp in few photographs
 constexpr double kLargestRadius = 0.25;  // [1] of a highlight / radius of the ball
 constexpr double kRival = 0.15;  // a clipped spot of so much of the largest one's weight may be the lamp, too
-constexpr double kBrighter = 1.5;  // by which the lamp must be brighter than its rivals
+constexpr double kBrighter = 1.5;                      // by which the lamp must be brighter than its rivals
+constexpr float kGlows = 0.5f;                         // [1] what is brighter is no glow, but a spot
+constexpr double kGlowNoise = 0.002, kMostByGlow = 4;  // [1] stored; what is around may be mirrored
+constexpr double kFarLarger = 3;                       // [1] by area: whatever glow says, that is the lamp
 constexpr double kLargestShift =
     0.5;  // [1] of the spot's radius, by which a lobe's middle may differ from the spot's
 constexpr double kLargestResidual = 0.3;  // [1] of a lobe that is one
@@ -147,6 +151,30 @@ public:
         return lobe;
     }
 
+    // What is around a spot on the ball: light, cut off where it is clipped, within `near` pixels of its
+    // middle, as seen face on; and the mean [1] between `near` and `far`.
+    struct Around {
+        double cut_off = 0, glow = 0;
+    };
+    Around around(const Spot& spot, double near, double far) const {
+        const dvec2 middle = spot.middle - dvec2(crops_.region.x0, crops_.region.y0);
+        Around sum;
+        int count = 0;
+        for (int y = std::max(0, static_cast<int>(middle.y - far));
+             y <= std::min(light_.height() - 1.0, middle.y + far); ++y)
+            for (int x = std::max(0, static_cast<int>(middle.x - far));
+                 x <= std::min(light_.width() - 1.0, middle.x + far); ++x) {
+                const double distance = glm::length(dvec2(x, y) - middle);
+                if (outside_(x, y) > -1 || distance > far) continue;
+                if (distance <= near) sum.cut_off += std::min(light_(x, y), kClipped);
+                if (distance > near && light_(x, y) < kGlows) sum.glow += light_(x, y), ++count;
+            }
+        if (count > 0) sum.glow /= count;
+        if (const auto point = ball_point(ball_, camera_, crops_.to_common(photo_, spot.middle)))
+            sum.cut_off /= std::max(point->normal.z, 0.1);
+        return sum;
+    }
+
 private:
     const BallCrops& crops_;
     std::size_t photo_;
@@ -159,22 +187,43 @@ struct Chosen {
     Spot spot;
     std::optional<HighlightLobe> lobe;
     bool sure = true;
+    int weaker = 0;
 };
 
-// Of several clipped spots the one with the brightest middle, as its flanks tell; a reflection of something
-// bright is clipped, too, but hardly by much.
-Chosen chosen_of(const Photo& photo, std::vector<Spot> spots) {
+// How much brighter the first is than the second, as far as that is known. Lobes tell of their middles what
+// is cut off. Else a brighter one is cut off over more of its flanks, and has more of a glow around it.
+double brighter_by(const Photo& photo, const Chosen& first, const Chosen& second) {
+    if (first.lobe && second.lobe) return first.lobe->peak / second.lobe->peak;
+    const double radius = std::sqrt(std::max(first.spot.area, second.spot.area) / std::numbers::pi);
+    const double between = glm::length(first.spot.middle - second.spot.middle) / 2;
+    const double near = std::min(radius + 1.5, between), far = std::min(2.2 * radius + 3, between + 1);
+    const Photo::Around a = photo.around(first.spot, near, far), b = photo.around(second.spot, near, far);
+    const double glow =
+        std::clamp((a.glow + kGlowNoise) / (b.glow + kGlowNoise), 1 / kMostByGlow, kMostByGlow);
+    return a.cut_off / std::max(b.cut_off, 1e-9) * glow;
+}
+
+// Of several clipped spots the one with the brightest middle; a reflection of something bright is clipped,
+// too, but hardly by much.
+Chosen chosen_of(const Photo& photo, const std::vector<Spot>& spots) {
     std::vector<Chosen> rivals;
     for (const Spot& spot : spots)
         if (spot.weight > kRival * spots.front().weight && rivals.size() < 4)
             rivals.push_back({spot, photo.lobe_of(spot)});
-    if (rivals.size() == 1) return rivals.front();
-    const auto brightness = [](const Chosen& c) { return c.lobe ? c.lobe->peak : 1.0; };
-    std::stable_sort(rivals.begin(), rivals.end(),
-                     [&](const auto& a, const auto& b) { return brightness(a) > brightness(b); });
-    rivals[0].sure = brightness(rivals[0]) > kBrighter * brightness(rivals[1]) ||
-                     rivals[0].spot.weight > 3 * rivals[1].spot.weight;
-    return rivals.front();
+    // The one that beats all others by most.
+    std::vector<double> least(rivals.size(), std::numeric_limits<double>::infinity());
+    for (std::size_t i = 0; i < rivals.size(); ++i)
+        for (std::size_t k = 0; k < rivals.size(); ++k)
+            if (i != k) {
+                const bool far_larger = rivals[i].spot.weight > kFarLarger * rivals[k].spot.weight;
+                const double by = brighter_by(photo, rivals[i], rivals[k]);
+                least[i] = std::min(least[i], far_larger ? std::max(by, 2 * kBrighter) : by);
+            }
+    const auto best = static_cast<std::size_t>(std::max_element(least.begin(), least.end()) - least.begin());
+    Chosen chosen = rivals[best];
+    chosen.sure = least[best] > kBrighter;
+    chosen.weaker = chosen.sure ? static_cast<int>(rivals.size()) - 1 : 0;
+    return chosen;
 }
 
 Highlight measured(const Photo& photo, const BallCrops& crops, std::size_t number, const BallImage& ball,
@@ -200,6 +249,7 @@ Highlight measured(const Photo& photo, const BallCrops& crops, std::size_t numbe
     const Spot& spot = chosen.spot;
     const double radius = std::sqrt(spot.area / std::numbers::pi);
     highlight.area_px = spot.area;
+    highlight.weaker = chosen.weaker;
     highlight.place_px = chosen.lobe ? chosen.lobe->centre_px : crops.to_common(number, spot.middle);
     // Without a lobe, a tenth of the spot's radius for its shape, which a lamp need not have symmetric; more
     // where the top is cut off. With one, a thirtieth.

@@ -24,14 +24,17 @@ struct Highlight {
     double area_px = 0;
     float peak = 0;  // [1] as stored
     bool clipped = false;
+    int weaker = 0;  // other spots on the ball that may be lamps or reflectors, and are less bright
 };
 
 // Why a highlight is not used, for the user, in a few words.
 std::string reason_of(const Highlight& highlight);
 
 // One highlight for each photograph: the spot with the brightest pixel on the ball, of what does not stay
-// while the light moves; of clipped spots the largest. Its place is the centroid above half its brightness,
-// where it is clipped that of the clipped area with its soft border.
+// while the light moves; of clipped spots the one with the brightest lobe, or, where no lobe can be fitted,
+// with the brightest glow around it: what lens and sensor scatter, and the mirror's own haze, grow with the
+// light. Its place is the centroid above half its brightness, where it is clipped that of the clipped area
+// with its soft border.
 std::vector<Highlight> find_highlights(const BallCrops& crops, const BallImage& ball,
                                        const BallCamera& camera);
 

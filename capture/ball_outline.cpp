@@ -9,7 +9,7 @@
 #include <glm/vec4.hpp>
 #include <numbers>
 
-#include "surface/parallel.h"
+#include "capture/outline_profiles.h"
 
 namespace tangi {
 
@@ -18,11 +18,8 @@ using glm::dvec3;
 
 namespace {
 
-constexpr double kSample = 0.25;     // [pixels] between samples of a profile
-constexpr double kBounded = 0.15;    // [1 per pixel] slope of the logarithm that one photograph may count for
-constexpr double kClearEdge = 0.06;  // [1 per pixel] mean of those that counts fully
-constexpr double kOutside = 0.8;     // how much an edge beyond the outline counts against it
-constexpr double kNear = 1.25;       // [pixels] from the expected outline, within which its edge is sought
+constexpr double kSample = EdgeProfile::kSample;
+constexpr double kNear = 1.25;          // [pixels] from the expected outline, within which its edge is sought
 constexpr double kFaintestEdge = 0.25;  // [1] of the strong edges; fainter ones are left out
 constexpr double kLeastCoverage = 0.2;
 constexpr double kCentreSystematic = 0.1, kRadiusSystematic = 0.4;  // [pixels] of a limb that fades
@@ -35,83 +32,10 @@ struct OutlineEdge {
     double strength = 0;  // [1 per pixel] of the contrast along the profile, mean of all photographs
 };
 
-// Edges along the radius at one angle, mean over the photographs, kSample apart, the middle one at `middle`;
-// empty where it leaves the picture.
-struct EdgeProfile {
-    dvec2 middle, outwards;
-    std::vector<double> clear;  // [0..1] of the logarithm, bounded: whether there is an edge, however strong
-    std::vector<double>
-        slope;  // [1 per pixel] relative to the contrast nearby: where it is, unbiased by the logarithm
-
-    double at(double offset) const {
-        const double place = offset / kSample + static_cast<double>(clear.size() / 2);
-        if (place < 0 || place >= static_cast<double>(clear.size()) - 1) return 0;
-        const auto k = static_cast<std::size_t>(place);
-        return clear[k] + (place - static_cast<double>(k)) * (clear[k + 1] - clear[k]);
-    }
-};
-
-EdgeProfile profile_along(const BallCrops& crops, const dvec2& middle, const dvec2& outwards, double reach) {
-    EdgeProfile profile{middle, outwards, {}, {}};
-    if (!crops.holds(middle + reach * outwards) || !crops.holds(middle - reach * outwards)) return profile;
-    const int half = static_cast<int>(std::ceil(reach / kSample));
-    constexpr std::size_t ends = 10;  // samples on which the contrast nearby rests
-    std::vector<double> values(2 * (static_cast<std::size_t>(half) + ends) + 1);
-    profile.slope.resize(static_cast<std::size_t>(2 * half + 1));
-    profile.clear.resize(profile.slope.size());
-    const double share = 1 / static_cast<double>(crops.photos.size());
-    for (std::size_t photo = 0; photo < crops.photos.size(); ++photo) {
-        for (std::size_t k = 0; k < values.size(); ++k) {
-            const double offset = (static_cast<double>(k) - half - static_cast<double>(ends)) * kSample;
-            values[k] = crops.value(photo, crops.to_photo(photo, middle + offset * outwards));
-        }
-        for (std::size_t k = 0; k < profile.slope.size(); ++k) {
-            const auto here = values.begin() + static_cast<std::ptrdiff_t>(k + ends);
-            const auto [low, high] = std::minmax_element(here - ends, here + ends + 1);
-            const double inner = (here[-2] + here[-3]) / 2, outer = (here[2] + here[3]) / 2;
-            profile.slope[k] += share * std::abs(outer - inner) /
-                                (5 * kSample * (*high - *low + 3.0 * crops.step + 0.02 * *high));
-            const double floor = 2.0 * crops.step + 0.001;
-            const double logarithm = std::abs(std::log((outer + floor) / (inner + floor))) / (5 * kSample);
-            profile.clear[k] += share * std::min(logarithm, kBounded);
-        }
-    }
-    for (double& value : profile.clear) value = std::min(value / kClearEdge, 1.0);
-    return profile;
-}
-
-std::vector<EdgeProfile> profiles_around(const BallCrops& crops, const BallImage& ball,
-                                         const BallCamera& camera, double reach) {
-    const int angles = std::clamp(static_cast<int>(2 * std::numbers::pi * ball.radius_px), 72, 360);
-    std::vector<EdgeProfile> profiles(static_cast<std::size_t>(angles));
-    parallel_for(0, angles, 8, [&](int begin, int end) {
-        for (int i = begin; i < end; ++i) {
-            const double angle = 2 * std::numbers::pi * (i + 0.5) / angles;
-            profiles[static_cast<std::size_t>(i)] = profile_along(crops, outline_point(ball, camera, angle),
-                                                                  {std::cos(angle), -std::sin(angle)}, reach);
-        }
-    });
-    std::erase_if(profiles, [](const EdgeProfile& profile) { return profile.slope.empty(); });
-    return profiles;
-}
-
-// How well the outline moved by `step` (centre, radius) agrees with the profiles; edges outside count against
-// it.
-double agreement(const std::vector<EdgeProfile>& profiles, const dvec3& step) {
-    double sum = 0;
-    for (const EdgeProfile& profile : profiles) {
-        const double offset = glm::dot(dvec3(profile.outwards, 1), step);
-        double outside = 0;
-        for (const double beyond : {2.0, 3.0, 4.0}) outside += profile.at(offset + beyond) / 3;
-        sum += profile.at(offset) - kOutside * outside;
-    }
-    return sum;
-}
-
 // The step of at most `reach` in each coordinate that agrees best: from a coarse grid to a fine one.
 dvec3 best_step(const std::vector<EdgeProfile>& profiles, double reach) {
     dvec3 best(0);
-    double most = agreement(profiles, best);
+    double most = contrast_of(profiles, best).agreement();
     for (double grid = std::max(0.5, reach / 4); grid > 0.1; grid /= 2) {
         const int half = grid >= reach / 4 ? static_cast<int>(reach / grid) : 2;
         const dvec3 middle = best;
@@ -119,7 +43,7 @@ dvec3 best_step(const std::vector<EdgeProfile>& profiles, double reach) {
             for (int j = -half; j <= half; ++j)
                 for (int k = -half; k <= half; ++k) {
                     const dvec3 step = middle + grid * dvec3(i, j, k);
-                    const double value = agreement(profiles, step);
+                    const double value = contrast_of(profiles, step).agreement();
                     if (value > most) {
                         most = value;
                         best = step;

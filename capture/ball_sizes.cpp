@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <glm/geometric.hpp>
 
 #include "surface/error.h"
 
@@ -11,13 +12,22 @@ namespace {
 
 constexpr double kGross = 1.3;  // a ratio of radii beyond which they are not those of the same balls
 
-// [1] How much speaks for a ball.
+constexpr double kForeshortened = 0.7;  // [1] cosine of 45 degrees
+
+}  // namespace
+
 double weight_of(const FoundBall& ball) {
     return ball.outline_coverage * ball.highlights_found() /
            std::max(static_cast<double>(ball.highlights.size()), 1.0);
 }
 
-}  // namespace
+bool is_twin_size(double radius_px, double other_px) {
+    return radius_px < kTwinSize * other_px && other_px < kTwinSize * radius_px;
+}
+
+bool cannot_both_be(const BallImage& a, const BallImage& b) {
+    return glm::length(a.centre_px - b.centre_px) < kForeshortened * (a.radius_px + b.radius_px);
+}
 
 bool is_of_size(double radius_px, double expected_px) {
     return radius_px < kGross * expected_px && expected_px < kGross * radius_px;

@@ -11,6 +11,20 @@ namespace tangi {
 // Whether two radii differ by less than lengths that were measured, or outlines, may be off: a factor of 1.3.
 bool is_of_size(double radius_px, double expected_px);
 
+// [1] Ratio of radii up to which balls count as equally large.
+constexpr double kTwinSize = 1.13;
+
+// Whether two outlines that were measured may be of balls of one size, in one plane.
+bool is_twin_size(double radius_px, double other_px);
+
+// Balls are solid: two on one plane are seen at least their radii apart, less what a camera that looks at
+// the plane aslant foreshortens. 0.7 of that is a view from 45 degrees.
+bool cannot_both_be(const BallImage& a, const BallImage& b);
+
+// [1] How much speaks for a ball: part of its outline that shows, times part of the photographs in which it
+// shows the lamp.
+double weight_of(const FoundBall& ball);
+
 // [px] Radius that balls must be seen with as the user's numbers say: focal length · radius / depth, or
 // radius / (size of a pixel on the painting). Nothing where these are not all given. Photographs are
 // width x height pixels.

@@ -4,6 +4,7 @@
 #include <array>
 #include <glm/mat3x3.hpp>
 #include <glm/matrix.hpp>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -28,6 +29,10 @@ struct CaptureColour {
     std::vector<std::string> developed_with{};
     double delta_e_2000 = -1;  // [1] mean over patches, each by the matrix without it; negative: not known
     double misfit = 0;         // [1] mean CIEDE2000 of the patches by the matrix
+
+    // Of photographs in which it was read, by name: ln of red and of blue against green, beside the white
+    // balance of to_camera (white_balances.h).
+    std::map<std::string, glm::dvec2> log_gains{};
 
     // Where the chart lies in the photographs (chart coordinates, colour_chart.h), and what its patches are.
     struct Chart {

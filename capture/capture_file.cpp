@@ -104,6 +104,10 @@ CaptureColour colour_of(const JsonField& colour, const std::string& file) {
         }
         if (known) result.chart = chart;
     }
+    if (colour.has("white_balances"))
+        for (const JsonField& photo : colour["white_balances"].list())
+            result.log_gains[photo["photograph"].text()] = {std::log(photo["red"].number(1e-3, 1e3)),
+                                                            std::log(photo["blue"].number(1e-3, 1e3))};
     const JsonField errors = correction["delta_e_2000"], left_out = errors["left_out"];
     if (errors.has("after")) result.misfit = errors["after"]["mean"].number(0, 1e3);
     if (!left_out.is_null()) result.delta_e_2000 = left_out["mean"].number(0, 1e3);

@@ -231,46 +231,54 @@ ColourErrors left_out_errors(std::span<const ChartReading> photos, const ChartRe
     return errors;
 }
 
-void warn_of_outliers(ColourCorrection& c, std::span<const ChartReading> photos) {
-    for (std::size_t p = 0; p < photos.size(); ++p) {
-        const std::string name =
-            photos[p].photo.empty() ? fmt::format("photograph {}", p + 1) : photos[p].photo;
-        if (!c.lights.lights[p].known) {
-            c.warnings.push_back(
-                c.lights.lights[p].dark
-                    ? fmt::format("{}: the chart is black in it; did its lamp fail? Left out", name)
-                    : fmt::format("{}: only {} patches of the chart can be used; left out", name,
-                                  photos[p].good()));
-            continue;
-        }
-        std::string numbers;
-        for (std::size_t i = 0; i < kChartPatches; ++i)
-            if (c.lights.outliers[p][i]) numbers += fmt::format("{}{}", numbers.empty() ? "" : ", ", i + 1);
-        if (!numbers.empty())
-            c.warnings.push_back(
-                fmt::format("{}: the chart's patch {} does not fit the others: a shadow or a "
-                            "highlight; left out",
-                            name, numbers));
+// Of patches that the camera reads so in even light.
+ColourCorrection::OfPhoto errors_after(const Solution& s, const ChartLights& lights,
+                                       const ChartReference& reference, const Used& used) {
+    ColourCorrection::OfPhoto errors{.after = errors_of(s, lights, reference, used), .after_flat = {}};
+    for (std::size_t i = 0; i < kChartPatches; ++i) {
+        errors.after_flat.patches[i] = -1;
+        if (!used[i]) continue;
+        const Lab made = lab_from_linear(s.apply(lights.even[i])), aim = reference_lab(reference, i);
+        dvec3 parts = delta_e_2000_parts(made, aim);
+        parts.x = made.l - aim.l;
+        errors.after_flat.patches[i] = glm::length(parts);
+        parts.x = 0;
+        if (i >= kFirstNeutral && i < kChartPatches - 1)
+            errors.neutral_error = std::max(errors.neutral_error, glm::length(parts));
     }
+    summarise(errors.after_flat);
+    return errors;
+}
+
+// Each photograph's own readings, in even light.
+std::vector<ColourCorrection::OfPhoto> errors_of_photos(const Solution& s, const ChartLights& lights,
+                                                        std::span<const ChartReading> photos,
+                                                        const ChartReference& reference, const Used& used) {
+    std::vector<ColourCorrection::OfPhoto> all;
+    for (std::size_t p = 0; p < std::min(photos.size(), lights.lights.size()); ++p) {
+        Used here{};
+        ChartLights one = lights;
+        for (std::size_t i = 0; i < kChartPatches; ++i) {
+            here[i] = used[i] && lights.lights[p].known && !lights.outliers[p][i] &&
+                      photos[p].patches[i].state == PatchState::good;
+            if (here[i])
+                one.even[i] =
+                    dvec3(photos[p].patches[i].mean) / std::exp(lights.lights[p].log_at(static_cast<int>(i)));
+        }
+        all.push_back(errors_after(s, one, reference, here));
+    }
+    return all;
 }
 
 void finish(ColourCorrection& c, const Solution& s, const Solution& balanced, const ChartReference& reference,
-            const Used& used) {
+            const Used& used, std::span<const ChartReading> photos) {
     c.before =
         errors_of(solved(balanced, Free::exposure, c.lights, reference, used), c.lights, reference, used);
-    c.after = errors_of(s, c.lights, reference, used);
-    for (std::size_t i = 0; i < kChartPatches; ++i) {
-        c.after_flat.patches[i] = -1;
-        if (!used[i]) continue;
-        const Lab made = lab_from_linear(s.apply(c.lights.even[i])), aim = reference_lab(reference, i);
-        dvec3 parts = delta_e_2000_parts(made, aim);
-        parts.x = made.l - aim.l;
-        c.after_flat.patches[i] = glm::length(parts);
-        parts.x = 0;
-        if (i >= kFirstNeutral && i < kChartPatches - 1)
-            c.neutral_error = std::max(c.neutral_error, glm::length(parts));
-    }
-    summarise(c.after_flat);
+    const ColourCorrection::OfPhoto all = errors_after(s, c.lights, reference, used);
+    c.after = all.after;
+    c.after_flat = all.after_flat;
+    c.neutral_error = all.neutral_error;
+    c.of_photos = errors_of_photos(s, c.lights, photos, reference, used);
     const dvec3 white = s.matrix * dvec3(1);
     const double luminance = 0.2126 * white.r + 0.7152 * white.g + 0.0722 * white.b;
     c.white_balance = Rgb(s.white_balance);
@@ -304,7 +312,7 @@ ColourCorrection white_balance_only(std::span<const ChartReading> photos, const 
         fmt::format("{} patches of the colour chart can be used, or their colours are too much alike: "
                     "9 different ones are needed for a matrix, so only white balance was solved",
                     c.patches_used));
-    finish(c, solved(balanced, Free::exposure, lights, reference, used), balanced, reference, used);
+    finish(c, solved(balanced, Free::exposure, lights, reference, used), balanced, reference, used, photos);
     return c;
 }
 
@@ -370,7 +378,7 @@ ColourCorrection correct_colours(std::span<const ChartReading> photos, const Cha
         c.warnings.push_back(fmt::format(
             "greys are not kept exactly grey: that would cost {:.2f} in mean CIEDE2000", c.neutral_gain));
     }
-    finish(c, s, balanced, reference, used);
+    finish(c, s, balanced, reference, used, photos);
     return c;
 }
 

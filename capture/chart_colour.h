@@ -47,6 +47,15 @@ struct ColourCorrection {
     ColourErrors left_out;  // each patch by the correction solved without it: what to expect of other colours
     double neutral_error = 0;  // largest CIEDE2000 without lightness of patches 19 to 23, after
     double neutral_gain = 0;   // mean CIEDE2000 by which a free matrix would be better
+    // Of each photograph by itself, what is off in it after correction: a mean over photographs of which one
+    // half is too red and the other too blue is grey. In their order; empty patches where its light is not
+    // known.
+    struct OfPhoto {
+        ColourErrors after, after_flat;
+        double neutral_error = 0;
+    };
+    std::vector<OfPhoto> of_photos{};
+    std::optional<std::size_t> worst_photo() const;  // by the mean; nothing where none is known
     int patches_used = 0;
     int light_degree = 1;
     double exposure = 1;  // the chart's reflectance = exposure * apply(lights.even)
@@ -68,6 +77,10 @@ Image<Rgb> corrected(const Image<Rgb>& camera, const ColourCorrection& correctio
 // Throws Error where not even that can be: no photograph, no good patch.
 ColourCorrection correct_colours(std::span<const ChartReading> photos, const ChartReference& reference,
                                  const ColourOptions& options = {});
+
+// Adds, for each photograph, that its chart is black or cannot be read, or which patches do not fit the
+// others.
+void warn_of_outliers(ColourCorrection& correction, std::span<const ChartReading> photos);
 
 // For capture.json: see docs/capture.md.
 nlohmann::json to_json(const ColourCorrection& correction, const ChartReference& reference);

@@ -41,6 +41,8 @@ json to_json(const ColourCorrection& c, const ChartReference& reference) {
              {"before", or_null(c.before.patches[i])},
              {"after", or_null(c.after.patches[i])},
              {"left_out", or_null(c.left_out.patches[i])}});
+    json photos = json::array();
+    for (const ColourCorrection::OfPhoto& photo : c.of_photos) photos.push_back(summary_of(photo.after));
     return {{"reference", c.reference},
             {"white_balance", {c.white_balance.r, c.white_balance.g, c.white_balance.b}},
             {"matrix", to_json(c.matrix)},
@@ -53,6 +55,7 @@ json to_json(const ColourCorrection& c, const ChartReference& reference) {
               {"neutral", c.neutral_error},
               {"neutral_gain", c.neutral_gain}}},
             {"light", {{"degree", c.light_degree}, {"residual", c.lights.residual}}},
+            {"of_photographs", std::move(photos)},
             {"patches_used", c.patches_used},
             {"patches", std::move(patches)},
             {"warnings", c.warnings}};

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 
 #include "capture/transfer_metadata.h"
 #include "surface/error.h"
@@ -28,7 +29,27 @@ std::vector<std::size_t> spread(std::size_t count, int most) {
 struct Attempt {
     Transfer transfer;
     std::vector<ChartReading> readings;
+    WhiteBalances white_balances{};
 };
+
+// The white balance of each photograph beside the others, by the chart's patches; undone in the readings.
+WhiteBalances balance(std::vector<ChartReading>& readings) {
+    ColourSamples samples{readings.size(), {}, {}};
+    for (std::size_t i = 0; i < kChartPatches; ++i) {
+        samples.part.push_back(static_cast<int>(i % 4));
+        for (const ChartReading& reading : readings)
+            samples.values.push_back(reading.patches[i].state == PatchState::good
+                                         ? reading.patches[i].mean
+                                         : Rgb(std::numeric_limits<float>::quiet_NaN()));
+    }
+    WhiteBalances balances = white_balances(samples);
+    for (std::size_t p = 0; p < readings.size(); ++p)
+        for (PatchReading& patch : readings[p].patches) {
+            patch.mean /= balances.gain(p);
+            patch.sigma /= balances.gain(p);
+        }
+    return balances;
+}
 
 }  // namespace
 
@@ -77,7 +98,8 @@ std::optional<ColourCalibration> calibrate_colours(const PhotoSet& photos,
                static_cast<double>(result.photos.size()) / static_cast<double>(chosen.size() + 1));
     }
     const Attempt* best = nullptr;
-    for (const Attempt& attempt : attempts) {
+    for (Attempt& attempt : attempts) {
+        attempt.white_balances = balance(attempt.readings);
         ColourCorrection correction = correct_colours(attempt.readings, result.reference);
         const double now = correction.after.mean, before = result.correction.after.mean;
         if (best && !stated.empty()) {
@@ -108,6 +130,12 @@ std::optional<ColourCalibration> calibrate_colours(const PhotoSet& photos,
         result.warnings.push_back(fmt::format("{}: {}", result.found_in, note));
     for (const ChartReading& reading : best->readings) add(reading.warnings);
     add(result.correction.warnings);
+    result.white_balances = best->white_balances;
+    if (std::string warning =
+            warning_of(result.white_balances, result.photos, photos.folder().string(),
+                       "what is said of the chart is with this undone, and the fit undoes it");
+        !warning.empty())
+        result.warnings.push_back(std::move(warning));
     if (result.scale) add(result.scale->warnings);
     report(progress, "chart", 1);
     return result;
@@ -120,6 +148,7 @@ nlohmann::json to_json(const ColourCalibration& c) {
             {"transfer", {{"name", c.transfer.name()}, {"source", c.transfer_source}}},
             {"correction", to_json(c.correction, c.reference)},
             {"tolerances", to_json(c.tolerances)},
+            {"white_balances", to_json(c.white_balances, c.photos, true)},
             {"scale", c.scale ? to_json(*c.scale) : nlohmann::json(nullptr)},
             {"warnings", c.warnings}};
 }
@@ -159,7 +188,16 @@ std::string colour_section(const ColourCalibration& c) {
     }
     html +=
         "</svg><figcaption>Each patch as it should be; inside, as photographed and "
-        "corrected.</figcaption></figure>"
+        "corrected.";
+    if (const auto worst = correction.worst_photo())
+        html += fmt::format(" Of the photographs by themselves, {} is the worst: mean ΔE2000 {:.2f}.",
+                            escaped(c.photos[*worst]), correction.of_photos[*worst].after.mean);
+    if (const int differing = c.white_balances.differing(); differing > 0)
+        html += fmt::format(
+            " The white balance of {} of them differs from that of the others, and is undone here.",
+            differing);
+    html +=
+        "</figcaption></figure>"
         "<div class=\"card wide\"><table><tr><th>guideline</th><th>level</th><th>to the next</th></tr>";
     for (const ToleranceResult& t : c.tolerances) {
         std::string missed;

@@ -10,6 +10,7 @@
 #include "capture/chart_colour.h"
 #include "capture/colour_tolerance.h"
 #include "capture/photo_set.h"
+#include "capture/white_balances.h"
 #include "surface/colour.h"
 #include "surface/progress.h"
 
@@ -31,7 +32,8 @@ struct ColourCalibration {
     Transfer transfer;
     std::string transfer_source;  // "given", "chart"
     ChartReference reference;
-    ColourCorrection correction;
+    ColourCorrection correction;   // of photographs whose white balance is undone where it differs
+    WhiteBalances white_balances;  // of `photos`
     std::vector<ToleranceResult> tolerances;
     std::optional<Scale> scale{};  // at the chart, where the pitch is known
     std::vector<std::string> warnings;

@@ -54,12 +54,22 @@ const std::vector<Standard>& standards() {
 
 std::vector<ToleranceCheck> checks_of(const Standard& standard, const Level& level,
                                       const ColourCorrection& c) {
-    const ColourErrors& errors = standard.flat_lightness ? c.after_flat : c.after;
+    // The worst of the photographs, each by itself: on average over them, casts of opposite colours vanish.
+    ColourErrors errors = standard.flat_lightness ? c.after_flat : c.after;
+    double neutral = c.neutral_error;
+    for (const ColourCorrection::OfPhoto& photo : c.of_photos) {
+        const ColourErrors& here = standard.flat_lightness ? photo.after_flat : photo.after;
+        if (!(here.mean >= 0)) continue;  // its light is not known
+        errors.mean = std::max(errors.mean, here.mean);
+        errors.maximum = std::max(errors.maximum, here.maximum);
+        errors.percentile_90 = std::max(errors.percentile_90, here.percentile_90);
+        neutral = std::max(neutral, photo.neutral_error);
+    }
     std::vector<ToleranceCheck> checks;
     const auto add = [&](const char* quantity, double limit, double value) {
         if (limit != kNone) checks.push_back({quantity, limit, value, standard.inclusive});
     };
-    add("neutral", level.neutral, c.neutral_error);
+    add("neutral", level.neutral, neutral);
     add("mean", level.mean, errors.mean);
     add("maximum", level.maximum, errors.maximum);
     add("90th percentile", level.percentile_90, errors.percentile_90);

@@ -159,6 +159,7 @@ MattBall find_matt_ball(const PhotoSet& set, const GreyPhotos& photos, const Cam
     report(progress, "find balls", 0);
     const EdgeField field = edge_field(photos.mean, photos.step);
     std::vector<Circle> circles;
+    std::optional<BallImage> before;
     MattBall best;
     if (given.empty()) {
         circles = candidates(field, photos);
@@ -167,11 +168,7 @@ MattBall find_matt_ball(const PhotoSet& set, const GreyPhotos& photos, const Cam
         std::string contradiction;
         const auto circle = circle_near(field, photos, given[0], contradiction);
         if (!contradiction.empty()) best.poor.push_back(contradiction);
-        if (!circle)
-            best.warnings.push_back(
-                fmt::format("--sphere {}: the ball's outline does not show in the photographs; it is "
-                            "taken as given, to 2 % of its radius",
-                            given[0].text));
+        before = before_of(given[0], circle.has_value(), contradiction);
         circles = {circle.value_or(Circle{given[0].centre_px, given[0].radius_px, 0})};
     }
     report(progress, "find balls", 1);
@@ -186,22 +183,16 @@ MattBall find_matt_ball(const PhotoSet& set, const GreyPhotos& photos, const Cam
     for (std::size_t i = 0; i < circles.size(); ++i) {
         FoundBall ball{.image = images[i],
                        .circle = images[i],
+                       .before = before,
                        .name = {},
                        .given = !given.empty(),
                        .crops = std::move(crops[i])};
-        if (const auto outline =
-                circles[i].score > 0 ? refine_outline(ball.crops, images[i], camera) : std::nullopt) {
-            ball.image = outline->ball;
-            ball.outline_coverage = outline->coverage;
-            ball.outline_residual_px = outline->residual_px;
-            ball.elongation = outline->elongation;
-        } else if (given.empty()) {
-            continue;
-        }
+        std::vector<std::string> notes = best.warnings;
+        if (!find_outline(ball, camera, given.empty() ? "" : given[0].text, notes) && given.empty()) continue;
         MattBall candidate{.ball = std::move(ball),
                            .transfer = {},
                            .photos = {},
-                           .warnings = best.warnings,
+                           .warnings = std::move(notes),
                            .poor = best.poor};
         Quality quality;
         for (const Transfer& curve : curves) {

@@ -24,8 +24,9 @@ struct GivenBall {
 
 struct FoundBall {
     BallImage image;
-    BallImage circle{};  // from which its outline was sought
-    std::string name;    // "ball 1 at (629, 64)", for messages
+    BallImage circle{};                 // from which its outline was sought
+    std::optional<BallImage> before{};  // the circle that the user gave, with its standard errors
+    std::string name;                   // "ball 1 at (629, 64)", for messages
     bool given = false;
     double outline_coverage = 0;  // [1] part of the outline that was measured; 0: taken as given
     double outline_residual_px = 0;
@@ -34,6 +35,7 @@ struct FoundBall {
     BallCrops crops;
 
     int highlights_found() const;
+    int highlights_in(HighlightState state) const;
 };
 
 // No ball was found where none was said to be.
@@ -60,11 +62,22 @@ BallSearch find_mirror_balls(const PhotoSet& set, const GreyPhotos& photos, cons
 // Outline and highlights once more, for a camera that is known by now.
 void measure_again(FoundBall& ball, const BallCamera& camera);
 
+// Seeks the outline from ball.circle; where a circle was given, it is weighed with what is found
+// (given_outline.h). False where none was given and none is found: the ball is left as it is. What the user
+// is to know of a given circle is added to `warnings`.
+bool find_outline(FoundBall& ball, const BallCamera& camera, const std::string& given_text,
+                  std::vector<std::string>& warnings);
+
 // The circle near a given ball or box that has edges along it, in the pixels of the whole photographs;
 // nothing where none has. Where a circle of quite another size around the same place has far clearer edges,
 // that one, and `contradiction` says so to the user.
 std::optional<Circle> circle_near(const EdgeField& field, const GreyPhotos& photos, const GivenBall& given,
                                   std::string& contradiction);
+
+// What a given circle or box says of the ball before its outline is looked at, with standard errors; nothing
+// where a circle that shows says otherwise, or says more than a box does.
+std::optional<BallImage> before_of(const GivenBall& given, bool circle_seen,
+                                   const std::string& contradiction);
 
 // Throws Error where a given ball does not lie in the photographs.
 void require_in_picture(const GivenBall& given, int width, int height);

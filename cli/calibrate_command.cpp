@@ -62,13 +62,16 @@ nlohmann::json result_of(const BallCalibration& c, const CalibrationFiles& files
 nlohmann::json summary_of(const ColourCalibration& c) {
     nlohmann::json levels = nlohmann::json::object();
     for (const ToleranceResult& t : c.tolerances) levels[t.standard] = t.level.empty() ? "none" : t.level;
+    const auto worst = c.correction.worst_photo();
     return {{"chart_in", c.found_in},
             {"transfer", c.transfer.name()},
             {"delta_e_2000",
              {{"white_balance", finite(c.correction.before.mean)},
               {"corrected", finite(c.correction.after.mean)},
               {"corrected_maximum", finite(c.correction.after.maximum)},
+              {"worst_photograph", worst ? finite(c.correction.of_photos[*worst].after.mean) : nullptr},
               {"left_out", finite(c.correction.left_out.mean)}}},
+            {"white_balances", to_json(c.white_balances, c.photos)},
             {"levels", levels}};
 }
 

@@ -152,6 +152,7 @@ nlohmann::json result_of(const FitResult& fit, const std::vector<LeftOut>& left_
         {"lights", to_json(r.lights)},
         {"light_signs", to_json(r.signs, r.shadow_signs)},
         {"light_outliers", to_json(r.odd_lights, r.photo_names)},
+        {"white_balances", to_json(r.white_balances, r.photo_names)},
         {"law", to_json(r.law)},
         {"coloured_pixels", r.coloured},
         {"drawn_out_pixels", r.drawn_out},

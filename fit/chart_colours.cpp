@@ -78,6 +78,12 @@ Lighting as_camera_sees(Lighting lighting, const Stack& stack) {
     return lighting;
 }
 
+Rgb light_of_gain(const Rgb& gain, const Stack& stack) {
+    if (!stack.colour) return gain;
+    return glm::max(Rgb(glm::inverse(stack.colour->to_camera) * (stack.colour->lamp() * glm::dvec3(gain))),
+                    Rgb(1e-3f));
+}
+
 std::optional<double> white_level_by_chart(const Stack& stack, const Transfer& transfer,
                                            const Lighting& lighting, double mm_per_pixel) {
     if (!stack.colour || !stack.colour->chart) return {};
@@ -104,6 +110,8 @@ std::optional<double> white_level_by_chart(const Stack& stack, const Transfer& t
         const std::size_t before = levels.size();
         for (int i = 0; i < band.photos(); ++i) {
             glm::dvec3 sum(0);
+            const Rgb& gain =
+                lighting.lights[static_cast<std::size_t>(i)].gain;  // of another white balance, too
             double light = 0;
             for (int k = 0; k < kGrid * kGrid; ++k) {
                 const glm::dvec2 place = place_in_picture(stack, chart, n, k);
@@ -111,7 +119,7 @@ std::optional<double> white_level_by_chart(const Stack& stack, const Transfer& t
                 const int y = static_cast<int>(std::lround(place.y)) - part.crop.y0;
                 for (int c = 0; c < 3; ++c) {
                     const float value = band.row(i, c, y)[x];
-                    sum[c] += value < clipped ? static_cast<double>(value) : NAN;
+                    sum[c] += value < clipped ? static_cast<double>(value * gain.g / gain[c]) : NAN;
                 }
                 const glm::dvec2 mm = (place - centre) * glm::dvec2(mm_per_pixel, -mm_per_pixel);
                 const Incidence in =

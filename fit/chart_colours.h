@@ -35,6 +35,10 @@ std::optional<double> white_level_by_chart(const Stack& stack, const Transfer& t
 // The lamps as the camera sees them; as they are where there is no chart.
 Lighting as_camera_sees(Lighting lighting, const Stack& stack);
 
+// What a light is in linear Rec. 709 that gives the camera's channels these gains; the same where there is no
+// chart.
+Rgb light_of_gain(const Rgb& gain, const Stack& stack);
+
 // Makes the surface's rho_d linear Rec. 709, clamped at 0, and stores the way back. Patches of the chart that
 // are in the picture are compared with what they should be.
 ColourReport correct_colours(const Stack& stack, Surface& surface);

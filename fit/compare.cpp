@@ -6,6 +6,7 @@
 
 #include "capture/left_out.h"
 #include "fit/colour_rows.h"
+#include "fit/compared_whites.h"
 #include "fit/photos_ahead.h"
 #include "surface/error.h"
 #include "surface/median.h"
@@ -236,7 +237,7 @@ CompareReport compare(const Surface& surface, const Stack& photos, const Compare
     const bool as_fitted =
         options.cast_shadows && report_.options.light_radius_deg == residual.light_radius_deg;
     const float unit = unit_of(surface.photography, report_.transfer);
-    const glm::mat3 exposure = unit * exposure_of(surface.photography),
+    const glm::mat3 exposed = unit * exposure_of(surface.photography),
                     from(from_camera(surface.photography));
     // Used for one photograph after the other.
     Image<Rgb> relit(surface.width(), surface.height()), linear, faithful;
@@ -257,9 +258,20 @@ CompareReport compare(const Surface& surface, const Stack& photos, const Compare
         }
         const PixelMask fewer = photo->missing.empty() ? PixelMask() : without_missing(mask, photo->missing);
         const PixelMask& present = fewer.empty() ? mask : fewer;
-        if (residual.empty()) {
-            relight_stored(relighter, result.light, report_.transfer, exposure, relit);
-        } else {
+        if (residual.empty() || !result.fitted)
+            relight_stored(relighter, result.light, report_.transfer, exposed, relit);
+        glm::mat3 exposure = exposed;
+        if (!result.fitted && photos.channels == 3) {
+            const WhiteBalance white =
+                white_balance_of(photo->picture, relit, present, report_.transfer, photos.bits != 32);
+            if (white.differs) {
+                const Rgb gain = white.gain();
+                result.white_balance = glm::dvec2(gain.r, gain.b);
+                exposure = glm::mat3(gain.r, 0, 0, 0, gain.g, 0, 0, 0, gain.b) * exposed;
+                relight_stored(relighter, result.light, report_.transfer, exposure, relit);
+            }
+        }
+        if (!residual.empty()) {
             linear = relight(surface, {&result.light, 1}, relighting);
             encode_picture(linear, report_.transfer, exposure, relit);
             if (!as_fitted) linear = relight(surface, {&result.light, 1}, residuals_own);
@@ -274,6 +286,8 @@ CompareReport compare(const Surface& surface, const Stack& photos, const Compare
         report_.photos.push_back(std::move(result));
     }
     summarise(photos, unknown, report_);
+    if (std::string told = other_white_balances(report_, photos.folder.string()); !told.empty())
+        report_.warnings.push_back(std::move(told));
     report(progress, "compare", 1);
     return report_;
 }
@@ -292,6 +306,7 @@ json to_json(const CompareReport& report) {
                           {"delta_e_2000", p.delta_e_2000},
                           {"delta_e_2000_p95", p.delta_e_2000_p95},
                           {"bias", p.bias}});
+        if (p.white_balance) photos.back()["white_balance"] = {p.white_balance->x, p.white_balance->y};
         if (p.faithful_psnr_db) photos.back()["faithful_psnr_db"] = *p.faithful_psnr_db;
     }
     const auto mean = [](const ComparisonMean& m) {

@@ -61,6 +61,9 @@ struct PhotoComparison {
     double delta_e_2000 = 0;                   // [1] mean over the pixels
     double delta_e_2000_p95 = 0;               // [1] 95 % of the pixels differ by no more
     std::optional<double> correlation{};       // [1] luma_correlation()
+    // Red and blue of its white balance against the painting's, where it differs and was not fitted: the
+    // relit picture has it, too.
+    std::optional<glm::dvec2> white_balance{};
     double bias = 0;  // [1] mean of relit - photograph, as stored: > 0 where the relit picture is too bright
 };
 
@@ -97,12 +100,13 @@ using ComparisonSink = std::function<void(const ComparedPictures&)>;
 
 // Relights the surface at the light of each photograph of the stack, held out or not, and compares. Whether
 // the fit saw a photograph, and the strength of its light, is looked up in surface.photography by name; a
-// photograph that is not listed there counts as held out and as lit with gain 1, and a warning says so.
-// Where a residual is given, PSNR is also that of the pictures that add_residual() makes of the relit ones;
-// all else is of the surface alone. Pixels of confidence 0, and those that the stack's mask leaves out, do
-// not count. Photographs that have hardly more than brightness in common with the relit pictures are
-// another painting's (`foreign`). One photograph is in memory at a time. Throws Error: the surface does
-// not come from photographs, nothing in it was measured, sizes that differ; Cancelled.
+// photograph that is not listed there counts as held out and as lit with gain 1, and a warning says so. The
+// white balance of a photograph that was not fitted is measured (white_balances.h), taken for its light's,
+// and told. Where a residual is given, PSNR is also that of the pictures that add_residual() makes of the
+// relit ones; all else is of the surface alone. Pixels of confidence 0, and those that the stack's mask
+// leaves out, do not count. Photographs that have hardly more than brightness in common with the relit
+// pictures are another painting's (`foreign`). One photograph is in memory at a time. Throws Error: the
+// surface does not come from photographs, nothing in it was measured, sizes that differ; Cancelled.
 CompareReport compare(const Surface& surface, const Stack& photos, const CompareOptions& options = {},
                       const Progress& progress = {}, const ComparisonSink& sink = {},
                       const FaithfulResidual& residual = {});

@@ -151,6 +151,16 @@ std::string drift_cells(const PhotoDrift* drift) {
                        drift->warped ? "undone" : "left");
 }
 
+// The photograph's red and blue against those of most.
+std::string white_cells(const WhiteBalance& white) {
+    const glm::dvec2 gain = glm::exp(white.log_gain);
+    return fmt::format("<td>{}</td><td>{}</td><td>{}</td>", with_error(gain.x, gain.x * white.sigma.x),
+                       with_error(gain.y, gain.y * white.sigma.y),
+                       white.differs   ? "undone"
+                       : white.unclear ? "left"
+                                       : "");
+}
+
 // One line a photograph that was fitted.
 std::string table(const FitResult& fit) {
     const LightCalibration& c = fit.report.lights;
@@ -162,6 +172,9 @@ std::string table(const FitResult& fit) {
         "<div class=\"wide\"><table><tr><th>photograph</th><th>azimuth °</th><th>elevation °</th>";
     if (turns) html += "<th>turned °</th>";
     if (gains) html += "<th>strength</th>";
+    const WhiteBalances& balances = fit.report.white_balances;
+    const bool whites = balances.differing() + balances.unclear() > 0;
+    if (whites) html += "<th>red</th><th>blue</th><th></th>";
     if (!c.unevenness.empty()) html += "<th>uneven %</th>";
     if (drifts) html += "<th>drift px</th><th></th>";
     html += "<th>misfit, typical %</th><th>as a whole %</th></tr>";
@@ -178,6 +191,7 @@ std::string table(const FitResult& fit) {
                 fmt::format("<td>{}</td>", c.gain_sigma.empty()
                                                ? fmt::format("{:.3f}", light.gain.g)
                                                : with_error(light.gain.g, light.gain.g * c.gain_sigma[i]));
+        if (whites) html += white_cells(balances.photos[i]);
         if (!c.unevenness.empty())
             html += fmt::format("<td>{}</td>",
                                 with_error(100 * c.unevenness[i].rms, 100 * c.unevenness[i].sigma));

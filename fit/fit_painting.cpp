@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "capture/profile_colours.h"
 #include "fit/final_height.h"
@@ -110,8 +111,13 @@ void describe_lights(const Stack& stack, const LightCalibration& calibration, Ph
         if (light.direction != photo.light.direction)
             photography.photos.back().listed_direction = photo.light.direction;
     };
+    const auto in_colour = [&](Light light) {
+        const float strength = light.gain.g;
+        if (light.gain != Rgb(strength)) light.gain = strength * light_of_gain(light.gain / strength, stack);
+        return light;
+    };
     for (std::size_t i = 0; i < stack.photos.size(); ++i)
-        add(calibration.lighting.lights[i], true, stack.photos[i]);
+        add(in_colour(calibration.lighting.lights[i]), true, stack.photos[i]);
     const Photography fitted = photography;
     const std::vector<Light>& lights = calibration.lighting.lights;  // in the order of their paths
     const ShotOrder order = photography.lamps ? fit_shot_order(*photography.lamps, lights) : ShotOrder{};
@@ -154,6 +160,31 @@ LobeFreedom choose_reflectance(const LightSample& sample, const Lighting& lighti
         choice.colours = choose_lobe_colours(sample, lighting, choice.law, drawn_out);
     return {channels == 3 && (options.coloured_lobes ? *options.coloured_lobes > 0 : choice.colours.chosen),
             drawn_out};
+}
+
+// Finds the colour of each photograph's light beside the others', and makes it that of its lamp: so the fit
+// takes it off in linear light, each channel with its own noise and clipping, and photographs are predicted
+// as they are.
+WhiteBalances balance_photographs(Stack& stack, const Survey& surveyed, const Transfer& transfer) {
+    const float clipped = stack.development  ? stack.development->clipped
+                          : stack.bits == 32 ? std::numeric_limits<float>::infinity()
+                                             : kClipped;
+    WhiteBalances balances = white_balances(surveyed, transfer, clipped, stack.bits);
+    std::vector<std::string> names;
+    for (const StackPhoto& photo : stack.photos) names.push_back(photo.light.name);
+    if (stack.colour) {
+        std::vector<std::optional<glm::dvec2>> by_chart;
+        for (const StackPhoto& photo : stack.photos) {
+            const auto found = stack.colour->log_gains.find(photo.path.filename().string());
+            by_chart.push_back(found == stack.colour->log_gains.end() ? std::nullopt
+                                                                      : std::optional(found->second));
+        }
+        balances.refer_to(by_chart);
+    }
+    for (std::size_t i = 0; i < stack.photos.size(); ++i) stack.photos[i].light.gain *= balances.gain(i);
+    if (std::string warning = warning_of(balances, names, stack.folder.string()); !warning.empty())
+        stack.warnings.push_back(std::move(warning));
+    return balances;
 }
 
 // Whether so much is clipped that what paint reflects is open: only lower bounds are left.
@@ -227,6 +258,7 @@ FitResult fit_painting(Stack stack, const FitOptions& asked, const Progress& pro
                            .rig = {},
                            .lamps = {},
                            .to_camera = {}};
+    report_.white_balances = balance_photographs(stack, surveyed, transfer);
     const NoiseModel noise = noise_model(stack, transfer, options);
     if (!options.white_level)
         if (std::string warning = says_too_dark(stack, surveyed, transfer, noise); !warning.empty())

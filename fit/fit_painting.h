@@ -8,6 +8,7 @@
 #include "capture/registration.h"
 #include "capture/stack.h"
 #include "capture/transfer_estimate.h"
+#include "capture/white_balances.h"
 #include "fit/chart_colours.h"
 #include "fit/final_height.h"
 #include "fit/fit_errors.h"
@@ -92,15 +93,16 @@ struct FitReport {
     LightMisfit misfit;             // of a sample, after the lights were calibrated
     LawChoice law;                  // of the whole painting, and how it is known
     ColourReport colour;
-    long pixels = 0;                 // of the picture
-    long fitted = 0;                 // with a valid estimate
-    long not_converged = 0;          // of those fitted
-    SolverAgreement solvers;         // how the batched kernel compares with Ceres, in the last pass
-    long too_bright = 0;             // of those fitted: at the upper bound of rho_d
-    double unsure = 0;               // [1] part of those fitted whose confidence is below 0.5
-    double coloured = 0;             // [1] part of the fitted pixels whose lobe is not white
-    double drawn_out = 0;            // [1] part of them whose lobe is drawn out
-    double median_confidence = 0;    // [1] of the fitted pixels
+    WhiteBalances white_balances;  // of the photographs, beside each other; lights.lighting's gains have them
+    long pixels = 0;               // of the picture
+    long fitted = 0;               // with a valid estimate
+    long not_converged = 0;        // of those fitted
+    SolverAgreement solvers;       // how the batched kernel compares with Ceres, in the last pass
+    long too_bright = 0;           // of those fitted: at the upper bound of rho_d
+    double unsure = 0;             // [1] part of those fitted whose confidence is below 0.5
+    double coloured = 0;           // [1] part of the fitted pixels whose lobe is not white
+    double drawn_out = 0;          // [1] part of them whose lobe is drawn out
+    double median_confidence = 0;  // [1] of the fitted pixels
     double median_rms_residual = 0;  // [sigma] robust; about 1 where noise and model error are as assumed
     double support_tilt_deg =
         0;  // [deg] of the plane taken off the height: doubtful light directions show here

@@ -14,16 +14,17 @@ namespace {
 
 constexpr double kModelError = 0.03;
 
-// `white` [1]: linear value of a matt white in the origin that faces the lamp.
+// `white` [1]: linear value of a matt white in the origin that faces the lamp. Grey is the mean of what
+// channels are in units of their own white.
 void add_observation(const PixelSamples& s, int photo, const glm::dvec3& white, int pixel,
                      JointLights& joint) {
-    double value = 0, variance = 0, irradiance = 0;
+    double value = 0, variance = 0;
     for (int c = 0; c < s.channels; ++c) {
         const auto at = static_cast<std::size_t>(photo * s.channels + c);
         if (!(s.sigma[at] > 0)) return;
-        value += s.value[at] / s.channels;
-        irradiance += white[c] / s.channels;
-        variance += s.sigma[at] * s.sigma[at] / s.channels;  // JPEG's noise is shared by the channels
+        value += s.value[at] / white[c] / s.channels;
+        // JPEG's noise is shared by the channels.
+        variance += s.sigma[at] * s.sigma[at] / (white[c] * white[c]) / s.channels;
     }
     const JointLights::Pixel& p = joint.pixels[static_cast<std::size_t>(pixel)];
     const glm::dvec3& l = s.light[static_cast<std::size_t>(photo)];
@@ -31,9 +32,8 @@ void add_observation(const PixelSamples& s, int photo, const glm::dvec3& white, 
         std::max(l.z - p.slope.x * l.x - p.slope.y * l.y, 0.0) / std::sqrt(1 + glm::dot(p.slope, p.slope));
     // A weak lamp's shadows would hardly be outliers if its error were that of one of usual strength.
     const double strength = std::exp(joint.log_gains[static_cast<std::size_t>(photo)]);
-    const double model_error = kModelError * std::max(strength * p.diffuse * n_l, value / irradiance);
-    joint.observations.push_back(
-        {pixel, photo, value / irradiance, std::hypot(std::sqrt(variance) / irradiance, model_error)});
+    const double model_error = kModelError * std::max(strength * p.diffuse * n_l, value);
+    joint.observations.push_back({pixel, photo, value, std::hypot(std::sqrt(variance), model_error)});
 }
 
 // A smooth field has said what it can of a single lamp.

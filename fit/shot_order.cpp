@@ -10,9 +10,7 @@ namespace {
 constexpr double kScoreScale = 0.05;   // [1] ln gain: errors well above count by their number, not their size
 constexpr double kWorthOfOrder = 0.9;  // [1] part of the model's score that order must stay below
 
-double log_gain(const Light& light) {
-    return std::log(std::max((light.gain.r + light.gain.g + light.gain.b) / 3.0, 1e-6));
-}
+double log_gain(const Light& light) { return std::log(std::max(static_cast<double>(light.gain.g), 1e-6)); }
 
 double trend_at(const LampModel& model, const Vec3& direction) {
     return std::log(predicted_gain(model, {}, direction));

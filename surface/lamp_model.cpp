@@ -36,7 +36,7 @@ struct Known {
 Known log_gains(std::span<const Light> lights) {
     Known known{lights, {}};
     for (const Light& light : lights)
-        known.values.push_back(std::log(std::max((light.gain.r + light.gain.g + light.gain.b) / 3.0, 1e-6)));
+        known.values.push_back(std::log(std::max(static_cast<double>(light.gain.g), 1e-6)));
     return known;
 }
 
