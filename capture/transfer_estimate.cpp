@@ -5,153 +5,37 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <glm/mat3x3.hpp>
-#include <glm/matrix.hpp>
 #include <limits>
 
-#include "capture/photometric_stereo.h"
-#include "surface/median.h"
-#include "surface/parallel.h"
+#include "capture/transfer_evidence.h"
 
 namespace tangi {
 
 namespace {
 
-constexpr int kSamples = 1500;          // enough: the choice is between a handful of curves
-constexpr double kLowestCosine = 0.25;  // [1] below 15 degrees shadows and interreflection rule
-// [1] By which a gamma must fit better than the usual curves: near one of them (linear; 2 to 2.4) it is
-// likely that one, seen through what the model leaves out; between them it is likely another.
-constexpr double kBetterNear = 1.3, kBetterBetween = 1.08;
+constexpr int kCurveSamples = 1500;  // enough: the choice is between a handful of curves
+// By which a gamma that is none of the usual must fit better than these, surfaces being found as if lamps
+// were equally strong [1]: near one of them (linear; 2 to 2.4) it is likely that one, seen through what the
+// model leaves out; between them it is likely another. And ln by which it must explain the photographs
+// better, lamps of any strength.
+constexpr double kBetterNear = 1.3, kBetterBetween = 1.08, kUnusual = 3;
 // A smooth curve of three numbers is believed only where it fits down to the noise, none of one number does,
 // and it is better by this: gloss, interreflection and near lamps bend what they are seen through as well
-// (real/coin: 1.46 times better, but 3 codes off; it is linear). The same against what files state.
+// (real/coin: 1.46 times better, but 3 codes off; it is linear).
 constexpr double kBetterCurve = 1.4, kCurveFits = 1.5 / 255;
-constexpr double kRatioScale = 0.1;  // [1] ln ratio from which on a pixel counts less
-// [1] A rival that fits as well but for this is worth a warning; and what is added where one photograph more
-// than pixels have unknowns is all there is. Of generated stacks of four, whatever they were stored with, the
-// curves' residuals differ by a factor of 1.2 at most.
-constexpr double kDoubtful = 1.02, kDoubtfulFew = 0.5;
-constexpr double kUnknowns = 3;  // of matt reflection, a pixel
+// [1] Probability of curves with other slopes from which on the choice is open.
+constexpr double kOpen = 0.1;
+// [deg] From which on slopes are others: twice what the fit leaves them off by under many lamps, and more
+// than neighbours (gamma 1.8 and sRGB) differ by.
+constexpr double kOtherSlopes_deg = 2.5;
+constexpr double kWorthTelling = 0.01;  // [1] probability of a curve that is named among the possible ones
+constexpr double kBelieved = 10;        // [1] times as often as not, what files state blindly is right
+constexpr double kSureAgainst = 20;     // [1] odds by which photographs contradict it even so
 
-PixelSamples linearised(const Stack& stack, const Survey& survey, int sample, const Transfer& transfer) {
-    PixelSamples s;
-    const int photos = static_cast<int>(stack.photos.size());
-    s.resize(photos, 1);
-    const float* value = survey.sample(sample);
-    for (int i = 0; i < photos; ++i) {
-        const auto at = static_cast<std::size_t>(i);
-        double sum = 0;
-        float highest = 0;
-        bool measured = true;  // where a registered photograph does not reach, there is no number
-        for (int c = 0; c < survey.channels; ++c) {
-            const float stored = value[i * survey.channels + c];
-            sum += transfer.decode(stored);
-            highest = std::max(highest, stored);
-            measured = measured && !std::isnan(stored);
-        }
-        s.light[at] = stack.photos[at].light.direction;
-        s.irradiance[at] = 1;
-        s.value[at] = sum / survey.channels;
-        s.sigma[at] = highest < kClipped && measured ? 1 : 0;
-    }
-    return s;
-}
-
-// A sample of pixels as one transfer curve would have them, and what photometric stereo makes of it.
-struct MattSample {
-    std::vector<int> index;  // of the survey's samples
-    std::vector<PixelSamples> pixels;
-    std::vector<LambertEstimate> estimates;
-
-    // [1] what a matt surface should show; 0 where it would be in shadow, or nothing is known.
-    double predicted(std::size_t k, std::size_t photo) const {
-        if (!estimates[k].valid || !(pixels[k].sigma[photo] > 0)) return 0;
-        const double cosine = glm::dot(estimates[k].normal, pixels[k].light[photo]);
-        return cosine < kLowestCosine ? 0 : estimates[k].diffuse[0] * cosine;
-    }
-};
-
-MattSample matt_sample(const Stack& stack, const Survey& survey, const Transfer& transfer) {
-    MattSample sample;
-    sample.index = survey.spread(kSamples);
-    sample.pixels.resize(sample.index.size());
-    sample.estimates.resize(sample.index.size());
-    parallel_for(0, static_cast<int>(sample.index.size()), 16, [&](int begin, int end) {
-        for (auto k = static_cast<std::size_t>(begin); k < static_cast<std::size_t>(end); ++k) {
-            sample.pixels[k] = linearised(stack, survey, sample.index[k], transfer);
-            sample.estimates[k] = photometric_stereo(sample.pixels[k]);
-        }
-    });
-    return sample;
-}
-
-// ln of how much more light there is in one photograph than it should be, as a plane over the picture: what
-// lamps of other strength, and near ones, do. Robust (Cauchy): shadows and highlights are no lamps.
-class IlluminationPlane {
-public:
-    IlluminationPlane(const MattSample& sample, std::size_t photo, const Survey& survey, const Stack& stack)
-        : survey_(survey),
-          centre_(stack.width() / 2.0, stack.height() / 2.0),
-          scale_(1.0 / std::max(stack.width(), stack.height())) {
-        std::vector<double> ratios;
-        std::vector<glm::dvec3> terms;
-        for (std::size_t k = 0; k < sample.index.size(); ++k) {
-            const double predicted = sample.predicted(k, photo);
-            if (!(predicted > 1e-6)) continue;
-            ratios.push_back(std::log(std::max(sample.pixels[k].value[photo] / predicted, 1e-3)));
-            terms.push_back(terms_of(sample.index[k]));
-        }
-        plane_ = {median(ratios), 0, 0};
-        for (int iteration = 0; iteration < 6; ++iteration) {
-            glm::dmat3 a(0);
-            glm::dvec3 b(0);
-            for (std::size_t k = 0; k < ratios.size(); ++k) {
-                const double r = (ratios[k] - glm::dot(plane_, terms[k])) / kRatioScale;
-                const double w = 1 / (1 + r * r);
-                a += w * glm::outerProduct(terms[k], terms[k]);
-                b += w * ratios[k] * terms[k];
-            }
-            if (!(std::abs(glm::determinant(a)) > 1e-6)) break;  // too few pixels for a plane
-            plane_ = glm::inverse(a) * b;
-        }
-    }
-
-    double factor(int sample) const { return std::exp(glm::dot(plane_, terms_of(sample))); }
-
-private:
-    glm::dvec3 terms_of(int sample) const {
-        const glm::dvec2 p =
-            (glm::dvec2(survey_.positions[static_cast<std::size_t>(sample)]) - centre_) * scale_;
-        return {1, p.x, p.y};
-    }
-
-    const Survey& survey_;
-    glm::dvec2 centre_;
-    double scale_;
-    glm::dvec3 plane_{0};
-};
-
-// Median deviation from robust matt reflection under lamps of any strength, in the stored encoding.
+// Median deviation from robust matt reflection, surfaces being found as if lamps were equally strong.
 double residual_of(const Stack& stack, const Survey& survey, const Transfer& transfer) {
-    const MattSample sample = matt_sample(stack, survey, transfer);
-    std::vector<std::vector<double>> of_photo(stack.photos.size());
-    parallel_for(0, static_cast<int>(of_photo.size()), 1, [&](int begin, int end) {
-        for (auto photo = static_cast<std::size_t>(begin); photo < static_cast<std::size_t>(end); ++photo) {
-            const IlluminationPlane plane(sample, photo, survey, stack);
-            for (std::size_t k = 0; k < sample.index.size(); ++k) {
-                const double predicted = sample.predicted(k, photo);
-                if (!(predicted > 0)) continue;
-                const double model = predicted * plane.factor(sample.index[k]);
-                of_photo[photo].push_back(
-                    std::abs(transfer.encode(static_cast<float>(model)) -
-                             transfer.encode(static_cast<float>(sample.pixels[k].value[photo]))));
-            }
-        }
-    });
-    std::vector<double> deviations;
-    for (const std::vector<double>& some : of_photo)
-        deviations.insert(deviations.end(), some.begin(), some.end());
-    return median(std::move(deviations));
+    return matt_sample(stack.lights(), survey, transfer, stack.width(), stack.height(), kCurveSamples)
+        .residual();
 }
 
 // Cameras compress light from the middle upwards, more than they steepen it there for contrast, and lift
@@ -169,8 +53,24 @@ bool is_of_a_camera(const Transfer& curve) {
 
 bool is_linear(const Transfer& transfer) { return transfer.kind == Transfer::Kind::linear; }
 
+bool is_usual(const Transfer& t) {
+    return t.kind == Transfer::Kind::linear || t.kind == Transfer::Kind::srgb ||
+           (t.kind == Transfer::Kind::gamma && t.gamma == 2.2);
+}
+
+// Those, and the one that others were stored with.
+bool is_common(const Transfer& t) {
+    return is_usual(t) || (t.kind == Transfer::Kind::gamma && t.gamma == 1.8);
+}
+
+// A curve, and its residual.
+struct Fitted {
+    Transfer transfer;
+    double residual = 0;
+};
+
 // The gamma that fits best, from a row of them, then in ever smaller steps, to 0.025.
-TransferEstimate::Candidate best_gamma(const Stack& stack, const Survey& survey) {
+Fitted best_gamma(const Stack& stack, const Survey& survey) {
     const auto at = [&](double gamma) {
         return residual_of(stack, survey, Transfer{Transfer::Kind::gamma, gamma});
     };
@@ -192,8 +92,7 @@ TransferEstimate::Candidate best_gamma(const Stack& stack, const Survey& survey)
 
 // The smooth curve that fits best, by pattern search (Hooke & Jeeves 1961) from the best gamma. Gives up
 // early where the first steps gain little.
-TransferEstimate::Candidate best_curve(const Stack& stack, const Survey& survey,
-                                       const TransferEstimate::Candidate& from) {
+Fitted best_curve(const Stack& stack, const Survey& survey, const Fitted& from) {
     using Parameters = std::array<double, 3>;
     const auto transfer_of = [](const Parameters& p) {
         const auto rounded = [](double value) { return std::round(value * 1000) / 1000; };
@@ -235,18 +134,114 @@ TransferEstimate::Candidate best_curve(const Stack& stack, const Survey& survey,
     return {transfer_of(best), lowest};
 }
 
-double doubtful(const Stack& stack) {
-    return kDoubtful + kDoubtfulFew / std::max(static_cast<double>(stack.photos.size()) - kUnknowns, 1.0);
+// Linear, sRGB and gamma 2.2, and gammas that somebody may have meant otherwise.
+std::vector<TransferTrial> trials_of(const Stack& stack, const Survey& survey) {
+    std::vector<TransferTrial> trials;
+    for (const Transfer& transfer :
+         {Transfer{Transfer::Kind::linear}, Transfer{Transfer::Kind::srgb},
+          Transfer{Transfer::Kind::gamma, 2.2}, Transfer{Transfer::Kind::gamma, 1.8},
+          Transfer{Transfer::Kind::gamma, 1.4}, Transfer{Transfer::Kind::gamma, 1.6},
+          Transfer{Transfer::Kind::gamma, 2.7}})
+        trials.push_back(try_transfer(stack, survey, transfer));
+    weigh(trials, stack);
+    return trials;
+}
+
+// Of sRGB and gamma 2.2, which differ by little, the one that fits better.
+std::size_t most_probable_usual(const std::vector<TransferTrial>& trials) {
+    std::size_t best = 0;  // linear light, then sRGB and gamma 2.2
+    for (std::size_t i = 0; i < 3; ++i)
+        if (trials[i].probability > trials[best].probability) best = i;
+    if (best == 0) return 0;
+    return trials[1].equal_residual <= trials[2].equal_residual ? 1 : 2;
+}
+
+// Adds a gamma that is none of the usual where it fits better than all of these, and explains more.
+bool add_unusual(std::vector<TransferTrial>& trials, const Stack& stack, const Survey& survey) {
+    double usual = std::numeric_limits<double>::max(), unusual = usual;
+    for (const TransferTrial& trial : trials) {
+        double& least = is_usual(trial.transfer) ? usual : unusual;
+        least = std::min(least, trial.equal_residual);
+    }
+    if (!(unusual < usual)) return false;
+    const Fitted gamma = best_gamma(stack, survey);
+    const bool between = gamma.transfer.gamma > 1.3 && gamma.transfer.gamma < 1.95;
+    if (!(gamma.residual * (between ? kBetterBetween : kBetterNear) < usual)) return false;
+    std::vector<TransferTrial> with = trials;
+    std::erase_if(with, [&](const TransferTrial& trial) { return trial.transfer == gamma.transfer; });
+    with.push_back(try_transfer(stack, survey, gamma.transfer));
+    weigh(with, stack);
+    for (const TransferTrial& trial : with)
+        if (is_usual(trial.transfer) && trial.log_evidence + kUnusual > with.back().log_evidence)
+            return false;
+    trials = std::move(with);
+    return true;
+}
+
+// What may be said of a choice that is open: the curves, how probable, and what hangs on them.
+std::string open_choice(const Stack& stack, const TransferEstimate& e) {
+    std::vector<TransferEstimate::Candidate> possible;
+    for (const auto& candidate : e.candidates)
+        if (candidate.probability > kWorthTelling && !(candidate.transfer == e.transfer))
+            possible.push_back(candidate);
+    std::sort(possible.begin(), possible.end(),
+              [](const auto& a, const auto& b) { return a.probability > b.probability; });
+    std::string others;
+    for (const auto& candidate : possible)
+        others +=
+            fmt::format("{}{} ({:.0f} %, {:.1f} degrees)", others.empty() ? "" : ", ",
+                        candidate.transfer.name(), 100 * candidate.probability, candidate.slopes_change_deg);
+    return fmt::format(
+        "{}: how the photographs are stored is open: taken as {}, but they, and lamps that stand as these "
+        "do, "
+        "allow as well {} (probability, and by how much the slopes of the middling pixel would change); say "
+        "what it is with --transfer linear, srgb or a gamma such as 2.2",
+        stack.folder.string(), e.transfer.name(), others);
+}
+
+// Whether it matters which curve is taken, and is open. Gammas of somebody's own are no part of that: a free
+// exponent takes up what gloss makes of the lamps' strengths, and few files have one.
+void tell_of_open_choice(const Stack& stack, TransferEstimate& e) {
+    double all = 0, other_slopes = 0, other_colours = 0;
+    for (const auto& candidate : e.candidates) {
+        if (!is_common(candidate.transfer)) continue;
+        all += candidate.probability;
+        if (candidate.slopes_change_deg > kOtherSlopes_deg) other_slopes += candidate.probability;
+        // sRGB and gammas near it differ by little; linear or not makes all the difference.
+        if (is_linear(candidate.transfer) != is_linear(e.transfer)) other_colours += candidate.probability;
+    }
+    if (other_slopes > kOpen * all) e.doubt = open_choice(stack, e);
+    if (std::max(other_slopes, other_colours) > kOpen * all) e.warning = open_choice(stack, e);
+}
+
+// A tone curve where it explains the photographs, and no gamma does.
+std::optional<TransferEstimate::Candidate> tone_curve(const Stack& stack, const Survey& survey,
+                                                      const std::vector<TransferTrial>& trials,
+                                                      std::string& warning) {
+    double single = std::numeric_limits<double>::max();
+    for (const TransferTrial& trial : trials) single = std::min(single, trial.equal_residual);
+    if (!(single > kCurveFits)) return std::nullopt;
+    const Fitted gamma = best_gamma(stack, survey);
+    single = std::min(single, gamma.residual);
+    if (!(single > kCurveFits)) return std::nullopt;
+    const Fitted curve = best_curve(stack, survey, gamma);
+    if (!(curve.residual < kCurveFits && curve.residual * kBetterCurve < single)) return std::nullopt;
+    warning = fmt::format(
+        "{}: stored with a tone curve that is neither linear, sRGB nor a gamma; taken as '{}' (residual "
+        "{:.4f}, the best of those {:.4f}). Photographs without such a curve (camera raw, linear TIFF) are "
+        "more exact",
+        stack.folder.string(), curve.transfer.name(), curve.residual, single);
+    return TransferEstimate::Candidate{curve.transfer, curve.residual, 1, 0};
 }
 
 }  // namespace
 
 bool speaks_against(const Transfer& stated, const TransferEstimate& estimated, const Stack& stack,
                     const Survey& survey) {
-    const double least = residual_of(stack, survey, estimated.transfer);
-    const double much =
-        is_linear(estimated.transfer) || least < kCurveFits ? kBetterNear : kBetterNear * kBetterCurve;
-    return residual_of(stack, survey, stated) > std::max(much, doubtful(stack)) * least;
+    std::vector<TransferTrial> both = {try_transfer(stack, survey, stated),
+                                       try_transfer(stack, survey, estimated.transfer)};
+    weigh(both, stack);
+    return both[1].log_evidence - both[0].log_evidence > std::log(kBelieved * kSureAgainst);
 }
 
 TransferEstimate estimate_transfer(const Stack& stack, const Survey& survey) {
@@ -254,43 +249,19 @@ TransferEstimate estimate_transfer(const Stack& stack, const Survey& survey) {
     if (stack.transfer) return {*stack.transfer, "given", {}, {}};
     if (stack.bits == 32) return {Transfer{}, "float file", {}, {}};
     TransferEstimate result{Transfer{}, "estimated", {}, {}};
-    for (const Transfer& transfer : {Transfer{Transfer::Kind::linear}, Transfer{Transfer::Kind::srgb},
-                                     Transfer{Transfer::Kind::gamma, 2.2}})
-        result.candidates.push_back({transfer, residual_of(stack, survey, transfer)});
-    std::vector<TransferEstimate::Candidate> ranked = result.candidates;
-    std::sort(ranked.begin(), ranked.end(),
-              [](const auto& a, const auto& b) { return a.residual < b.residual; });
-    result.transfer = ranked[0].transfer;
-    const TransferEstimate::Candidate other = best_gamma(stack, survey);
-    result.candidates.push_back(other);
-    const double single = std::min(other.residual, ranked[0].residual);
-    const TransferEstimate::Candidate curve =
-        single > kCurveFits ? best_curve(stack, survey, other) : TransferEstimate::Candidate{other};
-    if (curve.residual < kCurveFits && curve.residual * kBetterCurve < single) {
-        result.candidates.push_back(curve);
-        result.transfer = curve.transfer;
-        result.warning = fmt::format(
-            "{}: stored with a tone curve that is neither linear, sRGB nor a gamma; taken as '{}' (residual "
-            "{:.4f}, the best of those {:.4f}). Photographs without such a curve (camera raw, linear TIFF) "
-            "are "
-            "more exact",
-            stack.folder.string(), curve.transfer.name(), curve.residual, single);
+    std::vector<TransferTrial> trials = trials_of(stack, survey);
+    const bool unusual = add_unusual(trials, stack, survey);
+    const std::size_t taken = unusual ? trials.size() - 1 : most_probable_usual(trials);
+    result.transfer = trials[taken].transfer;
+    for (const TransferTrial& trial : trials)
+        result.candidates.push_back(
+            {trial.transfer, trial.residual, trial.probability, slopes_change_deg(trial, trials[taken])});
+    if (const auto curve = tone_curve(stack, survey, trials, result.warning)) {
+        result.candidates.push_back(*curve);
+        result.transfer = curve->transfer;
         return result;
     }
-    const bool between = other.transfer.gamma > 1.3 && other.transfer.gamma < 1.95;
-    if (other.residual * (between ? kBetterBetween : kBetterNear) < ranked[0].residual) {
-        result.transfer = other.transfer;
-        return result;
-    }
-    // sRGB and gamma 2.2 differ by little; linear or not makes all the difference.
-    for (const auto& rival : ranked)
-        if (is_linear(rival.transfer) != is_linear(ranked[0].transfer) &&
-            rival.residual < doubtful(stack) * ranked[0].residual)
-            result.warning = fmt::format(
-                "{}: taken as {}, but {} fits almost as well ({:.4f} against {:.4f}); if you know how the "
-                "photographs are stored, say so with --transfer",
-                stack.folder.string(), result.transfer.name(), rival.transfer.name(), rival.residual,
-                ranked[0].residual);
+    if (!unusual) tell_of_open_choice(stack, result);
     return result;
 }
 

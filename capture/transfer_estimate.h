@@ -13,27 +13,27 @@ struct TransferEstimate {
     Transfer transfer;
     std::string
         source;  // "given", "float file", "estimated"; "developed, …": made linear before (develop_stack)
-    // Robust residual of matt reflection for each curve tried, in the stored encoding [1]; empty unless
-    // estimated.
+    // Each curve tried, linear light first; empty unless estimated. Robust residual of matt reflection, in
+    // the stored encoding [1]; how probable it is, of these [1]; by how much slopes would change with it
+    // [deg].
     struct Candidate {
         Transfer transfer;
-        double residual = 0;
+        double residual = 0, probability = 0, slopes_change_deg = 0;
     };
-    std::vector<Candidate> candidates;  // linear, sRGB, gamma 2.2, the best gamma; a curve where chosen
-    std::string warning;                // empty unless the choice is a close one, or a curve
+    std::vector<Candidate> candidates;
+    std::string warning;  // empty unless the choice is open, or a curve
+    std::string doubt{};  // why the result is poor: the choice is open, and slopes hang on it; else empty
 };
 
-// The curve given in stack.transfer; linear for files of floats; else the one of linear, sRGB and gamma 2.2
-// under which the samples agree best with matt reflection, deviations being compared in the stored encoding;
-// another gamma where it fits clearly better than all three, and a smooth curve where that fits far better
-// than any gamma. Each photograph may have light of its own strength, which may fall off over the picture: so
-// lamps that differ, or are near, do not pass for a curve.
+// The curve given in stack.transfer; linear for files of floats; else the most probable one of linear, sRGB
+// and gamma 2.2 (transfer_evidence.h); another gamma where it fits clearly better than all three, and a
+// smooth curve where that fits far better than any gamma. Each photograph may have light of its own strength,
+// which may fall off over the picture: so lamps that differ, or are near, do not pass for a curve.
 TransferEstimate estimate_transfer(const Stack& stack, const Survey& survey);
 
 // Whether the photographs contradict what files state, `estimated` being what they look like. Near lamps,
-// metal and high relief bend what photometric stereo sees through: of generated stacks in sRGB, a third
-// looks more like linear light or a gamma of 1.3 to 1.6. And few photographs hardly tell curves apart, as
-// their own unknowns (albedo and slopes, three a pixel) take up most of what a wrong one leaves.
+// metal and high relief bend what photometric stereo sees through, and what files state is right ten times
+// as often as not.
 bool speaks_against(const Transfer& stated, const TransferEstimate& estimated, const Stack& stack,
                     const Survey& survey);
 

@@ -197,7 +197,8 @@ TransferEstimate decide_transfer(const Stack& stack, const Survey& survey) {
             "--transfer {}",
             stack.folder.string(), stated.name(), source, result.transfer.name(), result.transfer.name());
     else
-        result.warning.clear();  // what was doubtful is settled
+        result.warning.clear();
+    result.doubt.clear();  // what was doubtful is settled
     result.transfer = stated;
     result.source = source;
     return result;

@@ -76,10 +76,19 @@ std::vector<std::string> poor_reasons(const FitReport& report, const UsableStack
             "the "
             "order the same? Name the photographs in the lights file as they are called",
             report.odd_lights.scatter_deg));
-    if (std::string doubt = doubt_of(report.signs, report.shadow_signs, flips); !doubt.empty())
-        reasons.push_back(std::move(doubt));
-    for (std::string& doubt : doubts_of(report.odd_lights, report.photo_names))
-        reasons.push_back(std::move(doubt));
+    if (!report.transfer.doubt.empty()) reasons.push_back(report.transfer.doubt);
+    // A list that is in another order looks turned as well: one advice, the one that explains.
+    std::string doubt = doubt_of(report.list_order, report.signs, flips, report.photo_names);
+    const bool out_of_order = !doubt.empty();
+    if (!out_of_order) doubt = doubt_of(report.signs, report.shadow_signs, flips);
+    if (!doubt.empty()) reasons.push_back(std::move(doubt));
+    if (flips.any() && !out_of_order && report.median_rms_residual > kDoubtfulOrder)
+        reasons.push_back(fmt::format(
+            "lights were mirrored or turned as asked, and the photographs still differ from the model by {}: "
+            "are they the right ones?",
+            beyond_expected(report.median_rms_residual)));
+    for (std::string& odd : doubts_of(report.odd_lights, report.photo_names))
+        if (!out_of_order) reasons.push_back(std::move(odd));
     const double fitted =
         static_cast<double>(report.fitted) / static_cast<double>(std::max(report.pixels, 1L));
     if (report.fitted == 0)
@@ -130,7 +139,10 @@ nlohmann::json result_of(const FitResult& fit, const std::vector<LeftOut>& left_
     const FitReport& r = fit.report;
     nlohmann::json candidates = nlohmann::json::array();
     for (const auto& candidate : r.transfer.candidates)
-        candidates.push_back({{"transfer", candidate.transfer.name()}, {"residual", candidate.residual}});
+        candidates.push_back({{"transfer", candidate.transfer.name()},
+                              {"residual", candidate.residual},
+                              {"probability", candidate.probability},
+                              {"slopes_change_deg", candidate.slopes_change_deg}});
     nlohmann::json without_number = nlohmann::json::array();
     for (const auto& [name, pixels] : r.without_number)
         without_number.push_back({{"name", name}, {"pixels", pixels}});
@@ -153,6 +165,7 @@ nlohmann::json result_of(const FitResult& fit, const std::vector<LeftOut>& left_
         {"light_signs", to_json(r.signs, r.shadow_signs)},
         {"light_outliers", to_json(r.odd_lights, r.photo_names)},
         {"white_balances", to_json(r.white_balances, r.photo_names)},
+        {"list_orders", to_json(r.list_order)},
         {"law", to_json(r.law)},
         {"coloured_pixels", r.coloured},
         {"drawn_out_pixels", r.drawn_out},
@@ -262,6 +275,7 @@ nlohmann::json run_fit(FitArguments arguments, const Progress& progress) {
     if (arguments.faithful) result["faithful"] = to_json(faithful.report);
     result["development"] = to_json(development);
     result["warnings"] = told(warnings, told_before);
+    if (!development.encoding.doubt.empty()) opened.poor.push_back(development.encoding.doubt);
     result["poor"] = poor_reasons(fit.report, opened, arguments.photos.flips());
     if (const std::string none = says_none_is_held_out(held_out, fit); !none.empty())
         result["poor"].push_back(none);

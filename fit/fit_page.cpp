@@ -48,10 +48,13 @@ std::string transfer_section(const TransferEstimate& transfer) {
         "({}).</p>",
         transfer_plot(transfer.transfer), escaped(transfer.transfer.name()), escaped(transfer.source));
     if (!transfer.candidates.empty()) {
-        html += "<table><tr><th>tried</th><th>median misfit, codes of 8 bits</th></tr>";
+        html +=
+            "<table><tr><th>tried</th><th>median misfit, codes of 8 bits</th><th>probability</th><th>slopes "
+            "change by</th></tr>";
         for (const TransferEstimate::Candidate& c : transfer.candidates)
-            html += fmt::format("<tr><td>{}</td><td>{:.2f}</td></tr>", escaped(c.transfer.name()),
-                                255 * c.residual);
+            html += fmt::format("<tr><td>{}</td><td>{:.2f}</td><td>{:.1f} %</td><td>{:.1f}°</td></tr>",
+                                escaped(c.transfer.name()), 255 * c.residual, 100 * c.probability,
+                                c.slopes_change_deg);
         html += "</table>";
     }
     return html + "</div></div>";

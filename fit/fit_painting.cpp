@@ -144,6 +144,12 @@ LightOutliers odd_lights_of(const Stack& stack, const LightCalibration& calibrat
     return odd_lights(surveyed, transfer, lights, stack.width(), stack.height());
 }
 
+ListOrder list_order_of(const Stack& stack, const Survey& surveyed, const Transfer& transfer) {
+    std::vector<int> lines;
+    for (const StackPhoto& photo : stack.photos) lines.push_back(photo.number);
+    return check_list_order(surveyed, transfer, stack.lights(), lines, stack.width(), stack.height());
+}
+
 // The law of the painting and what its lobes may be: as given, as the lamps' calibration found it, or as
 // left-out photographs are predicted best.
 LobeFreedom choose_reflectance(const LightSample& sample, const Lighting& lighting, int channels,
@@ -271,6 +277,7 @@ FitResult fit_painting(Stack stack, const FitOptions& asked, const Progress& pro
             : calibrate_lights(stack, surveyed, transfer, noise_for_lights(stack, transfer, options), given,
                                surface.mm_per_pixel, options.ward, options.calibration, progress);
     report_.odd_lights = odd_lights_of(stack, report_.lights, surveyed, transfer);
+    report_.list_order = list_order_of(stack, surveyed, transfer);
     for (std::size_t i = 0; i < stack.photos.size(); ++i) {
         const std::string& name = stack.photos[i].light.name;
         report_.photo_names.push_back(name);

@@ -17,6 +17,7 @@
 #include "fit/law_choice.h"
 #include "fit/light_calibration.h"
 #include "fit/light_misfit.h"
+#include "fit/list_order.h"
 #include "fit/odd_lights.h"
 #include "fit/row_fitter.h"
 #include "fit/shadow_signs.h"
@@ -115,6 +116,7 @@ struct FitReport {
     LampRadius lamp_radius;
     SignCheck signs;                       // whether the lights' axes point the way that the slopes say
     ShadowCheck shadow_signs;              // and that cast shadows say
+    ListOrder list_order;                  // whether photographs fit the lights of others
     LightOutliers odd_lights;              // photographs that are shaded by another light than theirs
     std::vector<std::string> photo_names;  // that these are of
     // Of the photographs fitted: pixels that held no number (Survey::Photo), where any did.

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <vector>
 
+#include "fit/log_ratio.h"
 #include "surface/error.h"
 #include "surface/light.h"
 
@@ -107,24 +108,6 @@ Sums sums_of(const Image<Vec3>& normal, const Image<float>& confidence, const Re
                 add_square(normal, x, y, sums);
     return sums;
 }
-
-// ln of a ratio over the parts of a picture: its mean, and by how many standard errors that is below 0.
-class LogRatio {
-public:
-    void add(double a, double b) {
-        const double ratio = std::log(std::max(a, kNone) / std::max(b, kNone));
-        ++n_, sum_ += ratio, squares_ += ratio * ratio;
-    }
-    double mean() const { return sum_ / n_; }
-    double certainty() const {
-        const double variance = std::max(squares_ / n_ - mean() * mean(), 0.0);
-        return -mean() / std::max(std::sqrt(variance / (n_ - 1)), 1e-9);
-    }
-
-private:
-    static constexpr double kNone = 1e-30;
-    double n_ = 0, sum_ = 0, squares_ = 0;
-};
 
 bool is_sure(double log_ratio, double certainty) {
     return certainty > kLeastCertainty && log_ratio < -kLeastLogRatio;

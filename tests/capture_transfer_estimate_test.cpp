@@ -39,7 +39,8 @@ Transfer::Kind estimated_kind(const Transfer& transfer, double noise, const Pict
     const Stack stack = open_stack(dir.path());
     const TransferEstimate e = estimate_transfer(stack, survey(stack));
     EXPECT_EQ(e.source, "estimated");
-    EXPECT_EQ(e.candidates.size(), 4u);
+    EXPECT_GE(e.candidates.size(), 7u);
+    EXPECT_EQ(e.candidates[0].transfer, Transfer{});
     for (const auto& candidate : e.candidates) {
         EXPECT_TRUE(candidate.residual >= 0) << candidate.transfer.name();
         if (candidate.transfer == e.transfer) {
@@ -165,7 +166,8 @@ TEST(TransferEstimate, WarnsWhereLinearAndEncodedFitAlike) {
         << e.candidates[0].residual << " " << e.candidates[1].residual;
 }
 
-// Lamps at one and a half picture widths, and light between relief: sRGB looks like a gamma of about 1.5.
+// Lamps at one and a half picture widths, of unequal strength, and light between relief: seen as if they were
+// equal, sRGB looks like a gamma of about 1.5.
 TEST(TransferEstimate, NearLampsDoNotContradictWhatFilesState) {
     const TestDir dir;
     const PaintingTruth truth =
@@ -179,8 +181,9 @@ TEST(TransferEstimate, NearLampsDoNotContradictWhatFilesState) {
     const Stack stack = open_stack(dir.path());
     const Survey samples = survey(stack);
     const TransferEstimate e = estimate_transfer(stack, samples);
-    EXPECT_NE(e.transfer, options.transfer) << "or this test tells nothing";
-    EXPECT_FALSE(speaks_against(options.transfer, e, stack, samples)) << e.transfer.name();
+    EXPECT_EQ(e.transfer, options.transfer) << e.transfer.name();
+    const TransferEstimate another{{Transfer::Kind::gamma, 1.5}, "estimated", {}, {}};
+    EXPECT_FALSE(speaks_against(options.transfer, another, stack, samples));
 }
 
 // Four photographs have one number a pixel more than a matt pixel has: gloss and shadows decide then.

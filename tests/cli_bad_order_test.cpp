@@ -1,0 +1,41 @@
+// cli_bad_order_test.cpp: lists of lights in another order than the photographs, as the program's user meets
+// them: the advice is the one that explains, and nothing that leaves some lights wrong ends as good.
+#include <algorithm>
+
+#include "tests/cli_program.h"
+
+namespace tangi {
+namespace {
+
+// Lists each photograph's name with the direction of the line that `of` says, counted from 0.
+void exchange_directions(const TinyStack& stack, const std::function<std::size_t(std::size_t)>& of) {
+    stack.change_lights([&](auto& lines) {
+        const std::vector<std::string> right(lines.begin() + 1, lines.end());
+        for (std::size_t i = 0; i < right.size(); ++i) {
+            const std::string& other = right[of(i) % right.size()];
+            lines[i + 1] = right[i].substr(0, right[i].find(' ')) + other.substr(other.find(' '));
+        }
+    });
+}
+
+TEST(CliBadOrder, OfOnePhotographIsNoTurn) {
+    const TinyStack stack([](GeneratorOptions& options) { options.lights = 20; }, 80);
+    const auto fit = [&](std::vector<std::string> flags) {
+        flags.insert(flags.begin(), {"fit", stack.path(), "--out", stack.out("a.exr"), "--no-refine"});
+        return tangipaint(flags);
+    };
+    EXPECT_TRUE(ended(fit({}), 0));
+    exchange_directions(stack, [](std::size_t i) { return i + 1; });
+    const Finished shifted = fit({});
+    EXPECT_TRUE(ended(shifted, 3,
+                      {"poor result: the list of lights is off by 1 photograph",
+                       stack.name(2) + " fits the light of " + stack.name(1)}));
+    EXPECT_EQ(shifted.err.find("give --lights-turn"), std::string::npos) << shifted.err;
+    // What slopes alone advise, taken all the same.
+    const double turn = shifted.json()["light_signs"]["turned"]["turn_deg"];
+    const Finished turned = fit({"--lights-turn", fmt::format("{:.0f}", turn > 90 ? turn - 180 : turn)});
+    EXPECT_TRUE(ended(turned, 3, {"is off by 1 photograph", "leave out --lights-turn"}));
+}
+
+}  // namespace
+}  // namespace tangi
