@@ -14,6 +14,7 @@
 #include "surface/json_reading.h"
 #include "surface/json_text.h"
 #include "surface/median.h"
+#include "surface/output_set.h"
 #include "surface/page_parts.h"
 #include "surface/picture_file.h"
 
@@ -310,11 +311,14 @@ CalibrationFiles write_calibration(const std::filesystem::path& out, const Calib
     const std::vector<Light> usable = calibration.lights.usable_lights();
     std::optional<AtomicFile> lights;
     if (!usable.empty()) lights.emplace(files.lights).write(lights_text(usable));
-    std::error_code missing;  // lights of a former run are not those of this capture file
-    if (usable.empty()) std::filesystem::remove(files.lights, missing);
-    record.commit();
-    page.commit();
-    if (lights) lights->commit();
+    OutputSet set;
+    set.add(record);
+    set.add(page);
+    if (lights)
+        set.add(*lights);
+    else
+        set.withdraw(files.lights);  // those of a former run are not of this capture file
+    set.commit();
     return files;
 }
 

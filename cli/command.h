@@ -58,9 +58,6 @@ bool interrupted();
 // move the cursor, colour the terminal or look like another message.
 std::string printable(std::string_view text);
 
-// [bytes] What is longer is cut: a file that is damaged may have its whole content in one name.
-constexpr std::size_t kLongestMessage = 4000;
-
 // Writes a warning to stderr, without disturbing the bar.
 void warn(const std::string& text);
 

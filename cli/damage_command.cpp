@@ -9,6 +9,8 @@
 #include "paint/retouch/mask_draft.h"
 #include "paint/retouch/treatment_area.h"
 #include "paint/retouch/treatment_picture.h"
+#include "surface/atomic_file.h"
+#include "surface/atomic_folder.h"
 #include "surface/error.h"
 #include "surface/painting_file.h"
 #include "surface/picture_file.h"
@@ -155,9 +157,11 @@ nlohmann::json run_damage(const DamageArguments& a) {
     if (!a.as.empty()) damage_class_of(a.as, "--as");
     require_use(a, drawing);
     if (a.treatment.empty()) throw UsageError("--treatment: name the folder of the treatment: P.treatment");
+    std::optional<AtomicFile> legend;
     if (!a.legend.empty()) {
         require_picture_format(a.legend);
         refuse_to_overwrite(a.legend, {a.painting});
+        legend.emplace(a.legend);  // that it can be written is known before the step
     }
     Treatment treatment =
         fs::exists(fs::path(a.treatment) / "log.jsonl")
@@ -179,7 +183,11 @@ nlohmann::json run_damage(const DamageArguments& a) {
             told({"the painting's scale is unknown: a pixel counts as one mm; begin with "
                   "--mm-per-pixel for areas in cm2"});
     if (!a.legend.empty()) {
-        write_picture_8bit(a.legend, damage_picture(treatment, treatment.read_canvas(progress).dry()));
+        told_of(legend->temporary(), a.legend, [&] {
+            write_picture_8bit(legend->temporary(),
+                               damage_picture(treatment, treatment.read_canvas(progress).dry()));
+        });
+        legend->commit();
         result["legend"] = a.legend;
     }
     return result;

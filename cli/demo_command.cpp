@@ -8,7 +8,7 @@
 #include "fit/compare_page.h"
 #include "fit/contact_sheet.h"
 #include "fit/fit_painting.h"
-#include "surface/atomic_file.h"
+#include "surface/atomic_folder.h"
 #include "surface/error.h"
 #include "surface/painting_file.h"
 #include "surface/picture_file.h"
@@ -50,7 +50,8 @@ Stack sample_stack(const std::string& lights, bool small) {
 nlohmann::json run_demo(const DemoArguments& arguments) {
     const Progress progress = console_progress();
     const fs::path out(arguments.out);
-    make_folder(out);
+    FolderFiles written(out);  // all of them, or none
+    const fs::path hidden = written.temporary();
     FitOptions options;
     options.mm_per_pixel = 200.0 / 512;  // the sample's README
     options.white_level = 0.75;
@@ -60,18 +61,25 @@ nlohmann::json run_demo(const DemoArguments& arguments) {
         {"command", "demo"},
         {"inputs",
          "datasets/impasto/jpg"}}.dump();
-    write_painting(out / "painting.exr", fit.surface, progress);
+    told_of(hidden, out, [&] { write_painting(hidden / "painting.exr", fit.surface, progress); });
 
     for (const NamedLight& light : kLights) {
         const std::vector<Light> lights{distant_light(light.direction)};
         RelightOptions relight_options;
         relight_options.cast_shadows = true;
-        write_picture(out / light.file, relight(fit.surface, lights, relight_options),
-                      Transfer{Transfer::Kind::srgb});
+        told_of(hidden, out, [&] {
+            write_picture(hidden / light.file, relight(fit.surface, lights, relight_options),
+                          Transfer{Transfer::Kind::srgb});
+        });
     }
     const Stack held_out = sample_stack("heldout.lp", arguments.small);
-    const CompareReport report = write_comparison(out / "compare", fit.surface, held_out, {}, progress);
-    write_picture_8bit(out / "contact_sheet.png", contact_sheet(fit.surface, held_out, report, {}, progress));
+    CompareReport report;
+    told_of(hidden, out, [&] {
+        report = write_comparison(hidden / "compare", fit.surface, held_out, {}, progress);
+        write_picture_8bit(hidden / "contact_sheet.png",
+                           contact_sheet(fit.surface, held_out, report, {}, progress));
+    });
+    written.place();
 
     write_stderr(fmt::format(
         "\nThe sample: 48 photographs of a rendered impasto painting, fitted, relit, and compared with {}\n"

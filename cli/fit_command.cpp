@@ -9,6 +9,7 @@
 #include "fit/fit_painting.h"
 #include "fit/fit_passes.h"
 #include "surface/error.h"
+#include "surface/output_set.h"
 #include "surface/overview.h"
 #include "surface/painting_file.h"
 #include "surface/painting_parts.h"
@@ -263,12 +264,15 @@ nlohmann::json run_fit(FitArguments arguments, const Progress& progress) {
     if (arguments.faithful && !faithful.report.used)
         fit.surface.provenance = with_faithful_in_vain(fit.surface.provenance);
     add_overview(parts, fit.surface, fit.surface);
-    write_painting(file, fit.surface, parts, progress);
+    fill_painting(file, fit.surface, parts, progress);
+    OutputSet set;  // a painting and the page that tells of it
+    set.add(file);
     if (page) {
         fit.report.warnings = warnings;
         page->write(fit_page(fit, std::filesystem::path(arguments.out).filename().string(), page->target()));
-        page->commit();
+        set.add(*page);
     }
+    set.commit();
     std::vector<LeftOut> left_out = opened.left_out;
     left_out.insert(left_out.end(), fit.report.left_out.begin(), fit.report.left_out.end());
     nlohmann::json result = result_of(fit, left_out, arguments.out);

@@ -8,8 +8,10 @@
 #include "capture/photo_file.h"
 #include "cli/command_list.h"
 #include "datasets/generator.h"
+#include "surface/atomic_folder.h"
 #include "surface/error.h"
 #include "surface/json_reading.h"
+#include "surface/output_set.h"
 
 namespace tangi {
 
@@ -31,7 +33,6 @@ Value chosen(const std::optional<Value>& value, const char* flag, const std::str
     return *value;
 }
 
-// It writes the truth before the photographs.
 bool is_generated(const fs::path& folder) {
     std::ifstream stream(folder / "gt" / "meta.json", std::ios::binary);
     const auto meta = json_or_discarded(std::string(std::istreambuf_iterator<char>(stream), {}));
@@ -67,19 +68,26 @@ std::vector<fs::path> photographs_before(const fs::path& folder) {
     return photographs;
 }
 
-// What is left of them would be taken for photographs of the new stack.
-void remove_left_over(const fs::path& folder, const std::vector<fs::path>& before, const Photography& now) {
-    std::set<fs::path> written;
-    for (const auto& photo : now.photos)
-        written.insert((photo.fitted ? folder : folder / "heldout") / photo.light.name);
-    std::error_code ignored;
-    for (const fs::path& photo : before)
-        if (!written.contains(photo)) fs::remove(photo, ignored);
-    const bool holds_out = std::ranges::any_of(now.photos, [](const auto& photo) { return !photo.fitted; });
-    if (holds_out || before.empty()) return;
-    fs::remove(folder / "heldout" / "heldout.lp", ignored);
-    if (fs::is_directory(folder / "heldout") && fs::is_empty(folder / "heldout"))
-        fs::remove(folder / "heldout", ignored);
+// What generate writes to gt/.
+bool is_truth(const std::string& name) {
+    static const std::set<std::string> names = {
+        "height.exr",   "normal.exr",  "albedo.exr", "specular.exr", "roughness.exr",  "roughness_v.exr",
+        "tangent.exr",  "lobe.exr",    "loss.png",   "varnish.png",  "craquelure.png", "retouch.png",
+        "abrasion.png", "flaking.png", "stain.png",  "old_fill.png", "overpaint.png",  "valid.png",
+        "lights.json",  "meta.json",   "truth.exr"};
+    return names.contains(name);
+}
+
+// What is left of them would be taken for photographs of the new stack, and their truth for its.
+void withdraw_left_over(OutputSet& set, const fs::path& folder, const std::vector<fs::path>& before,
+                        const fs::path& written) {
+    if (!is_generated(folder)) return;
+    std::vector<fs::path> all = before;
+    all.push_back(folder / "heldout" / "heldout.lp");
+    for (const auto& entry : fs::directory_iterator(folder / "gt"))
+        if (is_truth(entry.path().filename().string())) all.push_back(entry.path());
+    for (const fs::path& file : all)
+        if (!fs::exists(written / file.lexically_relative(folder))) set.withdraw(file);
 }
 
 nlohmann::json run_generate(GenerateArguments a) {
@@ -94,9 +102,17 @@ nlohmann::json run_generate(GenerateArguments a) {
     refuse_to_overwrite_photographs(a.out);
     const std::vector<fs::path> before = photographs_before(a.out);
     const Progress progress = console_progress();
+    FolderFiles written(a.out);  // all of them, or none
     const PaintingTruth truth = procedural_painting(a.painting, progress);
-    const Photography photography = write_stack(a.out, truth, a.photos, progress);
-    remove_left_over(a.out, before, photography);
+    Photography photography;
+    told_of(written.temporary(), a.out,
+            [&] { photography = write_stack(written.temporary(), truth, a.photos, progress); });
+    OutputSet set;
+    set.add(written);
+    withdraw_left_over(set, a.out, before, written.temporary());
+    set.commit();
+    std::error_code in_use;
+    if (fs::is_empty(fs::path(a.out) / "heldout", in_use)) fs::remove(fs::path(a.out) / "heldout", in_use);
     return {{"folder", a.out},
             {"photographs", photography.photos.size()},
             {"width", truth.width()},

@@ -12,6 +12,8 @@
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
+#include <set>
+#include <span>
 #include <sstream>
 #include <utility>
 
@@ -19,7 +21,10 @@
 #include "cli/message_length.h"
 #include "surface/error.h"
 #include "surface/json_text.h"
+#include "surface/memory_error.h"
+#include "surface/output_set.h"
 #include "surface/parallel.h"
+#include "surface/stale_temporaries.h"
 
 namespace {
 
@@ -62,11 +67,32 @@ void shorten_messages(nlohmann::json& value, bool is_message) {
     }
 }
 
-int run(const Command& command, const std::function<nlohmann::json()>& body) {
+// Outputs that an earlier command was putting in place when it was stopped come first: the files that are
+// named may be among them.
+void settle_outputs_named(std::span<char*> words) {
+    std::set<std::filesystem::path> folders;
+    for (const std::string_view word : words) {
+        const std::size_t value = word.starts_with('-') ? word.find('=') + 1 : 0;
+        if (word.starts_with('-') && value == 0) continue;
+        const std::filesystem::path path = word.substr(value);
+        std::error_code missing;
+        if (path.has_filename()) folders.insert(path.has_parent_path() ? path.parent_path() : ".");
+        if (std::filesystem::is_directory(path, missing)) folders.insert(path);
+    }
+    for (const std::filesystem::path& folder : folders) settle_outputs(folder);
+}
+
+// What went wrong, with the names that files were asked for by.
+std::string in_lasting_words(const std::string& message) {
+    return printable(shortened(in_lasting_names(message), kMostOfMessage));
+}
+
+int run(const Command& command, std::span<char*> words, const std::function<nlohmann::json()>& body) {
     const auto start = std::chrono::steady_clock::now();
     const std::string name = command.name;
     const std::string who = "tangipaint " + name + ": ";
     try {
+        settle_outputs_named(words);
         nlohmann::json result = body();
         shorten_messages(result, false);
         const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
@@ -82,18 +108,17 @@ int run(const Command& command, const std::function<nlohmann::json()>& body) {
     } catch (const Cancelled& stop) {
         return ended(kInterrupted, "\n" + who + stop.what() + "; nothing half-written is left");
     } catch (const UsageError& error) {
-        return ended(kUsage, who + printable(shortened(error.what(), kMostOfMessage)) +
-                                 fmt::format("\nSee: tangipaint {} --help", name));
+        return ended(kUsage,
+                     who + in_lasting_words(error.what()) + fmt::format("\nSee: tangipaint {} --help", name));
     } catch (const Error& error) {
-        return ended(kWorldIsWrong, who + printable(shortened(error.what(), kMostOfMessage)));
+        return ended(kWorldIsWrong, who + in_lasting_words(error.what()));
     } catch (
         const std::filesystem::filesystem_error& error) {  // no permission to look, a name that is too long
-        return ended(kWorldIsWrong, who + shortened(error.path1().string(), kMostOfMessage / 2) + ": " +
-                                        error.code().message());
-    } catch (const std::bad_alloc&) {
-        const char* remedy = name == "fit" ? "; try a part of the picture with --crop" : "";
-        return ended(kWorldIsWrong, who + "not enough memory" + remedy);
+        return ended(kWorldIsWrong,
+                     who + in_lasting_words(error.path1().string() + ": " + error.code().message()));
     } catch (const std::exception& bug) {
+        const char* remedy = name == "fit" ? "; try a part of the picture with --crop" : "";
+        if (says_no_memory(bug)) return ended(kWorldIsWrong, who + kNoMemory + remedy);
         return ended(kOurBug, who + "internal error, please report it: " + bug.what());
     }
 }
@@ -231,7 +256,7 @@ int main(int argc, char** argv) {
     if (!topic.empty()) return show(app.get_subcommand(topic)->help("tangipaint"));
     if (body) {
         set_thread_count(threads);
-        return run(*asked, body);
+        return run(*asked, std::span(argv, static_cast<std::size_t>(argc)).subspan(2), body);
     }
     // Not app.help(): after `tangipaint help` that would explain the command `help` alone.
     const std::string all = app.get_formatter()->make_help(&app, app.get_name(), CLI::AppFormatMode::Normal);

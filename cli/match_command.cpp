@@ -15,6 +15,7 @@
 #include "paint/retouch/surroundings.h"
 #include "paint/retouch/swatches.h"
 #include "surface/atomic_file.h"
+#include "surface/atomic_folder.h"
 #include "surface/error.h"
 #include "surface/picture_file.h"
 
@@ -270,10 +271,14 @@ nlohmann::json run_match(const MatchArguments& a) {
                              {"fewer_paints", by_count},
                              {"seconds", seconds.count()}};
     if (a.film_mm) result["film_mm"] = *a.film_mm;
+    std::optional<AtomicFile> swatch;
     if (!a.swatch.empty()) {
         const bool linear = lower_extension(a.swatch) == ".exr";
-        write_picture(a.swatch, recipe_swatches(wanted.reflectance, found.recipes, box.palette.paints),
-                      linear ? Transfer{} : Transfer{Transfer::Kind::srgb}, {.bits = 8});
+        told_of(swatch.emplace(a.swatch).temporary(), a.swatch, [&] {
+            write_picture(swatch->temporary(),
+                          recipe_swatches(wanted.reflectance, found.recipes, box.palette.paints),
+                          linear ? Transfer{} : Transfer{Transfer::Kind::srgb}, {.bits = 8});
+        });
         result["picture"] = a.swatch;
     }
     if (found.recipes.front().error > kPoorMatch)
@@ -292,6 +297,7 @@ nlohmann::json run_match(const MatchArguments& a) {
         step.results.erase("seconds"), step.results.erase("picture");
         treatment->record(step, a.author.author(), progress);
     }
+    if (swatch) swatch->commit();
     write_stderr(table_of(found, box));
     return result;
 }

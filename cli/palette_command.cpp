@@ -6,7 +6,10 @@
 #include "cli/command_list.h"
 #include "paint/drawdown.h"
 #include "paint/kubelka_munk.h"
+#include "surface/atomic_file.h"
+#include "surface/atomic_folder.h"
 #include "surface/error.h"
+#include "surface/output_set.h"
 #include "surface/picture_file.h"
 
 namespace tangi {
@@ -61,16 +64,25 @@ nlohmann::json run_palette(const PaletteArguments& a) {
     nlohmann::json paints = nlohmann::json::array();
     for (const Pigment& paint : palette.paints) paints.push_back(described(paint, illuminant));
     nlohmann::json result = {{"name", palette.name}, {"illuminant", name_of(illuminant)}, {"paints", paints}};
+    std::optional<AtomicFile> picture, saved;
+    OutputSet set;
     if (!a.out.empty()) {
         const Image<Rgb> cards = drawdown_cards(palette, illuminant, a.drawdown, progress);
         const bool linear = lower_extension(a.out) == ".exr";
-        write_picture(a.out, cards, linear ? Transfer{} : Transfer{Transfer::Kind::srgb}, {.bits = 8});
+        told_of(picture.emplace(a.out).temporary(), a.out, [&] {
+            write_picture(picture->temporary(), cards, linear ? Transfer{} : Transfer{Transfer::Kind::srgb},
+                          {.bits = 8});
+        });
+        set.add(*picture);
         result["picture"] = a.out;
     }
     if (!a.save.empty()) {
-        write_palette(a.save, palette);
+        told_of(saved.emplace(a.save).temporary(), a.save,
+                [&] { write_palette(saved->temporary(), palette); });
+        set.add(*saved);
         result["palette"] = a.save;
     }
+    set.commit();
     return result;
 }
 

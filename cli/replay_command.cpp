@@ -10,6 +10,7 @@
 #include "paint/session.h"
 #include "paint/tools_file.h"
 #include "surface/error.h"
+#include "surface/output_set.h"
 #include "surface/painting_file.h"
 #include "surface/picture_file.h"
 
@@ -88,9 +89,11 @@ nlohmann::json run_replay(const ReplayArguments& a) {
     // What a run makes belongs together: all of it is written before any of it takes its place.
     fill_canvas(out, canvas, progress, with_tools(std::move(further), session));
     if (board) fill_canvas(*board, *session.board(), progress, {});
-    if (frames) frames->place();
-    if (board) board->commit();
-    out.commit();
+    OutputSet set;
+    set.add(out);
+    if (board) set.add(*board);
+    if (frames) frames->add_to(set);
+    set.commit();
 
     nlohmann::json layers = nlohmann::json::array();
     for (const DriedLayer& layer : canvas.dried()) layers.push_back(layer.name);

@@ -11,8 +11,10 @@
 #include "paint/retouch/modes.h"
 #include "paint/retouch/treatment_area.h"
 #include "paint/retouch/viewing.h"
+#include "surface/atomic_folder.h"
 #include "surface/error.h"
 #include "surface/letter_case.h"
+#include "surface/output_set.h"
 #include "surface/picture_file.h"
 
 namespace tangi {
@@ -162,10 +164,16 @@ nlohmann::json run_retouch(RetouchArguments a) {
                             "thin, over this "
                             "ground, do not give the colour",
                             name_of(lamp), off));
+    std::optional<AtomicFile> preview;
+    OutputSet set;
     if (!a.preview.empty()) {
         const bool linear = lower_extension(a.preview) == ".exr";
-        write_picture(a.preview, seen_from(views.retouched, canvas.mm_per_pixel(), a.distance_m),
-                      linear ? Transfer{} : Transfer{Transfer::Kind::srgb}, {.bits = 8});
+        told_of(preview.emplace(a.preview).temporary(), a.preview, [&] {
+            write_picture(preview->temporary(),
+                          seen_from(views.retouched, canvas.mm_per_pixel(), a.distance_m),
+                          linear ? Transfer{} : Transfer{Transfer::Kind::srgb}, {.bits = 8});
+        });
+        set.add(*preview);
         result["preview"] = {{"picture", a.preview}, {"distance_m", a.distance_m}};
     }
     if (treatment) {
@@ -184,9 +192,11 @@ nlohmann::json run_retouch(RetouchArguments a) {
         treatment->record(step, a.author.author(), progress);
         result["treatment"] = a.treatment;
     } else {
-        write_canvas(*out, canvas, progress, parts_beside_paint(a.painting, progress));
+        fill_canvas(*out, canvas, progress, parts_beside_paint(a.painting, progress));
+        set.add(*out);
         result["painting"] = a.out;
     }
+    set.commit();
     return result;
 }
 

@@ -8,6 +8,7 @@
 #include "paint/appearance.h"
 #include "paint/retouch/treatment_picture.h"
 #include "surface/error.h"
+#include "surface/output_set.h"
 #include "surface/relight.h"
 
 namespace tangi {
@@ -79,8 +80,8 @@ void TimeLapse::complete() {
     for (const auto& film : films_) film->complete();
 }
 
-void TimeLapse::place() {
-    for (const auto& film : films_) film->place();
+void TimeLapse::add_to(OutputSet& set) {
+    for (const auto& film : films_) film->add_to(set);
 }
 
 void TimeLapse::write() {

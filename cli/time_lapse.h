@@ -11,6 +11,8 @@
 
 namespace tangi {
 
+class OutputSet;
+
 struct TimeLapseArguments {
     std::string folder, video, light = "-0.5,0.5,0.7";
     double every_s = 2;
@@ -34,8 +36,8 @@ public:
     TimeLapse(const TimeLapse&) = delete;  // the session looks here
     TimeLapse& operator=(const TimeLapse&) = delete;
 
-    void complete();  // with the finished painting; all is written, under temporary names
-    void place();
+    void complete();              // with the finished painting; all is written, under temporary names
+    void add_to(OutputSet& set);  // to have their own names with it
     int frames() const { return frames_; }
 
 private:

@@ -9,6 +9,7 @@
 #include <iterator>
 
 #include "surface/error.h"
+#include "surface/output_set.h"
 #include "surface/stale_temporaries.h"
 
 namespace tangi {
@@ -17,15 +18,54 @@ namespace fs = std::filesystem;
 
 namespace {
 
-void sync_to_disk(const fs::path& path, const fs::path& named) {
-    const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
-    const bool synced = file >= 0 && ::fsync(file) == 0;
-    const int reason = errno;
-    if (file >= 0) ::close(file);
-    if (!synced) fail("{}: cannot be written to disk: {}", named.string(), std::strerror(reason));
+class Descriptor {
+public:
+    Descriptor(const fs::path& path, int flags) : number_(::open(path.c_str(), flags | O_CLOEXEC, 0666)) {}
+    ~Descriptor() {
+        if (number_ >= 0) ::close(number_);
+    }
+    Descriptor(const Descriptor&) = delete;
+    Descriptor& operator=(const Descriptor&) = delete;
+    int number() const { return number_; }
+
+    // False, with errno.
+    bool write(std::string_view bytes) const {
+        while (!bytes.empty()) {
+            const ssize_t count = ::write(number_, bytes.data(), bytes.size());
+            if (count < 0 && errno == EINTR) continue;
+            if (count <= 0) return false;
+            bytes.remove_prefix(static_cast<std::size_t>(count));
+        }
+        return true;
+    }
+
+private:
+    int number_;
+};
+
+[[noreturn]] void cannot_be_written(const fs::path& target) {
+    fail("{}: cannot be written: {}", target.string(), std::strerror(errno));
+}
+
+fs::path folder_of(const fs::path& file) {
+    return file.has_parent_path() ? file.parent_path() : fs::path(".");
 }
 
 }  // namespace
+
+void sync_to_disk(const fs::path& path, const fs::path& named) {
+    const Descriptor file(path, O_RDONLY);
+    if (file.number() < 0 || ::fsync(file.number()) != 0)
+        fail("{}: cannot be written to disk: {}", named.string(), std::strerror(errno));
+}
+
+void sync_folder(const fs::path& folder, const fs::path& named) {
+    const Descriptor handle(folder, O_RDONLY | O_DIRECTORY);
+    if (handle.number() < 0 || ::fsync(handle.number()) == 0) return;
+    if (errno == EIO || errno == ENOSPC || errno == EDQUOT)
+        fail("{}: is in place, but the disk does not say that it holds it: {}", named.string(),
+             std::strerror(errno));
+}
 
 fs::path where_links_lead(fs::path path) {
     std::error_code unreadable;  // then it is for those who open it to say why
@@ -41,10 +81,11 @@ fs::path where_links_lead(fs::path path) {
 AtomicFile::AtomicFile(fs::path target) : target_(std::move(target)), place_(where_links_lead(target_)) {
     if (target_.filename().empty()) fail("{}: is not a file name", target_.string());
     if (fs::is_directory(target_)) fail("{}: is a folder; give the name of a file", target_.string());
-    const fs::path folder = place_.has_parent_path() ? place_.parent_path() : fs::path(".");
+    const fs::path folder = folder_of(place_);
     if (!fs::is_directory(folder))
         fail("{}: there is no folder {}; make it, or choose another place", target_.string(),
              folder.string());
+    tidy_folder(folder);
     remove_stale_temporaries(place_, place_.stem().string(), target_.extension().string());
     temporary_ = folder / temporary_name(place_.stem().string(), target_.extension().string());
     const int file = ::open(temporary_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
@@ -63,11 +104,25 @@ AtomicFile::~AtomicFile() {
 }
 
 void AtomicFile::write(std::string_view bytes) {
-    std::ofstream stream(temporary_, std::ios::binary);
-    stream.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-    stream.close();
-    if (!stream) fail("{}: cannot be written: {}", target_.string(), std::strerror(errno));
+    const Descriptor file(temporary_, O_WRONLY | O_TRUNC);
+    if (file.number() < 0 || !file.write(bytes)) cannot_be_written(target_);
     sync_to_disk(temporary_, target_);  // a full disk may show only then
+}
+
+void AtomicFile::copy_from(const fs::path& from) {
+    constexpr std::size_t kAtOnce = 1 << 20;  // [bytes]
+    const Descriptor source(from, O_RDONLY);
+    if (source.number() < 0) fail("{}: cannot be read: {}", from.string(), std::strerror(errno));
+    const Descriptor file(temporary_, O_WRONLY | O_TRUNC);
+    if (file.number() < 0) cannot_be_written(target_);
+    for (std::string bytes(kAtOnce, '\0');;) {
+        const ssize_t count = ::read(source.number(), bytes.data(), bytes.size());
+        if (count < 0 && errno == EINTR) continue;
+        if (count < 0) fail("{}: cannot be read: {}", from.string(), std::strerror(errno));
+        if (count == 0) break;
+        if (!file.write({bytes.data(), static_cast<std::size_t>(count)})) cannot_be_written(target_);
+    }
+    sync_to_disk(temporary_, target_);
 }
 
 void AtomicFile::commit() {
@@ -76,14 +131,7 @@ void AtomicFile::commit() {
     fs::rename(temporary_, place_, status);
     if (status) fail("{}: cannot be put in place: {}", target_.string(), status.message());
     committed_ = true;
-    // The new name is safe only once its folder is; a file system that cannot sync folders is no reason to
-    // fail.
-    const fs::path folder = place_.has_parent_path() ? place_.parent_path() : fs::path(".");
-    const int handle = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-    if (handle >= 0) {
-        ::fsync(handle);
-        ::close(handle);
-    }
+    sync_folder(folder_of(place_), target_);  // the new name is safe only once its folder is
 }
 
 void write_text_file(const fs::path& path, std::string_view text) {

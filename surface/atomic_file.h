@@ -29,12 +29,22 @@ public:
 
     // Makes `bytes` the content of the temporary file. Throws Error naming the target, as on a full disk.
     void write(std::string_view bytes);
+    // The same of another file's content. Throws Error naming both.
+    void copy_from(const std::filesystem::path& file);
+    // Throws Error naming the target, also where it is in place but the disk did not say that it holds it.
     void commit();
 
 private:
+    friend class OutputSet;  // which commits several as one
+
     std::filesystem::path target_, place_, temporary_;  // place_: what a link as the target leads to
     bool committed_ = false;
 };
+
+// Makes sure that what is in a file, or which names are in a folder, is on the disk; `named` is what Errors
+// name. A file system that cannot sync folders is no reason to fail.
+void sync_to_disk(const std::filesystem::path& file, const std::filesystem::path& named);
+void sync_folder(const std::filesystem::path& folder, const std::filesystem::path& named);
 
 // Writes a text file whole or not at all.
 void write_text_file(const std::filesystem::path& path, std::string_view text);

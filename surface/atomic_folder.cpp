@@ -13,6 +13,7 @@
 #include "surface/atomic_file.h"
 #include "surface/error.h"
 #include "surface/json_reading.h"
+#include "surface/output_set.h"
 #include "surface/stale_temporaries.h"
 
 namespace tangi {
@@ -63,10 +64,10 @@ void told_of(const fs::path& temporary, const fs::path& target, const std::funct
         write();
     } catch (const Error& error) {
         std::string words = error.what();
-        const std::string hidden = temporary.string();
+        const std::string hidden = temporary.string(), shown = target.string();
         if (words.find(hidden) == std::string::npos) throw;
-        for (std::size_t at = 0; (at = words.find(hidden, at)) != std::string::npos;)
-            words.replace(at, hidden.size(), target.string());
+        for (std::size_t at = 0; (at = words.find(hidden, at)) != std::string::npos; at += shown.size())
+            words.replace(at, hidden.size(), shown);
         throw Error(words);
     }
 }
@@ -91,6 +92,7 @@ AtomicFolder::AtomicFolder(fs::path target, std::string contents)
     }
     make_folder(parent);
     const std::string name = target_.filename().string();
+    tidy_folder(parent);
     remove_stale_temporaries(target_, name, "");
     temporary_ = parent / temporary_name(name, "");
     std::error_code status;
@@ -116,37 +118,79 @@ std::vector<std::string> AtomicFolder::commit() {
     const bool placed =
         replaces ? exchange_folders(temporary_, target_) : ::rename(temporary_.c_str(), target_.c_str()) == 0;
     if (!placed) fail("{}: cannot be put in place: {}", target_.string(), std::strerror(errno));
+    sync_folder(target_.has_parent_path() ? target_.parent_path() : fs::path("."), target_);
     return {files.begin(), files.end()};
 }
 
+MadeFolders::~MadeFolders() {
+    std::error_code not_empty;
+    while (!made_.empty()) {
+        fs::remove(made_.back(), not_empty);
+        made_.pop_back();
+    }
+}
+
+void MadeFolders::make(const fs::path& folder) {
+    std::vector<fs::path> missing;
+    std::error_code unknown;
+    for (fs::path path = folder; !path.empty() && !fs::exists(path, unknown) && !unknown;
+         path = path.parent_path()) {
+        if (path.has_filename()) missing.push_back(path);
+        if (!path.has_relative_path()) break;
+    }
+    made_.insert(made_.end(), missing.rbegin(), missing.rend());
+    make_folder(folder);
+}
+
 FolderFiles::FolderFiles(fs::path folder) : folder_(std::move(folder)) {
-    made_ = !fs::exists(folder_);
-    make_folder(folder_);
-    remove_stale_temporaries(folder_ / "new", "new", "");
-    temporary_ = folder_ / temporary_name("new", "");
-    make_folder(temporary_);
+    if (!folder_.has_filename() && folder_.has_relative_path()) folder_ = folder_.parent_path();  // "a/"
+    std::error_code status;
+    is_new_ = fs::symlink_status(folder_, status).type() == fs::file_type::not_found;
+    const fs::path parent = folder_.has_parent_path() ? folder_.parent_path() : fs::path(".");
+    told_of(parent, is_new_ && parent != "." ? folder_ : parent,
+            [&] { made_.make(is_new_ ? parent : folder_); });
+    const fs::path beside = is_new_ ? parent : folder_;
+    tidy_folder(beside);
+    const std::string name = is_new_ ? folder_.filename().string() : kWithinFolder;
+    remove_stale_temporaries(beside / name, name, "");
+    temporary_ = beside / temporary_name(name, "");
+    fs::remove_all(temporary_, status);
+    fs::create_directory(temporary_, status);
+    if (status) fail("{}: cannot be made a folder: {}", folder_.string(), status.message());
 }
 
 FolderFiles::~FolderFiles() {
     std::error_code ignored;
-    fs::remove_all(temporary_, ignored);
-    if (made_ && !placed_) fs::remove(folder_, ignored);
+    if (!left_) fs::remove_all(temporary_, ignored);
 }
 
-void FolderFiles::place() {
+std::vector<FolderFiles::Move> FolderFiles::moves() {
+    const fs::path folder = temporary_.parent_path(), hidden = temporary_.filename(),
+                   place = is_new_ ? folder_.filename() : fs::path();
+    if (is_new_ && !fs::exists(folder_)) return {{folder, hidden, place, folder_}};
     const std::set<std::string> all = files_in(temporary_);
     std::vector<std::string> files(all.begin(), all.end());
     std::ranges::stable_sort(files, std::greater(),
                              [](const std::string& file) { return std::ranges::count(file, '/'); });
+    std::vector<Move> moves;
     for (const std::string& file : files) {
-        make_folder((folder_ / file).parent_path());
-        placed_ = true;
-        std::error_code status;
-        fs::rename(temporary_ / file, folder_ / file, status);
-        if (status) fail("{}: cannot be put in place: {}", (folder_ / file).string(), status.message());
+        made_.make((folder_ / file).parent_path());
+        if (!file.ends_with('/')) moves.push_back({folder, hidden / file, place / file, folder_ / file});
     }
+    return moves;
+}
+
+void FolderFiles::placed(bool cleaned) {
+    made_.keep();
+    left_ = !cleaned;  // who looks at the folder now sees what was written
     std::error_code ignored;
-    fs::remove_all(temporary_, ignored);  // who looks at the folder now sees what was written
+    if (cleaned) fs::remove_all(temporary_, ignored);
+}
+
+void FolderFiles::place() {
+    OutputSet set;
+    set.add(*this);
+    set.commit();
 }
 
 }  // namespace tangi

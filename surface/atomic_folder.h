@@ -41,12 +41,28 @@ private:
     std::string contents_;
 };
 
-// Files for a folder that other things may lie in, and stay: they are kept in a hidden folder in it until
-// place() puts all of them in their places. Destroyed without place(), it removes them, and the folder where
-// it made that.
+// Folders that were made for something: unless that came about they are gone again, where they are empty.
+class MadeFolders {
+public:
+    MadeFolders() = default;
+    ~MadeFolders();
+    MadeFolders(const MadeFolders&) = delete;
+    MadeFolders& operator=(const MadeFolders&) = delete;
+
+    // Makes a folder and its parents. Throws Error as make_folder() does.
+    void make(const std::filesystem::path& folder);
+    void keep() { made_.clear(); }
+
+private:
+    std::vector<std::filesystem::path> made_;
+};
+
+// Files for a folder that other things may lie in, and stay: they are kept in a hidden folder until place()
+// puts all of them in their places, together (OutputSet). Where the folder is not there yet, the hidden one
+// becomes it. Destroyed without place(), it removes them.
 class FolderFiles {
 public:
-    // Makes the folder. Throws Error naming it.
+    // Throws Error naming the folder where there can be none, or nothing can be written.
     explicit FolderFiles(std::filesystem::path folder);
     ~FolderFiles();
     FolderFiles(const FolderFiles&) = delete;
@@ -55,12 +71,20 @@ public:
     // Where to write, in folders as the target is to have them.
     const std::filesystem::path& temporary() const { return temporary_; }
 
-    // Those in folders first. Throws Error naming the file; those before it are in place then.
+    // Throws Error naming the file; then none of them is in place.
     void place();
 
 private:
+    friend class OutputSet;
+    struct Move {
+        std::filesystem::path folder, from, to, named;  // from, to: relative to the folder
+    };
+    std::vector<Move> moves();
+    void placed(bool cleaned);
+
     std::filesystem::path folder_, temporary_;
-    bool made_ = false, placed_ = false;
+    MadeFolders made_;
+    bool is_new_ = false, left_ = false;
 };
 
 // Runs `write`, which writes to `temporary`; what its Errors say of that, they say of `target`.

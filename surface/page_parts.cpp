@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "surface/atomic_file.h"
+#include "surface/atomic_folder.h"
 #include "surface/base64.h"
 #include "surface/error.h"
 #include "surface/html_text.h"
@@ -88,12 +89,8 @@ std::string plus_minus(double sigma, int digits) {
 
 std::string picture_url(const Image<Rgb>& picture, const std::filesystem::path& scratch) {
     const AtomicFile file(scratch.parent_path() / "page-picture.jpg");  // never committed: it vanishes
-    try {
-        write_picture_8bit(file.temporary(), picture);
-    } catch (const Error&) {  // names a file that nobody asked for
-        fail("{}: cannot be written: there is no room for a picture of its page; is the disk full?",
-             scratch.string());
-    }
+    // Nobody asked for a file of that name.
+    told_of(file.temporary(), scratch, [&] { write_picture_8bit(file.temporary(), picture); });
     return "data:image/jpeg;base64," + base64(read_text_file(file.temporary()));
 }
 

@@ -8,6 +8,7 @@
 
 #include "surface/exr_claim.h"
 #include "surface/json_text.h"
+#include "surface/memory_error.h"
 
 namespace tangi {
 
@@ -36,6 +37,7 @@ bool begins_as_exr(const std::filesystem::path& path) {
 }  // namespace
 
 void fail_reading(const std::filesystem::path& path, const std::exception& error) {
+    if (says_no_memory(error)) fail("{}: {} to read it", path.string(), kNoMemory);
     const std::string_view words = error.what();
     const auto says = [&](std::string_view part) { return words.find(part) != std::string_view::npos; };
     if (const std::string_view refusal = refusal_in(words); !refusal.empty())

@@ -29,6 +29,7 @@
 
 #include "surface/dry_channels.h"
 #include "surface/error.h"
+#include "surface/memory_error.h"
 #include "surface/exr_attribute.h"
 #include "surface/exr_claim.h"
 #include "surface/json_reading.h"
@@ -307,13 +308,13 @@ void fill_painting(const AtomicFile& file, const Surface& s, std::span<const Par
         } catch (const Cancelled&) {
             throw;
         } catch (const std::exception& error) {
-            failure = error.what();
+            failure = says_no_memory(error) ? kNoMemory : error.what();
         }
         if (!stream.failure().empty()) failure = stream.failure();
     } catch (const Cancelled&) {
         throw;
     } catch (const std::exception& error) {
-        failure = error.what();
+        failure = says_no_memory(error) ? kNoMemory : error.what();
     }
     if (!failure.empty()) fail("{}: cannot be written: {}", target, failure);
     report(progress, "write painting", 1);  // the last chance to stop: what is in place is not taken back

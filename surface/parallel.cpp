@@ -6,6 +6,11 @@
 #include <oneapi/tbb/parallel_for.h>
 
 #include <memory>
+#include <new>
+#include <stdexcept>
+
+#include "surface/error.h"
+#include "surface/memory_error.h"
 
 namespace tangi {
 
@@ -36,9 +41,14 @@ void parallel_for(int begin, int end, int grain, const std::function<void(int, i
     // A loop within another one's body is done as a whole, though an exception ends the other meanwhile: what
     // follows it in the body takes its results for there.
     oneapi::tbb::task_group_context context(oneapi::tbb::task_group_context::isolated);
-    oneapi::tbb::parallel_for(
-        oneapi::tbb::blocked_range<int>(begin, end, static_cast<std::size_t>(grain)),
-        [&](const auto& range) { body(range.begin(), range.end()); }, context);
+    try {
+        oneapi::tbb::parallel_for(
+            oneapi::tbb::blocked_range<int>(begin, end, static_cast<std::size_t>(grain)),
+            [&](const auto& range) { body(range.begin(), range.end()); }, context);
+    } catch (const std::runtime_error& error) {  // of TBB, where there is no memory for a thread
+        if (!dynamic_cast<const Error*>(&error) && says_no_memory(error)) throw std::bad_alloc();
+        throw;
+    }
 }
 
 }  // namespace tangi

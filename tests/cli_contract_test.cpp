@@ -266,5 +266,32 @@ TEST(CliContract, TooLittleMemoryIsAnErrorThatSaysSo) {
     EXPECT_TRUE(ended(run, 1, {"not enough memory"}));
 }
 
+// From where the loader finds room for the libraries on to where there is enough.
+TEST(CliContract, WithAnyLimitOfMemoryItIsDoneOrThatIsSaid) {
+    const TinyStack stack;
+    const std::vector<std::vector<std::string>> commands = {
+        {"help"},
+        {"info", stack.truth()},
+        {"fit", stack.path(), "--out", stack.out("a.exr")},
+        {"relight", stack.truth(), "--light", "1,0,1", "--out", stack.out("a.png")}};
+    constexpr rlim_t kStep = 24;  // [MB]
+    int refused = 0, done = 0;
+    for (rlim_t mb = 360; mb <= 720; mb += kStep) {
+        Conditions small;
+        small.memory = mb << 20;
+        const auto& command = commands[static_cast<std::size_t>(mb / kStep) % commands.size()];
+        SCOPED_TRACE(fmt::format("{} in {} MB", command.front(), mb));
+        const Finished run = tangipaint(command, small);
+        if (run.code == 127) continue;  // the loader's, which says why
+        if (run.code == 0)
+            ++done;
+        else
+            EXPECT_TRUE(ended(run, 1, {"not enough memory"})) << ++refused;
+    }
+    EXPECT_GT(refused, 0);
+    EXPECT_GT(done, 0);
+    EXPECT_EQ(leftovers_in(stack.root()), std::vector<std::string>());
+}
+
 }  // namespace
 }  // namespace tangi

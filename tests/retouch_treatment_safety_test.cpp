@@ -77,6 +77,65 @@ TEST_F(TreatmentFolder, AStepThatACrashCameIntoIsThereAsAWholeOrNotAtAll) {
     }
 }
 
+// A disk that fails for a moment: the step has not happened, and can be done then.
+TEST_F(TreatmentFolder, AStepWhoseLineIsNotWrittenHasNotHappened) {
+    namespace fs = std::filesystem;
+    begin();
+    const fs::path head = folder() / "log.head.json", log = folder() / "log.jsonl";
+    const std::string before = read_text_file(log);
+    fs::rename(head, dir_ / "head");
+    fs::create_directory(head);
+    fs::create_directory(head / "in the way");
+    const auto step = [&](Treatment& treatment) {
+        treatment.record({.action = "draw damage", .masks = {{"stain", Mask(100, 70, 1.0f)}}}, kAuthor);
+    };
+    // It was opened before.
+    fs::rename(head, dir_ / "folder"), fs::rename(dir_ / "head", head);
+    Treatment treatment = Treatment::open(folder());
+    fs::rename(head, dir_ / "head"), fs::rename(dir_ / "folder", head);
+    EXPECT_THAT([&] { step(treatment); }, ThrowsMessage<Error>(HasSubstr("log.head.json: is a folder")));
+    fs::remove_all(head), fs::rename(dir_ / "head", head);
+    EXPECT_EQ(read_text_file(log), before);
+    EXPECT_FALSE(fs::exists(folder() / "pending"));
+    Treatment again = Treatment::open(folder());
+    EXPECT_THAT(again.check(), IsEmpty());
+    EXPECT_FALSE(again.has_mask(DamageClass::stain));
+    step(again);
+    EXPECT_THAT(Treatment::open(folder()).check(), IsEmpty());
+}
+
+TEST_F(TreatmentFolder, AStepWhoseFileCannotBePlacedIsFinishedByTheNextCommand) {
+    namespace fs = std::filesystem;
+    Treatment treatment = begin();
+    const fs::path mask = folder() / "masks/stain.png";
+    fs::create_directories(mask / "in the way");
+    EXPECT_THAT(
+        [&] {
+            treatment.record({.action = "draw damage", .masks = {{"stain", Mask(100, 70, 1.0f)}}}, kAuthor);
+        },
+        ThrowsMessage<Error>(AllOf(HasSubstr("masks/stain.png: cannot be put in its place"),
+                                   HasSubstr("the next command finishes it"))));
+    fs::remove_all(mask);
+    const Treatment found = Treatment::open(folder());
+    EXPECT_THAT(found.check(), IsEmpty());
+    EXPECT_EQ(area_of(found.mask(DamageClass::stain), 1).mm2, 7000);
+    EXPECT_FALSE(fs::exists(folder() / "pending"));
+}
+
+// One rename makes a treatment of it.
+TEST_F(TreatmentFolder, ABeginningThatFailsLeavesNothing) {
+    namespace fs = std::filesystem;
+    {
+        const FullDisk full(2000);
+        EXPECT_THAT([&] { Treatment::begin(dir_ / "new/p.treatment", dir_ / "p.exr", kAuthor); },
+                    ThrowsMessage<Error>(AllOf(HasSubstr("new/p.treatment/painting.exr: cannot be written: "),
+                                               HasSubstr("File too large"))));
+    }
+    EXPECT_FALSE(fs::exists(dir_ / "new"));
+    EXPECT_THAT(Treatment::begin(dir_ / "new/p.treatment/", dir_ / "p.exr", kAuthor).check(), IsEmpty());
+    EXPECT_FALSE(fs::exists(dir_ / "new/p.treatment/pending"));
+}
+
 TEST_F(TreatmentFolder, LogsWithAWholeChainThatNoTreatmentWroteAreNamed) {
     begin();
     nlohmann::json first = TreatmentLog::open(folder() / "log.jsonl").entries()[0].content;

@@ -4,6 +4,7 @@
 
 #include "paint/canvas_file.h"
 #include "surface/error.h"
+#include "surface/output_set.h"
 #include "viewer/settings.h"
 #include "viewer/treatment_desk.h"
 
@@ -87,6 +88,7 @@ void Desk::open(const fs::path& file) {
     if (new_canvas_ && new_canvas_->first == file && !fs::exists(file, unknown)) ground = new_canvas_->second;
     start((ground ? "making " : "opening ") + file.filename().string(),
           [this, file, other, ground, palette = setup_.palette](const Progress& progress) {
+              settle_outputs_at(file);  // a command that was stopped may have been putting it in place
               OpenedPainting opened;
               opened.palette = other;
               opened.is_new = ground.has_value();

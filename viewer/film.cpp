@@ -7,6 +7,7 @@
 
 #include "surface/atomic_folder.h"
 #include "surface/error.h"
+#include "surface/output_set.h"
 #include "surface/picture_file.h"
 #include "viewer/video_file.h"
 
@@ -27,7 +28,7 @@ public:
                 [&] { write_picture_8bit(files_.temporary() / frame(++frames_), encoded_srgb); });
     }
     void complete() override {}
-    void place() override { files_.place(); }
+    void add_to(OutputSet& set) override { set.add(files_); }
 
 private:
     static std::string frame(int number) { return fmt::format("frame-{:05}.png", number); }
@@ -42,6 +43,13 @@ private:
 bool names_a_video(const fs::path& out) {
     const std::string extension = lower_extension(out);
     return extension == ".mp4" || extension == ".webm";
+}
+
+void Film::finish() {
+    complete();
+    OutputSet set;
+    add_to(set);
+    set.commit();
 }
 
 std::unique_ptr<Film> make_film(const fs::path& out, double frames_per_s) {

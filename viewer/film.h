@@ -9,6 +9,8 @@
 
 namespace tangi {
 
+class OutputSet;
+
 class Film {
 public:
     virtual ~Film() = default;  // without finish(): nothing of it stays
@@ -19,11 +21,8 @@ public:
     virtual void add(const Image<Rgb>& encoded_srgb) = 0;
     // All of it is written, under a temporary name. Throws Error, as on a full disk.
     virtual void complete() = 0;
-    virtual void place() = 0;  // under its own; after complete()
-    void finish() {
-        complete();
-        place();
-    }
+    virtual void add_to(OutputSet& set) = 0;  // to have its own name with the set; after complete()
+    void finish();                            // both, by itself
 
 protected:
     Film() = default;

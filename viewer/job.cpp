@@ -2,6 +2,9 @@
 
 #include <chrono>
 
+#include "surface/memory_error.h"
+#include "surface/stale_temporaries.h"
+
 namespace tangi {
 
 Job::Job(std::string title, std::function<void(const Progress&)> work, std::function<void()> wake)
@@ -41,7 +44,7 @@ void Job::run(const std::function<void(const Progress&)>& work) {
     } catch (const Cancelled&) {
         end.cancelled = true;
     } catch (const std::exception& error) {
-        end.error = error.what();
+        end.error = says_no_memory(error) ? kNoMemory : in_lasting_names(error.what());
     }
     {
         const std::lock_guard lock(mutex_);

@@ -14,6 +14,7 @@ extern "C" {
 
 #include "surface/atomic_file.h"
 #include "surface/error.h"
+#include "surface/output_set.h"
 #include "surface/picture_file.h"
 
 namespace tangi {
@@ -78,7 +79,7 @@ public:
         require(av_write_trailer(format_.get()), "writing");
         require(avio_closep(&format_->pb), "writing");
     }
-    void place() override { file_.commit(); }
+    void add_to(OutputSet& set) override { set.add(file_); }
 
 private:
     void require(int code, const char* what) const {

@@ -1,10 +1,6 @@
 #include "viewer/web_page.h"
 
-#include <stdio.h>
-
 #include <atomic>
-#include <cerrno>
-#include <cstring>
 #include <mutex>
 #include <nlohmann/json.hpp>
 
@@ -13,6 +9,7 @@
 #include "surface/base64.h"
 #include "surface/json_reading.h"
 #include "surface/json_text.h"
+#include "surface/output_set.h"
 #include "surface/parallel.h"
 #include "surface/picture_file.h"
 #include "surface/stale_temporaries.h"
@@ -73,15 +70,13 @@ class PartsBeside : public Parts {
 public:
     explicit PartsBeside(const fs::path& folder)
         : folder_(folder), hidden_(folder / temporary_name("parts", "")) {
-        made_ = !fs::exists(folder_);
-        make_folder(folder_);
-        remove_stale_temporaries(folder_ / "parts", "parts", "");
+        made_.make(folder_);
+        tidy_folder(folder_);
         make_folder(hidden_);
     }
     ~PartsBeside() override {
         std::error_code ignored;
-        fs::remove_all(hidden_, ignored);
-        if (made_ && !placed_) fs::remove(folder_, ignored);
+        if (!left_) fs::remove_all(hidden_, ignored);
     }
     std::size_t add(const std::string& name, const std::string& bytes) override {
         const fs::path path = hidden_ / (name + ".js");
@@ -90,18 +85,21 @@ public:
         told_of(hidden_, folder_ / "parts", [&] { write_text_file(path, text); });
         return text.size();
     }
-    // The old parts are gone once the new ones are there.
-    void place() {
-        const fs::path parts = folder_ / "parts";
-        const bool placed = fs::exists(parts) ? exchange_folders(hidden_, parts)
-                                              : ::rename(hidden_.c_str(), parts.c_str()) == 0;
-        if (!placed) fail("{}: cannot be put in place: {}", parts.string(), std::strerror(errno));
-        placed_ = true;
+    // The old parts are gone once the new ones are there, with the page that wants them.
+    void place_with(AtomicFile& page) {
+        OutputSet set;
+        set.add_folder(hidden_, folder_ / "parts", [&](bool cleaned) {
+            made_.keep();
+            left_ = !cleaned;
+        });
+        set.add(page);
+        set.commit();
     }
 
 private:
     fs::path folder_, hidden_;
-    bool made_ = false, placed_ = false;
+    MadeFolders made_;
+    bool left_ = false;
 };
 
 json fields(const TexelRange& range) {
@@ -239,10 +237,10 @@ WebReport write_web_page(const fs::path& path, const Surface& surface, const Web
     } else {
         report.bytes += text.size();
         report.first_bytes += text.size();
-        beside->place();
+        beside->place_with(page);
         report.files.push_back(path / "parts");
     }
-    page.commit();
+    if (single) page.commit();
     report.files.insert(report.files.begin(), page.target());
     return report;
 }

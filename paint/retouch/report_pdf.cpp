@@ -6,6 +6,7 @@
 #include "paint/retouch/pdf_file.h"
 #include "paint/retouch/report_document.h"
 #include "surface/atomic_file.h"
+#include "surface/atomic_folder.h"
 #include "surface/error.h"
 #include "surface/picture_file.h"
 
@@ -23,7 +24,7 @@ constexpr double kHeading_pt = 13, kText_pt = 9.5, kSmall_pt = 8, kTable_pt = 7.
 
 std::string jpeg_of(const Image<Rgb>& picture, const fs::path& beside) {
     const AtomicFile file(beside.parent_path() / "report-picture.jpg");  // never committed: it vanishes
-    write_picture_8bit(file.temporary(), picture);
+    told_of(file.temporary(), beside, [&] { write_picture_8bit(file.temporary(), picture); });
     return read_text_file(file.temporary());
 }
 

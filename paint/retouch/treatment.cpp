@@ -9,7 +9,9 @@
 #include "paint/retouch/sha256.h"
 #include "paint/retouch/treatment_folder.h"
 #include "surface/atomic_file.h"
+#include "surface/atomic_folder.h"
 #include "surface/error.h"
+#include "surface/output_set.h"
 #include "surface/painting_file.h"
 #include "surface/photography_json.h"
 #include "surface/picture_file.h"
@@ -105,8 +107,9 @@ std::string sha256_of(const Canvas& canvas, const PaintLayer& layer) {
     return sha.hex();
 }
 
-Treatment Treatment::begin(const fs::path& folder, const fs::path& painting, const Author& author,
+Treatment Treatment::begin(const fs::path& named, const fs::path& painting, const Author& author,
                            std::optional<double> mm_per_pixel, const Progress& progress) {
+    const fs::path folder = named.has_filename() || !named.has_relative_path() ? named : named.parent_path();
     const auto require_free = [&] {
         if (fs::exists(folder / kTreatmentLog))
             fail("{}: holds a treatment already; go on with it, or choose another folder", folder.string());
@@ -119,16 +122,17 @@ Treatment Treatment::begin(const fs::path& folder, const fs::path& painting, con
     if (!canvas.ingredients().empty())
         fail("{}: has been painted on; a treatment begins with a painting as it was fitted",
              painting.string());
-    make_folder(folder / kTreatmentMasks);
-    const LogHold held(folder);  // of two programs that begin at once, the second comes too late
+    MadeFolders made;
+    const fs::path parent = folder.has_parent_path() ? folder.parent_path() : fs::path(".");
+    made.make(parent);
+    const LogHold held(fs::exists(folder) ? folder : parent);  // of two programs that begin at once, the second comes too late
     require_free();
+    // What a beginning of an earlier version left that did not come to its end is the same.
     const fs::path copy = folder / kTreatmentPainting;
-    // What a beginning left that did not come to its end is the same.
-    if (fs::exists(copy) && !fs::equivalent(copy, painting) &&
-        sha256_of_file(copy) != sha256_of_file(painting))
+    const bool is_there = fs::exists(copy);
+    if (is_there && !fs::equivalent(copy, painting) && sha256_of_file(copy) != sha256_of_file(painting))
         fail("{}: is another painting, and would be overwritten; choose another folder for the treatment",
              copy.string());
-    if (!fs::exists(copy)) copy_whole(painting, copy);
     json first = {{"action", "begin"},
                   {"time", utc_now()},
                   {"who", author.who},
@@ -143,7 +147,15 @@ Treatment Treatment::begin(const fs::path& folder, const fs::path& painting, con
                   {"dry_sha256", sha256_of(canvas.dry())},
                   {"about_sha256", sha256_of_what_is_known(canvas.dry())},
                   {"layers", json::array()}};
-    return Treatment(folder, TreatmentLog::begin(folder / kTreatmentLog, std::move(first)));
+    FolderFiles written(folder);  // all of it, or none
+    told_of(written.temporary(), folder, [&] {
+        make_folder(written.temporary() / kTreatmentMasks);
+        if (!is_there) copy_whole(painting, written.temporary() / kTreatmentPainting);
+        TreatmentLog::begin(written.temporary() / kTreatmentLog, std::move(first));
+    });
+    written.place();
+    made.keep();
+    return open(folder);
 }
 
 Treatment Treatment::open(const fs::path& folder) {
@@ -154,6 +166,7 @@ Treatment Treatment::open(const fs::path& folder) {
     if (!fs::is_regular_file(folder / kTreatmentLog))
         fail("{}: is no treatment (there is no {} in it); tangipaint damage P.exr --treatment {} begins one",
              folder.string(), kTreatmentLog, folder.string());
+    settle_outputs(folder);
     settle_pending(folder);
     Treatment treatment(folder, TreatmentLog::open(folder / kTreatmentLog));
     require_form(treatment.log_);

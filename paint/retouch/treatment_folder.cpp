@@ -10,6 +10,7 @@
 #include "paint/retouch/treatment_log.h"
 #include "paint/retouch/treatment_pending.h"
 #include "surface/atomic_file.h"
+#include "surface/atomic_folder.h"
 #include "surface/error.h"
 #include "surface/json_reading.h"
 #include "surface/json_text.h"
@@ -21,7 +22,6 @@ using nlohmann::json;
 
 namespace {
 
-constexpr const char* kPending = "pending";
 // In it: the hash of the line that the step's line is to follow.
 constexpr const char* kStepFile = "step.json";
 constexpr int kMostPixels = 1 << 20;  // of a side: more is no picture
@@ -118,24 +118,39 @@ const LogEntry* pending_line(const fs::path& pending, const TreatmentLog& log) {
 
 void move_into_place(const fs::path& folder, const LogEntry& entry) {
     const fs::path pending = folder / kPending;
+    const auto unfinished = [&](const fs::path& file, const std::string& why) {
+        fail("{}: cannot be put in its place: {}; the step is in the log, and the next command finishes it",
+             file.string(), why);
+    };
     std::vector<fs::path> files;
     for (const auto& file : fs::recursive_directory_iterator(pending))
         if (file.is_regular_file() && file.path() != pending / kStepFile) files.push_back(file.path());
+    std::set<fs::path> changed = {folder};
     for (const fs::path& file : files) {
         const fs::path place = folder / file.lexically_relative(pending);
-        make_folder(place.parent_path());
         std::error_code failed;
-        fs::rename(file, place, failed);
-        if (failed)
-            fail(
-                "{}: cannot be put in its place: {}; the step is in the log, and the next command tries it "
-                "again",
-                file.string(), failed.message());
+        fs::create_directories(place.parent_path(), failed);
+        if (!failed) fs::rename(file, place, failed);
+        if (failed) unfinished(place, failed.message());
+        changed.insert(place.parent_path());
     }
-    std::error_code there_already_not;
-    for (const json& name : entry.content.value("withdrawn", json::array()))
-        fs::remove(folder / name.get<std::string>(), there_already_not);
-    fs::remove_all(pending, there_already_not);
+    for (const json& name : entry.content.value("withdrawn", json::array())) {
+        std::error_code failed;
+        fs::remove(folder / name.get<std::string>(), failed);
+        if (failed) unfinished(folder / name.get<std::string>(), failed.message());
+    }
+    for (const fs::path& names : changed) sync_folder(names, names);
+    std::error_code left;  // nothing but what says which step this was
+    fs::remove_all(pending, left);
+}
+
+// What another step left would be taken for this one's.
+void clear_pending(const fs::path& pending) {
+    std::error_code failed;
+    fs::remove_all(pending, failed);
+    if (failed)
+        fail("{}: is left of a step that did not come to its end, and cannot be removed: {}",
+             pending.string(), failed.message());
 }
 
 // A log that is edited is one still.
@@ -176,10 +191,7 @@ fs::path treatment_mask(const std::string& name) { return fs::path(kTreatmentMas
 
 void copy_whole(const fs::path& from, const fs::path& to) {
     AtomicFile file(to);
-    std::error_code error;
-    fs::copy_file(from, file.temporary(), fs::copy_options::overwrite_existing, error);
-    if (error)
-        fail("{}: cannot be copied to {}: {}", from.string(), to.parent_path().string(), error.message());
+    file.copy_from(from);
     file.commit();
 }
 
@@ -196,11 +208,10 @@ void settle_pending(const fs::path& folder) {
     if (!fs::exists(pending, missing)) return;  // another program was writing, and is done
     const TreatmentLog log = TreatmentLog::open(folder / kTreatmentLog);
     require_form(log);
-    if (const LogEntry* line = pending_line(pending, log))
-        move_into_place(folder, *line);
-    else if (fs::remove_all(pending, missing); missing)
-        fail("{}: is left of a step that did not come to its end, and cannot be removed: {}",
-             pending.string(), missing.message());
+    const LogEntry* line = pending_line(pending, log);
+    if (!line) return clear_pending(pending);
+    log.complete_head(held);
+    move_into_place(folder, *line);
 }
 
 void require_form(const TreatmentLog& log) {
@@ -220,10 +231,18 @@ void require_form(const TreatmentLog& log) {
 PendingStep::PendingStep(fs::path folder, const TreatmentLog& log)
     : folder_(std::move(folder)), held_(folder_ / kTreatmentLog) {
     log.require_unchanged(held_);
-    std::error_code left;
-    fs::remove_all(folder_ / kPending, left);
-    make_folder(folder_ / kPending);
-    write_text_file(folder_ / kPending / kStepFile, json{{"previous", log.head()}}.dump() + "\n");
+    const fs::path pending = folder_ / kPending;
+    clear_pending(pending);
+    try {
+        told_of(pending, log.path(), [&] { make_folder(pending); });
+        told_of(pending / kStepFile, log.path(), [&] {
+            write_text_file(pending / kStepFile, json{{"previous", log.head()}}.dump() + "\n");
+        });
+    } catch (...) {
+        std::error_code left;
+        fs::remove_all(pending, left);
+        throw;
+    }
 }
 
 PendingStep::~PendingStep() {
@@ -239,11 +258,10 @@ fs::path PendingStep::file(const std::string& path) const {
 }
 
 void PendingStep::commit(TreatmentLog& log, json entry) {
-    const std::size_t before = log.entries().size();
     try {
         log.append(std::move(entry), held_);
-    } catch (...) {  // the line may be there, though its head cannot be written
-        logged_ = log.entries().size() > before;
+    } catch (...) {
+        logged_ = !log.is_as_long_as_known();  // the line could not be taken back: the step goes with it
         throw;
     }
     logged_ = true;

@@ -9,6 +9,7 @@
 #include <ctime>
 
 #include "paint/retouch/sha256.h"
+#include "surface/append_file.h"
 #include "surface/atomic_file.h"
 #include "surface/error.h"
 #include "surface/json_reading.h"
@@ -49,31 +50,6 @@ std::string body_of(const std::string& line, std::string& hash) {
     hash = line.substr(seal + kSeal.size(), kDigits);
     return line.substr(0, seal) + "}";
 }
-
-class Descriptor {
-public:
-    Descriptor(const fs::path& path, int flags) : path_(path), file_(::open(path.c_str(), flags, 0666)) {
-        if (file_ < 0) fail("{}: cannot be written: {}", path.string(), std::strerror(errno));
-    }
-    ~Descriptor() { ::close(file_); }
-    Descriptor(const Descriptor&) = delete;
-    Descriptor& operator=(const Descriptor&) = delete;
-
-    void write(std::string_view text) {
-        while (!text.empty()) {
-            const ssize_t count = ::write(file_, text.data(), text.size());
-            if (count < 0 && errno == EINTR) continue;
-            if (count <= 0) fail("{}: cannot be written: {}", path_.string(), std::strerror(errno));
-            text.remove_prefix(static_cast<std::size_t>(count));
-        }
-        if (::fsync(file_) != 0) fail("{}: cannot be written: {}", path_.string(), std::strerror(errno));
-    }
-    int number() const { return file_; }
-
-private:
-    fs::path path_;
-    int file_;
-};
 
 }  // namespace
 
@@ -207,15 +183,42 @@ const LogEntry& TreatmentLog::append(json content, const LogHold& held) {
     content["previous"] = head();
     const Line line = sealed(content);
     {
-        Descriptor file(path_, O_WRONLY | O_APPEND | O_CLOEXEC);
-        if (seen_bytes_ > whole_bytes_ && ::ftruncate(file.number(), static_cast<off_t>(whole_bytes_)) != 0)
-            fail("{}: cannot be written: {}", path_.string(), std::strerror(errno));
-        file.write(line.sealed + "\n");
+        AppendFile file(path_, AppendFile::Open::existing);
+        if (seen_bytes_ > whole_bytes_) file.cut(whole_bytes_);
+        seen_bytes_ = whole_bytes_;
+        file.append_synced(line.sealed + "\n");
+        entries_.push_back({static_cast<int>(entries_.size()) + 1, std::move(content), line.sha256});
+        try {
+            write_head();
+        } catch (...) {  // without its head the line is not written, and is taken back
+            if (!has_head()) {
+                entries_.pop_back();
+                file.cut(whole_bytes_);
+                throw;
+            }
+        }
     }
     seen_bytes_ = whole_bytes_ += line.sealed.size() + 1;
-    entries_.push_back({static_cast<int>(entries_.size()) + 1, std::move(content), line.sha256});
-    write_head();
     return entries_.back();
+}
+
+// Whether the head that is on the disk is that of the last line.
+bool TreatmentLog::has_head() const {
+    try {
+        const json stored = json::parse(read_text_file(head_path(path_)), nullptr, false);
+        return stored.is_object() && stored.value("sha256", json()) == head();
+    } catch (const Error&) {
+        return false;
+    }
+}
+
+void TreatmentLog::complete_head(const LogHold& /*held*/) const {
+    if (!has_head()) write_head();
+}
+
+bool TreatmentLog::is_as_long_as_known() const {
+    std::error_code unknown;
+    return fs::file_size(path_, unknown) == whole_bytes_ && !unknown;
 }
 
 void TreatmentLog::write_head() const {

@@ -56,16 +56,21 @@ public:
     const std::string& head() const { return entries_.back().sha256; }
     const std::filesystem::path& path() const { return path_; }
 
-    // Adds a line and makes sure that it is on the disk. Throws Error naming the file where it cannot be
-    // written, or was changed by somebody else since it was opened.
+    // Adds a line and makes sure that it, and the head, are on the disk. Throws Error naming the file where
+    // they cannot be written, or the log was changed by somebody else since it was opened. The line is taken
+    // back then; is_as_long_as_known() is false where that cannot be done either.
     const LogEntry& append(nlohmann::json content);
     // The same by one who holds the log, and may have found before that nobody else wrote to it.
     const LogEntry& append(nlohmann::json content, const LogHold& held);
     void require_unchanged(const LogHold& held) const;
+    bool is_as_long_as_known() const;
+    // Of a last line that a crash left without its head, and that is known to be of this program: writes it.
+    void complete_head(const LogHold& held) const;
 
 private:
     explicit TreatmentLog(std::filesystem::path path) : path_(std::move(path)) {}
     void write_head() const;
+    bool has_head() const;
 
     std::filesystem::path path_;
     std::vector<LogEntry> entries_;

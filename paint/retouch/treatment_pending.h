@@ -9,6 +9,8 @@
 
 namespace tangi {
 
+inline constexpr const char* kPending = "pending";  // in the treatment's folder
+
 // Holds the log, so that no other program writes, and what the step makes in pending/. Destroyed without
 // commit(), it removes that, and the treatment is what it was.
 class PendingStep {
@@ -21,7 +23,9 @@ public:
 
     // Where to write what shall be `path` in the folder.
     std::filesystem::path file(const std::string& path) const;
-    // Writes the line, which makes the step done, and puts its files in their places.
+    // Writes the line, which makes the step done, and puts its files in their places. Throws Error: where the
+    // line cannot be written, the step has not happened; where a file cannot be put in its place, it has, and
+    // the next command finishes it.
     void commit(TreatmentLog& log, nlohmann::json entry);
 
 private:

@@ -8,6 +8,7 @@
 #include "paint/retouch/treatment_folder.h"
 #include "paint/retouch/treatment_pending.h"
 #include "surface/atomic_file.h"
+#include "surface/atomic_folder.h"
 #include "surface/error.h"
 #include "surface/painting_file.h"
 
@@ -49,57 +50,66 @@ json layers_on(const Canvas& canvas, const Treatment& treatment, const Treatment
     return layers;
 }
 
-}  // namespace
-
-void Treatment::record(const TreatmentStep& step, const Author& author, const Progress& progress) {
-    json outputs = json::object(), inputs = json::object();
+json entry_of(const TreatmentStep& step, const Author& author, const std::string& dry_sha256) {
+    json inputs = json::object();
     for (const fs::path& input : step.inputs) {
         const std::string hash = sha256_of_file(input), name = input.filename().string();
         const bool another = inputs.contains(name) && inputs[name] != hash;
         inputs[another ? input.generic_string() : name] = hash;
     }
-    json entry = {{"action", step.action},
-                  {"time", utc_now()},
-                  {"who", author.who},
-                  {"tool", author.tool},
-                  {"parameters", step.parameters},
-                  {"results", step.results},
-                  {"inputs", inputs},
-                  {"dry_sha256", dry_sha256()}};
+    return {{"action", step.action},
+            {"time", utc_now()},
+            {"who", author.who},
+            {"tool", author.tool},
+            {"parameters", step.parameters},
+            {"results", step.results},
+            {"inputs", inputs},
+            {"dry_sha256", dry_sha256}};
+}
+
+}  // namespace
+
+void Treatment::record(const TreatmentStep& step, const Author& author, const Progress& progress) {
+    json entry = entry_of(step, author, dry_sha256()), outputs = json::object();
     PendingStep pending(folder_, log_);
-    if (step.canvas) {
-        if (sha256_of(step.canvas->dry()) != dry_sha256())
-            fail("{}: the dry layer would change; nothing was written", painting().string());
-        entry["layers"] = layers_on(*step.canvas, *this, step);
-        const std::vector<PartToWrite> further = parts_beside_paint(painting(), progress);
-        AtomicFile file(pending.file(kTreatmentPainting));
-        write_canvas(file, *step.canvas, progress, further);
-    }
-    const auto known = logged_files();
-    const auto hash = [&](const std::string& name) { outputs[name] = sha256_of_file(pending.file(name)); };
-    for (const auto& [name, mask] : step.masks) {
-        TP_REQUIRE(mask.width() == width() && mask.height() == height(), "a mask has the painting's size");
-        const std::string path = treatment_mask(name).generic_string();
-        if (const auto before = known.find(path); before != known.end()) {
-            const std::string kept = kept_mask(name, before->second.second);
-            write_mask(pending.file(kept), this->mask(name));
-            hash(kept);
-            entry["kept"][name] = kept;
+    told_of(folder_ / kPending, folder_, [&] {  // nobody asked for files there
+        if (step.canvas) {
+            if (sha256_of(step.canvas->dry()) != dry_sha256())
+                fail("{}: the dry layer would change; nothing was written", painting().string());
+            entry["layers"] = layers_on(*step.canvas, *this, step);
+            const std::vector<PartToWrite> further = parts_beside_paint(painting(), progress);
+            AtomicFile file(pending.file(kTreatmentPainting));
+            write_canvas(file, *step.canvas, progress, further);
         }
-        write_mask(pending.file(path), mask);
-        hash(path);
-    }
-    for (const auto& [name, text] : step.files) {
-        write_text_file(pending.file(name), text);
-        hash(name);
-    }
-    for (const auto& [name, from] : step.copies) {
-        copy_whole(from, pending.file(name));
-        hash(name);
-    }
-    entry["outputs"] = outputs;
-    if (!step.withdrawn.empty()) entry["withdrawn"] = step.withdrawn;
-    if (!step.kept.empty()) entry["kept"].update(step.kept);
+        const auto known = logged_files();
+        const auto hash = [&](const std::string& name) {
+            outputs[name] = sha256_of_file(pending.file(name));
+        };
+        for (const auto& [name, mask] : step.masks) {
+            TP_REQUIRE(mask.width() == width() && mask.height() == height(),
+                       "a mask has the painting's size");
+            const std::string path = treatment_mask(name).generic_string();
+            if (const auto before = known.find(path); before != known.end()) {
+                const std::string kept = kept_mask(name, before->second.second);
+                write_mask(pending.file(kept), this->mask(name));
+                hash(kept);
+                entry["kept"][name] = kept;
+            }
+            write_mask(pending.file(path), mask);
+            hash(path);
+        }
+        for (const auto& [name, text] : step.files) {
+            write_text_file(pending.file(name), text);
+            hash(name);
+        }
+        for (const auto& [name, from] : step.copies) {
+            copy_whole(from, pending.file(name));
+            hash(name);
+        }
+        entry["outputs"] = outputs;
+        if (!step.withdrawn.empty()) entry["withdrawn"] = step.withdrawn;
+        if (!step.kept.empty()) entry["kept"].update(step.kept);
+    });
     pending.commit(log_, std::move(entry));
 }
 
