@@ -24,6 +24,7 @@ struct ReplayArguments {
     std::vector<std::string> files;
     std::string out, board, palette, brushes;
     std::optional<double> mm_per_pixel;
+    bool recover = false;
     SubstrateArguments substrate;
     TimeLapseArguments frames;
 };
@@ -62,7 +63,7 @@ nlohmann::json run_replay(const ReplayArguments& a) {
     const Progress progress = console_progress();
     std::vector<std::string> warnings = a.substrate.warnings();
     const auto brushes = a.brushes.empty() ? brush_presets() : read_brush_presets(a.brushes, &warnings);
-    const Journal journal = read_journal(strokes, brushes);
+    const Journal journal = a.recover ? recovered_journal(strokes, brushes) : read_journal(strokes, brushes);
     AtomicFile out(a.out);  // that it can be written is known before the work
     std::optional<AtomicFile> board;
     if (!a.board.empty()) board.emplace(a.board);
@@ -129,6 +130,8 @@ Command replay_command() {
             flags.option("--palette", a->palette, "palette file (.json) with the paints that strokes name");
             flags.option("--brushes", a->brushes,
                          "presets file (.json) with further brushes that strokes name");
+            flags.flag("--recover", a->recover,
+                       "leave out lines of a damaged journal that cannot be read, with a warning for each");
             flags
                 .option("--mm-per-pixel", a->mm_per_pixel,
                         "size of the painting's pixels where the file does not say")

@@ -11,6 +11,7 @@
 #include "paint/retouch/treatment_area.h"
 #include "paint/retouch/treatment_picture.h"
 #include "paint/retouch/treatment_report.h"
+#include "paint/retouch/treatment_strokes.h"
 #include "paint/session.h"
 #include "surface/atomic_file.h"
 #include "surface/error.h"
@@ -63,7 +64,8 @@ json status(const Treatment& treatment) {
 }
 
 json check(const Treatment& treatment, const Progress& progress) {
-    const std::vector<std::string> faults = treatment.check(progress);
+    std::vector<std::string> faults = treatment.check(progress);
+    for (std::string& fault : strokes_that_cannot_be_repeated(treatment)) faults.push_back(std::move(fault));
     for (const std::string& fault : faults) warn(fault);
     if (!faults.empty())
         fail("{}: {} of what the log says is not so; the first: {}", treatment.folder().string(),

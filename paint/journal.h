@@ -6,69 +6,15 @@
 #pragma once
 
 #include <filesystem>
-#include <nlohmann/json.hpp>
+#include <span>
 #include <string>
-#include <variant>
 #include <vector>
 
-#include "paint/brush_settings.h"
-#include "paint/pigment.h"
-#include "paint/stroke.h"
+#include "paint/event_order.h"
+#include "paint/journal_event.h"
+#include "surface/append_file.h"
 
 namespace tangi {
-
-enum class BrushStart {
-    clean,  // washed, then loaded
-    dirty,  // what is on it stays and is filled up
-    same    // goes on with what is on it
-};
-
-using PaintParts = std::vector<std::pair<std::string, double>>;  // name in the palette, part
-
-// {"event": "stroke", "brush": {"preset": "flat", "size_mm": 12}, "paint": {"Titanium White": 3, ...}, ...}
-struct StrokeEvent {
-    BrushSettings brush;
-    Place on = Place::painting;
-    PaintParts paint;    // empty: none is loaded
-    PaintFinish finish;  // of the paint that is loaded
-    double load = 1;     // [1] of a full brush
-    BrushStart start = BrushStart::clean;
-    StrokeOptions options;
-    std::uint64_t seed = 0;
-};
-struct PointEvent {  // {"event": "point", "t": 0.1, "x": 3, "y": -4, "p": 0.5}: [s], [mm], [1]
-    StrokePoint point;
-};
-struct EndEvent {};   // {"event": "end"}: the brush leaves the canvas
-struct UndoEvent {};  // {"event": "undo"}
-struct RedoEvent {};
-struct DryEvent {  // {"event": "dry", "layer": "first sitting", "part": 1}
-    std::string layer;
-    double part = 1;
-    CanvasPart where =
-        WholeCanvas{};  // "circle": {"x": 3, "y": 4, "radius_mm": 10} or "polygon": [[x, y], ...]
-};
-struct LiftEvent {  // {"event": "lift", "layer": "first sitting"}
-    std::string layer;
-};
-// A pile of paint, as squeezed from a tube: a dome.
-// {"event": "pile", "paint": {"Titanium White": 1}, "x": -80, "y": 60, "size_mm": 20, "height_mm": 1.5}
-struct PileEvent {
-    Place on = Place::palette;
-    PaintParts paint;
-    PaintFinish finish;
-    PointMm at;                            // its middle
-    double size_mm = 20, height_mm = 1.5;  // width, and height in the middle
-};
-// The palette wiped clean, and piles of paints laid out along its rim (mixing_board.h).
-// {"event": "palette", "width_mm": 200, "height_mm": 150, "paints": ["Titanium White", "Bone Black"]}
-struct PaletteEvent {
-    std::optional<double> width_mm, height_mm;  // before it is used first; its size does not change
-    std::vector<std::string> paints;
-    bool all_paints = false;  // "paints": "all": those of the palette file, in its order
-};
-using Event = std::variant<StrokeEvent, PointEvent, EndEvent, UndoEvent, RedoEvent, DryEvent, LiftEvent,
-                           PileEvent, PaletteEvent>;
 
 struct JournalWarning {
     int line = 0;  // of the file, from 1
@@ -83,14 +29,8 @@ struct Journal {
     std::string source;  // the file's name, for errors
     std::vector<Entry> entries;
     std::vector<JournalWarning> warnings;
+    int lines_lost = 0;  // that cannot be read, or belong to what cannot (recovered_journal())
 };
-
-std::string_view name_of(const Event& event);  // "stroke", "point", …
-nlohmann::json to_json(const Event& event);
-// `presets`: those that strokes name. Throws Error that names `where`: not an object, an unknown event, field
-// or brush, values of the wrong kind.
-Event event_from_json(const nlohmann::json& json, const std::string& where,
-                      const std::map<std::string, BrushSettings>& presets = brush_presets());
 
 // Throws Error naming file and line; a last line without its end is left out with a warning. Events that are
 // not where they belong (an end without a stroke, a stroke without end or points, an undo within one) are
@@ -98,25 +38,40 @@ Event event_from_json(const nlohmann::json& json, const std::string& where,
 Journal read_journal(const std::filesystem::path& path,
                      const std::map<std::string, BrushSettings>& presets = brush_presets());
 
+// As much of a journal as can be read, whatever a failing disk did to it. A line that cannot be read ends the
+// stroke that it is within; what follows counts from the next stroke on, and an undo or redo that would reach
+// back beyond the line is left out, since it would meet another stroke than it was meant for. A warning for
+// each such line. Throws Error where nothing in it is of a journal, or it is of another version.
+Journal recovered_journal(const std::filesystem::path& path,
+                          const std::map<std::string, BrushSettings>& presets = brush_presets());
+
+// Throws Error naming file and line where a point is of no stroke, as replay() would.
+void require_in_order(const Journal& journal);
+
+// A whole file with these events.
+std::string journal_text(std::span<const Journal::Entry> entries);
+// The whole lines of one: without a last line that was cut short, and with the end that a whole one lacks.
+std::string whole_lines(std::string text);
+
 // Appends events to a file, whole lines at once; what was written survives the program's death.
 class JournalWriter {
 public:
     // Makes the file with its first line, or goes on with one that is there (cutting off a torn last line,
-    // and ending one that only lacks its line end). Throws Error naming the file where it cannot be written,
-    // or is something else.
+    // ending one that only lacks its line end, and a stroke that has no end). Throws Error naming the file
+    // where it cannot be written, or is something else.
     explicit JournalWriter(const std::filesystem::path& path);
-    ~JournalWriter();
-    JournalWriter(const JournalWriter&) = delete;
-    JournalWriter& operator=(const JournalWriter&) = delete;
 
+    // The event fits after the one before (EventOrder). Throws Error naming the file where it cannot be
+    // written: nothing of it is in the file then, and it can be tried again.
     void append(const Event& event);
     // Makes sure that it survives a crash of the machine too. Call once a second.
-    void sync();
+    void sync() { file_.sync(); }
 
 private:
-    void write(std::string_view text);
-    std::filesystem::path path_;
-    int file_ = -1;
+    void go_on_with(const std::string& text);
+
+    AppendFile file_;
+    EventOrder order_;
 };
 
 }  // namespace tangi

@@ -253,9 +253,9 @@ void Session::warn_of_no_effect(bool changed) {
         warnings_.emplace_back("the stroke changes nothing");
 }
 
-void Session::finish(std::string_view by) {
+void Session::end_by(const Event& event) {
     if (!stroke_) return;
-    ended_by_ = by;
+    order_.end_by(event);
     stroke_->finish();
     totals_.steps += stroke_->steps();
     totals_.bristle_pixels += stroke_->bristle_pixels();
@@ -289,20 +289,13 @@ void Session::take_hand(const std::optional<BrushInHand>& hand) {
 
 void Session::apply(const Event& event) {
     if (const auto* point = std::get_if<PointEvent>(&event)) {
-        if (!stroke_ && !ended_by_.empty())
-            fail(
-                "a point of a stroke that the '{0}' before it has ended; put the '{0}' after the stroke's "
-                "'end'",
-                ended_by_);
-        if (!stroke_)
-            fail("a point outside of a stroke; a stroke begins with 'stroke', and is over with 'end'");
+        if (order_.fit(event) == EventOrder::Fit::nowhere) fail("{}", why_nowhere(order_));
         stroke_->add(point->point);
+        order_.take(event);
         ++totals_.points;
         return;
     }
-    const bool is_end = std::holds_alternative<EndEvent>(event);
-    if (is_end) ended_by_.clear();
-    finish(is_end ? std::string_view() : name_of(event));
+    end_by(event);
     if (const auto* stroke = std::get_if<StrokeEvent>(&event)) {
         begin(*stroke);
     } else if (std::holds_alternative<UndoEvent>(event)) {
@@ -318,6 +311,7 @@ void Session::apply(const Event& event) {
     } else if (const auto* palette = std::get_if<PaletteEvent>(&event)) {
         lay_out(*palette);
     }
+    order_.take(event);
 }
 
 std::vector<std::string> replay(Session& session, const Journal& journal, const Progress& progress) {
@@ -338,11 +332,11 @@ std::vector<std::string> replay(Session& session, const Journal& journal, const 
         const auto& [line, event] = journal.entries[i];
         const bool is_stroke = std::holds_alternative<StrokeEvent>(event);
         try {
-            if (std::holds_alternative<EndEvent>(event))
-                session.finish();
-            else if (!std::holds_alternative<PointEvent>(event))
-                session.finish(name_of(event));
-            take_warnings(stroke_line);
+            // Of the stroke that ends here, by its line.
+            if (session.in_stroke() && !std::holds_alternative<PointEvent>(event)) {
+                session.end_by(event);
+                take_warnings(stroke_line);
+            }
             if (is_stroke) stroke_line = line;
             if (is_stroke && i >= last_undo) session.forget_history();
             session.apply(event);

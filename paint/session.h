@@ -33,8 +33,10 @@ public:
     // Throws Error on what makes no sense here: a point without a stroke, a paint that the palette has not.
     // Any event but a point ends a stroke that is not over.
     void apply(const Event& event);
-    // Ends a stroke that is under way; `by`: the name of the event that comes before its end, for messages.
-    void finish(std::string_view by = {});
+    // Ends a stroke that is under way.
+    void finish() { end_by(EndEvent{}); }
+    // Likewise, since this event comes next, as apply() does by itself.
+    void end_by(const Event& event);
 
     const Canvas& canvas() const { return canvas_; }
     Canvas& canvas() { return canvas_; }
@@ -60,7 +62,7 @@ public:
     const Brush* brush() const { return brush_.get(); }
     Place brush_place() const { return brush_place_; }
     // A stroke has begun and not ended.
-    bool in_stroke() const { return stroke_.has_value(); }
+    bool in_stroke() const { return order_.in_stroke(); }
 
     // What was done so far.
     struct Totals {
@@ -96,7 +98,7 @@ private:
     std::optional<Stroke> stroke_;
     Totals totals_;
     std::deque<std::string> warnings_;
-    std::string ended_by_;                  // what ended the last stroke, where that was no "end"
+    EventOrder order_;
     std::string why_bare_;                  // should no paint be on the brush of the stroke
     double painted_s_ = 0, look_at_s_ = 0;  // by strokes that are over, on the painting
     Stroke::Look look_;

@@ -43,6 +43,7 @@ bool AppendFile::cut_rest() {
 void AppendFile::require_own_length() const {
     struct stat status = {};
     if (::fstat(file_, &status) != 0) cannot_be_written(path_, errno);
+    if (status.st_nlink == 0) fail("{}: was removed by another program meanwhile", path_.string());
     if (static_cast<std::uint64_t>(status.st_size) != length_)
         fail("{}: was changed by another program meanwhile", path_.string());
 }

@@ -28,7 +28,7 @@ public:
     const std::filesystem::path& path() const { return path_; }
 
     // All of the record or, where it throws Error naming the file, nothing. Throws too where another program
-    // has made the file longer or shorter meanwhile: nothing is written then.
+    // has made the file longer or shorter meanwhile, or removed it: nothing is written then.
     void append(std::string_view record);
     // The same, and it is on the disk: a record of which that is not known is cut off again.
     void append_synced(std::string_view record);

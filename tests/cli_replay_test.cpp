@@ -295,7 +295,7 @@ TEST(CliReplay, SaysWhatHadNoEffectAndWhichLayersThereAre) {
     const Finished run = f.replay(kHeader + kStroke + dry + kStroke + dry);
     ASSERT_TRUE(ended(run, 0, {"a.jsonl:11", "'retouch 2'"}));
     EXPECT_EQ(run.json()["layers"], (nlohmann::json{"retouch", "retouch 2"}));
-    EXPECT_EQ(run.json()["warnings"].size(), 1u);
+    EXPECT_EQ(run.json()["warnings"].size(), 2u);
     const Finished info = tangipaint({"info", f.path("a.exr")});
     EXPECT_NE(info.out.find("\"retouch 2\""), std::string::npos);
 }
@@ -355,6 +355,20 @@ TEST(CliReplay, PaintIsSeenUnderLampsAndByTheModelOfTheThesis) {
     EXPECT_GT(std::abs(redness(read_picture(f.path("a.png"))) / daylight - 1), 0.02);
     EXPECT_TRUE(ended(relit({"--illuminant", "C"}), 2, {"--illuminant C", "F11"}));
     EXPECT_TRUE(ended(relit({"--paint-model", "rgb"}), 2, {"--paint-model rgb", "thesis"}));
+}
+
+// Of a disk that was full for a moment, as earlier versions left it.
+TEST(CliReplay, ADamagedLineIsLeftOutWhereThatIsAskedFor) {
+    const Folder f;
+    const std::string damaged =
+        kHeader + kStroke + "{\"event\": \"po{\"event\": \"end\"}\n{\"event\": \"undo\"}\n" + kStroke;
+    EXPECT_TRUE(ended(f.replay(damaged), 1, {"a.jsonl:6", "not JSON"}));
+    const Finished run = f.replay(damaged, {"--recover"});
+    ASSERT_TRUE(ended(run, 0));
+    EXPECT_EQ(run.json()["strokes"], 2);
+    ASSERT_EQ(run.json()["warnings"].size(), 1u);
+    EXPECT_THAT(run.json()["warnings"][0].get<std::string>(),
+                HasSubstr("a.jsonl:6: cannot be read, and is left out"));
 }
 
 }  // namespace

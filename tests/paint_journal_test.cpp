@@ -6,6 +6,9 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "paint/journal_file_text.h"
+#include "paint/session.h"
+#include "paint_support.h"
 #include "tests/test_support.h"
 
 namespace tangi {
@@ -60,6 +63,7 @@ std::vector<Event> some_events() {
             DryEvent{"c", 1, PolygonPart{{{0, 0}, {1, 0.1}, {0, 1e-9}}}},
             LiftEvent{"é"},
             mixing,
+            EndEvent{},
             pile,
             squeezed,
             palette,
@@ -140,6 +144,7 @@ TEST(Journal, SurvivesItsWritersDeath) {
         const pid_t child = ::fork();
         if (child == 0) {
             JournalWriter writer(path);
+            writer.append(StrokeEvent{});
             for (int i = 0;; ++i) {
                 writer.append(PointEvent{{i * 1.0, 1, 2, 0.5, 0, 0, 0}});
                 if (i == 20 * round && ::write(pipe_ends[1], "x", 1) != 1) ::_exit(1);
@@ -153,7 +158,151 @@ TEST(Journal, SurvivesItsWritersDeath) {
         ::close(pipe_ends[1]);
         const Journal journal = read_journal(path);
         EXPECT_GT(journal.entries.size(), static_cast<std::size_t>(20 * round)) << round;
-        EXPECT_LE(journal.warnings.size(), 1u);
+        // A line that is cut short, and that the stroke has no end: it is given one when the next one begins.
+        EXPECT_LE(journal.warnings.size(), 2u);
+        const auto count = [&](auto is) { return std::ranges::count_if(journal.entries, is); };
+        EXPECT_EQ(count([](const auto& e) { return std::holds_alternative<EndEvent>(e.event); }), round);
+        EXPECT_EQ(count([](const auto& e) { return std::holds_alternative<StrokeEvent>(e.event); }),
+                  round + 1);
+    }
+}
+
+// A disk that is full for a moment: what could not be written leaves nothing behind, and can be written
+// later.
+TEST(Journal, AWriteThatBreaksOffLeavesNoPartOfALine) {
+    const TestDir dir;
+    const auto path = dir / "a.jsonl";
+    const Event point = PointEvent{{1.0 / 3, 1, 2, 0.5, 0, 0, 0}};
+    const std::string line = to_json(point).dump() + "\n";
+    JournalWriter writer(path);
+    writer.append(StrokeEvent{});
+    const auto before = bytes_of(path);
+    {
+        const FullDisk disk(before.size() + line.size() + line.size() / 2);
+        writer.append(point);
+        for (int time = 0; time < 3; ++time) {
+            EXPECT_THAT(error_of([&] { writer.append(point); }), HasSubstr("a.jsonl: cannot be written"));
+            EXPECT_EQ(bytes_of(path), before + line);
+        }
+    }
+    writer.append(point);
+    writer.append(EndEvent{});
+    EXPECT_EQ(bytes_of(path), before + line + line + "{\"event\":\"end\"}\n");
+    EXPECT_TRUE(read_journal(path).warnings.empty());
+}
+
+TEST(Journal, RefusesAtWritingWhatWouldNotReplay) {
+    const TestDir dir;
+    PileEvent pile;
+    pile.paint = {{"Bone Black", 1}};
+    const std::vector<Event> between = {UndoEvent{}, RedoEvent{},    DryEvent{"a", 1}, LiftEvent{"a"},
+                                        pile,        PaletteEvent{}, StrokeEvent{}};
+    JournalWriter writer(dir / "a.jsonl");
+    EXPECT_THROW(writer.append(PointEvent{}), ContractError);
+    EXPECT_THROW(writer.append(EndEvent{}), ContractError);
+    writer.append(StrokeEvent{});
+    for (const Event& event : between) EXPECT_THROW(writer.append(event), ContractError) << name_of(event);
+    writer.append(PointEvent{});
+    writer.append(EndEvent{});
+    for (const Event& event : between) writer.append(event);
+    EXPECT_EQ(read_journal(dir / "a.jsonl").entries.size(), 3 + between.size());
+}
+
+std::string stroke_of(int points) {
+    std::string text = "{\"event\": \"stroke\"}\n";
+    for (int i = 0; i < points; ++i)
+        text += fmt::format("{{\"event\": \"point\", \"x\": {}, \"y\": 1}}\n", i);
+    return text + "{\"event\": \"end\"}\n";
+}
+
+std::string in_short(const Journal& journal) {
+    std::string names;
+    for (const auto& entry : journal.entries) names += name_of(entry.event)[0];
+    return names;
+}
+
+TEST(RecoveredJournal, OneBadLineCondemnsNoOther) {
+    const TestDir dir;
+    const std::string bad = "{\"event\": \"po{\"event\": \"end\"}\n", undo = "{\"event\": \"undo\"}\n",
+                      redo = "{\"event\": \"redo\"}\n", stroke = stroke_of(2);
+    const auto recovered = [&](const std::string& events) {
+        write_bytes(dir / "a.jsonl", kHeader + events);
+        return recovered_journal(dir / "a.jsonl");
+    };
+    Journal journal = recovered(stroke + bad + stroke);
+    EXPECT_EQ(in_short(journal), "sppesppe");
+    EXPECT_EQ(journal.lines_lost, 1);
+    ASSERT_EQ(journal.warnings.size(), 1u);
+    EXPECT_EQ(journal.warnings[0].line, 6);
+    EXPECT_THAT(journal.warnings[0].text, HasSubstr("cannot be read"));
+    EXPECT_THAT(error_of([&] { read_journal(dir / "a.jsonl"); }), HasSubstr("a.jsonl:6: is not JSON"));
+
+    // In a stroke: it ends there, and its other points are left out.
+    journal = recovered(stroke.substr(0, stroke.rfind("{\"event\": \"point")) + bad +
+                        stroke.substr(stroke.find('\n') + 1) + stroke);
+    EXPECT_EQ(in_short(journal), "spesppe");
+    EXPECT_EQ(journal.lines_lost, 3);
+    // The line that begins a stroke: nothing is painted of it.
+    journal = recovered(stroke + "\xff\xfe\n" + stroke.substr(stroke.find('\n') + 1) + stroke);
+    EXPECT_EQ(in_short(journal), "sppesppe");
+    // Undo and redo of what came after the line are meant; those of what came before may be of the lost one.
+    journal = recovered(stroke + bad + undo + stroke + undo + redo + undo + undo + redo + redo);
+    EXPECT_EQ(in_short(journal), "sppesppeurur");
+    EXPECT_EQ(journal.lines_lost, 4);
+    // What is JSON and no event is lost likewise.
+    EXPECT_EQ(in_short(recovered("[]\n{\"event\": \"jump\"}\n" + stroke + "{\"event\": \"en")), "sppe");
+    require_in_order(journal);
+}
+
+TEST(RecoveredJournal, NeedsNoFirstLine) {
+    const TestDir dir;
+    const auto recovered = [&](const std::string& text) {
+        write_bytes(dir / "a.jsonl", text);
+        return recovered_journal(dir / "a.jsonl");
+    };
+    EXPECT_EQ(in_short(recovered("{\"form\n" + stroke_of(1))), "spe");
+    for (const std::string& nothing_yet : {std::string(), kHeader, kHeader.substr(0, 20)}) {
+        EXPECT_TRUE(recovered(nothing_yet).entries.empty());
+        EXPECT_EQ(recovered(nothing_yet).lines_lost, 0);
+        JournalWriter(dir / "a.jsonl").append(UndoEvent{});  // goes on with it
+        EXPECT_EQ(read_journal(dir / "a.jsonl").entries.size(), 1u);
+    }
+    EXPECT_THAT(error_of([&] { recovered("something\nelse\n"); }), HasSubstr("nothing in it"));
+    EXPECT_THAT(
+        error_of([&] { recovered("{\"format\": \"tangipaint strokes\", \"version\": 2}\n" + stroke_of(1)); }),
+        HasSubstr("version 2"))
+        << "it is another program's";
+}
+
+TEST(Journal, WhatCouldNotBeReadAgainIsRefusedBefore) {
+    for (const Event& event : some_events()) require_readable(event);
+    PointEvent pressed, nowhere;
+    pressed.point.pressure = 1.5;
+    nowhere.point.x_mm = std::numeric_limits<double>::quiet_NaN();
+    EXPECT_THAT(error_of([&] { require_readable(PileEvent{}); }), HasSubstr("a pile needs 'paint'"));
+    EXPECT_THAT(error_of([&] { require_readable(pressed); }), HasSubstr("'p'"));
+    EXPECT_THAT(error_of([&] { require_readable(nowhere); }), HasSubstr("'x'"));
+    EXPECT_THAT(error_of([&] { require_readable(DryEvent{std::string(300, 'x'), 1}); }), HasSubstr("layer"));
+}
+
+TEST(EventOrder, IsThatOfTheSession) {
+    Session session(flat_canvas(20, 20), artist_acrylics());
+    EventOrder order;
+    Random random(3);
+    const std::vector<Event> all = {StrokeEvent{}, PointEvent{}, PointEvent{},   EndEvent{},
+                                    UndoEvent{},   PileEvent{},  PaletteEvent{}, RedoEvent{}};
+    for (int i = 0; i < 400; ++i) {
+        const Event& event = all[static_cast<std::size_t>(random.below(static_cast<int>(all.size())))];
+        const bool point = std::holds_alternative<PointEvent>(event);
+        bool refused = false;
+        try {
+            session.apply(event);
+        } catch (const Error&) {  // of undo and redo: there may be nothing
+            refused = point;
+        }
+        EXPECT_EQ(refused, point && order.fit(event) == EventOrder::Fit::nowhere) << i;
+        order.take(event);
+        EXPECT_EQ(session.in_stroke(), order.in_stroke()) << i << ", " << name_of(event);
     }
 }
 

@@ -3,6 +3,7 @@
 
 #include "paint/canvas_file.h"
 #include "paint_support.h"
+#include "record_support.h"
 #include "surface/painting_file.h"
 #include "viewer/painter.h"
 #include "viewer_support.h"

@@ -1,13 +1,17 @@
 // random_hand_test.cpp: the real window under a hand that does anything at all: it neither dies nor
-// complains.
+// complains, and the record of each painting that it saved makes that painting.
 //
 // Short here. TP_RANDOM_S=3600 lets it go on for an hour, TP_RANDOM_SEED=7 is another hand; under the
 // sanitizers (preset asan, random_tests) it is tests/window_program.cpp, which is the window without the
 // other commands.
 #include "random_hand.h"
 
+#include <gmock/gmock.h>
+
 #include <fstream>
 
+#include "paint/retouch/treatment_strokes.h"
+#include "record_support.h"
 #include "viewer_support.h"
 
 namespace tangi {
@@ -18,6 +22,27 @@ namespace fs = std::filesystem;
 double number_of(const char* variable, double otherwise) {
     const char* text = std::getenv(variable);
     return text ? std::atof(text) : otherwise;
+}
+
+// Of all paintings that the hand saved: what their records make. Those of treatments are in their logs.
+void expect_records_of_what_was_saved(const fs::path& folder) {
+    int records = 0;
+    for (const auto& entry : fs::recursive_directory_iterator(folder)) {
+        const fs::path painting = entry.path();
+        if (painting.extension() != ".exr" || !fs::exists(sitting_files(painting).record) ||
+            fs::exists(painting.parent_path() / "log.jsonl"))
+            continue;
+        ++records;
+        EXPECT_TRUE(recorded_as_saved(painting)) << painting;
+    }
+    for (const auto& entry : fs::recursive_directory_iterator(folder))
+        if (entry.path().filename() == "log.jsonl" &&
+            fs::exists(entry.path().parent_path() / "painting.exr")) {
+            const Treatment treatment = Treatment::open(entry.path().parent_path());
+            EXPECT_THAT(treatment.check(), testing::IsEmpty());
+            EXPECT_THAT(strokes_that_cannot_be_repeated(treatment), testing::IsEmpty());
+        }
+    testing::Test::RecordProperty("records", records);
 }
 
 // The hand may give "close" another key in the window's list of keys, and press that.
@@ -87,6 +112,8 @@ void expect_to_go_on(const std::string& first, const std::string& further) {
     window->signal(SIGTERM);
     const Finished done = window->wait();
     EXPECT_EQ(done.code, 0) << "seed " << seed << ", round " << rounds << ":\n" << done.err << "\n" << log;
+    expect_records_of_what_was_saved(deep);
+    if (testing::Test::HasFailure()) fmt::print("seed {}:\n{}\n", seed, log);
 }
 
 TEST(RandomHand, TheWindowGoesOn) { expect_to_go_on("", ""); }

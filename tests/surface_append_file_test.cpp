@@ -54,6 +54,8 @@ TEST(AppendFile, LeavesAloneWhatAnotherProgramWrote) {
                     testing::HasSubstr("changed by another program"));
         EXPECT_EQ(bytes_of(dir / "a"), theirs);
     }
+    std::filesystem::remove(dir / "a");
+    EXPECT_THAT(error_of([&] { file.append("more\n"); }), testing::HasSubstr("removed by another program"));
 }
 
 }  // namespace

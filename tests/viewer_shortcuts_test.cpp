@@ -141,5 +141,25 @@ TEST(FileDialog, UnderstandsWhatIsTyped) {
     EXPECT_NE(choice(Wants::folder_or_file, "a.txt").complaint, "");
 }
 
+TEST(SettingsFile, KeepsWhatSomebodyElseMadeOfIt) {
+    const TestDir dir;
+    const auto path = dir / "keys.json";
+    SettingsFile file(path);
+    EXPECT_EQ(file.make_way(), "") << "there is none yet";
+    write_bytes(path, "ours");
+    file.is_written();
+    EXPECT_EQ(file.make_way(), "");
+    write_bytes(path, "theirs, by hand");
+    EXPECT_EQ(file.make_way(),
+              path.string() + " was changed by another program, and is kept as keys.other.json");
+    EXPECT_EQ(bytes_of(dir / "keys.other.json"), "theirs, by hand");
+    EXPECT_FALSE(std::filesystem::exists(path));
+    write_bytes(path, "no JSON");
+    SettingsFile bad(path);
+    bad.cannot_be_read();
+    EXPECT_EQ(bad.make_way(), path.string() + " could not be read, and is kept as keys.wrong.json");
+    EXPECT_EQ(bytes_of(dir / "keys.wrong.json"), "no JSON");
+}
+
 }  // namespace
 }  // namespace tangi

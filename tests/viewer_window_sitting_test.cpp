@@ -2,9 +2,16 @@
 #include "paint/canvas_file.h"
 #include "paint/journal.h"
 #include "painting_window.h"
+#include "record_support.h"
+#include "small_disk.h"
 
 namespace tangi {
 namespace {
+
+int strokes_in(const Journal& journal) {
+    return static_cast<int>(std::ranges::count_if(
+        journal.entries, [](const auto& entry) { return std::holds_alternative<StrokeEvent>(entry.event); }));
+}
 
 TEST_F(Window, StrokesOfACrashAreRecovered) {
     start();
@@ -54,6 +61,88 @@ TEST_F(Window, ASecondWindowLeavesTheSittingOfTheFirstAlone) {
     screen_->settled();
     EXPECT_EQ(close().json()["saves"], 1);
     EXPECT_FALSE(read_canvas(painting_).wet().empty());
+}
+
+// Eight megabytes that are full for as long as five strokes take: more than the rest of a page.
+TEST_F(Window, ADiskThatIsFullForAMomentLosesNoStroke) {
+    const SmallDisk disk(8);
+    if (!disk.is_there()) GTEST_SKIP() << "no disk can be mounted here";
+    fs::copy(painting_, disk / "small.exr");
+    painting_ = disk / "small.exr";
+    const SittingFiles files = sitting_files(painting_);
+    start();
+    screen_->key("b");
+    const auto strokes = [&](int count, int from_y) {
+        for (int i = 0; i < count; ++i)
+            screen_->drag(1, {kMiddleX - 150, from_y + 30 * i}, {kMiddleX + 130, from_y + 30 * i + 10});
+        screen_->settled();
+    };
+    strokes(2, kMiddleY - 100);
+    disk.fill();
+    strokes(5, kMiddleY - 100);
+    EXPECT_LT(strokes_in(recovered_journal(files.unsaved)), 7) << "the disk was not full";
+    disk.make_room();
+    strokes(3, kMiddleY + 20);
+    program_->signal(SIGKILL);
+    program_->wait();
+    EXPECT_EQ(strokes_in(read_journal(files.unsaved)), 10);
+    start();
+    screen_->key("Return");
+    screen_->settled();
+    screen_->key("ctrl+s");
+    screen_->settled();
+    const auto result = close().json();
+    EXPECT_EQ(result["saves"], 1);
+    EXPECT_EQ(result["strokes"], 10);
+    EXPECT_EQ(strokes_in(read_journal(files.record)), 10);
+    EXPECT_TRUE(recorded_as_saved(painting_));
+}
+
+// The button is down while keys come, as of somebody whose other hand is quicker.
+TEST_F(Window, KeysInMidStrokeEndTheStroke) {
+    start();
+    paint_a_stroke();
+    for (const std::string key : {"ctrl+z", "ctrl+y", "d", "h", "c", "ctrl+s", "Escape", "F1", "b"}) {
+        screen_->x({"key",   "b",    "mousemove", "560",   "300",       "mousedown", "1",   "mousemove",
+                    "600",   "320",  "sleep",     "0.05",  "mousemove", "640",       "330", "sleep",
+                    "0.05",  "key",  key,         "sleep", "0.05",      "mousemove", "700", "400",
+                    "sleep", "0.05", "mousemove", "720",   "420",       "mouseup",   "1"});
+        screen_->settled();
+        if (key == "F1" || key == "c") screen_->key(key == "c" ? "Escape" : key);  // what it opened
+        screen_->settled();
+    }
+    screen_->key("ctrl+s");
+    screen_->settled();
+    const auto result = close().json();
+    EXPECT_EQ(result["unsaved"], false);
+    EXPECT_EQ(result["saves"], 2);
+    const Journal record = read_journal(sitting_files(painting_).record);
+    EXPECT_TRUE(record.warnings.empty()) << record.warnings.front().text;
+    EXPECT_GT(strokes_in(record), 8);
+    EXPECT_TRUE(recorded_as_saved(painting_));
+}
+
+// Another painting of this name came by mv: it is not written over, and a name is asked for.
+TEST_F(Window, APaintingThatWasReplacedIsNotOverwritten) {
+    start();
+    paint_a_stroke();
+    screen_->settled();
+    write_painting(folder_ / "other.exr", painted_surface(100, 80, 5));
+    fs::rename(folder_ / "other.exr", painting_);
+    const std::string theirs = bytes_of(painting_);
+    screen_->key("ctrl+s");
+    screen_->settled();
+    EXPECT_TRUE(bytes_of(painting_) == theirs);
+    const fs::path mine = folder_ / "mine.exr";  // into the dialog that is there
+    screen_->key("ctrl+a");
+    screen_->enter(mine.string());
+    screen_->settled();
+    const auto result = close().json();
+    EXPECT_EQ(result["saves"], 1);
+    EXPECT_EQ(result["unsaved"], false);
+    EXPECT_TRUE(bytes_of(painting_) == theirs);
+    ASSERT_TRUE(fs::exists(mine));
+    EXPECT_TRUE(recorded_as_saved(mine));
 }
 
 TEST_F(Window, EndedInMidStrokeLosesNothing) {

@@ -92,9 +92,10 @@ void Desk::open(const fs::path& file) {
               OpenedPainting opened;
               opened.palette = other;
               opened.is_new = ground.has_value();
+              const auto stamp = stamp_of(file);
               Canvas canvas = ground ? Canvas(std::make_shared<Surface>(make_substrate(*ground, progress)))
                                      : read_canvas(file, progress, treatment_scale(file));
-              Painter::Setup setup{std::move(canvas), palette, file, ground.has_value()};
+              Painter::Setup setup{std::move(canvas), palette, file, ground.has_value(), stamp};
               opened.painter = std::make_unique<Painter>(std::move(setup), setup_.wake, progress);
               opened.tiles = std::make_shared<TexelTiles>(opened.painter->surface(), opened.painter->range());
               opened.file = file;

@@ -326,6 +326,10 @@ void Hand::put_ruler_away() {
     state_.profile.reset();
 }
 
+void Hand::end_stroke() {
+    if (drag_ == Drag::paint || drag_ == Drag::board || drag_ == Drag::mask) let_go();
+}
+
 void Hand::let_go() {
     if ((drag_ == Drag::paint && !beside_) || drag_ == Drag::board) painter_.send(EndEvent{});
     beside_.reset();

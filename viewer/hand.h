@@ -20,6 +20,8 @@ public:
     void probe(bool changed);
     // The button is up, whatever the window system said: it lost the pointer, or closes.
     void let_go();
+    // The same, where what is held paints or draws: something else comes that has to find it done.
+    void end_stroke();
     void put_ruler_away();
 
     const glm::dvec2& cursor() const { return cursor_; }  // [pixels of the canvas area]

@@ -64,8 +64,10 @@ void Hand::key(const InputEvent& event) {
     if (!action) return;
     for (const ToolName& tool : kTools)
         if (tool.action == *action &&
-            (state_.treating.on || (tool.tool != Tool::damage && tool.tool != Tool::sample)))
+            (state_.treating.on || (tool.tool != Tool::damage && tool.tool != Tool::sample))) {
+            if (state_.tool != tool.tool) end_stroke();
             state_.tool = tool.tool;
+        }
     look_act(*action);
     act(*action);
     if (*action == Action::treatment || state_.treating.on) treatment_act(*action);
@@ -103,6 +105,7 @@ void Hand::look_act(Action action) {
             light.elevation_deg = std::max(light.elevation_deg - kLightStep_deg, 2.0);
             break;
         case Action::compare:
+            end_stroke();  // beside a photograph nothing is painted
             if (state_.comparing.pair) {
                 state_.treating.ask.stop_comparing = true;
                 break;

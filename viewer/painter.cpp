@@ -4,10 +4,10 @@
 
 #include "paint/appearance.h"
 #include "paint/canvas_file.h"
+#include "paint/journal_file_text.h"
 #include "paint/mixing_board.h"
 #include "paint/tools_file.h"
 #include "surface/error.h"
-#include "surface/overview.h"
 #include "surface/stale_temporaries.h"
 
 namespace tangi {
@@ -28,6 +28,7 @@ Painter::Painter(Setup setup, std::function<void()> wake, const Progress& progre
       dry_(session_.canvas().dry_shared()),
       mm_per_pixel_(session_.canvas().mm_per_pixel()),
       record_(sitting_files(setup.file)),
+      stamp_(setup.stamp ? setup.stamp : stamp_of(setup.file)),
       file_is_new_(setup.file_is_new),
       file_(setup.file),
       wake_(std::move(wake)) {
@@ -150,12 +151,12 @@ void Painter::work() {
             guarded([&] { show_changes(session_.canvas().take_settled(kSettledAtOnce)); });
         }
         if (Clock::now() - synced >= std::chrono::seconds(1)) {
-            guarded([&] { record_.sync(); });
+            keep_record([&] { record_.sync(); });
             synced = Clock::now();
         }
     }
     guarded([&] {
-        session_.finish();
+        if (!own_.elsewhere) end_stroke();
         record_.sync();
         // All of it was undone: nothing is to be recovered.
         if (!own_.unsaved && !record_.empty()) record_.put_away();
@@ -222,17 +223,6 @@ void Painter::show_board() {
     for (BoardPatch& patch : patches) news_.board.push_back(std::move(patch));
 }
 
-void Painter::record(const Event& event) {
-    try {
-        record_.append(event);
-    } catch (const Error& error) {
-        // Painting goes on; but the painter must know that only saving keeps it.
-        if (!told_of_journal_)
-            say(fmt::format("{}; strokes are not recorded: save before you end", error.what()));
-        told_of_journal_ = true;
-    }
-}
-
 // Two windows would write one journal, and the one that saves last would undo what the other one saved.
 void Painter::refuse_elsewhere() const {
     if (own_.elsewhere)
@@ -240,32 +230,45 @@ void Painter::refuse_elsewhere() const {
              record_.files().painting.filename().string());
 }
 
+// So that strokes have a ground when they are recovered.
+void Painter::begin_file() {
+    const std::filesystem::path& painting = record_.files().painting;
+    if (std::filesystem::exists(painting))
+        fail("{} has come to be there meanwhile: save under another name", painting.filename().string());
+    write_canvas(painting, session_.canvas());
+    file_is_new_ = false;
+    stamp_ = stamp_of(painting);
+    claim_.take(painting);
+}
+
+void Painter::end_stroke() {
+    if (order_.in_stroke()) apply(EndEvent{});
+}
+
 void Painter::apply(const Event& event, bool recorded) {
     refuse_elsewhere();
-    // Nothing is recorded that a replay would stumble over.
+    // The rest of a stroke that something else has ended, as a key in the midst of it.
+    if (order_.fit(event) == EventOrder::Fit::nowhere) return;
+    if (order_.fit(event) == EventOrder::Fit::after_end) apply(EndEvent{}, recorded);
     const bool undo = std::holds_alternative<UndoEvent>(event);
     if (undo || std::holds_alternative<RedoEvent>(event)) {
         if (hurry_) return;
-        session_.finish();
         if (undo ? !session_.history().can_undo() : !session_.history().can_redo())
             fail("there is nothing to {}", undo ? "undo" : "redo");
     }
-    if (file_is_new_) {
-        const std::filesystem::path& painting = record_.files().painting;
-        if (std::filesystem::exists(painting))
-            fail("{} has come to be there meanwhile: save under another name", painting.filename().string());
-        write_canvas(painting, session_.canvas());
-        file_is_new_ = false;
-        claim_.take(painting);
-    }
-    if (!recorded) record(event);
+    if (file_is_new_) begin_file();
+    // What cannot be read again is not painted, and what cannot be painted not recorded: a replay would
+    // stumble over it.
+    require_readable(event);
+    if (!hurry_) session_.apply(event);
+    order_.take(event);
+    if (recorded) record(event);
     own_.unsaved = true;
-    own_.stroking = std::holds_alternative<StrokeEvent>(event) || std::holds_alternative<PointEvent>(event);
+    own_.stroking = order_.in_stroke();
     if (hurry_) {
         skipped_strokes_ += std::holds_alternative<StrokeEvent>(event);
         return;
     }
-    session_.apply(event);
     for (std::string warning; !(warning = session_.take_warning()).empty();) say(std::move(warning));
     const bool redo = std::holds_alternative<RedoEvent>(event);
     own_.undone += undo ? 1 : redo ? -1 : 0;
@@ -273,91 +276,13 @@ void Painter::apply(const Event& event, bool recorded) {
 }
 
 void Painter::send(Event event) {
-    post([this, event = std::move(event)] { apply(event, false); });
+    post([this, event = std::move(event)] { apply(event); });
 }
 
 void Painter::squeeze(PileEvent pile) {
     post([this, pile = std::move(pile)]() mutable {
         if (const Canvas* board = session_.board()) pile.at = free_place(*board, pile.size_mm);
-        apply(pile, false);
-    });
-}
-
-void Painter::recover(Journal journal) {
-    post([this, journal = std::move(journal)] {
-        for (const Journal::Entry& entry : journal.entries) guarded([&] { apply(entry.event, true); });
-        session_.finish();
-        say(fmt::format("recovered {} stroke{}", session_.totals().strokes,
-                        session_.totals().strokes == 1 ? "" : "s"));
-    });
-}
-
-void Painter::discard() {
-    post([this] {
-        record_.discard();
-        own_.unsaved = false;
-    });
-}
-
-void Painter::write(const std::filesystem::path& to) {
-    const std::filesystem::path& from = record_.files().painting;
-    if (hurry_)
-        fail("{} was not saved; its strokes can be recovered when it is opened again",
-             from.filename().string());
-    if (to == from) refuse_elsewhere();
-    if (PaintingClaim there; to != from && !there.take(to))
-        fail("{} is open in another window: choose another name", to.filename().string());
-    session_.finish();
-    record_.let_time_pass();
-    if (keep_ && to == from) {
-        record_.sync();
-        Canvas kept = session_.canvas();
-        kept.confine({});
-        say(keep_(kept, record_.files().unsaved));
-        adopt(std::move(kept));
-    } else {
-        AtomicFile file(to);
-        std::vector<PartToWrite> further;
-        // What other modules keep in the file stays: it belongs to the dry layer, which does not change.
-        if (!file_is_new_ && std::filesystem::exists(from))
-            guarded([&] { further = parts_beside_paint(from); });
-        if (painted_ && !session_.canvas().ingredients().empty()) add_overview(further, *painted_, *dry_);
-        write_canvas(file, session_.canvas(), {}, with_tools(std::move(further), session_));
-        say(fmt::format("saved {}", to.filename().string()));
-    }
-    file_is_new_ = false;
-    const bool is_of_another = own_.elsewhere;
-    own_.elsewhere = !claim_.take(to);
-    mark_saved();
-    ++own_.saves;
-    if (to == from)
-        record_.put_away();
-    else if (is_of_another)
-        record_.leave_for(sitting_files(to));
-    else
-        record_.move_to(sitting_files(to));
-    const std::lock_guard lock(mutex_);
-    file_ = to;
-}
-
-void Painter::save() { save_as({}); }
-
-void Painter::save_as(const std::filesystem::path& to) {
-    ++saves_waiting_;
-    post([this, to] {
-        own_.saving = true;
-        {
-            const std::lock_guard lock(mutex_);
-            news_.state.saving = true;
-        }
-        wake_();
-        guarded([&] {
-            const std::filesystem::path& own = record_.files().painting;
-            std::error_code none;
-            write(to.empty() || std::filesystem::equivalent(to, own, none) ? own : to);
-        });
-        own_.saving = false;
-        --saves_waiting_;
+        apply(pile);
     });
 }
 

@@ -1,7 +1,8 @@
 // painter.h: the painting engine on a thread of its own, so that looking never waits for painting.
 //
-// The window sends events; the painter records them (sitting.h), applies them to the canvas, makes texels of
-// what has changed, and tells where, for the window to upload them.
+// The window sends events; the painter applies them to the canvas, records them (sitting.h), makes texels of
+// what has changed, and tells where, for the window to upload them. What a stroke under way is in the way of
+// ends it, and what comes of the stroke after that is left out (paint/event_order.h).
 #pragma once
 
 #include <atomic>
@@ -19,6 +20,7 @@
 
 #include "paint/appearance.h"
 #include "paint/session.h"
+#include "surface/file_stamp.h"
 #include "surface/part_pixels.h"
 #include "viewer/board_picture.h"
 #include "viewer/horizon.h"
@@ -73,6 +75,7 @@ struct PainterNews {
     std::optional<HeightProfile> profile;
     std::optional<RegionStatistics> statistics;
     std::vector<std::string> messages;  // errors, and what was done
+    bool needs_name = false;            // it was not saved: another painting lies at its place
     PainterState state;
 };
 
@@ -83,6 +86,7 @@ public:
         Palette palette;
         std::filesystem::path file;  // where it is saved, and beside which its journal lies
         bool file_is_new = false;    // it is written before the first stroke, so that strokes have a ground
+        std::optional<FileStamp> stamp{};  // of the file before it was read
     };
     // `wake` is called from the painter's thread when there is news.
     Painter(Setup setup, std::function<void()> wake, const Progress& progress = {});
@@ -102,10 +106,12 @@ public:
 
     void send(Event event);
     void squeeze(PileEvent pile);   // onto the palette, where there is room for it
-    void recover(Journal journal);  // paints what a crash left; it is in the journal already
+    void recover(Journal journal);  // paints what a crash left
     void discard();                 // puts the journal of unsaved strokes aside
+    // Not over another painting that was put in its place.
     void save();
-    void save_as(const std::filesystem::path& file);  // and it has this name from then on
+    // And it has this name from then on. What lies there is overwritten.
+    void save_as(const std::filesystem::path& file);
     void probe(int x, int y);
     void pick(double x, double y, double radius_px);
     void profile(const glm::dvec2& from_px, const glm::dvec2& to_px);
@@ -140,9 +146,14 @@ public:
 private:
     void work();
     void post(std::function<void()> job);
-    void apply(const Event& event, bool recorded);
+    void apply(const Event& event, bool recorded = true);
+    void paint(const Event& event);
+    void end_stroke();
     void record(const Event& event);
+    void keep_record(const std::function<void()>& action);
+    void begin_file();
     void refuse_elsewhere() const;
+    void refuse_replaced() const;
     void show_changes(const std::vector<Region>& dirty);
     Surface& own_surface();
     void make_texels(const Region& region);
@@ -153,7 +164,9 @@ private:
     void guarded(const std::function<void()>& action);
     void mark_saved();
     bool is_as_saved() const;
-    void write(const std::filesystem::path& to);
+    void write(const std::filesystem::path& to, bool over);
+    void write_file(const std::filesystem::path& to);
+    bool is_replaced() const;
     Probe look_at(int x, int y, double radius_px);
     void adopt(Canvas canvas);
     void show(std::optional<Canvas> canvas);
@@ -170,6 +183,8 @@ private:
     double mm_per_pixel_;
     SittingRecord record_;
     PaintingClaim claim_;
+    std::optional<FileStamp> stamp_;  // of the painting's file, as it was read or written last
+    EventOrder order_;                // of what was sent
     bool file_is_new_, told_of_journal_ = false;
     PainterState own_;
     std::optional<Canvas> shown_;  // instead of the session's

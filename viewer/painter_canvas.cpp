@@ -93,7 +93,7 @@ void Painter::count(std::span<const Region> changed) {
 
 void Painter::confine(std::shared_ptr<const Image<float>> mask, std::shared_ptr<const Image<float>> allowed) {
     post([this, mask = std::move(mask), allowed = std::move(allowed)] {
-        session_.finish();
+        end_stroke();
         session_.canvas().confine(mask);
         allowed_ = allowed;
         std::vector<Region> painted;
@@ -127,12 +127,14 @@ std::future<void> Painter::change(std::function<void(Canvas&)> work) {
         try {
             if (hurry_) throw Cancelled();
             refuse_elsewhere();
-            session_.finish();
+            refuse_replaced();
+            end_stroke();
             Canvas next = session_.canvas();
             next.confine({});
             work(next);
             // A step of a treatment writes the file anew.
             own_.elsewhere = !claim_.take(record_.files().painting);
+            stamp_ = stamp_of(record_.files().painting);
             adopt(std::move(next));
             promise->set_value();
         } catch (...) {
@@ -146,7 +148,7 @@ std::future<void> Painter::look(std::function<void(const Surface&, const Canvas&
     auto promise = std::make_shared<std::promise<void>>();
     post([this, promise, work = std::move(work)] {
         try {
-            session_.finish();
+            end_stroke();
             work(surface(), session_.canvas());
             promise->set_value();
         } catch (...) {
@@ -158,7 +160,7 @@ std::future<void> Painter::look(std::function<void(const Surface&, const Canvas&
 
 void Painter::show_as(std::function<Canvas(const Canvas&)> view) {
     post([this, view = std::move(view)] {
-        session_.finish();
+        end_stroke();
         show(view ? std::optional(view(session_.canvas())) : std::nullopt);
     });
 }

@@ -25,6 +25,25 @@ fs::path settings_folder() {
     return {};
 }
 
+std::string SettingsFile::make_way() {
+    const auto there = stamp_of(file_);
+    if (!there || (!is_bad_ && there == stamp_)) return {};
+    fs::path aside = file_;
+    aside.replace_extension((is_bad_ ? ".wrong" : ".other") + file_.extension().string());
+    std::error_code failed;
+    fs::rename(file_, aside, failed);
+    if (failed)
+        fail("{}: cannot be renamed to {}: {}", file_.string(), aside.filename().string(), failed.message());
+    return fmt::format("{} {}, and is kept as {}", file_.string(),
+                       is_bad_ ? "could not be read" : "was changed by another program",
+                       aside.filename().string());
+}
+
+void SettingsFile::is_written() {
+    stamp_ = stamp_of(file_);
+    is_bad_ = false;
+}
+
 fs::path untitled(const fs::path& folder) {
     for (int i = 1;; ++i) {
         fs::path path = folder / ("untitled-" + std::to_string(i) + ".exr");

@@ -171,6 +171,8 @@ struct Treating {
         std::optional<glm::dvec2> match_at;  // [pixels of the painting]
         std::string remove;                  // a layer
         std::filesystem::path open, report;
+
+        friend bool operator==(const Ask&, const Ask&) = default;
     } ask;
 };
 

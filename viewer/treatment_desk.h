@@ -17,6 +17,7 @@
 #include "viewer/damage_map.h"
 #include "viewer/job.h"
 #include "viewer/painter.h"
+#include "viewer/settings.h"
 #include "viewer/window_state.h"
 
 namespace tangi {
@@ -163,6 +164,7 @@ private:
     Finish finish_;  // by the job, while it runs; ours once it is over
     // That mixtures keep apart; jobs go on with those that they began with.
     std::shared_ptr<const std::vector<PigmentPair>> pairs_;
+    SettingsFile pairs_file_;
     std::map<DamageClass, MaskDraft> drafts_;
     std::optional<Corner> last_;  // of the brush that is drawn
     std::optional<Suggested> suggested_;

@@ -124,11 +124,12 @@ constexpr const char* kPairs = "pigment_pairs.json";
 // The user's own list, where there is one.
 void TreatmentDesk::read_pairs() {
     std::vector<PigmentPair> pairs = usual_pigment_pairs();
+    pairs_file_ = SettingsFile(setup_.settings / kPairs);
     try {
-        if (const auto file = setup_.settings / kPairs;
-            !setup_.settings.empty() && std::filesystem::exists(file))
-            pairs = read_pigment_pairs(file);
+        if (!setup_.settings.empty() && std::filesystem::exists(pairs_file_.path()))
+            pairs = read_pigment_pairs(pairs_file_.path());
     } catch (const Error& error) {
+        pairs_file_.cannot_be_read();
         setup_.say(error.what());  // the usual ones, then
     }
     pairs_ = std::make_shared<const std::vector<PigmentPair>>(std::move(pairs));
@@ -159,7 +160,9 @@ void TreatmentDesk::change_pairs(const Treating::Ask& ask) {
     if (setup_.settings.empty()) return;
     try {
         std::filesystem::create_directories(setup_.settings);
-        write_pigment_pairs(setup_.settings / kPairs, *pairs_);
+        if (const std::string told = pairs_file_.make_way(); !told.empty()) setup_.say(told);
+        write_pigment_pairs(pairs_file_.path(), *pairs_);
+        pairs_file_.is_written();
     } catch (const std::exception& error) {
         setup_.say(error.what());  // it holds until the window closes
     }

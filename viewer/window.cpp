@@ -26,8 +26,9 @@ std::unique_ptr<FirstOpening> opening_of(const WindowSetup& setup, const Progres
         [open = setup.open, palette = setup.palette, file = setup.file,
          is_new = setup.file_is_new](const Progress& p) {
             OpenedPainting opened;
+            const auto stamp = stamp_of(file);
             opened.painter = std::make_unique<Painter>(
-                Painter::Setup{open(p), palette, file, is_new}, [] { glfwPostEmptyEvent(); }, p);
+                Painter::Setup{open(p), palette, file, is_new, stamp}, [] { glfwPostEmptyEvent(); }, p);
             opened.tiles = std::make_shared<TexelTiles>(opened.painter->surface(), opened.painter->range());
             opened.file = file;
             return opened;
@@ -68,9 +69,10 @@ WindowApp::WindowApp(WindowSetup setup, const Progress& progress)
     const auto* name = reinterpret_cast<const char*>(glGetString(GL_RENDERER));
     result_.drawn_by = name ? name : "";
     try {
-        if (!setup.settings.empty()) state_.keys = Keys::read(setup.settings / "keys.json");
+        keys_file_ = SettingsFile(setup.settings / "keys.json");
+        if (!setup.settings.empty()) state_.keys = Keys::read(keys_file_.path());
     } catch (const Error& error) {
-        keys_are_bad_ = true;
+        keys_file_.cannot_be_read();
         say(error.what());  // the usual keys, then
     }
 }

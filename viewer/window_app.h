@@ -20,6 +20,7 @@
 #include "viewer/panel_input.h"
 #include "viewer/panels/file_dialog.h"
 #include "viewer/recorder.h"
+#include "viewer/settings.h"
 #include "viewer/substrate_preview.h"
 #include "viewer/treatment_desk.h"
 #include "viewer/window.h"
@@ -113,9 +114,9 @@ private:
     std::string seen_;                // the scene and placement of the last picture
     int settle_ = kFramesAfterwards;  // frames to be drawn
     bool progress_due_ = false;
-    int held_frames_ = 0;        // as many frames more may what is held back wait
-    int cold_shaders_ = 0;       // that are compiled when there is time
-    bool keys_are_bad_ = false;  // in the user's file, which is put aside before it is written
+    int held_frames_ = 0;   // as many frames more may what is held back wait
+    int cold_shaders_ = 0;  // that are compiled when there is time
+    SettingsFile keys_file_;
     bool dirty_ = true, close_when_saved_ = false, close_unsaved_ = false, open_when_saved_ = false,
          fitted_ = false, ready_to_paint_ = false;
     WindowResult result_;

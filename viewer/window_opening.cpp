@@ -127,6 +127,7 @@ void WindowApp::draw_opening(std::shared_ptr<const TexelTiles> overview, double 
 // From now on, this painting.
 void WindowApp::show(OpenedPainting opened, bool is_first) {
     if (!is_first) {
+        hand_->let_go();
         painter_->hurry(false);
         tally();
         if (result_.unsaved)

@@ -17,6 +17,16 @@ namespace {
 constexpr double kHorizonPause_s = 0.4;  // after the last change, before shadows are made again
 constexpr std::size_t kUploadBytes = std::size_t(8) << 20;  // in one frame
 
+// Whether a stroke that is under way has to end before what is asked for: before all but what concerns only
+// how the painting is seen, and what runs beside it.
+bool comes_after_strokes(WindowState::Requests ask, const Treating::Ask& treating) {
+    ask.fit = ask.one_to_one = ask.straighten = ask.snapshot = false;
+    ask.stop_job = ask.stop_report = ask.stop_film = ask.keys_changed = ask.usual_keys = false;
+    ask.step_photo = 0;
+    ask.photo.reset();
+    return ask != WindowState::Requests{} || treating != Treating::Ask{};
+}
+
 }  // namespace
 
 void WindowApp::find_left_over(const std::filesystem::path& file) {
@@ -26,6 +36,10 @@ void WindowApp::find_left_over(const std::filesystem::path& file) {
         say(error.what());  // one can look at the painting all the same
     }
     if (!left_over_) return;
+    if (left_over_->lines_lost > 0)
+        say(fmt::format("{}: {} line{} damaged (line {}); the strokes of the others can be recovered",
+                        std::filesystem::path(left_over_->source).filename().string(), left_over_->lines_lost,
+                        left_over_->lines_lost == 1 ? " is" : "s are", left_over_->warnings.front().line));
     const auto strokes = std::count_if(
         left_over_->entries.begin(), left_over_->entries.end(),
         [](const Journal::Entry& entry) { return std::holds_alternative<StrokeEvent>(entry.event); });
@@ -116,6 +130,7 @@ void WindowApp::news() {
                 state_.treating.on ? "; Match, under Colour, finds a recipe for what is seen" : ""));
     }
     for (const std::string& message : news.messages) say(message);
+    if (news.needs_name && !dialog_) state_.ask.save_dialog = true;
     if (horizon_due_s_ > 0 && now_s_ >= horizon_due_s_ && !hand_->holds() && changed_.empty()) {
         horizon_due_s_ = 0;
         painter_->make_horizon();
@@ -248,14 +263,10 @@ void WindowApp::dialogs(const WindowState::Requests& ask) {
 
 void WindowApp::keep_keys() {
     if (settings_.empty()) return;
-    const std::filesystem::path file = settings_ / "keys.json", aside = settings_ / "keys.wrong.json";
     try {
-        if (std::exchange(keys_are_bad_, false) && std::filesystem::exists(file)) {
-            std::filesystem::rename(file, aside);
-            say(fmt::format("{} could not be read, and is kept as {}", file.string(),
-                            aside.filename().string()));
-        }
-        state_.keys.write(file);
+        if (const std::string told = keys_file_.make_way(); !told.empty()) say(told);
+        state_.keys.write(keys_file_.path());
+        keys_file_.is_written();
     } catch (const std::exception& error) {
         say(error.what());  // they hold until the window closes
     }
@@ -263,6 +274,7 @@ void WindowApp::keep_keys() {
 
 void WindowApp::requests() {
     WindowState::Requests ask = std::exchange(state_.ask, {});
+    if (comes_after_strokes(ask, state_.treating.ask)) hand_->end_stroke();
     dialogs(ask);
     desk_->take(ask, *painter_);
     treating_->take();
@@ -306,14 +318,8 @@ void WindowApp::requests() {
     if (ask.snapshot) snapshot();
     if (!ask.film.empty()) begin_film(ask.film);
     if (ask.stop_film && recorder_) recorder_->stop();
-    if (ask.save && !blocked) {
-        hand_->let_go();
-        painter_->save();
-    }
-    if (!ask.save_as.empty() && !blocked) {
-        hand_->let_go();
-        painter_->save_as(ask.save_as);
-    }
+    if (ask.save && !blocked) painter_->save();
+    if (!ask.save_as.empty() && !blocked) painter_->save_as(ask.save_as);
     if (ask.stay) {
         desk_->use_palette(state_.palette);  // if another one was to come with opening it again
         glfwSetWindowShouldClose(window_.handle(), GLFW_FALSE);

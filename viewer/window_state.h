@@ -263,6 +263,8 @@ struct WindowState {
         std::filesystem::path open, save_as, photos, fit_folder, report, film, palette, substrate,
             height_from, export_to;
         std::string lift;  // name of a layer
+
+        friend bool operator==(const Requests&, const Requests&) = default;
     } ask;
 
     void use_brush(const std::string& name);

@@ -1,0 +1,108 @@
+// journal_writer.cpp: of journals: their text, and files that are written event by event.
+#include "paint/journal.h"
+#include "paint/journal_file_text.h"
+#include "surface/atomic_file.h"
+#include "surface/error.h"
+#include "surface/json_text.h"
+
+namespace tangi {
+
+namespace {
+
+std::string line_text(const Event& event) { return to_json(event).dump() + "\n"; }
+
+std::string header_line() { return fmt::format("{}\n", kJournalFirstLine); }
+
+// [bytes] Where a last line without its end begins.
+std::size_t begin_of_torn(std::string_view text) {
+    const auto end = text.rfind('\n');
+    return end == std::string_view::npos ? 0 : end + 1;
+}
+
+// What was written whole but for its line end counts, as it does for who reads it.
+bool lacks_only_its_end(std::string_view line) {
+    try {
+        return !line.empty() && parsed_line(line, {}).has_value();
+    } catch (const Error&) {
+        return false;
+    }
+}
+
+}  // namespace
+
+std::optional<nlohmann::json> parsed_line(std::string_view line, const std::string& where, std::string* why) {
+    try {
+        return parse_json(line, where);
+    } catch (const nlohmann::json::parse_error& error) {
+        if (why) *why = why_no_json(line, error.byte);
+        return {};
+    }
+}
+
+void require_first_line(std::string_view line, const std::string& where) {
+    const auto header = parsed_line(line, where);
+    if (!header || !header->is_object() || header->value("format", nlohmann::json()) != "tangipaint strokes")
+        fail("{}: is not a journal of strokes; its first line must be {}", where, kJournalFirstLine);
+    const auto version = header->find("version");
+    if (version == header->end()) fail("{}: has no 'version'; the line must be {}", where, kJournalFirstLine);
+    if (*version != 1) fail("{}: has version {}, but this program reads version 1", where, shown(*version));
+}
+
+std::size_t end_of_line(std::string_view text, std::size_t begin) {
+    return std::min(text.find_first_of("\r\n", begin), text.size());
+}
+
+void require_readable(const Event& event) {
+    const std::string where = fmt::format("this '{}' is left out", name_of(event));
+    (void)event_from_json(parse_json(line_text(event), where), where);
+}
+
+std::string journal_text(std::span<const Journal::Entry> entries) {
+    std::string text = header_line();
+    for (const Journal::Entry& entry : entries) text += line_text(entry.event);
+    return text;
+}
+
+std::string whole_lines(std::string text) {
+    const std::size_t torn = begin_of_torn(text);
+    if (lacks_only_its_end(std::string_view(text).substr(torn)))
+        text += '\n';
+    else
+        text.resize(torn);
+    return text;
+}
+
+JournalWriter::JournalWriter(const std::filesystem::path& path) : file_(path) {
+    const std::string text = read_text_file(path);
+    if (!text.empty()) go_on_with(text);
+    if (file_.length() == 0) file_.append(header_line());
+}
+
+void JournalWriter::go_on_with(const std::string& text) {
+    const std::filesystem::path& path = file_.path();
+    if (kJournalFirstLine.starts_with(text) && text.size() < kJournalFirstLine.size()) {
+        file_.cut(0);  // a crash came before anything was recorded
+        return;
+    }
+    require_first_line(text.substr(0, end_of_line(text, 0)), path.string() + ":1");
+    if (text.find('\n') == std::string::npos && text.find('\r') != std::string::npos)
+        fail(
+            "{}: its lines end with CR alone, as on old Macs, and it can be read but not gone on with; save "
+            "it with line ends LF",
+            path.string());
+    const std::size_t torn = begin_of_torn(text);
+    if (lacks_only_its_end(std::string_view(text).substr(torn)))
+        file_.append("\n");
+    else if (torn < text.size())
+        file_.cut(torn);
+    for (const Journal::Entry& entry : recovered_journal(path).entries) order_.take(entry.event);
+    if (order_.in_stroke()) append(EndEvent{});
+}
+
+void JournalWriter::append(const Event& event) {
+    TP_REQUIRE(order_.fit(event) == EventOrder::Fit::fits, "an event is recorded where it belongs");
+    file_.append(line_text(event));
+    order_.take(event);
+}
+
+}  // namespace tangi

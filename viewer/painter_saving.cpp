@@ -1,0 +1,178 @@
+// painter_saving.cpp: of the painter: strokes recorded and recovered, the painting saved.
+#include "paint/canvas_file.h"
+#include "paint/tools_file.h"
+#include "surface/error.h"
+#include "surface/overview.h"
+#include "surface/painting_file.h"
+#include "viewer/painter.h"
+
+namespace tangi {
+
+// Painting goes on where it cannot be recorded; but who paints must know that only saving keeps it, and when
+// that is over.
+void Painter::keep_record(const std::function<void()>& action) {
+    try {
+        action();
+        if (std::exchange(told_of_journal_, false)) say("strokes are recorded again, with those before");
+    } catch (const std::exception& error) {
+        if (!std::exchange(told_of_journal_, true))
+            say(fmt::format(
+                "{}; until they can be, strokes are not recorded: make room, or save before you end",
+                error.what()));
+    }
+}
+
+void Painter::record(const Event& event) {
+    keep_record([&] { record_.append(event); });
+}
+
+bool Painter::is_replaced() const {
+    const std::filesystem::path& painting = record_.files().painting;
+    const auto now = stamp_of(painting);
+    if (!now || now == stamp_) return false;
+    if (!stamp_ || !may_be_same(*stamp_, *now)) return true;
+    try {
+        return hash_of(read_painting(painting)) != hash_of(*dry_);
+    } catch (const Error&) {
+        return true;
+    }
+}
+
+// What lies at its place is somebody's work, too.
+void Painter::refuse_replaced() const {
+    if (is_replaced())
+        fail(
+            "{}: was replaced or changed by another program since it was opened here; nothing was "
+            "overwritten: save under another name",
+            record_.files().painting.filename().string());
+}
+
+void Painter::recover(Journal journal) {
+    post([this, journal = std::move(journal)] {
+        std::vector<Journal::Entry> painted;
+        std::string why;
+        const auto not_repeated = [&](int line, const char* what) {
+            if (why.empty()) why = fmt::format("line {}: {}", line, what);
+        };
+        for (const Journal::Entry& entry : journal.entries) {
+            const EventOrder::Fit fit = order_.fit(entry.event);
+            if (fit == EventOrder::Fit::nowhere) {  // as earlier versions recorded
+                not_repeated(entry.line, "no stroke is under way there");
+                continue;
+            }
+            if (fit == EventOrder::Fit::after_end) painted.push_back({entry.line, EndEvent{}});
+            try {
+                apply(entry.event, false);
+                painted.push_back(entry);
+            } catch (const Error& error) {  // as of an undo that reached back beyond the last save
+                not_repeated(entry.line, error.what());
+            }
+        }
+        if (order_.in_stroke()) {
+            painted.push_back({0, EndEvent{}});
+            apply(EndEvent{}, false);
+        }
+        keep_record([&] { record_.take_over(painted, why.empty() && journal.lines_lost == 0); });
+        std::string told = fmt::format("recovered {} stroke{}", session_.totals().strokes,
+                                       session_.totals().strokes == 1 ? "" : "s");
+        if (journal.lines_lost > 0)
+            told += fmt::format("; {} damaged line{} could not be", journal.lines_lost,
+                                journal.lines_lost == 1 ? "" : "s");
+        if (!why.empty()) told += "; not repeated: " + why;
+        say(told);
+    });
+}
+
+void Painter::discard() {
+    post([this] {
+        record_.discard();
+        own_.unsaved = false;
+    });
+}
+
+void Painter::write_file(const std::filesystem::path& to) {
+    const std::filesystem::path& from = record_.files().painting;
+    AtomicFile file(to);
+    std::vector<PartToWrite> further;
+    // What other modules keep in the file stays: it belongs to the dry layer, which does not change.
+    if (!file_is_new_ && std::filesystem::exists(from)) {
+        if (is_replaced())
+            say(fmt::format(
+                "{}: another painting lies there now: what a fit kept beside the maps is not saved",
+                from.filename().string()));
+        else
+            guarded([&] { further = parts_beside_paint(from); });
+    }
+    if (painted_ && !session_.canvas().ingredients().empty()) add_overview(further, *painted_, *dry_);
+    write_canvas(file, session_.canvas(), {}, with_tools(std::move(further), session_));
+    say(fmt::format("saved {}", to.filename().string()));
+}
+
+void Painter::write(const std::filesystem::path& to, bool over) {
+    const std::filesystem::path from = record_.files().painting;
+    if (hurry_)
+        fail("{} was not saved; its strokes can be recovered when it is opened again",
+             from.filename().string());
+    if (to == from) refuse_elsewhere();
+    if (PaintingClaim there; to != from && !there.take(to))
+        fail("{} is open in another window: choose another name", to.filename().string());
+    const bool keeps = keep_ && to == from;
+    if (to == from && (keeps || !over) && is_replaced()) {
+        {
+            const std::lock_guard lock(mutex_);
+            news_.needs_name = true;
+        }
+        refuse_replaced();
+    }
+    end_stroke();
+    record_.let_time_pass();
+    if (keeps) {
+        record_.sync();
+        Canvas kept = session_.canvas();
+        kept.confine({});
+        say(keep_(kept, record_.files().unsaved));
+        adopt(std::move(kept));
+    } else {
+        write_file(to);
+    }
+    // From here on it is saved, and has this name, whatever becomes of its record.
+    file_is_new_ = false;
+    stamp_ = stamp_of(to);
+    const bool is_of_another = own_.elsewhere;
+    own_.elsewhere = !claim_.take(to);
+    mark_saved();
+    ++own_.saves;
+    {
+        const std::lock_guard lock(mutex_);
+        file_ = to;
+    }
+    if (to == from)
+        keep_record([&] { record_.put_away(); });
+    else if (is_of_another)
+        keep_record([&] { record_.leave_for(sitting_files(to)); });
+    else
+        keep_record([&] { record_.move_to(sitting_files(to)); });
+}
+
+void Painter::save() { save_as({}); }
+
+void Painter::save_as(const std::filesystem::path& to) {
+    ++saves_waiting_;
+    post([this, to] {
+        own_.saving = true;
+        {
+            const std::lock_guard lock(mutex_);
+            news_.state.saving = true;
+        }
+        wake_();
+        guarded([&] {
+            const std::filesystem::path& own = record_.files().painting;
+            std::error_code none;
+            write(to.empty() || std::filesystem::equivalent(to, own, none) ? own : to, !to.empty());
+        });
+        own_.saving = false;
+        --saves_waiting_;
+    });
+}
+
+}  // namespace tangi
