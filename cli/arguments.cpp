@@ -30,8 +30,14 @@ std::string_view trimmed(std::string_view text) {
 std::vector<double> numbers_of(const std::string& text, const std::string& flag, std::size_t count,
                                const std::string& form) {
     std::vector<double> numbers = numbers_in(text, flag, form);
-    if (numbers.size() != count) throw UsageError(fmt::format("{} {}: expected {}", flag, text, form));
-    return numbers;
+    if (numbers.size() == count) return numbers;
+    // "0,5,0,3,1" for 0.5, 0.3, 1: there are more numbers than wanted.
+    throw UsageError(fmt::format("{} {}: expected {}{}", flag, text, form,
+                                 numbers.size() > count
+                                     ? fmt::format("; these are {} numbers: commas separate "
+                                                   "them, so write 0.5 with a point",
+                                                   numbers.size())
+                                     : ""));
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include "fit/fit_painting.h"
 #include "fit/fit_passes.h"
 #include "surface/error.h"
+#include "surface/fit_doubts.h"
 #include "surface/output_set.h"
 #include "surface/overview.h"
 #include "surface/painting_file.h"
@@ -263,6 +264,10 @@ nlohmann::json run_fit(FitArguments arguments, const Progress& progress) {
             "so none is stored");
     if (arguments.faithful && !faithful.report.used)
         fit.surface.provenance = with_faithful_in_vain(fit.surface.provenance);
+    if (!development.encoding.doubt.empty()) opened.poor.push_back(development.encoding.doubt);
+    std::vector<std::string> poor = poor_reasons(fit.report, opened, arguments.photos.flips());
+    if (const std::string none = says_none_is_held_out(held_out, fit); !none.empty()) poor.push_back(none);
+    fit.surface.provenance = with_doubts(fit.surface.provenance, poor, warnings);
     add_overview(parts, fit.surface, fit.surface);
     fill_painting(file, fit.surface, parts, progress);
     OutputSet set;  // a painting and the page that tells of it
@@ -279,10 +284,7 @@ nlohmann::json run_fit(FitArguments arguments, const Progress& progress) {
     if (arguments.faithful) result["faithful"] = to_json(faithful.report);
     result["development"] = to_json(development);
     result["warnings"] = told(warnings, told_before);
-    if (!development.encoding.doubt.empty()) opened.poor.push_back(development.encoding.doubt);
-    result["poor"] = poor_reasons(fit.report, opened, arguments.photos.flips());
-    if (const std::string none = says_none_is_held_out(held_out, fit); !none.empty())
-        result["poor"].push_back(none);
+    result["poor"] = poor;
     return result;
 }
 

@@ -6,20 +6,21 @@
 #include <CLI/Validators.hpp>
 #include <cstdint>
 
+#include "surface/typed_number.h"
+
 namespace tangi {
 
 namespace {
 
-// What is wrong with "0,3", and what to write; empty where the text is no number with a decimal comma.
-// Without it, "2,5" would be taken for 2 by what looks at the beginning alone.
+// What is wrong with "0,3" or "1.234,5", and what to write; empty where the text has no such marks. Without
+// it, "2,5" would be taken for 2 by what looks at the beginning alone. Commas separate numbers on the command
+// line, so a decimal comma is told of here, and not taken as in the window.
 std::string told_of_comma(const std::string& text) {
-    const auto comma = text.find(',');
-    if (comma == std::string::npos || text.find_first_of("0123456789", comma) == std::string::npos ||
-        text.find_first_not_of("+-0123456789") != comma ||
-        text.find_first_not_of("0123456789eE+-", comma + 1) != std::string::npos)
-        return "";
-    const std::string point = text.substr(0, comma) + "." + text.substr(comma + 1);
-    return fmt::format("{} has a decimal comma: write {} with a point", text, point);
+    if (text.find(',') == std::string::npos) return "";
+    const TypedNumber typed = typed_number(text);
+    if (typed.comma) return fmt::format("{} has a decimal comma: write {} with a point", text, typed.plain);
+    const bool of_digits = text.find_first_not_of("+-.,0123456789eE") == std::string::npos;
+    return of_digits ? typed.complaint : "";
 }
 
 }  // namespace

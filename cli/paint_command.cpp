@@ -44,7 +44,6 @@ Canvas canvas_of(const PaintArguments& a, const Progress& progress) {
     if (!a.substrate.given())
         return read_canvas(a.painting, progress,
                            a.mm_per_pixel ? a.mm_per_pixel : treatment_scale(a.painting));
-    for (const std::string& warning : a.substrate.warnings()) warn(warning);
     return Canvas(std::make_shared<Surface>(a.substrate.make(progress)));
 }
 
@@ -59,13 +58,14 @@ Workshop workshop_of(const PaintArguments& a) {
     };
     workshop.fit = [](const fs::path& photographs, const fs::path& out, const Progress& progress) {
         const nlohmann::json result = fit_folder(photographs, out, progress);
-        const auto& reasons = result["poor"].empty() ? result["warnings"] : result["poor"];
-        return reasons.empty() ? std::string() : reasons.front().get<std::string>();
+        return std::string();  // its doubts are kept with the painting, which tells them when it is opened
     };
     workshop.export_canvas = [](const Canvas& canvas, const fs::path& painting, const std::string& format,
                                 const fs::path& out, const Progress& progress) {
         const nlohmann::json result = export_canvas(canvas, painting, format, out, progress);
-        return result.contains("warnings") ? result["warnings"].front().get<std::string>() : std::string();
+        return result.contains("warnings")
+                   ? fmt::format("{}", fmt::join(result["warnings"].get<std::vector<std::string>>(), "; "))
+                   : std::string();
     };
     return workshop;
 }
@@ -99,7 +99,10 @@ nlohmann::json run_paint(PaintArguments a) {
         .open = [a](const Progress& p) { return canvas_of(a, p); },
         .palette = a.palette.empty() ? artist_acrylics() : read_palette(a.palette),
         .brushes = a.brushes.empty() ? brush_presets() : read_brush_presets(a.brushes, &warnings)};
+    if (a.substrate.given())
+        for (const std::string& warning : a.substrate.warnings()) warnings.push_back(warning);
     told(warnings);
+    setup.warnings = warnings;
     setup.width = width;
     setup.height = height;
     setup.file_is_new = a.substrate.given();

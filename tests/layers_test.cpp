@@ -270,6 +270,21 @@ TEST(Layers, OfTheIncludesAreKept) {
     EXPECT_THAT(include_violations(sources), testing::IsEmpty());
 }
 
+// Dear ImGui's own fields drop a decimal comma: "120,5" would be 1205. Numbers are typed in number_field.h.
+TEST(Layers, OfNumbersThatAreTypedIsOne) {
+    for (const auto& [path, text] : sources_of_the_repository()) {
+        if (!path.starts_with("viewer/") || path == "viewer/panels/number_field.cpp") continue;
+        for (const char* field :
+             {"ImGui::InputFloat", "ImGui::InputDouble", "ImGui::InputInt", "ImGui::InputScalar",
+              "ImGui::Slider", "ImGui::VSlider", "ImGui::Drag", "ImGui::Color"}) {
+            for (auto at = text.find(field); at != std::string::npos; at = text.find(field, at + 1))
+                EXPECT_TRUE(text.compare(at, 18, "ImGui::ColorButton") == 0 ||
+                            text.compare(at, 19, "ImGui::ColorConvert") == 0)
+                    << path << ": " << text.substr(at, 30);
+        }
+    }
+}
+
 TEST(Layers, OfTheLinkListsAreKept) {
     const std::string cmake = text_of(fs::path(TP_SOURCE_DIR) / "CMakeLists.txt");
     Names found;

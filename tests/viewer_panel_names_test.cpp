@@ -1,5 +1,6 @@
-// viewer_panel_names_test.cpp: no two things in a panel have one name. Dear ImGui tells them apart by it, and
-// ends the program where it takes a slider that is dragged for a button.
+// viewer_panel_names_test.cpp: no two things in a panel have one name: Dear ImGui tells them apart by it, and
+// ends the program where it takes a slider that is dragged for a button. And none of them moves under the
+// pointer when something happens that nobody clicked for.
 //
 // Linked so (--wrap, tests/CMakeLists.txt) that what Dear ImGui adds to a window comes by here.
 #include <gmock/gmock.h>
@@ -9,6 +10,7 @@
 #include <set>
 
 #include "paint/brush_settings.h"
+#include "viewer/fonts.h"
 #include "viewer/panels/panels.h"
 #include "viewer_support.h"
 
@@ -19,6 +21,7 @@ struct Names {
     std::map<ImGuiID, std::string> of;
     std::map<ImGuiID, int> times;
     std::set<std::string> twice;
+    std::map<ImGuiID, ImVec2> places;  // their upper left corners
 } names;
 
 }  // namespace
@@ -28,6 +31,7 @@ bool __real__ZN5ImGui7ItemAddERK6ImRectjPS1_i(const ImRect&, ImGuiID, const ImRe
 bool __wrap__ZN5ImGui7ItemAddERK6ImRectjPS1_i(const ImRect& box, ImGuiID id, const ImRect* navigated,
                                               ImGuiItemFlags flags) {
     if (id != 0 && ++names.times[id] == 2) names.twice.insert(names.of[id]);
+    if (id != 0) names.places[id] = box.Min;
     return __real__ZN5ImGui7ItemAddERK6ImRectjPS1_i(box, id, navigated, flags);
 }
 ImGuiID __real__ZN11ImGuiWindow5GetIDEPKcS1_(ImGuiWindow*, const char*, const char*);
@@ -50,9 +54,7 @@ protected:
         ImGuiIO& io = ImGui::GetIO();
         io.IniFilename = nullptr;
         io.DisplaySize = {1600, 3000};
-        unsigned char* pixels = nullptr;
-        int width = 0, height = 0;
-        io.Fonts->GetTexDataAsRGBA32(&pixels, &width, &height);
+        const PanelFonts fonts(1);  // texts are as wide as in the window
         state_.painting = {400, 300};
         state_.scale_known = state_.treating.scale_known = true;
         state_.brushes = brush_presets();
@@ -150,6 +152,201 @@ TEST_F(PanelNames, OfATreatmentDiffer) {
                     SCOPED_TRACE(tab);
                     draw();
                 }
+}
+
+// A folder of photographs that has been opened.
+class OpenedPhotographs : public PhotoBook {
+public:
+    const std::vector<Entry>& entries() const override { return entries_; }
+    const std::vector<std::string>& warnings() const override { return warnings_; }
+    const ColourScale& difference_scale() const override { return scale_; }
+    const ColourScale& delta_e_scale() const override { return scale_; }
+    HeldPhoto hold(int, const Progress&) const override { return {}; }
+    void write_report(const std::filesystem::path&, const std::vector<int>&, const Progress&) const override {
+    }
+
+    std::vector<std::string> warnings_;
+
+private:
+    std::vector<Entry> entries_{{"0.png", distant_light({0, 0, 1}), true},
+                                {"1.png", distant_light({1, 0, 1}), true}};
+    ColourScale scale_;
+};
+
+class PanelPlaces : public PanelNames {
+protected:
+    // What is there before and after it happens is where it was.
+    template <class Happens>
+    void stays_when(const char* what, const Happens& happens) {
+        SCOPED_TRACE(what);
+        draw();
+        const Names before = names;
+        happens();
+        draw();
+        int both = 0;
+        for (const auto& [id, place] : before.places) {
+            const auto after = names.places.find(id);
+            if (after == names.places.end()) continue;
+            ++both;
+            EXPECT_TRUE(place.x == after->second.x && place.y == after->second.y)
+                << names.of[id] << " moves from " << place.x << ", " << place.y << " to " << after->second.x
+                << ", " << after->second.y;
+        }
+        EXPECT_GT(both, 50);
+    }
+};
+
+TEST_F(PanelPlaces, StayWhenSomethingHappensToThePainting) {
+    WindowState& s = state_;
+    stays_when("another window has it", [&] { s.painter.elsewhere = true; });
+    stays_when("and gives it back", [&] { s.painter.elsewhere = false; });
+    stays_when("the scale is not known", [&] { s.scale_known = false; });
+    stays_when("the window says something",
+               [&] { s.said.assign(5, "a message of some length, which is said"); });
+    stays_when("the fit had doubts", [&] { s.doubts.assign(3, "a doubt"); });
+    stays_when("a lamp is near", [&] { s.lamps[0].near = true; });
+    stays_when("there are no shadows", [&] { s.shadows = false; });
+    stays_when("there are more lamps", [&] { s.lamps.resize(4); });
+    stays_when("a canvas cannot be made",
+               [&] { s.new_canvas.complaint = "it is there already: choose another name"; });
+    stays_when("its preview is there", [&] {
+        s.new_canvas.texture = 1;
+        s.new_canvas.preview = {300, 130};
+    });
+    stays_when("head and sensor are followed", [&] { s.follow.head = s.follow.sensor = true; });
+}
+
+TEST_F(PanelPlaces, StayWhenPhotographsAreRead) {
+    OpenedPhotographs book;
+    Comparing& c = state_.comparing;
+    c.loaded = c.on = true;
+    stays_when("the folder is open", [&] { c.news.book = &book; });
+    stays_when("it is warned of", [&] {
+        book.warnings_ = {"one", "another warning, which is longer than a line is wide"};
+    });
+    stays_when("a photograph is measured", [&] {
+        auto held = std::make_shared<HeldPhoto>();
+        held->whole.pixels = 100;
+        c.news.held = held;
+    });
+    stays_when("nothing was measured in another", [&] { c.news.held = std::make_shared<HeldPhoto>(); });
+    stays_when("a region is measured", [&] {
+        state_.region = Region{0, 0, 10, 10};
+        c.news.part = {0, *state_.region, Likeness{.pixels = 100}};
+    });
+    stays_when("it blinks", [&] { c.way = CompareWay::blink; });
+    stays_when("the painting is shown again", [&] { c.on = false; });
+}
+
+// A click on a paint takes the brush into the hand, whose panels come first then: once the pointer has left.
+TEST_F(PanelPlaces, StayUnderThePointerThatTakesTheBrush) {
+    state_.tool = Tool::tilt;
+    draw();
+    const auto paint = std::ranges::find_if(
+        names.places, [](const auto& item) { return names.of[item.first].ends_with(": paint"); });
+    ASSERT_NE(paint, names.places.end());
+    const auto [id, place] = *paint;
+    ImGui::GetIO().MousePos = {place.x + 5, place.y + 5};
+    stays_when("the tool is another", [&] { state_.tool = Tool::paint; });
+    ImGui::GetIO().MousePos = {800, 400};
+    draw();
+    EXPECT_LT(names.places.at(id).y, place.y);
+}
+
+TEST_F(PanelPlaces, StayWhenATreatmentGoesOn) {
+    Treating& t = state_.treating;
+    for (const char* tab : {"Damage", "Steps", "Colour", "Record"}) {
+        SCOPED_TRACE(tab);
+        t = Treating();
+        state_.painter = {};
+        t.on = t.usable = true;
+        for (std::size_t i = 0; i < kDamageClasses.size(); ++i) t.damage[i].damage = kDamageClasses[i];
+        t.forward = tab;
+        draw();
+        stays_when("damage is mapped", [&] {
+            for (DamageRow& row : t.damage)
+                row.there = true, row.count = 12, row.area_cm2 = 123.45, row.percent = 12.3;
+        });
+        stays_when("something is suggested", [&] {
+            t.suggestion.emplace();
+            t.suggestion->title = "Craquelure";
+            t.suggestion->measured =
+                "a measure of it that takes more than a line of the panel to be told in words";
+            t.suggestion->shown = 3;
+        });
+        stays_when("with other settings", [&] { t.suggestion->stale = true; });
+        for (const MaskTool tool : {MaskTool::wand, MaskTool::area, MaskTool::polygon, MaskTool::brush})
+            stays_when("another tool draws", [&] { t.mask_tool = tool; });
+        for (const Suggesting what : {Suggesting::craquelure, Suggesting::gloss, Suggesting::flaking})
+            stays_when("something else is looked for", [&] { t.suggesting = what; });
+        stays_when("the map is corrected", [&] { t.edits = 2; });
+        stays_when("something runs", [&] { t.job = Job::State(); });
+        stays_when("paint is laid", [&] {
+            state_.painter.unsaved = true;
+            state_.painter.painted_px = 100;
+            state_.painter.outside_px = 5;
+        });
+        stays_when("one may not paint",
+                   [&] { t.no_strokes = "choose the damage that is retouched: Steps, Works on"; });
+        stays_when("a layer is laid", [&] { t.layers.push_back({"retouch 1", LayerRole::retouch, {}}); });
+        stays_when("the mode is another", [&] { t.mode = RetouchMode::tratteggio; });
+        stays_when("a retouch is previewed", [&] {
+            t.preview.emplace();
+            t.preview->lines = "23 lines or dots, 2.00 mm apart, 1.00 mm wide; they fuse from 1.2 m on";
+            t.preview->piles.assign(6, "20 %  3 parts Titanium White, 1 part Yellow Ochre");
+        });
+        stays_when("with other settings", [&] { t.preview->stale = true; });
+        stays_when("the fill is as the weave", [&] { t.texture = FillTexture::weave; });
+        stays_when("it is not as its log says", [&] {
+            t.usable = false;
+            t.faults = {"a fault", "another one"};
+        });
+    }
+}
+
+TEST_F(PanelPlaces, AreReachedInASmallWindow) {
+    Treating& t = state_.treating;
+    t.on = t.usable = true;
+    state_.help = state_.board.open = state_.new_canvas.open = false;
+    ImGui::GetIO().DisplaySize = {800, 600};
+    state_.window_width = 800;
+    EXPECT_GE(800 - panels::width(state_) - panels::treatment_width(state_), 400) << "left for the painting";
+    const auto small = [&] {
+        for (int i = 0; i < 3; ++i) {
+            names = {};
+            ImGui::NewFrame();
+            panels::column(state_, 600);
+            panels::treatment_column(state_, 600);
+            ImGui::Render();
+        }
+    };
+    const auto is_there = [&](const std::string& name) {
+        return std::ranges::any_of(names.of,
+                                   [&](const auto& of) { return of.second.ends_with(": " + name); });
+    };
+    small();
+    EXPECT_TRUE(is_there("Damage"));
+    EXPECT_FALSE(is_there("dome"));
+    EXPECT_EQ(ImGui::FindWindowByName("treatment"), nullptr);
+    t.in_front = false;
+    small();
+    EXPECT_TRUE(is_there("dome"));
+    state_.window_width = 1280;
+    EXPECT_GT(panels::treatment_width(state_), 0) << "there is room for both";
+    // Nothing is wider than its column.
+    for (const int wide : {800, 1280})
+        for (const bool front : {true, false}) {
+            ImGui::GetIO().DisplaySize.x = static_cast<float>(wide);
+            state_.window_width = wide;
+            t.in_front = front;
+            small();
+            for (const char* name : {"column", "treatment"}) {
+                const ImGuiWindow* column = ImGui::FindWindowByName(name);
+                if (!column || !column->Active) continue;
+                EXPECT_LE(column->ContentSize.x, column->WorkRect.GetWidth())
+                    << name << (front ? ", the treatment" : ", the others") << " at " << wide;
+            }
+        }
 }
 
 }  // namespace

@@ -9,6 +9,8 @@
 #include <set>
 #include <utility>
 
+#include "viewer/panels/number_field.h"
+
 namespace tangi {
 namespace {
 
@@ -113,6 +115,84 @@ TEST_F(Panels, EveryButtonOfTheStepsCanBeClicked) {
             if (ask.varnish) clicked.insert("varnish");
         }
     EXPECT_EQ(clicked, (std::set<std::string>{"fill", "isolate", "varnish"}));
+}
+
+// What is compared is lit as the photograph was: dome and sliders would move, and no picture with them.
+TEST_F(Panels, NothingIsLitWhilePhotographsAreHeldAgainstThePainting) {
+    ImGuiIO& io = ImGui::GetIO();
+    const auto hand_at = [&](float x, float y) {
+        io.MousePos = {x, y};
+        frames(panels::light);
+        io.MouseDown[0] = true;
+        frames(panels::light);
+        io.MouseDown[0] = false;
+        frames(panels::light);
+    };
+    const auto everywhere = [&] {
+        for (float y = 40; y < 420; y += 7)
+            for (const float x : {30.0f, 60.0f, 170.0f}) hand_at(x, y);
+    };
+    state_.comparing.on = true;
+    const Lamp before = state_.lamps[0];
+    everywhere();
+    ASSERT_EQ(state_.lamps.size(), 1u);
+    EXPECT_EQ(state_.lamps[0].angles.azimuth_deg, before.angles.azimuth_deg);
+    EXPECT_EQ(state_.lamps[0].angles.elevation_deg, before.angles.elevation_deg);
+    EXPECT_EQ(state_.lamps[0].gain, before.gain);
+    EXPECT_TRUE(state_.shadows && !state_.sweeping);
+    state_.comparing.on = false;
+    everywhere();
+    EXPECT_NE(state_.lamps[0].angles.azimuth_deg, before.angles.azimuth_deg) << "and it is otherwise";
+}
+
+// Typed as a user does: Ctrl-click into a slider.
+TEST_F(Panels, ADecimalCommaIsOneInASliderToo) {
+    ImGuiIO& io = ImGui::GetIO();
+    io.KeyMap[ImGuiKey_Enter] = 1;
+    float y = 0;
+    // Of the slider Ambient, the last of the panel.
+    const float before = state_.ambient;
+    for (float at = 40; at < 420 && y == 0; at += 5) {
+        state_.ambient = before;
+        io.MousePos = {30, at};
+        frames(panels::light);
+        io.MouseDown[0] = true;
+        frames(panels::light);
+        io.MouseDown[0] = false;
+        frames(panels::light);
+        if (state_.ambient != before) y = at;
+    }
+    ASSERT_GT(y, 0);
+    const auto type = [&](const char* text) {
+        state_.ambient = 0.1f;
+        io.MousePos = {30, y};
+        frames(panels::light);
+        io.KeyCtrl = io.MouseDown[0] = true;
+        frames(panels::light);
+        io.KeyCtrl = io.MouseDown[0] = false;
+        frames(panels::light);
+        for (const char* c = text; *c; ++c) io.AddInputCharacter(static_cast<unsigned>(*c));
+        frames(panels::light);
+        EXPECT_EQ(state_.ambient, 0.1f) << "not before it is entered";
+        io.KeysDown[1] = true;
+        frames(panels::light);
+        io.KeysDown[1] = false;
+        frames(panels::light);
+        return state_.ambient;
+    };
+    EXPECT_FLOAT_EQ(type("0,25"), 0.25f);
+    EXPECT_FLOAT_EQ(type("0.25"), 0.25f);
+    EXPECT_FALSE(panels::number_complaint());
+    for (const auto& [text, why] : {std::pair("1.234,5", "between thousands"),
+                                    {"1,234", "may be"},
+                                    {"2,5", "is not between 0 and 0.5"},
+                                    {"abc", "not a number"}}) {
+        EXPECT_EQ(type(text), 0.1f) << text;
+        const auto complaint = panels::number_complaint();
+        ASSERT_TRUE(complaint) << text;
+        EXPECT_NE(complaint->find(why), std::string::npos) << *complaint;
+        EXPECT_EQ(complaint->find("Ambient: "), 0u) << *complaint;
+    }
 }
 
 TEST_F(Panels, ProfileAndStatisticsLieBesideEachOther) {

@@ -73,17 +73,46 @@ TEST(Pen, RotationTurnsCounterClockwise) {
     EXPECT_TRUE(pen_sample(axes(0, 0, 0), true).eraser);
 }
 
-TEST(Pen, SamplesGoWithMovementsInOrder) {
-    std::vector<PenSample> samples(6);
-    for (std::size_t i = 0; i < samples.size(); ++i) samples[i].pressure = 0.1 * static_cast<double>(i);
-    for (const std::size_t count : {1u, 2u, 3u, 6u, 7u, 20u}) {
-        double last = -1;
-        for (std::size_t i = 0; i < count; ++i) {
-            const double pressure = sample_of(samples, i, count).pressure;
-            EXPECT_GE(pressure, last);
-            last = pressure;
-        }
-        EXPECT_DOUBLE_EQ(last, 0.5) << "the last is the newest";
+// Drivers tell the axes that changed, and may not tell that the pressure is 0 when the tip goes up.
+TEST(Pen, AStrokeDoesNotBeginWithThePressureOfTheOneBefore) {
+    constexpr int kX = 0, kPressure = 2;
+    Pen pen(axes(0, 0, 0), false);
+    EXPECT_DOUBLE_EQ(pen.press({}).pressure, 0);
+    EXPECT_DOUBLE_EQ(pen.move({{kPressure, 1536}}).pressure, 0.75);
+    EXPECT_DOUBLE_EQ(pen.move({{kX, 120}}).pressure, 0.75) << "it stays pressed";
+    EXPECT_DOUBLE_EQ(pen.release({}).pressure, 0);
+    EXPECT_FALSE(pen.down());
+    EXPECT_DOUBLE_EQ(pen.move({{kX, 130}}).pressure, 0) << "in the air";
+    EXPECT_DOUBLE_EQ(pen.press({}).pressure, 0);
+    EXPECT_TRUE(pen.down());
+    pen.release({{kPressure, 2048}});
+    EXPECT_DOUBLE_EQ(pen.move({}).pressure, 0) << "nor with what was told as it went up";
+    // What is told with the press, or just before it, is of this stroke.
+    EXPECT_DOUBLE_EQ(pen.press({{kPressure, 512}}).pressure, 0.25);
+    pen.release({});
+    pen.move({{kPressure, 1024}});
+    EXPECT_DOUBLE_EQ(pen.press({}).pressure, 0.5);
+    pen.release({});
+    pen.move({{kPressure, 1024}});
+    pen.move({{kX, 140}});
+    EXPECT_DOUBLE_EQ(pen.press({}).pressure, 0) << "told long before";
+}
+
+// The same hand over a painting that lies turned: what it does on the screen is the same.
+TEST(Pen, IsHeldByTheHandAndNotByThePainting) {
+    const double deg = std::numbers::pi / 180;
+    const PenSample hand{.pressure = 1, .tilt_x = 0.4, .tilt_y = 0.1, .rotation_deg = 20};
+    for (const double turn_deg : {0.0, 30.0, 90.0, -135.0, 180.0}) {
+        const HeldBrush held = held_over(hand, turn_deg, false);
+        // Back on the screen, which shows the painting turned.
+        const double c = std::cos(turn_deg * deg), s = std::sin(turn_deg * deg);
+        EXPECT_NEAR(c * held.tilt.x - s * held.tilt.y, 0.4, 1e-12) << turn_deg;
+        EXPECT_NEAR(s * held.tilt.x + c * held.tilt.y, 0.1, 1e-12) << turn_deg;
+        EXPECT_NEAR(std::remainder(held.rotation_deg + turn_deg - 20, 360.0), 0, 1e-9) << turn_deg;
+        EXPECT_NEAR(std::remainder(held_over({}, turn_deg, false).rotation_deg + turn_deg, 360.0), 0, 1e-9)
+            << "a mouse is held straight";
+        EXPECT_NEAR(held_over(hand, turn_deg, true).rotation_deg, 20, 1e-12)
+            << "the stroke turns it, and is turned with the painting";
     }
 }
 

@@ -131,6 +131,20 @@ TEST(FileDialog, UnderstandsWhatIsTyped) {
     EXPECT_FALSE(choice(Wants::new_file, "b").exists);
     EXPECT_TRUE(choice(Wants::new_file, "a.exr").exists) << "to be asked about";
     EXPECT_NE(choice(Wants::new_file, "nowhere/b.exr").complaint, "");
+    EXPECT_EQ(choice(Wants::new_file, "B.EXR").path, folder / "B.EXR");
+    EXPECT_EQ(choice(Wants::new_file, "Madonna 1.5").path, folder / "Madonna 1.5.exr");
+    EXPECT_EQ(choice(Wants::new_file, "b.").path, folder / "b.exr");
+    EXPECT_THAT(choice(Wants::new_file, "b.pdf").complaint,
+                testing::HasSubstr("written as .exr, not as .pdf"));
+    EXPECT_THAT(choice(Wants::new_file, "b.PNG").complaint, testing::HasSubstr("not as .png"));
+    const auto page = [&](const std::string& typed) {
+        return FileDialog::choice(Wants::new_file, ".html .pdf", folder.path(), typed);
+    };
+    EXPECT_EQ(page("r").path, folder / "r.html");
+    EXPECT_EQ(page("r.Html").path, folder / "r.Html");
+    EXPECT_EQ(page("r.pdf").path, folder / "r.html") << "the page, with r.pdf beside it";
+    EXPECT_EQ(page("r.PDF").path, folder / "r.html");
+    EXPECT_THAT(page("r.exr").complaint, testing::HasSubstr("written as .html"));
     EXPECT_EQ(choice(Wants::new_folder, "").path, folder.path());
     EXPECT_EQ(choice(Wants::new_folder, "report").path, folder / "report") << "it is made";
     EXPECT_NE(choice(Wants::new_folder, "nowhere/report").complaint, "");

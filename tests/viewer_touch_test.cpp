@@ -124,6 +124,29 @@ TEST_F(FingersTest, ASecondFingerDoesNotDisturbAStroke) {
               (std::vector{Kind::move, Kind::press, Kind::move, Kind::move, Kind::move, Kind::release}));
 }
 
+TEST_F(FingersTest, APalmDoesNothingWhileAPenIsNear) {
+    down(1, 100, 100);
+    fingers_.give_way(now_s_, events_);
+    to(1, 200, 100);
+    fingers_.pass(now_s_ + 1, events_);
+    down(2, 300, 300);
+    fingers_.give_way(now_s_, events_);
+    to(2, 400, 300);
+    up(1, 200, 100);
+    up(2, 400, 300);
+    EXPECT_TRUE(events_.empty());
+    down(3, 10, 10);
+    to(3, 40, 10);
+    EXPECT_EQ(events_.size(), 3u) << "once the pen is away and all are up";
+    for (const InputEvent& event : events_) EXPECT_EQ(event.source, InputEvent::Source::finger);
+    events_.clear();
+    fingers_.give_way(now_s_, events_);
+    EXPECT_EQ(kinds(), std::vector{Kind::lost}) << "what it had begun ends where the pen comes";
+    events_.clear();
+    up(3, 60, 10);
+    EXPECT_TRUE(events_.empty());
+}
+
 TEST_F(FingersTest, FingersThatAreOnEachOtherDoNotEnlarge) {
     down(1, 100, 100);
     down(2, 101, 100);

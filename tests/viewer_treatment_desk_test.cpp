@@ -138,6 +138,72 @@ TEST_F(Desks, AreasOfOtherClassesAreLookedForAndChangeNothing) {
     }
 }
 
+// What was laid with other settings, or on other damage, is not what one would apply.
+TEST_F(Desks, AStalePreviewIsNotApplied) {
+    begin();
+    Treating& t = state_.treating;
+    t.brush_mm = 12;
+    draw(60, 80, 100, 80);
+    t.ask.keep = true;
+    settle();
+    const auto preview = [&] {
+        t.ask.preview = true;
+        settle();
+        ASSERT_TRUE(t.preview) << testing::PrintToString(said_);
+        ASSERT_FALSE(t.preview->stale);
+    };
+    const auto is_refused = [&](const char* what) {
+        settle();
+        EXPECT_TRUE(t.preview && t.preview->stale) << what;
+        t.ask.apply = true;
+        settle();
+        EXPECT_TRUE(t.layers.empty()) << what;
+        EXPECT_THAT(said_.back(), HasSubstr("preview it again")) << what;
+    };
+    preview();
+    t.retouch.thickness_mm *= 2;
+    is_refused("another film");
+    t.retouch.thickness_mm /= 2;
+    settle();
+    EXPECT_FALSE(t.preview->stale) << "as it was laid";
+    t.mode = RetouchMode::neutral;
+    is_refused("another kind");
+    preview();
+    t.lamps[0] = !t.lamps[0];
+    is_refused("other lamps");
+    preview();
+    draw(30, 30, 40, 30);
+    t.ask.keep = true;
+    is_refused("more damage");
+    preview();
+    t.ask.apply = true;
+    settle();
+    EXPECT_EQ(t.layers.size(), 1u) << testing::PrintToString(said_);
+}
+
+TEST_F(Desks, AStaleSuggestionIsNotTakenOver) {
+    begin();
+    Treating& t = state_.treating;
+    t.ask.suggest = true;
+    settle();
+    ASSERT_TRUE(t.suggestion && t.suggestion->shown > 0) << testing::PrintToString(said_);
+    const double before = t.loss.depth_mm;
+    t.loss.depth_mm *= 1.5;
+    settle();
+    EXPECT_TRUE(t.suggestion->stale);
+    t.ask.accept = true;
+    settle();
+    EXPECT_FALSE(treatment().has_mask(DamageClass::loss_to_ground));
+    EXPECT_THAT(said_.back(), HasSubstr("suggest again"));
+    t.loss.depth_mm = before;
+    t.suggesting = Suggesting::gloss;
+    settle();
+    EXPECT_FALSE(t.suggestion->stale) << "it is of losses";
+    t.ask.accept = true;
+    settle();
+    EXPECT_TRUE(treatment().has_mask(DamageClass::loss_to_ground)) << testing::PrintToString(said_);
+}
+
 TEST_F(Desks, ARetouchIsLookedAtBeforeItIsApplied) {
     begin();
     Treating& t = state_.treating;

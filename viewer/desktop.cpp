@@ -4,13 +4,10 @@
 #include <backends/imgui_impl_glfw.h>
 #include <backends/imgui_impl_opengl3.h>
 #include <epoxy/gl.h>
-#include <fontconfig/fontconfig.h>
 #include <imgui.h>
-#include <imgui_freetype.h>
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 
 #include "surface/error.h"
 
@@ -22,42 +19,6 @@ std::string glfw_reason() {
     const char* text = nullptr;
     glfwGetError(&text);
     return text ? text : "unknown reason";
-}
-
-// The file of a typeface, or of what comes nearest to it; empty where there is none.
-std::string font_file(const char* family) {
-    const std::unique_ptr<FcPattern, void (*)(FcPattern*)> wanted(FcPatternCreate(), &FcPatternDestroy);
-    FcPatternAddString(wanted.get(), FC_FAMILY, reinterpret_cast<const FcChar8*>(family));
-    FcPatternAddInteger(wanted.get(), FC_WEIGHT, FC_WEIGHT_REGULAR);
-    FcPatternAddInteger(wanted.get(), FC_SLANT, FC_SLANT_ROMAN);
-    FcPatternAddBool(wanted.get(), FC_SCALABLE, FcTrue);
-    FcConfigSubstitute(nullptr, wanted.get(), FcMatchPattern);
-    FcDefaultSubstitute(wanted.get());
-    FcResult result = FcResultNoMatch;
-    const std::unique_ptr<FcPattern, void (*)(FcPattern*)> found(FcFontMatch(nullptr, wanted.get(), &result),
-                                                                 &FcPatternDestroy);
-    FcChar8* file = nullptr;
-    if (!found || FcPatternGetString(found.get(), FC_FILE, 0, &file) != FcResultMatch) return {};
-    return reinterpret_cast<const char*>(file);
-}
-
-// Latin, Greek and Cyrillic, for the names of files, and the signs of our own texts.
-constexpr ImWchar kGlyphs[] = {0x20,   0x17f,  0x370,  0x3ff,  0x400,  0x45f,  0x2010, 0x2033, 0x2070,
-                               0x2094, 0x2190, 0x2199, 0x2202, 0x221e, 0x2248, 0x2265, 0};
-
-// DejaVu Sans; where there is no font at all, the small one of Dear ImGui.
-void add_font(float scale) {
-    ImFontAtlas& fonts = *ImGui::GetIO().Fonts;
-    const std::string file = font_file("DejaVu Sans");
-    ImFontConfig config;
-    if (std::error_code gone; !std::filesystem::is_regular_file(file, gone)) {
-        config.SizePixels = std::floor(13 * scale);
-        fonts.AddFontDefault(&config);
-        return;
-    }
-    fonts.FontBuilderIO = ImGuiFreeType::GetBuilderForFreeType();
-    fonts.FontBuilderFlags = ImGuiFreeTypeBuilderFlags_LightHinting;
-    fonts.AddFontFromFileTTF(file.c_str(), std::floor(15 * scale), &config, kGlyphs);
 }
 
 GLFWcursorenterfun heard_enter_before = nullptr;  // what the window had called before there were panels
@@ -115,7 +76,7 @@ PanelContext::PanelContext(GLFWwindow* window) {
     glfwGetWindowContentScale(window, &x, &y);
     scale_ = std::clamp(std::max(x, y), 1.0f, 4.0f);
     ImGui::GetStyle().ScaleAllSizes(scale_);
-    add_font(scale_);
+    fonts_ = std::make_unique<PanelFonts>(scale_);
     // Pointer and keyboard come through PanelInput.
     ImGui_ImplGlfw_InitForOpenGL(window, false);
     glfwSetWindowFocusCallback(window, ImGui_ImplGlfw_WindowFocusCallback);

@@ -1,7 +1,10 @@
 // desktop.h: GLFW, a window with OpenGL 3.3 and Dear ImGui in it, as long as the objects live.
 #pragma once
 
+#include <memory>
 #include <string>
+
+#include "viewer/fonts.h"
 
 struct GLFWwindow;
 
@@ -40,12 +43,14 @@ class PanelContext {
 public:
     explicit PanelContext(GLFWwindow* window);
     ~PanelContext();
+    PanelFonts& fonts() { return *fonts_; }
     float scale() const { return scale_; }  // [1] against a screen of the usual density
     PanelContext(const PanelContext&) = delete;
     PanelContext& operator=(const PanelContext&) = delete;
 
 private:
     float scale_ = 1;
+    std::unique_ptr<PanelFonts> fonts_;
 };
 
 }  // namespace tangi

@@ -54,7 +54,7 @@ void Devices::camera() {
     if (news.pictures == std::exchange(seen_, news.pictures)) return;
     follow.sees_head = news.face.has_value();
     if (wants.head) state_.viewer = head_.see(news.face, news.time_s);
-    if (wants.light && news.light) {
+    if (wants.light && news.light && !state_.comparing.on) {
         state_.sweeping = false;
         const glm::dvec2 place = lamp_({news.light->x, news.light->y}, news.time_s);
         state_.lamps[state_.lamp].angles = light_at(place);

@@ -54,7 +54,7 @@ bool apply_gamepad(const GamepadMoment& now, const GamepadMoment& before, double
     const auto pressed = [&](bool GamepadMoment::*button) { return now.*button && !(before.*button); };
     if (pressed(&GamepadMoment::straighten)) changed = state.ask.straighten = true;
     if (pressed(&GamepadMoment::fit)) changed = state.ask.fit = true;
-    if (pressed(&GamepadMoment::shadows)) {
+    if (pressed(&GamepadMoment::shadows) && !compares) {
         state.shadows = !state.shadows;
         changed = true;
     }

@@ -22,18 +22,19 @@ StrokePoint Hand::point(const glm::dvec2& at, double time_s) const {
     point.time_s = std::max(0.0, time_s - stroke_began_s_);
     point.x_mm = (at.x - (state_.painting.width - 1) / 2.0) * state_.stroke_mm_per_pixel;
     point.y_mm = ((state_.painting.height - 1) / 2.0 - at.y) * state_.stroke_mm_per_pixel;
-    hold(point);
+    hold(point, state_.view.turn_deg);
     return point;
 }
 
-// As the pen is held; a mouse has a slider for it.
-void Hand::hold(StrokePoint& point) const {
-    point.pressure = state_.pressure;
-    if (!pen_) return;
-    point.pressure = pen_->pressure;
-    point.tilt_x = pen_->tilt_x;
-    point.tilt_y = pen_->tilt_y;
-    point.rotation_deg = pen_->rotation_deg;
+// As the hand holds it over what lies there turned by `turn_deg`, counter-clockwise: the same hand makes the
+// same mark on the screen however the painting is turned. A brush that follows the stroke is turned by it.
+// A mouse has a slider for the pressure, and is held straight.
+void Hand::hold(StrokePoint& point, double turn_deg) const {
+    point.pressure = pen_ ? pen_->pressure : static_cast<double>(state_.pressure);
+    const HeldBrush held = held_over(pen_, turn_deg, follows_);
+    point.tilt_x = held.tilt.x;
+    point.tilt_y = held.tilt.y;
+    point.rotation_deg = held.rotation_deg;
 }
 
 // [mm] from the middle of the palette.
@@ -45,7 +46,7 @@ StrokePoint Hand::board_point(const InputEvent& event) const {
     const double mm = board.size.width * state_.stroke_mm_per_pixel / std::max(x1 - x0, 1.0f);
     point.x_mm = (event.at.x - (x0 + x1) / 2) * mm;
     point.y_mm = ((y0 + y1) / 2 - event.at.y) * mm;
-    hold(point);
+    hold(point, 0);
     return point;
 }
 
@@ -55,6 +56,7 @@ void Hand::begin_board_stroke(const InputEvent& event) {
     drag_ = Drag::board;
     stroke_began_s_ = event.time_s;
     seed_ = std::random_device{}();
+    follows_ = state_.brush.follow;
     painter_.send(state_.board_stroke(seed_));
     painter_.send(PointEvent{board_point(event)});
 }
@@ -64,13 +66,18 @@ void Hand::take(const InputEvent& event, Extent screen, double left, bool panels
     const auto follow = [&] {
         cursor_ = event.at - glm::dvec2(left, 0);
         pen_ = event.pen;
-        state_.pen_tilt = pen_ ? std::optional(glm::vec2(pen_->tilt_x, pen_->tilt_y)) : std::nullopt;
+        state_.pen = pen_;
         over_canvas_ =
             cursor_.x >= 0 && cursor_.y >= 0 && cursor_.x < screen.width && cursor_.y < screen.height;
         // Beside a photograph, both halves show the same part of the painting.
         const Extent half = pane(state_, screen);
         if (half.width < screen.width && cursor_.x >= half.width) cursor_.x -= half.width;
     };
+    using Kind = InputEvent::Kind;
+    const bool points = event.kind == Kind::move || event.kind == Kind::press ||
+                        event.kind == Kind::release || event.kind == Kind::lost;
+    // What another device does meanwhile has no part in it: a mouse that is pushed, a palm.
+    if (holds() && points && event.source != source_) return;
     switch (event.kind) {
         case InputEvent::Kind::move:
             follow();
@@ -79,6 +86,7 @@ void Hand::take(const InputEvent& event, Extent screen, double left, bool panels
         case InputEvent::Kind::press:
             follow();
             if (drag_ != Drag::none) break;  // a second button changes nothing
+            source_ = event.source;
             if (state_.board.has(event.at))
                 begin_board_stroke(event);
             else if (!over_canvas_ || panels_busy)
@@ -96,7 +104,7 @@ void Hand::take(const InputEvent& event, Extent screen, double left, bool panels
             }
             break;
         case InputEvent::Kind::wheel:
-            if (over_canvas_ && !panels_busy)
+            if (over_canvas_ && !panels_busy && !draws())  // else what is drawn would jump
                 state_.view =
                     zoomed(state_.view, std::pow(kZoomPerNotch, event.at.y), cursor_, pane(state_, screen));
             break;
@@ -168,7 +176,7 @@ void Hand::press(const InputEvent& event) {
     glm::dvec2 at;
     const bool hit = placement().to_painting(cursor_, at);
     const bool picks = event.code == GLFW_MOUSE_BUTTON_LEFT &&
-                       (state_.tool == Tool::pick || (drag_ == Drag::paint && event.mods & GLFW_MOD_ALT));
+                       (state_.tool == Tool::pick || (drag_ == Drag::paint && event.mods & kAnotherWay));
     if (picks) {
         drag_ = Drag::panel;
         if (hit) painter_.pick(at.x, at.y, 2);
@@ -215,6 +223,7 @@ bool Hand::begin_stroke(const InputEvent& event, const glm::dvec2* at) {
     stroke_began_s_ = event.time_s;
     seed_ = std::random_device{}();  // bristles differ from stroke to stroke; the journal has the seed
     beside_ = pen_ && pen_->eraser ? state_.erasing_stroke(seed_) : state_.stroke(seed_);
+    follows_ = beside_->brush.follow;
     points_beside_.clear();
     add_to_stroke(point(*at, event.time_s));
     return true;
@@ -308,6 +317,18 @@ void Hand::move(const InputEvent& event) {
     }
     last_ = cursor_;
     last_time_s_ = event.time_s;
+}
+
+// What photographs are held against is lit as they were: nothing else can light it. Says so.
+bool Hand::is_idle(Action action, double time_s) {
+    constexpr std::array kOfLight = {Action::light_left, Action::light_right, Action::light_up,
+                                     Action::light_down, Action::shadows,     Action::illuminant,
+                                     Action::loupe};
+    if (!state_.comparing.on || std::ranges::count(kOfLight, action) == 0) return false;
+    state_.message = "what is compared is lit as the photograph was; " + state_.keys.text(Action::compare) +
+                     " goes back to the painting";
+    state_.message_until_s = time_s + 5;
+    return true;
 }
 
 void Hand::probe(bool changed) {

@@ -8,6 +8,9 @@
 
 namespace tangi {
 
+// With it a click picks paint up, or takes damage away: Ctrl, or Alt where the window manager leaves that.
+inline constexpr int kAnotherWay = 0x0002 | 0x0004;  // GLFW_MOD_CONTROL, GLFW_MOD_ALT
+
 class Hand {
 public:
     Hand(WindowState& state, Painter& painter) : state_(state), painter_(painter) {}
@@ -41,6 +44,7 @@ private:
     void rebind(const InputEvent& event);
     void gesture(const InputEvent& event);
     void act(Action action);
+    bool is_idle(Action action, double time_s);
     void look_act(Action action);
     Drag drag_for(const InputEvent& event) const;
     bool begin_stroke(const InputEvent& event, const glm::dvec2* at);
@@ -52,7 +56,8 @@ private:
     void treatment_act(Action action);
     Placement placement() const;
     StrokePoint point(const glm::dvec2& at, double time_s) const;
-    void hold(StrokePoint& point) const;
+    void hold(StrokePoint& point, double turn_deg) const;
+    bool draws() const { return drag_ == Drag::paint || drag_ == Drag::board || drag_ == Drag::mask; }
     StrokePoint board_point(const InputEvent& event) const;
     void begin_board_stroke(const InputEvent& event);
 
@@ -63,7 +68,9 @@ private:
     bool over_canvas_ = false, panels_ = true, space_ = false;
     Drag drag_ = Drag::none;
     int button_ = 0;
-    std::optional<PenSample> pen_;  // that moves the pointer
+    InputEvent::Source source_ = InputEvent::Source::mouse;  // of the button that is down
+    bool follows_ = false;                                   // the brush in the hand does
+    std::optional<PenSample> pen_;                           // that moves the pointer
     bool mask_erases_ = false;
     std::optional<glm::ivec2> probed_;  // [pixels of the painting] that was asked for
     glm::dvec2 corner_{0};              // [pixels of the painting] where a region began

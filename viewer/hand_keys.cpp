@@ -61,7 +61,7 @@ void Hand::key(const InputEvent& event) {
     }
     if (event.code == GLFW_KEY_SPACE) space_ = true;
     const std::optional<Action> action = state_.keys.action(event.code, event.mods);
-    if (!action) return;
+    if (!action || is_idle(*action, event.time_s)) return;
     for (const ToolName& tool : kTools)
         if (tool.action == *action &&
             (state_.treating.on || (tool.tool != Tool::damage && tool.tool != Tool::sample))) {

@@ -18,7 +18,7 @@ constexpr double kClose_px = 8;  // of the screen: as near is on a polygon's fir
 void Hand::press_on_mask(const InputEvent& event, const glm::dvec2& at) {
     Treating& t = state_.treating;
     if (event.code != GLFW_MOUSE_BUTTON_LEFT) return;
-    mask_erases_ = t.erase != ((event.mods & GLFW_MOD_ALT) != 0) || (pen_ && pen_->eraser);
+    mask_erases_ = t.erase != ((event.mods & kAnotherWay) != 0) || (pen_ && pen_->eraser);
     const Corner corner{at.x + 0.5, at.y + 0.5};  // of pixels, not their middles
     switch (t.mask_tool) {
         case MaskTool::brush:

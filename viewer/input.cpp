@@ -78,24 +78,22 @@ void Input::put(InputEvent event) {
 std::deque<InputEvent> Input::take() {
     woken_ = false;
     const PenNews pens = pens_.take();
-    const auto moves = [](const InputEvent& event) {
-        return event.kind == InputEvent::Kind::move || event.kind == InputEvent::Kind::press;
-    };
-    if (!pens.samples.empty() || pens.down) {
-        const auto count = static_cast<std::size_t>(std::count_if(events_.begin(), events_.end(), moves));
-        std::size_t i = 0;
-        for (InputEvent& event : events_)
-            if (moves(event)) event.pen = pens.samples.empty() ? pen_ : sample_of(pens.samples, i++, count);
-        if (!pens.samples.empty()) pen_ = pens.samples.back();
-    }
-    std::vector<InputEvent> touched;
     const double now_s = glfwGetTime();
-    for (const TouchEvent& event : screens_.take(now_s)) fingers_.take(event, touched);
+    stream_.sort(events_, pens, now_s);
+    const bool pen_is_near = stream_.pen_is_near(now_s);
+    std::vector<InputEvent> touched;
+    for (const TouchEvent& event : screens_.take(now_s)) {
+        fingers_.take(event, touched);
+        if (pen_is_near) fingers_.give_way(now_s, touched);
+    }
+    if (pen_is_near) fingers_.give_way(now_s, touched);
     fingers_.pass(now_s, touched);
     for (InputEvent& event : touched) event.late_s = now_s - taken_s_;
     taken_s_ = now_s;
     events_.insert(events_.end(), touched.begin(), touched.end());
-    if (pens.lost) events_.push_back({InputEvent::Kind::lost, glfwGetTime(), at_, 0, 0});
+    if (pens.lost)
+        events_.push_back(
+            {.kind = InputEvent::Kind::lost, .time_s = now_s, .at = at_, .source = InputEvent::Source::pen});
     return std::exchange(events_, {});
 }
 

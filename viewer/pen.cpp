@@ -9,6 +9,8 @@ namespace tangi {
 
 namespace {
 
+constexpr std::string_view kPressure = "Abs Pressure";
+
 const PenAxis* axis_of(const std::vector<PenAxis>& axes, std::string_view label) {
     for (const PenAxis& axis : axes)
         if (axis.label == label && axis.highest > axis.lowest) return &axis;
@@ -33,7 +35,7 @@ double tangent_of_tilt(const PenAxis* axis) {
 }  // namespace
 
 bool is_pen(const std::vector<PenAxis>& axes) {
-    return axis_of(axes, "Abs Pressure") && axis_of(axes, "Abs X") && axis_of(axes, "Abs Y");
+    return axis_of(axes, kPressure) && axis_of(axes, "Abs X") && axis_of(axes, "Abs Y");
 }
 
 bool is_eraser(std::string_view device_name) {
@@ -45,7 +47,7 @@ bool is_eraser(std::string_view device_name) {
 PenSample pen_sample(const std::vector<PenAxis>& axes, bool eraser) {
     PenSample sample;
     sample.eraser = eraser;
-    if (const PenAxis* pressure = axis_of(axes, "Abs Pressure")) sample.pressure = part_of_range(*pressure);
+    if (const PenAxis* pressure = axis_of(axes, kPressure)) sample.pressure = part_of_range(*pressure);
     // The two angles are those of the handle's shadows on the planes xz and yz; y of the tablet runs down.
     const double x = tangent_of_tilt(axis_of(axes, "Abs Tilt X"));
     const double y = -tangent_of_tilt(axis_of(axes, "Abs Tilt Y"));
@@ -58,9 +60,47 @@ PenSample pen_sample(const std::vector<PenAxis>& axes, bool eraser) {
     return sample;
 }
 
-const PenSample& sample_of(const std::vector<PenSample>& samples, std::size_t i, std::size_t count) {
-    const std::size_t last = (i + 1) * samples.size() / count;
-    return samples[std::clamp<std::size_t>(last, 1, samples.size()) - 1];
+HeldBrush held_over(const std::optional<PenSample>& pen, double turn_deg, bool follows) {
+    const PenSample hand = pen.value_or(PenSample{});
+    const double a = turn_deg * std::numbers::pi / 180, c = std::cos(a), s = std::sin(a);
+    HeldBrush held;
+    held.tilt = {c * hand.tilt_x + s * hand.tilt_y, c * hand.tilt_y - s * hand.tilt_x};
+    held.rotation_deg = follows ? hand.rotation_deg : std::remainder(hand.rotation_deg - turn_deg, 360.0);
+    return held;
+}
+
+bool Pen::tell(const ToldAxes& told) {
+    bool pressure = false;
+    for (const auto& [number, value] : told)
+        for (PenAxis& axis : axes_)
+            if (axis.number == number) {
+                axis.value = value;
+                pressure = pressure || axis.label == kPressure;
+            }
+    return pressure;
+}
+
+void Pen::forget_pressure() {
+    for (PenAxis& axis : axes_)
+        if (axis.label == kPressure) axis.value = axis.lowest;
+}
+
+PenSample Pen::move(const ToldAxes& told) {
+    fresh_ = tell(told);
+    return pen_sample(axes_, eraser_);
+}
+
+PenSample Pen::press(const ToldAxes& told) {
+    if (!tell(told) && !fresh_) forget_pressure();
+    down_ = true;
+    return pen_sample(axes_, eraser_);
+}
+
+PenSample Pen::release(const ToldAxes& told) {
+    tell(told);
+    forget_pressure();
+    down_ = fresh_ = false;
+    return pen_sample(axes_, eraser_);
 }
 
 }  // namespace tangi

@@ -1,7 +1,8 @@
-// pen_x11.cpp: pens as XInput 2 tells of them: raw events of the devices that press, seen by all clients.
+// pen_x11.cpp: pens as XInput 2 tells of them, and the mice beside them: raw events, seen by all clients.
 #include <X11/Xlib.h>
 #include <X11/extensions/XInput2.h>
 
+#include <algorithm>
 #include <map>
 #include <utility>
 
@@ -24,13 +25,12 @@ std::string text_of(Display* display, Atom atom) {
 }  // namespace
 
 struct PenDevices::Impl {
-    struct Pen {
+    struct Device {
         std::string name;
-        std::vector<PenAxis> axes;
-        bool eraser = false, down = false;
+        std::optional<Pen> pen;  // else it is a mouse
     };
     X11Connection x{0};
-    std::map<int, Pen> pens;  // by the device's number
+    std::map<int, Device> devices;  // by their numbers; none where there is no pen
     bool lost = false;
 
     Impl() {
@@ -39,64 +39,84 @@ struct PenDevices::Impl {
         find();
     }
 
-    // The pens that are there now. One that is known keeps its state.
+    // A pen, or a mouse; nothing where it is a touch screen or a touchpad's finger.
+    std::optional<Device> device_of(const XIDeviceInfo& info) const {
+        std::vector<PenAxis> axes;
+        for (int c = 0; c < info.num_classes; ++c) {
+            if (info.classes[c]->type == XITouchClass &&
+                reinterpret_cast<const XITouchClassInfo*>(info.classes[c])->mode == XIDirectTouch)
+                return {};
+            if (info.classes[c]->type != XIValuatorClass) continue;
+            const auto& axis = *reinterpret_cast<const XIValuatorClassInfo*>(info.classes[c]);
+            axes.push_back({axis.number, text_of(x.display(), axis.label), axis.min, axis.max, axis.value});
+        }
+        Device device{info.name, {}};
+        if (is_pen(axes)) device.pen.emplace(std::move(axes), is_eraser(info.name));
+        return device;
+    }
+
+    // The devices that are there now. A pen that is known keeps its state.
     void find() {
         int count = 0;
-        XIDeviceInfo* devices = XIQueryDevice(x.display(), XIAllDevices, &count);
-        std::map<int, Pen> found;
-        for (int i = 0; devices && i < count; ++i) {
-            const XIDeviceInfo& device = devices[i];
-            if (device.use != XISlavePointer || !device.enabled) continue;
-            const auto known = pens.find(device.deviceid);
-            if (known != pens.end() && known->second.name == device.name) {
+        XIDeviceInfo* infos = XIQueryDevice(x.display(), XIAllDevices, &count);
+        std::map<int, Device> found;
+        for (int i = 0; infos && i < count; ++i) {
+            const XIDeviceInfo& info = infos[i];
+            if (info.use != XISlavePointer || !info.enabled) continue;
+            const auto known = devices.find(info.deviceid);
+            if (known != devices.end() && known->second.name == info.name)
                 found.insert(*known);
-                continue;
-            }
-            Pen pen{device.name, {}, is_eraser(device.name), false};
-            for (int c = 0; c < device.num_classes; ++c) {
-                if (device.classes[c]->type != XIValuatorClass) continue;
-                const auto& axis = *reinterpret_cast<const XIValuatorClassInfo*>(device.classes[c]);
-                pen.axes.push_back(
-                    {axis.number, text_of(x.display(), axis.label), axis.min, axis.max, axis.value});
-            }
-            if (!is_pen(pen.axes)) continue;
-            x.select(0, device.deviceid, {XI_RawMotion, XI_RawButtonPress, XI_RawButtonRelease});
-            found.emplace(device.deviceid, std::move(pen));
+            else if (auto device = device_of(info))
+                found.emplace(info.deviceid, std::move(*device));
         }
-        if (devices) XIFreeDeviceInfo(devices);
-        for (const auto& [number, pen] : pens)
-            if (pen.down && !found.contains(number)) lost = true;
-        pens = std::move(found);
+        if (infos) XIFreeDeviceInfo(infos);
+        for (const auto& [number, device] : devices)
+            if (device.pen && device.pen->down() && !found.contains(number)) lost = true;
+        // What mice do matters where there is a pen.
+        if (std::ranges::none_of(found, [](const auto& device) { return device.second.pen.has_value(); }))
+            found.clear();
+        for (const auto& [number, device] : found)
+            if (!devices.contains(number))
+                x.select(0, number, {XI_RawMotion, XI_RawButtonPress, XI_RawButtonRelease});
+        devices = std::move(found);
         XFlush(x.display());
     }
 
     void hear(const XIRawEvent& event, PenNews& news) {
-        const auto found = pens.find(event.deviceid);
-        if (found == pens.end()) return;
-        Pen& pen = found->second;
-        const double* value = event.valuators.values;
-        for (int bit = 0; bit < 8 * event.valuators.mask_len; ++bit) {
-            if (!XIMaskIsSet(event.valuators.mask, bit)) continue;
-            for (PenAxis& axis : pen.axes)
-                if (axis.number == bit) axis.value = *value;
-            ++value;
+        const auto found = devices.find(event.deviceid);
+        if (found == devices.end()) return;
+        DeviceStep step{.kind = event.evtype == XI_RawMotion        ? DeviceStep::Kind::move
+                                : event.evtype == XI_RawButtonPress ? DeviceStep::Kind::press
+                                                                    : DeviceStep::Kind::release,
+                        .button = event.detail};
+        constexpr int kFirstWheel = 4, kLastWheel = 7;
+        if (step.kind != DeviceStep::Kind::move && step.button >= kFirstWheel && step.button <= kLastWheel)
+            return;
+        if (found->second.pen) {
+            Pen& pen = *found->second.pen;
+            ToldAxes told;
+            const double* value = event.valuators.values;
+            for (int bit = 0; bit < 8 * event.valuators.mask_len; ++bit)
+                if (XIMaskIsSet(event.valuators.mask, bit)) told.emplace_back(bit, *value++);
+            const bool tip = step.button == 1;  // others are on the barrel
+            step.pen = tip && step.kind == DeviceStep::Kind::press     ? pen.press(told)
+                       : tip && step.kind == DeviceStep::Kind::release ? pen.release(told)
+                                                                       : pen.move(told);
         }
-        if (event.evtype == XI_RawMotion) news.samples.push_back(pen_sample(pen.axes, pen.eraser));
-        if (event.evtype != XI_RawMotion && event.detail == 1) {
-            pen.down = event.evtype == XI_RawButtonPress;
-            if (pen.down) news.samples.push_back(pen_sample(pen.axes, pen.eraser));
-        }
+        news.steps.push_back(step);
     }
 
     PenNews take() {
         PenNews news;
+        // What GLFW has heard, the server has sent to this connection, too; an answer comes behind it.
+        if (!devices.empty()) XSync(x.display(), False);
         x.hear([&](int type, const void* data) {
             if (type == XI_HierarchyChanged)
                 find();
             else
                 hear(*static_cast<const XIRawEvent*>(data), news);
         });
-        for (const auto& [number, pen] : pens) news.down |= pen.down;
+        for (const auto& [number, device] : devices) news.down |= device.pen && device.pen->down();
         news.lost = std::exchange(lost, false);
         return news;
     }
@@ -109,7 +129,8 @@ PenNews PenDevices::take() { return impl_->take(); }
 
 std::vector<std::string> PenDevices::names() const {
     std::vector<std::string> names;
-    for (const auto& [number, pen] : impl_->pens) names.push_back(pen.name);
+    for (const auto& [number, device] : impl_->devices)
+        if (device.pen) names.push_back(device.name);
     return names;
 }
 

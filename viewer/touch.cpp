@@ -18,7 +18,11 @@ double angle_deg(const glm::dvec2& a, const glm::dvec2& b) {
 }
 
 InputEvent mouse(InputEvent::Kind kind, double time_s, const glm::dvec2& at) {
-    return {kind, time_s, at, GLFW_MOUSE_BUTTON_LEFT, 0};
+    return {.kind = kind,
+            .time_s = time_s,
+            .at = at,
+            .code = GLFW_MOUSE_BUTTON_LEFT,
+            .source = InputEvent::Source::finger};
 }
 
 }  // namespace
@@ -102,6 +106,11 @@ void Fingers::take(const TouchEvent& event, std::vector<InputEvent>& out) {
         move(event, out);
     else
         end(event, out);
+}
+
+void Fingers::give_way(double now_s, std::vector<InputEvent>& out) {
+    if (state_ == State::presses) out.push_back(mouse(InputEvent::Kind::lost, now_s, last_));
+    if (!fingers_.empty()) state_ = State::over;
 }
 
 void Fingers::pass(double now_s, std::vector<InputEvent>& out) {

@@ -34,6 +34,9 @@ public:
 
     void take(const TouchEvent& event, std::vector<InputEvent>& out);
     void pass(double now_s, std::vector<InputEvent>& out);  // time
+    // A pen is near: the fingers that are down are of the hand that holds it. None of them does anything any
+    // more.
+    void give_way(double now_s, std::vector<InputEvent>& out);
 
     // For the panels: where the finger is that is the pointer, or was in the last calls. Empty where a mouse
     // is.

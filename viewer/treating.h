@@ -59,6 +59,9 @@ struct ShownSuggestion {
     int shown = 0, regions = 0;
     double area_cm2 = 0;
     std::string measured;  // more that is to be said
+    Suggesting what = Suggesting::loss;
+    std::string made_with{};  // settings
+    bool stale = false;       // they have been changed since
 };
 
 struct ShownRecipe {
@@ -76,6 +79,8 @@ struct ShownMatch {
     Rgb srgb{0};
     double spread = 0;  // [CIEDE2000] of the colours there
     std::vector<ShownRecipe> recipes;
+    std::string made_with{};  // settings
+    bool stale = false;       // they have been changed since
 };
 
 // A retouch that was laid to be looked at, and is not on the painting yet.
@@ -85,6 +90,8 @@ struct ShownRetouch {
     std::array<double, kIlluminants> delta_e{};
     std::string lines;  // where lines or dots fuse
     int outside_px = 0;
+    std::string made_with{};  // settings
+    bool stale = false;       // they have been changed since
 };
 
 struct Treating {
@@ -100,6 +107,7 @@ struct Treating {
     bool scale_known = false;
     float width_mm = 0;        // of a painting whose scale is unknown, as a treatment begins; 0: not given
     bool scale_asked = false;  // for it, once: a treatment keeps the scale that it began with
+    bool in_front = true;      // in a narrow window: it is seen, and not what else there is of panels
     const char* forward = "";  // the tab that is to be seen: "Colour" when a match was found
 
     // Damage.

@@ -380,6 +380,7 @@ bool TreatmentDesk::look() {
         style_ = style;
         map_changed_ = map_.compose(style_);
     }
+    find_stale();
     if (t.suggestion && t.suggestion->threshold != threshold_) show_suggestion();
     if (t.state != state_shown_) show_state();
     return worked || !map_changed_.empty();

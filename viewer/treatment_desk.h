@@ -153,6 +153,14 @@ private:
     void compare_states();
     void see_from();
     void match(const std::optional<glm::dvec2>& at);
+    // What results are made with.
+    std::vector<Illuminant> lamps_that_count() const;
+    RetouchOptions retouch_options() const;
+    nlohmann::json made_on() const;
+    std::string preview_made_with() const;
+    std::string match_made_with() const;
+    std::string suggestion_made_with(Suggesting what) const;
+    void find_stale();
     void read_pairs();
     void change_pairs(const Treating::Ask& ask);
 

@@ -231,10 +231,13 @@ void TreatmentDesk::suggest() {
         "looking for overpaint", "looking for stains",     "looking for abrasion",    "looking for flaking"};
     const auto& title = titles[static_cast<std::size_t>(what)];
     start(title,
-          [this, what, dry = painter_->dry(), mm = t.mm_per_pixel, known = t.scale_known, loss = t.loss,
-           craquelure = t.craquelure, gloss = t.gloss, areas = t.areas](const Progress& progress) -> Finish {
+          [this, what, made_with = suggestion_made_with(what), dry = painter_->dry(), mm = t.mm_per_pixel,
+           known = t.scale_known, loss = t.loss, craquelure = t.craquelure, gloss = t.gloss,
+           areas = t.areas](const Progress& progress) -> Finish {
               Suggested s;
               ShownSuggestion shown;
+              shown.what = what;
+              shown.made_with = made_with;
               s.mm_per_pixel = mm;
               if (what == Suggesting::loss) {
                   LossOptions options = loss;
@@ -312,6 +315,10 @@ void TreatmentDesk::show_suggestion() {
 // What was suggested takes the place of what the class has, as the log says.
 void TreatmentDesk::accept() {
     const ShownSuggestion shown = *state_.treating.suggestion;
+    if (shown.made_with != suggestion_made_with(shown.what)) {
+        setup_.say("how it is looked for has been changed since: suggest again");
+        return;
+    }
     if (shown.shown == 0) {
         setup_.say("nothing was found that could be taken over; what is mapped stays");
         return;

@@ -173,9 +173,7 @@ void TreatmentDesk::match(const std::optional<glm::dvec2>& at) {
     const Treating& t = state_.treating;
     MatchOptions options;
     options.max_paints = t.most_paints;
-    options.lamps.clear();
-    for (std::size_t lamp = 0; lamp < t.lamps.size(); ++lamp)
-        if (t.lamps[lamp]) options.lamps.push_back(static_cast<Illuminant>(lamp));
+    options.lamps = lamps_that_count();
     if (options.lamps.empty()) {
         setup_.say("choose a lamp at least under which the colour is to match");
         return;
@@ -186,8 +184,8 @@ void TreatmentDesk::match(const std::optional<glm::dvec2>& at) {
     if (t.avoid_pairs) options.allowed = without_pairs(paints.paints.size(), pairs);
     const std::optional<double> film_mm = t.film ? std::optional(t.retouch.thickness_mm) : std::nullopt;
     start("looking for recipes",
-          [this, at, options, pairs, list = pairs_, film_mm, where = t.where, painter = painter_,
-           palette = paints](const Progress&) mutable -> Finish {
+          [this, at, options, made_with = match_made_with(), pairs, list = pairs_, film_mm, where = t.where,
+           painter = painter_, palette = paints](const Progress&) mutable -> Finish {
               const Treatment now = treatment();
               const double mm = now.mm_per_pixel();
               const Mask mask = area_of_classes(now, where).mask, spoilt = damaged(now);
@@ -207,6 +205,7 @@ void TreatmentDesk::match(const std::optional<glm::dvec2>& at) {
                   options.film = FilmOnGround{*film_mm, reflectance_of_rgb(*sampled.below)};
               const MatchResult found = match_spectrum(palette.paints, wanted, options);
               ShownMatch shown;
+              shown.made_with = made_with;
               shown.of = at ? fmt::format("at {:.0f}, {:.0f}", at->x, at->y) : "round the damage";
               shown.lab = lab_from_linear(glm::dvec3(sampled.linear));
               shown.srgb = srgb_of(sampled.linear);
@@ -219,6 +218,7 @@ void TreatmentDesk::match(const std::optional<glm::dvec2>& at) {
               return [this, shown = std::move(shown)]() mutable {
                   state_.treating.match = std::move(shown);
                   state_.treating.forward = "Colour";
+                  state_.treating.in_front = true;
               };
           });
 }

@@ -30,6 +30,14 @@ bool goes_on_from(const Canvas& now, const Canvas& preview) {
     return true;
 }
 
+// "; this; that": behind what a step did.
+std::string all_of_warnings(const json& result) {
+    std::string said;
+    if (result.contains("warnings"))
+        for (const json& warning : result["warnings"]) said += "; " + warning.get<std::string>();
+    return said;
+}
+
 }  // namespace
 
 void TreatmentDesk::take() {
@@ -158,7 +166,9 @@ void TreatmentDesk::step(std::string title, Step work) {
               return [this, said = std::move(said), facts = std::move(facts)]() mutable {
                   state_.treating.state.reset();
                   state_shown_.reset();
-                  state_.treating.map = false;  // what was done is to be seen
+                  state_.treating.map = false;    // what was done is to be seen
+                  state_.comparing.pair.reset();  // pictures of what was before
+                  state_.comparing.on = state_.comparing.loaded && state_.comparing.on;
                   adopt(std::move(facts));
                   setup_.say(said);
               };
@@ -167,18 +177,18 @@ void TreatmentDesk::step(std::string title, Step work) {
 
 void TreatmentDesk::fill() {
     const Treating& t = state_.treating;
-    step("filling",
-         [where = t.where, texture = t.texture, colour = Transfer{Transfer::Kind::srgb}.decode(t.fill_srgb),
-          options = t.fill, who = author()](Treatment& treatment, Canvas& canvas, const Progress& progress) {
-             const json result = fill_step(treatment, canvas, area_of_classes(treatment, where), texture,
-                                           colour, options, who, progress);
-             const StatedLength deepest = stated_length(result, "deepest");
-             return fmt::format(
-                 "in the log: {}, {}, {:.2f}{} at its deepest; step at its border {:.3f}{} rms{}",
-                 result["layer"].get<std::string>(), area_in_words(result), deepest.value.get<double>(),
-                 deepest.unit, stated_length(result, "border_rms").value.get<double>(), deepest.unit,
-                 result.contains("warnings") ? "; " + result["warnings"][0].get<std::string>() : "");
-         });
+    step("filling", [where = t.where, texture = t.texture,
+                     colour = Transfer{Transfer::Kind::srgb}.decode(t.fill_srgb), options = t.fill,
+                     who = author()](Treatment& treatment, Canvas& canvas, const Progress& progress) {
+        const json result = fill_step(treatment, canvas, area_of_classes(treatment, where), texture, colour,
+                                      options, who, progress);
+        const StatedLength deepest = stated_length(result, "deepest");
+        return fmt::format("in the log: {}, {}, {:.2f}{} at its deepest; step at its border {:.3f}{} rms{}",
+                           result["layer"].get<std::string>(), area_in_words(result),
+                           deepest.value.get<double>(), deepest.unit,
+                           stated_length(result, "border_rms").value.get<double>(), deepest.unit,
+                           all_of_warnings(result));
+    });
 }
 
 void TreatmentDesk::varnish(bool isolating) {
@@ -189,11 +199,8 @@ void TreatmentDesk::varnish(bool isolating) {
              const StepArea area = area_of_classes(treatment, where);
              const json result = varnish_step(treatment, canvas, isolating, isolating ? &area : nullptr,
                                               options, who, progress);
-             std::string said =
-                 fmt::format("in the log: {}, {}", result["layer"].get<std::string>(), area_in_words(result));
-             if (result.contains("warnings"))
-                 for (const json& warning : result["warnings"]) said += "; " + warning.get<std::string>();
-             return said;
+             return fmt::format("in the log: {}, {}{}", result["layer"].get<std::string>(),
+                                area_in_words(result), all_of_warnings(result));
          });
 }
 
@@ -227,17 +234,11 @@ void TreatmentDesk::preview() {
         return;
     }
     t.state.reset();
-    RetouchOptions options = t.retouch;
-    options.match.max_paints = t.most_paints;
-    options.match.lamps.clear();
-    for (std::size_t lamp = 0; lamp < t.lamps.size(); ++lamp)
-        if (t.lamps[lamp]) options.match.lamps.push_back(static_cast<Illuminant>(lamp));
-    if (options.match.lamps.empty()) options.match.lamps = {Illuminant::d65};
+    const RetouchOptions options = retouch_options();
     const std::vector<PairWarning> pairs = pairs_to_avoid(setup_.palette.paints, *pairs_);
-    if (t.avoid_pairs) options.match.allowed = without_pairs(setup_.palette.paints.size(), pairs);
     start("laying a retouch to look at",
-          [this, painter = painter_, options, where = t.where, mode = t.mode, pairs, list = pairs_,
-           palette = setup_.palette](const Progress& progress) -> Finish {
+          [this, painter = painter_, options, made_with = preview_made_with(), where = t.where, mode = t.mode,
+           pairs, list = pairs_, palette = setup_.palette](const Progress& progress) -> Finish {
               const Treatment now = treatment();
               StepArea area = area_of_classes(now, where);
               Canvas canvas = canvas_of(*painter);
@@ -250,6 +251,7 @@ void TreatmentDesk::preview() {
               results["layer"] = layer;
               count_beside(results, now, canvas.dried().back(), area.mask);
               ShownRetouch shown;
+              shown.made_with = made_with;
               shown.mode = name_of(mode);
               shown.delta_e = report.delta_e_mean;
               shown.outside_px = results["on_original"]["pixels"].get<int>();
@@ -287,6 +289,10 @@ void TreatmentDesk::preview() {
 void TreatmentDesk::apply() {
     if (job_) {
         setup_.say(fmt::format("first stop, or wait for: {}", job_->title()));
+        return;
+    }
+    if (state_.treating.preview->made_with != preview_made_with()) {
+        setup_.say("the settings have been changed since the retouch was laid: preview it again");
         return;
     }
     const auto made = std::exchange(preview_, {});

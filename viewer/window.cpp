@@ -12,7 +12,9 @@
 
 #include "surface/error.h"
 #include "surface/painting_parts.h"
+#include "viewer/panels/number_field.h"
 #include "viewer/panels/panels.h"
+#include "viewer/shown_texts.h"
 #include "viewer/window_app.h"
 
 namespace tangi {
@@ -68,6 +70,7 @@ WindowApp::WindowApp(WindowSetup setup, const Progress& progress)
     use_monitor(setup);
     const auto* name = reinterpret_cast<const char*>(glGetString(GL_RENDERER));
     result_.drawn_by = name ? name : "";
+    for (const std::string& warning : setup.warnings) say(warning);
     try {
         keys_file_ = SettingsFile(setup.settings / "keys.json");
         if (!setup.settings.empty()) state_.keys = Keys::read(keys_file_.path());
@@ -98,15 +101,25 @@ Scene WindowApp::scene_on_screen() const {
     return scene;
 }
 
+// What was said before and may not have been read yet stays above it; all is kept in the panel Messages.
 void WindowApp::say(const std::string& text) {
-    state_.message = text;
+    constexpr std::size_t kMostSaid = 200, kMostLines = 4;
+    if (state_.said.empty() || state_.said.back() != text) state_.said.push_back(text);
+    if (state_.said.size() > kMostSaid) state_.said.pop_front();
+    const bool is_read = state_.message.empty() || now_s_ > state_.message_until_s;
+    if (is_read || state_.message == text)
+        state_.message = text;
+    else if (!state_.message.ends_with("\n" + text))
+        state_.message += "\n" + text;
+    while (std::ranges::count(state_.message, '\n') >= static_cast<std::ptrdiff_t>(kMostLines))
+        state_.message.erase(0, state_.message.find('\n') + 1);
     state_.message_until_s = now_s_ + 8;
     settle_ = kFramesAfterwards;
 }
 
 void WindowApp::animate(double seconds) {
     if (!hand_->holds()) state_.tilt = advanced(state_.tilt, seconds);
-    if (state_.sweeping) {
+    if (state_.sweeping && !state_.comparing.on) {
         Angles& light = state_.lamps[state_.lamp].angles;
         light.azimuth_deg = std::remainder(light.azimuth_deg + kSweep_deg_per_s * seconds, 360.0);
     }
@@ -157,6 +170,7 @@ void WindowApp::draw(bool moved) {
         loupe(scene_on_screen());
     }
     dirty_ = false;
+    if (fonts_complete()) settle_ = std::max(settle_, 1);
     const auto finger = input_.finger();
     if (finger) settle_ = kFramesAfterwards;
     for (int moment = 1;; ++moment) {
@@ -169,6 +183,7 @@ void WindowApp::draw(bool moved) {
         if (escape) PanelInput::close_popups();
         draw_panels(place);
         ImGui::Render();
+        if (const auto complaint = panels::number_complaint()) say(*complaint);
         if (!panel_input_.waits() || moment == kMostMoments) break;
         requests();  // what this moment asked for, before the next one asks again
     }
@@ -193,6 +208,16 @@ void WindowApp::draw_panels(const Placement& place) {
     panels::help(state_);
     if (dialog_ && !dialog_->draw()) dialog_.reset();
     panels::overlay(state_, place, screen_, hand_->cursor(), hand_->over_canvas());
+}
+
+// Makes the panels able to write what they show: true where they could not before.
+bool WindowApp::fonts_complete() {
+    PanelFonts& fonts = panels_.fonts();
+    const auto need = [&](std::string_view text) { fonts.need(text); };
+    each_shown_text(state_, need);
+    if (dialog_) dialog_->each_text(need);
+    fonts.need_typed();
+    return fonts.complete();
 }
 
 // What the picture depends on, but for strokes.
@@ -262,6 +287,7 @@ bool WindowApp::frame() {
     std::deque<InputEvent> events = input_.take();
     const bool woken = was_woken || !events.empty() || !held_back_.empty();
     glfwGetFramebufferSize(window_.handle(), &window_size_.width, &window_size_.height);
+    state_.window_width = window_size_.width;
     left_ = hand_->panels_wanted() ? panels::width(state_) : 0;
     state_.canvas_left = static_cast<float>(left_);
     const float right = hand_->panels_wanted() ? panels::treatment_width(state_) : 0;

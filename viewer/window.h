@@ -33,6 +33,7 @@ struct WindowSetup {
     std::string camera = "0";             // number of the webcam, or a video in its place
     std::filesystem::path settings{};     // folder of keys.json and recent.json; empty: there is none
     Author author{};                      // of what is done to a painting under treatment
+    std::vector<std::string> warnings{};  // of what the window is opened with; they are told in it
     std::function<bool()> stop_wanted{};  // asked between frames: Ctrl-C, a kill
 };
 

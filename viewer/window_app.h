@@ -55,6 +55,7 @@ private:
     void animate(double seconds);
     void draw(bool moved);
     void draw_panels(const Placement& place);
+    bool fonts_complete();
     void resize(Extent screen);
     void take_input(std::deque<InputEvent> events);
     void snapshot();

@@ -9,6 +9,7 @@
 #include <algorithm>
 
 #include "surface/error.h"
+#include "surface/fit_doubts.h"
 #include "surface/overview.h"
 #include "viewer/panels/panels.h"
 #include "viewer/window_app.h"
@@ -89,6 +90,7 @@ bool WindowApp::open_first() {
 
 void WindowApp::draw_opening(std::shared_ptr<const TexelTiles> overview, double mm_per_pixel) {
     glfwGetFramebufferSize(window_.handle(), &window_size_.width, &window_size_.height);
+    state_.window_width = window_size_.width;
     const int left = static_cast<int>(panels::width(state_));
     state_.canvas_left = static_cast<float>(left);
     const Extent screen{window_size_.width - left, window_size_.height};
@@ -109,6 +111,7 @@ void WindowApp::draw_opening(std::shared_ptr<const TexelTiles> overview, double 
         }
     }
     screen_ = screen;
+    fonts_complete();
     ImGui_ImplOpenGL3_NewFrame();
     ImGui_ImplGlfw_NewFrame();
     ImGui::NewFrame();
@@ -148,6 +151,10 @@ void WindowApp::show(OpenedPainting opened, bool is_first) {
     state_.stroke_mm_per_pixel = painter_->mm_per_pixel();
     state_.scale_known = surface.scale_known || state_.stroke_mm_per_pixel != 1;
     state_.law = surface.law;
+    state_.doubts = doubts_of(surface);
+    if (!state_.doubts.empty())
+        say(fmt::format("{} doubt{} of the fit, see Messages: {}", state_.doubts.size(),
+                        state_.doubts.size() == 1 ? "" : "s", fmt::join(state_.doubts, "; ")));
     state_.from_photographs = !surface.photography.photos.empty();
     const auto [low, high] =
         std::minmax_element(surface.height_mm.pixels().begin(), surface.height_mm.pixels().end());

@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include "surface/error.h"
+#include "viewer/file_ending.h"
 #include "viewer/settings.h"
 #include "viewer/window_app.h"
 
@@ -148,9 +149,8 @@ std::string WindowApp::against_canvas(const fs::path& file) const {
 
 void WindowApp::begin_canvas() {
     NewCanvas& n = state_.new_canvas;
-    fs::path file = n.folder / n.name;
-    if (file.extension() != ".exr") file += ".exr";
-    n.complaint = against_canvas(file);
+    const auto [file, complaint] = with_ending(n.folder / n.name, ".exr");
+    n.complaint = file.empty() ? complaint : against_canvas(file);
     if (!n.complaint.empty()) return;
     n.open = false;
     desk_->make(file, n.choice);

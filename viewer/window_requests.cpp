@@ -220,7 +220,7 @@ void WindowApp::dialogs(const WindowState::Requests& ask) {
         choose_for_treatment("Open a treatment", FileDialog::Wants::folder, ".exr", here,
                              &Treating::Ask::open);
     if (treating.report_dialog)
-        choose_for_treatment("Report of the treatment", FileDialog::Wants::new_file, ".html",
+        choose_for_treatment("Report of the treatment", FileDialog::Wants::new_file, ".html .pdf",
                              here.parent_path() / (here.stem().string() + "-treatment.html"),
                              &Treating::Ask::report);
     if (ask.open_dialog) choose("Open a painting", FileDialog::Wants::file, here, &Requests::open);
@@ -256,7 +256,7 @@ void WindowApp::dialogs(const WindowState::Requests& ask) {
                ".png .jpg .jpeg .tif .tiff .exr");
     if (ask.film_dialog)
         choose("A film of the lamp going round", FileDialog::Wants::new_file,
-               here / (painter_->file().stem().string() + "-sweep.mp4"), &Requests::film, ".mp4");
+               here / (painter_->file().stem().string() + "-sweep.mp4"), &Requests::film, ".mp4 .webm");
     if (ask.report_dialog)
         choose("A folder for the report", FileDialog::Wants::new_folder, here, &Requests::report);
 }

@@ -1,6 +1,7 @@
 // window_state.h: everything that the window's panels show and change. No OpenGL, no GLFW.
 #pragma once
 
+#include <deque>
 #include <map>
 #include <memory>
 #include <optional>
@@ -16,6 +17,7 @@
 #include "viewer/job.h"
 #include "viewer/look.h"
 #include "viewer/painter.h"
+#include "viewer/pen.h"
 #include "viewer/shortcuts.h"
 #include "viewer/tilt.h"
 #include "viewer/treating.h"
@@ -201,7 +203,7 @@ struct WindowState {
     std::string brush_name = "flat";
     BrushSettings brush;
     float pressure = 0.6f, stabiliser_mm = 0;
-    std::optional<glm::vec2> pen_tilt;  // [1] sine of the handle's tilt to the right and up; of a pen
+    std::optional<PenSample> pen;  // that moves the pointer
     bool dirty_brush = false;
     std::map<std::string, float> mix;  // parts of paints on the brush
     PaintFinish finish;                // of the mixture
@@ -214,8 +216,12 @@ struct WindowState {
     std::optional<Probe> probe;
     std::string message;
     double message_until_s = 0;
-    int left_over_strokes = 0;  // that a crash left: recover or discard
-    bool closing = false;       // with unsaved strokes: asked what to do
+    std::vector<std::string> doubts;  // that the fit had, as the painting's file has them
+    std::deque<std::string> said;     // by the window, the newest last
+    bool paint_comes_first = false;   // of the panels
+    int window_width = 10'000;        // [pixels]
+    int left_over_strokes = 0;        // that a crash left: recover or discard
+    bool closing = false;             // with unsaved strokes: asked what to do
     struct Finishing {
         std::size_t all = 0, left = 0;  // events
     };

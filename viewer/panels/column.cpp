@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "viewer/panels/number_field.h"
 #include "viewer/panels/panels.h"
 
 namespace tangi::panels {
@@ -12,7 +13,38 @@ void tip(const std::string& text) {
     if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", text.c_str());
 }
 
+void note(const std::string& text, int lines, const ImVec4& colour) {
+    const ImVec2 at = ImGui::GetCursorScreenPos();
+    const float wide = std::max(ImGui::GetContentRegionAvail().x, 1.0f);
+    const float line = ImGui::GetTextLineHeight(), high = static_cast<float>(lines) * line;
+    ImGui::Dummy({1, high});  // no wider: a window that fits what is in it can become narrower again
+    if (text.empty()) return;
+    const auto fits = [&](const std::string& part) {
+        return ImGui::CalcTextSize(part.c_str(), nullptr, false, wide).y <= high + 0.5f * line;
+    };
+    std::string shown = text;
+    while (!fits(shown)) {
+        const auto blank = text.find_last_of(' ', shown.size() - std::min<std::size_t>(shown.size(), 5));
+        if (blank == std::string::npos) break;
+        shown = text.substr(0, blank) + " …";
+    }
+    ImDrawList* draw = ImGui::GetWindowDrawList();
+    const ImVec4 clip(at.x, at.y, at.x + wide, at.y + high);
+    draw->AddText(ImGui::GetFont(), ImGui::GetFontSize(), at, ImGui::GetColorU32(colour), shown.c_str(),
+                  nullptr, wide, &clip);
+    if (shown == text || !ImGui::IsWindowHovered() || !ImGui::IsMouseHoveringRect(at, {clip.z, clip.w}))
+        return;
+    ImGui::BeginTooltip();
+    ImGui::PushTextWrapPos(35 * ImGui::GetFontSize());
+    ImGui::TextUnformatted(text.c_str());
+    ImGui::PopTextWrapPos();
+    ImGui::EndTooltip();
+}
+
 namespace {
+
+constexpr const char* kNotTilted =
+    "Photographs were taken from straight ahead: nothing is tilted beside them";
 
 void recent(WindowState& s) {
     if (s.recent.empty() || !ImGui::BeginCombo("Recent", "open again")) return;
@@ -132,16 +164,18 @@ float footer(WindowState& s, float height) {
 
 void file(WindowState& s) {
     ImGui::TextUnformatted(fmt::format("{}{}", s.title, s.painter.unsaved ? " *" : "").c_str());
-    if (s.scale_known)
-        ImGui::TextDisabled("%d × %d pixels, %.1f × %.1f mm", s.painting.width, s.painting.height,
-                            s.painting.width * s.stroke_mm_per_pixel,
-                            s.painting.height * s.stroke_mm_per_pixel);
-    else if (s.painting.width > 0)  // not while it is opened
-        ImGui::TextDisabled("%d × %d pixels, scale unknown", s.painting.width, s.painting.height);
-    if (s.painter.elsewhere) {
-        ImGui::TextColored({1, 0.8f, 0.3f, 1}, "Open in another window: look only.");
-        tip("Paint there; or save it under another name here, and paint on that");
-    }
+    const std::string size = fmt::format("{} × {} pixels", s.painting.width, s.painting.height);
+    if (s.painter.elsewhere)
+        note(
+            "Open in another window: look only. Paint there; or save it under another name here, and paint "
+            "on "
+            "that",
+            1, kWarning);
+    else if (s.scale_known)
+        note(fmt::format("{}, {:.1f} × {:.1f} mm", size, s.painting.width * s.stroke_mm_per_pixel,
+                         s.painting.height * s.stroke_mm_per_pixel));
+    else  // nothing while it is opened
+        note(s.painting.width > 0 ? size + ", scale unknown" : "");
     if (ImGui::Button("New …")) s.ask.new_canvas = true;
     tip(s.keys.text(Action::fresh) + ": a canvas of linen, panel, paper …, or on a picture");
     ImGui::SameLine();
@@ -185,13 +219,26 @@ void tools(WindowState& s) {
     if (ImGui::Button(with_key(s, "1:1", Action::one_to_one).c_str())) s.ask.one_to_one = true;
     ImGui::SameLine();
     if (ImGui::Button(with_key(s, "Straighten", Action::straighten).c_str())) s.ask.straighten = true;
-    ImGui::Checkbox("Flat: the screen tilts", &s.flat);
+    idle_while(s.comparing.on, kNotTilted, [&] { ImGui::Checkbox("Flat: the screen tilts", &s.flat); });
     auto turn = static_cast<float>(s.view.turn_deg);
-    if (ImGui::SliderFloat("Turn", &turn, -180, 180, "%.0f°")) s.view.turn_deg = turn;
+    if (slide("Turn", turn, -180, 180, "%.0f°")) s.view.turn_deg = turn;
     float tilt[2] = {static_cast<float>(s.tilt.angle_deg.x), static_cast<float>(s.tilt.angle_deg.y)};
-    if (ImGui::SliderFloat2("Tilt", tilt, -static_cast<float>(Tilt::kMost_deg),
-                            static_cast<float>(Tilt::kMost_deg), "%.0f°"))
-        s.tilt = Tilt{.angle_deg = {tilt[0], tilt[1]}};
+    const auto most = static_cast<float>(Tilt::kMost_deg);
+    idle_while(s.comparing.on, kNotTilted, [&] {
+        if (slide_both("Tilt", tilt, -most, most, "%.0f°")) s.tilt = Tilt{.angle_deg = {tilt[0], tilt[1]}};
+    });
+}
+
+void messages(WindowState& s) {
+    if (s.doubts.empty() && s.said.empty()) ImGui::TextDisabled("nothing was said yet");
+    if (!s.doubts.empty()) ImGui::TextDisabled("Of the fit, kept with the painting:");
+    for (const std::string& doubt : s.doubts) {
+        ImGui::PushStyleColor(ImGuiCol_Text, kWarning);
+        ImGui::TextWrapped("%s", doubt.c_str());
+        ImGui::PopStyleColor();
+    }
+    if (!s.said.empty()) ImGui::TextDisabled("Said since, the newest first:");
+    for (auto text = s.said.rbegin(); text != s.said.rend(); ++text) ImGui::TextWrapped("%s", text->c_str());
 }
 
 void canvas(WindowState& s) {
@@ -218,13 +265,10 @@ void canvas(WindowState& s) {
     }
 }
 
-void column(WindowState& s, float height) {
-    const float room = height - footer(s, height);
-    ImGui::SetNextWindowPos({0, 0});
-    ImGui::SetNextWindowSize({width(s), room});
-    ImGui::Begin("column", nullptr,
-                 ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove |
-                     ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoSavedSettings);
+namespace {
+
+// All but a treatment.
+void painting_parts(WindowState& s) {
     ImGui::PushItemWidth(-90 * s.scale);
     folding("File", true, [&] { file(s); });
     // Unfolded when there are photographs, however they came.
@@ -237,19 +281,48 @@ void column(WindowState& s, float height) {
     *wanted = s.treating.scale_asked;
     if (!s.treating.on) folding("Treatment", false, [&] { treatment(s); });
     folding("Tools", true, [&] { tools(s); });
-    // What the tool in the hand needs comes first: there is not room for all.
+    // What the tool in the hand needs comes first: there is not room for all. Not while the pointer is on
+    // what would move: a click on a paint takes the brush into the hand.
+    const ImVec2 pointer = ImGui::GetIO().MousePos, corner = ImGui::GetCursorScreenPos();
+    if (pointer.x >= ImGui::GetWindowPos().x + ImGui::GetWindowWidth() || pointer.y < corner.y)
+        s.paint_comes_first = s.tool == Tool::paint || s.tool == Tool::pick;
     const auto looking = [&] {
         folding("Light", true, [&] { light(s); });
         folding("Look", false, [&] { look(s); });
         folding("Devices", false, [&] { devices(s); });
     };
-    const bool paints = s.tool == Tool::paint || s.tool == Tool::pick;
-    if (!paints) looking();
+    if (!s.paint_comes_first) looking();
     folding("Paint", true, [&] { brush(s); });
     folding("Palette", true, [&] { palette(s); });
     folding("Canvas", true, [&] { canvas(s); });
-    if (paints) looking();
+    if (s.paint_comes_first) looking();
+    const std::size_t count = s.doubts.size() + s.said.size();
+    folding(fmt::format("Messages ({})###Messages", count).c_str(), false, [&] { messages(s); });
     ImGui::PopItemWidth();
+}
+
+}  // namespace
+
+void column(WindowState& s, float height) {
+    const float room = height - footer(s, height);
+    ImGui::SetNextWindowPos({0, 0});
+    ImGui::SetNextWindowSize({width(s), room});
+    ImGui::Begin("column", nullptr,
+                 ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove |
+                     ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoSavedSettings);
+    if (s.treating.on && is_narrow(s)) {
+        const auto choose = [&](const char* name, bool treatment) {
+            if (ImGui::RadioButton(name, s.treating.in_front == treatment)) s.treating.in_front = treatment;
+        };
+        choose("Treatment", true);
+        ImGui::SameLine();
+        choose("Painting, light and look", false);
+        ImGui::Separator();
+    }
+    if (s.treating.on && is_narrow(s) && s.treating.in_front)
+        treatment_parts(s);
+    else
+        painting_parts(s);
     ImGui::End();
 }
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "viewer/panels/number_field.h"
 #include "viewer/panels/panels.h"
 
 namespace tangi::panels {
@@ -52,20 +53,30 @@ void legend(ImDrawList* draw, const ColourScale& scale, const std::string& unit,
     draw->AddText({at.x + kWide - ImGui::CalcTextSize(end.c_str()).x, at.y + kHigh + 2}, kInk, end.c_str());
 }
 
-void numbers(const char* what, const Likeness& likeness) {
-    if (likeness.pixels == 0) {
-        ImGui::TextDisabled("%s: nothing was measured there", what);
-        return;
-    }
-    ImGui::Text("%s (%zu pixels)", what, likeness.pixels);
-    ImGui::Text("  PSNR %.1f dB   SSIM %.3f", likeness.psnr_db, likeness.ssim);
-    ImGui::Text("  ΔE2000 %.2f, 95 %% below %.2f", likeness.delta_e_2000, likeness.delta_e_2000_p95);
+// Three lines, whatever there is to be told.
+void numbers(const std::string& what, const Likeness* likeness, const std::string& otherwise) {
+    constexpr int kLines = 3;
+    if (!likeness)
+        note(otherwise, kLines);
+    else if (likeness->pixels == 0)
+        note(what + ": nothing was measured there", kLines);
+    else
+        note(fmt::format("{} ({} pixels)\n  PSNR {:.1f} dB   SSIM {:.3f}\n  ΔE2000 {:.2f}, 95 % below {:.2f}",
+                         what, likeness->pixels, likeness->psnr_db, likeness->ssim, likeness->delta_e_2000,
+                         likeness->delta_e_2000_p95),
+             kLines, ImGui::GetStyleColorVec4(ImGuiCol_Text));
 }
 
 void list(WindowState& s) {
     Comparing& c = s.comparing;
-    const auto& entries = c.news.book->entries();
     ImGui::BeginChild("photos", {0, 6.2f * ImGui::GetTextLineHeightWithSpacing()}, true);
+    if (!c.news.book) {
+        ImGui::TextDisabled("opening %s", c.folder.c_str());
+        ImGui::ProgressBar(static_cast<float>(c.news.fraction), {-1, 0}, c.news.stage.c_str());
+        ImGui::EndChild();
+        return;
+    }
+    const auto& entries = c.news.book->entries();
     for (std::size_t i = 0; i < entries.size(); ++i) {
         const auto index = static_cast<int>(i);
         const auto broken = c.news.broken.find(index);
@@ -102,27 +113,16 @@ void photographs(WindowState& s) {
         ImGui::TextDisabled("or drop their folder on the window");
         return;
     }
-    if (!c.news.book) {
-        ImGui::TextDisabled("opening %s", c.folder.c_str());
-        ImGui::ProgressBar(static_cast<float>(c.news.fraction), {-1, 0}, c.news.stage.c_str());
-        return;
-    }
     ImGui::Checkbox(fmt::format("Compare ({})", s.keys.text(Action::compare)).c_str(), &c.on);
     ImGui::SameLine();
     if (ImGui::SmallButton("Put away")) s.ask.put_photos_away = true;
     list(s);
-    if (const auto& warnings = c.news.book->warnings(); !warnings.empty()) {
-        ImGui::TextDisabled("%zu warning%s (?)", warnings.size(), warnings.size() == 1 ? "" : "s");
-        if (ImGui::IsItemHovered()) {
-            std::string all;
-            for (const std::string& warning : warnings) all += warning + "\n";
-            ImGui::BeginTooltip();
-            ImGui::PushTextWrapPos(500 * s.scale);
-            ImGui::TextUnformatted(all.c_str());
-            ImGui::PopTextWrapPos();
-            ImGui::EndTooltip();
-        }
-    }
+    std::string warned;
+    if (c.news.book)
+        for (const std::string& warning : c.news.book->warnings())
+            warned += (warned.empty() ? "" : "; ") + warning;
+    note(warned, 1, kWarning);
+    ImGui::BeginDisabled(!c.news.book);
     if (ImGui::ArrowButton("previous", ImGuiDir_Left)) s.ask.step_photo = -1;
     ImGui::SameLine();
     if (ImGui::ArrowButton("next", ImGuiDir_Right)) s.ask.step_photo = 1;
@@ -134,12 +134,12 @@ void photographs(WindowState& s) {
         ImGui::EndCombo();
     }
     ImGui::PopItemWidth();
-    if (c.way == CompareWay::blink) ImGui::SliderFloat("Blink", &c.blink_s, 0.15f, 3, "%.2f s");
-    if (c.news.held) numbers("Whole", c.news.held->whole);
-    if (c.news.part && c.news.held && c.news.part->index == c.news.held->index && s.region)
-        numbers("Region", c.news.part->likeness);
-    else
-        ImGui::TextDisabled("Region tool (%s): numbers of a part", s.keys.text(Action::tool_region).c_str());
+    idle_while(c.way != CompareWay::blink, "Of the way Blink",
+               [&] { slide("Blink", c.blink_s, 0.15f, 3, "%.2f s"); });
+    numbers("Whole", c.news.held ? &c.news.held->whole : nullptr, "measuring …");
+    const bool part = c.news.part && c.news.held && c.news.part->index == c.news.held->index && s.region;
+    numbers("Region", part ? &c.news.part->likeness : nullptr,
+            fmt::format("Region tool ({}): numbers of a part", s.keys.text(Action::tool_region)));
     if (c.news.reporting) {
         ImGui::ProgressBar(static_cast<float>(c.news.fraction), {-60 * s.scale, 0}, "report");
         ImGui::SameLine();
@@ -150,6 +150,7 @@ void photographs(WindowState& s) {
             ImGui::SetTooltip("%s: compare.html, compare.json and pictures of all photographs",
                               s.keys.text(Action::report).c_str());
     }
+    ImGui::EndDisabled();
 }
 
 void held_photo(const WindowState& s, unsigned photo, unsigned relit, Extent screen) {

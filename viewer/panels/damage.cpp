@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "viewer/panels/number_field.h"
 #include "viewer/panels/panels.h"
 
 namespace tangi::panels {
@@ -63,7 +64,7 @@ void map(WindowState& s) {
     if (ImGui::Combo("##style", &style, "filled\0hatched\0outlined\0"))
         t.style = static_cast<MapStyle>(style);
     ImGui::SameLine();
-    ImGui::SliderFloat("##opacity", &t.opacity, 0.05f, 1, "%.2f");
+    slide("##opacity", t.opacity, 0.05f, 1, "%.2f");
     ImGui::PopItemWidth();
     tip("Opacity of the map");
 }
@@ -80,10 +81,11 @@ void drawing(WindowState& s) {
     ImGui::BeginDisabled(t.mask_tool == MaskTool::area);
     ImGui::Checkbox("Erase", &t.erase);
     ImGui::EndDisabled();
-    tip("Takes away from the damage; Alt does so for once");
+    tip("Takes away from the damage; Ctrl does so for once");
+    // One row, of whatever tool.
     if (t.mask_tool == MaskTool::brush)
-        ImGui::SliderFloat("Size", &t.brush_mm, 0.2f, 100, length(s, "%.1f").c_str(),
-                           ImGuiSliderFlags_Logarithmic);
+        slide("Size", t.brush_mm, 0.2f, 100, length(s, "%.1f").c_str(), ImGuiSliderFlags_Logarithmic);
+    if (t.mask_tool == MaskTool::polygon || t.mask_tool == MaskTool::area) ImGui::AlignTextToFramePadding();
     if (t.mask_tool == MaskTool::polygon)
         ImGui::TextDisabled("click corners; Enter closes, Backspace takes one back");
     if (t.mask_tool == MaskTool::area) ImGui::TextDisabled("a click takes a whole area away");
@@ -94,11 +96,11 @@ void drawing(WindowState& s) {
         ImGui::PopItemWidth();
         ImGui::SameLine();
         float& tolerance = t.tolerance[static_cast<std::size_t>(by)];
-        if (t.wand_by == WandBy::colour) ImGui::SliderFloat("##tolerance", &tolerance, 1, 50, "ΔE %.0f");
+        if (t.wand_by == WandBy::colour) slide("##tolerance", tolerance, 1, 50, "ΔE %.0f");
         if (t.wand_by == WandBy::height)
-            ImGui::SliderFloat("##tolerance", &tolerance, 0.005f, 2, length(s, "%.3f").c_str(),
-                               ImGuiSliderFlags_Logarithmic);
-        if (t.wand_by == WandBy::gloss) ImGui::SliderFloat("##tolerance", &tolerance, 0.05f, 3, "%.2f");
+            slide("##tolerance", tolerance, 0.005f, 2, length(s, "%.3f").c_str(),
+                  ImGuiSliderFlags_Logarithmic);
+        if (t.wand_by == WandBy::gloss) slide("##tolerance", tolerance, 0.05f, 3, "%.2f");
         tip("How far what is connected may be from the place that is clicked");
     }
     if (ImGui::Button("Undo##mask")) t.ask.undo = true;
@@ -110,15 +112,50 @@ void drawing(WindowState& s) {
 template <class Options>
 void options_of(Options& options, float scale) {
     Options::fields(options, [&](const FieldInfo& info, auto& value) {
-        auto v = static_cast<float>(value);
+        auto v = static_cast<double>(value);
         std::string label(info.name);
         std::replace(label.begin(), label.end(), '_', ' ');
         ImGui::PushItemWidth(90 * scale);
-        if (ImGui::InputFloat(label.c_str(), &v, 0, 0, "%.3g") && v >= info.minimum && v <= info.maximum)
+        if (type_number(label.c_str(), v, info.minimum, info.maximum, "%.3g"))
             value = static_cast<std::remove_reference_t<decltype(value)>>(v);
         ImGui::PopItemWidth();
         tip(std::string(info.help));
     });
+}
+
+// What was suggested; its room is there before it is.
+void suggested(WindowState& s) {
+    Treating& t = s.treating;
+    ShownSuggestion nothing;
+    ShownSuggestion& shown = t.suggestion ? *t.suggestion : nothing;
+    std::string found, replaces;
+    if (t.suggestion)
+        found = fmt::format("{}: {} of {}{}", shown.title, shown.shown, shown.regions,
+                            t.scale_known ? fmt::format(", {:.2f} cm²", shown.area_cm2) : "");
+    note(found, 1, {0.95f, 0.4f, 0.8f, 1});
+    note(shown.measured, 2, ImGui::GetStyleColorVec4(ImGuiCol_Text));
+    ImGui::BeginDisabled(!t.suggestion);
+    slide("Sure", shown.threshold, 0, 1, "%.2f and more");
+    tip("Only areas of which the program is at least so sure");
+    if (ImGui::BeginCombo("As", t.suggestion ? title_of(shown.as) : "")) {
+        for (const DamageClass damage : kDamageClasses)
+            if (ImGui::Selectable(title_of(damage), damage == shown.as)) shown.as = damage;
+        ImGui::EndCombo();
+    }
+    const auto there = std::ranges::find(t.damage, shown.as, &DamageRow::damage);
+    if (shown.stale)
+        replaces = "looked for with other settings: suggest again";
+    else if (shown.shown > 0 && there != t.damage.end() && there->there && there->count > 0)
+        replaces =
+            fmt::format("takes the place of {} mapped area{}", there->count, there->count == 1 ? "" : "s");
+    note(replaces, 1, kWarning);
+    ImGui::BeginDisabled(shown.shown == 0 || shown.stale);
+    if (ImGui::Button("Take over")) t.ask.accept = true;
+    ImGui::EndDisabled();
+    tip(s.keys.text(Action::accept) + ": takes the place of what this class has, and is entered in the log");
+    ImGui::SameLine();
+    if (ImGui::Button("Drop##suggestion")) t.ask.drop_suggestion = true;
+    ImGui::EndDisabled();
 }
 
 void suggesting(WindowState& s) {
@@ -130,33 +167,12 @@ void suggesting(WindowState& s) {
         t.suggesting = static_cast<Suggesting>(what);
     if (ImGui::Button("Suggest")) t.ask.suggest = true;
     tip(s.keys.text(Action::suggest) + ": beside the window; nothing is changed before you take it over");
-    if (t.suggestion) {
-        ShownSuggestion& shown = *t.suggestion;
-        ImGui::TextColored({0.95f, 0.4f, 0.8f, 1}, "%s: %d of %d%s", shown.title.c_str(), shown.shown,
-                           shown.regions,
-                           t.scale_known ? fmt::format(", {:.2f} cm²", shown.area_cm2).c_str() : "");
-        ImGui::SliderFloat("Sure", &shown.threshold, 0, 1, "%.2f and more");
-        tip("Only areas of which the program is at least so sure");
-        if (!shown.measured.empty()) ImGui::TextWrapped("%s", shown.measured.c_str());
-        if (ImGui::BeginCombo("As", title_of(shown.as))) {
-            for (const DamageClass damage : kDamageClasses)
-                if (ImGui::Selectable(title_of(damage), damage == shown.as)) shown.as = damage;
-            ImGui::EndCombo();
-        }
-        const auto there = std::ranges::find(t.damage, shown.as, &DamageRow::damage);
-        if (shown.shown > 0 && there != t.damage.end() && there->there && there->count > 0)
-            ImGui::TextColored(
-                {1, 0.8f, 0.3f, 1}, "%s",
-                fmt::format("takes the place of {} mapped area{}", there->count, there->count == 1 ? "" : "s")
-                    .c_str());
-        ImGui::BeginDisabled(shown.shown == 0);
-        if (ImGui::Button("Take over")) t.ask.accept = true;
-        ImGui::EndDisabled();
-        tip(s.keys.text(Action::accept) +
-            ": takes the place of what this class has, and is entered in the log");
-        ImGui::SameLine();
-        if (ImGui::Button("Drop##suggestion")) t.ask.drop_suggestion = true;
-    }
+    suggested(s);
+}
+
+// Last: each kind has its own.
+void how_it_is_looked_for(WindowState& s) {
+    Treating& t = s.treating;
     if (!ImGui::TreeNode("How it is looked for")) return;
     if (t.suggesting == Suggesting::loss) options_of(t.loss, s.scale);
     if (t.suggesting == Suggesting::craquelure) options_of(t.craquelure, s.scale);
@@ -229,6 +245,8 @@ void damage(WindowState& s) {
     suggesting(s);
     ImGui::Separator();
     drawing(s);
+    ImGui::Separator();
+    how_it_is_looked_for(s);
 }
 
 void damage_map(const WindowState& s, const Placement& placement, Extent screen, const glm::dvec2& cursor,

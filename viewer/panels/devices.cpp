@@ -7,6 +7,8 @@ namespace tangi::panels {
 
 void devices(WindowState& s) {
     Following& follow = s.follow;
+    const bool compares = s.comparing.on;  // nothing tilts then, and nothing is lit
+    ImGui::BeginDisabled(compares);
     ImGui::Checkbox("My head (webcam)", &follow.head);
     tip("Gloss moves as it does on the wall: the painting is seen from where your head is");
     if (follow.head) {
@@ -17,7 +19,10 @@ void devices(WindowState& s) {
     tip("The brightest direction that the webcam sees becomes the lamp");
     ImGui::Checkbox("Tilt sensor", &follow.sensor);
     tip("The screen is the painting: tilt it, and the light wanders over it");
-    if ((follow.head || follow.sensor) && ImGui::Button("This is straight on")) follow.recentre = true;
+    idle_while(!follow.head && !follow.sensor, "Of the head, or the sensor", [&] {
+        if (ImGui::Button("This is straight on")) follow.recentre = true;
+    });
+    ImGui::EndDisabled();
     ImGui::TextDisabled("Gamepad: %s", follow.gamepad.empty() ? "none" : follow.gamepad.c_str());
     ImGui::TextDisabled("Monitor: %s", s.monitor.c_str());
 }

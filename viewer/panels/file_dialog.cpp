@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "surface/picture_file.h"
+#include "viewer/file_ending.h"
 
 namespace tangi::panels {
 
@@ -59,7 +60,11 @@ FileDialog::Choice FileDialog::choice(Wants wants, const std::string& ending, co
     fs::path path = typed.starts_with('/') ? fs::path(typed) : folder / typed;
     std::error_code gone;
     if (wants == Wants::new_file) {
-        if (lower_extension(path) != ending) path += ending;
+        const NamedFile named = with_ending(path, ending);
+        if (named.path.empty()) return {{}, named.complaint, false};
+        path = named.path;
+        // A page and the same as PDF are written side by side: the page is what it is called by.
+        if (lower_extension(path) == ".pdf") path.replace_extension(".html");
         if (fs::is_directory(path, gone)) return {{}, "that is a folder", true};
         if (!fs::is_directory(path.parent_path(), gone)) return {{}, "there is no such folder", false};
         return {path, "", fs::exists(path, gone)};
@@ -94,6 +99,15 @@ bool FileDialog::accept() {
     }
     chosen_(choice.path);
     return true;
+}
+
+void FileDialog::each_text(const std::function<void(std::string_view)>& see) const {
+    see(title_);
+    see(folder_.string());
+    see(typed_);
+    see(complaint_);
+    for (const std::string& name : folders_) see(name);
+    for (const std::string& name : files_) see(name);
 }
 
 bool FileDialog::draw() {

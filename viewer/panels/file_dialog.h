@@ -5,6 +5,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace tangi::panels {
@@ -15,7 +16,8 @@ public:
     // or those that one of its lights files lists.
     enum class Wants { file, new_file, folder, new_folder, folder_or_file };
 
-    // `ending`: of the files that are listed, ".exr"; of Wants::file several, ".png .jpg". `start`: the
+    // `ending`: of the files that are listed, ".exr"; several, ".png .jpg", of which the
+    // first is added to a new file's name without (file_ending.h). `start`: the
     // folder, or of Wants::new_file the file. `chosen` is called once, with what the user chose.
     FileDialog(std::string title, Wants wants, std::string ending, const std::filesystem::path& start,
                std::function<void(const std::filesystem::path&)> chosen);
@@ -26,6 +28,9 @@ public:
 
     // The name can be typed: the field has the keyboard's focus, two frames after it was asked for.
     bool ready_to_type() const { return !focus_ && since_focus_ >= 2; }
+
+    // What it shows of names.
+    void each_text(const std::function<void(std::string_view)>& see) const;
 
     // False once it is over: chosen, or given up.
     bool draw();

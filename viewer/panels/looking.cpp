@@ -5,11 +5,16 @@
 #include <array>
 #include <cmath>
 
+#include "viewer/panels/number_field.h"
 #include "viewer/panels/panels.h"
 
 namespace tangi::panels {
 
 namespace {
+
+constexpr std::size_t kMostLamps = 4;
+constexpr const char* kComparing =
+    "What is compared is lit as the photograph was; Compare, under Photographs, goes back to the painting";
 
 // The dome from above: drag the lamp.
 void dome(WindowState& s) {
@@ -17,7 +22,7 @@ void dome(WindowState& s) {
     const ImVec2 corner = ImGui::GetCursorScreenPos();
     const ImVec2 centre(corner.x + radius + 2, corner.y + radius + 2);
     ImGui::InvisibleButton("dome", {2 * radius + 4, 2 * radius + 4});
-    if (ImGui::IsItemActive()) {
+    if (ImGui::IsItemActive() && !s.comparing.on) {
         const ImVec2 mouse = ImGui::GetIO().MousePos;
         s.lamps[s.lamp].angles = light_at({(mouse.x - centre.x) / radius, (centre.y - mouse.y) / radius});
         s.sweeping = false;
@@ -34,6 +39,13 @@ void dome(WindowState& s) {
         const int shade = s.lamps[i].on ? 255 : 110;
         draw->AddCircleFilled(spot, (i == s.lamp ? 7.0f : 5.0f) * s.scale,
                               IM_COL32(shade, shade * 220 / 255, shade / 2, 255));
+    }
+    if (!s.comparing.on) return;
+    float y = centre.y - ImGui::GetTextLineHeight();
+    for (const char* line : {"lit as the", "photograph"}) {
+        const float wide = ImGui::CalcTextSize(line).x;
+        draw->AddText({centre.x - wide / 2, y}, IM_COL32(255, 205, 80, 255), line);
+        y += ImGui::GetTextLineHeight();
     }
 }
 
@@ -95,22 +107,29 @@ void scale_of_colours(const WindowState& s) {
     }
 }
 
-}  // namespace
-
-void light(WindowState& s) {
+// Those of the lamp that is moved.
+void lamp_of(WindowState& s) {
     dome(s);
     ImGui::SameLine();
     ImGui::BeginGroup();
-    for (std::size_t i = 0; i < s.lamps.size(); ++i)
-        if (ImGui::RadioButton(fmt::format("Lamp {}", i + 1).c_str(), s.lamp == i)) s.lamp = i;
-    if (s.lamps.size() < 4 && ImGui::SmallButton("Add a lamp")) {
+    // What more lamps bring has its room all the time.
+    for (std::size_t i = 0; i < kMostLamps; ++i) {
+        if (i > 0) ImGui::SameLine(0, 2);
+        ImGui::BeginDisabled(i >= s.lamps.size());
+        if (ImGui::RadioButton(fmt::format("{}", i + 1).c_str(), s.lamp == i)) s.lamp = i;
+        ImGui::EndDisabled();
+        tip(fmt::format("Lamp {}", i + 1));
+    }
+    idle_while(s.lamps.size() >= kMostLamps, "There are four at most", [&] {
+        if (!ImGui::SmallButton("Add a lamp")) return;
         s.lamps.push_back({.angles = {-45, 30}, .gain = 0.4f});
         s.lamp = s.lamps.size() - 1;
-    }
-    if (s.lamps.size() > 1 && ImGui::SmallButton("Remove")) {
+    });
+    idle_while(s.lamps.size() < 2, nullptr, [&] {
+        if (!ImGui::SmallButton("Remove")) return;
         s.lamps.erase(s.lamps.begin() + static_cast<std::ptrdiff_t>(s.lamp));
         s.lamp = std::min(s.lamp, s.lamps.size() - 1);
-    }
+    });
     ImGui::Checkbox("Sweep", &s.sweeping);
     if (ImGui::SmallButton("Film …") && !s.film) s.ask.film_dialog = true;
     if (ImGui::IsItemHovered())
@@ -120,21 +139,22 @@ void light(WindowState& s) {
     Lamp& lamp = s.lamps[s.lamp];
     auto azimuth = static_cast<float>(lamp.angles.azimuth_deg),
          elevation = static_cast<float>(lamp.angles.elevation_deg);
-    if (ImGui::SliderFloat("Azimuth", &azimuth, -180, 180, "%.1f°")) lamp.angles.azimuth_deg = azimuth;
-    if (ImGui::SliderFloat("Elevation", &elevation, 2, 90, "%.1f°")) lamp.angles.elevation_deg = elevation;
+    if (slide("Azimuth", azimuth, -180, 180, "%.1f°")) lamp.angles.azimuth_deg = azimuth;
+    if (slide("Elevation", elevation, 2, 90, "%.1f°")) lamp.angles.elevation_deg = elevation;
     presets(lamp);
-    ImGui::SliderFloat("Strength", &lamp.gain, 0, 4, "%.2f");
+    slide("Strength", lamp.gain, 0, 4, "%.2f");
     ImGui::Checkbox("On", &lamp.on);
     ImGui::SameLine();
     ImGui::Checkbox("Near", &lamp.near);
-    if (lamp.near) ImGui::SliderFloat("Distance", &lamp.distance, 0.2f, 5, "%.2f widths");
     ImGui::SameLine();
     ImGui::Checkbox(with_key(s, "Shadows", Action::shadows).c_str(), &s.shadows);
-    if (s.shadows) ImGui::SliderFloat("Softness", &s.light_radius_deg, 0, 15, "%.1f°");
-    ImGui::SliderFloat("Ambient", &s.ambient, 0, 0.5f, "%.2f");
+    idle_while(!lamp.near, "Of a near lamp",
+               [&] { slide("Distance", lamp.distance, 0.2f, 5, "%.2f widths"); });
+    idle_while(!s.shadows, "Of shadows", [&] { slide("Softness", s.light_radius_deg, 0, 15, "%.1f°"); });
+    slide("Ambient", s.ambient, 0, 0.5f, "%.2f");
 }
 
-void look(WindowState& s) {
+void look_of(WindowState& s) {
     const auto name_of_mode = [&] {
         for (const LookName& look : kLooks)
             if (look.mode == s.mode) return look.name;
@@ -147,16 +167,15 @@ void look(WindowState& s) {
     }
     if (s.mode == LookMode::specular_enhancement || s.mode == LookMode::diffuse_gain ||
         s.mode == LookMode::unsharp_normals)
-        ImGui::SliderFloat("Effect", &s.strength, 0, 1, "%.2f");
-    if (s.mode == LookMode::specular_enhancement)
-        ImGui::SliderFloat("Sharpness", &s.sharpness, 2, 200, "%.0f");
+        slide("Effect", s.strength, 0, 1, "%.2f");
+    if (s.mode == LookMode::specular_enhancement) slide("Sharpness", s.sharpness, 2, 200, "%.0f");
     scale_of_colours(s);
-    if (s.mode == LookMode::height) ImGui::DragFloatRange2("Heights", &s.lowest_mm, &s.highest_mm, 0.005f);
+    if (s.mode == LookMode::height) drag_ends("Heights", s.lowest_mm, s.highest_mm, 0.005f, "%.3f");
     if (s.mode == LookMode::curvature) {
         const auto unit = static_cast<float>(s.height_unit_mm());
         float most = s.most_curvature / unit;
-        if (ImGui::SliderFloat("Curvature", &most, 0.005f, 50, s.scale_known ? "± %.3g /mm" : "± %.3g /px",
-                               ImGuiSliderFlags_Logarithmic))
+        if (slide("Curvature", most, 0.005f, 50, s.scale_known ? "± %.3g /mm" : "± %.3g /px",
+                  ImGuiSliderFlags_Logarithmic))
             s.most_curvature = most * unit;
         tip("Orange: bumps; blue: hollows, cracks, the edges of losses");
     }
@@ -165,17 +184,25 @@ void look(WindowState& s) {
             if (ImGui::Selectable(light.name, light.illuminant == s.illuminant)) s.see_in(light.illuminant);
         ImGui::EndCombo();
     }
-    tip(s.comparing.on
-            ? "Photographs are held against the painting in daylight"
-            : "What the lamps' light is made of: paints that match in one can differ in another. What "
-              "is below the paint is seen by a reflectance guessed from its colour");
-    ImGui::SliderFloat("Exposure", &s.exposure_stops, -4, 4, "%.1f stops");
-    ImGui::SliderFloat("Shoulder", &s.shoulder, 0, 0.9f, "%.2f");
+    tip("What the lamps' light is made of: paints that match in one can differ in another. What is below the "
+        "paint is seen by a reflectance guessed from its colour");
+    slide("Exposure", s.exposure_stops, -4, 4, "%.1f stops");
+    slide("Shoulder", s.shoulder, 0, 0.9f, "%.2f");
     int model = static_cast<int>(s.model);
     if (ImGui::Combo("Ward", &model, "1992\0Duer\0bounded\0")) s.model = static_cast<WardModel>(model);
     ImGui::Checkbox("Probe", &s.probing);
     ImGui::SameLine();
     ImGui::Checkbox(with_key(s, "Loupe", Action::loupe).c_str(), &s.loupe);
+}
+
+}  // namespace
+
+void light(WindowState& s) {
+    idle_while(s.comparing.on, kComparing, [&] { lamp_of(s); });
+}
+
+void look(WindowState& s) {
+    idle_while(s.comparing.on, kComparing, [&] { look_of(s); });
 }
 
 }  // namespace tangi::panels

@@ -3,6 +3,7 @@
 #include <imgui.h>
 #include <imgui_stdlib.h>
 
+#include "viewer/panels/number_field.h"
 #include "viewer/panels/panels.h"
 
 namespace tangi::panels {
@@ -85,7 +86,7 @@ void matching(WindowState& s) {
         if (lamp) ImGui::SameLine();
         ImGui::Checkbox(std::string(name_of(static_cast<Illuminant>(lamp))).c_str(), &t.lamps[lamp]);
     }
-    ImGui::SliderInt("Paints", &t.most_paints, 1, kMostPaints, "%d at most");
+    slide("Paints", t.most_paints, 1, kMostPaints, "%d at most");
     ImGui::Checkbox("As a thin film", &t.film);
     tip("Over what lies in the damage now, as thick as the retouch; else as paint that hides what is below");
     ImGui::SameLine();
@@ -102,10 +103,12 @@ void matching(WindowState& s) {
     const ShownMatch& match = *t.match;
     ImGui::TextWrapped("Colour %s", match.of.c_str());
     ImGui::Text("L*a*b* %.1f %.1f %.1f", match.lab.l, match.lab.a, match.lab.b);
+    note(match.stale ? "made with other settings: match again" : "", 1, kWarning);
     for (const ShownRecipe& r : match.recipes) {
         ImGui::PushID(&r);
         ImGui::Separator();
-        recipe(s, match, r);
+        idle_while(match.stale, "The settings have been changed since it was made",
+                   [&] { recipe(s, match, r); });
         ImGui::PopID();
     }
 }

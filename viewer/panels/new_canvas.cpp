@@ -4,9 +4,11 @@
 #include <imgui_stdlib.h>
 
 #include <algorithm>
-#include <cmath>
+#include <limits>
 
+#include "viewer/panels/number_field.h"
 #include "viewer/panels/panels.h"
+#include "viewer/substrate_preview.h"
 
 namespace tangi::panels {
 
@@ -32,31 +34,25 @@ void ground(NewCanvas& n, WindowState& s) {
     tip("A picture (PNG, TIFF, JPEG), or the dry layer of a painting");
 }
 
-bool millimetres(const char* label, double& value, double low, double high, const char* format) {
-    double v = value;
-    if (!ImGui::InputDouble(label, &v, 0, 0, format)) return false;
-    if (std::isfinite(v)) value = std::clamp(v, low, high);
-    return true;
-}
-
 // Of a procedure's piece, or of a picture's pixels.
 void size(NewCanvas& n, WindowState& s) {
     SubstrateChoice& c = n.choice;
     const bool is_piece = substrate_named(c.which).has_value();
     if (is_piece) {
-        millimetres("Width, mm", c.piece.width_mm, 1, 1e5, "%.1f");
-        millimetres("Height, mm", c.piece.height_mm, 1, 1e5, "%.1f");
+        type_number("Width, mm", c.piece.width_mm, 1, 1e5, "%.1f");
+        type_number("Height, mm", c.piece.height_mm, 1, 1e5, "%.1f");
     }
     if (is_piece || is_picture(c.which)) {
-        millimetres("Pixel, mm", c.piece.pixel_mm, 0.005, 100, "%.3f");
+        type_number("Pixel, mm", c.piece.pixel_mm, 0.005, 100, "%.3f");
         tip("Fine bristles and weave need 0.1 to 0.2 mm");
     }
     if (is_piece) {
         int seed = static_cast<int>(c.piece.seed);
-        if (ImGui::InputInt("Piece", &seed)) c.piece.seed = static_cast<std::uint64_t>(std::max(seed, 0));
+        if (type_number("Piece", seed, 0, std::numeric_limits<int>::max()))
+            c.piece.seed = static_cast<std::uint64_t>(seed);
         tip("Each number is another piece of the same cloth");
     } else if (is_picture(c.which)) {
-        millimetres("Relief, mm", c.picture.relief_mm, 0, 100, "%.2f");
+        type_number("Relief, mm", c.picture.relief_mm, 0, 100, "%.2f");
         const bool other = c.height_from != "luminance" && c.height_from != "none";
         const std::string from =
             other ? std::filesystem::path(c.height_from).filename().string() : c.height_from;
@@ -67,8 +63,10 @@ void size(NewCanvas& n, WindowState& s) {
             ImGui::EndCombo();
         }
     }
-    if (const glm::dvec2 pixels = n.pixels(); pixels.x > 0)
-        ImGui::TextDisabled("%.0f × %.0f pixels, %.0f MB to paint on", pixels.x, pixels.y, 1e-6 * n.bytes());
+    const glm::dvec2 pixels = n.pixels();
+    note(pixels.x > 0 ? fmt::format("{:.0f} × {:.0f} pixels, {:.0f} MB to paint on", pixels.x, pixels.y,
+                                    1e-6 * n.bytes())
+                      : "");
 }
 
 // One that has a value of its own where none is chosen.
@@ -79,7 +77,7 @@ void own_or(const char* label, std::optional<double>& value, double start, float
     ImGui::SameLine();
     auto v = static_cast<float>(value.value_or(start));
     ImGui::BeginDisabled(!chosen);
-    if (ImGui::SliderFloat(label, &v, low, high, chosen ? "%.3f" : "its own")) value = v;
+    if (slide(label, v, low, high, chosen ? "%.3f" : "its own")) value = v;
     ImGui::EndDisabled();
     ImGui::PopID();
 }
@@ -87,7 +85,7 @@ void own_or(const char* label, std::optional<double>& value, double start, float
 void finish(SubstrateFinish& f) {
     const Transfer srgb{Transfer::Kind::srgb};
     Rgb tint = srgb.encode(f.tint);
-    if (ImGui::ColorEdit3("Tint of ρd", &tint.r, ImGuiColorEditFlags_NoInputs)) {
+    if (colour_field("Tint of ρd", tint)) {
         for (int i = 0; i < 3; ++i) f.tint[i] = srgb.decode(std::clamp(tint[i], 0.0f, 1.0f));
     }
     tip("Toned: its colour is multiplied by this");
@@ -101,6 +99,8 @@ void new_canvas(WindowState& s) {
     NewCanvas& n = s.new_canvas;
     if (!n.open) return;
     ImGui::SetNextWindowPos({width(s) + 40 * s.scale, 40 * s.scale}, ImGuiCond_Appearing);
+    const ImVec2 screen = ImGui::GetIO().DisplaySize;
+    ImGui::SetNextWindowSizeConstraints({0, 0}, {screen.x, screen.y - 40 * s.scale});
     if (ImGui::Begin("New canvas", &n.open,
                      ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_AlwaysAutoResize |
                          ImGuiWindowFlags_NoCollapse)) {
@@ -108,24 +108,23 @@ void new_canvas(WindowState& s) {
         ground(n, s);
         size(n, s);
         finish(n.choice.finish);
-        if (n.texture != 0) {
-            ImGui::Image(reinterpret_cast<ImTextureID>(static_cast<std::uintptr_t>(n.texture)),
-                         {s.scale * static_cast<float>(n.preview.width),
-                          s.scale * static_cast<float>(n.preview.height)});
-            tip("A piece of it, pixel by pixel, under the lamp as it stands");
-        }
+        const ImVec2 room(s.scale * SubstratePreview::kWidth, s.scale * SubstratePreview::kHeight),
+            corner = ImGui::GetCursorScreenPos();
+        ImGui::Dummy(room);
+        tip("A piece of it, pixel by pixel, under the lamp as it stands");
+        if (n.texture != 0)
+            ImGui::GetWindowDrawList()->AddImage(
+                reinterpret_cast<ImTextureID>(static_cast<std::uintptr_t>(n.texture)), corner,
+                {corner.x + s.scale * static_cast<float>(n.preview.width),
+                 corner.y + s.scale * static_cast<float>(n.preview.height)});
         ImGui::InputText("Keep it as", &n.choice.keep_as);
         tip("A name under which this ground is there for the next canvas; empty: it is not kept");
         if (ImGui::InputText("File", &n.name)) n.complaint.clear();
         ImGui::TextDisabled("in %s", n.folder.string().c_str());
-        if (!n.complaint.empty()) {
-            ImGui::PushTextWrapPos(ImGui::GetCursorPosX() + 300 * s.scale);
-            ImGui::TextColored({1, 0.7f, 0.3f, 1}, "%s", n.complaint.c_str());
-            ImGui::PopTextWrapPos();
-        }
         if (ImGui::Button("Paint on it")) s.ask.begin_canvas = true;
         ImGui::SameLine();
         if (ImGui::Button("Cancel (Esc)")) n.open = false;
+        note(n.complaint, 3, kWarning);  // below what is clicked
         ImGui::PopItemWidth();
     }
     ImGui::End();

@@ -19,18 +19,19 @@ void brush_outline(const WindowState& s, const Placement& placement, const glm::
     if (!placement.to_painting(cursor, centre)) return;
     const double radius = s.brush.size_mm / 2 / s.stroke_mm_per_pixel;
     std::vector<ImVec2> points;
+    const HeldBrush held = held_over(s.pen, s.view.turn_deg, s.brush.follow);
+    const double turned = -glm::radians(held.rotation_deg);  // rows run downwards
     for (int i = 0; i < 40; ++i) {
-        const double a = 2 * std::numbers::pi * i / 40;
-        points.push_back(in_window(
-            placement.to_screen(centre + radius * glm::dvec2(std::cos(a), s.brush.thickness * std::sin(a))),
-            left));
+        const double a = 2 * std::numbers::pi * i / 40, u = std::cos(a), v = s.brush.thickness * std::sin(a);
+        const glm::dvec2 rim(std::cos(turned) * u - std::sin(turned) * v,
+                             std::sin(turned) * u + std::cos(turned) * v);
+        points.push_back(in_window(placement.to_screen(centre + radius * rim), left));
     }
     ImDrawList* draw = ImGui::GetBackgroundDrawList();
     draw->AddPolyline(points.data(), 40, IM_COL32(0, 0, 0, 180), ImDrawFlags_Closed, 2.5f);
     draw->AddPolyline(points.data(), 40, IM_COL32(255, 255, 255, 220), ImDrawFlags_Closed, 1);
-    if (s.pen_tilt && glm::length(*s.pen_tilt) > 0.05f) {  // to where the handle leans
-        const glm::dvec2 lean(1.6 * static_cast<double>(s.pen_tilt->x),
-                              -1.6 * static_cast<double>(s.pen_tilt->y));
+    if (glm::length(held.tilt) > 0.05) {  // to where the handle leans
+        const glm::dvec2 lean(1.6 * held.tilt.x, -1.6 * held.tilt.y);
         const ImVec2 foot = in_window(cursor, left),
                      end = in_window(placement.to_screen(centre + radius * lean), left);
         draw->AddLine(foot, end, IM_COL32(0, 0, 0, 180), 3);
@@ -158,16 +159,22 @@ void overlay(WindowState& s, const Placement& placement, Extent screen, const gl
     if (!s.comparing.on && cursor_over && on_painting(s, placement, cursor))
         probe(s, left + static_cast<float>(screen.width));
     const Lamp& lamp = s.lamps[s.lamp];
-    std::string status = fmt::format("{:.0f} %   tilt {:.0f}° {:.0f}°   light {:.0f}° {:.0f}°",
-                                     100 * s.view.zoom, s.tilt.angle_deg.x, s.tilt.angle_deg.y,
-                                     lamp.angles.azimuth_deg, lamp.angles.elevation_deg);
+    std::string status = fmt::format("{:.0f} %", 100 * s.view.zoom);
+    if (s.comparing.on)
+        status += s.comparing.pair ? "   lit as it was held up" : "   lit as the photograph";
+    else
+        status += fmt::format("   tilt {:.0f}° {:.0f}°   light {:.0f}° {:.0f}°", s.tilt.angle_deg.x,
+                              s.tilt.angle_deg.y, lamp.angles.azimuth_deg, lamp.angles.elevation_deg);
     if (s.illuminant_now() != Illuminant::d65)
         status += fmt::format("   in {}", light_named(s.illuminant_now()));
     if (!lit_from_front(s, placement)) status += "   the lamps light its back: straighten it, or move them";
     if (s.treating.state) status += fmt::format("   as it was: {}", title_of(*s.treating.state));
-    if (s.treating.preview) status += "   preview";
+    if (s.treating.preview)
+        status += s.treating.preview->stale ? "   preview of other settings" : "   preview";
     if (s.painter.saving) status += "   saving …";
     if (s.painter.waiting > 20) status += "   painting …";
+    if (!s.doubts.empty())
+        status += fmt::format("   {} doubt{} of the fit", s.doubts.size(), s.doubts.size() == 1 ? "" : "s");
     const float line = 22 * s.scale, y = static_cast<float>(screen.height) - line;
     ImDrawList* draw = ImGui::GetBackgroundDrawList();
     draw->AddRectFilled({left, y}, {left + static_cast<float>(screen.width), y + line},

@@ -7,17 +7,19 @@
 #include <numbers>
 
 #include "viewer/board_picture.h"
+#include "viewer/panels/number_field.h"
 #include "viewer/panels/panels.h"
 
 namespace tangi::panels {
 
 namespace {
 
+constexpr double kLargestBrush_mm = 500;  // as its key and the drag have it
+
 // Values in steps: each is a paint of its own to the canvas.
-bool stepped(const char* label, double& value, float low, float high, float step, const char* format) {
-    auto v = static_cast<float>(value);
-    if (!ImGui::SliderFloat(label, &v, low, high, format)) return false;
-    value = std::clamp(std::round(v / step) * step, low, high);
+bool stepped(const char* label, double& value, double low, double high, double step, const char* format) {
+    if (!slide(label, value, static_cast<float>(low), static_cast<float>(high), format)) return false;
+    value = std::clamp(std::round(value / step) * step, low, high);
     return true;
 }
 
@@ -25,11 +27,11 @@ void finish(WindowState& s) {
     if (!ImGui::TreeNode("Gloss and medium")) return;
     const glm::dvec2 gloss = s.mixed_gloss();
     double specular = gloss.x, roughness = gloss.y;
-    if (stepped("ρs", specular, 0, 0.2f, 0.01f, "%.2f")) s.finish.specular = specular;
+    if (stepped("ρs", specular, 0, 0.2, 0.01, "%.2f")) s.finish.specular = specular;
     tip("Gloss: how much of the light its surface reflects");
-    if (stepped("α", roughness, 0.05f, 0.6f, 0.05f, "%.2f")) s.finish.roughness = roughness;
+    if (stepped("α", roughness, 0.05, 0.6, 0.05, "%.2f")) s.finish.roughness = roughness;
     tip("Roughness: how far highlights spread");
-    stepped("Medium", s.finish.medium, 0, 0.9f, 0.1f, "%.1f");
+    stepped("Medium", s.finish.medium, 0, 0.9, 0.1, "%.1f");
     if (ImGui::SmallButton("As from the tube")) s.finish = {};
     ImGui::TreePop();
 }
@@ -58,24 +60,23 @@ void brush(WindowState& s) {
             }
         ImGui::EndCombo();
     }
-    const auto slider = [](const char* label, double& value, float low, float high, const char* format,
-                           bool logarithmic = false) {
-        auto v = static_cast<float>(value);
-        if (ImGui::SliderFloat(label, &v, low, high, format, logarithmic ? ImGuiSliderFlags_Logarithmic : 0))
-            value = v;
+    const auto slider = [](const char* label, double& value, float low, float high, const char* format) {
+        slide(label, value, low, high, format);
     };
-    slider("Size", s.brush.size_mm, 0.2f, 100, length(s, "%.1f").c_str(), true);
+    slide("Size", s.brush.size_mm, 0.2f, 100, length(s, "%.1f").c_str(), ImGuiSliderFlags_Logarithmic,
+          kLargestBrush_mm);
     slider("Load", s.brush.load_mm, 0, 6, length(s, "%.2f").c_str());
-    ImGui::SliderFloat("Pressure", &s.pressure, 0.02f, 1, "%.2f");
+    slide("Pressure", s.pressure, 0.02f, 1, "%.2f");
     if (!ImGui::TreeNode("Bristles")) return;
     slider("Deposit", s.brush.deposit, 0, 3, "%.2f");
     slider("Pick up", s.brush.pickup, 0, 3, "%.2f");
     slider("Push", s.brush.push, 0, 1, "%.2f");
     slider("Grooves", s.brush.groove_mm, 0, 1, length(s, "%.2f").c_str());
     slider("Bristle", s.brush.bristle_mm, 0.05f, 2, length(s, "%.2f").c_str());
-    ImGui::SliderFloat("Steady", &s.stabiliser_mm, 0, 20, length(s, "%.1f").c_str());
+    slide("Steady", s.stabiliser_mm, 0, 20, length(s, "%.1f").c_str());
     ImGui::Checkbox("Follows the stroke", &s.brush.follow);
-    ImGui::Checkbox("Dirty brush: not washed between strokes", &s.dirty_brush);
+    ImGui::Checkbox("Dirty brush", &s.dirty_brush);
+    tip("Not washed between strokes");
     ImGui::TreePop();
 }
 
@@ -124,10 +125,11 @@ void palette(WindowState& s) {
         if (ImGui::SmallButton("x") && s.mix.size() > 1) gone = name;
         ImGui::SameLine();
         ImGui::PushItemWidth(80 * s.scale);
-        ImGui::SliderFloat("##part", &part, 0, 4, "%.2f");
+        slide("##part", part, 0, 4, "%.2f");
         ImGui::PopItemWidth();
         ImGui::SameLine();
-        ImGui::TextUnformatted(name.c_str());
+        ImGui::SetCursorPosY(ImGui::GetCursorPosY() + ImGui::GetStyle().FramePadding.y);
+        note(name, 1, ImGui::GetStyleColorVec4(ImGuiCol_Text));  // some are longer than the column is wide
         ImGui::PopID();
     }
     if (!gone.empty()) s.mix.erase(gone);

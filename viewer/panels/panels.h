@@ -17,8 +17,17 @@ inline ImVec2 in_window(const glm::dvec2& screen, float left) {
     return {static_cast<float>(screen.x) + left, static_cast<float>(screen.y)};
 }
 
+// There is no room for two columns and a painting between them: a treatment is in the left one, then, with a
+// switch above it.
+inline bool is_narrow(const WindowState& state) {
+    constexpr float kPainting = 340;  // [pixels] that it shall have, as beside both in a window of 970
+    return static_cast<float>(state.window_width) < (300 + 330 + kPainting) * state.scale;
+}
+
 // [pixels] of the column at the left.
-inline float width(const WindowState& state) { return 300 * state.scale; }
+inline float width(const WindowState& state) {
+    return (state.treating.on && is_narrow(state) ? 330 : 300) * state.scale;
+}
 
 // "Fit (F)": what its key does, too.
 inline std::string with_key(const WindowState& state, const char* label, Action action) {
@@ -41,6 +50,23 @@ void folding(const char* name, bool open, Draw&& draw) {
     ImGui::PopID();
 }
 
+// Text that comes and goes, in lines that are there all the time: controls below it stay under the pointer.
+// What is longer is cut, and whole under the pointer.
+void note(const std::string& text, int lines = 1,
+          const ImVec4& colour = ImGui::GetStyleColorVec4(ImGuiCol_TextDisabled));
+
+// Controls that have no effect now are grey, and say why under the pointer; they stay where they are.
+template <class Draw>
+void idle_while(bool idle, const char* why, Draw&& draw) {
+    ImGui::BeginDisabled(idle);
+    ImGui::BeginGroup();
+    draw();
+    ImGui::EndGroup();
+    ImGui::EndDisabled();
+    if (idle && why && ImGui::IsItemHovered(ImGuiHoveredFlags_AllowWhenDisabled))
+        ImGui::SetTooltip("%s", why);
+}
+
 // The column: File, Photographs, Tools; Light, Look, Devices; Paint, Palette, Canvas, which come before those
 // while one paints.
 void column(WindowState& state, float height);
@@ -51,14 +77,18 @@ void tools(WindowState& state);
 void light(WindowState& state);
 void look(WindowState& state);
 void devices(WindowState& state);
+void messages(WindowState& state);  // what the fit had doubts about, and what the window said
 void brush(WindowState& state);
 void palette(WindowState& state);
 void canvas(WindowState& state);
 
 // The column at the right, while the painting is under treatment: Damage, Steps, Colour, Record.
-inline float treatment_width(const WindowState& state) { return state.treating.on ? 330 * state.scale : 0; }
+inline float treatment_width(const WindowState& state) {
+    return state.treating.on && !is_narrow(state) ? 330 * state.scale : 0;
+}
 void treatment_column(WindowState& state, float height);
-void treatment(WindowState& state);  // of the left column: to begin or open one
+void treatment_parts(WindowState& state);  // what is in it
+void treatment(WindowState& state);        // of the left column: to begin or open one
 void damage(WindowState& state);
 void steps(WindowState& state);
 void matching(WindowState& state);

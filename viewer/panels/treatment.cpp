@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "viewer/panels/number_field.h"
 #include "viewer/panels/panels.h"
 
 namespace tangi::panels {
@@ -15,11 +16,7 @@ const ImVec4 kFault(1, 0.45f, 0.4f, 1), kGood(0.55f, 0.9f, 0.55f, 1);
 
 bool number(const char* label, double& value, float low, float high, const char* format,
             bool logarithmic = false) {
-    auto v = static_cast<float>(value);
-    if (!ImGui::SliderFloat(label, &v, low, high, format, logarithmic ? ImGuiSliderFlags_Logarithmic : 0))
-        return false;
-    value = v;
-    return true;
+    return slide(label, value, low, high, format, logarithmic ? ImGuiSliderFlags_Logarithmic : 0);
 }
 
 template <class Value, std::size_t N>
@@ -31,25 +28,30 @@ void choice(const char* label, Value& value, const std::array<std::pair<Value, c
     ImGui::EndCombo();
 }
 
-// What is under way, and what is not in the log yet: below the panels, which stay where they are.
-float footer_height(const Treating& t) {
-    const float line = ImGui::GetFrameHeightWithSpacing();
-    return (t.job ? 2 * line : 0) + (t.edits > 0 ? 2 * line : 0);
+// What is under way, and what is not in the log yet: below the panels, with its room there all the time.
+float footer_height() {
+    return ImGui::GetTextLineHeightWithSpacing() + 2 * ImGui::GetFrameHeightWithSpacing();
 }
 
 void footer(WindowState& s) {
     Treating& t = s.treating;
-    if (t.edits > 0) {
-        ImGui::TextColored(kWarning, "%d correction%s of the map not in the log", t.edits,
-                           t.edits == 1 ? "" : "s");
+    if (!t.checking && !t.usable)
+        note("The treatment is not as its log says: Record", 1, kFault);
+    else
+        note(t.edits > 0
+                 ? fmt::format("{} correction{} of the map not in the log", t.edits, t.edits == 1 ? "" : "s")
+                 : "",
+             1, kWarning);
+    idle_while(t.edits == 0, "Corrections of the damage map", [&] {
         if (ImGui::Button("Enter in the log##damage")) t.ask.keep = true;
         tip(s.keys.text(Action::keep_damage));
         ImGui::SameLine();
         if (ImGui::Button("Drop")) t.ask.drop_edits = true;
-    }
+    });
     if (!t.job) return;
-    ImGui::TextDisabled("%s", t.job_title.c_str());
-    ImGui::ProgressBar(static_cast<float>(t.job->fraction), {-50 * s.scale, 0}, t.job->stage.c_str());
+    const std::string stage =
+        t.job->stage.empty() ? t.job_title : fmt::format("{}: {}", t.job_title, t.job->stage);
+    ImGui::ProgressBar(static_cast<float>(t.job->fraction), {-50 * s.scale, 0}, stage.c_str());
     ImGui::SameLine();
     if (t.job->stopping)
         ImGui::TextDisabled("stops");
@@ -63,11 +65,7 @@ void works_on(WindowState& s) {
     std::string names;
     for (const DamageClass damage : t.where)
         names += (names.empty() ? "" : ", ") + std::string(title_of(damage));
-    if (s.painter.unsaved) {
-        ImGui::TextDisabled("Works on %s", names.c_str());
-        tip("What was painted is to be entered in the log (Ctrl+S) before you go on elsewhere");
-        return;
-    }
+    ImGui::BeginDisabled(s.painter.unsaved);
     if (ImGui::BeginCombo("Works on", names.empty() ? "choose damage" : names.c_str())) {
         for (const DamageRow& row : t.damage) {
             if (!row.there) continue;
@@ -80,7 +78,13 @@ void works_on(WindowState& s) {
         }
         ImGui::EndCombo();
     }
-    tip("The damage that is filled, isolated and retouched. Only what is on the damage map can be chosen");
+    ImGui::EndDisabled();
+    if (ImGui::IsItemHovered(ImGuiHoveredFlags_AllowWhenDisabled))
+        ImGui::SetTooltip("%s", s.painter.unsaved
+                                    ? "What was painted is to be entered in the log (Ctrl+S) before "
+                                      "you go on elsewhere"
+                                    : "The damage that is filled, isolated and retouched. Only what "
+                                      "is on the damage map can be chosen");
 }
 
 void fill(WindowState& s) {
@@ -93,9 +97,9 @@ void fill(WindowState& s) {
     tip("Where the relief of the fill comes from");
     number("Level", t.fill.offset_mm, -0.5f, 0.2f, length(s, "%.2f").c_str());
     tip("Above the level of the surroundings; below 0, the fill lies lower");
-    if (t.texture == FillTexture::weave)
-        number("Threads", t.fill.weave_mm, 0.1f, 5, (length(s, "%.2f") + " apart").c_str());
-    ImGui::ColorEdit3("Colour", &t.fill_srgb.x, ImGuiColorEditFlags_NoInputs);
+    idle_while(t.texture != FillTexture::weave, "Of a surface as the weave",
+               [&] { number("Threads", t.fill.weave_mm, 0.1f, 5, (length(s, "%.2f") + " apart").c_str()); });
+    colour_field("Colour", t.fill_srgb);
     if (ImGui::Button("Fill")) t.ask.fill = true;
     tip(s.keys.text(Action::fill_losses) + ": a layer of its own, which comes off again");
 }
@@ -111,29 +115,52 @@ void varnish(const WindowState& s, VarnishOptions& v) {
 
 void by_hand(WindowState& s) {
     Treating& t = s.treating;
-    if (!s.painter.unsaved) {
+    idle_while(s.painter.unsaved, "What was painted is to be entered in the log first", [&] {
         ImGui::Checkbox("Paint stops at the damage", &t.confined);
         tip("Brushes neither give nor take paint outside of it");
-        ImGui::SliderFloat("Feather", &t.feather_mm, 0, 5, length(s, "%.1f").c_str());
+        slide("Feather", t.feather_mm, 0, 5, length(s, "%.1f").c_str());
         tip("Width over which paint fades out within the damage; it never goes beyond it");
-    }
-    if (s.painter.painted_px > 0) {
-        ImGui::Text("%d pixels painted", s.painter.painted_px);
-        ImGui::TextColored(s.painter.outside_px > 0 ? kFault : kGood, "%d pixels of it on original",
-                           s.painter.outside_px);
-    }
-    if (!t.no_strokes.empty()) ImGui::TextWrapped("%s", t.no_strokes.c_str());
+    });
     if (ImGui::Button("Retouch with the brush")) {
         s.tool = Tool::paint;
         t.map = false;  // else one would paint below it
     }
     tip(s.keys.text(Action::tool_paint));
-    if (s.painter.unsaved) {
-        ImGui::SameLine();
+    ImGui::SameLine();
+    idle_while(!s.painter.unsaved, "Nothing was painted that is not in the log", [&] {
         if (ImGui::Button("Enter in the log")) s.ask.save = true;
         tip(s.keys.text(Action::save) +
             ": what was painted becomes a layer of dry paint, with its strokes in the log");
+    });
+    const bool painted = s.painter.painted_px > 0;
+    note(painted ? fmt::format("{} pixels painted", s.painter.painted_px) : "", 1,
+         ImGui::GetStyleColorVec4(ImGuiCol_Text));
+    note(painted ? fmt::format("{} pixels of it on original", s.painter.outside_px) : "", 1,
+         s.painter.outside_px > 0 ? kFault : kGood);
+    note(t.no_strokes, 3, ImGui::GetStyleColorVec4(ImGuiCol_Text));
+}
+
+// What a retouch that is previewed is like, in a room of its own.
+void previewed(const std::optional<ShownRetouch>& preview) {
+    constexpr float kLines = 7;
+    ImGui::BeginChild("previewed", {0, kLines * ImGui::GetTextLineHeightWithSpacing()});
+    if (!preview) {
+        ImGui::TextDisabled("no preview");
+        ImGui::EndChild();
+        return;
     }
+    const ShownRetouch& p = *preview;
+    if (p.stale) ImGui::TextColored(kWarning, "laid with other settings: preview again");
+    ImGui::Text("ΔE2000 from the surroundings' colour");
+    std::string lamps;
+    for (std::size_t lamp = 0; lamp < kIlluminants; ++lamp)
+        lamps += fmt::format("{}{} {:.1f}", lamp ? "  " : "", name_of(static_cast<Illuminant>(lamp)),
+                             p.delta_e[lamp]);
+    ImGui::TextWrapped("%s", lamps.c_str());
+    if (!p.lines.empty()) ImGui::TextWrapped("%s", p.lines.c_str());
+    if (p.outside_px > 0) ImGui::TextColored(kFault, "%d pixels on original", p.outside_px);
+    for (const std::string& pile : p.piles) ImGui::TextWrapped("%s", pile.c_str());
+    ImGui::EndChild();
 }
 
 void laid(WindowState& s) {
@@ -146,30 +173,31 @@ void laid(WindowState& s) {
                Mode(RetouchMode::abstraction, "chromatic abstraction"), Mode(RetouchMode::dotting, "dotting"),
                Mode(RetouchMode::neutral, "neutral tone")});
     number("Film", t.retouch.thickness_mm, 0.005f, 0.3f, (length(s, "%.3f") + " thick").c_str(), true);
-    if (t.mode != RetouchMode::mimetic && t.mode != RetouchMode::neutral) {
+    const bool even = t.mode == RetouchMode::mimetic || t.mode == RetouchMode::neutral;
+    idle_while(even, "Of lines and dots", [&] {
         const auto pixel = static_cast<float>(t.mm_per_pixel);
         number("Pitch", t.retouch.pitch_mm, std::max(0.1f, 2 * pixel), 10 + 2 * pixel,
                length(s, "%.2f").c_str(), true);
         tip("From the middle of one line or dot to the next");
         number("Width", t.retouch.width_mm, std::max(0.05f, pixel), 10 + pixel, length(s, "%.2f").c_str(),
                true);
-    }
-    if (!t.preview && ImGui::Button("Preview")) t.ask.preview = true;
-    if (!t.preview) tip("Lays it from your paints, to be looked at; nothing is changed");
-    if (!t.preview) return;
-    if (ImGui::Button("Apply")) t.ask.apply = true;
-    tip(s.keys.text(Action::accept) + ": as a layer, entered in the log");
+    });
+    const bool stale = t.preview && t.preview->stale;
+    idle_while(t.preview && !stale, "It is as the settings are", [&] {
+        if (ImGui::Button("Preview")) t.ask.preview = true;
+        tip("Lays it from your paints, to be looked at; nothing is changed");
+    });
     ImGui::SameLine();
-    if (ImGui::Button("Put aside")) t.ask.drop_preview = true;
-    const ShownRetouch& p = *t.preview;
-    ImGui::Text("ΔE2000 from the surroundings' colour");
-    for (std::size_t lamp = 0; lamp < kIlluminants; ++lamp) {
-        if (lamp) ImGui::SameLine();
-        ImGui::Text("%s %.1f", std::string(name_of(static_cast<Illuminant>(lamp))).c_str(), p.delta_e[lamp]);
-    }
-    if (!p.lines.empty()) ImGui::TextWrapped("%s", p.lines.c_str());
-    if (p.outside_px > 0) ImGui::TextColored(kFault, "%d pixels on original", p.outside_px);
-    for (const std::string& pile : p.piles) ImGui::TextWrapped("%s", pile.c_str());
+    const char* why = stale ? "The settings have been changed since it was laid: preview it again" : nullptr;
+    idle_while(!t.preview || stale, why, [&] {
+        if (ImGui::Button("Apply")) t.ask.apply = true;
+        tip(s.keys.text(Action::accept) + ": as a layer, entered in the log");
+    });
+    ImGui::SameLine();
+    idle_while(!t.preview, nullptr, [&] {
+        if (ImGui::Button("Put aside")) t.ask.drop_preview = true;
+    });
+    previewed(t.preview);
 }
 
 void layers(WindowState& s) {
@@ -227,15 +255,15 @@ void states(WindowState& s) {
     tip(s.keys.text(Action::additions) +
         ": fills green, varnish yellow, retouches blue, red what lies on original");
     ImGui::PushItemWidth(150 * s.scale);
-    ImGui::SliderFloat("##distance", &t.distance_m, 0.3f, 10, "%.1f m");
+    slide("##distance", t.distance_m, 0.3f, 10, "%.1f m");
     ImGui::PopItemWidth();
     ImGui::SameLine();
     if (ImGui::Button("See from there")) t.ask.see_from = true;
     tip("As the eye has it from this distance: lines that fuse cannot be told apart");
-    if (s.comparing.pair) {
+    idle_while(!s.comparing.pair, "While two are held against each other", [&] {
         if (ImGui::Button(fmt::format("Back to the painting ({})", s.keys.text(Action::compare)).c_str()))
             t.ask.stop_comparing = true;
-    }
+    });
 }
 
 void by(Treating& t) {
@@ -253,17 +281,16 @@ void treatment(WindowState& s) {
     ImGui::SameLine();
     if (ImGui::Button("Open …")) s.treating.ask.open_dialog = true;
     by(s.treating);
-    if (s.scale_known) return;
-    ImGui::InputFloat("Width", &s.treating.width_mm, 0, 0, "%.1f mm");
-    s.treating.width_mm = std::clamp(s.treating.width_mm, 0.0f, 1e5f);
-    tip("Of the painting, whose scale is unknown; without it, a pixel counts as one mm");
+    idle_while(s.scale_known, "The painting's scale is known", [&] {
+        type_number("Width", s.treating.width_mm, 0, 1e5, "%.1f mm");
+        tip("Of the painting, whose scale is unknown; without it, a pixel counts as one mm");
+    });
 }
 
 void steps(WindowState& s) {
     Treating& t = s.treating;
     works_on(s);
     folding("States", true, [&] { states(s); });
-    folding("Layers", true, [&] { layers(s); });
     folding("Fill", false, [&] { fill(s); });
     folding("Isolating varnish", false, [&] {
         varnish(s, t.isolating);
@@ -277,11 +304,17 @@ void steps(WindowState& s) {
         if (ImGui::Button("Varnish all")) t.ask.varnish = true;
         tip(s.keys.text(Action::varnish));
     });
+    folding("Layers", true, [&] { layers(s); });  // last: there are more with each step
 }
 
 void record(WindowState& s) {
     Treating& t = s.treating;
     by(t);
+    if (ImGui::Button("Check again")) t.ask.check = true;
+    tip("Compares masks, layers and the original with the log");
+    ImGui::SameLine();
+    if (ImGui::Button("Report …")) t.ask.report_dialog = true;
+    tip(s.keys.text(Action::treatment_report) + ": a page to print, with annotations and masks beside it");
     ImGui::TextWrapped("%s", std::filesystem::path(t.folder).filename().string().c_str());
     tip(t.folder);
     if (t.checking)
@@ -304,11 +337,6 @@ void record(WindowState& s) {
         hash("log", t.log.front().sha256);
         tip("SHA-256 of the last line of the log, which a report names: " + t.log.front().sha256);
     }
-    if (ImGui::Button("Check again")) t.ask.check = true;
-    tip("Compares masks, layers and the original with the log");
-    ImGui::SameLine();
-    if (ImGui::Button("Report …")) t.ask.report_dialog = true;
-    tip(s.keys.text(Action::treatment_report) + ": a page to print, with annotations and masks beside it");
     ImGui::Separator();
     for (const LogRow& row : t.log) {
         ImGui::TextWrapped("%d  %s", row.line, row.action.c_str());
@@ -317,21 +345,14 @@ void record(WindowState& s) {
     }
 }
 
-void treatment_column(WindowState& s, float height) {
+void treatment_parts(WindowState& s) {
     Treating& t = s.treating;
-    const float wide = treatment_width(s);
-    ImGui::SetNextWindowPos({ImGui::GetIO().DisplaySize.x - wide, 0});
-    ImGui::SetNextWindowSize({wide, height});
-    ImGui::Begin("treatment", nullptr,
-                 ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove |
-                     ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoSavedSettings);
-    if (!t.checking && !t.usable) ImGui::TextColored(kFault, "The treatment is not as its log says: Record");
     if (ImGui::BeginTabBar("parts")) {
         const auto tab = [&](const char* name, void (*panel)(WindowState&)) {
             const bool forward = std::string_view(name) == t.forward;
             if (forward) t.forward = "";
             if (!ImGui::BeginTabItem(name, nullptr, forward ? ImGuiTabItemFlags_SetSelected : 0)) return;
-            ImGui::BeginChild(name, {0, -footer_height(t)});
+            ImGui::BeginChild(name, {0, -footer_height()});
             ImGui::PushItemWidth(-90 * s.scale);
             panel(s);
             ImGui::PopItemWidth();
@@ -345,6 +366,17 @@ void treatment_column(WindowState& s, float height) {
         ImGui::EndTabBar();
     }
     footer(s);
+}
+
+void treatment_column(WindowState& s, float height) {
+    const float wide = treatment_width(s);
+    if (wide == 0) return;
+    ImGui::SetNextWindowPos({ImGui::GetIO().DisplaySize.x - wide, 0});
+    ImGui::SetNextWindowSize({wide, height});
+    ImGui::Begin("treatment", nullptr,
+                 ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove |
+                     ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoSavedSettings);
+    treatment_parts(s);
     ImGui::End();
 }
 

@@ -1,0 +1,33 @@
+#include "surface/fit_doubts.h"
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+namespace tangi {
+
+using nlohmann::json;
+
+std::string with_doubts(const std::string& provenance, const std::vector<std::string>& poor,
+                        const std::vector<std::string>& warnings) {
+    json all = json::parse(provenance, nullptr, false);
+    if (!all.is_object()) all = {{"made_of", provenance}};
+    all["poor"] = poor;
+    all["warnings"] = warnings;
+    return all.dump(-1, ' ', false, json::error_handler_t::replace);
+}
+
+std::vector<std::string> doubts_of(const Surface& surface) {
+    const json all = json::parse(surface.provenance, nullptr, false);
+    std::vector<std::string> doubts;
+    if (!all.is_object()) return doubts;
+    for (const char* field : {"poor", "warnings"}) {
+        const json list = all.value(field, json());
+        if (!list.is_array()) continue;
+        for (const json& text : list)
+            if (text.is_string() && std::ranges::find(doubts, text.get<std::string>()) == doubts.end())
+                doubts.push_back(text.get<std::string>());
+    }
+    return doubts;
+}
+
+}  // namespace tangi
