@@ -47,12 +47,33 @@ private:
                      {"mousemove", std::to_string(x), std::to_string(random_.below(Screen::kHeight))});
     }
 
+    std::string any_key() {
+        return keys_[static_cast<std::size_t>(random_.below(static_cast<int>(keys_.size())))];
+    }
+
+    // A stroke, with a key in its midst as often as not, and saved as often as not.
+    void add_stroke(std::vector<std::string>& words) {
+        const auto add = [&](std::initializer_list<std::string> more) { words.insert(words.end(), more); };
+        const auto on_painting = [&] {
+            add({"mousemove", std::to_string(kMiddleX - 150 + random_.below(300)),
+                 std::to_string(kMiddleY - 100 + random_.below(200)), "sleep", "0.02"});
+        };
+        add({"key", "Escape", "key", "b"});
+        on_painting();
+        add({"mousedown", "1"});
+        for (int i = random_.below(4); i >= 0; --i) on_painting();
+        if (random_.below(2)) add({"key", any_key()});
+        for (int i = random_.below(4); i >= 0; --i) on_painting();
+        add({"mouseup", "1"});
+        if (random_.below(2)) add({"key", "ctrl+s"});
+    }
+
     void add_action(std::vector<std::string>& words) {
         const auto add = [&](std::initializer_list<std::string> more) { words.insert(words.end(), more); };
-        switch (random_.below(12)) {
+        switch (random_.below(13)) {
             case 0:
             case 1:
-                add({"key", keys_[static_cast<std::size_t>(random_.below(static_cast<int>(keys_.size())))]});
+                add({"key", any_key()});
                 break;
             case 2:
                 to_anywhere(words);
@@ -73,6 +94,9 @@ private:
                 add({"type", "--delay", "5",
                      named_[static_cast<std::size_t>(random_.below(static_cast<int>(named_.size())))]});
                 if (random_.below(2)) add({"key", "Return"});
+                break;
+            case 12:
+                add_stroke(words);
                 break;
             case 7:
                 add({"mouseup", std::to_string(1 + random_.below(3))});
