@@ -18,7 +18,7 @@ constexpr const char* kComparing =
 
 // The dome from above: drag the lamp.
 void dome(WindowState& s) {
-    const float radius = 62 * s.scale;
+    const float radius = 59 * s.scale;  // beside it, the lamps have room in the column
     const ImVec2 corner = ImGui::GetCursorScreenPos();
     const ImVec2 centre(corner.x + radius + 2, corner.y + radius + 2);
     ImGui::InvisibleButton("dome", {2 * radius + 4, 2 * radius + 4});
