@@ -10,14 +10,14 @@ namespace tangi {
 
 namespace {
 
-constexpr const char* kRemedy =
+constexpr const char* kStoreColours =
     "store red, green and blue of each photograph (channels R, G and B), or one band as a grey picture";
 
 // "r" of "diffuse.R", and the layer "diffuse.".
 struct NamedChannel {
     std::string layer, channel;
 };
-NamedChannel named(const std::string& name) {
+NamedChannel in_layer(const std::string& name) {
     const std::size_t point = name.rfind('.') + 1;  // 0 where there is none
     return {name.substr(0, point), lower_case(name.substr(point))};
 }
@@ -30,7 +30,7 @@ bool is_one_of(const std::string& name, std::initializer_list<std::string_view> 
 std::vector<int> triples(const std::vector<std::string>& names) {
     std::vector<int> found;
     for (std::size_t i = 0; i + 2 < names.size(); ++i) {
-        const NamedChannel r = named(names[i]), g = named(names[i + 1]), b = named(names[i + 2]);
+        const NamedChannel r = in_layer(names[i]), g = in_layer(names[i + 1]), b = in_layer(names[i + 2]);
         if (r.layer == g.layer && g.layer == b.layer && is_one_of(r.channel, {"r", "red"}) &&
             is_one_of(g.channel, {"g", "green"}) && is_one_of(b.channel, {"b", "blue"}))
             found.push_back(static_cast<int>(i));
@@ -41,7 +41,7 @@ std::vector<int> triples(const std::vector<std::string>& names) {
 ColourChannels by_names(const std::vector<std::string>& names, int alpha) {
     const std::vector<int> colours = triples(names);
     for (const int first : colours)  // what has no layer is the picture
-        if (colours.size() == 1 || named(names[static_cast<std::size_t>(first)]).layer.empty())
+        if (colours.size() == 1 || in_layer(names[static_cast<std::size_t>(first)]).layer.empty())
             return {first, 3};
     if (colours.empty() && names.size() == (alpha >= 0 ? 2u : 1u)) return {alpha == 0 ? 1 : 0, 1};
     const auto is_grey = [](const std::string& name) {
@@ -58,7 +58,7 @@ ColourChannels by_names(const std::vector<std::string>& names, int alpha) {
                                          names.begin() + std::ptrdiff_t(std::min(most, names.size())));
     return {0, 0,
             fmt::format("its channels ({}{}) do not say which are red, green and blue; {}",
-                        fmt::join(shown, ", "), names.size() > most ? ", …" : "", kRemedy)};
+                        fmt::join(shown, ", "), names.size() > most ? ", …" : "", kStoreColours)};
 }
 
 }  // namespace
@@ -69,7 +69,7 @@ ColourChannels colour_channels(const std::vector<std::string>& names, int alpha,
     if (count > colours + 1)
         return {0, 0,
                 fmt::format("has {} channels, and nothing says which are red, green and blue; {}", count,
-                            kRemedy)};
+                            kStoreColours)};
     ColourChannels first{0, static_cast<int>(colours)};
     if (count > colours && alpha < 0)
         first.doubt = fmt::format("its channel {} is no alpha, and not used: {}", count,

@@ -20,7 +20,7 @@ bool leads_out(const fs::path& relative) {
 }
 
 // The path where it lies in the folder, from there.
-std::optional<fs::path> inside(const fs::path& folder, const fs::path& listed) {
+std::optional<fs::path> path_inside(const fs::path& folder, const fs::path& listed) {
     fs::path relative = listed.lexically_normal();
     if (listed.is_absolute()) {
         std::error_code unknown;
@@ -74,7 +74,7 @@ fs::path portable(std::string name) {
 
 NamedPhoto photo_named(const std::string& name, const fs::path& folder, const std::vector<fs::path>& photos) {
     const fs::path listed = portable(name);
-    if (auto path = inside(folder, listed)) return {std::move(path)};
+    if (auto path = path_inside(folder, listed)) return {std::move(path)};
     std::error_code unknown;
     if (const fs::path file = folder / listed.filename(); fs::is_regular_file(file, unknown)) return {file};
     const std::string file_name = alike(listed.filename().string()), stem = alike(listed.stem().string());

@@ -22,7 +22,7 @@ constexpr int kForLaws = 4;  // pixels that choose the law of reflectance, by th
 // Files of floats have no full scale: their noise is relative to the white level.
 // Floats in a unit of their own (float_scale.h) have noise in that unit, too.
 double unit_of_noise(double white_level) {
-    return white_level > kBright ? white_level : std::min(white_level, 1.0);
+    return white_level > kBrightFloats ? white_level : std::min(white_level, 1.0);
 }
 
 NoiseModel noise_model(const Stack& stack, const Transfer& transfer, const FitOptions& options) {
@@ -67,7 +67,7 @@ std::string says_too_dark(const Stack& stack, const Survey& surveyed, const Tran
                           const NoiseModel& noise) {
     if (stack.bits == 32 && !stack.development) return {};  // floats have no full scale
     const double bright = transfer.decode(bright_stored(surveyed));
-    if (!(bright > 0 && bright < kDark)) return {};
+    if (!(bright > 0 && bright < kDarkFloats)) return {};
     return fmt::format(
         "{}: the photographs are dark: 98 % of their values are below {:.2g} of full scale, in linear light, "
         "as where values of a camera were not scaled to all bits of the file. Noise is taken for {:.2g} of "

@@ -11,7 +11,7 @@ std::optional<double> white_level_of_unit(const Stack& stack, const Survey& surv
     constexpr double kBrightPaint = 0.6;
     const bool of_floats = stack.bits == 32 && (!stack.development || stack.development->bits == 32);
     const double bright = static_cast<double>(bright_stored(survey));
-    if (!of_floats || !(bright > 0) || (bright >= kDark && bright <= kBright)) return {};
+    if (!of_floats || !(bright > 0) || (bright >= kDarkFloats && bright <= kBrightFloats)) return {};
     const double white = bright / kBrightPaint;
     const double digits = std::pow(10, std::floor(std::log10(white)) - 1);  // two of them
     return std::round(white / digits) * digits;

@@ -1,7 +1,10 @@
 #include "surface/jpeg_markers.h"
 
+#include <algorithm>
 #include <cstring>
 #include <fstream>
+#include <string>
+#include <vector>
 
 namespace tangi {
 
@@ -22,8 +25,12 @@ public:
     void skip(std::size_t count) {
         const std::size_t here = std::min(count, end_ - at_);
         at_ += here;
-        if (here < count) stream_.seekg(static_cast<std::streamoff>(count - here), std::ios::cur);
+        if (here == count) return;
+        stream_.seekg(static_cast<std::streamoff>(count - here), std::ios::cur);
+        begin_ += count - here;
     }
+    // [bytes] Of the next one from the file's beginning.
+    std::uintmax_t position() const { return begin_ + at_; }
     // Goes behind the next byte of this value; false where there is none.
     bool find(int byte) {
         do {
@@ -38,6 +45,7 @@ public:
 
 private:
     bool fill() {
+        begin_ += end_;
         stream_.read(buffer_.data(), static_cast<std::streamsize>(buffer_.size()));
         at_ = 0;
         end_ = static_cast<std::size_t>(stream_.gcount());
@@ -46,8 +54,23 @@ private:
 
     std::ifstream stream_;
     std::vector<char> buffer_;
-    std::size_t at_ = 0, end_ = 0;
+    std::size_t at_ = 0, end_ = 0;  // in the buffer
+    std::uintmax_t begin_ = 0;      // of the buffer in the file
 };
+
+// Whether a file whose scans begin at `scans` ends with EOI, but for some zeros: then nothing is cut off.
+bool ends_with_picture(const std::filesystem::path& path, std::uintmax_t scans) {
+    constexpr std::uintmax_t tail = 4096;
+    std::error_code unknown;
+    const std::uintmax_t size = std::filesystem::file_size(path, unknown);
+    if (unknown || size <= scans) return false;
+    std::string bytes(std::min(size - scans, tail), '\0');
+    std::ifstream stream(path, std::ios::binary);
+    stream.seekg(static_cast<std::streamoff>(size - bytes.size()));
+    stream.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+    bytes.erase(bytes.find_last_not_of('\0') + 1);
+    return stream && bytes.ends_with("\xFF\xD9");
+}
 
 // Those that stand alone (table B.1): stuffed zeros of a scan, TEM, restarts, the picture's start.
 bool has_no_segment(int marker) {
@@ -67,7 +90,10 @@ bool is_whole_jpeg(const std::filesystem::path& path) {
         if (marker == kEnd) return false;
         if (marker == kFinish) return has_scan;
         if (has_no_segment(marker)) continue;
-        has_scan = has_scan || marker == kScan;
+        if (marker == kScan && !has_scan) {
+            has_scan = true;
+            if (ends_with_picture(path, bytes.position())) return true;  // most do, and need not be read
+        }
         const int high = bytes.next(), low = bytes.next();
         if (low == kEnd) return false;
         if (const int length = 256 * high + low; length > 2) bytes.skip(static_cast<std::size_t>(length) - 2);
