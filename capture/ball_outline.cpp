@@ -22,7 +22,6 @@ constexpr double kSample = EdgeProfile::kSample;
 constexpr double kNear = 1.25;          // [pixels] from the expected outline, within which its edge is sought
 constexpr double kFaintestEdge = 0.25;  // [1] of the strong edges; fainter ones are left out
 constexpr double kLeastCoverage = 0.2;
-constexpr double kCentreSystematic = 0.1, kRadiusSystematic = 0.4;  // [pixels] of a limb that fades
 constexpr double kShapeSystematic =
     0.25;  // [pixels] half the length's error against the width, for the same reason
 

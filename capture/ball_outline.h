@@ -8,6 +8,9 @@
 
 namespace tangi {
 
+// [pixels] Part of the errors of every outline: of a limb that fades into what lies behind it.
+constexpr double kCentreSystematic = 0.1, kRadiusSystematic = 0.4;
+
 struct BallOutline {
     BallImage ball;                    // with standard errors
     std::vector<glm::dvec2> edges_px;  // that were used

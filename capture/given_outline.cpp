@@ -25,7 +25,6 @@ constexpr double kSigmas = 3;  // of what is given, within which the ball is loo
 // %, and without the last two numbers 83 % of the radii.
 constexpr double kLikelihood = 0.7;
 constexpr double kRingSigma_px = 0.7, kRingInside_px = 0.15;
-constexpr double kCentreFloor_px = 0.1;  // refine_outline()'s kCentreSystematic
 // [1] agreement() by which another place must be better to be believed against what was given. Patterns alone
 // reach 0.08 (the same balls, up to 4 pixels from the circle).
 constexpr double kClearlyBetter = 0.3;
@@ -114,7 +113,7 @@ Belief belief_of(const std::vector<EdgeProfile>& profiles, const dvec3& sigma, d
     const dvec3 grid(xs.grid, ys.grid, rs.grid);  // which tells no less than its own steps
     belief.sigma =
         glm::sqrt(glm::max(squares / sum - belief.mean * belief.mean, dvec3(0)) + grid * grid / 12.0 +
-                  dvec3(kCentreFloor_px * kCentreFloor_px, kCentreFloor_px * kCentreFloor_px, 0));
+                  dvec3(kCentreSystematic * kCentreSystematic, kCentreSystematic * kCentreSystematic, 0));
     belief.sigma = glm::min(belief.sigma, sigma);
     return belief;
 }
@@ -139,15 +138,19 @@ BallImage moved(BallImage ball, const Belief& belief) {
     return ball;
 }
 
-// Two measurements of one ball, by their errors.
-BallImage mean_of(const BallImage& a, const BallImage& b) {
-    const auto weight = [](double sigma) { return 1 / (sigma * sigma); };
-    const double ca = weight(a.centre_sigma_px), cb = weight(b.centre_sigma_px);
-    const double ra = weight(a.radius_sigma_px), rb = weight(b.radius_sigma_px);
-    return {.centre_px = (ca * a.centre_px + cb * b.centre_px) / (ca + cb),
-            .radius_px = (ra * a.radius_px + rb * b.radius_px) / (ra + rb),
-            .centre_sigma_px = 1 / std::sqrt(ca + cb),
-            .radius_sigma_px = 1 / std::sqrt(ra + rb)};
+// The circle and the outline, by what is independent of each other in their errors: how a limb fades is a
+// matter of the ball, and stays.
+BallImage mean_of(const BallImage& given, const BallImage& found) {
+    const auto weight = [](double sigma, double systematic) {
+        return 1 / std::max(sigma * sigma - systematic * systematic, 1e-4);
+    };
+    const double cg = weight(given.centre_sigma_px, 0), rg = weight(given.radius_sigma_px, 0);
+    const double cf = weight(found.centre_sigma_px, kCentreSystematic),
+                 rf = weight(found.radius_sigma_px, kRadiusSystematic);
+    return {.centre_px = (cg * given.centre_px + cf * found.centre_px) / (cg + cf),
+            .radius_px = (rg * given.radius_px + rf * found.radius_px) / (rg + rf),
+            .centre_sigma_px = std::hypot(1 / std::sqrt(cg + cf), kCentreSystematic),
+            .radius_sigma_px = std::hypot(1 / std::sqrt(rg + rf), kRadiusSystematic)};
 }
 
 // [standard errors of `given`] the coordinate that differs most.
