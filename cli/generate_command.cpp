@@ -87,7 +87,8 @@ void withdraw_left_over(OutputSet& set, const fs::path& folder, const std::vecto
     for (const auto& entry : fs::directory_iterator(folder / "gt"))
         if (is_truth(entry.path().filename().string())) all.push_back(entry.path());
     for (const fs::path& file : all)
-        if (!fs::exists(written / file.lexically_relative(folder))) set.withdraw(file);
+        if (const fs::path name = file.lexically_relative(folder); !fs::exists(written / name))
+            set.withdraw(folder, name);
 }
 
 nlohmann::json run_generate(GenerateArguments a) {
@@ -111,8 +112,6 @@ nlohmann::json run_generate(GenerateArguments a) {
     set.add(written);
     withdraw_left_over(set, a.out, before, written.temporary());
     set.commit();
-    std::error_code in_use;
-    if (fs::is_empty(fs::path(a.out) / "heldout", in_use)) fs::remove(fs::path(a.out) / "heldout", in_use);
     return {{"folder", a.out},
             {"photographs", photography.photos.size()},
             {"width", truth.width()},

@@ -92,6 +92,7 @@ AtomicFile::AtomicFile(fs::path target) : target_(std::move(target)), place_(whe
     if (file < 0 && errno == ENOENT)  // /proc and the like: the folder is there, as was seen
         fail("{}: cannot be written: {} takes no files; choose another folder", target_.string(),
              folder.string());
+    if (file < 0 && errno != EACCES && errno != EPERM && errno != EROFS) cannot_be_written(target_);
     if (file < 0)
         fail("{}: cannot be written: {}; choose a folder where you may write", target_.string(),
              std::strerror(errno));

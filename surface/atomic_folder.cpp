@@ -175,6 +175,7 @@ std::vector<FolderFiles::Move> FolderFiles::moves() {
     std::vector<Move> moves;
     for (const std::string& file : files) {
         made_.make((folder_ / file).parent_path());
+        tidy_folder((folder_ / file).parent_path());
         if (!file.ends_with('/')) moves.push_back({folder, hidden / file, place / file, folder_ / file});
     }
     return moves;

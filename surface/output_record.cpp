@@ -104,6 +104,8 @@ void OutputMove::clean(const fs::path& folder) const noexcept {
     std::error_code ignored;
     fs::remove_all(folder / *from.begin(), ignored);  // what was replaced or withdrawn, or a hidden folder
     fs::remove(folder / aside(), ignored);
+    if (kind == Kind::withdraw && to.has_parent_path())
+        fs::remove(folder / to.parent_path(), ignored);  // only where it is empty
     if (kind == Kind::put && is_folder(folder / to)) fs::remove(folder / to / kNewFolder, ignored);
 }
 

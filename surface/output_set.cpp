@@ -98,13 +98,13 @@ void OutputSet::add_folder(const fs::path& temporary, const fs::path& target,
     when_done_.push_back(std::move(when_done));
 }
 
-void OutputSet::withdraw(const fs::path& file) {
+void OutputSet::withdraw(const fs::path& folder, const fs::path& file) {
     std::error_code unknown;
-    if (!fs::exists(fs::symlink_status(file, unknown))) return;
-    const std::string stem = fmt::format("{}-withdrawn", file.filename().string());
-    parts_.push_back({whole(file.parent_path()),
-                      {OutputMove::Kind::withdraw, temporary_name(stem, ""), file.filename()},
-                      file});
+    if (!fs::exists(fs::symlink_status(folder / file, unknown))) return;
+    std::string stem = file.generic_string() + "-withdrawn";
+    std::ranges::replace(stem, '/', '-');
+    parts_.push_back(
+        {whole(folder), {OutputMove::Kind::withdraw, temporary_name(stem, ""), file}, folder / file});
 }
 
 void OutputSet::done(bool cleaned) {
@@ -118,6 +118,7 @@ void OutputSet::commit() {
     if (parts_.size() > 1) {
         std::map<fs::path, OutputRecord> by_folder;
         for (const Part& part : parts_) by_folder[part.folder].moves.push_back(part.move);
+        for (const auto& [folder, record] : by_folder) tidy_folder(folder);
         const fs::path first = parts_.front().folder;
         const std::string name = new_record_name();
         for (auto& [folder, record] : by_folder)

@@ -33,8 +33,9 @@ public:
     // place; without `cleaned`, what lies at `temporary` is to stay, since the next command goes on with it.
     void add_folder(const std::filesystem::path& temporary, const std::filesystem::path& target,
                     std::function<void(bool cleaned)> when_done);
-    // What an earlier run left that is not of this set: gone when the set is in place. Need not be there.
-    void withdraw(const std::filesystem::path& file);
+    // What an earlier run left in a folder, or below it, that is not of this set: gone when the set is in
+    // place, with a folder below that is empty then. Need not be there.
+    void withdraw(const std::filesystem::path& folder, const std::filesystem::path& file);
 
     // Throws Error naming the file that could not be put in place: then none is, or, where that could not be
     // taken back either, the next command finishes it.

@@ -47,8 +47,8 @@ TEST(OutputSet, IsInPlaceAsAWhole) {
     for (AtomicFile* file : {&a, &b, &c}) file->write("new");
     OutputSet set;
     for (AtomicFile* file : {&a, &b, &c}) set.add(*file);
-    set.withdraw(dir / "old");
-    set.withdraw(dir / "none");
+    set.withdraw(dir.path(), "old");
+    set.withdraw(dir.path(), "none");
     set.commit();
     EXPECT_EQ(all_names_in(dir.path()), (Names{"a", "c", "sub", "sub/b"}));
     EXPECT_EQ(bytes_of(dir / "a") + bytes_of(dir / "sub/b") + bytes_of(dir / "c"), "newnewnew");
@@ -62,7 +62,7 @@ TEST(OutputSet, OfWhichOneCannotBePlacedIsTakenBack) {
         for (AtomicFile* file : {&a, &b, &c}) file->write("new");
         fs::create_directories(dir / "c/in the way");
         OutputSet set;
-        set.withdraw(dir / "old");
+        set.withdraw(dir.path(), "old");
         for (AtomicFile* file : {&a, &b, &c}) set.add(*file);
         EXPECT_THAT(error_of([&] { set.commit(); }),
                     StartsWith((dir / "c").string() + ": cannot be put in place: "));
