@@ -89,7 +89,8 @@ CaptureColour colour_of(const JsonField& colour, const std::string& file) {
         fail("{}: by colour.correction, white would be dark in a channel", file);
     const std::string name = colour["transfer"]["name"].text();
     const std::optional<Transfer> transfer = transfer_named(name);
-    if (!transfer) fail("{}: colour.transfer.name is '{}', which is no transfer curve", file, name);
+    if (!transfer)
+        fail("{}: colour.transfer.name is '{}', which is no transfer curve", file, shortened(name));
     result.transfer = *transfer;
     if (colour.has("raw_colour")) result.raw_rec709 = colour["raw_colour"].text() == "rec709";
     if (colour["chart"].has("chart_to_picture") && correction.has("patches")) {

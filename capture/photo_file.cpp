@@ -303,7 +303,7 @@ void PhotoFile::decode_rows(int y0, int y1, std::span<float> values) {
     if (!read ||
         input.has_error())  // strips of a TIFF file that cannot be read show only there (OpenImageIO 2.4)
         fail_photo(path_, "cannot be decoded at rows {} to {}: {}", y0, y1 - 1,
-                   trouble_with_picture(input.geterror()));
+                   trouble_with_pixels(input.geterror()));
 }
 
 }  // namespace tangi

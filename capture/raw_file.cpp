@@ -127,7 +127,7 @@ std::vector<std::uint16_t> develop_raw(const fs::path& path, const std::string& 
         fail_photo(
             path,
             "cannot be developed: {}; the file is damaged or of a kind that LibRaw does not know; or {}",
-            trouble_with_picture(input->geterror()), kRemedy);
+            trouble_with_pixels(input->geterror()), kRemedy);
     // LibRaw cuts the fractions of the scaled values off: half a step is what that takes on average.
     for (std::size_t i = 0; i < values.size(); ++i) {
         const float back = most / wb[i % 3];

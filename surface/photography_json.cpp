@@ -4,6 +4,7 @@
 #include <glm/matrix.hpp>
 
 #include "surface/error.h"
+#include "surface/json_text.h"
 
 namespace tangi {
 
@@ -93,7 +94,7 @@ Photography photography_from_json(const json& j) {
     Photography photography;
     if (j.empty()) return photography;
     const auto transfer = transfer_named(j.at("transfer").get<std::string>());
-    if (!transfer) fail("unknown transfer curve '{}'", j.at("transfer").get<std::string>());
+    if (!transfer) fail("unknown transfer curve '{}'", shortened(j.at("transfer").get<std::string>()));
     photography.transfer = *transfer;
     photography.white_level = j.at("white_level").get<double>();
     for (const json& entry : j.at("photos")) {

@@ -206,7 +206,7 @@ Image<Rgb> read_as_stored(const fs::path& path, Image<float>* alpha) {
     std::vector<float> values(static_cast<std::size_t>(spec.width) * spec.height * channels);
     // Strips of a TIFF file that cannot be read show only in has_error() (OpenImageIO 2.4).
     if (!input->read_image(page, 0, 0, channels, OIIO::TypeDesc::FLOAT, values.data()) || input->has_error())
-        fail("{}: cannot be read: {}", path.string(), trouble_with_picture(input->geterror()));
+        fail("{}: cannot be read: {}", path.string(), trouble_with_pixels(input->geterror()));
     const bool coloured = spec.nchannels >= 3,
                multiplied = spec.get_int_attribute("oiio:UnassociatedAlpha") == 0;
     Image<Rgb> image(spec.width, spec.height);

@@ -1,6 +1,7 @@
 #include "surface/picture_header.h"
 
 #include <algorithm>
+#include <string_view>
 
 namespace tangi {
 
@@ -19,6 +20,13 @@ void read_tga_header(const FileBytes& file, PictureHeader& header) {
     header.least_file = has_runs ? header.width * header.height / 128 * (1 + pixel) : header.bytes;
 }
 
+// It begins with no word of its own: a kind of picture, and bits a pixel, that there are.
+bool is_tga(const std::string& head) {
+    constexpr std::string_view kinds("\1\2\3\x9\xa\xb", 6), depths("\x8\xf\x10\x18\x20", 5);
+    return head.size() == 18 && (head[1] == 0 || head[1] == 1) &&
+           kinds.find(head[2]) != std::string_view::npos && depths.find(head[16]) != std::string_view::npos;
+}
+
 }  // namespace
 
 std::optional<PictureFormat> picture_format(const FileBytes& file, const std::string& extension) {
@@ -29,7 +37,8 @@ std::optional<PictureFormat> picture_format(const FileBytes& file, const std::st
     for (const std::string_view tiff : {"II*\0"sv, "MM\0*"sv, "II+\0"sv, "MM\0+"sv})
         if (head.starts_with(tiff)) return PictureFormat::tiff;
     if (head.starts_with("\x76\x2f\x31\x01"sv)) return PictureFormat::exr;
-    return extension == ".tga" ? std::optional(PictureFormat::tga) : std::nullopt;
+    return extension == ".tga" && is_tga(file.bytes(0, 18)) ? std::optional(PictureFormat::tga)
+                                                            : std::nullopt;
 }
 
 PictureHeader picture_header(const FileBytes& file, PictureFormat format) {

@@ -113,7 +113,10 @@ SafePicture& SafePicture::operator=(SafePicture&& other) noexcept {
     return *this;
 }
 
-std::string trouble_with_picture(std::string_view library_words) {
+namespace {
+
+// In words of ours, where the library's tell of one of these; else `otherwise`.
+std::string in_our_words(std::string_view library_words, const char* otherwise) {
     const std::string words = lower_case(library_words);
     const auto says = [&](std::initializer_list<std::string_view> parts) {
         return std::ranges::any_of(
@@ -125,10 +128,17 @@ std::string trouble_with_picture(std::string_view library_words) {
     if (says({"end of file", "premature", "truncat", "not enough", "no data", "missing",
               "read error on strip"}))
         return fmt::format("it ends before all of its pixels, as if cut off; {}", kCopyAgain);
-    if (says({"data", "pixel", "decod", "uncompress", "corrupt", "crc", "scanline", "strip", "tile", "code"}))
-        return fmt::format("its pixels are damaged; {}", kCopyAgain);
-    return fmt::format("its header is damaged, or of a kind that is not known; {}, or save it as TIFF or PNG",
-                       kCopyAgain);
+    return fmt::format("{}; {}", otherwise, kCopyAgain);
+}
+
+}  // namespace
+
+std::string trouble_with_picture(std::string_view library_words) {
+    return in_our_words(library_words, "its header is damaged, or of a kind that is not known");
+}
+
+std::string trouble_with_pixels(std::string_view library_words) {
+    return in_our_words(library_words, "its pixels are damaged");
 }
 
 }  // namespace tangi

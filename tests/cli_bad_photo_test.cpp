@@ -102,7 +102,8 @@ TEST(CliBadPhoto, HasDamagedPixels) {
     }
     const std::string second = fs::path(tga.photo(2)).replace_extension(".tga");
     write_bytes(second, bytes_of(second).substr(0, 1500));
-    EXPECT_EQ(expect_warned(tga, {second, "cannot be decoded", "left out"})["photographs"]["fitted"], 11);
+    EXPECT_EQ(
+        expect_warned(tga, {second, "is damaged", "copy it again", "left out"})["photographs"]["fitted"], 11);
 }
 
 // The same picture twice: whichever light is right, the other is not.

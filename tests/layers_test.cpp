@@ -294,10 +294,11 @@ TEST(Layers, OfTheLinkListsAreKept) {
 }
 
 TEST(Layers, OfEveryFolderWithSourcesHaveARule) {
-    // Tests and benchmarks may use everything.
+    // Tests, benchmarks and targets of the fuzzer may use everything.
     for (const auto& entry : fs::directory_iterator(TP_SOURCE_DIR)) {
         const std::string name = entry.path().filename().string();
-        if (!entry.is_directory() || name == "build" || name == "tests" || name == "bench" || name[0] == '.')
+        if (!entry.is_directory() || name == "build" || name == "tests" || name == "bench" ||
+            name == "fuzz" || name[0] == '.')
             continue;
         const bool has_sources =
             std::any_of(fs::directory_iterator(entry), fs::directory_iterator(), [](const auto& file) {

@@ -12,6 +12,7 @@
 #include "surface/atomic_file.h"
 #include "surface/error.h"
 #include "surface/json_reading.h"
+#include "surface/json_text.h"
 
 namespace tangi {
 
@@ -239,10 +240,11 @@ Keys Keys::read(const std::filesystem::path& file) {
         const auto known = std::find_if(shortcuts().begin(), shortcuts().end(),
                                         [&name = name](const Shortcut& s) { return name == s.name; });
         if (known == shortcuts().end())
-            fail("{}: there is no action '{}'; docs/window.md lists them", where, name);
+            fail("{}: there is no action '{}'; docs/window.md lists them", where, shortened(name));
         std::vector<Chord> chords;
         for (const nlohmann::json& text : value.is_array() ? value : nlohmann::json::array({value})) {
-            if (!text.is_string()) fail("{}: '{}' must be a key or a list of keys, in quotes", where, name);
+            if (!text.is_string())
+                fail("{}: '{}' must be a key or a list of keys, in quotes", where, shortened(name));
             chords.push_back(checked_chord(text.get<std::string>(), where));
         }
         keys.chords_[known->action] = std::move(chords);

@@ -8,6 +8,7 @@
 #include "surface/atomic_file.h"
 #include "surface/error.h"
 #include "surface/json_reading.h"
+#include "surface/json_text.h"
 
 namespace tangi {
 
@@ -67,14 +68,15 @@ std::vector<PigmentPair> parse_pigment_pairs(std::string_view text, const std::s
              where);
     if (!root.contains("pairs") || !root["pairs"].is_array()) fail("{}: /pairs is not a list", where);
     for (const auto& [key, value] : root.items())
-        if (key != "format" && key != "version" && key != "pairs") fail("{}: /{} means nothing", where, key);
+        if (key != "format" && key != "version" && key != "pairs")
+            fail("{}: /{} means nothing", where, shortened(key));
     std::vector<PigmentPair> pairs;
     for (const auto& pair : root["pairs"]) {
         const std::string place = fmt::format("{}: /pairs/{}", where, pairs.size());
         if (!pair.is_object()) fail("{}: is not an object", place);
         for (const auto& [key, value] : pair.items()) {
             if (key != "first" && key != "second" && key != "why" && key != "source")
-                fail("{}/{}: means nothing; there are first, second, why and source", place, key);
+                fail("{}/{}: means nothing; there are first, second, why and source", place, shortened(key));
             if ((key == "why" || key == "source") && !value.is_string())
                 fail("{}/{}: is no text", place, key);
         }
