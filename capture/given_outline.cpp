@@ -27,7 +27,7 @@ constexpr double kLikelihood = 0.7;
 constexpr double kRingSigma_px = 0.7, kRingInside_px = 0.15;
 // [1] agreement() by which another place must be better to be believed against what was given. Patterns alone
 // reach 0.08 (the same balls, up to 4 pixels from the circle).
-constexpr double kClearlyBetter = 0.3;
+constexpr double kTellsClearlyBetter = 0.3;
 constexpr double kSearched = 0.05;         // [1] of the radius, and ...
 constexpr double kSearchedAtLeast_px = 2;  // ... where refine_outline() looks for an outline
 constexpr double kTellsMore = 0.5;  // [1] of the circle's errors: what is less certain moves it for nothing
@@ -197,7 +197,7 @@ bool is_outline_beside(const std::vector<EdgeProfile>& profiles, const BallImage
             if (contrast_of(profiles, dvec3(off, sigmas * given.radius_sigma_px)).on > kSeenToo * contrast.on)
                 return false;
     }
-    return contrast.agreement() > kClearlyBetter + std::max(belief->best, 0.0);
+    return contrast.agreement() > kTellsClearlyBetter + std::max(belief->best, 0.0);
 }
 
 }  // namespace

@@ -24,7 +24,7 @@ constexpr double kTiedErrorPx = 0.04;
 constexpr double kLeastErrorPx = 0.02;  // [pixels]
 constexpr double kFlatErrorPx = 0.5;    // [pixels] with too few photographs to tell relief from motion
 constexpr double kLeastCertainty = 6;   // [standard errors]
-constexpr double kTelling = 0.5;        // [1] of the median photograph's contrast must be expected of one ...
+constexpr double kTellingMotion = 0.5;  // [1] of the median photograph's contrast must be expected of one ...
 constexpr double kLowLight = 0.26;      // [1] ... whose light has this z, for it to be missed: 15 degrees
 
 // [pixels] Standard error of one photograph's motion in the joint frame.
@@ -185,7 +185,7 @@ std::vector<bool> showing_something_else(const AlignedStack& stack, const Alignm
         const AlignedPicture& picture = alignment.pictures[i];
         const bool others_edges = others_agree && picture.contrast > kEdgesOfItsOwn * contrast;
         strange.push_back((stack.lights[i].z > kLowLight || others_edges) &&
-                          picture.expected > kTelling * middle && picture.correlation <= kNothingAlike);
+                          picture.expected > kTellingMotion * middle && picture.correlation <= kNothingAlike);
     }
     return strange;
 }

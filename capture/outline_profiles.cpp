@@ -14,7 +14,7 @@ using glm::dvec3;
 
 namespace {
 
-constexpr double kSample = EdgeProfile::kSample;
+constexpr double kProfileSample = EdgeProfile::kProfileSample;
 constexpr double kBounded = 0.15;    // [1 per pixel] slope of the logarithm that one photograph may count for
 constexpr double kClearEdge = 0.06;  // [1 per pixel] mean of those that counts fully
 constexpr double kOutside = 0.8;     // how much an edge beyond the outline counts against it
@@ -25,7 +25,7 @@ constexpr double kQuiet = 0.5;
 EdgeProfile profile_along(const BallCrops& crops, const dvec2& middle, const dvec2& outwards, double reach) {
     EdgeProfile profile{middle, outwards, {}, {}};
     if (!crops.holds(middle + reach * outwards) || !crops.holds(middle - reach * outwards)) return profile;
-    const int half = static_cast<int>(std::ceil(reach / kSample));
+    const int half = static_cast<int>(std::ceil(reach / kProfileSample));
     constexpr std::size_t ends = 10;  // samples on which the contrast nearby rests
     std::vector<double> values(2 * (static_cast<std::size_t>(half) + ends) + 1);
     profile.slope.resize(static_cast<std::size_t>(2 * half + 1));
@@ -33,7 +33,8 @@ EdgeProfile profile_along(const BallCrops& crops, const dvec2& middle, const dve
     const double share = 1 / static_cast<double>(crops.photos.size());
     for (std::size_t photo = 0; photo < crops.photos.size(); ++photo) {
         for (std::size_t k = 0; k < values.size(); ++k) {
-            const double offset = (static_cast<double>(k) - half - static_cast<double>(ends)) * kSample;
+            const double offset =
+                (static_cast<double>(k) - half - static_cast<double>(ends)) * kProfileSample;
             values[k] = crops.value(photo, crops.to_photo(photo, middle + offset * outwards));
         }
         for (std::size_t k = 0; k < profile.slope.size(); ++k) {
@@ -41,9 +42,10 @@ EdgeProfile profile_along(const BallCrops& crops, const dvec2& middle, const dve
             const auto [low, high] = std::minmax_element(here - ends, here + ends + 1);
             const double inner = (here[-2] + here[-3]) / 2, outer = (here[2] + here[3]) / 2;
             profile.slope[k] += share * std::abs(outer - inner) /
-                                (5 * kSample * (*high - *low + 3.0 * crops.step + 0.02 * *high));
+                                (5 * kProfileSample * (*high - *low + 3.0 * crops.step + 0.02 * *high));
             const double floor = 2.0 * crops.step + 0.001;
-            const double logarithm = std::abs(std::log((outer + floor) / (inner + floor))) / (5 * kSample);
+            const double logarithm =
+                std::abs(std::log((outer + floor) / (inner + floor))) / (5 * kProfileSample);
             profile.clear[k] += share * std::min(logarithm, kBounded);
         }
     }
@@ -54,7 +56,7 @@ EdgeProfile profile_along(const BallCrops& crops, const dvec2& middle, const dve
 }  // namespace
 
 double EdgeProfile::at(double offset) const {
-    const double place = offset / kSample + static_cast<double>(clear.size() / 2);
+    const double place = offset / kProfileSample + static_cast<double>(clear.size() / 2);
     if (place < 0 || place >= static_cast<double>(clear.size()) - 1) return 0;
     const auto k = static_cast<std::size_t>(place);
     return clear[k] + (place - static_cast<double>(k)) * (clear[k + 1] - clear[k]);

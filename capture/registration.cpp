@@ -22,7 +22,7 @@ constexpr float kBrightest = 1000;      // [1] times the median of a photograph:
 constexpr double kFloor = 0.05;         // [1] of the stack's mean brightness: contrast fades below it
 constexpr double kDoubtfulLight = 0.6;  // [1] of the median correlation: less, and the light may be another
 constexpr double kShownLight = 0.6;     // [1] of it that another light must reach ...
-constexpr double kClearlyBetter = 0.2;  // [1] ... and by which it must be better
+constexpr double kMovedClearlyBetter = 0.2;  // [1] ... and by which it must be better
 // [1] Part of what three terms of the light leave unexplained where nothing moved, that motions found from
 // few photographs may leave at most to be believed.
 constexpr double kBelieved = 0.8;
@@ -208,7 +208,7 @@ private:
             const bool stands = still[k] && (!moved[k] || still[k]->correlation > moved[k]->correlation);
             const auto& shown = stands ? still[k] : moved[k];
             const bool better = shown && shown->correlation > kShownLight * usual &&
-                                shown->correlation > correlations[i] + kClearlyBetter;
+                                shown->correlation > correlations[i] + kMovedClearlyBetter;
             if (!better || !stands) alignment.pictures[i].homography = before[k];
             if (!better) continue;
             alignment.set_light(i, shown->light);

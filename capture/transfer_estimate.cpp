@@ -29,7 +29,7 @@ constexpr double kOpen = 0.1;
 // than neighbours (gamma 1.8 and sRGB) differ by.
 constexpr double kOtherSlopes_deg = 2.5;
 constexpr double kWorthTelling = 0.01;  // [1] probability of a curve that is named among the possible ones
-constexpr double kBelieved = 10;        // [1] times as often as not, what files state blindly is right
+constexpr double kBelievedCurve = 10;   // [1] times as often as not, what files state blindly is right
 constexpr double kSureAgainst = 20;     // [1] odds by which photographs contradict it even so
 
 // Median deviation from robust matt reflection, surfaces being found as if lamps were equally strong.
@@ -241,7 +241,7 @@ bool speaks_against(const Transfer& stated, const TransferEstimate& estimated, c
     std::vector<TransferTrial> both = {try_transfer(stack, survey, stated),
                                        try_transfer(stack, survey, estimated.transfer)};
     weigh(both, stack);
-    return both[1].log_evidence - both[0].log_evidence > std::log(kBelieved * kSureAgainst);
+    return both[1].log_evidence - both[0].log_evidence > std::log(kBelievedCurve * kSureAgainst);
 }
 
 TransferEstimate estimate_transfer(const Stack& stack, const Survey& survey) {

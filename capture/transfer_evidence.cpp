@@ -13,7 +13,7 @@ namespace tangi {
 namespace {
 
 constexpr int kEvidenceSamples = 1500;  // enough: the choice is between a handful of curves
-constexpr int kRounds = 3;              // of strengths: further ones change the residuals by 3 %
+constexpr int kEvidenceRounds = 3;      // of strengths: further ones change the residuals by 3 %
 constexpr std::size_t kGroups = 8;      // of photographs, each left out in turn
 constexpr double kUnknowns = 3;         // of matt reflection, a pixel
 // ln of residuals by which the true curve may fit worse than another, as gloss, shadows and light between
@@ -148,7 +148,7 @@ TransferTrial try_transfer(const Stack& stack, const Survey& survey, const Trans
     TransferTrial trial{.transfer = transfer};
     MattSample sample = matt_sample(lights, survey, transfer, width, height, kEvidenceSamples);
     trial.equal_residual = sample.residual();
-    for (int round = 1; round < kRounds; ++round) refine(sample, survey, transfer, width, height);
+    for (int round = 1; round < kEvidenceRounds; ++round) refine(sample, survey, transfer, width, height);
     trial.residual = sample.residual();
     const std::size_t groups = std::min(kGroups, lights.size());
     for (std::size_t group = 0; group < groups; ++group)

@@ -16,27 +16,27 @@ using glm::dvec2;
 
 namespace {
 
-constexpr std::size_t kFewestPhotos = 4, kFewestSamples = 20;
+constexpr std::size_t kFewestWithCasts = 4, kFewestSamples = 20;
 constexpr int kMeans = 5, kMedians = 10, kLines = 8;  // rounds
 // [1] ln gain: 3 % of red or blue are about 1 CIEDE2000 on a light grey, which is what an eye tells at best.
 constexpr double kMatters = 0.03;
-constexpr double kSigmas = 4;          // of dozens of photographs, by chance, none
+constexpr double kCastSigmas = 4;      // of dozens of photographs, by chance, none
 constexpr double kUnevenSigmas = 2.5;  // where parts disagree, which makes the error large
-constexpr double kFloor = 0.002;       // [1] ln gain: of curves and rounding
+constexpr double kCastFloor = 0.002;   // [1] ln gain: of curves and rounding
 // [1] Part of the light in a photograph that is a veil of white, more than in others: gloss of a painting
 // under raking light, the room.
 constexpr double kVeil = 0.05;
 // [1] Scatter between parts and colours / difference, from which on it is no gain. Of a part of icon, whose
 // gold is yellow only where it shines, 0.35 lets 8 of 62 photographs pass for casts, this none.
 constexpr double kUnclear = 0.25;
-constexpr std::size_t kGroups = 8;  // four parts of the picture, of each the redder and the bluer half
+constexpr std::size_t kCastGroups = 8;  // four parts of the picture, of each the redder and the bluer half
 constexpr std::size_t kFewestInGroup = 4;
 constexpr float kShadow = 0.4f,
                 kHighlight = 1.5f;  // [1] of what a pixel usually has of its photograph's light
-constexpr float kDarkest8 = 0.04f, kDarkest16 = 0.004f;  // [1] stored: ten codes of 8 bits
-constexpr float kOfBright = 0.02f;                       // [1] of the photograph's median light
+constexpr float kDarkest8 = 0.04f, kDarkestOfCasts16 = 0.004f;  // [1] stored: ten codes of 8 bits
+constexpr float kOfBright = 0.02f;                              // [1] of the photograph's median light
 
-constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+constexpr double kNoCast = std::numeric_limits<double>::quiet_NaN();
 
 // ln(red / green) and ln(blue / green), [sample][photo]; NaN where unknown.
 struct Ratios {
@@ -47,7 +47,7 @@ struct Ratios {
 
 dvec2 log_ratios(const Rgb& v) {
     const bool good = v.r > 0 && v.g > 0 && v.b > 0;  // false of NaN
-    return good ? dvec2(std::log(v.r / v.g), std::log(v.b / v.g)) : dvec2(kNone);
+    return good ? dvec2(std::log(v.r / v.g), std::log(v.b / v.g)) : dvec2(kNoCast);
 }
 
 Ratios ratios_of(const ColourSamples& s) {
@@ -77,7 +77,7 @@ void alternate(const Ratios& r, Parts& parts, const Middle& middle) {
                     if (std::isnan(rest.x)) continue;
                     left[0].push_back(rest.x), left[1].push_back(rest.y);
                 }
-                to[at] = left[0].empty() ? dvec2(kNone) : dvec2(middle(left[0]), middle(left[1]));
+                to[at] = left[0].empty() ? dvec2(kNoCast) : dvec2(middle(left[0]), middle(left[1]));
             }
         });
         if (!of_photos) continue;
@@ -120,13 +120,13 @@ struct Say {
     std::size_t group = 0;
 };
 
-struct Line {
+struct CastLine {
     double at_white = 0, sigma = 0, scatter = 0;
 };
 
 // off = at_white + slope * pixel, by Tukey's weights; slopes are those of a veil. With each group's median as
 // one independent observation.
-Line line_through(const std::vector<Say>& says) {
+CastLine line_through(const std::vector<Say>& says) {
     double mean = 0, slope = 0, middle = 0, spread = 0;
     std::vector<double> sizes(says.size());
     double sigma = 1;
@@ -143,13 +143,13 @@ Line line_through(const std::vector<Say>& says) {
         if (!(weights > 0)) break;
         mean = x / weights, middle = y / weights;
         spread = std::max(xx / weights - mean * mean, 0.0);
-        const double prior = sigma * sigma / (kVeil * kVeil * static_cast<double>(kGroups));
+        const double prior = sigma * sigma / (kVeil * kVeil * static_cast<double>(kCastGroups));
         slope = (xy / weights - mean * middle) / (spread + prior);
         for (std::size_t i = 0; i < says.size(); ++i)
             sizes[i] = std::abs(says[i].off - middle - slope * (says[i].pixel - mean));
         sigma = std::max(median(sizes) / 0.6745, 1e-4);
     }
-    std::array<std::vector<double>, kGroups> groups;
+    std::array<std::vector<double>, kCastGroups> groups;
     for (const Say& say : says) groups[say.group].push_back(say.off - middle - slope * (say.pixel - mean));
     double squares = 0, count = 0;
     for (const std::vector<double>& group : groups) {
@@ -158,7 +158,7 @@ Line line_through(const std::vector<Say>& says) {
         squares += off * off;
         ++count;
     }
-    Line line;
+    CastLine line;
     line.at_white = middle - slope * mean;
     if (count < 3) {  // a chart's patches: each one is as good as a part
         line.scatter = sigma;
@@ -168,7 +168,7 @@ Line line_through(const std::vector<Say>& says) {
     }
     const double of_mean = line.scatter / std::sqrt(count);
     const double of_slope = spread > 0 ? std::min(of_mean / std::sqrt(spread), kVeil) : kVeil;
-    line.sigma = std::sqrt(of_mean * of_mean + mean * mean * of_slope * of_slope + kFloor * kFloor);
+    line.sigma = std::sqrt(of_mean * of_mean + mean * mean * of_slope * of_slope + kCastFloor * kCastFloor);
     return line;
 }
 
@@ -190,7 +190,7 @@ WhiteBalance judged(const Ratios& r, const Parts& parts, const std::vector<int>&
         }
         result.samples = static_cast<int>(says.size());
         if (says.size() < kFewestSamples / 2) return result;
-        const Line line = line_through(says);
+        const CastLine line = line_through(says);
         result.log_gain[channel] = line.at_white;
         result.sigma[channel] = line.sigma;
         result.scatter[channel] = line.scatter;
@@ -214,7 +214,7 @@ void WhiteBalance::decide() {
     for (int channel = 0; channel < 2; ++channel) {
         const double size = std::abs(log_gain[channel]);
         if (uneven && size > std::max(2 * kMatters, kUnevenSigmas * sigma[channel])) unclear = true;
-        if (!uneven && size > std::max(kMatters, kSigmas * sigma[channel])) differs = true;
+        if (!uneven && size > std::max(kMatters, kCastSigmas * sigma[channel])) differs = true;
     }
 }
 
@@ -247,7 +247,7 @@ int WhiteBalances::unclear() const {
 WhiteBalances white_balances(const ColourSamples& samples) {
     WhiteBalances result;
     const Ratios ratios = ratios_of(samples);
-    if (ratios.photos < kFewestPhotos || ratios.samples < kFewestSamples) return result;
+    if (ratios.photos < kFewestWithCasts || ratios.samples < kFewestSamples) return result;
     TP_REQUIRE(samples.part.size() == ratios.samples, "each sample is somewhere");
     const Parts parts = polished(ratios);
     const dvec2 common = common_value(parts.photos);
@@ -266,7 +266,7 @@ WhiteBalances white_balances(const Survey& survey, const Transfer& transfer, flo
                       samples = static_cast<std::size_t>(survey.sample_count());
     ColourSamples s{photos, std::vector<Rgb>(samples * photos, Rgb(std::numeric_limits<float>::quiet_NaN())),
                     std::vector<int>(samples)};
-    const float darkest = bits == 8 ? kDarkest8 : bits == 16 ? kDarkest16 : 0.0f;
+    const float darkest = bits == 8 ? kDarkest8 : bits == 16 ? kDarkestOfCasts16 : 0.0f;
     std::vector<float> level(photos);
     const auto linear = [&](std::size_t k, std::size_t i) {
         const float* v = survey.sample(static_cast<int>(k)) + 3 * i;

@@ -28,7 +28,7 @@ constexpr double kMostDeviation = 8;  // times the median one, beyond which a de
 constexpr int kOrderParts = 8;        // of the picture, along each side
 constexpr double kFewestOfParts = 16;
 // Where slopes say that lights are turned, and another order is such a turn.
-constexpr double kAlike = 0.7, kSameTurn_deg = 12;
+constexpr double kAlikeOrders = 0.7, kSameTurn_deg = 12;
 constexpr double kSureOfTurned = 3;  // [standard errors]
 // Else: metal, which is not matt, fits lights in some wrong order better
 // (synth_canvas/uniform_8: ln -0.57 in reverse): the lights that photographs show must be near those of the
@@ -211,7 +211,7 @@ bool explains(const ListOrder::Other& other, double listed_scatter_deg, const Li
     if (other.certainty > kSureOfOrder && other.scatter_deg < kMostOrderScatter_deg &&
         other.scatter_deg < kScatterRatio * listed_scatter_deg)
         return true;
-    return turn != LightTurn{} && other.certainty > kSureOfTurned && other.alike > kAlike &&
+    return turn != LightTurn{} && other.certainty > kSureOfTurned && other.alike > kAlikeOrders &&
            other.scatter_deg < listed_scatter_deg && between_deg(other.turn, turn) < kSameTurn_deg;
 }
 

@@ -21,7 +21,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr std::string_view kMagic = "tangipaint outputs 1", kRecordStem = ".outputs.", kRecordEnd = ".commit";
+constexpr std::string_view kRecordMagic = "tangipaint outputs 1", kRecordStem = ".outputs.",
+                           kRecordEnd = ".commit";
 
 // In a folder that is to take another's place, and in that place until the set is there: exchanging them
 // again would bring the old one back.
@@ -112,7 +113,7 @@ void OutputMove::clean(const fs::path& folder) const noexcept {
 std::string OutputRecord::text() const {
     std::string text;
     const auto add = [&](std::string_view field) { text.append(field).push_back('\0'); };
-    add(kMagic);
+    add(kRecordMagic);
     for (const OutputMove& move : moves) {
         add(move.kind == OutputMove::Kind::put ? "put" : "withdraw");
         add(move.from.string()), add(move.to.string());
@@ -138,7 +139,7 @@ std::optional<OutputRecord> record_in(const std::string& text) {
     std::vector<std::string> fields;
     for (std::size_t from = 0, end; (end = text.find('\0', from)) != std::string::npos; from = end + 1)
         fields.push_back(text.substr(from, end - from));
-    if (fields.size() < 2 || fields.front() != kMagic || fields.back() != "end") return {};
+    if (fields.size() < 2 || fields.front() != kRecordMagic || fields.back() != "end") return {};
     OutputRecord record;
     for (std::size_t i = 1; i + 1 < fields.size();) {
         const std::string& what = fields[i++];

@@ -18,18 +18,18 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 namespace fs = std::filesystem;
 
-constexpr int kPhotos = 5;
+constexpr int kNamedPhotos = 5;
 
 void write_photos(const fs::path& folder, const std::string& extension, float level = 0.5f) {
     fs::create_directories(folder);
-    for (int i = 0; i < kPhotos; ++i)
+    for (int i = 0; i < kNamedPhotos; ++i)
         write_picture_8bit(folder / fmt::format("photo_{:03}{}", i, extension), Image<Rgb>(8, 6, Rgb(level)));
 }
 
 // Lights that are listed by these names, in `folder`.
 void list(const fs::path& folder, const std::function<std::string(int)>& name) {
-    std::vector<Light> lights = dome_lights(kPhotos);
-    for (int i = 0; i < kPhotos; ++i) lights[static_cast<std::size_t>(i)].name = name(i);
+    std::vector<Light> lights = dome_lights(kNamedPhotos);
+    for (int i = 0; i < kNamedPhotos; ++i) lights[static_cast<std::size_t>(i)].name = name(i);
     write_lights(folder / "lights.lp", lights);
 }
 
@@ -72,7 +72,7 @@ TEST(PhotoNames, OfAnotherFolderInProjectsAndBracketsMeanThoseOfTheFolderThatIsN
     write_photos(dir / "old", ".png");
     write_photos(dir / "new", ".png");
     std::string images, directions;
-    for (int i = 0; i < kPhotos; ++i) {
+    for (int i = 0; i < kNamedPhotos; ++i) {
         images += fmt::format("{}{{\"filename\": \"{}/photo_{:03}.png\"}}", i ? ", " : "",
                               (dir / "old").string(), i);
         directions += fmt::format("{}{{\"x\": {}, \"y\": 0.3, \"z\": 0.8}}", i ? ", " : "", 0.1 * i);
@@ -116,7 +116,7 @@ TEST(PhotoNames, OfAnotherExtensionMeanTheOneFileOfTheStem) {
         const TestDir dir;
         if (there == std::string(".bmp")) {
             write_photos(dir.path(), ".png");
-            for (int i = 0; i < kPhotos; ++i)
+            for (int i = 0; i < kNamedPhotos; ++i)
                 fs::rename(dir / fmt::format("photo_{:03}.png", i), dir / fmt::format("photo_{:03}.bmp", i));
             list(dir.path(), [](int i) { return fmt::format("PHOTO_{:03}.jpg", i); });
             EXPECT_EQ(photo_named("PHOTO_001.jpg", dir.path(), photos_in(dir.path())).photo,
@@ -126,7 +126,7 @@ TEST(PhotoNames, OfAnotherExtensionMeanTheOneFileOfTheStem) {
         write_photos(dir.path(), there);
         list(dir.path(), [&, &listed = listed](int i) { return fmt::format("PHOTO_{:03}{}", i, listed); });
         const Stack stack = open_stack(dir.path());
-        EXPECT_EQ(stack.photos.size(), static_cast<std::size_t>(kPhotos));
+        EXPECT_EQ(stack.photos.size(), static_cast<std::size_t>(kNamedPhotos));
         EXPECT_EQ(stack.photos[1].path, dir / fmt::format("photo_001{}", there));
         EXPECT_THAT(stack.warnings, IsEmpty());
     }
@@ -138,7 +138,7 @@ TEST(PhotoNames, OfSeveralFilesMeanTheOneThatIsNoJpeg) {
     write_photos(dir.path(), ".tif");
     list(dir.path(), [](int i) { return fmt::format("photo_{:03}.dng", i); });
     const Stack stack = open_stack(dir.path());
-    ASSERT_EQ(stack.photos.size(), static_cast<std::size_t>(kPhotos));
+    ASSERT_EQ(stack.photos.size(), static_cast<std::size_t>(kNamedPhotos));
     EXPECT_EQ(stack.photos[1].path, dir / "photo_001.tif");
     EXPECT_THAT(stack.warnings, ElementsAre(AllOf(HasSubstr("photo_000.tif, photo_001.tif"),
                                                   HasSubstr("and not the JPEG files beside them"))));

@@ -21,7 +21,7 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 namespace fs = std::filesystem;
 
-constexpr int kSide = 9;
+constexpr int kProfileSide = 9;
 
 std::string rgb_profile(const cmsCIExyYTRIPLE& primaries, double gamma) {
     const cmsCIExyY white = {0.3127, 0.3290, 1};
@@ -66,7 +66,7 @@ void write_photo(const fs::path& path, const Image<Rgb>& linear, const std::stri
 }
 
 Image<Rgb> colours() {
-    Image<Rgb> picture(kSide, kSide);
+    Image<Rgb> picture(kProfileSide, kProfileSide);
     Random random(8);
     for (Rgb& pixel : picture.pixels())
         pixel = Rgb(random.real(0.05, 0.6), random.real(0.05, 0.6), random.real(0.05, 0.6));
@@ -94,11 +94,11 @@ struct ProfileStack {
 // All photographs as those of the first are stored, within what 16 bits and a whole pixel make of it.
 void expect_same_values(const Stack& stack) {
     StackReader reader(stack);
-    const Band band = reader.read(0, kSide, Transfer{});
+    const Band band = reader.read(0, kProfileSide, Transfer{});
     for (int i = 1; i < band.photos(); ++i)
         for (int c = 0; c < 3; ++c)
-            for (int y = 0; y < kSide; ++y)
-                for (int x = 0; x < kSide; ++x)
+            for (int y = 0; y < kProfileSide; ++y)
+                for (int x = 0; x < kProfileSide; ++x)
                     ASSERT_NEAR(band.row(i, c, y)[x], band.row(0, c, y)[x], 2e-4)
                         << stack.photos[static_cast<std::size_t>(i)].light.name;
 }

@@ -11,14 +11,14 @@
 namespace tangi {
 namespace {
 
-constexpr int kPhotos = 20;
+constexpr int kMovedPhotos = 20;
 
 struct KnownMotion {
     const char* name;
-    MotionVector last;    // [pixels] of the last photograph
-    double shift_px = 0;  // at random, beside it
-    int from = 0;         // photograph from which on; 0: it grows from the first to the last
-    int to = kPhotos;     // and before which
+    MotionVector last;      // [pixels] of the last photograph
+    double shift_px = 0;    // at random, beside it
+    int from = 0;           // photograph from which on; 0: it grows from the first to the last
+    int to = kMovedPhotos;  // and before which
     double lowest_deg = 25;
     Arrangement arrangement = Arrangement::dome;
 };
@@ -27,7 +27,7 @@ void PrintTo(const KnownMotion& motion, std::ostream* out) { *out << motion.name
 
 MotionVector motion_of_photo(const KnownMotion& known, int i) {
     const bool in = i >= known.from && i < known.to;
-    const double part = known.from > 0 ? (in ? 1.0 : 0.0) : i / (kPhotos - 1.0);
+    const double part = known.from > 0 ? (in ? 1.0 : 0.0) : i / (kMovedPhotos - 1.0);
     MotionVector m = jitter(i, known.shift_px, 0);
     for (std::size_t p = 0; p < kMotion; ++p) m[p] += part * known.last[p];
     return m;
@@ -35,7 +35,7 @@ MotionVector motion_of_photo(const KnownMotion& known, int i) {
 
 RegistrationScene scene_of(const KnownMotion& known) {
     return RegistrationScene(
-        kPhotos, [&](int i) { return motion_of_photo(known, i); }, painting(), known.lowest_deg,
+        kMovedPhotos, [&](int i) { return motion_of_photo(known, i); }, painting(), known.lowest_deg,
         known.arrangement);
 }
 
@@ -49,10 +49,10 @@ TEST_P(RegisterStackThat, IsUndoneToTheErrorThatIsStated) {
     const Registration r = register_stack(stack, {});
     EXPECT_TRUE(r.moved);
     EXPECT_THAT(stack.warnings, testing::IsEmpty());
-    ASSERT_EQ(stack.photos.size() + stack.held_out.size(), std::size_t{kPhotos});
+    ASSERT_EQ(stack.photos.size() + stack.held_out.size(), std::size_t{kMovedPhotos});
     double squares = 0, moved = 0;
     std::size_t fitted = 0, held_out = 0;
-    for (int i = 0; i < kPhotos; ++i) {
+    for (int i = 0; i < kMovedPhotos; ++i) {
         const bool held = i >= 3 && (i - 3) % 8 == 0;
         const PhotoDrift& d = held ? r.held_out[held_out++] : r.photos[fitted++];
         const double error =
@@ -77,8 +77,9 @@ INSTANTIATE_TEST_SUITE_P(
         KnownMotion{"rolls", {0, 0, 0, 1.63}}, KnownMotion{"tilts", {0, 0, 0, 0, 0, 0, 5, -3}},
         KnownMotion{"rolls_and_shifts", {0, 0, 0, 1.63}, 1},
         KnownMotion{"zooms_and_rolls_far", {0, 0, 4, 3}, 0.5},
-        KnownMotion{"zooms_by_low_lights", {0, 0, 1.9}, 0, 0, kPhotos, 15},
-        KnownMotion{"zooms_with_the_height_of_lights", {0, 0, 1.9}, 0, 0, kPhotos, 25, Arrangement::spiral},
+        KnownMotion{"zooms_by_low_lights", {0, 0, 1.9}, 0, 0, kMovedPhotos, 15},
+        KnownMotion{
+            "zooms_with_the_height_of_lights", {0, 0, 1.9}, 0, 0, kMovedPhotos, 25, Arrangement::spiral},
         KnownMotion{"zooms_once", {0, 0, 1.5}, 0, 8, 9}, KnownMotion{"rolls_late", {0, 0, 0, 1.5}, 0, 14}),
     [](const auto& scene) { return std::string(scene.param.name); });
 

@@ -17,23 +17,23 @@ using testing::Each;
 using testing::HasSubstr;
 using testing::Not;
 
-constexpr std::size_t kPhotos = 16;
-constexpr int kSide = 40;
+constexpr std::size_t kCastPhotos = 16;
+constexpr int kCastSide = 40;
 
 // A survey of a matt painting with some gloss under lamps all around; `tint` may change a linear value.
 template <class Tint>
 Survey surveyed(const Tint& tint, double saturation = 0.5, float encode_to = 1) {
     Random random(4);
     Survey s;
-    s.photos.resize(kPhotos);
-    for (int y = 0; y < kSide; ++y)
-        for (int x = 0; x < kSide; ++x) {
+    s.photos.resize(kCastPhotos);
+    for (int y = 0; y < kCastSide; ++y)
+        for (int x = 0; x < kCastSide; ++x) {
             s.positions.emplace_back(x, y);
             const Rgb paint = Rgb(random.real(0.08, 0.6)) * Rgb(std::exp(saturation * random.normal()), 1,
                                                                 std::exp(saturation * random.normal()));
             const glm::dvec2 slope = 0.2 * glm::dvec2(random.normal(), random.normal());
             const bool glossy = random.real(0, 1) < 0.2;
-            for (std::size_t i = 0; i < kPhotos; ++i) {
+            for (std::size_t i = 0; i < kCastPhotos; ++i) {
                 const double around = 2.4 * static_cast<double>(i), up = 0.5 + 0.06 * static_cast<double>(i);
                 const double n_l = std::max(0.0, std::sin(up) - std::cos(up) * (slope.x * std::cos(around) +
                                                                                 slope.y * std::sin(around)));
@@ -59,10 +59,10 @@ void expect_gain(const WhiteBalances& found, std::size_t photo, const Rgb& gain)
 
 TEST(WhiteBalances, AreAlikeWherePhotographsAre) {
     const WhiteBalances found = balances_of(surveyed([](std::size_t, int, int, const Rgb& v) { return v; }));
-    ASSERT_EQ(found.photos.size(), kPhotos);
+    ASSERT_EQ(found.photos.size(), kCastPhotos);
     EXPECT_EQ(found.differing(), 0);
     EXPECT_EQ(found.unclear(), 0);
-    const std::vector<std::string> names(kPhotos, "a.png");
+    const std::vector<std::string> names(kCastPhotos, "a.png");
     EXPECT_EQ(warning_of(found, names, "here"), "");
     EXPECT_TRUE(to_json(found, names).empty());
 }
@@ -72,17 +72,17 @@ TEST(WhiteBalances, ThatDifferAreMeasured) {
     // Every second one: the first has what counts as usual.
     const WhiteBalances halves =
         balances_of(surveyed([&](std::size_t i, int, int, const Rgb& v) { return i % 2 ? v * cast : v; }));
-    for (std::size_t i = 0; i < kPhotos; ++i) expect_gain(halves, i, i % 2 ? cast : Rgb(1));
+    for (std::size_t i = 0; i < kCastPhotos; ++i) expect_gain(halves, i, i % 2 ? cast : Rgb(1));
     // One of all, and of another exposure.
     const WhiteBalances one = balances_of(surveyed(
         [&](std::size_t i, int, int, const Rgb& v) { return i == 3 ? 0.6f * v * Rgb(0.9f, 1, 1.08f) : v; }));
-    for (std::size_t i = 0; i < kPhotos; ++i) expect_gain(one, i, i == 3 ? Rgb(0.9f, 1, 1.08f) : Rgb(1));
+    for (std::size_t i = 0; i < kCastPhotos; ++i) expect_gain(one, i, i == 3 ? Rgb(0.9f, 1, 1.08f) : Rgb(1));
     // A drift: those in the middle, or the most that are alike, are the usual ones.
     const auto drift = [](std::size_t i) { return 0.02 * static_cast<double>(i); };
     const WhiteBalances drifting = balances_of(surveyed([&](std::size_t i, int, int, const Rgb& v) {
         return v * Rgb(std::exp(drift(i)), 1, std::exp(-drift(i)));
     }));
-    for (std::size_t i = 1; i < kPhotos; ++i) {
+    for (std::size_t i = 1; i < kCastPhotos; ++i) {
         const glm::dvec2 step = drifting.photos[i].log_gain - drifting.photos[0].log_gain;
         EXPECT_NEAR(step.x, drift(i), 0.01);
         EXPECT_NEAR(step.y, -drift(i), 0.01);
@@ -94,14 +94,14 @@ TEST(WhiteBalances, StateErrorsThatHold) {
     const WhiteBalances found = balances_of(surveyed(
         [](std::size_t i, int, int, const Rgb& v) { return i % 4 == 1 ? v * Rgb(1.1f, 1, 0.9f) : v; }));
     int inside = 0;
-    for (std::size_t i = 0; i < kPhotos; ++i) {
+    for (std::size_t i = 0; i < kCastPhotos; ++i) {
         const glm::dvec2 truth = i % 4 == 1 ? glm::dvec2(std::log(1.1), std::log(0.9)) : glm::dvec2(0);
         for (int c = 0; c < 2; ++c) {
             inside += std::abs(found.photos[i].log_gain[c] - truth[c]) < 2 * found.photos[i].sigma[c];
             EXPECT_LT(found.photos[i].sigma[c], 0.02);
         }
     }
-    EXPECT_GE(inside, 0.9 * 2 * kPhotos);
+    EXPECT_GE(inside, 0.9 * 2 * kCastPhotos);
 }
 
 // White light over a picture that is yellowish as a whole makes all of it bluer, but the yellower the more.
@@ -116,12 +116,12 @@ TEST(WhiteBalances, AreNotAVeilOfWhite) {
 // A second lamp of another colour that reaches one side more is no gain of the photograph.
 TEST(WhiteBalances, OfPartsOfThePictureAreToldAndLeft) {
     const WhiteBalances found = balances_of(surveyed([](std::size_t i, int x, int, const Rgb& v) {
-        return i == 5 ? v * Rgb(1 + 0.5f * static_cast<float>(x) / kSide, 1, 1) : v;
+        return i == 5 ? v * Rgb(1 + 0.5f * static_cast<float>(x) / kCastSide, 1, 1) : v;
     }));
     EXPECT_EQ(found.differing(), 0);
     EXPECT_TRUE(found.photos[5].unclear);
     EXPECT_EQ(found.unclear(), 1);
-    const std::vector<std::string> names(kPhotos, "a.png");
+    const std::vector<std::string> names(kCastPhotos, "a.png");
     EXPECT_THAT(warning_of(found, names, "here"),
                 AllOf(HasSubstr("here: colours change"), HasSubstr("is not undone")));
 }
@@ -130,11 +130,11 @@ TEST(WhiteBalances, ReferToThoseOfAChart) {
     const Rgb cast(1.25f, 1, 0.8f);
     WhiteBalances found =
         balances_of(surveyed([&](std::size_t i, int, int, const Rgb& v) { return i % 2 ? v * cast : v; }));
-    std::vector<std::optional<glm::dvec2>> chart(kPhotos);
+    std::vector<std::optional<glm::dvec2>> chart(kCastPhotos);
     for (std::size_t i = 0; i < 6; ++i)
         chart[i] = i % 2 ? glm::dvec2(0) : glm::dvec2(-std::log(1.25), -std::log(0.8));
     found.refer_to(chart);
-    for (std::size_t i = 0; i < kPhotos; ++i) expect_gain(found, i, i % 2 ? Rgb(1) : Rgb(1) / cast);
+    for (std::size_t i = 0; i < kCastPhotos; ++i) expect_gain(found, i, i % 2 ? Rgb(1) : Rgb(1) / cast);
 }
 
 TEST(WhiteBalances, BesideWhatIsExpected) {
