@@ -14,7 +14,7 @@ using glm::dvec3;
 
 namespace {
 
-constexpr double kProfileSample = EdgeProfile::kProfileSample;
+constexpr double kProfileSample = EdgeProfile::kSample;
 constexpr double kBounded = 0.15;    // [1 per pixel] slope of the logarithm that one photograph may count for
 constexpr double kClearEdge = 0.06;  // [1 per pixel] mean of those that counts fully
 constexpr double kOutside = 0.8;     // how much an edge beyond the outline counts against it
