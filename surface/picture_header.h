@@ -11,7 +11,7 @@
 
 namespace tangi {
 
-enum class PictureFormat { png, jpeg, tiff, exr, tga };
+enum class PictureFormat { png, jpeg, tiff, exr, tga, bmp };
 
 // A part of a file as a library is to see it: bytes of it, or others in their place.
 struct FilePiece {
@@ -34,7 +34,7 @@ struct PictureHeader {
 // By the first bytes, or else by the extension (".tga", which has none of its own). Nothing for other files.
 std::optional<PictureFormat> picture_format(const FileBytes& file, const std::string& extension);
 
-// Of a PNG, JPEG, TIFF or TGA file. What cannot be followed is left to the library to complain of; nothing
+// Of a PNG, JPEG, TIFF, TGA or BMP file. What cannot be followed is left to the library to complain of; nothing
 // for EXR, which exr_claim() reads.
 PictureHeader picture_header(const FileBytes& file, PictureFormat format);
 

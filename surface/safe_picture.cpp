@@ -32,6 +32,8 @@ const char* reader_named(PictureFormat format) {
             return "tiff";
         case PictureFormat::exr:
             return "openexr";
+        case PictureFormat::bmp:
+            return "bmp";
         case PictureFormat::tga:
             break;
     }
@@ -83,7 +85,7 @@ SafePicture::SafePicture(const fs::path& path) : path_(path.string()) {
     const FileBytes file(path);
     const auto format = picture_format(file, lower_case(path.extension().string()));
     if (!format)
-        fail("{}: is not a picture that can be read: it is no PNG, JPEG, TIFF, EXR or TGA file",
+        fail("{}: is not a picture that can be read: it is no PNG, JPEG, TIFF, EXR, TGA or BMP file",
              path.string());
     reader_ = reader_named(*format);
     if (*format == PictureFormat::exr) {

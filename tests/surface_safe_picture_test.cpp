@@ -205,6 +205,10 @@ TEST(SafePicture, ThatClaimsMoreThanItCanHoldIsAnErrorAtOnce) {
     EXPECT_THAT(trouble(dir / "a.tif", tiff), says);
     write_bytes(dir / "a.tga", std::string("\0\0\2\0\0\0\0\0\0\0\0\0\xff\xff\xff\xff\x18\0", 18));
     EXPECT_THAT(error_of([&] { read_picture(dir / "a.tga"); }), says);
+    std::string bmp =
+        "BM" + std::string(12, '\0') + std::string("\x28\0\0\0\xff\xff\0\0\xff\xff\0\0\1\0\x18\0", 16);
+    write_bytes(dir / "a.bmp", bmp + std::string(200, '\0'));
+    EXPECT_THAT(error_of([&] { read_picture(dir / "a.bmp"); }), says);
     const double took_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     EXPECT_LT(took_s, 2);
 }
@@ -217,7 +221,7 @@ TEST(SafePicture, OfOneColourIsNotTooShort) {
     } files[] = {{"a.png", "zip:9"},    {"a.jpg", "jpeg:1"}, {"a.tif", "zip:9"}, {"b.tif", "lzw"},
                  {"c.tif", "packbits"}, {"a.tga", "rle"},    {"a.exr", "zip"},   {"b.exr", "rle"},
                  {"c.exr", "piz"},      {"d.exr", "pxr24"},  {"e.exr", "b44a"},  {"f.exr", "dwab"},
-                 {"g.exr", "zips"}};
+                 {"g.exr", "zips"},     {"a.bmp", "none"}};
     for (const auto& [name, compression] : files)
         for (const bool tiled : {false, true}) {
             if (tiled && std::string(name).find(".exr") == std::string::npos &&
@@ -247,7 +251,8 @@ TEST(SafePicture, IsReadByItsContentAndNothingElseIs) {
          {gif, std::string("P6 1 1 255\nabc"), std::string("SIMPLE  = T"), std::string()})
         EXPECT_THAT(
             trouble(dir / "c.png", other),
-            HasSubstr("c.png: is not a picture that can be read: it is no PNG, JPEG, TIFF, EXR or TGA file"));
+            HasSubstr(
+                "c.png: is not a picture that can be read: it is no PNG, JPEG, TIFF, EXR, TGA or BMP file"));
 }
 
 }  // namespace
