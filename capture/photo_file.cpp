@@ -20,7 +20,7 @@
 #include "capture/raw_file.h"
 #include "surface/error.h"
 #include "surface/image.h"
-#include "surface/jpeg_markers.h"
+#include "surface/jpeg_segments.h"
 #include "surface/json_text.h"
 #include "surface/picture_file.h"
 #include "surface/png_chunks.h"

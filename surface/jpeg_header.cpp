@@ -7,6 +7,7 @@
 
 #include "surface/exif_block.h"
 #include "surface/icc_profile.h"
+#include "surface/jpeg_segments.h"
 #include "surface/picture_header.h"
 
 namespace tangi {
@@ -16,52 +17,26 @@ namespace {
 using std::string_view_literals::operator""sv;
 
 constexpr int kExifMarker = 0xE1, kProfileMarker = 0xE2, kPhotoshopMarker = 0xED, kComment = 0xFE;
-constexpr int kScanMarker = 0xDA, kEndMarker = 0xD9;
 constexpr std::string_view kExifName = "Exif\0\0"sv, kXmpName = "http://ns.adobe.com/xap/1.0/\0"sv,
                            kProfileName = "ICC_PROFILE\0"sv, kPhotoshopName = "Photoshop 3.0\0"sv;
 
-struct JpegSegment {
-    int marker = 0;
-    std::uint64_t begin = 0, end = 0;  // the marker's first byte, and what follows the segment
-    std::string content{};             // behind the length; of those that a library looks into
-};
-
-bool stands_alone(int marker) { return marker == 0x01 || (marker >= 0xD0 && marker <= 0xD8); }
 bool is_metadata(int marker) { return (marker >= 0xE0 && marker <= 0xEF) || marker == kComment; }
 bool is_frame(int marker) {
     return marker >= 0xC0 && marker <= 0xCF && marker != 0xC4 && marker != 0xC8 && marker != 0xCC;
 }
 
-// The next marker at or behind a place, as libjpeg looks for it: bytes before it do not count, nor do those
-// within the packed data of a scan. Nothing where the file has none any more.
-std::optional<std::uint64_t> next_marker(const FileBytes& file, std::uint64_t at, bool in_scan) {
-    constexpr std::uint64_t ahead = 1u << 20;
-    while (at < file.size()) {
-        const std::string bytes = file.bytes(at, ahead);
-        for (std::size_t i = bytes.find('\xFF'); i != std::string::npos && i + 1 < bytes.size();
-             i = bytes.find('\xFF', i + 1)) {
-            const int marker = static_cast<unsigned char>(bytes[i + 1]);
-            const bool restarts = marker >= 0xD0 && marker <= 0xD7;
-            if (marker != 0 && marker != 0xFF && !(in_scan && restarts)) return at + i;
-        }
-        if (bytes.size() < ahead) break;
-        at += ahead - 1;  // a marker may lie across
-    }
-    return {};
-}
+// A segment with what it holds, of those that a library looks into.
+struct JpegPart : JpegSegment {
+    std::string content{};
+};
 
-std::optional<JpegSegment> segment_at(const FileBytes& file, std::uint64_t begin) {
-    const auto marker = file.number(begin + 1, 1, true);
-    if (!marker) return {};
-    JpegSegment segment{static_cast<int>(*marker), begin, begin + 2};
-    if (stands_alone(segment.marker) || segment.marker == kEndMarker) return segment;
-    const auto length = file.number(begin + 2, 2, true);
-    if (!length || *length < 2 || begin + 2 + *length > file.size()) return {};
-    segment.end = begin + 2 + *length;
-    const bool looked_at =
-        is_metadata(segment.marker) || is_frame(segment.marker) || segment.marker == kScanMarker;
-    if (looked_at) segment.content = file.bytes(begin + 4, *length - 2);
-    return segment;
+std::optional<JpegPart> part_at(const FileBytes& file, std::uint64_t begin) {
+    const auto segment = jpeg_segment_at(file, begin);
+    if (!segment) return {};
+    JpegPart part{*segment};
+    if (is_metadata(part.marker) || is_frame(part.marker) || part.marker == kJpegScan)
+        part.content = file.bytes(part.content_at, part.end - part.content_at);
+    return part;
 }
 
 std::string as_segment(int marker, const std::string& content) {
@@ -79,7 +54,7 @@ bool is_plain_photoshop(std::string_view content) {
 }
 
 // What to show a library instead of a segment of metadata: nothing where that is the segment itself.
-std::optional<std::string> instead_of_segment(const JpegSegment& segment) {
+std::optional<std::string> instead_of_segment(const JpegPart& segment) {
     const std::string_view content = segment.content;
     // Names are compared as texts that end with a 0, which must be there.
     const bool named = content.substr(0, kXmpName.size()).find('\0') != std::string_view::npos;
@@ -134,7 +109,7 @@ struct JpegScans {
     bool in_several = false;  // of which libjpeg reads all before it gives the first row
 };
 
-void read_frame(const JpegSegment& segment, PictureHeader& header, JpegScans& scans) {
+void read_frame(const JpegPart& segment, PictureHeader& header, JpegScans& scans) {
     const std::string_view content = segment.content;
     if (content.size() < 6) return;
     header.height = static_cast<double>(number_in(content.substr(1, 2), true));
@@ -153,12 +128,12 @@ void read_jpeg_header(const FileBytes& file, PictureHeader& header) {
     JpegScans scans;
     bool changed = false, in_scan = false;
     std::uint64_t at = 2;
-    while (const auto begin = next_marker(file, at, in_scan)) {
-        const auto segment = segment_at(file, *begin);
-        if (!segment || segment->marker == kEndMarker) break;
+    while (const auto begin = next_jpeg_marker(file, at, in_scan)) {
+        const auto segment = part_at(file, *begin);
+        if (!segment || segment->marker == kJpegEnd) break;
         if (in_scan) pieces.push_back({at, *begin - at});
         const bool behind_pixels = in_scan;
-        in_scan = segment->marker == kScanMarker;
+        in_scan = segment->marker == kJpegScan;
         at = segment->end;
         std::optional<std::string> instead;
         if (is_frame(segment->marker)) read_frame(*segment, header, scans);

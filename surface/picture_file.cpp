@@ -13,7 +13,7 @@
 #include "surface/atomic_file.h"
 #include "surface/error.h"
 #include "surface/icc_profile.h"
-#include "surface/jpeg_markers.h"
+#include "surface/jpeg_segments.h"
 #include "surface/json_text.h"
 #include "surface/letter_case.h"
 #include "surface/parallel.h"

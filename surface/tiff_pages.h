@@ -6,6 +6,8 @@
 #include <optional>
 #include <vector>
 
+#include "surface/file_bytes.h"
+
 namespace tangi {
 
 // One directory of a TIFF file (TIFF 6.0, section 8).
@@ -34,6 +36,7 @@ struct TiffPages {
 
 // Nothing where this is no TIFF file, or its directories cannot be followed: what is wrong is for its reader
 // to say. Reads directories only, and no more than 4096 of them.
+std::optional<TiffPages> tiff_pages(const FileBytes& file);
 std::optional<TiffPages> tiff_pages(const std::filesystem::path& path);
 
 }  // namespace tangi

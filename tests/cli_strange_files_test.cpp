@@ -99,7 +99,8 @@ TEST(CliStrangeFiles, MessagesAreShortWhateverAFileHolds) {
     EXPECT_TRUE(ended(deep, 1, {"b.json: has lists and objects in each other, deeper than 64"}));
     // Names that nobody has, each as long as names may be.
     stack.change_lights([](std::vector<std::string>& lines) {
-        for (int i = 0; i < 3; ++i) lines.push_back(std::string(5000, static_cast<char>('a' + i)) + " 0 0 1");
+        for (int i = 0; i < 3; ++i)
+            lines.push_back(fmt::format("{} 0 0 1", std::string(5000, static_cast<char>('a' + i))));
         lines[0] = std::to_string(lines.size() - 1);
     });
     const Finished names = tangipaint({"fit", stack.path(), "--out", stack.out("a.exr")});

@@ -13,10 +13,10 @@ namespace {
 constexpr int kSize = 24;
 
 // What a fit with a prior makes of what the photographs say.
-struct Fitted {
+struct FittedLobes {
     double value, error;
 };
-Fitted fitted(double told, double error, double prior, double prior_sigma) {
+FittedLobes fitted(double told, double error, double prior, double prior_sigma) {
     const double information = 1 / (error * error), other = 1 / (prior_sigma * prior_sigma);
     return {(told * information + prior * other) / (information + other),
             std::sqrt(1 / (information + other))};

@@ -1,5 +1,5 @@
-// surface_jpeg_markers_test.cpp: a JPEG file is whole where its picture is, whatever follows.
-#include "surface/jpeg_markers.h"
+// surface_jpeg_segments_test.cpp: a JPEG file is whole where its picture is, whatever follows.
+#include "surface/jpeg_segments.h"
 
 #include <gtest/gtest.h>
 
