@@ -126,7 +126,7 @@ TEST(ImportMaps, WhatComesBackLooksAlikeUnderEveryLight) {
     write_text_file(dir / "maps.json", "{\"haze\": 0.5}");  // of another program
     EXPECT_FALSE(as_described(dir.path(), {}).haze);
     for (const auto& [text, named] :
-         {std::pair("{", "no JSON"), std::pair("{\"scale_known\": true, \"haze\": 7}", "haze = 7"),
+         {std::pair("{", "not JSON"), std::pair("{\"scale_known\": true, \"haze\": 7}", "haze = 7"),
           std::pair("{\"scale_known\": true, \"mm_per_pixel\": -3}", "mm_per_pixel = -3"),
           std::pair("{\"scale_known\": true, \"haze\": \"x\"}", "haze = \"x\"")}) {
         write_text_file(dir / "maps.json", text);

@@ -153,8 +153,9 @@ void WindowApp::show(OpenedPainting opened, bool is_first) {
     state_.law = surface.law;
     state_.doubts = doubts_of(surface);
     if (!state_.doubts.empty())
-        say(fmt::format("{} doubt{} of the fit, see Messages: {}", state_.doubts.size(),
-                        state_.doubts.size() == 1 ? "" : "s", fmt::join(state_.doubts, "; ")));
+        say(fmt::format(
+            "{} doubt{} of the fit: see Messages", state_.doubts.size(),
+            state_.doubts.size() == 1 ? "" : "s"));  // in words there: here they cover the painting
     state_.from_photographs = !surface.photography.photos.empty();
     const auto [low, high] =
         std::minmax_element(surface.height_mm.pixels().begin(), surface.height_mm.pixels().end());
