@@ -101,8 +101,9 @@ TEST_F(BadStack, WithAStemThatFitsTwoPhotographs) {
     lights[0].name = "photo_000.cr2";
     write_lights(dir / "lights.lp", lights);
     EXPECT_NO_THROW(open_stack(dir.path()));
-    write_picture_8bit(dir / "photo_000.jpg", Image<Rgb>(8, 6));
-    EXPECT_THAT(error(), HasSubstr("1 of 5 listed photographs are not in " + folder + ": photo_000.cr2."));
+    write_picture_8bit(dir / "photo_000.tif", Image<Rgb>(8, 6));
+    EXPECT_THAT(error(), AllOf(HasSubstr("1 of 5 listed photographs may be one of several files"),
+                               HasSubstr("'photo_000.cr2' photo_000.png, photo_000.tif")));
 }
 
 TEST_F(BadStack, WithMostLightsFromBelow) {

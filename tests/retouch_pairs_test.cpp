@@ -76,7 +76,7 @@ TEST(PigmentPairs, SayWhereAFileIsWrong) {
               std::string::npos);
     EXPECT_NE(wrong(R"([{"first": ["x"], "second": ["y", 3]}])").find("/pairs/0/second/1"),
               std::string::npos);
-    EXPECT_NE(error_of([] { parse_pigment_pairs("[", "my.json"); }).find("my.json: is not JSON"),
+    EXPECT_NE(error_of([] { parse_pigment_pairs("[", "my.json"); }).find("my.json: line 1: is not JSON"),
               std::string::npos);
     EXPECT_NE(error_of([] { parse_pigment_pairs("[]", "my.json"); }).find("--save-pairs"), std::string::npos);
 }
