@@ -17,8 +17,10 @@ inline void expect_refused(const TinyStack& stack, const std::vector<std::string
 }
 
 // fit goes on, with a warning that says all of `words`, on stderr and in the result.
-inline nlohmann::json expect_warned(const TinyStack& stack, const std::vector<std::string>& words) {
-    const Finished run = tangipaint({"fit", stack.path(), "--out", stack.out("a.exr")});
+inline nlohmann::json expect_warned(const TinyStack& stack, const std::vector<std::string>& words,
+                                    std::vector<std::string> flags = {}) {
+    flags.insert(flags.begin(), {"fit", stack.path(), "--out", stack.out("a.exr")});
+    const Finished run = tangipaint(flags);
     EXPECT_TRUE(ended(run, 0, words));
     const nlohmann::json result = run.json();
     bool told = false;

@@ -49,15 +49,17 @@ TEST(CliBadPhoto, HasAnotherDepth) {
 
 TEST(CliBadPhoto, IsATruncatedJpeg) {
     const TinyStack stack([](GeneratorOptions& o) { o.format = PhotoFormat::jpg; });
+    // Linear light in JPEG files is unusual enough for few lights to leave it in doubt.
+    const std::vector<std::string> as_stored = {"--transfer", "linear"};
     const std::string whole = bytes_of(stack.photo(2));
     for (const std::size_t kept : {whole.size() - 2, whole.size() - 100, whole.size() * 9 / 10}) {
         write_bytes(stack.photo(2), whole.substr(0, kept));
-        expect_warned(stack, {stack.name(2), "truncated", "copy it again"});
+        expect_warned(stack, {stack.name(2), "truncated", "copy it again"}, as_stored);
     }
     write_bytes(stack.photo(2), whole.substr(0, 300));  // not even all of its header
-    expect_warned(stack, {stack.name(2), "is not a picture", "as if cut off"});
+    expect_warned(stack, {stack.name(2), "is not a picture", "as if cut off"}, as_stored);
     write_bytes(stack.photo(2), "");
-    expect_warned(stack, {stack.name(2), "is not a picture"});
+    expect_warned(stack, {stack.name(2), "is not a picture"}, as_stored);
 }
 
 TEST(CliBadPhoto, IsTruncatedInAnyFormat) {
