@@ -237,7 +237,7 @@ CompareReport compare(const Surface& surface, const Stack& photos, const Compare
     const bool as_fitted =
         options.cast_shadows && report_.options.light_radius_deg == residual.light_radius_deg;
     const float unit = unit_of(surface.photography, report_.transfer);
-    const glm::mat3 exposed = unit * exposure_of(surface.photography),
+    const glm::mat3 exposure = unit * exposure_of(surface.photography),
                     from(from_camera(surface.photography));
     // Used for one photograph after the other.
     Image<Rgb> relit(surface.width(), surface.height()), linear, faithful;
@@ -258,26 +258,21 @@ CompareReport compare(const Surface& surface, const Stack& photos, const Compare
         }
         const PixelMask fewer = photo->missing.empty() ? PixelMask() : without_missing(mask, photo->missing);
         const PixelMask& present = fewer.empty() ? mask : fewer;
-        if (residual.empty() || !result.fitted)
-            relight_stored(relighter, result.light, report_.transfer, exposed, relit);
-        glm::mat3 exposure = exposed;
-        if (!result.fitted && photos.channels == 3) {
-            const WhiteBalance white =
-                white_balance_of(photo->picture, relit, present, report_.transfer, photos.bits != 32);
-            if (white.differs) {
-                const Rgb gain = white.gain();
-                result.white_balance = glm::dvec2(gain.r, gain.b);
-                exposure = glm::mat3(gain.r, 0, 0, 0, gain.g, 0, 0, 0, gain.b) * exposed;
-                relight_stored(relighter, result.light, report_.transfer, exposure, relit);
-            }
-        }
-        if (!residual.empty()) {
+        if (residual.empty()) {
+            relight_stored(relighter, result.light, report_.transfer, exposure, relit);
+        } else {
             linear = relight(surface, {&result.light, 1}, relighting);
             encode_picture(linear, report_.transfer, exposure, relit);
             if (!as_fitted) linear = relight(surface, {&result.light, 1}, residuals_own);
             add_residual(residual, surface, {&result.light, 1}, {}, linear);
             encode_picture(linear, report_.transfer, exposure, faithful);
             result.faithful_psnr_db = std::min(psnr_db(photo->picture, faithful, present), kPsnrCap_db);
+        }
+        // Told, and not undone: what a photograph is compared with owes nothing to it.
+        if (!result.fitted && photos.channels == 3) {
+            const WhiteBalance white =
+                white_balance_of(photo->picture, relit, present, report_.transfer, photos.bits != 32);
+            if (white.differs) result.white_balance = glm::dvec2(white.gain().r, white.gain().b);
         }
         const ComparedPictures pictures{static_cast<int>(i), result, photo->picture, relit, delta_e, present,
                                         report_.transfer,    from};

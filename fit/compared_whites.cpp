@@ -47,7 +47,8 @@ std::string other_white_balances(const CompareReport& report, const std::string&
     return fmt::format(
         "{}: {} of the photographs that were not fitted have another white balance than the painting, most "
         "of all "
-        "{}: red × {:.2f}, blue × {:.2f} against green; they are compared with pictures that have it, too",
+        "{}: red × {:.2f}, blue × {:.2f} against green; they are compared as they are, and their figures are "
+        "the worse for it",
         folder, count, most->name, most->white_balance->x, most->white_balance->y);
 }
 

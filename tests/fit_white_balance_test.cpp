@@ -72,7 +72,7 @@ TEST(FitWhiteBalance, OfPhotographsThatAreComparedIsTold) {
     const CompareReport after = compare(fit.surface, stack.held_out());
     EXPECT_THAT(after.warnings, Contains(AllOf(HasSubstr("1 of the photographs that were not fitted"),
                                                HasSubstr("red × 1.2"), HasSubstr("blue × 0.7"))));
-    EXPECT_NEAR(after.held_out.delta_e_2000, before.held_out.delta_e_2000, 0.2);
+    EXPECT_GT(after.held_out.delta_e_2000, before.held_out.delta_e_2000 + 1) << "no figure is flattered";
     int told = 0;
     for (const PhotoComparison& photo : after.photos) told += photo.white_balance.has_value();
     EXPECT_EQ(told, 1);
