@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <utility>
 
 #include "surface/error.h"
 #include "surface/median.h"
@@ -97,7 +98,9 @@ Parts polished(const Ratios& r) {
     return parts;
 }
 
-// The value that most photographs share, in both channels; of equally many, that of the first of them.
+// The value that half of the photographs or more share, in both channels; of equally many, that of the first
+// of them. Where no half agrees, lamps of all colours, their mean: what a light that no photograph had is
+// likeliest to be.
 dvec2 common_value(const std::vector<dvec2>& photos) {
     dvec2 best(0);
     std::size_t most = 0;
@@ -111,7 +114,8 @@ dvec2 common_value(const std::vector<dvec2>& photos) {
         most = near[0].size();
         best = {median(near[0]), median(near[1])};
     }
-    return best;
+    if (2 * most >= photos.size()) return best;
+    return std::accumulate(photos.begin(), photos.end(), dvec2(0)) / static_cast<double>(photos.size());
 }
 
 // One sample's say on a photograph: the pixel's own ratio, and what the photograph's differs from it by.
@@ -234,6 +238,12 @@ void WhiteBalances::refer_to(std::span<const std::optional<dvec2>> log_gains) {
     }
 }
 
+void WhiteBalances::leave_lamps_of_many_colours() {
+    if (2 * static_cast<std::size_t>(differing()) <= photos.size()) return;
+    for (WhiteBalance& photo : photos)
+        if (std::exchange(photo.differs, false)) photo.unclear = true;
+}
+
 int WhiteBalances::differing() const {
     return static_cast<int>(
         std::count_if(photos.begin(), photos.end(), [](const auto& p) { return p.differs; }));
@@ -339,9 +349,9 @@ std::string warning_of(const WhiteBalances& balances, std::span<const std::strin
     if (differing == 0)
         return fmt::format(
             "{}: colours change from photograph to photograph in {} of {}, most in {}; by how much depends "
-            "on the "
-            "place, so it is no white balance and is not undone: metal and gloss look like that, or a second "
-            "light",
+            "on "
+            "the place (metal and gloss look like that, or a second light), or more than half differ (lamps "
+            "of several colours), so it is no white balance and is not undone",
             where, unclear, balances.photos.size(), by);
     return fmt::format(
         "{}: the white balance, or the colour of the lamps, changes from photograph to photograph: {} of {} "

@@ -282,8 +282,7 @@ nlohmann::json relight_all(const Painting& painting, const RelightArguments& arg
     for (std::size_t i = 0; i < outputs.size(); ++i) {
         // As strong, and as near, as it was estimated for the photograph of its name.
         Light light = as_photographed(file.lights[i], painting.surface->photography);
-        // But in one light: what its camera or lamp added of colour is the photograph's, not the painting's.
-        light.gain = Rgb(light.gain.g * static_cast<float>(arguments.gain));
+        light.gain *= static_cast<float>(arguments.gain);
         told_of(written.temporary(), arguments.out, [&] {
             write_relit(written.temporary() / outputs[i].filename(), *painting.surface, {light}, arguments,
                         relighter, {});

@@ -129,8 +129,10 @@ void describe_lights(const Stack& stack, const LightCalibration& calibration, Ph
         if (photography.lamps) {
             const auto before = std::count_if(stack.photos.begin(), stack.photos.end(),
                                               [&](const StackPhoto& p) { return p.path < photo.path; });
-            photographed.gain = Rgb(static_cast<float>(predicted_gain(
-                order, *photography.lamps, lights, photographed.direction, static_cast<int>(before))));
+            photographed.gain =
+                static_cast<float>(predicted_gain(order, *photography.lamps, lights, photographed.direction,
+                                                  static_cast<int>(before))) *
+                (photographed.gain / photographed.gain.g);
         }
         add(photographed, false, photo);
     }
@@ -186,6 +188,8 @@ WhiteBalances balance_photographs(Stack& stack, const Survey& surveyed, const Tr
                                                                       : std::optional(found->second));
         }
         balances.refer_to(by_chart);
+    } else {
+        balances.leave_lamps_of_many_colours();
     }
     for (std::size_t i = 0; i < stack.photos.size(); ++i) stack.photos[i].light.gain *= balances.gain(i);
     if (std::string warning = warning_of(balances, names, stack.folder.string()); !warning.empty())

@@ -159,6 +159,19 @@ double predicted_gain(const LampModel& model, std::span<const Light> lights, con
     return std::exp(predicted(model, log_gains(lights), direction));
 }
 
+Rgb predicted_colour(std::span<const Light> lights, const Vec3& direction) {
+    Rgb colour(1);
+    const auto is_grey = [](const Light& light) { return light.gain == Rgb(light.gain.g); };
+    if (std::ranges::all_of(lights, is_grey)) return colour;
+    for (const int channel : {0, 2}) {
+        Known known{lights, {}};
+        for (const Light& light : lights)
+            known.values.push_back(std::log(std::max(light.gain[channel] / light.gain.g, 1e-6f)));
+        colour[channel] = static_cast<float>(std::exp(predicted(fitted(known), known, direction)));
+    }
+    return colour;
+}
+
 BeamModel fit_beam_model(std::span<const Light> lights, double radius_mm) {
     BeamModel model{.radius_mm = radius_mm};
     for (std::size_t term = 0; term < model.terms.size() && !lights.empty(); ++term)

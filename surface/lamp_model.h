@@ -26,6 +26,9 @@ LampModel fit_lamp_model(std::span<const Light> photographed);
 // [1] Gain of a lamp in this direction; `photographed` as given to fit_lamp_model().
 double predicted_gain(const LampModel& model, std::span<const Light> photographed, const Vec3& direction);
 
+// [1] Red and blue of such a lamp against its green, likewise, by models of their own.
+Rgb predicted_colour(std::span<const Light> photographed, const Vec3& direction);
+
 // Each term of the beams likewise, in units of what it makes of ln irradiance `radius_mm` from the origin.
 struct BeamModel {
     double radius_mm = 1;

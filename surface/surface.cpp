@@ -74,7 +74,8 @@ Light as_photographed(const Light& light, const Photography& photography) {
         if (photo.fitted) fitted.push_back(photo.light);
     if (!result.position_mm) place(result, photography.rig);
     if (photography.lamps)
-        result.gain = Rgb(static_cast<float>(predicted_gain(*photography.lamps, fitted, result.direction)));
+        result.gain = static_cast<float>(predicted_gain(*photography.lamps, fitted, result.direction)) *
+                      predicted_colour(fitted, result.direction);
     if (photography.beams) result.beam = predicted_beam(*photography.beams, fitted, result.direction);
     return result;
 }

@@ -67,6 +67,26 @@ TEST(WhiteBalances, AreAlikeWherePhotographsAre) {
     EXPECT_TRUE(to_json(found, names).empty());
 }
 
+// A dome whose lamps have colours of all kinds: there is no balance that most were to have.
+TEST(WhiteBalances, OfLampsOfManyColoursAreLeft) {
+    WhiteBalances found = balances_of(surveyed([](std::size_t i, int, int, const Rgb& v) {
+        return v * Rgb(1 + 0.25f * std::sin(1.7f * static_cast<float>(i)), 1, 1);
+    }));
+    const int differing = found.differing();
+    EXPECT_GT(2 * differing, static_cast<int>(kCastPhotos));
+    found.leave_lamps_of_many_colours();
+    EXPECT_EQ(found.differing(), 0);
+    EXPECT_GE(found.unclear(), differing);
+    const std::vector<std::string> names(kCastPhotos, "a.png");
+    EXPECT_THAT(warning_of(found, names, "here"),
+                AllOf(HasSubstr("several colours"), HasSubstr("is not undone")));
+    // Half of them alike: these are the ones that are as they were to be.
+    WhiteBalances halves = balances_of(
+        surveyed([](std::size_t i, int, int, const Rgb& v) { return i % 2 ? v * Rgb(1.25f, 1, 0.7f) : v; }));
+    halves.leave_lamps_of_many_colours();
+    EXPECT_EQ(halves.differing(), static_cast<int>(kCastPhotos / 2));
+}
+
 TEST(WhiteBalances, ThatDifferAreMeasured) {
     const Rgb cast(1.25f, 1, 0.7f);
     // Every second one: the first has what counts as usual.

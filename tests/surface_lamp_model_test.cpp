@@ -43,6 +43,21 @@ TEST(LampModel, FollowsASmoothTrend) {
     EXPECT_LE(worst_error(fit_lamp_model(lights), lights, gain), 0.05);
 }
 
+TEST(LampModel, PredictsColoursAsItDoesStrengths) {
+    std::vector<Light> lights = lamps(60, [](const Vec3&) { return 0.8; });
+    EXPECT_EQ(predicted_colour(lights, {0, 0, 1}), Rgb(1)) << "of lamps without colour";
+    const auto red = [](const Vec3& l) { return std::exp(0.3f * l.x); };
+    for (Light& light : lights) light.gain *= Rgb(red(light.direction), 1, 0.9f);
+    Random random(5);
+    for (int i = 0; i < 50; ++i) {
+        const Vec3 direction = random.direction(0.3);
+        const Rgb colour = predicted_colour(lights, direction);
+        EXPECT_NEAR(colour.r, red(direction), 0.05);
+        EXPECT_EQ(colour.g, 1);
+        EXPECT_NEAR(colour.b, 0.9, 0.005);
+    }
+}
+
 TEST(LampModel, FollowsWhatNeighboursHaveInCommon) {
     // A lamp that was nearer on one side of the arc: no quadratic has that shape.
     const auto gain = [](const Vec3& l) {
