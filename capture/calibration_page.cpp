@@ -317,7 +317,8 @@ CalibrationFiles write_calibration(const std::filesystem::path& out, const Calib
     if (lights)
         set.add(*lights);
     else
-        set.withdraw(files.lights.parent_path(), files.lights.filename());  // those of a former run are not of this capture file
+        set.withdraw(files.lights.parent_path(),
+                     files.lights.filename());  // those of a former run are not of this capture file
     set.commit();
     return files;
 }

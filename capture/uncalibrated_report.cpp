@@ -22,8 +22,7 @@ Transfer transfer_for(const PhotoSet& set, const UncalibratedStackOptions& optio
                       std::vector<std::string>& warnings) {
     if (set.developed()) return {};
     if (options.transfer) return *options.transfer;
-    if (const auto stated = transfer_of_metadata(set.metadata(0));
-        stated && stated->transfer)
+    if (const auto stated = transfer_of_metadata(set.metadata(0)); stated && stated->transfer)
         return *stated->transfer;
     warnings.push_back(fmt::format(
         "{}: does not say how it is encoded; taken to be linear light, give --transfer if it is not",

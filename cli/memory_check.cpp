@@ -9,7 +9,8 @@
 namespace {
 
 // [bytes] Of address space, beyond what the loader maps. Measured on two cores, by lowering the limit until
-// it fails: libraries take 62 MB until main(), and the smallest work of any command, with its threads, 105 MB.
+// it fails: libraries take 62 MB until main(), and the smallest work of any command, with its threads, 105
+// MB.
 constexpr std::size_t kToBegin = std::size_t{128} << 20;
 
 void require_memory_to_begin(int /*argc*/, char** /*argv*/, char** /*environment*/) {

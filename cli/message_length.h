@@ -5,8 +5,8 @@
 
 namespace tangi {
 
-// [bytes] What is longer is cut: a file that is damaged may have its whole content in one name. A screen of a terminal
-// has 1920.
+// [bytes] What is longer is cut: a file that is damaged may have its whole content in one name. A screen of a
+// terminal has 1920.
 constexpr std::size_t kMostOfMessage = 1500;
 
 }  // namespace tangi

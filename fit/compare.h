@@ -101,11 +101,12 @@ using ComparisonSink = std::function<void(const ComparedPictures&)>;
 // Relights the surface at the light of each photograph of the stack, held out or not, and compares. Whether
 // the fit saw a photograph, and the strength of its light, is looked up in surface.photography by name; a
 // photograph that is not listed there counts as held out and as lit with gain 1, and a warning says so. The
-// white balance of a photograph that was not fitted is measured (white_balances.h) and told. Where a residual is given, PSNR is also that of the pictures that add_residual() makes of the
-// relit ones; all else is of the surface alone. Pixels of confidence 0, and those that the stack's mask
-// leaves out, do not count. Photographs that have hardly more than brightness in common with the relit
-// pictures are another painting's (`foreign`). One photograph is in memory at a time. Throws Error: the
-// surface does not come from photographs, nothing in it was measured, sizes that differ; Cancelled.
+// white balance of a photograph that was not fitted is measured (white_balances.h) and told. Where a residual
+// is given, PSNR is also that of the pictures that add_residual() makes of the relit ones; all else is of the
+// surface alone. Pixels of confidence 0, and those that the stack's mask leaves out, do not count.
+// Photographs that have hardly more than brightness in common with the relit pictures are another painting's
+// (`foreign`). One photograph is in memory at a time. Throws Error: the surface does not come from
+// photographs, nothing in it was measured, sizes that differ; Cancelled.
 CompareReport compare(const Surface& surface, const Stack& photos, const CompareOptions& options = {},
                       const Progress& progress = {}, const ComparisonSink& sink = {},
                       const FaithfulResidual& residual = {});

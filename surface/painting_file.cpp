@@ -29,11 +29,11 @@
 
 #include "surface/dry_channels.h"
 #include "surface/error.h"
-#include "surface/memory_error.h"
 #include "surface/exr_attribute.h"
 #include "surface/exr_claim.h"
 #include "surface/json_reading.h"
 #include "surface/json_text.h"
+#include "surface/memory_error.h"
 #include "surface/overview.h"
 #include "surface/painting_errors.h"
 #include "surface/painting_parts.h"

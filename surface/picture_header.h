@@ -34,8 +34,8 @@ struct PictureHeader {
 // By the first bytes, or else by the extension (".tga", which has none of its own). Nothing for other files.
 std::optional<PictureFormat> picture_format(const FileBytes& file, const std::string& extension);
 
-// Of a PNG, JPEG, TIFF, TGA or BMP file. What cannot be followed is left to the library to complain of; nothing
-// for EXR, which exr_claim() reads.
+// Of a PNG, JPEG, TIFF, TGA or BMP file. What cannot be followed is left to the library to complain of;
+// nothing for EXR, which exr_claim() reads.
 PictureHeader picture_header(const FileBytes& file, PictureFormat format);
 
 // The formats, one by one.

@@ -13,8 +13,8 @@ namespace tangi {
 
 class SafePicture {
 public:
-    // Throws Error naming the file where it is none of PNG, JPEG, TIFF, EXR, TGA and BMP, where it claims more
-    // pixels than a file of its length can hold or this program takes, or a profile by which its colours
+    // Throws Error naming the file where it is none of PNG, JPEG, TIFF, EXR, TGA and BMP, where it claims
+    // more pixels than a file of its length can hold or this program takes, or a profile by which its colours
     // would be read is damaged. Reads headers only. Metadata that would lead a library astray are left out of
     // what it sees.
     explicit SafePicture(const std::filesystem::path& path);

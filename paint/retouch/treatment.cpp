@@ -125,7 +125,9 @@ Treatment Treatment::begin(const fs::path& named, const fs::path& painting, cons
     MadeFolders made;
     const fs::path parent = folder.has_parent_path() ? folder.parent_path() : fs::path(".");
     made.make(parent);
-    const LogHold held(fs::exists(folder) ? folder : parent);  // of two programs that begin at once, the second comes too late
+    const LogHold held(fs::exists(folder)
+                           ? folder
+                           : parent);  // of two programs that begin at once, the second comes too late
     require_free();
     // What a beginning of an earlier version left that did not come to its end is the same.
     const fs::path copy = folder / kTreatmentPainting;
