@@ -43,7 +43,7 @@ struct WhiteBalances {
     void refer_to(std::span<const std::optional<glm::dvec2>> log_gains);
     // Where more than half differ there is no balance that the others were to have, but lamps of many
     // colours: told, and not undone. Held-out photographs of the dome stack `door`, whose lamps are such, are
-    // predicted worse by 2 dB where it is.
+    // predicted worse by 1.8 dB where it is.
     void leave_lamps_of_many_colours();
     int differing() const;
     int unclear() const;
