@@ -40,7 +40,9 @@ constexpr double kSurest = 1e-4;       // [rad] of a direction that was measured
 constexpr double kCameraSigma = 0.5;   // [1/width]
 constexpr double kRoughSigma = 0.3;    // [1] of diffuse roughness, from 0
 constexpr double kHeightSigma = 0.02;  // [width] of the surface above where directions are from
-constexpr int kIterations = 40;
+// Enough for every minimum to be reached (real stacks need 12 to 113 steps): where the search was cut short
+// at 40, homographies 1e-5 pixels apart gave lamps 10 % and held-out photographs 0.6 dB apart.
+constexpr int kIterations = 400;
 
 constexpr int kPixel = kJointPixel, kRig = kJointRig, kTurn = kJointTurn, kBeam = kJointBeam;
 
@@ -106,25 +108,28 @@ public:
     double* field() { return rig() + kRig; }
 
     bool solve(JointStart start) {
-        const auto minimise = [&](int iterations, double tolerance) {
+        const auto minimise = [&](double tolerance) {
             return solve_by_schur(problem_, eliminated(),
-                                  {.max_iterations = iterations, .function_tolerance = tolerance});
+                                  {.max_iterations = kIterations, .function_tolerance = tolerance});
         };
         const bool far = start == JointStart::far;
         if (far) {
             robust_->Reset(new ceres::CauchyLoss(kStartScale), ceres::TAKE_OWNERSHIP);
-            minimise(kIterations / 2, 1e-3);
+            minimise(1e-3);
             robust_scale = spread_of_residuals() > 1 ? kWideScale : kRobustScale;
         }
-        const int iterations = far ? kIterations : kIterations / 4;
-        const double tolerance = far ? 1e-5 : 1e-4;
+        // A start near the minimum is that of a trial, which is one of many.
+        const double tolerance = start == JointStart::near ? 1e-4 : 1e-5;
         robust_->Reset(new ceres::CauchyLoss(robust_scale), ceres::TAKE_OWNERSHIP);
-        SchurSummary summary = minimise(iterations, tolerance);
+        SchurSummary summary = minimise(tolerance);
         final_cost = summary.final_cost;
         if (start == JointStart::there) {
             // Also after a wide loss: what the lamps' model explains from that minimum on is what tells them.
-            robust_->Reset(new ceres::TukeyLoss(kBiweight), ceres::TAKE_OWNERSHIP);
-            summary = minimise(iterations, tolerance);
+            // What lies far off is so by the spread that is left there (MM-estimates, Yohai 1987): by sigma
+            // alone, most of metal that is no Ward lobe would be.
+            const double spread = std::max(1.0, spread_of_residuals());
+            robust_->Reset(new ceres::TukeyLoss(kBiweight * spread), ceres::TAKE_OWNERSHIP);
+            summary = minimise(tolerance);
         }
         return summary.usable;
     }
