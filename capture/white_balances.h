@@ -3,9 +3,10 @@
 //
 // What matt paint sends back has, in each channel, the paint's reflectance times the lamp's light times the
 // camera's gain, whatever its slope: ln(red / green) and ln(blue / green) of a pixel are a number of the
-// pixel plus one of the photograph. A veil of gloss or of light from all around moves colours towards white
-// instead, the more the farther from it they are: so does metal, pixel by pixel. Both are told apart by a
-// line through what pixels of different colours say of a photograph, taken at white.
+// pixel plus one of the photograph. A veil of gloss adds white light: it changes these numbers the more, the
+// darker and the more coloured a pixel is, and those of a neutral one not at all. Both are told apart by a
+// line through what all pixels say of a photograph, taken where a veil changes nothing (colour_line.h).
+// Metal, whose colour changes from photograph to photograph, has the less weight for it.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -22,10 +23,11 @@ namespace tangi {
 struct WhiteBalance {
     glm::dvec2 log_gain{0};  // ln of red and of blue against green, beside what photographs have in common
     glm::dvec2 sigma{0};     // standard errors; 0: nothing is known
-    glm::dvec2 scatter{0};   // between parts of the picture and pixels of different colours
-    int samples = 0;         // that tell it
-    bool differs = false;    // beyond its errors, and by more than matters, alike in pixels of all colours
-    bool unclear = false;    // it differs, but by how much depends on the pixel: no gain of a photograph
+    glm::dvec2 uneven{0};    // between quarters of the picture
+    glm::dvec2 uneven_sigma{0};  // how large that is without any second light
+    int samples = 0;             // that tell it
+    bool differs = false;        // beyond its errors, and by more than matters
+    bool unclear = false;        // by a lot, but pixels disagree by how much: no gain of a photograph
 
     // [1] By which the photograph's channels are to be divided to be as the others; 1 where it doesn't
     // differ.
@@ -41,10 +43,6 @@ struct WhiteBalances {
     // Beside photographs of which these were measured before, as those of a chart; nothing changes where both
     // say the same of what most have in common.
     void refer_to(std::span<const std::optional<glm::dvec2>> log_gains);
-    // Where more than half differ there is no balance that the others were to have, but lamps of many
-    // colours: told, and not undone. Held-out photographs of the dome stack `door`, whose lamps are such, are
-    // predicted worse by 1.8 dB where it is.
-    void leave_lamps_of_many_colours();
     int differing() const;
     int unclear() const;
 };
@@ -58,16 +56,18 @@ struct ColourSamples {
 };
 
 // By alternating medians (Tukey 1977, median polish), then robust lines. What half of the photographs or more
-// have in common is 0; of equally many, what the first has; where no half agrees, the mean. Errors are by how
-// much parts of the picture, and pixels of different colours, disagree.
-WhiteBalances white_balances(const ColourSamples& samples);
+// have in common is 0; of equally many, what the first has; where no half agrees, lamps of all colours, the
+// mean. `lights`: of the photographs, which tell how strong gloss may be; from 45 degrees where empty.
+WhiteBalances white_balances(const ColourSamples& samples, std::span<const Light> lights = {});
 
 // Of a stack's photographs; highlights, shadows and what is clipped or nearly black do not count.
-WhiteBalances white_balances(const Survey& survey, const Transfer& transfer, float clipped, int bits);
+WhiteBalances white_balances(const Survey& survey, const Transfer& transfer, float clipped, int bits,
+                             std::span<const Light> lights = {});
 
 // Of one photograph beside what is expected of it: linear light of as many pixels, NaN where not to be used.
+// `light`: the direction that it is lit from.
 WhiteBalance white_balance_beside(std::span<const Rgb> expected, std::span<const Rgb> photographed,
-                                  std::span<const int> part);
+                                  std::span<const int> part, const Vec3& light);
 
 // What the user is to know; empty where nothing differs. `names`: of the photographs. `remedy`: what is
 // done.

@@ -270,8 +270,8 @@ CompareReport compare(const Surface& surface, const Stack& photos, const Compare
         }
         // Told, and not undone: what a photograph is compared with owes nothing to it.
         if (!result.fitted && photos.channels == 3) {
-            const WhiteBalance white =
-                white_balance_of(photo->picture, relit, present, report_.transfer, photos.bits != 32);
+            const WhiteBalance white = white_balance_of(photo->picture, relit, present, report_.transfer,
+                                                        photos.bits != 32, result.light.direction);
             if (white.differs) result.white_balance = glm::dvec2(white.gain().r, white.gain().b);
         }
         const ComparedPictures pictures{static_cast<int>(i), result, photo->picture, relit, delta_e, present,

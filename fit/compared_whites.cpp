@@ -9,7 +9,7 @@
 namespace tangi {
 
 WhiteBalance white_balance_of(const Image<Rgb>& photo, const Image<Rgb>& relit, const PixelMask& mask,
-                              const Transfer& transfer, bool clips) {
+                              const Transfer& transfer, bool clips, const Vec3& light) {
     constexpr double wanted = 20000;
     constexpr float dark = 0.05f;  // [1] stored
     const int step = std::max(1, static_cast<int>(std::sqrt(static_cast<double>(photo.size()) / wanted)));
@@ -28,7 +28,7 @@ WhiteBalance white_balance_of(const Image<Rgb>& photo, const Image<Rgb>& relit, 
             seen.push_back(linear(photo(x, y)));
             part.push_back((2 * x > photo.width()) + 2 * (2 * y > photo.height()));
         }
-    return white_balance_beside(expected, seen, part);
+    return white_balance_beside(expected, seen, part, light);
 }
 
 std::string other_white_balances(const CompareReport& report, const std::string& folder) {

@@ -177,7 +177,7 @@ WhiteBalances balance_photographs(Stack& stack, const Survey& surveyed, const Tr
     const float clipped = stack.development  ? stack.development->clipped
                           : stack.bits == 32 ? std::numeric_limits<float>::infinity()
                                              : kClipped;
-    WhiteBalances balances = white_balances(surveyed, transfer, clipped, stack.bits);
+    WhiteBalances balances = white_balances(surveyed, transfer, clipped, stack.bits, stack.lights());
     std::vector<std::string> names;
     for (const StackPhoto& photo : stack.photos) names.push_back(photo.light.name);
     if (stack.colour) {
@@ -188,8 +188,6 @@ WhiteBalances balance_photographs(Stack& stack, const Survey& surveyed, const Tr
                                                                       : std::optional(found->second));
         }
         balances.refer_to(by_chart);
-    } else {
-        balances.leave_lamps_of_many_colours();
     }
     for (std::size_t i = 0; i < stack.photos.size(); ++i) stack.photos[i].light.gain *= balances.gain(i);
     if (std::string warning = warning_of(balances, names, stack.folder.string()); !warning.empty())
