@@ -104,6 +104,30 @@ TEST(TransferEvidence, OfADomeIsRight) {
         }
 }
 
+// Metal shines under high lamps, which then seem the stronger ones: what a curve makes of equal lamps as
+// well. Numbers are those of generated photographs of a ground of gold, stored as sRGB.
+TEST(TransferEvidence, OfLampsIsNotCertainWhereMetalShines) {
+    Stack stack;
+    stack.bits = 16;
+    for (const double z : {0.3, 0.5, 0.7, 0.9}) {
+        stack.photos.emplace_back();
+        stack.photos.back().light.direction.z = static_cast<float>(z);
+    }
+    std::vector<TransferTrial> trials(2);
+    trials[0] = {.transfer = {}, .residual = 0.003, .strength_scatter = 0.01, .strength_trend = 0.9};
+    trials[1] = {.transfer = {Transfer::Kind::srgb},
+                 .residual = 0.0031,
+                 .strength_scatter = 0.01,
+                 .strength_trend = 1.88};
+    weigh(trials, stack);
+    EXPECT_GT(trials[1].probability, 0.05);
+    EXPECT_GT(trials[0].probability, trials[1].probability);
+    // Paint, whose lamps seem alike with one of them, is none such.
+    trials[0].strength_trend = 0.6, trials[1].strength_trend = 0;
+    weigh(trials, stack);
+    EXPECT_GT(trials[1].probability, 0.9);
+}
+
 // Lamps of which the strongest is four times as strong as the weakest are no curve: surfaces are found with
 // their strengths, not as if these were equal.
 TEST(TransferEvidence, OfUnequalLampsIsNoCurve) {
