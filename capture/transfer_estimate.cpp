@@ -20,8 +20,8 @@ constexpr int kCurveSamples = 1500;  // enough: the choice is between a handful 
 // better, lamps of any strength.
 constexpr double kBetterNear = 1.3, kBetterBetween = 1.08, kUnusual = 3;
 // A smooth curve of three numbers is believed only where it fits down to the noise, none of one number does,
-// and it is better by this: gloss, interreflection and near lamps bend what they are seen through as well
-// (real/coin: 1.46 times better, but 3 codes off; it is linear).
+// and it is better by this: gloss, interreflection and near lamps bend what they are seen through as well.
+// Of 336 generated surveys without a tone curve two are taken for one, gilded ones, and that is told.
 constexpr double kBetterCurve = 1.4, kCurveFits = 1.5 / 255;
 // [1] Probability of curves with other slopes from which on the choice is open.
 constexpr double kOpen = 0.1;
