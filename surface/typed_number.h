@@ -17,9 +17,10 @@ struct TypedNumber {
     std::string plain;
 };
 
-// `unit`: what may stand behind it, as "mm"; any other unit is refused, too. A space, a point or a comma
-// between thousands is refused, and so is "1,234", which may be 1.234 or 1234 ("0,125" and "1.234" may not:
-// the program itself writes points).
+// `unit`: what may stand behind it, as "mm" or "mm²" (which is "mm2"); any other unit is refused, too.
+// Blanks, points, commas and apostrophes between thousands are refused, and so is "1,234", which may be 1.234
+// or 1234
+// ("0,125" and "1.234" may not: the program itself writes points).
 TypedNumber typed_number(std::string_view text, std::string_view unit = {});
 
 }  // namespace tangi

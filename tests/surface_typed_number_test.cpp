@@ -8,6 +8,7 @@ namespace tangi {
 namespace {
 
 using testing::HasSubstr;
+using testing::Not;
 
 TEST(TypedNumber, HasAPointOrAComma) {
     for (const auto& [text, value] : {std::pair("120,5", 120.5),
@@ -44,11 +45,25 @@ TEST(TypedNumber, IsNotGuessedWhereItCanBeReadInTwoWays) {
                                        {"12.345.678,9", "write 12345678.9"},
                                        {"1,234", "may be 1.234 or 1234"},
                                        {"-12,500", "may be -12.500 or -12500"},
-                                       {"1 234,5", "marks between thousands"},
-                                       {"1'234", "marks between thousands"}}) {
+                                       {"1 234,5", "write 1234.5"},
+                                       {"1\xe2\x80\xaf"
+                                        "234",
+                                        "write 1234"},
+                                       {"-1'234'567.25", "write -1234567.25"},
+                                       {"1'234", "write 1234"}}) {
         const TypedNumber number = typed_number(text);
         EXPECT_THAT(number.complaint, HasSubstr(remedy)) << text;
         EXPECT_EQ(number.plain, "") << text;
+    }
+}
+
+// Thousands have three digits: what is no group of thousands is no number, and nothing is made of it.
+TEST(TypedNumber, IsNotMadeOfWhatHasMarksAnywhere) {
+    for (const char* text : {"1.5.2", "1,5,2", "1.23.4", "1.234.56", "12 34", "1'5", "0.123.456",
+                             "1234.567.890", "1.234,5,6", "1,5.5", "1..2", "1 2", "12'", "1.234.567,8e3"}) {
+        const TypedNumber number = typed_number(text);
+        EXPECT_THAT(number.complaint, HasSubstr("is not a number")) << text;
+        EXPECT_THAT(number.complaint, Not(HasSubstr("thousands"))) << text;
     }
 }
 
@@ -56,6 +71,9 @@ TEST(TypedNumber, MayHaveItsUnitAndNoOther) {
     EXPECT_EQ(typed_number("120,5 mm", "mm").value, 120.5);
     EXPECT_EQ(typed_number("120,5mm", " mm").value, 120.5);
     EXPECT_EQ(typed_number("45°", "°").value, 45);
+    EXPECT_EQ(typed_number("45 mm2", "mm²").value, 45);
+    EXPECT_EQ(typed_number("45 mm²", "mm2").value, 45);
+    EXPECT_THAT(typed_number("45 mm", "mm²").complaint, HasSubstr("give it in mm²"));
     EXPECT_THAT(typed_number("12 cm", "mm").complaint, HasSubstr("give it in mm"));
     EXPECT_THAT(typed_number("12 cm").complaint, HasSubstr("not a number"));
 }
