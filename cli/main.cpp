@@ -20,6 +20,7 @@
 #include "cli/command.h"
 #include "cli/message_length.h"
 #include "surface/error.h"
+#include "surface/file_name.h"
 #include "surface/json_text.h"
 #include "surface/memory_error.h"
 #include "surface/output_set.h"
@@ -114,8 +115,7 @@ int run(const Command& command, std::span<char*> words, const std::function<nloh
         return ended(kWorldIsWrong, who + in_lasting_words(error.what()));
     } catch (
         const std::filesystem::filesystem_error& error) {  // no permission to look, a name that is too long
-        return ended(kWorldIsWrong,
-                     who + in_lasting_words(error.path1().string() + ": " + error.code().message()));
+        return ended(kWorldIsWrong, who + in_lasting_words(words_of(error)));
     } catch (const std::exception& bug) {
         const char* remedy = name == "fit" ? "; try a part of the picture with --crop" : "";
         if (says_no_memory(bug)) return ended(kWorldIsWrong, who + kNoMemory + remedy);

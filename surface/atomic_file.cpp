@@ -9,6 +9,8 @@
 #include <iterator>
 
 #include "surface/error.h"
+#include "surface/file_name.h"
+#include "surface/json_text.h"
 #include "surface/output_set.h"
 #include "surface/stale_temporaries.h"
 
@@ -80,9 +82,13 @@ fs::path where_links_lead(fs::path path) {
 
 AtomicFile::AtomicFile(fs::path target) : target_(std::move(target)), place_(where_links_lead(target_)) {
     if (target_.filename().empty()) fail("{}: is not a file name", target_.string());
-    if (fs::is_directory(target_)) fail("{}: is a folder; give the name of a file", target_.string());
+    std::error_code unknown;  // a folder that cannot be looked into: making the file says why
+    if (fs::is_directory(target_, unknown))
+        fail("{}: is a folder; give the name of a file", target_.string());
     const fs::path folder = folder_of(place_);
-    if (!fs::is_directory(folder))
+    if (const std::string told = told_of_length(place_); !told.empty())
+        fail("{}: {}", shortened(target_.string()), told);
+    if (!fs::is_directory(folder, unknown) && unknown != std::errc::permission_denied)
         fail("{}: there is no folder {}; make it, or choose another place", target_.string(),
              folder.string());
     tidy_folder(folder);

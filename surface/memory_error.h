@@ -1,11 +1,16 @@
-// memory_error.h: what libraries throw where memory ran out, which is not always std::bad_alloc.
+// memory_error.h: what libraries throw where memory ran out, which is not always std::bad_alloc; and what is
+// said of it.
 #pragma once
 
 #include <cerrno>
 #include <exception>
 #include <new>
+#include <string>
 #include <string_view>
 #include <system_error>
+
+#include "surface/file_name.h"
+#include "surface/stale_temporaries.h"
 
 namespace tangi {
 
@@ -23,6 +28,13 @@ inline bool says_no_memory(const std::exception& error) {
           "Failed to allocate", "nsufficient memory", "ut of memory"})
         if (words.find(part) != std::string_view::npos) return true;
     return false;
+}
+
+// What went wrong, in the words that a person is told: no library's for memory and files, no temporary name.
+inline std::string message_of(const std::exception& error) {
+    if (says_no_memory(error)) return kNoMemory;
+    const auto* of_file = dynamic_cast<const std::filesystem::filesystem_error*>(&error);
+    return in_lasting_names(of_file ? words_of(*of_file) : error.what());
 }
 
 }  // namespace tangi

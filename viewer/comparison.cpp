@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "surface/error.h"
+#include "surface/memory_error.h"
 
 namespace tangi {
 
@@ -114,7 +115,7 @@ void Comparison::work() {
         return;
     } catch (const std::exception& error) {
         const std::lock_guard lock(mutex_);
-        news_.messages.emplace_back(error.what());
+        news_.messages.emplace_back(message_of(error));
         news_.failed = true;
         news_.busy = news_.working = false;
         wake_();
@@ -161,7 +162,7 @@ void Comparison::hold(int index, std::unique_lock<std::mutex>& lock) {
         held = std::make_shared<HeldPhoto>(book_->hold(index, progress([this] { return stop_.load(); })));
     } catch (const Cancelled&) {
     } catch (const std::exception& error) {
-        broken = error.what();
+        broken = message_of(error);
     }
     lock.lock();
     const auto shown = kept(news_.wanted);
@@ -184,7 +185,7 @@ void Comparison::report_to(const std::filesystem::path& folder, std::unique_lock
         book_->write_report(folder, left_out, progress([this] { return stop_ || stop_report_; }));
         message = "wrote " + (folder / "compare.html").string();
     } catch (const std::exception& error) {
-        message = error.what();
+        message = message_of(error);
     }
     lock.lock();
     news_.reporting = false;

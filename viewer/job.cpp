@@ -44,7 +44,7 @@ void Job::run(const std::function<void(const Progress&)>& work) {
     } catch (const Cancelled&) {
         end.cancelled = true;
     } catch (const std::exception& error) {
-        end.error = says_no_memory(error) ? kNoMemory : in_lasting_names(error.what());
+        end.error = message_of(error);
     }
     {
         const std::lock_guard lock(mutex_);

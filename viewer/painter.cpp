@@ -8,6 +8,7 @@
 #include "paint/mixing_board.h"
 #include "paint/tools_file.h"
 #include "surface/error.h"
+#include "surface/memory_error.h"
 #include "surface/stale_temporaries.h"
 
 namespace tangi {
@@ -112,7 +113,7 @@ void Painter::guarded(const std::function<void()>& action) {
     try {
         action();
     } catch (const std::exception& error) {
-        say(error.what());
+        say(message_of(error));
     }
 }
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "surface/error.h"
+#include "surface/memory_error.h"
 #include "surface/surface_part.h"
 #include "viewer/board_picture.h"
 
@@ -68,7 +69,7 @@ SubstratePreview::Seen SubstratePreview::seen(const Wanted& wanted, std::shared_
     } catch (const Cancelled&) {
         return result;
     } catch (const std::exception& error) {
-        result.complaint = error.what();
+        result.complaint = message_of(error);
     }
     return result;
 }
