@@ -117,6 +117,15 @@ bool PanelFonts::complete() {
 
 void PanelFonts::build() {
     ImFontAtlas& atlas = *ImGui::GetIO().Fonts;
+    const bool on_device = atlas.TexID != nullptr;             // which building forgets
+    while (!fill() && !further_.empty()) further_.pop_back();  // a font that cannot be read
+    if (!on_device) return;                                    // the device will ask for it
+    ImGui_ImplOpenGL3_DestroyFontsTexture();
+    ImGui_ImplOpenGL3_CreateFontsTexture();
+}
+
+bool PanelFonts::fill() const {
+    ImFontAtlas& atlas = *ImGui::GetIO().Fonts;
     atlas.Clear();
     ImFontConfig config;
     if (first_.empty()) {
@@ -133,14 +142,7 @@ void PanelFonts::build() {
         merged.FontNo = font.face;
         atlas.AddFontFromFileTTF(font.file.c_str(), std::floor(15 * scale_), &merged, font.ranges.data());
     }
-    if (!atlas.Build() && !further_.empty()) {  // a font that cannot be read
-        further_.clear();
-        build();
-        return;
-    }
-    if (!atlas.TexID) return;  // the device will ask for it
-    ImGui_ImplOpenGL3_DestroyFontsTexture();
-    ImGui_ImplOpenGL3_CreateFontsTexture();
+    return atlas.Build();
 }
 
 }  // namespace tangi

@@ -33,7 +33,8 @@ private:
     };
     void need_character(unsigned character);
     bool has(unsigned character) const;
-    void build();
+    void build();       // the atlas, and the device's texture of it where there is one
+    bool fill() const;  // the atlas, of all typefaces; false where one of them cannot be read
 
     float scale_;
     std::string first_;             // the file; empty: there is none
