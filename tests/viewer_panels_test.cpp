@@ -2,7 +2,7 @@
 // another.
 #include "viewer/panels/panels.h"
 
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 #include <imgui.h>
 #include <imgui_internal.h>
 
@@ -193,6 +193,39 @@ TEST_F(Panels, ADecimalCommaIsOneInASliderToo) {
         EXPECT_NE(complaint->find(why), std::string::npos) << *complaint;
         EXPECT_EQ(complaint->find("Ambient: "), 0u) << *complaint;
     }
+}
+
+TEST_F(Panels, AFieldTakesTheUnitThatItShows) {
+    ImGuiIO& io = ImGui::GetIO();
+    io.KeyMap[ImGuiKey_Enter] = 1;
+    static float value = 0;
+    const auto type = [&](void (*panel)(WindowState&), const char* text) {
+        value = 1;
+        for (const bool down : {false, true, false}) {
+            io.MousePos = {30, 35};
+            io.MouseDown[0] = down;
+            frames(panel);
+        }
+        for (const char* c = text; *c; ++c) io.AddInputCharacter(static_cast<unsigned char>(*c));
+        frames(panel);
+        for (const bool down : {true, false}) {
+            io.KeysDown[1] = down;
+            frames(panel);
+        }
+        return value;
+    };
+    const auto in_label = [](WindowState&) { panels::type_number("Width, mm", value, 1, 1e5, "%.1f"); };
+    const auto in_format = [](WindowState&) { panels::type_number("Width", value, 1, 1e5, "%.1f mm"); };
+    const auto none = [](WindowState&) { panels::type_number("Width", value, 1, 1e5, "%.1f"); };
+    for (void (*panel)(WindowState&) : {+in_label, +in_format}) {
+        EXPECT_EQ(type(panel, "120 mm"), 120);
+        EXPECT_EQ(type(panel, "120,5mm"), 120.5f);
+        EXPECT_FALSE(panels::number_complaint());
+        EXPECT_EQ(type(panel, "12 cm"), 1);
+        EXPECT_THAT(panels::number_complaint().value_or(""), testing::HasSubstr("give it in mm"));
+    }
+    EXPECT_EQ(type(+none, "120 mm"), 1);
+    EXPECT_THAT(panels::number_complaint().value_or(""), testing::HasSubstr("is not a number"));
 }
 
 TEST_F(Panels, ProfileAndStatisticsLieBesideEachOther) {

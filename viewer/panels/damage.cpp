@@ -109,14 +109,23 @@ void drawing(WindowState& s) {
     if (ImGui::Button("Redo##mask")) t.ask.redo = true;
 }
 
+// "smallest patch, mm²" of smallest_patch_mm2.
+std::string option_label(const FieldInfo& info) {
+    std::string label(info.name);
+    const std::string ending = "_" + std::string(info.unit);
+    if (label.ends_with(ending))
+        label.replace(label.size() - ending.size(), ending.size(),
+                      info.unit == "mm2" ? ", mm²" : fmt::format(", {}", info.unit));
+    std::replace(label.begin(), label.end(), '_', ' ');
+    return label;
+}
+
 template <class Options>
 void options_of(Options& options, float scale) {
     Options::fields(options, [&](const FieldInfo& info, auto& value) {
         auto v = static_cast<double>(value);
-        std::string label(info.name);
-        std::replace(label.begin(), label.end(), '_', ' ');
         ImGui::PushItemWidth(90 * scale);
-        if (type_number(label.c_str(), v, info.minimum, info.maximum, "%.3g"))
+        if (type_number(option_label(info).c_str(), v, info.minimum, info.maximum, "%.3g"))
             value = static_cast<std::remove_reference_t<decltype(value)>>(v);
         ImGui::PopItemWidth();
         tip(std::string(info.help));

@@ -60,11 +60,18 @@ std::string shown_label(const char* label) {
     return text.substr(0, text.find("##"));
 }
 
+// The unit that stands in the format, "%.1f mm", or behind a comma in the label, "Width, mm".
+std::string unit_of(const char* label, const NumberFormat& format) {
+    const std::string shown = shown_label(label);
+    const auto comma = shown.rfind(", ");
+    return !format.unit.empty() || comma == std::string::npos ? format.unit : shown.substr(comma + 2);
+}
+
 // What was typed into the field that is left, where it is another number than before.
 std::optional<double> typed_value(const char* label, const NumberFormat& format, double low, double high) {
     const Typing left = std::exchange(typing, {});
     if (left.text == left.begun) return {};
-    const TypedNumber number = typed_number(left.text.data(), format.unit);
+    const TypedNumber number = typed_number(left.text.data(), unit_of(label, format));
     const std::string name = shown_label(label), before = name.empty() ? "" : name + ": ";
     if (!number.complaint.empty()) {
         complaint = before + number.complaint;

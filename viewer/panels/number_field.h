@@ -2,7 +2,8 @@
 //
 // Dear ImGui drops characters that it does not expect, so that "120,5" would become 1205, and takes "12 cm"
 // for 12. Here what was typed is read as a whole (surface/typed_number.h) when the field is left: it is
-// taken, or refused with words and the value stays. All numbers of the panels are typed here.
+// taken, or refused with words and the value stays. All numbers of the panels are typed here. The unit that
+// the field shows, in its format ("%.1f mm") or in its label ("Width, mm"), may be typed behind the number.
 #pragma once
 
 #include <imgui.h>
