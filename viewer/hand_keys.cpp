@@ -52,6 +52,10 @@ void Hand::key(const InputEvent& event) {
         else if (!state_.dropped.empty())
             state_.ask.fit_folder = std::exchange(state_.dropped, {});
     }
+    if (event.code == GLFW_KEY_ESCAPE && state_.help) {
+        state_.help = false;  // which lies over all else
+        return;
+    }
     if (event.code == GLFW_KEY_ESCAPE) {
         state_.ask.stay = state_.finishing.has_value();
         state_.closing = state_.new_canvas.open = false;

@@ -333,7 +333,7 @@ void help(WindowState& s) {
     // What does not fit is scrolled to.
     ImGui::SetNextWindowSizeConstraints(
         {0, 0}, {std::max(screen.x - width(s) - 40, 100.0f), std::max(screen.y - 40, 100.0f)});
-    if (ImGui::Begin("Keys", &s.help,
+    if (ImGui::Begin("Keys (Escape closes this list)###keys", &s.help,
                      ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoSavedSettings |
                          ImGuiWindowFlags_HorizontalScrollbar)) {
         const auto row = [&](const std::string& key, const std::string& text) {
