@@ -12,8 +12,10 @@
 #include "paint/appearance.h"
 #include "paint/canvas_file.h"
 #include "paint/ora_file.h"
+#include "paint/tools_file.h"
 #include "surface/atomic_folder.h"
 #include "surface/error.h"
+#include "surface/overview.h"
 #include "surface/picture_file.h"
 #include "surface/relight.h"
 #include "surface/viewing_exposure.h"
@@ -127,12 +129,18 @@ nlohmann::json export_maps(const ExportArguments& a, const Surface& surface, con
                          [&](const fs::path& folder) { write_maps(folder, surface, progress); });
 }
 
-nlohmann::json export_ora(const ExportArguments& a, const Canvas& canvas, const Progress& progress) {
+// `tools`: instead of those in the file, with the canvas, on which more has been painted since.
+nlohmann::json export_ora(const ExportArguments& a, const Canvas& canvas,
+                          const std::vector<PartToWrite>* tools, const Progress& progress) {
     if (lower_extension(a.out) != ".ora") fail("--out {}: --to ora writes an .ora file", a.out);
     refuse_to_overwrite(a.out, {a.painting});
     AtomicFile file(a.out);
     std::vector<PartToWrite> further;
     if (fs::exists(a.painting)) further = parts_beside_paint(a.painting, progress);
+    if (tools) {
+        std::erase_if(further, is_overview);  // of what was saved
+        further = with_tools(std::move(further), *tools);
+    }
     write_ora(file, canvas, progress, further);
     return {{"files", {a.out}}};
 }
@@ -195,8 +203,9 @@ void refuse_useless(const ExportArguments& a) {
         refuse_typed(a.typed(), {"--largest-page-mb"}, "is of a page of one file: --out PAGE.html");
 }
 
-nlohmann::json export_canvas(const ExportArguments& a, const Canvas& canvas, const Progress& progress) {
-    return a.to == "ora" ? export_ora(a, canvas, progress) : export_layers(a, canvas, progress);
+nlohmann::json export_canvas(const ExportArguments& a, const Canvas& canvas,
+                             const std::vector<PartToWrite>* tools, const Progress& progress) {
+    return a.to == "ora" ? export_ora(a, canvas, tools, progress) : export_layers(a, canvas, progress);
 }
 
 // What is written of a painting as it looks, and for maps also in millimetres where a scale was given.
@@ -218,19 +227,20 @@ bool is_of_layers(const ExportArguments& a) { return a.to == "ora" || a.to == "l
 nlohmann::json run_export(const ExportArguments& a) {
     const Progress progress = console_progress();
     refuse_useless(a);
-    if (is_of_layers(a)) return export_canvas(a, read_canvas(a.painting, progress), progress);
+    if (is_of_layers(a)) return export_canvas(a, read_canvas(a.painting, progress), nullptr, progress);
     return export_surface(a, *seen(a, read_canvas(a.painting, progress), progress), progress);
 }
 
 }  // namespace
 
-nlohmann::json export_canvas(const Canvas& canvas, const fs::path& painting, const std::string& format,
-                             const fs::path& out, const Progress& progress) {
+nlohmann::json export_canvas(const Canvas& canvas, const std::vector<PartToWrite>& tools,
+                             const fs::path& painting, const std::string& format, const fs::path& out,
+                             const Progress& progress) {
     ExportArguments a;
     a.painting = painting.string();
     a.to = format;
     a.out = out.string();
-    if (is_of_layers(a)) return export_canvas(a, canvas, progress);
+    if (is_of_layers(a)) return export_canvas(a, canvas, &tools, progress);
     return export_surface(a, *seen(a, canvas, progress), progress);
 }
 

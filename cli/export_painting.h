@@ -4,17 +4,19 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <vector>
 
 #include "paint/canvas.h"
+#include "surface/painting_parts.h"
 #include "surface/progress.h"
 
 namespace tangi {
 
-// As `tangipaint export PAINTING --to FORMAT --out OUT` of what is on the canvas, which is that of the
-// painting with what was not saved yet; the painting's file need not be there. Throws Error, UsageError,
-// Cancelled.
-nlohmann::json export_canvas(const Canvas& canvas, const std::filesystem::path& painting,
-                             const std::string& format, const std::filesystem::path& out,
-                             const Progress& progress);
+// What `tangipaint export PAINTING --to FORMAT --out OUT` would write if the painting were saved as it is
+// now: what is on the canvas, and the palette and brush (tools_file.h). The painting's file need not be
+// there. Throws Error, UsageError, Cancelled.
+nlohmann::json export_canvas(const Canvas& canvas, const std::vector<PartToWrite>& tools,
+                             const std::filesystem::path& painting, const std::string& format,
+                             const std::filesystem::path& out, const Progress& progress);
 
 }  // namespace tangi

@@ -41,6 +41,17 @@ PartToWrite part_of(const Brush& brush, Place place) {
     return part;
 }
 
+// A canvas shares its tiles with its copies until they change.
+PartToWrite part_of(const Canvas& board) {
+    const auto kept = std::make_shared<const Canvas>(board);
+    PartToWrite part = part_of(kPalette, kept->wet());
+    add_ingredients(part.info, kept->ingredients());
+    part.fill = [kept, fill = std::move(part.fill)](int y0, int y1, std::span<float* const> planes) {
+        fill(y0, y1, planes);
+    };
+    return part;
+}
+
 Canvas read_board(const fs::path& path, const PartInfo& info, double mm_per_pixel, const Progress& progress) {
     Canvas board = make_board({info.width * mm_per_pixel, info.height * mm_per_pixel}, mm_per_pixel);
     read_ingredients(path, info, board);
@@ -128,16 +139,23 @@ ReadBrush read_brush(const fs::path& path, const PartInfo& info, const Canvas& p
 
 }  // namespace
 
-std::vector<PartToWrite> with_tools(std::vector<PartToWrite> beside, const Session& session) {
+std::vector<PartToWrite> tools_of(const Session& session) {
+    std::vector<PartToWrite> tools;
+    if (session.board()) tools.push_back(part_of(*session.board()));
+    if (session.brush()) tools.push_back(part_of(*session.brush(), session.brush_place()));
+    return tools;
+}
+
+std::vector<PartToWrite> with_tools(std::vector<PartToWrite> beside, const std::vector<PartToWrite>& tools) {
     std::erase_if(beside, [](const PartToWrite& part) {
         return part.info.name == kPalette || part.info.name == kBrush;
     });
-    if (const Canvas* board = session.board()) {
-        beside.push_back(part_of(kPalette, board->wet()));
-        add_ingredients(beside.back().info, board->ingredients());
-    }
-    if (session.brush()) beside.push_back(part_of(*session.brush(), session.brush_place()));
+    beside.insert(beside.end(), tools.begin(), tools.end());
     return beside;
+}
+
+std::vector<PartToWrite> with_tools(std::vector<PartToWrite> beside, const Session& session) {
+    return with_tools(std::move(beside), tools_of(session));
 }
 
 void read_tools(const fs::path& path, Session& session, const Progress& progress) {

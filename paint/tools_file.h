@@ -16,8 +16,11 @@
 
 namespace tangi {
 
-// The parts to write beside the painting: those of `beside` that are something else, and the session's tools,
-// which must not change until they are written.
+// The session's palette and brush as they are now: it may go on.
+std::vector<PartToWrite> tools_of(const Session& session);
+
+// The parts to write beside the painting: those of `beside` that are something else, and these tools.
+std::vector<PartToWrite> with_tools(std::vector<PartToWrite> beside, const std::vector<PartToWrite>& tools);
 std::vector<PartToWrite> with_tools(std::vector<PartToWrite> beside, const Session& session);
 
 // Gives a session, in which nothing was painted yet, the palette and the brush in a painting file; nothing

@@ -130,5 +130,26 @@ TEST_F(Window, ExportsWhatWasNotSavedYet) {
     EXPECT_FALSE(fs::exists(folder_ / "small.unsaved.jsonl"));
 }
 
+// The brush and the palette with it: as if it had been saved and exported by the command, byte for byte.
+TEST_F(Window, ExportsToOpenRasterWhatSavingWouldWrite) {
+    start();
+    paint_a_stroke();
+    screen_->key("ctrl+s");
+    screen_->settled();
+    screen_->drag(1, {kMiddleX - 100, kMiddleY - 100}, {kMiddleX + 100, kMiddleY - 90});  // since then
+    screen_->settled();
+    click(kExport);
+    click(kOpenRaster);
+    screen_->key("Return");
+    EXPECT_TRUE(Screen::until([&] { return fs::exists(folder_ / "small.ora"); }));
+    screen_->key("ctrl+s");
+    screen_->settled();
+    EXPECT_EQ(close().code, 0);
+    const std::string by_command = (folder_ / "command.ora").string();
+    ASSERT_EQ(tangipaint({"export", painting_.string(), "--to", "ora", "--out", by_command}).code, 0);
+    EXPECT_THAT(bytes_of(by_command), testing::HasSubstr("rotation_rad")) << "of the brush";
+    EXPECT_TRUE(bytes_of(folder_ / "small.ora") == bytes_of(by_command));
+}
+
 }  // namespace
 }  // namespace tangi

@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 
 #include "paint/canvas_file.h"
+#include "paint/tools_file.h"
 #include "surface/error.h"
+#include "surface/memory_error.h"
 #include "surface/output_set.h"
 #include "viewer/settings.h"
 #include "viewer/treatment_desk.h"
@@ -66,8 +68,8 @@ void Desk::shows(const Painter& painter) {
 void Desk::remember(const fs::path& file) {
     try {
         remember_painting(setup_.settings, file);
-    } catch (const Error& error) {
-        setup_.say(error.what());  // one can paint all the same
+    } catch (const std::exception& error) {
+        setup_.say(message_of(error));  // one can paint all the same
     }
     state_.recent = recent_paintings(setup_.settings);
 }
@@ -123,17 +125,26 @@ void Desk::fit(const fs::path& chosen) {
 
 // With what is on the canvas at this moment.
 void Desk::write_as(const ExportFormat& format, const fs::path& out, Painter& painter) {
-    auto canvas = std::make_shared<std::optional<Canvas>>();
+    struct Now {
+        std::optional<Canvas> canvas;
+        std::vector<PartToWrite> tools;
+    };
+    auto now = std::make_shared<Now>();
     // The painter may be gone before the job runs; it does first what it was asked for.
-    std::shared_future<void> looked =
-        painter.look([canvas](const Surface&, const Canvas& now) { canvas->emplace(now); }).share();
-    const bool started = start(
-        "exporting " + out.filename().string(),
-        [this, &format, out, canvas, looked, file = painter.file()](const Progress& progress) {
-            looked.get();
-            std::string said = setup_.workshop.export_canvas(**canvas, file, format.format, out, progress);
-            written_ = {out, in_panel_words(said)};
-        });
+    std::shared_future<void> looked = painter
+                                          .look_at_session([now](const Session& session) {
+                                              now->canvas.emplace(session.canvas());
+                                              now->tools = tools_of(session);
+                                          })
+                                          .share();
+    const bool started =
+        start("exporting " + out.filename().string(),
+              [this, &format, out, now, looked, file = painter.file()](const Progress& progress) {
+                  looked.get();
+                  std::string said = setup_.workshop.export_canvas(*now->canvas, now->tools, file,
+                                                                   format.format, out, progress);
+                  written_ = {out, in_panel_words(said)};
+              });
     if (started) writes_ = true;
 }
 

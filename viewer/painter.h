@@ -126,6 +126,8 @@ public:
     std::future<void> change(std::function<void(Canvas&)> work);
     // The painting as it is, to look at.
     std::future<void> look(std::function<void(const Surface& seen, const Canvas& canvas)> work);
+    // The same, with the palette and the brush.
+    std::future<void> look_at_session(std::function<void(const Session& session)> work);
     // Shows the painting as `view` makes it of what it is, until something else is shown or it is changed by
     // change(). Empty: as it is.
     void show_as(std::function<Canvas(const Canvas&)> view);

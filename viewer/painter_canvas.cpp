@@ -145,11 +145,16 @@ std::future<void> Painter::change(std::function<void(Canvas&)> work) {
 }
 
 std::future<void> Painter::look(std::function<void(const Surface&, const Canvas&)> work) {
+    return look_at_session(
+        [this, work = std::move(work)](const Session& session) { work(surface(), session.canvas()); });
+}
+
+std::future<void> Painter::look_at_session(std::function<void(const Session&)> work) {
     auto promise = std::make_shared<std::promise<void>>();
     post([this, promise, work = std::move(work)] {
         try {
             end_stroke();
-            work(surface(), session_.canvas());
+            work(session_);
             promise->set_value();
         } catch (...) {
             promise->set_exception(std::current_exception());

@@ -6,8 +6,10 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "paint/canvas.h"
+#include "surface/painting_parts.h"
 #include "surface/surface.h"
 #include "viewer/photo_book.h"
 
@@ -26,11 +28,12 @@ struct Workshop {
     std::function<std::string(const std::filesystem::path& photographs, const std::filesystem::path& out,
                               const Progress& progress)>
         fit{};
-    // Writes what is on the canvas of the painting in `file` in a format of `tangipaint export --to` to
-    // `out`; what is to be said about it, or nothing. Throws Error, Cancelled.
-    std::function<std::string(const Canvas& canvas, const std::filesystem::path& file,
-                              const std::string& format, const std::filesystem::path& out,
-                              const Progress& progress)>
+    // Writes what is on the canvas of the painting in `file`, with the palette and brush (tools_file.h), in a
+    // format of `tangipaint export --to` to `out`; what is to be said about it, or nothing. Throws Error,
+    // Cancelled.
+    std::function<std::string(const Canvas& canvas, const std::vector<PartToWrite>& tools,
+                              const std::filesystem::path& file, const std::string& format,
+                              const std::filesystem::path& out, const Progress& progress)>
         export_canvas{};
 };
 
