@@ -155,6 +155,51 @@ TEST(FileDialog, UnderstandsWhatIsTyped) {
     EXPECT_NE(choice(Wants::folder_or_file, "a.txt").complaint, "");
 }
 
+TEST(FileDialog, TakesNamesAsDesktopsDo) {
+    using panels::FileDialog;
+    using Wants = FileDialog::Wants;
+    TestDir folder;
+    fs::create_directories(folder / "here/sub");
+    write_text_file(folder / "here/ led.exr", "x");
+    const std::string home = std::getenv("HOME") ? std::getenv("HOME") : "";
+    ::setenv("HOME", folder.path().c_str(), 1);
+    const auto choice = [&](Wants wants, const std::string& typed) {
+        return FileDialog::choice(wants, ".exr", folder / "here", typed);
+    };
+    EXPECT_EQ(choice(Wants::new_file, " lead.exr ").path, folder / "here/lead.exr");
+    EXPECT_EQ(choice(Wants::new_file, "lead \t").path, folder / "here/lead.exr");
+    EXPECT_EQ(choice(Wants::new_file, "sub/ x").path, folder / "here/sub/ x.exr") << "within it they count";
+    EXPECT_EQ(choice(Wants::file, " led.exr").path, folder / "here/ led.exr") << "it is there";
+    EXPECT_EQ(choice(Wants::new_file, " led.exr").path, folder / "here/ led.exr");
+    EXPECT_EQ(choice(Wants::new_file, "~/h.exr").path, folder / "h.exr");
+    EXPECT_EQ(choice(Wants::new_folder, "~/report").path, folder / "report");
+    EXPECT_EQ(choice(Wants::new_file, "../up").path, folder / "up.exr");
+    // Folders that one goes to.
+    for (const auto& [typed, at] : {std::pair("..", folder.path()),
+                                    {" .. ", folder.path()},
+                                    {"../", folder.path()},
+                                    {".", folder / "here"},
+                                    {"sub/", folder / "here/sub"},
+                                    {"~", folder.path()},
+                                    {"~/", folder.path()}}) {
+        const auto chosen = choice(Wants::new_file, typed);
+        EXPECT_EQ(chosen.path, at / "") << typed;
+        EXPECT_EQ(choice(Wants::folder, typed).path, at) << typed;
+    }
+    EXPECT_THAT(choice(Wants::new_file, "nowhere/").complaint, testing::HasSubstr("no such folder"));
+    for (const char* none : {"...", ".exr", ".EXR", ".png", "sub/.exr"})
+        EXPECT_THAT(choice(Wants::new_file, none).complaint, testing::HasSubstr("needs a name")) << none;
+    EXPECT_EQ(choice(Wants::new_file, "   ").complaint, "type or click a name");
+    for (const std::size_t length : {230, 255, 256, 5000}) {
+        const std::string name(length, 'n');
+        for (const Wants wants : {Wants::new_file, Wants::new_folder})
+            if (wants == Wants::new_file || length > 240)
+                EXPECT_THAT(choice(wants, name).complaint, testing::HasSubstr("the name is too long"))
+                    << length;
+    }
+    ::setenv("HOME", home.c_str(), 1);
+}
+
 TEST(SettingsFile, KeepsWhatSomebodyElseMadeOfIt) {
     const TestDir dir;
     const auto path = dir / "keys.json";

@@ -42,6 +42,7 @@ private:
     std::string seen_now(const Placement& place) const;
     void news();
     void requests();
+    void do_requests(const WindowState::Requests& ask);
     void loupe(const Scene& scene);
     void warm_up();
     void warm_up_table();

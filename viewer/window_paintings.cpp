@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include "surface/error.h"
+#include "surface/memory_error.h"
 #include "viewer/file_ending.h"
 #include "viewer/settings.h"
 #include "viewer/window_app.h"
@@ -124,10 +125,6 @@ void WindowApp::preview_canvas() {
 // Why a canvas of this name, size and ground cannot be begun now; empty where it can.
 std::string WindowApp::against_canvas(const fs::path& file) const {
     const NewCanvas& n = state_.new_canvas;
-    if (n.name.empty() || n.name.find('/') != std::string::npos) return "the file needs a name, without '/'";
-    // Its journal and what is written before it is whole have longer ones.
-    constexpr std::size_t kLongestName = 200;
-    if (n.name.size() > kLongestName) return "the file's name is too long";
     std::error_code unknown;
     if (fs::exists(file, unknown))
         return fmt::format("{} is there already: choose another name", file.filename().string());
@@ -142,14 +139,16 @@ std::string WindowApp::against_canvas(const fs::path& file) const {
         if (fs::exists(kept_substrate(substrate_shelf(), n.choice.keep_as)))
             return fmt::format("a ground is kept as '{}' already: choose another name", n.choice.keep_as);
     } catch (const std::exception& error) {
-        return error.what();
+        return message_of(error);
     }
     return {};
 }
 
 void WindowApp::begin_canvas() {
     NewCanvas& n = state_.new_canvas;
-    const auto [file, complaint] = with_ending(n.folder / n.name, ".exr");
+    const bool is_path = n.name.find('/') != std::string::npos || n.name == "~";
+    const auto [file, complaint] = is_path ? NamedFile{{}, "the file needs a name, without '/'"}
+                                           : with_ending(typed_path(n.folder, n.name), ".exr");
     n.complaint = file.empty() ? complaint : against_canvas(file);
     if (!n.complaint.empty()) return;
     n.open = false;

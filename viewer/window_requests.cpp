@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "surface/error.h"
+#include "surface/memory_error.h"
 #include "surface/picture_file.h"
 #include "viewer/sweep.h"
 #include "viewer/window_app.h"
@@ -33,7 +34,7 @@ void WindowApp::find_left_over(const std::filesystem::path& file) {
     try {
         left_over_ = left_over(sitting_files(file));
     } catch (const std::exception& error) {
-        say(error.what());  // one can look at the painting all the same
+        say(message_of(error));  // one can look at the painting all the same
     }
     if (!left_over_) return;
     if (left_over_->lines_lost > 0)
@@ -268,12 +269,21 @@ void WindowApp::keep_keys() {
         state_.keys.write(keys_file_.path());
         keys_file_.is_written();
     } catch (const std::exception& error) {
-        say(error.what());  // they hold until the window closes
+        say(message_of(error));  // they hold until the window closes
     }
 }
 
+// What the file system says of a place (a name too long, a folder that cannot be looked into) is no reason to
+// end.
 void WindowApp::requests() {
-    WindowState::Requests ask = std::exchange(state_.ask, {});
+    try {
+        do_requests(std::exchange(state_.ask, {}));
+    } catch (const std::filesystem::filesystem_error& error) {
+        say(message_of(error));
+    }
+}
+
+void WindowApp::do_requests(const WindowState::Requests& ask) {
     if (comes_after_strokes(ask, state_.treating.ask)) hand_->end_stroke();
     dialogs(ask);
     desk_->take(ask, *painter_);

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "surface/file_name.h"
 #include "surface/picture_file.h"
 #include "viewer/file_ending.h"
 
@@ -28,7 +29,7 @@ FileDialog::FileDialog(std::string title, Wants wants, std::string ending, const
     : title_(std::move(title)), ending_(std::move(ending)), wants_(wants), chosen_(std::move(chosen)) {
     std::error_code gone;
     const fs::path at = fs::absolute(start.empty() ? fs::path(".") : start, gone).lexically_normal();
-    if (wants == Wants::new_file) typed_ = at.filename().string();
+    if (wants == Wants::new_file) typed_ = name_ = at.filename().string();
     go_to(fs::is_directory(at, gone) ? at : at.parent_path());
 }
 
@@ -56,23 +57,17 @@ void FileDialog::go_to(const fs::path& folder) {
 FileDialog::Choice FileDialog::choice(Wants wants, const std::string& ending, const fs::path& folder,
                                       const std::string& typed) {
     const bool is_named = wants == Wants::file || wants == Wants::new_file;
-    if (typed.empty()) return is_named ? Choice{{}, "type or click a name", false} : Choice{folder, "", true};
-    fs::path path = typed.starts_with('/') ? fs::path(typed) : folder / typed;
+    if (typed.find_first_not_of(' ') == std::string::npos)
+        return is_named ? Choice{{}, "type or click a name", false} : Choice{folder, "", true};
+    fs::path path = typed_path(folder, typed);
+    if (wants == Wants::new_file) return new_file(path, ending);
+    if (!path.has_filename() && path.has_relative_path()) path = path.parent_path();  // "photos/"
     std::error_code gone;
-    if (wants == Wants::new_file) {
-        const NamedFile named = with_ending(path, ending);
-        if (named.path.empty()) return {{}, named.complaint, false};
-        path = named.path;
-        // A page and the same as PDF are written side by side: the page is what it is called by.
-        if (lower_extension(path) == ".pdf") path.replace_extension(".html");
-        if (fs::is_directory(path, gone)) return {{}, "that is a folder", true};
-        if (!fs::is_directory(path.parent_path(), gone)) return {{}, "there is no such folder", false};
-        return {path, "", fs::exists(path, gone)};
-    }
     if (!fs::exists(path, gone)) {
-        if (wants == Wants::new_folder && fs::is_directory(path.parent_path(), gone))
-            return {path, "", false};
-        return {{}, "there is no such file or folder", false};
+        if (wants != Wants::new_folder || !fs::is_directory(path.parent_path(), gone))
+            return {{}, "there is no such file or folder", false};
+        const std::string told = told_of_length(path);
+        return told.empty() ? Choice{path, "", false} : Choice{{}, told, false};
     }
     const bool is_folder = fs::is_directory(path, gone);
     if ((wants == Wants::folder || wants == Wants::new_folder) && !is_folder)
@@ -82,14 +77,28 @@ FileDialog::Choice FileDialog::choice(Wants wants, const std::string& ending, co
     return {path, "", true};
 }
 
+FileDialog::Choice FileDialog::new_file(const fs::path& typed, const std::string& ending) {
+    std::error_code gone;
+    if (!typed.has_filename())
+        return fs::is_directory(typed, gone) ? Choice{typed, "", true}
+                                             : Choice{{}, "there is no such folder", false};
+    auto [path, complaint] = with_ending(typed, ending);
+    if (path.empty()) return {{}, complaint, false};
+    // A page and the same as PDF are written side by side: the page is what it is called by.
+    if (lower_extension(path) == ".pdf") path.replace_extension(".html");
+    if (fs::is_directory(path, gone)) return {{}, "that is a folder", true};
+    if (!fs::is_directory(path.parent_path(), gone)) return {{}, "there is no such folder", false};
+    return {path, "", fs::exists(path, gone)};
+}
+
 bool FileDialog::accept() {
     const Choice choice = FileDialog::choice(wants_, ending_, folder_, typed_);
     std::error_code gone;
     complaint_ = choice.complaint;
     if (choice.path.empty()) return false;
-    if (wants_ == Wants::file && fs::is_directory(choice.path, gone)) {
+    if ((wants_ == Wants::file || wants_ == Wants::new_file) && fs::is_directory(choice.path, gone)) {
         go_to(choice.path);
-        typed_.clear();
+        typed_ = name_;
         return false;
     }
     if (wants_ == Wants::new_file && choice.exists && overwrites_ != choice.path.string()) {

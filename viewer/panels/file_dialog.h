@@ -35,8 +35,8 @@ public:
     // False once it is over: chosen, or given up.
     bool draw();
 
-    // What choosing `typed` in `folder` means: an existing file, a folder, a new file with its ending; or why
-    // not (then `path` is empty).
+    // What choosing `typed` in `folder` means (typed_path()): an existing file, a folder, a new file with its
+    // ending; or why not (then `path` is empty). Of Wants::new_file a folder is one to go to.
     struct Choice {
         std::filesystem::path path;
         std::string complaint;
@@ -46,12 +46,14 @@ public:
                          const std::string& typed);
 
 private:
+    static Choice new_file(const std::filesystem::path& typed, const std::string& ending);
     void go_to(const std::filesystem::path& folder);
     bool accept();
 
     bool takes_folders() const { return wants_ != Wants::file && wants_ != Wants::new_file; }
 
     std::string title_, ending_, typed_, complaint_;
+    std::string name_;  // that a new file has to begin with
     Wants wants_;
     std::filesystem::path folder_;
     std::vector<std::string> folders_, files_;
