@@ -4,6 +4,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 
@@ -48,42 +49,62 @@ void AppendFile::require_own_length() const {
         fail("{}: was changed by another program meanwhile", path_.string());
 }
 
+void AppendFile::write_at(std::uint64_t offset, std::string_view bytes) const {
+    for (auto at = static_cast<off_t>(offset); !bytes.empty();) {
+        const ssize_t written = ::pwrite(file_, bytes.data(), bytes.size(), at);
+        if (written < 0 && errno == EINTR) continue;
+        if (written <= 0) cannot_be_written(path_, written == 0 ? ENOSPC : errno);
+        bytes.remove_prefix(static_cast<std::size_t>(written));
+        at += written;
+    }
+}
+
 void AppendFile::append(std::string_view record) {
     if (has_rest_ && !cut_rest()) cannot_be_written(path_, errno);
     require_own_length();
     has_rest_ = true;
-    auto at = static_cast<off_t>(length_);
-    for (std::string_view left = record; !left.empty();) {
-        const ssize_t written = ::pwrite(file_, left.data(), left.size(), at);
-        if (written < 0 && errno == EINTR) continue;
-        if (written <= 0) {
-            const int reason = written == 0 ? ENOSPC : errno;
-            cut_rest();
-            cannot_be_written(path_, reason);
-        }
-        left.remove_prefix(static_cast<std::size_t>(written));
-        at += written;
+    try {
+        write_at(length_, record);
+    } catch (const Error&) {
+        cut_rest();
+        throw;
     }
     length_ += record.size();
+    unsynced_ += record;
     has_rest_ = false;
 }
 
 void AppendFile::append_synced(std::string_view record) {
     const std::uint64_t before = length_;
     append(record);
-    if (::fsync(file_) == 0) return;
-    const int reason = errno;
-    length_ = before;
-    cut_rest();
-    cannot_be_written(path_, reason);
+    try {
+        sync();
+    } catch (const Error&) {
+        unsynced_.resize(unsynced_.size() - record.size());
+        length_ = before;
+        cut_rest();
+        throw;
+    }
 }
 
 void AppendFile::sync() {
-    if (::fdatasync(file_) != 0) cannot_be_written(path_, errno);
+    if (is_in_doubt_) {
+        require_own_length();
+        write_at(length_ - unsynced_.size(), unsynced_);
+    }
+    if (::fdatasync(file_) != 0) {
+        const int reason = errno;
+        is_in_doubt_ = true;
+        cannot_be_written(path_, reason);
+    }
+    is_in_doubt_ = false;
+    unsynced_.clear();
 }
 
 void AppendFile::cut(std::uint64_t length) {
     TP_REQUIRE(length <= length_, "what was not written cannot be kept");
+    const std::uint64_t less = std::min<std::uint64_t>(length_ - length, unsynced_.size());
+    unsynced_.resize(unsynced_.size() - static_cast<std::size_t>(less));
     length_ = length;
     if (!cut_rest()) cannot_be_written(path_, errno);
 }

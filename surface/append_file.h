@@ -6,6 +6,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <string>
 #include <string_view>
 
 namespace tangi {
@@ -32,7 +33,9 @@ public:
     void append(std::string_view record);
     // The same, and it is on the disk: a record of which that is not known is cut off again.
     void append_synced(std::string_view record);
-    // That what was appended survives a crash of the machine. Throws Error naming the file.
+    // That what was appended survives a crash of the machine. Throws Error naming the file. After a sync that
+    // failed the system may have dropped what it did not get onto the disk, and says nothing of it the next
+    // time: all that was appended since the last good one is written again first.
     void sync();
     // The file is as long as this from now on, and no longer than it was. Throws Error naming the file; then
     // it is tried again before the next record.
@@ -41,11 +44,14 @@ public:
 private:
     void require_own_length() const;
     bool cut_rest();
+    void write_at(std::uint64_t offset, std::string_view bytes) const;  // throws Error
 
     std::filesystem::path path_;
     int file_ = -1;
     std::uint64_t length_ = 0;
-    bool has_rest_ = false;  // something that does not count may follow the records
+    bool has_rest_ = false;     // something that does not count may follow the records
+    std::string unsynced_;      // the end of the records, of which it is not known that the disk has it
+    bool is_in_doubt_ = false;  // whether the file has it
 };
 
 }  // namespace tangi

@@ -2,13 +2,62 @@
 // off.
 #include "surface/append_file.h"
 
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cstdlib>
 
 #include "tests/test_support.h"
 
+namespace {
+// A disk that fails a sync and drops what it was to keep: of `lost_of`, all beyond `kept` bytes reads as
+// zeros.
+struct FailingDisk {
+    const char* lost_of = nullptr;
+    off_t kept = 0;
+} failing_disk;
+}  // namespace
+
+// In place of the C library's.
+extern "C" int fdatasync(int file) {
+    if (!failing_disk.lost_of) return ::fsync(file);
+    const int same = ::open(failing_disk.lost_of, O_WRONLY);
+    struct stat status = {};
+    ::fstat(same, &status);
+    const off_t length = status.st_size;
+    if (::ftruncate(same, failing_disk.kept) != 0 || ::ftruncate(same, length) != 0) std::abort();
+    ::close(same);
+    failing_disk.lost_of = nullptr;
+    errno = EIO;
+    return -1;
+}
+
 namespace tangi {
 namespace {
+
+TEST(AppendFile, WhatAFailedSyncDroppedIsWrittenAgain) {
+    const TestDir dir;
+    const auto path = dir / "a.jsonl";
+    AppendFile file(path);
+    file.append("first\n");
+    file.sync();
+    file.append("second\n");
+    failing_disk = {path.c_str(), 6};
+    EXPECT_THAT(error_of([&] { file.sync(); }), testing::HasSubstr("a.jsonl: cannot be written"));
+    EXPECT_EQ(bytes_of(path), "first\n" + std::string(7, '\0'));
+    file.append("third\n");
+    file.sync();
+    EXPECT_EQ(bytes_of(path), "first\nsecond\nthird\n");
+    // A record that was to be on the disk is not in the file, and those before it are.
+    file.append("4th\n");
+    failing_disk = {path.c_str(), 19};
+    EXPECT_THAT(error_of([&] { file.append_synced("fifth\n"); }), testing::HasSubstr("cannot be written"));
+    file.append_synced("sixth\n");
+    EXPECT_EQ(bytes_of(path), "first\nsecond\nthird\n4th\nsixth\n");
+}
 
 TEST(AppendFile, AWriteThatBreaksOffLeavesNothing) {
     const TestDir dir;
