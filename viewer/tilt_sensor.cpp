@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "surface/error.h"
+#include "surface/memory_error.h"
 
 namespace tangi {
 
@@ -122,7 +123,7 @@ struct TiltSensor::Impl {
             try {
                 next.acceleration = accelerometer.read();
             } catch (const std::exception& error) {
-                next.lost = error.what();
+                next.lost = message_of(error);
             }
             lock.lock();
             news = next;

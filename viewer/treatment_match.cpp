@@ -6,6 +6,7 @@
 #include "paint/retouch/paint_media.h"
 #include "paint/retouch/recipe_json.h"
 #include "surface/error.h"
+#include "surface/memory_error.h"
 #include "viewer/treatment_desk.h"
 
 namespace tangi {
@@ -164,7 +165,7 @@ void TreatmentDesk::change_pairs(const Treating::Ask& ask) {
         write_pigment_pairs(pairs_file_.path(), *pairs_);
         pairs_file_.is_written();
     } catch (const std::exception& error) {
-        setup_.say(error.what());  // it holds until the window closes
+        setup_.say(message_of(error));  // it holds until the window closes
     }
 }
 

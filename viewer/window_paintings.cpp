@@ -25,8 +25,10 @@ std::size_t memory_bytes() {
 
 // Where strokes are not saved, asks first.
 void WindowApp::open_when_allowed(const fs::path& file) {
-    if (state_.painter.unsaved || state_.left_over_strokes > 0 || state_.treating.edits > 0) {
-        if (state_.left_over_strokes > 0)
+    // Those of another painting stay where they are: it may be that one which is opened.
+    const bool asks = state_.left_over_strokes > 0 && !state_.left_over_of_another;
+    if (state_.painter.unsaved || asks || state_.treating.edits > 0) {
+        if (asks)
             say("first recover or put aside the strokes of the last sitting");
         else
             state_.closing = true;
