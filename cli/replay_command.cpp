@@ -7,6 +7,7 @@
 #include "cli/substrate_arguments.h"
 #include "cli/time_lapse.h"
 #include "paint/canvas_file.h"
+#include "paint/retouch/confining_mask.h"
 #include "paint/session.h"
 #include "paint/tools_file.h"
 #include "surface/error.h"
@@ -68,6 +69,7 @@ nlohmann::json run_replay(const ReplayArguments& a) {
     std::optional<AtomicFile> board;
     if (!a.board.empty()) board.emplace(a.board);
     Session session(canvas_of(a, progress), a.palette.empty() ? artist_acrylics() : read_palette(a.palette));
+    session.masks_from(masks_beside(strokes, session.canvas().width(), session.canvas().height()));
     if (!a.substrate.given()) read_tools(a.files.front(), session, progress);
     if (!session.canvas().dry().scale_known && !a.mm_per_pixel && session.canvas().mm_per_pixel() == 1)
         warnings.push_back(fmt::format(

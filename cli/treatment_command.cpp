@@ -8,6 +8,7 @@
 #include "cli/command_list.h"
 #include "cli/treatment_arguments.h"
 #include "paint/appearance.h"
+#include "paint/retouch/confining_mask.h"
 #include "paint/retouch/treatment_area.h"
 #include "paint/retouch/treatment_picture.h"
 #include "paint/retouch/treatment_report.h"
@@ -66,17 +67,31 @@ json status(const Treatment& treatment) {
 json check(const Treatment& treatment, const Progress& progress) {
     std::vector<std::string> faults = treatment.check(progress);
     for (std::string& fault : strokes_that_cannot_be_repeated(treatment)) faults.push_back(std::move(fault));
+    StrokesRepeated repeated;
+    if (faults.empty()) repeated = repeat_strokes(treatment, treatment.read_canvas(progress), progress);
+    for (std::string& fault : repeated.faults) faults.push_back(std::move(fault));
     for (const std::string& fault : faults) warn(fault);
     if (!faults.empty())
         fail("{}: {} of what the log says is not so; the first: {}", treatment.folder().string(),
              faults.size(), faults.front());
     json result = status(treatment);
     result["checked"] = true;
+    result["strokes"] = {{"painted_again", repeated.painted_again}, {"not_painted_again", repeated.left_out}};
     std::vector<std::string> unlogged = treatment.unlogged(treatment.read_canvas(progress));
     for (std::string& what : unlogged)
         what += fmt::format("; tangipaint treatment retouch {} takes it in", treatment.folder().string());
     if (!unlogged.empty()) result["warnings"] = told(unlogged);
     return result;
+}
+
+// Strokes stop at the area of this step, not at masks of where they were made.
+void leave_masks_out(Journal& journal) {
+    for (const auto& [line, event] : journal.entries)
+        if (std::holds_alternative<ConfineEvent>(event))
+            journal.warnings.push_back(
+                {line, "'confine' is left out: strokes stop at the area of this step"});
+    std::erase_if(journal.entries,
+                  [](const auto& entry) { return std::holds_alternative<ConfineEvent>(entry.event); });
 }
 
 // Strokes of a journal, or wet paint that the window left on the treatment's painting, as a retouch.
@@ -92,10 +107,13 @@ json retouch(Treatment& treatment, const TreatmentArguments& a, const Progress& 
         if (!canvas.wet().empty())
             fail("{}: has wet paint on it already; dry it first with treatment retouch without --strokes",
                  treatment.painting().string());
-        const Journal journal = read_journal(a.strokes);
+        const ConfiningMask mask =
+            confining_mask(treatment.folder(), feathered(area.mask, a.feather_mm / treatment.mm_per_pixel()));
+        Journal journal = read_journal(a.strokes);
+        leave_masks_out(journal);
         Session session(std::move(canvas), a.palette.empty() ? artist_acrylics() : read_palette(a.palette));
-        session.canvas().confine(
-            std::make_shared<Mask>(feathered(area.mask, a.feather_mm / treatment.mm_per_pixel())));
+        step.strokes = strokes_within(mask, journal, session);
+        session.canvas().confine(mask.mask);
         step.results["warnings"] = told(replay(session, journal, progress));
         step.results["strokes"] = session.totals().strokes;
         canvas = session.canvas();
@@ -103,7 +121,6 @@ json retouch(Treatment& treatment, const TreatmentArguments& a, const Progress& 
         step.inputs.emplace_back(a.strokes);
         if (!a.palette.empty()) step.inputs.emplace_back(a.palette);
         step.parameters["palette"] = session.palette().name;
-        step.files[journal_file(treatment)] = read_text_file(a.strokes);
     }
     const std::size_t before = step.results.contains("warnings") ? step.results["warnings"].size() : 0;
     json result = retouch_step(treatment, canvas, area, std::move(step),

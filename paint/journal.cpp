@@ -58,7 +58,8 @@ public:
             const bool undo = std::holds_alternative<UndoEvent>(event),
                        redo = std::holds_alternative<RedoEvent>(event),
                        point = std::holds_alternative<PointEvent>(event),
-                       end = std::holds_alternative<EndEvent>(event);
+                       end = std::holds_alternative<EndEvent>(event) ||
+                             std::holds_alternative<ConfineEvent>(event);
             if (undo ? undoable_ == 0 : redo && redoable_ == 0) return false;
             if (undo || redo) {
                 undoable_ += undo ? -1 : 1;
@@ -116,7 +117,7 @@ private:
         try {
             take_strictly(content, whole);
         } catch (const Error& error) {
-            if (is_first_ && !whole && kJournalFirstLine.starts_with(content)) {
+            if (is_first_ && !whole && is_torn_first_line(content)) {
                 has_first_line_ = true;  // a crash came before anything was recorded
                 return;
             }
@@ -130,7 +131,7 @@ private:
 
     void take_strictly(const std::string& content, bool whole) {
         if (is_first_) {
-            require_first_line(content, where());
+            journal_.head = head_from(content, where());
             has_first_line_ = true;
             return;
         }

@@ -65,8 +65,13 @@ struct PaletteEvent {
     std::vector<std::string> paints;
     bool all_paints = false;  // "paints": "all": those of the palette file, in its order
 };
+// Brushes stop at a mask from here on (Canvas::confine()), or at none. It is not undone.
+// {"event": "confine", "mask": "9f86d0…"}: the SHA-256 of its file
+struct ConfineEvent {
+    std::string mask;  // 64 hex digits; empty: none
+};
 using Event = std::variant<StrokeEvent, PointEvent, EndEvent, UndoEvent, RedoEvent, DryEvent, LiftEvent,
-                           PileEvent, PaletteEvent>;
+                           PileEvent, PaletteEvent, ConfineEvent>;
 
 std::string_view name_of(const Event& event);  // "stroke", "point", …
 nlohmann::json to_json(const Event& event);

@@ -173,6 +173,16 @@ Event palette_from(Fields& fields, const std::string& where) {
     return event;
 }
 
+Event confine_from(Fields& fields, const std::string& where) {
+    ConfineEvent event;
+    if (fields.find("mask")) event.mask = fields.text("mask");
+    const bool is_hash =
+        event.mask.size() == 64 && event.mask.find_first_not_of("0123456789abcdef") == std::string::npos;
+    if (!event.mask.empty() && !is_hash)
+        fail("{}: 'mask' is {}, not a SHA-256 in 64 hex digits", where, shown(json(event.mask)));
+    return event;
+}
+
 Event stroke_from(Fields& fields, const std::string& where,
                   const std::map<std::string, BrushSettings>& presets) {
     StrokeEvent event;
@@ -270,13 +280,18 @@ struct ToJson {
             result["paints"] = e.paints;
         return result;
     }
+    json operator()(const ConfineEvent& e) const {
+        json result = {{"event", "confine"}};
+        if (!e.mask.empty()) result["mask"] = e.mask;
+        return result;
+    }
 };
 
 }  // namespace
 
 std::string_view name_of(const Event& event) {
     static constexpr std::array<std::string_view, std::variant_size_v<Event>> names = {
-        "stroke", "point", "end", "undo", "redo", "dry", "lift", "pile", "palette"};
+        "stroke", "point", "end", "undo", "redo", "dry", "lift", "pile", "palette", "confine"};
     return names[event.index()];
 }
 
@@ -307,9 +322,13 @@ Event event_from_json(const json& object, const std::string& where,
         event = pile_from(fields, where);
     else if (kind == "palette")
         event = palette_from(fields, where);
+    else if (kind == "confine")
+        event = confine_from(fields, where);
     else
-        fail("{}: there is no event {}; there are: stroke, point, end, undo, redo, dry, lift, pile, palette",
-             where, shown(kind));
+        fail(
+            "{}: there is no event {}; there are: stroke, point, end, undo, redo, dry, lift, pile, palette, "
+            "confine",
+            where, shown(kind));
     fields.end();
     return event;
 }

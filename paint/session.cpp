@@ -280,6 +280,12 @@ void Session::redo() {
     take_hand(hand);
 }
 
+void Session::confine(const ConfineEvent& event) {
+    if (!event.mask.empty() && !masks_)
+        fail("brushes stop at a mask here, {}, and it is not known where masks are kept", event.mask);
+    canvas_.confine(event.mask.empty() ? nullptr : masks_(event.mask));
+}
+
 void Session::take_hand(const std::optional<BrushInHand>& hand) {
     if (hand == hand_) return;
     brush_ = taken_up(hand, canvas_.mm_per_pixel());
@@ -310,6 +316,8 @@ void Session::apply(const Event& event) {
         lay(*pile);
     } else if (const auto* palette = std::get_if<PaletteEvent>(&event)) {
         lay_out(*palette);
+    } else if (const auto* mask = std::get_if<ConfineEvent>(&event)) {
+        confine(*mask);
     }
     order_.take(event);
 }

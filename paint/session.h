@@ -30,6 +30,10 @@ public:
     // have the numbers of the ingredients at `place`. Before anything is painted.
     void take_up(std::optional<Canvas> board, std::unique_ptr<Brush> brush, Place place);
 
+    // Where the masks that events name are taken from, by their names.
+    using Masks = std::function<std::shared_ptr<const Image<float>>(const std::string& name)>;
+    void masks_from(Masks masks) { masks_ = std::move(masks); }
+
     // Throws Error on what makes no sense here: a point without a stroke, a paint that the palette has not.
     // Any event but a point ends a stroke that is not over.
     void apply(const Event& event);
@@ -84,6 +88,7 @@ private:
     void lay_out(const PaletteEvent& event);
     void undo();
     void redo();
+    void confine(const ConfineEvent& event);
     void take_hand(const std::optional<BrushInHand>& hand);
     void warn_of_no_effect(bool changed);
 
@@ -99,6 +104,7 @@ private:
     Totals totals_;
     std::deque<std::string> warnings_;
     EventOrder order_;
+    Masks masks_;
     std::string why_bare_;                  // should no paint be on the brush of the stroke
     double painted_s_ = 0, look_at_s_ = 0;  // by strokes that are over, on the painting
     Stroke::Look look_;

@@ -1,6 +1,8 @@
 #include "paint/tools_file.h"
 
+#include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <nlohmann/json.hpp>
 
 #include "paint/mixing_board.h"
@@ -67,6 +69,8 @@ void require_total(const fs::path& path, const PartInfo& info, int y, std::span<
             fail("{}: part '{}', channel '{}' holds {} at pixel ({}, {}), but the volumes there sum to {}",
                  path.string(), info.name, kTotal, total[x], x, y, sums[x]);
 }
+
+bool is_tool(const PartToWrite& part) { return part.info.name == kPalette || part.info.name == kBrush; }
 
 struct ReadBrush {
     std::unique_ptr<Brush> brush;
@@ -146,10 +150,14 @@ std::vector<PartToWrite> tools_of(const Session& session) {
     return tools;
 }
 
+std::vector<PartToWrite> tools_among(const std::vector<PartToWrite>& parts) {
+    std::vector<PartToWrite> tools;
+    std::ranges::copy_if(parts, std::back_inserter(tools), is_tool);
+    return tools;
+}
+
 std::vector<PartToWrite> with_tools(std::vector<PartToWrite> beside, const std::vector<PartToWrite>& tools) {
-    std::erase_if(beside, [](const PartToWrite& part) {
-        return part.info.name == kPalette || part.info.name == kBrush;
-    });
+    std::erase_if(beside, is_tool);
     beside.insert(beside.end(), tools.begin(), tools.end());
     return beside;
 }

@@ -23,6 +23,9 @@ std::vector<PartToWrite> tools_of(const Session& session);
 std::vector<PartToWrite> with_tools(std::vector<PartToWrite> beside, const std::vector<PartToWrite>& tools);
 std::vector<PartToWrite> with_tools(std::vector<PartToWrite> beside, const Session& session);
 
+// Of parts, those that are palette and brush.
+std::vector<PartToWrite> tools_among(const std::vector<PartToWrite>& parts);
+
 // Gives a session, in which nothing was painted yet, the palette and the brush in a painting file; nothing
 // where it has none. Throws Error naming the file, the part and the place.
 void read_tools(const std::filesystem::path& path, Session& session, const Progress& progress = {});

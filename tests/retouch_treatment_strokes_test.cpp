@@ -4,6 +4,8 @@
 
 #include <gmock/gmock.h>
 
+#include "paint/retouch/treatment_steps.h"
+#include "paint/session.h"
 #include "tests/treatment_folder.h"
 
 namespace tangi {
@@ -30,6 +32,40 @@ TEST_F(TreatmentFolder, StrokesThatCannotBeRepeatedAreTold) {
     EXPECT_THAT(strokes_that_cannot_be_repeated(treatment),
                 ElementsAre(AllOf(HasSubstr("strokes/torn.jsonl:3"), HasSubstr("not JSON")),
                             AllOf(HasSubstr("strokes/undone.jsonl:5"), HasSubstr("'undo'"))));
+}
+
+// Kept with their strokes, but of others: `treatment check` says which layer they do not make.
+TEST_F(TreatmentFolder, StrokesThatMakeAnotherLayerAreTold) {
+    Treatment treatment = begin();
+    const ConfiningMask mask = confining_mask(folder(), Mask(100, 70, 0.5f));
+    for (const bool others : {false, true}) {
+        Journal journal;
+        StrokeEvent stroke;
+        stroke.brush = even_brush();
+        stroke.paint = {{"Titanium White", 1}};
+        journal.entries = {{2, stroke}};
+        for (int i = 0; i <= 10; ++i)
+            journal.entries.push_back({3, PointEvent{{.time_s = 0.01 * i, .x_mm = i - 5.0}}});
+        journal.entries.push_back({4, EndEvent{}});
+        Session session(treatment.read_canvas(), artist_acrylics());
+        TreatmentStep step{.action = "retouch"};
+        step.strokes = strokes_within(mask, journal, session);
+        session.canvas().confine(mask.mask);
+        const std::vector<Journal::Entry> once = journal.entries;
+        if (others) journal.entries.insert(journal.entries.end(), once.begin(), once.end());
+        replay(session, journal);
+        Canvas canvas = session.canvas();
+        canvas.confine({});
+        retouch_step(treatment, canvas, {Mask(100, 70, 1.0f)}, std::move(step), "test", kAuthor);
+    }
+    const StrokesRepeated repeated = repeat_strokes(treatment, treatment.read_canvas());
+    EXPECT_EQ(repeated.painted_again, 1);
+    EXPECT_THAT(repeated.faults,
+                ElementsAre(AllOf(HasSubstr("strokes/retouch_2.jsonl"), HasSubstr("'retouch 2'"))));
+    EXPECT_THAT(treatment.check(), IsEmpty()) << "they are as they were logged";
+    write_bytes(folder() / confining_mask_file(mask.name), "another");
+    EXPECT_THAT(error_of([&] { repeat_strokes(treatment, treatment.read_canvas()); }),
+                HasSubstr("is not the mask that brushes stopped at"));
 }
 
 }  // namespace

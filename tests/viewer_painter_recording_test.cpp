@@ -108,6 +108,71 @@ TEST_F(Recording, SavedWhileStrokesWaitTheRecordHasThemToo) {
     EXPECT_FALSE(fs::exists(files_.unsaved));
 }
 
+TEST_F(Recording, WhereTheRecordCannotBeWrittenNothingIsSaved) {
+    open();
+    stroke();
+    settle();
+    const std::string before = bytes_of(file_), journal = bytes_of(files_.unsaved);
+    fs::create_directory(files_.record);
+    painter_->save();
+    PainterNews news = settle();
+    EXPECT_THAT(news.messages, ElementsAre(HasSubstr("a.strokes.jsonl: is a folder")));
+    EXPECT_TRUE(news.state.unsaved);
+    EXPECT_TRUE(bytes_of(file_) == before);
+    EXPECT_EQ(bytes_of(files_.unsaved), journal);
+    fs::remove(files_.record);
+    painter_->save();
+    settle();
+    expect_record_makes(file_);
+    EXPECT_FALSE(fs::exists(files_.unsaved));
+}
+
+// The journal of strokes was removed by a hand that tidied up: the record has them all the same.
+TEST_F(Recording, AJournalThatWasRemovedMeanwhileIsInTheRecord) {
+    open();
+    stroke();
+    settle();
+    fs::remove(files_.unsaved);
+    stroke(5);
+    EXPECT_THAT(settle().messages, ElementsAre(HasSubstr("was removed by another program")));
+    painter_->save();
+    settle();
+    EXPECT_EQ(strokes_in(read_journal(files_.record)), 2);
+    expect_record_makes(file_);
+}
+
+TEST_F(Recording, ThatMemoryRanOutIsToldInWords) {
+    open();
+    painter_->keep_by([](Canvas&, const Painter::ToKeep&) -> Painter::Kept { throw std::bad_alloc(); });
+    painter_->save();
+    EXPECT_THAT(settle().messages, ElementsAre("not enough memory"));
+}
+
+// A crash left strokes; then another painting came to lie in the place of theirs, newer than they are, with
+// a record of its own.
+TEST_F(Recording, StrokesOfAnotherPaintingAreNotTakenForItsOwn) {
+    open();
+    stroke();
+    painter_->save();
+    stroke(5);
+    settle();
+    const std::string theirs = bytes_of(files_.unsaved), record = bytes_of(files_.record);
+    painter_.reset();
+    write_painting(file_, *flat_surface(180, 120));
+    open();
+    auto journal = left_over(files_);
+    ASSERT_TRUE(journal);
+    EXPECT_FALSE(is_of(*journal, painter_->saved_hash()));
+    stroke(8);
+    EXPECT_THAT(settle().messages, ElementsAre(HasSubstr("of another painting")));
+    EXPECT_EQ(bytes_of(folder_ / "a.other.jsonl"), theirs);
+    painter_->save();
+    settle();
+    EXPECT_EQ(strokes_in(read_journal(files_.record)), 1);
+    EXPECT_EQ(bytes_of(folder_ / "a.other-strokes.jsonl"), record);
+    expect_record_makes(file_);
+}
+
 TEST_F(Recording, ADamagedJournalIsRecoveredAndIsNotTheRecord) {
     open();
     for (const double y : {-10.0, 0.0, 10.0}) stroke(y);

@@ -4,6 +4,7 @@
 // Short here. TP_RANDOM_S=3600 lets it go on for an hour, TP_RANDOM_SEED=7 is another hand.
 #include <gmock/gmock.h>
 
+#include "paint/retouch/confining_mask.h"
 #include "painter_support.h"
 
 namespace tangi {
@@ -44,7 +45,7 @@ protected:
         event.brush.erases = random_.below(8) == 0;
         event.paint = paint();
         event.on = random_.below(4) ? Place::painting : Place::palette;
-        const int start = clean_ ? 0 : random_.below(4);
+        const int start = random_.below(4);
         event.start = start < 2 ? BrushStart::clean : start == 2 ? BrushStart::dirty : BrushStart::same;
         event.seed = static_cast<std::uint64_t>(random_.below(1 << 30));
         time_s_ = 0;
@@ -113,10 +114,22 @@ protected:
         }
     }
 
+    // Brushes stop at a disc, softly, or nowhere.
+    void confine_somewhere() {
+        if (random_.below(3) == 0) return painter_->confine({}, {});
+        const double x0 = random_.uniform(0, kWidth), radius = random_.uniform(8, 24);
+        Mask mask(kWidth, kHeight);
+        for (int y = 0; y < kHeight; ++y)
+            for (int x = 0; x < kWidth; ++x)
+                mask(x, y) = static_cast<float>(
+                    std::clamp((radius - std::hypot(x - x0, y - kHeight / 2.0)) / 3, 0.0, 1.0));
+        ConfiningMask stops = confining_mask(folder_.path(), mask);
+        painter_->confine({stops.mask, stops.name, std::move(stops.png)}, {});
+    }
+
     TestDir folder_;
     Random random_{static_cast<std::uint64_t>(number_from("TP_RANDOM_SEED", 1))};
     double seconds_ = number_from("TP_RANDOM_S", 4);
-    bool clean_ = false;  // all strokes begin with a clean brush
     std::unique_ptr<Painter> painter_;
     std::vector<std::string> layers_;
     glm::dvec2 at_{0};
@@ -192,44 +205,61 @@ TEST_F(RandomSitting, EveryJournalReplaysToWhatWasSaved) {
     EXPECT_GT(recovered, 0);
 }
 
-// Saved as a step of a log: with each, its own journal makes of the painting before what was dried then.
+// Saved as a step of a log: with each, its own journal makes of the painting before, and of the palette and
+// the brush that its file had, what was dried then.
 TEST_F(RandomSitting, EveryJournalOfATreatmentReplaysToItsLayer) {
-    clean_ = true;  // what is on a brush, or on the palette, is not kept with a treatment
-    const fs::path file = folder_ / "painting.exr";
+    const fs::path file = folder_ / "painting.exr", before = folder_ / "before.exr";
     write_painting(file, *flat_surface(kWidth, kHeight, 0.5));
+    fs::copy(file, before);
     open(file);
-    std::optional<Canvas> before = read_canvas(file);
-    int kept = 0, with_strokes = 0;
+    int kept = 0, with_strokes = 0, confined = 0;
     std::string wrong;
-    painter_->keep_by([&](Canvas& canvas, const fs::path& journal) {
-        if (fs::exists(journal)) {
-            const fs::path copy = folder_ / fmt::format("retouch_{}.jsonl", ++kept);
-            write_bytes(copy, bytes_of(journal));
-            Session again(*before, artist_acrylics());
-            try {
-                const Journal strokes = read_journal(copy);
-                require_in_order(strokes);
-                replay(again, strokes);
-                with_strokes += strokes.entries.size() > 10;
-            } catch (const Error& error) {
-                wrong = error.what();
-            }
-            const Session painted(canvas, artist_acrylics());
-            if (const auto same = same_paint(again, painted); !same) wrong = same.message();
+    const auto repeat = [&](const fs::path& journal, const Canvas& canvas) {
+        Session again(read_canvas(before), artist_acrylics());
+        again.masks_from(masks_beside(journal, kWidth, kHeight));
+        read_tools(before, again);
+        const Journal strokes = read_journal(journal);
+        require_in_order(strokes);
+        replay(again, strokes);
+        with_strokes += strokes.entries.size() > 10;
+        confined += std::ranges::any_of(strokes.entries, [](const auto& entry) {
+            return std::holds_alternative<ConfineEvent>(entry.event);
+        });
+        const Session painted(canvas, artist_acrylics());
+        if (const auto same = same_paint(again, painted); !same) wrong = same.message();
+    };
+    painter_->keep_by([&](Canvas& canvas, const Painter::ToKeep& sitting) -> Painter::Kept {
+        if (sitting.journal.empty()) return {"nothing to keep", false};
+        const fs::path copy = folder_ / fmt::format("retouch_{}.jsonl", ++kept);
+        write_bytes(copy, sitting.journal);
+        fs::remove(sitting.unsaved);
+        for (const auto& [name, png] : sitting.masks)
+            EXPECT_EQ(bytes_of(folder_ / confining_mask_file(name)), png);
+        try {
+            repeat(copy, canvas);
+        } catch (const Error& error) {
+            wrong = error.what();
         }
         if (!canvas.wet().empty()) dry(canvas, fmt::format("retouch {}", kept));
-        write_canvas(file, canvas);
-        before = canvas;
-        return std::string("kept");
+        {
+            AtomicFile out(file);
+            write_canvas(out, canvas, {}, sitting.tools);
+        }
+        fs::copy_file(file, before, fs::copy_options::overwrite_existing);
+        return {"kept"};
     });
     const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(seconds_);
     while (kept < 5 || std::chrono::steady_clock::now() < end) {
-        for (int i = 0; i < 150; ++i) act();
+        for (int i = 0; i < 150; ++i) {
+            act();
+            if (random_.below(40) == 0) confine_somewhere();
+        }
         painter_->save();
         settle();
         ASSERT_EQ(wrong, "") << "retouch_" << kept;
     }
     EXPECT_GT(with_strokes, 2);
+    EXPECT_GT(confined, 0);
 }
 
 }  // namespace

@@ -145,6 +145,34 @@ TEST_F(Window, APaintingThatWasReplacedIsNotOverwritten) {
     EXPECT_TRUE(recorded_as_saved(mine));
 }
 
+// A crash, and then cp of another painting over this one: its strokes are none of that.
+TEST_F(Window, StrokesOfAnotherPaintingAreNotRecovered) {
+    start();
+    paint_a_stroke();
+    screen_->settled();
+    program_->signal(SIGKILL);
+    program_->wait();
+    const SittingFiles files = sitting_files(painting_);
+    const std::string theirs = bytes_of(files.unsaved);
+    Surface other = small_painting();
+    other.diffuse(0, 0) = Rgb(0.1f);
+    write_painting(painting_, other);
+    const std::string before = bytes_of(painting_);
+    start();
+    screen_->key("Return");  // puts them aside
+    screen_->settled();
+    EXPECT_EQ(bytes_of(folder_ / "small.discarded.jsonl"), theirs);
+    EXPECT_TRUE(bytes_of(painting_) == before);
+    paint_a_stroke();
+    screen_->key("ctrl+s");
+    screen_->settled();
+    const auto result = close().json();
+    EXPECT_EQ(result["strokes"], 1);
+    EXPECT_EQ(result["saves"], 1);
+    EXPECT_EQ(strokes_in(read_journal(files.record)), 1);
+    EXPECT_TRUE(recorded_as_saved(painting_));
+}
+
 TEST_F(Window, EndedInMidStrokeLosesNothing) {
     start();
     screen_->key("b");

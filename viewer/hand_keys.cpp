@@ -48,7 +48,7 @@ void Hand::key(const InputEvent& event) {
         if (state_.closing && (state_.painter.unsaved || state_.treating.edits > 0))
             state_.ask.save = state_.ask.close = true;
         else if (state_.left_over_strokes > 0)
-            state_.ask.recover = true;
+            (state_.left_over_of_another ? state_.ask.discard : state_.ask.recover) = true;
         else if (!state_.dropped.empty())
             state_.ask.fit_folder = std::exchange(state_.dropped, {});
     }

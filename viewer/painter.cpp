@@ -4,11 +4,14 @@
 
 #include "paint/appearance.h"
 #include "paint/canvas_file.h"
+#include "paint/canvas_hash.h"
 #include "paint/journal_file_text.h"
 #include "paint/mixing_board.h"
+#include "paint/retouch/confining_mask.h"
 #include "paint/tools_file.h"
 #include "surface/error.h"
 #include "surface/memory_error.h"
+#include "surface/painting_file.h"
 #include "surface/stale_temporaries.h"
 
 namespace tangi {
@@ -27,6 +30,7 @@ constexpr auto kBetweenSettled = std::chrono::milliseconds(5);
 Painter::Painter(Setup setup, std::function<void()> wake, const Progress& progress)
     : session_(std::move(setup.canvas), std::move(setup.palette)),
       dry_(session_.canvas().dry_shared()),
+      dry_hash_(hash_of(*dry_)),
       mm_per_pixel_(session_.canvas().mm_per_pixel()),
       record_(sitting_files(setup.file)),
       stamp_(setup.stamp ? setup.stamp : stamp_of(setup.file)),
@@ -40,12 +44,17 @@ Painter::Painter(Setup setup, std::function<void()> wake, const Progress& progre
             for (const PartInfo& part : painting_parts(file_))
                 if (part.name == kErrorsPart) errors_.emplace(file_, part);
         });
+    session_.masks_from([this](const std::string& name) {
+        const Canvas& on = session_.canvas();
+        return masks_beside(record_.files().unsaved, on.width(), on.height())(name);
+    });
     const Canvas& canvas = session_.canvas();
     if (!canvas.wet().empty() || !canvas.dried().empty()) painted_ = appearance(canvas, {}, progress);
     range_ = range_of(surface(), kPaintRoom_mm / static_cast<float>(session_.canvas().height_unit_mm()));
     session_.canvas().take_dirty();
     for (const DriedLayer& layer : session_.canvas().dried()) own_.layers.push_back(layer.name);
     mark_saved();
+    note_what_is_saved();
     news_.state = own_;
 }
 
@@ -152,7 +161,10 @@ void Painter::work() {
             guarded([&] { show_changes(session_.canvas().take_settled(kSettledAtOnce)); });
         }
         if (Clock::now() - synced >= std::chrono::seconds(1)) {
-            keep_record([&] { record_.sync(); });
+            keep_record([&] {
+                write_masks();
+                record_.sync();
+            });
             synced = Clock::now();
         }
     }
@@ -160,7 +172,7 @@ void Painter::work() {
         if (!own_.elsewhere) end_stroke();
         record_.sync();
         // All of it was undone: nothing is to be recovered.
-        if (!own_.unsaved && !record_.empty()) record_.put_away();
+        if (!own_.unsaved && !record_.empty() && !keep_) record_.put_away();
     });
 }
 
@@ -240,6 +252,7 @@ void Painter::begin_file() {
     file_is_new_ = false;
     stamp_ = stamp_of(painting);
     claim_.take(painting);
+    note_what_is_saved();
 }
 
 void Painter::end_stroke() {
@@ -263,6 +276,7 @@ void Painter::apply(const Event& event, bool recorded) {
     require_readable(event);
     if (!hurry_) session_.apply(event);
     order_.take(event);
+    if (recorded && std::holds_alternative<StrokeEvent>(event)) record_mask();
     if (recorded) record(event);
     own_.unsaved = true;
     own_.stroking = order_.in_stroke();

@@ -14,6 +14,7 @@
 #include <map>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <string>
 #include <thread>
 #include <vector>
@@ -99,6 +100,8 @@ public:
     double mm_per_pixel() const { return mm_per_pixel_; }
     std::filesystem::path file() const;
     const std::shared_ptr<const Surface>& dry() const { return dry_; }
+    // Of the painting in the file (hash_of(Canvas)); only before the first change.
+    const std::string& saved_hash() const { return saved_hash_; }
 
     // Takes on the tiles that were made of surface(), and keeps them up to date. The painting is this
     // window's from then on, unless another one has it.
@@ -119,8 +122,13 @@ public:
     void make_horizon();
     void get_ready();  // to paint: takes the memory that the first stroke needs, in time
 
-    // Brushes stop at `mask` (Canvas::confine()); wet paint outside of `allowed` is counted. Null: neither.
-    void confine(std::shared_ptr<const Image<float>> mask, std::shared_ptr<const Image<float>> allowed);
+    // Brushes stop at `mask` (Canvas::confine()), which journals name (ConfineEvent); wet paint outside of
+    // `allowed` is counted. Null: neither.
+    struct Stops {
+        std::shared_ptr<const Image<float>> mask;
+        std::string name, png;  // of its file (ConfiningMask), and what that holds
+    };
+    void confine(Stops stops, std::shared_ptr<const Image<float>> allowed);
     // Has `work` change the canvas, between strokes; undo goes no further back. What it throws comes out of
     // the future, and the canvas is as it was.
     std::future<void> change(std::function<void(Canvas&)> work);
@@ -134,8 +142,20 @@ public:
     // Shows the painting and the palette as they look in this light, some rows after others, so that strokes
     // come between. What is probed, measured, looked at and saved stays as it is in daylight (D65).
     void show_in(Illuminant illuminant);
-    // Saving in its place is `keep`'s business, which may change the canvas and says what was done.
-    using Keep = std::function<std::string(Canvas& canvas, const std::filesystem::path& journal)>;
+    // Saving in its place is `keep`'s business, which may change the canvas and says what was done. Where it
+    // did nothing, since nothing was painted, the journal goes on.
+    struct ToKeep {
+        std::string journal;            // of what was done since the last time; empty: nothing
+        std::filesystem::path unsaved;  // its file, which goes with what is kept; need not be there
+        std::map<std::string, std::string> masks;  // that it names -> what their files hold
+        std::string palette;                       // its file, where it is not the built-in one
+        std::vector<PartToWrite> tools;            // palette and brush as they are now (tools_file.h)
+    };
+    struct Kept {
+        std::string said;
+        bool done = true;
+    };
+    using Keep = std::function<Kept(Canvas& canvas, const ToKeep& sitting)>;
     void keep_by(Keep keep);
 
     PainterNews fetch();
@@ -152,6 +172,10 @@ private:
     void paint(const Event& event);
     void end_stroke();
     void record(const Event& event);
+    void record_mask();
+    void write_masks();
+    void took_mask(const std::string& name);
+    void begin_journal();
     void keep_record(const std::function<void()>& action);
     void begin_file();
     void refuse_elsewhere() const;
@@ -165,9 +189,11 @@ private:
     void say(std::string text);
     void guarded(const std::function<void()>& action);
     void mark_saved();
+    void note_what_is_saved();
     bool is_as_saved() const;
     void write(const std::filesystem::path& to, bool over);
-    void write_file(const std::filesystem::path& to);
+    void write_files(const std::filesystem::path& to);
+    void keep_step();
     bool is_replaced() const;
     Probe look_at(int x, int y, double radius_px);
     void adopt(Canvas canvas);
@@ -177,6 +203,8 @@ private:
     // The painter's thread only, once it runs.
     Session session_;
     std::shared_ptr<const Surface> dry_;
+    const std::string dry_hash_;
+    std::string saved_hash_;            // of what is in the file: hash_of(Canvas)
     std::optional<Surface> painted_;    // what the painting looks like; the dry surface where it has no paint
     std::optional<PartPixels> errors_;  // that the file has
     std::optional<Surface> board_;      // what the palette looks like
@@ -205,6 +233,12 @@ private:
     SavedTiles saved_;                       // as in the file
     std::optional<SavedTiles> saved_board_;  // likewise
     Keep keep_;
+    Stops stops_;
+    // Of the journal of this sitting: the mask that it stops at, as far as it says; all that it names, with
+    // what their files hold; and those of which there is no file yet.
+    std::string recorded_mask_;
+    std::map<std::string, std::string> masks_;
+    std::set<std::string> unwritten_masks_;
     std::shared_ptr<const Image<float>> allowed_;
     struct Counted {
         int painted = 0, outside = 0;

@@ -91,10 +91,11 @@ void Painter::count(std::span<const Region> changed) {
     }
 }
 
-void Painter::confine(std::shared_ptr<const Image<float>> mask, std::shared_ptr<const Image<float>> allowed) {
-    post([this, mask = std::move(mask), allowed = std::move(allowed)] {
+void Painter::confine(Stops stops, std::shared_ptr<const Image<float>> allowed) {
+    post([this, stops = std::move(stops), allowed = std::move(allowed)] {
         end_stroke();
-        session_.canvas().confine(mask);
+        session_.canvas().confine(stops.mask);
+        stops_ = stops;
         allowed_ = allowed;
         std::vector<Region> painted;
         for (const TileIndex at : session_.canvas().wet().painted())
@@ -134,8 +135,9 @@ std::future<void> Painter::change(std::function<void(Canvas&)> work) {
             work(next);
             // A step of a treatment writes the file anew.
             own_.elsewhere = !claim_.take(record_.files().painting);
-            stamp_ = stamp_of(record_.files().painting);
+            const auto stamp = std::exchange(stamp_, stamp_of(record_.files().painting));
             adopt(std::move(next));
+            if (stamp_ != stamp) note_what_is_saved();
             promise->set_value();
         } catch (...) {
             promise->set_exception(std::current_exception());

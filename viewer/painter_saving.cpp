@@ -1,7 +1,11 @@
 // painter_saving.cpp: of the painter: strokes recorded and recovered, the painting saved.
 #include "paint/canvas_file.h"
+#include "paint/canvas_hash.h"
+#include "paint/retouch/confining_mask.h"
+#include "paint/retouch/treatment_strokes.h"
 #include "paint/tools_file.h"
 #include "surface/error.h"
+#include "surface/memory_error.h"
 #include "surface/overview.h"
 #include "surface/painting_file.h"
 #include "viewer/painter.h"
@@ -18,12 +22,40 @@ void Painter::keep_record(const std::function<void()>& action) {
         if (!std::exchange(told_of_journal_, true))
             say(fmt::format(
                 "{}; until they can be, strokes are not recorded: make room, or save before you end",
-                error.what()));
+                message_of(error)));
     }
 }
 
 void Painter::record(const Event& event) {
     keep_record([&] { record_.append(event); });
+    if (std::string note = record_.take_note(); !note.empty()) say(std::move(note));
+}
+
+// A journal begins without a mask.
+void Painter::record_mask() {
+    if (recorded_mask_ == stops_.name) return;
+    recorded_mask_ = stops_.name;
+    if (!stops_.name.empty() && masks_.emplace(stops_.name, stops_.png).second)
+        unwritten_masks_.insert(stops_.name);
+    keep_record([this] { write_masks(); });
+    record(ConfineEvent{stops_.name});
+}
+
+void Painter::write_masks() {
+    while (!unwritten_masks_.empty()) {
+        const std::string& name = *unwritten_masks_.begin();
+        const std::filesystem::path file = record_.files().unsaved.parent_path() / confining_mask_file(name);
+        make_folder(file.parent_path());
+        write_text_file(file, masks_.at(name));
+        unwritten_masks_.erase(unwritten_masks_.begin());
+    }
+}
+
+// What is done from now on is of another journal than what was done before.
+void Painter::begin_journal() {
+    recorded_mask_.clear();
+    masks_.clear();
+    unwritten_masks_.clear();
 }
 
 bool Painter::is_replaced() const {
@@ -45,6 +77,14 @@ void Painter::refuse_replaced() const {
             "{}: was replaced or changed by another program since it was opened here; nothing was "
             "overwritten: save under another name",
             record_.files().painting.filename().string());
+}
+
+// A mask that a recovered journal names is there, or the event had not been repeated.
+void Painter::took_mask(const std::string& name) {
+    recorded_mask_ = name;
+    if (name.empty()) return;
+    const std::filesystem::path file = record_.files().unsaved.parent_path() / confining_mask_file(name);
+    masks_.emplace(name, read_text_file(file));
 }
 
 void Painter::recover(Journal journal) {
@@ -72,7 +112,12 @@ void Painter::recover(Journal journal) {
             painted.push_back({0, EndEvent{}});
             apply(EndEvent{}, false);
         }
-        keep_record([&] { record_.take_over(painted, why.empty() && journal.lines_lost == 0); });
+        // What follows stops where brushes stop now.
+        session_.canvas().confine(stops_.mask);
+        for (const Journal::Entry& entry : painted)
+            if (const auto* mask = std::get_if<ConfineEvent>(&entry.event)) took_mask(mask->mask);
+        const bool all_of_it = why.empty() && journal.lines_lost == 0 && is_of(journal, saved_hash_);
+        keep_record([&] { record_.take_over(painted, all_of_it); });
         std::string told = fmt::format("recovered {} stroke{}", session_.totals().strokes,
                                        session_.totals().strokes == 1 ? "" : "s");
         if (journal.lines_lost > 0)
@@ -90,8 +135,16 @@ void Painter::discard() {
     });
 }
 
-void Painter::write_file(const std::filesystem::path& to) {
+void Painter::note_what_is_saved() {
+    saved_hash_ = hash_of(session_.canvas(), dry_hash_);
+    record_.painting_is(saved_hash_);
+}
+
+// The painting and its record are put in place together: a record is never of another state than its
+// painting, whenever the program dies, and where one of them cannot be written, neither is.
+void Painter::write_files(const std::filesystem::path& to) {
     const std::filesystem::path& from = record_.files().painting;
+    settle_outputs_at(to);
     AtomicFile file(to);
     std::vector<PartToWrite> further;
     // What other modules keep in the file stays: it belongs to the dry layer, which does not change.
@@ -104,8 +157,34 @@ void Painter::write_file(const std::filesystem::path& to) {
             guarded([&] { further = parts_beside_paint(from); });
     }
     if (painted_ && !session_.canvas().ingredients().empty()) add_overview(further, *painted_, *dry_);
-    write_canvas(file, session_.canvas(), {}, with_tools(std::move(further), session_));
+    fill_canvas(file, session_.canvas(), {}, with_tools(std::move(further), session_));
+    std::string makes = hash_of(session_.canvas(), dry_hash_);
+    OutputSet set;
+    set.add(file);
+    const SittingFiles files = sitting_files(to);
+    const SittingRecord::Files kept = record_.add_to(set, files, makes);
+    set.commit();
+    // From here on it is saved, and has this name.
+    saved_hash_ = makes;
+    record_.saved_as(files, std::move(makes));
+    begin_journal();
     say(fmt::format("saved {}", to.filename().string()));
+    if (std::exchange(told_of_journal_, false)) say("strokes are recorded again, with those before");
+}
+
+// As a step of a treatment, with its own journal.
+void Painter::keep_step() {
+    Canvas kept = session_.canvas();
+    kept.confine({});
+    const auto [said, done] =
+        keep_(kept, {record_.empty() ? std::string() : record_.text(), record_.files().unsaved, masks_,
+                     palette_to_keep(session_.palette()), with_tools({}, session_)});
+    say(said);
+    if (!done) return;
+    adopt(std::move(kept));
+    record_.forget();
+    begin_journal();
+    note_what_is_saved();
 }
 
 void Painter::write(const std::filesystem::path& to, bool over) {
@@ -125,33 +204,17 @@ void Painter::write(const std::filesystem::path& to, bool over) {
         refuse_replaced();
     }
     end_stroke();
-    record_.let_time_pass();
-    if (keeps) {
-        record_.sync();
-        Canvas kept = session_.canvas();
-        kept.confine({});
-        say(keep_(kept, record_.files().unsaved));
-        adopt(std::move(kept));
-    } else {
-        write_file(to);
-    }
-    // From here on it is saved, and has this name, whatever becomes of its record.
+    if (keeps)
+        keep_step();
+    else
+        write_files(to);
     file_is_new_ = false;
     stamp_ = stamp_of(to);
-    const bool is_of_another = own_.elsewhere;
     own_.elsewhere = !claim_.take(to);
     mark_saved();
     ++own_.saves;
-    {
-        const std::lock_guard lock(mutex_);
-        file_ = to;
-    }
-    if (to == from)
-        keep_record([&] { record_.put_away(); });
-    else if (is_of_another)
-        keep_record([&] { record_.leave_for(sitting_files(to)); });
-    else
-        keep_record([&] { record_.move_to(sitting_files(to)); });
+    const std::lock_guard lock(mutex_);
+    file_ = to;
 }
 
 void Painter::save() { save_as({}); }

@@ -2,10 +2,9 @@
 
 #include <fmt/format.h>
 
-#include <chrono>
-#include <thread>
+#include <algorithm>
 
-#include "surface/atomic_file.h"
+#include "paint/journal_file_text.h"
 #include "surface/error.h"
 
 namespace tangi {
@@ -19,26 +18,6 @@ bool is_there(const fs::path& file) {
     return fs::exists(file, unknown);
 }
 
-// The events of two journals as the text of one; `maybe_there`: those of the second may end the first
-// already.
-std::string joined(const std::string& first, const std::string& second, bool maybe_there = false) {
-    if (first.empty() || second.empty()) return first + second;
-    const auto first_line = second.find('\n');  // the format's name
-    const std::string events =
-        first_line == std::string::npos ? std::string() : second.substr(first_line + 1);
-    return maybe_there && first.ends_with(events) ? first : first + events;
-}
-
-std::string text_of(const fs::path& journal) {
-    return is_there(journal) ? whole_lines(read_text_file(journal)) : std::string();
-}
-
-std::string text_of(const std::deque<Event>& events) {
-    std::vector<Journal::Entry> entries;
-    for (const Event& event : events) entries.push_back({0, event});
-    return entries.empty() ? std::string() : journal_text(entries);
-}
-
 // A name beside the painting that is free: x.discarded.jsonl, x.discarded-2.jsonl.
 fs::path free_name(const SittingFiles& files, std::string_view why) {
     for (int i = 1;; ++i) {
@@ -48,14 +27,16 @@ fs::path free_name(const SittingFiles& files, std::string_view why) {
     }
 }
 
-void put_aside(const SittingFiles& files, std::string_view why) {
-    if (!is_there(files.unsaved)) return;
+// The new name; empty where there was nothing.
+std::string put_aside(const SittingFiles& files, std::string_view why) {
+    if (!is_there(files.unsaved)) return {};
     const fs::path kept = free_name(files, why);
     std::error_code failed;
     fs::rename(files.unsaved, kept, failed);
     if (failed)
         fail("{}: cannot be renamed to {}: {}", files.unsaved.string(), kept.filename().string(),
              failed.message());
+    return kept.filename().string();
 }
 
 // Where it cannot be removed, its strokes are offered when the painting is opened again: nothing is lost.
@@ -72,6 +53,20 @@ bool is_older(const fs::path& a, const fs::path& b) {
     return !unknown && time_a < time_b;
 }
 
+void add_file(OutputSet& set, SittingRecord::Files& files, const fs::path& path,
+              const std::function<void(AtomicFile&)>& fill) {
+    auto file = std::make_unique<AtomicFile>(path);
+    fill(*file);
+    set.add(*file);
+    files.push_back(std::move(file));
+}
+
+// What is at `from` stays, under a name that is free.
+void add_kept(OutputSet& set, SittingRecord::Files& files, const SittingFiles& beside, const fs::path& from,
+              std::string_view why) {
+    add_file(set, files, free_name(beside, why), [&](AtomicFile& file) { file.copy_from(from); });
+}
+
 }  // namespace
 
 SittingFiles sitting_files(const fs::path& painting) {
@@ -83,28 +78,41 @@ SittingFiles sitting_files(const fs::path& painting) {
 }
 
 std::optional<Journal> left_over(const SittingFiles& files) {
-    if (!is_there(files.unsaved) || is_older(files.unsaved, files.painting)) return {};
+    if (!is_there(files.unsaved)) return {};
     Journal journal = recovered_journal(files.unsaved);
     if (journal.entries.empty() && journal.lines_lost > 0)
         fail("{}:{}: {}", journal.source, journal.warnings.front().line, journal.warnings.front().text);
     if (journal.entries.empty()) return {};
+    if (journal.head.on.empty() && is_older(files.unsaved, files.painting)) return {};
     return journal;
 }
 
+bool is_of(const Journal& journal, const std::string& painting) {
+    return journal.head.on.empty() || journal.head.on == painting;
+}
+
+void SittingRecord::painting_is(std::string hash) {
+    if (std::exchange(on_, std::move(hash)) == on_ || !ours_) return;
+    // What is recorded is of the painting as it is now: as of a palette on which something was mixed before
+    // another step changed the painting.
+    writer_.reset();
+    write_text_file(files_.unsaved, text());
+    waiting_.clear();
+}
+
 void SittingRecord::append(const Event& event) {
+    lines_ += journal_line(event);
     waiting_.push_back(event);
     write_waiting();
 }
 
 void SittingRecord::sync() {
-    settle();
     write_waiting();
     if (writer_) writer_->sync();
 }
 
 void SittingRecord::write_waiting() {
     if (waiting_.empty()) return;
-    settle();  // of the sitting before
     if (!writer_) begin();
     while (!waiting_.empty()) {
         writer_->append(waiting_.front());
@@ -115,36 +123,34 @@ void SittingRecord::write_waiting() {
 void SittingRecord::begin() {
     std::error_code unknown;
     if (!ours_ && fs::is_regular_file(files_.unsaved, unknown)) put_older_away();
-    writer_ = std::make_unique<JournalWriter>(files_.unsaved);
+    writer_ = std::make_unique<JournalWriter>(files_.unsaved, JournalHead{on_, {}});
     ours_ = true;
 }
 
-// What lies there is not on the canvas, or in the painting's file already: what was saved by a program that
-// died before it could put the journal away must not be recovered together with what follows, and what was
-// neither saved nor recovered must not become a part of the record.
+// What lies there is not on the canvas: it must neither be recovered together with what follows, nor become a
+// part of the record.
 void SittingRecord::put_older_away() {
     std::optional<Journal> older;
     try {
         older = recovered_journal(files_.unsaved);
     } catch (const Error&) {  // it is none, or of another version
     }
-    if (!older || !is_older(files_.unsaved, files_.painting)) {
-        if (!older || !older->entries.empty() || older->lines_lost > 0) put_aside(files_, "unread");
+    if (older && older->entries.empty() && older->lines_lost == 0) {
+        fs::remove(files_.unsaved);
         return;
     }
-    if (!older->entries.empty()) {
-        const bool whole = older->lines_lost == 0;
-        write_text_file(files_.record,
-                        joined(text_of(files_.record),
-                               whole ? text_of(files_.unsaved) : journal_text(older->entries), true));
-        if (!whole) put_aside(files_, "unread");
-    }
-    fs::remove(files_.unsaved);
+    const bool of_another = older && !is_of(*older, on_);
+    const std::string kept = put_aside(files_, of_another ? "other" : "unread");
+    note_ = fmt::format(
+        "{}: {}; it is kept as {}", files_.unsaved.filename().string(),
+        of_another ? "holds strokes of another painting than lies here now" : "was not recovered", kept);
 }
 
 void SittingRecord::take_over(std::span<const Journal::Entry> events, bool all_of_it) {
     writer_.reset();
     ours_ = all_of_it;
+    lines_.clear();
+    for (const Journal::Entry& entry : events) lines_ += journal_line(entry.event);
     if (all_of_it) {
         begin();  // ends a stroke that was cut off, as it is on the canvas
         return;
@@ -153,68 +159,77 @@ void SittingRecord::take_over(std::span<const Journal::Entry> events, bool all_o
     write_waiting();
 }
 
-void SittingRecord::let_time_pass() const {
-    std::error_code none;
-    const auto last = fs::last_write_time(files_.unsaved, none);
-    if (!none) std::this_thread::sleep_until(last + std::chrono::milliseconds(20));
+// The events of the painting's record, and what it begins with. None where it is of another painting, cannot
+// be read, or is not there.
+std::string SittingRecord::record_so_far(JournalHead& head) const {
+    head = {on_, {}};
+    if (!is_there(files_.record)) return {};
+    std::string text = read_text_file(files_.record);
+    if (text.find('\n') == std::string::npos)  // as on old Macs
+        std::ranges::replace(text, '\r', '\n');
+    try {
+        const JournalHead found = head_from(text.substr(0, end_of_line(text, 0)), files_.record.string());
+        // One of an earlier version does not say what it makes.
+        if (!found.makes.empty() && found.makes != on_) return {};
+        head = found;
+    } catch (const Error&) {
+        return {};
+    }
+    return lines_of_events(text);
+}
+
+// The journal at another name: the painting that had it is overwritten, but its strokes may be wanted.
+void SittingRecord::add_unsaved_of(OutputSet& set, Files& files, const SittingFiles& to) const {
+    std::error_code unknown;
+    if (!fs::is_regular_file(to.unsaved, unknown)) return;
+    if (to.painting != files_.painting) add_kept(set, files, to, to.unsaved, "discarded");
+    if (to.painting != files_.painting || ours_)
+        set.withdraw(to.unsaved.parent_path(), to.unsaved.filename());
+}
+
+SittingRecord::Files SittingRecord::add_to(OutputSet& set, const SittingFiles& to,
+                                           const std::string& makes) const {
+    Files files;
+    const bool in_place = to.painting == files_.painting;
+    if (in_place && lines_.empty()) return files;
+    JournalHead head;
+    const std::string so_far = record_so_far(head);
+    if (in_place && is_there(files_.record) && so_far.empty() && head.makes.empty() && head.on == on_)
+        add_kept(set, files, to, files_.record, "other-strokes");
+    head.makes = makes;
+    if (so_far.empty() && lines_.empty())
+        set.withdraw(to.record.parent_path(), to.record.filename());  // of a painting that is overwritten
+    else
+        add_file(set, files, to.record,
+                 [&](AtomicFile& file) { file.write(journal_text(head, so_far + lines_)); });
+    add_unsaved_of(set, files, to);
+    return files;
+}
+
+void SittingRecord::saved_as(const SittingFiles& files, std::string makes) {
+    const SittingFiles left = std::exchange(files_, files);
+    if (ours_ && left.unsaved != files.unsaved) remove_if_possible(left.unsaved);
+    forget();
+    on_ = std::move(makes);
 }
 
 void SittingRecord::put_away() {
-    settle();
-    if (empty()) return;
-    writer_.reset();
-    std::error_code failed;
-    if (waiting_.empty() && !is_there(files_.record)) {
-        fs::rename(files_.unsaved, files_.record, failed);
-        if (!failed) {
-            ours_ = false;
-            return;
-        }
-    }
-    owed_ = {joined(text_of(files_.record),
-                    joined(ours_ ? text_of(files_.unsaved) : std::string(), text_of(waiting_))),
-             true};
-    ours_ = false;
-    waiting_.clear();
-    settle();
+    OutputSet set;
+    const Files files = add_to(set, files_, on_);
+    set.commit();
+    forget();
 }
 
-void SittingRecord::settle() {
-    if (!owed_) return;
-    if (!owed_->text.empty())
-        write_text_file(files_.record, owed_->text);
-    else if (!owed_->with_unsaved)
-        remove_if_possible(files_.record);  // of another painting of that name
-    if (owed_->with_unsaved) remove_if_possible(files_.unsaved);
-    owed_.reset();
+void SittingRecord::forget() {
+    writer_.reset();
+    ours_ = false;
+    lines_.clear();
+    waiting_.clear();
 }
 
 void SittingRecord::discard() {
-    writer_.reset();
-    ours_ = false;
-    put_aside(files_, "discarded");
-}
-
-void SittingRecord::move_to(const SittingFiles& files) {
-    writer_.reset();
-    const SittingFiles left = std::exchange(files_, files);
-    const bool was_ours = std::exchange(ours_, false);
-    const std::string waited = text_of(std::exchange(waiting_, {}));
-    // That the painting has another name is so, whatever the files of the record do.
-    owed_ = {joined(owed_ ? owed_->text : text_of(left.record),
-                    joined(was_ours ? text_of(left.unsaved) : std::string(), waited))};
-    put_aside(files_, "discarded");
-    settle();
-    if (was_ours) remove_if_possible(left.unsaved);
-}
-
-void SittingRecord::leave_for(const SittingFiles& files) {
-    writer_.reset();
-    const SittingFiles left = std::exchange(files_, files);
-    ours_ = false;
-    owed_ = {text_of(left.record)};
-    put_aside(files_, "discarded");
-    settle();
+    forget();
+    (void)put_aside(files_, "discarded");
 }
 
 }  // namespace tangi

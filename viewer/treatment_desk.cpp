@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "paint/retouch/confining_mask.h"
 #include "paint/retouch/treatment_area.h"
 #include "surface/atomic_file.h"
 #include "surface/error.h"
@@ -170,8 +171,8 @@ void TreatmentDesk::open(const fs::path& folder) {
     map_ = DamageMap(treatment.width(), treatment.height());
     map_changed_ = map_.picture().region();
     for (const std::string& warning : treatment.log().warnings()) setup_.say(warning);
-    painter_->keep_by([held = held_, keeping = keeping_](Canvas& canvas, const fs::path& journal) {
-        return kept(*held, *keeping, canvas, journal);
+    painter_->keep_by([held = held_, keeping = keeping_](Canvas& canvas, const Painter::ToKeep& sitting) {
+        return kept(*held, *keeping, canvas, sitting);
     });
     check();
 }
@@ -274,11 +275,13 @@ void TreatmentDesk::confine() {
             StepArea area = area_of_classes(now, where);
             const auto allowed = std::make_shared<const Mask>(area.mask);
             const double feather_px = static_cast<double>(feather_mm) / now.mm_per_pixel();
-            std::shared_ptr<const Mask> stops;
-            if (confined)
-                stops =
-                    feather_px > 0 ? std::make_shared<const Mask>(feathered(*allowed, feather_px)) : allowed;
-            painter->confine(stops, allowed);
+            Painter::Stops stops;
+            if (confined) {
+                ConfiningMask mask =
+                    confining_mask(now.folder(), feather_px > 0 ? feathered(*allowed, feather_px) : *allowed);
+                stops = {mask.mask, mask.name, std::move(mask.png)};
+            }
+            painter->confine(std::move(stops), allowed);
             {
                 const std::lock_guard lock(keeping_->mutex);
                 keeping_->area = std::move(area);
@@ -294,7 +297,8 @@ void TreatmentDesk::confine() {
 }
 
 // On the painter's thread, in place of saving.
-std::string TreatmentDesk::kept(Held& held, Keeping& keeping, Canvas& canvas, const fs::path& journal) {
+Painter::Kept TreatmentDesk::kept(Held& held, Keeping& keeping, Canvas& canvas,
+                                  const Painter::ToKeep& sitting) {
     StepArea area;
     Author who;
     double feather_mm = 0;
@@ -307,16 +311,19 @@ std::string TreatmentDesk::kept(Held& held, Keeping& keeping, Canvas& canvas, co
     const std::lock_guard lock(held.mutex);
     Treatment& treatment = held.treatment;
     if (canvas.wet().empty() && canvas.dried().size() == treatment.layers().size())
-        return "nothing was painted that is not in the log";
+        return {"nothing was painted that is not in the log", false};
     if (area.mask.empty()) area = area_of_classes(treatment, {});
     TreatmentStep step{.action = "retouch", .parameters = {{"feather_mm", feather_mm}}};
-    if (fs::exists(journal)) step.files[journal_file(treatment)] = read_text_file(journal);
+    if (!sitting.journal.empty()) {
+        step.strokes = {sitting.journal, sitting.masks, sitting.palette, sitting.tools};
+        if (fs::exists(sitting.unsaved)) step.withdrawn.push_back(sitting.unsaved.filename().string());
+    }
     const json result =
         retouch_step(treatment, canvas, area, std::move(step), treatment.painting().string(), who);
     keeping.done = true;
     const json& last = result["retouches"].back();
-    return fmt::format("in the log: {}, {}, {} pixels on original", last["layer"].get<std::string>(),
-                       area_in_words(last), last["on_original"]["pixels"].get<int>());
+    return {fmt::format("in the log: {}, {}, {} pixels on original", last["layer"].get<std::string>(),
+                        area_in_words(last), last["on_original"]["pixels"].get<int>())};
 }
 
 std::string TreatmentDesk::no_strokes() const {

@@ -115,8 +115,7 @@ private:
     void open(const std::filesystem::path& folder);
     void refresh();
     void confine();
-    static std::string kept(Held& held, Keeping& keeping, Canvas& canvas,
-                            const std::filesystem::path& journal);
+    static Painter::Kept kept(Held& held, Keeping& keeping, Canvas& canvas, const Painter::ToKeep& sitting);
     std::string no_strokes() const;
 
     // Masks.

@@ -168,6 +168,7 @@ void WindowApp::show(OpenedPainting opened, bool is_first) {
     state_.statistics.reset();
     state_.probe.reset();
     state_.left_over_strokes = 0;
+    state_.left_over_of_another = false;
     state_.closing = false;
     left_over_.reset();
     held_.clear();

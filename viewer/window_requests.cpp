@@ -45,6 +45,11 @@ void WindowApp::find_left_over(const std::filesystem::path& file) {
         left_over_->entries.begin(), left_over_->entries.end(),
         [](const Journal::Entry& entry) { return std::holds_alternative<StrokeEvent>(entry.event); });
     state_.left_over_strokes = std::max(1, static_cast<int>(strokes));
+    state_.left_over_of_another = !is_of(*left_over_, painter_->saved_hash());
+    if (state_.left_over_of_another)
+        say(fmt::format("{}: its strokes are of another painting than {} is now; nothing is done with them",
+                        std::filesystem::path(left_over_->source).filename().string(),
+                        file.filename().string()));
 }
 
 void WindowApp::take_board(std::vector<BoardPatch> patches) {

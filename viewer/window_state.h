@@ -216,12 +216,14 @@ struct WindowState {
     std::optional<Probe> probe;
     std::string message;
     double message_until_s = 0;
-    std::vector<std::string> doubts;  // that the fit had, as the painting's file has them
-    std::deque<std::string> said;     // by the window, the newest last
-    bool paint_comes_first = false;   // of the panels
-    int window_width = 10'000;        // [pixels]
-    int left_over_strokes = 0;        // that a crash left: recover or discard
-    bool closing = false;             // with unsaved strokes: asked what to do
+    bool whole_message = false;         // however long it is: else it is cut to two lines
+    std::vector<std::string> doubts;    // that the fit had, as the painting's file has them
+    std::deque<std::string> said;       // by the window, the newest last
+    bool paint_comes_first = false;     // of the panels
+    int window_width = 10'000;          // [pixels]
+    int left_over_strokes = 0;          // that a crash left: recover or discard
+    bool left_over_of_another = false;  // they were made on another painting than lies here now
+    bool closing = false;               // with unsaved strokes: asked what to do
     struct Finishing {
         std::size_t all = 0, left = 0;  // events
     };

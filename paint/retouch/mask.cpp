@@ -77,6 +77,12 @@ Mask connected_at(const Mask& mask, int x, int y) {
 
 void write_mask(const std::filesystem::path& path, const Mask& mask) { write_map(path, mask, {.bits = 8}); }
 
+Mask as_kept(const Mask& mask) {
+    Mask kept = mask;
+    for (float& part : kept.pixels()) part = std::round(std::clamp(part, 0.0f, 1.0f) * 255) / 255;
+    return kept;
+}
+
 Mask read_mask(const std::filesystem::path& path, int width, int height) {
     const PictureWithAlpha file = read_picture_with_alpha(path);
     const Image<Rgb>& picture = file.colour;

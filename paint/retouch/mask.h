@@ -47,6 +47,8 @@ Mask connected_at(const Mask& mask, int x, int y);
 
 // 8-bit grey PNG, white inside. Coverage is rounded to 1/255.
 void write_mask(const std::filesystem::path& path, const Mask& mask);
+// The same in memory.
+Mask as_kept(const Mask& mask);
 // Any picture that OpenImageIO reads, its mean over the channels, as stored: 1 (white) inside. Of one with an
 // alpha channel, what is transparent is outside: coverage is whiteness times alpha; where there are
 // transparent parts and all that can be seen is of one tone, alpha alone. Throws Error naming the file where

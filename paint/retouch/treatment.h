@@ -15,6 +15,7 @@
 
 #include <array>
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <optional>
 #include <string>
@@ -25,6 +26,7 @@
 #include "paint/canvas.h"
 #include "paint/retouch/mask.h"
 #include "paint/retouch/treatment_log.h"
+#include "surface/painting_parts.h"
 #include "surface/progress.h"
 
 namespace tangi {
@@ -73,6 +75,17 @@ struct Author {
     std::string tool;  // "tangipaint 0.1.0"
 };
 
+// Strokes that a step is of: with what is kept of them, they make its layers again by themselves.
+struct TreatmentStrokes {
+    std::string journal;                         // text; its masks are named in it
+    std::map<std::string, std::string> masks{};  // name -> file (confining_mask.h)
+    std::string palette{};                       // file's text, where it is not the built-in one
+    // Palette and brush as the strokes left them (tools_file.h), for the painting's file: those that this has
+    // are what they went on from, and stay with the journal. Nothing: they began with none, and the file's
+    // are as they were.
+    std::optional<std::vector<PartToWrite>> tools{};
+};
+
 // A step that is to be recorded: what changed, and why.
 struct TreatmentStep {
     std::string action;  // "fill", "suggest damage"
@@ -88,7 +101,11 @@ struct TreatmentStep {
     const Canvas* canvas = nullptr;
     std::vector<std::pair<std::string, LayerRole>> added{};
     std::map<std::string, std::string> kept{};  // of these, what others were before: file -> where it stays
-    std::vector<std::string> withdrawn{};       // files that the treatment has no more: to be removed
+    std::optional<TreatmentStrokes> strokes{};
+    // Puts in place what belongs to the step and lies elsewhere, when all else is on the disk. What it throws
+    // undoes the step.
+    std::function<void()> elsewhere{};
+    std::vector<std::string> withdrawn{};  // files that the treatment has no more: to be removed
 };
 
 class Treatment {
@@ -185,7 +202,12 @@ struct OnOriginal {
 OnOriginal on_original(const PaintLayer& layer, const Mask& allowed, double mm_per_pixel);
 nlohmann::json to_json(const OnOriginal& paint);
 
+// Masks of a step that is still to be recorded, by name.
+using MasksToCome = std::map<std::string, Mask>;
+// A class's mask, as the step will have it; nothing where there is none.
+std::optional<Mask> mask_with(const MasksToCome& to_come, const Treatment& treatment, DamageClass damage);
+
 // Everything that is known about damage: class, count, area, percent; a class without any is left out.
-nlohmann::json damage_table(const Treatment& treatment);
+nlohmann::json damage_table(const Treatment& treatment, const MasksToCome& to_come = {});
 
 }  // namespace tangi

@@ -257,13 +257,13 @@ fs::path PendingStep::file(const std::string& path) const {
     return file;
 }
 
-void PendingStep::commit(TreatmentLog& log, json entry) {
+void PendingStep::commit(TreatmentLog& log, json entry, const std::function<void()>& elsewhere) {
     MadeFolders made;  // a disk that has no room for them has none before the line is written
     for (const auto& file : fs::recursive_directory_iterator(folder_ / kPending))
         if (file.is_regular_file())
             made.make((folder_ / file.path().lexically_relative(folder_ / kPending)).parent_path());
     try {
-        log.append(std::move(entry), held_);
+        log.append(std::move(entry), held_, elsewhere);
         made.keep();
     } catch (...) {
         logged_ = !log.is_as_long_as_known();  // the line could not be taken back: the step goes with it

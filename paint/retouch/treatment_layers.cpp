@@ -152,11 +152,19 @@ std::string area_in_words(const json& stated) {
     return fmt::format("{:.0f} pixels", stated.at("area_px").get<double>());
 }
 
-json damage_table(const Treatment& treatment) {
+std::optional<Mask> mask_with(const MasksToCome& to_come, const Treatment& treatment, DamageClass damage) {
+    if (const auto changed = to_come.find(std::string(name_of(damage))); changed != to_come.end())
+        return as_kept(changed->second);
+    if (!treatment.has_mask(damage)) return {};
+    return treatment.mask(damage);
+}
+
+json damage_table(const Treatment& treatment, const MasksToCome& to_come) {
     json table = json::array();
     for (const DamageClass damage : kDamageClasses) {
-        if (!treatment.has_mask(damage)) continue;
-        const MaskArea area = area_of(treatment.mask(damage), treatment.mm_per_pixel());
+        const std::optional<Mask> mask = mask_with(to_come, treatment, damage);
+        if (!mask) continue;
+        const MaskArea area = area_of(*mask, treatment.mm_per_pixel());
         json row = {{"class", name_of(damage)}, {"count", area.regions}, {"percent", area.percent}};
         row.update(area_of_step(treatment, area.mm2));
         table.push_back(std::move(row));

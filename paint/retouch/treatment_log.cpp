@@ -178,7 +178,7 @@ void TreatmentLog::require_unchanged(const LogHold& /*held*/) const {
 
 const LogEntry& TreatmentLog::append(json content) { return append(std::move(content), LogHold(path_)); }
 
-const LogEntry& TreatmentLog::append(json content, const LogHold& held) {
+const LogEntry& TreatmentLog::append(json content, const LogHold& held, const std::function<void()>& last) {
     require_unchanged(held);
     content["previous"] = head();
     const Line line = sealed(content);
@@ -189,6 +189,7 @@ const LogEntry& TreatmentLog::append(json content, const LogHold& held) {
         file.append_synced(line.sealed + "\n");
         entries_.push_back({static_cast<int>(entries_.size()) + 1, std::move(content), line.sha256});
         try {
+            if (last) last();
             write_head();
         } catch (...) {  // without its head the line is not written, and is taken back
             if (!has_head()) {

@@ -8,6 +8,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -61,7 +62,9 @@ public:
     // back then; is_as_long_as_known() is false where that cannot be done either.
     const LogEntry& append(nlohmann::json content);
     // The same by one who holds the log, and may have found before that nobody else wrote to it.
-    const LogEntry& append(nlohmann::json content, const LogHold& held);
+    // `last` is called when the line is on the disk: what it throws takes the line back.
+    const LogEntry& append(nlohmann::json content, const LogHold& held,
+                           const std::function<void()>& last = {});
     void require_unchanged(const LogHold& held) const;
     bool is_as_long_as_known() const;
     // Of a last line that a crash left without its head, and that is known to be of this program: writes it.

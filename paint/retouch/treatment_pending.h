@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <nlohmann/json.hpp>
 #include <string>
 
@@ -24,9 +25,9 @@ public:
     // Where to write what shall be `path` in the folder.
     std::filesystem::path file(const std::string& path) const;
     // Writes the line, which makes the step done, and puts its files in their places. Throws Error: where the
-    // line cannot be written, the step has not happened; where a file cannot be put in its place, it has, and
-    // the next command finishes it.
-    void commit(TreatmentLog& log, nlohmann::json entry);
+    // line cannot be written, or `elsewhere` throws (TreatmentStep), the step has not happened; where a file
+    // cannot be put in its place, it has, and the next command finishes it.
+    void commit(TreatmentLog& log, nlohmann::json entry, const std::function<void()>& elsewhere = {});
 
 private:
     std::filesystem::path folder_;

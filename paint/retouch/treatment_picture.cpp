@@ -67,21 +67,20 @@ Image<Rgb> look_of(const Surface& surface, const Light& light, int side_px, cons
     return picture;
 }
 
-Image<Rgb> damage_map(const Treatment& treatment, const Surface& surface) {
+Image<Rgb> damage_map(const Treatment& treatment, const Surface& surface, const MasksToCome& to_come) {
     Image<Rgb> picture = in_grey(surface);
     for (const DamageClass damage : kDamageClasses) {
-        if (!treatment.has_mask(damage)) continue;
-        const Mask mask = treatment.mask(damage);
-        for (std::size_t i = 0; i < mask.size(); ++i)
-            tint(picture.pixels()[i], legend_colour_srgb(damage), mask.pixels()[i]);
+        const std::optional<Mask> mask = mask_with(to_come, treatment, damage);
+        for (std::size_t i = 0; mask && i < mask->size(); ++i)
+            tint(picture.pixels()[i], legend_colour_srgb(damage), mask->pixels()[i]);
     }
     return picture;
 }
 
-Image<Rgb> damage_picture(const Treatment& treatment, const Surface& surface) {
-    const Image<Rgb> map = damage_map(treatment, surface);
+Image<Rgb> damage_picture(const Treatment& treatment, const Surface& surface, const MasksToCome& to_come) {
+    const Image<Rgb> map = damage_map(treatment, surface, to_come);
     const int width = map.width(), height = map.height();
-    const nlohmann::json table = damage_table(treatment);
+    const nlohmann::json table = damage_table(treatment, to_come);
     const int line = std::max(width / 30, 12);
     const int rows = std::max(static_cast<int>(table.size()), 1);
     Image<Rgb> picture(width, height + line * (rows + 1), Rgb(1));

@@ -20,9 +20,10 @@ Image<Rgb> colour_of(const Surface& surface, int side_px = 0);
 Image<Rgb> encoded(Image<Rgb> diffuse);
 
 // Masks in the colours of their classes over the painting in grey, sRGB-encoded.
-Image<Rgb> damage_map(const Treatment& treatment, const Surface& surface);
+Image<Rgb> damage_map(const Treatment& treatment, const Surface& surface, const MasksToCome& to_come = {});
 // The same with a legend below it: count, area and percent of each class.
-Image<Rgb> damage_picture(const Treatment& treatment, const Surface& surface);
+Image<Rgb> damage_picture(const Treatment& treatment, const Surface& surface,
+                          const MasksToCome& to_come = {});
 
 // What was added in false colour over the painting in grey: fills green, varnish yellow, retouches blue where
 // they belong, red where they lie on original outside of `belongs`.

@@ -3,14 +3,17 @@
 #include <algorithm>
 
 #include "paint/canvas_file.h"
+#include "paint/retouch/confining_mask.h"
 #include "paint/retouch/sha256.h"
 #include "paint/retouch/treatment.h"
 #include "paint/retouch/treatment_folder.h"
 #include "paint/retouch/treatment_pending.h"
+#include "paint/tools_file.h"
 #include "surface/atomic_file.h"
 #include "surface/atomic_folder.h"
 #include "surface/error.h"
 #include "surface/painting_file.h"
+#include "surface/surface_part.h"
 
 namespace tangi {
 
@@ -50,6 +53,39 @@ json layers_on(const Canvas& canvas, const Treatment& treatment, const Treatment
     return layers;
 }
 
+// What strokes began with, as a painting of one pixel that has their palette and brush.
+void write_start(AtomicFile& file, const Surface& dry, const std::vector<PartToWrite>& tools) {
+    write_painting(file, cut(dry, {0, 0, 1, 1}), tools);
+}
+
+// Keeps strokes with all that painting them again needs. Returns the names of the files, and says in `about`
+// which they are; `beside`, what the painting's file has beside its paint, gets their tools.
+std::vector<std::string> keep_strokes(const PendingStep& pending, const TreatmentStrokes& strokes,
+                                      const Treatment& treatment, const Surface& dry,
+                                      std::vector<PartToWrite>& beside, json& about) {
+    std::string stem = "strokes/" + treatment.new_layer_name(LayerRole::retouch);
+    std::ranges::replace(stem, ' ', '_');
+    std::vector<std::string> names;
+    const auto keep = [&](const char* what, const std::string& name, const std::string& text) {
+        write_text_file(pending.file(name), text);
+        names.push_back(name);
+        if (what) about[what] = name;
+    };
+    keep("journal", stem + ".jsonl", strokes.journal);
+    for (const auto& [name, png] : strokes.masks) keep(nullptr, confining_mask_file(name), png);
+    if (!strokes.palette.empty()) keep("palette", stem + ".palette.json", strokes.palette);
+    if (!strokes.tools) return names;
+    std::vector<PartToWrite> before = tools_among(beside);
+    if (!before.empty()) {
+        names.push_back(stem + ".start.exr");
+        about["start"] = names.back();
+        AtomicFile file(pending.file(names.back()));
+        write_start(file, dry, before);
+    }
+    beside = with_tools(std::move(beside), *strokes.tools);
+    return names;
+}
+
 json entry_of(const TreatmentStep& step, const Author& author, const std::string& dry_sha256) {
     json inputs = json::object();
     for (const fs::path& input : step.inputs) {
@@ -72,19 +108,21 @@ json entry_of(const TreatmentStep& step, const Author& author, const std::string
 void Treatment::record(const TreatmentStep& step, const Author& author, const Progress& progress) {
     json entry = entry_of(step, author, dry_sha256()), outputs = json::object();
     PendingStep pending(folder_, log_);
+    const auto hash = [&](const std::string& name) { outputs[name] = sha256_of_file(pending.file(name)); };
     told_of(folder_ / kPending, folder_, [&] {  // nobody asked for files there
         if (step.canvas) {
             if (sha256_of(step.canvas->dry()) != dry_sha256())
                 fail("{}: the dry layer would change; nothing was written", painting().string());
             entry["layers"] = layers_on(*step.canvas, *this, step);
-            const std::vector<PartToWrite> further = parts_beside_paint(painting(), progress);
+            std::vector<PartToWrite> further = parts_beside_paint(painting(), progress);
+            if (step.strokes)
+                for (const std::string& name : keep_strokes(pending, *step.strokes, *this, step.canvas->dry(),
+                                                            further, entry["parameters"]["strokes"]))
+                    hash(name);
             AtomicFile file(pending.file(kTreatmentPainting));
             write_canvas(file, *step.canvas, progress, further);
         }
         const auto known = logged_files();
-        const auto hash = [&](const std::string& name) {
-            outputs[name] = sha256_of_file(pending.file(name));
-        };
         for (const auto& [name, mask] : step.masks) {
             TP_REQUIRE(mask.width() == width() && mask.height() == height(),
                        "a mask has the painting's size");
@@ -110,7 +148,7 @@ void Treatment::record(const TreatmentStep& step, const Author& author, const Pr
         if (!step.withdrawn.empty()) entry["withdrawn"] = step.withdrawn;
         if (!step.kept.empty()) entry["kept"].update(step.kept);
     });
-    pending.commit(log_, std::move(entry));
+    pending.commit(log_, std::move(entry), step.elsewhere);
 }
 
 void Treatment::keep_earlier(const fs::path& painting, const Author& author, const Progress& progress) {

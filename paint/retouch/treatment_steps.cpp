@@ -120,12 +120,6 @@ json varnish_step(Treatment& treatment, Canvas& canvas, bool isolating, const St
     return result;
 }
 
-std::string journal_file(const Treatment& treatment) {
-    std::string file = treatment.new_layer_name(LayerRole::retouch);
-    std::replace(file.begin(), file.end(), ' ', '_');
-    return "strokes/" + file + ".jsonl";
-}
-
 json retouch_step(Treatment& treatment, Canvas& canvas, const StepArea& area, TreatmentStep step,
                   const std::string& source, const Author& author, const Progress& progress) {
     const std::string name = treatment.new_layer_name(LayerRole::retouch);

@@ -43,12 +43,9 @@ nlohmann::json varnish_step(Treatment& treatment, Canvas& canvas, bool isolating
 
 // Takes what was painted by hand into the treatment: wet paint is dried as a layer with a new name, layers
 // that the log does not know are retouches too. `step` holds what is known beyond that (parameters, results,
-// the journal as a file). Throws Error naming `source` where nothing was painted.
+// strokes). Throws Error naming `source` where nothing was painted.
 nlohmann::json retouch_step(Treatment& treatment, Canvas& canvas, const StepArea& area, TreatmentStep step,
                             const std::string& source, const Author& author, const Progress& progress = {});
-
-// Where the journal of the retouch that is recorded next is kept: "strokes/retouch_2.jsonl".
-std::string journal_file(const Treatment& treatment);
 
 // Takes layers off. Throws Error, saying which there are, where one is not there.
 nlohmann::json remove_step(Treatment& treatment, Canvas& canvas, const std::vector<std::string>& layers,

@@ -1,0 +1,112 @@
+// viewer_treatment_strokes_test.cpp: what is painted by hand on a treatment can be painted again from what
+// its steps keep.
+#include <gmock/gmock.h>
+
+#include "paint/retouch/treatment_strokes.h"
+#include "tests/treatment_desks.h"
+
+namespace tangi {
+namespace {
+
+namespace fs = std::filesystem;
+
+using DesksStrokes = TreatmentDesks;
+
+// With its journal, a step keeps what its strokes went on from: the brush as the step before left it, and the
+// masks that brushes stopped at, which may change in the midst of it.
+TEST_F(DesksStrokes, StrokesOfAStepMakeItsLayerByThemselves) {
+    begin();
+    Treating& t = state_.treating;
+    t.where = {DamageClass::abrasion};
+    t.current = DamageClass::abrasion;
+    t.brush_mm = 12;
+    draw(70, 80, 90, 80);
+    t.ask.keep = true;
+    settle();
+    const auto paint = [&](double y_mm, BrushStart start) {
+        StrokeEvent event;
+        event.brush = brush_presets().at("flat");
+        event.brush.size_mm = 8;
+        event.start = start;
+        if (start == BrushStart::clean) event.paint = {{"Titanium White", 1}};
+        painter_->send(event);
+        for (int i = 0; i <= 20; ++i)
+            painter_->send(PointEvent{{.time_s = 0.01 * i, .x_mm = 3.0 * i - 30, .y_mm = y_mm}});
+        painter_->send(EndEvent{});
+        settle();
+    };
+    const auto save = [&] {
+        painter_->save();
+        settle();
+    };
+    const auto repeated = [&] {
+        const Treatment now = treatment();
+        return repeat_strokes(now, now.read_canvas());
+    };
+    paint(0, BrushStart::clean);
+    save();
+    paint(1, BrushStart::same);
+    t.confined = false;
+    settle();
+    paint(20, BrushStart::same);
+    t.confined = true;
+    t.feather_mm = 2;
+    settle();
+    paint(-1, BrushStart::clean);
+    save();
+    StrokesRepeated both = repeated();
+    EXPECT_THAT(both.faults, testing::IsEmpty());
+    EXPECT_EQ(both.painted_again, 2) << testing::PrintToString(said_);
+    EXPECT_EQ(both.left_out, 0);
+    EXPECT_FALSE(fs::exists(folder_ / "a.treatment" / "painting.unsaved.jsonl"));
+
+    // Opened again, the brush is what it was; after a crash, masks are as they were for each stroke.
+    const fs::path file = folder_ / "a.treatment" / "painting.exr";
+    show(file);
+    settle();
+    paint(2, BrushStart::same);
+    t.confined = false;
+    settle();
+    paint(25, BrushStart::same);
+    const int painted = state_.painter.painted_px;
+    EXPECT_GT(painted, 50);
+    t.confined = true;
+    settle();
+    show(file);  // without saving
+    settle();
+    painter_->recover(*left_over(sitting_files(file)));
+    settle();
+    EXPECT_EQ(state_.painter.painted_px, painted);
+    save();
+    EXPECT_THAT(treatment().check(), testing::IsEmpty());
+    both = repeated();
+    EXPECT_THAT(both.faults, testing::IsEmpty());
+    EXPECT_EQ(both.painted_again, 3);
+
+    // What lies on a layer that was removed cannot be painted again.
+    t.ask.remove = "retouch 1";
+    settle();
+    both = repeated();
+    EXPECT_THAT(both.faults, testing::IsEmpty());
+    EXPECT_EQ(both.painted_again, 0);
+    EXPECT_EQ(both.left_out, 3);
+}
+
+// Paints mixed on the palette and not used yet are no step; they are not lost.
+TEST_F(DesksStrokes, WhatWasOnlyMixedStaysInTheJournal) {
+    begin();
+    PaletteEvent piles;
+    piles.paints = {"Bone Black", "Titanium White"};
+    painter_->send(piles);
+    settle();
+    painter_->save();
+    settle();
+    const fs::path file = folder_ / "a.treatment" / "painting.exr";
+    EXPECT_EQ(treatment().log().entries().size(), 1u);
+    const auto journal = left_over(sitting_files(file));
+    ASSERT_TRUE(journal);
+    EXPECT_EQ(journal->entries.size(), 1u);
+}
+
+}  // namespace
+}  // namespace tangi
