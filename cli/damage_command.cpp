@@ -48,8 +48,35 @@ nlohmann::json to_json(const std::vector<SuggestedArea>& areas) {
     return all;
 }
 
+nlohmann::json to_json(const std::vector<GlossPatch>& patches) {
+    nlohmann::json all = nlohmann::json::array();
+    for (const GlossPatch& p : patches)
+        all.push_back({{"glossier", p.glossier},
+                       {"box_px", {p.box.x0, p.box.y0, p.box.x1, p.box.y1}},
+                       {"area_mm2", p.area_mm2},
+                       {"roughness_ratio", p.roughness_ratio},
+                       {"specular_ratio", p.specular_ratio}});
+    return all;
+}
+
+void draw_legend(AtomicFile& legend, const Treatment& treatment, const MasksToCome& to_come,
+                 const Progress& progress) {
+    told_of(legend.temporary(), legend.target(), [&] {
+        write_picture_8bit(legend.temporary(),
+                           damage_picture(treatment, treatment.read_canvas(progress).dry(), to_come));
+    });
+}
+
+// The legend shows what the step makes of the map, and comes about with it, or neither does.
+void add_legend(AtomicFile& legend, const Treatment& treatment, TreatmentStep& step,
+                const Progress& progress) {
+    draw_legend(legend, treatment, step.masks, progress);
+    step.elsewhere = [&legend] { legend.commit(); };
+}
+
 // What was suggested replaces what the class had, as the log says.
-nlohmann::json suggest(Treatment& treatment, const DamageArguments& a, const Progress& progress) {
+nlohmann::json suggest(Treatment& treatment, const DamageArguments& a, AtomicFile* legend,
+                       const Progress& progress) {
     const Canvas canvas = treatment.read_canvas(progress);
     const Surface& surface = canvas.dry();
     const double mm = treatment.mm_per_pixel();
@@ -85,17 +112,11 @@ nlohmann::json suggest(Treatment& treatment, const DamageArguments& a, const Pro
         step.parameters["options"] = to_json(a.gloss);
         keep("glossier", gloss.glossier);
         keep(a.as.empty() ? "matter" : a.as, gloss.matter);
-        nlohmann::json patches = nlohmann::json::array();
-        for (const GlossPatch& p : gloss.patches)
-            patches.push_back({{"glossier", p.glossier},
-                               {"box_px", {p.box.x0, p.box.y0, p.box.x1, p.box.y1}},
-                               {"area_mm2", p.area_mm2},
-                               {"roughness_ratio", p.roughness_ratio},
-                               {"specular_ratio", p.specular_ratio}});
-        step.results["patches"] = patches;
+        step.results["patches"] = to_json(gloss.patches);
     }
     step.results = in_known_units(step.results, treatment);
     const nlohmann::json result = step.results;
+    if (legend) add_legend(*legend, treatment, step, progress);
     treatment.record(step, a.author.author(), progress);
     return result;
 }
@@ -110,7 +131,7 @@ Mask wanded(const Treatment& treatment, const DamageArguments& a, const Progress
 }
 
 // Drawn areas are added to a class, taken away from it, or replace it.
-void draw(Treatment& treatment, const DamageArguments& a, const Progress& progress) {
+void draw(Treatment& treatment, const DamageArguments& a, AtomicFile* legend, const Progress& progress) {
     if (a.area.classes.size() != 1)
         throw UsageError("name the one class that is drawn: --class loss_to_ground");
     const DamageClass damage = damage_class_of(a.area.classes.front(), "--class");
@@ -135,6 +156,7 @@ void draw(Treatment& treatment, const DamageArguments& a, const Progress& progre
         step.parameters["wand_mm"] = a.wand, step.parameters["tolerance"] = a.tolerance.value_or(kAlike);
     step.masks[name] = after;
     step.results[name] = area_of_step(treatment, area_of(after, treatment.mm_per_pixel()).mm2);
+    if (legend) add_legend(*legend, treatment, step, progress);
     treatment.record(step, a.author.author(), progress);
 }
 
@@ -171,8 +193,9 @@ nlohmann::json run_damage(const DamageArguments& a) {
     if (sha256_of(read_painting(a.painting, progress)) != treatment.dry_sha256())
         fail("{}: is not the painting that {} began with", a.painting, a.treatment);
     nlohmann::json result = {{"treatment", a.treatment}};
-    if (!a.suggest.empty()) result["suggested"] = suggest(treatment, a, progress);
-    if (drawing) draw(treatment, a, progress);
+    AtomicFile* const picture = legend ? &*legend : nullptr;
+    if (!a.suggest.empty()) result["suggested"] = suggest(treatment, a, picture, progress);
+    if (drawing) draw(treatment, a, picture, progress);
     result["damage"] = damage_table(treatment);
     if (treatment.has_mask(DamageClass::craquelure))
         result["craquelure"] =
@@ -182,12 +205,11 @@ nlohmann::json run_damage(const DamageArguments& a) {
         result["warnings"] =
             told({"the painting's scale is unknown: a pixel counts as one mm; begin with "
                   "--mm-per-pixel for areas in cm2"});
-    if (!a.legend.empty()) {
-        told_of(legend->temporary(), a.legend, [&] {
-            write_picture_8bit(legend->temporary(),
-                               damage_picture(treatment, treatment.read_canvas(progress).dry()));
-        });
-        legend->commit();
+    if (legend) {
+        if (a.suggest.empty() && !drawing) {  // of what is mapped already
+            draw_legend(*legend, treatment, {}, progress);
+            legend->commit();
+        }
         result["legend"] = a.legend;
     }
     return result;
