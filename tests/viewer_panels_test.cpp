@@ -253,5 +253,37 @@ TEST_F(Panels, ProfileAndStatisticsLieBesideEachOther) {
     }
 }
 
+// A message covers two lines of the painting, however long it is; all of it comes when one asks for it.
+TEST_F(Panels, ALongMessageIsCutToTwoLines) {
+    const std::string sentence = "a.exr: was replaced by another program, and nothing was overwritten. ";
+    state_.painting = {400, 300};
+    state_.canvas_left = 300;
+    const Extent screen{980, 720};
+    const auto covered = [&] {  // [lines] above the status line
+        float top = 720;
+        for (int i = 0; i < 3; ++i) {
+            ImGui::NewFrame();
+            panels::overlay(state_, Placement(fitted({400, 300}, screen), {}, false, {400, 300}, screen, 1),
+                            screen, {0, 0}, false);
+            top = 720;
+            for (const ImDrawVert& v : ImGui::GetBackgroundDrawList()->VtxBuffer)
+                top = std::min(top, v.pos.y);
+            ImGui::Render();
+        }
+        return (720 - 22 * state_.scale - 8 - top) / ImGui::GetFontSize();
+    };
+    for (const int sentences : {1, 3, 40}) {
+        state_.message.clear();
+        for (int i = 0; i < sentences; ++i) state_.message += sentence;
+        EXPECT_LE(covered(), 2.01f) << sentences;
+    }
+    state_.message = "said before\n" + sentence + "\nsaid last";
+    EXPECT_NEAR(covered(), 2, 0.01);
+    state_.message = sentence;
+    for (int i = 0; i < 40; ++i) state_.message += sentence;
+    state_.whole_message = true;
+    EXPECT_GT(covered(), 10);
+}
+
 }  // namespace
 }  // namespace tangi

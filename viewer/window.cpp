@@ -126,7 +126,7 @@ void WindowApp::animate(double seconds) {
     Comparing& comparing = state_.comparing;
     comparing.blink_photo = std::fmod(now_s_, 2 * comparing.blink_s) < comparing.blink_s;
     if (comparing.way != CompareWay::blink) comparing.blink_photo = false;
-    if (now_s_ > state_.message_until_s) state_.message.clear();
+    if (now_s_ > state_.message_until_s && !state_.whole_message) state_.message.clear();
 }
 
 // What is under the cursor, four times as large.

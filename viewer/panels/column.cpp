@@ -9,39 +9,9 @@
 
 namespace tangi::panels {
 
-void tip(const std::string& text) {
-    if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", text.c_str());
-}
-
-void note(const std::string& text, int lines, const ImVec4& colour) {
-    const ImVec2 at = ImGui::GetCursorScreenPos();
-    const float wide = std::max(ImGui::GetContentRegionAvail().x, 1.0f);
-    const float line = ImGui::GetTextLineHeight(), high = static_cast<float>(lines) * line;
-    ImGui::Dummy({1, high});  // no wider: a window that fits what is in it can become narrower again
-    if (text.empty()) return;
-    const auto fits = [&](const std::string& part) {
-        return ImGui::CalcTextSize(part.c_str(), nullptr, false, wide).y <= high + 0.5f * line;
-    };
-    std::string shown = text;
-    while (!fits(shown)) {
-        const auto blank = text.find_last_of(' ', shown.size() - std::min<std::size_t>(shown.size(), 5));
-        if (blank == std::string::npos) break;
-        shown = text.substr(0, blank) + " …";
-    }
-    ImDrawList* draw = ImGui::GetWindowDrawList();
-    const ImVec4 clip(at.x, at.y, at.x + wide, at.y + high);
-    draw->AddText(ImGui::GetFont(), ImGui::GetFontSize(), at, ImGui::GetColorU32(colour), shown.c_str(),
-                  nullptr, wide, &clip);
-    if (shown == text || !ImGui::IsWindowHovered() || !ImGui::IsMouseHoveringRect(at, {clip.z, clip.w}))
-        return;
-    ImGui::BeginTooltip();
-    ImGui::PushTextWrapPos(35 * ImGui::GetFontSize());
-    ImGui::TextUnformatted(text.c_str());
-    ImGui::PopTextWrapPos();
-    ImGui::EndTooltip();
-}
-
 namespace {
+
+constexpr float kWideMessage = 400;  // [pixels] beside a button
 
 constexpr const char* kNotTilted =
     "Photographs were taken from straight ahead: nothing is tilted beside them";
@@ -93,16 +63,32 @@ void dropped(WindowState& s) {
     if (done) s.dropped.clear();
 }
 
+// Strokes that a crash left. Where another painting was put in the place of theirs, Enter does nothing to it.
+void left_over(WindowState& s) {
+    const bool of_another = s.left_over_of_another;
+    ImGui::TextColored(
+        {1, 0.8f, 0.3f, 1}, "%s",
+        of_another ? "Strokes of another painting lie here." : "A sitting ended without saving.");
+    const std::string strokes =
+        fmt::format("{} stroke{}", s.left_over_strokes, s.left_over_strokes == 1 ? "" : "s");
+    if (of_another) {
+        if (ImGui::Button("Put aside (Enter)")) s.ask.discard = true;
+        tip("They are kept in a file beside the painting. To have them on their own painting, put that back "
+            "in "
+            "its place and open it");
+        ImGui::SameLine();
+        if (ImGui::Button(fmt::format("Paint {} on this", strokes).c_str())) s.ask.recover = true;
+        return;
+    }
+    if (ImGui::Button(fmt::format("Recover {} (Enter)", strokes).c_str())) s.ask.recover = true;
+    ImGui::SameLine();
+    if (ImGui::Button("Put aside")) s.ask.discard = true;
+}
+
 // What is asked before strokes or files may be lost.
 void questions(WindowState& s) {
     if (s.left_over_strokes > 0) {
-        ImGui::TextColored({1, 0.8f, 0.3f, 1}, "A sitting ended without saving.");
-        if (ImGui::Button(fmt::format("Recover {} stroke{} (Enter)", s.left_over_strokes,
-                                      s.left_over_strokes == 1 ? "" : "s")
-                              .c_str()))
-            s.ask.recover = true;
-        ImGui::SameLine();
-        if (ImGui::Button("Put aside")) s.ask.discard = true;
+        left_over(s);
     }
     if (s.finishing) {
         ImGui::TextColored({1, 0.8f, 0.3f, 1}, "%s",
@@ -359,7 +345,8 @@ void help(WindowState& s) {
         if (ImGui::SmallButton("Usual keys")) s.ask.usual_keys = true;
         if (!s.message.empty()) {  // which this window may lie over
             ImGui::SameLine();
-            ImGui::TextColored({1, 0.88f, 0.6f, 1}, "%s", s.message.c_str());
+            ImGui::TextColored({1, 0.88f, 0.6f, 1}, "%s",
+                               in_lines(s.message, kWideMessage * s.scale, 1).c_str());
         }
         ImGui::Separator();
         row("wheel", "zoom to the cursor");

@@ -82,15 +82,42 @@ bool lit_from_front(const WindowState& s, const Placement& placement) {
     });
 }
 
-// What the window says, as long as it may be, over the status line.
-void message(const std::string& text, float left, float width, float bottom) {
+// Text over the status line.
+void text_above(const std::string& text, float left, float width, float bottom, float wrap) {
     if (text.empty()) return;
-    const float wrap = width - 16;
     const ImVec2 size = ImGui::CalcTextSize(text.c_str(), nullptr, false, wrap);
     ImDrawList* draw = ImGui::GetBackgroundDrawList();
     draw->AddRectFilled({left, bottom - size.y - 8}, {left + width, bottom}, IM_COL32(0, 0, 0, 190));
     draw->AddText(ImGui::GetFont(), ImGui::GetFontSize(), {left + 8, bottom - size.y - 4},
                   IM_COL32(255, 225, 150, 255), text.c_str(), nullptr, wrap);
+}
+
+// What the window says, in two lines of the painting at most, unless one asks for all of it: the last thing
+// said and, where that is short, the beginning of what was said before.
+void message(WindowState& s, float left, float width, float bottom) {
+    if (s.message.empty()) s.whole_message = false;
+    if (s.message.empty()) return;
+    const char* const label = s.whole_message ? "Less###said" : "Details###said";
+    const float wrap = width - 32 * s.scale - ImGui::CalcTextSize("Details").x;
+    const std::size_t end = s.message.rfind('\n');
+    const std::string last = s.message.substr(end == std::string::npos ? 0 : end + 1);
+    std::string shown = in_lines(last, wrap, 2);
+    if (const bool one = in_lines(last, wrap, 1) == last; one && end != std::string::npos) {
+        const std::size_t begin = end == 0 ? std::string::npos : s.message.rfind('\n', end - 1);
+        const std::size_t from = begin == std::string::npos ? 0 : begin + 1;
+        shown = in_lines(s.message.substr(from, end - from), wrap, 1) + "\n" + last;
+    }
+    const bool is_cut = shown != s.message;
+    text_above(s.whole_message ? s.message : shown, left, width, bottom, wrap);
+    if (!is_cut) return;
+    ImGui::SetNextWindowPos({left + width, bottom}, ImGuiCond_Always, {1, 1});
+    ImGui::Begin("said", nullptr,
+                 ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings |
+                     ImGuiWindowFlags_NoBackground | ImGuiWindowFlags_AlwaysAutoResize |
+                     ImGuiWindowFlags_NoFocusOnAppearing | ImGuiWindowFlags_NoNav);
+    if (ImGui::SmallButton(label)) s.whole_message = !s.whole_message;
+    tip("All that was said is under Messages, too");
+    ImGui::End();
 }
 
 bool on_painting(const WindowState& s, const Placement& placement, const glm::dvec2& cursor) {
@@ -142,7 +169,8 @@ void opening(const WindowState& s, const std::string& stage, double fraction, Ex
     const std::string text = stage.empty()
                                  ? fmt::format("opening {}", s.title)
                                  : fmt::format("opening {}: {} {:.0f} %", s.title, stage, 100 * fraction);
-    message(text, s.canvas_left, static_cast<float>(screen.width), static_cast<float>(screen.height));
+    const auto width = static_cast<float>(screen.width);
+    text_above(text, s.canvas_left, width, static_cast<float>(screen.height), width - 16);
 }
 
 void overlay(WindowState& s, const Placement& placement, Extent screen, const glm::dvec2& cursor,
@@ -180,7 +208,7 @@ void overlay(WindowState& s, const Placement& placement, Extent screen, const gl
     draw->AddRectFilled({left, y}, {left + static_cast<float>(screen.width), y + line},
                         IM_COL32(0, 0, 0, 150));
     draw->AddText({left + 8 * s.scale, y + 4 * s.scale}, IM_COL32(220, 220, 220, 255), status.c_str());
-    message(s.message, left, static_cast<float>(screen.width), y);
+    message(s, left, static_cast<float>(screen.width), y);
 }
 
 }  // namespace tangi::panels

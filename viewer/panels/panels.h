@@ -50,6 +50,9 @@ void folding(const char* name, bool open, Draw&& draw) {
     ImGui::PopID();
 }
 
+// What of a text there is room for in so many lines of this width [pixels], with " …" where it is not all.
+std::string in_lines(const std::string& text, float wide, int lines);
+
 // Text that comes and goes, in lines that are there all the time: controls below it stay under the pointer.
 // What is longer is cut, and whole under the pointer.
 void note(const std::string& text, int lines = 1,
