@@ -18,7 +18,7 @@ struct PhotoHeader {
     bool is_raw = false;        // camera raw: linear light in the camera's primaries, 16 bit
     int orientation = 1;        // EXIF; anything but 1 means that viewers turn the picture
     // What is to be told of how the file was understood, without its name: several pictures in it, pixels
-    // that are not square, an EXR file whose data window is not all of its display window.
+    // that are not square, an EXR file whose data window is not all of its display window, a damaged profile.
     std::vector<std::string> doubts{};
 };
 
@@ -58,9 +58,7 @@ public:
 private:
     struct Decoder;
     void read_raw_rows(int y0, int y1, std::span<float> values);
-    void decode_rows(int y0, int y1, std::span<float> values);
-    void read_window(int y0, int y1, std::span<float> values);
-    void mask_what_is_no_number(std::span<float> values);
+    void mask_what_is_no_number(int y0, std::span<float> values);
     std::filesystem::path path_;
     PhotoHeader header_;
     long without_number_ = 0;

@@ -8,7 +8,9 @@
 
 #include "capture/left_out.h"
 #include "surface/error.h"
+#include "surface/memory_budget.h"
 #include "surface/picture_file.h"
+#include "surface/picture_header.h"
 #include "surface/safe_picture.h"
 
 namespace tangi {
@@ -38,6 +40,22 @@ OIIO::ImageSpec neutral_settings() {
     // "Unclip": channels are scaled down to balance them, never up, so that none loses its brightest values.
     config.attribute("raw:HighlightMode", 1);
     return config;
+}
+
+// LibRaw asks for memory by what the header claims before it looks for the pixels.
+void require_possible_raw(const fs::path& path) {
+    const FileBytes file(path);
+    const auto claims = raw_header(file);
+    if (claims && claims->least_file > static_cast<double>(file.size()))
+        fail_photo(path,
+                   "is damaged: it says that it has {} x {} pixels, which its {} bytes cannot hold; copy it "
+                   "again from where it came",
+                   claims->width, claims->height, file.size());
+}
+
+// [bytes a pixel] That LibRaw takes to fill in colours, as measured (raw_file.h).
+double developing_bytes(const std::string& demosaic) {
+    return demosaic == "AAHD" ? 60 : demosaic == "DCB" ? 45 : 30;
 }
 
 std::unique_ptr<OIIO::ImageInput> opened(const fs::path& path, const OIIO::ImageSpec& config) {
@@ -101,6 +119,7 @@ const std::vector<std::string>& demosaic_methods() {
 }
 
 RawHeader read_raw_header(const fs::path& path) {
+    require_possible_raw(path);
     RawHeader header = header_of(opened(path, neutral_settings())->spec());
     // What the camera says about turning is only told where it was not forbidden.
     constexpr int exif_of_flip[] = {1, 1, 1, 3, 1, 8, 6, 1};  // LibRaw: 3 = half a turn, 5 = left, 6 = right
@@ -120,6 +139,8 @@ std::vector<std::uint16_t> develop_raw(const fs::path& path, const std::string& 
     OIIO::ImageSpec config = neutral_settings();
     config.attribute("raw:user_mul", TypeDesc(TypeDesc::FLOAT, 4), multipliers);
     config.attribute("raw:Demosaic", demosaic);
+    require_memory(path, developing_bytes(demosaic) * header.width * header.height,
+                   fmt::format("developing its {} x {} pixels", header.width, header.height));
     const auto input = opened(path, config);
     std::vector<std::uint16_t> values(static_cast<std::size_t>(header.width) *
                                       static_cast<std::size_t>(header.height) * 3);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <numbers>
 #include <set>
 
 #include "capture/brackets.h"
@@ -14,6 +15,7 @@
 #include "capture/usable_stack.h"
 #include "surface/error.h"
 #include "surface/picture_file.h"
+#include "surface/picture_rows.h"
 
 namespace tangi {
 
@@ -100,6 +102,20 @@ void check_headers(Stack& stack) {
     stack.crop = {0, 0, first->width, first->height};
 }
 
+// Pixels that are not square: normals are right, which lights alone tell, and all that is measured along the
+// rows is not. Resampling would hide that the entry itself is wrong, as of scanners and editors it often is.
+std::string doubt_of_pixels(const Stack& stack) {
+    if (stack.is_raw || stack.photos.empty()) return {};
+    const double aspect = static_cast<double>(PictureRows(stack.photos.front().path).content().pixel_aspect);
+    if (!(aspect > 0) || !(std::abs(aspect - 1) > kSquarePixels)) return {};
+    return fmt::format(
+        "{}: pixels that are {:.3g} times as wide as they are high are taken for squares: lengths along the "
+        "rows are off by that factor, and heights with them, where slopes of 45° become {:.0f}°; resample "
+        "the "
+        "photographs to square pixels, or correct that entry",
+        stack.photos.front().path.string(), aspect, std::atan(1 / aspect) * 180 / std::numbers::pi);
+}
+
 void apply_crop(Stack& stack, const Region& crop) {
     if (crop.empty() || crop.x0 < 0 || crop.y0 < 0 || crop.x1 > stack.crop.x1 || crop.y1 > stack.crop.y1)
         fail("the crop {},{} to {},{} does not lie in the {} of {}, which are {} x {}", crop.x0, crop.y0,
@@ -110,10 +126,12 @@ void apply_crop(Stack& stack, const Region& crop) {
 
 // The mask is a picture like a photograph; where these are resampled, so is it.
 void apply_mask(Stack& stack, const fs::path& path, const Region& photo) {
+    // Before it is unpacked: another picture may be of any size.
+    if (const PictureContent size = PictureRows(path).content();
+        size.width != photo.width() || size.height != photo.height())
+        fail("{}: the mask is {} x {}, the photographs are {} x {}", path.string(), size.width, size.height,
+             photo.width(), photo.height());
     const Image<float> picture = read_photo_mask(path);
-    if (picture.region() != photo)
-        fail("{}: the mask is {} x {}, the photographs are {} x {}", path.string(), picture.width(),
-             picture.height(), photo.width(), photo.height());
     stack.mask = Image<unsigned char>(stack.width(), stack.height());
     bool any = false;
     for (int y = 0; y < stack.height(); ++y)
@@ -213,6 +231,7 @@ UsableStack opened(const fs::path& folder, const StackOptions& options, const Us
     leave_out_lights_from_below(stack, calibration.lights_path, result.left_out);
     check_headers(stack);
     relate_profiles(stack);
+    if (std::string doubt = doubt_of_pixels(stack); !doubt.empty()) result.poor.push_back(std::move(doubt));
     const Region photo = stack.crop;
     apply_geometry(stack, calibration);
     if (options.crop) apply_crop(stack, *options.crop);

@@ -12,6 +12,7 @@
 #include "fit/odd_lights_vote.h"
 #include "fit/shot_order.h"
 #include "surface/error.h"
+#include "surface/memory_budget.h"
 
 namespace tangi {
 
@@ -233,6 +234,10 @@ FitResult fit_painting(Stack stack, const FitOptions& asked, const Progress& pro
     validate(asked);
     FitOptions options = asked;
     require_enough_lights(stack.lights(), stack.folder.string());
+    // [bytes a pixel] Standard errors, and the height's solver (height.h): what every fit takes.
+    constexpr double errors_and_height = 5 * sizeof(HalfError) + 21;
+    require_memory_of_surface(stack.folder, stack.width(), stack.height(), errors_and_height,
+                              "fitting a picture");
     // Sums are taken in this order, so the order of the lines in a lights file changes no bit of the result.
     std::sort(stack.photos.begin(), stack.photos.end(),
               [](const StackPhoto& a, const StackPhoto& b) { return a.path < b.path; });

@@ -12,9 +12,11 @@
 #include "surface/json_text.h"
 #include "surface/letter_case.h"
 #include "surface/median.h"
+#include "surface/memory_budget.h"
 #include "surface/parallel.h"
 #include "surface/photography_json.h"
 #include "surface/picture_file.h"
+#include "surface/picture_rows.h"
 
 namespace tangi {
 
@@ -59,6 +61,12 @@ std::optional<fs::path>* map_named(MapFiles& files, const std::string& word) {
 
 // A map of the surface's size, which the first one decides.
 Image<Rgb> read_map(const fs::path& path, Surface& s, const fs::path& first) {
+    if (s.height_mm.empty()) {
+        constexpr double height_solver = 21;  // [bytes a pixel] height.h
+        const PictureContent size = PictureRows(path).content();
+        require_memory_of_surface(path, size.width, size.height, sizeof(Rgb) + height_solver,
+                                  "making a painting");
+    }
     Image<Rgb> map = read_picture(path);
     if (s.height_mm.empty()) s = Surface(map.width(), map.height());
     if (map.width() != s.width() || map.height() != s.height())

@@ -11,8 +11,10 @@
 #include "surface/colour.h"
 #include "surface/error.h"
 #include "surface/json_reading.h"
+#include "surface/memory_budget.h"
 #include "surface/painting_file.h"
 #include "surface/picture_file.h"
+#include "surface/picture_rows.h"
 
 namespace tangi {
 
@@ -71,6 +73,9 @@ std::string provenance_of_picture(const SubstrateChoice& choice, const PictureSu
 Surface made(const SubstrateChoice& choice, const Progress& progress) {
     if (const auto kind = substrate_named(choice.which)) return make_substrate(*kind, choice.piece, progress);
     if (is_picture(choice.which)) {
+        const PictureContent size = PictureRows(choice.which).content();
+        require_memory_of_surface(choice.which, size.width, size.height, sizeof(Rgb) + sizeof(float),
+                                  "making a ground");
         const Image<Rgb> colour = linear_picture(choice.which);
         const Image<float> relief = choice.height_from == "luminance" ? lightness_of(colour)
                                     : choice.height_from == "none"

@@ -41,12 +41,17 @@ struct Part {
     bool has_tiles(std::uint32_t version) const {
         return type.empty() ? (version & kTilesBit) != 0 : type == "tiledimage";
     }
+    int rows_in_block() const { return compression < kRowsOf.size() ? kRowsOf[compression] : kRowsOf.back(); }
     // [blocks] Of rows, or tiles.
     double blocks(double width, double height) const {
         if (tile)
             return std::ceil(width / std::max((*tile)[0], 1u)) * std::ceil(height / std::max((*tile)[1], 1u));
-        const int rows = compression < kRowsOf.size() ? kRowsOf[compression] : kRowsOf.back();
-        return std::ceil(height / rows);
+        return std::ceil(height / rows_in_block());
+    }
+    // [bytes] of a block of rows, or a row of tiles.
+    double held(double width, double height) const {
+        const double rows = tile ? (*tile)[1] : rows_in_block();
+        return width * std::min(rows, height) * pixel_bytes;
     }
 };
 
@@ -269,6 +274,7 @@ std::optional<ExrClaim> exr_claim(const std::filesystem::path& path) {
         if (!sized) continue;
         least += least_bytes(part, width, height);
         claim.pixels = std::max(claim.pixels, width * height);
+        claim.held = std::max(claim.held, part.held(width, height));
         const double tile = part.tile ? static_cast<double>((*part.tile)[0]) * (*part.tile)[1] : 0;
         if ((least > static_cast<double>(length) || tile > width * height + kMostOfTile) && !claim.impossible)
             claim.impossible = fmt::format("{} x {}", width, height);

@@ -24,6 +24,7 @@ struct ExrClaim {
     // it takes for the next one then is anything, and asks for gigabytes.
     bool malformed = false;
     double pixels = 0;  // of the largest part
+    double held = 0;    // [bytes] of the largest block of rows, or row of tiles, which is unpacked as a whole
 };
 
 // Nothing where the header cannot be followed to its end: what is wrong with it is for OpenEXR to say. Each

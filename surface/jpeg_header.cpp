@@ -81,11 +81,13 @@ std::optional<std::string> instead_of_segment(const JpegPart& segment) {
 // The profile, which lies in parts of 64 KiB, each with its number and their count (ICC.1:2010, B.4).
 class ProfileParts {
 public:
-    void add(const std::string& content) {
+    // False where it is none.
+    bool add(const std::string& content) {
         const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(content[i]); };
-        if (!content.starts_with(kProfileName) || content.size() < kProfileName.size() + 2) return;
+        if (!content.starts_with(kProfileName) || content.size() < kProfileName.size() + 2) return false;
         count_ = byte(kProfileName.size() + 1);
         parts_.emplace(byte(kProfileName.size()), content.substr(kProfileName.size() + 2));
+        return true;
     }
     std::optional<std::string> damage() const {
         if (parts_.empty()) return {};
@@ -126,6 +128,7 @@ void read_jpeg_header(const FileBytes& file, PictureHeader& header) {
     std::vector<FilePiece> pieces = {{0, 2}};
     ProfileParts profile;
     JpegScans scans;
+    std::vector<std::size_t> of_profile;  // pieces
     bool changed = false, in_scan = false;
     std::uint64_t at = 2;
     while (const auto begin = next_jpeg_marker(file, at, in_scan)) {
@@ -138,7 +141,8 @@ void read_jpeg_header(const FileBytes& file, PictureHeader& header) {
         std::optional<std::string> instead;
         if (is_frame(segment->marker)) read_frame(*segment, header, scans);
         if (is_metadata(segment->marker)) {
-            if (segment->marker == kProfileMarker) profile.add(segment->content);
+            if (segment->marker == kProfileMarker && profile.add(segment->content))
+                of_profile.push_back(pieces.size());
             instead = behind_pixels ? std::optional<std::string>("") : instead_of_segment(*segment);
         }
         changed = changed || instead;
@@ -149,8 +153,12 @@ void read_jpeg_header(const FileBytes& file, PictureHeader& header) {
         if (!scans.in_several) break;
     }
     pieces.push_back({at, file.size() - std::min(at, file.size())});
+    header.profile_damage = profile.damage();
+    if (header.profile_damage)
+        for (const std::size_t piece : of_profile) pieces[piece].length = 0, changed = true;
     if (changed) header.without = std::move(pieces);
-    if (const auto damage = profile.damage()) header.damage = "its colour profile (ICC): " + *damage;
+    // libjpeg keeps what it needs of all scans as 16 bits a sample.
+    if (scans.in_several) header.held = 2 * header.bytes;
     // A code is a bit at least, and 8 x 8 pixels of the brightness begin with one (ITU-T T.81, F.1.2);
     // arithmetic coding can do with less.
     header.least_file = scans.arithmetic ? 0 : header.width * header.height / 512;

@@ -33,6 +33,7 @@
 #include "surface/exr_claim.h"
 #include "surface/json_reading.h"
 #include "surface/json_text.h"
+#include "surface/memory_budget.h"
 #include "surface/memory_error.h"
 #include "surface/overview.h"
 #include "surface/painting_errors.h"
@@ -226,6 +227,9 @@ Surface read_dry_part(const fs::path& path, const Progress& progress) {
     for (const DryChannel& c : channels_of(names))
         if (!header.channels().findChannel(c.name))
             fail("{}: part '{}' has no channel '{}'", path.string(), kDry, c.name);
+    const double beside =
+        (names.lobe_colour.empty() ? 0.0 : sizeof(Rgb)) + (names.lobe_axes.empty() ? 0.0 : sizeof(LobeAxes));
+    require_memory_of_surface(path, width, height, beside, "a painting");
     Maps maps = read_maps(path, file, number, width, height, names, progress);
     Surface& s = maps.surface;
     s.mm_per_pixel = kept_scale_mm(attribute<Imf::FloatAttribute>(header, "mm_per_pixel", 1.0f));

@@ -8,19 +8,19 @@
 #include <cstdlib>
 #include <ctime>
 #include <functional>
+#include <optional>
 #include <utility>
 
 #include "surface/atomic_file.h"
 #include "surface/error.h"
 #include "surface/icc_profile.h"
-#include "surface/jpeg_segments.h"
 #include "surface/json_text.h"
 #include "surface/letter_case.h"
+#include "surface/memory_budget.h"
+#include "surface/memory_file.h"
 #include "surface/parallel.h"
+#include "surface/picture_rows.h"
 #include "surface/picture_with_alpha.h"
-#include "surface/png_chunks.h"
-#include "surface/safe_picture.h"
-#include "surface/tiff_pages.h"
 
 namespace tangi {
 
@@ -60,10 +60,10 @@ std::string date_of_file() {
     return date.data();
 }
 
-bool is_readable(const fs::path& path) {
-    const auto input = OIIO::ImageInput::create(reader_name(path));
+bool is_readable_tiff(const std::string& path) {
+    const auto input = OIIO::ImageInput::create("tiff");
     OIIO::ImageSpec spec;
-    if (!input || !input->open(path.string(), spec)) return false;
+    if (!input || !input->open(path, spec)) return false;
     std::vector<float> row(static_cast<std::size_t>(spec.width) * static_cast<std::size_t>(spec.nchannels));
     for (int y = 0; y < spec.height; ++y)
         if (!input->read_scanline(y, 0, OIIO::TypeDesc::FLOAT, row.data()) || input->has_error())
@@ -91,20 +91,16 @@ constexpr int kStrip = 256;  // [rows] that are encoded at once: whole blocks of
 // Numbers of the rows from `begin` on, interleaved.
 using RowSource = std::function<const float*(int begin, int end)>;
 
-void write_samples(const fs::path& path, const RowSource& rows, const Region& size, int channels, Depth depth,
-                   const std::string& colour_space, int jpeg_quality = 95, bool is_srgb = false) {
-    AtomicFile file(path);
-    const auto output = OIIO::ImageOutput::create(format_of(path));  // a path may hold a '?'
-    if (!output) fail("{}: no writer for this format: {}", path.string(), OIIO::geterror());
+OIIO::ImageSpec spec_to_write(const std::string& extension, const Region& size, int channels, Depth depth,
+                              const std::string& colour_space, int jpeg_quality, bool is_srgb) {
     OIIO::ImageSpec spec(size.width(), size.height(), channels,
                          depth == Depth::real      ? OIIO::TypeDesc::FLOAT
                          : depth == Depth::sixteen ? OIIO::TypeDesc::UINT16
                                                    : OIIO::TypeDesc::UINT8);
     // A PNG says how it is encoded once: a profile, or an sRGB chunk (ISO/IEC 15948, 11.3.3.3).
-    const bool is_png = lower_extension(path) == ".png";
-    const bool is_tiff = lower_extension(path).starts_with(".tif");
-    if (!(is_png && is_srgb) && !colour_space.empty()) spec.attribute("oiio:ColorSpace", colour_space);
-    if (is_tiff || depth == Depth::real) spec.attribute("DateTime", date_of_file());
+    const bool says_it_otherwise = extension == ".png" && is_srgb;
+    if (!says_it_otherwise && !colour_space.empty()) spec.attribute("oiio:ColorSpace", colour_space);
+    if (extension.starts_with(".tif") || depth == Depth::real) spec.attribute("DateTime", date_of_file());
     if (is_srgb) {
         const std::string profile = srgb_icc_profile();
         spec.attribute("ICCProfile", OIIO::TypeDesc(OIIO::TypeDesc::UINT8, static_cast<int>(profile.size())),
@@ -112,35 +108,45 @@ void write_samples(const fs::path& path, const RowSource& rows, const Region& si
     }
     // The lower half of 16 bits is noise, in which looking for more than the nearest matches finds 1 %.
     const bool quick = depth == Depth::sixteen;
-    spec.attribute("Compression", lower_extension(path).starts_with(".jp")
-                                      ? fmt::format("jpeg:{}", jpeg_quality)
-                                      : (quick ? "zip:1" : "zip"));
+    spec.attribute("Compression", extension.starts_with(".jp") ? fmt::format("jpeg:{}", jpeg_quality)
+                                                               : (quick ? "zip:1" : "zip"));
     if (quick) spec.attribute("png:compressionLevel", 1);
+    return spec;
+}
+
+void write_samples(const fs::path& path, const RowSource& rows, const Region& size, int channels, Depth depth,
+                   const std::string& colour_space, int jpeg_quality = 95, bool is_srgb = false) {
+    AtomicFile file(path);
+    const std::string extension = lower_extension(path);
+    const bool is_tiff = extension.starts_with(".tif");
+    const auto output = OIIO::ImageOutput::create(format_of(path));  // a path may hold a '?'
+    if (!output) fail("{}: no writer for this format: {}", path.string(), OIIO::geterror());
+    const OIIO::ImageSpec spec =
+        spec_to_write(extension, size, channels, depth, colour_space, jpeg_quality, is_srgb);
     // On a full disk OpenImageIO's writers notice little, and libjpeg ends the process: they write to memory.
-    // All but that of TIFF, which fails there (OpenImageIO 2.4); what it wrote is read back instead.
+    // That of TIFF cannot (OpenImageIO 2.4), and gets a file that is memory; what it wrote is read back.
     std::vector<unsigned char> bytes;
     OIIO::Filesystem::IOVecOutput memory(bytes);
+    std::optional<MemoryFile> memory_file;
+    if (is_tiff) memory_file.emplace();
     if (!is_tiff) output->set_ioproxy(&memory);
-    bool written = output->open(file.temporary().string(), spec);
+    bool written = output->open(is_tiff ? memory_file->path() : file.temporary().string(), spec);
     for (int y = 0; y < size.height() && written; y += kStrip) {
         const int end = std::min(y + kStrip, size.height());
         written = output->write_scanlines(y, end, 0, OIIO::TypeDesc::FLOAT, rows(y, end));
     }
-    if (!written || !output->close())
-        fail("{}: cannot be written: {}", path.string(), first_line(output->geterror()));
-    if (is_tiff && !is_readable(file.temporary()))
-        fail("{}: cannot be written: is the disk full?", path.string());
-    if (!is_tiff) file.write({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+    written = written && output->close();
+    if (is_tiff && !(written && is_readable_tiff(memory_file->path())))
+        fail("{}: cannot be written: {}", path.string(), memory_file->refusal());
+    if (!written) fail("{}: cannot be written: {}", path.string(), first_line(output->geterror()));
+    file.write(is_tiff ? memory_file->bytes()
+                       : std::string_view(reinterpret_cast<const char*>(bytes.data()), bytes.size()));
     file.commit();
 }
 
 }  // namespace
 
 std::string lower_extension(const fs::path& path) { return lower_case(path.extension().string()); }
-
-std::string reader_name(const fs::path& path) {
-    return path.string().find('?') == std::string::npos ? path.string() : format_of(path);
-}
 
 void require_picture_format(const fs::path& path) { depth_of(path); }
 
@@ -186,38 +192,35 @@ namespace {
 
 // `alpha`: where to put it; its channel is not read where that is null.
 Image<Rgb> read_as_stored(const fs::path& path, Image<float>* alpha) {
-    if (!is_whole_png(path))
-        fail("{}: cannot be read: the PNG file is cut off, or damaged; copy it again", path.string());
-    const SafePicture safe(path);
-    OIIO::ImageSpec as_stored;
-    as_stored.attribute("oiio:UnassociatedAlpha", 1);
-    const auto input = OIIO::ImageInput::create(safe.reader());
-    OIIO::ImageSpec spec;
-    if (!input || !input->open(safe.path(), spec, as_stored))
-        fail("{}: cannot be read: {}", path.string(),
-             trouble_with_picture(input ? input->geterror() : OIIO::geterror()));
-    const auto pages = tiff_pages(path);
-    const int page = pages ? static_cast<int>(pages->chosen) : 0;
-    if (page > 0 && input->seek_subimage(page, 0)) spec = input->spec();
-    if (!is_whole_jpeg(path))
-        fail("{}: cannot be read: the JPEG file is cut off, or damaged; copy it again", path.string());
-    const bool wants_alpha = alpha && spec.alpha_channel >= 0;
-    const int channels = wants_alpha ? spec.nchannels : std::min(spec.nchannels, 3);
-    std::vector<float> values(static_cast<std::size_t>(spec.width) * spec.height * channels);
-    // Strips of a TIFF file that cannot be read show only in has_error() (OpenImageIO 2.4).
-    if (!input->read_image(page, 0, 0, channels, OIIO::TypeDesc::FLOAT, values.data()) || input->has_error())
-        fail("{}: cannot be read: {}", path.string(), trouble_with_pixels(input->geterror()));
-    const bool coloured = spec.nchannels >= 3,
-               multiplied = spec.get_int_attribute("oiio:UnassociatedAlpha") == 0;
-    Image<Rgb> image(spec.width, spec.height);
-    if (wants_alpha) *alpha = Image<float>(spec.width, spec.height);
-    for (std::size_t i = 0; i < image.size(); ++i) {
-        const float* v = &values[i * static_cast<std::size_t>(channels)];
-        image.pixels()[i] = coloured ? Rgb(v[0], v[1], v[2]) : Rgb(v[0]);
-        if (!wants_alpha) continue;
-        const float part = v[spec.alpha_channel];
-        alpha->pixels()[i] = part;
-        if (multiplied && part > 0) image.pixels()[i] /= part;
+    PictureRows rows(path);
+    const PictureContent& content = rows.content();
+    const auto count = static_cast<int>(content.channels.size());
+    // Of what an EXR file's data window leaves out nothing is known but that it was not drawn: transparent.
+    const bool wants_alpha = alpha && (content.alpha >= 0 || !content.is_complete());
+    const int channels = wants_alpha && content.alpha >= 0 ? count : std::min(count, 3);
+    const double pixels = static_cast<double>(content.width) * content.height;
+    require_memory(path, pixels * static_cast<double>(sizeof(Rgb) + (wants_alpha ? sizeof(float) : 0)),
+                   fmt::format("its picture of {} x {} pixels", content.width, content.height));
+    Image<Rgb> image(content.width, content.height);
+    if (wants_alpha) *alpha = Image<float>(content.width, content.height);
+    std::vector<float> strip(static_cast<std::size_t>(content.width) *
+                             static_cast<std::size_t>(kStrip * channels));
+    for (int y0 = 0; y0 < content.height; y0 += kStrip) {
+        const int y1 = std::min(y0 + kStrip, content.height);
+        rows.read(y0, y1, 0, channels, strip);
+        for (int y = y0; y < y1; ++y)
+            for (int x = 0; x < content.width; ++x) {
+                const std::size_t pixel =
+                    static_cast<std::size_t>(y - y0) * static_cast<std::size_t>(content.width) +
+                    static_cast<std::size_t>(x);
+                if (!content.has(x, y)) continue;  // black, and transparent
+                const float* v = &strip[pixel * static_cast<std::size_t>(channels)];
+                image(x, y) = count >= 3 ? Rgb(v[0], v[1], v[2]) : Rgb(v[0]);
+                if (!wants_alpha) continue;
+                const float part = content.alpha >= 0 ? v[content.alpha] : 1;
+                (*alpha)(x, y) = part;
+                if (content.alpha >= 0 && content.multiplied && part > 0) image(x, y) /= part;
+            }
     }
     return image;
 }

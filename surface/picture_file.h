@@ -32,15 +32,13 @@ void write_map(const std::filesystem::path& path, const Image<Rgb>& values,
 // Writes numbers that are pictures already (0..1, sRGB-encoded), 8 bit: contact sheets, error maps.
 void write_picture_8bit(const std::filesystem::path& path, const Image<Rgb>& encoded_srgb);
 
-// Reads any picture as stored, scaled to 0..1 where it holds integers; grey becomes RGB, alpha is dropped.
+// Reads any picture as stored, scaled to 0..1 where it holds integers; grey becomes RGB, alpha is dropped. Of
+// an EXR file: its display window; 0 where its data window has no pixel. Throws Error as PictureRows does
+// (picture_rows.h), and where there is not the memory for it.
 Image<Rgb> read_picture(const std::filesystem::path& path);
 
 // ".exr" of "A.EXR": formats are told apart by it, in any case.
 std::string lower_extension(const std::filesystem::path& path);
-
-// What to ask OpenImageIO a reader for: the path, so that the content counts too; but where there is a '?' in
-// it, from which on OpenImageIO would read arguments, only the format ("png").
-std::string reader_name(const std::filesystem::path& path);
 
 // Throws Error where write_picture() would not know the format.
 void require_picture_format(const std::filesystem::path& path);

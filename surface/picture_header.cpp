@@ -19,6 +19,7 @@ void read_tga_header(const FileBytes& file, PictureHeader& header) {
     header.bytes = header.width * header.height * pixel;
     const bool has_runs = (*kind & 8) != 0;
     header.least_file = has_runs ? header.width * header.height / 128 * (1 + pixel) : header.bytes;
+    header.held = header.width * header.height * 4;  // OpenImageIO reads all of it, as up to four bytes
 }
 
 // Uncompressed, or runs of up to 255 pixels that take two bytes (BITMAPINFOHEADER; OS/2's header has 12
@@ -39,6 +40,7 @@ void read_bmp_header(const FileBytes& file, PictureHeader& header) {
     constexpr std::uint64_t runs_of_bytes = 1, runs_of_halves = 2;
     const bool has_runs = *packing == runs_of_bytes || *packing == runs_of_halves;
     header.least_file = has_runs ? 2 * header.width * header.height / 255 : header.bytes;
+    if (has_runs) header.held = header.width * header.height;
 }
 
 // It begins with no word of its own: a kind of picture, and bits a pixel, that there are.

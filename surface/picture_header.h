@@ -25,8 +25,13 @@ struct PictureHeader {
     double bytes = 0;              // of its pixels, unpacked as the file stores them
     // [bytes] that a file with these pixels has at least, by what its packing can do at best.
     double least_file = 0;
+    // [bytes] that a library holds at once to give the first row: the picture, where its rows are not stored
+    // one behind the other; else a strip.
+    double held = 0;
     // What is damaged, in words that follow "is damaged: ": only what nobody can do without.
     std::optional<std::string> damage{};
+    // What is damaged of its colour profile (ICC), which `without` leaves out.
+    std::optional<std::string> profile_damage{};
     // Where metadata would lead a library astray: the file without them. Else empty.
     std::vector<FilePiece> without{};
 };
@@ -37,6 +42,10 @@ std::optional<PictureFormat> picture_format(const FileBytes& file, const std::st
 // Of a PNG, JPEG, TIFF, TGA or BMP file. What cannot be followed is left to the library to complain of;
 // nothing for EXR, which exr_claim() reads.
 PictureHeader picture_header(const FileBytes& file, PictureFormat format);
+
+// Of a file of camera raw that is built as a TIFF file (DNG, CR2, NEF, ARW and others), the pictures below
+// its pages among what it claims; nothing of others.
+std::optional<PictureHeader> raw_header(const FileBytes& file);
 
 // The formats, one by one.
 void read_png_header(const FileBytes& file, PictureHeader& header);

@@ -10,7 +10,7 @@ namespace tangi {
 
 struct PictureWithAlpha {
     Image<Rgb> colour;   // not multiplied by alpha
-    Image<float> alpha;  // 0..1; empty where the file has none
+    Image<float> alpha;  // 0..1; 0 where an EXR file has no pixel; empty where it has no alpha and all pixels
 };
 
 // As read_picture() does (picture_file.h), with the alpha of the file.

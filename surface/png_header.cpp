@@ -36,6 +36,11 @@ void read_size(const std::string& content, PictureHeader& header) {
     const int depth = text[8], colour = text[9];
     const int channels = colour == 2 ? 3 : colour == 4 ? 2 : colour == 6 ? 4 : 1;
     header.bytes = header.height * (1 + std::ceil(header.width * depth * channels / 8));
+    constexpr int palette = 3, palette_channels = 4;  // colours with alpha, which it stands for
+    const bool interlaced = text[12] != 0;            // 8.2: seven passes over the whole picture
+    if (interlaced)
+        header.held = header.width * header.height * (colour == palette ? palette_channels : channels) *
+                      std::max(depth / 8, 1);
 }
 
 // The text of a tEXt, zTXt or iTXt chunk, behind its keyword; nothing where it is packed and damaged.
@@ -117,10 +122,10 @@ void read_png_header(const FileBytes& file, PictureHeader& header) {
         } else if (*length <= kLongestPngProfile) {
             const std::string content = file.bytes(at + kChunkHead, *length);
             if (type == "IHDR") read_size(content, header);
-            if (type == "iCCP" && !header.damage)
-                if (const auto damage = damage_of_profile(content))
-                    header.damage = "its colour profile (ICC): " + *damage;
             instead = instead_of_chunk(type, content);
+            if (type == "iCCP")
+                if (const auto damage = damage_of_profile(content))
+                    header.profile_damage = damage, instead = "";
         }
         changed = changed || instead;
         if (instead)

@@ -10,6 +10,7 @@
 #include "surface/exr_claim.h"
 #include "surface/json_text.h"
 #include "surface/letter_case.h"
+#include "surface/memory_budget.h"
 #include "surface/nameless_file.h"
 #include "surface/painting_errors.h"
 #include "surface/picture_header.h"
@@ -20,6 +21,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
+constexpr const char* kUnpacked = "what must be unpacked of it at once";
 constexpr const char* kCopyAgain = "copy it again, or take a copy from before";
 
 const char* reader_named(PictureFormat format) {
@@ -52,9 +54,8 @@ void require_possible(const fs::path& path, const FileBytes& file, const Picture
         fail("{}: is damaged: it says that it has {} x {} pixels, which its {} bytes cannot hold; {}",
              path.string(), header.width, header.height, file.size(), kCopyAgain);
     if (header.width * header.height > kMostPixels) fail_as_too_large(path, header.width * header.height);
-    if (header.damage)
-        fail("{}: is damaged: {}; save it anew, with a sound profile or with none", path.string(),
-             *header.damage);
+    if (header.damage) fail("{}: is damaged: {}; {}", path.string(), *header.damage, kCopyAgain);
+    require_memory(path, header.held, kUnpacked);
 }
 
 // Throws Error where there is no room for it.
@@ -92,10 +93,12 @@ SafePicture::SafePicture(const fs::path& path) : path_(path.string()) {
         require_whole(path);
         const auto claim = exr_claim(path);
         if (claim && claim->pixels > kMostPixels) fail_as_too_large(path, claim->pixels);
+        if (claim) require_memory(path, claim->held, kUnpacked);
         return;
     }
     const PictureHeader header = picture_header(file, *format);
     require_possible(path, file, header);
+    profile_damage_ = header.profile_damage;
     if (header.without.empty()) return;
     copy_ = sound_copy_of(path, file, header.without);
     path_ = fmt::format("/proc/self/fd/{}", copy_);
@@ -106,11 +109,15 @@ SafePicture::~SafePicture() {
 }
 
 SafePicture::SafePicture(SafePicture&& other) noexcept
-    : path_(std::move(other.path_)), reader_(other.reader_), copy_(std::exchange(other.copy_, -1)) {}
+    : path_(std::move(other.path_)),
+      reader_(other.reader_),
+      profile_damage_(std::move(other.profile_damage_)),
+      copy_(std::exchange(other.copy_, -1)) {}
 
 SafePicture& SafePicture::operator=(SafePicture&& other) noexcept {
     std::swap(path_, other.path_);
     std::swap(reader_, other.reader_);
+    std::swap(profile_damage_, other.profile_damage_);
     std::swap(copy_, other.copy_);
     return *this;
 }

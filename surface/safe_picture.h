@@ -6,6 +6,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -14,9 +15,8 @@ namespace tangi {
 class SafePicture {
 public:
     // Throws Error naming the file where it is none of PNG, JPEG, TIFF, EXR, TGA and BMP, where it claims
-    // more pixels than a file of its length can hold or this program takes, or a profile by which its colours
-    // would be read is damaged. Reads headers only. Metadata that would lead a library astray are left out of
-    // what it sees.
+    // more pixels than a file of its length can hold, this program takes, or there is the memory to unpack.
+    // Reads headers only. Metadata that would lead a library astray are left out of what it sees.
     explicit SafePicture(const std::filesystem::path& path);
     ~SafePicture();
     SafePicture(SafePicture&& other) noexcept;
@@ -26,10 +26,13 @@ public:
     const std::string& path() const { return path_; }
     // OpenImageIO's reader for it: "png". It looks at no other, whatever the file is called.
     const char* reader() const { return reader_; }
+    // What is damaged of its colour profile (ICC), in a few words: libraries see none then.
+    const std::optional<std::string>& profile_damage() const { return profile_damage_; }
 
 private:
     std::string path_;
     const char* reader_ = nullptr;
+    std::optional<std::string> profile_damage_;
     int copy_ = -1;
 };
 

@@ -207,9 +207,9 @@ TEST(DataBadStack, WithATruncatedJpeg) {
     EXPECT_NO_THROW(open_stack(dir.path()));
     const std::string whole = bytes_of(dir / "image03.jpg");
     write_bytes(dir / "image03.jpg", whole.substr(0, whole.size() * 7 / 10));
-    EXPECT_EQ(error_of([&] { open_stack(dir.path()); }),
-              (dir / "image03.jpg").string() +
-                  ": the JPEG file is truncated; copy it again from the camera or the archive");
+    EXPECT_EQ(
+        error_of([&] { open_stack(dir.path()); }),
+        (dir / "image03.jpg").string() + ": the JPEG file is truncated; copy it again from where it came");
 }
 
 }  // namespace

@@ -113,6 +113,32 @@ TEST(PhotoProfiles, ThatAreTheSameAreLeftAlone) {
     EXPECT_EQ(set.open().profiles, nullptr);
 }
 
+// Whose first tag lies outside of it.
+std::string damaged(std::string profile) {
+    profile.replace(136, 4, "\xF0\0\0\0", 4);
+    return profile;
+}
+
+TEST(PhotoProfiles, ThatAreDamagedAreToldAndTakenForNone) {
+    ProfileStack set;
+    for (int i = 0; i < 6; ++i) set.put(i, set.adobe, i == 2 ? damaged(set.adobe) : set.adobe);
+    const Stack one = set.open();
+    const std::string name = set.lights[2].name;
+    EXPECT_THAT(one.warnings,
+                ElementsAre(AllOf(HasSubstr(name + ": its colour profile (ICC) is damaged (its tag '"),
+                                  HasSubstr("read as if it had none")),
+                            AllOf(HasSubstr("1 photograph has no ICC profile that can be used, and is taken "
+                                            "to have that of the others"),
+                                  HasSubstr(name))));
+    expect_same_values(one);
+    for (int i = 0; i < 6; ++i) set.put(i, set.adobe, damaged(set.adobe), 1);
+    const Stack all = set.open();
+    EXPECT_EQ(all.profiles, nullptr);
+    EXPECT_THAT(all.warnings, ElementsAre(AllOf(HasSubstr("colour profile (ICC) is damaged"),
+                                                HasSubstr("(so 6 of the photographs)"))));
+    EXPECT_EQ(metadata_in(all, all.photos.front().path).icc_profile, "");
+}
+
 TEST(PhotoProfiles, ThatDifferAreConvertedToTheMostFrequentOne) {
     ProfileStack set;
     for (int i = 0; i < 6; ++i) set.put(i, i < 4 ? set.adobe : set.plain, i < 4 ? set.adobe : set.plain);

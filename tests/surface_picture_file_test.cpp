@@ -5,6 +5,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "surface/picture_rows.h"
+#include "surface/picture_with_alpha.h"
 #include "tests/test_support.h"
 
 namespace tangi {
@@ -135,8 +137,7 @@ TEST(PictureFile, OfPngCutOffOrWithADamagedLengthIsAnError) {
     for (const std::string& bytes : {damaged, whole.substr(0, whole.size() - 1), whole.substr(0, 8)}) {
         write_bytes(dir / "b.png", bytes);
         EXPECT_EQ(error_of([&] { read_picture(dir / "b.png"); }),
-                  (dir / "b.png").string() +
-                      ": cannot be read: the PNG file is cut off, or damaged; copy it again");
+                  (dir / "b.png").string() + ": the PNG file is truncated; copy it again from where it came");
     }
     write_bytes(dir / "b.png", whole + std::string(100, '\0'));  // padding does no harm
     EXPECT_EQ(read_picture(dir / "b.png").width(), 17);
@@ -168,6 +169,45 @@ TEST(PictureFile, OfExrRefusesToBeEncoded) {
     EXPECT_EQ(names_in(dir.path()), std::vector<std::string>{});
 }
 
+TEST(PictureRows, FillNoMoreThanTheRowsOfALargerBuffer) {
+    const TestDir dir;
+    for (const char* name : {"a.png", "a.tif", "a.exr"}) {
+        write_picture(dir / name, Image<Rgb>(30, 20, Rgb(0.5f)), {});
+        PictureRows rows(dir / name);
+        std::vector<float> values(30 * 20 * 3, 7.0f);
+        rows.read(4, 6, 0, 3, values);
+        EXPECT_NEAR(values[30 * 2 * 3 - 1], 0.5f, 1e-4) << name;
+        for (std::size_t i = 30 * 2 * 3; i < values.size(); ++i) ASSERT_EQ(values[i], 7.0f) << name;
+        EXPECT_THROW(rows.read(0, 20, 0, 3, std::span(values).first(100)), ContractError);
+        EXPECT_THROW(rows.read(19, 21, 0, 3, values), ContractError);
+    }
+}
+
+// Masks and maps are placed as photographs are.
+TEST(PictureFile, OfExrIsPlacedInItsDisplayWindow) {
+    const TestDir dir;
+    for (const bool with_alpha : {false, true}) {
+        OIIO::ImageSpec spec(4, 3, with_alpha ? 4 : 3, OIIO::TypeDesc::FLOAT);
+        spec.full_x = -2, spec.full_y = 5, spec.full_width = 7, spec.full_height = 6;
+        spec.x = 0, spec.y = 6;  // columns 2 to 5, rows 1 to 3
+        const auto output = OIIO::ImageOutput::create("exr");
+        ASSERT_TRUE(output->open((dir / "a.exr").string(), spec));
+        std::vector<float> values(static_cast<std::size_t>(12 * spec.nchannels), 0.5f);
+        for (std::size_t i = 3; with_alpha && i < values.size(); i += 4) values[i] = 1;
+        ASSERT_TRUE(output->write_image(OIIO::TypeDesc::FLOAT, values.data()) && output->close());
+        const PictureWithAlpha picture = read_picture_with_alpha(dir / "a.exr");
+        EXPECT_TRUE(images_identical(read_picture(dir / "a.exr"), picture.colour));
+        ASSERT_EQ(picture.colour.region(), (Region{0, 0, 7, 6}));
+        ASSERT_EQ(picture.alpha.region(), (Region{0, 0, 7, 6}));
+        for (int y = 0; y < 6; ++y)
+            for (int x = 0; x < 7; ++x) {
+                const bool there = x >= 2 && x < 6 && y >= 1 && y < 4;
+                EXPECT_EQ(picture.colour(x, y), Rgb(there ? 0.5f : 0.0f)) << x << ", " << y;
+                EXPECT_EQ(picture.alpha(x, y), there ? 1.0f : 0.0f) << x << ", " << y;
+            }
+    }
+}
+
 TEST(PictureFile, OnAFullDiskLeavesTheOldOne) {
     const TestDir dir;
     const Image<Rgb> picture = random_picture(60, 50);
@@ -181,7 +221,7 @@ TEST(PictureFile, OnAFullDiskLeavesTheOldOne) {
                 const FullDisk full(room);
                 message = error_of([&] { write_picture(dir / name, picture, kLinear); });
             }
-            EXPECT_THAT(message, StartsWith((dir / name).string() + ": cannot be written: ")) << room;
+            EXPECT_EQ(message, (dir / name).string() + ": cannot be written: File too large") << room;
             EXPECT_TRUE(bytes_of(dir / name) == "old") << name << ", " << room;
         }
         std::filesystem::remove(dir / name);
@@ -199,7 +239,7 @@ TEST(PictureFile, ThatCannotBeReadIsAnError) {
     write_picture(dir / "a.png", random_picture(64, 64), kLinear);
     write_bytes(dir / "cut.png", bytes_of(dir / "a.png").substr(0, 9000));
     EXPECT_THAT(error_of([&] { read_picture(dir / "cut.png"); }),
-                StartsWith((dir / "cut.png").string() + ": cannot be read: "));
+                StartsWith((dir / "cut.png").string() + ": the PNG file is truncated"));
 }
 
 // The names of a PNG's chunks, in their order.

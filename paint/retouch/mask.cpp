@@ -7,6 +7,7 @@
 #include "paint/retouch/matrix.h"
 #include "surface/error.h"
 #include "surface/picture_file.h"
+#include "surface/picture_rows.h"
 #include "surface/picture_with_alpha.h"
 
 namespace tangi {
@@ -84,11 +85,12 @@ Mask as_kept(const Mask& mask) {
 }
 
 Mask read_mask(const std::filesystem::path& path, int width, int height) {
+    // Before it is unpacked: another picture may be of any size.
+    if (const PictureContent size = PictureRows(path).content(); size.width != width || size.height != height)
+        fail("{}: is {} x {} pixels, but the painting has {} x {}; a mask has the painting's size",
+             path.string(), size.width, size.height, width, height);
     const PictureWithAlpha file = read_picture_with_alpha(path);
     const Image<Rgb>& picture = file.colour;
-    if (picture.width() != width || picture.height() != height)
-        fail("{}: is {} x {} pixels, but the painting has {} x {}; a mask has the painting's size",
-             path.string(), picture.width(), picture.height(), width, height);
     Mask mask(width, height);
     for (int y = 0; y < height; ++y)
         for (int x = 0; x < width; ++x) {
