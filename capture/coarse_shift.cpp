@@ -23,8 +23,11 @@ constexpr double kFarthestShift = 0.3;  // [1] of the side
 constexpr std::size_t kNeighboursLaidOnto = 4;
 
 cv::Mat spectrum_of(const Image<float>& picture, int reduction, const cv::Size& size) {
-    const cv::Mat whole(picture.height(), picture.width(), CV_32F, const_cast<float*>(picture.data()));
-    cv::Mat small;
+    cv::Mat whole(picture.height(), picture.width(), CV_32F, const_cast<float*>(picture.data())), small;
+    if (!cv::checkRange(whole)) {  // no sample: no contrast
+        whole = whole.clone();
+        cv::patchNaNs(whole, 0);
+    }
     cv::resize(whole, small, {picture.width() / reduction, picture.height() / reduction}, 0, 0,
                cv::INTER_AREA);
     cv::Mat window, padded = cv::Mat::zeros(size, CV_32F), spectrum;

@@ -1,5 +1,6 @@
 #include "capture/local_contrast.h"
 
+#include <algorithm>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
@@ -27,15 +28,37 @@ void cubic(float t, float (&w)[4], float (&d)[4]) {
 
 }  // namespace
 
+namespace {
+
+cv::Mat blurred(const cv::Mat& picture, double sigma) {
+    cv::Mat result;
+    cv::GaussianBlur(picture, result, {}, sigma, sigma, cv::BORDER_REFLECT);
+    return result;
+}
+
+// The mean of what is known around each pixel (normalised convolution: Knutsson & Westin 1993).
+cv::Mat mean_of_known(const cv::Mat& filled, const cv::Mat& known, double sigma) {
+    return known.empty() ? blurred(filled, sigma) : cv::Mat(blurred(filled, sigma) / blurred(known, sigma));
+}
+
+}  // namespace
+
 Image<float> local_contrast(const Image<float>& brightness, double floor) {
     Image<float> result(brightness.width(), brightness.height());
-    cv::Mat mean, smooth;
-    cv::GaussianBlur(view_of(brightness), mean, {}, kMeanSigma, kMeanSigma, cv::BORDER_REFLECT);
-    cv::GaussianBlur(view_of(brightness), smooth, {}, kSmoothing, kSmoothing, cv::BORDER_REFLECT);
+    cv::Mat filled = view_of(brightness), known;
+    if (std::ranges::any_of(brightness.pixels(), [](float value) { return std::isnan(value); })) {
+        cv::Mat(filled == filled).convertTo(known, CV_32F, 1.0 / 255);  // NaN is not itself
+        filled = filled.clone();
+        cv::patchNaNs(filled, 0);
+    }
+    const cv::Mat mean = mean_of_known(filled, known, kMeanSigma),
+                  smooth = mean_of_known(filled, known, kSmoothing);
     for (int y = 0; y < result.height(); ++y) {
         const auto *m = mean.ptr<float>(y), *s = smooth.ptr<float>(y);
         for (int x = 0; x < result.width(); ++x)
-            result(x, y) = std::clamp((s[x] - m[x]) / (m[x] + static_cast<float>(floor)), -1.0f, 1.0f);
+            result(x, y) = std::isnan(brightness(x, y))
+                               ? brightness(x, y)
+                               : std::clamp((s[x] - m[x]) / (m[x] + static_cast<float>(floor)), -1.0f, 1.0f);
     }
     return result;
 }
@@ -54,7 +77,7 @@ bool sample_at(const Image<float>& image, const glm::dvec2& p, float& value, flo
         dy += gy[j] * v;
         dx += wy[j] * (row[0] * gx[0] + row[1] * gx[1] + row[2] * gx[2] + row[3] * gx[3]);
     }
-    return true;
+    return !std::isnan(value);
 }
 
 }  // namespace tangi

@@ -78,9 +78,9 @@ void PictureCollector::add(const Band& band) {
                     const float* row = band.row(i, c, y);
                     for (int x = 0; x < width; ++x) grey[static_cast<std::size_t>(x)] += row[x];
                 }
-                // What lies outside a warped photograph is dark, and so without edges beyond its own.
-                for (float& value : grey)
-                    value = std::isnan(value) ? 0 : value / static_cast<float>(band.channels());
+                // No sample (outside of a warped photograph, where a file has none) stays none: as black it
+                // would have edges, which do not move with the painting.
+                for (float& value : grey) value /= static_cast<float>(band.channels());
                 float* const reduced = &overview_.pictures[photo](0, y / r);
                 const float* const counts = &counts_(0, y / r);
                 for (int x = 0, column = 0; x < width; ++column)

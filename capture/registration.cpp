@@ -102,10 +102,11 @@ private:
         parallel_for(0, static_cast<int>(window.pictures.size()), 1, [&](int begin, int end) {
             for (int i = begin; i < end; ++i) {
                 Image<float>& picture = window.pictures[static_cast<std::size_t>(i)];
-                for (float& value : picture.pixels()) value = transfer_.decode(value);
+                std::vector<float> known;  // NaN is no sample
+                for (float& value : picture.pixels())
+                    if (!std::isnan(value)) known.push_back(value = transfer_.decode(value));
                 // What files of floats hold where something is wrong would be all that their mean shows.
-                const float most =
-                    kBrightest * median(std::vector<float>(picture.pixels().begin(), picture.pixels().end()));
+                const float most = known.empty() ? 0 : kBrightest * median(std::move(known));
                 if (most > 0)
                     for (float& value : picture.pixels()) value = std::min(value, most);
             }
@@ -129,7 +130,8 @@ private:
     void align_overviews(Alignment& alignment, AlignmentWindow whole) {
         double sum = 0, count = 0;
         for (std::size_t i = 0; i < aligned_.fitted; ++i)
-            for (const float value : whole.pictures[i].pixels()) sum += value, count += 1;
+            for (const float value : whole.pictures[i].pixels())
+                if (!std::isnan(value)) sum += value, count += 1;
         floor_ = std::max(kFloor * sum / std::max(count, 1.0), 1e-12);
         AlignmentWindow half = whole;
         half.reduction *= 2;

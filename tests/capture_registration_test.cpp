@@ -6,7 +6,9 @@
 #include <gtest/gtest.h>
 
 #include <iostream>
+#include <limits>
 
+#include "capture/local_contrast.h"
 #include "surface/parallel.h"
 #include "tests/registration_scenes.h"
 
@@ -137,6 +139,42 @@ TEST(RegisterStack, OnePixelBeyondAllMeasureChangesNothing) {
     EXPECT_FALSE(r.moved);
     EXPECT_EQ(stack.photos.size(), 8u);
     EXPECT_THAT(stack.warnings, testing::IsEmpty());
+}
+
+// Holes that stay where they are in the camera while the painting moves; as black they would be edges.
+TEST(RegisterStack, WhatHasNoSampleIsNotMatched) {
+    const TestDir dir;
+    std::vector<Light> lights = open_stack(shaken().folder.path()).lights();
+    for (Light& light : lights) {
+        Image<Rgb> photo = read_picture(shaken().folder / light.name);
+        for (int y = 0; y < photo.height(); ++y)
+            for (int x = 0; x < photo.width(); ++x)
+                if (x % 40 < 12 && y % 40 < 12) photo(x, y) = Rgb(std::numeric_limits<float>::quiet_NaN());
+        light.name = std::filesystem::path(light.name).replace_extension(".exr").string();
+        write_picture(dir / light.name, photo, {});
+    }
+    write_lights(dir / "lights.lp", lights);
+    Stack stack = open_stack(dir.path());
+    const Registration r = register_stack(stack, {});
+    EXPECT_EQ(r.photos.size(), lights.size());
+    EXPECT_EQ(stack.photos.size(), lights.size());
+    EXPECT_LE(shaken().rms_error_px(r), 0.3);
+}
+
+TEST(LocalContrast, IsUnknownWhereBrightnessIsAndNothingOfItBeside) {
+    Image<float> even(60, 50, 0.4f);
+    for (int y = 20; y < 30; ++y)
+        for (int x = 25; x < 40; ++x) even(x, y) = std::numeric_limits<float>::quiet_NaN();
+    const Image<float> contrast = local_contrast(even, 0.01);
+    for (int y = 0; y < 50; ++y)
+        for (int x = 0; x < 60; ++x)
+            if (std::isnan(even(x, y)))
+                EXPECT_TRUE(std::isnan(contrast(x, y)));
+            else
+                EXPECT_NEAR(contrast(x, y), 0, 1e-5) << x << ", " << y;
+    float value, dx, dy;
+    EXPECT_TRUE(sample_at(contrast, {22.5, 25}, value, dx, dy));
+    EXPECT_FALSE(sample_at(contrast, {23.5, 25}, value, dx, dy));
 }
 
 TEST(RegisterStack, FindsTheOnePhotographThatMoved) {
