@@ -7,6 +7,7 @@
 #include "cli/photo_book.h"
 #include "cli/result_words.h"
 #include "fit/compare_page.h"
+#include "fit/list_order.h"
 #include "fit/look_over.h"
 #include "surface/error.h"
 #include "surface/painting_file.h"
@@ -72,6 +73,20 @@ std::string doubt_of_crop(const PhotosArguments& arguments, const Stack& stack, 
         arguments.crop, as_fitted.crop);
 }
 
+// As the fit looks for it, by what the photographs show without the painting.
+std::string doubt_of_order(const Stack& stack, const Survey& surveyed, const Transfer& transfer,
+                           const LightFlips& flips) {
+    std::vector<int> lines;
+    std::vector<std::string> names;
+    for (const StackPhoto& photo : stack.photos) {
+        lines.push_back(photo.number);
+        names.push_back(photo.light.name);
+    }
+    const ListOrder order =
+        check_list_order(surveyed, transfer, stack.lights(), lines, stack.width(), stack.height());
+    return doubt_of(order, SignCheck{}, flips, names);
+}
+
 nlohmann::json run_compare(CompareArguments arguments) {
     const Progress progress = console_progress();
     const Surface surface = read_painting(arguments.painting, progress);
@@ -79,7 +94,10 @@ nlohmann::json run_compare(CompareArguments arguments) {
     Stack& photos = opened.stack;
     require_place_for_report(arguments, photos);
     auto [stack, development] = photos_to_compare(std::move(photos), arguments.photos, surface, progress);
-    const std::vector<LeftOut> left_out = leave_out_damaged_and_copies(stack, progress);
+    // Neighbours in a list are neighbours by name.
+    std::ranges::sort(stack.photos, {}, &StackPhoto::path);
+    Survey surveyed;
+    const std::vector<LeftOut> left_out = leave_out_damaged_and_copies(stack, progress, &surveyed);
     const FaithfulResidual residual = read_faithful(arguments.painting, surface, progress);
     CompareReport report =
         write_comparison(arguments.out, surface, stack, arguments.options, progress, residual);
@@ -97,6 +115,12 @@ nlohmann::json run_compare(CompareArguments arguments) {
     if (const std::string doubt = doubt_of_crop(arguments.photos, stack, surface); !doubt.empty())
         result["poor"].push_back(doubt);
     if (!report.foreign.empty()) result["poor"].push_back(report.foreign);
+    if (!report.exchanged.empty())
+        result["poor"].push_back(report.exchanged);
+    else if (const std::string doubt =
+                 doubt_of_order(stack, surveyed, report.transfer, arguments.photos.flips());
+             !doubt.empty())
+        result["poor"].push_back(doubt);
     if (report.all.psnr_db < kPoorPsnr_db)
         result["poor"].push_back(
             fmt::format("the relit pictures differ from the photographs by {:.1f} dB on average; are these "

@@ -6,6 +6,8 @@
 
 #include "capture/left_out.h"
 #include "fit/colour_rows.h"
+#include "fit/compared_lights.h"
+#include "fit/compared_motions.h"
 #include "fit/compared_whites.h"
 #include "fit/photos_ahead.h"
 #include "surface/error.h"
@@ -226,7 +228,7 @@ CompareReport compare(const Surface& surface, const Stack& photos, const Compare
     for (StackPhoto& photo : all) {
         const Photography::Photo* known = find_photo(surface.photography, photo.light);
         unknown += known == nullptr;
-        // As the fit registered it; a photograph that the painting does not know is taken as it is.
+        // As the fit registered it; others are registered below.
         if (known) photo.homography = known->homography;
     }
     const RelightOptions relighting{.cast_shadows = options.cast_shadows,
@@ -239,6 +241,17 @@ CompareReport compare(const Surface& surface, const Stack& photos, const Compare
     const float unit = unit_of(surface.photography, report_.transfer);
     const glm::mat3 exposure = unit * exposure_of(surface.photography),
                     from(from_camera(surface.photography));
+    report_.exchanged = says_lights_are_exchanged(all, surface.photography, photos.folder.string());
+    // Under a light that is not theirs they would be laid elsewhere.
+    if (unknown > 0 && report_.exchanged.empty()) {
+        const RelitPicture relit_as = [&](const StackPhoto& photo, Image<Rgb>& stored) {
+            relight_stored(relighter, as_photographed(photo.light, surface.photography), report_.transfer,
+                           exposure, stored);
+        };
+        for (std::string& told :
+             register_unknown(all, photos, surface.photography, report_.transfer, relit_as, progress))
+            report_.warnings.push_back(std::move(told));
+    }
     // Used for one photograph after the other.
     Image<Rgb> relit(surface.width(), surface.height()), linear, faithful;
     Image<float> delta_e(surface.width(), surface.height());
@@ -315,7 +328,8 @@ json to_json(const CompareReport& report) {
     };
     json warnings = json::array();
     for (const std::string& warning : report.warnings) warnings.push_back(utf8_of(warning));
-    if (!report.foreign.empty()) warnings.push_back(utf8_of(report.foreign));
+    for (const std::string* doubt : {&report.foreign, &report.exchanged})
+        if (!doubt->empty()) warnings.push_back(utf8_of(*doubt));
     // For who reads the means by program or by eye: what they are worth.
     const bool predicts = report.held_out.count > 0;
     const char* judged =

@@ -82,7 +82,8 @@ struct CompareReport {
     int width = 0, height = 0;
     CompareOptions options;
     std::vector<std::string> warnings;
-    std::string foreign;  // what says that the photographs are another painting's; empty where they aren't
+    std::string foreign;    // what says that the photographs are another painting's; empty where they aren't
+    std::string exchanged;  // what says that they have each other's lights (compared_lights.h)
 };
 
 // One photograph beside its relit picture, for as long as the call lasts.
@@ -100,7 +101,8 @@ using ComparisonSink = std::function<void(const ComparedPictures&)>;
 
 // Relights the surface at the light of each photograph of the stack, held out or not, and compares. Whether
 // the fit saw a photograph, and the strength of its light, is looked up in surface.photography by name; a
-// photograph that is not listed there counts as held out and as lit with gain 1, and a warning says so. The
+// photograph that is not listed there counts as held out and as lit with gain 1, and a warning says so; it is
+// registered to what the painting looks like under its light (compared_motions.h). The
 // white balance of a photograph that was not fitted is measured (white_balances.h) and told. Where a residual
 // is given, PSNR is also that of the pictures that add_residual() makes of the relit ones; all else is of the
 // surface alone. Pixels of confidence 0, and those that the stack's mask leaves out, do not count.

@@ -95,7 +95,7 @@ void leave_out_damaged(Stack& stack, const PhotoError& error, std::vector<LeftOu
 
 }  // namespace
 
-std::vector<LeftOut> leave_out_damaged_and_copies(Stack& stack, const Progress& progress) {
+std::vector<LeftOut> leave_out_damaged_and_copies(Stack& stack, const Progress& progress, Survey* kept) {
     constexpr std::size_t kFewest = 1;
     const std::size_t all = stack.photos.size() + stack.held_out.size();
     std::vector<LeftOut> left_out;
@@ -106,6 +106,7 @@ std::vector<LeftOut> leave_out_damaged_and_copies(Stack& stack, const Progress& 
             leave_out_black_photos(stack, surveyed, kFewest);
             note_missing(before, stack, "it is black", left_out);
             leave_out_copies(stack, surveyed, left_out, kFewest);
+            if (kept) *kept = std::move(surveyed);
             return left_out;
         } catch (const PhotoError& error) {
             leave_out_damaged(stack, error, left_out);

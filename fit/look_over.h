@@ -25,6 +25,8 @@ LookOver look_over(Stack& stack, bool register_photos, const Progress& progress)
 // The part of it that knows nothing of lights: takes photographs that are damaged, or the same picture as
 // another (stray_photos.h), out of stack.photos, with a warning for each, and returns them. Throws Error as
 // require_few(), at least one being left.
-std::vector<LeftOut> leave_out_damaged_and_copies(Stack& stack, const Progress& progress);
+// `kept`: where to put the survey of those that stay; null where nobody asks.
+std::vector<LeftOut> leave_out_damaged_and_copies(Stack& stack, const Progress& progress,
+                                                  Survey* kept = nullptr);
 
 }  // namespace tangi

@@ -25,12 +25,21 @@ TEST(CliBadOrder, OfOnePhotographIsNoTurn) {
         return tangipaint(flags);
     };
     EXPECT_TRUE(ended(fit({}), 0));
+    std::filesystem::copy_file(stack.out("a.exr"), stack.out("right.exr"));
     exchange_directions(stack, [](std::size_t i) { return i + 1; });
     const Finished shifted = fit({});
     EXPECT_TRUE(ended(shifted, 3,
                       {"poor result: the list of lights is off by 1 photograph",
                        stack.name(2) + " fits the light of " + stack.name(1)}));
     EXPECT_EQ(shifted.err.find("give --lights-turn"), std::string::npos) << shifted.err;
+    // Whichever of painting and list is wrong.
+    const auto compare = [&](const char* painting) {
+        return tangipaint({"compare", stack.out(painting), stack.path(), "--out", stack.out("c")});
+    };
+    EXPECT_TRUE(ended(compare("right.exr"), 3,
+                      {"have lights that others of them had when the painting was fitted",
+                       stack.name(0) + " has the light that " + stack.name(1) + " had"}));
+    EXPECT_TRUE(ended(compare("a.exr"), 3, {"poor result: the list of lights is off by 1 photograph"}));
     // What slopes alone advise, taken all the same.
     const double turn = shifted.json()["light_signs"]["turned"]["turn_deg"];
     const Finished turned = fit({"--lights-turn", fmt::format("{:.0f}", turn > 90 ? turn - 180 : turn)});
