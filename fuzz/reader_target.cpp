@@ -1,6 +1,6 @@
-// reader_target.cpp: one kind of file (TP_KIND, by its name in tests/file_kinds.h) as libFuzzer makes it: it
-// is read, or there is an Error. Anything else that is thrown ends the target, as what the sanitizers find
-// does.
+// reader_target.cpp: a kind of file, by its name in tests/file_kinds.h (TP_FUZZ_KIND in the environment), as
+// libFuzzer makes it: it is read, or there is an Error. Anything else that is thrown ends the target, as what
+// the sanitizers find does.
 #include <cstdio>
 #include <cstdlib>
 
@@ -16,9 +16,13 @@ struct Desk {
     std::filesystem::path file;
 
     Desk() {
+        const char* name = std::getenv("TP_FUZZ_KIND");
         for (FileKind& one : file_kinds(dir))
-            if (one.name == TP_KIND) kind = std::move(one);
-        if (kind.name.empty()) std::abort();
+            if (name && one.name == name) kind = std::move(one);
+        if (kind.name.empty()) {
+            std::fprintf(stderr, "TP_FUZZ_KIND: set it to the name of a folder in fuzz/corpus\n");
+            std::exit(2);
+        }
         std::filesystem::create_directories(dir / "fuzzed");
         file = dir / "fuzzed" / kind.name;
     }
