@@ -49,6 +49,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr const char* kDry = "dry";
+constexpr int kRowsOfBlock = 16;  // of ZIP_COMPRESSION, by the format
 constexpr int kRowsAtOnce = 256;
 
 Imf::FrameBuffer frame_buffer(Surface& s) {
@@ -71,8 +72,10 @@ void let_openexr_use_threads() {
 // fills up with the very last bytes is not taken for success.
 class CheckedStream : public Imf::OStream {
 public:
-    explicit CheckedStream(const fs::path& path)
-        : Imf::OStream(path.c_str()), file_(::open(path.c_str(), O_WRONLY | O_TRUNC | O_CLOEXEC)) {
+    CheckedStream(const fs::path& path, bool has_parts)
+        : Imf::OStream(path.c_str()),
+          has_parts_(has_parts),
+          file_(::open(path.c_str(), O_RDWR | O_TRUNC | O_CLOEXEC)) {
         if (file_ < 0) throw std::runtime_error(std::strerror(errno));
     }
     ~CheckedStream() override { ::close(file_); }
@@ -95,7 +98,24 @@ public:
     void seekp(std::uint64_t position) override { ::lseek(file_, static_cast<off_t>(position), SEEK_SET); }
     const std::string& failure() const { return failure_; }
 
+    // How many blocks of rows lie from `at` to where the file is written now. Each is the number of its part,
+    // where there are several, that of its first row, and its length, of four bytes each, the lowest first;
+    // and the packed pixels.
+    int blocks_since(std::uint64_t at) {
+        int blocks = 0;
+        for (std::array<std::uint8_t, 4> bytes{}; at < tellp(); ++blocks) {
+            at += has_parts_ ? 8 : 4;
+            if (::pread(file_, bytes.data(), bytes.size(), static_cast<off_t>(at)) != ssize_t{bytes.size()})
+                throw std::runtime_error(std::strerror(errno));
+            std::uint64_t length = 0;
+            for (int i = 3; i >= 0; --i) length = length << 8 | bytes[static_cast<std::size_t>(i)];
+            at += bytes.size() + length;
+        }
+        return blocks;
+    }
+
 private:
+    const bool has_parts_;
     int file_;
     std::string failure_;
 };
@@ -134,9 +154,19 @@ Imf::Header header_of(const PartInfo& info) {
     return header;
 }
 
-void write_part(Imf::MultiPartOutputFile& output, int number, const PartToWrite& part,
+// Writes the next rows of a part: whole blocks, and no more of them than kRowsAtOnce holds. Where there was
+// no memory to pack one, OpenEXR (3.1) may leave it out without a word, and the next block that goes through
+// the same buffer runs over its end. So none does before all of these are seen in the file.
+void write_rows(CheckedStream& stream, Imf::OutputPart& part, int rows) {
+    TP_REQUIRE(rows <= kRowsAtOnce, "each buffer takes one block");
+    const std::uint64_t before = stream.tellp();
+    part.writePixels(rows);
+    if (stream.blocks_since(before) != (rows + kRowsOfBlock - 1) / kRowsOfBlock) throw std::bad_alloc();
+}
+
+void write_part(CheckedStream& stream, Imf::MultiPartOutputFile& output, int number, const PartToWrite& part,
                 const Progress& progress) {
-    constexpr int rows_at_once = 64;
+    constexpr int rows_at_once = 4 * kRowsOfBlock;
     Imf::OutputPart target(output, number);
     const PartInfo& info = part.info;
     const auto band = static_cast<std::size_t>(info.width) * rows_at_once;
@@ -161,7 +191,7 @@ void write_part(Imf::MultiPartOutputFile& output, int number, const PartToWrite&
                                                              static_cast<std::size_t>(info.width) * size));
         }
         target.setFrameBuffer(buffer);
-        target.writePixels(end - y);
+        write_rows(stream, target, end - y);
     }
 }
 
@@ -291,7 +321,7 @@ void fill_painting(const AtomicFile& file, const Surface& s, std::span<const Par
     std::string failure;
     let_openexr_use_threads();
     try {
-        CheckedStream stream(file.temporary());
+        CheckedStream stream(file.temporary(), !parts.empty());
         try {
             std::vector<Imf::Header> headers = {header_of(s)};
             for (const PartToWrite& further : parts) {
@@ -299,16 +329,17 @@ void fill_painting(const AtomicFile& file, const Surface& s, std::span<const Par
                 // OpenEXR wants it to be the same for all parts, of whatever size.
                 headers.back().displayWindow() = headers.front().displayWindow();
             }
+            constexpr int threads = kRowsAtOnce / kRowsOfBlock / 2;  // which have two buffers each
             Imf::MultiPartOutputFile output(stream, headers.data(), static_cast<int>(headers.size()), false,
-                                            thread_count());
+                                            threads);
             Imf::OutputPart part(output, 0);
             part.setFrameBuffer(frame_buffer(const_cast<Surface&>(s)));  // OpenEXR only reads it
             for (int y = 0; y < s.height(); y += kRowsAtOnce) {
                 report(progress, "write painting", y / static_cast<double>(s.height()));
-                part.writePixels(std::min(kRowsAtOnce, s.height() - y));
+                write_rows(stream, part, std::min(kRowsAtOnce, s.height() - y));
             }
             for (std::size_t i = 0; i < parts.size(); ++i)
-                write_part(output, static_cast<int>(i) + 1, parts[i], progress);
+                write_part(stream, output, static_cast<int>(i) + 1, parts[i], progress);
         } catch (const Cancelled&) {
             throw;
         } catch (const std::exception& error) {

@@ -17,6 +17,7 @@
 #include "surface/json_text.h"
 #include "surface/letter_case.h"
 #include "surface/memory_budget.h"
+#include "surface/memory_error.h"
 #include "surface/memory_file.h"
 #include "surface/parallel.h"
 #include "surface/picture_rows.h"
@@ -60,8 +61,8 @@ std::string date_of_file() {
     return date.data();
 }
 
-bool is_readable_tiff(const std::string& path) {
-    const auto input = OIIO::ImageInput::create("tiff");
+bool is_readable(const std::string& format, const std::string& path) {
+    const auto input = OIIO::ImageInput::create(format);
     OIIO::ImageSpec spec;
     if (!input || !input->open(path, spec)) return false;
     std::vector<float> row(static_cast<std::size_t>(spec.width) * static_cast<std::size_t>(spec.nchannels));
@@ -136,11 +137,17 @@ void write_samples(const fs::path& path, const RowSource& rows, const Region& si
         written = output->write_scanlines(y, end, 0, OIIO::TypeDesc::FLOAT, rows(y, end));
     }
     written = written && output->close();
-    if (is_tiff && !(written && is_readable_tiff(memory_file->path())))
+    if (is_tiff && !(written && is_readable("tiff", memory_file->path())))
         fail("{}: cannot be written: {}", path.string(), memory_file->refusal());
-    if (!written) fail("{}: cannot be written: {}", path.string(), first_line(output->geterror()));
+    if (!written) {
+        const std::string why = output->geterror();
+        fail("{}: cannot be written: {}", path.string(), says_no_memory(why) ? kNoMemory : first_line(why));
+    }
     file.write(is_tiff ? memory_file->bytes()
                        : std::string_view(reinterpret_cast<const char*>(bytes.data()), bytes.size()));
+    // OpenEXR (3.1) may leave out rows without a word where there was no memory to pack them.
+    if (extension == ".exr" && !is_readable("openexr", file.temporary().string()))
+        fail("{}: cannot be written: {}", path.string(), kNoMemory);
     file.commit();
 }
 

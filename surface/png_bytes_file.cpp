@@ -2,6 +2,7 @@
 #include <OpenImageIO/imageio.h>
 
 #include "surface/error.h"
+#include "surface/memory_error.h"
 #include "surface/png_bytes.h"
 
 namespace tangi {
@@ -21,8 +22,11 @@ std::string png_of(const float* samples, const Region& size, int channels, int b
     OIIO::Filesystem::IOVecOutput memory(bytes);
     output->set_ioproxy(&memory);
     if (!output->open("picture.png", spec) || !output->write_image(OIIO::TypeDesc::FLOAT, samples) ||
-        !output->close())
-        fail("a PNG picture can't be made: {}", output->geterror());
+        !output->close()) {
+        const std::string why = output->geterror();
+        if (says_no_memory(why)) throw std::bad_alloc();
+        fail("a PNG picture can't be made: {}", why);
+    }
     return {bytes.begin(), bytes.end()};
 }
 
