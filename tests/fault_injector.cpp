@@ -5,12 +5,17 @@
 //   TP_FAULT_AT        the call that fails, from 1; without it none does
 //   TP_FAULT_ERRNO     with what (5, EIO, where not given); 0: the program is killed before the call
 //   TP_FAULT_STAYS     1: so do all later ones that need room, as on a disk that stays full
+//   TP_FAULT_TORN      1: where that call is a write, half of the bytes are written before it fails
+//   TP_FAULT_READS     1: the calls that count are those that read: open for reading, read, and their kin
 //   TP_FAULT_TRACE     file to which a line is added for each call that counts: what it does, and to what
-//   TP_FAULT_MEMORY_AT the allocation of 64 KiB and more that fails, from 1
+//   TP_FAULT_MEMORY_AT the allocation of 64 KiB and more that fails, from 1, once libraries are ready; 0:
+//   none, but they are traced
+//                      ("memory BYTES") instead of the calls
 //   TP_FAULT_TIME      [s] since 1970, all the time
 //
 // Counted are open for writing, write, fsync, rename, mkdir, unlink, ftruncate, and their kin. Nothing here
 // allocates.
+#include <dirent.h>
 #include <dlfcn.h>
 #include <errno.h>
 #include <fcntl.h>
@@ -32,6 +37,7 @@
 namespace {
 
 std::atomic<long> calls{0}, allocations{0};
+std::atomic<bool> program_has_begun{false};
 constexpr size_t kLarge = 64 * 1024;  // [bytes] what libraries ask for in little is not what runs out
 
 long number(const char* name, long otherwise) {
@@ -62,16 +68,47 @@ void trace(const char* kind, const char* path) {
     (void)syscall(SYS_close, to);
 }
 
+bool traces_memory() {
+    static const bool is_given = getenv("TP_FAULT_MEMORY_AT") != nullptr;
+    return is_given;
+}
+
+// What a write was to write, of which half gets there where it is torn; at -1: where the file is.
+struct Bytes {
+    int file = -1;
+    const void* bytes = nullptr;
+    size_t count = 0;
+    off_t at = -1;
+};
+
+// A call that may fail.
+struct Call {
+    const char* kind;
+    bool needs_room = false, reads = false;
+    Bytes written{};
+};
+
+void tear(const Bytes& whole) {
+    if (whole.file < 0) return;
+    if (whole.at < 0)
+        (void)syscall(SYS_write, whole.file, whole.bytes, whole.count / 2);
+    else
+        (void)syscall(SYS_pwrite64, whole.file, whole.bytes, whole.count / 2, whole.at);
+}
+
 // True where this call is to fail: errno is set.
-bool fails(const char* kind, const char* path, bool needs_room) {
+bool fails(const Call& call, const char* path) {
     static const long at = number("TP_FAULT_AT", 0), with = number("TP_FAULT_ERRNO", EIO);
-    static const bool stays = number("TP_FAULT_STAYS", 0) != 0;
+    static const bool stays = number("TP_FAULT_STAYS", 0) != 0, torn = number("TP_FAULT_TORN", 0) != 0,
+                      reads = number("TP_FAULT_READS", 0) != 0;
+    if (call.reads != reads) return false;
     const int before = errno;
     const long count = ++calls;
-    trace(kind, path);
+    if (!traces_memory()) trace(call.kind, path);
     errno = before;
-    if (at == 0 || count < at || (count > at && !(stays && needs_room))) return false;
-    if (count == at && stays && !needs_room) return false;
+    if (at == 0 || count < at || (count > at && !(stays && call.needs_room))) return false;
+    if (count == at && stays && !call.needs_room) return false;
+    if (count == at && torn) tear(call.written);
     if (with == 0) {
         syscall(SYS_kill, getpid(), SIGKILL);
         pause();
@@ -80,7 +117,7 @@ bool fails(const char* kind, const char* path, bool needs_room) {
     return true;
 }
 
-bool path_fails(const char* kind, int folder, const char* path, bool needs_room) {
+bool path_fails(const Call& call, int folder, const char* path) {
     char whole[2 * PATH_MAX];
     const int before = errno;
     if (path && path[0] != '/') {
@@ -98,10 +135,10 @@ bool path_fails(const char* kind, int folder, const char* path, bool needs_room)
         path = whole;
     }
     errno = before;
-    return is_under(path) && fails(kind, path, needs_room);
+    return is_under(path) && fails(call, path);
 }
 
-bool file_fails(const char* kind, int file, bool needs_room) {
+bool file_fails(const Call& call, int file) {
     char link[64], path[PATH_MAX];
     const int before = errno;
     snprintf(link, sizeof link, "/proc/self/fd/%d", file);
@@ -109,16 +146,24 @@ bool file_fails(const char* kind, int file, bool needs_room) {
     errno = before;
     if (length < 0) return false;
     path[length] = 0;
-    return is_under(path) && fails(kind, path, needs_room);
+    return is_under(path) && fails(call, path);
 }
 
 bool is_for_writing(int flags) {
     return (flags & O_ACCMODE) != O_RDONLY || (flags & (O_CREAT | O_TRUNC)) != 0;
 }
 
+Call call_of_open(int flags) { return {"open", (flags & O_CREAT) != 0, !is_for_writing(flags)}; }
+
 bool memory_fails(size_t bytes) {
     static const long at = number("TP_FAULT_MEMORY_AT", 0);
-    if (bytes < kLarge || at == 0 || ++allocations != at) return false;
+    if (!program_has_begun || bytes < kLarge || !traces_memory()) return false;
+    if (at == 0) {
+        char size[32];
+        snprintf(size, sizeof size, "%zu", bytes);
+        trace("memory", size);
+    }
+    if (++allocations != at) return false;
     errno = ENOMEM;
     return true;
 }
@@ -137,62 +182,79 @@ void* __libc_memalign(size_t alignment, size_t bytes);
 void* __libc_calloc(size_t count, size_t bytes);
 void* __libc_realloc(void* old, size_t bytes);
 
-#define TP_OPEN(name)                                                                                       \
-    int name(const char* path, int flags, ...) {                                                            \
-        va_list more;                                                                                       \
-        va_start(more, flags);                                                                              \
-        const mode_t mode = (flags & (O_CREAT | O_TMPFILE)) ? va_arg(more, mode_t) : 0;                     \
-        va_end(more);                                                                                       \
-        if (is_for_writing(flags) && path_fails("open", AT_FDCWD, path, (flags & O_CREAT) != 0)) return -1; \
-        static const auto next = real<int (*)(const char*, int, ...)>(#name);                               \
-        return next(path, flags, mode);                                                                     \
+#define TP_OPEN(name)                                                                   \
+    int name(const char* path, int flags, ...) {                                        \
+        va_list more;                                                                   \
+        va_start(more, flags);                                                          \
+        const mode_t mode = (flags & (O_CREAT | O_TMPFILE)) ? va_arg(more, mode_t) : 0; \
+        va_end(more);                                                                   \
+        if (path_fails(call_of_open(flags), AT_FDCWD, path)) return -1;                 \
+        static const auto next = real<int (*)(const char*, int, ...)>(#name);           \
+        return next(path, flags, mode);                                                 \
     }
 TP_OPEN(open)
 TP_OPEN(open64)
 
-#define TP_OPENAT(name)                                                                                   \
-    int name(int folder, const char* path, int flags, ...) {                                              \
-        va_list more;                                                                                     \
-        va_start(more, flags);                                                                            \
-        const mode_t mode = (flags & (O_CREAT | O_TMPFILE)) ? va_arg(more, mode_t) : 0;                   \
-        va_end(more);                                                                                     \
-        if (is_for_writing(flags) && path_fails("open", folder, path, (flags & O_CREAT) != 0)) return -1; \
-        static const auto next = real<int (*)(int, const char*, int, ...)>(#name);                        \
-        return next(folder, path, flags, mode);                                                           \
+#define TP_OPENAT(name)                                                                 \
+    int name(int folder, const char* path, int flags, ...) {                            \
+        va_list more;                                                                   \
+        va_start(more, flags);                                                          \
+        const mode_t mode = (flags & (O_CREAT | O_TMPFILE)) ? va_arg(more, mode_t) : 0; \
+        va_end(more);                                                                   \
+        if (path_fails(call_of_open(flags), folder, path)) return -1;                   \
+        static const auto next = real<int (*)(int, const char*, int, ...)>(#name);      \
+        return next(folder, path, flags, mode);                                         \
     }
 TP_OPENAT(openat)
 TP_OPENAT(openat64)
 
-#define TP_FOPEN(name)                                                                        \
-    FILE* name(const char* path, const char* mode) {                                          \
-        if (strpbrk(mode, "wa+") && path_fails("open", AT_FDCWD, path, true)) return nullptr; \
-        static const auto next = real<FILE* (*)(const char*, const char*)>(#name);            \
-        return next(path, mode);                                                              \
+#define TP_FOPEN(name)                                                             \
+    FILE* name(const char* path, const char* mode) {                               \
+        const bool writes = strpbrk(mode, "wa+") != nullptr;                       \
+        if (path_fails({"open", writes, !writes}, AT_FDCWD, path)) return nullptr; \
+        static const auto next = real<FILE* (*)(const char*, const char*)>(#name); \
+        return next(path, mode);                                                   \
     }
 TP_FOPEN(fopen)
 TP_FOPEN(fopen64)
 
-#define TP_ON_FILE(kind, room, result, failure, name, parameters, arguments, file) \
-    result name parameters {                                                       \
-        if (file_fails(kind, file, room)) return failure;                          \
-        static const auto next = real<result(*) parameters>(#name);                \
-        return next arguments;                                                     \
+#define TP_ON_FILE(call, result, failure, name, parameters, arguments, file) \
+    result name parameters {                                                 \
+        if (file_fails(call, file)) return failure;                          \
+        static const auto next = real<result(*) parameters>(#name);          \
+        return next arguments;                                               \
     }
-TP_ON_FILE("write", true, ssize_t, -1, write, (int f, const void* b, size_t n), (f, b, n), f)
-TP_ON_FILE("write", true, ssize_t, -1, pwrite, (int f, const void* b, size_t n, off_t o), (f, b, n, o), f)
-TP_ON_FILE("write", true, ssize_t, -1, pwrite64, (int f, const void* b, size_t n, off64_t o), (f, b, n, o), f)
-TP_ON_FILE("write", true, ssize_t, -1, writev, (int f, const iovec* v, int n), (f, v, n), f)
-TP_ON_FILE("write", true, int, EIO, posix_fallocate, (int f, off_t o, off_t n), (f, o, n), f)
-TP_ON_FILE("write", true, size_t, 0, fwrite, (const void* b, size_t s, size_t n, FILE* f), (b, s, n, f),
-           fileno(f))
-TP_ON_FILE("fsync", false, int, -1, fsync, (int f), (f), f)
-TP_ON_FILE("fsync", false, int, -1, fdatasync, (int f), (f), f)
-TP_ON_FILE("ftruncate", false, int, -1, ftruncate, (int f, off_t n), (f, n), f)
-TP_ON_FILE("ftruncate", false, int, -1, ftruncate64, (int f, off64_t n), (f, n), f)
+#define TP_WRITE(...) (Call{"write", true, false, Bytes{__VA_ARGS__}})
+TP_ON_FILE(TP_WRITE(f, b, n), ssize_t, -1, write, (int f, const void* b, size_t n), (f, b, n), f)
+TP_ON_FILE(TP_WRITE(f, b, n, o), ssize_t, -1, pwrite, (int f, const void* b, size_t n, off_t o), (f, b, n, o),
+           f)
+TP_ON_FILE(TP_WRITE(f, b, n, o), ssize_t, -1, pwrite64, (int f, const void* b, size_t n, off64_t o),
+           (f, b, n, o), f)
+TP_ON_FILE(TP_WRITE(f, v->iov_base, v->iov_len), ssize_t, -1, writev, (int f, const iovec* v, int n),
+           (f, v, n), f)
+TP_ON_FILE(TP_WRITE(), int, EIO, posix_fallocate, (int f, off_t o, off_t n), (f, o, n), f)
+TP_ON_FILE(TP_WRITE(fileno(f), b, s* n), size_t, 0, fwrite, (const void* b, size_t s, size_t n, FILE* f),
+           (b, s, n, f), fileno(f))
+TP_ON_FILE((Call{"fsync"}), int, -1, fsync, (int f), (f), f)
+TP_ON_FILE((Call{"fsync"}), int, -1, fdatasync, (int f), (f), f)
+TP_ON_FILE((Call{"ftruncate"}), int, -1, ftruncate, (int f, off_t n), (f, n), f)
+TP_ON_FILE((Call{"ftruncate"}), int, -1, ftruncate64, (int f, off64_t n), (f, n), f)
+#define TP_READ (Call{"read", false, true})
+TP_ON_FILE(TP_READ, ssize_t, -1, read, (int f, void* b, size_t n), (f, b, n), f)
+TP_ON_FILE(TP_READ, ssize_t, -1, readv, (int f, const iovec* v, int n), (f, v, n), f)
+TP_ON_FILE(TP_READ, ssize_t, -1, pread, (int f, void* b, size_t n, off_t o), (f, b, n, o), f)
+TP_ON_FILE(TP_READ, ssize_t, -1, pread64, (int f, void* b, size_t n, off64_t o), (f, b, n, o), f)
+TP_ON_FILE(TP_READ, size_t, 0, fread, (void* b, size_t s, size_t n, FILE* f), (b, s, n, f), fileno(f))
+
+DIR* opendir(const char* path) {
+    if (path_fails({"open", false, true}, AT_FDCWD, path)) return nullptr;
+    static const auto next = real<DIR* (*)(const char*)>("opendir");
+    return next(path);
+}
 
 #define TP_ON_PATH(kind, room, name, parameters, arguments, folder, path) \
     int name parameters {                                                 \
-        if (path_fails(kind, folder, path, room)) return -1;              \
+        if (path_fails({kind, room}, folder, path)) return -1;            \
         static const auto next = real<int(*) parameters>(#name);          \
         return next arguments;                                            \
     }
@@ -220,6 +282,13 @@ int posix_memalign(void** to, size_t alignment, size_t bytes) {
     if (memory_fails(bytes)) return ENOMEM;
     *to = __libc_memalign(alignment, bytes);
     return *to ? 0 : ENOMEM;
+}
+
+int __libc_start_main(int (*main)(int, char**, char**), int count, char** words, void (*begin)(),
+                      void (*end)(), void (*at_exit)(), void* stack_end) {
+    program_has_begun = true;
+    static const auto next = real<decltype(&__libc_start_main)>("__libc_start_main");
+    return next(main, count, words, begin, end, at_exit, stack_end);
 }
 
 time_t time(time_t* to) {
