@@ -2,13 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
+#include <filesystem>
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 #include <nlohmann/json.hpp>
 
 #include "capture/json_field.h"
 #include "capture/lights_file.h"
+#include "surface/atomic_file.h"
 #include "surface/error.h"
 #include "surface/json_reading.h"
 #include "surface/json_text.h"
@@ -151,9 +152,9 @@ bool is_lights_file_of(const std::filesystem::path& lights, const std::filesyste
 
 CaptureFile read_capture_file(const std::filesystem::path& path) {
     const std::string file = path.string();
-    std::ifstream stream(path, std::ios::binary);
-    if (!stream) fail("{}: cannot be read; give the capture.json that tangipaint calibrate wrote", file);
-    const std::string text(std::istreambuf_iterator<char>(stream), {});
+    if (!std::filesystem::exists(path))
+        fail("{}: cannot be read; give the capture.json that tangipaint calibrate wrote", file);
+    const std::string text = read_text_file(path);
     if (text.empty()) fail("{}: is empty, or no file; calibrate again", file);
     const json whole = read_json(text, file);
     const JsonField top(file, whole, "");

@@ -2,12 +2,13 @@
 #include "capture/chart_reference.h"
 
 #include <charconv>
-#include <fstream>
+#include <filesystem>
 #include <iterator>
 #include <nlohmann/json.hpp>
 #include <sstream>
 #include <vector>
 
+#include "surface/atomic_file.h"
 #include "surface/error.h"
 #include "surface/json_reading.h"
 #include "surface/json_text.h"
@@ -50,10 +51,9 @@ constexpr Published kClassic[kChartPatches] = {{"dark skin", {37.986, 13.555, 14
                                                {"black 2", {20.461, -0.079, -0.973}}};
 
 std::string text_of(const std::filesystem::path& path) {
-    std::ifstream stream(path, std::ios::binary);
-    if (!stream)
+    if (!std::filesystem::exists(path))
         fail("{}: cannot be read; give a .csv or .json file with the values of the chart", path.string());
-    return {std::istreambuf_iterator<char>(stream), {}};
+    return read_text_file(path);
 }
 
 // Far outside of what a surface can reflect: percent instead of parts, or columns in another order.

@@ -83,7 +83,7 @@ PhotoMetadata read_photo_metadata(const fs::path& path) {
     OIIO::ImageSpec spec;
     if (!input || !input->open(safe ? safe->path() : path.string(), spec))
         fail("{}: is not a picture that can be read: {}", path.string(),
-             trouble_with_picture(input ? input->geterror() : OIIO::geterror()));
+             trouble_with_picture(path, input ? input->geterror() : OIIO::geterror()));
     spec = spec_of_picture(path, *input, spec);
     PhotoMetadata metadata;
     metadata.exposure_s = positive_number(spec, "ExposureTime");

@@ -67,7 +67,7 @@ std::unique_ptr<OIIO::ImageInput> opened(const fs::path& path, const OIIO::Image
     OIIO::ImageSpec spec;
     if (!input->open(path.string(), spec, config))
         fail_photo(path, "is not a camera raw that can be read: {}; or {}",
-                   trouble_with_picture(input->geterror()), kRemedy);
+                   trouble_with_picture(path, input->geterror()), kRemedy);
     if (spec.nchannels != 3)
         fail_photo(path, "has {} colours, and only cameras with three are supported; {}", spec.nchannels,
                    kRemedy);
@@ -148,7 +148,7 @@ std::vector<std::uint16_t> develop_raw(const fs::path& path, const std::string& 
         fail_photo(
             path,
             "cannot be developed: {}; the file is damaged or of a kind that LibRaw does not know; or {}",
-            trouble_with_pixels(input->geterror()), kRemedy);
+            trouble_with_pixels(path, input->geterror()), kRemedy);
     // LibRaw cuts the fractions of the scaled values off: half a step is what that takes on average.
     for (std::size_t i = 0; i < values.size(); ++i) {
         const float back = most / wb[i % 3];

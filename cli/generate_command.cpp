@@ -1,13 +1,13 @@
 // generate_command.cpp: tangipaint generate --out DIR: photographs of a procedural painting, with ground
 // truth.
 #include <filesystem>
-#include <fstream>
 #include <set>
 
 #include "capture/lights_file.h"
 #include "capture/photo_file.h"
 #include "cli/command_list.h"
 #include "datasets/generator.h"
+#include "surface/atomic_file.h"
 #include "surface/atomic_folder.h"
 #include "surface/error.h"
 #include "surface/json_reading.h"
@@ -34,8 +34,9 @@ Value chosen(const std::optional<Value>& value, const char* flag, const std::str
 }
 
 bool is_generated(const fs::path& folder) {
-    std::ifstream stream(folder / "gt" / "meta.json", std::ios::binary);
-    const auto meta = json_or_discarded(std::string(std::istreambuf_iterator<char>(stream), {}));
+    const fs::path file = folder / "gt" / "meta.json";
+    if (!fs::exists(file)) return false;
+    const auto meta = json_or_discarded(read_text_file(file));
     return meta.is_object() && meta.contains("generator");
 }
 

@@ -3,10 +3,10 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#include <array>
 #include <cerrno>
 #include <cstring>
-#include <fstream>
-#include <iterator>
+#include <span>
 
 #include "surface/error.h"
 #include "surface/file_name.h"
@@ -29,6 +29,14 @@ public:
     Descriptor(const Descriptor&) = delete;
     Descriptor& operator=(const Descriptor&) = delete;
     int number() const { return number_; }
+
+    // How many bytes were read, 0 at the end; below 0 with errno.
+    ssize_t read(std::span<char> to) const {
+        ssize_t count = 0;
+        do count = ::read(number_, to.data(), to.size());
+        while (count < 0 && errno == EINTR);
+        return count;
+    }
 
     // False, with errno.
     bool write(std::string_view bytes) const {
@@ -123,8 +131,7 @@ void AtomicFile::copy_from(const fs::path& from) {
     const Descriptor file(temporary_, O_WRONLY | O_TRUNC);
     if (file.number() < 0) cannot_be_written(target_);
     for (std::string bytes(kAtOnce, '\0');;) {
-        const ssize_t count = ::read(source.number(), bytes.data(), bytes.size());
-        if (count < 0 && errno == EINTR) continue;
+        const ssize_t count = source.read(bytes);
         if (count < 0) fail("{}: cannot be read: {}", from.string(), std::strerror(errno));
         if (count == 0) break;
         if (!file.write({bytes.data(), static_cast<std::size_t>(count)})) cannot_be_written(target_);
@@ -149,9 +156,15 @@ void write_text_file(const fs::path& path, std::string_view text) {
 
 std::string read_text_file(const fs::path& path) {
     if (fs::is_directory(path)) fail("{}: is a folder; give the name of a file", path.string());
-    std::ifstream stream(path, std::ios::binary);
-    if (!stream) fail("{}: cannot be read: {}", path.string(), std::strerror(errno));
-    return {std::istreambuf_iterator<char>(stream), {}};
+    const Descriptor file(path, O_RDONLY);
+    std::array<char, 65536> bytes;
+    std::string text;
+    while (true) {
+        const ssize_t count = file.number() < 0 ? -1 : file.read(bytes);
+        if (count < 0) fail("{}: cannot be read: {}", path.string(), std::strerror(errno));
+        if (count == 0) return text;
+        text.append(bytes.data(), static_cast<std::size_t>(count));
+    }
 }
 
 void make_folder(const fs::path& path) {

@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "surface/exr_claim.h"
+#include "surface/file_bytes.h"
 #include "surface/json_text.h"
 #include "surface/memory_error.h"
 
@@ -34,6 +35,11 @@ bool begins_as_exr(const std::filesystem::path& path) {
     return magic == std::array<char, 4>{'\x76', '\x2f', '\x31', '\x01'};
 }
 
+// Throws Error where it is the disk that does not give the file. One that is damaged has all of its bytes.
+void require_readable(const std::filesystem::path& path) {
+    if (const auto trouble = trouble_reading(path)) fail("{}: cannot be read: {}", path.string(), *trouble);
+}
+
 }  // namespace
 
 void fail_reading(const std::filesystem::path& path, const std::exception& error) {
@@ -42,6 +48,7 @@ void fail_reading(const std::filesystem::path& path, const std::exception& error
     const auto says = [&](std::string_view part) { return words.find(part) != std::string_view::npos; };
     if (const std::string_view refusal = refusal_in(words); !refusal.empty())
         fail("{}: cannot be read: {}", path.string(), first_line(refusal));
+    require_readable(path);
     if (!begins_as_exr(path)) fail("{}: is not a painting file: it is no EXR file", path.string());
     if (says("Early end of file") || says("incomplete"))
         fail("{}: is damaged: it ends before all of the painting was read; {}", path.string(), kRemedy);
@@ -54,6 +61,7 @@ void fail_reading(const std::filesystem::path& path, const std::exception& error
 
 void require_whole(const std::filesystem::path& path) {
     const auto claim = exr_claim(path);
+    if (claim && (claim->malformed || claim->impossible || claim->cut_off)) require_readable(path);
     if (claim && claim->malformed)
         fail("{}: is damaged: its header makes no sense; {}", path.string(), kRemedy);
     if (claim && claim->impossible)

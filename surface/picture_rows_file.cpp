@@ -99,7 +99,7 @@ PictureRows::PictureRows(const fs::path& path, bool lab_as_stored) : path_(path)
     OIIO::ImageSpec spec;
     if (!input || !input->open(safe.path(), spec, config) || !input->seek_subimage(page, 0))
         fail("{}: is not a picture that can be read: {}", path.string(),
-             trouble_with_picture(input ? input->geterror() : OIIO::geterror()));
+             trouble_with_picture(path, input ? input->geterror() : OIIO::geterror()));
     spec = input->spec();
     if (!is_whole_jpeg(path)) fail(kTruncated, path.string(), "JPEG");
     if (spec.nchannels < 1 || spec.width < 1 || spec.height < 1) fail("{}: holds no pixels", path.string());
@@ -173,7 +173,7 @@ void PictureRows::decode(int y0, int y1, int first, int count, std::span<float> 
     // Strips of a TIFF file that cannot be read show only in has_error() (OpenImageIO 2.4).
     if (!read || input.has_error())
         fail("{}: cannot be decoded at rows {} to {}: {}", path_.string(), y0, y1 - 1,
-             trouble_with_pixels(input.geterror()));
+             trouble_with_pixels(path_, input.geterror()));
 }
 
 }  // namespace tangi

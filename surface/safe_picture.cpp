@@ -8,6 +8,7 @@
 
 #include "surface/error.h"
 #include "surface/exr_claim.h"
+#include "surface/file_bytes.h"
 #include "surface/json_text.h"
 #include "surface/letter_case.h"
 #include "surface/memory_budget.h"
@@ -125,7 +126,7 @@ SafePicture& SafePicture::operator=(SafePicture&& other) noexcept {
 namespace {
 
 // In words of ours, where the library's tell of one of these; else `otherwise`.
-std::string in_our_words(std::string_view library_words, const char* otherwise) {
+std::string in_our_words(const fs::path& path, std::string_view library_words, const char* otherwise) {
     const std::string words = lower_case(library_words);
     const auto says = [&](std::initializer_list<std::string_view> parts) {
         return std::ranges::any_of(
@@ -134,6 +135,8 @@ std::string in_our_words(std::string_view library_words, const char* otherwise) 
     if (says({"memory", "bad_alloc", "limits:"})) return "there is not enough memory for it";
     for (const int error : {EACCES, EMFILE, ENFILE, EIO, ENOENT})
         if (says({lower_case(std::strerror(error))})) return std::strerror(error);
+    // Libraries take what the disk does not give for the file's end.
+    if (const auto trouble = trouble_reading(path)) return *trouble;
     if (says({"end of file", "premature", "truncat", "not enough", "no data", "missing",
               "read error on strip"}))
         return fmt::format("it ends before all of its pixels, as if cut off; {}", kCopyAgain);
@@ -142,12 +145,12 @@ std::string in_our_words(std::string_view library_words, const char* otherwise) 
 
 }  // namespace
 
-std::string trouble_with_picture(std::string_view library_words) {
-    return in_our_words(library_words, "its header is damaged, or of a kind that is not known");
+std::string trouble_with_picture(const fs::path& path, std::string_view library_words) {
+    return in_our_words(path, library_words, "its header is damaged, or of a kind that is not known");
 }
 
-std::string trouble_with_pixels(std::string_view library_words) {
-    return in_our_words(library_words, "its pixels are damaged");
+std::string trouble_with_pixels(const fs::path& path, std::string_view library_words) {
+    return in_our_words(path, library_words, "its pixels are damaged");
 }
 
 }  // namespace tangi

@@ -38,8 +38,8 @@ private:
 
 // What a library said of a picture that it cannot open, or of the pixels of one that it opened, in words of
 // ours, with what to do.
-std::string trouble_with_picture(std::string_view library_words);
-std::string trouble_with_pixels(std::string_view library_words);
+std::string trouble_with_picture(const std::filesystem::path& path, std::string_view library_words);
+std::string trouble_with_pixels(const std::filesystem::path& path, std::string_view library_words);
 
 // [pixels] Of a picture: as many as OpenCV takes (CV_IO_MAX_IMAGE_PIXELS, 2^30). Photographs have a tenth.
 constexpr double kMostPixels = 1024.0 * 1024 * 1024;

@@ -169,9 +169,13 @@ std::string in_lasting_names(std::string message) {
             continue;
         }
         const std::string stem = message.substr(begin + 1, found.stem_end - begin - 1);
-        const bool within = stem == kWithinFolder && message.substr(found.end, 1) == "/";
-        message.replace(begin, found.end - begin + (within ? 1 : 0), within ? "" : stem);
-        from = begin + (within ? 0 : stem.size());
+        if (stem == kWithinFolder) {  // what is in it will be in the folder that it is in
+            message.erase(begin - 1, found.end - begin + 1);
+            from = begin - 1;
+        } else {
+            message.replace(begin, found.end - begin, stem);
+            from = begin + stem.size();
+        }
     }
 }
 

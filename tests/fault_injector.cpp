@@ -6,7 +6,9 @@
 //   TP_FAULT_ERRNO     with what (5, EIO, where not given); 0: the program is killed before the call
 //   TP_FAULT_STAYS     1: so do all later ones that need room, as on a disk that stays full
 //   TP_FAULT_TORN      1: where that call is a write, half of the bytes are written before it fails
-//   TP_FAULT_READS     1: the calls that count are those that read: open for reading, read, and their kin
+//   TP_FAULT_READS     1: the calls that count are those that read: open for reading, read, and their kin;
+//   where
+//                      one fails, so do all later ones of the same file
 //   TP_FAULT_TRACE     file to which a line is added for each call that counts: what it does, and to what
 //   TP_FAULT_MEMORY_AT the allocation of 64 KiB and more that fails, from 1, once libraries are ready; 0:
 //   none, but they are traced
@@ -96,6 +98,13 @@ void tear(const Bytes& whole) {
         (void)syscall(SYS_pwrite64, whole.file, whole.bytes, whole.count / 2, whole.at);
 }
 
+// Where a file could not be read once, it cannot be read again: a bad sector stays.
+bool is_of_failed(const char* path, bool fails_now) {
+    static char failed[2 * PATH_MAX] = "";
+    if (fails_now && strlen(path) < sizeof failed) strcpy(failed, path);
+    return strcmp(failed, path) == 0;
+}
+
 // True where this call is to fail: errno is set.
 bool fails(const Call& call, const char* path) {
     static const long at = number("TP_FAULT_AT", 0), with = number("TP_FAULT_ERRNO", EIO);
@@ -106,6 +115,10 @@ bool fails(const Call& call, const char* path) {
     const long count = ++calls;
     if (!traces_memory()) trace(call.kind, path);
     errno = before;
+    if (reads && at != 0 && is_of_failed(path, count == at)) {
+        errno = static_cast<int>(with);
+        return true;
+    }
     if (at == 0 || count < at || (count > at && !(stays && call.needs_room))) return false;
     if (count == at && stays && !call.needs_room) return false;
     if (count == at && torn) tear(call.written);

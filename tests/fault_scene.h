@@ -228,8 +228,12 @@ private:
             const Finished ended =
                 run(scene.command, {{"TP_FAULT_READS", "1"}, {"TP_FAULT_AT", std::to_string(at)}});
             EXPECT_TRUE(is_done(ended) || ended.code == 1) << ended.code << ended.err;
-            if (is_done(ended)) continue;
+            if (is_done(ended)) {  // as if nothing were, or it says what is left out
+                EXPECT_TRUE(visible(root()) == after_ || !ended.err.empty());
+                continue;
+            }
             EXPECT_EQ(ended.out, "");
+            EXPECT_THAT(ended.err, testing::HasSubstr(std::strerror(EIO)));
             EXPECT_EQ(names_that_differ(visible(root()), before_), Words()) << ended.err;
             expect_goes_on(scene, ended);
         }

@@ -127,6 +127,12 @@ TEST(TextFile, ThatCannotBeReadIsAnError) {
               dir.path().string() + ": is a folder; give the name of a file");
 }
 
+// The system gives no bytes of /proc/self/mem at its beginning (EIO), as of a disk that fails.
+TEST(TextFile, OfADiskThatFailsIsAnErrorThatSaysSo) {
+    EXPECT_EQ(error_of([] { read_text_file("/proc/self/mem"); }),
+              "/proc/self/mem: cannot be read: Input/output error");
+}
+
 TEST(MakeFolder, MakesParentsAndIsFineWithWhatIsThere) {
     const TestDir dir;
     make_folder(dir / "a/b/c");

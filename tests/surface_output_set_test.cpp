@@ -206,6 +206,7 @@ TEST(TemporaryNames, AreNotToldOf) {
     EXPECT_EQ(in_lasting_names("x: /d/" + folder + "/" + file + " and ./" + file),
               "x: /d/c/my.painting.exr and ./my.painting.exr");
     EXPECT_EQ(in_lasting_names("/d/" + within + "/sub/a.png: no"), "/d/sub/a.png: no");
+    EXPECT_EQ(in_lasting_names("/d/" + within + ": no"), "/d: no");
     for (const char* other :
          {"/d/.a.tmp.exr: no", "/d/.a.12.tmp.exr: no", "my.tmp", "", "/d/a.12-0123abcd.tmp"})
         EXPECT_EQ(in_lasting_names(other), other);

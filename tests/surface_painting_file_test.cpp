@@ -211,6 +211,12 @@ TEST(PaintingFile, ThatIsNoExrIsAnError) {
     EXPECT_THAT(error_of([&] { read_painting(dir.path()); }), StartsWith(dir.path().string() + ": "));
 }
 
+// The system gives no bytes of /proc/self/mem at its beginning (EIO), as of a disk that fails.
+TEST(PaintingFile, OnADiskThatFailsIsNotCalledDamaged) {
+    EXPECT_EQ(error_of([] { read_painting("/proc/self/mem"); }),
+              "/proc/self/mem: cannot be read: Input/output error");
+}
+
 TEST(PaintingFile, TruncatedAnywhereIsAnError) {
     const TestDir dir;
     write_painting(dir / "a.exr", random_surface(9, 40));

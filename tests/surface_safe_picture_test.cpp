@@ -264,5 +264,11 @@ TEST(SafePicture, IsReadByItsContentAndNothingElseIs) {
                 "c.png: is not a picture that can be read: it is no PNG, JPEG, TIFF, EXR, TGA or BMP file"));
 }
 
+// The system gives no bytes of /proc/self/mem at its beginning (EIO), as of a disk that fails.
+TEST(SafePicture, OnADiskThatFailsIsNotCalledDamaged) {
+    EXPECT_EQ(trouble_with_pixels("/proc/self/mem", "Premature end of file"), "Input/output error");
+    EXPECT_EQ(trouble_with_picture("/proc/self/mem", "Could not open"), "Input/output error");
+}
+
 }  // namespace
 }  // namespace tangi

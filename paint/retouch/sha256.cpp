@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "surface/error.h"
+#include "surface/file_bytes.h"
 
 namespace tangi {
 
@@ -51,7 +52,8 @@ std::string sha256_of_file(const std::filesystem::path& path) {
         stream.read(buffer.data(), static_cast<std::streamsize>(buffer.size()));
         sha.add(buffer.data(), static_cast<std::size_t>(stream.gcount()));
     }
-    if (stream.bad()) fail("{}: cannot be read to its end", path.string());
+    if (stream.bad())
+        fail("{}: cannot be read to its end: {}", path.string(), trouble_reading(path).value_or("try again"));
     return sha.hex();
 }
 

@@ -157,7 +157,8 @@ void clear_pending(const fs::path& pending) {
 bool is_treatment(const fs::path& folder) {
     std::ifstream log(folder / kTreatmentLog, std::ios::binary);
     std::string line;
-    return std::getline(log, line) && line.find(kTreatmentFormat) != std::string::npos;
+    if (std::getline(log, line)) return line.find(kTreatmentFormat) != std::string::npos;
+    return log.bad();  // for all that is known: a disk that fails is no leave to write over it
 }
 
 }  // namespace
