@@ -10,6 +10,7 @@
 #include "capture/lights_file.h"
 #include "capture/photo_names.h"
 #include "surface/error.h"
+#include "surface/file_name.h"
 #include "surface/painting_file.h"
 #include "surface/picture_file.h"
 
@@ -288,6 +289,7 @@ void require_folder(const fs::path& folder) {
     if (!reason && !fs::is_directory(folder, reason))
         fail("{}: is not a folder; give the folder that holds the photographs", folder.string());
     if (!reason) (void)fs::directory_iterator(folder, reason);
+    if (reason == std::errc::filename_too_long) fail("{}", words_of({"", folder, reason}));
     if (reason)
         fail("{}: the folder cannot be read: {}; give yourself the right to, or copy it to another place",
              folder.string(), reason.message());

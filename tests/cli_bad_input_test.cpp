@@ -11,7 +11,7 @@ TEST(CliBadFolder, DoesNotExist) {
     const TinyStack stack;
     expect_refused(stack, {"nowhere: no such folder"}, {}, stack.out("nowhere"));
     expect_refused(stack, {"img_000.png: is not a folder", "give the folder that holds"}, {}, stack.photo(0));
-    expect_refused(stack, {"File name too long"}, {}, std::string(300, 'a'));
+    expect_refused(stack, {"the name is too long"}, {}, std::string(300, 'a'));
 }
 
 TEST(CliBadFolder, HasNoLightsFile) {

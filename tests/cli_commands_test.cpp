@@ -268,7 +268,7 @@ TEST(CliInfo, RefusesWhatItDoesNotKnow) {
     EXPECT_TRUE(ended(tangipaint({"info", stack.out("picture.lp")}), 1, {"picture.lp: is a picture"}));
     EXPECT_TRUE(ended(tangipaint({"info", stack.out("none")}), 1, {"none: no such file"}));
     EXPECT_TRUE(ended(tangipaint({"info", stack.path()}), 1, {"is a folder", "name a painting (.exr)"}));
-    EXPECT_TRUE(ended(tangipaint({"info", std::string(300, 'a')}), 1, {"File name too long"}));
+    EXPECT_TRUE(ended(tangipaint({"info", std::string(300, 'a')}), 1, {"the name is too long"}));
 }
 
 TEST(CliGenerate, WritesWhatFitReads) {
