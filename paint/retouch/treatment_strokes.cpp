@@ -87,7 +87,7 @@ std::vector<std::string> strokes_that_cannot_be_repeated(const Treatment& treatm
     for (const LogEntry& entry : treatment.log().entries())
         if (const auto outputs = entry.content.find("outputs"); outputs != entry.content.end())
             for (const auto& [name, hash] : outputs->items())
-                if (name.starts_with("strokes/")) journals.insert(name);
+                if (name.starts_with("strokes/") && name.ends_with(".jsonl")) journals.insert(name);
     std::vector<std::string> faults;
     for (const std::string& name : journals) {
         const fs::path path = treatment.folder() / name;
