@@ -50,6 +50,10 @@ std::optional<std::string> trouble_reading(const std::filesystem::path& path) {
     return std::strerror(trouble);
 }
 
+void require_readable(const std::filesystem::path& path) {
+    if (const auto trouble = trouble_reading(path)) fail("{}: cannot be read: {}", path.string(), *trouble);
+}
+
 std::uint64_t number_in(std::string_view bytes, bool big_endian) {
     std::uint64_t number = 0;
     for (std::size_t i = 0; i < bytes.size(); ++i) {

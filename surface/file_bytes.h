@@ -33,6 +33,9 @@ private:
 // fails); nothing where it does. For who is about to call a file damaged that a library could not read.
 std::optional<std::string> trouble_reading(const std::filesystem::path& path);
 
+// The same, as an Error that names the file.
+void require_readable(const std::filesystem::path& path);
+
 // The same number of bytes that are there.
 std::uint64_t number_in(std::string_view bytes, bool big_endian);
 

@@ -35,11 +35,6 @@ bool begins_as_exr(const std::filesystem::path& path) {
     return magic == std::array<char, 4>{'\x76', '\x2f', '\x31', '\x01'};
 }
 
-// Throws Error where it is the disk that does not give the file. One that is damaged has all of its bytes.
-void require_readable(const std::filesystem::path& path) {
-    if (const auto trouble = trouble_reading(path)) fail("{}: cannot be read: {}", path.string(), *trouble);
-}
-
 }  // namespace
 
 void fail_reading(const std::filesystem::path& path, const std::exception& error) {

@@ -26,7 +26,7 @@ bool is_whole_png(const std::filesystem::path& path) {
     std::string bytes(8, '\0');
     if (unknown || !stream.read(bytes.data(), 8) || bytes != "\x89PNG\r\n\x1a\n"sv) return true;
     for (std::uintmax_t begin = 8;;) {
-        if (!stream.read(bytes.data(), 8)) return false;
+        if (!stream.read(bytes.data(), 8)) return stream.bad();
         const std::uintmax_t end = begin + 8 + big_endian(std::string_view(bytes).substr(0, 4)) + checksum;
         if (end > size) return false;
         if (std::string_view(bytes).substr(4) == "IEND"sv) return true;

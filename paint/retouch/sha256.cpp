@@ -45,7 +45,8 @@ std::string sha256_of(std::string_view text) {
 std::string sha256_of_file(const std::filesystem::path& path) {
     std::ifstream stream(path, std::ios::binary);
     if (!stream || std::filesystem::is_directory(path))
-        fail("{}: cannot be read; is it there, and may you read it?", path.string());
+        fail("{}: cannot be read: {}", path.string(),
+             trouble_reading(path).value_or("is it there, and may you read it?"));
     Sha256 sha;
     std::vector<char> buffer(1 << 20);
     while (stream) {
