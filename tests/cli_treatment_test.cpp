@@ -1,8 +1,5 @@
 // cli_treatment_test.cpp: a treatment step by step by commands, and what they refuse.
-#include <gmock/gmock.h>
-
 #include "cli_program.h"
-#include "paint/retouch/treatment.h"
 #include "surface/atomic_file.h"
 #include "surface/picture_file.h"
 
@@ -182,28 +179,32 @@ TEST_F(CliTreatment, EmptyMasksAndFoldersWithoutANameAreRefused) {
     EXPECT_EQ(tangipaint({"treatment", "status", treatment()}).json()["log_lines"], 3);
 }
 
-// The legend shows the map as the step makes it, and is of the step: where it cannot be put in place, nothing
-// is in the log.
+TEST_F(CliTreatment, StrokesOfAJournalArePaintedAgainByCheck) {
+    draw();
+    const std::string journal = stack_.out("strokes.jsonl");
+    write_bytes(journal,
+                R"({"format": "tangipaint strokes", "version": 1}
+{"event": "stroke", "paint": {"Titanium White": 1}}
+{"event": "point", "t": 0, "x": -3, "y": 0}
+{"event": "point", "t": 1, "x": 3, "y": 0}
+{"event": "end"}
+)");
+    ASSERT_TRUE(ended(tangipaint({"treatment", "retouch", treatment(), "--strokes", journal, "--class",
+                                  "loss_to_ground", "--feather-mm", "0.5"}),
+                      0));
+    const Finished check = tangipaint({"treatment", "check", treatment()});
+    ASSERT_TRUE(ended(check, 0));
+    EXPECT_EQ(check.json()["strokes"]["painted_again"], 1);
+    EXPECT_EQ(check.json()["strokes"]["not_painted_again"], 0);
+}
+
+// The legend is drawn before the step is done, and shows the map as the step makes it.
 TEST_F(CliTreatment, ALegendComesAboutWithItsStep) {
     draw();
     const std::string legend = stack_.out("legend.png"), other = stack_.out("other.png");
     ASSERT_TRUE(ended(damage({"--class", "abrasion", "--polygon", kSquare, "--legend", legend}), 0));
     ASSERT_TRUE(ended(damage({"--legend", other}), 0));
     EXPECT_TRUE(bytes_of(legend) == bytes_of(other));
-
-    Treatment now = Treatment::open(treatment());
-    const std::size_t lines = now.log().entries().size();
-    const std::string log = bytes_of(treatment() + "/log.jsonl");
-    EXPECT_THAT(error_of([&] {
-                    now.record({.action = "draw damage",
-                                .masks = {{"abrasion", Mask(now.width(), now.height(), 1.0f)}},
-                                .elsewhere = [] { fail("no room for it"); }},
-                               {"A. Restorer", "test"});
-                }),
-                testing::HasSubstr("no room for it"));
-    EXPECT_EQ(bytes_of(treatment() + "/log.jsonl"), log);
-    EXPECT_FALSE(std::filesystem::exists(treatment() + "/pending"));
-    EXPECT_EQ(Treatment::open(treatment()).log().entries().size(), lines);
     EXPECT_TRUE(ended(tangipaint({"treatment", "check", treatment()}), 0));
 }
 

@@ -217,5 +217,24 @@ TEST_F(TreatmentFolder, ABeginningThatACrashCameIntoIsBegunAgain) {
     EXPECT_THAT(Treatment::open(folder()).log().warnings(), IsEmpty());
 }
 
+// As a legend that cannot be put in place.
+TEST_F(TreatmentFolder, WhatBelongsToAStepElsewhereComesAboutWithItOrNeitherDoes) {
+    Treatment treatment = begin();
+    const std::string log = bytes_of(folder() / "log.jsonl"), head = bytes_of(folder() / "log.head.json");
+    TreatmentStep step{.action = "draw damage", .masks = {{"abrasion", Mask(100, 70, 1.0f)}}};
+    step.elsewhere = [] { fail("no room for it"); };
+    EXPECT_THAT(error_of([&] { treatment.record(step, kAuthor); }), testing::HasSubstr("no room for it"));
+    EXPECT_EQ(bytes_of(folder() / "log.jsonl"), log);
+    EXPECT_EQ(bytes_of(folder() / "log.head.json"), head);
+    EXPECT_FALSE(std::filesystem::exists(folder() / "pending"));
+    EXPECT_FALSE(std::filesystem::exists(folder() / "masks" / "abrasion.png"));
+    bool done = false;
+    step.elsewhere = [&] { done = true; };
+    treatment.record(step, kAuthor);  // the same treatment goes on
+    EXPECT_TRUE(done);
+    EXPECT_TRUE(Treatment::open(folder()).has_mask(DamageClass::abrasion));
+    EXPECT_THAT(treatment.check(), testing::IsEmpty());
+}
+
 }  // namespace
 }  // namespace tangi

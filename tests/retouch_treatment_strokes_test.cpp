@@ -63,6 +63,7 @@ TEST_F(TreatmentFolder, StrokesThatMakeAnotherLayerAreTold) {
     EXPECT_THAT(repeated.faults,
                 ElementsAre(AllOf(HasSubstr("strokes/retouch_2.jsonl"), HasSubstr("'retouch 2'"))));
     EXPECT_THAT(treatment.check(), IsEmpty()) << "they are as they were logged";
+    EXPECT_THAT(strokes_that_cannot_be_repeated(treatment), IsEmpty()) << "nor are masks taken for journals";
     write_bytes(folder() / confining_mask_file(mask.name), "another");
     EXPECT_THAT(error_of([&] { repeat_strokes(treatment, treatment.read_canvas()); }),
                 HasSubstr("is not the mask that brushes stopped at"));
