@@ -132,6 +132,19 @@ TEST(Sitting, ARecordOfAnotherPaintingIsKeptAndNotGoneOnWith) {
     }
 }
 
+// As of a painting that was fitted anew, in the place of one that was painted on.
+TEST(Sitting, AnOldRecordIsNotOfAPaintingThatWasNeverPaintedOn) {
+    TestDir folder;
+    const SittingFiles files = sitting_files(folder / "a.exr");
+    write_bytes(files.record, kHeader + kUndo);
+    SittingRecord record(files);
+    record.painting_is("b", true);
+    record.append(RedoEvent{});
+    record.put_away();
+    EXPECT_EQ(bytes_of(files.record), header_of("b", "b") + kRedo);
+    EXPECT_EQ(bytes_of(folder / "a.other-strokes.jsonl"), kHeader + kUndo);
+}
+
 // A program of its own, for the next test: paints and saves until it is killed, and writes a byte to a pipe
 // for each stroke that is painted.
 TEST(Sitting, DISABLED_PaintsUntilKilled) {

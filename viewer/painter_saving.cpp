@@ -137,7 +137,7 @@ void Painter::discard() {
 
 void Painter::note_what_is_saved() {
     saved_hash_ = hash_of(session_.canvas(), dry_hash_);
-    record_.painting_is(saved_hash_);
+    record_.painting_is(saved_hash_, session_.canvas().ingredients().empty());
 }
 
 // The painting and its record are put in place together: a record is never of another state than its

@@ -91,7 +91,8 @@ bool is_of(const Journal& journal, const std::string& painting) {
     return journal.head.on.empty() || journal.head.on == painting;
 }
 
-void SittingRecord::painting_is(std::string hash) {
+void SittingRecord::painting_is(std::string hash, bool bare) {
+    bare_ = bare;
     if (std::exchange(on_, std::move(hash)) == on_ || !ours_) return;
     // What is recorded is of the painting as it is now: as of a palette on which something was mixed before
     // another step changed the painting.
@@ -169,8 +170,8 @@ std::string SittingRecord::record_so_far(JournalHead& head) const {
         std::ranges::replace(text, '\r', '\n');
     try {
         const JournalHead found = head_from(text.substr(0, end_of_line(text, 0)), files_.record.string());
-        // One of an earlier version does not say what it makes.
-        if (!found.makes.empty() && found.makes != on_) return {};
+        // One of an earlier version does not say what it makes; but what was never painted on has none.
+        if (found.makes.empty() ? bare_ : found.makes != on_) return {};
         head = found;
     } catch (const Error&) {
         return {};
@@ -211,6 +212,7 @@ void SittingRecord::saved_as(const SittingFiles& files, std::string makes) {
     if (ours_ && left.unsaved != files.unsaved) remove_if_possible(left.unsaved);
     forget();
     on_ = std::move(makes);
+    bare_ = false;
 }
 
 void SittingRecord::put_away() {

@@ -35,9 +35,9 @@ public:
     explicit SittingRecord(SittingFiles files) : files_(std::move(files)) {}
 
     const SittingFiles& files() const { return files_; }
-    // What is in the painting's file from now on (hash_of(Canvas)): what is recorded goes on from it. Throws
-    // Error where what is recorded already cannot be written anew.
-    void painting_is(std::string hash);
+    // What is in the painting's file from now on (hash_of(Canvas)), and whether it was never painted on: what
+    // is recorded goes on from it. Throws Error where what is recorded already cannot be written anew.
+    void painting_is(std::string hash, bool bare = false);
     // Records an event, and what could not be written before it. Throws Error where that fails: the event
     // waits in memory then, and is written by the next append() or sync() that can.
     void append(const Event& event);
@@ -79,6 +79,7 @@ private:
 
     SittingFiles files_;
     std::string on_;  // the painting in the file
+    bool bare_ = false;
     std::unique_ptr<JournalWriter> writer_;
     bool ours_ = false;          // the unsaved journal: it holds what is on the canvas, and nothing else
     std::string lines_;          // all events since the painting was saved, as the journal has them
